@@ -1,0 +1,23 @@
+# Helpers that give every target the same warnings, standard and sanitizers; no global flags.
+
+# mirage_target(NAME [PORTABLE]): PORTABLE keeps to C++17, for the code that also builds for a browser.
+function(mirage_target name)
+  cmake_parse_arguments(ARG "PORTABLE" "" "" ${ARGN})
+  if(ARG_PORTABLE)
+    target_compile_features(${name} PUBLIC cxx_std_17)
+    set_target_properties(${name} PROPERTIES CXX_STANDARD 17)
+  else()
+    target_compile_features(${name} PUBLIC cxx_std_20)
+    set_target_properties(${name} PROPERTIES CXX_STANDARD 20)
+  endif()
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR})
+  target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+                         -Wno-sign-conversion -Werror -fno-math-errno)
+  if(MIRAGE_SANITIZE)
+    target_compile_options(${name} PUBLIC -fsanitize=${MIRAGE_SANITIZE} -fno-omit-frame-pointer)
+    target_link_options(${name} PUBLIC -fsanitize=${MIRAGE_SANITIZE})
+    if(MIRAGE_SANITIZE MATCHES "undefined")
+      target_compile_options(${name} PUBLIC -fno-sanitize-recover=undefined)
+    endif()
+  endif()
+endfunction()

@@ -1,0 +1,55 @@
+#include "protocol/camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "protocol/stable_math.h"
+
+namespace mirage {
+
+double Camera::focal_px() const { return 0.5 * height / std::tan(0.5 * fov_y); }
+glm::dvec3 Camera::forward() const { return glm::dquat(pose.rotation) * glm::dvec3(0, 0, -1); }
+glm::dvec3 Camera::right() const { return glm::dquat(pose.rotation) * glm::dvec3(1, 0, 0); }
+glm::dvec3 Camera::up() const { return glm::dquat(pose.rotation) * glm::dvec3(0, 1, 0); }
+
+glm::mat4 Camera::clip_from_relative() const {
+  const double aspect = static_cast<double>(width) / height;
+  const glm::dmat4 clip_from_view = glm::perspective(fov_y, aspect, near_m, far_m);
+  const glm::dmat4 view_from_relative =
+      glm::transpose(glm::dmat4(glm::mat4_cast(glm::dquat(pose.rotation))));
+  return glm::mat4(clip_from_view * view_from_relative);
+}
+
+glm::dvec3 Camera::pixel_from_relative(const glm::dvec3& relative) const {
+  const double z = glm::dot(relative, forward());
+  const double f = focal_px();
+  return {0.5 * width + f * glm::dot(relative, right()) / z,
+          0.5 * height - f * glm::dot(relative, up()) / z, z};
+}
+
+bool Camera::may_see(const glm::dvec3& center, double radius, double guard) const {
+  const double distance = glm::length(center);
+  if (!(distance > radius)) return true;
+  const double half_y = 0.5 * fov_y + guard;
+  const double half_x = std::atan(std::tan(0.5 * fov_y) * width / height) + guard;
+  const double z = glm::dot(center, forward());
+  const auto outside = [&](double across, double half) {
+    if (half >= 1.5707963) return false;
+    // Signed distance to the side plane, whose normal leans by `half` from the axis.
+    return std::abs(across) * std::cos(half) - z * std::sin(half) > radius;
+  };
+  return !outside(glm::dot(center, right()), half_x) && !outside(glm::dot(center, up()), half_y);
+}
+
+Pose look_at(const glm::dvec3& eye, const glm::dvec3& target) {
+  glm::dvec3 forward = safe_normalize(target - eye);
+  if (forward == glm::dvec3(0)) forward = glm::dvec3(0, 0, -1);
+  const bool upright = forward.x * forward.x + forward.z * forward.z > 1e-12;
+  const glm::dvec3 hint = upright ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, -1);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, hint));
+  const glm::dmat3 world_from_camera(right, glm::cross(right, forward), -forward);
+  return {eye, glm::quat(glm::normalize(glm::quat_cast(world_from_camera)))};
+}
+
+}  // namespace mirage

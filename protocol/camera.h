@@ -1,0 +1,39 @@
+#pragma once
+// The viewer's camera. Matrices are relative to the eye: world positions have the eye subtracted
+// in double before they become float (NUMERICS section 3).
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+namespace mirage {
+
+struct Pose {
+  glm::dvec3 eye{0};
+  glm::quat rotation{1, 0, 0, 0};  ///< world_from_camera; the camera looks along its -z
+};
+
+struct Camera {
+  Pose pose;
+  double fov_y = 1.0471975511965976;  ///< radians
+  std::uint32_t width = 640;          ///< px
+  std::uint32_t height = 360;         ///< px
+  double near_m = 0.05;
+  double far_m = 4000;
+
+  double focal_px() const;
+  glm::dvec3 forward() const;
+  glm::dvec3 right() const;
+  glm::dvec3 up() const;
+  /// clip_from_view * view_from_eye-relative world: multiply with (world - eye).
+  glm::mat4 clip_from_relative() const;
+  /// Pixel of a point given relative to the eye (y down, pixel centres at +0.5); depth in z.
+  glm::dvec3 pixel_from_relative(const glm::dvec3& relative) const;
+  /// Whether a sphere (relative to the eye) can touch the view frustum grown by `guard` radians.
+  bool may_see(const glm::dvec3& center, double radius, double guard = 0) const;
+};
+
+/// Looks from `eye` at `target`, world up +Y where that is possible.
+Pose look_at(const glm::dvec3& eye, const glm::dvec3& target);
+
+}  // namespace mirage

@@ -1,0 +1,126 @@
+#include "protocol/lighting_state.h"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "protocol/limits.h"
+#include "protocol/stable_math.h"
+
+namespace mirage {
+namespace {
+
+// -0 and 0 are one key.
+float positive_zero(float v) { return v == 0.0f ? 0.0f : v; }
+
+float quantise(double v, double step) {
+  return positive_zero(static_cast<float>(std::round(v / step) * step));
+}
+
+glm::vec3 quantise(const glm::dvec3& v, double step) {
+  return {quantise(v.x, step), quantise(v.y, step), quantise(v.z, step)};
+}
+
+using LightWords = std::array<float, 13>;
+
+LightWords words(const ObjectLight& l) {
+  return {static_cast<float>(l.kind), l.color.r,     l.color.g,     l.color.b,
+          l.position.x,               l.position.y,  l.position.z,  l.direction.x,
+          l.direction.y,              l.direction.z, l.range,       l.cos_inner,
+          l.cos_outer};
+}
+
+bool is_black(const Light& light) { return light.color == glm::vec3(0); }
+
+ObjectLight to_object_space(const Light& light, const Similarity& m, double radius) {
+  const glm::dquat inverse = glm::conjugate(glm::dquat(m.rotation));
+  ObjectLight out;
+  out.kind = light.kind;
+  out.color = light.color;
+  if (light.kind != LightKind::kPoint) {
+    const glm::dvec3 direction = inverse * safe_normalize(glm::dvec3(light.direction));
+    out.direction = quantise(direction, 1.0 / 4096.0);
+  }
+  if (light.kind != LightKind::kDirectional) {
+    const double scale = m.scale;
+    const glm::dvec3 position = inverse * (light.position - m.position) / scale;
+    out.position = quantise(position, radius > 0 ? radius / 256.0 : 1e-6);
+    // Falloff is with the squared world distance: the object unit is `scale` metres.
+    out.color = glm::vec3(glm::dvec3(light.color) / (scale * scale));
+    out.range = static_cast<float>(light.range / scale);
+  }
+  if (light.kind == LightKind::kSpot) {
+    out.cos_inner = light.cos_inner;
+    out.cos_outer = light.cos_outer;
+  }
+  return out;
+}
+
+bool out_of_range(const ObjectLight& light, const glm::vec3& center, float radius) {
+  if (light.kind == LightKind::kDirectional || light.range <= 0) return false;
+  return glm::length(light.position - center) > light.range + radius;
+}
+
+}  // namespace
+
+std::uint64_t ObjectLighting::hash() const {
+  std::vector<float> bytes = {positive_zero(ambient.r), positive_zero(ambient.g),
+                              positive_zero(ambient.b)};
+  for (const ObjectLight& light : lights) {
+    const LightWords w = words(light);
+    bytes.insert(bytes.end(), w.begin(), w.end());
+  }
+  return XXH3_64bits(bytes.data(), bytes.size() * sizeof(float));
+}
+
+Result<Lighting> checked_lighting(Lighting lighting) {
+  const auto bad_color = [](const glm::vec3& c) {
+    for (int i = 0; i < 3; ++i) {
+      if (!std::isfinite(c[i]) || c[i] < 0) return true;
+    }
+    return false;
+  };
+  if (bad_color(lighting.ambient)) {
+    return make_error(ErrorId::kWireValue, "ambient light is negative or not finite");
+  }
+  if (lighting.lights.size() > limits::kMaxLights) {
+    return make_error(ErrorId::kWireValue,
+                      "lighting state has " + std::to_string(lighting.lights.size()) +
+                          " lights, at most " + std::to_string(limits::kMaxLights));
+  }
+  for (std::size_t i = 0; i < lighting.lights.size(); ++i) {
+    Light& light = lighting.lights[i];
+    const std::string name = "light " + std::to_string(i);
+    const bool finite = is_finite(light.position) && std::isfinite(light.range) &&
+                        std::isfinite(light.cos_inner) && std::isfinite(light.cos_outer);
+    if (bad_color(light.color) || !finite || light.range < 0) {
+      return make_error(ErrorId::kWireValue, name + " has a negative or not finite value");
+    }
+    if (light.kind != LightKind::kPoint) {
+      const glm::dvec3 direction = safe_normalize(glm::dvec3(light.direction));
+      if (direction == glm::dvec3(0)) {
+        return make_error(ErrorId::kWireValue, name + " has no direction");
+      }
+      light.direction = glm::vec3(direction);
+    }
+  }
+  return lighting;
+}
+
+ObjectLighting object_lighting(const Lighting& lighting, const Similarity& world_from_object,
+                               const glm::vec3& center, float radius) {
+  ObjectLighting out;
+  out.ambient = lighting.ambient;
+  for (const Light& light : lighting.lights) {
+    if (is_black(light)) continue;
+    ObjectLight object_light = to_object_space(light, world_from_object, radius);
+    if (!out_of_range(object_light, center, radius)) out.lights.push_back(object_light);
+  }
+  std::sort(out.lights.begin(), out.lights.end(),
+            [](const ObjectLight& a, const ObjectLight& b) { return words(a) < words(b); });
+  return out;
+}
+
+}  // namespace mirage

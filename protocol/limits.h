@@ -1,0 +1,58 @@
+#pragma once
+// All bounds on what a peer may send or ask for, in one place. Decoders check them before they
+// allocate. Units are in the names.
+
+#include <cstddef>
+#include <cstdint>
+
+namespace mirage::limits {
+
+inline constexpr std::uint32_t kProtocolVersion = 1;
+
+// Wire.
+inline constexpr std::size_t kMaxMessageBytes = 256 * 1024;           ///< one WebSocket message
+inline constexpr std::size_t kMaxControlBytes = 224 * 1024;           ///< its FlatBuffer part
+inline constexpr std::size_t kMaxTransferBytes = 256u * 1024 * 1024;  ///< a chunked message, whole
+inline constexpr std::size_t kMaxInboundTransferBytes = 1024 * 1024;  ///< client -> server, whole
+inline constexpr std::size_t kMaxOpenTransfers = 4;
+inline constexpr std::size_t kChunkBytes = 128 * 1024;
+inline constexpr std::size_t kMaxTextBytes = 4096;
+
+// Requests.
+inline constexpr std::size_t kMaxAsksPerBatch = 1024;
+inline constexpr std::size_t kMaxCancelsPerBatch = 4096;
+inline constexpr std::size_t kMaxQueuedAsksPerClient = 4096;
+inline constexpr std::size_t kMaxLightingStatesPerClient = 64;
+inline constexpr std::size_t kMaxReferencePixels = 4096u * 4096u;
+inline constexpr std::uint32_t kMaxReferenceEdge = 8192;
+inline constexpr std::uint32_t kMaxReferenceSupersample = 4;  ///< per axis
+
+// Scene description.
+inline constexpr std::size_t kMaxObjects = 1u << 20;
+inline constexpr std::size_t kMaxInstances = 1u << 21;
+inline constexpr std::size_t kInstancesPerPage = 3072;
+inline constexpr std::size_t kObjectsPerPage = 48;
+inline constexpr std::size_t kMaxHullVertices = 128;
+inline constexpr std::size_t kMaxHullTriangles = 256;
+inline constexpr std::size_t kMaxLights = 16;
+
+// Tiles.
+inline constexpr int kMaxViewLevel = 16;      ///< 2^16 x 2^16 octahedral cells
+inline constexpr int kMaxDistanceLevel = 16;  ///< 2^16 buckets per octave
+inline constexpr int kMaxSizeClass = 14;
+inline constexpr std::uint32_t kMaxTileEdge = 2048;
+/// Below this distance (in radii) no impostor is generated; see NUMERICS section 2.
+inline constexpr double kMinCaptureRadii = 1.2;
+inline constexpr double kMaxCaptureRadii = 1.0e6;
+
+// Geometry.
+inline constexpr std::size_t kMaxMeshVertices = 4u << 20;
+inline constexpr std::size_t kMaxMeshIndices = 24u << 20;
+inline constexpr std::size_t kMaxMeshPrimitives = 4096;
+inline constexpr std::size_t kMaxImageEdge = 16384;
+
+// View parameters.
+inline constexpr double kMinFovDegrees = 0.01;
+inline constexpr double kMaxFovDegrees = 170.0;
+
+}  // namespace mirage::limits

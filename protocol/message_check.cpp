@@ -1,0 +1,148 @@
+#include "protocol/message_check.h"
+
+#include <cmath>
+#include <string>
+
+#include "protocol/limits.h"
+#include "protocol/view_cell.h"
+
+namespace mirage {
+namespace {
+
+Error limit_error(const char* what) {
+  return make_error(ErrorId::kWireLimit, std::string("too many ") + what);
+}
+Error value_error(const char* what) {
+  return make_error(ErrorId::kWireValue, std::string(what) + " is missing, out of range or NaN");
+}
+
+template <typename T>
+std::size_t count(const flatbuffers::Vector<T>* v) {
+  return v ? v->size() : 0;
+}
+bool long_text(const flatbuffers::String* s) { return s && s->size() > limits::kMaxTextBytes; }
+
+bool finite(const wire::Vec3f* v) {
+  return v && std::isfinite(v->x()) && std::isfinite(v->y()) && std::isfinite(v->z());
+}
+bool finite(const wire::Vec3d* v) {
+  return v && std::isfinite(v->x()) && std::isfinite(v->y()) && std::isfinite(v->z());
+}
+bool unit(const wire::Quat* q) {
+  if (!q) return false;
+  const double n = std::sqrt(double(q->w()) * q->w() + double(q->x()) * q->x() +
+                             double(q->y()) * q->y() + double(q->z()) * q->z());
+  return std::abs(n - 1.0) < 1e-3;
+}
+
+Result<void> check(const wire::Hello& m) {
+  if (long_text(m.token()) || long_text(m.name())) return limit_error("characters in a text");
+  if (count(m.codecs()) > 32) return limit_error("codecs");
+  return {};
+}
+
+Result<void> check_lighting(const wire::Lighting* lighting) {
+  if (!lighting || !finite(lighting->ambient())) return value_error("lighting");
+  if (count(lighting->lights()) > limits::kMaxLights) return limit_error("lights");
+  return {};
+}
+
+Result<void> check(const wire::Welcome& m) {
+  if (long_text(m.scene()) || long_text(m.renderer())) return limit_error("characters in a text");
+  if (m.objects() > limits::kMaxObjects) return limit_error("objects");
+  if (m.instances() > limits::kMaxInstances) return limit_error("instances");
+  const bool home = finite(m.home_eye()) && finite(m.home_target()) &&
+                    std::isfinite(m.walk_radius_m()) && std::isfinite(m.walk_speed_mps());
+  const bool sky = finite(m.sky_zenith()) && finite(m.sky_horizon()) && finite(m.sky_nadir());
+  if (!home || !sky) return value_error("home view or environment");
+  return check_lighting(m.lighting());
+}
+
+Result<void> check(const wire::ObjectPage& m) {
+  if (count(m.objects()) > limits::kObjectsPerPage) return limit_error("objects in a page");
+  if (!m.objects()) return {};
+  for (const wire::ObjectInfo* o : *m.objects()) {
+    const bool sizes = finite(o->center()) && finite(o->box_min()) && finite(o->box_max()) &&
+                       finite(o->mean_color()) && std::isfinite(o->radius()) && o->radius() >= 0;
+    if (!sizes) return value_error("object bounds");
+    if (count(o->hull_vertices()) > limits::kMaxHullVertices ||
+        count(o->hull_indices()) > limits::kMaxHullTriangles * 3 ||
+        count(o->hull_indices()) % 3 != 0) {
+      return limit_error("hull vertices");
+    }
+    for (std::size_t i = 0; i < count(o->hull_vertices()); ++i) {
+      if (!finite(o->hull_vertices()->Get(static_cast<flatbuffers::uoffset_t>(i)))) {
+        return value_error("hull vertex");
+      }
+    }
+    for (std::size_t i = 0; i < count(o->hull_indices()); ++i) {
+      if (o->hull_indices()->Get(static_cast<flatbuffers::uoffset_t>(i)) >=
+          count(o->hull_vertices())) {
+        return value_error("hull index");
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> check(const wire::InstancePage& m) {
+  if (count(m.instances()) > limits::kInstancesPerPage) return limit_error("instances in a page");
+  if (!m.instances()) return {};
+  for (const wire::InstanceRecord* i : *m.instances()) {
+    const bool scale = std::isfinite(i->scale()) && i->scale() > 0;
+    if (!finite(&i->position()) || !unit(&i->rotation()) || !scale) return value_error("instance");
+  }
+  return {};
+}
+
+Result<void> check(const wire::SetLighting& m) { return check_lighting(m.lighting()); }
+
+Result<void> check(const wire::RequestBatch& m) {
+  if (count(m.asks()) > limits::kMaxAsksPerBatch) return limit_error("asks in a batch");
+  if (count(m.cancels()) > limits::kMaxCancelsPerBatch) return limit_error("cancels in a batch");
+  if (count(m.mesh_asks()) > limits::kMaxAsksPerBatch) return limit_error("asks in a batch");
+  return {};
+}
+
+Result<void> check(const wire::ReferenceRequest& m) {
+  const bool size = m.width() >= 1 && m.height() >= 1 && m.width() <= limits::kMaxReferenceEdge &&
+                    m.height() <= limits::kMaxReferenceEdge && m.supersample() >= 1 &&
+                    m.supersample() <= limits::kMaxReferenceSupersample;
+  if (!size || !finite(m.eye()) || !unit(m.rotation())) return value_error("reference camera");
+  const double degrees = m.fov_y() * 57.29577951308232;
+  const bool fov = degrees >= limits::kMinFovDegrees && degrees <= limits::kMaxFovDegrees;
+  if (!fov) return value_error("field of view");
+  return {};
+}
+
+Result<void> check(const wire::Bye& m) {
+  if (long_text(m.error()) || long_text(m.text())) return limit_error("characters in a text");
+  return {};
+}
+
+}  // namespace
+
+Result<void> check_body(const wire::Control& control) {
+  switch (control.body_type()) {
+    case wire::Body::Hello: return check(*control.body_as_Hello());
+    case wire::Body::Welcome: return check(*control.body_as_Welcome());
+    case wire::Body::ObjectPage: return check(*control.body_as_ObjectPage());
+    case wire::Body::InstancePage: return check(*control.body_as_InstancePage());
+    case wire::Body::SetLighting: return check(*control.body_as_SetLighting());
+    case wire::Body::RequestBatch: return check(*control.body_as_RequestBatch());
+    case wire::Body::ReferenceRequest: return check(*control.body_as_ReferenceRequest());
+    case wire::Body::Bye: return check(*control.body_as_Bye());
+    case wire::Body::StatsRequest:
+    case wire::Body::TileReply:
+    case wire::Body::Refused:
+    case wire::Body::MeshReply:
+    case wire::Body::ReferenceReply:
+    case wire::Body::Stats:
+      if (control.body() == nullptr) break;
+      return {};
+    default: break;  // NONE, or a union tag this version does not know
+  }
+  return make_error(ErrorId::kWireMalformed, "message has no known body");
+}
+
+}  // namespace mirage

@@ -1,0 +1,84 @@
+#pragma once
+// The drawable content of an object: mesh, materials, images. Both ends agree on it because the
+// server renders tiles from it and may send it whole as geometry.
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+namespace mirage {
+
+/// One interleaved vertex, 64 bytes, uploaded as it is.
+struct Vertex {
+  glm::vec3 position{0};          ///< object space, metres
+  glm::vec3 normal{0, 0, 1};      ///< object space, unit length
+  glm::vec4 tangent{1, 0, 0, 1};  ///< xyz unit length, w = bitangent sign
+  glm::vec2 uv0{0};
+  glm::vec2 uv1{0};
+  glm::u16vec4 color{65535};  ///< linear RGBA, unorm16
+};
+static_assert(sizeof(Vertex) == 64);
+
+enum class PrimitiveKind : std::uint8_t { kTriangles, kLines, kPoints };
+
+/// A run of `indices` drawn with one material. Strips, fans and loops are expanded on import.
+struct Primitive {
+  PrimitiveKind kind = PrimitiveKind::kTriangles;
+  std::uint32_t first_index = 0;
+  std::uint32_t index_count = 0;
+  std::uint32_t material = 0;
+};
+
+struct Mesh {
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> indices;
+  std::vector<Primitive> primitives;
+};
+
+enum class Wrap : std::uint8_t { kRepeat, kClamp, kMirror };
+
+/// A texture as a material sees it: image, coordinates, transform (KHR_texture_transform), sampler.
+struct TextureRef {
+  std::int32_t image = -1;  ///< index into the image list; -1: none
+  std::uint8_t uv_set = 0;  ///< 0 or 1
+  Wrap wrap_s = Wrap::kRepeat;
+  Wrap wrap_t = Wrap::kRepeat;
+  bool nearest = false;  ///< magnification filter NEAREST
+  glm::vec2 offset{0};
+  glm::vec2 scale{1};
+  float rotation = 0;  ///< radians, counter-clockwise as in KHR_texture_transform
+
+  bool present() const { return image >= 0; }
+};
+
+enum class AlphaMode : std::uint8_t { kOpaque, kMask, kBlend };
+
+/// glTF 2.0 metallic-roughness material; factors are linear.
+struct Material {
+  glm::vec4 base_color{1};
+  glm::vec3 emissive{0};
+  float metallic = 1;
+  float roughness = 1;
+  float normal_scale = 1;
+  float occlusion_strength = 1;
+  float alpha_cutoff = 0.5f;
+  AlphaMode alpha_mode = AlphaMode::kOpaque;
+  bool double_sided = false;
+  bool unlit = false;
+  TextureRef base_color_map;
+  TextureRef metal_rough_map;  ///< G = roughness, B = metallic
+  TextureRef normal_map;       ///< tangent space
+  TextureRef occlusion_map;    ///< R
+  TextureRef emissive_map;
+};
+
+/// 8-bit RGBA pixels, first row at v = 0 (the top row of a glTF image).
+struct Image {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  bool srgb = true;  ///< colour (decode to linear on sampling) or data
+  std::vector<std::uint8_t> rgba;
+};
+
+}  // namespace mirage

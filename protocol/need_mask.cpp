@@ -1,0 +1,54 @@
+#include "protocol/need_mask.h"
+
+#include <initializer_list>
+
+namespace mirage {
+namespace {
+
+bool is_transformed(const TextureRef& t) {
+  return t.present() &&
+         (t.offset != glm::vec2(0) || t.scale != glm::vec2(1) || t.rotation != 0.0f);
+}
+
+}  // namespace
+
+bool has_vertex_color(const Mesh& mesh) {
+  for (const Vertex& v : mesh.vertices) {
+    if (v.color != glm::u16vec4(65535)) return true;
+  }
+  return false;
+}
+
+NeedMask material_needs(const Material& m, bool vertex_color) {
+  NeedMask needs = 0;
+  if (m.base_color_map.present()) needs |= kNeedBaseColorMap;
+  if (m.alpha_mode == AlphaMode::kMask) needs |= kNeedAlphaMask;
+  if (m.alpha_mode == AlphaMode::kBlend) needs |= kNeedBlend;
+  if (vertex_color) needs |= kNeedVertexColor;
+  if (!m.unlit) {
+    needs |= kNeedLighting;
+    // A dielectric of roughness 1 keeps its (faint) lobe in glTF's model; it is never neutral.
+    needs |= kNeedSpecular;
+    if (m.metal_rough_map.present()) needs |= kNeedMetalRoughMap;
+    if (m.normal_map.present() && m.normal_scale != 0.0f) needs |= kNeedNormalMap;
+    if (m.occlusion_map.present() && m.occlusion_strength != 0.0f) needs |= kNeedOcclusionMap;
+    if (m.emissive_map.present() && m.emissive != glm::vec3(0)) needs |= kNeedEmissiveMap;
+  }
+  for (const TextureRef* t : {&m.base_color_map, &m.metal_rough_map, &m.normal_map,
+                              &m.occlusion_map, &m.emissive_map}) {
+    if (is_transformed(*t)) needs |= kNeedTextureTransform;
+    if (t->present() && t->uv_set == 1) needs |= kNeedUv1;
+  }
+  return needs;
+}
+
+NeedMask object_needs(const Mesh& mesh, const std::vector<Material>& materials) {
+  NeedMask needs = 0;
+  const bool vertex_color = has_vertex_color(mesh);
+  for (const Primitive& p : mesh.primitives) {
+    needs |= material_needs(materials[p.material], vertex_color);
+  }
+  return needs;
+}
+
+}  // namespace mirage

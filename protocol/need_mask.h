@@ -1,0 +1,36 @@
+#pragma once
+// Need mask: what an object needs drawn, one bit each. It selects shader variants on both ends; a
+// bit that is clear means the feature is absent or provably neutral (NUMERICS section 5).
+
+#include <cstdint>
+#include <vector>
+
+#include "protocol/model.h"
+
+namespace mirage {
+
+using NeedMask = std::uint64_t;
+
+enum Need : NeedMask {
+  kNeedLighting = 1u << 0,
+  kNeedBaseColorMap = 1u << 1,
+  kNeedMetalRoughMap = 1u << 2,
+  kNeedNormalMap = 1u << 3,
+  kNeedOcclusionMap = 1u << 4,
+  kNeedEmissiveMap = 1u << 5,
+  kNeedAlphaMask = 1u << 6,
+  kNeedBlend = 1u << 7,
+  kNeedVertexColor = 1u << 8,
+  kNeedSpecular = 1u << 9,
+  kNeedTextureTransform = 1u << 10,
+  kNeedUv1 = 1u << 11,
+};
+
+/// Needs of one material on a mesh; `vertex_color` tells whether any vertex colour is not white.
+NeedMask material_needs(const Material& material, bool vertex_color);
+/// Whether any vertex of the mesh has a colour other than opaque white.
+bool has_vertex_color(const Mesh& mesh);
+/// Union over the object's primitives.
+NeedMask object_needs(const Mesh& mesh, const std::vector<Material>& materials);
+
+}  // namespace mirage

@@ -1,0 +1,62 @@
+#pragma once
+// What client and server both know of a scene: instances, lights, environment, home view.
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <vector>
+
+namespace mirage {
+
+/// world_from_object as a similarity: world = position + rotation * (scale * object).
+/// Shear, non-uniform scale and mirroring are baked into the object's mesh on import, so angles
+/// and the error bound carry over unchanged.
+struct Similarity {
+  glm::dvec3 position{0};          ///< metres
+  glm::quat rotation{1, 0, 0, 0};  ///< unit quaternion
+  float scale = 1;                 ///< > 0
+};
+
+struct Instance {
+  std::uint32_t object = 0;
+  Similarity world_from_object;
+};
+
+enum class LightKind : std::uint8_t { kDirectional, kPoint, kSpot };
+
+/// A punctual light (KHR_lights_punctual), linear light. Directional: color is irradiance per pi;
+/// point and spot: intensity, falling off with the squared distance in metres.
+struct Light {
+  LightKind kind = LightKind::kDirectional;
+  glm::vec3 color{1};            ///< linear RGB times intensity, >= 0
+  glm::dvec3 position{0};        ///< world; unused for directional
+  glm::vec3 direction{0, -1, 0}; ///< world, unit, the way the light travels
+  float range = 0;               ///< metres; 0: unlimited
+  float cos_inner = 1;
+  float cos_outer = 0;
+};
+
+/// Lighting state in world space.
+struct Lighting {
+  glm::vec3 ambient{0.6f};  ///< linear radiance from every direction
+  std::vector<Light> lights;
+};
+
+/// What is seen where no object is: a vertical gradient, linear RGB.
+struct Environment {
+  glm::vec3 zenith{0.216f};
+  glm::vec3 horizon{0.216f};
+  glm::vec3 nadir{0.216f};
+};
+
+/// Where a viewer starts, and the loop that `builtin:walk` follows: a circle of radius
+/// `walk_radius_m` through `eye`, tangent there to the viewing direction, turning right, kept free
+/// of objects and level by the scenes that ship.
+struct HomeView {
+  glm::dvec3 eye{0, 1.7, 0};
+  glm::dvec3 target{0, 1.7, -1};
+  double walk_radius_m = 20;
+  double walk_speed_mps = 1.4;
+};
+
+}  // namespace mirage

@@ -1,0 +1,54 @@
+#pragma once
+// A tile: the image of one object from one view cell, with what was measured on it.
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "protocol/error_bound.h"
+#include "protocol/tile_key.h"
+
+namespace mirage {
+
+/// Rectangle of content in the tile's full edge x edge window, in texels; empty when w or h is 0.
+struct TileCrop {
+  std::uint32_t x = 0, y = 0, w = 0, h = 0;
+  std::size_t area() const { return static_cast<std::size_t>(w) * h; }
+};
+
+/// Measured on the full-precision depth of the rendered tile, in object units (see error_bound.h).
+struct TileMeasure {
+  float plane_depth = 0;    ///< capture depth of the quad: halves the error against the centre plane
+  float depth_min = 0;      ///< nearest and farthest capture depth of the content
+  float depth_max = 0;
+  float dz_quad = 0;        ///< max |z - plane_depth|
+  float dz_cuboid = 0;      ///< max |z - entry into the bounding box|
+  float dz_hull = 0;        ///< max |z - entry into the convex hull|
+  float depth_gap = 0;      ///< largest depth step between neighbours: the widest possible hole
+};
+
+/// Decoded tile, content crop only, rows top to bottom (row 0 = up side of the capture basis).
+struct Tile {
+  std::uint32_t edge = 0;  ///< texels over the full window
+  TileCrop crop;
+  TileMeasure measure;
+  std::vector<std::uint8_t> rgba;   ///< crop.w*crop.h*4; premultiplied linear light, sRGB-encoded
+  std::vector<std::uint8_t> depth;  ///< crop.w*crop.h; hyperbolic 1..255 over Dc -+ r, 0 = nothing
+};
+
+/// Half the tangent of the capture window: the bounding sphere's cone plus a guard of 1 texel a side.
+double capture_half_tangent(double radius, double distance, std::uint32_t edge);
+
+/// Hyperbolic 8-bit depth over [Dc - r, Dc + r] (object units).
+struct DepthCode {
+  double near_depth = 0;
+  double far_depth = 0;
+  DepthCode(double radius, double distance);
+  /// 1..255, clamped to the range.
+  std::uint8_t encode(double depth) const;
+  double decode(std::uint8_t code) const;
+  /// Largest |z - decode(encode(z))| over the range (half a step at the far end).
+  double quantum() const;
+};
+
+}  // namespace mirage

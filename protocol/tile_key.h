@@ -1,0 +1,45 @@
+#pragma once
+// Tile identity. A tile is a pure function of its key: equal key, equal bytes.
+
+#include <cstdint>
+#include <functional>
+
+#include "protocol/view_cell.h"
+
+namespace mirage {
+
+/// Channels of a tile, as bits.
+enum TileChannel : std::uint8_t { kChannelColor = 1, kChannelDepth = 2, kChannelNormal = 4 };
+
+struct TileKey {
+  std::uint64_t scene_revision = 0;
+  std::uint32_t object = 0;
+  ViewCell cell;
+  DistanceBucket distance;
+  std::uint8_t size_class = 0;
+  std::uint64_t lighting = 0;  ///< ObjectLighting::hash(); 0 when the object is unlit
+  std::uint32_t phase = 0;     ///< quantised animation time; 0 when static
+  std::uint8_t channels = kChannelColor | kChannelDepth;
+};
+
+/// 128-bit hash of the key's canonical bytes (xxHash, little-endian).
+struct TileId {
+  std::uint64_t low = 0;
+  std::uint64_t high = 0;
+  friend bool operator==(const TileId& a, const TileId& b) {
+    return a.low == b.low && a.high == b.high;
+  }
+};
+TileId tile_id(const TileKey& key);
+
+/// Tile edge in texels, in steps of sqrt 2 from 16 (class 0) to 2048 (class 14).
+std::uint32_t tile_edge(int size_class);
+/// Smallest class with an edge of at least `texels`; the largest class when none is.
+int size_class_for(double texels);
+
+}  // namespace mirage
+
+template <>
+struct std::hash<mirage::TileId> {
+  std::size_t operator()(const mirage::TileId& id) const noexcept { return id.low ^ id.high; }
+};

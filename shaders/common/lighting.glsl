@@ -1,0 +1,73 @@
+// Lighting shared by tiles, the reference frame and client meshes, so that an impostor and its mesh
+// match. Metal-rough BRDF (glTF 2.0 appendix B): Lambert + GGX with Smith visibility. A light's
+// colour is irradiance / pi, so that a white Lambert surface facing it shows the colour itself.
+const int kMaxLights = 16;
+uniform vec3 u_ambient;
+uniform int u_light_count;
+uniform vec4 u_lights[kMaxLights * 4];  // color+kind, position+range, direction+cos_inner, cos_outer
+
+struct Surface {
+  vec3 position;  // relative to the eye
+  vec3 normal;
+  vec3 albedo;
+  float metallic;
+  float roughness;
+  float occlusion;
+};
+
+float range_window(float distance, float range) {
+  if (range <= 0.0) return 1.0;
+  float x = distance / range;
+  return clamp(1.0 - x * x * x * x, 0.0, 1.0);
+}
+
+// Light arriving at the surface (not yet times cosine) and the direction towards it.
+vec3 incoming(int i, Surface s, out vec3 to_light) {
+  vec4 color_kind = u_lights[4 * i];
+  vec4 position_range = u_lights[4 * i + 1];
+  vec4 direction_inner = u_lights[4 * i + 2];
+  if (color_kind.w < 0.5) {
+    to_light = -normalize(direction_inner.xyz);
+    return color_kind.rgb;
+  }
+  vec3 d = position_range.xyz - s.position;
+  float distance2 = max(dot(d, d), 1e-8);
+  float distance1 = sqrt(distance2);
+  to_light = d / distance1;
+  vec3 color = color_kind.rgb * range_window(distance1, position_range.w) / distance2;
+  if (color_kind.w > 1.5) {
+    float cos_angle = dot(-to_light, normalize(direction_inner.xyz));
+    float cos_outer = u_lights[4 * i + 3].x;
+    float spot = clamp((cos_angle - cos_outer) / max(direction_inner.w - cos_outer, 1e-4), 0.0, 1.0);
+    color *= spot * spot;
+  }
+  return color;
+}
+
+float ggx_specular(float n_l, float n_v, float n_h, float roughness) {
+  float a = max(roughness * roughness, 1e-3);
+  float a2 = a * a;
+  float d = n_h * n_h * (a2 - 1.0) + 1.0;
+  float visibility = n_l * sqrt(n_v * n_v * (1.0 - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0 - a2) + a2);
+  return a2 / (d * d) * 0.5 / max(visibility, 1e-5);  // D * V * pi
+}
+
+vec3 shade(Surface s) {
+  vec3 f0 = mix(vec3(0.04), s.albedo, s.metallic);
+  vec3 diffuse = s.albedo * (1.0 - s.metallic);
+  vec3 to_eye = -normalize(s.position);
+  float n_v = max(dot(s.normal, to_eye), 1e-4);
+  vec3 result = u_ambient * s.occlusion * mix(s.albedo, f0, s.metallic);
+  for (int i = 0; i < u_light_count; ++i) {
+    vec3 to_light;
+    vec3 color = incoming(i, s, to_light);
+    float n_l = dot(s.normal, to_light);
+    if (n_l <= 0.0) continue;
+    vec3 h = normalize(to_light + to_eye);
+    float v_h = clamp(dot(to_eye, h), 0.0, 1.0);
+    vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - v_h, 5.0);
+    float specular = ggx_specular(n_l, n_v, max(dot(s.normal, h), 0.0), s.roughness);
+    result += color * n_l * ((1.0 - fresnel) * diffuse + fresnel * specular);
+  }
+  return result;
+}

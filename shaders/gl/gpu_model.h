@@ -1,0 +1,47 @@
+#pragma once
+// An object's mesh, materials and images on the GPU; used for tiles, references and client meshes.
+
+#include <memory>
+#include <vector>
+
+#include "protocol/model.h"
+#include "protocol/need_mask.h"
+#include "shaders/gl/gl_object.h"
+
+namespace mirage::gl {
+
+/// Images of a scene as textures, shared by the objects that use them; 1x1 white where decoding
+/// failed. Mip-mapped, colour images as sRGB.
+class GpuImages {
+ public:
+  GpuImages() = default;
+  explicit GpuImages(const std::vector<Image>& images);
+  GLuint texture(std::int32_t image) const;
+  std::size_t gpu_bytes() const { return bytes_; }
+
+ private:
+  std::vector<Texture> textures_;
+  std::size_t bytes_ = 0;
+};
+
+/// Vertex and index buffers of one mesh.
+class GpuMesh {
+ public:
+  GpuMesh() = default;
+  explicit GpuMesh(const Mesh& mesh);
+
+  GLuint vertex_array() const { return vao_.id(); }
+  const std::vector<Primitive>& primitives() const { return primitives_; }
+  bool vertex_color() const { return vertex_color_; }
+  std::size_t gpu_bytes() const { return bytes_; }
+
+ private:
+  VertexArray vao_;
+  Buffer vertices_;
+  Buffer indices_;
+  std::vector<Primitive> primitives_;
+  bool vertex_color_ = false;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace mirage::gl

@@ -1,0 +1,207 @@
+#include "shaders/gl/mesh_pass.h"
+
+#include <cmath>
+#include <cstddef>
+
+#include "protocol/limits.h"
+
+namespace mirage::gl {
+namespace {
+
+struct NeedDefine {
+  NeedMask need;
+  const char* define;
+};
+constexpr NeedDefine kDefines[] = {
+    {kNeedLighting, "NEED_LIGHTING"},          {kNeedBaseColorMap, "NEED_BASE_COLOR_MAP"},
+    {kNeedMetalRoughMap, "NEED_METAL_ROUGH_MAP"}, {kNeedNormalMap, "NEED_NORMAL_MAP"},
+    {kNeedOcclusionMap, "NEED_OCCLUSION_MAP"}, {kNeedEmissiveMap, "NEED_EMISSIVE_MAP"},
+    {kNeedAlphaMask, "NEED_ALPHA_MASK"},       {kNeedBlend, "NEED_BLEND"},
+    {kNeedVertexColor, "NEED_VERTEX_COLOR"},
+};
+constexpr NeedMask kShaderNeeds = kNeedLighting | kNeedBaseColorMap | kNeedMetalRoughMap |
+                                  kNeedNormalMap | kNeedOcclusionMap | kNeedEmissiveMap |
+                                  kNeedAlphaMask | kNeedBlend | kNeedVertexColor;
+
+GLint gl_wrap(Wrap wrap) {
+  switch (wrap) {
+    case Wrap::kClamp: return GL_CLAMP_TO_EDGE;
+    case Wrap::kMirror: return GL_MIRRORED_REPEAT;
+    case Wrap::kRepeat: break;
+  }
+  return GL_REPEAT;
+}
+
+void bind_texture(int unit, const TextureRef& ref, const GpuImages& images) {
+  glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+  glBindTexture(GL_TEXTURE_2D, images.texture(ref.image));
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, gl_wrap(ref.wrap_s));
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, gl_wrap(ref.wrap_t));
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, ref.nearest ? GL_NEAREST : GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+}
+
+// KHR_texture_transform: translation * rotation * scale.
+void put_uv_transform(const TextureRef& t, glm::vec4* out) {
+  const float c = std::cos(t.rotation), s = std::sin(t.rotation);
+  out[0] = {t.scale.x * c, t.scale.y * s, t.offset.x, t.uv_set == 1 ? 1.0f : 0.0f};
+  out[1] = {-t.scale.x * s, t.scale.y * c, t.offset.y, 0.0f};
+}
+
+void add_light(LightBlock& block, LightKind kind, const glm::vec3& color, const glm::vec3& position,
+               const glm::vec3& direction, const glm::vec3& range_and_cones) {
+  if (block.lights.size() >= limits::kMaxLights * 4) return;
+  block.lights.emplace_back(color, static_cast<float>(kind));
+  block.lights.emplace_back(position, range_and_cones.x);
+  block.lights.emplace_back(direction, range_and_cones.y);
+  block.lights.emplace_back(range_and_cones.z, 0, 0, 0);
+  ++block.count;
+}
+
+GLenum gl_mode(PrimitiveKind kind) {
+  switch (kind) {
+    case PrimitiveKind::kLines: return GL_LINES;
+    case PrimitiveKind::kPoints: return GL_POINTS;
+    case PrimitiveKind::kTriangles: break;
+  }
+  return GL_TRIANGLES;
+}
+
+}  // namespace
+
+LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye) {
+  LightBlock block;
+  block.ambient = lighting.ambient;
+  for (const ObjectLight& l : lighting.lights) {
+    add_light(block, l.kind, l.color, l.position - eye, l.direction,
+              {l.range, l.cos_inner, l.cos_outer});
+  }
+  return block;
+}
+
+LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye) {
+  LightBlock block;
+  block.ambient = lighting.ambient;
+  for (const Light& l : lighting.lights) {
+    if (l.color == glm::vec3(0)) continue;
+    add_light(block, l.kind, l.color, glm::vec3(l.position - eye), l.direction,
+              {l.range, l.cos_inner, l.cos_outer});
+  }
+  return block;
+}
+
+Program* MeshPass::program(NeedMask needs) {
+  needs &= kShaderNeeds;
+  const auto found = programs_.find(needs);
+  if (found != programs_.end()) return &found->second;
+  std::vector<std::string> defines;
+  for (const NeedDefine& d : kDefines) {
+    if (needs & d.need) defines.emplace_back(d.define);
+  }
+  if (write_id_) defines.emplace_back("WRITE_ID");
+  Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
+  if (!made) return nullptr;
+  return &programs_.emplace(needs, made.take()).first->second;
+}
+
+Result<void> MeshPass::warm_up(const GpuMesh& mesh, const std::vector<Material>& materials) {
+  for (const Primitive& p : mesh.primitives()) {
+    if (!program(material_needs(materials[p.material], mesh.vertex_color()))) {
+      return make_error(ErrorId::kGraphicsShader, "the mesh shader does not compile");
+    }
+  }
+  return {};
+}
+
+void MeshPass::begin(const glm::mat4& clip_from_relative, const LightBlock& lights) {
+  clip_from_relative_ = clip_from_relative;
+  lights_ = lights;
+  if (!instance_buffer_) instance_buffer_ = Buffer::create();
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  glFrontFace(GL_CCW);
+  glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+}
+
+void MeshPass::bind_instances(const MeshInstance* instances, std::size_t count) {
+  glBindBuffer(GL_ARRAY_BUFFER, instance_buffer_.id());
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(count * sizeof(MeshInstance)), instances,
+               GL_STREAM_DRAW);
+  constexpr GLsizei kStride = sizeof(MeshInstance);
+  for (GLuint i = 6; i <= 8; ++i) {
+    glEnableVertexAttribArray(i);
+    glVertexAttribDivisor(i, 1);
+  }
+  glVertexAttribPointer(6, 4, GL_FLOAT, GL_FALSE, kStride, nullptr);
+  glVertexAttribPointer(
+      7, 4, GL_FLOAT, GL_FALSE, kStride,
+      reinterpret_cast<const void*>(offsetof(MeshInstance, position_scale)));
+  glVertexAttribIPointer(8, 1, GL_UNSIGNED_INT, kStride,
+                         reinterpret_cast<const void*>(offsetof(MeshInstance, id)));
+}
+
+void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs,
+                             const GpuImages& images) {
+  p.set("u_base_color", m.base_color);
+  p.set("u_emissive", m.emissive);
+  p.set("u_factors",
+        glm::vec4(m.metallic, m.roughness, m.normal_scale, m.occlusion_strength));
+  p.set("u_alpha_cutoff", m.alpha_cutoff);
+  const TextureRef* maps[5] = {&m.base_color_map, &m.metal_rough_map, &m.normal_map,
+                               &m.occlusion_map, &m.emissive_map};
+  const char* names[5] = {"u_base_color_map", "u_metal_rough_map", "u_normal_map",
+                          "u_occlusion_map", "u_emissive_map"};
+  const NeedMask bits[5] = {kNeedBaseColorMap, kNeedMetalRoughMap, kNeedNormalMap,
+                            kNeedOcclusionMap, kNeedEmissiveMap};
+  std::vector<glm::vec4> transforms(10, glm::vec4(0));
+  for (int i = 0; i < 5; ++i) {
+    if (!(needs & bits[i])) continue;
+    bind_texture(i, *maps[i], images);
+    p.set(names[i], i);
+    put_uv_transform(*maps[i], &transforms[static_cast<std::size_t>(2 * i)]);
+  }
+  p.set("u_uv_transform", transforms);
+}
+
+void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
+                    const GpuImages& images, const MeshInstance* instances, std::size_t count,
+                    bool blended) {
+  bool bound = false;
+  for (const Primitive& primitive : mesh.primitives()) {
+    const Material& material = materials[primitive.material];
+    if ((material.alpha_mode == AlphaMode::kBlend) != blended || primitive.index_count == 0) {
+      continue;
+    }
+    if (!bound) {
+      glBindVertexArray(mesh.vertex_array());
+      bind_instances(instances, count);
+      bound = true;
+    }
+    const NeedMask needs = material_needs(material, mesh.vertex_color());
+    Program* p = program(needs);
+    if (!p) continue;
+    p->use();
+    p->set("u_clip_from_relative", clip_from_relative_);
+    p->set("u_ambient", lights_.ambient);
+    p->set("u_light_count", lights_.count);
+    p->set("u_lights", lights_.lights);
+    bind_material(*p, material, needs, images);
+    (material.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
+    (blended ? glEnable : glDisable)(GL_BLEND);
+    glDepthMask(blended ? GL_FALSE : GL_TRUE);
+    glDrawElementsInstanced(
+        gl_mode(primitive.kind), static_cast<GLsizei>(primitive.index_count), GL_UNSIGNED_INT,
+        reinterpret_cast<const void*>(std::size_t{primitive.first_index} * 4),
+        static_cast<GLsizei>(count));
+    ++draw_calls_;
+  }
+}
+
+void MeshPass::end() {
+  glBindVertexArray(0);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_BLEND);
+  glDepthMask(GL_TRUE);
+}
+
+}  // namespace mirage::gl

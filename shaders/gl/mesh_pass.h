@@ -1,0 +1,64 @@
+#pragma once
+// Draws meshes with the shared shading: the server's tiles and reference frames, the client's
+// geometry. Shader variants are keyed by need mask and compiled on first use (or warmed up).
+
+#include <array>
+#include <map>
+#include <vector>
+
+#include "protocol/lighting_state.h"
+#include "protocol/result.h"
+#include "shaders/gl/gpu_model.h"
+#include "shaders/gl/program.h"
+
+namespace mirage::gl {
+
+/// Per-instance vertex attributes of mesh.vert.
+struct MeshInstance {
+  glm::vec4 rotation{0, 0, 0, 1};        ///< xyzw
+  glm::vec4 position_scale{0, 0, 0, 1};  ///< relative to the eye
+  std::uint32_t id = 0;
+};
+
+/// Lights as the shader takes them, positions relative to the eye.
+struct LightBlock {
+  glm::vec3 ambient{0};
+  int count = 0;
+  std::vector<glm::vec4> lights;
+};
+LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye);
+LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye);
+
+class MeshPass {
+ public:
+  /// `write_id`: a second, integer output with the instance id (reference frames).
+  explicit MeshPass(bool write_id) : write_id_(write_id) {}
+
+  /// Compiles the variants of a mesh ahead of its first draw. Error kGraphicsShader.
+  Result<void> warm_up(const GpuMesh& mesh, const std::vector<Material>& materials);
+
+  void begin(const glm::mat4& clip_from_relative, const LightBlock& lights);
+  /// Draws the opaque and masked primitives (`blended` false) or the blended ones (true).
+  void draw(const GpuMesh& mesh, const std::vector<Material>& materials, const GpuImages& images,
+            const MeshInstance* instances, std::size_t count, bool blended);
+  void end();
+
+  int draw_calls() const { return draw_calls_; }
+  void reset_draw_calls() { draw_calls_ = 0; }
+  std::size_t variants() const { return programs_.size(); }
+
+ private:
+  Program* program(NeedMask needs);
+  void bind_material(Program& p, const Material& material, NeedMask needs,
+                     const GpuImages& images);
+  void bind_instances(const MeshInstance* instances, std::size_t count);
+
+  const bool write_id_;
+  std::map<NeedMask, Program> programs_;
+  Buffer instance_buffer_;
+  glm::mat4 clip_from_relative_{1};
+  LightBlock lights_;
+  int draw_calls_ = 0;
+};
+
+}  // namespace mirage::gl

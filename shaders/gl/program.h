@@ -1,0 +1,51 @@
+#pragma once
+// GLSL programs: sources are embedded at build time, variants are #defines put in front.
+
+#include <glm/glm.hpp>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "protocol/result.h"
+#include "shaders/gl/gl.h"
+
+namespace mirage::gl {
+
+/// Text of an embedded shader file, e.g. "mesh/mesh.vert"; empty when there is none.
+std::string_view shader_source(std::string_view name);
+
+class Program {
+ public:
+  Program() = default;
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+  Program(Program&& other) noexcept;
+  Program& operator=(Program&& other) noexcept;
+  ~Program();
+
+  /// Compiles two embedded files; `#include "path"` lines are resolved among the embedded files,
+  /// `defines` are "NAME" or "NAME value". Error kGraphicsShader carries the driver's log.
+  static Result<Program> create(std::string_view vertex, std::string_view fragment,
+                                const std::vector<std::string>& defines);
+
+  void use() const { glUseProgram(id_); }
+  explicit operator bool() const { return id_ != 0; }
+
+  // Uniforms by name; unknown names are ignored (a lean variant may not have them).
+  void set(const char* name, int value);
+  void set(const char* name, float value);
+  void set(const char* name, const glm::vec2& value);
+  void set(const char* name, const glm::vec3& value);
+  void set(const char* name, const glm::vec4& value);
+  void set(const char* name, const glm::mat4& value);
+  void set(const char* name, const std::vector<glm::vec4>& values);
+
+ private:
+  GLint location(const char* name);
+
+  GLuint id_ = 0;
+  std::unordered_map<std::string, GLint> locations_;
+};
+
+}  // namespace mirage::gl

@@ -1,0 +1,34 @@
+#pragma once
+// Colour (+ depth, + more) textures behind a framebuffer.
+
+#include <vector>
+
+#include "shaders/gl/gl_object.h"
+
+namespace mirage::gl {
+
+class RenderTarget {
+ public:
+  RenderTarget() = default;
+  /// Colour attachments of the given internal formats and, if not 0, a depth texture. Textures
+  /// sample NEAREST. Check ok() afterwards.
+  RenderTarget(int width, int height, const std::vector<GLenum>& colors, GLenum depth);
+
+  void bind() const;
+  bool ok() const { return ok_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+  GLuint framebuffer() const { return framebuffer_.id(); }
+  GLuint color(std::size_t i) const { return colors_[i].id(); }
+  GLuint depth() const { return depth_.id(); }
+
+ private:
+  Framebuffer framebuffer_;
+  std::vector<Texture> colors_;
+  Texture depth_;
+  int width_ = 0;
+  int height_ = 0;
+  bool ok_ = false;
+};
+
+}  // namespace mirage::gl

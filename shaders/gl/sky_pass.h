@@ -1,0 +1,21 @@
+#pragma once
+#include "protocol/camera.h"
+#include "protocol/result.h"
+#include "protocol/scene_types.h"
+#include "shaders/gl/gl_object.h"
+#include "shaders/gl/program.h"
+
+namespace mirage::gl {
+
+/// Fills the target with the environment, alpha 0; the same on both ends.
+class SkyPass {
+ public:
+  static Result<SkyPass> create();
+  void draw(const Camera& camera, const Environment& environment);
+
+ private:
+  Program program_;
+  VertexArray vao_;
+};
+
+}  // namespace mirage::gl

@@ -1,0 +1,99 @@
+// Metal-rough surface; output is premultiplied linear light (the target encodes sRGB).
+precision highp float;
+precision highp int;
+in vec3 v_position;
+in vec3 v_normal;
+in vec4 v_tangent;
+in vec2 v_uv0;
+in vec2 v_uv1;
+in vec4 v_color;
+flat in uint v_id;
+
+layout(location = 0) out vec4 o_color;
+#ifdef WRITE_ID
+layout(location = 1) out uint o_id;
+#endif
+
+uniform vec4 u_base_color;
+uniform vec3 u_emissive;
+uniform vec4 u_factors;  // metallic, roughness, normal scale, occlusion strength
+uniform float u_alpha_cutoff;
+uniform sampler2D u_base_color_map;
+uniform sampler2D u_metal_rough_map;
+uniform sampler2D u_normal_map;
+uniform sampler2D u_occlusion_map;
+uniform sampler2D u_emissive_map;
+// Per map: uv' = (m0.xy . uv + m0.z, m1.xy . uv + m1.z); m0.w selects the set.
+uniform vec4 u_uv_transform[10];
+
+#ifdef NEED_LIGHTING
+#include "common/lighting.glsl"
+#endif
+
+vec2 map_uv(int map) {
+  vec4 m0 = u_uv_transform[2 * map];
+  vec4 m1 = u_uv_transform[2 * map + 1];
+  vec2 uv = m0.w > 0.5 ? v_uv1 : v_uv0;
+  return vec2(dot(m0.xy, uv) + m0.z, dot(m1.xy, uv) + m1.z);
+}
+
+vec3 surface_normal() {
+  vec3 n = normalize(v_normal);
+  if (!gl_FrontFacing) n = -n;
+#ifdef NEED_NORMAL_MAP
+  vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
+  vec3 b = cross(n, t) * v_tangent.w;
+  vec3 texel = texture(u_normal_map, map_uv(2)).xyz * 2.0 - 1.0;
+  vec3 mapped = texel.x * u_factors.z * t + texel.y * u_factors.z * b + texel.z * n;
+  float l = length(mapped);
+  if (l > 1e-6) n = mapped / l;
+#endif
+  return n;
+}
+
+void main() {
+  vec4 base = u_base_color;
+#ifdef NEED_VERTEX_COLOR
+  base *= v_color;
+#endif
+#ifdef NEED_BASE_COLOR_MAP
+  base *= texture(u_base_color_map, map_uv(0));
+#endif
+#ifdef NEED_ALPHA_MASK
+  if (base.a < u_alpha_cutoff) discard;
+#endif
+#ifndef NEED_BLEND
+  base.a = 1.0;
+#endif
+#ifdef NEED_LIGHTING
+  Surface s;
+  s.position = v_position;
+  s.normal = surface_normal();
+  s.albedo = base.rgb;
+  s.metallic = u_factors.x;
+  s.roughness = u_factors.y;
+  s.occlusion = 1.0;
+#ifdef NEED_METAL_ROUGH_MAP
+  vec4 mr = texture(u_metal_rough_map, map_uv(1));
+  s.roughness *= mr.g;
+  s.metallic *= mr.b;
+#endif
+#ifdef NEED_OCCLUSION_MAP
+  s.occlusion = 1.0 + u_factors.w * (texture(u_occlusion_map, map_uv(3)).r - 1.0);
+#endif
+  vec3 color = shade(s);
+  vec3 emissive = u_emissive;
+#ifdef NEED_EMISSIVE_MAP
+  emissive *= texture(u_emissive_map, map_uv(4)).rgb;
+#endif
+  color += emissive;
+#else
+  vec3 color = base.rgb;
+#endif
+  // Clamp before blending: an 8-bit target would, and NaN must never reach it.
+  color = clamp(color, 0.0, 1.0);
+  o_color = vec4(color * base.a, base.a);
+#ifdef WRITE_ID
+  o_id = v_id;
+#endif
+}

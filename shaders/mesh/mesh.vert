@@ -1,0 +1,34 @@
+// Meshes: tiles (one instance, object space), the reference frame and client geometry (instanced).
+layout(location = 0) in vec3 a_position;
+layout(location = 1) in vec3 a_normal;
+layout(location = 2) in vec4 a_tangent;
+layout(location = 3) in vec2 a_uv0;
+layout(location = 4) in vec2 a_uv1;
+layout(location = 5) in vec4 a_color;
+layout(location = 6) in vec4 i_rotation;        // unit quaternion xyzw
+layout(location = 7) in vec4 i_position_scale;  // relative to the eye; uniform scale
+layout(location = 8) in uint i_id;
+
+uniform mat4 u_clip_from_relative;
+
+out vec3 v_position;
+out vec3 v_normal;
+out vec4 v_tangent;
+out vec2 v_uv0;
+out vec2 v_uv1;
+out vec4 v_color;
+flat out uint v_id;
+
+#include "common/rotation.glsl"
+
+void main() {
+  v_position = i_position_scale.xyz + rotate(i_rotation, i_position_scale.w * a_position);
+  v_normal = rotate(i_rotation, a_normal);
+  v_tangent = vec4(rotate(i_rotation, a_tangent.xyz), a_tangent.w);
+  v_uv0 = a_uv0;
+  v_uv1 = a_uv1;
+  v_color = a_color;
+  v_id = i_id;
+  gl_PointSize = 1.0;
+  gl_Position = u_clip_from_relative * vec4(v_position, 1.0);
+}

@@ -1,0 +1,27 @@
+// Supersampled reference -> display size: colour averaged in linear light; depth (eye depth in
+// metres, 0 = none) and id + 1 of the sample at (factor/2, factor/2), for the geometric error.
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+uniform sampler2D u_color;
+uniform sampler2D u_depth;
+uniform usampler2D u_id;
+uniform int u_factor;
+uniform vec2 u_near_far;
+layout(location = 0) out vec4 o_color;
+layout(location = 1) out float o_depth;
+layout(location = 2) out uint o_id;
+
+void main() {
+  ivec2 base = ivec2(gl_FragCoord.xy) * u_factor;
+  vec4 sum = vec4(0.0);
+  for (int y = 0; y < u_factor; ++y) {
+    for (int x = 0; x < u_factor; ++x) sum += texelFetch(u_color, base + ivec2(x, y), 0);
+  }
+  o_color = sum / float(u_factor * u_factor);
+  ivec2 at = base + ivec2(u_factor / 2);
+  float d = texelFetch(u_depth, at, 0).r;
+  float n = u_near_far.x, f = u_near_far.y;
+  o_depth = d >= 1.0 ? 0.0 : n * f / (f - d * (f - n));
+  o_id = d >= 1.0 ? 0u : texelFetch(u_id, at, 0).r + 1u;
+}
