@@ -11,8 +11,11 @@ function(mirage_target name)
     set_target_properties(${name} PROPERTIES CXX_STANDARD 20)
   endif()
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR})
+  target_compile_definitions(${name} PRIVATE MIRAGE_VERSION="${PROJECT_VERSION}")
   target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-                         -Wno-sign-conversion -Werror -fno-math-errno)
+                         -Wno-sign-conversion -Werror
+                         $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarms of GCC 12 on std::string
+                         -fno-math-errno)
   if(MIRAGE_SANITIZE)
     target_compile_options(${name} PUBLIC -fsanitize=${MIRAGE_SANITIZE} -fno-omit-frame-pointer)
     target_link_options(${name} PUBLIC -fsanitize=${MIRAGE_SANITIZE})

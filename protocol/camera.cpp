@@ -8,6 +8,13 @@
 
 namespace mirage {
 
+void Camera::fit_depth_range(const glm::dvec3& scene_center, double scene_radius) {
+  const double reach = glm::length(scene_center - pose.eye) + scene_radius;
+  far_m = std::max(reach, 1e-6) * 1.01;
+  // 1:5,000 keeps 24 bits of depth finer than a pixel of parallax at any distance that matters.
+  near_m = far_m * 2e-4;
+}
+
 double Camera::focal_px() const { return 0.5 * height / std::tan(0.5 * fov_y); }
 glm::dvec3 Camera::forward() const { return glm::dquat(pose.rotation) * glm::dvec3(0, 0, -1); }
 glm::dvec3 Camera::right() const { return glm::dquat(pose.rotation) * glm::dvec3(1, 0, 0); }

@@ -21,6 +21,8 @@ struct Camera {
   double near_m = 0.05;
   double far_m = 4000;
 
+  /// Near and far around a scene's bounding sphere, the same on both ends.
+  void fit_depth_range(const glm::dvec3& scene_center, double scene_radius);
   double focal_px() const;
   glm::dvec3 forward() const;
   glm::dvec3 right() const;

@@ -1,0 +1,55 @@
+#pragma once
+// Rectangles in the layers of the atlas: shelves of a few heights, each a list of free intervals.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace mirage {
+
+struct AtlasSlot {
+  int layer = 0, x = 0, y = 0;
+  int w = 0, h = 0;  ///< as asked for; the slot itself is rounded up
+};
+
+class AtlasAllocator {
+ public:
+  /// `edge` texels square, `layers` deep.
+  AtlasAllocator(int edge, int layers);
+
+  /// nullopt when no room is left (or w or h exceeds the layer).
+  std::optional<AtlasSlot> allocate(int w, int h);
+  void release(const AtlasSlot& slot);
+
+  int edge() const { return edge_; }
+  int layers() const { return static_cast<int>(layers_.size()); }
+  std::size_t used_texels() const { return used_texels_; }
+
+ private:
+  /// Free intervals by offset; neighbours are joined on release.
+  class FreeList {
+   public:
+    explicit FreeList(int length) { free_[0] = length; }
+    std::optional<int> take(int length);
+    void give(int offset, int length);
+    bool whole(int length) const { return free_.size() == 1 && free_.begin()->second == length; }
+
+   private:
+    std::map<int, int> free_;
+  };
+  struct Shelf {
+    int height = 0;
+    FreeList columns;
+  };
+  struct Layer {
+    FreeList rows;
+    std::map<int, Shelf> shelves;  ///< by y
+  };
+
+  const int edge_;
+  std::vector<Layer> layers_;
+  std::size_t used_texels_ = 0;
+};
+
+}  // namespace mirage

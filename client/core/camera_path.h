@@ -1,0 +1,40 @@
+#pragma once
+// Camera paths: built-in motions and recorded traces.
+
+#include <string>
+#include <vector>
+
+#include "protocol/camera.h"
+#include "protocol/result.h"
+#include "protocol/scene_types.h"
+
+namespace mirage {
+
+class CameraPath {
+ public:
+  /// `spec`: "builtin:still|orbit|walk|fly|shake|strafe|teleport", or a file of lines
+  /// `x y z rx ry rz t_ms` (metres, degrees XYZ, milliseconds, t not falling).
+  /// Errors: kUsage for an unknown name or a bad line (with its number), kIo for the file.
+  static Result<CameraPath> create(const std::string& spec, const HomeView& home,
+                                   const glm::dvec3& scene_center, double scene_radius);
+
+  Pose at(double seconds) const;
+
+ private:
+  enum class Kind { kStill, kOrbit, kWalk, kFly, kShake, kStrafe, kTeleport, kTrace };
+  struct Key {
+    double seconds;
+    Pose pose;
+  };
+  static Result<std::vector<Key>> read_trace(const std::string& path);
+  Pose walk(double seconds) const;
+  Pose trace(double seconds) const;
+
+  Kind kind_ = Kind::kStill;
+  HomeView home_;
+  glm::dvec3 center_{0};
+  double radius_ = 1;
+  std::vector<Key> keys_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,58 @@
+#pragma once
+// Predictor: damped velocity, gated (NUMERICS section 4).
+// Input: view samples in order of time. Output: the view expected later, and its measured error.
+// Thread: the frame loop's. Never full: keeps a fixed state.
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "protocol/camera.h"
+
+namespace mirage {
+
+/// Quantiles of the prediction's own error, measured when the predicted time has come.
+struct PredictionError {
+  double p50_m = 0, p95_m = 0, p50_degrees = 0, p95_degrees = 0;
+};
+
+class Predictor {
+ public:
+  /// `max_speed_mps`: a faster change of position is a jump and restarts the state.
+  explicit Predictor(double max_speed_mps) : max_speed_(max_speed_mps) {}
+
+  /// Takes a view sample. Samples with a time that does not rise or with NaN are dropped, those
+  /// within 100 µs of the last merged; a pause above 150 ms or a jump restarts.
+  void add(std::int64_t time_us, const Pose& pose);
+  /// The pose expected `horizon_us` after the last sample.
+  Pose predict(std::int64_t horizon_us) const;
+  /// Remembers a prediction, to be judged when its time comes.
+  void remember(std::int64_t horizon_us);
+  /// Error of the position over the last judged predictions, 95 %: the guard of the bound.
+  double recent_error_m() const;
+  PredictionError error() const;
+  /// False until two samples have made a velocity, and right after a jump.
+  bool has_velocity() const { return has_velocity_; }
+
+ private:
+  struct Remembered {
+    std::int64_t due_us;
+    Pose pose;
+  };
+  void restart(std::int64_t time_us, const Pose& pose);
+  void judge(std::int64_t time_us, const Pose& pose);
+
+  double max_speed_;
+  bool started_ = false;
+  bool has_velocity_ = false;
+  std::int64_t time_us_ = 0;
+  Pose pose_;
+  glm::dvec3 velocity_{0};  ///< m/s
+  glm::dvec3 spin_{0};      ///< rad/s, world axis times rate
+  std::deque<Remembered> remembered_;
+  std::vector<float> errors_m_;
+  std::vector<float> errors_degrees_;
+  std::deque<double> recent_m_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,25 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+
+namespace mirage {
+
+/// What the server did so far; read by any thread, shown in stats and metrics.
+struct Counters {
+  std::atomic<std::uint64_t> tiles_asked{0};
+  std::atomic<std::uint64_t> tiles_rendered{0};
+  std::atomic<std::uint64_t> tiles_merged{0};
+  std::atomic<std::uint64_t> tiles_cancelled{0};
+  std::atomic<std::uint64_t> tiles_late{0};
+  std::atomic<std::uint64_t> tiles_refused{0};
+  std::atomic<std::uint64_t> store_hits{0};
+  std::atomic<std::uint64_t> store_bytes{0};
+  std::atomic<std::uint64_t> pages_rendered{0};
+  std::atomic<std::uint64_t> references_rendered{0};
+  std::atomic<std::uint64_t> meshes_sent{0};
+  std::atomic<std::uint64_t> bytes_sent{0};
+  std::atomic<std::uint64_t> bytes_received{0};
+  std::atomic<std::uint64_t> clients_closed_for_error{0};
+};
+
+}  // namespace mirage

@@ -1,0 +1,55 @@
+#include "server/encode_stage.h"
+
+#include <chrono>
+
+#include "protocol/capture.h"
+#include "server/tile_measure.h"
+
+namespace mirage {
+
+StoredTilePtr EncodeStage::encode(const RenderedTile& rendered, const ObjectDescription& object,
+                                  TileCodec codec) {
+  const auto start = std::chrono::steady_clock::now();
+  const TileKey& key = rendered.job.key;
+  const Capture capture(key.cell, key.distance, object.radius, tile_edge(key.size_class));
+  const std::size_t offset = static_cast<std::size_t>(rendered.y) * rendered.page->width +
+                             static_cast<std::size_t>(rendered.x);
+  const Tile tile = cut_tile(&rendered.page->rgba[offset * 4], &rendered.page->depth[offset],
+                             rendered.page->width, capture, object);
+  auto stored = std::make_shared<StoredTile>();
+  stored->planes = encode_tile_planes(tile, codec);
+  set_tile_fields(tile, stored->reply);
+  stored->reply.key_low = rendered.job.id.low;
+  stored->reply.key_high = rendered.job.id.high;
+  stored->reply.content_hash = tile_content_hash(tile);
+  stored->reply.codec = static_cast<std::uint8_t>(codec);
+  stored->reply.queue_us = rendered.queue_us;
+  stored->reply.render_us = rendered.render_us;
+  stored->reply.encode_us = static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() -
+                                                            start)
+          .count());
+  return stored;
+}
+
+void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers, TileCodec codec) {
+  for (int i = 0; i < workers; ++i) {
+    workers_.emplace_back([this, scene, codec] {
+      while (std::optional<RenderedTile> rendered = input_.pop()) {
+        const TileId id = rendered->job.id;
+        StoredTilePtr tile = encode(*rendered, scene->objects[rendered->job.key.object], codec);
+        store_.put(id, tile);
+        completions_.push(Completion{id, std::move(tile), 0, {}});
+        wake_();
+      }
+    });
+  }
+}
+
+void EncodeStage::join() {
+  for (std::thread& worker : workers_) {
+    if (worker.joinable()) worker.join();
+  }
+}
+
+}  // namespace mirage

@@ -1,0 +1,53 @@
+#include "server/explain.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <nlohmann/json.hpp>
+
+namespace mirage {
+namespace {
+
+struct Rule {
+  Need need;
+  const char* feature;
+};
+constexpr Rule kRules[] = {
+    {kNeedLighting, "lighting"},
+    {kNeedBlend, "blending"},
+    {kNeedAlphaMask, "alpha test"},
+    {kNeedVertexColor, "vertex colour"},
+    {kNeedBaseColorMap, "base colour map"},
+    {kNeedMetalRoughMap, "metal-rough map"},
+    {kNeedNormalMap, "normal map"},
+    {kNeedOcclusionMap, "occlusion map"},
+    {kNeedEmissiveMap, "emissive map"},
+    {kNeedTextureTransform, "texture transform"},
+    {kNeedUv1, "second texture coordinates"},
+};
+
+}  // namespace
+
+std::string explain_needs(const PreparedScene& prepared, bool json) {
+  nlohmann::json out = nlohmann::json::array();
+  std::string text = fmt::format("{}: {} objects, {} instances, {} triangles\n",
+                                 prepared.scene.name, prepared.objects.size(),
+                                 prepared.scene.instances.size(), prepared.scene.triangles());
+  for (std::size_t i = 0; i < prepared.objects.size(); ++i) {
+    const ObjectDescription& object = prepared.objects[i];
+    const std::string& name = prepared.scene.objects[i].name;
+    nlohmann::json needed = nlohmann::json::array(), left_out = nlohmann::json::array();
+    std::string left;
+    for (const Rule& rule : kRules) {
+      const bool used = object.needs & rule.need;
+      (used ? needed : left_out).push_back(rule.feature);
+      if (!used) left += (left.empty() ? "" : ", ") + std::string(rule.feature);
+    }
+    out.push_back({{"object", i}, {"name", name}, {"triangles", object.triangles},
+                   {"radius", object.radius}, {"needed", needed}, {"left_out", left_out}});
+    text += fmt::format("  {:4} {:<28} {:>8} triangles, radius {:.3g} m; left out: {}\n", i, name,
+                        object.triangles, object.radius, left);
+  }
+  return json ? out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n" : text;
+}
+
+}  // namespace mirage

@@ -1,0 +1,149 @@
+// mirage-server: the stages in flow order.
+//
+//   endpoint -> sessions -> tile queue -> render stage -> encode stage -> tile store -> sessions
+//
+// The network loop runs here; the render stage has the GL thread, the encode stage its workers.
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+
+#include "protocol/cli.h"
+#include "server/encode_stage.h"
+#include "server/explain.h"
+#include "server/options.h"
+#include "shaders/gl/egl_context.h"
+
+namespace mirage {
+namespace {
+
+std::atomic<Endpoint*> running_endpoint{nullptr};
+
+void on_terminate(int) {
+  if (Endpoint* endpoint = running_endpoint.load()) endpoint->stop();
+}
+
+int list_devices() {
+  for (const gl::EglDevice& device : gl::list_egl_devices()) {
+    std::printf("%-12s %s  %s\n", device.name.c_str(), device.usable ? "ok " : "no ",
+                device.renderer.c_str());
+  }
+  return 0;
+}
+
+// A thousand clients need a thousand descriptors; the soft limit is often 1024.
+void raise_descriptor_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+Result<void> announce(const ServerOptions& options, const PreparedScene& scene, int port,
+                      const std::string& renderer) {
+  const char* scheme = options.endpoint.tls_cert.empty() ? "ws" : "wss";
+  std::printf("ready url=%s://%s:%d revision=%016llx objects=%zu instances=%zu triangles=%llu gl=%s\n",
+              scheme, options.endpoint.host.c_str(), port,
+              static_cast<unsigned long long>(scene.revision), scene.objects.size(),
+              scene.scene.instances.size(),
+              static_cast<unsigned long long>(scene.scene.triangles()), renderer.c_str());
+  std::fflush(stdout);
+  if (options.port_file.empty()) return {};
+  std::ofstream file(options.port_file);
+  file << port << '\n';
+  file.close();
+  if (!file) return make_error(ErrorId::kIo, "cannot write port file '" + options.port_file + "'");
+  return {};
+}
+
+int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> scene) {
+  const SteadyClock clock;
+  Counters counters;
+  TileStore store(options.cache_mb * 1024 * 1024, options.cache_dir, counters);
+  TileQueue queue(clock, counters);
+  BoundedQueue<RenderedTile> rendered(512);
+  BoundedQueue<Completion> completions(8192);
+  std::atomic<Endpoint*> awake{nullptr};
+  const auto wake = [&awake] {
+    if (Endpoint* endpoint = awake.load()) endpoint->wake();
+  };
+
+  EncodeStage encode(rendered, completions, store, wake);
+  RenderStage render(clock, counters, queue, rendered, completions, wake);
+  // However this function is left: the queues close in flow order, then the threads end.
+  struct Shutdown {
+    TileQueue& queue;
+    RenderStage& render;
+    BoundedQueue<RenderedTile>& rendered;
+    BoundedQueue<Completion>& completions;
+    EncodeStage& encode;
+    ~Shutdown() {
+      running_endpoint = nullptr;
+      completions.close();
+      queue.close();
+      render.join();
+      rendered.close();
+      encode.join();
+    }
+  };
+
+  SessionOptions session_options = options.session;
+  Result<std::string> renderer = [&] {
+    encode.start(scene, options.encoders, options.session.codec);
+    return render.start(scene, options.render);
+  }();
+  if (renderer.ok()) session_options.renderer = renderer.value();
+  SessionHub hub(scene, session_options, clock, counters, queue, store);
+  Endpoint endpoint(hub, completions, counters);
+  const Shutdown shutdown{queue, render, rendered, completions, encode};
+  if (!renderer) return fail(renderer.error());
+  if (const Result<void> listening = endpoint.listen(options.endpoint); !listening) {
+    return fail(listening.error());
+  }
+  awake = &endpoint;
+  running_endpoint = &endpoint;
+  std::signal(SIGTERM, on_terminate);
+  std::signal(SIGINT, on_terminate);
+  std::signal(SIGPIPE, SIG_IGN);
+  const Result<void> announced = announce(options, *scene, endpoint.port(), *renderer);
+  if (!announced) return fail(announced.error());
+  endpoint.run();
+  awake = nullptr;
+  spdlog::info("stopped: {} tiles rendered, {} from the store, {} merged",
+               counters.tiles_rendered.load(), counters.store_hits.load(),
+               counters.tiles_merged.load());
+  return 0;
+}
+
+int run(int argc, char** argv) {
+  ServerOptions options;
+  if (const int code = parse_options(argc, argv, options); code >= 0) return code;
+  if (options.list_devices) return list_devices();
+  spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  raise_descriptor_limit();
+  Result<std::shared_ptr<const PreparedScene>> scene = load_scene(options.scene);
+  if (!scene) return fail(scene.error());
+  for (const std::string& warning : (*scene)->scene.warnings) spdlog::warn("scene: {}", warning);
+  if (options.explain) {
+    std::fputs(explain_needs(**scene, options.json).c_str(), stdout);
+    return 0;
+  }
+  return serve(options, scene.take());
+}
+
+}  // namespace
+}  // namespace mirage
+
+int main(int argc, char** argv) {
+  try {
+    return mirage::run(argc, argv);
+  } catch (const std::exception& e) {
+    return mirage::fail(mirage::make_error(mirage::ErrorId::kInternal, e.what()));
+  }
+}

@@ -1,0 +1,101 @@
+#include "server/options.h"
+
+#include <fstream>
+
+#include "protocol/cli.h"
+#include "server/scene/builtin/builtin_scene.h"
+
+namespace mirage {
+namespace {
+
+std::string footer() {
+  std::string text = "Built-in scenes:\n";
+  for (const BuiltinSceneInfo& scene : builtin_scenes()) {
+    text += "  builtin:" + scene.name + "  " + scene.description + " (" + scene.options + ")\n";
+  }
+  text += "\nExample: mirage-server 'builtin:forest?trees=100' --listen 0.0.0.0:9870";
+  return text;
+}
+
+Result<void> split_listen(const std::string& listen, EndpointOptions& out) {
+  const std::size_t colon = listen.rfind(':');
+  const std::string port = colon == std::string::npos ? "" : listen.substr(colon + 1);
+  const bool digits = !port.empty() && port.size() <= 5 &&
+                      port.find_first_not_of("0123456789") == std::string::npos;
+  if (!digits || std::stoi(port) > 65535 || colon == 0) {
+    return make_error(ErrorId::kUsage, "--listen takes HOST:PORT, not '" + listen + "'",
+                      "for example 127.0.0.1:9870, or :0 for any free port after a host");
+  }
+  out.host = listen.substr(0, colon);
+  out.port = std::stoi(port);
+  return {};
+}
+
+Result<std::string> read_token(const std::string& path) {
+  std::ifstream file(path);
+  std::string token;
+  if (!file || !std::getline(file, token) || token.empty()) {
+    return make_error(ErrorId::kUsage, "token file '" + path + "' has no first line to use");
+  }
+  return token;
+}
+
+}  // namespace
+
+int parse_options(int argc, char** argv, ServerOptions& o) {
+  CLI::App app("Holds a scene and renders impostor tiles of it on request.", "mirage-server");
+  app.footer(footer());
+  std::string listen = "127.0.0.1:9870", token_file, codec = "zstd";
+  bool no_geometry = false, no_reference = false;
+  app.add_option("SCENE", o.scene, "a .glb or .gltf file, or builtin:NAME[?key=value&…]");
+  app.add_option("--listen", listen, "HOST:PORT to serve on; port 0 takes any free one")
+      ->capture_default_str();
+  app.add_option("--port-file", o.port_file, "write the port here once ready");
+  app.add_option("--cache-mb", o.cache_mb, "memory for finished tiles")
+      ->check(CLI::Range(1, 1 << 20))->capture_default_str();
+  app.add_option("--cache-dir", o.cache_dir, "keep finished tiles in this directory, too");
+  app.add_option("--codec", codec, "tile codec")
+      ->check(CLI::IsMember({"zstd", "raw"}))->capture_default_str();
+  app.add_option("--encoders", o.encoders, "encoder threads")
+      ->check(CLI::Range(1, 64))->capture_default_str();
+  app.add_option("--device", o.render.device, "EGL device: auto, surfaceless, device0, …")
+      ->capture_default_str();
+  app.add_flag("--list-devices", o.list_devices, "show the EGL devices and exit");
+  app.add_option("--page", o.render.page_edge, "tile page edge in texels; larger suits a GPU")
+      ->check(CLI::Range(64, 4096))->capture_default_str();
+  app.add_option("--supersample", o.render.supersample, "samples per texel and axis")
+      ->check(CLI::Range(1, 4))->capture_default_str();
+  app.add_option("--token-file", token_file, "clients must present this file's first line");
+  CLI::Option* cert = app.add_option("--tls-cert", o.endpoint.tls_cert, "certificate (PEM)");
+  CLI::Option* key = app.add_option("--tls-key", o.endpoint.tls_key, "private key (PEM)");
+  cert->needs(key);
+  key->needs(cert);
+  app.add_option("--allow-origin", o.endpoint.allow_origin, "only browsers from this origin");
+  app.add_flag("--no-geometry", no_geometry, "never send meshes");
+  app.add_flag("--no-reference", no_reference, "refuse full renders for comparison");
+  app.add_option("--max-clients", o.session.max_clients, "connections at a time")
+      ->check(CLI::Range(1, 1 << 20))->capture_default_str();
+  app.add_flag("--metrics", o.endpoint.metrics, "serve GET /metrics (Prometheus text)");
+  app.add_flag("--explain", o.explain, "print what each object needs and what is left out; exit");
+  app.add_flag("--json", o.json, "with --explain: as JSON");
+  add_conventions(app);
+  if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
+  if (o.list_devices) return -1;
+  if (o.scene.empty()) {
+    return fail(make_error(ErrorId::kUsage, "no SCENE given", "try mirage-server builtin:forest"));
+  }
+  if (const Result<void> split = split_listen(listen, o.endpoint); !split) {
+    return fail(split.error());
+  }
+  if (!token_file.empty()) {
+    Result<std::string> token = read_token(token_file);
+    if (!token) return fail(token.error());
+    o.session.token = token.take();
+  }
+  o.session.geometry = !no_geometry;
+  o.session.reference = !no_reference;
+  o.session.codec = codec == "raw" ? TileCodec::kRaw : TileCodec::kZstd;
+  return -1;
+}
+
+}  // namespace mirage

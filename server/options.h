@@ -1,0 +1,27 @@
+#pragma once
+#include <string>
+
+#include "server/endpoint.h"
+#include "server/render_stage.h"
+#include "server/session.h"
+
+namespace mirage {
+
+struct ServerOptions {
+  std::string scene;
+  EndpointOptions endpoint;
+  RenderOptions render;
+  SessionOptions session;
+  std::string port_file;
+  std::string cache_dir;
+  std::size_t cache_mb = 512;
+  int encoders = 1;
+  bool list_devices = false;
+  bool explain = false;
+  bool json = false;
+};
+
+/// Reads the command line; returns an exit code when the program is to end at once, else -1.
+int parse_options(int argc, char** argv, ServerOptions& options);
+
+}  // namespace mirage

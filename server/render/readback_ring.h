@@ -1,0 +1,49 @@
+#pragma once
+// Asynchronous read-back: a page is copied into a pixel-pack buffer behind a fence and collected
+// later, so drawing the next page never waits for the copy. GL thread only.
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "server/tile_job.h"
+#include "shaders/gl/render_target.h"
+
+namespace mirage {
+
+struct PendingPage {
+  std::vector<TileJob> jobs;
+  std::vector<std::pair<int, int>> places;
+  std::int64_t started_us = 0;
+  int edge = 0;
+};
+
+class ReadbackRing {
+ public:
+  explicit ReadbackRing(std::size_t depth) : depth_(depth) {}
+  ~ReadbackRing();
+
+  bool full() const { return slots_.size() >= depth_; }
+  bool empty() const { return slots_.empty(); }
+  void start(const gl::RenderTarget& page, PendingPage info);
+
+  struct Collected {
+    PendingPage info;
+    std::shared_ptr<const PagePixels> pixels;
+  };
+  /// The oldest page: waits for its fence if `wait`, else gives nothing while it is under way.
+  std::optional<Collected> collect(bool wait);
+
+ private:
+  struct Slot {
+    PendingPage info;
+    gl::Buffer color;
+    gl::Buffer depth;
+    GLsync fence = nullptr;
+  };
+  const std::size_t depth_;
+  std::deque<Slot> slots_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,176 @@
+#include "server/render/reference_renderer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+namespace mirage {
+namespace {
+
+gl::MeshInstance mesh_instance(const Instance& instance, std::uint32_t index,
+                               const glm::dvec3& eye) {
+  const Similarity& m = instance.world_from_object;
+  gl::MeshInstance out;
+  out.rotation = {m.rotation.x, m.rotation.y, m.rotation.z, m.rotation.w};
+  out.position_scale = glm::vec4(glm::vec3(m.position - eye), m.scale);
+  out.id = index;
+  return out;
+}
+
+glm::dvec3 center_relative(const Instance& instance, const ObjectDescription& object,
+                           const glm::dvec3& eye) {
+  const Similarity& m = instance.world_from_object;
+  const glm::dvec3 offset = glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale});
+  return m.position - eye + offset;
+}
+
+template <typename T>
+void append_flipped(Bytes& out, const std::vector<T>& pixels, std::size_t row_elements) {
+  const std::size_t rows = pixels.size() / row_elements;
+  for (std::size_t y = rows; y-- > 0;) {
+    const auto* row = reinterpret_cast<const std::uint8_t*>(pixels.data() + y * row_elements);
+    out.insert(out.end(), row, row + row_elements * sizeof(T));
+  }
+}
+
+}  // namespace
+
+ReferenceRenderer::ReferenceRenderer(const GpuScene& scene)
+    : scene_(&scene),
+      instances_of_object_(scene.prepared->objects.size()),
+      meshes_(std::make_unique<gl::MeshPass>(true)) {
+  const std::vector<Instance>& instances = scene.prepared->scene.instances;
+  for (std::uint32_t i = 0; i < instances.size(); ++i) {
+    instances_of_object_[instances[i].object].push_back(i);
+  }
+}
+
+Result<ReferenceRenderer> ReferenceRenderer::create(const GpuScene& scene) {
+  ReferenceRenderer out(scene);
+  Result<gl::SkyPass> sky = gl::SkyPass::create();
+  if (!sky) return sky.error();
+  out.sky_ = std::move(*sky);
+  Result<gl::Program> resolve =
+      gl::Program::create("common/fullscreen.vert", "tile/resolve_reference.frag", {});
+  if (!resolve) return resolve.error();
+  out.resolve_ = resolve.take();
+  out.empty_vao_ = gl::VertexArray::create();
+  return out;
+}
+
+void ReferenceRenderer::draw_scene(const Camera& camera, const Lighting& lighting) {
+  const PreparedScene& prepared = *scene_->prepared;
+  const glm::dvec3& eye = camera.pose.eye;
+  meshes_->begin(camera.clip_from_relative(), gl::light_block(lighting, eye));
+  std::vector<gl::MeshInstance> visible;
+  for (std::size_t object = 0; object < instances_of_object_.size(); ++object) {
+    visible.clear();
+    for (const std::uint32_t i : instances_of_object_[object]) {
+      const Instance& instance = prepared.scene.instances[i];
+      const double radius =
+          double{prepared.objects[object].radius} * instance.world_from_object.scale;
+      if (camera.may_see(center_relative(instance, prepared.objects[object], eye), radius)) {
+        visible.push_back(mesh_instance(instance, i, eye));
+      }
+    }
+    if (visible.empty()) continue;
+    meshes_->draw(scene_->meshes[object], scene_->materials(), scene_->images, visible.data(),
+                  visible.size(), false);
+  }
+  draw_blended(camera);
+  meshes_->end();
+}
+
+void ReferenceRenderer::draw_blended(const Camera& camera) {
+  const PreparedScene& prepared = *scene_->prepared;
+  std::vector<std::pair<double, std::uint32_t>> blended;
+  for (std::uint32_t i = 0; i < prepared.scene.instances.size(); ++i) {
+    const Instance& instance = prepared.scene.instances[i];
+    const ObjectDescription& object = prepared.objects[instance.object];
+    if (!(object.needs & kNeedBlend)) continue;
+    const glm::dvec3 center = center_relative(instance, object, camera.pose.eye);
+    blended.emplace_back(-glm::length(center), i);  // farthest first
+  }
+  std::sort(blended.begin(), blended.end());
+  for (const auto& [order, i] : blended) {
+    const Instance& instance = prepared.scene.instances[i];
+    const gl::MeshInstance one = mesh_instance(instance, i, camera.pose.eye);
+    meshes_->draw(scene_->meshes[instance.object], scene_->materials(), scene_->images, &one, 1,
+                  true);
+  }
+}
+
+Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
+  const auto start = std::chrono::steady_clock::now();
+  const int w = static_cast<int>(job.camera.width), h = static_cast<int>(job.camera.height);
+  const int s = static_cast<int>(job.supersample);
+  gl::RenderTarget big(w * s, h * s, {GL_SRGB8_ALPHA8, GL_R32UI}, GL_DEPTH_COMPONENT32F);
+  gl::RenderTarget out(w, h, {GL_SRGB8_ALPHA8, GL_R32F, GL_R32UI}, 0);
+  if (!big.ok() || !out.ok()) {
+    return make_error(ErrorId::kGraphicsGl, "reference frame is too large for this device");
+  }
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  glDisable(GL_DEPTH_CLAMP);
+  glDisable(GL_SCISSOR_TEST);
+  big.bind();
+  const GLuint no_id[4] = {0, 0, 0, 0};
+  const float far_depth = 1.0f;
+  glClearBufferuiv(GL_COLOR, 1, no_id);
+  glDepthMask(GL_TRUE);
+  glClearBufferfv(GL_DEPTH, 0, &far_depth);
+  const GLenum color_only[] = {GL_COLOR_ATTACHMENT0, GL_NONE};
+  glDrawBuffers(2, color_only);
+  sky_.draw(job.camera, scene_->prepared->scene.environment);
+  const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  glDrawBuffers(2, both);
+  draw_scene(job.camera, job.lighting);
+
+  out.bind();
+  glDisable(GL_DEPTH_TEST);
+  resolve_.use();
+  const GLuint inputs[3] = {big.color(0), big.depth(), big.color(1)};
+  for (int i = 0; i < 3; ++i) {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
+    glBindTexture(GL_TEXTURE_2D, inputs[i]);
+  }
+  resolve_.set("u_color", 0);
+  resolve_.set("u_depth", 1);
+  resolve_.set("u_id", 2);
+  resolve_.set("u_factor", s);
+  resolve_.set("u_near_far", glm::vec2(job.camera.near_m, job.camera.far_m));
+  glBindVertexArray(empty_vao_.id());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindVertexArray(0);
+
+  const std::size_t pixels = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
+  std::vector<std::uint8_t> rgba(pixels * 4);
+  std::vector<float> depth(pixels);
+  std::vector<std::uint32_t> ids(pixels);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  glReadPixels(0, 0, w, h, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
+  glReadBuffer(GL_COLOR_ATTACHMENT1);
+  glReadPixels(0, 0, w, h, GL_RED, GL_FLOAT, depth.data());
+  glReadBuffer(GL_COLOR_ATTACHMENT2);
+  glReadPixels(0, 0, w, h, GL_RED_INTEGER, GL_UNSIGNED_INT, ids.data());
+  const std::size_t row = static_cast<std::size_t>(w);
+  Bytes raw;
+  raw.reserve(pixels * 12);
+  append_flipped(raw, rgba, row * 4);
+  append_flipped(raw, depth, row);
+  append_flipped(raw, ids, row);
+
+  wire::ReferenceReplyT reply;
+  reply.request_id = job.request_id;
+  reply.width = job.camera.width;
+  reply.height = job.camera.height;
+  reply.raw_bytes = static_cast<std::uint32_t>(raw.size());
+  reply.render_us = static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() -
+                                                            start)
+          .count());
+  return encode_message(std::move(reply), compress_block(raw.data(), raw.size()));
+}
+
+}  // namespace mirage

@@ -1,0 +1,35 @@
+#pragma once
+// The full scene for a camera: the truth the client's picture is compared with. GL thread only.
+
+#include "protocol/camera.h"
+#include "server/render/gpu_scene.h"
+#include "server/tile_job.h"
+#include "shaders/gl/mesh_pass.h"
+#include "shaders/gl/render_target.h"
+#include "shaders/gl/sky_pass.h"
+
+namespace mirage {
+
+class ReferenceRenderer {
+ public:
+  static Result<ReferenceRenderer> create(const GpuScene& scene);
+
+  /// Whole reply message: RGBA8 (sRGB, alpha = coverage by objects), then eye depth (float, m, 0 =
+  /// none), then instance + 1 (u32, 0 = none), each width x height, top row first, zstd.
+  /// Error kGraphicsGl when the target is too large for the device.
+  Result<Bytes> render(const ReferenceJob& job);
+
+ private:
+  explicit ReferenceRenderer(const GpuScene& scene);
+  void draw_scene(const Camera& camera, const Lighting& lighting);
+  void draw_blended(const Camera& camera);
+
+  const GpuScene* scene_;
+  std::vector<std::vector<std::uint32_t>> instances_of_object_;
+  std::unique_ptr<gl::MeshPass> meshes_;
+  gl::SkyPass sky_;
+  gl::Program resolve_;
+  gl::VertexArray empty_vao_;
+};
+
+}  // namespace mirage

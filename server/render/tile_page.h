@@ -1,0 +1,48 @@
+#pragma once
+// Renders a batch of tiles into one page: supersampled, then filtered down to colour and depth code.
+// GL thread only.
+
+#include <memory>
+#include <vector>
+
+#include "server/render/gpu_scene.h"
+#include "server/render/page_packer.h"
+#include "server/tile_job.h"
+#include "shaders/gl/mesh_pass.h"
+#include "shaders/gl/program.h"
+#include "shaders/gl/render_target.h"
+
+namespace mirage {
+
+class TilePageRenderer {
+ public:
+  /// `supersample` per axis. Error kGraphicsShader.
+  static Result<TilePageRenderer> create(const GpuScene& scene, int supersample);
+
+  /// Compiles every variant of the scene and draws each object once, so that no client pays for
+  /// a first use. Error kGraphicsShader.
+  Result<void> warm_up();
+
+  /// Draws `jobs` at `places`; the result is the bound-for-reading target, valid until the next
+  /// call. nullptr when the target cannot be made.
+  const gl::RenderTarget* render(const std::vector<TileJob>& jobs, const PagePacker& packer);
+
+ private:
+  explicit TilePageRenderer(const GpuScene& scene, int supersample)
+      : scene_(&scene),
+        supersample_(supersample),
+        meshes_(std::make_unique<gl::MeshPass>(false)) {}
+  bool prepare_targets(int edge);
+  void draw_tile(const TileJob& job, PagePacker::Place place);
+  void resolve();
+
+  const GpuScene* scene_;
+  int supersample_;
+  std::unique_ptr<gl::MeshPass> meshes_;
+  gl::Program resolve_;
+  gl::VertexArray empty_vao_;
+  gl::RenderTarget supersampled_;
+  gl::RenderTarget page_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,129 @@
+#include "server/render_stage.h"
+
+#include <spdlog/spdlog.h>
+
+#include <future>
+
+#include "server/render/gpu_scene.h"
+#include "server/render/readback_ring.h"
+#include "server/render/reference_renderer.h"
+#include "server/render/tile_page.h"
+#include "shaders/gl/egl_context.h"
+
+namespace mirage {
+namespace {
+
+/// Everything the GL thread owns; made and destroyed on it.
+struct GlWorld {
+  std::unique_ptr<GpuScene> scene;
+  std::unique_ptr<TilePageRenderer> pages;
+  std::unique_ptr<ReferenceRenderer> references;
+};
+
+Result<GlWorld> make_world(std::shared_ptr<const PreparedScene> scene,
+                           const RenderOptions& options) {
+  GlWorld world;
+  world.scene = std::make_unique<GpuScene>(std::move(scene));
+  Result<TilePageRenderer> pages = TilePageRenderer::create(*world.scene, options.supersample);
+  if (!pages) return pages.error();
+  world.pages = std::make_unique<TilePageRenderer>(pages.take());
+  if (Result<void> warm = world.pages->warm_up(); !warm) return warm.error();
+  Result<ReferenceRenderer> references = ReferenceRenderer::create(*world.scene);
+  if (!references) return references.error();
+  world.references = std::make_unique<ReferenceRenderer>(references.take());
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
+    return make_error(ErrorId::kGraphicsGl, "GL error " + std::to_string(error) + " at start");
+  }
+  return world;
+}
+
+}  // namespace
+
+RenderStage::RenderStage(const Clock& clock, Counters& counters, TileQueue& queue,
+                         BoundedQueue<RenderedTile>& rendered,
+                         BoundedQueue<Completion>& completions, std::function<void()> wake)
+    : clock_(clock),
+      counters_(counters),
+      queue_(queue),
+      rendered_(rendered),
+      completions_(completions),
+      wake_(std::move(wake)) {}
+
+RenderStage::~RenderStage() { join(); }
+
+void RenderStage::join() {
+  if (thread_.joinable()) thread_.join();
+}
+
+Result<std::string> RenderStage::start(std::shared_ptr<const PreparedScene> scene,
+                                       const RenderOptions& options) {
+  auto promise = std::make_shared<std::promise<Result<std::string>>>();
+  std::future<Result<std::string>> ready = promise->get_future();
+  thread_ = std::thread([this, scene, options, promise] {
+    run(scene, options, [promise](Result<std::string> r) { promise->set_value(std::move(r)); });
+  });
+  return ready.get();
+}
+
+void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions options,
+                      std::function<void(Result<std::string>)> ready) {
+  Result<gl::EglContext> context = gl::EglContext::create(options.device);
+  if (!context) return ready(context.error());
+  Result<GlWorld> world = make_world(std::move(scene), options);
+  if (!world) return ready(world.error());
+  ready(context->description());
+
+  ReadbackRing ring(options.ring);
+  const auto hand_over = [&](ReadbackRing::Collected page) {
+    const std::int64_t now = clock_.now_us();
+    const auto tiles = static_cast<std::int64_t>(page.info.jobs.size());
+    const auto share = static_cast<std::uint32_t>((now - page.info.started_us) / tiles);
+    for (std::size_t i = 0; i < page.info.jobs.size(); ++i) {
+      RenderedTile tile{page.info.jobs[i], page.pixels, page.info.places[i].first,
+                        page.info.places[i].second, 0, share};
+      tile.queue_us = static_cast<std::uint32_t>(page.info.started_us - tile.job.queued_us);
+      rendered_.push(std::move(tile));
+    }
+  };
+
+  for (;;) {
+    PagePacker packer(options.page_edge);
+    const auto fits = [&](std::uint32_t edge) { return packer.add(edge); };
+    std::optional<TileQueue::Work> work = queue_.take(fits, ring.empty());
+    if (!work && ring.empty()) break;
+    if (work && std::holds_alternative<ReferenceJob>(*work)) {
+      const ReferenceJob& job = std::get<ReferenceJob>(*work);
+      Result<Bytes> reply = world->references->render(job);
+      ++counters_.references_rendered;
+      if (!reply) {
+        spdlog::warn("{}", reply.error().line());
+        wire::RefusedT refused;
+        refused.request_id = job.request_id;
+        refused.reason = wire::RefusalReason::TooLarge;
+        reply = encode_message(std::move(refused));
+      }
+      completions_.push(Completion{{}, nullptr, job.session, reply.take()});
+      wake_();
+    } else if (work) {
+      PendingPage page;
+      page.jobs = std::move(std::get<std::vector<TileJob>>(*work));
+      page.started_us = clock_.now_us();
+      page.edge = packer.page_edge();
+      for (std::size_t i = 0; i < page.jobs.size(); ++i) {
+        page.places.emplace_back(packer.places()[i].x, packer.places()[i].y);
+      }
+      const gl::RenderTarget* target = world->pages->render(page.jobs, packer);
+      ++counters_.pages_rendered;
+      counters_.tiles_rendered += page.jobs.size();
+      if (target) ring.start(*target, std::move(page));
+    }
+    // Collect what is done; wait only when the ring is full or nothing else is there to do.
+    while (!ring.empty()) {
+      std::optional<ReadbackRing::Collected> page = ring.collect(ring.full() || !work);
+      if (!page) break;
+      hand_over(std::move(*page));
+    }
+  }
+}
+
+}  // namespace mirage

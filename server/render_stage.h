@@ -1,0 +1,55 @@
+#pragma once
+// Render stage.
+// Input:  batches and reference jobs from the tile queue. Output: rendered tiles to the encode
+//         stage, whole reference replies to the network loop.
+// Thread: its own, the only one with the GL context.
+// Full:   waits (the encode queue is bounded), so the tile queue in front fills and refuses.
+
+#include <atomic>
+#include <deque>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "protocol/bounded_queue.h"
+#include "server/counters.h"
+#include "server/scene/prepared_scene.h"
+#include "server/tile_queue.h"
+
+namespace mirage {
+
+struct RenderOptions {
+  std::string device = "auto";
+  int page_edge = 512;   ///< texels; larger pages suit a GPU
+  int supersample = 2;   ///< per axis
+  std::size_t ring = 2;  ///< pages in flight between drawing and read-back
+};
+
+class RenderStage {
+ public:
+  RenderStage(const Clock& clock, Counters& counters, TileQueue& queue,
+              BoundedQueue<RenderedTile>& rendered, BoundedQueue<Completion>& completions,
+              std::function<void()> wake);
+  ~RenderStage();
+
+  /// Starts the thread, uploads the scene and compiles every shader; returns the renderer's name.
+  /// Errors: kGraphicsDevice, kGraphicsShader, kGraphicsGl.
+  Result<std::string> start(std::shared_ptr<const PreparedScene> scene,
+                            const RenderOptions& options);
+  /// Ends the thread; the tile queue must have been closed.
+  void join();
+
+ private:
+  void run(std::shared_ptr<const PreparedScene> scene, RenderOptions options,
+           std::function<void(Result<std::string>)> ready);
+
+  const Clock& clock_;
+  Counters& counters_;
+  TileQueue& queue_;
+  BoundedQueue<RenderedTile>& rendered_;
+  BoundedQueue<Completion>& completions_;
+  std::function<void()> wake_;
+  std::thread thread_;
+};
+
+}  // namespace mirage

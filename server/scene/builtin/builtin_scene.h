@@ -1,0 +1,23 @@
+#pragma once
+// Procedural, seeded scenes: `builtin:NAME[?key=value&…]`.
+
+#include <string>
+#include <vector>
+
+#include "server/scene/scene.h"
+
+namespace mirage {
+
+struct BuiltinSceneInfo {
+  std::string name;
+  std::string description;
+  std::string options;  ///< e.g. "trees=400 species=4 seed=1"
+};
+const std::vector<BuiltinSceneInfo>& builtin_scenes();
+
+/// Builds the scene named by `spec` (without the `builtin:` prefix), e.g. "forest?trees=50&seed=7".
+/// The same spec gives the same bytes. Errors: kSceneBuiltin for an unknown name or option or a
+/// value out of range, naming it and the allowed ones.
+Result<Scene> build_builtin_scene(const std::string& spec);
+
+}  // namespace mirage

@@ -1,0 +1,34 @@
+#pragma once
+// `name?key=value&key=value` -> checked numbers.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "protocol/result.h"
+
+namespace mirage::builtin {
+
+struct OptionRule {
+  const char* key;
+  double fallback;
+  double low;
+  double high;
+  bool whole = true;  ///< integers only
+};
+
+/// Values in the order of the rules.
+using OptionValues = std::vector<double>;
+
+/// Parses the part after '?'. Errors: kSceneBuiltin for an unknown or repeated key, or a value
+/// that is no number or out of range.
+Result<OptionValues> parse_options(const std::string& scene, const std::string& text,
+                                   std::span<const OptionRule> rules);
+
+/// "trees=400 species=4 seed=1"
+std::string describe_options(std::span<const OptionRule> rules);
+
+/// The candidate with the smallest edit distance, if it is close enough to be a typo; else "".
+std::string closest_name(const std::string& name, const std::vector<std::string>& candidates);
+
+}  // namespace mirage::builtin

@@ -1,0 +1,239 @@
+#include "server/scene/gltf/document.h"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "server/scene/gltf/file_guard.h"
+#include "server/scene/gltf/gltf_limits.h"
+#include "server/scene/gltf/json_schema.h"
+#include "server/scene/gltf/model_check.h"
+#include "server/scene/gltf/uri_loader.h"
+
+namespace mirage::gltf {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::array<std::string_view, 7> kSupportedExtensions = {
+    "KHR_texture_transform", "KHR_mesh_quantization",   "KHR_lights_punctual",
+    "KHR_materials_unlit",   "EXT_mesh_gpu_instancing", "KHR_materials_emissive_strength",
+    "EXT_texture_webp",
+};
+
+bool is_supported(std::string_view extension) {
+  return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), extension) !=
+         kSupportedExtensions.end();
+}
+
+Result<json> parse_json(std::string_view text) {
+  if (auto scan = scan_json(text); !scan) return scan.error();
+  try {
+    return json::parse(text.begin(), text.end());
+  } catch (const json::parse_error& error) {
+    return make_error(ErrorId::kSceneFormat,
+                      "JSON syntax error at byte " + std::to_string(error.byte));
+  } catch (const json::out_of_range&) {
+    return make_error(ErrorId::kSceneFormat, "JSON holds a number beyond double precision");
+  } catch (const std::exception& error) {
+    return make_error(ErrorId::kSceneFormat, std::string("JSON: ") + error.what());
+  }
+}
+
+/// Read before the rest of the schema: a file of another version or with an extension that we lack
+/// may well break the rules of plain glTF 2.0, and should hear the real reason.
+Result<void> check_version_and_extensions(const json& root, Tally& tally) {
+  const auto asset = root.find("asset");
+  if (asset == root.end() || !asset->is_object()) {
+    return make_error(ErrorId::kSceneFormat, "asset is missing or no object");
+  }
+  for (const char* key : {"version", "minVersion"}) {
+    const auto version = asset->find(key);
+    if (version == asset->end()) continue;
+    const bool is_two =
+        version->is_string() && version->get_ref<const std::string&>().starts_with("2.");
+    const bool is_newer = std::string_view(key) == "minVersion" && is_two && *version != "2.0";
+    if (!is_two || is_newer) {
+      return make_error(ErrorId::kSceneFormat,
+                        std::string("asset.") + key + " is " + version->dump() + ", need 2.0");
+    }
+  }
+  for (const char* list : {"extensionsRequired", "extensionsUsed"}) {
+    const auto names = root.find(list);
+    if (names == root.end() || !names->is_array()) continue;
+    for (const json& entry : *names) {
+      if (!entry.is_string() || is_supported(entry.get_ref<const std::string&>())) continue;
+      const auto& extension = entry.get_ref<const std::string&>();
+      if (std::string_view(list) == "extensionsRequired") {
+        return make_error(ErrorId::kSceneExtension,
+                          "requires the unsupported extension " + extension.substr(0, 80));
+      }
+      tally.add("extensions used but not supported are ignored", 1, extension);
+    }
+  }
+  return {};
+}
+
+std::size_t list_size(const json& root, const char* key) {
+  const auto list = root.find(key);
+  return list != root.end() && list->is_array() ? list->size() : 0;
+}
+
+Result<void> check_sizes(const json& root) {
+  for (const char* key : {"nodes", "accessors", "bufferViews", "materials", "meshes", "images",
+                          "textures", "buffers", "skins", "samplers", "cameras"}) {
+    if (list_size(root, key) > kMaxNodes) {
+      return make_error(ErrorId::kSceneLimit, std::to_string(list_size(root, key)) + " " + key +
+                                                  ", at most " + std::to_string(kMaxNodes));
+    }
+  }
+  std::size_t primitives = 0;
+  if (const auto meshes = root.find("meshes"); meshes != root.end()) {
+    for (const json& mesh : *meshes) primitives += list_size(mesh, "primitives");
+  }
+  if (primitives > kMaxPrimitives) {
+    return make_error(ErrorId::kSceneLimit, std::to_string(primitives) + " primitives, at most " +
+                                                std::to_string(kMaxPrimitives));
+  }
+  return {};
+}
+
+std::string take_text(json& object, const char* key) {
+  const auto found = object.find(key);
+  return found == object.end() ? std::string() : std::move(found->get_ref<std::string&>());
+}
+
+/// Fills one buffer from its URI or, for the first one, from the BIN chunk.
+Result<BufferData> load_buffer(json& entry, std::size_t index, const Document& document,
+                               const GltfFile& file, std::uint64_t bytes_left) {
+  const std::string what = "buffers[" + std::to_string(index) + "]";
+  BufferData buffer;
+  buffer.length = entry["byteLength"].get<std::uint64_t>();
+  if (entry.contains("uri")) {
+    auto bytes = load_uri(take_text(entry, "uri"), document.folder, bytes_left, what);
+    if (!bytes) return bytes.error();
+    buffer.owned = bytes.take();
+    buffer.data = buffer.owned;
+  } else if (index == 0 && file.has_bin) {
+    buffer.data = file.bin;
+  } else {
+    buffer.absent = true;
+    return buffer;
+  }
+  if (buffer.data.size() < buffer.length) {
+    return make_error(ErrorId::kSceneRange,
+                      what + ".byteLength = " + std::to_string(buffer.length) + ", only " +
+                          std::to_string(buffer.data.size()) + " bytes are there");
+  }
+  return buffer;
+}
+
+Result<void> load_buffers(json& root, Document& document, const GltfFile& file) {
+  const auto list = root.find("buffers");
+  if (list == root.end()) return {};
+  std::uint64_t bytes_left = kMaxFileBytes;
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    auto buffer = load_buffer((*list)[i], i, document, file, bytes_left);
+    if (!buffer) return buffer.error();
+    const std::uint64_t used = buffer->owned.size();
+    if (used > bytes_left) {
+      return make_error(ErrorId::kSceneLimit,
+                        "the buffers hold more than " + std::to_string(kMaxFileBytes) + " bytes");
+    }
+    bytes_left -= used;
+    document.buffers.push_back(buffer.take());
+  }
+  root.erase("buffers");
+  return {};
+}
+
+/// Keeps where each image lies; a forbidden or missing file is refused now, pixels come later.
+Result<void> take_images(json& root, Document& document) {
+  const auto list = root.find("images");
+  if (list == root.end()) return {};
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    json& entry = (*list)[i];
+    const std::string what = "images[" + std::to_string(i) + "]";
+    ImageSource image{take_text(entry, "uri"), entry.value("bufferView", -1)};
+    if (image.uri.empty() == (image.buffer_view < 0)) {
+      return make_error(ErrorId::kSceneFormat, what + " needs either uri or bufferView");
+    }
+    if (!image.uri.empty() && !image.uri.starts_with("data:")) {
+      auto path = resolve_uri(image.uri, document.folder);
+      if (!path) return make_error(path.error().id, what + ": " + path.error().text);
+      std::error_code code;
+      if (!std::filesystem::exists(*path, code)) {
+        return make_error(ErrorId::kSceneMissing, what + ": '" + image.uri + "': no such file");
+      }
+      if (!std::filesystem::is_regular_file(*path, code)) {
+        return make_error(ErrorId::kSceneUri, what + ": '" + image.uri + "': not a regular file");
+      }
+    }
+    document.images.push_back(std::move(image));
+  }
+  root.erase("images");
+  return {};
+}
+
+/// tinygltf leaves the offsets of a sparse accessor uninitialised where the file omits them.
+void fill_sparse_defaults(json& root) {
+  const auto accessors = root.find("accessors");
+  if (accessors == root.end()) return;
+  for (json& accessor : *accessors) {
+    const auto sparse = accessor.find("sparse");
+    if (sparse == accessor.end()) continue;
+    for (const char* part : {"indices", "values"}) {
+      json& where = (*sparse)[part];
+      if (!where.contains("byteOffset")) where["byteOffset"] = 0;
+    }
+  }
+}
+
+Result<void> parse_model(const json& root, Document& document) {
+  tinygltf::TinyGLTF loader;
+  std::string error;
+  std::string warning;
+  bool loaded = false;
+  try {
+    const std::string text = root.dump();
+    loaded = loader.LoadASCIIFromString(&document.model, &error, &warning, text.c_str(),
+                                        static_cast<unsigned int>(text.size()), "");
+  } catch (const std::exception& exception) {
+    error = exception.what();
+  }
+  if (!loaded) return make_error(ErrorId::kSceneFormat, "not a valid glTF model: " + error);
+  return {};
+}
+
+}  // namespace
+
+std::span<const std::uint8_t> Document::view_bytes(int view) const {
+  const tinygltf::BufferView& place = model.bufferViews[view];
+  const BufferData& buffer = buffers[place.buffer];
+  if (buffer.absent) return {};
+  return buffer.data.subspan(place.byteOffset, place.byteLength);
+}
+
+Result<Document> load_document(const std::string& path, Tally& tally) {
+  auto file = open_gltf(path);
+  if (!file) return file.error();
+  Document document;
+  document.folder = std::filesystem::path(path).parent_path();
+  if (document.folder.empty()) document.folder = ".";
+
+  auto raw = parse_json(file->json);
+  if (!raw) return raw.error();
+  if (auto ok = check_version_and_extensions(*raw, tally); !ok) return ok.error();
+  if (auto ok = check_sizes(*raw); !ok) return ok.error();
+  auto clean = sanitize(raw.take());
+  if (!clean) return clean.error();
+  if (auto ok = load_buffers(*clean, document, *file); !ok) return ok.error();
+  if (auto ok = take_images(*clean, document); !ok) return ok.error();
+  fill_sparse_defaults(*clean);
+  if (auto ok = parse_model(*clean, document); !ok) return ok.error();
+  document.file = std::move(file->bytes);
+  if (auto ok = check_model(document); !ok) return ok.error();
+  return document;
+}
+
+}  // namespace mirage::gltf

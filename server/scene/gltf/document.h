@@ -1,0 +1,47 @@
+#pragma once
+// A glTF file whose structure is checked: the typed model, and its bytes.
+//
+// The model comes from tinygltf, which is shown only the sanitised JSON, without buffers and
+// images: it opens no file and decodes no pixel.
+
+#include <tiny_gltf.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "protocol/result.h"
+#include "server/scene/gltf/tally.h"
+
+namespace mirage::gltf {
+
+struct BufferData {
+  std::vector<std::uint8_t> owned;     ///< empty for the BIN chunk
+  std::span<const std::uint8_t> data;  ///< at least `length` bytes, unless absent
+  std::uint64_t length = 0;            ///< byteLength as declared
+  bool absent = false;                 ///< neither uri nor BIN chunk: content undefined
+};
+
+struct ImageSource {
+  std::string uri;
+  int buffer_view = -1;
+};
+
+struct Document {
+  std::vector<std::uint8_t> file;  ///< the BIN chunk lies in here
+  std::filesystem::path folder;
+  tinygltf::Model model;
+  std::vector<BufferData> buffers;
+  std::vector<ImageSource> images;
+
+  /// The bytes of a checked bufferView; empty when its buffer is absent.
+  std::span<const std::uint8_t> view_bytes(int view) const;
+};
+
+/// Errors: kSceneMissing, kSceneFormat, kSceneRange, kSceneReference, kSceneLimit, kSceneUri,
+/// kSceneExtension. Ranges of bufferViews and accessors are checked too (model_check.h).
+Result<Document> load_document(const std::string& path, Tally& tally);
+
+}  // namespace mirage::gltf

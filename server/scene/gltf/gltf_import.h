@@ -1,0 +1,16 @@
+#pragma once
+// glTF 2.0 (.glb, .gltf) -> Scene. Everything is validated before use; see gltf_import.cpp.
+
+#include <string>
+
+#include "server/scene/scene.h"
+
+namespace mirage {
+
+/// Loads and validates a glTF file.
+/// Errors: kSceneMissing, kSceneFormat, kSceneRange, kSceneReference, kSceneCycle, kSceneLimit,
+/// kSceneUri, kSceneExtension, kSceneEmpty; the text names the file and the offending element.
+/// Recoverable defects (a NaN vertex, an unreadable texture) are mended and listed in warnings.
+Result<Scene> import_gltf(const std::string& path);
+
+}  // namespace mirage

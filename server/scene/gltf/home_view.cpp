@@ -1,0 +1,64 @@
+#include "server/scene/gltf/home_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace mirage::gltf {
+namespace {
+
+constexpr double kOutside = 2.5;  // eye distance in radii: the whole sphere in view
+constexpr double kInside = 0.8;   // for a scene to walk in
+constexpr std::size_t kManyInstances = 20;
+constexpr double kFlat = 0.5;        // height over width
+constexpr double kCameraReach = 10;  // radii within which a camera of the file is believed
+constexpr double kWalkRadius = 1.5;  // in radii
+constexpr double kWalkSpeed = 1.4;   // m/s, a person
+constexpr double kPersonScale = 5;   // m: smaller scenes are walked in proportion
+constexpr double kSlowWalk = 0.28;   // radii per second
+
+struct EyeTarget {
+  glm::dvec3 eye;
+  glm::dvec3 target;
+};
+
+std::optional<EyeTarget> camera_view(const Document& document, const NodeTree& tree,
+                                     const Bounds& bounds) {
+  const double radius = bounds.radius();
+  for (const int node : tree.drawn) {
+    const int camera = document.model.nodes[node].camera;
+    if (camera < 0 || document.model.cameras[camera].type != "perspective") continue;
+    const glm::dmat4& world = tree.world_from_node[node];
+    const glm::dvec3 forward = -glm::dvec3(world[2]);
+    const double length = glm::length(forward);
+    if (!is_finite(world) || !(length > 0) || !std::isfinite(length)) continue;
+    const glm::dvec3 eye(world[3]);
+    const double distance = glm::length(eye - bounds.center());
+    if (distance > kCameraReach * radius) continue;
+    return EyeTarget{eye, eye + forward / length * std::max(distance, 0.1 * radius)};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+HomeView import_home_view(const Document& document, const NodeTree& tree, const Bounds& bounds,
+                          std::size_t instances) {
+  HomeView home;
+  const double radius = bounds.radius();
+  if (bounds.empty || !(radius > 0) || !std::isfinite(radius)) return home;
+  const glm::dvec3 size = bounds.high - bounds.low;
+  const bool is_ground = instances > kManyInstances && size.y < kFlat * std::max(size.x, size.z);
+  const glm::dvec3 direction = glm::normalize(glm::dvec3(0.6, 0.35, 1));
+  home.target = bounds.center();
+  home.eye = home.target + (is_ground ? kInside : kOutside) * radius * direction;
+  if (const auto camera = camera_view(document, tree, bounds)) {
+    home.eye = camera->eye;
+    home.target = camera->target;
+  }
+  home.walk_radius_m = kWalkRadius * radius;
+  home.walk_speed_mps = radius >= kPersonScale ? kWalkSpeed : kSlowWalk * radius;
+  return home;
+}
+
+}  // namespace mirage::gltf

@@ -1,0 +1,94 @@
+#include "server/scene/gltf/image_decode.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <memory>
+#include <vector>
+
+#include "server/scene/gltf/gltf_limits.h"
+#include "server/scene/gltf/image_size.h"
+
+namespace mirage::gltf {
+namespace {
+
+constexpr int kMaxChannels = 4;
+
+Error unreadable(const std::string& why) { return make_error(ErrorId::kSceneFormat, why); }
+
+const char* file_name(ImageFormat format) {
+  switch (format) {
+    case ImageFormat::kPng:
+      return "memory.png";
+    case ImageFormat::kJpeg:
+      return "memory.jpg";
+    default:
+      return "memory.webp";
+  }
+}
+
+/// Grey, grey-alpha and RGB to RGBA.
+std::vector<std::uint8_t> expand(const std::vector<std::uint8_t>& in, int channels) {
+  const std::size_t pixels = in.size() / static_cast<std::size_t>(channels);
+  std::vector<std::uint8_t> out(pixels * 4);
+  const bool grey = channels < 3;
+  const bool alpha = channels == 2 || channels == 4;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const std::uint8_t* source = &in[i * static_cast<std::size_t>(channels)];
+    out[i * 4 + 0] = source[0];
+    out[i * 4 + 1] = grey ? source[0] : source[1];
+    out[i * 4 + 2] = grey ? source[0] : source[2];
+    out[i * 4 + 3] = alpha ? source[channels - 1] : 255;
+  }
+  return out;
+}
+
+Result<Image> decode(std::span<const std::uint8_t> bytes, const ImageHeader& header) {
+  OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
+  OIIO::ImageSpec config;
+  config["oiio:UnassociatedAlpha"] = 1;
+  OIIO::Filesystem::IOProxy* proxy = &reader;
+  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  auto input = OIIO::ImageInput::open(file_name(header.format), &config, proxy);
+  // The message must be fetched in any case: OpenImageIO prints those nobody asked for.
+  if (!input) return unreadable(OIIO::geterror());
+  const OIIO::ImageSpec spec = input->spec();
+  const auto width = static_cast<std::uint32_t>(spec.width);
+  const auto height = static_cast<std::uint32_t>(spec.height);
+  if (width != header.width || height != header.height) return unreadable("contradictory size");
+  if (spec.nchannels < 1 || spec.nchannels > kMaxChannels) return unreadable("odd channel count");
+
+  std::vector<std::uint8_t> pixels(std::size_t{width} * height *
+                                   static_cast<std::size_t>(spec.nchannels));
+  const bool complete =
+      input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, pixels.data());
+  const std::string message = input->geterror();
+  input->close();
+  if (!complete) return unreadable(message);
+  Image image;
+  image.width = width;
+  image.height = height;
+  image.rgba = spec.nchannels == 4 ? std::move(pixels) : expand(pixels, spec.nchannels);
+  return image;
+}
+
+}  // namespace
+
+Result<Image> decode_image(std::span<const std::uint8_t> bytes, std::uint64_t max_pixels) {
+  const auto header = peek_image_header(bytes);
+  if (!header) return unreadable("neither a whole PNG, nor JPEG, nor WebP");
+  if (header->width == 0 || header->height == 0) return unreadable("an image without pixels");
+  const std::uint64_t pixels = std::uint64_t{header->width} * header->height;
+  if (header->width > kMaxImageSide || header->height > kMaxImageSide || pixels > max_pixels) {
+    return make_error(ErrorId::kSceneLimit, std::to_string(header->width) + " x " +
+                                                std::to_string(header->height) +
+                                                " pixels are too many");
+  }
+  try {
+    return decode(bytes, *header);
+  } catch (const std::exception& exception) {
+    return unreadable(exception.what());
+  }
+}
+
+}  // namespace mirage::gltf

@@ -1,0 +1,22 @@
+#pragma once
+// Width and height of an encoded image from its first bytes, without a decoder: decoders allocate
+// by these numbers, so they are judged first.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace mirage::gltf {
+
+enum class ImageFormat { kPng, kJpeg, kWebp };
+
+struct ImageHeader {
+  ImageFormat format = ImageFormat::kPng;
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+};
+
+/// Nothing if the bytes are none of the three formats, end before the size, or are a cut PNG.
+std::optional<ImageHeader> peek_image_header(std::span<const std::uint8_t> bytes);
+
+}  // namespace mirage::gltf

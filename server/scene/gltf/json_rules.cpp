@@ -1,0 +1,176 @@
+#include "server/scene/gltf/json_rules.h"
+
+namespace mirage::gltf {
+namespace {
+
+constexpr bool kRequired = true;
+constexpr bool kOptional = false;
+
+Rule index(std::string_view key, std::string_view target, bool required = kOptional) {
+  return {key, Kind::kIndex, required, target};
+}
+Rule count(std::string_view key, bool required = kOptional) {
+  return {key, Kind::kCount, required};
+}
+Rule number(std::string_view key) { return {key, Kind::kNumber}; }
+Rule numbers(std::string_view key, std::size_t size) {
+  return {key, Kind::kNumbers, kOptional, {}, nullptr, size};
+}
+Rule object(std::string_view key, const Schema& schema, bool required = kOptional) {
+  return {key, Kind::kObject, required, {}, &schema};
+}
+Rule objects(std::string_view key, const Schema& schema, bool required = kOptional) {
+  return {key, Kind::kObjectList, required, {}, &schema};
+}
+Rule name() { return {"name", Kind::kName}; }
+
+const Schema& empty_schema() {
+  static const Schema kSchema;
+  return kSchema;
+}
+
+const Schema& accessor_schema() {
+  static const Schema kIndices{{index("bufferView", "bufferViews", kRequired), count("byteOffset"),
+                                count("componentType", kRequired)}};
+  static const Schema kValues{{index("bufferView", "bufferViews", kRequired), count("byteOffset")}};
+  static const Schema kSparse{{count("count", kRequired), object("indices", kIndices, kRequired),
+                               object("values", kValues, kRequired)}};
+  static const Schema kSchema{{index("bufferView", "bufferViews"),
+                               count("byteOffset"),
+                               count("componentType", kRequired),
+                               {"normalized", Kind::kFlag},
+                               count("count", kRequired),
+                               {"type", Kind::kText, kRequired},
+                               object("sparse", kSparse)}};
+  return kSchema;
+}
+
+const Schema& texture_info_schema() {
+  static const Schema kTransform{
+      {numbers("offset", 2), number("rotation"), numbers("scale", 2), count("texCoord")}};
+  static const Schema kExtensions{{object("KHR_texture_transform", kTransform)}};
+  static const Schema kSchema{{index("index", "textures", kRequired), count("texCoord"),
+                               number("scale"), number("strength"),
+                               object("extensions", kExtensions)}};
+  return kSchema;
+}
+
+const Schema& material_schema() {
+  const Schema& info = texture_info_schema();
+  static const Schema kPbr{{numbers("baseColorFactor", 4), object("baseColorTexture", info),
+                            number("metallicFactor"), number("roughnessFactor"),
+                            object("metallicRoughnessTexture", info)}};
+  static const Schema kStrength{{number("emissiveStrength")}};
+  static const Schema kExtensions{{object("KHR_materials_unlit", empty_schema()),
+                                   object("KHR_materials_emissive_strength", kStrength)}};
+  static const Schema kSchema{{name(),
+                               object("pbrMetallicRoughness", kPbr),
+                               object("normalTexture", info),
+                               object("occlusionTexture", info),
+                               object("emissiveTexture", info),
+                               numbers("emissiveFactor", 3),
+                               {"alphaMode", Kind::kText},
+                               number("alphaCutoff"),
+                               {"doubleSided", Kind::kFlag},
+                               object("extensions", kExtensions)}};
+  return kSchema;
+}
+
+const Schema& texture_schema() {
+  static const Schema kWebp{{index("source", "images")}};
+  static const Schema kExtensions{{object("EXT_texture_webp", kWebp)}};
+  static const Schema kSchema{
+      {index("sampler", "samplers"), index("source", "images"), object("extensions", kExtensions)}};
+  return kSchema;
+}
+
+const Schema& mesh_schema() {
+  static const Schema kPrimitive{{{"attributes", Kind::kIndexMap, kRequired, "accessors"},
+                                  index("indices", "accessors"),
+                                  index("material", "materials"),
+                                  count("mode"),
+                                  {"targets", Kind::kIndexMapList, kOptional, "accessors"}}};
+  static const Schema kSchema{
+      {name(), objects("primitives", kPrimitive, kRequired), numbers("weights", 0)}};
+  return kSchema;
+}
+
+const Schema& node_schema() {
+  static const Schema kLight{{index("light", "lights", kRequired)}};
+  static const Schema kInstancing{{{"attributes", Kind::kIndexMap, kRequired, "accessors"}}};
+  static const Schema kExtensions{
+      {object("KHR_lights_punctual", kLight), object("EXT_mesh_gpu_instancing", kInstancing)}};
+  static const Schema kSchema{{name(),
+                               index("camera", "cameras"),
+                               {"children", Kind::kIndexList, kOptional, "nodes"},
+                               index("skin", "skins"),
+                               numbers("matrix", 16),
+                               index("mesh", "meshes"),
+                               numbers("rotation", 4),
+                               numbers("scale", 3),
+                               numbers("translation", 3),
+                               numbers("weights", 0),
+                               object("extensions", kExtensions)}};
+  return kSchema;
+}
+
+const Schema& camera_schema() {
+  static const Schema kPerspective{
+      {number("aspectRatio"), number("yfov"), number("zfar"), number("znear")}};
+  static const Schema kOrthographic{
+      {number("xmag"), number("ymag"), number("zfar"), number("znear")}};
+  static const Schema kSchema{{{"type", Kind::kText, kRequired},
+                               object("perspective", kPerspective),
+                               object("orthographic", kOrthographic)}};
+  return kSchema;
+}
+
+const Schema& lights_schema() {
+  static const Schema kSpot{{number("innerConeAngle"), number("outerConeAngle")}};
+  static const Schema kLight{{{"type", Kind::kText, kRequired},
+                              numbers("color", 3),
+                              number("intensity"),
+                              number("range"),
+                              object("spot", kSpot)}};
+  static const Schema kSchema{{objects("lights", kLight, kRequired)}};
+  return kSchema;
+}
+
+}  // namespace
+
+const Schema& root_schema() {
+  static const Schema kAsset{{{"version", Kind::kText, kRequired}, {"minVersion", Kind::kText}}};
+  static const Schema kView{{index("buffer", "buffers", kRequired), count("byteOffset"),
+                             count("byteLength", kRequired), count("byteStride")}};
+  static const Schema kBuffer{{{"uri", Kind::kText}, count("byteLength", kRequired)}};
+  static const Schema kImage{
+      {{"uri", Kind::kText}, {"mimeType", Kind::kText}, index("bufferView", "bufferViews")}};
+  static const Schema kSampler{
+      {count("magFilter"), count("minFilter"), count("wrapS"), count("wrapT")}};
+  static const Schema kScene{{name(), {"nodes", Kind::kIndexList, kOptional, "nodes"}}};
+  static const Schema kSkin{{name(),
+                             index("inverseBindMatrices", "accessors"),
+                             index("skeleton", "nodes"),
+                             {"joints", Kind::kIndexList, kRequired, "nodes"}}};
+  static const Schema kExtensions{{object("KHR_lights_punctual", lights_schema())}};
+  static const Schema kSchema{{object("asset", kAsset, kRequired),
+                               {"extensionsUsed", Kind::kTexts},
+                               {"extensionsRequired", Kind::kTexts},
+                               objects("accessors", accessor_schema()),
+                               objects("bufferViews", kView),
+                               objects("buffers", kBuffer),
+                               objects("cameras", camera_schema()),
+                               objects("images", kImage),
+                               objects("materials", material_schema()),
+                               objects("meshes", mesh_schema()),
+                               objects("nodes", node_schema()),
+                               objects("samplers", kSampler),
+                               index("scene", "scenes"),
+                               objects("scenes", kScene),
+                               objects("skins", kSkin),
+                               objects("textures", texture_schema()),
+                               object("extensions", kExtensions)}};
+  return kSchema;
+}
+
+}  // namespace mirage::gltf

@@ -1,0 +1,204 @@
+#include "server/scene/gltf/material_import.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/scene/gltf/gltf_limits.h"
+#include "server/scene/gltf/image_decode.h"
+#include "server/scene/gltf/uri_loader.h"
+
+namespace mirage::gltf {
+namespace {
+
+constexpr double kMaxEmission = 1e6;
+constexpr double kMaxUvTransform = 1e6;
+
+Wrap wrap_mode(int mode) {
+  switch (mode) {
+    case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
+      return Wrap::kClamp;
+    case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
+      return Wrap::kMirror;
+    default:
+      return Wrap::kRepeat;
+  }
+}
+
+AlphaMode alpha_mode(const std::string& mode) {
+  if (mode == "MASK") return AlphaMode::kMask;
+  if (mode == "BLEND") return AlphaMode::kBlend;
+  return AlphaMode::kOpaque;
+}
+
+double element(const std::vector<double>& values, std::size_t i, double fallback) {
+  return i < values.size() ? values[i] : fallback;
+}
+
+double number_or(const tinygltf::Value& object, const char* key, double fallback) {
+  if (!object.IsObject() || !object.Has(key)) return fallback;
+  const tinygltf::Value& value = object.Get(key);
+  return value.IsNumber() ? value.GetNumberAsDouble() : fallback;
+}
+
+double pair_element(const tinygltf::Value& object, const char* key, int i, double fallback) {
+  if (!object.IsObject() || !object.Has(key)) return fallback;
+  const tinygltf::Value& list = object.Get(key);
+  if (!list.IsArray() || list.ArrayLen() <= static_cast<std::size_t>(i) || !list.Get(i).IsNumber())
+    return fallback;
+  return list.Get(i).GetNumberAsDouble();
+}
+
+Image white_pixel() {
+  Image image;
+  image.width = 1;
+  image.height = 1;
+  image.rgba.assign(4, 255);
+  return image;
+}
+
+}  // namespace
+
+std::uint32_t MaterialImporter::index_of(int gltf_material, bool unlit) {
+  const auto [entry, is_new] = material_index_.try_emplace({gltf_material, unlit}, 0u);
+  if (!is_new) return entry->second;
+  static const tinygltf::Material kDefault;
+  Material material =
+      convert(gltf_material < 0 ? kDefault : document_.model.materials[gltf_material]);
+  material.unlit = material.unlit || unlit;
+  entry->second = static_cast<std::uint32_t>(materials_.size());
+  materials_.push_back(material);
+  return entry->second;
+}
+
+float MaterialImporter::factor(double value, double low, double high, double fallback) {
+  if (!std::isfinite(value)) value = fallback;
+  const double clamped = std::clamp(value, low, high);
+  if (clamped != value) tally_.add("material factors out of range clamped");
+  return static_cast<float>(clamped);
+}
+
+Material MaterialImporter::convert(const tinygltf::Material& source) {
+  Material out;
+  const auto& pbr = source.pbrMetallicRoughness;
+  for (int i = 0; i < 4; ++i)
+    out.base_color[i] = factor(element(pbr.baseColorFactor, i, 1), 0, 1, 1);
+  out.metallic = factor(pbr.metallicFactor, 0, 1, 1);
+  out.roughness = factor(pbr.roughnessFactor, 0, 1, 1);
+  double strength = 1;
+  if (const auto ext = source.extensions.find("KHR_materials_emissive_strength");
+      ext != source.extensions.end()) {
+    strength = number_or(ext->second, "emissiveStrength", 1);
+  }
+  for (int i = 0; i < 3; ++i) {
+    out.emissive[i] = factor(element(source.emissiveFactor, i, 0) * strength, 0, kMaxEmission, 0);
+  }
+  out.normal_scale = factor(source.normalTexture.scale, -1e3, 1e3, 1);
+  out.occlusion_strength = factor(source.occlusionTexture.strength, 0, 1, 1);
+  out.alpha_cutoff = factor(source.alphaCutoff, 0, 1e3, 0.5);
+  out.alpha_mode = alpha_mode(source.alphaMode);
+  out.double_sided = source.doubleSided;
+  out.unlit = source.extensions.contains("KHR_materials_unlit");
+
+  auto ref = [this](const auto& info, bool srgb) {
+    return texture(info.extensions, info.index, info.texCoord, srgb);
+  };
+  out.base_color_map = ref(pbr.baseColorTexture, true);
+  out.metal_rough_map = ref(pbr.metallicRoughnessTexture, false);
+  out.normal_map = ref(source.normalTexture, false);
+  out.occlusion_map = ref(source.occlusionTexture, false);
+  out.emissive_map = ref(source.emissiveTexture, true);
+  return out;
+}
+
+TextureRef MaterialImporter::texture(const tinygltf::ExtensionMap& extensions, int texture,
+                                     int uv_set, bool srgb) {
+  TextureRef ref;
+  if (texture < 0) return ref;
+  const tinygltf::Texture& source = document_.model.textures[texture];
+  int image = source.source;
+  if (const auto webp = source.extensions.find("EXT_texture_webp");
+      image < 0 && webp != source.extensions.end()) {
+    image = static_cast<int>(number_or(webp->second, "source", -1));
+  }
+  if (image < 0) {
+    tally_.add("textures without a readable source left out");
+    return ref;
+  }
+  apply_sampler(source.sampler, ref);
+  apply_transform(extensions, ref, uv_set);
+  if (uv_set > 1) {
+    tally_.add("textures with TEXCOORD_2 or higher use TEXCOORD_0");
+    uv_set = 0;
+  }
+  ref.uv_set = static_cast<std::uint8_t>(uv_set);
+  ref.image = image_index(image, srgb);
+  return ref;
+}
+
+void MaterialImporter::apply_sampler(int sampler, TextureRef& ref) const {
+  if (sampler < 0) return;
+  const tinygltf::Sampler& source = document_.model.samplers[sampler];
+  ref.wrap_s = wrap_mode(source.wrapS);
+  ref.wrap_t = wrap_mode(source.wrapT);
+  ref.nearest = source.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+}
+
+void MaterialImporter::apply_transform(const tinygltf::ExtensionMap& extensions, TextureRef& ref,
+                                       int& uv_set) {
+  const auto found = extensions.find("KHR_texture_transform");
+  if (found == extensions.end()) return;
+  const tinygltf::Value& transform = found->second;
+  const double limit = kMaxUvTransform;
+  for (int i = 0; i < 2; ++i) {
+    ref.offset[i] = factor(pair_element(transform, "offset", i, 0), -limit, limit, 0);
+    ref.scale[i] = factor(pair_element(transform, "scale", i, 1), -limit, limit, 1);
+  }
+  ref.rotation = factor(number_or(transform, "rotation", 0), -limit, limit, 0);
+  uv_set = static_cast<int>(number_or(transform, "texCoord", uv_set));
+}
+
+std::int32_t MaterialImporter::image_index(int source, bool srgb) {
+  const auto [entry, is_new] = image_index_.try_emplace({source, srgb}, -1);
+  if (!is_new) return entry->second;
+  Image image;
+  // Colour and data need different decoding, so an image used for both is stored twice.
+  const auto other = image_index_.find({source, !srgb});
+  if (other != image_index_.end()) {
+    const Image& twin = images_[other->second];
+    const std::uint64_t pixels = std::uint64_t{twin.width} * twin.height;
+    image = pixels_ + pixels <= kMaxScenePixels ? twin : load_image(source);
+    pixels_ += pixels;
+  } else {
+    image = load_image(source);
+    pixels_ += std::uint64_t{image.width} * image.height;
+  }
+  image.srgb = srgb;
+  entry->second = static_cast<std::int32_t>(images_.size());
+  images_.push_back(std::move(image));
+  return entry->second;
+}
+
+Image MaterialImporter::load_image(int source) {
+  const ImageSource& place = document_.images[source];
+  const std::string what = "images[" + std::to_string(source) + "]";
+  std::vector<std::uint8_t> owned;
+  std::span<const std::uint8_t> bytes;
+  if (place.buffer_view >= 0) {
+    bytes = document_.view_bytes(place.buffer_view);
+  } else {
+    auto loaded = load_uri(place.uri, document_.folder, kMaxFileBytes, what);
+    if (!loaded) {
+      tally_.add("unreadable images replaced by white", 1, loaded.error().text);
+      return white_pixel();
+    }
+    owned = loaded.take();
+    bytes = owned;
+  }
+  const std::uint64_t left = kMaxScenePixels - std::min(pixels_, kMaxScenePixels);
+  auto image = decode_image(bytes, std::min(kMaxImagePixels, left));
+  if (image) return image.take();
+  tally_.add("unreadable images replaced by white", 1, what + ": " + image.error().text);
+  return white_pixel();
+}
+
+}  // namespace mirage::gltf

@@ -1,0 +1,25 @@
+#pragma once
+// RawPrimitive -> Mesh: defective and degenerate elements go, normals and tangents are completed,
+// unused vertices are left out.
+
+#include "protocol/model.h"
+#include "server/scene/gltf/primitive_read.h"
+#include "server/scene/gltf/tally.h"
+
+namespace mirage::gltf {
+
+/// Appends what is drawable of `raw` as one Primitive of `mesh`; nothing if nothing is left.
+/// Every vertex written is finite, with unit normal and tangent.
+void append_primitive(RawPrimitive&& raw, std::uint32_t material, bool needs_tangents, Tally& tally,
+                      Mesh& mesh);
+
+/// How many vertices append_primitive may add.
+std::size_t vertices_needed(const RawPrimitive& raw);
+
+/// Any unit vector perpendicular to the unit vector `normal`.
+glm::vec3 perpendicular(const glm::vec3& normal);
+
+/// `v` at unit length, or `fallback` where it has no direction (zero, NaN, infinite).
+glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& fallback);
+
+}  // namespace mirage::gltf

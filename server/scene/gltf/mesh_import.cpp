@@ -1,0 +1,74 @@
+#include "server/scene/gltf/mesh_import.h"
+
+#include "server/scene/gltf/gltf_limits.h"
+#include "server/scene/gltf/mesh_assemble.h"
+
+namespace mirage::gltf {
+namespace {
+
+Error limit_error(const char* what, std::uint64_t limit) {
+  return make_error(ErrorId::kSceneLimit,
+                    "the scene needs more than " + std::to_string(limit) + " " + what);
+}
+
+bool uses_missing_uv(const Material& material, const RawPrimitive& raw) {
+  for (const TextureRef* ref :
+       {&material.base_color_map, &material.metal_rough_map, &material.normal_map,
+        &material.occlusion_map, &material.emissive_map}) {
+    if (ref->present() && (ref->uv_set == 0 ? raw.uv0.empty() : raw.uv1.empty())) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Result<void> Budget::take(std::uint64_t vertices, std::uint64_t indices) {
+  vertices_ += vertices;
+  indices_ += indices;
+  if (vertices_ > kMaxVertices) return limit_error("vertices", kMaxVertices);
+  if (indices_ > kMaxIndices) return limit_error("indices", kMaxIndices);
+  return {};
+}
+
+Result<void> Budget::take_primitives(std::uint64_t count) {
+  primitives_ += count;
+  if (primitives_ > kMaxPrimitives) return limit_error("primitives", kMaxPrimitives);
+  return {};
+}
+
+void Budget::give_back(std::uint64_t vertices, std::uint64_t indices) {
+  vertices_ -= vertices;
+  indices_ -= indices;
+}
+
+Result<Mesh> import_mesh(const Document& document, int mesh, const Pose& pose,
+                         MaterialImporter& materials, Budget& budget, Tally& tally) {
+  Mesh out;
+  for (const tinygltf::Primitive& source : document.model.meshes[mesh].primitives) {
+    auto raw = read_primitive(document, source, pose, tally);
+    if (!raw) {
+      return make_error(raw.error().id,
+                        "meshes[" + std::to_string(mesh) + "]: " + raw.error().text);
+    }
+    if (raw->indices.empty()) continue;
+    const std::uint64_t vertices = vertices_needed(*raw);
+    const std::uint64_t indices = raw->indices.size();
+    if (auto ok = budget.take(vertices, indices); !ok) return ok.error();
+    if (auto ok = budget.take_primitives(1); !ok) return ok.error();
+
+    const bool unlit = raw->kind != PrimitiveKind::kTriangles && raw->normal.empty();
+    const std::uint32_t material = materials.index_of(source.material, unlit);
+    const Material& used = materials.materials()[material];
+    if (uses_missing_uv(used, *raw)) {
+      tally.add("primitives lack the texture coordinates of their material");
+    }
+    const std::size_t vertices_before = out.vertices.size();
+    const std::size_t indices_before = out.indices.size();
+    append_primitive(raw.take(), material, used.normal_map.present(), tally, out);
+    budget.give_back(vertices - (out.vertices.size() - vertices_before),
+                     indices - (out.indices.size() - indices_before));
+  }
+  return out;
+}
+
+}  // namespace mirage::gltf

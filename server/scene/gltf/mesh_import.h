@@ -1,0 +1,34 @@
+#pragma once
+// A glTF mesh in one pose -> Mesh, inside the budget of the scene.
+
+#include <cstdint>
+
+#include "protocol/model.h"
+#include "protocol/result.h"
+#include "server/scene/gltf/document.h"
+#include "server/scene/gltf/material_import.h"
+#include "server/scene/gltf/primitive_read.h"
+#include "server/scene/gltf/tally.h"
+
+namespace mirage::gltf {
+
+/// What all meshes of a scene may hold together.
+class Budget {
+ public:
+  /// Takes the amounts, or names the limit that they would cross (kSceneLimit).
+  Result<void> take(std::uint64_t vertices, std::uint64_t indices);
+  /// One more primitive kept. Bounds scenes of very many tiny meshes.
+  Result<void> take_primitives(std::uint64_t count);
+  void give_back(std::uint64_t vertices, std::uint64_t indices);
+
+ private:
+  std::uint64_t vertices_ = 0;
+  std::uint64_t indices_ = 0;
+  std::uint64_t primitives_ = 0;
+};
+
+/// The mesh may come out empty. Errors: those of read_primitive, and kSceneLimit.
+Result<Mesh> import_mesh(const Document& document, int mesh, const Pose& pose,
+                         MaterialImporter& materials, Budget& budget, Tally& tally);
+
+}  // namespace mirage::gltf

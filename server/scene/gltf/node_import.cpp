@@ -1,0 +1,156 @@
+#include "server/scene/gltf/node_import.h"
+
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <string>
+
+namespace mirage::gltf {
+namespace {
+
+constexpr int kNoParent = -1;
+constexpr std::size_t kShownPath = 8;
+
+std::string node_name(int node) { return "nodes[" + std::to_string(node) + "]"; }
+
+Result<std::vector<int>> find_parents(const tinygltf::Model& model) {
+  std::vector<int> parent(model.nodes.size(), kNoParent);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    const int self = static_cast<int>(i);
+    for (const int child : model.nodes[i].children) {
+      if (child == self) {
+        return make_error(ErrorId::kSceneCycle, node_name(self) + " is its own child");
+      }
+      if (parent[child] == self) {
+        return make_error(ErrorId::kSceneCycle,
+                          node_name(self) + " lists its child " + node_name(child) + " twice");
+      }
+      if (parent[child] != kNoParent) {
+        return make_error(ErrorId::kSceneCycle, node_name(child) + " has two parents, " +
+                                                    node_name(parent[child]) + " and " +
+                                                    node_name(self));
+      }
+      parent[child] = self;
+    }
+  }
+  return parent;
+}
+
+/// The loop that `node` lies on or above, as "nodes[2] > nodes[0] > nodes[2]".
+std::string cycle_path(const std::vector<int>& parent, int node) {
+  // After as many steps up as there are nodes we are surely on the loop itself.
+  for (std::size_t i = 0; i < parent.size(); ++i) node = parent[node];
+  std::string path = node_name(node);
+  int at = parent[node];
+  for (std::size_t i = 1; at != node && i < kShownPath; ++i, at = parent[at]) {
+    path = node_name(at) + " > " + path;
+  }
+  return (at == node ? node_name(at) : std::string("...")) + " > " + path;
+}
+
+/// Nodes from the roots down. With one parent each, whatever is not reached lies on a loop.
+Result<std::vector<int>> order_nodes(const tinygltf::Model& model, const std::vector<int>& parent) {
+  std::vector<int> order;
+  std::vector<bool> reached(parent.size(), false);
+  order.reserve(parent.size());
+  for (std::size_t i = 0; i < parent.size(); ++i) {
+    if (parent[i] == kNoParent) order.push_back(static_cast<int>(i));
+  }
+  for (std::size_t at = 0; at < order.size(); ++at) {
+    reached[order[at]] = true;
+    const auto& children = model.nodes[order[at]].children;
+    order.insert(order.end(), children.begin(), children.end());
+  }
+  for (std::size_t i = 0; i < parent.size(); ++i) {
+    if (reached[i]) continue;
+    return make_error(ErrorId::kSceneCycle,
+                      "a node lies below itself: " + cycle_path(parent, static_cast<int>(i)));
+  }
+  return order;
+}
+
+glm::dmat4 local_matrix(const tinygltf::Node& node, Tally& tally) {
+  if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
+  glm::dvec3 translation(0);
+  glm::dvec4 rotation(0, 0, 0, 1);
+  glm::dvec3 scale(1);
+  if (node.translation.size() == 3) translation = glm::make_vec3(node.translation.data());
+  if (node.rotation.size() == 4) rotation = glm::make_vec4(node.rotation.data());
+  if (node.scale.size() == 3) scale = glm::make_vec3(node.scale.data());
+  return matrix_from_trs(translation, rotation, scale, tally);
+}
+
+/// The roots that the active scene lists: `scene`, else the first; all of them without scenes.
+Result<std::vector<int>> scene_roots(const tinygltf::Model& model, const std::vector<int>& parent) {
+  std::vector<int> roots;
+  if (model.scenes.empty()) {
+    for (std::size_t i = 0; i < parent.size(); ++i) {
+      if (parent[i] == kNoParent) roots.push_back(static_cast<int>(i));
+    }
+    return roots;
+  }
+  const int scene = model.defaultScene < 0 ? 0 : model.defaultScene;
+  std::vector<bool> listed(parent.size(), false);
+  for (const int node : model.scenes[scene].nodes) {
+    if (parent[node] != kNoParent) {
+      return make_error(ErrorId::kSceneReference, "scenes[" + std::to_string(scene) + "] lists " +
+                                                      node_name(node) + ", which is a child of " +
+                                                      node_name(parent[node]));
+    }
+    if (!listed[node]) roots.push_back(node);
+    listed[node] = true;
+  }
+  return roots;
+}
+
+}  // namespace
+
+Result<NodeTree> flatten_nodes(const tinygltf::Model& model, Tally& tally) {
+  auto parent = find_parents(model);
+  if (!parent) return parent.error();
+  auto order = order_nodes(model, *parent);
+  if (!order) return order.error();
+  auto roots = scene_roots(model, *parent);
+  if (!roots) return roots.error();
+
+  NodeTree tree;
+  tree.world_from_node.assign(model.nodes.size(), glm::dmat4(1));
+  for (const int node : *order) {
+    const glm::dmat4 local = local_matrix(model.nodes[node], tally);
+    const int above = (*parent)[node];
+    tree.world_from_node[node] = above == kNoParent ? local : tree.world_from_node[above] * local;
+  }
+  tree.drawn = roots.take();
+  for (std::size_t at = 0; at < tree.drawn.size(); ++at) {
+    const auto& children = model.nodes[tree.drawn[at]].children;
+    tree.drawn.insert(tree.drawn.end(), children.begin(), children.end());
+  }
+  return tree;
+}
+
+bool is_finite(const glm::dmat4& matrix) {
+  for (int c = 0; c < 4; ++c) {
+    for (int r = 0; r < 4; ++r) {
+      if (!std::isfinite(matrix[c][r])) return false;
+    }
+  }
+  return true;
+}
+
+glm::dmat4 matrix_from_trs(const glm::dvec3& translation, const glm::dvec4& rotation,
+                           const glm::dvec3& scale, Tally& tally) {
+  glm::dquat turn(rotation.w, rotation.x, rotation.y, rotation.z);
+  const double length = glm::length(turn);
+  if (length > 0 && std::isfinite(length)) {
+    turn = turn / length;
+  } else {
+    tally.add("rotations without length ignored");
+    turn = glm::dquat(1, 0, 0, 0);
+  }
+  glm::dmat4 matrix = glm::mat4_cast(turn);
+  for (int c = 0; c < 3; ++c) matrix[c] *= scale[c];
+  matrix[3] = glm::dvec4(translation, 1.0);
+  return matrix;
+}
+
+}  // namespace mirage::gltf

@@ -1,0 +1,28 @@
+#pragma once
+// The node hierarchy: proven to be a forest, then flattened to world matrices in double precision.
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "protocol/result.h"
+#include "server/scene/gltf/document.h"
+#include "server/scene/gltf/tally.h"
+
+namespace mirage::gltf {
+
+struct NodeTree {
+  std::vector<glm::dmat4> world_from_node;  ///< of every node in the file; may hold inf or NaN
+  std::vector<int> drawn;                   ///< nodes of the active scene, parents first
+};
+
+/// No recursion: a chain of 100 000 nodes is valid. Errors: kSceneCycle (a node below itself, or
+/// with two parents), kSceneReference (a scene lists a node that has a parent).
+Result<NodeTree> flatten_nodes(const tinygltf::Model& model, Tally& tally);
+
+bool is_finite(const glm::dmat4& matrix);
+
+/// From a glTF quaternion (x, y, z, w); one without length counts as no rotation.
+glm::dmat4 matrix_from_trs(const glm::dvec3& translation, const glm::dvec4& rotation,
+                           const glm::dvec3& scale, Tally& tally);
+
+}  // namespace mirage::gltf

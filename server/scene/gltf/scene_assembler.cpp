@@ -1,0 +1,197 @@
+#include "server/scene/gltf/scene_assembler.h"
+
+#include <cmath>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "server/scene/gltf/accessor_reader.h"
+#include "server/scene/gltf/gltf_limits.h"
+#include "server/scene/gltf/similarity_split.h"
+
+namespace mirage::gltf {
+namespace {
+
+constexpr double kResidualGrid = 1e-5;  // residuals that agree to this share one baked mesh
+constexpr char kInstancing[] = "EXT_mesh_gpu_instancing";
+
+std::array<std::int64_t, 9> grid_key(const glm::dmat3& residual) {
+  std::array<std::int64_t, 9> key{};
+  for (int i = 0; i < 9; ++i) {
+    key[static_cast<std::size_t>(i)] = std::llround(residual[i / 3][i % 3] / kResidualGrid);
+  }
+  return key;
+}
+
+/// One optional attribute of EXT_mesh_gpu_instancing: its accessor, -1 if absent.
+int attribute(const tinygltf::Value& attributes, const char* semantic) {
+  return attributes.Has(semantic) ? attributes.Get(semantic).GetNumberAsInt() : -1;
+}
+
+}  // namespace
+
+Result<void> SceneAssembler::add_node(int node) {
+  const tinygltf::Node& source = document_.model.nodes[node];
+  if (source.mesh < 0) return {};
+  Pose pose;
+  int skin = source.skin;
+  if (skin >= 0) pose.joint_matrices = skin_matrices(skin);
+  if (pose.joint_matrices.empty()) skin = -1;
+  auto base = base_of(node, std::move(pose), skin);
+  if (!base) return base.error();
+  if (bases_[*base].empty) return {};
+  // glTF §3.7.3.3: joints alone place a skinned mesh.
+  const glm::dmat4 world = skin >= 0 ? glm::dmat4(1) : tree_.world_from_node[node];
+  const auto instancing = source.extensions.find(kInstancing);
+  if (instancing == source.extensions.end() || skin >= 0) return place(*base, world);
+
+  auto copies = instance_matrices(instancing->second);
+  if (!copies) {
+    return make_error(copies.error().id,
+                      "nodes[" + std::to_string(node) + "]: " + copies.error().text);
+  }
+  for (const glm::dmat4& copy : *copies) {
+    if (auto ok = place(*base, world * copy); !ok) return ok;
+  }
+  return {};
+}
+
+Result<std::size_t> SceneAssembler::base_of(int node, Pose pose, int skin) {
+  const tinygltf::Node& source = document_.model.nodes[node];
+  const tinygltf::Mesh& mesh = document_.model.meshes[source.mesh];
+  pose.weights = source.weights.empty() ? mesh.weights : source.weights;
+  const auto [entry, is_new] =
+      base_index_.try_emplace(BaseKey{source.mesh, skin, pose.weights}, bases_.size());
+  if (!is_new) return entry->second;
+  auto imported = import_mesh(document_, source.mesh, pose, materials_, budget_, tally_);
+  if (!imported) return imported.error();
+  Base base;
+  base.mesh = imported.take();
+  base.name = !mesh.name.empty() ? mesh.name : source.name;
+  base.empty = base.mesh.primitives.empty();
+  if (base.empty) tally_.add("meshes with nothing to draw");
+  bases_.push_back(std::move(base));
+  return bases_.size() - 1;
+}
+
+Result<void> SceneAssembler::place(std::size_t base, const glm::dmat4& world) {
+  if (!is_finite(world)) {
+    tally_.add("instances with a transform that is not finite left out");
+    return {};
+  }
+  const SplitTransform split = split_transform(world);
+  if (split.residual == glm::dmat3(0)) {
+    tally_.add("instances without size left out");
+    return {};
+  }
+  if (scene_.instances.size() >= kMaxInstances) {
+    return make_error(ErrorId::kSceneLimit,
+                      "the scene needs more than " + std::to_string(kMaxInstances) + " instances");
+  }
+  auto object = object_of(base, split.residual, split.has_residual);
+  if (!object) return object.error();
+  scene_.instances.push_back({*object, split.similarity});
+  return {};
+}
+
+Result<std::uint32_t> SceneAssembler::object_of(std::size_t index, const glm::dmat3& residual,
+                                                bool baked) {
+  Base& base = bases_[index];
+  const auto next = static_cast<std::uint32_t>(scene_.objects.size());
+  if (!baked) {
+    if (base.object < 0) {
+      base.object = static_cast<int>(next);
+      scene_.objects.push_back({base.name, std::move(base.mesh)});
+    }
+    return static_cast<std::uint32_t>(base.object);
+  }
+  const auto [entry, is_new] = baked_index_.try_emplace(BakedKey{index, grid_key(residual)}, next);
+  if (!is_new) return entry->second;
+  const Mesh& mesh = base.object < 0 ? base.mesh : scene_.objects[base.object].mesh;
+  if (auto ok = budget_.take(mesh.vertices.size(), mesh.indices.size()); !ok) return ok.error();
+  if (auto ok = budget_.take_primitives(mesh.primitives.size()); !ok) return ok.error();
+  Mesh copy = bake(mesh, residual);
+  scene_.objects.push_back({base.name, std::move(copy)});
+  return next;
+}
+
+std::vector<glm::dmat4> SceneAssembler::skin_matrices(int index) {
+  const tinygltf::Skin& skin = document_.model.skins[index];
+  std::vector<glm::dmat4> matrices;
+  std::vector<float> inverse;
+  if (skin.inverseBindMatrices >= 0) {
+    auto values = read_floats(document_, skin.inverseBindMatrices, 16);
+    if (values && values->size() >= skin.joints.size() * 16) inverse = values.take();
+    if (inverse.empty()) {
+      tally_.add("meshes with a broken skin left unskinned");
+      return matrices;
+    }
+  }
+  for (std::size_t i = 0; i < skin.joints.size(); ++i) {
+    glm::dmat4 matrix = tree_.world_from_node[skin.joints[i]];
+    if (!inverse.empty()) matrix = matrix * glm::dmat4(glm::make_mat4(&inverse[i * 16]));
+    if (!is_finite(matrix)) {
+      tally_.add("meshes with a broken skin left unskinned");
+      return {};
+    }
+    matrices.push_back(matrix);
+  }
+  return matrices;
+}
+
+Result<std::vector<glm::dmat4>> SceneAssembler::instance_matrices(
+    const tinygltf::Value& extension) {
+  struct Column {
+    const char* semantic;
+    std::size_t components;
+    std::vector<float> values;
+  };
+  Column columns[] = {{"TRANSLATION", 3, {}}, {"ROTATION", 4, {}}, {"SCALE", 3, {}}};
+  std::size_t count = 0;
+  for (Column& column : columns) {
+    const int accessor = attribute(extension.Get("attributes"), column.semantic);
+    if (accessor < 0) continue;
+    if (document_.model.accessors[accessor].count > kMaxInstances) {
+      return make_error(ErrorId::kSceneLimit,
+                        "more than " + std::to_string(kMaxInstances) + " instances");
+    }
+    auto values = read_floats(document_, accessor, column.components);
+    if (!values) return values.error();
+    const std::size_t here = values->size() / column.components;
+    if (count != 0 && here != count) {
+      return make_error(ErrorId::kSceneRange, std::string(kInstancing) + " has " + column.semantic +
+                                                  " of " + std::to_string(here) +
+                                                  " elements beside " + std::to_string(count));
+    }
+    count = here;
+    column.values = values.take();
+  }
+  std::vector<glm::dmat4> matrices(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    auto vector = [i](const Column& column, int c, double fallback) {
+      return column.values.empty()
+                 ? fallback
+                 : static_cast<double>(
+                       column.values[i * column.components + static_cast<std::size_t>(c)]);
+    };
+    glm::dvec3 translation;
+    glm::dvec4 rotation;
+    glm::dvec3 scale;
+    for (int c = 0; c < 3; ++c) translation[c] = vector(columns[0], c, 0);
+    for (int c = 0; c < 4; ++c) rotation[c] = vector(columns[1], c, c == 3 ? 1 : 0);
+    for (int c = 0; c < 3; ++c) scale[c] = vector(columns[2], c, 1);
+    matrices[i] = matrix_from_trs(translation, rotation, scale, tally_);
+  }
+  return matrices;
+}
+
+Scene SceneAssembler::take() {
+  scene_.materials = materials_.take_materials();
+  scene_.images = materials_.take_images();
+  if (scene_.objects.empty()) {
+    // Whatever was converted for meshes that came out empty is of no use either.
+    scene_.materials.clear();
+    scene_.images.clear();
+  }
+  return std::move(scene_);
+}
+
+}  // namespace mirage::gltf

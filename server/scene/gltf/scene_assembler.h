@@ -1,0 +1,61 @@
+#pragma once
+// Nodes with meshes -> objects and instances of a Scene. Meshes are shared between instances
+// whose transforms are similarities; other transforms get baked copies, shared where equal.
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "server/scene/gltf/document.h"
+#include "server/scene/gltf/material_import.h"
+#include "server/scene/gltf/mesh_import.h"
+#include "server/scene/gltf/node_import.h"
+#include "server/scene/gltf/tally.h"
+#include "server/scene/scene.h"
+
+namespace mirage::gltf {
+
+class SceneAssembler {
+ public:
+  SceneAssembler(const Document& document, const NodeTree& tree, Tally& tally)
+      : document_(document), tree_(tree), tally_(tally), materials_(document, tally) {}
+
+  /// Adds whatever a node draws. Errors: those of import_mesh, kSceneLimit.
+  Result<void> add_node(int node);
+
+  /// Objects, instances, materials and images; the assembler is spent.
+  Scene take();
+
+ private:
+  /// A mesh in one pose. Its vertices move into the object that first shows it unbaked.
+  struct Base {
+    Mesh mesh;
+    std::string name;
+    int object = -1;
+    bool empty = false;
+  };
+  using BaseKey = std::tuple<int, int, std::vector<double>>;  // mesh, skin, morph weights
+  using BakedKey = std::pair<std::size_t, std::array<std::int64_t, 9>>;
+
+  Result<std::size_t> base_of(int node, Pose pose, int skin);
+  Result<void> place(std::size_t base, const glm::dmat4& world);
+  Result<std::uint32_t> object_of(std::size_t base, const glm::dmat3& residual, bool baked);
+  /// Joint matrices of a node's skin; empty, with a warning, if the skin is broken.
+  std::vector<glm::dmat4> skin_matrices(int skin);
+  /// EXT_mesh_gpu_instancing: node_from_instance of each copy. Errors: kSceneRange, kSceneFormat.
+  Result<std::vector<glm::dmat4>> instance_matrices(const tinygltf::Value& extension);
+
+  const Document& document_;
+  const NodeTree& tree_;
+  Tally& tally_;
+  MaterialImporter materials_;
+  Budget budget_;
+  Scene scene_;
+  std::vector<Base> bases_;
+  std::map<BaseKey, std::size_t> base_index_;
+  std::map<BakedKey, std::uint32_t> baked_index_;
+};
+
+}  // namespace mirage::gltf

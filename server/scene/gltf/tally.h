@@ -1,0 +1,29 @@
+#pragma once
+// Counts recoverable defects: one line per kind, however often it occurs.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mirage::gltf {
+
+class Tally {
+ public:
+  /// Adds `count` cases of `what` ("triangles with a NaN vertex dropped"); nothing when 0. The
+  /// first non-empty `example` is kept and printed.
+  void add(std::string_view what, std::uint64_t count = 1, std::string_view example = {});
+  /// A line of its own, not counted.
+  void note(std::string line);
+  std::vector<std::string> lines() const;
+
+ private:
+  struct Row {
+    std::string what;
+    std::string example;
+    std::uint64_t count = 0;
+  };
+  std::vector<Row> rows_;  // in order of first occurrence; there are a few dozen kinds at most
+};
+
+}  // namespace mirage::gltf

@@ -1,0 +1,27 @@
+#pragma once
+// Bytes behind a glTF URI: a data URI, or a regular file inside the scene's folder; nothing else.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocol/result.h"
+
+namespace mirage::gltf {
+
+/// Decodes `data:[type][;base64],…` strictly. Errors: kSceneUri.
+Result<std::vector<std::uint8_t>> decode_data_uri(std::string_view uri);
+
+/// The file a relative URI names. Refuses schemes, absolute paths and whatever leaves `folder`,
+/// also through symbolic links. Errors: kSceneUri, kSceneMissing.
+Result<std::filesystem::path> resolve_uri(std::string_view uri,
+                                          const std::filesystem::path& folder);
+
+/// Either of the above, read whole. `what` ("buffers[0]") leads the error text.
+Result<std::vector<std::uint8_t>> load_uri(std::string_view uri,
+                                           const std::filesystem::path& folder,
+                                           std::uint64_t max_bytes, const std::string& what);
+
+}  // namespace mirage::gltf

@@ -1,0 +1,35 @@
+#pragma once
+// A loaded scene: immutable after loading, shared by all server stages.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "protocol/model.h"
+#include "protocol/result.h"
+#include "protocol/scene_types.h"
+
+namespace mirage {
+
+/// An impostor object: one mesh with its materials, in its own space.
+struct SceneObject {
+  std::string name;
+  Mesh mesh;
+};
+
+struct Scene {
+  std::string name;
+  std::vector<SceneObject> objects;
+  std::vector<Material> materials;  ///< at least one when any object exists
+  std::vector<Image> images;
+  std::vector<Instance> instances;
+  Lighting lighting;
+  Environment environment;
+  HomeView home;
+  /// One line per kind of recoverable defect, with its count ("3 triangles with NaN dropped").
+  std::vector<std::string> warnings;
+
+  std::uint64_t triangles() const;  ///< over all instances
+};
+
+}  // namespace mirage

@@ -1,0 +1,373 @@
+#include "server/session.h"
+
+#include <algorithm>
+
+#include "protocol/model_codec.h"
+
+namespace mirage {
+namespace {
+
+constexpr std::size_t kMaxOutboxBytes = 512u * 1024 * 1024;
+constexpr std::int64_t kHelloTimeoutUs = 10'000'000;
+
+// Not the place where timing could leak a token byte by byte.
+bool same_secret(const std::string& a, const std::string& b) {
+  unsigned char difference = a.size() != b.size();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    difference |= static_cast<unsigned char>(a[i] ^ b[i % std::max<std::size_t>(b.size(), 1)]);
+  }
+  return difference == 0;
+}
+
+}  // namespace
+
+SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
+                       const Clock& clock, Counters& counters, TileQueue& queue, TileStore& store)
+    : scene_(std::move(scene)),
+      options_(std::move(options)),
+      clock_(clock),
+      counters_(counters),
+      queue_(queue),
+      store_(store) {
+  make_description_pages();
+}
+
+Result<SessionId> SessionHub::open() {
+  if (sessions_.size() >= options_.max_clients) {
+    return make_error(ErrorId::kBusy, "server has its " + std::to_string(options_.max_clients) +
+                                          " clients");
+  }
+  const SessionId id = next_id_++;
+  sessions_[id].opened_us = clock_.now_us();
+  return id;
+}
+
+void SessionHub::close(SessionId id) {
+  queue_.remove_session(id);
+  sessions_.erase(id);
+  writable_.erase(id);
+}
+
+Result<void> SessionHub::receive(SessionId id, const std::uint8_t* bytes, std::size_t size) {
+  counters_.bytes_received += size;
+  Session& s = sessions_.at(id);
+  Result<std::optional<Bytes>> whole = s.assembler.accept(bytes, size);
+  if (!whole) return whole.error();
+  if (!whole->has_value()) return {};
+  Result<Message> message = decode_message((*whole)->data(), (*whole)->size());
+  if (!message) return message.error();
+  return handle(id, s, message.take());
+}
+
+Result<void> SessionHub::handle(SessionId id, Session& s, Message message) {
+  wire::BodyUnion& body = message.body;
+  if (!s.greeted && body.type != wire::Body::Hello) {
+    return make_error(ErrorId::kWireState, "the first message must be a hello");
+  }
+  switch (body.type) {
+    case wire::Body::Hello: return hello(id, s, *body.AsHello());
+    case wire::Body::SetLighting: return set_lighting(s, *body.AsSetLighting());
+    case wire::Body::RequestBatch: batch(id, s, *body.AsRequestBatch()); return {};
+    case wire::Body::ReferenceRequest: reference(id, s, *body.AsReferenceRequest()); return {};
+    case wire::Body::StatsRequest: stats(id, s, *body.AsStatsRequest()); return {};
+    case wire::Body::Bye: return make_error(ErrorId::kNetworkClosed, "client said goodbye");
+    default: return make_error(ErrorId::kWireState, "this message is not for a server");
+  }
+}
+
+Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hello) {
+  if (s.greeted) return make_error(ErrorId::kWireState, "a second hello");
+  if (hello.version_min > limits::kProtocolVersion ||
+      hello.version_max < limits::kProtocolVersion) {
+    return make_error(ErrorId::kWireVersion,
+                      "client speaks protocol " + std::to_string(hello.version_min) + " to " +
+                          std::to_string(hello.version_max) + ", this server " +
+                          std::to_string(limits::kProtocolVersion));
+  }
+  if (!options_.token.empty() && !same_secret(hello.token, options_.token)) {
+    return make_error(ErrorId::kAuth, "wrong or missing token");
+  }
+  const auto codec = static_cast<std::uint8_t>(options_.codec);
+  if (std::find(hello.codecs.begin(), hello.codecs.end(), codec) == hello.codecs.end()) {
+    return make_error(ErrorId::kCodec, "client does not decode this server's tile codec");
+  }
+  s.greeted = true;
+  const Scene& scene = scene_->scene;
+  wire::WelcomeT welcome;
+  welcome.version = limits::kProtocolVersion;
+  welcome.codec = codec;
+  welcome.revision = scene_->revision;
+  welcome.scene = scene.name.substr(0, limits::kMaxTextBytes);
+  welcome.renderer = options_.renderer.substr(0, limits::kMaxTextBytes);
+  welcome.objects = static_cast<std::uint32_t>(scene.objects.size());
+  welcome.instances = static_cast<std::uint32_t>(scene.instances.size());
+  welcome.triangles = scene.triangles();
+  welcome.lighting = to_wire(scene.lighting);
+  welcome.sky_zenith = std::make_unique<wire::Vec3f>(to_wire(scene.environment.zenith));
+  welcome.sky_horizon = std::make_unique<wire::Vec3f>(to_wire(scene.environment.horizon));
+  welcome.sky_nadir = std::make_unique<wire::Vec3f>(to_wire(scene.environment.nadir));
+  welcome.home_eye = std::make_unique<wire::Vec3d>(to_wire(scene.home.eye));
+  welcome.home_target = std::make_unique<wire::Vec3d>(to_wire(scene.home.target));
+  welcome.walk_radius_m = scene.home.walk_radius_m;
+  welcome.walk_speed_mps = scene.home.walk_speed_mps;
+  welcome.geometry = options_.geometry;
+  welcome.reference = options_.reference;
+  push(id, s.control, encode_message(std::move(welcome)));
+  return {};
+}
+
+Result<void> SessionHub::set_lighting(Session& s, const wire::SetLightingT& m) {
+  if (m.id == 0) return make_error(ErrorId::kWireValue, "lighting 0 is the scene's own");
+  if (s.lighting.count(m.id) == 0 && s.lighting.size() >= limits::kMaxLightingStatesPerClient) {
+    s.lighting.erase(s.lighting.begin());  // oldest first: ids only grow
+  }
+  Result<Lighting> lighting = from_wire(*m.lighting);
+  if (!lighting) return lighting.error();
+  s.lighting[m.id] = lighting.take();
+  return {};
+}
+
+void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batch) {
+  s.credit_bytes = std::max(s.credit_bytes, batch.credit_bytes);
+  for (const std::uint32_t request : batch.cancels) queue_.cancel(id, request);
+  const auto found = s.lighting.find(batch.lighting_id);
+  const bool known = batch.lighting_id == 0 || found != s.lighting.end();
+  const Lighting& lighting =
+      found != s.lighting.end() ? found->second : scene_->scene.lighting;
+  for (const wire::Ask& one : batch.asks) {
+    ++counters_.tiles_asked;
+    if (known) {
+      ask(id, s, one, lighting);
+    } else {
+      refuse(id, s, one.request_id(), wire::RefusalReason::BadKey);
+    }
+  }
+  for (const std::uint32_t object : batch.mesh_asks) mesh_ask(id, s, object);
+  writable_.insert(id);  // new credit may free tiles that wait
+}
+
+void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lighting& lighting) {
+  const std::vector<Instance>& instances = scene_->scene.instances;
+  if (a.object() >= scene_->objects.size() || a.instance() >= instances.size() ||
+      instances[a.instance()].object != a.object()) {
+    return refuse(id, s, a.request_id(), wire::RefusalReason::UnknownObject);
+  }
+  TileKey key;
+  key.scene_revision = scene_->revision;
+  key.object = a.object();
+  key.cell = {a.view_level(), a.view_x(), a.view_y()};
+  key.distance = {a.distance_level(), a.distance_index()};
+  key.size_class = a.size_class();
+  key.channels = a.channels();
+  if (!valid(key.cell) || !valid(key.distance) || key.size_class > limits::kMaxSizeClass ||
+      key.channels != (kChannelColor | kChannelDepth)) {
+    return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
+  }
+  const ObjectDescription& object = scene_->objects[a.object()];
+  ObjectLighting light;
+  if (object.needs & kNeedLighting) {
+    light = object_lighting(lighting, instances[a.instance()].world_from_object, object.center,
+                            object.radius);
+    key.lighting = light.hash();
+  }
+  const TileId tile = tile_id(key);
+  Waiter waiter{id, a.request_id(), a.error_px(), 0};
+  if (a.deadline_ms() > 0) waiter.deadline_us = clock_.now_us() + a.deadline_ms() * 1000ll;
+  if (const StoredTilePtr stored = store_.find(tile)) return push_tile(waiter, *stored);
+  if (queue_.submit(key, tile, light, waiter) == TileQueue::Admission::kBusy) {
+    refuse(id, s, a.request_id(), wire::RefusalReason::Busy);
+  }
+}
+
+void SessionHub::mesh_ask(SessionId id, Session& s, std::uint32_t object) {
+  if (object >= scene_->objects.size()) {
+    return refuse(id, s, object, wire::RefusalReason::UnknownObject, true);
+  }
+  if (!options_.geometry) return refuse(id, s, object, wire::RefusalReason::NoGeometry, true);
+  Bytes& message = meshes_[object];
+  if (message.empty()) {
+    const Bytes raw = encode_model(object_model(scene_->scene, object));
+    wire::MeshReplyT reply;
+    reply.object = object;
+    reply.raw_bytes = static_cast<std::uint32_t>(raw.size());
+    message = encode_message(std::move(reply), compress_block(raw.data(), raw.size()));
+  }
+  if (message.size() > limits::kMaxTransferBytes) {
+    return refuse(id, s, object, wire::RefusalReason::TooLarge, true);
+  }
+  ++counters_.meshes_sent;
+  push(id, s.bulk, message);
+}
+
+void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceRequestT& m) {
+  if (!options_.reference) {
+    return refuse(id, s, m.request_id, wire::RefusalReason::NoReference);
+  }
+  const auto found = s.lighting.find(m.lighting_id);
+  const bool known = m.lighting_id == 0 || found != s.lighting.end();
+  const std::uint64_t samples = std::uint64_t{m.width} * m.height * m.supersample * m.supersample;
+  if (!known || samples > limits::kMaxReferencePixels * 2) {
+    return refuse(id, s, m.request_id, wire::RefusalReason::TooLarge);
+  }
+  ReferenceJob job;
+  job.session = id;
+  job.request_id = m.request_id;
+  job.camera.pose = {from_wire(*m.eye), glm::normalize(from_wire(*m.rotation))};
+  job.camera.fov_y = m.fov_y;
+  job.camera.width = m.width;
+  job.camera.height = m.height;
+  job.camera.fit_depth_range(scene_->bounds_center, scene_->bounds_radius);
+  job.supersample = m.supersample;
+  job.lighting = found != s.lighting.end() ? found->second : scene_->scene.lighting;
+  if (!queue_.submit(std::move(job))) {
+    refuse(id, s, m.request_id, wire::RefusalReason::Busy);
+  }
+}
+
+void SessionHub::stats(SessionId id, Session& s, const wire::StatsRequestT& m) {
+  wire::StatsT out;
+  out.request_id = m.request_id;
+  out.tiles_rendered = counters_.tiles_rendered;
+  out.tiles_merged = counters_.tiles_merged;
+  out.store_hits = counters_.store_hits;
+  out.store_bytes = counters_.store_bytes;
+  out.tiles_cancelled = counters_.tiles_cancelled;
+  out.tiles_late = counters_.tiles_late;
+  out.queue_length = static_cast<std::uint32_t>(queue_.length());
+  out.clients = static_cast<std::uint32_t>(sessions_.size());
+  push(id, s.control, encode_message(std::move(out)));
+}
+
+void SessionHub::refuse(SessionId id, Session& s, std::uint32_t request,
+                        wire::RefusalReason reason, bool mesh) {
+  ++counters_.tiles_refused;
+  wire::RefusedT refused;
+  refused.request_id = request;
+  refused.reason = reason;
+  refused.mesh = mesh;
+  push(id, s.control, encode_message(std::move(refused)));
+}
+
+void SessionHub::refuse_late() {
+  for (const Waiter& w : queue_.take_late()) {
+    const auto at = sessions_.find(w.session);
+    if (at == sessions_.end()) continue;
+    refuse(w.session, at->second, w.request_id, wire::RefusalReason::Late);
+  }
+}
+
+void SessionHub::push(SessionId id, std::deque<FramePtr>& lane, Bytes message) {
+  Session& s = sessions_.at(id);
+  for (Bytes& frame : split_into_frames(std::move(message), s.next_transfer++)) {
+    s.outbox_bytes += frame.size();
+    lane.push_back(std::make_shared<const Bytes>(std::move(frame)));
+  }
+  writable_.insert(id);
+}
+
+void SessionHub::push_tile(const Waiter& waiter, const StoredTile& tile) {
+  const auto at = sessions_.find(waiter.session);
+  if (at == sessions_.end()) return;
+  wire::TileReplyT reply = tile.reply;
+  reply.request_id = waiter.request_id;
+  push(waiter.session, at->second.tiles, encode_message(std::move(reply), tile.planes));
+}
+
+void SessionHub::complete(Completion completion) {
+  if (completion.tile) {
+    for (const Waiter& w : queue_.finish(completion.id)) push_tile(w, *completion.tile);
+    return;
+  }
+  const auto at = sessions_.find(completion.session);
+  if (at != sessions_.end()) {
+    push(completion.session, at->second.bulk, std::move(completion.message));
+  }
+}
+
+FramePtr SessionHub::next_frame(SessionId id) {
+  Session& s = sessions_.at(id);
+  std::deque<FramePtr>* lane = nullptr;
+  if (!s.control.empty()) {
+    lane = &s.control;
+  } else if (s.greeted && s.next_page < pages_.size()) {
+    return pages_[s.next_page++];
+  } else if (!s.tiles.empty() && s.tile_bytes_sent < s.credit_bytes) {
+    s.tile_bytes_sent += s.tiles.front()->size();
+    lane = &s.tiles;
+  } else if (!s.bulk.empty()) {
+    lane = &s.bulk;
+  }
+  if (!lane) return nullptr;
+  FramePtr frame = std::move(lane->front());
+  lane->pop_front();
+  s.outbox_bytes -= frame->size();
+  counters_.bytes_sent += frame->size();
+  return frame;
+}
+
+std::set<SessionId> SessionHub::take_writable() { return std::exchange(writable_, {}); }
+
+std::vector<std::pair<SessionId, Error>> SessionHub::overdue() {
+  std::vector<std::pair<SessionId, Error>> out;
+  const std::int64_t now = clock_.now_us();
+  for (const auto& [id, s] : sessions_) {
+    if (!s.greeted && now - s.opened_us > kHelloTimeoutUs) {
+      out.emplace_back(id, make_error(ErrorId::kNetworkTimeout, "no hello within 10 s"));
+    } else if (s.outbox_bytes > kMaxOutboxBytes) {
+      out.emplace_back(id, make_error(ErrorId::kBusy, "client does not read what it asked for"));
+    }
+  }
+  return out;
+}
+
+void SessionHub::say_goodbye_to_all(const std::string& text) {
+  for (auto& [id, s] : sessions_) {
+    wire::ByeT bye;
+    bye.text = text;
+    push(id, s.control, encode_message(std::move(bye)));
+  }
+}
+
+bool SessionHub::all_written() const {
+  return std::all_of(sessions_.begin(), sessions_.end(),
+                     [](const auto& entry) { return entry.second.control.empty(); });
+}
+
+void SessionHub::make_description_pages() {
+  const std::vector<ObjectDescription>& objects = scene_->objects;
+  for (std::size_t first = 0; first < objects.size(); first += limits::kObjectsPerPage) {
+    wire::ObjectPageT page;
+    page.first = static_cast<std::uint32_t>(first);
+    const std::size_t end = std::min(first + limits::kObjectsPerPage, objects.size());
+    for (std::size_t i = first; i < end; ++i) {
+      const ObjectDescription& o = objects[i];
+      auto info = std::make_unique<wire::ObjectInfoT>();
+      info->center = std::make_unique<wire::Vec3f>(to_wire(o.center));
+      info->radius = o.radius;
+      info->box_min = std::make_unique<wire::Vec3f>(to_wire(o.box_min));
+      info->box_max = std::make_unique<wire::Vec3f>(to_wire(o.box_max));
+      info->mean_color = std::make_unique<wire::Vec3f>(to_wire(o.mean_color));
+      info->needs = o.needs;
+      info->triangles = o.triangles;
+      info->mesh_bytes = o.mesh_bytes;
+      for (const glm::vec3& v : o.hull.vertices) info->hull_vertices.push_back(to_wire(v));
+      info->hull_indices = o.hull.indices;
+      page.objects.push_back(std::move(info));
+    }
+    pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));
+  }
+  const std::vector<Instance>& instances = scene_->scene.instances;
+  for (std::size_t first = 0; first < instances.size(); first += limits::kInstancesPerPage) {
+    wire::InstancePageT page;
+    page.first = static_cast<std::uint32_t>(first);
+    const std::size_t end = std::min(first + limits::kInstancesPerPage, instances.size());
+    for (std::size_t i = first; i < end; ++i) {
+      const Similarity& m = instances[i].world_from_object;
+      page.instances.emplace_back(to_wire(m.position), to_wire(m.rotation), m.scale,
+                                  instances[i].object);
+    }
+    pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));
+  }
+}
+
+}  // namespace mirage

@@ -1,0 +1,106 @@
+#pragma once
+// Sessions: everything between the socket and the stages, without any socket.
+// Input:  whole messages of clients; completions of the stages. Output: frames to write, in order
+//         of priority (control, tiles under credit, bulk).
+// Thread: the network loop's.
+// Full:   asks beyond kMaxQueuedAsksPerClient are refused as busy; a client that does not read
+//         until kMaxOutboxBytes have piled up is closed.
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "protocol/clock.h"
+#include "server/counters.h"
+#include "server/scene/prepared_scene.h"
+#include "server/tile_job.h"
+#include "server/tile_queue.h"
+#include "server/tile_store.h"
+
+namespace mirage {
+
+using FramePtr = std::shared_ptr<const Bytes>;
+
+struct SessionOptions {
+  std::string token;       ///< empty: no client needs one
+  std::string renderer;    ///< told to clients
+  bool geometry = true;
+  bool reference = true;
+  std::size_t max_clients = 4096;
+  TileCodec codec = TileCodec::kZstd;
+};
+
+class SessionHub {
+ public:
+  SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
+             const Clock& clock, Counters& counters, TileQueue& queue, TileStore& store);
+
+  /// Error kBusy when there are too many clients.
+  Result<SessionId> open();
+  /// One WebSocket message. An error means: say goodbye and close with its close code.
+  Result<void> receive(SessionId id, const std::uint8_t* bytes, std::size_t size);
+  void close(SessionId id);
+
+  void complete(Completion completion);
+  /// Refuses asks whose deadline passed while they were queued.
+  void refuse_late();
+
+  /// Next frame to write; nullptr when there is nothing the client may be sent now.
+  FramePtr next_frame(SessionId id);
+  /// Sessions that got something to write since the last call.
+  std::set<SessionId> take_writable();
+  /// Sessions to close: never said hello, or do not read.
+  std::vector<std::pair<SessionId, Error>> overdue();
+  void say_goodbye_to_all(const std::string& text);
+  bool all_written() const;
+  std::size_t clients() const { return sessions_.size(); }
+
+ private:
+  struct Session {
+    std::int64_t opened_us = 0;
+    bool greeted = false;
+    FrameAssembler assembler{limits::kMaxInboundTransferBytes};
+    std::map<std::uint32_t, Lighting> lighting;
+    std::deque<FramePtr> control;
+    std::deque<FramePtr> tiles;
+    std::deque<FramePtr> bulk;
+    std::size_t next_page = 0;  ///< of the scene description
+    std::size_t outbox_bytes = 0;
+    std::uint64_t tile_bytes_sent = 0;
+    std::uint64_t credit_bytes = 0;
+    std::uint32_t next_transfer = 1;
+  };
+
+  Result<void> handle(SessionId id, Session& s, Message message);
+  Result<void> hello(SessionId id, Session& s, const wire::HelloT& hello);
+  void batch(SessionId id, Session& s, const wire::RequestBatchT& batch);
+  void ask(SessionId id, Session& s, const wire::Ask& ask, const Lighting& lighting);
+  void mesh_ask(SessionId id, Session& s, std::uint32_t object);
+  Result<void> set_lighting(Session& s, const wire::SetLightingT& m);
+  void reference(SessionId id, Session& s, const wire::ReferenceRequestT& m);
+  void stats(SessionId id, Session& s, const wire::StatsRequestT& m);
+
+  void push(SessionId id, std::deque<FramePtr>& lane, Bytes message);
+  void push_tile(const Waiter& waiter, const StoredTile& tile);
+  void refuse(SessionId id, Session& s, std::uint32_t request, wire::RefusalReason reason,
+              bool mesh = false);
+  void make_description_pages();
+
+  std::shared_ptr<const PreparedScene> scene_;
+  const SessionOptions options_;
+  const Clock& clock_;
+  Counters& counters_;
+  TileQueue& queue_;
+  TileStore& store_;
+  std::vector<FramePtr> pages_;  ///< scene description, made once
+  std::map<std::uint32_t, Bytes> meshes_;
+  std::map<SessionId, Session> sessions_;
+  std::set<SessionId> writable_;
+  SessionId next_id_ = 1;
+};
+
+}  // namespace mirage

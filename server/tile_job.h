@@ -1,0 +1,77 @@
+#pragma once
+// What travels between the server's stages.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "protocol/camera.h"
+#include "protocol/lighting_state.h"
+#include "protocol/message.h"
+#include "protocol/tile_key.h"
+
+namespace mirage {
+
+using SessionId = std::uint64_t;
+
+/// Who is waiting for a tile.
+struct Waiter {
+  SessionId session = 0;
+  std::uint32_t request_id = 0;
+  float error_px = 0;
+  std::int64_t deadline_us = 0;  ///< on the server's clock; 0: none
+};
+
+/// One tile to render, for everybody who asked for it.
+struct TileJob {
+  TileKey key;
+  TileId id;
+  ObjectLighting lighting;
+  std::int64_t queued_us = 0;
+};
+
+/// Pixels of one rendered page, shared by the encoders working on its tiles.
+struct PagePixels {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgba;   ///< bottom row first, as GL reads it
+  std::vector<std::uint8_t> depth;  ///< one code per texel
+};
+
+/// A rendered tile on its way to an encoder.
+struct RenderedTile {
+  TileJob job;
+  std::shared_ptr<const PagePixels> page;
+  int x = 0, y = 0;  ///< of the tile's lower left texel in the page
+  std::uint32_t queue_us = 0;
+  std::uint32_t render_us = 0;
+};
+
+/// A finished tile: header fields without a request id, and the encoded planes.
+struct StoredTile {
+  wire::TileReplyT reply;
+  Bytes planes;
+  std::size_t bytes() const { return planes.size() + sizeof(reply); }
+};
+using StoredTilePtr = std::shared_ptr<const StoredTile>;
+
+/// A full render of the scene for comparison.
+struct ReferenceJob {
+  SessionId session = 0;
+  std::uint32_t request_id = 0;
+  Camera camera;
+  std::uint32_t supersample = 2;
+  Lighting lighting;
+};
+
+/// What the render and encode stages hand back to the network loop.
+struct Completion {
+  // A tile for everybody who waits for it …
+  TileId id;
+  StoredTilePtr tile;
+  // … or a whole message for one session.
+  SessionId session = 0;
+  Bytes message;
+};
+
+}  // namespace mirage

@@ -1,0 +1,145 @@
+#include "server/tile_measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mirage {
+namespace {
+
+struct Source {
+  const std::uint8_t* rgba;
+  const std::uint8_t* depth;
+  int page_width;
+  std::uint32_t edge;
+
+  std::size_t at(std::uint32_t x, std::uint32_t y) const {  // y down
+    return static_cast<std::size_t>(edge - 1 - y) * static_cast<std::size_t>(page_width) + x;
+  }
+  bool covered(std::uint32_t x, std::uint32_t y) const { return rgba[at(x, y) * 4 + 3] != 0; }
+};
+
+TileCrop content_crop(const Source& source) {
+  std::uint32_t x0 = source.edge, y0 = source.edge, x1 = 0, y1 = 0;
+  for (std::uint32_t y = 0; y < source.edge; ++y) {
+    for (std::uint32_t x = 0; x < source.edge; ++x) {
+      if (!source.covered(x, y)) continue;
+      x0 = std::min(x0, x);
+      x1 = std::max(x1, x + 1);
+      y0 = std::min(y0, y);
+      y1 = std::max(y1, y + 1);
+    }
+  }
+  if (x0 >= x1) return {};
+  x0 = x0 > 0 ? x0 - 1 : 0;
+  y0 = y0 > 0 ? y0 - 1 : 0;
+  x1 = std::min(x1 + 1, source.edge);
+  y1 = std::min(y1 + 1, source.edge);
+  return {x0, y0, x1 - x0, y1 - y0};
+}
+
+// Proxy entry depth per texel centre, NaN where the ray misses it.
+std::vector<float> entry_depths(const std::vector<Plane>& planes, const Capture& capture,
+                                const glm::dvec3& center, const TileCrop& crop) {
+  std::vector<float> out(crop.area(), std::numeric_limits<float>::quiet_NaN());
+  const glm::dvec3 eye = capture.eye();
+  for (std::uint32_t y = 0; y < crop.h; ++y) {
+    for (std::uint32_t x = 0; x < crop.w; ++x) {
+      const glm::dvec2 texel(crop.x + x + 0.5, crop.y + y + 0.5);
+      // The ray's parameter is the capture depth: its direction has length 1 along the axis.
+      const glm::dvec3 direction = capture.point_from_texel(texel, 1.0) - eye;
+      const double t = ray_entry(planes, center + eye, direction);
+      if (t >= 0) out[std::size_t{y} * crop.w + x] = static_cast<float>(t);
+    }
+  }
+  return out;
+}
+
+// Largest |z - entry| with the entry depth taken over the 3x3 neighbourhood as well, which covers
+// what happens between texel centres.
+float entry_difference(const std::vector<float>& z, const std::vector<float>& entry,
+                       const TileCrop& crop) {
+  float worst = 0;
+  for (std::uint32_t y = 0; y < crop.h; ++y) {
+    for (std::uint32_t x = 0; x < crop.w; ++x) {
+      const float depth = z[std::size_t{y} * crop.w + x];
+      if (depth == 0) continue;
+      for (std::uint32_t ny = y > 0 ? y - 1 : 0; ny <= std::min(y + 1, crop.h - 1); ++ny) {
+        for (std::uint32_t nx = x > 0 ? x - 1 : 0; nx <= std::min(x + 1, crop.w - 1); ++nx) {
+          const float e = entry[std::size_t{ny} * crop.w + nx];
+          if (!std::isnan(e)) worst = std::max(worst, std::abs(depth - e));
+        }
+      }
+    }
+  }
+  return worst;
+}
+
+float largest_gap(const std::vector<float>& z, const TileCrop& crop) {
+  float gap = 0;
+  for (std::uint32_t y = 0; y < crop.h; ++y) {
+    for (std::uint32_t x = 0; x < crop.w; ++x) {
+      const std::size_t i = std::size_t{y} * crop.w + x;
+      if (z[i] == 0) continue;
+      if (x + 1 < crop.w && z[i + 1] != 0) gap = std::max(gap, std::abs(z[i] - z[i + 1]));
+      if (y + 1 < crop.h && z[i + crop.w] != 0) {
+        gap = std::max(gap, std::abs(z[i] - z[i + crop.w]));
+      }
+    }
+  }
+  return gap;
+}
+
+void measure(Tile& tile, const Capture& capture, const ObjectDescription& object) {
+  const DepthCode code(capture.radius, capture.distance);
+  const auto quantum = static_cast<float>(code.quantum());
+  std::vector<float> z(tile.crop.area(), 0.0f);
+  float low = std::numeric_limits<float>::infinity(), high = 0;
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    if (tile.depth[i] == 0) continue;
+    z[i] = static_cast<float>(code.decode(tile.depth[i]));
+    low = std::min(low, z[i]);
+    high = std::max(high, z[i]);
+  }
+  if (high == 0) return;
+  TileMeasure& m = tile.measure;
+  m.depth_min = std::max(low - quantum, 0.0f);
+  m.depth_max = high + quantum;
+  // The harmonic mean balances |z - plane| / (z * plane) between the near and the far end.
+  m.plane_depth = 2.0f * m.depth_min * m.depth_max / (m.depth_min + m.depth_max);
+  m.dz_quad = std::max(m.plane_depth - m.depth_min, m.depth_max - m.plane_depth);
+  m.depth_gap = largest_gap(z, tile.crop);
+  const glm::dvec3 center(object.center);
+  const auto box =
+      entry_depths(box_planes(object.box_min, object.box_max), capture, center, tile.crop);
+  m.dz_cuboid = entry_difference(z, box, tile.crop) + quantum;
+  const std::vector<Plane> hull = object.hull.planes();
+  if (hull.empty()) {
+    m.dz_hull = m.dz_cuboid;
+  } else {
+    m.dz_hull = entry_difference(z, entry_depths(hull, capture, center, tile.crop), tile.crop) +
+                quantum;
+  }
+}
+
+}  // namespace
+
+Tile cut_tile(const std::uint8_t* rgba, const std::uint8_t* depth, int page_width,
+              const Capture& capture, const ObjectDescription& object) {
+  const Source source{rgba, depth, page_width, capture.edge};
+  Tile tile;
+  tile.edge = capture.edge;
+  tile.crop = content_crop(source);
+  tile.rgba.resize(tile.crop.area() * 4);
+  tile.depth.resize(tile.crop.area());
+  for (std::uint32_t y = 0; y < tile.crop.h; ++y) {
+    const std::size_t from = source.at(tile.crop.x, tile.crop.y + y);
+    const std::size_t to = std::size_t{y} * tile.crop.w;
+    std::copy_n(rgba + from * 4, std::size_t{tile.crop.w} * 4, tile.rgba.begin() + static_cast<std::ptrdiff_t>(to * 4));
+    std::copy_n(depth + from, tile.crop.w, tile.depth.begin() + static_cast<std::ptrdiff_t>(to));
+  }
+  measure(tile, capture, object);
+  return tile;
+}
+
+}  // namespace mirage

@@ -1,0 +1,172 @@
+#include "server/tile_queue.h"
+
+#include <algorithm>
+
+#include "protocol/limits.h"
+
+namespace mirage {
+namespace {
+constexpr std::size_t kMaxQueuedReferences = 16;
+}
+
+TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
+                                       const ObjectLighting& lighting, const Waiter& waiter) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  SessionQueue& session = sessions_[waiter.session];
+  if (session.requests.size() >= limits::kMaxQueuedAsksPerClient) return Admission::kBusy;
+  session.requests[waiter.request_id] = id;
+  const auto found = entries_.find(id);
+  const bool merged = found != entries_.end();
+  Entry& entry = merged ? found->second : entries_[id];
+  entry.waiters.push_back(waiter);
+  if (merged) {
+    ++counters_.tiles_merged;
+  } else {
+    entry.job = {key, id, lighting, clock_.now_us()};
+  }
+  // A NaN error would break the ordering: it counts as the worst.
+  const float error = waiter.error_px >= 0 && waiter.error_px < 1e30f ? waiter.error_px : 1e30f;
+  if (!entry.rendering) session.ranked.emplace(Rank{error, ++order_}, id);
+  not_empty_.notify_one();
+  return merged ? Admission::kMerged : Admission::kQueued;
+}
+
+bool TileQueue::submit(ReferenceJob job) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (references_.size() >= kMaxQueuedReferences) return false;
+  references_.push_back(std::move(job));
+  not_empty_.notify_one();
+  return true;
+}
+
+void TileQueue::drop_waiter(SessionId session, std::uint32_t request_id, const TileId& id) {
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return;
+  std::vector<Waiter>& waiters = found->second.waiters;
+  waiters.erase(std::remove_if(waiters.begin(), waiters.end(),
+                               [&](const Waiter& w) {
+                                 return w.session == session && w.request_id == request_id;
+                               }),
+                waiters.end());
+  // Its places in the rankings are skipped when they come up.
+  if (waiters.empty() && !found->second.rendering) entries_.erase(found);
+}
+
+void TileQueue::cancel(SessionId session, std::uint32_t request_id) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto at = sessions_.find(session);
+  if (at == sessions_.end()) return;
+  const auto request = at->second.requests.find(request_id);
+  if (request == at->second.requests.end()) return;
+  const TileId id = request->second;
+  at->second.requests.erase(request);
+  drop_waiter(session, request_id, id);
+  ++counters_.tiles_cancelled;
+}
+
+void TileQueue::remove_session(SessionId session) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto at = sessions_.find(session);
+  if (at != sessions_.end()) {
+    for (const auto& [request_id, id] : at->second.requests) drop_waiter(session, request_id, id);
+    sessions_.erase(at);
+  }
+  references_.erase(std::remove_if(references_.begin(), references_.end(),
+                                   [&](const ReferenceJob& r) { return r.session == session; }),
+                    references_.end());
+}
+
+bool TileQueue::drop_late(Entry& entry) {
+  const std::int64_t now = clock_.now_us();
+  const auto is_late = [now](const Waiter& w) { return w.deadline_us != 0 && w.deadline_us < now; };
+  for (const Waiter& w : entry.waiters) {
+    if (!is_late(w)) return false;  // one who still wants it is enough
+  }
+  for (const Waiter& w : entry.waiters) {
+    late_.push_back(w);
+    ++counters_.tiles_late;
+    const auto at = sessions_.find(w.session);
+    if (at != sessions_.end()) at->second.requests.erase(w.request_id);
+  }
+  return true;
+}
+
+TileQueue::Entry* TileQueue::next_entry() {
+  // Sessions take turns: start behind the one served last.
+  for (std::size_t tries = sessions_.size(); tries > 0; --tries) {
+    auto at = sessions_.upper_bound(last_served_);
+    if (at == sessions_.end()) at = sessions_.begin();
+    last_served_ = at->first;
+    std::map<Rank, TileId>& ranked = at->second.ranked;
+    while (!ranked.empty()) {
+      const TileId id = ranked.begin()->second;
+      ranked.erase(ranked.begin());
+      const auto found = entries_.find(id);
+      if (found == entries_.end() || found->second.rendering) continue;
+      if (drop_late(found->second)) {
+        entries_.erase(found);
+        continue;
+      }
+      return &found->second;
+    }
+  }
+  return nullptr;
+}
+
+std::optional<TileQueue::Work> TileQueue::take(const std::function<bool(std::uint32_t)>& fits,
+                                               bool wait) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  for (;;) {
+    if (closed_) return std::nullopt;
+    if (!references_.empty()) {
+      ReferenceJob job = std::move(references_.front());
+      references_.pop_front();
+      return Work(std::move(job));
+    }
+    std::vector<TileJob> batch;
+    while (Entry* entry = next_entry()) {
+      if (!fits(tile_edge(entry->job.key.size_class))) {
+        // Back to the head of its first waiter's queue: it opens the next batch.
+        const SessionId owner = entry->waiters.front().session;
+        sessions_[owner].ranked.emplace(Rank{2e30f, ++order_}, entry->job.id);
+        break;
+      }
+      entry->rendering = true;
+      batch.push_back(entry->job);
+    }
+    if (!batch.empty()) return Work(std::move(batch));
+    if (!wait) return std::nullopt;
+    not_empty_.wait(lock);
+  }
+}
+
+std::vector<Waiter> TileQueue::finish(const TileId& id) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return {};
+  std::vector<Waiter> waiters = std::move(found->second.waiters);
+  entries_.erase(found);
+  for (const Waiter& w : waiters) {
+    const auto at = sessions_.find(w.session);
+    if (at != sessions_.end()) at->second.requests.erase(w.request_id);
+  }
+  return waiters;
+}
+
+std::vector<Waiter> TileQueue::take_late() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return std::exchange(late_, {});
+}
+
+std::size_t TileQueue::length() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return entries_.size();
+}
+
+void TileQueue::close() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  closed_ = true;
+  not_empty_.notify_all();
+}
+
+}  // namespace mirage

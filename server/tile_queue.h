@@ -1,0 +1,85 @@
+#pragma once
+// Tile queue.
+// Input:  asks from the sessions (network thread). Output: batches for the render stage.
+// Thread: any; one lock. Bounded per session by kMaxQueuedAsksPerClient.
+// Full:   the ask is refused as busy. Equal keys merge, worst error first, sessions take turns,
+//         cancelled and late asks are dropped unrendered.
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <unordered_map>
+#include <variant>
+#include <vector>
+
+#include "protocol/clock.h"
+#include "server/counters.h"
+#include "server/tile_job.h"
+
+namespace mirage {
+
+class TileQueue {
+ public:
+  TileQueue(const Clock& clock, Counters& counters) : clock_(clock), counters_(counters) {}
+
+  enum class Admission { kQueued, kMerged, kBusy };
+  Admission submit(const TileKey& key, const TileId& id, const ObjectLighting& lighting,
+                   const Waiter& waiter);
+  /// References are few: they go before tiles. False when too many wait already.
+  bool submit(ReferenceJob job);
+  void cancel(SessionId session, std::uint32_t request_id);
+  void remove_session(SessionId session);
+
+  using Work = std::variant<std::vector<TileJob>, ReferenceJob>;
+  /// Next work; waits while there is none if `wait`. `fits` is asked for each tile's edge in turn
+  /// and ends the batch with false. nullopt: closed, or nothing to do and not waiting.
+  std::optional<Work> take(const std::function<bool(std::uint32_t)>& fits, bool wait);
+
+  /// Everybody waiting for a finished tile; the key may be queued anew afterwards.
+  std::vector<Waiter> finish(const TileId& id);
+  /// Asks that were dropped since the last call because their deadline passed.
+  std::vector<Waiter> take_late();
+
+  std::size_t length() const;
+  void close();
+
+ private:
+  struct Entry {
+    TileJob job;
+    std::vector<Waiter> waiters;
+    bool rendering = false;
+  };
+  // Worst error first; equal errors in order of arrival.
+  struct Rank {
+    float error_px;
+    std::uint64_t order;
+    bool operator<(const Rank& o) const {
+      return error_px != o.error_px ? error_px > o.error_px : order < o.order;
+    }
+  };
+  struct SessionQueue {
+    std::map<Rank, TileId> ranked;
+    std::unordered_map<std::uint32_t, TileId> requests;
+  };
+
+  void drop_waiter(SessionId session, std::uint32_t request_id, const TileId& id);
+  bool drop_late(Entry& entry);
+  Entry* next_entry();
+
+  const Clock& clock_;
+  Counters& counters_;
+  mutable std::mutex mutex_;
+  std::condition_variable not_empty_;
+  std::unordered_map<TileId, Entry> entries_;
+  std::map<SessionId, SessionQueue> sessions_;
+  std::deque<ReferenceJob> references_;
+  std::vector<Waiter> late_;
+  SessionId last_served_ = 0;
+  std::uint64_t order_ = 0;
+  bool closed_ = false;
+};
+
+}  // namespace mirage

@@ -1,0 +1,94 @@
+#include "server/tile_store.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace mirage {
+namespace fs = std::filesystem;
+
+TileStore::TileStore(std::size_t budget_bytes, std::string directory, Counters& counters)
+    : budget_(budget_bytes), directory_(std::move(directory)), counters_(counters) {}
+
+StoredTilePtr TileStore::find(const TileId& id) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = slots_.find(id);
+    if (found != slots_.end()) {
+      ages_.splice(ages_.begin(), ages_, found->second.age);
+      ++counters_.store_hits;
+      return found->second.tile;
+    }
+  }
+  if (directory_.empty()) return nullptr;
+  StoredTilePtr tile = load(id);
+  if (tile) {
+    ++counters_.store_hits;
+    put_in_memory(id, tile);
+  }
+  return tile;
+}
+
+void TileStore::put(const TileId& id, StoredTilePtr tile) {
+  if (!directory_.empty()) save(id, *tile);
+  put_in_memory(id, std::move(tile));
+}
+
+void TileStore::put_in_memory(const TileId& id, StoredTilePtr tile) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (slots_.count(id) != 0) return;
+  bytes_ += tile->bytes();
+  ages_.push_front(id);
+  slots_[id] = {std::move(tile), ages_.begin()};
+  while (bytes_ > budget_ && ages_.size() > 1) {
+    const auto oldest = slots_.find(ages_.back());
+    bytes_ -= oldest->second.tile->bytes();
+    slots_.erase(oldest);
+    ages_.pop_back();
+  }
+  counters_.store_bytes = bytes_;
+}
+
+std::string TileStore::path(const TileId& id) const {
+  const std::string name = fmt::format("{:016x}{:016x}", id.high, id.low);
+  return directory_ + "/" + name.substr(0, 2) + "/" + name + ".tile";
+}
+
+StoredTilePtr TileStore::load(const TileId& id) const {
+  std::ifstream file(path(id), std::ios::binary);
+  if (!file) return nullptr;
+  const Bytes bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  // A file is as little trusted as the network: a damaged one is rendered again.
+  Result<Message> message = decode_message(bytes.data(), bytes.size());
+  if (!message || message->body.AsTileReply() == nullptr) return nullptr;
+  const wire::TileReplyT& reply = *message->body.AsTileReply();
+  Result<Tile> tile = tile_from_fields(reply);
+  if (!tile || reply.key_low != id.low || reply.key_high != id.high) return nullptr;
+  const auto codec = static_cast<TileCodec>(reply.codec);
+  const Bytes& planes = message->payload;
+  if (!decode_tile_planes(planes.data(), planes.size(), codec, *tile)) return nullptr;
+  if (tile_content_hash(*tile) != reply.content_hash) return nullptr;
+  auto stored = std::make_shared<StoredTile>();
+  stored->reply = reply;
+  stored->planes = message->payload;
+  return stored;
+}
+
+void TileStore::save(const TileId& id, const StoredTile& tile) const {
+  std::error_code ignored;
+  const std::string target = path(id);
+  fs::create_directories(fs::path(target).parent_path(), ignored);
+  wire::TileReplyT reply = tile.reply;
+  const Bytes bytes = encode_message(std::move(reply), tile.planes);
+  // Written aside and renamed, so that a reader never sees half a tile.
+  const std::string aside = target + ".part";
+  std::ofstream file(aside, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (file) fs::rename(aside, target, ignored);
+}
+
+}  // namespace mirage

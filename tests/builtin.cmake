@@ -1,0 +1,7 @@
+add_executable(mirage_builtin_tests
+  ${PROJECT_SOURCE_DIR}/tests/unit/builtin_mesh_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/builtin_options_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/builtin_scene_test.cpp)
+mirage_target(mirage_builtin_tests)
+target_link_libraries(mirage_builtin_tests PRIVATE mirage_builtin GTest::gtest_main)
+add_test(NAME builtin COMMAND mirage_builtin_tests)
