@@ -109,6 +109,16 @@ Result<Lighting> checked_lighting(Lighting lighting) {
   return lighting;
 }
 
+bool same_lighting(const Lighting& a, const Lighting& b) {
+  const auto same = [](const Light& x, const Light& y) {
+    return x.kind == y.kind && x.color == y.color && x.position == y.position &&
+           x.direction == y.direction && x.range == y.range && x.cos_inner == y.cos_inner &&
+           x.cos_outer == y.cos_outer;
+  };
+  return a.ambient == b.ambient &&
+         std::equal(a.lights.begin(), a.lights.end(), b.lights.begin(), b.lights.end(), same);
+}
+
 ObjectLighting object_lighting(const Lighting& lighting, const Similarity& world_from_object,
                                const glm::vec3& center, float radius) {
   ObjectLighting out;

@@ -36,6 +36,9 @@ struct ObjectLighting {
 /// at most limits::kMaxLights lights. Error kWireValue names the light.
 Result<Lighting> checked_lighting(Lighting lighting);
 
+/// Equal in every value.
+bool same_lighting(const Lighting& a, const Lighting& b);
+
 /// The scene's lighting as the object of `instance` sees it. Black lights and lights whose range
 /// does not reach the bounding sphere (centre, radius in object space) are left out; directions are
 /// quantised to 1/4096, positions to radius/256, so small motions keep the key; the values used for

@@ -52,7 +52,7 @@ class FrameAssembler {
   };
   Result<std::optional<Bytes>> accept_chunk(const std::uint8_t* bytes, std::size_t size);
 
-  const std::size_t max_bytes_;
+  std::size_t max_bytes_;
   std::map<std::uint32_t, Transfer> transfers_;
 };
 

@@ -158,6 +158,7 @@ void Selector::draw_instance(const SelectorInput& in, std::uint32_t instance, Dr
     }
   }
   best.tile->last_drawn = in.frame;
+  best.tile->shown = true;
   out.impostors.push_back(
       {instance, best.tile, best.method, best.bound, distance, static_cast<float>(fade)});
   if (is_stale(best.bound, in.tau_px)) ++out.over_tau;

@@ -12,11 +12,11 @@ constexpr std::size_t kMaxTilesPerGroup = 8;
 constexpr int kGutter = 1;  // texels of nothing around a tile, so that filtering never bleeds
 }  // namespace
 
-DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& object) const {
+DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& description) const {
   const double r = capture.radius, cone = tangent_length(capture.distance, r);
   switch (method) {
-    case DrawMethod::kCuboid: return {measure.dz_cuboid, box_extent(object)};
-    case DrawMethod::kHull: return {measure.dz_hull, hull_extent(object)};
+    case DrawMethod::kCuboid: return {measure.dz_cuboid, box_extent(description)};
+    case DrawMethod::kHull: return {measure.dz_hull, hull_extent(description)};
     case DrawMethod::kDepth: {
       // Quantised depth, and two texels of slope: steeper surfaces belong to the disocclusions.
       const double dz = depth_code.quantum() + 2.0 * capture.texel_width(measure.depth_max);
@@ -30,10 +30,10 @@ DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& o
   return {measure.dz_quad, std::hypot(z - capture.distance, z * r / cone)};
 }
 
-double TileRecord::bound_px(DrawMethod method, const ObjectDescription& object,
+double TileRecord::bound_px(DrawMethod method, const ObjectDescription& description,
                             const ViewGeometry& view) const {
   const CaptureGeometry geometry = capture.geometry();
-  return position_bound_px(view, geometry, drawn_depth(method, object)) +
+  return position_bound_px(view, geometry, drawn_depth(method, description)) +
          footprint_px(texel_size_px(view, geometry, capture.edge));
 }
 

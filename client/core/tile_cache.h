@@ -30,11 +30,12 @@ struct TileRecord {
   std::vector<std::uint8_t> depth;  ///< codes of the crop, for the geometric error
   std::int64_t received_us = 0;
   std::uint64_t last_drawn = 0;  ///< frame number
+  bool shown = false;            ///< drawn at least once
 
   /// How far drawn points can be from the surface when drawn with `method`.
-  DrawnDepth drawn_depth(DrawMethod method, const ObjectDescription& object) const;
+  DrawnDepth drawn_depth(DrawMethod method, const ObjectDescription& description) const;
   /// Bound in px: position plus texel footprint.
-  double bound_px(DrawMethod method, const ObjectDescription& object,
+  double bound_px(DrawMethod method, const ObjectDescription& description,
                   const ViewGeometry& view) const;
 };
 using TileRecordPtr = std::shared_ptr<TileRecord>;

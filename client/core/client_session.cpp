@@ -1,0 +1,240 @@
+#include "client/core/client_session.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "protocol/limits.h"
+
+namespace mirage {
+namespace {
+// What a tile is asked for lies this far beyond the round trip: half of its expected life.
+constexpr std::int64_t kHorizonSlackUs = 150'000;
+constexpr std::int64_t kMaxHorizonUs = 1'000'000;
+}  // namespace
+
+ClientSession::ClientSession(Link& link, ClientOptions options, TileSink sink)
+    : link_(link),
+      options_(std::move(options)),
+      sink_(std::move(sink)),
+      cache_(options_.atlas_edge, options_.atlas_layers) {}
+
+void ClientSession::greet() {
+  generation_ = link_.generation();
+  goodbye_.clear();
+  scheduler_.reset();
+  wire::HelloT hello;
+  hello.version_min = hello.version_max = limits::kProtocolVersion;
+  hello.token = options_.token;
+  hello.name = options_.name;
+  hello.codecs = {static_cast<std::uint8_t>(TileCodec::kRaw),
+                  static_cast<std::uint8_t>(TileCodec::kZstd)};
+  link_.send(encode_message(std::move(hello)));
+}
+
+Result<void> ClientSession::receive(std::int64_t now_us) {
+  if (link_.connected() && link_.generation() != generation_) greet();
+  Result<void> first_error;
+  for (Message& message : link_.receive()) {
+    Result<void> handled = handle(std::move(message), now_us);
+    if (!handled && first_error.ok()) first_error = handled;
+  }
+  return first_error;
+}
+
+Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
+  wire::BodyUnion& body = message.body;
+  const bool was_complete = scene_.complete();
+  switch (body.type) {
+    case wire::Body::Welcome: {
+      const wire::WelcomeT& welcome = *body.AsWelcome();
+      // The same scene after a reconnect: everything held stays valid, keys and all.
+      if (was_complete && welcome.revision == scene_.revision &&
+          welcome.instances == scene_.instances.size()) {
+        if (own_lighting_) send_lighting();
+        return {};
+      }
+      if (Result<void> taken = scene_.accept(welcome); !taken) return taken;
+      break;
+    }
+    case wire::Body::ObjectPage:
+      if (was_complete) return {};
+      if (Result<void> taken = scene_.accept(*body.AsObjectPage()); !taken) return taken;
+      break;
+    case wire::Body::InstancePage:
+      if (was_complete) return {};
+      if (Result<void> taken = scene_.accept(*body.AsInstancePage()); !taken) return taken;
+      break;
+    case wire::Body::TileReply: return take_tile(*body.AsTileReply(), message.payload, now_us);
+    case wire::Body::MeshReply: return take_mesh(*body.AsMeshReply(), message.payload);
+    case wire::Body::ReferenceReply:
+      return take_reference(*body.AsReferenceReply(), message.payload);
+    case wire::Body::Refused: take_refusal(*body.AsRefused(), now_us); return {};
+    case wire::Body::Bye: goodbye_ = body.AsBye()->text; return {};
+    default: return {};
+  }
+  if (scene_.complete()) {
+    if (!own_lighting_) lighting_ = scene_.lighting;
+    cache_.reset(scene_, lighting_);
+    selector_.reset(scene_);
+    mesh_ready_.assign(scene_.objects.size(), false);
+    predictor_ = Predictor(std::max(50.0, 0.5 * scene_.bounds_radius));
+    if (sink_.scene) sink_.scene(scene_);
+    if (own_lighting_) send_lighting();
+  }
+  return {};
+}
+
+Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes& planes,
+                                      std::int64_t now_us) {
+  ++received_;
+  const std::size_t bytes = planes.size() + 160;
+  const std::optional<PendingAsk> ask = scheduler_.finish(reply.request_id, bytes, now_us);
+  if (!ask || !scene_.complete()) return {};
+  Result<Tile> tile = tile_from_fields(reply);
+  if (!tile) return tile.error();
+  if (tile->edge != tile_edge(ask->need.size_class)) {
+    return make_error(ErrorId::kWireValue, "tile has another size than asked for");
+  }
+  const auto codec = static_cast<TileCodec>(reply.codec);
+  const Result<void> decoded = decode_tile_planes(planes.data(), planes.size(), codec, *tile);
+  if (!decoded) return decoded.error();
+  if (ask->lighting_id != lighting_id_) return {};
+  const ObjectDescription& object = scene_.objects[ask->object];
+  const Capture capture(ask->need.cell, ask->need.distance, object.radius, tile->edge);
+  std::vector<std::uint8_t> rgba = std::move(tile->rgba);
+  const TileRecordPtr record =
+      cache_.insert(ask->need.instance, scene_, capture, tile.take(), frame_, now_us);
+  if (!record) return {};
+  undrawn_.push_back(record);
+  record->last_drawn = frame_;
+  if (sink_.tile) sink_.tile(*record, rgba);
+  return {};
+}
+
+Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes) {
+  if (!scene_.complete() || reply.object >= scene_.objects.size()) {
+    return make_error(ErrorId::kWireValue, "geometry of an object that is not there");
+  }
+  scheduler_.mesh_arrived(reply.object);
+  if (reply.raw_bytes > options_.max_mesh_bytes) {
+    return make_error(ErrorId::kWireLimit, "geometry is larger than asked for");
+  }
+  Result<Bytes> raw = decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
+  if (!raw) return raw.error();
+  Result<ObjectModel> model = decode_model(raw->data(), raw->size());
+  if (!model) return model.error();
+  mesh_ready_[reply.object] = true;
+  if (sink_.mesh) sink_.mesh(reply.object, model.take());
+  return {};
+}
+
+Result<void> ClientSession::take_reference(const wire::ReferenceReplyT& reply,
+                                           const Bytes& bytes) {
+  const std::size_t pixels = std::size_t{reply.width} * reply.height;
+  if (pixels > limits::kMaxReferencePixels || reply.raw_bytes != pixels * 12) {
+    return make_error(ErrorId::kWireValue, "reference frame of an odd size");
+  }
+  Result<Bytes> raw = decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
+  if (!raw) return raw.error();
+  ReferenceFrame frame{reply.width, reply.height, {}, std::vector<float>(pixels),
+                       std::vector<std::uint32_t>(pixels)};
+  frame.rgba.assign(raw->begin(), raw->begin() + static_cast<std::ptrdiff_t>(pixels * 4));
+  std::memcpy(frame.depth.data(), raw->data() + pixels * 4, pixels * 4);
+  std::memcpy(frame.ids.data(), raw->data() + pixels * 8, pixels * 4);
+  reference_ = std::move(frame);
+  return {};
+}
+
+void ClientSession::take_refusal(const wire::RefusedT& refused, std::int64_t now_us) {
+  if (refused.mesh) return scheduler_.mesh_refused(refused.request_id);
+  if (refused.request_id == 0) {
+    reference_refused_ = true;
+    return;
+  }
+  ++refused_;
+  scheduler_.refuse(refused.request_id, now_us);
+}
+
+void ClientSession::set_lighting(const Lighting& lighting) {
+  own_lighting_ = true;
+  lighting_ = lighting;
+  if (!scene_.complete()) return;
+  send_lighting();
+  cache_.relight(scene_, lighting_);
+}
+
+void ClientSession::send_lighting() {
+  wire::SetLightingT message;
+  message.id = ++lighting_id_;
+  message.lighting = to_wire(lighting_);
+  link_.send(encode_message(std::move(message)));
+}
+
+void ClientSession::ask_reference(const Camera& camera, std::uint32_t supersample) {
+  wire::ReferenceRequestT request;
+  request.request_id = 0;
+  request.lighting_id = lighting_id_;
+  request.eye = std::make_unique<wire::Vec3d>(to_wire(camera.pose.eye));
+  request.rotation = std::make_unique<wire::Quat>(to_wire(camera.pose.rotation));
+  request.fov_y = camera.fov_y;
+  request.width = camera.width;
+  request.height = camera.height;
+  request.supersample = supersample;
+  reference_refused_ = false;
+  link_.send(encode_message(std::move(request)));
+}
+
+DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
+  ++frame_;
+  if (!scene_.complete()) return {};
+  predictor_.add(now_us, camera.pose);
+  const std::int64_t horizon =
+      std::min(scheduler_.round_trip_us() + kHorizonSlackUs, kMaxHorizonUs);
+  predictor_.remember(horizon);
+  SelectorInput input;
+  input.scene = &scene_;
+  input.cache = &cache_;
+  input.mesh_ready = &mesh_ready_;
+  input.camera = input.predicted = camera;
+  input.predicted.pose = predictor_.predict(horizon);
+  input.predicted_error_m = predictor_.recent_error_m();
+  input.tau_px = options_.tau_px;
+  input.method = options_.method;
+  input.frame = frame_;
+  input.now_us = now_us;
+  DrawList list = selector_.select(input);
+  for (const std::weak_ptr<TileRecord>& tile : undrawn_) {
+    const TileRecordPtr record = tile.lock();
+    if (record && record->shown) ++drawn_;
+  }
+  undrawn_.erase(std::remove_if(undrawn_.begin(), undrawn_.end(),
+                                [](const std::weak_ptr<TileRecord>& tile) {
+                                  const TileRecordPtr record = tile.lock();
+                                  return !record || record->shown;
+                                }),
+                 undrawn_.end());
+  if (!link_.connected()) return list;
+  std::vector<std::uint32_t> meshes;
+  if (scene_.geometry) {
+    for (const std::uint32_t object : selector_.mesh_needs(input)) {
+      if (scene_.objects[object].mesh_bytes <= options_.max_mesh_bytes) meshes.push_back(object);
+    }
+  }
+  std::optional<wire::RequestBatchT> batch =
+      scheduler_.plan(scene_, selector_.needs(input), meshes, lighting_id_, now_us);
+  if (batch) link_.send(encode_message(std::move(*batch)));
+  return list;
+}
+
+TileCounts ClientSession::tiles() const {
+  TileCounts counts;
+  counts.asked = scheduler_.asked();
+  counts.received = received_;
+  counts.drawn = drawn_;
+  counts.wasted = received_ - drawn_;
+  counts.cancelled = scheduler_.cancelled();
+  counts.refused = refused_;
+  return counts;
+}
+
+}  // namespace mirage

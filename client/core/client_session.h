@@ -1,0 +1,108 @@
+#pragma once
+// One client's session: the client stages in flow order, driven frame by frame.
+//
+//   link -> scene, tiles, meshes -> predictor -> selector -> scheduler -> link
+//
+// No sockets, no windows, no clock of its own: time comes with every call.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/core/link.h"
+#include "client/core/predictor.h"
+#include "client/core/scene_view.h"
+#include "client/core/scheduler.h"
+#include "client/core/selector.h"
+#include "protocol/model_codec.h"
+
+namespace mirage {
+
+struct ClientOptions {
+  double tau_px = 1;
+  MethodChoice method;
+  int atlas_edge = 1024;
+  int atlas_layers = 24;
+  std::string token;
+  std::string name = "mirage-view";
+  std::size_t max_mesh_bytes = 64u << 20;
+};
+
+struct ReferenceFrame {
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;
+  std::vector<float> depth;        ///< eye depth, m; 0: none
+  std::vector<std::uint32_t> ids;  ///< instance + 1; 0: none
+};
+
+/// Where decoded pixels and meshes go; the frame renderer implements it.
+struct TileSink {
+  std::function<void(const TileRecord&, const std::vector<std::uint8_t>&)> tile;
+  std::function<void(std::uint32_t, ObjectModel)> mesh;
+  std::function<void(const SceneView&)> scene;
+};
+
+struct TileCounts {
+  std::uint64_t asked = 0, received = 0, drawn = 0, wasted = 0, cancelled = 0, refused = 0;
+};
+
+class ClientSession {
+ public:
+  ClientSession(Link& link, ClientOptions options, TileSink sink);
+
+  /// Takes in what has arrived. Says hello on every new connection. An error is for the log: the
+  /// session goes on with what it has.
+  Result<void> receive(std::int64_t now_us);
+  /// Plans one frame: what to draw, with the true camera; sends what is to be asked for.
+  DrawList frame(const Camera& camera, std::int64_t now_us);
+
+  void set_lighting(const Lighting& lighting);
+  /// Asks for a full render of this camera; it arrives as reference().
+  void ask_reference(const Camera& camera, std::uint32_t supersample);
+  std::optional<ReferenceFrame> take_reference() { return std::exchange(reference_, std::nullopt); }
+  bool reference_refused() const { return reference_refused_; }
+
+  const SceneView& scene() const { return scene_; }
+  const Lighting& lighting() const { return lighting_; }
+  const Predictor& predictor() const { return predictor_; }
+  TileCounts tiles() const;
+  std::int64_t round_trip_us() const { return scheduler_.round_trip_us(); }
+  std::size_t in_flight() const { return scheduler_.in_flight(); }
+  std::uint64_t frame_number() const { return frame_; }
+  const std::string& goodbye() const { return goodbye_; }
+
+ private:
+  Result<void> handle(Message message, std::int64_t now_us);
+  Result<void> take_tile(const wire::TileReplyT& reply, const Bytes& planes, std::int64_t now_us);
+  Result<void> take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes);
+  Result<void> take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes);
+  void take_refusal(const wire::RefusedT& refused, std::int64_t now_us);
+  void greet();
+  void send_lighting();
+
+  Link& link_;
+  const ClientOptions options_;
+  TileSink sink_;
+  std::uint32_t generation_ = 0;
+  SceneView scene_;
+  Lighting lighting_;
+  bool own_lighting_ = false;
+  std::uint32_t lighting_id_ = 0;
+  TileCache cache_;
+  Predictor predictor_{50};
+  Selector selector_;
+  Scheduler scheduler_;
+  std::vector<bool> mesh_ready_;
+  std::optional<ReferenceFrame> reference_;
+  bool reference_refused_ = false;
+  std::uint64_t frame_ = 0;
+  std::uint64_t received_ = 0;
+  std::uint64_t refused_ = 0;
+  std::vector<std::weak_ptr<TileRecord>> undrawn_;
+  std::uint64_t drawn_ = 0;
+  std::string goodbye_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,77 @@
+#include "client/core/frame_renderer.h"
+
+#include <algorithm>
+
+namespace mirage {
+
+Result<FrameRenderer> FrameRenderer::create(int atlas_edge, int atlas_layers) {
+  Result<ImpostorPass> impostors = ImpostorPass::create(atlas_edge, atlas_layers);
+  if (!impostors) return impostors.error();
+  Result<gl::SkyPass> sky = gl::SkyPass::create();
+  if (!sky) return sky.error();
+  FrameRenderer out;
+  out.impostors_ = impostors.take();
+  out.sky_ = std::move(*sky);
+  return out;
+}
+
+void FrameRenderer::reset(const SceneView& scene) {
+  meshes_.clear();
+  impostors_.reset(scene);
+}
+
+void FrameRenderer::add_mesh(std::uint32_t object, ObjectModel model) {
+  ClientMesh mesh;
+  mesh.mesh = gl::GpuMesh(model.mesh);
+  mesh.images = gl::GpuImages(model.images);
+  mesh.materials = std::move(model.materials);
+  meshes_[object] = std::move(mesh);
+}
+
+void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
+                                const Lighting& lighting, bool blended) {
+  if (list.meshes.empty()) return;
+  mesh_pass_->begin(camera.clip_from_relative(), gl::light_block(lighting, camera.pose.eye));
+  std::map<std::uint32_t, std::vector<gl::MeshInstance>> by_object;
+  for (const std::uint32_t i : list.meshes) {
+    const Similarity& m = scene.instances[i].world_from_object;
+    gl::MeshInstance data;
+    data.rotation = {m.rotation.x, m.rotation.y, m.rotation.z, m.rotation.w};
+    data.position_scale = glm::vec4(glm::vec3(m.position - camera.pose.eye), m.scale);
+    data.id = i;
+    by_object[scene.instances[i].object].push_back(data);
+  }
+  for (const auto& [object, instances] : by_object) {
+    const auto found = meshes_.find(object);
+    if (found == meshes_.end()) continue;
+    mesh_pass_->draw(found->second.mesh, found->second.materials, found->second.images,
+                     instances.data(), instances.size(), blended);
+  }
+  mesh_pass_->end();
+}
+
+void FrameRenderer::draw(const FrameTarget& target, const Camera& camera, const SceneView& scene,
+                         const DrawList& list, const Lighting& lighting) {
+  impostors_.reset_draw_calls();
+  mesh_pass_->reset_draw_calls();
+  target.bind();
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  glDepthMask(GL_TRUE);
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  sky_.draw(camera, scene.environment);
+  draw_meshes(camera, scene, list, lighting, false);
+  impostors_.draw(camera, scene, list, lighting);
+  draw_meshes(camera, scene, list, lighting, true);
+  draw_calls_ = 1 + impostors_.draw_calls() + mesh_pass_->draw_calls();
+}
+
+std::size_t FrameRenderer::gpu_bytes() const {
+  std::size_t bytes = impostors_.gpu_bytes();
+  for (const auto& [object, mesh] : meshes_) {
+    bytes += mesh.mesh.gpu_bytes() + mesh.images.gpu_bytes();
+  }
+  return bytes;
+}
+
+}  // namespace mirage

@@ -1,0 +1,49 @@
+#pragma once
+// Frame renderer: sky, geometry, impostors, with the true camera.
+// Thread: the GL one (the frame loop's).
+
+#include <map>
+#include <memory>
+
+#include "client/core/frame_target.h"
+#include "client/core/impostor_pass.h"
+#include "protocol/model_codec.h"
+#include "shaders/gl/mesh_pass.h"
+#include "shaders/gl/sky_pass.h"
+
+namespace mirage {
+
+class FrameRenderer {
+ public:
+  static Result<FrameRenderer> create(int atlas_edge, int atlas_layers);
+
+  void reset(const SceneView& scene);
+  void upload(const TileRecord& record, const std::vector<std::uint8_t>& rgba) {
+    impostors_.upload(record, rgba);
+  }
+  void add_mesh(std::uint32_t object, ObjectModel model);
+
+  void draw(const FrameTarget& target, const Camera& camera, const SceneView& scene,
+            const DrawList& list, const Lighting& lighting);
+
+  /// Draw calls of the last frame.
+  int draw_calls() const { return draw_calls_; }
+  std::size_t gpu_bytes() const;
+
+ private:
+  struct ClientMesh {
+    gl::GpuMesh mesh;
+    gl::GpuImages images;
+    std::vector<Material> materials;
+  };
+  void draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
+                   const Lighting& lighting, bool blended);
+
+  ImpostorPass impostors_;
+  gl::SkyPass sky_;
+  std::unique_ptr<gl::MeshPass> mesh_pass_ = std::make_unique<gl::MeshPass>(false);
+  std::map<std::uint32_t, ClientMesh> meshes_;
+  int draw_calls_ = 0;
+};
+
+}  // namespace mirage

@@ -1,0 +1,124 @@
+#include "client/core/geometric_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace mirage {
+namespace {
+
+// float depth of the reference frame: 24 bits of a hyperbolic buffer, magnified at the far end.
+constexpr double kReferenceSlackPx = 1e-3;
+
+struct Shown {
+  const DrawnImpostor* impostor = nullptr;
+  bool mesh = false;
+};
+
+// Capture depth at which the tile's method draws the ray through p; 0 where it draws nothing.
+double drawn_capture_depth(const DrawnImpostor& drawn, const ObjectDescription& object,
+                           const glm::dvec3& p, double stored) {
+  const TileRecord& tile = *drawn.tile;
+  const Capture& capture = tile.capture;
+  const glm::dvec3 eye = capture.eye();
+  const double z = capture.depth(p);
+  const glm::dvec3 direction = (p - eye) / z;  // length 1 along the capture axis
+  const glm::dvec3 origin = glm::dvec3(object.center) + eye;
+  switch (drawn.method) {
+    case DrawMethod::kCuboid:
+      return ray_entry(box_planes(object.box_min, object.box_max), origin, direction);
+    case DrawMethod::kHull: return ray_entry(object.hull.planes(), origin, direction);
+    case DrawMethod::kDepth: return stored;
+    case DrawMethod::kQuad:
+    case DrawMethod::kWarp:
+    case DrawMethod::kMesh: break;
+  }
+  return tile.measure.plane_depth;
+}
+
+struct PixelError {
+  bool seen = false;  ///< the tile saw this point
+  double error_px = 0;
+};
+
+PixelError pixel_error(const DrawnImpostor& drawn, const InstanceView& view,
+                       const ObjectDescription& object, const Camera& camera,
+                       const glm::dvec3& relative) {
+  const TileRecord& tile = *drawn.tile;
+  const Capture& capture = tile.capture;
+  const double scale = view.world_from_object.scale;
+  const glm::dquat rotation(view.world_from_object.rotation);
+  const glm::dvec3 center = view.center - camera.pose.eye;
+  const glm::dvec3 p = glm::conjugate(rotation) * (relative - center) / scale;
+  const double z = capture.depth(p);
+  const glm::dvec2 texel = capture.texel_from_point(p);
+  const double x = std::floor(texel.x) - tile.crop.x, y = std::floor(texel.y) - tile.crop.y;
+  if (!(z > 0) || x < 0 || y < 0 || x >= tile.crop.w || y >= tile.crop.h) return {};
+  const std::uint8_t code =
+      tile.depth[static_cast<std::size_t>(y) * tile.crop.w + static_cast<std::size_t>(x)];
+  if (code == 0) return {};
+  const double stored = tile.depth_code.decode(code);
+  const double match = tile.depth_code.quantum() + 2.0 * capture.texel_width(z);
+  if (std::abs(z - stored) > match) return {};
+  // A flat proxy's dz covers the tile's whole depth range, marched depth what a texel may hold.
+  if (drawn.method != DrawMethod::kDepth &&
+      (z < tile.measure.depth_min || z > tile.measure.depth_max)) {
+    return {};
+  }
+  const double zq = drawn_capture_depth(drawn, object, p, stored);
+  if (!(zq > 0)) return {};
+  const glm::dvec3 q = capture.eye() + (p - capture.eye()) * (zq / z);
+  const glm::dvec3 q_relative = center + rotation * (q * scale);
+  return {true, point_error_px(camera.focal_px(), relative, q_relative, camera.forward(),
+                               camera.right(), camera.up())};
+}
+
+}  // namespace
+
+void add_geometric_error(const ReferenceFrame& reference, double offset_px, const Camera& camera,
+                         const SceneView& scene, const DrawList& drawn, GeometricError& out) {
+  std::unordered_map<std::uint32_t, Shown> shown;
+  for (const DrawnImpostor& impostor : drawn.impostors) shown[impostor.instance].impostor = &impostor;
+  for (const std::uint32_t instance : drawn.meshes) shown[instance].mesh = true;
+  const double f = camera.focal_px();
+  const glm::dvec3 right = camera.right(), up = camera.up(), forward = camera.forward();
+  for (std::uint32_t y = 0; y < reference.height; ++y) {
+    for (std::uint32_t x = 0; x < reference.width; ++x) {
+      const std::size_t i = std::size_t{y} * reference.width + x;
+      if (reference.ids[i] == 0 || reference.ids[i] > scene.instances.size()) continue;
+      ++out.object_pixels;
+      const std::uint32_t instance = reference.ids[i] - 1;
+      const auto found = shown.find(instance);
+      if (found == shown.end()) {
+        ++out.holes;
+        continue;
+      }
+      if (found->second.mesh) continue;
+      const double z = reference.depth[i];
+      const double px = x + offset_px - 0.5 * camera.width;
+      // Rows are counted from the top, the reference sampled them from the bottom.
+      const double py = 0.5 * camera.height - (y + 1.0 - offset_px);
+      const glm::dvec3 relative = (right * (px / f) + up * (py / f) + forward) * z;
+      const DrawnImpostor& impostor = *found->second.impostor;
+      const InstanceView& view = scene.instances[instance];
+      const PixelError error =
+          pixel_error(impostor, view, scene.objects[view.object], camera, relative);
+      if (!error.seen) {
+        ++out.disoccluded;
+        continue;
+      }
+      ++out.compared;
+      out.errors_px.push_back(static_cast<float>(error.error_px));
+      if (error.error_px >= 0.01 && std::isfinite(impostor.bound_px)) {
+        out.ratios.push_back(static_cast<float>(impostor.bound_px / error.error_px));
+      }
+      if (error.error_px > impostor.bound_px + kReferenceSlackPx) {
+        ++out.violations;
+        out.worst_excess_px =
+            std::max(out.worst_excess_px, error.error_px - impostor.bound_px);
+      }
+    }
+  }
+}
+
+}  // namespace mirage

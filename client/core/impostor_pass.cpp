@@ -1,0 +1,280 @@
+#include "client/core/impostor_pass.h"
+
+#include <cstddef>
+#include <cstring>
+
+namespace mirage {
+namespace {
+
+/// Per-instance attributes of impostor.vert, locations 2 to 11.
+struct ImpostorInstance {
+  glm::vec4 rotation, center_scale, right_distance, up_plane, window, atlas, depth, box_min, box_max,
+      center;
+};
+static_assert(sizeof(ImpostorInstance) == 160);
+
+/// A tile fading in lies on top of the one it replaces.
+constexpr float kFadeBias = 0.002f;
+
+gl::Texture make_layers(GLenum format, GLenum layout, GLint filter, int edge, int layers) {
+  gl::Texture texture = gl::Texture::create();
+  glBindTexture(GL_TEXTURE_2D_ARRAY, texture.id());
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, static_cast<GLint>(format), edge, edge, layers, 0, layout,
+               GL_UNSIGNED_BYTE, nullptr);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, filter);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, filter);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  return texture;
+}
+
+std::vector<glm::vec3> cube_triangles() {
+  std::vector<glm::vec3> out;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int side = 0; side < 2; ++side) {
+      glm::vec3 normal(0);
+      normal[axis] = side == 1 ? 1.0f : -1.0f;
+      const int u = (axis + (side == 1 ? 1 : 2)) % 3, v = (axis + (side == 1 ? 2 : 1)) % 3;
+      for (const auto& [a, b] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}) {
+        glm::vec3 p(0);
+        p[axis] = static_cast<float>(side);
+        p[u] = static_cast<float>(a);
+        p[v] = static_cast<float>(b);
+        out.push_back(p);
+        out.push_back(normal);
+      }
+    }
+  }
+  return out;
+}
+
+std::vector<glm::vec3> hull_triangles(const ConvexHull& hull) {
+  std::vector<glm::vec3> out;
+  for (std::size_t i = 0; i + 2 < hull.indices.size(); i += 3) {
+    const glm::vec3 a = hull.vertices[hull.indices[i]];
+    const glm::vec3 b = hull.vertices[hull.indices[i + 1]];
+    const glm::vec3 c = hull.vertices[hull.indices[i + 2]];
+    const glm::vec3 n = glm::cross(b - a, c - a);
+    const float length = glm::length(n);
+    if (!(length > 0)) continue;
+    for (const glm::vec3& p : {a, b, c}) {
+      out.push_back(p);
+      out.push_back(n / length);
+    }
+  }
+  return out;
+}
+
+glm::vec4 rotation_of(const InstanceView& view) {
+  const glm::quat& q = view.world_from_object.rotation;
+  return {q.x, q.y, q.z, q.w};
+}
+
+glm::vec4 center_scale_of(const InstanceView& view, const Camera& camera) {
+  return {glm::vec3(view.center - camera.pose.eye), view.world_from_object.scale};
+}
+
+ImpostorInstance instance_data(const DrawnImpostor& drawn, const Camera& camera,
+                               const SceneView& scene) {
+  const InstanceView& view = scene.instances[drawn.instance];
+  const ObjectDescription& object = scene.objects[view.object];
+  const TileRecord& tile = *drawn.tile;
+  const Capture& capture = tile.capture;
+  const double per_texel = 2.0 * capture.half_tangent / capture.edge;
+  const double left = tile.crop.x * per_texel - capture.half_tangent;
+  const double top = capture.half_tangent - tile.crop.y * per_texel;
+  ImpostorInstance out;
+  out.rotation = rotation_of(view);
+  out.center_scale = center_scale_of(view, camera);
+  out.right_distance = glm::vec4(glm::vec3(capture.basis.right), capture.distance);
+  out.up_plane = glm::vec4(glm::vec3(capture.basis.up), tile.measure.plane_depth);
+  out.window = {left, top, left + tile.crop.w * per_texel, top - tile.crop.h * per_texel};
+  out.atlas = {tile.slot.x + 1, tile.slot.y + 1, 1.0 / per_texel, -1.0 / per_texel};
+  out.depth = {tile.depth_code.near_depth, tile.depth_code.far_depth, tile.slot.layer, drawn.fade};
+  out.box_min = glm::vec4(object.box_min, drawn.fade < 1 ? kFadeBias : 0.0f);
+  out.box_max = glm::vec4(object.box_max, 0);
+  out.center = glm::vec4(object.center, 0);
+  return out;
+}
+
+struct MethodShader {
+  DrawMethod method;
+  std::vector<std::string> defines;
+};
+const MethodShader kShaders[] = {
+    {DrawMethod::kQuad, {"PROXY_QUAD", "METHOD_PROJECT", "QUAD_MARGIN 0.0"}},
+    {DrawMethod::kCuboid, {"PROXY_CUBOID", "METHOD_PROJECT"}},
+    {DrawMethod::kHull, {"PROXY_HULL", "METHOD_PROJECT"}},
+    {DrawMethod::kWarp, {"PROXY_QUAD", "METHOD_WARP", "QUAD_MARGIN 0.15"}},
+    {DrawMethod::kDepth, {"PROXY_CUBOID", "METHOD_MARCH"}},
+};
+
+}  // namespace
+
+Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers) {
+  ImpostorPass pass;
+  for (const MethodShader& shader : kShaders) {
+    Result<gl::Program> program =
+        gl::Program::create("impostor/impostor.vert", "impostor/impostor.frag", shader.defines);
+    if (!program) return program.error();
+    pass.programs_.emplace(shader.method, program.take());
+  }
+  Result<gl::Program> placeholder =
+      gl::Program::create("impostor/placeholder.vert", "impostor/placeholder.frag", {});
+  if (!placeholder) return placeholder.error();
+  pass.placeholder_ = placeholder.take();
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  pass.color_ = make_layers(GL_SRGB8_ALPHA8, GL_RGBA, GL_LINEAR, atlas_edge, atlas_layers);
+  pass.depth_ = make_layers(GL_R8, GL_RED, GL_NEAREST, atlas_edge, atlas_layers);
+  if (glGetError() != GL_NO_ERROR) {
+    return make_error(ErrorId::kGraphicsGl, "the atlas does not fit the graphics memory",
+                      "--atlas-mb takes less");
+  }
+  pass.gpu_bytes_ = static_cast<std::size_t>(atlas_edge) * static_cast<std::size_t>(atlas_edge) *
+                    static_cast<std::size_t>(atlas_layers) * 5;
+  pass.instances_ = gl::Buffer::create();
+  std::vector<glm::vec3> quad;
+  for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}) {
+    quad.emplace_back(x, y, 0);
+    quad.emplace_back(0, 0, 1);
+  }
+  pass.quad_ = make_proxy(quad);
+  pass.cube_ = make_proxy(cube_triangles());
+  return pass;
+}
+
+ImpostorPass::Proxy ImpostorPass::make_proxy(const std::vector<glm::vec3>& data) {
+  Proxy proxy;
+  proxy.vao = gl::VertexArray::create();
+  proxy.vertices = gl::Buffer::create();
+  proxy.vertex_count = static_cast<int>(data.size() / 2);
+  glBindVertexArray(proxy.vao.id());
+  glBindBuffer(GL_ARRAY_BUFFER, proxy.vertices.id());
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(glm::vec3)),
+               data.data(), GL_STATIC_DRAW);
+  constexpr GLsizei kStride = 2 * sizeof(glm::vec3);
+  glEnableVertexAttribArray(0);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, kStride, nullptr);
+  glEnableVertexAttribArray(1);
+  glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, kStride,
+                        reinterpret_cast<const void*>(sizeof(glm::vec3)));
+  glBindVertexArray(0);
+  return proxy;
+}
+
+void ImpostorPass::reset(const SceneView& scene) {
+  hulls_.clear();
+  for (const ObjectDescription& object : scene.objects) {
+    hulls_.push_back(make_proxy(hull_triangles(object.hull)));
+  }
+}
+
+void ImpostorPass::upload(const TileRecord& record, const std::vector<std::uint8_t>& rgba) {
+  const std::size_t w = record.crop.w, h = record.crop.h, pw = w + 2, ph = h + 2;
+  std::vector<std::uint8_t> color(pw * ph * 4, 0), depth(pw * ph, 0);
+  for (std::size_t y = 0; y < h; ++y) {
+    std::memcpy(&color[((y + 1) * pw + 1) * 4], &rgba[y * w * 4], w * 4);
+    std::memcpy(&depth[(y + 1) * pw + 1], &record.depth[y * w], w);
+  }
+  const AtlasSlot& s = record.slot;
+  const auto gw = static_cast<GLsizei>(pw), gh = static_cast<GLsizei>(ph);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, color_.id());
+  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, s.x, s.y, s.layer, gw, gh, 1, GL_RGBA, GL_UNSIGNED_BYTE,
+                  color.data());
+  glBindTexture(GL_TEXTURE_2D_ARRAY, depth_.id());
+  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, s.x, s.y, s.layer, gw, gh, 1, GL_RED, GL_UNSIGNED_BYTE,
+                  depth.data());
+}
+
+template <typename InstanceT>
+void ImpostorPass::draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances,
+                                  bool cull) {
+  if (instances.empty() || proxy.vertex_count == 0) return;
+  glBindVertexArray(proxy.vao.id());
+  glBindBuffer(GL_ARRAY_BUFFER, instances_.id());
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(instances.size() * sizeof(InstanceT)),
+               instances.data(), GL_STREAM_DRAW);
+  for (GLuint i = 0; i < sizeof(InstanceT) / sizeof(glm::vec4); ++i) {
+    glEnableVertexAttribArray(2 + i);
+    glVertexAttribDivisor(2 + i, 1);
+    glVertexAttribPointer(2 + i, 4, GL_FLOAT, GL_FALSE, sizeof(InstanceT),
+                          reinterpret_cast<const void*>(i * sizeof(glm::vec4)));
+  }
+  (cull ? glEnable : glDisable)(GL_CULL_FACE);
+  glDrawArraysInstanced(GL_TRIANGLES, 0, proxy.vertex_count,
+                        static_cast<GLsizei>(instances.size()));
+  ++draw_calls_;
+}
+
+void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene, const DrawList& list,
+                               DrawMethod method) {
+  std::vector<ImpostorInstance> all;
+  std::map<std::uint32_t, std::vector<ImpostorInstance>> by_object;
+  for (const DrawnImpostor& drawn : list.impostors) {
+    if (drawn.method != method) continue;
+    if (method == DrawMethod::kHull) {
+      by_object[drawn.tile->object].push_back(instance_data(drawn, camera, scene));
+    } else {
+      all.push_back(instance_data(drawn, camera, scene));
+    }
+  }
+  if (all.empty() && by_object.empty()) return;
+  gl::Program& program = programs_.at(method);
+  program.use();
+  program.set("u_clip_from_relative", camera.clip_from_relative());
+  program.set("u_forward", glm::vec3(camera.forward()));
+  const double n = camera.near_m, f = camera.far_m;
+  program.set("u_depth_window", glm::vec2(f / (f - n), -f * n / (f - n)));
+  program.set("u_color", 0);
+  program.set("u_depth", 1);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, color_.id());
+  glActiveTexture(GL_TEXTURE1);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, depth_.id());
+  const bool quad = method == DrawMethod::kQuad || method == DrawMethod::kWarp;
+  draw_instances(quad ? quad_ : cube_, all, !quad);
+  for (const auto& [object, instances] : by_object) draw_instances(hulls_[object], instances, true);
+}
+
+void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scene,
+                                     const DrawList& list, const Lighting& lighting) {
+  if (list.placeholders.empty()) return;
+  glm::vec3 light = lighting.ambient;
+  for (const Light& l : lighting.lights) {
+    if (l.kind == LightKind::kDirectional) light += 0.5f * l.color;
+  }
+  std::map<std::uint32_t, std::vector<ImpostorInstance>> by_object;
+  for (const DrawnPlaceholder& drawn : list.placeholders) {
+    const InstanceView& view = scene.instances[drawn.instance];
+    const ObjectDescription& object = scene.objects[view.object];
+    ImpostorInstance data{};
+    data.rotation = rotation_of(view);
+    data.center_scale = center_scale_of(view, camera);
+    const bool lit = object.needs & kNeedLighting;
+    data.right_distance = glm::vec4(object.mean_color * (lit ? light : glm::vec3(1)), 1);
+    data.center = glm::vec4(object.center, 0);
+    by_object[view.object].push_back(data);
+  }
+  placeholder_.use();
+  placeholder_.set("u_clip_from_relative", camera.clip_from_relative());
+  for (const auto& [object, instances] : by_object) draw_instances(hulls_[object], instances, true);
+}
+
+void ImpostorPass::draw(const Camera& camera, const SceneView& scene, const DrawList& list,
+                        const Lighting& lighting) {
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDisable(GL_BLEND);
+  draw_placeholders(camera, scene, list, lighting);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  // Far methods first: a quad is far, marched depth near.
+  for (const MethodShader& shader : kShaders) draw_method(camera, scene, list, shader.method);
+  glBindVertexArray(0);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+}
+
+}  // namespace mirage

@@ -1,0 +1,272 @@
+#include "client/core/modelled_link.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+namespace mirage {
+namespace {
+
+constexpr std::size_t kFrameOverhead = kWireHeaderBytes + 8;  // our header and WebSocket's
+constexpr std::size_t kControlBytes = 144;                    // a tile reply's control part
+constexpr double kRetransmission = 1.5;                       // round trips a lost message costs
+
+std::size_t control_estimate(const Message& m) {
+  flatbuffers::FlatBufferBuilder builder;
+  builder.Finish(wire::CreateControl(builder, m.body.type, m.body.Pack(builder)));
+  return builder.GetSize();
+}
+
+}  // namespace
+
+Result<NetModel> parse_net_model(const std::string& text) {
+  NetModel model;
+  std::istringstream in(text);
+  std::string part;
+  while (std::getline(in, part, ',')) {
+    const std::size_t equals = part.find('=');
+    const std::string key = part.substr(0, equals);
+    const std::string value = equals == std::string::npos ? "" : part.substr(equals + 1);
+    if (key == "server-ms" && value == "auto") {
+      model.server_ms = -1;
+      continue;
+    }
+    char* end = nullptr;
+    const double number = std::strtod(value.c_str(), &end);
+    const bool good = !value.empty() && *end == '\0' && number >= 0 && number <= 1e7;
+    double* target = key == "rtt"         ? &model.rtt_ms
+                     : key == "jitter"    ? &model.jitter_ms
+                     : key == "rate"      ? &model.rate_mbps
+                     : key == "loss"      ? &model.loss_percent
+                     : key == "server-ms" ? &model.server_ms
+                                          : nullptr;
+    if (good && key == "seed") {
+      model.seed = static_cast<std::uint64_t>(number);
+    } else if (good && target && !(key == "loss" && number > 90)) {
+      *target = number;
+    } else {
+      return make_error(ErrorId::kUsage, "--net: '" + part + "' is not understood",
+                        "rtt=100,jitter=20,rate=20,loss=0.5,server-ms=auto|5,seed=1 "
+                        "(ms, ms, Mbit/s, %, ms)");
+    }
+  }
+  return model;
+}
+
+ModelledLink::ModelledLink(Link& inner, const Clock& clock, const NetModel& model, bool blocking,
+                           std::function<bool()> wait)
+    : inner_(inner),
+      clock_(clock),
+      model_(model),
+      blocking_(blocking),
+      wait_(std::move(wait)),
+      random_(model.seed * 0x9e3779b97f4a7c15ull + 1) {}
+
+bool ModelledLink::connected() const { return inner_.connected(); }
+
+double ModelledLink::uniform() {  // splitmix64
+  random_ += 0x9e3779b97f4a7c15ull;
+  std::uint64_t z = random_;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
+}
+
+std::int64_t ModelledLink::one_way_us() {
+  double ms = 0.5 * model_.rtt_ms;
+  if (model_.jitter_ms > 0) {  // the sum of four uniforms is normal enough
+    const double z = (uniform() + uniform() + uniform() + uniform() - 2.0) * 1.7320508;
+    ms = std::max(0.0, ms + z * model_.jitter_ms);
+  }
+  if (model_.loss_percent > 0) {
+    while (uniform() * 100.0 < model_.loss_percent) ms += kRetransmission * model_.rtt_ms;
+  }
+  return static_cast<std::int64_t>(std::llround(ms * 1000.0));
+}
+
+void ModelledLink::send(Bytes message) {
+  const std::int64_t now = clock_.now_us();
+  note_sent(message, now);
+  inner_.send(std::move(message));
+}
+
+void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
+  Result<Message> message = decode_message(bytes.data(), bytes.size());
+  if (!message) return;
+  if (message->body.type == wire::Body::ReferenceRequest) {
+    owed_reference_ = true;
+    return;  // out of band: comparing costs neither time nor bytes
+  }
+  const std::size_t size = bytes.size() + 12;
+  bytes_up_ += size;
+  std::int64_t start = std::max(now, uplink_free_us_);
+  if (model_.rate_mbps > 0) {
+    start += std::llround(static_cast<double>(size) * 8.0 / model_.rate_mbps);
+  }
+  uplink_free_us_ = start;
+  const std::int64_t arrives = start + one_way_us();
+  if (message->body.type == wire::Body::Hello) {
+    owed_welcome_ = true;
+    asks_.clear();
+    // Connecting cost two round trips before the hello could be sent: TCP, then the upgrade.
+    welcome_us_ = arrives + std::llround(2000.0 * model_.rtt_ms);
+  }
+  const wire::RequestBatchT* batch = message->body.AsRequestBatch();
+  if (!batch) return;
+  for (const wire::Ask& ask : batch->asks) {
+    Ask entry;
+    entry.arrives_us = arrives;
+    entry.error_px = ask.error_px();
+    asks_[ask.request_id()] = std::move(entry);
+  }
+  for (const std::uint32_t id : batch->cancels) {
+    const auto at = asks_.find(id);
+    if (at != asks_.end()) at->second.cancelled_us = arrives;
+  }
+  for (const std::uint32_t object : batch->mesh_asks) mesh_asked_us_[object] = arrives;
+}
+
+bool ModelledLink::owed() const {
+  if (owed_welcome_ || owed_objects_ > 0 || owed_instances_ > 0 || owed_reference_) return true;
+  if (!mesh_asked_us_.empty()) return true;
+  return std::any_of(asks_.begin(), asks_.end(),
+                     [](const auto& entry) { return !entry.second.answered; });
+}
+
+void ModelledLink::collect_replies() {
+  do {
+    for (Message& message : inner_.receive()) take_reply(std::move(message));
+  } while (blocking_ && owed() && inner_.connected() && wait_());
+}
+
+void ModelledLink::take_reply(Message message) {
+  const auto bytes = [&](const Message& m) {
+    const std::size_t control =
+        m.body.type == wire::Body::TileReply ? kControlBytes : control_estimate(m);
+    return m.payload.size() + control + kFrameOverhead;
+  };
+  const std::int64_t now = clock_.now_us();
+  Item item{{}, bytes(message), 0};
+  item.left = item.bytes;
+  std::uint32_t request = 0, mesh = UINT32_MAX;
+  if (const wire::TileReplyT* tile = message.body.AsTileReply()) request = tile->request_id;
+  if (const wire::MeshReplyT* reply = message.body.AsMeshReply()) mesh = reply->object;
+  if (const wire::RefusedT* refused = message.body.AsRefused()) {
+    (refused->mesh ? mesh : request) = refused->request_id;
+    if (!refused->mesh && refused->request_id == 0) {
+      owed_reference_ = false;
+      out_of_band_.push_back(std::move(message));
+      return;
+    }
+  }
+  if (message.body.type == wire::Body::ReferenceReply) {
+    owed_reference_ = false;
+    out_of_band_.push_back(std::move(message));
+    return;
+  }
+  if (const wire::WelcomeT* welcome = message.body.AsWelcome()) {
+    owed_welcome_ = false;
+    owed_objects_ = welcome->objects;
+    owed_instances_ = welcome->instances;
+  } else if (const wire::ObjectPageT* page = message.body.AsObjectPage()) {
+    owed_objects_ -= std::min(owed_objects_, page->objects.size());
+  } else if (const wire::InstancePageT* instances = message.body.AsInstancePage()) {
+    owed_instances_ -= std::min(owed_instances_, instances->instances.size());
+  }
+  item.message = std::move(message);
+  const auto ask = asks_.find(request);
+  if (request != 0 && ask != asks_.end()) {
+    ask->second.answered = true;
+    ask->second.reply = std::move(item);
+    return;
+  }
+  const auto asked = mesh_asked_us_.find(mesh);
+  Ready ready;
+  ready.at_us = asked != mesh_asked_us_.end() ? asked->second : std::max(welcome_us_, blocking_ ? 0 : now);
+  ready.bulk = mesh != UINT32_MAX;
+  ready.item = std::move(item);
+  if (asked != mesh_asked_us_.end()) mesh_asked_us_.erase(asked);
+  ready_.emplace(ready.at_us, std::move(ready));
+}
+
+void ModelledLink::run_server(std::int64_t now) {
+  for (auto it = asks_.begin(); it != asks_.end();) {
+    const Ask& ask = it->second;
+    const bool gone = ask.cancelled_us <= std::max(ask.arrives_us, server_free_us_);
+    const bool settled = ask.answered || !blocking_;  // in real time the server may have dropped it
+    it = gone && settled && ask.cancelled_us <= now ? asks_.erase(it) : std::next(it);
+  }
+  for (;;) {
+    // The server turns to the worst of what has arrived by the time it is free.
+    std::int64_t earliest = INT64_MAX;
+    for (const auto& [id, ask] : asks_) {
+      if (ask.answered) earliest = std::min(earliest, ask.arrives_us);
+    }
+    if (earliest == INT64_MAX) return;
+    const std::int64_t start = std::max(earliest, server_free_us_);
+    if (start > now) return;
+    auto best = asks_.end();
+    for (auto it = asks_.begin(); it != asks_.end(); ++it) {
+      if (!it->second.answered || it->second.arrives_us > start) continue;
+      if (best == asks_.end() || it->second.error_px > best->second.error_px) best = it;
+    }
+    Ask ask = std::move(best->second);
+    asks_.erase(best);
+    if (ask.cancelled_us <= start) continue;
+    double cost_ms = model_.server_ms;
+    const wire::TileReplyT* tile = ask.reply.message.body.AsTileReply();
+    if (cost_ms < 0) cost_ms = tile ? 0.001 * (tile->render_us + tile->encode_us) : 0.0;
+    // In real time the server has really spent it already.
+    const std::int64_t cost = blocking_ ? std::llround(cost_ms * 1000.0) : 0;
+    server_free_us_ = start + cost;
+    ready_.emplace(server_free_us_, Ready{server_free_us_, false, std::move(ask.reply)});
+  }
+}
+
+void ModelledLink::transmit(std::deque<Item>& lane, std::int64_t start) {
+  Item& item = lane.front();
+  const std::size_t n = std::min(item.left, limits::kChunkBytes);
+  std::int64_t cost = 0;
+  if (model_.rate_mbps > 0) cost = std::llround(static_cast<double>(n) * 8.0 / model_.rate_mbps);
+  downlink_free_us_ = start + cost;
+  item.left -= n;
+  if (item.left > 0) return;
+  bytes_down_ += item.bytes;
+  // TCP delivers in order: what is late delays all behind it.
+  last_arrival_us_ = std::max(last_arrival_us_, downlink_free_us_ + one_way_us());
+  arrived_.emplace_back(last_arrival_us_, std::move(item.message));
+  lane.pop_front();
+}
+
+void ModelledLink::run_downlink(std::int64_t now) {
+  for (;;) {
+    std::int64_t start = downlink_free_us_;
+    if (tiles_lane_.empty() && bulk_lane_.empty()) {
+      if (ready_.empty()) return;
+      start = std::max(start, ready_.begin()->first);
+    }
+    if (start > now) return;
+    while (!ready_.empty() && ready_.begin()->first <= start) {
+      Ready& ready = ready_.begin()->second;
+      (ready.bulk ? bulk_lane_ : tiles_lane_).push_back(std::move(ready.item));
+      ready_.erase(ready_.begin());
+    }
+    transmit(tiles_lane_.empty() ? bulk_lane_ : tiles_lane_, start);
+  }
+}
+
+std::vector<Message> ModelledLink::receive() {
+  const std::int64_t now = clock_.now_us();
+  collect_replies();
+  run_server(now);
+  run_downlink(now);
+  std::vector<Message> out = std::exchange(out_of_band_, {});
+  while (!arrived_.empty() && arrived_.front().first <= now) {
+    out.push_back(std::move(arrived_.front().second));
+    arrived_.pop_front();
+  }
+  return out;
+}
+
+}  // namespace mirage

@@ -1,0 +1,94 @@
+#pragma once
+// Modelled link: a real server behind a network that is computed, not suffered.
+//
+// Requests go to the server at once; its replies are held back until the model says they would
+// have arrived. On virtual time the model also stands in for the server's timing (one tile every
+// server_ms, worst error first) and waits for all real replies before it lets time pass, so a
+// session is reproducible to the bit whatever the machine does.
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "client/core/link.h"
+#include "protocol/clock.h"
+
+namespace mirage {
+
+struct NetModel {
+  double rtt_ms = 0;
+  double jitter_ms = 0;      ///< standard deviation of the one-way delay, in order delivery kept
+  double rate_mbps = 0;      ///< both ways; 0: unlimited
+  double loss_percent = 0;   ///< of messages; a lost one comes a retransmission (1.5 RTT) later
+  double server_ms = -1;     ///< per tile; negative: as the server really took (auto)
+  std::uint64_t seed = 1;
+};
+/// "rtt=100,jitter=20,rate=20,loss=0.5,server-ms=auto|X,seed=1"; error kUsage names the bad part.
+Result<NetModel> parse_net_model(const std::string& text);
+
+class ModelledLink final : public Link {
+ public:
+  /// `blocking`: wait for the server's replies (virtual time); `wait` blocks until the inner link
+  /// has something or a while has passed, and says false when there is no hope.
+  ModelledLink(Link& inner, const Clock& clock, const NetModel& model, bool blocking,
+               std::function<bool()> wait);
+
+  void send(Bytes message) override;
+  std::vector<Message> receive() override;
+  bool connected() const override;
+  std::uint32_t generation() const override { return inner_.generation(); }
+  LinkTraffic traffic() const override { return {bytes_up_, bytes_down_}; }
+
+ private:
+  struct Item {
+    Message message;
+    std::size_t bytes = 0;
+    std::size_t left = 0;  ///< still to be transmitted
+  };
+  struct Ask {
+    std::int64_t arrives_us = 0;  ///< at the server
+    std::int64_t cancelled_us = INT64_MAX;
+    float error_px = 0;
+    bool answered = false;
+    Item reply;
+  };
+  struct Ready {
+    std::int64_t at_us = 0;  ///< at the server's socket
+    bool bulk = false;
+    Item item;
+  };
+
+  void note_sent(const Bytes& message, std::int64_t now_us);
+  void collect_replies();
+  void take_reply(Message message);
+  bool owed() const;
+  void run_server(std::int64_t now_us);
+  void run_downlink(std::int64_t now_us);
+  void transmit(std::deque<Item>& lane, std::int64_t start_us);
+  std::int64_t one_way_us();
+  double uniform();
+
+  Link& inner_;
+  const Clock& clock_;
+  const NetModel model_;
+  const bool blocking_;
+  std::function<bool()> wait_;
+  std::uint64_t random_;
+  std::map<std::uint32_t, Ask> asks_;         ///< at or on the way to the server, by request id
+  std::multimap<std::int64_t, Ready> ready_;  ///< waiting for the downlink, by time
+  std::deque<Item> tiles_lane_, bulk_lane_;
+  std::deque<std::pair<std::int64_t, Message>> arrived_;
+  std::vector<Message> out_of_band_;
+  std::size_t owed_objects_ = 0, owed_instances_ = 0;
+  bool owed_welcome_ = false;
+  bool owed_reference_ = false;
+  std::map<std::uint32_t, std::int64_t> mesh_asked_us_;
+  std::int64_t uplink_free_us_ = 0, downlink_free_us_ = 0, server_free_us_ = 0;
+  std::int64_t last_arrival_us_ = 0, welcome_us_ = 0;
+  std::uint64_t bytes_up_ = 0, bytes_down_ = 0;
+};
+
+}  // namespace mirage

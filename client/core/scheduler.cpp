@@ -1,0 +1,139 @@
+#include "client/core/scheduler.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/core/quantile.h"
+#include "protocol/limits.h"
+
+namespace mirage {
+namespace {
+
+constexpr double kInitialWindowBytes = 256 * 1024;
+constexpr std::int64_t kWindowSlackUs = 100'000;
+constexpr std::int64_t kRateSpanUs = 1'000'000;
+constexpr std::int64_t kRefusalPauseUs = 250'000;
+constexpr std::int64_t kLostUs = 5'000'000;  // an ask without an answer is given up
+constexpr std::size_t kRoundTrips = 33;
+constexpr double kWindowGain = 2.0;  // finds a faster link by asking for a little more
+// Credit far ahead of the window: the window limits, credit only protects the client's memory.
+constexpr std::uint64_t kCreditAhead = 64u << 20;
+
+}  // namespace
+
+void Scheduler::reset() {
+  pending_.clear();
+  pending_instance_.clear();
+  not_before_us_.clear();
+  meshes_pending_.clear();
+  meshes_refused_.clear();
+  arrivals_.clear();
+  in_flight_bytes_ = 0;
+  received_bytes_ = 0;
+}
+
+double Scheduler::expected_bytes(std::uint8_t size_class) const {
+  const double edge = tile_edge(size_class);
+  return 160 + bytes_per_texel_ * edge * edge;
+}
+
+double Scheduler::window_bytes(std::int64_t now_us) const {
+  double received = 0;
+  std::int64_t first = now_us;
+  for (const auto& [time, bytes] : arrivals_) {
+    received += static_cast<double>(bytes);
+    first = std::min(first, time);
+  }
+  if (arrivals_.size() < 8) return kInitialWindowBytes;
+  const double span = static_cast<double>(std::max<std::int64_t>(now_us - first, 20'000));
+  const double trip = static_cast<double>(shortest_trip_us_ + kWindowSlackUs);
+  return std::max(32.0 * 1024, kWindowGain * received / span * trip);
+}
+
+std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
+                                                   const std::vector<TileNeed>& needs,
+                                                   const std::vector<std::uint32_t>& mesh_needs,
+                                                   std::uint32_t lighting_id,
+                                                   std::int64_t now_us) {
+  wire::RequestBatchT batch;
+  batch.lighting_id = lighting_id;
+  std::set<std::uint32_t> needed;
+  for (const TileNeed& need : needs) needed.insert(need.instance);
+  for (auto it = pending_.begin(); it != pending_.end();) {
+    const PendingAsk& ask = it->second;
+    const bool useless = needed.count(ask.need.instance) == 0 || ask.lighting_id != lighting_id;
+    if (useless || now_us - ask.sent_us > kLostUs) {
+      batch.cancels.push_back(it->first);
+      in_flight_bytes_ -= expected_bytes(ask.need.size_class);
+      pending_instance_.erase(ask.need.instance);
+      it = pending_.erase(it);
+      ++cancelled_;
+    } else {
+      ++it;
+    }
+    if (batch.cancels.size() >= limits::kMaxCancelsPerBatch) break;
+  }
+  while (!arrivals_.empty() && arrivals_.front().first < now_us - kRateSpanUs) {
+    arrivals_.pop_front();
+  }
+  const double window = window_bytes(now_us);
+  for (const TileNeed& need : needs) {
+    if (in_flight_bytes_ >= window || batch.asks.size() >= limits::kMaxAsksPerBatch) break;
+    if (pending_instance_.count(need.instance) != 0) continue;
+    const auto pause = not_before_us_.find(need.instance);
+    if (pause != not_before_us_.end() && pause->second > now_us) continue;
+    const std::uint32_t id = next_request_++;
+    const std::uint32_t object = scene.instances[need.instance].object;
+    batch.asks.emplace_back(id, need.instance, object, static_cast<float>(need.error_px), 0u,
+                            need.distance.index, need.cell.x, need.cell.y, need.cell.level,
+                            need.distance.level, need.size_class,
+                            static_cast<std::uint8_t>(kChannelColor | kChannelDepth));
+    pending_[id] = {need, object, now_us, lighting_id};
+    pending_instance_[need.instance] = id;
+    in_flight_bytes_ += expected_bytes(need.size_class);
+    ++asked_;
+  }
+  for (const std::uint32_t object : mesh_needs) {
+    if (meshes_pending_.count(object) != 0 || meshes_refused_.count(object) != 0) continue;
+    meshes_pending_.insert(object);
+    batch.mesh_asks.push_back(object);
+  }
+  if (batch.asks.empty() && batch.cancels.empty() && batch.mesh_asks.empty()) return std::nullopt;
+  batch.credit_bytes = received_bytes_ + kCreditAhead;
+  return batch;
+}
+
+std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_t bytes,
+                                            std::int64_t now_us) {
+  arrivals_.emplace_back(now_us, bytes);
+  received_bytes_ += bytes;
+  const auto at = pending_.find(request_id);
+  if (at == pending_.end()) return std::nullopt;
+  const PendingAsk ask = at->second;
+  pending_.erase(at);
+  pending_instance_.erase(ask.need.instance);
+  in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - expected_bytes(ask.need.size_class));
+  const double edge = tile_edge(ask.need.size_class);
+  bytes_per_texel_ += 0.05 * (static_cast<double>(bytes) / (edge * edge) - bytes_per_texel_);
+  const std::int64_t trip = now_us - ask.sent_us;
+  shortest_trip_us_ = shortest_trip_us_ == 0 ? trip : std::min(shortest_trip_us_, trip);
+  round_trips_us_.push_back(trip);
+  if (round_trips_us_.size() > kRoundTrips) round_trips_us_.pop_front();
+  return ask;
+}
+
+void Scheduler::refuse(std::uint32_t request_id, std::int64_t now_us) {
+  const auto at = pending_.find(request_id);
+  if (at == pending_.end()) return;
+  not_before_us_[at->second.need.instance] = now_us + kRefusalPauseUs;
+  pending_instance_.erase(at->second.need.instance);
+  in_flight_bytes_ =
+      std::max(0.0, in_flight_bytes_ - expected_bytes(at->second.need.size_class));
+  pending_.erase(at);
+}
+
+std::int64_t Scheduler::round_trip_us() const {
+  return quantile(std::vector<std::int64_t>(round_trips_us_.begin(), round_trips_us_.end()), 0.5);
+}
+
+}  // namespace mirage

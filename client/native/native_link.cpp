@@ -1,0 +1,298 @@
+#include "client/native/native_link.h"
+
+#include <libwebsockets.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstring>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+namespace mirage {
+namespace {
+
+constexpr std::size_t kMaxOutbound = 1024;
+constexpr std::size_t kMaxInbound = 4096;
+constexpr int kFirstPauseMs = 100;
+constexpr int kLongestPauseMs = 5000;
+constexpr std::uint64_t kWebSocketOverhead = 8;  // frame header, roughly: 2 to 14 bytes
+
+int on_client(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
+
+const lws_protocols kProtocols[] = {
+    {"mirage", on_client, 0, 128 * 1024, 0, nullptr, 0},
+    {nullptr, nullptr, 0, 0, 0, nullptr, 0},
+};
+
+}  // namespace
+
+struct NativeLink::Impl {
+  ServerUrl url;
+  lws_context* context = nullptr;
+  lws* socket = nullptr;
+  std::thread thread;
+  std::atomic<bool> stopping{false};
+  std::atomic<bool> connected{false};
+  std::atomic<std::uint32_t> generation{0};
+  std::atomic<std::uint64_t> bytes_up{0}, bytes_down{0};
+  std::atomic<int> close_code{0};
+  mutable std::mutex mutex;
+  mutable std::condition_variable changed;
+  std::deque<Bytes> outbound;
+  std::deque<Message> inbound;
+  std::string problem;
+  // Network thread only.
+  Bytes fragments;
+  FrameAssembler assembler{limits::kMaxTransferBytes};
+  std::uint32_t next_transfer = 1;
+  std::chrono::steady_clock::time_point next_try{};
+  int pause_ms = kFirstPauseMs;
+
+  void set_problem(const std::string& text) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    problem = text;
+    changed.notify_all();
+  }
+
+  void connect() {
+    lws_client_connect_info info{};
+    info.context = context;
+    info.address = url.host.c_str();
+    info.port = url.port;
+    info.path = "/";
+    info.host = url.host.c_str();
+    info.origin = nullptr;
+    info.protocol = "mirage";
+    info.local_protocol_name = "mirage";
+    info.ssl_connection = url.tls ? LCCSCF_USE_SSL : 0;
+    info.pwsi = &socket;
+    lws_client_connect_via_info(&info);
+    next_try = std::chrono::steady_clock::now() + std::chrono::milliseconds(pause_ms);
+    pause_ms = std::min(pause_ms * 2, kLongestPauseMs);
+  }
+
+  void down(const std::string& why) {
+    socket = nullptr;
+    fragments.clear();
+    assembler = FrameAssembler(limits::kMaxTransferBytes);
+    const std::lock_guard<std::mutex> lock(mutex);
+    connected = false;
+    outbound.clear();
+    if (problem.empty() || !why.empty()) problem = why;
+    changed.notify_all();
+  }
+
+  void up() {
+    pause_ms = kFirstPauseMs;
+    close_code = 0;
+    const std::lock_guard<std::mutex> lock(mutex);
+    problem.clear();
+    inbound.clear();
+    ++generation;
+    connected = true;
+    changed.notify_all();
+  }
+
+  // Returns what the libwebsockets callback is to return.
+  int receive(lws* wsi, const std::uint8_t* bytes, std::size_t n) {
+    if (fragments.size() + n > limits::kMaxMessageBytes) return -1;
+    fragments.insert(fragments.end(), bytes, bytes + n);
+    if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi) > 0) return 0;
+    const Bytes frame = std::exchange(fragments, {});
+    Result<std::optional<Bytes>> whole = assembler.accept(frame.data(), frame.size());
+    if (!whole) return refuse(whole.error());
+    if (!whole->has_value()) {
+      pending_bytes += frame.size() + kWebSocketOverhead;
+      return 0;
+    }
+    Result<Message> message = decode_message((*whole)->data(), (*whole)->size());
+    if (!message) return refuse(message.error());
+    pending_bytes += frame.size() + kWebSocketOverhead;
+    // Reference frames serve the comparison, not the product: they are not counted.
+    if (message->body.type != wire::Body::ReferenceReply) bytes_down += pending_bytes;
+    pending_bytes = 0;
+    const std::lock_guard<std::mutex> lock(mutex);
+    inbound.push_back(message.take());
+    changed.notify_all();
+    if (inbound.size() >= kMaxInbound) lws_rx_flow_control(wsi, 0);
+    return 0;
+  }
+
+  int refuse(const Error& error) {
+    set_problem(error.line());
+    return -1;
+  }
+
+  int write_one(lws* wsi) {
+    Bytes message;
+    bool more = false;
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (outbound.empty()) return 0;
+      message = std::move(outbound.front());
+      outbound.pop_front();
+      more = !outbound.empty();
+    }
+    for (const Bytes& frame : split_into_frames(std::move(message), next_transfer++)) {
+      std::vector<std::uint8_t> buffer(LWS_PRE + frame.size());
+      std::memcpy(buffer.data() + LWS_PRE, frame.data(), frame.size());
+      bytes_up += frame.size() + kWebSocketOverhead + 4;  // clients mask
+      const int n = lws_write(wsi, buffer.data() + LWS_PRE, frame.size(), LWS_WRITE_BINARY);
+      if (n < static_cast<int>(frame.size())) return -1;
+    }
+    if (more) lws_callback_on_writable(wsi);
+    return 0;
+  }
+
+  void wake_up() {
+    if (!socket || !connected) return;
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (inbound.size() < kMaxInbound / 2) lws_rx_flow_control(socket, 1);
+    }
+    lws_callback_on_writable(socket);
+  }
+
+  void run() {
+    while (!stopping) {
+      if (!socket && std::chrono::steady_clock::now() >= next_try) connect();
+      lws_service(context, 0);
+    }
+  }
+
+  std::uint64_t pending_bytes = 0;
+};
+
+namespace {
+
+int on_client(lws* wsi, lws_callback_reasons reason, void*, void* in, size_t length) {
+  auto* impl = static_cast<NativeLink::Impl*>(lws_context_user(lws_get_context(wsi)));
+  switch (reason) {
+    case LWS_CALLBACK_CLIENT_ESTABLISHED: impl->up(); return 0;
+    case LWS_CALLBACK_CLIENT_CONNECTION_ERROR:
+      impl->down(in ? std::string(static_cast<const char*>(in), length) : "cannot connect");
+      return 0;
+    case LWS_CALLBACK_CLIENT_RECEIVE:
+      return impl->receive(wsi, static_cast<std::uint8_t*>(in), length);
+    case LWS_CALLBACK_CLIENT_WRITEABLE: return impl->write_one(wsi);
+    case LWS_CALLBACK_WS_PEER_INITIATED_CLOSE: {
+      if (length < 2) return 0;
+      const auto* bytes = static_cast<const std::uint8_t*>(in);
+      impl->close_code = bytes[0] << 8 | bytes[1];
+      impl->set_problem("server closed the connection: " +
+                        std::string(reinterpret_cast<const char*>(bytes + 2), length - 2));
+      return 0;
+    }
+    case LWS_CALLBACK_CLIENT_CLOSED: impl->down(""); return 0;
+    case LWS_CALLBACK_EVENT_WAIT_CANCELLED: impl->wake_up(); return 0;
+    default: return 0;
+  }
+}
+
+void silent_log(int, const char*) {}
+
+}  // namespace
+
+Result<ServerUrl> parse_url(const std::string& url) {
+  ServerUrl out;
+  std::string rest = url;
+  if (rest.rfind("ws://", 0) == 0) {
+    rest = rest.substr(5);
+  } else if (rest.rfind("wss://", 0) == 0) {
+    rest = rest.substr(6);
+    out.tls = true;
+  } else if (rest.find("://") != std::string::npos) {
+    rest.clear();
+  }
+  if (!rest.empty() && rest.back() == '/') rest.pop_back();
+  const std::size_t colon = rest.rfind(':');
+  if (colon != std::string::npos) {
+    const std::string port = rest.substr(colon + 1);
+    const bool digits = !port.empty() && port.size() <= 5 &&
+                        port.find_first_not_of("0123456789") == std::string::npos;
+    out.port = digits ? std::stoi(port) : 0;
+    rest = rest.substr(0, colon);
+  }
+  out.host = rest;
+  if (out.host.empty() || out.port < 1 || out.port > 65535 ||
+      out.host.find('/') != std::string::npos) {
+    return make_error(ErrorId::kUsage, "'" + url + "' is no server address",
+                      "ws://HOST:PORT, as the server's ready line prints it");
+  }
+  return out;
+}
+
+NativeLink::NativeLink(const ServerUrl& url) : impl_(std::make_unique<Impl>()) {
+  impl_->url = url;
+  lws_set_log_level(0, silent_log);
+  lws_context_creation_info info{};
+  info.port = CONTEXT_PORT_NO_LISTEN;
+  info.protocols = kProtocols;
+  info.user = impl_.get();
+  info.gid = static_cast<gid_t>(-1);
+  info.uid = static_cast<uid_t>(-1);
+  info.options = url.tls ? LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT : 0;
+  info.timeout_secs = 10;
+  info.ka_time = 10;
+  info.ka_probes = 3;
+  info.ka_interval = 5;
+  impl_->context = lws_create_context(&info);
+  if (impl_->context) impl_->thread = std::thread([this] { impl_->run(); });
+}
+
+NativeLink::~NativeLink() {
+  impl_->stopping = true;
+  if (impl_->context) lws_cancel_service(impl_->context);
+  if (impl_->thread.joinable()) impl_->thread.join();
+  if (impl_->context) lws_context_destroy(impl_->context);
+}
+
+void NativeLink::send(Bytes message) {
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    if (!impl_->connected || impl_->outbound.size() >= kMaxOutbound) return;
+    impl_->outbound.push_back(std::move(message));
+  }
+  lws_cancel_service(impl_->context);
+}
+
+std::vector<Message> NativeLink::receive() {
+  std::vector<Message> out;
+  bool was_full = false;
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    was_full = impl_->inbound.size() >= kMaxInbound / 2;
+    for (Message& m : impl_->inbound) out.push_back(std::move(m));
+    impl_->inbound.clear();
+  }
+  if (was_full) lws_cancel_service(impl_->context);
+  return out;
+}
+
+bool NativeLink::connected() const { return impl_->connected; }
+std::uint32_t NativeLink::generation() const { return impl_->generation; }
+LinkTraffic NativeLink::traffic() const { return {impl_->bytes_up, impl_->bytes_down}; }
+int NativeLink::last_close_code() const { return impl_->close_code; }
+
+bool NativeLink::wait_connected(int timeout_ms) const {
+  std::unique_lock<std::mutex> lock(impl_->mutex);
+  impl_->changed.wait_for(lock, std::chrono::milliseconds(timeout_ms),
+                          [this] { return impl_->connected.load(); });
+  return impl_->connected;
+}
+
+void NativeLink::wait_message(int timeout_ms) const {
+  std::unique_lock<std::mutex> lock(impl_->mutex);
+  impl_->changed.wait_for(lock, std::chrono::milliseconds(timeout_ms), [this] {
+    return !impl_->inbound.empty() || !impl_->connected;
+  });
+}
+
+std::string NativeLink::last_problem() const {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  return impl_->problem;
+}
+
+}  // namespace mirage

@@ -1,0 +1,49 @@
+#pragma once
+// Native link: a WebSocket client on its own thread (libwebsockets).
+// Input:  messages to send. Output: decoded messages. Thread: its own.
+// Full:   the inbound queue stops reading (back-pressure through TCP); outbound messages beyond the
+//         queue are dropped and counted as a broken link.
+
+#include <memory>
+#include <string>
+
+#include "client/core/link.h"
+
+namespace mirage {
+
+struct ServerUrl {
+  std::string host;
+  int port = 9870;
+  bool tls = false;
+};
+/// ws://HOST[:PORT] or wss://…; error kUsage.
+Result<ServerUrl> parse_url(const std::string& url);
+
+class NativeLink final : public Link {
+ public:
+  /// Starts connecting, and reconnects with growing pauses until destroyed.
+  explicit NativeLink(const ServerUrl& url);
+  ~NativeLink() override;
+
+  void send(Bytes message) override;
+  std::vector<Message> receive() override;
+  bool connected() const override;
+  std::uint32_t generation() const override;
+  LinkTraffic traffic() const override;
+
+  /// Waits until connected or the time is over.
+  bool wait_connected(int timeout_ms) const;
+  /// Waits until something has arrived, the link has gone down, or the time is over.
+  void wait_message(int timeout_ms) const;
+  /// Why the last connection failed or was closed; empty while all is well.
+  std::string last_problem() const;
+  /// The server closed with this code (4003: token refused …); 0: none.
+  int last_close_code() const;
+
+  struct Impl;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,33 @@
+#pragma once
+// Lighting over time: fixed, a sweeping sun, a toggled lamp, or a file.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/result.h"
+#include "protocol/scene_types.h"
+
+namespace mirage {
+
+class LightScript {
+ public:
+  /// `spec`: builtin:fixed|sun-sweep|lamp-toggle, or a file of lines
+  /// `t_ms ar ag ab sr sg sb dx dy dz` (ambient, sun colour, direction the light travels).
+  /// Errors: kUsage, kIo.
+  static Result<LightScript> create(const std::string& spec);
+
+  /// The lighting at a time; nullopt when it is the scene's own, unchanged.
+  std::optional<Lighting> at(double seconds, const Lighting& scene) const;
+
+ private:
+  enum class Kind { kFixed, kSunSweep, kLampToggle, kFile };
+  struct Key {
+    double seconds;
+    Lighting lighting;
+  };
+  Kind kind_ = Kind::kFixed;
+  std::vector<Key> keys_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,22 @@
+// mirage-view: link -> scene, tiles -> predictor -> selector -> scheduler -> link, and drawing with
+// the true pose; viewer.cpp drives the stages frame by frame.
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "client/view/options.h"
+#include "client/view/viewer.h"
+#include "protocol/cli.h"
+
+int main(int argc, char** argv) {
+  try {
+    mirage::ViewOptions options;
+    if (const int code = mirage::parse_options(argc, argv, options); code >= 0) return code;
+    spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
+    spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+    const mirage::Result<void> done = mirage::run_viewer(options);
+    return done.ok() ? 0 : mirage::fail(done.error());
+  } catch (const std::exception& e) {
+    return mirage::fail(mirage::make_error(mirage::ErrorId::kInternal, e.what()));
+  }
+}

@@ -1,0 +1,113 @@
+#include "client/view/options.h"
+
+#include <fstream>
+#include <map>
+
+#include "protocol/cli.h"
+#include "protocol/limits.h"
+
+namespace mirage {
+namespace {
+
+const std::map<std::string, MethodChoice> kMethods = {
+    {"auto", {true, DrawMethod::kQuad}},   {"mesh", {false, DrawMethod::kMesh}},
+    {"quad", {false, DrawMethod::kQuad}},  {"cuboid", {false, DrawMethod::kCuboid}},
+    {"hull", {false, DrawMethod::kHull}},  {"warp", {false, DrawMethod::kWarp}},
+    {"depth", {false, DrawMethod::kDepth}}};
+
+Result<void> parse_size(const std::string& text, ViewOptions& o) {
+  int w = 0, h = 0;
+  char extra = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &w, &h, &extra) != 2 || w < 1 || h < 1 || w > 8192 ||
+      h > 8192) {
+    return make_error(ErrorId::kUsage, "'" + text + "' is no size", "for example 640x360");
+  }
+  o.width = w;
+  o.height = h;
+  return {};
+}
+
+Result<void> check(ViewOptions& o, const std::string& offscreen, const std::string& size,
+                   const std::string& net) {
+  if (!offscreen.empty()) {
+    o.offscreen = true;
+    if (Result<void> r = parse_size(offscreen, o); !r) return r;
+  } else if (!size.empty()) {
+    if (Result<void> r = parse_size(size, o); !r) return r;
+  }
+  if (!net.empty()) {
+    Result<NetModel> model = parse_net_model(net);
+    if (!model) return model.error();
+    o.net = *model;
+  }
+  if (o.virtual_time && !o.offscreen) {
+    return make_error(ErrorId::kUsage, "--virtual-time needs --offscreen WxH");
+  }
+  const auto method = kMethods.find(o.method_name);
+  o.method = method->second;
+  if (o.offscreen && o.frames == 0) o.frames = 300;
+  if (o.offscreen && o.path.empty()) o.path = "builtin:walk";
+  if (!o.token_file.empty()) {
+    std::ifstream file(o.token_file);
+    if (!std::getline(file, o.token)) {
+      return make_error(ErrorId::kUsage, "token file '" + o.token_file + "' has no first line");
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+int parse_options(int argc, char** argv, ViewOptions& o) {
+  CLI::App app("Shows a scene from a mirage-server by impostors.", "mirage-view");
+  app.footer(
+      "Window: W A S D or arrows move, Q E down and up, drag looks, Shift is fast, O the overlay, "
+      "Esc ends.\nExample: mirage-view ws://127.0.0.1:9870 --offscreen 640x360 --path builtin:walk "
+      "--frames 300 --virtual-time --net rtt=100,rate=20 --reference 10 --stats stats.json");
+  std::string offscreen, size, net;
+  app.add_option("URL", o.url, "server address, ws://HOST:PORT")->required();
+  app.add_option("--offscreen", offscreen, "WxH: render without a display");
+  app.add_option("--size", size, "WxH of the window");
+  app.add_option("--path", o.path,
+                 "file of `x y z rx ry rz t_ms` lines, or builtin:still|orbit|walk|fly|shake|"
+                 "strafe|teleport");
+  app.add_option("--light", o.light,
+                 "file of `t_ms ambient_rgb sun_rgb sun_dir_xyz` lines, or builtin:fixed|sun-sweep|"
+                 "lamp-toggle")->capture_default_str();
+  app.add_option("--frames", o.frames, "stop after this many")->check(CLI::Range(1, 10'000'000));
+  app.add_option("--fps", o.fps, "frame rate of the path")
+      ->check(CLI::Range(1.0, 1000.0))->capture_default_str();
+  app.add_option("--fov", o.fov_degrees, "vertical field of view in degrees")
+      ->check(CLI::Range(limits::kMinFovDegrees, limits::kMaxFovDegrees))->capture_default_str();
+  app.add_flag("--virtual-time", o.virtual_time,
+               "time advances by whole frames, the network by its model: reproducible");
+  app.add_option("--net", net, "network model: rtt=100,jitter=20,rate=20,loss=0.5,server-ms=5,seed=1");
+  app.add_option("--tau", o.tau_px, "error target in pixels")
+      ->check(CLI::Range(0.01, 1000.0))->capture_default_str();
+  app.add_option("--method", o.method_name, "how impostors are drawn")
+      ->check(CLI::IsMember({"auto", "mesh", "quad", "cuboid", "hull", "warp", "depth"}))
+      ->capture_default_str();
+  app.add_option("--reference", o.reference_every, "compare every Nth frame with a full render")
+      ->check(CLI::Range(0, 1'000'000));
+  app.add_option("--reference-samples", o.reference_supersample, "samples per pixel and axis in it")
+      ->check(CLI::Range(1, 4))->capture_default_str();
+  app.add_option("--msaa", o.msaa, "samples per pixel")->check(CLI::Range(0, 16))
+      ->capture_default_str();
+  app.add_option("--atlas-mb", o.atlas_mb, "graphics memory for tiles")
+      ->check(CLI::Range(5, 8192))->capture_default_str();
+  app.add_option("--out", o.out_dir, "write every frame here as PNG");
+  app.add_option("--stats", o.stats_file, "write statistics here as JSON");
+  app.add_option("--trace", o.trace_file, "write the life of every tile here as JSON");
+  app.add_option("--token-file", o.token_file, "the server's token");
+  app.add_option("--device", o.device, "EGL device when offscreen")->capture_default_str();
+  app.add_option("--connect-timeout", o.connect_timeout_s, "seconds to wait for the server")
+      ->check(CLI::Range(0.1, 3600.0))->capture_default_str();
+  add_conventions(app);
+  if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
+  if (const Result<void> checked = check(o, offscreen, size, net); !checked) {
+    return fail(checked.error());
+  }
+  return -1;
+}
+
+}  // namespace mirage

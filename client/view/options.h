@@ -1,0 +1,40 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "client/core/modelled_link.h"
+#include "client/core/selector.h"
+
+namespace mirage {
+
+struct ViewOptions {
+  std::string url;
+  bool offscreen = false;
+  int width = 1280, height = 720;
+  std::string path;              ///< empty: mouse and keyboard (window) or the walk (offscreen)
+  std::string light = "builtin:fixed";
+  int frames = 0;                ///< 0: until closed (window) or 300 (offscreen)
+  double fps = 60;
+  double fov_degrees = 60;
+  bool virtual_time = false;
+  std::optional<NetModel> net;
+  double tau_px = 1;
+  std::string method_name = "auto";
+  MethodChoice method;
+  int reference_every = 0;
+  int reference_supersample = 2;
+  int msaa = 4;
+  int atlas_mb = 120;
+  std::string out_dir;
+  std::string stats_file;
+  std::string trace_file;
+  std::string token_file;
+  std::string token;
+  std::string device = "auto";
+  double connect_timeout_s = 10;
+};
+
+/// Reads the command line; returns an exit code when the program is to end at once, else -1.
+int parse_options(int argc, char** argv, ViewOptions& options);
+
+}  // namespace mirage

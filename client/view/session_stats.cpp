@@ -1,0 +1,166 @@
+#include "client/view/session_stats.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "client/core/quantile.h"
+
+namespace mirage {
+namespace {
+
+using nlohmann::ordered_json;
+
+// JSON has no infinity: what cannot be measured or bounded is null.
+ordered_json number(double v) { return std::isfinite(v) ? ordered_json(v) : ordered_json(nullptr); }
+
+ordered_json quantiles(const std::vector<float>& values, bool with_max) {
+  ordered_json out;
+  out["p50"] = number(quantile(values, 0.50));
+  out["p95"] = number(quantile(values, 0.95));
+  out["p99"] = number(quantile(values, 0.99));
+  if (with_max) out["max"] = number(quantile(values, 1.0));
+  return out;
+}
+
+double ratio(std::uint64_t part, std::uint64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+}
+
+// Identical images have an infinite PSNR: left out of the mean, as NUMERICS section 1 asks.
+ordered_json mean_min(const std::vector<float>& values) {
+  double sum = 0, least = INFINITY;
+  std::size_t n = 0;
+  for (const float v : values) {
+    if (!std::isfinite(v)) continue;
+    sum += v;
+    least = std::min(least, static_cast<double>(v));
+    ++n;
+  }
+  ordered_json out;
+  out["mean"] = n > 0 ? ordered_json(sum / static_cast<double>(n)) : ordered_json(nullptr);
+  out["min"] = n > 0 ? ordered_json(least) : ordered_json(nullptr);
+  return out;
+}
+
+double mean(const std::vector<float>& values) {
+  double sum = 0;
+  for (const float v : values) sum += v;
+  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+}  // namespace
+
+void SessionStats::add_frame(const DrawList& list, int draw_calls, double frame_ms, double real_ms,
+                             std::int64_t now_us) {
+  ++frames_;
+  frame_ms_.push_back(static_cast<float>(frame_ms));
+  real_ms_.push_back(static_cast<float>(real_ms));
+  draw_calls_ += static_cast<std::uint64_t>(draw_calls);
+  visible_ += list.visible;
+  over_tau_ += list.over_tau;
+  placeholders_ += list.placeholders.size();
+  impostors_ += list.impostors.size();
+  meshes_ += list.meshes.size();
+  stale_ += list.over_tau - list.placeholders.size();
+  for (const DrawnImpostor& drawn : list.impostors) {
+    bounds_.push_back(static_cast<float>(drawn.bound_px));
+    ages_ms_.push_back(static_cast<float>(now_us - drawn.tile->received_us) / 1000.0f);
+  }
+}
+
+void SessionStats::add_comparison(const ImageMeasures& m) {
+  if (m.flip_mean) flip_.push_back(static_cast<float>(*m.flip_mean));
+  if (m.psnr_db) psnr_all_.push_back(static_cast<float>(*m.psnr_db));
+  if (m.ssim) ssim_all_.push_back(static_cast<float>(*m.ssim));
+  if (m.coverage_iou) iou_all_.push_back(static_cast<float>(*m.coverage_iou));
+}
+
+std::string SessionStats::json(const Final& end) const {
+  ordered_json j;
+  const double seconds = static_cast<double>(end.duration_us) * 1e-6;
+  j["frames"] = frames_;
+  j["frame_ms"] = quantiles(frame_ms_, true);
+  j["time_to_first_image_ms"] =
+      first_image_us_ < 0 ? ordered_json(nullptr) : ordered_json(static_cast<double>(first_image_us_) / 1000.0);
+  j["bytes_down"] = end.traffic.bytes_down;
+  j["bytes_up"] = end.traffic.bytes_up;
+  j["mbps_mean"] = seconds > 0 ? 8e-6 * static_cast<double>(end.traffic.bytes_down +
+                                                            end.traffic.bytes_up) / seconds
+                               : 0.0;
+  j["tiles"] = {{"asked", end.tiles.asked},       {"received", end.tiles.received},
+                {"drawn", end.tiles.drawn},       {"wasted", end.tiles.wasted},
+                {"cancelled", end.tiles.cancelled}, {"refused", end.tiles.refused}};
+  j["stale_fraction"] = ratio(stale_, visible_);
+  j["tile_age_ms"] = quantiles(ages_ms_, false);
+  j["bound_px"] = quantiles(bounds_, true);
+  j["over_tau_fraction"] = ratio(over_tau_, visible_);
+  j["hole_fraction"] = geometric_.object_pixels > 0
+                           ? ratio(geometric_.holes, geometric_.object_pixels)
+                           : ratio(placeholders_, visible_);
+  j["placeholder_fraction"] = ratio(placeholders_, visible_);
+  j["draw_calls"] = ratio(draw_calls_, frames_);
+  j["instances_drawn"] = ratio(impostors_ + meshes_ + placeholders_, frames_);
+  j["impostors_drawn"] = ratio(impostors_, frames_);
+  j["meshes_drawn"] = ratio(meshes_, frames_);
+  j["gpu_bytes"] = end.gpu_bytes;
+  ordered_json quality;
+  quality["flip"] = {{"mean", flip_.empty() ? ordered_json(nullptr) : ordered_json(mean(flip_))},
+                     {"p95", flip_.empty() ? ordered_json(nullptr) : number(quantile(flip_, 0.95))},
+                     {"worst", flip_.empty() ? ordered_json(nullptr) : number(quantile(flip_, 1))}};
+  quality["psnr"] = mean_min(psnr_all_);
+  quality["ssim"] = mean_min(ssim_all_);
+  quality["iou"] = mean_min(iou_all_);
+  quality["bound_violations"] = geometric_.violations;
+  quality["compared_frames"] = flip_.size();
+  quality["compared_pixels"] = geometric_.compared;
+  quality["worst_excess_px"] = geometric_.worst_excess_px;
+  quality["e1_px"] = {{"p99", number(quantile(geometric_.errors_px, 0.99))},
+                      {"max", number(quantile(geometric_.errors_px, 1.0))}};
+  quality["bound_over_error_median"] = number(quantile(geometric_.ratios, 0.5));
+  quality["disoccluded_fraction"] = ratio(geometric_.disoccluded, geometric_.object_pixels);
+  j["quality"] = quality;
+  j["prediction"] = {{"error_m", {{"p50", end.prediction.p50_m}, {"p95", end.prediction.p95_m}}},
+                     {"error_deg", {{"p50", end.prediction.p50_degrees},
+                                    {"p95", end.prediction.p95_degrees}}}};
+  j["scene"] = end.scene;
+  j["method"] = end.method;
+  j["tau_px"] = end.tau_px;
+  return j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string SessionStats::real_time_json(const Final& end) const {
+  ordered_json j;
+  j["frame_ms"] = quantiles(real_ms_, true);
+  j["wall_s"] = end.wall_s;
+  j["client_renderer"] = end.renderer;
+  j["server_renderer"] = end.server;
+  return j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string SessionStats::table(const Final& end) const {
+  const double seconds = std::max(static_cast<double>(end.duration_us) * 1e-6, 1e-9);
+  std::string out = fmt::format(
+      "frames           {} in {:.1f} s\n"
+      "client frame     {:.1f} ms median, {:.1f} ms p99\n"
+      "tiles            {} asked, {} received, {} drawn\n"
+      "bytes            {:.2f} MB down, {:.3f} MB up, {:.2f} Mbit/s\n"
+      "over tau         {:.1f} % of impostors in view\n",
+      frames_, seconds, quantile(real_ms_, 0.5), quantile(real_ms_, 0.99), end.tiles.asked,
+      end.tiles.received, end.tiles.drawn, static_cast<double>(end.traffic.bytes_down) * 1e-6,
+      static_cast<double>(end.traffic.bytes_up) * 1e-6,
+      8e-6 * static_cast<double>(end.traffic.bytes_down + end.traffic.bytes_up) / seconds,
+      100 * ratio(over_tau_, visible_));
+  if (!flip_.empty()) {
+    out += fmt::format("FLIP             {:.4f} mean, {:.4f} worst over {} compared frames\n",
+                       mean(flip_), quantile(flip_, 1.0), flip_.size());
+    out += fmt::format("error E1         {:.2f} px p99; bound exceeded at {} of {} pixels\n",
+                       quantile(geometric_.errors_px, 0.99), geometric_.violations,
+                       geometric_.compared);
+  }
+  return out;
+}
+
+}  // namespace mirage

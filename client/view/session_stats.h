@@ -1,0 +1,51 @@
+#pragma once
+// What a viewing session measured, and its JSON (the contract of `--stats`).
+
+#include <string>
+#include <vector>
+
+#include "client/core/client_session.h"
+#include "client/core/geometric_error.h"
+#include "client/quality/metrics.h"
+
+namespace mirage {
+
+class SessionStats {
+ public:
+  void add_frame(const DrawList& list, int draw_calls, double frame_ms, double real_ms,
+                 std::int64_t now_us);
+  void add_comparison(const ImageMeasures& measures);
+  GeometricError& geometric() { return geometric_; }
+  void first_image(std::int64_t now_us) {
+    if (first_image_us_ < 0) first_image_us_ = now_us;
+  }
+
+  struct Final {
+    LinkTraffic traffic;
+    TileCounts tiles;
+    PredictionError prediction;
+    std::size_t gpu_bytes = 0;
+    std::int64_t duration_us = 0;
+    std::string scene, renderer, server, method;
+    double tau_px = 1;
+    double wall_s = 0;
+  };
+  /// All keys of the contract; with virtual time nothing in it depends on the machine.
+  std::string json(const Final& end) const;
+  /// What the wall clock said: frame times and duration. Apart, so that the rest is reproducible.
+  std::string real_time_json(const Final& end) const;
+  /// A short table for people.
+  std::string table(const Final& end) const;
+
+ private:
+  std::size_t frames_ = 0;
+  std::int64_t first_image_us_ = -1;
+  std::vector<float> frame_ms_, real_ms_, bounds_, ages_ms_;
+  std::uint64_t visible_ = 0, over_tau_ = 0, stale_ = 0, placeholders_ = 0, impostors_ = 0,
+                meshes_ = 0, draw_calls_ = 0;
+  std::vector<float> flip_;
+  std::vector<float> psnr_all_, ssim_all_, iou_all_;
+  GeometricError geometric_;
+};
+
+}  // namespace mirage

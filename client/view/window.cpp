@@ -1,0 +1,99 @@
+#include "client/view/window.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "protocol/stable_math.h"
+
+namespace mirage {
+
+struct Window::Impl {
+  GLFWwindow* window = nullptr;
+  bool overlay = true;
+  bool overlay_key_down = false;
+  bool dragging = false;
+  double last_x = 0, last_y = 0;
+  bool down(int key) const { return glfwGetKey(window, key) == GLFW_PRESS; }
+};
+
+Window::Window() : impl_(std::make_unique<Impl>()) {}
+Window::Window(Window&&) noexcept = default;
+Window& Window::operator=(Window&&) noexcept = default;
+
+Window::~Window() {
+  if (!impl_ || !impl_->window) return;
+  glfwDestroyWindow(impl_->window);
+  glfwTerminate();
+}
+
+Result<Window> Window::create(int width, int height) {
+  if (!glfwInit()) {
+    return make_error(ErrorId::kGraphicsDevice, "there is no display to open a window on",
+                      "--offscreen 1280x720 --out DIR renders to files");
+  }
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_SRGB_CAPABLE, GLFW_FALSE);
+  Window out;
+  out.impl_->window = glfwCreateWindow(width, height, "Mirage", nullptr, nullptr);
+  if (!out.impl_->window) {
+    glfwTerminate();
+    return make_error(ErrorId::kGraphicsDevice, "no window with OpenGL 3.3 can be opened");
+  }
+  glfwMakeContextCurrent(out.impl_->window);
+  glfwSwapInterval(1);
+  return out;
+}
+
+bool Window::poll() {
+  glfwPollEvents();
+  const bool key = impl_->down(GLFW_KEY_O);
+  if (key && !impl_->overlay_key_down) impl_->overlay = !impl_->overlay;
+  impl_->overlay_key_down = key;
+  return !glfwWindowShouldClose(impl_->window) && !impl_->down(GLFW_KEY_ESCAPE);
+}
+
+void Window::present() { glfwSwapBuffers(impl_->window); }
+void Window::set_title(const std::string& title) {
+  glfwSetWindowTitle(impl_->window, title.c_str());
+}
+void Window::framebuffer_size(int& width, int& height) const {
+  glfwGetFramebufferSize(impl_->window, &width, &height);
+}
+bool Window::overlay() const { return impl_->overlay; }
+
+void Window::steer(Pose& pose, double seconds, double speed_mps) {
+  const glm::dquat q(pose.rotation);
+  glm::dvec3 forward = q * glm::dvec3(0, 0, -1), right = q * glm::dvec3(1, 0, 0);
+  double x = 0, y = 0;
+  glfwGetCursorPos(impl_->window, &x, &y);
+  const bool drag = glfwGetMouseButton(impl_->window, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
+  if (drag && impl_->dragging) {
+    constexpr double kRadiansPerPixel = 0.003;
+    const double yaw = (x - impl_->last_x) * kRadiansPerPixel;
+    const double pitch = (y - impl_->last_y) * kRadiansPerPixel;
+    const double c = std::cos(yaw), s = std::sin(yaw);
+    forward = {c * forward.x - s * forward.z, forward.y, s * forward.x + c * forward.z};
+    const double up = std::clamp(std::asin(std::clamp(forward.y, -1.0, 1.0)) - pitch, -1.5, 1.5);
+    const glm::dvec3 flat = safe_normalize({forward.x, 0, forward.z});
+    forward = flat * std::cos(up) + glm::dvec3(0, std::sin(up), 0);
+  }
+  impl_->dragging = drag;
+  impl_->last_x = x;
+  impl_->last_y = y;
+  const auto axis = [&](int plus, int minus) {
+    return static_cast<double>(impl_->down(plus)) - static_cast<double>(impl_->down(minus));
+  };
+  const double ahead = axis(GLFW_KEY_W, GLFW_KEY_S) + axis(GLFW_KEY_UP, GLFW_KEY_DOWN);
+  const double side = axis(GLFW_KEY_D, GLFW_KEY_A) + axis(GLFW_KEY_RIGHT, GLFW_KEY_LEFT);
+  const double rise = axis(GLFW_KEY_E, GLFW_KEY_Q);
+  const double speed = speed_mps * (impl_->down(GLFW_KEY_LEFT_SHIFT) ? 5.0 : 1.0);
+  const glm::dvec3 step = forward * ahead + right * side + glm::dvec3(0, rise, 0);
+  pose = look_at(pose.eye + step * (speed * seconds), pose.eye + step * (speed * seconds) + forward);
+}
+
+}  // namespace mirage

@@ -1,0 +1,11 @@
+add_executable(mirage_gltf_tests
+  ${PROJECT_SOURCE_DIR}/tests/unit/gltf_container_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/gltf_geometry_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/gltf_material_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/gltf_scene_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/gltf_sweep_test.cpp)
+mirage_target(mirage_gltf_tests)
+target_compile_definitions(mirage_gltf_tests PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+target_link_libraries(mirage_gltf_tests PRIVATE mirage_gltf nlohmann_json::nlohmann_json
+                      GTest::gtest_main)
+add_test(NAME gltf COMMAND mirage_gltf_tests)
