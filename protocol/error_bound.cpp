@@ -38,6 +38,7 @@ double position_bound_px(const ViewGeometry& view, const CaptureGeometry& captur
   const bool outside = distance >= limits::kMinCaptureRadii * view.radius &&
                        capture.distance >= limits::kMinCaptureRadii * view.radius * (1 - 1e-9);
   if (!outside || !(near_surface > 0) || !(near_drawn > 0)) return kInfinity;
+  if (!std::isfinite(near_surface) || !std::isfinite(near_drawn)) return kInfinity;
   const double bound = view.focal_px * drawn.dz * baseline_term(view, capture) /
                        (near_surface * near_drawn);
   return bound >= 0 ? bound : kInfinity;

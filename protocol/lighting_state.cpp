@@ -69,8 +69,7 @@ std::uint64_t ObjectLighting::hash() const {
   std::vector<float> bytes = {positive_zero(ambient.r), positive_zero(ambient.g),
                               positive_zero(ambient.b)};
   for (const ObjectLight& light : lights) {
-    const LightWords w = words(light);
-    bytes.insert(bytes.end(), w.begin(), w.end());
+    for (const float word : words(light)) bytes.push_back(positive_zero(word));
   }
   return XXH3_64bits(bytes.data(), bytes.size() * sizeof(float));
 }

@@ -101,6 +101,10 @@ Result<void> check(const wire::RequestBatch& m) {
   if (count(m.asks()) > limits::kMaxAsksPerBatch) return limit_error("asks in a batch");
   if (count(m.cancels()) > limits::kMaxCancelsPerBatch) return limit_error("cancels in a batch");
   if (count(m.mesh_asks()) > limits::kMaxAsksPerBatch) return limit_error("asks in a batch");
+  for (std::size_t i = 0; i < count(m.asks()); ++i) {
+    const wire::Ask* ask = m.asks()->Get(static_cast<flatbuffers::uoffset_t>(i));
+    if (!std::isfinite(ask->error_px())) return value_error("ask");
+  }
   return {};
 }
 
@@ -123,6 +127,8 @@ Result<void> check(const wire::Bye& m) {
 }  // namespace
 
 Result<void> check_body(const wire::Control& control) {
+  // The verifier lets a body pass whose tag is set and whose table is absent.
+  if (!control.body()) return make_error(ErrorId::kWireMalformed, "message has no body");
   switch (control.body_type()) {
     case wire::Body::Hello: return check(*control.body_as_Hello());
     case wire::Body::Welcome: return check(*control.body_as_Welcome());

@@ -151,7 +151,7 @@ Error value_error(const char* what) {
 
 Result<void> check_mesh(const Mesh& mesh, std::size_t materials) {
   for (const Vertex& v : mesh.vertices) {
-    const float sum = v.position.x + v.position.y + v.position.z + v.normal.x + v.normal.y +
+    const double sum = 0.0 + v.position.x + v.position.y + v.position.z + v.normal.x + v.normal.y +
                       v.normal.z + v.tangent.x + v.tangent.y + v.tangent.z + v.tangent.w +
                       v.uv0.x + v.uv0.y + v.uv1.x + v.uv1.y;
     if (!std::isfinite(sum)) return value_error("vertex");

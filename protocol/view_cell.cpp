@@ -57,7 +57,8 @@ glm::dvec3 direction_from_view_cell(const ViewCell& cell) {
   return glm::normalize(glm::dvec3(px, y, py));
 }
 
-double view_cell_angle(int level) { return 2.8 / static_cast<double>(1u << level); }
+// 3 sqrt 2 / n: half a cell's diagonal, sqrt 6 / n on the octahedron, seen from sqrt 3 at most.
+double view_cell_angle(int level) { return 4.2426407 / static_cast<double>(1u << level); }
 
 int view_level_for_angle(double angle) {
   if (!(angle > 0)) return limits::kMaxViewLevel;

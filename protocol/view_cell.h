@@ -32,7 +32,7 @@ std::optional<ViewCell> view_cell_from_direction(const glm::dvec3& v, int level)
 /// Unit direction of the cell's centre.
 glm::dvec3 direction_from_view_cell(const ViewCell& cell);
 /// Largest angle in radians between a direction in a cell of this level and its centre
-/// (n = ceil(2.8 / theta), NUMERICS section 2).
+/// (3 sqrt 2 / n, reached at the middle of an octahedron face).
 double view_cell_angle(int level);
 /// Coarsest level whose cells keep within `angle` radians of their centre.
 int view_level_for_angle(double angle);

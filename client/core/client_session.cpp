@@ -197,9 +197,11 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
   input.mesh_ready = &mesh_ready_;
   input.camera = input.predicted = camera;
   input.predicted.pose = predictor_.predict(horizon);
-  input.predicted_error_m = predictor_.recent_error_m();
+  input.speed_mps = predictor_.speed_mps();
   input.tau_px = options_.tau_px;
   input.method = options_.method;
+  input.march_budget_px = options_.march_budget_px;
+  input.mesh_radii = options_.mesh_radii;
   input.frame = frame_;
   input.now_us = now_us;
   DrawList list = selector_.select(input);

@@ -23,7 +23,7 @@ void FrameRenderer::reset(const SceneView& scene) {
 void FrameRenderer::add_mesh(std::uint32_t object, ObjectModel model) {
   ClientMesh mesh;
   mesh.mesh = gl::GpuMesh(model.mesh);
-  mesh.images = gl::GpuImages(model.images);
+  mesh.images = gl::GpuImages(model.images, model.materials);
   mesh.materials = std::move(model.materials);
   meshes_[object] = std::move(mesh);
 }

@@ -243,7 +243,7 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
   if (list.placeholders.empty()) return;
   glm::vec3 light = lighting.ambient;
   for (const Light& l : lighting.lights) {
-    if (l.kind == LightKind::kDirectional) light += 0.5f * l.color;
+    if (l.kind == LightKind::kDirectional) light += 0.3f * l.color;
   }
   std::map<std::uint32_t, std::vector<ImpostorInstance>> by_object;
   for (const DrawnPlaceholder& drawn : list.placeholders) {

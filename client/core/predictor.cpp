@@ -14,7 +14,6 @@ constexpr double kPositionDecay = 0.8;   // s, how long a motion is expected to 
 constexpr double kRotationDecay = 0.4;
 constexpr std::int64_t kMergeUs = 100;
 constexpr std::int64_t kPauseUs = 150'000;
-constexpr std::size_t kRecent = 128;
 constexpr std::size_t kMaxRemembered = 256;
 constexpr double kDegrees = 57.29577951308232;
 
@@ -102,14 +101,8 @@ void Predictor::judge(std::int64_t time_us, const Pose& pose) {
         glm::dquat(pose.rotation) * glm::conjugate(glm::dquat(expected.rotation));
     errors_m_.push_back(static_cast<float>(error));
     errors_degrees_.push_back(static_cast<float>(glm::length(log_rotation(turn)) * kDegrees));
-    recent_m_.push_back(error);
-    if (recent_m_.size() > kRecent) recent_m_.pop_front();
     remembered_.pop_front();
   }
-}
-
-double Predictor::recent_error_m() const {
-  return quantile(std::vector<double>(recent_m_.begin(), recent_m_.end()), 0.95);
 }
 
 PredictionError Predictor::error() const {

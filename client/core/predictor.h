@@ -28,8 +28,7 @@ class Predictor {
   Pose predict(std::int64_t horizon_us) const;
   /// Remembers a prediction, to be judged when its time comes.
   void remember(std::int64_t horizon_us);
-  /// Error of the position over the last judged predictions, 95 %: the guard of the bound.
-  double recent_error_m() const;
+  double speed_mps() const { return glm::length(velocity_); }
   PredictionError error() const;
   /// False until two samples have made a velocity, and right after a jump.
   bool has_velocity() const { return has_velocity_; }
@@ -52,7 +51,6 @@ class Predictor {
   std::deque<Remembered> remembered_;
   std::vector<float> errors_m_;
   std::vector<float> errors_degrees_;
-  std::deque<double> recent_m_;
 };
 
 }  // namespace mirage

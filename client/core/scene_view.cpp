@@ -7,6 +7,10 @@
 namespace mirage {
 namespace {
 constexpr double kInstancesPerCell = 16;
+// An object of this share of the scene's radius, in a scene of several, is what one stands in.
+constexpr double kSurroundingShare = 0.1;
+constexpr std::size_t kSurroundedInstances = 16;
+constexpr std::uint32_t kMaxSurroundingTriangles = 100'000;
 }
 
 Result<void> SceneView::accept(const wire::WelcomeT& w) {
@@ -94,7 +98,20 @@ void SceneView::finish() {
       bounds_radius = std::max(bounds_radius, glm::length(i.center - bounds_center) + i.radius);
     }
   }
+  find_surroundings();
   build_grid();
+}
+
+void SceneView::find_surroundings() {
+  std::vector<std::uint32_t> uses(objects.size(), 0);
+  for (const InstanceView& i : instances) ++uses[i.object];
+  surrounds_.assign(objects.size(), false);
+  if (instances.size() < kSurroundedInstances) return;
+  for (const InstanceView& i : instances) {
+    surrounds_[i.object] = uses[i.object] == 1 &&
+                           i.radius > kSurroundingShare * bounds_radius &&
+                           objects[i.object].triangles <= kMaxSurroundingTriangles;
+  }
 }
 
 void SceneView::build_grid() {

@@ -46,6 +46,9 @@ class SceneView {
   glm::dvec3 bounds_center{0};
   double bounds_radius = 1;
 
+  /// Large scenery that exists once (terrain, water, a room's shell): geometry from the start.
+  bool surrounds(std::uint32_t object) const { return surrounds_[object]; }
+
   /// Calls `visit` for every instance that may be in the view grown by `guard` radians.
   void for_visible(const Camera& camera, double guard,
                    const std::function<void(std::uint32_t)>& visit) const;
@@ -58,11 +61,13 @@ class SceneView {
   };
   void finish();
   void build_grid();
+  void find_surroundings();
 
   bool welcomed_ = false;
   std::size_t expected_objects_ = 0;
   std::size_t expected_instances_ = 0;
   std::vector<Cell> cells_;
+  std::vector<bool> surrounds_;  ///< by object
 };
 
 }  // namespace mirage

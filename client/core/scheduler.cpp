@@ -84,7 +84,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     if (pause != not_before_us_.end() && pause->second > now_us) continue;
     const std::uint32_t id = next_request_++;
     const std::uint32_t object = scene.instances[need.instance].object;
-    batch.asks.emplace_back(id, need.instance, object, static_cast<float>(need.error_px), 0u,
+    batch.asks.emplace_back(id, need.instance, object, static_cast<float>(need.gain), 0u,
                             need.distance.index, need.cell.x, need.cell.y, need.cell.level,
                             need.distance.level, need.size_class,
                             static_cast<std::uint8_t>(kChannelColor | kChannelDepth));

@@ -16,8 +16,10 @@ constexpr double kViewGuard = 0.0873;       // 5 degrees around the predicted vi
 constexpr std::int64_t kFadeUs = 120'000;
 constexpr double kTexelsPerPixel = 1.5;     // measured: worth more than any filter
 constexpr int kMaxAskedSizeClass = 12;      // 1024 texels
-constexpr double kMeshRadii = limits::kMinCaptureRadii;
-constexpr double kMeshPrefetchRadii = 1.6;
+constexpr int kCoarseClasses = 4;           // steps of sqrt 2
+constexpr double kMeshPrefetch = 1.3;       // times the swap distance
+constexpr double kWorthMarching = 0.7;      // of the flat bound
+constexpr double kLongestLife = 2;          // s, a tile is not credited with more
 // A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
 constexpr double kSwitchRatio = 0.6;
 
@@ -27,16 +29,15 @@ struct Choice {
   double bound = kInfinity;
 };
 
-// Cheapest first (DESIGN section 7): a quad costs a fraction of marching depth.
-constexpr DrawMethod kByCost[] = {DrawMethod::kQuad, DrawMethod::kHull, DrawMethod::kDepth};
+// Cheapest first (DESIGN section 7): marching depth costs ten times what a flat proxy does.
+constexpr DrawMethod kFlat[] = {DrawMethod::kQuad, DrawMethod::kHull};
+constexpr DrawMethod kDeep[] = {DrawMethod::kDepth};
 
+template <std::size_t N>
 Choice best_method(const TileRecordPtr& tile, const ObjectDescription& object,
-                   const ViewGeometry& view, const MethodChoice& choice, double tau) {
-  if (!choice.automatic) {
-    return {tile, choice.method, tile->bound_px(choice.method, object, view)};
-  }
+                   const ViewGeometry& view, const DrawMethod (&methods)[N], double tau) {
   Choice best;
-  for (const DrawMethod method : kByCost) {
+  for (const DrawMethod method : methods) {
     const double bound = tile->bound_px(method, object, view);
     if (!best.tile || bound < best.bound) best = {tile, method, bound};
     if (!is_stale(bound, tau)) break;
@@ -44,15 +45,37 @@ Choice best_method(const TileRecordPtr& tile, const ObjectDescription& object,
   return best;
 }
 
+// Inside the swap distance every bound is infinite: the newest tile is the best guess.
+void keep_better(Choice& best, const Choice& choice) {
+  const bool better = choice.bound < best.bound ||
+                      (choice.bound == best.bound && best.tile &&
+                       choice.tile->serial > best.tile->serial);
+  if (!best.tile || better) best = choice;
+}
+
+template <std::size_t N>
 Choice best_tile(const TileGroup& group, const ObjectDescription& object, const ViewGeometry& view,
-                 const MethodChoice& method, double tau) {
+                 const DrawMethod (&methods)[N], double tau) {
   Choice best;
   for (const TileRecordPtr& tile : group.tiles) {
-    const Choice choice = best_method(tile, object, view, method, tau);
-    // Inside the swap distance every bound is infinite: the newest tile is the best guess.
-    const bool better = choice.bound < best.bound ||
-                        (choice.bound == best.bound && best.tile && tile->serial > best.tile->serial);
-    if (!best.tile || better) best = choice;
+    keep_better(best, best_method(tile, object, view, methods, tau));
+  }
+  return best;
+}
+
+Choice best_with(const TileGroup& group, const ObjectDescription& object, const ViewGeometry& view,
+                 DrawMethod method, double tau) {
+  const DrawMethod one[] = {method};
+  return best_tile(group, object, view, one, tau);
+}
+
+// The best that can be drawn at all, whatever it costs.
+Choice best_of_all(const TileGroup& group, const ObjectDescription& object,
+                   const ViewGeometry& view, const SelectorInput& in) {
+  if (!in.method.automatic) return best_with(group, object, view, in.method.method, in.tau_px);
+  Choice best = best_tile(group, object, view, kFlat, in.tau_px);
+  if (is_stale(best.bound, in.tau_px)) {
+    keep_better(best, best_tile(group, object, view, kDeep, in.tau_px));
   }
   return best;
 }
@@ -61,7 +84,15 @@ bool drawn_as_mesh(const SelectorInput& in, const InstanceView& instance, double
   if (!(*in.mesh_ready)[instance.object]) return false;
   return in.method.method == DrawMethod::kMesh && !in.method.automatic
              ? true
-             : distance < kMeshRadii * instance.radius;
+             : in.scene->surrounds(instance.object) || distance < in.mesh_radii * instance.radius;
+}
+
+// How long a tile captured now stays within tau as a quad, the eye moving at `speed` (object units
+// per second): near tiles age fast, and would eat the link if error alone ranked them.
+double expected_life_s(const ViewGeometry& view, double tau_px, double speed) {
+  const double slack = std::max(glm::length(view.eye) - view.radius, 1e-3 * view.radius);
+  const double px_per_s = view.focal_px * 0.5 * view.radius * speed / (slack * slack);
+  return std::clamp(tau_px / std::max(px_per_s, 1e-9), 0.02, kLongestLife);
 }
 
 }  // namespace
@@ -113,30 +144,65 @@ void Selector::reset(const SceneView& scene) {
   shown_.assign(scene.instances.size(), Shown{});
 }
 
-void Selector::draw_instance(const SelectorInput& in, std::uint32_t instance, DrawList& out) {
+struct Selector::Candidate {
+  std::uint32_t instance = 0;
+  const TileGroup* group = nullptr;
+  const ObjectDescription* object = nullptr;
+  ViewGeometry view;
+  double distance = 0;
+  double area_px = 0;
+  Choice flat;
+  Choice deep;
+  bool march = false;
+};
+
+void Selector::consider(const SelectorInput& in, std::uint32_t instance, DrawList& out,
+                        std::vector<Candidate>& candidates) {
   const InstanceView& view_of = in.scene->instances[instance];
-  const ObjectDescription& object = in.scene->objects[view_of.object];
-  const ViewGeometry view = view_geometry(in.camera, view_of, object);
-  if (object.radius <= 0 || radius_px(view) < kMinRadiusPx) return;
+  Candidate c;
+  c.instance = instance;
+  c.object = &in.scene->objects[view_of.object];
+  c.view = view_geometry(in.camera, view_of, *c.object);
+  const double size = radius_px(c.view);
+  if (c.object->radius <= 0 || size < kMinRadiusPx) return;
   ++out.visible;
-  const double distance = glm::length(view_of.center - in.camera.pose.eye);
-  if (drawn_as_mesh(in, view_of, distance)) {
+  c.distance = glm::length(view_of.center - in.camera.pose.eye);
+  if (drawn_as_mesh(in, view_of, c.distance)) {
     out.meshes.push_back(instance);
     shown_[instance] = Shown{};
     return;
   }
-  const TileGroup& group = *in.cache->group_to_draw(instance);
-  if (group.tiles.empty()) {
-    if (group.empty_seen) return;
-    out.placeholders.push_back({instance, distance});
+  c.group = in.cache->group_to_draw(instance);
+  if (c.group->tiles.empty()) {
+    if (c.group->empty_seen) return;
+    out.placeholders.push_back({instance, c.distance});
     ++out.over_tau;
     return;
   }
-  Choice best = best_tile(group, object, view, in.method, in.tau_px);
-  Shown& shown = shown_[instance];
-  const bool still_held = std::find(group.tiles.begin(), group.tiles.end(), shown.tile) != group.tiles.end();
+  if (in.method.automatic) {
+    c.flat = best_tile(*c.group, *c.object, c.view, kFlat, in.tau_px);
+    if (is_stale(c.flat.bound, in.tau_px)) {
+      c.deep = best_tile(*c.group, *c.object, c.view, kDeep, in.tau_px);
+    }
+  } else {
+    c.flat = best_with(*c.group, *c.object, c.view, in.method.method, in.tau_px);
+  }
+  const double screen = static_cast<double>(in.camera.width) * in.camera.height;
+  c.area_px = std::min(3.14159 * size * size, screen);
+  candidates.push_back(c);
+}
+
+void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawList& out) {
+  Choice best = c.march ? c.deep : c.flat;
+  Shown& shown = shown_[c.instance];
+  const std::vector<TileRecordPtr>& held = c.group->tiles;
+  const bool still_held = std::find(held.begin(), held.end(), shown.tile) != held.end();
+  const auto choice_for = [&](const TileRecordPtr& tile) {
+    const DrawMethod one[] = {best.method};
+    return best_method(tile, *c.object, c.view, one, in.tau_px);
+  };
   if (still_held && shown.tile != best.tile) {
-    const Choice present = best_method(shown.tile, object, view, in.method, in.tau_px);
+    const Choice present = choice_for(shown.tile);
     if (!is_stale(present.bound, in.tau_px) && present.bound * kSwitchRatio < best.bound) {
       best = present;
     }
@@ -152,27 +218,42 @@ void Selector::draw_instance(const SelectorInput& in, std::uint32_t instance, Dr
     if (fade >= 1) {
       shown.former.reset();
     } else {
-      const Choice under = best_method(shown.former, object, view, in.method, in.tau_px);
+      const Choice under = choice_for(shown.former);
       shown.former->last_drawn = in.frame;
-      out.impostors.push_back({instance, under.tile, under.method, under.bound, distance, 1.0f});
+      out.impostors.push_back({c.instance, under.tile, under.method, under.bound, c.distance, 1.0f});
     }
   }
   best.tile->last_drawn = in.frame;
   best.tile->shown = true;
   out.impostors.push_back(
-      {instance, best.tile, best.method, best.bound, distance, static_cast<float>(fade)});
+      {c.instance, best.tile, best.method, best.bound, c.distance, static_cast<float>(fade)});
   if (is_stale(best.bound, in.tau_px)) ++out.over_tau;
 }
 
 DrawList Selector::select(const SelectorInput& in) {
   DrawList out;
-  in.scene->for_visible(in.camera, 0,
-                        [&](std::uint32_t instance) { draw_instance(in, instance, out); });
+  std::vector<Candidate> candidates;
+  in.scene->for_visible(in.camera, 0, [&](std::uint32_t instance) {
+    consider(in, instance, out, candidates);
+  });
   // Back to front, so that blending is right; equal distances keep the order of instances.
-  std::stable_sort(out.impostors.begin(), out.impostors.end(),
-                   [](const DrawnImpostor& a, const DrawnImpostor& b) {
-                     return a.distance > b.distance;
-                   });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.distance > b.distance; });
+  // Marching goes where it takes away most error per area, as far as the budget reaches.
+  std::vector<Candidate*> by_gain;
+  for (Candidate& c : candidates) {
+    if (c.deep.tile && c.deep.bound < kWorthMarching * c.flat.bound) by_gain.push_back(&c);
+  }
+  const auto gain = [](const Candidate* c) { return (c->flat.bound - c->deep.bound) / c->area_px; };
+  std::stable_sort(by_gain.begin(), by_gain.end(),
+                   [&](const Candidate* a, const Candidate* b) { return gain(a) > gain(b); });
+  double left_px = in.march_budget_px;
+  for (Candidate* c : by_gain) {
+    if (c->area_px > left_px) continue;
+    left_px -= c->area_px;
+    c->march = true;
+  }
+  for (const Candidate& c : candidates) draw_candidate(in, c, out);
   return out;
 }
 
@@ -186,13 +267,14 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
     const double size = radius_px(view);
     if (object.radius <= 0 || size < kMinRadiusPx) return;
     const double distance = glm::length(view.eye) / view.radius;
-    if ((*in.mesh_ready)[view_of.object] && distance < kMeshRadii) return;
+    if (in.scene->geometry && in.scene->surrounds(view_of.object)) return;
+    if ((*in.mesh_ready)[view_of.object] && distance < in.mesh_radii) return;
     const TileGroup& group = *in.cache->group_to_draw(instance);
     double bound = kInfinity;
     if (!group.tiles.empty()) {
       // At the edge of the view the eye depth falls; ask as if the object were looked at.
       view.center_depth = glm::length(view.eye);
-      bound = best_tile(group, object, view, in.method, in.tau_px).bound;
+      bound = best_of_all(group, object, view, in).bound;
     } else if (group.empty_seen) {
       return;
     }
@@ -201,11 +283,16 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
     if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
     TileNeed need = need_for_view(view, in.tau_px);
     need.instance = instance;
+    // Something quick first: a quarter of the edge is a sixteenth of the bytes.
+    if (group.tiles.empty()) {
+      need.size_class = static_cast<std::uint8_t>(std::max(need.size_class - kCoarseClasses, 0));
+    }
     need.error_px = std::isfinite(bound) ? std::min(bound, 2 * size) : 2 * std::min(size, 1e4);
+    need.gain = need.error_px * expected_life_s(view, in.tau_px, in.speed_mps / view_of.world_from_object.scale);
     out.push_back(need);
   });
   std::stable_sort(out.begin(), out.end(), [](const TileNeed& a, const TileNeed& b) {
-    return a.error_px > b.error_px;
+    return a.gain > b.gain;
   });
   return out;
 }
@@ -217,7 +304,8 @@ std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) const {
     const InstanceView& view_of = in.scene->instances[instance];
     if ((*in.mesh_ready)[view_of.object]) return;
     const double distance = glm::length(view_of.center - in.predicted.pose.eye);
-    if (all || distance < kMeshPrefetchRadii * view_of.radius) out.push_back(view_of.object);
+    const bool near = distance < kMeshPrefetch * in.mesh_radii * view_of.radius;
+    if (all || near || in.scene->surrounds(view_of.object)) out.push_back(view_of.object);
   });
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());

@@ -47,7 +47,8 @@ struct TileNeed {
   ViewCell cell;
   DistanceBucket distance;
   std::uint8_t size_class = 0;
-  double error_px = 0;  ///< what showing the present state costs: the priority
+  double error_px = 0;  ///< what showing the present state costs
+  double gain = 0;      ///< error_px times the seconds the new tile is expected to serve: the rank
 };
 
 struct SelectorInput {
@@ -56,9 +57,11 @@ struct SelectorInput {
   const std::vector<bool>* mesh_ready = nullptr;  ///< per object
   Camera camera;
   Camera predicted;
-  double predicted_error_m = 0;  ///< e95 of the prediction
+  double speed_mps = 0;  ///< of the eye
   double tau_px = 1;
   MethodChoice method;
+  double march_budget_px = 1e9;  ///< screen area that may be drawn by marching depth
+  double mesh_radii = 2;         ///< nearer than this many radii, geometry is drawn if it is there
   std::uint64_t frame = 0;
   std::int64_t now_us = 0;
 };
@@ -70,7 +73,7 @@ class Selector {
 
   /// Decides what is drawn this frame; marks the tiles as drawn.
   DrawList select(const SelectorInput& input);
-  /// What to ask for, worst first; instances without any acceptable tile at the predicted view.
+  /// What to ask for, largest gain first; instances without any acceptable tile at the predicted view.
   std::vector<TileNeed> needs(const SelectorInput& input) const;
   /// Objects that should come as geometry: too near for any impostor, now or soon.
   std::vector<std::uint32_t> mesh_needs(const SelectorInput& input) const;
@@ -81,7 +84,11 @@ class Selector {
     TileRecordPtr former;  ///< still drawn underneath while `tile` fades in
     std::int64_t since_us = 0;
   };
-  void draw_instance(const SelectorInput& in, std::uint32_t instance, DrawList& out);
+  /// An instance that has tiles, before it is settled how it is drawn.
+  struct Candidate;
+  void consider(const SelectorInput& in, std::uint32_t instance, DrawList& out,
+                std::vector<Candidate>& candidates);
+  void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);
   std::vector<Shown> shown_;
 };
 

@@ -14,10 +14,10 @@ using flip::FeatureKernels;
 using flip::Plane;
 
 // Names of the paper in brackets.
-constexpr float kColorExponent = 0.7f;     // q_c
-constexpr float kColorKnee = 0.4f;         // p_c
-constexpr float kColorKneeValue = 0.95f;   // p_t
-constexpr float kFeatureExponent = 0.5f;   // q_f
+constexpr float kColorExponent = 0.7f;    // q_c
+constexpr float kColorKnee = 0.4f;        // p_c
+constexpr float kColorKneeValue = 0.95f;  // p_t
+constexpr float kFeatureExponent = 0.5f;  // q_f
 constexpr float kInverseSqrt2 = 0.70710678f;
 
 struct Rgb {
@@ -36,8 +36,8 @@ Xyz xyz_from_linear(const Rgb& c) {
   constexpr double kX = 10135552.0 + 8788810.0 + 4435075.0;
   constexpr double kY = 2613072.0 + 8788810.0 + 887015.0;
   constexpr double kZ = 1425312.0 + 8788810.0 + 70074185.0;
-  constexpr auto kXr = static_cast<float>(10135552.0 / kX), kXg = static_cast<float>(8788810.0 / kX),
-                 kXb = static_cast<float>(4435075.0 / kX);
+  constexpr auto kXr = static_cast<float>(10135552.0 / kX),
+                 kXg = static_cast<float>(8788810.0 / kX), kXb = static_cast<float>(4435075.0 / kX);
   constexpr auto kYr = static_cast<float>(2613072.0 / kY), kYg = static_cast<float>(8788810.0 / kY),
                  kYb = static_cast<float>(887015.0 / kY);
   constexpr auto kZr = static_cast<float>(1425312.0 / kZ), kZg = static_cast<float>(8788810.0 / kZ),
@@ -57,8 +57,7 @@ Rgb linear_from_xyz(const Xyz& c) {
 
 float lab_curve(float t) {
   constexpr float kDelta = 6.0f / 29.0f;
-  return t > kDelta * kDelta * kDelta ? std::cbrt(t)
-                                      : t / (3.0f * kDelta * kDelta) + 4.0f / 29.0f;
+  return t > kDelta * kDelta * kDelta ? std::cbrt(t) : t / (3.0f * kDelta * kDelta) + 4.0f / 29.0f;
 }
 
 /// CIE L*a*b*, with chroma scaled by lightness (Hunt effect).

@@ -108,8 +108,8 @@ Plane convolve_columns(const Plane& in, const Kernel& kernel) {
     for (std::size_t k = 0; k < kernel.size(); ++k) {
       const std::ptrdiff_t source =
           std::clamp<std::ptrdiff_t>(y + static_cast<std::ptrdiff_t>(k) - radius, 0, last);
-      accumulate(out_row, in.values.data() + static_cast<std::size_t>(source) * in.width,
-                 kernel[k], in.width);
+      accumulate(out_row, in.values.data() + static_cast<std::size_t>(source) * in.width, kernel[k],
+                 in.width);
     }
   }
   return out;

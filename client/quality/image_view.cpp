@@ -68,8 +68,7 @@ std::optional<PixelBox> bounding_box(const Mask& mask) {
 }
 
 Mask box_mask(std::uint32_t width, std::uint32_t height, const PixelBox& box) {
-  Mask mask{width, height,
-            std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height, 0)};
+  Mask mask{width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height, 0)};
   for (std::size_t y = box.y0; y < std::min(box.y1, height); ++y) {
     for (std::size_t x = box.x0; x < std::min(box.x1, width); ++x) mask.inside[y * width + x] = 1;
   }

@@ -18,8 +18,7 @@ bool measurable(const ImageView& reference, const ImageView& test, const Mask& m
 
 }  // namespace
 
-std::optional<double> psnr_db(const ImageView& reference, const ImageView& test,
-                              const Mask& mask) {
+std::optional<double> psnr_db(const ImageView& reference, const ImageView& test, const Mask& mask) {
   if (!measurable(reference, test, mask)) return std::nullopt;
   std::uint64_t squares = 0;  // 255^2 * 3 per pixel: exact for any image
   std::uint64_t values = 0;
@@ -56,8 +55,7 @@ std::optional<double> mean_alpha_difference(const ImageView& reference, const Im
   std::uint64_t sum = 0, n = 0;
   for (std::size_t i = 0; i < mask.inside.size(); ++i) {
     if (mask.inside[i] == 0) continue;
-    sum += static_cast<std::uint64_t>(
-        std::abs(reference.rgba[i * 4 + 3] - test.rgba[i * 4 + 3]));
+    sum += static_cast<std::uint64_t>(std::abs(reference.rgba[i * 4 + 3] - test.rgba[i * 4 + 3]));
     ++n;
   }
   if (n == 0) return std::nullopt;

@@ -84,9 +84,9 @@ std::optional<double> ssim(const ImageView& reference, const ImageView& test, co
   std::vector<Moments> rows(static_cast<std::size_t>(bottom - top) * reference.width);
   for (int y = top; y < bottom; ++y) {
     for (int x = 0; x < width; ++x) {
-      line[static_cast<std::size_t>(x)] =
-          moments_of(luma(reference.pixel(static_cast<std::size_t>(x), static_cast<std::size_t>(y))),
-                     luma(test.pixel(static_cast<std::size_t>(x), static_cast<std::size_t>(y))));
+      line[static_cast<std::size_t>(x)] = moments_of(
+          luma(reference.pixel(static_cast<std::size_t>(x), static_cast<std::size_t>(y))),
+          luma(test.pixel(static_cast<std::size_t>(x), static_cast<std::size_t>(y))));
     }
     Moments* out = rows.data() + static_cast<std::size_t>(y - top) * reference.width;
     for (std::uint32_t x = box->x0; x < box->x1; ++x) {
@@ -98,7 +98,8 @@ std::optional<double> ssim(const ImageView& reference, const ImageView& test, co
   for (std::uint32_t y = box->y0; y < box->y1; ++y) {
     for (std::uint32_t x = box->x0; x < box->x1; ++x) {
       if (!mask.at(x, y)) continue;
-      // `rows` starts at `top`: cut there exactly where the image is cut, as it reaches kRadius out.
+      // `rows` starts at `top`: cut there exactly where the image is cut, as it reaches kRadius
+      // out.
       sum += index_from(blurred(rows.data() + x, reference.width, static_cast<int>(y) - top,
                                 bottom - top, kTaps));
       ++n;

@@ -14,7 +14,7 @@ struct GpuScene {
   std::vector<gl::GpuMesh> meshes;
 
   explicit GpuScene(std::shared_ptr<const PreparedScene> scene) : prepared(std::move(scene)) {
-    images = gl::GpuImages(prepared->scene.images);
+    images = gl::GpuImages(prepared->scene.images, prepared->scene.materials);
     for (const SceneObject& object : prepared->scene.objects) meshes.emplace_back(object.mesh);
   }
   const std::vector<Material>& materials() const { return prepared->scene.materials; }

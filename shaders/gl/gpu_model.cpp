@@ -2,18 +2,41 @@
 
 #include <cstddef>
 
+#include "shaders/gl/mip_chain.h"
+
 namespace mirage::gl {
 namespace {
 
-Texture upload_image(const Image& image) {
-  Texture texture = Texture::create();
-  glBindTexture(GL_TEXTURE_2D, texture.id());
+void upload_level(const Image& image, GLint level) {
   const GLint format = image.srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8;
-  glTexImage2D(GL_TEXTURE_2D, 0, format, static_cast<GLsizei>(image.width),
+  glTexImage2D(GL_TEXTURE_2D, level, format, static_cast<GLsizei>(image.width),
                static_cast<GLsizei>(image.height), 0, GL_RGBA, GL_UNSIGNED_BYTE,
                image.rgba.data());
-  glGenerateMipmap(GL_TEXTURE_2D);
+}
+
+// `cutoff` of the alpha-tested material that uses the image; 0: none does.
+Texture upload_image(const Image& image, float cutoff) {
+  Texture texture = Texture::create();
+  glBindTexture(GL_TEXTURE_2D, texture.id());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  upload_level(image, 0);
+  if (cutoff <= 0) {
+    glGenerateMipmap(GL_TEXTURE_2D);
+    return texture;
+  }
+  GLint level = 0;
+  for (const Image& mip : alpha_preserving_mips(image, cutoff)) upload_level(mip, ++level);
   return texture;
+}
+
+float alpha_cutoff(std::size_t image, const std::vector<Material>& materials) {
+  for (const Material& m : materials) {
+    const bool uses = m.base_color_map.image == static_cast<std::int32_t>(image);
+    if (uses && m.alpha_mode == AlphaMode::kMask && m.base_color.a > 0) {
+      return m.alpha_cutoff / m.base_color.a;
+    }
+  }
+  return 0;
 }
 
 void attribute(GLuint index, GLint size, GLenum type, GLboolean normalised, std::size_t offset) {
@@ -24,10 +47,10 @@ void attribute(GLuint index, GLint size, GLenum type, GLboolean normalised, std:
 
 }  // namespace
 
-GpuImages::GpuImages(const std::vector<Image>& images) {
-  for (const Image& image : images) {
-    textures_.push_back(upload_image(image));
-    bytes_ += image.rgba.size() * 4 / 3;
+GpuImages::GpuImages(const std::vector<Image>& images, const std::vector<Material>& materials) {
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    textures_.push_back(upload_image(images[i], alpha_cutoff(i, materials)));
+    bytes_ += images[i].rgba.size() * 4 / 3;
   }
 }
 

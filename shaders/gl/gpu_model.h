@@ -11,11 +11,11 @@
 namespace mirage::gl {
 
 /// Images of a scene as textures, shared by the objects that use them; 1x1 white where decoding
-/// failed. Mip-mapped, colour images as sRGB.
+/// failed. Mip-mapped, colour images as sRGB; images of alpha-tested materials keep their coverage.
 class GpuImages {
  public:
   GpuImages() = default;
-  explicit GpuImages(const std::vector<Image>& images);
+  GpuImages(const std::vector<Image>& images, const std::vector<Material>& materials);
   GLuint texture(std::int32_t image) const;
   std::size_t gpu_bytes() const { return bytes_; }
 

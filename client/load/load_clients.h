@@ -1,0 +1,51 @@
+#pragma once
+// Load clients: many WebSocket clients on one libwebsockets context.
+// Input:  messages to send. Output: calls of the sink, made from within service().
+// Thread: the caller's only; nothing happens outside service().
+// Full:   outbound messages wait until their socket is writable; inbound ones are bounded by
+//         limits.h and handed on at once.
+
+#include <memory>
+#include <string>
+
+#include "client/native/native_link.h"
+
+namespace mirage {
+
+/// Bytes are valid during the call only. An error makes the connection close as its cause.
+class LoadSink {
+ public:
+  virtual ~LoadSink() = default;
+  virtual void on_open(std::uint32_t client) = 0;
+  virtual Result<void> on_message(std::uint32_t client, const std::uint8_t* bytes,
+                                  std::size_t size) = 0;
+  /// Once for every connect(), unless close_all() ended it. `id` is stable: an error id, or
+  /// "closed-CODE" with the server's WebSocket close code.
+  virtual void on_down(std::uint32_t client, const std::string& id, const std::string& text) = 0;
+};
+
+class LoadClients {
+ public:
+  /// Raises the limit on open files as far as needed. Errors: kUsage when that is not allowed,
+  /// kInternal when libwebsockets does not start.
+  static Result<std::unique_ptr<LoadClients>> create(const ServerUrl& url, std::uint32_t count,
+                                                     LoadSink& sink);
+  ~LoadClients();
+
+  void connect(std::uint32_t client);
+  void send(std::uint32_t client, Bytes message);
+  /// Handles what there is, or waits for it, for at most `wait_us`; a millisecond more or less.
+  void service(std::int64_t wait_us);
+  /// Says goodbye to all and waits for the answers, for at most `wait_us`.
+  void close_all(std::int64_t wait_us);
+  /// Bytes of WebSocket messages received.
+  std::uint64_t bytes() const;
+
+  struct Impl;
+
+ private:
+  explicit LoadClients(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mirage

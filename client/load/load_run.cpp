@@ -1,0 +1,431 @@
+#include "client/load/load_run.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "protocol/limits.h"
+
+namespace mirage {
+namespace {
+
+constexpr std::uint32_t kScout = 0;  // meets the server, warms it up, asks for its counters
+constexpr std::uint64_t kCreditBytes = std::uint64_t{1} << 40;  // never what holds a tile back
+constexpr std::size_t kWarmWindow = 64;
+constexpr std::int64_t kAnswerPatienceUs = 5'000'000;
+constexpr std::int64_t kClosePatienceUs = 2'000'000;
+constexpr std::int64_t kProgressUs = 1'000'000;
+constexpr std::int64_t kLongestWaitUs = 100'000;
+constexpr std::uint64_t kVerifyDraw = 3;  // stream of random numbers; the plan has 1 and 2
+
+std::int64_t us(double seconds) { return static_cast<std::int64_t>(seconds * 1e6); }
+
+const char* refusal_name(wire::RefusalReason reason) {
+  switch (reason) {
+    case wire::RefusalReason::Busy: return "refused-busy";
+    case wire::RefusalReason::BadKey: return "refused-bad-key";
+    case wire::RefusalReason::UnknownObject: return "refused-unknown-object";
+    case wire::RefusalReason::NoGeometry: return "refused-no-geometry";
+    case wire::RefusalReason::NoReference: return "refused-no-reference";
+    case wire::RefusalReason::Late: return "refused-late";
+    case wire::RefusalReason::TooLarge: return "refused-too-large";
+    default: return "refused";
+  }
+}
+
+}  // namespace
+
+Result<LoadResults> LoadRun::run() {
+  clients_.resize(options_.clients);
+  Result<std::unique_ptr<LoadClients>> link =
+      LoadClients::create(options_.url, options_.clients, *this);
+  if (!link) return link.error();
+  link_ = link.take();
+  if (Result<void> met = meet_server(); !met) return met.error();
+  if (Result<void> planned = make_plan(); !planned) return planned.error();
+  if (options_.warm) {
+    if (Result<void> warm = warm_up(); !warm) return warm.error();
+  }
+  connect_others();
+  const std::optional<wire::StatsT> before = server_stats();
+  ask_at_intended_times();
+  wait_for_answers();
+  results_.connected_at_end = described_;
+  const std::optional<wire::StatsT> after = before ? server_stats() : std::nullopt;
+  if (after) {
+    results_.server = ServerDelta{after->tiles_rendered - before->tiles_rendered,
+                                  after->tiles_merged - before->tiles_merged,
+                                  after->store_hits - before->store_hits,
+                                  after->tiles_cancelled - before->tiles_cancelled,
+                                  after->tiles_late - before->tiles_late};
+  }
+  link_->close_all(kClosePatienceUs);
+  verifier_.finish();
+  results_.verified = verifier_.verified();
+  results_.verify_failures += verifier_.failures();
+  if (results_.first_failure.empty()) results_.first_failure = verifier_.first_failure();
+  return std::move(results_);
+}
+
+Result<void> LoadRun::meet_server() {
+  link_->connect(kScout);
+  const Client& scout = clients_[kScout];
+  const auto over = [&] { return scout.stage == Stage::kDescribed || scout.stage == Stage::kDown; };
+  std::uint32_t pages = 0;
+  do {  // a large scene takes its time: patience starts anew with every page
+    pages = scout.pages;
+    serve_until(over, clock_.now_us() + us(options_.connect_timeout_s));
+  } while (!over() && scout.pages > pages);
+  if (scout.stage == Stage::kDescribed) return {};
+  if (scout.stage == Stage::kDown) return why_down();
+  const bool silent = scout.stage == Stage::kAway;
+  return make_error(silent ? ErrorId::kNetworkConnect : ErrorId::kNetworkTimeout,
+                    silent ? "no server answers at " + options_.url_text
+                           : "the server did not describe its scene");
+}
+
+Error LoadRun::why_down() const {
+  for (const ErrorId id : {ErrorId::kAuth, ErrorId::kBusy, ErrorId::kWireVersion,
+                           ErrorId::kWireMalformed, ErrorId::kWireLimit, ErrorId::kWireValue,
+                           ErrorId::kWireState}) {
+    if (down_id_ != error_name(id)) continue;
+    return make_error(id, down_text_, id == ErrorId::kAuth ? "--token-file FILE" : "");
+  }
+  if (down_id_ == error_name(ErrorId::kNetworkConnect)) {
+    return make_error(ErrorId::kNetworkConnect,
+                      "no server answers at " + options_.url_text + ": " + down_text_,
+                      "start one with: mirage-server builtin:forest");
+  }
+  return make_error(ErrorId::kNetworkClosed, down_text_);
+}
+
+Result<void> LoadRun::make_plan() {
+  Result<CameraPath> path =
+      CameraPath::create(options_.path, scene_.home, scene_.bounds_center, scene_.bounds_radius);
+  if (!path) return path.error();
+  PlanOptions plan;
+  plan.clients = options_.clients;
+  plan.duration_s = options_.duration_s;
+  plan.rate_hz = options_.rate_hz;
+  plan.spread_s = options_.spread_s;
+  plan.fps = options_.fps;
+  plan.camera.fov_y = glm::radians(options_.fov_degrees);
+  plan.camera.width = options_.width;
+  plan.camera.height = options_.height;
+  plan.tau_px = options_.tau_px;
+  plan.seed = options_.seed;
+  Result<RequestPlan> made = make_request_plan(scene_, *path, plan);
+  if (!made) return made.error();
+  plan_ = made.take();
+  asks_.assign(plan_.asks.size(), AskState::kPlanned);
+  results_.latency_ms.reserve(plan_.asks.size());
+  results_.send_lag_ms.reserve(plan_.asks.size());
+  results_.clients = options_.clients;
+  results_.duration_s = options_.duration_s;
+  results_.distinct_asks = plan_.needs.size();
+  spdlog::info("{}: {} requests planned, {} of them distinct", scene_.name, plan_.asks.size(),
+               plan_.needs.size());
+  return {};
+}
+
+Result<void> LoadRun::warm_up() {
+  phase_ = "warming";
+  std::int64_t deadline = clock_.now_us() + us(options_.connect_timeout_s);
+  while (warm_answered_ < plan_.needs.size()) {
+    if (clients_[kScout].stage == Stage::kDown) return why_down();
+    if (clock_.now_us() > deadline) {
+      return make_error(ErrorId::kNetworkTimeout, "the server stopped answering while warming up");
+    }
+    while (warm_sent_ < plan_.needs.size() && warm_sent_ < warm_answered_ + kWarmWindow) {
+      const std::size_t id = plan_.asks.size() + 1 + warm_sent_;
+      link_->send(kScout, ask_message(static_cast<std::uint32_t>(id), plan_.needs[warm_sent_]));
+      ++warm_sent_;
+    }
+    const std::size_t answered_before = warm_answered_;
+    serve(kLongestWaitUs);
+    if (warm_answered_ > answered_before) {
+      deadline = clock_.now_us() + us(options_.connect_timeout_s);
+    }
+  }
+  return {};
+}
+
+void LoadRun::connect_others() {
+  phase_ = "connecting";
+  const std::int64_t began = clock_.now_us();
+  std::uint32_t next = kScout + 1;
+  std::uint32_t settled = 0;
+  std::int64_t deadline = began + us(options_.connect_timeout_s);
+  while (described_ + down_ < options_.clients) {
+    const std::int64_t now = clock_.now_us();
+    const double due = static_cast<double>(now - began) * 1e-6 * options_.connects_per_s;
+    while (next < options_.clients && next <= due + 1) link_->connect(next++);
+    if (described_ + down_ > settled || next < options_.clients) {
+      settled = described_ + down_;
+      deadline = now + us(options_.connect_timeout_s);
+    }
+    if (now > deadline) break;
+    serve(next < options_.clients ? us(1 / options_.connects_per_s) : kLongestWaitUs);
+  }
+  for (const Client& c : clients_) {
+    const bool late = c.stage == Stage::kAway || c.stage == Stage::kGreeting;
+    if (late) ++results_.errors["network-timeout"];
+  }
+}
+
+void LoadRun::ask_at_intended_times() {
+  phase_ = "asking";
+  results_.connected = described_;
+  const std::uint64_t bytes_before = link_->bytes();
+  start_us_ = last_tile_us_ = clock_.now_us();
+  const std::int64_t end = start_us_ + us(options_.duration_s);
+  std::size_t next = 0;
+  for (std::int64_t now = start_us_; now < end && described_ > 0; now = clock_.now_us()) {
+    while (next < plan_.asks.size() && start_us_ + plan_.asks[next].intended_us <= now) {
+      ask(next++, now);
+    }
+    const std::int64_t due =
+        next < plan_.asks.size() ? std::min(end, start_us_ + plan_.asks[next].intended_us) : end;
+    serve(std::min(due - clock_.now_us(), kLongestWaitUs));
+  }
+  // Due in the last instant, or never to be sent as nobody is left.
+  while (next < plan_.asks.size()) ask(next++, clock_.now_us());
+  results_.bytes = bytes_before;  // wait_for_answers() takes the difference
+}
+
+void LoadRun::wait_for_answers() {
+  phase_ = "waiting";
+  serve_until([this] { return waiting_ == 0; }, clock_.now_us() + kAnswerPatienceUs);
+  count_unanswered();
+  const double asking_s = options_.duration_s;
+  const double answering_s = static_cast<double>(last_tile_us_ - start_us_) * 1e-6;
+  results_.elapsed_s = std::max(asking_s, answering_s);
+  results_.bytes = link_->bytes() - results_.bytes;
+}
+
+void LoadRun::count_unanswered() {
+  for (AskState& state : asks_) {
+    if (state == AskState::kWaiting) ++results_.errors["no-answer"];
+    state = AskState::kDone;  // what comes later is not counted twice
+  }
+}
+
+std::optional<wire::StatsT> LoadRun::server_stats() {
+  const auto up = std::find_if(clients_.begin(), clients_.end(), [](const Client& c) {
+    return c.stage == Stage::kDescribed;
+  });
+  if (up == clients_.end()) return std::nullopt;
+  stats_.reset();
+  link_->send(static_cast<std::uint32_t>(up - clients_.begin()),
+              encode_message(wire::StatsRequestT{}));
+  serve_until([&] { return stats_ || up->stage == Stage::kDown; },
+              clock_.now_us() + kAnswerPatienceUs);
+  return stats_;
+}
+
+void LoadRun::on_open(std::uint32_t client) {
+  clients_[client].stage = Stage::kGreeting;
+  wire::HelloT hello;
+  hello.version_min = hello.version_max = limits::kProtocolVersion;
+  hello.token = options_.token;
+  hello.name = "mirage-load";
+  hello.codecs = {static_cast<std::uint8_t>(TileCodec::kRaw),
+                  static_cast<std::uint8_t>(TileCodec::kZstd)};
+  link_->send(client, encode_message(std::move(hello)));
+}
+
+Result<void> LoadRun::on_message(std::uint32_t client, const std::uint8_t* bytes,
+                                 std::size_t size) {
+  Result<MessageView> message = MessageView::create(bytes, size, scratch_);
+  if (!message) return message.error();
+  Client& c = clients_[client];
+  const wire::Control& control = message->control();
+  switch (message->type()) {
+    case wire::Body::Welcome: return take_welcome(c, client, *control.body_as_Welcome());
+    case wire::Body::ObjectPage:
+    case wire::Body::InstancePage: return take_page(c, client, *message);
+    case wire::Body::TileReply: return take_tile(client, *message);
+    case wire::Body::Refused: take_refusal(client, *control.body_as_Refused()); return {};
+    case wire::Body::Stats: {
+      wire::StatsT stats;
+      control.body_as_Stats()->UnPackTo(&stats);
+      stats_ = stats;
+      return {};
+    }
+    case wire::Body::Bye: return {};  // the close that follows is what counts
+    default: return make_error(ErrorId::kWireState, "this message was not asked for");
+  }
+}
+
+void LoadRun::on_down(std::uint32_t client, const std::string& id, const std::string& text) {
+  Client& c = clients_[client];
+  if (c.stage == Stage::kDescribed) --described_;
+  c.stage = Stage::kDown;
+  ++down_;
+  waiting_ -= c.waiting;
+  c.waiting = 0;
+  down_id_ = id;
+  down_text_ = text;
+  ++results_.errors[id];
+}
+
+Result<void> LoadRun::take_welcome(Client& c, std::uint32_t client,
+                                   const wire::Welcome& welcome) {
+  if (client == kScout) {
+    const std::unique_ptr<wire::WelcomeT> unpacked(welcome.UnPack());
+    if (Result<void> taken = scene_.accept(*unpacked); !taken) return taken;
+    if (scene_.complete()) described(c);
+    return {};
+  }
+  if (welcome.revision() != scene_.revision) {
+    return make_error(ErrorId::kWireState, "the scene changed between two connections");
+  }
+  if (scene_pages_ == 0) described(c);
+  return {};
+}
+
+// The first client decodes the scene; for the others the same pages are only counted.
+Result<void> LoadRun::take_page(Client& c, std::uint32_t client, const MessageView& message) {
+  ++c.pages;
+  if (client == kScout) {
+    Result<void> taken;
+    if (message.type() == wire::Body::ObjectPage) {
+      const std::unique_ptr<wire::ObjectPageT> page(
+          message.control().body_as_ObjectPage()->UnPack());
+      taken = scene_.accept(*page);
+    } else {
+      const std::unique_ptr<wire::InstancePageT> page(
+          message.control().body_as_InstancePage()->UnPack());
+      taken = scene_.accept(*page);
+    }
+    if (!taken) return taken;
+    scene_pages_ = c.pages;
+    if (scene_.complete()) described(c);
+  } else if (c.pages == scene_pages_) {
+    described(c);
+  }
+  return {};
+}
+
+void LoadRun::described(Client& c) {
+  c.stage = Stage::kDescribed;
+  ++described_;
+}
+
+const PlannedAsk* LoadRun::answered(std::uint32_t client, std::uint32_t request_id) {
+  const std::size_t index = std::size_t{request_id} - 1;
+  if (request_id == 0 || index >= plan_.asks.size()) return nullptr;
+  if (asks_[index] != AskState::kWaiting || plan_.asks[index].client != client) return nullptr;
+  asks_[index] = AskState::kDone;
+  --clients_[client].waiting;
+  --waiting_;
+  return &plan_.asks[index];
+}
+
+Result<void> LoadRun::take_tile(std::uint32_t client, const MessageView& message) {
+  const std::int64_t now = clock_.now_us();
+  const wire::TileReply& reply = *message.control().body_as_TileReply();
+  const std::uint32_t id = reply.request_id();
+  ++tiles_seen_;
+  const bool fits = same_content(reply);
+  if (id > plan_.asks.size() && id <= plan_.asks.size() + warm_sent_) {
+    ++warm_answered_;
+    return {};
+  }
+  const PlannedAsk* ask = answered(client, id);
+  if (!ask) {
+    ++results_.errors["unexpected-tile"];
+    return {};
+  }
+  ++results_.tiles;
+  last_tile_us_ = now;
+  const std::int64_t latency_us = now - start_us_ - ask->intended_us;
+  results_.latency_ms.push_back(static_cast<float>(latency_us) * 1e-3f);
+  const bool right_edge = reply.edge() == tile_edge(plan_.needs[ask->need].size_class);
+  if (!fits || !right_edge) {
+    ++results_.verify_failures;
+    if (results_.first_failure.empty()) {
+      results_.first_failure = fits ? "tile has another size than asked for"
+                                    : "one key came with different contents";
+    }
+  }
+  if (seeded_share(options_.seed, kVerifyDraw, id) < options_.verify_share) {
+    VerifyTask task;
+    reply.UnPackTo(&task.reply);
+    task.planes.assign(message.payload(), message.payload() + message.payload_bytes());
+    verifier_.submit(std::move(task));
+  }
+  return {};
+}
+
+// Equal key, equal bytes: for every tile and across all clients.
+bool LoadRun::same_content(const wire::TileReply& reply) {
+  const TileId key{reply.key_low(), reply.key_high()};
+  return contents_.try_emplace(key, reply.content_hash()).first->second == reply.content_hash();
+}
+
+void LoadRun::take_refusal(std::uint32_t client, const wire::Refused& refused) {
+  const std::uint32_t id = refused.request_id();
+  if (id > plan_.asks.size() && id <= plan_.asks.size() + warm_sent_) ++warm_answered_;
+  answered(client, id);
+  ++results_.errors[refusal_name(refused.reason())];
+}
+
+void LoadRun::ask(std::size_t index, std::int64_t now_us) {
+  const PlannedAsk& planned = plan_.asks[index];
+  Client& c = clients_[planned.client];
+  if (c.stage != Stage::kDescribed) {
+    asks_[index] = AskState::kDone;
+    ++results_.errors["not-sent"];
+    return;
+  }
+  const auto id = static_cast<std::uint32_t>(index + 1);
+  link_->send(planned.client, ask_message(id, plan_.needs[planned.need]));
+  const std::int64_t lag_us = now_us - start_us_ - planned.intended_us;
+  results_.send_lag_ms.push_back(static_cast<float>(std::max<std::int64_t>(lag_us, 0)) * 1e-3f);
+  asks_[index] = AskState::kWaiting;
+  ++c.waiting;
+  ++waiting_;
+  ++results_.asked;
+}
+
+Bytes LoadRun::ask_message(std::uint32_t request_id, const TileNeed& need) const {
+  wire::RequestBatchT batch;
+  batch.credit_bytes = kCreditBytes;
+  batch.asks.emplace_back(request_id, need.instance, scene_.instances[need.instance].object,
+                          static_cast<float>(need.error_px), 0u, need.distance.index, need.cell.x,
+                          need.cell.y, need.cell.level, need.distance.level, need.size_class,
+                          static_cast<std::uint8_t>(kChannelColor | kChannelDepth));
+  return encode_message(std::move(batch));
+}
+
+template <typename Done>
+bool LoadRun::serve_until(Done done, std::int64_t deadline_us) {
+  while (!done()) {
+    const std::int64_t left = deadline_us - clock_.now_us();
+    if (left <= 0) return false;
+    serve(std::min(left, kLongestWaitUs));
+  }
+  return true;
+}
+
+void LoadRun::serve(std::int64_t wait_us) {
+  link_->service(wait_us);
+  const std::int64_t now = clock_.now_us();
+  if (now - progress_us_ >= kProgressUs) show_progress(now);
+}
+
+void LoadRun::show_progress(std::int64_t now_us) {
+  const double seconds = static_cast<double>(now_us - progress_us_) * 1e-6;
+  const std::uint64_t bytes = link_->bytes();
+  spdlog::info("{}: {} of {} clients, {:.0f} tiles/s, {:.1f} MB/s, {} waiting", phase_, described_,
+               options_.clients, static_cast<double>(tiles_seen_ - progress_tiles_) / seconds,
+               static_cast<double>(bytes - progress_bytes_) * 1e-6 / seconds,
+               phase_ == std::string_view("warming") ? plan_.needs.size() - warm_answered_
+                                                     : waiting_);
+  progress_us_ = now_us;
+  progress_tiles_ = tiles_seen_;
+  progress_bytes_ = bytes;
+}
+
+}  // namespace mirage

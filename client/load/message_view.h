@@ -1,0 +1,26 @@
+#pragma once
+// A message read in place: what decode_message() checks, without copying payload or tables.
+
+#include "protocol/message.h"
+
+namespace mirage {
+
+class MessageView {
+ public:
+  /// `bytes` must outlive the view; the control part is copied into `scratch` (alignment), which
+  /// must outlive it, too. Errors: kWireMalformed, kWireVersion, kWireLimit, kWireValue.
+  static Result<MessageView> create(const std::uint8_t* bytes, std::size_t size,
+                                    std::vector<std::uint64_t>& scratch);
+
+  const wire::Control& control() const { return *control_; }
+  wire::Body type() const { return control_->body_type(); }
+  const std::uint8_t* payload() const { return payload_; }
+  std::size_t payload_bytes() const { return payload_bytes_; }
+
+ private:
+  const wire::Control* control_ = nullptr;
+  const std::uint8_t* payload_ = nullptr;
+  std::size_t payload_bytes_ = 0;
+};
+
+}  // namespace mirage

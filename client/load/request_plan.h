@@ -1,0 +1,45 @@
+#pragma once
+// Request plan: which client asks for which tile, and when; fixed before anything is sent.
+// Input:  the scene, a camera path, numbers. Output: asks by time, over a table of distinct needs.
+// Thread: any; pure. Never full: the options bound the number of asks.
+
+#include <cstdint>
+#include <vector>
+
+#include "client/core/camera_path.h"
+#include "client/core/selector.h"
+
+namespace mirage {
+
+struct PlanOptions {
+  std::uint32_t clients = 1;
+  double duration_s = 1;
+  double rate_hz = 1;
+  double spread_s = 0;
+  double fps = 30;
+  Camera camera;  ///< field of view and size
+  double tau_px = 1;
+  std::uint64_t seed = 1;
+};
+
+struct PlannedAsk {
+  std::int64_t intended_us = 0;  ///< after the start
+  std::uint32_t client = 0;
+  std::uint32_t need = 0;  ///< index into RequestPlan::needs
+};
+
+struct RequestPlan {
+  std::vector<TileNeed> needs;   ///< distinct; together the tiles of the whole run
+  std::vector<PlannedAsk> asks;  ///< by time
+};
+
+/// Every client follows the path from an offset of its own and asks at even times from a phase of
+/// its own: the largest instance in view first, then the next, and again when all had their turn.
+/// Error kUsage when no impostor is in view anywhere along the path.
+Result<RequestPlan> make_request_plan(const SceneView& scene, const CameraPath& path,
+                                      const PlanOptions& options);
+
+/// Uniform in [0, 1) from a seed and up to two numbers: the same on every machine.
+double seeded_share(std::uint64_t seed, std::uint64_t a, std::uint64_t b = 0);
+
+}  // namespace mirage

@@ -1,0 +1,16 @@
+#pragma once
+// Mip levels of an image, made on the CPU where the driver's are not good enough.
+
+#include <vector>
+
+#include "protocol/model.h"
+
+namespace mirage::gl {
+
+/// Levels 1 … of `image` (level 0 is the image itself), box-filtered in linear light with colour
+/// weighted by alpha. With `cutoff` in (0, 1), each level's alpha is scaled so that the share of
+/// texels at or above the cutoff stays that of level 0: foliage keeps its density at a distance
+/// (I. Castaño, "Computing alpha mipmaps", 2010).
+std::vector<Image> alpha_preserving_mips(const Image& image, float cutoff);
+
+}  // namespace mirage::gl
