@@ -125,7 +125,10 @@ ObjectLighting object_lighting(const Lighting& lighting, const Similarity& world
   for (const Light& light : lighting.lights) {
     if (is_black(light)) continue;
     ObjectLight object_light = to_object_space(light, world_from_object, radius);
-    if (!out_of_range(object_light, center, radius)) out.lights.push_back(object_light);
+    // A tiny scale can carry a light beyond float: it is then as good as absent.
+    const LightWords w = words(object_light);
+    const bool finite = std::all_of(w.begin(), w.end(), [](float v) { return std::isfinite(v); });
+    if (finite && !out_of_range(object_light, center, radius)) out.lights.push_back(object_light);
   }
   std::sort(out.lights.begin(), out.lights.end(),
             [](const ObjectLight& a, const ObjectLight& b) { return words(a) < words(b); });

@@ -78,7 +78,8 @@ std::optional<DistanceBucket> distance_bucket_from_radii(double distance_radii, 
   DistanceBucket bucket;
   bucket.level = static_cast<std::uint8_t>(std::clamp(level, 0, limits::kMaxDistanceLevel));
   const double per_octave = static_cast<double>(1u << bucket.level);
-  const double radii = std::min(distance_radii, limits::kMaxCaptureRadii);
+  const double radii =
+      std::clamp(distance_radii, limits::kMinCaptureRadii, limits::kMaxCaptureRadii);
   bucket.index = static_cast<std::int32_t>(std::floor(std::log2(radii) * per_octave));
   // Close to the swap distance the bucket's middle may lie inside it: take the next one outwards.
   while (radii_from_distance_bucket(bucket) < limits::kMinCaptureRadii) ++bucket.index;

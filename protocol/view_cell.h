@@ -38,7 +38,8 @@ double view_cell_angle(int level);
 int view_level_for_angle(double angle);
 bool valid(const ViewCell& cell);
 
-/// Bucket of `distance_radii` = D/r > 0; nullopt when not finite or out of the capture range.
+/// Bucket of `distance_radii` = D/r, clamped to the capture range; nullopt when not finite or not
+/// positive.
 std::optional<DistanceBucket> distance_bucket_from_radii(double distance_radii, int level);
 /// D/r at the bucket's (geometric) middle, where it is captured.
 double radii_from_distance_bucket(const DistanceBucket& bucket);

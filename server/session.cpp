@@ -284,6 +284,21 @@ void SessionHub::complete(Completion completion) {
   }
 }
 
+std::deque<FramePtr>* SessionHub::tile_or_bulk(Session& s) {
+  const bool tiles = !s.tiles.empty() && s.tile_bytes_sent < s.credit_bytes;
+  const bool both = tiles && !s.bulk.empty();
+  if (!both) s.tile_lead_bytes = 0;
+  if (tiles && (!both || s.tile_lead_bytes <= 0)) {
+    const auto bytes = static_cast<std::int64_t>(s.tiles.front()->size());
+    s.tile_bytes_sent += static_cast<std::uint64_t>(bytes);
+    s.tile_lead_bytes += bytes;
+    return &s.tiles;
+  }
+  if (s.bulk.empty()) return nullptr;
+  s.tile_lead_bytes -= static_cast<std::int64_t>(s.bulk.front()->size());
+  return &s.bulk;
+}
+
 FramePtr SessionHub::next_frame(SessionId id) {
   Session& s = sessions_.at(id);
   std::deque<FramePtr>* lane = nullptr;
@@ -291,11 +306,8 @@ FramePtr SessionHub::next_frame(SessionId id) {
     lane = &s.control;
   } else if (s.greeted && s.next_page < pages_.size()) {
     return pages_[s.next_page++];
-  } else if (!s.tiles.empty() && s.tile_bytes_sent < s.credit_bytes) {
-    s.tile_bytes_sent += s.tiles.front()->size();
-    lane = &s.tiles;
-  } else if (!s.bulk.empty()) {
-    lane = &s.bulk;
+  } else {
+    lane = tile_or_bulk(s);
   }
   if (!lane) return nullptr;
   FramePtr frame = std::move(lane->front());

@@ -1,7 +1,7 @@
 #pragma once
 // Sessions: everything between the socket and the stages, without any socket.
 // Input:  whole messages of clients; completions of the stages. Output: frames to write, in order
-//         of priority (control, tiles under credit, bulk).
+//         of priority (control first; tiles under credit and bulk share the rest by bytes).
 // Thread: the network loop's.
 // Full:   asks beyond kMaxQueuedAsksPerClient are refused as busy; a client that does not read
 //         until kMaxOutboxBytes have piled up is closed.
@@ -70,6 +70,7 @@ class SessionHub {
     std::deque<FramePtr> bulk;
     std::size_t next_page = 0;  ///< of the scene description
     std::size_t outbox_bytes = 0;
+    std::int64_t tile_lead_bytes = 0;  ///< tiles sent ahead of bulk while both waited
     std::uint64_t tile_bytes_sent = 0;
     std::uint64_t credit_bytes = 0;
     std::uint32_t next_transfer = 1;
@@ -85,6 +86,8 @@ class SessionHub {
   void stats(SessionId id, Session& s, const wire::StatsRequestT& m);
 
   void push(SessionId id, std::deque<FramePtr>& lane, Bytes message);
+  /// The lane whose turn it is; nullptr when neither may send.
+  static std::deque<FramePtr>* tile_or_bulk(Session& s);
   void push_tile(const Waiter& waiter, const StoredTile& tile);
   void refuse(SessionId id, Session& s, std::uint32_t request, wire::RefusalReason reason,
               bool mesh = false);

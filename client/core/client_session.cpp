@@ -131,8 +131,9 @@ Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes
 Result<void> ClientSession::take_reference(const wire::ReferenceReplyT& reply,
                                            const Bytes& bytes) {
   const std::size_t pixels = std::size_t{reply.width} * reply.height;
-  if (pixels > limits::kMaxReferencePixels || reply.raw_bytes != pixels * 12) {
-    return make_error(ErrorId::kWireValue, "reference frame of an odd size");
+  const bool asked = std::exchange(reference_asked_px_, 0) == pixels && pixels > 0;
+  if (!asked || reply.raw_bytes != pixels * 12) {
+    return make_error(ErrorId::kWireValue, "reference frame that was not asked for");
   }
   Result<Bytes> raw = decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
   if (!raw) return raw.error();
@@ -181,6 +182,7 @@ void ClientSession::ask_reference(const Camera& camera, std::uint32_t supersampl
   request.height = camera.height;
   request.supersample = supersample;
   reference_refused_ = false;
+  reference_asked_px_ = std::size_t{camera.width} * camera.height;
   link_.send(encode_message(std::move(request)));
 }
 

@@ -98,6 +98,7 @@ class ClientSession {
   Scheduler scheduler_;
   std::vector<bool> mesh_ready_;
   std::optional<ReferenceFrame> reference_;
+  std::size_t reference_asked_px_ = 0;
   bool reference_refused_ = false;
   std::uint64_t frame_ = 0;
   std::uint64_t received_ = 0;

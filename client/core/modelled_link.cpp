@@ -252,7 +252,14 @@ void ModelledLink::run_downlink(std::int64_t now) {
       (ready.bulk ? bulk_lane_ : tiles_lane_).push_back(std::move(ready.item));
       ready_.erase(ready_.begin());
     }
-    transmit(tiles_lane_.empty() ? bulk_lane_ : tiles_lane_, start);
+    // As the server does: tiles and bulk share the link by bytes.
+    const bool both = !tiles_lane_.empty() && !bulk_lane_.empty();
+    if (!both) tile_lead_bytes_ = 0;
+    const bool tile = both ? tile_lead_bytes_ <= 0 : bulk_lane_.empty();
+    std::deque<Item>& lane = tile ? tiles_lane_ : bulk_lane_;
+    const auto n = static_cast<std::int64_t>(std::min(lane.front().left, limits::kChunkBytes));
+    tile_lead_bytes_ += tile ? n : -n;
+    transmit(lane, start);
   }
 }
 

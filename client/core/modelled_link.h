@@ -88,6 +88,7 @@ class ModelledLink final : public Link {
   std::map<std::uint32_t, std::int64_t> mesh_asked_us_;
   std::int64_t uplink_free_us_ = 0, downlink_free_us_ = 0, server_free_us_ = 0;
   std::int64_t last_arrival_us_ = 0, welcome_us_ = 0;
+  std::int64_t tile_lead_bytes_ = 0;
   std::uint64_t bytes_up_ = 0, bytes_down_ = 0;
 };
 

@@ -288,7 +288,11 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
       need.size_class = static_cast<std::uint8_t>(std::max(need.size_class - kCoarseClasses, 0));
     }
     need.error_px = std::isfinite(bound) ? std::min(bound, 2 * size) : 2 * std::min(size, 1e4);
-    need.gain = need.error_px * expected_life_s(view, in.tau_px, in.speed_mps / view_of.world_from_object.scale);
+    // Any image is better than none, however soon it ages.
+    const double speed = in.speed_mps / view_of.world_from_object.scale;
+    const double life =
+        group.tiles.empty() ? kLongestLife : expected_life_s(view, in.tau_px, speed);
+    need.gain = need.error_px * life;
     out.push_back(need);
   });
   std::stable_sort(out.begin(), out.end(), [](const TileNeed& a, const TileNeed& b) {
@@ -300,13 +304,22 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
 std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) const {
   std::vector<std::uint32_t> out;
   const bool all = !in.method.automatic && in.method.method == DrawMethod::kMesh;
+  bool surroundings_missing = false;
   in.scene->for_visible(in.predicted, kViewGuard, [&](std::uint32_t instance) {
     const InstanceView& view_of = in.scene->instances[instance];
     if ((*in.mesh_ready)[view_of.object]) return;
     const double distance = glm::length(view_of.center - in.predicted.pose.eye);
     const bool near = distance < kMeshPrefetch * in.mesh_radii * view_of.radius;
-    if (all || near || in.scene->surrounds(view_of.object)) out.push_back(view_of.object);
+    const bool surrounds = in.scene->surrounds(view_of.object);
+    if (all || near || surrounds) out.push_back(view_of.object);
+    surroundings_missing = surroundings_missing || surrounds;
   });
+  // What one stands in comes before single objects.
+  if (surroundings_missing && !all) {
+    out.erase(std::remove_if(out.begin(), out.end(),
+                             [&](std::uint32_t object) { return !in.scene->surrounds(object); }),
+              out.end());
+  }
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;

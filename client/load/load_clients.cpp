@@ -41,6 +41,12 @@ struct Connection {
   std::string down_text = "server closed the connection";
 };
 
+// A timer that knows its context: libwebsockets hands its callback the list node alone.
+struct WakeTimer {
+  lws_sorted_usec_list_t node{};
+  lws_context* context = nullptr;
+};
+
 // libwebsockets sizes its tables by this limit: no more than what is needed keeps them small.
 Result<void> allow_open_files(rlim_t wanted) {
   rlimit limit{};
@@ -66,7 +72,6 @@ std::string id_from_close_code(int code) {
 }
 
 void silent_log(int, const char*) {}
-void wake(lws_sorted_usec_list_t*) {}
 
 }  // namespace
 
@@ -83,7 +88,7 @@ struct LoadClients::Impl {
   LoadSink& sink;
   std::vector<Connection> connections;
   lws_context* context = nullptr;
-  lws_sorted_usec_list_t timer{};
+  WakeTimer timer;
   std::vector<std::uint8_t> write_buffer;
   std::uint64_t bytes = 0;
   std::size_t live = 0;  // connecting or open
@@ -169,6 +174,12 @@ struct LoadClients::Impl {
 
 namespace {
 
+// A timer that is due before the wait begins would be served and forgotten, and the wait would
+// last until the next one: the cancel ends that wait, too.
+void wake(lws_sorted_usec_list_t* node) {
+  lws_cancel_service(reinterpret_cast<WakeTimer*>(node)->context);
+}
+
 void note_close_code(Connection& c, const void* in, std::size_t length) {
   if (length < 2) return;
   const auto* bytes = static_cast<const std::uint8_t*>(in);
@@ -207,7 +218,7 @@ LoadClients::LoadClients(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 LoadClients::~LoadClients() {
   impl_->closing = true;
-  lws_sul_cancel(&impl_->timer);
+  lws_sul_cancel(&impl_->timer.node);
   lws_context_destroy(impl_->context);
 }
 
@@ -247,6 +258,7 @@ void LoadClients::connect(std::uint32_t client) {
   info.userdata = &c;
   if (!lws_client_connect_via_info(&info)) {
     c.down_id = error_name(ErrorId::kNetworkConnect);
+    c.down_text = "cannot connect";
     impl_->down(c);  // nothing when the callback has said so already
   }
 }
@@ -263,7 +275,8 @@ void LoadClients::service(std::int64_t wait_us) {
     lws_service(impl_->context, -1);  // does not wait
     return;
   }
-  lws_sul_schedule(impl_->context, 0, &impl_->timer, wake, wait_us);
+  impl_->timer.context = impl_->context;
+  lws_sul_schedule(impl_->context, 0, &impl_->timer.node, wake, wait_us);
   lws_service(impl_->context, 0);
 }
 

@@ -16,7 +16,7 @@ constexpr std::int64_t kAnswerPatienceUs = 5'000'000;
 constexpr std::int64_t kClosePatienceUs = 2'000'000;
 constexpr std::int64_t kProgressUs = 1'000'000;
 constexpr std::int64_t kLongestWaitUs = 100'000;
-constexpr std::uint64_t kVerifyDraw = 3;  // stream of random numbers; the plan has 1 and 2
+constexpr std::uint64_t kVerifyDraw = 3;  // stream of random numbers; the plan has 1, 2, 4
 
 std::int64_t us(double seconds) { return static_cast<std::int64_t>(seconds * 1e6); }
 

@@ -25,6 +25,10 @@ Result<void> write_report(const LoadResults& results, const std::string& json_fi
 }
 
 Result<void> run_load(const LoadOptions& options) {
+  // Known now rather than after the run; nothing is written yet.
+  if (!options.json_file.empty() && !std::ofstream(options.json_file, std::ios::app)) {
+    return make_error(ErrorId::kIo, "cannot write '" + options.json_file + "'");
+  }
   Result<LoadResults> results = LoadRun(options).run();
   if (!results) return results.error();
   if (Result<void> written = write_report(*results, options.json_file); !written) return written;

@@ -36,7 +36,7 @@ Result<void> check(LoadOptions& o, const std::string& size, const std::string& t
   char extra = 0;
   if (std::sscanf(size.c_str(), "%5ux%5u%c", &o.width, &o.height, &extra) != 2 || o.width < 1 ||
       o.height < 1 || o.width > 8192 || o.height > 8192) {
-    return make_error(ErrorId::kUsage, "'" + size + "' is no size", "for example 1280x720");
+    return make_error(ErrorId::kUsage, "'" + size + "' is no size", "for example 640x360");
   }
   if (o.clients * o.rate_hz * o.duration_s > kMaxPlannedAsks) {
     return make_error(ErrorId::kUsage, "more than 20 million requests in all",
@@ -64,7 +64,7 @@ int parse_options(int argc, char** argv, LoadOptions& o) {
       "client still counts. Exit code 6 when a tile fails verification.\n"
       "Example: mirage-load ws://127.0.0.1:9870 --clients 100 --duration 10 --rate 5 --warm "
       "--json load.json");
-  std::string size = "1280x720", token_file;
+  std::string size = "640x360", token_file;
   app.add_option("URL", o.url_text, "server address, ws://HOST:PORT")->required();
   app.add_option("--clients", o.clients, "connections at a time")
       ->check(CLI::Range(1, 60'000))->capture_default_str();

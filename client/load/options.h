@@ -15,7 +15,7 @@ struct LoadOptions {
   std::string path = "builtin:walk";
   double spread_s = 60;  ///< clients start within this stretch of the path
   double fps = 30;       ///< steps of a client's camera per second
-  std::uint32_t width = 1280, height = 720;
+  std::uint32_t width = 640, height = 360;
   double fov_degrees = 60;
   double tau_px = 1;
   double verify_share = 0.1;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMinRadiusPx = 0.5;          // as the viewer: smaller ones are not asked for
 constexpr std::size_t kMaxPerStep = 1024;     // in view; bounds memory in scenes of a million
-constexpr std::uint64_t kOffsets = 1, kPhases = 2;
+constexpr std::uint64_t kOffsets = 1, kPhases = 2, kStarts = 4;
 
 /// What is in view at the steps of the path, made when first needed; clients share them.
 class Steps {
@@ -82,6 +82,7 @@ class Planner {
     const auto offset = static_cast<std::int64_t>(
         seeded_share(options_.seed, kOffsets, client) * (spread_steps + 1));
     const double phase = seeded_share(options_.seed, kPhases, client);
+    const double start = seeded_share(options_.seed, kStarts, client);
     std::unordered_set<std::uint32_t> had;  // their turn
     for (std::uint64_t k = 0;; ++k) {
       const double t = (static_cast<double>(k) + phase) / options_.rate_hz;
@@ -89,14 +90,8 @@ class Planner {
       const std::int64_t step = offset + static_cast<std::int64_t>(t * options_.fps);
       const std::vector<std::uint32_t>& view = steps_.in_view(step);
       if (view.empty()) continue;
-      const auto waits = [&](std::uint32_t i) { return had.count(i) == 0; };
-      auto at = std::find_if(view.begin(), view.end(), waits);
-      if (at == view.end()) {
-        had.clear();
-        at = view.begin();
-      }
-      had.insert(*at);
-      plan_.asks.push_back({std::llround(t * 1e6), client, index_of(steps_.need(step, *at))});
+      const std::uint32_t instance = next_in_turn(view, start, had);
+      plan_.asks.push_back({std::llround(t * 1e6), client, index_of(steps_.need(step, instance))});
     }
   }
 
@@ -109,6 +104,17 @@ class Planner {
   }
 
  private:
+  static std::uint32_t next_in_turn(const std::vector<std::uint32_t>& view, double start,
+                                    std::unordered_set<std::uint32_t>& had) {
+    const auto first = static_cast<std::size_t>(start * static_cast<double>(view.size()));
+    std::size_t k = 0;
+    while (k < view.size() && had.count(view[(first + k) % view.size()]) != 0) ++k;
+    if (k == view.size()) had.clear();
+    const std::uint32_t instance = view[(first + k) % view.size()];
+    had.insert(instance);
+    return instance;
+  }
+
   std::uint32_t index_of(const TileNeed& need) {
     TileKey key;  // stands for the ask only: lit objects differ by instance, so it takes its place
     key.object = need.instance;

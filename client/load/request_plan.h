@@ -34,7 +34,8 @@ struct RequestPlan {
 };
 
 /// Every client follows the path from an offset of its own and asks at even times from a phase of
-/// its own: the largest instance in view first, then the next, and again when all had their turn.
+/// its own. It takes the instances in view by turns, from large to small, beginning anywhere among
+/// them: all beginning with the largest would ask for large tiles only.
 /// Error kUsage when no impostor is in view anywhere along the path.
 Result<RequestPlan> make_request_plan(const SceneView& scene, const CameraPath& path,
                                       const PlanOptions& options);

@@ -1,12 +1,11 @@
 // The bound must hold for every point on every ray; where nothing can be promised it is +infinity.
-#include "protocol/error_bound.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
 #include "protocol/capture.h"
+#include "protocol/error_bound.h"
 #include "protocol/limits.h"
 #include "protocol/stable_math.h"
 
@@ -28,9 +27,7 @@ class Cases {
   double uniform(double low, double high) {
     return low + (high - low) * std::uniform_real_distribution<double>(0, 1)(random_);
   }
-  double log_uniform(double low, double high) {
-    return low * std::pow(high / low, uniform(0, 1));
-  }
+  double log_uniform(double low, double high) { return low * std::pow(high / low, uniform(0, 1)); }
   glm::dvec3 direction() {
     while (true) {
       const glm::dvec3 v(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
@@ -138,12 +135,12 @@ TEST(ProtocolErrorBound, InfiniteWhereNoImpostorHolds) {
     v.center_depth = depth;
     expect_stale(v, kPlainCapture, kPlainDrawn);
   }
-  expect_stale(plain_view(), kPlainCapture, {1, 4});    // drawn points reach the eye plane
+  expect_stale(plain_view(), kPlainCapture, {1, 4});   // drawn points reach the eye plane
   expect_stale(plain_view(), kPlainCapture, {-1, 1});  // a negative bound is no bound
 }
 
 TEST(ProtocolErrorBound, AnyNonFiniteInputIsStale) {
-  for (const double bad : {kNan, kInf}) {
+  for (const double bad : {kNan, kInf, -kInf}) {
     ViewGeometry v = plain_view();
     v.focal_px = bad;
     expect_stale(v, kPlainCapture, kPlainDrawn);

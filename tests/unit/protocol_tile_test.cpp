@@ -1,6 +1,4 @@
 // Tile planes and depth codes: exact round trips, honest quanta, hostile bytes.
-#include "protocol/tile.h"
-
 #include <gtest/gtest.h>
 #include <zstd.h>
 
@@ -9,6 +7,7 @@
 
 #include "protocol/limits.h"
 #include "protocol/message.h"
+#include "protocol/tile.h"
 #include "protocol/tile_codec.h"
 
 namespace mirage::test {
@@ -40,7 +39,8 @@ Tile empty_like(const Tile& tile) {
 TEST(ProtocolTileCodec, RoundTrip) {
   for (const TileCodec codec : {TileCodec::kRaw, TileCodec::kZstd}) {
     for (const bool smooth : {false, true}) {
-      for (const auto& [w, h] : {std::pair{1u, 1u}, {1u, 50u}, {50u, 1u}, {64u, 33u}, {200u, 90u}}) {
+      for (const auto& [w, h] :
+           {std::pair{1u, 1u}, {1u, 50u}, {50u, 1u}, {64u, 33u}, {200u, 90u}}) {
         const Tile tile = make_tile(w, h, smooth);
         const auto bytes = encode_tile_planes(tile, codec);
         Tile back = empty_like(tile);

@@ -1,6 +1,4 @@
 // View cells, distance buckets and the stable forms under them.
-#include "protocol/view_cell.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "protocol/limits.h"
 #include "protocol/stable_math.h"
+#include "protocol/view_cell.h"
 
 namespace mirage::test {
 namespace {
@@ -21,18 +20,29 @@ class Directions {
  public:
   glm::dvec3 next() {
     const double tiny = std::pow(10.0, -1 - 17 * uniform_(random_));
-    switch (kind_++ % 5) {
-      case 0: return {signed_unit(), tiny * signed_unit(), signed_unit()};  // the fold y = 0
-      case 1: return {tiny * signed_unit(), signed_unit(), signed_unit()};  // x = 0
-      case 2: return {signed_unit(), signed_unit(), tiny * signed_unit()};  // z = 0
-      case 3: return {tiny * signed_unit(), sign(), tiny * signed_unit()};  // poles, outer corners
-      default: return {signed_unit(), signed_unit(), signed_unit()};
+    switch (kind_++ % 6) {
+      case 0:
+        return {signed_unit(), tiny * signed_unit(), signed_unit()};  // the fold y = 0
+      case 1:
+        return {tiny * signed_unit(), signed_unit(), signed_unit()};  // x = 0
+      case 2:
+        return {signed_unit(), signed_unit(), tiny * signed_unit()};  // z = 0
+      case 3:
+        return {tiny * signed_unit(), sign(), tiny * signed_unit()};  // poles, outer corners
+      case 4:  // exactly on axes and folds, with zeros of both signs
+        return {corner(), sign(), corner()};
+      default:
+        return {signed_unit(), signed_unit(), signed_unit()};
     }
   }
   double uniform() { return uniform_(random_); }
 
  private:
   double signed_unit() { return 2 * uniform_(random_) - 1; }
+  double corner() {
+    constexpr double kValues[] = {0.0, -0.0, 1.0, -1.0};
+    return kValues[static_cast<int>(uniform_(random_) * 4)];
+  }
   double sign() { return uniform_(random_) < 0.5 ? -1 : 1; }
   std::mt19937_64 random_{11};
   std::uniform_real_distribution<double> uniform_{0, 1};
@@ -56,8 +66,11 @@ TEST(ProtocolViewCell, CornersOfTheGrid) {
   for (int level = 0; level <= limits::kMaxViewLevel; ++level) {
     const auto last = static_cast<std::uint16_t>((1u << level) - 1);
     const auto half = static_cast<std::uint16_t>((1u << level) / 2);
-    for (const auto& [x, y] : {std::pair{std::uint16_t{0}, std::uint16_t{0}}, {last, last},
-                               {std::uint16_t{0}, last}, {half, half}, {half, last}}) {
+    for (const auto& [x, y] : {std::pair{std::uint16_t{0}, std::uint16_t{0}},
+                               {last, last},
+                               {std::uint16_t{0}, last},
+                               {half, half},
+                               {half, last}}) {
       const ViewCell cell{static_cast<std::uint8_t>(level), x, y};
       const auto again = view_cell_from_direction(direction_from_view_cell(cell), level);
       ASSERT_EQ(*again, cell);
@@ -166,8 +179,8 @@ TEST(ProtocolDistanceBucket, RoundTripMonotoneAndClose) {
       const double middle = radii_from_distance_bucket(*bucket);
       ASSERT_EQ(distance_bucket_from_radii(middle, level), bucket);
       // Nearest the limits, the bucket may be a neighbour that lies in range.
-      const double allowed = radii < 2.5 || radii > 4e5 ? half_step * half_step * half_step
-                                                       : half_step * (1 + 1e-12);
+      const double allowed =
+          radii < 2.5 || radii > 4e5 ? half_step * half_step * half_step : half_step * (1 + 1e-12);
       ASSERT_LE(std::max(middle / radii, radii / middle), allowed) << radii << " level " << level;
     }
   }

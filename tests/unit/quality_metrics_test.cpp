@@ -1,10 +1,9 @@
 // PSNR, SSIM, coverage and masks: closed forms, and the examples of NUMERICS section 1.
-#include "client/quality/metrics.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "client/quality/metrics.h"
 #include "quality_fixture.h"
 
 namespace mirage::test {
@@ -79,8 +78,8 @@ TEST(QualityCoverage, MeanAlphaDifference) {
   a.set(0, 0, 0, 255);
   b.set(1, 0, 0, 51);
   EXPECT_NEAR(*mean_alpha_difference(a.view(), b.view(), full_mask(4, 1)), 1.2 / 4, 1e-12);
-  EXPECT_NEAR(*mean_alpha_difference(a.view(), b.view(), union_mask(a.view(), b.view(), 1, 0)),
-              0.6, 1e-12);
+  EXPECT_NEAR(*mean_alpha_difference(a.view(), b.view(), union_mask(a.view(), b.view(), 1, 0)), 0.6,
+              1e-12);
 }
 
 TEST(QualitySsim, ConstantImages) {
@@ -130,7 +129,8 @@ TEST(QualitySsim, AgreesWithTheDefinition) {
 }
 
 TEST(QualitySsim, WindowsStepByFour) {
-  // 16 px: windows at 0, 4, 8 a side. One pixel at (4, 4) lies in the windows that start at 0 and 4.
+  // 16 px: windows at 0, 4, 8 a side. One pixel at (4, 4) lies in the windows that start at 0
+  // and 4.
   TestImage a(16, 16, 128, 255), b = a;
   b.set(4, 4, 255, 255);
   const double mean = *ssim_windows(a.view(), b.view(), {0, 0, 16, 16});

@@ -1,0 +1,20 @@
+# End to end: the shipped binaries over real sockets on loopback.
+add_library(mirage_test_support STATIC support/process.cpp)
+mirage_target(mirage_test_support)
+target_compile_definitions(mirage_test_support PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                           MIRAGE_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+
+function(mirage_e2e name)
+  add_executable(mirage_e2e_${name} e2e/${name}_test.cpp)
+  mirage_target(mirage_e2e_${name})
+  target_link_libraries(mirage_e2e_${name} PRIVATE mirage_test_support nlohmann_json::nlohmann_json
+                        GTest::gtest_main)
+  add_dependencies(mirage_e2e_${name} mirage-server mirage-view mirage-load)
+  add_test(NAME e2e_${name} COMMAND mirage_e2e_${name})
+  set_tests_properties(e2e_${name} PROPERTIES TIMEOUT 900)
+endfunction()
+
+mirage_e2e(walk)
+mirage_e2e(failure)
+mirage_e2e(load)
+mirage_e2e(assets)

@@ -1,0 +1,171 @@
+// Wrong use, broken scenes, vanished servers, hostile clients.
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/support/process.h"
+
+namespace mirage::test {
+namespace {
+
+void expect_error(const Finished& done, int code, const std::string& id) {
+  EXPECT_EQ(done.exit_code, code) << done.output;
+  EXPECT_NE(done.output.find("error " + id + ":"), std::string::npos) << done.output;
+}
+
+TEST(Failure, WrongUseEndsWithTwo) {
+  expect_error(run({binary("mirage-server")}), 2, "usage");
+  expect_error(run({binary("mirage-server"), "builtin:knot", "--nonsense"}), 2, "usage");
+  expect_error(run({binary("mirage-server"), "builtin:knot", "--listen", "nowhere"}), 2, "usage");
+  expect_error(run({binary("mirage-view")}), 2, "usage");
+  expect_error(run({binary("mirage-view"), "http://x"}), 2, "usage");
+  expect_error(run({binary("mirage-view"), "ws://x:1", "--offscreen", "0x5"}), 2, "usage");
+  expect_error(run({binary("mirage-view"), "ws://x:1", "--fov", "180"}), 2, "usage");
+  expect_error(run({binary("mirage-view"), "ws://x:1", "--fov", "nan"}), 2, "usage");
+  expect_error(run({binary("mirage-view"), "ws://x:1", "--net", "rtt=banana"}), 2, "usage");
+}
+
+TEST(Failure, UnusableScenesEndWithThreeQuickly) {
+  expect_error(run({binary("mirage-server"), "/nonexistent.glb"}, 5), 3, "scene-missing");
+  expect_error(run({binary("mirage-server"), "builtin:nosuch"}, 5), 3, "scene-builtin");
+  const std::string text = scratch_folder() + "/text.glb";
+  std::ofstream(text) << "this is no scene";
+  expect_error(run({binary("mirage-server"), text}, 5), 3, "scene-format");
+}
+
+TEST(Failure, NobodyThereEndsWithFive) {
+  expect_error(run({binary("mirage-view"), "ws://127.0.0.1:1", "--offscreen", "64x64",
+                    "--connect-timeout", "0.5"}),
+               5, "network-connect");
+}
+
+TEST(Failure, TakenPortEndsWithFive) {
+  const Server server("builtin:knot");
+  ASSERT_TRUE(server.ready()) << server.log();
+  expect_error(run({binary("mirage-server"), "builtin:knot", "--listen",
+                    "127.0.0.1:" + std::to_string(server.port())}),
+               5, "network-listen");
+}
+
+TEST(Failure, TokenIsAsked) {
+  const std::string folder = scratch_folder();
+  std::ofstream(folder + "/token") << "secret\n";
+  const Server server("builtin:knot", {"--token-file", folder + "/token"});
+  ASSERT_TRUE(server.ready()) << server.log();
+  const std::vector<std::string> view = {binary("mirage-view"), server.url(), "--offscreen",
+                                         "64x64", "--frames", "5", "--path", "builtin:still"};
+  expect_error(run(view), 5, "auth");
+  std::vector<std::string> with = view;
+  with.insert(with.end(), {"--token-file", folder + "/token"});
+  EXPECT_EQ(run(with).exit_code, 0);
+}
+
+TEST(Failure, ViewerKeepsItsFrameRateWhenTheServerVanishes) {
+  Server server("builtin:knot");
+  ASSERT_TRUE(server.ready()) << server.log();
+  const std::string stats = scratch_folder() + "/s.json";
+  Finished view;
+  std::thread viewer([&] {
+    view = run({binary("mirage-view"), server.url(), "--offscreen", "160x120", "--path",
+                "builtin:still", "--frames", "120", "--fps", "30", "--stats", stats});
+  });
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  server.stop(SIGKILL);
+  viewer.join();
+  ASSERT_EQ(view.exit_code, 0) << view.output;
+  EXPECT_NE(view.output.find("server is gone"), std::string::npos) << view.output;
+  std::ifstream file(stats);
+  const nlohmann::json s = nlohmann::json::parse(file);
+  EXPECT_EQ(s["frames"], 120);
+  EXPECT_LT(s["frame_ms"]["p95"], 50.0);  // a blocked frame would take seconds
+  EXPECT_GT(s["impostors_drawn"], 0.5);   // stale tiles stay on screen
+}
+
+// A raw TCP connection, for saying what no client library would.
+class RawPeer {
+ public:
+  explicit RawPeer(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    connected_ = connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0;
+    timeval limit{2, 0};
+    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof(limit));
+  }
+  ~RawPeer() { close(socket_); }
+  bool connected() const { return connected_; }
+  void say(const std::string& bytes) {
+    [[maybe_unused]] const ssize_t n = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  }
+  std::string hear() {
+    char buffer[4096];
+    const ssize_t n = recv(socket_, buffer, sizeof(buffer), 0);
+    return n > 0 ? std::string(buffer, static_cast<std::size_t>(n)) : "";
+  }
+
+ private:
+  int socket_;
+  bool connected_ = false;
+};
+
+std::string upgrade(const std::string& version, const std::string& key) {
+  return "GET / HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+         "Sec-WebSocket-Protocol: mirage\r\nSec-WebSocket-Version: " + version +
+         "\r\nSec-WebSocket-Key: " + key + "\r\n\r\n";
+}
+
+// A masked client frame (mask 0: the payload stays readable).
+std::string frame(int opcode, const std::string& payload) {
+  std::string out(1, static_cast<char>(0x80 | opcode));
+  out += static_cast<char>(0x80 | payload.size());
+  return out + std::string(4, '\0') + payload;
+}
+
+TEST(Failure, HostilePeersHurtNobodyElse) {
+  const Server server("builtin:knot");
+  ASSERT_TRUE(server.ready()) << server.log();
+  const std::string key = "dGhlIHNhbXBsZSBub25jZQ==";
+  {
+    RawPeer junk(server.port());
+    ASSERT_TRUE(junk.connected());
+    junk.say(std::string(5000, '\xff'));
+    RawPeer old(server.port());
+    old.say(upgrade("8", key));
+    EXPECT_EQ(old.hear().find("101"), std::string::npos);
+    RawPeer short_key(server.port());
+    short_key.say(upgrade("13", "abc"));
+    EXPECT_EQ(short_key.hear().find("101"), std::string::npos);
+    RawPeer text(server.port());
+    text.say(upgrade("13", key));
+    EXPECT_NE(text.hear().find("101"), std::string::npos);
+    text.say(frame(1, "hello"));
+    text.hear();
+    RawPeer garbage(server.port());
+    garbage.say(upgrade("13", key));
+    EXPECT_NE(garbage.hear().find("101"), std::string::npos);
+    garbage.say(frame(2, std::string(100, 'x')));
+    const std::string close = garbage.hear();
+    ASSERT_GE(close.size(), 4u);
+    EXPECT_EQ(close[0] & 0x0f, 8);  // a close frame …
+    EXPECT_EQ((static_cast<unsigned char>(close[2]) << 8) | static_cast<unsigned char>(close[3]),
+              1002);  // … that says protocol error
+    RawPeer stalled(server.port());
+    stalled.say("GET / HT");
+    const Finished view = run({binary("mirage-view"), server.url(), "--offscreen", "64x64",
+                               "--frames", "20", "--path", "builtin:still"});
+    EXPECT_EQ(view.exit_code, 0) << view.output;
+  }
+  EXPECT_NE(server.log().find("wire-malformed"), std::string::npos) << server.log();
+}
+
+}  // namespace
+}  // namespace mirage::test

@@ -1,0 +1,49 @@
+// mirage-load against a server: latency, verification, merging of equal requests.
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+namespace mirage::test {
+namespace {
+
+TEST(Load, ManyClientsGetVerifiedTiles) {
+  const Server server("builtin:knot");
+  ASSERT_TRUE(server.ready()) << server.log();
+  const std::string json = scratch_folder() + "/load.json";
+  const Finished load =
+      run({binary("mirage-load"), server.url(), "--clients", "50", "--duration", "3", "--path",
+           "builtin:orbit", "--rate", "4", "--verify", "1", "--json", json});
+  ASSERT_EQ(load.exit_code, 0) << load.output;
+  std::ifstream file(json);
+  const nlohmann::json j = nlohmann::json::parse(file);
+  for (const char* key : {"clients", "connected", "duration_s", "tiles", "tiles_per_s", "bytes",
+                          "latency_ms", "errors", "verified", "verify_failures"}) {
+    EXPECT_TRUE(j.contains(key)) << key;
+  }
+  EXPECT_EQ(j["connected"], 50);
+  EXPECT_GT(j["tiles"], 300);
+  EXPECT_EQ(j["verify_failures"], 0);
+  EXPECT_GT(j["verified"], 300);
+}
+
+TEST(Load, EqualAsksCostOneRendering) {
+  const Server server("builtin:knot");
+  ASSERT_TRUE(server.ready()) << server.log();
+  const std::string json = scratch_folder() + "/load.json";
+  // A still camera: every client asks for the same tile, again and again.
+  const Finished load =
+      run({binary("mirage-load"), server.url(), "--clients", "20", "--duration", "2", "--path",
+           "builtin:still", "--rate", "5", "--json", json});
+  ASSERT_EQ(load.exit_code, 0) << load.output;
+  std::ifstream file(json);
+  const nlohmann::json j = nlohmann::json::parse(file);
+  EXPECT_GT(j["tiles"], 100);
+  EXPECT_EQ(j["server"]["tiles_rendered"], 1) << j.dump(2);
+}
+
+}  // namespace
+}  // namespace mirage::test

@@ -1,0 +1,61 @@
+// Everything a peer's bytes go through before a program acts on them: frames, messages, fields.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "fuzz_targets.h"
+#include "protocol/message.h"
+
+namespace mirage::fuzz {
+namespace {
+
+void use_message(const std::uint8_t* bytes, std::size_t size) {
+  const Result<Message> message = decode_message(bytes, size);
+  if (!message) return;
+  const wire::BodyUnion& body = message->body;
+  if (const auto* m = body.AsWelcome()) (void)from_wire(*m->lighting);
+  if (const auto* m = body.AsSetLighting()) (void)from_wire(*m->lighting);
+  if (const auto* m = body.AsTileReply()) {
+    Result<Tile> tile = tile_from_fields(*m);
+    if (tile) {
+      (void)decode_tile_planes(message->payload.data(), message->payload.size(),
+                               static_cast<TileCodec>(m->codec), *tile);
+    }
+  }
+  // What was accepted can be sent again, and is accepted again.
+  const Bytes again = encode_body(body, message->payload);
+  if (!decode_message(again.data(), again.size())) fail("a decoded message does not decode again");
+}
+
+}  // namespace
+
+/// The input is a stream of WebSocket messages: each frame's own header gives its length, whatever
+/// is left at the end is handed over as it is.
+void run_message(const std::uint8_t* data, std::size_t size) {
+  use_message(data, size);
+  FrameAssembler assembler(limits::kMaxInboundTransferBytes);
+  while (size > 0) {
+    std::size_t n = size;
+    if (size >= kWireHeaderBytes) {
+      std::uint64_t whole = kWireHeaderBytes;
+      for (std::size_t i = 0; i < 8; ++i) {
+        whole += static_cast<std::uint64_t>(data[4 + i]) << (8 * (i % 4));
+      }
+      n = static_cast<std::size_t>(std::min<std::uint64_t>(whole, size));
+    }
+    const Result<std::optional<Bytes>> frame = assembler.accept(data, n);
+    if (!frame) return;
+    if (*frame) use_message((*frame)->data(), (*frame)->size());
+    data += n;
+    size -= n;
+  }
+}
+
+}  // namespace mirage::fuzz
+
+#ifdef MIRAGE_FUZZ_ENTRY
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  mirage::fuzz::run_message(data, size);
+  return 0;
+}
+#endif

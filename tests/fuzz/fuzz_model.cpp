@@ -1,0 +1,32 @@
+// Geometry bytes: whatever decodes must be safe to draw from.
+#include <cstddef>
+#include <cstdint>
+
+#include "fuzz_targets.h"
+#include "protocol/model_codec.h"
+#include "protocol/need_mask.h"
+
+namespace mirage::fuzz {
+
+void run_model(const std::uint8_t* data, std::size_t size) {
+  const Result<ObjectModel> model = decode_model(data, size);
+  if (!model) return;
+  for (const std::uint32_t i : model->mesh.indices) {
+    if (i >= model->mesh.vertices.size()) fail("an index is out of range");
+  }
+  (void)object_needs(model->mesh, model->materials);
+  const Bytes again = encode_model(*model);
+  if (again.size() != size || again.size() != encoded_model_bytes(*model)) {
+    fail("a decoded model has another size");
+  }
+  if (!decode_model(again.data(), again.size())) fail("a decoded model does not decode again");
+}
+
+}  // namespace mirage::fuzz
+
+#ifdef MIRAGE_FUZZ_ENTRY
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  mirage::fuzz::run_model(data, size);
+  return 0;
+}
+#endif

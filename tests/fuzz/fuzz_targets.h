@@ -1,0 +1,22 @@
+#pragma once
+// The fuzz targets, as functions: libFuzzer calls one through LLVMFuzzerTestOneInput (compiled with
+// MIRAGE_FUZZ_ENTRY), the replay program calls all of them by name.
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+
+namespace mirage::fuzz {
+
+void run_message(const std::uint8_t* data, std::size_t size);
+void run_tile(const std::uint8_t* data, std::size_t size);
+void run_model(const std::uint8_t* data, std::size_t size);
+
+/// A property that every input must have does not hold: ends the program, as a crash would.
+[[noreturn]] inline void fail(const char* what) {
+  std::fprintf(stderr, "fuzz target: %s\n", what);
+  std::abort();
+}
+
+}  // namespace mirage::fuzz

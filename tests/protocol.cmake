@@ -1,0 +1,13 @@
+add_executable(mirage_protocol_tests
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_error_bound_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_geometry_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_hostile_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_lighting_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_message_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_model_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_tile_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_view_cell_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_wire_test.cpp)
+mirage_target(mirage_protocol_tests)
+target_link_libraries(mirage_protocol_tests PRIVATE mirage_protocol GTest::gtest_main)
+add_test(NAME protocol COMMAND mirage_protocol_tests)

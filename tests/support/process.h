@@ -1,0 +1,48 @@
+#pragma once
+// Child processes for the end-to-end tests: the shipped binaries are the test subject.
+
+#include <string>
+#include <vector>
+
+namespace mirage::test {
+
+struct Finished {
+  int exit_code = -1;  ///< 128 + signal when killed by one; -1: timed out and killed
+  std::string output;  ///< standard output and error together
+  double seconds = 0;
+};
+
+/// Runs a program to its end (at most `timeout_s`).
+Finished run(const std::vector<std::string>& command, double timeout_s = 60);
+
+/// Path of a shipped binary.
+std::string binary(const std::string& name);
+
+/// Folder with the shared assets, or empty when it is not there.
+std::string shared_folder();
+
+/// A fresh folder for one test's files, removed at exit.
+std::string scratch_folder();
+
+/// A running mirage-server on a free port; stopped (SIGTERM) and reaped on destruction.
+class Server {
+ public:
+  explicit Server(const std::string& scene, const std::vector<std::string>& extra = {});
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  bool ready() const { return port_ > 0; }
+  int port() const { return port_; }
+  std::string url() const { return "ws://127.0.0.1:" + std::to_string(port_); }
+  /// Ends it with `signal` and gives the exit code.
+  int stop(int signal);
+  std::string log() const;
+
+ private:
+  int pid_ = -1;
+  int port_ = 0;
+  std::string folder_;
+};
+
+}  // namespace mirage::test

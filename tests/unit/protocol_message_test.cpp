@@ -1,0 +1,311 @@
+// Messages: round trips, golden bytes, and every way a peer may get them wrong.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "protocol/message.h"
+#include "protocol_samples.h"
+
+namespace mirage::test {
+namespace {
+
+/// What the programs do with a message: decode, then turn what it carries into their own types.
+Result<Message> received(const Bytes& bytes) {
+  Result<Message> message = decode_message(bytes.data(), bytes.size());
+  if (!message) return message;
+  const auto lighting_checked = [&](const wire::LightingT* lighting) -> Result<Message> {
+    if (Result<Lighting> l = from_wire(*lighting); !l) return l.error();
+    return std::move(message);
+  };
+  if (const auto* m = message->body.AsWelcome()) return lighting_checked(m->lighting.get());
+  if (const auto* m = message->body.AsSetLighting()) return lighting_checked(m->lighting.get());
+  if (const auto* m = message->body.AsTileReply()) {
+    if (Result<Tile> tile = tile_from_fields(*m); !tile) return tile.error();
+  }
+  return message;
+}
+
+template <typename BodyT>
+void expect_refused(const BodyT& body, ErrorId id, const char* what) {
+  const Result<Message> message = received(encode_message(BodyT(body)));
+  ASSERT_FALSE(message) << what;
+  EXPECT_EQ(message.error().id, id) << what << ": " << message.error().line();
+}
+
+TEST(ProtocolMessage, EveryKindComesBackAsItWas) {
+  const std::vector<Bytes> samples = sample_messages();
+  ASSERT_EQ(samples.size(), static_cast<std::size_t>(wire::Body::MAX));
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Result<Message> message = received(samples[i]);
+    ASSERT_TRUE(message) << i << " " << message.error().line();
+    EXPECT_EQ(static_cast<std::size_t>(message->body.type), i + 1);
+    // The encoder is a function: equal bytes, equal message. Each field of the samples is set, and
+    // set to another value than its neighbours.
+    EXPECT_EQ(encode_body(message->body, message->payload), samples[i]) << i;
+  }
+}
+
+TEST(ProtocolMessage, FieldsArrive) {
+  const Bytes bytes = encode_message(sample_request_batch());
+  const Result<Message> message = received(bytes);
+  ASSERT_TRUE(message);
+  const wire::RequestBatchT* batch = message->body.AsRequestBatch();
+  ASSERT_NE(batch, nullptr);
+  ASSERT_EQ(batch->asks.size(), 2u);
+  EXPECT_EQ(batch->asks[0].error_px(), 4.5f);
+  EXPECT_EQ(batch->asks[0].distance_index(), -7);
+  EXPECT_EQ(batch->asks[0].view_x(), 300);
+  EXPECT_EQ(batch->asks[1].size_class(), 14);
+  EXPECT_EQ(batch->cancels, (std::vector<std::uint32_t>{10, 11}));
+  EXPECT_EQ(batch->credit_bytes, 0x123456789u);
+  const Bytes tile_bytes = encode_message(sample_tile_reply(), sample_tile_payload());
+  const Result<Message> tile = received(tile_bytes);
+  ASSERT_TRUE(tile);
+  EXPECT_EQ(tile->payload, sample_tile_payload());
+  EXPECT_EQ(tile->body.AsTileReply()->key_high, 0x1112131415161718u);
+}
+
+TEST(ProtocolMessage, ConversionsGoBothWays) {
+  EXPECT_EQ(from_wire(to_wire(glm::vec3(1, 2, 3))), glm::vec3(1, 2, 3));
+  EXPECT_EQ(from_wire(to_wire(glm::dvec3(1, 2, 3))), glm::dvec3(1, 2, 3));
+  const glm::quat q(0.5f, -0.5f, 0.25f, 0.125f);
+  EXPECT_EQ(from_wire(to_wire(q)), q);
+  Lighting lighting;
+  lighting.lights.resize(2);
+  lighting.lights[1].kind = LightKind::kSpot;
+  lighting.lights[1].position = {1, 2, 3};
+  lighting.lights[1].color = {4, 5, 6};
+  lighting.lights[1].direction = {0, 0, 1};
+  lighting.lights[1].range = 7;
+  lighting.lights[1].cos_inner = 0.5f;
+  lighting.lights[1].cos_outer = 0.25f;
+  const Result<Lighting> back = from_wire(*to_wire(lighting));
+  ASSERT_TRUE(back);
+  ASSERT_EQ(back->lights.size(), 2u);
+  const Light& light = back->lights[1];
+  EXPECT_EQ(light.kind, LightKind::kSpot);
+  EXPECT_EQ(light.position, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(light.color, glm::vec3(4, 5, 6));
+  EXPECT_EQ(light.direction, glm::vec3(0, 0, 1));
+  EXPECT_EQ(light.range, 7);
+  EXPECT_EQ(light.cos_inner, 0.5f);
+  EXPECT_EQ(light.cos_outer, 0.25f);
+}
+
+/// Refused with NaN and with either infinity where `change` puts them.
+template <typename BodyT, typename Change>
+void expect_finite_only(const BodyT& body, const Change& change, const char* what) {
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    BodyT damaged(body);
+    change(damaged, bad);
+    expect_refused(damaged, ErrorId::kWireValue, what);
+  }
+}
+
+/// Wire structs have no setters: their bytes are their layout.
+template <typename ScalarT, typename StructT>
+void poke(StructT& s, std::size_t index, double value) {
+  const auto scalar = static_cast<ScalarT>(value);
+  ASSERT_LE((index + 1) * sizeof(ScalarT), sizeof(StructT));
+  std::memcpy(reinterpret_cast<std::uint8_t*>(&s) + index * sizeof(ScalarT), &scalar,
+              sizeof(ScalarT));
+}
+void set_nth(wire::Vec3f& v, std::size_t i, double value) { poke<float>(v, i, value); }
+void set_nth(wire::Vec3d& v, std::size_t i, double value) { poke<double>(v, i, value); }
+void set_nth(wire::Quat& q, std::size_t i, double value) { poke<float>(q, i, value); }
+
+wire::Light damaged_light(int field, float v) {
+  wire::Light l = sample_lighting()->lights[0];
+  const wire::Vec3d position(field == 0 ? double(v) : 1, field == 1 ? double(v) : 2,
+                             field == 2 ? double(v) : 3);
+  const wire::Vec3f color(field == 3 ? v : 4, field == 4 ? v : 5, field == 5 ? v : 6);
+  const wire::Vec3f direction(field == 6 ? v : 0, field == 7 ? v : -1, field == 8 ? v : 0);
+  return {position,
+          color,
+          direction,
+          field == 9 ? v : 7,
+          field == 10 ? v : 0.8f,
+          field == 11 ? v : 0.7f,
+          l.kind()};
+}
+
+TEST(ProtocolMessage, NoFloatOfALightingMayBeNotFinite) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    expect_finite_only(
+        sample_set_lighting(), [i](auto& m, double v) { set_nth(*m.lighting->ambient, i, v); },
+        "ambient");
+    expect_finite_only(
+        sample_welcome(), [i](auto& m, double v) { set_nth(*m.lighting->ambient, i, v); },
+        "ambient");
+  }
+  for (int field = 0; field < 12; ++field) {
+    const auto damage = [field](auto& m, double v) {
+      m.lighting->lights[0] = damaged_light(field, static_cast<float>(v));
+    };
+    expect_finite_only(sample_set_lighting(), damage, "light");
+    expect_finite_only(sample_welcome(), damage, "light");
+  }
+}
+
+TEST(ProtocolMessage, NoFloatOfAWelcomeMayBeNotFinite) {
+  const wire::WelcomeT good = sample_welcome();
+  for (std::size_t i = 0; i < 3; ++i) {
+    expect_finite_only(
+        good, [i](auto& m, double v) { set_nth(*m.sky_zenith, i, v); }, "zenith");
+    expect_finite_only(
+        good, [i](auto& m, double v) { set_nth(*m.sky_horizon, i, v); }, "horizon");
+    expect_finite_only(
+        good, [i](auto& m, double v) { set_nth(*m.sky_nadir, i, v); }, "nadir");
+    expect_finite_only(
+        good, [i](auto& m, double v) { set_nth(*m.home_eye, i, v); }, "eye");
+    expect_finite_only(
+        good, [i](auto& m, double v) { set_nth(*m.home_target, i, v); }, "target");
+  }
+  expect_finite_only(
+      good, [](auto& m, double v) { m.walk_radius_m = v; }, "walk radius");
+  expect_finite_only(
+      good, [](auto& m, double v) { m.walk_speed_mps = v; }, "walk speed");
+}
+
+TEST(ProtocolMessage, NoFloatOfAnObjectMayBeNotFinite) {
+  const wire::ObjectPageT good = sample_object_page();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto of = [&](auto member, const char* what) {
+      expect_finite_only(
+          good, [&](auto& m, double v) { set_nth(*((*m.objects[1]).*member), i, v); }, what);
+    };
+    of(&wire::ObjectInfoT::center, "center");
+    of(&wire::ObjectInfoT::box_min, "box_min");
+    of(&wire::ObjectInfoT::box_max, "box_max");
+    of(&wire::ObjectInfoT::mean_color, "mean_color");
+    expect_finite_only(
+        good, [i](auto& m, double v) { set_nth(m.objects[1]->hull_vertices[3], i, v); },
+        "hull vertex");
+  }
+  expect_finite_only(
+      good, [](auto& m, double v) { m.objects[1]->radius = float(v); }, "radius");
+}
+
+TEST(ProtocolMessage, NoFloatOfAnInstanceMayBeNotFinite) {
+  const auto instance = [](int field, double v) {
+    const auto f = static_cast<float>(v);
+    return wire::InstanceRecord(
+        wire::Vec3d(field == 0 ? v : 1, field == 1 ? v : 2, field == 2 ? v : 3),
+        wire::Quat(field == 3 ? f : 1, field == 4 ? f : 0, field == 5 ? f : 0, field == 6 ? f : 0),
+        field == 7 ? f : 1, 0);
+  };
+  for (int field = 0; field < 8; ++field) {
+    expect_finite_only(
+        sample_instance_page(), [&](auto& m, double v) { m.instances[1] = instance(field, v); },
+        "instance");
+  }
+  for (const double scale : {0.0, -1.0}) {
+    wire::InstancePageT page = sample_instance_page();
+    page.instances[0] = instance(7, scale);
+    expect_refused(page, ErrorId::kWireValue, "scale");
+  }
+  wire::InstancePageT page = sample_instance_page();
+  page.instances[0] = instance(3, 2.0);
+  expect_refused(page, ErrorId::kWireValue, "rotation that is not unit");
+}
+
+TEST(ProtocolMessage, NoFloatOfARequestMayBeNotFinite) {
+  expect_finite_only(
+      sample_request_batch(), [](auto& m, double v) { poke<float>(m.asks[1], 3, v); }, "error_px");
+  const wire::ReferenceRequestT good = sample_reference_request();
+  for (std::size_t i = 0; i < 3; ++i) {
+    expect_finite_only(
+        good, [i](auto& m, double v) { set_nth(*m.eye, i, v); }, "eye");
+    expect_finite_only(
+        good, [i](auto& m, double v) { set_nth(*m.rotation, i, v); }, "rotation");
+  }
+  expect_finite_only(
+      good, [](auto& m, double v) { set_nth(*m.rotation, 3, v); }, "rotation");
+  expect_finite_only(
+      good, [](auto& m, double v) { m.fov_y = v; }, "fov_y");
+}
+
+TEST(ProtocolMessage, NoFloatOfATileMayBeNotFinite) {
+  const wire::TileReplyT good = sample_tile_reply();
+  const auto of = [&](float wire::TileReplyT::*member) {
+    expect_finite_only(
+        good, [&](auto& m, double v) { m.*member = float(v); }, "tile measure");
+  };
+  for (const auto member :
+       {&wire::TileReplyT::plane_depth, &wire::TileReplyT::depth_min, &wire::TileReplyT::depth_max,
+        &wire::TileReplyT::dz_quad, &wire::TileReplyT::dz_cuboid, &wire::TileReplyT::dz_hull,
+        &wire::TileReplyT::depth_gap}) {
+    of(member);
+  }
+}
+
+TEST(ProtocolMessage, MissingPartsAreRefused) {
+  wire::SetLightingT no_lighting;
+  const Bytes bytes = encode_message(std::move(no_lighting));
+  const Result<Message> message = decode_message(bytes.data(), bytes.size());
+  ASSERT_FALSE(message);
+  EXPECT_EQ(message.error().id, ErrorId::kWireValue);
+  wire::WelcomeT welcome = sample_welcome();
+  welcome.home_eye.reset();
+  expect_refused(welcome, ErrorId::kWireValue, "home eye");
+  wire::ReferenceRequestT request = sample_reference_request();
+  request.rotation.reset();
+  expect_refused(request, ErrorId::kWireValue, "rotation");
+}
+
+TEST(ProtocolMessage, ReferenceRequestsHaveARange) {
+  const auto refused = [](const auto& change) {
+    wire::ReferenceRequestT m = sample_reference_request();
+    change(m);
+    expect_refused(m, ErrorId::kWireValue, "reference request");
+  };
+  refused([](auto& m) { m.width = 0; });
+  refused([](auto& m) { m.height = 0; });
+  refused([](auto& m) { m.width = limits::kMaxReferenceEdge + 1; });
+  refused([](auto& m) { m.height = 0xffffffffu; });
+  refused([](auto& m) { m.supersample = 0; });
+  refused([](auto& m) { m.supersample = limits::kMaxReferenceSupersample + 1; });
+  for (const double degrees : {0.0, 0.009, -60.0, 170.1, 179.0, 180.0}) {
+    refused([degrees](auto& m) { m.fov_y = degrees / 57.29577951308232; });
+  }
+}
+
+TEST(ProtocolMessage, GoldenTileReply) {
+  static const Bytes kExpected = {
+      0x4d, 0x52, 0x01, 0x01, 0x98, 0x00, 0x00, 0x00, 0x0a, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+      0x00, 0x0c, 0x00, 0x00, 0x00, 0x08, 0x00, 0x0c, 0x00, 0x07, 0x00, 0x08, 0x00, 0x08, 0x00,
+      0x00, 0x00, 0x00, 0x00, 0x00, 0x09, 0x30, 0x00, 0x00, 0x00, 0x2c, 0x00, 0x54, 0x00, 0x10,
+      0x00, 0x3c, 0x00, 0x44, 0x00, 0x4c, 0x00, 0x06, 0x00, 0x08, 0x00, 0x0a, 0x00, 0x0c, 0x00,
+      0x0e, 0x00, 0x00, 0x00, 0x14, 0x00, 0x18, 0x00, 0x1c, 0x00, 0x20, 0x00, 0x24, 0x00, 0x28,
+      0x00, 0x2c, 0x00, 0x30, 0x00, 0x34, 0x00, 0x38, 0x00, 0x2c, 0x00, 0x00, 0x00, 0x00, 0x00,
+      0x40, 0x00, 0x01, 0x00, 0x02, 0x00, 0x01, 0x00, 0x02, 0x00, 0x01, 0x00, 0x00, 0x00, 0x00,
+      0x00, 0x80, 0x3f, 0x00, 0x00, 0x00, 0x3f, 0x00, 0x00, 0xc0, 0x3f, 0x00, 0x00, 0x80, 0x3e,
+      0x00, 0x00, 0x00, 0x3e, 0x00, 0x00, 0x80, 0x3d, 0x00, 0x00, 0x40, 0x3f, 0x0a, 0x00, 0x00,
+      0x00, 0x14, 0x00, 0x00, 0x00, 0x1e, 0x00, 0x00, 0x00, 0x08, 0x07, 0x06, 0x05, 0x04, 0x03,
+      0x02, 0x01, 0x18, 0x17, 0x16, 0x15, 0x14, 0x13, 0x12, 0x11, 0x28, 0x27, 0x26, 0x25, 0x24,
+      0x23, 0x22, 0x21, 0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07, 0x08, 0x09, 0x0a,
+  };
+  EXPECT_EQ(encode_message(sample_tile_reply(), sample_tile_payload()), kExpected);
+}
+
+TEST(ProtocolMessage, GoldenRequestBatch) {
+  static const Bytes kExpected = {
+      0x4d, 0x52, 0x01, 0x01, 0xa0, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+      0x00, 0x10, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x08, 0x00, 0x0e, 0x00, 0x07, 0x00,
+      0x08, 0x00, 0x08, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x06, 0x14, 0x00, 0x00, 0x00, 0x00,
+      0x00, 0x0e, 0x00, 0x1c, 0x00, 0x04, 0x00, 0x08, 0x00, 0x0c, 0x00, 0x14, 0x00, 0x10, 0x00,
+      0x0e, 0x00, 0x00, 0x00, 0x05, 0x00, 0x00, 0x00, 0x28, 0x00, 0x00, 0x00, 0x18, 0x00, 0x00,
+      0x00, 0x0c, 0x00, 0x00, 0x00, 0x89, 0x67, 0x45, 0x23, 0x01, 0x00, 0x00, 0x00, 0x01, 0x00,
+      0x00, 0x00, 0x03, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x0a, 0x00, 0x00, 0x00, 0x0b,
+      0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00,
+      0x03, 0x00, 0x00, 0x00, 0x00, 0x00, 0x90, 0x40, 0x64, 0x00, 0x00, 0x00, 0xf9, 0xff, 0xff,
+      0xff, 0x2c, 0x01, 0x11, 0x00, 0x09, 0x04, 0x06, 0x03, 0x02, 0x00, 0x00, 0x00, 0x03, 0x00,
+      0x00, 0x00, 0x04, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x3f, 0x00, 0x00, 0x00, 0x00, 0x08,
+      0x00, 0x00, 0x00, 0x00, 0x00, 0xff, 0x01, 0x09, 0x04, 0x0e, 0x01,
+  };
+  EXPECT_EQ(encode_message(sample_request_batch()), kExpected);
+}
+
+}  // namespace
+}  // namespace mirage::test
