@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 
 #include "protocol/error.h"
@@ -14,6 +15,18 @@ namespace mirage {
 inline int fail(const Error& error) {
   std::fprintf(stderr, "%s\n", error.line().c_str());
   return static_cast<int>(exit_code(error.id));
+}
+
+/// A number within [low, high]; unlike CLI::Range it refuses NaN, too.
+inline CLI::Validator number_within(double low, double high) {
+  return CLI::Validator(
+      [low, high](std::string& text) {
+        char* end = nullptr;
+        const double v = std::strtod(text.c_str(), &end);
+        const bool good = !text.empty() && *end == '\0' && v >= low && v <= high;
+        return good ? std::string() : "'" + text + "' is not a number within the allowed range";
+      },
+      "NUMBER");
 }
 
 /// Adds --version and --config, and an environment name for every option: MIRAGE_CACHE_MB for

@@ -15,7 +15,7 @@ namespace {
 
 constexpr rlim_t kSpareFiles = 64;
 constexpr unsigned int kReadBytes = 64 * 1024;
-constexpr std::size_t kKeptCapacity = 64 * 1024;             // per client
+constexpr std::size_t kKeptCapacity = 64 * 1024;              // per client
 constexpr std::size_t kMaxTransferBytes = 32u * 1024 * 1024;  // the largest tile takes 20
 constexpr int kMaxWritesPerCallback = 16;
 
@@ -114,8 +114,7 @@ struct LoadClients::Impl {
 
   int handle(Connection& c, const std::uint8_t* frame, std::size_t size) {
     bytes += size;
-    const bool chunk =
-        size > 3 && frame[3] == static_cast<std::uint8_t>(FrameKind::kChunk);
+    const bool chunk = size > 3 && frame[3] == static_cast<std::uint8_t>(FrameKind::kChunk);
     if (!chunk) {  // the ordinary case, without a copy
       const Result<void> taken = sink.on_message(c.index, frame, size);
       return taken ? 0 : refuse(c, taken.error());
@@ -205,10 +204,16 @@ int on_client(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_
       return 0;
     case LWS_CALLBACK_CLIENT_RECEIVE:
       return c->all->receive(*c, static_cast<const std::uint8_t*>(in), length);
-    case LWS_CALLBACK_CLIENT_WRITEABLE: return c->all->write_some(*c);
-    case LWS_CALLBACK_WS_PEER_INITIATED_CLOSE: note_close_code(*c, in, length); return 0;
-    case LWS_CALLBACK_CLIENT_CLOSED: c->all->down(*c); return 0;
-    default: return 0;
+    case LWS_CALLBACK_CLIENT_WRITEABLE:
+      return c->all->write_some(*c);
+    case LWS_CALLBACK_WS_PEER_INITIATED_CLOSE:
+      note_close_code(*c, in, length);
+      return 0;
+    case LWS_CALLBACK_CLIENT_CLOSED:
+      c->all->down(*c);
+      return 0;
+    default:
+      return 0;
   }
 }
 
@@ -222,8 +227,8 @@ LoadClients::~LoadClients() {
   lws_context_destroy(impl_->context);
 }
 
-Result<std::unique_ptr<LoadClients>> LoadClients::create(const ServerUrl& url,
-                                                         std::uint32_t count, LoadSink& sink) {
+Result<std::unique_ptr<LoadClients>> LoadClients::create(const ServerUrl& url, std::uint32_t count,
+                                                         LoadSink& sink) {
   if (Result<void> allowed = allow_open_files(count + kSpareFiles); !allowed) {
     return allowed.error();
   }

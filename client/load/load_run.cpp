@@ -9,29 +9,14 @@
 namespace mirage {
 namespace {
 
-constexpr std::uint32_t kScout = 0;  // meets the server, warms it up, asks for its counters
 constexpr std::uint64_t kCreditBytes = std::uint64_t{1} << 40;  // never what holds a tile back
 constexpr std::size_t kWarmWindow = 64;
 constexpr std::int64_t kAnswerPatienceUs = 5'000'000;
 constexpr std::int64_t kClosePatienceUs = 2'000'000;
 constexpr std::int64_t kProgressUs = 1'000'000;
 constexpr std::int64_t kLongestWaitUs = 100'000;
-constexpr std::uint64_t kVerifyDraw = 3;  // stream of random numbers; the plan has 1, 2, 4
 
 std::int64_t us(double seconds) { return static_cast<std::int64_t>(seconds * 1e6); }
-
-const char* refusal_name(wire::RefusalReason reason) {
-  switch (reason) {
-    case wire::RefusalReason::Busy: return "refused-busy";
-    case wire::RefusalReason::BadKey: return "refused-bad-key";
-    case wire::RefusalReason::UnknownObject: return "refused-unknown-object";
-    case wire::RefusalReason::NoGeometry: return "refused-no-geometry";
-    case wire::RefusalReason::NoReference: return "refused-no-reference";
-    case wire::RefusalReason::Late: return "refused-late";
-    case wire::RefusalReason::TooLarge: return "refused-too-large";
-    default: return "refused";
-  }
-}
 
 }  // namespace
 
@@ -53,11 +38,10 @@ Result<LoadResults> LoadRun::run() {
   results_.connected_at_end = described_;
   const std::optional<wire::StatsT> after = before ? server_stats() : std::nullopt;
   if (after) {
-    results_.server = ServerDelta{after->tiles_rendered - before->tiles_rendered,
-                                  after->tiles_merged - before->tiles_merged,
-                                  after->store_hits - before->store_hits,
-                                  after->tiles_cancelled - before->tiles_cancelled,
-                                  after->tiles_late - before->tiles_late};
+    results_.server = ServerDelta{
+        after->tiles_rendered - before->tiles_rendered, after->tiles_merged - before->tiles_merged,
+        after->store_hits - before->store_hits, after->tiles_cancelled - before->tiles_cancelled,
+        after->tiles_late - before->tiles_late};
   }
   link_->close_all(kClosePatienceUs);
   verifier_.finish();
@@ -85,9 +69,9 @@ Result<void> LoadRun::meet_server() {
 }
 
 Error LoadRun::why_down() const {
-  for (const ErrorId id : {ErrorId::kAuth, ErrorId::kBusy, ErrorId::kWireVersion,
-                           ErrorId::kWireMalformed, ErrorId::kWireLimit, ErrorId::kWireValue,
-                           ErrorId::kWireState}) {
+  for (const ErrorId id :
+       {ErrorId::kAuth, ErrorId::kBusy, ErrorId::kWireVersion, ErrorId::kWireMalformed,
+        ErrorId::kWireLimit, ErrorId::kWireValue, ErrorId::kWireState}) {
     if (down_id_ != error_name(id)) continue;
     return make_error(id, down_text_, id == ErrorId::kAuth ? "--token-file FILE" : "");
   }
@@ -211,9 +195,8 @@ void LoadRun::count_unanswered() {
 }
 
 std::optional<wire::StatsT> LoadRun::server_stats() {
-  const auto up = std::find_if(clients_.begin(), clients_.end(), [](const Client& c) {
-    return c.stage == Stage::kDescribed;
-  });
+  const auto up = std::find_if(clients_.begin(), clients_.end(),
+                               [](const Client& c) { return c.stage == Stage::kDescribed; });
   if (up == clients_.end()) return std::nullopt;
   stats_.reset();
   link_->send(static_cast<std::uint32_t>(up - clients_.begin()),
@@ -221,154 +204,6 @@ std::optional<wire::StatsT> LoadRun::server_stats() {
   serve_until([&] { return stats_ || up->stage == Stage::kDown; },
               clock_.now_us() + kAnswerPatienceUs);
   return stats_;
-}
-
-void LoadRun::on_open(std::uint32_t client) {
-  clients_[client].stage = Stage::kGreeting;
-  wire::HelloT hello;
-  hello.version_min = hello.version_max = limits::kProtocolVersion;
-  hello.token = options_.token;
-  hello.name = "mirage-load";
-  hello.codecs = {static_cast<std::uint8_t>(TileCodec::kRaw),
-                  static_cast<std::uint8_t>(TileCodec::kZstd)};
-  link_->send(client, encode_message(std::move(hello)));
-}
-
-Result<void> LoadRun::on_message(std::uint32_t client, const std::uint8_t* bytes,
-                                 std::size_t size) {
-  Result<MessageView> message = MessageView::create(bytes, size, scratch_);
-  if (!message) return message.error();
-  Client& c = clients_[client];
-  const wire::Control& control = message->control();
-  switch (message->type()) {
-    case wire::Body::Welcome: return take_welcome(c, client, *control.body_as_Welcome());
-    case wire::Body::ObjectPage:
-    case wire::Body::InstancePage: return take_page(c, client, *message);
-    case wire::Body::TileReply: return take_tile(client, *message);
-    case wire::Body::Refused: take_refusal(client, *control.body_as_Refused()); return {};
-    case wire::Body::Stats: {
-      wire::StatsT stats;
-      control.body_as_Stats()->UnPackTo(&stats);
-      stats_ = stats;
-      return {};
-    }
-    case wire::Body::Bye: return {};  // the close that follows is what counts
-    default: return make_error(ErrorId::kWireState, "this message was not asked for");
-  }
-}
-
-void LoadRun::on_down(std::uint32_t client, const std::string& id, const std::string& text) {
-  Client& c = clients_[client];
-  if (c.stage == Stage::kDescribed) --described_;
-  c.stage = Stage::kDown;
-  ++down_;
-  waiting_ -= c.waiting;
-  c.waiting = 0;
-  down_id_ = id;
-  down_text_ = text;
-  ++results_.errors[id];
-}
-
-Result<void> LoadRun::take_welcome(Client& c, std::uint32_t client,
-                                   const wire::Welcome& welcome) {
-  if (client == kScout) {
-    const std::unique_ptr<wire::WelcomeT> unpacked(welcome.UnPack());
-    if (Result<void> taken = scene_.accept(*unpacked); !taken) return taken;
-    if (scene_.complete()) described(c);
-    return {};
-  }
-  if (welcome.revision() != scene_.revision) {
-    return make_error(ErrorId::kWireState, "the scene changed between two connections");
-  }
-  if (scene_pages_ == 0) described(c);
-  return {};
-}
-
-// The first client decodes the scene; for the others the same pages are only counted.
-Result<void> LoadRun::take_page(Client& c, std::uint32_t client, const MessageView& message) {
-  ++c.pages;
-  if (client == kScout) {
-    Result<void> taken;
-    if (message.type() == wire::Body::ObjectPage) {
-      const std::unique_ptr<wire::ObjectPageT> page(
-          message.control().body_as_ObjectPage()->UnPack());
-      taken = scene_.accept(*page);
-    } else {
-      const std::unique_ptr<wire::InstancePageT> page(
-          message.control().body_as_InstancePage()->UnPack());
-      taken = scene_.accept(*page);
-    }
-    if (!taken) return taken;
-    scene_pages_ = c.pages;
-    if (scene_.complete()) described(c);
-  } else if (c.pages == scene_pages_) {
-    described(c);
-  }
-  return {};
-}
-
-void LoadRun::described(Client& c) {
-  c.stage = Stage::kDescribed;
-  ++described_;
-}
-
-const PlannedAsk* LoadRun::answered(std::uint32_t client, std::uint32_t request_id) {
-  const std::size_t index = std::size_t{request_id} - 1;
-  if (request_id == 0 || index >= plan_.asks.size()) return nullptr;
-  if (asks_[index] != AskState::kWaiting || plan_.asks[index].client != client) return nullptr;
-  asks_[index] = AskState::kDone;
-  --clients_[client].waiting;
-  --waiting_;
-  return &plan_.asks[index];
-}
-
-Result<void> LoadRun::take_tile(std::uint32_t client, const MessageView& message) {
-  const std::int64_t now = clock_.now_us();
-  const wire::TileReply& reply = *message.control().body_as_TileReply();
-  const std::uint32_t id = reply.request_id();
-  ++tiles_seen_;
-  const bool fits = same_content(reply);
-  if (id > plan_.asks.size() && id <= plan_.asks.size() + warm_sent_) {
-    ++warm_answered_;
-    return {};
-  }
-  const PlannedAsk* ask = answered(client, id);
-  if (!ask) {
-    ++results_.errors["unexpected-tile"];
-    return {};
-  }
-  ++results_.tiles;
-  last_tile_us_ = now;
-  const std::int64_t latency_us = now - start_us_ - ask->intended_us;
-  results_.latency_ms.push_back(static_cast<float>(latency_us) * 1e-3f);
-  const bool right_edge = reply.edge() == tile_edge(plan_.needs[ask->need].size_class);
-  if (!fits || !right_edge) {
-    ++results_.verify_failures;
-    if (results_.first_failure.empty()) {
-      results_.first_failure = fits ? "tile has another size than asked for"
-                                    : "one key came with different contents";
-    }
-  }
-  if (seeded_share(options_.seed, kVerifyDraw, id) < options_.verify_share) {
-    VerifyTask task;
-    reply.UnPackTo(&task.reply);
-    task.planes.assign(message.payload(), message.payload() + message.payload_bytes());
-    verifier_.submit(std::move(task));
-  }
-  return {};
-}
-
-// Equal key, equal bytes: for every tile and across all clients.
-bool LoadRun::same_content(const wire::TileReply& reply) {
-  const TileId key{reply.key_low(), reply.key_high()};
-  return contents_.try_emplace(key, reply.content_hash()).first->second == reply.content_hash();
-}
-
-void LoadRun::take_refusal(std::uint32_t client, const wire::Refused& refused) {
-  const std::uint32_t id = refused.request_id();
-  if (id > plan_.asks.size() && id <= plan_.asks.size() + warm_sent_) ++warm_answered_;
-  answered(client, id);
-  ++results_.errors[refusal_name(refused.reason())];
 }
 
 void LoadRun::ask(std::size_t index, std::int64_t now_us) {
@@ -418,11 +253,11 @@ void LoadRun::serve(std::int64_t wait_us) {
 void LoadRun::show_progress(std::int64_t now_us) {
   const double seconds = static_cast<double>(now_us - progress_us_) * 1e-6;
   const std::uint64_t bytes = link_->bytes();
-  spdlog::info("{}: {} of {} clients, {:.0f} tiles/s, {:.1f} MB/s, {} waiting", phase_, described_,
-               options_.clients, static_cast<double>(tiles_seen_ - progress_tiles_) / seconds,
-               static_cast<double>(bytes - progress_bytes_) * 1e-6 / seconds,
-               phase_ == std::string_view("warming") ? plan_.needs.size() - warm_answered_
-                                                     : waiting_);
+  spdlog::info(
+      "{}: {} of {} clients, {:.0f} tiles/s, {:.1f} MB/s, {} waiting", phase_, described_,
+      options_.clients, static_cast<double>(tiles_seen_ - progress_tiles_) / seconds,
+      static_cast<double>(bytes - progress_bytes_) * 1e-6 / seconds,
+      phase_ == std::string_view("warming") ? plan_.needs.size() - warm_answered_ : waiting_);
   progress_us_ = now_us;
   progress_tiles_ = tiles_seen_;
   progress_bytes_ = bytes;

@@ -31,6 +31,8 @@ class LoadRun final : private LoadSink {
   Result<LoadResults> run();
 
  private:
+  /// The client that meets the server and warms it up; then one like the others.
+  static constexpr std::uint32_t kScout = 0;
   enum class Stage : std::uint8_t { kAway, kGreeting, kDescribed, kDown };
   struct Client {
     Stage stage = Stage::kAway;

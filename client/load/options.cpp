@@ -14,12 +14,15 @@ constexpr double kMaxPlannedAsks = 20e6;  // some 16 bytes each
 
 // CLI::Range lets NaN through: no comparison with it is true.
 Result<void> check_finite(const LoadOptions& o) {
-  const std::pair<const char*, double> values[] = {
-      {"--duration", o.duration_s},   {"--rate", o.rate_hz},
-      {"--spread", o.spread_s},       {"--fps", o.fps},
-      {"--fov", o.fov_degrees},       {"--tau", o.tau_px},
-      {"--verify", o.verify_share},   {"--connect-rate", o.connects_per_s},
-      {"--connect-timeout", o.connect_timeout_s}};
+  const std::pair<const char*, double> values[] = {{"--duration", o.duration_s},
+                                                   {"--rate", o.rate_hz},
+                                                   {"--spread", o.spread_s},
+                                                   {"--fps", o.fps},
+                                                   {"--fov", o.fov_degrees},
+                                                   {"--tau", o.tau_px},
+                                                   {"--verify", o.verify_share},
+                                                   {"--connect-rate", o.connects_per_s},
+                                                   {"--connect-timeout", o.connect_timeout_s}};
   for (const auto& [name, value] : values) {
     if (!std::isfinite(value)) {
       return make_error(ErrorId::kUsage, std::string(name) + " must be a finite number");
@@ -67,33 +70,44 @@ int parse_options(int argc, char** argv, LoadOptions& o) {
   std::string size = "640x360", token_file;
   app.add_option("URL", o.url_text, "server address, ws://HOST:PORT")->required();
   app.add_option("--clients", o.clients, "connections at a time")
-      ->check(CLI::Range(1, 60'000))->capture_default_str();
+      ->check(CLI::Range(1, 60'000))
+      ->capture_default_str();
   app.add_option("--duration", o.duration_s, "seconds to ask for")
-      ->check(CLI::Range(0.1, 86'400.0))->capture_default_str();
+      ->check(CLI::Range(0.1, 86'400.0))
+      ->capture_default_str();
   app.add_option("--rate", o.rate_hz, "tiles asked for per client and second")
-      ->check(CLI::Range(0.001, 10'000.0))->capture_default_str();
+      ->check(CLI::Range(0.001, 10'000.0))
+      ->capture_default_str();
   app.add_option("--path", o.path,
                  "file of `x y z rx ry rz t_ms` lines, or builtin:still|orbit|walk|fly|shake|"
-                 "strafe|teleport")->capture_default_str();
+                 "strafe|teleport")
+      ->capture_default_str();
   app.add_option("--spread", o.spread_s,
                  "clients start at points within this many seconds of the path; 0: all at one")
-      ->check(CLI::Range(0.0, 86'400.0))->capture_default_str();
+      ->check(CLI::Range(0.0, 86'400.0))
+      ->capture_default_str();
   app.add_option("--fps", o.fps, "camera steps per second")
-      ->check(CLI::Range(0.1, 1000.0))->capture_default_str();
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
   app.add_option("--size", size, "WxH of the clients' views")->capture_default_str();
   app.add_option("--fov", o.fov_degrees, "vertical field of view in degrees")
-      ->check(CLI::Range(limits::kMinFovDegrees, limits::kMaxFovDegrees))->capture_default_str();
+      ->check(CLI::Range(limits::kMinFovDegrees, limits::kMaxFovDegrees))
+      ->capture_default_str();
   app.add_option("--tau", o.tau_px, "error target in pixels")
-      ->check(CLI::Range(0.01, 1000.0))->capture_default_str();
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
   app.add_option("--verify", o.verify_share, "share of tiles that is decoded and checked")
-      ->check(CLI::Range(0.0, 1.0))->capture_default_str();
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   app.add_option("--seed", o.seed, "of the clients' offsets and phases")->capture_default_str();
   app.add_flag("--warm", o.warm, "first ask for every tile of the run once, unmeasured");
   app.add_option("--connect-rate", o.connects_per_s, "connections opened per second")
-      ->check(CLI::Range(1.0, 100'000.0))->capture_default_str();
+      ->check(CLI::Range(1.0, 100'000.0))
+      ->capture_default_str();
   app.add_option("--connect-timeout", o.connect_timeout_s,
                  "seconds without any progress before connecting or warming is given up")
-      ->check(CLI::Range(0.1, 3600.0))->capture_default_str();
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
   app.add_option("--json", o.json_file, "write the results here as JSON");
   app.add_option("--token-file", token_file, "the server's token");
   add_conventions(app);

@@ -79,7 +79,8 @@ std::string to_table(const LoadResults& r) {
     out += fmt::format("server           {} rendered, {} merged, {} store hits\n",
                        r.server->tiles_rendered, r.server->tiles_merged, r.server->store_hits);
   }
-  for (const auto& [id, count] : r.errors) out += fmt::format("error            {} {}\n", count, id);
+  for (const auto& [id, count] : r.errors)
+    out += fmt::format("error            {} {}\n", count, id);
   return out;
 }
 

@@ -17,7 +17,7 @@ struct ServerDelta {
 
 struct LoadResults {
   std::uint32_t clients = 0;
-  std::uint32_t connected = 0;         ///< of them, when asking began
+  std::uint32_t connected = 0;  ///< of them, when asking began
   std::uint32_t connected_at_end = 0;
   double duration_s = 0;  ///< asking
   double elapsed_s = 0;   ///< asking, and until the last answer where that came later

@@ -10,8 +10,8 @@
 namespace mirage {
 namespace {
 
-constexpr double kMinRadiusPx = 0.5;          // as the viewer: smaller ones are not asked for
-constexpr std::size_t kMaxPerStep = 1024;     // in view; bounds memory in scenes of a million
+constexpr double kMinRadiusPx = 0.5;       // as the viewer: smaller ones are not asked for
+constexpr std::size_t kMaxPerStep = 1024;  // in view; bounds memory in scenes of a million
 constexpr std::uint64_t kOffsets = 1, kPhases = 2, kStarts = 4;
 
 /// What is in view at the steps of the path, made when first needed; clients share them.
@@ -79,8 +79,8 @@ class Planner {
 
   void add_client(std::uint32_t client) {
     const double spread_steps = std::floor(options_.spread_s * options_.fps);
-    const auto offset = static_cast<std::int64_t>(
-        seeded_share(options_.seed, kOffsets, client) * (spread_steps + 1));
+    const auto offset = static_cast<std::int64_t>(seeded_share(options_.seed, kOffsets, client) *
+                                                  (spread_steps + 1));
     const double phase = seeded_share(options_.seed, kPhases, client);
     const double start = seeded_share(options_.seed, kStarts, client);
     std::unordered_set<std::uint32_t> had;  // their turn
@@ -96,10 +96,9 @@ class Planner {
   }
 
   RequestPlan take() {
-    std::stable_sort(plan_.asks.begin(), plan_.asks.end(),
-                     [](const PlannedAsk& a, const PlannedAsk& b) {
-                       return a.intended_us < b.intended_us;
-                     });
+    std::stable_sort(
+        plan_.asks.begin(), plan_.asks.end(),
+        [](const PlannedAsk& a, const PlannedAsk& b) { return a.intended_us < b.intended_us; });
     return std::move(plan_);
   }
 

@@ -76,14 +76,14 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
                  "lamp-toggle")->capture_default_str();
   app.add_option("--frames", o.frames, "stop after this many")->check(CLI::Range(1, 10'000'000));
   app.add_option("--fps", o.fps, "frame rate of the path")
-      ->check(CLI::Range(1.0, 1000.0))->capture_default_str();
+      ->check(number_within(1.0, 1000.0))->capture_default_str();
   app.add_option("--fov", o.fov_degrees, "vertical field of view in degrees")
-      ->check(CLI::Range(limits::kMinFovDegrees, limits::kMaxFovDegrees))->capture_default_str();
+      ->check(number_within(limits::kMinFovDegrees, limits::kMaxFovDegrees))->capture_default_str();
   app.add_flag("--virtual-time", o.virtual_time,
                "time advances by whole frames, the network by its model: reproducible");
   app.add_option("--net", net, "network model: rtt=100,jitter=20,rate=20,loss=0.5,server-ms=5,seed=1");
   app.add_option("--tau", o.tau_px, "error target in pixels")
-      ->check(CLI::Range(0.01, 1000.0))->capture_default_str();
+      ->check(number_within(0.01, 1000.0))->capture_default_str();
   app.add_option("--method", o.method_name, "how impostors are drawn")
       ->check(CLI::IsMember({"auto", "mesh", "quad", "cuboid", "hull", "warp", "depth"}))
       ->capture_default_str();
@@ -104,7 +104,7 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_option("--token-file", o.token_file, "the server's token");
   app.add_option("--device", o.device, "EGL device when offscreen")->capture_default_str();
   app.add_option("--connect-timeout", o.connect_timeout_s, "seconds to wait for the server")
-      ->check(CLI::Range(0.1, 3600.0))->capture_default_str();
+      ->check(number_within(0.1, 3600.0))->capture_default_str();
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
   if (const Result<void> checked = check(o, offscreen, size, net); !checked) {

@@ -33,41 +33,47 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
 }
 
 Result<void> TilePageRenderer::warm_up() {
-  PagePacker packer(64);
   for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
     Result<void> compiled = meshes_->warm_up(scene_->meshes[i], scene_->materials());
     if (!compiled) return compiled;
   }
-  if (!prepare_targets(64)) {
+  if (!prepare_targets(64, 16)) {
     return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made");
   }
-  supersampled_.bind();
   for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
     TileJob job;
     job.key.object = i;
     job.key.distance = {0, 2};
-    draw_tile(job, {0, 0});
+    draw_tile(job);
+    resolve(job, {0, 0});
   }
-  resolve();
   glFinish();
   return {};
 }
 
-bool TilePageRenderer::prepare_targets(int edge) {
-  if (page_.ok() && page_.width() == edge) return true;
-  const int big = edge * supersample_;
-  supersampled_ = gl::RenderTarget(big, big, {GL_SRGB8_ALPHA8}, GL_DEPTH_COMPONENT32F);
-  page_ = gl::RenderTarget(edge, edge, {GL_SRGB8_ALPHA8, GL_R8}, 0);
+bool TilePageRenderer::prepare_targets(int page_edge, std::uint32_t largest_tile) {
+  const int big = static_cast<int>(largest_tile) * supersample_;
+  if (!supersampled_.ok() || supersampled_.width() < big) {
+    supersampled_ = gl::RenderTarget(big, big, {GL_SRGB8_ALPHA8}, GL_DEPTH_COMPONENT32F);
+  }
+  if (!page_.ok() || page_.width() != page_edge) {
+    page_ = gl::RenderTarget(page_edge, page_edge, {GL_SRGB8_ALPHA8, GL_R8}, 0);
+  }
   return supersampled_.ok() && page_.ok();
 }
 
-void TilePageRenderer::draw_tile(const TileJob& job, PagePacker::Place place) {
+void TilePageRenderer::draw_tile(const TileJob& job) {
   const ObjectDescription& object = scene_->prepared->objects[job.key.object];
   const Capture capture(job.key.cell, job.key.distance, object.radius,
                         tile_edge(job.key.size_class));
-  const int s = supersample_, edge = static_cast<int>(capture.edge) * s;
-  glViewport(place.x * s, place.y * s, edge, edge);
-  glScissor(place.x * s, place.y * s, edge, edge);
+  const int edge = static_cast<int>(capture.edge) * supersample_;
+  supersampled_.bind();
+  glViewport(0, 0, edge, edge);
+  glScissor(0, 0, edge, edge);
+  glEnable(GL_SCISSOR_TEST);
+  glDepthMask(GL_TRUE);
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   const glm::dvec3 eye = glm::dvec3(object.center) + capture.eye();
   gl::MeshInstance instance;
   instance.position_scale = glm::vec4(glm::vec3(-eye), 1.0f);
@@ -79,14 +85,17 @@ void TilePageRenderer::draw_tile(const TileJob& job, PagePacker::Place place) {
   meshes_->end();
 }
 
-void TilePageRenderer::resolve() {
+void TilePageRenderer::resolve(const TileJob& job, PagePacker::Place place) {
+  const int edge = static_cast<int>(tile_edge(job.key.size_class));
   page_.bind();
+  glViewport(place.x, place.y, edge, edge);
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_DEPTH_TEST);
   resolve_.use();
   resolve_.set("u_color", 0);
   resolve_.set("u_depth", 1);
   resolve_.set("u_factor", supersample_);
+  resolve_.set("u_origin", glm::ivec2(place.x, place.y));
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, supersampled_.color(0));
   glActiveTexture(GL_TEXTURE1);
@@ -98,15 +107,11 @@ void TilePageRenderer::resolve() {
 
 const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& jobs,
                                                  const PagePacker& packer) {
-  if (!prepare_targets(packer.page_edge())) return nullptr;
+  std::uint32_t largest = 0;
+  for (const TileJob& job : jobs) largest = std::max(largest, tile_edge(job.key.size_class));
+  if (!prepare_targets(packer.page_edge(), largest)) return nullptr;
   glEnable(GL_FRAMEBUFFER_SRGB);
   glEnable(GL_DEPTH_CLAMP);
-  supersampled_.bind();
-  glDisable(GL_SCISSOR_TEST);
-  glDepthMask(GL_TRUE);
-  glClearColor(0, 0, 0, 0);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  glEnable(GL_SCISSOR_TEST);
   // Same object and light together: fewer state changes between tiles.
   std::vector<std::size_t> order(jobs.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -114,8 +119,10 @@ const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& job
     const TileKey &ka = jobs[a].key, &kb = jobs[b].key;
     return std::tie(ka.object, ka.lighting, a) < std::tie(kb.object, kb.lighting, b);
   });
-  for (const std::size_t i : order) draw_tile(jobs[i], packer.places()[i]);
-  resolve();
+  for (const std::size_t i : order) {
+    draw_tile(jobs[i]);
+    resolve(jobs[i], packer.places()[i]);
+  }
   return &page_;
 }
 

@@ -121,6 +121,9 @@ GLint Program::location(const char* name) {
 
 void Program::set(const char* name, int v) { glUniform1i(location(name), v); }
 void Program::set(const char* name, float v) { glUniform1f(location(name), v); }
+void Program::set(const char* name, const glm::ivec2& v) {
+  glUniform2iv(location(name), 1, glm::value_ptr(v));
+}
 void Program::set(const char* name, const glm::vec2& v) {
   glUniform2fv(location(name), 1, glm::value_ptr(v));
 }

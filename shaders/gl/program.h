@@ -35,6 +35,7 @@ class Program {
   // Uniforms by name; unknown names are ignored (a lean variant may not have them).
   void set(const char* name, int value);
   void set(const char* name, float value);
+  void set(const char* name, const glm::ivec2& value);
   void set(const char* name, const glm::vec2& value);
   void set(const char* name, const glm::vec3& value);
   void set(const char* name, const glm::vec4& value);

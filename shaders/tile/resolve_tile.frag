@@ -1,4 +1,4 @@
-// Supersampled page -> tile page: colour averaged in linear light, depth of the nearest covered
+// Supersampled tile -> its place in the page: colour averaged in linear light, depth of the nearest covered
 // sample as a code 1..255 (hyperbolic over the object's depth range, which is what the capture
 // projection's depth buffer holds), 0 where nothing is.
 precision highp float;
@@ -6,11 +6,12 @@ precision highp int;
 uniform sampler2D u_color;
 uniform sampler2D u_depth;
 uniform int u_factor;
+uniform ivec2 u_origin;  // of the tile in the page
 layout(location = 0) out vec4 o_color;
 layout(location = 1) out vec4 o_depth;
 
 void main() {
-  ivec2 base = ivec2(gl_FragCoord.xy) * u_factor;
+  ivec2 base = (ivec2(gl_FragCoord.xy) - u_origin) * u_factor;
   vec4 sum = vec4(0.0);
   float nearest = 2.0;
   for (int y = 0; y < u_factor; ++y) {
