@@ -48,7 +48,7 @@ enum class ExitCode : int {
   X(kWireState, "wire-state", kNetwork, 1002)              \
   X(kCodec, "codec", kNetwork, 1007)                       \
   X(kAuth, "auth", kNetwork, 4003)                         \
-  X(kBusy, "busy", kNetwork, 1013)                         \
+  X(kBusy, "busy", kNetwork, 4013)                         \
   X(kComparison, "comparison", kComparison, 1011)
 
 enum class ErrorId {
@@ -60,7 +60,7 @@ enum class ErrorId {
 /// The stable text id, as printed in `error <id>: <text>`.
 std::string_view error_name(ErrorId id);
 ExitCode exit_code(ErrorId id);
-/// WebSocket close code (RFC 6455 §7.4; 4000+ are ours).
+/// WebSocket close code (RFC 6455 §7.4; 4000+ are ours: libwebsockets 4.1 reports 1013 as 1002).
 int close_code(ErrorId id);
 
 struct Error {

@@ -49,6 +49,7 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   bool no_geometry = false, no_reference = false;
   app.add_option("SCENE", o.scene, "a .glb or .gltf file, or builtin:NAME[?key=value&…]");
   app.add_option("--listen", listen, "HOST:PORT to serve on; port 0 takes any free one")
+      ->take_last()
       ->capture_default_str();
   app.add_option("--port-file", o.port_file, "write the port here once ready");
   app.add_option("--cache-mb", o.cache_mb, "memory for finished tiles")

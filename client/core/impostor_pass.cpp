@@ -92,7 +92,8 @@ ImpostorInstance instance_data(const DrawnImpostor& drawn, const Camera& camera,
   out.atlas = {tile.slot.x + 1, tile.slot.y + 1, 1.0 / per_texel, -1.0 / per_texel};
   out.depth = {tile.depth_code.near_depth, tile.depth_code.far_depth, tile.slot.layer, drawn.fade};
   out.box_min = glm::vec4(object.box_min, drawn.fade < 1 ? kFadeBias : 0.0f);
-  out.box_max = glm::vec4(object.box_max, 0);
+  const double slack = tile.depth_code.quantum() + capture.texel_width(tile.measure.depth_max);
+  out.box_max = glm::vec4(object.box_max, slack);
   out.center = glm::vec4(object.center, 0);
   return out;
 }
@@ -209,7 +210,7 @@ void ImpostorPass::draw_instances(const Proxy& proxy, const std::vector<Instance
 }
 
 void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene, const DrawList& list,
-                               DrawMethod method) {
+                               DrawMethod method, bool soft) {
   std::vector<ImpostorInstance> all;
   std::map<std::uint32_t, std::vector<ImpostorInstance>> by_object;
   for (const DrawnImpostor& drawn : list.impostors) {
@@ -227,6 +228,7 @@ void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene, con
   program.set("u_forward", glm::vec3(camera.forward()));
   const double n = camera.near_m, f = camera.far_m;
   program.set("u_depth_window", glm::vec2(f / (f - n), -f * n / (f - n)));
+  program.set("u_soft", soft ? 1 : 0);
   program.set("u_color", 0);
   program.set("u_depth", 1);
   glActiveTexture(GL_TEXTURE0);
@@ -268,10 +270,17 @@ void ImpostorPass::draw(const Camera& camera, const SceneView& scene, const Draw
   glDepthFunc(GL_LEQUAL);
   glDisable(GL_BLEND);
   draw_placeholders(camera, scene, list, lighting);
+  for (const MethodShader& shader : kShaders) {
+    draw_method(camera, scene, list, shader.method, false);
+  }
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);
   // Far methods first: a quad is far, marched depth near.
-  for (const MethodShader& shader : kShaders) draw_method(camera, scene, list, shader.method);
+  for (const MethodShader& shader : kShaders) {
+    draw_method(camera, scene, list, shader.method, true);
+  }
+  glDepthMask(GL_TRUE);
   glBindVertexArray(0);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);

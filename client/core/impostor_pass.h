@@ -1,6 +1,6 @@
 #pragma once
-// Draws impostors from the atlas: one instanced call per method for quads, cuboids and marched
-// depth, one per object for convex hulls. Keeps to the GLES 3.0 subset.
+// Draws impostors from the atlas: one instanced call per method and pass (solid, then soft) for
+// quads, cuboids and marched depth, one per object for convex hulls. Keeps to the GLES 3.0 subset.
 
 #include <map>
 #include <vector>
@@ -43,7 +43,7 @@ class ImpostorPass {
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
   void draw_method(const Camera& camera, const SceneView& scene, const DrawList& list,
-                   DrawMethod method);
+                   DrawMethod method, bool soft);
   void draw_placeholders(const Camera& camera, const SceneView& scene, const DrawList& list,
                          const Lighting& lighting);
 

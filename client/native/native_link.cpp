@@ -47,8 +47,13 @@ struct NativeLink::Impl {
   Bytes fragments;
   FrameAssembler assembler{limits::kMaxTransferBytes};
   std::uint32_t next_transfer = 1;
-  std::chrono::steady_clock::time_point next_try{};
   int pause_ms = kFirstPauseMs;
+  // libwebsockets sleeps until it has something to do: the next try is a timer of its own.
+  struct RetryTimer {
+    lws_sorted_usec_list_t timer{};  // first member: the callback gets its address
+    Impl* impl = nullptr;
+  };
+  RetryTimer retry;
 
   void set_problem(const std::string& text) {
     const std::lock_guard<std::mutex> lock(mutex);
@@ -69,11 +74,21 @@ struct NativeLink::Impl {
     info.ssl_connection = url.tls ? LCCSCF_USE_SSL : 0;
     info.pwsi = &socket;
     lws_client_connect_via_info(&info);
-    next_try = std::chrono::steady_clock::now() + std::chrono::milliseconds(pause_ms);
-    pause_ms = std::min(pause_ms * 2, kLongestPauseMs);
+  }
+
+  void connect_later(int after_ms) {
+    lws_sul_schedule(context, 0, &retry.timer, on_retry, after_ms * 1000ll + 1);
+  }
+
+  static void on_retry(lws_sorted_usec_list_t* timer) {
+    Impl* impl = reinterpret_cast<RetryTimer*>(timer)->impl;
+    if (!impl->stopping && !impl->socket) impl->connect();
+    // A timer served before the poll does not end the poll: make it look again.
+    lws_cancel_service(impl->context);
   }
 
   void down(const std::string& why) {
+    if (stopping) return;
     socket = nullptr;
     fragments.clear();
     assembler = FrameAssembler(limits::kMaxTransferBytes);
@@ -82,6 +97,8 @@ struct NativeLink::Impl {
     outbound.clear();
     if (problem.empty() || !why.empty()) problem = why;
     changed.notify_all();
+    connect_later(pause_ms);
+    pause_ms = std::min(pause_ms * 2, kLongestPauseMs);
   }
 
   void up() {
@@ -156,10 +173,10 @@ struct NativeLink::Impl {
   }
 
   void run() {
-    while (!stopping) {
-      if (!socket && std::chrono::steady_clock::now() >= next_try) connect();
-      lws_service(context, 0);
-    }
+    retry.impl = this;
+    connect_later(0);
+    while (!stopping) lws_service(context, 0);
+    lws_sul_schedule(context, 0, &retry.timer, nullptr, LWS_SET_TIMER_USEC_CANCEL);
   }
 
   std::uint64_t pending_bytes = 0;

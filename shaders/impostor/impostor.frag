@@ -18,12 +18,18 @@ flat in vec4 v_capture;
 flat in vec3 v_view_depth;
 flat in vec3 v_box_min;
 flat in vec3 v_box_max;
+flat in float v_depth_slack;
 flat in vec3 v_normal;
 layout(location = 0) out vec4 o_color;
 
 uniform sampler2DArray u_color;
 uniform sampler2DArray u_depth;
 uniform vec2 u_depth_window;  // window depth = x + y / view depth
+// First the solid fragments, which write depth; then the soft ones over them, which do not: an edge
+// must neither hide what is behind it nor blend with less than all of it.
+uniform bool u_soft;
+
+const float kSolid = 0.99;
 
 const float kNothing = -1.0;
 
@@ -54,14 +60,17 @@ vec4 stored_color(vec2 t) {
 }
 
 void emit(vec4 color, vec3 p) {
-  if (color.a < 1.0 / 255.0) discard;
   o_color = color * v_depth.w;
-  float view_depth = (v_capture.w + dot(v_view_depth, p)) * (1.0 - v_capture.z);
+  bool soft = o_color.a < kSolid;
+  if (soft != u_soft || o_color.a < 1.0 / 255.0) discard;
+  // Towards the viewer by what quantising may have pushed it back: a shelf at a wall stays before it.
+  float view_depth = (v_capture.w + dot(v_view_depth, p) - v_depth_slack) * (1.0 - v_capture.z);
   gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, 1e-6), 0.0, 1.0);
 }
 
 #ifdef METHOD_MARCH
-const int kSteps = 28;
+const int kMaxSteps = 64;
+const float kMinSteps = 4.0;
 const int kRefinements = 5;
 
 float exit_parameter(vec3 direction) {
@@ -77,13 +86,18 @@ float exit_parameter(vec3 direction) {
 void main() {
   vec3 direction = v_point - v_eye;
   float t_end = exit_parameter(direction);
-  float step_size = (t_end - 1.0) / float(kSteps);
+  // About a step a texel: none is jumped over, and near the capture ray few are needed.
+  vec2 texels = (capture_from_point(v_eye + direction * t_end).xy - capture_from_point(v_point).xy) *
+                v_atlas.zw;
+  float steps = clamp(ceil(max(abs(texels.x), abs(texels.y))), kMinSteps, float(kMaxSteps));
+  float step_size = (t_end - 1.0) / steps;
   float fill_limit = 0.15 * (v_depth.y - v_depth.x);
   float fill_gap = fill_limit;
   vec3 fill = vec3(0.0);
   bool was_in_front = true;
   float before = 1.0;
-  for (int i = 1; i <= kSteps; ++i) {
+  for (int i = 1; i <= kMaxSteps; ++i) {
+    if (float(i) > steps) break;
     float t = 1.0 + step_size * float(i);
     vec3 c = capture_from_point(v_eye + direction * t);
     float stored = stored_depth(c.xy);

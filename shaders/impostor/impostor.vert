@@ -11,7 +11,7 @@ layout(location = 6) in vec4 i_window;          // crop as tangents: left, top, 
 layout(location = 7) in vec4 i_atlas;           // first texel of the crop, texels per tangent
 layout(location = 8) in vec4 i_depth;           // near, far, layer, fade
 layout(location = 9) in vec4 i_box_min;         // object space; w: depth bias
-layout(location = 10) in vec4 i_box_max;
+layout(location = 10) in vec4 i_box_max;        // w: how coarse the stored depth is, object units
 layout(location = 11) in vec4 i_center;         // of the bounding sphere, object space
 
 uniform mat4 u_clip_from_relative;
@@ -31,6 +31,7 @@ flat out vec4 v_capture;      // Dc, plane depth, depth bias, view depth of the 
 flat out vec3 v_view_depth;   // view depth = v_capture.w + dot(v_view_depth, point)
 flat out vec3 v_box_min;
 flat out vec3 v_box_max;
+flat out float v_depth_slack;  // view depth by which stored depth may be too far
 flat out vec3 v_normal;
 
 vec4 conjugate(vec4 q) { return vec4(-q.xyz, q.w); }
@@ -59,6 +60,7 @@ void main() {
   v_depth = i_depth;
   v_capture = vec4(distance, plane, i_box_min.w, dot(i_center_scale.xyz, u_forward));
   v_view_depth = rotate(inverse, u_forward) * scale;
+  v_depth_slack = i_box_max.w * scale;
   v_box_min = i_box_min.xyz - i_center.xyz;
   v_box_max = i_box_max.xyz - i_center.xyz;
   vec3 relative = i_center_scale.xyz + rotate(i_rotation, scale * v_point);

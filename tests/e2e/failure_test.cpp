@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -87,6 +88,25 @@ TEST(Failure, ViewerKeepsItsFrameRateWhenTheServerVanishes) {
   EXPECT_EQ(s["frames"], 120);
   EXPECT_LT(s["frame_ms"]["p95"], 50.0);  // a blocked frame would take seconds
   EXPECT_GT(s["impostors_drawn"], 0.5);   // stale tiles stay on screen
+}
+
+TEST(Failure, ViewerComesBackWithTheServer) {
+  auto server = std::make_unique<Server>("builtin:knot");
+  ASSERT_TRUE(server->ready()) << server->log();
+  const std::string listen = "127.0.0.1:" + std::to_string(server->port());
+  Finished view;
+  std::thread viewer([&] {
+    view = run({binary("mirage-view"), server->url(), "--offscreen", "160x120", "--path",
+                "builtin:orbit", "--frames", "240", "--fps", "30"});
+  });
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  server->stop(SIGKILL);
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  const Server again("builtin:knot", {"--listen", listen});  // the last --listen counts
+  EXPECT_TRUE(again.ready()) << again.log();
+  viewer.join();
+  EXPECT_EQ(view.exit_code, 0) << view.output;
+  EXPECT_NE(view.output.find("server is back"), std::string::npos) << view.output;
 }
 
 // A raw TCP connection, for saying what no client library would.
