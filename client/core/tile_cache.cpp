@@ -14,12 +14,14 @@ constexpr int kGutter = 1;  // texels of nothing around a tile, so that filterin
 
 DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& description) const {
   const double r = capture.radius, cone = tangent_length(capture.distance, r);
+  // Between texel centres a surface may lie two texels of slope off the stored depth; what is
+  // steeper belongs to the disocclusions.
+  const double slope = 2.0 * capture.texel_width(measure.depth_max);
   switch (method) {
-    case DrawMethod::kCuboid: return {measure.dz_cuboid, box_extent(description)};
-    case DrawMethod::kHull: return {measure.dz_hull, hull_extent(description)};
+    case DrawMethod::kCuboid: return {measure.dz_cuboid + slope, box_extent(description)};
+    case DrawMethod::kHull: return {measure.dz_hull + slope, hull_extent(description)};
     case DrawMethod::kDepth: {
-      // Quantised depth, and two texels of slope: steeper surfaces belong to the disocclusions.
-      const double dz = depth_code.quantum() + 2.0 * capture.texel_width(measure.depth_max);
+      const double dz = depth_code.quantum() + slope;
       return {dz, r + dz * capture.distance / cone};
     }
     case DrawMethod::kQuad:

@@ -219,7 +219,7 @@ TEST(GltfLights, DefaultsWithoutLights) {
   ASSERT_TRUE(scene);
   ASSERT_EQ(scene->lighting.lights.size(), 1u);
   EXPECT_EQ(scene->lighting.ambient, glm::vec3(0.6f));
-  EXPECT_EQ(scene->lighting.lights[0].color, glm::vec3(2.5f));
+  EXPECT_EQ(scene->lighting.lights[0].color, glm::vec3(0.8f));
   EXPECT_LT(scene->lighting.lights[0].direction.y, 0);
 }
 

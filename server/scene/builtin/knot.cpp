@@ -58,7 +58,7 @@ Scene build_knot(const OptionValues& options) {
   }
   parts.put(parts.add("torus knot", builder.take()), {0, 0, 0});
   parts.scene.lighting.ambient = glm::vec3(0.6f);
-  parts.scene.lighting.lights = {sun_light({2, 3, 1}, glm::vec3(2.5f))};
+  parts.scene.lighting.lights = {sun_light({2, 3, 1}, glm::vec3(0.8f))};
   parts.scene.environment = {glm::vec3(0.216f), glm::vec3(0.216f), glm::vec3(0.216f)};
   // The eye looks at the knot from 4 radii; the loop passes it there and swings away behind.
   const double size = 1.5 * radius + tube;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kAmbientWithLights = 0.1f;
 constexpr float kDefaultAmbient = 0.6f;
-constexpr float kDefaultKeyLight = 2.5f;
+constexpr float kDefaultKeyLight = 0.8f;  // 2.5 over pi: our colours are irradiance over pi
 constexpr double kMaxIntensity = 1e9;
 /// The brightest plausible sum of light colors at the middle of the scene before exposure.
 constexpr double kWellExposed = 1.5;
