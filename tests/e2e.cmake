@@ -18,3 +18,5 @@ mirage_e2e(walk)
 mirage_e2e(failure)
 mirage_e2e(load)
 mirage_e2e(assets)
+# It watches frame times: alone on the machine, please.
+set_tests_properties(e2e_failure PROPERTIES RUN_SERIAL ON)

@@ -107,6 +107,12 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   if (!record) return {};
   undrawn_.push_back(record);
   record->last_drawn = frame_;
+  if (options_.trace) {
+    record->trace = lives_.size();
+    lives_.push_back({reply.request_id, ask->object, ask->need.instance, tile_edge(ask->need.size_class),
+                      ask->sent_us, now_us, -1, reply.queue_us, reply.render_us, reply.encode_us,
+                      bytes});
+  }
   if (sink_.tile) sink_.tile(*record, rgba);
   return {};
 }
@@ -209,7 +215,9 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
   DrawList list = selector_.select(input);
   for (const std::weak_ptr<TileRecord>& tile : undrawn_) {
     const TileRecordPtr record = tile.lock();
-    if (record && record->shown) ++drawn_;
+    if (!record || !record->shown) continue;
+    ++drawn_;
+    if (record->trace < lives_.size()) lives_[record->trace].first_drawn_us = now_us;
   }
   undrawn_.erase(std::remove_if(undrawn_.begin(), undrawn_.end(),
                                 [](const std::weak_ptr<TileRecord>& tile) {

@@ -30,6 +30,7 @@ struct ClientOptions {
   std::string token;
   std::string name = "mirage-view";
   std::size_t max_mesh_bytes = 64u << 20;
+  bool trace = false;  ///< keep every tile's life
 };
 
 struct ReferenceFrame {
@@ -48,6 +49,15 @@ struct TileSink {
 
 struct TileCounts {
   std::uint64_t asked = 0, received = 0, drawn = 0, wasted = 0, cancelled = 0, refused = 0;
+};
+
+/// A tile's life, from request to first draw. Times are of the session's clock.
+struct TileLife {
+  std::uint32_t request_id = 0, object = 0, instance = 0, edge = 0;
+  std::int64_t asked_us = 0, received_us = 0;
+  std::int64_t first_drawn_us = -1;  ///< -1: never
+  std::uint32_t server_queue_us = 0, server_render_us = 0, server_encode_us = 0;
+  std::size_t bytes = 0;
 };
 
 class ClientSession {
@@ -70,6 +80,7 @@ class ClientSession {
   const Lighting& lighting() const { return lighting_; }
   const Predictor& predictor() const { return predictor_; }
   TileCounts tiles() const;
+  const std::vector<TileLife>& lives() const { return lives_; }
   std::int64_t round_trip_us() const { return scheduler_.round_trip_us(); }
   std::size_t in_flight() const { return scheduler_.in_flight(); }
   std::uint64_t frame_number() const { return frame_; }
@@ -105,6 +116,7 @@ class ClientSession {
   std::uint64_t refused_ = 0;
   std::vector<std::weak_ptr<TileRecord>> undrawn_;
   std::uint64_t drawn_ = 0;
+  std::vector<TileLife> lives_;
   std::string goodbye_;
 };
 

@@ -31,6 +31,7 @@ struct TileRecord {
   std::int64_t received_us = 0;
   std::uint64_t last_drawn = 0;  ///< frame number
   bool shown = false;            ///< drawn at least once
+  std::size_t trace = SIZE_MAX;  ///< index of its life in the trace, if one is kept
 
   /// How far drawn points can be from the surface when drawn with `method`.
   DrawnDepth drawn_depth(DrawMethod method, const ObjectDescription& description) const;

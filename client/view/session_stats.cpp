@@ -163,4 +163,24 @@ std::string SessionStats::table(const Final& end) const {
   return out;
 }
 
+std::string trace_json(const std::vector<TileLife>& lives) {
+  ordered_json tiles = ordered_json::array();
+  for (const TileLife& life : lives) {
+    const bool drawn = life.first_drawn_us >= 0;
+    tiles.push_back({{"request", life.request_id},
+                     {"object", life.object},
+                     {"instance", life.instance},
+                     {"edge", life.edge},
+                     {"bytes", life.bytes},
+                     {"asked_us", life.asked_us},
+                     {"server_queue_us", life.server_queue_us},
+                     {"server_render_us", life.server_render_us},
+                     {"server_encode_us", life.server_encode_us},
+                     {"received_us", life.received_us},
+                     {"first_drawn_us", drawn ? ordered_json(life.first_drawn_us)
+                                              : ordered_json(nullptr)}});
+  }
+  return ordered_json{{"tiles", tiles}}.dump(1) + "\n";
+}
+
 }  // namespace mirage

@@ -48,4 +48,7 @@ class SessionStats {
   GeometricError geometric_;
 };
 
+/// The life of every tile, for `--trace`.
+std::string trace_json(const std::vector<TileLife>& lives);
+
 }  // namespace mirage

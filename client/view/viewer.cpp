@@ -93,6 +93,7 @@ Result<void> Viewer::open_graphics() {
   options.atlas_edge = kAtlasEdge;
   options.atlas_layers = layers;
   options.token = o_.token;
+  options.trace = !o_.trace_file.empty();
   // Measured: a pixel of marching costs a CPU rasteriser some 0.3 us, a GPU next to nothing.
   const bool software = o_.offscreen && egl_.software();
   options.march_budget_px = o_.march_kpx >= 0 ? o_.march_kpx * 1000 : software ? 30e3 : 1e9;
@@ -345,6 +346,9 @@ Result<void> Viewer::finish() {
   std::fputs(stats_.table(end).c_str(), stdout);
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
     return make_error(ErrorId::kGraphicsGl, "GL error " + std::to_string(error));
+  }
+  if (!o_.trace_file.empty()) {
+    if (Result<void> r = write_text(o_.trace_file, trace_json(session_->lives())); !r) return r;
   }
   if (o_.stats_file.empty()) return {};
   if (Result<void> r = write_text(o_.stats_file, stats_.json(end)); !r) return r;

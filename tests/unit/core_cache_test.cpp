@@ -1,0 +1,130 @@
+// Tile cache: what is on screen is never evicted, what is not leaves nothing behind.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/unit/core_scene.h"
+
+namespace mirage::test {
+namespace {
+
+// 16 texels with the gutter: a 64-texel layer takes sixteen of them.
+constexpr int kAtlasEdge = 64;
+constexpr std::size_t kFull = 16;
+
+Capture small_capture(int n) {
+  const ViewCell cell{4, static_cast<std::uint16_t>(n % 16), static_cast<std::uint16_t>(n / 16)};
+  return Capture(cell, *distance_bucket_from_radii(4, 2), 1, 16);
+}
+
+SceneView four_objects() {
+  std::vector<Placed> placed;
+  for (std::uint32_t i = 0; i < 4; ++i) placed.push_back({{i * 3.0, 0, 0}, 1, i});
+  return make_scene(placed, {4});
+}
+
+TEST(CoreTileCache, FullAtlasNeverEvictsWhatIsOnScreen) {
+  const SceneView scene = four_objects();
+  TileCache cache(kAtlasEdge, 1);
+  cache.reset(scene, scene.lighting);
+  std::vector<TileRecordPtr> records;
+  for (int n = 0; n < static_cast<int>(kFull); ++n) {
+    const Capture capture = small_capture(n);
+    const auto instance = static_cast<std::uint32_t>(n % 4);
+    records.push_back(cache.insert(instance, scene, capture, make_tile(capture), 5, 0));
+    ASSERT_TRUE(records.back()) << n;
+  }
+  const Capture late = small_capture(100);
+  EXPECT_FALSE(cache.insert(0, scene, late, make_tile(late), 5, 0));
+  EXPECT_FALSE(cache.insert(0, scene, late, make_tile(late), 6, 0)) << "drawn a frame ago";
+  EXPECT_EQ(cache.resident(), kFull);
+  // All but one drawn again: that one makes room.
+  for (const TileRecordPtr& r : records) r->last_drawn = 9;
+  records[7]->last_drawn = 8;
+  const TileRecordPtr placed = cache.insert(0, scene, late, make_tile(late), 10, 0);
+  ASSERT_TRUE(placed);
+  EXPECT_EQ(placed->slot.x, records[7]->slot.x);
+  EXPECT_EQ(placed->slot.y, records[7]->slot.y);
+  const std::vector<TileRecordPtr>& held = cache.group_to_draw(3)->tiles;
+  EXPECT_EQ(std::count(held.begin(), held.end(), records[7]), 0);
+  EXPECT_EQ(cache.resident(), kFull);
+}
+
+TEST(CoreTileCache, TileLargerThanTheAtlasIsLeftOut) {
+  const SceneView scene = four_objects();
+  TileCache cache(kAtlasEdge, 1);
+  cache.reset(scene, scene.lighting);
+  const Capture small = small_capture(0);
+  ASSERT_TRUE(cache.insert(0, scene, small, make_tile(small), 1, 0));
+  const Capture large(ViewCell{},
+                      *distance_bucket_from_radii(4, 2), 1, 128);
+  EXPECT_FALSE(cache.insert(0, scene, large, make_tile(large), 100, 0));
+  EXPECT_EQ(cache.resident(), 1u) << "nothing is evicted for what can never fit";
+}
+
+TEST(CoreTileCache, EmptyTileTakesNoRoom) {
+  const SceneView scene = four_objects();
+  TileCache cache(kAtlasEdge, 1);
+  cache.reset(scene, scene.lighting);
+  const Capture capture = small_capture(0);
+  Tile tile = make_tile(capture);
+  tile.crop = {};
+  EXPECT_FALSE(cache.insert(2, scene, capture, std::move(tile), 1, 0));
+  EXPECT_TRUE(cache.group_to_draw(2)->empty_seen);
+  EXPECT_EQ(cache.atlas_texels(), 0u);
+}
+
+TEST(CoreTileCache, TheSameTileAgainAndAgainDoesNotLeak) {
+  const SceneView scene = four_objects();
+  TileCache cache(256, 1);
+  cache.reset(scene, scene.lighting);
+  const Capture capture = small_capture(0);
+  for (std::uint64_t frame = 1; frame <= 1000; ++frame) {
+    ASSERT_TRUE(cache.insert(0, scene, capture, make_tile(capture), frame, 0));
+    ASSERT_LE(cache.resident(), 9u);
+    ASSERT_EQ(cache.atlas_texels(), cache.resident() * 256);
+  }
+  cache.reset(scene, scene.lighting);
+  EXPECT_EQ(cache.resident(), 0u);
+  EXPECT_EQ(cache.atlas_texels(), 0u);
+}
+
+TEST(CoreTileCache, InstancesOfOneObjectShareTheirTiles) {
+  const SceneView scene = make_scene({{{0, 0, 0}}, {{5, 0, 0}}});
+  TileCache cache(256, 1);
+  cache.reset(scene, scene.lighting);
+  const Capture capture = small_capture(0);
+  ASSERT_TRUE(cache.insert(0, scene, capture, make_tile(capture), 1, 0));
+  EXPECT_EQ(cache.group_to_draw(0), cache.group_to_draw(1));
+}
+
+TEST(CoreTileCache, NewLightShowsOldTilesUntilNewOnesCome) {
+  SceneOptions options;
+  options.needs = kNeedLighting;
+  const SceneView scene = make_scene({{{0, 0, 0}}}, options);
+  TileCache cache(256, 1);
+  Lighting lighting = scene.lighting;
+  cache.reset(scene, lighting);
+  const Capture capture = small_capture(0);
+  const TileRecordPtr old_tile = cache.insert(0, scene, capture, make_tile(capture), 1, 0);
+  ASSERT_TRUE(cache.lit_now(0));
+  for (int i = 1; i <= 3; ++i) {  // lights that change faster than tiles come
+    lighting.ambient = glm::vec3(0.1f * static_cast<float>(i));
+    cache.relight(scene, lighting);
+    ASSERT_EQ(cache.group_to_draw(0)->tiles.size(), 1u);
+    EXPECT_EQ(cache.group_to_draw(0)->tiles[0], old_tile);
+    EXPECT_FALSE(cache.lit_now(0));
+  }
+  const TileRecordPtr fresh = cache.insert(0, scene, capture, make_tile(capture), 2, 0);
+  EXPECT_TRUE(cache.lit_now(0));
+  ASSERT_EQ(cache.group_to_draw(0)->tiles.size(), 1u);
+  EXPECT_EQ(cache.group_to_draw(0)->tiles[0], fresh);
+  // The former light once more: its tile is still there.
+  cache.relight(scene, scene.lighting);
+  EXPECT_TRUE(cache.lit_now(0));
+  EXPECT_EQ(cache.group_to_draw(0)->tiles[0], old_tile);
+}
+
+}  // namespace
+}  // namespace mirage::test
