@@ -305,6 +305,7 @@ FramePtr SessionHub::next_frame(SessionId id) {
   if (!s.control.empty()) {
     lane = &s.control;
   } else if (s.greeted && s.next_page < pages_.size()) {
+    counters_.bytes_sent += pages_[s.next_page]->size();
     return pages_[s.next_page++];
   } else {
     lane = tile_or_bulk(s);

@@ -14,6 +14,8 @@ TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
   const std::lock_guard<std::mutex> lock(mutex_);
   SessionQueue& session = sessions_[waiter.session];
   if (session.requests.size() >= limits::kMaxQueuedAsksPerClient) return Admission::kBusy;
+  // An id still in use: a second waiter under it would escape the bound and every removal.
+  if (session.requests.count(waiter.request_id) != 0) return Admission::kBusy;
   session.requests[waiter.request_id] = id;
   const auto found = entries_.find(id);
   const bool merged = found != entries_.end();
@@ -129,6 +131,7 @@ std::optional<TileQueue::Work> TileQueue::take(const std::function<bool(std::uin
         // Back to the head of its first waiter's queue: it opens the next batch.
         const SessionId owner = entry->waiters.front().session;
         sessions_[owner].ranked.emplace(Rank{2e30f, ++order_}, entry->job.id);
+        last_served_ = owner - 1;  // whose turn comes first then
         break;
       }
       entry->rendering = true;

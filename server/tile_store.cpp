@@ -1,7 +1,9 @@
 #include "server/tile_store.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <xxhash.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -59,8 +61,13 @@ std::string TileStore::path(const TileId& id) const {
 StoredTilePtr TileStore::load(const TileId& id) const {
   std::ifstream file(path(id), std::ios::binary);
   if (!file) return nullptr;
-  const Bytes bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  Bytes bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   // A file is as little trusted as the network: a damaged one is rendered again.
+  std::uint64_t checksum = 0;
+  if (bytes.size() < sizeof(checksum)) return nullptr;
+  std::memcpy(&checksum, &bytes[bytes.size() - sizeof(checksum)], sizeof(checksum));
+  bytes.resize(bytes.size() - sizeof(checksum));
+  if (XXH3_64bits(bytes.data(), bytes.size()) != checksum) return nullptr;
   Result<Message> message = decode_message(bytes.data(), bytes.size());
   if (!message || message->body.AsTileReply() == nullptr) return nullptr;
   const wire::TileReplyT& reply = *message->body.AsTileReply();
@@ -87,6 +94,9 @@ void TileStore::save(const TileId& id, const StoredTile& tile) const {
   std::ofstream file(aside, std::ios::binary);
   file.write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
+  // Over all of it: the content hash covers the pixels, not the measures the bound is made of.
+  const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
+  file.write(reinterpret_cast<const char*>(&checksum), sizeof(checksum));
   file.close();
   if (file) fs::rename(aside, target, ignored);
 }

@@ -68,7 +68,7 @@ Result<std::vector<CameraPath::Key>> CameraPath::read_trace(const std::string& p
     double v[7];
     bool ok = true;
     for (double& value : v) ok = ok && (in >> value) && std::isfinite(value);
-    ok = ok && (keys.empty() || v[6] >= keys.back().seconds * 1000.0);
+    ok = ok && (keys.empty() || v[6] / 1000.0 >= keys.back().seconds);
     if (!ok || keys.size() >= kMaxTraceLines) {
       return make_error(ErrorId::kUsage,
                         path + ":" + std::to_string(number) + ": not a line of the path format",

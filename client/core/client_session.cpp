@@ -87,7 +87,8 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
 Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes& planes,
                                       std::int64_t now_us) {
   ++received_;
-  const std::size_t bytes = planes.size() + 160;
+  // For the credit never less than the server counts: control part, headers, those of chunks.
+  const std::size_t bytes = planes.size() + 192 + planes.size() / 4096;
   const std::optional<PendingAsk> ask = scheduler_.finish(reply.request_id, bytes, now_us);
   if (!ask || !scene_.complete()) return {};
   Result<Tile> tile = tile_from_fields(reply);

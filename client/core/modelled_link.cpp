@@ -108,7 +108,11 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
   const std::int64_t arrives = start + one_way_us();
   if (message->body.type == wire::Body::Hello) {
     owed_welcome_ = true;
+    // What the former connection owed will not come any more.
     asks_.clear();
+    mesh_asked_us_.clear();
+    owed_objects_ = owed_instances_ = 0;
+    owed_reference_ = false;
     // Connecting cost two round trips before the hello could be sent: TCP, then the upgrade.
     welcome_us_ = arrives + std::llround(2000.0 * model_.rtt_ms);
   }

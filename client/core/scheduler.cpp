@@ -64,7 +64,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     const bool useless = needed.count(ask.need.instance) == 0 || ask.lighting_id != lighting_id;
     if (useless || now_us - ask.sent_us > kLostUs) {
       batch.cancels.push_back(it->first);
-      in_flight_bytes_ -= expected_bytes(ask.need.size_class);
+      in_flight_bytes_ -= ask.expected_bytes;
       pending_instance_.erase(ask.need.instance);
       it = pending_.erase(it);
       ++cancelled_;
@@ -88,12 +88,14 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
                             need.distance.index, need.cell.x, need.cell.y, need.cell.level,
                             need.distance.level, need.size_class,
                             static_cast<std::uint8_t>(kChannelColor | kChannelDepth));
-    pending_[id] = {need, object, now_us, lighting_id};
+    const double bytes = expected_bytes(need.size_class);
+    pending_[id] = {need, object, now_us, lighting_id, bytes};
     pending_instance_[need.instance] = id;
-    in_flight_bytes_ += expected_bytes(need.size_class);
+    in_flight_bytes_ += bytes;
     ++asked_;
   }
   for (const std::uint32_t object : mesh_needs) {
+    if (batch.mesh_asks.size() >= limits::kMaxAsksPerBatch) break;
     if (meshes_pending_.count(object) != 0 || meshes_refused_.count(object) != 0) continue;
     meshes_pending_.insert(object);
     batch.mesh_asks.push_back(object);
@@ -112,7 +114,7 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
   const PendingAsk ask = at->second;
   pending_.erase(at);
   pending_instance_.erase(ask.need.instance);
-  in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - expected_bytes(ask.need.size_class));
+  in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - ask.expected_bytes);
   const double edge = tile_edge(ask.need.size_class);
   bytes_per_texel_ += 0.05 * (static_cast<double>(bytes) / (edge * edge) - bytes_per_texel_);
   const std::int64_t trip = now_us - ask.sent_us;
@@ -127,8 +129,7 @@ void Scheduler::refuse(std::uint32_t request_id, std::int64_t now_us) {
   if (at == pending_.end()) return;
   not_before_us_[at->second.need.instance] = now_us + kRefusalPauseUs;
   pending_instance_.erase(at->second.need.instance);
-  in_flight_bytes_ =
-      std::max(0.0, in_flight_bytes_ - expected_bytes(at->second.need.size_class));
+  in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - at->second.expected_bytes);
   pending_.erase(at);
 }
 

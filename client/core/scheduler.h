@@ -22,6 +22,7 @@ struct PendingAsk {
   std::uint32_t object = 0;
   std::int64_t sent_us = 0;
   std::uint32_t lighting_id = 0;
+  double expected_bytes = 0;  ///< as counted when it was sent: the expectation changes
 };
 
 class Scheduler {

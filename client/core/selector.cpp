@@ -212,6 +212,8 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
     shown.tile = best.tile;
     shown.since_us = in.now_us;
   }
+  // A former tile that left the cache meanwhile has no texels of its own any more.
+  if (std::find(held.begin(), held.end(), shown.former) == held.end()) shown.former.reset();
   double fade = 1;
   if (shown.former) {
     fade = std::min(1.0, static_cast<double>(in.now_us - shown.since_us) / kFadeUs);

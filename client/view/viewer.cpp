@@ -10,8 +10,10 @@
 #include "client/core/camera_path.h"
 #include "client/core/client_session.h"
 #include "client/core/frame_renderer.h"
+#include "client/core/quantile.h"
 #include "client/native/native_link.h"
 #include "client/view/light_script.h"
+#include "client/view/overlay.h"
 #include "client/view/png.h"
 #include "client/view/session_stats.h"
 #include "client/view/window.h"
@@ -39,7 +41,7 @@ class Viewer {
   Result<void> resize_if_needed();
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
-  void show_overlay(const DrawList& list, double real_ms);
+  std::string overlay_text(const DrawList& list, std::int64_t now) const;
   std::int64_t now_us() const { return clock_->now_us() - paused_us_; }
   std::int64_t frame_us(std::int64_t frame) const {
     return std::llround(static_cast<double>(frame) * 1e6 / o_.fps);
@@ -64,7 +66,7 @@ class Viewer {
   SessionStats stats_;
   std::optional<Lighting> last_light_;
   bool link_was_up_ = true;
-  std::int64_t title_due_us_ = 0;
+  std::optional<Overlay> overlay_;
   double smooth_ms_ = 0;
 };
 
@@ -77,6 +79,9 @@ Result<void> Viewer::open_graphics() {
     Result<Window> window = Window::create(o_.width, o_.height);
     if (!window) return window.error();
     window_.emplace(std::move(*window));
+    Result<Overlay> overlay = Overlay::create();
+    if (!overlay) return overlay.error();
+    overlay_.emplace(std::move(*overlay));
   }
   constexpr int kAtlasEdge = 1024;
   const int layers = std::max(1, o_.atlas_mb * 1024 * 1024 / (kAtlasEdge * kAtlasEdge * 5));
@@ -95,7 +100,8 @@ Result<void> Viewer::open_graphics() {
   options.token = o_.token;
   options.trace = !o_.trace_file.empty();
   // Measured: a pixel of marching costs a CPU rasteriser some 0.3 us, a GPU next to nothing.
-  const bool software = o_.offscreen && egl_.software();
+  const std::string renderer_name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  const bool software = renderer_name.find("llvmpipe") != std::string::npos;
   options.march_budget_px = o_.march_kpx >= 0 ? o_.march_kpx * 1000 : software ? 30e3 : 1e9;
   TileSink sink;
   sink.tile = [this](const TileRecord& record, const std::vector<std::uint8_t>& rgba) {
@@ -220,6 +226,9 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   renderer_->draw(*target_, camera, scene, list, session_->lighting());
   if (window_) {
     target_->show();
+    if (window_->overlay()) {
+      overlay_->draw(overlay_text(list, now), target_->width(), target_->height());
+    }
     window_->present();
   }
   glFinish();
@@ -227,7 +236,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
   stats_.add_frame(list, renderer_->draw_calls(), virtual_clock_ ? 1000.0 / o_.fps : real_ms,
                    real_ms, now);
-  show_overlay(list, real_ms);
+  smooth_ms_ += 0.1 * (real_ms - smooth_ms_);
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
     const Result<void> written =
@@ -279,24 +288,23 @@ Result<void> Viewer::compare(const Camera& camera, const DrawList& list) {
   return write_png(name("difference"), w, h, difference);
 }
 
-void Viewer::show_overlay(const DrawList& list, double real_ms) {
-  smooth_ms_ += 0.1 * (real_ms - smooth_ms_);
-  if (!window_ || real_clock_.now_us() < title_due_us_) return;
-  title_due_us_ = real_clock_.now_us() + 250'000;
+std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {
   double bound = 0;
+  std::vector<float> ages_ms;
   for (const DrawnImpostor& drawn : list.impostors) {
     if (std::isfinite(drawn.bound_px)) bound = std::max(bound, drawn.bound_px);
+    ages_ms.push_back(static_cast<float>(now - drawn.tile->received_us) / 1000.0f);
   }
-  const LinkTraffic traffic = native_->traffic();
-  window_->set_title(
-      window_->overlay()
-          ? fmt::format("Mirage  {:.0f} fps | bound {:.1f} px | {} impostors, {} meshes | {:.1f} MB "
-                        "| round trip {} ms{}",
-                        1000.0 / std::max(smooth_ms_, 0.1), bound, list.impostors.size(),
-                        list.meshes.size(), static_cast<double>(traffic.bytes_down) * 1e-6,
-                        session_->round_trip_us() / 1000,
-                        native_->connected() ? "" : " | OFFLINE: stale, reconnecting")
-          : "Mirage");
+  const LinkTraffic traffic = modelled_ ? modelled_->traffic() : native_->traffic();
+  return fmt::format(
+      "{:.0f} fps, {} draw calls\n{} impostors, {} meshes, {} without image\nbound {:.1f} px worst, "
+      "{} of {} over tau\ntile age {:.1f} s median\n{:.2f} MB down, round trip {} ms{}{}",
+      1000.0 / std::max(smooth_ms_, 0.1), renderer_->draw_calls(), list.impostors.size(),
+      list.meshes.size(), list.placeholders.size(), bound, list.over_tau, list.visible,
+      quantile(ages_ms, 0.5) / 1000.0f, static_cast<double>(traffic.bytes_down) * 1e-6,
+      session_->round_trip_us() / 1000,
+      session_->scene().geometry ? "" : "\nthe server keeps its geometry: images only",
+      native_->connected() ? "" : "\nOFFLINE: showing what is here, reconnecting");
 }
 
 void Viewer::pace(std::int64_t frame) {

@@ -58,9 +58,6 @@ bool Window::poll() {
 }
 
 void Window::present() { glfwSwapBuffers(impl_->window); }
-void Window::set_title(const std::string& title) {
-  glfwSetWindowTitle(impl_->window, title.c_str());
-}
 void Window::framebuffer_size(int& width, int& height) const {
   glfwGetFramebufferSize(impl_->window, &width, &height);
 }

@@ -22,7 +22,6 @@ class Window {
   /// Handles events; false when the window was closed.
   bool poll();
   void present();
-  void set_title(const std::string& title);
   void framebuffer_size(int& width, int& height) const;
   bool overlay() const;
 

@@ -101,7 +101,9 @@ TEST(CorePredictor, JumpNeverCarriesTheViewAway) {
       // The sums are made around 1e6 m: double leaves 1e-9 m there.
       ASSERT_LE(moved, kMaxSpeed * static_cast<double>(h) * 1e-6 + 1e-6);
     }
-    if (jump) ASSERT_EQ(predictor.predict(0).eye, eye);
+    if (jump) {
+      ASSERT_EQ(predictor.predict(0).eye, eye);
+    }
   }
 }
 

@@ -26,7 +26,6 @@ inline SceneView make_scene(const std::vector<Placed>& placed, const SceneOption
   welcome.objects = options.objects;
   welcome.instances = static_cast<std::uint32_t>(placed.size());
   welcome.lighting = to_wire(Lighting{});
-  welcome.sky_zenith = welcome.sky_horizon = welcome.sky_nadir = nullptr;
   welcome.sky_zenith = std::make_unique<wire::Vec3f>();
   welcome.sky_horizon = std::make_unique<wire::Vec3f>();
   welcome.sky_nadir = std::make_unique<wire::Vec3f>();

@@ -1,1 +1,201 @@
+// Scheduler: the window, one ask per instance, and asks that never come back.
 #include <gtest/gtest.h>
+
+#include <set>
+
+#include "protocol/limits.h"
+#include "tests/unit/core_scene.h"
+#include "client/core/scheduler.h"
+
+namespace mirage::test {
+namespace {
+
+constexpr double kFirstWindowBytes = 256 * 1024;
+constexpr std::uint64_t kCreditAhead = 64u << 20;
+
+class CoreScheduler : public ::testing::Test {
+ protected:
+  CoreScheduler() : scene(make_scene(std::vector<Placed>(2000), {})) {}
+  static std::vector<TileNeed> needs(std::uint32_t count, std::uint8_t size_class,
+                                     std::uint32_t first = 0) {
+    std::vector<TileNeed> out(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      out[i].instance = first + i;
+      out[i].size_class = size_class;
+      out[i].gain = 1000.0 - i;
+    }
+    return out;
+  }
+  std::optional<wire::RequestBatchT> plan(const std::vector<TileNeed>& wanted, std::int64_t now,
+                                          const std::vector<std::uint32_t>& meshes = {},
+                                          std::uint32_t lighting = 0) {
+    return scheduler.plan(scene, wanted, meshes, lighting, now);
+  }
+  const SceneView scene;
+  Scheduler scheduler;
+};
+
+TEST_F(CoreScheduler, WindowLimitsWhatIsUnderWay) {
+  // 64 texels: 160 + 0.7 * 64^2 bytes expected each; the last one may cross the line.
+  const auto expected = static_cast<std::size_t>(kFirstWindowBytes / (160 + 0.7 * 64 * 64)) + 1;
+  const auto batch = plan(needs(1000, 4), 0);
+  ASSERT_TRUE(batch);
+  EXPECT_EQ(batch->asks.size(), expected);
+  EXPECT_EQ(scheduler.in_flight(), expected);
+  EXPECT_FALSE(plan(needs(1000, 4), 1000)) << "full, and nothing to say";
+  // Largest gain first.
+  for (std::size_t i = 0; i < expected; ++i) EXPECT_EQ(batch->asks[i].instance(), i);
+  Scheduler fresh;
+  EXPECT_EQ(fresh.plan(scene, needs(1000, 12), {}, 0, 0)->asks.size(), 1u)
+      << "one large tile fills it, but is never too large to be asked for";
+}
+
+TEST_F(CoreScheduler, WindowFollowsTheRate) {
+  // 100 tiles of 4 kB in 200 ms at a round trip of 100 ms: 2 MB/s; gain 2, slack 100 ms.
+  std::int64_t now = 0;
+  std::uint32_t first = 0;
+  for (int i = 0; i < 100; ++i) {
+    const auto batch = plan(needs(1, 4, first++), now);
+    ASSERT_TRUE(batch);
+    now += 2000;
+    // The reply to what was asked a round trip ago; the modelled trip is the same for all.
+    ASSERT_TRUE(scheduler.finish(batch->asks[0].request_id(), 4000, now + 98'000));
+  }
+  const auto batch = plan(needs(1500, 4), now + 98'000);
+  ASSERT_TRUE(batch);
+  const double window = 2.0 * 4000 * 100 / 0.198 * 0.2;
+  const double each = 4000;  // about what the scheduler has learnt to expect
+  EXPECT_NEAR(static_cast<double>(batch->asks.size()), window / each, 0.2 * window / each);
+}
+
+TEST_F(CoreScheduler, OneAskPerInstance) {
+  const auto first = plan(needs(5, 2), 0);
+  ASSERT_TRUE(first);
+  ASSERT_EQ(first->asks.size(), 5u);
+  EXPECT_FALSE(plan(needs(5, 2), 10'000));
+  const auto more = plan(needs(7, 2), 20'000);
+  ASSERT_TRUE(more);
+  std::set<std::uint32_t> instances;
+  for (const wire::Ask& a : more->asks) instances.insert(a.instance());
+  EXPECT_EQ(instances, (std::set<std::uint32_t>{5, 6}));
+  ASSERT_TRUE(scheduler.finish(first->asks[3].request_id(), 1000, 30'000));
+  const auto again = plan(needs(7, 2), 40'000);
+  ASSERT_TRUE(again);
+  ASSERT_EQ(again->asks.size(), 1u);
+  EXPECT_EQ(again->asks[0].instance(), 3u);
+  EXPECT_NE(again->asks[0].request_id(), first->asks[3].request_id());
+}
+
+TEST_F(CoreScheduler, CancelsWhatIsNoLongerNeeded) {
+  const auto first = plan(needs(4, 2), 0);
+  ASSERT_TRUE(first);
+  const auto second = plan(needs(2, 2), 10'000);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->cancels, (std::vector<std::uint32_t>{first->asks[2].request_id(),
+                                                         first->asks[3].request_id()}));
+  EXPECT_EQ(scheduler.in_flight(), 2u);
+  EXPECT_FALSE(scheduler.finish(first->asks[2].request_id(), 1000, 20'000)) << "cancelled";
+  EXPECT_TRUE(scheduler.finish(first->asks[0].request_id(), 1000, 20'000));
+  EXPECT_FALSE(scheduler.finish(first->asks[0].request_id(), 1000, 20'000)) << "answered twice";
+  EXPECT_FALSE(scheduler.finish(12345, 1000, 20'000)) << "never asked";
+}
+
+TEST_F(CoreScheduler, NewLightCancelsAndAsksAnew) {
+  const auto first = plan(needs(2, 2), 0, {}, 1);
+  const auto second = plan(needs(2, 2), 10'000, {}, 2);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->cancels.size(), 2u);
+  EXPECT_EQ(second->asks.size(), 2u);
+  EXPECT_EQ(second->lighting_id, 2u);
+}
+
+TEST_F(CoreScheduler, RefusedPausesThenAsksAgain) {
+  const auto first = plan(needs(1, 2), 0);
+  scheduler.refuse(first->asks[0].request_id(), 100'000);
+  EXPECT_EQ(scheduler.in_flight(), 0u);
+  EXPECT_FALSE(plan(needs(1, 2), 349'999));
+  const auto again = plan(needs(1, 2), 350'000);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->asks.size(), 1u);
+  scheduler.refuse(4711, 0);  // never asked
+}
+
+TEST_F(CoreScheduler, LostAsksAreGivenUp) {
+  const auto first = plan(needs(1, 2), 0);
+  EXPECT_FALSE(plan(needs(1, 2), 5'000'000));
+  const auto again = plan(needs(1, 2), 5'000'001);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->cancels, std::vector<std::uint32_t>{first->asks[0].request_id()});
+  EXPECT_EQ(again->asks.size(), 1u);
+}
+
+TEST_F(CoreScheduler, CreditGrowsWithWhatHasArrived) {
+  const auto first = plan(needs(1, 2), 0);
+  EXPECT_EQ(first->credit_bytes, kCreditAhead);
+  scheduler.finish(first->asks[0].request_id(), 123'456, 10'000);
+  EXPECT_EQ(plan(needs(1, 2), 20'000)->credit_bytes, kCreditAhead + 123'456);
+  // What nobody waits for any more was sent all the same.
+  scheduler.finish(999, 1'000, 30'000);
+  EXPECT_EQ(plan(needs(2, 2), 40'000)->credit_bytes, kCreditAhead + 124'456);
+  scheduler.reset();
+  EXPECT_EQ(plan(needs(3, 2), 50'000)->credit_bytes, kCreditAhead) << "a new connection";
+}
+
+TEST_F(CoreScheduler, GeometryIsAskedForOnce) {
+  EXPECT_EQ(plan({}, 0, {3, 5})->mesh_asks, (std::vector<std::uint32_t>{3, 5}));
+  EXPECT_FALSE(plan({}, 10, {3, 5}));
+  scheduler.mesh_arrived(3);
+  scheduler.mesh_refused(5);
+  EXPECT_EQ(plan({}, 20, {3, 5})->mesh_asks, std::vector<std::uint32_t>{3});
+  scheduler.reset();
+  EXPECT_EQ(plan({}, 30, {3, 5})->mesh_asks.size(), 2u);
+}
+
+TEST_F(CoreScheduler, BatchesKeepTheProtocolsLimits) {
+  std::vector<std::uint32_t> all(3000);
+  for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+  std::set<std::uint32_t> asked;
+  for (int i = 0; i < 4; ++i) {
+    const auto batch = plan({}, i, all);
+    if (!batch) break;
+    EXPECT_LE(batch->mesh_asks.size(), limits::kMaxAsksPerBatch);
+    asked.insert(batch->mesh_asks.begin(), batch->mesh_asks.end());
+  }
+  EXPECT_EQ(asked.size(), all.size());
+}
+
+TEST_F(CoreScheduler, NothingUnderWayLeavesTheWholeWindow) {
+  // Tiles compress better and worse in turn, so that the expectation changes while asks are out.
+  std::int64_t now = 0;
+  for (int round = 0; round < 210; ++round) {
+    const auto batch = plan(needs(20, 8), now);
+    ASSERT_TRUE(batch) << "round " << round;
+    now += 50'000;
+    for (const wire::Ask& a : batch->asks) {
+      scheduler.finish(a.request_id(), (round / 10) % 2 == 0 ? 500 : 60'000, now);
+    }
+    ASSERT_EQ(scheduler.in_flight(), 0u);
+    now += 1'500'000;  // the measured rate is forgotten
+  }
+  // 500 bytes for 256 x 256 texels is the expectation now; the first window is free again.
+  now += 2'000'000;
+  const auto batch = plan(needs(1024, 6), now);
+  ASSERT_TRUE(batch);
+  const double expected = kFirstWindowBytes / (160 + 500.0 / 65'536 * 128 * 128);
+  EXPECT_NEAR(static_cast<double>(batch->asks.size()), expected, 0.02 * expected);
+}
+
+TEST_F(CoreScheduler, RoundTripIsTheMedian) {
+  EXPECT_EQ(scheduler.round_trip_us(), 0);
+  std::int64_t now = 0;
+  for (int i = 0; i < 33; ++i) {
+    const auto batch = plan(needs(1, 2), now);
+    const std::int64_t trip = i % 8 == 0 ? 900'000 : 100'000 + i;
+    scheduler.finish(batch->asks[0].request_id(), 500, now + trip);
+    now += 1'000'000;
+  }
+  EXPECT_NEAR(static_cast<double>(scheduler.round_trip_us()), 100'016, 20);
+}
+
+}  // namespace
+}  // namespace mirage::test
