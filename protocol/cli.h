@@ -40,7 +40,8 @@ inline void add_conventions(CLI::App& app) {
     std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
       return c == '-' ? '_' : static_cast<char>(std::toupper(c));
     });
-    const bool special = name == "MIRAGE_HELP" || name == "MIRAGE_VERSION" || name == "MIRAGE_CONFIG";
+    const bool special =
+        name == "MIRAGE_HELP" || name == "MIRAGE_VERSION" || name == "MIRAGE_CONFIG";
     if (!special) option->envname(name);
   }
 }
@@ -53,7 +54,8 @@ inline int parse_command_line(CLI::App& app, int argc, char** argv) {
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    return fail(make_error(ErrorId::kUsage, error.what(), app.get_name() + " --help lists the options"));
+    return fail(
+        make_error(ErrorId::kUsage, error.what(), app.get_name() + " --help lists the options"));
   }
 }
 

@@ -39,8 +39,8 @@ double position_bound_px(const ViewGeometry& view, const CaptureGeometry& captur
                        capture.distance >= limits::kMinCaptureRadii * view.radius * (1 - 1e-9);
   if (!outside || !(near_surface > 0) || !(near_drawn > 0)) return kInfinity;
   if (!std::isfinite(near_surface) || !std::isfinite(near_drawn)) return kInfinity;
-  const double bound = view.focal_px * drawn.dz * baseline_term(view, capture) /
-                       (near_surface * near_drawn);
+  const double bound =
+      view.focal_px * drawn.dz * baseline_term(view, capture) / (near_surface * near_drawn);
   return bound >= 0 ? bound : kInfinity;
 }
 
@@ -59,9 +59,9 @@ double point_error_px(double focal_px, const glm::dvec3& p, const glm::dvec3& q,
 double texel_size_px(const ViewGeometry& view, const CaptureGeometry& capture, double texels) {
   const double near_surface = view.center_depth - view.radius;
   if (!(near_surface > 0) || !(texels > 0)) return kInfinity;
-  // A texel's width at the object's centre, seen at the depth of the centre: content sits around it.
-  const double width =
-      2.0 * tan_cone(view.radius, capture.distance) * capture.distance / texels;
+  // A texel's width at the object's centre, seen at the depth of the centre: content sits around
+  // it.
+  const double width = 2.0 * tan_cone(view.radius, capture.distance) * capture.distance / texels;
   return view.focal_px * width / view.center_depth;
 }
 

@@ -16,10 +16,10 @@ namespace mirage {
 
 /// All lengths in object units, positions relative to the object's centre.
 struct ViewGeometry {
-  double focal_px = 0;           ///< H / (2 tan(fovy/2))
-  double radius = 0;             ///< of the bounding sphere
-  glm::dvec3 eye{0};             ///< present eye
-  double center_depth = 0;       ///< eye depth of the centre along the present forward axis
+  double focal_px = 0;      ///< H / (2 tan(fovy/2))
+  double radius = 0;        ///< of the bounding sphere
+  glm::dvec3 eye{0};        ///< present eye
+  double center_depth = 0;  ///< eye depth of the centre along the present forward axis
 };
 
 struct CaptureGeometry {

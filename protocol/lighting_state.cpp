@@ -26,9 +26,18 @@ glm::vec3 quantise(const glm::dvec3& v, double step) {
 using LightWords = std::array<float, 13>;
 
 LightWords words(const ObjectLight& l) {
-  return {static_cast<float>(l.kind), l.color.r,     l.color.g,     l.color.b,
-          l.position.x,               l.position.y,  l.position.z,  l.direction.x,
-          l.direction.y,              l.direction.z, l.range,       l.cos_inner,
+  return {static_cast<float>(l.kind),
+          l.color.r,
+          l.color.g,
+          l.color.b,
+          l.position.x,
+          l.position.y,
+          l.position.z,
+          l.direction.x,
+          l.direction.y,
+          l.direction.z,
+          l.range,
+          l.cos_inner,
           l.cos_outer};
 }
 

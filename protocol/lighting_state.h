@@ -23,7 +23,8 @@ struct ObjectLight {
   float cos_outer = 0;
 };
 
-/// What a tile's shading depends on. `lights` is sorted, quantised, free of lights that add nothing.
+/// What a tile's shading depends on. `lights` is sorted, quantised, free of lights that add
+/// nothing.
 struct ObjectLighting {
   glm::vec3 ambient{0};
   std::vector<ObjectLight> lights;

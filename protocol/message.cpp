@@ -34,8 +34,7 @@ Result<Message> decode_message(const std::uint8_t* bytes, std::size_t size) {
     return make_error(ErrorId::kWireLimit, "control part is larger than allowed");
   }
   // FlatBuffers needs its buffer aligned; the header's 16 bytes keep whatever the caller had.
-  const Bytes aligned(bytes + kWireHeaderBytes,
-                      bytes + kWireHeaderBytes + header->control_bytes);
+  const Bytes aligned(bytes + kWireHeaderBytes, bytes + kWireHeaderBytes + header->control_bytes);
   flatbuffers::Verifier verifier(aligned.data(), aligned.size(), 8, 4096);
   if (!wire::VerifyControlBuffer(verifier)) {
     return make_error(ErrorId::kWireMalformed, "control part does not verify");
@@ -109,8 +108,8 @@ Result<Tile> tile_from_fields(const wire::TileReplyT& reply) {
   tile.crop = {reply.crop_x, reply.crop_y, reply.crop_w, reply.crop_h};
   tile.measure = {reply.plane_depth, reply.depth_min, reply.depth_max, reply.dz_quad,
                   reply.dz_cuboid,   reply.dz_hull,   reply.depth_gap};
-  const bool inside = tile.crop.x + tile.crop.w <= tile.edge &&
-                      tile.crop.y + tile.crop.h <= tile.edge;
+  const bool inside =
+      tile.crop.x + tile.crop.w <= tile.edge && tile.crop.y + tile.crop.h <= tile.edge;
   if (tile.edge < 4 || tile.edge > limits::kMaxTileEdge || !inside) {
     return make_error(ErrorId::kWireValue, "tile crop leaves its window");
   }

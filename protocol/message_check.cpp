@@ -130,14 +130,22 @@ Result<void> check_body(const wire::Control& control) {
   // The verifier lets a body pass whose tag is set and whose table is absent.
   if (!control.body()) return make_error(ErrorId::kWireMalformed, "message has no body");
   switch (control.body_type()) {
-    case wire::Body::Hello: return check(*control.body_as_Hello());
-    case wire::Body::Welcome: return check(*control.body_as_Welcome());
-    case wire::Body::ObjectPage: return check(*control.body_as_ObjectPage());
-    case wire::Body::InstancePage: return check(*control.body_as_InstancePage());
-    case wire::Body::SetLighting: return check(*control.body_as_SetLighting());
-    case wire::Body::RequestBatch: return check(*control.body_as_RequestBatch());
-    case wire::Body::ReferenceRequest: return check(*control.body_as_ReferenceRequest());
-    case wire::Body::Bye: return check(*control.body_as_Bye());
+    case wire::Body::Hello:
+      return check(*control.body_as_Hello());
+    case wire::Body::Welcome:
+      return check(*control.body_as_Welcome());
+    case wire::Body::ObjectPage:
+      return check(*control.body_as_ObjectPage());
+    case wire::Body::InstancePage:
+      return check(*control.body_as_InstancePage());
+    case wire::Body::SetLighting:
+      return check(*control.body_as_SetLighting());
+    case wire::Body::RequestBatch:
+      return check(*control.body_as_RequestBatch());
+    case wire::Body::ReferenceRequest:
+      return check(*control.body_as_ReferenceRequest());
+    case wire::Body::Bye:
+      return check(*control.body_as_Bye());
     case wire::Body::StatsRequest:
     case wire::Body::TileReply:
     case wire::Body::Refused:
@@ -146,7 +154,8 @@ Result<void> check_body(const wire::Control& control) {
     case wire::Body::Stats:
       if (control.body() == nullptr) break;
       return {};
-    default: break;  // NONE, or a union tag this version does not know
+    default:
+      break;  // NONE, or a union tag this version does not know
   }
   return make_error(ErrorId::kWireMalformed, "message has no known body");
 }

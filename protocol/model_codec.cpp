@@ -114,8 +114,8 @@ void put_material(Writer& w, const Material& m) {
   w.put(static_cast<std::uint8_t>(m.double_sided));
   w.put(static_cast<std::uint8_t>(m.unlit));
   w.put(std::uint8_t{0});
-  for (const TextureRef* t : {&m.base_color_map, &m.metal_rough_map, &m.normal_map,
-                              &m.occlusion_map, &m.emissive_map}) {
+  for (const TextureRef* t :
+       {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {
     put_texture(w, *t);
   }
 }
@@ -128,8 +128,8 @@ bool get_material(Reader& r, Material& m, std::size_t images) {
   };
   for (int i = 0; i < 4; ++i) number(m.base_color[i]);
   for (int i = 0; i < 3; ++i) number(m.emissive[i]);
-  for (float* v : {&m.metallic, &m.roughness, &m.normal_scale, &m.occlusion_strength,
-                   &m.alpha_cutoff}) {
+  for (float* v :
+       {&m.metallic, &m.roughness, &m.normal_scale, &m.occlusion_strength, &m.alpha_cutoff}) {
     number(*v);
   }
   const auto alpha_mode = r.get<std::uint8_t>(), double_sided = r.get<std::uint8_t>();
@@ -138,8 +138,8 @@ bool get_material(Reader& r, Material& m, std::size_t images) {
   m.alpha_mode = static_cast<AlphaMode>(alpha_mode);
   m.double_sided = double_sided != 0;
   m.unlit = unlit != 0;
-  for (TextureRef* t : {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map,
-                        &m.emissive_map}) {
+  for (TextureRef* t :
+       {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {
     ok = get_texture(r, *t, images) && ok;
   }
   return ok;
@@ -152,8 +152,8 @@ Error value_error(const char* what) {
 Result<void> check_mesh(const Mesh& mesh, std::size_t materials) {
   for (const Vertex& v : mesh.vertices) {
     const double sum = 0.0 + v.position.x + v.position.y + v.position.z + v.normal.x + v.normal.y +
-                      v.normal.z + v.tangent.x + v.tangent.y + v.tangent.z + v.tangent.w +
-                      v.uv0.x + v.uv0.y + v.uv1.x + v.uv1.y;
+                       v.normal.z + v.tangent.x + v.tangent.y + v.tangent.z + v.tangent.w +
+                       v.uv0.x + v.uv0.y + v.uv1.x + v.uv1.y;
     if (!std::isfinite(sum)) return value_error("vertex");
   }
   for (const std::uint32_t i : mesh.indices) {

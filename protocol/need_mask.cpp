@@ -6,8 +6,7 @@ namespace mirage {
 namespace {
 
 bool is_transformed(const TextureRef& t) {
-  return t.present() &&
-         (t.offset != glm::vec2(0) || t.scale != glm::vec2(1) || t.rotation != 0.0f);
+  return t.present() && (t.offset != glm::vec2(0) || t.scale != glm::vec2(1) || t.rotation != 0.0f);
 }
 
 }  // namespace
@@ -34,8 +33,8 @@ NeedMask material_needs(const Material& m, bool vertex_color) {
     if (m.occlusion_map.present() && m.occlusion_strength != 0.0f) needs |= kNeedOcclusionMap;
     if (m.emissive_map.present() && m.emissive != glm::vec3(0)) needs |= kNeedEmissiveMap;
   }
-  for (const TextureRef* t : {&m.base_color_map, &m.metal_rough_map, &m.normal_map,
-                              &m.occlusion_map, &m.emissive_map}) {
+  for (const TextureRef* t :
+       {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {
     if (is_transformed(*t)) needs |= kNeedTextureTransform;
     if (t->present() && t->uv_set == 1) needs |= kNeedUv1;
   }

@@ -9,8 +9,7 @@ std::vector<Plane> ConvexHull::planes() const {
   std::vector<Plane> out;
   for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
     const glm::vec3 a = vertices[indices[i]];
-    const glm::vec3 n =
-        glm::cross(vertices[indices[i + 1]] - a, vertices[indices[i + 2]] - a);
+    const glm::vec3 n = glm::cross(vertices[indices[i + 1]] - a, vertices[indices[i + 2]] - a);
     const float length = glm::length(n);
     if (!(length > 0)) continue;
     out.push_back({n / length, glm::dot(n / length, a)});

@@ -25,7 +25,7 @@ struct ObjectDescription {
   float radius = 0;
   glm::vec3 box_min{0};
   glm::vec3 box_max{0};
-  ConvexHull hull;          ///< encloses the mesh
+  ConvexHull hull;             ///< encloses the mesh
   glm::vec3 mean_color{0.5f};  ///< linear; what a placeholder shows
   NeedMask needs = 0;
   std::uint32_t triangles = 0;

@@ -28,10 +28,10 @@ enum class LightKind : std::uint8_t { kDirectional, kPoint, kSpot };
 /// point and spot: intensity, falling off with the squared distance in metres.
 struct Light {
   LightKind kind = LightKind::kDirectional;
-  glm::vec3 color{1};            ///< linear RGB times intensity, >= 0
-  glm::dvec3 position{0};        ///< world; unused for directional
-  glm::vec3 direction{0, -1, 0}; ///< world, unit, the way the light travels
-  float range = 0;               ///< metres; 0: unlimited
+  glm::vec3 color{1};             ///< linear RGB times intensity, >= 0
+  glm::dvec3 position{0};         ///< world; unused for directional
+  glm::vec3 direction{0, -1, 0};  ///< world, unit, the way the light travels
+  float range = 0;                ///< metres; 0: unlimited
   float cos_inner = 1;
   float cos_outer = 0;
 };

@@ -18,13 +18,13 @@ struct TileCrop {
 
 /// Measured on the full-precision depth of the rendered tile, in object units (see error_bound.h).
 struct TileMeasure {
-  float plane_depth = 0;    ///< capture depth of the quad: halves the error against the centre plane
-  float depth_min = 0;      ///< nearest and farthest capture depth of the content
+  float plane_depth = 0;  ///< capture depth of the quad: halves the error against the centre plane
+  float depth_min = 0;    ///< nearest and farthest capture depth of the content
   float depth_max = 0;
-  float dz_quad = 0;        ///< max |z - plane_depth|
-  float dz_cuboid = 0;      ///< max |z - entry into the bounding box|
-  float dz_hull = 0;        ///< max |z - entry into the convex hull|
-  float depth_gap = 0;      ///< largest depth step between neighbours: the widest possible hole
+  float dz_quad = 0;    ///< max |z - plane_depth|
+  float dz_cuboid = 0;  ///< max |z - entry into the bounding box|
+  float dz_hull = 0;    ///< max |z - entry into the convex hull|
+  float depth_gap = 0;  ///< largest depth step between neighbours: the widest possible hole
 };
 
 /// Decoded tile, content crop only, rows top to bottom (row 0 = up side of the capture basis).
@@ -36,7 +36,8 @@ struct Tile {
   std::vector<std::uint8_t> depth;  ///< crop.w*crop.h; hyperbolic 1..255 over Dc -+ r, 0 = nothing
 };
 
-/// Half the tangent of the capture window: the bounding sphere's cone plus a guard of 1 texel a side.
+/// Half the tangent of the capture window: the bounding sphere's cone plus a guard of 1 texel a
+/// side.
 double capture_half_tangent(double radius, double distance, std::uint32_t edge);
 
 /// Hyperbolic 8-bit depth over [Dc - r, Dc + r] (object units).

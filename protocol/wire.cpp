@@ -48,8 +48,8 @@ Result<FrameHeader> read_frame_header(const std::uint8_t* bytes, std::size_t siz
   header.kind = static_cast<FrameKind>(bytes[3]);
   header.control_bytes = get_u32(bytes + 4);
   header.payload_bytes = get_u32(bytes + 8);
-  const std::uint64_t whole = std::uint64_t{kWireHeaderBytes} + header.control_bytes +
-                              header.payload_bytes;
+  const std::uint64_t whole =
+      std::uint64_t{kWireHeaderBytes} + header.control_bytes + header.payload_bytes;
   if (whole != size || get_u32(bytes + 12) != 0) {
     return make_error(ErrorId::kWireMalformed, "message length does not agree with its header");
   }

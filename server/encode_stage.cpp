@@ -25,10 +25,10 @@ StoredTilePtr EncodeStage::encode(const RenderedTile& rendered, const ObjectDesc
   stored->reply.codec = static_cast<std::uint8_t>(codec);
   stored->reply.queue_us = rendered.queue_us;
   stored->reply.render_us = rendered.render_us;
-  stored->reply.encode_us = static_cast<std::uint32_t>(
-      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() -
-                                                            start)
-          .count());
+  stored->reply.encode_us =
+      static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::microseconds>(
+                                     std::chrono::steady_clock::now() - start)
+                                     .count());
   return stored;
 }
 

@@ -166,7 +166,8 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
       impl_of(wsi)->drain_completions();
       return 0;
-    default: return 0;
+    default:
+      return 0;
   }
 }
 
@@ -175,7 +176,8 @@ int send_text(lws* wsi, unsigned int status, const std::string& body) {
   unsigned char* const start = buffer.data() + LWS_PRE;
   unsigned char* at = start;
   unsigned char* const end = buffer.data() + LWS_PRE + 1024;
-  if (lws_add_http_common_headers(wsi, status, "text/plain; version=0.0.4", body.size(), &at, end) ||
+  if (lws_add_http_common_headers(wsi, status, "text/plain; version=0.0.4", body.size(), &at,
+                                  end) ||
       lws_finalize_write_http_header(wsi, start, &at, end)) {
     return 1;
   }
@@ -195,8 +197,10 @@ int on_http(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t 
       }
       return send_text(wsi, 404, "this is a Mirage server: connect with mirage-view\n");
     }
-    case LWS_CALLBACK_EVENT_WAIT_CANCELLED: return 0;
-    default: return lws_callback_http_dummy(wsi, reason, user, in, length);
+    case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
+      return 0;
+    default:
+      return lws_callback_http_dummy(wsi, reason, user, in, length);
   }
 }
 

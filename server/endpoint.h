@@ -15,11 +15,11 @@ namespace mirage {
 
 struct EndpointOptions {
   std::string host = "127.0.0.1";
-  int port = 9870;            ///< 0: any free port
-  std::string tls_cert;       ///< PEM files; both or none
+  int port = 9870;       ///< 0: any free port
+  std::string tls_cert;  ///< PEM files; both or none
   std::string tls_key;
-  std::string allow_origin;   ///< empty: any; else the only Origin a browser may come from
-  bool metrics = false;       ///< GET /metrics
+  std::string allow_origin;  ///< empty: any; else the only Origin a browser may come from
+  bool metrics = false;      ///< GET /metrics
 };
 
 class Endpoint {

@@ -42,8 +42,12 @@ std::string explain_needs(const PreparedScene& prepared, bool json) {
       (used ? needed : left_out).push_back(rule.feature);
       if (!used) left += (left.empty() ? "" : ", ") + std::string(rule.feature);
     }
-    out.push_back({{"object", i}, {"name", name}, {"triangles", object.triangles},
-                   {"radius", object.radius}, {"needed", needed}, {"left_out", left_out}});
+    out.push_back({{"object", i},
+                   {"name", name},
+                   {"triangles", object.triangles},
+                   {"radius", object.radius},
+                   {"needed", needed},
+                   {"left_out", left_out}});
     text += fmt::format("  {:4} {:<28} {:>8} triangles, radius {:.3g} m; left out: {}\n", i, name,
                         object.triangles, object.radius, left);
   }

@@ -47,11 +47,11 @@ void raise_descriptor_limit() {
 Result<void> announce(const ServerOptions& options, const PreparedScene& scene, int port,
                       const std::string& renderer) {
   const char* scheme = options.endpoint.tls_cert.empty() ? "ws" : "wss";
-  std::printf("ready url=%s://%s:%d revision=%016llx objects=%zu instances=%zu triangles=%llu gl=%s\n",
-              scheme, options.endpoint.host.c_str(), port,
-              static_cast<unsigned long long>(scene.revision), scene.objects.size(),
-              scene.scene.instances.size(),
-              static_cast<unsigned long long>(scene.scene.triangles()), renderer.c_str());
+  std::printf(
+      "ready url=%s://%s:%d revision=%016llx objects=%zu instances=%zu triangles=%llu gl=%s\n",
+      scheme, options.endpoint.host.c_str(), port, static_cast<unsigned long long>(scene.revision),
+      scene.objects.size(), scene.scene.instances.size(),
+      static_cast<unsigned long long>(scene.scene.triangles()), renderer.c_str());
   std::fflush(stdout);
   if (options.port_file.empty()) return {};
   std::ofstream file(options.port_file);

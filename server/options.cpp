@@ -53,19 +53,24 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
       ->capture_default_str();
   app.add_option("--port-file", o.port_file, "write the port here once ready");
   app.add_option("--cache-mb", o.cache_mb, "memory for finished tiles")
-      ->check(CLI::Range(1, 1 << 20))->capture_default_str();
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
   app.add_option("--cache-dir", o.cache_dir, "keep finished tiles in this directory, too");
   app.add_option("--codec", codec, "tile codec")
-      ->check(CLI::IsMember({"zstd", "raw"}))->capture_default_str();
+      ->check(CLI::IsMember({"zstd", "raw"}))
+      ->capture_default_str();
   app.add_option("--encoders", o.encoders, "encoder threads")
-      ->check(CLI::Range(1, 64))->capture_default_str();
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
   app.add_option("--device", o.render.device, "EGL device: auto, surfaceless, device0, …")
       ->capture_default_str();
   app.add_flag("--list-devices", o.list_devices, "show the EGL devices and exit");
   app.add_option("--page", o.render.page_edge, "tile page edge in texels; larger suits a GPU")
-      ->check(CLI::Range(64, 4096))->capture_default_str();
+      ->check(CLI::Range(64, 4096))
+      ->capture_default_str();
   app.add_option("--supersample", o.render.supersample, "samples per texel and axis")
-      ->check(CLI::Range(1, 4))->capture_default_str();
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
   app.add_option("--token-file", token_file, "clients must present this file's first line");
   CLI::Option* cert = app.add_option("--tls-cert", o.endpoint.tls_cert, "certificate (PEM)");
   CLI::Option* key = app.add_option("--tls-key", o.endpoint.tls_key, "private key (PEM)");
@@ -75,7 +80,8 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.add_flag("--no-geometry", no_geometry, "never send meshes");
   app.add_flag("--no-reference", no_reference, "refuse full renders for comparison");
   app.add_option("--max-clients", o.session.max_clients, "connections at a time")
-      ->check(CLI::Range(1, 1 << 20))->capture_default_str();
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
   app.add_flag("--metrics", o.endpoint.metrics, "serve GET /metrics (Prometheus text)");
   app.add_flag("--explain", o.explain, "print what each object needs and what is left out; exit");
   app.add_flag("--json", o.json, "with --explain: as JSON");

@@ -79,8 +79,8 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
     const auto tiles = static_cast<std::int64_t>(page.info.jobs.size());
     const auto share = static_cast<std::uint32_t>((now - page.info.started_us) / tiles);
     for (std::size_t i = 0; i < page.info.jobs.size(); ++i) {
-      RenderedTile tile{page.info.jobs[i], page.pixels, page.info.places[i].first,
-                        page.info.places[i].second, 0, share};
+      RenderedTile tile{page.info.jobs[i],          page.pixels, page.info.places[i].first,
+                        page.info.places[i].second, 0,           share};
       tile.queue_us = static_cast<std::uint32_t>(page.info.started_us - tile.job.queued_us);
       rendered_.push(std::move(tile));
     }

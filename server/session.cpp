@@ -34,8 +34,8 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
 
 Result<SessionId> SessionHub::open() {
   if (sessions_.size() >= options_.max_clients) {
-    return make_error(ErrorId::kBusy, "server has its " + std::to_string(options_.max_clients) +
-                                          " clients");
+    return make_error(ErrorId::kBusy,
+                      "server has its " + std::to_string(options_.max_clients) + " clients");
   }
   const SessionId id = next_id_++;
   sessions_[id].opened_us = clock_.now_us();
@@ -65,13 +65,23 @@ Result<void> SessionHub::handle(SessionId id, Session& s, Message message) {
     return make_error(ErrorId::kWireState, "the first message must be a hello");
   }
   switch (body.type) {
-    case wire::Body::Hello: return hello(id, s, *body.AsHello());
-    case wire::Body::SetLighting: return set_lighting(s, *body.AsSetLighting());
-    case wire::Body::RequestBatch: batch(id, s, *body.AsRequestBatch()); return {};
-    case wire::Body::ReferenceRequest: reference(id, s, *body.AsReferenceRequest()); return {};
-    case wire::Body::StatsRequest: stats(id, s, *body.AsStatsRequest()); return {};
-    case wire::Body::Bye: return make_error(ErrorId::kNetworkClosed, "client said goodbye");
-    default: return make_error(ErrorId::kWireState, "this message is not for a server");
+    case wire::Body::Hello:
+      return hello(id, s, *body.AsHello());
+    case wire::Body::SetLighting:
+      return set_lighting(s, *body.AsSetLighting());
+    case wire::Body::RequestBatch:
+      batch(id, s, *body.AsRequestBatch());
+      return {};
+    case wire::Body::ReferenceRequest:
+      reference(id, s, *body.AsReferenceRequest());
+      return {};
+    case wire::Body::StatsRequest:
+      stats(id, s, *body.AsStatsRequest());
+      return {};
+    case wire::Body::Bye:
+      return make_error(ErrorId::kNetworkClosed, "client said goodbye");
+    default:
+      return make_error(ErrorId::kWireState, "this message is not for a server");
   }
 }
 
@@ -132,8 +142,7 @@ void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batc
   for (const std::uint32_t request : batch.cancels) queue_.cancel(id, request);
   const auto found = s.lighting.find(batch.lighting_id);
   const bool known = batch.lighting_id == 0 || found != s.lighting.end();
-  const Lighting& lighting =
-      found != s.lighting.end() ? found->second : scene_->scene.lighting;
+  const Lighting& lighting = found != s.lighting.end() ? found->second : scene_->scene.lighting;
   for (const wire::Ask& one : batch.asks) {
     ++counters_.tiles_asked;
     if (known) {
@@ -238,8 +247,8 @@ void SessionHub::stats(SessionId id, Session& s, const wire::StatsRequestT& m) {
   push(id, s.control, encode_message(std::move(out)));
 }
 
-void SessionHub::refuse(SessionId id, Session& s, std::uint32_t request,
-                        wire::RefusalReason reason, bool mesh) {
+void SessionHub::refuse(SessionId id, Session& s, std::uint32_t request, wire::RefusalReason reason,
+                        bool mesh) {
   ++counters_.tiles_refused;
   wire::RefusedT refused;
   refused.request_id = request;

@@ -26,8 +26,8 @@ namespace mirage {
 using FramePtr = std::shared_ptr<const Bytes>;
 
 struct SessionOptions {
-  std::string token;       ///< empty: no client needs one
-  std::string renderer;    ///< told to clients
+  std::string token;     ///< empty: no client needs one
+  std::string renderer;  ///< told to clients
   bool geometry = true;
   bool reference = true;
   std::size_t max_clients = 4096;
@@ -36,8 +36,8 @@ struct SessionOptions {
 
 class SessionHub {
  public:
-  SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
-             const Clock& clock, Counters& counters, TileQueue& queue, TileStore& store);
+  SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options, const Clock& clock,
+             Counters& counters, TileQueue& queue, TileStore& store);
 
   /// Error kBusy when there are too many clients.
   Result<SessionId> open();

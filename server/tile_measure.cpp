@@ -117,8 +117,8 @@ void measure(Tile& tile, const Capture& capture, const ObjectDescription& object
   if (hull.empty()) {
     m.dz_hull = m.dz_cuboid;
   } else {
-    m.dz_hull = entry_difference(z, entry_depths(hull, capture, center, tile.crop), tile.crop) +
-                quantum;
+    m.dz_hull =
+        entry_difference(z, entry_depths(hull, capture, center, tile.crop), tile.crop) + quantum;
   }
 }
 
@@ -135,7 +135,8 @@ Tile cut_tile(const std::uint8_t* rgba, const std::uint8_t* depth, int page_widt
   for (std::uint32_t y = 0; y < tile.crop.h; ++y) {
     const std::size_t from = source.at(tile.crop.x, tile.crop.y + y);
     const std::size_t to = std::size_t{y} * tile.crop.w;
-    std::copy_n(rgba + from * 4, std::size_t{tile.crop.w} * 4, tile.rgba.begin() + static_cast<std::ptrdiff_t>(to * 4));
+    std::copy_n(rgba + from * 4, std::size_t{tile.crop.w} * 4,
+                tile.rgba.begin() + static_cast<std::ptrdiff_t>(to * 4));
     std::copy_n(depth + from, tile.crop.w, tile.depth.begin() + static_cast<std::ptrdiff_t>(to));
   }
   measure(tile, capture, object);

@@ -37,8 +37,8 @@ Result<CameraPath> CameraPath::create(const std::string& spec, const HomeView& h
   path.center_ = scene_center;
   path.radius_ = scene_radius;
   const std::pair<const char*, Kind> names[] = {
-      {"still", Kind::kStill}, {"orbit", Kind::kOrbit},   {"walk", Kind::kWalk},
-      {"fly", Kind::kFly},     {"shake", Kind::kShake},   {"strafe", Kind::kStrafe},
+      {"still", Kind::kStill},      {"orbit", Kind::kOrbit}, {"walk", Kind::kWalk},
+      {"fly", Kind::kFly},          {"shake", Kind::kShake}, {"strafe", Kind::kStrafe},
       {"teleport", Kind::kTeleport}};
   if (spec.rfind("builtin:", 0) == 0) {
     for (const auto& [name, kind] : names) {
@@ -75,7 +75,8 @@ Result<std::vector<CameraPath::Key>> CameraPath::read_trace(const std::string& p
                         "x y z rx ry rz t_ms: metres, degrees, milliseconds, time not falling");
     }
     const glm::dvec3 angles = glm::dvec3(v[3], v[4], v[5]) * kDegree;
-    keys.push_back({v[6] / 1000.0, {{v[0], v[1], v[2]}, glm::quat(glm::normalize(glm::dquat(angles)))}});
+    keys.push_back(
+        {v[6] / 1000.0, {{v[0], v[1], v[2]}, glm::quat(glm::normalize(glm::dquat(angles)))}});
   }
   if (keys.empty()) return make_error(ErrorId::kUsage, "path file '" + path + "' has no lines");
   return keys;
@@ -87,11 +88,10 @@ Pose CameraPath::walk(double seconds) const {
   const glm::dvec3 right(-forward.z, 0, forward.x);
   const double angle = seconds * home_.walk_speed_mps / home_.walk_radius_m;
   const double bob = 0.01 * home_.walk_speed_mps * std::sin(kTau * 1.8 * seconds);
-  const glm::dvec3 eye = home_.eye +
-                         right * (home_.walk_radius_m * (1.0 - std::cos(angle))) +
+  const glm::dvec3 eye = home_.eye + right * (home_.walk_radius_m * (1.0 - std::cos(angle))) +
                          forward * (home_.walk_radius_m * std::sin(angle)) + glm::dvec3(0, bob, 0);
-  const double pitch_y = (home_.target - home_.eye).y /
-                         std::max(glm::length(home_.target - home_.eye), 1e-9);
+  const double pitch_y =
+      (home_.target - home_.eye).y / std::max(glm::length(home_.target - home_.eye), 1e-9);
   const double yaw = 20 * kDegree * std::sin(kTau * seconds / 6.0);
   glm::dvec3 direction = turned(forward, -angle - yaw);
   direction.y = pitch_y;
@@ -115,12 +115,14 @@ Pose CameraPath::at(double seconds) const {
   const glm::dvec3 forward = horizontal(view);
   const glm::dvec3 right(-forward.z, 0, forward.x);
   switch (kind_) {
-    case Kind::kStill: return look_at(home_.eye, home_.target);
+    case Kind::kStill:
+      return look_at(home_.eye, home_.target);
     case Kind::kOrbit: {
       const glm::dvec3 offset = turned(home_.eye - home_.target, 30 * kDegree * seconds);
       return look_at(home_.target + offset, home_.target);
     }
-    case Kind::kWalk: return walk(seconds);
+    case Kind::kWalk:
+      return walk(seconds);
     case Kind::kFly: {
       const double speed = 2.5 * home_.walk_speed_mps;
       const double turn = std::max(0.6 * radius_, 2.0 * home_.walk_radius_m);
@@ -143,7 +145,8 @@ Pose CameraPath::at(double seconds) const {
       const double hop = std::floor(seconds);
       return walk(hop * 7.0);
     }
-    case Kind::kTrace: return trace(seconds);
+    case Kind::kTrace:
+      return trace(seconds);
   }
   return {};
 }

@@ -64,13 +64,20 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
       if (was_complete) return {};
       if (Result<void> taken = scene_.accept(*body.AsInstancePage()); !taken) return taken;
       break;
-    case wire::Body::TileReply: return take_tile(*body.AsTileReply(), message.payload, now_us);
-    case wire::Body::MeshReply: return take_mesh(*body.AsMeshReply(), message.payload);
+    case wire::Body::TileReply:
+      return take_tile(*body.AsTileReply(), message.payload, now_us);
+    case wire::Body::MeshReply:
+      return take_mesh(*body.AsMeshReply(), message.payload);
     case wire::Body::ReferenceReply:
       return take_reference(*body.AsReferenceReply(), message.payload);
-    case wire::Body::Refused: take_refusal(*body.AsRefused(), now_us); return {};
-    case wire::Body::Bye: goodbye_ = body.AsBye()->text; return {};
-    default: return {};
+    case wire::Body::Refused:
+      take_refusal(*body.AsRefused(), now_us);
+      return {};
+    case wire::Body::Bye:
+      goodbye_ = body.AsBye()->text;
+      return {};
+    default:
+      return {};
   }
   if (scene_.complete()) {
     if (!own_lighting_) lighting_ = scene_.lighting;
@@ -110,9 +117,9 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   record->last_drawn = frame_;
   if (options_.trace) {
     record->trace = lives_.size();
-    lives_.push_back({reply.request_id, ask->object, ask->need.instance, tile_edge(ask->need.size_class),
-                      ask->sent_us, now_us, -1, reply.queue_us, reply.render_us, reply.encode_us,
-                      bytes});
+    lives_.push_back({reply.request_id, ask->object, ask->need.instance,
+                      tile_edge(ask->need.size_class), ask->sent_us, now_us, -1, reply.queue_us,
+                      reply.render_us, reply.encode_us, bytes});
   }
   if (sink_.tile) sink_.tile(*record, rgba);
   return {};
@@ -135,8 +142,7 @@ Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes
   return {};
 }
 
-Result<void> ClientSession::take_reference(const wire::ReferenceReplyT& reply,
-                                           const Bytes& bytes) {
+Result<void> ClientSession::take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes) {
   const std::size_t pixels = std::size_t{reply.width} * reply.height;
   const bool asked = std::exchange(reference_asked_px_, 0) == pixels && pixels > 0;
   if (!asked || reply.raw_bytes != pixels * 12) {
@@ -144,7 +150,10 @@ Result<void> ClientSession::take_reference(const wire::ReferenceReplyT& reply,
   }
   Result<Bytes> raw = decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
   if (!raw) return raw.error();
-  ReferenceFrame frame{reply.width, reply.height, {}, std::vector<float>(pixels),
+  ReferenceFrame frame{reply.width,
+                       reply.height,
+                       {},
+                       std::vector<float>(pixels),
                        std::vector<std::uint32_t>(pixels)};
   frame.rgba.assign(raw->begin(), raw->begin() + static_cast<std::ptrdiff_t>(pixels * 4));
   std::memcpy(frame.depth.data(), raw->data() + pixels * 4, pixels * 4);

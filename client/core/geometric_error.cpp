@@ -27,11 +27,14 @@ double drawn_capture_depth(const DrawnImpostor& drawn, const ObjectDescription& 
   switch (drawn.method) {
     case DrawMethod::kCuboid:
       return ray_entry(box_planes(object.box_min, object.box_max), origin, direction);
-    case DrawMethod::kHull: return ray_entry(object.hull.planes(), origin, direction);
-    case DrawMethod::kDepth: return stored;
+    case DrawMethod::kHull:
+      return ray_entry(object.hull.planes(), origin, direction);
+    case DrawMethod::kDepth:
+      return stored;
     case DrawMethod::kQuad:
     case DrawMethod::kWarp:
-    case DrawMethod::kMesh: break;
+    case DrawMethod::kMesh:
+      break;
   }
   return tile.measure.plane_depth;
 }
@@ -78,7 +81,8 @@ PixelError pixel_error(const DrawnImpostor& drawn, const InstanceView& view,
 void add_geometric_error(const ReferenceFrame& reference, double offset_px, const Camera& camera,
                          const SceneView& scene, const DrawList& drawn, GeometricError& out) {
   std::unordered_map<std::uint32_t, Shown> shown;
-  for (const DrawnImpostor& impostor : drawn.impostors) shown[impostor.instance].impostor = &impostor;
+  for (const DrawnImpostor& impostor : drawn.impostors)
+    shown[impostor.instance].impostor = &impostor;
   for (const std::uint32_t instance : drawn.meshes) shown[instance].mesh = true;
   const double f = camera.focal_px();
   const glm::dvec3 right = camera.right(), up = camera.up(), forward = camera.forward();
@@ -114,8 +118,7 @@ void add_geometric_error(const ReferenceFrame& reference, double offset_px, cons
       }
       if (error.error_px > impostor.bound_px + kReferenceSlackPx) {
         ++out.violations;
-        out.worst_excess_px =
-            std::max(out.worst_excess_px, error.error_px - impostor.bound_px);
+        out.worst_excess_px = std::max(out.worst_excess_px, error.error_px - impostor.bound_px);
       }
     }
   }

@@ -9,9 +9,9 @@
 namespace mirage {
 
 struct GeometricError {
-  std::vector<float> errors_px;   ///< one per compared pixel
-  std::vector<float> ratios;      ///< bound / error, where the error is at least 0.01 px
-  std::uint64_t violations = 0;   ///< pixels whose error exceeds the bound of their impostor
+  std::vector<float> errors_px;  ///< one per compared pixel
+  std::vector<float> ratios;     ///< bound / error, where the error is at least 0.01 px
+  std::uint64_t violations = 0;  ///< pixels whose error exceeds the bound of their impostor
   std::uint64_t compared = 0;
   std::uint64_t disoccluded = 0;  ///< pixels showing a part of an object its tile never saw
   std::uint64_t holes = 0;        ///< pixels of objects that had no image at all

@@ -8,8 +8,8 @@ namespace {
 
 /// Per-instance attributes of impostor.vert, locations 2 to 11.
 struct ImpostorInstance {
-  glm::vec4 rotation, center_scale, right_distance, up_plane, window, atlas, depth, box_min, box_max,
-      center;
+  glm::vec4 rotation, center_scale, right_distance, up_plane, window, atlas, depth, box_min,
+      box_max, center;
 };
 static_assert(sizeof(ImpostorInstance) == 160);
 

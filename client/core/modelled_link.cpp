@@ -187,7 +187,8 @@ void ModelledLink::take_reply(Message message) {
   }
   const auto asked = mesh_asked_us_.find(mesh);
   Ready ready;
-  ready.at_us = asked != mesh_asked_us_.end() ? asked->second : std::max(welcome_us_, blocking_ ? 0 : now);
+  ready.at_us =
+      asked != mesh_asked_us_.end() ? asked->second : std::max(welcome_us_, blocking_ ? 0 : now);
   ready.bulk = mesh != UINT32_MAX;
   ready.item = std::move(item);
   if (asked != mesh_asked_us_.end()) mesh_asked_us_.erase(asked);

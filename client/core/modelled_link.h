@@ -20,10 +20,10 @@ namespace mirage {
 
 struct NetModel {
   double rtt_ms = 0;
-  double jitter_ms = 0;      ///< standard deviation of the one-way delay, in order delivery kept
-  double rate_mbps = 0;      ///< both ways; 0: unlimited
-  double loss_percent = 0;   ///< of messages; a lost one comes a retransmission (1.5 RTT) later
-  double server_ms = -1;     ///< per tile; negative: as the server really took (auto)
+  double jitter_ms = 0;     ///< standard deviation of the one-way delay, in order delivery kept
+  double rate_mbps = 0;     ///< both ways; 0: unlimited
+  double loss_percent = 0;  ///< of messages; a lost one comes a retransmission (1.5 RTT) later
+  double server_ms = -1;    ///< per tile; negative: as the server really took (auto)
   std::uint64_t seed = 1;
 };
 /// "rtt=100,jitter=20,rate=20,loss=0.5,server-ms=auto|X,seed=1"; error kUsage names the bad part.

@@ -9,8 +9,8 @@
 namespace mirage {
 namespace {
 
-constexpr double kVelocityTau = 0.015;   // s, smoothing of the velocity
-constexpr double kPositionDecay = 0.8;   // s, how long a motion is expected to last
+constexpr double kVelocityTau = 0.015;  // s, smoothing of the velocity
+constexpr double kPositionDecay = 0.8;  // s, how long a motion is expected to last
 constexpr double kRotationDecay = 0.4;
 constexpr std::int64_t kMergeUs = 100;
 constexpr std::int64_t kPauseUs = 150'000;

@@ -11,7 +11,7 @@ constexpr double kInstancesPerCell = 16;
 constexpr double kSurroundingShare = 0.1;
 constexpr std::size_t kSurroundedInstances = 16;
 constexpr std::uint32_t kMaxSurroundingTriangles = 100'000;
-}
+}  // namespace
 
 Result<void> SceneView::accept(const wire::WelcomeT& w) {
   *this = SceneView{};
@@ -108,8 +108,7 @@ void SceneView::find_surroundings() {
   surrounds_.assign(objects.size(), false);
   if (instances.size() < kSurroundedInstances) return;
   for (const InstanceView& i : instances) {
-    surrounds_[i.object] = uses[i.object] == 1 &&
-                           i.radius > kSurroundingShare * bounds_radius &&
+    surrounds_[i.object] = uses[i.object] == 1 && i.radius > kSurroundingShare * bounds_radius &&
                            objects[i.object].triangles <= kMaxSurroundingTriangles;
   }
 }
@@ -133,8 +132,8 @@ void SceneView::build_grid() {
       cell.center += instances[i].center / static_cast<double>(cell.instances.size());
     }
     for (const std::uint32_t i : cell.instances) {
-      cell.radius = std::max(
-          cell.radius, glm::length(instances[i].center - cell.center) + instances[i].radius);
+      cell.radius = std::max(cell.radius,
+                             glm::length(instances[i].center - cell.center) + instances[i].radius);
     }
   }
 }

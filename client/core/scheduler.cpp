@@ -53,8 +53,7 @@ double Scheduler::window_bytes(std::int64_t now_us) const {
 std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
                                                    const std::vector<TileNeed>& needs,
                                                    const std::vector<std::uint32_t>& mesh_needs,
-                                                   std::uint32_t lighting_id,
-                                                   std::int64_t now_us) {
+                                                   std::uint32_t lighting_id, std::int64_t now_us) {
   wire::RequestBatchT batch;
   batch.lighting_id = lighting_id;
   std::set<std::uint32_t> needed;

@@ -1,8 +1,8 @@
 #pragma once
 // Scheduler.
-// Input:  needs of this frame, replies as they come. Output: request batches (asks, cancels, credit).
-// Thread: the frame loop's.
-// Full:   what is in flight is held to rate x (RTT + 100 ms); needs beyond it wait, worst first.
+// Input:  needs of this frame, replies as they come. Output: request batches (asks, cancels,
+// credit). Thread: the frame loop's. Full:   what is in flight is held to rate x (RTT + 100 ms);
+// needs beyond it wait, worst first.
 
 #include <cstdint>
 #include <deque>
@@ -55,9 +55,9 @@ class Scheduler {
   double expected_bytes(std::uint8_t size_class) const;
   double window_bytes(std::int64_t now_us) const;
 
-  std::map<std::uint32_t, PendingAsk> pending_;               ///< by request id
-  std::map<std::uint32_t, std::uint32_t> pending_instance_;   ///< instance -> request id
-  std::map<std::uint32_t, std::int64_t> not_before_us_;       ///< instances that were refused
+  std::map<std::uint32_t, PendingAsk> pending_;              ///< by request id
+  std::map<std::uint32_t, std::uint32_t> pending_instance_;  ///< instance -> request id
+  std::map<std::uint32_t, std::int64_t> not_before_us_;      ///< instances that were refused
   std::set<std::uint32_t> meshes_pending_;
   std::set<std::uint32_t> meshes_refused_;
   std::deque<std::pair<std::int64_t, std::size_t>> arrivals_;  ///< time and bytes, last second

@@ -11,15 +11,15 @@ namespace mirage {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMinRadiusPx = 0.5;        // smaller objects are neither drawn nor asked for
-constexpr double kViewGuard = 0.0873;       // 5 degrees around the predicted view
+constexpr double kMinRadiusPx = 0.5;   // smaller objects are neither drawn nor asked for
+constexpr double kViewGuard = 0.0873;  // 5 degrees around the predicted view
 constexpr std::int64_t kFadeUs = 120'000;
-constexpr double kTexelsPerPixel = 1.5;     // measured: worth more than any filter
-constexpr int kMaxAskedSizeClass = 12;      // 1024 texels
-constexpr int kCoarseClasses = 4;           // steps of sqrt 2
-constexpr double kMeshPrefetch = 1.3;       // times the swap distance
-constexpr double kWorthMarching = 0.7;      // of the flat bound
-constexpr double kLongestLife = 2;          // s, a tile is not credited with more
+constexpr double kTexelsPerPixel = 1.5;  // measured: worth more than any filter
+constexpr int kMaxAskedSizeClass = 12;   // 1024 texels
+constexpr int kCoarseClasses = 4;        // steps of sqrt 2
+constexpr double kMeshPrefetch = 1.3;    // times the swap distance
+constexpr double kWorthMarching = 0.7;   // of the flat bound
+constexpr double kLongestLife = 2;       // s, a tile is not credited with more
 // A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
 constexpr double kSwitchRatio = 0.6;
 
@@ -47,9 +47,8 @@ Choice best_method(const TileRecordPtr& tile, const ObjectDescription& object,
 
 // Inside the swap distance every bound is infinite: the newest tile is the best guess.
 void keep_better(Choice& best, const Choice& choice) {
-  const bool better = choice.bound < best.bound ||
-                      (choice.bound == best.bound && best.tile &&
-                       choice.tile->serial > best.tile->serial);
+  const bool better = choice.bound < best.bound || (choice.bound == best.bound && best.tile &&
+                                                    choice.tile->serial > best.tile->serial);
   if (!best.tile || better) best = choice;
 }
 
@@ -140,9 +139,7 @@ TileNeed need_for_view(const ViewGeometry& view, double tau_px) {
   return need;
 }
 
-void Selector::reset(const SceneView& scene) {
-  shown_.assign(scene.instances.size(), Shown{});
-}
+void Selector::reset(const SceneView& scene) { shown_.assign(scene.instances.size(), Shown{}); }
 
 struct Selector::Candidate {
   std::uint32_t instance = 0;
@@ -222,7 +219,8 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
     } else {
       const Choice under = choice_for(shown.former);
       shown.former->last_drawn = in.frame;
-      out.impostors.push_back({c.instance, under.tile, under.method, under.bound, c.distance, 1.0f});
+      out.impostors.push_back(
+          {c.instance, under.tile, under.method, under.bound, c.distance, 1.0f});
     }
   }
   best.tile->last_drawn = in.frame;
@@ -235,9 +233,8 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
 DrawList Selector::select(const SelectorInput& in) {
   DrawList out;
   std::vector<Candidate> candidates;
-  in.scene->for_visible(in.camera, 0, [&](std::uint32_t instance) {
-    consider(in, instance, out, candidates);
-  });
+  in.scene->for_visible(in.camera, 0,
+                        [&](std::uint32_t instance) { consider(in, instance, out, candidates); });
   // Back to front, so that blending is right; equal distances keep the order of instances.
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.distance > b.distance; });
@@ -297,9 +294,8 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
     need.gain = need.error_px * life;
     out.push_back(need);
   });
-  std::stable_sort(out.begin(), out.end(), [](const TileNeed& a, const TileNeed& b) {
-    return a.gain > b.gain;
-  });
+  std::stable_sort(out.begin(), out.end(),
+                   [](const TileNeed& a, const TileNeed& b) { return a.gain > b.gain; });
   return out;
 }
 

@@ -73,7 +73,8 @@ class Selector {
 
   /// Decides what is drawn this frame; marks the tiles as drawn.
   DrawList select(const SelectorInput& input);
-  /// What to ask for, largest gain first; instances without any acceptable tile at the predicted view.
+  /// What to ask for, largest gain first; instances without any acceptable tile at the predicted
+  /// view.
   std::vector<TileNeed> needs(const SelectorInput& input) const;
   /// Objects that should come as geometry: too near for any impostor, now or soon.
   std::vector<std::uint32_t> mesh_needs(const SelectorInput& input) const;

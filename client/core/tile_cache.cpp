@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "protocol/lighting_state.h"
 #include "protocol/stable_math.h"
 
 namespace mirage {
 namespace {
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMaxTilesPerGroup = 8;
 constexpr int kGutter = 1;  // texels of nothing around a tile, so that filtering never bleeds
 }  // namespace
@@ -18,15 +20,20 @@ DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& d
   // steeper belongs to the disocclusions.
   const double slope = 2.0 * capture.texel_width(measure.depth_max);
   switch (method) {
-    case DrawMethod::kCuboid: return {measure.dz_cuboid + slope, box_extent(description)};
-    case DrawMethod::kHull: return {measure.dz_hull + slope, hull_extent(description)};
+    case DrawMethod::kCuboid:
+      return {measure.dz_cuboid + slope, box_extent(description)};
+    case DrawMethod::kHull:
+      // Without a hull there is nothing to draw on: no bound.
+      if (description.hull.indices.empty()) return {measure.dz_hull, kInfinity};
+      return {measure.dz_hull + slope, hull_extent(description)};
     case DrawMethod::kDepth: {
       const double dz = depth_code.quantum() + slope;
       return {dz, r + dz * capture.distance / cone};
     }
     case DrawMethod::kQuad:
     case DrawMethod::kWarp:
-    case DrawMethod::kMesh: break;
+    case DrawMethod::kMesh:
+      break;
   }
   const double z = measure.plane_depth;
   return {measure.dz_quad, std::hypot(z - capture.distance, z * r / cone)};
@@ -71,8 +78,7 @@ std::uint32_t TileCache::group_of(const SceneView& scene, std::uint32_t instance
         object_lighting(lighting, view.world_from_object, object.center, object.radius).hash();
     key ^= light * 0x9e3779b97f4a7c15ull;
   }
-  const auto [at, is_new] =
-      group_index_.emplace(key, static_cast<std::uint32_t>(groups_.size()));
+  const auto [at, is_new] = group_index_.emplace(key, static_cast<std::uint32_t>(groups_.size()));
   if (is_new) groups_.emplace_back();
   return at->second;
 }
@@ -85,7 +91,8 @@ const TileGroup* TileCache::group_to_draw(std::uint32_t instance) const {
 
 bool TileCache::lit_now(std::uint32_t instance) const {
   const TileGroup& own = groups_[instance_group_[instance]];
-  return !own.tiles.empty() || own.empty_seen || former_group_[instance] == instance_group_[instance];
+  return !own.tiles.empty() || own.empty_seen ||
+         former_group_[instance] == instance_group_[instance];
 }
 
 TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
@@ -152,9 +159,10 @@ void TileCache::forget(TileGroup& group, std::size_t index) {
 
 void TileCache::trim(TileGroup& group, std::uint64_t frame) {
   while (group.tiles.size() > kMaxTilesPerGroup) {
-    const auto oldest = std::min_element(
-        group.tiles.begin(), group.tiles.end() - 1,
-        [](const TileRecordPtr& a, const TileRecordPtr& b) { return a->last_drawn < b->last_drawn; });
+    const auto oldest = std::min_element(group.tiles.begin(), group.tiles.end() - 1,
+                                         [](const TileRecordPtr& a, const TileRecordPtr& b) {
+                                           return a->last_drawn < b->last_drawn;
+                                         });
     if ((*oldest)->last_drawn + 1 >= frame) return;  // shared by many instances, all in view
     forget(group, static_cast<std::size_t>(oldest - group.tiles.begin()));
   }

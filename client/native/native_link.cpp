@@ -187,13 +187,16 @@ namespace {
 int on_client(lws* wsi, lws_callback_reasons reason, void*, void* in, size_t length) {
   auto* impl = static_cast<NativeLink::Impl*>(lws_context_user(lws_get_context(wsi)));
   switch (reason) {
-    case LWS_CALLBACK_CLIENT_ESTABLISHED: impl->up(); return 0;
+    case LWS_CALLBACK_CLIENT_ESTABLISHED:
+      impl->up();
+      return 0;
     case LWS_CALLBACK_CLIENT_CONNECTION_ERROR:
       impl->down(in ? std::string(static_cast<const char*>(in), length) : "cannot connect");
       return 0;
     case LWS_CALLBACK_CLIENT_RECEIVE:
       return impl->receive(wsi, static_cast<std::uint8_t*>(in), length);
-    case LWS_CALLBACK_CLIENT_WRITEABLE: return impl->write_one(wsi);
+    case LWS_CALLBACK_CLIENT_WRITEABLE:
+      return impl->write_one(wsi);
     case LWS_CALLBACK_WS_PEER_INITIATED_CLOSE: {
       if (length < 2) return 0;
       const auto* bytes = static_cast<const std::uint8_t*>(in);
@@ -202,9 +205,14 @@ int on_client(lws* wsi, lws_callback_reasons reason, void*, void* in, size_t len
                         std::string(reinterpret_cast<const char*>(bytes + 2), length - 2));
       return 0;
     }
-    case LWS_CALLBACK_CLIENT_CLOSED: impl->down(""); return 0;
-    case LWS_CALLBACK_EVENT_WAIT_CANCELLED: impl->wake_up(); return 0;
-    default: return 0;
+    case LWS_CALLBACK_CLIENT_CLOSED:
+      impl->down("");
+      return 0;
+    case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
+      impl->wake_up();
+      return 0;
+    default:
+      return 0;
   }
 }
 
@@ -302,9 +310,8 @@ bool NativeLink::wait_connected(int timeout_ms) const {
 
 void NativeLink::wait_message(int timeout_ms) const {
   std::unique_lock<std::mutex> lock(impl_->mutex);
-  impl_->changed.wait_for(lock, std::chrono::milliseconds(timeout_ms), [this] {
-    return !impl_->inbound.empty() || !impl_->connected;
-  });
+  impl_->changed.wait_for(lock, std::chrono::milliseconds(timeout_ms),
+                          [this] { return !impl_->inbound.empty() || !impl_->connected; });
 }
 
 std::string NativeLink::last_problem() const {

@@ -73,38 +73,47 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
                  "strafe|teleport");
   app.add_option("--light", o.light,
                  "file of `t_ms ambient_rgb sun_rgb sun_dir_xyz` lines, or builtin:fixed|sun-sweep|"
-                 "lamp-toggle")->capture_default_str();
+                 "lamp-toggle")
+      ->capture_default_str();
   app.add_option("--frames", o.frames, "stop after this many")->check(CLI::Range(1, 10'000'000));
   app.add_option("--fps", o.fps, "frame rate of the path")
-      ->check(number_within(1.0, 1000.0))->capture_default_str();
+      ->check(number_within(1.0, 1000.0))
+      ->capture_default_str();
   app.add_option("--fov", o.fov_degrees, "vertical field of view in degrees")
-      ->check(number_within(limits::kMinFovDegrees, limits::kMaxFovDegrees))->capture_default_str();
+      ->check(number_within(limits::kMinFovDegrees, limits::kMaxFovDegrees))
+      ->capture_default_str();
   app.add_flag("--virtual-time", o.virtual_time,
                "time advances by whole frames, the network by its model: reproducible");
-  app.add_option("--net", net, "network model: rtt=100,jitter=20,rate=20,loss=0.5,server-ms=5,seed=1");
+  app.add_option("--net", net,
+                 "network model: rtt=100,jitter=20,rate=20,loss=0.5,server-ms=5,seed=1");
   app.add_option("--tau", o.tau_px, "error target in pixels")
-      ->check(number_within(0.01, 1000.0))->capture_default_str();
+      ->check(number_within(0.01, 1000.0))
+      ->capture_default_str();
   app.add_option("--method", o.method_name, "how impostors are drawn")
       ->check(CLI::IsMember({"auto", "mesh", "quad", "cuboid", "hull", "warp", "depth"}))
       ->capture_default_str();
   app.add_option("--reference", o.reference_every, "compare every Nth frame with a full render")
       ->check(CLI::Range(0, 1'000'000));
   app.add_option("--reference-samples", o.reference_supersample, "samples per pixel and axis in it")
-      ->check(CLI::Range(1, 4))->capture_default_str();
-  app.add_option("--msaa", o.msaa, "samples per pixel")->check(CLI::Range(0, 16))
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  app.add_option("--msaa", o.msaa, "samples per pixel")
+      ->check(CLI::Range(0, 16))
       ->capture_default_str();
   app.add_option("--march-kpx", o.march_kpx,
                  "thousand pixels a frame that may be drawn by marching depth; default 30 on a "
                  "software renderer, else unlimited");
   app.add_option("--atlas-mb", o.atlas_mb, "graphics memory for tiles")
-      ->check(CLI::Range(5, 8192))->capture_default_str();
+      ->check(CLI::Range(5, 8192))
+      ->capture_default_str();
   app.add_option("--out", o.out_dir, "write every frame here as PNG");
   app.add_option("--stats", o.stats_file, "write statistics here as JSON");
   app.add_option("--trace", o.trace_file, "write the life of every tile here as JSON");
   app.add_option("--token-file", o.token_file, "the server's token");
   app.add_option("--device", o.device, "EGL device when offscreen")->capture_default_str();
   app.add_option("--connect-timeout", o.connect_timeout_s, "seconds to wait for the server")
-      ->check(number_within(0.1, 3600.0))->capture_default_str();
+      ->check(number_within(0.1, 3600.0))
+      ->capture_default_str();
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
   if (const Result<void> checked = check(o, offscreen, size, net); !checked) {

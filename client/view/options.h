@@ -11,9 +11,9 @@ struct ViewOptions {
   std::string url;
   bool offscreen = false;
   int width = 1280, height = 720;
-  std::string path;              ///< empty: mouse and keyboard (window) or the walk (offscreen)
+  std::string path;  ///< empty: mouse and keyboard (window) or the walk (offscreen)
   std::string light = "builtin:fixed";
-  int frames = 0;                ///< 0: until closed (window) or 300 (offscreen)
+  int frames = 0;  ///< 0: until closed (window) or 300 (offscreen)
   double fps = 60;
   double fov_degrees = 60;
   bool virtual_time = false;
@@ -25,7 +25,7 @@ struct ViewOptions {
   int reference_supersample = 2;
   int msaa = 4;
   int atlas_mb = 120;
-  double march_kpx = -1;         ///< thousand px a frame drawn by marching; < 0: by renderer
+  double march_kpx = -1;  ///< thousand px a frame drawn by marching; < 0: by renderer
   std::string out_dir;
   std::string stats_file;
   std::string trace_file;

@@ -24,9 +24,8 @@ struct FontVertex {  // as stb_easy_font writes it
 // Quads of the text as triangles, in pixels.
 std::vector<glm::vec2> text_triangles(std::string text) {
   std::vector<FontVertex> quads(text.size() * 68);
-  const int count =
-      stb_easy_font_print(0, 0, text.data(), nullptr, quads.data(),
-                          static_cast<int>(quads.size() * sizeof(FontVertex)));
+  const int count = stb_easy_font_print(0, 0, text.data(), nullptr, quads.data(),
+                                        static_cast<int>(quads.size() * sizeof(FontVertex)));
   std::vector<glm::vec2> out;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     for (const std::size_t k : {0, 1, 2, 0, 2, 3}) {

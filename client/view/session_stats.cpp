@@ -83,15 +83,17 @@ std::string SessionStats::json(const Final& end) const {
   const double seconds = static_cast<double>(end.duration_us) * 1e-6;
   j["frames"] = frames_;
   j["frame_ms"] = quantiles(frame_ms_, true);
-  j["time_to_first_image_ms"] =
-      first_image_us_ < 0 ? ordered_json(nullptr) : ordered_json(static_cast<double>(first_image_us_) / 1000.0);
+  j["time_to_first_image_ms"] = first_image_us_ < 0
+                                    ? ordered_json(nullptr)
+                                    : ordered_json(static_cast<double>(first_image_us_) / 1000.0);
   j["bytes_down"] = end.traffic.bytes_down;
   j["bytes_up"] = end.traffic.bytes_up;
-  j["mbps_mean"] = seconds > 0 ? 8e-6 * static_cast<double>(end.traffic.bytes_down +
-                                                            end.traffic.bytes_up) / seconds
-                               : 0.0;
-  j["tiles"] = {{"asked", end.tiles.asked},       {"received", end.tiles.received},
-                {"drawn", end.tiles.drawn},       {"wasted", end.tiles.wasted},
+  j["mbps_mean"] =
+      seconds > 0
+          ? 8e-6 * static_cast<double>(end.traffic.bytes_down + end.traffic.bytes_up) / seconds
+          : 0.0;
+  j["tiles"] = {{"asked", end.tiles.asked},         {"received", end.tiles.received},
+                {"drawn", end.tiles.drawn},         {"wasted", end.tiles.wasted},
                 {"cancelled", end.tiles.cancelled}, {"refused", end.tiles.refused}};
   j["stale_fraction"] = ratio(stale_, visible_);
   j["tile_age_ms"] = quantiles(ages_ms_, false);
@@ -122,9 +124,9 @@ std::string SessionStats::json(const Final& end) const {
   quality["bound_over_error_median"] = number(quantile(geometric_.ratios, 0.5));
   quality["disoccluded_fraction"] = ratio(geometric_.disoccluded, geometric_.object_pixels);
   j["quality"] = quality;
-  j["prediction"] = {{"error_m", {{"p50", end.prediction.p50_m}, {"p95", end.prediction.p95_m}}},
-                     {"error_deg", {{"p50", end.prediction.p50_degrees},
-                                    {"p95", end.prediction.p95_degrees}}}};
+  j["prediction"] = {
+      {"error_m", {{"p50", end.prediction.p50_m}, {"p95", end.prediction.p95_m}}},
+      {"error_deg", {{"p50", end.prediction.p50_degrees}, {"p95", end.prediction.p95_degrees}}}};
   j["scene"] = end.scene;
   j["method"] = end.method;
   j["tau_px"] = end.tau_px;
@@ -167,18 +169,18 @@ std::string trace_json(const std::vector<TileLife>& lives) {
   ordered_json tiles = ordered_json::array();
   for (const TileLife& life : lives) {
     const bool drawn = life.first_drawn_us >= 0;
-    tiles.push_back({{"request", life.request_id},
-                     {"object", life.object},
-                     {"instance", life.instance},
-                     {"edge", life.edge},
-                     {"bytes", life.bytes},
-                     {"asked_us", life.asked_us},
-                     {"server_queue_us", life.server_queue_us},
-                     {"server_render_us", life.server_render_us},
-                     {"server_encode_us", life.server_encode_us},
-                     {"received_us", life.received_us},
-                     {"first_drawn_us", drawn ? ordered_json(life.first_drawn_us)
-                                              : ordered_json(nullptr)}});
+    tiles.push_back(
+        {{"request", life.request_id},
+         {"object", life.object},
+         {"instance", life.instance},
+         {"edge", life.edge},
+         {"bytes", life.bytes},
+         {"asked_us", life.asked_us},
+         {"server_queue_us", life.server_queue_us},
+         {"server_render_us", life.server_render_us},
+         {"server_encode_us", life.server_encode_us},
+         {"received_us", life.received_us},
+         {"first_drawn_us", drawn ? ordered_json(life.first_drawn_us) : ordered_json(nullptr)}});
   }
   return ordered_json{{"tiles", tiles}}.dump(1) + "\n";
 }

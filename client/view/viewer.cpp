@@ -297,7 +297,8 @@ std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {
   }
   const LinkTraffic traffic = modelled_ ? modelled_->traffic() : native_->traffic();
   return fmt::format(
-      "{:.0f} fps, {} draw calls\n{} impostors, {} meshes, {} without image\nbound {:.1f} px worst, "
+      "{:.0f} fps, {} draw calls\n{} impostors, {} meshes, {} without image\nbound {:.1f} px "
+      "worst, "
       "{} of {} over tau\ntile age {:.1f} s median\n{:.2f} MB down, round trip {} ms{}{}",
       1000.0 / std::max(smooth_ms_, 0.1), renderer_->draw_calls(), list.impostors.size(),
       list.meshes.size(), list.placeholders.size(), bound, list.over_tau, list.visible,

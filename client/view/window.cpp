@@ -90,7 +90,8 @@ void Window::steer(Pose& pose, double seconds, double speed_mps) {
   const double rise = axis(GLFW_KEY_E, GLFW_KEY_Q);
   const double speed = speed_mps * (impl_->down(GLFW_KEY_LEFT_SHIFT) ? 5.0 : 1.0);
   const glm::dvec3 step = forward * ahead + right * side + glm::dvec3(0, rise, 0);
-  pose = look_at(pose.eye + step * (speed * seconds), pose.eye + step * (speed * seconds) + forward);
+  pose =
+      look_at(pose.eye + step * (speed * seconds), pose.eye + step * (speed * seconds) + forward);
 }
 
 }  // namespace mirage

@@ -166,10 +166,10 @@ Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
   reply.width = job.camera.width;
   reply.height = job.camera.height;
   reply.raw_bytes = static_cast<std::uint32_t>(raw.size());
-  reply.render_us = static_cast<std::uint32_t>(
-      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() -
-                                                            start)
-          .count());
+  reply.render_us =
+      static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::microseconds>(
+                                     std::chrono::steady_clock::now() - start)
+                                     .count());
   return encode_message(std::move(reply), compress_block(raw.data(), raw.size()));
 }
 

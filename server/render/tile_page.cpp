@@ -79,8 +79,8 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   instance.position_scale = glm::vec4(glm::vec3(-eye), 1.0f);
   meshes_->begin(capture_projection(capture), gl::light_block(job.lighting, glm::vec3(eye)));
   for (const bool blended : {false, true}) {
-    meshes_->draw(scene_->meshes[job.key.object], scene_->materials(), scene_->images, &instance,
-                  1, blended);
+    meshes_->draw(scene_->meshes[job.key.object], scene_->materials(), scene_->images, &instance, 1,
+                  blended);
   }
   meshes_->end();
 }

@@ -1,9 +1,9 @@
 #pragma once
-// Renders a batch of tiles into one page: each supersampled at the same place of a target of its own,
-// then filtered down to colour and depth code at its place in the page. GL thread only.
+// Renders a batch of tiles into one page: each supersampled at the same place of a target of its
+// own, then filtered down to colour and depth code at its place in the page. GL thread only.
 //
-// The same place, because interpolation rounds by absolute position: drawn elsewhere, a tile differs
-// in its last bits, and would no longer be a pure function of its key.
+// The same place, because interpolation rounds by absolute position: drawn elsewhere, a tile
+// differs in its last bits, and would no longer be a pure function of its key.
 
 #include <memory>
 #include <vector>
@@ -32,9 +32,7 @@ class TilePageRenderer {
 
  private:
   explicit TilePageRenderer(const GpuScene& scene, int supersample)
-      : scene_(&scene),
-        supersample_(supersample),
-        meshes_(std::make_unique<gl::MeshPass>(false)) {}
+      : scene_(&scene), supersample_(supersample), meshes_(std::make_unique<gl::MeshPass>(false)) {}
   bool prepare_targets(int page_edge, std::uint32_t largest_tile);
   void draw_tile(const TileJob& job);
   void resolve(const TileJob& job, PagePacker::Place place);

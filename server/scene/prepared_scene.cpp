@@ -7,8 +7,8 @@
 #include <limits>
 #include <map>
 
-#include "protocol/limits.h"
 #include "protocol/lighting_state.h"
+#include "protocol/limits.h"
 #include "server/scene/builtin/builtin_scene.h"
 #include "server/scene/convex_hull.h"
 #include "server/scene/gltf/gltf_import.h"
@@ -116,20 +116,20 @@ void bound_world(PreparedScene& prepared) {
   prepared.bounds_radius = 0;
   for (const Instance& instance : prepared.scene.instances) {
     const glm::dvec3 center = sphere(instance, radius);
-    prepared.bounds_radius = std::max(prepared.bounds_radius,
-                                      glm::length(center - prepared.bounds_center) + radius);
+    prepared.bounds_radius =
+        std::max(prepared.bounds_radius, glm::length(center - prepared.bounds_center) + radius);
   }
 }
 
 Result<void> check_limits(const Scene& scene) {
   if (scene.objects.size() > limits::kMaxObjects) {
-    return make_error(ErrorId::kSceneLimit, "scene has more than " +
-                                                std::to_string(limits::kMaxObjects) + " objects");
+    return make_error(ErrorId::kSceneLimit,
+                      "scene has more than " + std::to_string(limits::kMaxObjects) + " objects");
   }
   if (scene.instances.size() > limits::kMaxInstances) {
-    return make_error(ErrorId::kSceneLimit,
-                      "scene has more than " + std::to_string(limits::kMaxInstances) +
-                          " instances");
+    return make_error(
+        ErrorId::kSceneLimit,
+        "scene has more than " + std::to_string(limits::kMaxInstances) + " instances");
   }
   return {};
 }
@@ -139,9 +139,8 @@ void cap_lights(Scene& scene) {
   std::vector<Light>& lights = scene.lighting.lights;
   if (lights.size() <= limits::kMaxLights) return;
   const auto strength = [](const Light& l) { return l.color.r + l.color.g + l.color.b; };
-  std::stable_sort(lights.begin(), lights.end(), [&](const Light& a, const Light& b) {
-    return strength(a) > strength(b);
-  });
+  std::stable_sort(lights.begin(), lights.end(),
+                   [&](const Light& a, const Light& b) { return strength(a) > strength(b); });
   scene.warnings.push_back(std::to_string(lights.size() - limits::kMaxLights) +
                            " of the weakest lights left out: at most " +
                            std::to_string(limits::kMaxLights) + " are supported");
@@ -199,9 +198,9 @@ ObjectModel object_model(const Scene& scene, std::size_t object) {
         material_index.emplace(p.material, static_cast<std::uint32_t>(model.materials.size()));
     if (is_new) {
       Material material = scene.materials[p.material];
-      for (TextureRef* t : {&material.base_color_map, &material.metal_rough_map,
-                            &material.normal_map, &material.occlusion_map,
-                            &material.emissive_map}) {
+      for (TextureRef* t :
+           {&material.base_color_map, &material.metal_rough_map, &material.normal_map,
+            &material.occlusion_map, &material.emissive_map}) {
         use_image(*t);
       }
       model.materials.push_back(material);
@@ -214,8 +213,8 @@ ObjectModel object_model(const Scene& scene, std::size_t object) {
 Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec) {
   constexpr const char* kBuiltin = "builtin:";
   const bool builtin = spec.rfind(kBuiltin, 0) == 0;
-  Result<Scene> loaded = builtin ? build_builtin_scene(spec.substr(std::string(kBuiltin).size()))
-                                 : import_gltf(spec);
+  Result<Scene> loaded =
+      builtin ? build_builtin_scene(spec.substr(std::string(kBuiltin).size())) : import_gltf(spec);
   if (!loaded) return loaded.error();
   auto prepared = std::make_shared<PreparedScene>();
   prepared->scene = loaded.take();
@@ -226,8 +225,8 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec)
   prepared->scene.lighting = lighting.take();
   for (std::size_t i = 0; i < prepared->scene.objects.size(); ++i) {
     ObjectDescription description = describe_object(prepared->scene.objects[i], prepared->scene);
-    description.mesh_bytes = static_cast<std::uint32_t>(std::min<std::size_t>(
-        encoded_model_bytes(object_model(prepared->scene, i)), 0xffffffffu));
+    description.mesh_bytes = static_cast<std::uint32_t>(
+        std::min<std::size_t>(encoded_model_bytes(object_model(prepared->scene, i)), 0xffffffffu));
     prepared->objects.push_back(std::move(description));
   }
   prepared->revision = content_hash(prepared->scene);

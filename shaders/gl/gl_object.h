@@ -48,16 +48,14 @@ class Object {
   GLuint id_ = 0;
 };
 
-#define MIRAGE_GL_TRAITS(Name, gen, del) \
-  struct Name {                          \
-    static GLuint create() {             \
-      GLuint id = 0;                     \
-      gen(1, &id);                       \
-      return id;                         \
-    }                                    \
-    static void destroy(GLuint id) {     \
-      del(1, &id);                       \
-    }                                    \
+#define MIRAGE_GL_TRAITS(Name, gen, del)            \
+  struct Name {                                     \
+    static GLuint create() {                        \
+      GLuint id = 0;                                \
+      gen(1, &id);                                  \
+      return id;                                    \
+    }                                               \
+    static void destroy(GLuint id) { del(1, &id); } \
   };
 MIRAGE_GL_TRAITS(BufferTraits, glGenBuffers, glDeleteBuffers)
 MIRAGE_GL_TRAITS(TextureTraits, glGenTextures, glDeleteTextures)

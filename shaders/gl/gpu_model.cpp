@@ -10,8 +10,7 @@ namespace {
 void upload_level(const Image& image, GLint level) {
   const GLint format = image.srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8;
   glTexImage2D(GL_TEXTURE_2D, level, format, static_cast<GLsizei>(image.width),
-               static_cast<GLsizei>(image.height), 0, GL_RGBA, GL_UNSIGNED_BYTE,
-               image.rgba.data());
+               static_cast<GLsizei>(image.height), 0, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
 }
 
 // `cutoff` of the alpha-tested material that uses the image; 0: none does.

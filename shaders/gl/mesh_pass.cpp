@@ -13,10 +13,14 @@ struct NeedDefine {
   const char* define;
 };
 constexpr NeedDefine kDefines[] = {
-    {kNeedLighting, "NEED_LIGHTING"},          {kNeedBaseColorMap, "NEED_BASE_COLOR_MAP"},
-    {kNeedMetalRoughMap, "NEED_METAL_ROUGH_MAP"}, {kNeedNormalMap, "NEED_NORMAL_MAP"},
-    {kNeedOcclusionMap, "NEED_OCCLUSION_MAP"}, {kNeedEmissiveMap, "NEED_EMISSIVE_MAP"},
-    {kNeedAlphaMask, "NEED_ALPHA_MASK"},       {kNeedBlend, "NEED_BLEND"},
+    {kNeedLighting, "NEED_LIGHTING"},
+    {kNeedBaseColorMap, "NEED_BASE_COLOR_MAP"},
+    {kNeedMetalRoughMap, "NEED_METAL_ROUGH_MAP"},
+    {kNeedNormalMap, "NEED_NORMAL_MAP"},
+    {kNeedOcclusionMap, "NEED_OCCLUSION_MAP"},
+    {kNeedEmissiveMap, "NEED_EMISSIVE_MAP"},
+    {kNeedAlphaMask, "NEED_ALPHA_MASK"},
+    {kNeedBlend, "NEED_BLEND"},
     {kNeedVertexColor, "NEED_VERTEX_COLOR"},
 };
 constexpr NeedMask kShaderNeeds = kNeedLighting | kNeedBaseColorMap | kNeedMetalRoughMap |
@@ -25,9 +29,12 @@ constexpr NeedMask kShaderNeeds = kNeedLighting | kNeedBaseColorMap | kNeedMetal
 
 GLint gl_wrap(Wrap wrap) {
   switch (wrap) {
-    case Wrap::kClamp: return GL_CLAMP_TO_EDGE;
-    case Wrap::kMirror: return GL_MIRRORED_REPEAT;
-    case Wrap::kRepeat: break;
+    case Wrap::kClamp:
+      return GL_CLAMP_TO_EDGE;
+    case Wrap::kMirror:
+      return GL_MIRRORED_REPEAT;
+    case Wrap::kRepeat:
+      break;
   }
   return GL_REPEAT;
 }
@@ -60,9 +67,12 @@ void add_light(LightBlock& block, LightKind kind, const glm::vec3& color, const 
 
 GLenum gl_mode(PrimitiveKind kind) {
   switch (kind) {
-    case PrimitiveKind::kLines: return GL_LINES;
-    case PrimitiveKind::kPoints: return GL_POINTS;
-    case PrimitiveKind::kTriangles: break;
+    case PrimitiveKind::kLines:
+      return GL_LINES;
+    case PrimitiveKind::kPoints:
+      return GL_POINTS;
+    case PrimitiveKind::kTriangles:
+      break;
   }
   return GL_TRIANGLES;
 }
@@ -133,9 +143,8 @@ void MeshPass::bind_instances(const MeshInstance* instances, std::size_t count) 
     glVertexAttribDivisor(i, 1);
   }
   glVertexAttribPointer(6, 4, GL_FLOAT, GL_FALSE, kStride, nullptr);
-  glVertexAttribPointer(
-      7, 4, GL_FLOAT, GL_FALSE, kStride,
-      reinterpret_cast<const void*>(offsetof(MeshInstance, position_scale)));
+  glVertexAttribPointer(7, 4, GL_FLOAT, GL_FALSE, kStride,
+                        reinterpret_cast<const void*>(offsetof(MeshInstance, position_scale)));
   glVertexAttribIPointer(8, 1, GL_UNSIGNED_INT, kStride,
                          reinterpret_cast<const void*>(offsetof(MeshInstance, id)));
 }
@@ -144,8 +153,7 @@ void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs,
                              const GpuImages& images) {
   p.set("u_base_color", m.base_color);
   p.set("u_emissive", m.emissive);
-  p.set("u_factors",
-        glm::vec4(m.metallic, m.roughness, m.normal_scale, m.occlusion_strength));
+  p.set("u_factors", glm::vec4(m.metallic, m.roughness, m.normal_scale, m.occlusion_strength));
   p.set("u_alpha_cutoff", m.alpha_cutoff);
   const TextureRef* maps[5] = {&m.base_color_map, &m.metal_rough_map, &m.normal_map,
                                &m.occlusion_map, &m.emissive_map};
@@ -189,10 +197,10 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
     (material.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
     (blended ? glEnable : glDisable)(GL_BLEND);
     glDepthMask(blended ? GL_FALSE : GL_TRUE);
-    glDrawElementsInstanced(
-        gl_mode(primitive.kind), static_cast<GLsizei>(primitive.index_count), GL_UNSIGNED_INT,
-        reinterpret_cast<const void*>(std::size_t{primitive.first_index} * 4),
-        static_cast<GLsizei>(count));
+    glDrawElementsInstanced(gl_mode(primitive.kind), static_cast<GLsizei>(primitive.index_count),
+                            GL_UNSIGNED_INT,
+                            reinterpret_cast<const void*>(std::size_t{primitive.first_index} * 4),
+                            static_cast<GLsizei>(count));
     ++draw_calls_;
   }
 }

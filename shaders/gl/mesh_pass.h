@@ -49,8 +49,7 @@ class MeshPass {
 
  private:
   Program* program(NeedMask needs);
-  void bind_material(Program& p, const Material& material, NeedMask needs,
-                     const GpuImages& images);
+  void bind_material(Program& p, const Material& material, NeedMask needs, const GpuImages& images);
   void bind_instances(const MeshInstance* instances, std::size_t count);
 
   const bool write_id_;

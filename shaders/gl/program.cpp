@@ -22,8 +22,7 @@ std::string expand(std::string_view source, int depth) {
     const std::string_view line = source.substr(at, end - at);
     constexpr std::string_view kInclude = "#include \"";
     if (depth < kMaxIncludeDepth && line.rfind(kInclude, 0) == 0) {
-      const std::string_view name =
-          line.substr(kInclude.size(), line.rfind('"') - kInclude.size());
+      const std::string_view name = line.substr(kInclude.size(), line.rfind('"') - kInclude.size());
       out += expand(shader_source(name), depth + 1);
     } else {
       out += line;
@@ -58,8 +57,8 @@ Result<GLuint> compile(GLenum stage, std::string_view name, const std::string& d
   GLint ok = 0;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
   if (!ok) {
-    Error error = make_error(ErrorId::kGraphicsShader,
-                             std::string(name) + ": " + info_log(shader, false));
+    Error error =
+        make_error(ErrorId::kGraphicsShader, std::string(name) + ": " + info_log(shader, false));
     glDeleteShader(shader);
     return error;
   }

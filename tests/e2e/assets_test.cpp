@@ -40,7 +40,8 @@ TEST(Assets, ValidFilesServeAndDraw) {
   int drawn = 0;
   for (const Row& row : manifest(shared + "/assets/MANIFEST.tsv")) {
     const std::string& name = row.at("file");
-    const std::string required = row.count("extensions_required") ? row.at("extensions_required") : "";
+    const std::string required =
+        row.count("extensions_required") ? row.at("extensions_required") : "";
     const bool unsupported = required.find("draco") != std::string::npos ||
                              required.find("meshopt") != std::string::npos;
     const Server server(shared + "/assets/" + name);
@@ -50,10 +51,9 @@ TEST(Assets, ValidFilesServeAndDraw) {
       continue;
     }
     ASSERT_TRUE(server.ready()) << name << ": " << server.log();
-    const Finished view =
-        run({binary("mirage-view"), server.url(), "--offscreen", "96x64", "--path", "builtin:orbit",
-             "--frames", "25", "--virtual-time", "--net", "rtt=20,server-ms=1", "--msaa", "0",
-             "--atlas-mb", "40"});
+    const Finished view = run({binary("mirage-view"), server.url(), "--offscreen", "96x64",
+                               "--path", "builtin:orbit", "--frames", "25", "--virtual-time",
+                               "--net", "rtt=20,server-ms=1", "--msaa", "0", "--atlas-mb", "40"});
     EXPECT_EQ(view.exit_code, 0) << name << ": " << view.output;
     EXPECT_EQ(server.log().find("GL error"), std::string::npos) << name << ": " << server.log();
     ++drawn;
@@ -68,10 +68,10 @@ TEST(Assets, BrokenFilesEndAsTheirManifestExpects) {
   for (const Row& row : manifest(shared + "/assets_broken/MANIFEST.tsv")) {
     const std::string& name = row.at("file");
     const std::string& expected = row.at("expected");
-    const Finished done = run({"/bin/sh", "-c",
-                               "ulimit -v 4000000 2>/dev/null; exec \"$0\" \"$1\" --explain",
-                               binary("mirage-server"), shared + "/assets_broken/" + name},
-                              5);
+    const Finished done =
+        run({"/bin/sh", "-c", "ulimit -v 4000000 2>/dev/null; exec \"$0\" \"$1\" --explain",
+             binary("mirage-server"), shared + "/assets_broken/" + name},
+            5);
     EXPECT_TRUE(done.exit_code == 0 || done.exit_code == 3)
         << name << ": " << done.exit_code << " " << done.output;
     if (done.exit_code == 3) {

@@ -61,8 +61,9 @@ TEST(Failure, TokenIsAsked) {
   std::ofstream(folder + "/token") << "secret\n";
   const Server server("builtin:knot", {"--token-file", folder + "/token"});
   ASSERT_TRUE(server.ready()) << server.log();
-  const std::vector<std::string> view = {binary("mirage-view"), server.url(), "--offscreen",
-                                         "64x64", "--frames", "5", "--path", "builtin:still"};
+  const std::vector<std::string> view = {
+      binary("mirage-view"), server.url(), "--offscreen", "64x64", "--frames", "5", "--path",
+      "builtin:still"};
   expect_error(run(view), 5, "auth");
   std::vector<std::string> with = view;
   with.insert(with.end(), {"--token-file", folder + "/token"});
@@ -139,8 +140,8 @@ class RawPeer {
 
 std::string upgrade(const std::string& version, const std::string& key) {
   return "GET / HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-         "Sec-WebSocket-Protocol: mirage\r\nSec-WebSocket-Version: " + version +
-         "\r\nSec-WebSocket-Key: " + key + "\r\n\r\n";
+         "Sec-WebSocket-Protocol: mirage\r\nSec-WebSocket-Version: " +
+         version + "\r\nSec-WebSocket-Key: " + key + "\r\n\r\n";
 }
 
 // A masked client frame (mask 0: the payload stays readable).

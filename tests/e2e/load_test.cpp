@@ -14,9 +14,9 @@ TEST(Load, ManyClientsGetVerifiedTiles) {
   const Server server("builtin:knot");
   ASSERT_TRUE(server.ready()) << server.log();
   const std::string json = scratch_folder() + "/load.json";
-  const Finished load =
-      run({binary("mirage-load"), server.url(), "--clients", "50", "--duration", "3", "--path",
-           "builtin:orbit", "--rate", "4", "--verify", "1", "--json", json});
+  const Finished load = run({binary("mirage-load"), server.url(), "--clients", "50", "--duration",
+                             "3", "--path", "builtin:orbit", "--rate", "4", "--verify", "1",
+                             "--warm", "--spread", "2", "--fps", "5", "--json", json});
   ASSERT_EQ(load.exit_code, 0) << load.output;
   std::ifstream file(json);
   const nlohmann::json j = nlohmann::json::parse(file);
@@ -35,9 +35,8 @@ TEST(Load, EqualAsksCostOneRendering) {
   ASSERT_TRUE(server.ready()) << server.log();
   const std::string json = scratch_folder() + "/load.json";
   // A still camera: every client asks for the same tile, again and again.
-  const Finished load =
-      run({binary("mirage-load"), server.url(), "--clients", "20", "--duration", "2", "--path",
-           "builtin:still", "--rate", "5", "--json", json});
+  const Finished load = run({binary("mirage-load"), server.url(), "--clients", "20", "--duration",
+                             "2", "--path", "builtin:still", "--rate", "5", "--json", json});
   ASSERT_EQ(load.exit_code, 0) << load.output;
   std::ifstream file(json);
   const nlohmann::json j = nlohmann::json::parse(file);

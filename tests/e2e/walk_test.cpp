@@ -19,11 +19,23 @@ std::string read(const std::string& path) {
 }
 
 std::vector<std::string> walk(const Server& server, const std::string& folder, int frames) {
-  return {binary("mirage-view"), server.url(),  "--offscreen", "320x180",
-          "--path",              "builtin:walk", "--frames",    std::to_string(frames),
-          "--virtual-time",      "--net",        "rtt=100,rate=20,server-ms=5,seed=1",
-          "--reference",         "30",           "--stats",     folder + "/s.json",
-          "--out",               folder};
+  return {binary("mirage-view"),
+          server.url(),
+          "--offscreen",
+          "320x180",
+          "--path",
+          "builtin:walk",
+          "--frames",
+          std::to_string(frames),
+          "--virtual-time",
+          "--net",
+          "rtt=100,rate=20,server-ms=5,seed=1",
+          "--reference",
+          "30",
+          "--stats",
+          folder + "/s.json",
+          "--out",
+          folder};
 }
 
 constexpr const char* kScene = "builtin:forest?trees=60&clutter=20";
@@ -35,18 +47,50 @@ TEST(Walk, StatsHaveTheContractAndNoBoundIsExceeded) {
   const Finished view = run(walk(server, folder, 91), 240);
   ASSERT_EQ(view.exit_code, 0) << view.output;
   const nlohmann::json s = nlohmann::json::parse(read(folder + "/s.json"));
-  for (const char* key :
-       {"/frames", "/frame_ms/p50", "/frame_ms/p95", "/frame_ms/p99", "/frame_ms/max",
-        "/time_to_first_image_ms", "/bytes_down", "/bytes_up", "/mbps_mean", "/tiles/asked",
-        "/tiles/received", "/tiles/drawn", "/tiles/wasted", "/tiles/cancelled", "/tiles/refused",
-        "/stale_fraction", "/tile_age_ms/p50", "/tile_age_ms/p95", "/tile_age_ms/p99",
-        "/bound_px/p50", "/bound_px/p95", "/bound_px/p99", "/bound_px/max", "/over_tau_fraction",
-        "/hole_fraction", "/draw_calls", "/instances_drawn", "/impostors_drawn", "/meshes_drawn",
-        "/gpu_bytes", "/quality/flip/mean", "/quality/flip/p95", "/quality/flip/worst",
-        "/quality/psnr/mean", "/quality/psnr/min", "/quality/ssim/mean", "/quality/ssim/min",
-        "/quality/iou/mean", "/quality/iou/min", "/quality/bound_violations",
-        "/prediction/error_m/p50", "/prediction/error_m/p95", "/prediction/error_deg/p50",
-        "/prediction/error_deg/p95"}) {
+  for (const char* key : {"/frames",
+                          "/frame_ms/p50",
+                          "/frame_ms/p95",
+                          "/frame_ms/p99",
+                          "/frame_ms/max",
+                          "/time_to_first_image_ms",
+                          "/bytes_down",
+                          "/bytes_up",
+                          "/mbps_mean",
+                          "/tiles/asked",
+                          "/tiles/received",
+                          "/tiles/drawn",
+                          "/tiles/wasted",
+                          "/tiles/cancelled",
+                          "/tiles/refused",
+                          "/stale_fraction",
+                          "/tile_age_ms/p50",
+                          "/tile_age_ms/p95",
+                          "/tile_age_ms/p99",
+                          "/bound_px/p50",
+                          "/bound_px/p95",
+                          "/bound_px/p99",
+                          "/bound_px/max",
+                          "/over_tau_fraction",
+                          "/hole_fraction",
+                          "/draw_calls",
+                          "/instances_drawn",
+                          "/impostors_drawn",
+                          "/meshes_drawn",
+                          "/gpu_bytes",
+                          "/quality/flip/mean",
+                          "/quality/flip/p95",
+                          "/quality/flip/worst",
+                          "/quality/psnr/mean",
+                          "/quality/psnr/min",
+                          "/quality/ssim/mean",
+                          "/quality/ssim/min",
+                          "/quality/iou/mean",
+                          "/quality/iou/min",
+                          "/quality/bound_violations",
+                          "/prediction/error_m/p50",
+                          "/prediction/error_m/p95",
+                          "/prediction/error_deg/p50",
+                          "/prediction/error_deg/p95"}) {
     EXPECT_TRUE(s.contains(nlohmann::json::json_pointer(key))) << key;
   }
   EXPECT_EQ(s["frames"], 91);

@@ -40,7 +40,8 @@ class Bench {
     if (!scene) return nullptr;
     bench->prepared_ = scene.take();
     bench->gpu_ = std::make_unique<GpuScene>(bench->prepared_);
-    bench->pages_ = std::make_unique<TilePageRenderer>(TilePageRenderer::create(*bench->gpu_, 2).take());
+    bench->pages_ =
+        std::make_unique<TilePageRenderer>(TilePageRenderer::create(*bench->gpu_, 2).take());
     bench->references_ =
         std::make_unique<ReferenceRenderer>(ReferenceRenderer::create(*bench->gpu_).take());
     bench->renderer_ = std::make_unique<FrameRenderer>(FrameRenderer::create(1024, 4).take());

@@ -1,5 +1,6 @@
 // Camera paths: smooth, finite, and traces that say which line is wrong.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
@@ -33,10 +34,11 @@ class TraceFile {
   const std::string& path() const { return path_; }
 
  private:
-  std::string path_ = (std::filesystem::temp_directory_path() /
-                       ("mirage_trace_" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +
-                        "_" + ::testing::UnitTest::GetInstance()->current_test_info()->name()))
-                          .string();
+  const std::string path_ =
+      (std::filesystem::temp_directory_path() /
+       ("mirage_trace_" + std::to_string(::getpid()) + "_" +
+        ::testing::UnitTest::GetInstance()->current_test_info()->name()))
+          .string();
 };
 
 TEST(CoreCameraPath, BuiltinsAreFiniteAndContinuous) {

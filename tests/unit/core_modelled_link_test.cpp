@@ -102,7 +102,8 @@ TEST(CoreModelledLink, ArrivalTimes) {
         model.server_ms = server_ms;
         Session session(model, 1);
         const Bytes request = encode_message(batch_of(1, kTiles));
-        const double up_ms = rate > 0 ? static_cast<double>(request.size() + 12) * 8e-3 / rate : 0.0;
+        const auto request_bytes = static_cast<double>(request.size() + 12);
+        const double up_ms = rate > 0 ? request_bytes * 8e-3 / rate : 0.0;
         const double down_ms = rate > 0 ? kReplyBytes * 8e-3 / rate : 0.0;
         session.link.send(request);
         session.run_until(900'000);
@@ -190,6 +191,20 @@ TEST(CoreModelledLink, CancelBeforeServiceDropsTheReply) {
   ASSERT_EQ(session.arrivals.size(), 2u);
   EXPECT_EQ(session.arrivals[0].first, 3u);
   EXPECT_EQ(session.arrivals[1].first, 2u);
+}
+
+TEST(CoreModelledLink, CancelCountsHoweverSeldomOneLooks) {
+  NetModel model;
+  model.rtt_ms = 20;
+  model.server_ms = 50;
+  Session session(model, 1);
+  session.link.send(encode_message(batch_of(1, 3)));
+  session.clock.advance_to_us(10'000);
+  wire::RequestBatchT cancel;
+  cancel.cancels = {1};
+  session.link.send(encode_message(std::move(cancel)));
+  session.clock.advance_to_us(1'000'000);
+  EXPECT_EQ(session.link.receive().size(), 2u);
 }
 
 TEST(CoreModelledLink, NothingBetweenIsAtOnce) {

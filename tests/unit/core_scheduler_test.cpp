@@ -182,7 +182,7 @@ TEST_F(CoreScheduler, NothingUnderWayLeavesTheWholeWindow) {
   const auto batch = plan(needs(1024, 6), now);
   ASSERT_TRUE(batch);
   const double expected = kFirstWindowBytes / (160 + 500.0 / 65'536 * 128 * 128);
-  EXPECT_NEAR(static_cast<double>(batch->asks.size()), expected, 0.02 * expected);
+  EXPECT_NEAR(static_cast<double>(batch->asks.size()), expected, 0.05 * expected);
 }
 
 TEST_F(CoreScheduler, RoundTripIsTheMedian) {

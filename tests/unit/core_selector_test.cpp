@@ -191,6 +191,19 @@ TEST(CoreSelector, FixedMethodIsKept) {
   }
 }
 
+TEST(CoreSelector, ObjectWithoutAHullIsNotDrawnOnOne) {
+  SelectorWorld world = one_ball();
+  ASSERT_TRUE(world.scene.objects[0].hull.vertices.empty());
+  const TileRecordPtr tile = world.add_tile(0);
+  tile->measure.dz_hull = 0;  // however good it is said to be
+  world.look({0.6, 0, 5}, {0, 0, 0});
+  SelectorInput in = world.input();
+  in.march_budget_px = 0;
+  const DrawList list = world.selector.select(in);
+  ASSERT_EQ(list.impostors.size(), 1u);
+  EXPECT_EQ(list.impostors[0].method, DrawMethod::kQuad);
+}
+
 TEST(CoreSelector, NearGeometryReplacesTheImpostor) {
   SelectorWorld world = one_ball(true);
   world.look({0, 0, 2.5}, {0, 0, 0});

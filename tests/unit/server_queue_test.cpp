@@ -25,7 +25,8 @@ class ServerQueue : public ::testing::Test {
  protected:
   Admission submit(SessionId session, std::uint32_t request, const TileKey& key, float error = 1,
                    std::int64_t deadline_us = 0) {
-    return queue.submit(key, tile_id(key), ObjectLighting{}, {session, request, error, deadline_us});
+    const Waiter waiter{session, request, error, deadline_us};
+    return queue.submit(key, tile_id(key), ObjectLighting{}, waiter);
   }
   /// Objects of the next batch, at most `n` tiles, in order.
   std::vector<std::uint32_t> take(std::size_t n = 1000) {

@@ -354,7 +354,9 @@ TEST_F(ServerSession, HostileBytesHurtOnlyTheirSender) {
       ASSERT_TRUE(send(bad, hello()).ok());
     }
     Bytes bytes = samples[random() % samples.size()];
-    for (int k = 0; k < 4; ++k) bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
+    for (int k = 0; k < 4; ++k) {
+      bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
+    }
     if (i % 3 == 0) bytes.resize(random() % bytes.size());
     if (!hub->receive(bad, bytes.data(), bytes.size())) ++errors;
     drain(bad);
