@@ -19,6 +19,7 @@ struct Capture {
   double distance = 0;      ///< Dc
   double half_tangent = 0;  ///< half the window, at depth 1
   std::uint32_t edge = 0;
+  int view_level = 0;  ///< of the view cell: how far the eye may be from the axis
 
   Capture() = default;
   Capture(const ViewCell& cell, const DistanceBucket& bucket, double radius_in,
@@ -27,7 +28,8 @@ struct Capture {
         radius(radius_in),
         distance(radii_from_distance_bucket(bucket) * radius_in),
         half_tangent(capture_half_tangent(radius_in, distance, edge_in)),
-        edge(edge_in) {}
+        edge(edge_in),
+        view_level(cell.level) {}
 
   glm::dvec3 eye() const { return basis.forward * -distance; }
   CaptureGeometry geometry() const { return {-basis.forward, distance}; }

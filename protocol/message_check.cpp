@@ -52,7 +52,8 @@ Result<void> check(const wire::Welcome& m) {
   if (m.objects() > limits::kMaxObjects) return limit_error("objects");
   if (m.instances() > limits::kMaxInstances) return limit_error("instances");
   const bool home = finite(m.home_eye()) && finite(m.home_target()) &&
-                    std::isfinite(m.walk_radius_m()) && std::isfinite(m.walk_speed_mps());
+                    std::isfinite(m.walk_radius_m()) && std::isfinite(m.walk_speed_mps()) &&
+                    m.walk_radius_m() > 0;
   const bool sky = finite(m.sky_zenith()) && finite(m.sky_horizon()) && finite(m.sky_nadir());
   if (!home || !sky) return value_error("home view or environment");
   return check_lighting(m.lighting());

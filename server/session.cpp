@@ -169,7 +169,7 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
   key.size_class = a.size_class();
   key.channels = a.channels();
   if (!valid(key.cell) || !valid(key.distance) || key.size_class > limits::kMaxSizeClass ||
-      key.channels != (kChannelColor | kChannelDepth)) {
+      key.channels != (kChannelColor | kChannelDepth) || scene_->objects[a.object()].radius <= 0) {
     return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
   }
   const ObjectDescription& object = scene_->objects[a.object()];

@@ -117,7 +117,7 @@ void SceneView::build_grid() {
   const int n = std::max(
       1, static_cast<int>(std::sqrt(static_cast<double>(instances.size()) / kInstancesPerCell)));
   const auto index = [&](double v, double middle) {
-    const double t = (v - middle) / (2 * bounds_radius) + 0.5;
+    const double t = bounds_radius > 0 ? (v - middle) / (2 * bounds_radius) + 0.5 : 0.5;
     return std::clamp(static_cast<int>(t * n), 0, n - 1);
   };
   cells_.assign(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), Cell{});

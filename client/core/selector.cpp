@@ -170,8 +170,8 @@ void Selector::consider(const SelectorInput& in, std::uint32_t instance, DrawLis
     return;
   }
   c.group = in.cache->group_to_draw(instance);
+  if (c.group->empty_from(c.view.eye)) return;
   if (c.group->tiles.empty()) {
-    if (c.group->empty_seen) return;
     out.placeholders.push_back({instance, c.distance});
     ++out.over_tau;
     return;
@@ -269,13 +269,12 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
     if (in.scene->geometry && in.scene->surrounds(view_of.object)) return;
     if ((*in.mesh_ready)[view_of.object] && distance < in.mesh_radii) return;
     const TileGroup& group = *in.cache->group_to_draw(instance);
+    if (group.empty_from(view.eye) && in.cache->lit_now(instance)) return;
     double bound = kInfinity;
     if (!group.tiles.empty()) {
       // At the edge of the view the eye depth falls; ask as if the object were looked at.
       view.center_depth = glm::length(view.eye);
       bound = best_of_all(group, object, view, in).bound;
-    } else if (group.empty_seen) {
-      return;
     }
     if (!is_stale(bound, in.tau_px) && in.cache->lit_now(instance)) return;
     // Inside the swap distance a tile is no use but as a stopgap: one, until geometry comes.

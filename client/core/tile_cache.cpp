@@ -11,6 +11,8 @@ namespace mirage {
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMaxTilesPerGroup = 8;
+constexpr std::size_t kMaxEmptyViews = 64;
+constexpr double kEmptyAngle = 0.02;  // radians around an empty view that count as empty, at least
 constexpr int kGutter = 1;  // texels of nothing around a tile, so that filtering never bleeds
 }  // namespace
 
@@ -44,6 +46,13 @@ double TileRecord::bound_px(DrawMethod method, const ObjectDescription& descript
   const CaptureGeometry geometry = capture.geometry();
   return position_bound_px(view, geometry, drawn_depth(method, description)) +
          footprint_px(texel_size_px(view, geometry, capture.edge));
+}
+
+bool TileGroup::empty_from(const glm::dvec3& eye) const {
+  const glm::dvec3 axis = safe_normalize(eye);
+  return std::any_of(empty_views.begin(), empty_views.end(), [&](const EmptyView& view) {
+    return glm::dot(axis, view.axis) >= view.cos_angle;
+  });
 }
 
 TileCache::TileCache(int atlas_edge, int atlas_layers) : allocator_(atlas_edge, atlas_layers) {}
@@ -85,14 +94,13 @@ std::uint32_t TileCache::group_of(const SceneView& scene, std::uint32_t instance
 
 const TileGroup* TileCache::group_to_draw(std::uint32_t instance) const {
   const TileGroup& own = groups_[instance_group_[instance]];
-  if (!own.tiles.empty() || own.empty_seen) return &own;
+  if (own.known()) return &own;
   return &groups_[former_group_[instance]];
 }
 
 bool TileCache::lit_now(std::uint32_t instance) const {
   const TileGroup& own = groups_[instance_group_[instance]];
-  return !own.tiles.empty() || own.empty_seen ||
-         former_group_[instance] == instance_group_[instance];
+  return own.known() || former_group_[instance] == instance_group_[instance];
 }
 
 TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
@@ -100,7 +108,10 @@ TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
                                 std::int64_t now_us) {
   TileGroup& group = groups_[instance_group_[instance]];
   if (tile.crop.area() == 0) {
-    group.empty_seen = true;
+    const double angle = std::max(view_cell_angle(capture.view_level), kEmptyAngle);
+    if (group.empty_views.size() >= kMaxEmptyViews)
+      group.empty_views.erase(group.empty_views.begin());
+    group.empty_views.push_back({-capture.basis.forward, std::cos(angle)});
     return nullptr;
   }
   AtlasSlot slot;

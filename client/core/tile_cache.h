@@ -43,8 +43,17 @@ using TileRecordPtr = std::shared_ptr<TileRecord>;
 
 /// Tiles that look the same on every instance that shares them: same object, same light on it.
 struct TileGroup {
+  /// A view from which the object has no pixels: an empty tile came back.
+  struct EmptyView {
+    glm::dvec3 axis{0};  ///< unit, centre -> eye
+    double cos_angle = 1;
+  };
   std::vector<TileRecordPtr> tiles;
-  bool empty_seen = false;  ///< an empty tile came: from there the object has no pixels
+  std::vector<EmptyView> empty_views;
+
+  /// Nothing of the object shows from `eye` (relative to its centre), as far as is known.
+  bool empty_from(const glm::dvec3& eye) const;
+  bool known() const { return !tiles.empty() || !empty_views.empty(); }
 };
 
 class TileCache {

@@ -79,10 +79,7 @@ Result<ConvexHull> enclosing_hull(const std::vector<glm::vec3>& points) {
     high = glm::max(high, glm::dvec3(p));
   }
   const glm::dvec3 middle = 0.5 * (low + high);
-  // Corners are stored as float: far from the origin their rounding counts.
-  const glm::dvec3 farthest = glm::max(glm::abs(low), glm::abs(high));
-  const double rounding = 4e-7 * std::max({farthest.x, farthest.y, farthest.z});
-  const double extent = std::max({glm::length(high - low), 10 * rounding, 1e-30});
+  const double extent = std::max(glm::length(high - low), 1e-30);
   const std::vector<glm::dvec3> normals = support_directions();
   std::vector<double> offsets(normals.size(), 0.0);
   for (const glm::vec3& p : points) {
@@ -91,23 +88,14 @@ Result<ConvexHull> enclosing_hull(const std::vector<glm::vec3>& points) {
       offsets[i] = std::max(offsets[i], glm::dot(normals[i], q));
     }
   }
-  for (double& offset : offsets) offset += 1e-3 + rounding / extent;
+  for (double& offset : offsets) offset += 1e-3;
   try {
     const std::vector<glm::dvec3> vertices = intersect_half_spaces(normals, offsets);
     if (vertices.size() > limits::kMaxHullVertices) {
       return make_error(ErrorId::kInternal, "hull has too many vertices");
     }
-    // The facets are those of the rounded corners: slivers would lean otherwise.
-    std::vector<glm::vec3> stored;
-    std::vector<glm::dvec3> rounded;
-    for (const glm::dvec3& v : vertices) {
-      const glm::vec3 corner(v * extent + middle);
-      if (std::find(stored.begin(), stored.end(), corner) != stored.end()) continue;
-      stored.push_back(corner);
-      rounded.push_back((glm::dvec3(corner) - middle) / extent);
-    }
-    ConvexHull hull = triangulated_hull(rounded);
-    hull.vertices = std::move(stored);
+    ConvexHull hull = triangulated_hull(vertices);
+    for (glm::vec3& v : hull.vertices) v = glm::vec3(glm::dvec3(v) * extent + middle);
     return hull;
   } catch (const std::exception& e) {
     return make_error(ErrorId::kInternal, std::string("qhull: ") + e.what());

@@ -229,6 +229,8 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec)
         std::min<std::size_t>(encoded_model_bytes(object_model(prepared->scene, i)), 0xffffffffu));
     prepared->objects.push_back(std::move(description));
   }
+  // A scene without extent still needs a loop to walk.
+  if (!(prepared->scene.home.walk_radius_m > 0)) prepared->scene.home.walk_radius_m = 1;
   prepared->revision = content_hash(prepared->scene);
   bound_world(*prepared);
   return std::shared_ptr<const PreparedScene>(std::move(prepared));

@@ -71,7 +71,13 @@ TEST(CoreTileCache, EmptyTileTakesNoRoom) {
   Tile tile = make_tile(capture);
   tile.crop = {};
   EXPECT_FALSE(cache.insert(2, scene, capture, std::move(tile), 1, 0));
-  EXPECT_TRUE(cache.group_to_draw(2)->empty_seen);
+  // Empty from there, and only from there: a sheet seen from behind shows from the front.
+  EXPECT_TRUE(cache.group_to_draw(2)->empty_from(capture.eye()));
+  const Capture fine(*view_cell_from_direction({0, 0, 1}, 8), *distance_bucket_from_radii(4, 2), 1,
+                     64);
+  EXPECT_FALSE(cache.insert(3, scene, fine, Tile{}, 1, 0));
+  EXPECT_TRUE(cache.group_to_draw(3)->empty_from(fine.eye()));
+  EXPECT_FALSE(cache.group_to_draw(3)->empty_from(-fine.eye()));
   EXPECT_EQ(cache.atlas_texels(), 0u);
 }
 
