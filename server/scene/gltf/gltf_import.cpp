@@ -34,6 +34,7 @@ Result<Scene> import_stages(const std::string& path) {
   for (const int node : tree->drawn) {
     if (auto ok = assembler.add_node(node); !ok) return ok.error();
   }
+  if (assembler.refusal()) return *assembler.refusal();
   Scene scene = assembler.take();
   scene.name = std::filesystem::path(path).stem().string();
   if (scene.instances.empty()) tally.note("nothing to draw");

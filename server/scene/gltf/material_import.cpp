@@ -197,6 +197,10 @@ Image MaterialImporter::load_image(int source) {
   const std::uint64_t left = kMaxScenePixels - std::min(pixels_, kMaxScenePixels);
   auto image = decode_image(bytes, std::min(kMaxImagePixels, left));
   if (image) return image.take();
+  // Too large is no damage to paper over: the scene would look wrong without a word.
+  if (image.error().id == ErrorId::kSceneLimit && !refusal_) {
+    refusal_ = make_error(ErrorId::kSceneLimit, what + ": " + image.error().text);
+  }
   tally_.add("unreadable images replaced by white", 1, what + ": " + image.error().text);
   return white_pixel();
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -27,6 +28,9 @@ class MaterialImporter {
   std::vector<Material> take_materials() { return std::move(materials_); }
   std::vector<Image> take_images() { return std::move(images_); }
 
+  /// kSceneLimit when an image was too large to load.
+  const std::optional<Error>& refusal() const { return refusal_; }
+
  private:
   Material convert(const tinygltf::Material& source);
   TextureRef texture(const tinygltf::ExtensionMap& extensions, int texture, int uv_set, bool srgb);
@@ -34,6 +38,7 @@ class MaterialImporter {
   void apply_transform(const tinygltf::ExtensionMap& extensions, TextureRef& ref, int& uv_set);
   std::int32_t image_index(int source, bool srgb);
   Image load_image(int source);
+  std::optional<Error> refusal_;
   float factor(double value, double low, double high, double fallback);
 
   const Document& document_;

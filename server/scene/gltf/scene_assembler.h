@@ -25,6 +25,8 @@ class SceneAssembler {
   /// Adds whatever a node draws. Errors: those of import_mesh, kSceneLimit.
   Result<void> add_node(int node);
 
+  /// Why the scene cannot be used after all: an image beyond the limits.
+  const std::optional<Error>& refusal() const { return materials_.refusal(); }
   /// Objects, instances, materials and images; the assembler is spent.
   Scene take();
 
