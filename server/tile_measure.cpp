@@ -56,20 +56,24 @@ std::vector<float> entry_depths(const std::vector<Plane>& planes, const Capture&
 }
 
 // Largest |z - entry| with the entry depth taken over the 3x3 neighbourhood as well, which covers
-// what happens between texel centres.
+// what happens between texel centres; `unusable` when content lies where the proxy is missed.
 float entry_difference(const std::vector<float>& z, const std::vector<float>& entry,
-                       const TileCrop& crop) {
+                       const TileCrop& crop, float unusable) {
   float worst = 0;
   for (std::uint32_t y = 0; y < crop.h; ++y) {
     for (std::uint32_t x = 0; x < crop.w; ++x) {
       const float depth = z[std::size_t{y} * crop.w + x];
       if (depth == 0) continue;
+      bool met = false;
       for (std::uint32_t ny = y > 0 ? y - 1 : 0; ny <= std::min(y + 1, crop.h - 1); ++ny) {
         for (std::uint32_t nx = x > 0 ? x - 1 : 0; nx <= std::min(x + 1, crop.w - 1); ++nx) {
           const float e = entry[std::size_t{ny} * crop.w + nx];
-          if (!std::isnan(e)) worst = std::max(worst, std::abs(depth - e));
+          if (std::isnan(e)) continue;
+          met = true;
+          worst = std::max(worst, std::abs(depth - e));
         }
       }
+      if (!met) return unusable;
     }
   }
   return worst;
@@ -112,13 +116,15 @@ void measure(Tile& tile, const Capture& capture, const ObjectDescription& object
   const glm::dvec3 center(object.center);
   const auto box =
       entry_depths(box_planes(object.box_min, object.box_max), capture, center, tile.crop);
-  m.dz_cuboid = entry_difference(z, box, tile.crop) + quantum;
+  const auto unusable = static_cast<float>(100.0 * capture.distance);
+  m.dz_cuboid = entry_difference(z, box, tile.crop, unusable) + quantum;
   const std::vector<Plane> hull = object.hull.planes();
   if (hull.empty()) {
     m.dz_hull = m.dz_cuboid;
   } else {
     m.dz_hull =
-        entry_difference(z, entry_depths(hull, capture, center, tile.crop), tile.crop) + quantum;
+        entry_difference(z, entry_depths(hull, capture, center, tile.crop), tile.crop, unusable) +
+        quantum;
   }
 }
 
