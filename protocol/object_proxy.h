@@ -30,6 +30,8 @@ struct ObjectDescription {
   NeedMask needs = 0;
   std::uint32_t triangles = 0;
   std::uint32_t mesh_bytes = 0;  ///< raw size of the object as geometry
+  bool surrounds = false;        ///< large scenery that exists once: geometry from the start
+  bool group = false;            ///< all instances of a spatial cell, for far views
 };
 
 /// The six planes of a box.

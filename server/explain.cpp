@@ -30,9 +30,9 @@ constexpr Rule kRules[] = {
 std::string explain_needs(const PreparedScene& prepared, bool json) {
   nlohmann::json out = nlohmann::json::array();
   std::string text = fmt::format("{}: {} objects, {} instances, {} triangles\n",
-                                 prepared.scene.name, prepared.objects.size(),
+                                 prepared.scene.name, prepared.scene.objects.size(),
                                  prepared.scene.instances.size(), prepared.scene.triangles());
-  for (std::size_t i = 0; i < prepared.objects.size(); ++i) {
+  for (std::size_t i = 0; i < prepared.scene.objects.size(); ++i) {
     const ObjectDescription& object = prepared.objects[i];
     const std::string& name = prepared.scene.objects[i].name;
     nlohmann::json needed = nlohmann::json::array(), left_out = nlohmann::json::array();

@@ -109,8 +109,8 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.revision = scene_->revision;
   welcome.scene = scene.name.substr(0, limits::kMaxTextBytes);
   welcome.renderer = options_.renderer.substr(0, limits::kMaxTextBytes);
-  welcome.objects = static_cast<std::uint32_t>(scene.objects.size());
-  welcome.instances = static_cast<std::uint32_t>(scene.instances.size());
+  welcome.objects = static_cast<std::uint32_t>(scene_->objects.size());
+  welcome.instances = static_cast<std::uint32_t>(scene_->instance_count());
   welcome.triangles = scene.triangles();
   welcome.lighting = to_wire(scene.lighting);
   welcome.sky_zenith = std::make_unique<wire::Vec3f>(to_wire(scene.environment.zenith));
@@ -156,9 +156,8 @@ void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batc
 }
 
 void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lighting& lighting) {
-  const std::vector<Instance>& instances = scene_->scene.instances;
-  if (a.object() >= scene_->objects.size() || a.instance() >= instances.size() ||
-      instances[a.instance()].object != a.object()) {
+  if (a.object() >= scene_->objects.size() || a.instance() >= scene_->instance_count() ||
+      scene_->instance(a.instance()).object != a.object()) {
     return refuse(id, s, a.request_id(), wire::RefusalReason::UnknownObject);
   }
   TileKey key;
@@ -175,8 +174,8 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
   const ObjectDescription& object = scene_->objects[a.object()];
   ObjectLighting light;
   if (object.needs & kNeedLighting) {
-    light = object_lighting(lighting, instances[a.instance()].world_from_object, object.center,
-                            object.radius);
+    light = object_lighting(lighting, scene_->instance(a.instance()).world_from_object,
+                            object.center, object.radius);
     key.lighting = light.hash();
   }
   const TileId tile = tile_id(key);
@@ -192,7 +191,8 @@ void SessionHub::mesh_ask(SessionId id, Session& s, std::uint32_t object) {
   if (object >= scene_->objects.size()) {
     return refuse(id, s, object, wire::RefusalReason::UnknownObject, true);
   }
-  if (!options_.geometry) return refuse(id, s, object, wire::RefusalReason::NoGeometry, true);
+  if (!options_.geometry || scene_->group(object))
+    return refuse(id, s, object, wire::RefusalReason::NoGeometry, true);
   Bytes& message = meshes_[object];
   if (message.empty()) {
     const Bytes raw = encode_model(object_model(scene_->scene, object));
@@ -372,21 +372,24 @@ void SessionHub::make_description_pages() {
       info->needs = o.needs;
       info->triangles = o.triangles;
       info->mesh_bytes = o.mesh_bytes;
+      info->surrounds = o.surrounds;
+      info->group = o.group;
       for (const glm::vec3& v : o.hull.vertices) info->hull_vertices.push_back(to_wire(v));
       info->hull_indices = o.hull.indices;
       page.objects.push_back(std::move(info));
     }
     pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));
   }
-  const std::vector<Instance>& instances = scene_->scene.instances;
-  for (std::size_t first = 0; first < instances.size(); first += limits::kInstancesPerPage) {
+  const std::size_t instances = scene_->instance_count();
+  for (std::size_t first = 0; first < instances; first += limits::kInstancesPerPage) {
     wire::InstancePageT page;
     page.first = static_cast<std::uint32_t>(first);
-    const std::size_t end = std::min(first + limits::kInstancesPerPage, instances.size());
+    const std::size_t end = std::min(first + limits::kInstancesPerPage, instances);
     for (std::size_t i = first; i < end; ++i) {
-      const Similarity& m = instances[i].world_from_object;
+      const Instance instance = scene_->instance(i);
+      const Similarity& m = instance.world_from_object;
       page.instances.emplace_back(to_wire(m.position), to_wire(m.rotation), m.scale,
-                                  instances[i].object);
+                                  instance.object, scene_->parent(i));
     }
     pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));
   }

@@ -2,10 +2,12 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_atlas_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_cache_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_camera_path_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/core_group_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_modelled_link_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_predictor_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_scheduler_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_selector_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_grouping_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_hull_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_queue_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp

@@ -215,7 +215,7 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
   input.mesh_ready = &mesh_ready_;
   input.camera = input.predicted = camera;
   input.predicted.pose = predictor_.predict(horizon);
-  input.speed_mps = predictor_.speed_mps();
+  input.velocity = predictor_.velocity_mps();
   input.tau_px = options_.tau_px;
   input.method = options_.method;
   input.march_budget_px = options_.march_budget_px;

@@ -24,7 +24,7 @@ struct ClientOptions {
   double tau_px = 1;
   MethodChoice method;
   double march_budget_px = 1e9;  ///< screen area per frame drawn by marching depth
-  double mesh_radii = 2;         ///< swap distance to geometry, in radii
+  double mesh_radii = 4;         ///< swap distance to geometry, in radii
   int atlas_edge = 1024;
   int atlas_layers = 24;
   std::string token;

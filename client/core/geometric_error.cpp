@@ -91,8 +91,13 @@ void add_geometric_error(const ReferenceFrame& reference, double offset_px, cons
       const std::size_t i = std::size_t{y} * reference.width + x;
       if (reference.ids[i] == 0 || reference.ids[i] > scene.instances.size()) continue;
       ++out.object_pixels;
-      const std::uint32_t instance = reference.ids[i] - 1;
-      const auto found = shown.find(instance);
+      // What stands for the instance: itself, or a group it is in.
+      std::uint32_t instance = reference.ids[i] - 1;
+      auto found = shown.find(instance);
+      while (found == shown.end() && scene.instances[instance].parent != InstanceView::kNoParent) {
+        instance = scene.instances[instance].parent;
+        found = shown.find(instance);
+      }
       if (found == shown.end()) {
         ++out.holes;
         continue;

@@ -28,7 +28,7 @@ class Predictor {
   Pose predict(std::int64_t horizon_us) const;
   /// Remembers a prediction, to be judged when its time comes.
   void remember(std::int64_t horizon_us);
-  double speed_mps() const { return glm::length(velocity_); }
+  const glm::dvec3& velocity_mps() const { return velocity_; }
   PredictionError error() const;
   /// False until two samples have made a velocity, and right after a jump.
   bool has_velocity() const { return has_velocity_; }

@@ -7,10 +7,7 @@
 namespace mirage {
 namespace {
 constexpr double kInstancesPerCell = 16;
-// An object of this share of the scene's radius, in a scene of several, is what one stands in.
-constexpr double kSurroundingShare = 0.1;
-constexpr std::size_t kSurroundedInstances = 16;
-constexpr std::uint32_t kMaxSurroundingTriangles = 100'000;
+constexpr int kMaxNesting = 16;
 }  // namespace
 
 Result<void> SceneView::accept(const wire::WelcomeT& w) {
@@ -49,10 +46,11 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
     o.mesh_bytes = info->mesh_bytes;
     for (const wire::Vec3f& v : info->hull_vertices) o.hull.vertices.push_back(from_wire(v));
     o.hull.indices = info->hull_indices;
+    o.surrounds = info->surrounds;
+    o.group = info->group;
     objects.push_back(std::move(o));
   }
-  if (complete()) finish();
-  return {};
+  return complete() ? finish() : Result<void>{};
 }
 
 Result<void> SceneView::accept(const wire::InstancePageT& page) {
@@ -74,10 +72,10 @@ Result<void> SceneView::accept(const wire::InstancePageT& page) {
     view.center =
         m.position + glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale});
     view.radius = double{object.radius} * m.scale;
+    view.parent = record.parent();
     instances.push_back(view);
   }
-  if (complete()) finish();
-  return {};
+  return complete() ? finish() : Result<void>{};
 }
 
 bool SceneView::complete() const {
@@ -85,9 +83,11 @@ bool SceneView::complete() const {
          instances.size() == expected_instances_;
 }
 
-void SceneView::finish() {
+Result<void> SceneView::finish() {
+  if (Result<void> linked = link_members(); !linked) return linked;
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (const InstanceView& i : instances) {
+    if (objects[i.object].group) continue;
     low = glm::min(low, i.center - i.radius);
     high = glm::max(high, i.center + i.radius);
   }
@@ -95,22 +95,41 @@ void SceneView::finish() {
     bounds_center = 0.5 * (low + high);
     bounds_radius = 0;
     for (const InstanceView& i : instances) {
+      if (objects[i.object].group) continue;
       bounds_radius = std::max(bounds_radius, glm::length(i.center - bounds_center) + i.radius);
     }
   }
-  find_surroundings();
   build_grid();
+  return {};
 }
 
-void SceneView::find_surroundings() {
-  std::vector<std::uint32_t> uses(objects.size(), 0);
-  for (const InstanceView& i : instances) ++uses[i.object];
-  surrounds_.assign(objects.size(), false);
-  if (instances.size() < kSurroundedInstances) return;
+Result<void> SceneView::link_members() {
+  first_member_.assign(instances.size() + 1, 0);
   for (const InstanceView& i : instances) {
-    surrounds_[i.object] = uses[i.object] == 1 && i.radius > kSurroundingShare * bounds_radius &&
-                           objects[i.object].triangles <= kMaxSurroundingTriangles;
+    if (i.parent == InstanceView::kNoParent) continue;
+    if (i.parent >= instances.size() || !objects[instances[i.parent].object].group) {
+      welcomed_ = false;
+      return make_error(ErrorId::kWireValue, "instance in a group that is not there");
+    }
+    ++first_member_[i.parent + 1];
   }
+  for (std::size_t i = 0; i < instances.size(); ++i) first_member_[i + 1] += first_member_[i];
+  members_.assign(first_member_.back(), 0);
+  std::vector<std::uint32_t> next(first_member_.begin(), first_member_.end() - 1);
+  for (std::uint32_t i = 0; i < instances.size(); ++i) {
+    if (instances[i].parent != InstanceView::kNoParent) members_[next[instances[i].parent]++] = i;
+  }
+  // Following parents must end: a cycle would be walked for ever.
+  for (const InstanceView& i : instances) {
+    std::uint32_t at = i.parent;
+    int depth = 0;
+    while (at != InstanceView::kNoParent && depth++ < kMaxNesting) at = instances[at].parent;
+    if (at != InstanceView::kNoParent) {
+      welcomed_ = false;
+      return make_error(ErrorId::kWireValue, "groups nest too deeply or in a circle");
+    }
+  }
+  return {};
 }
 
 void SceneView::build_grid() {
@@ -122,6 +141,7 @@ void SceneView::build_grid() {
   };
   cells_.assign(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), Cell{});
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
+    if (instances[i].parent != InstanceView::kNoParent) continue;
     const glm::dvec3& c = instances[i].center;
     const int x = index(c.x, bounds_center.x), z = index(c.z, bounds_center.z);
     cells_[static_cast<std::size_t>(z) * static_cast<std::size_t>(n) + static_cast<std::size_t>(x)]
@@ -138,8 +158,8 @@ void SceneView::build_grid() {
   }
 }
 
-void SceneView::for_visible(const Camera& camera, double guard,
-                            const std::function<void(std::uint32_t)>& visit) const {
+void SceneView::for_visible_roots(const Camera& camera, double guard,
+                                  const std::function<void(std::uint32_t)>& visit) const {
   for (const Cell& cell : cells_) {
     if (cell.instances.empty()) continue;
     if (!camera.may_see(cell.center - camera.pose.eye, cell.radius, guard)) continue;
@@ -148,6 +168,18 @@ void SceneView::for_visible(const Camera& camera, double guard,
       if (camera.may_see(instance.center - camera.pose.eye, instance.radius, guard)) visit(i);
     }
   }
+}
+
+void SceneView::for_visible(const Camera& camera, double guard,
+                            const std::function<void(std::uint32_t)>& visit) const {
+  const std::function<void(std::uint32_t)> down = [&](std::uint32_t i) {
+    if (!objects[instances[i].object].group) return visit(i);
+    for (const std::uint32_t member : members(i)) {
+      const InstanceView& view = instances[member];
+      if (camera.may_see(view.center - camera.pose.eye, view.radius, guard)) down(member);
+    }
+  };
+  for_visible_roots(camera, guard, down);
 }
 
 }  // namespace mirage

@@ -16,12 +16,23 @@ namespace mirage {
 struct InstanceView {
   std::uint32_t object = 0;
   Similarity world_from_object;
-  glm::dvec3 center{0};  ///< of the bounding sphere, world
-  double radius = 0;     ///< world, m
+  glm::dvec3 center{0};              ///< of the bounding sphere, world
+  double radius = 0;                 ///< world, m
+  std::uint32_t parent = kNoParent;  ///< instance of the group it belongs to
+
+  static constexpr std::uint32_t kNoParent = 0xffffffffu;
 };
 
 class SceneView {
  public:
+  /// A run of instance indices.
+  struct Members {
+    const std::uint32_t* first;
+    const std::uint32_t* last;
+    const std::uint32_t* begin() const { return first; }
+    const std::uint32_t* end() const { return last; }
+  };
+
   /// Takes Welcome, ObjectPage and InstancePage. Errors: kWireState when pages do not follow on,
   /// kWireValue when they refer to what is not there.
   Result<void> accept(const wire::WelcomeT& welcome);
@@ -46,10 +57,16 @@ class SceneView {
   glm::dvec3 bounds_center{0};
   double bounds_radius = 1;
 
-  /// Large scenery that exists once (terrain, water, a room's shell): geometry from the start.
-  bool surrounds(std::uint32_t object) const { return surrounds_[object]; }
+  /// Instances (and nested groups) of a group's instance; empty for any other.
+  Members members(std::uint32_t group) const {
+    return {members_.data() + first_member_[group], members_.data() + first_member_[group + 1]};
+  }
 
-  /// Calls `visit` for every instance that may be in the view grown by `guard` radians.
+  /// Calls `visit` for every instance and group without a parent that may be in the view grown by
+  /// `guard` radians.
+  void for_visible_roots(const Camera& camera, double guard,
+                         const std::function<void(std::uint32_t)>& visit) const;
+  /// The same for every instance that is no group.
   void for_visible(const Camera& camera, double guard,
                    const std::function<void(std::uint32_t)>& visit) const;
 
@@ -59,15 +76,16 @@ class SceneView {
     double radius = 0;
     std::vector<std::uint32_t> instances;
   };
-  void finish();
+  Result<void> finish();
+  Result<void> link_members();
   void build_grid();
-  void find_surroundings();
 
   bool welcomed_ = false;
   std::size_t expected_objects_ = 0;
   std::size_t expected_instances_ = 0;
   std::vector<Cell> cells_;
-  std::vector<bool> surrounds_;  ///< by object
+  std::vector<std::uint32_t> first_member_;  ///< by instance, and one past the last
+  std::vector<std::uint32_t> members_;
 };
 
 }  // namespace mirage

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "protocol/limits.h"
-#include "protocol/stable_math.h"
 
 namespace mirage {
 namespace {
@@ -14,130 +13,52 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMinRadiusPx = 0.5;   // smaller objects are neither drawn nor asked for
 constexpr double kViewGuard = 0.0873;  // 5 degrees around the predicted view
 constexpr std::int64_t kFadeUs = 120'000;
-constexpr double kTexelsPerPixel = 1.5;  // measured: worth more than any filter
-constexpr int kMaxAskedSizeClass = 12;   // 1024 texels
-constexpr int kCoarseClasses = 4;        // steps of sqrt 2
-constexpr double kMeshPrefetch = 1.3;    // times the swap distance
-constexpr double kWorthMarching = 0.7;   // of the flat bound
-constexpr double kLongestLife = 2;       // s, a tile is not credited with more
+constexpr int kCoarseClasses = 4;      // steps of sqrt 2
+constexpr double kMeshPrefetch = 1.3;  // times the swap distance
+constexpr double kMeshHysteresis = 1.15;
+constexpr double kWorthMarching = 0.7;  // of the flat bound
 // A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
 constexpr double kSwitchRatio = 0.6;
+// A group stands for its members where it is far and its image lasts, even at a walk.
+constexpr double kGroupRadii = 4;
+constexpr double kGroupLifeS = 3;
+constexpr double kWalkingMps = 1.4;
+// Deepest step in an object's depth, in radii, before a tile has told.
+constexpr double kTypicalGap = 0.6;
+constexpr double kQuantumShare = 0.01;  // 8-bit depth and the slope within a texel, in radii
 
-struct Choice {
-  TileRecordPtr tile;
-  DrawMethod method = DrawMethod::kQuad;
-  double bound = kInfinity;
-};
-
-// Cheapest first (DESIGN section 7): marching depth costs ten times what a flat proxy does.
-constexpr DrawMethod kFlat[] = {DrawMethod::kQuad, DrawMethod::kHull};
-constexpr DrawMethod kDeep[] = {DrawMethod::kDepth};
-
-template <std::size_t N>
-Choice best_method(const TileRecordPtr& tile, const ObjectDescription& object,
-                   const ViewGeometry& view, const DrawMethod (&methods)[N], double tau) {
-  Choice best;
-  for (const DrawMethod method : methods) {
-    const double bound = tile->bound_px(method, object, view);
-    if (!best.tile || bound < best.bound) best = {tile, method, bound};
-    if (!is_stale(bound, tau)) break;
-  }
-  return best;
+double fade_progress(std::int64_t since_us, std::int64_t now_us) {
+  return std::clamp(static_cast<double>(now_us - since_us) / kFadeUs, 0.0, 1.0);
 }
 
-// Inside the swap distance every bound is infinite: the newest tile is the best guess.
-void keep_better(Choice& best, const Choice& choice) {
-  const bool better = choice.bound < best.bound || (choice.bound == best.bound && best.tile &&
-                                                    choice.tile->serial > best.tile->serial);
-  if (!best.tile || better) best = choice;
+ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileGroup& tiles,
+                  double radius) {
+  ViewPlan plan;
+  plan.tau_px = in.tau_px;
+  const glm::dquat inverse = glm::conjugate(glm::dquat(view.world_from_object.rotation));
+  plan.velocity = inverse * in.velocity / double{view.world_from_object.scale};
+  const bool flat = !in.method.automatic && in.method.method != DrawMethod::kDepth;
+  const bool still = glm::length(in.velocity) < 0.02;
+  if (flat || still) return plan;  // a still eye is served best, and cheapest, by a quad
+  double gap = kTypicalGap;
+  if (!tiles.tiles.empty()) gap = tiles.tiles.back()->measure.depth_gap / radius;
+  plan.depth_share = std::max(gap / kHoleTolerance, kQuantumShare);
+  return plan;
 }
 
-template <std::size_t N>
-Choice best_tile(const TileGroup& group, const ObjectDescription& object, const ViewGeometry& view,
-                 const DrawMethod (&methods)[N], double tau) {
-  Choice best;
-  for (const TileRecordPtr& tile : group.tiles) {
-    keep_better(best, best_method(tile, object, view, methods, tau));
-  }
-  return best;
-}
-
-Choice best_with(const TileGroup& group, const ObjectDescription& object, const ViewGeometry& view,
-                 DrawMethod method, double tau) {
-  const DrawMethod one[] = {method};
-  return best_tile(group, object, view, one, tau);
-}
-
-// The best that can be drawn at all, whatever it costs.
-Choice best_of_all(const TileGroup& group, const ObjectDescription& object,
-                   const ViewGeometry& view, const SelectorInput& in) {
-  if (!in.method.automatic) return best_with(group, object, view, in.method.method, in.tau_px);
-  Choice best = best_tile(group, object, view, kFlat, in.tau_px);
-  if (is_stale(best.bound, in.tau_px)) {
-    keep_better(best, best_tile(group, object, view, kDeep, in.tau_px));
-  }
-  return best;
-}
-
-bool drawn_as_mesh(const SelectorInput& in, const InstanceView& instance, double distance) {
-  if (!(*in.mesh_ready)[instance.object]) return false;
-  return in.method.method == DrawMethod::kMesh && !in.method.automatic
-             ? true
-             : in.scene->surrounds(instance.object) || distance < in.mesh_radii * instance.radius;
-}
-
-// How long a tile captured now stays within tau as a quad, the eye moving at `speed` (object units
-// per second): near tiles age fast, and would eat the link if error alone ranked them.
-double expected_life_s(const ViewGeometry& view, double tau_px, double speed) {
-  const double slack = std::max(glm::length(view.eye) - view.radius, 1e-3 * view.radius);
-  const double px_per_s = view.focal_px * 0.5 * view.radius * speed / (slack * slack);
-  return std::clamp(tau_px / std::max(px_per_s, 1e-9), 0.02, kLongestLife);
+// Seconds an image of the group lasts at a walk; members beyond kGroupRadii only.
+bool group_wanted(const SelectorInput& in, const InstanceView& view_of, const ViewGeometry& view,
+                  double slack) {
+  if (glm::length(view.eye) * slack < kGroupRadii * view.radius) return false;
+  ViewPlan plan;
+  plan.tau_px = in.tau_px;
+  plan.depth_share = kTypicalGap / kHoleTolerance;
+  const double speed = std::max(glm::length(in.velocity), kWalkingMps);
+  plan.velocity = glm::dvec3(speed / view_of.world_from_object.scale, 0, 0);
+  return expected_life_s(view, plan) * slack >= kGroupLifeS;
 }
 
 }  // namespace
-
-ViewGeometry view_geometry(const Camera& camera, const InstanceView& instance,
-                           const ObjectDescription& object) {
-  const double scale = instance.world_from_object.scale;
-  const glm::dvec3 to_eye = camera.pose.eye - instance.center;
-  ViewGeometry view;
-  view.focal_px = camera.focal_px();
-  view.radius = object.radius;
-  view.eye = glm::conjugate(glm::dquat(instance.world_from_object.rotation)) * to_eye / scale;
-  view.center_depth = -glm::dot(to_eye, camera.forward()) / scale;
-  return view;
-}
-
-double radius_px(const ViewGeometry& view) {
-  const double d = glm::length(view.eye);
-  return d > view.radius ? view.focal_px * view.radius / tangent_length(d, view.radius) : kInfinity;
-}
-
-TileNeed need_for_view(const ViewGeometry& view, double tau_px) {
-  const double r = view.radius;
-  const double d = std::max(glm::length(view.eye), limits::kMinCaptureRadii * r * 1.001);
-  // Depth as if the object were looked at: turning the head must not change the key.
-  const double slack = (d - r) * (d - r);
-  const double dz = 0.5 * r;  // half the visible depth of a ball; measured values are smaller
-  const double allowed = 0.25 * tau_px * slack / (view.focal_px * dz);  // of the baseline term
-  const double theta = std::asin(std::min(1.0, allowed / d));
-  const double cone = r / tangent_length(d, r);
-  const double along = std::min(allowed / cone, 0.5 * d);
-  TileNeed need;
-  need.cell = *view_cell_from_direction(view.eye, view_level_for_angle(theta));
-  int level = 0;
-  // Half a bucket of 1/2^level octaves is the farthest a distance can be from its middle.
-  while (level < limits::kMaxDistanceLevel && d * std::expm1(0.34657 / (1 << level)) > along) {
-    ++level;
-  }
-  need.distance = *distance_bucket_from_radii(d / r, level);
-  const double dc = radii_from_distance_bucket(need.distance) * r;
-  const double half = r / tangent_length(dc, r) * dc;
-  const double texels = kTexelsPerPixel * 2.0 * view.focal_px * half / d;
-  need.size_class =
-      static_cast<std::uint8_t>(std::min(size_class_for(texels * 0.95), kMaxAskedSizeClass));
-  return need;
-}
 
 void Selector::reset(const SceneView& scene) { shown_.assign(scene.instances.size(), Shown{}); }
 
@@ -148,59 +69,134 @@ struct Selector::Candidate {
   ViewGeometry view;
   double distance = 0;
   double area_px = 0;
-  Choice flat;
-  Choice deep;
+  float fade = 1;
+  TileFit flat;
+  TileFit deep;
   bool march = false;
 };
 
-void Selector::consider(const SelectorInput& in, std::uint32_t instance, DrawList& out,
-                        std::vector<Candidate>& candidates) {
+struct Selector::Walk {
+  const SelectorInput& in;
+  DrawList& out;
+  std::vector<Candidate> candidates;
+};
+
+bool Selector::drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const {
+  const InstanceView& view = in.scene->instances[instance];
+  const ObjectDescription& object = in.scene->objects[view.object];
+  if (object.group || !(*in.mesh_ready)[view.object]) return false;
+  if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return true;
+  if (object.surrounds) return true;
+  const double distance = glm::length(view.center - in.camera.pose.eye);
+  const double slack = shown_[instance].as_mesh ? kMeshHysteresis : 1.0;
+  return distance < slack * in.mesh_radii * view.radius;
+}
+
+// Whether the instance is drawn at all; adds it to the candidates or the lists.
+bool Selector::consider(Walk& w, std::uint32_t instance, float fade) {
+  const SelectorInput& in = w.in;
   const InstanceView& view_of = in.scene->instances[instance];
   Candidate c;
   c.instance = instance;
   c.object = &in.scene->objects[view_of.object];
   c.view = view_geometry(in.camera, view_of, *c.object);
+  c.fade = fade;
   const double size = radius_px(c.view);
-  if (c.object->radius <= 0 || size < kMinRadiusPx) return;
-  ++out.visible;
+  if (c.object->radius <= 0 || size < kMinRadiusPx) return false;
+  ++w.out.visible;
   c.distance = glm::length(view_of.center - in.camera.pose.eye);
-  if (drawn_as_mesh(in, view_of, c.distance)) {
-    out.meshes.push_back(instance);
-    shown_[instance] = Shown{};
-    return;
+  Shown& shown = shown_[instance];
+  const bool as_mesh = drawn_as_mesh(in, instance);
+  if (as_mesh != shown.as_mesh) shown = Shown{};
+  shown.as_mesh = as_mesh;
+  if (as_mesh) {
+    w.out.meshes.push_back(instance);
+    return true;
   }
   c.group = in.cache->group_to_draw(instance);
-  if (c.group->empty_from(c.view.eye)) return;
+  if (c.group->empty_from(c.view.eye)) return false;
   if (c.group->tiles.empty()) {
-    out.placeholders.push_back({instance, c.distance});
-    ++out.over_tau;
-    return;
+    if (!c.object->group) w.out.placeholders.push_back({instance, c.distance});
+    ++w.out.over_tau;
+    return false;
   }
   if (in.method.automatic) {
-    c.flat = best_tile(*c.group, *c.object, c.view, kFlat, in.tau_px);
-    if (is_stale(c.flat.bound, in.tau_px)) {
-      c.deep = best_tile(*c.group, *c.object, c.view, kDeep, in.tau_px);
-    }
+    c.flat = best_flat(*c.group, *c.object, c.view, in.tau_px);
+    if (!c.flat.meets(in.tau_px)) c.deep = best_deep(*c.group, *c.object, c.view, in.tau_px);
   } else {
-    c.flat = best_with(*c.group, *c.object, c.view, in.method.method, in.tau_px);
+    c.flat = best_fit(*c.group, *c.object, c.view, in.method, in.tau_px);
   }
   const double screen = static_cast<double>(in.camera.width) * in.camera.height;
   c.area_px = std::min(3.14159 * size * size, screen);
-  candidates.push_back(c);
+  w.candidates.push_back(std::move(c));
+  return true;
+}
+
+bool Selector::group_serves(const SelectorInput& in, std::uint32_t group,
+                            const ViewGeometry& view) const {
+  const InstanceView& view_of = in.scene->instances[group];
+  const bool was_drawn = shown_[group].frame + 1 >= in.frame && in.frame > 0;
+  const double slack = was_drawn ? kMeshHysteresis : 1.0;
+  if (!group_wanted(in, view_of, view, slack)) return false;
+  const TileGroup& tiles = *in.cache->group_to_draw(group);
+  if (tiles.empty_from(view.eye)) return true;
+  const ObjectDescription& object = in.scene->objects[view_of.object];
+  const TileFit fit = best_fit(tiles, object, view, in.method, in.tau_px);
+  return fit.meets(in.tau_px * slack) || (fit.tile && !members_have_images(in, group));
+}
+
+bool Selector::members_have_images(const SelectorInput& in, std::uint32_t group) const {
+  for (const std::uint32_t member : in.scene->members(group)) {
+    const bool nested = in.scene->objects[in.scene->instances[member].object].group;
+    if (nested ? !members_have_images(in, member) : !in.cache->group_to_draw(member)->known()) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// A group takes over from its members, or they from it, by fading in over what was there.
+void Selector::walk_group(Walk& w, std::uint32_t group, float fade) {
+  const SelectorInput& in = w.in;
+  const InstanceView& view_of = in.scene->instances[group];
+  const ViewGeometry view = view_geometry(in.camera, view_of, in.scene->objects[view_of.object]);
+  Shown& shown = shown_[group];
+  const bool was_drawn = shown.frame > 0 && shown.frame + 1 >= in.frame;
+  if (group_serves(in, group, view)) {
+    if (!was_drawn) shown.appeared_us = members_have_images(in, group) ? in.now_us : INT64_MIN / 2;
+    shown.frame = in.frame;
+    shown.left_us = INT64_MIN / 2;
+    const auto progress = static_cast<float>(fade_progress(shown.appeared_us, in.now_us));
+    if (progress < 1) {
+      for (const std::uint32_t member : in.scene->members(group)) walk(w, member, fade);
+    }
+    consider(w, group, std::min(fade, progress));
+    return;
+  }
+  if (was_drawn) shown.left_us = in.now_us;
+  const auto progress = static_cast<float>(fade_progress(shown.left_us, in.now_us));
+  if (progress < 1) consider(w, group, fade);
+  for (const std::uint32_t member : in.scene->members(group)) {
+    walk(w, member, std::min(fade, progress));
+  }
+}
+
+void Selector::walk(Walk& w, std::uint32_t instance, float fade) {
+  const InstanceView& view_of = w.in.scene->instances[instance];
+  const Camera& camera = w.in.camera;
+  if (!camera.may_see(view_of.center - camera.pose.eye, view_of.radius)) return;
+  if (w.in.scene->objects[view_of.object].group) return walk_group(w, instance, fade);
+  consider(w, instance, fade);
 }
 
 void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawList& out) {
-  Choice best = c.march ? c.deep : c.flat;
+  TileFit best = c.march ? c.deep : c.flat;
   Shown& shown = shown_[c.instance];
   const std::vector<TileRecordPtr>& held = c.group->tiles;
   const bool still_held = std::find(held.begin(), held.end(), shown.tile) != held.end();
-  const auto choice_for = [&](const TileRecordPtr& tile) {
-    const DrawMethod one[] = {best.method};
-    return best_method(tile, *c.object, c.view, one, in.tau_px);
-  };
   if (still_held && shown.tile != best.tile) {
-    const Choice present = choice_for(shown.tile);
-    if (!is_stale(present.bound, in.tau_px) && present.bound * kSwitchRatio < best.bound) {
+    const TileFit present = fit_of(shown.tile, best.method, *c.object, c.view);
+    if (present.meets(in.tau_px) && present.error_px() * kSwitchRatio < best.error_px()) {
       best = present;
     }
   }
@@ -211,39 +207,42 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   }
   // A former tile that left the cache meanwhile has no texels of its own any more.
   if (std::find(held.begin(), held.end(), shown.former) == held.end()) shown.former.reset();
-  double fade = 1;
+  double fade = c.fade;
   if (shown.former) {
-    fade = std::min(1.0, static_cast<double>(in.now_us - shown.since_us) / kFadeUs);
-    if (fade >= 1) {
+    const double progress = fade_progress(shown.since_us, in.now_us);
+    if (progress >= 1) {
       shown.former.reset();
     } else {
-      const Choice under = choice_for(shown.former);
+      const TileFit under = fit_of(shown.former, best.method, *c.object, c.view);
       shown.former->last_drawn = in.frame;
       out.impostors.push_back(
-          {c.instance, under.tile, under.method, under.bound, c.distance, 1.0f});
+          {c.instance, under.tile, under.method, under.bound_px, c.distance, c.fade});
+      fade = std::min(fade, progress);
     }
   }
   best.tile->last_drawn = in.frame;
   best.tile->shown = true;
   out.impostors.push_back(
-      {c.instance, best.tile, best.method, best.bound, c.distance, static_cast<float>(fade)});
-  if (is_stale(best.bound, in.tau_px)) ++out.over_tau;
+      {c.instance, best.tile, best.method, best.bound_px, c.distance, static_cast<float>(fade)});
+  if (is_stale(best.bound_px, in.tau_px)) ++out.over_tau;
 }
 
 DrawList Selector::select(const SelectorInput& in) {
   DrawList out;
-  std::vector<Candidate> candidates;
-  in.scene->for_visible(in.camera, 0,
-                        [&](std::uint32_t instance) { consider(in, instance, out, candidates); });
+  Walk w{in, out, {}};
+  in.scene->for_visible_roots(in.camera, 0, [&](std::uint32_t root) { walk(w, root, 1); });
   // Back to front, so that blending is right; equal distances keep the order of instances.
-  std::stable_sort(candidates.begin(), candidates.end(),
+  std::stable_sort(w.candidates.begin(), w.candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.distance > b.distance; });
   // Marching goes where it takes away most error per area, as far as the budget reaches.
   std::vector<Candidate*> by_gain;
-  for (Candidate& c : candidates) {
-    if (c.deep.tile && c.deep.bound < kWorthMarching * c.flat.bound) by_gain.push_back(&c);
+  for (Candidate& c : w.candidates) {
+    if (c.deep.tile && c.deep.error_px() < kWorthMarching * c.flat.error_px())
+      by_gain.push_back(&c);
   }
-  const auto gain = [](const Candidate* c) { return (c->flat.bound - c->deep.bound) / c->area_px; };
+  const auto gain = [](const Candidate* c) {
+    return (std::min(c->flat.error_px(), 1e6) - c->deep.error_px()) / c->area_px;
+  };
   std::stable_sort(by_gain.begin(), by_gain.end(),
                    [&](const Candidate* a, const Candidate* b) { return gain(a) > gain(b); });
   double left_px = in.march_budget_px;
@@ -252,47 +251,64 @@ DrawList Selector::select(const SelectorInput& in) {
     left_px -= c->area_px;
     c->march = true;
   }
-  for (const Candidate& c : candidates) draw_candidate(in, c, out);
+  for (const Candidate& c : w.candidates) draw_candidate(in, c, out);
   return out;
+}
+
+void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
+                        std::vector<TileNeed>& out) const {
+  const InstanceView& view_of = in.scene->instances[instance];
+  const ObjectDescription& object = in.scene->objects[view_of.object];
+  ViewGeometry view = view_geometry(in.predicted, view_of, object);
+  const double size = radius_px(view);
+  if (object.radius <= 0 || size < kMinRadiusPx) return;
+  const double distance = glm::length(view.eye) / view.radius;
+  if (in.scene->geometry && object.surrounds) return;
+  if ((*in.mesh_ready)[view_of.object] && distance < in.mesh_radii) return;
+  const TileGroup& group = *in.cache->group_to_draw(instance);
+  if (group.empty_from(view.eye) && in.cache->lit_now(instance)) return;
+  const ViewPlan plan = plan_for(in, view_of, group, view.radius);
+  TileFit fit;
+  fit.bound_px = kInfinity;
+  if (!group.tiles.empty()) {
+    // At the edge of the view the eye depth falls; ask as if the object were looked at.
+    view.center_depth = glm::length(view.eye);
+    const bool still = plan.depth_share == kFlatDepthShare;
+    fit = still && in.method.automatic ? best_flat(group, object, view, in.tau_px)
+                                       : best_fit(group, object, view, in.method, in.tau_px);
+  }
+  if (fit.settled(in.tau_px) && in.cache->lit_now(instance)) return;
+  // Inside the swap distance a tile is no use but as a stopgap: one, until geometry comes.
+  if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
+  TileNeed need = need_for_view(view, plan);
+  need.instance = instance;
+  // Something quick first: a quarter of the edge is a sixteenth of the bytes.
+  if (group.tiles.empty()) {
+    need.size_class = static_cast<std::uint8_t>(std::max(need.size_class - kCoarseClasses, 0));
+  }
+  const double error = std::max(fit.error_px(), fit.texel_px - 1.0);
+  need.error_px = std::isfinite(error) ? std::min(error, 2 * size) : 2 * std::min(size, 1e4);
+  // Any image is better than none, however soon it ages.
+  need.gain = need.error_px * (group.tiles.empty() ? kLongestLife : expected_life_s(view, plan));
+  out.push_back(need);
 }
 
 std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
   std::vector<TileNeed> out;
   if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return out;
-  in.scene->for_visible(in.predicted, kViewGuard, [&](std::uint32_t instance) {
-    const InstanceView& view_of = in.scene->instances[instance];
+  const std::function<void(std::uint32_t)> visit = [&](std::uint32_t i) {
+    const InstanceView& view_of = in.scene->instances[i];
+    const glm::dvec3 to_center = view_of.center - in.predicted.pose.eye;
+    if (!in.predicted.may_see(to_center, view_of.radius, kViewGuard)) return;
     const ObjectDescription& object = in.scene->objects[view_of.object];
-    ViewGeometry view = view_geometry(in.predicted, view_of, object);
-    const double size = radius_px(view);
-    if (object.radius <= 0 || size < kMinRadiusPx) return;
-    const double distance = glm::length(view.eye) / view.radius;
-    if (in.scene->geometry && in.scene->surrounds(view_of.object)) return;
-    if ((*in.mesh_ready)[view_of.object] && distance < in.mesh_radii) return;
-    const TileGroup& group = *in.cache->group_to_draw(instance);
-    if (group.empty_from(view.eye) && in.cache->lit_now(instance)) return;
-    double bound = kInfinity;
-    if (!group.tiles.empty()) {
-      // At the edge of the view the eye depth falls; ask as if the object were looked at.
-      view.center_depth = glm::length(view.eye);
-      bound = best_of_all(group, object, view, in).bound;
+    if (object.group &&
+        !group_wanted(in, view_of, view_geometry(in.predicted, view_of, object), 1)) {
+      for (const std::uint32_t member : in.scene->members(i)) visit(member);
+      return;
     }
-    if (!is_stale(bound, in.tau_px) && in.cache->lit_now(instance)) return;
-    // Inside the swap distance a tile is no use but as a stopgap: one, until geometry comes.
-    if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
-    TileNeed need = need_for_view(view, in.tau_px);
-    need.instance = instance;
-    // Something quick first: a quarter of the edge is a sixteenth of the bytes.
-    if (group.tiles.empty()) {
-      need.size_class = static_cast<std::uint8_t>(std::max(need.size_class - kCoarseClasses, 0));
-    }
-    need.error_px = std::isfinite(bound) ? std::min(bound, 2 * size) : 2 * std::min(size, 1e4);
-    // Any image is better than none, however soon it ages.
-    const double speed = in.speed_mps / view_of.world_from_object.scale;
-    const double life =
-        group.tiles.empty() ? kLongestLife : expected_life_s(view, in.tau_px, speed);
-    need.gain = need.error_px * life;
-    out.push_back(need);
-  });
+    add_need(in, i, out);
+  };
+  in.scene->for_visible_roots(in.predicted, kViewGuard, visit);
   std::stable_sort(out.begin(), out.end(),
                    [](const TileNeed& a, const TileNeed& b) { return a.gain > b.gain; });
   return out;
@@ -307,14 +323,14 @@ std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) const {
     if ((*in.mesh_ready)[view_of.object]) return;
     const double distance = glm::length(view_of.center - in.predicted.pose.eye);
     const bool near = distance < kMeshPrefetch * in.mesh_radii * view_of.radius;
-    const bool surrounds = in.scene->surrounds(view_of.object);
+    const bool surrounds = in.scene->objects[view_of.object].surrounds;
     if (all || near || surrounds) out.push_back(view_of.object);
     surroundings_missing = surroundings_missing || surrounds;
   });
   // What one stands in comes before single objects.
   if (surroundings_missing && !all) {
     out.erase(std::remove_if(out.begin(), out.end(),
-                             [&](std::uint32_t object) { return !in.scene->surrounds(object); }),
+                             [&](std::uint32_t o) { return !in.scene->objects[o].surrounds; }),
               out.end());
   }
   std::sort(out.begin(), out.end());

@@ -3,19 +3,17 @@
 // Input:  scene, resident tiles, the true and the predicted camera. Output: what to draw now, and
 //         what to ask for, by the error bound.
 // Thread: the frame loop's. Never full: one decision per visible instance and frame.
+//
+// Impostor groups (all instances of a spatial cell) form trees over the instances. Both walks go
+// down from the roots and stop where a group will do.
 
 #include <cstdint>
 #include <vector>
 
-#include "client/core/tile_cache.h"
+#include "client/core/tile_fit.h"
+#include "client/core/tile_need.h"
 
 namespace mirage {
-
-/// How impostors are drawn: one method, or the cheapest that meets tau.
-struct MethodChoice {
-  bool automatic = true;
-  DrawMethod method = DrawMethod::kQuad;
-};
 
 /// An instance drawn from a tile.
 struct DrawnImpostor {
@@ -34,21 +32,11 @@ struct DrawnPlaceholder {
 };
 
 struct DrawList {
-  std::vector<DrawnImpostor> impostors;
+  std::vector<DrawnImpostor> impostors;  ///< back to front
   std::vector<DrawnPlaceholder> placeholders;
   std::vector<std::uint32_t> meshes;  ///< instances drawn as geometry
-  std::size_t visible = 0;            ///< instances in view and large enough to matter
+  std::size_t visible = 0;            ///< instances and groups in view, large enough to matter
   std::size_t over_tau = 0;           ///< of them, drawn with a bound above tau or from no tile
-};
-
-/// A tile worth asking for.
-struct TileNeed {
-  std::uint32_t instance = 0;
-  ViewCell cell;
-  DistanceBucket distance;
-  std::uint8_t size_class = 0;
-  double error_px = 0;  ///< what showing the present state costs
-  double gain = 0;      ///< error_px times the seconds the new tile is expected to serve: the rank
 };
 
 struct SelectorInput {
@@ -57,11 +45,11 @@ struct SelectorInput {
   const std::vector<bool>* mesh_ready = nullptr;  ///< per object
   Camera camera;
   Camera predicted;
-  double speed_mps = 0;  ///< of the eye
+  glm::dvec3 velocity{0};  ///< of the eye, world, m/s
   double tau_px = 1;
   MethodChoice method;
   double march_budget_px = 1e9;  ///< screen area that may be drawn by marching depth
-  double mesh_radii = 2;         ///< nearer than this many radii, geometry is drawn if it is there
+  double mesh_radii = 4;         ///< nearer than this many radii, geometry is drawn if it is there
   std::uint64_t frame = 0;
   std::int64_t now_us = 0;
 };
@@ -80,26 +68,30 @@ class Selector {
   std::vector<std::uint32_t> mesh_needs(const SelectorInput& input) const;
 
  private:
+  /// What an instance or group showed last, for transitions.
   struct Shown {
     TileRecordPtr tile;
     TileRecordPtr former;  ///< still drawn underneath while `tile` fades in
     std::int64_t since_us = 0;
+    std::uint64_t frame = 0;               ///< last frame in which it was drawn
+    std::int64_t appeared_us = 0;          ///< groups: when it took over from its members
+    std::int64_t left_us = INT64_MIN / 2;  ///< groups: when its members took over
+    bool as_mesh = false;
   };
   /// An instance that has tiles, before it is settled how it is drawn.
   struct Candidate;
-  void consider(const SelectorInput& in, std::uint32_t instance, DrawList& out,
-                std::vector<Candidate>& candidates);
+  struct Walk;
+
+  void walk(Walk& walk, std::uint32_t instance, float fade);
+  void walk_group(Walk& walk, std::uint32_t group, float fade);
+  bool consider(Walk& walk, std::uint32_t instance, float fade);
+  bool members_have_images(const SelectorInput& in, std::uint32_t group) const;
+  bool group_serves(const SelectorInput& in, std::uint32_t group, const ViewGeometry& view) const;
+  bool drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const;
   void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);
+  void add_need(const SelectorInput& in, std::uint32_t instance, std::vector<TileNeed>& out) const;
+
   std::vector<Shown> shown_;
 };
-
-/// The instance's view in object units, relative to its centre.
-ViewGeometry view_geometry(const Camera& camera, const InstanceView& instance,
-                           const ObjectDescription& object);
-/// The key whose capture at `view` keeps a quad within a quarter of tau all over its cell, at 1.5
-/// texels per pixel.
-TileNeed need_for_view(const ViewGeometry& view, double tau_px);
-/// Projected radius of the bounding sphere in px.
-double radius_px(const ViewGeometry& view);
 
 }  // namespace mirage

@@ -29,7 +29,9 @@ class Steps {
 
   TileNeed need(std::int64_t step, std::uint32_t instance) const {
     const ViewGeometry v = view(camera(step), instance);
-    TileNeed need = need_for_view(v, options_.tau_px);
+    ViewPlan plan;
+    plan.tau_px = options_.tau_px;
+    TileNeed need = need_for_view(v, plan);
     need.instance = instance;
     need.error_px = 2 * radius_px(v);  // as for an instance that shows nothing yet
     return need;
@@ -52,7 +54,7 @@ class Steps {
     std::vector<std::pair<double, std::uint32_t>> found;
     scene_.for_visible(camera, 0, [&](std::uint32_t instance) {
       const std::uint32_t object = scene_.instances[instance].object;
-      if (scene_.geometry && scene_.surrounds(object)) return;  // comes as geometry
+      if (scene_.geometry && scene_.objects[object].surrounds) return;  // comes as geometry
       const ViewGeometry v = view(camera, instance);
       const bool too_near = glm::length(v.eye) < limits::kMinCaptureRadii * v.radius;
       if (!(v.radius > 0) || too_near || radius_px(v) < kMinRadiusPx) return;

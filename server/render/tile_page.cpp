@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
+#include <map>
 #include <numeric>
 
 #include "protocol/capture.h"
@@ -75,14 +76,34 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   const glm::dvec3 eye = glm::dvec3(object.center) + capture.eye();
-  gl::MeshInstance instance;
-  instance.position_scale = glm::vec4(glm::vec3(-eye), 1.0f);
   meshes_->begin(capture_projection(capture), gl::light_block(job.lighting, glm::vec3(eye)));
-  for (const bool blended : {false, true}) {
-    meshes_->draw(scene_->meshes[job.key.object], scene_->materials(), scene_->images, &instance, 1,
-                  blended);
+  if (const InstanceGroup* group = scene_->prepared->group(job.key.object)) {
+    draw_group(*group, eye);
+  } else {
+    gl::MeshInstance instance;
+    instance.position_scale = glm::vec4(glm::vec3(-eye), 1.0f);
+    for (const bool blended : {false, true}) {
+      meshes_->draw(scene_->meshes[job.key.object], scene_->materials(), scene_->images, &instance,
+                    1, blended);
+    }
   }
   meshes_->end();
+}
+
+void TilePageRenderer::draw_group(const InstanceGroup& group, const glm::dvec3& eye) {
+  const std::vector<Instance>& instances = scene_->prepared->scene.instances;
+  std::map<std::uint32_t, std::vector<gl::MeshInstance>> by_object;
+  for (const std::uint32_t i : group.leaves) {
+    const Similarity& m = instances[i].world_from_object;
+    gl::MeshInstance data;
+    data.rotation = {m.rotation.x, m.rotation.y, m.rotation.z, m.rotation.w};
+    data.position_scale = glm::vec4(glm::vec3(m.position - group.center - eye), m.scale);
+    by_object[instances[i].object].push_back(data);
+  }
+  for (const auto& [object, members] : by_object) {
+    meshes_->draw(scene_->meshes[object], scene_->materials(), scene_->images, members.data(),
+                  members.size(), false);
+  }
 }
 
 void TilePageRenderer::resolve(const TileJob& job, PagePacker::Place place) {

@@ -35,6 +35,8 @@ class TilePageRenderer {
       : scene_(&scene), supersample_(supersample), meshes_(std::make_unique<gl::MeshPass>(false)) {}
   bool prepare_targets(int page_edge, std::uint32_t largest_tile);
   void draw_tile(const TileJob& job);
+  /// `eye` in the group's space; its members are none of them blended.
+  void draw_group(const InstanceGroup& group, const glm::dvec3& eye);
   void resolve(const TileJob& job, PagePacker::Place place);
 
   const GpuScene* scene_;

@@ -149,6 +149,22 @@ void cap_lights(Scene& scene) {
 
 }  // namespace
 
+Instance PreparedScene::instance(std::size_t index) const {
+  const std::size_t own = scene.instances.size();
+  if (index < own) return scene.instances[index];
+  Instance group;
+  group.object = static_cast<std::uint32_t>(scene.objects.size() + (index - own));
+  group.world_from_object.position = grouping.groups[index - own].center;
+  return group;
+}
+
+std::uint32_t PreparedScene::parent(std::size_t index) const {
+  const std::size_t own = scene.instances.size();
+  const std::uint32_t of =
+      index < own ? grouping.group_of[index] : grouping.groups[index - own].parent;
+  return of == kNoGroup ? kNoGroup : static_cast<std::uint32_t>(own + of);
+}
+
 ObjectDescription describe_object(const SceneObject& object, const Scene& scene) {
   ObjectDescription out;
   std::vector<glm::vec3> points;
@@ -233,6 +249,11 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec)
   if (!(prepared->scene.home.walk_radius_m > 0)) prepared->scene.home.walk_radius_m = 1;
   prepared->revision = content_hash(prepared->scene);
   bound_world(*prepared);
+  find_surroundings(prepared->scene, prepared->bounds_radius, prepared->objects);
+  prepared->grouping = group_instances(prepared->scene, prepared->objects);
+  for (const InstanceGroup& group : prepared->grouping.groups) {
+    prepared->objects.push_back(describe_group(group, prepared->scene, prepared->objects));
+  }
   return std::shared_ptr<const PreparedScene>(std::move(prepared));
 }
 

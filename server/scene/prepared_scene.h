@@ -5,6 +5,7 @@
 
 #include "protocol/model_codec.h"
 #include "protocol/object_proxy.h"
+#include "server/scene/grouping.h"
 #include "server/scene/scene.h"
 
 namespace mirage {
@@ -12,9 +13,22 @@ namespace mirage {
 struct PreparedScene {
   Scene scene;
   std::uint64_t revision = 0;  ///< hash of all content that pixels depend on
+  /// The scene's objects, then its groups as objects of their own.
   std::vector<ObjectDescription> objects;
+  Grouping grouping;
   glm::dvec3 bounds_center{0};  ///< sphere around all instances, world
   double bounds_radius = 1;
+
+  /// Instances as clients number them: the scene's, then one for each group.
+  std::size_t instance_count() const { return scene.instances.size() + grouping.groups.size(); }
+  Instance instance(std::size_t index) const;
+  /// Index of the instance whose group `index` belongs to; kNoGroup: none.
+  std::uint32_t parent(std::size_t index) const;
+  /// The group an object stands for; nullptr when it is none.
+  const InstanceGroup* group(std::size_t object) const {
+    const std::size_t own = scene.objects.size();
+    return object < own ? nullptr : &grouping.groups[object - own];
+  }
 };
 
 /// Loads `spec` (a path or `builtin:NAME?…`) and prepares it. Errors: those of the importers,

@@ -131,6 +131,7 @@ void MeshPass::begin(const glm::mat4& clip_from_relative, const LightBlock& ligh
   glDepthFunc(GL_LESS);
   glFrontFace(GL_CCW);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  glMinSampleShading(1.0f);
 }
 
 void MeshPass::bind_instances(const MeshInstance* instances, std::size_t count) {
@@ -196,6 +197,8 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
     bind_material(*p, material, needs, images);
     (material.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
     (blended ? glEnable : glDisable)(GL_BLEND);
+    // An alpha test decides a whole pixel: on a multisampled target it is made for every sample.
+    (material.alpha_mode == AlphaMode::kMask ? glEnable : glDisable)(GL_SAMPLE_SHADING);
     glDepthMask(blended ? GL_FALSE : GL_TRUE);
     glDrawElementsInstanced(gl_mode(primitive.kind), static_cast<GLsizei>(primitive.index_count),
                             GL_UNSIGNED_INT,
@@ -209,6 +212,7 @@ void MeshPass::end() {
   glBindVertexArray(0);
   glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
+  glDisable(GL_SAMPLE_SHADING);
   glDepthMask(GL_TRUE);
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 // A small scene as a client gets it from the wire, and tiles to put into its cache.
 
+#include <map>
+#include <set>
 #include <vector>
 
 #include "client/core/selector.h"
@@ -11,6 +13,7 @@ struct Placed {
   glm::dvec3 position{0};
   float scale = 1;
   std::uint32_t object = 0;
+  std::uint32_t parent = InstanceView::kNoParent;
 };
 
 struct SceneOptions {
@@ -19,6 +22,8 @@ struct SceneOptions {
   bool geometry = false;
   NeedMask needs = 0;
   std::uint32_t triangles = 100;
+  std::set<std::uint32_t> surrounds = {};      ///< objects that are scenery around the viewer
+  std::map<std::uint32_t, float> groups = {};  ///< objects that are groups, with their radii
 };
 
 inline SceneView make_scene(const std::vector<Placed>& placed, const SceneOptions& options = {}) {
@@ -35,24 +40,27 @@ inline SceneView make_scene(const std::vector<Placed>& placed, const SceneOption
   wire::ObjectPageT objects;
   for (std::uint32_t i = 0; i < options.objects; ++i) {
     auto info = std::make_unique<wire::ObjectInfoT>();
-    const float half = 0.577f * options.radius;
+    const auto group = options.groups.find(i);
+    info->group = group != options.groups.end();
+    info->radius = info->group ? group->second : options.radius;
+    const float half = 0.577f * info->radius;
     info->center = std::make_unique<wire::Vec3f>();
-    info->radius = options.radius;
     info->box_min = std::make_unique<wire::Vec3f>(-half, -half, -half);
     info->box_max = std::make_unique<wire::Vec3f>(half, half, half);
     info->mean_color = std::make_unique<wire::Vec3f>();
     info->needs = options.needs;
     info->triangles = options.triangles;
+    info->surrounds = options.surrounds.count(i) != 0;
     objects.objects.push_back(std::move(info));
   }
   wire::InstancePageT instances;
   for (const Placed& p : placed) {
-    instances.instances.emplace_back(to_wire(p.position), wire::Quat(1, 0, 0, 0), p.scale,
-                                     p.object);
+    instances.instances.emplace_back(to_wire(p.position), wire::Quat(1, 0, 0, 0), p.scale, p.object,
+                                     p.parent);
   }
   SceneView scene;
-  const bool taken = scene.accept(welcome).ok() && scene.accept(objects).ok() &&
-                     scene.accept(instances).ok();
+  const bool taken =
+      scene.accept(welcome).ok() && scene.accept(objects).ok() && scene.accept(instances).ok();
   return taken ? scene : SceneView{};
 }
 
@@ -98,7 +106,7 @@ struct SelectorWorld {
   TileRecordPtr add_tile(std::uint32_t instance) {
     const ObjectDescription& object = scene.objects[scene.instances[instance].object];
     const TileNeed need =
-        need_for_view(view_geometry(camera, scene.instances[instance], object), 1);
+        need_for_view(view_geometry(camera, scene.instances[instance], object), ViewPlan{});
     const Capture capture = capture_for(need, object.radius);
     return cache.insert(instance, scene, capture, make_tile(capture), frame, now_us);
   }

@@ -45,7 +45,9 @@ TEST(CoreSelector, CaptureOfTheAskedKeyServesItsWholeCell) {
   for (int i = 0; i < 20'000; ++i) {
     const double r = log_uniform(random, 1e-3, 1e3), d = r * log_uniform(random, 2, 1000);
     const double tau = log_uniform(random, 0.25, 4), focal = log_uniform(random, 200, 4000);
-    const TileNeed need = need_for_view(view_from(d * random_direction(random), r, focal), tau);
+    ViewPlan plan;
+    plan.tau_px = tau;
+    const TileNeed need = need_for_view(view_from(d * random_direction(random), r, focal), plan);
     ASSERT_TRUE(valid(need.cell));
     ASSERT_TRUE(valid(need.distance));
     // The finest keys there are may be too coarse for what is asked of them.
@@ -79,7 +81,7 @@ TEST(CoreSelector, TexelsKeepUpWithPixels) {
     const double r = log_uniform(random, 1e-2, 1e2), d = r * log_uniform(random, 1.3, 2000);
     const ViewGeometry view =
         view_from(d * random_direction(random), r, log_uniform(random, 200, 2000));
-    const TileNeed need = need_for_view(view, 1);
+    const TileNeed need = need_for_view(view, ViewPlan{});
     ASSERT_LE(tile_edge(need.size_class), 1024u);
     if (tile_edge(need.size_class) == 1024) continue;  // capped
     const Capture capture = capture_for(need, r);
@@ -95,8 +97,8 @@ TEST(CoreSelector, TexelsKeepUpWithPixels) {
 TEST(CoreSelector, TurningTheHeadKeepsTheKey) {
   SelectorWorld world = one_ball();
   const auto need = [&] {
-    return need_for_view(view_geometry(world.camera, world.scene.instances[0],
-                                       world.scene.objects[0]), 1);
+    return need_for_view(
+        view_geometry(world.camera, world.scene.instances[0], world.scene.objects[0]), ViewPlan{});
   };
   const TileNeed ahead = need();
   for (double yaw = -0.8; yaw <= 0.8; yaw += 0.05) {
@@ -119,7 +121,7 @@ TEST(CoreSelector, NoTileIsAPlaceholderAndACoarseNeed) {
   const auto needs = world.selector.needs(world.input());
   ASSERT_EQ(needs.size(), 1u);
   const TileNeed fine = need_for_view(
-      view_geometry(world.camera, world.scene.instances[0], world.scene.objects[0]), 1);
+      view_geometry(world.camera, world.scene.instances[0], world.scene.objects[0]), ViewPlan{});
   EXPECT_EQ(needs[0].cell, fine.cell);
   EXPECT_LT(needs[0].size_class, fine.size_class);
   EXPECT_GT(needs[0].gain, 0);
@@ -206,21 +208,25 @@ TEST(CoreSelector, ObjectWithoutAHullIsNotDrawnOnOne) {
 
 TEST(CoreSelector, NearGeometryReplacesTheImpostor) {
   SelectorWorld world = one_ball(true);
-  world.look({0, 0, 2.5}, {0, 0, 0});
+  world.look({0, 0, 5.1}, {0, 0, 0});
   EXPECT_EQ(world.selector.mesh_needs(world.input()), std::vector<std::uint32_t>{0});
-  world.look({0, 0, 2.7}, {0, 0, 0});
+  world.look({0, 0, 5.3}, {0, 0, 0});
   EXPECT_TRUE(world.selector.mesh_needs(world.input()).empty());
   world.mesh_ready[0] = true;
-  world.look({0, 0, 1.9}, {0, 0, 0});
+  world.look({0, 0, 3.9}, {0, 0, 0});
   const DrawList near = world.selector.select(world.input());
   EXPECT_EQ(near.meshes, std::vector<std::uint32_t>{0});
   EXPECT_TRUE(near.impostors.empty());
   EXPECT_EQ(near.over_tau, 0u);
   EXPECT_TRUE(world.selector.needs(world.input()).empty());
   EXPECT_TRUE(world.selector.mesh_needs(world.input()).empty());
-  world.look({0, 0, 2.1}, {0, 0, 0});
+  world.look({0, 0, 4.4}, {0, 0, 0});
+  EXPECT_EQ(world.selector.select(world.input()).meshes.size(), 1u) << "hysteresis";
+  world.look({0, 0, 4.7}, {0, 0, 0});
   EXPECT_TRUE(world.selector.select(world.input()).meshes.empty());
   EXPECT_EQ(world.selector.needs(world.input()).size(), 1u);
+  world.look({0, 0, 4.4}, {0, 0, 0});
+  EXPECT_TRUE(world.selector.select(world.input()).meshes.empty()) << "hysteresis";
 }
 
 TEST(CoreSelector, SurroundingsComeAsGeometryFirst) {
@@ -229,10 +235,11 @@ TEST(CoreSelector, SurroundingsComeAsGeometryFirst) {
   SceneOptions options;
   options.objects = 2;
   options.geometry = true;
+  options.surrounds = {1};
   SelectorWorld world(make_scene(placed, options));
   world.look({0, 0, -3}, {0, 0, -4});
-  EXPECT_TRUE(world.scene.surrounds(1));
-  EXPECT_FALSE(world.scene.surrounds(0));
+  EXPECT_TRUE(world.scene.objects[1].surrounds);
+  EXPECT_FALSE(world.scene.objects[0].surrounds);
   EXPECT_EQ(world.selector.mesh_needs(world.input()), std::vector<std::uint32_t>{1});
   for (const TileNeed& need : world.selector.needs(world.input())) EXPECT_NE(need.instance, 0u);
   world.mesh_ready[1] = true;

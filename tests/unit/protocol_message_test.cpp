@@ -193,7 +193,7 @@ TEST(ProtocolMessage, NoFloatOfAnInstanceMayBeNotFinite) {
     return wire::InstanceRecord(
         wire::Vec3d(field == 0 ? v : 1, field == 1 ? v : 2, field == 2 ? v : 3),
         wire::Quat(field == 3 ? f : 1, field == 4 ? f : 0, field == 5 ? f : 0, field == 6 ? f : 0),
-        field == 7 ? f : 1, 0);
+        field == 7 ? f : 1, 0, 0);
   };
   for (int field = 0; field < 8; ++field) {
     expect_finite_only(

@@ -1,0 +1,90 @@
+#include "client/core/tile_fit.h"
+
+#include <algorithm>
+#include <initializer_list>
+#include <limits>
+
+#include "client/core/tile_need.h"
+
+namespace mirage {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// A texel may cover this much more than a pixel (or tau) before a sharper tile is worth asking for.
+constexpr double kSharpTexel = 1.15;
+
+// Inside the swap distance every bound is infinite: the newest tile is the best guess.
+bool better(const TileFit& a, const TileFit& b) {
+  if (!b.tile) return true;
+  const double ea = a.error_px(), eb = b.error_px();
+  return ea < eb || (ea == eb && a.tile->serial > b.tile->serial);
+}
+
+// The cheapest method of a tile that meets tau, else its best.
+TileFit cheapest(const TileRecordPtr& tile, std::initializer_list<DrawMethod> methods,
+                 const ObjectDescription& object, const ViewGeometry& view, double tau) {
+  TileFit best;
+  for (const DrawMethod method : methods) {
+    const TileFit fit = fit_of(tile, method, object, view);
+    if (!best.tile || fit.error_px() < best.error_px()) best = fit;
+    if (best.meets(tau)) break;
+  }
+  return best;
+}
+
+TileFit best_of(const TileGroup& group, std::initializer_list<DrawMethod> methods,
+                const ObjectDescription& object, const ViewGeometry& view, double tau) {
+  TileFit best;
+  for (const TileRecordPtr& tile : group.tiles) {
+    const TileFit fit = cheapest(tile, methods, object, view, tau);
+    if (better(fit, best)) best = fit;
+  }
+  return best;
+}
+
+}  // namespace
+
+double TileFit::error_px() const { return std::max(bound_px, hole_px / kHoleTolerance); }
+
+bool TileFit::meets(double tau_px) const { return tile && !is_stale(error_px(), tau_px); }
+
+bool TileFit::settled(double tau_px) const {
+  const bool finest = tile && tile->capture.edge >= tile_edge(kMaxAskedSizeClass);
+  return meets(tau_px) && (finest || texel_px <= kSharpTexel * std::max(1.0, tau_px));
+}
+
+TileFit fit_of(const TileRecordPtr& tile, DrawMethod method, const ObjectDescription& object,
+               const ViewGeometry& view) {
+  const CaptureGeometry capture = tile->capture.geometry();
+  TileFit fit;
+  fit.tile = tile;
+  fit.method = method;
+  fit.bound_px = tile->bound_px(method, object, view);
+  fit.texel_px = texel_size_px(view, capture, tile->capture.edge);
+  if (method == DrawMethod::kDepth) {
+    fit.hole_px = std::min(position_bound_px(view, capture, {tile->measure.depth_gap, view.radius}),
+                           kInfinity);
+  }
+  return fit;
+}
+
+TileFit best_flat(const TileGroup& group, const ObjectDescription& object, const ViewGeometry& view,
+                  double tau_px) {
+  return best_of(group, {DrawMethod::kQuad, DrawMethod::kHull}, object, view, tau_px);
+}
+
+TileFit best_deep(const TileGroup& group, const ObjectDescription& object, const ViewGeometry& view,
+                  double tau_px) {
+  return best_of(group, {DrawMethod::kDepth}, object, view, tau_px);
+}
+
+TileFit best_fit(const TileGroup& group, const ObjectDescription& object, const ViewGeometry& view,
+                 const MethodChoice& choice, double tau_px) {
+  if (!choice.automatic) return best_of(group, {choice.method}, object, view, tau_px);
+  const TileFit flat = best_flat(group, object, view, tau_px);
+  if (flat.meets(tau_px)) return flat;
+  const TileFit deep = best_deep(group, object, view, tau_px);
+  return deep.tile && better(deep, flat) ? deep : flat;
+}
+
+}  // namespace mirage

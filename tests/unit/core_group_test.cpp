@@ -1,0 +1,110 @@
+// Impostor groups on the client: one image for many far instances, members again when near.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/unit/core_scene.h"
+
+namespace mirage::test {
+namespace {
+
+constexpr std::uint32_t kNone = InstanceView::kNoParent;
+
+// Object 0: a ball of radius 1; object 1: a group of radius 8. Instances 0..3 in group instance 4.
+SceneView grouped(std::uint32_t parent_of_group = kNone, std::uint32_t parent = 4) {
+  SceneOptions options;
+  options.objects = 2;
+  options.groups = {{1, 8.0f}};
+  std::vector<Placed> placed;
+  for (int i = 0; i < 4; ++i) placed.push_back({{4.0 * i - 6, 0, 0}, 1, 0, parent});
+  placed.push_back({{0, 0, 0}, 1, 1, parent_of_group});
+  return make_scene(placed, options);
+}
+
+struct GroupWorld : SelectorWorld {
+  GroupWorld() : SelectorWorld(grouped()) {}
+  void look_from(double distance) { look({0, 0, distance}, {0, 0, 0}); }
+  std::vector<std::uint32_t> drawn() {
+    std::vector<std::uint32_t> out;
+    for (const DrawnImpostor& d : selector.select(input()).impostors) out.push_back(d.instance);
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());  // twice while a tile fades in
+    return out;
+  }
+  std::vector<std::uint32_t> needed() const {
+    std::vector<std::uint32_t> out;
+    for (const TileNeed& need : selector.needs(input())) out.push_back(need.instance);
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+  void pass(std::int64_t us) {
+    now_us += us;
+    ++frame;
+  }
+};
+
+using Indices = std::vector<std::uint32_t>;
+
+TEST(CoreGroup, FarTheGroupIsAskedForNearItsMembers) {
+  GroupWorld world;
+  world.look_from(300);
+  EXPECT_EQ(world.needed(), Indices{4});
+  world.look_from(20);
+  EXPECT_EQ(world.needed(), (Indices{0, 1, 2, 3}));
+}
+
+TEST(CoreGroup, OneImageStandsForItsMembers) {
+  GroupWorld world;
+  world.look_from(300);
+  ASSERT_TRUE(world.add_tile(4));
+  const DrawList list = world.selector.select(world.input());
+  ASSERT_EQ(list.impostors.size(), 1u);
+  EXPECT_EQ(list.impostors[0].instance, 4u);
+  EXPECT_EQ(list.visible, 1u) << "the cost follows what can be told apart";
+  EXPECT_TRUE(list.placeholders.empty());
+  EXPECT_TRUE(world.needed().empty());
+}
+
+TEST(CoreGroup, WithoutItsImageTheMembersAreDrawn) {
+  GroupWorld world;
+  world.look_from(300);
+  EXPECT_EQ(world.selector.select(world.input()).placeholders.size(), 4u);
+  for (std::uint32_t i = 0; i < 4; ++i) ASSERT_TRUE(world.add_tile(i));
+  EXPECT_EQ(world.drawn(), (Indices{0, 1, 2, 3}));
+}
+
+TEST(CoreGroup, TheGroupFadesInOverItsMembersAndTheyOverIt) {
+  GroupWorld world;
+  world.look_from(300);
+  for (std::uint32_t i = 0; i < 4; ++i) ASSERT_TRUE(world.add_tile(i));
+  world.drawn();
+  world.pass(50'000);
+  ASSERT_TRUE(world.add_tile(4));
+  EXPECT_EQ(world.drawn(), (Indices{0, 1, 2, 3, 4})) << "members stay underneath";
+  world.pass(60'000);
+  for (const DrawnImpostor& d : world.selector.select(world.input()).impostors) {
+    EXPECT_NEAR(d.fade, d.instance == 4 ? 0.5f : 1.0f, 1e-3f);
+  }
+  world.pass(70'000);
+  EXPECT_EQ(world.drawn(), Indices{4});
+  world.look_from(20);
+  for (std::uint32_t i = 0; i < 4; ++i) ASSERT_TRUE(world.add_tile(i));
+  world.pass(10'000);
+  EXPECT_EQ(world.drawn(), (Indices{0, 1, 2, 3, 4}));
+  world.pass(60'000);
+  for (const DrawnImpostor& d : world.selector.select(world.input()).impostors) {
+    EXPECT_NEAR(d.fade, d.instance == 4 ? 1.0f : 0.5f, 1e-3f);
+  }
+  world.pass(70'000);
+  EXPECT_EQ(world.drawn(), (Indices{0, 1, 2, 3}));
+}
+
+TEST(CoreGroup, CirclesAndUnknownParentsAreRefused) {
+  EXPECT_EQ(grouped().instances.size(), 5u);
+  EXPECT_TRUE(grouped(4).instances.empty()) << "a group in itself";
+  EXPECT_TRUE(grouped(kNone, 17).instances.empty());
+  EXPECT_TRUE(grouped(kNone, 1).instances.empty()) << "the parent is no group";
+}
+
+}  // namespace
+}  // namespace mirage::test
