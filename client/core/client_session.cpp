@@ -16,7 +16,8 @@ ClientSession::ClientSession(Link& link, ClientOptions options, TileSink sink)
     : link_(link),
       options_(std::move(options)),
       sink_(std::move(sink)),
-      cache_(options_.atlas_edge, options_.atlas_layers) {}
+      cache_(options_.atlas_edge, options_.atlas_layers),
+      tau_(options_.tau_px, options_.targets) {}
 
 void ClientSession::greet() {
   generation_ = link_.generation();
@@ -216,7 +217,8 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
   input.camera = input.predicted = camera;
   input.predicted.pose = predictor_.predict(horizon);
   input.velocity = predictor_.velocity_mps();
-  input.tau_px = options_.tau_px;
+  const TauLoad load{frame_ms_, scheduler_.rate_mbps(), scheduler_.saturated_s(now_us)};
+  input.tau_px = tau_.update(load, now_us, scheduler_.round_trip_us());
   input.method = options_.method;
   input.march_budget_px = options_.march_budget_px;
   input.mesh_radii = options_.mesh_radii;

@@ -16,12 +16,14 @@
 #include "client/core/scene_view.h"
 #include "client/core/scheduler.h"
 #include "client/core/selector.h"
+#include "client/core/tau_controller.h"
 #include "protocol/model_codec.h"
 
 namespace mirage {
 
 struct ClientOptions {
   double tau_px = 1;
+  TauTargets targets;  ///< tau rises above tau_px while they are not met
   MethodChoice method;
   double march_budget_px = 1e9;  ///< screen area per frame drawn by marching depth
   double mesh_radii = 4;         ///< swap distance to geometry, in radii
@@ -70,6 +72,11 @@ class ClientSession {
   /// Plans one frame: what to draw, with the true camera; sends what is to be asked for.
   DrawList frame(const Camera& camera, std::int64_t now_us);
 
+  /// What the last frames took, for TauTargets::frame_ms. Not called on virtual time, where frames
+  /// take none.
+  void note_frame_ms(double ms) { frame_ms_ = ms; }
+  double tau_px() const { return tau_.tau_px(); }
+
   void set_lighting(const Lighting& lighting);
   /// Asks for a full render of this camera; it arrives as reference().
   void ask_reference(const Camera& camera, std::uint32_t supersample);
@@ -107,6 +114,8 @@ class ClientSession {
   Predictor predictor_{50};
   Selector selector_;
   Scheduler scheduler_;
+  TauController tau_;
+  double frame_ms_ = 0;
   std::vector<bool> mesh_ready_;
   std::optional<ReferenceFrame> reference_;
   std::size_t reference_asked_px_ = 0;

@@ -15,7 +15,8 @@ constexpr std::int64_t kRateSpanUs = 1'000'000;
 constexpr std::int64_t kRefusalPauseUs = 250'000;
 constexpr std::int64_t kLostUs = 5'000'000;  // an ask without an answer is given up
 constexpr std::size_t kRoundTrips = 33;
-constexpr double kWindowGain = 2.0;  // finds a faster link by asking for a little more
+constexpr std::size_t kMaxAsksPerFrame = 256;  // the rest queue, worst first
+constexpr double kWindowGain = 2.0;            // finds a faster link by asking for a little more
 // Credit far ahead of the window: the window limits, credit only protects the client's memory.
 constexpr std::uint64_t kCreditAhead = 64u << 20;
 
@@ -30,6 +31,7 @@ void Scheduler::reset() {
   arrivals_.clear();
   in_flight_bytes_ = 0;
   received_bytes_ = 0;
+  saturated_since_us_ = -1;
 }
 
 double Scheduler::expected_bytes(std::uint8_t size_class) const {
@@ -76,9 +78,11 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     arrivals_.pop_front();
   }
   const double window = window_bytes(now_us);
+  bool held_back = false;
   for (const TileNeed& need : needs) {
-    if (in_flight_bytes_ >= window || batch.asks.size() >= limits::kMaxAsksPerBatch) break;
     if (pending_instance_.count(need.instance) != 0) continue;
+    held_back = in_flight_bytes_ >= window;
+    if (held_back || batch.asks.size() >= kMaxAsksPerFrame) break;
     const auto pause = not_before_us_.find(need.instance);
     if (pause != not_before_us_.end() && pause->second > now_us) continue;
     const std::uint32_t id = next_request_++;
@@ -92,6 +96,11 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     pending_instance_[need.instance] = id;
     in_flight_bytes_ += bytes;
     ++asked_;
+  }
+  if (!held_back) {
+    saturated_since_us_ = -1;
+  } else if (saturated_since_us_ < 0) {
+    saturated_since_us_ = now_us;
   }
   for (const std::uint32_t object : mesh_needs) {
     if (batch.mesh_asks.size() >= limits::kMaxAsksPerBatch) break;
@@ -130,6 +139,12 @@ void Scheduler::refuse(std::uint32_t request_id, std::int64_t now_us) {
   pending_instance_.erase(at->second.need.instance);
   in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - at->second.expected_bytes);
   pending_.erase(at);
+}
+
+double Scheduler::rate_mbps() const {
+  double bytes = 0;
+  for (const auto& [time, received] : arrivals_) bytes += static_cast<double>(received);
+  return 8e-6 * bytes / (static_cast<double>(kRateSpanUs) * 1e-6);
 }
 
 std::int64_t Scheduler::round_trip_us() const {

@@ -47,6 +47,12 @@ class Scheduler {
 
   /// Measured request-to-reply time (median of the last), µs; the rest of the horizon is on top.
   std::int64_t round_trip_us() const;
+  /// Seconds for which asks have been held back by the window without a break.
+  double saturated_s(std::int64_t now_us) const {
+    return saturated_since_us_ < 0 ? 0 : static_cast<double>(now_us - saturated_since_us_) * 1e-6;
+  }
+  /// Bytes down in the last second, as Mbit/s.
+  double rate_mbps() const;
   std::size_t in_flight() const { return pending_.size(); }
   std::uint64_t asked() const { return asked_; }
   std::uint64_t cancelled() const { return cancelled_; }
@@ -63,6 +69,7 @@ class Scheduler {
   std::deque<std::pair<std::int64_t, std::size_t>> arrivals_;  ///< time and bytes, last second
   std::deque<std::int64_t> round_trips_us_;
   std::int64_t shortest_trip_us_ = 0;
+  std::int64_t saturated_since_us_ = -1;
   double bytes_per_texel_ = 0.7;
   double in_flight_bytes_ = 0;
   std::uint64_t received_bytes_ = 0;  ///< of tiles, on this connection

@@ -76,6 +76,26 @@ ImageMeasures measure_images(const ImageView& reference, const ImageView& test) 
   return out;
 }
 
+std::optional<double> flicker(const ImageView& reference_before, const ImageView& test_before,
+                              const ImageView& reference, const ImageView& test) {
+  const Mask mask = union_mask(reference, test);
+  const bool fit = measurable(reference, test, mask) && measurable(reference, test_before, mask) &&
+                   measurable(reference, reference_before, mask);
+  if (!fit) return std::nullopt;
+  std::uint64_t sum = 0, n = 0;
+  for (std::size_t i = 0; i < mask.inside.size(); ++i) {
+    if (mask.inside[i] == 0) continue;
+    for (std::size_t c = i * 4; c < i * 4 + 3; ++c) {
+      const int shown = test.rgba[c] - test_before.rgba[c];
+      const int due = reference.rgba[c] - reference_before.rgba[c];
+      sum += static_cast<std::uint64_t>(std::abs(shown - due));
+    }
+    n += 3;
+  }
+  if (n == 0) return std::nullopt;
+  return static_cast<double>(sum) / (255.0 * static_cast<double>(n));
+}
+
 FieldFidelity field_fidelity(const ImageView& reference, const ImageView& test) {
   const std::optional<PixelBox> box = bounding_box(union_mask(reference, test, kCovered, 0));
   if (!box) return {};

@@ -44,6 +44,12 @@ struct ImageMeasures {
 };
 ImageMeasures measure_images(const ImageView& reference, const ImageView& test);
 
+/// Flicker of two successive frames (NUMERICS section 1, E6): mean over the mask of both references
+/// of
+/// |(T - T_before) - (R - R_before)| / 255, averaged over R, G and B. 0 to 2.
+std::optional<double> flicker(const ImageView& reference_before, const ImageView& test_before,
+                              const ImageView& reference, const ImageView& test);
+
 /// The fidelity protocol of the field: PSNR over the box of the union mask (alpha > 127, not
 /// grown), SSIM in 8x8 windows over that box, IoU of the masks.
 struct FieldFidelity {

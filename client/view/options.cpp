@@ -89,6 +89,13 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_option("--tau", o.tau_px, "error target in pixels")
       ->check(number_within(0.01, 1000.0))
       ->capture_default_str();
+  app.add_option("--frame-ms", o.targets.frame_ms, "time per frame to hold by raising tau; 0: none")
+      ->check(number_within(0.0, 10'000.0))
+      ->capture_default_str();
+  app.add_option("--rate-mbps", o.targets.rate_mbps,
+                 "rate down to hold by raising tau, Mbit/s; 0: none")
+      ->check(number_within(0.0, 100'000.0))
+      ->capture_default_str();
   app.add_option("--method", o.method_name, "how impostors are drawn")
       ->check(CLI::IsMember({"auto", "mesh", "quad", "cuboid", "hull", "warp", "depth"}))
       ->capture_default_str();

@@ -4,6 +4,7 @@
 
 #include "client/core/modelled_link.h"
 #include "client/core/selector.h"
+#include "client/core/tau_controller.h"
 
 namespace mirage {
 
@@ -19,6 +20,7 @@ struct ViewOptions {
   bool virtual_time = false;
   std::optional<NetModel> net;
   double tau_px = 1;
+  TauTargets targets;
   std::string method_name = "auto";
   MethodChoice method;
   int reference_every = 0;

@@ -115,6 +115,13 @@ std::string SessionStats::json(const Final& end) const {
   quality["psnr"] = mean_min(psnr_all_);
   quality["ssim"] = mean_min(ssim_all_);
   quality["iou"] = mean_min(iou_all_);
+  if (!flicker_.empty()) {
+    const auto worst = std::max_element(flicker_.begin(), flicker_.end());
+    quality["flicker"] = {{"mean", mean(flicker_)},
+                          {"p99", number(quantile(flicker_, 0.99))},
+                          {"worst", *worst},
+                          {"worst_at", worst - flicker_.begin()}};
+  }
   quality["bound_violations"] = geometric_.violations;
   quality["compared_frames"] = flip_.size();
   quality["compared_pixels"] = geometric_.compared;

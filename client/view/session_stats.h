@@ -15,6 +15,10 @@ class SessionStats {
   void add_frame(const DrawList& list, int draw_calls, double frame_ms, double real_ms,
                  std::int64_t now_us);
   void add_comparison(const ImageMeasures& measures);
+  /// E6 of a compared frame whose predecessor was compared as well.
+  void add_flicker(std::optional<double> flicker) {
+    if (flicker) flicker_.push_back(static_cast<float>(*flicker));
+  }
   GeometricError& geometric() { return geometric_; }
   void first_image(std::int64_t now_us) {
     if (first_image_us_ < 0) first_image_us_ = now_us;
@@ -43,7 +47,7 @@ class SessionStats {
   std::vector<float> frame_ms_, real_ms_, bounds_, ages_ms_;
   std::uint64_t visible_ = 0, over_tau_ = 0, stale_ = 0, placeholders_ = 0, impostors_ = 0,
                 meshes_ = 0, draw_calls_ = 0;
-  std::vector<float> flip_;
+  std::vector<float> flip_, flicker_;
   std::vector<float> psnr_all_, ssim_all_, iou_all_;
   GeometricError geometric_;
 };

@@ -68,6 +68,11 @@ class Viewer {
   bool link_was_up_ = true;
   std::optional<Overlay> overlay_;
   double smooth_ms_ = 0;
+  // The last compared frame, for flicker.
+  struct {
+    std::uint64_t frame = UINT64_MAX - 1;
+    std::vector<std::uint8_t> drawn, truth;
+  } before_;
 };
 
 Result<void> Viewer::open_graphics() {
@@ -94,6 +99,7 @@ Result<void> Viewer::open_graphics() {
 
   ClientOptions options;
   options.tau_px = o_.tau_px;
+  options.targets = o_.targets;
   options.method = o_.method;
   options.atlas_edge = kAtlasEdge;
   options.atlas_layers = layers;
@@ -237,6 +243,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   stats_.add_frame(list, renderer_->draw_calls(), virtual_clock_ ? 1000.0 / o_.fps : real_ms,
                    real_ms, now);
   smooth_ms_ += 0.1 * (real_ms - smooth_ms_);
+  if (!virtual_clock_) session_->note_frame_ms(smooth_ms_);
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
     const Result<void> written =
@@ -270,6 +277,13 @@ Result<void> Viewer::compare(const Camera& camera, const DrawList& list) {
   const ImageView truth{reference->width, reference->height, reference->rgba.data()};
   const ImageView test{camera.width, camera.height, drawn.data()};
   stats_.add_comparison(measure_images(truth, test));
+  const std::uint64_t frame = session_->frame_number();
+  if (before_.frame + 1 == frame && before_.drawn.size() == drawn.size()) {
+    const ImageView truth_before{truth.width, truth.height, before_.truth.data()};
+    const ImageView test_before{test.width, test.height, before_.drawn.data()};
+    stats_.add_flicker(flicker(truth_before, test_before, truth, test));
+  }
+  before_ = {frame, drawn, reference->rgba};
   const double s = o_.reference_supersample;
   add_geometric_error(*reference, (std::floor(s / 2) + 0.5) / s, camera, session_->scene(), list,
                       stats_.geometric());

@@ -183,5 +183,20 @@ TEST(QualityMeasures, DiscPair) {
   EXPECT_NEAR(*field.psnr_db, *m.psnr_db, 2.0);
 }
 
+// E6: what changes as it should is no flicker; a pop counts by its size and area.
+TEST(QualityFlicker, OnlyChangesThatWereNotDueCount) {
+  TestImage truth(8, 8, 100, 255), shown(8, 8, 90, 255);
+  TestImage truth_next(8, 8, 120, 255), shown_next(8, 8, 110, 255);
+  const auto measure = [&] {
+    return flicker(truth.view(), shown.view(), truth_next.view(), shown_next.view());
+  };
+  EXPECT_DOUBLE_EQ(*measure(), 0.0) << "a constant error does not flicker";
+  for (std::size_t x = 0; x < 8; ++x) shown_next.set(x, 3, 110 + 51, 255);
+  EXPECT_DOUBLE_EQ(*measure(), 0.2 / 8) << "one row of eight, 51 of 255 off";
+  const TestImage nothing(8, 8), other(8, 9);
+  EXPECT_FALSE(flicker(nothing.view(), nothing.view(), nothing.view(), nothing.view()));
+  EXPECT_FALSE(flicker(other.view(), shown.view(), truth_next.view(), shown_next.view()));
+}
+
 }  // namespace
 }  // namespace mirage::test

@@ -1,0 +1,39 @@
+#include "client/core/tau_controller.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mirage {
+namespace {
+
+constexpr double kUp = 1.25, kDown = 0.8;
+constexpr double kDeadBand = 0.1;
+constexpr int kCalmRounds = 3;       // before tau comes down again
+constexpr double kSaturatedS = 1.0;  // a start or a turn of the head may fill the link
+constexpr double kLargest = 16;      // times the base
+constexpr std::int64_t kShortestRoundUs = 50'000;
+
+}  // namespace
+
+double TauController::update(const TauLoad& load, std::int64_t now_us, std::int64_t round_trip_us) {
+  if (now_us < next_action_us_) return tau_px_;
+  double strain = 0;
+  if (targets_.frame_ms > 0) strain = std::max(strain, load.frame_ms / targets_.frame_ms);
+  if (targets_.rate_mbps > 0) strain = std::max(strain, load.rate_mbps / targets_.rate_mbps);
+  if (load.saturated_s > kSaturatedS) strain = std::max(strain, 1 + 2 * kDeadBand);
+  // std::max passes over a NaN on its right: look for it apart.
+  const double sum = load.frame_ms + load.rate_mbps + load.saturated_s;
+  if (!std::isfinite(sum)) return tau_px_;
+  next_action_us_ = now_us + std::max(round_trip_us, kShortestRoundUs);
+  if (strain > 1 + kDeadBand) {
+    tau_px_ = std::min(tau_px_ * kUp, base_px_ * kLargest);
+    calm_rounds_ = 0;
+  } else if (strain < 1 - kDeadBand) {
+    if (++calm_rounds_ >= kCalmRounds) tau_px_ = std::max(tau_px_ * kDown, base_px_);
+  } else {
+    calm_rounds_ = 0;
+  }
+  return tau_px_;
+}
+
+}  // namespace mirage

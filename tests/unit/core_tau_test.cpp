@@ -1,0 +1,85 @@
+// The controller of tau: settles under delay, holds in the dead band, never on a NaN.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <limits>
+
+#include "client/core/tau_controller.h"
+
+namespace mirage {
+namespace {
+
+constexpr std::int64_t kRoundUs = 100'000;
+
+TauLoad frames(double ms) { return {ms, 0, 0}; }
+
+TEST(CoreTau, RisesUnderLoadAndComesBack) {
+  TauController c(1, {20, 0});
+  std::int64_t now = 0;
+  for (int i = 0; i < 5; ++i) c.update(frames(40), now += kRoundUs, kRoundUs);
+  EXPECT_NEAR(c.tau_px(), std::pow(1.25, 5), 1e-9);
+  for (int i = 0; i < 2; ++i) c.update(frames(5), now += kRoundUs, kRoundUs);
+  EXPECT_NEAR(c.tau_px(), std::pow(1.25, 5), 1e-9) << "coming back takes calm";
+  for (int i = 0; i < 20; ++i) c.update(frames(5), now += kRoundUs, kRoundUs);
+  EXPECT_EQ(c.tau_px(), 1);
+}
+
+TEST(CoreTau, OneStepARoundTripAndABound) {
+  TauController c(1, {20, 0});
+  for (int i = 0; i < 99; ++i) c.update(frames(100), 1000 + i, kRoundUs);
+  EXPECT_NEAR(c.tau_px(), 1.25, 1e-12);
+  for (int i = 1; i < 99; ++i) c.update(frames(100), i * kRoundUs + 1000, kRoundUs);
+  EXPECT_EQ(c.tau_px(), 16);
+}
+
+TEST(CoreTau, DeadBandHolds) {
+  TauController c(1, {0, 5});
+  std::int64_t now = 0;
+  c.update({0, 10, 0}, now += kRoundUs, kRoundUs);
+  const double held = c.tau_px();
+  EXPECT_GT(held, 1);
+  for (const double rate : {4.6, 5.4, 4.9, 5.2, 4.6, 5.4, 4.6, 4.6, 4.6, 4.6}) {
+    EXPECT_EQ(c.update({0, rate, 0}, now += kRoundUs, kRoundUs), held);
+  }
+}
+
+TEST(CoreTau, WhatIsNoNumberHolds) {
+  TauController c(1, {20, 5});
+  c.update(frames(100), kRoundUs, kRoundUs);
+  const double held = c.tau_px();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  std::int64_t now = kRoundUs;
+  EXPECT_EQ(c.update({nan, 0, 0}, now += kRoundUs, kRoundUs), held);
+  EXPECT_EQ(c.update({100, nan, 0}, now += kRoundUs, kRoundUs), held);
+  EXPECT_EQ(c.update({100, 0, INFINITY}, now += kRoundUs, kRoundUs), held);
+}
+
+TEST(CoreTau, ALinkFullForLongRaisesIt) {
+  TauController c(2, {});
+  EXPECT_EQ(c.update({0, 0, 0.5}, kRoundUs, kRoundUs), 2);
+  EXPECT_EQ(c.update({0, 0, 1.5}, 2 * kRoundUs, kRoundUs), 2.5);
+}
+
+// A plant whose load falls with tau and answers some rounds late: no limit cycle remains.
+TEST(CoreTau, SettlesUnderDelay) {
+  for (const std::size_t delay : {0u, 1u, 3u, 6u}) {
+    TauController c(0.25, {20, 0});
+    std::deque<double> late(delay + 1, 20.0);
+    std::int64_t now = 0;
+    std::vector<double> taus;
+    for (int i = 0; i < 200; ++i) {
+      late.push_back(20.0 + 30.0 * (1.0 / c.tau_px() - 0.9));  // 20 ms at tau 1.11
+      taus.push_back(c.update(frames(late.front()), now += kRoundUs * static_cast<int>(delay + 1),
+                              kRoundUs * static_cast<int>(delay + 1)));
+      late.pop_front();
+    }
+    const auto [low, high] = std::minmax_element(taus.end() - 50, taus.end());
+    EXPECT_LE(*high / *low, 1.57) << "delay " << delay;  // one step either way
+    EXPECT_GT(*low, 0.7) << "delay " << delay;
+    EXPECT_LT(*high, 1.8) << "delay " << delay;
+  }
+}
+
+}  // namespace
+}  // namespace mirage
