@@ -165,7 +165,7 @@ void Selector::consider(const SelectorInput& in, std::uint32_t instance, DrawLis
   ++out.visible;
   c.distance = glm::length(view_of.center - in.camera.pose.eye);
   if (drawn_as_mesh(in, view_of, c.distance)) {
-    out.meshes.push_back(instance);
+    out.meshes.push_back({instance});
     shown_[instance] = Shown{};
     return;
   }
@@ -301,24 +301,12 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
 std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) const {
   std::vector<std::uint32_t> out;
   const bool all = !in.method.automatic && in.method.method == DrawMethod::kMesh;
-  bool surroundings_missing = false;
   in.scene->for_visible(in.predicted, kViewGuard, [&](std::uint32_t instance) {
     const InstanceView& view_of = in.scene->instances[instance];
-    if ((*in.mesh_ready)[view_of.object]) return;
     const double distance = glm::length(view_of.center - in.predicted.pose.eye);
     const bool near = distance < kMeshPrefetch * in.mesh_radii * view_of.radius;
-    const bool surrounds = in.scene->surrounds(view_of.object);
-    if (all || near || surrounds) out.push_back(view_of.object);
-    surroundings_missing = surroundings_missing || surrounds;
+    if (all || near || in.scene->surrounds(view_of.object)) out.push_back(instance);
   });
-  // What one stands in comes before single objects.
-  if (surroundings_missing && !all) {
-    out.erase(std::remove_if(out.begin(), out.end(),
-                             [&](std::uint32_t object) { return !in.scene->surrounds(object); }),
-              out.end());
-  }
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "client/core/mesh_cache.h"
 #include "client/core/tile_cache.h"
 
 namespace mirage {
@@ -36,7 +37,7 @@ struct DrawnPlaceholder {
 struct DrawList {
   std::vector<DrawnImpostor> impostors;
   std::vector<DrawnPlaceholder> placeholders;
-  std::vector<std::uint32_t> meshes;  ///< instances drawn as geometry
+  std::vector<DrawnMesh> meshes;
   std::size_t visible = 0;            ///< instances in view and large enough to matter
   std::size_t over_tau = 0;           ///< of them, drawn with a bound above tau or from no tile
 };
@@ -61,7 +62,7 @@ struct SelectorInput {
   double tau_px = 1;
   MethodChoice method;
   double march_budget_px = 1e9;  ///< screen area that may be drawn by marching depth
-  double mesh_radii = 2;         ///< nearer than this many radii, geometry is drawn if it is there
+  double mesh_radii = 4;         ///< nearer than this many radii, geometry is drawn if it is there
   std::uint64_t frame = 0;
   std::int64_t now_us = 0;
 };
@@ -76,7 +77,7 @@ class Selector {
   /// What to ask for, largest gain first; instances without any acceptable tile at the predicted
   /// view.
   std::vector<TileNeed> needs(const SelectorInput& input) const;
-  /// Objects that should come as geometry: too near for any impostor, now or soon.
+  /// Instances that should be geometry, there or not: too near for any impostor, now or soon.
   std::vector<std::uint32_t> mesh_needs(const SelectorInput& input) const;
 
  private:

@@ -2,6 +2,7 @@
 #include <memory>
 #include <vector>
 
+#include "protocol/capture.h"
 #include "server/scene/prepared_scene.h"
 #include "shaders/gl/gpu_model.h"
 
@@ -11,11 +12,23 @@ namespace mirage {
 struct GpuScene {
   std::shared_ptr<const PreparedScene> prepared;
   gl::GpuImages images;
-  std::vector<gl::GpuMesh> meshes;
+  std::vector<gl::GpuMesh> meshes;                  ///< whole, by object
+  std::vector<std::vector<gl::GpuMesh>> tile_lods;  ///< by object and level; some are empty
 
   explicit GpuScene(std::shared_ptr<const PreparedScene> scene) : prepared(std::move(scene)) {
     images = gl::GpuImages(prepared->scene.images, prepared->scene.materials);
     for (const SceneObject& object : prepared->scene.objects) meshes.emplace_back(object.mesh);
+    for (const ObjectGeometry& geometry : prepared->geometry) {
+      std::vector<gl::GpuMesh>& lods = tile_lods.emplace_back();
+      for (const Mesh& mesh : geometry.tile_lods) {
+        lods.push_back(mesh.primitives.empty() ? gl::GpuMesh() : gl::GpuMesh(mesh));
+      }
+    }
+  }
+  /// What a tile of this object is drawn from.
+  const gl::GpuMesh& mesh_for_tile(std::uint32_t object, const Capture& capture) const {
+    const std::size_t lod = lod_for_tile(prepared->objects[object].lods, capture);
+    return lod == 0 ? meshes[object] : tile_lods[object][lod];
   }
   const std::vector<Material>& materials() const { return prepared->scene.materials; }
 };

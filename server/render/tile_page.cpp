@@ -36,6 +36,10 @@ Result<void> TilePageRenderer::warm_up() {
   for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
     Result<void> compiled = meshes_->warm_up(scene_->meshes[i], scene_->materials());
     if (!compiled) return compiled;
+    for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
+      compiled = meshes_->warm_up(lod, scene_->materials());
+      if (!compiled) return compiled;
+    }
   }
   if (!prepare_targets(64, 16)) {
     return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made");
@@ -78,9 +82,9 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   gl::MeshInstance instance;
   instance.position_scale = glm::vec4(glm::vec3(-eye), 1.0f);
   meshes_->begin(capture_projection(capture), gl::light_block(job.lighting, glm::vec3(eye)));
+  const gl::GpuMesh& mesh = scene_->mesh_for_tile(job.key.object, capture);
   for (const bool blended : {false, true}) {
-    meshes_->draw(scene_->meshes[job.key.object], scene_->materials(), scene_->images, &instance, 1,
-                  blended);
+    meshes_->draw(mesh, scene_->materials(), scene_->images, &instance, 1, blended);
   }
   meshes_->end();
 }
