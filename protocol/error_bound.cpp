@@ -65,6 +65,12 @@ double texel_size_px(const ViewGeometry& view, const CaptureGeometry& capture, d
   return view.focal_px * width / view.center_depth;
 }
 
+double lod_error_px(const ViewGeometry& view, double error) {
+  if (!(error > 0)) return 0.0;
+  const double nearest = view.center_depth - view.radius;
+  return nearest > 0 ? view.focal_px * error / nearest : std::numeric_limits<double>::infinity();
+}
+
 double footprint_px(double texel_px) { return 0.5 * std::max(0.0, texel_px - 1.0); }
 
 }  // namespace mirage

@@ -55,6 +55,9 @@ double point_error_px(double focal_px, const glm::dvec3& p, const glm::dvec3& q,
 double texel_size_px(const ViewGeometry& view, const CaptureGeometry& capture, double texels);
 double footprint_px(double texel_px);
 
+/// Size in px, at most, of a displacement by `error` (object units) of any point of the object.
+double lod_error_px(const ViewGeometry& view, double error);
+
 /// Stale test: written so that NaN counts as stale.
 inline bool is_stale(double bound_px, double tau_px) { return !(bound_px <= tau_px); }
 

@@ -32,6 +32,8 @@ inline constexpr std::size_t kMaxObjects = 1u << 20;
 inline constexpr std::size_t kMaxInstances = 1u << 21;
 inline constexpr std::size_t kInstancesPerPage = 3072;
 inline constexpr std::size_t kObjectsPerPage = 48;
+inline constexpr std::size_t kMaxImages = 1u << 16;
+inline constexpr std::size_t kImagesPerPage = 4096;
 inline constexpr std::size_t kMaxHullVertices = 128;
 inline constexpr std::size_t kMaxHullTriangles = 256;
 inline constexpr std::size_t kMaxLights = 16;
@@ -49,6 +51,7 @@ inline constexpr double kMaxCaptureRadii = 1.0e6;
 inline constexpr std::size_t kMaxMeshVertices = 4u << 20;
 inline constexpr std::size_t kMaxMeshIndices = 24u << 20;
 inline constexpr std::size_t kMaxMeshPrimitives = 4096;
+inline constexpr std::size_t kMaxLods = 8;  ///< the whole mesh included
 inline constexpr std::size_t kMaxImageEdge = 16384;
 
 // View parameters.

@@ -51,12 +51,37 @@ Result<void> check(const wire::Welcome& m) {
   if (long_text(m.scene()) || long_text(m.renderer())) return limit_error("characters in a text");
   if (m.objects() > limits::kMaxObjects) return limit_error("objects");
   if (m.instances() > limits::kMaxInstances) return limit_error("instances");
+  if (m.images() > limits::kMaxImages) return limit_error("images");
   const bool home = finite(m.home_eye()) && finite(m.home_target()) &&
                     std::isfinite(m.walk_radius_m()) && std::isfinite(m.walk_speed_mps()) &&
                     m.walk_radius_m() > 0;
   const bool sky = finite(m.sky_zenith()) && finite(m.sky_horizon()) && finite(m.sky_nadir());
   if (!home || !sky) return value_error("home view or environment");
   return check_lighting(m.lighting());
+}
+
+Result<void> check(const wire::ImagePage& m) {
+  if (count(m.images()) > limits::kImagesPerPage) return limit_error("images in a page");
+  for (std::size_t i = 0; i < count(m.images()); ++i) {
+    const wire::ImageInfo* image = m.images()->Get(static_cast<flatbuffers::uoffset_t>(i));
+    const bool good = image->width() >= 1 && image->height() >= 1 &&
+                      image->width() <= limits::kMaxImageEdge &&
+                      image->height() <= limits::kMaxImageEdge &&
+                      std::isfinite(image->alpha_cutoff()) && image->alpha_cutoff() >= 0;
+    if (!good) return value_error("image");
+  }
+  return {};
+}
+
+Result<void> check_lods(const flatbuffers::Vector<const wire::LodInfo*>* lods) {
+  if (count(lods) > limits::kMaxLods) return limit_error("levels of detail");
+  for (std::size_t i = 0; i < count(lods); ++i) {
+    const wire::LodInfo* lod = lods->Get(static_cast<flatbuffers::uoffset_t>(i));
+    const bool good = std::isfinite(lod->error()) && lod->error() >= 0 &&
+                      std::isfinite(lod->spread()) && lod->spread() >= 0;
+    if (!good) return value_error("level of detail");
+  }
+  return {};
 }
 
 Result<void> check(const wire::ObjectPage& m) {
@@ -71,6 +96,7 @@ Result<void> check(const wire::ObjectPage& m) {
         count(o->hull_indices()) % 3 != 0) {
       return limit_error("hull vertices");
     }
+    if (Result<void> lods = check_lods(o->lods()); !lods) return lods;
     for (std::size_t i = 0; i < count(o->hull_vertices()); ++i) {
       if (!finite(o->hull_vertices()->Get(static_cast<flatbuffers::uoffset_t>(i)))) {
         return value_error("hull vertex");
@@ -101,7 +127,10 @@ Result<void> check(const wire::SetLighting& m) { return check_lighting(m.lightin
 Result<void> check(const wire::RequestBatch& m) {
   if (count(m.asks()) > limits::kMaxAsksPerBatch) return limit_error("asks in a batch");
   if (count(m.cancels()) > limits::kMaxCancelsPerBatch) return limit_error("cancels in a batch");
-  if (count(m.mesh_asks()) > limits::kMaxAsksPerBatch) return limit_error("asks in a batch");
+  if (count(m.mesh_asks()) > limits::kMaxAsksPerBatch ||
+      count(m.image_asks()) > limits::kMaxAsksPerBatch) {
+    return limit_error("asks in a batch");
+  }
   for (std::size_t i = 0; i < count(m.asks()); ++i) {
     const wire::Ask* ask = m.asks()->Get(static_cast<flatbuffers::uoffset_t>(i));
     if (!std::isfinite(ask->error_px())) return value_error("ask");
@@ -135,6 +164,8 @@ Result<void> check_body(const wire::Control& control) {
       return check(*control.body_as_Hello());
     case wire::Body::Welcome:
       return check(*control.body_as_Welcome());
+    case wire::Body::ImagePage:
+      return check(*control.body_as_ImagePage());
     case wire::Body::ObjectPage:
       return check(*control.body_as_ObjectPage());
     case wire::Body::InstancePage:
@@ -151,6 +182,7 @@ Result<void> check_body(const wire::Control& control) {
     case wire::Body::TileReply:
     case wire::Body::Refused:
     case wire::Body::MeshReply:
+    case wire::Body::ImageReply:
     case wire::Body::ReferenceReply:
     case wire::Body::Stats:
       if (control.body() == nullptr) break;

@@ -1,265 +1,444 @@
 #include "protocol/model_codec.h"
 
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
-#include <type_traits>
+#include <limits>
 
 #include "protocol/limits.h"
+#include "protocol/material_codec.h"
+#include "protocol/need_mask.h"
 
 namespace mirage {
 namespace {
 
-// Fixed layouts are written as the memory of trivially copyable structs; all supported targets are
-// little-endian (checked here), so the wire is too.
-#if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
-#error "the model codec needs a little-endian target"
-#endif
+// Streams beyond position and normal.
+enum StreamBit : std::uint32_t { kTangent = 1, kUv0 = 2, kUv1 = 4, kColor = 8, kAllStreams = 15 };
 
-constexpr std::size_t kTextureBytes = 4 + 4 + 5 * 4;
-constexpr std::size_t kMaterialBytes = 4 * 4 + 3 * 4 + 5 * 4 + 4 + 5 * kTextureBytes;
-constexpr std::size_t kPrimitiveBytes = 16;
-constexpr std::size_t kImageHeaderBytes = 12;
+constexpr std::size_t kPrimitiveBytes = 12;
+constexpr float kSteps16 = 65535.0f;
+constexpr float kSteps10 = 1023.0f;
+// meshoptimizer spends at least this much on any block: more elements than that cannot be there.
+constexpr std::size_t kVerticesPerByte = 6;
+constexpr std::size_t kIndicesPerByte = 3;
 
-class Writer {
- public:
-  template <typename T>
-  void put(const T& v) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    const auto* p = reinterpret_cast<const std::uint8_t*>(&v);
-    bytes.insert(bytes.end(), p, p + sizeof(T));
+/// What 16-bit values span.
+template <typename V>
+struct Range {
+  V low{0};
+  V size{0};
+
+  void grow(const V& v, bool first) {
+    const V high = first ? v : glm::max(low + size, v);
+    low = first ? v : glm::min(low, v);
+    size = high - low;
   }
-  template <typename T>
-  void put_array(const std::vector<T>& v) {
-    const auto* p = reinterpret_cast<const std::uint8_t*>(v.data());
-    bytes.insert(bytes.end(), p, p + v.size() * sizeof(T));
-  }
-  Bytes bytes;
 };
 
-class Reader {
- public:
-  Reader(const std::uint8_t* bytes, std::size_t size) : at_(bytes), left_(size) {}
+struct Layout {
+  std::uint32_t streams = 0;
+  Range<glm::vec3> position;
+  Range<glm::vec2> uv0, uv1;
 
-  template <typename T>
-  T get() {
-    T v{};
-    if (left_ < sizeof(T)) {
-      failed_ = true;
-      return v;
-    }
-    std::memcpy(&v, at_, sizeof(T));
-    skip(sizeof(T));
-    return v;
+  std::size_t stride() const {
+    return 12 + (streams & kTangent ? 4u : 0u) + (streams & kUv0 ? 4u : 0u) +
+           (streams & kUv1 ? 4u : 0u) + (streams & kColor ? 4u : 0u);
   }
-  /// Reads `n` elements; fails (allocating nothing) when they are not there.
-  template <typename T>
-  void get_array(std::vector<T>& out, std::size_t n) {
-    if (failed_ || n > left_ / sizeof(T)) {
-      failed_ = true;
-      return;
-    }
-    out.resize(n);
-    if (n > 0) std::memcpy(out.data(), at_, n * sizeof(T));
-    skip(n * sizeof(T));
-  }
-  bool has(std::size_t n, std::size_t each) const { return !failed_ && n <= left_ / each; }
-  bool failed() const { return failed_; }
-  bool at_end() const { return !failed_ && left_ == 0; }
-
- private:
-  void skip(std::size_t n) {
-    at_ += n;
-    left_ -= n;
-  }
-  const std::uint8_t* at_;
-  std::size_t left_;
-  bool failed_ = false;
 };
 
-void put_texture(Writer& w, const TextureRef& t) {
-  w.put(t.image);
-  w.put(t.uv_set);
-  w.put(static_cast<std::uint8_t>(t.wrap_s));
-  w.put(static_cast<std::uint8_t>(t.wrap_t));
-  w.put(static_cast<std::uint8_t>(t.nearest));
-  for (const float v : {t.offset.x, t.offset.y, t.scale.x, t.scale.y, t.rotation}) w.put(v);
+std::uint16_t quantise(float v, float low, float size) {
+  if (!(size > 0)) return 0;
+  return static_cast<std::uint16_t>(
+      std::lround(std::clamp((v - low) / size, 0.0f, 1.0f) * kSteps16));
+}
+float dequantise(std::uint16_t v, float low, float size) {
+  return low + size * (static_cast<float>(v) / kSteps16);
 }
 
-bool get_texture(Reader& r, TextureRef& t, std::size_t images) {
-  t.image = r.get<std::int32_t>();
-  t.uv_set = r.get<std::uint8_t>();
-  const auto wrap_s = r.get<std::uint8_t>(), wrap_t = r.get<std::uint8_t>();
-  const auto nearest = r.get<std::uint8_t>();
-  bool finite = true;
-  for (float* v : {&t.offset.x, &t.offset.y, &t.scale.x, &t.scale.y, &t.rotation}) {
-    *v = r.get<float>();
-    finite = finite && std::isfinite(*v);
+// Octahedral map of the unit sphere (Cigolle et al., "A survey of efficient representations for
+// independent unit vectors", 2014).
+glm::vec2 octahedral(const glm::vec3& v) {
+  const float sum = std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
+  if (!(sum > 0)) return glm::vec2(0);
+  const glm::vec2 p = glm::vec2(v) / sum;
+  if (v.z >= 0) return p;
+  return {(1 - std::abs(p.y)) * (p.x >= 0 ? 1.0f : -1.0f),
+          (1 - std::abs(p.x)) * (p.y >= 0 ? 1.0f : -1.0f)};
+}
+glm::vec3 from_octahedral(const glm::vec2& e) {
+  glm::vec3 v(e, 1 - std::abs(e.x) - std::abs(e.y));
+  if (v.z < 0) {
+    v.x = (1 - std::abs(e.y)) * (e.x >= 0 ? 1.0f : -1.0f);
+    v.y = (1 - std::abs(e.x)) * (e.y >= 0 ? 1.0f : -1.0f);
   }
-  if (t.image < -1 || t.image >= static_cast<std::int64_t>(images)) return false;
-  if (t.uv_set > 1 || wrap_s > 2 || wrap_t > 2 || nearest > 1) return false;
-  t.wrap_s = static_cast<Wrap>(wrap_s);
-  t.wrap_t = static_cast<Wrap>(wrap_t);
-  t.nearest = nearest != 0;
-  return finite;
+  return glm::normalize(v);
 }
 
-void put_material(Writer& w, const Material& m) {
-  for (int i = 0; i < 4; ++i) w.put(m.base_color[i]);
-  for (int i = 0; i < 3; ++i) w.put(m.emissive[i]);
-  for (const float v :
-       {m.metallic, m.roughness, m.normal_scale, m.occlusion_strength, m.alpha_cutoff}) {
-    w.put(v);
+// The nearest of the four codes around the exact place: rounding alone is up to twice as far off.
+std::array<std::uint16_t, 2> encode_direction(const glm::vec3& v) {
+  const glm::vec2 exact = (octahedral(v) * 0.5f + 0.5f) * kSteps10;
+  std::array<std::uint16_t, 2> best{};
+  float best_dot = -2;
+  for (int k = 0; k < 4; ++k) {
+    const glm::vec2 code =
+        glm::clamp(glm::floor(exact) + glm::vec2(k & 1, k >> 1), glm::vec2(0), glm::vec2(kSteps10));
+    const float d = glm::dot(from_octahedral(code / kSteps10 * 2.0f - 1.0f), v);
+    if (d <= best_dot) continue;
+    best_dot = d;
+    best = {static_cast<std::uint16_t>(code.x), static_cast<std::uint16_t>(code.y)};
   }
-  w.put(static_cast<std::uint8_t>(m.alpha_mode));
-  w.put(static_cast<std::uint8_t>(m.double_sided));
-  w.put(static_cast<std::uint8_t>(m.unlit));
-  w.put(std::uint8_t{0});
-  for (const TextureRef* t :
-       {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {
-    put_texture(w, *t);
-  }
+  return best;
 }
-
-bool get_material(Reader& r, Material& m, std::size_t images) {
-  bool ok = true;
-  const auto number = [&](float& v) {
-    v = r.get<float>();
-    ok = ok && std::isfinite(v);
-  };
-  for (int i = 0; i < 4; ++i) number(m.base_color[i]);
-  for (int i = 0; i < 3; ++i) number(m.emissive[i]);
-  for (float* v :
-       {&m.metallic, &m.roughness, &m.normal_scale, &m.occlusion_strength, &m.alpha_cutoff}) {
-    number(*v);
-  }
-  const auto alpha_mode = r.get<std::uint8_t>(), double_sided = r.get<std::uint8_t>();
-  const auto unlit = r.get<std::uint8_t>(), zero = r.get<std::uint8_t>();
-  if (alpha_mode > 2 || double_sided > 1 || unlit > 1 || zero != 0) return false;
-  m.alpha_mode = static_cast<AlphaMode>(alpha_mode);
-  m.double_sided = double_sided != 0;
-  m.unlit = unlit != 0;
-  for (TextureRef* t :
-       {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {
-    ok = get_texture(r, *t, images) && ok;
-  }
-  return ok;
+glm::vec3 decode_direction(std::uint16_t x, std::uint16_t y) {
+  const glm::vec2 code(std::min(static_cast<float>(x), kSteps10),
+                       std::min(static_cast<float>(y), kSteps10));
+  return from_octahedral(code / kSteps10 * 2.0f - 1.0f);
 }
 
 Error value_error(const char* what) {
   return make_error(ErrorId::kWireValue, std::string("geometry has a bad ") + what);
 }
+Error malformed(const char* what) {
+  return make_error(ErrorId::kWireMalformed, std::string("geometry: ") + what);
+}
 
-Result<void> check_mesh(const Mesh& mesh, std::size_t materials) {
-  for (const Vertex& v : mesh.vertices) {
-    const double sum = 0.0 + v.position.x + v.position.y + v.position.z + v.normal.x + v.normal.y +
-                       v.normal.z + v.tangent.x + v.tangent.y + v.tangent.z + v.tangent.w +
-                       v.uv0.x + v.uv0.y + v.uv1.x + v.uv1.y;
-    if (!std::isfinite(sum)) return value_error("vertex");
-  }
-  for (const std::uint32_t i : mesh.indices) {
-    if (i >= mesh.vertices.size()) return value_error("index");
-  }
-  for (const Primitive& p : mesh.primitives) {
-    const bool range = std::uint64_t{p.first_index} + p.index_count <= mesh.indices.size();
-    if (!range || p.material >= materials || p.kind > PrimitiveKind::kPoints) {
-      return value_error("primitive");
+std::uint32_t streams_of(const ObjectModel& model) {
+  std::uint32_t streams = has_vertex_color(model.mesh) ? kColor : 0u;
+  for (const Material& m : model.materials) {
+    if (m.normal_map.present()) streams |= kTangent;
+    for (const TextureRef* t : {&m.base_color_map, &m.metal_rough_map, &m.normal_map,
+                                &m.occlusion_map, &m.emissive_map}) {
+      if (t->present()) streams |= t->uv_set == 1 ? kUv1 : kUv0;
     }
   }
-  return {};
+  return streams;
 }
 
-Result<void> read_images(Reader& r, std::vector<Image>& images, std::size_t count) {
-  if (!r.has(count, kImageHeaderBytes)) return value_error("image count");
-  images.resize(count);
-  for (Image& image : images) {
-    image.width = r.get<std::uint32_t>();
-    image.height = r.get<std::uint32_t>();
-    image.srgb = r.get<std::uint32_t>() != 0;
-    const bool size = image.width >= 1 && image.height >= 1 &&
-                      image.width <= limits::kMaxImageEdge && image.height <= limits::kMaxImageEdge;
-    if (!size) return value_error("image size");
-    r.get_array(image.rgba, std::size_t{image.width} * image.height * 4);
-    if (r.failed()) return value_error("image");
+Layout layout_of(const ObjectModel& model, const std::vector<std::uint32_t>& indices) {
+  Layout layout;
+  layout.streams = streams_of(model);
+  bool first = true;
+  for (const std::uint32_t i : indices) {
+    const Vertex& v = model.mesh.vertices[i];
+    layout.position.grow(v.position, first);
+    layout.uv0.grow(v.uv0, first);
+    layout.uv1.grow(v.uv1, first);
+    first = false;
   }
-  return {};
+  return layout;
 }
 
-Result<void> read_mesh(Reader& r, Mesh& mesh) {
-  const auto vertices = r.get<std::uint32_t>();
-  const auto indices = r.get<std::uint32_t>();
-  const auto primitives = r.get<std::uint32_t>();
-  if (vertices > limits::kMaxMeshVertices || indices > limits::kMaxMeshIndices ||
-      primitives > limits::kMaxMeshPrimitives) {
+void put_vertex(ByteWriter& w, const Vertex& v, const Layout& layout) {
+  for (int c = 0; c < 3; ++c) {
+    w.put(quantise(v.position[c], layout.position.low[c], layout.position.size[c]));
+  }
+  for (const std::uint16_t part : encode_direction(v.normal)) w.put(part);
+  w.put(std::uint16_t{0});  // meshoptimizer takes vertices of a multiple of 4 bytes
+  if (layout.streams & kTangent) {
+    const auto t = encode_direction(glm::vec3(v.tangent));
+    w.put(t[0]);
+    w.put(static_cast<std::uint16_t>(t[1] * 2 + (v.tangent.w < 0 ? 1 : 0)));
+  }
+  const auto put_uv = [&](const glm::vec2& uv, const Range<glm::vec2>& range) {
+    for (int c = 0; c < 2; ++c) w.put(quantise(uv[c], range.low[c], range.size[c]));
+  };
+  if (layout.streams & kUv0) put_uv(v.uv0, layout.uv0);
+  if (layout.streams & kUv1) put_uv(v.uv1, layout.uv1);
+  if (layout.streams & kColor) {
+    for (int c = 0; c < 4; ++c) {
+      const float linear = static_cast<float>(v.color[c]) / kSteps16;
+      w.put(static_cast<std::uint8_t>(std::lround((c < 3 ? std::sqrt(linear) : linear) * 255.0f)));
+    }
+  }
+}
+
+Vertex get_vertex(ByteReader& r, const Layout& layout) {
+  Vertex v;
+  for (int c = 0; c < 3; ++c) {
+    v.position[c] =
+        dequantise(r.get<std::uint16_t>(), layout.position.low[c], layout.position.size[c]);
+  }
+  const auto x = r.get<std::uint16_t>(), y = r.get<std::uint16_t>();
+  v.normal = decode_direction(x, y);
+  r.get<std::uint16_t>();
+  if (layout.streams & kTangent) {
+    const auto tx = r.get<std::uint16_t>(), ty = r.get<std::uint16_t>();
+    v.tangent = glm::vec4(decode_direction(tx, ty / 2), ty % 2 ? -1.0f : 1.0f);
+  }
+  const auto get_uv = [&](const Range<glm::vec2>& range) {
+    glm::vec2 uv;
+    for (int c = 0; c < 2; ++c) {
+      uv[c] = dequantise(r.get<std::uint16_t>(), range.low[c], range.size[c]);
+    }
+    return uv;
+  };
+  if (layout.streams & kUv0) v.uv0 = get_uv(layout.uv0);
+  if (layout.streams & kUv1) v.uv1 = get_uv(layout.uv1);
+  if (layout.streams & kColor) {
+    for (int c = 0; c < 4; ++c) {
+      const float code = static_cast<float>(r.get<std::uint8_t>()) / 255.0f;
+      v.color[c] = static_cast<std::uint16_t>(std::lround((c < 3 ? code * code : code) * kSteps16));
+    }
+  }
+  return v;
+}
+
+/// Indices and primitives in wire order, primitives back to back.
+struct Ordered {
+  std::vector<std::uint32_t> indices;
+  std::vector<Primitive> primitives;
+  std::size_t triangle_indices = 0;  ///< they come first
+};
+
+Ordered in_wire_order(const ObjectModel& model) {
+  Ordered out;
+  const auto take = [&](const Primitive& p) {
+    const auto at = out.indices.size();
+    const auto from = model.mesh.indices.begin() + p.first_index;
+    // Whole triangles and lines only: a rest draws nothing.
+    const std::uint32_t corners = p.kind == PrimitiveKind::kTriangles ? 3
+                                  : p.kind == PrimitiveKind::kLines   ? 2
+                                                                      : 1;
+    const std::uint32_t count = p.index_count / corners * corners;
+    out.indices.insert(out.indices.end(), from, from + count);
+    out.primitives.push_back({p.kind, static_cast<std::uint32_t>(at), count, p.material});
+  };
+  for (const Primitive& p : model.mesh.primitives) {
+    if (p.kind == PrimitiveKind::kTriangles) take(p);
+  }
+  out.triangle_indices = out.indices.size();
+  for (const Primitive& p : model.mesh.primitives) {
+    if (p.kind != PrimitiveKind::kTriangles) take(p);
+  }
+  return out;
+}
+
+/// Quantised vertices without doubles, in order of first use; `order.indices` then refer to them.
+Bytes unique_vertices(const ObjectModel& model, const Layout& layout, Ordered& order,
+                      std::size_t& count) {
+  const std::size_t stride = layout.stride();
+  ByteWriter all;
+  all.bytes.reserve(model.mesh.vertices.size() * stride);
+  for (const Vertex& v : model.mesh.vertices) put_vertex(all, v, layout);
+  std::vector<std::uint32_t> remap(model.mesh.vertices.size());
+  if (!order.indices.empty()) {
+    count = meshopt_generateVertexRemap(remap.data(), order.indices.data(), order.indices.size(),
+                                        all.bytes.data(), remap.size(), stride);
+  }
+  Bytes joined(count * stride);
+  for (std::size_t i = 0; i < remap.size(); ++i) {
+    if (remap[i] == UINT32_MAX) continue;
+    std::copy_n(all.bytes.begin() + static_cast<std::ptrdiff_t>(i * stride), stride,
+                joined.begin() + static_cast<std::ptrdiff_t>(remap[i] * stride));
+  }
+  for (std::uint32_t& i : order.indices) i = remap[i];
+  for (const Primitive& p : order.primitives) {
+    const bool sorted = model.materials[p.material].alpha_mode == AlphaMode::kBlend;
+    if (p.kind != PrimitiveKind::kTriangles || sorted || p.index_count == 0) continue;
+    std::uint32_t* at = &order.indices[p.first_index];
+    meshopt_optimizeVertexCache(at, std::vector<std::uint32_t>(at, at + p.index_count).data(),
+                                p.index_count, count);
+  }
+  std::vector<std::uint32_t> place(count, UINT32_MAX);
+  Bytes out;
+  out.reserve(joined.size());
+  std::uint32_t next = 0;
+  for (std::uint32_t& i : order.indices) {
+    if (place[i] == UINT32_MAX) {
+      place[i] = next++;
+      const auto from = joined.begin() + static_cast<std::ptrdiff_t>(i * stride);
+      out.insert(out.end(), from, from + static_cast<std::ptrdiff_t>(stride));
+    }
+    i = place[i];
+  }
+  return out;
+}
+
+template <typename V>
+void put_range(ByteWriter& w, const Range<V>& range) {
+  for (int c = 0; c < V::length(); ++c) w.put(range.low[c]);
+  for (int c = 0; c < V::length(); ++c) w.put(range.size[c]);
+}
+
+template <typename V>
+bool get_range(ByteReader& r, Range<V>& range) {
+  bool good = true;
+  for (int c = 0; c < V::length(); ++c) range.low[c] = r.get<float>();
+  for (int c = 0; c < V::length(); ++c) range.size[c] = r.get<float>();
+  for (int c = 0; c < V::length(); ++c) {
+    good = good && std::isfinite(range.low[c]) && std::isfinite(range.low[c] + range.size[c]) &&
+           range.size[c] >= 0;
+  }
+  return good;
+}
+
+struct Header {
+  std::uint32_t vertices = 0, triangle_indices = 0, other_indices = 0;
+  std::uint32_t primitives = 0, materials = 0;
+  std::uint32_t vertex_bytes = 0, triangle_bytes = 0, other_bytes = 0;
+  Layout layout;
+};
+
+Result<Header> read_header(ByteReader& r) {
+  Header h;
+  for (std::uint32_t* word :
+       {&h.vertices, &h.triangle_indices, &h.other_indices, &h.primitives, &h.materials,
+        &h.vertex_bytes, &h.triangle_bytes, &h.other_bytes, &h.layout.streams}) {
+    *word = r.get<std::uint32_t>();
+  }
+  const bool ranges =
+      get_range(r, h.layout.position) && get_range(r, h.layout.uv0) && get_range(r, h.layout.uv1);
+  if (r.failed()) return malformed("cut short");
+  if (!ranges || h.layout.streams > kAllStreams) return value_error("range");
+  if (h.vertices > limits::kMaxMeshVertices || h.primitives > limits::kMaxMeshPrimitives ||
+      h.materials > limits::kMaxMeshPrimitives ||
+      std::uint64_t{h.triangle_indices} + h.other_indices > limits::kMaxMeshIndices) {
     return make_error(ErrorId::kWireLimit, "geometry is larger than allowed");
   }
-  r.get_array(mesh.vertices, vertices);
-  r.get_array(mesh.indices, indices);
-  if (!r.has(primitives, kPrimitiveBytes)) return value_error("primitive count");
-  mesh.primitives.resize(primitives);
-  for (Primitive& p : mesh.primitives) {
-    p.kind = static_cast<PrimitiveKind>(std::min<std::uint32_t>(r.get<std::uint32_t>(), 255));
-    p.first_index = r.get<std::uint32_t>();
-    p.index_count = r.get<std::uint32_t>();
-    p.material = r.get<std::uint32_t>();
+  const std::uint64_t bytes = std::uint64_t{h.vertex_bytes} + h.triangle_bytes + h.other_bytes +
+                              h.primitives * kPrimitiveBytes + h.materials * kMaterialBytes;
+  if (!r.has(bytes, 1)) return malformed("cut short");
+  const bool possible = h.vertices <= std::uint64_t{h.vertex_bytes} * kVerticesPerByte &&
+                        h.triangle_indices <= std::uint64_t{h.triangle_bytes} * kIndicesPerByte &&
+                        h.other_indices <= h.other_bytes && h.triangle_indices % 3 == 0;
+  if (!possible) return value_error("count");
+  return h;
+}
+
+Result<void> read_primitives(ByteReader& r, const Header& h, Mesh& mesh) {
+  std::uint64_t first = 0;
+  for (std::uint32_t i = 0; i < h.primitives; ++i) {
+    const auto kind = r.get<std::uint32_t>();
+    const auto count = r.get<std::uint32_t>();
+    const auto material = r.get<std::uint32_t>();
+    const bool triangles = kind == static_cast<std::uint32_t>(PrimitiveKind::kTriangles);
+    // Triangles come first and fill their part exactly.
+    const bool in_place = triangles ? first + count <= h.triangle_indices && count % 3 == 0
+                                    : first >= h.triangle_indices;
+    if (kind > static_cast<std::uint32_t>(PrimitiveKind::kPoints) || !in_place ||
+        material >= h.materials ||
+        first + count > std::uint64_t{h.triangle_indices} + h.other_indices) {
+      return value_error("primitive");
+    }
+    mesh.primitives.push_back(
+        {static_cast<PrimitiveKind>(kind), static_cast<std::uint32_t>(first), count, material});
+    first += count;
+  }
+  if (first != std::uint64_t{h.triangle_indices} + h.other_indices) return value_error("primitive");
+  return {};
+}
+
+Result<void> read_vertices(ByteReader& r, const Header& h, Mesh& mesh) {
+  const std::size_t stride = h.layout.stride();
+  const std::uint8_t* encoded = r.take(h.vertex_bytes);
+  Bytes packed(h.vertices * stride);
+  if (h.vertices > 0 &&
+      meshopt_decodeVertexBuffer(packed.data(), h.vertices, stride, encoded, h.vertex_bytes) != 0) {
+    return malformed("damaged vertices");
+  }
+  ByteReader from(packed.data(), packed.size());
+  mesh.vertices.reserve(h.vertices);
+  for (std::uint32_t i = 0; i < h.vertices; ++i) {
+    mesh.vertices.push_back(get_vertex(from, h.layout));
+  }
+  return {};
+}
+
+Result<void> read_indices(ByteReader& r, const Header& h, Mesh& mesh) {
+  mesh.indices.resize(std::size_t{h.triangle_indices} + h.other_indices);
+  const std::uint8_t* triangles = r.take(h.triangle_bytes);
+  if (h.triangle_indices > 0 && meshopt_decodeIndexBuffer(mesh.indices.data(), h.triangle_indices,
+                                                          4, triangles, h.triangle_bytes) != 0) {
+    return malformed("damaged triangles");
+  }
+  const std::uint8_t* others = r.take(h.other_bytes);
+  if (h.other_indices > 0 &&
+      meshopt_decodeIndexSequence(mesh.indices.data() + h.triangle_indices, h.other_indices, 4,
+                                  others, h.other_bytes) != 0) {
+    return malformed("damaged lines");
+  }
+  for (const std::uint32_t i : mesh.indices) {
+    if (i >= h.vertices) return value_error("index");
   }
   return {};
 }
 
 }  // namespace
 
-std::size_t encoded_model_bytes(const ObjectModel& m) {
-  std::size_t bytes = 5 * 4 + m.mesh.vertices.size() * sizeof(Vertex) + m.mesh.indices.size() * 4 +
-                      m.mesh.primitives.size() * kPrimitiveBytes +
-                      m.materials.size() * kMaterialBytes;
-  for (const Image& image : m.images) bytes += kImageHeaderBytes + image.rgba.size();
-  return bytes;
+double quantisation_error(const glm::vec3& box_min, const glm::vec3& box_max) {
+  // The float arithmetic on the way adds a few of its own last places.
+  const double extent = glm::length(glm::dvec3(box_max) - glm::dvec3(box_min));
+  const double reach = std::max(glm::length(glm::dvec3(box_min)), glm::length(glm::dvec3(box_max)));
+  return 0.5 * extent / 65535.0 + 4e-7 * reach;
 }
 
-Bytes encode_model(const ObjectModel& m) {
-  Writer w;
-  w.bytes.reserve(encoded_model_bytes(m));
-  w.put(static_cast<std::uint32_t>(m.mesh.vertices.size()));
-  w.put(static_cast<std::uint32_t>(m.mesh.indices.size()));
-  w.put(static_cast<std::uint32_t>(m.mesh.primitives.size()));
-  w.put_array(m.mesh.vertices);
-  w.put_array(m.mesh.indices);
-  for (const Primitive& p : m.mesh.primitives) {
-    w.put(static_cast<std::uint32_t>(p.kind));
-    w.put(p.first_index);
-    w.put(p.index_count);
-    w.put(p.material);
-  }
-  w.put(static_cast<std::uint32_t>(m.images.size()));
-  for (const Image& image : m.images) {
-    w.put(image.width);
-    w.put(image.height);
-    w.put(static_cast<std::uint32_t>(image.srgb));
-    w.put_array(image.rgba);
-  }
-  w.put(static_cast<std::uint32_t>(m.materials.size()));
-  for (const Material& material : m.materials) put_material(w, material);
+Bytes encode_materials(const std::vector<Material>& materials) {
+  ByteWriter w;
+  for (const Material& m : materials) put_material(w, m);
   return std::move(w.bytes);
 }
 
-Result<ObjectModel> decode_model(const std::uint8_t* bytes, std::size_t size) {
-  Reader r(bytes, size);
+Bytes encode_model(const ObjectModel& model) {
+  Ordered order = in_wire_order(model);
+  const Layout layout = layout_of(model, order.indices);
+  std::size_t vertices = 0;
+  const Bytes packed = unique_vertices(model, layout, order, vertices);
+  const std::size_t triangles = order.triangle_indices;
+  const std::size_t others = order.indices.size() - triangles;
+
+  Bytes vertex_code(meshopt_encodeVertexBufferBound(vertices, layout.stride()));
+  vertex_code.resize(vertices == 0
+                         ? 0
+                         : meshopt_encodeVertexBuffer(vertex_code.data(), vertex_code.size(),
+                                                      packed.data(), vertices, layout.stride()));
+  Bytes triangle_code(meshopt_encodeIndexBufferBound(triangles, vertices));
+  triangle_code.resize(triangles == 0
+                           ? 0
+                           : meshopt_encodeIndexBuffer(triangle_code.data(), triangle_code.size(),
+                                                       order.indices.data(), triangles));
+  Bytes other_code(meshopt_encodeIndexSequenceBound(others, vertices));
+  other_code.resize(others == 0
+                        ? 0
+                        : meshopt_encodeIndexSequence(other_code.data(), other_code.size(),
+                                                      order.indices.data() + triangles, others));
+
+  ByteWriter w;
+  for (const std::size_t word :
+       {vertices, triangles, others, order.primitives.size(), model.materials.size(),
+        vertex_code.size(), triangle_code.size(), other_code.size(), std::size_t{layout.streams}}) {
+    w.put(static_cast<std::uint32_t>(word));
+  }
+  put_range(w, layout.position);
+  put_range(w, layout.uv0);
+  put_range(w, layout.uv1);
+  for (const Primitive& p : order.primitives) {
+    w.put(static_cast<std::uint32_t>(p.kind));
+    w.put(p.index_count);
+    w.put(p.material);
+  }
+  w.put_bytes(vertex_code.data(), vertex_code.size());
+  w.put_bytes(triangle_code.data(), triangle_code.size());
+  w.put_bytes(other_code.data(), other_code.size());
+  for (const Material& m : model.materials) put_material(w, m);
+  return std::move(w.bytes);
+}
+
+Result<ObjectModel> decode_model(const std::uint8_t* bytes, std::size_t size,
+                                 std::size_t image_count) {
+  ByteReader r(bytes, size);
+  const Result<Header> header = read_header(r);
+  if (!header) return header.error();
   ObjectModel model;
-  if (Result<void> mesh = read_mesh(r, model.mesh); !mesh) return mesh.error();
-  if (Result<void> images = read_images(r, model.images, r.get<std::uint32_t>()); !images) {
-    return images.error();
-  }
-  const auto materials = r.get<std::uint32_t>();
-  if (!r.has(materials, kMaterialBytes)) return value_error("material count");
-  model.materials.resize(materials);
+  if (Result<void> done = read_primitives(r, *header, model.mesh); !done) return done.error();
+  if (Result<void> done = read_vertices(r, *header, model.mesh); !done) return done.error();
+  if (Result<void> done = read_indices(r, *header, model.mesh); !done) return done.error();
+  model.materials.resize(header->materials);
   for (Material& material : model.materials) {
-    if (!get_material(r, material, model.images.size())) return value_error("material");
+    if (!get_material(r, material, image_count)) return value_error("material");
   }
-  if (!r.at_end()) {
-    return make_error(ErrorId::kWireMalformed, "geometry bytes do not add up");
-  }
-  if (Result<void> mesh = check_mesh(model.mesh, model.materials.size()); !mesh) {
-    return mesh.error();
-  }
+  if (!r.at_end()) return malformed("bytes do not add up");
   return model;
 }
 

@@ -1,5 +1,6 @@
 #include "protocol/need_mask.h"
 
+#include <algorithm>
 #include <initializer_list>
 
 namespace mirage {
@@ -39,6 +40,16 @@ NeedMask material_needs(const Material& m, bool vertex_color) {
     if (t->present() && t->uv_set == 1) needs |= kNeedUv1;
   }
   return needs;
+}
+
+float alpha_test_cutoff(std::int32_t image, const std::vector<Material>& materials) {
+  for (const Material& m : materials) {
+    const bool uses = m.base_color_map.image == image;
+    if (uses && m.alpha_mode == AlphaMode::kMask && m.base_color.a > 0) {
+      return std::max(m.alpha_cutoff, 0.0f) / m.base_color.a;
+    }
+  }
+  return 0;
 }
 
 NeedMask object_needs(const Mesh& mesh, const std::vector<Material>& materials) {

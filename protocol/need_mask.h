@@ -30,6 +30,9 @@ enum Need : NeedMask {
 NeedMask material_needs(const Material& material, bool vertex_color);
 /// Whether any vertex of the mesh has a colour other than opaque white.
 bool has_vertex_color(const Mesh& mesh);
+/// Alpha below which the alpha-tested material using `image` as its colour shows nothing, in the
+/// image's own alpha; 0: no such material uses it.
+float alpha_test_cutoff(std::int32_t image, const std::vector<Material>& materials);
 /// Union over the object's primitives.
 NeedMask object_needs(const Mesh& mesh, const std::vector<Material>& materials);
 

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "protocol/lod.h"
 #include "protocol/need_mask.h"
 
 namespace mirage {
@@ -29,9 +30,9 @@ struct ObjectDescription {
   glm::vec3 mean_color{0.5f};  ///< linear; what a placeholder shows
   NeedMask needs = 0;
   std::uint32_t triangles = 0;
-  std::uint32_t mesh_bytes = 0;  ///< raw size of the object as geometry
-  bool surrounds = false;        ///< large scenery that exists once: geometry from the start
-  bool group = false;            ///< all instances of a spatial cell, for far views
+  std::vector<LodInfo> lods;  ///< finest first; at least one when there is geometry
+  bool surrounds = false;     ///< large scenery that exists once: geometry from the start
+  bool group = false;         ///< all instances of a spatial cell, for far views
 };
 
 /// The six planes of a box.

@@ -25,6 +25,7 @@ struct TileMeasure {
   float dz_cuboid = 0;  ///< max |z - entry into the bounding box|
   float dz_hull = 0;    ///< max |z - entry into the convex hull|
   float depth_gap = 0;  ///< largest depth step between neighbours: the widest possible hole
+  float lod_error = 0;  ///< how far the geometry it was drawn from lies from the whole mesh
 };
 
 /// Decoded tile, content crop only, rows top to bottom (row 0 = up side of the capture basis).

@@ -17,6 +17,7 @@ struct Counters {
   std::atomic<std::uint64_t> pages_rendered{0};
   std::atomic<std::uint64_t> references_rendered{0};
   std::atomic<std::uint64_t> meshes_sent{0};
+  std::atomic<std::uint64_t> images_sent{0};
   std::atomic<std::uint64_t> bytes_sent{0};
   std::atomic<std::uint64_t> bytes_received{0};
   std::atomic<std::uint64_t> clients_closed_for_error{0};

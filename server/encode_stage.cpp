@@ -14,8 +14,11 @@ StoredTilePtr EncodeStage::encode(const RenderedTile& rendered, const ObjectDesc
   const Capture capture(key.cell, key.distance, object.radius, tile_edge(key.size_class));
   const std::size_t offset = static_cast<std::size_t>(rendered.y) * rendered.page->width +
                              static_cast<std::size_t>(rendered.x);
-  const Tile tile = cut_tile(&rendered.page->rgba[offset * 4], &rendered.page->depth[offset],
-                             rendered.page->width, capture, object);
+  Tile tile = cut_tile(&rendered.page->rgba[offset * 4], &rendered.page->depth[offset],
+                       rendered.page->width, capture, object);
+  // The members of a group have levels of their own, each within what is allowed.
+  tile.measure.lod_error = object.group ? static_cast<float>(allowed_tile_error(capture))
+                                        : tile_lod_error(object.lods, capture);
   auto stored = std::make_shared<StoredTile>();
   stored->planes = encode_tile_planes(tile, codec);
   set_tile_fields(tile, stored->reply);
@@ -39,7 +42,7 @@ void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers,
         const TileId id = rendered->job.id;
         StoredTilePtr tile = encode(*rendered, scene->objects[rendered->job.key.object], codec);
         store_.put(id, tile);
-        completions_.push(Completion{id, std::move(tile), 0, {}});
+        completions_.push(Completion{id, std::move(tile), std::nullopt, 0, {}});
         wake_();
       }
     });

@@ -2,7 +2,8 @@
 //
 //   endpoint -> sessions -> tile queue -> render stage -> encode stage -> tile store -> sessions
 //
-// The network loop runs here; the render stage has the GL thread, the encode stage its workers.
+// The network loop runs here; the render stage has the GL thread, the encode and image
+// stages their workers.
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -16,6 +17,7 @@
 #include "protocol/cli.h"
 #include "server/encode_stage.h"
 #include "server/explain.h"
+#include "server/image_stage.h"
 #include "server/options.h"
 #include "shaders/gl/egl_context.h"
 
@@ -67,6 +69,7 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
   TileStore store(options.cache_mb * 1024 * 1024, options.cache_dir, counters);
   TileQueue queue(clock, counters);
   BoundedQueue<RenderedTile> rendered(512);
+  BoundedQueue<ImageLevel> image_jobs(4096);
   BoundedQueue<Completion> completions(8192);
   std::atomic<Endpoint*> awake{nullptr};
   const auto wake = [&awake] {
@@ -74,6 +77,7 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
   };
 
   EncodeStage encode(rendered, completions, store, wake);
+  ImageStage images(image_jobs, completions, wake);
   RenderStage render(clock, counters, queue, rendered, completions, wake);
   // However this function is left: the queues close in flow order, then the threads end.
   struct Shutdown {
@@ -82,6 +86,8 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
     BoundedQueue<RenderedTile>& rendered;
     BoundedQueue<Completion>& completions;
     EncodeStage& encode;
+    BoundedQueue<ImageLevel>& image_jobs;
+    ImageStage& images;
     ~Shutdown() {
       running_endpoint = nullptr;
       completions.close();
@@ -89,18 +95,21 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
       render.join();
       rendered.close();
       encode.join();
+      image_jobs.close();
+      images.join();
     }
   };
 
   SessionOptions session_options = options.session;
   Result<std::string> renderer = [&] {
+    images.start(scene);
     encode.start(scene, options.encoders, options.session.codec);
     return render.start(scene, options.render);
   }();
   if (renderer.ok()) session_options.renderer = renderer.value();
-  SessionHub hub(scene, session_options, clock, counters, queue, store);
+  SessionHub hub(scene, session_options, clock, counters, queue, store, image_jobs);
   Endpoint endpoint(hub, completions, counters);
-  const Shutdown shutdown{queue, render, rendered, completions, encode};
+  const Shutdown shutdown{queue, render, rendered, completions, encode, image_jobs, images};
   if (!renderer) return fail(renderer.error());
   if (const Result<void> listening = endpoint.listen(options.endpoint); !listening) {
     return fail(listening.error());

@@ -24,6 +24,7 @@ std::string metrics_text(const Counters& c, std::size_t clients) {
   add(out, "pages_rendered_total", "counter", c.pages_rendered);
   add(out, "references_rendered_total", "counter", c.references_rendered);
   add(out, "meshes_sent_total", "counter", c.meshes_sent);
+  add(out, "images_sent_total", "counter", c.images_sent);
   add(out, "bytes_sent_total", "counter", c.bytes_sent);
   add(out, "bytes_received_total", "counter", c.bytes_received);
   add(out, "clients_closed_for_error_total", "counter", c.clients_closed_for_error);

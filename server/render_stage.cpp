@@ -102,7 +102,7 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
         refused.reason = wire::RefusalReason::TooLarge;
         reply = encode_message(std::move(refused));
       }
-      completions_.push(Completion{{}, nullptr, job.session, reply.take()});
+      completions_.push(Completion{{}, nullptr, std::nullopt, job.session, reply.take()});
       wake_();
     } else if (work) {
       PendingPage page;

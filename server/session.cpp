@@ -8,6 +8,7 @@ namespace mirage {
 namespace {
 
 constexpr std::size_t kMaxOutboxBytes = 512u * 1024 * 1024;
+constexpr std::size_t kImageCacheBytes = 256u * 1024 * 1024;
 constexpr std::int64_t kHelloTimeoutUs = 10'000'000;
 
 // Not the place where timing could leak a token byte by byte.
@@ -22,13 +23,15 @@ bool same_secret(const std::string& a, const std::string& b) {
 }  // namespace
 
 SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
-                       const Clock& clock, Counters& counters, TileQueue& queue, TileStore& store)
+                       const Clock& clock, Counters& counters, TileQueue& queue, TileStore& store,
+                       BoundedQueue<ImageLevel>& image_jobs)
     : scene_(std::move(scene)),
       options_(std::move(options)),
       clock_(clock),
       counters_(counters),
       queue_(queue),
-      store_(store) {
+      store_(store),
+      image_jobs_(image_jobs) {
   make_description_pages();
 }
 
@@ -122,6 +125,7 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.walk_speed_mps = scene.home.walk_speed_mps;
   welcome.geometry = options_.geometry;
   welcome.reference = options_.reference;
+  welcome.images = static_cast<std::uint32_t>(scene.images.size());
   push(id, s.control, encode_message(std::move(welcome)));
   return {};
 }
@@ -151,7 +155,8 @@ void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batc
       refuse(id, s, one.request_id(), wire::RefusalReason::BadKey);
     }
   }
-  for (const std::uint32_t object : batch.mesh_asks) mesh_ask(id, s, object);
+  for (const wire::MeshAsk& one : batch.mesh_asks) mesh_ask(id, s, one);
+  for (const wire::ImageAsk& one : batch.image_asks) image_ask(id, s, one);
   writable_.insert(id);  // new credit may free tiles that wait
 }
 
@@ -187,25 +192,69 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
   }
 }
 
-void SessionHub::mesh_ask(SessionId id, Session& s, std::uint32_t object) {
-  if (object >= scene_->objects.size()) {
-    return refuse(id, s, object, wire::RefusalReason::UnknownObject, true);
+void SessionHub::mesh_ask(SessionId id, Session& s, const wire::MeshAsk& ask) {
+  const bool known = ask.object() < scene_->geometry.size() &&
+                     ask.lod() < scene_->geometry[ask.object()].encoded.size();
+  if (!known) return refuse(id, s, ask.request_id(), wire::RefusalReason::UnknownObject);
+  if (!options_.geometry) return refuse(id, s, ask.request_id(), wire::RefusalReason::NoGeometry);
+  const EncodedLod& lod = scene_->geometry[ask.object()].encoded[ask.lod()];
+  if (lod.payload.size() > limits::kMaxTransferBytes / 2) {
+    return refuse(id, s, ask.request_id(), wire::RefusalReason::TooLarge);
   }
-  if (!options_.geometry || scene_->group(object))
-    return refuse(id, s, object, wire::RefusalReason::NoGeometry, true);
-  Bytes& message = meshes_[object];
-  if (message.empty()) {
-    const Bytes raw = encode_model(object_model(scene_->scene, object));
-    wire::MeshReplyT reply;
-    reply.object = object;
-    reply.raw_bytes = static_cast<std::uint32_t>(raw.size());
-    message = encode_message(std::move(reply), compress_block(raw.data(), raw.size()));
-  }
-  if (message.size() > limits::kMaxTransferBytes) {
-    return refuse(id, s, object, wire::RefusalReason::TooLarge, true);
-  }
+  wire::MeshReplyT reply;
+  reply.request_id = ask.request_id();
+  reply.object = ask.object();
+  reply.lod = ask.lod();
+  reply.raw_bytes = lod.raw_bytes;
   ++counters_.meshes_sent;
-  push(id, s.bulk, message);
+  push(id, s.bulk, encode_message(std::move(reply), lod.payload));
+}
+
+void SessionHub::image_ask(SessionId id, Session& s, const wire::ImageAsk& ask) {
+  const bool known = ask.image() < scene_->images.size() &&
+                     ask.level() < image_levels(scene_->images[ask.image()]);
+  if (!known) return refuse(id, s, ask.request_id(), wire::RefusalReason::UnknownObject);
+  if (!options_.geometry) return refuse(id, s, ask.request_id(), wire::RefusalReason::NoGeometry);
+  const ImageLevel level{ask.image(), ask.level()};
+  if (const auto cached = images_.find(level); cached != images_.end()) {
+    return push_image(id, ask.request_id(), level, cached->second);
+  }
+  auto& waiters = image_waiters_[level];
+  ImageLevel job = level;
+  if (waiters.empty() && !image_jobs_.try_push(job)) {
+    image_waiters_.erase(level);
+    return refuse(id, s, ask.request_id(), wire::RefusalReason::Busy);
+  }
+  waiters.emplace_back(id, ask.request_id());
+}
+
+void SessionHub::push_image(SessionId id, std::uint32_t request, const ImageLevel& level,
+                            const Bytes& bytes) {
+  const auto at = sessions_.find(id);
+  if (at == sessions_.end()) return;
+  if (bytes.empty()) return refuse(id, at->second, request, wire::RefusalReason::TooLarge);
+  wire::ImageReplyT reply;
+  reply.request_id = request;
+  reply.image = level.image;
+  reply.level = level.level;
+  ++counters_.images_sent;
+  push(id, at->second.bulk, encode_message(std::move(reply), bytes));
+}
+
+void SessionHub::finish_image(const ImageLevel& level, Bytes bytes) {
+  for (const auto& [session, request] : image_waiters_[level]) {
+    push_image(session, request, level, bytes);
+  }
+  image_waiters_.erase(level);
+  image_bytes_ += bytes.size();
+  images_[level] = std::move(bytes);
+  image_order_.push_back(level);
+  while (image_bytes_ > kImageCacheBytes) {
+    const auto oldest = images_.find(image_order_.front());
+    image_bytes_ -= oldest->second.size();
+    images_.erase(oldest);
+    image_order_.pop_front();
+  }
 }
 
 void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceRequestT& m) {
@@ -247,13 +296,12 @@ void SessionHub::stats(SessionId id, Session& s, const wire::StatsRequestT& m) {
   push(id, s.control, encode_message(std::move(out)));
 }
 
-void SessionHub::refuse(SessionId id, Session& s, std::uint32_t request, wire::RefusalReason reason,
-                        bool mesh) {
+void SessionHub::refuse(SessionId id, Session& s, std::uint32_t request,
+                        wire::RefusalReason reason) {
   ++counters_.tiles_refused;
   wire::RefusedT refused;
   refused.request_id = request;
   refused.reason = reason;
-  refused.mesh = mesh;
   push(id, s.control, encode_message(std::move(refused)));
 }
 
@@ -287,6 +335,7 @@ void SessionHub::complete(Completion completion) {
     for (const Waiter& w : queue_.finish(completion.id)) push_tile(w, *completion.tile);
     return;
   }
+  if (completion.image) return finish_image(*completion.image, std::move(completion.message));
   const auto at = sessions_.find(completion.session);
   if (at != sessions_.end()) {
     push(completion.session, at->second.bulk, std::move(completion.message));
@@ -355,7 +404,26 @@ bool SessionHub::all_written() const {
                      [](const auto& entry) { return entry.second.control.empty(); });
 }
 
+void SessionHub::make_image_pages() {
+  const std::vector<ImageDescription>& images = scene_->images;
+  for (std::size_t first = 0; first < images.size(); first += limits::kImagesPerPage) {
+    wire::ImagePageT page;
+    page.first = static_cast<std::uint32_t>(first);
+    const std::size_t end = std::min(first + limits::kImagesPerPage, images.size());
+    for (std::size_t i = first; i < end; ++i) {
+      const ImageDescription& image = images[i];
+      std::uint32_t mean = 0;
+      for (std::size_t c = 0; c < 4; ++c) mean |= std::uint32_t{image.mean[c]} << (8 * c);
+      page.images.emplace_back(static_cast<std::uint16_t>(image.width),
+                               static_cast<std::uint16_t>(image.height), mean, image.alpha_cutoff,
+                               image.srgb);
+    }
+    pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));
+  }
+}
+
 void SessionHub::make_description_pages() {
+  make_image_pages();
   const std::vector<ObjectDescription>& objects = scene_->objects;
   for (std::size_t first = 0; first < objects.size(); first += limits::kObjectsPerPage) {
     wire::ObjectPageT page;
@@ -371,9 +439,11 @@ void SessionHub::make_description_pages() {
       info->mean_color = std::make_unique<wire::Vec3f>(to_wire(o.mean_color));
       info->needs = o.needs;
       info->triangles = o.triangles;
-      info->mesh_bytes = o.mesh_bytes;
       info->surrounds = o.surrounds;
       info->group = o.group;
+      for (const LodInfo& lod : o.lods) {
+        info->lods.emplace_back(lod.triangles, lod.bytes, lod.error, lod.spread);
+      }
       for (const glm::vec3& v : o.hull.vertices) info->hull_vertices.push_back(to_wire(v));
       info->hull_indices = o.hull.indices;
       page.objects.push_back(std::move(info));

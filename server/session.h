@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/bounded_queue.h"
 #include "protocol/clock.h"
 #include "server/counters.h"
 #include "server/scene/prepared_scene.h"
@@ -37,7 +38,8 @@ struct SessionOptions {
 class SessionHub {
  public:
   SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options, const Clock& clock,
-             Counters& counters, TileQueue& queue, TileStore& store);
+             Counters& counters, TileQueue& queue, TileStore& store,
+             BoundedQueue<ImageLevel>& image_jobs);
 
   /// Error kBusy when there are too many clients.
   Result<SessionId> open();
@@ -80,7 +82,10 @@ class SessionHub {
   Result<void> hello(SessionId id, Session& s, const wire::HelloT& hello);
   void batch(SessionId id, Session& s, const wire::RequestBatchT& batch);
   void ask(SessionId id, Session& s, const wire::Ask& ask, const Lighting& lighting);
-  void mesh_ask(SessionId id, Session& s, std::uint32_t object);
+  void mesh_ask(SessionId id, Session& s, const wire::MeshAsk& ask);
+  void image_ask(SessionId id, Session& s, const wire::ImageAsk& ask);
+  void finish_image(const ImageLevel& level, Bytes bytes);
+  void push_image(SessionId id, std::uint32_t request, const ImageLevel& level, const Bytes& bytes);
   Result<void> set_lighting(Session& s, const wire::SetLightingT& m);
   void reference(SessionId id, Session& s, const wire::ReferenceRequestT& m);
   void stats(SessionId id, Session& s, const wire::StatsRequestT& m);
@@ -89,8 +94,8 @@ class SessionHub {
   /// The lane whose turn it is; nullptr when neither may send.
   static std::deque<FramePtr>* tile_or_bulk(Session& s);
   void push_tile(const Waiter& waiter, const StoredTile& tile);
-  void refuse(SessionId id, Session& s, std::uint32_t request, wire::RefusalReason reason,
-              bool mesh = false);
+  void refuse(SessionId id, Session& s, std::uint32_t request, wire::RefusalReason reason);
+  void make_image_pages();
   void make_description_pages();
 
   std::shared_ptr<const PreparedScene> scene_;
@@ -100,7 +105,12 @@ class SessionHub {
   TileQueue& queue_;
   TileStore& store_;
   std::vector<FramePtr> pages_;  ///< scene description, made once
-  std::map<std::uint32_t, Bytes> meshes_;
+  BoundedQueue<ImageLevel>& image_jobs_;
+  /// Who waits for an image that is being encoded: session and request.
+  std::map<ImageLevel, std::vector<std::pair<SessionId, std::uint32_t>>> image_waiters_;
+  std::map<ImageLevel, Bytes> images_;  ///< encoded, at most kImageCacheBytes
+  std::deque<ImageLevel> image_order_;  ///< oldest first
+  std::size_t image_bytes_ = 0;
   std::map<SessionId, Session> sessions_;
   std::set<SessionId> writable_;
   SessionId next_id_ = 1;

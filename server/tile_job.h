@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "protocol/camera.h"
@@ -55,6 +56,15 @@ struct StoredTile {
 };
 using StoredTilePtr = std::shared_ptr<const StoredTile>;
 
+/// A level of one of the scene's images.
+struct ImageLevel {
+  std::uint32_t image = 0;
+  std::uint8_t level = 0;
+  bool operator<(const ImageLevel& o) const {
+    return image != o.image ? image < o.image : level < o.level;
+  }
+};
+
 /// A full render of the scene for comparison.
 struct ReferenceJob {
   SessionId session = 0;
@@ -69,6 +79,8 @@ struct Completion {
   // A tile for everybody who waits for it …
   TileId id;
   StoredTilePtr tile;
+  // … or an encoded image in `message`, for everybody who waits for it (empty: it failed) …
+  std::optional<ImageLevel> image;
   // … or a whole message for one session.
   SessionId session = 0;
   Bytes message;

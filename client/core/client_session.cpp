@@ -10,6 +10,7 @@ namespace {
 // What a tile is asked for lies this far beyond the round trip: half of its expected life.
 constexpr std::int64_t kHorizonSlackUs = 150'000;
 constexpr std::int64_t kMaxHorizonUs = 1'000'000;
+constexpr std::size_t kReplyBytes = 64;  // control part and header of a geometry reply
 }  // namespace
 
 ClientSession::ClientSession(Link& link, ClientOptions options, TileSink sink)
@@ -57,6 +58,10 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
       if (Result<void> taken = scene_.accept(welcome); !taken) return taken;
       break;
     }
+    case wire::Body::ImagePage:
+      if (was_complete) return {};
+      if (Result<void> taken = scene_.accept(*body.AsImagePage()); !taken) return taken;
+      break;
     case wire::Body::ObjectPage:
       if (was_complete) return {};
       if (Result<void> taken = scene_.accept(*body.AsObjectPage()); !taken) return taken;
@@ -68,7 +73,9 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
     case wire::Body::TileReply:
       return take_tile(*body.AsTileReply(), message.payload, now_us);
     case wire::Body::MeshReply:
-      return take_mesh(*body.AsMeshReply(), message.payload);
+      return take_mesh(*body.AsMeshReply(), message.payload, now_us);
+    case wire::Body::ImageReply:
+      return take_image(*body.AsImageReply(), message.payload, now_us);
     case wire::Body::ReferenceReply:
       return take_reference(*body.AsReferenceReply(), message.payload);
     case wire::Body::Refused:
@@ -84,7 +91,7 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
     if (!own_lighting_) lighting_ = scene_.lighting;
     cache_.reset(scene_, lighting_);
     selector_.reset(scene_);
-    mesh_ready_.assign(scene_.objects.size(), false);
+    meshes_.reset(scene_, options_.mesh_budget_bytes, options_.max_mesh_bytes);
     predictor_ = Predictor(std::max(50.0, 0.5 * scene_.bounds_radius));
     if (sink_.scene) sink_.scene(scene_);
     if (own_lighting_) send_lighting();
@@ -126,20 +133,42 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   return {};
 }
 
-Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes) {
-  if (!scene_.complete() || reply.object >= scene_.objects.size()) {
-    return make_error(ErrorId::kWireValue, "geometry of an object that is not there");
+Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes,
+                                      std::int64_t now_us) {
+  const std::optional<AssetNeed> need =
+      scheduler_.finish_asset(reply.request_id, bytes.size() + kReplyBytes, now_us);
+  const AssetId id{AssetId::Kind::kMesh, reply.object, reply.lod};
+  if (!need || !scene_.complete() || !(need->id == id)) {
+    return make_error(ErrorId::kWireValue, "geometry that was not asked for");
   }
-  scheduler_.mesh_arrived(reply.object);
   if (reply.raw_bytes > options_.max_mesh_bytes) {
     return make_error(ErrorId::kWireLimit, "geometry is larger than asked for");
   }
-  Result<Bytes> raw = decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
+  Result<Bytes> raw = reply.raw_bytes == bytes.size()
+                          ? Result<Bytes>(bytes)
+                          : decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
   if (!raw) return raw.error();
-  Result<ObjectModel> model = decode_model(raw->data(), raw->size());
+  Result<ObjectModel> model = decode_model(raw->data(), raw->size(), scene_.images.size());
   if (!model) return model.error();
-  mesh_ready_[reply.object] = true;
-  if (sink_.mesh) sink_.mesh(reply.object, model.take());
+  meshes_.add_mesh(reply.object, reply.lod, *model, now_us);
+  if (sink_.mesh) sink_.mesh(reply.object, reply.lod, model.take());
+  return {};
+}
+
+Result<void> ClientSession::take_image(const wire::ImageReplyT& reply, const Bytes& bytes,
+                                       std::int64_t now_us) {
+  const std::optional<AssetNeed> need =
+      scheduler_.finish_asset(reply.request_id, bytes.size() + kReplyBytes, now_us);
+  const AssetId id{AssetId::Kind::kImage, reply.image, reply.level};
+  if (!need || !scene_.complete() || !(need->id == id)) {
+    return make_error(ErrorId::kWireValue, "image that was not asked for");
+  }
+  const ImageDescription& description = scene_.images[reply.image];
+  Result<Image> image = decode_image(bytes.data(), bytes.size(),
+                                     image_level_size(description, reply.level), description.srgb);
+  if (!image) return image.error();
+  meshes_.add_image(scene_, reply.image, reply.level, bytes.size(), now_us);
+  if (sink_.image) sink_.image(reply.image, *image);
   return {};
 }
 
@@ -164,7 +193,6 @@ Result<void> ClientSession::take_reference(const wire::ReferenceReplyT& reply, c
 }
 
 void ClientSession::take_refusal(const wire::RefusedT& refused, std::int64_t now_us) {
-  if (refused.mesh) return scheduler_.mesh_refused(refused.request_id);
   if (refused.request_id == 0) {
     reference_refused_ = true;
     return;
@@ -213,7 +241,7 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
   SelectorInput input;
   input.scene = &scene_;
   input.cache = &cache_;
-  input.mesh_ready = &mesh_ready_;
+  input.mesh_ready = &meshes_.ready();
   input.camera = input.predicted = camera;
   input.predicted.pose = predictor_.predict(horizon);
   input.velocity = predictor_.velocity_mps();
@@ -225,6 +253,7 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
   input.frame = frame_;
   input.now_us = now_us;
   DrawList list = selector_.select(input);
+  meshes_.choose(scene_, camera, input.tau_px, frame_, now_us, list.meshes);
   for (const std::weak_ptr<TileRecord>& tile : undrawn_) {
     const TileRecordPtr record = tile.lock();
     if (!record || !record->shown) continue;
@@ -237,13 +266,15 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
                                   return !record || record->shown;
                                 }),
                  undrawn_.end());
-  if (!link_.connected()) return list;
-  std::vector<std::uint32_t> meshes;
+  std::vector<AssetNeed> meshes;
   if (scene_.geometry) {
-    for (const std::uint32_t object : selector_.mesh_needs(input)) {
-      if (scene_.objects[object].mesh_bytes <= options_.max_mesh_bytes) meshes.push_back(object);
-    }
+    meshes =
+        meshes_.needs(scene_, input.predicted, input.tau_px, now_us, selector_.mesh_needs(input));
   }
+  for (const AssetId& gone : meshes_.drop(frame_, now_us)) {
+    if (sink_.drop) sink_.drop(gone);
+  }
+  if (!link_.connected()) return list;
   std::optional<wire::RequestBatchT> batch =
       scheduler_.plan(scene_, selector_.needs(input), meshes, lighting_id_, now_us);
   if (batch) link_.send(encode_message(std::move(*batch)));

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "client/core/link.h"
+#include "client/core/mesh_cache.h"
 #include "client/core/predictor.h"
 #include "client/core/scene_view.h"
 #include "client/core/scheduler.h"
@@ -31,8 +32,9 @@ struct ClientOptions {
   int atlas_layers = 24;
   std::string token;
   std::string name = "mirage-view";
-  std::size_t max_mesh_bytes = 64u << 20;
-  bool trace = false;  ///< keep every tile's life
+  std::size_t max_mesh_bytes = 64u << 20;      ///< of one reply, decompressed
+  std::size_t mesh_budget_bytes = 256u << 20;  ///< graphics memory for geometry and its images
+  bool trace = false;                          ///< keep every tile's life
 };
 
 struct ReferenceFrame {
@@ -45,7 +47,9 @@ struct ReferenceFrame {
 /// Where decoded pixels and meshes go; the frame renderer implements it.
 struct TileSink {
   std::function<void(const TileRecord&, const std::vector<std::uint8_t>&)> tile;
-  std::function<void(std::uint32_t, ObjectModel)> mesh;
+  std::function<void(std::uint32_t object, std::uint8_t lod, ObjectModel)> mesh;
+  std::function<void(std::uint32_t index, const Image&)> image;
+  std::function<void(const AssetId&)> drop;  ///< an image that goes shows its mean colour again
   std::function<void(const SceneView&)> scene;
 };
 
@@ -96,7 +100,8 @@ class ClientSession {
  private:
   Result<void> handle(Message message, std::int64_t now_us);
   Result<void> take_tile(const wire::TileReplyT& reply, const Bytes& planes, std::int64_t now_us);
-  Result<void> take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes);
+  Result<void> take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes, std::int64_t now_us);
+  Result<void> take_image(const wire::ImageReplyT& reply, const Bytes& bytes, std::int64_t now_us);
   Result<void> take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes);
   void take_refusal(const wire::RefusedT& refused, std::int64_t now_us);
   void greet();
@@ -116,7 +121,7 @@ class ClientSession {
   Scheduler scheduler_;
   TauController tau_;
   double frame_ms_ = 0;
-  std::vector<bool> mesh_ready_;
+  MeshCache meshes_;
   std::optional<ReferenceFrame> reference_;
   std::size_t reference_asked_px_ = 0;
   bool reference_refused_ = false;

@@ -17,35 +17,58 @@ Result<FrameRenderer> FrameRenderer::create(int atlas_edge, int atlas_layers) {
 
 void FrameRenderer::reset(const SceneView& scene) {
   meshes_.clear();
+  images_ = gl::GpuImages();
+  for (std::uint32_t i = 0; i < scene.images.size(); ++i) show_mean(scene, i);
   impostors_.reset(scene);
 }
 
-void FrameRenderer::add_mesh(std::uint32_t object, ObjectModel model) {
+void FrameRenderer::show_mean(const SceneView& scene, std::uint32_t index) {
+  const ImageDescription& description = scene.images[index];
+  Image mean;
+  mean.width = mean.height = 1;
+  mean.srgb = description.srgb;
+  mean.rgba.assign(description.mean.begin(), description.mean.end());
+  images_.put(index, mean, 0);
+}
+
+void FrameRenderer::add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model) {
   ClientMesh mesh;
   mesh.mesh = gl::GpuMesh(model.mesh);
-  mesh.images = gl::GpuImages(model.images, model.materials);
   mesh.materials = std::move(model.materials);
-  meshes_[object] = std::move(mesh);
+  meshes_[{object, lod}] = std::move(mesh);
+}
+
+void FrameRenderer::add_image(const SceneView& scene, std::uint32_t index, const Image& image) {
+  images_.put(index, image, scene.images[index].alpha_cutoff);
+}
+
+void FrameRenderer::drop(const SceneView& scene, const AssetId& id) {
+  if (id.kind == AssetId::Kind::kMesh) {
+    meshes_.erase({id.index, id.level});
+  } else {
+    show_mean(scene, id.index);
+  }
 }
 
 void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
                                 const Lighting& lighting, bool blended) {
   if (list.meshes.empty()) return;
   mesh_pass_->begin(camera.clip_from_relative(), gl::light_block(lighting, camera.pose.eye));
-  std::map<std::uint32_t, std::vector<gl::MeshInstance>> by_object;
-  for (const std::uint32_t i : list.meshes) {
-    const Similarity& m = scene.instances[i].world_from_object;
+  std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<gl::MeshInstance>> by_mesh;
+  for (const DrawnMesh& drawn : list.meshes) {
+    const InstanceView& instance = scene.instances[drawn.instance];
+    const Similarity& m = instance.world_from_object;
     gl::MeshInstance data;
     data.rotation = {m.rotation.x, m.rotation.y, m.rotation.z, m.rotation.w};
     data.position_scale = glm::vec4(glm::vec3(m.position - camera.pose.eye), m.scale);
-    data.id = i;
-    by_object[scene.instances[i].object].push_back(data);
+    data.id = drawn.instance;
+    by_mesh[{instance.object, drawn.lod}].push_back(data);
   }
-  for (const auto& [object, instances] : by_object) {
-    const auto found = meshes_.find(object);
+  for (const auto& [mesh, instances] : by_mesh) {
+    const auto found = meshes_.find(mesh);
     if (found == meshes_.end()) continue;
-    mesh_pass_->draw(found->second.mesh, found->second.materials, found->second.images,
-                     instances.data(), instances.size(), blended);
+    mesh_pass_->draw(found->second.mesh, found->second.materials, images_, instances.data(),
+                     instances.size(), blended);
   }
   mesh_pass_->end();
 }
@@ -67,10 +90,8 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& camera, const 
 }
 
 std::size_t FrameRenderer::gpu_bytes() const {
-  std::size_t bytes = impostors_.gpu_bytes();
-  for (const auto& [object, mesh] : meshes_) {
-    bytes += mesh.mesh.gpu_bytes() + mesh.images.gpu_bytes();
-  }
+  std::size_t bytes = impostors_.gpu_bytes() + images_.gpu_bytes();
+  for (const auto& [id, mesh] : meshes_) bytes += mesh.mesh.gpu_bytes();
   return bytes;
 }
 

@@ -21,7 +21,9 @@ class FrameRenderer {
   void upload(const TileRecord& record, const std::vector<std::uint8_t>& rgba) {
     impostors_.upload(record, rgba);
   }
-  void add_mesh(std::uint32_t object, ObjectModel model);
+  void add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model);
+  void add_image(const SceneView& scene, std::uint32_t index, const Image& image);
+  void drop(const SceneView& scene, const AssetId& id);
 
   void draw(const FrameTarget& target, const Camera& camera, const SceneView& scene,
             const DrawList& list, const Lighting& lighting);
@@ -33,16 +35,17 @@ class FrameRenderer {
  private:
   struct ClientMesh {
     gl::GpuMesh mesh;
-    gl::GpuImages images;
     std::vector<Material> materials;
   };
+  void show_mean(const SceneView& scene, std::uint32_t image);
   void draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
                    const Lighting& lighting, bool blended);
 
   ImpostorPass impostors_;
   gl::SkyPass sky_;
   std::unique_ptr<gl::MeshPass> mesh_pass_ = std::make_unique<gl::MeshPass>(false);
-  std::map<std::uint32_t, ClientMesh> meshes_;
+  std::map<std::pair<std::uint32_t, std::uint8_t>, ClientMesh> meshes_;  ///< by object and level
+  gl::GpuImages images_;                                                 ///< of the scene
   int draw_calls_ = 0;
 };
 

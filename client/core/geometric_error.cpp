@@ -61,7 +61,8 @@ PixelError pixel_error(const DrawnImpostor& drawn, const InstanceView& view,
       tile.depth[static_cast<std::size_t>(y) * tile.crop.w + static_cast<std::size_t>(x)];
   if (code == 0) return {};
   const double stored = tile.depth_code.decode(code);
-  const double match = tile.depth_code.quantum() + 2.0 * capture.texel_width(z);
+  const double match =
+      tile.depth_code.quantum() + 2.0 * capture.texel_width(z) + tile.measure.lod_error;
   if (std::abs(z - stored) > match) return {};
   // A flat proxy's dz covers the tile's whole depth range, marched depth what a texel may hold.
   if (drawn.method != DrawMethod::kDepth &&
@@ -83,7 +84,7 @@ void add_geometric_error(const ReferenceFrame& reference, double offset_px, cons
   std::unordered_map<std::uint32_t, Shown> shown;
   for (const DrawnImpostor& impostor : drawn.impostors)
     shown[impostor.instance].impostor = &impostor;
-  for (const std::uint32_t instance : drawn.meshes) shown[instance].mesh = true;
+  for (const DrawnMesh& mesh : drawn.meshes) shown[mesh.instance].mesh = true;
   const double f = camera.focal_px();
   const glm::dvec3 right = camera.right(), up = camera.up(), forward = camera.forward();
   for (std::uint32_t y = 0; y < reference.height; ++y) {

@@ -110,8 +110,8 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
     owed_welcome_ = true;
     // What the former connection owed will not come any more.
     asks_.clear();
-    mesh_asked_us_.clear();
-    owed_objects_ = owed_instances_ = 0;
+    assets_asked_us_.clear();
+    owed_images_ = owed_objects_ = owed_instances_ = 0;
     owed_reference_ = false;
     // Connecting cost two round trips before the hello could be sent: TCP, then the upgrade.
     welcome_us_ = arrives + std::llround(2000.0 * model_.rtt_ms);
@@ -128,12 +128,17 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
     const auto at = asks_.find(id);
     if (at != asks_.end()) at->second.cancelled_us = arrives;
   }
-  for (const std::uint32_t object : batch->mesh_asks) mesh_asked_us_[object] = arrives;
+  // Encoded ahead or by a worker of its own: no tile waits for it, and it waits for none.
+  const std::int64_t ready = arrives + std::llround(std::max(model_.server_ms, 0.0) * 1000.0);
+  for (const wire::MeshAsk& ask : batch->mesh_asks) assets_asked_us_[ask.request_id()] = ready;
+  for (const wire::ImageAsk& ask : batch->image_asks) assets_asked_us_[ask.request_id()] = ready;
 }
 
 bool ModelledLink::owed() const {
-  if (owed_welcome_ || owed_objects_ > 0 || owed_instances_ > 0 || owed_reference_) return true;
-  if (!mesh_asked_us_.empty()) return true;
+  if (owed_welcome_ || owed_images_ > 0 || owed_objects_ > 0 || owed_instances_ > 0 ||
+      owed_reference_)
+    return true;
+  if (!assets_asked_us_.empty()) return true;
   return std::any_of(asks_.begin(), asks_.end(),
                      [](const auto& entry) { return !entry.second.answered; });
 }
@@ -153,12 +158,13 @@ void ModelledLink::take_reply(Message message) {
   const std::int64_t now = clock_.now_us();
   Item item{{}, bytes(message), 0};
   item.left = item.bytes;
-  std::uint32_t request = 0, mesh = UINT32_MAX;
+  std::uint32_t request = 0;
   if (const wire::TileReplyT* tile = message.body.AsTileReply()) request = tile->request_id;
-  if (const wire::MeshReplyT* reply = message.body.AsMeshReply()) mesh = reply->object;
+  if (const wire::MeshReplyT* mesh = message.body.AsMeshReply()) request = mesh->request_id;
+  if (const wire::ImageReplyT* image = message.body.AsImageReply()) request = image->request_id;
   if (const wire::RefusedT* refused = message.body.AsRefused()) {
-    (refused->mesh ? mesh : request) = refused->request_id;
-    if (!refused->mesh && refused->request_id == 0) {
+    request = refused->request_id;
+    if (request == 0) {
       owed_reference_ = false;
       out_of_band_.push_back(std::move(message));
       return;
@@ -171,8 +177,11 @@ void ModelledLink::take_reply(Message message) {
   }
   if (const wire::WelcomeT* welcome = message.body.AsWelcome()) {
     owed_welcome_ = false;
+    owed_images_ = welcome->images;
     owed_objects_ = welcome->objects;
     owed_instances_ = welcome->instances;
+  } else if (const wire::ImagePageT* images = message.body.AsImagePage()) {
+    owed_images_ -= std::min(owed_images_, images->images.size());
   } else if (const wire::ObjectPageT* page = message.body.AsObjectPage()) {
     owed_objects_ -= std::min(owed_objects_, page->objects.size());
   } else if (const wire::InstancePageT* instances = message.body.AsInstancePage()) {
@@ -185,14 +194,13 @@ void ModelledLink::take_reply(Message message) {
     ask->second.reply = std::move(item);
     return;
   }
-  const auto asked = mesh_asked_us_.find(mesh);
+  const auto asked = assets_asked_us_.find(request);
   Ready ready;
-  ready.at_us =
-      asked != mesh_asked_us_.end() ? asked->second : std::max(welcome_us_, blocking_ ? 0 : now);
-  ready.bulk = mesh != UINT32_MAX;
+  ready.bulk = asked != assets_asked_us_.end();
+  ready.at_us = ready.bulk ? asked->second : std::max(welcome_us_, blocking_ ? 0 : now);
   ready.item = std::move(item);
-  if (asked != mesh_asked_us_.end()) mesh_asked_us_.erase(asked);
-  ready_.emplace(ready.at_us, std::move(ready));
+  if (ready.bulk) assets_asked_us_.erase(asked);
+  ready_.emplace(std::make_pair(ready.at_us, ready.bulk ? request : 0u), std::move(ready));
 }
 
 void ModelledLink::run_server(std::int64_t now) {
@@ -225,7 +233,8 @@ void ModelledLink::run_server(std::int64_t now) {
     // In real time the server has really spent it already.
     const std::int64_t cost = blocking_ ? std::llround(cost_ms * 1000.0) : 0;
     server_free_us_ = start + cost;
-    ready_.emplace(server_free_us_, Ready{server_free_us_, false, std::move(ask.reply)});
+    ready_.emplace(std::make_pair(server_free_us_, 0u),
+                   Ready{server_free_us_, false, std::move(ask.reply)});
   }
 }
 
@@ -249,10 +258,10 @@ void ModelledLink::run_downlink(std::int64_t now) {
     std::int64_t start = downlink_free_us_;
     if (tiles_lane_.empty() && bulk_lane_.empty()) {
       if (ready_.empty()) return;
-      start = std::max(start, ready_.begin()->first);
+      start = std::max(start, ready_.begin()->first.first);
     }
     if (start > now) return;
-    while (!ready_.empty() && ready_.begin()->first <= start) {
+    while (!ready_.empty() && ready_.begin()->first.first <= start) {
       Ready& ready = ready_.begin()->second;
       (ready.bulk ? bulk_lane_ : tiles_lane_).push_back(std::move(ready.item));
       ready_.erase(ready_.begin());

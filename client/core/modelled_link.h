@@ -77,15 +77,17 @@ class ModelledLink final : public Link {
   const bool blocking_;
   std::function<bool()> wait_;
   std::uint64_t random_;
-  std::map<std::uint32_t, Ask> asks_;         ///< at or on the way to the server, by request id
-  std::multimap<std::int64_t, Ready> ready_;  ///< waiting for the downlink, by time
+  std::map<std::uint32_t, Ask> asks_;  ///< at or on the way to the server, by request id
+  /// Waiting for the downlink, by time; equal times by request (0: none), whichever reply really
+  /// came first.
+  std::multimap<std::pair<std::int64_t, std::uint32_t>, Ready> ready_;
   std::deque<Item> tiles_lane_, bulk_lane_;
   std::deque<std::pair<std::int64_t, Message>> arrived_;
   std::vector<Message> out_of_band_;
-  std::size_t owed_objects_ = 0, owed_instances_ = 0;
+  std::size_t owed_images_ = 0, owed_objects_ = 0, owed_instances_ = 0;
   bool owed_welcome_ = false;
   bool owed_reference_ = false;
-  std::map<std::uint32_t, std::int64_t> mesh_asked_us_;
+  std::map<std::uint32_t, std::int64_t> assets_asked_us_;  ///< geometry and images, by request id
   std::int64_t uplink_free_us_ = 0, downlink_free_us_ = 0, server_free_us_ = 0;
   std::int64_t last_arrival_us_ = 0, welcome_us_ = 0;
   std::int64_t tile_lead_bytes_ = 0;

@@ -17,6 +17,7 @@ Result<void> SceneView::accept(const wire::WelcomeT& w) {
   name = w.scene;
   renderer = w.renderer;
   triangles = w.triangles;
+  expected_images_ = w.images;
   expected_objects_ = w.objects;
   expected_instances_ = w.instances;
   Result<Lighting> light = from_wire(*w.lighting);
@@ -29,8 +30,28 @@ Result<void> SceneView::accept(const wire::WelcomeT& w) {
   return {};
 }
 
+Result<void> SceneView::accept(const wire::ImagePageT& page) {
+  if (!welcomed_ || page.first != images.size() ||
+      images.size() + page.images.size() > expected_images_) {
+    return make_error(ErrorId::kWireState, "image page out of order");
+  }
+  for (const wire::ImageInfo& info : page.images) {
+    ImageDescription image;
+    image.width = info.width();
+    image.height = info.height();
+    image.srgb = info.srgb();
+    for (std::size_t c = 0; c < 4; ++c) {
+      image.mean[c] = static_cast<std::uint8_t>(info.mean_rgba() >> (8 * c));
+    }
+    image.alpha_cutoff = info.alpha_cutoff();
+    images.push_back(image);
+  }
+  if (complete()) return finish();
+  return {};
+}
+
 Result<void> SceneView::accept(const wire::ObjectPageT& page) {
-  if (!welcomed_ || page.first != objects.size() ||
+  if (!welcomed_ || images.size() != expected_images_ || page.first != objects.size() ||
       objects.size() + page.objects.size() > expected_objects_) {
     return make_error(ErrorId::kWireState, "object page out of order");
   }
@@ -43,7 +64,9 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
     o.mean_color = from_wire(*info->mean_color);
     o.needs = info->needs;
     o.triangles = info->triangles;
-    o.mesh_bytes = info->mesh_bytes;
+    for (const wire::LodInfo& lod : info->lods) {
+      o.lods.push_back({lod.triangles(), lod.bytes(), lod.error(), lod.spread()});
+    }
     for (const wire::Vec3f& v : info->hull_vertices) o.hull.vertices.push_back(from_wire(v));
     o.hull.indices = info->hull_indices;
     o.surrounds = info->surrounds;
@@ -79,7 +102,7 @@ Result<void> SceneView::accept(const wire::InstancePageT& page) {
 }
 
 bool SceneView::complete() const {
-  return welcomed_ && objects.size() == expected_objects_ &&
+  return welcomed_ && images.size() == expected_images_ && objects.size() == expected_objects_ &&
          instances.size() == expected_instances_;
 }
 

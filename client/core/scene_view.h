@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "protocol/camera.h"
+#include "protocol/image_codec.h"
 #include "protocol/message.h"
 #include "protocol/object_proxy.h"
 #include "protocol/scene_types.h"
@@ -33,9 +34,11 @@ class SceneView {
     const std::uint32_t* end() const { return last; }
   };
 
-  /// Takes Welcome, ObjectPage and InstancePage. Errors: kWireState when pages do not follow on,
+  /// Takes Welcome, ImagePage, ObjectPage and InstancePage. Errors: kWireState when pages do not
+  /// follow on,
   /// kWireValue when they refer to what is not there.
   Result<void> accept(const wire::WelcomeT& welcome);
+  Result<void> accept(const wire::ImagePageT& page);
   Result<void> accept(const wire::ObjectPageT& page);
   Result<void> accept(const wire::InstancePageT& page);
 
@@ -52,6 +55,7 @@ class SceneView {
   HomeView home;
   bool geometry = false;
   bool reference = false;
+  std::vector<ImageDescription> images;
   std::vector<ObjectDescription> objects;
   std::vector<InstanceView> instances;
   glm::dvec3 bounds_center{0};
@@ -81,6 +85,7 @@ class SceneView {
   void build_grid();
 
   bool welcomed_ = false;
+  std::size_t expected_images_ = 0;
   std::size_t expected_objects_ = 0;
   std::size_t expected_instances_ = 0;
   std::vector<Cell> cells_;

@@ -13,6 +13,7 @@ constexpr double kInitialWindowBytes = 256 * 1024;
 constexpr std::int64_t kWindowSlackUs = 100'000;
 constexpr std::int64_t kRateSpanUs = 1'000'000;
 constexpr std::int64_t kRefusalPauseUs = 250'000;
+constexpr std::int64_t kAssetPauseUs = 5'000'000;
 constexpr std::int64_t kLostUs = 5'000'000;  // an ask without an answer is given up
 constexpr std::size_t kRoundTrips = 33;
 constexpr std::size_t kMaxAsksPerFrame = 256;  // the rest queue, worst first
@@ -26,10 +27,11 @@ void Scheduler::reset() {
   pending_.clear();
   pending_instance_.clear();
   not_before_us_.clear();
-  meshes_pending_.clear();
-  meshes_refused_.clear();
+  assets_pending_.clear();
+  assets_under_way_.clear();
+  assets_not_before_us_.clear();
   arrivals_.clear();
-  in_flight_bytes_ = 0;
+  in_flight_bytes_ = asset_bytes_ = 0;
   received_bytes_ = 0;
   saturated_since_us_ = -1;
 }
@@ -42,9 +44,9 @@ double Scheduler::expected_bytes(std::uint8_t size_class) const {
 double Scheduler::window_bytes(std::int64_t now_us) const {
   double received = 0;
   std::int64_t first = now_us;
-  for (const auto& [time, bytes] : arrivals_) {
-    received += static_cast<double>(bytes);
-    first = std::min(first, time);
+  for (const Arrival& arrival : arrivals_) {
+    received += static_cast<double>(arrival.bytes);
+    first = std::min(first, arrival.since_us);
   }
   if (arrivals_.size() < 8) return kInitialWindowBytes;
   const double span = static_cast<double>(std::max<std::int64_t>(now_us - first, 20'000));
@@ -54,7 +56,7 @@ double Scheduler::window_bytes(std::int64_t now_us) const {
 
 std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
                                                    const std::vector<TileNeed>& needs,
-                                                   const std::vector<std::uint32_t>& mesh_needs,
+                                                   const std::vector<AssetNeed>& asset_needs,
                                                    std::uint32_t lighting_id, std::int64_t now_us) {
   wire::RequestBatchT batch;
   batch.lighting_id = lighting_id;
@@ -74,48 +76,95 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     }
     if (batch.cancels.size() >= limits::kMaxCancelsPerBatch) break;
   }
-  while (!arrivals_.empty() && arrivals_.front().first < now_us - kRateSpanUs) {
+  while (!arrivals_.empty() && arrivals_.front().at_us < now_us - kRateSpanUs) {
     arrivals_.pop_front();
   }
   const double window = window_bytes(now_us);
+  auto tile = needs.begin();
+  auto asset = asset_needs.begin();
   bool held_back = false;
-  for (const TileNeed& need : needs) {
-    if (pending_instance_.count(need.instance) != 0) continue;
-    held_back = in_flight_bytes_ >= window;
-    if (held_back || batch.asks.size() >= kMaxAsksPerFrame) break;
-    const auto pause = not_before_us_.find(need.instance);
-    if (pause != not_before_us_.end() && pause->second > now_us) continue;
-    const std::uint32_t id = next_request_++;
-    const std::uint32_t object = scene.instances[need.instance].object;
-    batch.asks.emplace_back(id, need.instance, object, static_cast<float>(need.gain), 0u,
-                            need.distance.index, need.cell.x, need.cell.y, need.cell.level,
-                            need.distance.level, need.size_class,
-                            static_cast<std::uint8_t>(kChannelColor | kChannelDepth));
-    const double bytes = expected_bytes(need.size_class);
-    pending_[id] = {need, object, now_us, lighting_id, bytes};
-    pending_instance_[need.instance] = id;
-    in_flight_bytes_ += bytes;
-    ++asked_;
+  for (;;) {
+    const bool full = in_flight_bytes_ + asset_bytes_ >= window;
+    held_back = held_back || (full && tile != needs.end());
+    // A large mesh under way may fill the window; tiles keep half of it all the same.
+    const bool tiles = tile != needs.end() && batch.asks.size() < kMaxAsksPerFrame &&
+                       (!full || in_flight_bytes_ < 0.5 * window);
+    const bool assets = asset != asset_needs.end() && !full &&
+                        batch.mesh_asks.size() + batch.image_asks.size() < limits::kMaxAsksPerBatch;
+    if (!tiles && !assets) break;
+    // What one stands in comes before anything else; otherwise whoever has less under way.
+    const bool surroundings = assets && std::isinf(asset->gain);
+    if (assets && (!tiles || surroundings || asset_bytes_ <= in_flight_bytes_)) {
+      ask_asset(*asset++, now_us, batch);
+    } else {
+      ask_tile(scene, *tile++, lighting_id, now_us, batch);
+    }
   }
   if (!held_back) {
     saturated_since_us_ = -1;
   } else if (saturated_since_us_ < 0) {
     saturated_since_us_ = now_us;
   }
-  for (const std::uint32_t object : mesh_needs) {
-    if (batch.mesh_asks.size() >= limits::kMaxAsksPerBatch) break;
-    if (meshes_pending_.count(object) != 0 || meshes_refused_.count(object) != 0) continue;
-    meshes_pending_.insert(object);
-    batch.mesh_asks.push_back(object);
+  if (batch.asks.empty() && batch.cancels.empty() && batch.mesh_asks.empty() &&
+      batch.image_asks.empty()) {
+    return std::nullopt;
   }
-  if (batch.asks.empty() && batch.cancels.empty() && batch.mesh_asks.empty()) return std::nullopt;
   batch.credit_bytes = received_bytes_ + kCreditAhead;
   return batch;
 }
 
+void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::uint32_t lighting_id,
+                         std::int64_t now_us, wire::RequestBatchT& batch) {
+  if (pending_instance_.count(need.instance) != 0) return;
+  const auto pause = not_before_us_.find(need.instance);
+  if (pause != not_before_us_.end() && pause->second > now_us) return;
+  const std::uint32_t id = next_request_++;
+  const std::uint32_t object = scene.instances[need.instance].object;
+  batch.asks.emplace_back(id, need.instance, object, static_cast<float>(need.gain), 0u,
+                          need.distance.index, need.cell.x, need.cell.y, need.cell.level,
+                          need.distance.level, need.size_class,
+                          static_cast<std::uint8_t>(kChannelColor | kChannelDepth));
+  const double bytes = expected_bytes(need.size_class);
+  pending_[id] = {need, object, now_us, lighting_id, bytes};
+  pending_instance_[need.instance] = id;
+  in_flight_bytes_ += bytes;
+  ++asked_;
+}
+
+void Scheduler::ask_asset(const AssetNeed& need, std::int64_t now_us, wire::RequestBatchT& batch) {
+  if (assets_under_way_.count(need.id) != 0) return;
+  const auto pause = assets_not_before_us_.find(need.id);
+  if (pause != assets_not_before_us_.end() && pause->second > now_us) return;
+  const std::uint32_t id = next_request_++;
+  if (need.id.kind == AssetId::Kind::kMesh) {
+    batch.mesh_asks.emplace_back(id, need.id.index, need.id.level);
+  } else {
+    batch.image_asks.emplace_back(id, need.id.index, need.id.level);
+  }
+  assets_pending_[id] = {need, now_us};
+  assets_under_way_.insert(need.id);
+  asset_bytes_ += need.expected_bytes;
+}
+
+std::optional<AssetNeed> Scheduler::finish_asset(std::uint32_t request_id, std::size_t bytes,
+                                                 std::int64_t now_us) {
+  const auto at = assets_pending_.find(request_id);
+  if (at == assets_pending_.end()) return std::nullopt;
+  const PendingAsset asset = at->second;
+  // One large reply arrives at once, but its bytes took their time: since the one before it, at
+  // the earliest a round trip after it was asked for.
+  std::int64_t since = std::min(asset.sent_us + shortest_trip_us_, now_us);
+  if (!arrivals_.empty()) since = std::max(since, arrivals_.back().at_us);
+  arrivals_.push_back({since, now_us, bytes});
+  assets_pending_.erase(at);
+  assets_under_way_.erase(asset.need.id);
+  asset_bytes_ = std::max(0.0, asset_bytes_ - asset.need.expected_bytes);
+  return asset.need;
+}
+
 std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_t bytes,
                                             std::int64_t now_us) {
-  arrivals_.emplace_back(now_us, bytes);
+  arrivals_.push_back({now_us, now_us, bytes});
   received_bytes_ += bytes;
   const auto at = pending_.find(request_id);
   if (at == pending_.end()) return std::nullopt;
@@ -133,6 +182,10 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
 }
 
 void Scheduler::refuse(std::uint32_t request_id, std::int64_t now_us) {
+  if (const std::optional<AssetNeed> asset = finish_asset(request_id, 0, now_us)) {
+    assets_not_before_us_[asset->id] = now_us + kAssetPauseUs;
+    return;
+  }
   const auto at = pending_.find(request_id);
   if (at == pending_.end()) return;
   not_before_us_[at->second.need.instance] = now_us + kRefusalPauseUs;
@@ -143,7 +196,7 @@ void Scheduler::refuse(std::uint32_t request_id, std::int64_t now_us) {
 
 double Scheduler::rate_mbps() const {
   double bytes = 0;
-  for (const auto& [time, received] : arrivals_) bytes += static_cast<double>(received);
+  for (const Arrival& arrival : arrivals_) bytes += static_cast<double>(arrival.bytes);
   return 8e-6 * bytes / (static_cast<double>(kRateSpanUs) * 1e-6);
 }
 

@@ -1,8 +1,9 @@
 #pragma once
 // Scheduler.
 // Input:  needs of this frame, replies as they come. Output: request batches (asks, cancels,
-// credit). Thread: the frame loop's. Full:   what is in flight is held to rate x (RTT + 100 ms);
-// needs beyond it wait, worst first.
+//         credit); tiles and geometry share the window half and half while both want it.
+// Thread: the frame loop's.
+// Full:   what is in flight is held to rate x (RTT + 100 ms); needs beyond it wait, worst first.
 
 #include <cstdint>
 #include <deque>
@@ -25,6 +26,12 @@ struct PendingAsk {
   double expected_bytes = 0;  ///< as counted when it was sent: the expectation changes
 };
 
+/// Geometry or an image under way.
+struct PendingAsset {
+  AssetNeed need;
+  std::int64_t sent_us = 0;
+};
+
 class Scheduler {
  public:
   /// Nothing asked so far will be answered (new connection, new scene).
@@ -34,7 +41,7 @@ class Scheduler {
   /// to say. Asks whose instance is no longer needed are cancelled.
   std::optional<wire::RequestBatchT> plan(const SceneView& scene,
                                           const std::vector<TileNeed>& needs,
-                                          const std::vector<std::uint32_t>& mesh_needs,
+                                          const std::vector<AssetNeed>& asset_needs,
                                           std::uint32_t lighting_id, std::int64_t now_us);
 
   /// The ask a reply answers; nullopt when it was cancelled or never made.
@@ -42,8 +49,9 @@ class Scheduler {
                                    std::int64_t now_us);
   /// A refusal: the instance may ask again after a pause.
   void refuse(std::uint32_t request_id, std::int64_t now_us);
-  void mesh_arrived(std::uint32_t object) { meshes_pending_.erase(object); }
-  void mesh_refused(std::uint32_t object) { meshes_refused_.insert(object); }
+  /// The same for geometry and images.
+  std::optional<AssetNeed> finish_asset(std::uint32_t request_id, std::size_t bytes,
+                                        std::int64_t now_us);
 
   /// Measured request-to-reply time (median of the last), µs; the rest of the horizon is on top.
   std::int64_t round_trip_us() const;
@@ -58,20 +66,30 @@ class Scheduler {
   std::uint64_t cancelled() const { return cancelled_; }
 
  private:
+  struct Arrival {
+    std::int64_t since_us = 0;  ///< when its first byte can have come
+    std::int64_t at_us = 0;
+    std::size_t bytes = 0;
+  };
+  void ask_tile(const SceneView& scene, const TileNeed& need, std::uint32_t lighting_id,
+                std::int64_t now_us, wire::RequestBatchT& batch);
+  void ask_asset(const AssetNeed& need, std::int64_t now_us, wire::RequestBatchT& batch);
   double expected_bytes(std::uint8_t size_class) const;
   double window_bytes(std::int64_t now_us) const;
 
   std::map<std::uint32_t, PendingAsk> pending_;              ///< by request id
   std::map<std::uint32_t, std::uint32_t> pending_instance_;  ///< instance -> request id
   std::map<std::uint32_t, std::int64_t> not_before_us_;      ///< instances that were refused
-  std::set<std::uint32_t> meshes_pending_;
-  std::set<std::uint32_t> meshes_refused_;
-  std::deque<std::pair<std::int64_t, std::size_t>> arrivals_;  ///< time and bytes, last second
+  std::map<std::uint32_t, PendingAsset> assets_pending_;     ///< by request id
+  std::set<AssetId> assets_under_way_;
+  std::map<AssetId, std::int64_t> assets_not_before_us_;  ///< refused
+  std::deque<Arrival> arrivals_;                          ///< of the last second
   std::deque<std::int64_t> round_trips_us_;
   std::int64_t shortest_trip_us_ = 0;
   std::int64_t saturated_since_us_ = -1;
   double bytes_per_texel_ = 0.7;
-  double in_flight_bytes_ = 0;
+  double in_flight_bytes_ = 0;        ///< of tiles
+  double asset_bytes_ = 0;            ///< of geometry and images, in flight
   std::uint64_t received_bytes_ = 0;  ///< of tiles, on this connection
   std::uint32_t next_request_ = 1;
   std::uint64_t asked_ = 0;

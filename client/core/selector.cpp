@@ -110,7 +110,7 @@ bool Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   if (as_mesh != shown.as_mesh) shown = Shown{};
   shown.as_mesh = as_mesh;
   if (as_mesh) {
-    w.out.meshes.push_back(instance);
+    w.out.meshes.push_back({instance});
     return true;
   }
   c.group = in.cache->group_to_draw(instance);
@@ -317,24 +317,13 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
 std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) const {
   std::vector<std::uint32_t> out;
   const bool all = !in.method.automatic && in.method.method == DrawMethod::kMesh;
-  bool surroundings_missing = false;
   in.scene->for_visible(in.predicted, kViewGuard, [&](std::uint32_t instance) {
     const InstanceView& view_of = in.scene->instances[instance];
-    if ((*in.mesh_ready)[view_of.object]) return;
     const double distance = glm::length(view_of.center - in.predicted.pose.eye);
     const bool near = distance < kMeshPrefetch * in.mesh_radii * view_of.radius;
     const bool surrounds = in.scene->objects[view_of.object].surrounds;
-    if (all || near || surrounds) out.push_back(view_of.object);
-    surroundings_missing = surroundings_missing || surrounds;
+    if (all || near || surrounds) out.push_back(instance);
   });
-  // What one stands in comes before single objects.
-  if (surroundings_missing && !all) {
-    out.erase(std::remove_if(out.begin(), out.end(),
-                             [&](std::uint32_t o) { return !in.scene->objects[o].surrounds; }),
-              out.end());
-  }
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "client/core/mesh_cache.h"
 #include "client/core/tile_fit.h"
 #include "client/core/tile_need.h"
 
@@ -34,9 +35,9 @@ struct DrawnPlaceholder {
 struct DrawList {
   std::vector<DrawnImpostor> impostors;  ///< back to front
   std::vector<DrawnPlaceholder> placeholders;
-  std::vector<std::uint32_t> meshes;  ///< instances drawn as geometry
-  std::size_t visible = 0;            ///< instances and groups in view, large enough to matter
-  std::size_t over_tau = 0;           ///< of them, drawn with a bound above tau or from no tile
+  std::vector<DrawnMesh> meshes;
+  std::size_t visible = 0;   ///< instances and groups in view, large enough to matter
+  std::size_t over_tau = 0;  ///< of them, drawn with a bound above tau or from no tile
 };
 
 struct SelectorInput {
@@ -64,7 +65,7 @@ class Selector {
   /// What to ask for, largest gain first; instances without any acceptable tile at the predicted
   /// view.
   std::vector<TileNeed> needs(const SelectorInput& input) const;
-  /// Objects that should come as geometry: too near for any impostor, now or soon.
+  /// Instances that should be geometry, there or not: too near for any impostor, now or soon.
   std::vector<std::uint32_t> mesh_needs(const SelectorInput& input) const;
 
  private:

@@ -17,6 +17,15 @@ constexpr int kGutter = 1;  // texels of nothing around a tile, so that filterin
 }  // namespace
 
 DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& description) const {
+  // What was drawn lies within the level's error of the surface, and is drawn as if it were it.
+  DrawnDepth drawn = drawn_depth_of_lod(method, description);
+  drawn.dz += measure.lod_error;
+  drawn.q += measure.lod_error;
+  return drawn;
+}
+
+DrawnDepth TileRecord::drawn_depth_of_lod(DrawMethod method,
+                                          const ObjectDescription& description) const {
   const double r = capture.radius, cone = tangent_length(capture.distance, r);
   // Between texel centres a surface may lie two texels of slope off the stored depth; what is
   // steeper belongs to the disocclusions.
@@ -45,7 +54,8 @@ double TileRecord::bound_px(DrawMethod method, const ObjectDescription& descript
                             const ViewGeometry& view) const {
   const CaptureGeometry geometry = capture.geometry();
   return position_bound_px(view, geometry, drawn_depth(method, description)) +
-         footprint_px(texel_size_px(view, geometry, capture.edge));
+         footprint_px(texel_size_px(view, geometry, capture.edge)) +
+         lod_error_px(view, measure.lod_error);
 }
 
 bool TileGroup::empty_from(const glm::dvec3& eye) const {

@@ -35,9 +35,12 @@ struct TileRecord {
 
   /// How far drawn points can be from the surface when drawn with `method`.
   DrawnDepth drawn_depth(DrawMethod method, const ObjectDescription& description) const;
-  /// Bound in px: position plus texel footprint.
+  /// Bound in px: position, texel footprint, and the sideways part of the level's error.
   double bound_px(DrawMethod method, const ObjectDescription& description,
                   const ViewGeometry& view) const;
+
+ private:
+  DrawnDepth drawn_depth_of_lod(DrawMethod method, const ObjectDescription& description) const;
 };
 using TileRecordPtr = std::shared_ptr<TileRecord>;
 

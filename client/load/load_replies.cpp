@@ -53,6 +53,7 @@ Result<void> LoadRun::on_message(std::uint32_t client, const std::uint8_t* bytes
   switch (message->type()) {
     case wire::Body::Welcome:
       return take_welcome(c, client, *control.body_as_Welcome());
+    case wire::Body::ImagePage:
     case wire::Body::ObjectPage:
     case wire::Body::InstancePage:
       return take_page(c, client, *message);
@@ -105,7 +106,10 @@ Result<void> LoadRun::take_page(Client& c, std::uint32_t client, const MessageVi
   ++c.pages;
   if (client == kScout) {
     Result<void> taken;
-    if (message.type() == wire::Body::ObjectPage) {
+    if (message.type() == wire::Body::ImagePage) {
+      const std::unique_ptr<wire::ImagePageT> page(message.control().body_as_ImagePage()->UnPack());
+      taken = scene_.accept(*page);
+    } else if (message.type() == wire::Body::ObjectPage) {
       const std::unique_ptr<wire::ObjectPageT> page(
           message.control().body_as_ObjectPage()->UnPack());
       taken = scene_.accept(*page);

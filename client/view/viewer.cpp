@@ -103,6 +103,7 @@ Result<void> Viewer::open_graphics() {
   options.method = o_.method;
   options.atlas_edge = kAtlasEdge;
   options.atlas_layers = layers;
+  options.mesh_budget_bytes = static_cast<std::size_t>(o_.mesh_mb) * 1024 * 1024;
   options.token = o_.token;
   options.trace = !o_.trace_file.empty();
   // Measured: a pixel of marching costs a CPU rasteriser some 0.3 us, a GPU next to nothing.
@@ -113,9 +114,13 @@ Result<void> Viewer::open_graphics() {
   sink.tile = [this](const TileRecord& record, const std::vector<std::uint8_t>& rgba) {
     renderer_->upload(record, rgba);
   };
-  sink.mesh = [this](std::uint32_t object, ObjectModel model) {
-    renderer_->add_mesh(object, std::move(model));
+  sink.mesh = [this](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
+    renderer_->add_mesh(object, lod, std::move(model));
   };
+  sink.image = [this](std::uint32_t index, const Image& image) {
+    renderer_->add_image(session_->scene(), index, image);
+  };
+  sink.drop = [this](const AssetId& id) { renderer_->drop(session_->scene(), id); };
   sink.scene = [this](const SceneView& scene) { renderer_->reset(scene); };
   Link& link = modelled_ ? static_cast<Link&>(*modelled_) : *native_;
   session_ = std::make_unique<ClientSession>(link, options, sink);

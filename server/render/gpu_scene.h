@@ -2,6 +2,7 @@
 #include <memory>
 #include <vector>
 
+#include "protocol/capture.h"
 #include "server/scene/prepared_scene.h"
 #include "shaders/gl/gpu_model.h"
 
@@ -11,11 +12,31 @@ namespace mirage {
 struct GpuScene {
   std::shared_ptr<const PreparedScene> prepared;
   gl::GpuImages images;
-  std::vector<gl::GpuMesh> meshes;
+  std::vector<gl::GpuMesh> meshes;                  ///< whole, by object
+  std::vector<std::vector<gl::GpuMesh>> tile_lods;  ///< by object and level; some are empty
 
   explicit GpuScene(std::shared_ptr<const PreparedScene> scene) : prepared(std::move(scene)) {
     images = gl::GpuImages(prepared->scene.images, prepared->scene.materials);
     for (const SceneObject& object : prepared->scene.objects) meshes.emplace_back(object.mesh);
+    for (const ObjectGeometry& geometry : prepared->geometry) {
+      std::vector<gl::GpuMesh>& lods = tile_lods.emplace_back();
+      for (const Mesh& mesh : geometry.tile_lods) {
+        lods.push_back(mesh.primitives.empty() ? gl::GpuMesh() : gl::GpuMesh(mesh));
+      }
+    }
+  }
+  /// What a tile of this object is drawn from.
+  const gl::GpuMesh& mesh_for_tile(std::uint32_t object, const Capture& capture) const {
+    return level(object, lod_for_tile(prepared->objects[object].lods, capture));
+  }
+  /// The same for a member of a group, drawn at `scale` of its own units.
+  const gl::GpuMesh& mesh_for_group(std::uint32_t object, float scale,
+                                    const Capture& capture) const {
+    const double allowed = allowed_tile_error(capture) / double{scale};
+    return level(object, lod_within(prepared->objects[object].lods, allowed));
+  }
+  const gl::GpuMesh& level(std::uint32_t object, std::size_t lod) const {
+    return lod == 0 ? meshes[object] : tile_lods[object][lod];
   }
   const std::vector<Material>& materials() const { return prepared->scene.materials; }
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
-#include <map>
 #include <numeric>
 
 #include "protocol/capture.h"
@@ -37,6 +36,10 @@ Result<void> TilePageRenderer::warm_up() {
   for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
     Result<void> compiled = meshes_->warm_up(scene_->meshes[i], scene_->materials());
     if (!compiled) return compiled;
+    for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
+      compiled = meshes_->warm_up(lod, scene_->materials());
+      if (!compiled) return compiled;
+    }
   }
   if (!prepare_targets(64, 16)) {
     return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made");
@@ -78,31 +81,40 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   const glm::dvec3 eye = glm::dvec3(object.center) + capture.eye();
   meshes_->begin(capture_projection(capture), gl::light_block(job.lighting, glm::vec3(eye)));
   if (const InstanceGroup* group = scene_->prepared->group(job.key.object)) {
-    draw_group(*group, eye);
+    draw_group(*group, capture, eye);
   } else {
     gl::MeshInstance instance;
     instance.position_scale = glm::vec4(glm::vec3(-eye), 1.0f);
+    const gl::GpuMesh& mesh = scene_->mesh_for_tile(job.key.object, capture);
     for (const bool blended : {false, true}) {
-      meshes_->draw(scene_->meshes[job.key.object], scene_->materials(), scene_->images, &instance,
-                    1, blended);
+      meshes_->draw(mesh, scene_->materials(), scene_->images, &instance, 1, blended);
     }
   }
   meshes_->end();
 }
 
-void TilePageRenderer::draw_group(const InstanceGroup& group, const glm::dvec3& eye) {
+void TilePageRenderer::draw_group(const InstanceGroup& group, const Capture& capture,
+                                  const glm::dvec3& eye) {
   const std::vector<Instance>& instances = scene_->prepared->scene.instances;
-  std::map<std::uint32_t, std::vector<gl::MeshInstance>> by_object;
+  struct Batch {
+    const gl::GpuMesh* mesh;
+    std::vector<gl::MeshInstance> members;
+  };
+  std::vector<Batch> batches;  // in the order of the instances: the same every time
   for (const std::uint32_t i : group.leaves) {
     const Similarity& m = instances[i].world_from_object;
     gl::MeshInstance data;
     data.rotation = {m.rotation.x, m.rotation.y, m.rotation.z, m.rotation.w};
     data.position_scale = glm::vec4(glm::vec3(m.position - group.center - eye), m.scale);
-    by_object[instances[i].object].push_back(data);
+    const gl::GpuMesh* mesh = &scene_->mesh_for_group(instances[i].object, m.scale, capture);
+    auto at = std::find_if(batches.begin(), batches.end(),
+                           [&](const Batch& batch) { return batch.mesh == mesh; });
+    if (at == batches.end()) at = batches.insert(batches.end(), Batch{mesh, {}});
+    at->members.push_back(data);
   }
-  for (const auto& [object, members] : by_object) {
-    meshes_->draw(scene_->meshes[object], scene_->materials(), scene_->images, members.data(),
-                  members.size(), false);
+  for (const Batch& batch : batches) {
+    meshes_->draw(*batch.mesh, scene_->materials(), scene_->images, batch.members.data(),
+                  batch.members.size(), false);
   }
 }
 

@@ -36,7 +36,7 @@ class TilePageRenderer {
   bool prepare_targets(int page_edge, std::uint32_t largest_tile);
   void draw_tile(const TileJob& job);
   /// `eye` in the group's space; its members are none of them blended.
-  void draw_group(const InstanceGroup& group, const glm::dvec3& eye);
+  void draw_group(const InstanceGroup& group, const Capture& capture, const glm::dvec3& eye);
   void resolve(const TileJob& job, PagePacker::Place place);
 
   const GpuScene* scene_;

@@ -3,15 +3,19 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <thread>
 
 #include "protocol/lighting_state.h"
 #include "protocol/limits.h"
+#include "protocol/tile_codec.h"
 #include "server/scene/builtin/builtin_scene.h"
 #include "server/scene/convex_hull.h"
 #include "server/scene/gltf/gltf_import.h"
+#include "server/scene/lod.h"
 
 namespace mirage {
 namespace {
@@ -35,19 +39,23 @@ class ContentHash {
   XXH3_state_t* state_;
 };
 
+// Tiles are drawn from levels of detail: raise it when build_lods() gives other ones.
+constexpr std::uint32_t kLodVersion = 1;
+
 // Lighting and environment are not part of it: light is in the key, the sky in no tile.
 std::uint64_t content_hash(const Scene& scene) {
   ContentHash hash;
+  hash.add(&kLodVersion, sizeof(kLodVersion));
   for (const SceneObject& object : scene.objects) {
     hash.add_array(object.mesh.vertices);
     hash.add_array(object.mesh.indices);
-    ObjectModel shell;  // the codec's fixed layout leaves no padding in the hash
-    shell.mesh.primitives = object.mesh.primitives;
-    hash.add_array(encode_model(shell));
+    for (const Primitive& p : object.mesh.primitives) {
+      const std::uint32_t words[4] = {static_cast<std::uint32_t>(p.kind), p.first_index,
+                                      p.index_count, p.material};
+      hash.add(words, sizeof(words));
+    }
   }
-  ObjectModel materials;
-  materials.materials = scene.materials;
-  hash.add_array(encode_model(materials));
+  hash.add_array(encode_materials(scene.materials));
   for (const Image& image : scene.images) {
     const std::uint32_t size[3] = {image.width, image.height, image.srgb};
     hash.add(size, sizeof(size));
@@ -97,6 +105,51 @@ glm::vec3 mean_color(const SceneObject& object, const Scene& scene) {
   return glm::clamp(glm::vec3(sum / area_sum), 0.0f, 1.0f);
 }
 
+ImageDescription describe_image(const Scene& scene, std::size_t index) {
+  const Image& image = scene.images[index];
+  ImageDescription out{image.width, image.height, image.srgb, {}, 0};
+  glm::dvec3 sum(0);
+  double alpha = 0;
+  const std::size_t pixels = image.rgba.size() / 4;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const std::uint8_t* p = &image.rgba[i * 4];
+    for (int c = 0; c < 3; ++c) sum[c] += static_cast<double>(p[3]) * p[c];
+    alpha += p[3];
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    out.mean[c] = static_cast<std::uint8_t>(alpha > 0 ? sum[static_cast<int>(c)] / alpha : 128.0);
+  }
+  out.mean[3] = static_cast<std::uint8_t>(alpha / static_cast<double>(pixels));
+  out.alpha_cutoff = alpha_test_cutoff(static_cast<std::int32_t>(index), scene.materials);
+  return out;
+}
+
+EncodedLod encode_lod(const ObjectModel& model) {
+  EncodedLod out;
+  out.payload = encode_model(model);
+  out.raw_bytes = static_cast<std::uint32_t>(out.payload.size());
+  Bytes packed = compress_block(out.payload.data(), out.payload.size());
+  if (!packed.empty() && packed.size() < out.payload.size()) out.payload = std::move(packed);
+  return out;
+}
+
+void make_all_geometry(PreparedScene& prepared) {
+  const std::vector<SceneObject>& objects = prepared.scene.objects;
+  prepared.geometry.resize(objects.size());
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < objects.size(); i = next++) {
+      prepared.geometry[i] = make_geometry(prepared.scene, objects[i], prepared.objects[i]);
+    }
+  };
+  const std::size_t threads =
+      std::min<std::size_t>(std::max(1u, std::thread::hardware_concurrency()), objects.size());
+  std::vector<std::thread> helpers;
+  for (std::size_t i = 1; i < threads; ++i) helpers.emplace_back(work);
+  work();
+  for (std::thread& helper : helpers) helper.join();
+}
+
 void bound_world(PreparedScene& prepared) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   const auto sphere = [&](const Instance& instance, double& radius) {
@@ -130,6 +183,10 @@ Result<void> check_limits(const Scene& scene) {
     return make_error(
         ErrorId::kSceneLimit,
         "scene has more than " + std::to_string(limits::kMaxInstances) + " instances");
+  }
+  if (scene.images.size() > limits::kMaxImages) {
+    return make_error(ErrorId::kSceneLimit,
+                      "scene has more than " + std::to_string(limits::kMaxImages) + " images");
   }
   return {};
 }
@@ -197,33 +254,43 @@ ObjectDescription describe_object(const SceneObject& object, const Scene& scene)
   return out;
 }
 
-ObjectModel object_model(const Scene& scene, std::size_t object) {
+ObjectModel object_model(const Scene& scene, const Mesh& mesh) {
   ObjectModel model;
-  model.mesh = scene.objects[object].mesh;
+  model.mesh = mesh;
   std::map<std::uint32_t, std::uint32_t> material_index;
-  std::map<std::int32_t, std::int32_t> image_index;
-  const auto use_image = [&](TextureRef& t) {
-    if (!t.present()) return;
-    const auto [at, is_new] =
-        image_index.emplace(t.image, static_cast<std::int32_t>(model.images.size()));
-    if (is_new) model.images.push_back(scene.images[static_cast<std::size_t>(t.image)]);
-    t.image = at->second;
-  };
   for (Primitive& p : model.mesh.primitives) {
     const auto [at, is_new] =
         material_index.emplace(p.material, static_cast<std::uint32_t>(model.materials.size()));
-    if (is_new) {
-      Material material = scene.materials[p.material];
-      for (TextureRef* t :
-           {&material.base_color_map, &material.metal_rough_map, &material.normal_map,
-            &material.occlusion_map, &material.emissive_map}) {
-        use_image(*t);
-      }
-      model.materials.push_back(material);
-    }
+    if (is_new) model.materials.push_back(scene.materials[p.material]);
     p.material = at->second;
   }
   return model;
+}
+
+ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
+                             ObjectDescription& description) {
+  ObjectGeometry out;
+  const auto step =
+      static_cast<float>(quantisation_error(description.box_min, description.box_max));
+  const auto add = [&](const Mesh& mesh, float error, float spread) {
+    EncodedLod encoded = encode_lod(object_model(scene, mesh));
+    LodInfo info;
+    for (const Primitive& p : mesh.primitives) {
+      if (p.kind == PrimitiveKind::kTriangles) info.triangles += p.index_count / 3;
+    }
+    info.bytes = static_cast<std::uint32_t>(encoded.payload.size());
+    info.error = error + step;
+    info.spread = spread;
+    description.lods.push_back(info);
+    out.encoded.push_back(std::move(encoded));
+  };
+  add(object.mesh, 0, 0);
+  out.tile_lods.emplace_back();
+  for (MeshLod& lod : build_lods(object.mesh, scene.materials)) {
+    add(lod.mesh, lod.error, lod.spread);
+    out.tile_lods.push_back(lod.spread > 0 ? Mesh{} : std::move(lod.mesh));
+  }
+  return out;
 }
 
 Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec) {
@@ -240,11 +307,12 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec)
   if (!lighting) return make_error(ErrorId::kSceneRange, spec + ": " + lighting.error().text);
   prepared->scene.lighting = lighting.take();
   for (std::size_t i = 0; i < prepared->scene.objects.size(); ++i) {
-    ObjectDescription description = describe_object(prepared->scene.objects[i], prepared->scene);
-    description.mesh_bytes = static_cast<std::uint32_t>(
-        std::min<std::size_t>(encoded_model_bytes(object_model(prepared->scene, i)), 0xffffffffu));
-    prepared->objects.push_back(std::move(description));
+    prepared->objects.push_back(describe_object(prepared->scene.objects[i], prepared->scene));
   }
+  for (std::size_t i = 0; i < prepared->scene.images.size(); ++i) {
+    prepared->images.push_back(describe_image(prepared->scene, i));
+  }
+  make_all_geometry(*prepared);
   // A scene without extent still needs a loop to walk.
   if (!(prepared->scene.home.walk_radius_m > 0)) prepared->scene.home.walk_radius_m = 1;
   prepared->revision = content_hash(prepared->scene);

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "protocol/image_codec.h"
 #include "protocol/model_codec.h"
 #include "protocol/object_proxy.h"
 #include "server/scene/grouping.h"
@@ -10,11 +11,27 @@
 
 namespace mirage {
 
+/// One level of an object as a reply carries it.
+struct EncodedLod {
+  Bytes payload;
+  std::uint32_t raw_bytes = 0;  ///< once decompressed; the payload's size when it is not compressed
+};
+
+/// Geometry of one object below the whole mesh, and all of it encoded.
+struct ObjectGeometry {
+  /// By level; empty where tiles are never drawn from it: level 0 is the object's own mesh, and
+  /// thinned foliage has no bound.
+  std::vector<Mesh> tile_lods;
+  std::vector<EncodedLod> encoded;
+};
+
 struct PreparedScene {
   Scene scene;
   std::uint64_t revision = 0;  ///< hash of all content that pixels depend on
   /// The scene's objects, then its groups as objects of their own.
   std::vector<ObjectDescription> objects;
+  std::vector<ObjectGeometry> geometry;  ///< by object of the scene
+  std::vector<ImageDescription> images;
   Grouping grouping;
   glm::dvec3 bounds_center{0};  ///< sphere around all instances, world
   double bounds_radius = 1;
@@ -38,7 +55,11 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec)
 /// Bounds, hull, mean colour and needs of one object.
 ObjectDescription describe_object(const SceneObject& object, const Scene& scene);
 
-/// The object with only the materials and images it uses.
-ObjectModel object_model(const Scene& scene, std::size_t object);
+/// `mesh` with only the materials it uses.
+ObjectModel object_model(const Scene& scene, const Mesh& mesh);
+
+/// Levels of detail of `object`, made and encoded; `description.lods` is filled in.
+ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
+                             ObjectDescription& description);
 
 }  // namespace mirage

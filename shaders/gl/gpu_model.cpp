@@ -1,6 +1,7 @@
 #include "shaders/gl/gpu_model.h"
 
 #include <cstddef>
+#include <numeric>
 
 #include "shaders/gl/mip_chain.h"
 
@@ -28,16 +29,6 @@ Texture upload_image(const Image& image, float cutoff) {
   return texture;
 }
 
-float alpha_cutoff(std::size_t image, const std::vector<Material>& materials) {
-  for (const Material& m : materials) {
-    const bool uses = m.base_color_map.image == static_cast<std::int32_t>(image);
-    if (uses && m.alpha_mode == AlphaMode::kMask && m.base_color.a > 0) {
-      return m.alpha_cutoff / m.base_color.a;
-    }
-  }
-  return 0;
-}
-
 void attribute(GLuint index, GLint size, GLenum type, GLboolean normalised, std::size_t offset) {
   glEnableVertexAttribArray(index);
   glVertexAttribPointer(index, size, type, normalised, sizeof(Vertex),
@@ -48,9 +39,21 @@ void attribute(GLuint index, GLint size, GLenum type, GLboolean normalised, std:
 
 GpuImages::GpuImages(const std::vector<Image>& images, const std::vector<Material>& materials) {
   for (std::size_t i = 0; i < images.size(); ++i) {
-    textures_.push_back(upload_image(images[i], alpha_cutoff(i, materials)));
-    bytes_ += images[i].rgba.size() * 4 / 3;
+    put(i, images[i], alpha_test_cutoff(static_cast<std::int32_t>(i), materials));
   }
+}
+
+void GpuImages::put(std::size_t index, const Image& image, float cutoff) {
+  if (index >= textures_.size()) {
+    textures_.resize(index + 1);
+    bytes_.resize(index + 1, 0);
+  }
+  textures_[index] = upload_image(image, cutoff);
+  bytes_[index] = image.rgba.size() * 4 / 3;
+}
+
+std::size_t GpuImages::gpu_bytes() const {
+  return std::accumulate(bytes_.begin(), bytes_.end(), std::size_t{0});
 }
 
 GLuint GpuImages::texture(std::int32_t image) const {

@@ -16,12 +16,14 @@ class GpuImages {
  public:
   GpuImages() = default;
   GpuImages(const std::vector<Image>& images, const std::vector<Material>& materials);
+  /// Replaces one image (any index: the list grows); `cutoff` as alpha_test_cutoff() gives it.
+  void put(std::size_t index, const Image& image, float cutoff);
   GLuint texture(std::int32_t image) const;
-  std::size_t gpu_bytes() const { return bytes_; }
+  std::size_t gpu_bytes() const;
 
  private:
   std::vector<Texture> textures_;
-  std::size_t bytes_ = 0;
+  std::vector<std::size_t> bytes_;
 };
 
 /// Vertex and index buffers of one mesh.

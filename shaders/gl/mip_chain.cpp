@@ -19,12 +19,17 @@ float linear_to_srgb(float v) {
   return v <= 0.0031308f ? v * 12.92f : 1.055f * std::pow(v, 1.0f / 2.4f) - 0.055f;
 }
 
-LinearImage to_linear(const Image& image) {
+std::array<float, 256> linear_table(bool srgb) {
   std::array<float, 256> table{};
   for (std::size_t i = 0; i < 256; ++i) {
     const float v = static_cast<float>(i) / 255.0f;
-    table[i] = image.srgb ? srgb_to_linear(v) : v;
+    table[i] = srgb ? srgb_to_linear(v) : v;
   }
+  return table;
+}
+
+LinearImage to_linear(const Image& image) {
+  const std::array<float, 256> table = linear_table(image.srgb);
   LinearImage out{image.width, image.height, {}};
   out.texels.reserve(image.rgba.size() / 4);
   for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4) {
@@ -100,6 +105,40 @@ std::vector<Image> alpha_preserving_mips(const Image& image, float cutoff) {
     out.push_back(to_bytes(level, image.srgb, scale_for_coverage(level, cutoff, target)));
   }
   return out;
+}
+
+Image reduced_image(const Image& image, const glm::uvec2& size, float cutoff) {
+  if (size == glm::uvec2(image.width, image.height)) return image;
+  const std::array<float, 256> table = linear_table(image.srgb);
+  LinearImage out{size.x, size.y, {}};
+  out.texels.reserve(std::size_t{size.x} * size.y);
+  for (std::uint32_t y = 0; y < size.y; ++y) {
+    const std::uint32_t y0 = y * image.height / size.y, y1 = (y + 1) * image.height / size.y;
+    for (std::uint32_t x = 0; x < size.x; ++x) {
+      const std::uint32_t x0 = x * image.width / size.x, x1 = (x + 1) * image.width / size.x;
+      glm::vec3 color(0), plain(0);
+      float alpha = 0;
+      for (std::uint32_t sy = y0; sy < y1; ++sy) {
+        for (std::uint32_t sx = x0; sx < x1; ++sx) {
+          const std::uint8_t* t = &image.rgba[(std::size_t{sy} * image.width + sx) * 4];
+          const glm::vec3 c(table[t[0]], table[t[1]], table[t[2]]);
+          const float a = static_cast<float>(t[3]) / 255.0f;
+          color += c * a;
+          plain += c;
+          alpha += a;
+        }
+      }
+      const auto n = static_cast<float>((x1 - x0) * (y1 - y0));
+      out.texels.emplace_back(alpha > 0 ? color / alpha : plain / n, alpha / n);
+    }
+  }
+  if (cutoff <= 0) return to_bytes(out, image.srgb, 1.0f);
+  std::size_t covered = 0;
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) {
+    covered += static_cast<float>(image.rgba[i]) / 255.0f >= cutoff;
+  }
+  const double target = 4.0 * static_cast<double>(covered) / static_cast<double>(image.rgba.size());
+  return to_bytes(out, image.srgb, scale_for_coverage(out, cutoff, target));
 }
 
 }  // namespace mirage::gl

@@ -13,4 +13,8 @@ namespace mirage::gl {
 /// (I. Castaño, "Computing alpha mipmaps", 2010).
 std::vector<Image> alpha_preserving_mips(const Image& image, float cutoff);
 
+/// `image` box-filtered to `size` (each side at most the image's), the same way: in linear light,
+/// colour weighted by alpha, coverage kept where `cutoff` is above 0.
+Image reduced_image(const Image& image, const glm::uvec2& size, float cutoff);
+
 }  // namespace mirage::gl

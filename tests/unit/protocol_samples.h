@@ -58,7 +58,7 @@ inline std::unique_ptr<wire::ObjectInfoT> sample_object() {
   o->mean_color = std::make_unique<wire::Vec3f>(0.5f, 0.5f, 0.5f);
   o->needs = 0x301;
   o->triangles = 4;
-  o->mesh_bytes = 500;
+  o->lods = {wire::LodInfo(4, 500, 0.001f, 0.0f), wire::LodInfo(2, 300, 0.25f, 0.5f)};
   o->hull_vertices = {{0, 1, 2}, {2, 1, 2}, {0, 3, 2}, {0, 1, 4}};
   o->hull_indices = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
   return o;
@@ -94,7 +94,8 @@ inline wire::RequestBatchT sample_request_batch() {
             {2, 3, 4, 0.5f, 0, 8, 0, 511, 9, 4, 14, 1}};
   m.cancels = {10, 11};
   m.credit_bytes = 0x123456789;
-  m.mesh_asks = {3};
+  m.mesh_asks = {wire::MeshAsk(11, 3, 1)};
+  m.image_asks = {wire::ImageAsk(12, 5, 2)};
   return m;
 }
 
@@ -136,6 +137,7 @@ inline wire::TileReplyT sample_tile_reply() {
   m.dz_cuboid = 0.125f;
   m.dz_hull = 0.0625f;
   m.depth_gap = 0.75f;
+  m.lod_error = 0.03125f;
   m.queue_us = 10;
   m.render_us = 20;
   m.encode_us = 30;
@@ -148,14 +150,31 @@ inline wire::RefusedT sample_refused() {
   wire::RefusedT m;
   m.request_id = 4;
   m.reason = wire::RefusalReason::Late;
-  m.mesh = true;
   return m;
 }
 
 inline wire::MeshReplyT sample_mesh_reply() {
   wire::MeshReplyT m;
+  m.request_id = 11;
   m.object = 3;
+  m.lod = 1;
   m.raw_bytes = 1000;
+  return m;
+}
+
+inline wire::ImageReplyT sample_image_reply() {
+  wire::ImageReplyT m;
+  m.request_id = 12;
+  m.image = 5;
+  m.level = 2;
+  return m;
+}
+
+inline wire::ImagePageT sample_image_page() {
+  wire::ImagePageT m;
+  m.first = 4096;
+  m.images = {wire::ImageInfo(640, 480, 0x80402010u, 0.5f, true),
+              wire::ImageInfo(1, 1, 0u, 0.0f, false)};
   return m;
 }
 
@@ -204,7 +223,9 @@ inline std::vector<Bytes> sample_messages() {
           encode_message(sample_mesh_reply(), {9, 8, 7}),
           encode_message(sample_reference_reply(), {1, 2, 3}),
           encode_message(sample_stats()),
-          encode_message(sample_bye())};
+          encode_message(sample_bye()),
+          encode_message(sample_image_page()),
+          encode_message(sample_image_reply(), {6, 5})};
 }
 
 }  // namespace mirage::test

@@ -1,0 +1,128 @@
+#pragma once
+// Mesh cache: which levels of geometry and images the client holds, and which it should ask for.
+// Input:  what is drawn as geometry, and will be; what arrives. Output: the level each instance is
+//         drawn from, needs for the scheduler, what to drop from graphics memory.
+// Thread: the frame loop's.
+// Full:   beyond the budget what was needed longest ago goes first, never what is drawn in this
+//         frame; what does not fit is not asked for.
+
+#include <cstdint>
+#include <vector>
+
+#include "client/core/scene_view.h"
+#include "protocol/model_codec.h"
+
+namespace mirage {
+
+/// An instance drawn as geometry.
+struct DrawnMesh {
+  std::uint32_t instance = 0;
+  std::uint8_t lod = 0;
+  float fade = 1;  ///< opacity
+};
+
+/// A level of an object's geometry, or of an image.
+struct AssetId {
+  enum class Kind : std::uint8_t { kMesh, kImage };
+  Kind kind = Kind::kMesh;
+  std::uint32_t index = 0;  ///< of the object or image
+  std::uint8_t level = 0;   ///< meshes: 0 is the finest; images: the coarsest
+  bool operator<(const AssetId& o) const {
+    if (kind != o.kind) return kind < o.kind;
+    return index != o.index ? index < o.index : level < o.level;
+  }
+  bool operator==(const AssetId& o) const {
+    return kind == o.kind && index == o.index && level == o.level;
+  }
+};
+
+/// Geometry worth asking for.
+struct AssetNeed {
+  AssetId id;
+  double gain = 0;            ///< px of error it takes away; infinite for what one stands in
+  double expected_bytes = 0;  ///< of the reply
+};
+
+/// A texture as a mesh uses it.
+struct ImageUse {
+  std::uint32_t image = 0;
+  double uv_per_unit = 0;  ///< texture coordinates an object unit, median over the surface
+  bool masks = false;      ///< an alpha test reads it: without it the mesh is not fit to be drawn
+};
+std::vector<ImageUse> image_uses(const ObjectModel& model);
+
+class MeshCache {
+ public:
+  void reset(const SceneView& scene, std::size_t budget_bytes, std::size_t max_reply_bytes);
+
+  /// Per object: something of it can be drawn.
+  const std::vector<bool>& ready() const { return ready_; }
+
+  /// Chooses the level of each of `meshes`: the coarsest within tau, or what comes nearest of those
+  /// that are here. Marks it as drawn in this frame.
+  void choose(const SceneView& scene, const Camera& camera, double tau_px, std::uint64_t frame,
+              std::int64_t now_us, std::vector<DrawnMesh>& meshes);
+
+  /// What to ask for so that `instances` can be drawn at `camera`, most urgent first.
+  std::vector<AssetNeed> needs(const SceneView& scene, const Camera& camera, double tau_px,
+                               std::int64_t now_us, const std::vector<std::uint32_t>& instances);
+
+  void add_mesh(std::uint32_t object, std::uint8_t lod, const ObjectModel& model,
+                std::int64_t now_us);
+  void add_image(const SceneView& scene, std::uint32_t image, std::uint8_t level,
+                 std::size_t reply_bytes, std::int64_t now_us);
+
+  /// What has left the cache, to be freed: not needed for a while, or over the budget. An image
+  /// that goes is replaced by its mean colour.
+  std::vector<AssetId> drop(std::uint64_t frame, std::int64_t now_us);
+
+  std::size_t bytes() const { return bytes_; }
+  bool resident(const AssetId& id) const;
+
+ private:
+  struct Level {
+    bool resident = false;
+    std::size_t bytes = 0;  ///< of graphics memory
+    std::int64_t needed_us = 0;
+    std::uint64_t drawn_frame = 0;
+  };
+  struct Object {
+    std::vector<Level> lods;
+    std::vector<ImageUse> uses;
+    bool known_uses = false;
+  };
+  struct ImageState {
+    Level held;
+    int level = -1;  ///< -1: only the mean colour
+  };
+  struct Wanted {
+    std::uint32_t object = 0;
+    double px_per_unit = 0;  ///< at the nearest instance
+    double size_px = 0;
+    bool surrounds = false;
+  };
+
+  std::vector<Wanted> wanted(const SceneView& scene, const Camera& camera,
+                             const std::vector<std::uint32_t>& instances) const;
+  void need_mesh(const SceneView& scene, const Wanted& want, double tau_px, std::int64_t now_us,
+                 std::vector<AssetNeed>& out);
+  void need_images(const SceneView& scene, const Wanted& want, std::int64_t now_us,
+                   std::vector<AssetNeed>& out);
+  void update_ready(std::uint32_t object);
+  bool fits(std::size_t more_bytes, std::int64_t now_us) const;
+  void forget(Level& level, const AssetId& id, std::vector<AssetId>& out);
+
+  std::vector<Object> objects_;
+  std::vector<ImageState> images_;
+  std::vector<bool> ready_;
+  std::size_t budget_ = 0;
+  std::size_t max_reply_bytes_ = 0;
+  std::size_t bytes_ = 0;
+  double image_bytes_per_texel_ = 0.3;  ///< on the wire, learnt
+};
+
+/// Pixels one object unit covers at the point of `instance` nearest to the eye, at most: the bound
+/// of what an error there can be seen as.
+double px_per_unit(const SceneView& scene, const Camera& camera, std::uint32_t instance);
+
+}  // namespace mirage

@@ -1,0 +1,79 @@
+#include "protocol/material_codec.h"
+
+#include <cmath>
+
+namespace mirage {
+namespace {
+
+void put_texture(ByteWriter& w, const TextureRef& t) {
+  w.put(t.image);
+  w.put(t.uv_set);
+  w.put(static_cast<std::uint8_t>(t.wrap_s));
+  w.put(static_cast<std::uint8_t>(t.wrap_t));
+  w.put(static_cast<std::uint8_t>(t.nearest));
+  for (const float v : {t.offset.x, t.offset.y, t.scale.x, t.scale.y, t.rotation}) w.put(v);
+}
+
+bool get_texture(ByteReader& r, TextureRef& t, std::size_t images) {
+  t.image = r.get<std::int32_t>();
+  t.uv_set = r.get<std::uint8_t>();
+  const auto wrap_s = r.get<std::uint8_t>(), wrap_t = r.get<std::uint8_t>();
+  const auto nearest = r.get<std::uint8_t>();
+  bool finite = true;
+  for (float* v : {&t.offset.x, &t.offset.y, &t.scale.x, &t.scale.y, &t.rotation}) {
+    *v = r.get<float>();
+    finite = finite && std::isfinite(*v);
+  }
+  if (t.image < -1 || t.image >= static_cast<std::int64_t>(images)) return false;
+  if (t.uv_set > 1 || wrap_s > 2 || wrap_t > 2 || nearest > 1) return false;
+  t.wrap_s = static_cast<Wrap>(wrap_s);
+  t.wrap_t = static_cast<Wrap>(wrap_t);
+  t.nearest = nearest != 0;
+  return finite;
+}
+
+}  // namespace
+
+void put_material(ByteWriter& w, const Material& m) {
+  for (int i = 0; i < 4; ++i) w.put(m.base_color[i]);
+  for (int i = 0; i < 3; ++i) w.put(m.emissive[i]);
+  for (const float v :
+       {m.metallic, m.roughness, m.normal_scale, m.occlusion_strength, m.alpha_cutoff}) {
+    w.put(v);
+  }
+  w.put(static_cast<std::uint8_t>(m.alpha_mode));
+  w.put(static_cast<std::uint8_t>(m.double_sided));
+  w.put(static_cast<std::uint8_t>(m.unlit));
+  w.put(std::uint8_t{0});
+  for (const TextureRef* t :
+       {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {
+    put_texture(w, *t);
+  }
+}
+
+bool get_material(ByteReader& r, Material& m, std::size_t images) {
+  bool ok = true;
+  const auto number = [&](float& v) {
+    v = r.get<float>();
+    ok = ok && std::isfinite(v);
+  };
+  for (int i = 0; i < 4; ++i) number(m.base_color[i]);
+  for (int i = 0; i < 3; ++i) number(m.emissive[i]);
+  for (float* v :
+       {&m.metallic, &m.roughness, &m.normal_scale, &m.occlusion_strength, &m.alpha_cutoff}) {
+    number(*v);
+  }
+  const auto alpha_mode = r.get<std::uint8_t>(), double_sided = r.get<std::uint8_t>();
+  const auto unlit = r.get<std::uint8_t>(), zero = r.get<std::uint8_t>();
+  if (alpha_mode > 2 || double_sided > 1 || unlit > 1 || zero != 0) return false;
+  m.alpha_mode = static_cast<AlphaMode>(alpha_mode);
+  m.double_sided = double_sided != 0;
+  m.unlit = unlit != 0;
+  for (TextureRef* t :
+       {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {
+    ok = get_texture(r, *t, images) && ok;
+  }
+  return ok;
+}
+
+}  // namespace mirage

@@ -1,0 +1,16 @@
+#pragma once
+// Materials in a fixed layout without padding.
+
+#include "protocol/byte_stream.h"
+#include "protocol/model.h"
+
+namespace mirage {
+
+inline constexpr std::size_t kTextureBytes = 4 + 4 + 5 * 4;
+inline constexpr std::size_t kMaterialBytes = 4 * 4 + 3 * 4 + 5 * 4 + 4 + 5 * kTextureBytes;
+
+void put_material(ByteWriter& w, const Material& m);
+/// False when a value is out of range, not finite, or an image not one of `images`.
+bool get_material(ByteReader& r, Material& m, std::size_t images);
+
+}  // namespace mirage

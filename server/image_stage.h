@@ -1,0 +1,38 @@
+#pragma once
+// Image stage.
+// Input:  images asked for, by level. Output: encoded images, announced to the network loop.
+// Thread: one worker of its own (an image takes from a millisecond to a second).
+// Full:   the network loop refuses the ask as busy.
+
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "protocol/bounded_queue.h"
+#include "server/scene/prepared_scene.h"
+#include "server/tile_job.h"
+
+namespace mirage {
+
+class ImageStage {
+ public:
+  ImageStage(BoundedQueue<ImageLevel>& input, BoundedQueue<Completion>& completions,
+             std::function<void()> wake)
+      : input_(input), completions_(completions), wake_(std::move(wake)) {}
+  ~ImageStage() { join(); }
+
+  void start(std::shared_ptr<const PreparedScene> scene);
+  /// Ends the worker; the input must have been closed.
+  void join();
+
+  /// Reduces and encodes one level; empty when it cannot be. A pure function of its input.
+  static Bytes encode(const PreparedScene& scene, const ImageLevel& level);
+
+ private:
+  BoundedQueue<ImageLevel>& input_;
+  BoundedQueue<Completion>& completions_;
+  std::function<void()> wake_;
+  std::thread worker_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,321 @@
+#include "server/scene/lod.h"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <optional>
+
+#include "protocol/limits.h"
+#include "protocol/lod.h"
+#include "server/scene/surface_distance.h"
+
+namespace mirage {
+namespace {
+
+constexpr double kShare = 1.0 / 3.0;       // of the triangles, from level to level
+constexpr double kWorthAnother = 0.85;     // a level that keeps more than this share is no gain
+constexpr std::size_t kFewTriangles = 64;  // small enough: the chain ends
+constexpr double kFirstError = 0.002;      // of the extent: what the first level may be off
+constexpr double kErrorGrowth = 2.5;       // from level to level
+constexpr double kMostError = 0.1;         // of the extent: beyond, the shape is gone
+constexpr int kTries = 4;                  // to keep to it: the simplifier only estimates
+constexpr int kSteps = 12;                 // towards fewer triangles; some give no level
+constexpr std::size_t kSampledVertices = 20'000;
+constexpr std::size_t kSampledTriangles = 5'000;
+constexpr std::size_t kFoliagePieces = 8;     // fewer pieces are seen one by one
+constexpr std::size_t kPieceTriangles = 64;   // larger pieces on average are surfaces
+constexpr double kLeastFoliage = 1.0 / 16.0;  // pieces are then four times as large
+constexpr std::size_t kSampledPieces = 2'000;
+
+/// One primitive on its own vertices.
+struct Part {
+  PrimitiveKind kind = PrimitiveKind::kTriangles;
+  std::uint32_t material = 0;
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> indices;
+};
+
+/// A connected component of foliage.
+struct Piece {
+  std::vector<std::uint32_t> triangles;
+  glm::vec3 middle{0};
+  double rank = 0;  ///< in [0, 1); pieces of the lowest ranks stay longest
+};
+
+Part extract(const Mesh& mesh, const Primitive& primitive) {
+  Part part{primitive.kind, primitive.material, {}, {}};
+  std::vector<std::uint32_t> place(mesh.vertices.size(), UINT32_MAX);
+  part.indices.reserve(primitive.index_count);
+  for (std::uint32_t i = 0; i < primitive.index_count; ++i) {
+    const std::uint32_t v = mesh.indices[primitive.first_index + i];
+    if (place[v] == UINT32_MAX) {
+      place[v] = static_cast<std::uint32_t>(part.vertices.size());
+      part.vertices.push_back(mesh.vertices[v]);
+    }
+    part.indices.push_back(place[v]);
+  }
+  return part;
+}
+
+void append(Mesh& mesh, const Part& part, const std::vector<Vertex>& vertices,
+            const std::vector<std::uint32_t>& indices) {
+  const auto first = static_cast<std::uint32_t>(mesh.indices.size());
+  std::vector<std::uint32_t> place(vertices.size(), UINT32_MAX);
+  for (const std::uint32_t i : indices) {
+    if (place[i] == UINT32_MAX) {
+      place[i] = static_cast<std::uint32_t>(mesh.vertices.size());
+      mesh.vertices.push_back(vertices[i]);
+    }
+    mesh.indices.push_back(place[i]);
+  }
+  mesh.primitives.push_back(
+      {part.kind, first, static_cast<std::uint32_t>(indices.size()), part.material});
+}
+
+std::uint64_t hash(std::uint64_t i) {  // splitmix64
+  i = (i + 1) * 0x9e3779b97f4a7c15ull;
+  i = (i ^ (i >> 30)) * 0xbf58476d1ce4e5b9ull;
+  i = (i ^ (i >> 27)) * 0x94d049bb133111ebull;
+  return i ^ (i >> 31);
+}
+
+void rank_by_hash(std::vector<Piece>& pieces) {
+  std::vector<std::size_t> order(pieces.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [](std::size_t a, std::size_t b) { return hash(a) < hash(b); });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    pieces[order[i]].rank = static_cast<double>(i) / static_cast<double>(order.size());
+  }
+}
+
+std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+// Connected through equal positions, in the order of their first triangle.
+std::vector<Piece> pieces_of(const Part& part) {
+  std::vector<std::uint32_t> welded(part.indices.size());
+  meshopt_generateShadowIndexBuffer(welded.data(), part.indices.data(), part.indices.size(),
+                                    part.vertices.data(), part.vertices.size(), sizeof(glm::vec3),
+                                    sizeof(Vertex));
+  std::vector<std::uint32_t> parent(part.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  for (std::size_t t = 0; t + 2 < welded.size(); t += 3) {
+    const std::uint32_t a = root_of(parent, welded[t]);
+    parent[root_of(parent, welded[t + 1])] = a;
+    parent[root_of(parent, welded[t + 2])] = a;
+  }
+  std::vector<std::uint32_t> piece_of_root(part.vertices.size(), UINT32_MAX);
+  std::vector<Piece> pieces;
+  for (std::uint32_t t = 0; t < welded.size() / 3; ++t) {
+    std::uint32_t& piece = piece_of_root[root_of(parent, welded[3 * std::size_t{t}])];
+    if (piece == UINT32_MAX) {
+      piece = static_cast<std::uint32_t>(pieces.size());
+      pieces.emplace_back();
+    }
+    pieces[piece].triangles.push_back(t);
+  }
+  for (Piece& piece : pieces) {
+    glm::dvec3 sum(0);
+    for (const std::uint32_t t : piece.triangles) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        sum += glm::dvec3(part.vertices[part.indices[3 * std::size_t{t} + k]].position);
+      }
+    }
+    piece.middle = glm::vec3(sum / (3.0 * static_cast<double>(piece.triangles.size())));
+  }
+  rank_by_hash(pieces);
+  return pieces;
+}
+
+bool is_foliage(const Material& material, const Part& part, const std::vector<Piece>& pieces) {
+  const bool cards = material.double_sided || material.alpha_mode != AlphaMode::kOpaque;
+  return cards && pieces.size() >= kFoliagePieces &&
+         part.indices.size() / 3 <= pieces.size() * kPieceTriangles;
+}
+
+/// How far 95 % of the dropped pieces are from a kept one.
+float spread_of(const std::vector<Piece>& pieces, double share) {
+  std::vector<glm::vec3> kept;
+  for (const Piece& piece : pieces) {
+    if (piece.rank < share) kept.push_back(piece.middle);
+  }
+  std::vector<float> distances;
+  const std::size_t step = std::max<std::size_t>(1, pieces.size() / kSampledPieces);
+  for (std::size_t i = 0; i < pieces.size(); i += step) {
+    if (pieces[i].rank < share) continue;
+    float best2 = INFINITY;
+    for (const glm::vec3& k : kept) {
+      const glm::vec3 d = k - pieces[i].middle;
+      best2 = std::min(best2, glm::dot(d, d));
+    }
+    distances.push_back(std::sqrt(best2));
+  }
+  if (distances.empty()) return 0;
+  const std::size_t at = distances.size() * 95 / 100;
+  std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(at),
+                   distances.end());
+  return distances[at];
+}
+
+// Two-sided, see MeshLod::error.
+double surface_error(const Part& part, const SurfaceTree& full,
+                     const std::vector<std::uint32_t>& coarse, double estimate, double radius) {
+  const SurfaceTree tree(part.vertices, coarse);
+  const std::size_t step = std::max<std::size_t>(1, part.vertices.size() / kSampledVertices);
+  double worst = step > 1 ? estimate : 0;
+  for (std::size_t i = 0; i < part.vertices.size(); i += step) {
+    worst = std::max(worst, tree.distance(part.vertices[i].position, 4 * radius));
+  }
+  const std::size_t triangles = coarse.size() / 3;
+  const std::size_t stride = std::max<std::size_t>(1, triangles / kSampledTriangles);
+  for (std::size_t t = 0; t < triangles; t += stride) {
+    const glm::vec3 middle =
+        (part.vertices[coarse[3 * t]].position + part.vertices[coarse[3 * t + 1]].position +
+         part.vertices[coarse[3 * t + 2]].position) /
+        3.0f;
+    worst = std::max(worst, full.distance(middle, 4 * radius));
+  }
+  return worst;
+}
+
+/// One primitive through all levels.
+class Chain {
+ public:
+  Chain(Part part, const Material& material) : part_(std::move(part)), coarse_(part_.indices) {
+    if (part_.kind != PrimitiveKind::kTriangles) return;
+    pieces_ = pieces_of(part_);
+    if (is_foliage(material, part_, pieces_)) return;
+    pieces_.clear();
+    surface_.emplace(part_.vertices, part_.indices);
+    scale_ = double{meshopt_simplifyScale(&part_.vertices[0].position.x, part_.vertices.size(),
+                                          sizeof(Vertex))};
+  }
+  Chain(Chain&&) = delete;
+
+  bool foliage() const { return !pieces_.empty(); }
+
+  /// Foliage first: what it gives up (`out.spread`) the surfaces may give up as well.
+  void add_level(double share, double allowed, MeshLod& out) {
+    if (part_.kind != PrimitiveKind::kTriangles) {
+      append(out.mesh, part_, part_.vertices, part_.indices);
+    } else if (foliage()) {
+      thin(std::max(share, kLeastFoliage), out);
+    } else {
+      simplify(share, std::max(allowed, double{out.spread} / kSpreadPerTau), out);
+    }
+  }
+
+ private:
+  // At most `allowed` away from the full surface, object units.
+  void simplify(double share, double allowed, MeshLod& out) {
+    const auto target =
+        static_cast<std::size_t>(std::ceil(share * static_cast<double>(part_.indices.size() / 3))) *
+        3;
+    double aim = allowed;
+    for (int i = 0; i < kTries && coarse_.size() > target; ++i, aim *= 0.4) {
+      std::vector<std::uint32_t> next(coarse_.size());
+      float relative = 0;
+      next.resize(meshopt_simplify(next.data(), coarse_.data(), coarse_.size(),
+                                   &part_.vertices[0].position.x, part_.vertices.size(),
+                                   sizeof(Vertex), target, static_cast<float>(aim / scale_), 0,
+                                   &relative));
+      // Nothing left is no level of detail but a hole.
+      if (next.empty() || next.size() >= coarse_.size()) break;
+      const double estimate = estimate_ + double{relative} * scale_;
+      const double error = surface_error(part_, *surface_, next, estimate, scale_);
+      if (error > allowed) continue;
+      coarse_ = std::move(next);
+      estimate_ = estimate;
+      error_ = error;
+      break;
+    }
+    out.error = std::max(out.error, static_cast<float>(error_ * 1.0001));
+    append(out.mesh, part_, part_.vertices, coarse_);
+  }
+
+  void thin(double share, MeshLod& out) const {
+    std::size_t kept = 0;
+    for (const Piece& piece : pieces_) kept += piece.rank < share;
+    const double scale = std::sqrt(static_cast<double>(pieces_.size()) / static_cast<double>(kept));
+    std::vector<Vertex> vertices = part_.vertices;
+    std::vector<std::uint32_t> indices;
+    std::vector<bool> moved(vertices.size(), false);
+    for (const Piece& piece : pieces_) {
+      if (!(piece.rank < share)) continue;
+      for (const std::uint32_t t : piece.triangles) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t v = part_.indices[3 * std::size_t{t} + k];
+          indices.push_back(v);
+          if (moved[v]) continue;
+          moved[v] = true;
+          vertices[v].position =
+              piece.middle + static_cast<float>(scale) * (vertices[v].position - piece.middle);
+        }
+      }
+    }
+    out.spread = std::max(out.spread, spread_of(pieces_, share));
+    append(out.mesh, part_, vertices, indices);
+  }
+
+  const Part part_;
+  std::vector<std::uint32_t> coarse_;   ///< indices of the present level
+  std::vector<Piece> pieces_;           ///< of foliage only
+  std::optional<SurfaceTree> surface_;  ///< of the full primitive; empty for foliage
+  double scale_ = 0;                    ///< what the simplifier's errors are relative to
+  double estimate_ = 0;                 ///< sum of the simplifier's errors, object units
+  double error_ = 0;                    ///< of the present level
+};
+
+double extent_of(const Mesh& mesh) {
+  glm::vec3 low(INFINITY), high(-INFINITY);
+  for (const std::uint32_t i : mesh.indices) {
+    low = glm::min(low, mesh.vertices[i].position);
+    high = glm::max(high, mesh.vertices[i].position);
+  }
+  return double{glm::length(high - low)};
+}
+
+std::size_t triangle_count(const Mesh& mesh) {
+  std::size_t count = 0;
+  for (const Primitive& p : mesh.primitives) {
+    if (p.kind == PrimitiveKind::kTriangles) count += p.index_count / 3;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& materials) {
+  std::vector<MeshLod> lods;
+  std::size_t triangles = triangle_count(full);
+  if (triangles <= kFewTriangles) return lods;
+  std::vector<std::unique_ptr<Chain>> chains;
+  for (const Primitive& p : full.primitives) {
+    if (p.index_count == 0) continue;
+    chains.push_back(std::make_unique<Chain>(extract(full, p), materials[p.material]));
+  }
+  std::stable_partition(chains.begin(), chains.end(),
+                        [](const std::unique_ptr<Chain>& chain) { return chain->foliage(); });
+  double share = 1, allowed = kFirstError * extent_of(full);
+  const double most = kMostError * extent_of(full);
+  for (int i = 0; i < kSteps && lods.size() + 1 < limits::kMaxLods; ++i) {
+    share *= kShare;
+    MeshLod lod;
+    for (const std::unique_ptr<Chain>& chain : chains) chain->add_level(share, allowed, lod);
+    allowed = std::min(allowed * kErrorGrowth, most);
+    const std::size_t left = triangle_count(lod.mesh);
+    if (static_cast<double>(left) > kWorthAnother * static_cast<double>(triangles)) continue;
+    triangles = left;
+    lods.push_back(std::move(lod));
+    if (triangles <= kFewTriangles) break;
+  }
+  return lods;
+}
+
+}  // namespace mirage

@@ -1,0 +1,32 @@
+#pragma once
+// Levels of detail, made once when a scene is loaded.
+
+#include <vector>
+
+#include "protocol/model.h"
+
+namespace mirage {
+
+/// A coarser form of a mesh. Vertices are some of the full mesh's, or pieces of it enlarged.
+struct MeshLod {
+  Mesh mesh;
+  /// Object units: largest distance found between the connected surfaces of this level and of the
+  /// full mesh, from vertices of the full mesh (at most 20,000 a primitive) to this level and from
+  /// the middles of this level's triangles to the full mesh. Where vertices were sampled, not less
+  /// than the simplifier's own estimate.
+  float error = 0;
+  /// Object units; above 0: foliage was thinned, and 95 % of the dropped pieces have a kept one
+  /// within this distance (between middles). No bound: tiles are never drawn from such a level.
+  float spread = 0;
+};
+
+/// The chain below the full mesh, finest first: each level about a third of the triangles of the
+/// one before, until it is small or shrinks no further; at most limits::kMaxLods - 1. Triangles of
+/// one primitive never become another's; lines and points stay as they are. Primitives of
+/// alpha-tested, blended or double-sided materials that consist of many small pieces are thinned:
+/// a share of the pieces (chosen by hash, the same on every run) stays, enlarged about their
+/// middles so that the covered area stays (R. L. Cook et al., "Stochastic simplification of
+/// aggregate detail", 2007). A pure function of its input.
+std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& materials);
+
+}  // namespace mirage

@@ -1,0 +1,40 @@
+#pragma once
+// How far points lie from a triangle surface.
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "protocol/model.h"
+
+namespace mirage {
+
+/// A bounding-volume tree over triangles.
+class SurfaceTree {
+ public:
+  /// `indices` refer to `vertices`, which must outlive the tree; their count is a multiple of 3.
+  SurfaceTree(const std::vector<Vertex>& vertices, const std::vector<std::uint32_t>& indices);
+
+  /// Distance from `p` to the surface, or `at_most` when it is farther than that.
+  double distance(const glm::vec3& p, double at_most) const;
+
+ private:
+  struct Node {
+    glm::vec3 low{0}, high{0};
+    std::uint32_t first = 0;  ///< triangle of a leaf, or the right child (the left one follows)
+    std::uint32_t count = 0;  ///< of a leaf; 0: inner node
+  };
+  void build(std::uint32_t first, std::uint32_t count, std::vector<glm::vec3>& centers);
+  void search(std::uint32_t node, const glm::vec3& p, float& best2) const;
+
+  const std::vector<Vertex>& vertices_;
+  const std::vector<std::uint32_t>& indices_;
+  std::vector<std::uint32_t> order_;  ///< triangles, grouped by leaf
+  std::vector<Node> nodes_;
+};
+
+/// Closest point of triangle abc to p (C. Ericson, Real-Time Collision Detection, 5.1.5).
+glm::vec3 closest_on_triangle(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b,
+                              const glm::vec3& c);
+
+}  // namespace mirage
