@@ -1,5 +1,6 @@
 #pragma once
-// Levels of detail of an object's geometry: what a client is told of them, and how both ends choose.
+// Levels of detail of an object's geometry: what a client is told of them, and how both ends
+// choose.
 
 #include <cstddef>
 #include <cstdint>
@@ -26,10 +27,11 @@ struct LodInfo {
 /// times tau. Judged by eye on the forest's trees.
 inline constexpr double kSpreadPerTau = 4;
 
-/// What a level shows wrongly, in px over tau, at `px_per_unit` pixels an object unit; <= 1 is fit to
-/// be drawn.
+/// What a level shows wrongly, in px over tau, at `px_per_unit` pixels an object unit; <= 1 is fit
+/// to be drawn.
 inline double lod_excess(const LodInfo& lod, double px_per_unit, double tau_px) {
-  const double error = lod.error > lod.spread / kSpreadPerTau ? lod.error : lod.spread / kSpreadPerTau;
+  const double error =
+      lod.error > lod.spread / kSpreadPerTau ? lod.error : lod.spread / kSpreadPerTau;
   return error * px_per_unit / tau_px;
 }
 

@@ -82,8 +82,8 @@ std::array<std::uint16_t, 2> encode_direction(const glm::vec3& v) {
   std::array<std::uint16_t, 2> best{};
   float best_dot = -2;
   for (int k = 0; k < 4; ++k) {
-    const glm::vec2 code = glm::clamp(
-        glm::floor(exact) + glm::vec2(k & 1, k >> 1), glm::vec2(0), glm::vec2(kSteps10));
+    const glm::vec2 code =
+        glm::clamp(glm::floor(exact) + glm::vec2(k & 1, k >> 1), glm::vec2(0), glm::vec2(kSteps10));
     const float d = glm::dot(from_octahedral(code / kSteps10 * 2.0f - 1.0f), v);
     if (d <= best_dot) continue;
     best_dot = d;
@@ -157,8 +157,8 @@ void put_vertex(ByteWriter& w, const Vertex& v, const Layout& layout) {
 Vertex get_vertex(ByteReader& r, const Layout& layout) {
   Vertex v;
   for (int c = 0; c < 3; ++c) {
-    v.position[c] = dequantise(r.get<std::uint16_t>(), layout.position.low[c],
-                               layout.position.size[c]);
+    v.position[c] =
+        dequantise(r.get<std::uint16_t>(), layout.position.low[c], layout.position.size[c]);
   }
   const auto x = r.get<std::uint16_t>(), y = r.get<std::uint16_t>();
   v.normal = decode_direction(x, y);
@@ -179,8 +179,7 @@ Vertex get_vertex(ByteReader& r, const Layout& layout) {
   if (layout.streams & kColor) {
     for (int c = 0; c < 4; ++c) {
       const float code = static_cast<float>(r.get<std::uint8_t>()) / 255.0f;
-      v.color[c] =
-          static_cast<std::uint16_t>(std::lround((c < 3 ? code * code : code) * kSteps16));
+      v.color[c] = static_cast<std::uint16_t>(std::lround((c < 3 ? code * code : code) * kSteps16));
     }
   }
   return v;
@@ -285,13 +284,13 @@ struct Header {
 
 Result<Header> read_header(ByteReader& r) {
   Header h;
-  for (std::uint32_t* word : {&h.vertices, &h.triangle_indices, &h.other_indices, &h.primitives,
-                              &h.materials, &h.vertex_bytes, &h.triangle_bytes, &h.other_bytes,
-                              &h.layout.streams}) {
+  for (std::uint32_t* word :
+       {&h.vertices, &h.triangle_indices, &h.other_indices, &h.primitives, &h.materials,
+        &h.vertex_bytes, &h.triangle_bytes, &h.other_bytes, &h.layout.streams}) {
     *word = r.get<std::uint32_t>();
   }
-  const bool ranges = get_range(r, h.layout.position) && get_range(r, h.layout.uv0) &&
-                      get_range(r, h.layout.uv1);
+  const bool ranges =
+      get_range(r, h.layout.position) && get_range(r, h.layout.uv0) && get_range(r, h.layout.uv1);
   if (r.failed()) return malformed("cut short");
   if (!ranges || h.layout.streams > kAllStreams) return value_error("range");
   if (h.vertices > limits::kMaxMeshVertices || h.primitives > limits::kMaxMeshPrimitives ||
@@ -302,10 +301,9 @@ Result<Header> read_header(ByteReader& r) {
   const std::uint64_t bytes = std::uint64_t{h.vertex_bytes} + h.triangle_bytes + h.other_bytes +
                               h.primitives * kPrimitiveBytes + h.materials * kMaterialBytes;
   if (!r.has(bytes, 1)) return malformed("cut short");
-  const bool possible =
-      h.vertices <= std::uint64_t{h.vertex_bytes} * kVerticesPerByte &&
-      h.triangle_indices <= std::uint64_t{h.triangle_bytes} * kIndicesPerByte &&
-      h.other_indices <= h.other_bytes && h.triangle_indices % 3 == 0;
+  const bool possible = h.vertices <= std::uint64_t{h.vertex_bytes} * kVerticesPerByte &&
+                        h.triangle_indices <= std::uint64_t{h.triangle_bytes} * kIndicesPerByte &&
+                        h.other_indices <= h.other_bytes && h.triangle_indices % 3 == 0;
   if (!possible) return value_error("count");
   return h;
 }
@@ -337,8 +335,8 @@ Result<void> read_vertices(ByteReader& r, const Header& h, Mesh& mesh) {
   const std::size_t stride = h.layout.stride();
   const std::uint8_t* encoded = r.take(h.vertex_bytes);
   Bytes packed(h.vertices * stride);
-  if (h.vertices > 0 && meshopt_decodeVertexBuffer(packed.data(), h.vertices, stride, encoded,
-                                                   h.vertex_bytes) != 0) {
+  if (h.vertices > 0 &&
+      meshopt_decodeVertexBuffer(packed.data(), h.vertices, stride, encoded, h.vertex_bytes) != 0) {
     return malformed("damaged vertices");
   }
   ByteReader from(packed.data(), packed.size());
@@ -352,9 +350,8 @@ Result<void> read_vertices(ByteReader& r, const Header& h, Mesh& mesh) {
 Result<void> read_indices(ByteReader& r, const Header& h, Mesh& mesh) {
   mesh.indices.resize(std::size_t{h.triangle_indices} + h.other_indices);
   const std::uint8_t* triangles = r.take(h.triangle_bytes);
-  if (h.triangle_indices > 0 &&
-      meshopt_decodeIndexBuffer(mesh.indices.data(), h.triangle_indices, 4, triangles,
-                                h.triangle_bytes) != 0) {
+  if (h.triangle_indices > 0 && meshopt_decodeIndexBuffer(mesh.indices.data(), h.triangle_indices,
+                                                          4, triangles, h.triangle_bytes) != 0) {
     return malformed("damaged triangles");
   }
   const std::uint8_t* others = r.take(h.other_bytes);
@@ -393,15 +390,15 @@ Bytes encode_model(const ObjectModel& model) {
   const std::size_t others = order.indices.size() - triangles;
 
   Bytes vertex_code(meshopt_encodeVertexBufferBound(vertices, layout.stride()));
-  vertex_code.resize(vertices == 0 ? 0
-                                   : meshopt_encodeVertexBuffer(vertex_code.data(),
-                                                                vertex_code.size(), packed.data(),
-                                                                vertices, layout.stride()));
+  vertex_code.resize(vertices == 0
+                         ? 0
+                         : meshopt_encodeVertexBuffer(vertex_code.data(), vertex_code.size(),
+                                                      packed.data(), vertices, layout.stride()));
   Bytes triangle_code(meshopt_encodeIndexBufferBound(triangles, vertices));
-  triangle_code.resize(
-      triangles == 0 ? 0
-                     : meshopt_encodeIndexBuffer(triangle_code.data(), triangle_code.size(),
-                                                 order.indices.data(), triangles));
+  triangle_code.resize(triangles == 0
+                           ? 0
+                           : meshopt_encodeIndexBuffer(triangle_code.data(), triangle_code.size(),
+                                                       order.indices.data(), triangles));
   Bytes other_code(meshopt_encodeIndexSequenceBound(others, vertices));
   other_code.resize(others == 0
                         ? 0
@@ -411,8 +408,7 @@ Bytes encode_model(const ObjectModel& model) {
   ByteWriter w;
   for (const std::size_t word :
        {vertices, triangles, others, order.primitives.size(), model.materials.size(),
-        vertex_code.size(), triangle_code.size(), other_code.size(),
-        std::size_t{layout.streams}}) {
+        vertex_code.size(), triangle_code.size(), other_code.size(), std::size_t{layout.streams}}) {
     w.put(static_cast<std::uint32_t>(word));
   }
   put_range(w, layout.position);

@@ -15,7 +15,7 @@ StoredTilePtr EncodeStage::encode(const RenderedTile& rendered, const ObjectDesc
   const std::size_t offset = static_cast<std::size_t>(rendered.y) * rendered.page->width +
                              static_cast<std::size_t>(rendered.x);
   Tile tile = cut_tile(&rendered.page->rgba[offset * 4], &rendered.page->depth[offset],
-                             rendered.page->width, capture, object);
+                       rendered.page->width, capture, object);
   tile.measure.lod_error = tile_lod_error(object.lods, capture);
   auto stored = std::make_shared<StoredTile>();
   stored->planes = encode_tile_planes(tile, codec);

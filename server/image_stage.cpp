@@ -7,8 +7,8 @@ namespace mirage {
 Bytes ImageStage::encode(const PreparedScene& scene, const ImageLevel& level) {
   const ImageDescription& description = scene.images[level.image];
   const Image reduced =
-      gl::reduced_image(scene.scene.images[level.image],
-                        image_level_size(description, level.level), description.alpha_cutoff);
+      gl::reduced_image(scene.scene.images[level.image], image_level_size(description, level.level),
+                        description.alpha_cutoff);
   Result<Bytes> encoded = encode_image(reduced);
   return encoded ? encoded.take() : Bytes{};
 }

@@ -108,8 +108,8 @@ class SessionHub {
   BoundedQueue<ImageLevel>& image_jobs_;
   /// Who waits for an image that is being encoded: session and request.
   std::map<ImageLevel, std::vector<std::pair<SessionId, std::uint32_t>>> image_waiters_;
-  std::map<ImageLevel, Bytes> images_;    ///< encoded, at most kImageCacheBytes
-  std::deque<ImageLevel> image_order_;    ///< oldest first
+  std::map<ImageLevel, Bytes> images_;  ///< encoded, at most kImageCacheBytes
+  std::deque<ImageLevel> image_order_;  ///< oldest first
   std::size_t image_bytes_ = 0;
   std::map<SessionId, Session> sessions_;
   std::set<SessionId> writable_;

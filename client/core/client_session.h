@@ -30,9 +30,9 @@ struct ClientOptions {
   int atlas_layers = 24;
   std::string token;
   std::string name = "mirage-view";
-  std::size_t max_mesh_bytes = 64u << 20;       ///< of one reply, decompressed
+  std::size_t max_mesh_bytes = 64u << 20;      ///< of one reply, decompressed
   std::size_t mesh_budget_bytes = 256u << 20;  ///< graphics memory for geometry and its images
-  bool trace = false;  ///< keep every tile's life
+  bool trace = false;                          ///< keep every tile's life
 };
 
 struct ReferenceFrame {

@@ -67,8 +67,8 @@ void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, co
   for (const auto& [mesh, instances] : by_mesh) {
     const auto found = meshes_.find(mesh);
     if (found == meshes_.end()) continue;
-    mesh_pass_->draw(found->second.mesh, found->second.materials, images_,
-                     instances.data(), instances.size(), blended);
+    mesh_pass_->draw(found->second.mesh, found->second.materials, images_, instances.data(),
+                     instances.size(), blended);
   }
   mesh_pass_->end();
 }

@@ -45,7 +45,7 @@ class FrameRenderer {
   gl::SkyPass sky_;
   std::unique_ptr<gl::MeshPass> mesh_pass_ = std::make_unique<gl::MeshPass>(false);
   std::map<std::pair<std::uint32_t, std::uint8_t>, ClientMesh> meshes_;  ///< by object and level
-  gl::GpuImages images_;                                                ///< of the scene
+  gl::GpuImages images_;                                                 ///< of the scene
   int draw_calls_ = 0;
 };
 

@@ -32,12 +32,13 @@ double median_uv_per_unit(const Mesh& mesh, const Primitive& p, const TextureRef
   const std::uint32_t step = 3 * std::max(1u, p.index_count / 3 / 512);
   for (std::uint32_t i = 0; i + 2 < p.index_count; i += step) {
     const Vertex* v[3];
-    for (std::uint32_t k = 0; k < 3; ++k) v[k] = &mesh.vertices[mesh.indices[p.first_index + i + k]];
+    for (std::uint32_t k = 0; k < 3; ++k)
+      v[k] = &mesh.vertices[mesh.indices[p.first_index + i + k]];
     const auto uv = [&](int k) { return (map.uv_set == 1 ? v[k]->uv1 : v[k]->uv0) * map.scale; };
     const glm::vec2 a = uv(1) - uv(0), b = uv(2) - uv(0);
     const double uv_area = std::abs(double{a.x} * b.y - double{a.y} * b.x);
-    const double area = double{glm::length(
-        glm::cross(v[1]->position - v[0]->position, v[2]->position - v[0]->position))};
+    const double area = double{
+        glm::length(glm::cross(v[1]->position - v[0]->position, v[2]->position - v[0]->position))};
     if (area > 0) ratios.push_back(std::sqrt(uv_area / area));
   }
   if (ratios.empty()) return 0;
@@ -76,13 +77,12 @@ double px_per_unit(const SceneView& scene, const Camera& camera, std::uint32_t i
   const ObjectDescription& object = scene.objects[view.object];
   const double scale = view.world_from_object.scale;
   const glm::dvec3 to_eye = camera.pose.eye - view.center;
-  const glm::dvec3 eye = glm::dvec3(object.center) +
-                         glm::conjugate(glm::dquat(view.world_from_object.rotation)) * to_eye /
-                             scale;
+  const glm::dvec3 eye =
+      glm::dvec3(object.center) +
+      glm::conjugate(glm::dquat(view.world_from_object.rotation)) * to_eye / scale;
   // The box lies closer around flat things (a terrain) than the sphere.
-  const glm::dvec3 outside =
-      glm::max(glm::max(glm::dvec3(object.box_min) - eye, eye - glm::dvec3(object.box_max)),
-               glm::dvec3(0));
+  const glm::dvec3 outside = glm::max(
+      glm::max(glm::dvec3(object.box_min) - eye, eye - glm::dvec3(object.box_max)), glm::dvec3(0));
   const double to_sphere = glm::length(to_eye) / scale - double{object.radius};
   const double nearest =
       std::max({glm::length(outside), to_sphere, kNearest * double{object.radius}});
@@ -125,8 +125,8 @@ void MeshCache::choose(const SceneView& scene, const Camera& camera, double tau_
   for (DrawnMesh& mesh : meshes) {
     const std::uint32_t index = scene.instances[mesh.instance].object;
     Object& object = objects_[index];
-    const std::size_t fit = lod_for_view(scene.objects[index].lods,
-                                         px_per_unit(scene, camera, mesh.instance), tau_px);
+    const std::size_t fit =
+        lod_for_view(scene.objects[index].lods, px_per_unit(scene, camera, mesh.instance), tau_px);
     std::size_t best = object.lods.size();
     for (std::size_t i = 0; i < object.lods.size(); ++i) {
       if (!object.lods[i].resident) continue;
@@ -207,8 +207,8 @@ void MeshCache::need_mesh(const SceneView& scene, const Wanted& want, double tau
       break;
     }
   }
-  const double gain = want.surrounds && shown == kInfinity ? kInfinity
-                                                           : std::min(shown, want.size_px);
+  const double gain =
+      want.surrounds && shown == kInfinity ? kInfinity : std::min(shown, want.size_px);
   out.push_back({{AssetId::Kind::kMesh, want.object, static_cast<std::uint8_t>(first)},
                  gain,
                  static_cast<double>(lods[first].bytes + kReplyBytes)});
@@ -258,8 +258,8 @@ void MeshCache::need_images(const SceneView& scene, const Wanted& want, std::int
   }
 }
 
-std::vector<AssetNeed> MeshCache::needs(const SceneView& scene, const Camera& camera,
-                                        double tau_px, std::int64_t now_us,
+std::vector<AssetNeed> MeshCache::needs(const SceneView& scene, const Camera& camera, double tau_px,
+                                        std::int64_t now_us,
                                         const std::vector<std::uint32_t>& instances) {
   std::vector<AssetNeed> out;
   for (const Wanted& want : wanted(scene, camera, instances)) {

@@ -135,7 +135,9 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
 }
 
 bool ModelledLink::owed() const {
-  if (owed_welcome_ || owed_images_ > 0 || owed_objects_ > 0 || owed_instances_ > 0 || owed_reference_) return true;
+  if (owed_welcome_ || owed_images_ > 0 || owed_objects_ > 0 || owed_instances_ > 0 ||
+      owed_reference_)
+    return true;
   if (!assets_asked_us_.empty()) return true;
   return std::any_of(asks_.begin(), asks_.end(),
                      [](const auto& entry) { return !entry.second.answered; });
@@ -231,7 +233,8 @@ void ModelledLink::run_server(std::int64_t now) {
     // In real time the server has really spent it already.
     const std::int64_t cost = blocking_ ? std::llround(cost_ms * 1000.0) : 0;
     server_free_us_ = start + cost;
-    ready_.emplace(std::make_pair(server_free_us_, 0u), Ready{server_free_us_, false, std::move(ask.reply)});
+    ready_.emplace(std::make_pair(server_free_us_, 0u),
+                   Ready{server_free_us_, false, std::move(ask.reply)});
   }
 }
 

@@ -77,7 +77,7 @@ class ModelledLink final : public Link {
   const bool blocking_;
   std::function<bool()> wait_;
   std::uint64_t random_;
-  std::map<std::uint32_t, Ask> asks_;         ///< at or on the way to the server, by request id
+  std::map<std::uint32_t, Ask> asks_;  ///< at or on the way to the server, by request id
   /// Waiting for the downlink, by time; equal times by request (0: none), whichever reply really
   /// came first.
   std::multimap<std::pair<std::int64_t, std::uint32_t>, Ready> ready_;

@@ -23,8 +23,8 @@ struct InstanceView {
 
 class SceneView {
  public:
-  /// Takes Welcome, ImagePage, ObjectPage and InstancePage. Errors: kWireState when pages do not follow on,
-  /// kWireValue when they refer to what is not there.
+  /// Takes Welcome, ImagePage, ObjectPage and InstancePage. Errors: kWireState when pages do not
+  /// follow on, kWireValue when they refer to what is not there.
   Result<void> accept(const wire::WelcomeT& welcome);
   Result<void> accept(const wire::ImagePageT& page);
   Result<void> accept(const wire::ObjectPageT& page);

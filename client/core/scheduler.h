@@ -74,15 +74,15 @@ class Scheduler {
   std::map<std::uint32_t, PendingAsk> pending_;              ///< by request id
   std::map<std::uint32_t, std::uint32_t> pending_instance_;  ///< instance -> request id
   std::map<std::uint32_t, std::int64_t> not_before_us_;      ///< instances that were refused
-  std::map<std::uint32_t, PendingAsset> assets_pending_;  ///< by request id
+  std::map<std::uint32_t, PendingAsset> assets_pending_;     ///< by request id
   std::set<AssetId> assets_under_way_;
   std::map<AssetId, std::int64_t> assets_not_before_us_;  ///< refused
   std::deque<Arrival> arrivals_;                          ///< of the last second
   std::deque<std::int64_t> round_trips_us_;
   std::int64_t shortest_trip_us_ = 0;
   double bytes_per_texel_ = 0.7;
-  double in_flight_bytes_ = 0;  ///< of tiles
-  double asset_bytes_ = 0;      ///< of geometry and images, in flight
+  double in_flight_bytes_ = 0;        ///< of tiles
+  double asset_bytes_ = 0;            ///< of geometry and images, in flight
   std::uint64_t received_bytes_ = 0;  ///< of tiles, on this connection
   std::uint32_t next_request_ = 1;
   std::uint64_t asked_ = 0;

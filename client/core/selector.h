@@ -38,8 +38,8 @@ struct DrawList {
   std::vector<DrawnImpostor> impostors;
   std::vector<DrawnPlaceholder> placeholders;
   std::vector<DrawnMesh> meshes;
-  std::size_t visible = 0;            ///< instances in view and large enough to matter
-  std::size_t over_tau = 0;           ///< of them, drawn with a bound above tau or from no tile
+  std::size_t visible = 0;   ///< instances in view and large enough to matter
+  std::size_t over_tau = 0;  ///< of them, drawn with a bound above tau or from no tile
 };
 
 /// A tile worth asking for.

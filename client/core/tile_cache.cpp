@@ -54,7 +54,8 @@ double TileRecord::bound_px(DrawMethod method, const ObjectDescription& descript
                             const ViewGeometry& view) const {
   const CaptureGeometry geometry = capture.geometry();
   return position_bound_px(view, geometry, drawn_depth(method, description)) +
-         footprint_px(texel_size_px(view, geometry, capture.edge)) + lod_error_px(view, measure.lod_error);
+         footprint_px(texel_size_px(view, geometry, capture.edge)) +
+         lod_error_px(view, measure.lod_error);
 }
 
 bool TileGroup::empty_from(const glm::dvec3& eye) const {

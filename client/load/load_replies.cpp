@@ -107,8 +107,7 @@ Result<void> LoadRun::take_page(Client& c, std::uint32_t client, const MessageVi
   if (client == kScout) {
     Result<void> taken;
     if (message.type() == wire::Body::ImagePage) {
-      const std::unique_ptr<wire::ImagePageT> page(
-          message.control().body_as_ImagePage()->UnPack());
+      const std::unique_ptr<wire::ImagePageT> page(message.control().body_as_ImagePage()->UnPack());
       taken = scene_.accept(*page);
     } else if (message.type() == wire::Body::ObjectPage) {
       const std::unique_ptr<wire::ObjectPageT> page(

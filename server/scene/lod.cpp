@@ -15,20 +15,20 @@
 namespace mirage {
 namespace {
 
-constexpr double kShare = 1.0 / 3.0;          // of the triangles, from level to level
-constexpr double kWorthAnother = 0.85;        // a level that keeps more than this share is no gain
-constexpr std::size_t kFewTriangles = 64;     // small enough: the chain ends
-constexpr double kFirstError = 0.002;         // of the extent: what the first level may be off
-constexpr double kErrorGrowth = 2.5;          // from level to level
-constexpr double kMostError = 0.1;            // of the extent: beyond, the shape is gone
-constexpr int kTries = 4;                     // to keep to it: the simplifier only estimates
-constexpr int kSteps = 12;                    // towards fewer triangles; some give no level
+constexpr double kShare = 1.0 / 3.0;       // of the triangles, from level to level
+constexpr double kWorthAnother = 0.85;     // a level that keeps more than this share is no gain
+constexpr std::size_t kFewTriangles = 64;  // small enough: the chain ends
+constexpr double kFirstError = 0.002;      // of the extent: what the first level may be off
+constexpr double kErrorGrowth = 2.5;       // from level to level
+constexpr double kMostError = 0.1;         // of the extent: beyond, the shape is gone
+constexpr int kTries = 4;                  // to keep to it: the simplifier only estimates
+constexpr int kSteps = 12;                 // towards fewer triangles; some give no level
 constexpr std::size_t kSampledVertices = 20'000;
 constexpr std::size_t kSampledTriangles = 5'000;
 constexpr std::size_t kFoliagePieces = 8;     // fewer pieces are seen one by one
 constexpr std::size_t kPieceTriangles = 64;   // larger pieces on average are surfaces
 constexpr double kLeastFoliage = 1.0 / 16.0;  // pieces are then four times as large
-constexpr std::size_t kSoupIndices = 3'000;    // below, hard edges may well be meant
+constexpr std::size_t kSoupIndices = 3'000;   // below, hard edges may well be meant
 constexpr double kSoupShare = 0.8;            // vertices an index; a box of quads has 0.67
 constexpr int kFruitless = 3;                 // steps without a level: the chain ends
 constexpr std::size_t kSampledPieces = 2'000;
@@ -52,8 +52,7 @@ Part extract(const Mesh& mesh, const Primitive& primitive) {
   Part part{primitive.kind, primitive.material, {}, {}};
   std::vector<std::uint32_t> place(mesh.vertices.size(), UINT32_MAX);
   const bool triangles = primitive.kind == PrimitiveKind::kTriangles;
-  const std::uint32_t count =
-      triangles ? primitive.index_count / 3 * 3 : primitive.index_count;
+  const std::uint32_t count = triangles ? primitive.index_count / 3 * 3 : primitive.index_count;
   part.indices.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t v = mesh.indices[primitive.first_index + i];
@@ -210,10 +209,10 @@ double surface_error(const Part& part, const SurfaceTree& full,
   const std::size_t triangles = coarse.size() / 3;
   const std::size_t stride = std::max<std::size_t>(1, triangles / kSampledTriangles);
   for (std::size_t t = 0; t < triangles; t += stride) {
-    const glm::vec3 middle = (part.vertices[coarse[3 * t]].position +
-                              part.vertices[coarse[3 * t + 1]].position +
-                              part.vertices[coarse[3 * t + 2]].position) /
-                             3.0f;
+    const glm::vec3 middle =
+        (part.vertices[coarse[3 * t]].position + part.vertices[coarse[3 * t + 1]].position +
+         part.vertices[coarse[3 * t + 2]].position) /
+        3.0f;
     worst = std::max(worst, full.distance(middle, 4 * radius));
   }
   return worst;
@@ -253,9 +252,9 @@ class Chain {
  private:
   // At most `allowed` away from the full surface, object units.
   void simplify(double share, double allowed, MeshLod& out) {
-    const auto target = static_cast<std::size_t>(
-                            std::ceil(share * static_cast<double>(part_.indices.size() / 3))) *
-                        3;
+    const auto target =
+        static_cast<std::size_t>(std::ceil(share * static_cast<double>(part_.indices.size() / 3))) *
+        3;
     double aim = allowed;
     for (int i = 0; i < kTries && coarse_.size() > target; ++i, aim *= 0.4) {
       std::vector<std::uint32_t> next(coarse_.size());
@@ -281,8 +280,7 @@ class Chain {
   void thin(double share, MeshLod& out) const {
     std::size_t kept = 0;
     for (const Piece& piece : pieces_) kept += piece.rank < share;
-    const double scale =
-        std::sqrt(static_cast<double>(pieces_.size()) / static_cast<double>(kept));
+    const double scale = std::sqrt(static_cast<double>(pieces_.size()) / static_cast<double>(kept));
     std::vector<Vertex> vertices = part_.vertices;
     std::vector<std::uint32_t> indices;
     std::vector<bool> moved(vertices.size(), false);
@@ -304,12 +302,12 @@ class Chain {
   }
 
   Part part_;
-  std::vector<std::uint32_t> coarse_;  ///< indices of the present level
-  std::vector<Piece> pieces_;          ///< of foliage only
-  std::optional<SurfaceTree> surface_; ///< of the full primitive; empty for foliage
-  double scale_ = 0;                   ///< what the simplifier's errors are relative to
-  double estimate_ = 0;                ///< sum of the simplifier's errors, object units
-  double error_ = 0;                   ///< of the present level
+  std::vector<std::uint32_t> coarse_;   ///< indices of the present level
+  std::vector<Piece> pieces_;           ///< of foliage only
+  std::optional<SurfaceTree> surface_;  ///< of the full primitive; empty for foliage
+  double scale_ = 0;                    ///< what the simplifier's errors are relative to
+  double estimate_ = 0;                 ///< sum of the simplifier's errors, object units
+  double error_ = 0;                    ///< of the present level
 };
 
 double extent_of(const Mesh& mesh) {

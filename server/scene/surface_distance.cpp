@@ -55,8 +55,7 @@ SurfaceTree::SurfaceTree(const std::vector<Vertex>& vertices,
   if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()), centers);
 }
 
-void SurfaceTree::build(std::uint32_t first, std::uint32_t count,
-                        std::vector<glm::vec3>& centers) {
+void SurfaceTree::build(std::uint32_t first, std::uint32_t count, std::vector<glm::vec3>& centers) {
   const std::size_t at = nodes_.size();
   nodes_.emplace_back();
   Node node;

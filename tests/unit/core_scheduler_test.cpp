@@ -4,9 +4,9 @@
 #include <cmath>
 #include <set>
 
+#include "client/core/scheduler.h"
 #include "protocol/limits.h"
 #include "tests/unit/core_scene.h"
-#include "client/core/scheduler.h"
 
 namespace mirage::test {
 namespace {
@@ -95,8 +95,8 @@ TEST_F(CoreScheduler, CancelsWhatIsNoLongerNeeded) {
   ASSERT_TRUE(first);
   const auto second = plan(needs(2, 2), 10'000);
   ASSERT_TRUE(second);
-  EXPECT_EQ(second->cancels, (std::vector<std::uint32_t>{first->asks[2].request_id(),
-                                                         first->asks[3].request_id()}));
+  EXPECT_EQ(second->cancels,
+            (std::vector<std::uint32_t>{first->asks[2].request_id(), first->asks[3].request_id()}));
   EXPECT_EQ(scheduler.in_flight(), 2u);
   EXPECT_FALSE(scheduler.finish(first->asks[2].request_id(), 1000, 20'000)) << "cancelled";
   EXPECT_TRUE(scheduler.finish(first->asks[0].request_id(), 1000, 20'000));

@@ -95,8 +95,8 @@ TEST(CoreSelector, TexelsKeepUpWithPixels) {
 TEST(CoreSelector, TurningTheHeadKeepsTheKey) {
   SelectorWorld world = one_ball();
   const auto need = [&] {
-    return need_for_view(view_geometry(world.camera, world.scene.instances[0],
-                                       world.scene.objects[0]), 1);
+    return need_for_view(
+        view_geometry(world.camera, world.scene.instances[0], world.scene.objects[0]), 1);
   };
   const TileNeed ahead = need();
   for (double yaw = -0.8; yaw <= 0.8; yaw += 0.05) {

@@ -1,4 +1,5 @@
-// Levels of detail: fewer triangles each, errors that brute force confirms, foliage that keeps cover.
+// Levels of detail: fewer triangles each, errors that brute force confirms, foliage that keeps
+// cover.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -70,8 +71,8 @@ TEST(ServerLod, TreeFindsTheNearest) {
   const auto scene = load_scene("builtin:knot?tubular=40&radial=12").take();
   const Mesh& mesh = scene->scene.objects[0].mesh;
   const SurfaceTree tree(mesh.vertices, mesh.indices);
-  const Primitive all{PrimitiveKind::kTriangles, 0,
-                      static_cast<std::uint32_t>(mesh.indices.size()), 0};
+  const Primitive all{PrimitiveKind::kTriangles, 0, static_cast<std::uint32_t>(mesh.indices.size()),
+                      0};
   std::mt19937 random(4);
   std::uniform_real_distribution<float> any(-3, 3);
   for (int i = 0; i < 200; ++i) {
@@ -163,8 +164,8 @@ TEST(ServerLod, TriangleSoupIsSimplifiedToo) {
     v.normal = glm::normalize(v.normal + 0.01f * static_cast<float>(soup.indices.size() % 7));
     soup.vertices.push_back(v);
   }
-  soup.primitives = {{PrimitiveKind::kTriangles, 0,
-                      static_cast<std::uint32_t>(soup.indices.size()), 0}};
+  soup.primitives = {
+      {PrimitiveKind::kTriangles, 0, static_cast<std::uint32_t>(soup.indices.size()), 0}};
   const std::vector<MeshLod> lods = build_lods(soup, std::vector<Material>(1));
   ASSERT_GE(lods.size(), 2u);
   EXPECT_LT(triangles(lods.back().mesh), triangles(soup) / 8);

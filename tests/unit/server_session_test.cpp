@@ -291,7 +291,8 @@ TEST_F(ServerSession, GeometryComesByLevel) {
   ASSERT_GE(levels, 1);
   const auto last = static_cast<std::uint8_t>(levels - 1);
   wire::RequestBatchT batch;
-  batch.mesh_asks = {wire::MeshAsk(1, 0, last), wire::MeshAsk(2, 1, 0), wire::MeshAsk(3, 0, levels)};
+  batch.mesh_asks = {wire::MeshAsk(1, 0, last), wire::MeshAsk(2, 1, 0),
+                     wire::MeshAsk(3, 0, levels)};
   ASSERT_TRUE(send(id, std::move(batch)).ok());
   const std::vector<Message> messages = drain(id);
   ASSERT_EQ(messages.size(), 3u);
