@@ -223,13 +223,13 @@ Bytes unique_vertices(const ObjectModel& model, const Layout& layout, Ordered& o
   all.bytes.reserve(model.mesh.vertices.size() * stride);
   for (const Vertex& v : model.mesh.vertices) put_vertex(all, v, layout);
   std::vector<std::uint32_t> remap(model.mesh.vertices.size());
-  if (!order.indices.empty()) {
-    count = meshopt_generateVertexRemap(remap.data(), order.indices.data(), order.indices.size(),
-                                        all.bytes.data(), remap.size(), stride);
+  // Without indices: those of lines and points need not come in threes.
+  if (!remap.empty()) {
+    count = meshopt_generateVertexRemap(remap.data(), nullptr, remap.size(), all.bytes.data(),
+                                        remap.size(), stride);
   }
   Bytes joined(count * stride);
   for (std::size_t i = 0; i < remap.size(); ++i) {
-    if (remap[i] == UINT32_MAX) continue;
     std::copy_n(all.bytes.begin() + static_cast<std::ptrdiff_t>(i * stride), stride,
                 joined.begin() + static_cast<std::ptrdiff_t>(remap[i] * stride));
   }
@@ -245,7 +245,7 @@ Bytes unique_vertices(const ObjectModel& model, const Layout& layout, Ordered& o
   Bytes out;
   out.reserve(joined.size());
   std::uint32_t next = 0;
-  for (std::uint32_t& i : order.indices) {
+  for (std::uint32_t& i : order.indices) {  // what no index uses is left out here
     if (place[i] == UINT32_MAX) {
       place[i] = next++;
       const auto from = joined.begin() + static_cast<std::ptrdiff_t>(i * stride);
@@ -253,6 +253,7 @@ Bytes unique_vertices(const ObjectModel& model, const Layout& layout, Ordered& o
     }
     i = place[i];
   }
+  count = next;
   return out;
 }
 

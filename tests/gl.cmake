@@ -1,5 +1,5 @@
 # Drawing, on whatever GL there is (llvmpipe will do).
-add_executable(mirage_gl_tests gl/fidelity_test.cpp)
+add_executable(mirage_gl_tests gl/fidelity_test.cpp gl/geometry_test.cpp)
 mirage_target(mirage_gl_tests)
 target_link_libraries(mirage_gl_tests PRIVATE mirage_server_core mirage_client_core mirage_quality
                       GTest::gtest_main)

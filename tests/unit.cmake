@@ -3,6 +3,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_cache_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_camera_path_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_group_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/core_mesh_cache_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_modelled_link_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_predictor_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_scheduler_test.cpp
@@ -10,10 +11,11 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_tau_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_grouping_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_hull_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_lod_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_queue_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_store_test.cpp)
 mirage_target(mirage_core_tests)
-target_link_libraries(mirage_core_tests PRIVATE mirage_client_core mirage_server_core mirage_hull
+target_link_libraries(mirage_core_tests PRIVATE mirage_client_core mirage_server_core mirage_hull mirage_lod
                       GTest::gtest_main)
 add_test(NAME core COMMAND mirage_core_tests)

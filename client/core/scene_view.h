@@ -35,8 +35,7 @@ class SceneView {
   };
 
   /// Takes Welcome, ImagePage, ObjectPage and InstancePage. Errors: kWireState when pages do not
-  /// follow on,
-  /// kWireValue when they refer to what is not there.
+  /// follow on, kWireValue when they refer to what is not there.
   Result<void> accept(const wire::WelcomeT& welcome);
   Result<void> accept(const wire::ImagePageT& page);
   Result<void> accept(const wire::ObjectPageT& page);

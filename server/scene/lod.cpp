@@ -28,6 +28,9 @@ constexpr std::size_t kSampledTriangles = 5'000;
 constexpr std::size_t kFoliagePieces = 8;     // fewer pieces are seen one by one
 constexpr std::size_t kPieceTriangles = 64;   // larger pieces on average are surfaces
 constexpr double kLeastFoliage = 1.0 / 16.0;  // pieces are then four times as large
+constexpr std::size_t kSoupIndices = 3'000;   // below, hard edges may well be meant
+constexpr double kSoupShare = 0.8;            // vertices an index; a box of quads has 0.67
+constexpr int kFruitless = 3;                 // steps without a level: the chain ends
 constexpr std::size_t kSampledPieces = 2'000;
 
 /// One primitive on its own vertices.
@@ -48,8 +51,10 @@ struct Piece {
 Part extract(const Mesh& mesh, const Primitive& primitive) {
   Part part{primitive.kind, primitive.material, {}, {}};
   std::vector<std::uint32_t> place(mesh.vertices.size(), UINT32_MAX);
-  part.indices.reserve(primitive.index_count);
-  for (std::uint32_t i = 0; i < primitive.index_count; ++i) {
+  const bool triangles = primitive.kind == PrimitiveKind::kTriangles;
+  const std::uint32_t count = triangles ? primitive.index_count / 3 * 3 : primitive.index_count;
+  part.indices.reserve(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t v = mesh.indices[primitive.first_index + i];
     if (place[v] == UINT32_MAX) {
       place[v] = static_cast<std::uint32_t>(part.vertices.size());
@@ -139,6 +144,35 @@ bool is_foliage(const Material& material, const Part& part, const std::vector<Pi
          part.indices.size() / 3 <= pieces.size() * kPieceTriangles;
 }
 
+// Every triangle has vertices of its own: flat-shaded scans come so. Nothing would collapse.
+bool is_soup(const Part& part) {
+  return part.indices.size() >= kSoupIndices &&
+         static_cast<double>(part.vertices.size()) >
+             kSoupShare * static_cast<double>(part.indices.size());
+}
+
+// Vertices joined that differ in normal and tangent only, with the mean of both.
+Part welded(const Part& part) {
+  const meshopt_Stream streams[] = {
+      {&part.vertices[0].position, sizeof(glm::vec3), sizeof(Vertex)},
+      {&part.vertices[0].uv0, 2 * sizeof(glm::vec2) + sizeof(glm::u16vec4), sizeof(Vertex)}};
+  std::vector<std::uint32_t> remap(part.vertices.size());
+  const std::size_t count = meshopt_generateVertexRemapMulti(
+      remap.data(), part.indices.data(), part.indices.size(), remap.size(), streams, 2);
+  Part out{part.kind, part.material, std::vector<Vertex>(count), {}};
+  std::vector<glm::vec3> normals(count, glm::vec3(0));
+  for (std::size_t i = 0; i < remap.size(); ++i) {
+    out.vertices[remap[i]] = part.vertices[i];
+    normals[remap[i]] += part.vertices[i].normal;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const float length = glm::length(normals[i]);
+    if (length > 1e-6f) out.vertices[i].normal = normals[i] / length;
+  }
+  for (const std::uint32_t i : part.indices) out.indices.push_back(remap[i]);
+  return out;
+}
+
 /// How far 95 % of the dropped pieces are from a kept one.
 float spread_of(const std::vector<Piece>& pieces, double share) {
   std::vector<glm::vec3> kept;
@@ -192,6 +226,10 @@ class Chain {
     pieces_ = pieces_of(part_);
     if (is_foliage(material, part_, pieces_)) return;
     pieces_.clear();
+    if (is_soup(part_)) {
+      part_ = welded(part_);
+      coarse_ = part_.indices;
+    }
     surface_.emplace(part_.vertices, part_.indices);
     scale_ = double{meshopt_simplifyScale(&part_.vertices[0].position.x, part_.vertices.size(),
                                           sizeof(Vertex))};
@@ -263,7 +301,7 @@ class Chain {
     append(out.mesh, part_, vertices, indices);
   }
 
-  const Part part_;
+  Part part_;
   std::vector<std::uint32_t> coarse_;   ///< indices of the present level
   std::vector<Piece> pieces_;           ///< of foliage only
   std::optional<SurfaceTree> surface_;  ///< of the full primitive; empty for foliage
@@ -297,20 +335,26 @@ std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& m
   if (triangles <= kFewTriangles) return lods;
   std::vector<std::unique_ptr<Chain>> chains;
   for (const Primitive& p : full.primitives) {
-    if (p.index_count == 0) continue;
-    chains.push_back(std::make_unique<Chain>(extract(full, p), materials[p.material]));
+    Part part = extract(full, p);
+    if (part.indices.empty()) continue;
+    chains.push_back(std::make_unique<Chain>(std::move(part), materials[p.material]));
   }
   std::stable_partition(chains.begin(), chains.end(),
                         [](const std::unique_ptr<Chain>& chain) { return chain->foliage(); });
   double share = 1, allowed = kFirstError * extent_of(full);
   const double most = kMostError * extent_of(full);
+  int fruitless = 0;
   for (int i = 0; i < kSteps && lods.size() + 1 < limits::kMaxLods; ++i) {
     share *= kShare;
     MeshLod lod;
     for (const std::unique_ptr<Chain>& chain : chains) chain->add_level(share, allowed, lod);
     allowed = std::min(allowed * kErrorGrowth, most);
     const std::size_t left = triangle_count(lod.mesh);
-    if (static_cast<double>(left) > kWorthAnother * static_cast<double>(triangles)) continue;
+    if (static_cast<double>(left) > kWorthAnother * static_cast<double>(triangles)) {
+      if (++fruitless == kFruitless) break;
+      continue;
+    }
+    fruitless = 0;
     triangles = left;
     lods.push_back(std::move(lod));
     if (triangles <= kFewTriangles) break;

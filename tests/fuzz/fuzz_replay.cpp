@@ -25,7 +25,8 @@ struct Target {
 
 constexpr Target kTargets[] = {{"message", mirage::fuzz::run_message},
                                {"tile", mirage::fuzz::run_tile},
-                               {"model", mirage::fuzz::run_model}};
+                               {"model", mirage::fuzz::run_model},
+                               {"image", mirage::fuzz::run_image}};
 
 Bytes read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);

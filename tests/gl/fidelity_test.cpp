@@ -125,7 +125,8 @@ class Bench {
     Counters counters;
     TileQueue queue(clock, counters);
     TileStore store(1 << 20, "", counters);
-    SessionHub hub(prepared_, {}, clock, counters, queue, store);
+    BoundedQueue<ImageLevel> image_jobs(16);
+    SessionHub hub(prepared_, {}, clock, counters, queue, store, image_jobs);
     const SessionId id = hub.open().take();
     wire::HelloT hello;
     hello.version_min = hello.version_max = limits::kProtocolVersion;
@@ -136,6 +137,9 @@ class Bench {
       Message m = decode_message(frame->data(), frame->size()).take();
       if (m.body.AsWelcome()) {
         EXPECT_TRUE(scene_.accept(*m.body.AsWelcome()));
+      }
+      if (m.body.AsImagePage()) {
+        EXPECT_TRUE(scene_.accept(*m.body.AsImagePage()));
       }
       if (m.body.AsObjectPage()) {
         EXPECT_TRUE(scene_.accept(*m.body.AsObjectPage()));

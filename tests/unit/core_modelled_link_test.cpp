@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <set>
 
 #include "client/core/modelled_link.h"
 
@@ -29,6 +30,7 @@ class InstantServer final : public Link {
       ready_.push_back(std::move(welcome));
     }
     if (const wire::RequestBatchT* batch = message->body.AsRequestBatch()) {
+      answer_geometry(*batch);
       for (const wire::Ask& ask : batch->asks) {
         wire::TileReplyT reply;
         reply.request_id = ask.request_id();
@@ -37,6 +39,24 @@ class InstantServer final : public Link {
         answer.payload.resize(kPayload);
         ready_.push_back(std::move(answer));
       }
+    }
+  }
+  void answer_geometry(const wire::RequestBatchT& batch) {
+    for (const wire::MeshAsk& ask : batch.mesh_asks) {
+      wire::MeshReplyT reply;
+      reply.request_id = ask.request_id();
+      Message answer;
+      answer.body.Set(std::move(reply));
+      answer.payload.resize(kPayload);
+      ready_.push_back(std::move(answer));
+    }
+    for (const wire::ImageAsk& ask : batch.image_asks) {
+      wire::ImageReplyT reply;
+      reply.request_id = ask.request_id();
+      Message answer;
+      answer.body.Set(std::move(reply));
+      answer.payload.resize(kPayload / 2);
+      ready_.push_back(std::move(answer));
     }
   }
   std::vector<Message> receive() override {
@@ -81,6 +101,12 @@ struct Session {
         if (const wire::TileReplyT* tile = m.body.AsTileReply()) {
           arrivals.emplace_back(tile->request_id, t);
         }
+        if (const wire::MeshReplyT* mesh = m.body.AsMeshReply()) {
+          arrivals.emplace_back(mesh->request_id, t);
+        }
+        if (const wire::ImageReplyT* image = m.body.AsImageReply()) {
+          arrivals.emplace_back(image->request_id, t);
+        }
       }
     }
   }
@@ -111,8 +137,8 @@ TEST(CoreModelledLink, ArrivalTimes) {
         for (std::uint32_t n = 1; n <= kTiles; ++n) {
           EXPECT_EQ(session.arrivals[n - 1].first, kTiles + 1 - n) << "worst first";
           // Whichever is the slower of server and link sets the pace; the other is passed once.
-          const double expected = up_ms + rtt + std::max(server_ms, down_ms) * n +
-                                  std::min(server_ms, down_ms);
+          const double expected =
+              up_ms + rtt + std::max(server_ms, down_ms) * n + std::min(server_ms, down_ms);
           EXPECT_NEAR(static_cast<double>(session.arrivals[n - 1].second) * 1e-3, expected, 1.0)
               << "tile " << n << " rtt " << rtt << " rate " << rate << " server " << server_ms;
         }
@@ -207,6 +233,32 @@ TEST(CoreModelledLink, CancelCountsHoweverSeldomOneLooks) {
   EXPECT_EQ(session.link.receive().size(), 2u);
 }
 
+TEST(CoreModelledLink, GeometryArrivesWhateverOrderItReallyCameIn) {
+  NetModel model;
+  model.rtt_ms = 50;
+  model.rate_mbps = 10;
+  model.server_ms = 5;
+  std::set<Arrivals> different;
+  for (std::uint32_t scramble = 0; scramble < 8; ++scramble) {
+    Session session(model, scramble);
+    wire::RequestBatchT batch = batch_of(1, 4);
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      batch.mesh_asks.emplace_back(20 + i, i, std::uint8_t{0});
+      batch.image_asks.emplace_back(30 + i, i, std::uint8_t{0});
+    }
+    session.link.send(encode_message(std::move(batch)));
+    session.run_until(400'000);
+    ASSERT_EQ(session.arrivals.size(), 12u);
+    different.insert(session.arrivals);
+  }
+  EXPECT_EQ(different.size(), 1u);
+  // First of the geometry: half a round trip up, its preparation, its bytes, half a trip down.
+  const Arrivals& one = *different.begin();
+  const auto first =
+      std::find_if(one.begin(), one.end(), [](const auto& a) { return a.first == 20; });
+  EXPECT_NEAR(static_cast<double>(first->second) * 1e-3, 50 + 5 + 8, 9.5);
+}
+
 TEST(CoreModelledLink, NothingBetweenIsAtOnce) {
   NetModel model;
   model.server_ms = 0;
@@ -233,7 +285,7 @@ TEST(CoreModelledLink, NewConnectionOwesNothingOfTheOld) {
   Session session(model, 1);
   session.server.mute = true;
   wire::RequestBatchT batch = batch_of(1, 3);
-  batch.mesh_asks = {7};
+  batch.mesh_asks = {wire::MeshAsk(77, 7, 0)};
   session.link.send(encode_message(std::move(batch)));
   wire::ReferenceRequestT reference;
   reference.eye = std::make_unique<wire::Vec3d>();
@@ -258,8 +310,7 @@ TEST(CoreModelledLink, RealTimeDoesNotWait) {
 }
 
 TEST(CoreModelledLink, ParsesModels) {
-  const auto model =
-      parse_net_model("rtt=100,jitter=20.5,rate=20,loss=0.5,server-ms=5,seed=42");
+  const auto model = parse_net_model("rtt=100,jitter=20.5,rate=20,loss=0.5,server-ms=5,seed=42");
   ASSERT_TRUE(model) << model.error().text;
   EXPECT_EQ(model->rtt_ms, 100);
   EXPECT_EQ(model->jitter_ms, 20.5);

@@ -1,11 +1,12 @@
 // Scheduler: the window, one ask per instance, and asks that never come back.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
+#include "client/core/scheduler.h"
 #include "protocol/limits.h"
 #include "tests/unit/core_scene.h"
-#include "client/core/scheduler.h"
 
 namespace mirage::test {
 namespace {
@@ -27,9 +28,12 @@ class CoreScheduler : public ::testing::Test {
     return out;
   }
   std::optional<wire::RequestBatchT> plan(const std::vector<TileNeed>& wanted, std::int64_t now,
-                                          const std::vector<std::uint32_t>& meshes = {},
+                                          const std::vector<AssetNeed>& assets = {},
                                           std::uint32_t lighting = 0) {
-    return scheduler.plan(scene, wanted, meshes, lighting, now);
+    return scheduler.plan(scene, wanted, assets, lighting, now);
+  }
+  static AssetNeed mesh(std::uint32_t object, double bytes = 1000, double gain = 10) {
+    return {{AssetId::Kind::kMesh, object, 0}, gain, bytes};
   }
   const SceneView scene;
   Scheduler scheduler;
@@ -91,8 +95,8 @@ TEST_F(CoreScheduler, CancelsWhatIsNoLongerNeeded) {
   ASSERT_TRUE(first);
   const auto second = plan(needs(2, 2), 10'000);
   ASSERT_TRUE(second);
-  EXPECT_EQ(second->cancels, (std::vector<std::uint32_t>{first->asks[2].request_id(),
-                                                         first->asks[3].request_id()}));
+  EXPECT_EQ(second->cancels,
+            (std::vector<std::uint32_t>{first->asks[2].request_id(), first->asks[3].request_id()}));
   EXPECT_EQ(scheduler.in_flight(), 2u);
   EXPECT_FALSE(scheduler.finish(first->asks[2].request_id(), 1000, 20'000)) << "cancelled";
   EXPECT_TRUE(scheduler.finish(first->asks[0].request_id(), 1000, 20'000));
@@ -142,24 +146,87 @@ TEST_F(CoreScheduler, CreditGrowsWithWhatHasArrived) {
 }
 
 TEST_F(CoreScheduler, GeometryIsAskedForOnce) {
-  EXPECT_EQ(plan({}, 0, {3, 5})->mesh_asks, (std::vector<std::uint32_t>{3, 5}));
-  EXPECT_FALSE(plan({}, 10, {3, 5}));
-  scheduler.mesh_arrived(3);
-  scheduler.mesh_refused(5);
-  EXPECT_EQ(plan({}, 20, {3, 5})->mesh_asks, std::vector<std::uint32_t>{3});
+  const AssetNeed image{{AssetId::Kind::kImage, 3, 1}, 10, 500};
+  const auto first = plan({}, 0, {mesh(3), mesh(5), image});
+  ASSERT_TRUE(first);
+  ASSERT_EQ(first->mesh_asks.size(), 2u);
+  EXPECT_EQ(first->mesh_asks[1].object(), 5u);
+  ASSERT_EQ(first->image_asks.size(), 1u);
+  EXPECT_EQ(first->image_asks[0].level(), 1);
+  EXPECT_FALSE(plan({}, 10, {mesh(3), mesh(5), image}));
+  const auto arrived = scheduler.finish_asset(first->mesh_asks[0].request_id(), 900, 20);
+  ASSERT_TRUE(arrived);
+  EXPECT_EQ(arrived->id.index, 3u);
+  EXPECT_FALSE(scheduler.finish_asset(first->mesh_asks[0].request_id(), 900, 20)) << "twice";
+  scheduler.refuse(first->mesh_asks[1].request_id(), 20);
+  const auto second = plan({}, 30, {mesh(3), mesh(5)});
+  ASSERT_TRUE(second);
+  ASSERT_EQ(second->mesh_asks.size(), 1u) << "what was refused pauses";
+  EXPECT_EQ(second->mesh_asks[0].object(), 3u);
+  EXPECT_EQ(plan({}, 5'000'030, {mesh(5)})->mesh_asks.size(), 1u);
   scheduler.reset();
-  EXPECT_EQ(plan({}, 30, {3, 5})->mesh_asks.size(), 2u);
+  EXPECT_EQ(plan({}, 40, {mesh(3), mesh(5)})->mesh_asks.size(), 2u);
+}
+
+TEST_F(CoreScheduler, GeometryAndTilesShareTheWindow) {
+  std::vector<AssetNeed> meshes;
+  for (std::uint32_t i = 0; i < 500; ++i) meshes.push_back(mesh(i, 4000));
+  const auto batch = plan(needs(1000, 4), 0, meshes);
+  ASSERT_TRUE(batch);
+  const double tiles = static_cast<double>(batch->asks.size()) * (160 + 0.7 * 64 * 64);
+  const double geometry = static_cast<double>(batch->mesh_asks.size()) * 4000;
+  EXPECT_NEAR(tiles, 0.5 * kFirstWindowBytes, 5000);
+  EXPECT_NEAR(geometry, 0.5 * kFirstWindowBytes, 5000);
+  EXPECT_FALSE(plan(needs(1000, 4), 1000, meshes)) << "full for both";
+}
+
+TEST_F(CoreScheduler, OneLargeMeshLeavesTilesHalfTheWindow) {
+  const auto first = plan({}, 0, {mesh(0, 10 * kFirstWindowBytes)});
+  ASSERT_EQ(first->mesh_asks.size(), 1u);
+  const auto second = plan(needs(1000, 4), 10, {mesh(0), mesh(1)});
+  ASSERT_TRUE(second);
+  EXPECT_TRUE(second->mesh_asks.empty());
+  const double tiles = static_cast<double>(second->asks.size()) * (160 + 0.7 * 64 * 64);
+  EXPECT_NEAR(tiles, 0.5 * kFirstWindowBytes, 5000);
+}
+
+TEST_F(CoreScheduler, SurroundingsComeBeforeTiles) {
+  std::vector<AssetNeed> meshes;
+  for (std::uint32_t i = 0; i < 100; ++i) meshes.push_back(mesh(i, 4000, HUGE_VAL));
+  const auto batch = plan(needs(1000, 4), 0, meshes);
+  ASSERT_TRUE(batch);
+  EXPECT_EQ(batch->mesh_asks.size(), 66u) << "the whole window";
+}
+
+// One reply of 2 MB a second after it was asked for is 2 MB a second, not 2 MB in an instant.
+TEST_F(CoreScheduler, ALargeReplyIsNoBurst) {
+  std::int64_t now = 0;
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    const auto batch = plan(needs(1, 4, i), now);
+    ASSERT_TRUE(batch);
+    scheduler.finish(batch->asks[0].request_id(), 3000, now + 100'000);
+    now += 100'000;
+  }
+  const auto asked = plan({}, now, {mesh(0, 2e6)});
+  ASSERT_TRUE(asked);
+  ASSERT_TRUE(scheduler.finish_asset(asked->mesh_asks[0].request_id(), 2'000'000, now + 1'000'000));
+  for (std::uint32_t i = 0; i < 10; ++i) scheduler.finish(9999, 100, now + 1'000'000);
+  const auto batch = plan(needs(1500, 6), now + 1'000'000);
+  ASSERT_TRUE(batch);
+  const double window = 2.0 * 2e6 / 0.9 * 0.2;
+  const double each = 160 + 0.7 * 128 * 128;
+  EXPECT_NEAR(static_cast<double>(batch->asks.size()), window / each, 0.25 * window / each);
 }
 
 TEST_F(CoreScheduler, BatchesKeepTheProtocolsLimits) {
-  std::vector<std::uint32_t> all(3000);
-  for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+  std::vector<AssetNeed> all;
+  for (std::uint32_t i = 0; i < 3000; ++i) all.push_back(mesh(i, 1));
   std::set<std::uint32_t> asked;
   for (int i = 0; i < 4; ++i) {
     const auto batch = plan({}, i, all);
     if (!batch) break;
     EXPECT_LE(batch->mesh_asks.size(), limits::kMaxAsksPerBatch);
-    asked.insert(batch->mesh_asks.begin(), batch->mesh_asks.end());
+    for (const wire::MeshAsk& ask : batch->mesh_asks) asked.insert(ask.object());
   }
   EXPECT_EQ(asked.size(), all.size());
 }

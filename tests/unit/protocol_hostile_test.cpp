@@ -1,6 +1,7 @@
 // Hostile messages: limits, versions, amplification, cuts and flips.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "protocol/message.h"
@@ -25,18 +26,36 @@ Bytes framed(const flatbuffers::FlatBufferBuilder& builder) {
 }
 
 TEST(ProtocolHostile, CountsAreHeldAgainstTheLimits) {
-  const auto batch = [](std::size_t asks, std::size_t cancels, std::size_t meshes) {
+  const auto batch = [](std::size_t asks, std::size_t cancels, std::size_t meshes,
+                        std::size_t images = 0) {
     wire::RequestBatchT m;
     m.asks.resize(asks);
     m.cancels.resize(cancels);
     m.mesh_asks.resize(meshes);
+    m.image_asks.resize(images);
     return decode_error(encode_message(std::move(m)));
   };
   using namespace limits;
-  EXPECT_EQ(batch(kMaxAsksPerBatch, kMaxCancelsPerBatch, kMaxAsksPerBatch), ErrorId::kInternal);
+  EXPECT_EQ(batch(kMaxAsksPerBatch, kMaxCancelsPerBatch, kMaxAsksPerBatch, kMaxAsksPerBatch),
+            ErrorId::kInternal);
   EXPECT_EQ(batch(kMaxAsksPerBatch + 1, 0, 0), ErrorId::kWireLimit);
   EXPECT_EQ(batch(0, kMaxCancelsPerBatch + 1, 0), ErrorId::kWireLimit);
   EXPECT_EQ(batch(0, 0, kMaxAsksPerBatch + 1), ErrorId::kWireLimit);
+  EXPECT_EQ(batch(0, 0, 0, kMaxAsksPerBatch + 1), ErrorId::kWireLimit);
+
+  wire::ImagePageT images = sample_image_page();
+  images.images.resize(kImagesPerPage, images.images[0]);
+  EXPECT_EQ(decode_error(encode_message(wire::ImagePageT(images))), ErrorId::kInternal);
+  images.images.push_back(images.images[0]);
+  EXPECT_EQ(decode_error(encode_message(std::move(images))), ErrorId::kWireLimit);
+  for (const wire::ImageInfo& bad :
+       {wire::ImageInfo(0, 4, 0, 0, true), wire::ImageInfo(4, 0, 0, 0, true),
+        wire::ImageInfo(kMaxImageEdge + 1, 4, 0, 0, true), wire::ImageInfo(4, 4, 0, -1, true),
+        wire::ImageInfo(4, 4, 0, std::nanf(""), true)}) {
+    wire::ImagePageT one;
+    one.images = {bad};
+    EXPECT_EQ(decode_error(encode_message(std::move(one))), ErrorId::kWireValue);
+  }
 
   wire::SetLightingT lighting = sample_set_lighting();
   lighting.lighting->lights.resize(kMaxLights + 1);
@@ -71,6 +90,14 @@ TEST(ProtocolHostile, ObjectsAreHeldAgainstTheLimits) {
   EXPECT_EQ(page([](auto& m) { m.objects[0]->hull_indices.pop_back(); }), ErrorId::kWireLimit);
   EXPECT_EQ(page([](auto& m) { m.objects[0]->hull_indices[5] = 4; }), ErrorId::kWireValue);
   EXPECT_EQ(page([](auto& m) { m.objects[1]->radius = -1; }), ErrorId::kWireValue);
+  EXPECT_EQ(page([](auto& m) { m.objects[1]->lods.resize(kMaxLods); }), ErrorId::kInternal);
+  EXPECT_EQ(page([](auto& m) { m.objects[1]->lods.resize(kMaxLods + 1); }), ErrorId::kWireLimit);
+  for (const float bad : {std::nanf(""), HUGE_VALF, -1.0f}) {
+    EXPECT_EQ(page([&](auto& m) { m.objects[1]->lods = {wire::LodInfo(1, 1, bad, 0)}; }),
+              ErrorId::kWireValue);
+    EXPECT_EQ(page([&](auto& m) { m.objects[1]->lods = {wire::LodInfo(1, 1, 0, bad)}; }),
+              ErrorId::kWireValue);
+  }
 }
 
 TEST(ProtocolHostile, TextsAndTotalsAreHeldAgainstTheLimits) {
@@ -93,6 +120,9 @@ TEST(ProtocolHostile, TextsAndTotalsAreHeldAgainstTheLimits) {
   welcome.objects = limits::kMaxObjects + 1;
   EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(welcome))), ErrorId::kWireLimit);
   welcome.objects = 1;
+  welcome.images = limits::kMaxImages + 1;
+  EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(welcome))), ErrorId::kWireLimit);
+  welcome.images = 1;
   welcome.instances = limits::kMaxInstances + 1;
   EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(welcome))), ErrorId::kWireLimit);
 }

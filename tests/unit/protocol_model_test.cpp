@@ -1,191 +1,336 @@
-// The geometry of one object on the wire.
+// The geometry of one level, and images, on the wire.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>
 #include <random>
 
+#include "protocol/image_codec.h"
 #include "protocol/limits.h"
+#include "protocol/material_codec.h"
 #include "protocol/model_codec.h"
 
 namespace mirage::test {
 namespace {
 
-ObjectModel small_model() {
+constexpr std::size_t kImages = 2;
+constexpr std::size_t kHeaderBytes = 9 * 4 + 6 * 4 + 4 * 4 + 4 * 4;
+constexpr std::size_t kPrimitiveBytes = 12;
+
+/// A bumpy sheet of n x n quads with every stream in use.
+ObjectModel sheet(std::uint32_t n) {
   ObjectModel model;
-  model.mesh.vertices.resize(3);
-  model.mesh.vertices[1].position = {1, 2, 3};
-  model.mesh.vertices[2].uv1 = {0.5f, 0.25f};
-  model.mesh.vertices[2].color = {1, 2, 3, 4};
-  model.mesh.indices = {0, 1, 2};
-  model.mesh.primitives = {{PrimitiveKind::kTriangles, 0, 3, 1}, {PrimitiveKind::kLines, 1, 2, 0}};
-  model.images.resize(2);
-  model.images[0] = {2, 1, true, {1, 2, 3, 4, 5, 6, 7, 8}};
-  model.images[1] = {1, 1, false, {9, 10, 11, 12}};
+  for (std::uint32_t y = 0; y <= n; ++y) {
+    for (std::uint32_t x = 0; x <= n; ++x) {
+      const glm::vec2 at = glm::vec2(x, y) / static_cast<float>(n);
+      Vertex v;
+      v.position = {3 * at.x, 0.2f * std::sin(9 * at.x) * std::cos(7 * at.y), 5 * at.y - 2};
+      v.normal = glm::normalize(glm::vec3(std::sin(5 * at.x), 1 - 2 * at.y, std::cos(4 * at.y)));
+      v.tangent = glm::vec4(glm::normalize(glm::vec3(1, at.x, at.y - 0.5f)), x % 2 ? 1.0f : -1.0f);
+      v.uv0 = 8.0f * at - 2.0f;
+      v.uv1 = at;
+      v.color = {x * 65535 / n, y * 65535 / n, 300, 65535};
+      model.mesh.vertices.push_back(v);
+    }
+  }
+  for (std::uint32_t y = 0; y < n; ++y) {
+    for (std::uint32_t x = 0; x < n; ++x) {
+      const std::uint32_t a = y * (n + 1) + x;
+      for (const std::uint32_t i : {a, a + 1, a + n + 2, a, a + n + 2, a + n + 1}) {
+        model.mesh.indices.push_back(i);
+      }
+    }
+  }
+  const auto half = static_cast<std::uint32_t>(model.mesh.indices.size() / 2 / 3 * 3);
+  const auto rest = static_cast<std::uint32_t>(model.mesh.indices.size()) - half;
+  for (const std::uint32_t i : {0u, n, n, 2 * n}) model.mesh.indices.push_back(i);
+  model.mesh.primitives = {{PrimitiveKind::kTriangles, 0, half, 1},
+                           {PrimitiveKind::kTriangles, half, rest, 0},
+                           {PrimitiveKind::kLines, half + rest, 4, 0}};
   model.materials.resize(2);
   Material& m = model.materials[1];
   m.base_color = {0.1f, 0.2f, 0.3f, 0.4f};
   m.emissive = {1, 2, 3};
-  m.alpha_mode = AlphaMode::kMask;
+  m.alpha_mode = AlphaMode::kBlend;  // keeps its triangles' order
   m.double_sided = true;
+  m.base_color_map.image = 0;
   m.normal_map = {1, 1, Wrap::kClamp, Wrap::kMirror, true, {0.1f, 0.2f}, {3, 4}, 0.5f};
-  m.emissive_map.image = 0;
+  model.materials[0].emissive_map.image = 1;
   return model;
 }
 
+Result<ObjectModel> decode(const Bytes& bytes) {
+  return decode_model(bytes.data(), bytes.size(), kImages);
+}
+
 ErrorId decode_error(const Bytes& bytes) {
-  const Result<ObjectModel> model = decode_model(bytes.data(), bytes.size());
+  const Result<ObjectModel> model = decode(bytes);
   return model ? ErrorId::kInternal : model.error().id;
 }
 
-ErrorId error_after(const std::function<void(ObjectModel&)>& change) {
-  ObjectModel model = small_model();
-  change(model);
-  return decode_error(encode_model(model));
+bool refused(const Bytes& bytes) {
+  const ErrorId id = decode_error(bytes);
+  return id == ErrorId::kWireValue || id == ErrorId::kWireMalformed || id == ErrorId::kWireLimit;
 }
 
-TEST(ProtocolModel, RoundTrip) {
-  const ObjectModel model = small_model();
-  const Bytes bytes = encode_model(model);
-  EXPECT_EQ(bytes.size(), encoded_model_bytes(model));
-  const Result<ObjectModel> back = decode_model(bytes.data(), bytes.size());
+TEST(ProtocolModel, RoundTripWithinTheStatedError) {
+  const ObjectModel model = sheet(40);
+  const Result<ObjectModel> back = decode(encode_model(model));
   ASSERT_TRUE(back) << back.error().line();
-  EXPECT_EQ(std::memcmp(back->mesh.vertices.data(), model.mesh.vertices.data(), 3 * sizeof(Vertex)),
-            0);
-  EXPECT_EQ(back->mesh.indices, model.mesh.indices);
-  ASSERT_EQ(back->mesh.primitives.size(), 2u);
-  EXPECT_EQ(back->mesh.primitives[1].kind, PrimitiveKind::kLines);
-  EXPECT_EQ(back->mesh.primitives[1].first_index, 1u);
-  EXPECT_EQ(back->mesh.primitives[1].index_count, 2u);
-  EXPECT_EQ(back->mesh.primitives[0].material, 1u);
-  ASSERT_EQ(back->images.size(), 2u);
-  EXPECT_EQ(back->images[0].rgba, model.images[0].rgba);
-  EXPECT_EQ(back->images[0].width, 2u);
-  EXPECT_TRUE(back->images[0].srgb);
-  EXPECT_FALSE(back->images[1].srgb);
-  ASSERT_EQ(back->materials.size(), 2u);
-  const Material& m = back->materials[1];
-  EXPECT_EQ(m.base_color, model.materials[1].base_color);
-  EXPECT_EQ(m.emissive, glm::vec3(1, 2, 3));
-  EXPECT_EQ(m.alpha_mode, AlphaMode::kMask);
-  EXPECT_TRUE(m.double_sided);
-  EXPECT_FALSE(m.unlit);
-  EXPECT_EQ(m.normal_map.image, 1);
-  EXPECT_EQ(m.normal_map.uv_set, 1);
-  EXPECT_EQ(m.normal_map.wrap_s, Wrap::kClamp);
-  EXPECT_EQ(m.normal_map.wrap_t, Wrap::kMirror);
-  EXPECT_TRUE(m.normal_map.nearest);
-  EXPECT_EQ(m.normal_map.scale, glm::vec2(3, 4));
-  EXPECT_EQ(m.normal_map.rotation, 0.5f);
-  EXPECT_FALSE(m.base_color_map.present());
-  EXPECT_EQ(encode_model(*back), bytes);
+  glm::vec3 low(INFINITY), high(-INFINITY);
+  for (const Vertex& v : model.mesh.vertices) {
+    low = glm::min(low, v.position);
+    high = glm::max(high, v.position);
+  }
+  const double step = quantisation_error(low, high);
+  EXPECT_LT(step, 1e-4);
+  ASSERT_EQ(back->mesh.indices.size(), model.mesh.indices.size());
+  ASSERT_EQ(back->mesh.primitives.size(), 3u);
+  // The blended primitive keeps its order; compare it corner by corner.
+  const Primitive& p = back->mesh.primitives[0];
+  ASSERT_EQ(p.material, 1u);
+  for (std::uint32_t t = 0; t < p.index_count; t += 3) {
+    // The index codec may turn a triangle round its corners.
+    const auto corner = [&](std::uint32_t k) -> const Vertex& {
+      return back->mesh.vertices[back->mesh.indices[p.first_index + t + k % 3]];
+    };
+    const auto original = [&](std::uint32_t k) -> const Vertex& {
+      return model.mesh.vertices[model.mesh.indices[t + k]];
+    };
+    std::uint32_t turn = 0;
+    for (std::uint32_t k = 1; k < 3; ++k) {
+      if (glm::length(corner(k).position - original(0).position) <
+          glm::length(corner(turn).position - original(0).position)) {
+        turn = k;
+      }
+    }
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const Vertex &a = original(k), &b = corner(turn + k);
+      ASSERT_LE(double{glm::length(a.position - b.position)}, step);
+      ASSERT_GT(glm::dot(a.normal, b.normal), std::cos(0.004f));
+      ASSERT_GT(glm::dot(glm::vec3(a.tangent), glm::vec3(b.tangent)), std::cos(0.004f));
+      ASSERT_EQ(a.tangent.w, b.tangent.w);
+      ASSERT_LE(glm::length(a.uv0 - b.uv0), 8.0f / 65535);
+      ASSERT_LE(glm::length(a.uv1 - b.uv1), 1.0f / 65535);
+      for (int c = 0; c < 4; ++c) {
+        const double x = std::sqrt(a.color[c] / 65535.0), y = std::sqrt(b.color[c] / 65535.0);
+        ASSERT_NEAR(x, y, 0.51 / 255) << c;
+      }
+    }
+  }
+  const Primitive& lines = back->mesh.primitives[2];
+  EXPECT_EQ(lines.kind, PrimitiveKind::kLines);
+  ASSERT_EQ(lines.index_count, 4u);
+  EXPECT_LE(double{glm::length(back->mesh.vertices[back->mesh.indices[lines.first_index]].position -
+                               model.mesh.vertices[0].position)},
+            step);
+  EXPECT_EQ(encode_materials(back->materials), encode_materials(model.materials));
+}
+
+TEST(ProtocolModel, StreamsTravelOnlyWhenNeeded) {
+  ObjectModel plain = sheet(60);
+  const std::size_t all = encode_model(plain).size();
+  for (Material& m : plain.materials) m.base_color_map.image = m.normal_map.image = -1;
+  plain.materials[0].emissive_map.image = -1;
+  for (Vertex& v : plain.mesh.vertices) v.color = glm::u16vec4(65535);
+  const Bytes bytes = encode_model(plain);
+  EXPECT_LT(bytes.size(), 0.75 * static_cast<double>(all));
+  const Result<ObjectModel> back = decode(bytes);
+  ASSERT_TRUE(back);
+  for (const Vertex& v : back->mesh.vertices) {
+    EXPECT_EQ(v.uv0, glm::vec2(0));
+    EXPECT_EQ(v.color, glm::u16vec4(65535));
+  }
+  EXPECT_LT(bytes.size(), std::size_t{61} * 61 * sizeof(Vertex) / 5);
+}
+
+TEST(ProtocolModel, UnusedAndDoubledVerticesAreLeftOut) {
+  ObjectModel model = sheet(4);
+  const std::size_t before = decode(encode_model(model))->mesh.vertices.size();
+  const std::vector<Vertex> vertices = model.mesh.vertices;
+  model.mesh.vertices.insert(model.mesh.vertices.end(), vertices.begin(), vertices.end());
+  for (std::size_t i = 0; i < model.mesh.indices.size(); i += 2) {
+    model.mesh.indices[i] += static_cast<std::uint32_t>(vertices.size());
+  }
+  model.mesh.vertices.resize(model.mesh.vertices.size() + 100);
+  EXPECT_EQ(decode(encode_model(model))->mesh.vertices.size(), before);
 }
 
 TEST(ProtocolModel, EmptyModel) {
   const Bytes bytes = encode_model({});
-  EXPECT_EQ(bytes, Bytes(20, 0));
-  EXPECT_EQ(decode_error(bytes), ErrorId::kInternal);
+  EXPECT_EQ(bytes.size(), kHeaderBytes);
+  EXPECT_TRUE(decode(bytes));
 }
 
 TEST(ProtocolModel, CutAtEveryByte) {
-  const Bytes bytes = encode_model(small_model());
+  const Bytes bytes = encode_model(sheet(3));
   for (std::size_t n = 0; n < bytes.size(); ++n) {
-    const ErrorId id =
-        decode_error({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)});
-    ASSERT_TRUE(id == ErrorId::kWireValue || id == ErrorId::kWireMalformed) << n;
+    ASSERT_TRUE(refused({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)})) << n;
   }
   Bytes longer = bytes;
   longer.push_back(0);
   EXPECT_EQ(decode_error(longer), ErrorId::kWireMalformed);
 }
 
-TEST(ProtocolModel, IndicesStayInside) {
-  EXPECT_EQ(error_after([](auto& m) { m.mesh.indices[2] = 3; }), ErrorId::kWireValue);
-  EXPECT_EQ(error_after([](auto& m) { m.mesh.indices[2] = 0xffffffff; }), ErrorId::kWireValue);
-  EXPECT_EQ(error_after([](auto& m) { m.mesh.primitives[1].index_count = 3; }),
-            ErrorId::kWireValue);
-  EXPECT_EQ(error_after([](auto& m) { m.mesh.primitives[1].first_index = 0xffffffff; }),
-            ErrorId::kWireValue);
-  EXPECT_EQ(error_after([](auto& m) { m.mesh.primitives[0].material = 2; }), ErrorId::kWireValue);
-  EXPECT_EQ(error_after([](auto& m) { m.mesh.primitives[0].kind = PrimitiveKind(3); }),
-            ErrorId::kWireValue);
-  EXPECT_EQ(error_after([](auto& m) { m.materials[0].emissive_map.image = 2; }),
-            ErrorId::kWireValue);
-  EXPECT_EQ(error_after([](auto& m) { m.materials[0].emissive_map.image = -2; }),
-            ErrorId::kWireValue);
-  EXPECT_EQ(error_after([](auto& m) { m.materials[0].normal_map.uv_set = 2; }),
-            ErrorId::kWireValue);
-  EXPECT_EQ(error_after([](auto& m) { m.materials[0].normal_map.wrap_s = Wrap(3); }),
-            ErrorId::kWireValue);
-  EXPECT_EQ(error_after([](auto& m) { m.materials[0].alpha_mode = AlphaMode(3); }),
-            ErrorId::kWireValue);
+template <typename T>
+Bytes with(Bytes bytes, std::size_t at, T value) {
+  std::memcpy(bytes.data() + at, &value, sizeof(T));
+  return bytes;
 }
 
-TEST(ProtocolModel, FloatsAreFinite) {
+TEST(ProtocolModel, CountsAreCheckedBeforeAllocating) {
+  const Bytes good = encode_model(sheet(3));
+  ASSERT_EQ(decode_error(good), ErrorId::kInternal);
+  const auto word = [&](std::size_t index, std::uint32_t value) {
+    return decode_error(with(good, index * 4, value));
+  };
+  EXPECT_EQ(word(0, limits::kMaxMeshVertices + 1), ErrorId::kWireLimit);
+  EXPECT_EQ(word(1, limits::kMaxMeshIndices + 1), ErrorId::kWireLimit);
+  EXPECT_EQ(word(2, limits::kMaxMeshIndices + 1), ErrorId::kWireLimit);
+  EXPECT_EQ(word(3, limits::kMaxMeshPrimitives + 1), ErrorId::kWireLimit);
+  EXPECT_EQ(word(4, limits::kMaxMeshPrimitives + 1), ErrorId::kWireLimit);
+  EXPECT_EQ(word(0, limits::kMaxMeshVertices), ErrorId::kWireValue) << "not in so few bytes";
+  EXPECT_EQ(word(1, limits::kMaxMeshIndices / 3 * 3 - 30), ErrorId::kWireValue);
+  EXPECT_EQ(word(2, limits::kMaxMeshIndices / 2), ErrorId::kWireValue);
+  for (const std::size_t bytes : {5u, 6u, 7u}) {
+    EXPECT_EQ(word(bytes, 0xffffffffu), ErrorId::kWireMalformed);
+  }
+  EXPECT_EQ(word(8, 16), ErrorId::kWireValue) << "unknown stream";
+  EXPECT_TRUE(refused(with(good, 4, std::uint32_t{17}))) << "not whole triangles";
+}
+
+TEST(ProtocolModel, RangesAreFinite) {
+  const Bytes good = encode_model(sheet(3));
   for (const float bad : {std::nanf(""), HUGE_VALF, -HUGE_VALF}) {
-    for (std::size_t i = 0; i < 14; ++i) {  // position, normal, tangent, uv0, uv1
-      const ErrorId id = error_after([&](ObjectModel& m) {
-        auto* bytes = reinterpret_cast<std::uint8_t*>(&m.mesh.vertices[1]);
-        std::memcpy(bytes + i * sizeof(float), &bad, sizeof(float));
-      });
-      EXPECT_EQ(id, ErrorId::kWireValue) << "vertex float " << i;
+    for (std::size_t i = 0; i < 14; ++i) {
+      EXPECT_EQ(decode_error(with(good, 36 + 4 * i, bad)), ErrorId::kWireValue) << i;
     }
+  }
+  EXPECT_EQ(decode_error(with(good, 36 + 12, -1.0f)), ErrorId::kWireValue) << "negative size";
+  EXPECT_EQ(decode_error(with(good, 36, 2e38f)), ErrorId::kInternal) << "large is not infinite";
+}
+
+TEST(ProtocolModel, PrimitivesStayInTheirPart) {
+  const ObjectModel model = sheet(3);
+  const Bytes good = encode_model(model);
+  const auto primitive = [&](std::size_t index, std::size_t word, std::uint32_t value) {
+    return decode_error(with(good, kHeaderBytes + index * kPrimitiveBytes + word * 4, value));
+  };
+  EXPECT_EQ(primitive(0, 0, 3), ErrorId::kWireValue) << "kind";
+  EXPECT_EQ(primitive(0, 0, 1), ErrorId::kWireValue) << "lines among the triangles";
+  EXPECT_EQ(primitive(2, 0, 0), ErrorId::kWireValue) << "triangles among the lines";
+  EXPECT_EQ(primitive(1, 1, 0xffffffffu), ErrorId::kWireValue) << "count";
+  EXPECT_EQ(primitive(2, 1, 3), ErrorId::kWireValue) << "does not add up";
+  EXPECT_EQ(primitive(0, 2, 2), ErrorId::kWireValue) << "material";
+}
+
+TEST(ProtocolModel, MaterialsAreChecked) {
+  const auto error_after = [](const std::function<void(Material&)>& change) {
+    ObjectModel model = sheet(2);
+    change(model.materials[1]);
+    return decode_error(encode_model(model));
+  };
+  EXPECT_EQ(error_after([](Material& m) { m.emissive_map.image = kImages; }), ErrorId::kWireValue);
+  EXPECT_EQ(error_after([](Material& m) { m.emissive_map.image = -2; }), ErrorId::kWireValue);
+  EXPECT_EQ(error_after([](Material& m) { m.normal_map.uv_set = 2; }), ErrorId::kWireValue);
+  EXPECT_EQ(error_after([](Material& m) { m.normal_map.wrap_s = Wrap(3); }), ErrorId::kWireValue);
+  EXPECT_EQ(error_after([](Material& m) { m.alpha_mode = AlphaMode(3); }), ErrorId::kWireValue);
+  for (const float bad : {std::nanf(""), HUGE_VALF, -HUGE_VALF}) {
     for (int i = 0; i < 4; ++i) {
-      EXPECT_EQ(error_after([&](auto& m) { m.materials[1].base_color[i] = bad; }),
-                ErrorId::kWireValue);
+      EXPECT_EQ(error_after([&](auto& m) { m.base_color[i] = bad; }), ErrorId::kWireValue);
     }
     for (int i = 0; i < 3; ++i) {
-      EXPECT_EQ(error_after([&](auto& m) { m.materials[1].emissive[i] = bad; }),
-                ErrorId::kWireValue);
+      EXPECT_EQ(error_after([&](auto& m) { m.emissive[i] = bad; }), ErrorId::kWireValue);
     }
     for (const auto member : {&Material::metallic, &Material::roughness, &Material::normal_scale,
                               &Material::occlusion_strength, &Material::alpha_cutoff}) {
-      EXPECT_EQ(error_after([&](auto& m) { m.materials[1].*member = bad; }), ErrorId::kWireValue);
+      EXPECT_EQ(error_after([&](auto& m) { m.*member = bad; }), ErrorId::kWireValue);
     }
     for (const auto map :
          {&Material::base_color_map, &Material::metal_rough_map, &Material::normal_map,
           &Material::occlusion_map, &Material::emissive_map}) {
-      EXPECT_EQ(error_after([&](auto& m) { (m.materials[1].*map).offset.x = bad; }),
-                ErrorId::kWireValue);
-      EXPECT_EQ(error_after([&](auto& m) { (m.materials[1].*map).scale.y = bad; }),
-                ErrorId::kWireValue);
-      EXPECT_EQ(error_after([&](auto& m) { (m.materials[1].*map).rotation = bad; }),
-                ErrorId::kWireValue);
+      EXPECT_EQ(error_after([&](auto& m) { (m.*map).offset.x = bad; }), ErrorId::kWireValue);
+      EXPECT_EQ(error_after([&](auto& m) { (m.*map).scale.y = bad; }), ErrorId::kWireValue);
+      EXPECT_EQ(error_after([&](auto& m) { (m.*map).rotation = bad; }), ErrorId::kWireValue);
     }
   }
-  // Large is not infinite.
-  EXPECT_EQ(error_after([](auto& m) { m.mesh.vertices[0].position = glm::vec3(2e38f); }),
-            ErrorId::kInternal);
-}
-
-TEST(ProtocolModel, CountsAreCheckedBeforeAllocating) {
-  const Bytes good = encode_model(small_model());
-  const auto with_word = [&](std::size_t at, std::uint32_t value) {
-    Bytes bytes = good;
-    std::memcpy(bytes.data() + at, &value, 4);
-    return decode_error(bytes);
-  };
-  EXPECT_EQ(with_word(0, limits::kMaxMeshVertices + 1), ErrorId::kWireLimit);
-  EXPECT_EQ(with_word(4, limits::kMaxMeshIndices + 1), ErrorId::kWireLimit);
-  EXPECT_EQ(with_word(8, limits::kMaxMeshPrimitives + 1), ErrorId::kWireLimit);
-  EXPECT_EQ(with_word(0, limits::kMaxMeshVertices), ErrorId::kWireValue);
-  EXPECT_EQ(with_word(4, limits::kMaxMeshIndices), ErrorId::kWireValue);
-  const std::size_t images = 12 + 3 * sizeof(Vertex) + 3 * 4 + 2 * 16;
-  EXPECT_EQ(with_word(images, 0xffffffffu), ErrorId::kWireValue);      // image count
-  EXPECT_EQ(with_word(images + 4, 0), ErrorId::kWireValue);            // width
-  EXPECT_EQ(with_word(images + 4, 0x80000000u), ErrorId::kWireValue);  // width
-  const std::size_t materials = images + 4 + 12 + 8 + 12 + 4;
-  EXPECT_EQ(with_word(materials, 0xffffffffu), ErrorId::kWireValue);
 }
 
 TEST(ProtocolModel, FlippedBitsNeverCrash) {
-  const Bytes good = encode_model(small_model());
+  const Bytes good = encode_model(sheet(5));
   for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
     Bytes damaged = good;
     damaged[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
-    decode_error(damaged);
+    const Result<ObjectModel> model = decode(damaged);
+    if (!model) continue;
+    for (const std::uint32_t i : model->mesh.indices) ASSERT_LT(i, model->mesh.vertices.size());
+    for (const Vertex& v : model->mesh.vertices) {
+      ASSERT_TRUE(std::isfinite(v.position.x + v.normal.x + v.uv0.x));
+    }
   }
+}
+
+Image painted(std::uint32_t w, std::uint32_t h, bool srgb) {
+  Image image{w, h, srgb, {}};
+  for (std::uint32_t y = 0; y < h; ++y) {
+    for (std::uint32_t x = 0; x < w; ++x) {
+      for (const std::uint32_t v :
+           {x * 255 / w, y * 255 / h, (x + y) % 32 * 4 + 60, (x / 8 + y / 8) % 2 * 255}) {
+        image.rgba.push_back(static_cast<std::uint8_t>(v));
+      }
+    }
+  }
+  return image;
+}
+
+TEST(ProtocolImage, ColourCloseAlphaExact) {
+  const Image image = painted(96, 64, true);
+  const Result<Bytes> bytes = encode_image(image);
+  ASSERT_TRUE(bytes);
+  EXPECT_LT(bytes->size(), image.rgba.size() / 4);
+  const Result<Image> back = decode_image(bytes->data(), bytes->size(), {96, 64}, true);
+  ASSERT_TRUE(back);
+  double sum = 0;
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) {
+    const double d = double(image.rgba[i]) - double(back->rgba[i]);
+    if (i % 4 == 3) {
+      ASSERT_EQ(d, 0);
+    }
+    sum += d * d;
+  }
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(image.rgba.size())),
+            7);  // of 255; stripes four texels wide
+}
+
+TEST(ProtocolImage, DataIsExact) {
+  Image image = painted(33, 17, false);
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) image.rgba[i] = 255;
+  const Result<Bytes> bytes = encode_image(image);
+  const Result<Image> back = decode_image(bytes->data(), bytes->size(), {33, 17}, false);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->rgba, image.rgba);
+}
+
+TEST(ProtocolImage, AnotherSizeOrDamageIsRefused) {
+  const Bytes bytes = encode_image(painted(16, 16, true)).take();
+  EXPECT_EQ(decode_image(bytes.data(), bytes.size(), {16, 17}, true).error().id, ErrorId::kCodec);
+  for (std::size_t n = 0; n < bytes.size(); ++n) {
+    EXPECT_FALSE(decode_image(bytes.data(), n, {16, 16}, true)) << n;
+  }
+}
+
+TEST(ProtocolImage, Levels) {
+  EXPECT_EQ(image_levels({1, 1, true, {}, 0}), 1);
+  EXPECT_EQ(image_levels({64, 64, true, {}, 0}), 1);
+  EXPECT_EQ(image_levels({65, 3, true, {}, 0}), 2);
+  EXPECT_EQ(image_levels({300, 2048, true, {}, 0}), 4);
+  EXPECT_EQ(image_levels({16384, 16384, true, {}, 0}), 4);
+  const ImageDescription large{16384, 1000, true, {}, 0};
+  EXPECT_EQ(image_level_size(large, 3), glm::uvec2(4096, 250));
+  EXPECT_EQ(image_level_size(large, 0), glm::uvec2(64, 3));
+  EXPECT_EQ(image_level_size({100, 50, true, {}, 0}, 1), glm::uvec2(100, 50));
 }
 
 }  // namespace

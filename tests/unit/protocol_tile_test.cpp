@@ -197,7 +197,7 @@ TEST(ProtocolDepthCode, MonotoneAndStable) {
 
 wire::TileReplyT plain_fields() {
   Tile tile = make_tile(20, 10, true);
-  tile.measure = {1, 2, 3, 4, 5, 6, 7};
+  tile.measure = {1, 2, 3, 4, 5, 6, 7, 8};
   wire::TileReplyT reply;
   set_tile_fields(tile, reply);
   return reply;
@@ -219,6 +219,7 @@ TEST(ProtocolTileFields, RoundTrip) {
   EXPECT_EQ(m.dz_cuboid, 5);
   EXPECT_EQ(m.dz_hull, 6);
   EXPECT_EQ(m.depth_gap, 7);
+  EXPECT_EQ(m.lod_error, 8);
 }
 
 TEST(ProtocolTileFields, BadFieldsAreRefused) {
@@ -242,6 +243,7 @@ TEST(ProtocolTileFields, BadFieldsAreRefused) {
     refused([bad](auto& r) { r.dz_cuboid = bad; });
     refused([bad](auto& r) { r.dz_hull = bad; });
     refused([bad](auto& r) { r.depth_gap = bad; });
+    refused([bad](auto& r) { r.lod_error = bad; });
   }
 }
 

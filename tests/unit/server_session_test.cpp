@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "server/image_stage.h"
 #include "server/session.h"
 #include "tests/unit/protocol_samples.h"
 
@@ -19,7 +20,8 @@ class ServerSession : public ::testing::Test {
   ServerSession() { restart({}); }
 
   void restart(SessionOptions options) {
-    hub = std::make_unique<SessionHub>(scene_, std::move(options), clock, counters, queue, store);
+    hub = std::make_unique<SessionHub>(scene_, std::move(options), clock, counters, queue, store,
+                                       image_jobs);
   }
   static wire::HelloT hello() {
     wire::HelloT m;
@@ -80,7 +82,7 @@ class ServerSession : public ::testing::Test {
       tile->reply = sample_tile_reply();
       tile->planes.resize(bytes);
       store.put(job.id, tile);
-      hub->complete({job.id, tile, 0, {}});
+      hub->complete({job.id, tile, std::nullopt, 0, {}});
     }
     return jobs.size();
   }
@@ -90,6 +92,7 @@ class ServerSession : public ::testing::Test {
   Counters counters;
   TileQueue queue{clock, counters};
   TileStore store{1 << 24, "", counters};
+  BoundedQueue<ImageLevel> image_jobs{16};
   std::unique_ptr<SessionHub> hub;
 };
 std::shared_ptr<const PreparedScene> ServerSession::scene_;
@@ -275,29 +278,73 @@ TEST_F(ServerSession, GeometryAndReferenceCanBeOff) {
   restart(options);
   const SessionId id = greeted();
   wire::RequestBatchT batch;
-  batch.mesh_asks = {0};
+  batch.mesh_asks = {wire::MeshAsk(7, 0, 0)};
   ASSERT_TRUE(send(id, std::move(batch)).ok());
   EXPECT_EQ(refusal(id), wire::RefusalReason::NoGeometry);
   ASSERT_TRUE(send(id, sample_reference_request()).ok());
   EXPECT_EQ(refusal(id), wire::RefusalReason::NoReference);
 }
 
-TEST_F(ServerSession, GeometryComesWhole) {
+TEST_F(ServerSession, GeometryComesByLevel) {
   const SessionId id = greeted();
+  const auto levels = static_cast<std::uint8_t>(scene_->objects[0].lods.size());
+  ASSERT_GE(levels, 1);
+  const auto last = static_cast<std::uint8_t>(levels - 1);
   wire::RequestBatchT batch;
-  batch.mesh_asks = {0, 1};
+  batch.mesh_asks = {wire::MeshAsk(1, 0, last), wire::MeshAsk(2, 1, 0),
+                     wire::MeshAsk(3, 0, levels)};
   ASSERT_TRUE(send(id, std::move(batch)).ok());
   const std::vector<Message> messages = drain(id);
-  ASSERT_EQ(messages.size(), 2u);
+  ASSERT_EQ(messages.size(), 3u);
   EXPECT_EQ(messages[0].body.AsRefused()->reason, wire::RefusalReason::UnknownObject);
-  EXPECT_TRUE(messages[0].body.AsRefused()->mesh);
-  const wire::MeshReplyT* mesh = messages[1].body.AsMeshReply();
+  EXPECT_EQ(messages[0].body.AsRefused()->request_id, 2u);
+  EXPECT_EQ(messages[1].body.AsRefused()->request_id, 3u);
+  const wire::MeshReplyT* mesh = messages[2].body.AsMeshReply();
   ASSERT_TRUE(mesh);
-  EXPECT_EQ(mesh->raw_bytes, scene_->objects[0].mesh_bytes);
-  const auto raw =
-      decompress_block(messages[1].payload.data(), messages[1].payload.size(), mesh->raw_bytes);
+  EXPECT_EQ(mesh->request_id, 1u);
+  EXPECT_EQ(mesh->lod, last);
+  const Bytes& payload = messages[2].payload;
+  EXPECT_EQ(payload.size(), scene_->objects[0].lods[last].bytes);
+  const auto raw = mesh->raw_bytes == payload.size()
+                       ? Result<Bytes>(payload)
+                       : decompress_block(payload.data(), payload.size(), mesh->raw_bytes);
   ASSERT_TRUE(raw);
-  EXPECT_TRUE(decode_model(raw->data(), raw->size()));
+  const auto model = decode_model(raw->data(), raw->size(), scene_->images.size());
+  ASSERT_TRUE(model);
+  EXPECT_EQ(model->mesh.indices.size() / 3, scene_->objects[0].lods[last].triangles);
+}
+
+TEST_F(ServerSession, ImagesAreEncodedOnceForAll) {
+  scene_ = *load_scene("builtin:forest?trees=4&clutter=1");
+  restart({});
+  const SessionId first = greeted(), second = greeted();
+  wire::RequestBatchT batch;
+  batch.image_asks = {wire::ImageAsk(5, 0, 1)};
+  ASSERT_TRUE(send(first, wire::RequestBatchT(batch)).ok());
+  batch.image_asks[0] = wire::ImageAsk(6, 0, 1);
+  ASSERT_TRUE(send(second, wire::RequestBatchT(batch)).ok());
+  EXPECT_TRUE(drain(first).empty());
+  std::optional<ImageLevel> job = image_jobs.try_pop();
+  ASSERT_TRUE(job);
+  EXPECT_FALSE(image_jobs.try_pop()) << "one job for both";
+  Completion done;
+  done.image = *job;
+  done.message = ImageStage::encode(*scene_, *job);
+  const Bytes bytes = done.message;
+  hub->complete(std::move(done));
+  for (const auto& [id, request] : {std::pair(first, 5u), std::pair(second, 6u)}) {
+    const std::vector<Message> messages = drain(id);
+    ASSERT_EQ(messages.size(), 1u);
+    ASSERT_TRUE(messages[0].body.AsImageReply());
+    EXPECT_EQ(messages[0].body.AsImageReply()->request_id, request);
+    EXPECT_EQ(messages[0].payload, bytes);
+  }
+  // Asked for again, it comes from the cache; what is not there is refused.
+  batch.image_asks = {wire::ImageAsk(7, 0, 1), wire::ImageAsk(8, 0, 9), wire::ImageAsk(9, 9999, 0)};
+  ASSERT_TRUE(send(first, std::move(batch)).ok());
+  EXPECT_FALSE(image_jobs.try_pop());
+  EXPECT_EQ(drain(first).size(), 3u);
+  SetUpTestSuite();
 }
 
 TEST_F(ServerSession, StatsTellWhatHappened) {
