@@ -136,7 +136,7 @@ TEST(CoreMeshCache, BudgetTakesTheOldestButNeverWhatIsDrawn) {
   world.look_from(1.5);
   for (std::uint32_t i = 0; i < 3; ++i) world.add(0, i, i);  // 0 is the oldest
   std::vector<DrawnMesh> meshes{{0}};
-  world.cache.choose(world.scene, world.camera, 1, 7, 3, meshes);
+  world.cache.choose(world.scene, world.camera, 1, 7, 0, meshes);  // 0 stays the oldest
   const std::vector<AssetId> gone = world.cache.drop(7, 4);
   ASSERT_EQ(gone.size(), 1u);
   EXPECT_EQ(gone[0].index, 1u) << "the oldest that is not drawn in this frame";
