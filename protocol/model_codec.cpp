@@ -4,6 +4,7 @@
 #include <cstring>
 #include <type_traits>
 
+#include "protocol/animation_codec.h"
 #include "protocol/limits.h"
 
 namespace mirage {
@@ -64,7 +65,8 @@ class Reader {
   }
   bool has(std::size_t n, std::size_t each) const { return !failed_ && n <= left_ / each; }
   bool failed() const { return failed_; }
-  bool at_end() const { return !failed_ && left_ == 0; }
+  const std::uint8_t* at() const { return at_; }
+  std::size_t left() const { return left_; }
 
  private:
   void skip(std::size_t n) {
@@ -212,7 +214,7 @@ std::size_t encoded_model_bytes(const ObjectModel& m) {
                       m.mesh.primitives.size() * kPrimitiveBytes +
                       m.materials.size() * kMaterialBytes;
   for (const Image& image : m.images) bytes += kImageHeaderBytes + image.rgba.size();
-  return bytes;
+  return bytes + encoded_animation_bytes(m.animation.get());
 }
 
 Bytes encode_model(const ObjectModel& m) {
@@ -238,6 +240,7 @@ Bytes encode_model(const ObjectModel& m) {
   }
   w.put(static_cast<std::uint32_t>(m.materials.size()));
   for (const Material& material : m.materials) put_material(w, material);
+  w.put_array(encode_animation(m.animation.get()));
   return std::move(w.bytes);
 }
 
@@ -254,12 +257,13 @@ Result<ObjectModel> decode_model(const std::uint8_t* bytes, std::size_t size) {
   for (Material& material : model.materials) {
     if (!get_material(r, material, model.images.size())) return value_error("material");
   }
-  if (!r.at_end()) {
-    return make_error(ErrorId::kWireMalformed, "geometry bytes do not add up");
-  }
+  if (r.failed()) return make_error(ErrorId::kWireMalformed, "geometry ends too early");
   if (Result<void> mesh = check_mesh(model.mesh, model.materials.size()); !mesh) {
     return mesh.error();
   }
+  auto animation = decode_animation(r.at(), r.left(), model.mesh.vertices.size());
+  if (!animation) return animation.error();
+  model.animation = animation.take();
   return model;
 }
 

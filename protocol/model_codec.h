@@ -1,6 +1,9 @@
 #pragma once
 // One object as geometry: its mesh with only the materials and images it uses.
 
+#include <memory>
+
+#include "protocol/animation.h"
 #include "protocol/model.h"
 #include "protocol/result.h"
 #include "protocol/wire.h"
@@ -12,6 +15,7 @@ struct ObjectModel {
   Mesh mesh;
   std::vector<Material> materials;
   std::vector<Image> images;
+  std::shared_ptr<const Animation> animation;  ///< set: the mesh is in bind space
 };
 
 /// Raw little-endian bytes (compressed by the sender).

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "protocol/motion.h"
 #include "protocol/need_mask.h"
 
 namespace mirage {
@@ -30,6 +31,7 @@ struct ObjectDescription {
   NeedMask needs = 0;
   std::uint32_t triangles = 0;
   std::uint32_t mesh_bytes = 0;  ///< raw size of the object as geometry
+  MotionProfile motion;          ///< bounds and hull enclose every pose
 };
 
 /// The six planes of a box.

@@ -61,6 +61,7 @@ struct ReferenceJob {
   std::uint32_t request_id = 0;
   Camera camera;
   std::uint32_t supersample = 2;
+  double time_s = 0;  ///< of the animation
   Lighting lighting;
 };
 

@@ -25,7 +25,17 @@ void FrameRenderer::add_mesh(std::uint32_t object, ObjectModel model) {
   mesh.mesh = gl::GpuMesh(model.mesh);
   mesh.images = gl::GpuImages(model.images, model.materials);
   mesh.materials = std::move(model.materials);
+  if (model.animation) mesh.bind = std::move(model.mesh.vertices);
+  mesh.animation = std::move(model.animation);
   meshes_[object] = std::move(mesh);
+}
+
+void FrameRenderer::pose(ClientMesh& mesh, const InstanceView& instance, double time_s) {
+  const double clip_time = wrap_clip(time_s + instance.clip_offset_s, mesh.animation->clip_s);
+  if (mesh.posed_at_s == clip_time) return;
+  mesh.posed_at_s = clip_time;
+  pose_vertices(mesh.bind, *mesh.animation, clip_time, posed_);
+  mesh.mesh.replace_vertices(posed_);
 }
 
 void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
@@ -44,6 +54,14 @@ void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, co
   for (const auto& [object, instances] : by_object) {
     const auto found = meshes_.find(object);
     if (found == meshes_.end()) continue;
+    if (found->second.animation) {
+      for (const gl::MeshInstance& one : instances) {
+        pose(found->second, scene.instances[one.id], list.time_s);
+        mesh_pass_->draw(found->second.mesh, found->second.materials, found->second.images, &one,
+                         1, blended);
+      }
+      continue;
+    }
     mesh_pass_->draw(found->second.mesh, found->second.materials, found->second.images,
                      instances.data(), instances.size(), blended);
   }

@@ -35,7 +35,11 @@ class FrameRenderer {
     gl::GpuMesh mesh;
     gl::GpuImages images;
     std::vector<Material> materials;
+    std::vector<Vertex> bind;  ///< of a moving object
+    std::shared_ptr<const Animation> animation;
+    double posed_at_s = -1;  ///< clip time of the vertices uploaded last
   };
+  void pose(ClientMesh& mesh, const InstanceView& instance, double time_s);
   void draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
                    const Lighting& lighting, bool blended);
 
@@ -43,6 +47,7 @@ class FrameRenderer {
   gl::SkyPass sky_;
   std::unique_ptr<gl::MeshPass> mesh_pass_ = std::make_unique<gl::MeshPass>(false);
   std::map<std::uint32_t, ClientMesh> meshes_;
+  std::vector<Vertex> posed_;  ///< scratch
   int draw_calls_ = 0;
 };
 

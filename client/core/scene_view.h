@@ -18,6 +18,7 @@ struct InstanceView {
   Similarity world_from_object;
   glm::dvec3 center{0};  ///< of the bounding sphere, world
   double radius = 0;     ///< world, m
+  double clip_offset_s = 0;
 };
 
 class SceneView {

@@ -52,11 +52,14 @@ class Scheduler {
   std::uint64_t cancelled() const { return cancelled_; }
 
  private:
+  /// One ask at a time per instance, and per phase of a moving one: phases are asked for ahead.
+  using Wanted = std::pair<std::uint32_t, Phase>;
+  static Wanted wanted(const TileNeed& need) { return {need.instance, need.phase}; }
   double expected_bytes(std::uint8_t size_class) const;
   double window_bytes(std::int64_t now_us) const;
 
   std::map<std::uint32_t, PendingAsk> pending_;              ///< by request id
-  std::map<std::uint32_t, std::uint32_t> pending_instance_;  ///< instance -> request id
+  std::map<Wanted, std::uint32_t> pending_wanted_;           ///< -> request id
   std::map<std::uint32_t, std::int64_t> not_before_us_;      ///< instances that were refused
   std::set<std::uint32_t> meshes_pending_;
   std::set<std::uint32_t> meshes_refused_;

@@ -19,6 +19,9 @@ constexpr int kMaxAskedSizeClass = 12;   // 1024 texels
 constexpr int kCoarseClasses = 4;        // steps of sqrt 2
 constexpr double kMeshPrefetch = 1.3;    // times the swap distance
 constexpr double kWorthMarching = 0.7;   // of the flat bound
+constexpr double kMotionShare = 0.5;     // of tau, for the motion within a phase
+constexpr int kFirstPhaseLevel = 2;      // quarters of the clip, until there is any tile
+constexpr int kMaxPhasesAhead = 32;      // asked for at a time per instance
 constexpr double kLongestLife = 2;       // s, a tile is not credited with more
 // A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
 constexpr double kSwitchRatio = 0.6;
@@ -57,6 +60,8 @@ Choice best_tile(const TileGroup& group, const ObjectDescription& object, const 
                  const DrawMethod (&methods)[N], double tau) {
   Choice best;
   for (const TileRecordPtr& tile : group.tiles) {
+    // Most tiles of a moving object show another pose: told apart before anything dearer is.
+    if (best.tile && tile->motion_px(object, view) > best.bound) continue;
     keep_better(best, best_method(tile, object, view, methods, tau));
   }
   return best;
@@ -97,7 +102,7 @@ double expected_life_s(const ViewGeometry& view, double tau_px, double speed) {
 }  // namespace
 
 ViewGeometry view_geometry(const Camera& camera, const InstanceView& instance,
-                           const ObjectDescription& object) {
+                           const ObjectDescription& object, double time_s) {
   const double scale = instance.world_from_object.scale;
   const glm::dvec3 to_eye = camera.pose.eye - instance.center;
   ViewGeometry view;
@@ -105,6 +110,7 @@ ViewGeometry view_geometry(const Camera& camera, const InstanceView& instance,
   view.radius = object.radius;
   view.eye = glm::conjugate(glm::dquat(instance.world_from_object.rotation)) * to_eye / scale;
   view.center_depth = -glm::dot(to_eye, camera.forward()) / scale;
+  view.clip_time_s = wrap_clip(time_s + instance.clip_offset_s, object.motion.clip_s);
   return view;
 }
 
@@ -159,7 +165,7 @@ void Selector::consider(const SelectorInput& in, std::uint32_t instance, DrawLis
   Candidate c;
   c.instance = instance;
   c.object = &in.scene->objects[view_of.object];
-  c.view = view_geometry(in.camera, view_of, *c.object);
+  c.view = view_geometry(in.camera, view_of, *c.object, in.time_s);
   const double size = radius_px(c.view);
   if (c.object->radius <= 0 || size < kMinRadiusPx) return;
   ++out.visible;
@@ -205,7 +211,9 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
     }
   }
   if (shown.tile != best.tile) {
-    shown.former = still_held ? shown.tile : nullptr;
+    // Two poses over one another would be a ghost, and a phase is shorter than a fade.
+    const bool same_pose = still_held && shown.tile->phase == best.tile->phase;
+    shown.former = same_pose ? shown.tile : nullptr;
     shown.tile = best.tile;
     shown.since_us = in.now_us;
   }
@@ -232,6 +240,7 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
 
 DrawList Selector::select(const SelectorInput& in) {
   DrawList out;
+  out.time_s = in.time_s;
   std::vector<Candidate> candidates;
   in.scene->for_visible(in.camera, 0,
                         [&](std::uint32_t instance) { consider(in, instance, out, candidates); });
@@ -256,13 +265,60 @@ DrawList Selector::select(const SelectorInput& in) {
   return out;
 }
 
+// Row 31: not the pose of now is asked for but those that will be shown when tiles come, one
+// per phase from then to the horizon; phases that an acceptable tile covers cost nothing.
+void Selector::needs_of_moving(const SelectorInput& in, TileNeed need, const ViewGeometry& view,
+                               const ObjectDescription& object, const TileGroup& group,
+                               std::vector<TileNeed>& out) const {
+  const std::uint32_t instance = need.instance;
+  const double size = radius_px(view);
+  const double distance = glm::length(view.eye) / view.radius;
+  if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
+  const double px_per_unit = motion_bound_px(view, 1.0);
+  const double allowed = kMotionShare * in.tau_px / px_per_unit;
+  const double clip_s = object.motion.clip_s;
+  const bool first = group.tiles.empty();
+  Phase last = kStaticPhase;
+  int asked = 0;
+  const double step_s = clip_s / (1 << limits::kMaxPhaseLevel);
+  const double end_s = std::min(in.horizon_s, in.lead_s + clip_s - step_s);
+  for (double ahead = in.lead_s; asked < kMaxPhasesAhead; ahead += step_s) {
+    ViewGeometry then = view;
+    then.clip_time_s = wrap_clip(view.clip_time_s + ahead, clip_s);
+    int level = phase_level_for(object.motion, then.clip_time_s, allowed);
+    if (first) level = std::min(level, kFirstPhaseLevel);
+    const Phase phase = nearest_phase(then.clip_time_s, clip_s, level);
+    if (phase != last) {
+      last = phase;
+      then.clip_time_s = phase_time(phase, clip_s);
+      const double bound = first ? kInfinity : best_of_all(group, object, then, in).bound;
+      // Half of tau is for the motion within the phase.
+      if (is_stale(bound, (1 - kMotionShare) * in.tau_px) || !in.cache->lit_now(instance)) {
+        need = need_for_view(then, (1 - kMotionShare) * in.tau_px);
+        need.instance = instance;
+        need.phase = phase;
+        if (first) {
+          need.size_class =
+              static_cast<std::uint8_t>(std::max(need.size_class - kCoarseClasses, 0));
+        }
+        need.error_px = std::isfinite(bound) ? std::min(bound, 2 * size) : 2 * std::min(size, 1e4);
+        const double life = first ? kLongestLife : clip_s / (1 << level);
+        need.gain = need.error_px * std::min(life, kLongestLife);
+        out.push_back(need);
+        ++asked;
+      }
+    }
+    if (ahead > end_s || first) return;
+  }
+}
+
 std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
   std::vector<TileNeed> out;
   if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return out;
   in.scene->for_visible(in.predicted, kViewGuard, [&](std::uint32_t instance) {
     const InstanceView& view_of = in.scene->instances[instance];
     const ObjectDescription& object = in.scene->objects[view_of.object];
-    ViewGeometry view = view_geometry(in.predicted, view_of, object);
+    ViewGeometry view = view_geometry(in.predicted, view_of, object, in.time_s);
     const double size = radius_px(view);
     if (object.radius <= 0 || size < kMinRadiusPx) return;
     const double distance = glm::length(view.eye) / view.radius;
@@ -270,6 +326,12 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
     if ((*in.mesh_ready)[view_of.object] && distance < in.mesh_radii) return;
     const TileGroup& group = *in.cache->group_to_draw(instance);
     if (group.empty_from(view.eye) && in.cache->lit_now(instance)) return;
+    if (object.motion.moving()) {
+      view.center_depth = glm::length(view.eye);
+      TileNeed need;
+      need.instance = instance;
+      return needs_of_moving(in, need, view, object, group, out);
+    }
     double bound = kInfinity;
     if (!group.tiles.empty()) {
       // At the edge of the view the eye depth falls; ask as if the object were looked at.

@@ -39,6 +39,7 @@ struct DrawList {
   std::vector<std::uint32_t> meshes;  ///< instances drawn as geometry
   std::size_t visible = 0;            ///< instances in view and large enough to matter
   std::size_t over_tau = 0;           ///< of them, drawn with a bound above tau or from no tile
+  double time_s = 0;                  ///< of the animation
 };
 
 /// A tile worth asking for.
@@ -47,6 +48,7 @@ struct TileNeed {
   ViewCell cell;
   DistanceBucket distance;
   std::uint8_t size_class = 0;
+  Phase phase = kStaticPhase;
   double error_px = 0;  ///< what showing the present state costs
   double gain = 0;      ///< error_px times the seconds the new tile is expected to serve: the rank
 };
@@ -64,6 +66,9 @@ struct SelectorInput {
   double mesh_radii = 2;         ///< nearer than this many radii, geometry is drawn if it is there
   std::uint64_t frame = 0;
   std::int64_t now_us = 0;
+  double time_s = 0;     ///< animation time now
+  double lead_s = 0;     ///< until a tile asked for now is here; 0: the animation stands still
+  double horizon_s = 0;  ///< how far ahead phases are asked for, >= lead_s
 };
 
 class Selector {
@@ -87,15 +92,18 @@ class Selector {
   };
   /// An instance that has tiles, before it is settled how it is drawn.
   struct Candidate;
+  void needs_of_moving(const SelectorInput& in, TileNeed need, const ViewGeometry& view,
+                       const ObjectDescription& object, const TileGroup& group,
+                       std::vector<TileNeed>& out) const;
   void consider(const SelectorInput& in, std::uint32_t instance, DrawList& out,
                 std::vector<Candidate>& candidates);
   void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);
   std::vector<Shown> shown_;
 };
 
-/// The instance's view in object units, relative to its centre.
+/// The instance's view in object units, relative to its centre; animated ones at `time_s`.
 ViewGeometry view_geometry(const Camera& camera, const InstanceView& instance,
-                           const ObjectDescription& object);
+                           const ObjectDescription& object, double time_s = 0);
 /// The key whose capture at `view` keeps a quad within a quarter of tau all over its cell, at 1.5
 /// texels per pixel.
 TileNeed need_for_view(const ViewGeometry& view, double tau_px);

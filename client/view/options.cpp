@@ -106,6 +106,9 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_option("--atlas-mb", o.atlas_mb, "graphics memory for tiles")
       ->check(CLI::Range(5, 8192))
       ->capture_default_str();
+  app.add_option("--animation", o.animation, "off: everything stands at the start of its clip")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
   app.add_option("--out", o.out_dir, "write every frame here as PNG");
   app.add_option("--stats", o.stats_file, "write statistics here as JSON");
   app.add_option("--trace", o.trace_file, "write the life of every tile here as JSON");

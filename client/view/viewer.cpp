@@ -98,6 +98,7 @@ Result<void> Viewer::open_graphics() {
   options.atlas_edge = kAtlasEdge;
   options.atlas_layers = layers;
   options.token = o_.token;
+  options.animation = o_.animation == "on";
   options.trace = !o_.trace_file.empty();
   // Measured: a pixel of marching costs a CPU rasteriser some 0.3 us, a GPU next to nothing.
   const std::string renderer_name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));

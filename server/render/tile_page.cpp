@@ -43,6 +43,7 @@ Result<void> TilePageRenderer::warm_up() {
   for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
     TileJob job;
     job.key.object = i;
+    job.key.phase = scene_->prepared->objects[i].motion.moving() ? 1 : kStaticPhase;
     job.key.distance = {0, 2};
     draw_tile(job);
     resolve(job, {0, 0});
@@ -78,8 +79,10 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   gl::MeshInstance instance;
   instance.position_scale = glm::vec4(glm::vec3(-eye), 1.0f);
   meshes_->begin(capture_projection(capture), gl::light_block(job.lighting, glm::vec3(eye)));
+  const gl::GpuMesh& mesh =
+      scene_->posed_mesh(job.key.object, phase_time(static_cast<Phase>(job.key.phase), object.motion.clip_s));
   for (const bool blended : {false, true}) {
-    meshes_->draw(scene_->meshes[job.key.object], scene_->materials(), scene_->images, &instance, 1,
+    meshes_->draw(mesh, scene_->materials(), scene_->images, &instance, 1,
                   blended);
   }
   meshes_->end();
@@ -117,7 +120,8 @@ const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& job
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     const TileKey &ka = jobs[a].key, &kb = jobs[b].key;
-    return std::tie(ka.object, ka.lighting, a) < std::tie(kb.object, kb.lighting, b);
+    return std::tie(ka.object, ka.phase, ka.lighting, a) <
+           std::tie(kb.object, kb.phase, kb.lighting, b);
   });
   for (const std::size_t i : order) {
     draw_tile(jobs[i]);

@@ -7,11 +7,13 @@
 #include <limits>
 #include <map>
 
+#include "protocol/animation_codec.h"
 #include "protocol/lighting_state.h"
 #include "protocol/limits.h"
 #include "server/scene/builtin/builtin_scene.h"
 #include "server/scene/convex_hull.h"
 #include "server/scene/gltf/gltf_import.h"
+#include "server/scene/motion_measure.h"
 
 namespace mirage {
 namespace {
@@ -41,6 +43,7 @@ std::uint64_t content_hash(const Scene& scene) {
   for (const SceneObject& object : scene.objects) {
     hash.add_array(object.mesh.vertices);
     hash.add_array(object.mesh.indices);
+    hash.add_array(encode_animation(object.animation.get()));
     ObjectModel shell;  // the codec's fixed layout leaves no padding in the hash
     shell.mesh.primitives = object.mesh.primitives;
     hash.add_array(encode_model(shell));
@@ -134,6 +137,37 @@ Result<void> check_limits(const Scene& scene) {
   return {};
 }
 
+// Rule 19 of NUMERICS section 5: what does not move is a static object, and costs what one does.
+std::map<std::size_t, MeasuredMotion> settle_motion(Scene& scene) {
+  std::map<std::size_t, MeasuredMotion> moving;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    SceneObject& object = scene.objects[i];
+    if (!object.animation) continue;
+    MeasuredMotion measured = measure_motion(object.mesh, *object.animation);
+    if (measured.motion.moving()) {
+      moving.emplace(i, std::move(measured));
+      continue;
+    }
+    std::vector<Vertex> posed;
+    pose_vertices(object.mesh.vertices, *object.animation, 0, posed);
+    object.mesh.vertices = std::move(posed);
+    object.animation.reset();
+  }
+  return moving;
+}
+
+// Bounds of all poses in place of those of the bind pose.
+void use_motion(const MeasuredMotion& measured, ObjectDescription& out) {
+  out.motion = measured.motion;
+  out.box_min = measured.box_min;
+  out.box_max = measured.box_max;
+  out.center = measured.center;
+  out.radius = static_cast<float>(measured.radius * 1.00001);
+  if (Result<ConvexHull> hull = enclosing_hull(measured.hull_points); hull.ok()) {
+    out.hull = hull.take();
+  }
+}
+
 // The strongest lights win where a scene has more than a shader takes.
 void cap_lights(Scene& scene) {
   std::vector<Light>& lights = scene.lighting.lights;
@@ -184,6 +218,7 @@ ObjectDescription describe_object(const SceneObject& object, const Scene& scene)
 ObjectModel object_model(const Scene& scene, std::size_t object) {
   ObjectModel model;
   model.mesh = scene.objects[object].mesh;
+  model.animation = scene.objects[object].animation;
   std::map<std::uint32_t, std::uint32_t> material_index;
   std::map<std::int32_t, std::int32_t> image_index;
   const auto use_image = [&](TextureRef& t) {
@@ -223,8 +258,10 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec)
   Result<Lighting> lighting = checked_lighting(prepared->scene.lighting);
   if (!lighting) return make_error(ErrorId::kSceneRange, spec + ": " + lighting.error().text);
   prepared->scene.lighting = lighting.take();
+  const std::map<std::size_t, MeasuredMotion> moving = settle_motion(prepared->scene);
   for (std::size_t i = 0; i < prepared->scene.objects.size(); ++i) {
     ObjectDescription description = describe_object(prepared->scene.objects[i], prepared->scene);
+    if (const auto at = moving.find(i); at != moving.end()) use_motion(at->second, description);
     description.mesh_bytes = static_cast<std::uint32_t>(
         std::min<std::size_t>(encoded_model_bytes(object_model(prepared->scene, i)), 0xffffffffu));
     prepared->objects.push_back(std::move(description));
