@@ -27,7 +27,13 @@ double MotionProfile::travel_forward(double from, double to) const {
     const auto k = static_cast<std::size_t>(i);
     const double a = std::max(from, i * part), b = std::min(to, (i + 1) * part);
     sum += std::max(0.0, b - a) * speed[k];
-    if (!jump.empty()) sum += jump[k];
+  }
+  if (jump.empty()) return sum;
+  const double fine = clip_s / static_cast<double>(jump.size());
+  const int most = static_cast<int>(jump.size()) - 1;
+  const int end = std::clamp(static_cast<int>(to / fine), 0, most);
+  for (int i = std::clamp(static_cast<int>(from / fine), 0, most); i <= end; ++i) {
+    sum += jump[static_cast<std::size_t>(i)];
   }
   return sum;
 }

@@ -14,13 +14,13 @@ namespace mirage {
 struct MotionProfile {
   float clip_s = 0;          ///< 0: static
   std::vector<float> speed;  ///< limits::kMotionSegments when moving; object units per second
-  std::vector<float> jump;   ///< summed jump distances per segment, object units; empty: none
+  std::vector<float> jump;   ///< summed per 1/256 of the clip, object units; empty: none
   float wrap_jump = 0;       ///< from the clip's end to its start, object units
 
   bool moving() const { return clip_s > 0; }
   double max_speed() const;
   /// Upper bound of the distance between any vertex at clip time `a` and at clip time `b`, the
-  /// shorter way round the loop. 0 for static objects; a jump counts whenever its segment is met.
+  /// shorter way round the loop. 0 for static objects; a jump counts whenever its part of the clip is met.
   double travel(double a, double b) const;
 
  private:

@@ -61,8 +61,8 @@ struct ReferenceJob {
   std::uint32_t request_id = 0;
   Camera camera;
   std::uint32_t supersample = 2;
-  double time_s = 0;  ///< of the animation
   Lighting lighting;
+  double time_s = 0;  ///< of the animation
 };
 
 /// What the render and encode stages hand back to the network loop.

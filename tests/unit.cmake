@@ -7,6 +7,8 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_scheduler_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_selector_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_hull_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/core_motion_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_motion_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_queue_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_store_test.cpp)

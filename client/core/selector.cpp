@@ -84,6 +84,17 @@ Choice best_of_all(const TileGroup& group, const ObjectDescription& object,
   return best;
 }
 
+// Tiles of other phases are not looked at: coarse phases are among the fine ones, so that what was
+// asked for at another distance is found all the same.
+double best_of_phase(const TileGroup& group, Phase phase, const ObjectDescription& object,
+                     const ViewGeometry& view, const SelectorInput& in) {
+  TileGroup same;
+  for (const TileRecordPtr& tile : group.tiles) {
+    if (tile->phase == phase) same.tiles.push_back(tile);
+  }
+  return same.tiles.empty() ? kInfinity : best_of_all(same, object, view, in).bound;
+}
+
 bool drawn_as_mesh(const SelectorInput& in, const InstanceView& instance, double distance) {
   if (!(*in.mesh_ready)[instance.object]) return false;
   return in.method.method == DrawMethod::kMesh && !in.method.automatic
@@ -291,7 +302,7 @@ void Selector::needs_of_moving(const SelectorInput& in, TileNeed need, const Vie
     if (phase != last) {
       last = phase;
       then.clip_time_s = phase_time(phase, clip_s);
-      const double bound = first ? kInfinity : best_of_all(group, object, then, in).bound;
+      const double bound = best_of_phase(group, phase, object, then, in);
       // Half of tau is for the motion within the phase.
       if (is_stale(bound, (1 - kMotionShare) * in.tau_px) || !in.cache->lit_now(instance)) {
         need = need_for_view(then, (1 - kMotionShare) * in.tau_px);

@@ -109,17 +109,19 @@ MotionProfile profile(const std::vector<double>& times, const std::vector<double
   motion.clip_s = static_cast<float>(clip_s);
   motion.wrap_jump = static_cast<float>(wrap_jump * (1 + 1e-6));
   motion.speed.assign(kSegments, 0.0f);
-  std::vector<float> jumps(kSegments, 0.0f);
+  std::vector<float> jumps(std::size_t{1} << limits::kMaxPhaseLevel, 0.0f);
   const auto is_jump = [&](std::size_t i) { return times[i + 1] - times[i] < 2 * kJumpGap; };
   const auto speed_of = [&](std::size_t i) {
     return is_jump(i) ? 0.0 : steps[i] / (times[i + 1] - times[i]);
   };
   bool any_jump = false;
   for (std::size_t i = 0; i + 1 < times.size(); ++i) {
-    const auto segment = std::min(
-        static_cast<std::size_t>(times[i] / clip_s * kSegments * (1 + 1e-12)), kSegments - 1);
+    const double share = times[i] / clip_s;
+    const auto segment =
+        std::min(static_cast<std::size_t>(share * kSegments * (1 + 1e-12)), kSegments - 1);
     if (is_jump(i)) {
-      jumps[segment] += static_cast<float>(steps[i] * (1 + 1e-6));
+      const auto part = static_cast<std::size_t>(share * static_cast<double>(jumps.size()));
+      jumps[std::min(part, jumps.size() - 1)] += static_cast<float>(steps[i] * (1 + 1e-6));
       any_jump = any_jump || steps[i] > 0;
       continue;
     }

@@ -84,7 +84,7 @@ TEST(ProtocolModel, RoundTrip) {
 
 TEST(ProtocolModel, EmptyModel) {
   const Bytes bytes = encode_model({});
-  EXPECT_EQ(bytes, Bytes(20, 0));
+  EXPECT_EQ(bytes, Bytes(21, 0));
   EXPECT_EQ(decode_error(bytes), ErrorId::kInternal);
 }
 

@@ -53,7 +53,12 @@ class SceneAssembler {
 
   Result<void> add_at_rest(int node);
   Result<void> add_group(int group, const std::vector<int>& nodes);
-  void add_animated(AnimatedObject&& object, float clip_offset_s);
+  /// Index of the object, or of one that is equal.
+  std::uint32_t add_animated(AnimatedObject&& object);
+  /// EXT_mesh_gpu_instancing of a mesh whose shape moves. Errors: as instance_matrices, and
+  /// kSceneLimit.
+  Result<void> place_copies(int node, std::uint32_t object, const tinygltf::Value& extension,
+                            float clip_offset_s);
   Result<std::size_t> base_of(int node, Pose pose, int skin);
   Result<void> place(std::size_t base, const glm::dmat4& world);
   Result<std::uint32_t> object_of(std::size_t base, const glm::dmat3& residual, bool baked);
