@@ -12,10 +12,15 @@ namespace {
 
 constexpr std::size_t kSegments = limits::kMotionSegments;
 constexpr std::size_t kVertexPoses = 16u << 20;  // what one object may cost, about a second
-constexpr std::size_t kMaxStepsPerSegment = 8;
-constexpr std::size_t kMaxKeyPoses = 2048;
+constexpr std::size_t kMaxStepsPerSegment = 4;
+constexpr std::size_t kMaxKeyPoses = 1024;
 constexpr double kJumpGap = 1e-9;        // s before a STEP key that shows the pose it ends
-constexpr double kSpeedMargin = 1.02;    // for what lies between two poses
+constexpr double kEven = 0.02;           // halves of a step that differ by less are one speed
+constexpr double kSpeedMargin = 1.05;    // for what lies between two poses of even speed
+constexpr double kUnevenMargin = 2;      // and where halving has ended before it got even
+constexpr int kMaxHalvings = 8;
+constexpr int kCenterPoses = 16;
+constexpr double kMatters = 1e-5;        // of the extent: smaller steps are not halved again
 constexpr double kStill = 1e-6;          // of the extent: rounding of the poses, no motion
 
 std::vector<glm::dvec3> hull_directions() {
@@ -91,7 +96,12 @@ struct Extent {
   glm::vec3 low{std::numeric_limits<float>::infinity()};
   glm::vec3 high{-std::numeric_limits<float>::infinity()};
 
+  glm::vec3 center{0};  ///< any point; where the bounding sphere is to be
+  double radius2 = 0;   ///< squared, around it
+
   void add(const glm::vec3& p) {
+    const glm::dvec3 off = glm::dvec3(p) - glm::dvec3(center);
+    radius2 = std::max(radius2, glm::dot(off, off));
     low = glm::min(low, p);
     high = glm::max(high, p);
     for (std::size_t i = 0; i < directions.size(); ++i) {
@@ -103,33 +113,106 @@ struct Extent {
   }
 };
 
-MotionProfile profile(const std::vector<double>& times, const std::vector<double>& steps,
-                      double clip_s, double wrap_jump) {
+/// One part of the clip over which the largest speed is even.
+struct Step {
+  double from = 0, to = 0;
+  double distance = 0;
+  double margin = kSpeedMargin;
+  bool is_jump() const { return to - from < 2 * kJumpGap; }
+};
+
+/// Walks the clip pose by pose. A part whose halves differ in speed is halved again.
+class Walk {
+ public:
+  Walk(const Mesh& mesh, const Animation& animation)
+      : mesh_(mesh), animation_(animation), used_(used_vertices(mesh)) {}
+
+  void run(const std::vector<double>& times) {
+    Points points;
+    glm::vec3 low(std::numeric_limits<float>::infinity()), high = -low;
+    for (int i = 0; i < kCenterPoses; ++i) {
+      pose_positions(mesh_.vertices, animation_, i * double{animation_.clip_s} / kCenterPoses,
+                     points);
+      for (const std::uint32_t k : used_) {
+        low = glm::min(low, points[k]);
+        high = glm::max(high, points[k]);
+      }
+    }
+    extent_.center = 0.5f * (low + high);
+    first_ = at(times.front());
+    std::vector<glm::vec3> last = first_;
+    for (std::size_t k = 1; k < times.size(); ++k) {
+      std::vector<glm::vec3> now = at(times[k]);
+      split({times[k - 1], times[k], distance(last, now), kSpeedMargin}, last, now, 0);
+      last = std::move(now);
+    }
+    wrap_jump_ = distance(last, first_);
+  }
+
+  const std::vector<std::uint32_t>& used() const { return used_; }
+  const std::vector<Step>& steps() const { return steps_; }
+  const Extent& extent() const { return extent_; }
+  double wrap_jump() const { return wrap_jump_; }
+
+ private:
+  using Points = std::vector<glm::vec3>;
+  double distance(const Points& a, const Points& b) const { return largest_step(used_, a, b); }
+  Points at(double t) {
+    Points out;
+    pose_positions(mesh_.vertices, animation_, t, out);
+    for (const std::uint32_t i : used_) extent_.add(out[i]);
+    return out;
+  }
+  void split(const Step& whole, const Points& a, const Points& b, int depth) {
+    if (whole.is_jump()) return steps_.push_back(whole);
+    const double middle = 0.5 * (whole.from + whole.to);
+    const Points m = at(middle);
+    Step halves[2] = {{whole.from, middle, distance(a, m), kSpeedMargin},
+                      {middle, whole.to, distance(m, b), kSpeedMargin}};
+    const double low = std::min(halves[0].distance, halves[1].distance);
+    const double high = std::max(halves[0].distance, halves[1].distance);
+    const bool even = high - low <= kEven * high && 2 * high <= (1 + kEven) * whole.distance;
+    const bool matters = high > kMatters * glm::length(extent_.high - extent_.low);
+    if (!even && matters && depth < kMaxHalvings) {
+      split(halves[0], a, m, depth + 1);
+      split(halves[1], m, b, depth + 1);
+      return;
+    }
+    for (Step& half : halves) {
+      half.distance = even ? half.distance : high;
+      half.margin = even ? kSpeedMargin : kUnevenMargin;
+      steps_.push_back(half);
+    }
+  }
+
+  const Mesh& mesh_;
+  const Animation& animation_;
+  const std::vector<std::uint32_t> used_;
+  Points first_;
+  Extent extent_;
+  std::vector<Step> steps_;
+  double wrap_jump_ = 0;
+};
+
+MotionProfile profile(const std::vector<Step>& steps, double clip_s, double wrap_jump) {
   MotionProfile motion;
   motion.clip_s = static_cast<float>(clip_s);
   motion.wrap_jump = static_cast<float>(wrap_jump * (1 + 1e-6));
   motion.speed.assign(kSegments, 0.0f);
   std::vector<float> jumps(std::size_t{1} << limits::kMaxPhaseLevel, 0.0f);
-  const auto is_jump = [&](std::size_t i) { return times[i + 1] - times[i] < 2 * kJumpGap; };
-  const auto speed_of = [&](std::size_t i) {
-    return is_jump(i) ? 0.0 : steps[i] / (times[i + 1] - times[i]);
-  };
   bool any_jump = false;
-  for (std::size_t i = 0; i + 1 < times.size(); ++i) {
-    const double share = times[i] / clip_s;
-    const auto segment =
-        std::min(static_cast<std::size_t>(share * kSegments * (1 + 1e-12)), kSegments - 1);
-    if (is_jump(i)) {
+  for (const Step& step : steps) {
+    const double share = step.from / clip_s;
+    if (step.is_jump()) {
       const auto part = static_cast<std::size_t>(share * static_cast<double>(jumps.size()));
-      jumps[std::min(part, jumps.size() - 1)] += static_cast<float>(steps[i] * (1 + 1e-6));
-      any_jump = any_jump || steps[i] > 0;
+      jumps[std::min(part, jumps.size() - 1)] += static_cast<float>(step.distance * (1 + 1e-6));
+      any_jump = any_jump || step.distance > 0;
       continue;
     }
-    double speed = speed_of(i);
-    if (i > 0) speed = std::max(speed, speed_of(i - 1));
-    if (i + 2 < times.size()) speed = std::max(speed, speed_of(i + 1));
-    motion.speed[segment] =
-        std::max(motion.speed[segment], static_cast<float>(speed * kSpeedMargin));
+    const auto segment =
+        std::min(static_cast<std::size_t>(share * kSegments * (1 + 1e-12)), kSegments - 1);
+    const double speed = step.margin * step.distance / (step.to - step.from);
+    motion.speed[segment] = std::max(motion.speed[segment], static_cast<float>(speed));
   }
   if (any_jump) motion.jump = jumps;
   return motion;
@@ -139,42 +222,27 @@ MotionProfile profile(const std::vector<double>& times, const std::vector<double
 
 MeasuredMotion measure_motion(const Mesh& mesh, const Animation& animation) {
   MeasuredMotion out;
-  const std::vector<std::uint32_t> used = used_vertices(mesh);
-  if (used.empty()) return out;
-  const std::vector<double> times = pose_times(animation, mesh.vertices.size());
-  std::vector<glm::vec3> first, last, now;
-  std::vector<double> steps;
-  Extent extent;
-  double growth = 0;
-  pose_positions(mesh.vertices, animation, times.front(), first);
-  last = first;
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    pose_positions(mesh.vertices, animation, times[k], now);
-    for (const std::uint32_t i : used) extent.add(now[i]);
-    if (k > 0) {
-      steps.push_back(largest_step(used, last, now));
-      if (times[k] - times[k - 1] >= 2 * kJumpGap) growth = std::max(growth, steps.back());
-    }
-    std::swap(last, now);
+  Walk walk(mesh, animation);
+  if (walk.used().empty()) return out;
+  walk.run(pose_times(animation, mesh.vertices.size()));
+  double growth = 0, largest = walk.wrap_jump();
+  for (const Step& step : walk.steps()) {
+    largest = std::max(largest, step.distance);
+    if (!step.is_jump()) growth = std::max(growth, step.distance);
   }
-  const double wrap_jump = largest_step(used, last, first);
-  const double size = glm::length(glm::dvec3(extent.high) - glm::dvec3(extent.low));
-  const double largest = std::max(wrap_jump, *std::max_element(steps.begin(), steps.end()));
+  const Extent& extent = walk.extent();
   const auto grown = static_cast<float>(growth);
   out.box_min = extent.low - grown;
   out.box_max = extent.high + grown;
-  out.center = 0.5f * (out.box_min + out.box_max);
+  out.center = extent.center;
   for (std::size_t i = 0; i < extent.directions.size(); ++i) {
     out.hull_points.emplace_back(extent.point[i] + growth * extent.directions[i]);
   }
-  for (const double t : times) {
-    pose_positions(mesh.vertices, animation, t, now);
-    for (const std::uint32_t i : used) {
-      out.radius = std::max(out.radius, glm::length(glm::dvec3(now[i]) - glm::dvec3(out.center)));
-    }
+  out.radius = std::sqrt(extent.radius2) + growth;
+  const double size = glm::length(glm::dvec3(extent.high) - glm::dvec3(extent.low));
+  if (largest > kStill * size) {
+    out.motion = profile(walk.steps(), animation.clip_s, walk.wrap_jump());
   }
-  out.radius += growth;
-  if (largest > kStill * size) out.motion = profile(times, steps, animation.clip_s, wrap_jump);
   return out;
 }
 
