@@ -8,9 +8,9 @@ namespace mirage {
 namespace {
 
 struct KeySpan {
-  std::size_t key = 0;   ///< at or before t
-  double share = 0;      ///< of the way to the next key, 0..1
-  double length_s = 0;   ///< between the two; 0 outside the keys
+  std::size_t key = 0;  ///< at or before t
+  double share = 0;     ///< of the way to the next key, 0..1
+  double length_s = 0;  ///< between the two; 0 outside the keys
 };
 
 KeySpan find_span(const std::vector<float>& times, double t) {
@@ -175,8 +175,7 @@ AnimationState evaluate(const Animation& animation, double t) {
         j.parent < 0 ? m : object_from_joint[static_cast<std::size_t>(j.parent)] * m);
   }
   for (const JointBinding& b : animation.bindings) {
-    state.object_from_bind.emplace_back(object_from_joint[b.joint] *
-                                        glm::dmat4(b.joint_from_bind));
+    state.object_from_bind.emplace_back(object_from_joint[b.joint] * glm::dmat4(b.joint_from_bind));
   }
   return state;
 }
@@ -204,8 +203,8 @@ void pose_vertices(const std::vector<Vertex>& bind, const Animation& animation, 
   }
 }
 
-void pose_positions(const std::vector<Vertex>& bind, const Animation& animation,
-                    double clip_time_s, std::vector<glm::vec3>& out) {
+void pose_positions(const std::vector<Vertex>& bind, const Animation& animation, double clip_time_s,
+                    std::vector<glm::vec3>& out) {
   const AnimationState state = evaluate(animation, clip_time_s);
   out.resize(bind.size());
   for (std::size_t i = 0; i < bind.size(); ++i) out[i] = bind[i].position;

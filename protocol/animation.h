@@ -87,10 +87,10 @@ glm::dquat slerp_shortest(const glm::dquat& a, const glm::dquat& b, double s);
 AnimationState evaluate(const Animation& animation, double clip_time_s);
 /// Poses `bind` (as many vertices as animation.vertices) into `out`; normals by the cofactor
 /// matrix, so that they stay right under uneven scale and mirroring.
-void pose_vertices(const std::vector<Vertex>& bind, const Animation& animation,
-                   double clip_time_s, std::vector<Vertex>& out);
+void pose_vertices(const std::vector<Vertex>& bind, const Animation& animation, double clip_time_s,
+                   std::vector<Vertex>& out);
 /// Positions only, for measuring.
-void pose_positions(const std::vector<Vertex>& bind, const Animation& animation,
-                    double clip_time_s, std::vector<glm::vec3>& out);
+void pose_positions(const std::vector<Vertex>& bind, const Animation& animation, double clip_time_s,
+                    std::vector<glm::vec3>& out);
 
 }  // namespace mirage

@@ -49,9 +49,8 @@ double motion_bound_px(const ViewGeometry& view, double travel) {
   const double distance = glm::length(view.eye);
   const double near_surface = view.center_depth - view.radius;
   if (!(near_surface > 0) || !(distance > view.radius)) return kInfinity;
-  const double off_axis =
-      std::acos(std::clamp(view.center_depth / distance, -1.0, 1.0)) +
-      std::asin(view.radius / distance);
+  const double off_axis = std::acos(std::clamp(view.center_depth / distance, -1.0, 1.0)) +
+                          std::asin(view.radius / distance);
   const double cosine = std::cos(off_axis);
   const double bound = view.focal_px * travel / (near_surface * cosine);
   return cosine > 0 && bound >= 0 ? bound : kInfinity;

@@ -59,8 +59,8 @@ inline constexpr std::size_t kMaxJoints = 1024;
 inline constexpr std::size_t kMaxBindings = 8192;
 inline constexpr std::size_t kMaxChannels = 4096;
 inline constexpr std::size_t kMaxMorphSets = 1024;
-inline constexpr std::size_t kMaxMorphTargets = 1024;       ///< of one set
-inline constexpr std::size_t kMaxMorphDeltas = 8u << 20;    ///< over all targets
+inline constexpr std::size_t kMaxMorphTargets = 1024;         ///< of one set
+inline constexpr std::size_t kMaxMorphDeltas = 8u << 20;      ///< over all targets
 inline constexpr std::size_t kMaxAnimationFloats = 4u << 20;  ///< times and values, all channels
 inline constexpr std::size_t kMaxAnimatedVertices = 1u << 18;
 

@@ -115,7 +115,8 @@ Result<void> check(const wire::InstancePage& m) {
   for (const wire::InstanceRecord* i : *m.instances()) {
     const bool scale = std::isfinite(i->scale()) && i->scale() > 0;
     if (!finite(&i->position()) || !unit(&i->rotation()) || !scale ||
-        !std::isfinite(i->clip_offset_s())) return value_error("instance");
+        !std::isfinite(i->clip_offset_s()))
+      return value_error("instance");
   }
   return {};
 }

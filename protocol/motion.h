@@ -20,7 +20,8 @@ struct MotionProfile {
   bool moving() const { return clip_s > 0; }
   double max_speed() const;
   /// Upper bound of the distance between any vertex at clip time `a` and at clip time `b`, the
-  /// shorter way round the loop. 0 for static objects; a jump counts whenever its part of the clip is met.
+  /// shorter way round the loop. 0 for static objects; a jump counts whenever its part of the clip
+  /// is met.
   double travel(double a, double b) const;
 
  private:
@@ -46,7 +47,8 @@ Phase nearest_phase(double t, double clip_s, int level);
 /// the pose at any time near `t` that has this phase; limits::kMaxPhaseLevel when none is.
 int phase_level_for(const MotionProfile& motion, double t, double distance);
 
-/// Deterministic offset in [0, clip_s) of copy `index` of an object, so that a crowd is not in step.
+/// Deterministic offset in [0, clip_s) of copy `index` of an object, so that a crowd is not in
+/// step.
 float copy_offset(std::uint32_t index, double clip_s);
 
 }  // namespace mirage

@@ -110,9 +110,8 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   const ObjectDescription& object = scene_.objects[ask->object];
   const Capture capture(ask->need.cell, ask->need.distance, object.radius, tile->edge);
   std::vector<std::uint8_t> rgba = std::move(tile->rgba);
-  const TileRecordPtr record =
-      cache_.insert(ask->need.instance, scene_, capture,
-                                             tile.take(), frame_, now_us, ask->need.phase);
+  const TileRecordPtr record = cache_.insert(ask->need.instance, scene_, capture, tile.take(),
+                                             frame_, now_us, ask->need.phase);
   if (!record) return {};
   undrawn_.push_back(record);
   record->last_drawn = frame_;

@@ -30,7 +30,7 @@ struct ClientOptions {
   std::string token;
   std::string name = "mirage-view";
   std::size_t max_mesh_bytes = 64u << 20;
-  bool trace = false;  ///< keep every tile's life
+  bool trace = false;     ///< keep every tile's life
   bool animation = true;  ///< false: every clip stands at its beginning
 };
 

@@ -57,8 +57,8 @@ void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, co
     if (found->second.animation) {
       for (const gl::MeshInstance& one : instances) {
         pose(found->second, scene.instances[one.id], list.time_s);
-        mesh_pass_->draw(found->second.mesh, found->second.materials, found->second.images, &one,
-                         1, blended);
+        mesh_pass_->draw(found->second.mesh, found->second.materials, found->second.images, &one, 1,
+                         blended);
       }
       continue;
     }

@@ -77,8 +77,8 @@ PixelError moving_error(const DrawnImpostor& drawn, const InstanceView& view,
   PixelError best;
   for (int y = low(middle.y); y <= high(middle.y, tile.crop.h); y += stride) {
     for (int x = low(middle.x); x <= high(middle.x, tile.crop.w); x += stride) {
-      const std::uint8_t code = tile.depth[static_cast<std::size_t>(y) * tile.crop.w +
-                                           static_cast<std::size_t>(x)];
+      const std::uint8_t code =
+          tile.depth[static_cast<std::size_t>(y) * tile.crop.w + static_cast<std::size_t>(x)];
       if (code == 0) continue;
       const double stored = tile.depth_code.decode(code);
       const glm::dvec2 offset(x + 0.5, y + 0.5);

@@ -58,9 +58,9 @@ class Scheduler {
   double expected_bytes(std::uint8_t size_class) const;
   double window_bytes(std::int64_t now_us) const;
 
-  std::map<std::uint32_t, PendingAsk> pending_;              ///< by request id
-  std::map<Wanted, std::uint32_t> pending_wanted_;           ///< -> request id
-  std::map<std::uint32_t, std::int64_t> not_before_us_;      ///< instances that were refused
+  std::map<std::uint32_t, PendingAsk> pending_;          ///< by request id
+  std::map<Wanted, std::uint32_t> pending_wanted_;       ///< -> request id
+  std::map<std::uint32_t, std::int64_t> not_before_us_;  ///< instances that were refused
   std::set<std::uint32_t> meshes_pending_;
   std::set<std::uint32_t> meshes_refused_;
   std::deque<std::pair<std::int64_t, std::size_t>> arrivals_;  ///< time and bytes, last second

@@ -42,12 +42,10 @@ DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& d
   return {measure.dz_quad, std::hypot(z - capture.distance, z * r / cone)};
 }
 
-double TileRecord::motion_px(const ObjectDescription& description,
-                             const ViewGeometry& view) const {
+double TileRecord::motion_px(const ObjectDescription& description, const ViewGeometry& view) const {
   const MotionProfile& motion = description.motion;
   if (!motion.moving()) return 0;
-  return motion_bound_px(view,
-                         motion.travel(phase_time(phase, motion.clip_s), view.clip_time_s));
+  return motion_bound_px(view, motion.travel(phase_time(phase, motion.clip_s), view.clip_time_s));
 }
 
 double TileRecord::bound_px(DrawMethod method, const ObjectDescription& description,

@@ -79,11 +79,10 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   gl::MeshInstance instance;
   instance.position_scale = glm::vec4(glm::vec3(-eye), 1.0f);
   meshes_->begin(capture_projection(capture), gl::light_block(job.lighting, glm::vec3(eye)));
-  const gl::GpuMesh& mesh =
-      scene_->posed_mesh(job.key.object, phase_time(static_cast<Phase>(job.key.phase), object.motion.clip_s));
+  const gl::GpuMesh& mesh = scene_->posed_mesh(
+      job.key.object, phase_time(static_cast<Phase>(job.key.phase), object.motion.clip_s));
   for (const bool blended : {false, true}) {
-    meshes_->draw(mesh, scene_->materials(), scene_->images, &instance, 1,
-                  blended);
+    meshes_->draw(mesh, scene_->materials(), scene_->images, &instance, 1, blended);
   }
   meshes_->end();
 }

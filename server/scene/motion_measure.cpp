@@ -14,14 +14,14 @@ constexpr std::size_t kSegments = limits::kMotionSegments;
 constexpr std::size_t kVertexPoses = 16u << 20;  // what one object may cost, about a second
 constexpr std::size_t kMaxStepsPerSegment = 4;
 constexpr std::size_t kMaxKeyPoses = 1024;
-constexpr double kJumpGap = 1e-9;        // s before a STEP key that shows the pose it ends
-constexpr double kEven = 0.02;           // halves of a step that differ by less are one speed
-constexpr double kSpeedMargin = 1.05;    // for what lies between two poses of even speed
-constexpr double kUnevenMargin = 2;      // and where halving has ended before it got even
+constexpr double kJumpGap = 1e-9;      // s before a STEP key that shows the pose it ends
+constexpr double kEven = 0.02;         // halves of a step that differ by less are one speed
+constexpr double kSpeedMargin = 1.05;  // for what lies between two poses of even speed
+constexpr double kUnevenMargin = 2;    // and where halving has ended before it got even
 constexpr int kMaxHalvings = 8;
 constexpr int kCenterPoses = 16;
-constexpr double kMatters = 1e-5;        // of the extent: smaller steps are not halved again
-constexpr double kStill = 1e-6;          // of the extent: rounding of the poses, no motion
+constexpr double kMatters = 1e-5;  // of the extent: smaller steps are not halved again
+constexpr double kStill = 1e-6;    // of the extent: rounding of the poses, no motion
 
 std::vector<glm::dvec3> hull_directions() {
   std::vector<glm::dvec3> out;
@@ -37,9 +37,8 @@ std::vector<glm::dvec3> hull_directions() {
 
 std::vector<double> pose_times(const Animation& animation, std::size_t vertices) {
   const double clip = animation.clip_s;
-  const std::size_t per_segment =
-      std::clamp<std::size_t>(kVertexPoses / std::max<std::size_t>(vertices, 1) / kSegments, 1,
-                              kMaxStepsPerSegment);
+  const std::size_t per_segment = std::clamp<std::size_t>(
+      kVertexPoses / std::max<std::size_t>(vertices, 1) / kSegments, 1, kMaxStepsPerSegment);
   std::vector<double> times;
   const std::size_t steps = kSegments * per_segment;
   for (std::size_t i = 0; i < steps; ++i) {
@@ -90,8 +89,7 @@ double largest_step(const std::vector<std::uint32_t>& used, const std::vector<gl
 /// The extremes of everything that is added.
 struct Extent {
   std::vector<glm::dvec3> directions = hull_directions();
-  std::vector<double> support =
-      std::vector<double>(26, -std::numeric_limits<double>::infinity());
+  std::vector<double> support = std::vector<double>(26, -std::numeric_limits<double>::infinity());
   std::vector<glm::dvec3> point = std::vector<glm::dvec3>(26);
   glm::vec3 low{std::numeric_limits<float>::infinity()};
   glm::vec3 high{-std::numeric_limits<float>::infinity()};

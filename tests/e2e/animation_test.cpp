@@ -16,12 +16,19 @@ nlohmann::json view(const std::string& asset, int frames, const std::vector<std:
   const Server server(asset);
   EXPECT_TRUE(server.ready()) << server.log();
   const std::string folder = scratch_folder();
-  std::vector<std::string> command = {binary("mirage-view"), server.url(),     "--offscreen",
-                                      "320x180",             "--path",         "builtin:still",
-                                      "--frames",            std::to_string(frames),
-                                      "--virtual-time",      "--net",
+  std::vector<std::string> command = {binary("mirage-view"),
+                                      server.url(),
+                                      "--offscreen",
+                                      "320x180",
+                                      "--path",
+                                      "builtin:still",
+                                      "--frames",
+                                      std::to_string(frames),
+                                      "--virtual-time",
+                                      "--net",
                                       "rtt=60,rate=50,server-ms=3,seed=1",
-                                      "--stats",             folder + "/s.json"};
+                                      "--stats",
+                                      folder + "/s.json"};
   command.insert(command.end(), more.begin(), more.end());
   const Finished done = run(command, 240);
   EXPECT_EQ(done.exit_code, 0) << asset << ": " << done.output;
@@ -37,17 +44,17 @@ class Animation : public ::testing::Test {
   static std::string asset(const std::string& name) { return shared_folder() + "/assets/" + name; }
 };
 
-// After the first second every phase under way has come; the floors are 3 dB under what was
-// measured, a pose of half a second ago would be 10 dB worse.
+// The floors lie some 4 dB under what was measured; the body of the truck, which stands still,
+// keeps its coarse first tile where that is within tau, and sets the figure there.
 TEST_F(Animation, ImpostorsMoveWithinTheirBounds) {
   struct Case {
     const char* name;
     double least_psnr;
   };
-  for (const Case& c : {Case{"features/fox_skinned.glb", 26.0},
-                        Case{"objects/desk_fan_skinned.glb", 26.0},
-                        Case{"features/milk_truck_animated.glb", 26.0},
-                        Case{"features/morph_stress_test.glb", 26.0}}) {
+  for (const Case& c :
+       {Case{"features/fox_skinned.glb", 28.0}, Case{"objects/desk_fan_skinned.glb", 30.0},
+        Case{"features/milk_truck_animated.glb", 17.0},
+        Case{"features/morph_stress_test.glb", 26.0}}) {
     const nlohmann::json s = view(asset(c.name), 121, {"--reference", "60"});
     ASSERT_FALSE(s.is_discarded()) << c.name;
     const nlohmann::json& q = s["quality"];
@@ -60,8 +67,8 @@ TEST_F(Animation, ImpostorsMoveWithinTheirBounds) {
 }
 
 TEST_F(Animation, GeometryIsPosedAsTheServerDoes) {
-  const nlohmann::json s = view(asset("features/fox_skinned.glb"), 61,
-                                {"--reference", "15", "--method", "mesh"});
+  const nlohmann::json s =
+      view(asset("features/fox_skinned.glb"), 61, {"--reference", "15", "--method", "mesh"});
   ASSERT_FALSE(s.is_discarded());
   EXPECT_GT(s["meshes_drawn"], 0.5);
   EXPECT_GT(s["quality"]["psnr"]["min"], 29.0);

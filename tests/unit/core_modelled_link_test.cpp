@@ -111,8 +111,8 @@ TEST(CoreModelledLink, ArrivalTimes) {
         for (std::uint32_t n = 1; n <= kTiles; ++n) {
           EXPECT_EQ(session.arrivals[n - 1].first, kTiles + 1 - n) << "worst first";
           // Whichever is the slower of server and link sets the pace; the other is passed once.
-          const double expected = up_ms + rtt + std::max(server_ms, down_ms) * n +
-                                  std::min(server_ms, down_ms);
+          const double expected =
+              up_ms + rtt + std::max(server_ms, down_ms) * n + std::min(server_ms, down_ms);
           EXPECT_NEAR(static_cast<double>(session.arrivals[n - 1].second) * 1e-3, expected, 1.0)
               << "tile " << n << " rtt " << rtt << " rate " << rate << " server " << server_ms;
         }
@@ -258,8 +258,7 @@ TEST(CoreModelledLink, RealTimeDoesNotWait) {
 }
 
 TEST(CoreModelledLink, ParsesModels) {
-  const auto model =
-      parse_net_model("rtt=100,jitter=20.5,rate=20,loss=0.5,server-ms=5,seed=42");
+  const auto model = parse_net_model("rtt=100,jitter=20.5,rate=20,loss=0.5,server-ms=5,seed=42");
   ASSERT_TRUE(model) << model.error().text;
   EXPECT_EQ(model->rtt_ms, 100);
   EXPECT_EQ(model->jitter_ms, 20.5);

@@ -156,8 +156,8 @@ TEST(CoreMotion, SeveralPhasesOfAnInstanceAreUnderWayAtOnce) {
 TEST(CoreMotion, CopiesAreOffsetInTheClip) {
   SelectorWorld world = moving_world(0.3f);
   world.scene.instances[0].clip_offset_s = 0.5;
-  const ViewGeometry view = view_geometry(world.camera, world.scene.instances[0],
-                                          world.scene.objects[0], 1.75);
+  const ViewGeometry view =
+      view_geometry(world.camera, world.scene.instances[0], world.scene.objects[0], 1.75);
   EXPECT_NEAR(view.clip_time_s, 0.25, 1e-12);
 }
 

@@ -47,12 +47,12 @@ inline SceneView make_scene(const std::vector<Placed>& placed, const SceneOption
   }
   wire::InstancePageT instances;
   for (const Placed& p : placed) {
-    instances.instances.emplace_back(to_wire(p.position), wire::Quat(1, 0, 0, 0), p.scale,
-                                     p.object, 0.0f);
+    instances.instances.emplace_back(to_wire(p.position), wire::Quat(1, 0, 0, 0), p.scale, p.object,
+                                     0.0f);
   }
   SceneView scene;
-  const bool taken = scene.accept(welcome).ok() && scene.accept(objects).ok() &&
-                     scene.accept(instances).ok();
+  const bool taken =
+      scene.accept(welcome).ok() && scene.accept(objects).ok() && scene.accept(instances).ok();
   return taken ? scene : SceneView{};
 }
 

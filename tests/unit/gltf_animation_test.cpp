@@ -69,8 +69,8 @@ TEST(GltfAnimation, MirroredPartsKeepTheirFront) {
   std::vector<Vertex> v;
   pose_vertices(object.mesh.vertices, *object.animation, 0, v);
   const std::vector<std::uint32_t>& i = object.mesh.indices;
-  const glm::vec3 face = glm::cross(v[i[1]].position - v[i[0]].position,
-                                    v[i[2]].position - v[i[0]].position);
+  const glm::vec3 face =
+      glm::cross(v[i[1]].position - v[i[0]].position, v[i[2]].position - v[i[0]].position);
   EXPECT_GT(glm::dot(face, v[i[0]].normal), 0);
 }
 
@@ -109,8 +109,7 @@ TEST(GltfAnimation, OfTwoClipsForOneNodeTheFirstPlays) {
 
 TEST(GltfAnimation, MorphsOfCopiesAreOffset) {
   Builder b = triangle();
-  b.primitive()["targets"] =
-      json::array({{{"POSITION", b.vec3({0, 0, 1, 0, 0, 0, 0, 0, 1})}}});
+  b.primitive()["targets"] = json::array({{{"POSITION", b.vec3({0, 0, 1, 0, 0, 0, 0, 0, 1})}}});
   animate(b, 0, "weights", {0, 2}, scalars(b, {0, 1}));
   b.doc["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
       b.vec3({0, 0, 0, 5, 0, 0, 9, 0, 0});

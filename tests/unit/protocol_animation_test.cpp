@@ -78,14 +78,14 @@ Animation sample_animation() {
   target.position = {{1, 0, 0}, {0, 1, 0}};
   target.normal = target.tangent = {{0, 0, 0}, {0, 0, 1}};
   a.morphs = {{{0.5f}, {target}}};
-  Channel turn = channel(ChannelPath::kRotation, Interpolation::kLinear, {0, 1},
-                         {0, 0, 0, 1, 0, 1, 0, 0});
+  Channel turn =
+      channel(ChannelPath::kRotation, Interpolation::kLinear, {0, 1}, {0, 0, 0, 1, 0, 1, 0, 0});
   turn.target = 1;
   Channel move = channel(ChannelPath::kTranslation, Interpolation::kStep, {0.5f}, {1, 2, 3});
   move.target = 2;
-  a.channels = {turn, move,
-                channel(ChannelPath::kWeights, Interpolation::kCubicSpline, {0, 2},
-                        {0, 1, 0, 0, 2, 0})};
+  a.channels = {
+      turn, move,
+      channel(ChannelPath::kWeights, Interpolation::kCubicSpline, {0, 2}, {0, 1, 0, 0, 2, 0})};
   return a;
 }
 
@@ -99,8 +99,8 @@ TEST(ProtocolAnimation, StepHoldsAndEndsClamp) {
 }
 
 TEST(ProtocolAnimation, LinearIsStraight) {
-  const Channel c = channel(ChannelPath::kScale, Interpolation::kLinear, {0, 1, 3},
-                            {0, 0, 0, 2, 4, 8, 4, 4, 4});
+  const Channel c =
+      channel(ChannelPath::kScale, Interpolation::kLinear, {0, 1, 3}, {0, 0, 0, 2, 4, 8, 4, 4, 4});
   EXPECT_NEAR(sample3(c, 0.25).y, 1.0, 1e-12);
   EXPECT_NEAR(sample3(c, 2).x, 3.0, 1e-12);
   EXPECT_NEAR(sample3(c, 2).z, 6.0, 1e-12);
@@ -120,9 +120,9 @@ TEST(ProtocolAnimation, RotationTakesTheShorterArcAtConstantSpeed) {
   const glm::dquat a(1, 0, 0, 0), b = glm::angleAxis(kPi / 2, glm::dvec3(0, 0, 1));
   for (const glm::dquat& end : {b, -b}) {
     const glm::dquat third = slerp_shortest(a, end, 1.0 / 3);
-    EXPECT_NEAR(2 * std::atan2(glm::length(glm::dvec3(third.x, third.y, third.z)),
-                               std::abs(third.w)),
-                kPi / 6, 1e-12);
+    EXPECT_NEAR(
+        2 * std::atan2(glm::length(glm::dvec3(third.x, third.y, third.z)), std::abs(third.w)),
+        kPi / 6, 1e-12);
   }
   // 1e-9 rad: acos of the dot product would see no angle at all.
   const glm::dquat tiny = glm::angleAxis(1e-9, glm::dvec3(1, 0, 0));
@@ -132,8 +132,8 @@ TEST(ProtocolAnimation, RotationTakesTheShorterArcAtConstantSpeed) {
 }
 
 TEST(ProtocolAnimation, QuaternionsWithoutLengthCountAsNoRotation) {
-  const Channel c = channel(ChannelPath::kRotation, Interpolation::kLinear, {0, 1},
-                            {0, 0, 0, 0, 0, 0, 0, 0});
+  const Channel c =
+      channel(ChannelPath::kRotation, Interpolation::kLinear, {0, 1}, {0, 0, 0, 0, 0, 0, 0, 0});
   EXPECT_EQ(sample4(c, 0.5), glm::dquat(1, 0, 0, 0));
   const Channel cubic = channel(ChannelPath::kRotation, Interpolation::kCubicSpline, {0},
                                 std::vector<float>(12, 0.0f));

@@ -45,7 +45,8 @@ Moving random_clip(std::uint32_t seed) {
       const bool cubic = c.interpolation == Interpolation::kCubicSpline;
       const int keys = 2 + static_cast<int>(random() % 6);
       for (int k = 0; k < keys; ++k) {
-        const float share = (static_cast<float>(k) + uniform(random, 0, 0.8f)) / static_cast<float>(keys);
+        const float share =
+            (static_cast<float>(k) + uniform(random, 0, 0.8f)) / static_cast<float>(keys);
         c.times.push_back(m.animation.clip_s * share);
         for (int part = 0; part < (cubic ? 3 : 1); ++part) {
           const bool tangent = cubic && part != 1;

@@ -47,7 +47,7 @@ class Builder {
   glm::dmat4 object_from_world_{1};
   AnimatedObject out_;
   Animation animation_;
-  bool too_deep_ = false;  ///< more joints than an object may have
+  bool too_deep_ = false;                  ///< more joints than an object may have
   std::map<int, std::uint16_t> joints_;    ///< node -> joint; kNone: the world
   std::map<int, std::uint16_t> bindings_;  ///< node -> binding of rigid parts
   std::map<int, int> skins_;               ///< skin -> its first binding
@@ -277,7 +277,8 @@ bool Builder::within_limits() const {
 bool Builder::poses_are_finite() const {
   std::vector<glm::vec3> points;
   for (int i = 0; i < kProbes; ++i) {
-    pose_positions(out_.mesh.vertices, animation_, animation_.clip_s * static_cast<double>(i) / kProbes, points);
+    pose_positions(out_.mesh.vertices, animation_,
+                   animation_.clip_s * static_cast<double>(i) / kProbes, points);
     for (const glm::vec3& p : points) {
       const float most = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
       if (!(most <= kMaxCoordinate)) return false;

@@ -82,8 +82,7 @@ std::optional<Channel> read_channel(const Document& document, const ChannelSourc
   if (*path != ChannelPath::kWeights && node.matrix.size() == 16) return std::nullopt;
   const std::size_t width = width_of(*path, document.model, node);
   auto times = read_floats(document, source.input, 1);
-  auto values =
-      read_floats(document, source.output, *path == ChannelPath::kWeights ? 1 : width);
+  auto values = read_floats(document, source.output, *path == ChannelPath::kWeights ? 1 : width);
   if (!times || !values) return std::nullopt;
   Channel channel;
   channel.path = *path;

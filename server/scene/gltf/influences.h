@@ -6,9 +6,9 @@
 
 namespace mirage::gltf {
 
-/// The four heaviest of JOINTS_n / WEIGHTS_n per vertex, weights summing to 1; weight 0 in x where a
-/// vertex has none. Empty, with a warning, where joints or weights are impossible. Errors: those of
-/// the accessor reader.
+/// The four heaviest of JOINTS_n / WEIGHTS_n per vertex, weights summing to 1; weight 0 in x where
+/// a vertex has none. Empty, with a warning, where joints or weights are impossible. Errors: those
+/// of the accessor reader.
 Result<std::vector<VertexBinding>> read_influences(const Document& document,
                                                    const std::map<std::string, int>& attributes,
                                                    std::uint32_t joints, Tally& tally);

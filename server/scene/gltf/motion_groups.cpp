@@ -33,9 +33,7 @@ MotionGroups find_motion(const Document& document, const NodeTree& tree,
   std::vector<int> root(model.nodes.size(), kNone);
   for (const int node : tree.order) {
     const int above = tree.parent[node];
-    root[node] = above != kNone && root[above] != kNone ? root[above]
-                 : marked[node]                         ? node
-                                                        : kNone;
+    root[node] = above != kNone && root[above] != kNone ? root[above] : marked[node] ? node : kNone;
   }
   for (const int node : tree.drawn) {
     const tinygltf::Node& source = model.nodes[node];

@@ -71,7 +71,7 @@ class SceneAssembler {
   const NodeTree& tree_;
   const std::map<int, NodeClip>& clips_;
   const MotionGroups motion_;
-  std::map<int, std::vector<int>> groups_;  ///< group -> its mesh nodes
+  std::map<int, std::vector<int>> groups_;                        ///< group -> its mesh nodes
   std::map<std::uint64_t, std::vector<std::uint32_t>> animated_;  ///< content hash -> objects
   Tally& tally_;
   MaterialImporter materials_;
