@@ -53,6 +53,9 @@ class ByteReader {
   }
   bool has(std::size_t n, std::size_t each) const { return !failed_ && n <= left_ / each; }
   bool failed() const { return failed_; }
+  /// What has not been read yet.
+  const std::uint8_t* at() const { return at_; }
+  std::size_t left() const { return left_; }
   bool at_end() const { return !failed_ && left_ == 0; }
 
  private:

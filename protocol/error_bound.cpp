@@ -44,6 +44,18 @@ double position_bound_px(const ViewGeometry& view, const CaptureGeometry& captur
   return bound >= 0 ? bound : kInfinity;
 }
 
+double motion_bound_px(const ViewGeometry& view, double travel) {
+  if (travel == 0) return 0;
+  const double distance = glm::length(view.eye);
+  const double near_surface = view.center_depth - view.radius;
+  if (!(near_surface > 0) || !(distance > view.radius)) return kInfinity;
+  const double off_axis = std::acos(std::clamp(view.center_depth / distance, -1.0, 1.0)) +
+                          std::asin(view.radius / distance);
+  const double cosine = std::cos(off_axis);
+  const double bound = view.focal_px * travel / (near_surface * cosine);
+  return cosine > 0 && bound >= 0 ? bound : kInfinity;
+}
+
 double point_error_px(double focal_px, const glm::dvec3& p, const glm::dvec3& q,
                       const glm::dvec3& forward, const glm::dvec3& right, const glm::dvec3& up) {
   const double zp = glm::dot(p, forward), zq = glm::dot(q, forward);

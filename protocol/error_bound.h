@@ -20,6 +20,7 @@ struct ViewGeometry {
   double radius = 0;        ///< of the bounding sphere
   glm::dvec3 eye{0};        ///< present eye
   double center_depth = 0;  ///< eye depth of the centre along the present forward axis
+  double clip_time_s = 0;   ///< of the object's animation; no meaning for a static one
 };
 
 struct CaptureGeometry {
@@ -43,6 +44,12 @@ double baseline_term(double distance, double capture_distance, double theta, dou
 /// kMinCaptureRadii radii, centre depth <= r, any non-finite input.
 double position_bound_px(const ViewGeometry& view, const CaptureGeometry& capture,
                          const DrawnDepth& drawn);
+
+/// Bound in px of the image distance of two points of the sphere that lie `travel` object units
+/// apart: f travel / (cos w (zC - r)), w the largest angle of a ray to the sphere off the forward
+/// axis. It adds to the above where the object has moved since the capture. From the exact form
+/// |d - forward (p . d / z)| of point_error_px: the image of a step d is at most |d| / (z cos w).
+double motion_bound_px(const ViewGeometry& view, double travel);
 
 /// True error in px of one point: `p` the surface point, `q` where it is drawn (same capture ray),
 /// `forward` the present unit forward axis; all relative to the present eye.

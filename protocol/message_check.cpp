@@ -84,6 +84,28 @@ Result<void> check_lods(const flatbuffers::Vector<const wire::LodInfo*>* lods) {
   return {};
 }
 
+bool moderate(const flatbuffers::Vector<float>* list) {
+  for (std::size_t i = 0; i < count(list); ++i) {
+    const float v = list->Get(static_cast<flatbuffers::uoffset_t>(i));
+    if (!(v >= 0) || !std::isfinite(v)) return false;
+  }
+  return true;
+}
+
+Result<void> check_motion(const wire::ObjectInfo& o) {
+  const bool moves = o.clip_s() > 0;
+  const std::size_t segments = moves ? limits::kMotionSegments : 0;
+  const std::size_t jumps = moves ? std::size_t{1} << limits::kMaxPhaseLevel : 0;
+  const bool counts =
+      count(o.speed()) == segments && (count(o.jump()) == jumps || count(o.jump()) == 0);
+  const bool clip = o.clip_s() >= 0 && o.clip_s() <= limits::kMaxClipSeconds;
+  const bool wrap = o.wrap_jump() >= 0 && std::isfinite(o.wrap_jump());
+  if (!counts || !clip || !wrap || !moderate(o.speed()) || !moderate(o.jump())) {
+    return value_error("motion of an object");
+  }
+  return {};
+}
+
 Result<void> check(const wire::ObjectPage& m) {
   if (count(m.objects()) > limits::kObjectsPerPage) return limit_error("objects in a page");
   if (!m.objects()) return {};
@@ -91,6 +113,7 @@ Result<void> check(const wire::ObjectPage& m) {
     const bool sizes = finite(o->center()) && finite(o->box_min()) && finite(o->box_max()) &&
                        finite(o->mean_color()) && std::isfinite(o->radius()) && o->radius() >= 0;
     if (!sizes) return value_error("object bounds");
+    if (Result<void> motion = check_motion(*o); !motion) return motion;
     if (count(o->hull_vertices()) > limits::kMaxHullVertices ||
         count(o->hull_indices()) > limits::kMaxHullTriangles * 3 ||
         count(o->hull_indices()) % 3 != 0) {
@@ -117,7 +140,9 @@ Result<void> check(const wire::InstancePage& m) {
   if (!m.instances()) return {};
   for (const wire::InstanceRecord* i : *m.instances()) {
     const bool scale = std::isfinite(i->scale()) && i->scale() > 0;
-    if (!finite(&i->position()) || !unit(&i->rotation()) || !scale) return value_error("instance");
+    if (!finite(&i->position()) || !unit(&i->rotation()) || !scale ||
+        !std::isfinite(i->clip_offset_s()))
+      return value_error("instance");
   }
   return {};
 }
@@ -146,6 +171,7 @@ Result<void> check(const wire::ReferenceRequest& m) {
   const double degrees = m.fov_y() * 57.29577951308232;
   const bool fov = degrees >= limits::kMinFovDegrees && degrees <= limits::kMaxFovDegrees;
   if (!fov) return value_error("field of view");
+  if (!std::isfinite(m.time_s())) return value_error("animation time");
   return {};
 }
 

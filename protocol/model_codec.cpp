@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "protocol/animation_codec.h"
 #include "protocol/limits.h"
 #include "protocol/material_codec.h"
 #include "protocol/need_mask.h"
@@ -222,6 +223,10 @@ Bytes unique_vertices(const ObjectModel& model, const Layout& layout, Ordered& o
   ByteWriter all;
   all.bytes.reserve(model.mesh.vertices.size() * stride);
   for (const Vertex& v : model.mesh.vertices) put_vertex(all, v, layout);
+  if (model.animation) {  // which refers to vertices by their index
+    count = model.mesh.vertices.size();
+    return std::move(all.bytes);
+  }
   std::vector<std::uint32_t> remap(model.mesh.vertices.size());
   // Without indices: those of lines and points need not come in threes.
   if (!remap.empty()) {
@@ -423,6 +428,8 @@ Bytes encode_model(const ObjectModel& model) {
   w.put_bytes(triangle_code.data(), triangle_code.size());
   w.put_bytes(other_code.data(), other_code.size());
   for (const Material& m : model.materials) put_material(w, m);
+  const Bytes animation = encode_animation(model.animation.get());
+  w.put_bytes(animation.data(), animation.size());
   return std::move(w.bytes);
 }
 
@@ -439,7 +446,10 @@ Result<ObjectModel> decode_model(const std::uint8_t* bytes, std::size_t size,
   for (Material& material : model.materials) {
     if (!get_material(r, material, image_count)) return value_error("material");
   }
-  if (!r.at_end()) return malformed("bytes do not add up");
+  if (r.failed()) return malformed("bytes do not add up");
+  auto animation = decode_animation(r.at(), r.left(), model.mesh.vertices.size());
+  if (!animation) return animation.error();
+  model.animation = animation.take();
   return model;
 }
 

@@ -2,6 +2,9 @@
 // One level of an object's geometry on the wire: quantised vertices and indices in meshoptimizer's
 // encodings, with the materials it uses. Images travel apart (image_codec.h).
 
+#include <memory>
+
+#include "protocol/animation.h"
 #include "protocol/model.h"
 #include "protocol/result.h"
 #include "protocol/wire.h"
@@ -12,6 +15,7 @@ namespace mirage {
 struct ObjectModel {
   Mesh mesh;
   std::vector<Material> materials;
+  std::shared_ptr<const Animation> animation;  ///< set: the mesh is in bind space
 };
 
 /// Positions become 16 bits a coordinate over the mesh's box, normals and tangents octahedral of 10

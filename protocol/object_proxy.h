@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "protocol/lod.h"
+#include "protocol/motion.h"
 #include "protocol/need_mask.h"
 
 namespace mirage {
@@ -31,6 +32,7 @@ struct ObjectDescription {
   NeedMask needs = 0;
   std::uint32_t triangles = 0;
   std::vector<LodInfo> lods;  ///< finest first; at least one when there is geometry
+  MotionProfile motion;       ///< bounds and hull enclose every pose
   bool surrounds = false;     ///< large scenery that exists once: geometry from the start
   bool group = false;         ///< all instances of a spatial cell, for far views
 };

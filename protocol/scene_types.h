@@ -20,6 +20,7 @@ struct Similarity {
 struct Instance {
   std::uint32_t object = 0;
   Similarity world_from_object;
+  float clip_offset_s = 0;  ///< added to the animation time; no meaning for a static object
 };
 
 enum class LightKind : std::uint8_t { kDirectional, kPoint, kSpot };

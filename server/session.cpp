@@ -172,8 +172,10 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
   key.distance = {a.distance_level(), a.distance_index()};
   key.size_class = a.size_class();
   key.channels = a.channels();
+  key.phase = a.phase();
   if (!valid(key.cell) || !valid(key.distance) || key.size_class > limits::kMaxSizeClass ||
-      key.channels != (kChannelColor | kChannelDepth) || scene_->objects[a.object()].radius <= 0) {
+      key.channels != (kChannelColor | kChannelDepth) || scene_->objects[a.object()].radius <= 0 ||
+      !valid_phase(a.phase(), scene_->objects[a.object()].motion.moving())) {
     return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
   }
   const ObjectDescription& object = scene_->objects[a.object()];
@@ -276,6 +278,7 @@ void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceReques
   job.camera.height = m.height;
   job.camera.fit_depth_range(scene_->bounds_center, scene_->bounds_radius);
   job.supersample = m.supersample;
+  job.time_s = m.time_s;
   job.lighting = found != s.lighting.end() ? found->second : scene_->scene.lighting;
   if (!queue_.submit(std::move(job))) {
     refuse(id, s, m.request_id, wire::RefusalReason::Busy);
@@ -446,6 +449,10 @@ void SessionHub::make_description_pages() {
       }
       for (const glm::vec3& v : o.hull.vertices) info->hull_vertices.push_back(to_wire(v));
       info->hull_indices = o.hull.indices;
+      info->clip_s = o.motion.clip_s;
+      info->speed = o.motion.speed;
+      info->jump = o.motion.jump;
+      info->wrap_jump = o.motion.wrap_jump;
       page.objects.push_back(std::move(info));
     }
     pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));
@@ -459,7 +466,7 @@ void SessionHub::make_description_pages() {
       const Instance instance = scene_->instance(i);
       const Similarity& m = instance.world_from_object;
       page.instances.emplace_back(to_wire(m.position), to_wire(m.rotation), m.scale,
-                                  instance.object, scene_->parent(i));
+                                  instance.object, scene_->parent(i), instance.clip_offset_s);
     }
     pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));
   }

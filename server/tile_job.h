@@ -72,6 +72,7 @@ struct ReferenceJob {
   Camera camera;
   std::uint32_t supersample = 2;
   Lighting lighting;
+  double time_s = 0;  ///< of the animation
 };
 
 /// What the render and encode stages hand back to the network loop.

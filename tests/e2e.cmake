@@ -18,5 +18,6 @@ mirage_e2e(walk)
 mirage_e2e(failure)
 mirage_e2e(load)
 mirage_e2e(assets)
+mirage_e2e(animation)
 # It watches frame times: alone on the machine, please.
 set_tests_properties(e2e_failure PROPERTIES RUN_SERIAL ON)

@@ -1,4 +1,5 @@
 add_executable(mirage_protocol_tests
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_animation_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_error_bound_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_geometry_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_hostile_test.cpp

@@ -12,6 +12,8 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/server_grouping_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_hull_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_lod_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/core_motion_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_motion_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_queue_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_store_test.cpp)

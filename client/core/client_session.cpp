@@ -118,8 +118,8 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   const ObjectDescription& object = scene_.objects[ask->object];
   const Capture capture(ask->need.cell, ask->need.distance, object.radius, tile->edge);
   std::vector<std::uint8_t> rgba = std::move(tile->rgba);
-  const TileRecordPtr record =
-      cache_.insert(ask->need.instance, scene_, capture, tile.take(), frame_, now_us);
+  const TileRecordPtr record = cache_.insert(ask->need.instance, scene_, capture, tile.take(),
+                                             frame_, now_us, ask->need.phase);
   if (!record) return {};
   undrawn_.push_back(record);
   record->last_drawn = frame_;
@@ -226,6 +226,7 @@ void ClientSession::ask_reference(const Camera& camera, std::uint32_t supersampl
   request.width = camera.width;
   request.height = camera.height;
   request.supersample = supersample;
+  request.time_s = time_s_;
   reference_refused_ = false;
   reference_asked_px_ = std::size_t{camera.width} * camera.height;
   link_.send(encode_message(std::move(request)));
@@ -250,6 +251,10 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
   input.method = options_.method;
   input.march_budget_px = options_.march_budget_px;
   input.mesh_radii = options_.mesh_radii;
+  if (options_.animation) time_s_ = static_cast<double>(now_us) * 1e-6;
+  input.time_s = time_s_;
+  input.lead_s = options_.animation ? static_cast<double>(scheduler_.round_trip_us()) * 1e-6 : 0;
+  input.horizon_s = options_.animation ? static_cast<double>(horizon) * 1e-6 : 0;
   input.frame = frame_;
   input.now_us = now_us;
   DrawList list = selector_.select(input);

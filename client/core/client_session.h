@@ -35,6 +35,7 @@ struct ClientOptions {
   std::size_t max_mesh_bytes = 64u << 20;      ///< of one reply, decompressed
   std::size_t mesh_budget_bytes = 256u << 20;  ///< graphics memory for geometry and its images
   bool trace = false;                          ///< keep every tile's life
+  bool animation = true;                       ///< false: every clip stands at its beginning
 };
 
 struct ReferenceFrame {
@@ -73,7 +74,8 @@ class ClientSession {
   /// Takes in what has arrived. Says hello on every new connection. An error is for the log: the
   /// session goes on with what it has.
   Result<void> receive(std::int64_t now_us);
-  /// Plans one frame: what to draw, with the true camera; sends what is to be asked for.
+  /// Plans one frame: what to draw, with the true camera; sends what is to be asked for. The
+  /// session's clock is the animation's.
   DrawList frame(const Camera& camera, std::int64_t now_us);
 
   /// What the last frames took, for TauTargets::frame_ms. Not called on virtual time, where frames
@@ -126,6 +128,7 @@ class ClientSession {
   std::size_t reference_asked_px_ = 0;
   bool reference_refused_ = false;
   std::uint64_t frame_ = 0;
+  double time_s_ = 0;  ///< of the animation, at the last frame
   std::uint64_t received_ = 0;
   std::uint64_t refused_ = 0;
   std::vector<std::weak_ptr<TileRecord>> undrawn_;

@@ -35,6 +35,8 @@ void FrameRenderer::add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel
   ClientMesh mesh;
   mesh.mesh = gl::GpuMesh(model.mesh);
   mesh.materials = std::move(model.materials);
+  if (model.animation) mesh.bind = std::move(model.mesh.vertices);
+  mesh.animation = std::move(model.animation);
   meshes_[{object, lod}] = std::move(mesh);
 }
 
@@ -48,6 +50,14 @@ void FrameRenderer::drop(const SceneView& scene, const AssetId& id) {
   } else {
     show_mean(scene, id.index);
   }
+}
+
+void FrameRenderer::pose(ClientMesh& mesh, const InstanceView& instance, double time_s) {
+  const double clip_time = wrap_clip(time_s + instance.clip_offset_s, mesh.animation->clip_s);
+  if (mesh.posed_at_s == clip_time) return;
+  mesh.posed_at_s = clip_time;
+  pose_vertices(mesh.bind, *mesh.animation, clip_time, posed_);
+  mesh.mesh.replace_vertices(posed_);
 }
 
 void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
@@ -67,6 +77,13 @@ void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, co
   for (const auto& [mesh, instances] : by_mesh) {
     const auto found = meshes_.find(mesh);
     if (found == meshes_.end()) continue;
+    if (found->second.animation) {
+      for (const gl::MeshInstance& one : instances) {
+        pose(found->second, scene.instances[one.id], list.time_s);
+        mesh_pass_->draw(found->second.mesh, found->second.materials, images_, &one, 1, blended);
+      }
+      continue;
+    }
     mesh_pass_->draw(found->second.mesh, found->second.materials, images_, instances.data(),
                      instances.size(), blended);
   }

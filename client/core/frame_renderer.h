@@ -36,8 +36,12 @@ class FrameRenderer {
   struct ClientMesh {
     gl::GpuMesh mesh;
     std::vector<Material> materials;
+    std::vector<Vertex> bind;  ///< of a moving object
+    std::shared_ptr<const Animation> animation;
+    double posed_at_s = -1;  ///< clip time of the vertices uploaded last
   };
   void show_mean(const SceneView& scene, std::uint32_t image);
+  void pose(ClientMesh& mesh, const InstanceView& instance, double time_s);
   void draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
                    const Lighting& lighting, bool blended);
 
@@ -46,6 +50,7 @@ class FrameRenderer {
   std::unique_ptr<gl::MeshPass> mesh_pass_ = std::make_unique<gl::MeshPass>(false);
   std::map<std::pair<std::uint32_t, std::uint8_t>, ClientMesh> meshes_;  ///< by object and level
   gl::GpuImages images_;                                                 ///< of the scene
+  std::vector<Vertex> posed_;                                            ///< scratch
   int draw_calls_ = 0;
 };
 

@@ -71,6 +71,7 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
     o.hull.indices = info->hull_indices;
     o.surrounds = info->surrounds;
     o.group = info->group;
+    o.motion = {info->clip_s, info->speed, info->jump, info->wrap_jump};
     objects.push_back(std::move(o));
   }
   return complete() ? finish() : Result<void>{};
@@ -91,6 +92,7 @@ Result<void> SceneView::accept(const wire::InstancePageT& page) {
     m.position = from_wire(record.position());
     m.rotation = glm::normalize(from_wire(record.rotation()));
     m.scale = record.scale();
+    view.clip_offset_s = record.clip_offset_s();
     const ObjectDescription& object = objects[view.object];
     view.center =
         m.position + glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale});

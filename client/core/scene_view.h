@@ -17,8 +17,9 @@ namespace mirage {
 struct InstanceView {
   std::uint32_t object = 0;
   Similarity world_from_object;
-  glm::dvec3 center{0};              ///< of the bounding sphere, world
-  double radius = 0;                 ///< world, m
+  glm::dvec3 center{0};  ///< of the bounding sphere, world
+  double radius = 0;     ///< world, m
+  double clip_offset_s = 0;
   std::uint32_t parent = kNoParent;  ///< instance of the group it belongs to
 
   static constexpr std::uint32_t kNoParent = 0xffffffffu;

@@ -25,7 +25,7 @@ constexpr std::uint64_t kCreditAhead = 64u << 20;
 
 void Scheduler::reset() {
   pending_.clear();
-  pending_instance_.clear();
+  pending_wanted_.clear();
   not_before_us_.clear();
   assets_pending_.clear();
   assets_under_way_.clear();
@@ -60,7 +60,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
                                                    std::uint32_t lighting_id, std::int64_t now_us) {
   wire::RequestBatchT batch;
   batch.lighting_id = lighting_id;
-  std::set<std::uint32_t> needed;
+  std::set<std::uint32_t> needed;  // a phase that has passed comes again with the next loop
   for (const TileNeed& need : needs) needed.insert(need.instance);
   for (auto it = pending_.begin(); it != pending_.end();) {
     const PendingAsk& ask = it->second;
@@ -68,7 +68,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     if (useless || now_us - ask.sent_us > kLostUs) {
       batch.cancels.push_back(it->first);
       in_flight_bytes_ -= ask.expected_bytes;
-      pending_instance_.erase(ask.need.instance);
+      pending_wanted_.erase(wanted(ask.need));
       it = pending_.erase(it);
       ++cancelled_;
     } else {
@@ -115,7 +115,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
 
 void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::uint32_t lighting_id,
                          std::int64_t now_us, wire::RequestBatchT& batch) {
-  if (pending_instance_.count(need.instance) != 0) return;
+  if (pending_wanted_.count(wanted(need)) != 0) return;
   const auto pause = not_before_us_.find(need.instance);
   if (pause != not_before_us_.end() && pause->second > now_us) return;
   const std::uint32_t id = next_request_++;
@@ -123,10 +123,10 @@ void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::uint
   batch.asks.emplace_back(id, need.instance, object, static_cast<float>(need.gain), 0u,
                           need.distance.index, need.cell.x, need.cell.y, need.cell.level,
                           need.distance.level, need.size_class,
-                          static_cast<std::uint8_t>(kChannelColor | kChannelDepth));
+                          static_cast<std::uint8_t>(kChannelColor | kChannelDepth), need.phase);
   const double bytes = expected_bytes(need.size_class);
   pending_[id] = {need, object, now_us, lighting_id, bytes};
-  pending_instance_[need.instance] = id;
+  pending_wanted_[wanted(need)] = id;
   in_flight_bytes_ += bytes;
   ++asked_;
 }
@@ -170,7 +170,7 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
   if (at == pending_.end()) return std::nullopt;
   const PendingAsk ask = at->second;
   pending_.erase(at);
-  pending_instance_.erase(ask.need.instance);
+  pending_wanted_.erase(wanted(ask.need));
   in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - ask.expected_bytes);
   const double edge = tile_edge(ask.need.size_class);
   bytes_per_texel_ += 0.05 * (static_cast<double>(bytes) / (edge * edge) - bytes_per_texel_);
@@ -189,7 +189,7 @@ void Scheduler::refuse(std::uint32_t request_id, std::int64_t now_us) {
   const auto at = pending_.find(request_id);
   if (at == pending_.end()) return;
   not_before_us_[at->second.need.instance] = now_us + kRefusalPauseUs;
-  pending_instance_.erase(at->second.need.instance);
+  pending_wanted_.erase(wanted(at->second.need));
   in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - at->second.expected_bytes);
   pending_.erase(at);
 }

@@ -71,16 +71,19 @@ class Scheduler {
     std::int64_t at_us = 0;
     std::size_t bytes = 0;
   };
+  /// One ask at a time per instance, and per phase of a moving one: phases are asked for ahead.
+  using Wanted = std::pair<std::uint32_t, Phase>;
+  static Wanted wanted(const TileNeed& need) { return {need.instance, need.phase}; }
   void ask_tile(const SceneView& scene, const TileNeed& need, std::uint32_t lighting_id,
                 std::int64_t now_us, wire::RequestBatchT& batch);
   void ask_asset(const AssetNeed& need, std::int64_t now_us, wire::RequestBatchT& batch);
   double expected_bytes(std::uint8_t size_class) const;
   double window_bytes(std::int64_t now_us) const;
 
-  std::map<std::uint32_t, PendingAsk> pending_;              ///< by request id
-  std::map<std::uint32_t, std::uint32_t> pending_instance_;  ///< instance -> request id
-  std::map<std::uint32_t, std::int64_t> not_before_us_;      ///< instances that were refused
-  std::map<std::uint32_t, PendingAsset> assets_pending_;     ///< by request id
+  std::map<std::uint32_t, PendingAsk> pending_;           ///< by request id
+  std::map<Wanted, std::uint32_t> pending_wanted_;        ///< -> request id
+  std::map<std::uint32_t, std::int64_t> not_before_us_;   ///< instances that were refused
+  std::map<std::uint32_t, PendingAsset> assets_pending_;  ///< by request id
   std::set<AssetId> assets_under_way_;
   std::map<AssetId, std::int64_t> assets_not_before_us_;  ///< refused
   std::deque<Arrival> arrivals_;                          ///< of the last second

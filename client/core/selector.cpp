@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "client/core/motion_need.h"
 #include "protocol/limits.h"
 
 namespace mirage {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMinRadiusPx = 0.5;   // smaller objects are neither drawn nor asked for
 constexpr double kViewGuard = 0.0873;  // 5 degrees around the predicted view
 constexpr std::int64_t kFadeUs = 120'000;
-constexpr int kCoarseClasses = 4;      // steps of sqrt 2
 constexpr double kMeshPrefetch = 1.3;  // times the swap distance
 constexpr double kMeshHysteresis = 1.15;
 constexpr double kWorthMarching = 0.7;  // of the flat bound
@@ -99,7 +97,7 @@ bool Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   Candidate c;
   c.instance = instance;
   c.object = &in.scene->objects[view_of.object];
-  c.view = view_geometry(in.camera, view_of, *c.object);
+  c.view = view_geometry(in.camera, view_of, *c.object, in.time_s);
   c.fade = fade;
   const double size = radius_px(c.view);
   if (c.object->radius <= 0 || size < kMinRadiusPx) return false;
@@ -201,7 +199,9 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
     }
   }
   if (shown.tile != best.tile) {
-    shown.former = still_held ? shown.tile : nullptr;
+    // Two poses over one another would be a ghost, and a phase is shorter than a fade.
+    const bool same_pose = still_held && shown.tile->phase == best.tile->phase;
+    shown.former = same_pose ? shown.tile : nullptr;
     shown.tile = best.tile;
     shown.since_us = in.now_us;
   }
@@ -229,6 +229,7 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
 
 DrawList Selector::select(const SelectorInput& in) {
   DrawList out;
+  out.time_s = in.time_s;
   Walk w{in, out, {}};
   in.scene->for_visible_roots(in.camera, 0, [&](std::uint32_t root) { walk(w, root, 1); });
   // Back to front, so that blending is right; equal distances keep the order of instances.
@@ -259,7 +260,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
                         std::vector<TileNeed>& out) const {
   const InstanceView& view_of = in.scene->instances[instance];
   const ObjectDescription& object = in.scene->objects[view_of.object];
-  ViewGeometry view = view_geometry(in.predicted, view_of, object);
+  ViewGeometry view = view_geometry(in.predicted, view_of, object, in.time_s);
   const double size = radius_px(view);
   if (object.radius <= 0 || size < kMinRadiusPx) return;
   const double distance = glm::length(view.eye) / view.radius;
@@ -267,12 +268,12 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   if ((*in.mesh_ready)[view_of.object] && distance < in.mesh_radii) return;
   const TileGroup& group = *in.cache->group_to_draw(instance);
   if (group.empty_from(view.eye) && in.cache->lit_now(instance)) return;
+  // At the edge of the view the eye depth falls; ask as if the object were looked at.
+  view.center_depth = glm::length(view.eye);
+  if (object.motion.moving()) return add_moving_needs(in, instance, view, group, out);
   const ViewPlan plan = plan_for(in, view_of, group, view.radius);
   TileFit fit;
-  fit.bound_px = kInfinity;
   if (!group.tiles.empty()) {
-    // At the edge of the view the eye depth falls; ask as if the object were looked at.
-    view.center_depth = glm::length(view.eye);
     const bool still = plan.depth_share == kFlatDepthShare;
     fit = still && in.method.automatic ? best_flat(group, object, view, in.tau_px)
                                        : best_fit(group, object, view, in.method, in.tau_px);
@@ -283,11 +284,8 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   TileNeed need = need_for_view(view, plan);
   need.instance = instance;
   // Something quick first: a quarter of the edge is a sixteenth of the bytes.
-  if (group.tiles.empty()) {
-    need.size_class = static_cast<std::uint8_t>(std::max(need.size_class - kCoarseClasses, 0));
-  }
-  const double error = std::max(fit.error_px(), fit.texel_px - 1.0);
-  need.error_px = std::isfinite(error) ? std::min(error, 2 * size) : 2 * std::min(size, 1e4);
+  if (group.tiles.empty()) need.size_class = coarse_class(need.size_class);
+  need.error_px = displayed_error_px(fit, size);
   // Any image is better than none, however soon it ages.
   need.gain = need.error_px * (group.tiles.empty() ? kLongestLife : expected_life_s(view, plan));
   out.push_back(need);

@@ -38,6 +38,7 @@ struct DrawList {
   std::vector<DrawnMesh> meshes;
   std::size_t visible = 0;   ///< instances and groups in view, large enough to matter
   std::size_t over_tau = 0;  ///< of them, drawn with a bound above tau or from no tile
+  double time_s = 0;         ///< of the animation
 };
 
 struct SelectorInput {
@@ -53,6 +54,9 @@ struct SelectorInput {
   double mesh_radii = 4;         ///< nearer than this many radii, geometry is drawn if it is there
   std::uint64_t frame = 0;
   std::int64_t now_us = 0;
+  double time_s = 0;     ///< animation time now
+  double lead_s = 0;     ///< until a tile asked for now is here; 0: the animation stands still
+  double horizon_s = 0;  ///< how far ahead phases are asked for, >= lead_s
 };
 
 class Selector {

@@ -11,6 +11,7 @@ namespace mirage {
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMaxTilesPerGroup = 8;
+constexpr std::size_t kMaxMovingTilesPerGroup = 512;  // loops of a clip are drawn from them again
 constexpr std::size_t kMaxEmptyViews = 64;
 constexpr double kEmptyAngle = 0.02;  // radians around an empty view that count as empty, at least
 constexpr int kGutter = 1;  // texels of nothing around a tile, so that filtering never bleeds
@@ -50,11 +51,17 @@ DrawnDepth TileRecord::drawn_depth_of_lod(DrawMethod method,
   return {measure.dz_quad, std::hypot(z - capture.distance, z * r / cone)};
 }
 
+double TileRecord::motion_px(const ObjectDescription& description, const ViewGeometry& view) const {
+  const MotionProfile& motion = description.motion;
+  if (!motion.moving()) return 0;
+  return motion_bound_px(view, motion.travel(phase_time(phase, motion.clip_s), view.clip_time_s));
+}
+
 double TileRecord::bound_px(DrawMethod method, const ObjectDescription& description,
                             const ViewGeometry& view) const {
   const CaptureGeometry geometry = capture.geometry();
   return position_bound_px(view, geometry, drawn_depth(method, description)) +
-         footprint_px(texel_size_px(view, geometry, capture.edge)) +
+         motion_px(description, view) + footprint_px(texel_size_px(view, geometry, capture.edge)) +
          lod_error_px(view, measure.lod_error);
 }
 
@@ -115,8 +122,9 @@ bool TileCache::lit_now(std::uint32_t instance) const {
 
 TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
                                 const Capture& capture, Tile tile, std::uint64_t frame,
-                                std::int64_t now_us) {
+                                std::int64_t now_us, Phase phase) {
   TileGroup& group = groups_[instance_group_[instance]];
+  if (tile.crop.area() == 0 && phase != kStaticPhase) return nullptr;  // other poses may show
   if (tile.crop.area() == 0) {
     const double angle = std::max(view_cell_angle(capture.view_level), kEmptyAngle);
     if (group.empty_views.size() >= kMaxEmptyViews)
@@ -137,6 +145,7 @@ TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
   record->depth_code = DepthCode(capture.radius, capture.distance);
   record->slot = slot;
   record->depth = std::move(tile.depth);
+  record->phase = phase;
   record->received_us = now_us;
   record->last_drawn = frame;
   group.tiles.push_back(record);
@@ -179,7 +188,8 @@ void TileCache::forget(TileGroup& group, std::size_t index) {
 }
 
 void TileCache::trim(TileGroup& group, std::uint64_t frame) {
-  while (group.tiles.size() > kMaxTilesPerGroup) {
+  const bool moves = group.tiles.back()->phase != kStaticPhase;
+  while (group.tiles.size() > (moves ? kMaxMovingTilesPerGroup : kMaxTilesPerGroup)) {
     const auto oldest = std::min_element(group.tiles.begin(), group.tiles.end() - 1,
                                          [](const TileRecordPtr& a, const TileRecordPtr& b) {
                                            return a->last_drawn < b->last_drawn;

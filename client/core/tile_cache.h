@@ -28,6 +28,7 @@ struct TileRecord {
   DepthCode depth_code{0, 1};
   AtlasSlot slot;
   std::vector<std::uint8_t> depth;  ///< codes of the crop, for the geometric error
+  Phase phase = kStaticPhase;
   std::int64_t received_us = 0;
   std::uint64_t last_drawn = 0;  ///< frame number
   bool shown = false;            ///< drawn at least once
@@ -35,7 +36,9 @@ struct TileRecord {
 
   /// How far drawn points can be from the surface when drawn with `method`.
   DrawnDepth drawn_depth(DrawMethod method, const ObjectDescription& description) const;
-  /// Bound in px: position, texel footprint, and the sideways part of the level's error.
+  /// Bound in px of how far the object has moved since this pose.
+  double motion_px(const ObjectDescription& description, const ViewGeometry& view) const;
+  /// Bound in px: position, texel footprint, the sideways part of the level's error, and motion.
   double bound_px(DrawMethod method, const ObjectDescription& description,
                   const ViewGeometry& view) const;
 
@@ -76,7 +79,8 @@ class TileCache {
   /// Places a decoded tile into the atlas and its instance's group; nullptr when it is empty or no
   /// room can be made.
   TileRecordPtr insert(std::uint32_t instance, const SceneView& scene, const Capture& capture,
-                       Tile tile, std::uint64_t frame, std::int64_t now_us);
+                       Tile tile, std::uint64_t frame, std::int64_t now_us,
+                       Phase phase = kStaticPhase);
 
   std::size_t resident() const { return resident_; }
   std::size_t atlas_texels() const { return allocator_.used_texels(); }

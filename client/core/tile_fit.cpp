@@ -36,6 +36,8 @@ TileFit best_of(const TileGroup& group, std::initializer_list<DrawMethod> method
                 const ObjectDescription& object, const ViewGeometry& view, double tau) {
   TileFit best;
   for (const TileRecordPtr& tile : group.tiles) {
+    // Most tiles of a moving object show another pose: told apart before anything dearer is.
+    if (best.tile && tile->motion_px(object, view) > best.bound_px) continue;
     const TileFit fit = cheapest(tile, methods, object, view, tau);
     if (better(fit, best)) best = fit;
   }
@@ -51,6 +53,11 @@ bool TileFit::meets(double tau_px) const { return tile && !is_stale(error_px(), 
 bool TileFit::settled(double tau_px) const {
   const bool finest = tile && tile->capture.edge >= tile_edge(kMaxAskedSizeClass);
   return meets(tau_px) && (finest || texel_px <= kSharpTexel * std::max(1.0, tau_px));
+}
+
+double displayed_error_px(const TileFit& fit, double size_px) {
+  const double error = fit.tile ? std::max(fit.error_px(), fit.texel_px - 1.0) : kInfinity;
+  return std::isfinite(error) ? std::min(error, 2 * size_px) : 2 * std::min(size_px, 1e4);
 }
 
 TileFit fit_of(const TileRecordPtr& tile, DrawMethod method, const ObjectDescription& object,

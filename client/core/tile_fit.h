@@ -1,6 +1,8 @@
 #pragma once
 // How well resident tiles serve a view, and which of them with which method serves it best.
 
+#include <limits>
+
 #include "client/core/tile_cache.h"
 
 namespace mirage {
@@ -15,7 +17,8 @@ struct MethodChoice {
 struct TileFit {
   TileRecordPtr tile;
   DrawMethod method = DrawMethod::kQuad;
-  double bound_px = 0;  ///< position and texel footprint; +inf when it cannot be trusted
+  /// Position, texel footprint and motion; +inf when it cannot be trusted.
+  double bound_px = std::numeric_limits<double>::infinity();
   double hole_px = 0;   ///< widest disocclusion; flat proxies have none, their bound covers it
   double texel_px = 0;  ///< size of a texel on the screen
 
@@ -36,6 +39,9 @@ TileFit best_deep(const TileGroup& group, const ObjectDescription& object, const
 /// Best with one method, or of all methods when the choice is automatic.
 TileFit best_fit(const TileGroup& group, const ObjectDescription& object, const ViewGeometry& view,
                  const MethodChoice& choice, double tau_px);
+/// What showing `fit` costs, in px: its error or blur, at most the object's size (`size_px` its
+/// projected radius), which is also what no tile costs.
+double displayed_error_px(const TileFit& fit, double size_px);
 /// One tile with one method.
 TileFit fit_of(const TileRecordPtr& tile, DrawMethod method, const ObjectDescription& object,
                const ViewGeometry& view);

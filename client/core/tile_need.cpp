@@ -21,7 +21,7 @@ constexpr double kStillSpeed = 1e-3;  // radii/s
 }  // namespace
 
 ViewGeometry view_geometry(const Camera& camera, const InstanceView& instance,
-                           const ObjectDescription& object) {
+                           const ObjectDescription& object, double time_s) {
   const double scale = instance.world_from_object.scale;
   const glm::dvec3 to_eye = camera.pose.eye - instance.center;
   ViewGeometry view;
@@ -29,7 +29,13 @@ ViewGeometry view_geometry(const Camera& camera, const InstanceView& instance,
   view.radius = object.radius;
   view.eye = glm::conjugate(glm::dquat(instance.world_from_object.rotation)) * to_eye / scale;
   view.center_depth = -glm::dot(to_eye, camera.forward()) / scale;
+  view.clip_time_s = wrap_clip(time_s + instance.clip_offset_s, object.motion.clip_s);
   return view;
+}
+
+std::uint8_t coarse_class(std::uint8_t size_class) {
+  constexpr int kCoarseClasses = 4;  // steps of sqrt 2
+  return static_cast<std::uint8_t>(std::max(size_class - kCoarseClasses, 0));
 }
 
 double radius_px(const ViewGeometry& view) {

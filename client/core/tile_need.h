@@ -4,6 +4,7 @@
 
 #include "client/core/scene_view.h"
 #include "protocol/error_bound.h"
+#include "protocol/motion.h"
 #include "protocol/view_cell.h"
 
 namespace mirage {
@@ -14,6 +15,7 @@ struct TileNeed {
   ViewCell cell;
   DistanceBucket distance;
   std::uint8_t size_class = 0;
+  Phase phase = kStaticPhase;
   double error_px = 0;  ///< what showing the present state costs
   double gain = 0;      ///< error_px times the seconds the new tile is expected to serve: the rank
 };
@@ -33,9 +35,10 @@ inline constexpr double kFlatDepthShare = 0.5;
 /// there is depth).
 inline constexpr double kHoleTolerance = 4;
 
-/// The instance's view in object units, relative to its centre.
+/// The instance's view in object units, relative to its centre; a moving one at `time_s` of the
+/// animation.
 ViewGeometry view_geometry(const Camera& camera, const InstanceView& instance,
-                           const ObjectDescription& object);
+                           const ObjectDescription& object, double time_s = 0);
 /// Projected radius of the bounding sphere in px; +inf with the eye inside.
 double radius_px(const ViewGeometry& view);
 
@@ -50,5 +53,7 @@ inline constexpr double kLongestLife = 4;
 TileNeed need_for_view(const ViewGeometry& view, const ViewPlan& plan);
 
 inline constexpr int kMaxAskedSizeClass = 12;  ///< 1024 texels
+/// Something quick first: a quarter of the edge is a sixteenth of the bytes.
+std::uint8_t coarse_class(std::uint8_t size_class);
 
 }  // namespace mirage

@@ -113,6 +113,9 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_option("--atlas-mb", o.atlas_mb, "graphics memory for tiles")
       ->check(CLI::Range(5, 8192))
       ->capture_default_str();
+  app.add_option("--animation", o.animation, "off: everything stands at the start of its clip")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
   app.add_option("--mesh-mb", o.mesh_mb, "graphics memory for geometry and its images")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();

@@ -32,6 +32,7 @@ struct ViewOptions {
   std::string out_dir;
   std::string stats_file;
   std::string trace_file;
+  std::string animation = "on";
   std::string token_file;
   std::string token;
   std::string device = "auto";

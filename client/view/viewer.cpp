@@ -105,6 +105,7 @@ Result<void> Viewer::open_graphics() {
   options.atlas_layers = layers;
   options.mesh_budget_bytes = static_cast<std::size_t>(o_.mesh_mb) * 1024 * 1024;
   options.token = o_.token;
+  options.animation = o_.animation == "on";
   options.trace = !o_.trace_file.empty();
   // Measured: a pixel of marching costs a CPU rasteriser some 0.3 us, a GPU next to nothing.
   const std::string renderer_name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));

@@ -39,6 +39,27 @@ struct GpuScene {
     return lod == 0 ? meshes[object] : tile_lods[object][lod];
   }
   const std::vector<Material>& materials() const { return prepared->scene.materials; }
+
+  /// The object's mesh in its pose at `clip_time_s`; static objects have but one.
+  const gl::GpuMesh& posed_mesh(std::uint32_t object, double clip_time_s) const {
+    const SceneObject& source = prepared->scene.objects[object];
+    if (!source.animation) return meshes[object];
+    if (poser->object != object || poser->clip_time_s != clip_time_s) {
+      *poser = {object, clip_time_s, std::move(poser->vertices)};
+      pose_vertices(source.mesh.vertices, *source.animation, clip_time_s, poser->vertices);
+      meshes[object].replace_vertices(poser->vertices);
+    }
+    return meshes[object];
+  }
+
+ private:
+  /// Which pose was made last: tiles of one phase come together.
+  struct Poser {
+    std::uint32_t object = 0xffffffffu;
+    double clip_time_s = 0;
+    std::vector<Vertex> vertices;
+  };
+  std::unique_ptr<Poser> poser = std::make_unique<Poser>();
 };
 
 }  // namespace mirage

@@ -74,6 +74,10 @@ void ReferenceRenderer::draw_scene(const Camera& camera, const Lighting& lightin
       }
     }
     if (visible.empty()) continue;
+    if (prepared.objects[object].motion.moving()) {
+      for (const gl::MeshInstance& one : visible) draw_moving(one, false);
+      continue;
+    }
     meshes_->draw(scene_->meshes[object], scene_->materials(), scene_->images, visible.data(),
                   visible.size(), false);
   }
@@ -95,9 +99,16 @@ void ReferenceRenderer::draw_blended(const Camera& camera) {
   for (const auto& [order, i] : blended) {
     const Instance& instance = prepared.scene.instances[i];
     const gl::MeshInstance one = mesh_instance(instance, i, camera.pose.eye);
-    meshes_->draw(scene_->meshes[instance.object], scene_->materials(), scene_->images, &one, 1,
-                  true);
+    draw_moving(one, true);
   }
+}
+
+void ReferenceRenderer::draw_moving(const gl::MeshInstance& one, bool blended) {
+  const Instance& instance = scene_->prepared->scene.instances[one.id];
+  const MotionProfile& motion = scene_->prepared->objects[instance.object].motion;
+  const double time = wrap_clip(time_s_ + double{instance.clip_offset_s}, motion.clip_s);
+  meshes_->draw(scene_->posed_mesh(instance.object, time), scene_->materials(), scene_->images,
+                &one, 1, blended);
 }
 
 Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
@@ -123,6 +134,7 @@ Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
   sky_.draw(job.camera, scene_->prepared->scene.environment);
   const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   glDrawBuffers(2, both);
+  time_s_ = job.time_s;
   draw_scene(job.camera, job.lighting);
 
   out.bind();

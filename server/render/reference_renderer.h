@@ -23,6 +23,8 @@ class ReferenceRenderer {
   explicit ReferenceRenderer(const GpuScene& scene);
   void draw_scene(const Camera& camera, const Lighting& lighting);
   void draw_blended(const Camera& camera);
+  /// One instance in its pose at the time of the job.
+  void draw_moving(const gl::MeshInstance& instance, bool blended);
 
   const GpuScene* scene_;
   std::vector<std::vector<std::uint32_t>> instances_of_object_;
@@ -30,6 +32,7 @@ class ReferenceRenderer {
   gl::SkyPass sky_;
   gl::Program resolve_;
   gl::VertexArray empty_vao_;
+  double time_s_ = 0;  ///< animation time of the job being drawn
 };
 
 }  // namespace mirage

@@ -47,6 +47,7 @@ Result<void> TilePageRenderer::warm_up() {
   for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
     TileJob job;
     job.key.object = i;
+    job.key.phase = scene_->prepared->objects[i].motion.moving() ? 1 : kStaticPhase;
     job.key.distance = {0, 2};
     draw_tile(job);
     resolve(job, {0, 0});
@@ -85,7 +86,10 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   } else {
     gl::MeshInstance instance;
     instance.position_scale = glm::vec4(glm::vec3(-eye), 1.0f);
-    const gl::GpuMesh& mesh = scene_->mesh_for_tile(job.key.object, capture);
+    const double clip_time = phase_time(static_cast<Phase>(job.key.phase), object.motion.clip_s);
+    const gl::GpuMesh& mesh = object.motion.moving()
+                                  ? scene_->posed_mesh(job.key.object, clip_time)
+                                  : scene_->mesh_for_tile(job.key.object, capture);
     for (const bool blended : {false, true}) {
       meshes_->draw(mesh, scene_->materials(), scene_->images, &instance, 1, blended);
     }
@@ -150,7 +154,8 @@ const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& job
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     const TileKey &ka = jobs[a].key, &kb = jobs[b].key;
-    return std::tie(ka.object, ka.lighting, a) < std::tie(kb.object, kb.lighting, b);
+    return std::tie(ka.object, ka.phase, ka.lighting, a) <
+           std::tie(kb.object, kb.phase, kb.lighting, b);
   });
   for (const std::size_t i : order) {
     draw_tile(jobs[i]);

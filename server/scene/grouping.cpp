@@ -45,7 +45,8 @@ class Grouper {
       const ObjectDescription& object = objects_[instance.object];
       const double radius = double{object.radius} * instance.world_from_object.scale;
       const bool one_of_many = radius > 0 && radius <= kLargeShare * scene_radius;
-      if (one_of_many && !object.surrounds && !(object.needs & kNeedBlend)) order_.push_back(i);
+      const bool one_picture = !(object.needs & kNeedBlend) && !object.motion.moving();
+      if (one_of_many && !object.surrounds && one_picture) order_.push_back(i);
     }
   }
 

@@ -27,7 +27,8 @@ struct Grouping {
 };
 
 /// Groups the instances of `scene`. Left out: what surrounds the viewer, blended objects (one
-/// alpha cannot order them), and what is large against the scene. Few instances: no groups.
+/// alpha cannot order them), moving ones, and what is large against the scene. Few instances: no
+/// groups.
 Grouping group_instances(const Scene& scene, const std::vector<ObjectDescription>& objects);
 
 /// Bounds, hull, mean colour and needs of a group, from those of its instances.

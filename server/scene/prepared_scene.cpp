@@ -9,6 +9,7 @@
 #include <map>
 #include <thread>
 
+#include "protocol/animation_codec.h"
 #include "protocol/lighting_state.h"
 #include "protocol/limits.h"
 #include "protocol/tile_codec.h"
@@ -16,6 +17,7 @@
 #include "server/scene/convex_hull.h"
 #include "server/scene/gltf/gltf_import.h"
 #include "server/scene/lod.h"
+#include "server/scene/motion_measure.h"
 
 namespace mirage {
 namespace {
@@ -49,6 +51,7 @@ std::uint64_t content_hash(const Scene& scene) {
   for (const SceneObject& object : scene.objects) {
     hash.add_array(object.mesh.vertices);
     hash.add_array(object.mesh.indices);
+    hash.add_array(encode_animation(object.animation.get()));
     for (const Primitive& p : object.mesh.primitives) {
       const std::uint32_t words[4] = {static_cast<std::uint32_t>(p.kind), p.first_index,
                                       p.index_count, p.material};
@@ -191,6 +194,37 @@ Result<void> check_limits(const Scene& scene) {
   return {};
 }
 
+// Rule 19 of NUMERICS section 5: what does not move is a static object, and costs what one does.
+std::map<std::size_t, MeasuredMotion> settle_motion(Scene& scene) {
+  std::map<std::size_t, MeasuredMotion> moving;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    SceneObject& object = scene.objects[i];
+    if (!object.animation) continue;
+    MeasuredMotion measured = measure_motion(object.mesh, *object.animation);
+    if (measured.motion.moving()) {
+      moving.emplace(i, std::move(measured));
+      continue;
+    }
+    std::vector<Vertex> posed;
+    pose_vertices(object.mesh.vertices, *object.animation, 0, posed);
+    object.mesh.vertices = std::move(posed);
+    object.animation.reset();
+  }
+  return moving;
+}
+
+// Bounds of all poses in place of those of the bind pose.
+void use_motion(const MeasuredMotion& measured, ObjectDescription& out) {
+  out.motion = measured.motion;
+  out.box_min = measured.box_min;
+  out.box_max = measured.box_max;
+  out.center = measured.center;
+  out.radius = static_cast<float>(measured.radius * 1.00001);
+  if (Result<ConvexHull> hull = enclosing_hull(measured.hull_points); hull.ok()) {
+    out.hull = hull.take();
+  }
+}
+
 // The strongest lights win where a scene has more than a shader takes.
 void cap_lights(Scene& scene) {
   std::vector<Light>& lights = scene.lighting.lights;
@@ -273,7 +307,9 @@ ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
   const auto step =
       static_cast<float>(quantisation_error(description.box_min, description.box_max));
   const auto add = [&](const Mesh& mesh, float error, float spread) {
-    EncodedLod encoded = encode_lod(object_model(scene, mesh));
+    ObjectModel model = object_model(scene, mesh);
+    model.animation = object.animation;
+    EncodedLod encoded = encode_lod(model);
     LodInfo info;
     for (const Primitive& p : mesh.primitives) {
       if (p.kind == PrimitiveKind::kTriangles) info.triangles += p.index_count / 3;
@@ -286,6 +322,7 @@ ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
   };
   add(object.mesh, 0, 0);
   out.tile_lods.emplace_back();
+  if (object.animation) return out;  // simplified poses have no error bound
   for (MeshLod& lod : build_lods(object.mesh, scene.materials)) {
     add(lod.mesh, lod.error, lod.spread);
     out.tile_lods.push_back(lod.spread > 0 ? Mesh{} : std::move(lod.mesh));
@@ -306,8 +343,11 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec)
   Result<Lighting> lighting = checked_lighting(prepared->scene.lighting);
   if (!lighting) return make_error(ErrorId::kSceneRange, spec + ": " + lighting.error().text);
   prepared->scene.lighting = lighting.take();
+  const std::map<std::size_t, MeasuredMotion> moving = settle_motion(prepared->scene);
   for (std::size_t i = 0; i < prepared->scene.objects.size(); ++i) {
-    prepared->objects.push_back(describe_object(prepared->scene.objects[i], prepared->scene));
+    ObjectDescription description = describe_object(prepared->scene.objects[i], prepared->scene);
+    if (const auto at = moving.find(i); at != moving.end()) use_motion(at->second, description);
+    prepared->objects.push_back(std::move(description));
   }
   for (std::size_t i = 0; i < prepared->scene.images.size(); ++i) {
     prepared->images.push_back(describe_image(prepared->scene, i));

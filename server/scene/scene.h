@@ -2,9 +2,11 @@
 // A loaded scene: immutable after loading, shared by all server stages.
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "protocol/animation.h"
 #include "protocol/model.h"
 #include "protocol/result.h"
 #include "protocol/scene_types.h"
@@ -15,6 +17,8 @@ namespace mirage {
 struct SceneObject {
   std::string name;
   Mesh mesh;
+  /// Set: the mesh is in bind space, and pose_vertices() takes it to object space.
+  std::shared_ptr<const Animation> animation = nullptr;
 };
 
 struct Scene {

@@ -88,4 +88,12 @@ GpuMesh::GpuMesh(const Mesh& mesh)
   bytes_ = vertex_bytes + index_bytes;
 }
 
+void GpuMesh::replace_vertices(const std::vector<Vertex>& vertices) const {
+  glBindBuffer(GL_ARRAY_BUFFER, vertices_.id());
+  // A new store: what is still being drawn from the old one is not waited for.
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)),
+               vertices.data(), GL_STREAM_DRAW);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+}
+
 }  // namespace mirage::gl

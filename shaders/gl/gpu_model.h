@@ -32,6 +32,9 @@ class GpuMesh {
   GpuMesh() = default;
   explicit GpuMesh(const Mesh& mesh);
 
+  /// Other vertices, as many as there were: a pose. The mesh's identity does not change.
+  void replace_vertices(const std::vector<Vertex>& vertices) const;
+
   GLuint vertex_array() const { return vao_.id(); }
   const std::vector<Primitive>& primitives() const { return primitives_; }
   bool vertex_color() const { return vertex_color_; }

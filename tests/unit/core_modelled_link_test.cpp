@@ -81,7 +81,7 @@ wire::RequestBatchT batch_of(std::uint32_t first, std::uint32_t count) {
     // The later ones are worse: the server turns the order round.
     batch.asks.emplace_back(first + i, 0, 0, static_cast<float>(i + 1), 0, 0, std::uint16_t{0},
                             std::uint16_t{0}, std::uint8_t{0}, std::uint8_t{0}, std::uint8_t{0},
-                            std::uint8_t{3});
+                            std::uint8_t{3}, std::uint16_t{0});
   }
   return batch;
 }

@@ -56,7 +56,7 @@ inline SceneView make_scene(const std::vector<Placed>& placed, const SceneOption
   wire::InstancePageT instances;
   for (const Placed& p : placed) {
     instances.instances.emplace_back(to_wire(p.position), wire::Quat(1, 0, 0, 0), p.scale, p.object,
-                                     p.parent);
+                                     p.parent, 0.0f);
   }
   SceneView scene;
   const bool taken =

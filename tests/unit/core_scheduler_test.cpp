@@ -246,9 +246,9 @@ TEST_F(CoreScheduler, NothingUnderWayLeavesTheWholeWindow) {
   }
   // 500 bytes for 256 x 256 texels is the expectation now; the first window is free again.
   now += 2'000'000;
-  const auto batch = plan(needs(1024, 6), now);
+  const auto batch = plan(needs(1024, 10), now);
   ASSERT_TRUE(batch);
-  const double expected = kFirstWindowBytes / (160 + 500.0 / 65'536 * 128 * 128);
+  const double expected = kFirstWindowBytes / (160 + 500.0 / 65'536 * 512 * 512);
   EXPECT_NEAR(static_cast<double>(batch->asks.size()), expected, 0.05 * expected);
 }
 

@@ -160,7 +160,7 @@ TEST(ProtocolModel, UnusedAndDoubledVerticesAreLeftOut) {
 
 TEST(ProtocolModel, EmptyModel) {
   const Bytes bytes = encode_model({});
-  EXPECT_EQ(bytes.size(), kHeaderBytes);
+  EXPECT_EQ(bytes.size(), kHeaderBytes + 1) << "and no animation";
   EXPECT_TRUE(decode(bytes));
 }
 

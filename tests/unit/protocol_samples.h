@@ -75,8 +75,8 @@ inline wire::ObjectPageT sample_object_page() {
 inline wire::InstancePageT sample_instance_page() {
   wire::InstancePageT m;
   m.first = 3072;
-  m.instances = {{wire::Vec3d(1e6, 2, 3), wire::Quat(0.5f, 0.5f, 0.5f, 0.5f), 2.0f, 7, 3080},
-                 {wire::Vec3d(0, 0, 0), wire::Quat(1, 0, 0, 0), 1.0f, 8, 0xffffffffu}};
+  m.instances = {{wire::Vec3d(1e6, 2, 3), wire::Quat(0.5f, 0.5f, 0.5f, 0.5f), 2.0f, 7, 3080, 0.5f},
+                 {wire::Vec3d(0, 0, 0), wire::Quat(1, 0, 0, 0), 1.0f, 8, 0xffffffffu, 0.0f}};
   return m;
 }
 
@@ -90,8 +90,8 @@ inline wire::SetLightingT sample_set_lighting() {
 inline wire::RequestBatchT sample_request_batch() {
   wire::RequestBatchT m;
   m.lighting_id = 5;
-  m.asks = {{1, 2, 3, 4.5f, 100, -7, 300, 17, 9, 4, 6, 3},
-            {2, 3, 4, 0.5f, 0, 8, 0, 511, 9, 4, 14, 1}};
+  m.asks = {{1, 2, 3, 4.5f, 100, -7, 300, 17, 9, 4, 6, 3, 0},
+            {2, 3, 4, 0.5f, 0, 8, 0, 511, 9, 4, 14, 1, 256}};
   m.cancels = {10, 11};
   m.credit_bytes = 0x123456789;
   m.mesh_asks = {wire::MeshAsk(11, 3, 1)};
@@ -109,6 +109,7 @@ inline wire::ReferenceRequestT sample_reference_request() {
   m.width = 640;
   m.height = 360;
   m.supersample = 2;
+  m.time_s = 1.5;
   return m;
 }
 

@@ -58,7 +58,7 @@ class ServerSession : public ::testing::Test {
   }
   static wire::Ask ask(std::uint32_t request, std::uint16_t x = 0, std::uint8_t size_class = 2) {
     return wire::Ask(request, 0, 0, 1.0f, 0, 8, x, 0, 9, 2, size_class,
-                     kChannelColor | kChannelDepth);
+                     kChannelColor | kChannelDepth, 0);
   }
   Result<void> send_ask(SessionId id, const wire::Ask& one) {
     wire::RequestBatchT batch;
@@ -204,7 +204,7 @@ TEST_F(ServerSession, BadKeysAreRefusedNotFatal) {
                           std::uint16_t x, std::uint8_t level, std::uint8_t distance_level,
                           std::uint8_t size, std::uint8_t channels) {
     return wire::Ask(1, instance, object, 1.0f, 0, distance, x, 0, level, distance_level, size,
-                     channels);
+                     channels, 0);
   };
   EXPECT_EQ(refused(changed(0, 1, 8, 0, 9, 2, 2, 3)), R::UnknownObject);
   EXPECT_EQ(refused(changed(1, 0, 8, 0, 9, 2, 2, 3)), R::UnknownObject);
@@ -223,6 +223,31 @@ TEST_F(ServerSession, BadKeysAreRefusedNotFatal) {
   batch.asks = {ask(1)};
   ASSERT_TRUE(send(id, std::move(batch)).ok());
   EXPECT_EQ(refusal(id), R::BadKey);
+}
+
+TEST_F(ServerSession, PhasesBelongToMovingObjectsOnly) {
+  using R = wire::RefusalReason;
+  const auto with_phase = [](std::uint32_t request, std::uint16_t phase) {
+    return wire::Ask(request, 0, 0, 1.0f, 0, 8, 0, 0, 9, 2, 2, 3, phase);
+  };
+  const SessionId still = greeted();
+  ASSERT_TRUE(send_ask(still, with_phase(1, 1)).ok());
+  EXPECT_EQ(refusal(still), R::BadKey);
+
+  auto moving = std::make_shared<PreparedScene>(*scene_);
+  moving->objects[0].motion.clip_s = 2;
+  moving->objects[0].motion.speed.assign(limits::kMotionSegments, 1.0f);
+  hub = std::make_unique<SessionHub>(moving, SessionOptions{}, clock, counters, queue, store,
+                                     image_jobs);
+  const SessionId id = greeted();
+  for (const Phase phase : std::initializer_list<Phase>{0, 257, 65535}) {
+    ASSERT_TRUE(send_ask(id, with_phase(2, phase)).ok());
+    EXPECT_EQ(refusal(id), R::BadKey) << phase;
+  }
+  for (const Phase phase : std::initializer_list<Phase>{1, 2, 256}) {
+    ASSERT_TRUE(send_ask(id, with_phase(phase, phase)).ok());
+  }
+  EXPECT_EQ(queue.length(), 3u) << "each phase is a tile of its own";
 }
 
 TEST_F(ServerSession, CreditHoldsTilesBack) {
@@ -382,7 +407,7 @@ TEST_F(ServerSession, TheAskTooManyIsBusy) {
 
 TEST_F(ServerSession, LateAsksAreRefused) {
   const SessionId id = greeted();
-  ASSERT_TRUE(send_ask(id, wire::Ask(1, 0, 0, 1.0f, 50, 8, 0, 0, 9, 2, 2, 3)).ok());
+  ASSERT_TRUE(send_ask(id, wire::Ask(1, 0, 0, 1.0f, 50, 8, 0, 0, 9, 2, 2, 3, 0)).ok());
   clock.advance_to_us(60'000);
   EXPECT_EQ(render_all(), 0u);
   hub->refuse_late();

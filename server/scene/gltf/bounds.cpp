@@ -13,7 +13,10 @@ void Bounds::add(const glm::dvec3& point) {
 Bounds scene_bounds(const Scene& scene) {
   std::vector<Bounds> boxes(scene.objects.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    for (const Vertex& vertex : scene.objects[i].mesh.vertices) {
+    const SceneObject& object = scene.objects[i];
+    std::vector<Vertex> posed;
+    if (object.animation) pose_vertices(object.mesh.vertices, *object.animation, 0, posed);
+    for (const Vertex& vertex : object.animation ? posed : object.mesh.vertices) {
       boxes[i].add(glm::dvec3(vertex.position));
     }
   }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "protocol/result.h"
+#include "server/scene/gltf/animation_source.h"
 #include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {
@@ -35,6 +36,7 @@ struct Document {
   tinygltf::Model model;
   std::vector<BufferData> buffers;
   std::vector<ImageSource> images;
+  AnimationSources animations;
 
   /// The bytes of a checked bufferView; empty when its buffer is absent.
   std::span<const std::uint8_t> view_bytes(int view) const;

@@ -13,6 +13,7 @@
 #include <new>
 
 #include "server/scene/gltf/bounds.h"
+#include "server/scene/gltf/clip_import.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/home_view.h"
 #include "server/scene/gltf/light_import.h"
@@ -27,13 +28,15 @@ Result<Scene> import_stages(const std::string& path) {
   gltf::Tally tally;
   auto document = gltf::load_document(path, tally);
   if (!document) return document.error();
+  const std::map<int, gltf::NodeClip> clips = gltf::import_clips(*document, tally);
   auto tree = gltf::flatten_nodes(document->model, tally);
   if (!tree) return tree.error();
 
-  gltf::SceneAssembler assembler(*document, *tree, tally);
+  gltf::SceneAssembler assembler(*document, *tree, clips, tally);
   for (const int node : tree->drawn) {
     if (auto ok = assembler.add_node(node); !ok) return ok.error();
   }
+  if (auto ok = assembler.finish(); !ok) return ok.error();
   if (assembler.refusal()) return *assembler.refusal();
   Scene scene = assembler.take();
   scene.name = std::filesystem::path(path).stem().string();

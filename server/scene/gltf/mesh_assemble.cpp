@@ -90,6 +90,7 @@ void gather_all(RawPrimitive& raw, const std::vector<std::uint32_t>& from) {
   gather(raw.uv0, from);
   gather(raw.uv1, from);
   gather(raw.color, from);
+  gather(raw.source, from);
 }
 
 /// One vertex per corner, so that each face can have its own normal.
@@ -216,7 +217,7 @@ glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& fallback) {
   return glm::vec3(glm::normalize(glm::dvec3(v)));
 }
 
-void append_primitive(RawPrimitive&& raw, std::uint32_t material, bool needs_tangents, Tally& tally,
+void append_primitive(RawPrimitive& raw, std::uint32_t material, bool needs_tangents, Tally& tally,
                       Mesh& mesh) {
   filter_elements(raw, tally);
   if (raw.indices.empty()) return;

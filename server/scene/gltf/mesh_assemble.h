@@ -9,8 +9,9 @@
 namespace mirage::gltf {
 
 /// Appends what is drawable of `raw` as one Primitive of `mesh`; nothing if nothing is left.
-/// Every vertex written is finite, with unit normal and tangent.
-void append_primitive(RawPrimitive&& raw, std::uint32_t material, bool needs_tangents, Tally& tally,
+/// Every vertex written is finite, with unit normal and tangent. `raw` is left as it was written:
+/// its `source` then tells where each vertex comes from.
+void append_primitive(RawPrimitive& raw, std::uint32_t material, bool needs_tangents, Tally& tally,
                       Mesh& mesh);
 
 /// How many vertices append_primitive may add.

@@ -1,5 +1,7 @@
 #include "server/scene/gltf/mesh_import.h"
 
+#include <numeric>
+
 #include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/mesh_assemble.h"
 
@@ -42,9 +44,12 @@ void Budget::give_back(std::uint64_t vertices, std::uint64_t indices) {
 }
 
 Result<Mesh> import_mesh(const Document& document, int mesh, const Pose& pose,
-                         MaterialImporter& materials, Budget& budget, Tally& tally) {
+                         MaterialImporter& materials, Budget& budget, Tally& tally,
+                         std::vector<VertexOrigin>* origins) {
   Mesh out;
+  std::uint32_t number = 0;
   for (const tinygltf::Primitive& source : document.model.meshes[mesh].primitives) {
+    const std::uint32_t primitive = number++;
     auto raw = read_primitive(document, source, pose, tally);
     if (!raw) {
       return make_error(raw.error().id,
@@ -64,7 +69,14 @@ Result<Mesh> import_mesh(const Document& document, int mesh, const Pose& pose,
     }
     const std::size_t vertices_before = out.vertices.size();
     const std::size_t indices_before = out.indices.size();
-    append_primitive(raw.take(), material, used.normal_map.present(), tally, out);
+    if (origins != nullptr) {
+      raw->source.resize(raw->position.size());
+      std::iota(raw->source.begin(), raw->source.end(), 0u);
+    }
+    append_primitive(*raw, material, used.normal_map.present(), tally, out);
+    if (origins != nullptr && out.vertices.size() > vertices_before) {
+      for (const std::uint32_t vertex : raw->source) origins->push_back({primitive, vertex});
+    }
     budget.give_back(vertices - (out.vertices.size() - vertices_before),
                      indices - (out.indices.size() - indices_before));
   }

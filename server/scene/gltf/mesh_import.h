@@ -27,8 +27,16 @@ class Budget {
   std::uint64_t primitives_ = 0;
 };
 
-/// The mesh may come out empty. Errors: those of read_primitive, and kSceneLimit.
+/// Where a vertex comes from.
+struct VertexOrigin {
+  std::uint32_t primitive = 0;
+  std::uint32_t vertex = 0;
+};
+
+/// The mesh may come out empty. `origins` gets one entry per vertex if it is there. Errors: those
+/// of read_primitive, and kSceneLimit.
 Result<Mesh> import_mesh(const Document& document, int mesh, const Pose& pose,
-                         MaterialImporter& materials, Budget& budget, Tally& tally);
+                         MaterialImporter& materials, Budget& budget, Tally& tally,
+                         std::vector<VertexOrigin>* origins = nullptr);
 
 }  // namespace mirage::gltf

@@ -69,17 +69,6 @@ Result<std::vector<int>> order_nodes(const tinygltf::Model& model, const std::ve
   return order;
 }
 
-glm::dmat4 local_matrix(const tinygltf::Node& node, Tally& tally) {
-  if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
-  glm::dvec3 translation(0);
-  glm::dvec4 rotation(0, 0, 0, 1);
-  glm::dvec3 scale(1);
-  if (node.translation.size() == 3) translation = glm::make_vec3(node.translation.data());
-  if (node.rotation.size() == 4) rotation = glm::make_vec4(node.rotation.data());
-  if (node.scale.size() == 3) scale = glm::make_vec3(node.scale.data());
-  return matrix_from_trs(translation, rotation, scale, tally);
-}
-
 /// The roots that the active scene lists: `scene`, else the first; all of them without scenes.
 Result<std::vector<int>> scene_roots(const tinygltf::Model& model, const std::vector<int>& parent) {
   std::vector<int> roots;
@@ -125,7 +114,20 @@ Result<NodeTree> flatten_nodes(const tinygltf::Model& model, Tally& tally) {
     const auto& children = model.nodes[tree.drawn[at]].children;
     tree.drawn.insert(tree.drawn.end(), children.begin(), children.end());
   }
+  tree.parent = parent.take();
+  tree.order = order.take();
   return tree;
+}
+
+glm::dmat4 local_matrix(const tinygltf::Node& node, Tally& tally) {
+  if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
+  glm::dvec3 translation(0);
+  glm::dvec4 rotation(0, 0, 0, 1);
+  glm::dvec3 scale(1);
+  if (node.translation.size() == 3) translation = glm::make_vec3(node.translation.data());
+  if (node.rotation.size() == 4) rotation = glm::make_vec4(node.rotation.data());
+  if (node.scale.size() == 3) scale = glm::make_vec3(node.scale.data());
+  return matrix_from_trs(translation, rotation, scale, tally);
 }
 
 bool is_finite(const glm::dmat4& matrix) {

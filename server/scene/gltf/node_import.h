@@ -13,11 +13,16 @@ namespace mirage::gltf {
 struct NodeTree {
   std::vector<glm::dmat4> world_from_node;  ///< of every node in the file; may hold inf or NaN
   std::vector<int> drawn;                   ///< nodes of the active scene, parents first
+  std::vector<int> parent;                  ///< of every node, -1: none
+  std::vector<int> order;                   ///< every node, parents first
 };
 
 /// No recursion: a chain of 100 000 nodes is valid. Errors: kSceneCycle (a node below itself, or
 /// with two parents), kSceneReference (a scene lists a node that has a parent).
 Result<NodeTree> flatten_nodes(const tinygltf::Model& model, Tally& tally);
+
+/// parent_from_node at rest.
+glm::dmat4 local_matrix(const tinygltf::Node& node, Tally& tally);
 
 bool is_finite(const glm::dmat4& matrix);
 

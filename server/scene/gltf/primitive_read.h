@@ -23,6 +23,7 @@ struct RawPrimitive {
   std::vector<glm::vec2> uv0;
   std::vector<glm::vec2> uv1;
   std::vector<glm::u16vec4> color;
+  std::vector<std::uint32_t> source;  ///< index of each vertex in the file; empty: not wanted
   std::vector<std::uint32_t> indices;
 };
 

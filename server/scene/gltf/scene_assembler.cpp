@@ -1,8 +1,14 @@
 #include "server/scene/gltf/scene_assembler.h"
 
+#include <xxhash.h>
+
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "protocol/animation_codec.h"
+#include "protocol/motion.h"
 #include "server/scene/gltf/accessor_reader.h"
 #include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/similarity_split.h"
@@ -31,6 +37,108 @@ int attribute(const tinygltf::Value& attributes, const char* semantic) {
 Result<void> SceneAssembler::add_node(int node) {
   const tinygltf::Node& source = document_.model.nodes[node];
   if (source.mesh < 0) return {};
+  const int group = motion_.group[node];
+  if (group < 0) return add_at_rest(node);
+  // Copies share the object if nothing but its shape moves: the pose is then theirs alone.
+  if (source.extensions.count(kInstancing) != 0 &&
+      (group != node || motion_.moves[node] || source.skin >= 0)) {
+    tally_.add("instanced copies of a moving mesh left at rest");
+    return add_at_rest(node);
+  }
+  groups_[group].push_back(node);
+  return {};
+}
+
+Result<void> SceneAssembler::finish() {
+  for (const auto& [group, nodes] : groups_) {
+    if (auto ok = add_group(group, nodes); !ok) return ok;
+  }
+  return {};
+}
+
+Result<void> SceneAssembler::add_group(int group, const std::vector<int>& nodes) {
+  const GroupInput input{document_, tree_, motion_, clips_, group, nodes};
+  auto object = build_animated(input, materials_, budget_, tally_);
+  if (!object) return object.error();
+  if (object->has_value()) {
+    if ((*object)->mesh.primitives.empty()) return {};
+    const Similarity world_from_object = (*object)->world_from_object;
+    const auto offset = document_.animations.clip_offset_s.find(group);
+    const bool given = offset != document_.animations.clip_offset_s.end();
+    const auto instancing = document_.model.nodes[group].extensions.find(kInstancing);
+    const std::uint32_t index = add_animated(std::move(**object));
+    const float clip_offset_s = given ? static_cast<float>(offset->second) : 0.0f;
+    if (document_.model.nodes[group].mesh >= 0 &&
+        instancing != document_.model.nodes[group].extensions.end()) {
+      return place_copies(group, index, instancing->second, clip_offset_s);
+    }
+    scene_.instances.push_back({index, world_from_object, clip_offset_s});
+    return {};
+  }
+  for (const int node : nodes) {
+    if (auto ok = add_at_rest(node); !ok) return ok;
+  }
+  return {};
+}
+
+// Equal parts (the wheels of a truck) are one object, and so share their tiles.
+std::uint32_t SceneAssembler::add_animated(AnimatedObject&& object) {
+  const Bytes bytes = encode_animation(object.animation.get());
+  const std::uint64_t hash = XXH3_64bits(bytes.data(), bytes.size());
+  const auto same = [&](std::uint32_t index) {
+    const SceneObject& other = scene_.objects[index];
+    const Mesh &a = other.mesh, &b = object.mesh;
+    const auto equal = [](const auto& x, const auto& y) {
+      return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
+    };
+    return equal(a.vertices, b.vertices) && equal(a.indices, b.indices) &&
+           a.primitives.size() == b.primitives.size() &&
+           std::equal(a.primitives.begin(), a.primitives.end(), b.primitives.begin(),
+                      [](const Primitive& p, const Primitive& q) {
+                        return p.kind == q.kind && p.first_index == q.first_index &&
+                               p.index_count == q.index_count && p.material == q.material;
+                      }) &&
+           encode_animation(other.animation.get()) == bytes;
+  };
+  std::vector<std::uint32_t>& candidates = animated_[hash];
+  const auto found = std::find_if(candidates.begin(), candidates.end(), same);
+  if (found != candidates.end()) return *found;
+  const auto index = static_cast<std::uint32_t>(scene_.objects.size());
+  candidates.push_back(index);
+  scene_.objects.push_back({object.name, std::move(object.mesh), std::move(object.animation)});
+  return index;
+}
+
+// A crowd in step would look like one: each copy is somewhere else in the clip.
+Result<void> SceneAssembler::place_copies(int node, std::uint32_t object,
+                                          const tinygltf::Value& extension, float clip_offset_s) {
+  auto copies = instance_matrices(extension);
+  if (!copies) return copies.error();
+  const bool uneven = split_transform(tree_.world_from_node[node]).has_residual;
+  const double clip_s = scene_.objects[object].animation->clip_s;
+  for (std::size_t i = 0; i < copies->size(); ++i) {
+    const glm::dmat4 world = tree_.world_from_node[node] * (*copies)[i];
+    if (!is_finite(world)) {
+      tally_.add("instances with a transform that is not finite left out");
+      continue;
+    }
+    const SplitTransform split = split_transform(world);
+    if (uneven || split.has_residual) {
+      tally_.add("moving copies that are sheared, mirrored or scaled unevenly left out");
+      continue;
+    }
+    if (scene_.instances.size() >= kMaxInstances) {
+      return make_error(ErrorId::kSceneLimit, "the scene needs more than " +
+                                                  std::to_string(kMaxInstances) + " instances");
+    }
+    const float own = copy_offset(static_cast<std::uint32_t>(i), clip_s);
+    scene_.instances.push_back({object, split.similarity, clip_offset_s + own});
+  }
+  return {};
+}
+
+Result<void> SceneAssembler::add_at_rest(int node) {
+  const tinygltf::Node& source = document_.model.nodes[node];
   Pose pose;
   int skin = source.skin;
   if (skin >= 0) pose.joint_matrices = skin_matrices(skin);

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "server/scene/gltf/animated_object.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/material_import.h"
 #include "server/scene/gltf/mesh_import.h"
@@ -19,11 +20,20 @@ namespace mirage::gltf {
 
 class SceneAssembler {
  public:
-  SceneAssembler(const Document& document, const NodeTree& tree, Tally& tally)
-      : document_(document), tree_(tree), tally_(tally), materials_(document, tally) {}
+  SceneAssembler(const Document& document, const NodeTree& tree,
+                 const std::map<int, NodeClip>& clips, Tally& tally)
+      : document_(document),
+        tree_(tree),
+        clips_(clips),
+        motion_(find_motion(document, tree, clips)),
+        tally_(tally),
+        materials_(document, tally) {}
 
-  /// Adds whatever a node draws. Errors: those of import_mesh, kSceneLimit.
+  /// Adds whatever a node draws; moving ones wait for finish(). Errors: those of import_mesh,
+  /// kSceneLimit.
   Result<void> add_node(int node);
+  /// Adds what moves, one object per group. Errors: as add_node.
+  Result<void> finish();
 
   /// Why the scene cannot be used after all: an image beyond the limits.
   const std::optional<Error>& refusal() const { return materials_.refusal(); }
@@ -41,6 +51,14 @@ class SceneAssembler {
   using BaseKey = std::tuple<int, int, std::vector<double>>;  // mesh, skin, morph weights
   using BakedKey = std::pair<std::size_t, std::array<std::int64_t, 9>>;
 
+  Result<void> add_at_rest(int node);
+  Result<void> add_group(int group, const std::vector<int>& nodes);
+  /// Index of the object, or of one that is equal.
+  std::uint32_t add_animated(AnimatedObject&& object);
+  /// EXT_mesh_gpu_instancing of a mesh whose shape moves. Errors: as instance_matrices, and
+  /// kSceneLimit.
+  Result<void> place_copies(int node, std::uint32_t object, const tinygltf::Value& extension,
+                            float clip_offset_s);
   Result<std::size_t> base_of(int node, Pose pose, int skin);
   Result<void> place(std::size_t base, const glm::dmat4& world);
   Result<std::uint32_t> object_of(std::size_t base, const glm::dmat3& residual, bool baked);
@@ -51,6 +69,10 @@ class SceneAssembler {
 
   const Document& document_;
   const NodeTree& tree_;
+  const std::map<int, NodeClip>& clips_;
+  const MotionGroups motion_;
+  std::map<int, std::vector<int>> groups_;                        ///< group -> its mesh nodes
+  std::map<std::uint64_t, std::vector<std::uint32_t>> animated_;  ///< content hash -> objects
   Tally& tally_;
   MaterialImporter materials_;
   Budget budget_;

@@ -54,6 +54,8 @@ glm::dvec3 plane_normal(const glm::dmat3& cofactor) {
   return longest;
 }
 
+}  // namespace
+
 void swap_winding(Mesh& mesh) {
   for (const Primitive& primitive : mesh.primitives) {
     if (primitive.kind != PrimitiveKind::kTriangles) continue;
@@ -63,8 +65,6 @@ void swap_winding(Mesh& mesh) {
     }
   }
 }
-
-}  // namespace
 
 SplitTransform split_transform(const glm::dmat4& matrix) {
   SplitTransform out;

@@ -24,4 +24,7 @@ SplitTransform split_transform(const glm::dmat4& matrix);
 /// where it mirrors. Singular residuals give finite, flat meshes.
 Mesh bake(const Mesh& mesh, const glm::dmat3& residual);
 
+/// Turns every triangle round.
+void swap_winding(Mesh& mesh);
+
 }  // namespace mirage::gltf

@@ -1,0 +1,94 @@
+#include "server/scene/gltf/animation_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "server/scene/gltf/gltf_limits.h"
+
+namespace mirage::gltf {
+namespace {
+
+using nlohmann::json;
+
+const json* member(const json& object, const char* key) {
+  if (!object.is_object()) return nullptr;
+  const auto found = object.find(key);
+  return found == object.end() ? nullptr : &*found;
+}
+
+std::size_t list_size(const json& root, const char* key) {
+  const json* list = member(root, key);
+  return list != nullptr && list->is_array() ? list->size() : 0;
+}
+
+/// A whole number below `size`, else -1.
+int index_below(const json* value, std::size_t size) {
+  if (value == nullptr || !value->is_number()) return -1;
+  const double number = value->get<double>();
+  const bool fits = number >= 0 && number < static_cast<double>(size);
+  return fits && number == std::floor(number) ? static_cast<int>(number) : -1;
+}
+
+std::string text(const json* value, std::string fallback) {
+  return value != nullptr && value->is_string() ? value->get<std::string>() : fallback;
+}
+
+bool read_channel(const json& channel, const json& samplers, const json& root, ChannelSource& out) {
+  const int sampler = index_below(member(channel, "sampler"), samplers.size());
+  const json* target = member(channel, "target");
+  if (sampler < 0 || target == nullptr) return false;
+  const json& source = samplers[static_cast<std::size_t>(sampler)];
+  out.node = index_below(member(*target, "node"), list_size(root, "nodes"));
+  out.path = text(member(*target, "path"), "");
+  out.input = index_below(member(source, "input"), list_size(root, "accessors"));
+  out.output = index_below(member(source, "output"), list_size(root, "accessors"));
+  out.interpolation = text(member(source, "interpolation"), "LINEAR");
+  return out.node >= 0 && out.input >= 0 && out.output >= 0;
+}
+
+AnimationSource read_clip(const json& entry, const json& root, Tally& tally) {
+  AnimationSource clip;
+  clip.name = text(member(entry, "name"), "");
+  const json* channels = member(entry, "channels");
+  const json* samplers = member(entry, "samplers");
+  if (channels == nullptr || samplers == nullptr || !channels->is_array() ||
+      !samplers->is_array() || channels->size() > kMaxChannelsInFile) {
+    tally.add("animations that are malformed or too large ignored");
+    return clip;
+  }
+  for (const json& channel : *channels) {
+    ChannelSource source;
+    if (read_channel(channel, *samplers, root, source)) {
+      clip.channels.push_back(std::move(source));
+    } else {
+      tally.add("animation channels without an existing target and sampler ignored");
+    }
+  }
+  return clip;
+}
+
+}  // namespace
+
+AnimationSources read_animations(const json& root, Tally& tally) {
+  AnimationSources out;
+  if (const json* list = member(root, "animations"); list != nullptr && list->is_array()) {
+    if (list->size() > kMaxClips) tally.add("files with too many animations: some ignored");
+    for (std::size_t i = 0; i < std::min(list->size(), kMaxClips); ++i) {
+      out.clips.push_back(read_clip((*list)[i], root, tally));
+    }
+  }
+  const json* nodes = member(root, "nodes");
+  if (nodes == nullptr || !nodes->is_array()) return out;
+  for (std::size_t i = 0; i < nodes->size(); ++i) {
+    const json* extras = member((*nodes)[i], "extras");
+    const json* ours = extras != nullptr ? member(*extras, "mirage") : nullptr;
+    const json* phase = ours != nullptr ? member(*ours, "phase") : nullptr;
+    if (phase == nullptr || !phase->is_number()) continue;
+    const double offset = phase->get<double>();
+    if (std::abs(offset) <= kMaxClipOffset) out.clip_offset_s[static_cast<int>(i)] = offset;
+  }
+  return out;
+}
+
+}  // namespace mirage::gltf

@@ -1,0 +1,179 @@
+#include "server/scene/gltf/clip_import.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "protocol/limits.h"
+#include "server/scene/gltf/accessor_reader.h"
+#include "server/scene/gltf/gltf_limits.h"
+
+namespace mirage::gltf {
+namespace {
+
+constexpr float kEqualKeys = 1e-7f;  // relative: rounding of one value written many times
+
+std::optional<ChannelPath> path_of(const std::string& name) {
+  if (name == "translation") return ChannelPath::kTranslation;
+  if (name == "rotation") return ChannelPath::kRotation;
+  if (name == "scale") return ChannelPath::kScale;
+  if (name == "weights") return ChannelPath::kWeights;
+  return std::nullopt;
+}
+
+std::optional<Interpolation> interpolation_of(const std::string& name) {
+  if (name == "STEP") return Interpolation::kStep;
+  if (name == "LINEAR") return Interpolation::kLinear;
+  if (name == "CUBICSPLINE") return Interpolation::kCubicSpline;
+  return std::nullopt;
+}
+
+std::size_t morph_targets(const tinygltf::Model& model, const tinygltf::Node& node) {
+  std::size_t most = 0;
+  if (node.mesh < 0) return most;
+  for (const auto& primitive : model.meshes[node.mesh].primitives) {
+    most = std::max(most, primitive.targets.size());
+  }
+  return most;
+}
+
+std::size_t width_of(ChannelPath path, const tinygltf::Model& model, const tinygltf::Node& node) {
+  if (path == ChannelPath::kWeights) return morph_targets(model, node);
+  return path == ChannelPath::kRotation ? 4 : 3;
+}
+
+bool good_times(const std::vector<float>& times) {
+  float last = -1;
+  for (const float t : times) {
+    if (!(t >= 0) || !(t > last) || t > static_cast<float>(limits::kMaxClipSeconds)) return false;
+    last = t;
+  }
+  return !times.empty();
+}
+
+bool good_values(const Channel& c, std::size_t width) {
+  const std::size_t stride = width * (c.interpolation == Interpolation::kCubicSpline ? 3 : 1);
+  if (width == 0 || c.values.size() != c.times.size() * stride) return false;
+  for (const float v : c.values) {
+    if (!(std::abs(v) <= kMaxCoordinate)) return false;  // false for NaN
+  }
+  if (c.path != ChannelPath::kRotation) return true;
+  const std::size_t first = c.interpolation == Interpolation::kCubicSpline ? 4 : 0;
+  for (std::size_t at = first; at < c.values.size(); at += stride) {
+    const float* q = &c.values[at];
+    if (q[0] == 0 && q[1] == 0 && q[2] == 0 && q[3] == 0) return false;
+  }
+  return true;
+}
+
+/// Accessors whose size is beyond any use are not even read.
+bool affordable(const tinygltf::Model& model, const ChannelSource& source) {
+  return model.accessors[source.input].count <= limits::kMaxAnimationFloats &&
+         model.accessors[source.output].count <= limits::kMaxAnimationFloats;
+}
+
+std::optional<Channel> read_channel(const Document& document, const ChannelSource& source) {
+  const tinygltf::Node& node = document.model.nodes[source.node];
+  const auto path = path_of(source.path);
+  const auto interpolation = interpolation_of(source.interpolation);
+  if (!path || !interpolation || !affordable(document.model, source)) return std::nullopt;
+  // glTF section 3.11: a node with a matrix is not animated.
+  if (*path != ChannelPath::kWeights && node.matrix.size() == 16) return std::nullopt;
+  const std::size_t width = width_of(*path, document.model, node);
+  auto times = read_floats(document, source.input, 1);
+  auto values = read_floats(document, source.output, *path == ChannelPath::kWeights ? 1 : width);
+  if (!times || !values) return std::nullopt;
+  Channel channel;
+  channel.path = *path;
+  channel.interpolation = *interpolation;
+  channel.times = times.take();
+  channel.values = values.take();
+  if (!good_times(channel.times) || !good_values(channel, width)) return std::nullopt;
+  return channel;
+}
+
+bool equal_keys(const Channel& c, std::size_t width) {
+  const bool cubic = c.interpolation == Interpolation::kCubicSpline;
+  const std::size_t stride = width * (cubic ? 3 : 1), first = cubic ? width : 0;
+  for (std::size_t key = 0; key < c.times.size(); ++key) {
+    for (std::size_t i = 0; i < width; ++i) {
+      const float* at = &c.values[key * stride];
+      const float here = at[first + i], there = c.values[first + i];
+      if (std::abs(here - there) > kEqualKeys * std::max(1.0f, std::abs(there))) return false;
+      if (cubic && c.times.size() > 1 && (at[i] != 0 || at[2 * width + i] != 0)) return false;
+    }
+  }
+  return true;
+}
+
+/// The value all keys share becomes what the node is at rest.
+void write_rest(const Channel& c, std::size_t width, tinygltf::Node& node) {
+  std::vector<double> value(width);
+  sample_channel(c, 0, width, value.data());
+  switch (c.path) {
+    case ChannelPath::kTranslation:
+      node.translation = value;
+      break;
+    case ChannelPath::kRotation:
+      node.rotation = value;
+      break;
+    case ChannelPath::kScale:
+      node.scale = value;
+      break;
+    case ChannelPath::kWeights:
+      node.weights = value;
+      break;
+  }
+}
+
+}  // namespace
+
+std::map<int, NodeClip> import_clips(Document& document, Tally& tally) {
+  std::map<int, NodeClip> out;
+  std::set<std::pair<int, ChannelPath>> taken;
+  std::size_t floats = 0;
+  for (const AnimationSource& clip : document.animations.clips) {
+    std::vector<std::pair<int, Channel>> channels;
+    float clip_s = 0;
+    for (const ChannelSource& source : clip.channels) {
+      auto channel = read_channel(document, source);
+      if (!channel) {
+        tally.add("animation channels with unusable keys ignored");
+        continue;
+      }
+      floats += channel->times.size() + channel->values.size();
+      if (floats > limits::kMaxAnimationFloats) {
+        tally.add("animation channels beyond the limit of keys ignored");
+        continue;
+      }
+      clip_s = std::max(clip_s, channel->times.back());
+      channels.emplace_back(source.node, std::move(*channel));
+    }
+    const bool seen = std::any_of(channels.begin(), channels.end(), [&](const auto& entry) {
+      return taken.count({entry.first, entry.second.path}) != 0;
+    });
+    if (seen) {
+      tally.add("animations of what an earlier one moves ignored", 1, clip.name);
+      continue;
+    }
+    for (auto& [node, channel] : channels) {
+      if (!taken.insert({node, channel.path}).second) {
+        tally.add("animation channels of one property twice ignored");
+        continue;
+      }
+      const std::size_t width = width_of(channel.path, document.model, document.model.nodes[node]);
+      if (equal_keys(channel, width) || !(clip_s > 0)) {
+        write_rest(channel, width, document.model.nodes[node]);
+        continue;
+      }
+      NodeClip& moved = out[node];
+      moved.clip_s = std::max(moved.clip_s, clip_s);
+      auto& list = channel.path == ChannelPath::kWeights ? moved.weights : moved.channels;
+      list.push_back(std::move(channel));
+    }
+  }
+  return out;
+}
+
+}  // namespace mirage::gltf
