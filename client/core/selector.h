@@ -4,6 +4,7 @@
 //         what to ask for, by the error bound.
 // Thread: the frame loop's. Never full: one decision per visible instance and frame.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct DrawnImpostor {
   double bound_px = 0;
   double distance = 0;  ///< eye to centre, m
   float fade = 1;       ///< opacity while fading in
+  /// Further tiles of the object that help where `tile` has nothing (kDepth only), from the front.
+  std::array<TileRecordPtr, 2> neighbours{};
 };
 
 /// An instance that has no tile yet: its proxy in its mean colour.
