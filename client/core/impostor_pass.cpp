@@ -250,12 +250,11 @@ void ImpostorPass::draw_instances(const Proxy& proxy, const std::vector<Instance
   ++draw_calls_;
 }
 
-void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool soft) {
+void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera) {
   program.use();
   program.set("u_clip_from_relative", camera.clip_from_relative());
   const double n = camera.near_m, f = camera.far_m;
   program.set("u_depth_window", glm::vec2(f / (f - n), -f * n / (f - n)));
-  program.set("u_soft", soft ? 1 : 0);
   program.set("u_color", 0);
   program.set("u_depth", 1);
   program.set("u_tiles", 2);
@@ -265,8 +264,7 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool so
   glBindTexture(GL_TEXTURE_2D_ARRAY, depth_.id());
 }
 
-void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list,
-                               bool soft) {
+void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list) {
   std::vector<ReliefInstance> single, merged;
   std::vector<glm::vec4> rows;
   for (const DrawnImpostor& drawn : list.impostors) {
@@ -281,11 +279,11 @@ void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, con
   // The proxies' far faces: each pixel once, also with the eye inside.
   glCullFace(GL_FRONT);
   if (!single.empty()) {
-    use_atlas(relief_, camera, soft);
+    use_atlas(relief_, camera);
     draw_instances(cube_, single, true);
   }
   if (!merged.empty()) {
-    use_atlas(merged_, camera, soft);
+    use_atlas(merged_, camera);
     glActiveTexture(GL_TEXTURE2);
     glBindTexture(GL_TEXTURE_2D, tile_rows_.id());
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, kReliefRowTexels,
@@ -309,7 +307,8 @@ void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene, con
   }
   if (all.empty() && by_object.empty()) return;
   gl::Program& program = programs_.at(method);
-  use_atlas(program, camera, soft);
+  use_atlas(program, camera);
+  program.set("u_soft", soft ? 1 : 0);
   program.set("u_forward", glm::vec3(camera.forward()));
   const bool quad = method == DrawMethod::kQuad || method == DrawMethod::kWarp;
   draw_instances(quad ? quad_ : cube_, all, !quad);
@@ -349,7 +348,6 @@ void ImpostorPass::draw(const Camera& camera, const SceneView& scene, const Draw
   for (const MethodShader& shader : kShaders) {
     draw_method(camera, scene, list, shader.method, false);
   }
-  draw_relief(camera, scene, list, false);
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
@@ -357,8 +355,8 @@ void ImpostorPass::draw(const Camera& camera, const SceneView& scene, const Draw
   for (const MethodShader& shader : kShaders) {
     draw_method(camera, scene, list, shader.method, true);
   }
-  draw_relief(camera, scene, list, true);
   glDepthMask(GL_TRUE);
+  draw_relief(camera, scene, list);
   glBindVertexArray(0);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);

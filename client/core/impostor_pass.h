@@ -40,8 +40,8 @@ class ImpostorPass {
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
   void draw_method(const Camera& camera, const SceneView& scene, const DrawList& list,
                    DrawMethod method, bool soft);
-  void draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list, bool soft);
-  void use_atlas(gl::Program& program, const Camera& camera, bool soft);
+  void draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list);
+  void use_atlas(gl::Program& program, const Camera& camera);
   void draw_placeholders(const Camera& camera, const SceneView& scene, const DrawList& list,
                          const Lighting& lighting);
 

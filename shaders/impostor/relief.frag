@@ -16,14 +16,12 @@ flat in vec4 v_high;
 layout(location = 0) out vec4 o_color;
 
 uniform vec2 u_depth_window;  // window depth = x + y / view depth
-uniform bool u_soft;          // see impostor.frag
 
 #include "impostor/relief.glsl"
 
 void emit(vec4 color, float view_depth) {
   o_color = color * v_slack.z;
-  bool soft = o_color.a < kSolid;
-  if (soft != u_soft || o_color.a < 1.0 / 255.0) discard;
+  if (o_color.a < 1.0 / 255.0) discard;
   view_depth = (view_depth - v_slack.y) * (1.0 - v_slack.x);
   gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, 1e-6), 0.0, 1.0);
 }

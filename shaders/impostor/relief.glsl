@@ -2,9 +2,12 @@
 uniform sampler2DArray u_color;
 uniform sampler2DArray u_depth;
 
-const int kMaxCells = 1024;
+const float kMaxCells = 1024.0;
 const float kSolid = 0.99;
 const float kWall = 6.0;   // codes between neighbours that still are one surface
+const float kClear = 1.0;   // cells from an edge to texels that hold one surface only
+const float kRounding = 1.0;
+const float kOneSided = 0.2;
 const float kFillReach = 0.15;  // of the window: how far a surface is extended (0.3 r)
 
 struct Ray {
@@ -64,71 +67,79 @@ float refine(Ray ray, float s, int layer) {
   return slope > 0.25 * ray.span.z ? clamp(s - error / slope, 0.0, 1.0) : s;
 }
 
+// Code of cell i of n along the ray.
+float cell_code(Ray ray, float i, float n, int layer) {
+  return code_at(ivec2(floor(ray.from.xy + ray.span.xy * ((i + 0.5) / n))), layer);
+}
+
+// Parameter at which the ray meets the surface extended over a hidden stretch [from, to]: from the
+// surface it left at `from` to the one it came out behind at `to` (codes, -1: none). -1: not met.
+float extended(Ray ray, float from, float entry, float to, float leave) {
+  if (entry < 0.0 && leave < 0.0) return -1.0;
+  float at = ((entry < 0.0 ? leave : entry) - ray.from.z) / ray.span.z;
+  if (entry >= 0.0 && leave >= 0.0) {
+    float a = ray.from.z + ray.span.z * from - entry, b = ray.from.z + ray.span.z * to - leave;
+    at = b > 0.0 && a < 0.0 ? mix(from, to, a / (a - b)) : -1.0;
+  }
+  return at >= from && at <= to ? at : -1.0;
+}
+
+void blend(inout Hit hit, vec4 color, vec3 point, bool filled) {
+  if (hit.color.a < 0.5) {
+    hit.point = point;
+    hit.filled = filled;
+  }
+  hit.color += (1.0 - hit.color.a) * color;
+}
+
 // Front to back through the cells the ray crosses, one sample a cell. Where it passes behind a
-// surface it goes on, hidden; when it comes out behind or ends, the farther surfaces on either side
-// of the hidden stretch are extended into it (disocclusion). Soft texels are blended and passed.
+// surface it goes on, hidden; when it comes out behind another or ends, the farther surfaces on
+// either side of the hidden stretch are extended into it. Soft texels are blended and passed.
 Hit trace(Ray ray, int layer, float reach) {
   Hit hit = Hit(vec4(0.0), vec3(0.0), true);
-  float cells = min(ceil(max(abs(ray.span.x), abs(ray.span.y))), float(kMaxCells));
-  float n = max(cells, 1.0);
-  float rise = ray.span.z / n, per_cell = 1.0 / n;
-  bool hidden = false;
-  float entry = -1.0, entry_at = 0.0;  // surface left behind when the ray went under, -1: none
-  float last = -1.0;                   // code of the cell before
-  for (int i = 0; i <= kMaxCells; ++i) {
-    if (float(i) > n || hit.color.a >= kSolid) break;
-    float s = float(i) * per_cell;
-    float d0 = ray.from.z + rise * float(i), d1 = d0 + rise;
-    bool over = float(i) >= n;
-    float c = over ? -1.0 : code_at(ivec2(floor(ray.from.xy + ray.span.xy * (s + 0.5 * per_cell))), layer);
-    bool behind = c >= 0.0 && c < d0 - kWall;
-    bool met = c >= 0.0 && !behind && c <= d1;
-    float at = -1.0, from_at = 0.0;
-    bool real = false;
-    bool deeper = behind && hidden && c > last + 2.0 * kWall;
-    if (hidden && (!behind || deeper)) {
-      // Out again: the hidden stretch runs from entry_at to s.
-      float a = entry_at * ray.span.z + ray.from.z - entry;  // < 0 in front of the entry surface
-      float b = d0 - c;
-      if (entry >= 0.0 && c >= 0.0) {
-        if (b > 0.0 && a < 0.0) at = mix(entry_at, s, a / (a - b));
-      } else if (entry >= 0.0) {
-        at = (entry - ray.from.z) / ray.span.z;
-        if (at < entry_at || at > s) at = -1.0;
-      } else if (c >= 0.0) {
-        at = (c - ray.from.z) / ray.span.z;
-        if (at < entry_at || at > s) at = -1.0;
-      }
-      if (at >= 0.0) {
-        bool from_entry = entry >= 0.0 && (c < 0.0 || at - entry_at < s - at);
-        from_at = from_entry ? entry_at - 0.5 * per_cell : s + 0.5 * per_cell;
-        if (abs(at - from_at) * n > reach) at = -1.0;
-      }
+  float n = clamp(ceil(max(abs(ray.span.x), abs(ray.span.y))), 1.0, kMaxCells);
+  float rise = ray.span.z / n;
+  float i = 0.0, last = -1.0;
+  while (i < n && hit.color.a < kSolid) {
+    // In front of everything so far.
+    float c = -1.0;
+    float deep = ray.from.z + rise * i;
+    while (i < n) {
+      c = cell_code(ray, i, n, layer);
+      if (c >= 0.0 && c <= deep + rise) break;
+      last = c;
+      i += 1.0;
+      deep += rise;
     }
-    if (at < 0.0 && met) {
-      at = clamp((c - ray.from.z) / ray.span.z, 0.0, 1.0);
-      real = true;
+    if (i >= n) break;
+    if (c >= deep - (last >= 0.0 && last - c <= kWall ? kWall : kRounding)) {
+      float s = refine(ray, clamp((c - ray.from.z) / ray.span.z, 0.0, 1.0), layer);
+      blend(hit, color_at(ray.from.xy + ray.span.xy * s, layer), ray.from + ray.span * s, false);
+      if (hit.color.a >= kSolid) break;
     }
+    // Hidden behind c.
+    float entry = last > c + kWall ? last : -1.0;
+    float start = i;
+    float under = c;
+    while (i < n) {
+      i += 1.0;
+      deep += rise;
+      c = i < n ? cell_code(ray, i, n, layer) : -1.0;
+      if (c < 0.0 || c >= deep - kRounding) break;  // out
+      if (c > under + 2.0 * kWall) break;       // out behind a farther surface
+      under = c;
+    }
+    float at = extended(ray, start / n, entry, i / n, c);
     if (at >= 0.0) {
-      if (real) at = refine(ray, at, layer);
-      vec2 place = ray.from.xy + ray.span.xy * (real ? at : from_at);
-      vec4 color = color_at(place, layer);
-      if (hit.color.a < 0.5) {
-        hit.point = ray.from + ray.span * at;
-        hit.filled = !real;
+      bool from_entry = entry >= 0.0 && (c < 0.0 || at * n - start < i - at * n);
+      float source = from_entry ? start - kClear : i + 1.0 + kClear;
+      bool both = entry >= 0.0 && c >= 0.0;
+      if (abs(at * n - source) <= reach && (both || i - start > reach * kOneSided)) {
+        source = clamp(source / n, 0.0, 1.0);
+        blend(hit, color_at(ray.from.xy + ray.span.xy * source, layer), ray.from + ray.span * at, true);
       }
-      hit.color += (1.0 - hit.color.a) * color;
     }
-    bool under = behind || real;
-    if (under && !hidden) {
-      entry = last > c + kWall ? last : -1.0;
-      entry_at = s;
-    } else if (deeper) {
-      entry = -1.0;
-      entry_at = s;
-    }
-    hidden = under;
-    last = c;
+    last = -1.0;
   }
   return hit;
 }
