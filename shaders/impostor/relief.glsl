@@ -62,6 +62,9 @@ float refine(Ray ray, float s, int layer) {
   float dx0 = c10 - c00, dx1 = c11 - c01;
   float c0 = c00 + dx0 * f.x, c1 = c01 + dx1 * f.x;
   float c = mix(c0, c1, f.y);
+  // The bound covers half a code between stored and interpolated depth, no more.
+  float nearest = f.y < 0.5 ? (f.x < 0.5 ? c00 : c10) : (f.x < 0.5 ? c01 : c11);
+  c = clamp(c, nearest - 0.5, nearest + 0.5);
   float slope = ray.span.z - dot(vec2(mix(dx0, dx1, f.y), c1 - c0), ray.span.xy);
   float error = ray.from.z + ray.span.z * s - c;
   return slope > 0.25 * ray.span.z ? clamp(s - error / slope, 0.0, 1.0) : s;

@@ -1,63 +1,240 @@
 // Impostors against the full render of the same build: the fidelity protocol of the field
-// (FIELD.md: 512 x 512, 24 Fibonacci directions, tight field of view, grey background).
+// (FIELD.md: 512 x 512, 24 Fibonacci directions, tight field of view, grey background). Every row
+// prints its figures; limits are what is reached, less half a dB.
 
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <algorithm>
+#include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <map>
 
 #include "client/core/geometric_error.h"
+#include "client/core/neighbours.h"
 #include "tests/gl/bench.h"
 
 namespace mirage::test {
 namespace {
 
-int dirs() { const char* s = std::getenv("DIRS"); return s ? atoi(s) : 6; }
+constexpr int kDirections = 24;
+constexpr std::uint32_t kEdge = Bench::kSize;
+constexpr double kGridMiB = 42.7;  // of the 12 x 12 grid that FIELD.md compares with
 
-TEST(Proto, Table) {
-  const char* which = std::getenv("MODEL");
-  const std::string spec = which ? which : "builtin:knot";
-  const bool albedo = spec.find("tree") != std::string::npos;
-  auto bench = Bench::create(spec, albedo ? BenchLight::kAlbedo : BenchLight::kLit);
-  ASSERT_TRUE(bench);
-  const char* rs = std::getenv("RADII");
-  const double radii = rs ? atof(rs) : 4;
-  for (const double off : {0.0, 5.0, 10.0, 20.0}) {
-    if (std::getenv("QUICK") && off != 5 && off != 10) continue;
-    for (const DrawMethod m : {DrawMethod::kQuad, DrawMethod::kHull, DrawMethod::kDepth}) {
-      if (std::getenv("QUICK") && m != DrawMethod::kDepth) continue;
-      MeasureMean psnr, iou, ssim;
-      double ms = 0;
-      for (int i = 0; i < dirs(); ++i) {
-        TileCache cache = bench->make_cache();
-        const glm::dvec3 d = fibonacci_direction(i * 24 / dirs(), 24);
-        const TileRecordPtr tile = bench->tile_for(bench->camera(radii, d), cache);
-        ASSERT_TRUE(tile);
-        const Camera c = bench->camera(radii, turned(d, off, 2.4 * i));
-        bench->draw(c, {tile}, m);
-        glFinish();
-        const auto t0 = std::chrono::steady_clock::now();
-        const auto drawn = bench->picture(c, {tile}, m);
-        ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - t0).count();
-        const auto truth = bench->truth(c, 4);
-        const FieldFidelity f = field_fidelity({512, 512, truth.data()}, {512, 512, drawn.data()});
-        psnr.add(f.psnr_db); iou.add(f.iou); ssim.add(f.ssim);
-        if (i == 1 && std::getenv("DUMP")) {
-          std::vector<std::uint8_t> row(512 * 3 * 512 * 3);
-          for (int y = 0; y < 512; ++y) for (int x = 0; x < 512; ++x) for (int k = 0; k < 3; ++k) {
-            std::size_t p = std::size_t((y * 512 + x) * 4 + k);
-            row[std::size_t((y * 1536 + x) * 3 + k)] = drawn[p];
-            row[std::size_t((y * 1536 + 512 + x) * 3 + k)] = truth[p];
-            row[std::size_t((y * 1536 + 1024 + x) * 3 + k)] = static_cast<std::uint8_t>(std::min(255, 2 * std::abs(drawn[p] - truth[p])));
-          }
-          char name[200];
-          snprintf(name, 200, "%s_%d_%g.ppm", std::getenv("DUMP"), (int)m, off);
-          FILE* fp = fopen(name, "wb"); fprintf(fp, "P6 1536 512 255\n"); fwrite(row.data(), 1, row.size(), fp); fclose(fp);
-        }
+struct Model {
+  const char* name;
+  const char* spec;  // relative paths: below the shared models
+  BenchLight light;
+};
+constexpr Model kKnot{"knot", "builtin:knot", BenchLight::kLit};
+constexpr Model kTree{"tree", "assets/reference/tree.glb", BenchLight::kAlbedo};
+constexpr Model kMonkey{"monkey", "assets/reference/monkey.glb", BenchLight::kLit};
+
+struct Row {
+  const char* name;
+  Model model;
+  double radii;
+  double degrees;  // between the tiles' captures and the eye
+  int tiles;       // around the eye
+  DrawMethod method;
+  double least_psnr;
+  double least_iou;
+};
+
+std::ostream& operator<<(std::ostream& out, const Row& row) { return out << row.name; }
+
+// nullptr when the model is not there.
+Bench* bench_for(const Model& model) {
+  static std::map<std::string, std::unique_ptr<Bench>> benches;
+  std::string spec = model.spec;
+  if (spec.rfind("builtin:", 0) != 0) {
+    spec = shared_models() + "/" + spec;
+    if (shared_models().empty() || !std::ifstream(spec)) return nullptr;
+  }
+  std::unique_ptr<Bench>& bench = benches[model.name];
+  // One context at a time: each bench owns one, and the newest is current.
+  if (!bench) {
+    benches.clear();
+    benches[model.name] = Bench::create(spec, model.light);
+  }
+  return benches[model.name].get();
+}
+
+// Drawn, truth, twice the difference, side by side; only when the folder is asked for.
+void keep_picture(const std::string& name, const std::vector<std::uint8_t>& drawn,
+                  const std::vector<std::uint8_t>& truth) {
+  const char* folder = std::getenv("MIRAGE_FIDELITY_PICTURES");
+  if (!folder) return;
+  std::ofstream file(std::string(folder) + "/" + name + ".ppm", std::ios::binary);
+  file << "P6 " << 3 * kEdge << " " << kEdge << " 255\n";
+  for (std::size_t y = 0; y < kEdge; ++y) {
+    for (int panel = 0; panel < 3; ++panel) {
+      for (std::size_t i = y * kEdge * 4; i < (y + 1) * kEdge * 4; ++i) {
+        if (i % 4 == 3) continue;
+        const int d = std::min(255, 2 * std::abs(drawn[i] - truth[i]));
+        file.put(static_cast<char>(panel == 0 ? drawn[i] : panel == 1 ? truth[i] : d));
       }
-      std::printf("%5.1fr %4.0f deg method %d: PSNR %.2f SSIM %.4f IoU %.4f  %.1f ms\n", radii, off, (int)m,
-                  psnr.mean().value_or(0), ssim.mean().value_or(0), iou.mean().value_or(0), ms / dirs());
     }
+  }
+}
+
+class Fidelity : public testing::TestWithParam<Row> {};
+
+TEST_P(Fidelity, Row) {
+  const Row& row = GetParam();
+  Bench* bench = bench_for(row.model);
+  if (!bench) GTEST_SKIP() << "no " << row.model.spec << " beside the checkout";
+  MeasureMean psnr, ssim, iou;
+  std::size_t texels = 0;
+  for (int i = 0; i < kDirections; ++i) {
+    TileCache cache = bench->make_cache();
+    const glm::dvec3 eye = fibonacci_direction(i, kDirections);
+    std::vector<TileRecordPtr> tiles;
+    for (int k = 0; k < row.tiles; ++k) {
+      const glm::dvec3 from = turned(eye, row.degrees, 2.4 * i + 2.0943951 * k);
+      tiles.push_back(bench->tile_for(bench->camera(row.radii, from), cache));
+      ASSERT_TRUE(tiles.back()) << "direction " << i;
+    }
+    texels = std::max(texels, cache.atlas_texels());
+    const Camera camera = bench->camera(row.radii, eye);
+    const std::vector<std::uint8_t> drawn = bench->picture(camera, tiles, row.method);
+    const std::vector<std::uint8_t> truth = bench->truth(camera, 4);
+    const FieldFidelity f =
+        field_fidelity({kEdge, kEdge, truth.data()}, {kEdge, kEdge, drawn.data()});
+    psnr.add(f.psnr_db);
+    ssim.add(f.ssim);
+    iou.add(f.iou);
+    if (i == 6) keep_picture(row.name, drawn, truth);
+  }
+  const double mib = static_cast<double>(texels) * 5 / (1 << 20);  // RGBA and depth
+  std::printf("[ FIGURES  ] %-22s %4.1f r %4.1f deg, %d tile: PSNR %.1f dB, SSIM %.3f, IoU %.4f, "
+              "%.2f MiB of textures\n",
+              row.name, row.radii, row.degrees, row.tiles, psnr.mean().value_or(0),
+              ssim.mean().value_or(0), iou.mean().value_or(0), mib);
+  EXPECT_GE(psnr.mean().value_or(0), row.least_psnr);
+  EXPECT_GE(iou.mean().value_or(0), row.least_iou);
+  EXPECT_LT(mib, kGridMiB / 3);
+}
+
+constexpr DrawMethod kQuad = DrawMethod::kQuad, kDepth = DrawMethod::kDepth;
+
+const Row kRows[] = {
+    {"knot_settled_2.5r", kKnot, 2.5, 0, 1, kQuad, 44, 0.995},
+    {"knot_settled_4r", kKnot, 4, 0, 1, kQuad, 45, 0.995},
+    {"knot_settled_12r", kKnot, 12, 0, 1, kQuad, 45, 0.995},
+    {"knot_settled_40r", kKnot, 40, 0, 1, kQuad, 45, 0.995},
+    {"knot_settled_relief", kKnot, 4, 0, 1, kDepth, 45, 0.995},
+    {"knot_5deg", kKnot, 4, 5, 1, kDepth, 33, 0.97},
+    {"knot_10deg", kKnot, 4, 10, 1, kDepth, 29.5, 0.95},
+    {"knot_merged_cell", kKnot, 4, 11.547, 3, kDepth, 32, 0.97},
+    {"monkey_settled_4r", kMonkey, 4, 0, 1, kQuad, 44, 0.995},
+    {"tree_settled_4r", kTree, 4, 0, 1, kQuad, 35.5, 0.96},
+    {"tree_5deg", kTree, 4, 5, 1, kDepth, 24, 0.84},
+    {"tree_10deg", kTree, 4, 10, 1, kDepth, 22.5, 0.80},
+};
+
+INSTANTIATE_TEST_SUITE_P(Field, Fidelity, testing::ValuesIn(kRows), [](const auto& row) {
+  std::string name = row.param.name;
+  std::replace(name.begin(), name.end(), '.', '_');
+  return name;
+});
+
+struct Timed {
+  const char* name;
+  DrawMethod method;
+  double degrees;
+  int tiles;
+};
+
+// Fastest of some runs, in ms: the machine's load only ever adds.
+double draw_ms(Bench& bench, const Camera& camera, const std::vector<TileRecordPtr>& tiles,
+               DrawMethod method) {
+  double best = 1e9;
+  for (int run = 0; run < 3; ++run) {
+    const auto start = std::chrono::steady_clock::now();
+    bench.draw(camera, tiles, method);
+    glFinish();
+    const std::chrono::duration<double, std::milli> took =
+        std::chrono::steady_clock::now() - start;
+    best = std::min(best, took.count());
+  }
+  return best;
+}
+
+// Reported, not judged: times depend on the machine; ratios of one run less so.
+TEST(Cost, OfEachMethodAgainstTheQuad) {
+  Bench* bench = bench_for(kKnot);
+  ASSERT_TRUE(bench);
+  const glm::dvec3 eye = fibonacci_direction(5, kDirections);
+  const Camera camera = bench->camera(4, eye);
+  TileCache cache = bench->make_cache();
+  const double quad = draw_ms(*bench, camera, {bench->tile_for(camera, cache)}, kQuad);
+  for (const Timed& t : {Timed{"cuboid", DrawMethod::kCuboid, 2, 1}, {"hull", DrawMethod::kHull, 2, 1},
+                         {"parallax step", DrawMethod::kWarp, 2, 1}, {"relief", kDepth, 0, 1},
+                         {"relief", kDepth, 1, 1}, {"relief", kDepth, 5, 1},
+                         {"relief", kDepth, 10, 1}, {"merged relief", kDepth, 11.5, 3}}) {
+    std::vector<TileRecordPtr> tiles;
+    for (int k = 0; k < t.tiles; ++k) {
+      tiles.push_back(bench->tile_for(bench->camera(4, turned(eye, t.degrees, 2.1 * k)), cache));
+    }
+    const double ms = draw_ms(*bench, camera, tiles, t.method);
+    std::printf("[ FIGURES  ] cost of %-14s at %4.1f deg: %.2f x quad (%.2f ms)\n", t.name,
+                t.degrees, ms / quad, ms);
+    EXPECT_GT(ms, 0);
+  }
+}
+
+// Every method shows the same picture from the capture pose: proxies only matter away from it.
+TEST(Methods, AgreeAtTheCapturePose) {
+  Bench* bench = bench_for(kKnot);
+  ASSERT_TRUE(bench);
+  TileCache cache = bench->make_cache();
+  const Camera c = bench->camera(4, fibonacci_direction(5, kDirections));
+  const TileRecordPtr tile = bench->tile_for(c, cache);
+  ASSERT_TRUE(tile);
+  const std::vector<std::uint8_t> quad = bench->picture(c, {tile}, DrawMethod::kQuad);
+  for (const DrawMethod method :
+       {DrawMethod::kCuboid, DrawMethod::kHull, DrawMethod::kWarp, DrawMethod::kDepth}) {
+    const std::vector<std::uint8_t> other = bench->picture(c, {tile}, method);
+    const FieldFidelity f =
+        field_fidelity({kEdge, kEdge, quad.data()}, {kEdge, kEdge, other.data()});
+    EXPECT_GE(f.psnr_db.value_or(0), 50.0) << "method " << static_cast<int>(method);
+  }
+}
+
+// The bound holds for every compared pixel and comes near the largest error, for every method.
+TEST(Bound, HoldsAndIsTightOnDrawnTiles) {
+  Bench* bench = bench_for(kKnot);
+  ASSERT_TRUE(bench);
+  for (const DrawMethod method :
+       {DrawMethod::kQuad, DrawMethod::kCuboid, DrawMethod::kHull, DrawMethod::kDepth}) {
+    GeometricError errors;
+    for (int i = 0; i < 4; ++i) {
+      TileCache cache = bench->make_cache();
+      const glm::dvec3 d = fibonacci_direction(i, 4);
+      const TileRecordPtr tile = bench->tile_for(bench->camera(12, d), cache);
+      const Camera c = bench->camera(12 + 0.2 * i, turned(d, 1 + i, 2.4 * i));
+      DrawnImpostor drawn{0, tile, method, 0, glm::length(c.pose.eye), 1};
+      const ObjectDescription& object = bench->scene().objects[0];
+      drawn.bound_px =
+          tile->bound_px(method, object, view_geometry(c, bench->instance(), object));
+      DrawList list;
+      list.impostors.push_back(drawn);
+      add_geometric_error(bench->truth_frame(c, 1), 0.5, c, bench->scene(), list, errors);
+    }
+    std::vector<float> ratios = errors.ratios;
+    ASSERT_FALSE(ratios.empty());
+    std::nth_element(ratios.begin(), ratios.begin() + std::ptrdiff_t(ratios.size() / 2),
+                     ratios.end());
+    const float median = ratios[ratios.size() / 2];
+    std::printf("[ FIGURES  ] method %d: %llu pixels compared, %llu over the bound, median "
+                "bound / largest error %.2f\n",
+                static_cast<int>(method), static_cast<unsigned long long>(errors.compared),
+                static_cast<unsigned long long>(errors.violations), double{median});
+    EXPECT_EQ(errors.violations, 0u);
+    EXPECT_GT(errors.compared, 10'000u);
+    EXPECT_LE(median, 1.5);
   }
 }
 
