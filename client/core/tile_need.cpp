@@ -29,6 +29,8 @@ ViewGeometry view_geometry(const Camera& camera, const InstanceView& instance,
   view.radius = object.radius;
   view.eye = glm::conjugate(glm::dquat(instance.world_from_object.rotation)) * to_eye / scale;
   view.center_depth = -glm::dot(to_eye, camera.forward()) / scale;
+  view.forward =
+      glm::conjugate(glm::dquat(instance.world_from_object.rotation)) * camera.forward();
   return view;
 }
 
