@@ -32,7 +32,15 @@ struct Capture {
         view_level(cell.level) {}
 
   glm::dvec3 eye() const { return basis.forward * -distance; }
-  CaptureGeometry geometry() const { return {-basis.forward, distance}; }
+  /// With the window of `crop`, grown by half a texel: bilinear filtering reaches that far.
+  CaptureGeometry geometry(const TileCrop& crop) const {
+    const double step = 2.0 * half_tangent / edge;
+    const glm::dvec2 low(crop.x - 0.5, edge - (crop.y + crop.h + 0.5));
+    const glm::dvec2 size(crop.w + 1.0, crop.h + 1.0);
+    return {-basis.forward, distance, basis.right, basis.up, low * step - half_tangent,
+            (low + size) * step - half_tangent};
+  }
+  CaptureGeometry geometry() const { return {-basis.forward, distance, {}, {}, {}, {}}; }
   /// Depth of `p` along the capture axis.
   double depth(const glm::dvec3& p) const { return distance + glm::dot(p, basis.forward); }
   /// Tile coordinates in texels, (0,0) the outer corner of the top left texel.

@@ -30,18 +30,76 @@ double baseline_term(double distance, double capture_distance, double theta, dou
   return distance * std::sin(theta) + std::abs(along) * tan_cone(radius, capture_distance);
 }
 
+namespace {
+
+struct Corners {
+  double least_ahead = 0;  // n.u
+  double sideways = 0;     // |n x (u x B)|
+};
+
+// Extremes over the content's window; an unknown n takes nothing away from |u x B|.
+Corners window_corners(const ViewGeometry& view, const CaptureGeometry& capture,
+                       const glm::dvec3& baseline) {
+  glm::dvec3 right = capture.right, up = capture.up;
+  glm::dvec2 low = capture.low, high = capture.high;
+  if (right == glm::dvec3(0)) {
+    const glm::dvec3 any =
+        std::abs(capture.axis.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    right = glm::normalize(glm::cross(any, capture.axis));
+    up = glm::cross(capture.axis, right);
+    high = glm::dvec2(tan_cone(view.radius, capture.distance));
+    low = -high;
+  }
+  const bool known = view.forward != glm::dvec3(0);
+  Corners out{kInfinity, 0};
+  for (const double x : {low.x, high.x}) {
+    for (const double y : {low.y, high.y}) {
+      const glm::dvec3 u = right * x + up * y - capture.axis;
+      const glm::dvec3 moment = glm::cross(u, baseline);
+      out.least_ahead = std::min(out.least_ahead, glm::dot(view.forward, u));
+      out.sideways = std::max(
+          out.sideways, glm::length(known ? glm::cross(view.forward, moment) : moment));
+    }
+  }
+  return out;
+}
+
+// Least eye depth over capture depth of points in the range: from the window, or from the sphere
+// whose nearest point has eye depth `nearest`.
+double least_ratio(double g, double least_ahead, double low, double high, double nearest) {
+  return std::max(std::min(g / low, g / high) + least_ahead, nearest / high);
+}
+
+}  // namespace
+
 double position_bound_px(const ViewGeometry& view, const CaptureGeometry& capture,
                          const DrawnDepth& drawn) {
-  const double distance = glm::length(view.eye);
+  const double distance = glm::length(view.eye), dc = capture.distance;
   const double near_surface = view.center_depth - view.radius;
   const double near_drawn = view.center_depth - drawn.q;
   const bool outside = distance >= limits::kMinCaptureRadii * view.radius &&
-                       capture.distance >= limits::kMinCaptureRadii * view.radius * (1 - 1e-9);
+                       dc >= limits::kMinCaptureRadii * view.radius * (1 - 1e-9);
   if (!outside || !(near_surface > 0) || !(near_drawn > 0)) return kInfinity;
   if (!std::isfinite(near_surface) || !std::isfinite(near_drawn)) return kInfinity;
+  const bool measured = drawn.surface_max > 0;
+  const double surface_min = measured ? drawn.surface_min : dc - view.radius;
+  const double surface_max = measured ? drawn.surface_max : dc + view.radius;
+  const double drawn_min = drawn.drawn_max > 0 ? drawn.drawn_min : std::max(dc - drawn.q, 0.0);
+  const double drawn_max = drawn.drawn_max > 0 ? drawn.drawn_max : dc + drawn.q;
+  const glm::dvec3 baseline = view.eye - capture.axis * dc;
+  if (!is_finite(baseline) || !is_finite(view.forward) || !std::isfinite(drawn.dz)) {
+    return kInfinity;  // min and max below would swallow a NaN
+  }
+  const Corners corners = window_corners(view, capture, baseline);
+  // An unknown n leaves only the spheres.
+  const bool known = view.forward != glm::dvec3(0);
+  const double g = known ? -glm::dot(view.forward, baseline) : 0.0;
+  const double ahead = known ? corners.least_ahead : -kInfinity;
+  const double surface = least_ratio(g, ahead, surface_min, surface_max, near_surface);
+  const double shown = least_ratio(g, ahead, drawn_min, drawn_max, near_drawn);
   const double bound =
-      view.focal_px * drawn.dz * baseline_term(view, capture) / (near_surface * near_drawn);
-  return bound >= 0 ? bound : kInfinity;
+      view.focal_px * (drawn.dz / (dc * dc)) * corners.sideways / (surface * shown);
+  return bound >= 0 && surface > 0 && shown > 0 ? bound : kInfinity;
 }
 
 double motion_bound_px(const ViewGeometry& view, double travel) {

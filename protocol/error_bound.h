@@ -2,13 +2,13 @@
 // The proven bound, in pixels, of where an impostor draws the points of its object (NUMERICS
 // section 2). Every decision of the client is made with it.
 //
-// One exact identity carries it. Capture eye Oc, present eye e, baseline B = e - Oc; a surface
-// point P on the capture ray u is drawn at Q on the same ray; n is the present forward axis:
-//     err_px = f |PQ| |n . (u x B)| / (zP zQ)
-// With |zP - zQ| <= dz along the capture axis, and every ray within the cone of half-angle A:
-//     err_px <= f dz (Bperp + |Baxis| tanA) / ((zC - r) (zC - q))
-// where q bounds the distance of Q from the centre. `dz` and `q` depend on how the tile is drawn
-// and are measured on the tile itself, so the bound covers what is in it, not a worst case.
+// One exact identity carries it. Capture eye Oc, present eye e, baseline B = e - Oc, capture ray
+// u = a + t with a the capture axis (so z is depth along it); a surface point P = Oc + zp u is drawn
+// at Q = Oc + zq u; n is the present forward axis, g = -n.B:
+//     err_px = f |1/zp - 1/zq| |n x (u x B)| / ((g/zp + n.u) (g/zq + n.u))
+// |n x (u x B)| is convex and n.u linear in t, so over a window of tangents both are extreme at its
+// corners; g/z is monotone in z. What remains is measured on the tile: the largest |1/zp - 1/zq|,
+// the depth ranges and the window of its content.
 
 #include <glm/glm.hpp>
 
@@ -21,18 +21,25 @@ struct ViewGeometry {
   glm::dvec3 eye{0};        ///< present eye
   double center_depth = 0;  ///< eye depth of the centre along the present forward axis
   double clip_time_s = 0;   ///< of the object's animation; no meaning for a static one
+  glm::dvec3 forward{0};    ///< that axis, unit; zero when not known: a looser bound
 };
 
 struct CaptureGeometry {
   glm::dvec3 axis{0, 0, 1};  ///< unit, centre -> capture eye
   double distance = 0;       ///< Dc = |Oc|
+  /// Window of the content: tangents along two unit axes across `axis`. Zero axes: the bounding
+  /// sphere's cone.
+  glm::dvec3 right{0}, up{0};
+  glm::dvec2 low{0}, high{0};
 };
 
-/// How a tile is drawn: the largest depth difference along the capture axis between surface and
-/// drawn point, and the largest distance of a drawn point from the centre.
+/// How a tile is drawn. Depths are along the capture axis.
 struct DrawnDepth {
-  double dz = 0;
-  double q = 0;
+  double dz = 0;  ///< largest Dc^2 |1/z - 1/z_drawn|: a depth difference brought to the centre
+  double q = 0;   ///< largest distance of a drawn point from the centre
+  /// Ranges of the surface and of the drawn points; 0, 0: as far as radius and q allow.
+  double surface_min = 0, surface_max = 0;
+  double drawn_min = 0, drawn_max = 0;
 };
 
 /// B1 = Bperp + |Baxis| tanA, the baseline term. +inf when the capture is inside the sphere.

@@ -32,4 +32,8 @@ double DepthCode::quantum() const {
   return far_depth - near_depth * far_depth / (far_depth - u * (far_depth - near_depth));
 }
 
+double DepthCode::inverse_quantum() const {
+  return 0.5 / 254.0 * (far_depth - near_depth) / (near_depth * far_depth);
+}
+
 }  // namespace mirage

@@ -21,9 +21,11 @@ struct TileMeasure {
   float plane_depth = 0;  ///< capture depth of the quad: halves the error against the centre plane
   float depth_min = 0;    ///< nearest and farthest capture depth of the content
   float depth_max = 0;
-  float dz_quad = 0;    ///< max |z - plane_depth|
-  float dz_cuboid = 0;  ///< max |z - entry into the bounding box|
-  float dz_hull = 0;    ///< max |z - entry into the convex hull|
+  /// max Dc^2 |1/z - 1/z_drawn| over the content (error_bound.h), drawn on the plane, on the
+  /// bounding box, on the convex hull.
+  float dz_quad = 0;
+  float dz_cuboid = 0;
+  float dz_hull = 0;
   float depth_gap = 0;  ///< largest depth step between neighbours: the widest possible hole
   float lod_error = 0;  ///< how far the geometry it was drawn from lies from the whole mesh
 };
@@ -51,6 +53,8 @@ struct DepthCode {
   double decode(std::uint8_t code) const;
   /// Largest |z - decode(encode(z))| over the range (half a step at the far end).
   double quantum() const;
+  /// Largest |1/z - 1/decode(encode(z))|, the same everywhere: the code is linear in 1 / z.
+  double inverse_quantum() const;
 };
 
 }  // namespace mirage

@@ -55,10 +55,10 @@ std::vector<float> entry_depths(const std::vector<Plane>& planes, const Capture&
   return out;
 }
 
-// Largest |z - entry| with the entry depth taken over the 3x3 neighbourhood as well, which covers
+// Largest dc^2 |1/z - 1/entry| with the entry depth taken over the 3x3 neighbourhood as well, which covers
 // what happens between texel centres; `unusable` when content lies where the proxy is missed.
 float entry_difference(const std::vector<float>& z, const std::vector<float>& entry,
-                       const TileCrop& crop, float unusable) {
+                       const TileCrop& crop, float dc, float unusable) {
   float worst = 0;
   for (std::uint32_t y = 0; y < crop.h; ++y) {
     for (std::uint32_t x = 0; x < crop.w; ++x) {
@@ -70,7 +70,7 @@ float entry_difference(const std::vector<float>& z, const std::vector<float>& en
           const float e = entry[std::size_t{ny} * crop.w + nx];
           if (std::isnan(e)) continue;
           met = true;
-          worst = std::max(worst, std::abs(depth - e));
+          worst = std::max(worst, std::abs(depth - e) * (dc / depth) * (dc / e));
         }
       }
       if (!met) return unusable;
@@ -111,20 +111,24 @@ void measure(Tile& tile, const Capture& capture, const ObjectDescription& object
   m.depth_max = high + quantum;
   // The harmonic mean balances |z - plane| / (z * plane) between the near and the far end.
   m.plane_depth = 2.0f * m.depth_min * m.depth_max / (m.depth_min + m.depth_max);
-  m.dz_quad = std::max(m.plane_depth - m.depth_min, m.depth_max - m.plane_depth);
+  const auto dc = static_cast<float>(capture.distance);
+  m.dz_quad = 0.5f * dc * dc * (m.depth_max - m.depth_min) / (m.depth_min * m.depth_max) * 1.00001f;
   m.depth_gap = largest_gap(z, tile.crop);
   const glm::dvec3 center(object.center);
   const auto box =
       entry_depths(box_planes(object.box_min, object.box_max), capture, center, tile.crop);
+  // Half a step of the depth code, which is linear in 1 / z.
+  const auto step = static_cast<float>(code.inverse_quantum() * capture.distance * capture.distance);
   const auto unusable = static_cast<float>(100.0 * capture.distance);
-  m.dz_cuboid = entry_difference(z, box, tile.crop, unusable) + quantum;
+  m.dz_cuboid = entry_difference(z, box, tile.crop, dc, unusable) + step;
   const std::vector<Plane> hull = object.hull.planes();
   if (hull.empty()) {
     m.dz_hull = m.dz_cuboid;
   } else {
     m.dz_hull =
-        entry_difference(z, entry_depths(hull, capture, center, tile.crop), tile.crop, unusable) +
-        quantum;
+        entry_difference(z, entry_depths(hull, capture, center, tile.crop), tile.crop, dc,
+                         unusable) +
+        step;
   }
 }
 

@@ -12,10 +12,37 @@ constexpr double kReferenceSlackPx = 1e-3;
 constexpr double kHalfDiagonal = 0.7072;
 constexpr double kSearchTexels = 24;  // to each side, for a moving object's point
 
+constexpr double kOneSurfaceCodes = 12;  // relief.glsl: 2 kWall
+
 struct Shown {
   const DrawnImpostor* impostor = nullptr;
   bool mesh = false;
+  std::uint64_t pixels = 0;
+  double worst_px = 0;
 };
+
+// Depth the relief shader draws at tile coordinates `texel`: interpolated between texel centres,
+// at most half a code from the nearest one's (relief.glsl, refine).
+double relief_depth(const TileRecord& tile, const glm::dvec2& texel, std::uint8_t nearest) {
+  const glm::dvec2 at = texel - glm::dvec2(tile.crop.x + 0.5, tile.crop.y + 0.5);
+  const double x0 = std::floor(at.x), y0 = std::floor(at.y);
+  if (x0 < 0 || y0 < 0 || x0 + 1 >= tile.crop.w || y0 + 1 >= tile.crop.h) {
+    return tile.depth_code.decode(nearest);
+  }
+  const std::uint8_t* c =
+      &tile.depth[static_cast<std::size_t>(y0) * tile.crop.w + static_cast<std::size_t>(x0)];
+  const double c00 = c[0], c10 = c[1], c01 = c[tile.crop.w], c11 = c[tile.crop.w + 1];
+  const double low = std::min({c00, c10, c01, c11}), high = std::max({c00, c10, c01, c11});
+  double code = nearest;
+  if (low > 0 && high - low <= kOneSurfaceCodes) {
+    const double fx = at.x - x0, fy = at.y - y0;
+    code = (c00 * (1 - fx) + c10 * fx) * (1 - fy) + (c01 * (1 - fx) + c11 * fx) * fy;
+    code = std::clamp(code, nearest - 0.5, nearest + 0.5);
+  }
+  const DepthCode& d = tile.depth_code;
+  const double u = (code - 1) / 254;
+  return d.near_depth * d.far_depth / (d.far_depth - u * (d.far_depth - d.near_depth));
+}
 
 // Capture depth at which the tile's method draws the ray through p; 0 where it draws nothing.
 double drawn_capture_depth(const DrawnImpostor& drawn, const ObjectDescription& object,
@@ -118,15 +145,17 @@ PixelError pixel_error(const DrawnImpostor& drawn, const InstanceView& view,
       tile.depth[static_cast<std::size_t>(y) * tile.crop.w + static_cast<std::size_t>(x)];
   if (code == 0) return {};
   const double stored = tile.depth_code.decode(code);
-  const double match =
-      tile.depth_code.quantum() + 2.0 * capture.texel_width(z) + tile.measure.lod_error;
-  if (std::abs(z - stored) > match) return {};
+  // As TileRecord::drawn_depth promises: half a step, and two texels of slope.
+  const double match = tile.depth_code.inverse_quantum() +
+                       2.0 * capture.texel_width(1.0) / tile.measure.depth_min +
+                       tile.measure.lod_error / (z * stored);
+  if (std::abs(1.0 / z - 1.0 / stored) > match) return {};
   // A flat proxy's dz covers the tile's whole depth range, marched depth what a texel may hold.
   if (drawn.method != DrawMethod::kDepth &&
       (z < tile.measure.depth_min || z > tile.measure.depth_max)) {
     return {};
   }
-  const double zq = drawn_capture_depth(drawn, object, p, stored);
+  const double zq = drawn_capture_depth(drawn, object, p, relief_depth(tile, texel, code));
   if (!(zq > 0)) return {};
   const glm::dvec3 q = capture.eye() + (p - capture.eye()) * (zq / z);
   const glm::dvec3 q_relative = center + rotation * (q * scale);
@@ -181,14 +210,18 @@ void add_geometric_error(const ReferenceFrame& reference, double offset_px, cons
       }
       ++out.compared;
       out.errors_px.push_back(static_cast<float>(error.error_px));
-      if (error.error_px >= 0.01 && std::isfinite(impostor.bound_px)) {
-        out.ratios.push_back(static_cast<float>(impostor.bound_px / error.error_px));
-      }
+      ++found->second.pixels;
+      found->second.worst_px = std::max(found->second.worst_px, error.error_px);
       if (error.error_px > impostor.bound_px + kReferenceSlackPx + error.slack_px) {
         ++out.violations;
         out.worst_excess_px = std::max(out.worst_excess_px, error.error_px - impostor.bound_px);
       }
     }
+  }
+  for (const auto& [instance, one] : shown) {
+    if (one.pixels < kRatioPixels || one.worst_px < 0.01) continue;
+    if (!std::isfinite(one.impostor->bound_px)) continue;
+    out.ratios.push_back(static_cast<float>(one.impostor->bound_px / one.worst_px));
   }
 }
 

@@ -10,7 +10,9 @@ namespace mirage {
 
 struct GeometricError {
   std::vector<float> errors_px;  ///< one per compared pixel
-  std::vector<float> ratios;     ///< bound / error, where the error is at least 0.01 px
+  /// Bound over the largest error among an impostor's pixels, one per drawn impostor with at least
+  /// kRatioPixels of them and an error of 0.01 px: a bound of the largest is held against the largest.
+  std::vector<float> ratios;
   std::uint64_t violations = 0;  ///< pixels whose error exceeds the bound of their impostor
   std::uint64_t compared = 0;
   std::uint64_t disoccluded = 0;  ///< pixels showing a part of an object its tile never saw
@@ -18,6 +20,8 @@ struct GeometricError {
   std::uint64_t object_pixels = 0;
   double worst_excess_px = 0;
 };
+
+inline constexpr std::uint64_t kRatioPixels = 16;
 
 /// Reprojects every pixel of the reference that shows an impostor's object: its surface point P is
 /// on a capture ray of the tile; Q is where the tile's method draws that ray; the error is the

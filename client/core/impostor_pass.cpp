@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "client/core/relief_instance.h"
+
 namespace mirage {
 namespace {
 
@@ -98,6 +100,34 @@ ImpostorInstance instance_data(const DrawnImpostor& drawn, const Camera& camera,
   return out;
 }
 
+// Empty texels beside covered ones get the nearest neighbour's depth: bilinear colour reaches half
+// a texel past the covered ones, and needs a depth there.
+std::vector<std::uint8_t> grown_depth(const std::vector<std::uint8_t>& depth, std::size_t w,
+                                      std::size_t h) {
+  std::vector<std::uint8_t> out = depth;
+  for (std::size_t y = 0; y < h; ++y) {
+    for (std::size_t x = 0; x < w; ++x) {
+      std::uint8_t& code = out[y * w + x];
+      if (code != 0) continue;
+      code = 255;
+      for (std::size_t ny = y > 0 ? y - 1 : 0; ny <= std::min(y + 1, h - 1); ++ny) {
+        for (std::size_t nx = x > 0 ? x - 1 : 0; nx <= std::min(x + 1, w - 1); ++nx) {
+          const std::uint8_t there = depth[ny * w + nx];
+          if (there != 0 && there <= code) code = there;
+        }
+      }
+      bool any = false;
+      for (std::size_t ny = y > 0 ? y - 1 : 0; ny <= std::min(y + 1, h - 1); ++ny) {
+        for (std::size_t nx = x > 0 ? x - 1 : 0; nx <= std::min(x + 1, w - 1); ++nx) {
+          any = any || depth[ny * w + nx] != 0;
+        }
+      }
+      if (!any) code = 0;
+    }
+  }
+  return out;
+}
+
 struct MethodShader {
   DrawMethod method;
   std::vector<std::string> defines;
@@ -107,7 +137,6 @@ const MethodShader kShaders[] = {
     {DrawMethod::kCuboid, {"PROXY_CUBOID", "METHOD_PROJECT"}},
     {DrawMethod::kHull, {"PROXY_HULL", "METHOD_PROJECT"}},
     {DrawMethod::kWarp, {"PROXY_QUAD", "METHOD_WARP", "QUAD_MARGIN 0.15"}},
-    {DrawMethod::kDepth, {"PROXY_CUBOID", "METHOD_MARCH"}},
 };
 
 }  // namespace
@@ -119,6 +148,13 @@ Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers) {
         gl::Program::create("impostor/impostor.vert", "impostor/impostor.frag", shader.defines);
     if (!program) return program.error();
     pass.programs_.emplace(shader.method, program.take());
+  }
+  for (const bool merged : {false, true}) {
+    Result<gl::Program> relief = gl::Program::create(
+        "impostor/relief.vert", "impostor/relief.frag",
+        merged ? std::vector<std::string>{"MERGED"} : std::vector<std::string>{});
+    if (!relief) return relief.error();
+    (merged ? pass.merged_ : pass.relief_) = relief.take();
   }
   Result<gl::Program> placeholder =
       gl::Program::create("impostor/placeholder.vert", "impostor/placeholder.frag", {});
@@ -135,6 +171,10 @@ Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers) {
   pass.gpu_bytes_ = static_cast<std::size_t>(atlas_edge) * static_cast<std::size_t>(atlas_edge) *
                     static_cast<std::size_t>(atlas_layers) * 5;
   pass.instances_ = gl::Buffer::create();
+  pass.tile_rows_ = gl::Texture::create();
+  glBindTexture(GL_TEXTURE_2D, pass.tile_rows_.id());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   std::vector<glm::vec3> quad;
   for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}) {
     quad.emplace_back(x, y, 0);
@@ -178,6 +218,7 @@ void ImpostorPass::upload(const TileRecord& record, const std::vector<std::uint8
     std::memcpy(&color[((y + 1) * pw + 1) * 4], &rgba[y * w * 4], w * 4);
     std::memcpy(&depth[(y + 1) * pw + 1], &record.depth[y * w], w);
   }
+  depth = grown_depth(depth, pw, ph);
   const AtlasSlot& s = record.slot;
   const auto gw = static_cast<GLsizei>(pw), gh = static_cast<GLsizei>(ph);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -209,6 +250,49 @@ void ImpostorPass::draw_instances(const Proxy& proxy, const std::vector<Instance
   ++draw_calls_;
 }
 
+void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera) {
+  program.use();
+  program.set("u_clip_from_relative", camera.clip_from_relative());
+  const double n = camera.near_m, f = camera.far_m;
+  program.set("u_depth_window", glm::vec2(f / (f - n), -f * n / (f - n)));
+  program.set("u_color", 0);
+  program.set("u_depth", 1);
+  program.set("u_tiles", 2);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, color_.id());
+  glActiveTexture(GL_TEXTURE1);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, depth_.id());
+}
+
+void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list) {
+  std::vector<ReliefInstance> single, merged;
+  std::vector<glm::vec4> rows;
+  for (const DrawnImpostor& drawn : list.impostors) {
+    if (drawn.method != DrawMethod::kDepth) continue;
+    if (!drawn.neighbours[0]) {
+      single.push_back(relief_instance(drawn, camera, scene, 0));
+      continue;
+    }
+    merged.push_back(relief_instance(drawn, camera, scene, static_cast<int>(merged.size())));
+    append_relief_row(drawn, camera, scene, rows);
+  }
+  // The proxies' far faces: each pixel once, also with the eye inside.
+  glCullFace(GL_FRONT);
+  if (!single.empty()) {
+    use_atlas(relief_, camera);
+    draw_instances(cube_, single, true);
+  }
+  if (!merged.empty()) {
+    use_atlas(merged_, camera);
+    glActiveTexture(GL_TEXTURE2);
+    glBindTexture(GL_TEXTURE_2D, tile_rows_.id());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, kReliefRowTexels,
+                 static_cast<GLsizei>(merged.size()), 0, GL_RGBA, GL_FLOAT, rows.data());
+    draw_instances(cube_, merged, true);
+  }
+  glCullFace(GL_BACK);
+}
+
 void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene, const DrawList& list,
                                DrawMethod method, bool soft) {
   std::vector<ImpostorInstance> all;
@@ -223,18 +307,9 @@ void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene, con
   }
   if (all.empty() && by_object.empty()) return;
   gl::Program& program = programs_.at(method);
-  program.use();
-  program.set("u_clip_from_relative", camera.clip_from_relative());
-  program.set("u_forward", glm::vec3(camera.forward()));
-  const double n = camera.near_m, f = camera.far_m;
-  program.set("u_depth_window", glm::vec2(f / (f - n), -f * n / (f - n)));
+  use_atlas(program, camera);
   program.set("u_soft", soft ? 1 : 0);
-  program.set("u_color", 0);
-  program.set("u_depth", 1);
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, color_.id());
-  glActiveTexture(GL_TEXTURE1);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, depth_.id());
+  program.set("u_forward", glm::vec3(camera.forward()));
   const bool quad = method == DrawMethod::kQuad || method == DrawMethod::kWarp;
   draw_instances(quad ? quad_ : cube_, all, !quad);
   for (const auto& [object, instances] : by_object) draw_instances(hulls_[object], instances, true);
@@ -281,6 +356,7 @@ void ImpostorPass::draw(const Camera& camera, const SceneView& scene, const Draw
     draw_method(camera, scene, list, shader.method, true);
   }
   glDepthMask(GL_TRUE);
+  draw_relief(camera, scene, list);
   glBindVertexArray(0);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);

@@ -35,21 +35,22 @@ class ImpostorPass {
     gl::Buffer vertices;
     int vertex_count = 0;
   };
-  struct Technique {
-    gl::Program program;
-    bool cull = true;
-  };
   static Proxy make_proxy(const std::vector<glm::vec3>& positions_and_normals);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
   void draw_method(const Camera& camera, const SceneView& scene, const DrawList& list,
                    DrawMethod method, bool soft);
+  void draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list);
+  void use_atlas(gl::Program& program, const Camera& camera);
   void draw_placeholders(const Camera& camera, const SceneView& scene, const DrawList& list,
                          const Lighting& lighting);
 
   gl::Texture color_;
   gl::Texture depth_;
   std::map<DrawMethod, gl::Program> programs_;
+  gl::Program relief_;
+  gl::Program merged_;
+  gl::Texture tile_rows_;  ///< of merged impostors, see relief_instance.h
   gl::Program placeholder_;
   gl::Buffer instances_;
   Proxy quad_;

@@ -7,6 +7,7 @@
 // Impostor groups (all instances of a spatial cell) form trees over the instances. Both walks go
 // down from the roots and stop where a group will do.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -24,6 +25,8 @@ struct DrawnImpostor {
   double bound_px = 0;
   double distance = 0;  ///< eye to centre, m
   float fade = 1;       ///< opacity while fading in
+  /// Further tiles of the object that help where `tile` has nothing (kDepth only), from the front.
+  std::array<TileRecordPtr, 2> neighbours{};
 };
 
 /// An instance that has no tile yet: its proxy in its mean colour.

@@ -20,27 +20,45 @@ constexpr int kGutter = 1;  // texels of nothing around a tile, so that filterin
 DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& description) const {
   // What was drawn lies within the level's error of the surface, and is drawn as if it were it.
   DrawnDepth drawn = drawn_depth_of_lod(method, description);
-  drawn.dz += measure.lod_error;
-  drawn.q += measure.lod_error;
+  const double error = measure.lod_error, dc = capture.distance;
+  if (error <= 0) return drawn;
+  drawn.surface_min = std::max(drawn.surface_min - error, 1e-9 * dc);
+  drawn.surface_max += error;
+  drawn.dz += error * dc * dc / (drawn.surface_min * drawn.surface_min);
+  drawn.q += error;
   return drawn;
 }
 
 DrawnDepth TileRecord::drawn_depth_of_lod(DrawMethod method,
                                           const ObjectDescription& description) const {
-  const double r = capture.radius, cone = tangent_length(capture.distance, r);
+  const double r = capture.radius, dc = capture.distance, cone = tangent_length(dc, r);
   // Between texel centres a surface may lie two texels of slope off the stored depth; what is
   // steeper belongs to the disocclusions.
-  const double slope = 2.0 * capture.texel_width(measure.depth_max);
+  const double slope = 2.0 * capture.texel_width(1.0) * dc * dc / measure.depth_min;
+  DrawnDepth out;
+  out.surface_min = measure.depth_min;
+  out.surface_max = measure.depth_max;
   switch (method) {
     case DrawMethod::kCuboid:
-      return {measure.dz_cuboid + slope, box_extent(description)};
+      out.dz = measure.dz_cuboid + slope;
+      out.q = box_extent(description);
+      return out;
     case DrawMethod::kHull:
       // Without a hull there is nothing to draw on: no bound.
-      if (description.hull.indices.empty()) return {measure.dz_hull, kInfinity};
-      return {measure.dz_hull + slope, hull_extent(description)};
+      out.dz = measure.dz_hull + slope;
+      out.q = description.hull.indices.empty() ? kInfinity : hull_extent(description);
+      return out;
     case DrawMethod::kDepth: {
-      const double dz = depth_code.quantum() + slope;
-      return {dz, r + dz * capture.distance / cone};
+      // Interpolated depth stays within half a code of the stored one (relief.glsl).
+      const double step = depth_code.inverse_quantum();
+      out.dz = 2.0 * step * dc * dc + slope;
+      const double off = out.dz / (dc * dc);
+      out.surface_min = std::max(1.0 / (1.0 / measure.depth_min + off), 0.0);
+      out.surface_max = 1.0 / std::max(1.0 / measure.depth_max - off, 1e-12 / dc);
+      out.drawn_min = out.surface_min;
+      out.drawn_max = out.surface_max;
+      out.q = r + (out.surface_max - measure.depth_max) * dc / cone;
+      return out;
     }
     case DrawMethod::kQuad:
     case DrawMethod::kWarp:
@@ -48,7 +66,10 @@ DrawnDepth TileRecord::drawn_depth_of_lod(DrawMethod method,
       break;
   }
   const double z = measure.plane_depth;
-  return {measure.dz_quad, std::hypot(z - capture.distance, z * r / cone)};
+  out.dz = measure.dz_quad;
+  out.q = std::hypot(z - dc, z * r / cone);
+  out.drawn_min = out.drawn_max = z;
+  return out;
 }
 
 double TileRecord::motion_px(const ObjectDescription& description, const ViewGeometry& view) const {
@@ -59,7 +80,7 @@ double TileRecord::motion_px(const ObjectDescription& description, const ViewGeo
 
 double TileRecord::bound_px(DrawMethod method, const ObjectDescription& description,
                             const ViewGeometry& view) const {
-  const CaptureGeometry geometry = capture.geometry();
+  const CaptureGeometry geometry = capture.geometry(crop);
   return position_bound_px(view, geometry, drawn_depth(method, description)) +
          motion_px(description, view) + footprint_px(texel_size_px(view, geometry, capture.edge)) +
          lod_error_px(view, measure.lod_error);

@@ -2,7 +2,6 @@
 // there, and writes that depth, so impostors meet each other and geometry where the objects would.
 //   METHOD_PROJECT  the capture ray through the proxy point (quad, cuboid, hull)
 //   METHOD_WARP     one parallax step on the quad
-//   METHOD_MARCH    ray marching through the stored depth, inside the bounding box (row 16)
 precision highp float;
 precision highp int;
 precision highp sampler2DArray;
@@ -68,76 +67,6 @@ void emit(vec4 color, vec3 p) {
   gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, 1e-6), 0.0, 1.0);
 }
 
-#ifdef METHOD_MARCH
-const int kMaxSteps = 64;
-const float kMinSteps = 4.0;
-const int kRefinements = 5;
-
-float exit_parameter(vec3 direction) {
-  vec3 towards = mix(v_box_min, v_box_max, step(0.0, direction));
-  vec3 t = (towards - v_eye) / direction;
-  return min(min(abs(direction.x) > 1e-9 ? t.x : 1e9, abs(direction.y) > 1e-9 ? t.y : 1e9),
-             abs(direction.z) > 1e-9 ? t.z : 1e9);
-}
-
-// Marches from the box's front face to its back. A crossing whose depth agrees after refinement is
-// the surface. Where the ray passes behind a silhouette it goes on; if it meets nothing, the surface
-// it passed most closely is extended (hole filling, at most 0.3 of the depth range's half).
-void main() {
-  vec3 direction = v_point - v_eye;
-  float t_end = exit_parameter(direction);
-  // About a step a texel: none is jumped over, and near the capture ray few are needed.
-  vec2 texels = (capture_from_point(v_eye + direction * t_end).xy - capture_from_point(v_point).xy) *
-                v_atlas.zw;
-  float steps = clamp(ceil(max(abs(texels.x), abs(texels.y))), kMinSteps, float(kMaxSteps));
-  float step_size = (t_end - 1.0) / steps;
-  float fill_limit = 0.15 * (v_depth.y - v_depth.x);
-  float fill_gap = fill_limit;
-  vec3 fill = vec3(0.0);
-  bool was_in_front = true;
-  float before = 1.0;
-  for (int i = 1; i <= kMaxSteps; ++i) {
-    if (float(i) > steps) break;
-    float t = 1.0 + step_size * float(i);
-    vec3 c = capture_from_point(v_eye + direction * t);
-    float stored = stored_depth(c.xy);
-    bool in_front = stored < 0.0 || c.z < stored;
-    if (!in_front) {
-      float low = before, high = t;
-      vec3 at = c;
-      float found = stored;
-      if (was_in_front) {
-        for (int k = 0; k < kRefinements; ++k) {
-          float middle = 0.5 * (low + high);
-          vec3 m = capture_from_point(v_eye + direction * middle);
-          float s = stored_depth(m.xy);
-          if (s < 0.0 || m.z < s) {
-            low = middle;
-          } else {
-            high = middle;
-            at = m;
-            found = s;
-          }
-        }
-      }
-      float gap = at.z - found;
-      float tolerance = 0.02 * (v_depth.y - v_depth.x) + abs(step_size) * 0.1;
-      if (gap < tolerance) {
-        emit(stored_color(at.xy), point_from_capture(at.xy, found));
-        return;
-      }
-      if (gap < fill_gap) {
-        fill_gap = gap;
-        fill = vec3(at.xy, found);
-      }
-    }
-    was_in_front = in_front;
-    before = t;
-  }
-  if (fill_gap >= fill_limit) discard;
-  emit(stored_color(fill.xy), point_from_capture(fill.xy, fill.z));
-}
-#else
 void main() {
 #ifndef PROXY_QUAD
   // A face turned away from the capture eye was not seen by it: what it would show is elsewhere.
@@ -159,4 +88,3 @@ void main() {
   float z = stored_depth(t);
   emit(stored_color(t), point_from_capture(t, z > 0.0 ? z : v_capture.y));
 }
-#endif

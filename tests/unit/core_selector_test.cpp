@@ -30,6 +30,7 @@ ViewGeometry view_from(const glm::dvec3& eye, double radius, double focal) {
   view.radius = radius;
   view.focal_px = focal;
   view.center_depth = glm::length(eye);
+  view.forward = -safe_normalize(eye);
   return view;
 }
 
@@ -66,7 +67,9 @@ TEST(CoreSelector, CaptureOfTheAskedKeyServesItsWholeCell) {
       const double radii = std::exp2((need.distance.index + unit(random)) /
                                      static_cast<double>(1 << need.distance.level));
       const ViewGeometry view = view_from(direction_from_view_cell(at) * (radii * r), r, focal);
-      ASSERT_LE(position_bound_px(view, capture.geometry(), {0.5 * r, q}), tau)
+      const double dc = capture.distance;
+      const DrawnDepth drawn{0.5 * r, q, dc - 0.5 * r, dc + 0.5 * r, dc, dc};
+      ASSERT_LE(position_bound_px(view, capture.geometry(), drawn), tau)
           << "d/r " << d / r << " radii " << radii << " tau " << tau << " focal " << focal
           << " levels " << int{need.cell.level} << " " << int{need.distance.level};
     }

@@ -1,0 +1,94 @@
+// Draws a tile, or up to three of one object, by tracing the stored depth (relief.vert).
+precision highp float;
+precision highp int;
+precision highp sampler2DArray;
+flat in vec4 v_slack;
+#ifdef MERGED
+in vec3 v_point;
+flat in int v_row;
+uniform highp sampler2D u_tiles;  // a row per impostor, eight texels per tile (impostor_pass.cpp)
+#else
+in vec4 v_tile;
+flat in vec4 v_eye;
+flat in vec4 v_low_layer;
+flat in vec4 v_high;
+#endif
+layout(location = 0) out vec4 o_color;
+
+uniform vec2 u_depth_window;  // window depth = x + y / view depth
+
+#include "impostor/relief.glsl"
+
+void emit(vec4 color, float view_depth) {
+  o_color = color * v_slack.z;
+  if (o_color.a < 1.0 / 255.0) discard;
+  view_depth = (view_depth - v_slack.y) * (1.0 - v_slack.x);
+  gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, 1e-6), 0.0, 1.0);
+}
+
+// Traces the ray from `eye` through `tile`, both homogeneous; `along` is 0 at the eye, 1 at the
+// proxy. False where it misses.
+bool trace_tile(vec4 tile, vec4 eye, vec3 low, vec3 high, int layer, out Hit hit, out float along) {
+  vec3 point = tile.xyz / tile.w;
+  vec3 direction = tile.xyz * eye.w - eye.xyz * tile.w;
+  Ray ray;
+  if (!clip_ray(point, direction, low, high, ray)) return false;
+  hit = trace(ray, layer, kFillReach * max(high.x - low.x, high.y - low.y));
+  // Along the strongest axis of the line, back to the parameter in object space.
+  vec3 size = abs(ray.span);
+  vec3 axis = size.x > size.y && size.x > size.z ? vec3(1, 0, 0)
+              : size.y > size.z                  ? vec3(0, 1, 0)
+                                                 : vec3(0, 0, 1);
+  float s = dot(hit.point - point, axis) / dot(direction, axis);
+  along = 1.0 + s * tile.w * tile.w / (1.0 - s * tile.w * (tile.w - eye.w));
+  return true;
+}
+
+#ifndef MERGED
+void main() {
+  Hit hit;
+  float along;
+  if (!trace_tile(v_tile, v_eye, v_low_layer.xyz, v_high.xyz, int(v_low_layer.w), hit, along)) {
+    discard;
+  }
+  emit(hit.color, along / gl_FragCoord.w);
+}
+#else
+const int kTexelsPerTile = 8;
+vec4 tile_data(int tile, int i) { return texelFetch(u_tiles, ivec2(tile * kTexelsPerTile + i, v_row), 0); }
+
+void main() {
+  vec4 color = vec4(0.0), fill = vec4(0.0);
+  float along = 1e9, fill_along = 1e9, weight = 0.0, fill_weight = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    vec4 low = tile_data(k, 5), high = tile_data(k, 6);
+    if (high.w <= 0.0) break;
+    vec4 tile = tile_data(k, 0) * v_point.x + tile_data(k, 1) * v_point.y +
+                tile_data(k, 2) * v_point.z + tile_data(k, 3);
+    Hit hit;
+    float at;
+    if (!trace_tile(tile, tile_data(k, 4), low.xyz, high.xyz, int(low.w), hit, at)) continue;
+    if (hit.color.a <= 0.0) continue;
+    if (hit.filled) {
+      if (fill_weight == 0.0) {
+        fill = hit.color;
+        fill_along = at;
+        fill_weight = 1.0;
+      }
+      continue;
+    }
+    color += hit.color * high.w;
+    weight += high.w;
+    along = min(along, at);
+  }
+  if (weight > 0.0) {
+    color /= weight;
+    if (color.a < kSolid) color += (1.0 - color.a) * fill;
+  } else {
+    color = fill;
+    along = fill_along;
+  }
+  if (color.a <= 0.0) discard;
+  emit(color, along / gl_FragCoord.w);
+}
+#endif

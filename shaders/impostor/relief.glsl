@@ -1,0 +1,148 @@
+// Tracing a ray through a tile's depth, in tile space (relief.vert).
+uniform sampler2DArray u_color;
+uniform sampler2DArray u_depth;
+
+const float kMaxCells = 1024.0;
+const float kSolid = 0.99;
+const float kWall = 6.0;   // codes between neighbours that still are one surface
+const float kClear = 1.0;   // cells from an edge to texels that hold one surface only
+const float kRounding = 1.0;
+const float kOneSided = 0.2;
+const float kFillReach = 0.15;  // of the window: how far a surface is extended (0.3 r)
+
+struct Ray {
+  vec3 from;  // tile space, first point inside the content's box
+  vec3 span;  // to the last one; both along the capture direction
+};
+
+struct Hit {
+  vec4 color;   // premultiplied, as far as the ray got
+  vec3 point;   // of the first thing met, tile space
+  bool filled;  // that thing is an extended surface
+};
+
+// False where the ray through `point` misses the box.
+bool clip_ray(vec3 point, vec3 direction, vec3 low, vec3 high, out Ray ray) {
+  vec3 d = direction / max(max(abs(direction.x), abs(direction.y)), abs(direction.z));
+  d = mix(d, vec3(1e-9), lessThan(abs(d), vec3(1e-9)));
+  vec3 a = (low - point) / d, b = (high - point) / d;
+  vec3 first = min(a, b), last = max(a, b);
+  float enter = max(max(first.x, first.y), first.z);
+  float leave = min(min(last.x, last.y), last.z);
+  if (!(enter <= leave)) return false;
+  ray.from = point + d * enter;
+  ray.span = d * (leave - enter);
+  // From behind, the surface is met from its back: taken in the order of capture all the same.
+  if (ray.span.z < 0.0) {
+    ray.from += ray.span;
+    ray.span = -ray.span;
+  }
+  return true;
+}
+
+// Depth code 0..254, -1 where nothing is.
+float code_at(ivec2 texel, int layer) {
+  return floor(texelFetch(u_depth, ivec3(texel, layer), 0).r * 255.0 + 0.5) - 1.0;
+}
+
+vec4 color_at(vec2 at, int layer) {
+  vec2 uv = at / vec2(textureSize(u_color, 0).xy);
+  return textureLod(u_color, vec3(uv, float(layer)), 0.0);
+}
+
+// Where the ray meets the surface interpolated between texels: one Newton step from parameter s.
+float refine(Ray ray, float s, int layer) {
+  vec2 at = ray.from.xy + ray.span.xy * s - 0.5;
+  ivec2 base = ivec2(floor(at));
+  vec2 f = at - vec2(base);
+  float c00 = code_at(base, layer), c10 = code_at(base + ivec2(1, 0), layer);
+  float c01 = code_at(base + ivec2(0, 1), layer), c11 = code_at(base + ivec2(1, 1), layer);
+  float low = min(min(c00, c10), min(c01, c11)), high = max(max(c00, c10), max(c01, c11));
+  if (low < 0.0 || high - low > 2.0 * kWall) return s;
+  float dx0 = c10 - c00, dx1 = c11 - c01;
+  float c0 = c00 + dx0 * f.x, c1 = c01 + dx1 * f.x;
+  float c = mix(c0, c1, f.y);
+  // The bound covers half a code between stored and interpolated depth, no more.
+  float nearest = f.y < 0.5 ? (f.x < 0.5 ? c00 : c10) : (f.x < 0.5 ? c01 : c11);
+  c = clamp(c, nearest - 0.5, nearest + 0.5);
+  float slope = ray.span.z - dot(vec2(mix(dx0, dx1, f.y), c1 - c0), ray.span.xy);
+  float error = ray.from.z + ray.span.z * s - c;
+  return slope > 0.25 * ray.span.z ? clamp(s - error / slope, 0.0, 1.0) : s;
+}
+
+// Code of cell i of n along the ray.
+float cell_code(Ray ray, float i, float n, int layer) {
+  return code_at(ivec2(floor(ray.from.xy + ray.span.xy * ((i + 0.5) / n))), layer);
+}
+
+// Parameter at which the ray meets the surface extended over a hidden stretch [from, to]: from the
+// surface it left at `from` to the one it came out behind at `to` (codes, -1: none). -1: not met.
+float extended(Ray ray, float from, float entry, float to, float leave) {
+  if (entry < 0.0 && leave < 0.0) return -1.0;
+  float at = ((entry < 0.0 ? leave : entry) - ray.from.z) / ray.span.z;
+  if (entry >= 0.0 && leave >= 0.0) {
+    float a = ray.from.z + ray.span.z * from - entry, b = ray.from.z + ray.span.z * to - leave;
+    at = b > 0.0 && a < 0.0 ? mix(from, to, a / (a - b)) : -1.0;
+  }
+  return at >= from && at <= to ? at : -1.0;
+}
+
+void blend(inout Hit hit, vec4 color, vec3 point, bool filled) {
+  if (hit.color.a < 0.5) {
+    hit.point = point;
+    hit.filled = filled;
+  }
+  hit.color += (1.0 - hit.color.a) * color;
+}
+
+// Front to back through the cells the ray crosses, one sample a cell. Where it passes behind a
+// surface it goes on, hidden; when it comes out behind another or ends, the farther surfaces on
+// either side of the hidden stretch are extended into it. Soft texels are blended and passed.
+Hit trace(Ray ray, int layer, float reach) {
+  Hit hit = Hit(vec4(0.0), vec3(0.0), true);
+  float n = clamp(ceil(max(abs(ray.span.x), abs(ray.span.y))), 1.0, kMaxCells);
+  float rise = ray.span.z / n;
+  float i = 0.0, last = -1.0;
+  while (i < n && hit.color.a < kSolid) {
+    // In front of everything so far.
+    float c = -1.0;
+    float deep = ray.from.z + rise * i;
+    while (i < n) {
+      c = cell_code(ray, i, n, layer);
+      if (c >= 0.0 && c <= deep + rise) break;
+      last = c;
+      i += 1.0;
+      deep += rise;
+    }
+    if (i >= n) break;
+    if (c >= deep - (last >= 0.0 && last - c <= kWall ? kWall : kRounding)) {
+      float s = refine(ray, clamp((c - ray.from.z) / ray.span.z, 0.0, 1.0), layer);
+      blend(hit, color_at(ray.from.xy + ray.span.xy * s, layer), ray.from + ray.span * s, false);
+      if (hit.color.a >= kSolid) break;
+    }
+    // Hidden behind c.
+    float entry = last > c + kWall ? last : -1.0;
+    float start = i;
+    float under = c;
+    while (i < n) {
+      i += 1.0;
+      deep += rise;
+      c = i < n ? cell_code(ray, i, n, layer) : -1.0;
+      if (c < 0.0 || c >= deep - kRounding) break;  // out
+      if (c > under + 2.0 * kWall) break;       // out behind a farther surface
+      under = c;
+    }
+    float at = extended(ray, start / n, entry, i / n, c);
+    if (at >= 0.0) {
+      bool from_entry = entry >= 0.0 && (c < 0.0 || at * n - start < i - at * n);
+      float source = from_entry ? start - kClear : i + 1.0 + kClear;
+      bool both = entry >= 0.0 && c >= 0.0;
+      if (abs(at * n - source) <= reach && (both || i - start > reach * kOneSided)) {
+        source = clamp(source / n, 0.0, 1.0);
+        blend(hit, color_at(ray.from.xy + ray.span.xy * source, layer), ray.from + ray.span * at, true);
+      }
+    }
+    last = -1.0;
+  }
+  return hit;
+}

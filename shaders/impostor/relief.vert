@@ -1,0 +1,70 @@
+// Impostors drawn by tracing the stored depth (TECHNIQUES row 16). The proxy is the part of the
+// capture frustum that holds the tile's content, so that near the capture pose a ray crosses few
+// texels. Its far faces are drawn: each pixel once, also with the eye inside.
+//
+// Tile space: x, y in atlas texels, third axis the depth code 0..254. The code is linear in 1 / depth,
+// so a ray is a straight line there, and a point's place is linear in homogeneous coordinates.
+layout(location = 0) in vec3 a_position;        // 0..1
+layout(location = 2) in vec4 i_rotation;        // world_from_object, xyzw
+layout(location = 3) in vec4 i_center_scale;    // centre relative to the eye, uniform scale
+layout(location = 4) in vec4 i_right_distance;  // capture right, distance Dc
+layout(location = 5) in vec4 i_up_texels;       // capture up, texels per tangent
+layout(location = 6) in vec4 i_window;          // crop as tangents: left, top, right, bottom
+layout(location = 7) in vec4 i_place;           // first texel of the crop, layer, fade
+layout(location = 8) in vec4 i_range;           // depth of code 0 and 254, least and largest code
+layout(location = 9) in vec4 i_slack;           // depth bias, coarseness of depth in object units
+#ifdef MERGED
+layout(location = 10) in vec4 i_box_min;        // relative to the centre; w: row of tile data
+layout(location = 11) in vec4 i_box_max;
+#endif
+
+uniform mat4 u_clip_from_relative;
+
+#include "common/rotation.glsl"
+
+flat out vec4 v_slack;  // depth bias, view depth by which stored depth may be too far, fade
+#ifdef MERGED
+out vec3 v_point;       // on the proxy, object space relative to the centre
+flat out int v_row;
+#else
+out vec4 v_tile;        // the proxy's point in homogeneous tile space
+flat out vec4 v_eye;    // the eye in it
+flat out vec4 v_low_layer;
+flat out vec4 v_high;
+#endif
+
+void main() {
+  vec3 right = i_right_distance.xyz, up = i_up_texels.xyz;
+  vec3 ahead = -cross(right, up);
+  float scale = i_center_scale.w;
+  v_slack = vec4(i_slack.x, i_slack.y * scale, i_place.w, 0.0);
+#ifdef MERGED
+  vec3 point = mix(i_box_min.xyz, i_box_max.xyz, a_position);
+  v_point = point;
+  v_row = int(i_box_min.w);
+#else
+  float near = i_range.x, far = i_range.y, texels = i_up_texels.w;
+  // The cube's third axis runs towards the eye: the map then keeps the winding.
+  float code = mix(i_range.w, i_range.z, a_position.z);
+  float z = near * far / (far - code / 254.0 * (far - near));
+  vec2 t = mix(i_window.xw, i_window.zy, a_position.xy);
+  vec3 point = (right * t.x + up * t.y) * z + ahead * (z - i_right_distance.w);
+  vec3 eye = rotate(vec4(-i_rotation.xyz, i_rotation.w), -i_center_scale.xyz) / scale;
+  float reach = i_right_distance.w - near;  // depth beyond `near` of the centre
+  float codes = 254.0 * far / (far - near);
+  vec2 first = i_place.xy - vec2(i_window.x, -i_window.y) * texels;
+  float pz = dot(point, ahead), ez = dot(eye, ahead);
+  v_tile.w = i_right_distance.w + pz;
+  v_tile.xy = first * v_tile.w + vec2(dot(point, right), -dot(point, up)) * texels;
+  v_tile.z = codes * (reach + pz);
+  v_eye.w = i_right_distance.w + ez;
+  v_eye.xy = first * v_eye.w + vec2(dot(eye, right), -dot(eye, up)) * texels;
+  v_eye.z = codes * (reach + ez);
+  vec2 size = vec2(i_window.z - i_window.x, i_window.y - i_window.w) * texels;
+  v_low_layer = vec4(i_place.xy, i_range.z, i_place.z);
+  v_high = vec4(i_place.xy + size, i_range.w, 0.0);
+#endif
+  vec3 relative = i_center_scale.xyz + rotate(i_rotation, scale * point);
+  gl_Position = u_clip_from_relative * vec4(relative, 1.0);
+  gl_Position.z = 0.0;  // never clipped: the fragment writes its own depth
+}

@@ -1,0 +1,235 @@
+#include "tests/gl/bench.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+#include "protocol/lighting_state.h"
+#include "protocol/stable_math.h"
+#include "server/encode_stage.h"
+#include "server/render/readback_ring.h"
+#include "server/session.h"
+
+namespace mirage::test {
+namespace {
+
+constexpr int kAtlasEdge = 2048;
+constexpr int kAtlasLayers = 2;
+
+// three.js divides both kinds by pi (BRDF_Lambert); a light's colour here is already irradiance
+// per pi, and ambient the radiance of a white surface: 0.6 and 2.5 become 0.191 and 0.796.
+Lighting field_light(BenchLight kind) {
+  Lighting lighting;
+  constexpr float kPi = 3.14159265f;
+  lighting.ambient = glm::vec3(kind == BenchLight::kLit ? 0.6f / kPi : 1.0f);
+  if (kind == BenchLight::kAlbedo) return lighting;
+  Light sun;
+  sun.color = glm::vec3(2.5f / kPi);
+  sun.direction = -glm::normalize(glm::vec3(2, 3, 1));
+  lighting.lights = {sun};
+  return lighting;
+}
+
+// The whole model as one object, its transparent materials alpha-tested: what the field's protocol
+// calls the alpha-tested tree.
+PreparedScene as_one_object(const PreparedScene& prepared) {
+  const Scene& from = prepared.scene;
+  Scene scene;
+  scene.materials = from.materials;
+  for (Material& m : scene.materials) {
+    if (m.alpha_mode == AlphaMode::kBlend) m.alpha_mode = AlphaMode::kMask;
+  }
+  scene.images = from.images;
+  SceneObject whole;
+  for (const Instance& instance : from.instances) {
+    const Similarity& t = instance.world_from_object;
+    const Mesh& mesh = from.objects[instance.object].mesh;
+    const auto vertex = static_cast<std::uint32_t>(whole.mesh.vertices.size());
+    const auto index = static_cast<std::uint32_t>(whole.mesh.indices.size());
+    for (Vertex v : mesh.vertices) {
+      v.position = glm::vec3(t.position) + t.rotation * (t.scale * v.position);
+      v.normal = t.rotation * v.normal;
+      v.tangent = glm::vec4(t.rotation * glm::vec3(v.tangent), v.tangent.w);
+      whole.mesh.vertices.push_back(v);
+    }
+    for (const std::uint32_t i : mesh.indices) whole.mesh.indices.push_back(vertex + i);
+    for (Primitive p : mesh.primitives) {
+      p.first_index += index;
+      whole.mesh.primitives.push_back(p);
+    }
+  }
+  scene.objects = {whole};
+  scene.instances = {Instance{}};
+  PreparedScene out;
+  out.objects = {describe_object(whole, scene)};
+  out.scene = std::move(scene);
+  out.bounds_center = out.objects[0].center;
+  out.bounds_radius = out.objects[0].radius;
+  return out;
+}
+
+}  // namespace
+
+std::string shared_models() {
+  const char* set = std::getenv("MIRAGE_SHARED");
+  const std::string folder = set ? set : std::string(MIRAGE_SOURCE_DIR) + "/../shared";
+  return std::filesystem::is_directory(folder) ? folder : "";
+}
+
+glm::dvec3 fibonacci_direction(int i, int count) {
+  const double s = std::sin(5.0 * 0.017453292519943295);
+  const double y = s + (1.0 - s) * (i + 0.5) / count;
+  const double azimuth = 2.399963 * i, ring = std::sqrt(1.0 - y * y);
+  return {ring * std::cos(azimuth), y, ring * std::sin(azimuth)};
+}
+
+glm::dvec3 turned(const glm::dvec3& direction, double degrees, double bearing) {
+  const glm::dvec3 any = std::abs(direction.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+  const glm::dvec3 a = glm::normalize(glm::cross(any, direction));
+  const glm::dvec3 b = glm::cross(direction, a);
+  const double angle = degrees * 0.017453292519943295;
+  return std::cos(angle) * direction +
+         std::sin(angle) * (std::cos(bearing) * a + std::sin(bearing) * b);
+}
+
+std::unique_ptr<Bench> Bench::create(const std::string& spec, BenchLight light) {
+  auto bench = std::make_unique<Bench>();
+  Result<gl::EglContext> egl = gl::EglContext::create("auto");
+  if (!egl) return nullptr;
+  bench->egl_ = std::move(*egl);
+  Result<std::shared_ptr<const PreparedScene>> scene = load_scene(spec);
+  if (!scene) return nullptr;
+  auto prepared = std::make_shared<PreparedScene>(as_one_object(**scene));
+  prepared->scene.lighting = field_light(light);
+  prepared->scene.environment = Environment{};  // sRGB 128
+  bench->prepared_ = prepared;
+  bench->gpu_ = std::make_unique<GpuScene>(bench->prepared_);
+  bench->pages_ =
+      std::make_unique<TilePageRenderer>(TilePageRenderer::create(*bench->gpu_, 2).take());
+  bench->references_ =
+      std::make_unique<ReferenceRenderer>(ReferenceRenderer::create(*bench->gpu_).take());
+  Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, kAtlasLayers);
+  if (!renderer) {
+    std::fprintf(stderr, "%s\n", renderer.error().text.c_str());
+    return nullptr;
+  }
+  bench->renderer_ = std::make_unique<FrameRenderer>(renderer.take());
+  bench->target_ = std::make_unique<FrameTarget>(FrameTarget::create(kSize, kSize, 4).take());
+  return bench->describe() ? std::move(bench) : nullptr;
+}
+
+Camera Bench::camera(double radii, const glm::dvec3& direction) const {
+  const double r = instance().radius, d = radii * r;
+  Camera c;
+  c.width = c.height = kSize;
+  c.fov_y = 2.0 * std::atan(1.05 * r / tangent_length(d, r));
+  c.pose = look_at(instance().center + direction * d, instance().center);
+  c.fit_depth_range(prepared_->bounds_center, prepared_->bounds_radius);
+  return c;
+}
+
+TileCache Bench::make_cache() const {
+  TileCache cache(kAtlasEdge, kAtlasLayers);
+  cache.reset(scene_, scene_.lighting);
+  return cache;
+}
+
+TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache) {
+  const ObjectDescription& object = scene_.objects[0];
+  const ViewGeometry view = view_geometry(c, instance(), object);
+  const TileNeed need = need_for_view(view, 1.0);
+  TileJob job;
+  job.key.cell = *view_cell_from_direction(view.eye, limits::kMaxViewLevel);
+  job.key.distance = *distance_bucket_from_radii(glm::length(view.eye) / view.radius, 16);
+  job.key.size_class = need.size_class;
+  job.lighting = object_lighting(scene_.lighting, instance().world_from_object, object.center,
+                                 object.radius);
+  PagePacker packer(512);
+  packer.add(tile_edge(need.size_class));
+  ReadbackRing ring(1);
+  PendingPage pending;
+  pending.jobs = {job};
+  pending.places = {{0, 0}};
+  pending.edge = packer.page_edge();
+  ring.start(*pages_->render({job}, packer), pending);
+  const ReadbackRing::Collected page = *ring.collect(true);
+  const StoredTilePtr stored =
+      EncodeStage::encode({job, page.pixels, 0, 0, 0, 0}, object, TileCodec::kZstd);
+  Tile tile = tile_from_fields(stored->reply).take();
+  if (!decode_tile_planes(stored->planes.data(), stored->planes.size(), TileCodec::kZstd, tile)) {
+    return nullptr;
+  }
+  const std::vector<std::uint8_t> rgba = tile.rgba;
+  const Capture capture(job.key.cell, job.key.distance, object.radius, tile.edge);
+  TileRecordPtr record = cache.insert(0, scene_, capture, std::move(tile), 1, 0);
+  if (record) renderer_->upload(*record, rgba);
+  return record;
+}
+
+void Bench::draw(const Camera& c, const std::vector<TileRecordPtr>& tiles, DrawMethod method) {
+  DrawnImpostor drawn{0, tiles.at(0), method, 0, glm::length(c.pose.eye), 1};
+  for (std::size_t i = 1; i < tiles.size(); ++i) drawn.neighbours.at(i - 1) = tiles[i];
+  DrawList list;
+  list.impostors.push_back(drawn);
+  renderer_->draw(*target_, c, scene_, list, scene_.lighting);
+}
+
+std::vector<std::uint8_t> Bench::picture(const Camera& c, const std::vector<TileRecordPtr>& tiles,
+                                         DrawMethod method) {
+  draw(c, tiles, method);
+  return target_->read();
+}
+
+ReferenceFrame Bench::truth_frame(const Camera& c, std::uint32_t samples) {
+  ReferenceJob job;
+  job.camera = c;
+  job.supersample = samples;
+  job.lighting = scene_.lighting;
+  const Bytes bytes = references_->render(job).take();
+  const Message message = decode_message(bytes.data(), bytes.size()).take();
+  const std::size_t pixels = std::size_t{c.width} * c.height;
+  const Bytes raw =
+      decompress_block(message.payload.data(), message.payload.size(), pixels * 12).take();
+  ReferenceFrame frame{c.width, c.height, {}, {}, {}};
+  frame.rgba.assign(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(pixels * 4));
+  frame.depth.resize(pixels);
+  frame.ids.resize(pixels);
+  std::memcpy(frame.depth.data(), raw.data() + pixels * 4, pixels * 4);
+  std::memcpy(frame.ids.data(), raw.data() + pixels * 8, pixels * 4);
+  return frame;
+}
+
+std::vector<std::uint8_t> Bench::truth(const Camera& c, std::uint32_t samples) {
+  return truth_frame(c, samples).rgba;
+}
+
+bool Bench::describe() {
+  // Through the protocol, as a client learns it.
+  const SteadyClock clock;
+  Counters counters;
+  TileQueue queue(clock, counters);
+  TileStore store(1 << 20, "", counters);
+  BoundedQueue<ImageLevel> images(64);
+  SessionHub hub(prepared_, {}, clock, counters, queue, store, images);
+  const SessionId id = hub.open().take();
+  wire::HelloT hello;
+  hello.version_min = hello.version_max = limits::kProtocolVersion;
+  hello.codecs = {0, 1};
+  const Bytes greeting = encode_message(std::move(hello));
+  if (!hub.receive(id, greeting.data(), greeting.size())) return false;
+  while (const FramePtr frame = hub.next_frame(id)) {
+    Message m = decode_message(frame->data(), frame->size()).take();
+    bool taken = true;
+    if (m.body.AsWelcome()) taken = scene_.accept(*m.body.AsWelcome()).ok();
+    if (m.body.AsImagePage()) taken = scene_.accept(*m.body.AsImagePage()).ok();
+    if (m.body.AsObjectPage()) taken = scene_.accept(*m.body.AsObjectPage()).ok();
+    if (m.body.AsInstancePage()) taken = scene_.accept(*m.body.AsInstancePage()).ok();
+    if (!taken) return false;
+  }
+  if (!scene_.complete()) return false;
+  renderer_->reset(scene_);
+  return true;
+}
+
+}  // namespace mirage::test

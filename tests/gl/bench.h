@@ -1,0 +1,66 @@
+#pragma once
+// Server and client of one object in one GL context: tiles go through the real renderer, encoder
+// and decoder; the truth is the full render of the same build.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/core/client_session.h"
+#include "client/core/frame_renderer.h"
+#include "client/quality/metrics.h"
+#include "server/render/reference_renderer.h"
+#include "server/render/tile_page.h"
+#include "shaders/gl/egl_context.h"
+
+namespace mirage::test {
+
+/// Light of the field's protocol (FIELD.md).
+enum class BenchLight { kLit, kAlbedo };
+
+/// Folder of the models shared between checkouts: `shared` beside the checkout; "" when absent.
+std::string shared_models();
+
+/// Direction `i` of `count` of the field's protocol: unit, elevation of at least 5 degrees.
+glm::dvec3 fibonacci_direction(int i, int count);
+/// `direction` turned by `degrees` along the great circle that leaves it at `bearing` radians.
+glm::dvec3 turned(const glm::dvec3& direction, double degrees, double bearing);
+
+class Bench {
+ public:
+  static constexpr int kSize = 512;
+
+  /// nullptr without a GL context, or when `spec` does not load.
+  static std::unique_ptr<Bench> create(const std::string& spec, BenchLight light);
+
+  /// The field's camera: `radii` from the centre, the sphere filling the picture.
+  Camera camera(double radii, const glm::dvec3& direction) const;
+  /// The tile for exactly this camera; nullptr when it is empty.
+  TileRecordPtr tile_for(const Camera& camera, TileCache& cache);
+  /// A cache of the bench's atlas size, empty.
+  TileCache make_cache() const;
+  /// Clears the target and draws; `tiles` holds one to three.
+  void draw(const Camera& camera, const std::vector<TileRecordPtr>& tiles, DrawMethod method);
+  std::vector<std::uint8_t> picture(const Camera& camera, const std::vector<TileRecordPtr>& tiles,
+                                    DrawMethod method);
+  /// RGBA8 of the full render, `samples` per axis.
+  std::vector<std::uint8_t> truth(const Camera& camera, std::uint32_t samples);
+  ReferenceFrame truth_frame(const Camera& camera, std::uint32_t samples);
+
+  const SceneView& scene() const { return scene_; }
+  const InstanceView& instance() const { return scene_.instances[0]; }
+
+ private:
+  bool describe();
+
+  gl::EglContext egl_;
+  std::shared_ptr<const PreparedScene> prepared_;
+  SceneView scene_;
+  std::unique_ptr<GpuScene> gpu_;
+  std::unique_ptr<TilePageRenderer> pages_;
+  std::unique_ptr<ReferenceRenderer> references_;
+  std::unique_ptr<FrameRenderer> renderer_;
+  std::unique_ptr<FrameTarget> target_;
+};
+
+}  // namespace mirage::test
