@@ -3,6 +3,10 @@
 #include <algorithm>
 
 namespace mirage {
+namespace {
+// A pixel's mip level is half a level blurrier than the mean of samples that each chose their own.
+constexpr float kSharpenLevels = 0.75f;
+}  // namespace
 
 Result<FrameRenderer> FrameRenderer::create(int atlas_edge, int atlas_layers) {
   Result<ImpostorPass> impostors = ImpostorPass::create(atlas_edge, atlas_layers);
@@ -12,6 +16,7 @@ Result<FrameRenderer> FrameRenderer::create(int atlas_edge, int atlas_layers) {
   FrameRenderer out;
   out.impostors_ = impostors.take();
   out.sky_ = std::move(*sky);
+  out.mesh_pass_->sharpen(kSharpenLevels);
   return out;
 }
 

@@ -20,6 +20,12 @@ class SessionStats {
     if (flicker) flicker_.push_back(static_cast<float>(*flicker));
   }
   GeometricError& geometric() { return geometric_; }
+  /// Bytes so far, both ways, at a time since the start: the rate once the first seconds are over.
+  void note_traffic(const LinkTraffic& traffic, std::int64_t since_start_us) {
+    if (since_start_us < kSettleUs || settled_us_ >= 0) return;
+    settled_us_ = since_start_us;
+    settled_bytes_ = traffic.bytes_down + traffic.bytes_up;
+  }
   void first_image(std::int64_t now_us) {
     if (first_image_us_ < 0) first_image_us_ = now_us;
   }
@@ -42,6 +48,9 @@ class SessionStats {
   std::string table(const Final& end) const;
 
  private:
+  static constexpr std::int64_t kSettleUs = 5'000'000;
+  std::int64_t settled_us_ = -1;
+  std::uint64_t settled_bytes_ = 0;
   std::size_t frames_ = 0;
   std::int64_t first_image_us_ = -1;
   std::vector<float> frame_ms_, real_ms_, bounds_, ages_ms_;

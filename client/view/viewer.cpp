@@ -248,6 +248,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
   stats_.add_frame(list, renderer_->draw_calls(), virtual_clock_ ? 1000.0 / o_.fps : real_ms,
                    real_ms, now);
+  stats_.note_traffic(modelled_ ? modelled_->traffic() : native_->traffic(), now - start_us_);
   smooth_ms_ += 0.1 * (real_ms - smooth_ms_);
   if (!virtual_clock_) session_->note_frame_ms(smooth_ms_);
   if (!o_.out_dir.empty()) {

@@ -194,6 +194,7 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
     p->set("u_ambient", lights_.ambient);
     p->set("u_light_count", lights_.count);
     p->set("u_lights", lights_.lights);
+    p->set("u_mip_bias", material.alpha_mode == AlphaMode::kMask ? 2 * mip_bias_ : mip_bias_);
     bind_material(*p, material, needs, images);
     (material.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
     (blended ? glEnable : glDisable)(GL_BLEND);

@@ -34,6 +34,10 @@ class MeshPass {
   /// `write_id`: a second, integer output with the instance id (reference frames).
   explicit MeshPass(bool write_id) : write_id_(write_id) {}
 
+  /// For a multisampled target, drawn beside a supersampled truth: textures are read this many levels
+  /// sharper, alpha-tested ones (which are shaded per sample) twice as many.
+  void sharpen(float levels) { mip_bias_ = -levels; }
+
   /// Compiles the variants of a mesh ahead of its first draw. Error kGraphicsShader.
   Result<void> warm_up(const GpuMesh& mesh, const std::vector<Material>& materials);
 
@@ -57,6 +61,7 @@ class MeshPass {
   Buffer instance_buffer_;
   glm::mat4 clip_from_relative_{1};
   LightBlock lights_;
+  float mip_bias_ = 0;
   int draw_calls_ = 0;
 };
 

@@ -18,6 +18,7 @@ uniform vec4 u_base_color;
 uniform vec3 u_emissive;
 uniform vec4 u_factors;  // metallic, roughness, normal scale, occlusion strength
 uniform float u_alpha_cutoff;
+uniform float u_mip_bias;
 uniform sampler2D u_base_color_map;
 uniform sampler2D u_metal_rough_map;
 uniform sampler2D u_normal_map;
@@ -57,7 +58,7 @@ void main() {
   base *= v_color;
 #endif
 #ifdef NEED_BASE_COLOR_MAP
-  base *= texture(u_base_color_map, map_uv(0));
+  base *= texture(u_base_color_map, map_uv(0), u_mip_bias);
 #endif
 #ifdef NEED_ALPHA_MASK
   if (base.a < u_alpha_cutoff) discard;
