@@ -116,6 +116,10 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_option("--animation", o.animation, "off: everything stands at the start of its clip")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
+  app.add_option("--mesh-radii", o.mesh_radii,
+                 "swap distance: objects nearer than this many radii are drawn as geometry")
+      ->check(number_within(0.0, 1000.0))
+      ->capture_default_str();
   app.add_option("--mesh-mb", o.mesh_mb, "graphics memory for geometry and its images")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();

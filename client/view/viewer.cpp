@@ -100,6 +100,7 @@ Result<void> Viewer::open_graphics() {
   ClientOptions options;
   options.tau_px = o_.tau_px;
   options.targets = o_.targets;
+  options.mesh_radii = o_.mesh_radii;
   options.method = o_.method;
   options.atlas_edge = kAtlasEdge;
   options.atlas_layers = layers;
