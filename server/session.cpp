@@ -173,12 +173,16 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
   key.size_class = a.size_class();
   key.channels = a.channels();
   if (!valid(key.cell) || !valid(key.distance) || key.size_class > limits::kMaxSizeClass ||
-      key.channels != (kChannelColor | kChannelDepth) || scene_->objects[a.object()].radius <= 0) {
+      !valid_channels(key.channels) || scene_->objects[a.object()].radius <= 0) {
     return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
   }
   const ObjectDescription& object = scene_->objects[a.object()];
+  const bool relit = key.channels == kRelitTile;
+  if (relit && !can_relight(object.needs)) {
+    return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
+  }
   ObjectLighting light;
-  if (object.needs & kNeedLighting) {
+  if ((object.needs & kNeedLighting) && !relit) {
     light = object_lighting(lighting, scene_->instance(a.instance()).world_from_object,
                             object.center, object.radius);
     key.lighting = light.hash();

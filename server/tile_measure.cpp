@@ -134,19 +134,27 @@ void measure(Tile& tile, const Capture& capture, const ObjectDescription& object
 
 }  // namespace
 
-Tile cut_tile(const std::uint8_t* rgba, const std::uint8_t* depth, int page_width,
-              const Capture& capture, const ObjectDescription& object) {
+Tile cut_tile(const std::uint8_t* rgba, const std::uint8_t* depth, const std::uint8_t* surface,
+              int page_width, const Capture& capture, const ObjectDescription& object) {
   const Source source{rgba, depth, page_width, capture.edge};
   Tile tile;
   tile.edge = capture.edge;
   tile.crop = content_crop(source);
   tile.rgba.resize(tile.crop.area() * 4);
   tile.depth.resize(tile.crop.area());
+  if (surface) {
+    tile.channels = kRelitTile;
+    tile.surface.resize(tile.crop.area() * 4);
+  }
   for (std::uint32_t y = 0; y < tile.crop.h; ++y) {
     const std::size_t from = source.at(tile.crop.x, tile.crop.y + y);
     const std::size_t to = std::size_t{y} * tile.crop.w;
     std::copy_n(rgba + from * 4, std::size_t{tile.crop.w} * 4,
                 tile.rgba.begin() + static_cast<std::ptrdiff_t>(to * 4));
+    if (surface) {
+      std::copy_n(surface + from * 4, std::size_t{tile.crop.w} * 4,
+                  tile.surface.begin() + static_cast<std::ptrdiff_t>(to * 4));
+    }
     std::copy_n(depth + from, tile.crop.w, tile.depth.begin() + static_cast<std::ptrdiff_t>(to));
   }
   measure(tile, capture, object);

@@ -36,9 +36,9 @@ void Scheduler::reset() {
   saturated_since_us_ = -1;
 }
 
-double Scheduler::expected_bytes(std::uint8_t size_class) const {
-  const double edge = tile_edge(size_class);
-  return 160 + bytes_per_texel_ * edge * edge;
+double Scheduler::expected_bytes(const TileNeed& need) const {
+  const double edge = tile_edge(need.size_class);
+  return 160 + bytes_per_texel_[need.channels == kRelitTile] * edge * edge;
 }
 
 double Scheduler::window_bytes(std::int64_t now_us) const {
@@ -64,7 +64,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   for (const TileNeed& need : needs) needed.insert(need.instance);
   for (auto it = pending_.begin(); it != pending_.end();) {
     const PendingAsk& ask = it->second;
-    const bool useless = needed.count(ask.need.instance) == 0 || ask.lighting_id != lighting_id;
+    const bool useless = needed.count(ask.need.instance) == 0;
     if (useless || now_us - ask.sent_us > kLostUs) {
       batch.cancels.push_back(it->first);
       in_flight_bytes_ -= ask.expected_bytes;
@@ -97,7 +97,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     if (assets && (!tiles || surroundings || asset_bytes_ <= in_flight_bytes_)) {
       ask_asset(*asset++, now_us, batch);
     } else {
-      ask_tile(scene, *tile++, lighting_id, now_us, batch);
+      ask_tile(scene, *tile++, now_us, batch);
     }
   }
   if (!held_back) {
@@ -113,8 +113,8 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   return batch;
 }
 
-void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::uint32_t lighting_id,
-                         std::int64_t now_us, wire::RequestBatchT& batch) {
+void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::int64_t now_us,
+                         wire::RequestBatchT& batch) {
   if (pending_instance_.count(need.instance) != 0) return;
   const auto pause = not_before_us_.find(need.instance);
   if (pause != not_before_us_.end() && pause->second > now_us) return;
@@ -123,9 +123,9 @@ void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::uint
   batch.asks.emplace_back(id, need.instance, object, static_cast<float>(need.gain), 0u,
                           need.distance.index, need.cell.x, need.cell.y, need.cell.level,
                           need.distance.level, need.size_class,
-                          static_cast<std::uint8_t>(kChannelColor | kChannelDepth));
-  const double bytes = expected_bytes(need.size_class);
-  pending_[id] = {need, object, now_us, lighting_id, bytes};
+                          need.channels);
+  const double bytes = expected_bytes(need);
+  pending_[id] = {need, object, now_us, bytes};
   pending_instance_[need.instance] = id;
   in_flight_bytes_ += bytes;
   ++asked_;
@@ -173,7 +173,8 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
   pending_instance_.erase(ask.need.instance);
   in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - ask.expected_bytes);
   const double edge = tile_edge(ask.need.size_class);
-  bytes_per_texel_ += 0.05 * (static_cast<double>(bytes) / (edge * edge) - bytes_per_texel_);
+  double& per_texel = bytes_per_texel_[ask.need.channels == kRelitTile];
+  per_texel += 0.05 * (static_cast<double>(bytes) / (edge * edge) - per_texel);
   const std::int64_t trip = now_us - ask.sent_us;
   shortest_trip_us_ = shortest_trip_us_ == 0 ? trip : std::min(shortest_trip_us_, trip);
   round_trips_us_.push_back(trip);

@@ -4,7 +4,7 @@
 
 #include "client/core/scene_view.h"
 #include "protocol/error_bound.h"
-#include "protocol/view_cell.h"
+#include "protocol/tile_key.h"
 
 namespace mirage {
 
@@ -14,6 +14,8 @@ struct TileNeed {
   ViewCell cell;
   DistanceBucket distance;
   std::uint8_t size_class = 0;
+  std::uint8_t channels = kLitTile;
+  std::uint32_t light = 0;  ///< serial of the lighting it is for (LightHistory)
   double error_px = 0;  ///< what showing the present state costs
   double gain = 0;      ///< error_px times the seconds the new tile is expected to serve: the rank
 };

@@ -104,6 +104,7 @@ Result<void> Viewer::open_graphics() {
   options.atlas_edge = kAtlasEdge;
   options.atlas_layers = layers;
   options.mesh_budget_bytes = static_cast<std::size_t>(o_.mesh_mb) * 1024 * 1024;
+  options.relight = o_.relight;
   options.token = o_.token;
   options.trace = !o_.trace_file.empty();
   // Measured: a pixel of marching costs a CPU rasteriser some 0.3 us, a GPU next to nothing.
@@ -111,8 +112,8 @@ Result<void> Viewer::open_graphics() {
   const bool software = renderer_name.find("llvmpipe") != std::string::npos;
   options.march_budget_px = o_.march_kpx >= 0 ? o_.march_kpx * 1000 : software ? 30e3 : 1e9;
   TileSink sink;
-  sink.tile = [this](const TileRecord& record, const std::vector<std::uint8_t>& rgba) {
-    renderer_->upload(record, rgba);
+  sink.tile = [this](const TileRecord& record, const TilePixels& pixels) {
+    renderer_->upload(record, pixels);
   };
   sink.mesh = [this](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
     renderer_->add_mesh(object, lod, std::move(model));
@@ -224,7 +225,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   const std::optional<Lighting> light =
       light_->at(static_cast<double>(now - start_us_) * 1e-6, scene.lighting);
   if (light && (!last_light_ || !same_lighting(*light, *last_light_))) {
-    session_->set_lighting(*light);
+    session_->set_lighting(*light, now);
     last_light_ = light;
   }
   Camera camera;
@@ -245,6 +246,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   glFinish();
   if (!list.impostors.empty() || !list.meshes.empty()) stats_.first_image(now);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
+  if (session_->light_changed()) stats_.add_light_lag(list, scene);
   stats_.add_frame(list, renderer_->draw_calls(), virtual_clock_ ? 1000.0 / o_.fps : real_ms,
                    real_ms, now);
   smooth_ms_ += 0.1 * (real_ms - smooth_ms_);

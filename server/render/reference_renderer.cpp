@@ -38,7 +38,7 @@ void append_flipped(Bytes& out, const std::vector<T>& pixels, std::size_t row_el
 ReferenceRenderer::ReferenceRenderer(const GpuScene& scene)
     : scene_(&scene),
       instances_of_object_(scene.prepared->scene.objects.size()),
-      meshes_(std::make_unique<gl::MeshPass>(true)) {
+      meshes_(std::make_unique<gl::MeshPass>(gl::MeshOutput::kId)) {
   const std::vector<Instance>& instances = scene.prepared->scene.instances;
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
     instances_of_object_[instances[i].object].push_back(i);

@@ -108,7 +108,8 @@ Program* MeshPass::program(NeedMask needs) {
   for (const NeedDefine& d : kDefines) {
     if (needs & d.need) defines.emplace_back(d.define);
   }
-  if (write_id_) defines.emplace_back("WRITE_ID");
+  if (output_ == MeshOutput::kId) defines.emplace_back("WRITE_ID");
+  if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
   Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
   if (!made) return nullptr;
   return &programs_.emplace(needs, made.take()).first->second;

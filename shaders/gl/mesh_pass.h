@@ -29,10 +29,16 @@ struct LightBlock {
 LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye);
 LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye);
 
+/// What the pass writes besides colour.
+enum class MeshOutput : std::uint8_t {
+  kColor,    ///< nothing (client geometry, lit tiles)
+  kId,       ///< the instance id, an integer (reference frames)
+  kSurface,  ///< colour is not shaded; normal, then metallic, roughness, occlusion (relit tiles)
+};
+
 class MeshPass {
  public:
-  /// `write_id`: a second, integer output with the instance id (reference frames).
-  explicit MeshPass(bool write_id) : write_id_(write_id) {}
+  explicit MeshPass(MeshOutput output) : output_(output) {}
 
   /// Compiles the variants of a mesh ahead of its first draw. Error kGraphicsShader.
   Result<void> warm_up(const GpuMesh& mesh, const std::vector<Material>& materials);
@@ -52,7 +58,7 @@ class MeshPass {
   void bind_material(Program& p, const Material& material, NeedMask needs, const GpuImages& images);
   void bind_instances(const MeshInstance* instances, std::size_t count);
 
-  const bool write_id_;
+  const MeshOutput output_;
   std::map<NeedMask, Program> programs_;
   Buffer instance_buffer_;
   glm::mat4 clip_from_relative_{1};

@@ -13,10 +13,20 @@ flat in vec4 v_eye;
 flat in vec4 v_low_layer;
 flat in vec4 v_high;
 #endif
+#ifdef RELIT
+in vec3 v_relative;
+flat in vec3 v_right;
+flat in vec3 v_up;
+flat in vec4 v_rotation;
+#endif
 layout(location = 0) out vec4 o_color;
 
 uniform vec2 u_depth_window;  // window depth = x + y / view depth
 
+#ifdef RELIT
+#include "common/rotation.glsl"
+#include "impostor/relight.glsl"
+#endif
 #include "impostor/relief.glsl"
 
 void emit(vec4 color, float view_depth) {
@@ -51,6 +61,14 @@ void main() {
   if (!trace_tile(v_tile, v_eye, v_low_layer.xyz, v_high.xyz, int(v_low_layer.w), hit, along)) {
     discard;
   }
+#ifdef RELIT
+  // Once, for what was blended on the way: the nearest solid surface has most of the weight.
+  if (hit.color.a > 0.0) {
+    Stored s = hit.surface;
+    s = Stored(s.normal / hit.color.a, s.roughness / hit.color.a, s.both / hit.color.a);
+    hit.color = relit(hit.color, s, v_relative * along, v_right, v_up, v_rotation);
+  }
+#endif
   emit(hit.color, along / gl_FragCoord.w);
 }
 #else

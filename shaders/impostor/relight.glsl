@@ -1,0 +1,37 @@
+// Shades a relit tile's texel with the equations of the mesh. Lights and positions are relative to
+// the eye in world axes, as for meshes: one set for all impostors.
+#include "common/lighting.glsl"
+#include "common/octahedral.glsl"
+
+uniform sampler2DArray u_surface;
+
+// What a tile stores of a surface, to be filtered and blended like colour.
+struct Stored {
+  vec2 normal;     // octahedral about the axis towards the capture eye
+  float roughness;
+  vec2 both;       // metallic, occlusion
+};
+
+Stored stored_surface(vec2 texel, float layer) {
+  vec4 s = textureLod(u_surface, vec3(texel / vec2(textureSize(u_surface, 0).xy), layer), 0.0);
+  // Two numbers in one byte: not to be filtered.
+  float both = floor(texelFetch(u_surface, ivec3(texel, layer), 0).a * 255.0 + 0.5);
+  float metallic = floor(both / 16.0);
+  return Stored(s.xy * 2.0 - 1.0, s.z, vec2(metallic, both - 16.0 * metallic) / 15.0);
+}
+
+// `color` is premultiplied base colour, `position` relative to the eye; `right` and `up` are the
+// capture basis, turned to the world by `rotation`.
+vec4 relit(vec4 color, Stored stored, vec3 position, vec3 right, vec3 up, vec4 rotation) {
+  if (color.a <= 0.0) return color;
+  vec3 about = from_octahedral(stored.normal);
+  vec3 normal = right * about.x + up * about.y + cross(right, up) * about.z;
+  Surface s;
+  s.position = position;
+  s.normal = rotate(rotation, normal);
+  s.albedo = color.rgb / color.a;
+  s.metallic = stored.both.x;
+  s.roughness = stored.roughness;
+  s.occlusion = stored.both.y;
+  return vec4(clamp(shade(s), 0.0, 1.0) * color.a, color.a);
+}
