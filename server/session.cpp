@@ -119,6 +119,7 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.sky_zenith = std::make_unique<wire::Vec3f>(to_wire(scene.environment.zenith));
   welcome.sky_horizon = std::make_unique<wire::Vec3f>(to_wire(scene.environment.horizon));
   welcome.sky_nadir = std::make_unique<wire::Vec3f>(to_wire(scene.environment.nadir));
+  welcome.fog_density = scene.environment.fog_density;
   welcome.home_eye = std::make_unique<wire::Vec3d>(to_wire(scene.home.eye));
   welcome.home_target = std::make_unique<wire::Vec3d>(to_wire(scene.home.target));
   welcome.walk_radius_m = scene.home.walk_radius_m;

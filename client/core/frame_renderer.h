@@ -17,7 +17,8 @@ class FrameRenderer {
  public:
   static Result<FrameRenderer> create(int atlas_edge, int atlas_layers);
 
-  void reset(const SceneView& scene);
+  /// Learns a new scene. Error kGraphicsShader: it is drawn, without its fog.
+  Result<void> reset(const SceneView& scene);
   void upload(const TileRecord& record, const TilePixels& pixels) {
     impostors_.upload(record, pixels);
   }

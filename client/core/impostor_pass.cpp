@@ -174,31 +174,39 @@ const MethodShader kShaders[] = {
 
 }  // namespace
 
-Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers) {
-  ImpostorPass pass;
+Result<void> ImpostorPass::make_programs(bool fog) {
+  const auto make = [fog](const char* name, std::vector<std::string> defines) {
+    if (fog) defines.emplace_back("FOG");
+    const std::string file = std::string("impostor/") + name;
+    return gl::Program::create(file + ".vert", file + ".frag", defines);
+  };
+  std::map<std::pair<DrawMethod, bool>, gl::Program> programs;
   for (const MethodShader& shader : kShaders) {
     for (const bool relit : {false, true}) {
       std::vector<std::string> defines = shader.defines;
       if (relit) defines.emplace_back("RELIT");
-      Result<gl::Program> program =
-          gl::Program::create("impostor/impostor.vert", "impostor/impostor.frag", defines);
+      Result<gl::Program> program = make("impostor", defines);
       if (!program) return program.error();
-      pass.programs_.emplace(std::pair(shader.method, relit), program.take());
+      programs.emplace(std::pair(shader.method, relit), program.take());
     }
   }
-  for (const auto& [program, define] :
-       {std::pair{&pass.relief_, ""}, {&pass.relit_relief_, "RELIT"}, {&pass.merged_, "MERGED"}}) {
-    std::vector<std::string> defines;
-    if (*define) defines.emplace_back(define);
-    Result<gl::Program> relief =
-        gl::Program::create("impostor/relief.vert", "impostor/relief.frag", defines);
-    if (!relief) return relief.error();
-    *program = relief.take();
+  Result<gl::Program> relief = make("relief", {}), relit = make("relief", {"RELIT"});
+  Result<gl::Program> merged = make("relief", {"MERGED"}), placeholder = make("placeholder", {});
+  for (const Result<gl::Program>* program : {&relief, &relit, &merged, &placeholder}) {
+    if (!*program) return program->error();
   }
-  Result<gl::Program> placeholder =
-      gl::Program::create("impostor/placeholder.vert", "impostor/placeholder.frag", {});
-  if (!placeholder) return placeholder.error();
-  pass.placeholder_ = placeholder.take();
+  programs_ = std::move(programs);
+  relief_ = relief.take();
+  relit_relief_ = relit.take();
+  merged_ = merged.take();
+  placeholder_ = placeholder.take();
+  with_fog_ = fog;
+  return {};
+}
+
+Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers) {
+  ImpostorPass pass;
+  if (Result<void> made = pass.make_programs(false); !made) return made.error();
   while (glGetError() != GL_NO_ERROR) {
   }
   pass.color_ = make_layers(GL_SRGB8_ALPHA8, GL_RGBA, GL_LINEAR, atlas_edge, atlas_layers);
@@ -245,11 +253,15 @@ ImpostorPass::Proxy ImpostorPass::make_proxy(const std::vector<glm::vec3>& data)
   return proxy;
 }
 
-void ImpostorPass::reset(const SceneView& scene) {
+Result<void> ImpostorPass::reset(const SceneView& scene) {
   hulls_.clear();
   for (const ObjectDescription& object : scene.objects) {
     hulls_.push_back(make_proxy(hull_triangles(object.hull)));
   }
+  fog_color_ = scene.environment.horizon;
+  fog_density_ = scene.environment.fog_density;
+  const bool fog = fog_density_ > 0;
+  return fog == with_fog_ ? Result<void>{} : make_programs(fog);
 }
 
 void ImpostorPass::upload(const TileRecord& record, const TilePixels& pixels) {
@@ -309,6 +321,8 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool re
   program.set("u_clip_from_relative", camera.clip_from_relative());
   const double n = camera.near_m, f = camera.far_m;
   program.set("u_depth_window", glm::vec2(f / (f - n), -f * n / (f - n)));
+  program.set("u_fog_color", fog_color_);
+  program.set("u_fog_density", fog_density_);
   program.set("u_color", 0);
   program.set("u_depth", 1);
   program.set("u_tiles", 2);
@@ -406,6 +420,8 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
   }
   placeholder_.use();
   placeholder_.set("u_clip_from_relative", camera.clip_from_relative());
+  placeholder_.set("u_fog_color", fog_color_);
+  placeholder_.set("u_fog_density", fog_density_);
   for (const auto& [object, instances] : by_object) draw_instances(hulls_[object], instances, true);
 }
 

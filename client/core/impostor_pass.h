@@ -19,8 +19,9 @@ class ImpostorPass {
   /// Error kGraphicsShader, kGraphicsGl (atlas too large).
   static Result<ImpostorPass> create(int atlas_edge, int atlas_layers);
 
-  /// Proxies of a new scene.
-  void reset(const SceneView& scene);
+  /// Proxies of a new scene, and programs with or without its fog. Error kGraphicsShader: those
+  /// there were stay.
+  Result<void> reset(const SceneView& scene);
   /// Puts a tile's planes, with a gutter of nothing, where its record says. The first relit one
   /// makes the atlas of surfaces, which takes four fifths of what the others take on top.
   void upload(const TileRecord& record, const TilePixels& pixels);
@@ -37,7 +38,9 @@ class ImpostorPass {
     gl::Buffer vertices;
     int vertex_count = 0;
   };
-  void upload_surface(const AtlasSlot& slot, const std::vector<std::uint8_t>& surface, int w, int h);
+  void upload_surface(const AtlasSlot& slot, const std::vector<std::uint8_t>& surface, int w,
+                      int h);
+  Result<void> make_programs(bool fog);
   static Proxy make_proxy(const std::vector<glm::vec3>& positions_and_normals);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
@@ -63,6 +66,9 @@ class ImpostorPass {
   Proxy cube_;
   std::vector<Proxy> hulls_;
   gl::LightBlock lights_;  ///< of the frame
+  bool with_fog_ = false;  ///< what the programs were made for
+  glm::vec3 fog_color_{0};
+  float fog_density_ = 0;
   int draw_calls_ = 0;
   std::size_t gpu_bytes_ = 0;
 };

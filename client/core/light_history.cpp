@@ -4,16 +4,16 @@
 #include <array>
 #include <cmath>
 
-#include "protocol/limits.h"
 #include "protocol/lighting_state.h"
+#include "protocol/limits.h"
 
 namespace mirage {
 namespace {
 
 using Cardinal = std::array<glm::vec3, 6>;
 
-// Light arriving at the centre and the direction towards it, as lighting.glsl has it. The surface is
-// about a radius from the centre: a lamp inside the object is taken to be that far away.
+// Light arriving at the centre and the direction towards it, as lighting.glsl has it. The surface
+// is about a radius from the centre: a lamp inside the object is taken to be that far away.
 glm::vec3 arriving(const ObjectLight& light, const glm::vec3& center, float radius,
                    glm::vec3& to_light) {
   if (light.kind == LightKind::kDirectional) {

@@ -87,7 +87,7 @@ class Scheduler {
   std::deque<std::int64_t> round_trips_us_;
   std::int64_t shortest_trip_us_ = 0;
   std::int64_t saturated_since_us_ = -1;
-  double bytes_per_texel_[2] = {0.7, 1.4};  ///< of lit and of relit tiles, learnt
+  double bytes_per_texel_ = 0.7;      ///< of lit tiles, learnt from both kinds
   double in_flight_bytes_ = 0;        ///< of tiles
   double asset_bytes_ = 0;            ///< of geometry and images, in flight
   std::uint64_t received_bytes_ = 0;  ///< of tiles, on this connection

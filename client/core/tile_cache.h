@@ -85,16 +85,14 @@ class TileCache {
 
   /// What to draw an instance from.
   struct LitGroup {
-    const TileGroup* tiles = nullptr;            ///< never null, possibly empty
-    bool wanted = true;                          ///< of the present light and the wanted kind
-    const LightHistory::State* then = nullptr;   ///< the light it is of, if not the present one
+    const TileGroup* tiles = nullptr;           ///< never null, possibly empty
+    bool wanted = true;                         ///< of the present light and the wanted kind
+    const LightHistory::State* then = nullptr;  ///< the light it is of, if not the present one
   };
   /// Relit tiles or those of the present light, whichever kind is wanted first; without any, those
   /// of the latest light that has some.
   LitGroup lit_group(std::uint32_t instance) const;
-  const TileGroup* group_to_draw(std::uint32_t instance) const {
-    return lit_group(instance).tiles;
-  }
+  const TileGroup* group_to_draw(std::uint32_t instance) const { return lit_group(instance).tiles; }
   const LightHistory& lights() const { return lights_; }
 
   /// Places a decoded tile into the atlas and the group of its instance under the light it was

@@ -80,8 +80,9 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
                  "file of `t_ms ambient_rgb sun_rgb sun_dir_xyz` lines, or builtin:fixed|sun-sweep|"
                  "lamp-toggle")
       ->capture_default_str();
-  app.add_option("--relight", o.relight_name,
-                 "shade impostors here, from albedo and normals; auto: while the light keeps changing")
+  app.add_option(
+         "--relight", o.relight_name,
+         "shade impostors here, from albedo and normals; auto: while the light keeps changing")
       ->check(CLI::IsMember({"auto", "always", "never"}))
       ->capture_default_str();
   app.add_option("--frames", o.frames, "stop after this many")->check(CLI::Range(1, 10'000'000));

@@ -122,7 +122,10 @@ Result<void> Viewer::open_graphics() {
     renderer_->add_image(session_->scene(), index, image);
   };
   sink.drop = [this](const AssetId& id) { renderer_->drop(session_->scene(), id); };
-  sink.scene = [this](const SceneView& scene) { renderer_->reset(scene); };
+  sink.scene = [this](const SceneView& scene) {
+    const Result<void> ready = renderer_->reset(scene);
+    if (!ready) spdlog::warn("{}", ready.error().line());
+  };
   Link& link = modelled_ ? static_cast<Link&>(*modelled_) : *native_;
   session_ = std::make_unique<ClientSession>(link, options, sink);
   return {};

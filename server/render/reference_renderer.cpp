@@ -62,6 +62,8 @@ void ReferenceRenderer::draw_scene(const Camera& camera, const Lighting& lightin
   const PreparedScene& prepared = *scene_->prepared;
   const glm::dvec3& eye = camera.pose.eye;
   meshes_->begin(camera.clip_from_relative(), gl::light_block(lighting, eye));
+  const Environment& environment = prepared.scene.environment;
+  meshes_->set_fog(environment.horizon, environment.fog_density);
   std::vector<gl::MeshInstance> visible;
   for (std::size_t object = 0; object < instances_of_object_.size(); ++object) {
     visible.clear();

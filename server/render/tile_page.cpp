@@ -25,14 +25,14 @@ glm::mat4 capture_projection(const Capture& capture) {
 Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int supersample) {
   TilePageRenderer out(scene, supersample);
   for (const bool relit : {false, true}) {
-    Result<gl::Program> program = gl::Program::create(
-        "common/fullscreen.vert", "tile/resolve_tile.frag",
-        relit ? std::vector<std::string>{"RELIT"} : std::vector<std::string>{});
+    Result<gl::Program> program =
+        gl::Program::create("common/fullscreen.vert", "tile/resolve_tile.frag",
+                            relit ? std::vector<std::string>{"RELIT"} : std::vector<std::string>{});
     if (!program) return program.error();
     Path& path = relit ? out.relit_ : out.lit_;
     path.resolve = program.take();
-    path.meshes = std::make_unique<gl::MeshPass>(relit ? gl::MeshOutput::kSurface
-                                                       : gl::MeshOutput::kColor);
+    path.meshes =
+        std::make_unique<gl::MeshPass>(relit ? gl::MeshOutput::kSurface : gl::MeshOutput::kColor);
   }
   out.empty_vao_ = gl::VertexArray::create();
   return out;
@@ -81,8 +81,8 @@ bool TilePageRenderer::prepare_targets(Path& path, int page_edge, std::uint32_t 
 }
 
 Capture TilePageRenderer::capture_of(const TileJob& job) const {
-  return Capture(job.key.cell, job.key.distance,
-                 scene_->prepared->objects[job.key.object].radius, tile_edge(job.key.size_class));
+  return Capture(job.key.cell, job.key.distance, scene_->prepared->objects[job.key.object].radius,
+                 tile_edge(job.key.size_class));
 }
 
 void TilePageRenderer::draw_tile(const TileJob& job) {

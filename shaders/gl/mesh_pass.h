@@ -44,6 +44,11 @@ class MeshPass {
   Result<void> warm_up(const GpuMesh& mesh, const std::vector<Material>& materials);
 
   void begin(const glm::mat4& clip_from_relative, const LightBlock& lights);
+  /// Fog over what is drawn from now on; without any density variants without fog are used.
+  void set_fog(const glm::vec3& color, float density_per_m) {
+    fog_color_ = color;
+    fog_density_ = density_per_m;
+  }
   /// Draws the opaque and masked primitives (`blended` false) or the blended ones (true).
   void draw(const GpuMesh& mesh, const std::vector<Material>& materials, const GpuImages& images,
             const MeshInstance* instances, std::size_t count, bool blended);
@@ -63,6 +68,8 @@ class MeshPass {
   Buffer instance_buffer_;
   glm::mat4 clip_from_relative_{1};
   LightBlock lights_;
+  glm::vec3 fog_color_{0};
+  float fog_density_ = 0;
   int draw_calls_ = 0;
 };
 

@@ -19,7 +19,7 @@ flat in vec3 v_box_min;
 flat in vec3 v_box_max;
 flat in float v_depth_slack;
 flat in vec3 v_normal;
-#ifdef RELIT
+#if defined(RELIT) || defined(FOG)
 flat in vec4 v_rotation;
 flat in vec4 v_center_scale;
 #endif
@@ -32,9 +32,14 @@ uniform vec2 u_depth_window;  // window depth = x + y / view depth
 // must neither hide what is behind it nor blend with less than all of it.
 uniform bool u_soft;
 
-#ifdef RELIT
+#if defined(RELIT) || defined(FOG)
 #include "common/rotation.glsl"
+#endif
+#ifdef RELIT
 #include "impostor/relight.glsl"
+#endif
+#ifdef FOG
+#include "common/fog.glsl"
 #endif
 
 const float kSolid = 0.99;
@@ -97,10 +102,15 @@ void main() {
   float z = stored_depth(t);
   vec3 p = point_from_capture(t, z > 0.0 ? z : v_capture.y);
   vec4 color = stored_color(t);
-#ifdef RELIT
+#if defined(RELIT) || defined(FOG)
   vec3 relative = v_center_scale.xyz + rotate(v_rotation, v_center_scale.w * p);
+#endif
+#ifdef RELIT
   color = relit(color, stored_surface(texel_from_tangent(t), v_depth.z), relative, v_right, v_up,
                 v_rotation);
+#endif
+#ifdef FOG
+  color = fogged(color, relative);
 #endif
   emit(color, p);
 }

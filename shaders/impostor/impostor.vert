@@ -33,7 +33,7 @@ flat out vec3 v_box_min;
 flat out vec3 v_box_max;
 flat out float v_depth_slack;  // view depth by which stored depth may be too far
 flat out vec3 v_normal;
-#ifdef RELIT
+#if defined(RELIT) || defined(FOG)
 flat out vec4 v_rotation;
 flat out vec4 v_center_scale;
 #endif
@@ -57,7 +57,7 @@ void main() {
 #endif
 #endif
   v_normal = a_normal;
-#ifdef RELIT
+#if defined(RELIT) || defined(FOG)
   v_rotation = i_rotation;
   v_center_scale = i_center_scale;
 #endif

@@ -102,7 +102,7 @@ void blend(inout Hit hit, vec2 at, int layer, vec3 point, bool filled) {
   float weight = (1.0 - hit.color.a) * color.a;
   hit.surface.normal += weight * s.normal;
   hit.surface.roughness += weight * s.roughness;
-  hit.surface.both += weight * s.both;
+  hit.surface.rest += weight * s.rest;
 #endif
   hit.color += (1.0 - hit.color.a) * color;
 }
@@ -116,7 +116,7 @@ Hit trace(Ray ray, int layer, float reach) {
   hit.point = vec3(0.0);
   hit.filled = true;
 #ifdef RELIT
-  hit.surface = Stored(vec2(0.0), 0.0, vec2(0.0));
+  hit.surface = Stored(vec2(0.0), 0.0, vec3(0.0));
 #endif
   float n = clamp(ceil(max(abs(ray.span.x), abs(ray.span.y))), 1.0, kMaxCells);
   float rise = ray.span.z / n;

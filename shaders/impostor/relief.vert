@@ -32,12 +32,12 @@ flat out vec4 v_eye;    // the eye in it
 flat out vec4 v_low_layer;
 flat out vec4 v_high;
 #ifdef RELIT
-out vec3 v_relative;    // the proxy's point relative to the eye, world
 flat out vec3 v_right;  // capture basis
 flat out vec3 v_up;
 flat out vec4 v_rotation;
 #endif
 #endif
+out vec3 v_relative;    // the proxy's point relative to the eye, world
 
 void main() {
   vec3 right = i_right_distance.xyz, up = i_up_texels.xyz;
@@ -71,8 +71,8 @@ void main() {
   v_high = vec4(i_place.xy + size, i_range.w, 0.0);
 #endif
   vec3 relative = i_center_scale.xyz + rotate(i_rotation, scale * point);
-#ifdef RELIT
   v_relative = relative;
+#ifdef RELIT
   v_right = right;
   v_up = up;
   v_rotation = i_rotation;

@@ -34,6 +34,10 @@ uniform vec4 u_uv_transform[10];
 #include "common/lighting.glsl"
 #endif
 
+#ifdef FOG
+#include "common/fog.glsl"
+#endif
+
 vec2 map_uv(int map) {
   vec4 m0 = u_uv_transform[2 * map];
   vec4 m1 = u_uv_transform[2 * map + 1];
@@ -104,6 +108,9 @@ void main() {
   // Clamp before blending: an 8-bit target would, and NaN must never reach it.
   color = clamp(color, 0.0, 1.0);
   o_color = vec4(color * base.a, base.a);
+#ifdef FOG
+  o_color = fogged(o_color, v_position);
+#endif
 #ifdef WRITE_ID
   o_id = v_id;
 #endif

@@ -18,11 +18,14 @@ layout(location = 2) out vec4 o_surface;
 
 #include "common/octahedral.glsl"
 
+// `normal` is the mean over the covered samples: the more they differ, the shorter it is.
 vec4 surface_code(vec3 normal, vec3 material) {
   vec3 about = vec3(dot(normal, u_right), dot(normal, u_up), dot(normal, cross(u_right, u_up)));
   float l = length(about);
   vec2 map = octahedral(l > 1e-3 ? about / l : vec3(0.0, 0.0, 1.0));
-  float both = floor(material.x * 15.0 + 0.5) * 16.0 + floor(material.z * 15.0 + 0.5);
+  float metal = floor(material.x * 8.0 + 0.5);
+  float kind = metal > 0.0 ? 7.0 + metal : floor((1.0 - min(l, 1.0)) * 7.0 + 0.5);
+  float both = kind * 16.0 + floor(material.z * 15.0 + 0.5);
   return vec4(map * 0.5 + 0.5, material.y, both / 255.0);
 }
 #endif
@@ -47,7 +50,7 @@ void main() {
   }
   o_color = sum / float(u_factor * u_factor);
 #ifdef RELIT
-  o_surface = sum.a > 0.0 ? surface_code(normal, material / sum.a) : vec4(0.0);
+  o_surface = sum.a > 0.0 ? surface_code(normal / sum.a, material / sum.a) : vec4(0.0);
 #endif
   // Blended surfaces write no depth: they count as lying in the middle of the range.
   float d = nearest >= 1.0 ? 0.5 : nearest;

@@ -75,8 +75,8 @@ PreparedScene as_one_object(const PreparedScene& prepared, const Similarity& pla
     out.images.push_back(d);
   }
   out.scene = std::move(scene);
-  out.bounds_center = placed.position + glm::dvec3(placed.rotation * out.objects[0].center) *
-                                            double{placed.scale};
+  out.bounds_center =
+      placed.position + glm::dvec3(placed.rotation * out.objects[0].center) * double{placed.scale};
   out.bounds_radius = out.objects[0].radius * placed.scale;
   return out;
 }
@@ -106,7 +106,7 @@ glm::dvec3 turned(const glm::dvec3& direction, double degrees, double bearing) {
 }
 
 std::unique_ptr<Bench> Bench::create(const std::string& spec, BenchLight light,
-                                     const Similarity& placed) {
+                                     const Similarity& placed, float fog_density) {
   auto bench = std::make_unique<Bench>();
   Result<gl::EglContext> egl = gl::EglContext::create("auto");
   if (!egl) return nullptr;
@@ -116,6 +116,7 @@ std::unique_ptr<Bench> Bench::create(const std::string& spec, BenchLight light,
   auto prepared = std::make_shared<PreparedScene>(as_one_object(**scene, placed));
   prepared->scene.lighting = bench->light_ = field_light(light);
   prepared->scene.environment = Environment{};  // sRGB 128
+  prepared->scene.environment.fog_density = fog_density;
   bench->prepared_ = prepared;
   bench->gpu_ = std::make_unique<GpuScene>(bench->prepared_);
   bench->pages_ =
@@ -157,8 +158,8 @@ TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache, std::uint8_t ch
   job.key.distance = *distance_bucket_from_radii(glm::length(view.eye) / view.radius, 16);
   job.key.size_class = need.size_class;
   job.key.channels = channels;
-  job.lighting = object_lighting(light_, instance().world_from_object, object.center,
-                                 object.radius);
+  job.lighting =
+      object_lighting(light_, instance().world_from_object, object.center, object.radius);
   PagePacker packer(512);
   packer.add(tile_edge(need.size_class));
   ReadbackRing ring(1);
@@ -175,6 +176,7 @@ TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache, std::uint8_t ch
     return nullptr;
   }
   tile_bytes_ = stored->planes.size();
+  tile_hash_ = stored->reply.content_hash;
   const TilePixels pixels{tile.rgba, tile.surface};
   const Capture capture(job.key.cell, job.key.distance, object.radius, tile.edge);
   TileRecordPtr record = cache.insert(0, scene_, capture, std::move(tile), 1, 0);
@@ -254,8 +256,7 @@ bool Bench::describe() {
     if (!taken) return false;
   }
   if (!scene_.complete()) return false;
-  renderer_->reset(scene_);
-  return true;
+  return renderer_->reset(scene_).ok();
 }
 
 }  // namespace mirage::test

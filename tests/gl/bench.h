@@ -32,15 +32,15 @@ class Bench {
 
   /// nullptr without a GL context, or when `spec` does not load. The model stands at `placed`.
   static std::unique_ptr<Bench> create(const std::string& spec, BenchLight light,
-                                       const Similarity& placed = {});
+                                       const Similarity& placed = {}, float fog_density = 0);
 
   /// The field's camera: `radii` from the centre, the sphere filling the picture.
   Camera camera(double radii, const glm::dvec3& direction) const;
   /// The tile for exactly this camera; nullptr when it is empty.
-  TileRecordPtr tile_for(const Camera& camera, TileCache& cache,
-                         std::uint8_t channels = kLitTile);
+  TileRecordPtr tile_for(const Camera& camera, TileCache& cache, std::uint8_t channels = kLitTile);
   /// Bytes of the last tile's planes as they travel.
   std::size_t tile_bytes() const { return tile_bytes_; }
+  std::uint64_t tile_hash() const { return tile_hash_; }
   /// A cache of the bench's atlas size, empty.
   TileCache make_cache() const;
   /// Clears the target and draws; `tiles` holds one to three.
@@ -71,6 +71,7 @@ class Bench {
   std::unique_ptr<FrameRenderer> renderer_;
   std::unique_ptr<FrameTarget> target_;
   std::size_t tile_bytes_ = 0;
+  std::uint64_t tile_hash_ = 0;
   Lighting light_;
 };
 

@@ -107,13 +107,52 @@ void keep(const std::string& name, const std::vector<Picture>& panels) {
   }
 }
 
+// Fog is laid over what is drawn: the tile stays what it was, and with fog impostor, mesh and full
+// render still agree, near and far.
+TEST(Fog, IsInThePictureAndNotInTheTile) {
+  std::vector<std::uint64_t> bytes;
+  for (const float density : {0.0f, 0.06f}) {
+    const std::unique_ptr<Bench> bench =
+        Bench::create("builtin:knot", BenchLight::kLit, placed(), density);
+    ASSERT_TRUE(bench);
+    for (const double radii : {4.0, 12.0}) {
+      const Camera c = bench->camera(radii, fibonacci_direction(3, kDirections));
+      TileCache cache = bench->make_cache();
+      const TileRecordPtr lit = bench->tile_for(c, cache);
+      bytes.push_back(bench->tile_hash());
+      const TileRecordPtr relit = bench->tile_for(c, cache, kRelitTile);
+      const Picture truth = bench->truth(c, 4), mesh = bench->mesh_picture(c);
+      const auto psnr = [&](const Picture& test) {
+        return field_fidelity({kEdge, kEdge, truth.data()}, {kEdge, kEdge, test.data()})
+            .psnr_db.value_or(0);
+      };
+      const double as_mesh = psnr(mesh);
+      const double as_quad = psnr(bench->picture(c, {lit}, DrawMethod::kQuad));
+      const double as_relief = psnr(bench->picture(c, {lit}, DrawMethod::kDepth));
+      const double as_relit = psnr(bench->picture(c, {relit}, DrawMethod::kQuad));
+      std::printf(
+          "[ FIGURES  ] fog %.2f at %4.1f r against truth: mesh %.1f dB, quad %.1f dB, "
+          "relief %.1f dB, relit %.1f dB\n",
+          static_cast<double>(density), radii, as_mesh, as_quad, as_relief, as_relit);
+      for (const double db : {as_mesh, as_quad, as_relief, as_relit}) EXPECT_GE(db, 43);
+      if (radii > 4)
+        keep(density > 0 ? "fog" : "fog_none",
+             {truth, mesh, bench->picture(c, {lit}, DrawMethod::kQuad)});
+    }
+  }
+  ASSERT_EQ(bytes.size(), 4u);
+  EXPECT_EQ(bytes[0], bytes[2]);
+  EXPECT_EQ(bytes[1], bytes[3]);
+}
+
 struct Model {
   const char* name;
   const char* spec;  // relative paths: below the shared models
   double lit_db, relit_db;
 };
 const Model kModels[] = {{"knot", "builtin:knot", 50, 44},
-                         {"flight_helmet", "assets/objects/flight_helmet.glb", 41, 35}};
+                         {"flight_helmet", "assets/objects/flight_helmet.glb", 41, 35},
+                         {"tree", "assets/reference/tree.glb", 33, 31}};
 
 std::unique_ptr<Bench> bench_for(const Model& model, const Similarity& at = placed()) {
   std::string spec = model.spec;
@@ -188,7 +227,7 @@ TEST_P(LitAndRelit, OnlyTheRelitTileFollowsTheLight) {
   lit_after.print(model.name, "lit, after a change");
   relit_after.print(model.name, "relit, after a change");
   traced_after.print(model.name, "relit relief");
-  EXPECT_LT(lit_after.psnr.mean().value_or(0), 25);
+  EXPECT_LT(lit_after.psnr.mean().value_or(0), relit_after.psnr.mean().value_or(0) - 5);
   EXPECT_GE(relit_after.psnr.mean().value_or(0), model.relit_db);
   EXPECT_GE(traced_after.psnr.mean().value_or(0), model.relit_db - 1);
 }
