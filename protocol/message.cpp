@@ -101,6 +101,7 @@ void set_tile_fields(const Tile& tile, wire::TileReplyT& reply) {
   reply.dz_hull = tile.measure.dz_hull;
   reply.depth_gap = tile.measure.depth_gap;
   reply.lod_error = tile.measure.lod_error;
+  reply.channels = tile.channels;
 }
 
 Result<Tile> tile_from_fields(const wire::TileReplyT& reply) {
@@ -109,6 +110,10 @@ Result<Tile> tile_from_fields(const wire::TileReplyT& reply) {
   tile.crop = {reply.crop_x, reply.crop_y, reply.crop_w, reply.crop_h};
   tile.measure = {reply.plane_depth, reply.depth_min, reply.depth_max, reply.dz_quad,
                   reply.dz_cuboid,   reply.dz_hull,   reply.depth_gap, reply.lod_error};
+  tile.channels = reply.channels;
+  if (!valid_channels(tile.channels)) {
+    return make_error(ErrorId::kWireValue, "tile has channels of no known kind");
+  }
   const bool inside =
       tile.crop.x + tile.crop.w <= tile.edge && tile.crop.y + tile.crop.h <= tile.edge;
   if (tile.edge < 4 || tile.edge > limits::kMaxTileEdge || !inside) {

@@ -56,7 +56,8 @@ Result<void> check(const wire::Welcome& m) {
                     std::isfinite(m.walk_radius_m()) && std::isfinite(m.walk_speed_mps()) &&
                     m.walk_radius_m() > 0;
   const bool sky = finite(m.sky_zenith()) && finite(m.sky_horizon()) && finite(m.sky_nadir());
-  if (!home || !sky) return value_error("home view or environment");
+  const bool fog = std::isfinite(m.fog_density()) && m.fog_density() >= 0;
+  if (!home || !sky || !fog) return value_error("home view or environment");
   return check_lighting(m.lighting());
 }
 

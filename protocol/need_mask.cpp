@@ -33,6 +33,9 @@ NeedMask material_needs(const Material& m, bool vertex_color) {
     if (m.normal_map.present() && m.normal_scale != 0.0f) needs |= kNeedNormalMap;
     if (m.occlusion_map.present() && m.occlusion_strength != 0.0f) needs |= kNeedOcclusionMap;
     if (m.emissive_map.present() && m.emissive != glm::vec3(0)) needs |= kNeedEmissiveMap;
+    if (m.emissive != glm::vec3(0)) needs |= kNeedEmissive;
+  } else {
+    needs |= kNeedUnlit;
   }
   for (const TextureRef* t :
        {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {

@@ -24,7 +24,15 @@ enum Need : NeedMask {
   kNeedSpecular = 1u << 9,
   kNeedTextureTransform = 1u << 10,
   kNeedUv1 = 1u << 11,
+  kNeedEmissive = 1u << 12,
+  kNeedUnlit = 1u << 13,
 };
+
+/// Whether tiles of an object can leave the shading to the client: one opaque, lit surface per
+/// texel that sends out no light of its own.
+inline bool can_relight(NeedMask needs) {
+  return (needs & kNeedLighting) && !(needs & (kNeedBlend | kNeedEmissive | kNeedUnlit));
+}
 
 /// Needs of one material on a mesh; `vertex_color` tells whether any vertex colour is not white.
 NeedMask material_needs(const Material& material, bool vertex_color);

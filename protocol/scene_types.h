@@ -48,6 +48,7 @@ struct Environment {
   glm::vec3 zenith{0.216f};
   glm::vec3 horizon{0.216f};
   glm::vec3 nadir{0.216f};
+  float fog_density = 0;  ///< per metre, of the horizon's colour; 0: none
 };
 
 /// Where a viewer starts, and the loop that `builtin:walk` follows: a circle of radius

@@ -55,12 +55,18 @@ Result<std::vector<std::uint8_t>> decompress_block(const std::uint8_t* bytes, st
 
 std::vector<std::uint8_t> encode_tile_planes(const Tile& tile, TileCodec codec) {
   std::vector<std::uint8_t> planes;
-  planes.reserve(tile.rgba.size() + tile.depth.size());
+  planes.reserve(tile.rgba.size() + tile.surface.size() + tile.depth.size());
   planes.insert(planes.end(), tile.rgba.begin(), tile.rgba.end());
+  planes.insert(planes.end(), tile.surface.begin(), tile.surface.end());
   planes.insert(planes.end(), tile.depth.begin(), tile.depth.end());
   if (codec == TileCodec::kRaw || planes.empty()) return planes;
-  predict(planes.data(), tile.crop.w, tile.crop.h, 4);
-  predict(planes.data() + tile.rgba.size(), tile.crop.w, tile.crop.h, 1);
+  std::uint8_t* plane = planes.data();
+  for (const std::vector<std::uint8_t>* four : {&tile.rgba, &tile.surface}) {
+    if (four->empty()) continue;
+    predict(plane, tile.crop.w, tile.crop.h, 4);
+    plane += four->size();
+  }
+  predict(plane, tile.crop.w, tile.crop.h, 1);
   return compress_block(planes.data(), planes.size());
 }
 
@@ -70,7 +76,8 @@ Result<void> decode_tile_planes(const std::uint8_t* bytes, std::size_t size, Til
   if (tile.crop.w > limits::kMaxTileEdge || tile.crop.h > limits::kMaxTileEdge) {
     return make_error(ErrorId::kCodec, "tile crop is larger than any tile");
   }
-  const std::size_t expected = area * 5;
+  const std::size_t four = area * 4, surface = tile.relit() ? four : 0;
+  const std::size_t expected = four + surface + area;
   std::vector<std::uint8_t> planes;
   if (codec == TileCodec::kRaw || area == 0) {
     if (size != expected) return make_error(ErrorId::kCodec, "tile bytes do not fit its crop");
@@ -80,18 +87,22 @@ Result<void> decode_tile_planes(const std::uint8_t* bytes, std::size_t size, Til
     if (!block) return block.error();
     planes = block.take();
     unpredict(planes.data(), tile.crop.w, tile.crop.h, 4);
-    unpredict(planes.data() + area * 4, tile.crop.w, tile.crop.h, 1);
+    if (surface > 0) unpredict(planes.data() + four, tile.crop.w, tile.crop.h, 4);
+    unpredict(planes.data() + four + surface, tile.crop.w, tile.crop.h, 1);
   } else {
     return make_error(ErrorId::kCodec, "unknown tile codec");
   }
-  tile.rgba.assign(planes.begin(), planes.begin() + static_cast<std::ptrdiff_t>(area * 4));
-  tile.depth.assign(planes.begin() + static_cast<std::ptrdiff_t>(area * 4), planes.end());
+  const auto at = [&](std::size_t n) { return planes.begin() + static_cast<std::ptrdiff_t>(n); };
+  tile.rgba.assign(planes.begin(), at(four));
+  tile.surface.assign(at(four), at(four + surface));
+  tile.depth.assign(at(four + surface), planes.end());
   return {};
 }
 
 std::uint64_t tile_content_hash(const Tile& tile) {
-  const std::uint64_t color = XXH3_64bits(tile.rgba.data(), tile.rgba.size());
-  return XXH3_64bits_withSeed(tile.depth.data(), tile.depth.size(), color);
+  std::uint64_t hash = XXH3_64bits(tile.rgba.data(), tile.rgba.size());
+  if (tile.relit()) hash = XXH3_64bits_withSeed(tile.surface.data(), tile.surface.size(), hash);
+  return XXH3_64bits_withSeed(tile.depth.data(), tile.depth.size(), hash);
 }
 
 }  // namespace mirage

@@ -11,16 +11,16 @@ namespace mirage {
 
 enum class TileCodec : std::uint8_t { kRaw = 0, kZstd = 1 };
 
-/// Colour plane then depth plane. `kZstd` predicts each byte from its left neighbour's channel
+/// Colour plane, surface plane of a relit tile, depth plane. `kZstd` predicts each byte from its left neighbour's channel
 /// first, which makes smooth images smaller at almost no time.
 std::vector<std::uint8_t> encode_tile_planes(const Tile& tile, TileCodec codec);
 
-/// Fills rgba and depth of `tile`, whose crop says the exact size. Nothing is allocated before the
+/// Fills the planes of `tile`, whose crop and channels say the exact size. Nothing is allocated before the
 /// sizes agree; a bomb cannot grow past the crop. Errors: kCodec.
 Result<void> decode_tile_planes(const std::uint8_t* bytes, std::size_t size, TileCodec codec,
                                 Tile& tile);
 
-/// 64-bit hash of both planes, for verification.
+/// 64-bit hash of all planes, for verification.
 std::uint64_t tile_content_hash(const Tile& tile);
 
 /// zstd of any block, for meshes and reference frames; decode is bounded by `expected_size`.

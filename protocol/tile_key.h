@@ -9,7 +9,17 @@
 namespace mirage {
 
 /// Channels of a tile, as bits.
-enum TileChannel : std::uint8_t { kChannelColor = 1, kChannelDepth = 2, kChannelNormal = 4 };
+enum TileChannel : std::uint8_t {
+  kChannelColor = 1,
+  kChannelDepth = 2,
+  kChannelNormal = 4,
+  kChannelMaterial = 8,
+};
+
+/// The two kinds of tile: shaded by the server for one lighting, or by the client for any.
+inline constexpr std::uint8_t kLitTile = kChannelColor | kChannelDepth;
+inline constexpr std::uint8_t kRelitTile = kLitTile | kChannelNormal | kChannelMaterial;
+inline bool valid_channels(std::uint8_t c) { return c == kLitTile || c == kRelitTile; }
 
 struct TileKey {
   std::uint64_t scene_revision = 0;
@@ -17,9 +27,9 @@ struct TileKey {
   ViewCell cell;
   DistanceBucket distance;
   std::uint8_t size_class = 0;
-  std::uint64_t lighting = 0;  ///< ObjectLighting::hash(); 0 when the object is unlit
+  std::uint64_t lighting = 0;  ///< ObjectLighting::hash(); 0: unlit object, or relit tile
   std::uint32_t phase = 0;     ///< quantised animation time; 0 when static
-  std::uint8_t channels = kChannelColor | kChannelDepth;
+  std::uint8_t channels = kLitTile;
 };
 
 /// 128-bit hash of the key's canonical bytes (xxHash, little-endian).

@@ -119,6 +119,7 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.sky_zenith = std::make_unique<wire::Vec3f>(to_wire(scene.environment.zenith));
   welcome.sky_horizon = std::make_unique<wire::Vec3f>(to_wire(scene.environment.horizon));
   welcome.sky_nadir = std::make_unique<wire::Vec3f>(to_wire(scene.environment.nadir));
+  welcome.fog_density = scene.environment.fog_density;
   welcome.home_eye = std::make_unique<wire::Vec3d>(to_wire(scene.home.eye));
   welcome.home_target = std::make_unique<wire::Vec3d>(to_wire(scene.home.target));
   welcome.walk_radius_m = scene.home.walk_radius_m;
@@ -174,13 +175,17 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
   key.channels = a.channels();
   key.phase = a.phase();
   if (!valid(key.cell) || !valid(key.distance) || key.size_class > limits::kMaxSizeClass ||
-      key.channels != (kChannelColor | kChannelDepth) || scene_->objects[a.object()].radius <= 0 ||
+      !valid_channels(key.channels) || scene_->objects[a.object()].radius <= 0 ||
       !valid_phase(a.phase(), scene_->objects[a.object()].motion.moving())) {
     return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
   }
   const ObjectDescription& object = scene_->objects[a.object()];
+  const bool relit = key.channels == kRelitTile;
+  if (relit && !can_relight(object.needs)) {
+    return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
+  }
   ObjectLighting light;
-  if (object.needs & kNeedLighting) {
+  if ((object.needs & kNeedLighting) && !relit) {
     light = object_lighting(lighting, scene_->instance(a.instance()).world_from_object,
                             object.center, object.radius);
     key.lighting = light.hash();

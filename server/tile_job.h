@@ -35,8 +35,9 @@ struct TileJob {
 struct PagePixels {
   int width = 0;
   int height = 0;
-  std::vector<std::uint8_t> rgba;   ///< bottom row first, as GL reads it
-  std::vector<std::uint8_t> depth;  ///< one code per texel
+  std::vector<std::uint8_t> rgba;     ///< bottom row first, as GL reads it
+  std::vector<std::uint8_t> depth;    ///< one code per texel
+  std::vector<std::uint8_t> surface;  ///< empty when no tile of the page is relit
 };
 
 /// A rendered tile on its way to an encoder.

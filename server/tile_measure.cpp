@@ -55,8 +55,9 @@ std::vector<float> entry_depths(const std::vector<Plane>& planes, const Capture&
   return out;
 }
 
-// Largest dc^2 |1/z - 1/entry| with the entry depth taken over the 3x3 neighbourhood as well, which covers
-// what happens between texel centres; `unusable` when content lies where the proxy is missed.
+// Largest dc^2 |1/z - 1/entry| with the entry depth taken over the 3x3 neighbourhood as well, which
+// covers what happens between texel centres; `unusable` when content lies where the proxy is
+// missed.
 float entry_difference(const std::vector<float>& z, const std::vector<float>& entry,
                        const TileCrop& crop, float dc, float unusable) {
   float worst = 0;
@@ -118,35 +119,43 @@ void measure(Tile& tile, const Capture& capture, const ObjectDescription& object
   const auto box =
       entry_depths(box_planes(object.box_min, object.box_max), capture, center, tile.crop);
   // Half a step of the depth code, which is linear in 1 / z.
-  const auto step = static_cast<float>(code.inverse_quantum() * capture.distance * capture.distance);
+  const auto step =
+      static_cast<float>(code.inverse_quantum() * capture.distance * capture.distance);
   const auto unusable = static_cast<float>(100.0 * capture.distance);
   m.dz_cuboid = entry_difference(z, box, tile.crop, dc, unusable) + step;
   const std::vector<Plane> hull = object.hull.planes();
   if (hull.empty()) {
     m.dz_hull = m.dz_cuboid;
   } else {
-    m.dz_hull =
-        entry_difference(z, entry_depths(hull, capture, center, tile.crop), tile.crop, dc,
-                         unusable) +
-        step;
+    m.dz_hull = entry_difference(z, entry_depths(hull, capture, center, tile.crop), tile.crop, dc,
+                                 unusable) +
+                step;
   }
 }
 
 }  // namespace
 
-Tile cut_tile(const std::uint8_t* rgba, const std::uint8_t* depth, int page_width,
-              const Capture& capture, const ObjectDescription& object) {
+Tile cut_tile(const std::uint8_t* rgba, const std::uint8_t* depth, const std::uint8_t* surface,
+              int page_width, const Capture& capture, const ObjectDescription& object) {
   const Source source{rgba, depth, page_width, capture.edge};
   Tile tile;
   tile.edge = capture.edge;
   tile.crop = content_crop(source);
   tile.rgba.resize(tile.crop.area() * 4);
   tile.depth.resize(tile.crop.area());
+  if (surface) {
+    tile.channels = kRelitTile;
+    tile.surface.resize(tile.crop.area() * 4);
+  }
   for (std::uint32_t y = 0; y < tile.crop.h; ++y) {
     const std::size_t from = source.at(tile.crop.x, tile.crop.y + y);
     const std::size_t to = std::size_t{y} * tile.crop.w;
     std::copy_n(rgba + from * 4, std::size_t{tile.crop.w} * 4,
                 tile.rgba.begin() + static_cast<std::ptrdiff_t>(to * 4));
+    if (surface) {
+      std::copy_n(surface + from * 4, std::size_t{tile.crop.w} * 4,
+                  tile.surface.begin() + static_cast<std::ptrdiff_t>(to * 4));
+    }
     std::copy_n(depth + from, tile.crop.w, tile.depth.begin() + static_cast<std::ptrdiff_t>(to));
   }
   measure(tile, capture, object);

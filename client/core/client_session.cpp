@@ -18,6 +18,7 @@ ClientSession::ClientSession(Link& link, ClientOptions options, TileSink sink)
       options_(std::move(options)),
       sink_(std::move(sink)),
       cache_(options_.atlas_edge, options_.atlas_layers),
+      relight_(options_.relight),
       tau_(options_.tau_px, options_.targets) {}
 
 void ClientSession::greet() {
@@ -111,15 +112,17 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   if (tile->edge != tile_edge(ask->need.size_class)) {
     return make_error(ErrorId::kWireValue, "tile has another size than asked for");
   }
+  if (tile->channels != ask->need.channels) {
+    return make_error(ErrorId::kWireValue, "tile has other channels than asked for");
+  }
   const auto codec = static_cast<TileCodec>(reply.codec);
   const Result<void> decoded = decode_tile_planes(planes.data(), planes.size(), codec, *tile);
   if (!decoded) return decoded.error();
-  if (ask->lighting_id != lighting_id_) return {};
   const ObjectDescription& object = scene_.objects[ask->object];
   const Capture capture(ask->need.cell, ask->need.distance, object.radius, tile->edge);
-  std::vector<std::uint8_t> rgba = std::move(tile->rgba);
+  const TilePixels pixels{std::move(tile->rgba), std::move(tile->surface)};
   const TileRecordPtr record = cache_.insert(ask->need.instance, scene_, capture, tile.take(),
-                                             frame_, now_us, ask->need.phase);
+                                             frame_, now_us, ask->need.light, ask->need.phase);
   if (!record) return {};
   undrawn_.push_back(record);
   record->last_drawn = frame_;
@@ -129,7 +132,7 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
                       tile_edge(ask->need.size_class), ask->sent_us, now_us, -1, reply.queue_us,
                       reply.render_us, reply.encode_us, bytes});
   }
-  if (sink_.tile) sink_.tile(*record, rgba);
+  if (sink_.tile) sink_.tile(*record, pixels);
   return {};
 }
 
@@ -201,12 +204,17 @@ void ClientSession::take_refusal(const wire::RefusedT& refused, std::int64_t now
   scheduler_.refuse(refused.request_id, now_us);
 }
 
-void ClientSession::set_lighting(const Lighting& lighting) {
+void ClientSession::set_lighting(const Lighting& lighting, std::int64_t now_us) {
   own_lighting_ = true;
   lighting_ = lighting;
   if (!scene_.complete()) return;
   send_lighting();
-  cache_.relight(scene_, lighting_);
+  const LightHistory& lights = cache_.lights();
+  const std::uint32_t before = lights.current().serial;
+  const std::uint32_t latest = lights.latest_serial();
+  cache_.relight(lighting_, now_us);
+  light_changed_ = light_changed_ || lights.current().serial != before;
+  if (lights.latest_serial() != latest) relight_.new_light(now_us);
 }
 
 void ClientSession::send_lighting() {
@@ -239,6 +247,7 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
   const std::int64_t horizon =
       std::min(scheduler_.round_trip_us() + kHorizonSlackUs, kMaxHorizonUs);
   predictor_.remember(horizon);
+  cache_.want_relit(relight_.relight(now_us));
   SelectorInput input;
   input.scene = &scene_;
   input.cache = &cache_;

@@ -14,6 +14,7 @@
 #include "client/core/link.h"
 #include "client/core/mesh_cache.h"
 #include "client/core/predictor.h"
+#include "client/core/relight_policy.h"
 #include "client/core/scene_view.h"
 #include "client/core/scheduler.h"
 #include "client/core/selector.h"
@@ -28,6 +29,7 @@ struct ClientOptions {
   MethodChoice method;
   double march_budget_px = 1e9;  ///< screen area per frame drawn by marching depth
   double mesh_radii = 4;         ///< swap distance to geometry, in radii
+  RelightChoice relight = RelightChoice::kAuto;
   int atlas_edge = 1024;
   int atlas_layers = 24;
   std::string token;
@@ -47,7 +49,7 @@ struct ReferenceFrame {
 
 /// Where decoded pixels and meshes go; the frame renderer implements it.
 struct TileSink {
-  std::function<void(const TileRecord&, const std::vector<std::uint8_t>&)> tile;
+  std::function<void(const TileRecord&, const TilePixels&)> tile;
   std::function<void(std::uint32_t object, std::uint8_t lod, ObjectModel)> mesh;
   std::function<void(std::uint32_t index, const Image&)> image;
   std::function<void(const AssetId&)> drop;  ///< an image that goes shows its mean colour again
@@ -83,7 +85,9 @@ class ClientSession {
   void note_frame_ms(double ms) { frame_ms_ = ms; }
   double tau_px() const { return tau_.tau_px(); }
 
-  void set_lighting(const Lighting& lighting);
+  void set_lighting(const Lighting& lighting, std::int64_t now_us);
+  /// Whether the light has ever been another than the first.
+  bool light_changed() const { return light_changed_; }
   /// Asks for a full render of this camera; it arrives as reference().
   void ask_reference(const Camera& camera, std::uint32_t supersample);
   std::optional<ReferenceFrame> take_reference() { return std::exchange(reference_, std::nullopt); }
@@ -116,8 +120,10 @@ class ClientSession {
   SceneView scene_;
   Lighting lighting_;
   bool own_lighting_ = false;
+  bool light_changed_ = false;
   std::uint32_t lighting_id_ = 0;
   TileCache cache_;
+  RelightPolicy relight_;
   Predictor predictor_{50};
   Selector selector_;
   Scheduler scheduler_;

@@ -20,11 +20,11 @@ Result<FrameRenderer> FrameRenderer::create(int atlas_edge, int atlas_layers) {
   return out;
 }
 
-void FrameRenderer::reset(const SceneView& scene) {
+Result<void> FrameRenderer::reset(const SceneView& scene) {
   meshes_.clear();
   images_ = gl::GpuImages();
   for (std::uint32_t i = 0; i < scene.images.size(); ++i) show_mean(scene, i);
-  impostors_.reset(scene);
+  return impostors_.reset(scene);
 }
 
 void FrameRenderer::show_mean(const SceneView& scene, std::uint32_t index) {
@@ -69,6 +69,7 @@ void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, co
                                 const Lighting& lighting, bool blended) {
   if (list.meshes.empty()) return;
   mesh_pass_->begin(camera.clip_from_relative(), gl::light_block(lighting, camera.pose.eye));
+  mesh_pass_->set_fog(scene.environment.horizon, scene.environment.fog_density);
   std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<gl::MeshInstance>> by_mesh;
   for (const DrawnMesh& drawn : list.meshes) {
     const InstanceView& instance = scene.instances[drawn.instance];

@@ -17,9 +17,10 @@ class FrameRenderer {
  public:
   static Result<FrameRenderer> create(int atlas_edge, int atlas_layers);
 
-  void reset(const SceneView& scene);
-  void upload(const TileRecord& record, const std::vector<std::uint8_t>& rgba) {
-    impostors_.upload(record, rgba);
+  /// Learns a new scene. Error kGraphicsShader: it is drawn, without its fog.
+  Result<void> reset(const SceneView& scene);
+  void upload(const TileRecord& record, const TilePixels& pixels) {
+    impostors_.upload(record, pixels);
   }
   void add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model);
   void add_image(const SceneView& scene, std::uint32_t index, const Image& image);
@@ -47,7 +48,8 @@ class FrameRenderer {
 
   ImpostorPass impostors_;
   gl::SkyPass sky_;
-  std::unique_ptr<gl::MeshPass> mesh_pass_ = std::make_unique<gl::MeshPass>(false);
+  std::unique_ptr<gl::MeshPass> mesh_pass_ = 
+      std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);
   std::map<std::pair<std::uint32_t, std::uint8_t>, ClientMesh> meshes_;  ///< by object and level
   gl::GpuImages images_;                                                 ///< of the scene
   std::vector<Vertex> posed_;                                            ///< scratch

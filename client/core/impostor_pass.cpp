@@ -128,6 +128,39 @@ std::vector<std::uint8_t> grown_depth(const std::vector<std::uint8_t>& depth, st
   return out;
 }
 
+// The surface with a gutter; empty texels beside covered ones get the mean normal and roughness of
+// those and the material of one, for the same reason.
+std::vector<std::uint8_t> grown_surface(const TilePixels& pixels, std::size_t w, std::size_t h) {
+  const std::size_t pw = w + 2, ph = h + 2;
+  std::vector<std::uint8_t> out(pw * ph * 4, 0);
+  const auto covered = [&](std::size_t x, std::size_t y) {  // in the gutter's coordinates
+    return x >= 1 && y >= 1 && x <= w && y <= h && pixels.rgba[((y - 1) * w + x - 1) * 4 + 3] != 0;
+  };
+  for (std::size_t y = 0; y < ph; ++y) {
+    for (std::size_t x = 0; x < pw; ++x) {
+      std::uint8_t* to = &out[(y * pw + x) * 4];
+      if (covered(x, y)) {
+        std::memcpy(to, &pixels.surface[((y - 1) * w + x - 1) * 4], 4);
+        continue;
+      }
+      unsigned sum[3] = {0, 0, 0}, count = 0;
+      for (std::size_t ny = y > 0 ? y - 1 : 0; ny <= std::min(y + 1, ph - 1); ++ny) {
+        for (std::size_t nx = x > 0 ? x - 1 : 0; nx <= std::min(x + 1, pw - 1); ++nx) {
+          if (!covered(nx, ny)) continue;
+          const std::uint8_t* from = &pixels.surface[((ny - 1) * w + nx - 1) * 4];
+          for (int c = 0; c < 3; ++c) sum[c] += from[c];
+          to[3] = from[3];
+          ++count;
+        }
+      }
+      for (int c = 0; c < 3 && count > 0; ++c) {
+        to[c] = static_cast<std::uint8_t>((sum[c] + count / 2) / count);
+      }
+    }
+  }
+  return out;
+}
+
 struct MethodShader {
   DrawMethod method;
   std::vector<std::string> defines;
@@ -141,25 +174,39 @@ const MethodShader kShaders[] = {
 
 }  // namespace
 
+Result<void> ImpostorPass::make_programs(bool fog) {
+  const auto make = [fog](const char* name, std::vector<std::string> defines) {
+    if (fog) defines.emplace_back("FOG");
+    const std::string file = std::string("impostor/") + name;
+    return gl::Program::create(file + ".vert", file + ".frag", defines);
+  };
+  std::map<std::pair<DrawMethod, bool>, gl::Program> programs;
+  for (const MethodShader& shader : kShaders) {
+    for (const bool relit : {false, true}) {
+      std::vector<std::string> defines = shader.defines;
+      if (relit) defines.emplace_back("RELIT");
+      Result<gl::Program> program = make("impostor", defines);
+      if (!program) return program.error();
+      programs.emplace(std::pair(shader.method, relit), program.take());
+    }
+  }
+  Result<gl::Program> relief = make("relief", {}), relit = make("relief", {"RELIT"});
+  Result<gl::Program> merged = make("relief", {"MERGED"}), placeholder = make("placeholder", {});
+  for (const Result<gl::Program>* program : {&relief, &relit, &merged, &placeholder}) {
+    if (!*program) return program->error();
+  }
+  programs_ = std::move(programs);
+  relief_ = relief.take();
+  relit_relief_ = relit.take();
+  merged_ = merged.take();
+  placeholder_ = placeholder.take();
+  with_fog_ = fog;
+  return {};
+}
+
 Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers) {
   ImpostorPass pass;
-  for (const MethodShader& shader : kShaders) {
-    Result<gl::Program> program =
-        gl::Program::create("impostor/impostor.vert", "impostor/impostor.frag", shader.defines);
-    if (!program) return program.error();
-    pass.programs_.emplace(shader.method, program.take());
-  }
-  for (const bool merged : {false, true}) {
-    Result<gl::Program> relief = gl::Program::create(
-        "impostor/relief.vert", "impostor/relief.frag",
-        merged ? std::vector<std::string>{"MERGED"} : std::vector<std::string>{});
-    if (!relief) return relief.error();
-    (merged ? pass.merged_ : pass.relief_) = relief.take();
-  }
-  Result<gl::Program> placeholder =
-      gl::Program::create("impostor/placeholder.vert", "impostor/placeholder.frag", {});
-  if (!placeholder) return placeholder.error();
-  pass.placeholder_ = placeholder.take();
+  if (Result<void> made = pass.make_programs(false); !made) return made.error();
   while (glGetError() != GL_NO_ERROR) {
   }
   pass.color_ = make_layers(GL_SRGB8_ALPHA8, GL_RGBA, GL_LINEAR, atlas_edge, atlas_layers);
@@ -168,6 +215,8 @@ Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers) {
     return make_error(ErrorId::kGraphicsGl, "the atlas does not fit the graphics memory",
                       "--atlas-mb takes less");
   }
+  pass.atlas_edge_ = atlas_edge;
+  pass.atlas_layers_ = atlas_layers;
   pass.gpu_bytes_ = static_cast<std::size_t>(atlas_edge) * static_cast<std::size_t>(atlas_edge) *
                     static_cast<std::size_t>(atlas_layers) * 5;
   pass.instances_ = gl::Buffer::create();
@@ -204,14 +253,19 @@ ImpostorPass::Proxy ImpostorPass::make_proxy(const std::vector<glm::vec3>& data)
   return proxy;
 }
 
-void ImpostorPass::reset(const SceneView& scene) {
+Result<void> ImpostorPass::reset(const SceneView& scene) {
   hulls_.clear();
   for (const ObjectDescription& object : scene.objects) {
     hulls_.push_back(make_proxy(hull_triangles(object.hull)));
   }
+  fog_color_ = scene.environment.horizon;
+  fog_density_ = scene.environment.fog_density;
+  const bool fog = fog_density_ > 0;
+  return fog == with_fog_ ? Result<void>{} : make_programs(fog);
 }
 
-void ImpostorPass::upload(const TileRecord& record, const std::vector<std::uint8_t>& rgba) {
+void ImpostorPass::upload(const TileRecord& record, const TilePixels& pixels) {
+  const std::vector<std::uint8_t>& rgba = pixels.rgba;
   const std::size_t w = record.crop.w, h = record.crop.h, pw = w + 2, ph = h + 2;
   std::vector<std::uint8_t> color(pw * ph * 4, 0), depth(pw * ph, 0);
   for (std::size_t y = 0; y < h; ++y) {
@@ -228,6 +282,18 @@ void ImpostorPass::upload(const TileRecord& record, const std::vector<std::uint8
   glBindTexture(GL_TEXTURE_2D_ARRAY, depth_.id());
   glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, s.x, s.y, s.layer, gw, gh, 1, GL_RED, GL_UNSIGNED_BYTE,
                   depth.data());
+  if (record.relit) upload_surface(s, grown_surface(pixels, w, h), gw, gh);
+}
+
+void ImpostorPass::upload_surface(const AtlasSlot& s, const std::vector<std::uint8_t>& surface,
+                                  int w, int h) {
+  if (surface_.id() == 0) {
+    surface_ = make_layers(GL_RGBA8, GL_RGBA, GL_LINEAR, atlas_edge_, atlas_layers_);
+    gpu_bytes_ += gpu_bytes_ / 5 * 4;
+  }
+  glBindTexture(GL_TEXTURE_2D_ARRAY, surface_.id());
+  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, s.x, s.y, s.layer, w, h, 1, GL_RGBA, GL_UNSIGNED_BYTE,
+                  surface.data());
 }
 
 template <typename InstanceT>
@@ -250,11 +316,13 @@ void ImpostorPass::draw_instances(const Proxy& proxy, const std::vector<Instance
   ++draw_calls_;
 }
 
-void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera) {
+void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool relit) {
   program.use();
   program.set("u_clip_from_relative", camera.clip_from_relative());
   const double n = camera.near_m, f = camera.far_m;
   program.set("u_depth_window", glm::vec2(f / (f - n), -f * n / (f - n)));
+  program.set("u_fog_color", fog_color_);
+  program.set("u_fog_density", fog_density_);
   program.set("u_color", 0);
   program.set("u_depth", 1);
   program.set("u_tiles", 2);
@@ -262,13 +330,25 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera) {
   glBindTexture(GL_TEXTURE_2D_ARRAY, color_.id());
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_2D_ARRAY, depth_.id());
+  if (!relit) return;
+  program.set("u_surface", 3);
+  program.set("u_ambient", lights_.ambient);
+  program.set("u_light_count", lights_.count);
+  program.set("u_lights", lights_.lights);
+  glActiveTexture(GL_TEXTURE3);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, surface_.id());
 }
 
 void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list) {
-  std::vector<ReliefInstance> single, merged;
+  std::vector<ReliefInstance> single, relit, merged;
   std::vector<glm::vec4> rows;
   for (const DrawnImpostor& drawn : list.impostors) {
     if (drawn.method != DrawMethod::kDepth) continue;
+    // Merging takes finished colours: a relit tile is drawn alone.
+    if (drawn.tile->relit) {
+      relit.push_back(relief_instance(drawn, camera, scene, 0));
+      continue;
+    }
     if (!drawn.neighbours[0]) {
       single.push_back(relief_instance(drawn, camera, scene, 0));
       continue;
@@ -279,11 +359,15 @@ void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, con
   // The proxies' far faces: each pixel once, also with the eye inside.
   glCullFace(GL_FRONT);
   if (!single.empty()) {
-    use_atlas(relief_, camera);
+    use_atlas(relief_, camera, false);
     draw_instances(cube_, single, true);
   }
+  if (!relit.empty()) {
+    use_atlas(relit_relief_, camera, true);
+    draw_instances(cube_, relit, true);
+  }
   if (!merged.empty()) {
-    use_atlas(merged_, camera);
+    use_atlas(merged_, camera, false);
     glActiveTexture(GL_TEXTURE2);
     glBindTexture(GL_TEXTURE_2D, tile_rows_.id());
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, kReliefRowTexels,
@@ -294,11 +378,11 @@ void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, con
 }
 
 void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene, const DrawList& list,
-                               DrawMethod method, bool soft) {
+                               DrawMethod method, bool relit, bool soft) {
   std::vector<ImpostorInstance> all;
   std::map<std::uint32_t, std::vector<ImpostorInstance>> by_object;
   for (const DrawnImpostor& drawn : list.impostors) {
-    if (drawn.method != method) continue;
+    if (drawn.method != method || drawn.tile->relit != relit) continue;
     if (method == DrawMethod::kHull) {
       by_object[drawn.tile->object].push_back(instance_data(drawn, camera, scene));
     } else {
@@ -306,8 +390,8 @@ void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene, con
     }
   }
   if (all.empty() && by_object.empty()) return;
-  gl::Program& program = programs_.at(method);
-  use_atlas(program, camera);
+  gl::Program& program = programs_.at({method, relit});
+  use_atlas(program, camera, relit);
   program.set("u_soft", soft ? 1 : 0);
   program.set("u_forward", glm::vec3(camera.forward()));
   const bool quad = method == DrawMethod::kQuad || method == DrawMethod::kWarp;
@@ -336,6 +420,8 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
   }
   placeholder_.use();
   placeholder_.set("u_clip_from_relative", camera.clip_from_relative());
+  placeholder_.set("u_fog_color", fog_color_);
+  placeholder_.set("u_fog_density", fog_density_);
   for (const auto& [object, instances] : by_object) draw_instances(hulls_[object], instances, true);
 }
 
@@ -344,16 +430,21 @@ void ImpostorPass::draw(const Camera& camera, const SceneView& scene, const Draw
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
   glDisable(GL_BLEND);
+  lights_ = gl::light_block(lighting, camera.pose.eye);
   draw_placeholders(camera, scene, list, lighting);
   for (const MethodShader& shader : kShaders) {
-    draw_method(camera, scene, list, shader.method, false);
+    for (const bool relit : {false, true}) {
+      draw_method(camera, scene, list, shader.method, relit, false);
+    }
   }
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
   // Far methods first: a quad is far, marched depth near.
   for (const MethodShader& shader : kShaders) {
-    draw_method(camera, scene, list, shader.method, true);
+    for (const bool relit : {false, true}) {
+      draw_method(camera, scene, list, shader.method, relit, true);
+    }
   }
   glDepthMask(GL_TRUE);
   draw_relief(camera, scene, list);

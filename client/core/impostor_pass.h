@@ -9,6 +9,7 @@
 #include "client/core/selector.h"
 #include "protocol/result.h"
 #include "shaders/gl/gl_object.h"
+#include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/program.h"
 
 namespace mirage {
@@ -18,10 +19,12 @@ class ImpostorPass {
   /// Error kGraphicsShader, kGraphicsGl (atlas too large).
   static Result<ImpostorPass> create(int atlas_edge, int atlas_layers);
 
-  /// Proxies of a new scene.
-  void reset(const SceneView& scene);
-  /// Puts a tile's planes, with a gutter of nothing, where its record says.
-  void upload(const TileRecord& record, const std::vector<std::uint8_t>& rgba);
+  /// Proxies of a new scene, and programs with or without its fog. Error kGraphicsShader: those
+  /// there were stay.
+  Result<void> reset(const SceneView& scene);
+  /// Puts a tile's planes, with a gutter of nothing, where its record says. The first relit one
+  /// makes the atlas of surfaces, which takes four fifths of what the others take on top.
+  void upload(const TileRecord& record, const TilePixels& pixels);
   void draw(const Camera& camera, const SceneView& scene, const DrawList& list,
             const Lighting& lighting);
 
@@ -35,20 +38,26 @@ class ImpostorPass {
     gl::Buffer vertices;
     int vertex_count = 0;
   };
+  void upload_surface(const AtlasSlot& slot, const std::vector<std::uint8_t>& surface, int w,
+                      int h);
+  Result<void> make_programs(bool fog);
   static Proxy make_proxy(const std::vector<glm::vec3>& positions_and_normals);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
   void draw_method(const Camera& camera, const SceneView& scene, const DrawList& list,
-                   DrawMethod method, bool soft);
+                   DrawMethod method, bool relit, bool soft);
   void draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list);
-  void use_atlas(gl::Program& program, const Camera& camera);
+  void use_atlas(gl::Program& program, const Camera& camera, bool relit);
   void draw_placeholders(const Camera& camera, const SceneView& scene, const DrawList& list,
                          const Lighting& lighting);
 
   gl::Texture color_;
   gl::Texture depth_;
-  std::map<DrawMethod, gl::Program> programs_;
+  gl::Texture surface_;
+  int atlas_edge_ = 0, atlas_layers_ = 0;
+  std::map<std::pair<DrawMethod, bool>, gl::Program> programs_;  ///< and whether for relit tiles
   gl::Program relief_;
+  gl::Program relit_relief_;
   gl::Program merged_;
   gl::Texture tile_rows_;  ///< of merged impostors, see relief_instance.h
   gl::Program placeholder_;
@@ -56,6 +65,10 @@ class ImpostorPass {
   Proxy quad_;
   Proxy cube_;
   std::vector<Proxy> hulls_;
+  gl::LightBlock lights_;  ///< of the frame
+  bool with_fog_ = false;  ///< what the programs were made for
+  glm::vec3 fog_color_{0};
+  float fog_density_ = 0;
   int draw_calls_ = 0;
   std::size_t gpu_bytes_ = 0;
 };

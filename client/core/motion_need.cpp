@@ -28,7 +28,8 @@ TileFit best_of_phase(const TileGroup& group, Phase phase, const ObjectDescripti
 }  // namespace
 
 void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
-                      const TileGroup& group, std::vector<TileNeed>& out) {
+                      const TileCache::LitGroup& lit, std::vector<TileNeed>& out) {
+  const TileGroup& group = *lit.tiles;
   const ObjectDescription& object = in.scene->objects[in.scene->instances[instance].object];
   const double size = radius_px(view);
   const bool first = group.tiles.empty();
@@ -52,10 +53,12 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
       last = phase;
       then.clip_time_s = phase_time(phase, clip_s);
       const TileFit fit = best_of_phase(group, phase, object, then, in);
-      if (!fit.settled(plan.tau_px) || !in.cache->lit_now(instance)) {
+      if (!fit.settled(plan.tau_px) || !lit.wanted) {
         TileNeed need = need_for_view(then, plan);
         need.instance = instance;
         need.phase = phase;
+        need.channels = in.cache->wants_relit(instance) ? kRelitTile : kLitTile;
+        need.light = in.cache->light();
         if (first) need.size_class = coarse_class(need.size_class);
         need.error_px = displayed_error_px(fit, size);
         const double life = first ? kLongestLife : clip_s / (1 << level);

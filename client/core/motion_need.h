@@ -11,6 +11,6 @@ namespace mirage {
 /// the horizon, unless a resident tile of that phase will do. `view` is the predicted one, at the
 /// animation time of now.
 void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
-                      const TileGroup& group, std::vector<TileNeed>& out);
+                      const TileCache::LitGroup& lit, std::vector<TileNeed>& out);
 
 }  // namespace mirage

@@ -23,7 +23,8 @@ Result<void> SceneView::accept(const wire::WelcomeT& w) {
   Result<Lighting> light = from_wire(*w.lighting);
   if (!light) return light.error();
   lighting = light.take();
-  environment = {from_wire(*w.sky_zenith), from_wire(*w.sky_horizon), from_wire(*w.sky_nadir)};
+  environment = {from_wire(*w.sky_zenith), from_wire(*w.sky_horizon), from_wire(*w.sky_nadir),
+                 w.fog_density};
   home = {from_wire(*w.home_eye), from_wire(*w.home_target), w.walk_radius_m, w.walk_speed_mps};
   geometry = w.geometry;
   reference = w.reference;

@@ -21,6 +21,9 @@ constexpr double kWindowGain = 2.0;            // finds a faster link by asking 
 // Credit far ahead of the window: the window limits, credit only protects the client's memory.
 constexpr std::uint64_t kCreditAhead = 64u << 20;
 
+// Bytes against those of a lit tile: measured 1.1 (knot) to 2.0 (flight helmet).
+double share_of_lit(const TileNeed& need) { return need.channels == kRelitTile ? 1.6 : 1.0; }
+
 }  // namespace
 
 void Scheduler::reset() {
@@ -36,9 +39,9 @@ void Scheduler::reset() {
   saturated_since_us_ = -1;
 }
 
-double Scheduler::expected_bytes(std::uint8_t size_class) const {
-  const double edge = tile_edge(size_class);
-  return 160 + bytes_per_texel_ * edge * edge;
+double Scheduler::expected_bytes(const TileNeed& need) const {
+  const double edge = tile_edge(need.size_class);
+  return 160 + bytes_per_texel_ * share_of_lit(need) * edge * edge;
 }
 
 double Scheduler::window_bytes(std::int64_t now_us) const {
@@ -64,7 +67,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   for (const TileNeed& need : needs) needed.insert(need.instance);
   for (auto it = pending_.begin(); it != pending_.end();) {
     const PendingAsk& ask = it->second;
-    const bool useless = needed.count(ask.need.instance) == 0 || ask.lighting_id != lighting_id;
+    const bool useless = needed.count(ask.need.instance) == 0;
     if (useless || now_us - ask.sent_us > kLostUs) {
       batch.cancels.push_back(it->first);
       in_flight_bytes_ -= ask.expected_bytes;
@@ -97,7 +100,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     if (assets && (!tiles || surroundings || asset_bytes_ <= in_flight_bytes_)) {
       ask_asset(*asset++, now_us, batch);
     } else {
-      ask_tile(scene, *tile++, lighting_id, now_us, batch);
+      ask_tile(scene, *tile++, now_us, batch);
     }
   }
   if (!held_back) {
@@ -113,8 +116,8 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   return batch;
 }
 
-void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::uint32_t lighting_id,
-                         std::int64_t now_us, wire::RequestBatchT& batch) {
+void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::int64_t now_us,
+                         wire::RequestBatchT& batch) {
   if (pending_wanted_.count(wanted(need)) != 0) return;
   const auto pause = not_before_us_.find(need.instance);
   if (pause != not_before_us_.end() && pause->second > now_us) return;
@@ -122,10 +125,9 @@ void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::uint
   const std::uint32_t object = scene.instances[need.instance].object;
   batch.asks.emplace_back(id, need.instance, object, static_cast<float>(need.gain), 0u,
                           need.distance.index, need.cell.x, need.cell.y, need.cell.level,
-                          need.distance.level, need.size_class,
-                          static_cast<std::uint8_t>(kChannelColor | kChannelDepth), need.phase);
-  const double bytes = expected_bytes(need.size_class);
-  pending_[id] = {need, object, now_us, lighting_id, bytes};
+                          need.distance.level, need.size_class, need.channels, need.phase);
+  const double bytes = expected_bytes(need);
+  pending_[id] = {need, object, now_us, bytes};
   pending_wanted_[wanted(need)] = id;
   in_flight_bytes_ += bytes;
   ++asked_;
@@ -173,7 +175,8 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
   pending_wanted_.erase(wanted(ask.need));
   in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - ask.expected_bytes);
   const double edge = tile_edge(ask.need.size_class);
-  bytes_per_texel_ += 0.05 * (static_cast<double>(bytes) / (edge * edge) - bytes_per_texel_);
+  const double as_lit = static_cast<double>(bytes) / share_of_lit(ask.need);
+  bytes_per_texel_ += 0.05 * (as_lit / (edge * edge) - bytes_per_texel_);
   const std::int64_t trip = now_us - ask.sent_us;
   shortest_trip_us_ = shortest_trip_us_ == 0 ? trip : std::min(shortest_trip_us_, trip);
   round_trips_us_.push_back(trip);

@@ -22,7 +22,6 @@ struct PendingAsk {
   TileNeed need;
   std::uint32_t object = 0;
   std::int64_t sent_us = 0;
-  std::uint32_t lighting_id = 0;
   double expected_bytes = 0;  ///< as counted when it was sent: the expectation changes
 };
 
@@ -38,7 +37,8 @@ class Scheduler {
   void reset();
 
   /// Makes the next batch of what is needed and not yet under way; nullopt when there is nothing
-  /// to say. Asks whose instance is no longer needed are cancelled.
+  /// to say. Asks whose instance is no longer needed are cancelled; those for a light that has
+  /// changed meanwhile are not, or a light that always changes would never show.
   std::optional<wire::RequestBatchT> plan(const SceneView& scene,
                                           const std::vector<TileNeed>& needs,
                                           const std::vector<AssetNeed>& asset_needs,
@@ -74,10 +74,10 @@ class Scheduler {
   /// One ask at a time per instance, and per phase of a moving one: phases are asked for ahead.
   using Wanted = std::pair<std::uint32_t, Phase>;
   static Wanted wanted(const TileNeed& need) { return {need.instance, need.phase}; }
-  void ask_tile(const SceneView& scene, const TileNeed& need, std::uint32_t lighting_id,
-                std::int64_t now_us, wire::RequestBatchT& batch);
+  void ask_tile(const SceneView& scene, const TileNeed& need, std::int64_t now_us,
+                wire::RequestBatchT& batch);
   void ask_asset(const AssetNeed& need, std::int64_t now_us, wire::RequestBatchT& batch);
-  double expected_bytes(std::uint8_t size_class) const;
+  double expected_bytes(const TileNeed& need) const;
   double window_bytes(std::int64_t now_us) const;
 
   std::map<std::uint32_t, PendingAsk> pending_;           ///< by request id
@@ -90,7 +90,7 @@ class Scheduler {
   std::deque<std::int64_t> round_trips_us_;
   std::int64_t shortest_trip_us_ = 0;
   std::int64_t saturated_since_us_ = -1;
-  double bytes_per_texel_ = 0.7;
+  double bytes_per_texel_ = 0.7;      ///< of lit tiles, learnt from both kinds
   double in_flight_bytes_ = 0;        ///< of tiles
   double asset_bytes_ = 0;            ///< of geometry and images, in flight
   std::uint64_t received_bytes_ = 0;  ///< of tiles, on this connection

@@ -56,6 +56,15 @@ bool group_wanted(const SelectorInput& in, const InstanceView& view_of, const Vi
   return expected_life_s(view, plan) * slack >= kGroupLifeS;
 }
 
+// What the light of the group costs by being past; 0 when it is not.
+double light_change_px(const SelectorInput& in, const TileCache::LitGroup& lit,
+                       std::uint32_t instance, double radius_px) {
+  if (!lit.then) return 0;
+  const InstanceView& view = in.scene->instances[instance];
+  return light_error_px(lit.then->lighting, in.cache->lights().current().lighting, view,
+                        in.scene->objects[view.object], radius_px);
+}
+
 }  // namespace
 
 void Selector::reset(const SceneView& scene) { shown_.assign(scene.instances.size(), Shown{}); }
@@ -67,6 +76,7 @@ struct Selector::Candidate {
   ViewGeometry view;
   double distance = 0;
   double area_px = 0;
+  std::int64_t light_lag_us = 0;
   float fade = 1;
   TileFit flat;
   TileFit deep;
@@ -111,7 +121,11 @@ bool Selector::consider(Walk& w, std::uint32_t instance, float fade) {
     w.out.meshes.push_back({instance});
     return true;
   }
-  c.group = in.cache->group_to_draw(instance);
+  const TileCache::LitGroup lit = in.cache->lit_group(instance);
+  c.group = lit.tiles;
+  if (lit.then && light_change_px(in, lit, instance, size) > in.tau_px) {
+    c.light_lag_us = in.now_us - lit.then->ended_us;
+  }
   if (c.group->empty_from(c.view.eye)) return false;
   if (c.group->tiles.empty()) {
     if (!c.object->group) w.out.placeholders.push_back({instance, c.distance});
@@ -217,6 +231,7 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
       shown.former->last_drawn = in.frame;
       out.impostors.push_back(
           {c.instance, under.tile, under.method, under.bound_px, c.distance, c.fade});
+      out.impostors.back().light_lag_us = c.light_lag_us;
       fade = std::min(fade, progress);
     }
   }
@@ -224,6 +239,7 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   best.tile->shown = true;
   out.impostors.push_back(
       {c.instance, best.tile, best.method, best.bound_px, c.distance, static_cast<float>(fade)});
+  out.impostors.back().light_lag_us = c.light_lag_us;
   if (is_stale(best.bound_px, in.tau_px)) ++out.over_tau;
 }
 
@@ -266,11 +282,12 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   const double distance = glm::length(view.eye) / view.radius;
   if (in.scene->geometry && object.surrounds) return;
   if ((*in.mesh_ready)[view_of.object] && distance < in.mesh_radii) return;
-  const TileGroup& group = *in.cache->group_to_draw(instance);
-  if (group.empty_from(view.eye) && in.cache->lit_now(instance)) return;
+  const TileCache::LitGroup lit = in.cache->lit_group(instance);
+  const TileGroup& group = *lit.tiles;
+  if (group.empty_from(view.eye)) return;  // under any light
   // At the edge of the view the eye depth falls; ask as if the object were looked at.
   view.center_depth = glm::length(view.eye);
-  if (object.motion.moving()) return add_moving_needs(in, instance, view, group, out);
+  if (object.motion.moving()) return add_moving_needs(in, instance, view, lit, out);
   const ViewPlan plan = plan_for(in, view_of, group, view.radius);
   TileFit fit;
   if (!group.tiles.empty()) {
@@ -278,14 +295,19 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
     fit = still && in.method.automatic ? best_flat(group, object, view, in.tau_px)
                                        : best_fit(group, object, view, in.method, in.tau_px);
   }
-  if (fit.settled(in.tau_px) && in.cache->lit_now(instance)) return;
+  const double light_px = light_change_px(in, lit, instance, size);
+  // Shaded here it is right, and yet not as good as shaded by the server: when there is time.
+  const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
+  if (fit.settled(in.tau_px) && !is_stale(light_px, in.tau_px) && !shaded_here) return;
   // Inside the swap distance a tile is no use but as a stopgap: one, until geometry comes.
   if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
   TileNeed need = need_for_view(view, plan);
   need.instance = instance;
   // Something quick first: a quarter of the edge is a sixteenth of the bytes.
   if (group.tiles.empty()) need.size_class = coarse_class(need.size_class);
-  need.error_px = displayed_error_px(fit, size);
+  need.channels = in.cache->wants_relit(instance) ? kRelitTile : kLitTile;
+  need.light = in.cache->light();
+  need.error_px = std::max(displayed_error_px(fit, size), std::min(light_px, 2 * size));
   // Any image is better than none, however soon it ages.
   need.gain = need.error_px * (group.tiles.empty() ? kLongestLife : expected_life_s(view, plan));
   out.push_back(need);

@@ -27,6 +27,8 @@ struct DrawnImpostor {
   float fade = 1;       ///< opacity while fading in
   /// Further tiles of the object that help where `tile` has nothing (kDepth only), from the front.
   std::array<TileRecordPtr, 2> neighbours{};
+  /// For how long the light it shows has been past; 0: shown right, or within tau of it.
+  std::int64_t light_lag_us = 0;
 };
 
 /// An instance that has no tile yet: its proxy in its mean colour.

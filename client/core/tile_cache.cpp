@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "protocol/lighting_state.h"
+#include "protocol/limits.h"
 #include "protocol/stable_math.h"
 
 namespace mirage {
@@ -15,6 +15,9 @@ constexpr std::size_t kMaxMovingTilesPerGroup = 512;  // loops of a clip are dra
 constexpr std::size_t kMaxEmptyViews = 64;
 constexpr double kEmptyAngle = 0.02;  // radians around an empty view that count as empty, at least
 constexpr int kGutter = 1;  // texels of nothing around a tile, so that filtering never bleeds
+
+// Apart from those of LightHistory, which are small numbers or well mixed.
+std::uint64_t relit_key(std::uint32_t object) { return ~std::uint64_t{object}; }
 }  // namespace
 
 DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& description) const {
@@ -96,55 +99,70 @@ bool TileGroup::empty_from(const glm::dvec3& eye) const {
 TileCache::TileCache(int atlas_edge, int atlas_layers) : allocator_(atlas_edge, atlas_layers) {}
 
 void TileCache::reset(const SceneView& scene, const Lighting& lighting) {
-  for (TileGroup& group : groups_) {
+  for (auto& [key, group] : groups_) {
     while (!group.tiles.empty()) forget(group, 0);
   }
   groups_.clear();
-  group_index_.clear();
-  instance_group_.clear();
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    instance_group_.push_back(group_of(scene, i, lighting));
+  lights_.reset(scene, lighting);
+}
+
+const TileGroup* TileCache::find(std::uint64_t key) const {
+  const auto at = groups_.find(key);
+  return at != groups_.end() && at->second.known() ? &at->second : nullptr;
+}
+
+TileCache::LitGroup TileCache::lit_group(std::uint32_t instance) const {
+  static const TileGroup kNothing;
+  const bool relit = wants_relit(instance);
+  const TileGroup* bare =
+      lights_.can_relight(instance) ? find(relit_key(lights_.object_of(instance))) : nullptr;
+  if (relit && bare) return {bare, true, nullptr};
+  const TileGroup* own = find(lights_.key(instance, lights_.current()));
+  if (own) return {own, !relit, nullptr};
+  if (bare) return {bare, false, nullptr};
+  const std::vector<LightHistory::State>& states = lights_.states();
+  for (std::size_t i = states.size() - 1; i-- > 0 && lights_.lit(instance);) {
+    const TileGroup* former = find(lights_.key(instance, states[i]));
+    if (former) return {former, false, &states[i]};
   }
-  former_group_ = instance_group_;
+  return {&kNothing, true, nullptr};
 }
 
-void TileCache::relight(const SceneView& scene, const Lighting& lighting) {
-  for (std::uint32_t i = 0; i < instance_group_.size(); ++i) {
-    if (!groups_[instance_group_[i]].tiles.empty()) former_group_[i] = instance_group_[i];
-    instance_group_[i] = group_of(scene, i, lighting);
+void TileCache::relight(const Lighting& lighting, std::int64_t now_us) {
+  lights_.set(lighting, now_us);
+  // States that return carry their groups along.
+  const std::uint64_t turn = lights_.current().turn;
+  for (const std::uint64_t key : lights_.current().keys) {
+    const auto at = groups_.find(key);
+    if (at != groups_.end()) at->second.turn = std::max(at->second.turn, turn);
   }
+  drop_past_groups();
 }
 
-std::uint32_t TileCache::group_of(const SceneView& scene, std::uint32_t instance,
-                                  const Lighting& lighting) {
-  const InstanceView& view = scene.instances[instance];
-  const ObjectDescription& object = scene.objects[view.object];
-  std::uint64_t key = view.object;
-  if (object.needs & kNeedLighting) {
-    const std::uint64_t light =
-        object_lighting(lighting, view.world_from_object, object.center, object.radius).hash();
-    key ^= light * 0x9e3779b97f4a7c15ull;
+// Under a light that never returns groups would pile up, most of them without tiles.
+void TileCache::drop_past_groups() {
+  if (lights_.states().size() < limits::kMaxLightingStatesPerClient) return;
+  const std::uint64_t oldest = lights_.states().front().turn;
+  for (auto at = groups_.begin(); at != groups_.end();) {
+    TileGroup& group = at->second;
+    if (group.turn >= oldest) {
+      ++at;
+      continue;
+    }
+    while (!group.tiles.empty()) forget(group, 0);
+    at = groups_.erase(at);
   }
-  const auto [at, is_new] = group_index_.emplace(key, static_cast<std::uint32_t>(groups_.size()));
-  if (is_new) groups_.emplace_back();
-  return at->second;
-}
-
-const TileGroup* TileCache::group_to_draw(std::uint32_t instance) const {
-  const TileGroup& own = groups_[instance_group_[instance]];
-  if (own.known()) return &own;
-  return &groups_[former_group_[instance]];
-}
-
-bool TileCache::lit_now(std::uint32_t instance) const {
-  const TileGroup& own = groups_[instance_group_[instance]];
-  return own.known() || former_group_[instance] == instance_group_[instance];
 }
 
 TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
                                 const Capture& capture, Tile tile, std::uint64_t frame,
-                                std::int64_t now_us, Phase phase) {
-  TileGroup& group = groups_[instance_group_[instance]];
+                                std::int64_t now_us, std::uint32_t light, Phase phase) {
+  const LightHistory::State* state = light == 0 ? &lights_.current() : lights_.find(light);
+  if (!state) return nullptr;
+  const bool relit = tile.relit();
+  TileGroup& group =
+      groups_[relit ? relit_key(lights_.object_of(instance)) : lights_.key(instance, *state)];
+  group.turn = relit || !lights_.lit(instance) ? UINT64_MAX : std::max(group.turn, state->turn);
   if (tile.crop.area() == 0 && phase != kStaticPhase) return nullptr;  // other poses may show
   if (tile.crop.area() == 0) {
     const double angle = std::max(view_cell_angle(capture.view_level), kEmptyAngle);
@@ -167,6 +185,7 @@ TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
   record->slot = slot;
   record->depth = std::move(tile.depth);
   record->phase = phase;
+  record->relit = relit;
   record->received_us = now_us;
   record->last_drawn = frame;
   group.tiles.push_back(record);
@@ -189,10 +208,16 @@ bool TileCache::evict_oldest(std::uint64_t frame) {
   TileGroup* oldest_group = nullptr;
   std::size_t oldest_index = 0;
   std::uint64_t oldest = frame;
-  for (TileGroup& group : groups_) {
+  std::uint64_t serial = 0;
+  for (auto& [key, group] : groups_) {
     for (std::size_t i = 0; i < group.tiles.size(); ++i) {
-      if (group.tiles[i]->last_drawn + 1 >= oldest) continue;
-      oldest = group.tiles[i]->last_drawn + 1;
+      // Equally old: the earlier one, whatever the order of the groups.
+      const TileRecord& tile = *group.tiles[i];
+      const bool older = tile.last_drawn + 1 < oldest ||
+                         (oldest_group && tile.last_drawn + 1 == oldest && tile.serial < serial);
+      if (!older) continue;
+      oldest = tile.last_drawn + 1;
+      serial = tile.serial;
       oldest_group = &group;
       oldest_index = i;
     }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/core/atlas_allocator.h"
+#include "client/core/light_history.h"
 #include "client/core/scene_view.h"
 #include "protocol/capture.h"
 #include "protocol/tile.h"
@@ -32,6 +33,7 @@ struct TileRecord {
   std::int64_t received_us = 0;
   std::uint64_t last_drawn = 0;  ///< frame number
   bool shown = false;            ///< drawn at least once
+  bool relit = false;            ///< shaded when it is drawn
   std::size_t trace = SIZE_MAX;  ///< index of its life in the trace, if one is kept
 
   /// How far drawn points can be from the surface when drawn with `method`.
@@ -47,6 +49,11 @@ struct TileRecord {
 };
 using TileRecordPtr = std::shared_ptr<TileRecord>;
 
+/// Pixels of a tile that only drawing needs: Tile::rgba and Tile::surface.
+struct TilePixels {
+  std::vector<std::uint8_t> rgba, surface;
+};
+
 /// Tiles that look the same on every instance that shares them: same object, same light on it.
 struct TileGroup {
   /// A view from which the object has no pixels: an empty tile came back.
@@ -56,6 +63,7 @@ struct TileGroup {
   };
   std::vector<TileRecordPtr> tiles;
   std::vector<EmptyView> empty_views;
+  std::uint64_t turn = 0;  ///< of the latest lighting that wanted it (LightHistory)
 
   /// Nothing of the object shows from `eye` (relative to its centre), as far as is known.
   bool empty_from(const glm::dvec3& eye) const;
@@ -68,35 +76,52 @@ class TileCache {
 
   /// Drops everything and learns the scene's instances.
   void reset(const SceneView& scene, const Lighting& lighting);
-  /// New light: instances move to other groups and show their old tiles until new ones come.
-  void relight(const SceneView& scene, const Lighting& lighting);
+  /// New light: tiles of the former ones are shown until better lit ones come.
+  void relight(const Lighting& lighting, std::int64_t now_us);
+  /// From now on objects that can be relit want relit tiles, or want lit ones.
+  void want_relit(bool relit) { want_relit_ = relit; }
+  bool wants_relit(std::uint32_t instance) const {
+    return want_relit_ && lights_.can_relight(instance);
+  }
+  /// Serial of the present lighting, for asks.
+  std::uint32_t light() const { return lights_.current().serial; }
 
-  /// Group to draw `instance` from: its own if it has tiles, else the one of the former light.
-  const TileGroup* group_to_draw(std::uint32_t instance) const;
-  /// Whether the group drawn is that of the present light.
-  bool lit_now(std::uint32_t instance) const;
+  /// What to draw an instance from.
+  struct LitGroup {
+    const TileGroup* tiles = nullptr;           ///< never null, possibly empty
+    bool wanted = true;                         ///< of the present light and the wanted kind
+    const LightHistory::State* then = nullptr;  ///< the light it is of, if not the present one
+  };
+  /// Relit tiles or those of the present light, whichever kind is wanted first; without any, those
+  /// of the latest light that has some.
+  LitGroup lit_group(std::uint32_t instance) const;
+  const TileGroup* group_to_draw(std::uint32_t instance) const { return lit_group(instance).tiles; }
+  const LightHistory& lights() const { return lights_; }
 
-  /// Places a decoded tile into the atlas and its instance's group; nullptr when it is empty or no
-  /// room can be made.
+  /// Places a decoded tile into the atlas and the group of its instance under the light it was
+  /// asked for (0: the present one); nullptr when it is empty, no room can be made, or that light
+  /// is long past.
   TileRecordPtr insert(std::uint32_t instance, const SceneView& scene, const Capture& capture,
                        Tile tile, std::uint64_t frame, std::int64_t now_us,
-                       Phase phase = kStaticPhase);
+                       std::uint32_t light = 0, Phase phase = kStaticPhase);
 
   std::size_t resident() const { return resident_; }
+  std::size_t groups() const { return groups_.size(); }
   std::size_t atlas_texels() const { return allocator_.used_texels(); }
 
  private:
-  std::uint32_t group_of(const SceneView& scene, std::uint32_t instance, const Lighting& lighting);
+  const TileGroup* find(std::uint64_t key) const;
+  void drop_past_groups();
   bool make_room(int w, int h, std::uint64_t frame, AtlasSlot& slot);
   bool evict_oldest(std::uint64_t frame);
   void forget(TileGroup& group, std::size_t index);
   void trim(TileGroup& group, std::uint64_t frame);
 
   AtlasAllocator allocator_;
-  std::vector<TileGroup> groups_;
-  std::unordered_map<std::uint64_t, std::uint32_t> group_index_;
-  std::vector<std::uint32_t> instance_group_;
-  std::vector<std::uint32_t> former_group_;
+  LightHistory lights_;
+  bool want_relit_ = false;
+  /// By LightHistory::key, or by object for relit tiles; made when their first tile comes.
+  std::unordered_map<std::uint64_t, TileGroup> groups_;
   std::uint64_t next_serial_ = 1;
   std::size_t resident_ = 0;
 };

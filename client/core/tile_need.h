@@ -5,6 +5,7 @@
 #include "client/core/scene_view.h"
 #include "protocol/error_bound.h"
 #include "protocol/motion.h"
+#include "protocol/tile_key.h"
 #include "protocol/view_cell.h"
 
 namespace mirage {
@@ -16,6 +17,8 @@ struct TileNeed {
   DistanceBucket distance;
   std::uint8_t size_class = 0;
   Phase phase = kStaticPhase;
+  std::uint8_t channels = kLitTile;
+  std::uint32_t light = 0;  ///< serial of the lighting it is for (LightHistory)
   double error_px = 0;  ///< what showing the present state costs
   double gain = 0;      ///< error_px times the seconds the new tile is expected to serve: the rank
 };

@@ -10,8 +10,6 @@ namespace mirage {
 namespace {
 constexpr double kSunDegreesPerSecond = 15;
 constexpr double kDegree = 0.017453292519943295;
-// The sun's direction is held for this long: a new state every frame would outrun any server.
-constexpr double kSunStepSeconds = 0.2;
 }  // namespace
 
 Result<LightScript> LightScript::create(const std::string& spec) {
@@ -71,8 +69,7 @@ std::optional<Lighting> LightScript::at(double seconds, const Lighting& scene) c
     if (!on && !out.lights.empty()) out.lights.back().color = glm::vec3(0);
     return out;
   }
-  const double angle =
-      std::floor(seconds / kSunStepSeconds) * kSunStepSeconds * kSunDegreesPerSecond * kDegree;
+  const double angle = seconds * kSunDegreesPerSecond * kDegree;
   const double c = std::cos(angle), s = std::sin(angle);
   for (Light& light : out.lights) {
     if (light.kind != LightKind::kDirectional) continue;

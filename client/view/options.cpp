@@ -15,6 +15,10 @@ const std::map<std::string, MethodChoice> kMethods = {
     {"hull", {false, DrawMethod::kHull}},  {"warp", {false, DrawMethod::kWarp}},
     {"depth", {false, DrawMethod::kDepth}}};
 
+const std::map<std::string, RelightChoice> kRelight = {{"auto", RelightChoice::kAuto},
+                                                       {"always", RelightChoice::kAlways},
+                                                       {"never", RelightChoice::kNever}};
+
 Result<void> parse_size(const std::string& text, ViewOptions& o) {
   int w = 0, h = 0;
   char extra = 0;
@@ -45,6 +49,7 @@ Result<void> check(ViewOptions& o, const std::string& offscreen, const std::stri
   }
   const auto method = kMethods.find(o.method_name);
   o.method = method->second;
+  o.relight = kRelight.at(o.relight_name);
   if (o.offscreen && o.frames == 0) o.frames = 300;
   if (o.offscreen && o.path.empty()) o.path = "builtin:walk";
   if (!o.token_file.empty()) {
@@ -74,6 +79,11 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_option("--light", o.light,
                  "file of `t_ms ambient_rgb sun_rgb sun_dir_xyz` lines, or builtin:fixed|sun-sweep|"
                  "lamp-toggle")
+      ->capture_default_str();
+  app.add_option(
+         "--relight", o.relight_name,
+         "shade impostors here, from albedo and normals; auto: while the light keeps changing")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
       ->capture_default_str();
   app.add_option("--frames", o.frames, "stop after this many")->check(CLI::Range(1, 10'000'000));
   app.add_option("--fps", o.fps, "frame rate of the path")

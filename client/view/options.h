@@ -3,6 +3,7 @@
 #include <string>
 
 #include "client/core/modelled_link.h"
+#include "client/core/relight_policy.h"
 #include "client/core/selector.h"
 #include "client/core/tau_controller.h"
 
@@ -14,6 +15,8 @@ struct ViewOptions {
   int width = 1280, height = 720;
   std::string path;  ///< empty: mouse and keyboard (window) or the walk (offscreen)
   std::string light = "builtin:fixed";
+  std::string relight_name = "auto";
+  RelightChoice relight = RelightChoice::kAuto;
   int frames = 0;  ///< 0: until closed (window) or 300 (offscreen)
   double fps = 60;
   double fov_degrees = 60;

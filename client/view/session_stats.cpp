@@ -67,7 +67,15 @@ void SessionStats::add_frame(const DrawList& list, int draw_calls, double frame_
   stale_ += list.over_tau - list.placeholders.size();
   for (const DrawnImpostor& drawn : list.impostors) {
     bounds_.push_back(static_cast<float>(drawn.bound_px));
+    relit_ += drawn.tile->relit;
     ages_ms_.push_back(static_cast<float>(now_us - drawn.tile->received_us) / 1000.0f);
+  }
+}
+
+void SessionStats::add_light_lag(const DrawList& list, const SceneView& scene) {
+  for (const DrawnImpostor& drawn : list.impostors) {
+    if (!(scene.objects[drawn.tile->object].needs & kNeedLighting)) continue;
+    light_lag_ms_.push_back(static_cast<float>(drawn.light_lag_us) / 1000.0f);
   }
 }
 
@@ -103,6 +111,12 @@ std::string SessionStats::json(const Final& end) const {
   j["tiles"] = {{"asked", end.tiles.asked},         {"received", end.tiles.received},
                 {"drawn", end.tiles.drawn},         {"wasted", end.tiles.wasted},
                 {"cancelled", end.tiles.cancelled}, {"refused", end.tiles.refused}};
+  if (!light_lag_ms_.empty()) {
+    j["light_lag_ms"] = {{"p50", number(quantile(light_lag_ms_, 0.50))},
+                         {"p95", number(quantile(light_lag_ms_, 0.95))},
+                         {"max", number(quantile(light_lag_ms_, 1.0))}};
+  }
+  j["relit_fraction"] = ratio(relit_, impostors_);
   j["stale_fraction"] = ratio(stale_, visible_);
   j["tile_age_ms"] = quantiles(ages_ms_, false);
   j["bound_px"] = quantiles(bounds_, true);

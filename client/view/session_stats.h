@@ -14,6 +14,8 @@ class SessionStats {
  public:
   void add_frame(const DrawList& list, int draw_calls, double frame_ms, double real_ms,
                  std::int64_t now_us);
+  /// Of a frame in a session whose light has changed: how long each lit impostor's has been past.
+  void add_light_lag(const DrawList& list, const SceneView& scene);
   void add_comparison(const ImageMeasures& measures);
   /// E6 of a compared frame whose predecessor was compared as well.
   void add_flicker(std::optional<double> flicker) {
@@ -53,7 +55,8 @@ class SessionStats {
   std::uint64_t settled_bytes_ = 0;
   std::size_t frames_ = 0;
   std::int64_t first_image_us_ = -1;
-  std::vector<float> frame_ms_, real_ms_, bounds_, ages_ms_;
+  std::vector<float> frame_ms_, real_ms_, bounds_, ages_ms_, light_lag_ms_;
+  std::uint64_t relit_ = 0;
   std::uint64_t visible_ = 0, over_tau_ = 0, stale_ = 0, placeholders_ = 0, impostors_ = 0,
                 meshes_ = 0, draw_calls_ = 0;
   std::vector<float> flip_, flicker_;

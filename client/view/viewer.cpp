@@ -105,6 +105,7 @@ Result<void> Viewer::open_graphics() {
   options.atlas_edge = kAtlasEdge;
   options.atlas_layers = layers;
   options.mesh_budget_bytes = static_cast<std::size_t>(o_.mesh_mb) * 1024 * 1024;
+  options.relight = o_.relight;
   options.token = o_.token;
   options.animation = o_.animation == "on";
   options.trace = !o_.trace_file.empty();
@@ -113,8 +114,8 @@ Result<void> Viewer::open_graphics() {
   const bool software = renderer_name.find("llvmpipe") != std::string::npos;
   options.march_budget_px = o_.march_kpx >= 0 ? o_.march_kpx * 1000 : software ? 30e3 : 1e9;
   TileSink sink;
-  sink.tile = [this](const TileRecord& record, const std::vector<std::uint8_t>& rgba) {
-    renderer_->upload(record, rgba);
+  sink.tile = [this](const TileRecord& record, const TilePixels& pixels) {
+    renderer_->upload(record, pixels);
   };
   sink.mesh = [this](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
     renderer_->add_mesh(object, lod, std::move(model));
@@ -123,7 +124,10 @@ Result<void> Viewer::open_graphics() {
     renderer_->add_image(session_->scene(), index, image);
   };
   sink.drop = [this](const AssetId& id) { renderer_->drop(session_->scene(), id); };
-  sink.scene = [this](const SceneView& scene) { renderer_->reset(scene); };
+  sink.scene = [this](const SceneView& scene) {
+    const Result<void> ready = renderer_->reset(scene);
+    if (!ready) spdlog::warn("{}", ready.error().line());
+  };
   Link& link = modelled_ ? static_cast<Link&>(*modelled_) : *native_;
   session_ = std::make_unique<ClientSession>(link, options, sink);
   return {};
@@ -226,7 +230,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   const std::optional<Lighting> light =
       light_->at(static_cast<double>(now - start_us_) * 1e-6, scene.lighting);
   if (light && (!last_light_ || !same_lighting(*light, *last_light_))) {
-    session_->set_lighting(*light);
+    session_->set_lighting(*light, now);
     last_light_ = light;
   }
   Camera camera;
@@ -247,6 +251,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   glFinish();
   if (!list.impostors.empty() || !list.meshes.empty()) stats_.first_image(now);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
+  if (session_->light_changed()) stats_.add_light_lag(list, scene);
   stats_.add_frame(list, renderer_->draw_calls(), virtual_clock_ ? 1000.0 / o_.fps : real_ms,
                    real_ms, now);
   stats_.note_traffic(modelled_ ? modelled_->traffic() : native_->traffic(), now - start_us_);

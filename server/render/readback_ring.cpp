@@ -1,5 +1,6 @@
 #include "server/render/readback_ring.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace mirage {
@@ -39,6 +40,12 @@ void ReadbackRing::start(const gl::RenderTarget& page, PendingPage info) {
   const std::size_t texels = static_cast<std::size_t>(info.edge) * info.edge;
   slot.color = read_into_buffer(GL_COLOR_ATTACHMENT0, info.edge, GL_RGBA, texels * 4);
   slot.depth = read_into_buffer(GL_COLOR_ATTACHMENT1, info.edge, GL_RED, texels);
+  slot.relit = std::any_of(info.jobs.begin(), info.jobs.end(), [](const TileJob& job) {
+    return job.key.channels == kRelitTile;
+  });
+  if (slot.relit) {
+    slot.surface = read_into_buffer(GL_COLOR_ATTACHMENT2, info.edge, GL_RGBA, texels * 4);
+  }
   slot.info = std::move(info);
   slot.fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
   glFlush();
@@ -63,6 +70,10 @@ std::optional<ReadbackRing::Collected> ReadbackRing::collect(bool wait) {
   pixels->depth.resize(texels);
   copy_out(slot.color, pixels->rgba);
   copy_out(slot.depth, pixels->depth);
+  if (slot.relit) {
+    pixels->surface.resize(texels * 4);
+    copy_out(slot.surface, pixels->surface);
+  }
   Collected out{std::move(slot.info), std::move(pixels)};
   slots_.pop_front();
   return out;

@@ -40,6 +40,8 @@ class ReadbackRing {
     PendingPage info;
     gl::Buffer color;
     gl::Buffer depth;
+    gl::Buffer surface;  ///< of a page with relit tiles only
+    bool relit = false;
     GLsync fence = nullptr;
   };
   const std::size_t depth_;

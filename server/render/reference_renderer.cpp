@@ -38,7 +38,7 @@ void append_flipped(Bytes& out, const std::vector<T>& pixels, std::size_t row_el
 ReferenceRenderer::ReferenceRenderer(const GpuScene& scene)
     : scene_(&scene),
       instances_of_object_(scene.prepared->scene.objects.size()),
-      meshes_(std::make_unique<gl::MeshPass>(true)) {
+      meshes_(std::make_unique<gl::MeshPass>(gl::MeshOutput::kId)) {
   const std::vector<Instance>& instances = scene.prepared->scene.instances;
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
     instances_of_object_[instances[i].object].push_back(i);
@@ -62,6 +62,8 @@ void ReferenceRenderer::draw_scene(const Camera& camera, const Lighting& lightin
   const PreparedScene& prepared = *scene_->prepared;
   const glm::dvec3& eye = camera.pose.eye;
   meshes_->begin(camera.clip_from_relative(), gl::light_block(lighting, eye));
+  const Environment& environment = prepared.scene.environment;
+  meshes_->set_fog(environment.horizon, environment.fog_density);
   std::vector<gl::MeshInstance> visible;
   for (std::size_t object = 0; object < instances_of_object_.size(); ++object) {
     visible.clear();

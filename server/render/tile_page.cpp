@@ -24,24 +24,33 @@ glm::mat4 capture_projection(const Capture& capture) {
 
 Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int supersample) {
   TilePageRenderer out(scene, supersample);
-  Result<gl::Program> program =
-      gl::Program::create("common/fullscreen.vert", "tile/resolve_tile.frag", {});
-  if (!program) return program.error();
-  out.resolve_ = program.take();
+  for (const bool relit : {false, true}) {
+    Result<gl::Program> program =
+        gl::Program::create("common/fullscreen.vert", "tile/resolve_tile.frag",
+                            relit ? std::vector<std::string>{"RELIT"} : std::vector<std::string>{});
+    if (!program) return program.error();
+    Path& path = relit ? out.relit_ : out.lit_;
+    path.resolve = program.take();
+    path.meshes =
+        std::make_unique<gl::MeshPass>(relit ? gl::MeshOutput::kSurface : gl::MeshOutput::kColor);
+  }
   out.empty_vao_ = gl::VertexArray::create();
   return out;
 }
 
 Result<void> TilePageRenderer::warm_up() {
   for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
-    Result<void> compiled = meshes_->warm_up(scene_->meshes[i], scene_->materials());
-    if (!compiled) return compiled;
-    for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
-      compiled = meshes_->warm_up(lod, scene_->materials());
+    for (Path* path : {&lit_, &relit_}) {
+      if (path == &relit_ && !can_relight(scene_->prepared->objects[i].needs)) continue;
+      Result<void> compiled = path->meshes->warm_up(scene_->meshes[i], scene_->materials());
       if (!compiled) return compiled;
+      for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
+        compiled = path->meshes->warm_up(lod, scene_->materials());
+        if (!compiled) return compiled;
+      }
     }
   }
-  if (!prepare_targets(64, 16)) {
+  if (!prepare_targets(lit_, 64, 16)) {
     return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made");
   }
   for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
@@ -50,29 +59,39 @@ Result<void> TilePageRenderer::warm_up() {
     job.key.phase = scene_->prepared->objects[i].motion.moving() ? 1 : kStaticPhase;
     job.key.distance = {0, 2};
     draw_tile(job);
-    resolve(job, {0, 0});
+    resolve(job, lit_.page, {0, 0});
   }
   glFinish();
   return {};
 }
 
-bool TilePageRenderer::prepare_targets(int page_edge, std::uint32_t largest_tile) {
+bool TilePageRenderer::prepare_targets(Path& path, int page_edge, std::uint32_t largest_tile) {
   const int big = static_cast<int>(largest_tile) * supersample_;
-  if (!supersampled_.ok() || supersampled_.width() < big) {
-    supersampled_ = gl::RenderTarget(big, big, {GL_SRGB8_ALPHA8}, GL_DEPTH_COMPONENT32F);
+  std::vector<GLenum> drawn = {GL_SRGB8_ALPHA8}, page = {GL_SRGB8_ALPHA8, GL_R8};
+  if (&path == &relit_) {
+    drawn.insert(drawn.end(), {GL_RGBA16F, GL_RGBA8});
+    page.push_back(GL_RGBA8);
   }
-  if (!page_.ok() || page_.width() != page_edge) {
-    page_ = gl::RenderTarget(page_edge, page_edge, {GL_SRGB8_ALPHA8, GL_R8}, 0);
+  if (!path.supersampled.ok() || path.supersampled.width() < big) {
+    path.supersampled = gl::RenderTarget(big, big, drawn, GL_DEPTH_COMPONENT32F);
   }
-  return supersampled_.ok() && page_.ok();
+  if (!path.page.ok() || path.page.width() != page_edge) {
+    path.page = gl::RenderTarget(page_edge, page_edge, page, 0);
+  }
+  return path.supersampled.ok() && path.page.ok();
+}
+
+Capture TilePageRenderer::capture_of(const TileJob& job) const {
+  return Capture(job.key.cell, job.key.distance, scene_->prepared->objects[job.key.object].radius,
+                 tile_edge(job.key.size_class));
 }
 
 void TilePageRenderer::draw_tile(const TileJob& job) {
   const ObjectDescription& object = scene_->prepared->objects[job.key.object];
-  const Capture capture(job.key.cell, job.key.distance, object.radius,
-                        tile_edge(job.key.size_class));
+  const Capture capture = capture_of(job);
   const int edge = static_cast<int>(capture.edge) * supersample_;
-  supersampled_.bind();
+  Path& path = path_of(job);
+  path.supersampled.bind();
   glViewport(0, 0, edge, edge);
   glScissor(0, 0, edge, edge);
   glEnable(GL_SCISSOR_TEST);
@@ -80,9 +99,9 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   const glm::dvec3 eye = glm::dvec3(object.center) + capture.eye();
-  meshes_->begin(capture_projection(capture), gl::light_block(job.lighting, glm::vec3(eye)));
+  path.meshes->begin(capture_projection(capture), gl::light_block(job.lighting, glm::vec3(eye)));
   if (const InstanceGroup* group = scene_->prepared->group(job.key.object)) {
-    draw_group(*group, capture, eye);
+    draw_group(*path.meshes, *group, capture, eye);
   } else {
     gl::MeshInstance instance;
     instance.position_scale = glm::vec4(glm::vec3(-eye), 1.0f);
@@ -91,14 +110,14 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
                                   ? scene_->posed_mesh(job.key.object, clip_time)
                                   : scene_->mesh_for_tile(job.key.object, capture);
     for (const bool blended : {false, true}) {
-      meshes_->draw(mesh, scene_->materials(), scene_->images, &instance, 1, blended);
+      path.meshes->draw(mesh, scene_->materials(), scene_->images, &instance, 1, blended);
     }
   }
-  meshes_->end();
+  path.meshes->end();
 }
 
-void TilePageRenderer::draw_group(const InstanceGroup& group, const Capture& capture,
-                                  const glm::dvec3& eye) {
+void TilePageRenderer::draw_group(gl::MeshPass& meshes, const InstanceGroup& group,
+                                  const Capture& capture, const glm::dvec3& eye) {
   const std::vector<Instance>& instances = scene_->prepared->scene.instances;
   struct Batch {
     const gl::GpuMesh* mesh;
@@ -117,26 +136,37 @@ void TilePageRenderer::draw_group(const InstanceGroup& group, const Capture& cap
     at->members.push_back(data);
   }
   for (const Batch& batch : batches) {
-    meshes_->draw(*batch.mesh, scene_->materials(), scene_->images, batch.members.data(),
-                  batch.members.size(), false);
+    meshes.draw(*batch.mesh, scene_->materials(), scene_->images, batch.members.data(),
+                batch.members.size(), false);
   }
 }
 
-void TilePageRenderer::resolve(const TileJob& job, PagePacker::Place place) {
+void TilePageRenderer::resolve(const TileJob& job, const gl::RenderTarget& page,
+                               PagePacker::Place place) {
   const int edge = static_cast<int>(tile_edge(job.key.size_class));
-  page_.bind();
+  Path& path = path_of(job);
+  page.bind();
   glViewport(place.x, place.y, edge, edge);
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_DEPTH_TEST);
-  resolve_.use();
-  resolve_.set("u_color", 0);
-  resolve_.set("u_depth", 1);
-  resolve_.set("u_factor", supersample_);
-  resolve_.set("u_origin", glm::ivec2(place.x, place.y));
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, supersampled_.color(0));
-  glActiveTexture(GL_TEXTURE1);
-  glBindTexture(GL_TEXTURE_2D, supersampled_.depth());
+  path.resolve.use();
+  path.resolve.set("u_color", 0);
+  path.resolve.set("u_depth", 1);
+  path.resolve.set("u_factor", supersample_);
+  path.resolve.set("u_origin", glm::ivec2(place.x, place.y));
+  std::vector<GLuint> inputs = {path.supersampled.color(0), path.supersampled.depth()};
+  if (&path == &relit_) {
+    const CaptureBasis basis = capture_of(job).basis;
+    path.resolve.set("u_normal", 2);
+    path.resolve.set("u_material", 3);
+    path.resolve.set("u_right", glm::vec3(basis.right));
+    path.resolve.set("u_up", glm::vec3(basis.up));
+    inputs.insert(inputs.end(), {path.supersampled.color(1), path.supersampled.color(2)});
+  }
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
+    glBindTexture(GL_TEXTURE_2D, inputs[i]);
+  }
   glBindVertexArray(empty_vao_.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindVertexArray(0);
@@ -144,9 +174,15 @@ void TilePageRenderer::resolve(const TileJob& job, PagePacker::Place place) {
 
 const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& jobs,
                                                  const PagePacker& packer) {
-  std::uint32_t largest = 0;
-  for (const TileJob& job : jobs) largest = std::max(largest, tile_edge(job.key.size_class));
-  if (!prepare_targets(packer.page_edge(), largest)) return nullptr;
+  std::uint32_t largest = 0, largest_relit = 0;
+  for (const TileJob& job : jobs) {
+    std::uint32_t& of_kind = &path_of(job) == &relit_ ? largest_relit : largest;
+    of_kind = std::max(of_kind, tile_edge(job.key.size_class));
+  }
+  const int edge = packer.page_edge();
+  if (largest > 0 && !prepare_targets(lit_, edge, largest)) return nullptr;
+  if (largest_relit > 0 && !prepare_targets(relit_, edge, largest_relit)) return nullptr;
+  const gl::RenderTarget& page = largest_relit > 0 ? relit_.page : lit_.page;
   glEnable(GL_FRAMEBUFFER_SRGB);
   glEnable(GL_DEPTH_CLAMP);
   // Same object and light together: fewer state changes between tiles.
@@ -159,9 +195,9 @@ const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& job
   });
   for (const std::size_t i : order) {
     draw_tile(jobs[i]);
-    resolve(jobs[i], packer.places()[i]);
+    resolve(jobs[i], page, packer.places()[i]);
   }
-  return &page_;
+  return &page;
 }
 
 }  // namespace mirage

@@ -27,25 +27,35 @@ class TilePageRenderer {
   Result<void> warm_up();
 
   /// Draws `jobs` at `places`; the result is the bound-for-reading target, valid until the next
-  /// call. nullptr when the target cannot be made.
+  /// call; the surface of relit tiles is its third attachment. nullptr when the target cannot be
+  /// made.
   const gl::RenderTarget* render(const std::vector<TileJob>& jobs, const PagePacker& packer);
 
  private:
   explicit TilePageRenderer(const GpuScene& scene, int supersample)
-      : scene_(&scene), supersample_(supersample), meshes_(std::make_unique<gl::MeshPass>(false)) {}
-  bool prepare_targets(int page_edge, std::uint32_t largest_tile);
+      : scene_(&scene), supersample_(supersample) {}
+  /// What one kind of tile is drawn with.
+  struct Path {
+    std::unique_ptr<gl::MeshPass> meshes;
+    gl::Program resolve;
+    gl::RenderTarget supersampled;
+    gl::RenderTarget page;
+  };
+  Path& path_of(const TileJob& job) { return job.key.channels == kRelitTile ? relit_ : lit_; }
+  bool prepare_targets(Path& path, int page_edge, std::uint32_t largest_tile);
+  Capture capture_of(const TileJob& job) const;
   void draw_tile(const TileJob& job);
   /// `eye` in the group's space; its members are none of them blended.
-  void draw_group(const InstanceGroup& group, const Capture& capture, const glm::dvec3& eye);
-  void resolve(const TileJob& job, PagePacker::Place place);
+  void draw_group(gl::MeshPass& meshes, const InstanceGroup& group, const Capture& capture,
+                  const glm::dvec3& eye);
+  /// Into `page`, which has the channels of relit tiles or, for a lit tile, at least its own.
+  void resolve(const TileJob& job, const gl::RenderTarget& page, PagePacker::Place place);
 
   const GpuScene* scene_;
   int supersample_;
-  std::unique_ptr<gl::MeshPass> meshes_;
-  gl::Program resolve_;
+  Path lit_;
+  Path relit_;  ///< its page has the surface as a third attachment; made when first needed
   gl::VertexArray empty_vao_;
-  gl::RenderTarget supersampled_;
-  gl::RenderTarget page_;
 };
 
 }  // namespace mirage

@@ -13,7 +13,22 @@ struct Surface {
   float metallic;
   float roughness;
   float occlusion;
+#ifdef SPREAD
+  float spread;  // 0: one normal, 1: they cancel out (relit tiles: many leaves in a texel)
+#endif
 };
+
+#ifdef SPREAD
+// Mean of max(n.l, 0) over normals whose mean has length 1 - spread: n.l taken as Gaussian, the
+// variance that unit vectors have left shared by three axes.
+float spread_cosine(float n_l, float spread) {
+  float mean_length = 1.0 - spread;
+  float m = n_l * mean_length;
+  float s = max(sqrt((1.0 - mean_length * mean_length) / 3.0), 1e-3);
+  float x = clamp(m / s, -20.0, 20.0);
+  return max(m / (1.0 + exp(-1.702 * x)) + s * 0.39894 * exp(-0.5 * x * x), 0.0);
+}
+#endif
 
 float range_window(float distance, float range) {
   if (range <= 0.0) return 1.0;
@@ -62,6 +77,9 @@ vec3 shade(Surface s) {
     vec3 to_light;
     vec3 color = incoming(i, s, to_light);
     float n_l = dot(s.normal, to_light);
+#ifdef SPREAD
+    n_l = spread_cosine(n_l, s.spread);
+#endif
     if (n_l <= 0.0) continue;
     vec3 h = normalize(to_light + to_eye);
     float v_h = clamp(dot(to_eye, h), 0.0, 1.0);

@@ -27,6 +27,9 @@ constexpr NeedMask kShaderNeeds = kNeedLighting | kNeedBaseColorMap | kNeedMetal
                                   kNeedNormalMap | kNeedOcclusionMap | kNeedEmissiveMap |
                                   kNeedAlphaMask | kNeedBlend | kNeedVertexColor;
 
+// No need of an object: a property of the frame, beyond the bits of need_mask.h.
+constexpr NeedMask kFog = NeedMask{1} << 63;
+
 GLint gl_wrap(Wrap wrap) {
   switch (wrap) {
     case Wrap::kClamp:
@@ -102,13 +105,16 @@ LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye) {
 
 Program* MeshPass::program(NeedMask needs) {
   needs &= kShaderNeeds;
+  if (fog_density_ > 0) needs |= kFog;
   const auto found = programs_.find(needs);
   if (found != programs_.end()) return &found->second;
   std::vector<std::string> defines;
   for (const NeedDefine& d : kDefines) {
     if (needs & d.need) defines.emplace_back(d.define);
   }
-  if (write_id_) defines.emplace_back("WRITE_ID");
+  if (needs & kFog) defines.emplace_back("FOG");
+  if (output_ == MeshOutput::kId) defines.emplace_back("WRITE_ID");
+  if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
   Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
   if (!made) return nullptr;
   return &programs_.emplace(needs, made.take()).first->second;
@@ -195,6 +201,8 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
     p->set("u_light_count", lights_.count);
     p->set("u_lights", lights_.lights);
     p->set("u_mip_bias", material.alpha_mode == AlphaMode::kMask ? 2 * mip_bias_ : mip_bias_);
+    p->set("u_fog_color", fog_color_);
+    p->set("u_fog_density", fog_density_);
     bind_material(*p, material, needs, images);
     (material.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
     (blended ? glEnable : glDisable)(GL_BLEND);

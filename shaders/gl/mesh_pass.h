@@ -29,10 +29,16 @@ struct LightBlock {
 LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye);
 LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye);
 
+/// What the pass writes besides colour.
+enum class MeshOutput : std::uint8_t {
+  kColor,    ///< nothing (client geometry, lit tiles)
+  kId,       ///< the instance id, an integer (reference frames)
+  kSurface,  ///< colour is not shaded; normal, then metallic, roughness, occlusion (relit tiles)
+};
+
 class MeshPass {
  public:
-  /// `write_id`: a second, integer output with the instance id (reference frames).
-  explicit MeshPass(bool write_id) : write_id_(write_id) {}
+  explicit MeshPass(MeshOutput output) : output_(output) {}
 
   /// For a multisampled target, drawn beside a supersampled truth: textures are read this many levels
   /// sharper, alpha-tested ones (which are shaded per sample) twice as many.
@@ -42,6 +48,11 @@ class MeshPass {
   Result<void> warm_up(const GpuMesh& mesh, const std::vector<Material>& materials);
 
   void begin(const glm::mat4& clip_from_relative, const LightBlock& lights);
+  /// Fog over what is drawn from now on; without any density variants without fog are used.
+  void set_fog(const glm::vec3& color, float density_per_m) {
+    fog_color_ = color;
+    fog_density_ = density_per_m;
+  }
   /// Draws the opaque and masked primitives (`blended` false) or the blended ones (true).
   void draw(const GpuMesh& mesh, const std::vector<Material>& materials, const GpuImages& images,
             const MeshInstance* instances, std::size_t count, bool blended);
@@ -56,12 +67,14 @@ class MeshPass {
   void bind_material(Program& p, const Material& material, NeedMask needs, const GpuImages& images);
   void bind_instances(const MeshInstance* instances, std::size_t count);
 
-  const bool write_id_;
+  const MeshOutput output_;
   std::map<NeedMask, Program> programs_;
   Buffer instance_buffer_;
   glm::mat4 clip_from_relative_{1};
   LightBlock lights_;
   float mip_bias_ = 0;
+  glm::vec3 fog_color_{0};
+  float fog_density_ = 0;
   int draw_calls_ = 0;
 };
 

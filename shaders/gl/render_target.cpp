@@ -16,6 +16,8 @@ Texture make_texture(int width, int height, GLenum internal_format) {
   } else if (internal_format == GL_R32F) {
     format = GL_RED;
     type = GL_FLOAT;
+  } else if (internal_format == GL_RGBA16F) {
+    type = GL_FLOAT;
   } else if (internal_format == GL_R8) {
     format = GL_RED;
   }

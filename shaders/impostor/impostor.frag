@@ -19,6 +19,10 @@ flat in vec3 v_box_min;
 flat in vec3 v_box_max;
 flat in float v_depth_slack;
 flat in vec3 v_normal;
+#if defined(RELIT) || defined(FOG)
+flat in vec4 v_rotation;
+flat in vec4 v_center_scale;
+#endif
 layout(location = 0) out vec4 o_color;
 
 uniform sampler2DArray u_color;
@@ -27,6 +31,16 @@ uniform vec2 u_depth_window;  // window depth = x + y / view depth
 // First the solid fragments, which write depth; then the soft ones over them, which do not: an edge
 // must neither hide what is behind it nor blend with less than all of it.
 uniform bool u_soft;
+
+#if defined(RELIT) || defined(FOG)
+#include "common/rotation.glsl"
+#endif
+#ifdef RELIT
+#include "impostor/relight.glsl"
+#endif
+#ifdef FOG
+#include "common/fog.glsl"
+#endif
 
 const float kSolid = 0.99;
 
@@ -86,5 +100,17 @@ void main() {
 #endif
   if (!in_window(t)) discard;
   float z = stored_depth(t);
-  emit(stored_color(t), point_from_capture(t, z > 0.0 ? z : v_capture.y));
+  vec3 p = point_from_capture(t, z > 0.0 ? z : v_capture.y);
+  vec4 color = stored_color(t);
+#if defined(RELIT) || defined(FOG)
+  vec3 relative = v_center_scale.xyz + rotate(v_rotation, v_center_scale.w * p);
+#endif
+#ifdef RELIT
+  color = relit(color, stored_surface(texel_from_tangent(t), v_depth.z), relative, v_right, v_up,
+                v_rotation);
+#endif
+#ifdef FOG
+  color = fogged(color, relative);
+#endif
+  emit(color, p);
 }

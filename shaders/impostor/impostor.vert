@@ -33,6 +33,10 @@ flat out vec3 v_box_min;
 flat out vec3 v_box_max;
 flat out float v_depth_slack;  // view depth by which stored depth may be too far
 flat out vec3 v_normal;
+#if defined(RELIT) || defined(FOG)
+flat out vec4 v_rotation;
+flat out vec4 v_center_scale;
+#endif
 
 vec4 conjugate(vec4 q) { return vec4(-q.xyz, q.w); }
 
@@ -53,6 +57,10 @@ void main() {
 #endif
 #endif
   v_normal = a_normal;
+#if defined(RELIT) || defined(FOG)
+  v_rotation = i_rotation;
+  v_center_scale = i_center_scale;
+#endif
   vec4 inverse = conjugate(i_rotation);
   v_eye = rotate(inverse, -i_center_scale.xyz) / scale;
   v_window = i_window;

@@ -1,4 +1,13 @@
 precision highp float;
 flat in vec3 v_color;
+in vec3 v_relative;
 layout(location = 0) out vec4 o_color;
-void main() { o_color = vec4(v_color, 1.0); }
+#ifdef FOG
+#include "common/fog.glsl"
+#endif
+void main() {
+  o_color = vec4(v_color, 1.0);
+#ifdef FOG
+  o_color = fogged(o_color, v_relative);
+#endif
+}

@@ -7,6 +7,7 @@ layout(location = 4) in vec4 i_color;   // linear
 layout(location = 11) in vec4 i_center;
 uniform mat4 u_clip_from_relative;
 flat out vec3 v_color;
+out vec3 v_relative;  // to the eye, world
 
 #include "common/rotation.glsl"
 
@@ -14,5 +15,6 @@ void main() {
   vec3 normal = rotate(i_rotation, a_normal);
   v_color = i_color.rgb * (0.7 + 0.3 * normal.y);
   vec3 p = i_center_scale.xyz + rotate(i_rotation, i_center_scale.w * (a_position - i_center.xyz));
+  v_relative = p;
   gl_Position = u_clip_from_relative * vec4(p, 1.0);
 }

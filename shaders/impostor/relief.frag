@@ -13,16 +13,33 @@ flat in vec4 v_eye;
 flat in vec4 v_low_layer;
 flat in vec4 v_high;
 #endif
+in vec3 v_relative;
+#ifdef RELIT
+flat in vec3 v_right;
+flat in vec3 v_up;
+flat in vec4 v_rotation;
+#endif
 layout(location = 0) out vec4 o_color;
 
 uniform vec2 u_depth_window;  // window depth = x + y / view depth
 
+#ifdef RELIT
+#include "common/rotation.glsl"
+#include "impostor/relight.glsl"
+#endif
+#ifdef FOG
+#include "common/fog.glsl"
+#endif
 #include "impostor/relief.glsl"
 
-void emit(vec4 color, float view_depth) {
+// `along` as trace_tile() gives it.
+void emit(vec4 color, float along) {
+#ifdef FOG
+  color = fogged(color, v_relative * along);
+#endif
   o_color = color * v_slack.z;
   if (o_color.a < 1.0 / 255.0) discard;
-  view_depth = (view_depth - v_slack.y) * (1.0 - v_slack.x);
+  float view_depth = (along / gl_FragCoord.w - v_slack.y) * (1.0 - v_slack.x);
   gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, 1e-6), 0.0, 1.0);
 }
 
@@ -51,7 +68,15 @@ void main() {
   if (!trace_tile(v_tile, v_eye, v_low_layer.xyz, v_high.xyz, int(v_low_layer.w), hit, along)) {
     discard;
   }
-  emit(hit.color, along / gl_FragCoord.w);
+#ifdef RELIT
+  // Once, for what was blended on the way: the nearest solid surface has most of the weight.
+  if (hit.color.a > 0.0) {
+    Stored s = hit.surface;
+    s = Stored(s.normal / hit.color.a, s.roughness / hit.color.a, s.rest / hit.color.a);
+    hit.color = relit(hit.color, s, v_relative * along, v_right, v_up, v_rotation);
+  }
+#endif
+  emit(hit.color, along);
 }
 #else
 const int kTexelsPerTile = 8;
@@ -89,6 +114,6 @@ void main() {
     along = fill_along;
   }
   if (color.a <= 0.0) discard;
-  emit(color, along / gl_FragCoord.w);
+  emit(color, along);
 }
 #endif

@@ -19,6 +19,9 @@ struct Hit {
   vec4 color;   // premultiplied, as far as the ray got
   vec3 point;   // of the first thing met, tile space
   bool filled;  // that thing is an extended surface
+#ifdef RELIT
+  Stored surface;  // weighted like colour
+#endif
 };
 
 // False where the ray through `point` misses the box.
@@ -87,11 +90,20 @@ float extended(Ray ray, float from, float entry, float to, float leave) {
   return at >= from && at <= to ? at : -1.0;
 }
 
-void blend(inout Hit hit, vec4 color, vec3 point, bool filled) {
+// Adds what the tile holds at `at`, behind what the ray met so far.
+void blend(inout Hit hit, vec2 at, int layer, vec3 point, bool filled) {
+  vec4 color = color_at(at, layer);
   if (hit.color.a < 0.5) {
     hit.point = point;
     hit.filled = filled;
   }
+#ifdef RELIT
+  Stored s = stored_surface(at, float(layer));
+  float weight = (1.0 - hit.color.a) * color.a;
+  hit.surface.normal += weight * s.normal;
+  hit.surface.roughness += weight * s.roughness;
+  hit.surface.rest += weight * s.rest;
+#endif
   hit.color += (1.0 - hit.color.a) * color;
 }
 
@@ -99,7 +111,13 @@ void blend(inout Hit hit, vec4 color, vec3 point, bool filled) {
 // surface it goes on, hidden; when it comes out behind another or ends, the farther surfaces on
 // either side of the hidden stretch are extended into it. Soft texels are blended and passed.
 Hit trace(Ray ray, int layer, float reach) {
-  Hit hit = Hit(vec4(0.0), vec3(0.0), true);
+  Hit hit;
+  hit.color = vec4(0.0);
+  hit.point = vec3(0.0);
+  hit.filled = true;
+#ifdef RELIT
+  hit.surface = Stored(vec2(0.0), 0.0, vec3(0.0));
+#endif
   float n = clamp(ceil(max(abs(ray.span.x), abs(ray.span.y))), 1.0, kMaxCells);
   float rise = ray.span.z / n;
   float i = 0.0, last = -1.0;
@@ -117,7 +135,7 @@ Hit trace(Ray ray, int layer, float reach) {
     if (i >= n) break;
     if (c >= deep - (last >= 0.0 && last - c <= kWall ? kWall : kRounding)) {
       float s = refine(ray, clamp((c - ray.from.z) / ray.span.z, 0.0, 1.0), layer);
-      blend(hit, color_at(ray.from.xy + ray.span.xy * s, layer), ray.from + ray.span * s, false);
+      blend(hit, ray.from.xy + ray.span.xy * s, layer, ray.from + ray.span * s, false);
       if (hit.color.a >= kSolid) break;
     }
     // Hidden behind c.
@@ -139,7 +157,7 @@ Hit trace(Ray ray, int layer, float reach) {
       bool both = entry >= 0.0 && c >= 0.0;
       if (abs(at * n - source) <= reach && (both || i - start > reach * kOneSided)) {
         source = clamp(source / n, 0.0, 1.0);
-        blend(hit, color_at(ray.from.xy + ray.span.xy * source, layer), ray.from + ray.span * at, true);
+        blend(hit, ray.from.xy + ray.span.xy * source, layer, ray.from + ray.span * at, true);
       }
     }
     last = -1.0;

@@ -31,7 +31,13 @@ out vec4 v_tile;        // the proxy's point in homogeneous tile space
 flat out vec4 v_eye;    // the eye in it
 flat out vec4 v_low_layer;
 flat out vec4 v_high;
+#ifdef RELIT
+flat out vec3 v_right;  // capture basis
+flat out vec3 v_up;
+flat out vec4 v_rotation;
 #endif
+#endif
+out vec3 v_relative;    // the proxy's point relative to the eye, world
 
 void main() {
   vec3 right = i_right_distance.xyz, up = i_up_texels.xyz;
@@ -65,6 +71,12 @@ void main() {
   v_high = vec4(i_place.xy + size, i_range.w, 0.0);
 #endif
   vec3 relative = i_center_scale.xyz + rotate(i_rotation, scale * point);
+  v_relative = relative;
+#ifdef RELIT
+  v_right = right;
+  v_up = up;
+  v_rotation = i_rotation;
+#endif
   gl_Position = u_clip_from_relative * vec4(relative, 1.0);
   gl_Position.z = 0.0;  // never clipped: the fragment writes its own depth
 }

@@ -13,6 +13,10 @@ layout(location = 0) out vec4 o_color;
 #ifdef WRITE_ID
 layout(location = 1) out uint o_id;
 #endif
+#ifdef WRITE_SURFACE
+layout(location = 1) out vec4 o_normal;
+layout(location = 2) out vec4 o_material;  // metallic, roughness, occlusion
+#endif
 
 uniform vec4 u_base_color;
 uniform vec3 u_emissive;
@@ -29,6 +33,10 @@ uniform vec4 u_uv_transform[10];
 
 #ifdef NEED_LIGHTING
 #include "common/lighting.glsl"
+#endif
+
+#ifdef FOG
+#include "common/fog.glsl"
 #endif
 
 vec2 map_uv(int map) {
@@ -82,18 +90,28 @@ void main() {
 #ifdef NEED_OCCLUSION_MAP
   s.occlusion = 1.0 + u_factors.w * (texture(u_occlusion_map, map_uv(3)).r - 1.0);
 #endif
+#ifdef WRITE_SURFACE
+  // Shaded where it is drawn: relight.glsl.
+  vec3 color = s.albedo;
+  o_normal = vec4(s.normal, 1.0);
+  o_material = vec4(s.metallic, s.roughness, s.occlusion, 1.0);
+#else
   vec3 color = shade(s);
   vec3 emissive = u_emissive;
 #ifdef NEED_EMISSIVE_MAP
   emissive *= texture(u_emissive_map, map_uv(4)).rgb;
 #endif
   color += emissive;
+#endif
 #else
   vec3 color = base.rgb;
 #endif
   // Clamp before blending: an 8-bit target would, and NaN must never reach it.
   color = clamp(color, 0.0, 1.0);
   o_color = vec4(color * base.a, base.a);
+#ifdef FOG
+  o_color = fogged(o_color, v_position);
+#endif
 #ifdef WRITE_ID
   o_id = v_id;
 #endif

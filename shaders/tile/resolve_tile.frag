@@ -1,6 +1,6 @@
 // Supersampled tile -> its place in the page: colour averaged in linear light, depth of the nearest covered
 // sample as a code 1..255 (hyperbolic over the object's depth range, which is what the capture
-// projection's depth buffer holds), 0 where nothing is.
+// projection's depth buffer holds), 0 where nothing is. RELIT: the surface as tile.h describes it, too.
 precision highp float;
 precision highp int;
 uniform sampler2D u_color;
@@ -9,19 +9,49 @@ uniform int u_factor;
 uniform ivec2 u_origin;  // of the tile in the page
 layout(location = 0) out vec4 o_color;
 layout(location = 1) out vec4 o_depth;
+#ifdef RELIT
+uniform sampler2D u_normal;    // of the object's space
+uniform sampler2D u_material;  // metallic, roughness, occlusion
+uniform vec3 u_right;          // capture basis
+uniform vec3 u_up;
+layout(location = 2) out vec4 o_surface;
+
+#include "common/octahedral.glsl"
+
+// `normal` is the mean over the covered samples: the more they differ, the shorter it is.
+vec4 surface_code(vec3 normal, vec3 material) {
+  vec3 about = vec3(dot(normal, u_right), dot(normal, u_up), dot(normal, cross(u_right, u_up)));
+  float l = length(about);
+  vec2 map = octahedral(l > 1e-3 ? about / l : vec3(0.0, 0.0, 1.0));
+  float metal = floor(material.x * 8.0 + 0.5);
+  float kind = metal > 0.0 ? 7.0 + metal : floor((1.0 - min(l, 1.0)) * 7.0 + 0.5);
+  float both = kind * 16.0 + floor(material.z * 15.0 + 0.5);
+  return vec4(map * 0.5 + 0.5, material.y, both / 255.0);
+}
+#endif
 
 void main() {
   ivec2 base = (ivec2(gl_FragCoord.xy) - u_origin) * u_factor;
   vec4 sum = vec4(0.0);
   float nearest = 2.0;
+#ifdef RELIT
+  vec3 normal = vec3(0.0), material = vec3(0.0);
+#endif
   for (int y = 0; y < u_factor; ++y) {
     for (int x = 0; x < u_factor; ++x) {
       vec4 c = texelFetch(u_color, base + ivec2(x, y), 0);
       sum += c;
       if (c.a > 0.0) nearest = min(nearest, texelFetch(u_depth, base + ivec2(x, y), 0).r);
+#ifdef RELIT
+      normal += texelFetch(u_normal, base + ivec2(x, y), 0).xyz;
+      material += texelFetch(u_material, base + ivec2(x, y), 0).xyz;
+#endif
     }
   }
   o_color = sum / float(u_factor * u_factor);
+#ifdef RELIT
+  o_surface = sum.a > 0.0 ? surface_code(normal / sum.a, material / sum.a) : vec4(0.0);
+#endif
   // Blended surfaces write no depth: they count as lying in the middle of the range.
   float d = nearest >= 1.0 ? 0.5 : nearest;
   float code = nearest > 1.5 ? 0.0 : 1.0 + floor(clamp(d, 0.0, 1.0) * 254.0 + 0.5);

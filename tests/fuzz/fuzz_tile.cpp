@@ -7,7 +7,7 @@
 
 namespace mirage::fuzz {
 
-/// u16 edge, crop x, y, w, h (little-endian), u8 codec, u8 ignored.
+/// u16 edge, crop x, y, w, h (little-endian), u8 codec, u8 above 0: a relit tile.
 void run_tile(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t kFieldBytes = 12;
   if (size < kFieldBytes) return;
@@ -20,11 +20,14 @@ void run_tile(const std::uint8_t* data, std::size_t size) {
   reply.crop_y = word(4);
   reply.crop_w = word(6);
   reply.crop_h = word(8);
+  reply.channels = data[11] == 0 ? kLitTile : kRelitTile;
   Result<Tile> tile = tile_from_fields(reply);
   if (!tile) return;
   const auto codec = static_cast<TileCodec>(data[10]);
   if (!decode_tile_planes(data + kFieldBytes, size - kFieldBytes, codec, *tile)) return;
-  if (tile->rgba.size() != tile->crop.area() * 4 || tile->depth.size() != tile->crop.area()) {
+  const std::size_t area = tile->crop.area();
+  if (tile->rgba.size() != area * 4 || tile->depth.size() != area ||
+      tile->surface.size() != (tile->relit() ? area * 4 : 0)) {
     fail("planes do not have the size of their crop");
   }
   const std::vector<std::uint8_t> bytes = encode_tile_planes(*tile, codec);

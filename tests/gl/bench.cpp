@@ -33,7 +33,7 @@ Lighting field_light(BenchLight kind) {
 
 // The whole model as one object, its transparent materials alpha-tested: what the field's protocol
 // calls the alpha-tested tree.
-PreparedScene as_one_object(const PreparedScene& prepared) {
+PreparedScene as_one_object(const PreparedScene& prepared, const Similarity& placed) {
   const Scene& from = prepared.scene;
   Scene scene;
   scene.materials = from.materials;
@@ -60,12 +60,24 @@ PreparedScene as_one_object(const PreparedScene& prepared) {
     }
   }
   scene.objects = {whole};
-  scene.instances = {Instance{}};
+  scene.instances = {Instance{0, placed}};
   PreparedScene out;
   out.objects = {describe_object(whole, scene)};
+  out.geometry = {make_geometry(scene, whole, out.objects[0])};
+  out.grouping.group_of = {kNoGroup};
+  for (const Image& image : scene.images) {
+    ImageDescription d;
+    d.width = image.width;
+    d.height = image.height;
+    d.srgb = image.srgb;
+    const auto index = static_cast<std::int32_t>(out.images.size());
+    d.alpha_cutoff = alpha_test_cutoff(index, scene.materials);
+    out.images.push_back(d);
+  }
   out.scene = std::move(scene);
-  out.bounds_center = out.objects[0].center;
-  out.bounds_radius = out.objects[0].radius;
+  out.bounds_center =
+      placed.position + glm::dvec3(placed.rotation * out.objects[0].center) * double{placed.scale};
+  out.bounds_radius = out.objects[0].radius * placed.scale;
   return out;
 }
 
@@ -93,16 +105,18 @@ glm::dvec3 turned(const glm::dvec3& direction, double degrees, double bearing) {
          std::sin(angle) * (std::cos(bearing) * a + std::sin(bearing) * b);
 }
 
-std::unique_ptr<Bench> Bench::create(const std::string& spec, BenchLight light) {
+std::unique_ptr<Bench> Bench::create(const std::string& spec, BenchLight light,
+                                     const Similarity& placed, float fog_density) {
   auto bench = std::make_unique<Bench>();
   Result<gl::EglContext> egl = gl::EglContext::create("auto");
   if (!egl) return nullptr;
   bench->egl_ = std::move(*egl);
   Result<std::shared_ptr<const PreparedScene>> scene = load_scene(spec);
   if (!scene) return nullptr;
-  auto prepared = std::make_shared<PreparedScene>(as_one_object(**scene));
-  prepared->scene.lighting = field_light(light);
+  auto prepared = std::make_shared<PreparedScene>(as_one_object(**scene, placed));
+  prepared->scene.lighting = bench->light_ = field_light(light);
   prepared->scene.environment = Environment{};  // sRGB 128
+  prepared->scene.environment.fog_density = fog_density;
   bench->prepared_ = prepared;
   bench->gpu_ = std::make_unique<GpuScene>(bench->prepared_);
   bench->pages_ =
@@ -135,16 +149,17 @@ TileCache Bench::make_cache() const {
   return cache;
 }
 
-TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache) {
+TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache, std::uint8_t channels) {
   const ObjectDescription& object = scene_.objects[0];
   const ViewGeometry view = view_geometry(c, instance(), object);
-  const TileNeed need = need_for_view(view, 1.0);
+  const TileNeed need = need_for_view(view, ViewPlan{});
   TileJob job;
   job.key.cell = *view_cell_from_direction(view.eye, limits::kMaxViewLevel);
   job.key.distance = *distance_bucket_from_radii(glm::length(view.eye) / view.radius, 16);
   job.key.size_class = need.size_class;
-  job.lighting = object_lighting(scene_.lighting, instance().world_from_object, object.center,
-                                 object.radius);
+  job.key.channels = channels;
+  job.lighting =
+      object_lighting(light_, instance().world_from_object, object.center, object.radius);
   PagePacker packer(512);
   packer.add(tile_edge(need.size_class));
   ReadbackRing ring(1);
@@ -160,10 +175,12 @@ TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache) {
   if (!decode_tile_planes(stored->planes.data(), stored->planes.size(), TileCodec::kZstd, tile)) {
     return nullptr;
   }
-  const std::vector<std::uint8_t> rgba = tile.rgba;
+  tile_bytes_ = stored->planes.size();
+  tile_hash_ = stored->reply.content_hash;
+  const TilePixels pixels{tile.rgba, tile.surface};
   const Capture capture(job.key.cell, job.key.distance, object.radius, tile.edge);
   TileRecordPtr record = cache.insert(0, scene_, capture, std::move(tile), 1, 0);
-  if (record) renderer_->upload(*record, rgba);
+  if (record) renderer_->upload(*record, pixels);
   return record;
 }
 
@@ -172,7 +189,18 @@ void Bench::draw(const Camera& c, const std::vector<TileRecordPtr>& tiles, DrawM
   for (std::size_t i = 1; i < tiles.size(); ++i) drawn.neighbours.at(i - 1) = tiles[i];
   DrawList list;
   list.impostors.push_back(drawn);
-  renderer_->draw(*target_, c, scene_, list, scene_.lighting);
+  renderer_->draw(*target_, c, scene_, list, light_);
+}
+
+std::vector<std::uint8_t> Bench::mesh_picture(const Camera& c) {
+  renderer_->add_mesh(0, 0, object_model(prepared_->scene, prepared_->scene.objects[0].mesh));
+  for (std::uint32_t i = 0; i < prepared_->scene.images.size(); ++i) {
+    renderer_->add_image(scene_, i, prepared_->scene.images[i]);
+  }
+  DrawList list;
+  list.meshes.push_back({0, 0});
+  renderer_->draw(*target_, c, scene_, list, light_);
+  return target_->read();
 }
 
 std::vector<std::uint8_t> Bench::picture(const Camera& c, const std::vector<TileRecordPtr>& tiles,
@@ -185,7 +213,7 @@ ReferenceFrame Bench::truth_frame(const Camera& c, std::uint32_t samples) {
   ReferenceJob job;
   job.camera = c;
   job.supersample = samples;
-  job.lighting = scene_.lighting;
+  job.lighting = light_;
   const Bytes bytes = references_->render(job).take();
   const Message message = decode_message(bytes.data(), bytes.size()).take();
   const std::size_t pixels = std::size_t{c.width} * c.height;
@@ -228,8 +256,7 @@ bool Bench::describe() {
     if (!taken) return false;
   }
   if (!scene_.complete()) return false;
-  renderer_->reset(scene_);
-  return true;
+  return renderer_->reset(scene_).ok();
 }
 
 }  // namespace mirage::test

@@ -30,19 +30,28 @@ class Bench {
  public:
   static constexpr int kSize = 512;
 
-  /// nullptr without a GL context, or when `spec` does not load.
-  static std::unique_ptr<Bench> create(const std::string& spec, BenchLight light);
+  /// nullptr without a GL context, or when `spec` does not load. The model stands at `placed`.
+  static std::unique_ptr<Bench> create(const std::string& spec, BenchLight light,
+                                       const Similarity& placed = {}, float fog_density = 0);
 
   /// The field's camera: `radii` from the centre, the sphere filling the picture.
   Camera camera(double radii, const glm::dvec3& direction) const;
   /// The tile for exactly this camera; nullptr when it is empty.
-  TileRecordPtr tile_for(const Camera& camera, TileCache& cache);
+  TileRecordPtr tile_for(const Camera& camera, TileCache& cache, std::uint8_t channels = kLitTile);
+  /// Bytes of the last tile's planes as they travel.
+  std::size_t tile_bytes() const { return tile_bytes_; }
+  std::uint64_t tile_hash() const { return tile_hash_; }
   /// A cache of the bench's atlas size, empty.
   TileCache make_cache() const;
   /// Clears the target and draws; `tiles` holds one to three.
   void draw(const Camera& camera, const std::vector<TileRecordPtr>& tiles, DrawMethod method);
   std::vector<std::uint8_t> picture(const Camera& camera, const std::vector<TileRecordPtr>& tiles,
                                     DrawMethod method);
+  /// The same with the object's geometry.
+  std::vector<std::uint8_t> mesh_picture(const Camera& camera);
+  /// From now on the light of lit tiles, of drawing and of the truth.
+  void set_light(const Lighting& light) { light_ = light; }
+  const Lighting& light() const { return light_; }
   /// RGBA8 of the full render, `samples` per axis.
   std::vector<std::uint8_t> truth(const Camera& camera, std::uint32_t samples);
   ReferenceFrame truth_frame(const Camera& camera, std::uint32_t samples);
@@ -61,6 +70,9 @@ class Bench {
   std::unique_ptr<ReferenceRenderer> references_;
   std::unique_ptr<FrameRenderer> renderer_;
   std::unique_ptr<FrameTarget> target_;
+  std::size_t tile_bytes_ = 0;
+  std::uint64_t tile_hash_ = 0;
+  Lighting light_;
 };
 
 }  // namespace mirage::test

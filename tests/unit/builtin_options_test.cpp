@@ -50,7 +50,7 @@ TEST(BuiltinOptions, ListsEveryScene) {
     EXPECT_FALSE(info.description.empty());
   }
   EXPECT_EQ(names, "forest clutter city knot field ");
-  EXPECT_EQ(builtin_scenes()[0].options, "trees=400 species=4 seed=1 clutter=150");
+  EXPECT_EQ(builtin_scenes()[0].options, "trees=400 species=4 seed=1 clutter=150 fog=0");
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ TEST(BuiltinScene, SameSpecSameBytesOtherSeedDiffers) {
 }
 
 TEST(BuiltinScene, TreesHaveTenThousandTrianglesOrMore) {
+  EXPECT_EQ(built("forest?trees=30&fog=0.02").environment.fog_density, 0.02f);
   const Scene scene = built("forest?trees=400&species=8&clutter=0");
   EXPECT_EQ(scene.instances.size(), 402u);  // terrain and pond besides
   for (std::size_t i = 0; i < 8; ++i) {

@@ -114,21 +114,21 @@ TEST(CoreTileCache, NewLightShowsOldTilesUntilNewOnesCome) {
   cache.reset(scene, lighting);
   const Capture capture = small_capture(0);
   const TileRecordPtr old_tile = cache.insert(0, scene, capture, make_tile(capture), 1, 0);
-  ASSERT_TRUE(cache.lit_now(0));
+  ASSERT_TRUE(cache.lit_group(0).wanted);
   for (int i = 1; i <= 3; ++i) {  // lights that change faster than tiles come
     lighting.ambient = glm::vec3(0.1f * static_cast<float>(i));
-    cache.relight(scene, lighting);
+    cache.relight(lighting, 1000 * i);
     ASSERT_EQ(cache.group_to_draw(0)->tiles.size(), 1u);
     EXPECT_EQ(cache.group_to_draw(0)->tiles[0], old_tile);
-    EXPECT_FALSE(cache.lit_now(0));
+    EXPECT_FALSE(cache.lit_group(0).wanted);
   }
   const TileRecordPtr fresh = cache.insert(0, scene, capture, make_tile(capture), 2, 0);
-  EXPECT_TRUE(cache.lit_now(0));
+  EXPECT_TRUE(cache.lit_group(0).wanted);
   ASSERT_EQ(cache.group_to_draw(0)->tiles.size(), 1u);
   EXPECT_EQ(cache.group_to_draw(0)->tiles[0], fresh);
   // The former light once more: its tile is still there.
-  cache.relight(scene, scene.lighting);
-  EXPECT_TRUE(cache.lit_now(0));
+  cache.relight(scene.lighting, 5000);
+  EXPECT_TRUE(cache.lit_group(0).wanted);
   EXPECT_EQ(cache.group_to_draw(0)->tiles[0], old_tile);
 }
 

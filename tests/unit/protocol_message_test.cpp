@@ -130,6 +130,14 @@ wire::Light damaged_light(int field, float v) {
           l.kind()};
 }
 
+TEST(ProtocolMessage, FogIsADensity) {
+  const auto damage = [](auto& m, double v) { m.fog_density = static_cast<float>(v); };
+  expect_finite_only(sample_welcome(), damage, "environment");
+  wire::WelcomeT negative = sample_welcome();
+  negative.fog_density = -1e-6f;
+  expect_refused(negative, ErrorId::kWireValue, "environment");
+}
+
 TEST(ProtocolMessage, NoFloatOfALightingMayBeNotFinite) {
   for (std::size_t i = 0; i < 3; ++i) {
     expect_finite_only(

@@ -53,6 +53,35 @@ TEST(ProtocolTileCodec, RoundTrip) {
   }
 }
 
+Tile make_relit(std::uint32_t w, std::uint32_t h) {
+  Tile tile = make_tile(w, h, false);
+  tile.channels = kRelitTile;
+  tile.surface.assign(tile.rgba.rbegin(), tile.rgba.rend());
+  return tile;
+}
+
+TEST(ProtocolTileCodec, RelitTilesCarryTheirSurface) {
+  for (const TileCodec codec : {TileCodec::kRaw, TileCodec::kZstd}) {
+    const Tile tile = make_relit(33, 20);
+    const auto bytes = encode_tile_planes(tile, codec);
+    Tile back = empty_like(tile);
+    back.surface.clear();
+    ASSERT_TRUE(decode_tile_planes(bytes.data(), bytes.size(), codec, back));
+    EXPECT_EQ(back.rgba, tile.rgba);
+    EXPECT_EQ(back.surface, tile.surface);
+    EXPECT_EQ(back.depth, tile.depth);
+    // Planes of one kind do not pass for the other.
+    Tile lit = empty_like(tile);
+    lit.channels = kLitTile;
+    EXPECT_FALSE(decode_tile_planes(bytes.data(), bytes.size(), codec, lit));
+    const auto lit_bytes = encode_tile_planes(make_tile(33, 20, false), codec);
+    EXPECT_FALSE(decode_tile_planes(lit_bytes.data(), lit_bytes.size(), codec, back));
+    Tile changed = tile;
+    changed.surface[7] ^= 1;
+    EXPECT_NE(tile_content_hash(changed), tile_content_hash(tile));
+  }
+}
+
 TEST(ProtocolTileCodec, SmoothImagesGetSmaller) {
   const Tile tile = make_tile(200, 90, true);
   const auto raw = encode_tile_planes(tile, TileCodec::kRaw);
@@ -231,6 +260,9 @@ TEST(ProtocolTileFields, BadFieldsAreRefused) {
     EXPECT_EQ(tile.error().id, ErrorId::kWireValue);
   };
   refused([](auto& r) { r.crop_x = 237; });
+  refused([](auto& r) { r.channels = 0; });
+  refused([](auto& r) { r.channels = kLitTile | kChannelNormal; });
+  refused([](auto& r) { r.channels = 255; });
   refused([](auto& r) { r.crop_y = 247; });
   refused([](auto& r) { r.crop_w = 65535; });
   refused([](auto& r) { r.edge = 3, r.crop_x = r.crop_y = r.crop_w = r.crop_h = 0; });

@@ -12,13 +12,17 @@ using builtin::OptionRule;
 
 constexpr double kMaxSeed = 4294967295.0;
 
-constexpr std::array<OptionRule, 4> kForestRules = {{{"trees", 400, 1, 20000},
+constexpr OptionRule kFogRule{"fog", 0, 0, 1, false};  // per metre
+
+constexpr std::array<OptionRule, 5> kForestRules = {{{"trees", 400, 1, 20000},
                                                      {"species", 4, 1, 8},
                                                      {"seed", 1, 0, kMaxSeed},
-                                                     {"clutter", 150, 0, 20000}}};
+                                                     {"clutter", 150, 0, 20000},
+                                                     kFogRule}};
 constexpr std::array<OptionRule, 2> kClutterRules = {
     {{"objects", 300, 1, 20000}, {"seed", 1, 0, kMaxSeed}}};
-constexpr std::array<OptionRule, 2> kCityRules = {{{"blocks", 6, 1, 60}, {"seed", 1, 0, kMaxSeed}}};
+constexpr std::array<OptionRule, 3> kCityRules = {
+    {{"blocks", 6, 1, 60}, {"seed", 1, 0, kMaxSeed}, kFogRule}};
 constexpr std::array<OptionRule, 6> kKnotRules = {{{"R", 1, 0.01, 1000, false},
                                                    {"r", 0.35, 0.001, 1000, false},
                                                    {"tubular", 200, 3, 4096},

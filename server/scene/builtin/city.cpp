@@ -174,6 +174,7 @@ Scene build_city(const OptionValues& options) {
   parts.scene.lighting.ambient = {0.36f, 0.40f, 0.46f};
   parts.scene.lighting.lights = {sun_light({0.6f, 0.75f, 0.55f}, {1.8f, 1.68f, 1.42f})};
   parts.scene.environment = {{0.14f, 0.30f, 0.64f}, {0.62f, 0.74f, 0.86f}, {0.12f, 0.12f, 0.12f}};
+  parts.scene.environment.fog_density = static_cast<float>(options[2]);
   parts.scene.home = home_on_loop({plan.loop.x, 0, plan.loop.y}, kLoopRadius, 1.7, 0, 1.4);
   return std::move(parts.scene);
 }

@@ -266,6 +266,7 @@ Scene build_forest(const OptionValues& options) {
   parts.scene.lighting.ambient = {0.35f, 0.4f, 0.45f};
   parts.scene.lighting.lights = {sun_light({0.75f, 0.8f, 0.3f}, {1.9f, 1.75f, 1.45f})};
   parts.scene.environment = {{0.14f, 0.30f, 0.64f}, {0.62f, 0.74f, 0.86f}, {0.10f, 0.10f, 0.07f}};
+  parts.scene.environment.fog_density = static_cast<float>(options[4]);
   parts.scene.home = home_on_loop({0, 0, 0}, kLoopRadius, 1.7, 0, 1.4);
   return std::move(parts.scene);
 }

@@ -1,0 +1,9 @@
+// Fog of even density, over what is drawn and never in a tile (TECHNIQUES row 26). `color` is
+// premultiplied, `position` relative to the eye in world axes.
+uniform vec3 u_fog_color;
+uniform float u_fog_density;  // per metre
+
+vec4 fogged(vec4 color, vec3 position) {
+  float clear = exp(-u_fog_density * length(position));
+  return vec4(mix(u_fog_color * color.a, color.rgb, clear), color.a);
+}
