@@ -19,6 +19,7 @@ struct Hit {
   vec4 color;   // premultiplied, as far as the ray got
   vec3 point;   // of the first thing met, tile space
   bool filled;  // that thing is an extended surface
+  bool hidden;  // the ray passed behind something
 };
 
 // False where the ray through `point` misses the box.
@@ -99,7 +100,7 @@ void blend(inout Hit hit, vec4 color, vec3 point, bool filled) {
 // surface it goes on, hidden; when it comes out behind another or ends, the farther surfaces on
 // either side of the hidden stretch are extended into it. Soft texels are blended and passed.
 Hit trace(Ray ray, int layer, float reach) {
-  Hit hit = Hit(vec4(0.0), vec3(0.0), true);
+  Hit hit = Hit(vec4(0.0), vec3(0.0), true, false);
   float n = clamp(ceil(max(abs(ray.span.x), abs(ray.span.y))), 1.0, kMaxCells);
   float rise = ray.span.z / n;
   float i = 0.0, last = -1.0;
@@ -121,6 +122,7 @@ Hit trace(Ray ray, int layer, float reach) {
       if (hit.color.a >= kSolid) break;
     }
     // Hidden behind c.
+    hit.hidden = true;
     float entry = last > c + kWall ? last : -1.0;
     float start = i;
     float under = c;
