@@ -1,6 +1,6 @@
 // Impostors against the full render of the same build: the fidelity protocol of the field
-// (FIELD.md: 512 x 512, 24 Fibonacci directions, fewer for the tree, tight field of view, grey background). Every row
-// prints its figures; limits are what is reached, less half a dB.
+// (FIELD.md: 512 x 512, 24 Fibonacci directions, fewer for the tree, tight field of view, grey
+// background). Every row prints its figures.
 
 #include <gtest/gtest.h>
 
