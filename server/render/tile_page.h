@@ -19,7 +19,7 @@ namespace mirage {
 
 class TilePageRenderer {
  public:
-  /// `supersample` per axis. Error kGraphicsShader.
+  /// `supersample` per axis, at least 3 for alpha-tested objects. Error kGraphicsShader.
   static Result<TilePageRenderer> create(const GpuScene& scene, int supersample);
 
   /// Compiles every variant of the scene and draws each object once, so that no client pays for
@@ -33,7 +33,10 @@ class TilePageRenderer {
  private:
   explicit TilePageRenderer(const GpuScene& scene, int supersample)
       : scene_(&scene), supersample_(supersample), meshes_(std::make_unique<gl::MeshPass>(false)) {}
-  bool prepare_targets(int page_edge, std::uint32_t largest_tile);
+  /// Per axis: objects with alpha tests get more than the rest.
+  int samples(const TileJob& job) const;
+  /// `supersampled_edge` of the largest tile, in samples.
+  bool prepare_targets(int page_edge, int supersampled_edge);
   void draw_tile(const TileJob& job);
   void resolve(const TileJob& job, PagePacker::Place place);
 

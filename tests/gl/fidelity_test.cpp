@@ -131,7 +131,7 @@ const Row kRows[] = {
     {"knot_10deg", kKnot, 4, 10, 1, kDepth, 29.5, 0.95},
     {"knot_merged_cell", kKnot, 4, 11.547, 3, kDepth, 32, 0.97},
     {"monkey_settled_4r", kMonkey, 4, 0, 1, kQuad, 44, 0.995},
-    {"tree_settled_4r", kTree, 4, 0, 1, kQuad, 35.5, 0.96, kTreeDirections},
+    {"tree_settled_4r", kTree, 4, 0, 1, kQuad, 36, 0.97, kTreeDirections},
     {"tree_5deg", kTree, 4, 5, 1, kDepth, 24, 0.84, kTreeDirections},
     {"tree_10deg", kTree, 4, 10, 1, kDepth, 22.5, 0.80, kTreeDirections},
 };
