@@ -17,6 +17,8 @@ struct Plane {
 struct ConvexHull {
   std::vector<glm::vec3> vertices;    ///< object space
   std::vector<std::uint8_t> indices;  ///< triangles, counter-clockwise from outside
+  /// Per vertex, object units: how far behind it the mesh begins (TECHNIQUES row 15).
+  std::vector<float> parallax;
   std::vector<Plane> planes() const;
 };
 
@@ -31,6 +33,10 @@ struct ObjectDescription {
   std::uint32_t triangles = 0;
   std::uint32_t mesh_bytes = 0;  ///< raw size of the object as geometry
 };
+
+/// How far behind a corner of the box the ellipsoid that touches all its faces begins: the parallax
+/// factor of an object without a hull.
+float box_parallax(const ObjectDescription& object);
 
 /// The six planes of a box.
 std::vector<Plane> box_planes(const glm::vec3& box_min, const glm::vec3& box_max);

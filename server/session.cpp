@@ -374,6 +374,7 @@ void SessionHub::make_description_pages() {
       info->mesh_bytes = o.mesh_bytes;
       for (const glm::vec3& v : o.hull.vertices) info->hull_vertices.push_back(to_wire(v));
       info->hull_indices = o.hull.indices;
+      info->hull_parallax = o.hull.parallax;
       page.objects.push_back(std::move(info));
     }
     pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));

@@ -13,6 +13,11 @@
 
 namespace mirage {
 
+struct ProxyVertex {
+  glm::vec3 position, normal;
+  float parallax;  ///< object units, see ConvexHull
+};
+
 class ImpostorPass {
  public:
   /// Error kGraphicsShader, kGraphicsGl (atlas too large).
@@ -35,7 +40,7 @@ class ImpostorPass {
     gl::Buffer vertices;
     int vertex_count = 0;
   };
-  static Proxy make_proxy(const std::vector<glm::vec3>& positions_and_normals);
+  static Proxy make_proxy(const std::vector<ProxyVertex>& triangles);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
   void draw_method(const Camera& camera, const SceneView& scene, const DrawList& list,
@@ -56,6 +61,7 @@ class ImpostorPass {
   Proxy quad_;
   Proxy cube_;
   std::vector<Proxy> hulls_;
+  std::vector<Proxy> warp_proxies_;
   int draw_calls_ = 0;
   std::size_t gpu_bytes_ = 0;
 };

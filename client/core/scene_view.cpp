@@ -49,6 +49,7 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
     o.mesh_bytes = info->mesh_bytes;
     for (const wire::Vec3f& v : info->hull_vertices) o.hull.vertices.push_back(from_wire(v));
     o.hull.indices = info->hull_indices;
+    o.hull.parallax = info->hull_parallax;
     objects.push_back(std::move(o));
   }
   if (complete()) finish();

@@ -119,7 +119,8 @@ TEST_P(Fidelity, Row) {
   EXPECT_LT(mib, kGridMiB / 3);
 }
 
-constexpr DrawMethod kQuad = DrawMethod::kQuad, kDepth = DrawMethod::kDepth;
+constexpr DrawMethod kQuad = DrawMethod::kQuad, kDepth = DrawMethod::kDepth,
+                     kHull = DrawMethod::kHull, kWarp = DrawMethod::kWarp;
 
 const Row kRows[] = {
     {"knot_settled_2.5r", kKnot, 2.5, 0, 1, kQuad, 44, 0.995},
@@ -127,6 +128,12 @@ const Row kRows[] = {
     {"knot_settled_12r", kKnot, 12, 0, 1, kQuad, 45, 0.995},
     {"knot_settled_40r", kKnot, 40, 0, 1, kQuad, 45, 0.995},
     {"knot_settled_relief", kKnot, 4, 0, 1, kDepth, 45, 0.995},
+    {"knot_5deg_quad", kKnot, 4, 5, 1, kQuad, 25, 0.92},
+    {"knot_5deg_hull", kKnot, 4, 5, 1, kHull, 24.5, 0.91},
+    {"knot_5deg_warp", kKnot, 4, 5, 1, kWarp, 26.5, 0.935},
+    {"knot_10deg_quad", kKnot, 4, 10, 1, kQuad, 22, 0.855},
+    {"knot_10deg_hull", kKnot, 4, 10, 1, kHull, 21.5, 0.84},
+    {"knot_10deg_warp", kKnot, 4, 10, 1, kWarp, 23.5, 0.885},
     {"knot_5deg", kKnot, 4, 5, 1, kDepth, 33, 0.97},
     {"knot_10deg", kKnot, 4, 10, 1, kDepth, 29.5, 0.95},
     {"knot_merged_cell", kKnot, 4, 11.547, 3, kDepth, 32, 0.97},
@@ -173,7 +180,7 @@ TEST(Cost, OfEachMethodAgainstTheQuad) {
   TileCache cache = bench->make_cache();
   const double quad = draw_ms(*bench, camera, {bench->tile_for(camera, cache)}, kQuad);
   for (const Timed& t : {Timed{"cuboid", DrawMethod::kCuboid, 2, 1}, {"hull", DrawMethod::kHull, 2, 1},
-                         {"parallax step", DrawMethod::kWarp, 2, 1}, {"relief", kDepth, 0, 1},
+                         {"warp", DrawMethod::kWarp, 2, 1}, {"relief", kDepth, 0, 1},
                          {"relief", kDepth, 1, 1}, {"relief", kDepth, 5, 1},
                          {"relief", kDepth, 10, 1}, {"merged relief", kDepth, 11.5, 3}}) {
     std::vector<TileRecordPtr> tiles;
@@ -210,7 +217,8 @@ TEST(Bound, HoldsAndIsTightOnDrawnTiles) {
   Bench* bench = bench_for(kKnot);
   ASSERT_TRUE(bench);
   for (const DrawMethod method :
-       {DrawMethod::kQuad, DrawMethod::kCuboid, DrawMethod::kHull, DrawMethod::kDepth}) {
+       {DrawMethod::kQuad, DrawMethod::kCuboid, DrawMethod::kHull, DrawMethod::kWarp,
+        DrawMethod::kDepth}) {
     GeometricError errors;
     for (int i = 0; i < 4; ++i) {
       TileCache cache = bench->make_cache();
