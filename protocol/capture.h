@@ -37,7 +37,11 @@ struct Capture {
     const double step = 2.0 * half_tangent / edge;
     const glm::dvec2 low(crop.x - 0.5, edge - (crop.y + crop.h + 0.5));
     const glm::dvec2 size(crop.w + 1.0, crop.h + 1.0);
-    return {-basis.forward, distance, basis.right, basis.up, low * step - half_tangent,
+    return {-basis.forward,
+            distance,
+            basis.right,
+            basis.up,
+            low * step - half_tangent,
             (low + size) * step - half_tangent};
   }
   CaptureGeometry geometry() const { return {-basis.forward, distance, {}, {}, {}, {}}; }

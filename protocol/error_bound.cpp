@@ -57,8 +57,8 @@ Corners window_corners(const ViewGeometry& view, const CaptureGeometry& capture,
       const glm::dvec3 u = right * x + up * y - capture.axis;
       const glm::dvec3 moment = glm::cross(u, baseline);
       out.least_ahead = std::min(out.least_ahead, glm::dot(view.forward, u));
-      out.sideways = std::max(
-          out.sideways, glm::length(known ? glm::cross(view.forward, moment) : moment));
+      out.sideways =
+          std::max(out.sideways, glm::length(known ? glm::cross(view.forward, moment) : moment));
     }
   }
   return out;

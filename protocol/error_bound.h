@@ -3,8 +3,8 @@
 // section 2). Every decision of the client is made with it.
 //
 // One exact identity carries it. Capture eye Oc, present eye e, baseline B = e - Oc, capture ray
-// u = a + t with a the capture axis (so z is depth along it); a surface point P = Oc + zp u is drawn
-// at Q = Oc + zq u; n is the present forward axis, g = -n.B:
+// u = a + t with a the capture axis (so z is depth along it); a surface point P = Oc + zp u is
+// drawn at Q = Oc + zq u; n is the present forward axis, g = -n.B:
 //     err_px = f |1/zp - 1/zq| |n x (u x B)| / ((g/zp + n.u) (g/zq + n.u))
 // |n x (u x B)| is convex and n.u linear in t, so over a window of tangents both are extreme at its
 // corners; g/z is monotone in z. What remains is measured on the tile: the largest |1/zp - 1/zq|,

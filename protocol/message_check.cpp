@@ -117,10 +117,15 @@ Result<void> check(const wire::ObjectPage& m) {
     if (Result<void> motion = check_motion(*o); !motion) return motion;
     if (count(o->hull_vertices()) > limits::kMaxHullVertices ||
         count(o->hull_indices()) > limits::kMaxHullTriangles * 3 ||
-        count(o->hull_indices()) % 3 != 0) {
+        count(o->hull_indices()) % 3 != 0 ||
+        count(o->hull_parallax()) != count(o->hull_vertices())) {
       return limit_error("hull vertices");
     }
     if (Result<void> lods = check_lods(o->lods()); !lods) return lods;
+    for (std::size_t i = 0; i < count(o->hull_parallax()); ++i) {
+      const float factor = o->hull_parallax()->Get(static_cast<flatbuffers::uoffset_t>(i));
+      if (!std::isfinite(factor) || factor < 0) return value_error("hull parallax");
+    }
     for (std::size_t i = 0; i < count(o->hull_vertices()); ++i) {
       if (!finite(o->hull_vertices()->Get(static_cast<flatbuffers::uoffset_t>(i)))) {
         return value_error("hull vertex");

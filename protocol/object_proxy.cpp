@@ -46,6 +46,12 @@ double ray_entry(const std::vector<Plane>& planes, const glm::dvec3& origin,
   return enter <= leave ? enter : -1;
 }
 
+float box_parallax(const ObjectDescription& object) {
+  // Towards a corner the ellipsoid reaches 1 / sqrt(3) of the half diagonal.
+  constexpr float kLeft = 1.0f - 0.57735027f;
+  return kLeft * 0.5f * glm::length(object.box_max - object.box_min);
+}
+
 double hull_extent(const ObjectDescription& object) {
   double extent = 0;
   for (const glm::vec3& v : object.hull.vertices) {

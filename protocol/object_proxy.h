@@ -19,6 +19,8 @@ struct Plane {
 struct ConvexHull {
   std::vector<glm::vec3> vertices;    ///< object space
   std::vector<std::uint8_t> indices;  ///< triangles, counter-clockwise from outside
+  /// Per vertex, object units: how far behind it the mesh begins (TECHNIQUES row 15).
+  std::vector<float> parallax;
   std::vector<Plane> planes() const;
 };
 
@@ -36,6 +38,10 @@ struct ObjectDescription {
   bool surrounds = false;     ///< large scenery that exists once: geometry from the start
   bool group = false;         ///< all instances of a spatial cell, for far views
 };
+
+/// How far behind a corner of the box the ellipsoid that touches all its faces begins: the parallax
+/// factor of an object without a hull.
+float box_parallax(const ObjectDescription& object);
 
 /// The six planes of a box.
 std::vector<Plane> box_planes(const glm::vec3& box_min, const glm::vec3& box_max);

@@ -41,7 +41,8 @@ struct Tile {
   /// Relit tiles only, crop.w*crop.h*4: the normal as octahedral x, y about the axis towards the
   /// capture eye (0..255 is -1..1), roughness, and a byte of two halves: occlusion (low, of 15);
   /// high, 8..15: metallic in eighths, 0..7: not metallic, and how much the texel's normals
-  /// differ: 1 less the length of their mean, in sevenths. The seams of the octahedral map lie where no visible surface points: it may be filtered.
+  /// differ: 1 less the length of their mean, in sevenths. The seams of the octahedral map lie
+  /// where no visible surface points: it may be filtered.
   std::vector<std::uint8_t> surface;
   std::vector<std::uint8_t> depth;  ///< crop.w*crop.h; hyperbolic 1..255 over Dc -+ r, 0 = nothing
 

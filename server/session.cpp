@@ -458,6 +458,7 @@ void SessionHub::make_description_pages() {
       info->speed = o.motion.speed;
       info->jump = o.motion.jump;
       info->wrap_jump = o.motion.wrap_jump;
+      info->hull_parallax = o.hull.parallax;
       page.objects.push_back(std::move(info));
     }
     pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));

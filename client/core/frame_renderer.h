@@ -48,8 +48,7 @@ class FrameRenderer {
 
   ImpostorPass impostors_;
   gl::SkyPass sky_;
-  std::unique_ptr<gl::MeshPass> mesh_pass_ = 
-      std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);
+  std::unique_ptr<gl::MeshPass> mesh_pass_ = std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);
   std::map<std::pair<std::uint32_t, std::uint8_t>, ClientMesh> meshes_;  ///< by object and level
   gl::GpuImages images_;                                                 ///< of the scene
   std::vector<Vertex> posed_;                                            ///< scratch

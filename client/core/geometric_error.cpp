@@ -60,8 +60,12 @@ double drawn_capture_depth(const DrawnImpostor& drawn, const ObjectDescription& 
       return ray_entry(object.hull.planes(), origin, direction);
     case DrawMethod::kDepth:
       return stored;
+    case DrawMethod::kWarp: {
+      // Where in the tile's range depends on the eye: the worse end stands for it.
+      const double low = tile.measure.depth_min, high = tile.measure.depth_max;
+      return 1 / low - 1 / z > 1 / z - 1 / high ? low : high;
+    }
     case DrawMethod::kQuad:
-    case DrawMethod::kWarp:
     case DrawMethod::kMesh:
       break;
   }

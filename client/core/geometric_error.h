@@ -11,7 +11,8 @@ namespace mirage {
 struct GeometricError {
   std::vector<float> errors_px;  ///< one per compared pixel
   /// Bound over the largest error among an impostor's pixels, one per drawn impostor with at least
-  /// kRatioPixels of them and an error of 0.01 px: a bound of the largest is held against the largest.
+  /// kRatioPixels of them and an error of 0.01 px: a bound of the largest is held against the
+  /// largest.
   std::vector<float> ratios;
   std::uint64_t violations = 0;  ///< pixels whose error exceeds the bound of their impostor
   std::uint64_t compared = 0;

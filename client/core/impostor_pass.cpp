@@ -30,8 +30,8 @@ gl::Texture make_layers(GLenum format, GLenum layout, GLint filter, int edge, in
   return texture;
 }
 
-std::vector<glm::vec3> cube_triangles() {
-  std::vector<glm::vec3> out;
+std::vector<ProxyVertex> cube_triangles(float parallax) {
+  std::vector<ProxyVertex> out;
   for (int axis = 0; axis < 3; ++axis) {
     for (int side = 0; side < 2; ++side) {
       glm::vec3 normal(0);
@@ -42,28 +42,34 @@ std::vector<glm::vec3> cube_triangles() {
         p[axis] = static_cast<float>(side);
         p[u] = static_cast<float>(a);
         p[v] = static_cast<float>(b);
-        out.push_back(p);
-        out.push_back(normal);
+        out.push_back({p, normal, parallax});
       }
     }
   }
   return out;
 }
 
-std::vector<glm::vec3> hull_triangles(const ConvexHull& hull) {
-  std::vector<glm::vec3> out;
+std::vector<ProxyVertex> hull_triangles(const ConvexHull& hull) {
+  std::vector<ProxyVertex> out;
   for (std::size_t i = 0; i + 2 < hull.indices.size(); i += 3) {
-    const glm::vec3 a = hull.vertices[hull.indices[i]];
-    const glm::vec3 b = hull.vertices[hull.indices[i + 1]];
-    const glm::vec3 c = hull.vertices[hull.indices[i + 2]];
+    const std::uint8_t* at = &hull.indices[i];
+    const glm::vec3 a = hull.vertices[at[0]], b = hull.vertices[at[1]], c = hull.vertices[at[2]];
     const glm::vec3 n = glm::cross(b - a, c - a);
     const float length = glm::length(n);
     if (!(length > 0)) continue;
-    for (const glm::vec3& p : {a, b, c}) {
-      out.push_back(p);
-      out.push_back(n / length);
+    for (int k = 0; k < 3; ++k) {
+      const float parallax = hull.parallax.empty() ? 0.0f : hull.parallax[at[k]];
+      out.push_back({hull.vertices[at[k]], n / length, parallax});
     }
   }
+  return out;
+}
+
+// For drawing with parallax: the hull, or without one the bounding box.
+std::vector<ProxyVertex> warp_triangles(const ObjectDescription& object) {
+  if (!object.hull.indices.empty()) return hull_triangles(object.hull);
+  std::vector<ProxyVertex> out = cube_triangles(box_parallax(object));
+  for (ProxyVertex& v : out) v.position = glm::mix(object.box_min, object.box_max, v.position);
   return out;
 }
 
@@ -96,7 +102,7 @@ ImpostorInstance instance_data(const DrawnImpostor& drawn, const Camera& camera,
   out.box_min = glm::vec4(object.box_min, drawn.fade < 1 ? kFadeBias : 0.0f);
   const double slack = tile.depth_code.quantum() + capture.texel_width(tile.measure.depth_max);
   out.box_max = glm::vec4(object.box_max, slack);
-  out.center = glm::vec4(object.center, 0);
+  out.center = glm::vec4(object.center, tile.measure.depth_min);
   return out;
 }
 
@@ -169,7 +175,7 @@ const MethodShader kShaders[] = {
     {DrawMethod::kQuad, {"PROXY_QUAD", "METHOD_PROJECT", "QUAD_MARGIN 0.0"}},
     {DrawMethod::kCuboid, {"PROXY_CUBOID", "METHOD_PROJECT"}},
     {DrawMethod::kHull, {"PROXY_HULL", "METHOD_PROJECT"}},
-    {DrawMethod::kWarp, {"PROXY_QUAD", "METHOD_WARP", "QUAD_MARGIN 0.15"}},
+    {DrawMethod::kWarp, {"PROXY_HULL", "METHOD_WARP"}},
 };
 
 }  // namespace
@@ -224,39 +230,43 @@ Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers) {
   glBindTexture(GL_TEXTURE_2D, pass.tile_rows_.id());
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  std::vector<glm::vec3> quad;
+  std::vector<ProxyVertex> quad;
   for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}) {
-    quad.emplace_back(x, y, 0);
-    quad.emplace_back(0, 0, 1);
+    quad.push_back({glm::vec3(x, y, 0), glm::vec3(0, 0, 1), 0});
   }
   pass.quad_ = make_proxy(quad);
-  pass.cube_ = make_proxy(cube_triangles());
+  pass.cube_ = make_proxy(cube_triangles(0));
   return pass;
 }
 
-ImpostorPass::Proxy ImpostorPass::make_proxy(const std::vector<glm::vec3>& data) {
+ImpostorPass::Proxy ImpostorPass::make_proxy(const std::vector<ProxyVertex>& data) {
   Proxy proxy;
   proxy.vao = gl::VertexArray::create();
   proxy.vertices = gl::Buffer::create();
-  proxy.vertex_count = static_cast<int>(data.size() / 2);
+  proxy.vertex_count = static_cast<int>(data.size());
   glBindVertexArray(proxy.vao.id());
   glBindBuffer(GL_ARRAY_BUFFER, proxy.vertices.id());
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(glm::vec3)),
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size() * sizeof(ProxyVertex)),
                data.data(), GL_STATIC_DRAW);
-  constexpr GLsizei kStride = 2 * sizeof(glm::vec3);
+  constexpr GLsizei kStride = sizeof(ProxyVertex);
   glEnableVertexAttribArray(0);
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, kStride, nullptr);
   glEnableVertexAttribArray(1);
   glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, kStride,
-                        reinterpret_cast<const void*>(sizeof(glm::vec3)));
+                        reinterpret_cast<const void*>(offsetof(ProxyVertex, normal)));
+  glEnableVertexAttribArray(12);
+  glVertexAttribPointer(12, 1, GL_FLOAT, GL_FALSE, kStride,
+                        reinterpret_cast<const void*>(offsetof(ProxyVertex, parallax)));
   glBindVertexArray(0);
   return proxy;
 }
 
 Result<void> ImpostorPass::reset(const SceneView& scene) {
   hulls_.clear();
+  warp_proxies_.clear();
   for (const ObjectDescription& object : scene.objects) {
     hulls_.push_back(make_proxy(hull_triangles(object.hull)));
+    warp_proxies_.push_back(make_proxy(warp_triangles(object)));
   }
   fog_color_ = scene.environment.horizon;
   fog_density_ = scene.environment.fog_density;
@@ -383,7 +393,7 @@ void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene, con
   std::map<std::uint32_t, std::vector<ImpostorInstance>> by_object;
   for (const DrawnImpostor& drawn : list.impostors) {
     if (drawn.method != method || drawn.tile->relit != relit) continue;
-    if (method == DrawMethod::kHull) {
+    if (method == DrawMethod::kHull || method == DrawMethod::kWarp) {
       by_object[drawn.tile->object].push_back(instance_data(drawn, camera, scene));
     } else {
       all.push_back(instance_data(drawn, camera, scene));
@@ -394,9 +404,11 @@ void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene, con
   use_atlas(program, camera, relit);
   program.set("u_soft", soft ? 1 : 0);
   program.set("u_forward", glm::vec3(camera.forward()));
-  const bool quad = method == DrawMethod::kQuad || method == DrawMethod::kWarp;
+  const bool quad = method == DrawMethod::kQuad;
+  const std::vector<Proxy>& proxies = method == DrawMethod::kWarp ? warp_proxies_ : hulls_;
   draw_instances(quad ? quad_ : cube_, all, !quad);
-  for (const auto& [object, instances] : by_object) draw_instances(hulls_[object], instances, true);
+  for (const auto& [object, instances] : by_object)
+    draw_instances(proxies[object], instances, true);
 }
 
 void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scene,

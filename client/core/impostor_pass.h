@@ -14,6 +14,11 @@
 
 namespace mirage {
 
+struct ProxyVertex {
+  glm::vec3 position, normal;
+  float parallax;  ///< object units, see ConvexHull
+};
+
 class ImpostorPass {
  public:
   /// Error kGraphicsShader, kGraphicsGl (atlas too large).
@@ -41,7 +46,7 @@ class ImpostorPass {
   void upload_surface(const AtlasSlot& slot, const std::vector<std::uint8_t>& surface, int w,
                       int h);
   Result<void> make_programs(bool fog);
-  static Proxy make_proxy(const std::vector<glm::vec3>& positions_and_normals);
+  static Proxy make_proxy(const std::vector<ProxyVertex>& triangles);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
   void draw_method(const Camera& camera, const SceneView& scene, const DrawList& list,
@@ -69,6 +74,7 @@ class ImpostorPass {
   bool with_fog_ = false;  ///< what the programs were made for
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;
+  std::vector<Proxy> warp_proxies_;
   int draw_calls_ = 0;
   std::size_t gpu_bytes_ = 0;
 };

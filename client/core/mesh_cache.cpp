@@ -15,8 +15,8 @@ constexpr std::int64_t kPinnedUs = 500'000;        // needed this recently: stil
 constexpr double kCoarseExcess = 16;  // the first level of an object may be this far beyond tau
 constexpr double kCoarseShare = 0.5;  // of the needed level's bytes: otherwise it is not worth it
 constexpr double kTexelsPerPixel = 1.5;  // a level is sharp enough down to this
-constexpr double kNearest = 0.01;         // of the radius: nothing is seen from nearer than this
-constexpr std::size_t kReplyBytes = 64;   // around any payload
+constexpr double kNearest = 0.01;        // of the radius: nothing is seen from nearer than this
+constexpr std::size_t kReplyBytes = 64;  // around any payload
 
 std::size_t mesh_gpu_bytes(const LodInfo& lod) {
   // Three indices, and some 0.7 vertices, a triangle.

@@ -34,10 +34,9 @@ std::array<TileRecordPtr, 3> neighbours_for(const TileGroup& group, const ViewGe
   for (const Near& near : all) {
     if (count == out.size()) break;
     if (count > 0 && (near.angle > kFarthest || all[0].angle < kOnTheEye)) break;
-    const bool new_side = std::none_of(off.begin(), off.begin() + std::ptrdiff_t(count),
-                                       [&](const glm::dvec3& o) {
-                                         return glm::dot(o, near.off) > kSameSide;
-                                       });
+    const bool new_side =
+        std::none_of(off.begin(), off.begin() + std::ptrdiff_t(count),
+                     [&](const glm::dvec3& o) { return glm::dot(o, near.off) > kSameSide; });
     if (count > 0 && !new_side) continue;
     off[count] = near.off;
     out[count++] = *near.tile;

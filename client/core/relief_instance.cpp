@@ -50,8 +50,8 @@ struct TileMap {
 TileMap tile_map(const TileRecord& tile) {
   const Capture& c = tile.capture;
   const TileWindow w = window_of(tile);
-  const glm::dvec2 first = glm::dvec2(tile.slot.x + 1, tile.slot.y + 1) -
-                           glm::dvec2(w.left, -w.top) * w.texels;
+  const glm::dvec2 first =
+      glm::dvec2(tile.slot.x + 1, tile.slot.y + 1) - glm::dvec2(w.left, -w.top) * w.texels;
   const DepthCode& code = tile.depth_code;
   const double codes = kCodes * code.far_depth / (code.far_depth - code.near_depth);
   const auto column = [&](const glm::dvec3& axis) {
@@ -91,8 +91,7 @@ ReliefInstance relief_instance(const DrawnImpostor& drawn, const Camera& camera,
   out.place = {tile.slot.x + 1, tile.slot.y + 1, tile.slot.layer, drawn.fade};
   const glm::dvec2 range = code_range(tile);
   out.range = {tile.depth_code.near_depth, tile.depth_code.far_depth, range.x, range.y};
-  const double slack =
-      tile.depth_code.quantum() + capture.texel_width(tile.measure.depth_max);
+  const double slack = tile.depth_code.quantum() + capture.texel_width(tile.measure.depth_max);
   out.slack = {drawn.fade < 1 ? kFadeBias : 0.0f, slack, 0, 0};
   out.box_min = glm::vec4(object.box_min - object.center, static_cast<float>(row));
   out.box_max = glm::vec4(object.box_max - object.center, 0);

@@ -73,6 +73,7 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
     o.surrounds = info->surrounds;
     o.group = info->group;
     o.motion = {info->clip_s, info->speed, info->jump, info->wrap_jump};
+    o.hull.parallax = info->hull_parallax;
     objects.push_back(std::move(o));
   }
   return complete() ? finish() : Result<void>{};

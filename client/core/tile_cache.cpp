@@ -63,8 +63,17 @@ DrawnDepth TileRecord::drawn_depth_of_lod(DrawMethod method,
       out.q = r + (out.surface_max - measure.depth_max) * dc / cone;
       return out;
     }
+    case DrawMethod::kWarp: {
+      // Surface and drawn point lie on one capture ray, each within the measured range.
+      const double low = measure.depth_min, high = measure.depth_max;
+      out.dz = dc * dc * (1.0 / low - 1.0 / high) * (1 + 1e-5);
+      out.drawn_min = low;
+      out.drawn_max = high;
+      out.q =
+          std::max(std::hypot(low - dc, low * r / cone), std::hypot(high - dc, high * r / cone));
+      return out;
+    }
     case DrawMethod::kQuad:
-    case DrawMethod::kWarp:
     case DrawMethod::kMesh:
       break;
   }

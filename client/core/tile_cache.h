@@ -102,8 +102,8 @@ class TileCache {
   /// asked for (0: the present one); nullptr when it is empty, no room can be made, or that light
   /// is long past.
   TileRecordPtr insert(std::uint32_t instance, const SceneView& scene, const Capture& capture,
-                       Tile tile, std::uint64_t frame, std::int64_t now_us,
-                       std::uint32_t light = 0, Phase phase = kStaticPhase);
+                       Tile tile, std::uint64_t frame, std::int64_t now_us, std::uint32_t light = 0,
+                       Phase phase = kStaticPhase);
 
   std::size_t resident() const { return resident_; }
   std::size_t groups() const { return groups_.size(); }

@@ -30,8 +30,7 @@ ViewGeometry view_geometry(const Camera& camera, const InstanceView& instance,
   view.eye = glm::conjugate(glm::dquat(instance.world_from_object.rotation)) * to_eye / scale;
   view.center_depth = -glm::dot(to_eye, camera.forward()) / scale;
   view.clip_time_s = wrap_clip(time_s + instance.clip_offset_s, object.motion.clip_s);
-  view.forward =
-      glm::conjugate(glm::dquat(instance.world_from_object.rotation)) * camera.forward();
+  view.forward = glm::conjugate(glm::dquat(instance.world_from_object.rotation)) * camera.forward();
   return view;
 }
 

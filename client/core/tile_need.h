@@ -19,8 +19,8 @@ struct TileNeed {
   Phase phase = kStaticPhase;
   std::uint8_t channels = kLitTile;
   std::uint32_t light = 0;  ///< serial of the lighting it is for (LightHistory)
-  double error_px = 0;  ///< what showing the present state costs
-  double gain = 0;      ///< error_px times the seconds the new tile is expected to serve: the rank
+  double error_px = 0;      ///< what showing the present state costs
+  double gain = 0;  ///< error_px times the seconds the new tile is expected to serve: the rank
 };
 
 /// What a view is planned with. Lengths in object units.

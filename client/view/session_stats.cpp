@@ -101,13 +101,12 @@ std::string SessionStats::json(const Final& end) const {
           ? 8e-6 * static_cast<double>(end.traffic.bytes_down + end.traffic.bytes_up) / seconds
           : 0.0;
   const double rest_s = static_cast<double>(end.duration_us - settled_us_) * 1e-6;
-  j["mbps_after_5s"] =
-      settled_us_ >= 0 && rest_s > 0.5
-          ? number(8e-6 *
-                   static_cast<double>(end.traffic.bytes_down + end.traffic.bytes_up -
-                                       settled_bytes_) /
-                   rest_s)
-          : ordered_json(nullptr);
+  j["mbps_after_5s"] = settled_us_ >= 0 && rest_s > 0.5
+                           ? number(8e-6 *
+                                    static_cast<double>(end.traffic.bytes_down +
+                                                        end.traffic.bytes_up - settled_bytes_) /
+                                    rest_s)
+                           : ordered_json(nullptr);
   j["tiles"] = {{"asked", end.tiles.asked},         {"received", end.tiles.received},
                 {"drawn", end.tiles.drawn},         {"wasted", end.tiles.wasted},
                 {"cancelled", end.tiles.cancelled}, {"refused", end.tiles.refused}};

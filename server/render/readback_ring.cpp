@@ -40,9 +40,8 @@ void ReadbackRing::start(const gl::RenderTarget& page, PendingPage info) {
   const std::size_t texels = static_cast<std::size_t>(info.edge) * info.edge;
   slot.color = read_into_buffer(GL_COLOR_ATTACHMENT0, info.edge, GL_RGBA, texels * 4);
   slot.depth = read_into_buffer(GL_COLOR_ATTACHMENT1, info.edge, GL_RED, texels);
-  slot.relit = std::any_of(info.jobs.begin(), info.jobs.end(), [](const TileJob& job) {
-    return job.key.channels == kRelitTile;
-  });
+  slot.relit = std::any_of(info.jobs.begin(), info.jobs.end(),
+                           [](const TileJob& job) { return job.key.channels == kRelitTile; });
   if (slot.relit) {
     slot.surface = read_into_buffer(GL_COLOR_ATTACHMENT2, info.edge, GL_RGBA, texels * 4);
   }

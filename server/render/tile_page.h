@@ -19,7 +19,7 @@ namespace mirage {
 
 class TilePageRenderer {
  public:
-  /// `supersample` per axis. Error kGraphicsShader.
+  /// `supersample` per axis, at least 3 for alpha-tested objects. Error kGraphicsShader.
   static Result<TilePageRenderer> create(const GpuScene& scene, int supersample);
 
   /// Compiles every variant of the scene and draws each object once, so that no client pays for
@@ -42,7 +42,10 @@ class TilePageRenderer {
     gl::RenderTarget page;
   };
   Path& path_of(const TileJob& job) { return job.key.channels == kRelitTile ? relit_ : lit_; }
-  bool prepare_targets(Path& path, int page_edge, std::uint32_t largest_tile);
+  /// Per axis: objects with alpha tests get more than the rest.
+  int samples(const TileJob& job) const;
+  /// `supersampled_edge` of the largest tile, in samples.
+  bool prepare_targets(Path& path, int page_edge, int supersampled_edge);
   Capture capture_of(const TileJob& job) const;
   void draw_tile(const TileJob& job);
   /// `eye` in the group's space; its members are none of them blended.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "protocol/limits.h"
 
@@ -100,6 +101,20 @@ Result<ConvexHull> enclosing_hull(const std::vector<glm::vec3>& points) {
   } catch (const std::exception& e) {
     return make_error(ErrorId::kInternal, std::string("qhull: ") + e.what());
   }
+}
+
+std::vector<float> parallax_factors(const ConvexHull& hull, const std::vector<glm::vec3>& points,
+                                    const glm::vec3& center) {
+  std::vector<float> out;
+  for (const glm::vec3& vertex : hull.vertices) {
+    float nearest = std::numeric_limits<float>::infinity();
+    for (const glm::vec3& p : points) {
+      if (glm::dot(p - vertex, center - vertex) < 0) continue;
+      nearest = std::min(nearest, glm::length(p - vertex));
+    }
+    out.push_back(std::isfinite(nearest) ? nearest : 0.0f);
+  }
+  return out;
 }
 
 }  // namespace mirage

@@ -14,4 +14,9 @@ namespace mirage {
 /// thickness too. Empty when there are no points. Error kInternal when Qhull gives up.
 Result<ConvexHull> enclosing_hull(const std::vector<glm::vec3>& points);
 
+/// Per hull vertex the distance to the nearest of `points` behind it, that is on the inner side of
+/// the plane through the vertex across its direction from `center`. 0 where there is none.
+std::vector<float> parallax_factors(const ConvexHull& hull, const std::vector<glm::vec3>& points,
+                                    const glm::vec3& center);
+
 }  // namespace mirage

@@ -284,6 +284,7 @@ ObjectDescription describe_object(const SceneObject& object, const Scene& scene)
   const double floor_radius = 1e-6 * std::max(1.0, glm::length(glm::dvec3(out.center)));
   out.radius = static_cast<float>(std::max(radius * 1.00001, std::min(floor_radius, 1e-3)));
   if (Result<ConvexHull> hull = enclosing_hull(points); hull.ok()) out.hull = hull.take();
+  out.hull.parallax = parallax_factors(out.hull, points, out.center);
   out.mean_color = mean_color(object, scene);
   return out;
 }

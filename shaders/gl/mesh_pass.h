@@ -40,8 +40,8 @@ class MeshPass {
  public:
   explicit MeshPass(MeshOutput output) : output_(output) {}
 
-  /// For a multisampled target, drawn beside a supersampled truth: textures are read this many levels
-  /// sharper, alpha-tested ones (which are shaded per sample) twice as many.
+  /// For a multisampled target, drawn beside a supersampled truth: textures are read this many
+  /// levels sharper, alpha-tested ones (which are shaded per sample) twice as many.
   void sharpen(float levels) { mip_bias_ = -levels; }
 
   /// Compiles the variants of a mesh ahead of its first draw. Error kGraphicsShader.

@@ -1,7 +1,7 @@
 // Draws a tile on its proxy. Every fragment finds the tile coordinate it shows and the depth stored
 // there, and writes that depth, so impostors meet each other and geometry where the objects would.
 //   METHOD_PROJECT  the capture ray through the proxy point (quad, cuboid, hull)
-//   METHOD_WARP     one parallax step on the quad
+//   METHOD_WARP     the capture ray through a point behind the proxy, on the eye's ray (row 15)
 precision highp float;
 precision highp int;
 precision highp sampler2DArray;
@@ -22,6 +22,10 @@ flat in vec3 v_normal;
 #if defined(RELIT) || defined(FOG)
 flat in vec4 v_rotation;
 flat in vec4 v_center_scale;
+#endif
+#ifdef METHOD_WARP
+in float v_parallax;
+flat in vec2 v_range;
 #endif
 layout(location = 0) out vec4 o_color;
 
@@ -46,9 +50,10 @@ const float kSolid = 0.99;
 
 const float kNothing = -1.0;
 
+float capture_depth(vec3 p) { return v_capture.x + dot(p, v_ahead); }
 // Capture tangents and depth of a point relative to the centre.
 vec3 capture_from_point(vec3 p) {
-  float z = v_capture.x + dot(p, v_ahead);
+  float z = capture_depth(p);
   return vec3(dot(p, v_right) / z, dot(p, v_up) / z, z);
 }
 vec3 point_from_capture(vec2 t, float z) {
@@ -82,22 +87,23 @@ void emit(vec4 color, vec3 p) {
 }
 
 void main() {
-#ifndef PROXY_QUAD
+#if !defined(PROXY_QUAD) && !defined(METHOD_WARP)
   // A face turned away from the capture eye was not seen by it: what it would show is elsewhere.
   if (dot(v_normal, -v_ahead * v_capture.x - v_point) <= 0.0) discard;
 #endif
-  vec2 t = capture_from_point(v_point).xy;
+  vec3 point = v_point;
 #ifdef METHOD_WARP
-  float guess = stored_depth(t);
-  if (guess > 0.0) {
-    vec3 direction = v_point - v_eye;
-    float along = dot(direction, v_ahead);
-    if (abs(along) > 1e-9) {
-      float k = (guess - v_capture.x - dot(v_eye, v_ahead)) / along;
-      t = capture_from_point(v_eye + direction * k).xy;
-    }
+  vec3 ray = normalize(v_point - v_eye);
+  point += v_parallax * ray;
+  // Along the ray into the range of the content: the bound covers no other depth.
+  float off = clamp(capture_depth(point), v_range.x, v_range.y) - capture_depth(point);
+  if (off != 0.0) {
+    float along = dot(ray, v_ahead);
+    if (abs(along) < 1e-4) discard;
+    point += ray * (off / along);
   }
 #endif
+  vec2 t = capture_from_point(point).xy;
   if (!in_window(t)) discard;
   float z = stored_depth(t);
   vec3 p = point_from_capture(t, z > 0.0 ? z : v_capture.y);

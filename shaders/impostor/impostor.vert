@@ -1,6 +1,6 @@
 // Impostors, one instance each. The proxy is built around the object's centre in object space:
 //   PROXY_QUAD   the crop window on the plane at the tile's own depth (TECHNIQUES rows 12, 24)
-//   PROXY_CUBOID the bounding box (row 13)          PROXY_HULL  the convex hull (row 14)
+//   PROXY_CUBOID the bounding box (row 13)          PROXY_HULL  the convex hull (rows 14, 15)
 layout(location = 0) in vec3 a_position;  // quad: corner 0..1; cuboid: 0..1; hull: object space
 layout(location = 1) in vec3 a_normal;
 layout(location = 2) in vec4 i_rotation;        // world_from_object, xyzw
@@ -12,7 +12,12 @@ layout(location = 7) in vec4 i_atlas;           // first texel of the crop, texe
 layout(location = 8) in vec4 i_depth;           // near, far, layer, fade
 layout(location = 9) in vec4 i_box_min;         // object space; w: depth bias
 layout(location = 10) in vec4 i_box_max;        // w: how coarse the stored depth is, object units
-layout(location = 11) in vec4 i_center;         // of the bounding sphere, object space
+layout(location = 11) in vec4 i_center;         // of the bounding sphere, object space; w: least capture depth
+#ifdef METHOD_WARP
+layout(location = 12) in float a_parallax;      // from the proxy to the mesh behind it
+out float v_parallax;
+flat out vec2 v_range;  // capture depths of the content
+#endif
 
 uniform mat4 u_clip_from_relative;
 uniform vec3 u_forward;  // camera, world
@@ -60,6 +65,11 @@ void main() {
 #if defined(RELIT) || defined(FOG)
   v_rotation = i_rotation;
   v_center_scale = i_center_scale;
+#endif
+#ifdef METHOD_WARP
+  v_parallax = a_parallax;
+  // The plane is at the harmonic mean of the range (tile_measure.cpp).
+  v_range = vec2(i_center.w, 1.0 / max(2.0 / plane - 1.0 / i_center.w, 1e-9));
 #endif
   vec4 inverse = conjugate(i_rotation);
   v_eye = rotate(inverse, -i_center_scale.xyz) / scale;

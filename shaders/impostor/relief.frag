@@ -85,6 +85,7 @@ vec4 tile_data(int tile, int i) { return texelFetch(u_tiles, ivec2(tile * kTexel
 void main() {
   vec4 color = vec4(0.0), fill = vec4(0.0);
   float along = 1e9, fill_along = 1e9, weight = 0.0, fill_weight = 0.0;
+  bool free = false;  // one tile saw that nothing is there: no other may fill it
   for (int k = 0; k < 3; ++k) {
     vec4 low = tile_data(k, 5), high = tile_data(k, 6);
     if (high.w <= 0.0) break;
@@ -92,8 +93,14 @@ void main() {
                 tile_data(k, 2) * v_point.z + tile_data(k, 3);
     Hit hit;
     float at;
-    if (!trace_tile(tile, tile_data(k, 4), low.xyz, high.xyz, int(low.w), hit, at)) continue;
-    if (hit.color.a <= 0.0) continue;
+    if (!trace_tile(tile, tile_data(k, 4), low.xyz, high.xyz, int(low.w), hit, at)) {
+      free = true;
+      continue;
+    }
+    if (hit.color.a <= 0.0) {
+      free = free || !hit.hidden;
+      continue;
+    }
     if (hit.filled) {
       if (fill_weight == 0.0) {
         fill = hit.color;
@@ -108,8 +115,8 @@ void main() {
   }
   if (weight > 0.0) {
     color /= weight;
-    if (color.a < kSolid) color += (1.0 - color.a) * fill;
-  } else {
+    if (color.a < kSolid && !free) color += (1.0 - color.a) * fill;
+  } else if (!free) {
     color = fill;
     along = fill_along;
   }

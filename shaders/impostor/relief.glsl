@@ -19,6 +19,7 @@ struct Hit {
   vec4 color;   // premultiplied, as far as the ray got
   vec3 point;   // of the first thing met, tile space
   bool filled;  // that thing is an extended surface
+  bool hidden;  // the ray passed behind something
 #ifdef RELIT
   Stored surface;  // weighted like colour
 #endif
@@ -115,6 +116,7 @@ Hit trace(Ray ray, int layer, float reach) {
   hit.color = vec4(0.0);
   hit.point = vec3(0.0);
   hit.filled = true;
+  hit.hidden = false;
 #ifdef RELIT
   hit.surface = Stored(vec2(0.0), 0.0, vec3(0.0));
 #endif
@@ -139,6 +141,7 @@ Hit trace(Ray ray, int layer, float reach) {
       if (hit.color.a >= kSolid) break;
     }
     // Hidden behind c.
+    hit.hidden = true;
     float entry = last > c + kWall ? last : -1.0;
     float start = i;
     float under = c;

@@ -34,7 +34,7 @@ class GeometryBench {
   std::size_t levels(std::uint32_t object) const { return prepared_->objects[object].lods.size(); }
 
   std::vector<std::uint8_t> from_server_data(std::uint32_t object, double radii) {
-    renderer_->reset(scene_);
+    EXPECT_TRUE(renderer_->reset(scene_));
     for (std::uint32_t i = 0; i < scene_.images.size(); ++i) {
       renderer_->add_image(scene_, i, prepared_->scene.images[i]);
     }
@@ -44,7 +44,7 @@ class GeometryBench {
   }
 
   std::vector<std::uint8_t> through_the_wire(std::uint32_t object, std::size_t lod, double radii) {
-    renderer_->reset(scene_);
+    EXPECT_TRUE(renderer_->reset(scene_));
     for (std::uint32_t i = 0; i < scene_.images.size(); ++i) {
       const auto level = static_cast<std::uint8_t>(image_levels(scene_.images[i]) - 1);
       const Bytes bytes = ImageStage::encode(*prepared_, {i, level});
@@ -66,7 +66,7 @@ class GeometryBench {
   }
 
   std::vector<std::uint8_t> nothing(std::uint32_t object, double radii) {
-    renderer_->reset(scene_);
+    EXPECT_TRUE(renderer_->reset(scene_));
     return draw(object, radii);
   }
 

@@ -57,8 +57,7 @@ TEST(CoreTileCache, TileLargerThanTheAtlasIsLeftOut) {
   cache.reset(scene, scene.lighting);
   const Capture small = small_capture(0);
   ASSERT_TRUE(cache.insert(0, scene, small, make_tile(small), 1, 0));
-  const Capture large(ViewCell{},
-                      *distance_bucket_from_radii(4, 2), 1, 128);
+  const Capture large(ViewCell{}, *distance_bucket_from_radii(4, 2), 1, 128);
   EXPECT_FALSE(cache.insert(0, scene, large, make_tile(large), 100, 0));
   EXPECT_EQ(cache.resident(), 1u) << "nothing is evicted for what can never fit";
 }

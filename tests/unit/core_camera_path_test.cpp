@@ -25,20 +25,17 @@ double angle(const glm::quat& a, const glm::quat& b) {
 /// A trace file that goes with the test.
 class TraceFile {
  public:
-  explicit TraceFile(const std::string& text) {
-    std::ofstream(path_) << text;
-  }
+  explicit TraceFile(const std::string& text) { std::ofstream(path_) << text; }
   TraceFile(const TraceFile&) = delete;
   TraceFile& operator=(const TraceFile&) = delete;
   ~TraceFile() { std::filesystem::remove(path_); }
   const std::string& path() const { return path_; }
 
  private:
-  const std::string path_ =
-      (std::filesystem::temp_directory_path() /
-       ("mirage_trace_" + std::to_string(::getpid()) + "_" +
-        ::testing::UnitTest::GetInstance()->current_test_info()->name()))
-          .string();
+  const std::string path_ = (std::filesystem::temp_directory_path() /
+                             ("mirage_trace_" + std::to_string(::getpid()) + "_" +
+                              ::testing::UnitTest::GetInstance()->current_test_info()->name()))
+                                .string();
 };
 
 TEST(CoreCameraPath, BuiltinsAreFiniteAndContinuous) {
@@ -96,9 +93,9 @@ TEST(CoreCameraPath, BadLinesAreNamed) {
     const char* text;
     int line;
   } cases[] = {
-      {"0 0 0 0 0 0 0\n0 0 0 0 0 0\n", 2},            // a column short
-      {"# comment\n\n0 0 0 0 0 0 abc\n", 3},          // no number
-      {"0 0 0 0 0 0 10\n0 0 0 0 0 0 9\n", 2},         // time falls
+      {"0 0 0 0 0 0 0\n0 0 0 0 0 0\n", 2},     // a column short
+      {"# comment\n\n0 0 0 0 0 0 abc\n", 3},   // no number
+      {"0 0 0 0 0 0 10\n0 0 0 0 0 0 9\n", 2},  // time falls
       {"0 0 0 0 0 0 0\n0 0 0 0 0 0 5\n0 0 nan 0 0 0 6\n", 3},
       {"0 0 0 0 0 0 0\n1e999 0 0 0 0 0 6\n", 2},
   };

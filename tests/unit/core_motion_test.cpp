@@ -22,7 +22,7 @@ SelectorWorld moving_world(float speed) {
 
 void add_phase(SelectorWorld& world, const TileNeed& need) {
   const Capture capture = capture_for(need, 1);
-  world.cache.insert(0, world.scene, capture, make_tile(capture), world.frame, world.now_us,
+  world.cache.insert(0, world.scene, capture, make_tile(capture), world.frame, world.now_us, 0,
                      need.phase);
 }
 

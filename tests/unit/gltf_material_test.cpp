@@ -180,8 +180,7 @@ TEST(GltfImage, UnreadableImagesAreWhite) {
   const std::string good = make_png(4, 4, 8, 2, std::string(48, 'x'));
   for (const std::string& bytes :
        {std::string("garbage garbage garbage"), good.substr(0, 40),
-        good.substr(0, good.size() - 20), make_png(0, 0, 8, 2, ""),
-        make_png(4, 4, 8, 2, "abc")}) {
+        good.substr(0, good.size() - 20), make_png(0, 0, 8, 2, ""), make_png(4, 4, 8, 2, "abc")}) {
     auto scene = with_image(bytes);
     ASSERT_TRUE(scene) << failure(scene);
     EXPECT_TRUE(has_warning(*scene, "1 unreadable images replaced by white")) << bytes.size();

@@ -162,8 +162,8 @@ TEST(ProtocolErrorBound, SoundAndTightForMeasuredContent) {
   for (int i = 0; i < 20'000; ++i) {
     const Case c = cases.next();
     const Content content = random_content(cases, c);
-    const double bound = position_bound_px(c.view, c.capture.geometry(content.crop),
-                                           content_depth(c, content));
+    const double bound =
+        position_bound_px(c.view, c.capture.geometry(content.crop), content_depth(c, content));
     if (!(bound < kInf)) continue;
     double worst = 0;
     for (int k = 0; k < 40; ++k) {
@@ -176,10 +176,12 @@ TEST(ProtocolErrorBound, SoundAndTightForMeasuredContent) {
     }
     ASSERT_LE(worst, bound * (1 + 1e-9) + 1e-9) << "case " << i;
     const bool far = glm::length(c.view.eye) > 10 * c.view.radius;
-    if (far && c.capture.distance > 10 * c.view.radius && worst > 0) ratios.push_back(bound / worst);
+    if (far && c.capture.distance > 10 * c.view.radius && worst > 0)
+      ratios.push_back(bound / worst);
   }
   ASSERT_GT(ratios.size(), 1000u);
-  std::nth_element(ratios.begin(), ratios.begin() + std::ptrdiff_t(ratios.size() / 2), ratios.end());
+  std::nth_element(ratios.begin(), ratios.begin() + std::ptrdiff_t(ratios.size() / 2),
+                   ratios.end());
   EXPECT_LE(ratios[ratios.size() / 2], 1.2);
 }
 
@@ -207,7 +209,8 @@ TEST(ProtocolErrorBound, InfiniteWhereNoImpostorHolds) {
     v.center_depth = depth;
     expect_stale(v, kPlainCapture, kPlainDrawn);
   }
-  expect_stale(plain_view(), kPlainCapture, {1, 4, 0, 0, 0, 0});   // drawn points reach the eye plane
+  expect_stale(plain_view(), kPlainCapture,
+               {1, 4, 0, 0, 0, 0});  // drawn points reach the eye plane
   expect_stale(plain_view(), kPlainCapture, {-1, 1, 0, 0, 0, 0});  // a negative bound is no bound
 }
 

@@ -192,6 +192,8 @@ TEST(ProtocolMessage, NoFloatOfAnObjectMayBeNotFinite) {
         "hull vertex");
   }
   expect_finite_only(
+      good, [](auto& m, double v) { m.objects[1]->hull_parallax[2] = float(v); }, "parallax");
+  expect_finite_only(
       good, [](auto& m, double v) { m.objects[1]->radius = float(v); }, "radius");
 }
 

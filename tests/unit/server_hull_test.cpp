@@ -132,6 +132,34 @@ TEST(ServerHull, FlatLineAndSinglePoint) {
   }
 }
 
+TEST(ServerHull, ParallaxIsTheDistanceToTheNearestPointBehind) {
+  ConvexHull hull;
+  hull.vertices = {{0, 0, 4}, {3, 0, 0}, {0, -2, 0}};
+  const std::vector<glm::vec3> points = {{0, 0, 1}, {0, 0, 4.5f}, {1, 0, 0}};
+  // The second point is nearer to the first vertex but in front of it.
+  EXPECT_EQ(parallax_factors(hull, points, glm::vec3(0)),
+            (std::vector<float>{3, 2, std::sqrt(5.0f)}));
+  EXPECT_EQ(parallax_factors(hull, {}, glm::vec3(0)), (std::vector<float>{0, 0, 0}));
+}
+
+TEST(ServerHull, KnotLiesBehindItsHullByTheFactors) {
+  const auto scene = load_scene("builtin:knot?tubular=24&radial=8");
+  ASSERT_TRUE(scene) << scene.error().text;
+  const ObjectDescription& o = (*scene)->objects[0];
+  ASSERT_EQ(o.hull.parallax.size(), o.hull.vertices.size());
+  for (std::size_t i = 0; i < o.hull.vertices.size(); ++i) {
+    const glm::vec3 corner = o.hull.vertices[i];
+    float nearest = 2 * o.radius;
+    for (const Vertex& v : (*scene)->scene.objects[0].mesh.vertices) {
+      const bool behind = glm::dot(v.position - corner, o.center - corner) >= 0;
+      if (behind) nearest = std::min(nearest, glm::length(v.position - corner));
+    }
+    EXPECT_FLOAT_EQ(o.hull.parallax[i], nearest);
+    EXPECT_GT(o.hull.parallax[i], 0);
+    EXPECT_LT(o.hull.parallax[i], o.radius);
+  }
+}
+
 TEST(ServerHull, DescriptionContainsEveryVertexInUse) {
   for (const char* spec : {"builtin:knot?tubular=24&radial=8", "builtin:clutter?objects=20"}) {
     const auto scene = load_scene(spec);
