@@ -78,6 +78,7 @@ void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, co
     data.rotation = {m.rotation.x, m.rotation.y, m.rotation.z, m.rotation.w};
     data.position_scale = glm::vec4(glm::vec3(m.position - camera.pose.eye), m.scale);
     data.id = drawn.instance;
+    data.fade = drawn.fade;
     by_mesh[{instance.object, drawn.lod}].push_back(data);
   }
   for (const auto& [mesh, instances] : by_mesh) {

@@ -115,18 +115,34 @@ bool Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   c.distance = glm::length(view_of.center - in.camera.pose.eye);
   Shown& shown = shown_[instance];
   const bool as_mesh = drawn_as_mesh(in, instance);
-  if (as_mesh != shown.as_mesh) shown = Shown{};
-  shown.as_mesh = as_mesh;
-  if (as_mesh) {
-    w.out.meshes.push_back({instance});
-    return true;
+  if (as_mesh != shown.as_mesh) {
+    const bool was_drawn = shown.frame > 0 && shown.frame + 1 >= in.frame;
+    shown.swapped_us = was_drawn ? in.now_us : INT64_MIN / 2;
+    shown.as_mesh = as_mesh;
   }
+  if (!c.object->group) shown.frame = in.frame;
+  // What takes over fades in over what was there: geometry dithered, a tile blended.
+  const auto progress = static_cast<float>(fade_progress(shown.swapped_us, in.now_us));
+  const bool swapping = progress < 1 && (*in.mesh_ready)[view_of.object];
+  if (as_mesh) {
+    w.out.meshes.push_back({instance, 0, std::min(fade, progress)});
+    if (!swapping) {
+      shown.tile.reset();
+      shown.former.reset();
+      return true;
+    }
+  } else if (swapping) {
+    w.out.meshes.push_back({instance, 0, fade});
+    c.fade = std::min(fade, progress);
+  }
+  const bool on_mesh = as_mesh || swapping;
   const TileCache::LitGroup lit = in.cache->lit_group(instance);
   c.group = lit.tiles;
   if (lit.then && light_change_px(in, lit, instance, size) > in.tau_px) {
     c.light_lag_us = in.now_us - lit.then->ended_us;
   }
   if (c.group->empty_from(c.view.eye)) return false;
+  if (c.group->tiles.empty() && on_mesh) return true;
   if (c.group->tiles.empty()) {
     if (!c.object->group) w.out.placeholders.push_back({instance, c.distance});
     ++w.out.over_tau;

@@ -87,6 +87,7 @@ class Selector {
     std::int64_t appeared_us = 0;          ///< groups: when it took over from its members
     std::int64_t left_us = INT64_MIN / 2;  ///< groups: when its members took over
     bool as_mesh = false;
+    std::int64_t swapped_us = INT64_MIN / 2;  ///< when geometry took over, or tiles from it
   };
   /// An instance that has tiles, before it is settled how it is drawn.
   struct Candidate;

@@ -1,5 +1,6 @@
 #include "shaders/gl/mesh_pass.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -29,6 +30,7 @@ constexpr NeedMask kShaderNeeds = kNeedLighting | kNeedBaseColorMap | kNeedMetal
 
 // No need of an object: a property of the frame, beyond the bits of need_mask.h.
 constexpr NeedMask kFog = NeedMask{1} << 63;
+constexpr NeedMask kFade = NeedMask{1} << 62;
 
 GLint gl_wrap(Wrap wrap) {
   switch (wrap) {
@@ -103,9 +105,10 @@ LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye) {
   return block;
 }
 
-Program* MeshPass::program(NeedMask needs) {
+Program* MeshPass::program(NeedMask needs, bool fade) {
   needs &= kShaderNeeds;
   if (fog_density_ > 0) needs |= kFog;
+  if (fade) needs |= kFade;
   const auto found = programs_.find(needs);
   if (found != programs_.end()) return &found->second;
   std::vector<std::string> defines;
@@ -113,6 +116,7 @@ Program* MeshPass::program(NeedMask needs) {
     if (needs & d.need) defines.emplace_back(d.define);
   }
   if (needs & kFog) defines.emplace_back("FOG");
+  if (needs & kFade) defines.emplace_back("FADE");
   if (output_ == MeshOutput::kId) defines.emplace_back("WRITE_ID");
   if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
   Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
@@ -145,7 +149,7 @@ void MeshPass::bind_instances(const MeshInstance* instances, std::size_t count) 
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(count * sizeof(MeshInstance)), instances,
                GL_STREAM_DRAW);
   constexpr GLsizei kStride = sizeof(MeshInstance);
-  for (GLuint i = 6; i <= 8; ++i) {
+  for (GLuint i = 6; i <= 9; ++i) {
     glEnableVertexAttribArray(i);
     glVertexAttribDivisor(i, 1);
   }
@@ -154,6 +158,8 @@ void MeshPass::bind_instances(const MeshInstance* instances, std::size_t count) 
                         reinterpret_cast<const void*>(offsetof(MeshInstance, position_scale)));
   glVertexAttribIPointer(8, 1, GL_UNSIGNED_INT, kStride,
                          reinterpret_cast<const void*>(offsetof(MeshInstance, id)));
+  glVertexAttribPointer(9, 1, GL_FLOAT, GL_FALSE, kStride,
+                        reinterpret_cast<const void*>(offsetof(MeshInstance, fade)));
 }
 
 void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs,
@@ -182,6 +188,8 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
                     const GpuImages& images, const MeshInstance* instances, std::size_t count,
                     bool blended) {
   bool bound = false;
+  const bool fading = std::any_of(instances, instances + count,
+                                  [](const MeshInstance& one) { return one.fade < 1; });
   for (const Primitive& primitive : mesh.primitives()) {
     const Material& material = materials[primitive.material];
     if ((material.alpha_mode == AlphaMode::kBlend) != blended || primitive.index_count == 0) {
@@ -193,7 +201,7 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
       bound = true;
     }
     const NeedMask needs = material_needs(material, mesh.vertex_color());
-    Program* p = program(needs);
+    Program* p = program(needs, fading);
     if (!p) continue;
     p->use();
     p->set("u_clip_from_relative", clip_from_relative_);

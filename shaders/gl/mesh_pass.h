@@ -18,6 +18,7 @@ struct MeshInstance {
   glm::vec4 rotation{0, 0, 0, 1};        ///< xyzw
   glm::vec4 position_scale{0, 0, 0, 1};  ///< relative to the eye
   std::uint32_t id = 0;
+  float fade = 1;  ///< share of the pixels drawn, by ordered dither
 };
 
 /// Lights as the shader takes them, positions relative to the eye.
@@ -63,7 +64,7 @@ class MeshPass {
   std::size_t variants() const { return programs_.size(); }
 
  private:
-  Program* program(NeedMask needs);
+  Program* program(NeedMask needs, bool fade = false);
   void bind_material(Program& p, const Material& material, NeedMask needs, const GpuImages& images);
   void bind_instances(const MeshInstance* instances, std::size_t count);
 

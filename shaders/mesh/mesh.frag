@@ -60,7 +60,15 @@ vec3 surface_normal() {
   return n;
 }
 
+#ifdef FADE
+flat in float v_fade;
+#include "common/dither.glsl"
+#endif
+
 void main() {
+#ifdef FADE
+  if (dithered_away(v_fade)) discard;
+#endif
   vec4 base = u_base_color;
 #ifdef NEED_VERTEX_COLOR
   base *= v_color;

@@ -11,6 +11,11 @@ layout(location = 8) in uint i_id;
 
 uniform mat4 u_clip_from_relative;
 
+#ifdef FADE
+layout(location = 9) in float i_fade;
+flat out float v_fade;
+#endif
+
 out vec3 v_position;
 out vec3 v_normal;
 out vec4 v_tangent;
@@ -31,4 +36,9 @@ void main() {
   v_id = i_id;
   gl_PointSize = 1.0;
   gl_Position = u_clip_from_relative * vec4(v_position, 1.0);
+#ifdef FADE
+  v_fade = i_fade;
+  // In front of the impostor it takes over from: 3 % nearer (the matrix turns, but does not move).
+  if (i_fade < 1.0) gl_Position.z += 0.03 * u_clip_from_relative[3].z;
+#endif
 }

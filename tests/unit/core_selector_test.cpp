@@ -227,10 +227,44 @@ TEST(CoreSelector, NearGeometryReplacesTheImpostor) {
   world.look({0, 0, 4.4}, {0, 0, 0});
   EXPECT_EQ(world.selector.select(world.input()).meshes.size(), 1u) << "hysteresis";
   world.look({0, 0, 4.7}, {0, 0, 0});
+  world.frame += 2;  // out of view in between: nothing fades
   EXPECT_TRUE(world.selector.select(world.input()).meshes.empty());
   EXPECT_EQ(world.selector.needs(world.input()).size(), 1u);
+  world.frame += 2;
   world.look({0, 0, 4.4}, {0, 0, 0});
   EXPECT_TRUE(world.selector.select(world.input()).meshes.empty()) << "hysteresis";
+}
+
+TEST(CoreSelector, GeometryFadesInOverTheTileAndTheTileOverIt) {
+  SelectorWorld world = one_ball(true);
+  world.look({0, 0, 4.8}, {0, 0, 0});
+  ASSERT_TRUE(world.add_tile(0));
+  world.mesh_ready[0] = true;
+  const auto at = [&](double distance, std::int64_t us) {
+    world.look({0, 0, distance}, {0, 0, 0});
+    world.now_us += us;
+    ++world.frame;
+    return world.selector.select(world.input());
+  };
+  EXPECT_TRUE(at(4.8, 16'000).meshes.empty());
+  DrawList list = at(3.9, 16'000);
+  ASSERT_EQ(list.meshes.size(), 1u);
+  ASSERT_EQ(list.impostors.size(), 1u) << "whole, underneath";
+  EXPECT_EQ(list.impostors[0].fade, 1);
+  EXPECT_EQ(list.meshes[0].fade, 0);
+  list = at(3.9, 60'000);
+  EXPECT_NEAR(list.meshes[0].fade, 0.5, 1e-6);
+  list = at(3.9, 60'000);
+  EXPECT_EQ(list.meshes[0].fade, 1);
+  EXPECT_TRUE(list.impostors.empty());
+  list = at(4.8, 16'000);
+  ASSERT_EQ(list.meshes.size(), 1u) << "whole, underneath";
+  EXPECT_EQ(list.meshes[0].fade, 1);
+  list = at(4.8, 60'000);
+  ASSERT_EQ(list.impostors.size(), 1u);
+  EXPECT_NEAR(list.impostors[0].fade, 0.5, 1e-6);
+  list = at(4.8, 60'000);
+  EXPECT_TRUE(list.meshes.empty());
 }
 
 TEST(CoreSelector, SurroundingsAreGeometry) {
