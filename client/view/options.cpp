@@ -118,7 +118,7 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
       ->check(CLI::Range(0, 16))
       ->capture_default_str();
   app.add_option("--march-kpx", o.march_kpx,
-                 "thousand pixels a frame that may be drawn by marching depth; default 30 on a "
+                 "thousand pixels a frame that may be drawn by marching depth; default 200 on a "
                  "software renderer, else unlimited");
   app.add_option("--atlas-mb", o.atlas_mb, "graphics memory for tiles")
       ->check(CLI::Range(5, 8192))

@@ -33,6 +33,7 @@ class Viewer {
  private:
   Result<void> open_graphics();
   Result<void> open_link();
+  void open_session();
   Result<void> wait_for_scene();
   Result<void> frame_loop();
   Result<void> one_frame(std::int64_t frame);
@@ -75,6 +76,12 @@ class Viewer {
   } before_;
 };
 
+constexpr int kAtlasEdge = 1024;
+
+int atlas_layers(const ViewOptions& o) {
+  return std::max(1, o.atlas_mb * 1024 * 1024 / (kAtlasEdge * kAtlasEdge * 5));
+}
+
 Result<void> Viewer::open_graphics() {
   if (o_.offscreen) {
     Result<gl::EglContext> egl = gl::EglContext::create(o_.device);
@@ -88,22 +95,23 @@ Result<void> Viewer::open_graphics() {
     if (!overlay) return overlay.error();
     overlay_.emplace(std::move(*overlay));
   }
-  constexpr int kAtlasEdge = 1024;
-  const int layers = std::max(1, o_.atlas_mb * 1024 * 1024 / (kAtlasEdge * kAtlasEdge * 5));
-  Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, layers);
+  Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, atlas_layers(o_));
   if (!renderer) return renderer.error();
   renderer_.emplace(renderer.take());
   Result<FrameTarget> target = FrameTarget::create(o_.width, o_.height, o_.msaa);
   if (!target) return target.error();
   target_.emplace(target.take());
+  return {};
+}
 
+void Viewer::open_session() {
   ClientOptions options;
   options.tau_px = o_.tau_px;
   options.targets = o_.targets;
   options.mesh_radii = o_.mesh_radii;
   options.method = o_.method;
   options.atlas_edge = kAtlasEdge;
-  options.atlas_layers = layers;
+  options.atlas_layers = atlas_layers(o_);
   options.mesh_budget_bytes = static_cast<std::size_t>(o_.mesh_mb) * 1024 * 1024;
   options.relight = o_.relight;
   options.token = o_.token;
@@ -112,7 +120,7 @@ Result<void> Viewer::open_graphics() {
   // Measured: a pixel of marching costs a CPU rasteriser some 0.3 us, a GPU next to nothing.
   const std::string renderer_name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
   const bool software = renderer_name.find("llvmpipe") != std::string::npos;
-  options.march_budget_px = o_.march_kpx >= 0 ? o_.march_kpx * 1000 : software ? 30e3 : 1e9;
+  options.march_budget_px = o_.march_kpx >= 0 ? o_.march_kpx * 1000 : software ? 200e3 : 1e9;
   TileSink sink;
   sink.tile = [this](const TileRecord& record, const TilePixels& pixels) {
     renderer_->upload(record, pixels);
@@ -130,7 +138,6 @@ Result<void> Viewer::open_graphics() {
   };
   Link& link = modelled_ ? static_cast<Link&>(*modelled_) : *native_;
   session_ = std::make_unique<ClientSession>(link, options, sink);
-  return {};
 }
 
 Result<void> Viewer::open_link() {
@@ -399,8 +406,10 @@ Result<void> Viewer::run() {
     std::filesystem::create_directories(o_.out_dir, failed);
     if (failed) return make_error(ErrorId::kIo, "cannot make directory '" + o_.out_dir + "'");
   }
-  if (Result<void> link = open_link(); !link) return link;
+  // Shaders first: a server waits only so long for the hello of a client that has connected.
   if (Result<void> graphics = open_graphics(); !graphics) return graphics;
+  if (Result<void> link = open_link(); !link) return link;
+  open_session();
   if (Result<void> scene = wait_for_scene(); !scene) return scene;
   if (Result<void> looped = frame_loop(); !looped) return looped;
   return finish();
