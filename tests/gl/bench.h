@@ -28,6 +28,8 @@ glm::dvec3 turned(const glm::dvec3& direction, double degrees, double bearing);
 
 class Bench {
  public:
+  /// Other tests of the process may have made contexts of their own since.
+  void make_current() { egl_.make_current(); }
   static constexpr int kSize = 512;
 
   /// nullptr without a GL context, or when `spec` does not load. The model stands at `placed`.

@@ -60,7 +60,9 @@ Bench* bench_for(const Model& model) {
     benches.clear();
     benches[model.name] = Bench::create(spec, model.light);
   }
-  return benches[model.name].get();
+  Bench* made = benches[model.name].get();
+  if (made) made->make_current();
+  return made;
 }
 
 // Drawn, truth, twice the difference, side by side; only when the folder is asked for.

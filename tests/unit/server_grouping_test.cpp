@@ -45,6 +45,7 @@ TEST(ServerGrouping, BoundsEncloseTheMembersVertices) {
     const InstanceGroup& group = scene.grouping.groups[g];
     const ObjectDescription& of = scene.objects[scene.scene.objects.size() + g];
     EXPECT_TRUE(of.group);
+    EXPECT_EQ(of.hull.parallax.size(), of.hull.vertices.size()) << "clients refuse anything else";
     for (const std::uint32_t i : group.leaves) {
       const Instance& instance = scene.scene.instances[i];
       const Similarity& m = instance.world_from_object;
