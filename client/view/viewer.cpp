@@ -406,6 +406,7 @@ Result<void> Viewer::run() {
     std::filesystem::create_directories(o_.out_dir, failed);
     if (failed) return make_error(ErrorId::kIo, "cannot make directory '" + o_.out_dir + "'");
   }
+  if (Result<ServerUrl> url = parse_url(o_.url); !url) return url.error();
   // Shaders first: a server waits only so long for the hello of a client that has connected.
   if (Result<void> graphics = open_graphics(); !graphics) return graphics;
   if (Result<void> link = open_link(); !link) return link;
