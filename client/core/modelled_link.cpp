@@ -108,6 +108,7 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
   const std::int64_t arrives = start + one_way_us();
   if (message->body.type == wire::Body::Hello) {
     owed_welcome_ = true;
+    greeted_ = inner_.generation();
     // What the former connection owed will not come any more.
     asks_.clear();
     assets_asked_us_.clear();
@@ -146,7 +147,7 @@ bool ModelledLink::owed() const {
 void ModelledLink::collect_replies() {
   do {
     for (Message& message : inner_.receive()) take_reply(std::move(message));
-  } while (blocking_ && owed() && inner_.connected() && wait_());
+  } while (blocking_ && owed() && inner_.connected() && inner_.generation() == greeted_ && wait_());
 }
 
 void ModelledLink::take_reply(Message message) {

@@ -43,6 +43,7 @@ struct NativeLink::Impl {
   std::deque<Bytes> outbound;
   std::deque<Message> inbound;
   std::string problem;
+  std::optional<Error> refusal;
   // Network thread only.
   Bytes fragments;
   FrameAssembler assembler{limits::kMaxTransferBytes};
@@ -139,6 +140,8 @@ struct NativeLink::Impl {
 
   int refuse(const Error& error) {
     set_problem(error.line());
+    const std::lock_guard<std::mutex> lock(mutex);
+    refusal = error;
     return -1;
   }
 
@@ -312,6 +315,11 @@ void NativeLink::wait_message(int timeout_ms) const {
   std::unique_lock<std::mutex> lock(impl_->mutex);
   impl_->changed.wait_for(lock, std::chrono::milliseconds(timeout_ms),
                           [this] { return !impl_->inbound.empty() || !impl_->connected; });
+}
+
+std::optional<Error> NativeLink::refusal() const {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  return impl_->refusal;
 }
 
 std::string NativeLink::last_problem() const {

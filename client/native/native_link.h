@@ -5,6 +5,7 @@
 //         queue are dropped and counted as a broken link.
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "client/core/link.h"
@@ -37,6 +38,8 @@ class NativeLink final : public Link {
   void wait_message(int timeout_ms) const;
   /// Why the last connection failed or was closed; empty while all is well.
   std::string last_problem() const;
+  /// The last message of the server that this client refused (and closed the connection for).
+  std::optional<Error> refusal() const;
   /// The server closed with this code (4003: token refused …); 0: none.
   int last_close_code() const;
 

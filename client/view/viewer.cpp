@@ -177,6 +177,10 @@ Result<void> Viewer::wait_for_scene() {
     if (native_->last_close_code() == close_code(ErrorId::kAuth)) {
       return make_error(ErrorId::kAuth, "the server refused the token", "--token-file FILE");
     }
+    if (const std::optional<Error> refused = native_->refusal()) {
+      return make_error(refused->id, "the server's scene was refused: " + refused->text,
+                        "are server and viewer of one version?");
+    }
     const bool late = patience.now_us() > limit;
     if (late || (!native_->connected() && native_->last_close_code() != 0)) {
       return make_error(ErrorId::kNetworkClosed,

@@ -97,6 +97,7 @@ Result<ConvexHull> enclosing_hull(const std::vector<glm::vec3>& points) {
     }
     ConvexHull hull = triangulated_hull(vertices);
     for (glm::vec3& v : hull.vertices) v = glm::vec3(glm::dvec3(v) * extent + middle);
+    hull.parallax.assign(hull.vertices.size(), 0.0f);
     return hull;
   } catch (const std::exception& e) {
     return make_error(ErrorId::kInternal, std::string("qhull: ") + e.what());

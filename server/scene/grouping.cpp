@@ -156,8 +156,6 @@ ObjectDescription describe_group(const InstanceGroup& group, const Scene& scene,
   out.radius = static_cast<float>(radius * 1.00001);
   if (weight > 0) out.mean_color = glm::vec3(color / weight);
   if (Result<ConvexHull> hull = enclosing_hull(corners); hull.ok()) out.hull = hull.take();
-  // No single surface lies behind a group's hull: it is drawn without parallax.
-  out.hull.parallax.assign(out.hull.vertices.size(), 0.0f);
   return out;
 }
 

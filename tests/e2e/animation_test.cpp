@@ -55,7 +55,7 @@ TEST_F(Animation, ImpostorsMoveWithinTheirBounds) {
        {Case{"features/fox_skinned.glb", 28.0}, Case{"objects/desk_fan_skinned.glb", 30.0},
         Case{"features/milk_truck_animated.glb", 17.0},
         Case{"features/morph_stress_test.glb", 26.0}}) {
-    const nlohmann::json s = view(asset(c.name), 121, {"--reference", "60"});
+    const nlohmann::json s = view(asset(c.name), 121, {"--reference", "60", "--mesh-radii", "0"});
     ASSERT_FALSE(s.is_discarded()) << c.name;
     const nlohmann::json& q = s["quality"];
     EXPECT_GT(q["compared_pixels"], 1000) << c.name;
@@ -77,16 +77,16 @@ TEST_F(Animation, GeometryIsPosedAsTheServerDoes) {
 
 TEST_F(Animation, AStandingClipAndALoopOnceSeenCostNothing) {
   const std::string fox = asset("features/fox_skinned.glb");
-  const nlohmann::json one = view(fox, 60, {"--animation", "off"});
-  const nlohmann::json four = view(fox, 240, {"--animation", "off"});
+  const nlohmann::json one = view(fox, 60, {"--animation", "off", "--mesh-radii", "0"});
+  const nlohmann::json four = view(fox, 240, {"--animation", "off", "--mesh-radii", "0"});
   ASSERT_FALSE(one.is_discarded() || four.is_discarded());
   EXPECT_EQ(one["tiles"]["asked"], four["tiles"]["asked"]);
   EXPECT_LE(four["tiles"]["asked"], 4);
   EXPECT_EQ(one["bytes_down"], four["bytes_down"]);
   // The truck's clip is 1.25 s: three loops, asked for in the first and what came late after it.
   const std::string truck = asset("features/milk_truck_animated.glb");
-  const nlohmann::json two_loops = view(truck, 180, {});
-  const nlohmann::json more = view(truck, 300, {});
+  const nlohmann::json two_loops = view(truck, 180, {"--mesh-radii", "0"});
+  const nlohmann::json more = view(truck, 300, {"--mesh-radii", "0"});
   EXPECT_EQ(two_loops["tiles"]["asked"], more["tiles"]["asked"]);
 }
 

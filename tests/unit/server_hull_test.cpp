@@ -85,6 +85,13 @@ std::vector<glm::vec3> cloud(std::mt19937& random, int n, const glm::vec3& size,
   return out;
 }
 
+TEST(ServerHull, HasAParallaxFactorForEveryVertex) {  // clients refuse a scene whose hulls have fewer
+  const Result<ConvexHull> hull = enclosing_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  ASSERT_TRUE(hull.ok());
+  EXPECT_GT(hull->vertices.size(), 0u);
+  EXPECT_EQ(hull->parallax, std::vector<float>(hull->vertices.size(), 0.0f));
+}
+
 TEST(ServerHull, EnclosesRandomClouds) {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> exponent(-3, 3);
