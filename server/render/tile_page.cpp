@@ -109,6 +109,7 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   const glm::dvec3 eye = glm::dvec3(object.center) + capture.eye();
+  path.meshes->set_stroke(static_cast<float>(samples(job)));
   path.meshes->begin(capture_projection(capture), gl::light_block(job.lighting, glm::vec3(eye)));
   if (const InstanceGroup* group = scene_->prepared->group(job.key.object)) {
     draw_group(*path.meshes, *group, capture, eye);

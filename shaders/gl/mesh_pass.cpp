@@ -142,6 +142,8 @@ void MeshPass::begin(const glm::mat4& clip_from_relative, const LightBlock& ligh
   glFrontFace(GL_CCW);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glMinSampleShading(1.0f);
+  glEnable(GL_PROGRAM_POINT_SIZE);
+  glLineWidth(stroke_);  // the device takes the nearest width it can draw
 }
 
 void MeshPass::bind_instances(const MeshInstance* instances, std::size_t count) {
@@ -209,6 +211,7 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
     p->set("u_light_count", lights_.count);
     p->set("u_lights", lights_.lights);
     p->set("u_mip_bias", material.alpha_mode == AlphaMode::kMask ? 2 * mip_bias_ : mip_bias_);
+    p->set("u_point_size", stroke_);
     p->set("u_fog_color", fog_color_);
     p->set("u_fog_density", fog_density_);
     bind_material(*p, material, needs, images);
@@ -230,6 +233,7 @@ void MeshPass::end() {
   glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
   glDisable(GL_SAMPLE_SHADING);
+  glLineWidth(1.0f);
   glDepthMask(GL_TRUE);
 }
 

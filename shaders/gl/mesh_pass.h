@@ -44,6 +44,8 @@ class MeshPass {
   /// For a multisampled target, drawn beside a supersampled truth: textures are read this many
   /// levels sharper, alpha-tested ones (which are shaded per sample) twice as many.
   void sharpen(float levels) { mip_bias_ = -levels; }
+  /// Lines and points are one pixel wide: `samples` of a target with so many to a pixel's side.
+  void set_stroke(float samples) { stroke_ = samples; }
 
   /// Compiles the variants of a mesh ahead of its first draw. Error kGraphicsShader.
   Result<void> warm_up(const GpuMesh& mesh, const std::vector<Material>& materials);
@@ -74,6 +76,7 @@ class MeshPass {
   glm::mat4 clip_from_relative_{1};
   LightBlock lights_;
   float mip_bias_ = 0;
+  float stroke_ = 1;
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;
   int draw_calls_ = 0;
