@@ -47,10 +47,10 @@ Result<void> TilePageRenderer::warm_up() {
   for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
     for (Path* path : {&lit_, &relit_}) {
       if (path == &relit_ && !can_relight(scene_->prepared->objects[i].needs)) continue;
-      Result<void> compiled = path->meshes->warm_up(scene_->meshes[i], scene_->materials());
+      Result<void> compiled = path->meshes->warm_up(scene_->meshes[i], scene_->materials(), false);
       if (!compiled) return compiled;
       for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
-        compiled = path->meshes->warm_up(lod, scene_->materials());
+        compiled = path->meshes->warm_up(lod, scene_->materials(), false);
         if (!compiled) return compiled;
       }
     }

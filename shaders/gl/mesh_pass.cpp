@@ -105,7 +105,7 @@ LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye) {
   return block;
 }
 
-Program* MeshPass::program(NeedMask needs, bool fade) {
+Result<Program*> MeshPass::program(NeedMask needs, bool fade) {
   needs &= kShaderNeeds;
   if (fog_density_ > 0) needs |= kFog;
   if (fade) needs |= kFade;
@@ -120,15 +120,23 @@ Program* MeshPass::program(NeedMask needs, bool fade) {
   if (output_ == MeshOutput::kId) defines.emplace_back("WRITE_ID");
   if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
   Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
-  if (!made) return nullptr;
+  if (!made) return made.error();
   return &programs_.emplace(needs, made.take()).first->second;
 }
 
-Result<void> MeshPass::warm_up(const GpuMesh& mesh, const std::vector<Material>& materials) {
+Result<void> MeshPass::compile(NeedMask needs, bool fades) {
+  for (const bool fade : {false, true}) {
+    if (fade && !fades) continue;
+    if (Result<Program*> made = program(needs, fade); !made) return made.error();
+  }
+  return {};
+}
+
+Result<void> MeshPass::warm_up(const GpuMesh& mesh, const std::vector<Material>& materials,
+                               bool fades) {
   for (const Primitive& p : mesh.primitives()) {
-    if (!program(material_needs(materials[p.material], mesh.vertex_color()))) {
-      return make_error(ErrorId::kGraphicsShader, "the mesh shader does not compile");
-    }
+    const NeedMask needs = material_needs(materials[p.material], mesh.vertex_color());
+    if (Result<void> made = compile(needs, fades); !made) return made;
   }
   return {};
 }
@@ -203,8 +211,9 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
       bound = true;
     }
     const NeedMask needs = material_needs(material, mesh.vertex_color());
-    Program* p = program(needs, fading);
-    if (!p) continue;
+    const Result<Program*> made = program(needs, fading);
+    if (!made) continue;  // warm_up has told
+    Program* p = *made;
     p->use();
     p->set("u_clip_from_relative", clip_from_relative_);
     p->set("u_ambient", lights_.ambient);

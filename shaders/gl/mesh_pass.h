@@ -47,8 +47,11 @@ class MeshPass {
   /// Lines and points are one pixel wide: `samples` of a target with so many to a pixel's side.
   void set_stroke(float samples) { stroke_ = samples; }
 
-  /// Compiles the variants of a mesh ahead of its first draw. Error kGraphicsShader.
-  Result<void> warm_up(const GpuMesh& mesh, const std::vector<Material>& materials);
+  /// Compiles the variant for these needs, with `fades` also the one that dithers. Error
+  /// kGraphicsShader.
+  Result<void> compile(NeedMask needs, bool fades);
+  /// The variants of a mesh, ahead of its first draw: what does not compile is not drawn.
+  Result<void> warm_up(const GpuMesh& mesh, const std::vector<Material>& materials, bool fades);
 
   void begin(const glm::mat4& clip_from_relative, const LightBlock& lights);
   /// Fog over what is drawn from now on; without any density variants without fog are used.
@@ -66,7 +69,7 @@ class MeshPass {
   std::size_t variants() const { return programs_.size(); }
 
  private:
-  Program* program(NeedMask needs, bool fade = false);
+  Result<Program*> program(NeedMask needs, bool fade);
   void bind_material(Program& p, const Material& material, NeedMask needs, const GpuImages& images);
   void bind_instances(const MeshInstance* instances, std::size_t count);
 
