@@ -136,14 +136,20 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   return {};
 }
 
+// The reply is what was asked for by this id, and the scene is still the one it was asked for.
+Result<void> ClientSession::finish_asset(std::uint32_t request_id, const AssetId& id,
+                                         std::size_t bytes, std::int64_t now_us) {
+  const std::optional<AssetNeed> need =
+      scheduler_.finish_asset(request_id, bytes + kReplyBytes, now_us);
+  if (need && scene_.complete() && need->id == id) return {};
+  return make_error(ErrorId::kWireValue, "geometry or an image that was not asked for");
+}
+
 Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes,
                                       std::int64_t now_us) {
-  const std::optional<AssetNeed> need =
-      scheduler_.finish_asset(reply.request_id, bytes.size() + kReplyBytes, now_us);
   const AssetId id{AssetId::Kind::kMesh, reply.object, reply.lod};
-  if (!need || !scene_.complete() || !(need->id == id)) {
-    return make_error(ErrorId::kWireValue, "geometry that was not asked for");
-  }
+  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), now_us);
+  if (!asked) return asked.error();
   if (reply.raw_bytes > options_.max_mesh_bytes) {
     return make_error(ErrorId::kWireLimit, "geometry is larger than asked for");
   }
@@ -160,12 +166,9 @@ Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes
 
 Result<void> ClientSession::take_image(const wire::ImageReplyT& reply, const Bytes& bytes,
                                        std::int64_t now_us) {
-  const std::optional<AssetNeed> need =
-      scheduler_.finish_asset(reply.request_id, bytes.size() + kReplyBytes, now_us);
   const AssetId id{AssetId::Kind::kImage, reply.image, reply.level};
-  if (!need || !scene_.complete() || !(need->id == id)) {
-    return make_error(ErrorId::kWireValue, "image that was not asked for");
-  }
+  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), now_us);
+  if (!asked) return asked.error();
   const ImageDescription& description = scene_.images[reply.image];
   Result<Image> image = decode_image(bytes.data(), bytes.size(),
                                      image_level_size(description, reply.level), description.srgb);

@@ -27,8 +27,8 @@ struct ClientOptions {
   double tau_px = 1;
   TauTargets targets;  ///< tau rises above tau_px while they are not met
   MethodChoice method;
-  double march_budget_px = 1e9;  ///< screen area per frame drawn by marching depth
-  double mesh_radii = 4;         ///< swap distance to geometry, in radii
+  double march_budget_px = 1e9;    ///< screen area per frame drawn by marching depth
+  double mesh_radii = kSwapRadii;  ///< swap distance to geometry, in radii
   RelightChoice relight = RelightChoice::kAuto;
   int atlas_edge = 1024;
   int atlas_layers = 24;
@@ -106,6 +106,8 @@ class ClientSession {
  private:
   Result<void> handle(Message message, std::int64_t now_us);
   Result<void> take_tile(const wire::TileReplyT& reply, const Bytes& planes, std::int64_t now_us);
+  Result<void> finish_asset(std::uint32_t request_id, const AssetId& id, std::size_t bytes,
+                            std::int64_t now_us);
   Result<void> take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes, std::int64_t now_us);
   Result<void> take_image(const wire::ImageReplyT& reply, const Bytes& bytes, std::int64_t now_us);
   Result<void> take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes);

@@ -78,6 +78,7 @@ struct Selector::Candidate {
   double area_px = 0;
   std::int64_t light_lag_us = 0;
   float fade = 1;
+  bool under_mesh = false;  ///< geometry already covers most of it
   TileFit flat;
   TileFit deep;
   bool march = false;
@@ -100,8 +101,8 @@ bool Selector::drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) co
   return distance < slack * in.mesh_radii * view.radius;
 }
 
-// Whether the instance is drawn at all; adds it to the candidates or the lists.
-bool Selector::consider(Walk& w, std::uint32_t instance, float fade) {
+// Adds the instance to the candidates or the lists, if it is drawn at all.
+void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   const SelectorInput& in = w.in;
   const InstanceView& view_of = in.scene->instances[instance];
   Candidate c;
@@ -110,7 +111,7 @@ bool Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   c.view = view_geometry(in.camera, view_of, *c.object, in.time_s);
   c.fade = fade;
   const double size = radius_px(c.view);
-  if (c.object->radius <= 0 || size < kMinRadiusPx) return false;
+  if (c.object->radius <= 0 || size < kMinRadiusPx) return;
   ++w.out.visible;
   c.distance = glm::length(view_of.center - in.camera.pose.eye);
   Shown& shown = shown_[instance];
@@ -129,24 +130,25 @@ bool Selector::consider(Walk& w, std::uint32_t instance, float fade) {
     if (!swapping) {
       shown.tile.reset();
       shown.former.reset();
-      return true;
+      return;
     }
   } else if (swapping) {
     w.out.meshes.push_back({instance, 0, fade});
     c.fade = std::min(fade, progress);
   }
+  c.under_mesh = as_mesh && progress >= 0.5f;
   const bool on_mesh = as_mesh || swapping;
   const TileCache::LitGroup lit = in.cache->lit_group(instance);
   c.group = lit.tiles;
   if (lit.then && light_change_px(in, lit, instance, size) > in.tau_px) {
     c.light_lag_us = in.now_us - lit.then->ended_us;
   }
-  if (c.group->empty_from(c.view.eye)) return false;
-  if (c.group->tiles.empty() && on_mesh) return true;
+  if (c.group->empty_from(c.view.eye)) return;
+  if (c.group->tiles.empty() && on_mesh) return;
   if (c.group->tiles.empty()) {
     if (!c.object->group) w.out.placeholders.push_back({instance, c.distance});
     ++w.out.over_tau;
-    return false;
+    return;
   }
   if (in.method.automatic) {
     c.flat = best_flat(*c.group, *c.object, c.view, in.tau_px);
@@ -157,7 +159,6 @@ bool Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   const double screen = static_cast<double>(in.camera.width) * in.camera.height;
   c.area_px = std::min(3.14159 * size * size, screen);
   w.candidates.push_back(std::move(c));
-  return true;
 }
 
 bool Selector::group_serves(const SelectorInput& in, std::uint32_t group,
@@ -176,9 +177,10 @@ bool Selector::group_serves(const SelectorInput& in, std::uint32_t group,
 bool Selector::members_have_images(const SelectorInput& in, std::uint32_t group) const {
   for (const std::uint32_t member : in.scene->members(group)) {
     const bool nested = in.scene->objects[in.scene->instances[member].object].group;
-    if (nested ? !members_have_images(in, member) : !in.cache->group_to_draw(member)->known()) {
-      return false;
-    }
+    const bool shows = nested
+                           ? members_have_images(in, member)
+                           : drawn_as_mesh(in, member) || in.cache->group_to_draw(member)->known();
+    if (!shows) return false;
   }
   return true;
 }
@@ -256,7 +258,7 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   out.impostors.push_back(
       {c.instance, best.tile, best.method, best.bound_px, c.distance, static_cast<float>(fade)});
   out.impostors.back().light_lag_us = c.light_lag_us;
-  if (is_stale(best.bound_px, in.tau_px)) ++out.over_tau;
+  if (!c.under_mesh && is_stale(best.bound_px, in.tau_px)) ++out.over_tau;
 }
 
 DrawList Selector::select(const SelectorInput& in) {

@@ -46,6 +46,9 @@ struct DrawList {
   double time_s = 0;         ///< of the animation
 };
 
+/// Default swap distance to geometry, in radii; ARCHITECTURE.md has the figures it was chosen by.
+inline constexpr double kSwapRadii = 8;
+
 struct SelectorInput {
   const SceneView* scene = nullptr;
   const TileCache* cache = nullptr;
@@ -55,8 +58,8 @@ struct SelectorInput {
   glm::dvec3 velocity{0};  ///< of the eye, world, m/s
   double tau_px = 1;
   MethodChoice method;
-  double march_budget_px = 1e9;  ///< screen area that may be drawn by marching depth
-  double mesh_radii = 4;         ///< nearer than this many radii, geometry is drawn if it is there
+  double march_budget_px = 1e9;    ///< screen area that may be drawn by marching depth
+  double mesh_radii = kSwapRadii;  ///< nearer than this, geometry is drawn if it is there
   std::uint64_t frame = 0;
   std::int64_t now_us = 0;
   double time_s = 0;     ///< animation time now
@@ -95,7 +98,7 @@ class Selector {
 
   void walk(Walk& walk, std::uint32_t instance, float fade);
   void walk_group(Walk& walk, std::uint32_t group, float fade);
-  bool consider(Walk& walk, std::uint32_t instance, float fade);
+  void consider(Walk& walk, std::uint32_t instance, float fade);
   bool members_have_images(const SelectorInput& in, std::uint32_t group) const;
   bool group_serves(const SelectorInput& in, std::uint32_t group, const ViewGeometry& view) const;
   bool drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const;

@@ -72,6 +72,15 @@ TEST_F(CoreScheduler, WindowFollowsTheRate) {
   EXPECT_NEAR(static_cast<double>(batch->asks.size()), window / each, 0.2 * window / each);
 }
 
+// Tau rises while the link is full for long: only for asks that wait, not for those on their way.
+TEST_F(CoreScheduler, WhatIsUnderWayIsNotHeldBack) {
+  ASSERT_TRUE(plan(needs(1, 12), 0)) << "one large tile fills the window";
+  EXPECT_FALSE(plan(needs(1, 12), 1'000'000));
+  EXPECT_EQ(scheduler.saturated_s(2'000'000), 0);
+  EXPECT_FALSE(plan(needs(2, 12), 2'000'000));
+  EXPECT_NEAR(scheduler.saturated_s(3'000'000), 1, 1e-9);
+}
+
 TEST_F(CoreScheduler, OneAskPerInstance) {
   const auto first = plan(needs(5, 2), 0);
   ASSERT_TRUE(first);
