@@ -11,92 +11,15 @@
 #include "protocol/limits.h"
 #include "protocol/material_codec.h"
 #include "protocol/need_mask.h"
+#include "protocol/vertex_codec.h"
 
 namespace mirage {
 namespace {
 
-// Streams beyond position and normal.
-enum StreamBit : std::uint32_t { kTangent = 1, kUv0 = 2, kUv1 = 4, kColor = 8, kAllStreams = 15 };
-
 constexpr std::size_t kPrimitiveBytes = 12;
-constexpr float kSteps16 = 65535.0f;
-constexpr float kSteps10 = 1023.0f;
 // meshoptimizer spends at least this much on any block: more elements than that cannot be there.
 constexpr std::size_t kVerticesPerByte = 6;
 constexpr std::size_t kIndicesPerByte = 3;
-
-/// What 16-bit values span.
-template <typename V>
-struct Range {
-  V low{0};
-  V size{0};
-
-  void grow(const V& v, bool first) {
-    const V high = first ? v : glm::max(low + size, v);
-    low = first ? v : glm::min(low, v);
-    size = high - low;
-  }
-};
-
-struct Layout {
-  std::uint32_t streams = 0;
-  Range<glm::vec3> position;
-  Range<glm::vec2> uv0, uv1;
-
-  std::size_t stride() const {
-    return 12 + (streams & kTangent ? 4u : 0u) + (streams & kUv0 ? 4u : 0u) +
-           (streams & kUv1 ? 4u : 0u) + (streams & kColor ? 4u : 0u);
-  }
-};
-
-std::uint16_t quantise(float v, float low, float size) {
-  if (!(size > 0)) return 0;
-  return static_cast<std::uint16_t>(
-      std::lround(std::clamp((v - low) / size, 0.0f, 1.0f) * kSteps16));
-}
-float dequantise(std::uint16_t v, float low, float size) {
-  return low + size * (static_cast<float>(v) / kSteps16);
-}
-
-// Octahedral map of the unit sphere (Cigolle et al., "A survey of efficient representations for
-// independent unit vectors", 2014).
-glm::vec2 octahedral(const glm::vec3& v) {
-  const float sum = std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
-  if (!(sum > 0)) return glm::vec2(0);
-  const glm::vec2 p = glm::vec2(v) / sum;
-  if (v.z >= 0) return p;
-  return {(1 - std::abs(p.y)) * (p.x >= 0 ? 1.0f : -1.0f),
-          (1 - std::abs(p.x)) * (p.y >= 0 ? 1.0f : -1.0f)};
-}
-glm::vec3 from_octahedral(const glm::vec2& e) {
-  glm::vec3 v(e, 1 - std::abs(e.x) - std::abs(e.y));
-  if (v.z < 0) {
-    v.x = (1 - std::abs(e.y)) * (e.x >= 0 ? 1.0f : -1.0f);
-    v.y = (1 - std::abs(e.x)) * (e.y >= 0 ? 1.0f : -1.0f);
-  }
-  return glm::normalize(v);
-}
-
-// The nearest of the four codes around the exact place: rounding alone is up to twice as far off.
-std::array<std::uint16_t, 2> encode_direction(const glm::vec3& v) {
-  const glm::vec2 exact = (octahedral(v) * 0.5f + 0.5f) * kSteps10;
-  std::array<std::uint16_t, 2> best{};
-  float best_dot = -2;
-  for (int k = 0; k < 4; ++k) {
-    const glm::vec2 code =
-        glm::clamp(glm::floor(exact) + glm::vec2(k & 1, k >> 1), glm::vec2(0), glm::vec2(kSteps10));
-    const float d = glm::dot(from_octahedral(code / kSteps10 * 2.0f - 1.0f), v);
-    if (d <= best_dot) continue;
-    best_dot = d;
-    best = {static_cast<std::uint16_t>(code.x), static_cast<std::uint16_t>(code.y)};
-  }
-  return best;
-}
-glm::vec3 decode_direction(std::uint16_t x, std::uint16_t y) {
-  const glm::vec2 code(std::min(static_cast<float>(x), kSteps10),
-                       std::min(static_cast<float>(y), kSteps10));
-  return from_octahedral(code / kSteps10 * 2.0f - 1.0f);
-}
 
 Error value_error(const char* what) {
   return make_error(ErrorId::kWireValue, std::string("geometry has a bad ") + what);
@@ -117,8 +40,8 @@ std::uint32_t streams_of(const ObjectModel& model) {
   return streams;
 }
 
-Layout layout_of(const ObjectModel& model, const std::vector<std::uint32_t>& indices) {
-  Layout layout;
+VertexLayout layout_of(const ObjectModel& model, const std::vector<std::uint32_t>& indices) {
+  VertexLayout layout;
   layout.streams = streams_of(model);
   bool first = true;
   for (const std::uint32_t i : indices) {
@@ -129,61 +52,6 @@ Layout layout_of(const ObjectModel& model, const std::vector<std::uint32_t>& ind
     first = false;
   }
   return layout;
-}
-
-void put_vertex(ByteWriter& w, const Vertex& v, const Layout& layout) {
-  for (int c = 0; c < 3; ++c) {
-    w.put(quantise(v.position[c], layout.position.low[c], layout.position.size[c]));
-  }
-  for (const std::uint16_t part : encode_direction(v.normal)) w.put(part);
-  w.put(std::uint16_t{0});  // meshoptimizer takes vertices of a multiple of 4 bytes
-  if (layout.streams & kTangent) {
-    const auto t = encode_direction(glm::vec3(v.tangent));
-    w.put(t[0]);
-    w.put(static_cast<std::uint16_t>(t[1] * 2 + (v.tangent.w < 0 ? 1 : 0)));
-  }
-  const auto put_uv = [&](const glm::vec2& uv, const Range<glm::vec2>& range) {
-    for (int c = 0; c < 2; ++c) w.put(quantise(uv[c], range.low[c], range.size[c]));
-  };
-  if (layout.streams & kUv0) put_uv(v.uv0, layout.uv0);
-  if (layout.streams & kUv1) put_uv(v.uv1, layout.uv1);
-  if (layout.streams & kColor) {
-    for (int c = 0; c < 4; ++c) {
-      const float linear = static_cast<float>(v.color[c]) / kSteps16;
-      w.put(static_cast<std::uint8_t>(std::lround((c < 3 ? std::sqrt(linear) : linear) * 255.0f)));
-    }
-  }
-}
-
-Vertex get_vertex(ByteReader& r, const Layout& layout) {
-  Vertex v;
-  for (int c = 0; c < 3; ++c) {
-    v.position[c] =
-        dequantise(r.get<std::uint16_t>(), layout.position.low[c], layout.position.size[c]);
-  }
-  const auto x = r.get<std::uint16_t>(), y = r.get<std::uint16_t>();
-  v.normal = decode_direction(x, y);
-  r.get<std::uint16_t>();
-  if (layout.streams & kTangent) {
-    const auto tx = r.get<std::uint16_t>(), ty = r.get<std::uint16_t>();
-    v.tangent = glm::vec4(decode_direction(tx, ty / 2), ty % 2 ? -1.0f : 1.0f);
-  }
-  const auto get_uv = [&](const Range<glm::vec2>& range) {
-    glm::vec2 uv;
-    for (int c = 0; c < 2; ++c) {
-      uv[c] = dequantise(r.get<std::uint16_t>(), range.low[c], range.size[c]);
-    }
-    return uv;
-  };
-  if (layout.streams & kUv0) v.uv0 = get_uv(layout.uv0);
-  if (layout.streams & kUv1) v.uv1 = get_uv(layout.uv1);
-  if (layout.streams & kColor) {
-    for (int c = 0; c < 4; ++c) {
-      const float code = static_cast<float>(r.get<std::uint8_t>()) / 255.0f;
-      v.color[c] = static_cast<std::uint16_t>(std::lround((c < 3 ? code * code : code) * kSteps16));
-    }
-  }
-  return v;
 }
 
 /// Indices and primitives in wire order, primitives back to back.
@@ -217,7 +85,7 @@ Ordered in_wire_order(const ObjectModel& model) {
 }
 
 /// Quantised vertices without doubles, in order of first use; `order.indices` then refer to them.
-Bytes unique_vertices(const ObjectModel& model, const Layout& layout, Ordered& order,
+Bytes unique_vertices(const ObjectModel& model, const VertexLayout& layout, Ordered& order,
                       std::size_t& count) {
   const std::size_t stride = layout.stride();
   ByteWriter all;
@@ -284,7 +152,7 @@ struct Header {
   std::uint32_t vertices = 0, triangle_indices = 0, other_indices = 0;
   std::uint32_t primitives = 0, materials = 0;
   std::uint32_t vertex_bytes = 0, triangle_bytes = 0, other_bytes = 0;
-  Layout layout;
+  VertexLayout layout;
 };
 
 Result<Header> read_header(ByteReader& r) {
@@ -388,7 +256,7 @@ Bytes encode_materials(const std::vector<Material>& materials) {
 
 Bytes encode_model(const ObjectModel& model) {
   Ordered order = in_wire_order(model);
-  const Layout layout = layout_of(model, order.indices);
+  const VertexLayout layout = layout_of(model, order.indices);
   std::size_t vertices = 0;
   const Bytes packed = unique_vertices(model, layout, order, vertices);
   const std::size_t triangles = order.triangle_indices;

@@ -31,9 +31,8 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
       counters_(counters),
       queue_(queue),
       store_(store),
-      image_jobs_(image_jobs) {
-  make_description_pages();
-}
+      pages_(make_scene_pages(*scene_)),
+      image_jobs_(image_jobs) {}
 
 Result<SessionId> SessionHub::open() {
   if (sessions_.size() >= options_.max_clients) {
@@ -410,72 +409,6 @@ void SessionHub::say_goodbye_to_all(const std::string& text) {
 bool SessionHub::all_written() const {
   return std::all_of(sessions_.begin(), sessions_.end(),
                      [](const auto& entry) { return entry.second.control.empty(); });
-}
-
-void SessionHub::make_image_pages() {
-  const std::vector<ImageDescription>& images = scene_->images;
-  for (std::size_t first = 0; first < images.size(); first += limits::kImagesPerPage) {
-    wire::ImagePageT page;
-    page.first = static_cast<std::uint32_t>(first);
-    const std::size_t end = std::min(first + limits::kImagesPerPage, images.size());
-    for (std::size_t i = first; i < end; ++i) {
-      const ImageDescription& image = images[i];
-      std::uint32_t mean = 0;
-      for (std::size_t c = 0; c < 4; ++c) mean |= std::uint32_t{image.mean[c]} << (8 * c);
-      page.images.emplace_back(static_cast<std::uint16_t>(image.width),
-                               static_cast<std::uint16_t>(image.height), mean, image.alpha_cutoff,
-                               image.srgb);
-    }
-    pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));
-  }
-}
-
-void SessionHub::make_description_pages() {
-  make_image_pages();
-  const std::vector<ObjectDescription>& objects = scene_->objects;
-  for (std::size_t first = 0; first < objects.size(); first += limits::kObjectsPerPage) {
-    wire::ObjectPageT page;
-    page.first = static_cast<std::uint32_t>(first);
-    const std::size_t end = std::min(first + limits::kObjectsPerPage, objects.size());
-    for (std::size_t i = first; i < end; ++i) {
-      const ObjectDescription& o = objects[i];
-      auto info = std::make_unique<wire::ObjectInfoT>();
-      info->center = std::make_unique<wire::Vec3f>(to_wire(o.center));
-      info->radius = o.radius;
-      info->box_min = std::make_unique<wire::Vec3f>(to_wire(o.box_min));
-      info->box_max = std::make_unique<wire::Vec3f>(to_wire(o.box_max));
-      info->mean_color = std::make_unique<wire::Vec3f>(to_wire(o.mean_color));
-      info->needs = o.needs;
-      info->triangles = o.triangles;
-      info->surrounds = o.surrounds;
-      info->group = o.group;
-      for (const LodInfo& lod : o.lods) {
-        info->lods.emplace_back(lod.triangles, lod.bytes, lod.error, lod.spread);
-      }
-      for (const glm::vec3& v : o.hull.vertices) info->hull_vertices.push_back(to_wire(v));
-      info->hull_indices = o.hull.indices;
-      info->clip_s = o.motion.clip_s;
-      info->speed = o.motion.speed;
-      info->jump = o.motion.jump;
-      info->wrap_jump = o.motion.wrap_jump;
-      info->hull_parallax = o.hull.parallax;
-      page.objects.push_back(std::move(info));
-    }
-    pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));
-  }
-  const std::size_t instances = scene_->instance_count();
-  for (std::size_t first = 0; first < instances; first += limits::kInstancesPerPage) {
-    wire::InstancePageT page;
-    page.first = static_cast<std::uint32_t>(first);
-    const std::size_t end = std::min(first + limits::kInstancesPerPage, instances);
-    for (std::size_t i = first; i < end; ++i) {
-      const Instance instance = scene_->instance(i);
-      const Similarity& m = instance.world_from_object;
-      page.instances.emplace_back(to_wire(m.position), to_wire(m.rotation), m.scale,
-                                  instance.object, scene_->parent(i), instance.clip_offset_s);
-    }
-    pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));
-  }
 }
 
 }  // namespace mirage

@@ -17,14 +17,12 @@
 #include "protocol/bounded_queue.h"
 #include "protocol/clock.h"
 #include "server/counters.h"
-#include "server/scene/prepared_scene.h"
+#include "server/scene_pages.h"
 #include "server/tile_job.h"
 #include "server/tile_queue.h"
 #include "server/tile_store.h"
 
 namespace mirage {
-
-using FramePtr = std::shared_ptr<const Bytes>;
 
 struct SessionOptions {
   std::string token;     ///< empty: no client needs one
@@ -95,8 +93,6 @@ class SessionHub {
   static std::deque<FramePtr>* tile_or_bulk(Session& s);
   void push_tile(const Waiter& waiter, const StoredTile& tile);
   void refuse(SessionId id, Session& s, std::uint32_t request, wire::RefusalReason reason);
-  void make_image_pages();
-  void make_description_pages();
 
   std::shared_ptr<const PreparedScene> scene_;
   const SessionOptions options_;
@@ -104,7 +100,7 @@ class SessionHub {
   Counters& counters_;
   TileQueue& queue_;
   TileStore& store_;
-  std::vector<FramePtr> pages_;  ///< scene description, made once
+  const std::vector<FramePtr> pages_;  ///< scene description, made once
   BoundedQueue<ImageLevel>& image_jobs_;
   /// Who waits for an image that is being encoded: session and request.
   std::map<ImageLevel, std::vector<std::pair<SessionId, std::uint32_t>>> image_waiters_;

@@ -1,7 +1,6 @@
 #include "client/core/impostor_pass.h"
 
 #include <cstddef>
-#include <cstring>
 
 #include "client/core/relief_instance.h"
 
@@ -17,61 +16,6 @@ static_assert(sizeof(ImpostorInstance) == 160);
 
 /// A tile fading in lies on top of the one it replaces.
 constexpr float kFadeBias = 0.002f;
-
-gl::Texture make_layers(GLenum format, GLenum layout, GLint filter, int edge, int layers) {
-  gl::Texture texture = gl::Texture::create();
-  glBindTexture(GL_TEXTURE_2D_ARRAY, texture.id());
-  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, static_cast<GLint>(format), edge, edge, layers, 0, layout,
-               GL_UNSIGNED_BYTE, nullptr);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  return texture;
-}
-
-std::vector<ProxyVertex> cube_triangles(float parallax) {
-  std::vector<ProxyVertex> out;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int side = 0; side < 2; ++side) {
-      glm::vec3 normal(0);
-      normal[axis] = side == 1 ? 1.0f : -1.0f;
-      const int u = (axis + (side == 1 ? 1 : 2)) % 3, v = (axis + (side == 1 ? 2 : 1)) % 3;
-      for (const auto& [a, b] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}) {
-        glm::vec3 p(0);
-        p[axis] = static_cast<float>(side);
-        p[u] = static_cast<float>(a);
-        p[v] = static_cast<float>(b);
-        out.push_back({p, normal, parallax});
-      }
-    }
-  }
-  return out;
-}
-
-std::vector<ProxyVertex> hull_triangles(const ConvexHull& hull) {
-  std::vector<ProxyVertex> out;
-  for (std::size_t i = 0; i + 2 < hull.indices.size(); i += 3) {
-    const std::uint8_t* at = &hull.indices[i];
-    const glm::vec3 a = hull.vertices[at[0]], b = hull.vertices[at[1]], c = hull.vertices[at[2]];
-    const glm::vec3 n = glm::cross(b - a, c - a);
-    const float length = glm::length(n);
-    if (!(length > 0)) continue;
-    for (int k = 0; k < 3; ++k) {
-      const float parallax = hull.parallax.empty() ? 0.0f : hull.parallax[at[k]];
-      out.push_back({hull.vertices[at[k]], n / length, parallax});
-    }
-  }
-  return out;
-}
-
-// For drawing with parallax: the hull, or without one the bounding box.
-std::vector<ProxyVertex> warp_triangles(const ObjectDescription& object) {
-  if (!object.hull.indices.empty()) return hull_triangles(object.hull);
-  std::vector<ProxyVertex> out = cube_triangles(box_parallax(object));
-  for (ProxyVertex& v : out) v.position = glm::mix(object.box_min, object.box_max, v.position);
-  return out;
-}
 
 glm::vec4 rotation_of(const InstanceView& view) {
   const glm::quat& q = view.world_from_object.rotation;
@@ -103,67 +47,6 @@ ImpostorInstance instance_data(const DrawnImpostor& drawn, const Camera& camera,
   const double slack = tile.depth_code.quantum() + capture.texel_width(tile.measure.depth_max);
   out.box_max = glm::vec4(object.box_max, slack);
   out.center = glm::vec4(object.center, tile.measure.depth_min);
-  return out;
-}
-
-// Empty texels beside covered ones get the nearest neighbour's depth: bilinear colour reaches half
-// a texel past the covered ones, and needs a depth there.
-std::vector<std::uint8_t> grown_depth(const std::vector<std::uint8_t>& depth, std::size_t w,
-                                      std::size_t h) {
-  std::vector<std::uint8_t> out = depth;
-  for (std::size_t y = 0; y < h; ++y) {
-    for (std::size_t x = 0; x < w; ++x) {
-      std::uint8_t& code = out[y * w + x];
-      if (code != 0) continue;
-      code = 255;
-      for (std::size_t ny = y > 0 ? y - 1 : 0; ny <= std::min(y + 1, h - 1); ++ny) {
-        for (std::size_t nx = x > 0 ? x - 1 : 0; nx <= std::min(x + 1, w - 1); ++nx) {
-          const std::uint8_t there = depth[ny * w + nx];
-          if (there != 0 && there <= code) code = there;
-        }
-      }
-      bool any = false;
-      for (std::size_t ny = y > 0 ? y - 1 : 0; ny <= std::min(y + 1, h - 1); ++ny) {
-        for (std::size_t nx = x > 0 ? x - 1 : 0; nx <= std::min(x + 1, w - 1); ++nx) {
-          any = any || depth[ny * w + nx] != 0;
-        }
-      }
-      if (!any) code = 0;
-    }
-  }
-  return out;
-}
-
-// The surface with a gutter; empty texels beside covered ones get the mean normal and roughness of
-// those and the material of one, for the same reason.
-std::vector<std::uint8_t> grown_surface(const TilePixels& pixels, std::size_t w, std::size_t h) {
-  const std::size_t pw = w + 2, ph = h + 2;
-  std::vector<std::uint8_t> out(pw * ph * 4, 0);
-  const auto covered = [&](std::size_t x, std::size_t y) {  // in the gutter's coordinates
-    return x >= 1 && y >= 1 && x <= w && y <= h && pixels.rgba[((y - 1) * w + x - 1) * 4 + 3] != 0;
-  };
-  for (std::size_t y = 0; y < ph; ++y) {
-    for (std::size_t x = 0; x < pw; ++x) {
-      std::uint8_t* to = &out[(y * pw + x) * 4];
-      if (covered(x, y)) {
-        std::memcpy(to, &pixels.surface[((y - 1) * w + x - 1) * 4], 4);
-        continue;
-      }
-      unsigned sum[3] = {0, 0, 0}, count = 0;
-      for (std::size_t ny = y > 0 ? y - 1 : 0; ny <= std::min(y + 1, ph - 1); ++ny) {
-        for (std::size_t nx = x > 0 ? x - 1 : 0; nx <= std::min(x + 1, pw - 1); ++nx) {
-          if (!covered(nx, ny)) continue;
-          const std::uint8_t* from = &pixels.surface[((ny - 1) * w + nx - 1) * 4];
-          for (int c = 0; c < 3; ++c) sum[c] += from[c];
-          to[3] = from[3];
-          ++count;
-        }
-      }
-      for (int c = 0; c < 3 && count > 0; ++c) {
-        to[c] = static_cast<std::uint8_t>((sum[c] + count / 2) / count);
-      }
-    }
-  }
   return out;
 }
 
@@ -213,18 +96,9 @@ Result<void> ImpostorPass::make_programs(bool fog) {
 Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers) {
   ImpostorPass pass;
   if (Result<void> made = pass.make_programs(false); !made) return made.error();
-  while (glGetError() != GL_NO_ERROR) {
-  }
-  pass.color_ = make_layers(GL_SRGB8_ALPHA8, GL_RGBA, GL_LINEAR, atlas_edge, atlas_layers);
-  pass.depth_ = make_layers(GL_R8, GL_RED, GL_NEAREST, atlas_edge, atlas_layers);
-  if (glGetError() != GL_NO_ERROR) {
-    return make_error(ErrorId::kGraphicsGl, "the atlas does not fit the graphics memory",
-                      "--atlas-mb takes less");
-  }
-  pass.atlas_edge_ = atlas_edge;
-  pass.atlas_layers_ = atlas_layers;
-  pass.gpu_bytes_ = static_cast<std::size_t>(atlas_edge) * static_cast<std::size_t>(atlas_edge) *
-                    static_cast<std::size_t>(atlas_layers) * 5;
+  Result<ImpostorAtlas> atlas = ImpostorAtlas::create(atlas_edge, atlas_layers);
+  if (!atlas) return atlas.error();
+  pass.atlas_ = atlas.take();
   pass.instances_ = gl::Buffer::create();
   pass.tile_rows_ = gl::Texture::create();
   glBindTexture(GL_TEXTURE_2D, pass.tile_rows_.id());
@@ -274,38 +148,6 @@ Result<void> ImpostorPass::reset(const SceneView& scene) {
   return fog == with_fog_ ? Result<void>{} : make_programs(fog);
 }
 
-void ImpostorPass::upload(const TileRecord& record, const TilePixels& pixels) {
-  const std::vector<std::uint8_t>& rgba = pixels.rgba;
-  const std::size_t w = record.crop.w, h = record.crop.h, pw = w + 2, ph = h + 2;
-  std::vector<std::uint8_t> color(pw * ph * 4, 0), depth(pw * ph, 0);
-  for (std::size_t y = 0; y < h; ++y) {
-    std::memcpy(&color[((y + 1) * pw + 1) * 4], &rgba[y * w * 4], w * 4);
-    std::memcpy(&depth[(y + 1) * pw + 1], &record.depth[y * w], w);
-  }
-  depth = grown_depth(depth, pw, ph);
-  const AtlasSlot& s = record.slot;
-  const auto gw = static_cast<GLsizei>(pw), gh = static_cast<GLsizei>(ph);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, color_.id());
-  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, s.x, s.y, s.layer, gw, gh, 1, GL_RGBA, GL_UNSIGNED_BYTE,
-                  color.data());
-  glBindTexture(GL_TEXTURE_2D_ARRAY, depth_.id());
-  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, s.x, s.y, s.layer, gw, gh, 1, GL_RED, GL_UNSIGNED_BYTE,
-                  depth.data());
-  if (record.relit) upload_surface(s, grown_surface(pixels, w, h), gw, gh);
-}
-
-void ImpostorPass::upload_surface(const AtlasSlot& s, const std::vector<std::uint8_t>& surface,
-                                  int w, int h) {
-  if (surface_.id() == 0) {
-    surface_ = make_layers(GL_RGBA8, GL_RGBA, GL_LINEAR, atlas_edge_, atlas_layers_);
-    gpu_bytes_ += gpu_bytes_ / 5 * 4;
-  }
-  glBindTexture(GL_TEXTURE_2D_ARRAY, surface_.id());
-  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, s.x, s.y, s.layer, w, h, 1, GL_RGBA, GL_UNSIGNED_BYTE,
-                  surface.data());
-}
-
 template <typename InstanceT>
 void ImpostorPass::draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances,
                                   bool cull) {
@@ -336,17 +178,12 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool re
   program.set("u_color", 0);
   program.set("u_depth", 1);
   program.set("u_tiles", 2);
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, color_.id());
-  glActiveTexture(GL_TEXTURE1);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, depth_.id());
+  atlas_.bind(relit);
   if (!relit) return;
   program.set("u_surface", 3);
   program.set("u_ambient", lights_.ambient);
   program.set("u_light_count", lights_.count);
   program.set("u_lights", lights_.lights);
-  glActiveTexture(GL_TEXTURE3);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, surface_.id());
 }
 
 void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list) {

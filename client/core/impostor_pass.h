@@ -5,6 +5,8 @@
 #include <map>
 #include <vector>
 
+#include "client/core/impostor_atlas.h"
+#include "client/core/proxy_triangles.h"
 #include "client/core/scene_view.h"
 #include "client/core/selector.h"
 #include "protocol/result.h"
@@ -14,11 +16,6 @@
 
 namespace mirage {
 
-struct ProxyVertex {
-  glm::vec3 position, normal;
-  float parallax;  ///< object units, see ConvexHull
-};
-
 class ImpostorPass {
  public:
   /// Error kGraphicsShader, kGraphicsGl (atlas too large).
@@ -27,15 +24,13 @@ class ImpostorPass {
   /// Proxies of a new scene, and programs with or without its fog. Error kGraphicsShader: those
   /// there were stay.
   Result<void> reset(const SceneView& scene);
-  /// Puts a tile's planes, with a gutter of nothing, where its record says. The first relit one
-  /// makes the atlas of surfaces, which takes four fifths of what the others take on top.
-  void upload(const TileRecord& record, const TilePixels& pixels);
+  void upload(const TileRecord& record, const TilePixels& pixels) { atlas_.upload(record, pixels); }
   void draw(const Camera& camera, const SceneView& scene, const DrawList& list,
             const Lighting& lighting);
 
   int draw_calls() const { return draw_calls_; }
   void reset_draw_calls() { draw_calls_ = 0; }
-  std::size_t gpu_bytes() const { return gpu_bytes_; }
+  std::size_t gpu_bytes() const { return atlas_.gpu_bytes(); }
 
  private:
   struct Proxy {
@@ -43,8 +38,6 @@ class ImpostorPass {
     gl::Buffer vertices;
     int vertex_count = 0;
   };
-  void upload_surface(const AtlasSlot& slot, const std::vector<std::uint8_t>& surface, int w,
-                      int h);
   Result<void> make_programs(bool fog);
   static Proxy make_proxy(const std::vector<ProxyVertex>& triangles);
   template <typename InstanceT>
@@ -56,10 +49,7 @@ class ImpostorPass {
   void draw_placeholders(const Camera& camera, const SceneView& scene, const DrawList& list,
                          const Lighting& lighting);
 
-  gl::Texture color_;
-  gl::Texture depth_;
-  gl::Texture surface_;
-  int atlas_edge_ = 0, atlas_layers_ = 0;
+  ImpostorAtlas atlas_;
   std::map<std::pair<DrawMethod, bool>, gl::Program> programs_;  ///< and whether for relit tiles
   gl::Program relief_;
   gl::Program relit_relief_;
@@ -76,7 +66,6 @@ class ImpostorPass {
   float fog_density_ = 0;
   std::vector<Proxy> warp_proxies_;
   int draw_calls_ = 0;
-  std::size_t gpu_bytes_ = 0;
 };
 
 }  // namespace mirage

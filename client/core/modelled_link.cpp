@@ -61,7 +61,8 @@ ModelledLink::ModelledLink(Link& inner, const Clock& clock, const NetModel& mode
       model_(model),
       blocking_(blocking),
       wait_(std::move(wait)),
-      random_(model.seed * 0x9e3779b97f4a7c15ull + 1) {}
+      random_(model.seed * 0x9e3779b97f4a7c15ull + 1),
+      greeted_(inner.generation()) {}
 
 bool ModelledLink::connected() const { return inner_.connected(); }
 

@@ -86,7 +86,7 @@ class ModelledLink final : public Link {
   std::vector<Message> out_of_band_;
   std::size_t owed_images_ = 0, owed_objects_ = 0, owed_instances_ = 0;
   bool owed_welcome_ = false;
-  std::uint32_t greeted_ = 0;  ///< connection the last hello went to: only that one owes anything
+  std::uint32_t greeted_;  ///< connection the last hello went to: only that one owes anything
   bool owed_reference_ = false;
   std::map<std::uint32_t, std::int64_t> assets_asked_us_;  ///< geometry and images, by request id
   std::int64_t uplink_free_us_ = 0, downlink_free_us_ = 0, server_free_us_ = 0;

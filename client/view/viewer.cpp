@@ -12,6 +12,7 @@
 #include "client/core/frame_renderer.h"
 #include "client/core/quantile.h"
 #include "client/native/native_link.h"
+#include "client/view/comparison.h"
 #include "client/view/light_script.h"
 #include "client/view/overlay.h"
 #include "client/view/png.h"
@@ -69,11 +70,7 @@ class Viewer {
   bool link_was_up_ = true;
   std::optional<Overlay> overlay_;
   double smooth_ms_ = 0;
-  // The last compared frame, for flicker.
-  struct {
-    std::uint64_t frame = UINT64_MAX - 1;
-    std::vector<std::uint8_t> drawn, truth;
-  } before_;
+  Comparison comparison_;
 };
 
 constexpr int kAtlasEdge = 1024;
@@ -298,32 +295,9 @@ Result<void> Viewer::compare(const Camera& camera, const DrawList& list) {
     if (!modelled_) native_->wait_message(100);
     if (Result<void> received = session_->receive(now_us()); !received) return received;
   }
-  const ImageView truth{reference->width, reference->height, reference->rgba.data()};
-  const ImageView test{camera.width, camera.height, drawn.data()};
-  stats_.add_comparison(measure_images(truth, test));
-  const std::uint64_t frame = session_->frame_number();
-  if (before_.frame + 1 == frame && before_.drawn.size() == drawn.size()) {
-    const ImageView truth_before{truth.width, truth.height, before_.truth.data()};
-    const ImageView test_before{test.width, test.height, before_.drawn.data()};
-    stats_.add_flicker(flicker(truth_before, test_before, truth, test));
-  }
-  before_ = {frame, drawn, reference->rgba};
-  const double s = o_.reference_supersample;
-  add_geometric_error(*reference, (std::floor(s / 2) + 0.5) / s, camera, session_->scene(), list,
-                      stats_.geometric());
-  if (o_.out_dir.empty()) return {};
-  const auto name = [&](const char* kind) {
-    return fmt::format("{}/{}_{:05}.png", o_.out_dir, kind, session_->frame_number() - 1);
-  };
-  std::vector<std::uint8_t> difference(drawn.size(), 255);
-  for (std::size_t i = 0; i < drawn.size(); ++i) {
-    if (i % 4 == 3) continue;
-    const int d = std::abs(int{drawn[i]} - int{reference->rgba[i]});
-    difference[i] = static_cast<std::uint8_t>(std::min(255, d * 2));
-  }
-  const int w = static_cast<int>(camera.width), h = static_cast<int>(camera.height);
-  if (Result<void> r = write_png(name("reference"), w, h, reference->rgba); !r) return r;
-  return write_png(name("difference"), w, h, difference);
+  return comparison_.add({camera, list, session_->scene(), drawn, *reference,
+                          session_->frame_number(), o_.reference_supersample},
+                         stats_, o_.out_dir);
 }
 
 std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {

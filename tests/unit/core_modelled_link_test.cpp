@@ -51,11 +51,12 @@ class InstantServer final : public Link {
     return std::exchange(ready_, {});
   }
   bool connected() const override { return up; }
-  std::uint32_t generation() const override { return 1; }
+  std::uint32_t generation() const override { return connections; }
   LinkTraffic traffic() const override { return {}; }
 
   bool mute = false;
   bool up = true;
+  std::uint32_t connections = 1;
 
  private:
   std::mt19937 random_;
@@ -265,6 +266,10 @@ TEST(CoreModelledLink, OutageDoesNotHang) {
   EXPECT_TRUE(session.link.receive().empty());
   EXPECT_EQ(session.waits, 1) << "nothing to wait for while the connection is down";
   EXPECT_FALSE(session.link.connected());
+  session.server.up = true;
+  ++session.server.connections;
+  EXPECT_TRUE(session.link.receive().empty());
+  EXPECT_EQ(session.waits, 1) << "a new connection that has not been greeted owes nothing";
 }
 
 TEST(CoreModelledLink, NewConnectionOwesNothingOfTheOld) {

@@ -85,7 +85,8 @@ std::vector<glm::vec3> cloud(std::mt19937& random, int n, const glm::vec3& size,
   return out;
 }
 
-TEST(ServerHull, HasAParallaxFactorForEveryVertex) {  // clients refuse a scene whose hulls have fewer
+TEST(ServerHull,
+     HasAParallaxFactorForEveryVertex) {  // clients refuse a scene whose hulls have fewer
   const Result<ConvexHull> hull = enclosing_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
   ASSERT_TRUE(hull.ok());
   EXPECT_GT(hull->vertices.size(), 0u);

@@ -1,0 +1,35 @@
+#pragma once
+// What was drawn against the server's full render of the same camera.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "client/core/client_session.h"
+#include "client/view/session_stats.h"
+
+namespace mirage {
+
+class Comparison {
+ public:
+  struct Frame {
+    const Camera& camera;
+    const DrawList& list;
+    const SceneView& scene;
+    const std::vector<std::uint8_t>& drawn;  ///< RGBA, sRGB, rows from the top
+    const ReferenceFrame& reference;
+    std::uint64_t number;
+    int supersample;  ///< of the reference, samples a side of a pixel
+  };
+  /// Measures the frame into `stats`, its flicker too when the frame before it was compared, and
+  /// writes reference and difference (times 2) into `out_dir` unless that is empty. Error kIo.
+  Result<void> add(const Frame& frame, SessionStats& stats, const std::string& out_dir);
+
+ private:
+  struct {
+    std::uint64_t number = UINT64_MAX - 1;
+    std::vector<std::uint8_t> drawn, truth;
+  } before_;
+};
+
+}  // namespace mirage
