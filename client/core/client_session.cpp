@@ -243,7 +243,8 @@ void ClientSession::ask_reference(const Camera& camera, std::uint32_t supersampl
   link_.send(encode_message(std::move(request)));
 }
 
-DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
+DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us,
+                              const std::optional<glm::dvec2>& cursor_px) {
   ++frame_;
   if (!scene_.complete()) return {};
   predictor_.add(now_us, camera.pose);
@@ -260,6 +261,8 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
   input.velocity = predictor_.velocity_mps();
   const TauLoad load{frame_ms_, scheduler_.rate_mbps(), scheduler_.saturated_s(now_us)};
   input.tau_px = tau_.update(load, now_us, scheduler_.round_trip_us());
+  input.target_px = options_.tau_px;
+  input.cursor_px = cursor_px;
   input.method = options_.method;
   input.march_budget_px = options_.march_budget_px;
   input.mesh_radii = options_.mesh_radii;

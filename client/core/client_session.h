@@ -77,8 +77,10 @@ class ClientSession {
   /// session goes on with what it has.
   Result<void> receive(std::int64_t now_us);
   /// Plans one frame: what to draw, with the true camera; sends what is to be asked for. The
-  /// session's clock is the animation's.
-  DrawList frame(const Camera& camera, std::int64_t now_us);
+  /// session's clock is the animation's. `cursor_px`, from the upper left, is where the viewer
+  /// points, if anywhere.
+  DrawList frame(const Camera& camera, std::int64_t now_us,
+                 const std::optional<glm::dvec2>& cursor_px = std::nullopt);
 
   /// What the last frames took, for TauTargets::frame_ms. Not called on virtual time, where frames
   /// take none.

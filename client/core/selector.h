@@ -9,6 +9,8 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "client/core/mesh_cache.h"
@@ -41,9 +43,11 @@ struct DrawList {
   std::vector<DrawnImpostor> impostors;  ///< back to front
   std::vector<DrawnPlaceholder> placeholders;
   std::vector<DrawnMesh> meshes;
-  std::size_t visible = 0;   ///< instances and groups in view, large enough to matter
-  std::size_t over_tau = 0;  ///< of them, drawn with a bound above tau or from no tile
-  double time_s = 0;         ///< of the animation
+  std::size_t visible = 0;  ///< instances and groups in view, large enough to matter
+  /// Of them, drawn with a bound above what is allowed, or from no tile. Allowed is tau, scaled by
+  /// the importance the scene gives.
+  std::size_t over_tau = 0;
+  double time_s = 0;  ///< of the animation
 };
 
 /// Default swap distance to geometry, in radii; ARCHITECTURE.md has the figures it was chosen by.
@@ -57,6 +61,9 @@ struct SelectorInput {
   Camera predicted;
   glm::dvec3 velocity{0};  ///< of the eye, world, m/s
   double tau_px = 1;
+  /// What tau was steered up from; it rises last where the viewer looks or points.
+  double target_px = std::numeric_limits<double>::infinity();
+  std::optional<glm::dvec2> cursor_px;  ///< from the upper left
   MethodChoice method;
   double march_budget_px = 1e9;    ///< screen area that may be drawn by marching depth
   double mesh_radii = kSwapRadii;  ///< nearer than this, geometry is drawn if it is there
