@@ -22,7 +22,8 @@ class FrameRenderer {
   void upload(const TileRecord& record, const TilePixels& pixels) {
     impostors_.upload(record, pixels);
   }
-  void add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model);
+  /// Error kGraphicsShader: it cannot be drawn as it should.
+  Result<void> add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model);
   void add_image(const SceneView& scene, std::uint32_t index, const Image& image);
   void drop(const SceneView& scene, const AssetId& id);
 

@@ -47,10 +47,10 @@ Result<void> TilePageRenderer::warm_up() {
   for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
     for (Path* path : {&lit_, &relit_}) {
       if (path == &relit_ && !can_relight(scene_->prepared->objects[i].needs)) continue;
-      Result<void> compiled = path->meshes->warm_up(scene_->meshes[i], scene_->materials());
+      Result<void> compiled = path->meshes->warm_up(scene_->meshes[i], scene_->materials(), false);
       if (!compiled) return compiled;
       for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
-        compiled = path->meshes->warm_up(lod, scene_->materials());
+        compiled = path->meshes->warm_up(lod, scene_->materials(), false);
         if (!compiled) return compiled;
       }
     }
@@ -109,6 +109,7 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   const glm::dvec3 eye = glm::dvec3(object.center) + capture.eye();
+  path.meshes->set_stroke(static_cast<float>(samples(job)));
   path.meshes->begin(capture_projection(capture), gl::light_block(job.lighting, glm::vec3(eye)));
   if (const InstanceGroup* group = scene_->prepared->group(job.key.object)) {
     draw_group(*path.meshes, *group, capture, eye);

@@ -40,7 +40,7 @@ class GeometryBench {
       renderer_->add_image(scene_, i, prepared_->scene.images[i]);
     }
     const Scene& scene = prepared_->scene;
-    renderer_->add_mesh(object, 0, object_model(scene, scene.objects[object].mesh));
+    EXPECT_TRUE(renderer_->add_mesh(object, 0, object_model(scene, scene.objects[object].mesh)));
     return draw(object, radii);
   }
 
@@ -61,8 +61,8 @@ class GeometryBench {
             ? encoded.payload
             : decompress_block(encoded.payload.data(), encoded.payload.size(), encoded.raw_bytes)
                   .take();
-    renderer_->add_mesh(object, 0,
-                        decode_model(raw.data(), raw.size(), scene_.images.size()).take());
+    EXPECT_TRUE(renderer_->add_mesh(
+        object, 0, decode_model(raw.data(), raw.size(), scene_.images.size()).take()));
     return draw(object, radii);
   }
 
