@@ -90,7 +90,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     while (tile != needs.end() && !may_ask(*tile, now_us)) ++tile;
     while (asset != asset_needs.end() && !may_ask(*asset, now_us)) ++asset;
     const bool full = in_flight_bytes_ + asset_bytes_ >= window;
-    held_back = held_back || (full && tile != needs.end());
+    held_back = held_back || (full && (tile != needs.end() || asset != asset_needs.end()));
     // A large mesh under way may fill the window; tiles keep half of it all the same.
     const bool tiles = tile != needs.end() && batch.asks.size() < kMaxAsksPerFrame &&
                        (!full || in_flight_bytes_ < 0.5 * window);
