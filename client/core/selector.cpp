@@ -357,8 +357,10 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
     }
     const std::size_t first = out.size();
     add_need(in, i, out);
-    const double urgency =
-        attention(in.predicted, in.cursor_px, view_of) / tolerance(view_of.importance);
+    // Any image beats none: where one looks comes first among those that have one.
+    const bool shown = in.cache->group_to_draw(i)->known();
+    const double looked_at = shown ? attention(in.predicted, in.cursor_px, view_of) : 1;
+    const double urgency = looked_at / tolerance(view_of.importance);
     for (std::size_t k = first; k < out.size(); ++k) out[k].gain *= urgency;
   };
   in.scene->for_visible_roots(in.predicted, kViewGuard, visit);
