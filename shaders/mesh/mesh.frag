@@ -9,7 +9,9 @@ in vec2 v_uv1;
 in vec4 v_color;
 flat in uint v_id;
 
+#ifndef DEPTH_ONLY
 layout(location = 0) out vec4 o_color;
+#endif
 #ifdef WRITE_ID
 layout(location = 1) out uint o_id;
 #endif
@@ -79,6 +81,7 @@ void main() {
 #ifdef NEED_ALPHA_MASK
   if (base.a < u_alpha_cutoff) discard;
 #endif
+#ifndef DEPTH_ONLY
 #ifndef NEED_BLEND
   base.a = 1.0;
 #endif
@@ -123,4 +126,5 @@ void main() {
 #ifdef WRITE_ID
   o_id = v_id;
 #endif
+#endif  // DEPTH_ONLY
 }
