@@ -357,9 +357,10 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
     }
     const std::size_t first = out.size();
     add_need(in, i, out);
-    // Any image beats none: where one looks comes first among those that have one.
-    const bool shown = in.cache->group_to_draw(i)->known();
-    const double looked_at = shown ? attention(in.predicted, in.cursor_px, view_of) : 1;
+    // Any image beats none. Without a cursor nobody is known to look: the middle first cost the
+    // whole picture 1.6 % of FLIP on the forest walk.
+    const bool ranks = in.cursor_px && in.cache->group_to_draw(i)->known();
+    const double looked_at = ranks ? attention(in.predicted, in.cursor_px, view_of) : 1;
     const double urgency = looked_at / tolerance(view_of.importance);
     for (std::size_t k = first; k < out.size(); ++k) out[k].gain *= urgency;
   };
