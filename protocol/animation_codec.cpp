@@ -23,6 +23,12 @@ class Writer {
     put(static_cast<std::uint32_t>(v.size()));
     put_values(v);
   }
+  /// Their count, then what `put_one` puts of each.
+  template <typename T, typename Put>
+  void put_each(const std::vector<T>& v, const Put& put_one) {
+    put(static_cast<std::uint32_t>(v.size()));
+    for (const T& one : v) put_one(one);
+  }
   template <typename T>
   void put_values(const std::vector<T>& v) {
     const auto* p = reinterpret_cast<const std::uint8_t*>(v.data());
@@ -226,25 +232,22 @@ Bytes encode_animation(const Animation* a) {
   if (!a) return std::move(w.bytes);
   w.bytes.reserve(encoded_animation_bytes(a));
   w.put(a->clip_s);
-  w.put(static_cast<std::uint32_t>(a->joints.size()));
-  for (const Joint& j : a->joints) {
+  w.put_each(a->joints, [&w](const Joint& j) {
     w.put(j.parent);
     w.put(static_cast<std::uint32_t>(j.moves));
     w.put(j.matrix);
     w.put(j.translation);
     w.put(j.rotation);
     w.put(j.scale);
-  }
-  w.put(static_cast<std::uint32_t>(a->bindings.size()));
-  for (const JointBinding& b : a->bindings) {
+  });
+  w.put_each(a->bindings, [&w](const JointBinding& b) {
     w.put(static_cast<std::uint32_t>(b.joint));
     w.put(b.joint_from_bind);
-  }
+  });
   w.put(static_cast<std::uint32_t>(a->vertices.size()));
   for (const VertexBinding& v : a->vertices) w.put(v.binding);
   for (const VertexBinding& v : a->vertices) w.put(v.weight);
-  w.put(static_cast<std::uint32_t>(a->morphs.size()));
-  for (const MorphSet& set : a->morphs) {
+  w.put_each(a->morphs, [&w](const MorphSet& set) {
     w.put_list(set.rest_weights);
     for (const MorphTarget& t : set.targets) {
       w.put_list(t.vertex);
@@ -252,15 +255,14 @@ Bytes encode_animation(const Animation* a) {
       w.put_values(t.normal);
       w.put_values(t.tangent);
     }
-  }
-  w.put(static_cast<std::uint32_t>(a->channels.size()));
-  for (const Channel& c : a->channels) {
+  });
+  w.put_each(a->channels, [&w](const Channel& c) {
     w.put(c.target);
     w.put(static_cast<std::uint8_t>(c.path));
     w.put(static_cast<std::uint8_t>(c.interpolation));
     w.put_list(c.times);
     w.put_values(c.values);
-  }
+  });
   return std::move(w.bytes);
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "protocol/limits.h"
+#include "protocol/scene_types.h"
 #include "protocol/view_cell.h"
 
 namespace mirage {
@@ -147,7 +148,8 @@ Result<void> check(const wire::InstancePage& m) {
   for (const wire::InstanceRecord* i : *m.instances()) {
     const bool scale = std::isfinite(i->scale()) && i->scale() > 0;
     if (!finite(&i->position()) || !unit(&i->rotation()) || !scale ||
-        !std::isfinite(i->clip_offset_s()))
+        !std::isfinite(i->clip_offset_s()) ||
+        i->importance() > static_cast<std::uint8_t>(Importance::kImportant))
       return value_error("instance");
   }
   return {};

@@ -17,10 +17,15 @@ struct Similarity {
   float scale = 1;                 ///< > 0
 };
 
+/// What a scene says of an instance: scenery may show more error, what is important less. What is
+/// drawn as one has the largest of its parts.
+enum class Importance : std::uint8_t { kScenery, kNormal, kImportant };
+
 struct Instance {
   std::uint32_t object = 0;
   Similarity world_from_object;
   float clip_offset_s = 0;  ///< added to the animation time; no meaning for a static object
+  Importance importance = Importance::kNormal;
 };
 
 enum class LightKind : std::uint8_t { kDirectional, kPoint, kSpot };

@@ -73,7 +73,8 @@ void add_instance_pages(const PreparedScene& scene, std::vector<FramePtr>& pages
       const Instance instance = scene.instance(i);
       const Similarity& m = instance.world_from_object;
       page.instances.emplace_back(to_wire(m.position), to_wire(m.rotation), m.scale,
-                                  instance.object, scene.parent(i), instance.clip_offset_s);
+                                  instance.object, scene.parent(i), instance.clip_offset_s,
+                                  static_cast<std::uint8_t>(instance.importance));
     }
     pages.push_back(std::make_shared<const Bytes>(encode_message(std::move(page))));
   }

@@ -136,14 +136,20 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   return {};
 }
 
+// The reply is what was asked for by this id, and the scene is still the one it was asked for.
+Result<void> ClientSession::finish_asset(std::uint32_t request_id, const AssetId& id,
+                                         std::size_t bytes, std::int64_t now_us) {
+  const std::optional<AssetNeed> need =
+      scheduler_.finish_asset(request_id, bytes + kReplyBytes, now_us);
+  if (need && scene_.complete() && need->id == id) return {};
+  return make_error(ErrorId::kWireValue, "geometry or an image that was not asked for");
+}
+
 Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes,
                                       std::int64_t now_us) {
-  const std::optional<AssetNeed> need =
-      scheduler_.finish_asset(reply.request_id, bytes.size() + kReplyBytes, now_us);
   const AssetId id{AssetId::Kind::kMesh, reply.object, reply.lod};
-  if (!need || !scene_.complete() || !(need->id == id)) {
-    return make_error(ErrorId::kWireValue, "geometry that was not asked for");
-  }
+  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), now_us);
+  if (!asked) return asked.error();
   if (reply.raw_bytes > options_.max_mesh_bytes) {
     return make_error(ErrorId::kWireLimit, "geometry is larger than asked for");
   }
@@ -160,12 +166,9 @@ Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes
 
 Result<void> ClientSession::take_image(const wire::ImageReplyT& reply, const Bytes& bytes,
                                        std::int64_t now_us) {
-  const std::optional<AssetNeed> need =
-      scheduler_.finish_asset(reply.request_id, bytes.size() + kReplyBytes, now_us);
   const AssetId id{AssetId::Kind::kImage, reply.image, reply.level};
-  if (!need || !scene_.complete() || !(need->id == id)) {
-    return make_error(ErrorId::kWireValue, "image that was not asked for");
-  }
+  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), now_us);
+  if (!asked) return asked.error();
   const ImageDescription& description = scene_.images[reply.image];
   Result<Image> image = decode_image(bytes.data(), bytes.size(),
                                      image_level_size(description, reply.level), description.srgb);
@@ -240,7 +243,8 @@ void ClientSession::ask_reference(const Camera& camera, std::uint32_t supersampl
   link_.send(encode_message(std::move(request)));
 }
 
-DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
+DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us,
+                              const std::optional<glm::dvec2>& cursor_px) {
   ++frame_;
   if (!scene_.complete()) return {};
   predictor_.add(now_us, camera.pose);
@@ -257,6 +261,8 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us) {
   input.velocity = predictor_.velocity_mps();
   const TauLoad load{frame_ms_, scheduler_.rate_mbps(), scheduler_.saturated_s(now_us)};
   input.tau_px = tau_.update(load, now_us, scheduler_.round_trip_us());
+  input.target_px = options_.tau_px;
+  input.cursor_px = cursor_px;
   input.method = options_.method;
   input.march_budget_px = options_.march_budget_px;
   input.mesh_radii = options_.mesh_radii;

@@ -27,8 +27,8 @@ struct ClientOptions {
   double tau_px = 1;
   TauTargets targets;  ///< tau rises above tau_px while they are not met
   MethodChoice method;
-  double march_budget_px = 1e9;  ///< screen area per frame drawn by marching depth
-  double mesh_radii = 4;         ///< swap distance to geometry, in radii
+  double march_budget_px = 1e9;    ///< screen area per frame drawn by marching depth
+  double mesh_radii = kSwapRadii;  ///< swap distance to geometry, in radii
   RelightChoice relight = RelightChoice::kAuto;
   int atlas_edge = 1024;
   int atlas_layers = 24;
@@ -77,8 +77,10 @@ class ClientSession {
   /// session goes on with what it has.
   Result<void> receive(std::int64_t now_us);
   /// Plans one frame: what to draw, with the true camera; sends what is to be asked for. The
-  /// session's clock is the animation's.
-  DrawList frame(const Camera& camera, std::int64_t now_us);
+  /// session's clock is the animation's. `cursor_px`, from the upper left, is where the viewer
+  /// points, if anywhere.
+  DrawList frame(const Camera& camera, std::int64_t now_us,
+                 const std::optional<glm::dvec2>& cursor_px = std::nullopt);
 
   /// What the last frames took, for TauTargets::frame_ms. Not called on virtual time, where frames
   /// take none.
@@ -106,6 +108,8 @@ class ClientSession {
  private:
   Result<void> handle(Message message, std::int64_t now_us);
   Result<void> take_tile(const wire::TileReplyT& reply, const Bytes& planes, std::int64_t now_us);
+  Result<void> finish_asset(std::uint32_t request_id, const AssetId& id, std::size_t bytes,
+                            std::int64_t now_us);
   Result<void> take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes, std::int64_t now_us);
   Result<void> take_image(const wire::ImageReplyT& reply, const Bytes& bytes, std::int64_t now_us);
   Result<void> take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes);

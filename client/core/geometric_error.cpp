@@ -78,6 +78,25 @@ struct PixelError {
   double slack_px = 0;  ///< of the measurement
 };
 
+/// A point of the reference frame in the frame of the tile that stands for it.
+struct TilePoint {
+  TilePoint(const DrawnImpostor& drawn, const InstanceView& view, const Camera& camera,
+            const glm::dvec3& relative)
+      : scale(view.world_from_object.scale),
+        rotation(view.world_from_object.rotation),
+        center(view.center - camera.pose.eye),
+        p(glm::conjugate(rotation) * (relative - center) / scale),
+        z(drawn.tile->capture.depth(p)) {}
+  /// Relative to the eye, world axes.
+  glm::dvec3 relative_of(const glm::dvec3& q) const { return center + rotation * (q * scale); }
+
+  double scale;
+  glm::dquat rotation;
+  glm::dvec3 center;  ///< of the object, relative to the eye, world axes
+  glm::dvec3 p;       ///< the point, object units, relative to the object's centre
+  double z;           ///< its capture depth
+};
+
 // Where this point of a moving object was at the tile's pose is not known, only that it was within
 // what the clip can move it: of all surface points the tile saw in that reach, the one drawn
 // nearest. The true error is no less, so what exceeds the bound here does exceed it.
@@ -86,18 +105,15 @@ PixelError moving_error(const DrawnImpostor& drawn, const InstanceView& view,
                         const glm::dvec3& relative, double time_s) {
   const TileRecord& tile = *drawn.tile;
   const Capture& capture = tile.capture;
-  const double scale = view.world_from_object.scale;
-  const glm::dquat rotation(view.world_from_object.rotation);
-  const glm::dvec3 center = view.center - camera.pose.eye;
-  const glm::dvec3 p = glm::conjugate(rotation) * (relative - center) / scale;
-  const double z = capture.depth(p);
+  const TilePoint at(drawn, view, camera, relative);
+  const double z = at.z;
   if (!(z > 0)) return {};
   const double texel_width = capture.texel_width(z);
   const double clip_s = object.motion.clip_s;
   const double now = wrap_clip(time_s + view.clip_offset_s, clip_s);
   const double travel = object.motion.travel(phase_time(tile.phase, clip_s), now);
   const double match = travel + tile.depth_code.quantum() + 2.0 * texel_width;
-  const glm::dvec2 middle = capture.texel_from_point(p) - glm::dvec2(tile.crop.x, tile.crop.y);
+  const glm::dvec2 middle = capture.texel_from_point(at.p) - glm::dvec2(tile.crop.x, tile.crop.y);
   // Half a texel's diagonal more: the point may lie anywhere in the texel.
   const double texels = travel / capture.texel_width(std::max(z - travel, 0.5 * z)) + kHalfDiagonal;
   const int stride = std::max(1, static_cast<int>(std::ceil(texels / kSearchTexels)));
@@ -119,16 +135,15 @@ PixelError moving_error(const DrawnImpostor& drawn, const InstanceView& view,
       const double zq = drawn_capture_depth(drawn, object, s, stored);
       if (!(zq > 0)) continue;
       const glm::dvec3 q = capture.eye() + (s - capture.eye()) * (zq / stored);
-      const double error =
-          point_error_px(camera.focal_px(), relative, center + rotation * (q * scale),
-                         camera.forward(), camera.right(), camera.up());
+      const double error = point_error_px(camera.focal_px(), relative, at.relative_of(q),
+                                          camera.forward(), camera.right(), camera.up());
       if (best.seen && error >= best.error_px) continue;
       best = {true, error, 0};
     }
   }
   // Between the texels looked at.
   const double depth = glm::dot(relative, camera.forward());
-  best.slack_px = kHalfDiagonal * stride * texel_width * scale * camera.focal_px() / depth;
+  best.slack_px = kHalfDiagonal * stride * texel_width * at.scale * camera.focal_px() / depth;
   return best;
 }
 
@@ -137,11 +152,9 @@ PixelError pixel_error(const DrawnImpostor& drawn, const InstanceView& view,
                        const glm::dvec3& relative) {
   const TileRecord& tile = *drawn.tile;
   const Capture& capture = tile.capture;
-  const double scale = view.world_from_object.scale;
-  const glm::dquat rotation(view.world_from_object.rotation);
-  const glm::dvec3 center = view.center - camera.pose.eye;
-  const glm::dvec3 p = glm::conjugate(rotation) * (relative - center) / scale;
-  const double z = capture.depth(p);
+  const TilePoint at(drawn, view, camera, relative);
+  const glm::dvec3& p = at.p;
+  const double z = at.z;
   const glm::dvec2 texel = capture.texel_from_point(p);
   const double x = std::floor(texel.x) - tile.crop.x, y = std::floor(texel.y) - tile.crop.y;
   if (!(z > 0) || x < 0 || y < 0 || x >= tile.crop.w || y >= tile.crop.h) return {};
@@ -162,10 +175,9 @@ PixelError pixel_error(const DrawnImpostor& drawn, const InstanceView& view,
   const double zq = drawn_capture_depth(drawn, object, p, relief_depth(tile, texel, code));
   if (!(zq > 0)) return {};
   const glm::dvec3 q = capture.eye() + (p - capture.eye()) * (zq / z);
-  const glm::dvec3 q_relative = center + rotation * (q * scale);
   return {true,
-          point_error_px(camera.focal_px(), relative, q_relative, camera.forward(), camera.right(),
-                         camera.up()),
+          point_error_px(camera.focal_px(), relative, at.relative_of(q), camera.forward(),
+                         camera.right(), camera.up()),
           0};
 }
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <map>
 
+#include "client/core/importance.h"
+
 namespace mirage {
 namespace {
 
@@ -86,7 +88,7 @@ double px_per_unit(const SceneView& scene, const Camera& camera, std::uint32_t i
   const double to_sphere = glm::length(to_eye) / scale - double{object.radius};
   const double nearest =
       std::max({glm::length(outside), to_sphere, kNearest * double{object.radius}});
-  return camera.focal_px() / nearest;
+  return camera.focal_px() / nearest / tolerance(view.importance);
 }
 
 void MeshCache::reset(const SceneView& scene, std::size_t budget_bytes,

@@ -122,7 +122,8 @@ class MeshCache {
 };
 
 /// Pixels one object unit covers at the point of `instance` nearest to the eye, at most: the bound
-/// of what an error there can be seen as.
+/// of what an error there can be seen as. Over the instance's tolerance, so that it can be held
+/// against tau.
 double px_per_unit(const SceneView& scene, const Camera& camera, std::uint32_t instance);
 
 }  // namespace mirage

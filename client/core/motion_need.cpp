@@ -17,18 +17,18 @@ constexpr int kMaxPhasesAhead = 32;   // asked for at a time per instance
 // Tiles of other phases are not looked at: coarse phases are among the fine ones, so that what was
 // asked for at another distance is found all the same.
 TileFit best_of_phase(const TileGroup& group, Phase phase, const ObjectDescription& object,
-                      const ViewGeometry& view, const SelectorInput& in) {
+                      const ViewGeometry& view, const MethodChoice& method, double tau_px) {
   TileGroup same;
   for (const TileRecordPtr& tile : group.tiles) {
     if (tile->phase == phase) same.tiles.push_back(tile);
   }
-  return best_fit(same, object, view, in.method, in.tau_px);
+  return best_fit(same, object, view, method, tau_px);
 }
 
 }  // namespace
 
 void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
-                      const TileCache::LitGroup& lit, std::vector<TileNeed>& out) {
+                      const TileCache::LitGroup& lit, double tau_px, std::vector<TileNeed>& out) {
   const TileGroup& group = *lit.tiles;
   const ObjectDescription& object = in.scene->objects[in.scene->instances[instance].object];
   const double size = radius_px(view);
@@ -36,8 +36,8 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
   if (glm::length(view.eye) < limits::kMinCaptureRadii * view.radius && !first) return;
   ViewPlan plan;
   // Half of tau is for the motion within the phase.
-  plan.tau_px = (1 - kMotionShare) * in.tau_px;
-  const double allowed = kMotionShare * in.tau_px / motion_bound_px(view, 1.0);
+  plan.tau_px = (1 - kMotionShare) * tau_px;
+  const double allowed = kMotionShare * tau_px / motion_bound_px(view, 1.0);
   const double clip_s = object.motion.clip_s;
   const double step_s = clip_s / (1 << limits::kMaxPhaseLevel);
   const double end_s = std::min(in.horizon_s, in.lead_s + clip_s - step_s);
@@ -52,7 +52,7 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
     if (phase != last) {
       last = phase;
       then.clip_time_s = phase_time(phase, clip_s);
-      const TileFit fit = best_of_phase(group, phase, object, then, in);
+      const TileFit fit = best_of_phase(group, phase, object, then, in.method, tau_px);
       if (!fit.settled(plan.tau_px) || !lit.wanted) {
         TileNeed need = need_for_view(then, plan);
         need.instance = instance;

@@ -95,6 +95,7 @@ Result<void> SceneView::accept(const wire::InstancePageT& page) {
     m.rotation = glm::normalize(from_wire(record.rotation()));
     m.scale = record.scale();
     view.clip_offset_s = record.clip_offset_s();
+    view.importance = static_cast<Importance>(record.importance());
     const ObjectDescription& object = objects[view.object];
     view.center =
         m.position + glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale});

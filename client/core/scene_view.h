@@ -20,6 +20,7 @@ struct InstanceView {
   glm::dvec3 center{0};  ///< of the bounding sphere, world
   double radius = 0;     ///< world, m
   double clip_offset_s = 0;
+  Importance importance = Importance::kNormal;
   std::uint32_t parent = kNoParent;  ///< instance of the group it belongs to
 
   static constexpr std::uint32_t kNoParent = 0xffffffffu;

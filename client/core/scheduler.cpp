@@ -91,8 +91,10 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   auto asset = asset_needs.begin();
   bool held_back = false;
   for (;;) {
+    while (tile != needs.end() && !may_ask(*tile, now_us)) ++tile;
+    while (asset != asset_needs.end() && !may_ask(*asset, now_us)) ++asset;
     const bool full = in_flight_bytes_ + asset_bytes_ >= window;
-    held_back = held_back || (full && tile != needs.end());
+    held_back = held_back || (full && (tile != needs.end() || asset != asset_needs.end()));
     // A large mesh under way may fill the window; tiles keep half of it all the same.
     const bool tiles = tile != needs.end() && batch.asks.size() < kMaxAsksPerFrame &&
                        (!full || in_flight_bytes_ < 0.5 * window);
@@ -120,11 +122,20 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   return batch;
 }
 
+bool Scheduler::may_ask(const TileNeed& need, std::int64_t now_us) const {
+  const auto pause = not_before_us_.find(need.instance);
+  const bool paused = pause != not_before_us_.end() && pause->second > now_us;
+  return !paused && pending_wanted_.count(wanted(need)) == 0;
+}
+
+bool Scheduler::may_ask(const AssetNeed& need, std::int64_t now_us) const {
+  const auto pause = assets_not_before_us_.find(need.id);
+  const bool paused = pause != assets_not_before_us_.end() && pause->second > now_us;
+  return !paused && assets_under_way_.count(need.id) == 0;
+}
+
 void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::int64_t now_us,
                          wire::RequestBatchT& batch) {
-  if (pending_wanted_.count(wanted(need)) != 0) return;
-  const auto pause = not_before_us_.find(need.instance);
-  if (pause != not_before_us_.end() && pause->second > now_us) return;
   const std::uint32_t id = next_request_++;
   const std::uint32_t object = scene.instances[need.instance].object;
   batch.asks.emplace_back(id, need.instance, object, static_cast<float>(need.gain), 0u,
@@ -138,9 +149,6 @@ void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::int6
 }
 
 void Scheduler::ask_asset(const AssetNeed& need, std::int64_t now_us, wire::RequestBatchT& batch) {
-  if (assets_under_way_.count(need.id) != 0) return;
-  const auto pause = assets_not_before_us_.find(need.id);
-  if (pause != assets_not_before_us_.end() && pause->second > now_us) return;
   const std::uint32_t id = next_request_++;
   if (need.id.kind == AssetId::Kind::kMesh) {
     batch.mesh_asks.emplace_back(id, need.id.index, need.id.level);

@@ -77,6 +77,9 @@ class Scheduler {
   /// One ask at a time per instance, and per phase of a moving one: phases are asked for ahead.
   using Wanted = std::pair<std::uint32_t, Phase>;
   static Wanted wanted(const TileNeed& need) { return {need.instance, need.phase}; }
+  /// Neither under way nor refused a moment ago.
+  bool may_ask(const TileNeed& need, std::int64_t now_us) const;
+  bool may_ask(const AssetNeed& need, std::int64_t now_us) const;
   void ask_tile(const SceneView& scene, const TileNeed& need, std::int64_t now_us,
                 wire::RequestBatchT& batch);
   void ask_asset(const AssetNeed& need, std::int64_t now_us, wire::RequestBatchT& batch);

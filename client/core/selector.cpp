@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/core/importance.h"
 #include "client/core/motion_need.h"
 #include "protocol/limits.h"
 
@@ -29,10 +30,16 @@ double fade_progress(std::int64_t since_us, std::int64_t now_us) {
   return std::clamp(static_cast<double>(now_us - since_us) / kFadeUs, 0.0, 1.0);
 }
 
+// The error in px this instance may show now.
+double allowed_px(const SelectorInput& in, const Camera& camera, const InstanceView& view) {
+  const double looked_at = attention(camera, in.cursor_px, view);
+  return allowed_error_px(in.tau_px, in.target_px, looked_at, view.importance);
+}
+
 ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileGroup& tiles,
-                  double radius) {
+                  double radius, double tau_px) {
   ViewPlan plan;
-  plan.tau_px = in.tau_px;
+  plan.tau_px = tau_px;
   const glm::dquat inverse = glm::conjugate(glm::dquat(view.world_from_object.rotation));
   plan.velocity = inverse * in.velocity / double{view.world_from_object.scale};
   const bool flat = !in.method.automatic && in.method.method != DrawMethod::kDepth;
@@ -46,10 +53,10 @@ ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileG
 
 // Seconds an image of the group lasts at a walk; members beyond kGroupRadii only.
 bool group_wanted(const SelectorInput& in, const InstanceView& view_of, const ViewGeometry& view,
-                  double slack) {
+                  double tau_px, double slack) {
   if (glm::length(view.eye) * slack < kGroupRadii * view.radius) return false;
   ViewPlan plan;
-  plan.tau_px = in.tau_px;
+  plan.tau_px = tau_px;
   plan.depth_share = kTypicalGap / kHoleTolerance;
   const double speed = std::max(glm::length(in.velocity), kWalkingMps);
   plan.velocity = glm::dvec3(speed / view_of.world_from_object.scale, 0, 0);
@@ -75,9 +82,11 @@ struct Selector::Candidate {
   const ObjectDescription* object = nullptr;
   ViewGeometry view;
   double distance = 0;
+  double tau_px = 1;  ///< what is allowed
   double area_px = 0;
   std::int64_t light_lag_us = 0;
   float fade = 1;
+  bool under_mesh = false;  ///< geometry already covers most of it
   TileFit flat;
   TileFit deep;
   bool march = false;
@@ -100,8 +109,8 @@ bool Selector::drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) co
   return distance < slack * in.mesh_radii * view.radius;
 }
 
-// Whether the instance is drawn at all; adds it to the candidates or the lists.
-bool Selector::consider(Walk& w, std::uint32_t instance, float fade) {
+// Adds the instance to the candidates or the lists, if it is drawn at all.
+void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   const SelectorInput& in = w.in;
   const InstanceView& view_of = in.scene->instances[instance];
   Candidate c;
@@ -110,8 +119,9 @@ bool Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   c.view = view_geometry(in.camera, view_of, *c.object, in.time_s);
   c.fade = fade;
   const double size = radius_px(c.view);
-  if (c.object->radius <= 0 || size < kMinRadiusPx) return false;
+  if (c.object->radius <= 0 || size < kMinRadiusPx) return;
   ++w.out.visible;
+  c.tau_px = allowed_px(in, in.camera, view_of);
   c.distance = glm::length(view_of.center - in.camera.pose.eye);
   Shown& shown = shown_[instance];
   const bool as_mesh = drawn_as_mesh(in, instance);
@@ -129,35 +139,35 @@ bool Selector::consider(Walk& w, std::uint32_t instance, float fade) {
     if (!swapping) {
       shown.tile.reset();
       shown.former.reset();
-      return true;
+      return;
     }
   } else if (swapping) {
     w.out.meshes.push_back({instance, 0, fade});
     c.fade = std::min(fade, progress);
   }
+  c.under_mesh = as_mesh && progress >= 0.5f;
   const bool on_mesh = as_mesh || swapping;
   const TileCache::LitGroup lit = in.cache->lit_group(instance);
   c.group = lit.tiles;
-  if (lit.then && light_change_px(in, lit, instance, size) > in.tau_px) {
+  if (lit.then && light_change_px(in, lit, instance, size) > c.tau_px) {
     c.light_lag_us = in.now_us - lit.then->ended_us;
   }
-  if (c.group->empty_from(c.view.eye)) return false;
-  if (c.group->tiles.empty() && on_mesh) return true;
+  if (c.group->empty_from(c.view.eye)) return;
+  if (c.group->tiles.empty() && on_mesh) return;
   if (c.group->tiles.empty()) {
     if (!c.object->group) w.out.placeholders.push_back({instance, c.distance});
     ++w.out.over_tau;
-    return false;
+    return;
   }
   if (in.method.automatic) {
-    c.flat = best_flat(*c.group, *c.object, c.view, in.tau_px);
-    if (!c.flat.meets(in.tau_px)) c.deep = best_deep(*c.group, *c.object, c.view, in.tau_px);
+    c.flat = best_flat(*c.group, *c.object, c.view, c.tau_px);
+    if (!c.flat.meets(c.tau_px)) c.deep = best_deep(*c.group, *c.object, c.view, c.tau_px);
   } else {
-    c.flat = best_fit(*c.group, *c.object, c.view, in.method, in.tau_px);
+    c.flat = best_fit(*c.group, *c.object, c.view, in.method, c.tau_px);
   }
   const double screen = static_cast<double>(in.camera.width) * in.camera.height;
   c.area_px = std::min(3.14159 * size * size, screen);
   w.candidates.push_back(std::move(c));
-  return true;
 }
 
 bool Selector::group_serves(const SelectorInput& in, std::uint32_t group,
@@ -165,20 +175,22 @@ bool Selector::group_serves(const SelectorInput& in, std::uint32_t group,
   const InstanceView& view_of = in.scene->instances[group];
   const bool was_drawn = shown_[group].frame + 1 >= in.frame && in.frame > 0;
   const double slack = was_drawn ? kMeshHysteresis : 1.0;
-  if (!group_wanted(in, view_of, view, slack)) return false;
+  const double tau = allowed_px(in, in.camera, view_of);
+  if (!group_wanted(in, view_of, view, tau, slack)) return false;
   const TileGroup& tiles = *in.cache->group_to_draw(group);
   if (tiles.empty_from(view.eye)) return true;
   const ObjectDescription& object = in.scene->objects[view_of.object];
-  const TileFit fit = best_fit(tiles, object, view, in.method, in.tau_px);
-  return fit.meets(in.tau_px * slack) || (fit.tile && !members_have_images(in, group));
+  const TileFit fit = best_fit(tiles, object, view, in.method, tau);
+  return fit.meets(tau * slack) || (fit.tile && !members_have_images(in, group));
 }
 
 bool Selector::members_have_images(const SelectorInput& in, std::uint32_t group) const {
   for (const std::uint32_t member : in.scene->members(group)) {
     const bool nested = in.scene->objects[in.scene->instances[member].object].group;
-    if (nested ? !members_have_images(in, member) : !in.cache->group_to_draw(member)->known()) {
-      return false;
-    }
+    const bool shows = nested
+                           ? members_have_images(in, member)
+                           : drawn_as_mesh(in, member) || in.cache->group_to_draw(member)->known();
+    if (!shows) return false;
   }
   return true;
 }
@@ -224,7 +236,7 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   const bool still_held = std::find(held.begin(), held.end(), shown.tile) != held.end();
   if (still_held && shown.tile != best.tile) {
     const TileFit present = fit_of(shown.tile, best.method, *c.object, c.view);
-    if (present.meets(in.tau_px) && present.error_px() * kSwitchRatio < best.error_px()) {
+    if (present.meets(c.tau_px) && present.error_px() * kSwitchRatio < best.error_px()) {
       best = present;
     }
   }
@@ -256,7 +268,7 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   out.impostors.push_back(
       {c.instance, best.tile, best.method, best.bound_px, c.distance, static_cast<float>(fade)});
   out.impostors.back().light_lag_us = c.light_lag_us;
-  if (is_stale(best.bound_px, in.tau_px)) ++out.over_tau;
+  if (!c.under_mesh && is_stale(best.bound_px, c.tau_px)) ++out.over_tau;
 }
 
 DrawList Selector::select(const SelectorInput& in) {
@@ -303,18 +315,19 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   if (group.empty_from(view.eye)) return;  // under any light
   // At the edge of the view the eye depth falls; ask as if the object were looked at.
   view.center_depth = glm::length(view.eye);
-  if (object.motion.moving()) return add_moving_needs(in, instance, view, lit, out);
-  const ViewPlan plan = plan_for(in, view_of, group, view.radius);
+  const double tau = allowed_px(in, in.predicted, view_of);
+  if (object.motion.moving()) return add_moving_needs(in, instance, view, lit, tau, out);
+  const ViewPlan plan = plan_for(in, view_of, group, view.radius, tau);
   TileFit fit;
   if (!group.tiles.empty()) {
     const bool still = plan.depth_share == kFlatDepthShare;
-    fit = still && in.method.automatic ? best_flat(group, object, view, in.tau_px)
-                                       : best_fit(group, object, view, in.method, in.tau_px);
+    fit = still && in.method.automatic ? best_flat(group, object, view, tau)
+                                       : best_fit(group, object, view, in.method, tau);
   }
   const double light_px = light_change_px(in, lit, instance, size);
   // Shaded here it is right, and yet not as good as shaded by the server: when there is time.
   const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
-  if (fit.settled(in.tau_px) && !is_stale(light_px, in.tau_px) && !shaded_here) return;
+  if (fit.settled(tau) && !is_stale(light_px, tau) && !shaded_here) return;
   // Inside the swap distance a tile is no use but as a stopgap: one, until geometry comes.
   if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
   TileNeed need = need_for_view(view, plan);
@@ -337,12 +350,19 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
     const glm::dvec3 to_center = view_of.center - in.predicted.pose.eye;
     if (!in.predicted.may_see(to_center, view_of.radius, kViewGuard)) return;
     const ObjectDescription& object = in.scene->objects[view_of.object];
-    if (object.group &&
-        !group_wanted(in, view_of, view_geometry(in.predicted, view_of, object), 1)) {
+    if (object.group && !group_wanted(in, view_of, view_geometry(in.predicted, view_of, object),
+                                      allowed_px(in, in.predicted, view_of), 1)) {
       for (const std::uint32_t member : in.scene->members(i)) visit(member);
       return;
     }
+    const std::size_t first = out.size();
     add_need(in, i, out);
+    // Any image beats none. Without a cursor nobody is known to look: the middle first cost the
+    // whole picture 1.6 % of FLIP on the forest walk.
+    const bool ranks = in.cursor_px && in.cache->group_to_draw(i)->known();
+    const double looked_at = ranks ? attention(in.predicted, in.cursor_px, view_of) : 1;
+    const double urgency = looked_at / tolerance(view_of.importance);
+    for (std::size_t k = first; k < out.size(); ++k) out[k].gain *= urgency;
   };
   in.scene->for_visible_roots(in.predicted, kViewGuard, visit);
   std::stable_sort(out.begin(), out.end(),

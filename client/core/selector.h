@@ -9,6 +9,8 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "client/core/mesh_cache.h"
@@ -41,10 +43,15 @@ struct DrawList {
   std::vector<DrawnImpostor> impostors;  ///< back to front
   std::vector<DrawnPlaceholder> placeholders;
   std::vector<DrawnMesh> meshes;
-  std::size_t visible = 0;   ///< instances and groups in view, large enough to matter
-  std::size_t over_tau = 0;  ///< of them, drawn with a bound above tau or from no tile
-  double time_s = 0;         ///< of the animation
+  std::size_t visible = 0;  ///< instances and groups in view, large enough to matter
+  /// Of them, drawn with a bound above what is allowed, or from no tile. Allowed is tau, scaled by
+  /// the importance the scene gives.
+  std::size_t over_tau = 0;
+  double time_s = 0;  ///< of the animation
 };
+
+/// Default swap distance to geometry, in radii; ARCHITECTURE.md has the figures it was chosen by.
+inline constexpr double kSwapRadii = 8;
 
 struct SelectorInput {
   const SceneView* scene = nullptr;
@@ -54,9 +61,12 @@ struct SelectorInput {
   Camera predicted;
   glm::dvec3 velocity{0};  ///< of the eye, world, m/s
   double tau_px = 1;
+  /// What tau was steered up from; it rises last where the viewer looks or points.
+  double target_px = std::numeric_limits<double>::infinity();
+  std::optional<glm::dvec2> cursor_px;  ///< from the upper left
   MethodChoice method;
-  double march_budget_px = 1e9;  ///< screen area that may be drawn by marching depth
-  double mesh_radii = 4;         ///< nearer than this many radii, geometry is drawn if it is there
+  double march_budget_px = 1e9;    ///< screen area that may be drawn by marching depth
+  double mesh_radii = kSwapRadii;  ///< nearer than this, geometry is drawn if it is there
   std::uint64_t frame = 0;
   std::int64_t now_us = 0;
   double time_s = 0;     ///< animation time now
@@ -95,7 +105,7 @@ class Selector {
 
   void walk(Walk& walk, std::uint32_t instance, float fade);
   void walk_group(Walk& walk, std::uint32_t group, float fade);
-  bool consider(Walk& walk, std::uint32_t instance, float fade);
+  void consider(Walk& walk, std::uint32_t instance, float fade);
   bool members_have_images(const SelectorInput& in, std::uint32_t group) const;
   bool group_serves(const SelectorInput& in, std::uint32_t group, const ViewGeometry& view) const;
   bool drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const;

@@ -31,7 +31,7 @@ struct ViewOptions {
   int msaa = 4;
   int atlas_mb = 120;
   int mesh_mb = 256;
-  double mesh_radii = 8;
+  double mesh_radii = kSwapRadii;
   double march_kpx = -1;  ///< thousand px a frame drawn by marching; < 0: by renderer
   std::string out_dir;
   std::string stats_file;

@@ -248,7 +248,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   camera.width = static_cast<std::uint32_t>(target_->width());
   camera.height = static_cast<std::uint32_t>(target_->height());
   camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
-  const DrawList list = session_->frame(camera, now);
+  const DrawList list = session_->frame(camera, now, window_ ? window_->cursor_px() : std::nullopt);
   renderer_->draw(*target_, camera, scene, list, session_->lighting());
   if (window_) {
     target_->show();

@@ -2,6 +2,7 @@
 // A window with a GL context, and the camera a person steers in it.
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "protocol/camera.h"
@@ -24,6 +25,9 @@ class Window {
   void present();
   void framebuffer_size(int& width, int& height) const;
   bool overlay() const;
+  /// Where the mouse points, in pixels of the framebuffer from the upper left; nullopt outside the
+  /// window, and while a drag turns the view.
+  std::optional<glm::dvec2> cursor_px() const;
 
   /// Moves the camera by what was pressed since the last call.
   void steer(Pose& pose, double seconds, double speed_mps);

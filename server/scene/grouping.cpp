@@ -98,6 +98,7 @@ class Grouper {
       const double r = double{objects_[instance.object].radius} * instance.world_from_object.scale;
       low = glm::min(low, centers_[i] - r);
       high = glm::max(high, centers_[i] + r);
+      group.importance = std::max(group.importance, instance.importance);
     }
     group.center = 0.5 * (low + high);
     out_.groups.push_back(std::move(group));

@@ -17,8 +17,9 @@ inline constexpr std::uint32_t kNoGroup = 0xffffffffu;
 /// the world around that point.
 struct InstanceGroup {
   glm::dvec3 center{0};
-  std::vector<std::uint32_t> leaves;  ///< instances drawn in its image
-  std::uint32_t parent = kNoGroup;    ///< index of the group it is nested in
+  std::vector<std::uint32_t> leaves;             ///< instances drawn in its image
+  std::uint32_t parent = kNoGroup;               ///< index of the group it is nested in
+  Importance importance = Importance::kScenery;  ///< largest of its leaves
 };
 
 struct Grouping {

@@ -246,6 +246,7 @@ Instance PreparedScene::instance(std::size_t index) const {
   Instance group;
   group.object = static_cast<std::uint32_t>(scene.objects.size() + (index - own));
   group.world_from_object.position = grouping.groups[index - own].center;
+  group.importance = grouping.groups[index - own].importance;
   return group;
 }
 

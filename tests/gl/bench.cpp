@@ -105,6 +105,33 @@ glm::dvec3 turned(const glm::dvec3& direction, double degrees, double bearing) {
          std::sin(angle) * (std::cos(bearing) * a + std::sin(bearing) * b);
 }
 
+std::optional<SceneView> scene_as_told(const std::shared_ptr<const PreparedScene>& prepared) {
+  const SteadyClock clock;
+  Counters counters;
+  TileQueue queue(clock, counters);
+  TileStore store(1 << 20, "", counters);
+  BoundedQueue<ImageLevel> images(64);
+  SessionHub hub(prepared, {}, clock, counters, queue, store, images);
+  const SessionId id = hub.open().take();
+  wire::HelloT hello;
+  hello.version_min = hello.version_max = limits::kProtocolVersion;
+  hello.codecs = {0, 1};
+  const Bytes greeting = encode_message(std::move(hello));
+  if (!hub.receive(id, greeting.data(), greeting.size())) return std::nullopt;
+  SceneView scene;
+  while (const FramePtr frame = hub.next_frame(id)) {
+    Message m = decode_message(frame->data(), frame->size()).take();
+    bool taken = true;
+    if (m.body.AsWelcome()) taken = scene.accept(*m.body.AsWelcome()).ok();
+    if (m.body.AsImagePage()) taken = scene.accept(*m.body.AsImagePage()).ok();
+    if (m.body.AsObjectPage()) taken = scene.accept(*m.body.AsObjectPage()).ok();
+    if (m.body.AsInstancePage()) taken = scene.accept(*m.body.AsInstancePage()).ok();
+    if (!taken) return std::nullopt;
+  }
+  if (!scene.complete()) return std::nullopt;
+  return scene;
+}
+
 std::unique_ptr<Bench> Bench::create(const std::string& spec, BenchLight light,
                                      const Similarity& placed, float fog_density) {
   auto bench = std::make_unique<Bench>();
@@ -130,7 +157,10 @@ std::unique_ptr<Bench> Bench::create(const std::string& spec, BenchLight light,
   }
   bench->renderer_ = std::make_unique<FrameRenderer>(renderer.take());
   bench->target_ = std::make_unique<FrameTarget>(FrameTarget::create(kSize, kSize, 4).take());
-  return bench->describe() ? std::move(bench) : nullptr;
+  std::optional<SceneView> told = scene_as_told(bench->prepared_);
+  if (!told || !bench->renderer_->reset(*told)) return nullptr;
+  bench->scene_ = std::move(*told);
+  return bench;
 }
 
 Camera Bench::camera(double radii, const glm::dvec3& direction) const {
@@ -231,33 +261,6 @@ ReferenceFrame Bench::truth_frame(const Camera& c, std::uint32_t samples) {
 
 std::vector<std::uint8_t> Bench::truth(const Camera& c, std::uint32_t samples) {
   return truth_frame(c, samples).rgba;
-}
-
-bool Bench::describe() {
-  // Through the protocol, as a client learns it.
-  const SteadyClock clock;
-  Counters counters;
-  TileQueue queue(clock, counters);
-  TileStore store(1 << 20, "", counters);
-  BoundedQueue<ImageLevel> images(64);
-  SessionHub hub(prepared_, {}, clock, counters, queue, store, images);
-  const SessionId id = hub.open().take();
-  wire::HelloT hello;
-  hello.version_min = hello.version_max = limits::kProtocolVersion;
-  hello.codecs = {0, 1};
-  const Bytes greeting = encode_message(std::move(hello));
-  if (!hub.receive(id, greeting.data(), greeting.size())) return false;
-  while (const FramePtr frame = hub.next_frame(id)) {
-    Message m = decode_message(frame->data(), frame->size()).take();
-    bool taken = true;
-    if (m.body.AsWelcome()) taken = scene_.accept(*m.body.AsWelcome()).ok();
-    if (m.body.AsImagePage()) taken = scene_.accept(*m.body.AsImagePage()).ok();
-    if (m.body.AsObjectPage()) taken = scene_.accept(*m.body.AsObjectPage()).ok();
-    if (m.body.AsInstancePage()) taken = scene_.accept(*m.body.AsInstancePage()).ok();
-    if (!taken) return false;
-  }
-  if (!scene_.complete()) return false;
-  return renderer_->reset(scene_).ok();
 }
 
 }  // namespace mirage::test

@@ -3,6 +3,7 @@
 // and decoder; the truth is the full render of the same build.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,9 @@ std::string shared_models();
 glm::dvec3 fibonacci_direction(int i, int count);
 /// `direction` turned by `degrees` along the great circle that leaves it at `bearing` radians.
 glm::dvec3 turned(const glm::dvec3& direction, double degrees, double bearing);
+
+/// The scene as a client learns it, through the protocol; nullopt when it does not get across.
+std::optional<SceneView> scene_as_told(const std::shared_ptr<const PreparedScene>& prepared);
 
 class Bench {
  public:
@@ -62,8 +66,6 @@ class Bench {
   const InstanceView& instance() const { return scene_.instances[0]; }
 
  private:
-  bool describe();
-
   gl::EglContext egl_;
   std::shared_ptr<const PreparedScene> prepared_;
   SceneView scene_;

@@ -7,8 +7,7 @@
 
 #include "client/core/frame_renderer.h"
 #include "server/image_stage.h"
-#include "server/session.h"
-#include "shaders/gl/egl_context.h"
+#include "tests/gl/bench.h"
 
 namespace mirage {
 namespace {
@@ -26,7 +25,9 @@ class GeometryBench {
     bench->prepared_ = scene.take();
     bench->renderer_ = std::make_unique<FrameRenderer>(FrameRenderer::create(256, 1).take());
     bench->target_ = std::make_unique<FrameTarget>(FrameTarget::create(kSize, kSize, 4).take());
-    bench->describe();
+    std::optional<SceneView> told = test::scene_as_told(bench->prepared_);
+    if (!told) return nullptr;
+    bench->scene_ = std::move(*told);
     return bench;
   }
 
@@ -85,37 +86,6 @@ class GeometryBench {
     list.meshes = {{instance, 0, 1.0f}};
     renderer_->draw(*target_, c, scene_, list, scene_.lighting);
     return target_->read();
-  }
-
-  void describe() {
-    const SteadyClock clock;
-    Counters counters;
-    TileQueue queue(clock, counters);
-    TileStore store(1 << 20, "", counters);
-    BoundedQueue<ImageLevel> image_jobs(16);
-    SessionHub hub(prepared_, {}, clock, counters, queue, store, image_jobs);
-    const SessionId id = hub.open().take();
-    wire::HelloT hello;
-    hello.version_min = hello.version_max = limits::kProtocolVersion;
-    hello.codecs = {0, 1};
-    const Bytes greeting = encode_message(std::move(hello));
-    ASSERT_TRUE(hub.receive(id, greeting.data(), greeting.size()));
-    while (const FramePtr frame = hub.next_frame(id)) {
-      const Message m = decode_message(frame->data(), frame->size()).take();
-      if (m.body.AsWelcome()) {
-        ASSERT_TRUE(scene_.accept(*m.body.AsWelcome()));
-      }
-      if (m.body.AsImagePage()) {
-        ASSERT_TRUE(scene_.accept(*m.body.AsImagePage()));
-      }
-      if (m.body.AsObjectPage()) {
-        ASSERT_TRUE(scene_.accept(*m.body.AsObjectPage()));
-      }
-      if (m.body.AsInstancePage()) {
-        ASSERT_TRUE(scene_.accept(*m.body.AsInstancePage()));
-      }
-    }
-    ASSERT_TRUE(scene_.complete());
   }
 
   gl::EglContext egl_;

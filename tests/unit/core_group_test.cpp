@@ -99,6 +99,29 @@ TEST(CoreGroup, TheGroupFadesInOverItsMembersAndTheyOverIt) {
   EXPECT_EQ(world.drawn(), (Indices{0, 1, 2, 3}));
 }
 
+// Members drawn as geometry are images as good as tiles: a group's image fades in over them, it
+// does not replace them at once.
+TEST(CoreGroup, TheGroupFadesInOverGeometry) {
+  GroupWorld world;
+  world.mesh_ready[0] = true;
+  const auto select = [&world] {
+    SelectorInput in = world.input();
+    in.mesh_radii = 1000;
+    return world.selector.select(in);
+  };
+  world.look_from(300);
+  EXPECT_EQ(select().meshes.size(), 4u);
+  world.pass(50'000);
+  ASSERT_TRUE(world.add_tile(4));
+  EXPECT_EQ(select().meshes.size(), 4u) << "members stay underneath";
+  world.pass(60'000);
+  const DrawList half = select();
+  ASSERT_EQ(half.impostors.size(), 1u);
+  EXPECT_NEAR(half.impostors[0].fade, 0.5f, 1e-3f);
+  world.pass(70'000);
+  EXPECT_TRUE(select().meshes.empty());
+}
+
 TEST(CoreGroup, CirclesAndUnknownParentsAreRefused) {
   EXPECT_EQ(grouped().instances.size(), 5u);
   EXPECT_TRUE(grouped(4).instances.empty()) << "a group in itself";

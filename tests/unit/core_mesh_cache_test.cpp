@@ -77,6 +77,20 @@ TEST(CoreMeshCache, LevelByScreenSpaceError) {
   }
 }
 
+TEST(CoreMeshCache, SceneryMayBeTwiceAsCoarseAndWhatIsImportantHalf) {
+  World world;
+  for (std::uint8_t lod = 0; lod < 3; ++lod) world.add(lod);
+  world.look_from(1 + 0.02 * world.camera.focal_px() * 0.99);
+  EXPECT_EQ(world.drawn_lod(), 1);
+  world.scene.instances[0].importance = Importance::kScenery;
+  EXPECT_EQ(world.drawn_lod(), 2);
+  world.look_from(1 + 0.002 * world.camera.focal_px() * 1.5);
+  world.scene.instances[0].importance = Importance::kNormal;
+  EXPECT_EQ(world.drawn_lod(), 1);
+  world.scene.instances[0].importance = Importance::kImportant;
+  EXPECT_EQ(world.drawn_lod(), 0);
+}
+
 TEST(CoreMeshCache, ThinnedFoliageMayMoveFurther) {
   const std::vector<LodInfo> lods = {{9, 9, 0, 0}, {3, 3, 0, 0.1f}};
   EXPECT_EQ(lod_for_view(lods, 0.99 * kSpreadPerTau / 0.1, 1), 1u);

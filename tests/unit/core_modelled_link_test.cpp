@@ -30,33 +30,20 @@ class InstantServer final : public Link {
       ready_.push_back(std::move(welcome));
     }
     if (const wire::RequestBatchT* batch = message->body.AsRequestBatch()) {
-      answer_geometry(*batch);
-      for (const wire::Ask& ask : batch->asks) {
-        wire::TileReplyT reply;
-        reply.request_id = ask.request_id();
-        Message answer;
-        answer.body.Set(std::move(reply));
-        answer.payload.resize(kPayload);
-        ready_.push_back(std::move(answer));
-      }
+      answer<wire::MeshReplyT>(batch->mesh_asks, kPayload);
+      answer<wire::ImageReplyT>(batch->image_asks, kPayload / 2);
+      answer<wire::TileReplyT>(batch->asks, kPayload);
     }
   }
-  void answer_geometry(const wire::RequestBatchT& batch) {
-    for (const wire::MeshAsk& ask : batch.mesh_asks) {
-      wire::MeshReplyT reply;
+  template <typename ReplyT, typename AskT>
+  void answer(const std::vector<AskT>& asks, std::size_t payload) {
+    for (const AskT& ask : asks) {
+      ReplyT reply;
       reply.request_id = ask.request_id();
-      Message answer;
-      answer.body.Set(std::move(reply));
-      answer.payload.resize(kPayload);
-      ready_.push_back(std::move(answer));
-    }
-    for (const wire::ImageAsk& ask : batch.image_asks) {
-      wire::ImageReplyT reply;
-      reply.request_id = ask.request_id();
-      Message answer;
-      answer.body.Set(std::move(reply));
-      answer.payload.resize(kPayload / 2);
-      ready_.push_back(std::move(answer));
+      Message message;
+      message.body.Set(std::move(reply));
+      message.payload.resize(payload);
+      ready_.push_back(std::move(message));
     }
   }
   std::vector<Message> receive() override {

@@ -14,6 +14,7 @@ struct Placed {
   float scale = 1;
   std::uint32_t object = 0;
   std::uint32_t parent = InstanceView::kNoParent;
+  Importance importance = Importance::kNormal;
 };
 
 struct SceneOptions {
@@ -56,7 +57,7 @@ inline SceneView make_scene(const std::vector<Placed>& placed, const SceneOption
   wire::InstancePageT instances;
   for (const Placed& p : placed) {
     instances.instances.emplace_back(to_wire(p.position), wire::Quat(1, 0, 0, 0), p.scale, p.object,
-                                     p.parent, 0.0f);
+                                     p.parent, 0.0f, static_cast<std::uint8_t>(p.importance));
   }
   SceneView scene;
   const bool taken =

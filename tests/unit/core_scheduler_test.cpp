@@ -87,6 +87,24 @@ TEST_F(CoreScheduler, AQuietWhileDoesNotCloseTheWindow) {
   EXPECT_GT(burst->asks.size(), 60u);
 }
 
+// Tau rises while the link is full for long: only for asks that wait, not for those on their way.
+TEST_F(CoreScheduler, WhatIsUnderWayIsNotHeldBack) {
+  ASSERT_TRUE(plan(needs(1, 12), 0)) << "one large tile fills the window";
+  EXPECT_FALSE(plan(needs(1, 12), 1'000'000));
+  EXPECT_EQ(scheduler.saturated_s(2'000'000), 0);
+  EXPECT_FALSE(plan(needs(2, 12), 2'000'000));
+  EXPECT_NEAR(scheduler.saturated_s(3'000'000), 1, 1e-9);
+}
+
+TEST_F(CoreScheduler, GeometryThatWaitsIsHeldBack) {
+  const AssetNeed large = mesh(0, 10 * kFirstWindowBytes);
+  ASSERT_TRUE(plan({}, 0, {large}));
+  EXPECT_FALSE(plan({}, 1'000'000, {large}));
+  EXPECT_EQ(scheduler.saturated_s(2'000'000), 0);
+  EXPECT_FALSE(plan({}, 2'000'000, {large, mesh(1)}));
+  EXPECT_NEAR(scheduler.saturated_s(3'000'000), 1, 1e-9);
+}
+
 TEST_F(CoreScheduler, OneAskPerInstance) {
   const auto first = plan(needs(5, 2), 0);
   ASSERT_TRUE(first);

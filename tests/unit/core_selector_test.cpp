@@ -211,12 +211,12 @@ TEST(CoreSelector, ObjectWithoutAHullIsNotDrawnOnOne) {
 
 TEST(CoreSelector, NearGeometryReplacesTheImpostor) {
   SelectorWorld world = one_ball(true);
-  world.look({0, 0, 5.1}, {0, 0, 0});
+  world.look({0, 0, 10.3}, {0, 0, 0});
   EXPECT_EQ(world.selector.mesh_needs(world.input()), std::vector<std::uint32_t>{0});
-  world.look({0, 0, 5.3}, {0, 0, 0});
+  world.look({0, 0, 10.5}, {0, 0, 0});
   EXPECT_TRUE(world.selector.mesh_needs(world.input()).empty());
   world.mesh_ready[0] = true;
-  world.look({0, 0, 3.9}, {0, 0, 0});
+  world.look({0, 0, 7.9}, {0, 0, 0});
   const DrawList near = world.selector.select(world.input());
   ASSERT_EQ(near.meshes.size(), 1u);
   EXPECT_EQ(near.meshes[0].instance, 0u);
@@ -224,46 +224,52 @@ TEST(CoreSelector, NearGeometryReplacesTheImpostor) {
   EXPECT_EQ(near.over_tau, 0u);
   EXPECT_TRUE(world.selector.needs(world.input()).empty());
   EXPECT_EQ(world.selector.mesh_needs(world.input()).size(), 1u) << "it must stay";
-  world.look({0, 0, 4.4}, {0, 0, 0});
+  world.look({0, 0, 9.1}, {0, 0, 0});
   EXPECT_EQ(world.selector.select(world.input()).meshes.size(), 1u) << "hysteresis";
-  world.look({0, 0, 4.7}, {0, 0, 0});
+  world.look({0, 0, 9.3}, {0, 0, 0});
   world.frame += 2;  // out of view in between: nothing fades
   EXPECT_TRUE(world.selector.select(world.input()).meshes.empty());
   EXPECT_EQ(world.selector.needs(world.input()).size(), 1u);
   world.frame += 2;
-  world.look({0, 0, 4.4}, {0, 0, 0});
+  world.look({0, 0, 9.1}, {0, 0, 0});
   EXPECT_TRUE(world.selector.select(world.input()).meshes.empty()) << "hysteresis";
 }
 
 TEST(CoreSelector, GeometryFadesInOverTheTileAndTheTileOverIt) {
   SelectorWorld world = one_ball(true);
-  world.look({0, 0, 4.8}, {0, 0, 0});
+  world.look({0, 0, 9.6}, {0, 0, 0});
   ASSERT_TRUE(world.add_tile(0));
   world.mesh_ready[0] = true;
   const auto at = [&](double distance, std::int64_t us) {
-    world.look({0, 0, distance}, {0, 0, 0});
+    world.look({0.8, 0, distance}, {0, 0, 0});
     world.now_us += us;
     ++world.frame;
-    return world.selector.select(world.input());
+    SelectorInput in = world.input();
+    in.march_budget_px = 0;  // flat, and over tau
+    return world.selector.select(in);
   };
-  EXPECT_TRUE(at(4.8, 16'000).meshes.empty());
-  DrawList list = at(3.9, 16'000);
+  EXPECT_TRUE(at(9.6, 16'000).meshes.empty());
+  DrawList list = at(7.9, 16'000);
   ASSERT_EQ(list.meshes.size(), 1u);
   ASSERT_EQ(list.impostors.size(), 1u) << "whole, underneath";
   EXPECT_EQ(list.impostors[0].fade, 1);
   EXPECT_EQ(list.meshes[0].fade, 0);
-  list = at(3.9, 60'000);
+  EXPECT_GT(list.impostors[0].bound_px, 1);
+  EXPECT_EQ(list.over_tau, 1u) << "the tile shows";
+  list = at(7.9, 60'000);
   EXPECT_NEAR(list.meshes[0].fade, 0.5, 1e-6);
-  list = at(3.9, 60'000);
+  ASSERT_EQ(list.impostors.size(), 1u);
+  EXPECT_EQ(list.over_tau, 0u) << "geometry covers it";
+  list = at(7.9, 60'000);
   EXPECT_EQ(list.meshes[0].fade, 1);
   EXPECT_TRUE(list.impostors.empty());
-  list = at(4.8, 16'000);
+  list = at(9.6, 16'000);
   ASSERT_EQ(list.meshes.size(), 1u) << "whole, underneath";
   EXPECT_EQ(list.meshes[0].fade, 1);
-  list = at(4.8, 60'000);
+  list = at(9.6, 60'000);
   ASSERT_EQ(list.impostors.size(), 1u);
   EXPECT_NEAR(list.impostors[0].fade, 0.5, 1e-6);
-  list = at(4.8, 60'000);
+  list = at(9.6, 60'000);
   EXPECT_TRUE(list.meshes.empty());
 }
 

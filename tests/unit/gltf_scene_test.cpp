@@ -314,5 +314,48 @@ TEST(GltfHome, CameraOfTheFile) {
   EXPECT_NEAR(glm::length(scene->home.target - glm::dvec3(0.5, 0.5, 0)), 0, 1e-9);
 }
 
+TEST(GltfScene, ImportanceIsTheNodesOrItsMeshsOrTheParents) {
+  Builder b = triangle();
+  const auto mark = [](json& element, const char* what) {
+    element["extras"]["mirage"]["importance"] = what;
+  };
+  b.doc["nodes"] = json::array({{{"mesh", 0}},
+                                {{"mesh", 0}},
+                                {{"children", {3, 4}}},
+                                {{"mesh", 1}},
+                                {{"mesh", 1}},
+                                {{"mesh", 1}}});
+  b.doc["meshes"].push_back(b.doc["meshes"][0]);
+  b.doc["scenes"][0]["nodes"] = {0, 1, 2, 5};
+  mark(b.doc["meshes"][0], "scenery");
+  mark(b.doc["nodes"][1], "important");
+  mark(b.doc["nodes"][2], "important");
+  mark(b.doc["nodes"][4], "scenery");
+  const Result<Scene> scene = b.load();
+  ASSERT_TRUE(scene) << failure(scene);
+  std::vector<Importance> found;
+  for (const Instance& instance : scene->instances) found.push_back(instance.importance);
+  EXPECT_EQ(found, (std::vector<Importance>{Importance::kScenery, Importance::kImportant,
+                                            Importance::kNormal, Importance::kImportant,
+                                            Importance::kScenery}))
+      << "nodes 0, 1, 5, 3, 4";
+  EXPECT_TRUE(scene->warnings.empty());
+}
+
+TEST(GltfScene, UnknownImportanceIsTold) {
+  for (const json& bad : {json("huge"), json(2), json::array(), json::object(), json(nullptr)}) {
+    Builder b = triangle();
+    b.doc["nodes"][0]["extras"]["mirage"]["importance"] = bad;
+    const Result<Scene> scene = b.load();
+    ASSERT_TRUE(scene) << failure(scene);
+    EXPECT_EQ(scene->instances[0].importance, Importance::kNormal);
+    EXPECT_TRUE(has_warning(*scene, "extras.mirage.importance"));
+    EXPECT_TRUE(has_warning(*scene, "nodes[0]"));
+  }
+  Builder b = triangle();
+  b.doc["nodes"][0]["extras"] = "free text";
+  EXPECT_TRUE(b.load()) << "extras of others are none of our business";
+}
+
 }  // namespace
 }  // namespace mirage::test

@@ -236,7 +236,7 @@ TEST(ProtocolMessage, NoFloatOfAnInstanceMayBeNotFinite) {
     return wire::InstanceRecord(
         wire::Vec3d(field == 0 ? v : 1, field == 1 ? v : 2, field == 2 ? v : 3),
         wire::Quat(field == 3 ? f : 1, field == 4 ? f : 0, field == 5 ? f : 0, field == 6 ? f : 0),
-        field == 7 ? f : 1, 0, 0, field == 8 ? f : 0);
+        field == 7 ? f : 1, 0, 0, field == 8 ? f : 0, 1);
   };
   for (int field = 0; field < 9; ++field) {
     expect_finite_only(
@@ -251,6 +251,9 @@ TEST(ProtocolMessage, NoFloatOfAnInstanceMayBeNotFinite) {
   wire::InstancePageT page = sample_instance_page();
   page.instances[0] = instance(3, 2.0);
   expect_refused(page, ErrorId::kWireValue, "rotation that is not unit");
+  page = sample_instance_page();
+  page.instances[0] = wire::InstanceRecord({}, wire::Quat(1, 0, 0, 0), 1, 0, 0, 0, 3);
+  expect_refused(page, ErrorId::kWireValue, "importance that does not exist");
 }
 
 TEST(ProtocolMessage, NoFloatOfARequestMayBeNotFinite) {

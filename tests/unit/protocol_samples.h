@@ -76,8 +76,9 @@ inline wire::ObjectPageT sample_object_page() {
 inline wire::InstancePageT sample_instance_page() {
   wire::InstancePageT m;
   m.first = 3072;
-  m.instances = {{wire::Vec3d(1e6, 2, 3), wire::Quat(0.5f, 0.5f, 0.5f, 0.5f), 2.0f, 7, 3080, 0.5f},
-                 {wire::Vec3d(0, 0, 0), wire::Quat(1, 0, 0, 0), 1.0f, 8, 0xffffffffu, 0.0f}};
+  m.instances = {
+      {wire::Vec3d(1e6, 2, 3), wire::Quat(0.5f, 0.5f, 0.5f, 0.5f), 2.0f, 7, 3080, 0.5f, 2},
+      {wire::Vec3d(0, 0, 0), wire::Quat(1, 0, 0, 0), 1.0f, 8, 0xffffffffu, 0.0f, 1}};
   return m;
 }
 

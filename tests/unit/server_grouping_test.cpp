@@ -80,6 +80,26 @@ TEST(ServerGrouping, GroupsAreInstancesAfterTheScenesOwn) {
   EXPECT_EQ(scene.group(0), nullptr);
 }
 
+TEST(ServerGrouping, AGroupIsAsImportantAsItsMostImportantMember) {
+  Scene scene = forest()->scene;
+  for (Instance& instance : scene.instances) instance.importance = Importance::kScenery;
+  const std::uint32_t one = forest()->grouping.groups.back().leaves.front();
+  scene.instances[one].importance = Importance::kImportant;
+  PreparedScene prepared;
+  prepared.grouping = group_instances(scene, forest()->objects);
+  prepared.scene = std::move(scene);
+  std::size_t important = 0;
+  for (std::size_t g = 0; g < prepared.grouping.groups.size(); ++g) {
+    const auto& leaves = prepared.grouping.groups[g].leaves;
+    const bool has_it = std::count(leaves.begin(), leaves.end(), one) > 0;
+    const Importance expected = has_it ? Importance::kImportant : Importance::kScenery;
+    EXPECT_EQ(prepared.instance(prepared.scene.instances.size() + g).importance, expected);
+    important += has_it ? 1 : 0;
+  }
+  EXPECT_GE(important, 1u);
+  EXPECT_LT(important, prepared.grouping.groups.size());
+}
+
 TEST(ServerGrouping, TheSameEveryTime) {
   const auto again = load_scene("builtin:forest?trees=120").take();
   ASSERT_EQ(again->grouping.groups.size(), forest()->grouping.groups.size());

@@ -4,18 +4,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "server/scene/gltf/extras.h"
 #include "server/scene/gltf/gltf_limits.h"
 
 namespace mirage::gltf {
 namespace {
 
 using nlohmann::json;
-
-const json* member(const json& object, const char* key) {
-  if (!object.is_object()) return nullptr;
-  const auto found = object.find(key);
-  return found == object.end() ? nullptr : &*found;
-}
 
 std::size_t list_size(const json& root, const char* key) {
   const json* list = member(root, key);
@@ -81,9 +76,7 @@ AnimationSources read_animations(const json& root, Tally& tally) {
   const json* nodes = member(root, "nodes");
   if (nodes == nullptr || !nodes->is_array()) return out;
   for (std::size_t i = 0; i < nodes->size(); ++i) {
-    const json* extras = member((*nodes)[i], "extras");
-    const json* ours = extras != nullptr ? member(*extras, "mirage") : nullptr;
-    const json* phase = ours != nullptr ? member(*ours, "phase") : nullptr;
+    const json* phase = mirage_extra((*nodes)[i], "phase");
     if (phase == nullptr || !phase->is_number()) continue;
     const double offset = phase->get<double>();
     if (std::abs(offset) <= kMaxClipOffset) out.clip_offset_s[static_cast<int>(i)] = offset;

@@ -226,6 +226,7 @@ Result<Document> load_document(const std::string& path, Tally& tally) {
   if (auto ok = check_version_and_extensions(*raw, tally); !ok) return ok.error();
   if (auto ok = check_sizes(*raw); !ok) return ok.error();
   document.animations = read_animations(*raw, tally);
+  document.importance = read_importance(*raw, tally);
   auto clean = sanitize(raw.take());
   if (!clean) return clean.error();
   if (auto ok = load_buffers(*clean, document, *file); !ok) return ok.error();

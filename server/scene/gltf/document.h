@@ -14,6 +14,7 @@
 
 #include "protocol/result.h"
 #include "server/scene/gltf/animation_source.h"
+#include "server/scene/gltf/extras.h"
 #include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {
@@ -37,6 +38,7 @@ struct Document {
   std::vector<BufferData> buffers;
   std::vector<ImageSource> images;
   AnimationSources animations;
+  ImportanceMarks importance;
 
   /// The bytes of a checked bufferView; empty when its buffer is absent.
   std::span<const std::uint8_t> view_bytes(int view) const;

@@ -32,7 +32,34 @@ int attribute(const tinygltf::Value& attributes, const char* semantic) {
   return attributes.Has(semantic) ? attributes.Get(semantic).GetNumberAsInt() : -1;
 }
 
+std::vector<Importance> importance_of_nodes(const Document& document, const NodeTree& tree) {
+  const ImportanceMarks& marks = document.importance;
+  std::vector<Importance> out(document.model.nodes.size(), Importance::kNormal);
+  for (const int node : tree.order) {
+    const auto own = marks.of_node.find(node);
+    const auto mesh = marks.of_mesh.find(document.model.nodes[node].mesh);
+    if (own != marks.of_node.end()) {
+      out[node] = own->second;
+    } else if (mesh != marks.of_mesh.end()) {
+      out[node] = mesh->second;
+    } else if (tree.parent[node] >= 0) {
+      out[node] = out[tree.parent[node]];
+    }
+  }
+  return out;
+}
+
 }  // namespace
+
+SceneAssembler::SceneAssembler(const Document& document, const NodeTree& tree,
+                               const std::map<int, NodeClip>& clips, Tally& tally)
+    : document_(document),
+      tree_(tree),
+      clips_(clips),
+      motion_(find_motion(document, tree, clips)),
+      importance_(importance_of_nodes(document, tree)),
+      tally_(tally),
+      materials_(document, tally) {}
 
 Result<void> SceneAssembler::add_node(int node) {
   const tinygltf::Node& source = document_.model.nodes[node];
@@ -72,7 +99,9 @@ Result<void> SceneAssembler::add_group(int group, const std::vector<int>& nodes)
         instancing != document_.model.nodes[group].extensions.end()) {
       return place_copies(group, index, instancing->second, clip_offset_s);
     }
-    scene_.instances.push_back({index, world_from_object, clip_offset_s});
+    Importance importance = Importance::kScenery;
+    for (const int node : nodes) importance = std::max(importance, importance_[node]);
+    scene_.instances.push_back({index, world_from_object, clip_offset_s, importance});
     return {};
   }
   for (const int node : nodes) {
@@ -132,7 +161,7 @@ Result<void> SceneAssembler::place_copies(int node, std::uint32_t object,
                                                   std::to_string(kMaxInstances) + " instances");
     }
     const float own = copy_offset(static_cast<std::uint32_t>(i), clip_s);
-    scene_.instances.push_back({object, split.similarity, clip_offset_s + own});
+    scene_.instances.push_back({object, split.similarity, clip_offset_s + own, importance_[node]});
   }
   return {};
 }
@@ -149,7 +178,8 @@ Result<void> SceneAssembler::add_at_rest(int node) {
   // glTF §3.7.3.3: joints alone place a skinned mesh.
   const glm::dmat4 world = skin >= 0 ? glm::dmat4(1) : tree_.world_from_node[node];
   const auto instancing = source.extensions.find(kInstancing);
-  if (instancing == source.extensions.end() || skin >= 0) return place(*base, world);
+  if (instancing == source.extensions.end() || skin >= 0)
+    return place(*base, world, importance_[node]);
 
   auto copies = instance_matrices(instancing->second);
   if (!copies) {
@@ -157,7 +187,7 @@ Result<void> SceneAssembler::add_at_rest(int node) {
                       "nodes[" + std::to_string(node) + "]: " + copies.error().text);
   }
   for (const glm::dmat4& copy : *copies) {
-    if (auto ok = place(*base, world * copy); !ok) return ok;
+    if (auto ok = place(*base, world * copy, importance_[node]); !ok) return ok;
   }
   return {};
 }
@@ -180,7 +210,8 @@ Result<std::size_t> SceneAssembler::base_of(int node, Pose pose, int skin) {
   return bases_.size() - 1;
 }
 
-Result<void> SceneAssembler::place(std::size_t base, const glm::dmat4& world) {
+Result<void> SceneAssembler::place(std::size_t base, const glm::dmat4& world,
+                                   Importance importance) {
   if (!is_finite(world)) {
     tally_.add("instances with a transform that is not finite left out");
     return {};
@@ -196,7 +227,7 @@ Result<void> SceneAssembler::place(std::size_t base, const glm::dmat4& world) {
   }
   auto object = object_of(base, split.residual, split.has_residual);
   if (!object) return object.error();
-  scene_.instances.push_back({*object, split.similarity});
+  scene_.instances.push_back({*object, split.similarity, 0, importance});
   return {};
 }
 

@@ -21,13 +21,7 @@ namespace mirage::gltf {
 class SceneAssembler {
  public:
   SceneAssembler(const Document& document, const NodeTree& tree,
-                 const std::map<int, NodeClip>& clips, Tally& tally)
-      : document_(document),
-        tree_(tree),
-        clips_(clips),
-        motion_(find_motion(document, tree, clips)),
-        tally_(tally),
-        materials_(document, tally) {}
+                 const std::map<int, NodeClip>& clips, Tally& tally);
 
   /// Adds whatever a node draws; moving ones wait for finish(). Errors: those of import_mesh,
   /// kSceneLimit.
@@ -60,7 +54,7 @@ class SceneAssembler {
   Result<void> place_copies(int node, std::uint32_t object, const tinygltf::Value& extension,
                             float clip_offset_s);
   Result<std::size_t> base_of(int node, Pose pose, int skin);
-  Result<void> place(std::size_t base, const glm::dmat4& world);
+  Result<void> place(std::size_t base, const glm::dmat4& world, Importance importance);
   Result<std::uint32_t> object_of(std::size_t base, const glm::dmat3& residual, bool baked);
   /// Joint matrices of a node's skin; empty, with a warning, if the skin is broken.
   std::vector<glm::dmat4> skin_matrices(int skin);
@@ -71,7 +65,8 @@ class SceneAssembler {
   const NodeTree& tree_;
   const std::map<int, NodeClip>& clips_;
   const MotionGroups motion_;
-  std::map<int, std::vector<int>> groups_;                        ///< group -> its mesh nodes
+  const std::vector<Importance> importance_;  ///< by node: its own, its mesh's or its parent's
+  std::map<int, std::vector<int>> groups_;    ///< group -> its mesh nodes
   std::map<std::uint64_t, std::vector<std::uint32_t>> animated_;  ///< content hash -> objects
   Tally& tally_;
   MaterialImporter materials_;
