@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "client/core/importance.h"
 #include "client/core/motion_need.h"
 #include "protocol/limits.h"
+#include "protocol/need_mask.h"
 
 namespace mirage {
 namespace {
@@ -13,7 +15,8 @@ namespace {
 constexpr double kMinRadiusPx = 0.5;   // smaller objects are neither drawn nor asked for
 constexpr double kViewGuard = 0.0873;  // 5 degrees around the predicted view
 constexpr std::int64_t kFadeUs = 120'000;
-constexpr double kMeshPrefetch = 1.3;  // times the swap distance
+constexpr double kMeshPrefetch = 1.3;       // times the swap distance
+constexpr std::uint32_t kTileBytes = 1500;  // of a middling tile, as it travels
 constexpr double kMeshHysteresis = 1.15;
 constexpr double kWorthMarching = 0.7;  // of the flat bound
 // A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
@@ -72,6 +75,22 @@ double light_change_px(const SelectorInput& in, const TileCache::LitGroup& lit,
                         in.scene->objects[view.object], radius_px);
 }
 
+// Sent once, such geometry costs less than any one tile, and is right from everywhere.
+bool cheaper_than_tiles(const ObjectDescription& object) {
+  constexpr NeedMask kImages = kNeedBaseColorMap | kNeedMetalRoughMap | kNeedNormalMap |
+                               kNeedOcclusionMap | kNeedEmissiveMap;
+  return !object.lods.empty() && object.lods[0].bytes <= kTileBytes && !(object.needs & kImages);
+}
+
+// Nearer than this the object is geometry, if it is there.
+double swap_radii(const SelectorInput& in, const ObjectDescription& object) {
+  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+  if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return kEverywhere;
+  if (object.surrounds) return kEverywhere;
+  const bool cheap = in.method.automatic && in.mesh_radii > 0 && cheaper_than_tiles(object);
+  return cheap ? kEverywhere : in.mesh_radii;
+}
+
 }  // namespace
 
 void Selector::reset(const SceneView& scene) { shown_.assign(scene.instances.size(), Shown{}); }
@@ -102,11 +121,9 @@ bool Selector::drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) co
   const InstanceView& view = in.scene->instances[instance];
   const ObjectDescription& object = in.scene->objects[view.object];
   if (object.group || !(*in.mesh_ready)[view.object]) return false;
-  if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return true;
-  if (object.surrounds) return true;
   const double distance = glm::length(view.center - in.camera.pose.eye);
   const double slack = shown_[instance].as_mesh ? kMeshHysteresis : 1.0;
-  return distance < slack * in.mesh_radii * view.radius;
+  return distance < slack * swap_radii(in, object) * view.radius;
 }
 
 // Adds the instance to the candidates or the lists, if it is drawn at all.
@@ -309,7 +326,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   if (object.radius <= 0 || size < kMinRadiusPx) return;
   const double distance = glm::length(view.eye) / view.radius;
   if (in.scene->geometry && object.surrounds) return;
-  if ((*in.mesh_ready)[view_of.object] && distance < in.mesh_radii) return;
+  if ((*in.mesh_ready)[view_of.object] && distance < swap_radii(in, object)) return;
   const TileCache::LitGroup lit = in.cache->lit_group(instance);
   const TileGroup& group = *lit.tiles;
   if (group.empty_from(view.eye)) return;  // under any light
@@ -372,13 +389,11 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
 
 std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) const {
   std::vector<std::uint32_t> out;
-  const bool all = !in.method.automatic && in.method.method == DrawMethod::kMesh;
   in.scene->for_visible(in.predicted, kViewGuard, [&](std::uint32_t instance) {
     const InstanceView& view_of = in.scene->instances[instance];
     const double distance = glm::length(view_of.center - in.predicted.pose.eye);
-    const bool near = distance < kMeshPrefetch * in.mesh_radii * view_of.radius;
-    const bool surrounds = in.scene->objects[view_of.object].surrounds;
-    if (all || near || surrounds) out.push_back(instance);
+    const double swap = swap_radii(in, in.scene->objects[view_of.object]);
+    if (distance < kMeshPrefetch * swap * view_of.radius) out.push_back(instance);
   });
   return out;
 }

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "protocol/limits.h"
+#include "protocol/need_mask.h"
 #include "protocol/stable_math.h"
 #include "tests/unit/core_scene.h"
 
@@ -207,6 +208,23 @@ TEST(CoreSelector, ObjectWithoutAHullIsNotDrawnOnOne) {
   const DrawList list = world.selector.select(in);
   ASSERT_EQ(list.impostors.size(), 1u);
   EXPECT_EQ(list.impostors[0].method, DrawMethod::kQuad);
+}
+
+TEST(CoreSelector, GeometrySmallerThanATileIsDrawnEverywhere) {
+  SelectorWorld world = one_ball(true);
+  ObjectDescription& object = world.scene.objects[0];
+  object.lods = {LodInfo{12, 800, 0, 0}};
+  world.look({0, 0, 60}, {0, 0, 0});
+  EXPECT_EQ(world.selector.mesh_needs(world.input()), std::vector<std::uint32_t>{0});
+  EXPECT_EQ(world.selector.needs(world.input()).size(), 1u) << "until it is there";
+  world.mesh_ready[0] = true;
+  EXPECT_EQ(world.selector.select(world.input()).meshes.size(), 1u);
+  EXPECT_TRUE(world.selector.needs(world.input()).empty());
+  object.needs |= kNeedBaseColorMap;
+  EXPECT_TRUE(world.selector.mesh_needs(world.input()).empty()) << "its images are not small";
+  object.needs = 0;
+  object.lods[0].bytes = 20'000;
+  EXPECT_TRUE(world.selector.mesh_needs(world.input()).empty());
 }
 
 TEST(CoreSelector, NearGeometryReplacesTheImpostor) {
