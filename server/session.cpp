@@ -125,6 +125,7 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.walk_speed_mps = scene.home.walk_speed_mps;
   welcome.geometry = options_.geometry;
   welcome.reference = options_.reference;
+  welcome.shadows = options_.shadows;
   welcome.images = static_cast<std::uint32_t>(scene.images.size());
   push(id, s.control, encode_message(std::move(welcome)));
   return {};

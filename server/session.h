@@ -29,6 +29,7 @@ struct SessionOptions {
   std::string renderer;  ///< told to clients
   bool geometry = true;
   bool reference = true;
+  bool shadows = false;
   std::size_t max_clients = 4096;
   TileCodec codec = TileCodec::kZstd;
 };

@@ -256,6 +256,12 @@ std::uint32_t PreparedScene::parent(std::size_t index) const {
   return of == kNoGroup ? kNoGroup : static_cast<std::uint32_t>(own + of);
 }
 
+bool PreparedScene::has_casters() const {
+  return std::any_of(
+      scene.instances.begin(), scene.instances.end(),
+      [&](const Instance& instance) { return objects[instance.object].casts(); });
+}
+
 ObjectDescription describe_object(const SceneObject& object, const Scene& scene) {
   ObjectDescription out;
   std::vector<glm::vec3> points;

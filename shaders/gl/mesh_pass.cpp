@@ -31,6 +31,7 @@ constexpr NeedMask kShaderNeeds = kNeedLighting | kNeedBaseColorMap | kNeedMetal
 // No need of an object: a property of the frame, beyond the bits of need_mask.h.
 constexpr NeedMask kFog = NeedMask{1} << 63;
 constexpr NeedMask kFade = NeedMask{1} << 62;
+constexpr NeedMask kShadow = NeedMask{1} << 61;
 
 GLint gl_wrap(Wrap wrap) {
   switch (wrap) {
@@ -84,6 +85,14 @@ GLenum gl_mode(PrimitiveKind kind) {
 
 }  // namespace
 
+MeshInstance mesh_instance(const Similarity& m, const glm::dvec3& eye, std::uint32_t id) {
+  MeshInstance out;
+  out.rotation = {m.rotation.x, m.rotation.y, m.rotation.z, m.rotation.w};
+  out.position_scale = glm::vec4(glm::vec3(m.position - eye), m.scale);
+  out.id = id;
+  return out;
+}
+
 LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye) {
   LightBlock block;
   block.ambient = lighting.ambient;
@@ -97,8 +106,10 @@ LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye) {
 LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye) {
   LightBlock block;
   block.ambient = lighting.ambient;
+  const Light* sun = sun_of(lighting);
   for (const Light& l : lighting.lights) {
     if (l.color == glm::vec3(0)) continue;
+    if (&l == sun) block.sun = block.count;
     add_light(block, l.kind, l.color, glm::vec3(l.position - eye), l.direction,
               {l.range, l.cos_inner, l.cos_outer});
   }
@@ -107,6 +118,11 @@ LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye) {
 
 Program* MeshPass::program(NeedMask needs, bool fade) {
   needs &= kShaderNeeds;
+  if (output_ == MeshOutput::kDepth) {
+    const bool tested = needs & kNeedAlphaMask;
+    needs &= tested ? kNeedAlphaMask | kNeedBaseColorMap | kNeedVertexColor : NeedMask{0};
+  }
+  if (shadow_ && (needs & kNeedLighting)) needs |= kShadow;
   if (fog_density_ > 0) needs |= kFog;
   if (fade) needs |= kFade;
   const auto found = programs_.find(needs);
@@ -117,6 +133,8 @@ Program* MeshPass::program(NeedMask needs, bool fade) {
   }
   if (needs & kFog) defines.emplace_back("FOG");
   if (needs & kFade) defines.emplace_back("FADE");
+  if (needs & kShadow) defines.emplace_back("SHADOW");
+  if (output_ == MeshOutput::kDepth) defines.emplace_back("DEPTH_ONLY");
   if (output_ == MeshOutput::kId) defines.emplace_back("WRITE_ID");
   if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
   Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
@@ -208,6 +226,10 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
     p->set("u_ambient", lights_.ambient);
     p->set("u_light_count", lights_.count);
     p->set("u_lights", lights_.lights);
+    if (shadow_) {
+      p->set("u_sun", lights_.sun);
+      shadow_->use(*p, eye_);
+    }
     p->set("u_mip_bias", material.alpha_mode == AlphaMode::kMask ? 2 * mip_bias_ : mip_bias_);
     p->set("u_fog_color", fog_color_);
     p->set("u_fog_density", fog_density_);

@@ -10,6 +10,7 @@
 #include "protocol/result.h"
 #include "shaders/gl/gpu_model.h"
 #include "shaders/gl/program.h"
+#include "shaders/gl/shadow_map.h"
 
 namespace mirage::gl {
 
@@ -21,11 +22,16 @@ struct MeshInstance {
   float fade = 1;  ///< share of the pixels drawn, by ordered dither
 };
 
+/// An instance for a pass whose positions are relative to `eye`.
+MeshInstance mesh_instance(const Similarity& world_from_object, const glm::dvec3& eye,
+                           std::uint32_t id);
+
 /// Lights as the shader takes them, positions relative to the eye.
 struct LightBlock {
   glm::vec3 ambient{0};
   int count = 0;
   std::vector<glm::vec4> lights;
+  int sun = -1;  ///< which of them casts shadows (sun_of); never one of an object's own space
 };
 LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye);
 LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye);
@@ -35,6 +41,7 @@ enum class MeshOutput : std::uint8_t {
   kColor,    ///< nothing (client geometry, lit tiles)
   kId,       ///< the instance id, an integer (reference frames)
   kSurface,  ///< colour is not shaded; normal, then metallic, roughness, occlusion (relit tiles)
+  kDepth,    ///< not even colour (shadow maps)
 };
 
 class MeshPass {
@@ -53,6 +60,12 @@ class MeshPass {
   void set_fog(const glm::vec3& color, float density_per_m) {
     fog_color_ = color;
     fog_density_ = density_per_m;
+  }
+  /// Shadows of the sun on what is drawn from now on, relative to `eye`; nullptr: none, and
+  /// variants without shadows are used.
+  void set_shadow(const ShadowMap* map, const glm::dvec3& eye) {
+    shadow_ = map;
+    eye_ = eye;
   }
   /// Draws the opaque and masked primitives (`blended` false) or the blended ones (true).
   void draw(const GpuMesh& mesh, const std::vector<Material>& materials, const GpuImages& images,
@@ -76,6 +89,8 @@ class MeshPass {
   float mip_bias_ = 0;
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;
+  const ShadowMap* shadow_ = nullptr;
+  glm::dvec3 eye_{0};  ///< positions are relative to it, world; for shadows only
   int draw_calls_ = 0;
 };
 

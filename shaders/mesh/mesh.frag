@@ -9,7 +9,9 @@ in vec2 v_uv1;
 in vec4 v_color;
 flat in uint v_id;
 
+#ifndef DEPTH_ONLY
 layout(location = 0) out vec4 o_color;
+#endif
 #ifdef WRITE_ID
 layout(location = 1) out uint o_id;
 #endif
@@ -33,6 +35,9 @@ uniform vec4 u_uv_transform[10];
 
 #ifdef NEED_LIGHTING
 #include "common/lighting.glsl"
+#ifdef SHADOW
+#include "common/shadow.glsl"
+#endif
 #endif
 
 #ifdef FOG
@@ -79,6 +84,7 @@ void main() {
 #ifdef NEED_ALPHA_MASK
   if (base.a < u_alpha_cutoff) discard;
 #endif
+#ifndef DEPTH_ONLY
 #ifndef NEED_BLEND
   base.a = 1.0;
 #endif
@@ -104,6 +110,9 @@ void main() {
   o_normal = vec4(s.normal, 1.0);
   o_material = vec4(s.metallic, s.roughness, s.occlusion, 1.0);
 #else
+#ifdef SHADOW
+  s.sun = sun_visibility(v_position, gl_FrontFacing ? normalize(v_normal) : -normalize(v_normal));
+#endif
   vec3 color = shade(s);
   vec3 emissive = u_emissive;
 #ifdef NEED_EMISSIVE_MAP
@@ -122,5 +131,6 @@ void main() {
 #endif
 #ifdef WRITE_ID
   o_id = v_id;
+#endif
 #endif
 }
