@@ -30,11 +30,13 @@ Result<GlWorld> make_world(std::shared_ptr<const PreparedScene> scene,
     if (!shadow) return shadow.error();
     world.shadow = std::make_unique<SceneShadow>(shadow.take());
   }
-  Result<TilePageRenderer> pages = TilePageRenderer::create(*world.scene, options.supersample);
+  Result<TilePageRenderer> pages =
+      TilePageRenderer::create(*world.scene, options.supersample, world.shadow.get());
   if (!pages) return pages.error();
   world.pages = std::make_unique<TilePageRenderer>(pages.take());
   if (Result<void> warm = world.pages->warm_up(); !warm) return warm.error();
-  Result<ReferenceRenderer> references = ReferenceRenderer::create(*world.scene, world.shadow.get());
+  Result<ReferenceRenderer> references =
+      ReferenceRenderer::create(*world.scene, world.shadow.get());
   if (!references) return references.error();
   world.references = std::make_unique<ReferenceRenderer>(references.take());
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {

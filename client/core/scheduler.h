@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <tuple>
 #include <vector>
 
 #include "client/core/selector.h"
@@ -71,9 +72,12 @@ class Scheduler {
     std::int64_t at_us = 0;
     std::size_t bytes = 0;
   };
-  /// One ask at a time per instance, and per phase of a moving one: phases are asked for ahead.
-  using Wanted = std::pair<std::uint32_t, Phase>;
-  static Wanted wanted(const TileNeed& need) { return {need.instance, need.phase}; }
+  /// One ask at a time per instance for a picture, for its shadow and for its object as a caster,
+  /// and per phase of a moving one: phases are asked for ahead.
+  using Wanted = std::tuple<std::uint32_t, Phase, std::uint8_t>;
+  static Wanted wanted(const TileNeed& need) {
+    return {need.instance, need.phase, is_picture(need.channels) ? kLitTile : need.channels};
+  }
   void ask_tile(const SceneView& scene, const TileNeed& need, std::int64_t now_us,
                 wire::RequestBatchT& batch);
   void ask_asset(const AssetNeed& need, std::int64_t now_us, wire::RequestBatchT& batch);

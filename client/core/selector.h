@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/core/mesh_cache.h"
+#include "client/core/caster_list.h"
 #include "client/core/tile_fit.h"
 #include "client/core/tile_need.h"
 
@@ -29,6 +29,8 @@ struct DrawnImpostor {
   std::array<TileRecordPtr, 2> neighbours{};
   /// For how long the light it shows has been past; 0: shown right, or within tau of it.
   std::int64_t light_lag_us = 0;
+  /// What the sun's shadows take away; null: drawn without.
+  ShadowRecordPtr shadow{};
 };
 
 /// An instance that has no tile yet: its proxy in its mean colour.
@@ -44,6 +46,7 @@ struct DrawList {
   std::size_t visible = 0;   ///< instances and groups in view, large enough to matter
   std::size_t over_tau = 0;  ///< of them, drawn with a bound above tau or from no tile
   double time_s = 0;         ///< of the animation
+  CasterListPtr casters;     ///< of the shadows on geometry; null: there are none
 };
 
 struct SelectorInput {

@@ -134,6 +134,7 @@ Program* MeshPass::program(NeedMask needs, bool fade) {
   if (needs & kFog) defines.emplace_back("FOG");
   if (needs & kFade) defines.emplace_back("FADE");
   if (needs & kShadow) defines.emplace_back("SHADOW");
+  if (output_ == MeshOutput::kShadow) defines.emplace_back("WRITE_DARKENED");
   if (output_ == MeshOutput::kDepth) defines.emplace_back("DEPTH_ONLY");
   if (output_ == MeshOutput::kId) defines.emplace_back("WRITE_ID");
   if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");

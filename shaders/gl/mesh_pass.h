@@ -41,6 +41,7 @@ enum class MeshOutput : std::uint8_t {
   kColor,    ///< nothing (client geometry, lit tiles)
   kId,       ///< the instance id, an integer (reference frames)
   kSurface,  ///< colour is not shaded; normal, then metallic, roughness, occlusion (relit tiles)
+  kShadow,   ///< colour is without shadows; the same with them (shadow tiles)
   kDepth,    ///< not even colour (shadow maps)
 };
 
