@@ -9,7 +9,7 @@
 namespace mirage {
 namespace {
 
-constexpr std::int64_t kWalkEveryUs = 250'000;  // casters are looked for anew, at most
+constexpr std::int64_t kWalkEveryUs = 500'000;  // casters are looked for anew, at most
 constexpr std::int64_t kSunRestsUs = 400'000;   // before shadow tiles are asked for
 constexpr int kShadowViewLevel = 7;             // cells of 1.9 degrees at most
 constexpr double kShadowAngle = 0.1;            // radians from which another view is worth a tile
@@ -18,11 +18,14 @@ constexpr double kCoarsestTexelPx = 2.7;        // twice what is asked for
 constexpr double kShadowShare = 0.5;            // of its contrast: colour goes first
 constexpr double kCasterRadii = 64;             // capture distance: light as good as parallel
 constexpr double kCasterAngle = 0.35;           // radians beyond which a silhouette is another
-constexpr double kCasterTexels = 2;             // of the map: how far off a caster's points may be
-constexpr double kCasterDepth = 0.5;            // of the radius, about the plane it is drawn on
-constexpr double kSmallestCasterPx = 2;         // radius on the screen
-constexpr double kGroupCasterRadii = 6;         // a group casts as one from this far
-constexpr double kMeshCasterRadii = 3;          // nearer than this, a mesh casts itself
+constexpr double kCasterTexels = 2;             // of the map, in one of a caster tile
+constexpr double kCasterTexelPx = 1.5;          // and at least this much of the screen
+constexpr int kMaxCasterClass = 8;              // 256 texels
+constexpr double kFinestCasterAngle = 0.02;
+constexpr double kCasterDepth = 0.5;     // of the radius, about the plane it is drawn on
+constexpr double kSmallestCasterPx = 2;  // radius on the screen
+constexpr double kGroupCasterRadii = 6;  // a group casts as one from this far
+constexpr double kMeshCasterRadii = 3;   // nearer than this, a mesh casts itself
 
 glm::dvec3 to_object(const InstanceView& view, const glm::dvec3& direction) {
   return glm::conjugate(glm::dquat(view.world_from_object.rotation)) * direction;
@@ -53,7 +56,9 @@ struct ShadowStage::CasterWalk {
   const SelectorInput& in;
   CasterList& list;
   std::vector<TileNeed>& needs;
-  std::map<std::tuple<std::uint32_t, std::uint8_t, std::uint16_t, std::uint16_t>, bool> asked;
+  /// By object and view cell: which of `needs`.
+  std::map<std::tuple<std::uint32_t, std::uint8_t, std::uint16_t, std::uint16_t>, std::size_t>
+      asked;
 };
 
 void ShadowStage::reset() {
@@ -97,19 +102,27 @@ void ShadowStage::walk_casters(CasterWalk& w, std::uint32_t instance) const {
     held->last_used = in.frame;
     w.list.tiles.push_back({instance, held});
   }
-  const double texel_m = w.list.frame.texel_m();
-  const double allowed = kCasterTexels * texel_m / (kCasterDepth * view_of.radius);
+  // As fine as the map would show it, and no finer than the screen does.
+  const double nearest = std::max(distance - view_of.radius, 0.0);
+  const double texel_m = std::max(kCasterTexels * w.list.frame.texel_m(),
+                                  kCasterTexelPx * nearest / in.camera.focal_px());
+  const double allowed = texel_m / (kCasterDepth * view_of.radius);
   TileNeed need;
-  need.cell = *view_cell_from_direction(sunward, view_level_for_angle(std::min(allowed, 0.2)));
-  if (held && angle <= view_cell_angle(need.cell.level)) return;
-  const bool first =
-      w.asked.emplace(std::tuple(view_of.object, need.cell.level, need.cell.x, need.cell.y), true)
-          .second;
-  if (!first) return;
+  need.cell = *view_cell_from_direction(
+      sunward, view_level_for_angle(std::clamp(allowed, kFinestCasterAngle, kCasterAngle)));
+  need.size_class = static_cast<std::uint8_t>(
+      std::min(size_class_for(2 * view_of.radius / texel_m), kMaxCasterClass));
+  const bool sharp = held && 2 * held->capture.edge >= tile_edge(need.size_class);
+  if (sharp && angle <= view_cell_angle(need.cell.level)) return;
+  const auto [known, first] = w.asked.emplace(
+      std::tuple(view_of.object, need.cell.level, need.cell.x, need.cell.y), w.needs.size());
+  if (!first) {  // by another instance: one tile for both, sharp enough for the nearer
+    std::uint8_t& size_class = w.needs[known->second].size_class;
+    size_class = std::max(size_class, need.size_class);
+    return;
+  }
   need.instance = instance;
   need.distance = *distance_bucket_from_radii(kCasterRadii, 0);
-  need.size_class = static_cast<std::uint8_t>(
-      std::min(size_class_for(2 * view_of.radius / texel_m), kMaxAskedSizeClass));
   need.channels = kCasterTile;
   need.light = in.cache->light();
   need.error_px = std::min(size_px, 1e4);

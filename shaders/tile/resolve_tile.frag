@@ -74,10 +74,12 @@ void main() {
   const vec3 kLuminance = vec3(0.2126, 0.7152, 0.0722);
   float whole = dot(sum.rgb, kLuminance);
   float left = whole > 1e-5 ? clamp(dot(darkened, kLuminance) / whole, 0.0, 1.0) : 1.0;
-  code = sum.a > 0.0 ? 1.0 + floor(left * 254.0 + 0.5) : 0.0;
+  // In 64 steps: noise of foliage is most of what is sent.
+  code = sum.a > 0.0 ? 1.0 + floor(floor(left * 63.0 + 0.5) / 63.0 * 254.0 + 0.5) : 0.0;
 #endif
 #ifdef CASTER
   if (dithered_away(ivec2(gl_FragCoord.xy) - u_origin, o_color.a)) code = 0.0;
+  code = min(floor(code / 4.0) * 4.0 + 2.0, 254.0) * sign(code);  // in 64 steps, for the same reason
   o_color = vec4(code > 0.0 ? 1.0 : 0.0);
 #endif
   o_depth = vec4(code / 255.0);
