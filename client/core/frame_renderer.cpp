@@ -27,6 +27,7 @@ Result<void> FrameRenderer::reset(const SceneView& scene) {
   meshes_.clear();
   in_map_.reset();
   images_ = gl::GpuImages();
+  mesh_pass_->set_fog(scene.environment.horizon, scene.environment.fog_density);
   for (std::uint32_t i = 0; i < scene.images.size(); ++i) show_mean(scene, i);
   return impostors_.reset(scene);
 }
@@ -40,13 +41,15 @@ void FrameRenderer::show_mean(const SceneView& scene, std::uint32_t index) {
   images_.put(index, mean, 0);
 }
 
-void FrameRenderer::add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model) {
+Result<void> FrameRenderer::add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model) {
   ClientMesh mesh;
   mesh.mesh = gl::GpuMesh(model.mesh);
   mesh.materials = std::move(model.materials);
   if (model.animation) mesh.bind = std::move(model.mesh.vertices);
   mesh.animation = std::move(model.animation);
+  const Result<void> compiled = mesh_pass_->warm_up(mesh.mesh, mesh.materials, true);
   meshes_[{object, lod}] = std::move(mesh);
+  return compiled;
 }
 
 void FrameRenderer::add_image(const SceneView& scene, std::uint32_t index, const Image& image) {
@@ -73,7 +76,6 @@ void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, co
                                 const Lighting& lighting, bool blended) {
   if (list.meshes.empty()) return;
   mesh_pass_->begin(camera.clip_from_relative(), gl::light_block(lighting, camera.pose.eye));
-  mesh_pass_->set_fog(scene.environment.horizon, scene.environment.fog_density);
   mesh_pass_->set_shadow(list.casters && in_map_ ? &shadow_map_ : nullptr, camera.pose.eye);
   std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<gl::MeshInstance>> by_mesh;
   for (const DrawnMesh& drawn : list.meshes) {

@@ -30,7 +30,8 @@ class FrameRenderer {
   void upload_caster(const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
     shadow_atlas_.upload_caster(record, codes);
   }
-  void add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model);
+  /// Error kGraphicsShader: it cannot be drawn as it should.
+  Result<void> add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model);
   void add_image(const SceneView& scene, std::uint32_t index, const Image& image);
   void drop(const SceneView& scene, const AssetId& id);
 

@@ -130,7 +130,8 @@ void Viewer::open_session() {
     renderer_->upload_caster(record, codes);
   };
   sink.mesh = [this](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
-    renderer_->add_mesh(object, lod, std::move(model));
+    const Result<void> added = renderer_->add_mesh(object, lod, std::move(model));
+    if (!added) spdlog::error("{}", added.error().line());
   };
   sink.image = [this](std::uint32_t index, const Image& image) {
     renderer_->add_image(session_->scene(), index, image);

@@ -129,6 +129,7 @@ Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
   const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   glDrawBuffers(2, both);
   time_s_ = job.time_s;
+  meshes_->set_stroke(static_cast<float>(s));
   draw_scene(job.camera, job.lighting);
 
   out.bind();

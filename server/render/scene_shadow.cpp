@@ -19,7 +19,7 @@ Result<SceneShadow> SceneShadow::create(const GpuScene& scene) {
   if (!map) return map.error();
   out.map_ = map.take();
   for (const gl::GpuMesh& mesh : scene.meshes) {
-    if (Result<void> warm = out.meshes_->warm_up(mesh, scene.materials()); !warm) {
+    if (Result<void> warm = out.meshes_->warm_up(mesh, scene.materials(), false); !warm) {
       return warm.error();
     }
   }

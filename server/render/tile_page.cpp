@@ -60,17 +60,17 @@ Result<void> TilePageRenderer::warm_up() {
   if (const gl::ShadowMap* map = shadow_map_ ? shadow_map_->map_for(light) : nullptr) {
     shadow_.meshes->set_shadow(map, {});
     for (const gl::GpuMesh& mesh : scene_->meshes) {
-      Result<void> compiled = shadow_.meshes->warm_up(mesh, scene_->materials());
+      Result<void> compiled = shadow_.meshes->warm_up(mesh, scene_->materials(), false);
       if (!compiled) return compiled;
     }
   }
   for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
     for (Path* path : {&lit_, &relit_}) {
       if (path == &relit_ && !can_relight(scene_->prepared->objects[i].needs)) continue;
-      Result<void> compiled = path->meshes->warm_up(scene_->meshes[i], scene_->materials());
+      Result<void> compiled = path->meshes->warm_up(scene_->meshes[i], scene_->materials(), false);
       if (!compiled) return compiled;
       for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
-        compiled = path->meshes->warm_up(lod, scene_->materials());
+        compiled = path->meshes->warm_up(lod, scene_->materials(), false);
         if (!compiled) return compiled;
       }
     }
@@ -151,6 +151,7 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   glDepthMask(GL_TRUE);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  path.meshes->set_stroke(static_cast<float>(samples(job)));
   path.meshes->begin(at.clip_from_relative, at.lights);
   if (const InstanceGroup* group = scene_->prepared->group(job.key.object)) {
     const bool world = &path == &shadow_;

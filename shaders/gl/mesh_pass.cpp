@@ -116,7 +116,7 @@ LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye) {
   return block;
 }
 
-Program* MeshPass::program(NeedMask needs, bool fade) {
+Result<Program*> MeshPass::program(NeedMask needs, bool fade) {
   needs &= kShaderNeeds;
   if (output_ == MeshOutput::kDepth) {
     const bool tested = needs & kNeedAlphaMask;
@@ -139,15 +139,23 @@ Program* MeshPass::program(NeedMask needs, bool fade) {
   if (output_ == MeshOutput::kId) defines.emplace_back("WRITE_ID");
   if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
   Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
-  if (!made) return nullptr;
+  if (!made) return made.error();
   return &programs_.emplace(needs, made.take()).first->second;
 }
 
-Result<void> MeshPass::warm_up(const GpuMesh& mesh, const std::vector<Material>& materials) {
+Result<void> MeshPass::compile(NeedMask needs, bool fades) {
+  for (const bool fade : {false, true}) {
+    if (fade && !fades) continue;
+    if (Result<Program*> made = program(needs, fade); !made) return made.error();
+  }
+  return {};
+}
+
+Result<void> MeshPass::warm_up(const GpuMesh& mesh, const std::vector<Material>& materials,
+                               bool fades) {
   for (const Primitive& p : mesh.primitives()) {
-    if (!program(material_needs(materials[p.material], mesh.vertex_color()))) {
-      return make_error(ErrorId::kGraphicsShader, "the mesh shader does not compile");
-    }
+    const NeedMask needs = material_needs(materials[p.material], mesh.vertex_color());
+    if (Result<void> made = compile(needs, fades); !made) return made;
   }
   return {};
 }
@@ -161,6 +169,8 @@ void MeshPass::begin(const glm::mat4& clip_from_relative, const LightBlock& ligh
   glFrontFace(GL_CCW);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glMinSampleShading(1.0f);
+  glEnable(GL_PROGRAM_POINT_SIZE);
+  glLineWidth(stroke_);  // the device takes the nearest width it can draw
 }
 
 void MeshPass::bind_instances(const MeshInstance* instances, std::size_t count) {
@@ -220,8 +230,9 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
       bound = true;
     }
     const NeedMask needs = material_needs(material, mesh.vertex_color());
-    Program* p = program(needs, fading);
-    if (!p) continue;
+    const Result<Program*> made = program(needs, fading);
+    if (!made) continue;  // warm_up has told
+    Program* p = *made;
     p->use();
     p->set("u_clip_from_relative", clip_from_relative_);
     p->set("u_ambient", lights_.ambient);
@@ -232,6 +243,7 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
       shadow_->use(*p, eye_);
     }
     p->set("u_mip_bias", material.alpha_mode == AlphaMode::kMask ? 2 * mip_bias_ : mip_bias_);
+    p->set("u_point_size", stroke_);
     p->set("u_fog_color", fog_color_);
     p->set("u_fog_density", fog_density_);
     bind_material(*p, material, needs, images);
@@ -253,6 +265,7 @@ void MeshPass::end() {
   glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
   glDisable(GL_SAMPLE_SHADING);
+  glLineWidth(1.0f);
   glDepthMask(GL_TRUE);
 }
 

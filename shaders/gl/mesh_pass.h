@@ -52,9 +52,14 @@ class MeshPass {
   /// For a multisampled target, drawn beside a supersampled truth: textures are read this many
   /// levels sharper, alpha-tested ones (which are shaded per sample) twice as many.
   void sharpen(float levels) { mip_bias_ = -levels; }
+  /// Lines and points are one pixel wide: `samples` of a target with so many to a pixel's side.
+  void set_stroke(float samples) { stroke_ = samples; }
 
-  /// Compiles the variants of a mesh ahead of its first draw. Error kGraphicsShader.
-  Result<void> warm_up(const GpuMesh& mesh, const std::vector<Material>& materials);
+  /// Compiles the variant for these needs, with `fades` also the one that dithers. Error
+  /// kGraphicsShader.
+  Result<void> compile(NeedMask needs, bool fades);
+  /// The variants of a mesh, ahead of its first draw: what does not compile is not drawn.
+  Result<void> warm_up(const GpuMesh& mesh, const std::vector<Material>& materials, bool fades);
 
   void begin(const glm::mat4& clip_from_relative, const LightBlock& lights);
   /// Fog over what is drawn from now on; without any density variants without fog are used.
@@ -78,7 +83,7 @@ class MeshPass {
   std::size_t variants() const { return programs_.size(); }
 
  private:
-  Program* program(NeedMask needs, bool fade = false);
+  Result<Program*> program(NeedMask needs, bool fade);
   void bind_material(Program& p, const Material& material, NeedMask needs, const GpuImages& images);
   void bind_instances(const MeshInstance* instances, std::size_t count);
 
@@ -88,6 +93,7 @@ class MeshPass {
   glm::mat4 clip_from_relative_{1};
   LightBlock lights_;
   float mip_bias_ = 0;
+  float stroke_ = 1;
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;
   const ShadowMap* shadow_ = nullptr;

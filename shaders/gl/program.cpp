@@ -23,7 +23,8 @@ std::string expand(std::string_view source, int depth) {
     constexpr std::string_view kInclude = "#include \"";
     if (depth < kMaxIncludeDepth && line.rfind(kInclude, 0) == 0) {
       const std::string_view name = line.substr(kInclude.size(), line.rfind('"') - kInclude.size());
-      out += expand(shader_source(name), depth + 1);
+      const std::string_view file = shader_source(name);
+      out += file.empty() ? "#error no shader file " + std::string(name) : expand(file, depth + 1);
     } else {
       out += line;
     }

@@ -10,6 +10,7 @@ layout(location = 7) in vec4 i_position_scale;  // relative to the eye; uniform 
 layout(location = 8) in uint i_id;
 
 uniform mat4 u_clip_from_relative;
+uniform float u_point_size;
 
 #ifdef FADE
 layout(location = 9) in float i_fade;
@@ -34,7 +35,7 @@ void main() {
   v_uv1 = a_uv1;
   v_color = a_color;
   v_id = i_id;
-  gl_PointSize = 1.0;
+  gl_PointSize = u_point_size;
   gl_Position = u_clip_from_relative * vec4(v_position, 1.0);
 #ifdef FADE
   v_fade = i_fade;

@@ -192,13 +192,14 @@ void Bench::draw(const Camera& c, const std::vector<TileRecordPtr>& tiles, DrawM
   renderer_->draw(*target_, c, scene_, list, light_);
 }
 
-std::vector<std::uint8_t> Bench::mesh_picture(const Camera& c) {
-  renderer_->add_mesh(0, 0, object_model(prepared_->scene, prepared_->scene.objects[0].mesh));
+std::vector<std::uint8_t> Bench::mesh_picture(const Camera& c, float fade) {
+  const Scene& scene = prepared_->scene;
+  if (!renderer_->add_mesh(0, 0, object_model(scene, scene.objects[0].mesh))) return {};
   for (std::uint32_t i = 0; i < prepared_->scene.images.size(); ++i) {
     renderer_->add_image(scene_, i, prepared_->scene.images[i]);
   }
   DrawList list;
-  list.meshes.push_back({0, 0});
+  list.meshes.push_back({0, 0, fade});
   renderer_->draw(*target_, c, scene_, list, light_);
   return target_->read();
 }

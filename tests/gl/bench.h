@@ -50,7 +50,7 @@ class Bench {
   std::vector<std::uint8_t> picture(const Camera& camera, const std::vector<TileRecordPtr>& tiles,
                                     DrawMethod method);
   /// The same with the object's geometry.
-  std::vector<std::uint8_t> mesh_picture(const Camera& camera);
+  std::vector<std::uint8_t> mesh_picture(const Camera& camera, float fade = 1);
   /// From now on the light of lit tiles, of drawing and of the truth.
   void set_light(const Lighting& light) { light_ = light; }
   const Lighting& light() const { return light_; }

@@ -39,7 +39,7 @@ class GeometryBench {
       renderer_->add_image(scene_, i, prepared_->scene.images[i]);
     }
     const Scene& scene = prepared_->scene;
-    renderer_->add_mesh(object, 0, object_model(scene, scene.objects[object].mesh));
+    EXPECT_TRUE(renderer_->add_mesh(object, 0, object_model(scene, scene.objects[object].mesh)));
     return draw(object, radii);
   }
 
@@ -60,8 +60,8 @@ class GeometryBench {
             ? encoded.payload
             : decompress_block(encoded.payload.data(), encoded.payload.size(), encoded.raw_bytes)
                   .take();
-    renderer_->add_mesh(object, 0,
-                        decode_model(raw.data(), raw.size(), scene_.images.size()).take());
+    EXPECT_TRUE(renderer_->add_mesh(
+        object, 0, decode_model(raw.data(), raw.size(), scene_.images.size()).take()));
     return draw(object, radii);
   }
 

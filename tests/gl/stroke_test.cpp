@@ -1,0 +1,73 @@
+// Lines and points are a pixel wide in the truth and as geometry, a texel wide in tiles, however
+// many samples a pixel or texel has.
+
+#include <gtest/gtest.h>
+
+#include "tests/gl/bench.h"
+#include "tests/unit/gltf_fixture.h"
+
+namespace mirage::test {
+namespace {
+
+/// Eight spokes in the plane across the z axis, or the same corners as points.
+std::string star(int mode) {
+  std::string positions;
+  for (int i = 0; i < 8; ++i) {
+    const float angle = static_cast<float>(i) * 0.7853982f + 0.2f;
+    for (const float radius : {0.2f, 1.0f}) {
+      const float p[3] = {radius * std::cos(angle), radius * std::sin(angle), 0};
+      positions.append(reinterpret_cast<const char*>(p), sizeof(p));
+    }
+  }
+  const json document = {
+      {"asset", {{"version", "2.0"}}},
+      {"scene", 0},
+      {"scenes", {{{"nodes", {0}}}}},
+      {"nodes", {{{"mesh", 0}}}},
+      {"materials", {{{"pbrMetallicRoughness", {{"baseColorFactor", {0.0, 0.0, 0.0, 1.0}}}}}}},
+      {"meshes",
+       {{{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"mode", mode}, {"material", 0}}}}}}},
+      {"buffers", {{{"byteLength", positions.size()}}}},
+      {"bufferViews", {{{"buffer", 0}, {"byteLength", positions.size()}}}},
+      {"accessors",
+       {{{"bufferView", 0},
+         {"componentType", 5126},
+         {"count", 16},
+         {"type", "VEC3"},
+         {"min", {-1, -1, 0}},
+         {"max", {1, 1, 0}}}}}};
+  return make_glb(document.dump(), positions);
+}
+
+/// How much darker the picture is than the grey behind, in whole black pixels of linear light.
+double darkness(const std::vector<std::uint8_t>& rgba) {
+  const auto linear = [](int code) { return std::pow((code / 255.0 + 0.055) / 1.055, 2.4); };
+  const double grey = linear(128);
+  double sum = 0;
+  for (std::size_t i = 0; i < rgba.size(); i += 4) sum += grey - linear(rgba[i]);
+  return sum / grey;
+}
+
+void expect_same_width(int mode) {
+  const TempFolder folder;
+  const auto bench = Bench::create(folder.write("star.glb", star(mode)), BenchLight::kAlbedo);
+  ASSERT_TRUE(bench);
+  const Camera camera = bench->camera(4, glm::dvec3(0, 0, 1));
+  const double one = darkness(bench->truth(camera, 1));
+  ASSERT_GT(one, mode == 0 ? 12.0 : 1.0);
+  EXPECT_NEAR(darkness(bench->truth(camera, 4)) / one, 1.0, 0.15);
+  EXPECT_NEAR(darkness(bench->mesh_picture(camera)) / one, 1.0, 0.15);
+  TileCache cache = bench->make_cache();
+  const TileRecordPtr tile = bench->tile_for(camera, cache);
+  ASSERT_TRUE(tile);
+  // A texel wide in the tile, and the bench's tiles have more texels than the picture pixels.
+  const double texel_px = double{Bench::kSize} / tile->capture.edge;
+  EXPECT_NEAR(darkness(bench->picture(camera, {tile}, DrawMethod::kQuad)) / one,
+              mode == 0 ? texel_px * texel_px : texel_px, 0.15);
+}
+
+TEST(Stroke, LinesAreAPixelWide) { expect_same_width(1); }
+TEST(Stroke, PointsAreAPixelWide) { expect_same_width(0); }
+
+}  // namespace
+}  // namespace mirage::test
