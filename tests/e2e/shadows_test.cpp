@@ -12,7 +12,7 @@
 namespace mirage::test {
 namespace {
 
-constexpr const char* kScene = "builtin:forest?trees=40&clutter=10";
+constexpr const char* kScene = "builtin:forest?trees=60&clutter=20";
 
 std::string read(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
