@@ -21,11 +21,11 @@ constexpr double kCasterAngle = 0.35;           // radians beyond which a silhou
 constexpr double kCasterTexels = 2;             // of the map, in one of a caster tile
 constexpr double kCasterTexelPx = 1.5;          // and at least this much of the screen
 constexpr int kMaxCasterClass = 8;              // 256 texels
-constexpr double kFinestCasterAngle = 0.02;
-constexpr double kCasterDepth = 0.5;     // of the radius, about the plane it is drawn on
-constexpr double kSmallestCasterPx = 2;  // radius on the screen
-constexpr double kGroupCasterRadii = 6;  // a group casts as one from this far
-constexpr double kMeshCasterRadii = 3;   // nearer than this, a mesh casts itself
+constexpr double kFinestCasterAngle = 0.02;     // radians; finer cells would not show
+constexpr double kCasterDepth = 0.5;            // of the radius, about the plane it is drawn on
+constexpr double kSmallestCasterPx = 2;         // radius on the screen
+constexpr double kGroupCasterRadii = 6;         // a group casts as one from this far
+constexpr double kMeshCasterRadii = 3;          // nearer than this, a mesh casts itself
 
 glm::dvec3 to_object(const InstanceView& view, const glm::dvec3& direction) {
   return glm::conjugate(glm::dquat(view.world_from_object.rotation)) * direction;

@@ -41,8 +41,8 @@ const gl::ShadowMap* SceneShadow::map_for(const Lighting& lighting) {
     if (casters_[object].empty()) continue;
     instances.clear();
     for (const std::uint32_t i : casters_[object]) {
-      instances.push_back(gl::mesh_instance(prepared.scene.instances[i].world_from_object,
-                                            frame.center, i));
+      instances.push_back(
+          gl::mesh_instance(prepared.scene.instances[i].world_from_object, frame.center, i));
     }
     meshes_->draw(scene_->meshes[object], scene_->materials(), scene_->images, instances.data(),
                   instances.size(), false);

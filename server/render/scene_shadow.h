@@ -1,6 +1,6 @@
 #pragma once
-// The scene's shadow map: all casters as the sun of a lighting sees them, around the whole scene, so
-// that a tile's shadows depend on its key alone. GL thread only.
+// The scene's shadow map: all casters as the sun of a lighting sees them, around the whole scene,
+// so that a tile's shadows depend on its key alone. GL thread only.
 
 #include <memory>
 

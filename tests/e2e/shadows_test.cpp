@@ -27,14 +27,32 @@ struct Seen {
 
 Seen walk(const Server& server, const std::string& shadows) {
   const std::string folder = scratch_folder();
-  const Finished view = run(
-      {binary("mirage-view"), server.url(), "--offscreen", "240x136", "--path", "builtin:walk",
-       "--fps", "4", "--frames", "21", "--virtual-time", "--net",
-       "rtt=60,rate=40,server-ms=2,seed=1", "--reference", "10", "--mesh-radii", "3", "--shadows",
-       shadows, "--stats", folder + "/s.json", "--out", folder},
-      300);
-  Seen seen{view.exit_code, view.output, read(folder + "/s.json"),
-            read(folder + "/frame_00020.png"), {}};
+  const Finished view = run({binary("mirage-view"),
+                             server.url(),
+                             "--offscreen",
+                             "240x136",
+                             "--path",
+                             "builtin:walk",
+                             "--fps",
+                             "4",
+                             "--frames",
+                             "21",
+                             "--virtual-time",
+                             "--net",
+                             "rtt=60,rate=40,server-ms=2,seed=1",
+                             "--reference",
+                             "10",
+                             "--mesh-radii",
+                             "3",
+                             "--shadows",
+                             shadows,
+                             "--stats",
+                             folder + "/s.json",
+                             "--out",
+                             folder},
+                            300);
+  Seen seen{
+      view.exit_code, view.output, read(folder + "/s.json"), read(folder + "/frame_00020.png"), {}};
   if (view.exit_code == 0) seen.json = nlohmann::json::parse(seen.stats);
   return seen;
 }
