@@ -23,7 +23,7 @@ constexpr double kCasterTexelPx = 1.5;          // and at least this much of the
 constexpr int kMaxCasterClass = 8;              // 256 texels
 constexpr double kFinestCasterAngle = 0.02;     // radians; finer cells would not show
 constexpr double kCasterDepth = 0.5;            // of the radius, about the plane it is drawn on
-constexpr double kSmallestCasterPx = 2;         // radius on the screen
+constexpr double kSmallestCasterPx = 4;         // radius on the screen
 constexpr double kGroupCasterRadii = 6;         // a group casts as one from this far
 constexpr double kMeshCasterRadii = 3;          // nearer than this, a mesh casts itself
 
