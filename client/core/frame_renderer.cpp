@@ -6,6 +6,19 @@ namespace mirage {
 namespace {
 // A pixel's mip level is half a level blurrier than the mean of samples that each chose their own.
 constexpr float kSharpenLevels = 0.75f;
+
+// Near ones first, as they hide what is drawn later; blended ones last, over what is behind them.
+std::vector<DrawnMesh> in_drawing_order(std::vector<DrawnMesh> meshes, const Camera& camera,
+                                        const SceneView& scene, bool blended) {
+  const auto distance = [&](const DrawnMesh& drawn) {
+    const InstanceView& view = scene.instances[drawn.instance];
+    return glm::length(view.center - camera.pose.eye) - view.radius;
+  };
+  std::stable_sort(meshes.begin(), meshes.end(), [&](const DrawnMesh& a, const DrawnMesh& b) {
+    return blended ? distance(a) > distance(b) : distance(a) < distance(b);
+  });
+  return meshes;
+}
 }  // namespace
 
 Result<FrameRenderer> FrameRenderer::create(int atlas_edge, int atlas_layers) {
@@ -78,14 +91,18 @@ void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, co
   mesh_pass_->begin(camera.clip_from_relative(), gl::light_block(lighting, camera.pose.eye));
   mesh_pass_->set_shadow(list.casters && in_map_ ? &shadow_map_ : nullptr, camera.pose.eye);
   std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<gl::MeshInstance>> by_mesh;
-  for (const DrawnMesh& drawn : list.meshes) {
+  std::vector<std::pair<std::uint32_t, std::uint8_t>> order;
+  for (const DrawnMesh& drawn : in_drawing_order(list.meshes, camera, scene, blended)) {
     const InstanceView& instance = scene.instances[drawn.instance];
     gl::MeshInstance data =
         gl::mesh_instance(instance.world_from_object, camera.pose.eye, drawn.instance);
     data.fade = drawn.fade;
-    by_mesh[{instance.object, drawn.lod}].push_back(data);
+    std::vector<gl::MeshInstance>& instances = by_mesh[{instance.object, drawn.lod}];
+    if (instances.empty()) order.emplace_back(instance.object, drawn.lod);
+    instances.push_back(data);
   }
-  for (const auto& [mesh, instances] : by_mesh) {
+  for (const auto& mesh : order) {
+    const std::vector<gl::MeshInstance>& instances = by_mesh[mesh];
     const auto found = meshes_.find(mesh);
     if (found == meshes_.end()) continue;
     if (found->second.animation) {

@@ -31,7 +31,9 @@ constexpr NeedMask kShaderNeeds = kNeedLighting | kNeedBaseColorMap | kNeedMetal
 // No need of an object: a property of the frame, beyond the bits of need_mask.h.
 constexpr NeedMask kFog = NeedMask{1} << 63;
 constexpr NeedMask kFade = NeedMask{1} << 62;
-constexpr NeedMask kShadow = NeedMask{1} << 61;
+constexpr NeedMask kDepthOnly = NeedMask{1} << 61;
+constexpr NeedMask kShadow = NeedMask{1} << 60;
+constexpr NeedMask kDepthNeeds = kNeedBaseColorMap | kNeedAlphaMask | kNeedVertexColor;
 
 GLint gl_wrap(Wrap wrap) {
   switch (wrap) {
@@ -45,13 +47,13 @@ GLint gl_wrap(Wrap wrap) {
   return GL_REPEAT;
 }
 
-void bind_texture(int unit, const TextureRef& ref, const GpuImages& images) {
+void bind_texture(int unit, const TextureRef& ref, const GpuImages& images, GLint min_filter) {
   glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
   glBindTexture(GL_TEXTURE_2D, images.texture(ref.image));
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, gl_wrap(ref.wrap_s));
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, gl_wrap(ref.wrap_t));
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, ref.nearest ? GL_NEAREST : GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, min_filter);
 }
 
 // KHR_texture_transform: translation * rotation * scale.
@@ -116,14 +118,14 @@ LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye) {
   return block;
 }
 
-Result<Program*> MeshPass::program(NeedMask needs, bool fade) {
+Result<Program*> MeshPass::program(NeedMask needs, bool fade, Stage stage) {
   needs &= kShaderNeeds;
-  if (output_ == MeshOutput::kDepth) {
-    const bool tested = needs & kNeedAlphaMask;
-    needs &= tested ? kNeedAlphaMask | kNeedBaseColorMap | kNeedVertexColor : NeedMask{0};
-  }
   if (shadow_ && (needs & kNeedLighting)) needs |= kShadow;
   if (fog_density_ > 0) needs |= kFog;
+  if (stage == Stage::kDepth) {
+    needs = (needs & kNeedAlphaMask ? needs & kDepthNeeds : NeedMask{0}) | kDepthOnly;
+  }
+  if (stage == Stage::kTested) needs &= ~NeedMask{kNeedAlphaMask};
   if (fade) needs |= kFade;
   const auto found = programs_.find(needs);
   if (found != programs_.end()) return &found->second;
@@ -134,8 +136,8 @@ Result<Program*> MeshPass::program(NeedMask needs, bool fade) {
   if (needs & kFog) defines.emplace_back("FOG");
   if (needs & kFade) defines.emplace_back("FADE");
   if (needs & kShadow) defines.emplace_back("SHADOW");
+  if (needs & kDepthOnly) defines.emplace_back("DEPTH_ONLY");
   if (output_ == MeshOutput::kShadow) defines.emplace_back("WRITE_DARKENED");
-  if (output_ == MeshOutput::kDepth) defines.emplace_back("DEPTH_ONLY");
   if (output_ == MeshOutput::kId) defines.emplace_back("WRITE_ID");
   if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
   Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
@@ -146,7 +148,9 @@ Result<Program*> MeshPass::program(NeedMask needs, bool fade) {
 Result<void> MeshPass::compile(NeedMask needs, bool fades) {
   for (const bool fade : {false, true}) {
     if (fade && !fades) continue;
-    if (Result<Program*> made = program(needs, fade); !made) return made.error();
+    for (const Stage stage : stages(needs)) {
+      if (Result<Program*> made = program(needs, fade, stage); !made) return made.error();
+    }
   }
   return {};
 }
@@ -191,8 +195,8 @@ void MeshPass::bind_instances(const MeshInstance* instances, std::size_t count) 
                         reinterpret_cast<const void*>(offsetof(MeshInstance, fade)));
 }
 
-void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs,
-                             const GpuImages& images) {
+void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs, const GpuImages& images,
+                             Stage stage) {
   p.set("u_base_color", m.base_color);
   p.set("u_emissive", m.emissive);
   p.set("u_factors", glm::vec4(m.metallic, m.roughness, m.normal_scale, m.occlusion_strength));
@@ -206,7 +210,9 @@ void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs,
   std::vector<glm::vec4> transforms(10, glm::vec4(0));
   for (int i = 0; i < 5; ++i) {
     if (!(needs & bits[i])) continue;
-    bind_texture(i, *maps[i], images);
+    // For a test alone one mip level is as good as two, at half the price.
+    bind_texture(i, *maps[i], images,
+                 stage == Stage::kDepth ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR);
     p.set(names[i], i);
     put_uv_transform(*maps[i], &transforms[static_cast<std::size_t>(2 * i)]);
   }
@@ -230,34 +236,50 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
       bound = true;
     }
     const NeedMask needs = material_needs(material, mesh.vertex_color());
-    const Result<Program*> made = program(needs, fading);
-    if (!made) continue;  // warm_up has told
-    Program* p = *made;
-    p->use();
-    p->set("u_clip_from_relative", clip_from_relative_);
-    p->set("u_ambient", lights_.ambient);
-    p->set("u_light_count", lights_.count);
-    p->set("u_lights", lights_.lights);
-    if (shadow_) {
-      p->set("u_sun", lights_.sun);
-      shadow_->use(*p, eye_);
-    }
-    p->set("u_mip_bias", material.alpha_mode == AlphaMode::kMask ? 2 * mip_bias_ : mip_bias_);
-    p->set("u_point_size", stroke_);
-    p->set("u_fog_color", fog_color_);
-    p->set("u_fog_density", fog_density_);
-    bind_material(*p, material, needs, images);
     (material.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
     (blended ? glEnable : glDisable)(GL_BLEND);
-    // An alpha test decides a whole pixel: on a multisampled target it is made for every sample.
-    (material.alpha_mode == AlphaMode::kMask ? glEnable : glDisable)(GL_SAMPLE_SHADING);
-    glDepthMask(blended ? GL_FALSE : GL_TRUE);
-    glDrawElementsInstanced(gl_mode(primitive.kind), static_cast<GLsizei>(primitive.index_count),
-                            GL_UNSIGNED_INT,
-                            reinterpret_cast<const void*>(std::size_t{primitive.first_index} * 4),
-                            static_cast<GLsizei>(count));
-    ++draw_calls_;
+    for (const Stage stage : stages(needs)) {
+      const Result<Program*> made = program(needs, fading, stage);
+      if (!made) continue;  // warm_up has told
+      use(**made, material, needs, images, stage);
+      glDrawElementsInstanced(gl_mode(primitive.kind), static_cast<GLsizei>(primitive.index_count),
+                              GL_UNSIGNED_INT,
+                              reinterpret_cast<const void*>(std::size_t{primitive.first_index} * 4),
+                              static_cast<GLsizei>(count));
+      ++draw_calls_;
+    }
   }
+}
+
+std::vector<MeshPass::Stage> MeshPass::stages(NeedMask needs) const {
+  if (output_ == MeshOutput::kDepth) return {Stage::kDepth};
+  if (needs & kNeedAlphaMask) return {Stage::kDepth, Stage::kTested};
+  return {Stage::kWhole};
+}
+
+void MeshPass::use(Program& p, const Material& material, NeedMask needs, const GpuImages& images,
+                   Stage stage) {
+  p.use();
+  p.set("u_clip_from_relative", clip_from_relative_);
+  p.set("u_ambient", lights_.ambient);
+  p.set("u_light_count", lights_.count);
+  p.set("u_lights", lights_.lights);
+  if (shadow_) {
+    p.set("u_sun", lights_.sun);
+    shadow_->use(p, eye_);
+  }
+  p.set("u_mip_bias", stage == Stage::kDepth ? 2 * mip_bias_ : mip_bias_);
+  p.set("u_point_size", stroke_);
+  p.set("u_fog_color", fog_color_);
+  p.set("u_fog_density", fog_density_);
+  bind_material(p, material, needs, images, stage);
+  const bool depth = stage == Stage::kDepth, tested = stage == Stage::kTested;
+  // An alpha test decides a whole pixel: on a multisampled target it is made for every sample.
+  (depth ? glEnable : glDisable)(GL_SAMPLE_SHADING);
+  const GLboolean colors = depth ? GL_FALSE : GL_TRUE;
+  glColorMask(colors, colors, colors, colors);
+  glDepthFunc(tested ? GL_EQUAL : GL_LESS);
+  glDepthMask(tested || (needs & kNeedBlend) ? GL_FALSE : GL_TRUE);
 }
 
 void MeshPass::end() {
@@ -265,6 +287,8 @@ void MeshPass::end() {
   glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
   glDisable(GL_SAMPLE_SHADING);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDepthFunc(GL_LESS);
   glLineWidth(1.0f);
   glDepthMask(GL_TRUE);
 }

@@ -83,8 +83,15 @@ class MeshPass {
   std::size_t variants() const { return programs_.size(); }
 
  private:
-  Result<Program*> program(NeedMask needs, bool fade);
-  void bind_material(Program& p, const Material& material, NeedMask needs, const GpuImages& images);
+  /// Alpha-tested surfaces first write their depth by a shader that only tests, then are shaded
+  /// where that depth is theirs: leaves lie many deep, and shading them all cost ten times as much.
+  enum class Stage : std::uint8_t { kWhole, kDepth, kTested };
+  std::vector<Stage> stages(NeedMask needs) const;
+  Result<Program*> program(NeedMask needs, bool fade, Stage stage);
+  void use(Program& p, const Material& material, NeedMask needs, const GpuImages& images,
+           Stage stage);
+  void bind_material(Program& p, const Material& material, NeedMask needs, const GpuImages& images,
+                     Stage stage);
   void bind_instances(const MeshInstance* instances, std::size_t count);
 
   const MeshOutput output_;

@@ -146,5 +146,5 @@ void main() {
 #ifdef WRITE_ID
   o_id = v_id;
 #endif
-#endif
+#endif  // DEPTH_ONLY
 }

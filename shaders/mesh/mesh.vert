@@ -27,6 +27,9 @@ flat out uint v_id;
 
 #include "common/rotation.glsl"
 
+// Alpha-tested surfaces are drawn twice, by two programs, and must meet their own depth again.
+invariant gl_Position;
+
 void main() {
   v_position = i_position_scale.xyz + rotate(i_rotation, i_position_scale.w * a_position);
   v_normal = rotate(i_rotation, a_normal);
