@@ -10,6 +10,7 @@ namespace mirage {
 namespace {
 
 constexpr double kInitialWindowBytes = 256 * 1024;
+constexpr double kLeastWindowBytes = 32 * 1024;
 constexpr std::int64_t kWindowSlackUs = 100'000;
 constexpr std::int64_t kRateSpanUs = 1'000'000;
 constexpr std::int64_t kRefusalPauseUs = 250'000;
@@ -37,7 +38,7 @@ void Scheduler::reset() {
   assets_under_way_.clear();
   assets_not_before_us_.clear();
   arrivals_.clear();
-  in_flight_bytes_ = asset_bytes_ = 0;
+  in_flight_bytes_ = asset_bytes_ = window_ = 0;
   received_bytes_ = 0;
   saturated_since_us_ = -1;
 }
@@ -51,13 +52,16 @@ double Scheduler::window_bytes(std::int64_t now_us) const {
   double received = 0;
   std::int64_t first = now_us;
   for (const Arrival& arrival : arrivals_) {
-    received += static_cast<double>(arrival.bytes);
+    received += arrival.expected_bytes;
     first = std::min(first, arrival.since_us);
   }
-  if (arrivals_.size() < 8) return kInitialWindowBytes;
+  // Little came because little was asked for: that says nothing about the link.
+  const double proven = std::min(window_, kInitialWindowBytes);
+  if (arrivals_.size() < 8) return window_ > 0 ? proven : kInitialWindowBytes;
   const double span = static_cast<double>(std::max<std::int64_t>(now_us - first, 20'000));
   const double trip = static_cast<double>(shortest_trip_us_ + kWindowSlackUs);
-  return std::max(32.0 * 1024, kWindowGain * received / span * trip);
+  const double measured = std::max(kLeastWindowBytes, kWindowGain * received / span * trip);
+  return saturated_since_us_ < 0 ? std::max(measured, proven) : measured;
 }
 
 std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
@@ -85,7 +89,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   while (!arrivals_.empty() && arrivals_.front().at_us < now_us - kRateSpanUs) {
     arrivals_.pop_front();
   }
-  const double window = window_bytes(now_us);
+  const double window = window_ = window_bytes(now_us);
   auto tile = needs.begin();
   auto asset = asset_needs.begin();
   bool held_back = false;
@@ -160,7 +164,7 @@ std::optional<AssetNeed> Scheduler::finish_asset(std::uint32_t request_id, std::
   // the earliest a round trip after it was asked for.
   std::int64_t since = std::min(asset.sent_us + shortest_trip_us_, now_us);
   if (!arrivals_.empty()) since = std::max(since, arrivals_.back().at_us);
-  arrivals_.push_back({since, now_us, bytes});
+  arrivals_.push_back({since, now_us, bytes, asset.need.expected_bytes});
   assets_pending_.erase(at);
   assets_under_way_.erase(asset.need.id);
   asset_bytes_ = std::max(0.0, asset_bytes_ - asset.need.expected_bytes);
@@ -169,9 +173,11 @@ std::optional<AssetNeed> Scheduler::finish_asset(std::uint32_t request_id, std::
 
 std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_t bytes,
                                             std::int64_t now_us) {
-  arrivals_.push_back({now_us, now_us, bytes});
   received_bytes_ += bytes;
   const auto at = pending_.find(request_id);
+  const double expected =
+      at == pending_.end() ? static_cast<double>(bytes) : at->second.expected_bytes;
+  arrivals_.push_back({now_us, now_us, bytes, expected});
   if (at == pending_.end()) return std::nullopt;
   const PendingAsk ask = at->second;
   pending_.erase(at);

@@ -71,6 +71,9 @@ class Scheduler {
     std::int64_t since_us = 0;  ///< when its first byte can have come
     std::int64_t at_us = 0;
     std::size_t bytes = 0;
+    /// What was counted as under way for it: the window is compared with that, and what one scene
+    /// compresses to says little about the next object.
+    double expected_bytes = 0;
   };
   /// One ask at a time per instance for a picture, for its shadow and for its object as a caster,
   /// and per phase of a moving one: phases are asked for ahead.
@@ -95,6 +98,7 @@ class Scheduler {
   std::int64_t shortest_trip_us_ = 0;
   std::int64_t saturated_since_us_ = -1;
   double bytes_per_texel_ = 0.7;      ///< of lit tiles, learnt from both kinds
+  double window_ = 0;                 ///< bytes that may be under way
   double in_flight_bytes_ = 0;        ///< of tiles
   double asset_bytes_ = 0;            ///< of geometry and images, in flight
   std::uint64_t received_bytes_ = 0;  ///< of tiles, on this connection

@@ -10,6 +10,7 @@
 
 #include "protocol/limits.h"
 #include "protocol/lod.h"
+#include "server/scene/lod_normals.h"
 #include "server/scene/surface_distance.h"
 
 namespace mirage {
@@ -274,7 +275,10 @@ class Chain {
       break;
     }
     out.error = std::max(out.error, static_cast<float>(error_ * 1.0001));
-    append(out.mesh, part_, part_.vertices, coarse_);
+    std::vector<Vertex> vertices = part_.vertices;
+    std::vector<std::uint32_t> indices = coarse_;
+    restore_normals(*surface_, vertices, indices);
+    append(out.mesh, part_, vertices, indices);
   }
 
   void thin(double share, MeshLod& out) const {

@@ -7,7 +7,8 @@
 
 namespace mirage {
 
-/// A coarser form of a mesh. Vertices are some of the full mesh's, or pieces of it enlarged.
+/// A coarser form of a mesh. Vertices are some of the full mesh's (with the normal of the surface
+/// beside them where their own would shade a collapsed bevel), or pieces of it enlarged.
 struct MeshLod {
   Mesh mesh;
   /// Object units: largest distance found between the connected surfaces of this level and of the

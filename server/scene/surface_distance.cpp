@@ -90,15 +90,15 @@ void SurfaceTree::build(std::uint32_t first, std::uint32_t count, std::vector<gl
   nodes_[at] = node;
 }
 
-void SurfaceTree::search(std::uint32_t index, const glm::vec3& p, float& best2) const {
+void SurfaceTree::search(std::uint32_t index, const glm::vec3& p, Nearest& best) const {
   const Node& node = nodes_[index];
   if (node.count > 0) {
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
       const std::uint32_t* t = &indices_[3 * std::size_t{order_[i]}];
-      const glm::vec3 d = closest_on_triangle(p, vertices_[t[0]].position, vertices_[t[1]].position,
-                                              vertices_[t[2]].position) -
-                          p;
-      best2 = std::min(best2, glm::dot(d, d));
+      const glm::vec3 point = closest_on_triangle(
+          p, vertices_[t[0]].position, vertices_[t[1]].position, vertices_[t[2]].position);
+      const float distance2 = glm::dot(point - p, point - p);
+      if (distance2 < best.distance2) best = {distance2, order_[i], point};
     }
     return;
   }
@@ -109,14 +109,31 @@ void SurfaceTree::search(std::uint32_t index, const glm::vec3& p, float& best2) 
     std::swap(near, far);
     std::swap(near2, far2);
   }
-  if (near2 < best2) search(near, p, best2);
-  if (far2 < best2) search(far, p, best2);
+  if (near2 < best.distance2) search(near, p, best);
+  if (far2 < best.distance2) search(far, p, best);
 }
 
 double SurfaceTree::distance(const glm::vec3& p, double at_most) const {
-  auto best2 = static_cast<float>(at_most * at_most);
-  if (!nodes_.empty()) search(0, p, best2);
-  return std::sqrt(double{best2});
+  Nearest best{static_cast<float>(at_most * at_most), 0, p};
+  if (!nodes_.empty()) search(0, p, best);
+  return std::sqrt(double{best.distance2});
+}
+
+glm::vec3 SurfaceTree::normal_at(const glm::vec3& p) const {
+  if (nodes_.empty()) return glm::vec3(0);
+  Nearest best{std::numeric_limits<float>::infinity(), 0, p};
+  search(0, p, best);
+  const std::uint32_t* t = &indices_[3 * std::size_t{best.triangle}];
+  const glm::vec3 a = vertices_[t[0]].position, b = vertices_[t[1]].position,
+                  c = vertices_[t[2]].position;
+  // Shares of the triangle's area opposite to each corner.
+  const glm::vec3 areas(glm::length(glm::cross(b - best.point, c - best.point)),
+                        glm::length(glm::cross(c - best.point, a - best.point)),
+                        glm::length(glm::cross(a - best.point, b - best.point)));
+  const glm::vec3 n = areas.x * vertices_[t[0]].normal + areas.y * vertices_[t[1]].normal +
+                      areas.z * vertices_[t[2]].normal;
+  const float length = glm::length(n);
+  return length > 0 ? n / length : glm::vec3(0);
 }
 
 }  // namespace mirage

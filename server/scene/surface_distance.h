@@ -17,6 +17,9 @@ class SurfaceTree {
 
   /// Distance from `p` to the surface, or `at_most` when it is farther than that.
   double distance(const glm::vec3& p, double at_most) const;
+  /// Unit normal, interpolated from the vertices, at the point of the surface nearest to `p`; zero
+  /// where there is none.
+  glm::vec3 normal_at(const glm::vec3& p) const;
 
  private:
   struct Node {
@@ -25,7 +28,12 @@ class SurfaceTree {
     std::uint32_t count = 0;  ///< of a leaf; 0: inner node
   };
   void build(std::uint32_t first, std::uint32_t count, std::vector<glm::vec3>& centers);
-  void search(std::uint32_t node, const glm::vec3& p, float& best2) const;
+  struct Nearest {
+    float distance2;
+    std::uint32_t triangle;
+    glm::vec3 point;
+  };
+  void search(std::uint32_t node, const glm::vec3& p, Nearest& best) const;
 
   const std::vector<Vertex>& vertices_;
   const std::vector<std::uint32_t>& indices_;

@@ -72,6 +72,21 @@ TEST_F(CoreScheduler, WindowFollowsTheRate) {
   EXPECT_NEAR(static_cast<double>(batch->asks.size()), window / each, 0.2 * window / each);
 }
 
+TEST_F(CoreScheduler, AQuietWhileDoesNotCloseTheWindow) {
+  const auto first = plan(needs(1, 4), 0);
+  std::int64_t now = 100'000;
+  ASSERT_TRUE(scheduler.finish(first->asks[0].request_id(), 300, now));
+  for (std::uint32_t i = 1; i < 20; ++i) {  // small tiles, few of them, ten a second
+    const auto batch = plan(needs(1, 4, i), now);
+    ASSERT_TRUE(batch);
+    now += 100'000;
+    ASSERT_TRUE(scheduler.finish(batch->asks[0].request_id(), 300, now));
+  }
+  const auto burst = plan(needs(100, 4, 100), now);
+  ASSERT_TRUE(burst);
+  EXPECT_GT(burst->asks.size(), 60u);
+}
+
 TEST_F(CoreScheduler, OneAskPerInstance) {
   const auto first = plan(needs(5, 2), 0);
   ASSERT_TRUE(first);

@@ -120,6 +120,73 @@ TEST(ServerLod, FoliageKeepsItsArea) {
   }
 }
 
+/// A cube of edge 2 whose edges are rounded with a radius of 0.02.
+Mesh bevelled_cube() {
+  std::vector<float> grid;
+  for (int i = 0; i <= 6; ++i) grid.push_back(-1 + 0.02f * static_cast<float>(i) / 6);
+  for (int i = 1; i < 8; ++i) grid.push_back(-0.98f + 1.96f * static_cast<float>(i) / 8);
+  for (int i = 0; i <= 6; ++i) grid.push_back(0.98f + 0.02f * static_cast<float>(i) / 6);
+  const auto n = static_cast<std::uint32_t>(grid.size());
+  Mesh mesh;
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2;
+    const float side = face % 2 ? 1.0f : -1.0f;
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (std::uint32_t i = 0; i < n * n; ++i) {
+      glm::vec3 p;
+      p[axis] = side;
+      p[(axis + 1) % 3] = grid[i % n] * side;
+      p[(axis + 2) % 3] = grid[i / n];
+      const glm::vec3 inner = glm::clamp(p, -0.98f, 0.98f);
+      Vertex v;
+      v.normal = glm::normalize(p - inner);
+      v.position = inner + 0.02f * v.normal;
+      mesh.vertices.push_back(v);
+    }
+    for (std::uint32_t y = 0; y + 1 < n; ++y) {
+      for (std::uint32_t x = 0; x + 1 < n; ++x) {
+        const std::uint32_t a = first + y * n + x;
+        for (const std::uint32_t i : {a, a + 1, a + n + 1, a, a + n + 1, a + n}) {
+          mesh.indices.push_back(i);
+        }
+      }
+    }
+  }
+  mesh.primitives = {
+      {PrimitiveKind::kTriangles, 0, static_cast<std::uint32_t>(mesh.indices.size()), 0}};
+  return mesh;
+}
+
+/// Share of the area that is shaded as if it leaned by more than 20 degrees.
+double leaning_share(const Mesh& mesh) {
+  double wrong = 0, whole = 0;
+  for (std::size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
+    const Vertex* v[3];
+    for (std::size_t k = 0; k < 3; ++k) v[k] = &mesh.vertices[mesh.indices[t + k]];
+    const glm::vec3 cross =
+        glm::cross(v[1]->position - v[0]->position, v[2]->position - v[0]->position);
+    const double size = 0.5 * double{glm::length(cross)};
+    if (!(size > 1e-4)) continue;  // what is left of the bevels
+    for (const glm::vec3& w :
+         {glm::vec3(0.8f, 0.1f, 0.1f), glm::vec3(0.1f, 0.8f, 0.1f), glm::vec3(0.1f, 0.1f, 0.8f)}) {
+      const glm::vec3 n =
+          glm::normalize(w.x * v[0]->normal + w.y * v[1]->normal + w.z * v[2]->normal);
+      whole += size;
+      if (glm::dot(n, glm::normalize(cross)) < 0.94f) wrong += size;
+    }
+  }
+  return wrong / whole;
+}
+
+TEST(ServerLod, FacesStayFlatWhenTheirBevelsCollapse) {
+  const Mesh cube = bevelled_cube();
+  ASSERT_LT(leaning_share(cube), 0.02);
+  const std::vector<MeshLod> lods = build_lods(cube, {Material{}});
+  ASSERT_GE(lods.size(), 2u);
+  ASSERT_LT(triangles(lods.back().mesh), triangles(cube) / 10);
+  for (const MeshLod& lod : lods) EXPECT_LT(leaning_share(lod.mesh), 0.02);
+}
+
 TEST(ServerLod, PrimitivesKeepTheirMaterialAndLinesStay) {
   const auto knot = load_scene("builtin:knot?tubular=100&radial=16").take();
   Mesh mesh = knot->scene.objects[0].mesh;
