@@ -127,6 +127,23 @@ bool same_lighting(const Lighting& a, const Lighting& b) {
          std::equal(a.lights.begin(), a.lights.end(), b.lights.begin(), b.lights.end(), same);
 }
 
+std::uint64_t lighting_hash(const Lighting& lighting) {
+  std::vector<double> values;
+  const auto put = [&](const auto& v) {
+    for (int i = 0; i < 3; ++i) values.push_back(v[i] == 0 ? 0.0 : static_cast<double>(v[i]));
+  };
+  put(lighting.ambient);
+  for (const Light& light : lighting.lights) {
+    if (is_black(light)) continue;
+    put(light.color);
+    put(light.position);
+    put(light.direction);
+    put(glm::vec3(light.range, light.cos_inner, light.cos_outer));
+    values.push_back(static_cast<double>(light.kind));
+  }
+  return XXH3_64bits(values.data(), values.size() * sizeof(double));
+}
+
 ObjectLighting object_lighting(const Lighting& lighting, const Similarity& world_from_object,
                                const glm::vec3& center, float radius) {
   ObjectLighting out;

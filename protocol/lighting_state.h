@@ -40,6 +40,10 @@ Result<Lighting> checked_lighting(Lighting lighting);
 /// Equal in every value.
 bool same_lighting(const Lighting& a, const Lighting& b);
 
+/// 64-bit hash of a lighting as it stands in the world, without its black lights: a shadow tile is
+/// made for one place, where what the object sees is not enough.
+std::uint64_t lighting_hash(const Lighting& lighting);
+
 /// The scene's lighting as the object of `instance` sees it. Black lights and lights whose range
 /// does not reach the bounding sphere (centre, radius in object space) are left out; directions are
 /// quantised to 1/4096, positions to radius/256, so small motions keep the key; the values used for

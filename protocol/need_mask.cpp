@@ -24,6 +24,7 @@ NeedMask material_needs(const Material& m, bool vertex_color) {
   if (m.base_color_map.present()) needs |= kNeedBaseColorMap;
   if (m.alpha_mode == AlphaMode::kMask) needs |= kNeedAlphaMask;
   if (m.alpha_mode == AlphaMode::kBlend) needs |= kNeedBlend;
+  if (m.alpha_mode != AlphaMode::kBlend) needs |= kNeedShadowPass;
   if (vertex_color) needs |= kNeedVertexColor;
   if (!m.unlit) {
     needs |= kNeedLighting;

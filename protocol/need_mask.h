@@ -26,6 +26,7 @@ enum Need : NeedMask {
   kNeedUv1 = 1u << 11,
   kNeedEmissive = 1u << 12,
   kNeedUnlit = 1u << 13,
+  kNeedShadowPass = 1u << 14,  ///< something of it is not blended: it stops the sun's light
 };
 
 /// Whether tiles of an object can leave the shading to the client: one opaque, lit surface per

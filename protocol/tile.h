@@ -45,6 +45,9 @@ struct Tile {
   /// where no visible surface points: it may be filtered.
   std::vector<std::uint8_t> surface;
   std::vector<std::uint8_t> depth;  ///< crop.w*crop.h; hyperbolic 1..255 over Dc -+ r, 0 = nothing
+  /// Shadow tiles, crop.w*crop.h: how much of the texel's light (luminance, with the sun) is left
+  /// in shadow, 1..255 for none to all; 0 = nothing there.
+  std::vector<std::uint8_t> shadow;
 
   bool relit() const { return channels == kRelitTile; }
 };

@@ -53,56 +53,80 @@ Result<std::vector<std::uint8_t>> decompress_block(const std::uint8_t* bytes, st
   return out;
 }
 
+namespace {
+
+// The planes of a tile in their order on the wire.
+struct PlaneShape {
+  std::vector<std::uint8_t> Tile::*plane;
+  std::uint8_t channel;  // the tile has it with this channel
+  std::size_t bytes;     // per texel
+};
+constexpr PlaneShape kPlanes[] = {
+    {&Tile::rgba, kChannelColor, 4},
+    {&Tile::surface, kChannelNormal, 4},
+    {&Tile::depth, kChannelDepth, 1},
+    {&Tile::shadow, kChannelShadow, 1},
+};
+
+std::size_t plane_bytes(const Tile& tile, const PlaneShape& shape) {
+  return tile.channels & shape.channel ? tile.crop.area() * shape.bytes : 0;
+}
+
+}  // namespace
+
 std::vector<std::uint8_t> encode_tile_planes(const Tile& tile, TileCodec codec) {
   std::vector<std::uint8_t> planes;
-  planes.reserve(tile.rgba.size() + tile.surface.size() + tile.depth.size());
-  planes.insert(planes.end(), tile.rgba.begin(), tile.rgba.end());
-  planes.insert(planes.end(), tile.surface.begin(), tile.surface.end());
-  planes.insert(planes.end(), tile.depth.begin(), tile.depth.end());
-  if (codec == TileCodec::kRaw || planes.empty()) return planes;
-  std::uint8_t* plane = planes.data();
-  for (const std::vector<std::uint8_t>* four : {&tile.rgba, &tile.surface}) {
-    if (four->empty()) continue;
-    predict(plane, tile.crop.w, tile.crop.h, 4);
-    plane += four->size();
+  std::size_t total = 0;
+  for (const PlaneShape& shape : kPlanes) total += plane_bytes(tile, shape);
+  planes.reserve(total);
+  for (const PlaneShape& shape : kPlanes) {
+    if (!(tile.channels & shape.channel)) continue;
+    const std::vector<std::uint8_t>& plane = tile.*shape.plane;
+    planes.insert(planes.end(), plane.begin(), plane.end());
+    if (codec == TileCodec::kRaw) continue;
+    predict(planes.data() + (planes.size() - plane.size()), tile.crop.w, tile.crop.h, shape.bytes);
   }
-  predict(plane, tile.crop.w, tile.crop.h, 1);
+  if (codec == TileCodec::kRaw || planes.empty()) return planes;
   return compress_block(planes.data(), planes.size());
 }
 
 Result<void> decode_tile_planes(const std::uint8_t* bytes, std::size_t size, TileCodec codec,
                                 Tile& tile) {
-  const std::size_t area = tile.crop.area();
   if (tile.crop.w > limits::kMaxTileEdge || tile.crop.h > limits::kMaxTileEdge) {
     return make_error(ErrorId::kCodec, "tile crop is larger than any tile");
   }
-  const std::size_t four = area * 4, surface = tile.relit() ? four : 0;
-  const std::size_t expected = four + surface + area;
+  std::size_t expected = 0;
+  for (const PlaneShape& shape : kPlanes) expected += plane_bytes(tile, shape);
   std::vector<std::uint8_t> planes;
-  if (codec == TileCodec::kRaw || area == 0) {
+  const bool raw = codec == TileCodec::kRaw || tile.crop.area() == 0;
+  if (raw) {
     if (size != expected) return make_error(ErrorId::kCodec, "tile bytes do not fit its crop");
     planes.assign(bytes, bytes + size);
   } else if (codec == TileCodec::kZstd) {
     Result<std::vector<std::uint8_t>> block = decompress_block(bytes, size, expected);
     if (!block) return block.error();
     planes = block.take();
-    unpredict(planes.data(), tile.crop.w, tile.crop.h, 4);
-    if (surface > 0) unpredict(planes.data() + four, tile.crop.w, tile.crop.h, 4);
-    unpredict(planes.data() + four + surface, tile.crop.w, tile.crop.h, 1);
   } else {
     return make_error(ErrorId::kCodec, "unknown tile codec");
   }
-  const auto at = [&](std::size_t n) { return planes.begin() + static_cast<std::ptrdiff_t>(n); };
-  tile.rgba.assign(planes.begin(), at(four));
-  tile.surface.assign(at(four), at(four + surface));
-  tile.depth.assign(at(four + surface), planes.end());
+  auto at = planes.begin();
+  for (const PlaneShape& shape : kPlanes) {
+    const auto end = at + static_cast<std::ptrdiff_t>(plane_bytes(tile, shape));
+    if (!raw && at != end) unpredict(&*at, tile.crop.w, tile.crop.h, shape.bytes);
+    (tile.*shape.plane).assign(at, end);
+    at = end;
+  }
   return {};
 }
 
 std::uint64_t tile_content_hash(const Tile& tile) {
   std::uint64_t hash = XXH3_64bits(tile.rgba.data(), tile.rgba.size());
   if (tile.relit()) hash = XXH3_64bits_withSeed(tile.surface.data(), tile.surface.size(), hash);
-  return XXH3_64bits_withSeed(tile.depth.data(), tile.depth.size(), hash);
+  hash = XXH3_64bits_withSeed(tile.depth.data(), tile.depth.size(), hash);
+  if (tile.channels & kChannelShadow) {
+    hash = XXH3_64bits_withSeed(tile.shadow.data(), tile.shadow.size(), hash);
+  }
+  return hash;
 }
 
 }  // namespace mirage

@@ -45,6 +45,7 @@ TileId tile_id(const TileKey& key) {
   bytes.put(key.lighting);
   bytes.put(key.phase);
   bytes.put(key.channels);
+  bytes.put(key.instance);
   return bytes.hash();
 }
 

@@ -14,12 +14,20 @@ enum TileChannel : std::uint8_t {
   kChannelDepth = 2,
   kChannelNormal = 4,
   kChannelMaterial = 8,
+  kChannelShadow = 16,
 };
 
-/// The two kinds of tile: shaded by the server for one lighting, or by the client for any.
+/// The two kinds of picture: shaded by the server for one lighting, or by the client for any.
 inline constexpr std::uint8_t kLitTile = kChannelColor | kChannelDepth;
 inline constexpr std::uint8_t kRelitTile = kLitTile | kChannelNormal | kChannelMaterial;
-inline bool valid_channels(std::uint8_t c) { return c == kLitTile || c == kRelitTile; }
+/// What the sun's shadows take away from one instance under one light (TECHNIQUES row 7).
+inline constexpr std::uint8_t kShadowTile = kChannelShadow;
+/// The shape of an object alone, to be drawn into a shadow map.
+inline constexpr std::uint8_t kCasterTile = kChannelDepth;
+inline bool is_picture(std::uint8_t c) { return c == kLitTile || c == kRelitTile; }
+inline bool valid_channels(std::uint8_t c) {
+  return is_picture(c) || c == kShadowTile || c == kCasterTile;
+}
 
 struct TileKey {
   std::uint64_t scene_revision = 0;
@@ -27,9 +35,12 @@ struct TileKey {
   ViewCell cell;
   DistanceBucket distance;
   std::uint8_t size_class = 0;
-  std::uint64_t lighting = 0;  ///< ObjectLighting::hash(); 0: unlit object, or relit tile
-  std::uint32_t phase = 0;     ///< quantised animation time; 0 when static
+  /// ObjectLighting::hash(), of a shadow tile lighting_hash(); 0: unlit object, relit or caster
+  /// tile.
+  std::uint64_t lighting = 0;
+  std::uint32_t phase = 0;  ///< quantised animation time; 0 when static
   std::uint8_t channels = kLitTile;
+  std::uint32_t instance = 0;  ///< of a shadow tile, counted from 1; else 0
 };
 
 /// 128-bit hash of the key's canonical bytes (xxHash, little-endian).

@@ -15,9 +15,10 @@ StoredTilePtr EncodeStage::encode(const RenderedTile& rendered, const ObjectDesc
   const std::size_t offset = static_cast<std::size_t>(rendered.y) * rendered.page->width +
                              static_cast<std::size_t>(rendered.x);
   const bool relit = key.channels == kRelitTile;
-  Tile tile = cut_tile(&rendered.page->rgba[offset * 4], &rendered.page->depth[offset],
-                       relit ? &rendered.page->surface[offset * 4] : nullptr, rendered.page->width,
-                       capture, object);
+  const PageTexels page{&rendered.page->rgba[offset * 4], &rendered.page->depth[offset],
+                        relit ? &rendered.page->surface[offset * 4] : nullptr,
+                        rendered.page->width};
+  Tile tile = cut_tile(page, key.channels, capture, object);
   // The members of a group have levels of their own, each within what is allowed.
   tile.measure.lod_error = object.group ? static_cast<float>(allowed_tile_error(capture))
                                         : tile_lod_error(object.lods, capture);

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "protocol/sun_frame.h"
+
 namespace mirage {
 namespace {
 
@@ -23,15 +25,25 @@ constexpr Rule kRules[] = {
     {kNeedEmissiveMap, "emissive map"},
     {kNeedTextureTransform, "texture transform"},
     {kNeedUv1, "second texture coordinates"},
+    {kNeedShadowPass, "casting shadows"},
 };
+
+// Whether there is a shadow pass, and why not.
+std::string explain_shadows(const PreparedScene& prepared, bool asked) {
+  if (!asked) return "left out: --shadows is off";
+  if (!prepared.has_casters()) return "left out: nothing casts any";
+  if (!sun_of(prepared.scene.lighting)) return "left out while no client sets a light with a sun";
+  return "the sun's";
+}
 
 }  // namespace
 
-std::string explain_needs(const PreparedScene& prepared, bool json) {
+std::string explain_needs(const PreparedScene& prepared, bool shadows, bool json) {
   nlohmann::json out = nlohmann::json::array();
   std::string text = fmt::format("{}: {} objects, {} instances, {} triangles\n",
                                  prepared.scene.name, prepared.scene.objects.size(),
                                  prepared.scene.instances.size(), prepared.scene.triangles());
+  text += fmt::format("  shadows: {}\n", explain_shadows(prepared, shadows));
   for (std::size_t i = 0; i < prepared.scene.objects.size(); ++i) {
     const ObjectDescription& object = prepared.objects[i];
     const std::string& name = prepared.scene.objects[i].name;

@@ -5,7 +5,7 @@
 
 namespace mirage {
 
-/// The need analysis for people, or as JSON for tools.
-std::string explain_needs(const PreparedScene& scene, bool json);
+/// The need analysis for people, or as JSON for tools. `shadows`: they were asked for.
+std::string explain_needs(const PreparedScene& scene, bool shadows, bool json);
 
 }  // namespace mirage

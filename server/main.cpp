@@ -140,9 +140,10 @@ int run(int argc, char** argv) {
   if (!scene) return fail(scene.error());
   for (const std::string& warning : (*scene)->scene.warnings) spdlog::warn("scene: {}", warning);
   if (options.explain) {
-    std::fputs(explain_needs(**scene, options.json).c_str(), stdout);
+    std::fputs(explain_needs(**scene, options.shadows, options.json).c_str(), stdout);
     return 0;
   }
+  options.session.shadows = options.render.shadows = options.shadows && (*scene)->has_casters();
   return serve(options, scene.take());
 }
 

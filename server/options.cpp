@@ -47,6 +47,7 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.footer(footer());
   std::string listen = "127.0.0.1:9870", token_file, codec = "zstd";
   bool no_geometry = false, no_reference = false;
+  std::string shadows = "off";
   app.add_option("SCENE", o.scene, "a .glb or .gltf file, or builtin:NAME[?key=value&…]");
   app.add_option("--listen", listen, "HOST:PORT to serve on; port 0 takes any free one")
       ->take_last()
@@ -79,6 +80,9 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.add_option("--allow-origin", o.endpoint.allow_origin, "only browsers from this origin");
   app.add_flag("--no-geometry", no_geometry, "never send meshes");
   app.add_flag("--no-reference", no_reference, "refuse full renders for comparison");
+  app.add_option("--shadows", shadows, "the sun's shadows: on or off")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
   app.add_option("--max-clients", o.session.max_clients, "connections at a time")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
@@ -101,6 +105,7 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   }
   o.session.geometry = !no_geometry;
   o.session.reference = !no_reference;
+  o.shadows = shadows == "on";
   o.session.codec = codec == "raw" ? TileCodec::kRaw : TileCodec::kZstd;
   return -1;
 }

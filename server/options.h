@@ -16,6 +16,7 @@ struct ServerOptions {
   std::string cache_dir;
   std::size_t cache_mb = 512;
   int encoders = 1;
+  bool shadows = false;  ///< asked for; a scene without casters has none all the same
   bool list_devices = false;
   bool explain = false;
   bool json = false;

@@ -16,6 +16,7 @@ namespace {
 /// Everything the GL thread owns; made and destroyed on it.
 struct GlWorld {
   std::unique_ptr<GpuScene> scene;
+  std::unique_ptr<SceneShadow> shadow;  ///< none without --shadows
   std::unique_ptr<TilePageRenderer> pages;
   std::unique_ptr<ReferenceRenderer> references;
 };
@@ -24,11 +25,18 @@ Result<GlWorld> make_world(std::shared_ptr<const PreparedScene> scene,
                            const RenderOptions& options) {
   GlWorld world;
   world.scene = std::make_unique<GpuScene>(std::move(scene));
-  Result<TilePageRenderer> pages = TilePageRenderer::create(*world.scene, options.supersample);
+  if (options.shadows) {
+    Result<SceneShadow> shadow = SceneShadow::create(*world.scene);
+    if (!shadow) return shadow.error();
+    world.shadow = std::make_unique<SceneShadow>(shadow.take());
+  }
+  Result<TilePageRenderer> pages =
+      TilePageRenderer::create(*world.scene, options.supersample, world.shadow.get());
   if (!pages) return pages.error();
   world.pages = std::make_unique<TilePageRenderer>(pages.take());
   if (Result<void> warm = world.pages->warm_up(); !warm) return warm.error();
-  Result<ReferenceRenderer> references = ReferenceRenderer::create(*world.scene);
+  Result<ReferenceRenderer> references =
+      ReferenceRenderer::create(*world.scene, world.shadow.get());
   if (!references) return references.error();
   world.references = std::make_unique<ReferenceRenderer>(references.take());
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {

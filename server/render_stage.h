@@ -23,6 +23,7 @@ struct RenderOptions {
   int page_edge = 512;   ///< texels; larger pages suit a GPU
   int supersample = 2;   ///< per axis
   std::size_t ring = 2;  ///< pages in flight between drawing and read-back
+  bool shadows = false;  ///< the sun's, in reference frames and shadow tiles
 };
 
 class RenderStage {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "protocol/model_codec.h"
+#include "protocol/sun_frame.h"
 
 namespace mirage {
 namespace {
@@ -125,6 +126,7 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.walk_speed_mps = scene.home.walk_speed_mps;
   welcome.geometry = options_.geometry;
   welcome.reference = options_.reference;
+  welcome.shadows = options_.shadows;
   welcome.images = static_cast<std::uint32_t>(scene.images.size());
   push(id, s.control, encode_message(std::move(welcome)));
   return {};
@@ -160,6 +162,20 @@ void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batc
   writable_.insert(id);  // new credit may free tiles that wait
 }
 
+bool SessionHub::can_be(std::uint8_t channels, const ObjectDescription& object,
+                        const Lighting& lighting) const {
+  switch (channels) {
+    case kRelitTile:
+      return can_relight(object.needs);
+    case kShadowTile:
+      return options_.shadows && (object.needs & kNeedLighting) && sun_of(lighting);
+    case kCasterTile:
+      return options_.shadows && object.casts();
+    default:
+      return true;
+  }
+}
+
 void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lighting& lighting) {
   if (a.object() >= scene_->objects.size() || a.instance() >= scene_->instance_count() ||
       scene_->instance(a.instance()).object != a.object()) {
@@ -179,12 +195,15 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
     return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
   }
   const ObjectDescription& object = scene_->objects[a.object()];
-  const bool relit = key.channels == kRelitTile;
-  if (relit && !can_relight(object.needs)) {
+  const bool shadow = key.channels == kShadowTile;
+  if (!can_be(key.channels, object, lighting)) {
     return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
   }
   ObjectLighting light;
-  if ((object.needs & kNeedLighting) && !relit) {
+  if (shadow) {
+    key.instance = a.instance() + 1;
+    key.lighting = lighting_hash(lighting);
+  } else if ((object.needs & kNeedLighting) && key.channels == kLitTile) {
     light = object_lighting(lighting, scene_->instance(a.instance()).world_from_object,
                             object.center, object.radius);
     key.lighting = light.hash();
@@ -193,7 +212,8 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
   Waiter waiter{id, a.request_id(), a.error_px(), 0};
   if (a.deadline_ms() > 0) waiter.deadline_us = clock_.now_us() + a.deadline_ms() * 1000ll;
   if (const StoredTilePtr stored = store_.find(tile)) return push_tile(waiter, *stored);
-  if (queue_.submit(key, tile, light, waiter) == TileQueue::Admission::kBusy) {
+  const Lighting world = shadow ? lighting : Lighting{};
+  if (queue_.submit(key, tile, light, waiter, world) == TileQueue::Admission::kBusy) {
     refuse(id, s, a.request_id(), wire::RefusalReason::Busy);
   }
 }

@@ -29,6 +29,7 @@ struct SessionOptions {
   std::string renderer;  ///< told to clients
   bool geometry = true;
   bool reference = true;
+  bool shadows = false;
   std::size_t max_clients = 4096;
   TileCodec codec = TileCodec::kZstd;
 };
@@ -80,6 +81,9 @@ class SessionHub {
   Result<void> hello(SessionId id, Session& s, const wire::HelloT& hello);
   void batch(SessionId id, Session& s, const wire::RequestBatchT& batch);
   void ask(SessionId id, Session& s, const wire::Ask& ask, const Lighting& lighting);
+  /// Whether the object has tiles of this kind under this lighting.
+  bool can_be(std::uint8_t channels, const ObjectDescription& object,
+              const Lighting& lighting) const;
   void mesh_ask(SessionId id, Session& s, const wire::MeshAsk& ask);
   void image_ask(SessionId id, Session& s, const wire::ImageAsk& ask);
   void finish_image(const ImageLevel& level, Bytes bytes);

@@ -29,6 +29,7 @@ struct TileJob {
   TileId id;
   ObjectLighting lighting;
   std::int64_t queued_us = 0;
+  Lighting world;  ///< of a shadow tile
 };
 
 /// Pixels of one rendered page, shared by the encoders working on its tiles.

@@ -135,30 +135,27 @@ void measure(Tile& tile, const Capture& capture, const ObjectDescription& object
 
 }  // namespace
 
-Tile cut_tile(const std::uint8_t* rgba, const std::uint8_t* depth, const std::uint8_t* surface,
-              int page_width, const Capture& capture, const ObjectDescription& object) {
-  const Source source{rgba, depth, page_width, capture.edge};
+Tile cut_tile(const PageTexels& page, std::uint8_t channels, const Capture& capture,
+              const ObjectDescription& object) {
+  const Source source{page.rgba, page.depth, page.width, capture.edge};
   Tile tile;
   tile.edge = capture.edge;
+  tile.channels = channels;
   tile.crop = content_crop(source);
-  tile.rgba.resize(tile.crop.area() * 4);
-  tile.depth.resize(tile.crop.area());
-  if (surface) {
-    tile.channels = kRelitTile;
-    tile.surface.resize(tile.crop.area() * 4);
-  }
-  for (std::uint32_t y = 0; y < tile.crop.h; ++y) {
-    const std::size_t from = source.at(tile.crop.x, tile.crop.y + y);
-    const std::size_t to = std::size_t{y} * tile.crop.w;
-    std::copy_n(rgba + from * 4, std::size_t{tile.crop.w} * 4,
-                tile.rgba.begin() + static_cast<std::ptrdiff_t>(to * 4));
-    if (surface) {
-      std::copy_n(surface + from * 4, std::size_t{tile.crop.w} * 4,
-                  tile.surface.begin() + static_cast<std::ptrdiff_t>(to * 4));
+  const auto copy = [&](const std::uint8_t* from, std::size_t bytes,
+                        std::vector<std::uint8_t>& to) {
+    to.resize(tile.crop.area() * bytes);
+    const std::size_t row = std::size_t{tile.crop.w} * bytes;
+    for (std::uint32_t y = 0; y < tile.crop.h; ++y) {
+      std::copy_n(from + source.at(tile.crop.x, tile.crop.y + y) * bytes, row,
+                  to.begin() + static_cast<std::ptrdiff_t>(y * row));
     }
-    std::copy_n(depth + from, tile.crop.w, tile.depth.begin() + static_cast<std::ptrdiff_t>(to));
-  }
-  measure(tile, capture, object);
+  };
+  if (channels & kChannelColor) copy(page.rgba, 4, tile.rgba);
+  if (channels & kChannelNormal) copy(page.surface, 4, tile.surface);
+  if (channels & kChannelDepth) copy(page.depth, 1, tile.depth);
+  if (channels & kChannelShadow) copy(page.depth, 1, tile.shadow);
+  if (is_picture(channels)) measure(tile, capture, object);
   return tile;
 }
 

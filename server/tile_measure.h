@@ -5,11 +5,17 @@
 
 namespace mirage {
 
+/// A tile's lower left texel in its page of `width` texels; rows go up, as GL reads them.
+struct PageTexels {
+  const std::uint8_t* rgba;
+  const std::uint8_t* depth;    ///< of a shadow tile: what is left of its light
+  const std::uint8_t* surface;  ///< of a relit tile only
+  int width;
+};
+
 /// Cuts a tile's content out of its page (crop with a margin of one empty texel where there is
-/// room) and measures it: see TileMeasure. `rgba`/`depth`/`surface` point at the tile's lower left
-/// texel in the page of `page_width` texels; rows go up, as GL reads them. Without `surface` the
-/// tile is a lit one.
-Tile cut_tile(const std::uint8_t* rgba, const std::uint8_t* depth, const std::uint8_t* surface,
-              int page_width, const Capture& capture, const ObjectDescription& object);
+/// room) and measures it: see TileMeasure. Shadow and caster tiles have no measure.
+Tile cut_tile(const PageTexels& page, std::uint8_t channels, const Capture& capture,
+              const ObjectDescription& object);
 
 }  // namespace mirage

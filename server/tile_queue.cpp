@@ -10,7 +10,8 @@ constexpr std::size_t kMaxQueuedReferences = 16;
 }
 
 TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
-                                       const ObjectLighting& lighting, const Waiter& waiter) {
+                                       const ObjectLighting& lighting, const Waiter& waiter,
+                                       const Lighting& world) {
   const std::lock_guard<std::mutex> lock(mutex_);
   SessionQueue& session = sessions_[waiter.session];
   if (session.requests.size() >= limits::kMaxQueuedAsksPerClient) return Admission::kBusy;
@@ -24,7 +25,7 @@ TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
   if (merged) {
     ++counters_.tiles_merged;
   } else {
-    entry.job = {key, id, lighting, clock_.now_us()};
+    entry.job = {key, id, lighting, clock_.now_us(), world};
   }
   // A NaN error would break the ordering: it counts as the worst.
   const float error = waiter.error_px >= 0 && waiter.error_px < 1e30f ? waiter.error_px : 1e30f;

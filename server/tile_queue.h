@@ -27,7 +27,7 @@ class TileQueue {
 
   enum class Admission { kQueued, kMerged, kBusy };
   Admission submit(const TileKey& key, const TileId& id, const ObjectLighting& lighting,
-                   const Waiter& waiter);
+                   const Waiter& waiter, const Lighting& world = {});
   /// References are few: they go before tiles. False when too many wait already.
   bool submit(ReferenceJob job);
   void cancel(SessionId session, std::uint32_t request_id);

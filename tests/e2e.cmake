@@ -15,6 +15,7 @@ function(mirage_e2e name)
 endfunction()
 
 mirage_e2e(walk)
+mirage_e2e(shadows)
 mirage_e2e(failure)
 mirage_e2e(load)
 mirage_e2e(assets)

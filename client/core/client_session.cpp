@@ -92,6 +92,7 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
     if (!own_lighting_) lighting_ = scene_.lighting;
     cache_.reset(scene_, lighting_);
     selector_.reset(scene_);
+    shadows_.reset();
     meshes_.reset(scene_, options_.mesh_budget_bytes, options_.max_mesh_bytes);
     predictor_ = Predictor(std::max(50.0, 0.5 * scene_.bounds_radius));
     if (sink_.scene) sink_.scene(scene_);
@@ -120,6 +121,10 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   if (!decoded) return decoded.error();
   const ObjectDescription& object = scene_.objects[ask->object];
   const Capture capture(ask->need.cell, ask->need.distance, object.radius, tile->edge);
+  if (!is_picture(tile->channels)) {
+    take_shadow(*ask, capture, tile.take());
+    return {};
+  }
   const TilePixels pixels{std::move(tile->rgba), std::move(tile->surface)};
   const TileRecordPtr record = cache_.insert(ask->need.instance, scene_, capture, tile.take(),
                                              frame_, now_us, ask->need.light, ask->need.phase);
@@ -145,6 +150,15 @@ Result<void> ClientSession::finish_asset(std::uint32_t request_id, const AssetId
   return make_error(ErrorId::kWireValue, "geometry or an image that was not asked for");
 }
 
+void ClientSession::take_shadow(const PendingAsk& ask, const Capture& capture, Tile tile) {
+  const ShadowRecordPtr record = shadows_.insert(ask.need, ask.object, capture, tile.crop, frame_);
+  if (!record) return;
+  ++drawn_;
+  const bool caster = tile.channels == kCasterTile;
+  const auto& sink = caster ? sink_.caster : sink_.shadow;
+  if (sink) sink(*record, caster ? tile.depth : tile.shadow);
+}
+
 Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes,
                                       std::int64_t now_us) {
   const AssetId id{AssetId::Kind::kMesh, reply.object, reply.lod};
@@ -159,6 +173,7 @@ Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes
   if (!raw) return raw.error();
   Result<ObjectModel> model = decode_model(raw->data(), raw->size(), scene_.images.size());
   if (!model) return model.error();
+  shadows_.assets_changed();
   meshes_.add_mesh(reply.object, reply.lod, *model, now_us);
   if (sink_.mesh) sink_.mesh(reply.object, reply.lod, model.take());
   return {};
@@ -173,6 +188,7 @@ Result<void> ClientSession::take_image(const wire::ImageReplyT& reply, const Byt
   Result<Image> image = decode_image(bytes.data(), bytes.size(),
                                      image_level_size(description, reply.level), description.srgb);
   if (!image) return image.error();
+  shadows_.assets_changed();
   meshes_.add_image(scene_, reply.image, reply.level, bytes.size(), now_us);
   if (sink_.image) sink_.image(reply.image, *image);
   return {};
@@ -216,6 +232,7 @@ void ClientSession::set_lighting(const Lighting& lighting, std::int64_t now_us) 
   const std::uint32_t before = lights.current().serial;
   const std::uint32_t latest = lights.latest_serial();
   cache_.relight(lighting_, now_us);
+  shadows_.relight(now_us);
   light_changed_ = light_changed_ || lights.current().serial != before;
   if (lights.latest_serial() != latest) relight_.new_light(now_us);
 }
@@ -274,6 +291,8 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us,
   input.now_us = now_us;
   DrawList list = selector_.select(input);
   meshes_.choose(scene_, camera, input.tau_px, frame_, now_us, list.meshes);
+  const bool shadows = scene_.shadows && options_.shadows;
+  if (shadows) shadows_.shade(input, lighting_, meshes_, list);
   for (const std::weak_ptr<TileRecord>& tile : undrawn_) {
     const TileRecordPtr record = tile.lock();
     if (!record || !record->shown) continue;
@@ -295,8 +314,10 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us,
     if (sink_.drop) sink_.drop(gone);
   }
   if (!link_.connected()) return list;
+  std::vector<TileNeed> tiles = selector_.needs(input);
+  if (shadows) shadows_.add_needs(input, lighting_, list, tiles);
   std::optional<wire::RequestBatchT> batch =
-      scheduler_.plan(scene_, selector_.needs(input), meshes, lighting_id_, now_us);
+      scheduler_.plan(scene_, tiles, meshes, lighting_id_, now_us);
   if (batch) link_.send(encode_message(std::move(*batch)));
   return list;
 }

@@ -18,6 +18,7 @@
 #include "client/core/scene_view.h"
 #include "client/core/scheduler.h"
 #include "client/core/selector.h"
+#include "client/core/shadow_stage.h"
 #include "client/core/tau_controller.h"
 #include "protocol/model_codec.h"
 
@@ -37,6 +38,7 @@ struct ClientOptions {
   std::size_t max_mesh_bytes = 64u << 20;      ///< of one reply, decompressed
   std::size_t mesh_budget_bytes = 256u << 20;  ///< graphics memory for geometry and its images
   bool trace = false;                          ///< keep every tile's life
+  bool shadows = true;                         ///< the sun's, if the server has them
   bool animation = true;                       ///< false: every clip stands at its beginning
 };
 
@@ -50,6 +52,7 @@ struct ReferenceFrame {
 /// Where decoded pixels and meshes go; the frame renderer implements it.
 struct TileSink {
   std::function<void(const TileRecord&, const TilePixels&)> tile;
+  std::function<void(const ShadowRecord&, const std::vector<std::uint8_t>&)> shadow, caster;
   std::function<void(std::uint32_t object, std::uint8_t lod, ObjectModel)> mesh;
   std::function<void(std::uint32_t index, const Image&)> image;
   std::function<void(const AssetId&)> drop;  ///< an image that goes shows its mean colour again
@@ -110,6 +113,7 @@ class ClientSession {
   Result<void> take_tile(const wire::TileReplyT& reply, const Bytes& planes, std::int64_t now_us);
   Result<void> finish_asset(std::uint32_t request_id, const AssetId& id, std::size_t bytes,
                             std::int64_t now_us);
+  void take_shadow(const PendingAsk& ask, const Capture& capture, Tile tile);
   Result<void> take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes, std::int64_t now_us);
   Result<void> take_image(const wire::ImageReplyT& reply, const Bytes& bytes, std::int64_t now_us);
   Result<void> take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes);
@@ -130,6 +134,7 @@ class ClientSession {
   RelightPolicy relight_;
   Predictor predictor_{50};
   Selector selector_;
+  ShadowStage shadows_;
   Scheduler scheduler_;
   TauController tau_;
   double frame_ms_ = 0;

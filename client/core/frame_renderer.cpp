@@ -26,7 +26,10 @@ Result<FrameRenderer> FrameRenderer::create(int atlas_edge, int atlas_layers) {
   if (!impostors) return impostors.error();
   Result<gl::SkyPass> sky = gl::SkyPass::create();
   if (!sky) return sky.error();
+  Result<CasterPass> casters = CasterPass::create();
+  if (!casters) return casters.error();
   FrameRenderer out;
+  out.casters_ = casters.take();
   out.impostors_ = impostors.take();
   out.sky_ = std::move(*sky);
   out.mesh_pass_->sharpen(kSharpenLevels);
@@ -35,6 +38,7 @@ Result<FrameRenderer> FrameRenderer::create(int atlas_edge, int atlas_layers) {
 
 Result<void> FrameRenderer::reset(const SceneView& scene) {
   meshes_.clear();
+  in_map_.reset();
   images_ = gl::GpuImages();
   mesh_pass_->set_fog(scene.environment.horizon, scene.environment.fog_density);
   for (std::uint32_t i = 0; i < scene.images.size(); ++i) show_mean(scene, i);
@@ -85,15 +89,13 @@ void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, co
                                 const Lighting& lighting, bool blended) {
   if (list.meshes.empty()) return;
   mesh_pass_->begin(camera.clip_from_relative(), gl::light_block(lighting, camera.pose.eye));
+  mesh_pass_->set_shadow(list.casters && in_map_ ? &shadow_map_ : nullptr, camera.pose.eye);
   std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<gl::MeshInstance>> by_mesh;
   std::vector<std::pair<std::uint32_t, std::uint8_t>> order;
   for (const DrawnMesh& drawn : in_drawing_order(list.meshes, camera, scene, blended)) {
     const InstanceView& instance = scene.instances[drawn.instance];
-    const Similarity& m = instance.world_from_object;
-    gl::MeshInstance data;
-    data.rotation = {m.rotation.x, m.rotation.y, m.rotation.z, m.rotation.w};
-    data.position_scale = glm::vec4(glm::vec3(m.position - camera.pose.eye), m.scale);
-    data.id = drawn.instance;
+    gl::MeshInstance data =
+        gl::mesh_instance(instance.world_from_object, camera.pose.eye, drawn.instance);
     data.fade = drawn.fade;
     std::vector<gl::MeshInstance>& instances = by_mesh[{instance.object, drawn.lod}];
     if (instances.empty()) order.emplace_back(instance.object, drawn.lod);
@@ -116,10 +118,34 @@ void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, co
   mesh_pass_->end();
 }
 
+void FrameRenderer::draw_shadow_map(const SceneView& scene, const CasterListPtr& casters) {
+  if (!casters || casters == in_map_) return;
+  if (shadow_map_.edge() == 0) {
+    Result<gl::ShadowMap> map = gl::ShadowMap::create(kShadowMapEdge);
+    if (!map) return;  // drawn without shadows
+    shadow_map_ = map.take();
+  }
+  const SunFrame& frame = casters->frame;
+  shadow_map_.begin(frame);
+  caster_meshes_->begin(frame.clip_from_relative(frame.center), {});
+  for (const DrawnMesh& drawn : casters->meshes) {
+    const InstanceView& instance = scene.instances[drawn.instance];
+    const auto found = meshes_.find({instance.object, drawn.lod});
+    if (found == meshes_.end()) continue;
+    const gl::MeshInstance one =
+        gl::mesh_instance(instance.world_from_object, frame.center, drawn.instance);
+    caster_meshes_->draw(found->second.mesh, found->second.materials, images_, &one, 1, false);
+  }
+  caster_meshes_->end();
+  casters_.draw(scene, *casters, shadow_atlas_.texture());
+  in_map_ = casters;
+}
+
 void FrameRenderer::draw(const FrameTarget& target, const Camera& camera, const SceneView& scene,
                          const DrawList& list, const Lighting& lighting) {
   impostors_.reset_draw_calls();
   mesh_pass_->reset_draw_calls();
+  draw_shadow_map(scene, list.casters);
   target.bind();
   glEnable(GL_FRAMEBUFFER_SRGB);
   glDepthMask(GL_TRUE);
@@ -127,13 +153,14 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& camera, const 
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   sky_.draw(camera, scene.environment);
   draw_meshes(camera, scene, list, lighting, false);
-  impostors_.draw(camera, scene, list, lighting);
+  impostors_.draw(camera, scene, list, lighting, shadow_atlas_.texture());
   draw_meshes(camera, scene, list, lighting, true);
   draw_calls_ = 1 + impostors_.draw_calls() + mesh_pass_->draw_calls();
 }
 
 std::size_t FrameRenderer::gpu_bytes() const {
-  std::size_t bytes = impostors_.gpu_bytes() + images_.gpu_bytes();
+  std::size_t bytes = impostors_.gpu_bytes() + images_.gpu_bytes() + shadow_atlas_.gpu_bytes() +
+                      shadow_map_.gpu_bytes();
   for (const auto& [id, mesh] : meshes_) bytes += mesh.mesh.gpu_bytes();
   return bytes;
 }

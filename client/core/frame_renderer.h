@@ -5,8 +5,10 @@
 #include <map>
 #include <memory>
 
+#include "client/core/caster_pass.h"
 #include "client/core/frame_target.h"
 #include "client/core/impostor_pass.h"
+#include "client/core/shadow_atlas.h"
 #include "protocol/model_codec.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/sky_pass.h"
@@ -21,6 +23,12 @@ class FrameRenderer {
   Result<void> reset(const SceneView& scene);
   void upload(const TileRecord& record, const TilePixels& pixels) {
     impostors_.upload(record, pixels);
+  }
+  void upload_shadow(const ShadowRecord& record, const std::vector<std::uint8_t>& shares) {
+    shadow_atlas_.upload_shadow(record, shares);
+  }
+  void upload_caster(const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
+    shadow_atlas_.upload_caster(record, codes);
   }
   /// Error kGraphicsShader: it cannot be drawn as it should.
   Result<void> add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model);
@@ -44,6 +52,7 @@ class FrameRenderer {
   };
   void show_mean(const SceneView& scene, std::uint32_t image);
   void pose(ClientMesh& mesh, const InstanceView& instance, double time_s);
+  void draw_shadow_map(const SceneView& scene, const CasterListPtr& casters);
   void draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
                    const Lighting& lighting, bool blended);
 
@@ -53,6 +62,12 @@ class FrameRenderer {
   std::map<std::pair<std::uint32_t, std::uint8_t>, ClientMesh> meshes_;  ///< by object and level
   gl::GpuImages images_;                                                 ///< of the scene
   std::vector<Vertex> posed_;                                            ///< scratch
+  ShadowAtlas shadow_atlas_;
+  CasterPass casters_;
+  std::unique_ptr<gl::MeshPass> caster_meshes_ =
+      std::make_unique<gl::MeshPass>(gl::MeshOutput::kDepth);
+  gl::ShadowMap shadow_map_;  ///< made when first needed
+  CasterListPtr in_map_;      ///< what the map shows
   int draw_calls_ = 0;
 };
 

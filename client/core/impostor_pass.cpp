@@ -7,12 +7,14 @@
 namespace mirage {
 namespace {
 
-/// Per-instance attributes of impostor.vert, locations 2 to 11.
+/// Per-instance attributes of impostor.vert, locations 2 to 11 and 13 to 15.
 struct ImpostorInstance {
   glm::vec4 rotation, center_scale, right_distance, up_plane, window, atlas, depth, box_min,
       box_max, center;
+  WornShadow shadow;
 };
-static_assert(sizeof(ImpostorInstance) == 160);
+static_assert(sizeof(ImpostorInstance) == 208);
+constexpr GLuint kParallaxLocation = 12;  // of the proxy's vertices, among those of instances
 
 /// A tile fading in lies on top of the one it replaces.
 constexpr float kFadeBias = 0.002f;
@@ -47,6 +49,7 @@ ImpostorInstance instance_data(const DrawnImpostor& drawn, const Camera& camera,
   const double slack = tile.depth_code.quantum() + capture.texel_width(tile.measure.depth_max);
   out.box_max = glm::vec4(object.box_max, slack);
   out.center = glm::vec4(object.center, tile.measure.depth_min);
+  out.shadow = worn_shadow(drawn);
   return out;
 }
 
@@ -63,9 +66,10 @@ const MethodShader kShaders[] = {
 
 }  // namespace
 
-Result<void> ImpostorPass::make_programs(bool fog) {
-  const auto make = [fog](const char* name, std::vector<std::string> defines) {
+Result<void> ImpostorPass::make_programs(bool fog, bool shadows) {
+  const auto make = [fog, shadows](const char* name, std::vector<std::string> defines) {
     if (fog) defines.emplace_back("FOG");
+    if (shadows && std::string(name) != "placeholder") defines.emplace_back("SHADOW");
     const std::string file = std::string("impostor/") + name;
     return gl::Program::create(file + ".vert", file + ".frag", defines);
   };
@@ -90,12 +94,13 @@ Result<void> ImpostorPass::make_programs(bool fog) {
   merged_ = merged.take();
   placeholder_ = placeholder.take();
   with_fog_ = fog;
+  with_shadows_ = shadows;
   return {};
 }
 
 Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers) {
   ImpostorPass pass;
-  if (Result<void> made = pass.make_programs(false); !made) return made.error();
+  if (Result<void> made = pass.make_programs(false, false); !made) return made.error();
   Result<ImpostorAtlas> atlas = ImpostorAtlas::create(atlas_edge, atlas_layers);
   if (!atlas) return atlas.error();
   pass.atlas_ = atlas.take();
@@ -145,7 +150,8 @@ Result<void> ImpostorPass::reset(const SceneView& scene) {
   fog_color_ = scene.environment.horizon;
   fog_density_ = scene.environment.fog_density;
   const bool fog = fog_density_ > 0;
-  return fog == with_fog_ ? Result<void>{} : make_programs(fog);
+  const bool made = fog == with_fog_ && scene.shadows == with_shadows_;
+  return made ? Result<void>{} : make_programs(fog, scene.shadows);
 }
 
 template <typename InstanceT>
@@ -157,9 +163,10 @@ void ImpostorPass::draw_instances(const Proxy& proxy, const std::vector<Instance
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(instances.size() * sizeof(InstanceT)),
                instances.data(), GL_STREAM_DRAW);
   for (GLuint i = 0; i < sizeof(InstanceT) / sizeof(glm::vec4); ++i) {
-    glEnableVertexAttribArray(2 + i);
-    glVertexAttribDivisor(2 + i, 1);
-    glVertexAttribPointer(2 + i, 4, GL_FLOAT, GL_FALSE, sizeof(InstanceT),
+    const GLuint location = 2 + i < kParallaxLocation ? 2 + i : 3 + i;
+    glEnableVertexAttribArray(location);
+    glVertexAttribDivisor(location, 1);
+    glVertexAttribPointer(location, 4, GL_FLOAT, GL_FALSE, sizeof(InstanceT),
                           reinterpret_cast<const void*>(i * sizeof(glm::vec4)));
   }
   (cull ? glEnable : glDisable)(GL_CULL_FACE);
@@ -179,6 +186,12 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool re
   program.set("u_depth", 1);
   program.set("u_tiles", 2);
   atlas_.bind(relit);
+  if (with_shadows_) {
+    program.set("u_shadow", 4);
+    program.set("u_shadow_tint", shadow_tint_);
+    glActiveTexture(GL_TEXTURE4);
+    glBindTexture(GL_TEXTURE_2D_ARRAY, shadow_atlas_);
+  }
   if (!relit) return;
   program.set("u_surface", 3);
   program.set("u_ambient", lights_.ambient);
@@ -275,7 +288,9 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
 }
 
 void ImpostorPass::draw(const Camera& camera, const SceneView& scene, const DrawList& list,
-                        const Lighting& lighting) {
+                        const Lighting& lighting, GLuint shadow_atlas) {
+  shadow_atlas_ = shadow_atlas;
+  shadow_tint_ = shadow_tint(lighting);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
   glDisable(GL_BLEND);

@@ -21,12 +21,13 @@ class ImpostorPass {
   /// Error kGraphicsShader, kGraphicsGl (atlas too large).
   static Result<ImpostorPass> create(int atlas_edge, int atlas_layers);
 
-  /// Proxies of a new scene, and programs with or without its fog. Error kGraphicsShader: those
-  /// there were stay.
+  /// Proxies of a new scene, and programs with or without its fog and shadows. Error
+  /// kGraphicsShader: those there were stay.
   Result<void> reset(const SceneView& scene);
   void upload(const TileRecord& record, const TilePixels& pixels) { atlas_.upload(record, pixels); }
+  /// `shadow_atlas`: of ShadowAtlas, 0 when no impostor wears a shadow.
   void draw(const Camera& camera, const SceneView& scene, const DrawList& list,
-            const Lighting& lighting);
+            const Lighting& lighting, GLuint shadow_atlas);
 
   int draw_calls() const { return draw_calls_; }
   void reset_draw_calls() { draw_calls_ = 0; }
@@ -38,7 +39,7 @@ class ImpostorPass {
     gl::Buffer vertices;
     int vertex_count = 0;
   };
-  Result<void> make_programs(bool fog);
+  Result<void> make_programs(bool fog, bool shadows);
   static Proxy make_proxy(const std::vector<ProxyVertex>& triangles);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
@@ -60,8 +61,10 @@ class ImpostorPass {
   Proxy quad_;
   Proxy cube_;
   std::vector<Proxy> hulls_;
-  gl::LightBlock lights_;  ///< of the frame
-  bool with_fog_ = false;  ///< what the programs were made for
+  gl::LightBlock lights_;                         ///< of the frame
+  bool with_fog_ = false, with_shadows_ = false;  ///< what the programs were made for
+  GLuint shadow_atlas_ = 0;
+  glm::vec3 shadow_tint_{1};
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;
   std::vector<Proxy> warp_proxies_;

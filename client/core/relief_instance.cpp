@@ -95,6 +95,7 @@ ReliefInstance relief_instance(const DrawnImpostor& drawn, const Camera& camera,
   out.slack = {drawn.fade < 1 ? kFadeBias : 0.0f, slack, 0, 0};
   out.box_min = glm::vec4(object.box_min - object.center, static_cast<float>(row));
   out.box_max = glm::vec4(object.box_max - object.center, 0);
+  out.shadow = worn_shadow(drawn, q);
   return out;
 }
 

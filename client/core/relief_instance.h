@@ -6,15 +6,17 @@
 #include <vector>
 
 #include "client/core/selector.h"
+#include "client/core/worn_shadow.h"
 
 namespace mirage {
 
-/// Attributes 2 to 11 of relief.vert.
+/// Attributes 2 to 11 and 13 to 15 of relief.vert.
 struct ReliefInstance {
   glm::vec4 rotation, center_scale, right_distance, up_texels, window, place, range, slack, box_min,
       box_max;
+  WornShadow shadow;
 };
-static_assert(sizeof(ReliefInstance) == 160);
+static_assert(sizeof(ReliefInstance) == 208);
 
 inline constexpr int kReliefTiles = 3;
 inline constexpr int kReliefTexelsPerTile = 8;

@@ -28,6 +28,7 @@ Result<void> SceneView::accept(const wire::WelcomeT& w) {
   home = {from_wire(*w.home_eye), from_wire(*w.home_target), w.walk_radius_m, w.walk_speed_mps};
   geometry = w.geometry;
   reference = w.reference;
+  shadows = w.shadows;
   return {};
 }
 

@@ -56,6 +56,7 @@ class SceneView {
   HomeView home;
   bool geometry = false;
   bool reference = false;
+  bool shadows = false;  ///< the sun's are in references, and their tiles may be asked for
   std::vector<ImageDescription> images;
   std::vector<ObjectDescription> objects;
   std::vector<InstanceView> instances;

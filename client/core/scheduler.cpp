@@ -23,7 +23,10 @@ constexpr double kWindowGain = 2.0;            // finds a faster link by asking 
 constexpr std::uint64_t kCreditAhead = 64u << 20;
 
 // Bytes against those of a lit tile: measured 1.1 (knot) to 2.0 (flight helmet).
-double share_of_lit(const TileNeed& need) { return need.channels == kRelitTile ? 1.6 : 1.0; }
+double share_of_lit(const TileNeed& need) {
+  if (!is_picture(need.channels)) return 0.3;
+  return need.channels == kRelitTile ? 1.6 : 1.0;
+}
 
 }  // namespace
 

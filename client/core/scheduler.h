@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <tuple>
 #include <vector>
 
 #include "client/core/selector.h"
@@ -74,9 +75,12 @@ class Scheduler {
     /// compresses to says little about the next object.
     double expected_bytes = 0;
   };
-  /// One ask at a time per instance, and per phase of a moving one: phases are asked for ahead.
-  using Wanted = std::pair<std::uint32_t, Phase>;
-  static Wanted wanted(const TileNeed& need) { return {need.instance, need.phase}; }
+  /// One ask at a time per instance for a picture, for its shadow and for its object as a caster,
+  /// and per phase of a moving one: phases are asked for ahead.
+  using Wanted = std::tuple<std::uint32_t, Phase, std::uint8_t>;
+  static Wanted wanted(const TileNeed& need) {
+    return {need.instance, need.phase, is_picture(need.channels) ? kLitTile : need.channels};
+  }
   /// Neither under way nor refused a moment ago.
   bool may_ask(const TileNeed& need, std::int64_t now_us) const;
   bool may_ask(const AssetNeed& need, std::int64_t now_us) const;

@@ -13,7 +13,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/core/mesh_cache.h"
+#include "client/core/caster_list.h"
 #include "client/core/tile_fit.h"
 #include "client/core/tile_need.h"
 
@@ -31,6 +31,8 @@ struct DrawnImpostor {
   std::array<TileRecordPtr, 2> neighbours{};
   /// For how long the light it shows has been past; 0: shown right, or within tau of it.
   std::int64_t light_lag_us = 0;
+  /// What the sun's shadows take away; null: drawn without.
+  ShadowRecordPtr shadow{};
 };
 
 /// An instance that has no tile yet: its proxy in its mean colour.
@@ -48,6 +50,7 @@ struct DrawList {
   /// the importance the scene gives.
   std::size_t over_tau = 0;
   double time_s = 0;  ///< of the animation
+  CasterListPtr casters;  ///< of the shadows on geometry; null: there are none
 };
 
 /// Default swap distance to geometry, in radii; ARCHITECTURE.md has the figures it was chosen by.

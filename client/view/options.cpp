@@ -126,6 +126,9 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_option("--animation", o.animation, "off: everything stands at the start of its clip")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
+  app.add_option("--shadows", o.shadows, "off: without shadows, also when the server has them")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
   app.add_option("--mesh-radii", o.mesh_radii,
                  "swap distance: objects nearer than this many radii are drawn as geometry")
       ->check(number_within(0.0, 1000.0))

@@ -37,6 +37,7 @@ struct ViewOptions {
   std::string stats_file;
   std::string trace_file;
   std::string animation = "on";
+  std::string shadows = "on";
   std::string token_file;
   std::string token;
   std::string device = "auto";

@@ -112,6 +112,7 @@ void Viewer::open_session() {
   options.mesh_budget_bytes = static_cast<std::size_t>(o_.mesh_mb) * 1024 * 1024;
   options.relight = o_.relight;
   options.token = o_.token;
+  options.shadows = o_.shadows == "on";
   options.animation = o_.animation == "on";
   options.trace = !o_.trace_file.empty();
   // Measured: a pixel of marching costs a CPU rasteriser some 0.3 us, a GPU next to nothing.
@@ -121,6 +122,12 @@ void Viewer::open_session() {
   TileSink sink;
   sink.tile = [this](const TileRecord& record, const TilePixels& pixels) {
     renderer_->upload(record, pixels);
+  };
+  sink.shadow = [this](const ShadowRecord& record, const std::vector<std::uint8_t>& shares) {
+    renderer_->upload_shadow(record, shares);
+  };
+  sink.caster = [this](const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
+    renderer_->upload_caster(record, codes);
   };
   sink.mesh = [this](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
     const Result<void> added = renderer_->add_mesh(object, lod, std::move(model));

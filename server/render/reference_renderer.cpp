@@ -7,16 +7,6 @@
 namespace mirage {
 namespace {
 
-gl::MeshInstance mesh_instance(const Instance& instance, std::uint32_t index,
-                               const glm::dvec3& eye) {
-  const Similarity& m = instance.world_from_object;
-  gl::MeshInstance out;
-  out.rotation = {m.rotation.x, m.rotation.y, m.rotation.z, m.rotation.w};
-  out.position_scale = glm::vec4(glm::vec3(m.position - eye), m.scale);
-  out.id = index;
-  return out;
-}
-
 glm::dvec3 center_relative(const Instance& instance, const ObjectDescription& object,
                            const glm::dvec3& eye) {
   const Similarity& m = instance.world_from_object;
@@ -45,8 +35,9 @@ ReferenceRenderer::ReferenceRenderer(const GpuScene& scene)
   }
 }
 
-Result<ReferenceRenderer> ReferenceRenderer::create(const GpuScene& scene) {
+Result<ReferenceRenderer> ReferenceRenderer::create(const GpuScene& scene, SceneShadow* shadow) {
   ReferenceRenderer out(scene);
+  out.shadow_ = shadow;
   Result<gl::SkyPass> sky = gl::SkyPass::create();
   if (!sky) return sky.error();
   out.sky_ = std::move(*sky);
@@ -72,7 +63,7 @@ void ReferenceRenderer::draw_scene(const Camera& camera, const Lighting& lightin
       const double radius =
           double{prepared.objects[object].radius} * instance.world_from_object.scale;
       if (camera.may_see(center_relative(instance, prepared.objects[object], eye), radius)) {
-        visible.push_back(mesh_instance(instance, i, eye));
+        visible.push_back(gl::mesh_instance(instance.world_from_object, eye, i));
       }
     }
     if (visible.empty()) continue;
@@ -100,7 +91,7 @@ void ReferenceRenderer::draw_blended(const Camera& camera) {
   std::sort(blended.begin(), blended.end());
   for (const auto& [order, i] : blended) {
     const Instance& instance = prepared.scene.instances[i];
-    const gl::MeshInstance one = mesh_instance(instance, i, camera.pose.eye);
+    const gl::MeshInstance one = gl::mesh_instance(instance.world_from_object, camera.pose.eye, i);
     draw_moving(one, true);
   }
 }
@@ -115,6 +106,7 @@ void ReferenceRenderer::draw_moving(const gl::MeshInstance& one, bool blended) {
 
 Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
   const auto start = std::chrono::steady_clock::now();
+  meshes_->set_shadow(shadow_ ? shadow_->map_for(job.lighting) : nullptr, job.camera.pose.eye);
   const int w = static_cast<int>(job.camera.width), h = static_cast<int>(job.camera.height);
   const int s = static_cast<int>(job.supersample);
   gl::RenderTarget big(w * s, h * s, {GL_SRGB8_ALPHA8, GL_R32UI}, GL_DEPTH_COMPONENT32F);

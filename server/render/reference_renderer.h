@@ -3,6 +3,7 @@
 
 #include "protocol/camera.h"
 #include "server/render/gpu_scene.h"
+#include "server/render/scene_shadow.h"
 #include "server/tile_job.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/render_target.h"
@@ -12,7 +13,8 @@ namespace mirage {
 
 class ReferenceRenderer {
  public:
-  static Result<ReferenceRenderer> create(const GpuScene& scene);
+  /// `shadow`, which must live as long, gives the sun's shadows; nullptr: there are none.
+  static Result<ReferenceRenderer> create(const GpuScene& scene, SceneShadow* shadow = nullptr);
 
   /// Whole reply message: RGBA8 (sRGB, alpha = coverage by objects), then eye depth (float, m, 0 =
   /// none), then instance + 1 (u32, 0 = none), each width x height, top row first, zstd.
@@ -27,6 +29,7 @@ class ReferenceRenderer {
   void draw_moving(const gl::MeshInstance& instance, bool blended);
 
   const GpuScene* scene_;
+  SceneShadow* shadow_ = nullptr;
   std::vector<std::vector<std::uint32_t>> instances_of_object_;
   std::unique_ptr<gl::MeshPass> meshes_;
   gl::SkyPass sky_;

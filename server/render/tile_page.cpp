@@ -27,23 +27,43 @@ glm::mat4 capture_projection(const Capture& capture) {
 
 }  // namespace
 
-Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int supersample) {
+Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int supersample,
+                                                  SceneShadow* shadow) {
   TilePageRenderer out(scene, supersample);
-  for (const bool relit : {false, true}) {
-    Result<gl::Program> program =
-        gl::Program::create("common/fullscreen.vert", "tile/resolve_tile.frag",
-                            relit ? std::vector<std::string>{"RELIT"} : std::vector<std::string>{});
-    if (!program) return program.error();
-    Path& path = relit ? out.relit_ : out.lit_;
-    path.resolve = program.take();
-    path.meshes =
-        std::make_unique<gl::MeshPass>(relit ? gl::MeshOutput::kSurface : gl::MeshOutput::kColor);
+  out.shadow_map_ = shadow;
+  const auto resolve = [](std::vector<std::string> defines) {
+    return gl::Program::create("common/fullscreen.vert", "tile/resolve_tile.frag", defines);
+  };
+  Result<gl::Program> lit = resolve({}), relit = resolve({"RELIT"}), darkened = resolve({"SHADOW"});
+  Result<gl::Program> caster = resolve({"CASTER"});
+  for (const Result<gl::Program>* program : {&lit, &relit, &darkened, &caster}) {
+    if (!*program) return program->error();
   }
+  out.lit_.resolve = lit.take();
+  out.relit_.resolve = relit.take();
+  out.shadow_.resolve = darkened.take();
+  out.caster_ = caster.take();
+  out.lit_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);
+  out.relit_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kSurface);
+  out.shadow_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kShadow);
   out.empty_vao_ = gl::VertexArray::create();
   return out;
 }
 
+TilePageRenderer::Path& TilePageRenderer::path_of(const TileJob& job) {
+  if (job.key.channels == kShadowTile) return shadow_;
+  return job.key.channels == kRelitTile ? relit_ : lit_;
+}
+
 Result<void> TilePageRenderer::warm_up() {
+  const Lighting& light = scene_->prepared->scene.lighting;
+  if (const gl::ShadowMap* map = shadow_map_ ? shadow_map_->map_for(light) : nullptr) {
+    shadow_.meshes->set_shadow(map, {});
+    for (const gl::GpuMesh& mesh : scene_->meshes) {
+      Result<void> compiled = shadow_.meshes->warm_up(mesh, scene_->materials(), false);
+      if (!compiled) return compiled;
+    }
+  }
   for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
     for (Path* path : {&lit_, &relit_}) {
       if (path == &relit_ && !can_relight(scene_->prepared->objects[i].needs)) continue;
@@ -82,9 +102,11 @@ bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
     drawn.insert(drawn.end(), {GL_RGBA16F, GL_RGBA8});
     page.push_back(GL_RGBA8);
   }
+  if (&path == &shadow_) drawn = {GL_RGBA16F, GL_RGBA16F};
   if (!path.supersampled.ok() || path.supersampled.width() < big) {
     path.supersampled = gl::RenderTarget(big, big, drawn, GL_DEPTH_COMPONENT32F);
   }
+  if (&path == &shadow_) return path.supersampled.ok();
   if (!path.page.ok() || path.page.width() != page_edge) {
     path.page = gl::RenderTarget(page_edge, page_edge, page, 0);
   }
@@ -96,11 +118,32 @@ Capture TilePageRenderer::capture_of(const TileJob& job) const {
                  tile_edge(job.key.size_class));
 }
 
+TilePageRenderer::Stage TilePageRenderer::stage(const TileJob& job, const Capture& capture) const {
+  const ObjectDescription& object = scene_->prepared->objects[job.key.object];
+  Stage out;
+  out.eye = glm::dvec3(object.center) + capture.eye();
+  out.clip_from_relative = capture_projection(capture);
+  if (job.key.channels != kShadowTile) {
+    out.lights = gl::light_block(job.lighting, glm::vec3(out.eye));
+    return out;
+  }
+  out.placed = scene_->prepared->instance(job.key.instance - 1).world_from_object;
+  const glm::dquat rotation(out.placed.rotation);
+  const double scale = out.placed.scale;
+  out.eye = out.placed.position + rotation * (scale * out.eye);
+  const glm::dmat4 object_from_world(glm::mat3_cast(glm::conjugate(rotation)) / scale);
+  out.clip_from_relative = out.clip_from_relative * glm::mat4(object_from_world);
+  out.lights = gl::light_block(job.world, out.eye);
+  return out;
+}
+
 void TilePageRenderer::draw_tile(const TileJob& job) {
   const ObjectDescription& object = scene_->prepared->objects[job.key.object];
   const Capture capture = capture_of(job);
   const int edge = static_cast<int>(capture.edge) * samples(job);
+  const Stage at = stage(job, capture);
   Path& path = path_of(job);
+  if (&path == &shadow_) path.meshes->set_shadow(shadow_map_->map_for(job.world), at.eye);
   path.supersampled.bind();
   glViewport(0, 0, edge, edge);
   glScissor(0, 0, edge, edge);
@@ -108,14 +151,13 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   glDepthMask(GL_TRUE);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  const glm::dvec3 eye = glm::dvec3(object.center) + capture.eye();
   path.meshes->set_stroke(static_cast<float>(samples(job)));
-  path.meshes->begin(capture_projection(capture), gl::light_block(job.lighting, glm::vec3(eye)));
+  path.meshes->begin(at.clip_from_relative, at.lights);
   if (const InstanceGroup* group = scene_->prepared->group(job.key.object)) {
-    draw_group(*path.meshes, *group, capture, eye);
+    const bool world = &path == &shadow_;
+    draw_group(*path.meshes, *group, capture, world ? at.eye : group->center + at.eye);
   } else {
-    gl::MeshInstance instance;
-    instance.position_scale = glm::vec4(glm::vec3(-eye), 1.0f);
+    const gl::MeshInstance instance = gl::mesh_instance(at.placed, at.eye, 0);
     const double clip_time = phase_time(static_cast<Phase>(job.key.phase), object.motion.clip_s);
     const gl::GpuMesh& mesh = object.motion.moving()
                                   ? scene_->posed_mesh(job.key.object, clip_time)
@@ -137,14 +179,11 @@ void TilePageRenderer::draw_group(gl::MeshPass& meshes, const InstanceGroup& gro
   std::vector<Batch> batches;  // in the order of the instances: the same every time
   for (const std::uint32_t i : group.leaves) {
     const Similarity& m = instances[i].world_from_object;
-    gl::MeshInstance data;
-    data.rotation = {m.rotation.x, m.rotation.y, m.rotation.z, m.rotation.w};
-    data.position_scale = glm::vec4(glm::vec3(m.position - group.center - eye), m.scale);
     const gl::GpuMesh* mesh = &scene_->mesh_for_group(instances[i].object, m.scale, capture);
     auto at = std::find_if(batches.begin(), batches.end(),
                            [&](const Batch& batch) { return batch.mesh == mesh; });
     if (at == batches.end()) at = batches.insert(batches.end(), Batch{mesh, {}});
-    at->members.push_back(data);
+    at->members.push_back(gl::mesh_instance(m, eye, i));
   }
   for (const Batch& batch : batches) {
     meshes.draw(*batch.mesh, scene_->materials(), scene_->images, batch.members.data(),
@@ -156,23 +195,27 @@ void TilePageRenderer::resolve(const TileJob& job, const gl::RenderTarget& page,
                                PagePacker::Place place) {
   const int edge = static_cast<int>(tile_edge(job.key.size_class));
   Path& path = path_of(job);
+  gl::Program& program = job.key.channels == kCasterTile ? caster_ : path.resolve;
   page.bind();
   glViewport(place.x, place.y, edge, edge);
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_DEPTH_TEST);
-  path.resolve.use();
-  path.resolve.set("u_color", 0);
-  path.resolve.set("u_depth", 1);
-  path.resolve.set("u_factor", samples(job));
-  path.resolve.set("u_origin", glm::ivec2(place.x, place.y));
+  program.use();
+  program.set("u_color", 0);
+  program.set("u_depth", 1);
+  program.set("u_factor", samples(job));
+  program.set("u_origin", glm::ivec2(place.x, place.y));
   std::vector<GLuint> inputs = {path.supersampled.color(0), path.supersampled.depth()};
   if (&path == &relit_) {
     const CaptureBasis basis = capture_of(job).basis;
-    path.resolve.set("u_normal", 2);
-    path.resolve.set("u_material", 3);
-    path.resolve.set("u_right", glm::vec3(basis.right));
-    path.resolve.set("u_up", glm::vec3(basis.up));
+    program.set("u_normal", 2);
+    program.set("u_material", 3);
+    program.set("u_right", glm::vec3(basis.right));
+    program.set("u_up", glm::vec3(basis.up));
     inputs.insert(inputs.end(), {path.supersampled.color(1), path.supersampled.color(2)});
+  } else if (&path == &shadow_) {
+    program.set("u_darkened", 2);
+    inputs.push_back(path.supersampled.color(1));
   }
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
@@ -185,15 +228,21 @@ void TilePageRenderer::resolve(const TileJob& job, const gl::RenderTarget& page,
 
 const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& jobs,
                                                  const PagePacker& packer) {
-  int largest = 0, largest_relit = 0;
-  for (const TileJob& job : jobs) {
-    int& of_kind = &path_of(job) == &relit_ ? largest_relit : largest;
-    of_kind = std::max(of_kind, static_cast<int>(tile_edge(job.key.size_class)) * samples(job));
-  }
-  const int edge = packer.page_edge();
-  if (largest > 0 && !prepare_targets(lit_, edge, largest)) return nullptr;
-  if (largest_relit > 0 && !prepare_targets(relit_, edge, largest_relit)) return nullptr;
-  const gl::RenderTarget& page = largest_relit > 0 ? relit_.page : lit_.page;
+  const auto largest = [&](const Path& path) {  // supersampled, 0: none of this kind
+    int edge = 0;
+    for (const TileJob& job : jobs) {
+      if (&path_of(job) != &path) continue;
+      edge = std::max(edge, static_cast<int>(tile_edge(job.key.size_class)) * samples(job));
+    }
+    return edge;
+  };
+  const int edge = packer.page_edge(), relit = largest(relit_), darkened = largest(shadow_);
+  // Shadow tiles have no page of their own.
+  const int lit = relit > 0 ? largest(lit_) : std::max(largest(lit_), 1);
+  if (lit > 0 && !prepare_targets(lit_, edge, lit)) return nullptr;
+  if (relit > 0 && !prepare_targets(relit_, edge, relit)) return nullptr;
+  if (darkened > 0 && !prepare_targets(shadow_, edge, darkened)) return nullptr;
+  const gl::RenderTarget& page = relit > 0 ? relit_.page : lit_.page;
   glEnable(GL_FRAMEBUFFER_SRGB);
   glEnable(GL_DEPTH_CLAMP);
   // Same object and light together: fewer state changes between tiles.
@@ -201,6 +250,9 @@ const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& job
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     const TileKey &ka = jobs[a].key, &kb = jobs[b].key;
+    const bool da = ka.channels == kShadowTile, db = kb.channels == kShadowTile;
+    if (da != db) return db;
+    if (da && ka.lighting != kb.lighting) return ka.lighting < kb.lighting;  // a map for each
     return std::tie(ka.object, ka.phase, ka.lighting, a) <
            std::tie(kb.object, kb.phase, kb.lighting, b);
   });

@@ -10,6 +10,7 @@
 
 #include "server/render/gpu_scene.h"
 #include "server/render/page_packer.h"
+#include "server/render/scene_shadow.h"
 #include "server/tile_job.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/program.h"
@@ -19,8 +20,10 @@ namespace mirage {
 
 class TilePageRenderer {
  public:
-  /// `supersample` per axis, at least 3 for alpha-tested objects. Error kGraphicsShader.
-  static Result<TilePageRenderer> create(const GpuScene& scene, int supersample);
+  /// `supersample` per axis, at least 3 for alpha-tested objects. `shadow`, which must live as
+  /// long, is for shadow tiles; nullptr: none will be asked for. Error kGraphicsShader.
+  static Result<TilePageRenderer> create(const GpuScene& scene, int supersample,
+                                         SceneShadow* shadow = nullptr);
 
   /// Compiles every variant of the scene and draws each object once, so that no client pays for
   /// a first use. Error kGraphicsShader.
@@ -41,14 +44,23 @@ class TilePageRenderer {
     gl::RenderTarget supersampled;
     gl::RenderTarget page;
   };
-  Path& path_of(const TileJob& job) { return job.key.channels == kRelitTile ? relit_ : lit_; }
+  Path& path_of(const TileJob& job);
+  /// The object on a target bound for it, as the capture sees it: in its own space, or for a shadow
+  /// tile in the world.
+  struct Stage {
+    glm::mat4 clip_from_relative{1};  ///< of positions relative to the eye
+    glm::dvec3 eye{0};
+    gl::LightBlock lights;
+    Similarity placed;  ///< of the object in the space of `eye`
+  };
+  Stage stage(const TileJob& job, const Capture& capture) const;
   /// Per axis: objects with alpha tests get more than the rest.
   int samples(const TileJob& job) const;
   /// `supersampled_edge` of the largest tile, in samples.
   bool prepare_targets(Path& path, int page_edge, int supersampled_edge);
   Capture capture_of(const TileJob& job) const;
   void draw_tile(const TileJob& job);
-  /// `eye` in the group's space; its members are none of them blended.
+  /// `eye` in the world; the members are none of them blended.
   void draw_group(gl::MeshPass& meshes, const InstanceGroup& group, const Capture& capture,
                   const glm::dvec3& eye);
   /// Into `page`, which has the channels of relit tiles or, for a lit tile, at least its own.
@@ -56,8 +68,11 @@ class TilePageRenderer {
 
   const GpuScene* scene_;
   int supersample_;
+  SceneShadow* shadow_map_ = nullptr;
   Path lit_;
-  Path relit_;  ///< its page has the surface as a third attachment; made when first needed
+  Path relit_;          ///< its page has the surface as a third attachment; made when first needed
+  Path shadow_;         ///< without a page of its own
+  gl::Program caster_;  ///< the lit path's, but for what is kept
   gl::VertexArray empty_vao_;
 };
 

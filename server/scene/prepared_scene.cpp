@@ -64,6 +64,14 @@ std::uint64_t content_hash(const Scene& scene) {
     hash.add(size, sizeof(size));
     hash.add_array(image.rgba);
   }
+  // Groups show where their members are, and neighbours throw shadows.
+  for (const Instance& instance : scene.instances) {
+    const Similarity& m = instance.world_from_object;
+    const double place[] = {m.position.x, m.position.y, m.position.z, m.rotation.w,
+                            m.rotation.x, m.rotation.y, m.rotation.z, m.scale};
+    hash.add(&instance.object, sizeof(instance.object));
+    hash.add(place, sizeof(place));
+  }
   return hash.value();
 }
 
@@ -255,6 +263,11 @@ std::uint32_t PreparedScene::parent(std::size_t index) const {
   const std::uint32_t of =
       index < own ? grouping.group_of[index] : grouping.groups[index - own].parent;
   return of == kNoGroup ? kNoGroup : static_cast<std::uint32_t>(own + of);
+}
+
+bool PreparedScene::has_casters() const {
+  return std::any_of(scene.instances.begin(), scene.instances.end(),
+                     [&](const Instance& instance) { return objects[instance.object].casts(); });
 }
 
 ObjectDescription describe_object(const SceneObject& object, const Scene& scene) {

@@ -36,6 +36,8 @@ struct PreparedScene {
   glm::dvec3 bounds_center{0};  ///< sphere around all instances, world
   double bounds_radius = 1;
 
+  /// Anything of the scene throws a shadow (NUMERICS section 5, rule 18).
+  bool has_casters() const;
   /// Instances as clients number them: the scene's, then one for each group.
   std::size_t instance_count() const { return scene.instances.size() + grouping.groups.size(); }
   Instance instance(std::size_t index) const;

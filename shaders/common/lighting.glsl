@@ -5,6 +5,9 @@ const int kMaxLights = 16;
 uniform vec3 u_ambient;
 uniform int u_light_count;
 uniform vec4 u_lights[kMaxLights * 4];  // color+kind, position+range, direction+cos_inner, cos_outer
+#ifdef SHADOW
+uniform int u_sun;  // which of them casts shadows; -1: none
+#endif
 
 struct Surface {
   vec3 position;  // relative to the eye
@@ -13,6 +16,9 @@ struct Surface {
   float metallic;
   float roughness;
   float occlusion;
+#ifdef SHADOW
+  float sun;  // share of the sun's light that arrives
+#endif
 #ifdef SPREAD
   float spread;  // 0: one normal, 1: they cancel out (relit tiles: many leaves in a texel)
 #endif
@@ -76,6 +82,9 @@ vec3 shade(Surface s) {
   for (int i = 0; i < u_light_count; ++i) {
     vec3 to_light;
     vec3 color = incoming(i, s, to_light);
+#ifdef SHADOW
+    if (i == u_sun) color *= s.sun;
+#endif
     float n_l = dot(s.normal, to_light);
 #ifdef SPREAD
     n_l = spread_cosine(n_l, s.spread);

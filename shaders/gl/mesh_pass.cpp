@@ -32,6 +32,7 @@ constexpr NeedMask kShaderNeeds = kNeedLighting | kNeedBaseColorMap | kNeedMetal
 constexpr NeedMask kFog = NeedMask{1} << 63;
 constexpr NeedMask kFade = NeedMask{1} << 62;
 constexpr NeedMask kDepthOnly = NeedMask{1} << 61;
+constexpr NeedMask kShadow = NeedMask{1} << 60;
 constexpr NeedMask kDepthNeeds = kNeedBaseColorMap | kNeedAlphaMask | kNeedVertexColor;
 
 GLint gl_wrap(Wrap wrap) {
@@ -86,6 +87,14 @@ GLenum gl_mode(PrimitiveKind kind) {
 
 }  // namespace
 
+MeshInstance mesh_instance(const Similarity& m, const glm::dvec3& eye, std::uint32_t id) {
+  MeshInstance out;
+  out.rotation = {m.rotation.x, m.rotation.y, m.rotation.z, m.rotation.w};
+  out.position_scale = glm::vec4(glm::vec3(m.position - eye), m.scale);
+  out.id = id;
+  return out;
+}
+
 LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye) {
   LightBlock block;
   block.ambient = lighting.ambient;
@@ -99,8 +108,10 @@ LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye) {
 LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye) {
   LightBlock block;
   block.ambient = lighting.ambient;
+  const Light* sun = sun_of(lighting);
   for (const Light& l : lighting.lights) {
     if (l.color == glm::vec3(0)) continue;
+    if (&l == sun) block.sun = block.count;
     add_light(block, l.kind, l.color, glm::vec3(l.position - eye), l.direction,
               {l.range, l.cos_inner, l.cos_outer});
   }
@@ -109,8 +120,11 @@ LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye) {
 
 Result<Program*> MeshPass::program(NeedMask needs, bool fade, Stage stage) {
   needs &= kShaderNeeds;
+  if (shadow_ && (needs & kNeedLighting)) needs |= kShadow;
   if (fog_density_ > 0) needs |= kFog;
-  if (stage == Stage::kDepth) needs = (needs & kDepthNeeds) | kDepthOnly;
+  if (stage == Stage::kDepth) {
+    needs = (needs & kNeedAlphaMask ? needs & kDepthNeeds : NeedMask{0}) | kDepthOnly;
+  }
   if (stage == Stage::kTested) needs &= ~NeedMask{kNeedAlphaMask};
   if (fade) needs |= kFade;
   const auto found = programs_.find(needs);
@@ -121,7 +135,9 @@ Result<Program*> MeshPass::program(NeedMask needs, bool fade, Stage stage) {
   }
   if (needs & kFog) defines.emplace_back("FOG");
   if (needs & kFade) defines.emplace_back("FADE");
+  if (needs & kShadow) defines.emplace_back("SHADOW");
   if (needs & kDepthOnly) defines.emplace_back("DEPTH_ONLY");
+  if (output_ == MeshOutput::kShadow) defines.emplace_back("WRITE_DARKENED");
   if (output_ == MeshOutput::kId) defines.emplace_back("WRITE_ID");
   if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
   Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
@@ -235,7 +251,8 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
   }
 }
 
-std::vector<MeshPass::Stage> MeshPass::stages(NeedMask needs) {
+std::vector<MeshPass::Stage> MeshPass::stages(NeedMask needs) const {
+  if (output_ == MeshOutput::kDepth) return {Stage::kDepth};
   if (needs & kNeedAlphaMask) return {Stage::kDepth, Stage::kTested};
   return {Stage::kWhole};
 }
@@ -247,6 +264,10 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
   p.set("u_ambient", lights_.ambient);
   p.set("u_light_count", lights_.count);
   p.set("u_lights", lights_.lights);
+  if (shadow_) {
+    p.set("u_sun", lights_.sun);
+    shadow_->use(p, eye_);
+  }
   p.set("u_mip_bias", stage == Stage::kDepth ? 2 * mip_bias_ : mip_bias_);
   p.set("u_point_size", stroke_);
   p.set("u_fog_color", fog_color_);

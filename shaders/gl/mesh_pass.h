@@ -10,6 +10,7 @@
 #include "protocol/result.h"
 #include "shaders/gl/gpu_model.h"
 #include "shaders/gl/program.h"
+#include "shaders/gl/shadow_map.h"
 
 namespace mirage::gl {
 
@@ -21,11 +22,16 @@ struct MeshInstance {
   float fade = 1;  ///< share of the pixels drawn, by ordered dither
 };
 
+/// An instance for a pass whose positions are relative to `eye`.
+MeshInstance mesh_instance(const Similarity& world_from_object, const glm::dvec3& eye,
+                           std::uint32_t id);
+
 /// Lights as the shader takes them, positions relative to the eye.
 struct LightBlock {
   glm::vec3 ambient{0};
   int count = 0;
   std::vector<glm::vec4> lights;
+  int sun = -1;  ///< which of them casts shadows (sun_of); never one of an object's own space
 };
 LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye);
 LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye);
@@ -35,6 +41,8 @@ enum class MeshOutput : std::uint8_t {
   kColor,    ///< nothing (client geometry, lit tiles)
   kId,       ///< the instance id, an integer (reference frames)
   kSurface,  ///< colour is not shaded; normal, then metallic, roughness, occlusion (relit tiles)
+  kShadow,   ///< colour is without shadows; the same with them (shadow tiles)
+  kDepth,    ///< not even colour (shadow maps)
 };
 
 class MeshPass {
@@ -59,6 +67,12 @@ class MeshPass {
     fog_color_ = color;
     fog_density_ = density_per_m;
   }
+  /// Shadows of the sun on what is drawn from now on, relative to `eye`; nullptr: none, and
+  /// variants without shadows are used.
+  void set_shadow(const ShadowMap* map, const glm::dvec3& eye) {
+    shadow_ = map;
+    eye_ = eye;
+  }
   /// Draws the opaque and masked primitives (`blended` false) or the blended ones (true).
   void draw(const GpuMesh& mesh, const std::vector<Material>& materials, const GpuImages& images,
             const MeshInstance* instances, std::size_t count, bool blended);
@@ -72,7 +86,7 @@ class MeshPass {
   /// Alpha-tested surfaces first write their depth by a shader that only tests, then are shaded
   /// where that depth is theirs: leaves lie many deep, and shading them all cost ten times as much.
   enum class Stage : std::uint8_t { kWhole, kDepth, kTested };
-  static std::vector<Stage> stages(NeedMask needs);
+  std::vector<Stage> stages(NeedMask needs) const;
   Result<Program*> program(NeedMask needs, bool fade, Stage stage);
   void use(Program& p, const Material& material, NeedMask needs, const GpuImages& images,
            Stage stage);
@@ -89,6 +103,8 @@ class MeshPass {
   float stroke_ = 1;
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;
+  const ShadowMap* shadow_ = nullptr;
+  glm::dvec3 eye_{0};  ///< positions are relative to it, world; for shadows only
   int draw_calls_ = 0;
 };
 

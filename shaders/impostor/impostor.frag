@@ -36,8 +36,11 @@ uniform vec2 u_depth_window;  // window depth = x + y / view depth
 // must neither hide what is behind it nor blend with less than all of it.
 uniform bool u_soft;
 
-#if defined(RELIT) || defined(FOG)
+#if defined(RELIT) || defined(FOG) || defined(SHADOW)
 #include "common/rotation.glsl"
+#endif
+#ifdef SHADOW
+#include "impostor/worn_shadow.glsl"
 #endif
 #ifdef RELIT
 #include "impostor/relight.glsl"
@@ -114,6 +117,9 @@ void main() {
 #ifdef RELIT
   color = relit(color, stored_surface(texel_from_tangent(t), v_depth.z), relative, v_right, v_up,
                 v_rotation);
+#endif
+#ifdef SHADOW
+  color = shadowed(color, p);
 #endif
 #ifdef FOG
   color = fogged(color, relative);

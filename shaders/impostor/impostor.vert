@@ -23,6 +23,9 @@ uniform mat4 u_clip_from_relative;
 uniform vec3 u_forward;  // camera, world
 
 #include "common/rotation.glsl"
+#ifdef SHADOW
+#include "impostor/worn_shadow_vertex.glsl"
+#endif
 
 out vec3 v_point;             // on the proxy, object space relative to the centre
 flat out vec3 v_eye;          // present eye, same space
@@ -46,6 +49,9 @@ flat out vec4 v_center_scale;
 vec4 conjugate(vec4 q) { return vec4(-q.xyz, q.w); }
 
 void main() {
+#ifdef SHADOW
+  wear_shadow();
+#endif
   v_right = i_right_distance.xyz;
   v_up = i_up_plane.xyz;
   v_ahead = -cross(v_right, v_up);

@@ -23,9 +23,15 @@ layout(location = 0) out vec4 o_color;
 
 uniform vec2 u_depth_window;  // window depth = x + y / view depth
 
-#ifdef RELIT
+#if defined(RELIT) || defined(SHADOW)
 #include "common/rotation.glsl"
+#endif
+#ifdef RELIT
 #include "impostor/relight.glsl"
+#endif
+#ifdef SHADOW
+flat in vec4 v_center_scale;
+#include "impostor/worn_shadow.glsl"
 #endif
 #ifdef FOG
 #include "common/fog.glsl"
@@ -34,6 +40,9 @@ uniform vec2 u_depth_window;  // window depth = x + y / view depth
 
 // `along` as trace_tile() gives it.
 void emit(vec4 color, float along) {
+#ifdef SHADOW
+  color = shadowed(color, (v_relative * along - v_center_scale.xyz) / v_center_scale.w);
+#endif
 #ifdef FOG
   color = fogged(color, v_relative * along);
 #endif

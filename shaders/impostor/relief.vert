@@ -21,6 +21,10 @@ layout(location = 11) in vec4 i_box_max;
 uniform mat4 u_clip_from_relative;
 
 #include "common/rotation.glsl"
+#ifdef SHADOW
+#include "impostor/worn_shadow_vertex.glsl"
+flat out vec4 v_center_scale;
+#endif
 
 flat out vec4 v_slack;  // depth bias, view depth by which stored depth may be too far, fade
 #ifdef MERGED
@@ -40,6 +44,10 @@ flat out vec4 v_rotation;
 out vec3 v_relative;    // the proxy's point relative to the eye, world
 
 void main() {
+#ifdef SHADOW
+  wear_shadow();
+  v_center_scale = i_center_scale;
+#endif
   vec3 right = i_right_distance.xyz, up = i_up_texels.xyz;
   vec3 ahead = -cross(right, up);
   float scale = i_center_scale.w;

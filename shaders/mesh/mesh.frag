@@ -20,6 +20,10 @@ layout(location = 1) out vec4 o_normal;
 layout(location = 2) out vec4 o_material;  // metallic, roughness, occlusion
 #endif
 
+#ifdef WRITE_DARKENED
+layout(location = 1) out vec4 o_darkened;  // o_color without shadows, this one with them
+#endif
+
 uniform vec4 u_base_color;
 uniform vec3 u_emissive;
 uniform vec4 u_factors;  // metallic, roughness, normal scale, occlusion strength
@@ -35,6 +39,9 @@ uniform vec4 u_uv_transform[10];
 
 #ifdef NEED_LIGHTING
 #include "common/lighting.glsl"
+#ifdef SHADOW
+#include "common/shadow.glsl"
+#endif
 #endif
 
 #ifdef FOG
@@ -107,7 +114,14 @@ void main() {
   o_normal = vec4(s.normal, 1.0);
   o_material = vec4(s.metallic, s.roughness, s.occlusion, 1.0);
 #else
+#ifdef SHADOW
+  s.sun = sun_visibility(v_position, gl_FrontFacing ? normalize(v_normal) : -normalize(v_normal));
+#endif
   vec3 color = shade(s);
+#ifdef WRITE_DARKENED
+  s.sun = 1.0;
+  vec3 without = shade(s);
+#endif
   vec3 emissive = u_emissive;
 #ifdef NEED_EMISSIVE_MAP
   emissive *= texture(u_emissive_map, map_uv(4)).rgb;
@@ -119,6 +133,12 @@ void main() {
 #endif
   // Clamp before blending: an 8-bit target would, and NaN must never reach it.
   color = clamp(color, 0.0, 1.0);
+#ifdef WRITE_DARKENED
+  o_darkened = vec4(color * base.a, base.a);
+#ifdef NEED_LIGHTING
+  color = clamp(without + emissive, 0.0, 1.0);
+#endif
+#endif
   o_color = vec4(color * base.a, base.a);
 #ifdef FOG
   o_color = fogged(o_color, v_position);

@@ -1,6 +1,8 @@
 // Supersampled tile -> its place in the page: colour averaged in linear light, depth of the nearest covered
 // sample as a code 1..255 (hyperbolic over the object's depth range, which is what the capture
 // projection's depth buffer holds), 0 where nothing is. RELIT: the surface as tile.h describes it, too.
+// SHADOW: in place of depth the share of the texel's light that shadows leave. CASTER: a texel is there
+// or not, ordered dither keeping the cover of what fills it in part.
 precision highp float;
 precision highp int;
 uniform sampler2D u_color;
@@ -30,12 +32,22 @@ vec4 surface_code(vec3 normal, vec3 material) {
 }
 #endif
 
+#ifdef SHADOW
+uniform sampler2D u_darkened;
+#endif
+#ifdef CASTER
+#include "common/dither.glsl"
+#endif
+
 void main() {
   ivec2 base = (ivec2(gl_FragCoord.xy) - u_origin) * u_factor;
   vec4 sum = vec4(0.0);
   float nearest = 2.0;
 #ifdef RELIT
   vec3 normal = vec3(0.0), material = vec3(0.0);
+#endif
+#ifdef SHADOW
+  vec3 darkened = vec3(0.0);
 #endif
   for (int y = 0; y < u_factor; ++y) {
     for (int x = 0; x < u_factor; ++x) {
@@ -46,6 +58,9 @@ void main() {
       normal += texelFetch(u_normal, base + ivec2(x, y), 0).xyz;
       material += texelFetch(u_material, base + ivec2(x, y), 0).xyz;
 #endif
+#ifdef SHADOW
+      darkened += texelFetch(u_darkened, base + ivec2(x, y), 0).rgb;
+#endif
     }
   }
   o_color = sum / float(u_factor * u_factor);
@@ -55,5 +70,17 @@ void main() {
   // Blended surfaces write no depth: they count as lying in the middle of the range.
   float d = nearest >= 1.0 ? 0.5 : nearest;
   float code = nearest > 1.5 ? 0.0 : 1.0 + floor(clamp(d, 0.0, 1.0) * 254.0 + 0.5);
+#ifdef SHADOW
+  const vec3 kLuminance = vec3(0.2126, 0.7152, 0.0722);
+  float whole = dot(sum.rgb, kLuminance);
+  float left = whole > 1e-5 ? clamp(dot(darkened, kLuminance) / whole, 0.0, 1.0) : 1.0;
+  // In 64 steps: noise of foliage is most of what is sent.
+  code = sum.a > 0.0 ? 1.0 + floor(floor(left * 63.0 + 0.5) / 63.0 * 254.0 + 0.5) : 0.0;
+#endif
+#ifdef CASTER
+  if (dithered_away(ivec2(gl_FragCoord.xy) - u_origin, o_color.a)) code = 0.0;
+  code = min(floor(code / 4.0) * 4.0 + 2.0, 254.0) * sign(code);  // in 64 steps, for the same reason
+  o_color = vec4(code > 0.0 ? 1.0 : 0.0);
+#endif
   o_depth = vec4(code / 255.0);
 }

@@ -20,14 +20,20 @@ void run_tile(const std::uint8_t* data, std::size_t size) {
   reply.crop_y = word(4);
   reply.crop_w = word(6);
   reply.crop_h = word(8);
-  reply.channels = data[11] == 0 ? kLitTile : kRelitTile;
+  reply.channels = data[11] == 0   ? kLitTile
+                   : data[11] == 2 ? kShadowTile
+                   : data[11] == 3 ? kCasterTile
+                                   : kRelitTile;
   Result<Tile> tile = tile_from_fields(reply);
   if (!tile) return;
   const auto codec = static_cast<TileCodec>(data[10]);
   if (!decode_tile_planes(data + kFieldBytes, size - kFieldBytes, codec, *tile)) return;
   const std::size_t area = tile->crop.area();
-  if (tile->rgba.size() != area * 4 || tile->depth.size() != area ||
-      tile->surface.size() != (tile->relit() ? area * 4 : 0)) {
+  const auto planes = [&](TileChannel channel) { return tile->channels & channel ? area : 0; };
+  if (tile->rgba.size() != planes(kChannelColor) * 4 ||
+      tile->surface.size() != planes(kChannelNormal) * 4 ||
+      tile->depth.size() != planes(kChannelDepth) ||
+      tile->shadow.size() != planes(kChannelShadow)) {
     fail("planes do not have the size of their crop");
   }
   const std::vector<std::uint8_t> bytes = encode_tile_planes(*tile, codec);

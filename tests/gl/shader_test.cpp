@@ -21,11 +21,17 @@ TEST(Shaders, EveryVariantCompiles) {
     masks.push_back(need | kNeedLighting);
     masks.push_back(all |= need);
   }
-  for (const gl::MeshOutput output :
-       {gl::MeshOutput::kColor, gl::MeshOutput::kId, gl::MeshOutput::kSurface}) {
-    for (const float fog : {0.0f, 0.01f}) {
+  const gl::ShadowMap map = gl::ShadowMap::create(16).take();
+  using gl::MeshOutput;
+  for (const MeshOutput output : {MeshOutput::kColor, MeshOutput::kId, MeshOutput::kSurface,
+                                  MeshOutput::kShadow, MeshOutput::kDepth}) {
+    for (const auto& [shadows, fog] :
+         {std::pair{false, 0.0f}, {false, 0.01f}, {true, 0.0f}, {true, 0.01f}}) {
+      // A shadow tile without a map of shadows is nothing.
+      if (output == MeshOutput::kShadow && !shadows) continue;
       gl::MeshPass pass(output);
       pass.set_fog(glm::vec3(1), fog);
+      pass.set_shadow(shadows ? &map : nullptr, {});
       for (const NeedMask mask : masks) {
         const Result<void> compiled = pass.compile(mask, true);
         EXPECT_TRUE(compiled) << compiled.error().line();

@@ -405,6 +405,43 @@ TEST_F(ServerSession, TheAskTooManyIsBusy) {
   EXPECT_TRUE(drain(other).empty());
 }
 
+TEST_F(ServerSession, ShadowsBelongToAnInstanceAndALightAndCastersToNeither) {
+  const auto of_kind = [](std::uint32_t request, std::uint8_t channels) {
+    return wire::Ask(request, 0, 0, 1.0f, 0, 8, 0, 0, 9, 2, 2, channels, 0);
+  };
+  for (const std::uint8_t kind : {kShadowTile, kCasterTile}) {
+    const SessionId id = greeted();
+    ASSERT_TRUE(send_ask(id, of_kind(1, kind)).ok());
+    EXPECT_EQ(refusal(id), wire::RefusalReason::BadKey) << "without --shadows";
+  }
+  SessionOptions options;
+  options.shadows = true;
+  restart(options);
+  const SessionId id = greeted();
+  ASSERT_TRUE(send_ask(id, of_kind(1, kShadowTile)).ok());
+  ASSERT_TRUE(send_ask(id, of_kind(2, kCasterTile)).ok());
+  const auto work = queue.take([](std::uint32_t) { return true; }, false);
+  ASSERT_TRUE(work);
+  const auto& jobs = std::get<std::vector<TileJob>>(*work);
+  ASSERT_EQ(jobs.size(), 2u);
+  const TileJob& shadow = jobs[jobs[0].key.channels == kShadowTile ? 0 : 1];
+  const TileJob& caster = jobs[jobs[0].key.channels == kShadowTile ? 1 : 0];
+  EXPECT_EQ(shadow.key.instance, 1u);
+  EXPECT_EQ(shadow.key.lighting, lighting_hash(scene_->scene.lighting));
+  EXPECT_TRUE(same_lighting(shadow.world, scene_->scene.lighting));
+  EXPECT_EQ(caster.key.instance, 0u);
+  EXPECT_EQ(caster.key.lighting, 0u);
+  wire::SetLightingT dark;
+  dark.id = 1;
+  dark.lighting = to_wire(Lighting{});
+  ASSERT_TRUE(send(id, std::move(dark)).ok());
+  wire::RequestBatchT batch;
+  batch.lighting_id = 1;
+  batch.asks = {of_kind(3, kShadowTile)};
+  ASSERT_TRUE(send(id, std::move(batch)).ok());
+  EXPECT_EQ(refusal(id), wire::RefusalReason::BadKey) << "no sun, no shadow";
+}
+
 TEST_F(ServerSession, LateAsksAreRefused) {
   const SessionId id = greeted();
   ASSERT_TRUE(send_ask(id, wire::Ask(1, 0, 0, 1.0f, 50, 8, 0, 0, 9, 2, 2, 3, 0)).ok());

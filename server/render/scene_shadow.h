@@ -1,0 +1,31 @@
+#pragma once
+// The scene's shadow map: all casters as the sun of a lighting sees them, around the whole scene,
+// so that a tile's shadows depend on its key alone. GL thread only.
+
+#include <memory>
+
+#include "server/render/gpu_scene.h"
+#include "shaders/gl/mesh_pass.h"
+
+namespace mirage {
+
+class SceneShadow {
+ public:
+  /// Error kGraphicsShader, kGraphicsGl.
+  static Result<SceneShadow> create(const GpuScene& scene);
+
+  /// Drawn anew when the sun has turned since the last call, which binds another framebuffer.
+  /// nullptr: the lighting has no sun.
+  const gl::ShadowMap* map_for(const Lighting& lighting);
+
+ private:
+  explicit SceneShadow(const GpuScene& scene);
+
+  const GpuScene* scene_;
+  std::vector<std::vector<std::uint32_t>> casters_;  ///< instances, by object
+  std::unique_ptr<gl::MeshPass> meshes_;
+  gl::ShadowMap map_;
+  glm::vec3 drawn_for_{0};  ///< direction of the light
+};
+
+}  // namespace mirage

@@ -1,0 +1,35 @@
+#pragma once
+// A depth map of casters as the sun sees them. Keeps to the GLES 3.0 subset.
+
+#include "protocol/result.h"
+#include "protocol/sun_frame.h"
+#include "shaders/gl/gl_object.h"
+#include "shaders/gl/program.h"
+
+namespace mirage::gl {
+
+class ShadowMap {
+ public:
+  ShadowMap() = default;
+  /// `edge` texels a side. Error kGraphicsGl.
+  static Result<ShadowMap> create(int edge);
+
+  /// Clears the map and binds it for drawing casters with `frame`, whose edge must be the map's.
+  void begin(const SunFrame& frame);
+  /// Hands the map to a program that includes common/shadow.glsl; positions relative to `eye`.
+  void use(Program& program, const glm::dvec3& eye) const;
+
+  int edge() const { return edge_; }
+  const SunFrame& frame() const { return frame_; }
+  std::size_t gpu_bytes() const {
+    return 2 * static_cast<std::size_t>(edge_) * static_cast<std::size_t>(edge_);
+  }
+
+ private:
+  Texture depth_;
+  Framebuffer framebuffer_;
+  SunFrame frame_;
+  int edge_ = 0;
+};
+
+}  // namespace mirage::gl
