@@ -36,7 +36,7 @@ struct ViewPlan {
 inline constexpr double kFlatDepthShare = 0.5;
 /// Disocclusions may be this many times as wide as a position error (NUMERICS: the real knob once
 /// there is depth).
-inline constexpr double kHoleTolerance = 4;
+inline constexpr double kHoleTolerance = 8;
 
 /// The instance's view in object units, relative to its centre; a moving one at `time_s` of the
 /// animation.
