@@ -44,8 +44,7 @@ class Animation : public ::testing::Test {
   static std::string asset(const std::string& name) { return shared_folder() + "/assets/" + name; }
 };
 
-// The floors lie some 4 dB under what was measured; the body of the truck, which stands still,
-// keeps its coarse first tile where that is within tau, and sets the figure there.
+// The floors lie some 4 dB under what was measured.
 TEST_F(Animation, ImpostorsMoveWithinTheirBounds) {
   struct Case {
     const char* name;
@@ -53,7 +52,7 @@ TEST_F(Animation, ImpostorsMoveWithinTheirBounds) {
   };
   for (const Case& c :
        {Case{"features/fox_skinned.glb", 28.0}, Case{"objects/desk_fan_skinned.glb", 30.0},
-        Case{"features/milk_truck_animated.glb", 17.0},
+        Case{"features/milk_truck_animated.glb", 26.0},
         Case{"features/morph_stress_test.glb", 26.0}}) {
     const nlohmann::json s = view(asset(c.name), 121, {"--reference", "60", "--mesh-radii", "0"});
     ASSERT_FALSE(s.is_discarded()) << c.name;
