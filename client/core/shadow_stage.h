@@ -1,7 +1,7 @@
 #pragma once
 // Shadow stage.
-// Input:  what is drawn, the light, shadow and caster tiles as they come. Output: the shadow tile of
-//         each drawn impostor, the casters of the shadow map, and what to ask for.
+// Input:  what is drawn, the light, shadow and caster tiles as they come. Output: the shadow tile
+//         of each drawn impostor, the casters of the shadow map, and what to ask for.
 // Thread: the frame loop's. Never full: the cache behind it is (shadow_cache.h).
 //
 // Impostors wear the shadow tile of their instance; geometry is shadowed by a map, drawn from
