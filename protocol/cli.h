@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <sstream>
 #include <string>
 
 #include "protocol/error.h"
@@ -19,14 +20,16 @@ inline int fail(const Error& error) {
 
 /// A number within [low, high]; unlike CLI::Range it refuses NaN, too.
 inline CLI::Validator number_within(double low, double high) {
+  std::ostringstream range;
+  range << low << " to " << high;
   return CLI::Validator(
-      [low, high](std::string& text) {
+      [low, high, range = range.str()](std::string& text) {
         char* end = nullptr;
         const double v = std::strtod(text.c_str(), &end);
         const bool good = !text.empty() && *end == '\0' && v >= low && v <= high;
-        return good ? std::string() : "'" + text + "' is not a number within the allowed range";
+        return good ? std::string() : "'" + text + "' is not a number from " + range;
       },
-      "NUMBER");
+      "NUMBER from " + range.str());
 }
 
 /// Adds --version and --config, and an environment name for every option: MIRAGE_CACHE_MB for

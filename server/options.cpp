@@ -87,8 +87,9 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
   app.add_flag("--metrics", o.endpoint.metrics, "serve GET /metrics (Prometheus text)");
-  app.add_flag("--explain", o.explain, "print what each object needs and what is left out; exit");
-  app.add_flag("--json", o.json, "with --explain: as JSON");
+  CLI::Option* explain = app.add_flag("--explain", o.explain,
+                                      "print what each object needs and what is left out; exit");
+  app.add_flag("--json", o.json, "with --explain: as JSON")->needs(explain);
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
   if (o.list_devices) return -1;

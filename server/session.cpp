@@ -8,8 +8,6 @@
 namespace mirage {
 namespace {
 
-constexpr std::size_t kMaxOutboxBytes = 512u * 1024 * 1024;
-constexpr std::size_t kImageCacheBytes = 256u * 1024 * 1024;
 constexpr std::int64_t kHelloTimeoutUs = 10'000'000;
 
 // Not the place where timing could leak a token byte by byte.
@@ -33,7 +31,7 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
       queue_(queue),
       store_(store),
       pages_(make_scene_pages(*scene_)),
-      image_jobs_(image_jobs) {}
+      images_(image_jobs) {}
 
 Result<SessionId> SessionHub::open() {
   if (sessions_.size() >= options_.max_clients) {
@@ -219,6 +217,7 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
 }
 
 void SessionHub::mesh_ask(SessionId id, Session& s, const wire::MeshAsk& ask) {
+  if (s.overfull) return;
   const bool known = ask.object() < scene_->geometry.size() &&
                      ask.lod() < scene_->geometry[ask.object()].encoded.size();
   if (!known) return refuse(id, s, ask.request_id(), wire::RefusalReason::UnknownObject);
@@ -242,22 +241,18 @@ void SessionHub::image_ask(SessionId id, Session& s, const wire::ImageAsk& ask) 
   if (!known) return refuse(id, s, ask.request_id(), wire::RefusalReason::UnknownObject);
   if (!options_.geometry) return refuse(id, s, ask.request_id(), wire::RefusalReason::NoGeometry);
   const ImageLevel level{ask.image(), ask.level()};
-  if (const auto cached = images_.find(level); cached != images_.end()) {
-    return push_image(id, ask.request_id(), level, cached->second);
+  if (const Bytes* encoded = images_.find(level)) {
+    return push_image(id, ask.request_id(), level, *encoded);
   }
-  auto& waiters = image_waiters_[level];
-  ImageLevel job = level;
-  if (waiters.empty() && !image_jobs_.try_push(job)) {
-    image_waiters_.erase(level);
-    return refuse(id, s, ask.request_id(), wire::RefusalReason::Busy);
+  if (!images_.wait(level, {id, ask.request_id()})) {
+    refuse(id, s, ask.request_id(), wire::RefusalReason::Busy);
   }
-  waiters.emplace_back(id, ask.request_id());
 }
 
 void SessionHub::push_image(SessionId id, std::uint32_t request, const ImageLevel& level,
                             const Bytes& bytes) {
   const auto at = sessions_.find(id);
-  if (at == sessions_.end()) return;
+  if (at == sessions_.end() || at->second.overfull) return;
   if (bytes.empty()) return refuse(id, at->second, request, wire::RefusalReason::TooLarge);
   wire::ImageReplyT reply;
   reply.request_id = request;
@@ -268,19 +263,10 @@ void SessionHub::push_image(SessionId id, std::uint32_t request, const ImageLeve
 }
 
 void SessionHub::finish_image(const ImageLevel& level, Bytes bytes) {
-  for (const auto& [session, request] : image_waiters_[level]) {
+  for (const auto& [session, request] : images_.take_waiting(level)) {
     push_image(session, request, level, bytes);
   }
-  image_waiters_.erase(level);
-  image_bytes_ += bytes.size();
-  images_[level] = std::move(bytes);
-  image_order_.push_back(level);
-  while (image_bytes_ > kImageCacheBytes) {
-    const auto oldest = images_.find(image_order_.front());
-    image_bytes_ -= oldest->second.size();
-    images_.erase(oldest);
-    image_order_.pop_front();
-  }
+  images_.keep(level, std::move(bytes));
 }
 
 void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceRequestT& m) {
@@ -342,16 +328,18 @@ void SessionHub::refuse_late() {
 
 void SessionHub::push(SessionId id, std::deque<FramePtr>& lane, Bytes message) {
   Session& s = sessions_.at(id);
+  if (s.overfull) return;
   for (Bytes& frame : split_into_frames(std::move(message), s.next_transfer++)) {
     s.outbox_bytes += frame.size();
     lane.push_back(std::make_shared<const Bytes>(std::move(frame)));
   }
+  s.overfull = s.outbox_bytes > options_.max_outbox_bytes;
   writable_.insert(id);
 }
 
 void SessionHub::push_tile(const Waiter& waiter, const StoredTile& tile) {
   const auto at = sessions_.find(waiter.session);
-  if (at == sessions_.end()) return;
+  if (at == sessions_.end() || at->second.overfull) return;
   wire::TileReplyT reply = tile.reply;
   reply.request_id = waiter.request_id;
   push(waiter.session, at->second.tiles, encode_message(std::move(reply), tile.planes));
@@ -411,7 +399,7 @@ std::vector<std::pair<SessionId, Error>> SessionHub::overdue() {
   for (const auto& [id, s] : sessions_) {
     if (!s.greeted && now - s.opened_us > kHelloTimeoutUs) {
       out.emplace_back(id, make_error(ErrorId::kNetworkTimeout, "no hello within 10 s"));
-    } else if (s.outbox_bytes > kMaxOutboxBytes) {
+    } else if (s.overfull) {
       out.emplace_back(id, make_error(ErrorId::kBusy, "client does not read what it asked for"));
     }
   }

@@ -4,7 +4,7 @@
 //         of priority (control first; tiles under credit and bulk share the rest by bytes).
 // Thread: the network loop's.
 // Full:   asks beyond kMaxQueuedAsksPerClient are refused as busy; a client that does not read
-//         until kMaxOutboxBytes have piled up is closed.
+//         until max_outbox_bytes have piled up gets nothing more and is closed.
 
 #include <deque>
 #include <map>
@@ -17,6 +17,7 @@
 #include "protocol/bounded_queue.h"
 #include "protocol/clock.h"
 #include "server/counters.h"
+#include "server/image_cache.h"
 #include "server/scene_pages.h"
 #include "server/tile_job.h"
 #include "server/tile_queue.h"
@@ -31,6 +32,7 @@ struct SessionOptions {
   bool reference = true;
   bool shadows = false;
   std::size_t max_clients = 4096;
+  std::size_t max_outbox_bytes = 512u << 20;  ///< of one client, before it is closed
   TileCodec codec = TileCodec::kZstd;
 };
 
@@ -71,6 +73,7 @@ class SessionHub {
     std::deque<FramePtr> bulk;
     std::size_t next_page = 0;  ///< of the scene description
     std::size_t outbox_bytes = 0;
+    bool overfull = false;  ///< max_outbox_bytes were exceeded: gets nothing more and is closed
     std::int64_t tile_lead_bytes = 0;  ///< tiles sent ahead of bulk while both waited
     std::uint64_t tile_bytes_sent = 0;
     std::uint64_t credit_bytes = 0;
@@ -105,12 +108,7 @@ class SessionHub {
   TileQueue& queue_;
   TileStore& store_;
   const std::vector<FramePtr> pages_;  ///< scene description, made once
-  BoundedQueue<ImageLevel>& image_jobs_;
-  /// Who waits for an image that is being encoded: session and request.
-  std::map<ImageLevel, std::vector<std::pair<SessionId, std::uint32_t>>> image_waiters_;
-  std::map<ImageLevel, Bytes> images_;  ///< encoded, at most kImageCacheBytes
-  std::deque<ImageLevel> image_order_;  ///< oldest first
-  std::size_t image_bytes_ = 0;
+  ImageCache images_;
   std::map<SessionId, Session> sessions_;
   std::set<SessionId> writable_;
   SessionId next_id_ = 1;

@@ -10,6 +10,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_predictor_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_scheduler_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_selector_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/core_session_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_shadow_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_tau_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_grouping_test.cpp

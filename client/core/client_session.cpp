@@ -11,6 +11,14 @@ namespace {
 constexpr std::int64_t kHorizonSlackUs = 150'000;
 constexpr std::int64_t kMaxHorizonUs = 1'000'000;
 constexpr std::size_t kReplyBytes = 64;  // control part and header of a geometry reply
+
+// Also what the server can do: it may have been started anew with other options.
+bool announces(const wire::WelcomeT& welcome, const SceneView& scene) {
+  return welcome.revision == scene.revision && welcome.instances == scene.instances.size() &&
+         welcome.geometry == scene.geometry && welcome.reference == scene.reference &&
+         welcome.shadows == scene.shadows;
+}
+
 }  // namespace
 
 ClientSession::ClientSession(Link& link, ClientOptions options, TileSink sink)
@@ -51,8 +59,7 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
     case wire::Body::Welcome: {
       const wire::WelcomeT& welcome = *body.AsWelcome();
       // The same scene after a reconnect: everything held stays valid, keys and all.
-      if (was_complete && welcome.revision == scene_.revision &&
-          welcome.instances == scene_.instances.size()) {
+      if (was_complete && announces(welcome, scene_)) {
         if (own_lighting_) send_lighting();
         return {};
       }

@@ -163,20 +163,26 @@ void Scheduler::ask_asset(const AssetNeed& need, std::int64_t now_us, wire::Requ
   asset_bytes_ += need.expected_bytes;
 }
 
-std::optional<AssetNeed> Scheduler::finish_asset(std::uint32_t request_id, std::size_t bytes,
-                                                 std::int64_t now_us) {
+std::optional<PendingAsset> Scheduler::end_asset(std::uint32_t request_id) {
   const auto at = assets_pending_.find(request_id);
   if (at == assets_pending_.end()) return std::nullopt;
   const PendingAsset asset = at->second;
-  // One large reply arrives at once, but its bytes took their time: since the one before it, at
-  // the earliest a round trip after it was asked for.
-  std::int64_t since = std::min(asset.sent_us + shortest_trip_us_, now_us);
-  if (!arrivals_.empty()) since = std::max(since, arrivals_.back().at_us);
-  arrivals_.push_back({since, now_us, bytes, asset.need.expected_bytes});
   assets_pending_.erase(at);
   assets_under_way_.erase(asset.need.id);
   asset_bytes_ = std::max(0.0, asset_bytes_ - asset.need.expected_bytes);
-  return asset.need;
+  return asset;
+}
+
+std::optional<AssetNeed> Scheduler::finish_asset(std::uint32_t request_id, std::size_t bytes,
+                                                 std::int64_t now_us) {
+  const std::optional<PendingAsset> asset = end_asset(request_id);
+  if (!asset) return std::nullopt;
+  // One large reply arrives at once, but its bytes took their time: since the one before it, at
+  // the earliest a round trip after it was asked for.
+  std::int64_t since = std::min(asset->sent_us + shortest_trip_us_, now_us);
+  if (!arrivals_.empty()) since = std::max(since, arrivals_.back().at_us);
+  arrivals_.push_back({since, now_us, bytes, asset->need.expected_bytes});
+  return asset->need;
 }
 
 std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_t bytes,
@@ -202,8 +208,8 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
 }
 
 void Scheduler::refuse(std::uint32_t request_id, std::int64_t now_us) {
-  if (const std::optional<AssetNeed> asset = finish_asset(request_id, 0, now_us)) {
-    assets_not_before_us_[asset->id] = now_us + kAssetPauseUs;
+  if (const std::optional<PendingAsset> asset = end_asset(request_id)) {
+    assets_not_before_us_[asset->need.id] = now_us + kAssetPauseUs;
     return;
   }
   const auto at = pending_.find(request_id);

@@ -87,6 +87,8 @@ class Scheduler {
   void ask_tile(const SceneView& scene, const TileNeed& need, std::int64_t now_us,
                 wire::RequestBatchT& batch);
   void ask_asset(const AssetNeed& need, std::int64_t now_us, wire::RequestBatchT& batch);
+  /// Takes what is under way off the books.
+  std::optional<PendingAsset> end_asset(std::uint32_t request_id);
   double expected_bytes(const TileNeed& need) const;
   double window_bytes(std::int64_t now_us) const;
 

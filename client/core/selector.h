@@ -49,7 +49,7 @@ struct DrawList {
   /// Of them, drawn with a bound above what is allowed, or from no tile. Allowed is tau, scaled by
   /// the importance the scene gives.
   std::size_t over_tau = 0;
-  double time_s = 0;  ///< of the animation
+  double time_s = 0;      ///< of the animation
   CasterListPtr casters;  ///< of the shadows on geometry; null: there are none
 };
 

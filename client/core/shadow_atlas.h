@@ -1,6 +1,5 @@
 #pragma once
-// The atlas of shadow and caster tiles on the graphics card: layers of one channel. GLES 3.0
-// subset.
+// The atlas of shadow and caster tiles on the graphics card: one channel. GLES 3.0 subset.
 
 #include <cstdint>
 #include <vector>

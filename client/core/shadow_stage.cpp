@@ -71,7 +71,13 @@ void ShadowStage::reset() {
 ShadowRecordPtr ShadowStage::insert(const TileNeed& need, std::uint32_t object,
                                     const Capture& capture, const TileCrop& crop,
                                     std::uint64_t frame) {
-  if (need.channels == kCasterTile) return cache_.add_caster(object, capture, crop, frame);
+  if (need.channels == kCasterTile) {
+    // Answered; the next walk tells whether there is more to ask for.
+    const auto same = [&](const TileNeed& n) { return n.instance == need.instance; };
+    caster_needs_.erase(std::remove_if(caster_needs_.begin(), caster_needs_.end(), same),
+                        caster_needs_.end());
+    return cache_.add_caster(object, capture, crop, frame);
+  }
   return cache_.add_shadow(need.instance, need.light, capture, crop, frame);
 }
 

@@ -1,8 +1,7 @@
 #pragma once
 // Shadow stage.
 // Input:  what is drawn, the light, shadow and caster tiles as they come. Output: the shadow tile
-// of
-//         each drawn impostor, the casters of the shadow map, and what to ask for.
+//         of each drawn impostor, the casters of the shadow map, and what to ask for.
 // Thread: the frame loop's. Never full: the cache behind it is (shadow_cache.h).
 //
 // Impostors wear the shadow tile of their instance; geometry is shadowed by a map, drawn from
@@ -24,7 +23,7 @@ class ShadowStage {
   void reset();
   /// The light has become another.
   void relight(std::int64_t now_us) { light_since_us_ = now_us; }
-  /// A mesh or image has come or gone: the next map is drawn with it.
+  /// A mesh or image has come: the next map is drawn with it.
   void assets_changed() { ++assets_; }
   /// nullptr when there is no room for it.
   ShadowRecordPtr insert(const TileNeed& need, std::uint32_t object, const Capture& capture,

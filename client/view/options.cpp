@@ -119,7 +119,8 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
       ->capture_default_str();
   app.add_option("--march-kpx", o.march_kpx,
                  "thousand pixels a frame that may be drawn by marching depth; default 200 on a "
-                 "software renderer, else unlimited");
+                 "software renderer, else unlimited")
+      ->check(number_within(0.0, 1e5));
   app.add_option("--atlas-mb", o.atlas_mb, "graphics memory for tiles")
       ->check(CLI::Range(5, 8192))
       ->capture_default_str();

@@ -105,6 +105,20 @@ TEST_F(CoreScheduler, GeometryThatWaitsIsHeldBack) {
   EXPECT_NEAR(scheduler.saturated_s(3'000'000), 1, 1e-9);
 }
 
+// Nothing came, whatever was expected: a refusal says nothing about the link.
+TEST_F(CoreScheduler, RefusedGeometryDoesNotOpenTheWindow) {
+  std::vector<AssetNeed> wanted;
+  for (std::uint32_t i = 0; i < 20; ++i) wanted.push_back(mesh(i, 10'000));
+  const auto batch = plan({}, 0, wanted);
+  ASSERT_TRUE(batch);
+  ASSERT_EQ(batch->mesh_asks.size(), 20u);
+  for (const wire::MeshAsk& one : batch->mesh_asks) scheduler.refuse(one.request_id(), 1000);
+  const auto next = plan(needs(1000, 4), 2000);
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->asks.size(),
+            static_cast<std::size_t>(kFirstWindowBytes / (160 + 0.7 * 64 * 64)) + 1);
+}
+
 TEST_F(CoreScheduler, OneAskPerInstance) {
   const auto first = plan(needs(5, 2), 0);
   ASSERT_TRUE(first);

@@ -174,6 +174,7 @@ TEST(CoreShadowStage, CastersComeFromTilesAlongTheLightAndChangeOnlyWithTheirCon
   EXPECT_GT(from.y, 0.98) << "as the sun sees it";
   ASSERT_TRUE(world.answer(needs[0]));
   EXPECT_EQ(world.draw().casters, none) << "not every frame";
+  EXPECT_TRUE(world.needs(kCasterTile).empty()) << "not again what has come since";
   world.now_us += kSecond;
   const CasterListPtr all = world.draw().casters;
   EXPECT_EQ(all->tiles.size(), 3u) << "also the one behind the eye";

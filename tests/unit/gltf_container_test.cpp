@@ -24,6 +24,7 @@ TEST(GltfContainer, MissingFileAndFolder) {
   const TempFolder folder;
   EXPECT_REFUSED(import_gltf((folder.path() / "no.glb").string()), kSceneMissing, "no.glb");
   EXPECT_REFUSED(import_gltf(folder.path().string()), kSceneMissing, "not a regular file");
+  EXPECT_EQ(import_gltf("no.glb").error().text, "no.glb: no such file") << "named once";
 }
 
 TEST(GltfContainer, WhatIsNoGltf) {

@@ -349,6 +349,8 @@ TEST_F(ServerSession, ImagesAreEncodedOnceForAll) {
   batch.image_asks[0] = wire::ImageAsk(6, 0, 1);
   ASSERT_TRUE(send(second, wire::RequestBatchT(batch)).ok());
   EXPECT_TRUE(drain(first).empty());
+  ASSERT_TRUE(send(second, wire::RequestBatchT(batch)).ok());
+  EXPECT_EQ(refusal(second), wire::RefusalReason::Busy) << "it waits for this one already";
   std::optional<ImageLevel> job = image_jobs.try_pop();
   ASSERT_TRUE(job);
   EXPECT_FALSE(image_jobs.try_pop()) << "one job for both";
@@ -486,6 +488,28 @@ TEST_F(ServerSession, CloseDuringRenderingIsHarmless) {
   EXPECT_EQ(render_all(), 0u);
   EXPECT_TRUE(hub->take_writable().empty());
   EXPECT_EQ(queue.length(), 0u);
+}
+
+// A batch may ask for far more than a client could ever be allowed to leave unread.
+TEST_F(ServerSession, WhoDoesNotReadGetsNoMoreAndIsOverdue) {
+  SessionOptions options;
+  options.max_outbox_bytes = 3 * scene_->objects[0].lods[0].bytes;
+  restart(options);
+  const SessionId id = greeted(), other = greeted();
+  wire::RequestBatchT batch;
+  for (std::uint32_t i = 0; i < limits::kMaxAsksPerBatch; ++i) {
+    batch.mesh_asks.emplace_back(i + 1, 0, 0);
+  }
+  ASSERT_TRUE(send(id, std::move(batch)).ok());
+  const auto overdue = hub->overdue();
+  ASSERT_EQ(overdue.size(), 1u);
+  EXPECT_EQ(overdue[0].first, id);
+  EXPECT_EQ(overdue[0].second.id, ErrorId::kBusy);
+  EXPECT_LE(drain(id).size(), 3u);
+  EXPECT_EQ(hub->overdue().size(), 1u) << "what was left out never comes";
+  ASSERT_TRUE(send_ask(other, ask(1)).ok());
+  EXPECT_EQ(render_all(), 1u);
+  EXPECT_EQ(drain(other).size(), 1u);
 }
 
 TEST_F(ServerSession, SilentClientsAreOverdue) {

@@ -75,27 +75,29 @@ Result<std::vector<std::uint8_t>> read_regular_file(const fs::path& path, std::u
                                                     ErrorId not_regular) {
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
-  const std::string name = path.string();
-  if (!fs::exists(status)) return make_error(ErrorId::kSceneMissing, name + ": no such file");
-  if (!fs::is_regular_file(status)) return make_error(not_regular, name + ": not a regular file");
+  if (!fs::exists(status)) return make_error(ErrorId::kSceneMissing, "no such file");
+  if (!fs::is_regular_file(status)) return make_error(not_regular, "not a regular file");
   const std::uintmax_t size = fs::file_size(path, code);
-  if (code) return make_error(ErrorId::kSceneMissing, name + ": " + code.message());
+  if (code) return make_error(ErrorId::kSceneMissing, code.message());
   if (size > max_bytes) {
-    return make_error(ErrorId::kSceneLimit, name + ": " + std::to_string(size) +
-                                                " bytes, at most " + std::to_string(max_bytes) +
-                                                " are read");
+    return make_error(ErrorId::kSceneLimit, std::to_string(size) + " bytes, at most " +
+                                                std::to_string(max_bytes) + " are read");
   }
   std::ifstream in(path, std::ios::binary);
   std::vector<std::uint8_t> bytes(size);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
   if (!in || in.gcount() != static_cast<std::streamsize>(size)) {
-    return make_error(ErrorId::kSceneMissing, name + ": cannot be read");
+    return make_error(ErrorId::kSceneMissing, "cannot be read");
   }
   return bytes;
 }
 
 Result<GltfFile> open_gltf(const std::string& path) {
   auto bytes = read_regular_file(path, kMaxFileBytes, ErrorId::kSceneMissing);
+  if (!bytes && bytes.error().id == ErrorId::kSceneMissing) {
+    return make_error(ErrorId::kSceneMissing, bytes.error().text,
+                      "a .glb or .gltf file, or a built-in scene as in builtin:forest");
+  }
   if (!bytes) return bytes.error();
   return split_container(bytes.take());
 }

@@ -22,7 +22,7 @@ struct GltfFile {
 };
 
 /// Reads a whole regular file. Errors: kSceneMissing (absent or unreadable), `not_regular` for a
-/// directory, device or pipe, kSceneLimit beyond `max_bytes`.
+/// directory, device or pipe, kSceneLimit beyond `max_bytes`; their texts do not name the file.
 Result<std::vector<std::uint8_t>> read_regular_file(const std::filesystem::path& path,
                                                     std::uint64_t max_bytes, ErrorId not_regular);
 

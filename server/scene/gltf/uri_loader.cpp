@@ -139,7 +139,9 @@ Result<std::vector<std::uint8_t>> load_uri(std::string_view uri, const fs::path&
   auto path = resolve_uri(uri, folder);
   if (!path) return named(path.error());
   auto bytes = read_regular_file(*path, max_bytes, ErrorId::kSceneUri);
-  if (!bytes) return named(bytes.error());
+  if (!bytes) {
+    return named(make_error(bytes.error().id, "'" + std::string(uri) + "': " + bytes.error().text));
+  }
   return bytes;
 }
 
