@@ -32,6 +32,8 @@ constexpr double kLeastFoliage = 1.0 / 16.0;  // pieces are then four times as l
 constexpr std::size_t kSoupIndices = 3'000;   // below, hard edges may well be meant
 constexpr double kSoupShare = 0.8;            // vertices an index; a box of quads has 0.67
 constexpr int kFruitless = 3;                 // steps without a level: the chain ends
+constexpr float kColorStep = 0.04f;           // of square roots: ten of 255
+constexpr double kWrongColors = 0.02;         // of the vertices
 constexpr std::size_t kSampledPieces = 2'000;
 
 /// One primitive on its own vertices.
@@ -219,6 +221,20 @@ double surface_error(const Part& part, const SurfaceTree& full,
   return worst;
 }
 
+// Colours of vertices, such as baked light, go with the vertices: whether too many would show.
+bool loses_colors(const Part& part, const std::vector<std::uint32_t>& coarse) {
+  const SurfaceTree tree(part.vertices, coarse);
+  const std::size_t step = std::max<std::size_t>(1, part.vertices.size() / kSampledVertices);
+  std::size_t wrong = 0, count = 0;
+  for (std::size_t i = 0; i < part.vertices.size(); i += step, ++count) {
+    const glm::vec4 right = glm::sqrt(glm::vec4(part.vertices[i].color) / 65535.0f);
+    const glm::vec4 shown = glm::sqrt(tree.shading_at(part.vertices[i].position).color);
+    const glm::vec4 d = glm::abs(right - shown);
+    wrong += std::max({d.x, d.y, d.z, d.w}) > kColorStep;
+  }
+  return static_cast<double>(wrong) > kWrongColors * static_cast<double>(count);
+}
+
 /// One primitive through all levels.
 class Chain {
  public:
@@ -232,6 +248,8 @@ class Chain {
       coarse_ = part_.indices;
     }
     surface_.emplace(part_.vertices, part_.indices);
+    colored_ = std::any_of(part_.vertices.begin(), part_.vertices.end(),
+                           [&](const Vertex& v) { return v.color != part_.vertices[0].color; });
     scale_ = double{meshopt_simplifyScale(&part_.vertices[0].position.x, part_.vertices.size(),
                                           sizeof(Vertex))};
   }
@@ -268,7 +286,7 @@ class Chain {
       if (next.empty() || next.size() >= coarse_.size()) break;
       const double estimate = estimate_ + double{relative} * scale_;
       const double error = surface_error(part_, *surface_, next, estimate, scale_);
-      if (error > allowed) continue;
+      if (error > allowed || (colored_ && loses_colors(part_, next))) continue;
       coarse_ = std::move(next);
       estimate_ = estimate;
       error_ = error;
@@ -309,6 +327,7 @@ class Chain {
   std::vector<std::uint32_t> coarse_;   ///< indices of the present level
   std::vector<Piece> pieces_;           ///< of foliage only
   std::optional<SurfaceTree> surface_;  ///< of the full primitive; empty for foliage
+  bool colored_ = false;                ///< vertices differ in colour
   double scale_ = 0;                    ///< what the simplifier's errors are relative to
   double estimate_ = 0;                 ///< sum of the simplifier's errors, object units
   double error_ = 0;                    ///< of the present level

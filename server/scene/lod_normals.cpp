@@ -26,7 +26,7 @@ void restore_normals(const SurfaceTree& full, std::vector<Vertex>& vertices,
       const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
       const glm::vec3 inside = kNearCorner * p[k] + 0.5f * (1 - kNearCorner) * (p[a] + p[b]);
       const glm::vec3 shown = kNearCorner * n[k] + 0.5f * (1 - kNearCorner) * (n[a] + n[b]);
-      const glm::vec3 right = full.normal_at(inside);
+      const glm::vec3 right = full.shading_at(inside).normal;
       if (glm::dot(right, face) <= 0) continue;  // of another side
       if (glm::dot(shown, right) >= kSameShading * glm::length(shown)) continue;
       std::vector<std::uint32_t>& made = copies[corner[k]];

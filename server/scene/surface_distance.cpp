@@ -119,8 +119,9 @@ double SurfaceTree::distance(const glm::vec3& p, double at_most) const {
   return std::sqrt(double{best.distance2});
 }
 
-glm::vec3 SurfaceTree::normal_at(const glm::vec3& p) const {
-  if (nodes_.empty()) return glm::vec3(0);
+SurfaceTree::Shading SurfaceTree::shading_at(const glm::vec3& p) const {
+  Shading out;
+  if (nodes_.empty()) return out;
   Nearest best{std::numeric_limits<float>::infinity(), 0, p};
   search(0, p, best);
   const std::uint32_t* t = &indices_[3 * std::size_t{best.triangle}];
@@ -130,10 +131,15 @@ glm::vec3 SurfaceTree::normal_at(const glm::vec3& p) const {
   const glm::vec3 areas(glm::length(glm::cross(b - best.point, c - best.point)),
                         glm::length(glm::cross(c - best.point, a - best.point)),
                         glm::length(glm::cross(a - best.point, b - best.point)));
-  const glm::vec3 n = areas.x * vertices_[t[0]].normal + areas.y * vertices_[t[1]].normal +
-                      areas.z * vertices_[t[2]].normal;
-  const float length = glm::length(n);
-  return length > 0 ? n / length : glm::vec3(0);
+  const float area = areas.x + areas.y + areas.z;
+  for (int k = 0; k < 3; ++k) {
+    const float share = area > 0 ? areas[k] / area : 1.0f / 3.0f;
+    out.normal += share * vertices_[t[k]].normal;
+    out.color += share * glm::vec4(vertices_[t[k]].color) / 65535.0f;
+  }
+  const float length = glm::length(out.normal);
+  if (length > 0) out.normal /= length;
+  return out;
 }
 
 }  // namespace mirage

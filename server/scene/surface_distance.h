@@ -17,9 +17,13 @@ class SurfaceTree {
 
   /// Distance from `p` to the surface, or `at_most` when it is farther than that.
   double distance(const glm::vec3& p, double at_most) const;
-  /// Unit normal, interpolated from the vertices, at the point of the surface nearest to `p`; zero
-  /// where there is none.
-  glm::vec3 normal_at(const glm::vec3& p) const;
+  /// What the vertices say of the point of the surface nearest to `p`, interpolated: a unit normal
+  /// (zero where there is none) and the colour, 0 to 1, linear.
+  struct Shading {
+    glm::vec3 normal{0};
+    glm::vec4 color{0};
+  };
+  Shading shading_at(const glm::vec3& p) const;
 
  private:
   struct Node {

@@ -187,6 +187,25 @@ TEST(ServerLod, FacesStayFlatWhenTheirBevelsCollapse) {
   for (const MeshLod& lod : lods) EXPECT_LT(leaning_share(lod.mesh), 0.02);
 }
 
+TEST(ServerLod, ColoursOfVerticesAreNotLostWithThem) {  // light baked into a wall
+  Mesh wall = bevelled_cube();
+  for (Vertex& v : wall.vertices) {
+    const float dark = glm::length(v.position) / 1.74f;  // towards the corners
+    const auto level = static_cast<std::uint16_t>(65535.0f * (1 - 0.8f * dark * dark));
+    v.color = {level, level, level, 65535};
+  }
+  for (const MeshLod& lod : build_lods(wall, {Material{}})) {
+    const SurfaceTree tree(lod.mesh.vertices, lod.mesh.indices);
+    double wrong = 0;
+    for (const Vertex& v : wall.vertices) {
+      const float shown = tree.shading_at(v.position).color.x;
+      wrong +=
+          std::abs(std::sqrt(shown) - std::sqrt(static_cast<float>(v.color.x) / 65535.0f)) > 0.05f;
+    }
+    EXPECT_LT(wrong / static_cast<double>(wall.vertices.size()), 0.03);
+  }
+}
+
 TEST(ServerLod, PrimitivesKeepTheirMaterialAndLinesStay) {
   const auto knot = load_scene("builtin:knot?tubular=100&radial=16").take();
   Mesh mesh = knot->scene.objects[0].mesh;
