@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "client/core/eight_views.h"
 #include "client/core/importance.h"
 #include "client/core/motion_need.h"
 #include "protocol/limits.h"
@@ -57,6 +58,7 @@ ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileG
 // Seconds an image of the group lasts at a walk; members beyond kGroupRadii only.
 bool group_wanted(const SelectorInput& in, const InstanceView& view_of, const ViewGeometry& view,
                   double tau_px, double slack) {
+  if (in.method.eight_views) return false;
   if (glm::length(view.eye) * slack < kGroupRadii * view.radius) return false;
   ViewPlan plan;
   plan.tau_px = tau_px;
@@ -73,6 +75,17 @@ double light_change_px(const SelectorInput& in, const TileCache::LitGroup& lit,
   const InstanceView& view = in.scene->instances[instance];
   return light_error_px(lit.then->lighting, in.cache->lights().current().lighting, view,
                         in.scene->objects[view.object], radius_px);
+}
+
+void add_eight_view_need(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
+                         const TileCache::LitGroup& lit, std::vector<TileNeed>& out) {
+  const TileGroup none;
+  std::optional<TileNeed> need =
+      eight_view_need(lit.wanted ? *lit.tiles : none, view, radius_px(view));
+  if (!need) return;
+  need->instance = instance;
+  need->light = in.cache->light();
+  out.push_back(*need);
 }
 
 // Sent once, such geometry costs less than any one tile, and is right from everywhere.
@@ -333,6 +346,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   // At the edge of the view the eye depth falls; ask as if the object were looked at.
   view.center_depth = glm::length(view.eye);
   const double tau = allowed_px(in, in.predicted, view_of);
+  if (in.method.eight_views) return add_eight_view_need(in, instance, view, lit, out);
   if (object.motion.moving()) return add_moving_needs(in, instance, view, lit, tau, out);
   const ViewPlan plan = plan_for(in, view_of, group, view.radius, tau);
   TileFit fit;

@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <limits>
 
+#include "client/core/eight_views.h"
 #include "client/core/tile_need.h"
 
 namespace mirage {
@@ -87,6 +88,7 @@ TileFit best_deep(const TileGroup& group, const ObjectDescription& object, const
 
 TileFit best_fit(const TileGroup& group, const ObjectDescription& object, const ViewGeometry& view,
                  const MethodChoice& choice, double tau_px) {
+  if (choice.eight_views) return nearest_view(group, object, view);
   if (!choice.automatic) return best_of(group, {choice.method}, object, view, tau_px);
   const TileFit flat = best_flat(group, object, view, tau_px);
   if (flat.meets(tau_px)) return flat;

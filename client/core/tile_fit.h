@@ -11,6 +11,7 @@ namespace mirage {
 struct MethodChoice {
   bool automatic = true;
   DrawMethod method = DrawMethod::kQuad;
+  bool eight_views = false;  ///< a baseline (eight_views.h); with kQuad
 };
 
 /// A tile drawn with a method, seen from a view.

@@ -7,7 +7,7 @@
 
 #include "client/core/geometric_error.h"
 #include "client/quality/metrics.h"
-#include "client/view/png.h"
+#include "client/host/png.h"
 
 namespace mirage {
 namespace {

@@ -3,17 +3,12 @@
 #include <fstream>
 #include <map>
 
+#include "client/host/methods.h"
 #include "protocol/cli.h"
 #include "protocol/limits.h"
 
 namespace mirage {
 namespace {
-
-const std::map<std::string, MethodChoice> kMethods = {
-    {"auto", {true, DrawMethod::kQuad}},   {"mesh", {false, DrawMethod::kMesh}},
-    {"quad", {false, DrawMethod::kQuad}},  {"cuboid", {false, DrawMethod::kCuboid}},
-    {"hull", {false, DrawMethod::kHull}},  {"warp", {false, DrawMethod::kWarp}},
-    {"depth", {false, DrawMethod::kDepth}}};
 
 const std::map<std::string, RelightChoice> kRelight = {{"auto", RelightChoice::kAuto},
                                                        {"always", RelightChoice::kAlways},
@@ -47,8 +42,7 @@ Result<void> check(ViewOptions& o, const std::string& offscreen, const std::stri
   if (o.virtual_time && !o.offscreen) {
     return make_error(ErrorId::kUsage, "--virtual-time needs --offscreen WxH");
   }
-  const auto method = kMethods.find(o.method_name);
-  o.method = method->second;
+  o.method = *method_from_name(o.method_name);
   o.relight = kRelight.at(o.relight_name);
   if (o.offscreen && o.frames == 0) o.frames = 300;
   if (o.offscreen && o.path.empty()) o.path = "builtin:walk";
@@ -106,8 +100,10 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
                  "rate down to hold by raising tau, Mbit/s; 0: none")
       ->check(number_within(0.0, 100'000.0))
       ->capture_default_str();
-  app.add_option("--method", o.method_name, "how impostors are drawn")
-      ->check(CLI::IsMember({"auto", "mesh", "quad", "cuboid", "hull", "warp", "depth"}))
+  app.add_option("--method", o.method_name,
+                 "how impostors are drawn; fixed8 is a baseline: eight "
+                 "baked views around the horizon, the nearest on a flat quad")
+      ->check(CLI::IsMember(method_names()))
       ->capture_default_str();
   app.add_option("--reference", o.reference_every, "compare every Nth frame with a full render")
       ->check(CLI::Range(0, 1'000'000));

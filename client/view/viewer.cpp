@@ -8,23 +8,18 @@
 #include <thread>
 
 #include "client/core/camera_path.h"
-#include "client/core/client_session.h"
-#include "client/core/frame_renderer.h"
 #include "client/core/quantile.h"
-#include "client/native/native_link.h"
+#include "client/host/client_host.h"
+#include "client/host/light_script.h"
+#include "client/host/png.h"
 #include "client/view/comparison.h"
-#include "client/view/light_script.h"
 #include "client/view/overlay.h"
-#include "client/view/png.h"
 #include "client/view/session_stats.h"
 #include "client/view/window.h"
 #include "shaders/gl/egl_context.h"
 
 namespace mirage {
 namespace {
-
-constexpr int kReferenceTimeoutMs = 120'000;
-constexpr int kReplyTimeoutMs = 30'000;
 
 class Viewer {
  public:
@@ -33,9 +28,8 @@ class Viewer {
 
  private:
   Result<void> open_graphics();
-  Result<void> open_link();
-  void open_session();
-  Result<void> wait_for_scene();
+  void make_host();
+  Result<void> meet_scene();
   Result<void> frame_loop();
   Result<void> one_frame(std::int64_t frame);
   Result<void> compare(const Camera& camera, const DrawList& list);
@@ -44,24 +38,22 @@ class Viewer {
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
   std::string overlay_text(const DrawList& list, std::int64_t now) const;
-  std::int64_t now_us() const { return clock_->now_us() - paused_us_; }
+  std::int64_t now_us() const { return host_->now_us(); }
+  ClientSession& session() { return host_->session(); }
+  const ClientSession& session() const { return host_->session(); }
+  const NativeLink& native() const { return host_->native(); }
   std::int64_t frame_us(std::int64_t frame) const {
     return std::llround(static_cast<double>(frame) * 1e6 / o_.fps);
   }
 
   const ViewOptions& o_;
-  std::unique_ptr<Clock> clock_;
-  VirtualClock* virtual_clock_ = nullptr;
   SteadyClock real_clock_;
-  std::int64_t paused_us_ = 0;  // time spent comparing, which is no part of the session
   std::int64_t start_us_ = 0;
   std::optional<Window> window_;
   gl::EglContext egl_;
   std::optional<FrameTarget> target_;
   std::optional<FrameRenderer> renderer_;
-  std::unique_ptr<NativeLink> native_;
-  std::unique_ptr<ModelledLink> modelled_;
-  std::unique_ptr<ClientSession> session_;
+  std::unique_ptr<ClientHost> host_;
   std::optional<CameraPath> path_;
   std::optional<LightScript> light_;
   Pose pose_;
@@ -72,12 +64,6 @@ class Viewer {
   double smooth_ms_ = 0;
   Comparison comparison_;
 };
-
-constexpr int kAtlasEdge = 1024;
-
-int atlas_layers(const ViewOptions& o) {
-  return std::max(1, o.atlas_mb * 1024 * 1024 / (kAtlasEdge * kAtlasEdge * 5));
-}
 
 Result<void> Viewer::open_graphics() {
   if (o_.offscreen) {
@@ -92,7 +78,7 @@ Result<void> Viewer::open_graphics() {
     if (!overlay) return overlay.error();
     overlay_.emplace(std::move(*overlay));
   }
-  Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, atlas_layers(o_));
+  Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, atlas_layers(o_.atlas_mb));
   if (!renderer) return renderer.error();
   renderer_.emplace(renderer.take());
   Result<FrameTarget> target = FrameTarget::create(o_.width, o_.height, o_.msaa);
@@ -101,100 +87,32 @@ Result<void> Viewer::open_graphics() {
   return {};
 }
 
-void Viewer::open_session() {
-  ClientOptions options;
+void Viewer::make_host() {
+  HostOptions host;
+  host.url = o_.url;
+  host.virtual_time = o_.virtual_time;
+  host.net = o_.net;
+  host.connect_timeout_s = o_.connect_timeout_s;
+  host.march_kpx = o_.march_kpx;
+  ClientOptions& options = host.session;
   options.tau_px = o_.tau_px;
   options.targets = o_.targets;
   options.mesh_radii = o_.mesh_radii;
   options.method = o_.method;
   options.atlas_edge = kAtlasEdge;
-  options.atlas_layers = atlas_layers(o_);
+  options.atlas_layers = atlas_layers(o_.atlas_mb);
   options.mesh_budget_bytes = static_cast<std::size_t>(o_.mesh_mb) * 1024 * 1024;
   options.relight = o_.relight;
   options.token = o_.token;
   options.shadows = o_.shadows == "on";
   options.animation = o_.animation == "on";
   options.trace = !o_.trace_file.empty();
-  // Measured: a pixel of marching costs a CPU rasteriser some 0.3 us, a GPU next to nothing.
-  const std::string renderer_name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  const bool software = renderer_name.find("llvmpipe") != std::string::npos;
-  options.march_budget_px = o_.march_kpx >= 0 ? o_.march_kpx * 1000 : software ? 200e3 : 1e9;
-  TileSink sink;
-  sink.tile = [this](const TileRecord& record, const TilePixels& pixels) {
-    renderer_->upload(record, pixels);
-  };
-  sink.shadow = [this](const ShadowRecord& record, const std::vector<std::uint8_t>& shares) {
-    renderer_->upload_shadow(record, shares);
-  };
-  sink.caster = [this](const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
-    renderer_->upload_caster(record, codes);
-  };
-  sink.mesh = [this](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
-    const Result<void> added = renderer_->add_mesh(object, lod, std::move(model));
-    if (!added) spdlog::error("{}", added.error().line());
-  };
-  sink.image = [this](std::uint32_t index, const Image& image) {
-    renderer_->add_image(session_->scene(), index, image);
-  };
-  sink.drop = [this](const AssetId& id) { renderer_->drop(session_->scene(), id); };
-  sink.scene = [this](const SceneView& scene) {
-    const Result<void> ready = renderer_->reset(scene);
-    if (!ready) spdlog::warn("{}", ready.error().line());
-  };
-  Link& link = modelled_ ? static_cast<Link&>(*modelled_) : *native_;
-  session_ = std::make_unique<ClientSession>(link, options, sink);
+  host_ = std::make_unique<ClientHost>(host, *renderer_);
 }
 
-Result<void> Viewer::open_link() {
-  if (o_.virtual_time) {
-    auto clock = std::make_unique<VirtualClock>();
-    virtual_clock_ = clock.get();
-    clock_ = std::move(clock);
-  } else {
-    clock_ = std::make_unique<SteadyClock>();
-  }
-  Result<ServerUrl> url = parse_url(o_.url);
-  if (!url) return url.error();
-  native_ = std::make_unique<NativeLink>(*url);
-  if (o_.net || o_.virtual_time) {
-    const auto wait = [this] {
-      native_->wait_message(kReplyTimeoutMs);
-      return native_->connected();
-    };
-    modelled_ = std::make_unique<ModelledLink>(*native_, *clock_, o_.net.value_or(NetModel{}),
-                                               o_.virtual_time, wait);
-  }
-  if (!native_->wait_connected(static_cast<int>(o_.connect_timeout_s * 1000))) {
-    const std::string problem = native_->last_problem();
-    return make_error(ErrorId::kNetworkConnect,
-                      "no server answers at " + o_.url + (problem.empty() ? "" : ": " + problem),
-                      "start one with: mirage-server builtin:forest");
-  }
-  return {};
-}
-
-Result<void> Viewer::wait_for_scene() {
-  const SteadyClock patience;
-  const auto limit = static_cast<std::int64_t>(o_.connect_timeout_s * 1e6) + 20'000'000;
-  while (!session_->scene().complete()) {
-    if (Result<void> received = session_->receive(now_us()); !received) return received;
-    if (session_->scene().complete()) break;
-    if (native_->last_close_code() == close_code(ErrorId::kAuth)) {
-      return make_error(ErrorId::kAuth, "the server refused the token", "--token-file FILE");
-    }
-    if (const std::optional<Error> refused = native_->refusal()) {
-      return make_error(refused->id, "the server's scene was refused: " + refused->text,
-                        "are server and viewer of one version?");
-    }
-    const bool late = patience.now_us() > limit;
-    if (late || (!native_->connected() && native_->last_close_code() != 0)) {
-      return make_error(ErrorId::kNetworkClosed,
-                        "the server did not describe its scene: " + native_->last_problem());
-    }
-    if (virtual_clock_) virtual_clock_->advance_to_us(virtual_clock_->now_us() + 1000);
-    if (!virtual_clock_) native_->wait_message(20);
-  }
-  const SceneView& scene = session_->scene();
+Result<void> Viewer::meet_scene() {
+  if (Result<void> told = host_->wait_for_scene(); !told) return told;
+  const SceneView& scene = session().scene();
   if (!o_.path.empty()) {
     Result<CameraPath> path =
         CameraPath::create(o_.path, scene.home, scene.bounds_center, scene.bounds_radius);
@@ -214,7 +132,7 @@ Pose Viewer::next_pose(std::int64_t now, double real_seconds) {
   if (path_) {
     pose_ = path_->at(static_cast<double>(now - start_us_) * 1e-6);
   } else if (window_) {
-    window_->steer(pose_, real_seconds, session_->scene().home.walk_speed_mps * 2);
+    window_->steer(pose_, real_seconds, session().scene().home.walk_speed_mps * 2);
   }
   return pose_;
 }
@@ -233,20 +151,20 @@ Result<void> Viewer::resize_if_needed() {
 Result<void> Viewer::one_frame(std::int64_t frame) {
   const std::int64_t began = real_clock_.now_us();
   const std::int64_t now = now_us();
-  if (Result<void> received = session_->receive(now); !received) {
+  if (Result<void> received = session().receive(now); !received) {
     spdlog::warn("{}", received.error().line());
   }
-  if (native_->connected() != link_was_up_) {
-    link_was_up_ = native_->connected();
+  if (native().connected() != link_was_up_) {
+    link_was_up_ = native().connected();
     spdlog::warn("{}", link_was_up_ ? "server is back"
                                     : "server is gone: showing what is here, reconnecting");
   }
   if (Result<void> resized = resize_if_needed(); !resized) return resized;
-  const SceneView& scene = session_->scene();
+  const SceneView& scene = session().scene();
   const std::optional<Lighting> light =
       light_->at(static_cast<double>(now - start_us_) * 1e-6, scene.lighting);
   if (light && (!last_light_ || !same_lighting(*light, *last_light_))) {
-    session_->set_lighting(*light, now);
+    session().set_lighting(*light, now);
     last_light_ = light;
   }
   Camera camera;
@@ -255,8 +173,8 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   camera.width = static_cast<std::uint32_t>(target_->width());
   camera.height = static_cast<std::uint32_t>(target_->height());
   camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
-  const DrawList list = session_->frame(camera, now, window_ ? window_->cursor_px() : std::nullopt);
-  renderer_->draw(*target_, camera, scene, list, session_->lighting());
+  const DrawList list = session().frame(camera, now, window_ ? window_->cursor_px() : std::nullopt);
+  renderer_->draw(*target_, camera, scene, list, session().lighting());
   if (window_) {
     target_->show();
     if (window_->overlay()) {
@@ -267,12 +185,12 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   glFinish();
   if (!list.impostors.empty() || !list.meshes.empty()) stats_.first_image(now);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
-  if (session_->light_changed()) stats_.add_light_lag(list, scene);
-  stats_.add_frame(list, renderer_->draw_calls(), virtual_clock_ ? 1000.0 / o_.fps : real_ms,
-                   real_ms, now);
-  stats_.note_traffic(modelled_ ? modelled_->traffic() : native_->traffic(), now - start_us_);
+  if (session().light_changed()) stats_.add_light_lag(list, scene);
+  stats_.add_frame(list, renderer_->draw_calls(),
+                   host_->virtual_clock() ? 1000.0 / o_.fps : real_ms, real_ms, now);
+  stats_.note_traffic(host_->traffic(), now - start_us_);
   smooth_ms_ += 0.1 * (real_ms - smooth_ms_);
-  if (!virtual_clock_) session_->note_frame_ms(smooth_ms_);
+  if (!host_->virtual_clock()) session().note_frame_ms(smooth_ms_);
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
     const Result<void> written =
@@ -280,31 +198,20 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
     if (!written) return written;
   }
   if (o_.reference_every > 0 && frame > 0 && frame % o_.reference_every == 0) {
-    const std::int64_t paused_at = clock_->now_us();
+    const std::int64_t paused_at = host_->clock().now_us();
     if (Result<void> compared = compare(camera, list); !compared) return compared;
-    paused_us_ += clock_->now_us() - paused_at;
+    host_->leave_out_since(paused_at);  // comparing is no part of the session
   }
   return {};
 }
 
 Result<void> Viewer::compare(const Camera& camera, const DrawList& list) {
   const std::vector<std::uint8_t> drawn = target_->read();
-  session_->ask_reference(camera, static_cast<std::uint32_t>(o_.reference_supersample));
-  const SteadyClock patience;
-  std::optional<ReferenceFrame> reference;
-  while (!(reference = session_->take_reference())) {
-    if (session_->reference_refused()) {
-      return make_error(ErrorId::kComparison, "the server renders no references",
-                        "it was started with --no-reference, or the frame is too large");
-    }
-    if (!native_->connected() || patience.now_us() > kReferenceTimeoutMs * 1000ll) {
-      return make_error(ErrorId::kNetworkTimeout, "no reference frame came");
-    }
-    if (!modelled_) native_->wait_message(100);
-    if (Result<void> received = session_->receive(now_us()); !received) return received;
-  }
-  return comparison_.add({camera, list, session_->scene(), drawn, *reference,
-                          session_->frame_number(), o_.reference_supersample},
+  const Result<ReferenceFrame> reference =
+      host_->reference(camera, static_cast<std::uint32_t>(o_.reference_supersample));
+  if (!reference) return reference.error();
+  return comparison_.add({camera, list, session().scene(), drawn, *reference,
+                          session().frame_number(), o_.reference_supersample},
                          stats_, o_.out_dir);
 }
 
@@ -315,7 +222,7 @@ std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {
     if (std::isfinite(drawn.bound_px)) bound = std::max(bound, drawn.bound_px);
     ages_ms.push_back(static_cast<float>(now - drawn.tile->received_us) / 1000.0f);
   }
-  const LinkTraffic traffic = modelled_ ? modelled_->traffic() : native_->traffic();
+  const LinkTraffic traffic = host_->traffic();
   return fmt::format(
       "{:.0f} fps, {} draw calls\n{} impostors, {} meshes, {} without image\nbound {:.1f} px "
       "worst, "
@@ -323,15 +230,15 @@ std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {
       1000.0 / std::max(smooth_ms_, 0.1), renderer_->draw_calls(), list.impostors.size(),
       list.meshes.size(), list.placeholders.size(), bound, list.over_tau, list.visible,
       quantile(ages_ms, 0.5) / 1000.0f, static_cast<double>(traffic.bytes_down) * 1e-6,
-      session_->round_trip_us() / 1000,
-      session_->scene().geometry ? "" : "\nthe server keeps its geometry: images only",
-      native_->connected() ? "" : "\nOFFLINE: showing what is here, reconnecting");
+      session().round_trip_us() / 1000,
+      session().scene().geometry ? "" : "\nthe server keeps its geometry: images only",
+      native().connected() ? "" : "\nOFFLINE: showing what is here, reconnecting");
 }
 
 void Viewer::pace(std::int64_t frame) {
   const std::int64_t due = start_us_ + frame_us(frame + 1);
-  if (virtual_clock_) {
-    virtual_clock_->advance_to_us(due);
+  if (VirtualClock* clock = host_->virtual_clock()) {
+    clock->advance_to_us(due);
     return;
   }
   const std::int64_t left = due - now_us();
@@ -361,13 +268,13 @@ Result<void> write_text(const std::string& path, const std::string& text) {
 
 Result<void> Viewer::finish() {
   SessionStats::Final end;
-  end.traffic = modelled_ ? modelled_->traffic() : native_->traffic();
-  end.tiles = session_->tiles();
-  end.prediction = session_->predictor().error();
+  end.traffic = host_->traffic();
+  end.tiles = session().tiles();
+  end.prediction = session().predictor().error();
   end.gpu_bytes = renderer_->gpu_bytes() + target_->gpu_bytes();
   end.duration_us = now_us() - start_us_;
-  end.scene = session_->scene().name;
-  end.server = session_->scene().renderer;
+  end.scene = session().scene().name;
+  end.server = session().scene().renderer;
   end.renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
   end.method = o_.method_name;
   end.tau_px = o_.tau_px;
@@ -377,7 +284,7 @@ Result<void> Viewer::finish() {
     return make_error(ErrorId::kGraphicsGl, "GL error " + std::to_string(error));
   }
   if (!o_.trace_file.empty()) {
-    if (Result<void> r = write_text(o_.trace_file, trace_json(session_->lives())); !r) return r;
+    if (Result<void> r = write_text(o_.trace_file, trace_json(session().lives())); !r) return r;
   }
   if (o_.stats_file.empty()) return {};
   if (Result<void> r = write_text(o_.stats_file, stats_.json(end)); !r) return r;
@@ -395,9 +302,9 @@ Result<void> Viewer::run() {
   if (Result<ServerUrl> url = parse_url(o_.url); !url) return url.error();
   // Shaders first: a server waits only so long for the hello of a client that has connected.
   if (Result<void> graphics = open_graphics(); !graphics) return graphics;
-  if (Result<void> link = open_link(); !link) return link;
-  open_session();
-  if (Result<void> scene = wait_for_scene(); !scene) return scene;
+  make_host();
+  if (Result<void> link = host_->open(); !link) return link;
+  if (Result<void> scene = meet_scene(); !scene) return scene;
   if (Result<void> looped = frame_loop(); !looped) return looped;
   return finish();
 }

@@ -1,4 +1,4 @@
-#include "client/view/png.h"
+#include "client/host/png.h"
 
 #include <OpenImageIO/imageio.h>
 

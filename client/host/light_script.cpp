@@ -1,4 +1,4 @@
-#include "client/view/light_script.h"
+#include "client/host/light_script.h"
 
 #include <cmath>
 #include <fstream>

@@ -1,0 +1,132 @@
+#include "client/host/client_host.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "shaders/gl/gl_object.h"
+
+namespace mirage {
+namespace {
+
+constexpr int kReferenceTimeoutMs = 120'000;
+constexpr int kReplyTimeoutMs = 30'000;
+constexpr std::int64_t kScenePatienceUs = 20'000'000;
+
+}  // namespace
+
+int atlas_layers(int megabytes) {
+  return std::max(1, megabytes * 1024 * 1024 / (kAtlasEdge * kAtlasEdge * 5));
+}
+
+ClientHost::ClientHost(HostOptions options, FrameRenderer& renderer)
+    : options_(std::move(options)), renderer_(renderer) {
+  if (options_.virtual_time) {
+    auto clock = std::make_unique<VirtualClock>();
+    virtual_clock_ = clock.get();
+    clock_ = std::move(clock);
+  } else {
+    clock_ = std::make_unique<SteadyClock>();
+  }
+}
+
+TileSink ClientHost::sink() {
+  TileSink sink;
+  sink.tile = [this](const TileRecord& record, const TilePixels& pixels) {
+    renderer_.upload(record, pixels);
+  };
+  sink.shadow = [this](const ShadowRecord& record, const std::vector<std::uint8_t>& shares) {
+    renderer_.upload_shadow(record, shares);
+  };
+  sink.caster = [this](const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
+    renderer_.upload_caster(record, codes);
+  };
+  sink.mesh = [this](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
+    const Result<void> added = renderer_.add_mesh(object, lod, std::move(model));
+    if (!added) spdlog::error("{}", added.error().line());
+  };
+  sink.image = [this](std::uint32_t index, const Image& image) {
+    renderer_.add_image(session_->scene(), index, image);
+  };
+  sink.drop = [this](const AssetId& id) { renderer_.drop(session_->scene(), id); };
+  sink.scene = [this](const SceneView& scene) {
+    const Result<void> ready = renderer_.reset(scene);
+    if (!ready) spdlog::warn("{}", ready.error().line());
+  };
+  return sink;
+}
+
+Result<void> ClientHost::open() {
+  Result<ServerUrl> url = parse_url(options_.url);
+  if (!url) return url.error();
+  native_ = std::make_unique<NativeLink>(*url);
+  if (options_.net || options_.virtual_time) {
+    const auto wait = [this] {
+      native_->wait_message(kReplyTimeoutMs);
+      return native_->connected();
+    };
+    modelled_ = std::make_unique<ModelledLink>(*native_, *clock_, options_.net.value_or(NetModel{}),
+                                               options_.virtual_time, wait);
+  }
+  if (!native_->wait_connected(static_cast<int>(options_.connect_timeout_s * 1000))) {
+    const std::string problem = native_->last_problem();
+    return make_error(
+        ErrorId::kNetworkConnect,
+        "no server answers at " + options_.url + (problem.empty() ? "" : ": " + problem),
+        "start one with: mirage-server builtin:forest");
+  }
+  // Measured: a pixel of marching costs a CPU rasteriser some 0.3 us, a GPU next to nothing.
+  const std::string renderer_name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  const bool software = renderer_name.find("llvmpipe") != std::string::npos;
+  ClientOptions session = options_.session;
+  session.march_budget_px = options_.march_kpx >= 0 ? options_.march_kpx * 1000
+                            : software              ? 200e3
+                                                    : 1e9;
+  Link& link = modelled_ ? static_cast<Link&>(*modelled_) : *native_;
+  session_ = std::make_unique<ClientSession>(link, std::move(session), sink());
+  return {};
+}
+
+Result<void> ClientHost::wait_for_scene() {
+  const SteadyClock patience;
+  const auto limit = static_cast<std::int64_t>(options_.connect_timeout_s * 1e6) + kScenePatienceUs;
+  while (!session_->scene().complete()) {
+    if (Result<void> received = session_->receive(now_us()); !received) return received;
+    if (session_->scene().complete()) break;
+    if (native_->last_close_code() == close_code(ErrorId::kAuth)) {
+      return make_error(ErrorId::kAuth, "the server refused the token", "--token-file FILE");
+    }
+    if (const std::optional<Error> refused = native_->refusal()) {
+      return make_error(refused->id, "the server's scene was refused: " + refused->text,
+                        "are server and viewer of one version?");
+    }
+    const bool late = patience.now_us() > limit;
+    if (late || (!native_->connected() && native_->last_close_code() != 0)) {
+      return make_error(ErrorId::kNetworkClosed,
+                        "the server did not describe its scene: " + native_->last_problem());
+    }
+    if (virtual_clock_) virtual_clock_->advance_to_us(virtual_clock_->now_us() + 1000);
+    if (!virtual_clock_) native_->wait_message(20);
+  }
+  return {};
+}
+
+Result<ReferenceFrame> ClientHost::reference(const Camera& camera, std::uint32_t supersample) {
+  session_->ask_reference(camera, supersample);
+  const SteadyClock patience;
+  std::optional<ReferenceFrame> reference;
+  while (!(reference = session_->take_reference())) {
+    if (session_->reference_refused()) {
+      return make_error(ErrorId::kComparison, "the server renders no references",
+                        "it was started with --no-reference, or the frame is too large");
+    }
+    if (!native_->connected() || patience.now_us() > kReferenceTimeoutMs * 1000ll) {
+      return make_error(ErrorId::kNetworkTimeout, "no reference frame came");
+    }
+    if (!modelled_) native_->wait_message(100);
+    if (Result<void> received = session_->receive(now_us()); !received) return received.error();
+  }
+  return std::move(*reference);
+}
+
+}  // namespace mirage

@@ -1,0 +1,68 @@
+#pragma once
+// A client of one server, whole but for its frame loop: the link, modelled if asked for, the
+// session on it, and the renderer that takes what arrives. Thread: the GL one.
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "client/core/client_session.h"
+#include "client/core/frame_renderer.h"
+#include "client/core/modelled_link.h"
+#include "client/native/native_link.h"
+
+namespace mirage {
+
+inline constexpr int kAtlasEdge = 1024;
+/// Layers of the atlas that fit into this much graphics memory, colour and depth; at least one.
+int atlas_layers(int megabytes);
+
+struct HostOptions {
+  std::string url;
+  bool virtual_time = false;  ///< time passes only as it is told to; the link is modelled
+  std::optional<NetModel> net;
+  double connect_timeout_s = 10;
+  double march_kpx = -1;  ///< thousand px a frame drawn by marching; < 0: by renderer
+  ClientOptions session;  ///< march_budget_px follows from march_kpx
+};
+
+class ClientHost {
+ public:
+  /// A GL context is current; `renderer` outlives the host.
+  ClientHost(HostOptions options, FrameRenderer& renderer);
+
+  /// Connects. Errors kUsage, kNetworkConnect.
+  Result<void> open();
+  /// Takes in what comes until the scene is known, letting virtual time pass. Errors kAuth,
+  /// kNetworkClosed, and what the scene was refused for.
+  Result<void> wait_for_scene();
+  /// The server's full render of a camera at the time of the session's last frame, out of band:
+  /// neither bytes nor virtual time. Errors kComparison, kNetworkTimeout.
+  Result<ReferenceFrame> reference(const Camera& camera, std::uint32_t supersample);
+
+  ClientSession& session() { return *session_; }
+  const ClientSession& session() const { return *session_; }
+  const NativeLink& native() const { return *native_; }
+  LinkTraffic traffic() const { return modelled_ ? modelled_->traffic() : native_->traffic(); }
+  /// Session time in µs: the clock's, without what was left out.
+  std::int64_t now_us() const { return clock_->now_us() - left_out_us_; }
+  const Clock& clock() const { return *clock_; }
+  /// Null in real time.
+  VirtualClock* virtual_clock() { return virtual_clock_; }
+  /// Leaves the time since `clock_us` (of clock()) out of the session's.
+  void leave_out_since(std::int64_t clock_us) { left_out_us_ += clock_->now_us() - clock_us; }
+
+ private:
+  TileSink sink();
+
+  HostOptions options_;
+  FrameRenderer& renderer_;
+  std::unique_ptr<Clock> clock_;
+  VirtualClock* virtual_clock_ = nullptr;
+  std::int64_t left_out_us_ = 0;
+  std::unique_ptr<NativeLink> native_;
+  std::unique_ptr<ModelledLink> modelled_;
+  std::unique_ptr<ClientSession> session_;
+};
+
+}  // namespace mirage
