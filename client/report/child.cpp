@@ -1,0 +1,177 @@
+#include "client/report/child.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+extern char** environ;
+
+namespace mirage {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kServerPatienceMs = 300'000;  // a large scene's levels of detail take minutes
+constexpr int kStopPatienceMs = 10'000;
+
+int status_to_code(int status) {
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+// Standard output and error into files; a pipe nobody reads would stop the child.
+Result<int> spawn(const std::vector<std::string>& command, const std::string& out,
+                  const std::string& err) {
+  std::vector<char*> argv;
+  for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  const int write_new = O_WRONLY | O_CREAT | O_TRUNC;
+  posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, 1, out.c_str(), write_new, 0600);
+  posix_spawn_file_actions_addopen(&files, 2, err.c_str(), write_new, 0600);
+  int pid = -1;
+  const int failed = posix_spawnp(&pid, argv[0], &files, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  if (failed != 0) {
+    return make_error(ErrorId::kIo, "cannot run '" + command[0] + "': " + std::strerror(failed));
+  }
+  return pid;
+}
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+Result<std::string> scratch_folder() {
+  std::error_code failed;
+  std::string name = (fs::temp_directory_path(failed) / "mirage-report-XXXXXX").string();
+  if (failed || !mkdtemp(name.data())) {
+    return make_error(ErrorId::kIo, "cannot make a folder for temporary files");
+  }
+  return name;
+}
+
+// The `error <id>: <text>` line of a program of ours, as the error it was.
+std::optional<Error> error_said(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line;
+  while (std::getline(lines, line)) {
+    if (line.rfind("error ", 0) != 0) continue;
+    const std::size_t colon = line.find(": ");
+    if (colon == std::string::npos) continue;
+    const std::string id = line.substr(6, colon - 6);
+#define MIRAGE_X(e, name, exit, close) \
+  if (id == name) return make_error(ErrorId::e, line.substr(colon + 2));
+    MIRAGE_ERRORS(MIRAGE_X)
+#undef MIRAGE_X
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<ChildResult> run_child(const std::vector<std::string>& command) {
+  Result<std::string> folder = scratch_folder();
+  if (!folder) return folder.error();
+  const Result<int> pid = spawn(command, *folder + "/out", *folder + "/err");
+  ChildResult result;
+  if (pid.ok()) {
+    int status = 0;
+    waitpid(*pid, &status, 0);
+    result = {status_to_code(status), read_file(*folder + "/out"), read_file(*folder + "/err")};
+  }
+  std::error_code ignored;
+  fs::remove_all(*folder, ignored);
+  if (!pid) return pid.error();
+  return result;
+}
+
+std::optional<std::string> find_program(const std::string& name) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "");
+  std::string folder;
+  while (std::getline(folders, folder, ':')) {
+    const std::string candidate = folder + "/" + name;
+    if (!folder.empty() && access(candidate.c_str(), X_OK) == 0) return candidate;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> sibling_program(const std::string& name) {
+  std::error_code failed;
+  const fs::path self = fs::read_symlink("/proc/self/exe", failed);
+  if (failed) return std::nullopt;
+  const std::string path = (self.parent_path() / name).string();
+  if (access(path.c_str(), X_OK) != 0) return std::nullopt;
+  return path;
+}
+
+Result<std::unique_ptr<ServerProcess>> ServerProcess::start(const std::string& scene) {
+  const std::optional<std::string> program = sibling_program("mirage-server");
+  if (!program) {
+    return make_error(ErrorId::kIo, "there is no mirage-server beside mirage-report",
+                      "build it, or give the address of one: --url ws://HOST:PORT");
+  }
+  Result<std::string> folder = scratch_folder();
+  if (!folder) return folder.error();
+  std::unique_ptr<ServerProcess> server(new ServerProcess);
+  server->folder_ = *folder;
+  const Result<int> pid =
+      spawn({*program, scene, "--listen", "127.0.0.1:0", "--port-file", *folder + "/port"},
+            *folder + "/out", *folder + "/err");
+  if (!pid) return pid.error();
+  server->pid_ = *pid;
+  if (Result<void> ready = server->wait_ready(scene); !ready) return ready.error();
+  return server;
+}
+
+Result<void> ServerProcess::wait_ready(const std::string& scene) {
+  for (int waited = 0; waited < kServerPatienceMs; waited += 20) {
+    std::ifstream file(folder_ + "/port");
+    if (file >> port_) return {};
+    int status = 0;
+    if (waitpid(pid_, &status, WNOHANG) == pid_) {
+      pid_ = -1;
+      const std::optional<Error> said = error_said(read_file(folder_ + "/err"));
+      if (said) return *said;
+      return make_error(ErrorId::kInternal, "mirage-server " + scene + " ended with exit code " +
+                                                std::to_string(status_to_code(status)));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return make_error(ErrorId::kNetworkTimeout, "mirage-server " + scene + " does not get ready");
+}
+
+void ServerProcess::end() {
+  kill(pid_, SIGTERM);
+  int status = 0;
+  for (int waited = 0; waited < kStopPatienceMs; waited += 20) {
+    if (waitpid(pid_, &status, WNOHANG) == pid_) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  kill(pid_, SIGKILL);
+  waitpid(pid_, &status, 0);
+}
+
+ServerProcess::~ServerProcess() {
+  if (pid_ > 0) end();
+  std::error_code ignored;
+  if (!folder_.empty()) fs::remove_all(folder_, ignored);
+}
+
+}  // namespace mirage

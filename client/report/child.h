@@ -1,0 +1,49 @@
+#pragma once
+// Child processes: other programs run to their end, and servers of our own.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/result.h"
+
+namespace mirage {
+
+struct ChildResult {
+  int exit_code = -1;  ///< 128 + signal when one killed it
+  std::string out, err;
+};
+
+/// Runs a program (a path, or a name looked up in PATH) to its end, nothing on its standard input.
+/// Error kIo when it cannot be started.
+Result<ChildResult> run_child(const std::vector<std::string>& command);
+
+/// First executable of that name in PATH; nullopt when there is none.
+std::optional<std::string> find_program(const std::string& name);
+/// Path of a program beside this one; nullopt when it is not there.
+std::optional<std::string> sibling_program(const std::string& name);
+
+/// A mirage-server of our own on a free port of the loopback; ended (SIGTERM) on destruction.
+class ServerProcess {
+ public:
+  ~ServerProcess();
+  ServerProcess(const ServerProcess&) = delete;
+  ServerProcess& operator=(const ServerProcess&) = delete;
+
+  /// Waits until it is ready. Errors: what the server said itself, kIo when it is not there,
+  /// kNetworkTimeout.
+  static Result<std::unique_ptr<ServerProcess>> start(const std::string& scene);
+  std::string url() const { return "ws://127.0.0.1:" + std::to_string(port_); }
+
+ private:
+  ServerProcess() = default;
+  Result<void> wait_ready(const std::string& scene);
+  void end();
+
+  int pid_ = -1;
+  int port_ = 0;
+  std::string folder_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,54 @@
+#include "client/report/context.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "report_commit.h"
+
+namespace mirage {
+
+std::string source_commit() { return MIRAGE_COMMIT; }
+std::string hex64(std::uint64_t value) { return fmt::format("{:016x}", value); }
+
+Result<SessionRunner*> Context::graphics() {
+  if (!runner) {
+    Result<std::unique_ptr<SessionRunner>> made = SessionRunner::create(options.device);
+    if (!made) return made.error();
+    runner = made.take();
+  }
+  return runner.get();
+}
+
+Result<OpenScene*> Context::open(const std::string& name) {
+  std::unique_ptr<OpenScene>& scene = scenes[options.url.empty() ? name : options.url];
+  if (scene) return scene.get();
+  const Result<SessionRunner*> gl = graphics();
+  if (!gl) return gl.error();
+  auto made = std::make_unique<OpenScene>();
+  made->url = options.url;
+  if (made->url.empty()) {
+    Result<std::unique_ptr<ServerProcess>> server = ServerProcess::start(name);
+    if (!server) return server.error();
+    made->server = server.take();
+    made->url = made->server->url();
+  }
+  Result<std::unique_ptr<TruthSource>> truth = TruthSource::open(made->url, (*gl)->renderer());
+  if (!truth) return truth.error();
+  made->truth = truth.take();
+  made->name = made->truth->scene().name;
+  scene = std::move(made);
+  return scene.get();
+}
+
+std::vector<std::string> Context::scenes_or(const std::vector<std::string>& own) const {
+  if (!options.url.empty()) return {options.url};
+  return options.scene.empty() ? own : std::vector<std::string>{options.scene};
+}
+
+void Context::plot(const std::string& name, const std::vector<Panel>& panels, int columns,
+                   const std::string& caption) {
+  const Result<std::string> svg = plotter.draw(name, panels, columns);
+  if (svg) return page.figure(*svg, caption);
+  omit("plots", name, svg.error().line());
+}
+
+}  // namespace mirage

@@ -1,0 +1,61 @@
+#pragma once
+// What all parts of the report share: the renderer, the scenes with their servers, the page.
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/report/child.h"
+#include "client/report/options.h"
+#include "client/report/page.h"
+#include "client/report/plot.h"
+#include "client/report/progress.h"
+#include "client/report/session_run.h"
+
+namespace mirage {
+
+/// What was meant to be measured and was not: told, never dropped (NUMERICS section 1).
+struct Omission {
+  std::string part, what, why;
+};
+
+/// A scene, its server if it is one of ours, and its truth.
+struct OpenScene {
+  std::string name;
+  std::string url;
+  std::unique_ptr<ServerProcess> server;
+  std::unique_ptr<TruthSource> truth;
+};
+
+struct Context {
+  const ReportOptions& options;
+  Plotter plotter;
+  std::unique_ptr<SessionRunner> runner{};  ///< made when first needed
+  Progress progress{};
+  Page page{};
+  std::vector<Omission> omissions{};
+  std::vector<std::string> failed_checks{};  ///< of what must hold
+  std::map<std::string, std::unique_ptr<OpenScene>> scenes{};
+
+  /// The GL context and its renderer. Errors kGraphics….
+  Result<SessionRunner*> graphics();
+  /// Starts the scene's server, unless it runs, and learns the scene. With --url: that server's,
+  /// whatever `name` says. Errors as ServerProcess and TruthSource.
+  Result<OpenScene*> open(const std::string& name);
+  /// The scenes to measure: the user's one, or the part's own.
+  std::vector<std::string> scenes_or(const std::vector<std::string>& own) const;
+  /// Puts a plot on the page, or says why it is not there.
+  void plot(const std::string& name, const std::vector<Panel>& panels, int columns,
+            const std::string& caption);
+  std::string path(const std::string& file) const { return options.out_dir + "/" + file; }
+  void omit(const std::string& part, const std::string& what, const std::string& why) {
+    omissions.push_back({part, what, why});
+  }
+};
+
+/// `git describe` of the source this was built from.
+std::string source_commit();
+std::string hex64(std::uint64_t value);
+
+}  // namespace mirage

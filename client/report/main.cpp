@@ -1,0 +1,74 @@
+// mirage-report: options -> the parts, each of which measures, writes its file and its section of
+// the page -> the page -> exit code.
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <filesystem>
+
+#include "client/report/context.h"
+#include "client/report/work_precision.h"
+#include "protocol/cli.h"
+
+namespace mirage {
+namespace {
+
+Result<void> measure(Context& context) {
+  using Step = Result<void> (*)(Context&);
+  const std::pair<Part, Step> steps[] = {{Part::kWorkPrecision, report_work_precision}};
+  for (const auto& [part, step] : steps) {
+    if (!context.options.parts.contains(part)) continue;
+    if (Result<void> done = step(context); !done) return done;
+  }
+  return {};
+}
+
+Result<void> write_page(Context& context) {
+  Page& page = context.page;
+  page.section("omissions", "Omissions");
+  if (context.omissions.empty())
+    page.paragraph("None: everything that was asked for was measured.");
+  Table table({"part", "what", "why"});
+  for (const Omission& omission : context.omissions) {
+    table.add({omission.part, omission.what, omission.why});
+  }
+  if (!context.omissions.empty()) page.table(table);
+  std::vector<std::string> summary = {"Written by: " + context.options.command_line + " (commit " +
+                                      source_commit() + ")."};
+  if (context.runner)
+    summary.push_back("Client renderer: " + context.runner->renderer_name() + ".");
+  for (const std::string& failed : context.failed_checks) summary.push_back("FAILED: " + failed);
+  return write_file(context.path("index.html"), page.html("Mirage: measured", summary));
+}
+
+Result<void> run_report(const ReportOptions& options) {
+  std::error_code failed;
+  std::filesystem::create_directories(options.out_dir + "/plots", failed);
+  if (failed) return make_error(ErrorId::kIo, "cannot make directory '" + options.out_dir + "'");
+  Context context{options, Plotter(options.out_dir + "/plots")};
+  if (!context.plotter.available()) {
+    spdlog::warn("gnuplot is not installed: figures without plots (apt-get install gnuplot-nox)");
+  }
+  if (Result<void> measured = measure(context); !measured) return measured;
+  if (Result<void> written = write_page(context); !written) return written;
+  std::printf("%s: %.0f s, %zu omissions\n", context.path("index.html").c_str(),
+              context.progress.elapsed_s(), context.omissions.size());
+  if (context.failed_checks.empty()) return {};
+  return make_error(ErrorId::kComparison, context.failed_checks.front());
+}
+
+}  // namespace
+}  // namespace mirage
+
+int main(int argc, char** argv) {
+  try {
+    mirage::ReportOptions options;
+    if (const int code = mirage::parse_options(argc, argv, options); code >= 0) return code;
+    spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
+    spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+    const mirage::Result<void> done = mirage::run_report(options);
+    return done.ok() ? 0 : mirage::fail(done.error());
+  } catch (const std::exception& e) {
+    return mirage::fail(mirage::make_error(mirage::ErrorId::kInternal, e.what()));
+  }
+}

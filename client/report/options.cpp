@@ -1,0 +1,70 @@
+#include "client/report/options.h"
+
+#include <map>
+
+#include "protocol/cli.h"
+#include "protocol/result.h"
+
+namespace mirage {
+namespace {
+
+const std::map<std::string, std::set<Part>>& parts() {
+  static const std::map<std::string, std::set<Part>> list = {
+      {"fidelity", {Part::kFidelity}},
+      {"work-precision", {Part::kWorkPrecision}},
+      {"latency", {Part::kLatency}},
+      {"extreme", {Part::kExtreme}},
+      {"needs", {Part::kNeeds}},
+      {"all",
+       {Part::kFidelity, Part::kWorkPrecision, Part::kLatency, Part::kExtreme, Part::kNeeds}}};
+  return list;
+}
+
+std::set<std::string> names() {
+  std::set<std::string> out;
+  for (const auto& part : parts()) out.insert(part.first);
+  return out;
+}
+
+Result<void> check(const ReportOptions& o) {
+  if (!o.url.empty() && !o.scene.empty()) {
+    return make_error(ErrorId::kUsage, "--url and --scene exclude each other",
+                      "a running server has its own scene");
+  }
+  if (!o.model.empty() && o.what != "fidelity") {
+    return make_error(ErrorId::kUsage, "--model is for fidelity only", "--scene FILE for the rest");
+  }
+  return {};
+}
+
+}  // namespace
+
+int parse_options(int argc, char** argv, ReportOptions& o) {
+  CLI::App app("Measures error against run time and writes a page about it.", "mirage-report");
+  app.footer(
+      "Writes DIR/index.html, to be opened in any browser, and CSV and JSON beside it.\n"
+      "Example: mirage-report all --quick --out out/report");
+  app.add_option("WHAT", o.what,
+                 "fidelity: tiles against the mesh, by the field's protocol; work-precision: "
+                 "error against run time; latency: against video on the same link; extreme: the "
+                 "extreme cases; needs: what was left out; all")
+      ->required()
+      ->check(CLI::IsMember(names()));
+  app.add_option("--scene", o.scene,
+                 "measure this file or builtin:NAME instead of the report's own scenes");
+  app.add_option("--url", o.url, "measure the scene of a running server");
+  app.add_option("--model", o.model, "fidelity of your own glTF file");
+  app.add_option("--out", o.out_dir, "folder to write into")->capture_default_str();
+  app.add_flag("--quick", o.quick,
+               "small pictures, few frames, three values of tau: minutes instead of hours");
+  app.add_option("--device", o.device, "EGL device")->capture_default_str();
+  add_conventions(app);
+  if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
+  if (const Result<void> good = check(o); !good) return fail(good.error());
+  o.parts = parts().at(o.what);
+  o.command_line = "mirage-report";
+  for (int i = 1; i < argc; ++i) o.command_line += std::string(" ") + argv[i];
+  return -1;
+}
+
+}  // namespace mirage

@@ -1,0 +1,24 @@
+#pragma once
+#include <string>
+
+#include "protocol/clock.h"
+
+namespace mirage {
+
+/// Says what is being done, how far it is, and how long the rest of the part may take.
+class Progress {
+ public:
+  /// A part of `steps` steps begins.
+  void begin(const std::string& part, std::size_t steps);
+  /// A step begins: one line on standard error.
+  void step(const std::string& what);
+  double elapsed_s() const { return static_cast<double>(clock_.now_us()) * 1e-6; }
+
+ private:
+  SteadyClock clock_;
+  std::string part_;
+  std::size_t steps_ = 0, done_ = 0;
+  double began_s_ = 0;
+};
+
+}  // namespace mirage

@@ -1,0 +1,165 @@
+#include "client/report/session_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "client/host/methods.h"
+
+namespace mirage {
+namespace {
+
+constexpr int kAtlasMb = 120;
+constexpr int kMsaa = 4;
+constexpr double kFovY = 1.0471975511965976;  // 60 degrees
+
+double clock_ms(clockid_t clock) {
+  timespec t{};
+  clock_gettime(clock, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+HostOptions host_options(const RunSpec& spec) {
+  HostOptions options;
+  options.url = spec.url;
+  options.virtual_time = true;
+  options.net = spec.net;
+  options.session.tau_px = spec.tau_px;
+  options.session.method = *method_from_name(spec.method);
+  options.session.mesh_radii = spec.mesh_radii;
+  options.session.atlas_edge = kAtlasEdge;
+  options.session.atlas_layers = atlas_layers(kAtlasMb);
+  options.session.trace = true;
+  options.session.animation = false;
+  return options;
+}
+
+}  // namespace
+
+struct SessionRunner::Loop {
+  const RunSpec& spec;
+  TruthSource& truth;
+  ClientHost& host;
+  RunResult& out;
+  DrawList list{};
+  double planned_ms = 0;  // of this frame
+  int before = -2;        // the frame compared last
+  std::vector<std::uint8_t> drawn_before{};
+  ReferencePtr truth_before{};
+};
+
+Result<std::unique_ptr<SessionRunner>> SessionRunner::create(const std::string& device) {
+  auto runner = std::make_unique<SessionRunner>();
+  Result<gl::EglContext> egl = gl::EglContext::create(device);
+  if (!egl) return egl.error();
+  runner->egl_ = std::move(*egl);
+  runner->renderer_name_ = runner->egl_.description();
+  Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, atlas_layers(kAtlasMb));
+  if (!renderer) return renderer.error();
+  runner->renderer_.emplace(renderer.take());
+  return runner;
+}
+
+double SessionRunner::now_ms() const {
+  return clock_ms(software() ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC);
+}
+
+Camera SessionRunner::camera_at(const CameraPath& path, double seconds, const SceneView& scene,
+                                int width, int height) {
+  Camera camera;
+  camera.pose = path.at(seconds);
+  camera.fov_y = kFovY;
+  camera.width = static_cast<std::uint32_t>(width);
+  camera.height = static_cast<std::uint32_t>(height);
+  camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
+  return camera;
+}
+
+Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame) {
+  const RunSpec& spec = loop.spec;
+  const ClientSession& session = loop.host.session();
+  ComparedFrame compared;
+  compared.frame = frame;
+  for (int i = 0; i < std::max(1, spec.draws_each); ++i) {
+    const double began = now_ms();
+    renderer_->draw(*target_, camera, session.scene(), loop.list, session.lighting());
+    glFinish();
+    const double ms = loop.planned_ms + now_ms() - began;
+    if (i == 0) compared.client_ms = ms;
+    const bool first_use = loop.out.frames.empty() && i == 0;
+    if (!first_use || spec.draws_each == 1) loop.out.client_ms.push_back(ms);
+  }
+  std::vector<std::uint8_t> drawn = target_->read();
+  Result<ReferencePtr> truth = loop.truth.at(camera, spec.truth_samples);
+  if (!truth) return truth.error();
+  const std::uint32_t w = camera.width, h = camera.height;
+  const ImageView seen{w, h, drawn.data()}, due{w, h, (*truth)->rgba.data()};
+  compared.image = measure_images(due, seen);
+  if (loop.before + 1 == frame) {
+    compared.flicker = flicker({w, h, loop.truth_before->rgba.data()},
+                               {w, h, loop.drawn_before.data()}, due, seen);
+  }
+  const double s = spec.truth_samples;
+  if (session.scene().complete()) {
+    add_geometric_error(**truth, (std::floor(s / 2) + 0.5) / s, camera, session.scene(), loop.list,
+                        loop.out.geometric);
+  } else {  // nothing is known yet: all of it is missing
+    const auto& ids = (*truth)->ids;
+    const auto missing = ids.size() - static_cast<std::size_t>(std::count(ids.begin(), ids.end(), 0u));
+    loop.out.geometric.object_pixels += missing;
+    loop.out.geometric.holes += missing;
+  }
+  if (spec.keep_picture && frame == spec.compared.back()) {
+    loop.out.picture = Picture{spec.width, spec.height, drawn, (*truth)->rgba};
+  }
+  loop.before = frame;
+  loop.drawn_before = std::move(drawn);
+  loop.truth_before = *truth;
+  loop.out.frames.push_back(compared);
+  return {};
+}
+
+Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
+  if (!target_ || target_->width() != spec.width || target_->height() != spec.height) {
+    Result<FrameTarget> target = FrameTarget::create(spec.width, spec.height, kMsaa);
+    if (!target) return target.error();
+    target_.emplace(target.take());
+  }
+  const SceneView& scene = truth.scene();
+  const Result<CameraPath> path =
+      CameraPath::create(spec.path, scene.home, scene.bounds_center, scene.bounds_radius);
+  if (!path) return path.error();
+  ClientHost host(host_options(spec), *renderer_);
+  if (Result<void> open = host.open(); !open) return open.error();
+  RunResult out;
+  Loop loop{spec, truth, host, out};
+  auto next = spec.compared.begin();
+  for (int frame = 0; frame < spec.frames; ++frame) {
+    const double seconds = frame / spec.fps;
+    const std::int64_t now = std::llround(seconds * 1e6);
+    host.virtual_clock()->advance_to_us(now);
+    if (Result<void> received = host.session().receive(now); !received) return received.error();
+    const Camera camera = camera_at(*path, seconds, scene, spec.width, spec.height);
+    const double began = now_ms();
+    loop.list = host.session().frame(camera, now);
+    loop.planned_ms = now_ms() - began;
+    const bool shows = !loop.list.impostors.empty() || !loop.list.meshes.empty();
+    if (shows && out.first_image_ms < 0) out.first_image_ms = seconds * 1e3;
+    if (next == spec.compared.end() || *next != frame) continue;
+    ++next;
+    if (Result<void> compared = compare(loop, camera, frame); !compared) return compared.error();
+  }
+  out.traffic = host.traffic();
+  out.seconds = spec.frames / spec.fps;
+  out.lives = host.session().lives();
+  if (out.geometric.object_pixels > 0) {
+    out.hole_fraction =
+        static_cast<double>(out.geometric.holes) / static_cast<double>(out.geometric.object_pixels);
+  }
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
+    return make_error(ErrorId::kGraphicsGl, "GL error " + std::to_string(error));
+  }
+  return out;
+}
+
+}  // namespace mirage

@@ -1,0 +1,87 @@
+#pragma once
+// One scripted session in this process, on virtual time and a modelled link: what a viewer would
+// have shown at every frame of a path, what that cost, and how far it was from the truth.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/core/camera_path.h"
+#include "client/core/frame_target.h"
+#include "client/core/geometric_error.h"
+#include "client/quality/metrics.h"
+#include "client/report/truth_source.h"
+#include "shaders/gl/egl_context.h"
+
+namespace mirage {
+
+struct RunSpec {
+  std::string url;
+  std::string path = "builtin:walk";
+  std::string method = "auto";
+  double tau_px = 1;
+  double mesh_radii = kSwapRadii;
+  NetModel net;
+  int width = 240, height = 135;
+  double fps = 12;
+  int frames = 36;            ///< the first at time 0, when the connection begins
+  std::vector<int> compared;  ///< rising; only these are drawn
+  int draws_each = 1;         ///< how often a compared frame is drawn, for its time
+  std::uint32_t truth_samples = 4;
+  bool keep_picture = false;  ///< of the last compared frame
+};
+
+struct ComparedFrame {
+  int frame = 0;
+  ImageMeasures image;
+  std::optional<double> flicker;  ///< when the frame before it was compared, too
+  double client_ms = 0;           ///< of its first draw
+};
+
+/// Drawn and true pixels of one frame, RGBA8 in sRGB, rows from the top.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> drawn, truth;
+};
+
+struct RunResult {
+  std::vector<ComparedFrame> frames;
+  GeometricError geometric;
+  /// Planning and drawing one frame, a value per draw but the first of the run (NUMERICS section
+  /// 1: first use apart). CPU time of all threads on a software renderer, else wall time.
+  std::vector<double> client_ms;
+  LinkTraffic traffic;
+  double seconds = 0;
+  std::vector<TileLife> lives;
+  double first_image_ms = -1;  ///< < 0: none
+  double hole_fraction = 0;    ///< of the compared frames' object pixels
+  std::optional<Picture> picture;
+};
+
+class SessionRunner {
+ public:
+  /// Makes the GL context and all that is shared by runs. Errors kGraphics….
+  static Result<std::unique_ptr<SessionRunner>> create(const std::string& device);
+
+  /// `truth` is of the server at spec.url. Errors as ClientHost's.
+  Result<RunResult> run(const RunSpec& spec, TruthSource& truth);
+
+  FrameRenderer& renderer() { return *renderer_; }
+  const std::string& renderer_name() const { return renderer_name_; }
+  bool software() const { return egl_.software(); }
+  /// The camera of a path at a time, as runs use it.
+  static Camera camera_at(const CameraPath& path, double seconds, const SceneView& scene, int width,
+                          int height);
+
+ private:
+  struct Loop;
+  Result<void> compare(Loop& loop, const Camera& camera, int frame);
+  double now_ms() const;
+
+  gl::EglContext egl_;
+  std::string renderer_name_;
+  std::optional<FrameRenderer> renderer_;
+  std::optional<FrameTarget> target_;
+};
+
+}  // namespace mirage
