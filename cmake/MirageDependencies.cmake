@@ -16,6 +16,8 @@ pkg_check_modules(LWS REQUIRED IMPORTED_TARGET libwebsockets)
 pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET libwebp)
 find_package(meshoptimizer REQUIRED CONFIG)
 find_package(TinyGLTF REQUIRED)
+# The video baseline of mirage-report; without it that row of the report is left out.
+pkg_check_modules(LIBAV IMPORTED_TARGET libavcodec libavutil libswscale)
 if(MIRAGE_TESTS)
   find_package(GTest REQUIRED)
 endif()

@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <sstream>
 
 namespace mirage {
 namespace {
 
 constexpr std::size_t kFrameOverhead = kWireHeaderBytes + 8;  // our header and WebSocket's
 constexpr std::size_t kControlBytes = 144;                    // a tile reply's control part
-constexpr double kRetransmission = 1.5;                       // round trips a lost message costs
 
 std::size_t control_estimate(const Message& m) {
   flatbuffers::FlatBufferBuilder builder;
@@ -20,40 +17,6 @@ std::size_t control_estimate(const Message& m) {
 
 }  // namespace
 
-Result<NetModel> parse_net_model(const std::string& text) {
-  NetModel model;
-  std::istringstream in(text);
-  std::string part;
-  while (std::getline(in, part, ',')) {
-    const std::size_t equals = part.find('=');
-    const std::string key = part.substr(0, equals);
-    const std::string value = equals == std::string::npos ? "" : part.substr(equals + 1);
-    if (key == "server-ms" && value == "auto") {
-      model.server_ms = -1;
-      continue;
-    }
-    char* end = nullptr;
-    const double number = std::strtod(value.c_str(), &end);
-    const bool good = !value.empty() && *end == '\0' && number >= 0 && number <= 1e7;
-    double* target = key == "rtt"         ? &model.rtt_ms
-                     : key == "jitter"    ? &model.jitter_ms
-                     : key == "rate"      ? &model.rate_mbps
-                     : key == "loss"      ? &model.loss_percent
-                     : key == "server-ms" ? &model.server_ms
-                                          : nullptr;
-    if (good && key == "seed") {
-      model.seed = static_cast<std::uint64_t>(number);
-    } else if (good && target && !(key == "loss" && number > 90)) {
-      *target = number;
-    } else {
-      return make_error(ErrorId::kUsage, "--net: '" + part + "' is not understood",
-                        "rtt=100,jitter=20,rate=20,loss=0.5,server-ms=auto|5,seed=1 "
-                        "(ms, ms, Mbit/s, %, ms)");
-    }
-  }
-  return model;
-}
-
 ModelledLink::ModelledLink(Link& inner, const Clock& clock, const NetModel& model, bool blocking,
                            std::function<bool()> wait)
     : inner_(inner),
@@ -61,30 +24,10 @@ ModelledLink::ModelledLink(Link& inner, const Clock& clock, const NetModel& mode
       model_(model),
       blocking_(blocking),
       wait_(std::move(wait)),
-      random_(model.seed * 0x9e3779b97f4a7c15ull + 1),
+      delays_(model),
       greeted_(inner.generation()) {}
 
 bool ModelledLink::connected() const { return inner_.connected(); }
-
-double ModelledLink::uniform() {  // splitmix64
-  random_ += 0x9e3779b97f4a7c15ull;
-  std::uint64_t z = random_;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
-}
-
-std::int64_t ModelledLink::one_way_us() {
-  double ms = 0.5 * model_.rtt_ms;
-  if (model_.jitter_ms > 0) {  // the sum of four uniforms is normal enough
-    const double z = (uniform() + uniform() + uniform() + uniform() - 2.0) * 1.7320508;
-    ms = std::max(0.0, ms + z * model_.jitter_ms);
-  }
-  if (model_.loss_percent > 0) {
-    while (uniform() * 100.0 < model_.loss_percent) ms += kRetransmission * model_.rtt_ms;
-  }
-  return static_cast<std::int64_t>(std::llround(ms * 1000.0));
-}
 
 void ModelledLink::send(Bytes message) {
   const std::int64_t now = clock_.now_us();
@@ -101,12 +44,9 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
   }
   const std::size_t size = bytes.size() + 12;
   bytes_up_ += size;
-  std::int64_t start = std::max(now, uplink_free_us_);
-  if (model_.rate_mbps > 0) {
-    start += std::llround(static_cast<double>(size) * 8.0 / model_.rate_mbps);
-  }
+  const std::int64_t start = std::max(now, uplink_free_us_) + delays_.transmission_us(size);
   uplink_free_us_ = start;
-  const std::int64_t arrives = start + one_way_us();
+  const std::int64_t arrives = start + delays_.one_way_us();
   if (message->body.type == wire::Body::Hello) {
     owed_welcome_ = true;
     greeted_ = inner_.generation();
@@ -243,14 +183,12 @@ void ModelledLink::run_server(std::int64_t now) {
 void ModelledLink::transmit(std::deque<Item>& lane, std::int64_t start) {
   Item& item = lane.front();
   const std::size_t n = std::min(item.left, limits::kChunkBytes);
-  std::int64_t cost = 0;
-  if (model_.rate_mbps > 0) cost = std::llround(static_cast<double>(n) * 8.0 / model_.rate_mbps);
-  downlink_free_us_ = start + cost;
+  downlink_free_us_ = start + delays_.transmission_us(n);
   item.left -= n;
   if (item.left > 0) return;
   bytes_down_ += item.bytes;
   // TCP delivers in order: what is late delays all behind it.
-  last_arrival_us_ = std::max(last_arrival_us_, downlink_free_us_ + one_way_us());
+  last_arrival_us_ = std::max(last_arrival_us_, downlink_free_us_ + delays_.one_way_us());
   arrived_.emplace_back(last_arrival_us_, std::move(item.message));
   lane.pop_front();
 }

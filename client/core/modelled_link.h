@@ -14,20 +14,10 @@
 #include <vector>
 
 #include "client/core/link.h"
+#include "client/core/net_model.h"
 #include "protocol/clock.h"
 
 namespace mirage {
-
-struct NetModel {
-  double rtt_ms = 0;
-  double jitter_ms = 0;     ///< standard deviation of the one-way delay, in order delivery kept
-  double rate_mbps = 0;     ///< both ways; 0: unlimited
-  double loss_percent = 0;  ///< of messages; a lost one comes a retransmission (1.5 RTT) later
-  double server_ms = -1;    ///< per tile; negative: as the server really took (auto)
-  std::uint64_t seed = 1;
-};
-/// "rtt=100,jitter=20,rate=20,loss=0.5,server-ms=auto|X,seed=1"; error kUsage names the bad part.
-Result<NetModel> parse_net_model(const std::string& text);
 
 class ModelledLink final : public Link {
  public:
@@ -68,15 +58,13 @@ class ModelledLink final : public Link {
   void run_server(std::int64_t now_us);
   void run_downlink(std::int64_t now_us);
   void transmit(std::deque<Item>& lane, std::int64_t start_us);
-  std::int64_t one_way_us();
-  double uniform();
 
   Link& inner_;
   const Clock& clock_;
   const NetModel model_;
   const bool blocking_;
   std::function<bool()> wait_;
-  std::uint64_t random_;
+  NetDelays delays_;
   std::map<std::uint32_t, Ask> asks_;  ///< at or on the way to the server, by request id
   /// Waiting for the downlink, by time; equal times by request (0: none), whichever reply really
   /// came first.

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "client/report/context.h"
+#include "client/report/latency.h"
 #include "client/report/work_precision.h"
 #include "protocol/cli.h"
 
@@ -15,7 +16,8 @@ namespace {
 
 Result<void> measure(Context& context) {
   using Step = Result<void> (*)(Context&);
-  const std::pair<Part, Step> steps[] = {{Part::kWorkPrecision, report_work_precision}};
+  const std::pair<Part, Step> steps[] = {{Part::kWorkPrecision, report_work_precision},
+                                         {Part::kLatency, report_latency}};
   for (const auto& [part, step] : steps) {
     if (!context.options.parts.contains(part)) continue;
     if (Result<void> done = step(context); !done) return done;

@@ -5,10 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "client/report/session_run.h"
 #include "client/report/table.h"
 
 namespace mirage {
+
+/// Drawn and true pixels of one frame, RGBA8 in sRGB, rows from the top.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> drawn, truth;
+};
 
 /// Text with the characters that mean something in HTML replaced.
 std::string escape_html(const std::string& text);

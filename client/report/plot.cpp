@@ -15,7 +15,7 @@
 namespace mirage {
 namespace {
 
-constexpr int kPanelWidth = 470, kPanelHeight = 330, kLegendHeight = 60;
+constexpr int kPanelWidth = 470, kPanelHeight = 330, kLegendHeight = 90;
 
 struct Look {
   const char* color;
@@ -54,13 +54,16 @@ std::string log_axis(char axis, std::vector<double> values) {
   if (values.empty()) return {};
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   const double low = *least / 1.2, high = *most * 1.2;
-  const bool wide = high / low > 2000;
+  const double decades = std::log10(high / low);
+  const std::vector<double> steps = decades > 3     ? std::vector<double>{1}
+                                    : decades > 0.9 ? std::vector<double>{1, 2, 5}
+                                                    : std::vector<double>{1, 1.5, 2, 3, 4, 5, 6, 8};
   std::string tics;
   for (int decade = static_cast<int>(std::floor(std::log10(low))); std::pow(10, decade) <= high;
        ++decade) {
-    for (const double step : {1.0, 2.0, 5.0}) {
+    for (const double step : steps) {
       const double v = step * std::pow(10, decade);
-      if (v < low || v > high || (wide && step != 1.0)) continue;
+      if (v < low || v > high) continue;
       tics += fmt::format("{}\"{:g}\" {:g}", tics.empty() ? "" : ", ", v, v);
     }
   }
@@ -144,7 +147,7 @@ std::string legend(const std::vector<Panel>& panels) {
         ", NaN with lines dt 2 lw 1.5 lc rgb \"#cc0000\" title \"error floor (2x against 4x)\"";
   }
   return "unset logscale\nunset title\nunset xlabel\nunset ylabel\nunset border\nunset tics\n"
-         "unset grid\nset key center center horizontal maxrows 2 samplen 2.5\nset xrange [0:1]\n"
+         "unset grid\nset key center center horizontal maxrows 3 samplen 2\nset xrange [0:1]\n"
          "set yrange [0:1]\nplot " +
          plots.substr(2) + "\n";
 }

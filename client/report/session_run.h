@@ -10,6 +10,7 @@
 #include "client/core/frame_target.h"
 #include "client/core/geometric_error.h"
 #include "client/quality/metrics.h"
+#include "client/report/page.h"
 #include "client/report/truth_source.h"
 #include "shaders/gl/egl_context.h"
 
@@ -26,7 +27,7 @@ struct RunSpec {
   double fps = 12;
   int frames = 36;            ///< the first at time 0, when the connection begins
   std::vector<int> compared;  ///< rising; only these are drawn
-  int draws_each = 1;         ///< how often a compared frame is drawn, for its time
+  int draws_each = 1;         ///< of a compared frame, for its time; above 1: once more at first
   std::uint32_t truth_samples = 4;
   bool keep_picture = false;  ///< of the last compared frame
 };
@@ -35,26 +36,20 @@ struct ComparedFrame {
   int frame = 0;
   ImageMeasures image;
   std::optional<double> flicker;  ///< when the frame before it was compared, too
-  double client_ms = 0;           ///< of its first draw
-};
-
-/// Drawn and true pixels of one frame, RGBA8 in sRGB, rows from the top.
-struct Picture {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> drawn, truth;
+  double client_ms = 0;           ///< of its quickest draw
+  double hole_fraction = 0;       ///< of the pixels that show an object: nothing drawn for it
 };
 
 struct RunResult {
   std::vector<ComparedFrame> frames;
   GeometricError geometric;
-  /// Planning and drawing one frame, a value per draw but the first of the run (NUMERICS section
-  /// 1: first use apart). CPU time of all threads on a software renderer, else wall time.
+  /// Planning and drawing, a value per draw (not the extra one). CPU time of all threads on a
+  /// software renderer, else wall time.
   std::vector<double> client_ms;
   LinkTraffic traffic;
   double seconds = 0;
   std::vector<TileLife> lives;
   double first_image_ms = -1;  ///< < 0: none
-  double hole_fraction = 0;    ///< of the compared frames' object pixels
   std::optional<Picture> picture;
 };
 

@@ -70,7 +70,10 @@ Setting setting_of(const RunSpec& spec, const RunResult& run) {
   Setting s;
   s.method = spec.method;
   s.tau_px = spec.tau_px;
-  s.client_ms = quantile(run.client_ms, 0.5);
+  // The machine's load only ever adds: of each frame its quickest draw.
+  std::vector<double> quickest;
+  for (const ComparedFrame& frame : run.frames) quickest.push_back(frame.client_ms);
+  s.client_ms = quantile(quickest, 0.5);
   s.client_ms_least = quantile(run.client_ms, 0.0);
   std::vector<double> server_ms, display_ms;
   for (const TileLife& life : run.lives) {

@@ -1,0 +1,26 @@
+#pragma once
+// The video of the baseline: really encoded (x264 veryfast, zerolatency) and decoded.
+
+#include <cstdint>
+#include <vector>
+
+#include "protocol/result.h"
+
+namespace mirage {
+
+struct CodedFrame {
+  std::size_t bytes = 0;
+  std::vector<std::uint8_t> rgba;  ///< decoded, alpha 255
+};
+
+struct CodedVideo {
+  std::vector<CodedFrame> frames;
+  double encode_ms = 0, decode_ms = 0;  ///< medians per frame, wall time
+};
+
+/// Encodes frames (RGBA8, rows from the top) at a constant rate with a buffer of one frame, so that
+/// no frame waits for another, and decodes them. Error kCodec.
+Result<CodedVideo> code_video(const std::vector<const std::uint8_t*>& frames, int width, int height,
+                              double fps, double rate_mbps);
+
+}  // namespace mirage
