@@ -7,7 +7,9 @@
 #include <filesystem>
 
 #include "client/report/context.h"
+#include "client/report/fidelity.h"
 #include "client/report/latency.h"
+#include "client/report/outside.h"
 #include "client/report/work_precision.h"
 #include "protocol/cli.h"
 
@@ -17,7 +19,10 @@ namespace {
 Result<void> measure(Context& context) {
   using Step = Result<void> (*)(Context&);
   const std::pair<Part, Step> steps[] = {{Part::kWorkPrecision, report_work_precision},
-                                         {Part::kLatency, report_latency}};
+                                         {Part::kLatency, report_latency},
+                                         {Part::kFidelity, report_fidelity},
+                                         {Part::kNeeds, report_needs},
+                                         {Part::kExtreme, report_extreme}};
   for (const auto& [part, step] : steps) {
     if (!context.options.parts.contains(part)) continue;
     if (Result<void> done = step(context); !done) return done;

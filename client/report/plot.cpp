@@ -84,7 +84,14 @@ void add_block(std::string& script, const std::string& name, const Panel& panel,
   script += "EOD\n";
 }
 
-void add_panel(std::string& script, const Panel& panel, std::size_t index) {
+void add_panel(std::string& script, Panel panel, std::size_t index) {
+  // Where nothing is wrong there is nothing a logarithm could show.
+  panel.log_y =
+      panel.log_y && std::any_of(panel.series.begin(), panel.series.end(), [](const Series& s) {
+        return std::any_of(s.points.begin(), s.points.end(),
+                           [](const auto& p) { return p.second > 0; });
+      });
+
   std::vector<double> xs, ys;
   for (const Series& series : panel.series) {
     for (const auto& p : series.points) {
@@ -101,7 +108,8 @@ void add_panel(std::string& script, const Panel& panel, std::size_t index) {
   script += "unset logscale\nset autoscale\nset xtics autofreq\nset ytics autofreq\nunset key\n";
   if (panel.log_x) script += log_axis('x', xs);
   if (panel.log_y) script += log_axis('y', ys);
-  if (!panel.log_y) script += "set yrange [0:*]\n";
+  const bool all_zero = std::all_of(ys.begin(), ys.end(), [](double y) { return y == 0; });
+  if (!panel.log_y) script += all_zero ? "set yrange [0:1]\n" : "set yrange [0:*]\n";
   if (xs.empty()) script += "set xrange [1:10]\nset yrange [1:10]\n";
   script += "set title " + quoted(panel.title) + "\nset xlabel " + quoted(panel.x_label) +
             "\nset ylabel " + quoted(panel.y_label) + "\n";

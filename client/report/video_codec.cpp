@@ -29,7 +29,8 @@ using FramePtr = std::unique_ptr<AVFrame, Free>;
 using PacketPtr = std::unique_ptr<AVPacket, Free>;
 using ScalerPtr = std::unique_ptr<SwsContext, Free>;
 
-constexpr double kRateShare = 0.95;  // the rest is headers and what the buffer overshoots
+constexpr const char* kQuality = "8";  // constant rate factor: beyond what an eye sees
+constexpr double kRateShare = 0.95;    // the rest is headers and what the buffer overshoots
 
 double since_ms(std::chrono::steady_clock::time_point began) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began)
@@ -55,12 +56,13 @@ Result<ContextPtr> open_encoder(int width, int height, double fps, double rate_m
   c->framerate = {static_cast<int>(std::lround(fps * 1000)), 1000};
   c->colorspace = AVCOL_SPC_BT709;
   c->color_range = AVCOL_RANGE_MPEG;
-  c->bit_rate = std::llround(kRateShare * rate_mbps * 1e6);
-  c->rc_max_rate = c->bit_rate;
-  c->rc_buffer_size = static_cast<int>(std::lround(static_cast<double>(c->bit_rate) / fps));
+  // As good as it gets below the link's rate: a mean rate alone is approached too slowly.
+  c->rc_max_rate = std::llround(kRateShare * rate_mbps * 1e6);
+  c->rc_buffer_size = static_cast<int>(std::lround(static_cast<double>(c->rc_max_rate) / fps));
   c->gop_size = 1 << 20;  // one key frame: the link delivers everything
   c->max_b_frames = 0;
   c->thread_count = 1;  // the same bytes on every machine
+  av_opt_set(c->priv_data, "crf", kQuality, 0);
   av_opt_set(c->priv_data, "preset", "veryfast", 0);
   av_opt_set(c->priv_data, "tune", "zerolatency", 0);
   if (const int bad = avcodec_open2(c.get(), codec, nullptr); bad < 0) {

@@ -32,21 +32,21 @@ Sweep sweep(bool quick) {
             {4, 1, 0.25},
             240,
             135,
-            12,
-            37,
-            {23, 24, 29, 30, 35, 36}};
+            30,
+            91,
+            {59, 60, 89, 90}};
   }
   return {{"builtin:forest", "builtin:clutter", "builtin:city", "builtin:knot"},
           {8, 4, 2, 1, 0.5, 0.25},
           640,
           360,
-          12,
-          121,
-          {35, 36, 51, 52, 67, 68, 83, 84, 99, 100, 119, 120}};
+          30,
+          301,
+          {89, 90, 134, 135, 179, 180, 224, 225, 269, 270, 299, 300}};
 }
 
 constexpr double kMeshRadii = 2;
-constexpr int kDrawsEach = 2;
+constexpr int kDrawsEach = 3;
 
 NetModel net() {
   NetModel model;
@@ -157,7 +157,7 @@ const std::vector<Axis>& costs() {
   static const std::vector<Axis> axes = {
       {"client, ms per frame", [](const Setting& s) { return s.client_ms; }},
       {"server, ms per tile", [](const Setting& s) { return s.server_ms; }},
-      {"both ways, bytes/s", [](const Setting& s) { return s.bytes_per_s; }},
+      {"both ways, kB/s", [](const Setting& s) { return 1e-3 * s.bytes_per_s; }},
       {"request to display, ms", [](const Setting& s) { return s.display_ms; }}};
   return axes;
 }
@@ -187,7 +187,7 @@ std::vector<Panel> panels_for(const ErrorAxis& error, const std::vector<Setting>
                               const std::vector<bool>& front, const Floor& floor) {
   std::vector<Panel> panels;
   for (const Axis& cost : costs()) {
-    Panel panel{cost.label, cost.label, error.label, true, true, {}, error.floor(floor), {}};
+    Panel panel{"", cost.label, error.label, true, true, {}, error.floor(floor), {}};
     for (const std::string& method : method_names()) {
       Series series{method, {}};
       for (const Setting& s : settings) {
@@ -319,8 +319,10 @@ void explain(Context& context, const Sweep& sweep) {
       sweep.frames / sweep.fps, sweep.fps, sweep.width, sweep.height, sweep.compared.size(),
       kMeshRadii));
   page.paragraph(fmt::format(
-      "client ms: planning, drawing and finishing one frame, median of {} draws, {}, the first of "
-      "each run left out (compilation); server ms per tile: rendering and encoding, median; "
+      "client ms: planning, drawing and finishing one frame, {}; each compared frame is drawn {} "
+      "times "
+      "and counts with its quickest, of which the median; the first draw of a run is apart "
+      "(compilation); server ms per tile: rendering and encoding, median; "
       "bytes/s: both ways, framing and the scene's description included; request to display: "
       "median, on the modelled link; E1: by reprojecting the reference's depth; FLIP at 67.02 "
       "pixels per degree, on the pixels that show an object in either picture, grown by 2. The "

@@ -1,0 +1,55 @@
+#pragma once
+// Tiles for exactly one view, asked for by key over the wire: what fidelity is measured on.
+// Thread: the GL one.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/core/frame_renderer.h"
+#include "client/core/tile_cache.h"
+#include "client/core/tile_need.h"
+#include "client/native/native_link.h"
+
+namespace mirage {
+
+class TileProbe {
+ public:
+  /// Connects, learns the scene, and sets its light. `renderer` takes the tiles and outlives this.
+  /// Errors kUsage, kNetwork….
+  static Result<std::unique_ptr<TileProbe>> open(const std::string& url, const Lighting& lighting,
+                                                 FrameRenderer& renderer);
+
+  const SceneView& scene() const { return scene_; }
+  const Lighting& lighting() const { return lighting_; }
+
+  /// A tile of every instance, captured from `captured.pose.eye` for a picture of that camera;
+  /// drawn with `method`, back to front for `camera`. Instances whose sphere the eye is within
+  /// limits::kMinCaptureRadii of are left out. What was captured before is gone. Errors
+  /// kNetworkTimeout, and those of the decoders.
+  Result<DrawList> capture(const Camera& captured, const Camera& camera, DrawMethod method);
+  /// The same from the nearest of eight views around the horizon (eight_views.h), flat.
+  Result<DrawList> eight_views(const Camera& camera);
+  /// Graphics memory of the tiles that were captured last: colour and depth.
+  std::size_t texture_bytes() const { return cache_.atlas_texels() * 5; }
+
+ private:
+  TileProbe(const ServerUrl& url, FrameRenderer& renderer);
+  Result<void> meet();
+  Result<void> send_asks(const std::vector<TileNeed>& needs);
+  Result<void> take(const Message& message, const std::vector<TileNeed>& needs);
+  Result<DrawList> draw_list(const std::vector<TileNeed>& needs, const Camera& camera,
+                             DrawMethod method);
+
+  NativeLink link_;
+  FrameRenderer& renderer_;
+  SceneView scene_;
+  Lighting lighting_;
+  TileCache cache_;
+  std::vector<TileRecordPtr> records_;  ///< of the asks, by their order
+  std::uint32_t first_request_ = 1;
+  std::size_t answered_ = 0;
+  std::uint64_t received_bytes_ = 0;
+};
+
+}  // namespace mirage
