@@ -2,6 +2,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_atlas_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_cache_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_camera_path_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/core_eight_views_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_group_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_importance_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_mesh_cache_test.cpp

@@ -42,6 +42,7 @@ struct LatencyRun {
 
 struct LatencyFigures {
   double flip_mean = 0, flip_p95 = 0, pose_to_display_ms_p99 = 0, hole_fraction = 0;
+  double mbps = 0;  ///< of the whole run
 };
 /// Over the samples from a time on; all NaN without any.
 LatencyFigures figures_of(const LatencyRun& run, double from_seconds);

@@ -1,5 +1,6 @@
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -113,29 +114,43 @@ void say_slopes(Page& page, const Grid& grid, const LatencyPlan& plan) {
   page.list(lines);
 }
 
-// Every link on which another method has the lower error, in words.
+// On which links of the grid another method is better at something, and by how much.
+std::string where_better(const Grid& grid, const std::string& method, Pick pick, const char* what) {
+  std::size_t links = 0;
+  std::vector<std::string> where;
+  double least = INFINITY, most = 0;
+  for (const double rtt : grid.trips) {
+    for (const double rate : grid.rates) {
+      const LatencyFigures *own = grid.find("mirage", rtt, rate),
+                           *other = grid.find(method, rtt, rate);
+      if (!own || !other) continue;
+      ++links;
+      if (!(other->*pick < own->*pick)) continue;
+      least = std::min(least, own->*pick - other->*pick);
+      most = std::max(most, own->*pick - other->*pick);
+      where.push_back(fmt::format("RTT {:g} at {:g} Mbit/s ({:.3g} against {:.3g})", rtt, rate,
+                                  other->*pick, own->*pick));
+    }
+  }
+  if (where.empty()) return fmt::format("{}: nowhere the lower {}.", method, what);
+  if (where.size() == links) {
+    return fmt::format("{}: on all {} links the lower {}, by {:.3g} to {:.3g}.", method, links,
+                       what, least, most);
+  }
+  std::string line =
+      fmt::format("{}: the lower {} on {} of {} links: ", method, what, where.size(), links);
+  for (std::size_t i = 0; i < where.size(); ++i) line += (i == 0 ? "" : "; ") + where[i];
+  return line + ".";
+}
+
 void say_where_others_win(Page& page, const Grid& grid, const LatencyPlan& plan) {
   std::vector<std::string> lines;
   for (const std::string& method : plan.methods) {
     if (method == "mirage") continue;
-    std::vector<std::string> where;
-    std::size_t links = 0;
-    for (const double rtt : grid.trips) {
-      for (const double rate : grid.rates) {
-        const LatencyFigures *own = grid.find("mirage", rtt, rate),
-                             *other = grid.find(method, rtt, rate);
-        if (!own || !other) continue;
-        ++links;
-        if (other->flip_mean < own->flip_mean) {
-          where.push_back(fmt::format("RTT {:g} at {:g} Mbit/s ({:.3f} against {:.3f})", rtt, rate,
-                                      other->flip_mean, own->flip_mean));
-        }
-      }
-    }
-    std::string line =
-        fmt::format("{} has the lower mean FLIP on {} of {} links", method, where.size(), links);
-    for (std::size_t i = 0; i < where.size(); ++i) line += (i == 0 ? ": " : "; ") + where[i];
-    lines.push_back(line + ".");
+    lines.push_back(where_better(grid, method, &LatencyFigures::flip_mean, "mean FLIP"));
+    lines.push_back(where_better(grid, method, &LatencyFigures::mbps, "rate used, Mbit/s"));
+    lines.push_back(where_better(grid, method, &LatencyFigures::pose_to_display_ms_p99,
+                                 "pose to display, ms p99"));
   }
   page.list(lines);
 }

@@ -151,11 +151,11 @@ std::string legend(const std::vector<Panel>& panels) {
   }
   if (front) plots += ", NaN with lines lw 5 lc rgb \"#ffd24d\" title \"Pareto front\"";
   if (floor) {
-    plots +=
-        ", NaN with lines dt 2 lw 1.5 lc rgb \"#cc0000\" title \"error floor (2x against 4x)\"";
+    plots += ", NaN with lines dt 2 lw 1.5 lc rgb \"#cc0000\" title \"error floor, 2x against 4x\"";
   }
   return "unset logscale\nunset title\nunset xlabel\nunset ylabel\nunset border\nunset tics\n"
-         "unset grid\nset key center center horizontal maxrows 3 samplen 2\nset xrange [0:1]\n"
+         "unset grid\nset margins 0,0,0,0\nset key center center horizontal maxrows 3 samplen "
+         "2\nset xrange [0:1]\n"
          "set yrange [0:1]\nplot " +
          plots.substr(2) + "\n";
 }

@@ -29,7 +29,7 @@ using FramePtr = std::unique_ptr<AVFrame, Free>;
 using PacketPtr = std::unique_ptr<AVPacket, Free>;
 using ScalerPtr = std::unique_ptr<SwsContext, Free>;
 
-constexpr const char* kQuality = "8";  // constant rate factor: beyond what an eye sees
+constexpr const char* kQuality = "4";  // constant rate factor: beyond what an eye sees
 constexpr double kRateShare = 0.95;    // the rest is headers and what the buffer overshoots
 
 double since_ms(std::chrono::steady_clock::time_point began) {

@@ -1,0 +1,128 @@
+// The report's tables, page and plots: what is written, not what was measured.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "client/report/page.h"
+#include "client/report/pareto.h"
+#include "client/report/plot.h"
+#include "client/report/table.h"
+
+namespace mirage::test {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+TEST(Pareto, KeepsWhatNothingBeatsInBoth) {
+  const std::vector<bool> front =
+      pareto_front({{1, 5}, {2, 3}, {3, 4}, {4, 1}, {4, 2}, {0.5, kNaN}, {kNaN, 0}});
+  EXPECT_EQ(front, (std::vector<bool>{true, true, false, true, false, false, false}));
+}
+
+TEST(Pareto, EqualPointsShareTheirFate) {
+  EXPECT_EQ(pareto_front({{1, 1}, {1, 1}, {2, 1}}), (std::vector<bool>{true, true, false}));
+  EXPECT_TRUE(pareto_front({}).empty());
+}
+
+TEST(ReportTable, WritesCsvThatReadsBack) {
+  Table table({"scene", "ms"});
+  table.add({"a \"forest\", large", figure(1.0 / 3)});
+  table.add({"two\nlines", figure(std::nullopt)});
+  EXPECT_EQ(table.csv(), "scene,ms\n\"a \"\"forest\"\", large\",0.333333\n\"two\nlines\",n/a\n");
+  EXPECT_EQ(table.column("ms"), 1u);
+}
+
+TEST(ReportTable, SaysWhatIsNoNumber) {
+  EXPECT_EQ(figure(std::numeric_limits<double>::infinity()), "inf");
+  EXPECT_EQ(figure(kNaN), "n/a");
+  EXPECT_EQ(figure(12345678.0), "1.23457e+07");
+}
+
+TEST(ReportTable, RefusesARowOfAnotherWidth) {
+  Table table({"one", "two"});
+  EXPECT_DEATH(table.add({"alone"}), "");
+}
+
+TEST(ReportPage, NothingInItIsMarkupUnlessMeant) {
+  Page page;
+  page.section("a\"b", "<script>");
+  page.paragraph("x < y & z");
+  Table table({"<b>"});
+  table.add({"'quoted'"});
+  page.table(table, {true});
+  const std::string html = page.html("T & T", {"<i>"});
+  EXPECT_EQ(html.find("<script>"), std::string::npos);
+  EXPECT_EQ(html.find("<b>"), std::string::npos);
+  EXPECT_EQ(html.find("<i>"), std::string::npos);
+  EXPECT_NE(html.find("x &lt; y &amp; z"), std::string::npos);
+  EXPECT_NE(html.find("&#39;quoted&#39;"), std::string::npos);
+  EXPECT_NE(html.find("<a href=\"#a&quot;b\">&lt;script&gt;</a>"), std::string::npos);
+  EXPECT_NE(html.find("<tr class=\"marked\">"), std::string::npos);
+}
+
+TEST(ReportPage, PicturesAreInTheFileItself) {
+  Page page;
+  const std::vector<std::uint8_t> grey(8 * 4 * 4, 100);
+  ASSERT_TRUE(page.pictures("three", {8, 4, grey, grey}).ok());
+  const std::string html = page.html("t", {});
+  std::size_t images = 0;
+  for (std::size_t at = 0;
+       (at = html.find("src=\"data:image/jpeg;base64,/9j/", at)) != std::string::npos; ++at) {
+    ++images;
+  }
+  EXPECT_EQ(images, 3u);
+}
+
+// RFC 4648, section 10.
+TEST(ReportPage, Base64) {
+  const auto of = [](const std::string& text) {
+    return base64(std::vector<std::uint8_t>(text.begin(), text.end()));
+  };
+  EXPECT_EQ(of(""), "");
+  EXPECT_EQ(of("f"), "Zg==");
+  EXPECT_EQ(of("fo"), "Zm8=");
+  EXPECT_EQ(of("foo"), "Zm9v");
+  EXPECT_EQ(of("foobar"), "Zm9vYmFy");
+}
+
+Panel panel() {
+  Panel p{"title", "cost, ms", "error, px", true, true, {}, 0.125, {{1, 2}}};
+  p.series = {{"auto", {{1, 2}, {0, 3}, {4, -1}, {5, kNaN}, {8, 0.5}}}, {"quad", {}}};
+  return p;
+}
+
+TEST(ReportPlot, ScriptNamesAxesMethodsFloorAndFront) {
+  const std::string script = plot_script({panel()}, 1, "out.svg");
+  for (const char* part : {"set xlabel \"cost, ms\"", "set ylabel \"error, px\"", "title \"auto\"",
+                           "title \"quad\"", "0.125 with lines", "title \"Pareto front\"",
+                           "title \"error floor", "set logscale x", "set logscale y"}) {
+    EXPECT_NE(script.find(part), std::string::npos) << part;
+  }
+}
+
+TEST(ReportPlot, LeavesOutWhatALogarithmCannotShow) {
+  const std::string script = plot_script({panel()}, 1, "out.svg");
+  EXPECT_NE(script.find("$d0_0 << EOD\n1 2\n8 0.5\nEOD"), std::string::npos) << script;
+  EXPECT_NE(script.find("$d0_1 << EOD\nNaN NaN\nEOD"), std::string::npos);
+}
+
+TEST(ReportPlot, ShowsNoErrorOnALinearAxis) {
+  Panel flat{"", "x", "y", true, true, {{"auto", {{1, 0}, {2, 0}}}}, {}, {}};
+  const std::string script = plot_script({flat}, 1, "out.svg");
+  EXPECT_EQ(script.find("set logscale y"), std::string::npos);
+  EXPECT_NE(script.find("1 0\n2 0\n"), std::string::npos);
+}
+
+TEST(ReportPlot, IdsOfSeveralPicturesDoNotMeet) {
+  const std::string svg = inline_svg(
+      "<?xml version=\"1.0\"?>\n<svg><g id=\"gnuplot_canvas\"/><circle id='gpDot'/>"
+      "<use xlink:href='#gpDot'/></svg>",
+      "one");
+  EXPECT_EQ(svg,
+            "<svg><g id=\"one_gnuplot_canvas\"/><circle id='one_gpDot'/>"
+            "<use xlink:href='#one_gpDot'/></svg>");
+}
+
+}  // namespace
+}  // namespace mirage::test
