@@ -121,7 +121,8 @@ std::optional<std::string> sibling_program(const std::string& name) {
   return path;
 }
 
-Result<std::unique_ptr<ServerProcess>> ServerProcess::start(const std::string& scene) {
+Result<std::unique_ptr<ServerProcess>> ServerProcess::start(const std::string& scene,
+                                                            const std::string& device) {
   const std::optional<std::string> program = sibling_program("mirage-server");
   if (!program) {
     return make_error(ErrorId::kIo, "there is no mirage-server beside mirage-report",
@@ -131,9 +132,9 @@ Result<std::unique_ptr<ServerProcess>> ServerProcess::start(const std::string& s
   if (!folder) return folder.error();
   std::unique_ptr<ServerProcess> server(new ServerProcess);
   server->folder_ = *folder;
-  const Result<int> pid =
-      spawn({*program, scene, "--listen", "127.0.0.1:0", "--port-file", *folder + "/port"},
-            *folder + "/out", *folder + "/err");
+  const Result<int> pid = spawn({*program, scene, "--listen", "127.0.0.1:0", "--port-file",
+                                 *folder + "/port", "--device", device},
+                                *folder + "/out", *folder + "/err");
   if (!pid) return pid.error();
   server->pid_ = *pid;
   if (Result<void> ready = server->wait_ready(scene); !ready) return ready.error();
@@ -142,8 +143,11 @@ Result<std::unique_ptr<ServerProcess>> ServerProcess::start(const std::string& s
 
 Result<void> ServerProcess::wait_ready(const std::string& scene) {
   for (int waited = 0; waited < kServerPatienceMs; waited += 20) {
-    std::ifstream file(folder_ + "/port");
-    if (file >> port_) return {};
+    const std::string port = read_file(folder_ + "/port");
+    if (!port.empty() && port.back() == '\n') {  // all of it
+      port_ = std::atoi(port.c_str());
+      return {};
+    }
     int status = 0;
     if (waitpid(pid_, &status, WNOHANG) == pid_) {
       pid_ = -1;

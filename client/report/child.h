@@ -33,7 +33,8 @@ class ServerProcess {
 
   /// Waits until it is ready. Errors: what the server said itself, kIo when it is not there,
   /// kNetworkTimeout.
-  static Result<std::unique_ptr<ServerProcess>> start(const std::string& scene);
+  static Result<std::unique_ptr<ServerProcess>> start(const std::string& scene,
+                                                      const std::string& device);
   std::string url() const { return "ws://127.0.0.1:" + std::to_string(port_); }
 
  private:

@@ -26,7 +26,7 @@ Result<OpenScene*> Context::open(const std::string& name) {
   auto made = std::make_unique<OpenScene>();
   made->url = options.url;
   if (made->url.empty()) {
-    Result<std::unique_ptr<ServerProcess>> server = ServerProcess::start(name);
+    Result<std::unique_ptr<ServerProcess>> server = ServerProcess::start(name, options.device);
     if (!server) return server.error();
     made->server = server.take();
     made->url = made->server->url();

@@ -1,0 +1,200 @@
+// mirage-report as a person runs it, on the smallest scene: files, columns, page, exit codes.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "tests/support/process.h"
+
+namespace mirage::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string read(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::vector<std::vector<std::string>> csv(const std::string& path) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(read(path));
+  std::string line;
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    rows.emplace_back();
+    std::string cell;
+    while (std::getline(cells, cell, ',')) rows.back().push_back(cell);
+  }
+  return rows;
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size()) ++n;
+  return n;
+}
+
+void expect_self_contained(const std::string& html) {
+  for (const char* outside : {"src=\"http", "href=\"http", "src='http", "href='http", "url(http",
+                              "<link", "<script src", "@import", "src=\"file", "<iframe"}) {
+    EXPECT_EQ(count(html, outside), 0u) << outside;
+  }
+  EXPECT_EQ(count(html, "<svg"), count(html, "</svg>"));
+  EXPECT_EQ(count(html, "</html>"), 1u);
+}
+
+bool gnuplot() { return std::system("command -v gnuplot > /dev/null 2>&1") == 0; }
+
+TEST(Report, WorkPrecisionHasAllMethodsFiguresAndPlots) {
+  const std::string out = scratch_folder();
+  const Finished report = run({binary("mirage-report"), "work-precision", "--quick", "--scene",
+                               "builtin:knot", "--out", out},
+                              300);
+  ASSERT_EQ(report.exit_code, 0) << report.output;
+  EXPECT_NE(report.output.find("work-precision 24 of 24"), std::string::npos) << report.output;
+  const auto rows = csv(out + "/work_precision.csv");
+  ASSERT_EQ(rows.size(), 25u);
+  EXPECT_EQ(rows[0],
+            (std::vector<std::string>{
+                "scene", "method", "tau_px", "client_ms", "server_ms_per_tile", "bytes_per_s",
+                "request_to_display_ms", "e1_px_p99", "e1_px_max", "flip_mean", "psnr_db", "ssim",
+                "iou", "flicker", "pareto", "commit", "renderer", "revision"}));
+  std::set<std::string> methods;
+  int on_front = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    methods.insert(rows[i][1]);
+    EXPECT_GT(std::atof(rows[i][3].c_str()), 0) << "client_ms of row " << i;
+    EXPECT_GT(std::atof(rows[i][5].c_str()), 0) << "bytes_per_s of row " << i;
+    EXPECT_GT(std::atof(rows[i][9].c_str()), 0) << "flip_mean of row " << i;
+    EXPECT_LT(std::atof(rows[i][9].c_str()), 0.3) << "flip_mean of row " << i;
+    EXPECT_EQ(rows[i].back().size(), 16u) << "revision";
+    on_front += rows[i][14] == "1";
+  }
+  EXPECT_EQ(methods, (std::set<std::string>{"fixed8", "quad", "cuboid", "hull", "warp", "depth",
+                                            "auto", "mesh"}));
+  EXPECT_GE(on_front, 1);
+  EXPECT_LT(on_front, 24);
+  const std::string html = read(out + "/index.html");
+  expect_self_contained(html);
+  EXPECT_EQ(count(html, "src=\"data:image/jpeg;base64,"), 8u * 3);
+  EXPECT_EQ(count(html, "<svg"), gnuplot() ? 4u : 0u);
+  EXPECT_EQ(html.find("gnuplot is not installed") != std::string::npos, !gnuplot());
+}
+
+TEST(Report, FidelityIsWhatTheProtocolGives) {
+  const std::string out = scratch_folder();
+  const Finished report =
+      run({binary("mirage-report"), "fidelity", "--quick", "--scene", "builtin:knot", "--out", out},
+          300);
+  ASSERT_EQ(report.exit_code, 0) << report.output;
+  const json rows = json::parse(read(out + "/fidelity.json"))["rows"];
+  ASSERT_GE(rows.size(), 8u);
+  for (const json& row : rows) {
+    const double psnr = row["psnr_db"];
+    // What the tests of the renderer hold their own tiles to (tests/gl/fidelity_test.cpp).
+    const double degrees = row["offset_deg"];
+    if (degrees == 0 && row["method"] == "quad") {
+      EXPECT_GT(psnr, 44) << row;
+    }
+    if (degrees == 5 && row["method"] == "depth") {
+      EXPECT_GT(psnr, 32) << row;
+    }
+    if (degrees == 10 && row["method"] == "quad") {
+      EXPECT_LT(psnr, 25) << row;
+    }
+    EXPECT_GT(row["texture_bytes"], 10'000) << row;
+    for (const char* key : {"model", "light", "distance_r", "ssim", "iou"}) {
+      EXPECT_TRUE(row.contains(key)) << key;
+    }
+  }
+  expect_self_contained(read(out + "/index.html"));
+}
+
+// The report beside programs that say what a test wants to hear.
+class Outside : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::copy(binary("mirage-report"), folder + "/mirage-report");
+    fs::create_directory(out);
+  }
+  void program(const std::string& name, const std::string& script) {
+    std::ofstream(folder + "/" + name) << "#!/bin/sh\n" << script << "\n";
+    fs::permissions(folder + "/" + name, fs::perms::owner_all);
+  }
+  Finished report(const std::string& what) {
+    return run({folder + "/mirage-report", what, "--quick", "--scene", "some.glb", "--out", out});
+  }
+  const std::string folder = scratch_folder(), out = folder + "/out";
+};
+
+TEST_F(Outside, ExtremeCasesThatHoldGiveZeroAndOthersSix) {
+  program("mirage-extreme",
+          "[ \"$3\" = --quick ] || exit 9\n"
+          "echo '{\"rows\":[{\"id\":\"G1\",\"case\":\"empty mesh\",\"must_hold\":\"alpha 0\","
+          "\"measured\":\"0\",\"limit\":\"0\",\"pass\":true}]}' > \"$2\"");
+  const Finished good = report("extreme");
+  EXPECT_EQ(good.exit_code, 0) << good.output;
+  const json rows = json::parse(read(out + "/extreme.json"))["rows"];
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0]["must_hold"], "alpha 0");
+  EXPECT_NE(read(out + "/index.html").find("1 of 1 cases hold"), std::string::npos);
+
+  program("mirage-extreme",
+          "echo '{\"rows\":[{\"id\":\"G1\",\"case\":\"<b>\",\"must_hold\":\"alpha 0\","
+          "\"measured\":3.5,\"limit\":\"0\",\"pass\":false}]}' > \"$2\"; exit 6");
+  const Finished bad = report("extreme");
+  EXPECT_EQ(bad.exit_code, 6) << bad.output;
+  const std::string html = read(out + "/index.html");  // written all the same
+  EXPECT_NE(html.find("extreme case G1 does not hold"), std::string::npos);
+  EXPECT_EQ(count(html, "<b>"), 0u);
+}
+
+TEST_F(Outside, WhatIsLeftOutMustNotChangeAPixel) {
+  const std::string row =
+      "{\"scene\":\"some.glb\",\"object\":0,\"rule\":1,\"left_out\":\"sort\","
+      "\"differing_components\":DIFFERING,\"saved\":\"1.2x\"}";
+  const auto say = [&](const std::string& differing) {
+    std::string text = row;
+    text.replace(text.find("DIFFERING"), 9, differing);
+    program("mirage-server", "echo '{\"rows\":[" + text + "],\"total\":{\"saved\":1.2}}'");
+  };
+  say("0");
+  EXPECT_EQ(report("needs").exit_code, 0);
+  EXPECT_EQ(json::parse(read(out + "/needs.json"))["rows"][0]["left_out"], "sort");
+  say("4");
+  EXPECT_EQ(report("needs").exit_code, 6);
+}
+
+TEST_F(Outside, WhatIsNotThereOrFailsIsAnOmission) {
+  const Finished none = report("extreme");
+  EXPECT_EQ(none.exit_code, 0) << none.output;
+  EXPECT_NE(read(out + "/index.html").find("there is no mirage-extreme"), std::string::npos);
+  EXPECT_TRUE(json::parse(read(out + "/extreme.json"))["rows"].empty());
+  program("mirage-server", "echo 'error scene-missing: no such file' >&2; exit 3");
+  EXPECT_EQ(report("needs").exit_code, 0);
+  EXPECT_NE(read(out + "/index.html").find("scene-missing: no such file"), std::string::npos);
+}
+
+TEST(Report, FailsWithTheExitCodeOfTheReason) {
+  const std::string out = scratch_folder();
+  const auto code = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), binary("mirage-report"));
+    arguments.insert(arguments.end(), {"--out", out});
+    return run(arguments).exit_code;
+  };
+  EXPECT_EQ(code({"everything"}), 2);
+  EXPECT_EQ(code({"fidelity", "--scene", "builtin:knot", "--url", "ws://127.0.0.1:1"}), 2);
+  EXPECT_EQ(code({"work-precision", "--quick", "--scene", "no_such_file.glb"}), 3);
+  EXPECT_EQ(code({"fidelity", "--url", "ws://127.0.0.1:1"}), 5);
+}
+
+}  // namespace
+}  // namespace mirage::test
