@@ -30,6 +30,12 @@ constexpr double kWalkingMps = 1.4;
 constexpr double kTypicalGap = 0.6;
 constexpr double kQuantumShare = 0.01;  // 8-bit depth and the slope within a texel, in radii
 
+// Beyond so many radii a tile may stand in for geometry that is there, when it is drawn for less
+// (a triangle costs as much as so many pixels of a quad, or more) and lasts.
+constexpr double kStandInRadii = 3;
+constexpr double kStandInLifeS = 3;
+constexpr double kPixelsPerTriangle = 16;
+
 double fade_progress(std::int64_t since_us, std::int64_t now_us) {
   return std::clamp(static_cast<double>(now_us - since_us) / kFadeUs, 0.0, 1.0);
 }
@@ -104,6 +110,18 @@ double swap_radii(const SelectorInput& in, const ObjectDescription& object) {
   return cheap ? kEverywhere : in.mesh_radii;
 }
 
+// Whether a flat tile of the object is cheaper to draw than its geometry, and may replace it.
+bool may_stand_in(const SelectorInput& in, const ObjectDescription& object,
+                  const ViewGeometry& view, double tau_px) {
+  const double distance = glm::length(view.eye), size = radius_px(view);
+  if (!in.method.automatic || object.group || object.motion.moving()) return false;
+  if (std::isinf(swap_radii(in, object)) || distance < kStandInRadii * view.radius) return false;
+  const double px_per_unit = view.focal_px / (distance - view.radius);
+  const std::size_t lod = lod_for_view(object.lods, px_per_unit, tau_px);
+  return lod < object.lods.size() &&
+         object.lods[lod].triangles * kPixelsPerTriangle > 3.14159 * size * size;
+}
+
 }  // namespace
 
 void Selector::reset(const SceneView& scene) { shown_.assign(scene.instances.size(), Shown{}); }
@@ -139,6 +157,14 @@ bool Selector::drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) co
   return distance < slack * swap_radii(in, object) * view.radius;
 }
 
+// A tile that shows the same for less than the geometry would.
+bool Selector::stands_in(const SelectorInput& in, const Candidate& c) const {
+  if (c.group->tiles.empty() || c.light_lag_us > 0) return false;
+  if (!may_stand_in(in, *c.object, c.view, c.tau_px)) return false;
+  const double slack = shown_[c.instance].as_mesh ? 1.0 : kMeshHysteresis;
+  return best_flat(*c.group, *c.object, c.view, c.tau_px).settled(slack * c.tau_px);
+}
+
 // Adds the instance to the candidates or the lists, if it is drawn at all.
 void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   const SelectorInput& in = w.in;
@@ -154,7 +180,12 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   c.tau_px = allowed_px(in, in.camera, view_of);
   c.distance = glm::length(view_of.center - in.camera.pose.eye);
   Shown& shown = shown_[instance];
-  const bool as_mesh = drawn_as_mesh(in, instance);
+  const TileCache::LitGroup lit = in.cache->lit_group(instance);
+  c.group = lit.tiles;
+  if (lit.then && light_change_px(in, lit, instance, size) > c.tau_px) {
+    c.light_lag_us = in.now_us - lit.then->ended_us;
+  }
+  const bool as_mesh = drawn_as_mesh(in, instance) && !stands_in(in, c);
   if (as_mesh != shown.as_mesh) {
     const bool was_drawn = shown.frame > 0 && shown.frame + 1 >= in.frame;
     shown.swapped_us = was_drawn ? in.now_us : INT64_MIN / 2;
@@ -177,11 +208,6 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   }
   c.under_mesh = as_mesh && progress >= 0.5f;
   const bool on_mesh = as_mesh || swapping;
-  const TileCache::LitGroup lit = in.cache->lit_group(instance);
-  c.group = lit.tiles;
-  if (lit.then && light_change_px(in, lit, instance, size) > c.tau_px) {
-    c.light_lag_us = in.now_us - lit.then->ended_us;
-  }
   if (c.group->empty_from(c.view.eye)) return;
   if (c.group->tiles.empty() && on_mesh) return;
   if (c.group->tiles.empty()) {
@@ -339,16 +365,19 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   if (object.radius <= 0 || size < kMinRadiusPx) return;
   const double distance = glm::length(view.eye) / view.radius;
   if (in.scene->geometry && object.surrounds) return;
-  if ((*in.mesh_ready)[view_of.object] && distance < swap_radii(in, object)) return;
+  const double tau = allowed_px(in, in.predicted, view_of);
+  const bool stand_in = (*in.mesh_ready)[view_of.object] && distance < swap_radii(in, object);
+  if (stand_in && !may_stand_in(in, object, view, tau)) return;
   const TileCache::LitGroup lit = in.cache->lit_group(instance);
   const TileGroup& group = *lit.tiles;
   if (group.empty_from(view.eye)) return;  // under any light
   // At the edge of the view the eye depth falls; ask as if the object were looked at.
   view.center_depth = glm::length(view.eye);
-  const double tau = allowed_px(in, in.predicted, view_of);
   if (in.method.eight_views) return add_eight_view_need(in, instance, view, lit, out);
   if (object.motion.moving()) return add_moving_needs(in, instance, view, lit, tau, out);
-  const ViewPlan plan = plan_for(in, view_of, group, view.radius, tau);
+  ViewPlan plan = plan_for(in, view_of, group, view.radius, tau);
+  if (stand_in) plan.depth_share = kFlatDepthShare;
+  if (stand_in && expected_life_s(view, plan) < kStandInLifeS) return;
   TileFit fit;
   if (!group.tiles.empty()) {
     const bool still = plan.depth_share == kFlatDepthShare;
@@ -364,12 +393,13 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   TileNeed need = need_for_view(view, plan);
   need.instance = instance;
   // Something quick first: a quarter of the edge is a sixteenth of the bytes.
-  if (group.tiles.empty()) need.size_class = coarse_class(need.size_class);
+  if (group.tiles.empty() && !stand_in) need.size_class = coarse_class(need.size_class);
   need.channels = in.cache->wants_relit(instance) ? kRelitTile : kLitTile;
   need.light = in.cache->light();
   need.error_px = std::max(displayed_error_px(fit, size), std::min(light_px, 2 * size));
   // Any image is better than none, however soon it ages.
   need.gain = need.error_px * (group.tiles.empty() ? kLongestLife : expected_life_s(view, plan));
+  if (stand_in) need.gain = std::min(need.gain, tau * kStandInLifeS);  // it only saves work
   out.push_back(need);
 }
 

@@ -112,6 +112,7 @@ class Selector {
   bool members_have_images(const SelectorInput& in, std::uint32_t group) const;
   bool group_serves(const SelectorInput& in, std::uint32_t group, const ViewGeometry& view) const;
   bool drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const;
+  bool stands_in(const SelectorInput& in, const Candidate& candidate) const;
   void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);
   void add_need(const SelectorInput& in, std::uint32_t instance, std::vector<TileNeed>& out) const;
 

@@ -291,6 +291,41 @@ TEST(CoreSelector, GeometryFadesInOverTheTileAndTheTileOverIt) {
   EXPECT_TRUE(list.meshes.empty());
 }
 
+TEST(CoreSelector, TileStandsInForHeavyGeometryWhileItLasts) {
+  SelectorWorld world = one_ball(true);
+  world.mesh_ready[0] = true;
+  world.look({0, 0, 5}, {0, 0, 0});
+  const auto frame = [&](const SelectorInput& in) {
+    world.frame += 2;  // out of view in between: nothing fades
+    SelectorInput now = in;
+    now.frame = world.frame;
+    return world.selector.select(now);
+  };
+  world.scene.objects[0].lods = {LodInfo{100, 40'000, 0, 0}};
+  EXPECT_TRUE(world.selector.needs(world.input()).empty()) << "so few triangles cost less";
+  world.scene.objects[0].lods[0].triangles = 100'000;
+  const std::vector<TileNeed> wanted = world.selector.needs(world.input());
+  ASSERT_EQ(wanted.size(), 1u);
+  EXPECT_GT(wanted[0].gain, 0);
+  EXPECT_LE(wanted[0].gain, 10) << "it only saves work: after all that mends the picture";
+  SelectorInput walking = world.input();
+  walking.velocity = {2, 0, 0};
+  EXPECT_TRUE(world.selector.needs(walking).empty()) << "it would not last";
+
+  EXPECT_EQ(frame(world.input()).meshes.size(), 1u);
+  ASSERT_TRUE(world.add_tile(0));
+  const DrawList still = frame(world.input());
+  EXPECT_TRUE(still.meshes.empty());
+  ASSERT_EQ(still.impostors.size(), 1u);
+  EXPECT_LE(still.impostors[0].bound_px, 1);
+  EXPECT_TRUE(world.selector.needs(world.input()).empty());
+  world.look({0.6, 0, 5}, {0, 0, 0});
+  EXPECT_EQ(frame(world.input()).meshes.size(), 1u) << "over tau: geometry again";
+  world.look({0, 0, 2.9}, {0, 0, 0});
+  EXPECT_TRUE(world.selector.needs(world.input()).empty()) << "too near";
+  EXPECT_EQ(frame(world.input()).meshes.size(), 1u);
+}
+
 TEST(CoreSelector, SurroundingsAreGeometry) {
   std::vector<Placed> placed{{{0, 0, 0}, 50, 1}};  // a hall
   for (int i = 0; i < 20; ++i) placed.push_back({{i - 10.0, 0, -4}, 0.5f, 0});
