@@ -11,6 +11,7 @@
 #include "client/core/client_session.h"
 #include "client/core/frame_renderer.h"
 #include "client/core/quantile.h"
+#include "client/core/stillness.h"
 #include "client/native/native_link.h"
 #include "client/view/comparison.h"
 #include "client/view/light_script.h"
@@ -43,6 +44,8 @@ class Viewer {
   Result<void> resize_if_needed();
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
+  bool next_events();
+  void show(const DrawList& list, std::int64_t now);
   std::string overlay_text(const DrawList& list, std::int64_t now) const;
   std::int64_t now_us() const { return clock_->now_us() - paused_us_; }
   std::int64_t frame_us(std::int64_t frame) const {
@@ -68,12 +71,17 @@ class Viewer {
   SessionStats stats_;
   std::optional<Lighting> last_light_;
   bool link_was_up_ = true;
+  Stillness still_;
+  bool resting_ = false;     // the last frame changed nothing, and no further one would
+  bool frame_kept_ = false;  // the last frame was the picture that was there
   std::optional<Overlay> overlay_;
   double smooth_ms_ = 0;
   Comparison comparison_;
 };
 
 constexpr int kAtlasEdge = 1024;
+constexpr double kKeptFrameS = 1.0 / 60;  // instead of the display's pace, which only a swap brings
+constexpr double kRestS = 60;             // an event comes sooner or not at all
 
 int atlas_layers(const ViewOptions& o) {
   return std::max(1, o.atlas_mb * 1024 * 1024 / (kAtlasEdge * kAtlasEdge * 5));
@@ -121,23 +129,32 @@ void Viewer::open_session() {
   options.march_budget_px = o_.march_kpx >= 0 ? o_.march_kpx * 1000 : software ? 200e3 : 1e9;
   TileSink sink;
   sink.tile = [this](const TileRecord& record, const TilePixels& pixels) {
+    still_.content_changed();
     renderer_->upload(record, pixels);
   };
   sink.shadow = [this](const ShadowRecord& record, const std::vector<std::uint8_t>& shares) {
+    still_.content_changed();
     renderer_->upload_shadow(record, shares);
   };
   sink.caster = [this](const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
+    still_.content_changed();
     renderer_->upload_caster(record, codes);
   };
   sink.mesh = [this](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
+    still_.content_changed();
     const Result<void> added = renderer_->add_mesh(object, lod, std::move(model));
     if (!added) spdlog::error("{}", added.error().line());
   };
   sink.image = [this](std::uint32_t index, const Image& image) {
+    still_.content_changed();
     renderer_->add_image(session_->scene(), index, image);
   };
-  sink.drop = [this](const AssetId& id) { renderer_->drop(session_->scene(), id); };
+  sink.drop = [this](const AssetId& id) {
+    still_.content_changed();
+    renderer_->drop(session_->scene(), id);
+  };
   sink.scene = [this](const SceneView& scene) {
+    still_.content_changed();
     const Result<void> ready = renderer_->reset(scene);
     if (!ready) spdlog::warn("{}", ready.error().line());
   };
@@ -155,7 +172,8 @@ Result<void> Viewer::open_link() {
   }
   Result<ServerUrl> url = parse_url(o_.url);
   if (!url) return url.error();
-  native_ = std::make_unique<NativeLink>(*url);
+  const std::function<void()> wake = window_ ? &Window::wake : std::function<void()>();
+  native_ = std::make_unique<NativeLink>(*url, wake);
   if (o_.net || o_.virtual_time) {
     const auto wait = [this] {
       native_->wait_message(kReplyTimeoutMs);
@@ -227,7 +245,16 @@ Result<void> Viewer::resize_if_needed() {
   Result<FrameTarget> target = FrameTarget::create(w, h, o_.msaa);
   if (!target) return target.error();
   target_.emplace(target.take());
+  still_.content_changed();
   return {};
+}
+
+void Viewer::show(const DrawList& list, std::int64_t now) {
+  target_->show();
+  if (window_->overlay()) {
+    overlay_->draw(overlay_text(list, now), target_->width(), target_->height());
+  }
+  window_->present();
 }
 
 Result<void> Viewer::one_frame(std::int64_t frame) {
@@ -256,22 +283,19 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   camera.height = static_cast<std::uint32_t>(target_->height());
   camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
   const DrawList list = session_->frame(camera, now, window_ ? window_->cursor_px() : std::nullopt);
-  renderer_->draw(*target_, camera, scene, list, session_->lighting());
-  if (window_) {
-    target_->show();
-    if (window_->overlay()) {
-      overlay_->draw(overlay_text(list, now), target_->width(), target_->height());
-    }
-    window_->present();
-  }
+  const bool changed = !still_.unchanged(camera, scene, list, session_->lighting());
+  frame_kept_ = !changed;
+  resting_ = !changed && session_->at_rest();
+  if (changed) renderer_->draw(*target_, camera, scene, list, session_->lighting());
+  if (window_ && (window_->take_refresh() || changed)) show(list, now);
   glFinish();
   if (!list.impostors.empty() || !list.meshes.empty()) stats_.first_image(now);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
   if (session_->light_changed()) stats_.add_light_lag(list, scene);
-  stats_.add_frame(list, renderer_->draw_calls(), virtual_clock_ ? 1000.0 / o_.fps : real_ms,
-                   real_ms, now);
+  stats_.add_frame(list, renderer_->draw_calls(), virtual_clock_ ? 1000.0 / o_.fps : real_ms, now);
+  if (changed) stats_.note_drawn(real_ms);
   stats_.note_traffic(modelled_ ? modelled_->traffic() : native_->traffic(), now - start_us_);
-  smooth_ms_ += 0.1 * (real_ms - smooth_ms_);
+  if (changed) smooth_ms_ += 0.1 * (real_ms - smooth_ms_);
   if (!virtual_clock_) session_->note_frame_ms(smooth_ms_);
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
@@ -328,6 +352,13 @@ std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {
       native_->connected() ? "" : "\nOFFLINE: showing what is here, reconnecting");
 }
 
+// At rest the window sleeps until somebody touches it or something arrives. A path, a light that
+// goes by itself and a modelled link need the clock.
+bool Viewer::next_events() {
+  if (resting_ && !path_ && !modelled_ && light_->fixed()) return window_->wait(kRestS);
+  return frame_kept_ ? window_->wait(kKeptFrameS) : window_->poll();
+}
+
 void Viewer::pace(std::int64_t frame) {
   const std::int64_t due = start_us_ + frame_us(frame + 1);
   if (virtual_clock_) {
@@ -341,7 +372,7 @@ void Viewer::pace(std::int64_t frame) {
 Result<void> Viewer::frame_loop() {
   start_us_ = now_us();
   for (std::int64_t frame = 0; o_.frames == 0 || frame < o_.frames; ++frame) {
-    if (window_ && !window_->poll()) break;
+    if (window_ && !next_events()) break;
     if (Result<void> done = one_frame(frame); !done) return done;
     if (o_.offscreen && o_.frames >= 100 && frame % 60 == 59) {
       spdlog::info("frame {} of {}", frame + 1, o_.frames);
