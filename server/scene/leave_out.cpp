@@ -50,6 +50,7 @@ class MaterialAnalysis {
     }
     check_surface_maps(m);
     check_emission(m);
+    reset_unread_factors(m);
     return out_;
   }
 
@@ -122,6 +123,18 @@ class MaterialAnalysis {
     } else if (r.white()) {
       drop(m.emissive_map, NeedRule::kEmission, "emissive map", "white in every texel");
     }
+  }
+
+  // They are in the revision and in every byte of geometry.
+  void reset_unread_factors(Material& m) {
+    const Material plain;
+    if (!m.normal_map.present()) m.normal_scale = plain.normal_scale;
+    if (!m.occlusion_map.present()) m.occlusion_strength = plain.occlusion_strength;
+    if (m.alpha_mode != AlphaMode::kMask) m.alpha_cutoff = plain.alpha_cutoff;
+    if (m.alpha_mode == AlphaMode::kOpaque) m.base_color.a = plain.base_color.a;
+    if (!m.unlit) return;
+    m.metallic = plain.metallic;
+    m.roughness = plain.roughness;
   }
 
   Scene& scene_;
