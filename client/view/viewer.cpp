@@ -149,10 +149,8 @@ void Viewer::open_session() {
     still_.content_changed();
     renderer_->add_image(session_->scene(), index, image);
   };
-  sink.drop = [this](const AssetId& id) {
-    still_.content_changed();
-    renderer_->drop(session_->scene(), id);
-  };
+  // What the frame draws is never dropped: the picture stays.
+  sink.drop = [this](const AssetId& id) { renderer_->drop(session_->scene(), id); };
   sink.scene = [this](const SceneView& scene) {
     still_.content_changed();
     const Result<void> ready = renderer_->reset(scene);
