@@ -55,6 +55,11 @@ std::string proof_text(const Proof& proof) {
     out += fmt::format("    {:2} {:<14} without it: {}\n", number(row.rule),
                        need_rule(row.rule).name, verdict(row));
   }
+  out += "  what rules, or parts of them, that are not kept would find on these tiles\n";
+  for (const DroppedFigure& one : proof.dropped) {
+    out += fmt::format("    {:2} {:<14} {} ({:.0f} bytes a tile)\n", number(one.rule),
+                       need_rule(one.rule).name, one.measured, one.saved_bytes);
+  }
   return out + fmt::format(
                    "  total, mean over these objects: {}; {:.2f} x bytes without normals "
                    "and material on either side\n",
@@ -81,8 +86,7 @@ Json rules_json() {
                    {"left_out", r.left_out},
                    {"state", r.state == RuleState::kApplied ? "applied" : "dropped"},
                    {"where", r.where},
-                   {"proof", r.proof},
-                   {"saving", r.saving}});
+                   {"proof", r.proof}});
   }
   return out;
 }
@@ -132,6 +136,12 @@ void add_proof(const std::string& scene, const Proof& proof, Json& out) {
   for (const ProofRow& row : proof.rows) out["rows"].push_back(row_json(scene, row));
   for (const ProofRow& row : proof.objects) out["proven"].push_back(whole_json(scene, row));
   out["total"] = whole_json(scene, proof.total);
+  for (const DroppedFigure& one : proof.dropped) {
+    out["dropped"].push_back({{"rule", number(one.rule)},
+                              {"name", need_rule(one.rule).name},
+                              {"measured", one.measured},
+                              {"saved_bytes_per_tile", one.saved_bytes}});
+  }
 }
 
 }  // namespace

@@ -115,8 +115,8 @@ class Prover {
   Result<ProofRow> prove_rule(std::size_t object, NeedRule rule);
   TileJob job(std::size_t object, const glm::dvec3& direction, int size_class, std::size_t light,
               bool whole_light) const;
-  void compare(const TileJob& full, const TileJob& lean, Pair& shooters, ProofRow& row);
   Result<TileShooter*> forced(NeedMask needs, bool fine_depth);
+  void add_row(ProofRow row);
 
   std::shared_ptr<const PreparedScene> scene_;
   const ProofOptions& options_;
@@ -127,6 +127,8 @@ class Prover {
   const bool software_;
   std::unique_ptr<Pair> bytes_, floats_;
   std::map<std::pair<NeedMask, bool>, std::unique_ptr<TileShooter>> forced_;
+  TileCensus census_;
+  std::map<NeedRule, std::pair<std::string, std::string>> texts_;  ///< of the object at hand
   Proof proof_;
 };
 
@@ -194,6 +196,8 @@ Result<ProofRow> Prover::prove_whole(std::size_t object) {
   const ObjectDescription& o = scene_->objects[object];
   Samples samples;
   double same_channels = 0;
+  std::vector<double> float_ms, byte_ms;
+  std::size_t out_of_range = 0;
   bool turn = false;
   for (const glm::dvec3& direction : cells_) {
     for (std::size_t light = 0; light < cases_.size(); ++light) {
@@ -209,12 +213,18 @@ Result<ProofRow> Prover::prove_whole(std::size_t object) {
           if (!turn) a = pair->full.shoot(full);
           if (!a || !b) return no_target();
           row.differing_components += differing_components(*a, *b);
-          if (pair != bytes_.get()) continue;
+          if (pair != bytes_.get()) {
+            float_ms.push_back(b->ms);
+            out_of_range += components_out_of_range(*b);
+            continue;
+          }
+          byte_ms.push_back(b->ms);
           const TileCost whole = full_cost(*a, full, o, kFullCoding), cut = lean_cost(*b, lean, o);
           samples.full_ms.push_back(a->ms + whole.ms);
           samples.lean_ms.push_back(b->ms + cut.ms);
           samples.full_bytes += static_cast<double>(whole.bytes);
           samples.lean_bytes += static_cast<double>(cut.bytes);
+          census_.add(*b, lean, o, cut);
           same_channels += static_cast<double>(full_cost(*a, lean, o, kFullCoding).bytes);
           ++samples.tiles;
         }
@@ -223,6 +233,13 @@ Result<ProofRow> Prover::prove_whole(std::size_t object) {
   }
   row.tiles = samples.tiles;
   samples.put(row);
+  ProofRow range = row;
+  range.rule = NeedRule::kHdr;
+  range.differing_components = out_of_range;
+  range.full_ms = median(float_ms);
+  range.lean_ms = median(byte_ms);
+  range.full_bytes = range.lean_bytes = 0;
+  add_row(std::move(range));
   row.full_bytes_lit = same_channels / std::max<double>(1, static_cast<double>(row.tiles));
   return row;
 }
@@ -314,7 +331,17 @@ std::map<NeedRule, std::pair<std::string, std::string>> by_rule(const std::vecto
   return out;
 }
 
+void Prover::add_row(ProofRow row) {
+  std::tie(row.left_out, row.why) = texts_[row.rule];
+  proof_.rows.push_back(std::move(row));
+}
+
 Result<void> Prover::prove_object(std::size_t object, const ObjectClass& of) {
+  std::vector<LeftOut> found = of.left_out;
+  const std::vector<LeftOut> everywhere = left_out_of_scene(*scene_, false);
+  found.insert(found.end(), everywhere.begin(), everywhere.end());
+  found.push_back({NeedRule::kLights, "3 of 3 added lamps", "they are black"});
+  texts_ = by_rule(found);
   Result<ProofRow> whole = prove_whole(object);
   if (!whole) return whole.error();
   if (options_.progress) {
@@ -324,18 +351,12 @@ Result<void> Prover::prove_object(std::size_t object, const ObjectClass& of) {
         whole->full_bytes, whole->lean_bytes));
   }
   proof_.objects.push_back(whole.take());
-  std::vector<LeftOut> found = of.left_out;
-  const std::vector<LeftOut> everywhere = left_out_of_scene(*scene_, false);
-  found.insert(found.end(), everywhere.begin(), everywhere.end());
-  found.push_back({NeedRule::kLights, "3 of 3 added lamps", "they are black"});
-  for (const auto& [rule, text] : by_rule(found)) {
+  for (const auto& [rule, text] : texts_) {
     const bool lit = (scene_->objects[object].needs & kNeedLighting) != 0;
     if (!undo(rule, 0) || (rule == NeedRule::kLights && !lit)) continue;
     Result<ProofRow> row = prove_rule(object, rule);
     if (!row) return row.error();
-    row->left_out = text.first;
-    row->why = text.second;
-    proof_.rows.push_back(row.take());
+    add_row(row.take());
   }
   return {};
 }
@@ -353,6 +374,10 @@ Result<Proof> Prover::run() {
       if (Result<void> done = prove_object(object, one); !done) return done.error();
     }
   }
+  for (const SceneObject& object : scene_->scene.objects) {
+    census_.add_object(object, scene_->scene.materials);
+  }
+  proof_.dropped = census_.figures();
   ProofRow& total = proof_.total;
   for (const ProofRow& row : proof_.objects) {
     total.tiles += row.tiles;

@@ -16,6 +16,7 @@
 
 #include "protocol/need_rules.h"
 #include "server/scene/prepared_scene.h"
+#include "server/tile_census.h"
 
 namespace mirage {
 
@@ -51,6 +52,7 @@ struct Proof {
   std::vector<ProofRow> rows;         ///< by object and rule
   std::vector<ProofRow> objects;      ///< by object, all rules
   ProofRow total;
+  std::vector<DroppedFigure> dropped;  ///< what rules that are not kept would save on LEAN's tiles
 };
 
 /// Needs a scene that kept what it came with. Errors kGraphics*.

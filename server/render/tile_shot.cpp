@@ -125,6 +125,16 @@ std::size_t differing_components(const TileShot& a, const TileShot& b) {
          differing<std::uint8_t>(a.code, b.code);
 }
 
+std::size_t components_out_of_range(const TileShot& shot) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i + sizeof(float) <= shot.color.size(); i += sizeof(float)) {
+    float value = 0;
+    std::memcpy(&value, &shot.color[i], sizeof(value));
+    count += !(value >= 0.0f && value <= 1.0f);
+  }
+  return count;
+}
+
 TileCost lean_cost(const TileShot& shot, const TileJob& job, const ObjectDescription& object) {
   const RenderedTile rendered = as_rendered(shot, job);
   const double start = now_ms(true);

@@ -44,6 +44,9 @@ class TileShooter {
 /// Components that differ: of colour, depth code and, where both have it, surface.
 std::size_t differing_components(const TileShot& a, const TileShot& b);
 
+/// Components of a shot in floats that are not within 0 and 1: what an 8-bit target would lose.
+std::size_t components_out_of_range(const TileShot& shot);
+
 /// As the product encodes it. The shot has 8-bit colour.
 TileCost lean_cost(const TileShot& shot, const TileJob& job, const ObjectDescription& object);
 /// What of the encoding is undone.
