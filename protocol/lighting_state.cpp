@@ -72,6 +72,20 @@ bool out_of_range(const ObjectLight& light, const glm::vec3& center, float radiu
   return glm::length(light.position - center) > light.range + radius;
 }
 
+// Whether no point of the sphere lies inside the outer cone: the sphere is seen from the light
+// under the half angle asin(r / d) about its centre. The margin is for rounding, here and in the
+// shader.
+bool out_of_cone(const ObjectLight& light, const glm::vec3& center, float radius) {
+  if (light.kind != LightKind::kSpot) return false;
+  const glm::dvec3 to_center = glm::dvec3(center) - glm::dvec3(light.position);
+  const double distance = glm::length(to_center);
+  if (!(distance > 1.001 * double{radius})) return false;
+  const double axis =
+      angle_between(to_center / distance, safe_normalize(glm::dvec3(light.direction)));
+  const double cone = std::acos(std::clamp(double{light.cos_outer}, -1.0, 1.0));
+  return axis - std::asin(double{radius} / distance) > cone + 1e-3;
+}
+
 }  // namespace
 
 std::uint64_t ObjectLighting::hash() const {
@@ -144,20 +158,31 @@ std::uint64_t lighting_hash(const Lighting& lighting) {
   return XXH3_64bits(values.data(), values.size() * sizeof(double));
 }
 
-ObjectLighting object_lighting(const Lighting& lighting, const Similarity& world_from_object,
-                               const glm::vec3& center, float radius) {
+ObjectLighting whole_object_lighting(const Lighting& lighting, const Similarity& world_from_object,
+                                     float radius) {
   ObjectLighting out;
   out.ambient = lighting.ambient;
   for (const Light& light : lighting.lights) {
-    if (is_black(light)) continue;
-    ObjectLight object_light = to_object_space(light, world_from_object, radius);
+    const ObjectLight object_light = to_object_space(light, world_from_object, radius);
     // A tiny scale can carry a light beyond float: it is then as good as absent.
     const LightWords w = words(object_light);
     const bool finite = std::all_of(w.begin(), w.end(), [](float v) { return std::isfinite(v); });
-    if (finite && !out_of_range(object_light, center, radius)) out.lights.push_back(object_light);
+    if (finite) out.lights.push_back(object_light);
   }
   std::sort(out.lights.begin(), out.lights.end(),
             [](const ObjectLight& a, const ObjectLight& b) { return words(a) < words(b); });
+  return out;
+}
+
+ObjectLighting object_lighting(const Lighting& lighting, const Similarity& world_from_object,
+                               const glm::vec3& center, float radius) {
+  ObjectLighting out = whole_object_lighting(lighting, world_from_object, radius);
+  const auto adds_nothing = [&](const ObjectLight& light) {
+    return light.color == glm::vec3(0) || out_of_range(light, center, radius) ||
+           out_of_cone(light, center, radius);
+  };
+  out.lights.erase(std::remove_if(out.lights.begin(), out.lights.end(), adds_nothing),
+                   out.lights.end());
   return out;
 }
 

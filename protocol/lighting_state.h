@@ -45,10 +45,15 @@ bool same_lighting(const Lighting& a, const Lighting& b);
 std::uint64_t lighting_hash(const Lighting& lighting);
 
 /// The scene's lighting as the object of `instance` sees it. Black lights and lights whose range
-/// does not reach the bounding sphere (centre, radius in object space) are left out; directions are
-/// quantised to 1/4096, positions to radius/256, so small motions keep the key; the values used for
-/// shading are the quantised ones.
+/// or cone does not reach the bounding sphere (centre, radius in object space) are left out;
+/// directions are quantised to 1/4096, positions to radius/256, so small motions keep the key; the
+/// values used for shading are the quantised ones.
 ObjectLighting object_lighting(const Lighting& lighting, const Similarity& world_from_object,
                                const glm::vec3& center, float radius);
+
+/// The same with every light of it, also those that add nothing: what object_lighting() leaves out
+/// is what the two differ in.
+ObjectLighting whole_object_lighting(const Lighting& lighting, const Similarity& world_from_object,
+                                     float radius);
 
 }  // namespace mirage

@@ -1,11 +1,15 @@
 #pragma once
 #include <string>
 
+#include "server/need_proof.h"
 #include "server/scene/prepared_scene.h"
 
 namespace mirage {
 
-/// The need analysis for people, or as JSON for tools. `shadows`: they were asked for.
-std::string explain_needs(const PreparedScene& scene, bool shadows, bool json);
+/// The need analysis: what is left out of the scene and of its objects, by which rule, why, and
+/// with a `proof` (else nullptr) what it saves. `shadows`: they were asked for.
+std::string explain_text(const PreparedScene& scene, bool shadows, const Proof* proof);
+/// The same for tools, one document.
+std::string explain_json(const PreparedScene& scene, bool shadows, const Proof* proof);
 
 }  // namespace mirage

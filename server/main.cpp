@@ -129,6 +129,25 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
   return 0;
 }
 
+int explain(const ServerOptions& options, std::shared_ptr<const PreparedScene> scene) {
+  std::optional<Proof> proof;
+  if (options.prove) {
+    ProofOptions how;
+    how.cells = options.prove_cells;
+    how.objects_per_class = options.prove_objects;
+    how.supersample = options.render.supersample;
+    how.device = options.render.device;
+    how.progress = [](const std::string& line) { spdlog::info("{}", line); };
+    Result<Proof> proven = prove_needs(scene, how);
+    if (!proven) return fail(proven.error());
+    proof = proven.take();
+  }
+  const auto tell = options.json ? explain_json : explain_text;
+  std::fputs(tell(*scene, options.shadows, proof ? &*proof : nullptr).c_str(), stdout);
+  const bool holds = !proof || proof->total.differing_components == 0;
+  return static_cast<int>(holds ? ExitCode::kOk : ExitCode::kComparison);
+}
+
 int run(int argc, char** argv) {
   ServerOptions options;
   if (const int code = parse_options(argc, argv, options); code >= 0) return code;
@@ -136,13 +155,10 @@ int run(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   raise_descriptor_limit();
-  Result<std::shared_ptr<const PreparedScene>> scene = load_scene(options.scene);
+  Result<std::shared_ptr<const PreparedScene>> scene = load_scene(options.scene, options.prove);
   if (!scene) return fail(scene.error());
   for (const std::string& warning : (*scene)->scene.warnings) spdlog::warn("scene: {}", warning);
-  if (options.explain) {
-    std::fputs(explain_needs(**scene, options.shadows, options.json).c_str(), stdout);
-    return 0;
-  }
+  if (options.explain) return explain(options, scene.take());
   options.session.shadows = options.render.shadows = options.shadows && (*scene)->has_casters();
   return serve(options, scene.take());
 }

@@ -90,6 +90,18 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   CLI::Option* explain = app.add_flag("--explain", o.explain,
                                       "print what each object needs and what is left out; exit");
   app.add_flag("--json", o.json, "with --explain: as JSON")->needs(explain);
+  CLI::Option* prove = app.add_flag(
+      "--prove", o.prove, "with --explain: draw with and without, compare every byte, time both");
+  prove->needs(explain);
+  app.add_option("--prove-cells", o.prove_cells, "with --prove: view cells of each object")
+      ->needs(prove)
+      ->check(CLI::Range(1, 26))
+      ->capture_default_str();
+  app.add_option("--prove-objects", o.prove_objects,
+                 "with --prove: objects of those that have the same left out")
+      ->needs(prove)
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
   if (o.list_devices) return -1;

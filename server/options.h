@@ -19,6 +19,9 @@ struct ServerOptions {
   bool shadows = false;  ///< asked for; a scene without casters has none all the same
   bool list_devices = false;
   bool explain = false;
+  bool prove = false;  ///< with explain: draw both ways and compare
+  int prove_cells = 26;
+  int prove_objects = 3;  ///< of objects that have the same left out
   bool json = false;
 };
 

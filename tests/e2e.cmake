@@ -21,5 +21,6 @@ mirage_e2e(load)
 mirage_e2e(assets)
 mirage_e2e(animation)
 mirage_e2e(report)
+mirage_e2e(stillness)
 # It watches frame times: alone on the machine, please.
 set_tests_properties(e2e_failure PROPERTIES RUN_SERIAL ON)

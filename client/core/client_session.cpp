@@ -10,6 +10,8 @@ namespace {
 // What a tile is asked for lies this far beyond the round trip: half of its expected life.
 constexpr std::int64_t kHorizonSlackUs = 150'000;
 constexpr std::int64_t kMaxHorizonUs = 1'000'000;
+constexpr double kStandsM = 1e-6;        // from where the eye is expected to be
+constexpr float kFacesSame = 0.999999f;  // half the angle's cosine: 0.16 degrees
 constexpr std::size_t kReplyBytes = 64;  // control part and header of a geometry reply
 
 // Also what the server can do: it may have been started anew with other options.
@@ -102,6 +104,8 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
     shadows_.reset();
     meshes_.reset(scene_, options_.mesh_budget_bytes, options_.max_mesh_bytes);
     predictor_ = Predictor(std::max(50.0, 0.5 * scene_.bounds_radius));
+    moves_ = std::any_of(scene_.objects.begin(), scene_.objects.end(),
+                         [](const ObjectDescription& o) { return o.motion.moving(); });
     if (sink_.scene) sink_.scene(scene_);
     if (own_lighting_) send_lighting();
   }
@@ -270,12 +274,14 @@ void ClientSession::ask_reference(const Camera& camera, std::uint32_t supersampl
 DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us,
                               const std::optional<glm::dvec2>& cursor_px) {
   ++frame_;
+  at_rest_ = false;
   if (!scene_.complete()) return {};
   predictor_.add(now_us, camera.pose);
   const std::int64_t horizon =
       std::min(scheduler_.round_trip_us() + kHorizonSlackUs, kMaxHorizonUs);
   predictor_.remember(horizon);
-  cache_.want_relit(relight_.relight(now_us));
+  const bool relit = relight_.relight(now_us);
+  cache_.want_relit(relit);
   SelectorInput input;
   input.scene = &scene_;
   input.cache = &cache_;
@@ -325,6 +331,13 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us,
   if (shadows) shadows_.add_needs(input, lighting_, list, tiles);
   std::optional<wire::RequestBatchT> batch =
       scheduler_.plan(scene_, tiles, meshes, lighting_id_, now_us);
+  // In time relit tiles give way to better ones, and tau comes down again.
+  const bool passing = relit && options_.relight == RelightChoice::kAuto;
+  const bool stands = glm::length(input.predicted.pose.eye - camera.pose.eye) < kStandsM &&
+                      glm::dot(input.predicted.pose.rotation, camera.pose.rotation) > kFacesSame;
+  at_rest_ = stands && !passing && !(moves_ && options_.animation) && tiles.empty() &&
+             meshes.empty() && !batch && scheduler_.in_flight() == 0 &&
+             input.tau_px <= options_.tau_px;
   if (batch) link_.send(encode_message(std::move(*batch)));
   return list;
 }

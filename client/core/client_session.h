@@ -105,6 +105,9 @@ class ClientSession {
   const std::vector<TileLife>& lives() const { return lives_; }
   std::int64_t round_trip_us() const { return scheduler_.round_trip_us(); }
   std::size_t in_flight() const { return scheduler_.in_flight(); }
+  /// Nothing was left to ask for in the last frame, nothing is under way, nothing moves: until the
+  /// camera, the light or the link brings something new, further frames would do nothing.
+  bool at_rest() const { return at_rest_; }
   std::uint64_t frame_number() const { return frame_; }
   const std::string& goodbye() const { return goodbye_; }
 
@@ -142,6 +145,8 @@ class ClientSession {
   std::optional<ReferenceFrame> reference_;
   std::size_t reference_asked_px_ = 0;
   bool reference_refused_ = false;
+  bool moves_ = false;  ///< something of the scene is animated
+  bool at_rest_ = false;
   std::uint64_t frame_ = 0;
   double time_s_ = 0;  ///< of the animation, at the last frame
   std::uint64_t received_ = 0;

@@ -21,6 +21,7 @@ int atlas_layers(int megabytes) {
 
 ClientHost::ClientHost(HostOptions options, FrameRenderer& renderer)
     : options_(std::move(options)), renderer_(renderer) {
+  if (!options_.content_changed) options_.content_changed = [] {};
   if (options_.virtual_time) {
     auto clock = std::make_unique<VirtualClock>();
     virtual_clock_ = clock.get();
@@ -33,23 +34,30 @@ ClientHost::ClientHost(HostOptions options, FrameRenderer& renderer)
 TileSink ClientHost::sink() {
   TileSink sink;
   sink.tile = [this](const TileRecord& record, const TilePixels& pixels) {
+    options_.content_changed();
     renderer_.upload(record, pixels);
   };
   sink.shadow = [this](const ShadowRecord& record, const std::vector<std::uint8_t>& shares) {
+    options_.content_changed();
     renderer_.upload_shadow(record, shares);
   };
   sink.caster = [this](const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
+    options_.content_changed();
     renderer_.upload_caster(record, codes);
   };
   sink.mesh = [this](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
+    options_.content_changed();
     const Result<void> added = renderer_.add_mesh(object, lod, std::move(model));
     if (!added) spdlog::error("{}", added.error().line());
   };
   sink.image = [this](std::uint32_t index, const Image& image) {
+    options_.content_changed();
     renderer_.add_image(session_->scene(), index, image);
   };
+  // What the frame draws is never dropped: the picture stays.
   sink.drop = [this](const AssetId& id) { renderer_.drop(session_->scene(), id); };
   sink.scene = [this](const SceneView& scene) {
+    options_.content_changed();
     const Result<void> ready = renderer_.reset(scene);
     if (!ready) spdlog::warn("{}", ready.error().line());
   };
@@ -59,7 +67,7 @@ TileSink ClientHost::sink() {
 Result<void> ClientHost::open() {
   Result<ServerUrl> url = parse_url(options_.url);
   if (!url) return url.error();
-  native_ = std::make_unique<NativeLink>(*url);
+  native_ = std::make_unique<NativeLink>(*url, options_.wake);
   if (options_.net || options_.virtual_time) {
     const auto wait = [this] {
       native_->wait_message(kReplyTimeoutMs);

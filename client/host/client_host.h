@@ -2,6 +2,7 @@
 // A client of one server, whole but for its frame loop: the link, modelled if asked for, the
 // session on it, and the renderer that takes what arrives. Thread: the GL one.
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,8 +23,10 @@ struct HostOptions {
   bool virtual_time = false;  ///< time passes only as it is told to; the link is modelled
   std::optional<NetModel> net;
   double connect_timeout_s = 10;
-  double march_kpx = -1;  ///< thousand px a frame drawn by marching; < 0: by renderer
-  ClientOptions session;  ///< march_budget_px follows from march_kpx
+  double march_kpx = -1;       ///< thousand px a frame drawn by marching; < 0: by renderer
+  ClientOptions session;       ///< march_budget_px follows from march_kpx
+  std::function<void()> wake;  ///< called by the network thread when something came; may be empty
+  std::function<void()> content_changed;  ///< texels, geometry or a scene came; may be empty
 };
 
 class ClientHost {
@@ -47,6 +50,8 @@ class ClientHost {
   /// Session time in µs: the clock's, without what was left out.
   std::int64_t now_us() const { return clock_->now_us() - left_out_us_; }
   const Clock& clock() const { return *clock_; }
+  /// Whether a network is modelled between the session and the socket.
+  bool modelled() const { return modelled_ != nullptr; }
   /// Null in real time.
   VirtualClock* virtual_clock() { return virtual_clock_; }
   /// Leaves the time since `clock_us` (of clock()) out of the session's.

@@ -19,6 +19,8 @@ class LightScript {
 
   /// The lighting at a time; nullopt when it is the scene's own, unchanged.
   std::optional<Lighting> at(double seconds, const Lighting& scene) const;
+  /// Whether it is the scene's own for ever.
+  bool fixed() const { return kind_ == Kind::kFixed; }
 
  private:
   enum class Kind { kFixed, kSunSweep, kLampToggle, kFile };

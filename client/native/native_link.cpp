@@ -40,6 +40,7 @@ struct NativeLink::Impl {
   std::atomic<int> close_code{0};
   mutable std::mutex mutex;
   mutable std::condition_variable changed;
+  std::function<void()> arrived;
   std::deque<Bytes> outbound;
   std::deque<Message> inbound;
   std::string problem;
@@ -56,10 +57,15 @@ struct NativeLink::Impl {
   };
   RetryTimer retry;
 
+  void tell() {
+    changed.notify_all();
+    if (arrived) arrived();
+  }
+
   void set_problem(const std::string& text) {
     const std::lock_guard<std::mutex> lock(mutex);
     problem = text;
-    changed.notify_all();
+    tell();
   }
 
   void connect() {
@@ -97,7 +103,7 @@ struct NativeLink::Impl {
     connected = false;
     outbound.clear();
     if (problem.empty() || !why.empty()) problem = why;
-    changed.notify_all();
+    tell();
     connect_later(pause_ms);
     pause_ms = std::min(pause_ms * 2, kLongestPauseMs);
   }
@@ -110,7 +116,7 @@ struct NativeLink::Impl {
     inbound.clear();
     ++generation;
     connected = true;
-    changed.notify_all();
+    tell();
   }
 
   // Returns what the libwebsockets callback is to return.
@@ -133,7 +139,7 @@ struct NativeLink::Impl {
     pending_bytes = 0;
     const std::lock_guard<std::mutex> lock(mutex);
     inbound.push_back(message.take());
-    changed.notify_all();
+    tell();
     if (inbound.size() >= kMaxInbound) lws_rx_flow_control(wsi, 0);
     return 0;
   }
@@ -252,8 +258,10 @@ Result<ServerUrl> parse_url(const std::string& url) {
   return out;
 }
 
-NativeLink::NativeLink(const ServerUrl& url) : impl_(std::make_unique<Impl>()) {
+NativeLink::NativeLink(const ServerUrl& url, std::function<void()> arrived)
+    : impl_(std::make_unique<Impl>()) {
   impl_->url = url;
+  impl_->arrived = std::move(arrived);
   lws_set_log_level(0, silent_log);
   lws_context_creation_info info{};
   info.port = CONTEXT_PORT_NO_LISTEN;

@@ -4,6 +4,7 @@
 // Full:   the inbound queue stops reading (back-pressure through TCP); outbound messages beyond the
 //         queue are dropped and counted as a broken link.
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,8 +23,9 @@ Result<ServerUrl> parse_url(const std::string& url);
 
 class NativeLink final : public Link {
  public:
-  /// Starts connecting, and reconnects with growing pauses until destroyed.
-  explicit NativeLink(const ServerUrl& url);
+  /// Starts connecting, and reconnects with growing pauses until destroyed. `arrived` is called on
+  /// the network's thread when a message is there to receive, or the link goes up or down.
+  explicit NativeLink(const ServerUrl& url, std::function<void()> arrived = nullptr);
   ~NativeLink() override;
 
   void send(Bytes message) override;

@@ -53,11 +53,10 @@ double mean(const std::vector<float>& values) {
 
 }  // namespace
 
-void SessionStats::add_frame(const DrawList& list, int draw_calls, double frame_ms, double real_ms,
+void SessionStats::add_frame(const DrawList& list, int draw_calls, double frame_ms,
                              std::int64_t now_us) {
   ++frames_;
   frame_ms_.push_back(static_cast<float>(frame_ms));
-  real_ms_.push_back(static_cast<float>(real_ms));
   draw_calls_ += static_cast<std::uint64_t>(draw_calls);
   visible_ += list.visible;
   over_tau_ += list.over_tau;
@@ -90,6 +89,7 @@ std::string SessionStats::json(const Final& end) const {
   ordered_json j;
   const double seconds = static_cast<double>(end.duration_us) * 1e-6;
   j["frames"] = frames_;
+  j["frames_drawn"] = drawn_;  // the others were the picture that was there
   j["frame_ms"] = quantiles(frame_ms_, true);
   j["time_to_first_image_ms"] = first_image_us_ < 0
                                     ? ordered_json(nullptr)

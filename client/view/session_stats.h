@@ -12,8 +12,12 @@ namespace mirage {
 
 class SessionStats {
  public:
-  void add_frame(const DrawList& list, int draw_calls, double frame_ms, double real_ms,
-                 std::int64_t now_us);
+  void add_frame(const DrawList& list, int draw_calls, double frame_ms, std::int64_t now_us);
+  /// The last frame added was drawn, not kept as it was: it took `real_ms`.
+  void note_drawn(double real_ms) {
+    ++drawn_;
+    real_ms_.push_back(static_cast<float>(real_ms));
+  }
   /// Of a frame in a session whose light has changed: how long each lit impostor's has been past.
   void add_light_lag(const DrawList& list, const SceneView& scene);
   void add_comparison(const ImageMeasures& measures);
@@ -53,7 +57,7 @@ class SessionStats {
   static constexpr std::int64_t kSettleUs = 5'000'000;
   std::int64_t settled_us_ = -1;
   std::uint64_t settled_bytes_ = 0;
-  std::size_t frames_ = 0;
+  std::size_t frames_ = 0, drawn_ = 0;
   std::int64_t first_image_us_ = -1;
   std::vector<float> frame_ms_, real_ms_, bounds_, ages_ms_, light_lag_ms_;
   std::uint64_t relit_ = 0;

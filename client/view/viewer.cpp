@@ -9,6 +9,7 @@
 
 #include "client/core/camera_path.h"
 #include "client/core/quantile.h"
+#include "client/core/stillness.h"
 #include "client/host/client_host.h"
 #include "client/host/light_script.h"
 #include "client/host/png.h"
@@ -37,6 +38,8 @@ class Viewer {
   Result<void> resize_if_needed();
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
+  bool next_events();
+  void show(const DrawList& list, std::int64_t now);
   std::string overlay_text(const DrawList& list, std::int64_t now) const;
   std::int64_t now_us() const { return host_->now_us(); }
   ClientSession& session() { return host_->session(); }
@@ -60,10 +63,16 @@ class Viewer {
   SessionStats stats_;
   std::optional<Lighting> last_light_;
   bool link_was_up_ = true;
+  Stillness still_;
+  bool resting_ = false;     // the last frame changed nothing, and no further one would
+  bool frame_kept_ = false;  // the last frame was the picture that was there
   std::optional<Overlay> overlay_;
   double smooth_ms_ = 0;
   Comparison comparison_;
 };
+
+constexpr double kKeptFrameS = 1.0 / 60;  // instead of the display's pace, which only a swap brings
+constexpr double kRestS = 60;             // an event comes sooner or not at all
 
 Result<void> Viewer::open_graphics() {
   if (o_.offscreen) {
@@ -94,6 +103,8 @@ void Viewer::make_host() {
   host.net = o_.net;
   host.connect_timeout_s = o_.connect_timeout_s;
   host.march_kpx = o_.march_kpx;
+  if (window_) host.wake = &Window::wake;
+  host.content_changed = [this] { still_.content_changed(); };
   ClientOptions& options = host.session;
   options.tau_px = o_.tau_px;
   options.targets = o_.targets;
@@ -145,7 +156,16 @@ Result<void> Viewer::resize_if_needed() {
   Result<FrameTarget> target = FrameTarget::create(w, h, o_.msaa);
   if (!target) return target.error();
   target_.emplace(target.take());
+  still_.content_changed();
   return {};
+}
+
+void Viewer::show(const DrawList& list, std::int64_t now) {
+  target_->show();
+  if (window_->overlay()) {
+    overlay_->draw(overlay_text(list, now), target_->width(), target_->height());
+  }
+  window_->present();
 }
 
 Result<void> Viewer::one_frame(std::int64_t frame) {
@@ -174,22 +194,20 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   camera.height = static_cast<std::uint32_t>(target_->height());
   camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
   const DrawList list = session().frame(camera, now, window_ ? window_->cursor_px() : std::nullopt);
-  renderer_->draw(*target_, camera, scene, list, session().lighting());
-  if (window_) {
-    target_->show();
-    if (window_->overlay()) {
-      overlay_->draw(overlay_text(list, now), target_->width(), target_->height());
-    }
-    window_->present();
-  }
+  const bool changed = !still_.unchanged(camera, scene, list, session().lighting());
+  frame_kept_ = !changed;
+  resting_ = !changed && session().at_rest();
+  if (changed) renderer_->draw(*target_, camera, scene, list, session().lighting());
+  if (window_ && (window_->take_refresh() || changed)) show(list, now);
   glFinish();
   if (!list.impostors.empty() || !list.meshes.empty()) stats_.first_image(now);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
   if (session().light_changed()) stats_.add_light_lag(list, scene);
   stats_.add_frame(list, renderer_->draw_calls(),
-                   host_->virtual_clock() ? 1000.0 / o_.fps : real_ms, real_ms, now);
+                   host_->virtual_clock() ? 1000.0 / o_.fps : real_ms, now);
+  if (changed) stats_.note_drawn(real_ms);
   stats_.note_traffic(host_->traffic(), now - start_us_);
-  smooth_ms_ += 0.1 * (real_ms - smooth_ms_);
+  if (changed) smooth_ms_ += 0.1 * (real_ms - smooth_ms_);
   if (!host_->virtual_clock()) session().note_frame_ms(smooth_ms_);
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
@@ -235,6 +253,13 @@ std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {
       native().connected() ? "" : "\nOFFLINE: showing what is here, reconnecting");
 }
 
+// At rest the window sleeps until somebody touches it or something arrives. A path, a light that
+// goes by itself and a modelled link need the clock.
+bool Viewer::next_events() {
+  if (resting_ && !path_ && !host_->modelled() && light_->fixed()) return window_->wait(kRestS);
+  return frame_kept_ ? window_->wait(kKeptFrameS) : window_->poll();
+}
+
 void Viewer::pace(std::int64_t frame) {
   const std::int64_t due = start_us_ + frame_us(frame + 1);
   if (VirtualClock* clock = host_->virtual_clock()) {
@@ -248,7 +273,7 @@ void Viewer::pace(std::int64_t frame) {
 Result<void> Viewer::frame_loop() {
   start_us_ = now_us();
   for (std::int64_t frame = 0; o_.frames == 0 || frame < o_.frames; ++frame) {
-    if (window_ && !window_->poll()) break;
+    if (window_ && !next_events()) break;
     if (Result<void> done = one_frame(frame); !done) return done;
     if (o_.offscreen && o_.frames >= 100 && frame % 60 == 59) {
       spdlog::info("frame {} of {}", frame + 1, o_.frames);

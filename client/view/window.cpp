@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "protocol/stable_math.h"
 
@@ -16,6 +17,7 @@ struct Window::Impl {
   bool overlay_key_down = false;
   bool dragging = false;
   double last_x = 0, last_y = 0;
+  bool refresh = true;
   bool down(int key) const { return glfwGetKey(window, key) == GLFW_PRESS; }
 };
 
@@ -46,13 +48,34 @@ Result<Window> Window::create(int width, int height) {
   }
   glfwMakeContextCurrent(out.impl_->window);
   glfwSwapInterval(1);
+  // The implementation stays where it is when the window moves.
+  glfwSetWindowUserPointer(out.impl_->window, out.impl_.get());
+  glfwSetWindowRefreshCallback(out.impl_->window, [](GLFWwindow* window) {
+    static_cast<Impl*>(glfwGetWindowUserPointer(window))->refresh = true;
+  });
   return out;
 }
 
 bool Window::poll() {
   glfwPollEvents();
+  return after_events();
+}
+
+bool Window::wait(double seconds) {
+  glfwWaitEventsTimeout(seconds);
+  return after_events();
+}
+
+void Window::wake() { glfwPostEmptyEvent(); }
+
+bool Window::take_refresh() { return std::exchange(impl_->refresh, false); }
+
+bool Window::after_events() {
   const bool key = impl_->down(GLFW_KEY_O);
-  if (key && !impl_->overlay_key_down) impl_->overlay = !impl_->overlay;
+  if (key && !impl_->overlay_key_down) {
+    impl_->overlay = !impl_->overlay;
+    impl_->refresh = true;
+  }
   impl_->overlay_key_down = key;
   return !glfwWindowShouldClose(impl_->window) && !impl_->down(GLFW_KEY_ESCAPE);
 }

@@ -22,6 +22,12 @@ class Window {
 
   /// Handles events; false when the window was closed.
   bool poll();
+  /// The same after sleeping until there is an event, a wake() or the time is over.
+  bool wait(double seconds);
+  /// From any thread: ends wait().
+  static void wake();
+  /// Whether the window system wants the picture drawn again, since the last call.
+  bool take_refresh();
   void present();
   void framebuffer_size(int& width, int& height) const;
   bool overlay() const;
@@ -34,6 +40,7 @@ class Window {
 
  private:
   Window();
+  bool after_events();
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

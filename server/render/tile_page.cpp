@@ -28,10 +28,12 @@ glm::mat4 capture_projection(const Capture& capture) {
 }  // namespace
 
 Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int supersample,
-                                                  SceneShadow* shadow) {
+                                                  SceneShadow* shadow, const TileExtras& extras) {
   TilePageRenderer out(scene, supersample);
   out.shadow_map_ = shadow;
-  const auto resolve = [](std::vector<std::string> defines) {
+  out.extras_ = extras;
+  const auto resolve = [&](std::vector<std::string> defines) {
+    if (extras.fine_depth) defines.emplace_back("FINE_DEPTH");
     return gl::Program::create("common/fullscreen.vert", "tile/resolve_tile.frag", defines);
   };
   Result<gl::Program> lit = resolve({}), relit = resolve({"RELIT"}), darkened = resolve({"SHADOW"});
@@ -47,6 +49,15 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
   out.relit_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kSurface);
   out.shadow_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kShadow);
   out.empty_vao_ = gl::VertexArray::create();
+  if (extras.forced) {
+    for (const Path* path : {&out.lit_, &out.relit_}) path->meshes->force(extras.forced);
+  }
+  return out;
+}
+
+std::vector<std::string> TilePageRenderer::variants() const {
+  std::vector<std::string> out = lit_.meshes->variants();
+  for (const std::string& name : relit_.meshes->variants()) out.push_back("relit: " + name);
   return out;
 }
 
@@ -97,7 +108,9 @@ int TilePageRenderer::samples(const TileJob& job) const {
 }
 
 bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
-  std::vector<GLenum> drawn = {GL_SRGB8_ALPHA8}, page = {GL_SRGB8_ALPHA8, GL_R8};
+  const GLenum color = extras_.float_color ? GL_RGBA32F : GL_SRGB8_ALPHA8;
+  std::vector<GLenum> drawn = {color},
+                      page = {color, GLenum(extras_.fine_depth ? GL_RGBA8 : GL_R8)};
   if (&path == &relit_) {
     drawn.insert(drawn.end(), {GL_RGBA16F, GL_RGBA8});
     page.push_back(GL_RGBA8);

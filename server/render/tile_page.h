@@ -18,12 +18,20 @@
 
 namespace mirage {
 
+/// What a proof of need analysis draws beside what the product draws (need_proof.h).
+struct TileExtras {
+  NeedMask forced = 0;       ///< MeshPass::force
+  bool float_color = false;  ///< colour as 32-bit floats, linear
+  bool fine_depth = false;   ///< depth in 24 bits: red is the highest byte; alpha is the 8-bit code
+};
+
 class TilePageRenderer {
  public:
   /// `supersample` per axis, at least 3 for alpha-tested objects. `shadow`, which must live as
   /// long, is for shadow tiles; nullptr: none will be asked for. Error kGraphicsShader.
   static Result<TilePageRenderer> create(const GpuScene& scene, int supersample,
-                                         SceneShadow* shadow = nullptr);
+                                         SceneShadow* shadow = nullptr,
+                                         const TileExtras& extras = {});
 
   /// Compiles every variant of the scene and draws each object once, so that no client pays for
   /// a first use. Error kGraphicsShader.
@@ -33,6 +41,9 @@ class TilePageRenderer {
   /// call; the surface of relit tiles is its third attachment. nullptr when the target cannot be
   /// made.
   const gl::RenderTarget* render(const std::vector<TileJob>& jobs, const PagePacker& packer);
+
+  /// Names of the mesh shader's variants compiled so far, of lit and of relit tiles.
+  std::vector<std::string> variants() const;
 
  private:
   explicit TilePageRenderer(const GpuScene& scene, int supersample)
@@ -69,6 +80,7 @@ class TilePageRenderer {
   const GpuScene* scene_;
   int supersample_;
   SceneShadow* shadow_map_ = nullptr;
+  TileExtras extras_;
   Path lit_;
   Path relit_;          ///< its page has the surface as a third attachment; made when first needed
   Path shadow_;         ///< without a page of its own

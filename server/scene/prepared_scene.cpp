@@ -41,13 +41,14 @@ class ContentHash {
   XXH3_state_t* state_;
 };
 
-// Tiles are drawn from levels of detail: raise it when build_lods() gives other ones.
-constexpr std::uint32_t kLodVersion = 1;
+// Stored tiles outlive a build: raise it when equal content gives other ones, by build_lods(), the
+// shaders or the codec.
+constexpr std::uint32_t kTileVersion = 2;
 
 // Lighting and environment are not part of it: light is in the key, the sky in no tile.
 std::uint64_t content_hash(const Scene& scene) {
   ContentHash hash;
-  hash.add(&kLodVersion, sizeof(kLodVersion));
+  hash.add(&kTileVersion, sizeof(kTileVersion));
   for (const SceneObject& object : scene.objects) {
     hash.add_array(object.mesh.vertices);
     hash.add_array(object.mesh.indices);
@@ -345,19 +346,32 @@ ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
   return out;
 }
 
-Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec) {
+Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
+                                                        bool keep_imported) {
   constexpr const char* kBuiltin = "builtin:";
   const bool builtin = spec.rfind(kBuiltin, 0) == 0;
   Result<Scene> loaded =
       builtin ? build_builtin_scene(spec.substr(std::string(kBuiltin).size())) : import_gltf(spec);
   if (!loaded) return loaded.error();
+  auto prepared = prepare_scene(loaded.take(), keep_imported);
+  const bool range = !prepared && prepared.error().id == ErrorId::kSceneRange;
+  if (range) return make_error(ErrorId::kSceneRange, spec + ": " + prepared.error().text);
+  return prepared;
+}
+
+Result<std::shared_ptr<const PreparedScene>> prepare_scene(Scene scene, bool keep_imported) {
   auto prepared = std::make_shared<PreparedScene>();
-  prepared->scene = loaded.take();
+  prepared->scene = std::move(scene);
   if (Result<void> checked = check_limits(prepared->scene); !checked) return checked.error();
   cap_lights(prepared->scene);
   Result<Lighting> lighting = checked_lighting(prepared->scene.lighting);
-  if (!lighting) return make_error(ErrorId::kSceneRange, spec + ": " + lighting.error().text);
+  if (!lighting) return make_error(ErrorId::kSceneRange, lighting.error().text);
   prepared->scene.lighting = lighting.take();
+  if (keep_imported) {
+    prepared->imported = std::make_shared<const PreparedScene::Imported>(
+        PreparedScene::Imported{prepared->scene.materials, prepared->scene.images});
+  }
+  prepared->left_out = leave_out_unneeded(prepared->scene);
   const std::map<std::size_t, MeasuredMotion> moving = settle_motion(prepared->scene);
   for (std::size_t i = 0; i < prepared->scene.objects.size(); ++i) {
     ObjectDescription description = describe_object(prepared->scene.objects[i], prepared->scene);

@@ -7,6 +7,7 @@
 #include "protocol/model_codec.h"
 #include "protocol/object_proxy.h"
 #include "server/scene/grouping.h"
+#include "server/scene/leave_out.h"
 #include "server/scene/scene.h"
 
 namespace mirage {
@@ -27,6 +28,13 @@ struct ObjectGeometry {
 
 struct PreparedScene {
   Scene scene;
+  LeftOutOfScene left_out;
+  /// What the scene came with, for proofs; nullptr unless it was asked to be kept.
+  struct Imported {
+    std::vector<Material> materials;
+    std::vector<Image> images;
+  };
+  std::shared_ptr<const Imported> imported;
   std::uint64_t revision = 0;  ///< hash of all content that pixels depend on
   /// The scene's objects, then its groups as objects of their own.
   std::vector<ObjectDescription> objects;
@@ -52,7 +60,10 @@ struct PreparedScene {
 
 /// Loads `spec` (a path or `builtin:NAME?…`) and prepares it. Errors: those of the importers,
 /// kSceneLimit when it exceeds limits.h.
-Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec);
+Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
+                                                        bool keep_imported = false);
+/// The same of a scene that is there.
+Result<std::shared_ptr<const PreparedScene>> prepare_scene(Scene scene, bool keep_imported = false);
 
 /// Bounds, hull, mean colour and needs of one object.
 ObjectDescription describe_object(const SceneObject& object, const Scene& scene);

@@ -9,6 +9,13 @@
 namespace mirage::gl {
 namespace {
 
+// No need of an object: a property of the frame, beyond the bits of need_mask.h.
+constexpr NeedMask kFog = NeedMask{1} << 63;
+constexpr NeedMask kFade = NeedMask{1} << 62;
+constexpr NeedMask kDepthOnly = NeedMask{1} << 61;
+constexpr NeedMask kShadow = NeedMask{1} << 60;
+constexpr NeedMask kSwitches = NeedMask{1} << 59;  // of what is forced
+
 struct NeedDefine {
   NeedMask need;
   const char* define;
@@ -23,16 +30,16 @@ constexpr NeedDefine kDefines[] = {
     {kNeedAlphaMask, "NEED_ALPHA_MASK"},
     {kNeedBlend, "NEED_BLEND"},
     {kNeedVertexColor, "NEED_VERTEX_COLOR"},
+    {kFog, "FOG"},
+    {kFade, "FADE"},
+    {kShadow, "SHADOW"},
+    {kDepthOnly, "DEPTH_ONLY"},
+    {kSwitches, "SWITCHES"},
 };
 constexpr NeedMask kShaderNeeds = kNeedLighting | kNeedBaseColorMap | kNeedMetalRoughMap |
                                   kNeedNormalMap | kNeedOcclusionMap | kNeedEmissiveMap |
                                   kNeedAlphaMask | kNeedBlend | kNeedVertexColor;
 
-// No need of an object: a property of the frame, beyond the bits of need_mask.h.
-constexpr NeedMask kFog = NeedMask{1} << 63;
-constexpr NeedMask kFade = NeedMask{1} << 62;
-constexpr NeedMask kDepthOnly = NeedMask{1} << 61;
-constexpr NeedMask kShadow = NeedMask{1} << 60;
 constexpr NeedMask kDepthNeeds = kNeedBaseColorMap | kNeedAlphaMask | kNeedVertexColor;
 
 GLint gl_wrap(Wrap wrap) {
@@ -85,6 +92,14 @@ GLenum gl_mode(PrimitiveKind kind) {
   return GL_TRIANGLES;
 }
 
+std::vector<std::string> variant_defines(NeedMask needs) {
+  std::vector<std::string> defines;
+  for (const NeedDefine& d : kDefines) {
+    if (needs & d.need) defines.emplace_back(d.define);
+  }
+  return defines;
+}
+
 }  // namespace
 
 MeshInstance mesh_instance(const Similarity& m, const glm::dvec3& eye, std::uint32_t id) {
@@ -118,25 +133,44 @@ LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye) {
   return block;
 }
 
+void MeshPass::force(NeedMask needs) {
+  forced_ = needs;
+  const auto one_texel = [](GLint format, glm::vec4 value) {
+    Texture texture = Texture::create();
+    glBindTexture(GL_TEXTURE_2D, texture.id());
+    glTexImage2D(GL_TEXTURE_2D, 0, format, 1, 1, 0, GL_RGBA, GL_FLOAT, &value.x);
+    return texture;
+  };
+  white_ = one_texel(GL_RGBA8, glm::vec4(1));
+  // In 8 bits no normal map is neutral: 127 and 128 both lean by 0.2 degrees.
+  flat_ = one_texel(GL_RGBA16F, {0.5f, 0.5f, 1, 1});
+}
+
+std::vector<std::string> MeshPass::variants() const {
+  std::vector<std::string> out;
+  for (const auto& [needs, unused] : programs_) {
+    std::string name;
+    for (const std::string& define : variant_defines(needs)) {
+      name += (name.empty() ? "" : " ") + define;
+    }
+    out.push_back(name);
+  }
+  return out;
+}
+
 Result<Program*> MeshPass::program(NeedMask needs, bool fade, Stage stage) {
   needs &= kShaderNeeds;
+  if (forced_) needs |= (forced_ & kShaderNeeds) | kSwitches;
   if (shadow_ && (needs & kNeedLighting)) needs |= kShadow;
   if (fog_density_ > 0) needs |= kFog;
   if (stage == Stage::kDepth) {
-    needs = (needs & kNeedAlphaMask ? needs & kDepthNeeds : NeedMask{0}) | kDepthOnly;
+    needs = (needs & kNeedAlphaMask ? needs & (kDepthNeeds | kSwitches) : NeedMask{0}) | kDepthOnly;
   }
   if (stage == Stage::kTested) needs &= ~NeedMask{kNeedAlphaMask};
   if (fade) needs |= kFade;
   const auto found = programs_.find(needs);
   if (found != programs_.end()) return &found->second;
-  std::vector<std::string> defines;
-  for (const NeedDefine& d : kDefines) {
-    if (needs & d.need) defines.emplace_back(d.define);
-  }
-  if (needs & kFog) defines.emplace_back("FOG");
-  if (needs & kFade) defines.emplace_back("FADE");
-  if (needs & kShadow) defines.emplace_back("SHADOW");
-  if (needs & kDepthOnly) defines.emplace_back("DEPTH_ONLY");
+  std::vector<std::string> defines = variant_defines(needs);
   if (output_ == MeshOutput::kShadow) defines.emplace_back("WRITE_DARKENED");
   if (output_ == MeshOutput::kId) defines.emplace_back("WRITE_ID");
   if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
@@ -173,6 +207,7 @@ void MeshPass::begin(const glm::mat4& clip_from_relative, const LightBlock& ligh
   glFrontFace(GL_CCW);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glMinSampleShading(1.0f);
+  if (forced_ & kNeedVertexColor) glVertexAttrib4f(5, 1, 1, 1, 1);  // of meshes without
   glEnable(GL_PROGRAM_POINT_SIZE);
   glLineWidth(stroke_);  // the device takes the nearest width it can draw
 }
@@ -200,7 +235,8 @@ void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs, cons
   p.set("u_base_color", m.base_color);
   p.set("u_emissive", m.emissive);
   p.set("u_factors", glm::vec4(m.metallic, m.roughness, m.normal_scale, m.occlusion_strength));
-  p.set("u_alpha_cutoff", m.alpha_cutoff);
+  p.set("u_alpha_cutoff", m.alpha_mode == AlphaMode::kMask ? m.alpha_cutoff : 0.0f);
+  p.set("u_switches", glm::vec2(m.unlit, m.alpha_mode != AlphaMode::kBlend));
   const TextureRef* maps[5] = {&m.base_color_map, &m.metal_rough_map, &m.normal_map,
                                &m.occlusion_map, &m.emissive_map};
   const char* names[5] = {"u_base_color_map", "u_metal_rough_map", "u_normal_map",
@@ -209,10 +245,15 @@ void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs, cons
                             kNeedOcclusionMap, kNeedEmissiveMap};
   std::vector<glm::vec4> transforms(10, glm::vec4(0));
   for (int i = 0; i < 5; ++i) {
-    if (!(needs & bits[i])) continue;
-    // For a test alone one mip level is as good as two, at half the price.
-    bind_texture(i, *maps[i], images,
-                 stage == Stage::kDepth ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR);
+    if (!((needs | forced_) & bits[i])) continue;
+    if (needs & bits[i]) {
+      // For a test alone one mip level is as good as two, at half the price.
+      bind_texture(i, *maps[i], images,
+                   stage == Stage::kDepth ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR);
+    } else {
+      glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
+      glBindTexture(GL_TEXTURE_2D, bits[i] == kNeedNormalMap ? flat_.id() : white_.id());
+    }
     p.set(names[i], i);
     put_uv_transform(*maps[i], &transforms[static_cast<std::size_t>(2 * i)]);
   }
@@ -237,7 +278,7 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
     }
     const NeedMask needs = material_needs(material, mesh.vertex_color());
     (material.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
-    (blended ? glEnable : glDisable)(GL_BLEND);
+    (blended || (forced_ & kNeedBlend) ? glEnable : glDisable)(GL_BLEND);
     for (const Stage stage : stages(needs)) {
       const Result<Program*> made = program(needs, fading, stage);
       if (!made) continue;  // warm_up has told

@@ -2,8 +2,8 @@
 // Draws meshes with the shared shading: the server's tiles and reference frames, the client's
 // geometry. Shader variants are keyed by need mask and compiled on first use (or warmed up).
 
-#include <array>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "protocol/lighting_state.h"
@@ -55,6 +55,11 @@ class MeshPass {
   /// Lines and points are one pixel wide: `samples` of a target with so many to a pixel's side.
   void set_stroke(float samples) { stroke_ = samples; }
 
+  /// Draws every surface with these features too, those it does not have with neutral textures,
+  /// white vertices and a test that passes: a renderer without need analysis, for proofs that
+  /// leaving out changes nothing. Before the first draw.
+  void force(NeedMask needs);
+
   /// Compiles the variant for these needs, with `fades` also the one that dithers. Error
   /// kGraphicsShader.
   Result<void> compile(NeedMask needs, bool fades);
@@ -80,7 +85,8 @@ class MeshPass {
 
   int draw_calls() const { return draw_calls_; }
   void reset_draw_calls() { draw_calls_ = 0; }
-  std::size_t variants() const { return programs_.size(); }
+  /// Names of the variants compiled so far: their defines.
+  std::vector<std::string> variants() const;
 
  private:
   /// Alpha-tested surfaces first write their depth by a shader that only tests, then are shaded
@@ -95,6 +101,8 @@ class MeshPass {
   void bind_instances(const MeshInstance* instances, std::size_t count);
 
   const MeshOutput output_;
+  NeedMask forced_ = 0;
+  Texture white_, flat_;  ///< neutral maps, of what is forced
   std::map<NeedMask, Program> programs_;
   Buffer instance_buffer_;
   glm::mat4 clip_from_relative_{1};

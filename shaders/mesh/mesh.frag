@@ -6,7 +6,7 @@ in vec3 v_normal;
 in vec4 v_tangent;
 in vec2 v_uv0;
 in vec2 v_uv1;
-in vec4 v_color;
+in vec4 v_shade;  // 1 less the vertex colour: white stays white to the last bit, as 0 is what interpolates exactly
 flat in uint v_id;
 
 #ifndef DEPTH_ONLY
@@ -29,6 +29,10 @@ uniform vec3 u_emissive;
 uniform vec4 u_factors;  // metallic, roughness, normal scale, occlusion strength
 uniform float u_alpha_cutoff;
 uniform float u_mip_bias;
+#ifdef SWITCHES
+// One shader for all that a material may be (proofs of leaving out): 1 where it is unlit, opaque.
+uniform vec2 u_switches;
+#endif
 uniform sampler2D u_base_color_map;
 uniform sampler2D u_metal_rough_map;
 uniform sampler2D u_normal_map;
@@ -59,10 +63,12 @@ vec3 surface_normal() {
   vec3 n = normalize(v_normal);
   if (!gl_FrontFacing) n = -n;
 #ifdef NEED_NORMAL_MAP
+  vec3 texel = texture(u_normal_map, map_uv(2)).xyz * 2.0 - 1.0;
+  texel.xy *= u_factors.z;
+  if (texel.xy == vec2(0.0)) return n;  // says nothing: not even a rounding of n
   vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
   vec3 b = cross(n, t) * v_tangent.w;
-  vec3 texel = texture(u_normal_map, map_uv(2)).xyz * 2.0 - 1.0;
-  vec3 mapped = texel.x * u_factors.z * t + texel.y * u_factors.z * b + texel.z * n;
+  vec3 mapped = texel.x * t + texel.y * b + texel.z * n;
   float l = length(mapped);
   if (l > 1e-6) n = mapped / l;
 #endif
@@ -80,7 +86,7 @@ void main() {
 #endif
   vec4 base = u_base_color;
 #ifdef NEED_VERTEX_COLOR
-  base *= v_color;
+  base *= 1.0 - v_shade;
 #endif
 #ifdef NEED_BASE_COLOR_MAP
   base *= texture(u_base_color_map, map_uv(0), u_mip_bias);
@@ -89,7 +95,9 @@ void main() {
   if (base.a < u_alpha_cutoff) discard;
 #endif
 #ifndef DEPTH_ONLY
-#ifndef NEED_BLEND
+#ifdef SWITCHES
+  if (u_switches.y > 0.5) base.a = 1.0;
+#elif !defined(NEED_BLEND)
   base.a = 1.0;
 #endif
 #ifdef NEED_LIGHTING
@@ -109,10 +117,11 @@ void main() {
   s.occlusion = 1.0 + u_factors.w * (texture(u_occlusion_map, map_uv(3)).r - 1.0);
 #endif
 #ifdef WRITE_SURFACE
-  // Shaded where it is drawn: relight.glsl.
-  vec3 color = s.albedo;
   o_normal = vec4(s.normal, 1.0);
   o_material = vec4(s.metallic, s.roughness, s.occlusion, 1.0);
+#endif
+#if defined(WRITE_SURFACE) && !defined(SWITCHES)
+  vec3 color = s.albedo;  // shaded where it is drawn: relight.glsl
 #else
 #ifdef SHADOW
   s.sun = sun_visibility(v_position, gl_FrontFacing ? normalize(v_normal) : -normalize(v_normal));
@@ -127,6 +136,9 @@ void main() {
   emissive *= texture(u_emissive_map, map_uv(4)).rgb;
 #endif
   color += emissive;
+#ifdef SWITCHES
+  if (u_switches.x > 0.5) color = base.rgb;
+#endif
 #endif
 #else
   vec3 color = base.rgb;

@@ -22,7 +22,7 @@ out vec3 v_normal;
 out vec4 v_tangent;
 out vec2 v_uv0;
 out vec2 v_uv1;
-out vec4 v_color;
+out vec4 v_shade;
 flat out uint v_id;
 
 #include "common/rotation.glsl"
@@ -36,7 +36,7 @@ void main() {
   v_tangent = vec4(rotate(i_rotation, a_tangent.xyz), a_tangent.w);
   v_uv0 = a_uv0;
   v_uv1 = a_uv1;
-  v_color = a_color;
+  v_shade = 1.0 - a_color;
   v_id = i_id;
   gl_PointSize = u_point_size;
   gl_Position = u_clip_from_relative * vec4(v_position, 1.0);

@@ -83,4 +83,9 @@ void main() {
   o_color = vec4(code > 0.0 ? 1.0 : 0.0);
 #endif
   o_depth = vec4(code / 255.0);
+#ifdef FINE_DEPTH
+  // All that the depth buffer holds of it, for proofs; 0 where nothing is.
+  uint fine = code > 0.0 ? 1u + uint(clamp(d, 0.0, 1.0) * 16777213.0 + 0.5) : 0u;
+  o_depth.rgb = vec3(fine >> 16u, (fine >> 8u) & 255u, fine & 255u) / 255.0;
+#endif
 }

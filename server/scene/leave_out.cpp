@@ -1,0 +1,234 @@
+#include "server/scene/leave_out.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+namespace mirage {
+namespace {
+
+// Least and greatest value of each channel over all texels.
+struct Range4 {
+  std::array<std::uint8_t, 4> low{255, 255, 255, 255}, high{0, 0, 0, 0};
+  bool always(std::size_t channel, std::uint8_t value) const {
+    return low[channel] == value && high[channel] == value;
+  }
+  bool white() const { return always(0, 255) && always(1, 255) && always(2, 255); }
+  bool black() const { return always(0, 0) && always(1, 0) && always(2, 0); }
+};
+
+Range4 range_of(const Image& image) {
+  Range4 out;
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) {
+    out.low[i % 4] = std::min(out.low[i % 4], image.rgba[i]);
+    out.high[i % 4] = std::max(out.high[i % 4], image.rgba[i]);
+  }
+  return out;
+}
+
+class MaterialAnalysis {
+ public:
+  explicit MaterialAnalysis(Scene& scene) : scene_(scene), ranges_(scene.images.size()) {
+    vertex_alpha_.assign(scene.materials.size(), true);
+    for (const SceneObject& object : scene.objects) {
+      const auto& vertices = object.mesh.vertices;
+      const bool solid = std::all_of(vertices.begin(), vertices.end(),
+                                     [](const Vertex& v) { return v.color.a == 65535; });
+      for (const Primitive& p : object.mesh.primitives) {
+        if (!solid) vertex_alpha_[p.material] = false;
+      }
+    }
+  }
+
+  std::vector<LeftOut> apply(std::size_t index) {
+    Material& m = scene_.materials[index];
+    out_.clear();
+    if (m.unlit) drop_maps_of_unlit(m);
+    check_alpha(m, vertex_alpha_[index]);
+    if (m.base_color_map.present() && range(m.base_color_map).white() && alpha_is_one(m)) {
+      drop(m.base_color_map, NeedRule::kSolidColor, "base colour map", "white in every texel");
+    }
+    check_surface_maps(m);
+    check_emission(m);
+    reset_unread_factors(m);
+    return out_;
+  }
+
+ private:
+  const Range4& range(const TextureRef& map) {
+    std::optional<Range4>& known = ranges_[static_cast<std::size_t>(map.image)];
+    if (!known) known = range_of(scene_.images[static_cast<std::size_t>(map.image)]);
+    return *known;
+  }
+  bool alpha_is_one(const Material& m) {
+    return !m.base_color_map.present() || range(m.base_color_map).always(3, 255);
+  }
+  void note(NeedRule rule, std::string what, std::string why) {
+    out_.push_back({rule, std::move(what), std::move(why)});
+  }
+  void drop(TextureRef& map, NeedRule rule, const char* what, const char* why) {
+    note(rule, what, why);
+    map = {};
+  }
+
+  void drop_maps_of_unlit(Material& m) {
+    constexpr const char* kWhy = "the material is unlit";
+    const auto gone = [&](TextureRef& map, const char* what) {
+      if (map.present()) drop(map, NeedRule::kLighting, what, kWhy);
+    };
+    gone(m.metal_rough_map, "metal-rough map");
+    gone(m.normal_map, "normal map");
+    gone(m.occlusion_map, "occlusion map");
+    gone(m.emissive_map, "emissive map");
+    m.emissive = glm::vec3(0);
+  }
+
+  void check_alpha(Material& m, bool vertices_solid) {
+    if (m.alpha_mode == AlphaMode::kOpaque || !vertices_solid || !alpha_is_one(m)) return;
+    const bool blend = m.alpha_mode == AlphaMode::kBlend;
+    if (blend ? m.base_color.a != 1.0f : m.base_color.a < m.alpha_cutoff) return;
+    note(NeedRule::kBlending, blend ? "blending" : "alpha test",
+         blend ? "every alpha is 1" : "no alpha is below the cutoff");
+    m.alpha_mode = AlphaMode::kOpaque;
+  }
+
+  void check_surface_maps(Material& m) {
+    if (m.metal_rough_map.present()) {
+      const Range4& r = range(m.metal_rough_map);
+      const bool rough = m.roughness == 0 || r.always(1, 255);
+      const bool metal = m.metallic == 0 || r.always(2, 255);
+      if (rough && metal) {
+        drop(m.metal_rough_map, NeedRule::kMaps, "metal-rough map",
+             "1 in every texel, or its factor is 0");
+      }
+    }
+    if (m.normal_map.present() && m.normal_scale == 0) {
+      drop(m.normal_map, NeedRule::kMaps, "normal map", "its scale is 0");
+    }
+    if (m.occlusion_map.present() &&
+        (m.occlusion_strength == 0 || range(m.occlusion_map).always(0, 255))) {
+      drop(m.occlusion_map, NeedRule::kMaps, "occlusion map",
+           m.occlusion_strength == 0 ? "its strength is 0" : "1 in every texel");
+    }
+  }
+
+  void check_emission(Material& m) {
+    if (!m.emissive_map.present()) return;
+    const Range4& r = range(m.emissive_map);
+    if (m.emissive == glm::vec3(0)) {
+      drop(m.emissive_map, NeedRule::kEmission, "emissive map", "its factor is 0");
+    } else if (r.black()) {
+      drop(m.emissive_map, NeedRule::kEmission, "emission", "black in every texel");
+      m.emissive = glm::vec3(0);
+    } else if (r.white()) {
+      drop(m.emissive_map, NeedRule::kEmission, "emissive map", "white in every texel");
+    }
+  }
+
+  // They are in the revision and in every byte of geometry.
+  void reset_unread_factors(Material& m) {
+    const Material plain;
+    if (!m.normal_map.present()) m.normal_scale = plain.normal_scale;
+    if (!m.occlusion_map.present()) m.occlusion_strength = plain.occlusion_strength;
+    if (m.alpha_mode != AlphaMode::kMask) m.alpha_cutoff = plain.alpha_cutoff;
+    if (m.alpha_mode == AlphaMode::kOpaque) m.base_color.a = plain.base_color.a;
+    if (!m.unlit) return;
+    m.metallic = plain.metallic;
+    m.roughness = plain.roughness;
+  }
+
+  Scene& scene_;
+  std::vector<std::optional<Range4>> ranges_;
+  std::vector<bool> vertex_alpha_;  ///< by material: 1 on every vertex drawn with it
+  std::vector<LeftOut> out_;
+};
+
+// What the materials of a mesh read of its vertices.
+struct Reads {
+  bool uv0 = false, uv1 = false, tangent = false, normal = false;
+};
+
+Reads reads_of(const Mesh& mesh, const std::vector<Material>& materials) {
+  Reads out;
+  for (const Primitive& p : mesh.primitives) {
+    const Material& m = materials[p.material];
+    out.normal = out.normal || !m.unlit;
+    out.tangent = out.tangent || m.normal_map.present();
+    for (const TextureRef* t : {&m.base_color_map, &m.metal_rough_map, &m.normal_map,
+                                &m.occlusion_map, &m.emissive_map}) {
+      if (t->present()) (t->uv_set == 1 ? out.uv1 : out.uv0) = true;
+    }
+  }
+  return out;
+}
+
+// Attributes that are not read become what a vertex has by default: equal vertices then are equal,
+// and so are the revision and every key.
+template <typename Member>
+void reset_attribute(Mesh& mesh, Member Vertex::*member, const char* what, const char* why,
+                     std::vector<LeftOut>& out) {
+  const Member plain = Vertex().*member;
+  bool had = false;
+  for (Vertex& v : mesh.vertices) {
+    had = had || v.*member != plain;
+    v.*member = plain;
+  }
+  if (had) out.push_back({NeedRule::kAttributes, what, why});
+}
+
+std::vector<LeftOut> reset_unread(SceneObject& object, const std::vector<Material>& materials) {
+  std::vector<LeftOut> out;
+  const Reads reads = reads_of(object.mesh, materials);
+  Mesh& mesh = object.mesh;
+  if (!reads.uv0) {
+    reset_attribute(mesh, &Vertex::uv0, "first texture coordinates", "no map reads them", out);
+  }
+  if (!reads.uv1) {
+    reset_attribute(mesh, &Vertex::uv1, "second texture coordinates", "no map reads them", out);
+  }
+  if (!reads.tangent) {
+    reset_attribute(mesh, &Vertex::tangent, "tangents", "there is no normal map", out);
+  }
+  if (!reads.normal) reset_attribute(mesh, &Vertex::normal, "normals", "all is unlit", out);
+  return out;
+}
+
+void drop_unused_images(Scene& scene) {
+  std::vector<std::int32_t> place(scene.images.size(), -1);
+  const auto each_map = [&](const auto& visit) {
+    for (Material& m : scene.materials) {
+      for (TextureRef* t : {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map,
+                            &m.emissive_map}) {
+        if (t->present()) visit(*t);
+      }
+    }
+  };
+  each_map([&](TextureRef& map) { place[static_cast<std::size_t>(map.image)] = 0; });
+  std::int32_t next = 0;
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    if (place[i] < 0) continue;
+    if (static_cast<std::size_t>(next) != i) {
+      scene.images[static_cast<std::size_t>(next)] = std::move(scene.images[i]);
+    }
+    place[i] = next++;
+  }
+  scene.images.resize(static_cast<std::size_t>(next));
+  each_map([&](TextureRef& map) { map.image = place[static_cast<std::size_t>(map.image)]; });
+}
+
+}  // namespace
+
+LeftOutOfScene leave_out_unneeded(Scene& scene) {
+  LeftOutOfScene out;
+  MaterialAnalysis analysis(scene);
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    out.materials.push_back(analysis.apply(i));
+  }
+  for (SceneObject& object : scene.objects) {
+    out.objects.push_back(reset_unread(object, scene.materials));
+  }
+  drop_unused_images(scene);
+  return out;
+}
+
+}  // namespace mirage

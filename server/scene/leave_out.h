@@ -1,0 +1,32 @@
+#pragma once
+// Takes out of a scene what no pixel depends on (NUMERICS section 5), before anything is made from
+// it: what is gone here is in no shader variant, no key, no byte of geometry and no client.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "protocol/need_rules.h"
+#include "server/scene/scene.h"
+
+namespace mirage {
+
+/// Something left out, and the fact it rests on.
+struct LeftOut {
+  NeedRule rule = NeedRule::kBlending;
+  std::string what;
+  std::string why;
+};
+
+/// By material and by object of the scene.
+struct LeftOutOfScene {
+  std::vector<std::vector<LeftOut>> materials;
+  std::vector<std::vector<LeftOut>> objects;
+};
+
+/// Maps that are neutral in every texel, alpha that is 1 everywhere, vertex attributes that no
+/// material reads, and images that nothing uses any more. Exact: no pixel changes. A texture that
+/// is nearly white is not white.
+LeftOutOfScene leave_out_unneeded(Scene& scene);
+
+}  // namespace mirage

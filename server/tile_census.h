@@ -1,0 +1,44 @@
+#pragma once
+// Counts what rules of need analysis that are not kept would find on the tiles that are drawn:
+// their figures are measured in every proof, not remembered.
+
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "protocol/need_rules.h"
+#include "server/render/tile_shot.h"
+
+namespace mirage {
+
+/// What a rule that is not kept would save here.
+struct DroppedFigure {
+  NeedRule rule = NeedRule::kMaskBits;
+  std::string measured;
+  double saved_bytes = 0;  ///< per tile, mean; 0 where it is not bytes
+};
+
+class TileCensus {
+ public:
+  /// A lit tile as the product draws it, and what encoding it took; the first of each key counts.
+  void add(const TileShot& shot, const TileJob& job, const ObjectDescription& object,
+           const TileCost& cost);
+  void add_object(const SceneObject& object, const std::vector<Material>& materials);
+  std::vector<DroppedFigure> figures() const;
+
+ private:
+  std::size_t tiles_ = 0;  ///< not empty
+  std::size_t opaque_ = 0, two_alphas_ = 0, gray_ = 0, solid_ = 0, twins_ = 0;
+  std::size_t texels_ = 0, outside_octagon_ = 0, flat_ = 0;
+  std::size_t objects_ = 0, double_sided_solids_ = 0;
+  double bytes_ = 0, mask_bytes_ = 0, alpha_bytes_ = 0, depth_bytes_ = 0;
+  double draw_ms_ = 0, encode_ms_ = 0;
+  std::set<std::tuple<std::uint32_t, std::uint64_t>> pictures_;  ///< object, content
+  /// Object, cell, size, light: lighting states that differ in nothing that reaches the object have
+  /// one key.
+  std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint8_t, std::uint64_t>> keys_;
+};
+
+}  // namespace mirage
