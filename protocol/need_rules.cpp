@@ -14,14 +14,15 @@ const std::array<NeedRuleInfo, kNeedRules>& need_rules() {
        "NeedsProof.NeutralFeaturesChangeNoComponent", "knot 1.05 x time"},
       {NeedRule::kMaskBits, "mask bits", "a tile's alpha is 0 or 255 everywhere", "8-bit alpha",
        kDropped, "", "census of every proof",
-       "0 of 276 tiles of forest, knot, city, Delft and unlit; 6 of 90 of clutter, where a "
-       "bit a texel is 13 bytes more than what zstd makes of it"},
+       "4 of 60 tiles of clutter, where a bit a texel is 14 bytes a tile more than what zstd "
+       "makes of it; none of knot, city, Delft, forest, unlit"},
       {NeedRule::kAlpha, "alpha", "alpha is 255 in the whole crop", "the alpha plane", kDropped, "",
        "census of every proof",
-       "0 of 366 tiles: a crop keeps a margin of empty texels for the filter"},
+       "no tile of forest, knot, clutter, city, Delft, unlit: a crop keeps a margin of empty "
+       "texels for the filter"},
       {NeedRule::kDepth, "depth", "the bound without depth is met over the cell", "the depth plane",
        kDropped, "", "census of every proof",
-       "12 to 65 % of a tile, but never unread: every impostor writes it, to hide and be "
+       "10 to 64 % of a tile, but never unread: every impostor writes it, to hide and be "
        "hidden rightly"},
       {NeedRule::kDepthBits, "depth bits", "a step of 1/254 of the range is within the bound",
        "16 of 24 depth bits", kApplied, "protocol/tile.h",
@@ -37,7 +38,7 @@ const std::array<NeedRuleInfo, kNeedRules>& need_rules() {
       {NeedRule::kSolidColor, "solid colour", "no base colour map, or white in every texel",
        "the map; one texel for a tile is left to zstd", kApplied, "server/scene/leave_out.cpp",
        "NeedsProof, Needs.NeutralElementsChangeNoByteAndNoKey",
-       "knot 1.06 x time, unlit 1.10 x; 0 of 366 tiles have one colour"},
+       "knot 1.06 x time, unlit 1.10 x; no tile of six scenes has one colour"},
       {NeedRule::kCrop, "crop", "the box of what is not empty",
        "texels around it, on the wire and in the atlas", kApplied, "server/tile_measure.cpp",
        "rows of every proof",
@@ -78,7 +79,8 @@ const std::array<NeedRuleInfo, kNeedRules>& need_rules() {
        "for it; tiles are per view for their shape anyway"},
       {NeedRule::kSymmetry, "symmetry", "equal tiles by hash", "their bytes", kDropped, "",
        "census of every proof",
-       "0 equal tiles of one object and light in forest, knot, city, clutter, Delft"},
+       "8 of 24 tiles of the unlit cubes, of 585 bytes each; none of knot, city, clutter, "
+       "Delft"},
       {NeedRule::kShadows, "shadows", "not asked for, no caster, no sun",
        "shadow pass, shadow tiles, shader variants", kApplied,
        "server/main.cpp, server/session.cpp", "ShadowsEndToEnd.ExplainSaysWhyThereAreNone",
@@ -113,17 +115,17 @@ const std::array<NeedRuleInfo, kNeedRules>& need_rules() {
        "nothing to gain; a fade of nothing is not exact either"},
       {NeedRule::kCodec, "codec", "loopback, small bytes", "encode, decode", kDropped, "",
        "census of every proof",
-       "encoding with cutting and measuring is 8 % of a tile's time in the forest, 17 to 35 "
-       "% of city, clutter, knot and Delft, most of it the measuring; --codec raw is there "
-       "for who wants it"},
+       "encoding with cutting and measuring is 8 % of a tile's time in the forest, 16 to 39 "
+       "% in city, knot, clutter and Delft, and a raw tile is measured as well; --codec raw "
+       "is there for who wants it"},
       {NeedRule::kMips, "mips", "a tile is asked for at 0.7 to 1.4 texels a pixel",
        "its mip levels", kApplied, "client/core/impostor_atlas.cpp", "CoreSelector",
        "a third of the atlas"},
       {NeedRule::kAntiAliasing, "anti-aliasing", "all samples of a texel equal", "samples",
        kDropped, "", "census of every proof",
-       "flat texels are 0.3 % of the forest, 6 to 8 % of city, clutter and Delft; where they "
-       "are many (knot 36 %, unlit 74 %) shading is cheap, and finding them takes a pass of "
-       "its own"},
+       "flat texels are 0.3 % of the forest, 4 to 5 % of city and clutter; where they are "
+       "many (knot 23 %, Delft 27 %, unlit 74 %) shading is cheap, and finding them takes a "
+       "pass of its own"},
   }};
   return kRules;
 }
