@@ -130,6 +130,10 @@ std::vector<LeftOut> left_out_of_scene(const PreparedScene& scene, bool shadows)
                    : scene.has_casters() ? "the scene's light has no sun"
                                          : "nothing casts any"});
   }
+  if (const std::size_t equal = scene.left_out.equal_objects; equal > 0) {
+    out.push_back({NeedRule::kInstances, fmt::format("{} objects", equal),
+                   "they are others over again, to the last vertex"});
+  }
   std::size_t shared = 0;
   std::map<std::uint32_t, std::size_t> seen;
   for (const Instance& instance : scene.scene.instances) shared += seen[instance.object]++ > 0;

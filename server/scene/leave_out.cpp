@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 
 namespace mirage {
@@ -193,6 +194,47 @@ std::vector<LeftOut> reset_unread(SceneObject& object, const std::vector<Materia
   return out;
 }
 
+bool same_mesh(const Mesh& a, const Mesh& b) {
+  const auto same_primitive = [](const Primitive& p, const Primitive& q) {
+    return p.kind == q.kind && p.first_index == q.first_index && p.index_count == q.index_count &&
+           p.material == q.material;
+  };
+  const auto same_vertex = [](const Vertex& v, const Vertex& w) {
+    return v.position == w.position && v.normal == w.normal && v.tangent == w.tangent &&
+           v.uv0 == w.uv0 && v.uv1 == w.uv1 && v.color == w.color;
+  };
+  return a.indices == b.indices &&
+         std::equal(a.primitives.begin(), a.primitives.end(), b.primitives.begin(),
+                    b.primitives.end(), same_primitive) &&
+         std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(), b.vertices.end(),
+                    same_vertex);
+}
+
+// Instances of an object that equals an earlier one become that one's: equal tiles get equal keys.
+std::size_t merge_equal_objects(Scene& scene) {
+  std::multimap<std::pair<std::size_t, std::size_t>, std::uint32_t> kept;  // by size
+  std::vector<std::uint32_t> place;
+  std::vector<SceneObject> objects;
+  for (SceneObject& object : scene.objects) {
+    const std::pair size(object.mesh.vertices.size(), object.mesh.indices.size());
+    const auto [first, last] = kept.equal_range(size);
+    const auto same = std::find_if(first, last, [&](const auto& one) {
+      const SceneObject& other = objects[one.second];
+      return !object.animation && !other.animation && same_mesh(other.mesh, object.mesh);
+    });
+    if (same != last) {
+      place.push_back(same->second);
+      continue;
+    }
+    place.push_back(static_cast<std::uint32_t>(objects.size()));
+    kept.emplace(size, place.back());
+    objects.push_back(std::move(object));
+  }
+  for (Instance& instance : scene.instances) instance.object = place[instance.object];
+  scene.objects = std::move(objects);
+  return place.size() - scene.objects.size();
+}
+
 void drop_unused_images(Scene& scene) {
   std::vector<std::int32_t> place(scene.images.size(), -1);
   const auto each_map = [&](const auto& visit) {
@@ -220,6 +262,7 @@ void drop_unused_images(Scene& scene) {
 
 LeftOutOfScene leave_out_unneeded(Scene& scene) {
   LeftOutOfScene out;
+  out.equal_objects = merge_equal_objects(scene);
   MaterialAnalysis analysis(scene);
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     out.materials.push_back(analysis.apply(i));

@@ -22,10 +22,11 @@ struct LeftOut {
 struct LeftOutOfScene {
   std::vector<std::vector<LeftOut>> materials;
   std::vector<std::vector<LeftOut>> objects;
+  std::size_t equal_objects = 0;  ///< objects that were another one over again
 };
 
 /// Maps that are neutral in every texel, alpha that is 1 everywhere, vertex attributes that no
-/// material reads, and images that nothing uses any more. Exact: no pixel changes. A texture that
+/// material reads, images that nothing uses any more, and objects that equal an earlier one. Exact: no pixel changes. A texture that
 /// is nearly white is not white.
 LeftOutOfScene leave_out_unneeded(Scene& scene);
 

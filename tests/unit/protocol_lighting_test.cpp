@@ -31,7 +31,7 @@ Lighting some_lights() {
   spot.kind = LightKind::kSpot;
   spot.color = {3, 3, 3};
   spot.position = {-2, 1, 0.5};
-  spot.direction = {0.36f, -0.48f, 0.8f};
+  spot.direction = {0.8f, -0.48f, 0.36f};  // a cone that misses is no light at all
   spot.cos_inner = 0.9f;
   spot.cos_outer = 0.7f;
   lighting.lights = {sun, lamp, spot};

@@ -1,7 +1,10 @@
 // What is found to be neutral, texel by texel, and what only looks so; the table of the rules.
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
 #include <set>
+#include <string>
 
 #include "server/left_out.h"
 #include "tests/gl/need_scenes.h"
@@ -38,6 +41,37 @@ TEST(ServerLeaveOut, TheTableHasEveryRuleOnceAndSaysWhatBecameOfIt) {
   }
   EXPECT_EQ(number, 28);
   EXPECT_EQ(names.size(), kNeedRules);
+}
+
+TEST(ServerLeaveOut, TheDocumentIsTheTable) {
+  std::ifstream file(MIRAGE_SOURCE_DIR "/docs/NEEDS.md");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  for (const NeedRuleInfo& r : need_rules()) {
+    std::string row = "| " + std::to_string(static_cast<int>(r.rule)) + " ";
+    const std::string_view state = r.state == RuleState::kApplied ? "applied" : "dropped";
+    const std::string_view where = r.where.empty() ? "–" : r.where;
+    for (const std::string_view cell :
+         {r.name, r.detection, r.left_out, state, where, r.proof, r.saving}) {
+      row += "| " + std::string(cell) + " ";
+    }
+    EXPECT_NE(text.find(row + "|\n"), std::string::npos) << row;
+  }
+}
+
+TEST(ServerLeaveOut, EqualObjectsAreOne) {
+  const Change again = [](Scene& s) {
+    s.objects.push_back(s.objects[0]);
+    s.objects.push_back(s.objects[0]);
+    s.objects[2].mesh.vertices[7].position.x += 1e-6f;
+    s.instances.resize(3);
+    s.instances[1].object = 1;
+    s.instances[2].object = 2;
+  };
+  const auto scene = prepared({again});
+  EXPECT_EQ(scene->left_out.equal_objects, 1u);
+  ASSERT_EQ(scene->scene.objects.size(), 2u);
+  EXPECT_EQ(scene->scene.instances[1].object, 0u);
+  EXPECT_EQ(scene->scene.instances[2].object, 1u) << "one vertex is another";
 }
 
 TEST(ServerLeaveOut, NeutralIsFound) {
