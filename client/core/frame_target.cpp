@@ -28,7 +28,7 @@ Result<FrameTarget> FrameTarget::create(int width, int height, int samples) {
   t.draw_ = gl::Framebuffer::create();
   glBindFramebuffer(GL_FRAMEBUFFER, t.draw_.id());
   t.color_ = storage(GL_SRGB8_ALPHA8, GL_COLOR_ATTACHMENT0, width, height, t.samples_);
-  t.depth_ = storage(GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT, width, height, t.samples_);
+  t.depth_ = storage(GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, width, height, t.samples_);
   const bool draw_ok = complete();
   t.resolved_ = gl::Framebuffer::create();
   glBindFramebuffer(GL_FRAMEBUFFER, t.resolved_.id());

@@ -351,8 +351,12 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec)
   Result<Scene> loaded =
       builtin ? build_builtin_scene(spec.substr(std::string(kBuiltin).size())) : import_gltf(spec);
   if (!loaded) return loaded.error();
+  return prepare_scene(loaded.take(), spec);
+}
+
+Result<std::shared_ptr<const PreparedScene>> prepare_scene(Scene scene, const std::string& spec) {
   auto prepared = std::make_shared<PreparedScene>();
-  prepared->scene = loaded.take();
+  prepared->scene = std::move(scene);
   if (Result<void> checked = check_limits(prepared->scene); !checked) return checked.error();
   cap_lights(prepared->scene);
   Result<Lighting> lighting = checked_lighting(prepared->scene.lighting);

@@ -54,6 +54,9 @@ struct PreparedScene {
 /// kSceneLimit when it exceeds limits.h.
 Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec);
 
+/// The same from a scene that is there already; `spec` names it in errors.
+Result<std::shared_ptr<const PreparedScene>> prepare_scene(Scene scene, const std::string& spec);
+
 /// Bounds, hull, mean colour and needs of one object.
 ObjectDescription describe_object(const SceneObject& object, const Scene& scene);
 

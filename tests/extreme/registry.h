@@ -10,7 +10,11 @@
 
 namespace mirage::extreme {
 
-std::vector<Case> view_cases();  ///< V
+std::vector<Case> geometry_cases();  ///< G
+std::vector<Case> view_cases();      ///< V
+std::vector<Case> lighting_cases();  ///< L
+std::vector<Case> alpha_cases();     ///< A
+std::vector<Case> depth_cases();     ///< D
 
 /// Every case in the order of NUMERICS.
 std::vector<Case> all_cases();

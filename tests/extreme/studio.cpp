@@ -22,8 +22,16 @@ constexpr int kAtlasLayers = 4;
 
 Result<std::unique_ptr<Studio>> Studio::create(const std::string& spec,
                                                const StudioOptions& options) {
+  return create(load_scene(spec), options);
+}
+
+Result<std::unique_ptr<Studio>> Studio::create(Scene scene, const StudioOptions& options) {
+  return create(prepare_scene(std::move(scene), "scene"), options);
+}
+
+Result<std::unique_ptr<Studio>> Studio::create(Result<std::shared_ptr<const PreparedScene>> loaded,
+                                               const StudioOptions& options) {
   auto studio = std::make_unique<Studio>();
-  Result<std::shared_ptr<const PreparedScene>> loaded = load_scene(spec);
   if (!loaded) return loaded.error();
   Result<gl::EglContext> egl = gl::EglContext::create("auto");
   if (!egl) return egl.error();
@@ -80,6 +88,7 @@ TileKey Studio::key_for(const Camera& camera, std::uint32_t instance, std::uint8
 }
 
 MadeTile Studio::make_tile(const TileKey& key, std::uint32_t instance, TileCodec codec) {
+  make_current();
   const ObjectDescription& object = prepared_->objects[key.object];
   TileJob job;
   job.key = key;
@@ -110,6 +119,7 @@ MadeTile Studio::make_tile(const TileKey& key, std::uint32_t instance, TileCodec
 }
 
 TileRecordPtr Studio::hold(const MadeTile& made, std::uint32_t instance) {
+  make_current();
   const TilePixels pixels{made.tile.rgba, made.tile.surface};
   cache_->relight(light_, 0);
   TileRecordPtr record = cache_->insert(instance, scene_, made.capture, made.tile, ++frame_, 0);
@@ -118,6 +128,7 @@ TileRecordPtr Studio::hold(const MadeTile& made, std::uint32_t instance) {
 }
 
 Pixels Studio::draw(const Camera& camera, const DrawList& list) {
+  make_current();
   const int w = static_cast<int>(camera.width), h = static_cast<int>(camera.height);
   if (!target_ || target_->width() != w || target_->height() != h) {
     Result<FrameTarget> made = FrameTarget::create(w, h, options_.msaa);
@@ -145,6 +156,7 @@ Pixels Studio::impostors(const Camera& camera, DrawMethod method, std::uint8_t c
 }
 
 Pixels Studio::meshes(const Camera& camera) {
+  make_current();
   const Scene& own = prepared_->scene;
   for (std::uint32_t i = 0; i < own.objects.size(); ++i) {
     const Bytes bytes = encode_model(object_model(own, own.objects[i].mesh));
@@ -161,6 +173,7 @@ Pixels Studio::meshes(const Camera& camera) {
 }
 
 ReferenceFrame Studio::truth(const Camera& camera, std::uint32_t samples) {
+  make_current();
   ReferenceJob job;
   job.camera = camera;
   job.supersample = samples;
@@ -198,9 +211,9 @@ int not_finite(const wire::TileReplyT& h) {
   return bad;
 }
 
-std::size_t covered(const Pixels& rgba) {
+std::size_t covered(const Pixels& rgba, int alpha) {
   std::size_t n = 0;
-  for (std::size_t i = 3; i < rgba.size(); i += 4) n += rgba[i] >= 128 ? 1 : 0;
+  for (std::size_t i = 3; i < rgba.size(); i += 4) n += rgba[i] >= alpha ? 1 : 0;
   return n;
 }
 

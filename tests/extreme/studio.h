@@ -36,6 +36,8 @@ class Studio {
   /// Loads `spec` as the server does. Errors: those of load_scene, kGraphics….
   static Result<std::unique_ptr<Studio>> create(const std::string& spec,
                                                 const StudioOptions& options = {});
+  /// The same of a scene that no file could hold.
+  static Result<std::unique_ptr<Studio>> create(Scene scene, const StudioOptions& options = {});
 
   const PreparedScene& prepared() const { return *prepared_; }
   const SceneView& scene() const { return scene_; }
@@ -64,7 +66,17 @@ class Studio {
   Pixels meshes(const Camera& camera);
   ReferenceFrame truth(const Camera& camera, std::uint32_t samples = 2);
 
+  /// Draw calls of the last picture, the sky's included.
+  int draw_calls() const { return renderer_->draw_calls(); }
+  /// To draw with the scene's own meshes; the context is current.
+  const GpuScene& gpu() const { return *gpu_; }
+  /// Several studios may live at once: the one to draw with.
+  void make_current() { egl_.make_current(); }
+
  private:
+  static Result<std::unique_ptr<Studio>> create(
+      Result<std::shared_ptr<const PreparedScene>> prepared, const StudioOptions& options);
+
   gl::EglContext egl_;
   std::shared_ptr<const PreparedScene> prepared_;
   SceneView scene_;
@@ -84,7 +96,7 @@ class Studio {
 int largest_difference(const Pixels& a, const Pixels& b);
 /// Number of floats of a tile's header that are NaN or infinite.
 int not_finite(const wire::TileReplyT& header);
-/// Pixels with alpha >= 128.
-std::size_t covered(const Pixels& rgba);
+/// Pixels with an alpha of at least `alpha`.
+std::size_t covered(const Pixels& rgba, int alpha = 128);
 
 }  // namespace mirage::extreme
