@@ -11,7 +11,8 @@ namespace mirage {
 void Camera::fit_depth_range(const glm::dvec3& scene_center, double scene_radius) {
   const double reach = glm::length(scene_center - pose.eye) + scene_radius;
   far_m = (reach > 0 ? reach : 1e-6) * 1.01;
-  near_m = far_m * 2e-13;
+  // Not below what float holds, however small the scene is.
+  near_m = std::max(far_m * 2e-13, std::min(far_m * 2e-4, 1e-36));
 }
 
 double Camera::focal_px() const { return 0.5 * height / std::tan(0.5 * fov_y); }

@@ -40,7 +40,7 @@ class Viewer {
   Result<void> one_frame(std::int64_t frame);
   Result<void> compare(const Camera& camera, const DrawList& list);
   Result<void> finish();
-  Result<void> resize_if_needed();
+  Result<void> fit_target();
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
   std::string overlay_text(const DrawList& list, std::int64_t now) const;
@@ -58,6 +58,7 @@ class Viewer {
   std::optional<Window> window_;
   gl::EglContext egl_;
   std::optional<FrameTarget> target_;
+  bool blends_ = false;  ///< something of the scene is blended
   std::optional<FrameRenderer> renderer_;
   std::unique_ptr<NativeLink> native_;
   std::unique_ptr<ModelledLink> modelled_;
@@ -140,6 +141,7 @@ void Viewer::open_session() {
   sink.scene = [this](const SceneView& scene) {
     const Result<void> ready = renderer_->reset(scene);
     if (!ready) spdlog::warn("{}", ready.error().line());
+    blends_ = scene.blends();
   };
   Link& link = modelled_ ? static_cast<Link&>(*modelled_) : *native_;
   session_ = std::make_unique<ClientSession>(link, options, sink);
@@ -219,12 +221,12 @@ Pose Viewer::next_pose(std::int64_t now, double real_seconds) {
   return pose_;
 }
 
-Result<void> Viewer::resize_if_needed() {
-  if (!window_) return {};
-  int w = 0, h = 0;
-  window_->framebuffer_size(w, h);
-  if (w < 1 || h < 1 || (w == target_->width() && h == target_->height())) return {};
-  Result<FrameTarget> target = FrameTarget::create(w, h, o_.msaa);
+Result<void> Viewer::fit_target() {
+  int w = target_->width(), h = target_->height();
+  if (window_) window_->framebuffer_size(w, h);
+  const bool same = w == target_->width() && h == target_->height();
+  if (w < 1 || h < 1 || (same && blends_ == target_->blends())) return {};
+  Result<FrameTarget> target = FrameTarget::create(w, h, o_.msaa, blends_);
   if (!target) return target.error();
   target_.emplace(target.take());
   return {};
@@ -241,7 +243,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
     spdlog::warn("{}", link_was_up_ ? "server is back"
                                     : "server is gone: showing what is here, reconnecting");
   }
-  if (Result<void> resized = resize_if_needed(); !resized) return resized;
+  if (Result<void> resized = fit_target(); !resized) return resized;
   const SceneView& scene = session_->scene();
   const std::optional<Lighting> light =
       light_->at(static_cast<double>(now - start_us_) * 1e-6, scene.lighting);

@@ -110,7 +110,8 @@ Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
   meshes_->set_shadow(shadow_ ? shadow_->map_for(job.lighting) : nullptr, job.camera.pose.eye);
   const int w = static_cast<int>(job.camera.width), h = static_cast<int>(job.camera.height);
   const int s = static_cast<int>(job.supersample);
-  gl::RenderTarget big(w * s, h * s, {GL_SRGB8_ALPHA8, GL_R32UI}, GL_DEPTH_COMPONENT32F);
+  const GLenum color = scene_->prepared->blends() ? GL_RGBA16F : GL_SRGB8_ALPHA8;
+  gl::RenderTarget big(w * s, h * s, {color, GL_R32UI}, GL_DEPTH_COMPONENT32F);
   gl::RenderTarget out(w, h, {GL_SRGB8_ALPHA8, GL_R32F, GL_R32UI}, 0);
   if (!big.ok() || !out.ok()) {
     return make_error(ErrorId::kGraphicsGl, "reference frame is too large for this device");

@@ -97,7 +97,8 @@ int TilePageRenderer::samples(const TileJob& job) const {
 }
 
 bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
-  std::vector<GLenum> drawn = {GL_SRGB8_ALPHA8}, page = {GL_SRGB8_ALPHA8, GL_R8};
+  const GLenum color = scene_->prepared->blends() ? GL_RGBA16F : GL_SRGB8_ALPHA8;
+  std::vector<GLenum> drawn = {color}, page = {GL_SRGB8_ALPHA8, GL_R8};
   if (&path == &relit_) {
     drawn.insert(drawn.end(), {GL_RGBA16F, GL_RGBA8});
     page.push_back(GL_RGBA8);

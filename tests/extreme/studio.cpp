@@ -131,7 +131,7 @@ Pixels Studio::draw(const Camera& camera, const DrawList& list) {
   make_current();
   const int w = static_cast<int>(camera.width), h = static_cast<int>(camera.height);
   if (!target_ || target_->width() != w || target_->height() != h) {
-    Result<FrameTarget> made = FrameTarget::create(w, h, options_.msaa);
+    Result<FrameTarget> made = FrameTarget::create(w, h, options_.msaa, scene_.blends());
     if (!made) return {};
     target_ = made.take();
   }
