@@ -78,10 +78,13 @@ Outcome one_point(const Conditions&) {
     Camera camera = (*studio)->camera(0, {0, 0, 1}, 4, kSize);
     const MadeTile made = (*studio)->make_tile((*studio)->key_for(camera, 0, kLitTile), 0);
     checks.equal(name + "header values not finite", not_finite(made.header), 0);
-    const Pixels drawn = (*studio)->impostors(camera, DrawMethod::kDepth);
-    checks.at_most(name + "px touched", static_cast<double>(covered(drawn, 1)), 9);
+    checks.at_most(name + "px touched",
+                   static_cast<double>(covered((*studio)->impostors(camera, DrawMethod::kQuad), 1)),
+                   16);
     if (kind == PrimitiveKind::kPoints) {
-      checks.at_least(name + "px touched", static_cast<double>(covered(drawn, 1)), 1);
+      checks.at_least(name + "texels touched", static_cast<double>(shown(made.tile)), 1);
+      checks.at_least(name + "px touched in the truth",
+                      static_cast<double>(covered((*studio)->truth(camera).rgba, 1)), 1);
     }
   }
   return checks.outcome();

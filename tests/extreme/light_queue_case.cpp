@@ -28,7 +28,10 @@ Outcome light_every_frame(const Conditions& conditions) {
   test::Builder builder = document(dented_ball(12, 16));
   builder.doc["nodes"] = json::array();
   for (int i = 0; i < kBalls; ++i) {
-    builder.doc["nodes"].push_back({{"mesh", 0}, {"translation", {3.0 * i, 0, 0.5 * i}}});
+    // Each turned by its own angle: the light is another one in each one's space.
+    builder.doc["nodes"].push_back({{"mesh", 0},
+                                    {"translation", {3.0 * i, 0, 0.5 * i}},
+                                    {"rotation", {0, std::sin(0.4 * i), 0, std::cos(0.4 * i)}}});
   }
   std::ofstream script(conditions.folder + "/light");
   for (int i = 0; i < frames; ++i) {
