@@ -10,9 +10,9 @@ namespace mirage {
 
 void Camera::fit_depth_range(const glm::dvec3& scene_center, double scene_radius) {
   const double reach = glm::length(scene_center - pose.eye) + scene_radius;
-  far_m = std::max(reach, 1e-6) * 1.01;
-  // 1:5,000 keeps 24 bits of depth finer than a pixel of parallax at any distance that matters.
-  near_m = far_m * 2e-4;
+  far_m = (reach > 0 ? reach : 1e-6) * 1.01;
+  // Not below what float holds, however small the scene is.
+  near_m = std::max(far_m * 2e-13, std::min(far_m * 2e-4, 1e-36));
 }
 
 double Camera::focal_px() const { return 0.5 * height / std::tan(0.5 * fov_y); }
@@ -20,9 +20,24 @@ glm::dvec3 Camera::forward() const { return glm::dquat(pose.rotation) * glm::dve
 glm::dvec3 Camera::right() const { return glm::dquat(pose.rotation) * glm::dvec3(1, 0, 0); }
 glm::dvec3 Camera::up() const { return glm::dquat(pose.rotation) * glm::dvec3(0, 1, 0); }
 
-glm::mat4 Camera::clip_from_relative() const {
+double Camera::near_for(DepthMapping mapping) const {
+  // 1:5,000 keeps 24 bits of depth finer than a pixel of parallax at any distance that matters.
+  return mapping == DepthMapping::kReversed ? near_m : std::max(near_m, far_m * 2e-4);
+}
+
+glm::dvec2 Camera::window_depth(DepthMapping mapping) const {
+  const double n = near_for(mapping), f = far_m;
+  if (mapping == DepthMapping::kReversed) return {0.0, n};
+  return {f / (f - n), -f * n / (f - n)};
+}
+
+glm::mat4 Camera::clip_from_relative(DepthMapping mapping) const {
   const double aspect = static_cast<double>(width) / height;
-  const glm::dmat4 clip_from_view = glm::perspective(fov_y, aspect, near_m, far_m);
+  glm::dmat4 clip_from_view = glm::perspective(fov_y, aspect, near_for(mapping), far_m);
+  if (mapping == DepthMapping::kReversed) {
+    clip_from_view[2][2] = 0;
+    clip_from_view[3][2] = near_m;
+  }
   const glm::dmat4 view_from_relative =
       glm::transpose(glm::dmat4(glm::mat4_cast(glm::dquat(pose.rotation))));
   return glm::mat4(clip_from_view * view_from_relative);

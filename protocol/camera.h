@@ -13,6 +13,11 @@ struct Pose {
   glm::quat rotation{1, 0, 0, 0};  ///< world_from_camera; the camera looks along its -z
 };
 
+/// How eye depth z becomes window depth. Reversed: near / z, without a far end, whose rounding in a
+/// float is the same share of z everywhere (NUMERICS section 3); it takes glClipControl. Forward is
+/// what GLES has.
+enum class DepthMapping : std::uint8_t { kForward, kReversed };
+
 struct Camera {
   Pose pose;
   double fov_y = 1.0471975511965976;  ///< radians
@@ -21,14 +26,18 @@ struct Camera {
   double near_m = 0.05;
   double far_m = 4000;
 
-  /// Near and far around a scene's bounding sphere, the same on both ends.
+  /// Near and far around a scene's bounding sphere, the same on both ends: 5e12 apart.
   void fit_depth_range(const glm::dvec3& scene_center, double scene_radius);
   double focal_px() const;
   glm::dvec3 forward() const;
   glm::dvec3 right() const;
   glm::dvec3 up() const;
   /// clip_from_view * view_from_eye-relative world: multiply with (world - eye).
-  glm::mat4 clip_from_relative() const;
+  glm::mat4 clip_from_relative(DepthMapping mapping = DepthMapping::kForward) const;
+  /// Where the near plane is: forward depth cannot have it nearer than far / 5,000.
+  double near_for(DepthMapping mapping) const;
+  /// (x, y) so that window depth = x + y / eye depth.
+  glm::dvec2 window_depth(DepthMapping mapping) const;
   /// Pixel of a point given relative to the eye (y down, pixel centres at +0.5); depth in z.
   glm::dvec3 pixel_from_relative(const glm::dvec3& relative) const;
   /// Whether a sphere (relative to the eye) can touch the view frustum grown by `guard` radians.

@@ -107,8 +107,10 @@ double motion_bound_px(const ViewGeometry& view, double travel) {
   const double distance = glm::length(view.eye);
   const double near_surface = view.center_depth - view.radius;
   if (!(near_surface > 0) || !(distance > view.radius)) return kInfinity;
-  const double off_axis = std::acos(std::clamp(view.center_depth / distance, -1.0, 1.0)) +
-                          std::asin(view.radius / distance);
+  // Angles by atan2 of both sides: acos and asin lose half their digits near the axis and the rim.
+  const double aside = tangent_length(distance, std::clamp(view.center_depth, -distance, distance));
+  const double off_axis = std::atan2(aside, view.center_depth) +
+                          std::atan2(view.radius, tangent_length(distance, view.radius));
   const double cosine = std::cos(off_axis);
   const double bound = view.focal_px * travel / (near_surface * cosine);
   return cosine > 0 && bound >= 0 ? bound : kInfinity;

@@ -41,13 +41,15 @@ glm::vec3 from_octahedral(const glm::vec2& e) {
 std::array<std::uint16_t, 2> encode_direction(const glm::vec3& v) {
   const glm::vec2 exact = (octahedral(v) * 0.5f + 0.5f) * kSteps10;
   std::array<std::uint16_t, 2> best{};
-  float best_dot = -2;
+  float least = 9;
   for (int k = 0; k < 4; ++k) {
     const glm::vec2 code =
         glm::clamp(glm::floor(exact) + glm::vec2(k & 1, k >> 1), glm::vec2(0), glm::vec2(kSteps10));
-    const float d = glm::dot(from_octahedral(code / kSteps10 * 2.0f - 1.0f), v);
-    if (d <= best_dot) continue;
-    best_dot = d;
+    // By the difference: near 1 a float's cosine does not tell a thousandth of a radian.
+    const glm::vec3 off = from_octahedral(code / kSteps10 * 2.0f - 1.0f) - v;
+    const float off2 = glm::dot(off, off);
+    if (off2 >= least) continue;
+    least = off2;
     best = {static_cast<std::uint16_t>(code.x), static_cast<std::uint16_t>(code.y)};
   }
   return best;

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "protocol/animation.h"
 #include "protocol/stable_math.h"
 
 namespace mirage {
@@ -88,7 +89,7 @@ Pose CameraPath::walk(double seconds) const {
   const glm::dvec3 right(-forward.z, 0, forward.x);
   const double angle = seconds * home_.walk_speed_mps / home_.walk_radius_m;
   const double bob = 0.01 * home_.walk_speed_mps * std::sin(kTau * 1.8 * seconds);
-  const glm::dvec3 eye = home_.eye + right * (home_.walk_radius_m * (1.0 - std::cos(angle))) +
+  const glm::dvec3 eye = home_.eye + right * (home_.walk_radius_m * one_minus_cos(angle)) +
                          forward * (home_.walk_radius_m * std::sin(angle)) + glm::dvec3(0, bob, 0);
   const double pitch_y =
       (home_.target - home_.eye).y / std::max(glm::length(home_.target - home_.eye), 1e-9);
@@ -107,7 +108,7 @@ Pose CameraPath::trace(double seconds) const {
   const Key& b = *after;
   const double t = b.seconds > a.seconds ? (seconds - a.seconds) / (b.seconds - a.seconds) : 1.0;
   return {glm::mix(a.pose.eye, b.pose.eye, t),
-          glm::slerp(a.pose.rotation, b.pose.rotation, static_cast<float>(t))};
+          glm::quat(slerp_shortest(a.pose.rotation, b.pose.rotation, t))};
 }
 
 Pose CameraPath::at(double seconds) const {
@@ -128,8 +129,8 @@ Pose CameraPath::at(double seconds) const {
       const double turn = std::max(0.6 * radius_, 2.0 * home_.walk_radius_m);
       const double a = seconds * speed / turn;
       const glm::dvec3 eye = home_.eye + forward * (turn * std::sin(a)) +
-                             right * (turn * (1 - std::cos(a))) +
-                             glm::dvec3(0, 0.15 * radius_ * (1 - std::cos(a)), 0);
+                             right * (turn * one_minus_cos(a)) +
+                             glm::dvec3(0, 0.15 * radius_ * one_minus_cos(a), 0);
       return looking(eye, turned(forward, -a) - glm::dvec3(0, 0.15, 0));
     }
     case Kind::kShake: {

@@ -86,9 +86,10 @@ void FrameRenderer::pose(ClientMesh& mesh, const InstanceView& instance, double 
 }
 
 void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
-                                const Lighting& lighting, bool blended) {
+                                const Lighting& lighting, bool blended, DepthMapping mapping) {
   if (list.meshes.empty()) return;
-  mesh_pass_->begin(camera.clip_from_relative(), gl::light_block(lighting, camera.pose.eye));
+  mesh_pass_->begin(camera.clip_from_relative(mapping), gl::light_block(lighting, camera.pose.eye),
+                    mapping);
   mesh_pass_->set_shadow(list.casters && in_map_ ? &shadow_map_ : nullptr, camera.pose.eye);
   std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<gl::MeshInstance>> by_mesh;
   std::vector<std::pair<std::uint32_t, std::uint8_t>> order;
@@ -149,12 +150,13 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& camera, const 
   target.bind();
   glEnable(GL_FRAMEBUFFER_SRGB);
   glDepthMask(GL_TRUE);
+  const gl::ViewDepth view_depth;
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   sky_.draw(camera, scene.environment);
-  draw_meshes(camera, scene, list, lighting, false);
-  impostors_.draw(camera, scene, list, lighting, shadow_atlas_.texture());
-  draw_meshes(camera, scene, list, lighting, true);
+  draw_meshes(camera, scene, list, lighting, false, view_depth.mapping());
+  impostors_.draw(camera, view_depth.mapping(), scene, list, lighting, shadow_atlas_.texture());
+  draw_meshes(camera, scene, list, lighting, true, view_depth.mapping());
   draw_calls_ = 1 + impostors_.draw_calls() + mesh_pass_->draw_calls();
 }
 

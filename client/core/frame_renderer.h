@@ -54,7 +54,7 @@ class FrameRenderer {
   void pose(ClientMesh& mesh, const InstanceView& instance, double time_s);
   void draw_shadow_map(const SceneView& scene, const CasterListPtr& casters);
   void draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
-                   const Lighting& lighting, bool blended);
+                   const Lighting& lighting, bool blended, DepthMapping mapping);
 
   ImpostorPass impostors_;
   gl::SkyPass sky_;

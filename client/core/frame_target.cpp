@@ -18,26 +18,53 @@ bool complete() { return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUF
 
 }  // namespace
 
-Result<FrameTarget> FrameTarget::create(int width, int height, int samples) {
+Result<FrameTarget> FrameTarget::create(int width, int height, int samples, bool blends) {
   FrameTarget t;
   GLint most = 0;
   glGetIntegerv(GL_MAX_SAMPLES, &most);
   t.width_ = width;
   t.height_ = height;
   t.samples_ = std::min(samples, static_cast<int>(most));
-  t.draw_ = gl::Framebuffer::create();
-  glBindFramebuffer(GL_FRAMEBUFFER, t.draw_.id());
-  t.color_ = storage(GL_SRGB8_ALPHA8, GL_COLOR_ATTACHMENT0, width, height, t.samples_);
-  t.depth_ = storage(GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT, width, height, t.samples_);
-  const bool draw_ok = complete();
-  t.resolved_ = gl::Framebuffer::create();
-  glBindFramebuffer(GL_FRAMEBUFFER, t.resolved_.id());
-  t.resolved_color_ = storage(GL_SRGB8_ALPHA8, GL_COLOR_ATTACHMENT0, width, height, 0);
-  if (!draw_ok || !complete()) {
-    return make_error(ErrorId::kGraphicsGl, "no framebuffer of " + std::to_string(width) + "x" +
-                                                std::to_string(height) + " can be made");
-  }
+  t.blends_ = blends;
+  if (blends && t.make(GL_RGBA16F)) return t;
+  if (Result<void> made = t.make(GL_SRGB8_ALPHA8); !made) return made.error();
   return t;
+}
+
+Result<void> FrameTarget::make(GLenum drawn_format) {
+  bool ok = true;
+  draw_ = gl::Framebuffer::create();
+  glBindFramebuffer(GL_FRAMEBUFFER, draw_.id());
+  color_ = storage(drawn_format, GL_COLOR_ATTACHMENT0, width_, height_, samples_);
+  depth_ = storage(GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, width_, height_, samples_);
+  ok = ok && complete();
+  averaged_ = gl::Framebuffer();
+  averaged_color_ = gl::Renderbuffer();
+  if (drawn_format != GL_SRGB8_ALPHA8) {
+    averaged_ = gl::Framebuffer::create();
+    glBindFramebuffer(GL_FRAMEBUFFER, averaged_.id());
+    averaged_color_ = storage(drawn_format, GL_COLOR_ATTACHMENT0, width_, height_, 0);
+    ok = ok && complete();
+  }
+  resolved_ = gl::Framebuffer::create();
+  glBindFramebuffer(GL_FRAMEBUFFER, resolved_.id());
+  resolved_color_ = storage(GL_SRGB8_ALPHA8, GL_COLOR_ATTACHMENT0, width_, height_, 0);
+  if (ok && complete()) return {};
+  return make_error(ErrorId::kGraphicsGl, "no framebuffer of " + std::to_string(width_) + "x" +
+                                              std::to_string(height_) + " can be made");
+}
+
+void FrameTarget::resolve() const {
+  const auto copy = [&](const gl::Framebuffer& from, const gl::Framebuffer& to) {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, from.id());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to.id());
+    glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT,
+                      GL_NEAREST);
+  };
+  // A multisampled source must not change format while it is resolved.
+  if (averaged_) copy(draw_, averaged_);
+  copy(averaged_ ? averaged_ : draw_, resolved_);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.id());
 }
 
 void FrameTarget::bind() const {
@@ -46,10 +73,7 @@ void FrameTarget::bind() const {
 }
 
 std::vector<std::uint8_t> FrameTarget::read() const {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, draw_.id());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.id());
-  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.id());
+  resolve();
   const std::size_t row = static_cast<std::size_t>(width_) * 4;
   std::vector<std::uint8_t> up(row * static_cast<std::size_t>(height_)), down(up.size());
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -61,11 +85,7 @@ std::vector<std::uint8_t> FrameTarget::read() const {
 }
 
 void FrameTarget::show() const {
-  // Twice, because a multisampled source must not change format while it is resolved.
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, draw_.id());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.id());
-  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.id());
+  resolve();
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   glDisable(GL_FRAMEBUFFER_SRGB);  // copy the encoded bytes as they are
   glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
@@ -74,7 +94,8 @@ void FrameTarget::show() const {
 
 std::size_t FrameTarget::gpu_bytes() const {
   const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-  return pixels * 8 * static_cast<std::size_t>(std::max(samples_, 1)) + pixels * 4;
+  const std::size_t averaged = averaged_ ? 8 : 0, drawn = averaged_ ? 12 : 8;
+  return pixels * drawn * static_cast<std::size_t>(std::max(samples_, 1)) + pixels * (averaged + 4);
 }
 
 }  // namespace mirage

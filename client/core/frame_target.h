@@ -11,8 +11,9 @@ namespace mirage {
 
 class FrameTarget {
  public:
-  /// `samples` 0: none. Error kGraphicsGl.
-  static Result<FrameTarget> create(int width, int height, int samples);
+  /// `samples` 0: none. `blends`: many surfaces may be laid over each other, whose sum 8 bits would
+  /// round at each; it then has 16 a channel, where the device can. Error kGraphicsGl.
+  static Result<FrameTarget> create(int width, int height, int samples, bool blends = false);
 
   void bind() const;
   /// Resolves and reads RGBA8, top row first; alpha is the coverage by objects.
@@ -23,11 +24,19 @@ class FrameTarget {
   int height() const { return height_; }
   std::size_t gpu_bytes() const;
 
+  bool blends() const { return blends_; }
+
  private:
+  Result<void> make(GLenum drawn_format);
+  /// The samples of a pixel averaged, and encoded to 8 bits, in resolved_.
+  void resolve() const;
   gl::Framebuffer draw_;
+  gl::Framebuffer averaged_;  ///< of more than 8 bits: they are averaged before they are encoded
+  gl::Renderbuffer averaged_color_;
   gl::Framebuffer resolved_;
   gl::Renderbuffer color_, depth_, resolved_color_;
   int width_ = 0, height_ = 0, samples_ = 0;
+  bool blends_ = false;
 };
 
 }  // namespace mirage

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "client/core/relief_instance.h"
+#include "shaders/gl/view_depth.h"
 
 namespace mirage {
 namespace {
@@ -177,9 +178,9 @@ void ImpostorPass::draw_instances(const Proxy& proxy, const std::vector<Instance
 
 void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool relit) {
   program.use();
-  program.set("u_clip_from_relative", camera.clip_from_relative());
-  const double n = camera.near_m, f = camera.far_m;
-  program.set("u_depth_window", glm::vec2(f / (f - n), -f * n / (f - n)));
+  program.set("u_clip_from_relative", camera.clip_from_relative(mapping_));
+  program.set("u_depth_window", glm::vec2(camera.window_depth(mapping_)));
+  program.set("u_near", static_cast<float>(camera.near_for(mapping_)));
   program.set("u_fog_color", fog_color_);
   program.set("u_fog_density", fog_density_);
   program.set("u_color", 0);
@@ -281,18 +282,19 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
     by_object[view.object].push_back(data);
   }
   placeholder_.use();
-  placeholder_.set("u_clip_from_relative", camera.clip_from_relative());
+  placeholder_.set("u_clip_from_relative", camera.clip_from_relative(mapping_));
   placeholder_.set("u_fog_color", fog_color_);
   placeholder_.set("u_fog_density", fog_density_);
   for (const auto& [object, instances] : by_object) draw_instances(hulls_[object], instances, true);
 }
 
-void ImpostorPass::draw(const Camera& camera, const SceneView& scene, const DrawList& list,
-                        const Lighting& lighting, GLuint shadow_atlas) {
+void ImpostorPass::draw(const Camera& camera, DepthMapping mapping, const SceneView& scene,
+                        const DrawList& list, const Lighting& lighting, GLuint shadow_atlas) {
+  mapping_ = mapping;
   shadow_atlas_ = shadow_atlas;
   shadow_tint_ = shadow_tint(lighting);
   glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LEQUAL);
+  glDepthFunc(gl::nearer_or_equal(mapping_));
   glDisable(GL_BLEND);
   lights_ = gl::light_block(lighting, camera.pose.eye);
   draw_placeholders(camera, scene, list, lighting);

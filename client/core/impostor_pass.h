@@ -26,8 +26,9 @@ class ImpostorPass {
   Result<void> reset(const SceneView& scene);
   void upload(const TileRecord& record, const TilePixels& pixels) { atlas_.upload(record, pixels); }
   /// `shadow_atlas`: of ShadowAtlas, 0 when no impostor wears a shadow.
-  void draw(const Camera& camera, const SceneView& scene, const DrawList& list,
-            const Lighting& lighting, GLuint shadow_atlas);
+  /// `mapping`: of the target's depth.
+  void draw(const Camera& camera, DepthMapping mapping, const SceneView& scene,
+            const DrawList& list, const Lighting& lighting, GLuint shadow_atlas);
 
   int draw_calls() const { return draw_calls_; }
   void reset_draw_calls() { draw_calls_ = 0; }
@@ -64,6 +65,7 @@ class ImpostorPass {
   gl::LightBlock lights_;                         ///< of the frame
   bool with_fog_ = false, with_shadows_ = false;  ///< what the programs were made for
   GLuint shadow_atlas_ = 0;
+  DepthMapping mapping_ = DepthMapping::kForward;
   glm::vec3 shadow_tint_{1};
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;

@@ -107,6 +107,11 @@ Result<void> SceneView::accept(const wire::InstancePageT& page) {
   return complete() ? finish() : Result<void>{};
 }
 
+bool SceneView::blends() const {
+  return std::any_of(objects.begin(), objects.end(),
+                     [](const ObjectDescription& o) { return (o.needs & kNeedBlend) != 0; });
+}
+
 bool SceneView::complete() const {
   return welcomed_ && images.size() == expected_images_ && objects.size() == expected_objects_ &&
          instances.size() == expected_instances_;

@@ -44,6 +44,8 @@ class SceneView {
   Result<void> accept(const wire::InstancePageT& page);
 
   bool welcomed() const { return welcomed_; }
+  /// Some object has blended surfaces.
+  bool blends() const;
   /// Everything the welcome announced has arrived.
   bool complete() const;
 

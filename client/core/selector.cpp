@@ -9,10 +9,13 @@
 #include "client/core/motion_need.h"
 #include "protocol/limits.h"
 #include "protocol/need_mask.h"
+#include "protocol/stable_math.h"
 
 namespace mirage {
 namespace {
 
+// Nearer, in radii, no picture of the object can stand for it: the eye is in its sphere.
+constexpr double kInsideRadii = 1 + 1e-6;
 constexpr double kMinRadiusPx = 0.5;   // smaller objects are neither drawn nor asked for
 constexpr double kViewGuard = 0.0873;  // 5 degrees around the predicted view
 constexpr std::int64_t kFadeUs = 120'000;
@@ -35,6 +38,11 @@ constexpr double kQuantumShare = 0.01;  // 8-bit depth and the slope within a te
 constexpr double kStandInRadii = 3;
 constexpr double kStandInLifeS = 3;
 constexpr double kPixelsPerTriangle = 16;
+
+// False for NaN.
+bool outside(const ViewGeometry& view) {
+  return glm::length(view.eye) > kInsideRadii * view.radius && is_finite(view.eye);
+}
 
 double fade_progress(std::int64_t since_us, std::int64_t now_us) {
   return std::clamp(static_cast<double>(now_us - since_us) / kFadeUs, 0.0, 1.0);
@@ -209,8 +217,9 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   c.under_mesh = as_mesh && progress >= 0.5f;
   const bool on_mesh = as_mesh || swapping;
   if (c.group->empty_from(c.view.eye)) return;
-  if (c.group->tiles.empty() && on_mesh) return;
-  if (c.group->tiles.empty()) {
+  const bool useless = c.group->tiles.empty() || !outside(c.view);
+  if (useless && on_mesh) return;
+  if (useless) {
     if (!c.object->group) w.out.placeholders.push_back({instance, c.distance});
     ++w.out.over_tau;
     return;
@@ -363,6 +372,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   ViewGeometry view = view_geometry(in.predicted, view_of, object, in.time_s);
   const double size = radius_px(view);
   if (object.radius <= 0 || size < kMinRadiusPx) return;
+  if (!outside(view)) return;
   const double distance = glm::length(view.eye) / view.radius;
   if (in.scene->geometry && object.surrounds) return;
   const double tau = allowed_px(in, in.predicted, view_of);

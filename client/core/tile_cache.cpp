@@ -93,7 +93,10 @@ double TileRecord::motion_px(const ObjectDescription& description, const ViewGeo
 double TileRecord::bound_px(DrawMethod method, const ObjectDescription& description,
                             const ViewGeometry& view) const {
   const CaptureGeometry geometry = capture.geometry(crop);
-  return position_bound_px(view, geometry, drawn_depth(method, description)) +
+  // From behind nothing that shows was captured: any of it may be off by the object's own size.
+  const bool behind = glm::dot(view.eye, geometry.axis) < 0;
+  const double unseen = behind ? lod_error_px(view, 2 * view.radius) : 0.0;
+  return unseen + position_bound_px(view, geometry, drawn_depth(method, description)) +
          motion_px(description, view) + footprint_px(texel_size_px(view, geometry, capture.edge)) +
          lod_error_px(view, measure.lod_error);
 }

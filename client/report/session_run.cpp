@@ -133,8 +133,10 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
 }
 
 Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
-  if (!target_ || target_->width() != spec.width || target_->height() != spec.height) {
-    Result<FrameTarget> target = FrameTarget::create(spec.width, spec.height, kMsaa);
+  const bool blends = truth.scene().blends();
+  if (!target_ || target_->width() != spec.width || target_->height() != spec.height ||
+      target_->blends() != blends) {
+    Result<FrameTarget> target = FrameTarget::create(spec.width, spec.height, kMsaa, blends);
     if (!target) return target.error();
     target_.emplace(target.take());
   }

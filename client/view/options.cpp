@@ -17,9 +17,11 @@ const std::map<std::string, RelightChoice> kRelight = {{"auto", RelightChoice::k
 Result<void> parse_size(const std::string& text, ViewOptions& o) {
   int w = 0, h = 0;
   char extra = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &w, &h, &extra) != 2 || w < 1 || h < 1 || w > 8192 ||
-      h > 8192) {
-    return make_error(ErrorId::kUsage, "'" + text + "' is no size", "for example 640x360");
+  const bool read = std::sscanf(text.c_str(), "%dx%d%c", &w, &h, &extra) == 2;
+  constexpr int kLongest = 16384, kMostPixels = 8192 * 8192;
+  if (!read || w < 1 || h < 1 || w > kLongest || h > kLongest || w > kMostPixels / h) {
+    return make_error(ErrorId::kUsage, "'" + text + "' is no size",
+                      "for example 640x360; at most 16384 a side and 67 million pixels");
   }
   o.width = w;
   o.height = h;

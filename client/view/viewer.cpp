@@ -35,7 +35,7 @@ class Viewer {
   Result<void> one_frame(std::int64_t frame);
   Result<void> compare(const Camera& camera, const DrawList& list);
   Result<void> finish();
-  Result<void> resize_if_needed();
+  Result<void> fit_target();
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
   bool next_events();
@@ -148,12 +148,13 @@ Pose Viewer::next_pose(std::int64_t now, double real_seconds) {
   return pose_;
 }
 
-Result<void> Viewer::resize_if_needed() {
-  if (!window_) return {};
-  int w = 0, h = 0;
-  window_->framebuffer_size(w, h);
-  if (w < 1 || h < 1 || (w == target_->width() && h == target_->height())) return {};
-  Result<FrameTarget> target = FrameTarget::create(w, h, o_.msaa);
+Result<void> Viewer::fit_target() {
+  int w = target_->width(), h = target_->height();
+  if (window_) window_->framebuffer_size(w, h);
+  const bool blends = session().scene().blends();
+  const bool same = w == target_->width() && h == target_->height();
+  if (w < 1 || h < 1 || (same && blends == target_->blends())) return {};
+  Result<FrameTarget> target = FrameTarget::create(w, h, o_.msaa, blends);
   if (!target) return target.error();
   target_.emplace(target.take());
   still_.content_changed();
@@ -179,7 +180,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
     spdlog::warn("{}", link_was_up_ ? "server is back"
                                     : "server is gone: showing what is here, reconnecting");
   }
-  if (Result<void> resized = resize_if_needed(); !resized) return resized;
+  if (Result<void> resized = fit_target(); !resized) return resized;
   const SceneView& scene = session().scene();
   const std::optional<Lighting> light =
       light_->at(static_cast<double>(now - start_us_) * 1e-6, scene.lighting);

@@ -49,10 +49,11 @@ Result<ReferenceRenderer> ReferenceRenderer::create(const GpuScene& scene, Scene
   return out;
 }
 
-void ReferenceRenderer::draw_scene(const Camera& camera, const Lighting& lighting) {
+void ReferenceRenderer::draw_scene(const Camera& camera, const Lighting& lighting,
+                                   DepthMapping mapping) {
   const PreparedScene& prepared = *scene_->prepared;
   const glm::dvec3& eye = camera.pose.eye;
-  meshes_->begin(camera.clip_from_relative(), gl::light_block(lighting, eye));
+  meshes_->begin(camera.clip_from_relative(mapping), gl::light_block(lighting, eye), mapping);
   const Environment& environment = prepared.scene.environment;
   meshes_->set_fog(environment.horizon, environment.fog_density);
   std::vector<gl::MeshInstance> visible;
@@ -109,7 +110,8 @@ Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
   meshes_->set_shadow(shadow_ ? shadow_->map_for(job.lighting) : nullptr, job.camera.pose.eye);
   const int w = static_cast<int>(job.camera.width), h = static_cast<int>(job.camera.height);
   const int s = static_cast<int>(job.supersample);
-  gl::RenderTarget big(w * s, h * s, {GL_SRGB8_ALPHA8, GL_R32UI}, GL_DEPTH_COMPONENT32F);
+  const GLenum color = scene_->prepared->blends() ? GL_RGBA16F : GL_SRGB8_ALPHA8;
+  gl::RenderTarget big(w * s, h * s, {color, GL_R32UI}, GL_DEPTH_COMPONENT32F);
   gl::RenderTarget out(w, h, {GL_SRGB8_ALPHA8, GL_R32F, GL_R32UI}, 0);
   if (!big.ok() || !out.ok()) {
     return make_error(ErrorId::kGraphicsGl, "reference frame is too large for this device");
@@ -119,7 +121,8 @@ Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
   glDisable(GL_SCISSOR_TEST);
   big.bind();
   const GLuint no_id[4] = {0, 0, 0, 0};
-  const float far_depth = 1.0f;
+  const gl::ViewDepth view_depth;
+  const float far_depth = view_depth.farthest();
   glClearBufferuiv(GL_COLOR, 1, no_id);
   glDepthMask(GL_TRUE);
   glClearBufferfv(GL_DEPTH, 0, &far_depth);
@@ -130,7 +133,7 @@ Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
   glDrawBuffers(2, both);
   time_s_ = job.time_s;
   meshes_->set_stroke(static_cast<float>(s));
-  draw_scene(job.camera, job.lighting);
+  draw_scene(job.camera, job.lighting, view_depth.mapping());
 
   out.bind();
   glDisable(GL_DEPTH_TEST);
@@ -144,7 +147,8 @@ Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
   resolve_.set("u_depth", 1);
   resolve_.set("u_id", 2);
   resolve_.set("u_factor", s);
-  resolve_.set("u_near_far", glm::vec2(job.camera.near_m, job.camera.far_m));
+  resolve_.set("u_window_depth", glm::vec2(job.camera.window_depth(view_depth.mapping())));
+  resolve_.set("u_farthest", view_depth.farthest());
   glBindVertexArray(empty_vao_.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindVertexArray(0);

@@ -23,7 +23,7 @@ class ReferenceRenderer {
 
  private:
   explicit ReferenceRenderer(const GpuScene& scene);
-  void draw_scene(const Camera& camera, const Lighting& lighting);
+  void draw_scene(const Camera& camera, const Lighting& lighting, DepthMapping mapping);
   void draw_blended(const Camera& camera);
   /// One instance in its pose at the time of the job.
   void draw_moving(const gl::MeshInstance& instance, bool blended);

@@ -108,9 +108,11 @@ int TilePageRenderer::samples(const TileJob& job) const {
 }
 
 bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
-  const GLenum color = extras_.float_color ? GL_RGBA32F : GL_SRGB8_ALPHA8;
-  std::vector<GLenum> drawn = {color},
-                      page = {color, GLenum(extras_.fine_depth ? GL_RGBA8 : GL_R8)};
+  const GLenum color = extras_.float_color          ? GL_RGBA32F
+                       : scene_->prepared->blends() ? GL_RGBA16F
+                                                    : GL_SRGB8_ALPHA8;
+  const GLenum kept = extras_.float_color ? GL_RGBA32F : GL_SRGB8_ALPHA8;
+  std::vector<GLenum> drawn = {color}, page = {kept, GLenum(extras_.fine_depth ? GL_RGBA8 : GL_R8)};
   if (&path == &relit_) {
     drawn.insert(drawn.end(), {GL_RGBA16F, GL_RGBA8});
     page.push_back(GL_RGBA8);

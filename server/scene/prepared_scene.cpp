@@ -266,6 +266,11 @@ std::uint32_t PreparedScene::parent(std::size_t index) const {
   return of == kNoGroup ? kNoGroup : static_cast<std::uint32_t>(own + of);
 }
 
+bool PreparedScene::blends() const {
+  return std::any_of(objects.begin(), objects.end(),
+                     [](const ObjectDescription& o) { return (o.needs & kNeedBlend) != 0; });
+}
+
 bool PreparedScene::has_casters() const {
   return std::any_of(scene.instances.begin(), scene.instances.end(),
                      [&](const Instance& instance) { return objects[instance.object].casts(); });

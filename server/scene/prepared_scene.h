@@ -46,6 +46,8 @@ struct PreparedScene {
 
   /// Anything of the scene throws a shadow (NUMERICS section 5, rule 18).
   bool has_casters() const;
+  /// Some object has blended surfaces: what is laid over each other wants more than 8 bits.
+  bool blends() const;
   /// Instances as clients number them: the scene's, then one for each group.
   std::size_t instance_count() const { return scene.instances.size() + grouping.groups.size(); }
   Instance instance(std::size_t index) const;

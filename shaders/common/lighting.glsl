@@ -73,10 +73,16 @@ float ggx_specular(float n_l, float n_v, float n_h, float roughness) {
   return a2 / (d * d) * 0.5 / max(visibility, 1e-5);  // D * V * pi
 }
 
+// normalize() of lengths whose squares a float does not hold.
+vec3 unit(vec3 v) {
+  vec3 a = abs(v);
+  return normalize(v / max(max(a.x, a.y), a.z));
+}
+
 vec3 shade(Surface s) {
   vec3 f0 = mix(vec3(0.04), s.albedo, s.metallic);
   vec3 diffuse = s.albedo * (1.0 - s.metallic);
-  vec3 to_eye = -normalize(s.position);
+  vec3 to_eye = -unit(s.position);
   float n_v = max(dot(s.normal, to_eye), 1e-4);
   vec3 result = u_ambient * s.occlusion * mix(s.albedo, f0, s.metallic);
   for (int i = 0; i < u_light_count; ++i) {

@@ -15,7 +15,7 @@ const float kRounding = 0.5;
 float sun_visibility(vec3 position, vec3 normal) {
   float cosine = dot(normal, u_to_sun);
   if (cosine <= 0.0) return 0.0;  // it shadows itself, whatever a normal map says
-  float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+  float sine = sqrt(max((1.0 - cosine) * (1.0 + cosine), 0.0));
   vec3 moved = position + normal * (kReach * u_shadow_texel.x * sine) +
                u_to_sun * (kRounding * u_shadow_texel.x);
   vec3 at = (u_map_from_relative * vec4(moved, 1.0)).xyz;

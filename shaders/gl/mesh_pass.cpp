@@ -198,12 +198,14 @@ Result<void> MeshPass::warm_up(const GpuMesh& mesh, const std::vector<Material>&
   return {};
 }
 
-void MeshPass::begin(const glm::mat4& clip_from_relative, const LightBlock& lights) {
+void MeshPass::begin(const glm::mat4& clip_from_relative, const LightBlock& lights,
+                     DepthMapping mapping) {
   clip_from_relative_ = clip_from_relative;
+  nearer_ = nearer(mapping);
   lights_ = lights;
   if (!instance_buffer_) instance_buffer_ = Buffer::create();
   glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LESS);
+  glDepthFunc(nearer_);
   glFrontFace(GL_CCW);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glMinSampleShading(1.0f);
@@ -319,7 +321,7 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
   (depth ? glEnable : glDisable)(GL_SAMPLE_SHADING);
   const GLboolean colors = depth ? GL_FALSE : GL_TRUE;
   glColorMask(colors, colors, colors, colors);
-  glDepthFunc(tested ? GL_EQUAL : GL_LESS);
+  glDepthFunc(tested ? GL_EQUAL : nearer_);
   glDepthMask(tested || (needs & kNeedBlend) ? GL_FALSE : GL_TRUE);
 }
 
@@ -329,7 +331,7 @@ void MeshPass::end() {
   glDisable(GL_BLEND);
   glDisable(GL_SAMPLE_SHADING);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  glDepthFunc(GL_LESS);
+  glDepthFunc(nearer_);
   glLineWidth(1.0f);
   glDepthMask(GL_TRUE);
 }

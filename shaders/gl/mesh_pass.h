@@ -11,6 +11,7 @@
 #include "shaders/gl/gpu_model.h"
 #include "shaders/gl/program.h"
 #include "shaders/gl/shadow_map.h"
+#include "shaders/gl/view_depth.h"
 
 namespace mirage::gl {
 
@@ -66,7 +67,9 @@ class MeshPass {
   /// The variants of a mesh, ahead of its first draw: what does not compile is not drawn.
   Result<void> warm_up(const GpuMesh& mesh, const std::vector<Material>& materials, bool fades);
 
-  void begin(const glm::mat4& clip_from_relative, const LightBlock& lights);
+  /// `mapping` is that of the matrix.
+  void begin(const glm::mat4& clip_from_relative, const LightBlock& lights,
+             DepthMapping mapping = DepthMapping::kForward);
   /// Fog over what is drawn from now on; without any density variants without fog are used.
   void set_fog(const glm::vec3& color, float density_per_m) {
     fog_color_ = color;
@@ -106,6 +109,7 @@ class MeshPass {
   std::map<NeedMask, Program> programs_;
   Buffer instance_buffer_;
   glm::mat4 clip_from_relative_{1};
+  GLenum nearer_ = GL_LESS;
   LightBlock lights_;
   float mip_bias_ = 0;
   float stroke_ = 1;

@@ -31,6 +31,7 @@ layout(location = 0) out vec4 o_color;
 
 uniform sampler2DArray u_color;
 uniform sampler2DArray u_depth;
+uniform float u_near;         // view depth of the near plane
 uniform vec2 u_depth_window;  // window depth = x + y / view depth
 // First the solid fragments, which write depth; then the soft ones over them, which do not: an edge
 // must neither hide what is behind it nor blend with less than all of it.
@@ -86,7 +87,7 @@ void emit(vec4 color, vec3 p) {
   if (soft != u_soft || o_color.a < 1.0 / 255.0) discard;
   // Towards the viewer by what quantising may have pushed it back: a shelf at a wall stays before it.
   float view_depth = (v_capture.w + dot(v_view_depth, p) - v_depth_slack) * (1.0 - v_capture.z);
-  gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, 1e-6), 0.0, 1.0);
+  gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, u_near), 0.0, 1.0);
 }
 
 void main() {

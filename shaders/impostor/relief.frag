@@ -21,6 +21,7 @@ flat in vec4 v_rotation;
 #endif
 layout(location = 0) out vec4 o_color;
 
+uniform float u_near;         // view depth of the near plane
 uniform vec2 u_depth_window;  // window depth = x + y / view depth
 
 #if defined(RELIT) || defined(SHADOW)
@@ -49,7 +50,7 @@ void emit(vec4 color, float along) {
   o_color = color * v_slack.z;
   if (o_color.a < 1.0 / 255.0) discard;
   float view_depth = (along / gl_FragCoord.w - v_slack.y) * (1.0 - v_slack.x);
-  gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, 1e-6), 0.0, 1.0);
+  gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, u_near), 0.0, 1.0);
 }
 
 // Traces the ray from `eye` through `tile`, both homogeneous; `along` is 0 at the eye, 1 at the

@@ -7,7 +7,8 @@ uniform sampler2D u_color;
 uniform sampler2D u_depth;
 uniform usampler2D u_id;
 uniform int u_factor;
-uniform vec2 u_near_far;
+uniform vec2 u_window_depth;  // window depth = x + y / eye depth
+uniform float u_farthest;     // window depth of nothing
 layout(location = 0) out vec4 o_color;
 layout(location = 1) out float o_depth;
 layout(location = 2) out uint o_id;
@@ -21,7 +22,6 @@ void main() {
   o_color = sum / float(u_factor * u_factor);
   ivec2 at = base + ivec2(u_factor / 2);
   float d = texelFetch(u_depth, at, 0).r;
-  float n = u_near_far.x, f = u_near_far.y;
-  o_depth = d >= 1.0 ? 0.0 : n * f / (f - d * (f - n));
-  o_id = d >= 1.0 ? 0u : texelFetch(u_id, at, 0).r + 1u;
+  o_depth = d == u_farthest ? 0.0 : u_window_depth.y / (d - u_window_depth.x);
+  o_id = d == u_farthest ? 0u : texelFetch(u_id, at, 0).r + 1u;
 }

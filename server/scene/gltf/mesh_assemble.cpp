@@ -1,5 +1,6 @@
 #include "server/scene/gltf/mesh_assemble.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -8,12 +9,15 @@
 namespace mirage::gltf {
 namespace {
 
+// Within these, products of a few lengths are far from the ends of float.
+constexpr float kSmallestExtent = 1e-6f;
+constexpr float kLargestExtent = 1e6f;
 constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
 
 bool is_usable(const glm::vec3& p) {
   // Each comparison is false for NaN.
-  return std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate &&
-         std::abs(p.z) <= kMaxCoordinate;
+  return std::abs(p.x) <= kMaxPosition && std::abs(p.y) <= kMaxPosition &&
+         std::abs(p.z) <= kMaxPosition;
 }
 
 bool has_direction(const glm::vec3& v) {
@@ -71,7 +75,7 @@ void filter_elements(RawPrimitive& raw, Tally& tally) {
   raw.indices.resize(kept);
   const std::string name = noun(raw.kind);
   tally.add(name + " with an index beyond the vertices dropped", beyond);
-  tally.add(name + " with a position that is not finite or above 1e18 dropped", not_finite);
+  tally.add(name + " with a position that is not finite or above 1e36 dropped", not_finite);
   tally.add(name + " without area dropped", flat);
 }
 
@@ -215,6 +219,19 @@ glm::vec3 perpendicular(const glm::vec3& normal) {
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& fallback) {
   if (!has_direction(v)) return fallback;
   return glm::vec3(glm::normalize(glm::dvec3(v)));
+}
+
+double normalise_extent(Mesh& mesh) {
+  float most = 0;
+  for (const Vertex& v : mesh.vertices) {
+    most = std::max({most, std::abs(v.position.x), std::abs(v.position.y), std::abs(v.position.z)});
+  }
+  if (most == 0 || (most >= kSmallestExtent && most <= kLargestExtent)) return 1;
+  const int exponent = std::ilogb(most);
+  for (Vertex& v : mesh.vertices) {
+    for (int c = 0; c < 3; ++c) v.position[c] = std::ldexp(v.position[c], -exponent);
+  }
+  return std::ldexp(1.0, exponent);
 }
 
 void append_primitive(RawPrimitive& raw, std::uint32_t material, bool needs_tangents, Tally& tally,

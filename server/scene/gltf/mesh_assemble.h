@@ -23,4 +23,8 @@ glm::vec3 perpendicular(const glm::vec3& normal);
 /// `v` at unit length, or `fallback` where it has no direction (zero, NaN, infinite).
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& fallback);
 
+/// Brings a mesh of extreme size to about 1 by a power of two, so that no picture of it changes,
+/// and gives that power: what one unit of the mesh now is in units of the file. 1: left as it was.
+double normalise_extent(Mesh& mesh);
+
 }  // namespace mirage::gltf

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "protocol/animation_codec.h"
 #include "protocol/motion.h"
 #include "server/scene/gltf/accessor_reader.h"
 #include "server/scene/gltf/gltf_limits.h"
+#include "server/scene/gltf/mesh_assemble.h"
 #include "server/scene/gltf/similarity_split.h"
 
 namespace mirage::gltf {
@@ -203,6 +205,7 @@ Result<std::size_t> SceneAssembler::base_of(int node, Pose pose, int skin) {
   if (!imported) return imported.error();
   Base base;
   base.mesh = imported.take();
+  base.unit = normalise_extent(base.mesh);
   base.name = !mesh.name.empty() ? mesh.name : source.name;
   base.empty = base.mesh.primitives.empty();
   if (base.empty) tally_.add("meshes with nothing to draw");
@@ -216,7 +219,8 @@ Result<void> SceneAssembler::place(std::size_t base, const glm::dmat4& world,
     tally_.add("instances with a transform that is not finite left out");
     return {};
   }
-  const SplitTransform split = split_transform(world);
+  const glm::dmat4 unit = glm::scale(glm::dmat4(1), glm::dvec3(bases_[base].unit));
+  const SplitTransform split = split_transform(world * unit);
   if (split.residual == glm::dmat3(0)) {
     tally_.add("instances without size left out");
     return {};

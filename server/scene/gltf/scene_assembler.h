@@ -38,6 +38,7 @@ class SceneAssembler {
   /// A mesh in one pose. Its vertices move into the object that first shows it unbaked.
   struct Base {
     Mesh mesh;
+    double unit = 1;  ///< file units in one of the mesh (normalise_extent)
     std::string name;
     int object = -1;
     bool empty = false;

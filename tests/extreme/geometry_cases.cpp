@@ -1,0 +1,379 @@
+// G1 to G10: meshes without extent, with impossible vertices, of any size, turned inside out.
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "protocol/stable_math.h"
+#include "server/scene/gltf/gltf_import.h"
+#include "tests/extreme/geometry_file_cases.h"
+#include "tests/extreme/registry.h"
+#include "tests/extreme/shapes.h"
+#include "tests/extreme/studio.h"
+
+namespace mirage::extreme {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr int kSize = 96;
+
+Outcome no_studio(const Error& error) {
+  Checks checks;
+  checks.failed(error.line());
+  return checks.outcome();
+}
+
+/// Texels of a tile that show anything.
+std::size_t shown(const Tile& tile) {
+  std::size_t n = 0;
+  for (std::size_t i = 3; i < tile.rgba.size(); i += 4) n += tile.rgba[i] > 0 ? 1 : 0;
+  return n;
+}
+
+// G1: an object without any vertex, which no importer would let through, beside a ball.
+Outcome empty_mesh(const Conditions&) {
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.objects.emplace_back();
+  scene.instances.emplace_back();
+  Result<std::unique_ptr<Studio>> studio = Studio::create(std::move(scene));
+  if (!studio) return no_studio(studio.error());
+  Camera camera;
+  camera.width = camera.height = kSize;
+  camera.pose = look_at({0, 0, 3}, {0, 0, 0});
+  Checks checks;
+  checks.equal("covered in the truth", static_cast<double>(covered((*studio)->truth(camera).rgba)),
+               0);
+  checks.equal("covered as geometry", static_cast<double>(covered((*studio)->meshes(camera))), 0);
+  checks.equal("draws beside the sky", (*studio)->draw_calls() - 1, 0);
+  const MadeTile made = (*studio)->make_tile((*studio)->key_for(camera, 0, kLitTile), 0);
+  checks.equal("texels shown", static_cast<double>(shown(made.tile)), 0);
+  checks.equal("tile drawn", (*studio)->hold(made, 0) ? 1 : 0, 0);
+  checks.equal("header values not finite", not_finite(made.header), 0);
+  return checks.outcome();
+}
+
+// G2: a thousand points at one place, and triangles whose corners are one point.
+Outcome one_point(const Conditions&) {
+  Checks checks;
+  for (const PrimitiveKind kind : {PrimitiveKind::kPoints, PrimitiveKind::kTriangles}) {
+    Scene scene;
+    scene.materials.emplace_back();
+    SceneObject object;
+    object.mesh.vertices.assign(999, Vertex{});
+    for (Vertex& v : object.mesh.vertices) v.position = {3, 4, 5};
+    for (std::uint32_t i = 0; i < 999; ++i) object.mesh.indices.push_back(i);
+    object.mesh.primitives.push_back({kind, 0, 999, 0});
+    scene.objects.push_back(object);
+    scene.instances.emplace_back();
+    Result<std::unique_ptr<Studio>> studio = Studio::create(std::move(scene));
+    if (!studio) return no_studio(studio.error());
+    const ObjectDescription& told = (*studio)->scene().objects[0];
+    const std::string name = kind == PrimitiveKind::kPoints ? "points: " : "triangles: ";
+    checks.holds(name + "radius finite and above 0",
+                 std::isfinite(told.radius) && told.radius > 0 &&
+                     is_finite(glm::dvec3(told.center + told.box_min + told.box_max)));
+    Camera camera = (*studio)->camera(0, {0, 0, 1}, 4, kSize);
+    const MadeTile made = (*studio)->make_tile((*studio)->key_for(camera, 0, kLitTile), 0);
+    checks.equal(name + "header values not finite", not_finite(made.header), 0);
+    checks.at_most(name + "px touched",
+                   static_cast<double>(covered((*studio)->impostors(camera, DrawMethod::kQuad), 1)),
+                   16);
+    if (kind == PrimitiveKind::kPoints) {
+      checks.at_least(name + "texels touched", static_cast<double>(shown(made.tile)), 1);
+      checks.at_least(name + "px touched in the truth",
+                      static_cast<double>(covered((*studio)->truth(camera).rgba, 1)), 1);
+    }
+  }
+  return checks.outcome();
+}
+
+// G3: seen in its own plane, exactly and within what is less than a pixel.
+Outcome edge_on(const Conditions& conditions) {
+  Shape shape;
+  shape.positions = {-1, 0, -1, 1, 0, -0.7f, -0.2f, 0, 1};
+  shape.indices = {0, 2, 1};
+  test::Builder builder = document(shape);
+  set_material(builder, {{"doubleSided", true}});
+  Result<std::unique_ptr<Studio>> studio =
+      Studio::create(write(builder, conditions.folder, "triangle"));
+  if (!studio) return no_studio(studio.error());
+  int tallest = 0, bad = 0;
+  for (const double lean : {0.0, 1e-12, -1e-7, 1e-5, -1e-4, 1e-3}) {
+    for (const glm::dvec3& side : {glm::dvec3(0, 0, 1), glm::dvec3(0.6, 0, 0.8)}) {
+      const Camera camera = (*studio)->camera(0, side + glm::dvec3(0, lean, 0), 4, kSize);
+      const MadeTile made = (*studio)->make_tile((*studio)->key_for(camera, 0, kLitTile), 0);
+      bad += not_finite(made.header);
+      // In texels: rows with any opaque content.
+      std::vector<bool> rows(made.tile.crop.h, false);
+      for (std::size_t i = 0; i < made.tile.crop.area(); ++i) {
+        if (made.tile.rgba[i * 4 + 3] >= 128) rows[i / made.tile.crop.w] = true;
+      }
+      tallest = std::max(tallest, static_cast<int>(std::count(rows.begin(), rows.end(), true)));
+      const Pixels drawn = (*studio)->impostors(camera, DrawMethod::kDepth);
+      int height = 0;
+      for (int y = 0; y < kSize; ++y) {
+        bool any = false;
+        for (int x = 0; x < kSize; ++x) {
+          any = any || drawn[static_cast<std::size_t>((y * kSize + x) * 4 + 3)] >= 128;
+        }
+        height += any ? 1 : 0;
+      }
+      tallest = std::max(tallest, height);
+    }
+  }
+  Checks checks;
+  checks.equal("header values not finite", bad, 0);
+  checks.at_most("rows covered", tallest, 1);
+  return checks.outcome();
+}
+
+// G4: two impossible vertices among many.
+Outcome one_bad_vertex(const Conditions& conditions) {
+  const int side = conditions.quick ? 316 : 1000;
+  Shape shape = dented_ball(side - 1, side - 1);
+  const std::size_t a = static_cast<std::size_t>(side) * 100 + 50, b = a + 7;
+  std::size_t touched = 0;
+  for (std::size_t i = 0; i < shape.indices.size(); i += 3) {
+    bool touches = false;
+    for (int c = 0; c < 3; ++c) {
+      touches = touches || shape.indices[i + c] == a || shape.indices[i + c] == b;
+    }
+    touched += touches ? 1 : 0;
+  }
+  glm::vec3 low(kInf), high(-kInf);
+  for (std::size_t v = 0; v < shape.vertices(); ++v) {
+    const glm::vec3 p(shape.positions[v * 3], shape.positions[v * 3 + 1],
+                      shape.positions[v * 3 + 2]);
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  shape.positions[a * 3 + 1] = kNan;
+  shape.positions[b * 3] = -kInf;
+  const Result<Scene> scene = import_gltf(write(document(shape), conditions.folder, "bad"));
+  if (!scene) return no_studio(scene.error());
+  const SceneObject& object = scene->objects[0];
+  const ObjectDescription told = describe_object(object, *scene);
+  Checks checks;
+  checks.equal("triangles dropped",
+               static_cast<double>(shape.indices.size() - object.mesh.indices.size()) / 3,
+               static_cast<double>(touched));
+  double counted = 0;
+  for (const std::string& warning : scene->warnings) {
+    if (warning.find("not finite") != std::string::npos) counted = std::atof(warning.c_str());
+  }
+  checks.equal("told to the user", counted, static_cast<double>(touched));
+  checks.at_most("box off by", glm::length(told.box_min - low) + glm::length(told.box_max - high),
+                 0);
+  return checks.outcome();
+}
+
+/// Pictures of the same object, in four ways it can be drawn.
+struct Pictures {
+  Pixels truth, mesh, quad, relief, relit;
+};
+
+Result<Pictures> take_pictures(const std::string& file, const glm::dvec3& direction,
+                               const glm::dvec3& eye_grid = glm::dvec3(0)) {
+  Result<std::unique_ptr<Studio>> studio = Studio::create(file);
+  if (!studio) return studio.error();
+  if ((*studio)->scene().instances.empty()) return make_error(ErrorId::kSceneEmpty, "left out");
+  Camera camera = (*studio)->camera(0, direction, 4, kSize);
+  if (eye_grid != glm::dvec3(0)) {
+    const glm::dvec3 center = (*studio)->scene().instances[0].center;
+    camera.pose.eye = center + glm::round((camera.pose.eye - center) / eye_grid) * eye_grid;
+  }
+  return Pictures{(*studio)->truth(camera).rgba, (*studio)->meshes(camera),
+                  (*studio)->impostors(camera, DrawMethod::kQuad),
+                  (*studio)->impostors(camera, DrawMethod::kDepth),
+                  (*studio)->impostors(camera, DrawMethod::kDepth, kRelitTile)};
+}
+
+void compare(Checks& checks, const std::string& name, const Result<Pictures>& plain,
+             const Result<Pictures>& other) {
+  if (!plain || !other) {
+    checks.failed(name + (plain ? other : plain).error().line());
+    return;
+  }
+  checks.at_most(name + "truth", largest_difference(plain->truth, other->truth), 1);
+  checks.at_most(name + "geometry", largest_difference(plain->mesh, other->mesh), 1);
+  checks.at_most(name + "quad", largest_difference(plain->quad, other->quad), 1);
+  checks.at_most(name + "relief", largest_difference(plain->relief, other->relief), 1);
+  checks.at_most(name + "relit", largest_difference(plain->relit, other->relit), 1);
+}
+
+// G5, G6: by the node's scale, and (where a float holds its vertices) by the mesh itself.
+Outcome at_scales(const Conditions& conditions, const std::vector<double>& scales, bool in_mesh) {
+  Checks checks;
+  const glm::dvec3 direction(0.5, 0.4, 1);
+  const Result<Pictures> plain =
+      take_pictures(write(document(dented_ball()), conditions.folder, "plain"), direction);
+  if (plain)
+    checks.at_least("covered px of the plain one", static_cast<double>(covered(plain->truth)),
+                    1000);
+  for (const double scale : scales) {
+    test::Builder by_node = document(dented_ball());
+    by_node.doc["nodes"][0]["scale"] = {scale, scale, scale};
+    compare(checks, "node x " + number_text(scale) + ": ", plain,
+            take_pictures(write(by_node, conditions.folder, "node"), direction));
+    if (!in_mesh) continue;
+    compare(checks, "mesh x " + number_text(scale) + ": ", plain,
+            take_pictures(write(document(scaled(dented_ball(), scale)), conditions.folder, "mesh"),
+                          direction));
+  }
+  return checks.outcome();
+}
+Outcome tiny(const Conditions& c) { return at_scales(c, {1e-30, 1e-20}, true); }
+Outcome huge(const Conditions& c) { return at_scales(c, {1e20}, true); }
+
+// G7
+Outcome at_offset(const Conditions& conditions) {
+  const glm::dvec3 grid(1.0 / 1048576);  // of places that a double at 1e9 m holds
+  test::Builder away = document(dented_ball());
+  away.doc["nodes"][0]["translation"] = {1e9, -1e9, 1e9};
+  Checks checks;
+  compare(checks, "",
+          take_pictures(write(document(dented_ball()), conditions.folder, "plain"), {0.5, 0.4, 1},
+                        grid),
+          take_pictures(write(away, conditions.folder, "away"), {0.5, 0.4, 1}, grid));
+  return checks.outcome();
+}
+
+// G8: every other triangle has no area: two equal corners, three on a line, equal places.
+Outcome zero_area(const Conditions& conditions) {
+  const Shape plain = dented_ball();
+  Shape mixed = plain;
+  mixed.indices.clear();
+  Random random(conditions.seed);
+  for (std::size_t i = 0; i < plain.indices.size(); i += 3) {
+    const std::uint32_t* at = &plain.indices[i];
+    mixed.indices.insert(mixed.indices.end(), at, at + 3);
+    const std::uint32_t a = at[0], b = at[static_cast<int>(random.uniform(0, 3))];
+    mixed.indices.insert(mixed.indices.end(), {a, b, a});
+  }
+  Result<std::unique_ptr<Studio>> one =
+      Studio::create(write(document(plain), conditions.folder, "a"));
+  Result<std::unique_ptr<Studio>> two =
+      Studio::create(write(document(mixed), conditions.folder, "b"));
+  if (!one || !two) return no_studio((one ? two : one).error());
+  int differing = 0;
+  for (int i = 0; i < 6; ++i) {
+    const Camera camera = (*one)->camera(0, random.direction(), 4, kSize);
+    const TileKey key = (*one)->key_for(camera, 0, i % 2 ? kRelitTile : kLitTile);
+    const MadeTile a = (*one)->make_tile(key, 0), b = (*two)->make_tile(key, 0);
+    differing += a.header.content_hash == b.header.content_hash &&
+                         a.header.dz_hull == b.header.dz_hull && shown(a.tile) > 0
+                     ? 0
+                     : 1;
+    differing += (*one)->truth(camera).rgba == (*two)->truth(camera).rgba ? 0 : 1;
+  }
+  Checks checks;
+  checks.equal("tiles and truths that differ", differing, 0);
+  checks.holds("one key", (*one)->prepared().revision == (*two)->prepared().revision);
+  return checks.outcome();
+}
+
+// G9: against the adjugate in long double.
+Outcome flattened(const Conditions& conditions) {
+  const Shape shape = dented_ball();
+  test::Builder builder = document(shape);
+  builder.doc["nodes"][0]["scale"] = {1, 1e-6, 1};
+  const Result<Scene> scene = import_gltf(write(builder, conditions.folder, "flat"));
+  if (!scene) return no_studio(scene.error());
+  const Similarity& m = scene->instances[0].world_from_object;
+  double off_length = 0, off_direction = 0;
+  const std::vector<Vertex>& vertices = scene->objects[0].mesh.vertices;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < shape.vertices(); ++i) {
+    // Unused vertices are left out: found again by position.
+    const glm::dvec3 p(shape.positions[i * 3], shape.positions[i * 3 + 1] * 1e-6,
+                       shape.positions[i * 3 + 2]);
+    if (at >= vertices.size()) break;
+    const glm::dvec3 q =
+        glm::dquat(m.rotation) * (double{m.scale} * glm::dvec3(vertices[at].position));
+    if (glm::length(p - q) > 1e-6) continue;
+    const long double x = shape.normals[i * 3], y = shape.normals[i * 3 + 1] * 1e6L,
+                      z = shape.normals[i * 3 + 2];
+    const long double l = std::sqrt(x * x + y * y + z * z);
+    const glm::dvec3 n = glm::dquat(m.rotation) * glm::dvec3(vertices[at].normal);
+    off_length = std::max(off_length, std::abs(glm::length(glm::dvec3(vertices[at].normal)) - 1));
+    off_direction = std::max(off_direction, glm::length(n - glm::dvec3(x / l, y / l, z / l)));
+    ++at;
+  }
+  Checks checks;
+  checks.equal("vertices compared", static_cast<double>(at), static_cast<double>(vertices.size()));
+  checks.at_most("length off by", off_length, 1e-5);
+  checks.at_most("direction off by", off_direction, 1e-5);
+  return checks.outcome();
+}
+
+Lighting mirrored(Lighting lighting) {
+  for (Light& light : lighting.lights) {
+    light.direction.x = -light.direction.x;
+    light.position.x = -light.position.x;
+  }
+  return lighting;
+}
+
+Pixels mirrored(const Pixels& image, std::size_t width) {
+  Pixels out(image.size());
+  for (std::size_t i = 0; i < image.size() / 4; ++i) {
+    const std::size_t y = i / width, x = width - 1 - i % width;
+    std::memcpy(&out[i * 4], &image[(y * width + x) * 4], 4);
+  }
+  return out;
+}
+
+// G10: the mirrored scene from the mirrored eye under the mirrored light, mirrored back.
+Outcome mirror(const Conditions& conditions) {
+  test::Builder turned = document(dented_ball());
+  turned.doc["nodes"][0]["scale"] = {-1, 1, 1};
+  Result<std::unique_ptr<Studio>> plain =
+      Studio::create(write(document(dented_ball()), conditions.folder, "plain"));
+  Result<std::unique_ptr<Studio>> other =
+      Studio::create(write(turned, conditions.folder, "turned"));
+  if (!plain || !other) return no_studio((plain ? other : plain).error());
+  (*other)->set_light(mirrored((*plain)->light()));
+  int truth = 0;
+  for (const glm::dvec3& direction :
+       {glm::dvec3(0, 0, 1), glm::dvec3(0, 0.6, 0.8), glm::dvec3(0, 0, -1)}) {
+    const Camera camera = (*plain)->camera(0, direction, 4, kSize);
+    Camera there = camera;
+    const glm::dvec3 center = (*plain)->scene().instances[0].center;
+    there.pose.eye.x = -camera.pose.eye.x;
+    there.pose = look_at(there.pose.eye, {-center.x, center.y, center.z});
+    there.near_m = camera.near_m;
+    there.far_m = camera.far_m;
+    truth = std::max(truth, largest_difference((*plain)->truth(camera).rgba,
+                                               mirrored((*other)->truth(there).rgba, kSize)));
+  }
+  Checks checks;
+  checks.equal("largest difference", truth, 0);
+  return checks.outcome();
+}
+
+}  // namespace
+
+std::vector<Case> geometry_cases() {
+  std::vector<Case> cases = {
+      {"G1", "object without a vertex", "alpha 0, no draw", empty_mesh},
+      {"G2", "all vertices equal, as points and as triangles", "finite", one_point},
+      {"G3", "triangle edge-on, exactly and nearly", "<= 1 px, no NaN", edge_on},
+      {"G4", "a NaN and an infinite vertex among 1e6", "dropped, counted, box of the rest",
+       one_bad_vertex},
+      {"G5", "scale 1e-30 and 1e-20, of the node and of the mesh",
+       "image equals the plain one within 1 LSB", tiny},
+      {"G6", "scale 1e20, of the node and of the mesh", "image equals the plain one within 1 LSB",
+       huge},
+      {"G7", "offset 1e9 m", "image equals the plain one within 1 LSB", at_offset},
+      {"G8", "50 % triangles without area", "bitwise the mesh without them", zero_area},
+      {"G9", "scale (1, 1e-6, 1)", "unit normals to 1e-5", flattened},
+      {"G10", "mirroring scale", "bitwise the mirrored image", mirror},
+  };
+  for (const Case& one : geometry_file_cases()) cases.push_back(one);
+  return cases;
+}
+
+}  // namespace mirage::extreme

@@ -1,0 +1,141 @@
+// mirage-extreme: runs the stiff and extreme cases of NUMERICS section 6 and tells, for each, what
+// was fed, what must hold, what was measured.
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "protocol/cli.h"
+#include "tests/extreme/child_run.h"
+#include "tests/extreme/registry.h"
+
+namespace mirage::extreme {
+namespace {
+
+struct Options {
+  bool list = false, quick = false;
+  std::vector<std::string> only;  ///< ids, or letters for all of theirs
+  std::string json_file;
+  std::string child, folder;  ///< the one case to run for run_in_child(), and its folder
+};
+
+int parse(int argc, char** argv, Options& o) {
+  CLI::App app("Runs the stiff and extreme cases.", "mirage-extreme");
+  app.footer("Exit code 0: all passed; 6: some did not.");
+  app.add_flag("--list", o.list, "id, input and what must hold of each case");
+  app.add_option("--only", o.only, "ids or letters, with commas: G5,V")->delimiter(',');
+  app.add_flag("--quick", o.quick, "a tenth of the random inputs, shorter scripts");
+  app.add_option("--json", o.json_file, "write the rows here");
+  app.add_option("--child", o.child)->group("");
+  app.add_option("--folder", o.folder)->group("");
+  add_conventions(app);
+  return parse_command_line(app, argc, argv);
+}
+
+bool chosen(const Case& one, const std::vector<std::string>& only) {
+  if (only.empty()) return true;
+  for (const std::string& name : only) {
+    if (name == one.id || (name.size() == 1 && name[0] == one.id[0])) return true;
+  }
+  return false;
+}
+
+nlohmann::json value(const Value& v) {
+  if (const double* number = std::get_if<double>(&v)) return *number;
+  return std::get<std::string>(v);
+}
+
+std::string text(const Value& v) {
+  if (const double* number = std::get_if<double>(&v)) return number_text(*number);
+  return std::get<std::string>(v);
+}
+
+int list(const std::vector<Case>& cases) {
+  for (const Case& one : cases) {
+    std::printf("%-4s %s -> %s\n", one.id, one.input, one.must_hold);
+  }
+  return static_cast<int>(ExitCode::kOk);
+}
+
+/// Scratch files of a run, removed at its end.
+class Scratch {
+ public:
+  Scratch() {
+    path_ = (std::filesystem::temp_directory_path() / "mirage-extreme-XXXXXX").string();
+    if (!mkdtemp(path_.data())) path_ = ".";
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    if (path_ != ".") std::filesystem::remove_all(path_, ignored);
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+int run(const std::vector<Case>& cases, const Options& o) {
+  const Scratch scratch;
+  Conditions conditions;
+  conditions.quick = o.quick;
+  conditions.folder = scratch.path();
+  nlohmann::json rows = nlohmann::json::array();
+  int failed = 0;
+  for (const Case& one : cases) {
+    std::printf("%-4s ", one.id);
+    const ChildRun r = run_in_child(one, conditions);
+    failed += r.outcome.pass ? 0 : 1;
+    std::printf("%s %6.1f s %5ld MB  %s (%s)\n", r.outcome.pass ? "pass" : "FAIL", r.seconds,
+                r.peak_mb, text(r.outcome.measured).c_str(), text(r.outcome.limit).c_str());
+    std::fflush(stdout);
+    rows.push_back({{"id", one.id},
+                    {"case", one.input},
+                    {"must_hold", one.must_hold},
+                    {"measured", value(r.outcome.measured)},
+                    {"limit", value(r.outcome.limit)},
+                    {"pass", r.outcome.pass}});
+  }
+  std::printf("%zu of %zu passed\n", cases.size() - static_cast<std::size_t>(failed), cases.size());
+  if (!o.json_file.empty()) {
+    std::ofstream file(o.json_file);
+    file << rows.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    if (!file) return fail(make_error(ErrorId::kIo, "cannot write '" + o.json_file + "'"));
+  }
+  return static_cast<int>(failed == 0 ? ExitCode::kOk : ExitCode::kComparison);
+}
+
+int run_child(const std::vector<Case>& cases, const Options& o) {
+  Conditions conditions;
+  conditions.quick = o.quick;
+  conditions.folder = o.folder;
+  for (const Case& one : cases) {
+    if (o.child == one.id) run_as_child(one, conditions);
+  }
+  return static_cast<int>(ExitCode::kOk);
+}
+
+int main_of(int argc, char** argv) {
+  Options o;
+  if (const int code = parse(argc, argv, o); code >= 0) return code;
+  std::vector<Case> cases;
+  const std::vector<Case> all = all_cases();
+  if (!o.child.empty()) return run_child(all, o);
+  if (const std::optional<std::string> id = misplaced_id(all)) {
+    return fail(make_error(ErrorId::kInternal, "case " + *id + " is missing or there twice"));
+  }
+  std::copy_if(all.begin(), all.end(), std::back_inserter(cases),
+               [&](const Case& one) { return chosen(one, o.only); });
+  if (cases.empty()) return fail(make_error(ErrorId::kUsage, "no case has these ids"));
+  return o.list ? list(cases) : run(cases, o);
+}
+
+}  // namespace
+}  // namespace mirage::extreme
+
+int main(int argc, char** argv) { return mirage::extreme::main_of(argc, argv); }

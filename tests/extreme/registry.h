@@ -1,0 +1,25 @@
+#pragma once
+// All cases, a list for each letter of NUMERICS section 6. A letter's file defines its list; a new
+// letter is a declaration here and a line in registry.cpp.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/extreme/extreme_case.h"
+
+namespace mirage::extreme {
+
+std::vector<Case> geometry_cases();  ///< G
+std::vector<Case> view_cases();      ///< V
+std::vector<Case> lighting_cases();  ///< L
+std::vector<Case> alpha_cases();     ///< A
+std::vector<Case> depth_cases();     ///< D
+
+/// Every case in the order of NUMERICS.
+std::vector<Case> all_cases();
+
+/// Id that a letter which has any cases lacks or has twice; nothing when all is in order.
+std::optional<std::string> misplaced_id(const std::vector<Case>& cases);
+
+}  // namespace mirage::extreme
