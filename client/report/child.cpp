@@ -1,11 +1,11 @@
 #include "client/report/child.h"
 
 #include <fcntl.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -15,37 +15,41 @@
 #include <sstream>
 #include <thread>
 
-extern char** environ;
-
 namespace mirage {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr int kServerPatienceMs = 300'000;  // a large scene's levels of detail take minutes
+constexpr int kCannotRun = 127;
 constexpr int kStopPatienceMs = 10'000;
 
 int status_to_code(int status) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-// Standard output and error into files; a pipe nobody reads would stop the child.
+// Standard output and error into files: a pipe nobody reads would stop the child. It gets SIGTERM
+// when this process ends, however that happens.
 Result<int> spawn(const std::vector<std::string>& command, const std::string& out,
                   const std::string& err) {
   std::vector<char*> argv;
   for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  const int write_new = O_WRONLY | O_CREAT | O_TRUNC;
-  posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, 1, out.c_str(), write_new, 0600);
-  posix_spawn_file_actions_addopen(&files, 2, err.c_str(), write_new, 0600);
-  int pid = -1;
-  const int failed = posix_spawnp(&pid, argv[0], &files, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  if (failed != 0) {
-    return make_error(ErrorId::kIo, "cannot run '" + command[0] + "': " + std::strerror(failed));
+  const int write_new = O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC;
+  const int files[] = {open("/dev/null", O_RDONLY | O_CLOEXEC), open(out.c_str(), write_new, 0600),
+                       open(err.c_str(), write_new, 0600)};
+  const int parent = getpid();
+  const int pid = fork();
+  if (pid == 0) {  // only what is allowed between fork and exec
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent) _exit(kCannotRun);
+    for (int i = 0; i < 3; ++i) dup2(files[i], i);
+    execv(argv[0], argv.data());
+    _exit(kCannotRun);
+  }
+  for (const int file : files) close(file);
+  if (pid < 0) {
+    return make_error(ErrorId::kIo, "cannot run '" + command[0] + "': " + std::strerror(errno));
   }
   return pid;
 }

@@ -15,8 +15,8 @@ struct ChildResult {
   std::string out, err;
 };
 
-/// Runs a program (a path, or a name looked up in PATH) to its end, nothing on its standard input.
-/// Error kIo when it cannot be started.
+/// Runs a program, given by its path, to its end, nothing on its standard input; exit code 127 when
+/// there is none. Error kIo when no process can be made.
 Result<ChildResult> run_child(const std::vector<std::string>& command);
 
 /// First executable of that name in PATH; nullopt when there is none.

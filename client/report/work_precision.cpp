@@ -280,8 +280,9 @@ Result<void> one_scene(Context& context, const Sweep& sweep, const std::string& 
   if (!floor) return floor.error();
   std::vector<Setting> settings;
   std::vector<std::pair<std::string, Picture>> pictures;
-  for (const std::string& method : method_names()) {
-    for (const double tau : sweep.taus) {
+  // Methods beside each other in time: the machine's load drifts.
+  for (const double tau : sweep.taus) {
+    for (const std::string& method : method_names()) {
       spec.method = method;
       spec.tau_px = tau;
       spec.keep_picture = tau == 1;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "client/report/alpha_tested.h"
 #include "client/report/page.h"
 #include "client/report/pareto.h"
 #include "client/report/plot.h"
@@ -122,6 +123,34 @@ TEST(ReportPlot, IdsOfSeveralPicturesDoNotMeet) {
   EXPECT_EQ(svg,
             "<svg><g id=\"one_gnuplot_canvas\"/><circle id='one_gpDot'/>"
             "<use xlink:href='#one_gpDot'/></svg>");
+}
+
+std::vector<std::uint8_t> glb(std::string json) {
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::vector<std::uint8_t> out;
+  const auto word = [&](std::size_t v) {
+    for (int i = 0; i < 4; ++i) out.push_back(static_cast<std::uint8_t>(v >> (8 * i)));
+  };
+  word(0x46546c67), word(2), word(12 + 8 + json.size() + 12), word(json.size()), word(0x4e4f534a);
+  out.insert(out.end(), json.begin(), json.end());
+  word(4), word(0x004e4942), word(0x04030201);
+  return out;
+}
+
+TEST(AlphaTested, ChangesBlendedMaterialsAndNothingElse) {
+  const auto changed = alpha_tested(glb(
+      R"({"materials":[{"alphaMode":"BLEND","name":"leaf"},{"alphaMode":"OPAQUE"},{}],"x":[1.5]})"));
+  ASSERT_TRUE(changed.ok());
+  EXPECT_EQ(*changed, glb(R"({"materials":[{"alphaMode":"MASK","name":"leaf","alphaCutoff":0.5},)"
+                          R"({"alphaMode":"OPAQUE"},{}],"x":[1.5]})"));
+}
+
+TEST(AlphaTested, RefusesWhatIsNoGlb) {
+  std::vector<std::uint8_t> cut = glb("{}");
+  cut[12] = 255;  // a chunk longer than the file
+  EXPECT_EQ(alpha_tested(cut).error().id, ErrorId::kSceneFormat);
+  EXPECT_EQ(alpha_tested({}).error().id, ErrorId::kSceneFormat);
+  EXPECT_EQ(alpha_tested(glb("{")).error().id, ErrorId::kSceneFormat);
 }
 
 }  // namespace
