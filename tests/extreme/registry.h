@@ -10,7 +10,12 @@
 
 namespace mirage::extreme {
 
-std::vector<Case> view_cases();  ///< V
+std::vector<Case> view_cases();        ///< V
+std::vector<Case> texture_cases();     ///< T
+std::vector<Case> network_cases();     ///< N
+std::vector<Case> prediction_cases();  ///< P
+std::vector<Case> control_cases();     ///< C
+std::vector<Case> wire_cases();        ///< R
 
 /// Every case in the order of NUMERICS.
 std::vector<Case> all_cases();
