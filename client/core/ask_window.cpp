@@ -105,7 +105,7 @@ double AskWindow::update(std::int64_t now_us, std::int64_t held_back_us, bool id
   if (now_us < drain_until_us_) return 0;
   // Little came because little was asked for: that says nothing about the link.
   const double proven = std::min(window_, kInitialBytes);
-  if (arrivals_.size() < kFirstArrivals && held_back_us < kRateSpanUs) {
+  if (arrivals_.size() < kFirstArrivals && (idle || held_back_us < kRateSpanUs)) {
     return window_ = window_ > 0 ? proven : kInitialBytes;
   }
   const double rate = measured_rate(now_us);
