@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "protocol/stable_math.h"
+
 namespace mirage {
 namespace {
 
@@ -180,6 +182,15 @@ AnimationState evaluate(const Animation& animation, double t) {
   return state;
 }
 
+namespace {
+
+// Large matrices, each finite, may overflow together: such a vertex stays where it is bound.
+glm::vec3 placed_or(const glm::vec3& posed, const glm::vec3& bound) {
+  return is_finite(glm::dvec3(posed)) ? posed : bound;
+}
+
+}  // namespace
+
 void pose_vertices(const std::vector<Vertex>& bind, const Animation& animation, double clip_time_s,
                    std::vector<Vertex>& out) {
   const AnimationState state = evaluate(animation, clip_time_s);
@@ -195,7 +206,7 @@ void pose_vertices(const std::vector<Vertex>& bind, const Animation& animation, 
     const glm::mat4 m = blended_matrix(animation.vertices[i], state.object_from_bind);
     const glm::mat3 linear(m);
     const float side = glm::determinant(linear) < 0 ? -1.0f : 1.0f;
-    v.position = glm::vec3(m * glm::vec4(v.position, 1));
+    v.position = placed_or(glm::vec3(m * glm::vec4(v.position, 1)), bind[i].position);
     v.normal = unit_or(side * (cofactors(linear) * v.normal), bind[i].normal);
     const glm::vec3 along = linear * glm::vec3(v.tangent);
     const glm::vec3 flat = along - v.normal * glm::dot(v.normal, along);
@@ -213,7 +224,7 @@ void pose_positions(const std::vector<Vertex>& bind, const Animation& animation,
   });
   for (std::size_t i = 0; i < out.size(); ++i) {
     const glm::mat4 m = blended_matrix(animation.vertices[i], state.object_from_bind);
-    out[i] = glm::vec3(m * glm::vec4(out[i], 1));
+    out[i] = placed_or(glm::vec3(m * glm::vec4(out[i], 1)), bind[i].position);
   }
 }
 

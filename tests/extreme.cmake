@@ -3,18 +3,21 @@ add_executable(mirage-extreme
   extreme/main.cpp extreme/registry.cpp extreme/extreme_case.cpp extreme/child_run.cpp
   extreme/studio.cpp extreme/shapes.cpp
   extreme/geometry_cases.cpp extreme/geometry_file_cases.cpp
+  extreme/rig.cpp extreme/prediction_cases.cpp extreme/texture_cases.cpp
+  extreme/control_cases.cpp extreme/network_cases.cpp extreme/network_server_case.cpp
+  extreme/wire_samples.cpp extreme/wire_cases.cpp extreme/wire_server_cases.cpp
   extreme/view_cases.cpp extreme/view_bound_cases.cpp
   extreme/lighting_cases.cpp extreme/light_queue_case.cpp extreme/alpha_cases.cpp extreme/depth_cases.cpp
   gl/bench.cpp)
 mirage_target(mirage-extreme)
 target_compile_definitions(mirage-extreme PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-target_link_libraries(mirage-extreme PRIVATE mirage_test_support mirage_server_core mirage_client_core
+target_link_libraries(mirage-extreme PRIVATE mirage_test_support mirage_server_core mirage_client_core mirage_client_native
                       mirage_gltf mirage_quality CLI11::CLI11 nlohmann_json::nlohmann_json)
 # Cases that are about whole programs run them.
 add_dependencies(mirage-extreme mirage-server mirage-view)
 
 # One test for each letter, in the quick form: together they use all cores.
-foreach(letter G V L A D)
+foreach(letter G V L A D T N P C R)
   add_test(NAME extreme_${letter} COMMAND mirage-extreme --quick --only ${letter})
   set_tests_properties(extreme_${letter} PROPERTIES TIMEOUT 900)
 endforeach()

@@ -49,6 +49,12 @@ AtlasAllocator::AtlasAllocator(int edge, int layers) : edge_(edge) {
   for (int i = 0; i < layers; ++i) layers_.push_back({FreeList(edge), {}});
 }
 
+std::size_t AtlasAllocator::footprint(int w, int h) const {
+  const int width = std::min(round_up(w, kGranularity), edge_);
+  const int height = std::min(shelf_height(h), edge_);
+  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
 std::optional<AtlasSlot> AtlasAllocator::allocate(int w, int h) {
   if (w <= 0 || h <= 0 || w > edge_ || h > edge_) return std::nullopt;
   const int width = std::min(round_up(w, kGranularity), edge_);

@@ -22,6 +22,8 @@ class AtlasAllocator {
   std::optional<AtlasSlot> allocate(int w, int h);
   void release(const AtlasSlot& slot);
 
+  /// Texels a slot of this size takes, rounded up as it is.
+  std::size_t footprint(int w, int h) const;
   int edge() const { return edge_; }
   int layers() const { return static_cast<int>(layers_.size()); }
   std::size_t used_texels() const { return used_texels_; }

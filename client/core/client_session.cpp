@@ -44,7 +44,14 @@ void ClientSession::greet() {
   link_.send(encode_message(std::move(hello)));
 }
 
-Result<void> ClientSession::receive(std::int64_t now_us) {
+std::int64_t ClientSession::steady_us(std::int64_t now_us) {
+  if (now_us < told_us_) set_back_us_ += told_us_ - now_us;
+  told_us_ = now_us;
+  return now_us + set_back_us_;
+}
+
+Result<void> ClientSession::receive(std::int64_t told_us) {
+  const std::int64_t now_us = steady_us(told_us);
   if (link_.connected() && link_.generation() != generation_) greet();
   Result<void> first_error;
   for (Message& message : link_.receive()) {
@@ -127,11 +134,16 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   if (tile->channels != ask->need.channels) {
     return make_error(ErrorId::kWireValue, "tile has other channels than asked for");
   }
+  const ObjectDescription& object = scene_.objects[ask->object];
+  const Capture capture(ask->need.cell, ask->need.distance, object.radius, tile->edge);
+  // Another instance of the object got it meanwhile.
+  if (is_picture(tile->channels) &&
+      cache_.holds(ask->need.instance, capture, tile->relit(), ask->need.phase, ask->need.light)) {
+    return {};
+  }
   const auto codec = static_cast<TileCodec>(reply.codec);
   const Result<void> decoded = decode_tile_planes(planes.data(), planes.size(), codec, *tile);
   if (!decoded) return decoded.error();
-  const ObjectDescription& object = scene_.objects[ask->object];
-  const Capture capture(ask->need.cell, ask->need.distance, object.radius, tile->edge);
   if (!is_picture(tile->channels)) {
     take_shadow(*ask, capture, tile.take());
     return {};
@@ -234,7 +246,8 @@ void ClientSession::take_refusal(const wire::RefusedT& refused, std::int64_t now
   scheduler_.refuse(refused.request_id, now_us);
 }
 
-void ClientSession::set_lighting(const Lighting& lighting, std::int64_t now_us) {
+void ClientSession::set_lighting(const Lighting& lighting, std::int64_t told_us) {
+  const std::int64_t now_us = steady_us(told_us);
   own_lighting_ = true;
   lighting_ = lighting;
   if (!scene_.complete()) return;
@@ -271,8 +284,9 @@ void ClientSession::ask_reference(const Camera& camera, std::uint32_t supersampl
   link_.send(encode_message(std::move(request)));
 }
 
-DrawList ClientSession::frame(const Camera& camera, std::int64_t now_us,
+DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
                               const std::optional<glm::dvec2>& cursor_px) {
+  const std::int64_t now_us = steady_us(told_us);
   ++frame_;
   at_rest_ = false;
   if (!scene_.complete()) return {};

@@ -123,6 +123,9 @@ class ClientSession {
   void take_refusal(const wire::RefusedT& refused, std::int64_t now_us);
   void greet();
   void send_lighting();
+  /// Time that never goes back, whatever the caller's clock does: pauses would never end, and no
+  /// view sample would be newer than the last.
+  std::int64_t steady_us(std::int64_t now_us);
 
   Link& link_;
   const ClientOptions options_;
@@ -147,6 +150,8 @@ class ClientSession {
   bool reference_refused_ = false;
   bool moves_ = false;  ///< something of the scene is animated
   bool at_rest_ = false;
+  std::int64_t told_us_ = INT64_MIN;  ///< the caller's clock, when it was last told
+  std::int64_t set_back_us_ = 0;      ///< by how much it has been set back in all
   std::uint64_t frame_ = 0;
   double time_s_ = 0;  ///< of the animation, at the last frame
   std::uint64_t received_ = 0;

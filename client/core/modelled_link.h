@@ -31,6 +31,8 @@ class ModelledLink final : public Link {
   bool connected() const override;
   std::uint32_t generation() const override { return inner_.generation(); }
   LinkTraffic traffic() const override { return {bytes_up_, bytes_down_}; }
+  /// From now on the network is this one; what is on its way arrives as it would have.
+  void change(const NetModel& model) { model_ = model; }
 
  private:
   struct Item {
@@ -61,7 +63,7 @@ class ModelledLink final : public Link {
 
   Link& inner_;
   const Clock& clock_;
-  const NetModel model_;
+  NetModel model_;
   const bool blocking_;
   std::function<bool()> wait_;
   NetDelays delays_;

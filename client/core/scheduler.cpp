@@ -3,22 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/core/quantile.h"
 #include "protocol/limits.h"
 
 namespace mirage {
 namespace {
 
-constexpr double kInitialWindowBytes = 256 * 1024;
-constexpr double kLeastWindowBytes = 32 * 1024;
-constexpr std::int64_t kWindowSlackUs = 100'000;
-constexpr std::int64_t kRateSpanUs = 1'000'000;
 constexpr std::int64_t kRefusalPauseUs = 250'000;
 constexpr std::int64_t kAssetPauseUs = 5'000'000;
-constexpr std::int64_t kLostUs = 5'000'000;  // an ask without an answer is given up
-constexpr std::size_t kRoundTrips = 33;
+// An ask without an answer is given up after so long, then after twice as long: a link may be slow.
+constexpr std::int64_t kLostUs = 5'000'000;
+constexpr std::int64_t kLostAtMostUs = 120'000'000;
+constexpr int kLostTrips = 4;
 constexpr std::size_t kMaxAsksPerFrame = 256;  // the rest queue, worst first
-constexpr double kWindowGain = 2.0;            // finds a faster link by asking for a little more
 // Credit far ahead of the window: the window limits, credit only protects the client's memory.
 constexpr std::uint64_t kCreditAhead = 64u << 20;
 
@@ -30,6 +26,8 @@ double share_of_lit(const TileNeed& need) {
 
 }  // namespace
 
+Scheduler::Scheduler() : lost_us_(kLostUs) {}
+
 void Scheduler::reset() {
   pending_.clear();
   pending_wanted_.clear();
@@ -37,8 +35,8 @@ void Scheduler::reset() {
   assets_pending_.clear();
   assets_under_way_.clear();
   assets_not_before_us_.clear();
-  arrivals_.clear();
-  in_flight_bytes_ = asset_bytes_ = window_ = 0;
+  window_.reset();
+  in_flight_bytes_ = asset_bytes_ = 0;
   received_bytes_ = 0;
   saturated_since_us_ = -1;
 }
@@ -46,22 +44,6 @@ void Scheduler::reset() {
 double Scheduler::expected_bytes(const TileNeed& need) const {
   const double edge = tile_edge(need.size_class);
   return 160 + bytes_per_texel_ * share_of_lit(need) * edge * edge;
-}
-
-double Scheduler::window_bytes(std::int64_t now_us) const {
-  double received = 0;
-  std::int64_t first = now_us;
-  for (const Arrival& arrival : arrivals_) {
-    received += arrival.expected_bytes;
-    first = std::min(first, arrival.since_us);
-  }
-  // Little came because little was asked for: that says nothing about the link.
-  const double proven = std::min(window_, kInitialWindowBytes);
-  if (arrivals_.size() < 8) return window_ > 0 ? proven : kInitialWindowBytes;
-  const double span = static_cast<double>(std::max<std::int64_t>(now_us - first, 20'000));
-  const double trip = static_cast<double>(shortest_trip_us_ + kWindowSlackUs);
-  const double measured = std::max(kLeastWindowBytes, kWindowGain * received / span * trip);
-  return saturated_since_us_ < 0 ? std::max(measured, proven) : measured;
 }
 
 std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
@@ -72,10 +54,13 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   batch.lighting_id = lighting_id;
   std::set<std::uint32_t> needed;  // a phase that has passed comes again with the next loop
   for (const TileNeed& need : needs) needed.insert(need.instance);
+  bool lost_any = false;
   for (auto it = pending_.begin(); it != pending_.end();) {
     const PendingAsk& ask = it->second;
     const bool useless = needed.count(ask.need.instance) == 0;
-    if (useless || now_us - ask.sent_us > kLostUs) {
+    const bool lost = now_us - ask.sent_us > lost_us_;
+    lost_any = lost_any || lost;
+    if (useless || lost) {
       batch.cancels.push_back(it->first);
       in_flight_bytes_ -= ask.expected_bytes;
       pending_wanted_.erase(wanted(ask.need));
@@ -86,10 +71,11 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     }
     if (batch.cancels.size() >= limits::kMaxCancelsPerBatch) break;
   }
-  while (!arrivals_.empty() && arrivals_.front().at_us < now_us - kRateSpanUs) {
-    arrivals_.pop_front();
-  }
-  const double window = window_ = window_bytes(now_us);
+  if (lost_any) lost_us_ = std::min(2 * lost_us_, kLostAtMostUs);
+  const std::int64_t held_back_us =
+      saturated_since_us_ < 0 ? 0 : std::max<std::int64_t>(now_us - saturated_since_us_, 1);
+  const bool idle = pending_.empty() && assets_pending_.empty();
+  const double window = window_.update(now_us, held_back_us, idle);
   auto tile = needs.begin();
   auto asset = asset_needs.begin();
   bool held_back = false;
@@ -177,11 +163,7 @@ std::optional<AssetNeed> Scheduler::finish_asset(std::uint32_t request_id, std::
                                                  std::int64_t now_us) {
   const std::optional<PendingAsset> asset = end_asset(request_id);
   if (!asset) return std::nullopt;
-  // One large reply arrives at once, but its bytes took their time: since the one before it, at
-  // the earliest a round trip after it was asked for.
-  std::int64_t since = std::min(asset->sent_us + shortest_trip_us_, now_us);
-  if (!arrivals_.empty()) since = std::max(since, arrivals_.back().at_us);
-  arrivals_.push_back({since, now_us, bytes, asset->need.expected_bytes});
+  window_.asset_arrived(asset->sent_us, now_us, bytes, asset->need.expected_bytes);
   return asset->need;
 }
 
@@ -189,10 +171,10 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
                                             std::int64_t now_us) {
   received_bytes_ += bytes;
   const auto at = pending_.find(request_id);
-  const double expected =
-      at == pending_.end() ? static_cast<double>(bytes) : at->second.expected_bytes;
-  arrivals_.push_back({now_us, now_us, bytes, expected});
-  if (at == pending_.end()) return std::nullopt;
+  if (at == pending_.end()) {  // cancelled, and sent all the same
+    window_.asset_arrived(now_us, now_us, bytes, static_cast<double>(bytes));
+    return std::nullopt;
+  }
   const PendingAsk ask = at->second;
   pending_.erase(at);
   pending_wanted_.erase(wanted(ask.need));
@@ -200,10 +182,14 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
   const double edge = tile_edge(ask.need.size_class);
   const double as_lit = static_cast<double>(bytes) / share_of_lit(ask.need);
   bytes_per_texel_ += 0.05 * (as_lit / (edge * edge) - bytes_per_texel_);
+  // Older than what is given up: this machine has slept meanwhile, and it is no trip.
   const std::int64_t trip = now_us - ask.sent_us;
-  shortest_trip_us_ = shortest_trip_us_ == 0 ? trip : std::min(shortest_trip_us_, trip);
-  round_trips_us_.push_back(trip);
-  if (round_trips_us_.size() > kRoundTrips) round_trips_us_.pop_front();
+  if (trip > lost_us_) {
+    window_.asset_arrived(now_us, now_us, bytes, ask.expected_bytes);
+    return ask;
+  }
+  window_.tile_arrived(ask.sent_us, now_us, bytes, ask.expected_bytes);
+  lost_us_ = std::clamp(kLostTrips * trip, kLostUs, kLostAtMostUs);
   return ask;
 }
 
@@ -218,16 +204,6 @@ void Scheduler::refuse(std::uint32_t request_id, std::int64_t now_us) {
   pending_wanted_.erase(wanted(at->second.need));
   in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - at->second.expected_bytes);
   pending_.erase(at);
-}
-
-double Scheduler::rate_mbps() const {
-  double bytes = 0;
-  for (const Arrival& arrival : arrivals_) bytes += static_cast<double>(arrival.bytes);
-  return 8e-6 * bytes / (static_cast<double>(kRateSpanUs) * 1e-6);
-}
-
-std::int64_t Scheduler::round_trip_us() const {
-  return quantile(std::vector<std::int64_t>(round_trips_us_.begin(), round_trips_us_.end()), 0.5);
 }
 
 }  // namespace mirage

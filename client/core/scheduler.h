@@ -3,7 +3,8 @@
 // Input:  needs of this frame, replies as they come. Output: request batches (asks, cancels,
 //         credit); tiles and geometry share the window half and half while both want it.
 // Thread: the frame loop's.
-// Full:   what is in flight is held to rate x (RTT + 100 ms); needs beyond it wait, worst first.
+// Full:   what is in flight is held to the window (ask_window.h); needs beyond it wait, worst
+// first.
 
 #include <cstdint>
 #include <deque>
@@ -13,6 +14,7 @@
 #include <tuple>
 #include <vector>
 
+#include "client/core/ask_window.h"
 #include "client/core/selector.h"
 #include "protocol/message.h"
 
@@ -34,6 +36,7 @@ struct PendingAsset {
 
 class Scheduler {
  public:
+  Scheduler();
   /// Nothing asked so far will be answered (new connection, new scene).
   void reset();
 
@@ -55,26 +58,18 @@ class Scheduler {
                                         std::int64_t now_us);
 
   /// Measured request-to-reply time (median of the last), µs; the rest of the horizon is on top.
-  std::int64_t round_trip_us() const;
+  std::int64_t round_trip_us() const { return window_.round_trip_us(); }
   /// Seconds for which asks have been held back by the window without a break.
   double saturated_s(std::int64_t now_us) const {
     return saturated_since_us_ < 0 ? 0 : static_cast<double>(now_us - saturated_since_us_) * 1e-6;
   }
   /// Bytes down in the last second, as Mbit/s.
-  double rate_mbps() const;
+  double rate_mbps() const { return window_.rate_mbps(); }
   std::size_t in_flight() const { return pending_.size(); }
   std::uint64_t asked() const { return asked_; }
   std::uint64_t cancelled() const { return cancelled_; }
 
  private:
-  struct Arrival {
-    std::int64_t since_us = 0;  ///< when its first byte can have come
-    std::int64_t at_us = 0;
-    std::size_t bytes = 0;
-    /// What was counted as under way for it: the window is compared with that, and what one scene
-    /// compresses to says little about the next object.
-    double expected_bytes = 0;
-  };
   /// One ask at a time per instance for a picture, for its shadow and for its object as a caster,
   /// and per phase of a moving one: phases are asked for ahead.
   using Wanted = std::tuple<std::uint32_t, Phase, std::uint8_t>;
@@ -90,7 +85,6 @@ class Scheduler {
   /// Takes what is under way off the books.
   std::optional<PendingAsset> end_asset(std::uint32_t request_id);
   double expected_bytes(const TileNeed& need) const;
-  double window_bytes(std::int64_t now_us) const;
 
   std::map<std::uint32_t, PendingAsk> pending_;           ///< by request id
   std::map<Wanted, std::uint32_t> pending_wanted_;        ///< -> request id
@@ -98,12 +92,10 @@ class Scheduler {
   std::map<std::uint32_t, PendingAsset> assets_pending_;  ///< by request id
   std::set<AssetId> assets_under_way_;
   std::map<AssetId, std::int64_t> assets_not_before_us_;  ///< refused
-  std::deque<Arrival> arrivals_;                          ///< of the last second
-  std::deque<std::int64_t> round_trips_us_;
-  std::int64_t shortest_trip_us_ = 0;
+  AskWindow window_;
+  std::int64_t lost_us_;  ///< an ask this old is given up
   std::int64_t saturated_since_us_ = -1;
   double bytes_per_texel_ = 0.7;      ///< of lit tiles, learnt from both kinds
-  double window_ = 0;                 ///< bytes that may be under way
   double in_flight_bytes_ = 0;        ///< of tiles
   double asset_bytes_ = 0;            ///< of geometry and images, in flight
   std::uint64_t received_bytes_ = 0;  ///< of tiles, on this connection

@@ -438,7 +438,39 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
   in.scene->for_visible_roots(in.predicted, kViewGuard, visit);
   std::stable_sort(out.begin(), out.end(),
                    [](const TileNeed& a, const TileNeed& b) { return a.gain > b.gain; });
+  TileCache::Room room = in.cache->room(in.frame);
+  out.erase(std::remove_if(out.begin(), out.end(),
+                           [&](TileNeed& need) { return !fit_to_atlas(in, room, need); }),
+            out.end());
   return out;
+}
+
+bool Selector::fit_to_atlas(const SelectorInput& in, TileCache::Room& room, TileNeed& need) {
+  if (!is_picture(need.channels)) return true;
+  const TileGroup& group = *in.cache->group_to_draw(need.instance);
+  std::uint32_t shown_edge = 0;
+  for (const TileRecordPtr& tile : group.tiles) {
+    if (tile->last_drawn == in.frame) shown_edge = std::max(shown_edge, tile->capture.edge);
+  }
+  const std::size_t kept = shown_edge > 0 ? room.reserved : 0;
+  const std::size_t left = room.texels - std::min(room.texels, kept);
+  const std::uint8_t wanted = need.size_class;
+  const auto fits = [&] {
+    const std::uint32_t edge = tile_edge(need.size_class);
+    return edge < room.edge && in.cache->footprint(edge) <= left;
+  };
+  while (!fits()) {
+    if (need.size_class == 0) return false;
+    --need.size_class;
+  }
+  const std::uint32_t edge = tile_edge(need.size_class);
+  if (need.size_class < wanted && edge <= shown_edge) return false;
+  const InstanceView& view = in.scene->instances[need.instance];
+  const Capture capture(need.cell, need.distance, in.scene->objects[view.object].radius, edge);
+  const bool relit = need.channels == kRelitTile;
+  if (in.cache->holds(need.instance, capture, relit, need.phase, need.light)) return false;
+  if (room.texels != SIZE_MAX) room.texels -= std::min(room.texels, in.cache->footprint(edge));
+  return true;
 }
 
 std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) const {

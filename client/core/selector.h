@@ -115,6 +115,9 @@ class Selector {
   bool stands_in(const SelectorInput& in, const Candidate& candidate) const;
   void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);
   void add_need(const SelectorInput& in, std::uint32_t instance, std::vector<TileNeed>& out) const;
+  /// The need, coarser where the atlas is full; false: what would come is there already, or would
+  /// find no place.
+  static bool fit_to_atlas(const SelectorInput& in, TileCache::Room& room, TileNeed& need);
 
   std::vector<Shown> shown_;
 };

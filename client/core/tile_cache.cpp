@@ -14,10 +14,16 @@ constexpr std::size_t kMaxTilesPerGroup = 8;
 constexpr std::size_t kMaxMovingTilesPerGroup = 512;  // loops of a clip are drawn from them again
 constexpr std::size_t kMaxEmptyViews = 64;
 constexpr double kEmptyAngle = 0.02;  // radians around an empty view that count as empty, at least
+constexpr std::size_t kReservedShare = 8;  // of the atlas, when it is full, for first images
 constexpr int kGutter = 1;  // texels of nothing around a tile, so that filtering never bleeds
 
 // Apart from those of LightHistory, which are small numbers or well mixed.
 std::uint64_t relit_key(std::uint32_t object) { return ~std::uint64_t{object}; }
+
+// Of one object.
+bool same_picture(const Capture& a, const Capture& b) {
+  return a.basis.forward == b.basis.forward && a.distance == b.distance && a.edge == b.edge;
+}
 }  // namespace
 
 DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& description) const {
@@ -115,6 +121,7 @@ void TileCache::reset(const SceneView& scene, const Lighting& lighting) {
     while (!group.tiles.empty()) forget(group, 0);
   }
   groups_.clear();
+  refused_edge_ = UINT32_MAX;
   lights_.reset(scene, lighting);
 }
 
@@ -186,7 +193,11 @@ TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
   AtlasSlot slot;
   const int w = static_cast<int>(tile.crop.w) + 2 * kGutter;
   const int h = static_cast<int>(tile.crop.h) + 2 * kGutter;
-  if (!make_room(w, h, frame, slot)) return nullptr;
+  if (!make_room(w, h, frame, slot)) {
+    refused_edge_ = capture.edge;
+    refused_at_texels_ = texels_in_view(frame);
+    return nullptr;
+  }
   auto record = std::make_shared<TileRecord>();
   record->object = scene.instances[instance].object;
   record->serial = next_serial_++;
@@ -204,6 +215,47 @@ TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
   ++resident_;
   trim(group, frame);
   return record;
+}
+
+bool TileCache::holds(std::uint32_t instance, const Capture& capture, bool relit, Phase phase,
+                      std::uint32_t light) const {
+  const LightHistory::State* state = light == 0 ? &lights_.current() : lights_.find(light);
+  if (!state) return false;
+  const TileGroup* group =
+      find(relit ? relit_key(lights_.object_of(instance)) : lights_.key(instance, *state));
+  if (!group) return false;
+  return std::any_of(group->tiles.begin(), group->tiles.end(), [&](const TileRecordPtr& tile) {
+    return tile->relit == relit && tile->phase == phase && same_picture(tile->capture, capture);
+  });
+}
+
+std::size_t TileCache::texels_in_view(std::uint64_t frame) const {
+  std::size_t texels = 0;
+  for (const auto& [key, group] : groups_) {
+    for (const TileRecordPtr& tile : group.tiles) {
+      if (tile->last_drawn + 1 >= frame) texels += allocator_.footprint(tile->slot.w, tile->slot.h);
+    }
+  }
+  return texels;
+}
+
+std::size_t TileCache::footprint(std::uint32_t edge) const {
+  const int side = static_cast<int>(edge) + 2 * kGutter;
+  return allocator_.footprint(side, side);
+}
+
+TileCache::Room TileCache::room(std::uint64_t frame) const {
+  const auto edge = static_cast<std::size_t>(allocator_.edge());
+  const std::size_t all = edge * edge * static_cast<std::size_t>(allocator_.layers());
+  Room out;
+  out.edge = static_cast<std::uint32_t>(edge) + 1;  // a tile's own guard makes up for the gutter
+  if (refused_edge_ == UINT32_MAX && allocator_.used_texels() < all / 2) return out;
+  const std::size_t in_view = texels_in_view(frame);
+  out.texels = all > in_view ? all - in_view : 0;
+  out.reserved = all / kReservedShare;
+  // What found no place before will find none now, unless much has left the view.
+  if (4 * in_view >= 3 * refused_at_texels_) out.edge = std::min(out.edge, refused_edge_);
+  return out;
 }
 
 bool TileCache::make_room(int w, int h, std::uint64_t frame, AtlasSlot& slot) {

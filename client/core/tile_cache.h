@@ -2,7 +2,8 @@
 // Tile cache: which tiles the client holds, for whom, and where in the atlas.
 // Thread: the frame loop's.
 // Full:   tiles drawn longest ago go first; a tile drawn in the current frame is never evicted, a
-//         new one is then left out.
+//         new one is then left out. room() says beforehand what will be, so that coarser tiles are
+//         asked for, or none.
 
 #include <cstdint>
 #include <memory>
@@ -105,12 +106,28 @@ class TileCache {
                        Tile tile, std::uint64_t frame, std::int64_t now_us, std::uint32_t light = 0,
                        Phase phase = kStaticPhase);
 
+  /// Whether this very tile is there: once more it would bring nothing. `light` as for insert().
+  bool holds(std::uint32_t instance, const Capture& capture, bool relit, Phase phase,
+             std::uint32_t light) const;
+
+  /// What a new tile can be given without taking from what is in view.
+  struct Room {
+    std::size_t texels = SIZE_MAX;    ///< in all
+    std::size_t reserved = 0;         ///< of them, for instances that show nothing yet
+    std::uint32_t edge = UINT32_MAX;  ///< a tile of this edge, or a larger one, finds no place
+  };
+  Room room(std::uint64_t frame) const;
+  /// Of `room`, what a tile of this edge takes at most.
+  std::size_t footprint(std::uint32_t edge) const;
+
   std::size_t resident() const { return resident_; }
   std::size_t groups() const { return groups_.size(); }
   std::size_t atlas_texels() const { return allocator_.used_texels(); }
 
  private:
   const TileGroup* find(std::uint64_t key) const;
+  /// Texels of tiles that may not be evicted in this frame.
+  std::size_t texels_in_view(std::uint64_t frame) const;
   void drop_past_groups();
   bool make_room(int w, int h, std::uint64_t frame, AtlasSlot& slot);
   bool evict_oldest(std::uint64_t frame);
@@ -124,6 +141,9 @@ class TileCache {
   std::unordered_map<std::uint64_t, TileGroup> groups_;
   std::uint64_t next_serial_ = 1;
   std::size_t resident_ = 0;
+  /// The last tile that found no place, and how much was in view then.
+  std::uint32_t refused_edge_ = UINT32_MAX;
+  std::size_t refused_at_texels_ = 0;
 };
 
 }  // namespace mirage

@@ -1,10 +1,6 @@
 // Wrong use, broken scenes, vanished servers, hostile clients.
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <csignal>
 #include <fstream>
@@ -13,6 +9,7 @@
 #include <thread>
 
 #include "tests/support/process.h"
+#include "tests/support/raw_peer.h"
 
 namespace mirage::test {
 namespace {
@@ -110,51 +107,10 @@ TEST(Failure, ViewerComesBackWithTheServer) {
   EXPECT_NE(view.output.find("server is back"), std::string::npos) << view.output;
 }
 
-// A raw TCP connection, for saying what no client library would.
-class RawPeer {
- public:
-  explicit RawPeer(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    connected_ = connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0;
-    timeval limit{2, 0};
-    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof(limit));
-  }
-  ~RawPeer() { close(socket_); }
-  bool connected() const { return connected_; }
-  void say(const std::string& bytes) {
-    [[maybe_unused]] const ssize_t n = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-  }
-  std::string hear() {
-    char buffer[4096];
-    const ssize_t n = recv(socket_, buffer, sizeof(buffer), 0);
-    return n > 0 ? std::string(buffer, static_cast<std::size_t>(n)) : "";
-  }
-
- private:
-  int socket_;
-  bool connected_ = false;
-};
-
-std::string upgrade(const std::string& version, const std::string& key) {
-  return "GET / HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-         "Sec-WebSocket-Protocol: mirage\r\nSec-WebSocket-Version: " +
-         version + "\r\nSec-WebSocket-Key: " + key + "\r\n\r\n";
-}
-
-// A masked client frame (mask 0: the payload stays readable).
-std::string frame(int opcode, const std::string& payload) {
-  std::string out(1, static_cast<char>(0x80 | opcode));
-  out += static_cast<char>(0x80 | payload.size());
-  return out + std::string(4, '\0') + payload;
-}
-
 TEST(Failure, HostilePeersHurtNobodyElse) {
   const Server server("builtin:knot");
   ASSERT_TRUE(server.ready()) << server.log();
-  const std::string key = "dGhlIHNhbXBsZSBub25jZQ==";
+  const std::string key = kUpgradeKey;
   {
     RawPeer junk(server.port());
     ASSERT_TRUE(junk.connected());

@@ -10,11 +10,16 @@
 
 namespace mirage::extreme {
 
-std::vector<Case> geometry_cases();  ///< G
-std::vector<Case> view_cases();      ///< V
-std::vector<Case> lighting_cases();  ///< L
-std::vector<Case> alpha_cases();     ///< A
-std::vector<Case> depth_cases();     ///< D
+std::vector<Case> geometry_cases();    ///< G
+std::vector<Case> view_cases();        ///< V
+std::vector<Case> lighting_cases();    ///< L
+std::vector<Case> alpha_cases();       ///< A
+std::vector<Case> depth_cases();       ///< D
+std::vector<Case> texture_cases();     ///< T
+std::vector<Case> network_cases();     ///< N
+std::vector<Case> prediction_cases();  ///< P
+std::vector<Case> control_cases();     ///< C
+std::vector<Case> wire_cases();        ///< R
 
 /// Every case in the order of NUMERICS.
 std::vector<Case> all_cases();

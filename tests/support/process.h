@@ -34,6 +34,7 @@ class Server {
 
   bool ready() const { return port_ > 0; }
   int port() const { return port_; }
+  int pid() const { return pid_; }
   std::string url() const { return "ws://127.0.0.1:" + std::to_string(port_); }
   /// Ends it with `signal` and gives the exit code.
   int stop(int signal);

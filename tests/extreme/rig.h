@@ -1,0 +1,136 @@
+#pragma once
+// A server and a client in one process and on virtual time: the shipped sessions, queue, store,
+// codecs, modelled link and client session. Only the pixels of the tiles are made up; they are a
+// pure function of the key and compress like real ones.
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "client/core/client_session.h"
+#include "client/core/modelled_link.h"
+#include "server/session.h"
+
+namespace mirage::extreme {
+
+/// Seconds of CPU this thread has used: what the machine's other users do is not counted.
+double thread_seconds();
+
+/// A clock set by hand, also backwards.
+class HandClock final : public Clock {
+ public:
+  std::int64_t now_us() const override { return now_us_; }
+  void set_us(std::int64_t t) { now_us_ = t; }
+
+ private:
+  std::int64_t now_us_ = 0;
+};
+
+/// What a scene of the rig consists of.
+struct RigScene {
+  int objects = 24;      ///< each with one instance, in rows on the ground
+  double spacing_m = 4;  ///< between them; radius of each about 1 m
+  double clip_s = 0;     ///< of the animation of every object; 0: they stand still
+};
+/// A knot, many times: described, not drawn.
+std::shared_ptr<const PreparedScene> rig_scene(const RigScene& options);
+
+/// The server without sockets and without a renderer.
+class Host {
+ public:
+  Host(std::shared_ptr<const PreparedScene> scene, const Clock& clock, SessionOptions options);
+
+  SessionHub& hub() { return *hub_; }
+  TileQueue& queue() { return queue_; }
+  /// Renders at most `count` of the tiles that wait; how many it were.
+  std::size_t render(std::size_t count = SIZE_MAX);
+  /// All that the client may be sent now.
+  std::vector<Message> messages_for(SessionId id);
+  /// CPU seconds spent here.
+  double busy_s() const { return busy_s_; }
+  void add_busy(double seconds) { busy_s_ += seconds; }
+
+ private:
+  StoredTilePtr make(const TileJob& job) const;
+
+  std::shared_ptr<const PreparedScene> scene_;
+  Counters counters_;
+  TileQueue queue_;
+  TileStore store_{64u << 20, "", counters_};
+  BoundedQueue<ImageLevel> image_jobs_{16};
+  std::unique_ptr<SessionHub> hub_;
+  double busy_s_ = 0;
+};
+
+/// A client's connection to the host. On its own it answers at once and renders all that is asked.
+class HostLink final : public Link {
+ public:
+  explicit HostLink(Host& host, bool renders = true) : host_(host), renders_(renders) { connect(); }
+  void send(Bytes bytes) override;
+  std::vector<Message> receive() override;
+  bool connected() const override { return up_; }
+  std::uint32_t generation() const override { return generation_; }
+  LinkTraffic traffic() const override { return {}; }
+
+  /// A new connection.
+  void connect();
+  void disconnect();
+  SessionId id() const { return id_; }
+  /// What the server held against this client; empty: nothing.
+  const std::string& complaint() const { return complaint_; }
+  std::uint64_t batches() const { return batches_; }
+
+ private:
+  Host& host_;
+  bool renders_;
+  bool up_ = false;
+  SessionId id_ = 0;
+  std::uint32_t generation_ = 0;
+  std::string complaint_;
+  std::uint64_t batches_ = 0;
+};
+
+/// A client and its link.
+struct RigOptions {
+  NetModel net;
+  ClientOptions client;
+  std::int64_t frame_us = 16'667;
+  /// Put between the session and the modelled link.
+  std::function<std::unique_ptr<Link>(Link&)> wrap;
+};
+
+class Rig {
+ public:
+  Rig(std::shared_ptr<const PreparedScene> scene, const RigOptions& options);
+
+  /// One frame of the client at the present time, then the next frame's time.
+  DrawList frame(const Pose& pose);
+  /// Frames without end of `seconds`; `pose` by seconds since the rig began.
+  DrawList run(double seconds, const std::function<Pose(double)>& pose);
+
+  double now_s() const { return static_cast<double>(clock.now_us()) * 1e-6; }
+  /// CPU milliseconds of each frame, the host's left out.
+  std::vector<double> frame_ms;
+  /// Added to the time the client is told.
+  std::int64_t client_offset_us = 0;
+  std::uint64_t uploaded_bytes = 0;
+
+  HandClock clock, server_clock;
+  Host host;
+  HostLink server_link;
+  ModelledLink link;
+  std::unique_ptr<Link> wrapped;
+  ClientSession session;
+  Camera camera;
+  std::function<void(const TileRecord&, const TilePixels&)> on_tile;
+  std::vector<std::string> errors;  ///< of receive(), in words
+
+ private:
+  TileSink sink();
+  std::int64_t frame_us_;
+};
+
+/// The eye 1.7 m up at `at`, looking at `target`.
+Pose eye_at(const glm::dvec3& at, const glm::dvec3& target = {0, 0, 0});
+
+}  // namespace mirage::extreme

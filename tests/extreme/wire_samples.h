@@ -1,0 +1,37 @@
+#pragma once
+// Valid bytes of every kind a peer sends, and what decoding them as the programs do comes to.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "protocol/message.h"
+#include "protocol/model_codec.h"
+
+namespace mirage::extreme {
+
+/// Bytes, and a decoder for them.
+struct WireSample {
+  std::string name;
+  Bytes bytes;
+  /// True when they are accepted. `not_finite` counts floats of the result that are NaN or
+  /// infinite.
+  std::function<bool(const Bytes& bytes, int& not_finite)> accepts;
+};
+
+/// Every message, every kind of tile, geometry, images.
+std::vector<WireSample> wire_samples();
+
+/// A file of the fuzzers' corpus, "tile/zstd_9x8".
+Bytes corpus(const std::string& name);
+
+/// The process's own largest use of memory so far, in bytes: of addresses, or, where a sanitizer
+/// reserves those, of resident pages.
+std::size_t peak_bytes();
+/// The same of another process; 0 when it is gone.
+std::size_t peak_bytes_of(int pid);
+
+/// FNV-1a.
+std::uint64_t hash_of(const Bytes& bytes);
+
+}  // namespace mirage::extreme

@@ -1,0 +1,116 @@
+// The window of what may be under way, on a plant: a link with a queue (NUMERICS section 4).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <vector>
+
+#include "client/core/ask_window.h"
+
+namespace mirage {
+namespace {
+
+constexpr std::size_t kTile = 8000;
+constexpr std::int64_t kStepUs = 5'000;
+
+/// A client that always wants more than the link carries.
+struct Plant {
+  double rate_mbps = 20;
+  std::int64_t rtt_us = 50'000;
+
+  void run(double seconds) {
+    const std::int64_t end = now_us + std::llround(seconds * 1e6);
+    for (; now_us < end; now_us += kStepUs) {
+      while (!under_way.empty() && under_way.front().arrives_us <= now_us) {
+        window.tile_arrived(under_way.front().sent_us, now_us, kTile, kTile);
+        under_way.pop_front();
+        received += kTile;
+      }
+      const double bytes =
+          window.update(now_us, std::max<std::int64_t>(now_us - began_us, 1), under_way.empty());
+      while (static_cast<double>(under_way.size() * kTile) < bytes) {
+        const auto cost = static_cast<std::int64_t>(8.0 * kTile / rate_mbps);
+        free_us = std::max(free_us, now_us + rtt_us / 2) + cost;
+        const std::int64_t last = under_way.empty() ? 0 : under_way.back().arrives_us;
+        under_way.push_back({now_us, std::max(free_us + rtt_us / 2, last)});
+      }
+      history.push_back(static_cast<double>(under_way.size() * kTile));
+    }
+  }
+  /// Most and least under way in the last `seconds`.
+  std::pair<double, double> range(double seconds) const {
+    const auto n = static_cast<std::ptrdiff_t>(seconds * 1e6 / kStepUs);
+    const auto [low, high] = std::minmax_element(history.end() - n, history.end());
+    return {*low, *high};
+  }
+  double bound() const {
+    // A tile more, as what fits is asked for whole, and one whose own time on the link is no queue.
+    return rate_mbps * 0.125 * static_cast<double>(rtt_us + 50'000) + 2.0 * kTile;
+  }
+
+  struct Reply {
+    std::int64_t sent_us, arrives_us;
+  };
+  AskWindow window;
+  std::deque<Reply> under_way;
+  std::vector<double> history;
+  std::int64_t now_us = 0, began_us = 0, free_us = 0;
+  std::size_t received = 0;
+};
+
+TEST(CoreWindow, SettlesAtTheBoundAndFillsTheLink) {
+  for (const double rate : {5.0, 20.0, 100.0}) {
+    for (const std::int64_t rtt : {10'000, 50'000, 200'000}) {
+      Plant plant;
+      plant.rate_mbps = rate;
+      plant.rtt_us = rtt;
+      plant.run(6);
+      const std::size_t before = plant.received;
+      plant.run(10);
+      const double used = static_cast<double>(plant.received - before) * 8e-6 / 10 / rate;
+      EXPECT_LE(plant.range(10).second, plant.bound()) << rate << " Mbit/s, " << rtt << " us";
+      EXPECT_GE(used, 0.9) << rate << " Mbit/s, " << rtt << " us";
+    }
+  }
+}
+
+TEST(CoreWindow, FollowsASlowerLinkAndAFasterOne) {
+  Plant plant;
+  plant.run(6);
+  plant.rate_mbps = 4;
+  plant.run(2);
+  plant.history.clear();
+  plant.run(4);
+  EXPECT_LE(plant.range(4).second, plant.bound());
+  plant.rate_mbps = 40;
+  plant.run(6);
+  const std::size_t before = plant.received;
+  plant.run(5);
+  EXPECT_GE(static_cast<double>(plant.received - before) * 8e-6 / 5, 0.85 * 40);
+}
+
+TEST(CoreWindow, ALongerRoundTripIsFoundOut) {
+  Plant plant;
+  plant.rate_mbps = 10;
+  plant.rtt_us = 20'000;
+  plant.run(8);
+  plant.rtt_us = 400'000;
+  plant.run(20);
+  const std::size_t before = plant.received;
+  plant.run(20);
+  EXPECT_GE(static_cast<double>(plant.received - before) * 8e-6 / 20, 0.7 * 10);
+  EXPECT_LE(plant.range(20).second, plant.bound());
+}
+
+TEST(CoreWindow, ASleepIsNoRate) {
+  AskWindow window;
+  EXPECT_EQ(window.update(0, 0, true), 256 * 1024);
+  for (int i = 1; i <= 20; ++i) window.tile_arrived(i * 1000, i * 1000 + 50'000, 1000, 1000);
+  const std::int64_t hour = 3'600'000'000;
+  EXPECT_LE(window.update(hour, 0, true), 256 * 1024);
+  EXPECT_EQ(window.rate_mbps(), 0);
+}
+
+}  // namespace
+}  // namespace mirage
