@@ -26,6 +26,13 @@ struct OpenScene {
   std::string url;
   std::unique_ptr<ServerProcess> server;
   std::unique_ptr<TruthSource> truth;
+
+  /// A walk, or once around what is a single thing to look at.
+  std::string path() const {
+    constexpr std::size_t kSingleThing = 10;
+    const bool single = truth->scene().instances.size() < kSingleThing;
+    return single ? "builtin:orbit" : "builtin:walk";
+  }
 };
 
 struct Context {

@@ -108,7 +108,7 @@ std::vector<Setting> settings(const Model& model, bool quick) {
   for (const double degrees : {5.0, 10.0}) {
     for (const char* method : {"quad", "warp", "depth"}) out.push_back({4, degrees, method});
   }
-  if (model.published) out.push_back({4, 0, "fixed8"});
+  if (model.published) out.push_back({4, NAN, "fixed8"});  // as far aside as it happens to be
   return out;
 }
 
@@ -176,8 +176,8 @@ Result<Row> measure(Bench& bench, const Model& model, const Setting& setting, in
   for (int i = 0; i < kDirections; i += step) {
     const glm::dvec3 direction = field_direction(i);
     const Camera camera = field_camera(scene, setting.radii, direction);
-    const Camera from =
-        field_camera(scene, setting.radii, turned(direction, setting.offset_deg, 2.4 * i));
+    const double aside = std::isnan(setting.offset_deg) ? 0 : setting.offset_deg;
+    const Camera from = field_camera(scene, setting.radii, turned(direction, aside, 2.4 * i));
     const Result<DrawList> list =
         setting.method == "fixed8" ? bench.probe->eight_views(camera)
                                    : bench.probe->capture(from, camera, method_of(setting.method));
@@ -201,7 +201,7 @@ Result<Row> measure(Bench& bench, const Model& model, const Setting& setting, in
 }
 
 bool worth_a_picture(const Setting& s) {
-  return s.radii == 4 && (s.method != "warp") && s.offset_deg < 10;
+  return s.radii == 4 && (s.method != "warp") && !(s.offset_deg >= 10);
 }
 
 Result<void> one_model(Context& context, const Model& model, std::vector<Row>& rows) {
@@ -222,8 +222,8 @@ Result<void> one_model(Context& context, const Model& model, std::vector<Row>& r
   context.page.heading(fmt::format("{}, {}, {} directions", model.name, model.light,
                                    (kDirections + step - 1) / step));
   for (const Setting& setting : settings(model, context.options.quick)) {
-    context.progress.step(fmt::format("{}, {:g} r, {:g} degrees, {}", model.name, setting.radii,
-                                      setting.offset_deg, setting.method));
+    context.progress.step(fmt::format("{}, {:g} r, {} degrees, {}", model.name, setting.radii,
+                                      figure(setting.offset_deg), setting.method));
     std::optional<Picture> picture;
     const Result<Row> row = measure(bench, model, setting, step, picture);
     if (!row) {
@@ -234,9 +234,9 @@ Result<void> one_model(Context& context, const Model& model, std::vector<Row>& r
     rows.push_back(*row);
     if (!picture || !worth_a_picture(setting)) continue;
     const Result<void> shown = context.page.pictures(
-        fmt::format("{}, {:g} radii, captured {:g} degrees aside, {}: as drawn, full render, "
+        fmt::format("{}, {:g} radii, captured {} degrees aside, {}: as drawn, full render, "
                     "difference times 2",
-                    model.name, setting.radii, setting.offset_deg, setting.method),
+                    model.name, setting.radii, figure(setting.offset_deg), setting.method),
         *picture);
     if (!shown) return shown;
   }
@@ -254,7 +254,7 @@ std::string json_of(const std::vector<Row>& rows) {
     list.push_back({{"model", row.model.name},
                     {"light", row.model.light},
                     {"distance_r", row.setting.radii},
-                    {"offset_deg", row.setting.offset_deg},
+                    {"offset_deg", number(row.setting.offset_deg)},
                     {"method", row.setting.method},
                     {"psnr_db", number(row.psnr_db)},
                     {"ssim", number(row.ssim)},

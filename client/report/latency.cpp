@@ -24,7 +24,7 @@ bool is_video(const std::string& method) { return method.rfind("video", 0) == 0;
 RunSpec spec_of(const LatencyPlan& plan, const OpenScene& scene, const Condition& condition) {
   RunSpec spec;
   spec.url = scene.url;
-  spec.path = condition.path;
+  spec.path = condition.path.empty() ? scene.path() : condition.path;
   spec.net = condition.net;
   spec.width = plan.width;
   spec.height = plan.height;
@@ -53,13 +53,15 @@ void run_condition(Context& context, const LatencyPlan& plan, OpenScene& scene,
                    const Condition& condition, std::vector<LatencyRun>& out) {
   RunSpec spec = spec_of(plan, scene, condition);
   const std::string where = fmt::format("{}, {}, RTT {:g} ms, {:g} Mbit/s", scene.name,
-                                        condition.path.substr(condition.path.find(':') + 1),
+                                        spec.path.substr(spec.path.find(':') + 1),
                                         condition.net.rtt_ms, condition.net.rate_mbps);
   context.progress.step(where);
   const auto keep = [&](LatencyRun run, const std::string& method) {
     run.scene = scene.name;
     run.method = method;
     run.condition = condition;
+    run.condition.path = spec.path;
+    run.own_path = condition.path.empty();
     out.push_back(std::move(run));
   };
 #ifdef MIRAGE_HAS_VIDEO

@@ -23,14 +23,14 @@ NetModel link(double rtt, double jitter, double rate, double loss, std::uint64_t
 LatencyPlan latency_plan(bool quick) {
   LatencyPlan plan;
   plan.methods = {"video", "video+timewarp", "geometry", "mirage"};
-  const std::string walk = "builtin:walk";
+  const std::string own;
   if (quick) {
     plan.scenes = {"builtin:clutter?objects=150"};
     plan.width = 240;
     plan.height = 135;
     for (const double rtt : {0, 50, 100, 200, 400}) {
       for (const double rate : {2, 5, 20}) {  // 50 would be no limit for a picture this small
-        plan.conditions.push_back({walk, link(rtt, 0, rate, 0, 1)});
+        plan.conditions.push_back({own, link(rtt, 0, rate, 0, 1)});
       }
     }
     return plan;
@@ -46,14 +46,14 @@ LatencyPlan latency_plan(bool quick) {
                                              {100, 20}, {200, 40}, {400, 100}};
   for (const auto& [rtt, jitter] : trips) {
     for (const double rate : {2, 5, 10, 20, 50, 100}) {
-      plan.conditions.push_back({walk, link(rtt, jitter, rate, 0, 1)});
+      plan.conditions.push_back({own, link(rtt, jitter, rate, 0, 1)});
     }
     for (const std::uint64_t seed : {2, 3}) {
-      plan.conditions.push_back({walk, link(rtt, jitter, 20, 0, seed)});
+      plan.conditions.push_back({own, link(rtt, jitter, 20, 0, seed)});
     }
   }
   for (const double loss : {0.1, 1.0}) {
-    plan.conditions.push_back({walk, link(100, 20, 20, loss, 1)});
+    plan.conditions.push_back({own, link(100, 20, 20, loss, 1)});
   }
   for (const char* path : {"still", "orbit", "fly", "shake", "strafe", "teleport"}) {
     plan.conditions.push_back({std::string("builtin:") + path, link(100, 20, 20, 0, 1)});

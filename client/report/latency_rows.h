@@ -11,7 +11,7 @@ namespace mirage {
 
 /// One link and path under which all methods are run.
 struct Condition {
-  std::string path;
+  std::string path;  ///< empty: the scene's own (OpenScene::path), of which the plots are
   NetModel net;
 };
 
@@ -36,6 +36,7 @@ struct LatencySample {
 struct LatencyRun {
   std::string scene, method;
   Condition condition;
+  bool own_path = true;
   std::vector<LatencySample> samples;
   double mbps = 0, first_image_ms = -1;
 };

@@ -13,11 +13,10 @@ namespace {
 constexpr double kLongTripMs = 100;
 constexpr double kAim = 0.7;  // p95 FLIP of Mirage over that of video with timewarp, FIELD.md
 
-// Runs of the walk without loss and with the first seed: the grid the plots show.
+// Runs on the scene's own path without loss and with the first seed: the grid the plots show.
 bool in_grid(const LatencyRun& run, const std::string& scene) {
   const NetModel& net = run.condition.net;
-  return run.scene == scene && run.condition.path == "builtin:walk" && net.loss_percent == 0 &&
-         net.seed == 1;
+  return run.scene == scene && run.own_path && net.loss_percent == 0 && net.seed == 1;
 }
 
 struct Grid {
@@ -206,7 +205,7 @@ void show_latency(Context& context, const LatencyPlan& plan, const std::vector<L
     if (grid.at.empty()) continue;
     Page& page = context.page;
     page.heading(scene);
-    const std::string walk = scene + ", walk: ";
+    const std::string walk = scene + ": ";
     context.plot(fmt::format("latency_flip_{}", index),
                  panels(grid, plan, &LatencyFigures::flip_p95, "FLIP, p95", error_floor), 3,
                  walk + "the picture's error against round trip and rate.");

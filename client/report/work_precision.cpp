@@ -268,6 +268,7 @@ Result<void> one_scene(Context& context, const Sweep& sweep, const std::string& 
   SessionRunner& runner = *context.runner;
   RunSpec spec;
   spec.url = scene.url;
+  spec.path = scene.path();
   spec.mesh_radii = kMeshRadii;
   spec.net = link_for(sweep);
   spec.width = sweep.width;
@@ -326,7 +327,8 @@ void explain(Context& context, const Sweep& sweep) {
   page.section(kPart, "Error against run time");
   page.command(context.options.command_line);
   page.paragraph(fmt::format(
-      "How it was measured: a walk of {:.1f} s at {:g} frames a second, {}x{} pixels, 100 ms round "
+      "How it was measured: a walk (around a single object: an orbit) of {:.1f} s at {:g} frames a "
+      "second, {}x{} pixels, 100 ms round "
       "trip, {:g} Mbit/s, 5 ms of server time granted per tile on virtual time; {} frames compared "
       "with the full render at 4x4 samples per pixel. Every method and tau runs the same session; "
       "all draw geometry nearer than {:g} radii and for what surrounds the viewer, so they differ "
