@@ -32,7 +32,10 @@ class ModelledLink final : public Link {
   std::uint32_t generation() const override { return inner_.generation(); }
   LinkTraffic traffic() const override { return {bytes_up_, bytes_down_}; }
   /// From now on the network is this one; what is on its way arrives as it would have.
-  void change(const NetModel& model) { model_ = model; }
+  void change(const NetModel& model) {
+    model_ = model;
+    delays_.change(model);
+  }
 
  private:
   struct Item {

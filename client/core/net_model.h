@@ -23,6 +23,8 @@ Result<NetModel> parse_net_model(const std::string& text);
 class NetDelays {
  public:
   explicit NetDelays(const NetModel& model);
+  /// Those of another model from now on, in the same sequence of chances.
+  void change(const NetModel& model) { model_ = model; }
   /// Of the next message, without its transmission: half a round trip, jitter, retransmissions.
   std::int64_t one_way_us();
   /// How long `bytes` occupy the link; 0 when it is unlimited.

@@ -36,7 +36,8 @@ void Scheduler::reset() {
   assets_under_way_.clear();
   assets_not_before_us_.clear();
   window_.reset();
-  in_flight_bytes_ = asset_bytes_ = 0;
+  leaving_.clear();
+  in_flight_bytes_ = leaving_bytes_ = asset_bytes_ = 0;
   received_bytes_ = 0;
   saturated_since_us_ = -1;
 }
@@ -55,6 +56,14 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   std::set<std::uint32_t> needed;  // a phase that has passed comes again with the next loop
   for (const TileNeed& need : needs) needed.insert(need.instance);
   bool lost_any = false;
+  for (auto it = leaving_.begin(); it != leaving_.end();) {
+    if (it->second.until_us > now_us) {
+      ++it;
+      continue;
+    }
+    leaving_bytes_ = std::max(0.0, leaving_bytes_ - it->second.bytes);
+    it = leaving_.erase(it);
+  }
   for (auto it = pending_.begin(); it != pending_.end();) {
     const PendingAsk& ask = it->second;
     const bool useless = needed.count(ask.need.instance) == 0;
@@ -63,6 +72,10 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     if (useless || lost) {
       batch.cancels.push_back(it->first);
       in_flight_bytes_ -= ask.expected_bytes;
+      if (!lost) {
+        leaving_[it->first] = {now_us + window_.round_trip_us(), ask.expected_bytes};
+        leaving_bytes_ += ask.expected_bytes;
+      }
       pending_wanted_.erase(wanted(ask.need));
       it = pending_.erase(it);
       ++cancelled_;
@@ -82,7 +95,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   for (;;) {
     while (tile != needs.end() && !may_ask(*tile, now_us)) ++tile;
     while (asset != asset_needs.end() && !may_ask(*asset, now_us)) ++asset;
-    const bool full = in_flight_bytes_ + asset_bytes_ >= window;
+    const bool full = in_flight_bytes_ + leaving_bytes_ + asset_bytes_ >= window;
     held_back = held_back || (full && (tile != needs.end() || asset != asset_needs.end()));
     // A large mesh under way may fill the window; tiles keep half of it all the same.
     const bool tiles = tile != needs.end() && batch.asks.size() < kMaxAsksPerFrame &&
@@ -172,6 +185,10 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
   received_bytes_ += bytes;
   const auto at = pending_.find(request_id);
   if (at == pending_.end()) {  // cancelled, and sent all the same
+    if (const auto left = leaving_.find(request_id); left != leaving_.end()) {
+      leaving_bytes_ = std::max(0.0, leaving_bytes_ - left->second.bytes);
+      leaving_.erase(left);
+    }
     window_.asset_arrived(now_us, now_us, bytes, static_cast<double>(bytes));
     return std::nullopt;
   }

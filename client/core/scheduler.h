@@ -91,12 +91,19 @@ class Scheduler {
   std::map<std::uint32_t, std::int64_t> not_before_us_;   ///< instances that were refused
   std::map<std::uint32_t, PendingAsset> assets_pending_;  ///< by request id
   std::set<AssetId> assets_under_way_;
+  /// Cancelled: what was sent before the server heard of it still takes its place on the link.
+  struct Leaving {
+    std::int64_t until_us = 0;
+    double bytes = 0;
+  };
+  std::map<std::uint32_t, Leaving> leaving_;  ///< by request id
   std::map<AssetId, std::int64_t> assets_not_before_us_;  ///< refused
   AskWindow window_;
   std::int64_t lost_us_;  ///< an ask this old is given up
   std::int64_t saturated_since_us_ = -1;
   double bytes_per_texel_ = 0.7;      ///< of lit tiles, learnt from both kinds
   double in_flight_bytes_ = 0;        ///< of tiles
+  double leaving_bytes_ = 0;          ///< of cancelled tiles that may still come
   double asset_bytes_ = 0;            ///< of geometry and images, in flight
   std::uint64_t received_bytes_ = 0;  ///< of tiles, on this connection
   std::uint32_t next_request_ = 1;

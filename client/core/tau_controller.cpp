@@ -12,6 +12,8 @@ constexpr int kCalmRounds = 3;       // before tau comes down again
 constexpr double kSaturatedS = 1.0;  // a start or a turn of the head may fill the link
 constexpr double kLargest = 16;      // times the base
 constexpr std::int64_t kShortestRoundUs = 50'000;
+constexpr std::int64_t kPatienceUs = 1'000'000;
+constexpr std::int64_t kLongestPatienceUs = 32'000'000;
 
 }  // namespace
 
@@ -26,10 +28,20 @@ double TauController::update(const TauLoad& load, std::int64_t now_us, std::int6
   if (!std::isfinite(sum)) return tau_px_;
   next_action_us_ = now_us + std::max(round_trip_us, kShortestRoundUs);
   if (strain > 1 + kDeadBand) {
+    // In vain: it came down no longer ago than it had waited for.
+    const bool in_vain =
+        eased_us_ > rose_us_ && now_us - eased_us_ < 2 * std::max(patience_us_, kPatienceUs);
+    if (in_vain) patience_us_ = std::clamp(2 * patience_us_, kPatienceUs, kLongestPatienceUs);
     tau_px_ = std::min(tau_px_ * kUp, base_px_ * kLargest);
+    rose_us_ = now_us;
     calm_rounds_ = 0;
   } else if (strain < 1 - kDeadBand) {
-    if (++calm_rounds_ >= kCalmRounds) tau_px_ = std::max(tau_px_ * kDown, base_px_);
+    const bool patient = now_us - rose_us_ >= patience_us_;
+    if (++calm_rounds_ >= kCalmRounds && patient && tau_px_ > base_px_) {
+      tau_px_ = std::max(tau_px_ * kDown, base_px_);
+      eased_us_ = now_us;
+    }
+    if (tau_px_ == base_px_ && now_us - rose_us_ > 2 * kLongestPatienceUs) patience_us_ = 0;
   } else {
     calm_rounds_ = 0;
   }

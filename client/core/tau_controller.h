@@ -3,7 +3,9 @@
 // is due when the error passes a factor steered at run time to hold a frame rate).
 //
 // Stable under delay (NUMERICS section 4): at most one step a round trip, steps of x1.25 and x0.8
-// in log tau, a dead band of 10 % around the target, and coming back needs several calm rounds.
+// in log tau, a dead band of 10 % around the target, and coming back needs several calm rounds. A full link has
+// no such band: asks vanish as tau rises and are back as it falls. So a rise soon after tau came
+// down doubles how long the next coming down waits.
 
 #include <cstdint>
 
@@ -37,6 +39,9 @@ class TauController {
   TauTargets targets_;
   std::int64_t next_action_us_ = 0;
   int calm_rounds_ = 0;
+  std::int64_t eased_us_ = INT64_MIN / 2;  ///< when tau last came down
+  std::int64_t patience_us_ = 0;           ///< it comes down no sooner than so long after a rise
+  std::int64_t rose_us_ = INT64_MIN / 2;   ///< when it last rose
 };
 
 }  // namespace mirage
