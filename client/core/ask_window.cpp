@@ -9,8 +9,8 @@ namespace mirage {
 namespace {
 
 constexpr double kInitialBytes = 256 * 1024;
-constexpr double kLeastBytes = 32 * 1024;
-constexpr std::int64_t kSlackUs = 35'000;  // and 15 for frames and a tile's own time on the link
+constexpr double kLeastBytes = 16 * 1024;
+constexpr std::int64_t kSlackUs = 25'000;  // and 25 for frames and a tile's own time on the link
 constexpr std::int64_t kRateSpanUs = 1'000'000;
 constexpr std::int64_t kShortestSpanUs = 200'000;
 constexpr int kSpanTrips = 4;  // the rate is measured over so many
@@ -23,6 +23,7 @@ constexpr int kPeriodTrips = 20;
 constexpr int kFreeTrips = 4;  // without a queue: the window holds the rate down
 constexpr int kDrainTrips = 3;
 constexpr double kLargestGain = 2;
+constexpr double kProbingGain = 1.1;  // nothing has told where the limit is now
 
 }  // namespace
 
@@ -115,11 +116,12 @@ double AskWindow::update(std::int64_t now_us, std::int64_t held_back_us, bool id
   if (queued()) {
     met_limit_ = true;
     queued_us_ = now_us;
+    best_rates_ = {rate};  // with a queue, what comes is what the link can do now
   } else if (!met_limit_) {
     gain = kLargestGain;
   } else if (now_us - queued_us_ > kFreeTrips * trip) {
     const double best = *std::max_element(best_rates_.begin(), best_rates_.end());
-    gain = std::clamp(best / std::max(rate, 1e-9), 1.0, kLargestGain);
+    gain = std::clamp(best / std::max(rate, 1e-9), kProbingGain, kLargestGain);
   }
   const double wanted = gain * rate * static_cast<double>(trip);
   const double measured = std::max(kLeastBytes, wanted);

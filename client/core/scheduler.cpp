@@ -8,6 +8,7 @@
 namespace mirage {
 namespace {
 
+constexpr std::int64_t kUselessUs = 100'000;
 constexpr std::int64_t kRefusalPauseUs = 250'000;
 constexpr std::int64_t kAssetPauseUs = 5'000'000;
 // An ask without an answer is given up after so long, then after twice as long: a link may be slow.
@@ -66,7 +67,9 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   }
   for (auto it = pending_.begin(); it != pending_.end();) {
     const PendingAsk& ask = it->second;
-    const bool useless = needed.count(ask.need.instance) == 0;
+    if (needed.count(ask.need.instance) != 0) it->second.needed_us = now_us;
+    // What is on its way is cheaper than what is asked for again a frame later.
+    const bool useless = now_us - ask.needed_us > kUselessUs;
     const bool lost = now_us - ask.sent_us > lost_us_;
     lost_any = lost_any || lost;
     if (useless || lost) {
@@ -99,7 +102,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     held_back = held_back || (full && (tile != needs.end() || asset != asset_needs.end()));
     // A large mesh under way may fill the window; tiles keep half of it all the same.
     const bool tiles = tile != needs.end() && batch.asks.size() < kMaxAsksPerFrame &&
-                       (!full || in_flight_bytes_ < 0.5 * window);
+                       (!full || in_flight_bytes_ + leaving_bytes_ < 0.5 * window);
     const bool assets = asset != asset_needs.end() && !full &&
                         batch.mesh_asks.size() + batch.image_asks.size() < limits::kMaxAsksPerBatch;
     if (!tiles && !assets) break;
@@ -144,7 +147,7 @@ void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::int6
                           need.distance.index, need.cell.x, need.cell.y, need.cell.level,
                           need.distance.level, need.size_class, need.channels, need.phase);
   const double bytes = expected_bytes(need);
-  pending_[id] = {need, object, now_us, bytes};
+  pending_[id] = {need, object, now_us, bytes, now_us};
   pending_wanted_[wanted(need)] = id;
   in_flight_bytes_ += bytes;
   ++asked_;

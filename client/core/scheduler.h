@@ -25,7 +25,8 @@ struct PendingAsk {
   TileNeed need;
   std::uint32_t object = 0;
   std::int64_t sent_us = 0;
-  double expected_bytes = 0;  ///< as counted when it was sent: the expectation changes
+  double expected_bytes = 0;   ///< as counted when it was sent: the expectation changes
+  std::int64_t needed_us = 0;  ///< when it was needed last
 };
 
 /// Geometry or an image under way.
@@ -96,7 +97,7 @@ class Scheduler {
     std::int64_t until_us = 0;
     double bytes = 0;
   };
-  std::map<std::uint32_t, Leaving> leaving_;  ///< by request id
+  std::map<std::uint32_t, Leaving> leaving_;              ///< by request id
   std::map<AssetId, std::int64_t> assets_not_before_us_;  ///< refused
   AskWindow window_;
   std::int64_t lost_us_;  ///< an ask this old is given up

@@ -73,9 +73,10 @@ class Meter final : public Around {
   const Clock& clock_;
 };
 
-// To and fro before a crowd, with a tolerance that no link of these can meet.
+// To and fro before a crowd: with a tolerance that no link of these can meet, however far it is
+// raised, and with one that is met once it has been.
 Pose swaying(double t) { return eye_at({4 * std::sin(0.7 * t), 1, 9}, {0, 0, -30}); }
-constexpr double kStrictTau = 0.02;
+constexpr double kEndlessTau = 0.001, kStrictTau = 0.02;
 
 /// What is known of a link that changed at one moment.
 struct Change {
@@ -83,11 +84,12 @@ struct Change {
   double seconds_before = 6, round_trips_after = 60;
 };
 
-void keeps_its_window(const Change& change, const std::string& name, Checks& checks) {
+void keeps_its_window(const Change& change, double tau_px, const std::string& name,
+                      Checks& checks) {
   RigScene scene;
   scene.objects = 150;
   RigOptions options;
-  options.client.tau_px = kStrictTau;
+  options.client.tau_px = tau_px;
   options.net = change.before;
   options.frame_us = 10'000;
   options.client.mesh_radii = 0;
@@ -123,9 +125,11 @@ void keeps_its_window(const Change& change, const std::string& name, Checks& che
   const double until = end - 2 * rtt_s - 0.2;
   const std::vector<double> under_way = meter->outstanding(settled, until, 0.01);
   const double most = *std::max_element(under_way.begin(), under_way.end());
-  // A limit cycle would show as waves of the window in the second half.
+  // A limit cycle would show as waves of what is under way in the second half. The window drains
+  // on purpose once a period: waves are of means over one.
   double low = 1e18, high = 0, sum = 0;
-  const std::size_t half = under_way.size() / 2, trip = 1 + static_cast<std::size_t>(rtt_s / 0.01);
+  const std::size_t half = under_way.size() / 2,
+                    trip = 1 + static_cast<std::size_t>(std::max(rtt_s, 5.0) / 0.01);
   for (std::size_t i = half; i < under_way.size(); ++i) {
     sum += under_way[i];
     if (i < half + trip) continue;
@@ -136,9 +140,11 @@ void keeps_its_window(const Change& change, const std::string& name, Checks& che
   }
   checks.at_most(name + ": under way 10 RTT later and on, of rate (RTT + 50 ms) + a tile",
                  most / bound, 1);
-  checks.at_least(name + ": of the rate used",
-                  meter->rate_mbps(0.5 * (settled + until), until) / change.after.rate_mbps, 0.6);
-  checks.at_most(name + ": waves of the window, high / low", high / low, 2);
+  if (tau_px == kEndlessTau) {
+    checks.at_least(name + ": of the rate used",
+                    meter->rate_mbps(0.5 * (settled + until), until) / change.after.rate_mbps, 0.6);
+    checks.at_most(name + ": waves of the window, high / low", high / low, 2);
+  }
   int turns = 0;
   double last_step = 0;
   const std::size_t from = taus.size() / 2;
@@ -162,15 +168,22 @@ NetModel net(double rtt_ms, double rate_mbps) {
 // C1
 Outcome slower_link(const Conditions&) {
   Checks checks;
-  keeps_its_window({net(50, 20), net(50, 2), 6, 300}, "20 to 2 Mbit/s", checks);
-  keeps_its_window({net(20, 50), net(20, 5), 6, 300}, "50 to 5 Mbit/s", checks);
+  for (const double tau : {kEndlessTau, kStrictTau}) {
+    const std::string at = tau == kEndlessTau ? ", tau out of reach" : "";
+    keeps_its_window({net(50, 20), net(50, 2), 6, 300}, tau, "20 to 2 Mbit/s" + at, checks);
+    keeps_its_window({net(20, 50), net(20, 5), 6, 300}, tau, "50 to 5 Mbit/s" + at, checks);
+  }
   return checks.outcome();
 }
 
 // C2
 Outcome longer_link(const Conditions&) {
   Checks checks;
-  keeps_its_window({net(20, 10), net(2000, 10), 6, 40}, "20 ms to 2 s", checks);
+  for (const double tau : {kEndlessTau, kStrictTau}) {
+    const std::string at = tau == kEndlessTau ? ", tau out of reach" : "";
+    // 150 objects, one ask each under way, want little more than this of so long a link.
+    keeps_its_window({net(20, 2), net(2000, 2), 6, 40}, tau, "20 ms to 2 s" + at, checks);
+  }
   return checks.outcome();
 }
 
