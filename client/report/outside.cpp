@@ -126,7 +126,10 @@ Result<void> report_needs(Context& context) {
       context.omit("needs", scene, "there is no mirage-server beside mirage-report");
       continue;
     }
-    const Result<ChildResult> ran = run_child({*program, scene, "--explain", "--prove", "--json"});
+    std::vector<std::string> command = {*program, scene, "--explain", "--prove", "--json"};
+    const std::vector<std::string> few = {"--prove-cells", "2", "--prove-objects", "1"};
+    if (context.options.quick) command.insert(command.end(), few.begin(), few.end());
+    const Result<ChildResult> ran = run_child(command);
     if (!ran) return ran.error();
     const auto found = rows_of(ran->out);
     if (ran->exit_code != 0 || !found) {
@@ -138,7 +141,8 @@ Result<void> report_needs(Context& context) {
     rows.insert(rows.end(), found->begin(), found->end());
     const ordered_json whole = ordered_json::parse(ran->out, nullptr, false);
     page.heading(scene);
-    page.command("mirage-server '" + scene + "' --explain --prove");
+    page.command("mirage-server '" + scene + "' --explain --prove" +
+                 (context.options.quick ? " --prove-cells 2 --prove-objects 1" : ""));
     if (whole.contains("total")) page.paragraph("In all: " + whole["total"].dump());
   }
   std::vector<bool> differing;
