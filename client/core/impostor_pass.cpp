@@ -68,9 +68,11 @@ const MethodShader kShaders[] = {
 }  // namespace
 
 Result<void> ImpostorPass::make_programs(bool fog, bool shadows) {
-  const auto make = [fog, shadows](const char* name, std::vector<std::string> defines) {
-    if (fog) defines.emplace_back("FOG");
-    if (shadows && std::string(name) != "placeholder") defines.emplace_back("SHADOW");
+  std::vector<std::string> common, worn;  // `worn`: of what has a tile, and shadows on it
+  if (fog) common.emplace_back("FOG");
+  if (shadows) worn.emplace_back("SHADOW");
+  const auto make = [&](const char* name, std::vector<std::string> defines) {
+    defines.insert(defines.end(), common.begin(), common.end());
     const std::string file = std::string("impostor/") + name;
     return gl::Program::create(file + ".vert", file + ".frag", defines);
   };
@@ -78,14 +80,18 @@ Result<void> ImpostorPass::make_programs(bool fog, bool shadows) {
   for (const MethodShader& shader : kShaders) {
     for (const bool relit : {false, true}) {
       std::vector<std::string> defines = shader.defines;
+      defines.insert(defines.end(), worn.begin(), worn.end());
       if (relit) defines.emplace_back("RELIT");
       Result<gl::Program> program = make("impostor", defines);
       if (!program) return program.error();
       programs.emplace(std::pair(shader.method, relit), program.take());
     }
   }
-  Result<gl::Program> relief = make("relief", {}), relit = make("relief", {"RELIT"});
-  Result<gl::Program> merged = make("relief", {"MERGED"}), placeholder = make("placeholder", {});
+  std::vector<std::string> worn_relit = worn, worn_merged = worn;
+  worn_relit.emplace_back("RELIT");
+  worn_merged.emplace_back("MERGED");
+  Result<gl::Program> relief = make("relief", worn), relit = make("relief", worn_relit);
+  Result<gl::Program> merged = make("relief", worn_merged), placeholder = make("placeholder", {});
   for (const Result<gl::Program>* program : {&relief, &relit, &merged, &placeholder}) {
     if (!*program) return program->error();
   }

@@ -4,130 +4,19 @@
 #include <cmath>
 #include <limits>
 
-#include "client/core/eight_views.h"
-#include "client/core/importance.h"
-#include "client/core/motion_need.h"
-#include "protocol/limits.h"
-#include "protocol/need_mask.h"
-#include "protocol/stable_math.h"
+#include "client/core/selector_rules.h"
 
 namespace mirage {
 namespace {
 
-// Nearer, in radii, no picture of the object can stand for it: the eye is in its sphere.
-constexpr double kInsideRadii = 1 + 1e-6;
-constexpr double kMinRadiusPx = 0.5;   // smaller objects are neither drawn nor asked for
-constexpr double kViewGuard = 0.0873;  // 5 degrees around the predicted view
 constexpr std::int64_t kFadeUs = 120'000;
-constexpr double kMeshPrefetch = 1.3;       // times the swap distance
-constexpr std::uint32_t kTileBytes = 1500;  // of a middling tile, as it travels
 constexpr double kMeshHysteresis = 1.15;
 constexpr double kWorthMarching = 0.7;  // of the flat bound
 // A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
 constexpr double kSwitchRatio = 0.6;
-// A group stands for its members where it is far and its image lasts, even at a walk.
-constexpr double kGroupRadii = 4;
-constexpr double kGroupLifeS = 3;
-constexpr double kWalkingMps = 1.4;
-// Deepest step in an object's depth, in radii, before a tile has told.
-constexpr double kTypicalGap = 0.6;
-constexpr double kQuantumShare = 0.01;  // 8-bit depth and the slope within a texel, in radii
-
-// Beyond so many radii a tile may stand in for geometry that is there, when it is drawn for less
-// (a triangle costs as much as so many pixels of a quad, or more) and lasts.
-constexpr double kStandInRadii = 3;
-constexpr double kStandInLifeS = 3;
-constexpr double kPixelsPerTriangle = 16;
-
-// False for NaN.
-bool outside(const ViewGeometry& view) {
-  return glm::length(view.eye) > kInsideRadii * view.radius && is_finite(view.eye);
-}
 
 double fade_progress(std::int64_t since_us, std::int64_t now_us) {
   return std::clamp(static_cast<double>(now_us - since_us) / kFadeUs, 0.0, 1.0);
-}
-
-// The error in px this instance may show now.
-double allowed_px(const SelectorInput& in, const Camera& camera, const InstanceView& view) {
-  const double looked_at = attention(camera, in.cursor_px, view);
-  return allowed_error_px(in.tau_px, in.target_px, looked_at, view.importance);
-}
-
-ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileGroup& tiles,
-                  double radius, double tau_px) {
-  ViewPlan plan;
-  plan.tau_px = tau_px;
-  const glm::dquat inverse = glm::conjugate(glm::dquat(view.world_from_object.rotation));
-  plan.velocity = inverse * in.velocity / double{view.world_from_object.scale};
-  const bool flat = !in.method.automatic && in.method.method != DrawMethod::kDepth;
-  const bool still = glm::length(in.velocity) < 0.02;
-  if (flat || still) return plan;  // a still eye is served best, and cheapest, by a quad
-  double gap = kTypicalGap;
-  if (!tiles.tiles.empty()) gap = tiles.tiles.back()->measure.depth_gap / radius;
-  plan.depth_share = std::max(gap / kHoleTolerance, kQuantumShare);
-  return plan;
-}
-
-// Seconds an image of the group lasts at a walk; members beyond kGroupRadii only.
-bool group_wanted(const SelectorInput& in, const InstanceView& view_of, const ViewGeometry& view,
-                  double tau_px, double slack) {
-  if (in.method.eight_views) return false;
-  if (glm::length(view.eye) * slack < kGroupRadii * view.radius) return false;
-  ViewPlan plan;
-  plan.tau_px = tau_px;
-  plan.depth_share = kTypicalGap / kHoleTolerance;
-  const double speed = std::max(glm::length(in.velocity), kWalkingMps);
-  plan.velocity = glm::dvec3(speed / view_of.world_from_object.scale, 0, 0);
-  return expected_life_s(view, plan) * slack >= kGroupLifeS;
-}
-
-// What the light of the group costs by being past; 0 when it is not.
-double light_change_px(const SelectorInput& in, const TileCache::LitGroup& lit,
-                       std::uint32_t instance, double radius_px) {
-  if (!lit.then) return 0;
-  const InstanceView& view = in.scene->instances[instance];
-  return light_error_px(lit.then->lighting, in.cache->lights().current().lighting, view,
-                        in.scene->objects[view.object], radius_px);
-}
-
-void add_eight_view_need(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
-                         const TileCache::LitGroup& lit, std::vector<TileNeed>& out) {
-  const TileGroup none;
-  std::optional<TileNeed> need =
-      eight_view_need(lit.wanted ? *lit.tiles : none, view, radius_px(view));
-  if (!need) return;
-  need->instance = instance;
-  need->light = in.cache->light();
-  out.push_back(*need);
-}
-
-// Sent once, such geometry costs less than any one tile, and is right from everywhere.
-bool cheaper_than_tiles(const ObjectDescription& object) {
-  constexpr NeedMask kImages = kNeedBaseColorMap | kNeedMetalRoughMap | kNeedNormalMap |
-                               kNeedOcclusionMap | kNeedEmissiveMap;
-  return !object.lods.empty() && object.lods[0].bytes <= kTileBytes && !(object.needs & kImages);
-}
-
-// Nearer than this the object is geometry, if it is there.
-double swap_radii(const SelectorInput& in, const ObjectDescription& object) {
-  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
-  if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return kEverywhere;
-  if (object.surrounds) return kEverywhere;
-  const bool cheap = in.method.automatic && in.mesh_radii > 0 && cheaper_than_tiles(object);
-  return cheap ? kEverywhere : in.mesh_radii;
-}
-
-// Whether a flat tile of the object is cheaper to draw than its geometry, and may replace it.
-bool may_stand_in(const SelectorInput& in, const ObjectDescription& object,
-                  const ViewGeometry& view, double tau_px) {
-  const double distance = glm::length(view.eye), size = radius_px(view);
-  if (!in.method.automatic || object.group || object.motion.moving()) return false;
-  if (std::isinf(swap_radii(in, object)) || distance < kStandInRadii * view.radius) return false;
-  const double px_per_unit = view.focal_px / (distance - view.radius);
-  const std::size_t lod = lod_for_view(object.lods, px_per_unit, tau_px);
-  return lod < object.lods.size() &&
-         object.lods[lod].triangles * kPixelsPerTriangle > 3.14159 * size * size;
 }
 
 }  // namespace
@@ -362,125 +251,6 @@ DrawList Selector::select(const SelectorInput& in) {
     c->march = true;
   }
   for (const Candidate& c : w.candidates) draw_candidate(in, c, out);
-  return out;
-}
-
-void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
-                        std::vector<TileNeed>& out) const {
-  const InstanceView& view_of = in.scene->instances[instance];
-  const ObjectDescription& object = in.scene->objects[view_of.object];
-  ViewGeometry view = view_geometry(in.predicted, view_of, object, in.time_s);
-  const double size = radius_px(view);
-  if (object.radius <= 0 || size < kMinRadiusPx) return;
-  if (!outside(view)) return;
-  const double distance = glm::length(view.eye) / view.radius;
-  if (in.scene->geometry && object.surrounds) return;
-  const double tau = allowed_px(in, in.predicted, view_of);
-  const bool stand_in = (*in.mesh_ready)[view_of.object] && distance < swap_radii(in, object);
-  if (stand_in && !may_stand_in(in, object, view, tau)) return;
-  const TileCache::LitGroup lit = in.cache->lit_group(instance);
-  const TileGroup& group = *lit.tiles;
-  if (group.empty_from(view.eye)) return;  // under any light
-  // At the edge of the view the eye depth falls; ask as if the object were looked at.
-  view.center_depth = glm::length(view.eye);
-  if (in.method.eight_views) return add_eight_view_need(in, instance, view, lit, out);
-  if (object.motion.moving()) return add_moving_needs(in, instance, view, lit, tau, out);
-  ViewPlan plan = plan_for(in, view_of, group, view.radius, tau);
-  if (stand_in) plan.depth_share = kFlatDepthShare;
-  if (stand_in && expected_life_s(view, plan) < kStandInLifeS) return;
-  TileFit fit;
-  if (!group.tiles.empty()) {
-    const bool still = plan.depth_share == kFlatDepthShare;
-    fit = still && in.method.automatic ? best_flat(group, object, view, tau)
-                                       : best_fit(group, object, view, in.method, tau);
-  }
-  const double light_px = light_change_px(in, lit, instance, size);
-  // Shaded here it is right, and yet not as good as shaded by the server: when there is time.
-  const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
-  if (fit.settled(tau) && !is_stale(light_px, tau) && !shaded_here) return;
-  // Inside the swap distance a tile is no use but as a stopgap: one, until geometry comes.
-  if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
-  TileNeed need = need_for_view(view, plan);
-  need.instance = instance;
-  // Something quick first: a quarter of the edge is a sixteenth of the bytes.
-  if (group.tiles.empty() && !stand_in) need.size_class = coarse_class(need.size_class);
-  need.channels = in.cache->wants_relit(instance) ? kRelitTile : kLitTile;
-  need.light = in.cache->light();
-  need.error_px = std::max(displayed_error_px(fit, size), std::min(light_px, 2 * size));
-  // Any image is better than none, however soon it ages.
-  need.gain = need.error_px * (group.tiles.empty() ? kLongestLife : expected_life_s(view, plan));
-  if (stand_in) need.gain = std::min(need.gain, tau * kStandInLifeS);  // it only saves work
-  out.push_back(need);
-}
-
-std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
-  std::vector<TileNeed> out;
-  if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return out;
-  const std::function<void(std::uint32_t)> visit = [&](std::uint32_t i) {
-    const InstanceView& view_of = in.scene->instances[i];
-    const glm::dvec3 to_center = view_of.center - in.predicted.pose.eye;
-    if (!in.predicted.may_see(to_center, view_of.radius, kViewGuard)) return;
-    const ObjectDescription& object = in.scene->objects[view_of.object];
-    if (object.group && !group_wanted(in, view_of, view_geometry(in.predicted, view_of, object),
-                                      allowed_px(in, in.predicted, view_of), 1)) {
-      for (const std::uint32_t member : in.scene->members(i)) visit(member);
-      return;
-    }
-    const std::size_t first = out.size();
-    add_need(in, i, out);
-    // Any image beats none. Without a cursor nobody is known to look: the middle first cost the
-    // whole picture 1.6 % of FLIP on the forest walk.
-    const bool ranks = in.cursor_px && in.cache->group_to_draw(i)->known();
-    const double looked_at = ranks ? attention(in.predicted, in.cursor_px, view_of) : 1;
-    const double urgency = looked_at / tolerance(view_of.importance);
-    for (std::size_t k = first; k < out.size(); ++k) out[k].gain *= urgency;
-  };
-  in.scene->for_visible_roots(in.predicted, kViewGuard, visit);
-  std::stable_sort(out.begin(), out.end(),
-                   [](const TileNeed& a, const TileNeed& b) { return a.gain > b.gain; });
-  TileCache::Room room = in.cache->room(in.frame);
-  out.erase(std::remove_if(out.begin(), out.end(),
-                           [&](TileNeed& need) { return !fit_to_atlas(in, room, need); }),
-            out.end());
-  return out;
-}
-
-bool Selector::fit_to_atlas(const SelectorInput& in, TileCache::Room& room, TileNeed& need) {
-  if (!is_picture(need.channels)) return true;
-  const TileGroup& group = *in.cache->group_to_draw(need.instance);
-  std::uint32_t shown_edge = 0;
-  for (const TileRecordPtr& tile : group.tiles) {
-    if (tile->last_drawn == in.frame) shown_edge = std::max(shown_edge, tile->capture.edge);
-  }
-  const std::size_t kept = shown_edge > 0 ? room.reserved : 0;
-  const std::size_t left = room.texels - std::min(room.texels, kept);
-  const std::uint8_t wanted = need.size_class;
-  const auto fits = [&] {
-    const std::uint32_t edge = tile_edge(need.size_class);
-    return edge < room.edge && in.cache->footprint(edge) <= left;
-  };
-  while (!fits()) {
-    if (need.size_class == 0) return false;
-    --need.size_class;
-  }
-  const std::uint32_t edge = tile_edge(need.size_class);
-  if (need.size_class < wanted && edge <= shown_edge) return false;
-  const InstanceView& view = in.scene->instances[need.instance];
-  const Capture capture(need.cell, need.distance, in.scene->objects[view.object].radius, edge);
-  const bool relit = need.channels == kRelitTile;
-  if (in.cache->holds(need.instance, capture, relit, need.phase, need.light)) return false;
-  if (room.texels != SIZE_MAX) room.texels -= std::min(room.texels, in.cache->footprint(edge));
-  return true;
-}
-
-std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) const {
-  std::vector<std::uint32_t> out;
-  in.scene->for_visible(in.predicted, kViewGuard, [&](std::uint32_t instance) {
-    const InstanceView& view_of = in.scene->instances[instance];
-    const double distance = glm::length(view_of.center - in.predicted.pose.eye);
-    const double swap = swap_radii(in, in.scene->objects[view_of.object]);
-    if (distance < kMeshPrefetch * swap * view_of.radius) out.push_back(instance);
-  });
   return out;
 }
 

@@ -117,7 +117,6 @@ class Selector {
   void add_need(const SelectorInput& in, std::uint32_t instance, std::vector<TileNeed>& out) const;
   /// The need, coarser where the atlas is full; false: what would come is there already, or would
   /// find no place.
-  static bool fit_to_atlas(const SelectorInput& in, TileCache::Room& room, TileNeed& need);
 
   std::vector<Shown> shown_;
 };

@@ -1,0 +1,29 @@
+#pragma once
+// What deciding what to draw and what to ask for have in common.
+
+#include "client/core/selector.h"
+
+namespace mirage {
+
+inline constexpr double kMinRadiusPx = 0.5;  ///< smaller objects are neither drawn nor asked for
+/// Deepest step in an object's depth, in radii, before a tile has told.
+inline constexpr double kTypicalGap = 0.6;
+
+/// Whether any picture of the object can stand for it: the eye is out of its sphere. False for NaN.
+bool outside(const ViewGeometry& view);
+/// The error in px this instance may show now.
+double allowed_px(const SelectorInput& in, const Camera& camera, const InstanceView& view);
+/// Whether the group stands for its members, if it has an image: it is far, and one lasts, even at
+/// a walk. `slack` above 1 keeps one that does.
+bool group_wanted(const SelectorInput& in, const InstanceView& view_of, const ViewGeometry& view,
+                  double tau_px, double slack);
+/// What the light of the instance's tiles costs by being past, px; 0 when it is not.
+double light_change_px(const SelectorInput& in, const TileCache::LitGroup& lit,
+                       std::uint32_t instance, double radius_px);
+/// Nearer than this, in radii, the object is geometry, if it is there; +inf: everywhere.
+double swap_radii(const SelectorInput& in, const ObjectDescription& object);
+/// Whether a flat tile of the object is cheaper to draw than its geometry, and may replace it.
+bool may_stand_in(const SelectorInput& in, const ObjectDescription& object,
+                  const ViewGeometry& view, double tau_px);
+
+}  // namespace mirage
