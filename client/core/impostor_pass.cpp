@@ -244,16 +244,26 @@ void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, con
   glCullFace(GL_BACK);
 }
 
-void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene, const DrawList& list,
-                               DrawMethod method, bool relit, bool soft) {
+void ImpostorPass::draw_flat(const Camera& camera, const SceneView& scene,
+                             const DrawnImpostors& drawn, bool soft) {
+  for (const MethodShader& shader : kShaders) {
+    for (const bool relit : {false, true}) {
+      draw_method(camera, scene, drawn, shader.method, relit, soft);
+    }
+  }
+}
+
+void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene,
+                               const DrawnImpostors& impostors, DrawMethod method, bool relit,
+                               bool soft) {
   std::vector<ImpostorInstance> all;
   std::map<std::uint32_t, std::vector<ImpostorInstance>> by_object;
-  for (const DrawnImpostor& drawn : list.impostors) {
-    if (drawn.method != method || drawn.tile->relit != relit) continue;
+  for (const DrawnImpostor* drawn : impostors) {
+    if (drawn->method != method || drawn->tile->relit != relit) continue;
     if (method == DrawMethod::kHull || method == DrawMethod::kWarp) {
-      by_object[drawn.tile->object].push_back(instance_data(drawn, camera, scene));
+      by_object[drawn->tile->object].push_back(instance_data(*drawn, camera, scene));
     } else {
-      all.push_back(instance_data(drawn, camera, scene));
+      all.push_back(instance_data(*drawn, camera, scene));
     }
   }
   if (all.empty() && by_object.empty()) return;
@@ -304,22 +314,18 @@ void ImpostorPass::draw(const Camera& camera, DepthMapping mapping, const SceneV
   glDisable(GL_BLEND);
   lights_ = gl::light_block(lighting, camera.pose.eye);
   draw_placeholders(camera, scene, list, lighting);
-  for (const MethodShader& shader : kShaders) {
-    for (const bool relit : {false, true}) {
-      draw_method(camera, scene, list, shader.method, relit, false);
-    }
-  }
+  const BlendOrder order = blend_order(list.impostors, scene, camera.pose.eye);
+  draw_flat(camera, scene, order.under_relief, false);
+  draw_flat(camera, scene, order.over_relief, false);
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
-  // Far methods first: a quad is far, marched depth near.
-  for (const MethodShader& shader : kShaders) {
-    for (const bool relit : {false, true}) {
-      draw_method(camera, scene, list, shader.method, relit, true);
-    }
-  }
+  draw_flat(camera, scene, order.under_relief, true);
   glDepthMask(GL_TRUE);
   draw_relief(camera, scene, list);
+  glDepthMask(GL_FALSE);
+  draw_flat(camera, scene, order.over_relief, true);
+  glDepthMask(GL_TRUE);
   glBindVertexArray(0);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);

@@ -5,6 +5,7 @@
 #include <map>
 #include <vector>
 
+#include "client/core/blend_order.h"
 #include "client/core/impostor_atlas.h"
 #include "client/core/proxy_triangles.h"
 #include "client/core/scene_view.h"
@@ -44,7 +45,9 @@ class ImpostorPass {
   static Proxy make_proxy(const std::vector<ProxyVertex>& triangles);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
-  void draw_method(const Camera& camera, const SceneView& scene, const DrawList& list,
+  void draw_flat(const Camera& camera, const SceneView& scene, const DrawnImpostors& drawn,
+                 bool soft);
+  void draw_method(const Camera& camera, const SceneView& scene, const DrawnImpostors& impostors,
                    DrawMethod method, bool relit, bool soft);
   void draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list);
   void use_atlas(gl::Program& program, const Camera& camera, bool relit);

@@ -230,9 +230,14 @@ DrawList Selector::select(const SelectorInput& in) {
   out.time_s = in.time_s;
   Walk w{in, out, {}};
   in.scene->for_visible_roots(in.camera, 0, [&](std::uint32_t root) { walk(w, root, 1); });
-  // Back to front, so that blending is right; equal distances keep the order of instances.
-  std::stable_sort(w.candidates.begin(), w.candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.distance > b.distance; });
+  // Back to front by the far side, so that blending is right and what stands on or in another thing
+  // comes after it; equals keep the order of instances.
+  const auto far_side = [&](const Candidate& c) {
+    return c.distance + in.scene->instances[c.instance].radius;
+  };
+  std::stable_sort(
+      w.candidates.begin(), w.candidates.end(),
+      [&](const Candidate& a, const Candidate& b) { return far_side(a) > far_side(b); });
   // Marching goes where it takes away most error per area, as far as the budget reaches.
   std::vector<Candidate*> by_gain;
   for (Candidate& c : w.candidates) {

@@ -7,12 +7,13 @@ const float kSolid = 0.99;
 const float kWall = 6.0;   // codes between neighbours that still are one surface
 const float kClear = 1.0;   // cells from an edge to texels that hold one surface only
 const float kRounding = 1.0;
-const float kOneSided = 0.2;
+const float kOneSided = 0.2;  // of that: wider occluders are filled behind from one side, too
 const float kFillReach = 0.15;  // of the window: how far a surface is extended (0.3 r)
 
 struct Ray {
   vec3 from;  // tile space, first point inside the content's box
   vec3 span;  // to the last one; both along the capture direction
+  vec4 window;  // texels of the tile: least and greatest x, y
 };
 
 struct Hit {
@@ -36,6 +37,7 @@ bool clip_ray(vec3 point, vec3 direction, vec3 low, vec3 high, out Ray ray) {
   if (!(enter <= leave)) return false;
   ray.from = point + d * enter;
   ray.span = d * (leave - enter);
+  ray.window = vec4(low.xy, high.xy);
   // From behind, the surface is met from its back: taken in the order of capture all the same.
   if (ray.span.z < 0.0) {
     ray.from += ray.span;
@@ -74,9 +76,30 @@ float refine(Ray ray, float s, int layer) {
   return slope > 0.25 * ray.span.z ? clamp(s - error / slope, 0.0, 1.0) : s;
 }
 
-// Code of cell i of n along the ray.
-float cell_code(Ray ray, float i, float n, int layer) {
-  return code_at(ivec2(floor(ray.from.xy + ray.span.xy * ((i + 0.5) / n))), layer);
+// Texel of cell i of n along the ray.
+ivec2 cell(Ray ray, float i, float n) {
+  return ivec2(floor(ray.from.xy + ray.span.xy * ((i + 0.5) / n)));
+}
+
+float cell_code(Ray ray, float i, float n, int layer) { return code_at(cell(ray, i, n), layer); }
+
+// Whether the rise from `last` to `c`, in cells i - 1 and i, is a slope, which goes on before or
+// behind it, and not an edge.
+bool one_surface(Ray ray, float i, float n, int layer, float last, float c) {
+  ivec2 from = cell(ray, i - 1.0, n), to = cell(ray, i, n);
+  float before = code_at(2 * from - to, layer), next = code_at(2 * to - from, layer);
+  return (before >= 0.0 && abs(before - 2.0 * last + c) <= kWall) ||
+         (next >= 0.0 && abs(next - 2.0 * c + last) <= kWall);
+}
+
+// Whether what cell `at` shows goes on evenly for twice `step` cells, perhaps before or beyond the
+// ray: a surface, seen for longer than it is hidden. Leaves do not.
+bool goes_on(Ray ray, float at, float step, float n, int layer) {
+  vec2 end = ray.from.xy + ray.span.xy * ((at + 2.0 * step + 0.5) / n);
+  if (any(lessThan(end, ray.window.xy)) || any(greaterThanEqual(end, ray.window.zw))) return false;
+  float a = cell_code(ray, at, n, layer), b = cell_code(ray, at + step, n, layer);
+  float c = cell_code(ray, at + 2.0 * step, n, layer);
+  return min(a, min(b, c)) >= 0.0 && abs(a - 2.0 * b + c) <= kWall;
 }
 
 // Parameter at which the ray meets the surface extended over a hidden stretch [from, to]: from the
@@ -135,8 +158,11 @@ Hit trace(Ray ray, int layer, float reach) {
       deep += rise;
     }
     if (i >= n) break;
-    if (c >= deep - (last >= 0.0 && last - c <= kWall ? kWall : kRounding)) {
-      float s = refine(ray, clamp((c - ray.from.z) / ray.span.z, 0.0, 1.0), layer);
+    bool risen = last - c > kWall && one_surface(ray, i, n, layer, last, c);
+    if (risen || c >= deep - (last >= 0.0 && last - c <= kWall ? kWall : kRounding)) {
+      float met = risen ? (i - 0.5 + (last - deep + 0.5 * rise) / (last - c + rise)) / n
+                        : (c - ray.from.z) / ray.span.z;
+      float s = refine(ray, clamp(met, 0.0, 1.0), layer);
       blend(hit, ray.from.xy + ray.span.xy * s, layer, ray.from + ray.span * s, false);
       if (hit.color.a >= kSolid) break;
     }
@@ -157,8 +183,11 @@ Hit trace(Ray ray, int layer, float reach) {
     if (at >= 0.0) {
       bool from_entry = entry >= 0.0 && (c < 0.0 || at * n - start < i - at * n);
       float source = from_entry ? start - kClear : i + 1.0 + kClear;
-      bool both = entry >= 0.0 && c >= 0.0;
-      if (abs(at * n - source) <= reach && (both || i - start > reach * kOneSided)) {
+      float hidden = max(i - start, 1.0);
+      bool fills = entry >= 0.0 && c >= 0.0 || i - start > reach * kOneSided ||
+                   (from_entry ? goes_on(ray, start - 1.0, -hidden, n, layer)
+                               : goes_on(ray, i, hidden, n, layer));
+      if (abs(at * n - source) <= reach && fills) {
         source = clamp(source / n, 0.0, 1.0);
         blend(hit, ray.from.xy + ray.span.xy * source, layer, ray.from + ray.span * at, true);
       }
