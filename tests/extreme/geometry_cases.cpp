@@ -326,17 +326,37 @@ Pixels mirrored(const Pixels& image, std::size_t width) {
   return out;
 }
 
-// G10: the mirrored scene from the mirrored eye under the mirrored light, mirrored back.
+// The same with x the other way and the triangles turned, in the file's own data.
+Shape mirrored(Shape shape) {
+  for (std::size_t i = 0; i < shape.positions.size(); i += 3) {
+    shape.positions[i] = -shape.positions[i];
+    shape.normals[i] = -shape.normals[i];
+  }
+  for (std::size_t i = 0; i < shape.indices.size(); i += 3)
+    std::swap(shape.indices[i + 1], shape.indices[i + 2]);
+  return shape;
+}
+
+// G10: a scene mirrored by its node, from the mirrored eye under the mirrored light: bitwise the
+// one whose data are mirrored, and mirrored back the plain one. The latter to 1 LSB in a few
+// components: rasterisers count from one corner, and on some processors llvmpipe rounds differently
+// from left and right.
 Outcome mirror(const Conditions& conditions) {
   test::Builder turned = document(dented_ball());
   turned.doc["nodes"][0]["scale"] = {-1, 1, 1};
-  Result<std::unique_ptr<Studio>> plain =
-      Studio::create(write(document(dented_ball()), conditions.folder, "plain"));
-  Result<std::unique_ptr<Studio>> other =
-      Studio::create(write(turned, conditions.folder, "turned"));
-  if (!plain || !other) return no_studio((plain ? other : plain).error());
-  (*other)->set_light(mirrored((*plain)->light()));
-  int truth = 0;
+  const auto studio = [&](const test::Builder& builder, const char* name) {
+    return Studio::create(write(builder, conditions.folder, name));
+  };
+  Result<std::unique_ptr<Studio>> plain = studio(document(dented_ball()), "plain");
+  Result<std::unique_ptr<Studio>> other = studio(turned, "turned");
+  Result<std::unique_ptr<Studio>> data = studio(document(mirrored(dented_ball())), "data");
+  for (const auto* one : {&plain, &other, &data})
+    if (!*one) return no_studio(one->error());
+  const Lighting light = mirrored((*plain)->light());
+  (*other)->set_light(light);
+  (*data)->set_light(light);
+  int from_data = 0, from_plain = 0;
+  double differing = 0, components = 0;
   for (const glm::dvec3& direction :
        {glm::dvec3(0, 0, 1), glm::dvec3(0, 0.6, 0.8), glm::dvec3(0, 0, -1)}) {
     const Camera camera = (*plain)->camera(0, direction, 4, kSize);
@@ -346,11 +366,17 @@ Outcome mirror(const Conditions& conditions) {
     there.pose = look_at(there.pose.eye, {-center.x, center.y, center.z});
     there.near_m = camera.near_m;
     there.far_m = camera.far_m;
-    truth = std::max(truth, largest_difference((*plain)->truth(camera).rgba,
-                                               mirrored((*other)->truth(there).rgba, kSize)));
+    const Pixels image = (*other)->truth(there).rgba, back = mirrored(image, kSize);
+    const Pixels expected = (*plain)->truth(camera).rgba;
+    from_data = std::max(from_data, largest_difference((*data)->truth(there).rgba, image));
+    from_plain = std::max(from_plain, largest_difference(expected, back));
+    for (std::size_t i = 0; i < back.size(); ++i) differing += back[i] != expected[i] ? 1 : 0;
+    components += static_cast<double>(back.size());
   }
   Checks checks;
-  checks.equal("largest difference", truth, 0);
+  checks.equal("largest difference from mirrored data", from_data, 0);
+  checks.at_most("from the plain one, mirrored back", from_plain, 1);
+  checks.at_most("share of components that differ there", differing / components, 1e-4);
   return checks.outcome();
 }
 
