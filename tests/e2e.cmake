@@ -9,7 +9,7 @@ function(mirage_e2e name)
   mirage_target(mirage_e2e_${name})
   target_link_libraries(mirage_e2e_${name} PRIVATE mirage_test_support nlohmann_json::nlohmann_json
                         GTest::gtest_main)
-  add_dependencies(mirage_e2e_${name} mirage-server mirage-view mirage-load mirage-report)
+  add_dependencies(mirage_e2e_${name} mirage-server mirage-view mirage-load mirage-report mirage-extreme)
   add_test(NAME e2e_${name} COMMAND mirage_e2e_${name})
   set_tests_properties(e2e_${name} PROPERTIES TIMEOUT 900)
 endfunction()

@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 constexpr int kServerPatienceMs = 300'000;  // a large scene's levels of detail take minutes
 constexpr int kCannotRun = 127;
 constexpr int kStopPatienceMs = 10'000;
+constexpr std::chrono::milliseconds kLinePause{100};
 
 int status_to_code(int status) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
@@ -70,6 +71,20 @@ Result<std::string> scratch_folder() {
   return name;
 }
 
+// The whole lines a file has gained since the last call.
+void pass_lines(std::ifstream& file, const std::function<void(const std::string&)>& on_line) {
+  std::string line;
+  while (true) {
+    const std::streampos start = file.tellg();
+    if (!std::getline(file, line) || file.eof()) {
+      file.clear();
+      file.seekg(start);
+      return;
+    }
+    on_line(line);
+  }
+}
+
 // The `error <id>: <text>` line of a program of ours, as the error it was.
 std::optional<Error> error_said(const std::string& text) {
   std::istringstream lines(text);
@@ -89,14 +104,20 @@ std::optional<Error> error_said(const std::string& text) {
 
 }  // namespace
 
-Result<ChildResult> run_child(const std::vector<std::string>& command) {
+Result<ChildResult> run_child(const std::vector<std::string>& command,
+                              const std::function<void(const std::string&)>& on_line) {
   Result<std::string> folder = scratch_folder();
   if (!folder) return folder.error();
   const Result<int> pid = spawn(command, *folder + "/out", *folder + "/err");
   ChildResult result;
   if (pid.ok()) {
     int status = 0;
-    waitpid(*pid, &status, 0);
+    std::ifstream out(*folder + "/out", std::ios::binary);
+    while (waitpid(*pid, &status, on_line ? WNOHANG : 0) == 0) {
+      pass_lines(out, on_line);
+      std::this_thread::sleep_for(kLinePause);
+    }
+    if (on_line) pass_lines(out, on_line);
     result = {status_to_code(status), read_file(*folder + "/out"), read_file(*folder + "/err")};
   }
   std::error_code ignored;

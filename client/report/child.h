@@ -1,6 +1,7 @@
 #pragma once
 // Child processes: other programs run to their end, and servers of our own.
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,8 +17,10 @@ struct ChildResult {
 };
 
 /// Runs a program, given by its path, to its end, nothing on its standard input; exit code 127 when
-/// there is none. Error kIo when no process can be made.
-Result<ChildResult> run_child(const std::vector<std::string>& command);
+/// there is none. `on_line` gets each line of its standard output soon after it is written. Error
+/// kIo when no process can be made.
+Result<ChildResult> run_child(const std::vector<std::string>& command,
+                              const std::function<void(const std::string&)>& on_line = {});
 
 /// First executable of that name in PATH; nullopt when there is none.
 std::optional<std::string> find_program(const std::string& name);

@@ -2,10 +2,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 namespace mirage {
 namespace {
@@ -57,6 +59,10 @@ std::string read_file(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
+std::size_t lines_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
 std::string last_line(const std::string& text) {
   const std::size_t end = text.find_last_not_of('\n');
   if (end == std::string::npos) return "it said nothing";
@@ -76,12 +82,20 @@ Result<void> report_extreme(Context& context) {
     context.omit("extreme", "all cases", "there is no mirage-extreme beside mirage-report");
     return write_rows(context, "extreme.json", rows);
   }
-  context.progress.begin("extreme", 1);
-  context.progress.step("mirage-extreme");
+  const Result<ChildResult> listed = run_child({*program, "--list"});
+  if (!listed) return listed.error();
+  context.progress.begin("extreme", lines_of(listed->out));
   const std::string file = context.path("extreme.found.json");
+  const std::string jobs = std::to_string(std::max(1u, std::thread::hardware_concurrency()));
   std::vector<std::string> command = {*program, "--json", file};
   if (context.options.quick) command.push_back("--quick");
-  const Result<ChildResult> ran = run_child(command);
+  command.insert(command.end(), {"--jobs", jobs});
+  const Result<ChildResult> ran = run_child(command, [&](const std::string& line) {
+    // "ID pass" or "ID FAIL", before what was measured.
+    constexpr std::size_t kVerdict = 9;
+    if (line.find(" pass ") < kVerdict || line.find(" FAIL ") < kVerdict)
+      context.progress.step(line.substr(0, kVerdict));
+  });
   if (!ran) return ran.error();
   const auto found = rows_of(read_file(file));
   std::error_code ignored;

@@ -157,6 +157,19 @@ TEST_F(Outside, ExtremeCasesThatHoldGiveZeroAndOthersSix) {
   EXPECT_EQ(count(html, "<b>"), 0u);
 }
 
+TEST(Report, ExtremeCasesWriteWhatItReads) {
+  const std::string file = scratch_folder() + "/extreme.json";
+  const Finished cases =
+      run({binary("mirage-extreme"), "--json", file, "--quick", "--jobs", "2", "--only", "G3,R8"});
+  ASSERT_EQ(cases.exit_code, 0) << cases.output;
+  const json rows = json::parse(read(file))["rows"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0]["id"], "G3");
+  for (const char* key : {"case", "must_hold", "measured", "limit", "pass"}) {
+    EXPECT_TRUE(rows[0].contains(key)) << key;
+  }
+}
+
 TEST_F(Outside, WhatIsLeftOutMustNotChangeAPixel) {
   const std::string row =
       "{\"scene\":\"some.glb\",\"object\":0,\"rule\":1,\"left_out\":\"sort\","

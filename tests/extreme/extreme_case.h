@@ -35,6 +35,7 @@ struct Case {
   Outcome (*run)(const Conditions&);
   double time_s = 120;   ///< hard limit of the case's process; ten times this under sanitizers
   int memory_mb = 4096;  ///< of address space; not limited under AddressSanitizer
+  bool alone = false;    ///< it measures time: nothing else runs beside it
 };
 
 /// Collects the checks of one case. A NaN never passes.

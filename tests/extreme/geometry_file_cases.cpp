@@ -278,7 +278,7 @@ std::vector<Case> geometry_file_cases() {
       {"G13", "node chain 1e5 deep; cycle", "loaded in place; refused with the path", deep_nodes},
       {"G14", "index out of range; counts to 2^32 - 1", "refused before upload", counts},
       {"G15", "1e7 triangles in a pixel", "drawn, client frame <= 10 times one impostor's", crowded,
-       240},
+       240, 4096, true},
       {"G16", "needle 1e6 : 1", "cropped, anisotropy <= 2", needle},
   };
 }

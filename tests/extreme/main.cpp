@@ -5,11 +5,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "protocol/cli.h"
 #include "tests/extreme/child_run.h"
@@ -20,6 +23,7 @@ namespace {
 
 struct Options {
   bool list = false, quick = false;
+  int jobs = 1;
   std::vector<std::string> only;  ///< ids, or letters for all of theirs
   std::string json_file;
   std::string child, folder;  ///< the one case to run for run_in_child(), and its folder
@@ -32,6 +36,9 @@ int parse(int argc, char** argv, Options& o) {
   app.add_option("--only", o.only, "ids or letters, with commas: G5,V")->delimiter(',');
   app.add_flag("--quick", o.quick, "a tenth of the random inputs, shorter scripts");
   app.add_option("--json", o.json_file, "write the rows here");
+  app.add_option("--jobs", o.jobs, "cases that run at a time; those that measure time run alone")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
   app.add_option("--child", o.child)->group("");
   app.add_option("--folder", o.folder)->group("");
   add_conventions(app);
@@ -80,6 +87,36 @@ class Scratch {
   std::string path_;
 };
 
+void tell(const Case& one, const ChildRun& r) {
+  std::printf("%-4s %s %6.1f s %5ld MB  %s (%s)\n", one.id, r.outcome.pass ? "pass" : "FAIL",
+              r.seconds, r.peak_mb, text(r.outcome.measured).c_str(),
+              text(r.outcome.limit).c_str());
+  std::fflush(stdout);
+}
+
+// Runs those that may have company, `jobs` at a time, then the others one by one.
+std::vector<ChildRun> run_all(const std::vector<Case>& cases, const Conditions& conditions,
+                              int jobs) {
+  std::vector<ChildRun> runs(cases.size());
+  std::mutex told;
+  for (const bool alone : {false, true}) {
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+      for (std::size_t i = next++; i < cases.size(); i = next++) {
+        if (cases[i].alone != alone) continue;
+        runs[i] = run_in_child(cases[i], conditions);
+        const std::lock_guard lock(told);
+        tell(cases[i], runs[i]);
+      }
+    };
+    std::vector<std::thread> workers;
+    for (int k = 1; k < (alone ? 1 : jobs); ++k) workers.emplace_back(work);
+    work();
+    for (std::thread& worker : workers) worker.join();
+  }
+  return runs;
+}
+
 int run(const std::vector<Case>& cases, const Options& o) {
   const Scratch scratch;
   Conditions conditions;
@@ -87,24 +124,23 @@ int run(const std::vector<Case>& cases, const Options& o) {
   conditions.folder = scratch.path();
   nlohmann::json rows = nlohmann::json::array();
   int failed = 0;
-  for (const Case& one : cases) {
-    std::printf("%-4s ", one.id);
-    const ChildRun r = run_in_child(one, conditions);
-    failed += r.outcome.pass ? 0 : 1;
-    std::printf("%s %6.1f s %5ld MB  %s (%s)\n", r.outcome.pass ? "pass" : "FAIL", r.seconds,
-                r.peak_mb, text(r.outcome.measured).c_str(), text(r.outcome.limit).c_str());
-    std::fflush(stdout);
+  const std::vector<ChildRun> runs = run_all(cases, conditions, o.jobs);
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Case& one = cases[i];
+    const Outcome& outcome = runs[i].outcome;
+    failed += outcome.pass ? 0 : 1;
     rows.push_back({{"id", one.id},
                     {"case", one.input},
                     {"must_hold", one.must_hold},
-                    {"measured", value(r.outcome.measured)},
-                    {"limit", value(r.outcome.limit)},
-                    {"pass", r.outcome.pass}});
+                    {"measured", value(outcome.measured)},
+                    {"limit", value(outcome.limit)},
+                    {"pass", outcome.pass}});
   }
   std::printf("%zu of %zu passed\n", cases.size() - static_cast<std::size_t>(failed), cases.size());
   if (!o.json_file.empty()) {
     std::ofstream file(o.json_file);
-    file << rows.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    const nlohmann::json whole = {{"rows", rows}};
+    file << whole.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
     if (!file) return fail(make_error(ErrorId::kIo, "cannot write '" + o.json_file + "'"));
   }
   return static_cast<int>(failed == 0 ? ExitCode::kOk : ExitCode::kComparison);

@@ -159,8 +159,13 @@ Outcome killed_server(const Conditions& conditions) {
 }  // namespace
 
 Case killed_server_case() {
-  return {"N5", "server killed (SIGKILL) while it makes a tile",
-          "frame rate kept, reconnect with backoff", killed_server, 120};
+  return {"N5",
+          "server killed (SIGKILL) while it makes a tile",
+          "frame rate kept, reconnect with backoff",
+          killed_server,
+          120,
+          4096,
+          true};
 }
 
 }  // namespace mirage::extreme

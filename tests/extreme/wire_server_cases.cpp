@@ -210,10 +210,14 @@ void versions_to_server(Checks& checks) {
 }
 
 Case slow_loris_case() {
-  return {"R6", "180 connections that say a byte a second",
+  return {"R6",
+          "180 connections that say a byte a second",
           "a client beside them served within 10 times the usual, memory under the cap, "
           "ungreeted ones closed",
-          slow_loris, 180};
+          slow_loris,
+          180,
+          4096,
+          true};
 }
 
 }  // namespace mirage::extreme
