@@ -1,6 +1,8 @@
 #include "client/core/ask_window.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "client/core/quantile.h"
@@ -11,45 +13,56 @@ namespace {
 constexpr double kInitialBytes = 256 * 1024;
 constexpr double kLeastBytes = 16 * 1024;
 constexpr std::int64_t kSlackUs = 25'000;  // and 25 for frames and a tile's own time on the link
-constexpr std::int64_t kRateSpanUs = 1'000'000;
+constexpr std::int64_t kQueueUs = 12'500;  // longer than the shortest by less is no queue
+constexpr std::int64_t kSecondUs = 1'000'000;
 constexpr std::int64_t kShortestSpanUs = 200'000;
-constexpr int kSpanTrips = 4;  // the rate is measured over so many
+constexpr int kSpanTrips = 4;  // rates are measured over so many, or fewer within a second
 constexpr std::size_t kLeastArrivals = 4;
 constexpr std::size_t kFirstArrivals = 8;  // before them nothing is known
 constexpr std::size_t kTrips = 33;
-constexpr std::size_t kQueueTrips = 8;  // the shortest of so many is above a queue, if there is one
+constexpr int kQueueTrips = 8;                     // all of them long: they have waited in a queue
+constexpr std::int64_t kLongestBurstUs = 100'000;  // that no queue need stand for
 constexpr std::int64_t kPeriodUs = 5'000'000;
 constexpr int kPeriodTrips = 20;
-constexpr int kFreeTrips = 4;  // without a queue: the window holds the rate down
 constexpr int kDrainTrips = 3;
 constexpr double kLargestGain = 2;
-constexpr double kProbingGain = 1.1;  // nothing has told where the limit is now
 
 }  // namespace
 
 void AskWindow::reset() {
-  arrivals_.clear();
-  shortest_us_ = {INT64_MAX, INT64_MAX};
-  best_rates_ = {};
-  period_ends_us_ = queued_us_ = drain_until_us_ = 0;
-  met_limit_ = false;
-  window_ = 0;
+  AskWindow fresh;
+  fresh.trips_us_ = std::move(trips_us_);  // the best guess there is
+  *this = std::move(fresh);
 }
 
 void AskWindow::arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes,
                         double expected) {
   // A large reply arrives at once, but its bytes took their time: since the one before it, at the
-  // earliest a round trip after it was asked for.
-  std::int64_t since = std::min(sent_us + shortest_trip_us(), now_us);
+  // earliest a trip after it was asked for. And nothing is known finer than in frames.
+  const Trip shortest = shortest_trip();
+  const std::int64_t way = shortest.us - std::min(own_us(shortest), shortest.us);
+  std::int64_t since = std::min(sent_us + way, updated_us_);
   if (!arrivals_.empty()) since = std::max(since, arrivals_.back().at_us);
+  since = std::min(since, now_us);
+  began_us_ = std::min(began_us_, since);
   arrivals_.push_back({since, now_us, bytes, expected});
 }
 
 void AskWindow::tile_arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes,
                              double expected) {
-  const std::int64_t trip = std::max<std::int64_t>(now_us - sent_us, 0);
-  shortest_us_[0] = std::min(shortest_us_[0], trip);
-  trips_us_.push_back(trip);
+  const Trip trip{std::max<std::int64_t>(now_us - sent_us, 0), expected};
+  if (sent_us >= drained_us_) {
+    shortest_ = {Trip{}, longer(trip, shortest_trip()) ? trip : shortest_trip()};
+    drained_us_ = INT64_MAX;
+  }
+  if (trip.us < shortest_[0].us) shortest_[0] = trip;
+  if (!longer(trip, shortest_trip())) {
+    slow_trips_ = 0;
+  } else if (slow_trips_++ == 0) {
+    slow_since_us_ = now_us;
+  }
+  slow_until_us_ = now_us;
+  trips_us_.push_back(trip.us);
   if (trips_us_.size() > kTrips) trips_us_.pop_front();
   arrived(sent_us, now_us, bytes, expected);
 }
@@ -59,80 +72,113 @@ void AskWindow::asset_arrived(std::int64_t sent_us, std::int64_t now_us, std::si
   arrived(sent_us, now_us, bytes, expected);
 }
 
-std::int64_t AskWindow::shortest_trip_us() const {
-  const std::int64_t shortest = std::min(shortest_us_[0], shortest_us_[1]);
-  return shortest == INT64_MAX ? 0 : shortest;
+void AskWindow::stray_arrived(std::int64_t now_us, std::size_t bytes) {
+  arrivals_.push_back({now_us, now_us, bytes, 0});
+}
+
+AskWindow::Trip AskWindow::shortest_trip() const {
+  const Trip& shortest = shortest_[1].us < shortest_[0].us ? shortest_[1] : shortest_[0];
+  return shortest.us == INT64_MAX ? Trip{0, 0} : shortest;
+}
+
+std::int64_t AskWindow::own_us(const Trip& trip) const {
+  return rate_ > 0 ? std::llround(trip.bytes / rate_) : 0;
+}
+
+bool AskWindow::longer(const Trip& trip, const Trip& than) const {
+  return trip.us - own_us(trip) > than.us + kQueueUs;
+}
+
+std::int64_t AskWindow::usual_trip_us() const { return shortest_trip().us + kSlackUs; }
+
+std::int64_t AskWindow::trip_us(double bytes, double under_way) const {
+  if (rate_ <= 0) return usual_trip_us();
+  const auto way = static_cast<double>(shortest_trip().us);
+  return usual_trip_us() + std::llround(std::max(bytes / rate_, under_way / rate_ - way));
 }
 
 bool AskWindow::queued() const {
-  if (trips_us_.size() < kQueueTrips) return false;
-  const auto first = trips_us_.end() - static_cast<std::ptrdiff_t>(kQueueTrips);
-  return *std::min_element(first, trips_us_.end()) > shortest_trip_us() + kSlackUs / 2;
+  if (slow_trips_ < kQueueTrips) return false;
+  const std::int64_t long_enough = std::min(usual_trip_us(), kLongestBurstUs);
+  return slow_until_us_ - slow_since_us_ >= long_enough;
 }
 
-double AskWindow::measured_rate(std::int64_t now_us) const {
-  const std::int64_t span =
-      std::clamp(kSpanTrips * (shortest_trip_us() + kSlackUs), kShortestSpanUs, kRateSpanUs);
-  double received = 0;
-  std::int64_t first = now_us;
+std::int64_t AskWindow::span_us() const {
+  const std::int64_t trip = usual_trip_us();
+  return std::clamp(kSpanTrips * trip, kShortestSpanUs, std::max(trip, kSecondUs));
+}
+
+double AskWindow::busy_rate(std::int64_t now_us) const {
+  double received = 0, busy_us = 0;
   std::size_t count = 0;
   for (auto at = arrivals_.rbegin(); at != arrivals_.rend(); ++at, ++count) {
-    if (count >= kLeastArrivals && at->at_us < now_us - span) break;
+    if (count >= kLeastArrivals && at->at_us < now_us - span_us()) break;
     received += at->expected;
-    first = std::min(first, at->since_us);
+    busy_us += static_cast<double>(at->at_us - at->since_us);
   }
-  return received / static_cast<double>(std::max<std::int64_t>(now_us - first, 20'000));
+  return received / std::max(busy_us, 1.0);
 }
 
-void AskWindow::turn_period(std::int64_t now_us, std::int64_t held_back_us) {
-  const std::int64_t length = std::max(kPeriodUs, kPeriodTrips * shortest_trip_us());
-  if (period_ends_us_ != 0 && now_us < period_ends_us_) return;
-  // Under load all the time: no trip of this period was without a queue.
-  if (period_ends_us_ != 0 && held_back_us >= length) {
-    drain_until_us_ = now_us + kDrainTrips * (shortest_trip_us() + kSlackUs);
+double AskWindow::whole_rate(std::int64_t now_us) const {
+  double received = 0;
+  std::int64_t since = now_us - std::clamp(now_us - began_us_, usual_trip_us(), span_us());
+  for (auto at = arrivals_.rbegin(); at != arrivals_.rend(); ++at) {
+    if (at->at_us < now_us - span_us()) break;
+    received += at->expected;
+    since = std::min(since, at->since_us);
   }
-  shortest_us_ = {INT64_MAX, shortest_us_[0]};
-  std::rotate(best_rates_.begin(), best_rates_.end() - 1, best_rates_.end());
-  best_rates_[0] = 0;
-  period_ends_us_ = now_us + length;
+  return received / static_cast<double>(now_us - since);
+}
+
+void AskWindow::turn_period(std::int64_t now_us) {
+  if (period_ends_us_ != 0 && now_us < period_ends_us_) return;
+  // A queue all the time, or a longer way: without the one it shows whether it is the other.
+  if (shortest_[0].us != INT64_MAX && shortest_[1].us != INT64_MAX &&
+      longer(shortest_[0], shortest_[1])) {
+    drain_until_us_ = now_us + kDrainTrips * (shortest_[0].us + kSlackUs);
+  }
+  shortest_ = {Trip{}, shortest_[1].us < shortest_[0].us ? shortest_[1] : shortest_[0]};
+  best_rates_ = {0, best_rates_[0]};
+  period_ends_us_ = now_us + std::max(kPeriodUs, kPeriodTrips * shortest_trip().us);
 }
 
 double AskWindow::update(std::int64_t now_us, std::int64_t held_back_us, bool idle) {
-  while (!arrivals_.empty() && arrivals_.front().at_us < now_us - kRateSpanUs) {
+  while (!arrivals_.empty() && arrivals_.front().at_us < now_us - std::max(span_us(), kSecondUs)) {
     arrivals_.pop_front();
   }
-  turn_period(now_us, held_back_us);
-  if (idle) drain_until_us_ = 0;
-  if (now_us < drain_until_us_) return 0;
+  updated_us_ = now_us;
+  turn_period(now_us);
+  if (drain_until_us_ != 0) {
+    if (!idle && now_us < drain_until_us_) return 0;
+    drain_until_us_ = 0;
+    drained_us_ = now_us;
+    best_rates_ = {};
+  }
   // Little came because little was asked for: that says nothing about the link.
-  const double proven = std::min(window_, kInitialBytes);
-  if (arrivals_.size() < kFirstArrivals && (idle || held_back_us < kRateSpanUs)) {
-    return window_ = window_ > 0 ? proven : kInitialBytes;
+  if (window_ == 0) window_ = kInitialBytes;
+  if (arrivals_.size() < kFirstArrivals && (idle || held_back_us < kSecondUs)) {
+    return window_ = std::min(window_, kInitialBytes);
   }
-  const double rate = measured_rate(now_us);
-  best_rates_[0] = std::max(best_rates_[0], rate);
-  const std::int64_t trip = shortest_trip_us() + kSlackUs;
-  double gain = 1;
-  if (queued()) {
-    met_limit_ = true;
-    queued_us_ = now_us;
-    best_rates_ = {rate};  // with a queue, what comes is what the link can do now
-  } else if (!met_limit_) {
-    gain = kLargestGain;
-  } else if (now_us - queued_us_ > kFreeTrips * trip) {
-    const double best = *std::max_element(best_rates_.begin(), best_rates_.end());
-    gain = std::clamp(best / std::max(rate, 1e-9), kProbingGain, kLargestGain);
-  }
-  const double wanted = gain * rate * static_cast<double>(trip);
-  const double measured = std::max(kLeastBytes, wanted);
-  window_ = held_back_us == 0 ? std::max(measured, proven) : measured;
+  best_rates_[0] = std::max(best_rates_[0], whole_rate(now_us));
+  rate_ = busy_rate(now_us);
+  if (held_back_us == 0 && !queued()) return window_;
+  const auto trip = static_cast<double>(usual_trip_us());
+  const double best = std::max(best_rates_[0], best_rates_[1]);
+  const double grown = std::max(window_, kLargestGain * best * trip);
+  // The shortest trip holds its own tile's time on the link.
+  double wanted = rate_ * trip - shortest_trip().bytes;
+  // Without a queue more than what has come may be under way, or it would never be.
+  if (!queued()) wanted = std::max(wanted, whole_rate(now_us) * trip);
+  window_ = std::max(kLeastBytes, std::min(wanted, grown));
   return window_;
 }
 
 double AskWindow::rate_mbps() const {
   double bytes = 0;
-  for (const Arrival& arrival : arrivals_) bytes += static_cast<double>(arrival.bytes);
-  return 8 * bytes / static_cast<double>(kRateSpanUs);
+  for (const Arrival& arrival : arrivals_) {
+    if (arrival.at_us >= updated_us_ - kSecondUs) bytes += static_cast<double>(arrival.bytes);
+  }
+  return 8 * bytes / static_cast<double>(kSecondUs);
 }
 
 std::int64_t AskWindow::round_trip_us() const {

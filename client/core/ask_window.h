@@ -2,13 +2,17 @@
 // How many bytes may be under way: what the link delivers times the round trip and a slack
 // (NUMERICS section 4: outstanding <= rate x (RTT + 50 ms)).
 // Input:  what arrives, when it was asked for. Output: the window, round trip and rate.
-// Thread: the frame loop's. Never full: keeps the arrivals of a second and a few trips.
+// Thread: the frame loop's. Never full: keeps the arrivals of a few trips.
+//
+// What the link delivers is measured while it is busy: from when a reply can have come at the
+// earliest, or the one before it came, until it came. A gap in which nothing was due says nothing.
+// A train too short to measure looks infinitely fast, so the window at most doubles what whole
+// trips have brought.
 //
 // The slack is a queue at the bottleneck: a link that gets faster empties it, the rate rises, and
-// the window with it. Before any queue has been seen it doubles, and so it does back to the best
-// rate lately known. What a window can hide from itself is a round trip that has become longer: the
-// shortest one known is forgotten after two periods, and once a period of constant load everything
-// is let arrive so that the next is measured without a queue.
+// the window with it. What a window can hide from itself is a round trip that has become longer: it
+// looks like a queue. After a period in which every trip was slow all is let arrive, and the next
+// trip tells which it was.
 
 #include <array>
 #include <cstddef>
@@ -27,11 +31,15 @@ class AskWindow {
   void tile_arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes, double expected);
   /// Geometry: tells of the rate, not of the trip.
   void asset_arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes, double expected);
+  /// What nobody knows any more when it was asked for tells of neither.
+  void stray_arrived(std::int64_t now_us, std::size_t bytes);
 
   /// The window in bytes from now on. `held_back_us`: asks have been waiting for it without a break
   /// for so long; 0: not so. `idle`: nothing is under way.
   double update(std::int64_t now_us, std::int64_t held_back_us, bool idle);
 
+  /// How long a reply of `bytes` takes that is asked for now, with `under_way` bytes in all.
+  std::int64_t trip_us(double bytes, double under_way) const;
   /// Request to reply, median of the last, µs.
   std::int64_t round_trip_us() const;
   /// Bytes of the last second, as Mbit/s.
@@ -44,21 +52,37 @@ class AskWindow {
     std::size_t bytes = 0;
     double expected = 0;
   };
+  struct Trip {
+    std::int64_t us = INT64_MAX;
+    double bytes = 0;  ///< of the tile, as expected
+  };
   void arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes, double expected);
-  std::int64_t shortest_trip_us() const;
+  /// What its tile takes on the link.
+  std::int64_t own_us(const Trip& trip) const;
+  /// By more than that and a little.
+  bool longer(const Trip& trip, const Trip& than) const;
+  /// 0 while there was none.
+  Trip shortest_trip() const;
+  std::int64_t usual_trip_us() const;
   bool queued() const;
-  double measured_rate(std::int64_t now_us) const;
-  void turn_period(std::int64_t now_us, std::int64_t held_back_us);
+  std::int64_t span_us() const;
+  double busy_rate(std::int64_t now_us) const;
+  double whole_rate(std::int64_t now_us) const;
+  void turn_period(std::int64_t now_us);
 
-  std::deque<Arrival> arrivals_;       ///< of the last second
+  std::deque<Arrival> arrivals_;       ///< of the last second, or the last whole trips
   std::deque<std::int64_t> trips_us_;  ///< the last ones
-  /// Of the present period and the one before; INT64_MAX: none.
-  std::array<std::int64_t, 2> shortest_us_{INT64_MAX, INT64_MAX};
+  int slow_trips_ = 0;                 ///< one after the other, till now
+  std::int64_t slow_since_us_ = 0;     ///< when the first of them came
+  std::int64_t slow_until_us_ = 0;     ///< and the last
+  std::int64_t began_us_ = INT64_MAX;  ///< when the first of all can have come
+  std::int64_t updated_us_ = 0;
+  std::array<Trip, 2> shortest_;        ///< of the present period and the one before
+  std::array<double, 2> best_rates_{};  ///< of whole trips, bytes/us, of the same periods
   std::int64_t period_ends_us_ = 0;
-  std::array<double, 4> best_rates_{};  ///< bytes/us, of the present period and those before
-  std::int64_t drain_until_us_ = 0;     ///< at the latest
-  bool met_limit_ = false;              ///< a queue has been seen
-  std::int64_t queued_us_ = 0;          ///< when there was one last
+  std::int64_t drain_until_us_ = 0;      ///< at the latest
+  std::int64_t drained_us_ = INT64_MAX;  ///< what was asked for since tells the shortest trip
+  double rate_ = 0;                      ///< of the busy link, bytes/us; 0: unknown
   double window_ = 0;
 };
 

@@ -8,7 +8,7 @@
 namespace mirage {
 namespace {
 
-constexpr std::int64_t kUselessUs = 100'000;
+constexpr std::int64_t kPatienceUs = 100'000;  // or a trip
 constexpr std::int64_t kRefusalPauseUs = 250'000;
 constexpr std::int64_t kAssetPauseUs = 5'000'000;
 // An ask without an answer is given up after so long, then after twice as long: a link may be slow.
@@ -18,12 +18,6 @@ constexpr int kLostTrips = 4;
 constexpr std::size_t kMaxAsksPerFrame = 256;  // the rest queue, worst first
 // Credit far ahead of the window: the window limits, credit only protects the client's memory.
 constexpr std::uint64_t kCreditAhead = 64u << 20;
-
-// Bytes against those of a lit tile: measured 1.1 (knot) to 2.0 (flight helmet).
-double share_of_lit(const TileNeed& need) {
-  if (!is_picture(need.channels)) return 0.3;
-  return need.channels == kRelitTile ? 1.6 : 1.0;
-}
 
 }  // namespace
 
@@ -43,11 +37,6 @@ void Scheduler::reset() {
   saturated_since_us_ = -1;
 }
 
-double Scheduler::expected_bytes(const TileNeed& need) const {
-  const double edge = tile_edge(need.size_class);
-  return 160 + bytes_per_texel_ * share_of_lit(need) * edge * edge;
-}
-
 std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
                                                    const std::vector<TileNeed>& needs,
                                                    const std::vector<AssetNeed>& asset_needs,
@@ -57,6 +46,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   std::set<std::uint32_t> needed;  // a phase that has passed comes again with the next loop
   for (const TileNeed& need : needs) needed.insert(need.instance);
   bool lost_any = false;
+  const std::int64_t patience_us = std::max(kPatienceUs, window_.trip_us(0, 0));
   for (auto it = leaving_.begin(); it != leaving_.end();) {
     if (it->second.until_us > now_us) {
       ++it;
@@ -69,14 +59,15 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     const PendingAsk& ask = it->second;
     if (needed.count(ask.need.instance) != 0) it->second.needed_us = now_us;
     // What is on its way is cheaper than what is asked for again a frame later.
-    const bool useless = now_us - ask.needed_us > kUselessUs;
+    const bool useless = now_us - ask.needed_us > patience_us;
     const bool lost = now_us - ask.sent_us > lost_us_;
     lost_any = lost_any || lost;
     if (useless || lost) {
       batch.cancels.push_back(it->first);
       in_flight_bytes_ -= ask.expected_bytes;
       if (!lost) {
-        leaving_[it->first] = {now_us + window_.round_trip_us(), ask.expected_bytes};
+        leaving_[it->first] = {ask.sent_us, std::max(ask.due_us, now_us + window_.trip_us(0, 0)),
+                               ask.expected_bytes};
         leaving_bytes_ += ask.expected_bytes;
       }
       pending_wanted_.erase(wanted(ask.need));
@@ -146,10 +137,11 @@ void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::int6
   batch.asks.emplace_back(id, need.instance, object, static_cast<float>(need.gain), 0u,
                           need.distance.index, need.cell.x, need.cell.y, need.cell.level,
                           need.distance.level, need.size_class, need.channels, need.phase);
-  const double bytes = expected_bytes(need);
-  pending_[id] = {need, object, now_us, bytes, now_us};
-  pending_wanted_[wanted(need)] = id;
+  const double bytes = tile_bytes_.expected(need.size_class, need.channels);
   in_flight_bytes_ += bytes;
+  const double under_way = in_flight_bytes_ + leaving_bytes_ + asset_bytes_;
+  pending_[id] = {need, object, now_us, now_us + window_.trip_us(bytes, under_way), bytes, now_us};
+  pending_wanted_[wanted(need)] = id;
   ++asked_;
 }
 
@@ -188,20 +180,21 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
   received_bytes_ += bytes;
   const auto at = pending_.find(request_id);
   if (at == pending_.end()) {  // cancelled, and sent all the same
-    if (const auto left = leaving_.find(request_id); left != leaving_.end()) {
-      leaving_bytes_ = std::max(0.0, leaving_bytes_ - left->second.bytes);
-      leaving_.erase(left);
+    const auto left = leaving_.find(request_id);
+    if (left == leaving_.end()) {
+      window_.stray_arrived(now_us, bytes);
+      return std::nullopt;
     }
-    window_.asset_arrived(now_us, now_us, bytes, static_cast<double>(bytes));
+    window_.asset_arrived(left->second.sent_us, now_us, bytes, left->second.bytes);
+    leaving_bytes_ = std::max(0.0, leaving_bytes_ - left->second.bytes);
+    leaving_.erase(left);
     return std::nullopt;
   }
   const PendingAsk ask = at->second;
   pending_.erase(at);
   pending_wanted_.erase(wanted(ask.need));
   in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - ask.expected_bytes);
-  const double edge = tile_edge(ask.need.size_class);
-  const double as_lit = static_cast<double>(bytes) / share_of_lit(ask.need);
-  bytes_per_texel_ += 0.05 * (as_lit / (edge * edge) - bytes_per_texel_);
+  tile_bytes_.arrived(ask.need.size_class, ask.need.channels, bytes);
   // Older than what is given up: this machine has slept meanwhile, and it is no trip.
   const std::int64_t trip = now_us - ask.sent_us;
   if (trip > lost_us_) {

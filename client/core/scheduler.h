@@ -16,6 +16,7 @@
 
 #include "client/core/ask_window.h"
 #include "client/core/selector.h"
+#include "client/core/tile_bytes.h"
 #include "protocol/message.h"
 
 namespace mirage {
@@ -25,6 +26,7 @@ struct PendingAsk {
   TileNeed need;
   std::uint32_t object = 0;
   std::int64_t sent_us = 0;
+  std::int64_t due_us = 0;     ///< when the reply is to be here
   double expected_bytes = 0;   ///< as counted when it was sent: the expectation changes
   std::int64_t needed_us = 0;  ///< when it was needed last
 };
@@ -85,7 +87,6 @@ class Scheduler {
   void ask_asset(const AssetNeed& need, std::int64_t now_us, wire::RequestBatchT& batch);
   /// Takes what is under way off the books.
   std::optional<PendingAsset> end_asset(std::uint32_t request_id);
-  double expected_bytes(const TileNeed& need) const;
 
   std::map<std::uint32_t, PendingAsk> pending_;           ///< by request id
   std::map<Wanted, std::uint32_t> pending_wanted_;        ///< -> request id
@@ -94,6 +95,7 @@ class Scheduler {
   std::set<AssetId> assets_under_way_;
   /// Cancelled: what was sent before the server heard of it still takes its place on the link.
   struct Leaving {
+    std::int64_t sent_us = 0;
     std::int64_t until_us = 0;
     double bytes = 0;
   };
@@ -102,7 +104,7 @@ class Scheduler {
   AskWindow window_;
   std::int64_t lost_us_;  ///< an ask this old is given up
   std::int64_t saturated_since_us_ = -1;
-  double bytes_per_texel_ = 0.7;      ///< of lit tiles, learnt from both kinds
+  TileBytes tile_bytes_;
   double in_flight_bytes_ = 0;        ///< of tiles
   double leaving_bytes_ = 0;          ///< of cancelled tiles that may still come
   double asset_bytes_ = 0;            ///< of geometry and images, in flight

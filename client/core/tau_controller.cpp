@@ -13,6 +13,7 @@ constexpr double kSaturatedS = 1.0;  // a start or a turn of the head may fill t
 constexpr double kLargest = 16;      // times the base
 constexpr std::int64_t kShortestRoundUs = 50'000;
 constexpr std::int64_t kPatienceUs = 1'000'000;
+constexpr int kPatienceRounds = 4;  // on a long way what a step has done shows later
 constexpr std::int64_t kLongestPatienceUs = 32'000'000;
 
 }  // namespace
@@ -26,12 +27,14 @@ double TauController::update(const TauLoad& load, std::int64_t now_us, std::int6
   // std::max passes over a NaN on its right: look for it apart.
   const double sum = load.frame_ms + load.rate_mbps + load.saturated_s;
   if (!std::isfinite(sum)) return tau_px_;
-  next_action_us_ = now_us + std::max(round_trip_us, kShortestRoundUs);
+  const std::int64_t round = std::max(round_trip_us, kShortestRoundUs);
+  const std::int64_t least = std::clamp(kPatienceRounds * round, kPatienceUs, kLongestPatienceUs);
+  next_action_us_ = now_us + round;
   if (strain > 1 + kDeadBand) {
     // In vain: it came down no longer ago than it had waited for.
     const bool in_vain =
-        eased_us_ > rose_us_ && now_us - eased_us_ < 2 * std::max(patience_us_, kPatienceUs);
-    if (in_vain) patience_us_ = std::clamp(2 * patience_us_, kPatienceUs, kLongestPatienceUs);
+        eased_us_ > rose_us_ && now_us - eased_us_ < 2 * std::max(patience_us_, least);
+    if (in_vain) patience_us_ = std::clamp(2 * patience_us_, least, kLongestPatienceUs);
     tau_px_ = std::min(tau_px_ * kUp, base_px_ * kLargest);
     rose_us_ = now_us;
     calm_rounds_ = 0;

@@ -81,5 +81,24 @@ TEST(CoreTau, SettlesUnderDelay) {
   }
 }
 
+// A link that is full below some tau, which shows a round trip late: on a long way, too, each
+// descent in vain makes the next one later.
+TEST(CoreTau, ALongWayTurnsSeldom) {
+  constexpr std::int64_t kLongUs = 2'000'000;
+  TauController c(1, {});
+  double late = 1;
+  int turns = 0, last_step = 0;
+  for (int round = 0; round < 60; ++round) {
+    const double before = c.tau_px();
+    c.update({0, 0, late < 4 ? 2.0 : 0.0}, (round + 1) * kLongUs, kLongUs);
+    late = before;
+    const int step = c.tau_px() > before ? 1 : c.tau_px() < before ? -1 : 0;
+    if (step == 0) continue;
+    turns += round >= 30 && step == -last_step ? 1 : 0;
+    last_step = step;
+  }
+  EXPECT_LE(turns, 4);
+}
+
 }  // namespace
 }  // namespace mirage

@@ -18,6 +18,7 @@ constexpr std::int64_t kStepUs = 5'000;
 struct Plant {
   double rate_mbps = 20;
   std::int64_t rtt_us = 50'000;
+  bool waits = true;  ///< false: there is never more to ask for than fits
 
   void run(double seconds) {
     const std::int64_t end = now_us + std::llround(seconds * 1e6);
@@ -27,8 +28,8 @@ struct Plant {
         under_way.pop_front();
         received += kTile;
       }
-      const double bytes =
-          window.update(now_us, std::max<std::int64_t>(now_us - began_us, 1), under_way.empty());
+      const std::int64_t waited_us = waits ? std::max<std::int64_t>(now_us - began_us, 1) : 0;
+      const double bytes = window.update(now_us, waited_us, under_way.empty());
       while (static_cast<double>(under_way.size() * kTile) < bytes) {
         const auto cost = static_cast<std::int64_t>(8.0 * kTile / rate_mbps);
         free_us = std::max(free_us, now_us + rtt_us / 2) + cost;
@@ -101,6 +102,57 @@ TEST(CoreWindow, ALongerRoundTripIsFoundOut) {
   plant.run(20);
   EXPECT_GE(static_cast<double>(plant.received - before) * 8e-6 / 20, 0.7 * 10);
   EXPECT_LE(plant.range(20).second, plant.bound());
+}
+
+TEST(CoreWindow, AHundredfoldRoundTripKeepsTheBound) {
+  Plant plant;
+  plant.rate_mbps = 2;
+  plant.rtt_us = 20'000;
+  plant.run(6);
+  plant.rtt_us = 2'000'000;
+  plant.run(30);
+  const std::size_t before = plant.received;
+  plant.run(60);
+  EXPECT_LE(plant.range(60).second, plant.bound());
+  EXPECT_GE(static_cast<double>(plant.received - before) * 8e-6 / 60, 0.8 * 2);
+}
+
+// With the demand just about what the link carries nothing waits for the window, and a queue that
+// is always there must not pass for the way.
+TEST(CoreWindow, AStandingQueueIsNoLongerWay) {
+  Plant plant;
+  plant.rate_mbps = 4;
+  plant.run(6);
+  plant.waits = false;
+  plant.run(60);
+  EXPECT_LE(plant.range(30).second, plant.bound());
+}
+
+// Trains with gaps: the link is as fast as within a train.
+TEST(CoreWindow, GapsSayNothingAboutTheLink) {
+  AskWindow window;
+  std::int64_t now = 0;
+  for (int train = 0; train < 8; ++train) {
+    const std::int64_t sent = now;
+    for (; now < sent + 250'000; now += 10'000) {  // 10 kB in 10 ms: 1 MB/s
+      if (now >= sent + 50'000) window.tile_arrived(sent, now, 10'000, 10'000);
+      window.update(now, 1, false);
+    }
+    now += 750'000;
+  }
+  EXPECT_NEAR(window.update(now - 750'000, 1, false), 75'000 - 10'000, 3'000);
+}
+
+// What comes at once may have waited together: no rate can be told from it.
+TEST(CoreWindow, ABurstAtMostDoublesIt) {
+  AskWindow window;
+  for (std::int64_t now = 0; now <= 2'000'000; now += 10'000) {  // one in 10 ms: 100 kB/s
+    if (now >= 50'000) window.tile_arrived(now - 50'000, now, 1000, 1000);
+    window.update(now, 1, false);
+  }
+  for (int i = 0; i < 40; ++i) window.tile_arrived(1'960'000, 2'010'000, 1000, 1000);
+  const double whole = (300 - 10 + 400) * 1000 / 7.0 / 300'000;  // bytes/us of four trips
+  EXPECT_LE(window.update(2'010'000, 1, false), 2 * whole * 75'000 * 1.2);
 }
 
 TEST(CoreWindow, ASleepIsNoRate) {
