@@ -79,13 +79,15 @@ double position_bound_px(const ViewGeometry& view, const CaptureGeometry& captur
   const double near_drawn = view.center_depth - drawn.q;
   const bool outside = distance >= limits::kMinCaptureRadii * view.radius &&
                        dc >= limits::kMinCaptureRadii * view.radius * (1 - 1e-9);
-  if (!outside || !(near_surface > 0) || !(near_drawn > 0)) return kInfinity;
+  // Where the drawn points are known to lie, the window tells how near the eye they come.
+  const bool placed = drawn.drawn_max > 0;
+  if (!outside || !(near_surface > 0) || !(placed || near_drawn > 0)) return kInfinity;
   if (!std::isfinite(near_surface) || !std::isfinite(near_drawn)) return kInfinity;
   const bool measured = drawn.surface_max > 0;
   const double surface_min = measured ? drawn.surface_min : dc - view.radius;
   const double surface_max = measured ? drawn.surface_max : dc + view.radius;
-  const double drawn_min = drawn.drawn_max > 0 ? drawn.drawn_min : std::max(dc - drawn.q, 0.0);
-  const double drawn_max = drawn.drawn_max > 0 ? drawn.drawn_max : dc + drawn.q;
+  const double drawn_min = placed ? drawn.drawn_min : std::max(dc - drawn.q, 0.0);
+  const double drawn_max = placed ? drawn.drawn_max : dc + drawn.q;
   const glm::dvec3 baseline = view.eye - capture.axis * dc;
   if (!is_finite(baseline) || !is_finite(view.forward) || !std::isfinite(drawn.dz)) {
     return kInfinity;  // min and max below would swallow a NaN

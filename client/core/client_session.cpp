@@ -14,11 +14,19 @@ constexpr double kStandsM = 1e-6;        // from where the eye is expected to be
 constexpr float kFacesSame = 0.999999f;  // half the angle's cosine: 0.16 degrees
 constexpr std::size_t kReplyBytes = 64;  // control part and header of a geometry reply
 
+constexpr std::size_t kMaxEarlyPages = 64;
+
 // Also what the server can do: it may have been started anew with other options.
 bool announces(const wire::WelcomeT& welcome, const SceneView& scene) {
   return welcome.revision == scene.revision && welcome.instances == scene.instances.size() &&
          welcome.geometry == scene.geometry && welcome.reference == scene.reference &&
          welcome.shadows == scene.shadows;
+}
+
+Result<void> accept_page(SceneView& scene, const wire::BodyUnion& body) {
+  if (const wire::ImagePageT* images = body.AsImagePage()) return scene.accept(*images);
+  if (const wire::ObjectPageT* objects = body.AsObjectPage()) return scene.accept(*objects);
+  return scene.accept(*body.AsInstancePage());
 }
 
 }  // namespace
@@ -72,20 +80,15 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
         if (own_lighting_) send_lighting();
         return {};
       }
+      early_pages_.clear();
       if (Result<void> taken = scene_.accept(welcome); !taken) return taken;
       break;
     }
     case wire::Body::ImagePage:
-      if (was_complete) return {};
-      if (Result<void> taken = scene_.accept(*body.AsImagePage()); !taken) return taken;
-      break;
     case wire::Body::ObjectPage:
-      if (was_complete) return {};
-      if (Result<void> taken = scene_.accept(*body.AsObjectPage()); !taken) return taken;
-      break;
     case wire::Body::InstancePage:
       if (was_complete) return {};
-      if (Result<void> taken = scene_.accept(*body.AsInstancePage()); !taken) return taken;
+      if (Result<void> taken = take_page(std::move(message)); !taken) return taken;
       break;
     case wire::Body::TileReply:
       return take_tile(*body.AsTileReply(), message.payload, now_us);
@@ -115,6 +118,24 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
                          [](const ObjectDescription& o) { return o.motion.moving(); });
     if (sink_.scene) sink_.scene(scene_);
     if (own_lighting_) send_lighting();
+  }
+  return {};
+}
+
+Result<void> ClientSession::take_page(Message page) {
+  Result<void> taken = accept_page(scene_, page.body);
+  if (!taken) {
+    if (taken.error().id != ErrorId::kWireState || early_pages_.size() >= kMaxEarlyPages) {
+      return taken;
+    }
+    early_pages_.push_back(std::move(page));
+    return {};
+  }
+  // What came too early may follow on now.
+  for (auto early = early_pages_.begin(); early != early_pages_.end() && !scene_.complete();) {
+    taken = accept_page(scene_, early->body);
+    if (!taken && taken.error().id != ErrorId::kWireState) return taken;
+    early = taken ? (early_pages_.erase(early), early_pages_.begin()) : std::next(early);
   }
   return {};
 }

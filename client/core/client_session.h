@@ -113,6 +113,8 @@ class ClientSession {
 
  private:
   Result<void> handle(Message message, std::int64_t now_us);
+  /// Of the scene; one that comes before its turn waits for it.
+  Result<void> take_page(Message page);
   Result<void> take_tile(const wire::TileReplyT& reply, const Bytes& planes, std::int64_t now_us);
   Result<void> finish_asset(std::uint32_t request_id, const AssetId& id, std::size_t bytes,
                             std::int64_t now_us);
@@ -132,6 +134,7 @@ class ClientSession {
   TileSink sink_;
   std::uint32_t generation_ = 0;
   SceneView scene_;
+  std::vector<Message> early_pages_;  ///< of the scene, before their turn
   Lighting lighting_;
   bool own_lighting_ = false;
   bool light_changed_ = false;

@@ -2,6 +2,8 @@
 // for.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "client/core/client_session.h"
 #include "server/session.h"
 
@@ -30,6 +32,7 @@ class HubLink final : public Link {
       if (!whole || !whole->has_value()) continue;
       out.push_back(decode_message((*whole)->data(), (*whole)->size()).take());
     }
+    if (pages_reversed && out.size() > 1) std::reverse(out.begin() + 1, out.end());
     return out;
   }
   bool connected() const override { return true; }
@@ -37,6 +40,7 @@ class HubLink final : public Link {
   LinkTraffic traffic() const override { return {}; }
 
   std::vector<Message> unasked;  ///< received next
+  bool pages_reversed = false;   ///< what follows a welcome comes last first
 
  private:
   std::shared_ptr<const PreparedScene> scene_;
@@ -69,6 +73,15 @@ TEST_F(CoreSession, TheSameSceneIsKeptOverAReconnect) {
   ASSERT_TRUE(session.receive(1).ok());
   EXPECT_EQ(scenes, 1);
   EXPECT_TRUE(session.scene().complete());
+}
+
+TEST(CoreSessionPages, WhatComesBeforeItsTurnWaits) {
+  HubLink link;
+  link.pages_reversed = true;
+  ClientSession session(link, {}, {});
+  EXPECT_TRUE(session.receive(0).ok());
+  EXPECT_TRUE(session.scene().complete());
+  EXPECT_EQ(session.scene().instances.size(), 1u);
 }
 
 // Asking on for what the server no longer has would be refused for ever, and what it has now would

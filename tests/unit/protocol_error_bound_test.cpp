@@ -214,6 +214,23 @@ TEST(ProtocolErrorBound, InfiniteWhereNoImpostorHolds) {
   expect_stale(plain_view(), kPlainCapture, {-1, 1, 0, 0, 0, 0});  // a negative bound is no bound
 }
 
+// The corners of a quad captured from near reach farther than a near eye is away, but aside of it:
+// seen from behind it is far off, and by how much is known.
+TEST(ProtocolErrorBound, FiniteFromBehindHoweverWideTheQuad) {
+  ViewGeometry v = plain_view();
+  v.eye = {0, 0, -1.32};
+  v.center_depth = 1.32;
+  v.forward = {0, 0, 1};
+  const Capture capture(*view_cell_from_direction({0, 0, 1}, 7),
+                        *distance_bucket_from_radii(1.33, 6), 1, 64);
+  const CaptureGeometry geometry = capture.geometry();
+  // On the plane through the centre, its corners 2.2 radii aside.
+  const DrawnDepth drawn{2, 2.2, 0, 0, geometry.distance, geometry.distance};
+  const double bound = position_bound_px(v, geometry, drawn);
+  EXPECT_TRUE(std::isfinite(bound));
+  EXPECT_TRUE(is_stale(bound, 100));
+}
+
 TEST(ProtocolErrorBound, AnyNonFiniteInputIsStale) {
   for (const double bad : {kNan, kInf, -kInf}) {
     ViewGeometry v = plain_view();
