@@ -12,6 +12,9 @@ namespace mirage {
 struct Message {
   wire::BodyUnion body;
   Bytes payload;
+  /// Set by a link: how long it had been here when it was fetched, µs. Frames fetch, and may be
+  /// farther apart than a trip takes.
+  std::int64_t waited_us = 0;
 };
 
 /// Header + control + payload.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,7 @@ constexpr std::int64_t kPeriodUs = 5'000'000;
 constexpr int kPeriodTrips = 20;
 constexpr int kDrainTrips = 3;
 constexpr double kLargestGain = 2;
+constexpr double kShortestBusyUs = 1000;  // less tells no rate
 
 }  // namespace
 
@@ -37,15 +39,15 @@ void AskWindow::reset() {
 
 void AskWindow::arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes,
                         double expected) {
-  // A large reply arrives at once, but its bytes took their time: since the one before it, at the
-  // earliest a trip after it was asked for. And nothing is known finer than in frames.
+  // A large reply arrives at once, but its bytes took their time: since the one before it, or,
+  // after a gap, since the time at which the tile of the shortest trip would have been here.
   const Trip shortest = shortest_trip();
-  const std::int64_t way = shortest.us - std::min(own_us(shortest), shortest.us);
-  std::int64_t since = std::min(sent_us + way, updated_us_);
-  if (!arrivals_.empty()) since = std::max(since, arrivals_.back().at_us);
-  since = std::min(since, now_us);
+  const std::int64_t before = arrivals_.empty() ? INT64_MIN : arrivals_.back().at_us;
+  const std::int64_t alone = std::min(sent_us + shortest.us, now_us);
+  const double timed = alone > before ? std::max(expected - shortest.bytes, 0.0) : expected;
+  const std::int64_t since = std::max(alone, before);
   began_us_ = std::min(began_us_, since);
-  arrivals_.push_back({since, now_us, bytes, expected});
+  arrivals_.push_back({since, now_us, bytes, expected, timed});
 }
 
 void AskWindow::tile_arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes,
@@ -73,7 +75,7 @@ void AskWindow::asset_arrived(std::int64_t sent_us, std::int64_t now_us, std::si
 }
 
 void AskWindow::stray_arrived(std::int64_t now_us, std::size_t bytes) {
-  arrivals_.push_back({now_us, now_us, bytes, 0});
+  arrivals_.push_back({now_us, now_us, bytes, 0, 0});
 }
 
 AskWindow::Trip AskWindow::shortest_trip() const {
@@ -113,10 +115,11 @@ double AskWindow::busy_rate(std::int64_t now_us) const {
   std::size_t count = 0;
   for (auto at = arrivals_.rbegin(); at != arrivals_.rend(); ++at, ++count) {
     if (count >= kLeastArrivals && at->at_us < now_us - span_us()) break;
-    received += at->expected;
+    received += at->timed;
     busy_us += static_cast<double>(at->at_us - at->since_us);
   }
-  return received / std::max(busy_us, 1.0);
+  if (busy_us < kShortestBusyUs) return std::numeric_limits<double>::infinity();
+  return received / busy_us;
 }
 
 double AskWindow::whole_rate(std::int64_t now_us) const {

@@ -51,6 +51,7 @@ class AskWindow {
     std::int64_t at_us = 0;
     std::size_t bytes = 0;
     double expected = 0;
+    double timed = 0;  ///< of these, those that took from `since_us` to `at_us`
   };
   struct Trip {
     std::int64_t us = INT64_MAX;

@@ -71,6 +71,7 @@ Result<void> ClientSession::receive(std::int64_t told_us) {
 
 Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
   wire::BodyUnion& body = message.body;
+  const std::int64_t came_us = now_us - message.waited_us;
   const bool was_complete = scene_.complete();
   switch (body.type) {
     case wire::Body::Welcome: {
@@ -91,11 +92,11 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
       if (Result<void> taken = take_page(std::move(message)); !taken) return taken;
       break;
     case wire::Body::TileReply:
-      return take_tile(*body.AsTileReply(), message.payload, now_us);
+      return take_tile(*body.AsTileReply(), message.payload, came_us, now_us);
     case wire::Body::MeshReply:
-      return take_mesh(*body.AsMeshReply(), message.payload, now_us);
+      return take_mesh(*body.AsMeshReply(), message.payload, came_us, now_us);
     case wire::Body::ImageReply:
-      return take_image(*body.AsImageReply(), message.payload, now_us);
+      return take_image(*body.AsImageReply(), message.payload, came_us, now_us);
     case wire::Body::ReferenceReply:
       return take_reference(*body.AsReferenceReply(), message.payload);
     case wire::Body::Refused:
@@ -141,11 +142,11 @@ Result<void> ClientSession::take_page(Message page) {
 }
 
 Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes& planes,
-                                      std::int64_t now_us) {
+                                      std::int64_t came_us, std::int64_t now_us) {
   ++received_;
   // For the credit never less than the server counts: control part, headers, those of chunks.
   const std::size_t bytes = planes.size() + 192 + planes.size() / 4096;
-  const std::optional<PendingAsk> ask = scheduler_.finish(reply.request_id, bytes, now_us);
+  const std::optional<PendingAsk> ask = scheduler_.finish(reply.request_id, bytes, came_us);
   if (!ask || !scene_.complete()) return {};
   Result<Tile> tile = tile_from_fields(reply);
   if (!tile) return tile.error();
@@ -187,9 +188,9 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
 
 // The reply is what was asked for by this id, and the scene is still the one it was asked for.
 Result<void> ClientSession::finish_asset(std::uint32_t request_id, const AssetId& id,
-                                         std::size_t bytes, std::int64_t now_us) {
+                                         std::size_t bytes, std::int64_t came_us) {
   const std::optional<AssetNeed> need =
-      scheduler_.finish_asset(request_id, bytes + kReplyBytes, now_us);
+      scheduler_.finish_asset(request_id, bytes + kReplyBytes, came_us);
   if (need && scene_.complete() && need->id == id) return {};
   return make_error(ErrorId::kWireValue, "geometry or an image that was not asked for");
 }
@@ -204,9 +205,9 @@ void ClientSession::take_shadow(const PendingAsk& ask, const Capture& capture, T
 }
 
 Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes,
-                                      std::int64_t now_us) {
+                                      std::int64_t came_us, std::int64_t now_us) {
   const AssetId id{AssetId::Kind::kMesh, reply.object, reply.lod};
-  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), now_us);
+  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), came_us);
   if (!asked) return asked.error();
   if (reply.raw_bytes > options_.max_mesh_bytes) {
     return make_error(ErrorId::kWireLimit, "geometry is larger than asked for");
@@ -224,9 +225,9 @@ Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes
 }
 
 Result<void> ClientSession::take_image(const wire::ImageReplyT& reply, const Bytes& bytes,
-                                       std::int64_t now_us) {
+                                       std::int64_t came_us, std::int64_t now_us) {
   const AssetId id{AssetId::Kind::kImage, reply.image, reply.level};
-  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), now_us);
+  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), came_us);
   if (!asked) return asked.error();
   const ImageDescription& description = scene_.images[reply.image];
   Result<Image> image = decode_image(bytes.data(), bytes.size(),

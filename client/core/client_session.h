@@ -115,12 +115,16 @@ class ClientSession {
   Result<void> handle(Message message, std::int64_t now_us);
   /// Of the scene; one that comes before its turn waits for it.
   Result<void> take_page(Message page);
-  Result<void> take_tile(const wire::TileReplyT& reply, const Bytes& planes, std::int64_t now_us);
+  /// `came_us`: when the link had it.
+  Result<void> take_tile(const wire::TileReplyT& reply, const Bytes& planes, std::int64_t came_us,
+                         std::int64_t now_us);
   Result<void> finish_asset(std::uint32_t request_id, const AssetId& id, std::size_t bytes,
-                            std::int64_t now_us);
+                            std::int64_t came_us);
   void take_shadow(const PendingAsk& ask, const Capture& capture, Tile tile);
-  Result<void> take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes, std::int64_t now_us);
-  Result<void> take_image(const wire::ImageReplyT& reply, const Bytes& bytes, std::int64_t now_us);
+  Result<void> take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes, std::int64_t came_us,
+                         std::int64_t now_us);
+  Result<void> take_image(const wire::ImageReplyT& reply, const Bytes& bytes, std::int64_t came_us,
+                          std::int64_t now_us);
   Result<void> take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes);
   void take_refusal(const wire::RefusedT& refused, std::int64_t now_us);
   void greet();

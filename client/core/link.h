@@ -19,7 +19,7 @@ class Link {
   virtual ~Link() = default;
   /// Takes a message to send; never blocks.
   virtual void send(Bytes message) = 0;
-  /// Messages that have arrived by now, in order.
+  /// Messages that have arrived by now, in order, with how long ago that was.
   virtual std::vector<Message> receive() = 0;
   /// False while the connection is down; messages sent meanwhile are lost.
   virtual bool connected() const = 0;

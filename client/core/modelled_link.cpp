@@ -225,6 +225,7 @@ std::vector<Message> ModelledLink::receive() {
   std::vector<Message> out = std::exchange(out_of_band_, {});
   while (!arrived_.empty() && arrived_.front().first <= now) {
     out.push_back(std::move(arrived_.front().second));
+    out.back().waited_us = now - arrived_.front().first;
     arrived_.pop_front();
   }
   return out;

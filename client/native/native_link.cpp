@@ -19,6 +19,8 @@ constexpr int kFirstPauseMs = 100;
 constexpr int kLongestPauseMs = 5000;
 constexpr std::uint64_t kWebSocketOverhead = 8;  // frame header, roughly: 2 to 14 bytes
 
+using SteadyTime = std::chrono::steady_clock;
+
 int on_client(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
 
 const lws_protocols kProtocols[] = {
@@ -42,7 +44,7 @@ struct NativeLink::Impl {
   mutable std::condition_variable changed;
   std::function<void()> arrived;
   std::deque<Bytes> outbound;
-  std::deque<Message> inbound;
+  std::deque<std::pair<SteadyTime::time_point, Message>> inbound;
   std::string problem;
   std::optional<Error> refusal;
   // Network thread only.
@@ -138,7 +140,7 @@ struct NativeLink::Impl {
     if (message->body.type != wire::Body::ReferenceReply) bytes_down += pending_bytes;
     pending_bytes = 0;
     const std::lock_guard<std::mutex> lock(mutex);
-    inbound.push_back(message.take());
+    inbound.emplace_back(SteadyTime::now(), message.take());
     tell();
     if (inbound.size() >= kMaxInbound) lws_rx_flow_control(wsi, 0);
     return 0;
@@ -192,6 +194,8 @@ struct NativeLink::Impl {
 };
 
 namespace {
+
+using SteadyTime = std::chrono::steady_clock;
 
 int on_client(lws* wsi, lws_callback_reasons reason, void*, void* in, size_t length) {
   auto* impl = static_cast<NativeLink::Impl*>(lws_context_user(lws_get_context(wsi)));
@@ -300,7 +304,12 @@ std::vector<Message> NativeLink::receive() {
   {
     const std::lock_guard<std::mutex> lock(impl_->mutex);
     was_full = impl_->inbound.size() >= kMaxInbound / 2;
-    for (Message& m : impl_->inbound) out.push_back(std::move(m));
+    const auto now = SteadyTime::now();
+    for (auto& [came, message] : impl_->inbound) {
+      out.push_back(std::move(message));
+      out.back().waited_us =
+          std::chrono::duration_cast<std::chrono::microseconds>(now - came).count();
+    }
     impl_->inbound.clear();
   }
   if (was_full) lws_cancel_service(impl_->context);

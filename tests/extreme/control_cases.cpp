@@ -244,6 +244,7 @@ class Delay final : public Around {
     std::vector<Message> out;
     while (!down_.empty() && down_.front().first + one_way_us_ <= clock_.now_us()) {
       out.push_back(std::move(down_.front().second));
+      out.back().waited_us = clock_.now_us() - down_.front().first - one_way_us_;
       down_.pop_front();
     }
     return out;

@@ -207,6 +207,19 @@ TEST(CoreModelledLink, CancelBeforeServiceDropsTheReply) {
   EXPECT_EQ(session.arrivals[1].first, 2u);
 }
 
+TEST(CoreModelledLink, SaysHowLongAMessageHasWaited) {
+  NetModel model;
+  model.rtt_ms = 20;
+  model.server_ms = 50;
+  Session session(model, 1);
+  session.link.send(encode_message(batch_of(1, 2)));
+  session.clock.advance_to_us(1'000'000);
+  const std::vector<Message> messages = session.link.receive();
+  ASSERT_EQ(messages.size(), 2u);
+  EXPECT_NEAR(static_cast<double>(messages[0].waited_us), 930'000, 100);
+  EXPECT_NEAR(static_cast<double>(messages[1].waited_us), 880'000, 100);
+}
+
 TEST(CoreModelledLink, CancelCountsHoweverSeldomOneLooks) {
   NetModel model;
   model.rtt_ms = 20;

@@ -125,10 +125,17 @@ TEST(CoreWindow, DrainedAWayIsToldFromAQueue) {
     std::int64_t now = 0, trip = 50'000;
     double last = 0;
     const auto step = [&] {
-      now += 10'000;
-      window.tile_arrived(now - trip, now, 10'000, 10'000);  // 1 MB/s
+      now += 2'000;
+      window.tile_arrived(now - trip, now, 2'000, 2'000);  // 1 MB/s
       last = window.update(now, now, false);
     };
+    // One that did not wait for the one before it: the others did, the link is busy.
+    const auto first_step = [&] {
+      trip -= 2'000;
+      step();
+      trip += 2'000;
+    };
+    first_step();
     while (now < 7'000'000) step();
     EXPECT_NEAR(last, 75'000, 3'000);
     for (trip = 150'000; now < 16'000'000 && last > 0;) {
@@ -139,7 +146,8 @@ TEST(CoreWindow, DrainedAWayIsToldFromAQueue) {
     window.update(now, 1, true);  // all is here
     trip = found;
     now += 200'000;
-    for (int i = 0; i < 100; ++i) step();
+    first_step();
+    for (int i = 0; i < 500; ++i) step();
     EXPECT_NEAR(last, static_cast<double>(found) + 25'000, 5'000);
   }
 }
