@@ -162,6 +162,13 @@ Outcome counts(const Conditions& conditions) {
   checks.equal("indices out of range uploaded", beyond, 0);
   checks.equal("triangles kept", static_cast<double>(mesh.indices.size()) / 3,
                static_cast<double>(shape.indices.size()) / 3 - 5);
+  double counted = 0;
+  for (const std::string& warning : (*studio)->prepared().scene.warnings) {
+    if (warning.find("beyond the vertices") != std::string::npos) {
+      counted = std::atof(warning.c_str());
+    }
+  }
+  checks.equal("told to the user", counted, 5);
   const double before = peak_mb();
   int loaded = 0, tried = 0;
   for (const double count :
