@@ -11,6 +11,7 @@
 #include "protocol/limits.h"
 #include "protocol/lod.h"
 #include "server/scene/lod_normals.h"
+#include "server/scene/seams.h"
 #include "server/scene/surface_distance.h"
 
 namespace mirage {
@@ -356,9 +357,11 @@ std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& m
   std::vector<MeshLod> lods;
   std::size_t triangles = triangle_count(full);
   if (triangles <= kFewTriangles) return lods;
+  Mesh closed = full;
+  close_seams(closed.vertices);
   std::vector<std::unique_ptr<Chain>> chains;
-  for (const Primitive& p : full.primitives) {
-    Part part = extract(full, p);
+  for (const Primitive& p : closed.primitives) {
+    Part part = extract(closed, p);
     if (part.indices.empty()) continue;
     chains.push_back(std::make_unique<Chain>(std::move(part), materials[p.material]));
   }

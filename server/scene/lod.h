@@ -23,10 +23,10 @@ struct MeshLod {
 
 /// The chain below the full mesh, finest first: each level about a third of the triangles of the
 /// one before, until it is small or shrinks no further; at most limits::kMaxLods - 1. Triangles of
-/// one primitive never become another's; lines and points stay as they are. Primitives of
-/// alpha-tested, blended or double-sided materials that consist of many small pieces are thinned:
-/// a share of the pieces (chosen by hash, the same on every run) stays, enlarged about their
-/// middles so that the covered area stays (R. L. Cook et al., "Stochastic simplification of
+/// one primitive never become another's; lines and points stay as they are. Seams stay closed.
+/// Primitives of alpha-tested, blended or double-sided materials that consist of many small pieces
+/// are thinned: a share of the pieces (chosen by hash, the same on every run) stays, enlarged about
+/// their middles so that the covered area stays (R. L. Cook et al., "Stochastic simplification of
 /// aggregate detail", 2007). A pure function of its input.
 std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& materials);
 

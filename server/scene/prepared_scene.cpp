@@ -43,7 +43,7 @@ class ContentHash {
 
 // Stored tiles outlive a build: raise it when equal content gives other ones, by build_lods(), the
 // shaders or the codec.
-constexpr std::uint32_t kTileVersion = 2;
+constexpr std::uint32_t kTileVersion = 3;
 
 // Lighting and environment are not part of it: light is in the key, the sky in no tile.
 std::uint64_t content_hash(const Scene& scene) {

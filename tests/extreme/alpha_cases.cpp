@@ -25,12 +25,6 @@ double linear(int srgb) {
   return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
 }
 
-int encoded(double linear_value) {
-  const double v = std::clamp(linear_value, 0.0, 1.0);
-  const double s = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
-  return static_cast<int>(std::lround(s * 255));
-}
-
 /// An upright square facing +z, or two triangles of one material with the given texture.
 struct Card {
   double z = 0;
@@ -290,12 +284,9 @@ Outcome color_within_alpha(const Conditions& conditions) {
     for (const MadeTile& made : *tiles) {
       changed += tile_content_hash(made.tile) == made.header.content_hash ? 0 : 1;
       hashes.push_back(made.header.content_hash);
-      for (std::size_t i = 0; i < made.tile.rgba.size(); i += 4) {
-        const std::uint8_t* p = &made.tile.rgba[i];
-        partial += p[3] > 0 && p[3] < 255 ? 1 : 0;
-        // The encoded colour of full coverage by this alpha, alpha itself being rounded.
-        const int most = encoded((p[3] + 0.5) / 255.0);
-        for (std::size_t c = 0; c < 3; ++c) above += p[c] > most ? 1 : 0;
+      above += above_alpha(made.tile.rgba);
+      for (std::size_t i = 3; i < made.tile.rgba.size(); i += 4) {
+        partial += made.tile.rgba[i] > 0 && made.tile.rgba[i] < 255 ? 1 : 0;
       }
     }
     const std::string name = codec == TileCodec::kRaw ? "raw: " : "zstd: ";

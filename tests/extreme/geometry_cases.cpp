@@ -32,26 +32,42 @@ std::size_t shown(const Tile& tile) {
   return n;
 }
 
-// G1: an object without any vertex, which no importer would let through, beside a ball.
-Outcome empty_mesh(const Conditions&) {
-  Scene scene;
-  scene.materials.emplace_back();
-  scene.objects.emplace_back();
-  scene.instances.emplace_back();
-  Result<std::unique_ptr<Studio>> studio = Studio::create(std::move(scene));
-  if (!studio) return no_studio(studio.error());
-  Camera camera;
-  camera.width = camera.height = kSize;
-  camera.pose = look_at({0, 0, 3}, {0, 0, 0});
+// G1: an object without any vertex, which no importer would let through, inside the sphere of a
+// ball: with and without a part that draws nothing, the ball's pictures and bounds are those
+// without it.
+Outcome empty_mesh(const Conditions& conditions) {
+  Result<Scene> ball = import_gltf(write(document(dented_ball()), conditions.folder, "ball"));
+  if (!ball) return no_studio(ball.error());
+  Result<std::unique_ptr<Studio>> alone = Studio::create(*ball);
+  if (!alone) return no_studio(alone.error());
+  const Camera camera = (*alone)->camera(0, {0.5, 0.4, 1}, 4, kSize);
+  const Pixels truth = (*alone)->truth(camera).rgba, mesh = (*alone)->meshes(camera);
+  const int draws = (*alone)->draw_calls();
   Checks checks;
-  checks.equal("covered in the truth", static_cast<double>(covered((*studio)->truth(camera).rgba)),
-               0);
-  checks.equal("covered as geometry", static_cast<double>(covered((*studio)->meshes(camera))), 0);
-  checks.equal("draws beside the sky", (*studio)->draw_calls() - 1, 0);
-  const MadeTile made = (*studio)->make_tile((*studio)->key_for(camera, 0, kLitTile), 0);
-  checks.equal("texels shown", static_cast<double>(shown(made.tile)), 0);
-  checks.equal("tile drawn", (*studio)->hold(made, 0) ? 1 : 0, 0);
-  checks.equal("header values not finite", not_finite(made.header), 0);
+  checks.at_least("px of the ball", static_cast<double>(covered(truth)), 1000);
+  for (const bool part : {false, true}) {
+    Scene scene = *ball;
+    SceneObject& nothing = scene.objects.emplace_back();
+    if (part) nothing.mesh.primitives.push_back({PrimitiveKind::kTriangles, 0, 0, 0});
+    Instance& placed = scene.instances.emplace_back();
+    placed.object = static_cast<std::uint32_t>(scene.objects.size() - 1);
+    placed.world_from_object.position = {0.3, 0, 0};
+    Result<std::unique_ptr<Studio>> both = Studio::create(std::move(scene));
+    if (!both) return no_studio(both.error());
+    const std::string name = part ? "empty part: " : "no part: ";
+    const PreparedScene &a = (*alone)->prepared(), &b = (*both)->prepared();
+    checks.holds(name + "bounds of the ball",
+                 a.bounds_center == b.bounds_center && a.bounds_radius == b.bounds_radius);
+    checks.equal(name + "truth differs by", largest_difference((*both)->truth(camera).rgba, truth),
+                 0);
+    checks.equal(name + "geometry differs by", largest_difference((*both)->meshes(camera), mesh),
+                 0);
+    checks.equal(name + "more draws", (*both)->draw_calls() - draws, 0);
+    const MadeTile made = (*both)->make_tile((*both)->key_for(camera, 1, kLitTile), 1);
+    checks.equal(name + "texels shown", static_cast<double>(shown(made.tile)), 0);
+    checks.equal(name + "tile drawn", (*both)->hold(made, 1) ? 1 : 0, 0);
+    checks.equal(name + "header values not finite", not_finite(made.header), 0);
+  }
   return checks.outcome();
 }
 

@@ -23,10 +23,12 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr int kSize = 96;
 using nlohmann::json;
 
-Result<std::unique_ptr<Studio>> ball_studio(const Conditions& conditions, float metallic = 0.3f) {
+Result<std::unique_ptr<Studio>> ball_studio(const Conditions& conditions, float metallic = 0.3f,
+                                            const char* alpha_mode = "OPAQUE") {
   test::Builder builder = document(dented_ball());
-  set_material(builder, {{"pbrMetallicRoughness",
-                          {{"baseColorFactor", {0.7, 0.5, 0.3, 1}},
+  set_material(builder, {{"alphaMode", alpha_mode},
+                         {"pbrMetallicRoughness",
+                          {{"baseColorFactor", {0.7, 0.5, 0.3, 0.6}},
                            {"metallicFactor", metallic},
                            {"roughnessFactor", 0.4}}}});
   Result<Scene> scene = import_gltf(write(builder, conditions.folder, "ball"));
@@ -119,7 +121,8 @@ Outcome no_light(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// L2: more of a light never makes anything darker, which a NaN or a wrapped value would.
+// L2: more of a light never makes anything darker, which a NaN or a wrapped value would, and
+// nothing that is blended brighter than white: its layers are summed in more than 8 bits.
 Outcome too_bright(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio = ball_studio(conditions);
   if (!studio) return failed(studio.error());
@@ -143,6 +146,16 @@ Outcome too_bright(const Conditions& conditions) {
   const Shots ambient = shoot(**studio, only(1e38f, {}));
   checks.equal("ambient 1e38: darker components",
                darker(plain.truth, ambient.truth, 0) + darker(plain.relit, ambient.relit, 1), 0);
+  Result<std::unique_ptr<Studio>> glass = ball_studio(conditions, 0.3f, "BLEND");
+  if (!glass) return failed(glass.error());
+  (*glass)->set_light(only(0.1f, {sun(1e6f), point_light({1, 2, 3}, 1e38f)}));
+  const Camera camera = (*glass)->camera(0, {0.5, 0.4, 1}, 4, kSize);
+  const Pixels truth = (*glass)->truth(camera).rgba;
+  checks.at_least("blended px", static_cast<double>(covered(truth)), 1000);
+  checks.equal("blended: components above alpha",
+               above_alpha(truth) + above_alpha((*glass)->meshes(camera)) +
+                   above_alpha((*glass)->impostors(camera, DrawMethod::kQuad)),
+               0);
   return checks.outcome();
 }
 
@@ -196,7 +209,26 @@ Outcome impossible(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// L4: where the ball's centre is, on one of its vertices, and at the eye.
+/// Points without extent, which are shaded exactly where they are: one at the origin and four
+/// around it, in the plane z = 0 that their normals are across to.
+Scene points() {
+  Scene scene;
+  scene.environment.zenith = scene.environment.horizon = scene.environment.nadir = glm::vec3(0);
+  scene.materials.emplace_back();
+  Mesh& mesh = scene.objects.emplace_back().mesh;
+  for (const glm::vec2& at : {glm::vec2(0), {1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+    mesh.indices.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
+    Vertex& v = mesh.vertices.emplace_back();
+    v.position = glm::vec3(at, 0);
+    v.normal = {0, 0, 1};
+  }
+  mesh.primitives.push_back({PrimitiveKind::kPoints, 0, 5, 0});
+  scene.instances.emplace_back();
+  return scene;
+}
+
+// L4: where the ball's centre is, on one of its vertices, and at the eye; and on a point that is
+// drawn, which no direction leads to and which it does not light.
 Outcome light_inside(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio = ball_studio(conditions);
   if (!studio) return failed(studio.error());
@@ -214,6 +246,13 @@ Outcome light_inside(const Conditions& conditions) {
   Checks checks;
   checks.equal("components darker than without it", wrong, 0);
   checks.equal("header values not finite", bad, 0);
+  Result<std::unique_ptr<Studio>> point = Studio::create(points());
+  if (!point) return failed(point.error());
+  const Shots unlit = shoot(**point, only(0.1f, {}));
+  const Shots lit = shoot(**point, only(0.1f, {point_light(glm::dvec3(0), 2)}));
+  checks.at_least("px of points", static_cast<double>(covered(unlit.truth, 1)), 5);
+  checks.equal("light on a point: truth differs by", largest_difference(unlit.truth, lit.truth), 0);
+  checks.equal("light on a point: lit tile differs by", largest_difference(unlit.lit, lit.lit), 0);
   return checks.outcome();
 }
 

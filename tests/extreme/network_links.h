@@ -27,11 +27,17 @@ class Around : public Link {
   Link& inner_;
 };
 
-/// While it is closed nothing gets through either way; nothing is lost.
+/// While it is closed nothing gets through either way; nothing is lost but by lose().
 class Gate final : public Around {
  public:
   using Around::Around;
   void close() { open_ = false; }
+  /// What waits at the closed gate never arrives.
+  void lose() {
+    collect();
+    up_.clear();
+    down_.clear();
+  }
   void open() {
     open_ = true;
     for (Bytes& bytes : std::exchange(up_, {})) {

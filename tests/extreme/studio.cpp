@@ -211,6 +211,21 @@ int not_finite(const wire::TileReplyT& h) {
   return bad;
 }
 
+int encoded(double linear_value) {
+  const double v = std::clamp(linear_value, 0.0, 1.0);
+  const double s = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
+  return static_cast<int>(std::lround(s * 255));
+}
+
+int above_alpha(const Pixels& rgba) {
+  int n = 0;
+  for (std::size_t i = 0; i < rgba.size(); i += 4) {
+    const int most = encoded((rgba[i + 3] + 0.5) / 255.0);
+    for (std::size_t c = 0; c < 3; ++c) n += rgba[i + c] > most ? 1 : 0;
+  }
+  return n;
+}
+
 std::size_t covered(const Pixels& rgba, int alpha) {
   std::size_t n = 0;
   for (std::size_t i = 3; i < rgba.size(); i += 4) n += rgba[i] >= alpha ? 1 : 0;

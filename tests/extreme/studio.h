@@ -96,6 +96,10 @@ class Studio {
 int largest_difference(const Pixels& a, const Pixels& b);
 /// Number of floats of a tile's header that are NaN or infinite.
 int not_finite(const wire::TileReplyT& header);
+/// sRGB in steps of 1/255, of a linear value that is clamped to 0 to 1.
+int encoded(double linear_value);
+/// Colour components that are more than white of their pixel's alpha, which is rounded, would be.
+int above_alpha(const Pixels& rgba);
 /// Pixels with an alpha of at least `alpha`.
 std::size_t covered(const Pixels& rgba, int alpha = 128);
 

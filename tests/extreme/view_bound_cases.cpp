@@ -126,7 +126,7 @@ Outcome far_from_origin(const Conditions& conditions) {
 Outcome monotone(const Conditions& conditions) {
   Random random(conditions.seed);
   int falls = 0, zeros = 0;
-  double worst_slope = 0;
+  double worst_slope = 0, worst_term = 0;
   for (int i = 0; i < conditions.count(1000); ++i) {
     const double radii = random.log_uniform(1.3, 1e4);
     CaptureGeometry capture;
@@ -148,6 +148,10 @@ Outcome monotone(const Conditions& conditions) {
       const double term = baseline_term(radii, radii, theta, 1);
       falls += bound >= last && term >= last_term ? 0 : 1;
       zeros += bound > 0 && term > 0 ? 0 : 1;
+      // NUMERICS section 2, B1 with D = Dc: radii (sin theta + 2 sin^2(theta/2) r / w), r = 1.
+      const double half = std::sin(theta / 2), w = std::sqrt((radii - 1) * (radii + 1));
+      const double exact = radii * (std::sin(theta) + 2 * half * half / w);
+      worst_term = std::max(worst_term, std::abs(term / exact - 1));
       if (first_slope == 0) first_slope = bound / theta;
       // For small angles the bound is proportional to the angle: no steps of rounding.
       if (theta < 1e-6) {
@@ -161,6 +165,7 @@ Outcome monotone(const Conditions& conditions) {
   checks.equal("steps down", falls, 0);
   checks.equal("zero bounds", zeros, 0);
   checks.at_most("slope below 1e-6 rad changes by", worst_slope, 1e-2);
+  checks.at_most("baseline term off by, share of it", worst_term, 1e-14);
   return checks.outcome();
 }
 

@@ -159,20 +159,6 @@ bool accepts_image(const Bytes& bytes, int&) {
   return decode_image(bytes.data(), bytes.size(), {8, 4}, true).ok();
 }
 
-std::size_t read_status(const std::string& path) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  const std::string key = "VmHWM:";
-#else
-  const std::string key = "VmPeak:";
-#endif
-  std::ifstream in(path);
-  std::string line;
-  while (std::getline(in, line)) {
-    if (line.rfind(key, 0) == 0) return std::stoull(line.substr(key.size())) * 1024;
-  }
-  return 0;
-}
-
 }  // namespace
 
 std::vector<WireSample> wire_samples() {
@@ -198,11 +184,6 @@ std::vector<WireSample> wire_samples() {
 Bytes corpus(const std::string& name) {
   std::ifstream in(std::string(MIRAGE_SOURCE_DIR) + "/tests/fuzz/corpus/" + name, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-std::size_t peak_bytes() { return read_status("/proc/self/status"); }
-std::size_t peak_bytes_of(int pid) {
-  return read_status("/proc/" + std::to_string(pid) + "/status");
 }
 
 std::uint64_t hash_of(const Bytes& bytes) {

@@ -25,12 +25,6 @@ std::vector<WireSample> wire_samples();
 /// A file of the fuzzers' corpus, "tile/zstd_9x8".
 Bytes corpus(const std::string& name);
 
-/// The process's own largest use of memory so far, in bytes: of addresses, or, where a sanitizer
-/// reserves those, of resident pages.
-std::size_t peak_bytes();
-/// The same of another process; 0 when it is gone.
-std::size_t peak_bytes_of(int pid);
-
 /// FNV-1a.
 std::uint64_t hash_of(const Bytes& bytes);
 

@@ -8,6 +8,7 @@
 #include "client/native/native_link.h"
 #include "protocol/clock.h"
 #include "protocol/error.h"
+#include "tests/extreme/peak_memory.h"
 #include "tests/extreme/wire_samples.h"
 #include "tests/support/process.h"
 #include "tests/support/raw_peer.h"

@@ -1,0 +1,71 @@
+#include "server/scene/seams.h"
+
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+
+namespace mirage {
+namespace {
+
+constexpr double kRounding = 1.0 / (1 << 22);  // of the largest coordinate
+constexpr double kCell = 8;                    // edge in roundings: most look into one cell only
+constexpr int kCellBits = 21;                  // of an axis: 2^22 / 8 cells either side of 0
+
+/// Positions no two of which are one, found by the cell of a grid they lie in.
+class Places {
+ public:
+  explicit Places(const std::vector<Vertex>& vertices) {
+    glm::dvec3 largest(0);
+    for (const Vertex& v : vertices) largest = glm::max(largest, glm::abs(glm::dvec3(v.position)));
+    reach_ = kRounding * largest;
+  }
+
+  /// The place that `p` is one with; where there is none, `p` is a new one.
+  glm::vec3 place_of(const glm::vec3& p) {
+    const glm::dvec3 at(p);
+    const glm::i64vec3 low = cell(at - reach_), high = cell(at + reach_);
+    for (std::int64_t z = low.z; z <= high.z; ++z) {
+      for (std::int64_t y = low.y; y <= high.y; ++y) {
+        for (std::int64_t x = low.x; x <= high.x; ++x) {
+          const auto [first, last] = places_.equal_range(key({x, y, z}));
+          for (auto place = first; place != last; ++place) {
+            if (one(glm::dvec3(place->second), at)) return place->second;
+          }
+        }
+      }
+    }
+    places_.emplace(key(cell(at)), p);
+    return p;
+  }
+
+ private:
+  glm::i64vec3 cell(const glm::dvec3& p) const {
+    glm::i64vec3 out(0);
+    for (int i = 0; i < 3; ++i) {
+      if (reach_[i] > 0) out[i] = static_cast<std::int64_t>(std::floor(p[i] / (kCell * reach_[i])));
+    }
+    return out;
+  }
+  static std::uint64_t key(const glm::i64vec3& cell) {
+    std::uint64_t out = 0;
+    for (int i = 0; i < 3; ++i) {
+      out = (out << kCellBits) | static_cast<std::uint64_t>(cell[i] + (1 << (kCellBits - 1)));
+    }
+    return out;
+  }
+  bool one(const glm::dvec3& a, const glm::dvec3& b) const {
+    return glm::all(glm::lessThanEqual(glm::abs(a - b), reach_));
+  }
+
+  glm::dvec3 reach_{0};
+  std::unordered_multimap<std::uint64_t, glm::vec3> places_;
+};
+
+}  // namespace
+
+void close_seams(std::vector<Vertex>& vertices) {
+  Places places(vertices);
+  for (Vertex& v : vertices) v.position = places.place_of(v.position);
+}
+
+}  // namespace mirage
