@@ -14,6 +14,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
+constexpr const char* kFoundFile = "extreme.found.json";
+
 std::string cell(const ordered_json& row, const std::string& key) {
   const auto at = row.find(key);
   if (at == row.end() || at->is_null()) return "n/a";
@@ -73,29 +75,36 @@ std::string last_line(const std::string& text) {
 
 }  // namespace
 
-Result<void> report_extreme(Context& context) {
+ExtremeRun start_extreme(const Context& context) {
+  const std::optional<std::string> program = sibling_program("mirage-extreme");
+  if (!program) return {};
+  const std::string jobs = std::to_string(std::max(1u, std::thread::hardware_concurrency()));
+  std::vector<std::string> command = {*program, "--json", context.path(kFoundFile)};
+  if (context.options.quick) command.push_back("--quick");
+  command.insert(command.end(), {"--jobs", jobs});
+  return std::async(std::launch::async, [command, progress = context.progress]() mutable {
+    const Result<ChildResult> listed = run_child({command[0], "--list"});
+    if (!listed) return listed;
+    progress.begin("extreme", lines_of(listed->out));
+    return run_child(command, [&](const std::string& line) {
+      // "ID pass" or "ID FAIL", before what was measured.
+      constexpr std::size_t kVerdict = 9;
+      if (line.find(" pass ") < kVerdict || line.find(" FAIL ") < kVerdict)
+        progress.step(line.substr(0, kVerdict));
+    });
+  });
+}
+
+Result<void> report_extreme(Context& context, ExtremeRun run) {
   Page& page = context.page;
   page.section("extreme", "Stiff and extreme cases");
-  const std::optional<std::string> program = sibling_program("mirage-extreme");
   std::vector<ordered_json> rows;
-  if (!program) {
+  if (!run.valid()) {
     context.omit("extreme", "all cases", "there is no mirage-extreme beside mirage-report");
     return write_rows(context, "extreme.json", rows);
   }
-  const Result<ChildResult> listed = run_child({*program, "--list"});
-  if (!listed) return listed.error();
-  context.progress.begin("extreme", lines_of(listed->out));
-  const std::string file = context.path("extreme.found.json");
-  const std::string jobs = std::to_string(std::max(1u, std::thread::hardware_concurrency()));
-  std::vector<std::string> command = {*program, "--json", file};
-  if (context.options.quick) command.push_back("--quick");
-  command.insert(command.end(), {"--jobs", jobs});
-  const Result<ChildResult> ran = run_child(command, [&](const std::string& line) {
-    // "ID pass" or "ID FAIL", before what was measured.
-    constexpr std::size_t kVerdict = 9;
-    if (line.find(" pass ") < kVerdict || line.find(" FAIL ") < kVerdict)
-      context.progress.step(line.substr(0, kVerdict));
-  });
+  const std::string file = context.path(kFoundFile);
+  const Result<ChildResult> ran = run.get();
   if (!ran) return ran.error();
   const auto found = rows_of(read_file(file));
   std::error_code ignored;

@@ -2,12 +2,20 @@
 // What other programs of Mirage find out: the extreme cases, and what scenes do not need. Each is
 // run, its rows are kept as a file of the report and shown on the page.
 
+#include <future>
+
 #include "client/report/context.h"
 
 namespace mirage {
 
-/// Runs mirage-extreme; extreme.json. Cases that do not pass are failed checks.
-Result<void> report_extreme(Context& context);
+/// A mirage-extreme at work; not valid when there is none beside this program.
+using ExtremeRun = std::future<Result<ChildResult>>;
+
+/// Starts mirage-extreme beside whatever follows: its cases measure no time, or run alone among
+/// themselves and compare with themselves.
+ExtremeRun start_extreme(const Context& context);
+/// Waits for it; extreme.json. Cases that do not pass are failed checks.
+Result<void> report_extreme(Context& context, ExtremeRun run);
 /// Runs mirage-server SCENE --explain --prove --json; needs.json. Components that differ between
 /// FULL and LEAN are failed checks.
 Result<void> report_needs(Context& context);
