@@ -52,7 +52,7 @@ void ShadowAtlas::upload_shadow(const ShadowRecord& record,
   for (int i = 0; i < kRings; ++i) texels = grown(texels, record.crop.w + 2, record.crop.h + 2);
   // 1..255 becomes 0..255; what is still empty lies far from any surface.
   for (std::uint8_t& t : texels) {
-    t = t == 0 ? 255 : static_cast<std::uint8_t>(((t - 1) * 255 + 127) / 254);
+    t = static_cast<std::uint8_t>(t == 0 ? 255 : ((t - 1) * 255 + 127) / 254);
   }
   upload(record.slot, texels);
 }

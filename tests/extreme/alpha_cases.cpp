@@ -14,12 +14,6 @@ namespace {
 
 constexpr int kSize = 96;
 
-Outcome failed(const Error& error) {
-  Checks checks;
-  checks.failed(error.line());
-  return checks.outcome();
-}
-
 double linear(int srgb) {
   const double s = srgb / 255.0;
   return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
@@ -101,7 +95,7 @@ Result<std::vector<MadeTile>> all_kinds(const Conditions& conditions, TileCodec 
 // A1
 Outcome nothing_is_black(const Conditions& conditions) {
   Result<std::vector<MadeTile>> tiles = all_kinds(conditions, TileCodec::kZstd);
-  if (!tiles) return failed(tiles.error());
+  if (!tiles) return no_studio(tiles.error());
   int empty = 0, colored = 0;
   for (const MadeTile& made : *tiles) {
     for (std::size_t i = 0; i < made.tile.rgba.size(); i += 4) {
@@ -113,7 +107,7 @@ Outcome nothing_is_black(const Conditions& conditions) {
   }
   // And one that is nothing but transparent.
   Result<std::unique_ptr<Studio>> studio = Studio::create(cards({{0, 1, {1, 0.5f, 0.2f, 0}}}));
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   const Camera camera = facing(**studio, 5);
   const Pixels clear = (*studio)->impostors(camera, DrawMethod::kQuad);
   Checks checks;
@@ -151,7 +145,7 @@ int not_solid(const Pixels& drawn, const std::vector<bool>& inside) {
 Outcome solid_is_solid(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio =
       Studio::create(write(document(dented_ball()), conditions.folder, "ball"));
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   Random random(conditions.seed);
   Checks checks;
   int px = 0, bad_mesh = 0, bad_tile = 0, bad_drawn = 0;
@@ -197,7 +191,7 @@ Outcome straight_through(const Conditions& conditions) {
   scene.lighting.ambient = glm::vec3(1);
   scene.lighting.lights.clear();
   Result<std::unique_ptr<Studio>> studio = Studio::create(std::move(scene), {0, 2});
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   const Camera camera = facing(**studio, 5, 32);
   Random random(conditions.seed);
   int worst = 0, worst_alpha = 0, tried = 0;
@@ -215,7 +209,7 @@ Outcome straight_through(const Conditions& conditions) {
         made.tile.rgba[t] = static_cast<std::uint8_t>(texel[t % 4]);
       }
       const TileRecordPtr record = (*studio)->hold(made, 0);
-      if (!record) return failed(make_error(ErrorId::kInternal, "tile not held"));
+      if (!record) return no_studio(make_error(ErrorId::kInternal, "tile not held"));
       DrawList list;
       list.impostors.push_back({0, record, DrawMethod::kQuad, 0, 5, 1});
       const Pixels drawn = (*studio)->draw(camera, list);
@@ -247,7 +241,7 @@ Outcome long_chain(const Conditions& conditions) {
       expected = glm::dvec4(color, 1) * a + expected * (1 - a);
     }
     Result<std::unique_ptr<Studio>> studio = Studio::create(cards(list), {0, 2});
-    if (!studio) return failed(studio.error());
+    if (!studio) return no_studio(studio.error());
     const Camera camera = facing(**studio, 8, 32);
     const auto off = [](const Pixels& p, const glm::dvec4& exact) {
       const std::uint8_t* at = &p[(16 * 32 + 16) * 4];
@@ -279,7 +273,7 @@ Outcome color_within_alpha(const Conditions& conditions) {
   std::vector<std::uint64_t> hashes;
   for (const TileCodec codec : {TileCodec::kRaw, TileCodec::kZstd}) {
     Result<std::vector<MadeTile>> tiles = all_kinds(conditions, codec);
-    if (!tiles) return failed(tiles.error());
+    if (!tiles) return no_studio(tiles.error());
     int above = 0, partial = 0, changed = 0;
     for (const MadeTile& made : *tiles) {
       changed += tile_content_hash(made.tile) == made.header.content_hash ? 0 : 1;
@@ -316,7 +310,7 @@ Outcome mask_is_blend(const Conditions& conditions) {
     return Studio::create(cards({{0, 1, glm::vec4(1), mode, 0}}, {image}), {0, 3});
   };
   Result<std::unique_ptr<Studio>> mask = make(AlphaMode::kMask), blend = make(AlphaMode::kBlend);
-  if (!mask || !blend) return failed((mask ? blend : mask).error());
+  if (!mask || !blend) return no_studio((mask ? blend : mask).error());
   Checks checks;
   const Camera camera = facing(**mask, 5);
   const auto compare = [&](const std::string& name, const Pixels& a, const Pixels& b, int most) {
@@ -343,7 +337,7 @@ Outcome mask_is_blend(const Conditions& conditions) {
 Outcome cross_fade(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio =
       Studio::create(write(document(dented_ball()), conditions.folder, "ball"));
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   const Camera camera = (*studio)->camera(0, {0.5, 0.4, 1}, 4, kSize);
   const Camera beside = (*studio)->camera(0, {0.52, 0.4, 1}, 4.2, kSize);
   const std::vector<bool> inside = interior((*studio)->truth(camera).rgba, 5);

@@ -15,12 +15,6 @@ namespace {
 using nlohmann::json;
 constexpr int kSize = 96;
 
-Outcome failed(const Error& error) {
-  Checks checks;
-  checks.failed(error.line());
-  return checks.outcome();
-}
-
 /// A square of half width 1 facing +z, with a material of one colour, unlit.
 int add_card(test::Builder& builder, const json& color) {
   const int position = builder.vec3({-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0});
@@ -100,7 +94,7 @@ Outcome far_and_near(const Conditions& conditions) {
   Checks checks;
   Result<Decades> close = Decades::create(conditions.folder, 1e-6);
   Result<Decades> apart = Decades::create(conditions.folder, 0.02);
-  if (!close || !apart) return failed((close ? apart : close).error());
+  if (!close || !apart) return no_studio((close ? apart : close).error());
   checks.at_least("far over near", close->range, 0.99e12);
   close->check(checks, "truth", close->studio->truth(close->camera).rgba);
   close->check(checks, "geometry", close->studio->meshes(close->camera));
@@ -117,7 +111,7 @@ Outcome ties(const Conditions& conditions) {
   place(builder, green, {0, 0, 0}, 1);
   Result<std::unique_ptr<Studio>> studio =
       Studio::create(write(builder, conditions.folder, "cards"));
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   Random random(conditions.seed);
   int mixed[3] = {}, winners[3][2] = {}, unequal = 0;
   const int views = conditions.quick ? 6 : 40;
@@ -220,7 +214,7 @@ Outcome no_rubber_sheet(const Conditions& conditions) {
   place(builder, green, {0, 0, 0}, 1);
   Result<std::unique_ptr<Studio>> studio =
       Studio::create(write(builder, conditions.folder, "step"));
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   const Camera front = (*studio)->camera(0, {0, 0, 1}, 5, kSize);
   const DrawList list = (*studio)->impostor_list(front, DrawMethod::kDepth);
   double mixed = 0, outside = 0, lost = 0;
@@ -266,7 +260,7 @@ Outcome cut_by_near_plane(const Conditions& conditions) {
   set_material(builder, {{"doubleSided", true}});  // what is cut open shows its inside
   Result<std::unique_ptr<Studio>> studio =
       Studio::create(write(builder, conditions.folder, "ball"));
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   Checks checks;
   int bad = 0;
   for (const double share : {0.2, 0.5, 0.7}) {

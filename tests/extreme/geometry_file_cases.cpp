@@ -21,12 +21,6 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr int kSize = 96;
 using nlohmann::json;
 
-Outcome failed(const Error& error) {
-  Checks checks;
-  checks.failed(error.line());
-  return checks.outcome();
-}
-
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -58,7 +52,7 @@ Outcome singular(const Conditions& conditions) {
     builder.doc["nodes"][0].update(one.node);
     Result<std::unique_ptr<Studio>> studio =
         Studio::create(write(builder, conditions.folder, one.name));
-    if (!studio) return failed(studio.error());
+    if (!studio) return no_studio(studio.error());
     const std::string name = std::string(one.name) + ": ";
     int bad = 0, leaning = 0;
     std::size_t pixels = 0;
@@ -86,7 +80,7 @@ Outcome no_normals(const Conditions& conditions) {
   for (std::size_t i = 0; i < bad.normals.size(); ++i) bad.normals[i] = i / 3 % 2 ? kNan : 0.0f;
   Result<std::unique_ptr<Studio>> a = Studio::create(write(document(good), conditions.folder, "a"));
   Result<std::unique_ptr<Studio>> b = Studio::create(write(document(bad), conditions.folder, "b"));
-  if (!a || !b) return failed((a ? b : a).error());
+  if (!a || !b) return no_studio((a ? b : a).error());
   double off = 0;
   const auto& va = (*a)->prepared().scene.objects[0].mesh.vertices;
   const auto& vb = (*b)->prepared().scene.objects[0].mesh.vertices;
@@ -122,7 +116,7 @@ Outcome deep_nodes(const Conditions& conditions) {
   Checks checks;
   const double start = seconds_now();
   const Result<Scene> deep = import_gltf(write(chain(kDeep), conditions.folder, "deep"));
-  if (!deep) return failed(deep.error());
+  if (!deep) return no_studio(deep.error());
   checks.equal("leaf at x", deep->instances.at(0).world_from_object.position.x, 0.25 * (kDeep - 1));
   checks.at_most("seconds", seconds_now() - start, 20);
   // All on one loop; a loop of three beside a node that is on none; a loop with a way in.
@@ -155,7 +149,7 @@ Outcome counts(const Conditions& conditions) {
   }
   Result<std::unique_ptr<Studio>> studio =
       Studio::create(write(document(shape), conditions.folder, "indices"));
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   const Mesh& mesh = (*studio)->prepared().scene.objects[0].mesh;
   int beyond = 0;
   for (const std::uint32_t i : mesh.indices) beyond += i < mesh.vertices.size() ? 0 : 1;
@@ -197,7 +191,7 @@ Outcome crowded(const Conditions& conditions) {
   for (int i = 1; i < copies; ++i) builder.doc["nodes"].push_back(leaf);
   Result<std::unique_ptr<Studio>> studio =
       Studio::create(write(builder, conditions.folder, "crowd"));
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   Camera camera = (*studio)->camera(0, {0.5, 0.4, 1}, 50, 16, 10);  // about a pixel and a half
   const double start = seconds_now();
   const ReferenceFrame truth = (*studio)->truth(camera, 1);
@@ -251,7 +245,7 @@ Outcome needle(const Conditions& conditions) {
   const double thin = 1e-6;
   Result<std::unique_ptr<Studio>> studio = Studio::create(
       write(document(box({-1, -0.01, -thin}, {1, 0.01, thin})), conditions.folder, "needle"));
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   Random random(conditions.seed);
   Checks checks;
   const Camera level = (*studio)->camera(0, {0, 0.2, 1}, 6, 256);

@@ -9,108 +9,23 @@
 #include "protocol/lighting_state.h"
 #include "protocol/limits.h"
 #include "protocol/message.h"
-#include "server/scene/gltf/gltf_import.h"
+#include "tests/extreme/light_pictures.h"
 #include "tests/extreme/light_queue_case.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"
-#include "tests/extreme/studio.h"
 
 namespace mirage::extreme {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
-constexpr int kSize = 96;
+constexpr int kSize = kLightPictureEdge;
 using nlohmann::json;
-
-Result<std::unique_ptr<Studio>> ball_studio(const Conditions& conditions, float metallic = 0.3f,
-                                            const char* alpha_mode = "OPAQUE") {
-  test::Builder builder = document(dented_ball());
-  set_material(builder, {{"alphaMode", alpha_mode},
-                         {"pbrMetallicRoughness",
-                          {{"baseColorFactor", {0.7, 0.5, 0.3, 0.6}},
-                           {"metallicFactor", metallic},
-                           {"roughnessFactor", 0.4}}}});
-  Result<Scene> scene = import_gltf(write(builder, conditions.folder, "ball"));
-  if (!scene) return scene.error();
-  // A black sky: whatever light is seen is the object's.
-  scene->environment.zenith = scene->environment.horizon = scene->environment.nadir = glm::vec3(0);
-  return Studio::create(scene.take());
-}
-
-Outcome failed(const Error& error) {
-  Checks checks;
-  checks.failed(error.line());
-  return checks.outcome();
-}
-
-Light point_light(const glm::dvec3& position, float intensity) {
-  Light light;
-  light.kind = LightKind::kPoint;
-  light.position = position;
-  light.color = glm::vec3(intensity);
-  return light;
-}
-
-Light sun(float intensity, const glm::vec3& towards = {-0.4f, -0.7f, -0.6f}) {
-  Light light;
-  light.color = glm::vec3(intensity);
-  light.direction = glm::normalize(towards);
-  return light;
-}
-
-Light spot(float intensity) {
-  Light light = point_light({1, 2, 3}, intensity);
-  light.kind = LightKind::kSpot;
-  light.direction = glm::normalize(glm::vec3(-1, -2, -3));
-  light.cos_inner = 0.97f;
-  light.cos_outer = 0.9f;
-  return light;
-}
-
-Lighting only(float ambient, std::vector<Light> lights) {
-  Lighting out;
-  out.ambient = glm::vec3(ambient);
-  out.lights = std::move(lights);
-  return out;
-}
-
-struct Shots {
-  Pixels truth, mesh, lit, relit;
-};
-
-Shots shoot(Studio& studio, const Lighting& light) {
-  studio.set_light(light);
-  const Camera camera = studio.camera(0, {0.5, 0.4, 1}, 4, kSize);
-  return {studio.truth(camera).rgba, studio.meshes(camera),
-          studio.impostors(camera, DrawMethod::kDepth),
-          studio.impostors(camera, DrawMethod::kDepth, kRelitTile)};
-}
-
-/// Largest colour component where alpha is 255.
-int brightest(const Pixels& p) {
-  int most = 0;
-  for (std::size_t i = 0; i < p.size(); i += 4) {
-    if (p[i + 3] != 255) continue;
-    for (std::size_t c = 0; c < 3; ++c) most = std::max<int>(most, p[i + c]);
-  }
-  return most;
-}
-
-/// Components that are darker in `b` than in `a`, by more than `by`, where both are solid.
-int darker(const Pixels& a, const Pixels& b, int by) {
-  int n = 0;
-  for (std::size_t i = 0; i < a.size(); i += 4) {
-    if (a[i + 3] != 255 || b[i + 3] != 255) continue;
-    for (std::size_t c = 0; c < 3; ++c) n += b[i + c] + by < a[i + c] ? 1 : 0;
-  }
-  return n;
-}
 
 // L1
 Outcome no_light(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio = ball_studio(conditions);
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   const Shots dark = shoot(**studio, only(0, {}));
   Checks checks;
   checks.at_least("covered px", static_cast<double>(covered(dark.truth)), 1000);
@@ -125,7 +40,7 @@ Outcome no_light(const Conditions& conditions) {
 // nothing that is blended brighter than white: its layers are summed in more than 8 bits.
 Outcome too_bright(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio = ball_studio(conditions);
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   Checks checks;
   for (const auto& [name, make] : {std::pair{"sun", +[](float i) { return sun(i); }},
                                    {"point",
@@ -147,7 +62,7 @@ Outcome too_bright(const Conditions& conditions) {
   checks.equal("ambient 1e38: darker components",
                darker(plain.truth, ambient.truth, 0) + darker(plain.relit, ambient.relit, 1), 0);
   Result<std::unique_ptr<Studio>> glass = ball_studio(conditions, 0.3f, "BLEND");
-  if (!glass) return failed(glass.error());
+  if (!glass) return no_studio(glass.error());
   (*glass)->set_light(only(0.1f, {sun(1e6f), point_light({1, 2, 3}, 1e38f)}));
   const Camera camera = (*glass)->camera(0, {0.5, 0.4, 1}, 4, kSize);
   const Pixels truth = (*glass)->truth(camera).rgba;
@@ -231,7 +146,7 @@ Scene points() {
 // drawn, which no direction leads to and which it does not light.
 Outcome light_inside(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio = ball_studio(conditions);
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   const Camera camera = (*studio)->camera(0, {0.5, 0.4, 1}, 4, kSize);
   const glm::dvec3 center = (*studio)->scene().instances[0].center;
   const glm::dvec3 vertex((*studio)->prepared().scene.objects[0].mesh.vertices[300].position);
@@ -247,7 +162,7 @@ Outcome light_inside(const Conditions& conditions) {
   checks.equal("components darker than without it", wrong, 0);
   checks.equal("header values not finite", bad, 0);
   Result<std::unique_ptr<Studio>> point = Studio::create(points());
-  if (!point) return failed(point.error());
+  if (!point) return no_studio(point.error());
   const Shots unlit = shoot(**point, only(0.1f, {}));
   const Shots lit = shoot(**point, only(0.1f, {point_light(glm::dvec3(0), 2)}));
   checks.at_least("px of points", static_cast<double>(covered(unlit.truth, 1)), 5);
@@ -269,7 +184,7 @@ Outcome mostly_black(const Conditions& conditions) {
     return Studio::create(write(builder, conditions.folder, "lights"));
   };
   Result<std::unique_ptr<Studio>> one = file(1, 0), many = file(256, 200);
-  if (!one || !many) return failed((one ? many : one).error());
+  if (!one || !many) return no_studio((one ? many : one).error());
   const Shots a = shoot(**one, (*one)->prepared().scene.lighting);
   const Shots b = shoot(**many, (*many)->prepared().scene.lighting);
   const auto key = [](Studio& s) {
@@ -289,7 +204,7 @@ Outcome mostly_black(const Conditions& conditions) {
 // L6
 Outcome permuted(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio = ball_studio(conditions);
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   Random random(conditions.seed);
   Lighting light = only(0.05f, {});
   for (std::size_t i = 0; i < limits::kMaxLights; ++i) {
@@ -342,7 +257,7 @@ std::vector<float> radiance(Studio& studio, const Lighting& light) {
 // L7: in float, before any clamp.
 Outcome twice(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio = ball_studio(conditions);
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   Checks checks;
   for (const auto& [name, make] : {std::pair{"sun", +[](float i) { return sun(i); }},
                                    {"point",
@@ -370,7 +285,7 @@ Outcome twice(const Conditions& conditions) {
 // L8
 Outcome minus_zero(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio = ball_studio(conditions);
-  if (!studio) return failed(studio.error());
+  if (!studio) return no_studio(studio.error());
   const ObjectDescription& object = (*studio)->scene().objects[0];
   Lighting plain = only(0, {sun(0.5f, {0, -1, 0}), point_light({0, 2, 0}, 1), spot(2)});
   plain.ambient = {0.1f, 0, 0};

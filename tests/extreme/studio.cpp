@@ -195,6 +195,12 @@ ReferenceFrame Studio::truth(const Camera& camera, std::uint32_t samples) {
   return frame;
 }
 
+Outcome no_studio(const Error& error) {
+  Checks checks;
+  checks.failed(error.line());
+  return checks.outcome();
+}
+
 int largest_difference(const Pixels& a, const Pixels& b) {
   if (a.size() != b.size() || a.empty()) return 256;
   int most = 0;

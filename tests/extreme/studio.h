@@ -13,6 +13,7 @@
 #include "server/render/reference_renderer.h"
 #include "server/render/tile_page.h"
 #include "shaders/gl/egl_context.h"
+#include "tests/extreme/extreme_case.h"
 
 namespace mirage::extreme {
 
@@ -91,6 +92,8 @@ class Studio {
   std::uint64_t frame_ = 1;
 };
 
+/// Of a case whose scene cannot be shown.
+Outcome no_studio(const Error& error);
 /// Largest difference of two pictures in one component, in steps of 1/255; 256 when they are not
 /// of one size.
 int largest_difference(const Pixels& a, const Pixels& b);

@@ -1,0 +1,34 @@
+#pragma once
+// A ball under a light of one's choice, drawn every way there is.
+
+#include <memory>
+#include <vector>
+
+#include "tests/extreme/studio.h"
+
+namespace mirage::extreme {
+
+constexpr int kLightPictureEdge = 96;  ///< px
+
+/// A dented ball under a black sky: whatever light is seen is the object's. Its alpha, which only
+/// the mode "BLEND" looks at, is 0.6.
+Result<std::unique_ptr<Studio>> ball_studio(const Conditions& conditions, float metallic = 0.3f,
+                                            const char* alpha_mode = "OPAQUE");
+
+Light point_light(const glm::dvec3& position, float intensity);
+Light sun(float intensity, const glm::vec3& towards = {-0.4f, -0.7f, -0.6f});
+Light spot(float intensity);
+Lighting only(float ambient, std::vector<Light> lights);
+
+/// From (0.5, 0.4, 1), 4 radii off; tiles as relief.
+struct Shots {
+  Pixels truth, mesh, lit, relit;
+};
+Shots shoot(Studio& studio, const Lighting& light);
+
+/// Largest colour component where alpha is 255.
+int brightest(const Pixels& p);
+/// Components that are darker in `b` than in `a`, by more than `by`, where both are solid.
+int darker(const Pixels& a, const Pixels& b, int by);
+
+}  // namespace mirage::extreme
