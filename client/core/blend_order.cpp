@@ -1,26 +1,31 @@
 #include "client/core/blend_order.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "protocol/stable_math.h"
 
 namespace mirage {
 namespace {
 
+constexpr double kAllAround = 3.141592653589793;
+
 // A bounding sphere as the eye sees it.
 struct Seen {
   glm::dvec3 direction;
-  double sine = 0;      // of the half angle; 1 and more from inside
-  double far_side = 0;  // m
+  double half_angle = 0;  // from inside: all around
+  double far_side = 0;    // m
 };
 
 Seen seen_from(const glm::dvec3& eye, const InstanceView& view) {
   const glm::dvec3 to_center = view.center - eye;
   const double distance = std::max(glm::length(to_center), 1e-9);
-  return {to_center / distance, view.radius / distance, distance + view.radius};
+  const double sine = view.radius / distance;
+  return {to_center / distance, sine < 1 ? std::asin(sine) : kAllAround, distance + view.radius};
 }
 
-// Chords are shorter than arcs: wide spheres are taken to overlap a little early.
 bool overlap(const Seen& a, const Seen& b) {
-  return glm::length(a.direction - b.direction) < a.sine + b.sine;
+  return angle_between(a.direction, b.direction) < a.half_angle + b.half_angle;
 }
 
 }  // namespace

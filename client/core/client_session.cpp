@@ -132,12 +132,20 @@ Result<void> ClientSession::take_page(Message page) {
     early_pages_.push_back(std::move(page));
     return {};
   }
-  // What came too early may follow on now.
-  for (auto early = early_pages_.begin(); early != early_pages_.end() && !scene_.complete();) {
+  // What came too early may follow on now, and others on it.
+  auto early = early_pages_.begin();
+  while (early != early_pages_.end() && !scene_.complete()) {
     taken = accept_page(scene_, early->body);
-    if (!taken && taken.error().id != ErrorId::kWireState) return taken;
-    early = taken ? (early_pages_.erase(early), early_pages_.begin()) : std::next(early);
+    if (taken) {
+      early_pages_.erase(early);
+      early = early_pages_.begin();
+    } else if (taken.error().id == ErrorId::kWireState) {
+      ++early;
+    } else {
+      return taken;
+    }
   }
+  if (scene_.complete()) early_pages_.clear();
   return {};
 }
 

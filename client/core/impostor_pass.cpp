@@ -315,8 +315,9 @@ void ImpostorPass::draw(const Camera& camera, DepthMapping mapping, const SceneV
   lights_ = gl::light_block(lighting, camera.pose.eye);
   draw_placeholders(camera, scene, list, lighting);
   const BlendOrder order = blend_order(list.impostors, scene, camera.pose.eye);
-  draw_flat(camera, scene, order.under_relief, false);
-  draw_flat(camera, scene, order.over_relief, false);
+  DrawnImpostors flat = order.under_relief;
+  flat.insert(flat.end(), order.over_relief.begin(), order.over_relief.end());
+  draw_flat(camera, scene, flat, false);
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);

@@ -7,8 +7,8 @@ const float kSolid = 0.99;
 const float kWall = 6.0;   // codes between neighbours that still are one surface
 const float kClear = 1.0;   // cells from an edge to texels that hold one surface only
 const float kRounding = 1.0;
-const float kOneSided = 0.2;  // of that: wider occluders are filled behind from one side, too
 const float kFillReach = 0.15;  // of the window: how far a surface is extended (0.3 r)
+const float kOneSided = 0.2;  // of that: wider occluders are filled behind from one side, too
 
 struct Ray {
   vec3 from;  // tile space, first point inside the content's box

@@ -51,6 +51,17 @@ TEST(CoreBlendOrder, WhatIsBehindOrBesideReliefComesBeforeIt) {
   }
 }
 
+// A desk that fills most of what is seen: cups before its rim, seen far from its middle.
+TEST(CoreBlendOrder, NearReliefIsWide) {
+  const SceneView scene = make_scene({{{0, 0, 0}, 1}, {{0, 1.0, 0.55}, 0.01f}});
+  std::vector<DrawnImpostor> drawn(2);
+  drawn[kDesk].instance = kDesk;
+  drawn[kDesk].method = DrawMethod::kDepth;
+  drawn[kCup].instance = kCup;
+  EXPECT_EQ(blend_order(drawn, scene, {0, 0, 1.08}).over_relief.size(), 1u);
+  EXPECT_EQ(blend_order(drawn, scene, {0, 0, 0.9}).over_relief.size(), 1u) << "from inside";
+}
+
 TEST(CoreBlendOrder, WithoutReliefAllKeepTheirOrder) {
   const Instances order = with_cup_at({0, 0, 0.5}, DrawMethod::kQuad);
   EXPECT_EQ(order.over, Ids{});
