@@ -60,7 +60,7 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
         need.channels = in.cache->wants_relit(instance) ? kRelitTile : kLitTile;
         need.light = in.cache->light();
         if (first) need.size_class = coarse_class(need.size_class);
-        need.error_px = displayed_error_px(fit, size);
+        need.error_px = displayed_error_px(fit, size, tau_px);
         const double life = first ? kLongestLife : clip_s / (1 << level);
         need.gain = need.error_px * std::min(life, kLongestLife);
         out.push_back(need);

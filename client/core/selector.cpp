@@ -190,7 +190,7 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   const bool still_held = std::find(held.begin(), held.end(), shown.tile) != held.end();
   if (still_held && shown.tile != best.tile) {
     const TileFit present = fit_of(shown.tile, best.method, *c.object, c.view);
-    if (present.meets(c.tau_px) && present.error_px() * kSwitchRatio < best.error_px()) {
+    if (present.meets(c.tau_px) && present.error_px(c.tau_px) * kSwitchRatio < best.error_px(c.tau_px)) {
       best = present;
     }
   }
@@ -241,11 +241,11 @@ DrawList Selector::select(const SelectorInput& in) {
   // Marching goes where it takes away most error per area, as far as the budget reaches.
   std::vector<Candidate*> by_gain;
   for (Candidate& c : w.candidates) {
-    if (c.deep.tile && c.deep.error_px() < kWorthMarching * c.flat.error_px())
+    if (c.deep.tile && c.deep.error_px(c.tau_px) < kWorthMarching * c.flat.error_px(c.tau_px))
       by_gain.push_back(&c);
   }
   const auto gain = [](const Candidate* c) {
-    return (std::min(c->flat.error_px(), 1e6) - c->deep.error_px()) / c->area_px;
+    return (std::min(c->flat.error_px(c->tau_px), 1e6) - c->deep.error_px(c->tau_px)) / c->area_px;
   };
   std::stable_sort(by_gain.begin(), by_gain.end(),
                    [&](const Candidate* a, const Candidate* b) { return gain(a) > gain(b); });

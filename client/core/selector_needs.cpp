@@ -19,7 +19,7 @@ constexpr double kQuantumShare = 0.01;  // 8-bit depth and the slope within a te
 constexpr double kStandInLifeS = 3;     // a tile is asked for in place of geometry if it lasts
 
 ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileGroup& tiles,
-                  double radius, double tau_px) {
+                  double radius, double tau_px, double size_px) {
   ViewPlan plan;
   plan.tau_px = tau_px;
   const glm::dquat inverse = glm::conjugate(glm::dquat(view.world_from_object.rotation));
@@ -29,7 +29,7 @@ ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileG
   if (flat || still) return plan;  // a still eye is served best, and cheapest, by a quad
   double gap = kTypicalGap;
   if (!tiles.tiles.empty()) gap = tiles.tiles.back()->measure.depth_gap / radius;
-  plan.depth_share = std::max(gap / kHoleTolerance, kQuantumShare);
+  plan.depth_share = std::max(gap / hole_tolerance(tau_px, size_px), kQuantumShare);
   return plan;
 }
 
@@ -95,7 +95,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   view.center_depth = glm::length(view.eye);
   if (in.method.eight_views) return add_eight_view_need(in, instance, view, lit, out);
   if (object.motion.moving()) return add_moving_needs(in, instance, view, lit, tau, out);
-  ViewPlan plan = plan_for(in, view_of, group, view.radius, tau);
+  ViewPlan plan = plan_for(in, view_of, group, view.radius, tau, size);
   if (stand_in) plan.depth_share = kFlatDepthShare;
   if (stand_in && expected_life_s(view, plan) < kStandInLifeS) return;
   TileFit fit;
@@ -116,7 +116,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   if (group.tiles.empty() && !stand_in) need.size_class = coarse_class(need.size_class);
   need.channels = in.cache->wants_relit(instance) ? kRelitTile : kLitTile;
   need.light = in.cache->light();
-  need.error_px = std::max(displayed_error_px(fit, size), std::min(light_px, 2 * size));
+  need.error_px = std::max(displayed_error_px(fit, size, tau), std::min(light_px, 2 * size));
   // Any image is better than none, however soon it ages.
   need.gain = need.error_px * (group.tiles.empty() ? kLongestLife : expected_life_s(view, plan));
   if (stand_in) need.gain = std::min(need.gain, tau * kStandInLifeS);  // it only saves work

@@ -47,7 +47,7 @@ bool group_wanted(const SelectorInput& in, const InstanceView& view_of, const Vi
   if (glm::length(view.eye) * slack < kGroupRadii * view.radius) return false;
   ViewPlan plan;
   plan.tau_px = tau_px;
-  plan.depth_share = kTypicalGap / kHoleTolerance;
+  plan.depth_share = kTypicalGap / hole_tolerance(tau_px, radius_px(view));
   const double speed = std::max(glm::length(in.velocity), kWalkingMps);
   plan.velocity = glm::dvec3(speed / view_of.world_from_object.scale, 0, 0);
   return expected_life_s(view, plan) * slack >= kGroupLifeS;

@@ -26,6 +26,14 @@ bool same_picture(const Capture& a, const Capture& b) {
 }
 }  // namespace
 
+void TileRecord::seal(const ObjectDescription& description) {
+  whole_ = capture.geometry();
+  content_ = capture.geometry(crop);
+  for (std::size_t i = 0; i < drawn_.size(); ++i) {
+    drawn_[i] = drawn_depth(static_cast<DrawMethod>(i), description);
+  }
+}
+
 DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& description) const {
   // What was drawn lies within the level's error of the surface, and is drawn as if it were it.
   DrawnDepth drawn = drawn_depth_of_lod(method, description);
@@ -98,12 +106,11 @@ double TileRecord::motion_px(const ObjectDescription& description, const ViewGeo
 
 double TileRecord::bound_px(DrawMethod method, const ObjectDescription& description,
                             const ViewGeometry& view) const {
-  const CaptureGeometry geometry = capture.geometry(crop);
   // From behind nothing that shows was captured: any of it may be off by the object's own size.
-  const bool behind = glm::dot(view.eye, geometry.axis) < 0;
+  const bool behind = glm::dot(view.eye, content_.axis) < 0;
   const double unseen = behind ? lod_error_px(view, 2 * view.radius) : 0.0;
-  return unseen + position_bound_px(view, geometry, drawn_depth(method, description)) +
-         motion_px(description, view) + footprint_px(texel_size_px(view, geometry, capture.edge)) +
+  return unseen + position_bound_px(view, content_, drawn_[static_cast<std::size_t>(method)]) +
+         motion_px(description, view) + footprint_px(texel_size_px(view, content_, capture.edge)) +
          lod_error_px(view, measure.lod_error);
 }
 
@@ -211,6 +218,7 @@ TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
   record->relit = relit;
   record->received_us = now_us;
   record->last_drawn = frame;
+  record->seal(scene.objects[record->object]);
   group.tiles.push_back(record);
   ++resident_;
   trim(group, frame);

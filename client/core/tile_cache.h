@@ -5,6 +5,7 @@
 //         new one is then left out. room() says beforehand what will be, so that coarser tiles are
 //         asked for, or none.
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <unordered_map>
@@ -37,16 +38,23 @@ struct TileRecord {
   bool relit = false;            ///< shaded when it is drawn
   std::size_t trace = SIZE_MAX;  ///< index of its life in the trace, if one is kept
 
-  /// How far drawn points can be from the surface when drawn with `method`.
-  DrawnDepth drawn_depth(DrawMethod method, const ObjectDescription& description) const;
+  /// Prepares bounds; to be called once what was captured is set.
+  void seal(const ObjectDescription& description);
   /// Bound in px of how far the object has moved since this pose.
   double motion_px(const ObjectDescription& description, const ViewGeometry& view) const;
   /// Bound in px: position, texel footprint, the sideways part of the level's error, and motion.
   double bound_px(DrawMethod method, const ObjectDescription& description,
                   const ViewGeometry& view) const;
+  /// Of all that the tile can show, not of its content alone.
+  const CaptureGeometry& whole() const { return whole_; }
 
  private:
+  /// How far drawn points can be from the surface when drawn with `method`.
+  DrawnDepth drawn_depth(DrawMethod method, const ObjectDescription& description) const;
   DrawnDepth drawn_depth_of_lod(DrawMethod method, const ObjectDescription& description) const;
+
+  CaptureGeometry whole_, content_;
+  std::array<DrawnDepth, static_cast<std::size_t>(DrawMethod::kMesh)> drawn_;  // by method
 };
 using TileRecordPtr = std::shared_ptr<TileRecord>;
 

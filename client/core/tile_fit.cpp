@@ -15,9 +15,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSharpTexel = 1.15;
 
 // Inside the swap distance every bound is infinite: the newest tile is the best guess.
-bool better(const TileFit& a, const TileFit& b) {
+bool better(const TileFit& a, const TileFit& b, double tau) {
   if (!b.tile) return true;
-  const double ea = a.error_px(), eb = b.error_px();
+  const double ea = a.error_px(tau), eb = b.error_px(tau);
   return ea < eb || (ea == eb && a.tile->serial > b.tile->serial);
 }
 
@@ -27,7 +27,7 @@ TileFit cheapest(const TileRecordPtr& tile, std::initializer_list<DrawMethod> me
   TileFit best;
   for (const DrawMethod method : methods) {
     const TileFit fit = fit_of(tile, method, object, view);
-    if (!best.tile || fit.error_px() < best.error_px()) best = fit;
+    if (!best.tile || fit.error_px(tau) < best.error_px(tau)) best = fit;
     if (best.meets(tau)) break;
   }
   return best;
@@ -40,34 +40,37 @@ TileFit best_of(const TileGroup& group, std::initializer_list<DrawMethod> method
     // Most tiles of a moving object show another pose: told apart before anything dearer is.
     if (best.tile && tile->motion_px(object, view) > best.bound_px) continue;
     const TileFit fit = cheapest(tile, methods, object, view, tau);
-    if (better(fit, best)) best = fit;
+    if (better(fit, best, tau)) best = fit;
   }
   return best;
 }
 
 }  // namespace
 
-double TileFit::error_px() const { return std::max(bound_px, hole_px / kHoleTolerance); }
+double TileFit::error_px(double tau_px) const {
+  return std::max(bound_px, hole_px / hole_tolerance(tau_px, size_px));
+}
 
-bool TileFit::meets(double tau_px) const { return tile && !is_stale(error_px(), tau_px); }
+bool TileFit::meets(double tau_px) const { return tile && !is_stale(error_px(tau_px), tau_px); }
 
 bool TileFit::settled(double tau_px) const {
   const bool finest = tile && tile->capture.edge >= tile_edge(kMaxAskedSizeClass);
   return meets(tau_px) && (finest || texel_px <= kSharpTexel * std::max(1.0, tau_px));
 }
 
-double displayed_error_px(const TileFit& fit, double size_px) {
-  const double error = fit.tile ? std::max(fit.error_px(), fit.texel_px - 1.0) : kInfinity;
+double displayed_error_px(const TileFit& fit, double size_px, double tau_px) {
+  const double error = fit.tile ? std::max(fit.error_px(tau_px), fit.texel_px - 1.0) : kInfinity;
   return std::isfinite(error) ? std::min(error, 2 * size_px) : 2 * std::min(size_px, 1e4);
 }
 
 TileFit fit_of(const TileRecordPtr& tile, DrawMethod method, const ObjectDescription& object,
                const ViewGeometry& view) {
-  const CaptureGeometry capture = tile->capture.geometry();
+  const CaptureGeometry& capture = tile->whole();
   TileFit fit;
   fit.tile = tile;
   fit.method = method;
   fit.bound_px = tile->bound_px(method, object, view);
+  fit.size_px = radius_px(view);
   fit.texel_px = texel_size_px(view, capture, tile->capture.edge);
   if (method == DrawMethod::kDepth) {
     fit.hole_px = std::min(position_bound_px(view, capture, {tile->measure.depth_gap, view.radius}),
@@ -93,7 +96,7 @@ TileFit best_fit(const TileGroup& group, const ObjectDescription& object, const 
   const TileFit flat = best_flat(group, object, view, tau_px);
   if (flat.meets(tau_px)) return flat;
   const TileFit deep = best_deep(group, object, view, tau_px);
-  return deep.tile && better(deep, flat) ? deep : flat;
+  return deep.tile && better(deep, flat, tau_px) ? deep : flat;
 }
 
 }  // namespace mirage

@@ -21,10 +21,11 @@ struct TileFit {
   /// Position, texel footprint and motion; +inf when it cannot be trusted.
   double bound_px = std::numeric_limits<double>::infinity();
   double hole_px = 0;   ///< widest disocclusion; flat proxies have none, their bound covers it
+  double size_px = 0;   ///< projected radius of the object
   double texel_px = 0;  ///< size of a texel on the screen
 
-  /// The larger of what is wrong, disocclusions by their own tolerance. Same unit as tau.
-  double error_px() const;
+  /// The larger of what is wrong, disocclusions by their own tolerance at tau. Same unit as tau.
+  double error_px(double tau_px) const;
   /// Drawn within tau.
   bool meets(double tau_px) const;
   /// Meets tau and is not blurred: nothing better needs to be asked for.
@@ -42,7 +43,7 @@ TileFit best_fit(const TileGroup& group, const ObjectDescription& object, const 
                  const MethodChoice& choice, double tau_px);
 /// What showing `fit` costs, in px: its error or blur, at most the object's size (`size_px` its
 /// projected radius), which is also what no tile costs.
-double displayed_error_px(const TileFit& fit, double size_px);
+double displayed_error_px(const TileFit& fit, double size_px, double tau_px);
 /// One tile with one method.
 TileFit fit_of(const TileRecordPtr& tile, DrawMethod method, const ObjectDescription& object,
                const ViewGeometry& view);

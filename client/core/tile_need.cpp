@@ -17,6 +17,8 @@ constexpr double kLeadShare = 0.6;
 constexpr double kCellShare = 0.2;
 constexpr double kLongestLead = 2;    // s
 constexpr double kStillSpeed = 1e-3;  // radii/s
+// A disocclusion may be as wide as this share of the projected radius; less below a tau of 1 px.
+constexpr double kHoleShare = 0.15;
 
 }  // namespace
 
@@ -32,6 +34,11 @@ ViewGeometry view_geometry(const Camera& camera, const InstanceView& instance,
   view.clip_time_s = wrap_clip(time_s + instance.clip_offset_s, object.motion.clip_s);
   view.forward = glm::conjugate(glm::dquat(instance.world_from_object.rotation)) * camera.forward();
   return view;
+}
+
+double hole_tolerance(double tau_px, double size_px) {
+  const double share = kHoleShare * std::min(1.0, tau_px);
+  return std::clamp(share * size_px / tau_px, 1.0, kHoleTolerance);
 }
 
 std::uint8_t coarse_class(std::uint8_t size_class) {

@@ -34,9 +34,12 @@ struct ViewPlan {
 
 /// The depth share of flat proxies: half the visible depth of a ball; measured values are smaller.
 inline constexpr double kFlatDepthShare = 0.5;
-/// Disocclusions may be this many times as wide as a position error (NUMERICS: the real knob once
-/// there is depth).
+/// Disocclusions may be at most this many times as wide as a position error (NUMERICS: the real knob
+/// once there is depth).
 inline constexpr double kHoleTolerance = 8;
+/// How many times tau a disocclusion may be wide, 1 to kHoleTolerance: on a small object it may not
+/// be more than a share of its projected radius `size_px`, or the tile would serve from far aside.
+double hole_tolerance(double tau_px, double size_px);
 
 /// The instance's view in object units, relative to its centre; a moving one at `time_s` of the
 /// animation.
@@ -52,7 +55,7 @@ double expected_life_s(const ViewGeometry& view, const ViewPlan& plan);
 inline constexpr double kLongestLife = 4;
 
 /// The key to ask for: captured ahead on the eye's path as far as it is already valid here, its
-/// cell within a fifth of the allowed baseline, at 1.5 texels per pixel.
+/// cell within a fifth of the allowed baseline, at 1.5 texels per pixel. The radius is above 0.
 TileNeed need_for_view(const ViewGeometry& view, const ViewPlan& plan);
 
 inline constexpr int kMaxAskedSizeClass = 12;  ///< 1024 texels

@@ -82,7 +82,8 @@ TileKey Studio::key_for(const Camera& camera, std::uint32_t instance, std::uint8
       distance_bucket_from_radii(glm::length(view.eye) / view.radius, limits::kMaxDistanceLevel);
   if (cell) key.cell = *cell;
   if (distance) key.distance = *distance;
-  key.size_class = need_for_view(view, ViewPlan{}).size_class;
+  // An object without extent is nothing a client would ask for.
+  if (view.radius > 0) key.size_class = need_for_view(view, ViewPlan{}).size_class;
   key.channels = channels;
   return key;
 }
