@@ -50,18 +50,25 @@ glm::dvec3 Camera::pixel_from_relative(const glm::dvec3& relative) const {
           0.5 * height - f * glm::dot(relative, up()) / z, z};
 }
 
-bool Camera::may_see(const glm::dvec3& center, double radius, double guard) const {
-  const double distance = glm::length(center);
-  if (!(distance > radius)) return true;
-  const double half_y = 0.5 * fov_y + guard;
-  const double half_x = std::atan(std::tan(0.5 * fov_y) * width / height) + guard;
-  const double z = glm::dot(center, forward());
-  const auto outside = [&](double across, double half) {
-    if (half >= 1.5707963) return false;
-    // Signed distance to the side plane, whose normal leans by `half` from the axis.
-    return std::abs(across) * std::cos(half) - z * std::sin(half) > radius;
+Frustum::Side Frustum::side(double half_angle) {
+  return {half_angle >= 1.5707963, std::cos(half_angle), std::sin(half_angle)};
+}
+
+Frustum::Frustum(const Camera& camera, double guard)
+    : forward_(camera.forward()),
+      right_(camera.right()),
+      up_(camera.up()),
+      across_(side(std::atan(std::tan(0.5 * camera.fov_y) * camera.width / camera.height) + guard)),
+      along_(side(0.5 * camera.fov_y + guard)) {}
+
+bool Frustum::may_see(const glm::dvec3& center, double radius) const {
+  if (!(glm::length(center) > radius)) return true;
+  const double z = glm::dot(center, forward_);
+  const auto outside = [&](double off_axis, const Side& side) {
+    if (side.open) return false;
+    return std::abs(off_axis) * side.cosine - z * side.sine > radius;
   };
-  return !outside(glm::dot(center, right()), half_x) && !outside(glm::dot(center, up()), half_y);
+  return !outside(glm::dot(center, right_), across_) && !outside(glm::dot(center, up_), along_);
 }
 
 Pose look_at(const glm::dvec3& eye, const glm::dvec3& target) {

@@ -40,8 +40,25 @@ struct Camera {
   glm::dvec2 window_depth(DepthMapping mapping) const;
   /// Pixel of a point given relative to the eye (y down, pixel centres at +0.5); depth in z.
   glm::dvec3 pixel_from_relative(const glm::dvec3& relative) const;
-  /// Whether a sphere (relative to the eye) can touch the view frustum grown by `guard` radians.
-  bool may_see(const glm::dvec3& center, double radius, double guard = 0) const;
+};
+
+/// The side planes of a camera's view grown by `guard` radians, to be asked many times.
+class Frustum {
+ public:
+  explicit Frustum(const Camera& camera, double guard = 0);
+  /// Whether a sphere (centre relative to the eye) can touch it.
+  bool may_see(const glm::dvec3& center, double radius) const;
+
+ private:
+  /// A pair of planes whose normals lean from the axis; no plane from a right angle on.
+  struct Side {
+    bool open = false;
+    double cosine = 1, sine = 0;
+  };
+  static Side side(double half_angle);
+
+  glm::dvec3 forward_, right_, up_;
+  Side across_, along_;
 };
 
 /// Looks from `eye` at `target`, world up +Y where that is possible.

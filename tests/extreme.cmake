@@ -3,7 +3,7 @@ add_executable(mirage-extreme
   extreme/main.cpp extreme/registry.cpp extreme/extreme_case.cpp extreme/child_run.cpp
   extreme/studio.cpp extreme/shapes.cpp
   extreme/geometry_cases.cpp extreme/geometry_vertex_cases.cpp extreme/geometry_file_cases.cpp
-  extreme/rig.cpp extreme/prediction_cases.cpp extreme/texture_cases.cpp
+  support/rig.cpp extreme/prediction_cases.cpp extreme/texture_cases.cpp
   extreme/control_cases.cpp extreme/network_cases.cpp extreme/network_server_case.cpp
   extreme/wire_samples.cpp extreme/peak_memory.cpp extreme/wire_cases.cpp extreme/wire_server_cases.cpp
   extreme/view_cases.cpp extreme/view_bound_cases.cpp

@@ -194,23 +194,25 @@ void SceneView::build_grid() {
 
 void SceneView::for_visible_roots(const Camera& camera, double guard,
                                   const std::function<void(std::uint32_t)>& visit) const {
+  const Frustum frustum(camera, guard);
   for (const Cell& cell : cells_) {
     if (cell.instances.empty()) continue;
-    if (!camera.may_see(cell.center - camera.pose.eye, cell.radius, guard)) continue;
+    if (!frustum.may_see(cell.center - camera.pose.eye, cell.radius)) continue;
     for (const std::uint32_t i : cell.instances) {
       const InstanceView& instance = instances[i];
-      if (camera.may_see(instance.center - camera.pose.eye, instance.radius, guard)) visit(i);
+      if (frustum.may_see(instance.center - camera.pose.eye, instance.radius)) visit(i);
     }
   }
 }
 
 void SceneView::for_visible(const Camera& camera, double guard,
                             const std::function<void(std::uint32_t)>& visit) const {
+  const Frustum frustum(camera, guard);
   const std::function<void(std::uint32_t)> down = [&](std::uint32_t i) {
     if (!objects[instances[i].object].group) return visit(i);
     for (const std::uint32_t member : members(i)) {
       const InstanceView& view = instances[member];
-      if (camera.may_see(view.center - camera.pose.eye, view.radius, guard)) down(member);
+      if (frustum.may_see(view.center - camera.pose.eye, view.radius)) down(member);
     }
   };
   for_visible_roots(camera, guard, down);

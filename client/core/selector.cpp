@@ -14,6 +14,8 @@ constexpr double kMeshHysteresis = 1.15;
 constexpr double kWorthMarching = 0.7;  // of the flat bound
 // A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
 constexpr double kSwitchRatio = 0.6;
+// How long a choice is kept that is still good enough.
+constexpr std::int64_t kReconsiderUs = 100'000;
 
 double fade_progress(std::int64_t since_us, std::int64_t now_us) {
   return std::clamp(static_cast<double>(now_us - since_us) / kFadeUs, 0.0, 1.0);
@@ -42,6 +44,7 @@ struct Selector::Candidate {
 struct Selector::Walk {
   const SelectorInput& in;
   DrawList& out;
+  Frustum frustum;
   std::vector<Candidate> candidates;
 };
 
@@ -113,7 +116,9 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
     ++w.out.over_tau;
     return;
   }
-  if (in.method.automatic) {
+  if (keep_chosen(in, c)) {
+    // As it was.
+  } else if (in.method.automatic) {
     c.flat = best_flat(*c.group, *c.object, c.view, c.tau_px);
     if (!c.flat.meets(c.tau_px)) c.deep = best_deep(*c.group, *c.object, c.view, c.tau_px);
   } else {
@@ -122,6 +127,18 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   const double screen = static_cast<double>(in.camera.width) * in.camera.height;
   c.area_px = std::min(3.14159 * size * size, screen);
   w.candidates.push_back(std::move(c));
+}
+
+// A flat tile that was chosen a moment ago and still meets tau is drawn on, if none has come since.
+bool Selector::keep_chosen(const SelectorInput& in, Candidate& c) const {
+  const Shown& shown = shown_[c.instance];
+  if (in.now_us >= shown.chosen_until_us || c.group->tiles.back()->serial != shown.newest) {
+    return false;
+  }
+  const std::vector<TileRecordPtr>& held = c.group->tiles;
+  if (std::find(held.begin(), held.end(), shown.tile) == held.end()) return false;
+  c.flat = fit_of(shown.tile, shown.method, *c.object, c.view);
+  return c.flat.meets(c.tau_px);
 }
 
 bool Selector::group_serves(const SelectorInput& in, std::uint32_t group,
@@ -177,8 +194,7 @@ void Selector::walk_group(Walk& w, std::uint32_t group, float fade) {
 
 void Selector::walk(Walk& w, std::uint32_t instance, float fade) {
   const InstanceView& view_of = w.in.scene->instances[instance];
-  const Camera& camera = w.in.camera;
-  if (!camera.may_see(view_of.center - camera.pose.eye, view_of.radius)) return;
+  if (!w.frustum.may_see(view_of.center - w.in.camera.pose.eye, view_of.radius)) return;
   if (w.in.scene->objects[view_of.object].group) return walk_group(w, instance, fade);
   consider(w, instance, fade);
 }
@@ -190,7 +206,8 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   const bool still_held = std::find(held.begin(), held.end(), shown.tile) != held.end();
   if (still_held && shown.tile != best.tile) {
     const TileFit present = fit_of(shown.tile, best.method, *c.object, c.view);
-    if (present.meets(c.tau_px) && present.error_px(c.tau_px) * kSwitchRatio < best.error_px(c.tau_px)) {
+    if (present.meets(c.tau_px) &&
+        present.error_px(c.tau_px) * kSwitchRatio < best.error_px(c.tau_px)) {
       best = present;
     }
   }
@@ -217,6 +234,14 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
       fade = std::min(fade, progress);
     }
   }
+  if (best.tile != shown.tile || in.now_us >= shown.chosen_until_us ||
+      held.back()->serial != shown.newest) {
+    const bool keeps = in.method.automatic && !c.object->motion.moving() &&
+                       best.method != DrawMethod::kDepth && best.meets(c.tau_px);
+    shown.chosen_until_us = keeps ? in.now_us + kReconsiderUs : INT64_MIN / 2;
+    shown.method = best.method;
+    shown.newest = held.back()->serial;
+  }
   best.tile->last_drawn = in.frame;
   best.tile->shown = true;
   out.impostors.push_back(
@@ -228,34 +253,33 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
 DrawList Selector::select(const SelectorInput& in) {
   DrawList out;
   out.time_s = in.time_s;
-  Walk w{in, out, {}};
+  Walk w{in, out, Frustum(in.camera), {}};
   in.scene->for_visible_roots(in.camera, 0, [&](std::uint32_t root) { walk(w, root, 1); });
   // Back to front by the far side, so that blending is right and what stands on or in another thing
   // comes after it; equals keep the order of instances.
-  const auto far_side = [&](const Candidate& c) {
-    return c.distance + in.scene->instances[c.instance].radius;
-  };
-  std::stable_sort(
-      w.candidates.begin(), w.candidates.end(),
-      [&](const Candidate& a, const Candidate& b) { return far_side(a) > far_side(b); });
-  // Marching goes where it takes away most error per area, as far as the budget reaches.
-  std::vector<Candidate*> by_gain;
+  using Ranked = std::pair<double, Candidate*>;
+  const auto larger = [](const Ranked& a, const Ranked& b) { return a.first > b.first; };
+  std::vector<Ranked> by_far_side, by_gain;
   for (Candidate& c : w.candidates) {
-    if (c.deep.tile && c.deep.error_px(c.tau_px) < kWorthMarching * c.flat.error_px(c.tau_px))
-      by_gain.push_back(&c);
+    by_far_side.emplace_back(c.distance + in.scene->instances[c.instance].radius, &c);
   }
-  const auto gain = [](const Candidate* c) {
-    return (std::min(c->flat.error_px(c->tau_px), 1e6) - c->deep.error_px(c->tau_px)) / c->area_px;
-  };
-  std::stable_sort(by_gain.begin(), by_gain.end(),
-                   [&](const Candidate* a, const Candidate* b) { return gain(a) > gain(b); });
+  std::stable_sort(by_far_side.begin(), by_far_side.end(), larger);
+  // Marching goes where it takes away most error per area, as far as the budget reaches.
+  for (const auto& [far_side, c] : by_far_side) {
+    if (!c->deep.tile) continue;
+    const double deep = c->deep.error_px(c->tau_px), flat = c->flat.error_px(c->tau_px);
+    if (deep < kWorthMarching * flat) {
+      by_gain.emplace_back((std::min(flat, 1e6) - deep) / c->area_px, c);
+    }
+  }
+  std::stable_sort(by_gain.begin(), by_gain.end(), larger);
   double left_px = in.march_budget_px;
-  for (Candidate* c : by_gain) {
+  for (const auto& [gain, c] : by_gain) {
     if (c->area_px > left_px) continue;
     left_px -= c->area_px;
     c->march = true;
   }
-  for (const Candidate& c : w.candidates) draw_candidate(in, c, out);
+  for (const auto& [far_side, candidate] : by_far_side) draw_candidate(in, *candidate, out);
   return out;
 }
 

@@ -86,7 +86,7 @@ class Selector {
   DrawList select(const SelectorInput& input);
   /// What to ask for, largest gain first; instances without any acceptable tile at the predicted
   /// view.
-  std::vector<TileNeed> needs(const SelectorInput& input) const;
+  std::vector<TileNeed> needs(const SelectorInput& input);
   /// Instances that should be geometry, there or not: too near for any impostor, now or soon.
   std::vector<std::uint32_t> mesh_needs(const SelectorInput& input) const;
 
@@ -101,6 +101,19 @@ class Selector {
     std::int64_t left_us = INT64_MIN / 2;  ///< groups: when its members took over
     bool as_mesh = false;
     std::int64_t swapped_us = INT64_MIN / 2;  ///< when geometry took over, or tiles from it
+    DrawMethod method = DrawMethod::kQuad;    ///< of `tile`
+    std::uint64_t newest = 0;  ///< serial of the group's newest tile when it was chosen
+    std::int64_t chosen_until_us = INT64_MIN / 2;   ///< no better flat tile is looked for before
+    std::int64_t settled_until_us = INT64_MIN / 2;  ///< nothing needs to be asked for before
+  };
+  /// What an instance's being settled rests on, beside its tiles and time.
+  struct Basis {
+    double tau_px = 0, target_px = 0, focal_px = 0, mesh_radii = 0;
+    std::uint32_t light = 0;
+    bool automatic = true, eight_views = false;
+    DrawMethod method = DrawMethod::kQuad;
+    glm::dvec3 eye{0};
+    std::int64_t now_us = 0;
   };
   /// An instance that has tiles, before it is settled how it is drawn.
   struct Candidate;
@@ -114,11 +127,14 @@ class Selector {
   bool drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const;
   bool stands_in(const SelectorInput& in, const Candidate& candidate) const;
   void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);
-  void add_need(const SelectorInput& in, std::uint32_t instance, std::vector<TileNeed>& out) const;
+  bool keep_chosen(const SelectorInput& in, Candidate& candidate) const;
+  void forget_settled(const SelectorInput& in);
+  void add_need(const SelectorInput& in, std::uint32_t instance, std::vector<TileNeed>& out);
   /// The need, coarser where the atlas is full; false: what would come is there already, or would
   /// find no place.
 
   std::vector<Shown> shown_;
+  Basis basis_;
 };
 
 }  // namespace mirage

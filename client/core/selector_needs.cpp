@@ -17,6 +17,9 @@ constexpr double kViewGuard = 0.0873;   // 5 degrees around the predicted view
 constexpr double kMeshPrefetch = 1.3;   // times the swap distance
 constexpr double kQuantumShare = 0.01;  // 8-bit depth and the slope within a texel, in radii
 constexpr double kStandInLifeS = 3;     // a tile is asked for in place of geometry if it lasts
+constexpr double kWalkingMps = 1.4;
+constexpr double kJumpM = 0.05;            // beyond what the speed explains
+constexpr long long kSettledUs = 100'000;  // what is settled is looked at again after so long
 
 ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileGroup& tiles,
                   double radius, double tau_px, double size_px) {
@@ -42,6 +45,19 @@ void add_eight_view_need(const SelectorInput& in, std::uint32_t instance, const 
   need->instance = instance;
   need->light = in.cache->light();
   out.push_back(*need);
+}
+
+double walking_speed(const SelectorInput& in) {
+  return std::max(glm::length(in.velocity), kWalkingMps);
+}
+
+// Until when a tile that is good enough is taken to be so: a tenth of the way that is left to tau
+// at this speed, or at a walk, and no longer than is unseen.
+std::int64_t settled_until(const SelectorInput& in, const TileFit& fit, const ViewGeometry& view,
+                           const ViewPlan& plan) {
+  const double left = 1 - fit.error_px(plan.tau_px) / plan.tau_px;
+  const double seconds = 0.1 * left * allowed_baseline(view, plan) / walking_speed(in);
+  return in.now_us + std::min(std::llround(1e6 * std::clamp(seconds, 0.0, 1.0)), kSettledUs);
 }
 
 // Makes the need as coarse as what is left of the atlas asks for; false: it is none.
@@ -75,8 +91,33 @@ bool fit_to_atlas(const SelectorInput& in, TileCache::Room& room, TileNeed& need
 
 }  // namespace
 
+// Forgets what was settled when it may have changed by anything but time and an even walk.
+void Selector::forget_settled(const SelectorInput& in) {
+  Basis now;
+  now.tau_px = in.tau_px;
+  now.target_px = in.target_px;
+  now.focal_px = in.predicted.focal_px();
+  now.mesh_radii = in.mesh_radii;
+  now.light = in.cache->light();
+  now.automatic = in.method.automatic;
+  now.eight_views = in.method.eight_views;
+  now.method = in.method.method;
+  now.eye = in.predicted.pose.eye;
+  now.now_us = in.now_us;
+  const double seconds = 1e-6 * static_cast<double>(now.now_us - basis_.now_us);
+  const double way = glm::length(now.eye - basis_.eye);
+  const bool jumped = !(way <= 2 * walking_speed(in) * seconds + kJumpM) || seconds < 0;
+  const bool same = now.tau_px == basis_.tau_px && now.target_px == basis_.target_px &&
+                    now.focal_px == basis_.focal_px && now.mesh_radii == basis_.mesh_radii &&
+                    now.light == basis_.light && now.automatic == basis_.automatic &&
+                    now.eight_views == basis_.eight_views && now.method == basis_.method;
+  basis_ = now;
+  if (same && !jumped) return;
+  for (Shown& shown : shown_) shown.settled_until_us = INT64_MIN / 2;
+}
+
 void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
-                        std::vector<TileNeed>& out) const {
+                        std::vector<TileNeed>& out) {
   const InstanceView& view_of = in.scene->instances[instance];
   const ObjectDescription& object = in.scene->objects[view_of.object];
   ViewGeometry view = view_geometry(in.predicted, view_of, object, in.time_s);
@@ -107,7 +148,10 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   const double light_px = light_change_px(in, lit, instance, size);
   // Shaded here it is right, and yet not as good as shaded by the server: when there is time.
   const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
-  if (fit.settled(tau) && !is_stale(light_px, tau) && !shaded_here) return;
+  if (fit.settled(tau) && !is_stale(light_px, tau) && !shaded_here) {
+    if (lit.wanted) shown_[instance].settled_until_us = settled_until(in, fit, view, plan);
+    return;
+  }
   // Inside the swap distance a tile is no use but as a stopgap: one, until geometry comes.
   if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
   TileNeed need = need_for_view(view, plan);
@@ -123,13 +167,15 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   out.push_back(need);
 }
 
-std::vector<TileNeed> Selector::needs(const SelectorInput& in) const {
+std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
   std::vector<TileNeed> out;
   if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return out;
+  forget_settled(in);
+  const Frustum frustum(in.predicted, kViewGuard);
   const std::function<void(std::uint32_t)> visit = [&](std::uint32_t i) {
     const InstanceView& view_of = in.scene->instances[i];
-    const glm::dvec3 to_center = view_of.center - in.predicted.pose.eye;
-    if (!in.predicted.may_see(to_center, view_of.radius, kViewGuard)) return;
+    if (!frustum.may_see(view_of.center - in.predicted.pose.eye, view_of.radius)) return;
+    if (in.now_us < shown_[i].settled_until_us) return;
     const ObjectDescription& object = in.scene->objects[view_of.object];
     if (object.group && !group_wanted(in, view_of, view_geometry(in.predicted, view_of, object),
                                       allowed_px(in, in.predicted, view_of), 1)) {

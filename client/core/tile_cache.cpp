@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "protocol/limits.h"
 #include "protocol/stable_math.h"
@@ -128,6 +129,8 @@ void TileCache::reset(const SceneView& scene, const Lighting& lighting) {
     while (!group.tiles.empty()) forget(group, 0);
   }
   groups_.clear();
+  oldest_last_.clear();
+  listed_at_ = UINT64_MAX;
   refused_edge_ = UINT32_MAX;
   lights_.reset(scene, lighting);
 }
@@ -140,12 +143,18 @@ const TileGroup* TileCache::find(std::uint64_t key) const {
 TileCache::LitGroup TileCache::lit_group(std::uint32_t instance) const {
   static const TileGroup kNothing;
   const bool relit = wants_relit(instance);
-  const TileGroup* bare =
-      lights_.can_relight(instance) ? find(relit_key(lights_.object_of(instance))) : nullptr;
-  if (relit && bare) return {bare, true, nullptr};
+  const auto bare = [&]() -> const TileGroup* {
+    const bool can = lights_.can_relight(instance);
+    return can ? find(relit_key(lights_.object_of(instance))) : nullptr;
+  };
+  if (relit) {
+    if (const TileGroup* wanted = bare()) return {wanted, true, nullptr};
+  }
   const TileGroup* own = find(lights_.key(instance, lights_.current()));
   if (own) return {own, !relit, nullptr};
-  if (bare) return {bare, false, nullptr};
+  if (!relit) {
+    if (const TileGroup* other = bare()) return {other, false, nullptr};
+  }
   const std::vector<LightHistory::State>& states = lights_.states();
   for (std::size_t i = states.size() - 1; i-- > 0 && lights_.lit(instance);) {
     const TileGroup* former = find(lights_.key(instance, states[i]));
@@ -276,27 +285,39 @@ bool TileCache::make_room(int w, int h, std::uint64_t frame, AtlasSlot& slot) {
   }
 }
 
+// In a list made at most once a frame: tiles drawn since are younger than all that is left of it.
 bool TileCache::evict_oldest(std::uint64_t frame) {
-  TileGroup* oldest_group = nullptr;
-  std::size_t oldest_index = 0;
-  std::uint64_t oldest = frame;
-  std::uint64_t serial = 0;
-  for (auto& [key, group] : groups_) {
-    for (std::size_t i = 0; i < group.tiles.size(); ++i) {
-      // Equally old: the earlier one, whatever the order of the groups.
-      const TileRecord& tile = *group.tiles[i];
-      const bool older = tile.last_drawn + 1 < oldest ||
-                         (oldest_group && tile.last_drawn + 1 == oldest && tile.serial < serial);
-      if (!older) continue;
-      oldest = tile.last_drawn + 1;
-      serial = tile.serial;
-      oldest_group = &group;
-      oldest_index = i;
+  for (;;) {
+    while (!oldest_last_.empty() && oldest_last_.back().last_drawn + 1 < frame) {
+      const Aged aged = oldest_last_.back();
+      oldest_last_.pop_back();
+      const auto group = groups_.find(aged.group);
+      if (group == groups_.end()) continue;
+      std::vector<TileRecordPtr>& tiles = group->second.tiles;
+      const auto at = std::find_if(tiles.begin(), tiles.end(), [&](const TileRecordPtr& tile) {
+        return tile->serial == aged.serial;
+      });
+      if (at == tiles.end() || (*at)->last_drawn != aged.last_drawn) continue;
+      forget(group->second, static_cast<std::size_t>(at - tiles.begin()));
+      return true;
+    }
+    if (listed_at_ == frame) return false;
+    list_by_age();
+    listed_at_ = frame;
+  }
+}
+
+void TileCache::list_by_age() {
+  oldest_last_.clear();
+  for (const auto& [key, group] : groups_) {
+    for (const TileRecordPtr& tile : group.tiles) {
+      oldest_last_.push_back({tile->last_drawn, tile->serial, key});
     }
   }
-  if (!oldest_group) return false;
-  forget(*oldest_group, oldest_index);
-  return true;
+  // Equally old: the earlier one, whatever the order of the groups.
+  std::sort(oldest_last_.begin(), oldest_last_.end(), [](const Aged& a, const Aged& b) {
+    return std::tie(a.last_drawn, a.serial) > std::tie(b.last_drawn, b.serial);
+  });
 }
 
 void TileCache::forget(TileGroup& group, std::size_t index) {

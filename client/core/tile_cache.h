@@ -139,6 +139,7 @@ class TileCache {
   void drop_past_groups();
   bool make_room(int w, int h, std::uint64_t frame, AtlasSlot& slot);
   bool evict_oldest(std::uint64_t frame);
+  void list_by_age();
   void forget(TileGroup& group, std::size_t index);
   void trim(TileGroup& group, std::uint64_t frame);
 
@@ -149,6 +150,12 @@ class TileCache {
   std::unordered_map<std::uint64_t, TileGroup> groups_;
   std::uint64_t next_serial_ = 1;
   std::size_t resident_ = 0;
+  /// What is to be evicted next, from the back; of the frame it was made in.
+  struct Aged {
+    std::uint64_t last_drawn, serial, group;
+  };
+  std::vector<Aged> oldest_last_;
+  std::uint64_t listed_at_ = UINT64_MAX;
   /// The last tile that found no place, and how much was in view then.
   std::uint32_t refused_edge_ = UINT32_MAX;
   std::size_t refused_at_texels_ = 0;

@@ -56,6 +56,7 @@ void ReferenceRenderer::draw_scene(const Camera& camera, const Lighting& lightin
   meshes_->begin(camera.clip_from_relative(mapping), gl::light_block(lighting, eye), mapping);
   const Environment& environment = prepared.scene.environment;
   meshes_->set_fog(environment.horizon, environment.fog_density);
+  const Frustum frustum(camera);
   std::vector<gl::MeshInstance> visible;
   for (std::size_t object = 0; object < instances_of_object_.size(); ++object) {
     visible.clear();
@@ -63,7 +64,7 @@ void ReferenceRenderer::draw_scene(const Camera& camera, const Lighting& lightin
       const Instance& instance = prepared.scene.instances[i];
       const double radius =
           double{prepared.objects[object].radius} * instance.world_from_object.scale;
-      if (camera.may_see(center_relative(instance, prepared.objects[object], eye), radius)) {
+      if (frustum.may_see(center_relative(instance, prepared.objects[object], eye), radius)) {
         visible.push_back(gl::mesh_instance(instance.world_from_object, eye, i));
       }
     }

@@ -9,9 +9,10 @@
 #include "client/core/tau_controller.h"
 #include "tests/extreme/network_links.h"
 #include "tests/extreme/registry.h"
-#include "tests/extreme/rig.h"
+#include "tests/support/rig.h"
 
 namespace mirage::extreme {
+using namespace test;
 namespace {
 
 /// Notes when each tile was asked for, and when it came with how many bytes.

@@ -9,10 +9,11 @@
 #include "tests/extreme/network_links.h"
 #include "tests/extreme/network_server_case.h"
 #include "tests/extreme/registry.h"
-#include "tests/extreme/rig.h"
 #include "tests/extreme/studio.h"
+#include "tests/support/rig.h"
 
 namespace mirage::extreme {
+using namespace test;
 namespace {
 
 constexpr double kHour = 3600;

@@ -18,10 +18,11 @@
 #include "client/core/quantile.h"
 #include "client/native/native_link.h"
 #include "protocol/clock.h"
-#include "tests/extreme/rig.h"
 #include "tests/support/process.h"
+#include "tests/support/rig.h"
 
 namespace mirage::extreme {
+using namespace test;
 namespace {
 
 constexpr const char* kScene = "builtin:clutter?objects=40";

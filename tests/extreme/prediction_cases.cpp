@@ -7,10 +7,11 @@
 #include "client/core/predictor.h"
 #include "protocol/stable_math.h"
 #include "tests/extreme/registry.h"
-#include "tests/extreme/rig.h"
 #include "tests/extreme/shapes.h"
+#include "tests/support/rig.h"
 
 namespace mirage::extreme {
+using namespace test;
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

@@ -6,12 +6,13 @@
 
 #include "client/core/atlas_allocator.h"
 #include "tests/extreme/registry.h"
-#include "tests/extreme/rig.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"
 #include "tests/gl/bench.h"
+#include "tests/support/rig.h"
 
 namespace mirage::extreme {
+using namespace test;
 namespace {
 
 constexpr std::uint8_t kAllClasses = limits::kMaxSizeClass + 1;

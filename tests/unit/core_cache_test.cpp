@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 #include <vector>
 
 #include "tests/unit/core_scene.h"
@@ -49,6 +50,44 @@ TEST(CoreTileCache, FullAtlasNeverEvictsWhatIsOnScreen) {
   const std::vector<TileRecordPtr>& held = cache.group_to_draw(3)->tiles;
   EXPECT_EQ(std::count(held.begin(), held.end(), records[7]), 0);
   EXPECT_EQ(cache.resident(), kFull);
+}
+
+TEST(CoreTileCache, WhatWasDrawnLongestAgoGoesFirst) {
+  const SceneView scene = four_objects();
+  TileCache cache(kAtlasEdge, 1);
+  cache.reset(scene, scene.lighting);
+  std::vector<TileRecordPtr> held;
+  std::uint32_t random = 1;
+  int evicted = 0, next = 0;
+  for (std::uint64_t frame = 10; frame < 400; ++frame) {
+    for (const TileRecordPtr& tile : held) {
+      random = random * 1664525u + 1013904223u;
+      if (random >> 30 == 0) tile->last_drawn = frame;
+    }
+    for (int k = 0; k < 2; ++k) {
+      const Capture capture = small_capture(next++ % 256);
+      const auto instance = static_cast<std::uint32_t>(next % 4);
+      // What should go: of those out of view the one drawn longest ago, equally old ones by age.
+      const auto oldest =
+          std::min_element(held.begin(), held.end(), [](const auto& a, const auto& b) {
+            return std::tie(a->last_drawn, a->serial) < std::tie(b->last_drawn, b->serial);
+          });
+      const bool full = held.size() == kFull;
+      const bool room = !full || (*oldest)->last_drawn + 1 < frame;
+      const TileRecordPtr placed =
+          cache.insert(instance, scene, capture, make_tile(capture), frame, 0);
+      ASSERT_EQ(placed != nullptr, room) << frame;
+      if (!placed) continue;
+      if (full) {
+        ASSERT_EQ(placed->slot.x, (*oldest)->slot.x) << frame;
+        ASSERT_EQ(placed->slot.y, (*oldest)->slot.y) << frame;
+        held.erase(oldest);
+        ++evicted;
+      }
+      held.push_back(placed);
+    }
+  }
+  EXPECT_GT(evicted, 100);
 }
 
 TEST(CoreTileCache, TileLargerThanTheAtlasIsLeftOut) {

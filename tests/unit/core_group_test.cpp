@@ -31,7 +31,7 @@ struct GroupWorld : SelectorWorld {
     out.erase(std::unique(out.begin(), out.end()), out.end());  // twice while a tile fades in
     return out;
   }
-  std::vector<std::uint32_t> needed() const {
+  std::vector<std::uint32_t> needed() {
     std::vector<std::uint32_t> out;
     for (const TileNeed& need : selector.needs(input())) out.push_back(need.instance);
     std::sort(out.begin(), out.end());

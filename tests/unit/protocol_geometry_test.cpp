@@ -171,10 +171,10 @@ TEST(ProtocolCamera, MaySeeIsConservative) {
       visible = pixel.z > 0 && pixel.x >= 0 && pixel.y >= 0 && pixel.x <= camera.width &&
                 pixel.y <= camera.height;
     }
-    const bool may = camera.may_see(center, radius);
+    const bool may = Frustum(camera).may_see(center, radius);
     if (visible) {
       ASSERT_TRUE(may) << "case " << i;
-      ASSERT_TRUE(camera.may_see(center, radius, 0.1)) << "case " << i;
+      ASSERT_TRUE(Frustum(camera, 0.1).may_see(center, radius)) << "case " << i;
     } else {
       ++missed_by_points;
     }
@@ -187,11 +187,11 @@ TEST(ProtocolCamera, MaySeeIsConservative) {
 TEST(ProtocolCamera, GuardWidensTheView) {
   Camera camera;  // looks along -z, 60 degrees high
   const glm::dvec3 above = glm::dvec3(0, std::sin(0.6), -std::cos(0.6)) * 10.0;
-  EXPECT_FALSE(camera.may_see(above, 0.01));
-  EXPECT_FALSE(camera.may_see(above, 0.01, 0.05));
-  EXPECT_TRUE(camera.may_see(above, 0.01, 0.1));
-  EXPECT_FALSE(camera.may_see({0, 0, 10}, 1));  // behind
-  EXPECT_TRUE(camera.may_see({0, 0, 1}, 2));    // around the eye
+  EXPECT_FALSE(Frustum(camera).may_see(above, 0.01));
+  EXPECT_FALSE(Frustum(camera, 0.05).may_see(above, 0.01));
+  EXPECT_TRUE(Frustum(camera, 0.1).may_see(above, 0.01));
+  EXPECT_FALSE(Frustum(camera).may_see({0, 0, 10}, 1));  // behind
+  EXPECT_TRUE(Frustum(camera).may_see({0, 0, 1}, 2));    // around the eye
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "tests/extreme/rig.h"
+#include "tests/support/rig.h"
 
 #include <time.h>
 
@@ -8,7 +8,7 @@
 #include "server/image_stage.h"
 #include "tests/unit/core_scene.h"
 
-namespace mirage::extreme {
+namespace mirage::test {
 namespace {
 
 constexpr int kRow = 6;  // objects of a row
@@ -79,7 +79,7 @@ Host::Host(std::shared_ptr<const PreparedScene> scene, const Clock& clock, Sessi
 StoredTilePtr Host::make(const TileJob& job) const {
   const double radius = scene_->objects[job.key.object].radius;
   const Capture capture(job.key.cell, job.key.distance, radius, tile_edge(job.key.size_class));
-  Tile tile = test::make_tile(capture);
+  Tile tile = make_tile(capture);
   tile.channels = job.key.channels;
   paint(tile, job.id.low);
   auto stored = std::make_shared<StoredTile>();
@@ -169,16 +169,19 @@ TileSink Rig::sink() {
 }
 
 DrawList Rig::frame(const Pose& pose) {
-  const double began = thread_seconds(), host_began = host.busy_s();
+  const auto mine = [&] { return thread_seconds() - host.busy_s(); };
+  const double began = mine();
   const std::int64_t now = clock.now_us() + client_offset_us;
   if (Result<void> received = session.receive(now); !received) {
     errors.push_back(received.error().line());
   }
   camera.pose = pose;
   camera.fit_depth_range(session.scene().bounds_center, session.scene().bounds_radius);
+  const double received_at = mine();
   DrawList list = session.frame(camera, now);
-  const double host_s = host.busy_s() - host_began;
-  frame_ms.push_back(1000 * (thread_seconds() - began - host_s));
+  const double ended = mine();
+  frame_ms.push_back(1000 * (ended - began));
+  deciding_ms.push_back(1000 * (ended - received_at));
   clock.set_us(clock.now_us() + frame_us_);
   server_clock.set_us(server_clock.now_us() + frame_us_);
   return list;
@@ -195,4 +198,4 @@ Pose eye_at(const glm::dvec3& at, const glm::dvec3& target) {
   return look_at(at + glm::dvec3(0, 1.7, 0), target + glm::dvec3(0, 1, 0));
 }
 
-}  // namespace mirage::extreme
+}  // namespace mirage::test

@@ -11,7 +11,7 @@
 #include "client/core/modelled_link.h"
 #include "server/session.h"
 
-namespace mirage::extreme {
+namespace mirage::test {
 
 /// Seconds of CPU this thread has used: what the machine's other users do is not counted.
 double thread_seconds();
@@ -111,6 +111,7 @@ class Rig {
   double now_s() const { return static_cast<double>(clock.now_us()) * 1e-6; }
   /// CPU milliseconds of each frame, the host's left out.
   std::vector<double> frame_ms;
+  std::vector<double> deciding_ms;  ///< of them, without what came: selector and scheduler
   /// Added to the time the client is told.
   std::int64_t client_offset_us = 0;
   std::uint64_t uploaded_bytes = 0;
@@ -133,4 +134,4 @@ class Rig {
 /// The eye 1.7 m up at `at`, looking at `target`.
 Pose eye_at(const glm::dvec3& at, const glm::dvec3& target = {0, 0, 0});
 
-}  // namespace mirage::extreme
+}  // namespace mirage::test

@@ -1,0 +1,54 @@
+#pragma once
+// A benchmark says what something costs beside what it is compared with. Both are measured in the
+// same run, in turn: other load of the machine changes a ratio less than a time.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "protocol/result.h"
+
+namespace mirage::bench {
+
+/// One line of the table.
+struct Row {
+  std::string what;
+  std::string ours;    ///< with its unit
+  std::string beside;  ///< floor or peer, named, with its unit
+  double ratio = 0;    ///< of the two, as `goal` means it
+  std::string goal;    ///< in words; empty: there is none
+  bool met = true;
+  double spread_pct = 0;  ///< half the range between the quartiles of the ratio, per cent of it
+  std::string note = {};
+};
+
+struct Conditions {
+  bool quick = false;
+};
+
+struct Bench {
+  const char* id;
+  const char* what;
+  std::function<Result<std::vector<Row>>(const Conditions&)> run;
+};
+
+std::vector<Bench> selection_benches();
+
+/// Seconds of two things, measured in turn.
+struct Pair {
+  double ours_s = 0, beside_s = 0;  ///< medians
+  double ratio = 0;                 ///< median of beside over ours, round by round
+  double spread_pct = 0;
+};
+
+/// CPU seconds of this process, as threads of a software renderer count too.
+double process_seconds();
+/// `rounds` times each, in turn, after one round that is not counted.
+Pair in_turn(int rounds, const std::function<void()>& ours, const std::function<void()>& beside);
+/// Of samples: the median, and half the distance of the quartiles in per cent of it.
+struct Middle {
+  double median = 0, spread_pct = 0;
+};
+Middle middle(std::vector<double> samples);
+
+}  // namespace mirage::bench
