@@ -38,23 +38,6 @@ TileCrop content_crop(const Source& source) {
   return {x0, y0, x1 - x0, y1 - y0};
 }
 
-// Proxy entry depth per texel centre, NaN where the ray misses it.
-std::vector<float> entry_depths(const std::vector<Plane>& planes, const Capture& capture,
-                                const glm::dvec3& center, const TileCrop& crop) {
-  std::vector<float> out(crop.area(), std::numeric_limits<float>::quiet_NaN());
-  const glm::dvec3 eye = capture.eye();
-  for (std::uint32_t y = 0; y < crop.h; ++y) {
-    for (std::uint32_t x = 0; x < crop.w; ++x) {
-      const glm::dvec2 texel(crop.x + x + 0.5, crop.y + y + 0.5);
-      // The ray's parameter is the capture depth: its direction has length 1 along the axis.
-      const glm::dvec3 direction = capture.point_from_texel(texel, 1.0) - eye;
-      const double t = ray_entry(planes, center + eye, direction);
-      if (t >= 0) out[std::size_t{y} * crop.w + x] = static_cast<float>(t);
-    }
-  }
-  return out;
-}
-
 // Largest dc^2 |1/z - 1/entry| with the entry depth taken over the 3x3 neighbourhood as well, which
 // covers what happens between texel centres; `unusable` when content lies where the proxy is
 // missed.
@@ -134,6 +117,53 @@ void measure(Tile& tile, const Capture& capture, const ObjectDescription& object
 }
 
 }  // namespace
+
+std::vector<float> entry_depths(const std::vector<Plane>& planes, const Capture& capture,
+                                const glm::dvec3& center, const TileCrop& crop) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  // The ray's parameter is the capture depth: its direction has length 1 along the axis. Where it
+  // meets a plane, 1 / depth is linear in the texel.
+  const glm::dvec3 eye = capture.eye();
+  const glm::dvec2 first(crop.x + 0.5, crop.y + 0.5);
+  const glm::dvec3 corner = capture.point_from_texel(first, 1.0);
+  const glm::dvec3 along_x = capture.point_from_texel(first + glm::dvec2(1, 0), 1.0) - corner;
+  const glm::dvec3 along_y = capture.point_from_texel(first + glm::dvec2(0, 1), 1.0) - corner;
+  struct Line {
+    double at_corner, along_x, along_y;
+  };
+  std::vector<Line> entering, leaving;
+  for (const Plane& plane : planes) {
+    const glm::dvec3 n(plane.normal);
+    double gap = plane.offset - glm::dot(n, center + eye);
+    if (gap == 0) gap = std::numeric_limits<double>::min();
+    const Line inverse{glm::dot(n, corner - eye) / gap, glm::dot(n, along_x) / gap,
+                       glm::dot(n, along_y) / gap};
+    (gap < 0 ? entering : leaving).push_back(inverse);
+  }
+  std::vector<float> out(crop.area(), std::numeric_limits<float>::quiet_NaN());
+  std::vector<double> enter(crop.w), leave(crop.w);
+  for (std::uint32_t y = 0; y < crop.h; ++y) {
+    std::fill(enter.begin(), enter.end(), kInfinity);
+    std::fill(leave.begin(), leave.end(), 0.0);
+    for (const Line& line : entering) {
+      const double start = line.at_corner + line.along_y * y;
+      for (std::uint32_t x = 0; x < crop.w; ++x) {
+        enter[x] = std::min(enter[x], start + line.along_x * x);
+      }
+    }
+    for (const Line& line : leaving) {
+      const double start = line.at_corner + line.along_y * y;
+      for (std::uint32_t x = 0; x < crop.w; ++x) {
+        leave[x] = std::max(leave[x], start + line.along_x * x);
+      }
+    }
+    for (std::uint32_t x = 0; x < crop.w; ++x) {
+      const bool met = enter[x] > 0 && enter[x] >= leave[x];
+      if (met) out[std::size_t{y} * crop.w + x] = static_cast<float>(1 / enter[x]);
+    }
+  }
+  return out;
+}
 
 Tile cut_tile(const PageTexels& page, std::uint8_t channels, const Capture& capture,
               const ObjectDescription& object) {

@@ -26,6 +26,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/server_queue_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_seams_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_measure_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_store_test.cpp)
 mirage_target(mirage_core_tests)
 target_compile_definitions(mirage_core_tests PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -14,6 +14,8 @@ namespace {
 constexpr int kAlphaTestSupersample = 3;
 constexpr std::uint32_t kLargestFineTile = 1024;  // larger ones would take a target of 300 MB
 
+}  // namespace
+
 glm::mat4 capture_projection(const Capture& capture) {
   // Near and far hug the bounding sphere: the depth buffer then holds the tile's depth code.
   const double n = capture.distance - capture.radius, f = capture.distance + capture.radius;
@@ -24,8 +26,6 @@ glm::mat4 capture_projection(const Capture& capture) {
       glm::transpose(glm::dmat4(glm::dmat3(b.right, b.up, -b.forward)));
   return glm::mat4(clip_from_view * view_from_relative);
 }
-
-}  // namespace
 
 Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int supersample,
                                                   SceneShadow* shadow, const TileExtras& extras) {

@@ -25,6 +25,9 @@ struct TileExtras {
   bool fine_depth = false;   ///< depth in 24 bits: red is the highest byte; alpha is the 8-bit code
 };
 
+/// Clip space from positions relative to the capture's eye.
+glm::mat4 capture_projection(const Capture& capture);
+
 class TilePageRenderer {
  public:
   /// `supersample` per axis, at least 3 for alpha-tested objects. `shadow`, which must live as

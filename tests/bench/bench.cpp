@@ -6,11 +6,15 @@
 
 namespace mirage::bench {
 
-double process_seconds() {
+namespace {
+
+double seconds_of(Time time) {
   timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  clock_gettime(time == Time::kCpu ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
+
+}  // namespace
 
 Middle middle(std::vector<double> samples) {
   Middle out;
@@ -20,11 +24,12 @@ Middle middle(std::vector<double> samples) {
   return out;
 }
 
-Pair in_turn(int rounds, const std::function<void()>& ours, const std::function<void()>& beside) {
-  const auto seconds = [](const std::function<void()>& work) {
-    const double began = process_seconds();
+Pair in_turn(Time time, int rounds, const std::function<void()>& ours,
+             const std::function<void()>& beside) {
+  const auto seconds = [time](const std::function<void()>& work) {
+    const double began = seconds_of(time);
     work();
-    return process_seconds() - began;
+    return seconds_of(time) - began;
   };
   ours();
   beside();

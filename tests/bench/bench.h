@@ -33,6 +33,7 @@ struct Bench {
 };
 
 std::vector<Bench> selection_benches();
+std::vector<Bench> tile_benches();
 
 /// Seconds of two things, measured in turn.
 struct Pair {
@@ -41,10 +42,11 @@ struct Pair {
   double spread_pct = 0;
 };
 
-/// CPU seconds of this process, as threads of a software renderer count too.
-double process_seconds();
-/// `rounds` times each, in turn, after one round that is not counted.
-Pair in_turn(int rounds, const std::function<void()>& ours, const std::function<void()>& beside);
+enum class Time { kWall, kCpu };
+/// `rounds` times each, in turn, after one round that is not counted. CPU is that of all threads, as
+/// a software renderer has several.
+Pair in_turn(Time time, int rounds, const std::function<void()>& ours,
+             const std::function<void()>& beside);
 /// Of samples: the median, and half the distance of the quartiles in per cent of it.
 struct Middle {
   double median = 0, spread_pct = 0;
