@@ -32,19 +32,26 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
   TilePageRenderer out(scene, supersample);
   out.shadow_map_ = shadow;
   out.extras_ = extras;
-  const auto resolve = [&](std::vector<std::string> defines) {
-    if (extras.fine_depth) defines.emplace_back("FINE_DEPTH");
-    return gl::Program::create("common/fullscreen.vert", "tile/resolve_tile.frag", defines);
+  const auto compile = [&](const char* kind, Resolve& into) -> Result<void> {
+    for (const bool fine : {false, true}) {
+      std::vector<std::string> defines = {
+          "FACTOR " + std::to_string(fine ? out.fine_samples() : supersample)};
+      if (*kind) defines.emplace_back(kind);
+      if (extras.fine_depth) defines.emplace_back("FINE_DEPTH");
+      Result<gl::Program> made =
+          gl::Program::create("common/fullscreen.vert", "tile/resolve_tile.frag", defines);
+      if (!made) return made.error();
+      (fine ? into.fine : into.usual) = made.take();
+    }
+    return {};
   };
-  Result<gl::Program> lit = resolve({}), relit = resolve({"RELIT"}), darkened = resolve({"SHADOW"});
-  Result<gl::Program> caster = resolve({"CASTER"});
-  for (const Result<gl::Program>* program : {&lit, &relit, &darkened, &caster}) {
-    if (!*program) return program->error();
+  const std::pair<const char*, Resolve*> kinds[] = {{"", &out.lit_.resolve},
+                                                    {"RELIT", &out.relit_.resolve},
+                                                    {"SHADOW", &out.shadow_.resolve},
+                                                    {"CASTER", &out.caster_}};
+  for (const auto& [kind, into] : kinds) {
+    if (const Result<void> compiled = compile(kind, *into); !compiled) return compiled.error();
   }
-  out.lit_.resolve = lit.take();
-  out.relit_.resolve = relit.take();
-  out.shadow_.resolve = darkened.take();
-  out.caster_ = caster.take();
   out.lit_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);
   out.relit_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kSurface);
   out.shadow_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kShadow);
@@ -101,10 +108,17 @@ Result<void> TilePageRenderer::warm_up() {
   return {};
 }
 
-int TilePageRenderer::samples(const TileJob& job) const {
+bool TilePageRenderer::fine(const TileJob& job) const {
   const bool tested = scene_->prepared->objects[job.key.object].needs & kNeedAlphaMask;
-  const bool fine = tested && tile_edge(job.key.size_class) <= kLargestFineTile;
-  return fine ? std::max(supersample_, kAlphaTestSupersample) : supersample_;
+  return tested && tile_edge(job.key.size_class) <= kLargestFineTile;
+}
+
+int TilePageRenderer::fine_samples() const {
+  return std::max(supersample_, kAlphaTestSupersample);
+}
+
+int TilePageRenderer::samples(const TileJob& job) const {
+  return fine(job) ? fine_samples() : supersample_;
 }
 
 bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
@@ -210,7 +224,8 @@ void TilePageRenderer::resolve(const TileJob& job, const gl::RenderTarget& page,
                                PagePacker::Place place) {
   const int edge = static_cast<int>(tile_edge(job.key.size_class));
   Path& path = path_of(job);
-  gl::Program& program = job.key.channels == kCasterTile ? caster_ : path.resolve;
+  Resolve& resolve = job.key.channels == kCasterTile ? caster_ : path.resolve;
+  gl::Program& program = fine(job) ? resolve.fine : resolve.usual;
   page.bind();
   glViewport(place.x, place.y, edge, edge);
   glDisable(GL_SCISSOR_TEST);
@@ -218,7 +233,6 @@ void TilePageRenderer::resolve(const TileJob& job, const gl::RenderTarget& page,
   program.use();
   program.set("u_color", 0);
   program.set("u_depth", 1);
-  program.set("u_factor", samples(job));
   program.set("u_origin", glm::ivec2(place.x, place.y));
   std::vector<GLuint> inputs = {path.supersampled.color(0), path.supersampled.depth()};
   if (&path == &relit_) {

@@ -51,10 +51,15 @@ class TilePageRenderer {
  private:
   explicit TilePageRenderer(const GpuScene& scene, int supersample)
       : scene_(&scene), supersample_(supersample) {}
+  /// For `supersample`, and for the samples of fine tiles: a constant in the shader, as a software
+  /// renderer runs loops of unknown length slowly.
+  struct Resolve {
+    gl::Program usual, fine;
+  };
   /// What one kind of tile is drawn with.
   struct Path {
     std::unique_ptr<gl::MeshPass> meshes;
-    gl::Program resolve;
+    Resolve resolve;
     gl::RenderTarget supersampled;
     gl::RenderTarget page;
   };
@@ -68,8 +73,11 @@ class TilePageRenderer {
     Similarity placed;  ///< of the object in the space of `eye`
   };
   Stage stage(const TileJob& job, const Capture& capture) const;
-  /// Per axis: objects with alpha tests get more than the rest.
+  /// Objects with alpha tests get more samples than the rest.
+  bool fine(const TileJob& job) const;
+  /// Per axis.
   int samples(const TileJob& job) const;
+  int fine_samples() const;
   /// `supersampled_edge` of the largest tile, in samples.
   bool prepare_targets(Path& path, int page_edge, int supersampled_edge);
   Capture capture_of(const TileJob& job) const;
@@ -87,7 +95,7 @@ class TilePageRenderer {
   Path lit_;
   Path relit_;          ///< its page has the surface as a third attachment; made when first needed
   Path shadow_;         ///< without a page of its own
-  gl::Program caster_;  ///< the lit path's, but for what is kept
+  Resolve caster_;  ///< the lit path's, but for what is kept
   gl::VertexArray empty_vao_;
 };
 

@@ -2,12 +2,11 @@
 // sample as a code 1..255 (hyperbolic over the object's depth range, which is what the capture
 // projection's depth buffer holds), 0 where nothing is. RELIT: the surface as tile.h describes it, too.
 // SHADOW: in place of depth the share of the texel's light that shadows leave. CASTER: a texel is there
-// or not, ordered dither keeping the cover of what fills it in part.
+// or not, ordered dither keeping the cover of what fills it in part. FACTOR: samples of a texel each way.
 precision highp float;
 precision highp int;
 uniform sampler2D u_color;
 uniform sampler2D u_depth;
-uniform int u_factor;
 uniform ivec2 u_origin;  // of the tile in the page
 layout(location = 0) out vec4 o_color;
 layout(location = 1) out vec4 o_depth;
@@ -40,7 +39,7 @@ uniform sampler2D u_darkened;
 #endif
 
 void main() {
-  ivec2 base = (ivec2(gl_FragCoord.xy) - u_origin) * u_factor;
+  ivec2 base = (ivec2(gl_FragCoord.xy) - u_origin) * FACTOR;
   vec4 sum = vec4(0.0);
   float nearest = 2.0;
 #ifdef RELIT
@@ -49,11 +48,12 @@ void main() {
 #ifdef SHADOW
   vec3 darkened = vec3(0.0);
 #endif
-  for (int y = 0; y < u_factor; ++y) {
-    for (int x = 0; x < u_factor; ++x) {
+  for (int y = 0; y < FACTOR; ++y) {
+    for (int x = 0; x < FACTOR; ++x) {
       vec4 c = texelFetch(u_color, base + ivec2(x, y), 0);
       sum += c;
-      if (c.a > 0.0) nearest = min(nearest, texelFetch(u_depth, base + ivec2(x, y), 0).r);
+      float depth = texelFetch(u_depth, base + ivec2(x, y), 0).r;
+      nearest = min(nearest, c.a > 0.0 ? depth : 2.0);
 #ifdef RELIT
       normal += texelFetch(u_normal, base + ivec2(x, y), 0).xyz;
       material += texelFetch(u_material, base + ivec2(x, y), 0).xyz;
@@ -63,7 +63,7 @@ void main() {
 #endif
     }
   }
-  o_color = sum / float(u_factor * u_factor);
+  o_color = sum / float(FACTOR * FACTOR);
 #ifdef RELIT
   o_surface = sum.a > 0.0 ? surface_code(normal / sum.a, material / sum.a) : vec4(0.0);
 #endif
