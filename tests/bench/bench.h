@@ -34,6 +34,7 @@ struct Bench {
 
 std::vector<Bench> selection_benches();
 std::vector<Bench> tile_benches();
+std::vector<Bench> store_benches();
 
 /// Seconds of two things, measured in turn.
 struct Pair {
@@ -43,8 +44,8 @@ struct Pair {
 };
 
 enum class Time { kWall, kCpu };
-/// `rounds` times each, in turn, after one round that is not counted. CPU is that of all threads, as
-/// a software renderer has several.
+/// `rounds` times each, in turn, after one round that is not counted. CPU is that of all threads,
+/// as a software renderer has several.
 Pair in_turn(Time time, int rounds, const std::function<void()>& ours,
              const std::function<void()>& beside);
 /// Of samples: the median, and half the distance of the quartiles in per cent of it.

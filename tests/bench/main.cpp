@@ -28,7 +28,7 @@ int main_of(int argc, char** argv) {
   app.add_option("--json", o.json_file, "write the rows here");
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
   std::vector<Bench> benches;
-  for (const auto& some : {selection_benches(), tile_benches()}) {
+  for (const auto& some : {selection_benches(), tile_benches(), store_benches()}) {
     benches.insert(benches.end(), some.begin(), some.end());
   }
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();

@@ -14,9 +14,9 @@
 namespace mirage::bench {
 namespace {
 
-
 // Tiles of 128 texels of every object, from directions that no two calls share.
-std::vector<TileJob> tiles_of(const PreparedScene& scene, std::size_t count, std::uint32_t& serial) {
+std::vector<TileJob> tiles_of(const PreparedScene& scene, std::size_t count,
+                              std::uint32_t& serial) {
   std::vector<TileJob> jobs;
   for (std::size_t i = 0; i < count; ++i) {
     const double turn = 2.399963 * ++serial, height = 0.1 + 0.8 * (serial % 97) / 97.0;
@@ -24,8 +24,8 @@ std::vector<TileJob> tiles_of(const PreparedScene& scene, std::size_t count, std
     TileJob job;
     job.key.scene_revision = scene.revision;
     job.key.object = static_cast<std::uint32_t>(i % scene.scene.objects.size());
-    job.key.cell = *view_cell_from_direction(
-        {ring * std::cos(turn), height, ring * std::sin(turn)}, limits::kMaxViewLevel);
+    job.key.cell = *view_cell_from_direction({ring * std::cos(turn), height, ring * std::sin(turn)},
+                                             limits::kMaxViewLevel);
     job.key.distance = *distance_bucket_from_radii(6, 3);
     while (tile_edge(job.key.size_class) < 128) ++job.key.size_class;
     job.key.channels = kLitTile;
@@ -138,8 +138,7 @@ Result<std::vector<Row>> whole_server(const Conditions& conditions) {
   constexpr std::size_t kTiles = 64;
   std::uint32_t ours = 0, theirs = 0;
   const Pair pair = in_turn(
-      Time::kWall, conditions.quick ? 5 : 15,
-      [&] { stages.make(tiles_of(**scene, kTiles, ours)); },
+      Time::kWall, conditions.quick ? 5 : 15, [&] { stages.make(tiles_of(**scene, kTiles, ours)); },
       [&] { (*bare)->draw(tiles_of(**scene, kTiles, theirs), false); });
   const auto rate = [&](double seconds) {
     return fmt::format("{:.0f} tiles/s", static_cast<double>(kTiles) / seconds);
@@ -193,12 +192,11 @@ Result<std::vector<Row>> levels(const Conditions& conditions) {
   const auto& lods = (*scene)->objects[0].lods;
   const std::size_t lod = lod_for_tile(lods, capture);
   const auto ms = [&](double s) { return fmt::format("{:.1f} ms a tile", 1000 * s / 24); };
-  return std::vector<Row>{
-      {"tile of 128 texels by level of detail (knot)", ms(pair.ours_s),
-       "whole mesh: " + ms(pair.beside_s), pair.ratio, ">= 5, PSNR >= 34 dB",
-       pair.ratio >= 5 && *psnr >= 34, pair.spread_pct,
-       fmt::format("{} of {} triangles, PSNR {:.1f} dB; CPU time", lods[lod].triangles,
-                   (*scene)->scene.triangles(), *psnr)}};
+  return std::vector<Row>{{"tile of 128 texels by level of detail (knot)", ms(pair.ours_s),
+                           "whole mesh: " + ms(pair.beside_s), pair.ratio, ">= 5, PSNR >= 34 dB",
+                           pair.ratio >= 5 && *psnr >= 34, pair.spread_pct,
+                           fmt::format("{} of {} triangles, PSNR {:.1f} dB; CPU time",
+                                       lods[lod].triangles, (*scene)->scene.triangles(), *psnr)}};
 }
 
 }  // namespace
