@@ -113,6 +113,7 @@ class Selector {
     bool automatic = true, eight_views = false;
     DrawMethod method = DrawMethod::kQuad;
     glm::dvec3 eye{0};
+    bool moving = false;
     std::int64_t now_us = 0;
   };
   /// An instance that has tiles, before it is settled how it is drawn.

@@ -17,7 +17,7 @@ constexpr double kViewGuard = 0.0873;   // 5 degrees around the predicted view
 constexpr double kMeshPrefetch = 1.3;   // times the swap distance
 constexpr double kQuantumShare = 0.01;  // 8-bit depth and the slope within a texel, in radii
 constexpr double kStandInLifeS = 3;     // a tile is asked for in place of geometry if it lasts
-constexpr double kWalkingMps = 1.4;
+constexpr double kStandsM = 1e-4;
 constexpr double kJumpM = 0.05;            // beyond what the speed explains
 constexpr long long kSettledUs = 100'000;  // what is settled is looked at again after so long
 
@@ -107,12 +107,15 @@ void Selector::forget_settled(const SelectorInput& in) {
   const double seconds = 1e-6 * static_cast<double>(now.now_us - basis_.now_us);
   const double way = glm::length(now.eye - basis_.eye);
   const bool jumped = !(way <= 2 * walking_speed(in) * seconds + kJumpM) || seconds < 0;
+  // When a walk ends there may be no other frame to look again.
+  now.moving = way > kStandsM;
+  const bool stopped = basis_.moving && !now.moving;
   const bool same = now.tau_px == basis_.tau_px && now.target_px == basis_.target_px &&
                     now.focal_px == basis_.focal_px && now.mesh_radii == basis_.mesh_radii &&
                     now.light == basis_.light && now.automatic == basis_.automatic &&
                     now.eight_views == basis_.eight_views && now.method == basis_.method;
   basis_ = now;
-  if (same && !jumped) return;
+  if (same && !jumped && !stopped) return;
   for (Shown& shown : shown_) shown.settled_until_us = INT64_MIN / 2;
 }
 

@@ -6,6 +6,7 @@
 namespace mirage {
 
 inline constexpr double kMinRadiusPx = 0.5;  ///< smaller objects are neither drawn nor asked for
+inline constexpr double kWalkingMps = 1.4;   ///< what may be expected of an eye that stands
 /// Deepest step in an object's depth, in radii, before a tile has told.
 inline constexpr double kTypicalGap = 0.6;
 

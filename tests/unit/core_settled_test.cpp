@@ -66,5 +66,29 @@ TEST(CoreSettled, AWalkIsSeenATenthOfASecondLate) {
   EXPECT_LE(first_watched, first_fresh + 100);
 }
 
+TEST(CoreSettled, NothingIsMissedWhenAMoveEnds) {
+  // So strict that less than a jump is too far for the tile.
+  constexpr double kTau = 0.05;
+  SelectorWorld world(make_scene({{{0, 0, 0}}}));
+  world.look({0, 0, 12}, {0, 0, 0});
+  const ObjectDescription& object = world.scene.objects[0];
+  ViewPlan plan;
+  plan.tau_px = kTau;
+  const TileNeed need =
+      need_for_view(view_geometry(world.camera, world.scene.instances[0], object), plan);
+  const Capture capture = capture_for(need, object.radius);
+  ASSERT_TRUE(world.cache.insert(0, world.scene, capture, make_tile(capture), world.frame, 0));
+  const auto needed = [&](std::int64_t now_us) {
+    world.now_us = now_us;
+    SelectorInput in = world.input();
+    in.tau_px = kTau;
+    return world.selector.needs(in).size();
+  };
+  ASSERT_EQ(needed(0), 0u);
+  world.look({0.05, 0, 12}, {0.05, 0, 0});
+  ASSERT_EQ(needed(500), 0u) << "put off";
+  EXPECT_EQ(needed(600), 1u);
+}
+
 }  // namespace
 }  // namespace mirage::test
