@@ -39,6 +39,7 @@ struct Selector::Candidate {
   TileFit flat;
   TileFit deep;
   bool march = false;
+  bool kept = false;  ///< `flat` is what was chosen before
 };
 
 struct Selector::Walk {
@@ -116,12 +117,11 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
     ++w.out.over_tau;
     return;
   }
-  if (keep_chosen(in, c)) {
-    // As it was.
-  } else if (in.method.automatic) {
+  c.kept = keep_chosen(in, c);
+  if (in.method.automatic && !c.kept) {
     c.flat = best_flat(*c.group, *c.object, c.view, c.tau_px);
     if (!c.flat.meets(c.tau_px)) c.deep = best_deep(*c.group, *c.object, c.view, c.tau_px);
-  } else {
+  } else if (!c.kept) {
     c.flat = best_fit(*c.group, *c.object, c.view, in.method, c.tau_px);
   }
   const double screen = static_cast<double>(in.camera.width) * in.camera.height;
@@ -234,8 +234,7 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
       fade = std::min(fade, progress);
     }
   }
-  if (best.tile != shown.tile || in.now_us >= shown.chosen_until_us ||
-      held.back()->serial != shown.newest) {
+  if (!c.kept) {
     const bool keeps = in.method.automatic && !c.object->motion.moving() &&
                        best.method != DrawMethod::kDepth && best.meets(c.tau_px);
     shown.chosen_until_us = keeps ? in.now_us + kReconsiderUs : INT64_MIN / 2;
