@@ -93,8 +93,8 @@ class TilePageRenderer {
   SceneShadow* shadow_map_ = nullptr;
   TileExtras extras_;
   Path lit_;
-  Path relit_;          ///< its page has the surface as a third attachment; made when first needed
-  Path shadow_;         ///< without a page of its own
+  Path relit_;      ///< its page has the surface as a third attachment; made when first needed
+  Path shadow_;     ///< without a page of its own
   Resolve caster_;  ///< the lit path's, but for what is kept
   gl::VertexArray empty_vao_;
 };

@@ -3,6 +3,7 @@
 // same run, in turn: other load of the machine changes a ratio less than a time.
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct Row {
   double ratio = 0;    ///< of the two, as `goal` means it
   std::string goal;    ///< in words; empty: there is none
   bool met = true;
-  double spread_pct = 0;  ///< half the range between the quartiles of the ratio, per cent of it
+  /// Half the range between the quartiles, per cent of the median; nothing of a single measurement.
+  std::optional<double> spread_pct = {};
   std::string note = {};
 };
 

@@ -89,7 +89,6 @@ class BareLoop {
     if (!loop->target_.ok()) return make_error(ErrorId::kGraphicsGl, "no target of the bare loop");
     return loop;
   }
-  void make_current() { egl_.make_current(); }
   void draw(const std::vector<TileJob>& jobs, bool whole_mesh) {
     egl_.make_current();
     glEnable(GL_FRAMEBUFFER_SRGB);
@@ -149,7 +148,8 @@ Result<std::vector<Row>> whole_server(const Conditions& conditions) {
                            "same levels of detail, shaders and samples; wall time"}};
 }
 
-// PSNR over the object's box of texels between tiles drawn from levels and from the whole mesh.
+// PSNR over covered texels, alpha included, between tiles drawn from levels and from the whole
+// mesh.
 Result<double> psnr_of_levels(const BareLoop& loop, const std::vector<TileJob>& jobs,
                               const GpuScene& whole) {
   Result<TileShooter> lean = TileShooter::create(loop.scene(), 2, {}, true);

@@ -10,7 +10,11 @@ struct SettledWorld : SelectorWorld {
   SettledWorld() : SelectorWorld(make_scene({{{0, 0, 0}}})) {
     look({0, 0, 12}, {0, 0, 0});
     add_tile(0);
-    (void)selector.needs(input());
+    stand(input());
+  }
+  // Twice, as all is looked at again when a move ends.
+  void stand(const SelectorInput& in) {
+    for (int i = 0; i < 2; ++i) (void)selector.needs(in);
   }
   std::size_t needed(const SelectorInput& in) { return selector.needs(in).size(); }
   std::size_t needed() { return needed(input()); }
@@ -33,6 +37,7 @@ TEST(CoreSettled, AStricterTauIsSeenAtOnce) {
   world.now_us = 1'000'000;
   SelectorInput in = world.input();
   in.tau_px = 8;
+  world.stand(in);
   ASSERT_EQ(world.needed(in), 0u);
   in.tau_px = 0.01;
   EXPECT_EQ(world.needed(in), 1u);
