@@ -7,7 +7,7 @@
 
 namespace mirage::limits {
 
-inline constexpr std::uint32_t kProtocolVersion = 1;
+inline constexpr std::uint32_t kProtocolVersion = 2;
 
 // Wire.
 inline constexpr std::size_t kMaxMessageBytes = 256 * 1024;           ///< one WebSocket message
@@ -30,7 +30,8 @@ inline constexpr std::uint32_t kMaxReferenceSupersample = 4;  ///< per axis
 // Scene description.
 inline constexpr std::size_t kMaxObjects = 1u << 20;
 inline constexpr std::size_t kMaxInstances = 1u << 21;
-inline constexpr std::size_t kInstancesPerPage = 3072;
+inline constexpr std::size_t kInstancesPerPage = 1536;  ///< instances and groups, each
+inline constexpr std::size_t kMaxOpensPerRequest = 8192;
 inline constexpr std::size_t kObjectsPerPage = 48;
 inline constexpr std::size_t kMaxImages = 1u << 16;
 inline constexpr std::size_t kImagesPerPage = 4096;

@@ -52,6 +52,11 @@ Result<void> check(const wire::Welcome& m) {
   if (long_text(m.scene()) || long_text(m.renderer())) return limit_error("characters in a text");
   if (m.objects() > limits::kMaxObjects) return limit_error("objects");
   if (m.instances() > limits::kMaxInstances) return limit_error("instances");
+  if (m.groups() > limits::kMaxInstances) return limit_error("groups");
+  if (m.roots() > m.instances() + m.groups()) return value_error("roots");
+  if (!finite(m.bounds_center()) || !std::isfinite(m.bounds_radius()) || m.bounds_radius() < 0) {
+    return value_error("bounds of the scene");
+  }
   if (m.images() > limits::kMaxImages) return limit_error("images");
   const bool home = finite(m.home_eye()) && finite(m.home_target()) &&
                     std::isfinite(m.walk_radius_m()) && std::isfinite(m.walk_speed_mps()) &&
@@ -143,15 +148,37 @@ Result<void> check(const wire::ObjectPage& m) {
 }
 
 Result<void> check(const wire::InstancePage& m) {
-  if (count(m.instances()) > limits::kInstancesPerPage) return limit_error("instances in a page");
-  if (!m.instances()) return {};
-  for (const wire::InstanceRecord* i : *m.instances()) {
+  if (count(m.instances()) > limits::kInstancesPerPage ||
+      count(m.groups()) > limits::kInstancesPerPage ||
+      count(m.opened()) > limits::kInstancesPerPage) {
+    return limit_error("instances in a page");
+  }
+  for (std::size_t k = 0; k < count(m.instances()); ++k) {
+    const wire::InstanceRecord* i = m.instances()->Get(static_cast<flatbuffers::uoffset_t>(k));
     const bool scale = std::isfinite(i->scale()) && i->scale() > 0;
     if (!finite(&i->position()) || !unit(&i->rotation()) || !scale ||
         !std::isfinite(i->clip_offset_s()) ||
         i->importance() > static_cast<std::uint8_t>(Importance::kImportant))
       return value_error("instance");
   }
+  for (std::size_t k = 0; k < count(m.groups()); ++k) {
+    const wire::GroupRecord* g = m.groups()->Get(static_cast<flatbuffers::uoffset_t>(k));
+    const wire::Vec3f& half = g->half();
+    const bool extent = finite(&half) && half.x() >= 0 && half.y() >= 0 && half.z() >= 0;
+    if (!finite(&g->center()) || !extent ||
+        g->importance() > static_cast<std::uint8_t>(Importance::kImportant)) {
+      return value_error("group");
+    }
+  }
+  return {};
+}
+
+Result<void> check(const wire::OpenRequest& m) {
+  if (count(m.groups()) > limits::kMaxOpensPerRequest) return limit_error("groups in a request");
+  const auto within = [](double v, double low, double high) { return v >= low && v <= high; };
+  const bool rule = within(m.focal_px(), 1e-3, 1e9) && within(m.tau_px(), 1e-6, 1e6) &&
+                    within(m.speed_mps(), 0, 1e9) && within(m.margin(), 1, 16);
+  if (!finite(m.eye()) || !finite(m.forward()) || !rule) return value_error("viewer of a request");
   return {};
 }
 
@@ -208,6 +235,8 @@ Result<void> check_body(const wire::Control& control) {
       return check(*control.body_as_SetLighting());
     case wire::Body::RequestBatch:
       return check(*control.body_as_RequestBatch());
+    case wire::Body::OpenRequest:
+      return check(*control.body_as_OpenRequest());
     case wire::Body::ReferenceRequest:
       return check(*control.body_as_ReferenceRequest());
     case wire::Body::Bye:

@@ -43,7 +43,8 @@ void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers,
     workers_.emplace_back([this, scene, codec] {
       while (std::optional<RenderedTile> rendered = input_.pop()) {
         const TileId id = rendered->job.id;
-        StoredTilePtr tile = encode(*rendered, scene->objects[rendered->job.key.object], codec);
+        const auto object = scene->description(rendered->job.key.object);
+        StoredTilePtr tile = encode(*rendered, *object, codec);
         store_.put(id, tile);
         completions_.push(Completion{id, std::move(tile), std::nullopt, 0, {}});
         wake_();

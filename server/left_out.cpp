@@ -42,7 +42,9 @@ std::set<std::uint32_t> materials_of(const PreparedScene& scene, std::size_t obj
     add(object);
     return out;
   }
-  for (const std::uint32_t leaf : group->leaves) add(scene.scene.instances[leaf].object);
+  for (std::uint32_t i = 0; i < group->leaves; ++i) {
+    add(scene.scene.instances[group->first_leaf + i].object);
+  }
   return out;
 }
 
@@ -61,7 +63,8 @@ void add_material_findings(const PreparedScene& scene, std::size_t object,
 
 void add_lights(const PreparedScene& scene, std::size_t object, std::size_t instance,
                 const Lighting& lighting, std::vector<LeftOut>& out) {
-  const ObjectDescription& o = scene.objects[object];
+  const auto described = scene.description(object);
+  const ObjectDescription& o = *described;
   const Similarity placed = scene.instance(instance).world_from_object;
   std::size_t black = 0, far_off = 0;
   for (const Light& light : lighting.lights) {
@@ -85,14 +88,15 @@ void add_lights(const PreparedScene& scene, std::size_t object, std::size_t inst
 }  // namespace
 
 std::vector<std::size_t> first_instances(const PreparedScene& scene) {
-  std::vector<std::size_t> out(scene.objects.size(), scene.instance_count());
+  std::vector<std::size_t> out(scene.object_count(), scene.instance_count());
   for (std::size_t i = scene.instance_count(); i-- > 0;) out[scene.instance(i).object] = i;
   return out;
 }
 
 std::vector<LeftOut> left_out_of_object(const PreparedScene& scene, std::size_t object,
                                         const Lighting& lighting) {
-  const ObjectDescription& o = scene.objects[object];
+  const auto described = scene.description(object);
+  const ObjectDescription& o = *described;
   std::vector<LeftOut> out;
   add_material_findings(scene, object, out);
   const bool lit = (o.needs & kNeedLighting) != 0;
@@ -167,7 +171,7 @@ std::vector<ObjectClass> object_classes(const PreparedScene& scene, const Lighti
 
 std::string object_name(const PreparedScene& scene, std::size_t object) {
   if (const InstanceGroup* group = scene.group(object)) {
-    return fmt::format("group of {}", group->leaves.size());
+    return fmt::format("group of {}", group->leaves);
   }
   const std::string& name = scene.scene.objects[object].name;
   return name.empty() ? fmt::format("object {}", object) : name;

@@ -73,6 +73,9 @@ Result<void> SessionHub::handle(SessionId id, Session& s, Message message) {
     case wire::Body::RequestBatch:
       batch(id, s, *body.AsRequestBatch());
       return {};
+    case wire::Body::OpenRequest:
+      open_groups(id, s, *body.AsOpenRequest());
+      return {};
     case wire::Body::ReferenceRequest:
       reference(id, s, *body.AsReferenceRequest());
       return {};
@@ -110,8 +113,12 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.revision = scene_->revision;
   welcome.scene = scene.name.substr(0, limits::kMaxTextBytes);
   welcome.renderer = options_.renderer.substr(0, limits::kMaxTextBytes);
-  welcome.objects = static_cast<std::uint32_t>(scene_->objects.size());
-  welcome.instances = static_cast<std::uint32_t>(scene_->instance_count());
+  welcome.objects = static_cast<std::uint32_t>(scene.objects.size());
+  welcome.instances = static_cast<std::uint32_t>(scene.instances.size());
+  welcome.groups = static_cast<std::uint32_t>(scene_->grouping.groups.size());
+  welcome.roots = static_cast<std::uint32_t>(scene_->grouping.roots.size());
+  welcome.bounds_center = std::make_unique<wire::Vec3d>(to_wire(scene_->bounds_center));
+  welcome.bounds_radius = scene_->bounds_radius;
   welcome.triangles = scene.triangles();
   welcome.lighting = to_wire(scene.lighting);
   welcome.sky_zenith = std::make_unique<wire::Vec3f>(to_wire(scene.environment.zenith));
@@ -128,6 +135,16 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.images = static_cast<std::uint32_t>(scene.images.size());
   push(id, s.control, encode_message(std::move(welcome)));
   return {};
+}
+
+void SessionHub::open_groups(SessionId id, Session& s, const wire::OpenRequestT& m) {
+  if (s.overfull) return;
+  for (FramePtr& page : answer_open(*scene_, m)) {
+    s.outbox_bytes += page->size();
+    s.tree.push_back(std::move(page));
+  }
+  s.overfull = s.outbox_bytes > options_.max_outbox_bytes;
+  writable_.insert(id);
 }
 
 Result<void> SessionHub::set_lighting(Session& s, const wire::SetLightingT& m) {
@@ -175,7 +192,7 @@ bool SessionHub::can_be(std::uint8_t channels, const ObjectDescription& object,
 }
 
 void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lighting& lighting) {
-  if (a.object() >= scene_->objects.size() || a.instance() >= scene_->instance_count() ||
+  if (a.object() >= scene_->object_count() || a.instance() >= scene_->instance_count() ||
       scene_->instance(a.instance()).object != a.object()) {
     return refuse(id, s, a.request_id(), wire::RefusalReason::UnknownObject);
   }
@@ -187,12 +204,13 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
   key.size_class = a.size_class();
   key.channels = a.channels();
   key.phase = a.phase();
+  const std::shared_ptr<const ObjectDescription> described = scene_->description(a.object());
+  const ObjectDescription& object = *described;
   if (!valid(key.cell) || !valid(key.distance) || key.size_class > limits::kMaxSizeClass ||
-      !valid_channels(key.channels) || scene_->objects[a.object()].radius <= 0 ||
-      !valid_phase(a.phase(), scene_->objects[a.object()].motion.moving())) {
+      !valid_channels(key.channels) || object.radius <= 0 ||
+      !valid_phase(a.phase(), object.motion.moving())) {
     return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
   }
-  const ObjectDescription& object = scene_->objects[a.object()];
   const bool shadow = key.channels == kShadowTile;
   if (!can_be(key.channels, object, lighting)) {
     return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
@@ -381,7 +399,7 @@ FramePtr SessionHub::next_frame(SessionId id) {
     counters_.bytes_sent += pages_[s.next_page]->size();
     return pages_[s.next_page++];
   } else {
-    lane = tile_or_bulk(s);
+    lane = s.tree.empty() ? tile_or_bulk(s) : &s.tree;
   }
   if (!lane) return nullptr;
   FramePtr frame = std::move(lane->front());

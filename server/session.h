@@ -1,7 +1,8 @@
 #pragma once
 // Sessions: everything between the socket and the stages, without any socket.
 // Input:  whole messages of clients; completions of the stages. Output: frames to write, in order
-//         of priority (control first; tiles under credit and bulk share the rest by bytes).
+//         of priority (control first, then the scene's description; tiles under credit and bulk
+//         share the rest by bytes).
 // Thread: the network loop's.
 // Full:   asks beyond kMaxQueuedAsksPerClient are refused as busy; a client that does not read
 //         until max_outbox_bytes have piled up gets nothing more and is closed.
@@ -69,6 +70,7 @@ class SessionHub {
     FrameAssembler assembler{limits::kMaxInboundTransferBytes};
     std::map<std::uint32_t, Lighting> lighting;
     std::deque<FramePtr> control;
+    std::deque<FramePtr> tree;  ///< members of groups that were asked for
     std::deque<FramePtr> tiles;
     std::deque<FramePtr> bulk;
     std::size_t next_page = 0;  ///< of the scene description
@@ -91,6 +93,7 @@ class SessionHub {
   void image_ask(SessionId id, Session& s, const wire::ImageAsk& ask);
   void finish_image(const ImageLevel& level, Bytes bytes);
   void push_image(SessionId id, std::uint32_t request, const ImageLevel& level, const Bytes& bytes);
+  void open_groups(SessionId id, Session& s, const wire::OpenRequestT& m);
   Result<void> set_lighting(Session& s, const wire::SetLightingT& m);
   void reference(SessionId id, Session& s, const wire::ReferenceRequestT& m);
   void stats(SessionId id, Session& s, const wire::StatsRequestT& m);

@@ -3,7 +3,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_cache_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_camera_path_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_eight_views_test.cpp
-  ${PROJECT_SOURCE_DIR}/tests/unit/core_group_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/core_group_test.cpp unit/core_opener_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_importance_test.cpp unit/core_blend_order_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_mesh_cache_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_light_test.cpp

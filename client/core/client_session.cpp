@@ -18,7 +18,7 @@ constexpr std::size_t kMaxEarlyPages = 64;
 
 // Also what the server can do: it may have been started anew with other options.
 bool announces(const wire::WelcomeT& welcome, const SceneView& scene) {
-  return welcome.revision == scene.revision && welcome.instances == scene.instances.size() &&
+  return welcome.revision == scene.revision && welcome.instances == scene.all_instances &&
          welcome.geometry == scene.geometry && welcome.reference == scene.reference &&
          welcome.shadows == scene.shadows;
 }
@@ -43,6 +43,7 @@ void ClientSession::greet() {
   generation_ = link_.generation();
   goodbye_.clear();
   scheduler_.reset();
+  opener_.reset();
   wire::HelloT hello;
   hello.version_min = hello.version_max = limits::kProtocolVersion;
   hello.token = options_.token;
@@ -87,8 +88,9 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
     }
     case wire::Body::ImagePage:
     case wire::Body::ObjectPage:
-    case wire::Body::InstancePage:
       if (was_complete) return {};
+      [[fallthrough]];
+    case wire::Body::InstancePage:
       if (Result<void> taken = take_page(std::move(message)); !taken) return taken;
       break;
     case wire::Body::TileReply:
@@ -108,19 +110,29 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
     default:
       return {};
   }
-  if (scene_.complete()) {
-    if (!own_lighting_) lighting_ = scene_.lighting;
-    cache_.reset(scene_, lighting_);
-    selector_.reset(scene_);
-    shadows_.reset();
-    meshes_.reset(scene_, options_.mesh_budget_bytes, options_.max_mesh_bytes);
-    predictor_ = Predictor(std::max(50.0, 0.5 * scene_.bounds_radius));
-    moves_ = std::any_of(scene_.objects.begin(), scene_.objects.end(),
-                         [](const ObjectDescription& o) { return o.motion.moving(); });
-    if (sink_.scene) sink_.scene(scene_);
-    if (own_lighting_) send_lighting();
-  }
+  take_scene(was_complete);
   return {};
+}
+
+void ClientSession::take_scene(bool was_complete) {
+  if (!scene_.complete()) return;
+  if (was_complete) {
+    cache_.grow(scene_);
+    selector_.grow(scene_);
+    meshes_.grow(scene_);
+    return;
+  }
+  if (!own_lighting_) lighting_ = scene_.lighting;
+  cache_.reset(scene_, lighting_);
+  selector_.reset(scene_);
+  shadows_.reset();
+  opener_.reset();
+  meshes_.reset(scene_, options_.mesh_budget_bytes, options_.max_mesh_bytes);
+  predictor_ = Predictor(std::max(50.0, 0.5 * scene_.bounds_radius));
+  moves_ = std::any_of(scene_.objects.begin(), scene_.objects.end(),
+                       [](const ObjectDescription& o) { return o.motion.moving(); });
+  if (sink_.scene) sink_.scene(scene_);
+  if (own_lighting_) send_lighting();
 }
 
 Result<void> ClientSession::take_page(Message page) {
@@ -134,7 +146,7 @@ Result<void> ClientSession::take_page(Message page) {
   }
   // What came too early may follow on now, and others on it.
   auto early = early_pages_.begin();
-  while (early != early_pages_.end() && !scene_.complete()) {
+  while (early != early_pages_.end()) {
     taken = accept_page(scene_, early->body);
     if (taken) {
       early_pages_.erase(early);
@@ -145,7 +157,6 @@ Result<void> ClientSession::take_page(Message page) {
       return taken;
     }
   }
-  if (scene_.complete()) early_pages_.clear();
   return {};
 }
 
@@ -186,9 +197,10 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   record->last_drawn = frame_;
   if (options_.trace) {
     record->trace = lives_.size();
-    lives_.push_back({reply.request_id, ask->object, ask->need.instance,
-                      tile_edge(ask->need.size_class), ask->sent_us, now_us, -1, reply.queue_us,
-                      reply.render_us, reply.encode_us, bytes});
+    lives_.push_back({reply.request_id, scene_.object_id(ask->need.instance),
+                      scene_.instances[ask->need.instance].id, tile_edge(ask->need.size_class),
+                      ask->sent_us, now_us, -1, reply.queue_us, reply.render_us, reply.encode_us,
+                      bytes});
   }
   if (sink_.tile) sink_.tile(*record, pixels);
   return {};
@@ -383,6 +395,11 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
              meshes.empty() && !batch && scheduler_.in_flight() == 0 &&
              input.tau_px <= options_.tau_px;
   if (batch) link_.send(encode_message(std::move(*batch)));
+  if (std::optional<wire::OpenRequestT> open = opener_.plan(input)) {
+    at_rest_ = false;
+    open->request_id = scheduler_.next_number();
+    link_.send(encode_message(std::move(*open)));
+  }
   return list;
 }
 

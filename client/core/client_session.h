@@ -1,7 +1,7 @@
 #pragma once
 // One client's session: the client stages in flow order, driven frame by frame.
 //
-//   link -> scene, tiles, meshes -> predictor -> selector -> scheduler -> link
+//   link -> scene, tiles, meshes -> predictor -> selector -> scheduler, opener -> link
 //
 // No sockets, no windows, no clock of its own: time comes with every call.
 
@@ -15,6 +15,7 @@
 #include "client/core/mesh_cache.h"
 #include "client/core/predictor.h"
 #include "client/core/relight_policy.h"
+#include "client/core/scene_opener.h"
 #include "client/core/scene_view.h"
 #include "client/core/scheduler.h"
 #include "client/core/selector.h"
@@ -115,6 +116,8 @@ class ClientSession {
   Result<void> handle(Message message, std::int64_t now_us);
   /// Of the scene; one that comes before its turn waits for it.
   Result<void> take_page(Message page);
+  /// The scene is there, or has grown.
+  void take_scene(bool was_complete);
   /// `came_us`: when the link had it.
   Result<void> take_tile(const wire::TileReplyT& reply, const Bytes& planes, std::int64_t came_us,
                          std::int64_t now_us);
@@ -148,6 +151,7 @@ class ClientSession {
   Predictor predictor_{50};
   Selector selector_;
   ShadowStage shadows_;
+  SceneOpener opener_;
   Scheduler scheduler_;
   TauController tau_;
   double frame_ms_ = 0;

@@ -194,12 +194,20 @@ void add_geometric_error(const ReferenceFrame& reference, double offset_px, cons
   for (std::uint32_t y = 0; y < reference.height; ++y) {
     for (std::uint32_t x = 0; x < reference.width; ++x) {
       const std::size_t i = std::size_t{y} * reference.width + x;
-      if (reference.ids[i] == 0 || reference.ids[i] > scene.instances.size()) continue;
+      if (reference.ids[i] == 0 || reference.ids[i] > scene.all_instances) continue;
       ++out.object_pixels;
       // What stands for the instance: itself, or a group it is in.
-      std::uint32_t instance = reference.ids[i] - 1;
+      const std::uint32_t id = reference.ids[i] - 1;
+      std::uint32_t instance = scene.index_of(id);
       auto found = shown.find(instance);
-      while (found == shown.end() && scene.instances[instance].parent != InstanceView::kNoParent) {
+      if (instance == InstanceView::kNoParent) {
+        found = std::find_if(shown.begin(), shown.end(), [&](const auto& one) {
+          const InstanceView& group = scene.instances[one.first];
+          return id - group.first_leaf < group.leaves && id >= group.first_leaf;
+        });
+        if (found != shown.end()) instance = found->first;
+      }
+      while (found == shown.end() && instance != InstanceView::kNoParent) {
         instance = scene.instances[instance].parent;
         found = shown.find(instance);
       }

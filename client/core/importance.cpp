@@ -16,18 +16,6 @@ double nearness(const glm::dvec2& at_px, const glm::dvec2& center_px, double rad
 
 }  // namespace
 
-double tolerance(Importance importance) {
-  switch (importance) {
-    case Importance::kScenery:
-      return 2;
-    case Importance::kImportant:
-      return 0.5;
-    case Importance::kNormal:
-      break;
-  }
-  return 1;
-}
-
 double attention(const Camera& camera, const std::optional<glm::dvec2>& cursor_px,
                  const InstanceView& instance) {
   const glm::dvec3 to_center = instance.center - camera.pose.eye;

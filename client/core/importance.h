@@ -5,13 +5,9 @@
 #include <optional>
 
 #include "client/core/scene_view.h"
+#include "protocol/instance_group.h"
 
 namespace mirage {
-
-/// Factor on the error an instance may show: 2 for scenery, 1/2 for what is important, else 1. No
-/// more than that: the baseline a tile allows grows with its error, so either way the tiles
-/// an object needs change by a factor of two along a path, and a bound stays one of a few pixels.
-double tolerance(Importance importance);
 
 /// How much the viewer attends to a sphere: 1 far from where they look, 2 in the middle of the view
 /// or under the cursor, 3 for both; half of either at a quarter of the view's height beside it.

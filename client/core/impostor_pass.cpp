@@ -150,15 +150,23 @@ ImpostorPass::Proxy ImpostorPass::make_proxy(const std::vector<ProxyVertex>& dat
 Result<void> ImpostorPass::reset(const SceneView& scene) {
   hulls_.clear();
   warp_proxies_.clear();
-  for (const ObjectDescription& object : scene.objects) {
-    hulls_.push_back(make_proxy(hull_triangles(object.hull)));
-    warp_proxies_.push_back(make_proxy(warp_triangles(object)));
-  }
   fog_color_ = scene.environment.horizon;
   fog_density_ = scene.environment.fog_density;
   const bool fog = fog_density_ > 0;
   const bool made = fog == with_fog_ && scene.shadows == with_shadows_;
   return made ? Result<void>{} : make_programs(fog, scene.shadows);
+}
+
+const ImpostorPass::Proxy& ImpostorPass::hull(const SceneView& scene, std::uint32_t object) {
+  const auto [at, is_new] = hulls_.try_emplace(object);
+  if (is_new) at->second = make_proxy(hull_triangles(scene.objects[object].hull));
+  return at->second;
+}
+
+const ImpostorPass::Proxy& ImpostorPass::warp_proxy(const SceneView& scene, std::uint32_t object) {
+  const auto [at, is_new] = warp_proxies_.try_emplace(object);
+  if (is_new) at->second = make_proxy(warp_triangles(scene.objects[object]));
+  return at->second;
 }
 
 template <typename InstanceT>
@@ -272,10 +280,11 @@ void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene,
   program.set("u_soft", soft ? 1 : 0);
   program.set("u_forward", glm::vec3(camera.forward()));
   const bool quad = method == DrawMethod::kQuad;
-  const std::vector<Proxy>& proxies = method == DrawMethod::kWarp ? warp_proxies_ : hulls_;
   draw_instances(quad ? quad_ : cube_, all, !quad);
-  for (const auto& [object, instances] : by_object)
-    draw_instances(proxies[object], instances, true);
+  for (const auto& [object, instances] : by_object) {
+    const bool warp = method == DrawMethod::kWarp;
+    draw_instances(warp ? warp_proxy(scene, object) : hull(scene, object), instances, true);
+  }
 }
 
 void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scene,
@@ -301,7 +310,9 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
   placeholder_.set("u_clip_from_relative", camera.clip_from_relative(mapping_));
   placeholder_.set("u_fog_color", fog_color_);
   placeholder_.set("u_fog_density", fog_density_);
-  for (const auto& [object, instances] : by_object) draw_instances(hulls_[object], instances, true);
+  for (const auto& [object, instances] : by_object) {
+    draw_instances(hull(scene, object), instances, true);
+  }
 }
 
 void ImpostorPass::draw(const Camera& camera, DepthMapping mapping, const SceneView& scene,

@@ -54,6 +54,9 @@ class ImpostorPass {
   void draw_placeholders(const Camera& camera, const SceneView& scene, const DrawList& list,
                          const Lighting& lighting);
 
+  const Proxy& hull(const SceneView& scene, std::uint32_t object);
+  const Proxy& warp_proxy(const SceneView& scene, std::uint32_t object);
+
   ImpostorAtlas atlas_;
   std::map<std::pair<DrawMethod, bool>, gl::Program> programs_;  ///< and whether for relit tiles
   gl::Program relief_;
@@ -64,15 +67,14 @@ class ImpostorPass {
   gl::Buffer instances_;
   Proxy quad_;
   Proxy cube_;
-  std::vector<Proxy> hulls_;
-  gl::LightBlock lights_;                         ///< of the frame
-  bool with_fog_ = false, with_shadows_ = false;  ///< what the programs were made for
+  std::map<std::uint32_t, Proxy> hulls_, warp_proxies_;  ///< by object, made when first drawn
+  gl::LightBlock lights_;                                ///< of the frame
+  bool with_fog_ = false, with_shadows_ = false;         ///< what the programs were made for
   GLuint shadow_atlas_ = 0;
   DepthMapping mapping_ = DepthMapping::kForward;
   glm::vec3 shadow_tint_{1};
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;
-  std::vector<Proxy> warp_proxies_;
   int draw_calls_ = 0;
 };
 

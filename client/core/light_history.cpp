@@ -57,18 +57,23 @@ Cardinal cardinal_light(const Lighting& lighting, const InstanceView& instance,
 void LightHistory::reset(const SceneView& scene, const Lighting& lighting) {
   objects_.clear();
   instances_.clear();
-  for (const ObjectDescription& o : scene.objects) {
-    objects_.push_back(
-        {o.center, o.radius, (o.needs & kNeedLighting) != 0, mirage::can_relight(o.needs)});
-  }
-  for (const InstanceView& i : scene.instances) {
-    instances_.push_back({i.object, i.world_from_object});
-  }
+  grow(scene);
   State first;
   first.serial = next_serial_++;
   first.turn = ++turn_;
   first.lighting = lighting;
   states_ = {std::move(first)};
+}
+
+void LightHistory::grow(const SceneView& scene) {
+  for (std::size_t i = objects_.size(); i < scene.objects.size(); ++i) {
+    const ObjectDescription& o = scene.objects[i];
+    objects_.push_back(
+        {o.center, o.radius, (o.needs & kNeedLighting) != 0, mirage::can_relight(o.needs)});
+  }
+  for (std::size_t i = instances_.size(); i < scene.instances.size(); ++i) {
+    instances_.push_back({scene.instances[i].object, scene.instances[i].world_from_object});
+  }
 }
 
 void LightHistory::set(const Lighting& lighting, std::int64_t now_us) {

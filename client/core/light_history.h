@@ -21,6 +21,8 @@ class LightHistory {
 
   /// Learns the scene's instances; `lighting` is current.
   void reset(const SceneView& scene, const Lighting& lighting);
+  /// Learns the instances that have come since.
+  void grow(const SceneView& scene);
   /// Makes `lighting` current; a former one when it returns is the same state again. At most
   /// limits::kMaxLightingStatesPerClient are kept, the one shown longest ago goes first.
   void set(const Lighting& lighting, std::int64_t now_us);

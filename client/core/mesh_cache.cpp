@@ -96,12 +96,17 @@ void MeshCache::reset(const SceneView& scene, std::size_t budget_bytes,
   *this = MeshCache{};
   budget_ = budget_bytes;
   max_reply_bytes_ = max_reply_bytes;
+  images_.resize(scene.images.size());
+  grow(scene);
+}
+
+void MeshCache::grow(const SceneView& scene) {
+  const std::size_t known = objects_.size();
   objects_.resize(scene.objects.size());
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
+  for (std::size_t i = known; i < objects_.size(); ++i) {
     objects_[i].lods.resize(scene.objects[i].lods.size());
   }
-  images_.resize(scene.images.size());
-  ready_.assign(scene.objects.size(), false);
+  ready_.resize(scene.objects.size(), false);
 }
 
 bool MeshCache::resident(const AssetId& id) const {

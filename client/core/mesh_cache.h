@@ -54,6 +54,8 @@ std::vector<ImageUse> image_uses(const ObjectModel& model);
 class MeshCache {
  public:
   void reset(const SceneView& scene, std::size_t budget_bytes, std::size_t max_reply_bytes);
+  /// Learns the objects that have come since: groups, which have no geometry.
+  void grow(const SceneView& scene);
 
   /// Per object: something of it can be drawn.
   const std::vector<bool>& ready() const { return ready_; }

@@ -53,10 +53,14 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
     // What the former connection owed will not come any more.
     asks_.clear();
     assets_asked_us_.clear();
-    owed_images_ = owed_objects_ = owed_instances_ = 0;
+    owed_images_ = owed_objects_ = 0;
+    opens_us_.clear();
     owed_reference_ = false;
     // Connecting cost two round trips before the hello could be sent: TCP, then the upgrade.
     welcome_us_ = arrives + std::llround(2000.0 * model_.rtt_ms);
+  }
+  if (const wire::OpenRequestT* open = message->body.AsOpenRequest()) {
+    opens_us_[open->request_id] = arrives;
   }
   const wire::RequestBatchT* batch = message->body.AsRequestBatch();
   if (!batch) return;
@@ -77,9 +81,8 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
 }
 
 bool ModelledLink::owed() const {
-  if (owed_welcome_ || owed_images_ > 0 || owed_objects_ > 0 || owed_instances_ > 0 ||
-      owed_reference_)
-    return true;
+  if (owed_welcome_ || owed_images_ > 0 || owed_objects_ > 0 || owed_reference_) return true;
+  if (!opens_us_.empty()) return true;
   if (!assets_asked_us_.empty()) return true;
   return std::any_of(asks_.begin(), asks_.end(),
                      [](const auto& entry) { return !entry.second.answered; });
@@ -121,13 +124,20 @@ void ModelledLink::take_reply(Message message) {
     owed_welcome_ = false;
     owed_images_ = welcome->images;
     owed_objects_ = welcome->objects;
-    owed_instances_ = welcome->instances;
+    if (welcome->instances > 0) opens_us_[0] = 0;  // what comes unasked
   } else if (const wire::ImagePageT* images = message.body.AsImagePage()) {
     owed_images_ -= std::min(owed_images_, images->images.size());
   } else if (const wire::ObjectPageT* page = message.body.AsObjectPage()) {
     owed_objects_ -= std::min(owed_objects_, page->objects.size());
-  } else if (const wire::InstancePageT* instances = message.body.AsInstancePage()) {
-    owed_instances_ -= std::min(owed_instances_, instances->instances.size());
+  }
+  std::int64_t sent_us = welcome_us_;  // of what is neither a tile nor asked-for geometry
+  if (const wire::InstancePageT* page = message.body.AsInstancePage()) {
+    request = page->request_id;
+    const auto open = opens_us_.find(request);
+    if (open != opens_us_.end()) {
+      sent_us = std::max(sent_us, open->second);
+      if (page->last) opens_us_.erase(open);
+    }
   }
   item.message = std::move(message);
   const auto ask = asks_.find(request);
@@ -139,7 +149,7 @@ void ModelledLink::take_reply(Message message) {
   const auto asked = assets_asked_us_.find(request);
   Ready ready;
   ready.bulk = asked != assets_asked_us_.end();
-  ready.at_us = ready.bulk ? asked->second : std::max(welcome_us_, blocking_ ? 0 : now);
+  ready.at_us = ready.bulk ? asked->second : std::max(sent_us, blocking_ ? 0 : now);
   ready.item = std::move(item);
   if (ready.bulk) assets_asked_us_.erase(asked);
   ready_.emplace(std::make_pair(ready.at_us, ready.bulk ? request : 0u), std::move(ready));

@@ -77,7 +77,8 @@ class ModelledLink final : public Link {
   std::deque<Item> tiles_lane_, bulk_lane_;
   std::deque<std::pair<std::int64_t, Message>> arrived_;
   std::vector<Message> out_of_band_;
-  std::size_t owed_images_ = 0, owed_objects_ = 0, owed_instances_ = 0;
+  std::size_t owed_images_ = 0, owed_objects_ = 0;
+  std::map<std::uint32_t, std::int64_t> opens_us_;  ///< requests for members, when they arrive
   bool owed_welcome_ = false;
   std::uint32_t greeted_;  ///< connection the last hello went to: only that one owes anything
   bool owed_reference_ = false;

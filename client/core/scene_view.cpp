@@ -2,12 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <map>
+#include <unordered_set>
+
+#include "protocol/instance_group.h"
 
 namespace mirage {
 namespace {
 constexpr double kInstancesPerCell = 16;
-constexpr int kMaxNesting = 16;
+
+InstanceView placed(const Similarity& m, std::uint32_t object, const ObjectDescription& of) {
+  InstanceView view;
+  view.object = object;
+  view.world_from_object = m;
+  view.center = m.position + glm::dquat(m.rotation) * (glm::dvec3(of.center) * double{m.scale});
+  view.radius = double{of.radius} * m.scale;
+  return view;
+}
+
+GroupBounds bounds_of(const wire::GroupRecord& record) {
+  GroupBounds out;
+  out.center = from_wire(record.center());
+  out.half = from_wire(record.half());
+  for (int c = 0; c < 3; ++c) {
+    out.mean_color[c] = static_cast<float>((record.mean_rgb() >> (8 * c)) & 255u) / 255.0f;
+  }
+  out.needs = record.needs();
+  return out;
+}
 }  // namespace
 
 Result<void> SceneView::accept(const wire::WelcomeT& w) {
@@ -19,7 +41,11 @@ Result<void> SceneView::accept(const wire::WelcomeT& w) {
   triangles = w.triangles;
   expected_images_ = w.images;
   expected_objects_ = w.objects;
-  expected_instances_ = w.instances;
+  expected_groups_ = w.groups;
+  expected_roots_ = w.roots;
+  all_instances = w.instances;
+  bounds_center = from_wire(*w.bounds_center);
+  bounds_radius = w.bounds_radius;
   Result<Lighting> light = from_wire(*w.lighting);
   if (!light) return light.error();
   lighting = light.take();
@@ -48,7 +74,6 @@ Result<void> SceneView::accept(const wire::ImagePageT& page) {
     image.alpha_cutoff = info.alpha_cutoff();
     images.push_back(image);
   }
-  if (complete()) return finish();
   return {};
 }
 
@@ -72,39 +97,133 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
     for (const wire::Vec3f& v : info->hull_vertices) o.hull.vertices.push_back(from_wire(v));
     o.hull.indices = info->hull_indices;
     o.surrounds = info->surrounds;
-    o.group = info->group;
     o.motion = {info->clip_s, info->speed, info->jump, info->wrap_jump};
     o.hull.parallax = info->hull_parallax;
     objects.push_back(std::move(o));
   }
-  return complete() ? finish() : Result<void>{};
+  return {};
+}
+
+// A page is taken as a whole or not at all. Members come with the group they are told to be of, so
+// every parent is known, or not known yet; that groups cannot nest in a circle follows.
+Result<void> SceneView::check_page(const wire::InstancePageT& page) const {
+  if (!welcomed_ || images.size() != expected_images_ || objects.size() < expected_objects_) {
+    return make_error(ErrorId::kWireState, "instance page out of order");
+  }
+  std::unordered_set<std::uint32_t> groups, opened;
+  const auto known_group = [&](std::uint32_t id) {
+    const std::uint32_t index = index_of(id);
+    return index != InstanceView::kNoParent && objects[instances[index].object].group;
+  };
+  // Parents first: a group of this page may be opened in it, once it has a parent itself.
+  for (const wire::GroupRecord& record : page.groups) {
+    const std::size_t number = record.id() - std::size_t{all_instances};
+    const bool leaves =
+        record.leaves() <= all_instances && record.first_leaf() <= all_instances - record.leaves();
+    if (record.id() < all_instances || number >= expected_groups_ || !leaves) {
+      return make_error(ErrorId::kWireValue, "group that the scene does not have");
+    }
+    groups.insert(record.id());
+  }
+  for (const std::uint32_t id : page.opened) {
+    if (!known_group(id) && groups.count(id) == 0) {
+      return make_error(ErrorId::kWireState, "members of a group that is not known yet");
+    }
+    opened.insert(id);
+  }
+  const auto may_belong = [&](std::uint32_t parent) {
+    return parent == InstanceView::kNoParent || opened.count(parent) != 0;
+  };
+  for (const wire::GroupRecord& record : page.groups) {
+    // A group comes before those nested in it: its number is smaller.
+    const bool after = record.parent() == InstanceView::kNoParent || record.parent() < record.id();
+    if (!may_belong(record.parent()) || !after) {
+      return make_error(ErrorId::kWireValue, "group in a group that is not there");
+    }
+  }
+  for (const wire::InstanceRecord& record : page.instances) {
+    if (record.object() >= expected_objects_ || record.id() >= all_instances) {
+      return make_error(ErrorId::kWireValue, "instance of an object that is not there");
+    }
+    if (!may_belong(record.parent())) {
+      return make_error(ErrorId::kWireValue, "instance in a group that is not there");
+    }
+  }
+  return {};
+}
+
+void SceneView::add(InstanceView view, std::uint32_t parent_id) {
+  const auto index = static_cast<std::uint32_t>(instances.size());
+  if (!index_by_id_.emplace(view.id, index).second) return;  // known already
+  view.parent = parent_id;                                   // made an index in link_members
+  instances.push_back(view);
 }
 
 Result<void> SceneView::accept(const wire::InstancePageT& page) {
-  if (!welcomed_ || objects.size() != expected_objects_ || page.first != instances.size() ||
-      instances.size() + page.instances.size() > expected_instances_) {
-    return make_error(ErrorId::kWireState, "instance page out of order");
-  }
+  if (Result<void> checked = check_page(page); !checked) return checked;
+  const bool was_complete = complete();
+  const std::size_t first_new = instances.size();
   for (const wire::InstanceRecord& record : page.instances) {
-    if (record.object() >= objects.size()) {
-      return make_error(ErrorId::kWireValue, "instance of an object that is not there");
-    }
-    InstanceView view;
-    view.object = record.object();
-    Similarity& m = view.world_from_object;
-    m.position = from_wire(record.position());
-    m.rotation = glm::normalize(from_wire(record.rotation()));
-    m.scale = record.scale();
+    const Similarity m{from_wire(record.position()), glm::normalize(from_wire(record.rotation())),
+                       record.scale()};
+    InstanceView view = placed(m, record.object(), objects[record.object()]);
+    view.id = record.id();
     view.clip_offset_s = record.clip_offset_s();
     view.importance = static_cast<Importance>(record.importance());
-    const ObjectDescription& object = objects[view.object];
-    view.center =
-        m.position + glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale});
-    view.radius = double{object.radius} * m.scale;
-    view.parent = record.parent();
-    instances.push_back(view);
+    add(view, record.parent());
   }
-  return complete() ? finish() : Result<void>{};
+  for (const wire::GroupRecord& record : page.groups) {
+    if (index_by_id_.count(record.id()) != 0) continue;
+    const GroupBounds bounds = bounds_of(record);
+    objects.push_back(group_description(bounds));
+    Similarity m;
+    m.position = bounds.center;
+    InstanceView view = placed(m, static_cast<std::uint32_t>(objects.size() - 1), objects.back());
+    view.id = record.id();
+    view.importance = static_cast<Importance>(record.importance());
+    view.first_leaf = record.first_leaf();
+    view.leaves = record.leaves();
+    add(view, record.parent());
+  }
+  link_members(first_new);
+  for (const std::uint32_t id : page.opened) members_of_[index_of(id)].known = true;
+  if (complete() && !was_complete) build_grid();
+  described_ = described_ || (page.request_id == 0 && page.last);
+  return {};
+}
+
+// New members of a group all come in one page: they are one run.
+void SceneView::link_members(std::size_t first_new) {
+  members_of_.resize(instances.size());
+  std::map<std::uint32_t, std::vector<std::uint32_t>> by_parent;
+  for (std::size_t i = first_new; i < instances.size(); ++i) {
+    const auto index = static_cast<std::uint32_t>(i);
+    std::uint32_t& parent = instances[i].parent;
+    if (parent == InstanceView::kNoParent) {
+      roots_.push_back(index);
+      continue;
+    }
+    parent = index_of(parent);
+    by_parent[parent].push_back(index);
+  }
+  for (const auto& [parent, members] : by_parent) {
+    Run& run = members_of_[parent];
+    if (run.known) continue;  // told twice, and not the same: the first time counts
+    run.first = static_cast<std::uint32_t>(members_.size());
+    members_.insert(members_.end(), members.begin(), members.end());
+    run.last = static_cast<std::uint32_t>(members_.size());
+  }
+}
+
+std::uint32_t SceneView::index_of(std::uint32_t id) const {
+  const auto at = index_by_id_.find(id);
+  return at != index_by_id_.end() ? at->second : InstanceView::kNoParent;
+}
+
+std::uint32_t SceneView::object_id(std::uint32_t instance) const {
+  const InstanceView& view = instances[instance];
+  if (!objects[view.object].group) return view.object;
+  return static_cast<std::uint32_t>(expected_objects_ + (view.id - all_instances));
 }
 
 bool SceneView::blends() const {
@@ -113,69 +232,19 @@ bool SceneView::blends() const {
 }
 
 bool SceneView::complete() const {
-  return welcomed_ && images.size() == expected_images_ && objects.size() == expected_objects_ &&
-         instances.size() == expected_instances_;
-}
-
-Result<void> SceneView::finish() {
-  if (Result<void> linked = link_members(); !linked) return linked;
-  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
-  for (const InstanceView& i : instances) {
-    if (objects[i.object].group) continue;
-    low = glm::min(low, i.center - i.radius);
-    high = glm::max(high, i.center + i.radius);
-  }
-  if (!instances.empty()) {
-    bounds_center = 0.5 * (low + high);
-    bounds_radius = 0;
-    for (const InstanceView& i : instances) {
-      if (objects[i.object].group) continue;
-      bounds_radius = std::max(bounds_radius, glm::length(i.center - bounds_center) + i.radius);
-    }
-  }
-  build_grid();
-  return {};
-}
-
-Result<void> SceneView::link_members() {
-  first_member_.assign(instances.size() + 1, 0);
-  for (const InstanceView& i : instances) {
-    if (i.parent == InstanceView::kNoParent) continue;
-    if (i.parent >= instances.size() || !objects[instances[i.parent].object].group) {
-      welcomed_ = false;
-      return make_error(ErrorId::kWireValue, "instance in a group that is not there");
-    }
-    ++first_member_[i.parent + 1];
-  }
-  for (std::size_t i = 0; i < instances.size(); ++i) first_member_[i + 1] += first_member_[i];
-  members_.assign(first_member_.back(), 0);
-  std::vector<std::uint32_t> next(first_member_.begin(), first_member_.end() - 1);
-  for (std::uint32_t i = 0; i < instances.size(); ++i) {
-    if (instances[i].parent != InstanceView::kNoParent) members_[next[instances[i].parent]++] = i;
-  }
-  // Following parents must end: a cycle would be walked for ever.
-  for (const InstanceView& i : instances) {
-    std::uint32_t at = i.parent;
-    int depth = 0;
-    while (at != InstanceView::kNoParent && depth++ < kMaxNesting) at = instances[at].parent;
-    if (at != InstanceView::kNoParent) {
-      welcomed_ = false;
-      return make_error(ErrorId::kWireValue, "groups nest too deeply or in a circle");
-    }
-  }
-  return {};
+  return welcomed_ && images.size() == expected_images_ && objects.size() >= expected_objects_ &&
+         roots_.size() >= expected_roots_;
 }
 
 void SceneView::build_grid() {
   const int n = std::max(
-      1, static_cast<int>(std::sqrt(static_cast<double>(instances.size()) / kInstancesPerCell)));
+      1, static_cast<int>(std::sqrt(static_cast<double>(roots_.size()) / kInstancesPerCell)));
   const auto index = [&](double v, double middle) {
     const double t = bounds_radius > 0 ? (v - middle) / (2 * bounds_radius) + 0.5 : 0.5;
     return std::clamp(static_cast<int>(t * n), 0, n - 1);
   };
   cells_.assign(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), Cell{});
-  for (std::uint32_t i = 0; i < instances.size(); ++i) {
-    if (instances[i].parent != InstanceView::kNoParent) continue;
+  for (const std::uint32_t i : roots_) {
     const glm::dvec3& c = instances[i].center;
     const int x = index(c.x, bounds_center.x), z = index(c.z, bounds_center.z);
     cells_[static_cast<std::size_t>(z) * static_cast<std::size_t>(n) + static_cast<std::size_t>(x)]

@@ -133,14 +133,16 @@ bool Scheduler::may_ask(const AssetNeed& need, std::int64_t now_us) const {
 void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::int64_t now_us,
                          wire::RequestBatchT& batch) {
   const std::uint32_t id = next_request_++;
-  const std::uint32_t object = scene.instances[need.instance].object;
-  batch.asks.emplace_back(id, need.instance, object, static_cast<float>(need.gain), 0u,
-                          need.distance.index, need.cell.x, need.cell.y, need.cell.level,
-                          need.distance.level, need.size_class, need.channels, need.phase);
+  const InstanceView& view = scene.instances[need.instance];
+  batch.asks.emplace_back(id, view.id, scene.object_id(need.instance),
+                          static_cast<float>(need.gain), 0u, need.distance.index, need.cell.x,
+                          need.cell.y, need.cell.level, need.distance.level, need.size_class,
+                          need.channels, need.phase);
   const double bytes = tile_bytes_.expected(need.size_class, need.channels);
   in_flight_bytes_ += bytes;
   const double under_way = in_flight_bytes_ + leaving_bytes_ + asset_bytes_;
-  pending_[id] = {need, object, now_us, now_us + window_.trip_us(bytes, under_way), bytes, now_us};
+  pending_[id] = {need,  view.object, now_us, now_us + window_.trip_us(bytes, under_way),
+                  bytes, now_us};
   pending_wanted_[wanted(need)] = id;
   ++asked_;
 }

@@ -42,6 +42,8 @@ class Scheduler {
   Scheduler();
   /// Nothing asked so far will be answered (new connection, new scene).
   void reset();
+  /// A number for a request of another kind: all share one numbering.
+  std::uint32_t next_number() { return next_request_++; }
 
   /// Makes the next batch of what is needed and not yet under way; nullopt when there is nothing
   /// to say. Asks whose instance is no longer needed are cancelled; those for a light that has

@@ -81,6 +81,8 @@ class Selector {
  public:
   /// Forgets which tile each instance showed.
   void reset(const SceneView& scene);
+  /// Learns the instances that have come since.
+  void grow(const SceneView& scene) { shown_.resize(scene.instances.size()); }
 
   /// Decides what is drawn this frame; marks the tiles as drawn.
   DrawList select(const SelectorInput& input);

@@ -14,9 +14,6 @@ namespace {
 // Nearer, in radii, no picture of the object can stand for it: the eye is in its sphere.
 constexpr double kInsideRadii = 1 + 1e-6;
 constexpr std::uint32_t kTileBytes = 1500;  // of a middling tile, as it travels
-// A group stands for its members where it is far and its image lasts, even at a walk.
-constexpr double kGroupRadii = 4;
-constexpr double kGroupLifeS = 3;
 // Beyond so many radii a tile may stand in for geometry that is there, when it is drawn for less:
 // a triangle costs as much as so many pixels of a quad, or more.
 constexpr double kStandInRadii = 3;

@@ -2,13 +2,12 @@
 // What deciding what to draw and what to ask for have in common.
 
 #include "client/core/selector.h"
+#include "protocol/instance_group.h"
 
 namespace mirage {
 
 inline constexpr double kMinRadiusPx = 0.5;  ///< smaller objects are neither drawn nor asked for
 inline constexpr double kWalkingMps = 1.4;   ///< what may be expected of an eye that stands
-/// Deepest step in an object's depth, in radii, before a tile has told.
-inline constexpr double kTypicalGap = 0.6;
 
 /// Whether any picture of the object can stand for it: the eye is out of its sphere. False for NaN.
 bool outside(const ViewGeometry& view);

@@ -88,7 +88,8 @@ void ShadowStage::walk_casters(CasterWalk& w, std::uint32_t instance) const {
   const InstanceView& view_of = in.scene->instances[instance];
   const ObjectDescription& object = in.scene->objects[view_of.object];
   const double distance = glm::length(view_of.center - in.camera.pose.eye);
-  if (object.group && distance < kGroupCasterRadii * view_of.radius) {
+  const bool opens = object.group && in.scene->opened(instance);
+  if (opens && distance < kGroupCasterRadii * view_of.radius) {
     for (const std::uint32_t member : in.scene->members(instance)) walk_casters(w, member);
     return;
   }
@@ -154,9 +155,7 @@ void ShadowStage::shade(const SelectorInput& in, const Lighting& lighting, MeshC
     next.assets = assets_;
     caster_needs_.clear();
     CasterWalk walk{in, next, caster_needs_, {}};
-    for (std::uint32_t i = 0; i < in.scene->instances.size(); ++i) {
-      if (in.scene->instances[i].parent == InstanceView::kNoParent) walk_casters(walk, i);
-    }
+    for (const std::uint32_t root : in.scene->roots()) walk_casters(walk, root);
     meshes.choose(*in.scene, in.camera, in.tau_px, in.frame, in.now_us, next.meshes);
     if (!casters_ || !same(*casters_, next)) {
       casters_ = std::make_shared<const CasterList>(std::move(next));

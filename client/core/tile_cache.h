@@ -85,6 +85,8 @@ class TileCache {
 
   /// Drops everything and learns the scene's instances.
   void reset(const SceneView& scene, const Lighting& lighting);
+  /// Learns the instances that have come since.
+  void grow(const SceneView& scene) { lights_.grow(scene); }
   /// New light: tiles of the former ones are shown until better lit ones come.
   void relight(const Lighting& lighting, std::int64_t now_us);
   /// From now on objects that can be relit want relit tiles, or want lit ones.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "protocol/instance_group.h"
 #include "protocol/limits.h"
 #include "protocol/stable_math.h"
 #include "protocol/tile_key.h"
@@ -12,13 +13,10 @@ namespace mirage {
 namespace {
 
 constexpr double kTexelsPerPixel = 1.5;  // measured: worth more than any filter
-// Of the allowed baseline: how far a capture lies ahead, and how far its cell may reach.
-constexpr double kLeadShare = 0.6;
+// Of the allowed baseline: how far a cell may reach.
 constexpr double kCellShare = 0.2;
 constexpr double kLongestLead = 2;    // s
 constexpr double kStillSpeed = 1e-3;  // radii/s
-// A disocclusion may be as wide as this share of the projected radius; less below a tau of 1 px.
-constexpr double kHoleShare = 0.15;
 
 }  // namespace
 

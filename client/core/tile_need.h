@@ -34,11 +34,9 @@ struct ViewPlan {
 
 /// The depth share of flat proxies: half the visible depth of a ball; measured values are smaller.
 inline constexpr double kFlatDepthShare = 0.5;
-/// Disocclusions may be at most this many times as wide as a position error (NUMERICS: the real knob
-/// once there is depth).
-inline constexpr double kHoleTolerance = 8;
-/// How many times tau a disocclusion may be wide, 1 to kHoleTolerance: on a small object it may not
-/// be more than a share of its projected radius `size_px`, or the tile would serve from far aside.
+/// How many times tau a disocclusion may be wide, 1 to kHoleTolerance (instance_group.h): on a
+/// small object it may not be more than a share of its projected radius `size_px`, or the tile
+/// would serve from far aside.
 double hole_tolerance(double tau_px, double size_px);
 
 /// The instance's view in object units, relative to its centre; a moving one at `time_s` of the

@@ -52,7 +52,7 @@ Result<void> LoadRun::on_message(std::uint32_t client, const std::uint8_t* bytes
   const wire::Control& control = message->control();
   switch (message->type()) {
     case wire::Body::Welcome:
-      return take_welcome(c, client, *control.body_as_Welcome());
+      return take_welcome(client, *control.body_as_Welcome());
     case wire::Body::ImagePage:
     case wire::Body::ObjectPage:
     case wire::Body::InstancePage:
@@ -87,17 +87,15 @@ void LoadRun::on_down(std::uint32_t client, const std::string& id, const std::st
   ++results_.errors[id];
 }
 
-Result<void> LoadRun::take_welcome(Client& c, std::uint32_t client, const wire::Welcome& welcome) {
+Result<void> LoadRun::take_welcome(std::uint32_t client, const wire::Welcome& welcome) {
   if (client == kScout) {
     const std::unique_ptr<wire::WelcomeT> unpacked(welcome.UnPack());
     if (Result<void> taken = scene_.accept(*unpacked); !taken) return taken;
-    if (scene_.complete()) described(c);
     return {};
   }
   if (welcome.revision() != scene_.revision) {
     return make_error(ErrorId::kWireState, "the scene changed between two connections");
   }
-  if (scene_pages_ == 0) described(c);
   return {};
 }
 
@@ -120,7 +118,7 @@ Result<void> LoadRun::take_page(Client& c, std::uint32_t client, const MessageVi
     }
     if (!taken) return taken;
     scene_pages_ = c.pages;
-    if (scene_.complete()) described(c);
+    if (scene_.described()) described(c);
   } else if (c.pages == scene_pages_) {
     described(c);
   }

@@ -227,12 +227,12 @@ void LoadRun::ask(std::size_t index, std::int64_t now_us) {
 Bytes LoadRun::ask_message(std::uint32_t request_id, const TileNeed& need) const {
   wire::RequestBatchT batch;
   batch.credit_bytes = kCreditBytes;
-  const std::uint32_t object = scene_.instances[need.instance].object;
-  batch.asks.emplace_back(request_id, need.instance, object, static_cast<float>(need.error_px), 0u,
-                          need.distance.index, need.cell.x, need.cell.y, need.cell.level,
-                          need.distance.level, need.size_class,
+  const InstanceView& view = scene_.instances[need.instance];
+  batch.asks.emplace_back(request_id, view.id, scene_.object_id(need.instance),
+                          static_cast<float>(need.error_px), 0u, need.distance.index, need.cell.x,
+                          need.cell.y, need.cell.level, need.distance.level, need.size_class,
                           static_cast<std::uint8_t>(kChannelColor | kChannelDepth),
-                          nearest_phase(0, scene_.objects[object].motion.clip_s, 0));
+                          nearest_phase(0, scene_.objects[view.object].motion.clip_s, 0));
   return encode_message(std::move(batch));
 }
 

@@ -57,7 +57,7 @@ class LoadRun final : private LoadSink {
                           std::size_t size) override;
   void on_down(std::uint32_t client, const std::string& id, const std::string& text) override;
 
-  Result<void> take_welcome(Client& c, std::uint32_t client, const wire::Welcome& welcome);
+  Result<void> take_welcome(std::uint32_t client, const wire::Welcome& welcome);
   Result<void> take_page(Client& c, std::uint32_t client, const MessageView& message);
   Result<void> take_tile(std::uint32_t client, const MessageView& message);
   void take_refusal(std::uint32_t client, const wire::Refused& refused);

@@ -40,7 +40,7 @@ Result<void> TileProbe::meet() {
                   static_cast<std::uint8_t>(TileCodec::kZstd)};
   link_.send(encode_message(std::move(hello)));
   const SteadyClock patience;
-  while (!scene_.complete()) {
+  while (!scene_.described()) {
     if (!link_.connected() || patience.now_us() > kReplyMs * 1000ll) {
       return make_error(ErrorId::kNetworkTimeout, "the server did not describe its scene");
     }
@@ -70,10 +70,10 @@ Result<void> TileProbe::send_asks(const std::vector<TileNeed>& needs) {
   batch.credit_bytes = received_bytes_ + kCreditAhead;
   for (std::size_t i = 0; i < needs.size(); ++i) {
     const TileNeed& n = needs[i];
-    batch.asks.emplace_back(first_request_ + static_cast<std::uint32_t>(i), n.instance,
-                            scene_.instances[n.instance].object, 1.0f, 0u, n.distance.index,
-                            n.cell.x, n.cell.y, n.cell.level, n.distance.level, n.size_class,
-                            n.channels, n.phase);
+    batch.asks.emplace_back(first_request_ + static_cast<std::uint32_t>(i),
+                            scene_.instances[n.instance].id, scene_.object_id(n.instance), 1.0f, 0u,
+                            n.distance.index, n.cell.x, n.cell.y, n.cell.level, n.distance.level,
+                            n.size_class, n.channels, n.phase);
   }
   link_.send(encode_message(std::move(batch)));
   const SteadyClock patience;

@@ -34,8 +34,8 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
   out.extras_ = extras;
   const auto compile = [&](const char* kind, Resolve& into) -> Result<void> {
     for (const bool fine : {false, true}) {
-      std::vector<std::string> defines = {
-          "FACTOR " + std::to_string(fine ? out.fine_samples() : supersample)};
+      std::vector<std::string> defines = {"FACTOR " +
+                                          std::to_string(fine ? out.fine_samples() : supersample)};
       if (*kind) defines.emplace_back(kind);
       if (extras.fine_depth) defines.emplace_back("FINE_DEPTH");
       Result<gl::Program> made =
@@ -109,13 +109,11 @@ Result<void> TilePageRenderer::warm_up() {
 }
 
 bool TilePageRenderer::fine(const TileJob& job) const {
-  const bool tested = scene_->prepared->objects[job.key.object].needs & kNeedAlphaMask;
+  const bool tested = scene_->prepared->description(job.key.object)->needs & kNeedAlphaMask;
   return tested && tile_edge(job.key.size_class) <= kLargestFineTile;
 }
 
-int TilePageRenderer::fine_samples() const {
-  return std::max(supersample_, kAlphaTestSupersample);
-}
+int TilePageRenderer::fine_samples() const { return std::max(supersample_, kAlphaTestSupersample); }
 
 int TilePageRenderer::samples(const TileJob& job) const {
   return fine(job) ? fine_samples() : supersample_;
@@ -143,14 +141,14 @@ bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
 }
 
 Capture TilePageRenderer::capture_of(const TileJob& job) const {
-  return Capture(job.key.cell, job.key.distance, scene_->prepared->objects[job.key.object].radius,
+  return Capture(job.key.cell, job.key.distance,
+                 scene_->prepared->description(job.key.object)->radius,
                  tile_edge(job.key.size_class));
 }
 
 TilePageRenderer::Stage TilePageRenderer::stage(const TileJob& job, const Capture& capture) const {
-  const ObjectDescription& object = scene_->prepared->objects[job.key.object];
   Stage out;
-  out.eye = glm::dvec3(object.center) + capture.eye();
+  out.eye = glm::dvec3(scene_->prepared->description(job.key.object)->center) + capture.eye();
   out.clip_from_relative = capture_projection(capture);
   if (job.key.channels != kShadowTile) {
     out.lights = gl::light_block(job.lighting, glm::vec3(out.eye));
@@ -167,7 +165,6 @@ TilePageRenderer::Stage TilePageRenderer::stage(const TileJob& job, const Captur
 }
 
 void TilePageRenderer::draw_tile(const TileJob& job) {
-  const ObjectDescription& object = scene_->prepared->objects[job.key.object];
   const Capture capture = capture_of(job);
   const int edge = static_cast<int>(capture.edge) * samples(job);
   const Stage at = stage(job, capture);
@@ -184,9 +181,10 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   path.meshes->begin(at.clip_from_relative, at.lights);
   if (const InstanceGroup* group = scene_->prepared->group(job.key.object)) {
     const bool world = &path == &shadow_;
-    draw_group(*path.meshes, *group, capture, world ? at.eye : group->center + at.eye);
+    draw_group(*path.meshes, *group, capture, world ? at.eye : group->bounds.center + at.eye);
   } else {
     const gl::MeshInstance instance = gl::mesh_instance(at.placed, at.eye, 0);
+    const ObjectDescription& object = scene_->prepared->objects[job.key.object];
     const double clip_time = phase_time(static_cast<Phase>(job.key.phase), object.motion.clip_s);
     const gl::GpuMesh& mesh = object.motion.moving()
                                   ? scene_->posed_mesh(job.key.object, clip_time)
@@ -206,7 +204,7 @@ void TilePageRenderer::draw_group(gl::MeshPass& meshes, const InstanceGroup& gro
     std::vector<gl::MeshInstance> members;
   };
   std::vector<Batch> batches;  // in the order of the instances: the same every time
-  for (const std::uint32_t i : group.leaves) {
+  for (std::uint32_t i = group.first_leaf; i < group.first_leaf + group.leaves; ++i) {
     const Similarity& m = instances[i].world_from_object;
     const gl::GpuMesh* mesh = &scene_->mesh_for_group(instances[i].object, m.scale, capture);
     auto at = std::find_if(batches.begin(), batches.end(),

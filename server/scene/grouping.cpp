@@ -3,161 +3,246 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "server/scene/convex_hull.h"
+#include <numeric>
 
 namespace mirage {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kFewInstances = 32;  // not worth a group
-// Nested groups are a factor of four apart in size; a large scene has larger ones, so that their
-// description stays small.
+// Nested groups are a factor of four apart in size, from few enough instances to be told apart from
+// nearby to the largest whose image a server draws in a fraction of a second. There are
+// at least as many of the largest as a view from the ground shows, so that no scene is one of them.
 constexpr std::size_t kSmallestGroup = 4;
-constexpr std::size_t kGroupSizes = 4;
-constexpr std::size_t kMostSmallest = 2048;
+constexpr std::size_t kLargestGroup = 256;
+constexpr std::size_t kLargestOfAll = 4096;
+constexpr std::size_t kManyGroups = 256;
 constexpr double kLargeShare = 0.1;  // of the scene's radius: too large to be one of many
 constexpr std::size_t kSurroundedInstances = 16;
 constexpr std::uint32_t kMaxSurroundingTriangles = 100'000;
 
-glm::dvec3 world_center(const Instance& instance, const ObjectDescription& object) {
+// What an instance adds to the groups it is in; lengths in world space.
+struct Extent {
+  glm::dvec3 center{0};  // of its sphere
+  glm::dvec3 low{kInfinity}, high{-kInfinity};
+  void add(const Extent& other) {
+    low = glm::min(low, other.low);
+    high = glm::max(high, other.high);
+  }
+};
+
+Extent extent_of(const Instance& instance, const ObjectDescription& object) {
   const Similarity& m = instance.world_from_object;
-  return m.position + glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale});
+  const glm::dmat3 turn = glm::mat3_cast(glm::dquat(m.rotation)) * double{m.scale};
+  Extent out;
+  out.center = m.position + turn * glm::dvec3(object.center);
+  const glm::dvec3 middle = 0.5 * (glm::dvec3(object.box_min) + glm::dvec3(object.box_max));
+  const glm::dvec3 half = 0.5 * (glm::dvec3(object.box_max) - glm::dvec3(object.box_min));
+  const glm::dvec3 at = m.position + turn * middle;
+  const glm::dvec3 reach =
+      glm::abs(turn[0]) * half.x + glm::abs(turn[1]) * half.y + glm::abs(turn[2]) * half.z;
+  out.low = at - reach;
+  out.high = at + reach;
+  return out;
+}
+
+// Sums over the members of a group.
+struct Sum {
+  Extent extent;
+  glm::dvec3 color{0};
+  double area = 0;
+  NeedMask needs = 0;
+  Importance importance = Importance::kScenery;
+  void add(const Sum& other) {
+    extent.add(other.extent);
+    color += other.color;
+    area += other.area;
+    needs |= other.needs;
+    importance = std::max(importance, other.importance);
+  }
+};
+
+GroupBounds bounds_of(const Sum& sum) {
+  GroupBounds out;
+  out.center = 0.5 * (sum.extent.low + sum.extent.high);
+  // Rounded up, so that everything is inside in float as well.
+  const glm::dvec3 half = 0.5 * (sum.extent.high - sum.extent.low);
+  const double slack = 1e-6 * glm::length(half) + 1e-12 * glm::length(out.center);
+  out.half = glm::vec3(half + slack);
+  if (sum.area > 0) out.mean_color = glm::vec3(sum.color / sum.area);
+  for (int c = 0; c < 3; ++c) {
+    out.mean_color[c] = std::round(std::clamp(out.mean_color[c], 0.0f, 1.0f) * 255.0f) / 255.0f;
+  }
+  out.needs = sum.needs;
+  return out;
 }
 
 class Grouper {
  public:
-  Grouper(const Scene& scene, const std::vector<ObjectDescription>& objects, Grouping& out)
-      : scene_(scene), objects_(objects), out_(out) {
-    for (const Instance& i : scene.instances)
-      centers_.push_back(world_center(i, objects[i.object]));
+  Grouper(Scene& scene, const std::vector<ObjectDescription>& objects)
+      : scene_(scene), objects_(objects) {
+    extents_.reserve(scene.instances.size());
+    for (const Instance& i : scene.instances) {
+      extents_.push_back(extent_of(i, objects[i.object]));
+    }
   }
 
-  void collect() {
-    glm::dvec3 low(kInfinity), high(-kInfinity);
-    for (const glm::dvec3& c : centers_) {
-      low = glm::min(low, c);
-      high = glm::max(high, c);
+  Grouping build() {
+    const std::vector<std::uint32_t> loose = collect();
+    first_leaf_ = loose.size();
+    if (order_.size() < kFewInstances) return no_groups(extents_.size());
+    std::size_t largest = kLargestGroup;
+    while (largest < kLargestOfAll && order_.size() / largest > kManyGroups) largest *= 4;
+    out_.group_of.assign(extents_.size(), kNoGroup);
+    split(0, order_.size(), kNoGroup, largest);
+    renumber(loose);
+    list_members();
+    return std::move(out_);
+  }
+
+ private:
+  // Fills order_ with what may be grouped; returns the rest.
+  std::vector<std::uint32_t> collect() {
+    Extent whole;
+    for (const Extent& e : extents_) {
+      whole.low = glm::min(whole.low, e.center);
+      whole.high = glm::max(whole.high, e.center);
     }
-    const double scene_radius = 0.5 * glm::length(high - low);
-    for (std::uint32_t i = 0; i < centers_.size(); ++i) {
+    const double scene_radius = 0.5 * glm::length(whole.high - whole.low);
+    std::vector<std::uint32_t> loose;
+    for (std::uint32_t i = 0; i < extents_.size(); ++i) {
       const Instance& instance = scene_.instances[i];
       const ObjectDescription& object = objects_[instance.object];
       const double radius = double{object.radius} * instance.world_from_object.scale;
       const bool one_of_many = radius > 0 && radius <= kLargeShare * scene_radius;
       const bool one_picture = !(object.needs & kNeedBlend) && !object.motion.moving();
-      if (one_of_many && !object.surrounds && one_picture) order_.push_back(i);
+      const bool grouped = one_of_many && !object.surrounds && one_picture;
+      (grouped ? order_ : loose).push_back(i);
     }
+    return loose;
   }
 
-  void build() {
-    if (order_.size() < kFewInstances) return;
-    while (smallest_ * kMostSmallest < order_.size()) smallest_ *= 2;
-    split(0, order_.size(), kNoGroup, smallest_ << (2 * (kGroupSizes - 1)));
-  }
-
- private:
   // Halves [first, last) at the median of its longest side; a cell of at most `size` is a group.
-  void split(std::size_t first, std::size_t last, std::uint32_t parent, std::size_t size) {
+  Sum split(std::size_t first, std::size_t last, std::uint32_t parent, std::size_t size) {
     const std::size_t count = last - first;
-    if (count <= size && count > smallest_ / 2) {
-      parent = add_group(first, last, parent);
+    std::uint32_t group = kNoGroup;
+    if (count <= size && count > kSmallestGroup / 2) {
+      group = static_cast<std::uint32_t>(out_.groups.size());
+      InstanceGroup added;
+      added.first_leaf = static_cast<std::uint32_t>(first_leaf_ + first);
+      added.leaves = static_cast<std::uint32_t>(count);
+      added.parent = parent;
+      out_.groups.push_back(added);
+      parent = group;
       size /= 4;
     }
-    if (size < smallest_ || count <= smallest_ / 2) {
-      for (std::size_t i = first; i < last; ++i) out_.group_of[order_[i]] = parent;
-      return;
+    Sum sum;
+    if (size < kSmallestGroup || count <= kSmallestGroup / 2) {
+      const auto at = order_.begin();
+      std::sort(at + static_cast<std::ptrdiff_t>(first), at + static_cast<std::ptrdiff_t>(last));
+      for (std::size_t i = first; i < last; ++i) {
+        out_.group_of[first_leaf_ + i] = parent;
+        sum.add(sum_of(order_[i]));
+      }
+    } else {
+      const std::size_t middle = first + count / 2;
+      halve(first, middle, last);
+      sum = split(first, middle, parent, size);
+      sum.add(split(middle, last, parent, size));
     }
+    if (group != kNoGroup) {
+      out_.groups[group].bounds = bounds_of(sum);
+      out_.groups[group].importance = sum.importance;
+    }
+    return sum;
+  }
+
+  void halve(std::size_t first, std::size_t middle, std::size_t last) {
     glm::dvec3 low(kInfinity), high(-kInfinity);
     for (std::size_t i = first; i < last; ++i) {
-      low = glm::min(low, centers_[order_[i]]);
-      high = glm::max(high, centers_[order_[i]]);
+      low = glm::min(low, extents_[order_[i]].center);
+      high = glm::max(high, extents_[order_[i]].center);
     }
     const glm::dvec3 side = high - low;
     const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
-    const std::size_t middle = first + count / 2;
     const auto at = [this](std::size_t i) {
       return order_.begin() + static_cast<std::ptrdiff_t>(i);
     };
     std::nth_element(at(first), at(middle), at(last), [&](std::uint32_t a, std::uint32_t b) {
-      const double ca = centers_[a][axis], cb = centers_[b][axis];
+      const double ca = extents_[a].center[axis], cb = extents_[b].center[axis];
       return ca != cb ? ca < cb : a < b;  // the same tree wherever it is built
     });
-    split(first, middle, parent, size);
-    split(middle, last, parent, size);
   }
 
-  std::uint32_t add_group(std::size_t first, std::size_t last, std::uint32_t parent) {
-    InstanceGroup group;
-    group.parent = parent;
-    for (std::size_t i = first; i < last; ++i) group.leaves.push_back(order_[i]);
-    std::sort(group.leaves.begin(), group.leaves.end());
-    glm::dvec3 low(kInfinity), high(-kInfinity);
-    for (const std::uint32_t i : group.leaves) {
-      const Instance& instance = scene_.instances[i];
-      const double r = double{objects_[instance.object].radius} * instance.world_from_object.scale;
-      low = glm::min(low, centers_[i] - r);
-      high = glm::max(high, centers_[i] + r);
-      group.importance = std::max(group.importance, instance.importance);
+  Sum sum_of(std::uint32_t i) const {
+    const Instance& instance = scene_.instances[i];
+    const ObjectDescription& object = objects_[instance.object];
+    Sum out;
+    out.extent = extents_[i];
+    out.area = std::pow(double{object.radius} * instance.world_from_object.scale, 2);
+    out.color = glm::dvec3(object.mean_color) * out.area;
+    out.needs = object.needs;
+    out.importance = instance.importance;
+    return out;
+  }
+
+  void renumber(const std::vector<std::uint32_t>& loose) {
+    std::vector<Instance> instances;
+    instances.reserve(scene_.instances.size());
+    for (const std::uint32_t i : loose) instances.push_back(scene_.instances[i]);
+    for (const std::uint32_t i : order_) instances.push_back(scene_.instances[i]);
+    scene_.instances = std::move(instances);
+  }
+
+  void list_members() {
+    const auto own = static_cast<std::uint32_t>(scene_.instances.size());
+    const std::size_t groups = out_.groups.size();
+    const auto parent_of = [&](std::uint32_t i) {
+      return i < own ? out_.group_of[i] : out_.groups[i - own].parent;
+    };
+    const auto all = own + static_cast<std::uint32_t>(groups);
+    for (std::uint32_t i = 0; i < all; ++i) {
+      if (const std::uint32_t parent = parent_of(i); parent != kNoGroup) {
+        ++out_.groups[parent].members;
+      } else {
+        out_.roots.push_back(i);
+      }
     }
-    group.center = 0.5 * (low + high);
-    out_.groups.push_back(std::move(group));
-    return static_cast<std::uint32_t>(out_.groups.size() - 1);
+    std::uint32_t next = 0;
+    for (InstanceGroup& group : out_.groups) {
+      group.first_member = next;
+      next += group.members;
+      group.members = 0;
+    }
+    out_.members.resize(next);
+    for (std::uint32_t i = 0; i < all; ++i) {
+      if (const std::uint32_t parent = parent_of(i); parent != kNoGroup) {
+        InstanceGroup& group = out_.groups[parent];
+        out_.members[group.first_member + group.members++] = i;
+      }
+    }
   }
 
-  const Scene& scene_;
+  Scene& scene_;
   const std::vector<ObjectDescription>& objects_;
-  Grouping& out_;
-  std::vector<glm::dvec3> centers_;
+  Grouping out_;
+  std::vector<Extent> extents_;
   std::vector<std::uint32_t> order_;
-  std::size_t smallest_ = kSmallestGroup;
+  std::size_t first_leaf_ = 0;
 };
 
 }  // namespace
 
-Grouping group_instances(const Scene& scene, const std::vector<ObjectDescription>& objects) {
+Grouping no_groups(std::size_t instances) {
   Grouping out;
-  out.group_of.assign(scene.instances.size(), kNoGroup);
-  Grouper grouper(scene, objects, out);
-  grouper.collect();
-  grouper.build();
+  out.group_of.assign(instances, kNoGroup);
+  out.roots.resize(instances);
+  std::iota(out.roots.begin(), out.roots.end(), 0u);
   return out;
 }
 
-ObjectDescription describe_group(const InstanceGroup& group, const Scene& scene,
-                                 const std::vector<ObjectDescription>& objects) {
-  ObjectDescription out;
-  out.group = true;
-  std::vector<glm::vec3> corners;
-  glm::dvec3 color(0);
-  double weight = 0, radius = 0;
-  for (const std::uint32_t i : group.leaves) {
-    const Similarity& m = scene.instances[i].world_from_object;
-    const ObjectDescription& object = objects[scene.instances[i].object];
-    for (int corner = 0; corner < 8; ++corner) {
-      const glm::vec3 p(corner & 1 ? object.box_max.x : object.box_min.x,
-                        corner & 2 ? object.box_max.y : object.box_min.y,
-                        corner & 4 ? object.box_max.z : object.box_min.z);
-      const glm::dvec3 world =
-          m.position - group.center + glm::dquat(m.rotation) * (glm::dvec3(p) * double{m.scale});
-      corners.emplace_back(world);
-      radius = std::max(radius, glm::length(world));
-    }
-    const double area = std::pow(double{object.radius} * m.scale, 2);
-    color += glm::dvec3(object.mean_color) * area;
-    weight += area;
-    out.needs |= object.needs;
-    out.triangles += object.triangles;
-  }
-  out.box_min = out.box_max = corners[0];
-  for (const glm::vec3& p : corners) {
-    out.box_min = glm::min(out.box_min, p);
-    out.box_max = glm::max(out.box_max, p);
-  }
-  out.radius = static_cast<float>(radius * 1.00001);
-  if (weight > 0) out.mean_color = glm::vec3(color / weight);
-  if (Result<ConvexHull> hull = enclosing_hull(corners); hull.ok()) out.hull = hull.take();
-  return out;
+Grouping group_instances(Scene& scene, const std::vector<ObjectDescription>& objects) {
+  return Grouper(scene, objects).build();
 }
 
 void find_surroundings(const Scene& scene, double bounds_radius,

@@ -254,7 +254,7 @@ Instance PreparedScene::instance(std::size_t index) const {
   if (index < own) return scene.instances[index];
   Instance group;
   group.object = static_cast<std::uint32_t>(scene.objects.size() + (index - own));
-  group.world_from_object.position = grouping.groups[index - own].center;
+  group.world_from_object.position = grouping.groups[index - own].bounds.center;
   group.importance = grouping.groups[index - own].importance;
   return group;
 }
@@ -264,6 +264,13 @@ std::uint32_t PreparedScene::parent(std::size_t index) const {
   const std::uint32_t of =
       index < own ? grouping.group_of[index] : grouping.groups[index - own].parent;
   return of == kNoGroup ? kNoGroup : static_cast<std::uint32_t>(own + of);
+}
+
+std::shared_ptr<const ObjectDescription> PreparedScene::description(std::size_t object) const {
+  if (const InstanceGroup* of = group(object)) {
+    return std::make_shared<const ObjectDescription>(group_description(of->bounds));
+  }
+  return {std::shared_ptr<const void>{}, &objects[object]};  // owned by the scene
 }
 
 bool PreparedScene::blends() const {
@@ -389,13 +396,10 @@ Result<std::shared_ptr<const PreparedScene>> prepare_scene(Scene scene, bool kee
   make_all_geometry(*prepared);
   // A scene without extent still needs a loop to walk.
   if (!(prepared->scene.home.walk_radius_m > 0)) prepared->scene.home.walk_radius_m = 1;
-  prepared->revision = content_hash(prepared->scene);
   bound_world(*prepared);
   find_surroundings(prepared->scene, prepared->bounds_radius, prepared->objects);
   prepared->grouping = group_instances(prepared->scene, prepared->objects);
-  for (const InstanceGroup& group : prepared->grouping.groups) {
-    prepared->objects.push_back(describe_group(group, prepared->scene, prepared->objects));
-  }
+  prepared->revision = content_hash(prepared->scene);
   return std::shared_ptr<const PreparedScene>(std::move(prepared));
 }
 

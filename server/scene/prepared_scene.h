@@ -35,10 +35,9 @@ struct PreparedScene {
     std::vector<Image> images;
   };
   std::shared_ptr<const Imported> imported;
-  std::uint64_t revision = 0;  ///< hash of all content that pixels depend on
-  /// The scene's objects, then its groups as objects of their own.
-  std::vector<ObjectDescription> objects;
-  std::vector<ObjectGeometry> geometry;  ///< by object of the scene
+  std::uint64_t revision = 0;              ///< hash of all content that pixels depend on
+  std::vector<ObjectDescription> objects;  ///< by object of the scene
+  std::vector<ObjectGeometry> geometry;    ///< the same
   std::vector<ImageDescription> images;
   Grouping grouping;
   glm::dvec3 bounds_center{0};  ///< sphere around all instances, world
@@ -51,8 +50,17 @@ struct PreparedScene {
   /// Instances as clients number them: the scene's, then one for each group.
   std::size_t instance_count() const { return scene.instances.size() + grouping.groups.size(); }
   Instance instance(std::size_t index) const;
+  /// The group an instance stands for; nullptr when it is none.
+  const InstanceGroup* group_of_instance(std::size_t index) const {
+    const std::size_t own = scene.instances.size();
+    return index < own ? nullptr : &grouping.groups[index - own];
+  }
   /// Index of the instance whose group `index` belongs to; kNoGroup: none.
   std::uint32_t parent(std::size_t index) const;
+  /// Objects as clients number them: the scene's, then one for each group.
+  std::size_t object_count() const { return scene.objects.size() + grouping.groups.size(); }
+  /// Of a group it is made anew; of any other the scene has it.
+  std::shared_ptr<const ObjectDescription> description(std::size_t object) const;
   /// The group an object stands for; nullptr when it is none.
   const InstanceGroup* group(std::size_t object) const {
     const std::size_t own = scene.objects.size();

@@ -69,6 +69,7 @@ bool accepts_message(const Bytes& bytes, int& not_finite) {
     check.add(m->sky_zenith), check.add(m->sky_horizon), check.add(m->sky_nadir);
     check.add(m->home_eye), check.add(m->home_target), check.add(m->walk_radius_m);
     check.add(m->walk_speed_mps), check.add(double{m->fog_density});
+    check.add(m->bounds_center), check.add(m->bounds_radius);
     taken = use_lighting(*m->lighting, check);
   }
   if (const auto* m = body.AsSetLighting()) taken = use_lighting(*m->lighting, check);
@@ -80,6 +81,11 @@ bool accepts_message(const Bytes& bytes, int& not_finite) {
       check.add(i.position()), check.add(i.rotation()), check.add(double{i.scale()});
       check.add(double{i.clip_offset_s()});
     }
+    for (const wire::GroupRecord& g : m->groups) check.add(g.center()), check.add(g.half());
+  }
+  if (const auto* m = body.AsOpenRequest()) {
+    check.add(m->eye), check.add(m->forward), check.add(m->focal_px), check.add(m->tau_px);
+    check.add(m->speed_mps), check.add(m->margin);
   }
   if (const auto* m = body.AsImagePage()) {
     for (const wire::ImageInfo& i : m->images) check.add(double{i.alpha_cutoff()});

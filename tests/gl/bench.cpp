@@ -64,7 +64,7 @@ PreparedScene as_one_object(const PreparedScene& prepared, const Similarity& pla
   PreparedScene out;
   out.objects = {describe_object(whole, scene)};
   out.geometry = {make_geometry(scene, whole, out.objects[0])};
-  out.grouping.group_of = {kNoGroup};
+  out.grouping = no_groups(1);
   for (const Image& image : scene.images) {
     ImageDescription d;
     d.width = image.width;

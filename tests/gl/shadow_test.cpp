@@ -74,7 +74,7 @@ std::shared_ptr<PreparedScene> slab_and_cube() {
     out->objects.push_back(describe_object(object, scene));
     out->geometry.push_back(make_geometry(scene, object, out->objects.back()));
   }
-  out->grouping.group_of = {kNoGroup, kNoGroup};
+  out->grouping = no_groups(2);
   out->bounds_radius = 12;
   return out;
 }

@@ -51,7 +51,7 @@ std::shared_ptr<const PreparedScene> rig_scene(const RigScene& options) {
   out->objects.assign(copies, knot->objects[0]);
   out->geometry.assign(copies, knot->geometry[0]);
   out->scene.instances.assign(copies, knot->scene.instances[0]);
-  out->grouping.group_of.assign(copies, kNoGroup);
+  out->grouping = no_groups(copies);
   const double size = 1 / double{out->objects[0].radius};
   for (std::size_t i = 0; i < copies; ++i) {
     Instance& instance = out->scene.instances[i];

@@ -10,15 +10,11 @@ namespace {
 
 constexpr std::uint32_t kNone = InstanceView::kNoParent;
 
-// Object 0: a ball of radius 1; object 1: a group of radius 8. Instances 0..3 in group instance 4.
+// Object 0: a ball of radius 1. Instances 0..3 in group 4, of radius 8.
 SceneView grouped(std::uint32_t parent_of_group = kNone, std::uint32_t parent = 4) {
-  SceneOptions options;
-  options.objects = 2;
-  options.groups = {{1, 8.0f}};
   std::vector<Placed> placed;
   for (int i = 0; i < 4; ++i) placed.push_back({{4.0 * i - 6, 0, 0}, 1, 0, parent});
-  placed.push_back({{0, 0, 0}, 1, 1, parent_of_group});
-  return make_scene(placed, options);
+  return make_scene(placed, {}, {{{0, 0, 0}, 8.0f, parent_of_group, 0, 4}});
 }
 
 struct GroupWorld : SelectorWorld {

@@ -23,27 +23,41 @@ struct SceneOptions {
   bool geometry = false;
   NeedMask needs = 0;
   std::uint32_t triangles = 100;
-  std::set<std::uint32_t> surrounds = {};      ///< objects that are scenery around the viewer
-  std::map<std::uint32_t, float> groups = {};  ///< objects that are groups, with their radii
+  std::set<std::uint32_t> surrounds = {};  ///< objects that are scenery around the viewer
 };
 
-inline SceneView make_scene(const std::vector<Placed>& placed, const SceneOptions& options = {}) {
+/// A group, numbered after the instances.
+struct PlacedGroup {
+  glm::dvec3 center{0};
+  float radius = 1;
+  std::uint32_t parent = InstanceView::kNoParent;
+  std::uint32_t first_leaf = 0, leaves = 0;
+};
+
+inline wire::WelcomeT make_welcome(std::size_t instances, std::size_t groups, std::size_t roots,
+                                   const SceneOptions& options) {
   wire::WelcomeT welcome;
   welcome.objects = options.objects;
-  welcome.instances = static_cast<std::uint32_t>(placed.size());
+  welcome.instances = static_cast<std::uint32_t>(instances);
+  welcome.groups = static_cast<std::uint32_t>(groups);
+  welcome.roots = static_cast<std::uint32_t>(roots);
   welcome.lighting = to_wire(Lighting{});
   welcome.sky_zenith = std::make_unique<wire::Vec3f>();
   welcome.sky_horizon = std::make_unique<wire::Vec3f>();
   welcome.sky_nadir = std::make_unique<wire::Vec3f>();
   welcome.home_eye = std::make_unique<wire::Vec3d>();
   welcome.home_target = std::make_unique<wire::Vec3d>(0, 0, -1);
+  welcome.bounds_center = std::make_unique<wire::Vec3d>();
+  welcome.bounds_radius = 100;
   welcome.geometry = options.geometry;
+  return welcome;
+}
+
+inline wire::ObjectPageT make_objects(const SceneOptions& options) {
   wire::ObjectPageT objects;
   for (std::uint32_t i = 0; i < options.objects; ++i) {
     auto info = std::make_unique<wire::ObjectInfoT>();
-    const auto group = options.groups.find(i);
-    info->group = group != options.groups.end();
-    info->radius = info->group ? group->second : options.radius;
+    info->radius = options.radius;
     const float half = 0.577f * info->radius;
     info->center = std::make_unique<wire::Vec3f>();
     info->box_min = std::make_unique<wire::Vec3f>(-half, -half, -half);
@@ -54,14 +68,55 @@ inline SceneView make_scene(const std::vector<Placed>& placed, const SceneOption
     info->surrounds = options.surrounds.count(i) != 0;
     objects.objects.push_back(std::move(info));
   }
-  wire::InstancePageT instances;
+  return objects;
+}
+
+inline wire::InstanceRecord instance_record(const Placed& p, std::uint32_t id) {
+  return {to_wire(p.position),
+          wire::Quat(1, 0, 0, 0),
+          p.scale,
+          id,
+          p.object,
+          p.parent,
+          0.0f,
+          static_cast<std::uint8_t>(p.importance)};
+}
+
+/// `needs` as of the group's members.
+inline wire::GroupRecord group_record(const PlacedGroup& g, std::uint32_t id, NeedMask needs) {
+  const float half = 0.57735f * g.radius;
+  return {to_wire(g.center),
+          wire::Vec3f(half, half, half),
+          0u,
+          needs,
+          id,
+          g.parent,
+          g.first_leaf,
+          g.leaves,
+          std::uint8_t{1}};
+}
+
+/// Instances have the indices of `placed`; groups follow.
+inline SceneView make_scene(const std::vector<Placed>& placed, const SceneOptions& options = {},
+                            const std::vector<PlacedGroup>& groups = {}) {
+  wire::InstancePageT page;
+  page.last = true;
+  std::size_t roots = 0;
+  const auto own = static_cast<std::uint32_t>(placed.size());
   for (const Placed& p : placed) {
-    instances.instances.emplace_back(to_wire(p.position), wire::Quat(1, 0, 0, 0), p.scale, p.object,
-                                     p.parent, 0.0f, static_cast<std::uint8_t>(p.importance));
+    roots += p.parent == InstanceView::kNoParent ? 1 : 0;
+    page.instances.push_back(instance_record(p, static_cast<std::uint32_t>(page.instances.size())));
+  }
+  for (const PlacedGroup& g : groups) {
+    roots += g.parent == InstanceView::kNoParent ? 1 : 0;
+    const auto id = own + static_cast<std::uint32_t>(page.groups.size());
+    page.groups.push_back(group_record(g, id, options.needs));
+    page.opened.push_back(id);
   }
   SceneView scene;
-  const bool taken =
-      scene.accept(welcome).ok() && scene.accept(objects).ok() && scene.accept(instances).ok();
+  const wire::WelcomeT welcome = make_welcome(placed.size(), groups.size(), roots, options);
+  const bool taken = scene.accept(welcome).ok() && scene.accept(make_objects(options)).ok() &&
+                     scene.accept(page).ok();
   return taken ? scene : SceneView{};
 }
 

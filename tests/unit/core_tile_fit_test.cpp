@@ -1,10 +1,10 @@
-#include "client/core/tile_fit.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "client/core/tile_fit.h"
 #include "client/core/tile_need.h"
+#include "protocol/instance_group.h"
 #include "tests/unit/core_scene.h"
 
 namespace mirage {

@@ -64,6 +64,8 @@ TEST(ProtocolHostile, CountsAreHeldAgainstTheLimits) {
   wire::InstancePageT page = sample_instance_page();
   page.instances.resize(kInstancesPerPage + 1, page.instances[0]);
   EXPECT_EQ(decode_error(encode_message(wire::InstancePageT(page))), ErrorId::kWireLimit);
+  page.groups.resize(kInstancesPerPage, page.groups[0]);
+  page.opened.resize(kInstancesPerPage, page.opened[0]);
   page.instances.resize(kInstancesPerPage, page.instances[0]);
   EXPECT_EQ(decode_error(encode_message(std::move(page))), ErrorId::kInternal);
 }

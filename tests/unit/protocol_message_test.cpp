@@ -236,7 +236,7 @@ TEST(ProtocolMessage, NoFloatOfAnInstanceMayBeNotFinite) {
     return wire::InstanceRecord(
         wire::Vec3d(field == 0 ? v : 1, field == 1 ? v : 2, field == 2 ? v : 3),
         wire::Quat(field == 3 ? f : 1, field == 4 ? f : 0, field == 5 ? f : 0, field == 6 ? f : 0),
-        field == 7 ? f : 1, 0, 0, field == 8 ? f : 0, 1);
+        field == 7 ? f : 1, 0, 0, 0, field == 8 ? f : 0, 1);
   };
   for (int field = 0; field < 9; ++field) {
     expect_finite_only(
@@ -252,8 +252,55 @@ TEST(ProtocolMessage, NoFloatOfAnInstanceMayBeNotFinite) {
   page.instances[0] = instance(3, 2.0);
   expect_refused(page, ErrorId::kWireValue, "rotation that is not unit");
   page = sample_instance_page();
-  page.instances[0] = wire::InstanceRecord({}, wire::Quat(1, 0, 0, 0), 1, 0, 0, 0, 3);
+  page.instances[0] = wire::InstanceRecord({}, wire::Quat(1, 0, 0, 0), 1, 0, 0, 0, 0, 3);
   expect_refused(page, ErrorId::kWireValue, "importance that does not exist");
+}
+
+TEST(ProtocolMessage, NoFloatOfAGroupOrOfWhoAsksForOneMayBeNotFinite) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    expect_finite_only(
+        sample_instance_page(),
+        [i](auto& m, double v) {
+          wire::Vec3d center(1, 2, 3);
+          set_nth(center, i, v);
+          m.groups[0] = wire::GroupRecord(center, wire::Vec3f(1, 1, 1), 0, 0, 8, 9, 0, 1, 1);
+        },
+        "centre");
+    expect_finite_only(
+        sample_instance_page(),
+        [i](auto& m, double v) {
+          wire::Vec3f half(1, 2, 3);
+          set_nth(half, i, v);
+          m.groups[0] = wire::GroupRecord(wire::Vec3d(1, 1, 1), half, 0, 0, 8, 9, 0, 1, 1);
+        },
+        "half");
+    expect_finite_only(
+        sample_open_request(), [i](auto& m, double v) { set_nth(*m.eye, i, v); }, "eye");
+    expect_finite_only(
+        sample_open_request(), [i](auto& m, double v) { set_nth(*m.forward, i, v); }, "forward");
+  }
+  wire::InstancePageT page = sample_instance_page();
+  page.groups[0] =
+      wire::GroupRecord(wire::Vec3d(1, 1, 1), wire::Vec3f(1, -1, 1), 0, 0, 8, 9, 0, 1, 1);
+  expect_refused(page, ErrorId::kWireValue, "half below 0");
+  const auto damaged = [](auto damage) {
+    wire::OpenRequestT request = sample_open_request();
+    damage(request);
+    return request;
+  };
+  expect_finite_only(
+      sample_open_request(), [](auto& m, double v) { m.focal_px = v; }, "focal");
+  expect_finite_only(
+      sample_open_request(), [](auto& m, double v) { m.tau_px = v; }, "tau");
+  expect_finite_only(
+      sample_open_request(), [](auto& m, double v) { m.speed_mps = v; }, "speed");
+  expect_finite_only(
+      sample_open_request(), [](auto& m, double v) { m.margin = v; }, "margin");
+  expect_refused(damaged([](auto& m) { m.tau_px = 0; }), ErrorId::kWireValue, "tau of 0");
+  expect_refused(damaged([](auto& m) { m.margin = 100; }), ErrorId::kWireValue, "margin");
+  expect_refused(damaged([](auto& m) { m.speed_mps = -1; }), ErrorId::kWireValue, "speed");
+  expect_refused(damaged([](auto& m) { m.groups.resize(limits::kMaxOpensPerRequest + 1); }),
+                 ErrorId::kWireLimit, "groups in a request");
 }
 
 TEST(ProtocolMessage, NoFloatOfARequestMayBeNotFinite) {
@@ -319,7 +366,7 @@ TEST(ProtocolMessage, ReferenceRequestsHaveARange) {
 
 TEST(ProtocolMessage, GoldenTileReply) {
   static const Bytes kExpected = {
-      0x4d, 0x52, 0x01, 0x01, 0xa0, 0x00, 0x00, 0x00, 0x0a, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+      0x4d, 0x52, 0x02, 0x01, 0xa0, 0x00, 0x00, 0x00, 0x0a, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
       0x00, 0x0c, 0x00, 0x00, 0x00, 0x08, 0x00, 0x0e, 0x00, 0x07, 0x00, 0x08, 0x00, 0x08, 0x00,
       0x00, 0x00, 0x00, 0x00, 0x00, 0x09, 0x34, 0x00, 0x00, 0x00, 0x00, 0x00, 0x2e, 0x00, 0x58,
       0x00, 0x10, 0x00, 0x40, 0x00, 0x48, 0x00, 0x50, 0x00, 0x06, 0x00, 0x08, 0x00, 0x0a, 0x00,
@@ -338,7 +385,7 @@ TEST(ProtocolMessage, GoldenTileReply) {
 
 TEST(ProtocolMessage, GoldenRequestBatch) {
   static const Bytes kExpected = {
-      0x4d, 0x52, 0x01, 0x01, 0xc0, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+      0x4d, 0x52, 0x02, 0x01, 0xc0, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
       0x00, 0x0c, 0x00, 0x00, 0x00, 0x08, 0x00, 0x0c, 0x00, 0x07, 0x00, 0x08, 0x00, 0x08, 0x00,
       0x00, 0x00, 0x00, 0x00, 0x00, 0x06, 0x14, 0x00, 0x00, 0x00, 0x10, 0x00, 0x20, 0x00, 0x04,
       0x00, 0x08, 0x00, 0x0c, 0x00, 0x18, 0x00, 0x10, 0x00, 0x14, 0x00, 0x10, 0x00, 0x00, 0x00,

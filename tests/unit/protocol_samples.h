@@ -46,6 +46,10 @@ inline wire::WelcomeT sample_welcome() {
   m.walk_speed_mps = 1.4;
   m.geometry = true;
   m.reference = true;
+  m.groups = 5;
+  m.roots = 3;
+  m.bounds_center = std::make_unique<wire::Vec3d>(7, 8, 9);
+  m.bounds_radius = 40;
   return m;
 }
 
@@ -75,10 +79,27 @@ inline wire::ObjectPageT sample_object_page() {
 
 inline wire::InstancePageT sample_instance_page() {
   wire::InstancePageT m;
-  m.first = 3072;
+  m.request_id = 13;
+  m.last = true;
+  m.opened = {3080};
   m.instances = {
-      {wire::Vec3d(1e6, 2, 3), wire::Quat(0.5f, 0.5f, 0.5f, 0.5f), 2.0f, 7, 3080, 0.5f, 2},
-      {wire::Vec3d(0, 0, 0), wire::Quat(1, 0, 0, 0), 1.0f, 8, 0xffffffffu, 0.0f, 1}};
+      {wire::Vec3d(1e6, 2, 3), wire::Quat(0.5f, 0.5f, 0.5f, 0.5f), 2.0f, 6, 7, 3080, 0.5f, 2},
+      {wire::Vec3d(0, 0, 0), wire::Quat(1, 0, 0, 0), 1.0f, 7, 8, 0xffffffffu, 0.0f, 1}};
+  m.groups = {{wire::Vec3d(1e6, 0, -3), wire::Vec3f(2, 1, 0.5f), 0x00804020u, 0x123, 3080,
+               0xffffffffu, 6, 2, 1}};
+  return m;
+}
+
+inline wire::OpenRequestT sample_open_request() {
+  wire::OpenRequestT m;
+  m.request_id = 13;
+  m.groups = {3080, 3081};
+  m.eye = std::make_unique<wire::Vec3d>(1, 2, 3);
+  m.forward = std::make_unique<wire::Vec3d>(0, 0, -1);
+  m.focal_px = 640;
+  m.tau_px = 1;
+  m.speed_mps = 1.4;
+  m.margin = 1.6;
   return m;
 }
 
@@ -228,7 +249,8 @@ inline std::vector<Bytes> sample_messages() {
           encode_message(sample_stats()),
           encode_message(sample_bye()),
           encode_message(sample_image_page()),
-          encode_message(sample_image_reply(), {6, 5})};
+          encode_message(sample_image_reply(), {6, 5}),
+          encode_message(sample_open_request())};
 }
 
 }  // namespace mirage::test

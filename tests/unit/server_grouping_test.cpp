@@ -31,8 +31,9 @@ TEST(ServerGrouping, EveryInstanceIsInAtMostOneTree) {
     EXPECT_FALSE(object.needs & kNeedBlend);
     int depth = 0;
     for (; group != kNoGroup; group = grouping.groups[group].parent) {
-      const auto& leaves = grouping.groups[group].leaves;
-      EXPECT_EQ(std::count(leaves.begin(), leaves.end(), i), 1);
+      const InstanceGroup& of = grouping.groups[group];
+      EXPECT_GE(i, of.first_leaf);
+      EXPECT_LT(i, of.first_leaf + of.leaves);
       ASSERT_LT(++depth, 8);
     }
   }
@@ -43,19 +44,19 @@ TEST(ServerGrouping, BoundsEncloseTheMembersVertices) {
   const PreparedScene& scene = *forest();
   for (std::size_t g = 0; g < scene.grouping.groups.size(); g += 3) {
     const InstanceGroup& group = scene.grouping.groups[g];
-    const ObjectDescription& of = scene.objects[scene.scene.objects.size() + g];
+    const ObjectDescription of = *scene.description(scene.scene.objects.size() + g);
     EXPECT_TRUE(of.group);
-    EXPECT_EQ(of.hull.parallax.size(), of.hull.vertices.size()) << "clients refuse anything else";
-    for (const std::uint32_t i : group.leaves) {
+    EXPECT_EQ(of.hull.parallax.size(), of.hull.vertices.size());
+    for (std::uint32_t i = group.first_leaf; i < group.first_leaf + group.leaves; ++i) {
       const Instance& instance = scene.scene.instances[i];
       const Similarity& m = instance.world_from_object;
       for (const Vertex& v : scene.scene.objects[instance.object].mesh.vertices) {
-        const glm::dvec3 p = m.position - group.center +
+        const glm::dvec3 p = m.position - group.bounds.center +
                              glm::dquat(m.rotation) * (glm::dvec3(v.position) * double{m.scale});
         ASSERT_LE(glm::length(p), of.radius);
         for (int axis = 0; axis < 3; ++axis) {
-          ASSERT_GE(p[axis], of.box_min[axis] - 1e-4);
-          ASSERT_LE(p[axis], of.box_max[axis] + 1e-4);
+          ASSERT_GE(p[axis], of.box_min[axis]);
+          ASSERT_LE(p[axis], of.box_max[axis]);
         }
       }
     }
@@ -69,12 +70,13 @@ TEST(ServerGrouping, GroupsAreInstancesAfterTheScenesOwn) {
   for (std::size_t g = 0; g < scene.grouping.groups.size(); ++g) {
     const Instance instance = scene.instance(own + g);
     EXPECT_EQ(instance.object, scene.scene.objects.size() + g);
-    EXPECT_EQ(instance.world_from_object.position, scene.grouping.groups[g].center);
-    EXPECT_TRUE(scene.objects[instance.object].group);
+    EXPECT_EQ(instance.world_from_object.position, scene.grouping.groups[g].bounds.center);
+    EXPECT_TRUE(scene.description(instance.object)->group);
     EXPECT_EQ(scene.group(instance.object), &scene.grouping.groups[g]);
     const std::uint32_t parent = scene.parent(own + g);
     if (parent != kNoGroup) {
-      EXPECT_TRUE(scene.objects[scene.instance(parent).object].group);
+      EXPECT_TRUE(scene.group_of_instance(parent));
+      EXPECT_LT(parent, own + g) << "a group comes before those nested in it";
     }
   }
   EXPECT_EQ(scene.group(0), nullptr);
@@ -83,15 +85,15 @@ TEST(ServerGrouping, GroupsAreInstancesAfterTheScenesOwn) {
 TEST(ServerGrouping, AGroupIsAsImportantAsItsMostImportantMember) {
   Scene scene = forest()->scene;
   for (Instance& instance : scene.instances) instance.importance = Importance::kScenery;
-  const std::uint32_t one = forest()->grouping.groups.back().leaves.front();
+  const std::uint32_t one = forest()->grouping.groups.back().first_leaf;
   scene.instances[one].importance = Importance::kImportant;
   PreparedScene prepared;
   prepared.grouping = group_instances(scene, forest()->objects);
   prepared.scene = std::move(scene);
   std::size_t important = 0;
   for (std::size_t g = 0; g < prepared.grouping.groups.size(); ++g) {
-    const auto& leaves = prepared.grouping.groups[g].leaves;
-    const bool has_it = std::count(leaves.begin(), leaves.end(), one) > 0;
+    const InstanceGroup& group = prepared.grouping.groups[g];
+    const bool has_it = one >= group.first_leaf && one < group.first_leaf + group.leaves;
     const Importance expected = has_it ? Importance::kImportant : Importance::kScenery;
     EXPECT_EQ(prepared.instance(prepared.scene.instances.size() + g).importance, expected);
     important += has_it ? 1 : 0;
@@ -110,10 +112,35 @@ TEST(ServerGrouping, FewInstancesAreNotGrouped) {
   EXPECT_TRUE(load_scene("builtin:knot").take()->grouping.groups.empty());
 }
 
-TEST(ServerGrouping, DescriptionOfALargeSceneStaysSmall) {
-  const auto field = load_scene("builtin:field?instances=20000").take();
-  EXPECT_GT(field->grouping.groups.size(), 100u);
-  EXPECT_LT(field->grouping.groups.size(), 6000u);
+TEST(ServerGrouping, MembersAndRootsAreEverythingOnce) {
+  const PreparedScene& scene = *forest();
+  std::set<std::uint32_t> seen;
+  const auto see = [&](std::uint32_t id, std::uint32_t parent) {
+    EXPECT_TRUE(seen.insert(id).second);
+    EXPECT_EQ(scene.parent(id), parent);
+  };
+  for (const std::uint32_t id : scene.grouping.roots) see(id, kNoGroup);
+  const std::size_t own = scene.scene.instances.size();
+  for (std::size_t g = 0; g < scene.grouping.groups.size(); ++g) {
+    const InstanceGroup& group = scene.grouping.groups[g];
+    EXPECT_GE(group.members, 2u);
+    for (std::uint32_t i = 0; i < group.members; ++i) {
+      see(scene.grouping.members[group.first_member + i], static_cast<std::uint32_t>(own + g));
+    }
+  }
+  EXPECT_EQ(seen.size(), scene.instance_count());
+}
+
+TEST(ServerGrouping, InALargeSceneTooTheSmallestAreSmallAndTheLargestMany) {
+  const auto field = load_scene("builtin:field?instances=100000").take();
+  std::uint32_t smallest = UINT32_MAX, largest = 0;
+  for (const InstanceGroup& group : field->grouping.groups) {
+    smallest = std::min(smallest, group.leaves);
+    largest = std::max(largest, group.leaves);
+  }
+  EXPECT_LE(smallest, 4u);
+  EXPECT_GE(largest, 512u);
+  EXPECT_LT(field->grouping.roots.size(), 300u) << "the part that every client is told of";
 }
 
 }  // namespace

@@ -116,6 +116,22 @@ TEST_F(ServerSession, HelloIsAnsweredWithTheScene) {
   EXPECT_EQ(messages[2].body.AsInstancePage()->instances.size(), 1u);
 }
 
+TEST_F(ServerSession, MembersComeAfterTheDescriptionAndBeforeTiles) {
+  const SessionId id = hub->open().take();
+  ASSERT_TRUE(send(id, hello()).ok());
+  ASSERT_TRUE(send(id, sample_open_request()).ok());
+  const std::vector<Message> messages = drain(id);
+  ASSERT_EQ(messages.size(), 4u);
+  const wire::InstancePageT* told = messages[2].body.AsInstancePage();
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->request_id, 0u);
+  EXPECT_TRUE(told->last);
+  const wire::InstancePageT* answer = messages[3].body.AsInstancePage();
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->request_id, sample_open_request().request_id);
+  EXPECT_TRUE(answer->last) << "an answer ends, also one that tells nothing";
+}
+
 TEST_F(ServerSession, WhatComesBeforeTheHelloIsAnError) {
   for (const Bytes& bytes : sample_messages()) {
     const bool is_hello = decode_message(bytes.data(), bytes.size())->body.AsHello() != nullptr;
@@ -131,7 +147,8 @@ TEST_F(ServerSession, MessagesOfAServerAreNotForAServer) {
   for (const Bytes& bytes : sample_messages()) {
     const auto type = decode_message(bytes.data(), bytes.size())->body.type;
     if (type == wire::Body::RequestBatch || type == wire::Body::SetLighting ||
-        type == wire::Body::ReferenceRequest || type == wire::Body::StatsRequest) {
+        type == wire::Body::ReferenceRequest || type == wire::Body::StatsRequest ||
+        type == wire::Body::OpenRequest) {
       continue;
     }
     const SessionId id = greeted();

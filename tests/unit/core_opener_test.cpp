@@ -1,0 +1,254 @@
+// A scene told group by group: what a viewer needs is known, and not much more.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "client/core/scene_opener.h"
+#include "client/core/selector_rules.h"
+#include "server/scene_opening.h"
+#include "server/scene_pages.h"
+#include "tests/unit/core_scene.h"
+
+namespace mirage::test {
+namespace {
+
+constexpr std::uint32_t kNone = InstanceView::kNoParent;
+
+std::shared_ptr<const PreparedScene> field() {
+  static const std::shared_ptr<const PreparedScene> scene =
+      load_scene("builtin:field?instances=40000").take();
+  return scene;
+}
+
+Message decoded(const FramePtr& page) { return decode_message(page->data(), page->size()).take(); }
+
+Result<void> take(SceneView& scene, const std::vector<FramePtr>& pages) {
+  for (const FramePtr& page : pages) {
+    Message m = decoded(page);
+    Result<void> taken;
+    if (const auto* images = m.body.AsImagePage()) taken = scene.accept(*images);
+    if (const auto* objects = m.body.AsObjectPage()) taken = scene.accept(*objects);
+    if (const auto* instances = m.body.AsInstancePage()) taken = scene.accept(*instances);
+    if (!taken) return taken;
+  }
+  return {};
+}
+
+SceneView as_told(const PreparedScene& prepared) {
+  SceneOptions options;
+  options.objects = static_cast<std::uint32_t>(prepared.objects.size());
+  wire::WelcomeT welcome =
+      make_welcome(prepared.scene.instances.size(), prepared.grouping.groups.size(),
+                   prepared.grouping.roots.size(), options);
+  welcome.images = static_cast<std::uint32_t>(prepared.images.size());
+  welcome.bounds_center = std::make_unique<wire::Vec3d>(to_wire(prepared.bounds_center));
+  welcome.bounds_radius = prepared.bounds_radius;
+  SceneView scene;
+  EXPECT_TRUE(scene.accept(welcome).ok());
+  EXPECT_TRUE(take(scene, make_scene_pages(prepared)).ok());
+  return scene;
+}
+
+// Asks and gets until nothing more is wanted; returns how often.
+int ask_on(SceneOpener& opener, SelectorWorld& world) {
+  int requests = 0;
+  for (;; ++requests) {
+    world.now_us += 200'000;
+    const std::optional<wire::OpenRequestT> request = opener.plan(world.input());
+    if (!request || requests > 20) return requests;
+    EXPECT_TRUE(take(world.scene, answer_open(*field(), *request)).ok());
+    world.selector.grow(world.scene);
+    world.cache.grow(world.scene);
+    world.mesh_ready.resize(world.scene.objects.size(), false);
+  }
+}
+
+void expect_known_as_needed(const SelectorWorld& world) {
+  const SelectorInput in = world.input();
+  for (std::uint32_t i = 0; i < world.scene.instances.size(); ++i) {
+    const InstanceView& view = world.scene.instances[i];
+    const ObjectDescription& object = world.scene.objects[view.object];
+    if (!object.group || world.scene.opened(i)) continue;
+    const ViewGeometry seen = view_geometry(in.camera, view, object);
+    ASSERT_TRUE(group_wanted(in, view, seen, allowed_px(in, in.camera, view), 1))
+        << "group of " << view.leaves << " at " << glm::length(seen.eye) / view.radius << " radii";
+  }
+}
+
+TEST(CoreOpener, TheHomeViewIsToldUnasked) {
+  SelectorWorld world(as_told(*field()));
+  ASSERT_TRUE(world.scene.complete());
+  ASSERT_TRUE(world.scene.described());
+  EXPECT_EQ(world.scene.all_instances, field()->scene.instances.size());
+  EXPECT_LT(world.scene.instances.size(), 8000u) << "and not the whole field";
+  const HomeView& home = field()->scene.home;
+  world.look(home.eye, home.target);
+  SceneOpener opener;
+  EXPECT_EQ(ask_on(opener, world), 0);
+  expect_known_as_needed(world);
+}
+
+TEST(CoreOpener, WhereverTheEyeGoesOneRequestTellsWhatIsNeeded) {
+  SelectorWorld world(as_told(*field()));
+  SceneOpener opener;
+  for (const glm::dvec3 eye : {glm::dvec3(0, 1.7, -120), glm::dvec3(100, 1.7, -230)}) {
+    world.look(eye, eye + glm::dvec3(1, 0, -1));
+    EXPECT_EQ(ask_on(opener, world), 1);
+    expect_known_as_needed(world);
+    EXPECT_EQ(ask_on(opener, world), 0) << "nothing is asked for twice";
+  }
+  EXPECT_LT(world.scene.instances.size(), 20'000u);
+}
+
+TEST(CoreOpener, ALostConnectionAsksAgain) {
+  SelectorWorld world(as_told(*field()));
+  SceneOpener opener;
+  world.look({0, 1.7, -120}, {1, 1.7, -121});
+  world.now_us = 200'000;
+  const auto first = opener.plan(world.input());
+  ASSERT_TRUE(first);
+  world.now_us += 200'000;
+  EXPECT_FALSE(opener.plan(world.input()));
+  opener.reset();
+  const auto again = opener.plan(world.input());
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->groups, first->groups);
+}
+
+TEST(CoreOpener, IndicesStayAndRequestsNameTheServersNumbers) {
+  SelectorWorld world(as_told(*field()));
+  const std::vector<InstanceView> before = world.scene.instances;
+  SceneOpener opener;
+  world.look({0, 1.7, -120}, {1, 1.7, -121});
+  ask_on(opener, world);
+  ASSERT_GT(world.scene.instances.size(), before.size());
+  for (std::uint32_t i = 0; i < world.scene.instances.size(); ++i) {
+    const InstanceView& view = world.scene.instances[i];
+    if (i < before.size()) {
+      ASSERT_EQ(view.id, before[i].id);
+    }
+    ASSERT_EQ(world.scene.index_of(view.id), i);
+    const Instance at_server = field()->instance(view.id);
+    ASSERT_EQ(world.scene.object_id(i), at_server.object);
+    ASSERT_EQ(view.world_from_object.position, at_server.world_from_object.position);
+    const std::uint32_t parent = field()->parent(view.id);
+    ASSERT_EQ(view.parent == kNone, parent == kNoGroup);
+    if (parent != kNoGroup) {
+      ASSERT_EQ(world.scene.instances[view.parent].id, parent);
+    }
+  }
+}
+
+TEST(CoreOpener, WhatIsToldTwiceChangesNothing) {
+  SceneView scene = as_told(*field());
+  const std::size_t instances = scene.instances.size(), objects = scene.objects.size();
+  std::vector<FramePtr> pages = make_scene_pages(*field());
+  const auto of_instances = [](const FramePtr& page) {
+    return decoded(page).body.AsInstancePage() != nullptr;
+  };
+  pages.erase(std::remove_if(pages.begin(), pages.end(),
+                             [&](const FramePtr& page) { return !of_instances(page); }),
+              pages.end());
+  ASSERT_TRUE(take(scene, pages).ok());
+  EXPECT_EQ(scene.instances.size(), instances);
+  EXPECT_EQ(scene.objects.size(), objects);
+  for (const std::uint32_t root : scene.roots()) EXPECT_LT(root, instances);
+}
+
+// The distance at which members are told of is never shorter than the one at which they are drawn.
+TEST(CoreOpener, TheRuleReachesAsFarAsTheSelector) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const auto log_range = [&](double low, double high) {
+    return low * std::pow(high / low, unit(random));
+  };
+  for (int round = 0; round < 3000; ++round) {
+    const double radius = log_range(0.05, 500);
+    SelectorWorld world(make_scene(std::vector<Placed>(1, Placed{{0, 0, 0}, 1, 0, 1}), {},
+                                   {{{0, 0, 0}, static_cast<float>(radius), kNone, 0, 1}}));
+    SelectorInput in = world.input();
+    in.tau_px = log_range(0.2, 8);
+    in.target_px = in.tau_px;
+    in.velocity = {log_range(0.1, 40), 0, 0};
+    in.camera.height = static_cast<int>(log_range(100, 2000));
+    in.camera.width = in.camera.height;
+    const InstanceView& group = world.scene.instances[1];
+    const OpenRule rule{in.camera.focal_px(), in.tau_px,
+                        std::max(glm::length(in.velocity), kWalkingMps), 1};
+    const double reach = open_distance(rule, group.radius);
+    for (const double beyond : {1.0, 1.2, 2.0, 5.0}) {
+      in.camera.pose = look_at({0, 0, 1.0001 * beyond * reach}, {0, 0, 0});
+      const ObjectDescription& object = world.scene.objects[group.object];
+      EXPECT_TRUE(group_wanted(in, group, view_geometry(in.camera, group, object), in.tau_px, 1))
+          << radius << " m, tau " << in.tau_px << ", at " << beyond << " times " << reach;
+    }
+  }
+}
+
+TEST(CoreOpener, PagesThatContradictTheSceneAreRefusedWhole) {
+  const SceneView good = make_scene({{{0, 0, 0}, 1, 0, 1}}, {}, {{{0, 0, 0}, 5, kNone, 0, 1}});
+  ASSERT_EQ(good.instances.size(), 2u);
+  const auto refusal = [&](const std::function<void(wire::InstancePageT&)>& change) {
+    SceneView scene = good;
+    wire::InstancePageT page;
+    change(page);
+    const Result<void> taken = scene.accept(page);
+    EXPECT_EQ(scene.instances.size(), 2u);
+    return taken ? ErrorId::kInternal : taken.error().id;
+  };
+  const Placed inside{{0, 0, 0}, 1, 0, 1};
+  EXPECT_EQ(refusal([&](auto& p) { p.instances = {instance_record(inside, 0)}; }),
+            ErrorId::kWireValue)
+      << "a member of a group that is not opened in this page";
+  EXPECT_EQ(refusal([&](auto& p) {
+              p.instances = {instance_record({{}, 1, 0, kNone}, 9)};
+            }),
+            ErrorId::kWireValue)
+      << "more instances than the scene has";
+  EXPECT_EQ(refusal([&](auto& p) {
+              p.groups = {group_record({{}, 1, kNone, 0, 1}, 2, 0)};
+            }),
+            ErrorId::kWireValue)
+      << "more groups than the scene has";
+  EXPECT_EQ(refusal([&](auto& p) { p.opened = {77}; }), ErrorId::kWireState)
+      << "of a group that is not known yet";
+  EXPECT_EQ(refusal([&](auto& p) {
+              p.groups = {group_record({{}, 1, kNone, 1, 1}, 1, 0)};
+            }),
+            ErrorId::kWireValue)
+      << "leaves beyond the scene's instances";
+}
+
+TEST(ServerOpening, ALimitIsKeptAndGroupsComeBeforeTheirOwn) {
+  Opening opening;
+  opening.eye = field()->scene.home.eye;
+  opening.rule.margin = 16;
+  opening.most = 500;
+  const auto opened = groups_to_open(*field(), field()->grouping.roots, opening);
+  std::size_t told = 0;
+  std::set<std::uint32_t> seen;
+  for (const std::uint32_t id : opened) {
+    told += field()->group_of_instance(id)->members;
+    const std::uint32_t parent = field()->parent(id);
+    EXPECT_TRUE(parent == kNoGroup || seen.count(parent) != 0);
+    seen.insert(id);
+  }
+  EXPECT_GE(told, 500u);
+  EXPECT_LT(told, 520u);
+}
+
+TEST(ServerOpening, NumbersThatAreNoGroupsArePassedOver) {
+  wire::OpenRequestT request;
+  request.groups = {0, 0xfffffffeu};
+  request.eye = std::make_unique<wire::Vec3d>();
+  request.forward = std::make_unique<wire::Vec3d>(0, 0, -1);
+  request.focal_px = 500, request.tau_px = 1, request.margin = 1;
+  const auto pages = answer_open(*field(), request);
+  ASSERT_EQ(pages.size(), 1u);
+  const Message m = decoded(pages[0]);
+  EXPECT_TRUE(m.body.AsInstancePage()->last);
+  EXPECT_TRUE(m.body.AsInstancePage()->instances.empty());
+}
+
+}  // namespace
+}  // namespace mirage::test
