@@ -199,17 +199,18 @@ void versions_to_server(Checks& checks) {
   if (!server.ready()) return checks.failed("no server: " + server.log());
   const int expected = close_code(ErrorId::kWireVersion);
   int wrong = 0;
-  for (const int version : {0, 2, 99, 255}) {
+  constexpr int kOwn = limits::kProtocolVersion;
+  for (const int version : {0, kOwn - 1, kOwn + 1, 99, 255}) {
     const auto peer = websocket(server.port());
     Bytes bytes = encode_message(hello());
     bytes[2] = static_cast<std::uint8_t>(version);
     peer->say(frame(2, text_of(bytes)));
     wrong += close_code_of(*peer) == expected ? 0 : 1;
   }
-  for (const std::uint16_t version : {std::uint16_t{0}, std::uint16_t{2}, std::uint16_t{65535}}) {
+  for (const int version : {0, kOwn - 1, kOwn + 1, 65535}) {
     const auto peer = websocket(server.port());
     wire::HelloT m = hello();
-    m.version_min = m.version_max = version;
+    m.version_min = m.version_max = static_cast<std::uint32_t>(version);
     peer->say(frame(2, text_of(encode_message(std::move(m)))));
     wrong += close_code_of(*peer) == expected ? 0 : 1;
   }
