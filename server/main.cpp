@@ -155,9 +155,11 @@ int run(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   raise_descriptor_limit();
-  Result<std::shared_ptr<const PreparedScene>> scene = load_scene(options.scene, options.prove);
+  Result<std::shared_ptr<const PreparedScene>> scene = 
+      load_scene(options.scene, {.keep_imported = options.prove});
   if (!scene) return fail(scene.error());
   for (const std::string& warning : (*scene)->scene.warnings) spdlog::warn("scene: {}", warning);
+  spdlog::info("loaded in {}", (*scene)->load_times.words());
   if (options.explain) return explain(options, scene.take());
   options.session.shadows = options.render.shadows = options.shadows && (*scene)->has_casters();
   return serve(options, scene.take());
