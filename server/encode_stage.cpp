@@ -45,8 +45,9 @@ void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers,
         const TileId id = rendered->job.id;
         StoredTilePtr tile = encode(*rendered, scene->objects[rendered->job.key.object], codec);
         store_.put(id, tile);
-        completions_.push(Completion{id, std::move(tile), std::nullopt, 0, {}});
+        completions_.push(Completion{id, tile, std::nullopt, 0, {}});
         wake_();
+        store_.save(id, *tile);  // last: nobody waits for it
       }
     });
   }

@@ -29,11 +29,12 @@ void describe(PreparedScene& prepared, const std::map<std::size_t, MeasuredMotio
                [&](std::size_t i) { prepared.images[i] = describe_image(scene, i); });
 }
 
-void make_all_geometry(PreparedScene& prepared, const Workers& workers) {
+void make_all_geometry(PreparedScene& prepared, CacheDirectory* cache, const Workers& workers) {
   const std::vector<SceneObject>& objects = prepared.scene.objects;
   prepared.geometry.resize(objects.size());
   workers.each(objects.size(), [&](std::size_t i) {
-    prepared.geometry[i] = make_geometry(prepared.scene, objects[i], prepared.objects[i], workers);
+    prepared.geometry[i] =
+        find_or_make_geometry(prepared.scene, objects[i], prepared.objects[i], cache, workers);
   });
 }
 
@@ -159,8 +160,10 @@ Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const LoadOpti
   times.done("needs");
   describe(*prepared, moving, workers);
   times.done("descriptions");
-  make_all_geometry(*prepared, workers);
+  make_all_geometry(*prepared, options.cache, workers);
   times.done("levels of detail");
+  prepared->mips = make_mips(prepared->scene, options.cache, workers);
+  times.done("mips");
   // A scene without extent still needs a loop to walk.
   if (!(prepared->scene.home.walk_radius_m > 0)) prepared->scene.home.walk_radius_m = 1;
   prepared->revision = scene_revision(prepared->scene);

@@ -3,10 +3,10 @@
 
 #include <memory>
 
+#include "server/scene/derived_cache.h"
 #include "server/scene/grouping.h"
 #include "server/scene/leave_out.h"
 #include "server/scene/object_description.h"
-#include "server/scene/object_geometry.h"
 #include "server/scene/stage_times.h"
 
 namespace mirage {
@@ -25,6 +25,8 @@ struct PreparedScene {
   std::vector<ObjectDescription> objects;
   std::vector<ObjectGeometry> geometry;  ///< by object of the scene
   std::vector<ImageDescription> images;
+  /// By image (make_mips).
+  std::vector<std::vector<Image>> mips;
   Grouping grouping;
   glm::dvec3 bounds_center{0};  ///< sphere around all instances, world
   double bounds_radius = 1;
@@ -47,11 +49,13 @@ struct PreparedScene {
 };
 
 struct LoadOptions {
-  bool keep_imported = false;  ///< PreparedScene::imported
-  std::size_t threads = 0;     ///< that work at it; 0: as many as there are cores
+  bool keep_imported = false;       ///< PreparedScene::imported
+  std::size_t threads = 0;          ///< that work at it; 0: as many as there are cores
+  CacheDirectory* cache = nullptr;  ///< of levels of detail and mips; nullptr: all is made
 };
 
-/// Loads `spec` (a path or `builtin:NAME?…`) and prepares it: the same however many threads work.
+/// Loads `spec` (a path or `builtin:NAME?…`) and prepares it: the same however many threads work,
+/// and whether from the cache or not.
 /// Errors: those of the importers, kSceneLimit when it exceeds limits.h.
 Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
                                                         const LoadOptions& options = {});
