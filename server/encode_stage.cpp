@@ -46,8 +46,9 @@ void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers,
         const auto object = scene->description(rendered->job.key.object);
         StoredTilePtr tile = encode(*rendered, *object, codec);
         store_.put(id, tile);
-        completions_.push(Completion{id, std::move(tile), std::nullopt, 0, {}});
+        completions_.push(Completion{id, tile, std::nullopt, 0, {}});
         wake_();
+        store_.save(id, *tile);  // last: nobody waits for it
       }
     });
   }

@@ -63,10 +63,11 @@ Result<void> announce(const ServerOptions& options, const PreparedScene& scene, 
   return {};
 }
 
-int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> scene) {
+int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> scene,
+          CacheDirectory* cache) {
   const SteadyClock clock;
   Counters counters;
-  TileStore store(options.cache_mb * 1024 * 1024, options.cache_dir, counters);
+  TileStore store(options.cache_mb * 1024 * 1024, cache, counters);
   TileQueue queue(clock, counters);
   BoundedQueue<RenderedTile> rendered(512);
   BoundedQueue<ImageLevel> image_jobs(4096);
@@ -155,12 +156,17 @@ int run(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   raise_descriptor_limit();
-  Result<std::shared_ptr<const PreparedScene>> scene = load_scene(options.scene, options.prove);
+  std::optional<CacheDirectory> directory;
+  if (!options.cache_dir.empty()) directory.emplace(options.cache_dir, options.cache_dir_mb << 20);
+  CacheDirectory* const cache = directory ? &*directory : nullptr;
+  Result<std::shared_ptr<const PreparedScene>> scene =
+      load_scene(options.scene, {.keep_imported = options.prove, .cache = cache});
   if (!scene) return fail(scene.error());
   for (const std::string& warning : (*scene)->scene.warnings) spdlog::warn("scene: {}", warning);
+  spdlog::info("loaded in {}", (*scene)->load_times.words());
   if (options.explain) return explain(options, scene.take());
   options.session.shadows = options.render.shadows = options.shadows && (*scene)->has_casters();
-  return serve(options, scene.take());
+  return serve(options, scene.take(), cache);
 }
 
 }  // namespace

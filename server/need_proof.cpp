@@ -88,6 +88,7 @@ std::shared_ptr<const PreparedScene> as_imported(const PreparedScene& scene) {
     const bool solid = scene.scene.materials[i].alpha_mode == AlphaMode::kOpaque;
     if (solid && m.alpha_mode == AlphaMode::kBlend) m.alpha_mode = AlphaMode::kOpaque;
   }
+  out->mips = make_mips(out->scene);
   return out;
 }
 

@@ -56,7 +56,11 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.add_option("--cache-mb", o.cache_mb, "memory for finished tiles")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
-  app.add_option("--cache-dir", o.cache_dir, "keep finished tiles in this directory, too");
+  app.add_option("--cache-dir", o.cache_dir,
+                 "keep finished tiles and levels of detail in this directory, too");
+  app.add_option("--cache-dir-mb", o.cache_dir_mb, "what may lie in it")
+      ->check(CLI::Range(1, 1 << 30))
+      ->capture_default_str();
   app.add_option("--codec", codec, "tile codec")
       ->check(CLI::IsMember({"zstd", "raw"}))
       ->capture_default_str();

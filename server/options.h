@@ -14,6 +14,7 @@ struct ServerOptions {
   SessionOptions session;
   std::string port_file;
   std::string cache_dir;
+  std::uint64_t cache_dir_mb = 4096;
   std::size_t cache_mb = 512;
   int encoders = 1;
   bool shadows = false;  ///< asked for; a scene without casters has none all the same

@@ -1,18 +1,12 @@
 #include "server/tile_store.h"
 
-#include <spdlog/fmt/fmt.h>
-#include <xxhash.h>
-
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
 namespace mirage {
-namespace fs = std::filesystem;
+namespace {
+constexpr const char* kKind = "tile";
+}  // namespace
 
-TileStore::TileStore(std::size_t budget_bytes, std::string directory, Counters& counters)
-    : budget_(budget_bytes), directory_(std::move(directory)), counters_(counters) {}
+TileStore::TileStore(std::size_t budget_bytes, CacheDirectory* directory, Counters& counters)
+    : budget_(budget_bytes), directory_(directory), counters_(counters) {}
 
 StoredTilePtr TileStore::find(const TileId& id) {
   {
@@ -24,21 +18,16 @@ StoredTilePtr TileStore::find(const TileId& id) {
       return found->second.tile;
     }
   }
-  if (directory_.empty()) return nullptr;
+  if (!directory_) return nullptr;
   StoredTilePtr tile = load(id);
   if (tile) {
     ++counters_.store_hits;
-    put_in_memory(id, tile);
+    put(id, tile);
   }
   return tile;
 }
 
 void TileStore::put(const TileId& id, StoredTilePtr tile) {
-  if (!directory_.empty()) save(id, *tile);
-  put_in_memory(id, std::move(tile));
-}
-
-void TileStore::put_in_memory(const TileId& id, StoredTilePtr tile) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (slots_.count(id) != 0) return;
   bytes_ += tile->bytes();
@@ -53,22 +42,10 @@ void TileStore::put_in_memory(const TileId& id, StoredTilePtr tile) {
   counters_.store_bytes = bytes_;
 }
 
-std::string TileStore::path(const TileId& id) const {
-  const std::string name = fmt::format("{:016x}{:016x}", id.high, id.low);
-  return directory_ + "/" + name.substr(0, 2) + "/" + name + ".tile";
-}
-
 StoredTilePtr TileStore::load(const TileId& id) const {
-  std::ifstream file(path(id), std::ios::binary);
-  if (!file) return nullptr;
-  Bytes bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  // A file is as little trusted as the network: a damaged one is rendered again.
-  std::uint64_t checksum = 0;
-  if (bytes.size() < sizeof(checksum)) return nullptr;
-  std::memcpy(&checksum, &bytes[bytes.size() - sizeof(checksum)], sizeof(checksum));
-  bytes.resize(bytes.size() - sizeof(checksum));
-  if (XXH3_64bits(bytes.data(), bytes.size()) != checksum) return nullptr;
-  Result<Message> message = decode_message(bytes.data(), bytes.size());
+  const std::optional<Bytes> bytes = directory_->read({id.high, id.low, kKind});
+  if (!bytes) return nullptr;
+  Result<Message> message = decode_message(bytes->data(), bytes->size());
   if (!message || message->body.AsTileReply() == nullptr) return nullptr;
   const wire::TileReplyT& reply = *message->body.AsTileReply();
   Result<Tile> tile = tile_from_fields(reply);
@@ -84,21 +61,9 @@ StoredTilePtr TileStore::load(const TileId& id) const {
 }
 
 void TileStore::save(const TileId& id, const StoredTile& tile) const {
-  std::error_code ignored;
-  const std::string target = path(id);
-  fs::create_directories(fs::path(target).parent_path(), ignored);
+  if (!directory_) return;
   wire::TileReplyT reply = tile.reply;
-  const Bytes bytes = encode_message(std::move(reply), tile.planes);
-  // Written aside and renamed, so that a reader never sees half a tile.
-  const std::string aside = target + ".part";
-  std::ofstream file(aside, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  // Over all of it: the content hash covers the pixels, not the measures the bound is made of.
-  const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
-  file.write(reinterpret_cast<const char*>(&checksum), sizeof(checksum));
-  file.close();
-  if (file) fs::rename(aside, target, ignored);
+  directory_->write({id.high, id.low, kKind}, encode_message(std::move(reply), tile.planes));
 }
 
 }  // namespace mirage

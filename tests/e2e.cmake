@@ -22,5 +22,6 @@ mirage_e2e(assets)
 mirage_e2e(animation)
 mirage_e2e(report)
 mirage_e2e(stillness)
+mirage_e2e(cache)
 # It watches frame times: alone on the machine, please.
 set_tests_properties(e2e_failure PROPERTIES RUN_SERIAL ON)

@@ -27,9 +27,9 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/server_seams_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_measure_test.cpp
-  ${PROJECT_SOURCE_DIR}/tests/unit/server_store_test.cpp)
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_store_test.cpp unit/server_cache_test.cpp unit/server_load_test.cpp support/large_scene.cpp)
 mirage_target(mirage_core_tests)
 target_compile_definitions(mirage_core_tests PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-target_link_libraries(mirage_core_tests PRIVATE mirage_client_core mirage_server_core mirage_hull mirage_lod
+target_link_libraries(mirage_core_tests PRIVATE mirage_client_core mirage_server_core mirage_gltf mirage_hull mirage_lod OpenImageIO::OpenImageIO nlohmann_json::nlohmann_json
                       GTest::gtest_main)
 add_test(NAME core COMMAND mirage_core_tests)

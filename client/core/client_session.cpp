@@ -196,13 +196,13 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   undrawn_.push_back(record);
   record->last_drawn = frame_;
   if (options_.trace) {
-    record->trace = lives_.size();
-    lives_.push_back({reply.request_id, scene_.object_id(ask->need.instance),
-                      scene_.instances[ask->need.instance].id, tile_edge(ask->need.size_class),
-                      ask->sent_us, now_us, -1, reply.queue_us, reply.render_us, reply.encode_us,
-                      bytes});
+    record->trace = trace_.begin({reply.request_id, scene_.object_id(ask->need.instance),
+                                  scene_.instances[ask->need.instance].id,
+                                  tile_edge(ask->need.size_class), ask->sent_us, came_us, now_us,
+                                  -1, reply.queue_us, reply.render_us, reply.encode_us, bytes});
   }
   if (sink_.tile) sink_.tile(*record, pixels);
+  if (options_.trace_clock) trace_.uploaded(record->trace, options_.trace_clock());
   return {};
 }
 
@@ -366,7 +366,7 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
     const TileRecordPtr record = tile.lock();
     if (!record || !record->shown) continue;
     ++drawn_;
-    if (record->trace < lives_.size()) lives_[record->trace].first_drawn_us = now_us;
+    trace_.first_in_frame(record->trace, now_us);
   }
   undrawn_.erase(std::remove_if(undrawn_.begin(), undrawn_.end(),
                                 [](const std::weak_ptr<TileRecord>& tile) {

@@ -21,6 +21,7 @@
 #include "client/core/selector.h"
 #include "client/core/shadow_stage.h"
 #include "client/core/tau_controller.h"
+#include "client/core/tile_trace.h"
 #include "protocol/model_codec.h"
 
 namespace mirage {
@@ -39,8 +40,10 @@ struct ClientOptions {
   std::size_t max_mesh_bytes = 64u << 20;      ///< of one reply, decompressed
   std::size_t mesh_budget_bytes = 256u << 20;  ///< graphics memory for geometry and its images
   bool trace = false;                          ///< keep every tile's life
-  bool shadows = true;                         ///< the sun's, if the server has them
-  bool animation = true;                       ///< false: every clip stands at its beginning
+  /// The session's clock, for the trace, where time passes within a frame; empty: it does not.
+  std::function<std::int64_t()> trace_clock = nullptr;
+  bool shadows = true;    ///< the sun's, if the server has them
+  bool animation = true;  ///< false: every clip stands at its beginning
 };
 
 struct ReferenceFrame {
@@ -62,15 +65,6 @@ struct TileSink {
 
 struct TileCounts {
   std::uint64_t asked = 0, received = 0, drawn = 0, wasted = 0, cancelled = 0, refused = 0;
-};
-
-/// A tile's life, from request to first draw. Times are of the session's clock.
-struct TileLife {
-  std::uint32_t request_id = 0, object = 0, instance = 0, edge = 0;
-  std::int64_t asked_us = 0, received_us = 0;
-  std::int64_t first_drawn_us = -1;  ///< -1: never
-  std::uint32_t server_queue_us = 0, server_render_us = 0, server_encode_us = 0;
-  std::size_t bytes = 0;
 };
 
 class ClientSession {
@@ -103,7 +97,9 @@ class ClientSession {
   const Lighting& lighting() const { return lighting_; }
   const Predictor& predictor() const { return predictor_; }
   TileCounts tiles() const;
-  const std::vector<TileLife>& lives() const { return lives_; }
+  const std::vector<TileLife>& lives() const { return trace_.lives(); }
+  /// The frame planned last is drawn. For the trace.
+  void note_drawn(std::int64_t now_us) { trace_.frame_drawn(now_us); }
   std::int64_t round_trip_us() const { return scheduler_.round_trip_us(); }
   std::size_t in_flight() const { return scheduler_.in_flight(); }
   /// Nothing was left to ask for in the last frame, nothing is under way, nothing moves: until the
@@ -169,7 +165,7 @@ class ClientSession {
   std::uint64_t refused_ = 0;
   std::vector<std::weak_ptr<TileRecord>> undrawn_;
   std::uint64_t drawn_ = 0;
-  std::vector<TileLife> lives_;
+  TileTrace trace_;
   std::string goodbye_;
 };
 

@@ -90,6 +90,7 @@ Result<void> ClientHost::open() {
   session.march_budget_px = options_.march_kpx >= 0 ? options_.march_kpx * 1000
                             : software              ? 200e3
                                                     : 1e9;
+  if (session.trace && !virtual_clock_) session.trace_clock = [this] { return now_us(); };
   Link& link = modelled_ ? static_cast<Link&>(*modelled_) : *native_;
   session_ = std::make_unique<ClientSession>(link, std::move(session), sink());
   return {};

@@ -208,6 +208,7 @@ std::string trace_json(const std::vector<TileLife>& lives) {
          {"server_render_us", life.server_render_us},
          {"server_encode_us", life.server_encode_us},
          {"received_us", life.received_us},
+         {"uploaded_us", life.uploaded_us},
          {"first_drawn_us", drawn ? ordered_json(life.first_drawn_us) : ordered_json(nullptr)}});
   }
   return ordered_json{{"tiles", tiles}}.dump(1) + "\n";

@@ -201,6 +201,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (changed) renderer_->draw(*target_, camera, scene, list, session().lighting());
   if (window_ && (window_->take_refresh() || changed)) show(list, now);
   glFinish();
+  session().note_drawn(now_us());
   if (!list.impostors.empty() || !list.meshes.empty()) stats_.first_image(now);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
   if (session().light_changed()) stats_.add_light_lag(list, scene);

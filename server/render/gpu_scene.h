@@ -16,7 +16,9 @@ struct GpuScene {
   std::vector<std::vector<gl::GpuMesh>> tile_lods;  ///< by object and level; some are empty
 
   explicit GpuScene(std::shared_ptr<const PreparedScene> scene) : prepared(std::move(scene)) {
-    images = gl::GpuImages(prepared->scene.images, prepared->scene.materials);
+    for (std::size_t i = 0; i < prepared->scene.images.size(); ++i) {
+      images.put(i, prepared->scene.images[i], prepared->mips[i]);
+    }
     for (const SceneObject& object : prepared->scene.objects) meshes.emplace_back(object.mesh);
     for (const ObjectGeometry& geometry : prepared->geometry) {
       std::vector<gl::GpuMesh>& lods = tile_lods.emplace_back();

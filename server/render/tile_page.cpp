@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numeric>
+#include <set>
 
 #include "protocol/capture.h"
+#include "protocol/sun_frame.h"
 
 namespace mirage {
 namespace {
@@ -13,6 +15,18 @@ namespace {
 // settled, 3 samples an axis are worth 1.1 dB over 2 on the reference tree, 4 no more than 3.
 constexpr int kAlphaTestSupersample = 3;
 constexpr std::uint32_t kLargestFineTile = 1024;  // larger ones would take a target of 300 MB
+
+// All of a mesh that decides which shaders draw it, and with what state.
+std::vector<NeedMask> look_of(const gl::GpuMesh& mesh, const std::vector<Material>& materials) {
+  std::vector<NeedMask> out = {mesh.vertex_color()};
+  for (const Primitive& p : mesh.primitives()) {
+    const Material& m = materials[p.material];
+    out.push_back(material_needs(m, mesh.vertex_color()));
+    out.push_back(static_cast<NeedMask>(p.kind) << 8 | m.double_sided);
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
 
 }  // namespace
 
@@ -93,19 +107,52 @@ Result<void> TilePageRenderer::warm_up() {
       }
     }
   }
-  if (!prepare_targets(lit_, 64, 16 * std::max(supersample_, kAlphaTestSupersample))) {
-    return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made");
+  const std::vector<Instance>& instances = scene_->prepared->scene.instances;
+  std::vector<std::optional<std::uint32_t>> shown(scene_->meshes.size());  // an instance of each
+  for (std::uint32_t i = 0; i < instances.size(); ++i) {
+    if (!shown[instances[i].object]) shown[instances[i].object] = i;
   }
-  for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
-    TileJob job;
-    job.key.object = i;
-    job.key.phase = scene_->prepared->objects[i].motion.moving() ? 1 : kStaticPhase;
-    job.key.distance = {0, 2};
-    draw_tile(job);
-    resolve(job, lit_.page, {0, 0});
+  // Drawn, too: a driver finishes a shader with its first draw, by all that is bound.
+  for (const std::uint8_t channels : {kLitTile, kRelitTile, kShadowTile, kCasterTile}) {
+    std::set<std::vector<NeedMask>> drawn;
+    for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
+      if (!shown[i] || scene_->prepared->objects[i].radius <= 0) continue;
+      const std::optional<TileJob> job = first_job(*shown[i], channels);
+      if (!job || !drawn.insert(look_of(scene_->meshes[i], scene_->materials())).second) continue;
+      PagePacker packer(static_cast<int>(tile_edge(job->key.size_class)));
+      packer.add(tile_edge(job->key.size_class));
+      if (!render({*job}, packer)) {
+        return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made");
+      }
+    }
   }
   glFinish();
   return {};
+}
+
+std::optional<TileJob> TilePageRenderer::first_job(std::uint32_t index,
+                                                   std::uint8_t channels) const {
+  const Instance& instance = scene_->prepared->scene.instances[index];
+  const ObjectDescription& object = scene_->prepared->objects[instance.object];
+  const Lighting& light = scene_->prepared->scene.lighting;
+  const bool shadow = channels == kShadowTile, relit = channels == kRelitTile;
+  const bool lit_by_sun = shadow_map_ && (object.needs & kNeedLighting) && sun_of(light);
+  if ((relit && !can_relight(object.needs)) || (shadow && !lit_by_sun) ||
+      (channels == kCasterTile && !(shadow_map_ && object.casts()))) {
+    return std::nullopt;
+  }
+  TileJob job;
+  job.key.object = instance.object;
+  job.key.channels = channels;
+  job.key.phase = object.motion.moving() ? 1 : kStaticPhase;
+  job.key.distance = {0, 2};
+  if (shadow) {
+    job.key.instance = index + 1;
+    job.world = light;
+  } else {
+    job.lighting = object_lighting(light, instance.world_from_object, object.center, object.radius);
+  }
+  return job;
 }
 
 bool TilePageRenderer::fine(const TileJob& job) const {

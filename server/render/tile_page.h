@@ -6,6 +6,7 @@
 // differs in its last bits, and would no longer be a pure function of its key.
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "server/render/gpu_scene.h"
@@ -74,6 +75,8 @@ class TilePageRenderer {
   };
   Stage stage(const TileJob& job, const Capture& capture) const;
   /// Objects with alpha tests get more samples than the rest.
+  /// A tile of these channels of an instance's object, to draw once; nothing where it has none.
+  std::optional<TileJob> first_job(std::uint32_t instance, std::uint8_t channels) const;
   bool fine(const TileJob& job) const;
   /// Per axis.
   int samples(const TileJob& job) const;

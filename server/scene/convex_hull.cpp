@@ -105,16 +105,18 @@ Result<ConvexHull> enclosing_hull(const std::vector<glm::vec3>& points) {
 }
 
 std::vector<float> parallax_factors(const ConvexHull& hull, const std::vector<glm::vec3>& points,
-                                    const glm::vec3& center) {
-  std::vector<float> out;
-  for (const glm::vec3& vertex : hull.vertices) {
-    float nearest = std::numeric_limits<float>::infinity();
+                                    const glm::vec3& center, const Workers& workers) {
+  std::vector<float> out(hull.vertices.size());
+  workers.each(out.size(), [&](std::size_t i) {
+    const glm::vec3 vertex = hull.vertices[i], inwards = center - vertex;
+    float nearest2 = std::numeric_limits<float>::infinity();
     for (const glm::vec3& p : points) {
-      if (glm::dot(p - vertex, center - vertex) < 0) continue;
-      nearest = std::min(nearest, glm::length(p - vertex));
+      const glm::vec3 d = p - vertex;
+      const float distance2 = glm::dot(d, d);
+      if (distance2 < nearest2 && glm::dot(d, inwards) >= 0) nearest2 = distance2;
     }
-    out.push_back(std::isfinite(nearest) ? nearest : 0.0f);
-  }
+    out[i] = std::isfinite(nearest2) ? std::sqrt(nearest2) : 0.0f;
+  });
   return out;
 }
 

@@ -5,6 +5,7 @@
 
 #include "protocol/object_proxy.h"
 #include "protocol/result.h"
+#include "server/scene/workers.h"
 
 namespace mirage {
 
@@ -18,6 +19,6 @@ Result<ConvexHull> enclosing_hull(const std::vector<glm::vec3>& points);
 /// Per hull vertex the distance to the nearest of `points` behind it, that is on the inner side of
 /// the plane through the vertex across its direction from `center`. 0 where there is none.
 std::vector<float> parallax_factors(const ConvexHull& hull, const std::vector<glm::vec3>& points,
-                                    const glm::vec3& center);
+                                    const glm::vec3& center, const Workers& workers = Workers());
 
 }  // namespace mirage

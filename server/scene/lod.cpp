@@ -10,31 +10,27 @@
 
 #include "protocol/limits.h"
 #include "protocol/lod.h"
+#include "server/scene/lod_error.h"
 #include "server/scene/lod_normals.h"
 #include "server/scene/seams.h"
-#include "server/scene/surface_distance.h"
 
 namespace mirage {
 namespace {
 
-constexpr double kShare = 1.0 / 3.0;       // of the triangles, from level to level
-constexpr double kWorthAnother = 0.85;     // a level that keeps more than this share is no gain
-constexpr std::size_t kFewTriangles = 64;  // small enough: the chain ends
-constexpr double kFirstError = 0.002;      // of the extent: what the first level may be off
-constexpr double kErrorGrowth = 2.5;       // from level to level
-constexpr double kMostError = 0.1;         // of the extent: beyond, the shape is gone
-constexpr int kTries = 4;                  // to keep to it: the simplifier only estimates
-constexpr int kSteps = 12;                 // towards fewer triangles; some give no level
-constexpr std::size_t kSampledVertices = 20'000;
-constexpr std::size_t kSampledTriangles = 5'000;
+constexpr double kShare = 1.0 / 3.0;          // of the triangles, from level to level
+constexpr double kWorthAnother = 0.85;        // a level that keeps more than this share is no gain
+constexpr std::size_t kFewTriangles = 64;     // small enough: the chain ends
+constexpr double kFirstError = 0.002;         // of the extent: what the first level may be off
+constexpr double kErrorGrowth = 2.5;          // from level to level
+constexpr double kMostError = 0.1;            // of the extent: beyond, the shape is gone
+constexpr int kTries = 4;                     // to keep to it: the simplifier only estimates
+constexpr int kSteps = 12;                    // towards fewer triangles; some give no level
 constexpr std::size_t kFoliagePieces = 8;     // fewer pieces are seen one by one
 constexpr std::size_t kPieceTriangles = 64;   // larger pieces on average are surfaces
 constexpr double kLeastFoliage = 1.0 / 16.0;  // pieces are then four times as large
 constexpr std::size_t kSoupIndices = 3'000;   // below, hard edges may well be meant
 constexpr double kSoupShare = 0.8;            // vertices an index; a box of quads has 0.67
 constexpr int kFruitless = 3;                 // steps without a level: the chain ends
-constexpr float kColorStep = 0.04f;           // of square roots: ten of 255
-constexpr double kWrongColors = 0.02;         // of the vertices
 constexpr std::size_t kSampledPieces = 2'000;
 
 /// One primitive on its own vertices.
@@ -201,45 +197,11 @@ float spread_of(const std::vector<Piece>& pieces, double share) {
   return distances[at];
 }
 
-// Two-sided, see MeshLod::error.
-double surface_error(const Part& part, const SurfaceTree& full,
-                     const std::vector<std::uint32_t>& coarse, double estimate, double radius) {
-  const SurfaceTree tree(part.vertices, coarse);
-  const std::size_t step = std::max<std::size_t>(1, part.vertices.size() / kSampledVertices);
-  double worst = step > 1 ? estimate : 0;
-  for (std::size_t i = 0; i < part.vertices.size(); i += step) {
-    worst = std::max(worst, tree.distance(part.vertices[i].position, 4 * radius));
-  }
-  const std::size_t triangles = coarse.size() / 3;
-  const std::size_t stride = std::max<std::size_t>(1, triangles / kSampledTriangles);
-  for (std::size_t t = 0; t < triangles; t += stride) {
-    const glm::vec3 middle =
-        (part.vertices[coarse[3 * t]].position + part.vertices[coarse[3 * t + 1]].position +
-         part.vertices[coarse[3 * t + 2]].position) /
-        3.0f;
-    worst = std::max(worst, full.distance(middle, 4 * radius));
-  }
-  return worst;
-}
-
-// Colours of vertices, such as baked light, go with the vertices: whether too many would show.
-bool loses_colors(const Part& part, const std::vector<std::uint32_t>& coarse) {
-  const SurfaceTree tree(part.vertices, coarse);
-  const std::size_t step = std::max<std::size_t>(1, part.vertices.size() / kSampledVertices);
-  std::size_t wrong = 0, count = 0;
-  for (std::size_t i = 0; i < part.vertices.size(); i += step, ++count) {
-    const glm::vec4 right = glm::sqrt(glm::vec4(part.vertices[i].color) / 65535.0f);
-    const glm::vec4 shown = glm::sqrt(tree.shading_at(part.vertices[i].position).color);
-    const glm::vec4 d = glm::abs(right - shown);
-    wrong += std::max({d.x, d.y, d.z, d.w}) > kColorStep;
-  }
-  return static_cast<double>(wrong) > kWrongColors * static_cast<double>(count);
-}
-
 /// One primitive through all levels.
 class Chain {
  public:
-  Chain(Part part, const Material& material) : part_(std::move(part)), coarse_(part_.indices) {
+  Chain(Part part, const Material& material, const Workers& workers)
+      : workers_(workers), part_(std::move(part)), coarse_(part_.indices) {
     if (part_.kind != PrimitiveKind::kTriangles) return;
     pieces_ = pieces_of(part_);
     if (is_foliage(material, part_, pieces_)) return;
@@ -248,11 +210,9 @@ class Chain {
       part_ = welded(part_);
       coarse_ = part_.indices;
     }
-    surface_.emplace(part_.vertices, part_.indices);
-    colored_ = std::any_of(part_.vertices.begin(), part_.vertices.end(),
-                           [&](const Vertex& v) { return v.color != part_.vertices[0].color; });
     scale_ = double{meshopt_simplifyScale(&part_.vertices[0].position.x, part_.vertices.size(),
                                           sizeof(Vertex))};
+    surface_.emplace(part_.vertices, part_.indices, scale_, workers_);
   }
   Chain(Chain&&) = delete;
 
@@ -286,8 +246,9 @@ class Chain {
       // Nothing left is no level of detail but a hole.
       if (next.empty() || next.size() >= coarse_.size()) break;
       const double estimate = estimate_ + double{relative} * scale_;
-      const double error = surface_error(part_, *surface_, next, estimate, scale_);
-      if (error > allowed || (colored_ && loses_colors(part_, next))) continue;
+      const double error = surface_->distance_to(next, estimate, allowed, workers_);
+      if (error > allowed) continue;
+      if (surface_->colored() && surface_->loses_colors(next, workers_)) continue;
       coarse_ = std::move(next);
       estimate_ = estimate;
       error_ = error;
@@ -296,7 +257,7 @@ class Chain {
     out.error = std::max(out.error, static_cast<float>(error_ * 1.0001));
     std::vector<Vertex> vertices = part_.vertices;
     std::vector<std::uint32_t> indices = coarse_;
-    restore_normals(*surface_, vertices, indices);
+    restore_normals(*surface_, vertices, indices, workers_);
     append(out.mesh, part_, vertices, indices);
   }
 
@@ -324,11 +285,11 @@ class Chain {
     append(out.mesh, part_, vertices, indices);
   }
 
+  const Workers& workers_;
   Part part_;
   std::vector<std::uint32_t> coarse_;   ///< indices of the present level
   std::vector<Piece> pieces_;           ///< of foliage only
-  std::optional<SurfaceTree> surface_;  ///< of the full primitive; empty for foliage
-  bool colored_ = false;                ///< vertices differ in colour
+  std::optional<FullSurface> surface_;  ///< the full primitive; empty for foliage
   double scale_ = 0;                    ///< what the simplifier's errors are relative to
   double estimate_ = 0;                 ///< sum of the simplifier's errors, object units
   double error_ = 0;                    ///< of the present level
@@ -353,18 +314,21 @@ std::size_t triangle_count(const Mesh& mesh) {
 
 }  // namespace
 
-std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& materials) {
+std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& materials,
+                                const Workers& workers) {
   std::vector<MeshLod> lods;
   std::size_t triangles = triangle_count(full);
   if (triangles <= kFewTriangles) return lods;
   Mesh closed = full;
   close_seams(closed.vertices);
-  std::vector<std::unique_ptr<Chain>> chains;
-  for (const Primitive& p : closed.primitives) {
+  std::vector<std::unique_ptr<Chain>> chains(closed.primitives.size());
+  workers.each(chains.size(), [&](std::size_t i) {
+    const Primitive& p = closed.primitives[i];
     Part part = extract(closed, p);
-    if (part.indices.empty()) continue;
-    chains.push_back(std::make_unique<Chain>(std::move(part), materials[p.material]));
-  }
+    if (part.indices.empty()) return;
+    chains[i] = std::make_unique<Chain>(std::move(part), materials[p.material], workers);
+  });
+  chains.erase(std::remove(chains.begin(), chains.end(), nullptr), chains.end());
   std::stable_partition(chains.begin(), chains.end(),
                         [](const std::unique_ptr<Chain>& chain) { return chain->foliage(); });
   double share = 1, allowed = kFirstError * extent_of(full);

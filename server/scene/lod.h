@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "protocol/model.h"
+#include "server/scene/workers.h"
 
 namespace mirage {
 
@@ -27,7 +28,9 @@ struct MeshLod {
 /// Primitives of alpha-tested, blended or double-sided materials that consist of many small pieces
 /// are thinned: a share of the pieces (chosen by hash, the same on every run) stays, enlarged about
 /// their middles so that the covered area stays (R. L. Cook et al., "Stochastic simplification of
-/// aggregate detail", 2007). A pure function of its input.
-std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& materials);
+/// aggregate detail", 2007). A pure function of its input: the same
+/// however many work at it.
+std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& materials,
+                                const Workers& workers = Workers());
 
 }  // namespace mirage

@@ -9,39 +9,61 @@ namespace {
 constexpr float kNearCorner = 0.75f;    // where a corner's normal is judged
 constexpr float kSameShading = 0.985f;  // cosine of 10 degrees
 
-}  // namespace
+constexpr std::size_t kChunkTriangles = 2'000;
 
-void restore_normals(const SurfaceTree& full, std::vector<Vertex>& vertices,
-                     std::vector<std::uint32_t>& indices) {
-  std::map<std::uint32_t, std::vector<std::uint32_t>> copies;  // of a vertex, with other normals
-  for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {
-    const std::uint32_t corner[3] = {indices[t], indices[t + 1], indices[t + 2]};
+glm::vec3 near_corner(const glm::vec3 (&v)[3], std::size_t k) {
+  return kNearCorner * v[k] + 0.5f * (1 - kNearCorner) * (v[(k + 1) % 3] + v[(k + 2) % 3]);
+}
+
+/// By corner: the full surface's normal where the corner shades wrongly, else zero.
+std::vector<glm::vec3> missing_normals(const FullSurface& full, const std::vector<Vertex>& vertices,
+                                       const std::vector<std::uint32_t>& indices,
+                                       const Workers& workers) {
+  std::vector<glm::vec3> out(indices.size(), glm::vec3(0));
+  const auto one = [&](std::size_t t) {
     glm::vec3 p[3], n[3];
     for (std::size_t k = 0; k < 3; ++k) {
-      p[k] = vertices[corner[k]].position;
-      n[k] = vertices[corner[k]].normal;
+      p[k] = vertices[indices[t + k]].position;
+      n[k] = vertices[indices[t + k]].normal;
     }
     const glm::vec3 face = glm::cross(p[1] - p[0], p[2] - p[0]);
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
-      const glm::vec3 inside = kNearCorner * p[k] + 0.5f * (1 - kNearCorner) * (p[a] + p[b]);
-      const glm::vec3 shown = kNearCorner * n[k] + 0.5f * (1 - kNearCorner) * (n[a] + n[b]);
-      const glm::vec3 right = full.shading_at(inside).normal;
+      std::uint32_t near = full.places()[indices[t + k]];
+      const glm::vec3 right = full.tree().shading_at(near_corner(p, k), near).normal;
       if (glm::dot(right, face) <= 0) continue;  // of another side
-      if (glm::dot(shown, right) >= kSameShading * glm::length(shown)) continue;
-      std::vector<std::uint32_t>& made = copies[corner[k]];
-      auto at = std::find_if(made.begin(), made.end(), [&](std::uint32_t i) {
-        return glm::dot(vertices[i].normal, right) >= kSameShading;
-      });
-      if (at == made.end()) {
-        Vertex copy = vertices[corner[k]];
-        copy.normal = right;
-        made.push_back(static_cast<std::uint32_t>(vertices.size()));
-        vertices.push_back(copy);
-        at = made.end() - 1;
-      }
-      indices[t + k] = *at;
+      const glm::vec3 shown = near_corner(n, k);
+      if (glm::dot(shown, right) < kSameShading * glm::length(shown)) out[t + k] = right;
     }
+  };
+  const std::size_t triangles = indices.size() / 3;
+  workers.each((triangles + kChunkTriangles - 1) / kChunkTriangles, [&](std::size_t chunk) {
+    const std::size_t end = std::min(triangles, (chunk + 1) * kChunkTriangles);
+    for (std::size_t t = chunk * kChunkTriangles; t < end; ++t) one(3 * t);
+  });
+  return out;
+}
+
+}  // namespace
+
+void restore_normals(const FullSurface& full, std::vector<Vertex>& vertices,
+                     std::vector<std::uint32_t>& indices, const Workers& workers) {
+  const std::vector<glm::vec3> missing = missing_normals(full, vertices, indices, workers);
+  std::map<std::uint32_t, std::vector<std::uint32_t>> copies;  // of a vertex, with other normals
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const glm::vec3& right = missing[i];
+    if (right == glm::vec3(0)) continue;
+    std::vector<std::uint32_t>& made = copies[indices[i]];
+    auto at = std::find_if(made.begin(), made.end(), [&](std::uint32_t c) {
+      return glm::dot(vertices[c].normal, right) >= kSameShading;
+    });
+    if (at == made.end()) {
+      Vertex copy = vertices[indices[i]];
+      copy.normal = right;
+      made.push_back(static_cast<std::uint32_t>(vertices.size()));
+      vertices.push_back(copy);
+      at = made.end() - 1;
+    }
+    indices[i] = *at;
   }
 }
 

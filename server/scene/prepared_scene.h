@@ -3,28 +3,13 @@
 
 #include <memory>
 
-#include "protocol/image_codec.h"
-#include "protocol/model_codec.h"
-#include "protocol/object_proxy.h"
+#include "server/scene/derived_cache.h"
 #include "server/scene/grouping.h"
 #include "server/scene/leave_out.h"
-#include "server/scene/scene.h"
+#include "server/scene/object_description.h"
+#include "server/scene/stage_times.h"
 
 namespace mirage {
-
-/// One level of an object as a reply carries it.
-struct EncodedLod {
-  Bytes payload;
-  std::uint32_t raw_bytes = 0;  ///< once decompressed; the payload's size when it is not compressed
-};
-
-/// Geometry of one object below the whole mesh, and all of it encoded.
-struct ObjectGeometry {
-  /// By level; empty where tiles are never drawn from it: level 0 is the object's own mesh, and
-  /// thinned foliage has no bound.
-  std::vector<Mesh> tile_lods;
-  std::vector<EncodedLod> encoded;
-};
 
 struct PreparedScene {
   Scene scene;
@@ -39,9 +24,12 @@ struct PreparedScene {
   std::vector<ObjectDescription> objects;  ///< by object of the scene
   std::vector<ObjectGeometry> geometry;    ///< the same
   std::vector<ImageDescription> images;
+  /// By image (make_mips).
+  std::vector<std::vector<Image>> mips;
   Grouping grouping;
   glm::dvec3 bounds_center{0};  ///< sphere around all instances, world
   double bounds_radius = 1;
+  StageTimes load_times;
 
   /// Anything of the scene throws a shadow (NUMERICS section 5, rule 18).
   bool has_casters() const;
@@ -68,21 +56,19 @@ struct PreparedScene {
   }
 };
 
-/// Loads `spec` (a path or `builtin:NAME?…`) and prepares it. Errors: those of the importers,
-/// kSceneLimit when it exceeds limits.h.
+struct LoadOptions {
+  bool keep_imported = false;       ///< PreparedScene::imported
+  std::size_t threads = 0;          ///< that work at it; 0: as many as there are cores
+  CacheDirectory* cache = nullptr;  ///< of levels of detail and mips; nullptr: all is made
+};
+
+/// Loads `spec` (a path or `builtin:NAME?…`) and prepares it: the same however many threads work,
+/// and whether from the cache or not.
+/// Errors: those of the importers, kSceneLimit when it exceeds limits.h.
 Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
-                                                        bool keep_imported = false);
+                                                        const LoadOptions& options = {});
 /// The same of a scene that is there.
-Result<std::shared_ptr<const PreparedScene>> prepare_scene(Scene scene, bool keep_imported = false);
-
-/// Bounds, hull, mean colour and needs of one object.
-ObjectDescription describe_object(const SceneObject& object, const Scene& scene);
-
-/// `mesh` with only the materials it uses.
-ObjectModel object_model(const Scene& scene, const Mesh& mesh);
-
-/// Levels of detail of `object`, made and encoded; `description.lods` is filled in.
-ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
-                             ObjectDescription& description);
+Result<std::shared_ptr<const PreparedScene>> prepare_scene(Scene scene,
+                                                           const LoadOptions& options = {});
 
 }  // namespace mirage

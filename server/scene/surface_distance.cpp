@@ -3,16 +3,30 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace mirage {
 namespace {
 
 constexpr std::uint32_t kLeafTriangles = 4;
+constexpr std::uint32_t kSharedTriangles = 20'000;  // fewer are not worth another thread
+constexpr std::size_t kDeepest = 64;  // halved until 4 are left: 30 for all of 32 bits
 
-float box_distance2(const glm::vec3& low, const glm::vec3& high, const glm::vec3& p) {
-  const glm::vec3 d = glm::max(glm::max(low - p, p - high), glm::vec3(0));
-  return glm::dot(d, d);
+// A child that is a leaf: this bit, one less than its triangles in the next two, then the first.
+constexpr std::uint32_t kLeaf = 1u << 31;
+std::uint32_t leaf_of(std::uint32_t first, std::uint32_t count) {
+  return kLeaf | (count - 1) << 29 | first;
+}
+
+// Inner nodes of a tree over so many triangles. Level by level: halving leaves `a` parts of `size`
+// triangles and `b` of one more.
+std::uint32_t inner_nodes(std::uint32_t triangles) {
+  std::uint32_t size = triangles, a = 1, b = 0, count = 0;
+  while (size > kLeafTriangles) {
+    count += a + b;
+    (size % 2 == 0 ? a : b) += a + b;
+    size /= 2;
+  }
+  return size == kLeafTriangles ? count + b : count;
 }
 
 }  // namespace
@@ -42,91 +56,155 @@ glm::vec3 closest_on_triangle(const glm::vec3& p, const glm::vec3& a, const glm:
 }
 
 SurfaceTree::SurfaceTree(const std::vector<Vertex>& vertices,
-                         const std::vector<std::uint32_t>& indices)
-    : vertices_(vertices), indices_(indices), order_(indices.size() / 3) {
-  std::iota(order_.begin(), order_.end(), 0u);
-  std::vector<glm::vec3> centers;
+                         const std::vector<std::uint32_t>& indices, const Workers& workers)
+    : vertices_(vertices), indices_(indices), order_(indices.size() / 3), corners_(order_.size()) {
+  if (order_.empty()) return;
+  std::vector<Center> centers;
   centers.reserve(order_.size());
-  for (std::size_t t = 0; t < order_.size(); ++t) {
-    centers.push_back((vertices[indices[3 * t]].position + vertices[indices[3 * t + 1]].position +
-                       vertices[indices[3 * t + 2]].position) /
-                      3.0f);
+  for (std::uint32_t t = 0; t < order_.size(); ++t) {
+    const std::uint32_t* at = &indices[3 * std::size_t{t}];
+    centers.push_back(
+        {(vertices[at[0]].position + vertices[at[1]].position + vertices[at[2]].position) / 3.0f,
+         t});
   }
-  if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()), centers);
+  const auto count = static_cast<std::uint32_t>(order_.size());
+  nodes_.resize(inner_nodes(count));
+  if (nodes_.empty()) {
+    root_ = leaf_of(0, count);
+    make_leaf(0, count, centers);
+  } else {
+    build(0, 0, count, centers, workers);
+  }
 }
 
-void SurfaceTree::build(std::uint32_t first, std::uint32_t count, std::vector<glm::vec3>& centers) {
-  const std::size_t at = nodes_.size();
-  nodes_.emplace_back();
-  Node node;
-  node.low = glm::vec3(std::numeric_limits<float>::infinity());
-  node.high = -node.low;
-  glm::vec3 low = node.low, high = node.high;  // of the centres
+SurfaceTree::Box SurfaceTree::make_leaf(std::uint32_t first, std::uint32_t count,
+                                        const std::vector<Center>& centers) {
+  Box box{glm::vec3(std::numeric_limits<float>::infinity()),
+          glm::vec3(-std::numeric_limits<float>::infinity())};
   for (std::uint32_t i = first; i < first + count; ++i) {
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const glm::vec3& p = vertices_[indices_[3 * std::size_t{order_[i]} + k]].position;
-      node.low = glm::min(node.low, p);
-      node.high = glm::max(node.high, p);
+    order_[i] = centers[i].triangle;
+    const std::uint32_t* t = &indices_[3 * std::size_t{order_[i]}];
+    corners_[i] = {vertices_[t[0]].position, vertices_[t[1]].position, vertices_[t[2]].position};
+    for (const glm::vec3& p : {corners_[i].a, corners_[i].b, corners_[i].c}) {
+      box.low = glm::min(box.low, p);
+      box.high = glm::max(box.high, p);
     }
-    low = glm::min(low, centers[order_[i]]);
-    high = glm::max(high, centers[order_[i]]);
   }
-  if (count <= kLeafTriangles) {
-    node.first = first;
-    node.count = count;
-    nodes_[at] = node;
-    return;
+  return box;
+}
+
+SurfaceTree::Box SurfaceTree::build(std::uint32_t at, std::uint32_t first, std::uint32_t count,
+                                    std::vector<Center>& centers, const Workers& workers) {
+  const auto begin = centers.begin() + first;
+  glm::vec3 low = begin->at, high = begin->at;
+  for (auto center = begin; center != begin + count; ++center) {
+    low = glm::min(low, center->at);
+    high = glm::max(high, center->at);
   }
   const glm::vec3 size = high - low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const std::uint32_t half = count / 2;
-  const auto begin = order_.begin() + first;
-  std::nth_element(begin, begin + half, begin + count, [&](std::uint32_t a, std::uint32_t b) {
-    return centers[a][axis] < centers[b][axis];
-  });
-  build(first, half, centers);
-  node.first = static_cast<std::uint32_t>(nodes_.size());
-  build(first + half, count - half, centers);
-  nodes_[at] = node;
+  std::nth_element(begin, begin + half, begin + count,
+                   [axis](const Center& a, const Center& b) { return a.at[axis] < b.at[axis]; });
+  const std::uint32_t firsts[2] = {first, first + half}, counts[2] = {half, count - half},
+                      places[2] = {at + 1, at + 1 + inner_nodes(half)};
+  Node& node = nodes_[at];
+  const auto child = [&](std::size_t i) {
+    const bool leaf = counts[i] <= kLeafTriangles;
+    node.child[i] = leaf ? leaf_of(firsts[i], counts[i]) : places[i];
+    const Box box = leaf ? make_leaf(firsts[i], counts[i], centers)
+                         : build(places[i], firsts[i], counts[i], centers, workers);
+    for (int c = 0; c < 3; ++c) {
+      node.low[c][i] = box.low[c];
+      node.high[c][i] = box.high[c];
+    }
+  };
+  if (count > kSharedTriangles) {
+    workers.each(2, child);
+  } else {
+    child(0);
+    child(1);
+  }
+  Box box;
+  for (int c = 0; c < 3; ++c) {
+    box.low[c] = std::min(node.low[c][0], node.low[c][1]);
+    box.high[c] = std::max(node.high[c][0], node.high[c][1]);
+  }
+  return box;
 }
 
-void SurfaceTree::search(std::uint32_t index, const glm::vec3& p, Nearest& best) const {
-  const Node& node = nodes_[index];
-  if (node.count > 0) {
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const std::uint32_t* t = &indices_[3 * std::size_t{order_[i]}];
-      const glm::vec3 point = closest_on_triangle(
-          p, vertices_[t[0]].position, vertices_[t[1]].position, vertices_[t[2]].position);
-      const float distance2 = glm::dot(point - p, point - p);
-      if (distance2 < best.distance2) best = {distance2, order_[i], point};
+inline void SurfaceTree::try_triangle(std::uint32_t place, const glm::vec3& p,
+                                      Nearest& best) const {
+  const Corners& t = corners_[place];
+  const glm::vec3 point = closest_on_triangle(p, t.a, t.b, t.c);
+  const float distance2 = glm::dot(point - p, point - p);
+  if (distance2 < best.distance2) best = {distance2, place, point};
+}
+
+void SurfaceTree::search(const glm::vec3& p, float enough2, Nearest& best) const {
+  struct Waiting {
+    std::uint32_t child;
+    float distance2;
+  };
+  Waiting stack[kDeepest];
+  std::size_t waiting = 0;
+  stack[waiting++] = {root_, 0};
+  while (waiting > 0 && best.distance2 > enough2) {
+    auto [at, distance2] = stack[--waiting];
+    while (distance2 < best.distance2 &&
+           !(at & kLeaf)) {  // to the nearer leaf, the other sides wait
+      const Node& node = nodes_[at];
+      float outside2[2] = {0, 0};
+      for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < 2; ++i) {
+          const float d = std::max(std::max(node.low[c][i] - p[c], p[c] - node.high[c][i]), 0.0f);
+          outside2[i] += d * d;
+        }
+      }
+      const int near = outside2[1] < outside2[0] ? 1 : 0;
+      if (outside2[1 - near] < best.distance2) {
+        stack[waiting++] = {node.child[1 - near], outside2[1 - near]};
+      }
+      at = node.child[near];
+      distance2 = outside2[near];
     }
-    return;
+    if (distance2 >= best.distance2) continue;
+    const std::uint32_t first = at & ((1u << 29) - 1), count = (at >> 29 & 3) + 1;
+    for (std::uint32_t i = first; i < first + count; ++i) try_triangle(i, p, best);
   }
-  std::uint32_t near = index + 1, far = node.first;
-  float near2 = box_distance2(nodes_[near].low, nodes_[near].high, p);
-  float far2 = box_distance2(nodes_[far].low, nodes_[far].high, p);
-  if (far2 < near2) {
-    std::swap(near, far);
-    std::swap(near2, far2);
-  }
-  if (near2 < best.distance2) search(near, p, best);
-  if (far2 < best.distance2) search(far, p, best);
 }
 
 double SurfaceTree::distance(const glm::vec3& p, double at_most) const {
   Nearest best{static_cast<float>(at_most * at_most), 0, p};
-  if (!nodes_.empty()) search(0, p, best);
+  if (!order_.empty()) search(p, 0, best);
+  return std::sqrt(double{best.distance2});
+}
+
+double SurfaceTree::distance_above(double floor, const glm::vec3& p, double at_most,
+                                   std::uint32_t& near) const {
+  Nearest best{static_cast<float>(at_most * at_most), near, p};
+  if (!order_.empty()) {
+    try_triangle(near, p, best);
+    search(p, static_cast<float>(floor * floor), best);
+  }
+  near = best.place;
   return std::sqrt(double{best.distance2});
 }
 
 SurfaceTree::Shading SurfaceTree::shading_at(const glm::vec3& p) const {
+  std::uint32_t near = 0;
+  return shading_at(p, near);
+}
+
+SurfaceTree::Shading SurfaceTree::shading_at(const glm::vec3& p, std::uint32_t& near) const {
   Shading out;
-  if (nodes_.empty()) return out;
-  Nearest best{std::numeric_limits<float>::infinity(), 0, p};
-  search(0, p, best);
-  const std::uint32_t* t = &indices_[3 * std::size_t{best.triangle}];
-  const glm::vec3 a = vertices_[t[0]].position, b = vertices_[t[1]].position,
-                  c = vertices_[t[2]].position;
+  if (order_.empty()) return out;
+  Nearest best{std::numeric_limits<float>::infinity(), near, p};
+  try_triangle(near, p, best);
+  search(p, 0, best);
+  near = best.place;
+  const std::uint32_t* t = &indices_[3 * std::size_t{order_[best.place]}];
+  const auto& [a, b, c] = corners_[best.place];
   // Shares of the triangle's area opposite to each corner.
   const glm::vec3 areas(glm::length(glm::cross(b - best.point, c - best.point)),
                         glm::length(glm::cross(c - best.point, a - best.point)),
@@ -139,6 +217,14 @@ SurfaceTree::Shading SurfaceTree::shading_at(const glm::vec3& p) const {
   }
   const float length = glm::length(out.normal);
   if (length > 0) out.normal /= length;
+  return out;
+}
+
+std::vector<std::uint32_t> SurfaceTree::places_of_vertices() const {
+  std::vector<std::uint32_t> out(vertices_.size(), 0);
+  for (std::uint32_t place = 0; place < order_.size(); ++place) {
+    for (std::size_t k = 0; k < 3; ++k) out[indices_[3 * std::size_t{order_[place]} + k]] = place;
+  }
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "protocol/model.h"
+#include "server/scene/workers.h"
 
 namespace mirage {
 
@@ -13,10 +14,16 @@ namespace mirage {
 class SurfaceTree {
  public:
   /// `indices` refer to `vertices`, which must outlive the tree; their count is a multiple of 3.
-  SurfaceTree(const std::vector<Vertex>& vertices, const std::vector<std::uint32_t>& indices);
+  SurfaceTree(const std::vector<Vertex>& vertices, const std::vector<std::uint32_t>& indices,
+              const Workers& workers = Workers());
 
   /// Distance from `p` to the surface, or `at_most` when it is farther than that.
   double distance(const glm::vec3& p, double at_most) const;
+  /// The same where it is above `floor`, else anything up to `floor`. For the largest distance of
+  /// many points: most of them are soon known not to be it. `near` is where the search begins, a
+  /// place in the tree, and where it ended: the next point's neighbourhood.
+  double distance_above(double floor, const glm::vec3& p, double at_most,
+                        std::uint32_t& near) const;
   /// What the vertices say of the point of the surface nearest to `p`, interpolated: a unit normal
   /// (zero where there is none) and the colour, 0 to 1, linear.
   struct Shading {
@@ -24,25 +31,47 @@ class SurfaceTree {
     glm::vec4 color{0};
   };
   Shading shading_at(const glm::vec3& p) const;
+  /// The same, `near` as above. Where several triangles are equally near, it decides.
+  Shading shading_at(const glm::vec3& p, std::uint32_t& near) const;
+  /// By vertex: a place in the tree of one of its triangles.
+  std::vector<std::uint32_t> places_of_vertices() const;
 
  private:
-  struct Node {
-    glm::vec3 low{0}, high{0};
-    std::uint32_t first = 0;  ///< triangle of a leaf, or the right child (the left one follows)
-    std::uint32_t count = 0;  ///< of a leaf; 0: inner node
+  /// Both children's boxes, side by side: one line of the cache for each step down.
+  struct alignas(64) Node {
+    float low[3][2], high[3][2];
+    std::uint32_t child[2];  ///< an inner node, or a leaf (kLeaf)
   };
-  void build(std::uint32_t first, std::uint32_t count, std::vector<glm::vec3>& centers);
+  struct Box {
+    glm::vec3 low, high;
+  };
+  struct Corners {
+    glm::vec3 a, b, c;
+  };
+  struct Center {
+    glm::vec3 at;
+    std::uint32_t triangle;
+  };
   struct Nearest {
     float distance2;
-    std::uint32_t triangle;
+    std::uint32_t place;
     glm::vec3 point;
   };
-  void search(std::uint32_t node, const glm::vec3& p, Nearest& best) const;
+  /// Makes the tree over `count` triangles from `first` on, its inner nodes from `at` on; gives its
+  /// box. At least two leaves.
+  Box build(std::uint32_t at, std::uint32_t first, std::uint32_t count,
+            std::vector<Center>& centers, const Workers& workers);
+  Box make_leaf(std::uint32_t first, std::uint32_t count, const std::vector<Center>& centers);
+  void try_triangle(std::uint32_t place, const glm::vec3& p, Nearest& best) const;
+  /// Ends as soon as something within `enough2` is found.
+  void search(const glm::vec3& p, float enough2, Nearest& best) const;
 
   const std::vector<Vertex>& vertices_;
   const std::vector<std::uint32_t>& indices_;
   std::vector<std::uint32_t> order_;  ///< triangles, grouped by leaf
-  std::vector<Node> nodes_;
+  std::vector<Corners> corners_;      ///< in that order
+  std::vector<Node> nodes_;           ///< inner ones
+  std::uint32_t root_ = 0;            ///< as Node::child
 };
 
 /// Closest point of triangle abc to p (C. Ericson, Real-Time Collision Detection, 5.1.5).

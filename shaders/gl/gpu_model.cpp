@@ -14,18 +14,15 @@ void upload_level(const Image& image, GLint level) {
                static_cast<GLsizei>(image.height), 0, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
 }
 
-// `cutoff` of the alpha-tested material that uses the image; 0: none does.
-Texture upload_image(const Image& image, float cutoff) {
+// Without `mips` the driver makes them.
+Texture upload_image(const Image& image, const std::vector<Image>& mips) {
   Texture texture = Texture::create();
   glBindTexture(GL_TEXTURE_2D, texture.id());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   upload_level(image, 0);
-  if (cutoff <= 0) {
-    glGenerateMipmap(GL_TEXTURE_2D);
-    return texture;
-  }
   GLint level = 0;
-  for (const Image& mip : alpha_preserving_mips(image, cutoff)) upload_level(mip, ++level);
+  for (const Image& mip : mips) upload_level(mip, ++level);
+  if (mips.empty()) glGenerateMipmap(GL_TEXTURE_2D);
   return texture;
 }
 
@@ -37,18 +34,16 @@ void attribute(GLuint index, GLint size, GLenum type, GLboolean normalised, std:
 
 }  // namespace
 
-GpuImages::GpuImages(const std::vector<Image>& images, const std::vector<Material>& materials) {
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    put(i, images[i], alpha_test_cutoff(static_cast<std::int32_t>(i), materials));
-  }
+void GpuImages::put(std::size_t index, const Image& image, float cutoff) {
+  put(index, image, cutoff > 0 ? alpha_preserving_mips(image, cutoff) : std::vector<Image>{});
 }
 
-void GpuImages::put(std::size_t index, const Image& image, float cutoff) {
+void GpuImages::put(std::size_t index, const Image& image, const std::vector<Image>& mips) {
   if (index >= textures_.size()) {
     textures_.resize(index + 1);
     bytes_.resize(index + 1, 0);
   }
-  textures_[index] = upload_image(image, cutoff);
+  textures_[index] = upload_image(image, mips);
   bytes_[index] = image.rgba.size() * 4 / 3;
 }
 

@@ -14,10 +14,10 @@ namespace mirage::gl {
 /// failed. Mip-mapped, colour images as sRGB; images of alpha-tested materials keep their coverage.
 class GpuImages {
  public:
-  GpuImages() = default;
-  GpuImages(const std::vector<Image>& images, const std::vector<Material>& materials);
   /// Replaces one image (any index: the list grows); `cutoff` as alpha_test_cutoff() gives it.
   void put(std::size_t index, const Image& image, float cutoff);
+  /// The same with its mip levels as alpha_preserving_mips() makes them; none: the driver's.
+  void put(std::size_t index, const Image& image, const std::vector<Image>& mips);
   GLuint texture(std::int32_t image) const;
   std::size_t gpu_bytes() const;
 

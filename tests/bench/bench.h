@@ -37,6 +37,8 @@ struct Bench {
 std::vector<Bench> selection_benches();
 std::vector<Bench> tile_benches();
 std::vector<Bench> store_benches();
+std::vector<Bench> startup_benches();
+std::vector<Bench> latency_benches();
 
 /// Seconds of two things, measured in turn.
 struct Pair {

@@ -67,7 +67,7 @@ class Stages {
  private:
   SteadyClock clock_;
   Counters counters_;
-  TileStore store_{256u << 20, "", counters_};
+  TileStore store_{256u << 20, nullptr, counters_};
   TileQueue queue_{clock_, counters_};
   BoundedQueue<RenderedTile> rendered_{512};
   BoundedQueue<Completion> completions_{8192};

@@ -74,6 +74,7 @@ PreparedScene as_one_object(const PreparedScene& prepared, const Similarity& pla
     d.alpha_cutoff = alpha_test_cutoff(index, scene.materials);
     out.images.push_back(d);
   }
+  out.mips = make_mips(scene);
   out.scene = std::move(scene);
   out.bounds_center =
       placed.position + glm::dvec3(placed.rotation * out.objects[0].center) * double{placed.scale};
@@ -109,7 +110,7 @@ std::optional<SceneView> scene_as_told(const std::shared_ptr<const PreparedScene
   const SteadyClock clock;
   Counters counters;
   TileQueue queue(clock, counters);
-  TileStore store(1 << 20, "", counters);
+  TileStore store(1 << 20, nullptr, counters);
   BoundedQueue<ImageLevel> images(64);
   SessionHub hub(prepared, {}, clock, counters, queue, store, images);
   const SessionId id = hub.open().take();

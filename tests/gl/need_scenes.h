@@ -81,7 +81,7 @@ inline Change with_map(TextureRef Material::*map, Image image) {
 inline std::shared_ptr<const PreparedScene> prepared(const std::vector<Change>& changes) {
   Scene scene = ball_scene();
   for (const Change& change : changes) change(scene);
-  return prepare_scene(std::move(scene), true).take();
+  return prepare_scene(std::move(scene), {.keep_imported = true}).take();
 }
 
 struct NamedChange {

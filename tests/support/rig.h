@@ -56,7 +56,7 @@ class Host {
   std::shared_ptr<const PreparedScene> scene_;
   Counters counters_;
   TileQueue queue_;
-  TileStore store_{64u << 20, "", counters_};
+  TileStore store_{64u << 20, nullptr, counters_};
   BoundedQueue<ImageLevel> image_jobs_{16};
   std::unique_ptr<SessionHub> hub_;
   double busy_s_ = 0;

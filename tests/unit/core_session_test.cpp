@@ -47,7 +47,7 @@ class HubLink final : public Link {
   VirtualClock clock_;
   Counters counters_;
   TileQueue queue_{clock_, counters_};
-  TileStore store_{1 << 24, "", counters_};
+  TileStore store_{1 << 24, nullptr, counters_};
   BoundedQueue<ImageLevel> image_jobs_{16};
   std::unique_ptr<SessionHub> hub_;
   SessionId id_ = 0;

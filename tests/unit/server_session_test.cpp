@@ -91,7 +91,7 @@ class ServerSession : public ::testing::Test {
   VirtualClock clock;
   Counters counters;
   TileQueue queue{clock, counters};
-  TileStore store{1 << 24, "", counters};
+  TileStore store{1 << 24, nullptr, counters};
   BoundedQueue<ImageLevel> image_jobs{16};
   std::unique_ptr<SessionHub> hub;
 };

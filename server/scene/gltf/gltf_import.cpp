@@ -24,7 +24,7 @@
 namespace mirage {
 namespace {
 
-Result<Scene> import_stages(const std::string& path) {
+Result<Scene> import_stages(const std::string& path, const Workers& workers) {
   gltf::Tally tally;
   auto document = gltf::load_document(path, tally);
   if (!document) return document.error();
@@ -37,8 +37,9 @@ Result<Scene> import_stages(const std::string& path) {
     if (auto ok = assembler.add_node(node); !ok) return ok.error();
   }
   if (auto ok = assembler.finish(); !ok) return ok.error();
-  if (assembler.refusal()) return *assembler.refusal();
-  Scene scene = assembler.take();
+  Result<Scene> taken = assembler.take(workers);
+  if (!taken) return taken;
+  Scene scene = taken.take();
   scene.name = std::filesystem::path(path).stem().string();
   if (scene.instances.empty()) tally.note("nothing to draw");
 
@@ -51,12 +52,12 @@ Result<Scene> import_stages(const std::string& path) {
 
 }  // namespace
 
-Result<Scene> import_gltf(const std::string& path) {
+Result<Scene> import_gltf(const std::string& path, const Workers& workers) {
   auto named = [&path](const Error& error) {
     return make_error(error.id, path + ": " + error.text, error.hint);
   };
   try {
-    auto scene = import_stages(path);
+    auto scene = import_stages(path, workers);
     if (!scene) return named(scene.error());
     return scene;
   } catch (const std::bad_alloc&) {

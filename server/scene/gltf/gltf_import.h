@@ -4,13 +4,15 @@
 #include <string>
 
 #include "server/scene/scene.h"
+#include "server/scene/workers.h"
 
 namespace mirage {
 
 /// Loads and validates a glTF file.
 /// Errors: kSceneMissing, kSceneFormat, kSceneRange, kSceneReference, kSceneCycle, kSceneLimit,
 /// kSceneUri, kSceneExtension, kSceneEmpty; the text names the file and the offending element.
-/// Recoverable defects (a NaN vertex, an unreadable texture) are mended and listed in warnings.
-Result<Scene> import_gltf(const std::string& path);
+/// Images are decoded by `workers`. Recoverable defects (a NaN vertex, an unreadable texture) are
+/// mended and listed in warnings.
+Result<Scene> import_gltf(const std::string& path, const Workers& workers = Workers());
 
 }  // namespace mirage

@@ -74,7 +74,7 @@ Result<Image> decode(std::span<const std::uint8_t> bytes, const ImageHeader& hea
 
 }  // namespace
 
-Result<Image> decode_image(std::span<const std::uint8_t> bytes, std::uint64_t max_pixels) {
+Result<std::uint64_t> count_pixels(std::span<const std::uint8_t> bytes, std::uint64_t max_pixels) {
   const auto header = peek_image_header(bytes);
   if (!header) return unreadable("neither a whole PNG, nor JPEG, nor WebP");
   if (header->width == 0 || header->height == 0) return unreadable("an image without pixels");
@@ -84,8 +84,13 @@ Result<Image> decode_image(std::span<const std::uint8_t> bytes, std::uint64_t ma
                                                 std::to_string(header->height) +
                                                 " pixels are too many");
   }
+  return pixels;
+}
+
+Result<Image> decode_image(std::span<const std::uint8_t> bytes, std::uint64_t max_pixels) {
+  if (const auto judged = count_pixels(bytes, max_pixels); !judged) return judged.error();
   try {
-    return decode(bytes, *header);
+    return decode(bytes, *peek_image_header(bytes));
   } catch (const std::exception& exception) {
     return unreadable(exception.what());
   }

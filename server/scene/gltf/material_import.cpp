@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/scene/gltf/gltf_limits.h"
-#include "server/scene/gltf/image_decode.h"
-#include "server/scene/gltf/uri_loader.h"
-
 namespace mirage::gltf {
 namespace {
 
@@ -46,14 +42,6 @@ double pair_element(const tinygltf::Value& object, const char* key, int i, doubl
   if (!list.IsArray() || list.ArrayLen() <= static_cast<std::size_t>(i) || !list.Get(i).IsNumber())
     return fallback;
   return list.Get(i).GetNumberAsDouble();
-}
-
-Image white_pixel() {
-  Image image;
-  image.width = 1;
-  image.height = 1;
-  image.rgba.assign(4, 255);
-  return image;
 }
 
 }  // namespace
@@ -131,7 +119,7 @@ TextureRef MaterialImporter::texture(const tinygltf::ExtensionMap& extensions, i
     uv_set = 0;
   }
   ref.uv_set = static_cast<std::uint8_t>(uv_set);
-  ref.image = image_index(image, srgb);
+  ref.image = images_.index_of(image, srgb);
   return ref;
 }
 
@@ -155,54 +143,6 @@ void MaterialImporter::apply_transform(const tinygltf::ExtensionMap& extensions,
   }
   ref.rotation = factor(number_or(transform, "rotation", 0), -limit, limit, 0);
   uv_set = static_cast<int>(number_or(transform, "texCoord", uv_set));
-}
-
-std::int32_t MaterialImporter::image_index(int source, bool srgb) {
-  const auto [entry, is_new] = image_index_.try_emplace({source, srgb}, -1);
-  if (!is_new) return entry->second;
-  Image image;
-  // Colour and data need different decoding, so an image used for both is stored twice.
-  const auto other = image_index_.find({source, !srgb});
-  if (other != image_index_.end()) {
-    const Image& twin = images_[other->second];
-    const std::uint64_t pixels = std::uint64_t{twin.width} * twin.height;
-    image = pixels_ + pixels <= kMaxScenePixels ? twin : load_image(source);
-    pixels_ += pixels;
-  } else {
-    image = load_image(source);
-    pixels_ += std::uint64_t{image.width} * image.height;
-  }
-  image.srgb = srgb;
-  entry->second = static_cast<std::int32_t>(images_.size());
-  images_.push_back(std::move(image));
-  return entry->second;
-}
-
-Image MaterialImporter::load_image(int source) {
-  const ImageSource& place = document_.images[source];
-  const std::string what = "images[" + std::to_string(source) + "]";
-  std::vector<std::uint8_t> owned;
-  std::span<const std::uint8_t> bytes;
-  if (place.buffer_view >= 0) {
-    bytes = document_.view_bytes(place.buffer_view);
-  } else {
-    auto loaded = load_uri(place.uri, document_.folder, kMaxFileBytes, what);
-    if (!loaded) {
-      tally_.add("unreadable images replaced by white", 1, loaded.error().text);
-      return white_pixel();
-    }
-    owned = loaded.take();
-    bytes = owned;
-  }
-  const std::uint64_t left = kMaxScenePixels - std::min(pixels_, kMaxScenePixels);
-  auto image = decode_image(bytes, std::min(kMaxImagePixels, left));
-  if (image) return image.take();
-  // Too large is no damage to paper over: the scene would look wrong without a word.
-  if (image.error().id == ErrorId::kSceneLimit && !refusal_) {
-    refusal_ = make_error(ErrorId::kSceneLimit, what + ": " + image.error().text);
-  }
-  tally_.add("unreadable images replaced by white", 1, what + ": " + image.error().text);
-  return white_pixel();
 }
 
 }  // namespace mirage::gltf

@@ -3,22 +3,23 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "protocol/model.h"
 #include "server/scene/gltf/document.h"
+#include "server/scene/gltf/image_import.h"
 #include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {
 
-/// Materials are converted, and their images decoded, when first asked for: what no drawn
-/// primitive uses costs nothing. Unreadable images become white with a warning.
+/// Materials are converted, and their images asked for, when first used: what no drawn primitive
+/// uses costs nothing.
 class MaterialImporter {
  public:
-  MaterialImporter(const Document& document, Tally& tally) : document_(document), tally_(tally) {}
+  MaterialImporter(const Document& document, Tally& tally)
+      : document_(document), tally_(tally), images_(document, tally) {}
 
   /// Index into materials() of a glTF material, -1 for the default one. `unlit` asks for a copy
   /// without lighting: points and lines without normals are drawn so (glTF §3.7.2.1).
@@ -26,28 +27,21 @@ class MaterialImporter {
 
   const std::vector<Material>& materials() const { return materials_; }
   std::vector<Material> take_materials() { return std::move(materials_); }
-  std::vector<Image> take_images() { return std::move(images_); }
-
-  /// kSceneLimit when an image was too large to load.
-  const std::optional<Error>& refusal() const { return refusal_; }
+  /// Errors: those of ImageImporter::take().
+  Result<std::vector<Image>> take_images(const Workers& workers) { return images_.take(workers); }
 
  private:
   Material convert(const tinygltf::Material& source);
   TextureRef texture(const tinygltf::ExtensionMap& extensions, int texture, int uv_set, bool srgb);
   void apply_sampler(int sampler, TextureRef& ref) const;
   void apply_transform(const tinygltf::ExtensionMap& extensions, TextureRef& ref, int& uv_set);
-  std::int32_t image_index(int source, bool srgb);
-  Image load_image(int source);
-  std::optional<Error> refusal_;
   float factor(double value, double low, double high, double fallback);
 
   const Document& document_;
   Tally& tally_;
   std::vector<Material> materials_;
-  std::vector<Image> images_;
+  ImageImporter images_;
   std::map<std::pair<int, bool>, std::uint32_t> material_index_;
-  std::map<std::pair<int, bool>, std::int32_t> image_index_;
-  std::uint64_t pixels_ = 0;
 };
 
 }  // namespace mirage::gltf

@@ -326,9 +326,11 @@ Result<std::vector<glm::dmat4>> SceneAssembler::instance_matrices(
   return matrices;
 }
 
-Scene SceneAssembler::take() {
+Result<Scene> SceneAssembler::take(const Workers& workers) {
+  Result<std::vector<Image>> images = materials_.take_images(workers);
+  if (!images) return images.error();
   scene_.materials = materials_.take_materials();
-  scene_.images = materials_.take_images();
+  scene_.images = images.take();
   if (scene_.objects.empty()) {
     // Whatever was converted for meshes that came out empty is of no use either.
     scene_.materials.clear();

@@ -29,10 +29,9 @@ class SceneAssembler {
   /// Adds what moves, one object per group. Errors: as add_node.
   Result<void> finish();
 
-  /// Why the scene cannot be used after all: an image beyond the limits.
-  const std::optional<Error>& refusal() const { return materials_.refusal(); }
-  /// Objects, instances, materials and images; the assembler is spent.
-  Scene take();
+  /// Objects, instances, materials and images; the assembler is spent. Error kSceneLimit: an image
+  /// beyond the limits.
+  Result<Scene> take(const Workers& workers);
 
  private:
   /// A mesh in one pose. Its vertices move into the object that first shows it unbaked.

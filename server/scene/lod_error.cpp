@@ -1,0 +1,92 @@
+#include "server/scene/lod_error.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace mirage {
+namespace {
+
+constexpr std::size_t kSampledVertices = 20'000;
+constexpr std::size_t kSampledTriangles = 5'000;
+// Always as many, however many threads there are: where a search begins depends on the one before.
+constexpr std::size_t kChunks = 8;
+constexpr float kColorStep = 0.04f;    // of square roots: ten of 255
+constexpr double kWrongColors = 0.02;  // of the vertices
+
+// Every `step`-th of `count` things, in runs of neighbours.
+struct Sampled {
+  std::size_t step = 1, count = 0;
+
+  Sampled(std::size_t things, std::size_t at_most)
+      : step(std::max<std::size_t>(1, things / at_most)), count((things + step - 1) / step) {}
+  std::size_t first(std::size_t chunk) const { return count * chunk / kChunks * step; }
+};
+
+// The largest distance to the tree of sampled points, beginning with `floor`; it ends once that is
+// above `allowed`.
+template <typename PointAt>
+double largest_distance(const SurfaceTree& tree, const Sampled& sampled, const PointAt& point_at,
+                        double floor, double allowed, double at_most, const Workers& workers) {
+  std::array<double, kChunks> worst;
+  workers.each(kChunks, [&](std::size_t chunk) {
+    double found = floor;
+    std::uint32_t near = 0;
+    const std::size_t end = sampled.first(chunk + 1);
+    for (std::size_t i = sampled.first(chunk); i < end && found <= allowed; i += sampled.step) {
+      found = std::max(found, tree.distance_above(found, point_at(i), at_most, near));
+    }
+    worst[chunk] = found;
+  });
+  return *std::max_element(worst.begin(), worst.end());
+}
+
+}  // namespace
+
+FullSurface::FullSurface(const std::vector<Vertex>& vertices,
+                         const std::vector<std::uint32_t>& indices, double radius,
+                         const Workers& workers)
+    : vertices_(vertices),
+      radius_(radius),
+      tree_(vertices, indices, workers),
+      places_(tree_.places_of_vertices()),
+      colored_(std::any_of(vertices.begin(), vertices.end(),
+                           [&](const Vertex& v) { return v.color != vertices[0].color; })) {}
+
+double FullSurface::distance_to(const std::vector<std::uint32_t>& coarse, double estimate,
+                                double allowed, const Workers& workers) const {
+  const SurfaceTree tree(vertices_, coarse, workers);
+  const Sampled corners(vertices_.size(), kSampledVertices);
+  const double floor = corners.step > 1 ? estimate : 0;
+  const double there = largest_distance(
+      tree, corners, [&](std::size_t i) { return vertices_[i].position; }, floor, allowed,
+      4 * radius_, workers);
+  if (there > allowed) return there;
+  const auto middle = [&](std::size_t t) {
+    return (vertices_[coarse[3 * t]].position + vertices_[coarse[3 * t + 1]].position +
+            vertices_[coarse[3 * t + 2]].position) /
+           3.0f;
+  };
+  return largest_distance(tree_, Sampled(coarse.size() / 3, kSampledTriangles), middle, there,
+                          allowed, 4 * radius_, workers);
+}
+
+bool FullSurface::loses_colors(const std::vector<std::uint32_t>& coarse,
+                               const Workers& workers) const {
+  const SurfaceTree tree(vertices_, coarse, workers);
+  const Sampled sampled(vertices_.size(), kSampledVertices);
+  std::array<std::size_t, kChunks> wrong{};
+  workers.each(kChunks, [&](std::size_t chunk) {
+    std::uint32_t near = 0;
+    for (std::size_t i = sampled.first(chunk); i < sampled.first(chunk + 1); i += sampled.step) {
+      const glm::vec4 right = glm::sqrt(glm::vec4(vertices_[i].color) / 65535.0f);
+      const glm::vec4 shown = glm::sqrt(tree.shading_at(vertices_[i].position, near).color);
+      const glm::vec4 d = glm::abs(right - shown);
+      wrong[chunk] += std::max({d.x, d.y, d.z, d.w}) > kColorStep;
+    }
+  });
+  const std::size_t sum = std::accumulate(wrong.begin(), wrong.end(), std::size_t{0});
+  return static_cast<double>(sum) > kWrongColors * static_cast<double>(sampled.count);
+}
+
+}  // namespace mirage

@@ -1,0 +1,21 @@
+#pragma once
+// What clients are told of objects and images.
+
+#include "protocol/image_codec.h"
+#include "protocol/object_proxy.h"
+#include "server/scene/motion_measure.h"
+#include "server/scene/scene.h"
+#include "server/scene/workers.h"
+
+namespace mirage {
+
+/// Bounds, hull, mean colour and needs of one object.
+ObjectDescription describe_object(const SceneObject& object, const Scene& scene,
+                                  const Workers& workers = Workers());
+/// Puts the bounds of all poses in place of those of the bind pose.
+void use_motion(const MeasuredMotion& measured, ObjectDescription& description);
+
+/// Size, mean colour and alpha test of one of the scene's images.
+ImageDescription describe_image(const Scene& scene, std::size_t index);
+
+}  // namespace mirage

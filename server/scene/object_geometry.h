@@ -1,0 +1,32 @@
+#pragma once
+// Levels of detail of an object, as tiles are drawn from them and as replies carry them.
+
+#include "protocol/model_codec.h"
+#include "protocol/object_proxy.h"
+#include "server/scene/scene.h"
+#include "server/scene/workers.h"
+
+namespace mirage {
+
+/// One level of an object as a reply carries it.
+struct EncodedLod {
+  Bytes payload;
+  std::uint32_t raw_bytes = 0;  ///< once decompressed; the payload's size when it is not compressed
+};
+
+/// Geometry of one object below the whole mesh, and all of it encoded.
+struct ObjectGeometry {
+  /// By level; empty where tiles are never drawn from it: level 0 is the object's own mesh, and
+  /// thinned foliage has no bound.
+  std::vector<Mesh> tile_lods;
+  std::vector<EncodedLod> encoded;
+};
+
+/// `mesh` with only the materials it uses.
+ObjectModel object_model(const Scene& scene, const Mesh& mesh);
+
+/// Levels of detail of `object`, made and encoded; `description.lods` is filled in.
+ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
+                             ObjectDescription& description, const Workers& workers = Workers());
+
+}  // namespace mirage

@@ -1,0 +1,23 @@
+#pragma once
+// Large glTF files made by code, for measuring how long loading takes.
+
+#include <cstdint>
+#include <string>
+
+#include "protocol/result.h"
+
+namespace mirage::test {
+
+/// Bumpy balls side by side on a grid, smooth normals and a seam of texture coordinates each. Their
+/// sizes differ: the first has a fifth of all triangles.
+struct LargeScene {
+  std::uint64_t triangles = 600'000;  ///< about
+  int meshes = 8;
+  int textures = 0;         ///< two thirds colour as JPEG, the others normal maps as PNG
+  int texture_edge = 2048;  ///< texels
+};
+
+/// Writes a .glb; the same bytes every time. How many they are. Error kIo.
+Result<std::uint64_t> write_large_glb(const std::string& path, const LargeScene& scene);
+
+}  // namespace mirage::test

@@ -1,0 +1,150 @@
+// The directory of things that can be made again: its budget, age, damage, and several writers.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "server/cache_directory.h"
+
+namespace mirage::test {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kRoomy = 1u << 30;
+
+CacheKey key_of(std::uint64_t n) { return {n * 0x9e3779b97f4a7c15ull, n, "thing"}; }
+Bytes thing(std::uint64_t n, std::size_t size = 1000) {
+  Bytes out(size);
+  for (std::size_t i = 0; i < size; ++i) out[i] = static_cast<std::uint8_t>(i * 13 + n * 7);
+  return out;
+}
+
+class ServerCache : public ::testing::Test {
+ protected:
+  ServerCache()
+      : folder_(fs::temp_directory_path() /
+                ("mirage_cache_" + std::to_string(::getpid()) + "_" +
+                 ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::create_directories(folder_);
+  }
+  ~ServerCache() override { fs::remove_all(folder_); }
+
+  /// All regular files, oldest use first.
+  std::vector<fs::path> files() const {
+    std::vector<fs::path> out;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      if (entry.is_regular_file()) out.push_back(entry.path());
+    }
+    std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) {
+      return fs::last_write_time(a) < fs::last_write_time(b);
+    });
+    return out;
+  }
+  std::uint64_t bytes_there() const {
+    std::uint64_t sum = 0;
+    for (const fs::path& file : files()) sum += fs::file_size(file);
+    return sum;
+  }
+  /// As if every file had been used so long ago, in the order in which they were.
+  void grow_old() const {
+    const auto past = fs::file_time_type::clock::now() - std::chrono::hours(1);
+    int i = 0;
+    for (const fs::path& file : files()) {
+      fs::last_write_time(file, past + std::chrono::seconds(i++));
+    }
+  }
+
+  const fs::path folder_;
+};
+
+TEST_F(ServerCache, WhatIsWrittenIsReadByTheNextProcess) {
+  { CacheDirectory(folder_, kRoomy).write(key_of(1), thing(1)); }
+  const CacheDirectory cache(folder_, kRoomy);
+  EXPECT_EQ(cache.read(key_of(1)), thing(1));
+  EXPECT_FALSE(cache.read(key_of(2)));
+  EXPECT_FALSE(cache.read({key_of(1).high, key_of(1).low, "other"}));
+}
+
+TEST_F(ServerCache, EmptyThingsAreKeptToo) {
+  CacheDirectory cache(folder_, kRoomy);
+  cache.write(key_of(1), {});
+  EXPECT_EQ(cache.read(key_of(1)), Bytes{});
+}
+
+TEST_F(ServerCache, StaysWithinItsBudgetAndTheLongestUnusedGo) {
+  constexpr std::uint64_t kBudget = 20'000;
+  CacheDirectory cache(folder_, kBudget);
+  for (std::uint64_t n = 0; n < 15; ++n) cache.write(key_of(n), thing(n));
+  cache.settle();
+  EXPECT_EQ(files().size(), 15u);
+  grow_old();
+  ASSERT_TRUE(cache.read(key_of(0))) << "used again";
+  for (std::uint64_t n = 15; n < 25; ++n) cache.write(key_of(n), thing(n));
+  cache.settle();
+  EXPECT_LE(bytes_there(), kBudget);
+  EXPECT_EQ(cache.bytes(), bytes_there());
+  EXPECT_TRUE(cache.read(key_of(0)));
+  EXPECT_FALSE(cache.read(key_of(1)));
+  EXPECT_TRUE(cache.read(key_of(24)));
+}
+
+TEST_F(ServerCache, WhatEarlierProcessesLeftCounts) {
+  {
+    CacheDirectory cache(folder_, kRoomy);
+    for (std::uint64_t n = 0; n < 50; ++n) cache.write(key_of(n), thing(n));
+  }
+  CacheDirectory cache(folder_, 10'000);
+  cache.settle();
+  EXPECT_LE(bytes_there(), 10'000u);
+  EXPECT_GT(bytes_there(), 5'000u);
+}
+
+TEST_F(ServerCache, TouchesNothingThatIsNotItsOwn) {
+  fs::create_directories(folder_ / "ab");
+  const fs::path foreign[] = {folder_ / "letter.txt", folder_ / "ab" / "photo.jpg",
+                              folder_ / "ab" / (std::string(32, 'c') + ".tile")};
+  for (const fs::path& path : foreign) std::ofstream(path) << std::string(5000, 'x');
+  CacheDirectory cache(folder_, 2'000);
+  cache.write(key_of(1), thing(1));
+  cache.settle();
+  for (const fs::path& path : foreign) EXPECT_TRUE(fs::exists(path)) << path;
+}
+
+TEST_F(ServerCache, HalvesThatAWriterLeftAreRemovedOnceItIsSurelyGone) {
+  CacheDirectory(folder_, kRoomy).write(key_of(1), thing(1));
+  const fs::path old = files()[0].string() + ".99-1.part",
+                 young = files()[0].string() + ".99-2.part";
+  for (const fs::path& path : {old, young}) std::ofstream(path) << "half";
+  fs::last_write_time(old, fs::file_time_type::clock::now() - std::chrono::hours(1));
+  CacheDirectory cache(folder_, kRoomy);
+  cache.settle();
+  EXPECT_FALSE(fs::exists(old));
+  EXPECT_TRUE(fs::exists(young));
+  EXPECT_EQ(cache.read(key_of(1)), thing(1));
+}
+
+// Writers of one name: a reader sees one whole thing or none, never two halves.
+TEST_F(ServerCache, SeveralWritersAtOnceLeaveWholeFiles) {
+  constexpr std::size_t kSize = 300'000;
+  CacheDirectory one(folder_, kRoomy), other(folder_, kRoomy);
+  std::atomic<int> writing{3};
+  const auto write = [&](CacheDirectory& cache) {
+    for (int i = 0; i < 100; ++i) cache.write(key_of(1), thing(1, kSize));
+    --writing;
+  };
+  one.write(key_of(1), thing(1, kSize));
+  std::thread first([&] { write(one); }), second([&] { write(other); }), third([&] { write(one); });
+  int torn = 0;
+  while (writing > 0) torn += one.read(key_of(1)) != thing(1, kSize);
+  for (std::thread* thread : {&first, &second, &third}) thread->join();
+  EXPECT_EQ(torn, 0);
+  EXPECT_EQ(files().size(), 1u) << "nothing written aside is left";
+}
+
+}  // namespace
+}  // namespace mirage::test
