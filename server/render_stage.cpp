@@ -34,7 +34,7 @@ Result<GlWorld> make_world(std::shared_ptr<const PreparedScene> scene,
       TilePageRenderer::create(*world.scene, options.supersample, world.shadow.get());
   if (!pages) return pages.error();
   world.pages = std::make_unique<TilePageRenderer>(pages.take());
-  if (Result<void> warm = world.pages->warm_up(); !warm) return warm.error();
+  if (Result<void> warm = world.pages->warm_up(options.page_edge); !warm) return warm.error();
   Result<ReferenceRenderer> references =
       ReferenceRenderer::create(*world.scene, world.shadow.get());
   if (!references) return references.error();

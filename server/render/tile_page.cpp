@@ -14,6 +14,7 @@ namespace {
 // The edge of an alpha test is a texture's, not a triangle's, and foliage has one in every pixel:
 // settled, 3 samples an axis are worth 1.1 dB over 2 on the reference tree, 4 no more than 3.
 constexpr int kAlphaTestSupersample = 3;
+constexpr int kUsualTile = 128;                   // texels: targets for it are there from the start
 constexpr std::uint32_t kLargestFineTile = 1024;  // larger ones would take a target of 300 MB
 
 // All of a mesh that decides which shaders draw it, and with what state.
@@ -87,7 +88,7 @@ TilePageRenderer::Path& TilePageRenderer::path_of(const TileJob& job) {
   return job.key.channels == kRelitTile ? relit_ : lit_;
 }
 
-Result<void> TilePageRenderer::warm_up() {
+Result<void> TilePageRenderer::warm_up(int page_edge) {
   const Lighting& light = scene_->prepared->scene.lighting;
   if (const gl::ShadowMap* map = shadow_map_ ? shadow_map_->map_for(light) : nullptr) {
     shadow_.meshes->set_shadow(map, {});
@@ -112,6 +113,11 @@ Result<void> TilePageRenderer::warm_up() {
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
     if (!shown[instances[i].object]) shown[instances[i].object] = i;
   }
+  for (Path* path : {&lit_, &relit_}) {
+    if (!prepare_targets(*path, page_edge, kUsualTile * fine_samples())) {
+      return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made");
+    }
+  }
   // Drawn, too: a driver finishes a shader with its first draw, by all that is bound.
   for (const std::uint8_t channels : {kLitTile, kRelitTile, kShadowTile, kCasterTile}) {
     std::set<std::vector<NeedMask>> drawn;
@@ -119,7 +125,7 @@ Result<void> TilePageRenderer::warm_up() {
       if (!shown[i] || scene_->prepared->objects[i].radius <= 0) continue;
       const std::optional<TileJob> job = first_job(*shown[i], channels);
       if (!job || !drawn.insert(look_of(scene_->meshes[i], scene_->materials())).second) continue;
-      PagePacker packer(static_cast<int>(tile_edge(job->key.size_class)));
+      PagePacker packer(page_edge);
       packer.add(tile_edge(job->key.size_class));
       if (!render({*job}, packer)) {
         return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made");

@@ -37,9 +37,10 @@ class TilePageRenderer {
                                          SceneShadow* shadow = nullptr,
                                          const TileExtras& extras = {});
 
-  /// Compiles every variant of the scene and draws each object once, so that no client pays for
-  /// a first use. Error kGraphicsShader.
-  Result<void> warm_up();
+  /// Compiles every variant of the scene and draws every kind of tile of each look once, so that no
+  /// client pays for a first use; makes the targets for pages of `page_edge` texels. Errors
+  /// kGraphicsShader, kGraphicsGl.
+  Result<void> warm_up(int page_edge);
 
   /// Draws `jobs` at `places`; the result is the bound-for-reading target, valid until the next
   /// call; the surface of relit tiles is its third attachment. nullptr when the target cannot be

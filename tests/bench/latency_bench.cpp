@@ -50,7 +50,7 @@ class EagerClient {
     camera.width = camera.height = kFrameEdge;
     camera.fov_y = 0.9;
     // So far that a tile of kTexels is the fitting one, at 1.5 texels a pixel.
-    const double distance = 3.3 * scene.bounds_radius * kFrameEdge * 1.5 / (2.0 * kTexels);
+    const double distance = 4.4 * scene.bounds_radius * kFrameEdge * 1.5 / (2.0 * kTexels);
     const glm::dvec3 eye =
         scene.bounds_center + distance * glm::dvec3(std::cos(turn), 0.2, std::sin(turn));
     camera.pose = look_at(eye, scene.bounds_center);
@@ -101,7 +101,8 @@ Result<std::vector<Row>> latency(const Conditions& conditions) {
   }
   if (beyond.size() < 20) {
     return make_error(ErrorId::kInternal,
-                      fmt::format("only {} tiles of {} texels", beyond.size(), kTexels));
+                      fmt::format("only {} tiles of {} texels among {}", beyond.size(), kTexels,
+                                  (*client)->session().lives().size()));
   }
   const auto both = [](const std::vector<double>& v) {
     return fmt::format("{:.2f} / {:.2f}", quantile(v, 0.5), quantile(v, 0.95));

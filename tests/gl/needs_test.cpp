@@ -186,7 +186,7 @@ TEST_F(Needs, LightsThatAddNothingAreInNoKey) {
 std::set<std::string> variants_of(const std::shared_ptr<const PreparedScene>& scene) {
   const GpuScene gpu(scene);
   TilePageRenderer pages = TilePageRenderer::create(gpu, 2).take();
-  EXPECT_TRUE(pages.warm_up());
+  EXPECT_TRUE(pages.warm_up(512));
   const std::vector<std::string> names = pages.variants();
   return {names.begin(), names.end()};
 }
