@@ -1,6 +1,6 @@
 #pragma once
-// Tile store: finished tiles by id, in memory under a byte budget (least recently used go first),
-// and optionally in a directory. Any thread.
+// Tile store: finished tiles by id, in memory under a byte budget (least recently used go first,
+// all their forms together), and optionally in a directory. Any thread.
 
 #include <list>
 #include <mutex>
@@ -17,19 +17,25 @@ class TileStore {
   /// `directory` empty: memory only.
   TileStore(std::size_t budget_bytes, std::string directory, Counters& counters);
 
-  /// The tile, from memory or the directory; nullptr when it must be rendered.
-  StoredTilePtr find(const TileId& id);
-  void put(const TileId& id, StoredTilePtr tile);
+  /// The form that was made for `codec`, from memory or the directory; nullptr when it must be.
+  StoredTilePtr find(const TileId& id, TileCodec codec);
+  /// A form without loss to make others from; nullptr when the tile must be rendered.
+  StoredTilePtr find_lossless(const TileId& id);
+  /// The form that was made for `codec`; it may be in another, where that is smaller.
+  void put(const TileId& id, TileCodec codec, StoredTilePtr tile);
 
  private:
   struct Slot {
-    StoredTilePtr tile;
+    std::array<StoredTilePtr, kTileCodecs.size()> forms;  ///< by the codec they were made for
+    std::size_t bytes = 0;
     std::list<TileId>::iterator age;
   };
-  void put_in_memory(const TileId& id, StoredTilePtr tile);
-  std::string path(const TileId& id) const;
-  StoredTilePtr load(const TileId& id) const;
-  void save(const TileId& id, const StoredTile& tile) const;
+  StoredTilePtr find_in_memory(const TileId& id, const std::vector<TileCodec>& codecs);
+  void put_in_memory(const TileId& id, TileCodec codec, StoredTilePtr tile);
+  /// All forms without loss share one file, the first that was made; lossy ones have their own.
+  std::string path(const TileId& id, TileCodec codec) const;
+  StoredTilePtr load(const TileId& id, TileCodec codec) const;
+  void save(const TileId& id, TileCodec codec, const StoredTile& tile) const;
 
   const std::size_t budget_;
   const std::string directory_;

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "client/core/codec_choice.h"
 #include "client/core/link.h"
 #include "client/core/mesh_cache.h"
 #include "client/core/predictor.h"
@@ -20,6 +21,7 @@
 #include "client/core/selector.h"
 #include "client/core/shadow_stage.h"
 #include "client/core/tau_controller.h"
+#include "protocol/clock.h"
 #include "protocol/model_codec.h"
 
 namespace mirage {
@@ -40,6 +42,8 @@ struct ClientOptions {
   bool trace = false;                          ///< keep every tile's life
   bool shadows = true;                         ///< the sun's, if the server has them
   bool animation = true;                       ///< false: every clip stands at its beginning
+  std::optional<TileCodec> codec;              ///< of tiles; none: by link and cost
+  const Clock* work_clock = nullptr;           ///< what decoding takes; null on virtual time
 };
 
 struct ReferenceFrame {
@@ -62,6 +66,15 @@ struct TileSink {
 struct TileCounts {
   std::uint64_t asked = 0, received = 0, drawn = 0, wasted = 0, cancelled = 0, refused = 0;
 };
+
+/// Of the tiles that came in one codec.
+struct CodecUse {
+  std::uint64_t tiles = 0;
+  std::uint64_t bytes = 0;       ///< of their planes
+  std::vector<float> color_rms;  ///< of lossy ones, each tile's, 1/255
+  std::uint8_t color_max = 0;    ///< of any texel, 1/255
+};
+using CodecUses = std::array<CodecUse, kTileCodecs.size()>;
 
 /// A tile's life, from request to first draw. Times are of the session's clock.
 struct TileLife {
@@ -102,6 +115,10 @@ class ClientSession {
   const Lighting& lighting() const { return lighting_; }
   const Predictor& predictor() const { return predictor_; }
   TileCounts tiles() const;
+  /// By codec, of all tiles that were decoded.
+  const CodecUses& codecs() const { return codec_uses_; }
+  /// That tiles are asked for in now.
+  TileCodec codec() const { return codec_; }
   const std::vector<TileLife>& lives() const { return lives_; }
   std::int64_t round_trip_us() const { return scheduler_.round_trip_us(); }
   std::size_t in_flight() const { return scheduler_.in_flight(); }
@@ -121,6 +138,7 @@ class ClientSession {
   Result<void> finish_asset(std::uint32_t request_id, const AssetId& id, std::size_t bytes,
                             std::int64_t came_us);
   void take_shadow(const PendingAsk& ask, const Capture& capture, Tile tile);
+  Result<void> decode(const wire::TileReplyT& reply, const Bytes& planes, Tile& tile);
   Result<void> take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes, std::int64_t came_us,
                          std::int64_t now_us);
   Result<void> take_image(const wire::ImageReplyT& reply, const Bytes& bytes, std::int64_t came_us,
@@ -150,6 +168,9 @@ class ClientSession {
   ShadowStage shadows_;
   Scheduler scheduler_;
   TauController tau_;
+  CodecChoice codec_choice_;
+  TileCodec codec_ = TileCodec::kZstd;
+  CodecUses codec_uses_;
   double frame_ms_ = 0;
   MeshCache meshes_;
   std::optional<ReferenceFrame> reference_;

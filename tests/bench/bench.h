@@ -37,6 +37,7 @@ struct Bench {
 std::vector<Bench> selection_benches();
 std::vector<Bench> tile_benches();
 std::vector<Bench> store_benches();
+std::vector<Bench> codec_benches();
 
 /// Seconds of two things, measured in turn.
 struct Pair {

@@ -38,7 +38,7 @@ nlohmann::ordered_json json_of(const Row& r, const std::string& command) {
 // The benchmarks named, or all. Error kUsage for a name that is none.
 Result<std::vector<Bench>> chosen(const std::vector<std::string>& names) {
   std::vector<Bench> all, out;
-  for (const auto& some : {selection_benches(), tile_benches(), store_benches()}) {
+  for (const auto& some : {selection_benches(), tile_benches(), store_benches(), codec_benches()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
   if (names.empty()) return all;

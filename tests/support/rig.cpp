@@ -73,7 +73,7 @@ Host::Host(std::shared_ptr<const PreparedScene> scene, const Clock& clock, Sessi
     : scene_(std::move(scene)), queue_(clock, counters_) {
   options.geometry = false;
   hub_ = std::make_unique<SessionHub>(scene_, std::move(options), clock, counters_, queue_, store_,
-                                      image_jobs_);
+                                      encode_jobs_, image_jobs_);
 }
 
 StoredTilePtr Host::make(const TileJob& job) const {
@@ -95,7 +95,7 @@ std::size_t Host::render(std::size_t count) {
   if (!work || !std::holds_alternative<std::vector<TileJob>>(*work)) return 0;
   for (const TileJob& job : std::get<std::vector<TileJob>>(*work)) {
     const StoredTilePtr tile = make(job);
-    store_.put(job.id, tile);
+    store_.put(job.id, TileCodec::kZstd, tile);
     Completion completion;
     completion.id = job.id;
     completion.tile = tile;

@@ -57,6 +57,7 @@ class Host {
   Counters counters_;
   TileQueue queue_;
   TileStore store_{64u << 20, "", counters_};
+  BoundedQueue<EncodeJob> encode_jobs_{16};
   BoundedQueue<ImageLevel> image_jobs_{16};
   std::unique_ptr<SessionHub> hub_;
   double busy_s_ = 0;
