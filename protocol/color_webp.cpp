@@ -6,7 +6,9 @@
 namespace mirage {
 namespace {
 
-constexpr float kQuality = 80;
+// Colours are a fifth to a third of such a tile, the rest is depth: 90 for 80 is 2.4 dB for 12 % of
+// the bytes.
+constexpr float kQuality = 90;
 constexpr int kMethod = 2;  // 0 fast .. 6 small
 
 }  // namespace

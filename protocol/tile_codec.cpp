@@ -4,7 +4,8 @@
 #include <xxhash.h>
 #include <zstd.h>
 
-#include <cstring>
+#include <iterator>
+#include <memory>
 
 #include "protocol/color_codec.h"
 #include "protocol/limits.h"
@@ -45,9 +46,21 @@ void unpredict(std::uint8_t* plane, std::size_t width, std::size_t height, std::
 
 }  // namespace
 
+namespace {
+
+// Making a context takes longer than compressing a small tile with it.
+struct FreeContext {
+  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+  void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
+};
+
+}  // namespace
+
 std::vector<std::uint8_t> compress_block(const std::uint8_t* bytes, std::size_t size) {
+  static thread_local const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
   std::vector<std::uint8_t> out(ZSTD_compressBound(size));
-  const std::size_t n = ZSTD_compress(out.data(), out.size(), bytes, size, kLevel);
+  const std::size_t n =
+      ZSTD_compressCCtx(context.get(), out.data(), out.size(), bytes, size, kLevel);
   out.resize(ZSTD_isError(n) ? 0 : n);
   return out;
 }
@@ -59,8 +72,9 @@ Result<std::vector<std::uint8_t>> decompress_block(const std::uint8_t* bytes, st
     return make_error(ErrorId::kCodec, "compressed block does not declare the expected " +
                                            std::to_string(expected_size) + " bytes");
   }
+  static thread_local const std::unique_ptr<ZSTD_DCtx, FreeContext> context(ZSTD_createDCtx());
   std::vector<std::uint8_t> out(expected_size);
-  const std::size_t n = ZSTD_decompress(out.data(), out.size(), bytes, size);
+  const std::size_t n = ZSTD_decompressDCtx(context.get(), out.data(), out.size(), bytes, size);
   if (ZSTD_isError(n) || n != expected_size) {
     return make_error(ErrorId::kCodec, "compressed block is damaged");
   }

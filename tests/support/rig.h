@@ -52,6 +52,8 @@ class Host {
 
  private:
   StoredTilePtr make(const TileJob& job) const;
+  /// Forms of tiles that are there, for those who wait for them.
+  void make_forms();
 
   std::shared_ptr<const PreparedScene> scene_;
   Counters counters_;

@@ -1,9 +1,8 @@
-#include "client/core/tile_fit.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "client/core/tile_fit.h"
 #include "client/core/tile_need.h"
 #include "tests/unit/core_scene.h"
 

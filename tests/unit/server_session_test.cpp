@@ -82,7 +82,7 @@ class ServerSession : public ::testing::Test {
       tile->reply = sample_tile_reply();
       tile->planes.resize(bytes);
       store.put(job.id, TileCodec::kZstd, tile);
-      hub->complete({job.id, tile, std::nullopt, 0, {}});
+      hub->complete({job.id, tile, std::nullopt, 0, {}, TileCodec::kZstd, tile});
     }
     return jobs.size();
   }
@@ -161,7 +161,7 @@ TEST_F(ServerSession, BadHellos) {
   for (const char* token : {"", "Secret", "secre", "secrets", "secretsecret", "s"}) {
     EXPECT_EQ(error_of([&](wire::HelloT& m) { m.token = token; }), "auth") << token;
   }
-  EXPECT_EQ(error_of([](wire::HelloT& m) { m.codecs = {0}; }), "codec");
+  EXPECT_EQ(error_of([](wire::HelloT& m) { m.codecs = {77, 3}; }), "codec");
   EXPECT_EQ(error_of([](wire::HelloT& m) { m.codecs.clear(); }), "codec");
 }
 
