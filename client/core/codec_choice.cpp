@@ -77,7 +77,7 @@ TileCodec CodecChoice::update(const LinkLoad& load, std::int64_t now_us) {
   if (mode_ == Mode::kFast && has(TileCodec::kLz4) && own == TileCodec::kZstd)
     return TileCodec::kLz4;
   if (mode_ != Mode::kThin) return own;
-  if ((dear_ || !has(TileCodec::kWebp)) && has(TileCodec::kJpeg)) return TileCodec::kJpeg;
+  if ((dear_ || !has(TileCodec::kWebp)) && has(TileCodec::kBc3)) return TileCodec::kBc3;
   return has(TileCodec::kWebp) ? TileCodec::kWebp : own;
 }
 

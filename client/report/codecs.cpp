@@ -89,6 +89,7 @@ Panel panel_of(const std::string& scene, const std::vector<CodecRow>& rows) {
   panel.title = scene;
   panel.x_label = "bytes a tile";
   panel.y_label = "RMS error of covered colours, 1/255";
+  panel.log_x = true;
   for (const CodecRow& row : rows) {
     panel.series.push_back({codec_name(row.codec), {{row.bytes, row.rms}}});
   }

@@ -60,11 +60,11 @@ TEST_F(CoreCodecChoice, LoopbackTakesTheCheapestToDecode) {
   EXPECT_EQ(run(5, 6.5, 0.5, {40, 0}), C::kZstd) << "and not entered by it";
 }
 
-TEST_F(CoreCodecChoice, DearDecodingTakesJpegWhileTheLinkIsThin) {
+TEST_F(CoreCodecChoice, DearDecodingTakesBc3WhileTheLinkIsThin) {
   ASSERT_EQ(run(3, 100, 45, {2, 3}), C::kWebp);
   choice.decoded(500'000);
-  EXPECT_EQ(run(2, 100, 45, {2, 3}), C::kJpeg);
-  EXPECT_EQ(run(20, 100, 45, {2, 3}), C::kJpeg) << "JPEG being cheap is no reason to go back";
+  EXPECT_EQ(run(2, 100, 45, {2, 3}), C::kBc3);
+  EXPECT_EQ(run(20, 100, 45, {2, 3}), C::kBc3) << "its being cheap is no reason to go back";
   run(2, 100, 45, {12, 3});
   EXPECT_EQ(run(3, 100, 45, {2, 3}), C::kWebp);
 }
