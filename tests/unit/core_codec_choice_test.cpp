@@ -22,7 +22,7 @@ class CoreCodecChoice : public ::testing::Test {
       for (int k = 0; k < 3; ++k) {
         const double wait =
             tiles++ % 11 == 0 ? 0 : queue_ms;  // the first of a train waits for none
-        const auto server = static_cast<std::int64_t>(1000 * server_ms);
+        const auto server = static_cast<std::int64_t>(1000 * (first ? 5 : server_ms));
         choice.tile_arrived(static_cast<std::int64_t>(1000 * (way_ms + wait)) + server, server);
       }
       out = choice.update(load, now_us);
