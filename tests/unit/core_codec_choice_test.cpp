@@ -20,8 +20,8 @@ class CoreCodecChoice : public ::testing::Test {
     for (int i = 0; i < seconds * 10; ++i) {
       now_us += 100'000;
       for (int k = 0; k < 3; ++k) {
-        const double wait =
-            tiles++ % 11 == 0 ? 0 : queue_ms;  // the first of a train waits for none
+        const bool first = tiles++ % 11 == 0;  // of a train: it waits for none
+        const double wait = first ? 0 : queue_ms;
         const auto server = static_cast<std::int64_t>(1000 * (first ? 5 : server_ms));
         choice.tile_arrived(static_cast<std::int64_t>(1000 * (way_ms + wait)) + server, server);
       }
