@@ -17,6 +17,7 @@ inline constexpr std::size_t kMaxInboundTransferBytes = 1024 * 1024;  ///< clien
 inline constexpr std::size_t kMaxOpenTransfers = 4;
 inline constexpr std::size_t kChunkBytes = 128 * 1024;
 inline constexpr std::size_t kMaxTextBytes = 4096;
+inline constexpr std::size_t kMaxCodecs = 32;  ///< in a list of them
 
 // Requests.
 inline constexpr std::size_t kMaxAsksPerBatch = 1024;

@@ -38,7 +38,7 @@ bool unit(const wire::Quat* q) {
 
 Result<void> check(const wire::Hello& m) {
   if (long_text(m.token()) || long_text(m.name())) return limit_error("characters in a text");
-  if (count(m.codecs()) > 32) return limit_error("codecs");
+  if (count(m.codecs()) > limits::kMaxCodecs) return limit_error("codecs");
   return {};
 }
 
@@ -58,6 +58,7 @@ Result<void> check(const wire::Welcome& m) {
     return value_error("bounds of the scene");
   }
   if (m.images() > limits::kMaxImages) return limit_error("images");
+  if (count(m.codecs()) > limits::kMaxCodecs) return limit_error("codecs");
   const bool home = finite(m.home_eye()) && finite(m.home_target()) &&
                     std::isfinite(m.walk_radius_m()) && std::isfinite(m.walk_speed_mps()) &&
                     m.walk_radius_m() > 0;
@@ -198,6 +199,11 @@ Result<void> check(const wire::RequestBatch& m) {
   return {};
 }
 
+Result<void> check(const wire::TileReply& m) {
+  if (!(m.color_rms() >= 0) || m.color_rms() > 255) return value_error("colour error");
+  return {};
+}
+
 Result<void> check(const wire::ReferenceRequest& m) {
   const bool size = m.width() >= 1 && m.height() >= 1 && m.width() <= limits::kMaxReferenceEdge &&
                     m.height() <= limits::kMaxReferenceEdge && m.supersample() >= 1 &&
@@ -239,10 +245,11 @@ Result<void> check_body(const wire::Control& control) {
       return check(*control.body_as_OpenRequest());
     case wire::Body::ReferenceRequest:
       return check(*control.body_as_ReferenceRequest());
+    case wire::Body::TileReply:
+      return check(*control.body_as_TileReply());
     case wire::Body::Bye:
       return check(*control.body_as_Bye());
     case wire::Body::StatsRequest:
-    case wire::Body::TileReply:
     case wire::Body::Refused:
     case wire::Body::MeshReply:
     case wire::Body::ImageReply:

@@ -1,9 +1,15 @@
 #include "protocol/tile_codec.h"
 
+#include <lz4.h>
 #include <xxhash.h>
 #include <zstd.h>
 
+#include <iterator>
+#include <memory>
+
+#include "protocol/color_codec.h"
 #include "protocol/limits.h"
+#include "protocol/tile_color.h"
 
 namespace mirage {
 namespace {
@@ -40,9 +46,21 @@ void unpredict(std::uint8_t* plane, std::size_t width, std::size_t height, std::
 
 }  // namespace
 
+namespace {
+
+// Making a context takes longer than compressing a small tile with it.
+struct FreeContext {
+  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+  void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
+};
+
+}  // namespace
+
 std::vector<std::uint8_t> compress_block(const std::uint8_t* bytes, std::size_t size) {
+  static thread_local const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
   std::vector<std::uint8_t> out(ZSTD_compressBound(size));
-  const std::size_t n = ZSTD_compress(out.data(), out.size(), bytes, size, kLevel);
+  const std::size_t n =
+      ZSTD_compressCCtx(context.get(), out.data(), out.size(), bytes, size, kLevel);
   out.resize(ZSTD_isError(n) ? 0 : n);
   return out;
 }
@@ -54,8 +72,9 @@ Result<std::vector<std::uint8_t>> decompress_block(const std::uint8_t* bytes, st
     return make_error(ErrorId::kCodec, "compressed block does not declare the expected " +
                                            std::to_string(expected_size) + " bytes");
   }
+  static thread_local const std::unique_ptr<ZSTD_DCtx, FreeContext> context(ZSTD_createDCtx());
   std::vector<std::uint8_t> out(expected_size);
-  const std::size_t n = ZSTD_decompress(out.data(), out.size(), bytes, size);
+  const std::size_t n = ZSTD_decompressDCtx(context.get(), out.data(), out.size(), bytes, size);
   if (ZSTD_isError(n) || n != expected_size) {
     return make_error(ErrorId::kCodec, "compressed block is damaged");
   }
@@ -64,9 +83,11 @@ Result<std::vector<std::uint8_t>> decompress_block(const std::uint8_t* bytes, st
 
 namespace {
 
+using Bytes = std::vector<std::uint8_t>;
+
 // The planes of a tile in their order on the wire.
 struct PlaneShape {
-  std::vector<std::uint8_t> Tile::*plane;
+  Bytes Tile::*plane;
   std::uint8_t channel;  // the tile has it with this channel
   std::size_t bytes;     // per texel
 };
@@ -76,29 +97,165 @@ constexpr PlaneShape kPlanes[] = {
     {&Tile::depth, kChannelDepth, 1},
     {&Tile::shadow, kChannelShadow, 1},
 };
+constexpr std::size_t kLengthBytes = 4;  // of the colour image before it
 
-std::size_t plane_bytes(const Tile& tile, const PlaneShape& shape) {
-  return tile.channels & shape.channel ? tile.crop.area() * shape.bytes : 0;
+// What is sent of a plane without loss; of colours beside a lossy image the coverage alone.
+std::size_t bytes_per_texel(const PlaneShape& shape, TileCodec codec) {
+  return shape.plane == &Tile::rgba && is_lossy(codec) ? 1 : shape.bytes;
 }
 
-}  // namespace
+std::size_t plane_bytes(const Tile& tile, const PlaneShape& shape, TileCodec codec) {
+  return tile.channels & shape.channel ? tile.crop.area() * bytes_per_texel(shape, codec) : 0;
+}
 
-std::vector<std::uint8_t> encode_tile_planes(const Tile& tile, TileCodec codec) {
-  std::vector<std::uint8_t> planes;
+std::size_t all_plane_bytes(const Tile& tile, TileCodec codec) {
   std::size_t total = 0;
-  for (const PlaneShape& shape : kPlanes) total += plane_bytes(tile, shape);
-  planes.reserve(total);
+  for (const PlaneShape& shape : kPlanes) total += plane_bytes(tile, shape, codec);
+  return total;
+}
+
+Bytes coverage_of(const Bytes& rgba) {
+  Bytes alpha(rgba.size() / 4);
+  for (std::size_t i = 0; i < alpha.size(); ++i) alpha[i] = rgba[i * 4 + 3];
+  return alpha;
+}
+
+// The planes one after the other, made ready for a compressor unless `codec` has none.
+Bytes lossless_planes(const Tile& tile, TileCodec codec) {
+  Bytes planes;
+  planes.reserve(all_plane_bytes(tile, codec));
   for (const PlaneShape& shape : kPlanes) {
     if (!(tile.channels & shape.channel)) continue;
-    const std::vector<std::uint8_t>& plane = tile.*shape.plane;
+    const std::size_t channels = bytes_per_texel(shape, codec);
+    const bool coverage = channels != shape.bytes;
+    const Bytes alpha = coverage ? coverage_of(tile.rgba) : Bytes{};
+    const Bytes& plane = coverage ? alpha : tile.*shape.plane;
     planes.insert(planes.end(), plane.begin(), plane.end());
     if (codec == TileCodec::kRaw) continue;
     std::uint8_t* put = planes.data() + (planes.size() - plane.size());
-    if (shape.plane == &Tile::rgba) add_green(put, tile.crop.area(), -1);
-    predict(put, tile.crop.w, tile.crop.h, shape.bytes);
+    if (shape.plane == &Tile::rgba && !coverage) add_green(put, tile.crop.area(), -1);
+    predict(put, tile.crop.w, tile.crop.h, channels);
   }
+  return planes;
+}
+
+// Back, into the tile; of colours beside a lossy image the coverage.
+void take_planes(Bytes planes, TileCodec codec, Tile& tile) {
+  auto at = planes.begin();
+  for (const PlaneShape& shape : kPlanes) {
+    const auto end = at + static_cast<std::ptrdiff_t>(plane_bytes(tile, shape, codec));
+    const std::size_t channels = bytes_per_texel(shape, codec);
+    const bool coverage = channels != shape.bytes;
+    if (codec != TileCodec::kRaw && at != end) {
+      unpredict(&*at, tile.crop.w, tile.crop.h, channels);
+      if (shape.plane == &Tile::rgba && !coverage) add_green(&*at, tile.crop.area(), 1);
+    }
+    if (coverage) {
+      tile.rgba.resize(tile.crop.area() * 4);
+      for (std::size_t i = 3; at != end; i += 4) tile.rgba[i] = *at++;
+    } else {
+      (tile.*shape.plane).assign(at, end);
+      at = end;
+    }
+  }
+}
+
+Bytes compress_lz4(const Bytes& planes) {
+  Bytes out(static_cast<std::size_t>(LZ4_compressBound(static_cast<int>(planes.size()))));
+  const int n = LZ4_compress_default(reinterpret_cast<const char*>(planes.data()),
+                                     reinterpret_cast<char*>(out.data()),
+                                     static_cast<int>(planes.size()), static_cast<int>(out.size()));
+  out.resize(static_cast<std::size_t>(n));
+  return out;
+}
+
+Result<Bytes> decompress_lz4(const std::uint8_t* bytes, std::size_t size, std::size_t expected) {
+  // A byte of LZ4 stands for at most 255: what is too short to be that long is not worth a try.
+  if (size > limits::kMaxTransferBytes || expected / 255 > size) {
+    return make_error(ErrorId::kCodec, "LZ4 block does not fit its tile");
+  }
+  Bytes out(expected);
+  const int n =
+      LZ4_decompress_safe(reinterpret_cast<const char*>(bytes), reinterpret_cast<char*>(out.data()),
+                          static_cast<int>(size), static_cast<int>(expected));
+  if (n < 0 || static_cast<std::size_t>(n) != expected) {
+    return make_error(ErrorId::kCodec, "LZ4 block is damaged");
+  }
+  return out;
+}
+
+Bytes encode_colors(const Tile& tile, TileCodec codec) {
+  const std::uint32_t w = tile.crop.w, h = tile.crop.h;
+  const Bytes colors = straight_colors(tile.rgba, w, h);
+  return codec == TileCodec::kWebp   ? encode_webp_colors(colors, w, h)
+         : codec == TileCodec::kJpeg ? encode_jpeg_colors(colors, w, h)
+                                     : encode_bc_colors(colors, w, h);
+}
+
+Result<Bytes> decode_colors(const std::uint8_t* bytes, std::size_t size, TileCodec codec,
+                            const Tile& tile) {
+  const std::uint32_t w = tile.crop.w, h = tile.crop.h;
+  return codec == TileCodec::kWebp   ? decode_webp_colors(bytes, size, w, h)
+         : codec == TileCodec::kJpeg ? decode_jpeg_colors(bytes, size, w, h)
+                                     : decode_bc_colors(bytes, size, w, h);
+}
+
+Result<void> decode_lossy(const std::uint8_t* bytes, std::size_t size, TileCodec codec,
+                          Tile& tile) {
+  std::uint32_t length = 0;
+  if (size < kLengthBytes) return make_error(ErrorId::kCodec, "tile bytes end too early");
+  for (std::size_t i = kLengthBytes; i-- > 0;) length = length << 8 | bytes[i];
+  if (length > size - kLengthBytes) {
+    return make_error(ErrorId::kCodec, "tile bytes end within its colours");
+  }
+  const std::uint8_t* rest = bytes + kLengthBytes + length;
+  Result<Bytes> planes =
+      decompress_block(rest, size - kLengthBytes - length, all_plane_bytes(tile, codec));
+  if (!planes) return planes.error();
+  const Result<Bytes> colors = decode_colors(bytes + kLengthBytes, length, codec, tile);
+  if (!colors) return colors.error();
+  take_planes(planes.take(), codec, tile);
+  premultiply_colors(*colors, tile.rgba);
+  return {};
+}
+
+constexpr const char* kNames[] = {"raw", "zstd", "lz4", "webp", "jpeg", "bc3"};
+static_assert(std::size(kNames) == kTileCodecs.size());
+
+}  // namespace
+
+const char* codec_name(TileCodec codec) {
+  const auto index = static_cast<std::size_t>(codec);
+  return index < std::size(kNames) ? kNames[index] : "unknown";
+}
+
+std::optional<TileCodec> codec_from_name(const std::string& name) {
+  for (const TileCodec codec : kTileCodecs) {
+    if (name == codec_name(codec)) return codec;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::uint8_t> every_codec() {
+  std::vector<std::uint8_t> out;
+  for (const TileCodec codec : kTileCodecs) out.push_back(static_cast<std::uint8_t>(codec));
+  return out;
+}
+
+std::vector<std::uint8_t> encode_tile_planes(const Tile& tile, TileCodec codec) {
+  Bytes planes = lossless_planes(tile, codec);
   if (codec == TileCodec::kRaw || planes.empty()) return planes;
-  return compress_block(planes.data(), planes.size());
+  if (codec == TileCodec::kLz4) return compress_lz4(planes);
+  const Bytes rest = compress_block(planes.data(), planes.size());
+  if (!is_lossy(codec)) return rest;
+  const Bytes colors = encode_colors(tile, codec);
+  Bytes out(kLengthBytes);
+  for (std::size_t i = 0; i < kLengthBytes; ++i) {
+    out[i] = static_cast<std::uint8_t>(colors.size() >> 8 * i);
+  }
+  out.insert(out.end(), colors.begin(), colors.end());
+  out.insert(out.end(), rest.begin(), rest.end());
+  return out;
 }
 
 Result<void> decode_tile_planes(const std::uint8_t* bytes, std::size_t size, TileCodec codec,
@@ -106,30 +263,23 @@ Result<void> decode_tile_planes(const std::uint8_t* bytes, std::size_t size, Til
   if (tile.crop.w > limits::kMaxTileEdge || tile.crop.h > limits::kMaxTileEdge) {
     return make_error(ErrorId::kCodec, "tile crop is larger than any tile");
   }
-  std::size_t expected = 0;
-  for (const PlaneShape& shape : kPlanes) expected += plane_bytes(tile, shape);
-  std::vector<std::uint8_t> planes;
-  const bool raw = codec == TileCodec::kRaw || tile.crop.area() == 0;
-  if (raw) {
-    if (size != expected) return make_error(ErrorId::kCodec, "tile bytes do not fit its crop");
-    planes.assign(bytes, bytes + size);
-  } else if (codec == TileCodec::kZstd) {
-    Result<std::vector<std::uint8_t>> block = decompress_block(bytes, size, expected);
-    if (!block) return block.error();
-    planes = block.take();
-  } else {
+  if (static_cast<std::size_t>(codec) >= kTileCodecs.size()) {
     return make_error(ErrorId::kCodec, "unknown tile codec");
   }
-  auto at = planes.begin();
-  for (const PlaneShape& shape : kPlanes) {
-    const auto end = at + static_cast<std::ptrdiff_t>(plane_bytes(tile, shape));
-    if (!raw && at != end) {
-      unpredict(&*at, tile.crop.w, tile.crop.h, shape.bytes);
-      if (shape.plane == &Tile::rgba) add_green(&*at, tile.crop.area(), 1);
-    }
-    (tile.*shape.plane).assign(at, end);
-    at = end;
+  if (is_lossy(codec) && !(tile.channels & kChannelColor)) {
+    return make_error(ErrorId::kCodec, "a tile without colours has no lossy form");
   }
+  const std::size_t expected = all_plane_bytes(tile, codec);
+  if (codec == TileCodec::kRaw || expected == 0) {
+    if (size != expected) return make_error(ErrorId::kCodec, "tile bytes do not fit its crop");
+    take_planes(Bytes(bytes, bytes + size), TileCodec::kRaw, tile);
+    return {};
+  }
+  if (is_lossy(codec)) return decode_lossy(bytes, size, codec, tile);
+  Result<Bytes> planes = codec == TileCodec::kZstd ? decompress_block(bytes, size, expected)
+                                                   : decompress_lz4(bytes, size, expected);
+  if (!planes) return planes.error();
+  take_planes(planes.take(), codec, tile);
   return {};
 }
 

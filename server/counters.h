@@ -12,6 +12,7 @@ struct Counters {
   std::atomic<std::uint64_t> tiles_cancelled{0};
   std::atomic<std::uint64_t> tiles_late{0};
   std::atomic<std::uint64_t> tiles_refused{0};
+  std::atomic<std::uint64_t> forms_made{0};  ///< of tiles that were there in another codec
   std::atomic<std::uint64_t> store_hits{0};
   std::atomic<std::uint64_t> store_bytes{0};
   std::atomic<std::uint64_t> pages_rendered{0};

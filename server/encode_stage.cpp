@@ -1,15 +1,15 @@
 #include "server/encode_stage.h"
 
-#include <chrono>
-
 #include "protocol/capture.h"
+#include "protocol/clock.h"
+#include "server/tile_form.h"
 #include "server/tile_measure.h"
 
 namespace mirage {
 
-StoredTilePtr EncodeStage::encode(const RenderedTile& rendered, const ObjectDescription& object,
-                                  TileCodec codec) {
-  const auto start = std::chrono::steady_clock::now();
+namespace {
+
+Tile cut_and_measure(const RenderedTile& rendered, const ObjectDescription& object) {
   const TileKey& key = rendered.job.key;
   const Capture capture(key.cell, key.distance, object.radius, tile_edge(key.size_class));
   const std::size_t offset = static_cast<std::size_t>(rendered.y) * rendered.page->width +
@@ -22,33 +22,75 @@ StoredTilePtr EncodeStage::encode(const RenderedTile& rendered, const ObjectDesc
   // The members of a group have levels of their own, each within what is allowed.
   tile.measure.lod_error = object.group ? static_cast<float>(allowed_tile_error(capture))
                                         : tile_lod_error(object.lods, capture);
-  auto stored = std::make_shared<StoredTile>();
-  stored->planes = encode_tile_planes(tile, codec);
-  set_tile_fields(tile, stored->reply);
-  stored->reply.key_low = rendered.job.id.low;
-  stored->reply.key_high = rendered.job.id.high;
-  stored->reply.content_hash = tile_content_hash(tile);
-  stored->reply.codec = static_cast<std::uint8_t>(codec);
-  stored->reply.queue_us = rendered.queue_us;
-  stored->reply.render_us = rendered.render_us;
-  stored->reply.encode_us =
-      static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::microseconds>(
-                                     std::chrono::steady_clock::now() - start)
-                                     .count());
-  return stored;
+  return tile;
 }
 
-void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers, TileCodec codec) {
+wire::TileReplyT fields_of(const RenderedTile& rendered) {
+  wire::TileReplyT fields;
+  fields.key_low = rendered.job.id.low;
+  fields.key_high = rendered.job.id.high;
+  fields.queue_us = rendered.queue_us;
+  fields.render_us = rendered.render_us;
+  return fields;
+}
+
+}  // namespace
+
+StoredTilePtr EncodeStage::encode(const RenderedTile& rendered, const ObjectDescription& object,
+                                  TileCodec codec) {
+  return make_form(cut_and_measure(rendered, object), fields_of(rendered), codec);
+}
+
+void EncodeStage::announce(Completion done) {
+  completions_.push(std::move(done));
+  wake_();
+}
+
+// The form without loss is kept whatever was asked for: others are made from it.
+void EncodeStage::finish(const RenderedTile& rendered, const ObjectDescription& object) {
+  const SteadyClock clock;
+  const TileJob& job = rendered.job;
+  const Tile tile = cut_and_measure(rendered, object);
+  wire::TileReplyT fields = fields_of(rendered);
+  fields.encode_us = static_cast<std::uint32_t>(clock.now_us());
+  Completion done;
+  done.id = job.id;
+  done.codec = job.codec;
+  done.lossless = done.tile = make_form(tile, fields, lossless_codec(job.codec));
+  if (is_lossy(job.codec)) {
+    done.tile = smaller_form(done.lossless, make_form(tile, fields, job.codec));
+  }
+  const StoredTilePtr lossless = done.lossless, asked = done.tile;
+  store_.put(job.id, lossless_codec(job.codec), lossless);
+  if (is_lossy(job.codec)) store_.put(job.id, job.codec, asked);
+  announce(std::move(done));
+  // Last: nobody waits for it.
+  store_.save(job.id, lossless_codec(job.codec), *lossless);
+  if (is_lossy(job.codec)) store_.save(job.id, job.codec, *asked);
+}
+
+void EncodeStage::finish(const FormJob& job) {
+  Completion done;
+  done.id = job.id;
+  done.codec = job.codec;
+  done.tile = convert_form(job.lossless, job.codec);
+  if (!done.tile) done.tile = job.lossless;
+  const StoredTilePtr form = done.tile;
+  store_.put(job.id, job.codec, form);
+  ++counters_.forms_made;
+  announce(std::move(done));
+  if (is_lossy(job.codec)) store_.save(job.id, job.codec, *form);  // the others share a file
+}
+
+void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers) {
   for (int i = 0; i < workers; ++i) {
-    workers_.emplace_back([this, scene, codec] {
-      while (std::optional<RenderedTile> rendered = input_.pop()) {
-        const TileId id = rendered->job.id;
-        const auto object = scene->description(rendered->job.key.object);
-        StoredTilePtr tile = encode(*rendered, *object, codec);
-        store_.put(id, tile);
-        completions_.push(Completion{id, tile, std::nullopt, 0, {}});
-        wake_();
-        store_.save(id, *tile);  // last: nobody waits for it
+    workers_.emplace_back([this, scene] {
+      while (const std::optional<EncodeJob> job = input_.pop()) {
+        if (job->rendered) {
+          finish(*job->rendered, *scene->description(job->rendered->job.key.object));
+        } else {
+          finish(*job->form);
+        }
       }
     });
   }

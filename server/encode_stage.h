@@ -1,6 +1,7 @@
 #pragma once
 // Encode stage.
-// Input:  rendered tiles (pixels of a page). Output: stored tiles, announced to the network loop.
+// Input:  rendered tiles (pixels of a page), and tiles wanted in another form. Output: stored
+//         tiles, announced to the network loop.
 // Thread: N workers of its own.
 // Full:   the queue in front makes the render stage wait.
 
@@ -16,12 +17,16 @@ namespace mirage {
 
 class EncodeStage {
  public:
-  EncodeStage(BoundedQueue<RenderedTile>& input, BoundedQueue<Completion>& completions,
-              TileStore& store, std::function<void()> wake)
-      : input_(input), completions_(completions), store_(store), wake_(std::move(wake)) {}
+  EncodeStage(BoundedQueue<EncodeJob>& input, BoundedQueue<Completion>& completions,
+              TileStore& store, Counters& counters, std::function<void()> wake)
+      : input_(input),
+        completions_(completions),
+        store_(store),
+        counters_(counters),
+        wake_(std::move(wake)) {}
   ~EncodeStage() { join(); }
 
-  void start(std::shared_ptr<const PreparedScene> scene, int workers, TileCodec codec);
+  void start(std::shared_ptr<const PreparedScene> scene, int workers);
   /// Ends the workers; the input must have been closed.
   void join();
 
@@ -30,9 +35,14 @@ class EncodeStage {
                               TileCodec codec);
 
  private:
-  BoundedQueue<RenderedTile>& input_;
+  void finish(const RenderedTile& rendered, const ObjectDescription& object);
+  void finish(const FormJob& job);
+  void announce(Completion done);
+
+  BoundedQueue<EncodeJob>& input_;
   BoundedQueue<Completion>& completions_;
   TileStore& store_;
+  Counters& counters_;
   std::function<void()> wake_;
   std::vector<std::thread> workers_;
 };

@@ -69,7 +69,7 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
   Counters counters;
   TileStore store(options.cache_mb * 1024 * 1024, cache, counters);
   TileQueue queue(clock, counters);
-  BoundedQueue<RenderedTile> rendered(512);
+  BoundedQueue<EncodeJob> rendered(512);
   BoundedQueue<ImageLevel> image_jobs(4096);
   BoundedQueue<Completion> completions(8192);
   std::atomic<Endpoint*> awake{nullptr};
@@ -77,14 +77,14 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
     if (Endpoint* endpoint = awake.load()) endpoint->wake();
   };
 
-  EncodeStage encode(rendered, completions, store, wake);
+  EncodeStage encode(rendered, completions, store, counters, wake);
   ImageStage images(image_jobs, completions, wake);
   RenderStage render(clock, counters, queue, rendered, completions, wake);
   // However this function is left: the queues close in flow order, then the threads end.
   struct Shutdown {
     TileQueue& queue;
     RenderStage& render;
-    BoundedQueue<RenderedTile>& rendered;
+    BoundedQueue<EncodeJob>& rendered;
     BoundedQueue<Completion>& completions;
     EncodeStage& encode;
     BoundedQueue<ImageLevel>& image_jobs;
@@ -104,11 +104,11 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
   SessionOptions session_options = options.session;
   Result<std::string> renderer = [&] {
     images.start(scene);
-    encode.start(scene, options.encoders, options.session.codec);
+    encode.start(scene, options.encoders);
     return render.start(scene, options.render);
   }();
   if (renderer.ok()) session_options.renderer = renderer.value();
-  SessionHub hub(scene, session_options, clock, counters, queue, store, image_jobs);
+  SessionHub hub(scene, session_options, clock, counters, queue, store, rendered, image_jobs);
   Endpoint endpoint(hub, completions, counters);
   const Shutdown shutdown{queue, render, rendered, completions, encode, image_jobs, images};
   if (!renderer) return fail(renderer.error());

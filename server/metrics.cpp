@@ -20,6 +20,7 @@ std::string metrics_text(const Counters& c, std::size_t clients) {
   add(out, "tiles_cancelled_total", "counter", c.tiles_cancelled);
   add(out, "tiles_late_total", "counter", c.tiles_late);
   add(out, "tiles_refused_total", "counter", c.tiles_refused);
+  add(out, "tile_forms_made_total", "counter", c.forms_made);
   add(out, "store_hits_total", "counter", c.store_hits);
   add(out, "pages_rendered_total", "counter", c.pages_rendered);
   add(out, "references_rendered_total", "counter", c.references_rendered);

@@ -45,7 +45,7 @@ Result<std::string> read_token(const std::string& path) {
 int parse_options(int argc, char** argv, ServerOptions& o) {
   CLI::App app("Holds a scene and renders impostor tiles of it on request.", "mirage-server");
   app.footer(footer());
-  std::string listen = "127.0.0.1:9870", token_file, codec = "zstd";
+  std::string listen = "127.0.0.1:9870", token_file, codec = "auto";
   bool no_geometry = false, no_reference = false;
   std::string shadows = "off";
   app.add_option("SCENE", o.scene, "a .glb or .gltf file, or builtin:NAME[?key=value&…]");
@@ -61,8 +61,11 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.add_option("--cache-dir-mb", o.cache_dir_mb, "what may lie in it")
       ->check(CLI::Range(1, 1 << 30))
       ->capture_default_str();
-  app.add_option("--codec", codec, "tile codec")
-      ->check(CLI::IsMember({"zstd", "raw"}))
+  app.add_option(
+         "--codec", codec,
+         "tile codec; auto: each client chooses by its link, else this one for all (beside a "
+         "lossy one zstd, where it is smaller)")
+      ->check(CLI::IsMember({"auto", "raw", "zstd", "lz4", "webp", "jpeg", "bc3"}))
       ->capture_default_str();
   app.add_option("--encoders", o.encoders, "encoder threads")
       ->check(CLI::Range(1, 64))
@@ -123,7 +126,10 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   o.session.geometry = !no_geometry;
   o.session.reference = !no_reference;
   o.shadows = shadows == "on";
-  o.session.codec = codec == "raw" ? TileCodec::kRaw : TileCodec::kZstd;
+  if (const std::optional<TileCodec> only = codec_from_name(codec)) {
+    o.session.codecs = {*only};
+    if (is_lossy(*only)) o.session.codecs.push_back(TileCodec::kZstd);
+  }
   return -1;
 }
 

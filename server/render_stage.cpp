@@ -48,8 +48,8 @@ Result<GlWorld> make_world(std::shared_ptr<const PreparedScene> scene,
 }  // namespace
 
 RenderStage::RenderStage(const Clock& clock, Counters& counters, TileQueue& queue,
-                         BoundedQueue<RenderedTile>& rendered,
-                         BoundedQueue<Completion>& completions, std::function<void()> wake)
+                         BoundedQueue<EncodeJob>& rendered, BoundedQueue<Completion>& completions,
+                         std::function<void()> wake)
     : clock_(clock),
       counters_(counters),
       queue_(queue),
@@ -90,7 +90,7 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
       RenderedTile tile{page.info.jobs[i],          page.pixels, page.info.places[i].first,
                         page.info.places[i].second, 0,           share};
       tile.queue_us = static_cast<std::uint32_t>(page.info.started_us - tile.job.queued_us);
-      rendered_.push(std::move(tile));
+      rendered_.push({std::make_shared<const RenderedTile>(std::move(tile)), nullptr});
     }
   };
 

@@ -29,7 +29,7 @@ struct RenderOptions {
 class RenderStage {
  public:
   RenderStage(const Clock& clock, Counters& counters, TileQueue& queue,
-              BoundedQueue<RenderedTile>& rendered, BoundedQueue<Completion>& completions,
+              BoundedQueue<EncodeJob>& rendered, BoundedQueue<Completion>& completions,
               std::function<void()> wake);
   ~RenderStage();
 
@@ -47,7 +47,7 @@ class RenderStage {
   const Clock& clock_;
   Counters& counters_;
   TileQueue& queue_;
-  BoundedQueue<RenderedTile>& rendered_;
+  BoundedQueue<EncodeJob>& rendered_;
   BoundedQueue<Completion>& completions_;
   std::function<void()> wake_;
   std::thread thread_;

@@ -19,11 +19,27 @@ bool same_secret(const std::string& a, const std::string& b) {
   return difference == 0;
 }
 
+// Of what this server has, what the client takes. Tiles without colours come without loss, too:
+// who does not take zstd has no use for the lossy ones.
+std::vector<TileCodec> common_codecs(const std::vector<TileCodec>& ours,
+                                     const std::vector<std::uint8_t>& theirs) {
+  const auto taken = [&](TileCodec codec) {
+    return std::find(theirs.begin(), theirs.end(), static_cast<std::uint8_t>(codec)) !=
+           theirs.end();
+  };
+  const bool zstd = taken(TileCodec::kZstd);
+  std::vector<TileCodec> out;
+  for (const TileCodec codec : ours) {
+    if (taken(codec) && (zstd || !is_lossy(codec))) out.push_back(codec);
+  }
+  return out;
+}
+
 }  // namespace
 
 SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
                        const Clock& clock, Counters& counters, TileQueue& queue, TileStore& store,
-                       BoundedQueue<ImageLevel>& image_jobs)
+                       BoundedQueue<EncodeJob>& encode_jobs, BoundedQueue<ImageLevel>& image_jobs)
     : scene_(std::move(scene)),
       options_(std::move(options)),
       clock_(clock),
@@ -31,7 +47,8 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
       queue_(queue),
       store_(store),
       pages_(make_scene_pages(*scene_)),
-      images_(image_jobs) {}
+      images_(image_jobs),
+      forms_(encode_jobs) {}
 
 Result<SessionId> SessionHub::open() {
   if (sessions_.size() >= options_.max_clients) {
@@ -101,15 +118,18 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   if (!options_.token.empty() && !same_secret(hello.token, options_.token)) {
     return make_error(ErrorId::kAuth, "wrong or missing token");
   }
-  const auto codec = static_cast<std::uint8_t>(options_.codec);
-  if (std::find(hello.codecs.begin(), hello.codecs.end(), codec) == hello.codecs.end()) {
-    return make_error(ErrorId::kCodec, "client does not decode this server's tile codec");
+  s.codecs = common_codecs(options_.codecs, hello.codecs);
+  if (s.codecs.empty()) {
+    return make_error(ErrorId::kCodec, "client does not decode this server's tile codecs");
   }
   s.greeted = true;
   const Scene& scene = scene_->scene;
   wire::WelcomeT welcome;
   welcome.version = limits::kProtocolVersion;
-  welcome.codec = codec;
+  welcome.codec = static_cast<std::uint8_t>(s.codecs.front());
+  for (const TileCodec codec : s.codecs) {
+    welcome.codecs.push_back(static_cast<std::uint8_t>(codec));
+  }
   welcome.revision = scene_->revision;
   welcome.scene = scene.name.substr(0, limits::kMaxTextBytes);
   welcome.renderer = options_.renderer.substr(0, limits::kMaxTextBytes);
@@ -164,10 +184,13 @@ void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batc
   const auto found = s.lighting.find(batch.lighting_id);
   const bool known = batch.lighting_id == 0 || found != s.lighting.end();
   const Lighting& lighting = found != s.lighting.end() ? found->second : scene_->scene.lighting;
+  const auto asked = static_cast<TileCodec>(batch.codec);
+  const bool common = std::find(s.codecs.begin(), s.codecs.end(), asked) != s.codecs.end();
+  const TileCodec codec = common ? asked : s.codecs.front();
   for (const wire::Ask& one : batch.asks) {
     ++counters_.tiles_asked;
     if (known) {
-      ask(id, s, one, lighting);
+      ask(id, s, one, lighting, codec);
     } else {
       refuse(id, s, one.request_id(), wire::RefusalReason::BadKey);
     }
@@ -191,7 +214,8 @@ bool SessionHub::can_be(std::uint8_t channels, const ObjectDescription& object,
   }
 }
 
-void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lighting& lighting) {
+void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lighting& lighting,
+                     TileCodec codec) {
   if (a.object() >= scene_->object_count() || a.instance() >= scene_->instance_count() ||
       scene_->instance(a.instance()).object != a.object()) {
     return refuse(id, s, a.request_id(), wire::RefusalReason::UnknownObject);
@@ -225,106 +249,17 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
     key.lighting = light.hash();
   }
   const TileId tile = tile_id(key);
+  const bool colors = key.channels & kChannelColor;
   Waiter waiter{id, a.request_id(), a.error_px(), 0};
-  if (a.deadline_ms() > 0) waiter.deadline_us = clock_.now_us() + a.deadline_ms() * 1000ll;
-  if (const StoredTilePtr stored = store_.find(tile)) return push_tile(waiter, *stored);
+  waiter.codec = colors || !is_lossy(codec) ? codec : TileCodec::kZstd;
+  waiter.asked_us = clock_.now_us();
+  if (a.deadline_ms() > 0) waiter.deadline_us = waiter.asked_us + a.deadline_ms() * 1000ll;
+  if (const StoredTilePtr form = store_.find(tile, waiter.codec)) return push_tile(waiter, *form);
+  if (const StoredTilePtr other = store_.find_lossless(tile)) return convert(waiter, tile, other);
   const Lighting world = shadow ? lighting : Lighting{};
   if (queue_.submit(key, tile, light, waiter, world) == TileQueue::Admission::kBusy) {
     refuse(id, s, a.request_id(), wire::RefusalReason::Busy);
   }
-}
-
-void SessionHub::mesh_ask(SessionId id, Session& s, const wire::MeshAsk& ask) {
-  if (s.overfull) return;
-  const bool known = ask.object() < scene_->geometry.size() &&
-                     ask.lod() < scene_->geometry[ask.object()].encoded.size();
-  if (!known) return refuse(id, s, ask.request_id(), wire::RefusalReason::UnknownObject);
-  if (!options_.geometry) return refuse(id, s, ask.request_id(), wire::RefusalReason::NoGeometry);
-  const EncodedLod& lod = scene_->geometry[ask.object()].encoded[ask.lod()];
-  if (lod.payload.size() > limits::kMaxTransferBytes / 2) {
-    return refuse(id, s, ask.request_id(), wire::RefusalReason::TooLarge);
-  }
-  wire::MeshReplyT reply;
-  reply.request_id = ask.request_id();
-  reply.object = ask.object();
-  reply.lod = ask.lod();
-  reply.raw_bytes = lod.raw_bytes;
-  ++counters_.meshes_sent;
-  push(id, s.bulk, encode_message(std::move(reply), lod.payload));
-}
-
-void SessionHub::image_ask(SessionId id, Session& s, const wire::ImageAsk& ask) {
-  const bool known = ask.image() < scene_->images.size() &&
-                     ask.level() < image_levels(scene_->images[ask.image()]);
-  if (!known) return refuse(id, s, ask.request_id(), wire::RefusalReason::UnknownObject);
-  if (!options_.geometry) return refuse(id, s, ask.request_id(), wire::RefusalReason::NoGeometry);
-  const ImageLevel level{ask.image(), ask.level()};
-  if (const Bytes* encoded = images_.find(level)) {
-    return push_image(id, ask.request_id(), level, *encoded);
-  }
-  if (!images_.wait(level, {id, ask.request_id()})) {
-    refuse(id, s, ask.request_id(), wire::RefusalReason::Busy);
-  }
-}
-
-void SessionHub::push_image(SessionId id, std::uint32_t request, const ImageLevel& level,
-                            const Bytes& bytes) {
-  const auto at = sessions_.find(id);
-  if (at == sessions_.end() || at->second.overfull) return;
-  if (bytes.empty()) return refuse(id, at->second, request, wire::RefusalReason::TooLarge);
-  wire::ImageReplyT reply;
-  reply.request_id = request;
-  reply.image = level.image;
-  reply.level = level.level;
-  ++counters_.images_sent;
-  push(id, at->second.bulk, encode_message(std::move(reply), bytes));
-}
-
-void SessionHub::finish_image(const ImageLevel& level, Bytes bytes) {
-  for (const auto& [session, request] : images_.take_waiting(level)) {
-    push_image(session, request, level, bytes);
-  }
-  images_.keep(level, std::move(bytes));
-}
-
-void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceRequestT& m) {
-  if (!options_.reference) {
-    return refuse(id, s, m.request_id, wire::RefusalReason::NoReference);
-  }
-  const auto found = s.lighting.find(m.lighting_id);
-  const bool known = m.lighting_id == 0 || found != s.lighting.end();
-  const std::uint64_t samples = std::uint64_t{m.width} * m.height * m.supersample * m.supersample;
-  if (!known || samples > limits::kMaxReferencePixels * 2) {
-    return refuse(id, s, m.request_id, wire::RefusalReason::TooLarge);
-  }
-  ReferenceJob job;
-  job.session = id;
-  job.request_id = m.request_id;
-  job.camera.pose = {from_wire(*m.eye), glm::normalize(from_wire(*m.rotation))};
-  job.camera.fov_y = m.fov_y;
-  job.camera.width = m.width;
-  job.camera.height = m.height;
-  job.camera.fit_depth_range(scene_->bounds_center, scene_->bounds_radius);
-  job.supersample = m.supersample;
-  job.time_s = m.time_s;
-  job.lighting = found != s.lighting.end() ? found->second : scene_->scene.lighting;
-  if (!queue_.submit(std::move(job))) {
-    refuse(id, s, m.request_id, wire::RefusalReason::Busy);
-  }
-}
-
-void SessionHub::stats(SessionId id, Session& s, const wire::StatsRequestT& m) {
-  wire::StatsT out;
-  out.request_id = m.request_id;
-  out.tiles_rendered = counters_.tiles_rendered;
-  out.tiles_merged = counters_.tiles_merged;
-  out.store_hits = counters_.store_hits;
-  out.store_bytes = counters_.store_bytes;
-  out.tiles_cancelled = counters_.tiles_cancelled;
-  out.tiles_late = counters_.tiles_late;
-  out.queue_length = static_cast<std::uint32_t>(queue_.length());
-  out.clients = static_cast<std::uint32_t>(sessions_.size());
-  push(id, s.control, encode_message(std::move(out)));
 }
 
 void SessionHub::refuse(SessionId id, Session& s, std::uint32_t request,
@@ -360,14 +295,36 @@ void SessionHub::push_tile(const Waiter& waiter, const StoredTile& tile) {
   if (at == sessions_.end() || at->second.overfull) return;
   wire::TileReplyT reply = tile.reply;
   reply.request_id = waiter.request_id;
+  reply.server_us = static_cast<std::uint32_t>(clock_.now_us() - waiter.asked_us);
   push(waiter.session, at->second.tiles, encode_message(std::move(reply), tile.planes));
 }
 
-void SessionHub::complete(Completion completion) {
-  if (completion.tile) {
-    for (const Waiter& w : queue_.finish(completion.id)) push_tile(w, *completion.tile);
-    return;
+void SessionHub::convert(const Waiter& waiter, const TileId& id, const StoredTilePtr& lossless) {
+  if (forms_.wait(id, lossless, waiter)) return;
+  const auto at = sessions_.find(waiter.session);
+  if (at == sessions_.end()) return;
+  const std::vector<TileCodec>& taken = at->second.codecs;
+  const auto codec = static_cast<TileCodec>(lossless->reply.codec);
+  if (std::find(taken.begin(), taken.end(), codec) != taken.end()) {
+    return push_tile(waiter, *lossless);
   }
+  refuse(waiter.session, at->second, waiter.request_id, wire::RefusalReason::Busy);
+}
+
+void SessionHub::finish_tile(const Completion& done) {
+  for (const Waiter& w : forms_.take_waiting(done.id, done.codec)) push_tile(w, *done.tile);
+  if (!done.lossless) return;
+  for (const Waiter& w : queue_.finish(done.id)) {
+    if (w.codec == done.codec) {
+      push_tile(w, *done.tile);
+    } else {
+      convert(w, done.id, done.lossless);
+    }
+  }
+}
+
+void SessionHub::complete(Completion completion) {
+  if (completion.tile) return finish_tile(completion);
   if (completion.image) return finish_image(*completion.image, std::move(completion.message));
   const auto at = sessions_.find(completion.session);
   if (at != sessions_.end()) {

@@ -18,6 +18,7 @@
 #include "protocol/bounded_queue.h"
 #include "protocol/clock.h"
 #include "server/counters.h"
+#include "server/form_requests.h"
 #include "server/image_cache.h"
 #include "server/scene_pages.h"
 #include "server/tile_job.h"
@@ -34,14 +35,16 @@ struct SessionOptions {
   bool shadows = false;
   std::size_t max_clients = 4096;
   std::size_t max_outbox_bytes = 512u << 20;  ///< of one client, before it is closed
-  TileCodec codec = TileCodec::kZstd;
+  /// That clients may ask for, the first that a client takes is its own.
+  std::vector<TileCodec> codecs = {TileCodec::kZstd, TileCodec::kRaw,  TileCodec::kLz4,
+                                   TileCodec::kWebp, TileCodec::kJpeg, TileCodec::kBc3};
 };
 
 class SessionHub {
  public:
   SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options, const Clock& clock,
              Counters& counters, TileQueue& queue, TileStore& store,
-             BoundedQueue<ImageLevel>& image_jobs);
+             BoundedQueue<EncodeJob>& encode_jobs, BoundedQueue<ImageLevel>& image_jobs);
 
   /// Error kBusy when there are too many clients.
   Result<SessionId> open();
@@ -68,6 +71,7 @@ class SessionHub {
     std::int64_t opened_us = 0;
     bool greeted = false;
     FrameAssembler assembler{limits::kMaxInboundTransferBytes};
+    std::vector<TileCodec> codecs;  ///< that both ends have; the first is used unless asked
     std::map<std::uint32_t, Lighting> lighting;
     std::deque<FramePtr> control;
     std::deque<FramePtr> tree;  ///< members of groups that were asked for
@@ -85,7 +89,8 @@ class SessionHub {
   Result<void> handle(SessionId id, Session& s, Message message);
   Result<void> hello(SessionId id, Session& s, const wire::HelloT& hello);
   void batch(SessionId id, Session& s, const wire::RequestBatchT& batch);
-  void ask(SessionId id, Session& s, const wire::Ask& ask, const Lighting& lighting);
+  void ask(SessionId id, Session& s, const wire::Ask& ask, const Lighting& lighting,
+           TileCodec codec);
   /// Whether the object has tiles of this kind under this lighting.
   bool can_be(std::uint8_t channels, const ObjectDescription& object,
               const Lighting& lighting) const;
@@ -102,6 +107,9 @@ class SessionHub {
   /// The lane whose turn it is; nullptr when neither may send.
   static std::deque<FramePtr>* tile_or_bulk(Session& s);
   void push_tile(const Waiter& waiter, const StoredTile& tile);
+  void finish_tile(const Completion& done);
+  /// Has the waiter's form made; while there is too much to do, it is sent this one.
+  void convert(const Waiter& waiter, const TileId& id, const StoredTilePtr& lossless);
   void refuse(SessionId id, Session& s, std::uint32_t request, wire::RefusalReason reason);
 
   std::shared_ptr<const PreparedScene> scene_;
@@ -112,6 +120,7 @@ class SessionHub {
   TileStore& store_;
   const std::vector<FramePtr> pages_;  ///< scene description, made once
   ImageCache images_;
+  FormRequests forms_;
   std::map<SessionId, Session> sessions_;
   std::set<SessionId> writable_;
   SessionId next_id_ = 1;

@@ -21,6 +21,8 @@ struct Waiter {
   std::uint32_t request_id = 0;
   float error_px = 0;
   std::int64_t deadline_us = 0;  ///< on the server's clock; 0: none
+  TileCodec codec = TileCodec::kZstd;
+  std::int64_t asked_us = 0;
 };
 
 /// One tile to render, for everybody who asked for it.
@@ -29,7 +31,8 @@ struct TileJob {
   TileId id;
   ObjectLighting lighting;
   std::int64_t queued_us = 0;
-  Lighting world;  ///< of a shadow tile
+  Lighting world;                      ///< of a shadow tile
+  TileCodec codec = TileCodec::kZstd;  ///< of the first who asked
 };
 
 /// Pixels of one rendered page, shared by the encoders working on its tiles.
@@ -58,6 +61,18 @@ struct StoredTile {
 };
 using StoredTilePtr = std::shared_ptr<const StoredTile>;
 
+/// A form to be made of a tile that is there without loss.
+struct FormJob {
+  TileId id;
+  StoredTilePtr lossless;
+  TileCodec codec = TileCodec::kZstd;
+};
+/// Work of the encode stage: one of the two.
+struct EncodeJob {
+  std::shared_ptr<const RenderedTile> rendered;
+  std::shared_ptr<const FormJob> form;
+};
+
 /// A level of one of the scene's images.
 struct ImageLevel {
   std::uint32_t image = 0;
@@ -79,7 +94,7 @@ struct ReferenceJob {
 
 /// What the render and encode stages hand back to the network loop.
 struct Completion {
-  // A tile for everybody who waits for it …
+  // A tile in the form `codec` for everybody who waits for it …
   TileId id;
   StoredTilePtr tile;
   // … or an encoded image in `message`, for everybody who waits for it (empty: it failed) …
@@ -87,6 +102,10 @@ struct Completion {
   // … or a whole message for one session.
   SessionId session = 0;
   Bytes message;
+
+  // Of a tile:
+  TileCodec codec = TileCodec::kZstd;
+  StoredTilePtr lossless = nullptr;  ///< of one just rendered: to make other forms from
 };
 
 }  // namespace mirage

@@ -25,7 +25,7 @@ TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
   if (merged) {
     ++counters_.tiles_merged;
   } else {
-    entry.job = {key, id, lighting, clock_.now_us(), world};
+    entry.job = {key, id, lighting, clock_.now_us(), world, waiter.codec};
   }
   // A NaN error would break the ordering: it counts as the worst.
   const float error = waiter.error_px >= 0 && waiter.error_px < 1e30f ? waiter.error_px : 1e30f;

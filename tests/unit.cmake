@@ -10,6 +10,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_modelled_link_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_predictor_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_scheduler_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/core_codec_choice_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_selector_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_session_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_shadow_test.cpp
@@ -23,6 +24,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/server_lod_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_motion_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_motion_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_codec_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_queue_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_seams_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp

@@ -1,7 +1,6 @@
 #include "client/core/client_session.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "protocol/limits.h"
 
@@ -12,8 +11,6 @@ constexpr std::int64_t kHorizonSlackUs = 150'000;
 constexpr std::int64_t kMaxHorizonUs = 1'000'000;
 constexpr double kStandsM = 1e-6;        // from where the eye is expected to be
 constexpr float kFacesSame = 0.999999f;  // half the angle's cosine: 0.16 degrees
-constexpr std::size_t kReplyBytes = 64;  // control part and header of a geometry reply
-
 constexpr std::size_t kMaxEarlyPages = 64;
 
 // Also what the server can do: it may have been started anew with other options.
@@ -21,6 +18,15 @@ bool announces(const wire::WelcomeT& welcome, const SceneView& scene) {
   return welcome.revision == scene.revision && welcome.instances == scene.all_instances &&
          welcome.geometry == scene.geometry && welcome.reference == scene.reference &&
          welcome.shadows == scene.shadows;
+}
+
+// The server's own choice first.
+std::vector<TileCodec> offered_codecs(const wire::WelcomeT& welcome) {
+  std::vector<TileCodec> out = {static_cast<TileCodec>(welcome.codec)};
+  for (const std::uint8_t codec : welcome.codecs) {
+    if (codec != welcome.codec) out.push_back(static_cast<TileCodec>(codec));
+  }
+  return out;
 }
 
 Result<void> accept_page(SceneView& scene, const wire::BodyUnion& body) {
@@ -37,7 +43,8 @@ ClientSession::ClientSession(Link& link, ClientOptions options, TileSink sink)
       sink_(std::move(sink)),
       cache_(options_.atlas_edge, options_.atlas_layers),
       relight_(options_.relight),
-      tau_(options_.tau_px, options_.targets) {}
+      tau_(options_.tau_px, options_.targets),
+      codec_choice_(options_.codec) {}
 
 void ClientSession::greet() {
   generation_ = link_.generation();
@@ -48,8 +55,7 @@ void ClientSession::greet() {
   hello.version_min = hello.version_max = limits::kProtocolVersion;
   hello.token = options_.token;
   hello.name = options_.name;
-  hello.codecs = {static_cast<std::uint8_t>(TileCodec::kRaw),
-                  static_cast<std::uint8_t>(TileCodec::kZstd)};
+  hello.codecs = every_codec();
   link_.send(encode_message(std::move(hello)));
 }
 
@@ -77,6 +83,7 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
   switch (body.type) {
     case wire::Body::Welcome: {
       const wire::WelcomeT& welcome = *body.AsWelcome();
+      codec_choice_.reset(offered_codecs(welcome));
       // The same scene after a reconnect: everything held stays valid, keys and all.
       if (was_complete && announces(welcome, scene_)) {
         if (own_lighting_) send_lighting();
@@ -167,6 +174,7 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   const std::size_t bytes = planes.size() + 192 + planes.size() / 4096;
   const std::optional<PendingAsk> ask = scheduler_.finish(reply.request_id, bytes, came_us);
   if (!ask || !scene_.complete()) return {};
+  codec_choice_.tile_arrived(came_us - ask->sent_us, reply.server_us);
   Result<Tile> tile = tile_from_fields(reply);
   if (!tile) return tile.error();
   if (tile->edge != tile_edge(ask->need.size_class)) {
@@ -182,9 +190,7 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
       cache_.holds(ask->need.instance, capture, tile->relit(), ask->need.phase, ask->need.light)) {
     return {};
   }
-  const auto codec = static_cast<TileCodec>(reply.codec);
-  const Result<void> decoded = decode_tile_planes(planes.data(), planes.size(), codec, *tile);
-  if (!decoded) return decoded.error();
+  if (const Result<void> decoded = decode(reply, planes, *tile); !decoded) return decoded;
   if (!is_picture(tile->channels)) {
     take_shadow(*ask, capture, tile.take());
     return {};
@@ -206,13 +212,18 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   return {};
 }
 
-// The reply is what was asked for by this id, and the scene is still the one it was asked for.
-Result<void> ClientSession::finish_asset(std::uint32_t request_id, const AssetId& id,
-                                         std::size_t bytes, std::int64_t came_us) {
-  const std::optional<AssetNeed> need =
-      scheduler_.finish_asset(request_id, bytes + kReplyBytes, came_us);
-  if (need && scene_.complete() && need->id == id) return {};
-  return make_error(ErrorId::kWireValue, "geometry or an image that was not asked for");
+Result<void> ClientSession::decode(const wire::TileReplyT& reply, const Bytes& planes, Tile& tile) {
+  const auto codec = static_cast<TileCodec>(reply.codec);
+  const std::int64_t began_us = options_.work_clock ? options_.work_clock->now_us() : 0;
+  const Result<void> decoded = decode_tile_planes(planes.data(), planes.size(), codec, tile);
+  if (!decoded) return decoded;
+  if (options_.work_clock) codec_choice_.decoded(options_.work_clock->now_us() - began_us);
+  CodecUse& use = codec_uses_[reply.codec];
+  ++use.tiles;
+  use.bytes += planes.size();
+  if (is_lossy(codec)) use.color_rms.push_back(reply.color_rms);
+  use.color_max = std::max(use.color_max, reply.color_max);
+  return {};
 }
 
 void ClientSession::take_shadow(const PendingAsk& ask, const Capture& capture, Tile tile) {
@@ -222,61 +233,6 @@ void ClientSession::take_shadow(const PendingAsk& ask, const Capture& capture, T
   const bool caster = tile.channels == kCasterTile;
   const auto& sink = caster ? sink_.caster : sink_.shadow;
   if (sink) sink(*record, caster ? tile.depth : tile.shadow);
-}
-
-Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes,
-                                      std::int64_t came_us, std::int64_t now_us) {
-  const AssetId id{AssetId::Kind::kMesh, reply.object, reply.lod};
-  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), came_us);
-  if (!asked) return asked.error();
-  if (reply.raw_bytes > options_.max_mesh_bytes) {
-    return make_error(ErrorId::kWireLimit, "geometry is larger than asked for");
-  }
-  Result<Bytes> raw = reply.raw_bytes == bytes.size()
-                          ? Result<Bytes>(bytes)
-                          : decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
-  if (!raw) return raw.error();
-  Result<ObjectModel> model = decode_model(raw->data(), raw->size(), scene_.images.size());
-  if (!model) return model.error();
-  shadows_.assets_changed();
-  meshes_.add_mesh(reply.object, reply.lod, *model, now_us);
-  if (sink_.mesh) sink_.mesh(reply.object, reply.lod, model.take());
-  return {};
-}
-
-Result<void> ClientSession::take_image(const wire::ImageReplyT& reply, const Bytes& bytes,
-                                       std::int64_t came_us, std::int64_t now_us) {
-  const AssetId id{AssetId::Kind::kImage, reply.image, reply.level};
-  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), came_us);
-  if (!asked) return asked.error();
-  const ImageDescription& description = scene_.images[reply.image];
-  Result<Image> image = decode_image(bytes.data(), bytes.size(),
-                                     image_level_size(description, reply.level), description.srgb);
-  if (!image) return image.error();
-  shadows_.assets_changed();
-  meshes_.add_image(scene_, reply.image, reply.level, bytes.size(), now_us);
-  if (sink_.image) sink_.image(reply.image, *image);
-  return {};
-}
-
-Result<void> ClientSession::take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes) {
-  const std::size_t pixels = std::size_t{reply.width} * reply.height;
-  const bool asked = std::exchange(reference_asked_px_, 0) == pixels && pixels > 0;
-  if (!asked || reply.raw_bytes != pixels * 12) {
-    return make_error(ErrorId::kWireValue, "reference frame that was not asked for");
-  }
-  Result<Bytes> raw = decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
-  if (!raw) return raw.error();
-  ReferenceFrame frame{reply.width,
-                       reply.height,
-                       {},
-                       std::vector<float>(pixels),
-                       std::vector<std::uint32_t>(pixels)};
-  frame.rgba.assign(raw->begin(), raw->begin() + static_cast<std::ptrdiff_t>(pixels * 4));
-  std::memcpy(frame.depth.data(), raw->data() + pixels * 4, pixels * 4);
-  std::memcpy(frame.ids.data(), raw->data() + pixels * 8, pixels * 4);
-  reference_ = std::move(frame);
-  return {};
 }
 
 void ClientSession::take_refusal(const wire::RefusedT& refused, std::int64_t now_us) {
@@ -308,22 +264,6 @@ void ClientSession::send_lighting() {
   message.id = ++lighting_id_;
   message.lighting = to_wire(lighting_);
   link_.send(encode_message(std::move(message)));
-}
-
-void ClientSession::ask_reference(const Camera& camera, std::uint32_t supersample) {
-  wire::ReferenceRequestT request;
-  request.request_id = 0;
-  request.lighting_id = lighting_id_;
-  request.eye = std::make_unique<wire::Vec3d>(to_wire(camera.pose.eye));
-  request.rotation = std::make_unique<wire::Quat>(to_wire(camera.pose.rotation));
-  request.fov_y = camera.fov_y;
-  request.width = camera.width;
-  request.height = camera.height;
-  request.supersample = supersample;
-  request.time_s = time_s_;
-  reference_refused_ = false;
-  reference_asked_px_ = std::size_t{camera.width} * camera.height;
-  link_.send(encode_message(std::move(request)));
 }
 
 DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
@@ -391,9 +331,11 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   const bool passing = relit && options_.relight == RelightChoice::kAuto;
   const bool stands = glm::length(input.predicted.pose.eye - camera.pose.eye) < kStandsM &&
                       glm::dot(input.predicted.pose.rotation, camera.pose.rotation) > kFacesSame;
+  codec_ = codec_choice_.update({scheduler_.rate_mbps(), scheduler_.saturated_s(now_us)}, now_us);
   at_rest_ = stands && !passing && !(moves_ && options_.animation) && tiles.empty() &&
              meshes.empty() && !batch && scheduler_.in_flight() == 0 &&
              input.tau_px <= options_.tau_px;
+  if (batch && codec_ != codec_choice_.unasked()) batch->codec = static_cast<std::uint8_t>(codec_);
   if (batch) link_.send(encode_message(std::move(*batch)));
   if (std::optional<wire::OpenRequestT> open = opener_.plan(input)) {
     at_rest_ = false;

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "client/core/codec_choice.h"
 #include "client/core/link.h"
 #include "client/core/mesh_cache.h"
 #include "client/core/predictor.h"
@@ -22,6 +23,7 @@
 #include "client/core/shadow_stage.h"
 #include "client/core/tau_controller.h"
 #include "client/core/tile_trace.h"
+#include "protocol/clock.h"
 #include "protocol/model_codec.h"
 
 namespace mirage {
@@ -42,8 +44,10 @@ struct ClientOptions {
   bool trace = false;                          ///< keep every tile's life
   /// The session's clock, for the trace, where time passes within a frame; empty: it does not.
   std::function<std::int64_t()> trace_clock = nullptr;
-  bool shadows = true;    ///< the sun's, if the server has them
-  bool animation = true;  ///< false: every clip stands at its beginning
+  bool shadows = true;                ///< the sun's, if the server has them
+  bool animation = true;              ///< false: every clip stands at its beginning
+  std::optional<TileCodec> codec;     ///< of tiles; none: by link and cost
+  const Clock* work_clock = nullptr;  ///< what decoding takes; null on virtual time
 };
 
 struct ReferenceFrame {
@@ -66,6 +70,15 @@ struct TileSink {
 struct TileCounts {
   std::uint64_t asked = 0, received = 0, drawn = 0, wasted = 0, cancelled = 0, refused = 0;
 };
+
+/// Of the tiles that came in one codec.
+struct CodecUse {
+  std::uint64_t tiles = 0;
+  std::uint64_t bytes = 0;       ///< of their planes
+  std::vector<float> color_rms;  ///< of lossy ones, each tile's, 1/255
+  std::uint8_t color_max = 0;    ///< of any texel, 1/255
+};
+using CodecUses = std::array<CodecUse, kTileCodecs.size()>;
 
 class ClientSession {
  public:
@@ -97,6 +110,10 @@ class ClientSession {
   const Lighting& lighting() const { return lighting_; }
   const Predictor& predictor() const { return predictor_; }
   TileCounts tiles() const;
+  /// By codec, of all tiles that were decoded.
+  const CodecUses& codecs() const { return codec_uses_; }
+  /// That tiles are asked for in now.
+  TileCodec codec() const { return codec_; }
   const std::vector<TileLife>& lives() const { return trace_.lives(); }
   /// The frame planned last is drawn. For the trace.
   void note_drawn(std::int64_t now_us) { trace_.frame_drawn(now_us); }
@@ -120,6 +137,7 @@ class ClientSession {
   Result<void> finish_asset(std::uint32_t request_id, const AssetId& id, std::size_t bytes,
                             std::int64_t came_us);
   void take_shadow(const PendingAsk& ask, const Capture& capture, Tile tile);
+  Result<void> decode(const wire::TileReplyT& reply, const Bytes& planes, Tile& tile);
   Result<void> take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes, std::int64_t came_us,
                          std::int64_t now_us);
   Result<void> take_image(const wire::ImageReplyT& reply, const Bytes& bytes, std::int64_t came_us,
@@ -150,6 +168,9 @@ class ClientSession {
   SceneOpener opener_;
   Scheduler scheduler_;
   TauController tau_;
+  CodecChoice codec_choice_;
+  TileCodec codec_ = TileCodec::kZstd;
+  CodecUses codec_uses_;
   double frame_ms_ = 0;
   MeshCache meshes_;
   std::optional<ReferenceFrame> reference_;

@@ -185,6 +185,11 @@ void ModelledLink::run_server(std::int64_t now) {
     // In real time the server has really spent it already.
     const std::int64_t cost = blocking_ ? std::llround(cost_ms * 1000.0) : 0;
     server_free_us_ = start + cost;
+    // What the client is told must be the model's time, too.
+    if (blocking_ && tile) {
+      ask.reply.message.body.AsTileReply()->server_us =
+          static_cast<std::uint32_t>(server_free_us_ - ask.arrives_us);
+    }
     ready_.emplace(std::make_pair(server_free_us_, 0u),
                    Ready{server_free_us_, false, std::move(ask.reply)});
   }

@@ -39,8 +39,7 @@ void LoadRun::on_open(std::uint32_t client) {
   hello.version_min = hello.version_max = limits::kProtocolVersion;
   hello.token = options_.token;
   hello.name = "mirage-load";
-  hello.codecs = {static_cast<std::uint8_t>(TileCodec::kRaw),
-                  static_cast<std::uint8_t>(TileCodec::kZstd)};
+  hello.codecs = every_codec();
   link_->send(client, encode_message(std::move(hello)));
 }
 
@@ -176,9 +175,9 @@ Result<void> LoadRun::take_tile(std::uint32_t client, const MessageView& message
   return {};
 }
 
-// Equal key, equal bytes: for every tile and across all clients.
+// Equal key and codec, equal content: for every tile and across all clients.
 bool LoadRun::same_content(const wire::TileReply& reply) {
-  const TileId key{reply.key_low(), reply.key_high()};
+  const TileId key{reply.key_low() + reply.codec(), reply.key_high()};
   return contents_.try_emplace(key, reply.content_hash()).first->second == reply.content_hash();
 }
 

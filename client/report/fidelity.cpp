@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/report/alpha_tested.h"
+#include "client/report/codecs.h"
 #include "client/report/tile_probe.h"
 #include "protocol/stable_math.h"
 
@@ -332,6 +333,7 @@ Result<void> report_fidelity(Context& context) {
       fmt::format("A grid of {} views of the knot at {:g} radii reaches {:g} dB in {:g} "
                   "MiB: more views hardly help, perspective and depth do.",
                   large.grid, large.radii, large.psnr_db, large.mib));
+  if (const Result<void> done = report_codecs(context); !done) return done;
   return write_file(context.path("fidelity.json"), json_of(rows));
 }
 

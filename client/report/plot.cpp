@@ -29,9 +29,10 @@ Look look_of(const std::string& name, std::size_t index) {
       {"cuboid", {"#56b4e9", 9}}, {"hull", {"#009e73", 11}},  {"warp", {"#cc79a7", 13}},
       {"depth", {"#0072b2", 4}},  {"mesh", {"#999999", 6}},   {"geometry", {"#999999", 6}},
       {"fixed8", {"#d55e00", 2}}, {"video", {"#e69f00", 5}},  {"video+timewarp", {"#0072b2", 4}}};
-  static const Look other[] = {{"#009e73", 9}, {"#cc79a7", 11}, {"#56b4e9", 13}, {"#d55e00", 2}};
+  static const Look other[] = {{"#009e73", 9}, {"#cc79a7", 11}, {"#56b4e9", 13},
+                               {"#d55e00", 2}, {"#e69f00", 5},  {"#999999", 6}};
   const auto at = known.find(name);
-  return at != known.end() ? at->second : other[index % 4];
+  return at != known.end() ? at->second : other[index % std::size(other)];
 }
 
 // gnuplot's own markup characters and quotes.

@@ -110,6 +110,7 @@ Result<void> TileProbe::take(const Message& message, const std::vector<TileNeed>
   const Result<void> decoded =
       decode_tile_planes(message.payload.data(), message.payload.size(), codec, *tile);
   if (!decoded) return decoded;
+  if (on_tile) on_tile(*tile);
   const ObjectDescription& object = scene_.objects[scene_.instances[need.instance].object];
   const Capture capture(need.cell, need.distance, object.radius, tile->edge);
   const TilePixels pixels{std::move(tile->rgba), std::move(tile->surface)};

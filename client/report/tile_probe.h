@@ -2,6 +2,7 @@
 // Tiles for exactly one view, asked for by key over the wire: what fidelity is measured on.
 // Thread: the GL one.
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,6 +33,8 @@ class TileProbe {
   Result<DrawList> eight_views(const Camera& camera);
   /// Graphics memory of the tiles that were captured last: colour and depth.
   std::size_t texture_bytes() const { return cache_.atlas_texels() * 5; }
+
+  std::function<void(const Tile&)> on_tile;  ///< called with each as it comes; may be empty
 
  private:
   TileProbe(const ServerUrl& url, FrameRenderer& renderer);

@@ -6,8 +6,8 @@
 #include <cstdlib>
 
 #include "client/core/geometric_error.h"
-#include "client/quality/metrics.h"
 #include "client/host/png.h"
+#include "client/quality/metrics.h"
 
 namespace mirage {
 namespace {

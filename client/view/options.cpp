@@ -138,6 +138,11 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_option("--out", o.out_dir, "write every frame here as PNG");
   app.add_option("--stats", o.stats_file, "write statistics here as JSON");
   app.add_option("--trace", o.trace_file, "write the life of every tile here as JSON");
+  app.add_option("--codec", o.codec_name,
+                 "tiles' codec; auto: lossy colours on a thin link, lz4 on a very fast one, else "
+                 "zstd")
+      ->check(CLI::IsMember({"auto", "raw", "zstd", "lz4", "webp", "jpeg", "bc3"}))
+      ->capture_default_str();
   app.add_option("--token-file", o.token_file, "the server's token");
   app.add_option("--device", o.device, "EGL device when offscreen")->capture_default_str();
   app.add_option("--connect-timeout", o.connect_timeout_s, "seconds to wait for the server")

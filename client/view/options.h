@@ -38,6 +38,7 @@ struct ViewOptions {
   std::string trace_file;
   std::string animation = "on";
   std::string shadows = "on";
+  std::string codec_name = "auto";
   std::string token_file;
   std::string token;
   std::string device = "auto";

@@ -45,6 +45,23 @@ ordered_json mean_min(const std::vector<float>& values) {
   return out;
 }
 
+// What came in each codec that was used, and what the lossy ones did to covered colours (1/255):
+// the RMS over a tile, its quantiles over tiles, and the largest of any texel.
+ordered_json codecs_json(const CodecUses& uses) {
+  ordered_json out = ordered_json::object();
+  for (const TileCodec codec : kTileCodecs) {
+    const CodecUse& use = uses[static_cast<std::size_t>(codec)];
+    if (use.tiles == 0) continue;
+    ordered_json& one = out[codec_name(codec)];
+    one = {{"tiles", use.tiles}, {"bytes", use.bytes}};
+    if (!is_lossy(codec)) continue;
+    one["color_error"] = {{"p50", number(quantile(use.color_rms, 0.50))},
+                          {"p95", number(quantile(use.color_rms, 0.95))},
+                          {"max", use.color_max}};
+  }
+  return out;
+}
+
 double mean(const std::vector<float>& values) {
   double sum = 0;
   for (const float v : values) sum += v;
@@ -110,6 +127,7 @@ std::string SessionStats::json(const Final& end) const {
   j["tiles"] = {{"asked", end.tiles.asked},         {"received", end.tiles.received},
                 {"drawn", end.tiles.drawn},         {"wasted", end.tiles.wasted},
                 {"cancelled", end.tiles.cancelled}, {"refused", end.tiles.refused}};
+  j["codecs"] = codecs_json(end.codecs);
   if (!light_lag_ms_.empty()) {
     j["light_lag_ms"] = {{"p50", number(quantile(light_lag_ms_, 0.50))},
                          {"p95", number(quantile(light_lag_ms_, 0.95))},

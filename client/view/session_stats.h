@@ -39,6 +39,7 @@ class SessionStats {
   struct Final {
     LinkTraffic traffic;
     TileCounts tiles;
+    CodecUses codecs;
     PredictionError prediction;
     std::size_t gpu_bytes = 0;
     std::int64_t duration_us = 0;

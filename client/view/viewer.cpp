@@ -115,6 +115,8 @@ void Viewer::make_host() {
   options.mesh_budget_bytes = static_cast<std::size_t>(o_.mesh_mb) * 1024 * 1024;
   options.relight = o_.relight;
   options.token = o_.token;
+  options.codec = codec_from_name(o_.codec_name);
+  if (!o_.virtual_time) options.work_clock = &real_clock_;
   options.shadows = o_.shadows == "on";
   options.animation = o_.animation == "on";
   options.trace = !o_.trace_file.empty();
@@ -297,6 +299,7 @@ Result<void> Viewer::finish() {
   SessionStats::Final end;
   end.traffic = host_->traffic();
   end.tiles = session().tiles();
+  end.codecs = session().codecs();
   end.prediction = session().predictor().error();
   end.gpu_bytes = renderer_->gpu_bytes() + target_->gpu_bytes();
   end.duration_us = now_us() - start_us_;

@@ -39,6 +39,7 @@ std::vector<Bench> tile_benches();
 std::vector<Bench> store_benches();
 std::vector<Bench> startup_benches();
 std::vector<Bench> latency_benches();
+std::vector<Bench> codec_benches();
 
 /// Seconds of two things, measured in turn.
 struct Pair {

@@ -5,75 +5,13 @@
 #include <cmath>
 
 #include "protocol/capture.h"
-#include "server/encode_stage.h"
 #include "server/render/tile_shot.h"
-#include "server/render_stage.h"
 #include "shaders/gl/egl_context.h"
 #include "tests/bench/bench.h"
+#include "tests/bench/stages.h"
 
 namespace mirage::bench {
 namespace {
-
-// Tiles of 128 texels of every object, from directions that no two calls share.
-std::vector<TileJob> tiles_of(const PreparedScene& scene, std::size_t count,
-                              std::uint32_t& serial) {
-  std::vector<TileJob> jobs;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double turn = 2.399963 * ++serial, height = 0.1 + 0.8 * (serial % 97) / 97.0;
-    const double ring = std::sqrt(1 - height * height);
-    TileJob job;
-    job.key.scene_revision = scene.revision;
-    job.key.object = static_cast<std::uint32_t>(i % scene.scene.objects.size());
-    job.key.cell = *view_cell_from_direction({ring * std::cos(turn), height, ring * std::sin(turn)},
-                                             limits::kMaxViewLevel);
-    job.key.distance = *distance_bucket_from_radii(6, 3);
-    while (tile_edge(job.key.size_class) < 128) ++job.key.size_class;
-    job.key.channels = kLitTile;
-    const ObjectDescription& object = scene.objects[job.key.object];
-    job.lighting = object_lighting(scene.scene.lighting, {}, object.center, object.radius);
-    job.id = tile_id(job.key);
-    jobs.push_back(job);
-  }
-  return jobs;
-}
-
-// The shipped stages, without the network: asks in, encoded tiles out.
-class Stages {
- public:
-  Result<void> start(std::shared_ptr<const PreparedScene> scene) {
-    encode_.start(scene, 1, TileCodec::kZstd);
-    const Result<std::string> renderer = render_.start(scene, {});
-    return renderer ? Result<void>{} : renderer.error();
-  }
-  ~Stages() {
-    completions_.close();
-    queue_.close();
-    render_.join();
-    rendered_.close();
-    encode_.join();
-  }
-  void make(const std::vector<TileJob>& jobs) {
-    std::uint32_t request = 0;
-    for (const TileJob& job : jobs) {
-      queue_.submit(job.key, job.id, job.lighting, {1, ++request, 1.0f, 0});
-    }
-    for (std::size_t done = 0; done < jobs.size(); ++done) {
-      const std::optional<Completion> tile = completions_.pop();
-      if (!tile) return;
-      queue_.finish(tile->id);
-    }
-  }
-
- private:
-  SteadyClock clock_;
-  Counters counters_;
-  TileStore store_{256u << 20, nullptr, counters_};
-  TileQueue queue_{clock_, counters_};
-  BoundedQueue<RenderedTile> rendered_{512};
-  BoundedQueue<Completion> completions_{8192};
-  EncodeStage encode_{rendered_, completions_, store_, [] {}};
-  RenderStage render_{clock_, counters_, queue_, rendered_, completions_, [] {}};
-};
 
 // Draws what tiles are drawn from, with the same shaders, and nothing else.
 class BareLoop {
@@ -137,8 +75,9 @@ Result<std::vector<Row>> whole_server(const Conditions& conditions) {
   constexpr std::size_t kTiles = 64;
   std::uint32_t ours = 0, theirs = 0;
   const Pair pair = in_turn(
-      Time::kWall, conditions.quick ? 5 : 15, [&] { stages.make(tiles_of(**scene, kTiles, ours)); },
-      [&] { (*bare)->draw(tiles_of(**scene, kTiles, theirs), false); });
+      Time::kWall, conditions.quick ? 5 : 15,
+      [&] { stages.make(tiles_of(**scene, kTiles, 128, ours)); },
+      [&] { (*bare)->draw(tiles_of(**scene, kTiles, 128, theirs), false); });
   const auto rate = [&](double seconds) {
     return fmt::format("{:.0f} tiles/s", static_cast<double>(kTiles) / seconds);
   };
@@ -179,7 +118,7 @@ Result<std::vector<Row>> levels(const Conditions& conditions) {
   Result<std::unique_ptr<BareLoop>> loop = BareLoop::create(*scene);
   if (!loop) return loop.error();
   std::uint32_t serial = 0;
-  const std::vector<TileJob> jobs = tiles_of(**scene, 24, serial);
+  const std::vector<TileJob> jobs = tiles_of(**scene, 24, 128, serial);
   const Pair pair = in_turn(
       Time::kCpu, conditions.quick ? 5 : 15, [&] { (*loop)->draw(jobs, false); },
       [&] { (*loop)->draw(jobs, true); });

@@ -111,8 +111,9 @@ std::optional<SceneView> scene_as_told(const std::shared_ptr<const PreparedScene
   Counters counters;
   TileQueue queue(clock, counters);
   TileStore store(1 << 20, nullptr, counters);
+  BoundedQueue<EncodeJob> jobs(64);
   BoundedQueue<ImageLevel> images(64);
-  SessionHub hub(prepared, {}, clock, counters, queue, store, images);
+  SessionHub hub(prepared, {}, clock, counters, queue, store, jobs, images);
   const SessionId id = hub.open().take();
   wire::HelloT hello;
   hello.version_min = hello.version_max = limits::kProtocolVersion;

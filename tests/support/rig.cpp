@@ -6,6 +6,7 @@
 
 #include "protocol/capture.h"
 #include "server/image_stage.h"
+#include "server/tile_form.h"
 #include "tests/unit/core_scene.h"
 
 namespace mirage::test {
@@ -73,7 +74,7 @@ Host::Host(std::shared_ptr<const PreparedScene> scene, const Clock& clock, Sessi
     : scene_(std::move(scene)), queue_(clock, counters_) {
   options.geometry = false;
   hub_ = std::make_unique<SessionHub>(scene_, std::move(options), clock, counters_, queue_, store_,
-                                      image_jobs_);
+                                      encode_jobs_, image_jobs_);
 }
 
 StoredTilePtr Host::make(const TileJob& job) const {
@@ -82,24 +83,34 @@ StoredTilePtr Host::make(const TileJob& job) const {
   Tile tile = make_tile(capture);
   tile.channels = job.key.channels;
   paint(tile, job.id.low);
-  auto stored = std::make_shared<StoredTile>();
-  set_tile_fields(tile, stored->reply);
-  stored->reply.codec = static_cast<std::uint8_t>(TileCodec::kZstd);
-  stored->planes = encode_tile_planes(tile, TileCodec::kZstd);
-  return stored;
+  return make_form(tile, {}, job.codec);
+}
+
+void Host::make_forms() {
+  while (const std::optional<EncodeJob> job = encode_jobs_.try_pop()) {
+    Completion done;
+    done.id = job->form->id;
+    done.codec = job->form->codec;
+    done.tile = convert_form(job->form->lossless, done.codec);
+    store_.put(done.id, done.codec, done.tile);
+    hub_->complete(std::move(done));
+  }
 }
 
 std::size_t Host::render(std::size_t count) {
+  make_forms();
   std::size_t left = count, done = 0;
   const auto work = queue_.take([&](std::uint32_t) { return left > 0 && left-- > 0; }, false);
   if (!work || !std::holds_alternative<std::vector<TileJob>>(*work)) return 0;
   for (const TileJob& job : std::get<std::vector<TileJob>>(*work)) {
     const StoredTilePtr tile = make(job);
-    store_.put(job.id, tile);
+    store_.put(job.id, job.codec, tile);
     Completion completion;
     completion.id = job.id;
-    completion.tile = tile;
+    completion.codec = job.codec;
+    completion.tile = completion.lossless = tile;
     hub_->complete(std::move(completion));
+    make_forms();
     ++done;
   }
   return done;

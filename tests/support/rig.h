@@ -52,11 +52,14 @@ class Host {
 
  private:
   StoredTilePtr make(const TileJob& job) const;
+  /// Forms of tiles that are there, for those who wait for them.
+  void make_forms();
 
   std::shared_ptr<const PreparedScene> scene_;
   Counters counters_;
   TileQueue queue_;
   TileStore store_{64u << 20, nullptr, counters_};
+  BoundedQueue<EncodeJob> encode_jobs_{16};
   BoundedQueue<ImageLevel> image_jobs_{16};
   std::unique_ptr<SessionHub> hub_;
   double busy_s_ = 0;

@@ -17,7 +17,7 @@ class HubLink final : public Link {
   /// A server started anew: the connection is another one.
   void restart(SessionOptions options) {
     hub_ = std::make_unique<SessionHub>(scene_, std::move(options), clock_, counters_, queue_,
-                                        store_, image_jobs_);
+                                        store_, encode_jobs_, image_jobs_);
     id_ = hub_->open().take();
     ++generation_;
   }
@@ -48,6 +48,7 @@ class HubLink final : public Link {
   Counters counters_;
   TileQueue queue_{clock_, counters_};
   TileStore store_{1 << 24, nullptr, counters_};
+  BoundedQueue<EncodeJob> encode_jobs_{16};
   BoundedQueue<ImageLevel> image_jobs_{16};
   std::unique_ptr<SessionHub> hub_;
   SessionId id_ = 0;

@@ -13,6 +13,8 @@
 namespace mirage::test {
 namespace {
 
+constexpr TileCodec kLossless[] = {TileCodec::kRaw, TileCodec::kZstd, TileCodec::kLz4};
+
 Tile make_tile(std::uint32_t w, std::uint32_t h, bool smooth) {
   std::mt19937 random(w * 31 + h);
   Tile tile;
@@ -37,7 +39,7 @@ Tile empty_like(const Tile& tile) {
 }
 
 TEST(ProtocolTileCodec, RoundTrip) {
-  for (const TileCodec codec : {TileCodec::kRaw, TileCodec::kZstd}) {
+  for (const TileCodec codec : kLossless) {
     for (const bool smooth : {false, true}) {
       for (const auto& [w, h] :
            {std::pair{1u, 1u}, {1u, 50u}, {50u, 1u}, {64u, 33u}, {200u, 90u}}) {
@@ -61,7 +63,7 @@ Tile make_relit(std::uint32_t w, std::uint32_t h) {
 }
 
 TEST(ProtocolTileCodec, RelitTilesCarryTheirSurface) {
-  for (const TileCodec codec : {TileCodec::kRaw, TileCodec::kZstd}) {
+  for (const TileCodec codec : kLossless) {
     const Tile tile = make_relit(33, 20);
     const auto bytes = encode_tile_planes(tile, codec);
     Tile back = empty_like(tile);
@@ -90,7 +92,7 @@ TEST(ProtocolTileCodec, SmoothImagesGetSmaller) {
 }
 
 TEST(ProtocolTileCodec, EmptyTile) {
-  for (const TileCodec codec : {TileCodec::kRaw, TileCodec::kZstd}) {
+  for (const TileCodec codec : kLossless) {
     Tile tile;
     tile.edge = 64;
     const auto bytes = encode_tile_planes(tile, codec);
@@ -119,7 +121,7 @@ void expect_codec_error(const std::vector<std::uint8_t>& bytes, TileCodec codec,
 
 TEST(ProtocolTileCodec, TruncatedAtEveryByte) {
   const Tile tile = make_tile(20, 12, true);
-  for (const TileCodec codec : {TileCodec::kRaw, TileCodec::kZstd}) {
+  for (const TileCodec codec : kLossless) {
     const auto bytes = encode_tile_planes(tile, codec);
     for (std::size_t n = 0; n < bytes.size(); ++n) {
       expect_codec_error({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)}, codec,
@@ -133,18 +135,19 @@ TEST(ProtocolTileCodec, TruncatedAtEveryByte) {
 
 TEST(ProtocolTileCodec, FlippedBitsNeverCrash) {
   const Tile tile = make_tile(40, 25, true);
-  const auto bytes = encode_tile_planes(tile, TileCodec::kZstd);
-  for (std::size_t bit = 0; bit < bytes.size() * 8; ++bit) {
-    auto damaged = bytes;
-    damaged[bit / 8] = static_cast<std::uint8_t>(damaged[bit / 8] ^ (1u << bit % 8));
-    Tile back = empty_like(tile);
-    const Result<void> result =
-        decode_tile_planes(damaged.data(), damaged.size(), TileCodec::kZstd, back);
-    if (!result) {
-      ASSERT_EQ(result.error().id, ErrorId::kCodec);
-    } else {
-      ASSERT_EQ(back.rgba.size(), tile.rgba.size());
-      ASSERT_EQ(back.depth.size(), tile.depth.size());
+  for (const TileCodec codec : kTileCodecs) {
+    const auto bytes = encode_tile_planes(tile, codec);
+    for (std::size_t bit = 0; bit < bytes.size() * 8; ++bit) {
+      auto damaged = bytes;
+      damaged[bit / 8] = static_cast<std::uint8_t>(damaged[bit / 8] ^ (1u << bit % 8));
+      Tile back = empty_like(tile);
+      const Result<void> result = decode_tile_planes(damaged.data(), damaged.size(), codec, back);
+      if (!result) {
+        ASSERT_EQ(result.error().id, ErrorId::kCodec);
+      } else {
+        ASSERT_EQ(back.rgba.size(), tile.rgba.size());
+        ASSERT_EQ(back.depth.size(), tile.depth.size());
+      }
     }
   }
 }

@@ -1,6 +1,4 @@
 // What the server measures on a tile's texels.
-#include "server/tile_measure.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <random>
 
 #include "protocol/object_proxy.h"
+#include "server/tile_measure.h"
 
 namespace mirage::test {
 namespace {
@@ -25,8 +24,7 @@ std::vector<Plane> random_body(std::mt19937& random, const glm::dvec3& center) {
     }
   }
   for (int i = 0; i < 20; ++i) {
-    const glm::dvec3 n =
-        glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+    const glm::dvec3 n = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
     planes.push_back({glm::vec3(n), static_cast<float>(glm::dot(n, center) + offset(random))});
   }
   return planes;

@@ -21,7 +21,7 @@ class ServerSession : public ::testing::Test {
 
   void restart(SessionOptions options) {
     hub = std::make_unique<SessionHub>(scene_, std::move(options), clock, counters, queue, store,
-                                       image_jobs);
+                                       encode_jobs, image_jobs);
   }
   static wire::HelloT hello() {
     wire::HelloT m;
@@ -81,8 +81,8 @@ class ServerSession : public ::testing::Test {
       auto tile = std::make_shared<StoredTile>();
       tile->reply = sample_tile_reply();
       tile->planes.resize(bytes);
-      store.put(job.id, tile);
-      hub->complete({job.id, tile, std::nullopt, 0, {}});
+      store.put(job.id, TileCodec::kZstd, tile);
+      hub->complete({job.id, tile, std::nullopt, 0, {}, TileCodec::kZstd, tile});
     }
     return jobs.size();
   }
@@ -92,6 +92,7 @@ class ServerSession : public ::testing::Test {
   Counters counters;
   TileQueue queue{clock, counters};
   TileStore store{1 << 24, nullptr, counters};
+  BoundedQueue<EncodeJob> encode_jobs{16};
   BoundedQueue<ImageLevel> image_jobs{16};
   std::unique_ptr<SessionHub> hub;
 };
@@ -177,7 +178,7 @@ TEST_F(ServerSession, BadHellos) {
   for (const char* token : {"", "Secret", "secre", "secrets", "secretsecret", "s"}) {
     EXPECT_EQ(error_of([&](wire::HelloT& m) { m.token = token; }), "auth") << token;
   }
-  EXPECT_EQ(error_of([](wire::HelloT& m) { m.codecs = {0}; }), "codec");
+  EXPECT_EQ(error_of([](wire::HelloT& m) { m.codecs = {77, 3}; }), "codec");
   EXPECT_EQ(error_of([](wire::HelloT& m) { m.codecs.clear(); }), "codec");
 }
 
@@ -255,7 +256,7 @@ TEST_F(ServerSession, PhasesBelongToMovingObjectsOnly) {
   moving->objects[0].motion.clip_s = 2;
   moving->objects[0].motion.speed.assign(limits::kMotionSegments, 1.0f);
   hub = std::make_unique<SessionHub>(moving, SessionOptions{}, clock, counters, queue, store,
-                                     image_jobs);
+                                     encode_jobs, image_jobs);
   const SessionId id = greeted();
   for (const Phase phase : std::initializer_list<Phase>{0, 257, 65535}) {
     ASSERT_TRUE(send_ask(id, with_phase(2, phase)).ok());

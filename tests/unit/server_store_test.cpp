@@ -6,6 +6,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "protocol/tile_color.h"
+#include "server/tile_form.h"
 #include "server/tile_store.h"
 
 namespace mirage::test {
@@ -72,12 +74,12 @@ class ServerStore : public ::testing::Test {
   /// What a server that has ended left behind.
   void keep(const StoredTilePtr& tile, std::uint64_t n) {
     CacheDirectory cache(directory(), kRoomy);
-    TileStore(1 << 20, &cache, counters).save(id_of(n), *tile);
+    TileStore(1 << 20, &cache, counters).save(id_of(n), TileCodec::kRaw, *tile);
   }
   /// What the next one finds.
   StoredTilePtr kept(std::uint64_t n) {
     CacheDirectory cache(directory(), kRoomy);
-    return TileStore(1 << 20, &cache, counters).find(id_of(n));
+    return TileStore(1 << 20, &cache, counters).find(id_of(n), TileCodec::kRaw);
   }
 
   Counters counters;
@@ -89,13 +91,13 @@ class ServerStore : public ::testing::Test {
 TEST_F(ServerStore, LeastRecentlyUsedGoFirst) {
   const std::size_t one = make_stored(0)->bytes();
   TileStore store(3 * one, nullptr, counters);
-  for (std::uint64_t n = 0; n < 3; ++n) store.put(id_of(n), make_stored(n));
-  ASSERT_TRUE(store.find(id_of(0)));  // now the youngest
-  store.put(id_of(3), make_stored(3));
-  EXPECT_TRUE(store.find(id_of(0)));
-  EXPECT_FALSE(store.find(id_of(1)));
-  EXPECT_TRUE(store.find(id_of(2)));
-  EXPECT_TRUE(store.find(id_of(3)));
+  for (std::uint64_t n = 0; n < 3; ++n) store.put(id_of(n), TileCodec::kRaw, make_stored(n));
+  ASSERT_TRUE(store.find(id_of(0), TileCodec::kRaw));  // now the youngest
+  store.put(id_of(3), TileCodec::kRaw, make_stored(3));
+  EXPECT_TRUE(store.find(id_of(0), TileCodec::kRaw));
+  EXPECT_FALSE(store.find(id_of(1), TileCodec::kRaw));
+  EXPECT_TRUE(store.find(id_of(2), TileCodec::kRaw));
+  EXPECT_TRUE(store.find(id_of(3), TileCodec::kRaw));
   EXPECT_EQ(counters.store_bytes, 3 * one);
   EXPECT_EQ(counters.store_hits, 4u);
 }
@@ -103,8 +105,8 @@ TEST_F(ServerStore, LeastRecentlyUsedGoFirst) {
 TEST_F(ServerStore, TheSameTileTwiceCountsOnce) {
   const std::size_t one = make_stored(0)->bytes();
   TileStore store(10 * one, nullptr, counters);
-  store.put(id_of(1), make_stored(1));
-  store.put(id_of(1), make_stored(1));
+  store.put(id_of(1), TileCodec::kRaw, make_stored(1));
+  store.put(id_of(1), TileCodec::kRaw, make_stored(1));
   EXPECT_EQ(counters.store_bytes, one);
 }
 
@@ -112,14 +114,15 @@ TEST_F(ServerStore, BudgetIsKeptThroughManySizes) {
   const std::size_t budget = 20 * make_stored(0, 16)->bytes();
   TileStore store(budget, nullptr, counters);
   for (std::uint64_t n = 0; n < 500; ++n) {
-    store.put(id_of(n), make_stored(n, 4 + static_cast<std::uint32_t>(n * 7 % 40)));
+    store.put(id_of(n), TileCodec::kRaw,
+              make_stored(n, 4 + static_cast<std::uint32_t>(n * 7 % 40)));
     ASSERT_LE(counters.store_bytes, budget);
-    ASSERT_TRUE(store.find(id_of(n)));
+    ASSERT_TRUE(store.find(id_of(n), TileCodec::kRaw));
   }
   // One larger than everything: kept alone, for the clients that wait for it.
   TileStore tiny(10, nullptr, counters);
-  tiny.put(id_of(1), make_stored(1));
-  EXPECT_TRUE(tiny.find(id_of(1)));
+  tiny.put(id_of(1), TileCodec::kRaw, make_stored(1));
+  EXPECT_TRUE(tiny.find(id_of(1), TileCodec::kRaw));
 }
 
 TEST_F(ServerStore, DirectoryOutlivesTheProcess) {
@@ -127,12 +130,12 @@ TEST_F(ServerStore, DirectoryOutlivesTheProcess) {
   keep(original, 5);
   CacheDirectory cache(directory(), kRoomy);
   TileStore store(1 << 20, &cache, counters);
-  const StoredTilePtr found = store.find(id_of(5));
+  const StoredTilePtr found = store.find(id_of(5), TileCodec::kRaw);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->planes, original->planes);
   EXPECT_EQ(header_of(*found), header_of(*original));
-  EXPECT_EQ(store.find(id_of(5)), found) << "in memory now";
-  EXPECT_FALSE(store.find(id_of(6)));
+  EXPECT_EQ(store.find(id_of(5), TileCodec::kRaw), found) << "in memory now";
+  EXPECT_FALSE(store.find(id_of(6), TileCodec::kRaw));
 }
 
 TEST_F(ServerStore, DamagedFilesAreRenderedAgain) {
@@ -173,13 +176,118 @@ TEST_F(ServerStore, FileOfAnotherTileIsRefused) {
   EXPECT_FALSE(kept(6));
 }
 
+// Smooth colours under a margin without coverage, as a rendered tile has them.
+StoredTilePtr rendered_tile(std::uint64_t n) {
+  Tile tile;
+  tile.edge = 128;
+  tile.crop = {0, 0, 100, 80};
+  tile.measure = {4, 3.5f, 4.5f, 0.5f, 0.25f, 0.125f, 0.1f};
+  for (std::uint32_t y = 0; y < tile.crop.h; ++y) {
+    for (std::uint32_t x = 0; x < tile.crop.w; ++x) {
+      const bool inside = x > 2 && y > 2;
+      const std::uint32_t grain = ((x * 977 + y) * 2654435761u >> 24) % 16;
+      for (const std::uint32_t c : {x + y + grain, x + grain / 2, 200 - grain}) {
+        tile.rgba.push_back(inside ? static_cast<std::uint8_t>(c) : std::uint8_t{0});
+      }
+      tile.rgba.push_back(inside ? 255 : 0);
+      tile.depth.push_back(inside ? static_cast<std::uint8_t>(90 + x / 2) : std::uint8_t{0});
+    }
+  }
+  wire::TileReplyT fields;
+  fields.key_low = id_of(n).low;
+  fields.key_high = id_of(n).high;
+  return make_form(tile, fields, TileCodec::kZstd);
+}
+
+Tile decoded(const StoredTile& stored) {
+  Tile tile = tile_from_fields(stored.reply).take();
+  const auto codec = static_cast<TileCodec>(stored.reply.codec);
+  EXPECT_TRUE(decode_tile_planes(stored.planes.data(), stored.planes.size(), codec, tile));
+  return tile;
+}
+
+TEST(ServerForm, ErrorAndHashAreOfWhatComesOut) {
+  const StoredTilePtr zstd = rendered_tile(1);
+  const Tile original = decoded(*zstd);
+  EXPECT_EQ(zstd->reply.color_rms, 0);
+  for (const TileCodec codec : {TileCodec::kWebp, TileCodec::kJpeg, TileCodec::kBc3}) {
+    const StoredTilePtr form = make_form(original, zstd->reply, codec);
+    ASSERT_TRUE(form);
+    ASSERT_EQ(form->reply.codec, static_cast<std::uint8_t>(codec));
+    const Tile back = decoded(*form);
+    const ColorError error = color_error(original.rgba, back.rgba);
+    EXPECT_GT(error.max, 0);
+    EXPECT_EQ(form->reply.color_rms, error.rms);
+    EXPECT_EQ(form->reply.color_max, error.max);
+    EXPECT_EQ(form->reply.content_hash, tile_content_hash(back));
+    EXPECT_EQ(back.depth, original.depth);
+    EXPECT_EQ(form->reply.key_low, zstd->reply.key_low);
+  }
+  const StoredTilePtr lz4 = convert_form(zstd, TileCodec::kLz4);
+  EXPECT_EQ(lz4->reply.content_hash, zstd->reply.content_hash);
+  EXPECT_EQ(decoded(*lz4).rgba, original.rgba);
+}
+
+TEST(ServerForm, WhereLossSavesNothingThereIsNone) {
+  Tile flat = decoded(*rendered_tile(1));
+  std::fill(flat.rgba.begin(), flat.rgba.end(), std::uint8_t{255});
+  std::fill(flat.depth.begin(), flat.depth.end(), std::uint8_t{90});
+  const StoredTilePtr zstd = make_form(flat, {}, TileCodec::kZstd);
+  EXPECT_EQ(convert_form(zstd, TileCodec::kJpeg), zstd);
+  // Also of what is kept in lz4, which not every client takes.
+  const StoredTilePtr lz4 = make_form(flat, {}, TileCodec::kLz4);
+  EXPECT_EQ(convert_form(lz4, TileCodec::kJpeg)->planes, zstd->planes);
+}
+
+TEST_F(ServerStore, FormsAreApartAndGoTogether) {
+  const StoredTilePtr zstd = rendered_tile(1), webp = convert_form(zstd, TileCodec::kWebp);
+  TileStore store(10 * zstd->bytes(), nullptr, counters);
+  store.put(id_of(1), TileCodec::kZstd, zstd);
+  EXPECT_FALSE(store.find(id_of(1), TileCodec::kWebp));
+  EXPECT_EQ(store.find_lossless(id_of(1)), zstd);
+  store.put(id_of(1), TileCodec::kWebp, webp);
+  EXPECT_EQ(store.find(id_of(1), TileCodec::kWebp), webp);
+  EXPECT_EQ(counters.store_bytes, zstd->bytes() + webp->bytes());
+  store.put(id_of(1), TileCodec::kJpeg, zstd);  // no smaller: the same bytes, counted once
+  EXPECT_EQ(store.find(id_of(1), TileCodec::kJpeg), zstd);
+  EXPECT_EQ(counters.store_bytes, zstd->bytes() + webp->bytes());
+  for (std::uint64_t n = 2; n < 12; ++n) store.put(id_of(n), TileCodec::kZstd, rendered_tile(n));
+  EXPECT_FALSE(store.find(id_of(1), TileCodec::kWebp));
+  EXPECT_FALSE(store.find_lossless(id_of(1)));
+  EXPECT_LE(counters.store_bytes, 10 * zstd->bytes());
+}
+
+TEST_F(ServerStore, DirectoryKeepsLossyFormsBesideTheOneWithoutLoss) {
+  const StoredTilePtr zstd = rendered_tile(1), webp = convert_form(zstd, TileCodec::kWebp);
+  CacheDirectory cache(directory(), kRoomy);
+  {
+    const TileStore store(1 << 20, &cache, counters);
+    store.save(id_of(1), TileCodec::kZstd, *zstd);
+    store.save(id_of(1), TileCodec::kWebp, *webp);
+  }
+  TileStore store(1 << 20, &cache, counters);
+  ASSERT_TRUE(store.find(id_of(1), TileCodec::kWebp));
+  EXPECT_EQ(store.find(id_of(1), TileCodec::kWebp)->planes, webp->planes);
+  EXPECT_FALSE(store.find(id_of(1), TileCodec::kLz4)) << "to be made";
+  ASSERT_TRUE(store.find_lossless(id_of(1)));
+  EXPECT_EQ(store.find_lossless(id_of(1))->planes, zstd->planes);
+  // A lossy file in the other's place never passes for the tile itself.
+  for (const auto& entry : fs::recursive_directory_iterator(directory())) {
+    const std::string name = entry.path().string();
+    const std::size_t at = name.find(".webp-tile");
+    if (at == std::string::npos) continue;
+    write(name.substr(0, at) + ".tile", read(entry.path()));
+  }
+  EXPECT_FALSE(TileStore(1 << 20, &cache, counters).find_lossless(id_of(1)));
+}
+
 TEST_F(ServerStore, DirectoryThatCannotBeWrittenIsNoError) {
   CacheDirectory cache("/proc/nowhere", kRoomy);
   TileStore store(1 << 20, &cache, counters);
-  store.put(id_of(1), make_stored(1));
-  store.save(id_of(1), *make_stored(1));
-  EXPECT_TRUE(store.find(id_of(1)));
-  EXPECT_FALSE(store.find(id_of(2)));
+  store.put(id_of(1), TileCodec::kRaw, make_stored(1));
+  store.save(id_of(1), TileCodec::kRaw, *make_stored(1));
+  EXPECT_TRUE(store.find(id_of(1), TileCodec::kRaw));
+  EXPECT_FALSE(store.find(id_of(2), TileCodec::kRaw));
 }
 
 }  // namespace

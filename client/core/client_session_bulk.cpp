@@ -1,0 +1,91 @@
+// The client's session: what is no tile. Geometry, images and full renders.
+#include <cstring>
+
+#include "client/core/client_session.h"
+
+namespace mirage {
+namespace {
+constexpr std::size_t kReplyBytes = 64;  // control part and header of a geometry reply
+}  // namespace
+
+// The reply is what was asked for by this id, and the scene is still the one it was asked for.
+Result<void> ClientSession::finish_asset(std::uint32_t request_id, const AssetId& id,
+                                         std::size_t bytes, std::int64_t came_us) {
+  const std::optional<AssetNeed> need =
+      scheduler_.finish_asset(request_id, bytes + kReplyBytes, came_us);
+  if (need && scene_.complete() && need->id == id) return {};
+  return make_error(ErrorId::kWireValue, "geometry or an image that was not asked for");
+}
+
+Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes,
+                                      std::int64_t came_us, std::int64_t now_us) {
+  const AssetId id{AssetId::Kind::kMesh, reply.object, reply.lod};
+  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), came_us);
+  if (!asked) return asked.error();
+  if (reply.raw_bytes > options_.max_mesh_bytes) {
+    return make_error(ErrorId::kWireLimit, "geometry is larger than asked for");
+  }
+  Result<Bytes> raw = reply.raw_bytes == bytes.size()
+                          ? Result<Bytes>(bytes)
+                          : decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
+  if (!raw) return raw.error();
+  Result<ObjectModel> model = decode_model(raw->data(), raw->size(), scene_.images.size());
+  if (!model) return model.error();
+  shadows_.assets_changed();
+  meshes_.add_mesh(reply.object, reply.lod, *model, now_us);
+  if (sink_.mesh) sink_.mesh(reply.object, reply.lod, model.take());
+  return {};
+}
+
+Result<void> ClientSession::take_image(const wire::ImageReplyT& reply, const Bytes& bytes,
+                                       std::int64_t came_us, std::int64_t now_us) {
+  const AssetId id{AssetId::Kind::kImage, reply.image, reply.level};
+  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), came_us);
+  if (!asked) return asked.error();
+  const ImageDescription& description = scene_.images[reply.image];
+  Result<Image> image = decode_image(bytes.data(), bytes.size(),
+                                     image_level_size(description, reply.level), description.srgb);
+  if (!image) return image.error();
+  shadows_.assets_changed();
+  meshes_.add_image(scene_, reply.image, reply.level, bytes.size(), now_us);
+  if (sink_.image) sink_.image(reply.image, *image);
+  return {};
+}
+
+Result<void> ClientSession::take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes) {
+  const std::size_t pixels = std::size_t{reply.width} * reply.height;
+  const bool asked = std::exchange(reference_asked_px_, 0) == pixels && pixels > 0;
+  if (!asked || reply.raw_bytes != pixels * 12) {
+    return make_error(ErrorId::kWireValue, "reference frame that was not asked for");
+  }
+  Result<Bytes> raw = decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
+  if (!raw) return raw.error();
+  ReferenceFrame frame{reply.width,
+                       reply.height,
+                       {},
+                       std::vector<float>(pixels),
+                       std::vector<std::uint32_t>(pixels)};
+  frame.rgba.assign(raw->begin(), raw->begin() + static_cast<std::ptrdiff_t>(pixels * 4));
+  std::memcpy(frame.depth.data(), raw->data() + pixels * 4, pixels * 4);
+  std::memcpy(frame.ids.data(), raw->data() + pixels * 8, pixels * 4);
+  reference_ = std::move(frame);
+  return {};
+}
+
+void ClientSession::ask_reference(const Camera& camera, std::uint32_t supersample) {
+  wire::ReferenceRequestT request;
+  request.request_id = 0;
+  request.lighting_id = lighting_id_;
+  request.eye = std::make_unique<wire::Vec3d>(to_wire(camera.pose.eye));
+  request.rotation = std::make_unique<wire::Quat>(to_wire(camera.pose.rotation));
+  request.fov_y = camera.fov_y;
+  request.width = camera.width;
+  request.height = camera.height;
+  request.supersample = supersample;
+  request.time_s = time_s_;
+  reference_refused_ = false;
+  reference_asked_px_ = std::size_t{camera.width} * camera.height;
+  link_.send(encode_message(std::move(request)));
+}
+
+}  // namespace mirage

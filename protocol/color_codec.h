@@ -1,0 +1,31 @@
+#pragma once
+// Lossy images of a tile's straight colours (tile_color.h): w x h x 4 bytes, the fourth of no
+// account. One family a file. Encoders are pure functions; decoders take hostile bytes: the size
+// must be as expected, which is checked before allocating. Error kCodec.
+
+#include <cstdint>
+#include <vector>
+
+#include "protocol/result.h"
+#include "protocol/tile_codec.h"
+
+namespace mirage {
+
+using ColorBytes = std::vector<std::uint8_t>;
+
+/// WebP (VP8, 4:2:0): fewest bytes, most time.
+ColorBytes encode_webp_colors(const ColorBytes& colors, std::uint32_t w, std::uint32_t h);
+Result<ColorBytes> decode_webp_colors(const std::uint8_t* bytes, std::size_t size, std::uint32_t w,
+                                      std::uint32_t h);
+
+/// Baseline JPEG, 4:4:4.
+ColorBytes encode_jpeg_colors(const ColorBytes& colors, std::uint32_t w, std::uint32_t h);
+Result<ColorBytes> decode_jpeg_colors(const std::uint8_t* bytes, std::size_t size, std::uint32_t w,
+                                      std::uint32_t h);
+
+/// The colour half of BC3: blocks of 4 x 4 texels, all end points, then all indices, then zstd.
+ColorBytes encode_bc_colors(const ColorBytes& colors, std::uint32_t w, std::uint32_t h);
+Result<ColorBytes> decode_bc_colors(const std::uint8_t* bytes, std::size_t size, std::uint32_t w,
+                                    std::uint32_t h);
+
+}  // namespace mirage

@@ -1,0 +1,80 @@
+#pragma once
+// What benchmarks of tiles share: the stages of the server without the network, and asks for them.
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "protocol/clock.h"
+#include "server/encode_stage.h"
+#include "server/render_stage.h"
+#include "server/scene/prepared_scene.h"
+
+namespace mirage::bench {
+
+/// Tiles of `edge` texels of every object, from directions that no two calls share.
+inline std::vector<TileJob> tiles_of(const PreparedScene& scene, std::size_t count,
+                                     std::uint32_t edge, std::uint32_t& serial) {
+  std::vector<TileJob> jobs;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double turn = 2.399963 * ++serial, height = 0.1 + 0.8 * (serial % 97) / 97.0;
+    const double ring = std::sqrt(1 - height * height);
+    TileJob job;
+    job.key.scene_revision = scene.revision;
+    job.key.object = static_cast<std::uint32_t>(i % scene.scene.objects.size());
+    job.key.cell = *view_cell_from_direction({ring * std::cos(turn), height, ring * std::sin(turn)},
+                                             limits::kMaxViewLevel);
+    job.key.distance = *distance_bucket_from_radii(6, 3);
+    while (tile_edge(job.key.size_class) < edge) ++job.key.size_class;
+    job.key.channels = kLitTile;
+    const ObjectDescription& object = scene.objects[job.key.object];
+    job.lighting = object_lighting(scene.scene.lighting, {}, object.center, object.radius);
+    job.id = tile_id(job.key);
+    jobs.push_back(job);
+  }
+  return jobs;
+}
+
+/// The shipped stages, without the network: asks in, encoded tiles out.
+class Stages {
+ public:
+  Result<void> start(std::shared_ptr<const PreparedScene> scene) {
+    encode_.start(scene, 1);
+    const Result<std::string> renderer = render_.start(scene, {});
+    return renderer ? Result<void>{} : renderer.error();
+  }
+  ~Stages() {
+    completions_.close();
+    queue_.close();
+    render_.join();
+    rendered_.close();
+    encode_.join();
+  }
+  /// In the order in which they are done.
+  std::vector<StoredTilePtr> make(const std::vector<TileJob>& jobs) {
+    std::vector<StoredTilePtr> out;
+    std::uint32_t request = 0;
+    for (const TileJob& job : jobs) {
+      queue_.submit(job.key, job.id, job.lighting, {1, ++request, 1.0f, 0});
+    }
+    for (std::size_t done = 0; done < jobs.size(); ++done) {
+      const std::optional<Completion> tile = completions_.pop();
+      if (!tile) break;
+      queue_.finish(tile->id);
+      out.push_back(tile->tile);
+    }
+    return out;
+  }
+
+ private:
+  SteadyClock clock_;
+  Counters counters_;
+  TileStore store_{256u << 20, nullptr, counters_};
+  TileQueue queue_{clock_, counters_};
+  BoundedQueue<EncodeJob> rendered_{512};
+  BoundedQueue<Completion> completions_{8192};
+  EncodeStage encode_{rendered_, completions_, store_, counters_, [] {}};
+  RenderStage render_{clock_, counters_, queue_, rendered_, completions_, [] {}};
+};
+
+}  // namespace mirage::bench
