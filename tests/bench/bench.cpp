@@ -16,6 +16,8 @@ double seconds_of(Time time) {
 
 }  // namespace
 
+double cpu_seconds() { return seconds_of(Time::kCpu); }
+
 Middle middle(std::vector<double> samples) {
   Middle out;
   out.median = quantile(samples, 0.5);

@@ -40,6 +40,10 @@ std::vector<Bench> store_benches();
 std::vector<Bench> startup_benches();
 std::vector<Bench> latency_benches();
 std::vector<Bench> codec_benches();
+std::vector<Bench> client_benches();
+
+/// Of all threads of this process.
+double cpu_seconds();
 
 /// Seconds of two things, measured in turn.
 struct Pair {

@@ -39,7 +39,7 @@ nlohmann::ordered_json json_of(const Row& r, const std::string& command) {
 Result<std::vector<Bench>> chosen(const std::vector<std::string>& names) {
   std::vector<Bench> all, out;
   for (const auto& some : {selection_benches(), tile_benches(), store_benches(), startup_benches(),
-                           latency_benches(), codec_benches()}) {
+                           latency_benches(), codec_benches(), client_benches()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
   if (names.empty()) return all;

@@ -145,7 +145,11 @@ Result<std::uint64_t> write_large_glb(const std::string& path, const LargeScene&
   if (Result<void> added = add_textures(builder, scene); !added) return added.error();
   const int materials =
       builder.doc.contains("materials") ? static_cast<int>(builder.doc["materials"].size()) : 0;
-  const int across = static_cast<int>(std::ceil(std::sqrt(double(scene.meshes))));
+  const int places = scene.meshes * scene.copies;
+  const int across = static_cast<int>(std::ceil(std::sqrt(double(places))));
+  const auto put = [&](json& node, int place) {
+    node["translation"] = {3.0 * (place % across), 1.0, 3.0 * (place / across)};
+  };
   for (int i = 0; i < scene.meshes; ++i) {
     const std::uint64_t fifth = scene.meshes == 1 ? scene.triangles : scene.triangles / 5;
     const std::uint64_t own =
@@ -158,7 +162,12 @@ Result<std::uint64_t> write_large_glb(const std::string& path, const LargeScene&
     if (materials > 0) {
       builder.doc["meshes"].back()["primitives"][0]["material"] = i % materials;
     }
-    builder.doc["nodes"].back()["translation"] = {3.0 * (i % across), 1.0, 3.0 * (i / across)};
+    put(builder.doc["nodes"].back(), i * scene.copies);
+    for (int copy = 1; copy < scene.copies; ++copy) {
+      json node = builder.doc["nodes"].back();
+      put(node, i * scene.copies + copy);
+      builder.doc["nodes"].push_back(node);
+    }
   }
   const std::string bytes = builder.glb();
   std::ofstream file(path, std::ios::binary);

@@ -1,0 +1,314 @@
+// What a client's frame costs: beside the same frame drawn from all geometry, and by the number of
+// instances there are.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include "client/host/client_host.h"
+#include "client/host/methods.h"
+#include "client/quality/metrics.h"
+#include "server/render/gpu_scene.h"
+#include "shaders/gl/egl_context.h"
+#include "tests/bench/bench.h"
+#include "tests/support/large_scene.h"
+#include "tests/support/process.h"
+
+namespace mirage::bench {
+namespace {
+
+constexpr int kWidth = 1280, kHeight = 720;
+constexpr int kMsaa = 4;
+constexpr double kFovY = 1.0471975511965976;  // 60 degrees
+constexpr int kSettleFrames = 400;
+constexpr int kAtlasMb = 120;
+constexpr std::int64_t kFrameUs = 16'667;
+
+// Every instance in view from its whole mesh, near ones first: what a client without impostors and
+// without levels of detail draws, into the same target.
+class FullGeometry {
+ public:
+  explicit FullGeometry(std::shared_ptr<const PreparedScene> scene) : scene_(std::move(scene)) {}
+
+  Result<void> prepare() {
+    Result<gl::SkyPass> sky = gl::SkyPass::create();
+    if (!sky) return sky.error();
+    sky_ = std::move(*sky);
+    for (const gl::GpuMesh& mesh : scene_.meshes) {
+      Result<void> compiled = pass_.warm_up(mesh, scene_.materials(), true);
+      if (!compiled) return compiled;
+    }
+    return {};
+  }
+  std::uint64_t triangles() const { return triangles_; }
+
+  void draw(const FrameTarget& target, const Camera& camera) {
+    const PreparedScene& prepared = *scene_.prepared;
+    const glm::dvec3 eye = camera.pose.eye;
+    const Frustum frustum(camera);
+    std::vector<std::vector<std::pair<double, std::uint32_t>>> visible(scene_.meshes.size());
+    triangles_ = 0;
+    for (std::uint32_t i = 0; i < prepared.scene.instances.size(); ++i) {
+      const Instance& instance = prepared.scene.instances[i];
+      const ObjectDescription& object = prepared.objects[instance.object];
+      const Similarity& m = instance.world_from_object;
+      const glm::dvec3 center =
+          m.position - eye + glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale});
+      const double radius = double{object.radius} * m.scale;
+      if (!frustum.may_see(center, radius)) continue;
+      visible[instance.object].emplace_back(glm::length(center) - radius, i);
+      triangles_ += object.triangles;
+    }
+    target.bind();
+    glEnable(GL_FRAMEBUFFER_SRGB);
+    glDepthMask(GL_TRUE);
+    const gl::ViewDepth view_depth;
+    glClearColor(0, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    sky_.draw(camera, prepared.scene.environment);
+    pass_.begin(camera.clip_from_relative(view_depth.mapping()),
+                gl::light_block(prepared.scene.lighting, eye), view_depth.mapping());
+    pass_.set_fog(prepared.scene.environment.horizon, prepared.scene.environment.fog_density);
+    for (std::size_t object = 0; object < visible.size(); ++object) {
+      std::sort(visible[object].begin(), visible[object].end());
+      std::vector<gl::MeshInstance> instances;
+      for (const auto& [distance, i] : visible[object]) {
+        instances.push_back(
+            gl::mesh_instance(prepared.scene.instances[i].world_from_object, eye, i));
+      }
+      if (instances.empty()) continue;
+      pass_.draw(scene_.meshes[object], scene_.materials(), scene_.images, instances.data(),
+                 instances.size(), false);
+    }
+    pass_.end();
+  }
+
+ private:
+  GpuScene scene_;
+  gl::MeshPass pass_{gl::MeshOutput::kColor};
+  gl::SkyPass sky_;
+  std::uint64_t triangles_ = 0;
+};
+
+/// A client in this process, on virtual time and a modelled link, with a frame to draw.
+class Client {
+ public:
+  struct Options {
+    NetModel net;
+    double mesh_radii = kSwapRadii;
+    int width = kWidth, height = kHeight;
+  };
+  static Result<std::unique_ptr<Client>> create(const std::string& url, const Options& options) {
+    auto out = std::unique_ptr<Client>(new Client);
+    Result<gl::EglContext> egl = gl::EglContext::create("auto");
+    if (!egl) return egl.error();
+    out->egl_ = std::move(*egl);
+    const int layers = atlas_layers(kAtlasMb);
+    Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, layers);
+    if (!renderer) return renderer.error();
+    out->renderer_.emplace(renderer.take());
+    Result<FrameTarget> target = FrameTarget::create(options.width, options.height, kMsaa);
+    if (!target) return target.error();
+    out->target_.emplace(target.take());
+    HostOptions host;
+    host.url = url;
+    host.virtual_time = true;
+    host.net = options.net;
+    host.session.atlas_edge = kAtlasEdge;
+    host.session.atlas_layers = layers;
+    host.session.animation = false;
+    host.session.mesh_radii = options.mesh_radii;
+    out->host_ = std::make_unique<ClientHost>(host, *out->renderer_);
+    if (Result<void> opened = out->host_->open(); !opened) return opened.error();
+    if (Result<void> met = out->host_->wait_for_scene(); !met) return met.error();
+    return out;
+  }
+
+  const SceneView& scene() const { return host_->session().scene(); }
+  Camera camera(const Pose& pose) const {
+    Camera camera;
+    camera.pose = pose;
+    camera.fov_y = kFovY;
+    camera.width = static_cast<std::uint32_t>(target_->width());
+    camera.height = static_cast<std::uint32_t>(target_->height());
+    camera.fit_depth_range(scene().bounds_center, scene().bounds_radius);
+    return camera;
+  }
+  /// One frame of 1/60 s, without drawing it.
+  void plan(const Camera& camera) {
+    host_->virtual_clock()->advance_to_us(host_->now_us() + kFrameUs);
+    (void)host_->session().receive(host_->now_us());
+    list_ = host_->session().frame(camera, host_->now_us());
+  }
+  void plan_and_draw(const Camera& camera) {
+    plan(camera);
+    renderer_->draw(*target_, camera, scene(), list_, host_->session().lighting());
+    glFinish();
+  }
+  /// Until nothing more is to come.
+  void settle(const Camera& camera) {
+    for (int frame = 0; frame < kSettleFrames; ++frame) {
+      plan(camera);
+      if (frame > 20 && host_->session().at_rest()) return;
+    }
+  }
+  /// Of what was drawn last into target().
+  double flip(const ReferenceFrame& truth) const {
+    const std::vector<std::uint8_t> drawn = target_->read();
+    return measure_images({truth.width, truth.height, truth.rgba.data()},
+                          {truth.width, truth.height, drawn.data()})
+        .flip_mean.value_or(NAN);
+  }
+  const FrameTarget& target() const { return *target_; }
+  ClientHost& host() { return *host_; }
+  const DrawList& list() const { return list_; }
+
+ private:
+  Client() = default;
+  gl::EglContext egl_;
+  std::optional<FrameRenderer> renderer_;
+  std::optional<FrameTarget> target_;
+  std::unique_ptr<ClientHost> host_;
+  DrawList list_;
+};
+
+NetModel fast_link() {
+  NetModel net;
+  net.rtt_ms = 20;
+  net.rate_mbps = 1000;
+  net.server_ms = 0.01;
+  return net;
+}
+
+struct Compared {
+  std::string scene, what;
+  double goal = 1;
+  int rounds = 1;
+  double mesh_radii = kSwapRadii;
+};
+
+Result<Row> compare(const Compared& compared) {
+  const test::Server server(compared.scene, {"--cache-mb", "1024"});
+  if (!server.ready()) return make_error(ErrorId::kInternal, "no server: " + server.log());
+  Client::Options options;
+  options.net = fast_link();
+  options.mesh_radii = compared.mesh_radii;
+  Result<std::unique_ptr<Client>> made = Client::create(server.url(), options);
+  if (!made) return made.error();
+  Client& client = **made;
+  Result<std::shared_ptr<const PreparedScene>> prepared = load_scene(compared.scene);
+  if (!prepared) return prepared.error();
+  FullGeometry full(prepared.take());
+  if (Result<void> ready = full.prepare(); !ready) return ready.error();
+  const HomeView& home = client.scene().home;
+  const Camera camera = client.camera(look_at(home.eye, home.target));
+  client.settle(camera);
+  const auto draw_full = [&] {
+    full.draw(client.target(), camera);
+    glFinish();
+  };
+  const Pair pair = in_turn(
+      Time::kCpu, compared.rounds, [&] { client.plan_and_draw(camera); }, draw_full);
+  const double full_s = pair.beside_s;
+  Result<ReferenceFrame> truth = client.host().reference(camera, 2);
+  if (!truth) return truth.error();
+  const double full_flip = client.flip(*truth);  // drawn last
+  client.plan_and_draw(camera);
+  Row row;
+  row.what = compared.what;
+  row.ours = fmt::format("{:.0f} ms CPU, FLIP {:.3f}", 1e3 * pair.ours_s, client.flip(*truth));
+  row.beside = fmt::format("all geometry: {:.0f} ms, FLIP {:.3f}", 1e3 * full_s, full_flip);
+  row.ratio = pair.ratio;
+  row.goal = fmt::format(">= {:g} times", compared.goal);
+  row.met = pair.ratio >= compared.goal;
+  row.spread_pct = pair.spread_pct;
+  row.note = fmt::format("{}x{}, {} samples; {} impostors, {} meshes; {:.1f} M triangles in view",
+                         kWidth, kHeight, kMsaa, client.list().impostors.size(),
+                         client.list().meshes.size(), 1e-6 * static_cast<double>(full.triangles()));
+  return row;
+}
+
+Result<std::vector<Row>> against_geometry(const Conditions& conditions) {
+  const std::string balls = test::scratch_folder() + "/balls.glb";
+  test::LargeScene many;
+  many.triangles = 140'000;
+  many.meshes = 1;
+  many.copies = conditions.quick ? 400 : 1600;
+  if (Result<std::uint64_t> written = test::write_large_glb(balls, many); !written) {
+    return written.error();
+  }
+  const int rounds = conditions.quick ? 1 : 7;
+  std::vector<Row> rows;
+  for (const Compared& one :
+       {Compared{"builtin:forest", "client frame, forest of 400 trees", 80, rounds},
+        Compared{"builtin:forest", "the same without geometry of trees", 80, rounds, 0},
+        Compared{balls, fmt::format("client frame, {} balls of 140,000 triangles", many.copies),
+                 100, 1}}) {
+    Result<Row> row = compare(one);
+    if (!row) return row.error();
+    rows.push_back(row.take());
+  }
+  return rows;
+}
+
+// A walk through a field, as a user with 20 Mbit/s and 100 ms has it.
+Result<std::vector<Row>> field(const Conditions& conditions) {
+  constexpr double kGoalMs = 60, kFirstGoalMs = 1000;
+  std::vector<Row> rows;
+  double before_ms = 0;
+  for (const int instances : {10'000, 100'000, 1'000'000}) {
+    const test::Server server(fmt::format("builtin:field?instances={}", instances), {});
+    if (!server.ready()) return make_error(ErrorId::kInternal, "no server: " + server.log());
+    Client::Options options;
+    options.net.rtt_ms = 100;
+    options.net.rate_mbps = 20;
+    options.net.server_ms = 5;
+    options.width = 640;
+    options.height = 360;
+    Result<std::unique_ptr<Client>> made = Client::create(server.url(), options);
+    if (!made) return made.error();
+    Client& client = **made;
+    const HomeView& home = client.scene().home;
+    double first_ms = -1;
+    std::vector<double> ms;
+    const int frames = conditions.quick ? 240 : 600;
+    for (int frame = 0; frame < frames; ++frame) {
+      const glm::dvec3 way = 1.4 * frame / 60.0 * glm::normalize(home.target - home.eye);
+      const Camera camera = client.camera(look_at(home.eye + way, home.target + way));
+      const bool drawn = frame >= frames / 2 && frame % 8 == 0;
+      const double began = cpu_seconds();
+      if (drawn) {
+        client.plan_and_draw(camera);
+        ms.push_back(1e3 * (cpu_seconds() - began));
+      } else {
+        client.plan(camera);
+      }
+      const bool shows = !client.list().impostors.empty();
+      if (first_ms < 0 && shows) first_ms = 1e-3 * static_cast<double>(client.host().now_us());
+    }
+    const Middle frame_ms = middle(ms);
+    Row row;
+    row.what = fmt::format("client frame, walking into a field of {} instances", instances);
+    row.ours = fmt::format("{:.0f} ms CPU, first image {:.0f} ms", frame_ms.median, first_ms);
+    row.beside = before_ms > 0 ? fmt::format("a tenth of them: {:.0f} ms", before_ms)
+                               : fmt::format("goal: {:g} ms", kGoalMs);
+    row.ratio = frame_ms.median / (before_ms > 0 ? before_ms : kGoalMs);
+    row.goal = "<= 60 ms, 1 s";
+    row.met = frame_ms.median <= kGoalMs && first_ms >= 0 && first_ms <= kFirstGoalMs;
+    row.spread_pct = frame_ms.spread_pct;
+    row.note = fmt::format("640x360, {} samples; {:.1f} MB down, {} of them known; {} impostors",
+                           kMsaa, 1e-6 * static_cast<double>(client.host().traffic().bytes_down),
+                           client.scene().instances.size(), client.list().impostors.size());
+    rows.push_back(row);
+    before_ms = frame_ms.median;
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::vector<Bench> client_benches() {
+  return {{"client", "a client's frame beside all geometry", against_geometry},
+          {"field", "a client's frame and first image by the number of instances", field}};
+}
+
+}  // namespace mirage::bench
