@@ -33,7 +33,9 @@ bool outside(const ViewGeometry& view) {
 }
 
 double allowed_px(const SelectorInput& in, const Camera& camera, const InstanceView& view) {
-  const double looked_at = attention(camera, in.cursor_px, view);
+  // Where the viewer looks matters to a tau that was steered up only.
+  const bool steered = in.tau_px > in.target_px;
+  const double looked_at = steered ? attention(camera, in.cursor_px, view) : 1;
   return allowed_error_px(in.tau_px, in.target_px, looked_at, view.importance);
 }
 
