@@ -8,6 +8,8 @@ namespace mirage {
 struct Counters {
   std::atomic<std::uint64_t> tiles_asked{0};
   std::atomic<std::uint64_t> tiles_rendered{0};
+  /// Of them, keys that had been rendered before: none unless the store had to let them go.
+  std::atomic<std::uint64_t> tiles_rendered_twice{0};
   std::atomic<std::uint64_t> tiles_merged{0};
   std::atomic<std::uint64_t> tiles_cancelled{0};
   std::atomic<std::uint64_t> tiles_late{0};
@@ -15,8 +17,11 @@ struct Counters {
   std::atomic<std::uint64_t> forms_made{0};  ///< of tiles that were there in another codec
   std::atomic<std::uint64_t> store_hits{0};
   std::atomic<std::uint64_t> store_bytes{0};
+  std::atomic<std::uint64_t> store_evictions{0};  ///< tiles let go for the budget
   std::atomic<std::uint64_t> pages_rendered{0};
   std::atomic<std::uint64_t> references_rendered{0};
+  std::atomic<std::uint64_t> shader_programs{0};              ///< compiled before the first ask
+  std::atomic<std::uint64_t> shader_programs_after_ready{0};  ///< compiled while somebody waited
   std::atomic<std::uint64_t> meshes_sent{0};
   std::atomic<std::uint64_t> images_sent{0};
   std::atomic<std::uint64_t> bytes_sent{0};

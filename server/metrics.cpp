@@ -16,14 +16,18 @@ std::string metrics_text(const Counters& c, std::size_t clients) {
   add(out, "store_bytes", "gauge", c.store_bytes);
   add(out, "tiles_asked_total", "counter", c.tiles_asked);
   add(out, "tiles_rendered_total", "counter", c.tiles_rendered);
+  add(out, "tiles_rendered_twice_total", "counter", c.tiles_rendered_twice);
   add(out, "tiles_merged_total", "counter", c.tiles_merged);
   add(out, "tiles_cancelled_total", "counter", c.tiles_cancelled);
   add(out, "tiles_late_total", "counter", c.tiles_late);
   add(out, "tiles_refused_total", "counter", c.tiles_refused);
   add(out, "tile_forms_made_total", "counter", c.forms_made);
   add(out, "store_hits_total", "counter", c.store_hits);
+  add(out, "store_evictions_total", "counter", c.store_evictions);
   add(out, "pages_rendered_total", "counter", c.pages_rendered);
   add(out, "references_rendered_total", "counter", c.references_rendered);
+  add(out, "shader_programs", "gauge", c.shader_programs);
+  add(out, "shader_programs_after_ready_total", "counter", c.shader_programs_after_ready);
   add(out, "meshes_sent_total", "counter", c.meshes_sent);
   add(out, "images_sent_total", "counter", c.images_sent);
   add(out, "bytes_sent_total", "counter", c.bytes_sent);

@@ -8,7 +8,9 @@
 #include "server/render/readback_ring.h"
 #include "server/render/reference_renderer.h"
 #include "server/render/tile_page.h"
+#include "server/rendered_keys.h"
 #include "shaders/gl/egl_context.h"
+#include "shaders/gl/program.h"
 
 namespace mirage {
 namespace {
@@ -79,8 +81,10 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
   if (!context) return ready(context.error());
   Result<GlWorld> world = make_world(std::move(scene), options);
   if (!world) return ready(world.error());
+  counters_.shader_programs = gl::programs_compiled();
   ready(context->description());
 
+  RenderedKeys rendered_before;
   ReadbackRing ring(options.ring);
   const auto hand_over = [&](ReadbackRing::Collected page) {
     const std::int64_t now = clock_.now_us();
@@ -123,8 +127,12 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
       const gl::RenderTarget* target = world->pages->render(page.jobs, packer);
       ++counters_.pages_rendered;
       counters_.tiles_rendered += page.jobs.size();
+      for (const TileJob& job : page.jobs) {
+        if (!rendered_before.add(job.id)) ++counters_.tiles_rendered_twice;
+      }
       if (target) ring.start(*target, std::move(page));
     }
+    counters_.shader_programs_after_ready = gl::programs_compiled() - counters_.shader_programs;
     // Collect what is done; wait only when the ring is full or nothing else is there to do.
     while (!ring.empty()) {
       std::optional<ReadbackRing::Collected> page = ring.collect(ring.full() || !work);

@@ -76,6 +76,7 @@ void TileStore::put(const TileId& id, TileCodec codec, StoredTilePtr tile) {
     bytes_ -= oldest->second.bytes;
     slots_.erase(oldest);
     ages_.pop_back();
+    ++counters_.store_evictions;
   }
   counters_.store_bytes = bytes_;
 }

@@ -23,5 +23,7 @@ mirage_e2e(animation)
 mirage_e2e(report)
 mirage_e2e(stillness)
 mirage_e2e(cache)
+mirage_e2e(counters)
+mirage_e2e(memory)
 # It watches frame times: alone on the machine, please.
 set_tests_properties(e2e_failure PROPERTIES RUN_SERIAL ON)

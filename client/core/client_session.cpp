@@ -43,6 +43,7 @@ ClientSession::ClientSession(Link& link, ClientOptions options, TileSink sink)
       sink_(std::move(sink)),
       cache_(options_.atlas_edge, options_.atlas_layers),
       relight_(options_.relight),
+      uploads_(options_.upload_budget_bytes),
       tau_(options_.tau_px, options_.targets),
       codec_choice_(options_.codec) {}
 
@@ -51,6 +52,7 @@ void ClientSession::greet() {
   goodbye_.clear();
   scheduler_.reset();
   opener_.reset();
+  uploads_.clear();
   wire::HelloT hello;
   hello.version_min = hello.version_max = limits::kProtocolVersion;
   hello.token = options_.token;
@@ -69,7 +71,9 @@ Result<void> ClientSession::receive(std::int64_t told_us) {
   const std::int64_t now_us = steady_us(told_us);
   if (link_.connected() && link_.generation() != generation_) greet();
   Result<void> first_error;
-  for (Message& message : link_.receive()) {
+  const auto cost = [this](const Message& message) { return upload_cost(message); };
+  const auto first = [this](const Message& message) { return first_image(message); };
+  for (Message& message : uploads_.take(link_.receive(), now_us, cost, first)) {
     Result<void> handled = handle(std::move(message), now_us);
     if (!handled && first_error.ok()) first_error = handled;
   }
@@ -207,6 +211,7 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
                                   tile_edge(ask->need.size_class), ask->sent_us, came_us, now_us,
                                   -1, reply.queue_us, reply.render_us, reply.encode_us, bytes});
   }
+  uploads_.uploaded(tile_upload_bytes(record->crop.w, record->crop.h, reply.channels), true);
   if (sink_.tile) sink_.tile(*record, pixels);
   if (options_.trace_clock) trace_.uploaded(record->trace, options_.trace_clock());
   return {};
@@ -231,6 +236,7 @@ void ClientSession::take_shadow(const PendingAsk& ask, const Capture& capture, T
   if (!record) return;
   ++drawn_;
   const bool caster = tile.channels == kCasterTile;
+  uploads_.uploaded(tile_upload_bytes(tile.crop.w, tile.crop.h, tile.channels), true);
   const auto& sink = caster ? sink_.caster : sink_.shadow;
   if (sink) sink(*record, caster ? tile.depth : tile.shadow);
 }
@@ -333,7 +339,7 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
                       glm::dot(input.predicted.pose.rotation, camera.pose.rotation) > kFacesSame;
   codec_ = codec_choice_.update({scheduler_.rate_mbps(), scheduler_.saturated_s(now_us)}, now_us);
   at_rest_ = stands && !passing && !(moves_ && options_.animation) && tiles.empty() &&
-             meshes.empty() && !batch && scheduler_.in_flight() == 0 &&
+             meshes.empty() && !batch && scheduler_.in_flight() == 0 && uploads_.empty() &&
              input.tau_px <= options_.tau_px;
   if (batch && codec_ != codec_choice_.unasked()) batch->codec = static_cast<std::uint8_t>(codec_);
   if (batch) link_.send(encode_message(std::move(*batch)));

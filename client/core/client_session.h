@@ -23,6 +23,7 @@
 #include "client/core/shadow_stage.h"
 #include "client/core/tau_controller.h"
 #include "client/core/tile_trace.h"
+#include "client/core/upload_queue.h"
 #include "protocol/clock.h"
 #include "protocol/model_codec.h"
 
@@ -41,6 +42,7 @@ struct ClientOptions {
   std::string name = "mirage-view";
   std::size_t max_mesh_bytes = 64u << 20;      ///< of one reply, decompressed
   std::size_t mesh_budget_bytes = 256u << 20;  ///< graphics memory for geometry and its images
+  std::size_t upload_budget_bytes = 8u << 20;  ///< to graphics memory in a frame
   bool trace = false;                          ///< keep every tile's life
   /// The session's clock, for the trace, where time passes within a frame; empty: it does not.
   std::function<std::int64_t()> trace_clock = nullptr;
@@ -114,6 +116,7 @@ class ClientSession {
   const CodecUses& codecs() const { return codec_uses_; }
   /// That tiles are asked for in now.
   TileCodec codec() const { return codec_; }
+  const UploadCounts& uploads() const { return uploads_.counts(); }
   const std::vector<TileLife>& lives() const { return trace_.lives(); }
   /// The frame planned last is drawn. For the trace.
   void note_drawn(std::int64_t now_us) { trace_.frame_drawn(now_us); }
@@ -127,6 +130,10 @@ class ClientSession {
 
  private:
   Result<void> handle(Message message, std::int64_t now_us);
+  /// Bytes of graphics memory a reply will fill, as far as it tells.
+  std::size_t upload_cost(const Message& message) const;
+  /// It is a picture of what shows none yet.
+  bool first_image(const Message& message) const;
   /// Of the scene; one that comes before its turn waits for it.
   Result<void> take_page(Message page);
   /// The scene is there, or has grown.
@@ -167,6 +174,7 @@ class ClientSession {
   ShadowStage shadows_;
   SceneOpener opener_;
   Scheduler scheduler_;
+  UploadQueue uploads_;
   TauController tau_;
   CodecChoice codec_choice_;
   TileCodec codec_ = TileCodec::kZstd;

@@ -8,6 +8,28 @@ namespace {
 constexpr std::size_t kReplyBytes = 64;  // control part and header of a geometry reply
 }  // namespace
 
+std::size_t ClientSession::upload_cost(const Message& message) const {
+  const wire::BodyUnion& body = message.body;
+  if (const wire::TileReplyT* tile = body.AsTileReply()) {
+    return tile_upload_bytes(tile->crop_w, tile->crop_h, tile->channels);
+  }
+  if (const wire::MeshReplyT* mesh = body.AsMeshReply()) {
+    const bool known = mesh->object < scene_.objects.size() &&
+                       mesh->lod < scene_.objects[mesh->object].lods.size();
+    return known ? expected_gpu_bytes(scene_.objects[mesh->object].lods[mesh->lod]) : 0;
+  }
+  const wire::ImageReplyT* image = body.AsImageReply();
+  if (!image || image->image >= scene_.images.size()) return 0;
+  return image_gpu_bytes(image_level_size(scene_.images[image->image], image->level));
+}
+
+bool ClientSession::first_image(const Message& message) const {
+  const wire::TileReplyT* tile = message.body.AsTileReply();
+  const PendingAsk* ask = tile ? scheduler_.pending(tile->request_id) : nullptr;
+  return ask && is_picture(ask->need.channels) &&
+         !cache_.group_to_draw(ask->need.instance)->known();
+}
+
 // The reply is what was asked for by this id, and the scene is still the one it was asked for.
 Result<void> ClientSession::finish_asset(std::uint32_t request_id, const AssetId& id,
                                          std::size_t bytes, std::int64_t came_us) {
@@ -33,6 +55,7 @@ Result<void> ClientSession::take_mesh(const wire::MeshReplyT& reply, const Bytes
   if (!model) return model.error();
   shadows_.assets_changed();
   meshes_.add_mesh(reply.object, reply.lod, *model, now_us);
+  uploads_.uploaded(mesh_gpu_bytes(model->mesh), false);
   if (sink_.mesh) sink_.mesh(reply.object, reply.lod, model.take());
   return {};
 }
@@ -48,6 +71,7 @@ Result<void> ClientSession::take_image(const wire::ImageReplyT& reply, const Byt
   if (!image) return image.error();
   shadows_.assets_changed();
   meshes_.add_image(scene_, reply.image, reply.level, bytes.size(), now_us);
+  uploads_.uploaded(image_gpu_bytes({image->width, image->height}), false);
   if (sink_.image) sink_.image(reply.image, *image);
   return {};
 }

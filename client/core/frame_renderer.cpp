@@ -160,10 +160,12 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& camera, const 
   draw_calls_ = 1 + impostors_.draw_calls() + mesh_pass_->draw_calls();
 }
 
-std::size_t FrameRenderer::gpu_bytes() const {
-  std::size_t bytes = impostors_.gpu_bytes() + images_.gpu_bytes() + shadow_atlas_.gpu_bytes() +
-                      shadow_map_.gpu_bytes();
-  for (const auto& [id, mesh] : meshes_) bytes += mesh.mesh.gpu_bytes();
+GpuBytes FrameRenderer::gpu_bytes() const {
+  GpuBytes bytes;
+  bytes.atlas = impostors_.gpu_bytes();
+  bytes.geometry = images_.gpu_bytes();
+  for (const auto& [id, mesh] : meshes_) bytes.geometry += mesh.mesh.gpu_bytes();
+  bytes.shadows = shadow_atlas_.gpu_bytes() + shadow_map_.gpu_bytes();
   return bytes;
 }
 

@@ -15,20 +15,29 @@
 
 namespace mirage {
 
+/// Bytes of graphics memory by what they are for.
+struct GpuBytes {
+  std::size_t atlas = 0;     ///< of tiles, all planes
+  std::size_t geometry = 0;  ///< meshes and their images
+  std::size_t shadows = 0;   ///< atlas of shadow and caster tiles, the map
+  std::size_t all() const { return atlas + geometry + shadows; }
+};
+
 class FrameRenderer {
  public:
   static Result<FrameRenderer> create(int atlas_edge, int atlas_layers);
 
   /// Learns a new scene. Error kGraphicsShader: it is drawn, without its fog.
   Result<void> reset(const SceneView& scene);
-  void upload(const TileRecord& record, const TilePixels& pixels) {
-    impostors_.upload(record, pixels);
+  /// These three: error kGraphicsGl, no graphics memory is left.
+  Result<void> upload(const TileRecord& record, const TilePixels& pixels) {
+    return impostors_.upload(record, pixels);
   }
-  void upload_shadow(const ShadowRecord& record, const std::vector<std::uint8_t>& shares) {
-    shadow_atlas_.upload_shadow(record, shares);
+  Result<void> upload_shadow(const ShadowRecord& record, const std::vector<std::uint8_t>& shares) {
+    return shadow_atlas_.upload_shadow(record, shares);
   }
-  void upload_caster(const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
-    shadow_atlas_.upload_caster(record, codes);
+  Result<void> upload_caster(const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
+    return shadow_atlas_.upload_caster(record, codes);
   }
   /// Error kGraphicsShader: it cannot be drawn as it should.
   Result<void> add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model);
@@ -40,7 +49,7 @@ class FrameRenderer {
 
   /// Draw calls of the last frame.
   int draw_calls() const { return draw_calls_; }
-  std::size_t gpu_bytes() const;
+  GpuBytes gpu_bytes() const;
 
  private:
   struct ClientMesh {

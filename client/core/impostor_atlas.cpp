@@ -6,18 +6,6 @@
 namespace mirage {
 namespace {
 
-gl::Texture make_layers(GLenum format, GLenum layout, GLint filter, int edge, int layers) {
-  gl::Texture texture = gl::Texture::create();
-  glBindTexture(GL_TEXTURE_2D_ARRAY, texture.id());
-  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, static_cast<GLint>(format), edge, edge, layers, 0, layout,
-               GL_UNSIGNED_BYTE, nullptr);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  return texture;
-}
-
 // Empty texels beside covered ones get the nearest neighbour's depth: bilinear colour reaches half
 // a texel past the covered ones, and needs a depth there.
 std::vector<std::uint8_t> grown_depth(const std::vector<std::uint8_t>& depth, std::size_t w,
@@ -74,23 +62,21 @@ std::vector<std::uint8_t> grown_surface(const TilePixels& pixels, std::size_t w,
 }  // namespace
 
 Result<ImpostorAtlas> ImpostorAtlas::create(int edge, int layers) {
-  while (glGetError() != GL_NO_ERROR) {
-  }
-  ImpostorAtlas atlas;
-  atlas.color_ = make_layers(GL_SRGB8_ALPHA8, GL_RGBA, GL_LINEAR, edge, layers);
-  atlas.depth_ = make_layers(GL_R8, GL_RED, GL_NEAREST, edge, layers);
-  if (glGetError() != GL_NO_ERROR) {
-    return make_error(ErrorId::kGraphicsGl, "the atlas does not fit the graphics memory",
+  GLint most_layers = 0, longest = 0;
+  glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &longest);
+  if (layers > most_layers || edge > longest) {
+    return make_error(ErrorId::kGraphicsGl, "the atlas has more layers than the device can",
                       "--atlas-mb takes less");
   }
-  atlas.edge_ = edge;
-  atlas.layers_ = layers;
-  atlas.gpu_bytes_ = static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge) *
-                     static_cast<std::size_t>(layers) * 5;
+  ImpostorAtlas atlas;
+  atlas.color_ = LayeredTexture({GL_SRGB8_ALPHA8, GL_LINEAR}, edge, layers);
+  atlas.depth_ = LayeredTexture({GL_R8, GL_NEAREST}, edge, layers);
+  atlas.surface_ = LayeredTexture({GL_RGBA8, GL_LINEAR}, edge, layers);
   return atlas;
 }
 
-void ImpostorAtlas::upload(const TileRecord& record, const TilePixels& pixels) {
+Result<void> ImpostorAtlas::upload(const TileRecord& record, const TilePixels& pixels) {
   const std::vector<std::uint8_t>& rgba = pixels.rgba;
   const std::size_t w = record.crop.w, h = record.crop.h, pw = w + 2, ph = h + 2;
   std::vector<std::uint8_t> color(pw * ph * 4, 0), depth(pw * ph, 0);
@@ -99,27 +85,14 @@ void ImpostorAtlas::upload(const TileRecord& record, const TilePixels& pixels) {
     std::memcpy(&depth[(y + 1) * pw + 1], &record.depth[y * w], w);
   }
   depth = grown_depth(depth, pw, ph);
-  const AtlasSlot& s = record.slot;
-  const auto gw = static_cast<GLsizei>(pw), gh = static_cast<GLsizei>(ph);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, color_.id());
-  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, s.x, s.y, s.layer, gw, gh, 1, GL_RGBA, GL_UNSIGNED_BYTE,
-                  color.data());
-  glBindTexture(GL_TEXTURE_2D_ARRAY, depth_.id());
-  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, s.x, s.y, s.layer, gw, gh, 1, GL_RED, GL_UNSIGNED_BYTE,
-                  depth.data());
-  if (record.relit) upload_surface(s, grown_surface(pixels, w, h), gw, gh);
-}
-
-void ImpostorAtlas::upload_surface(const AtlasSlot& s, const std::vector<std::uint8_t>& surface,
-                                   int w, int h) {
-  if (surface_.id() == 0) {
-    surface_ = make_layers(GL_RGBA8, GL_RGBA, GL_LINEAR, edge_, layers_);
-    gpu_bytes_ += gpu_bytes_ / 5 * 4;
-  }
-  glBindTexture(GL_TEXTURE_2D_ARRAY, surface_.id());
-  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, s.x, s.y, s.layer, w, h, 1, GL_RGBA, GL_UNSIGNED_BYTE,
-                  surface.data());
+  const auto put = [&](LayeredTexture& plane, const std::vector<std::uint8_t>& texels) {
+    const AtlasSlot& s = record.slot;
+    return plane.upload(s.layer, s.x, s.y, static_cast<int>(pw), static_cast<int>(ph),
+                        texels.data());
+  };
+  if (Result<void> done = put(color_, color); !done) return done;
+  if (Result<void> done = put(depth_, depth); !done) return done;
+  return record.relit ? put(surface_, grown_surface(pixels, w, h)) : Result<void>{};
 }
 
 void ImpostorAtlas::bind(bool relit) const {

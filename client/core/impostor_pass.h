@@ -25,7 +25,9 @@ class ImpostorPass {
   /// Proxies of a new scene, and programs with or without its fog and shadows. Error
   /// kGraphicsShader: those there were stay.
   Result<void> reset(const SceneView& scene);
-  void upload(const TileRecord& record, const TilePixels& pixels) { atlas_.upload(record, pixels); }
+  Result<void> upload(const TileRecord& record, const TilePixels& pixels) {
+    return atlas_.upload(record, pixels);
+  }
   /// `shadow_atlas`: of ShadowAtlas, 0 when no impostor wears a shadow.
   /// `mapping`: of the target's depth.
   void draw(const Camera& camera, DepthMapping mapping, const SceneView& scene,

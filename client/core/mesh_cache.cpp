@@ -20,15 +20,6 @@ constexpr double kTexelsPerPixel = 1.5;  // a level is sharp enough down to this
 constexpr double kNearest = 0.01;        // of the radius: nothing is seen from nearer than this
 constexpr std::size_t kReplyBytes = 64;  // around any payload
 
-std::size_t mesh_gpu_bytes(const LodInfo& lod) {
-  // Three indices, and some 0.7 vertices, a triangle.
-  return lod.triangles * (3 * sizeof(std::uint32_t) + 7 * sizeof(Vertex) / 10);
-}
-
-std::size_t image_gpu_bytes(const glm::uvec2& size) {
-  return std::size_t{size.x} * size.y * 4 * 4 / 3;
-}
-
 double median_uv_per_unit(const Mesh& mesh, const Primitive& p, const TextureRef& map) {
   std::vector<double> ratios;
   const std::uint32_t step = 3 * std::max(1u, p.index_count / 3 / 512);
@@ -72,6 +63,19 @@ std::vector<ImageUse> image_uses(const ObjectModel& model) {
   std::vector<ImageUse> out;
   for (const auto& [image, use] : uses) out.push_back(use);
   return out;
+}
+
+std::size_t expected_gpu_bytes(const LodInfo& lod) {
+  // Three indices, and some 0.7 vertices, a triangle.
+  return lod.triangles * (3 * sizeof(std::uint32_t) + 7 * sizeof(Vertex) / 10);
+}
+
+std::size_t mesh_gpu_bytes(const Mesh& mesh) {
+  return mesh.vertices.size() * sizeof(Vertex) + mesh.indices.size() * sizeof(std::uint32_t);
+}
+
+std::size_t image_gpu_bytes(const glm::uvec2& size) {
+  return std::size_t{size.x} * size.y * 4 * 4 / 3;
 }
 
 double px_per_unit(const SceneView& scene, const Camera& camera, std::uint32_t instance) {
@@ -190,7 +194,7 @@ void MeshCache::need_mesh(const SceneView& scene, const Wanted& want, double tau
   std::size_t lod = lod_for_view(lods, want.px_per_unit, tau_px);
   const auto allowed = [&](std::size_t i) {
     return lods[i].bytes <= max_reply_bytes_ &&
-           (object.lods[i].resident || fits(mesh_gpu_bytes(lods[i]), now_us));
+           (object.lods[i].resident || fits(expected_gpu_bytes(lods[i]), now_us));
   };
   while (lod < lods.size() && !allowed(lod)) ++lod;
   if (lod == lods.size()) return;
@@ -285,7 +289,7 @@ void MeshCache::add_mesh(std::uint32_t index, std::uint8_t lod, const ObjectMode
   Level& level = object.lods[lod];
   bytes_ -= level.bytes;
   level.resident = true;
-  level.bytes = model.mesh.vertices.size() * sizeof(Vertex) + model.mesh.indices.size() * 4;
+  level.bytes = mesh_gpu_bytes(model.mesh);
   level.needed_us = now_us;
   bytes_ += level.bytes;
   if (!object.known_uses) {

@@ -51,6 +51,11 @@ struct ImageUse {
 };
 std::vector<ImageUse> image_uses(const ObjectModel& model);
 
+/// Bytes of graphics memory: of a level that is not here yet, of a mesh, of an image with its mips.
+std::size_t expected_gpu_bytes(const LodInfo& lod);
+std::size_t mesh_gpu_bytes(const Mesh& mesh);
+std::size_t image_gpu_bytes(const glm::uvec2& size);
+
 class MeshCache {
  public:
   void reset(const SceneView& scene, std::size_t budget_bytes, std::size_t max_reply_bytes);

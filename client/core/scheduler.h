@@ -53,6 +53,11 @@ class Scheduler {
                                           const std::vector<AssetNeed>& asset_needs,
                                           std::uint32_t lighting_id, std::int64_t now_us);
 
+  /// The ask under way by this number; nullptr: none, or cancelled.
+  const PendingAsk* pending(std::uint32_t request_id) const {
+    const auto at = pending_.find(request_id);
+    return at != pending_.end() ? &at->second : nullptr;
+  }
   /// The ask a reply answers; nullopt when it was cancelled or never made.
   std::optional<PendingAsk> finish(std::uint32_t request_id, std::size_t bytes,
                                    std::int64_t now_us);

@@ -40,42 +40,26 @@ std::vector<std::uint8_t> grown(const std::vector<std::uint8_t>& in, std::size_t
 
 }  // namespace
 
-void ShadowAtlas::upload_caster(const ShadowRecord& record,
-                                const std::vector<std::uint8_t>& codes) {
-  if (record.crop.area() > 0) upload(record.slot, with_gutter(record.crop, codes));
+Result<void> ShadowAtlas::upload_caster(const ShadowRecord& record,
+                                        const std::vector<std::uint8_t>& codes) {
+  if (record.crop.area() == 0) return {};
+  return upload(record.slot, with_gutter(record.crop, codes));
 }
 
-void ShadowAtlas::upload_shadow(const ShadowRecord& record,
-                                const std::vector<std::uint8_t>& shares) {
-  if (record.crop.area() == 0) return;
+Result<void> ShadowAtlas::upload_shadow(const ShadowRecord& record,
+                                        const std::vector<std::uint8_t>& shares) {
+  if (record.crop.area() == 0) return {};
   std::vector<std::uint8_t> texels = with_gutter(record.crop, shares);
   for (int i = 0; i < kRings; ++i) texels = grown(texels, record.crop.w + 2, record.crop.h + 2);
   // 1..255 becomes 0..255; what is still empty lies far from any surface.
   for (std::uint8_t& t : texels) {
     t = static_cast<std::uint8_t>(t == 0 ? 255 : ((t - 1) * 255 + 127) / 254);
   }
-  upload(record.slot, texels);
+  return upload(record.slot, texels);
 }
 
-void ShadowAtlas::upload(const AtlasSlot& slot, const std::vector<std::uint8_t>& texels) {
-  if (!layers_) {
-    layers_ = gl::Texture::create();
-    glBindTexture(GL_TEXTURE_2D_ARRAY, layers_.id());
-    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_R8, kShadowAtlasEdge, kShadowAtlasEdge,
-                 kShadowAtlasLayers, 0, GL_RED, GL_UNSIGNED_BYTE, nullptr);
-    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  }
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, layers_.id());
-  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, slot.x, slot.y, slot.layer, slot.w, slot.h, 1, GL_RED,
-                  GL_UNSIGNED_BYTE, texels.data());
-}
-
-std::size_t ShadowAtlas::gpu_bytes() const {
-  return layers_ ? std::size_t{kShadowAtlasEdge} * kShadowAtlasEdge * kShadowAtlasLayers : 0;
+Result<void> ShadowAtlas::upload(const AtlasSlot& slot, const std::vector<std::uint8_t>& texels) {
+  return layers_.upload(slot.layer, slot.x, slot.y, slot.w, slot.h, texels.data());
 }
 
 }  // namespace mirage

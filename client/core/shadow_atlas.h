@@ -4,24 +4,25 @@
 #include <cstdint>
 #include <vector>
 
+#include "client/core/layered_texture.h"
 #include "client/core/shadow_cache.h"
-#include "shaders/gl/gl_object.h"
 
 namespace mirage {
 
 class ShadowAtlas {
  public:
   /// Puts a tile's plane where its record says: a caster's depth codes, or a shadow tile's shares
-  /// as 0..1, continued into what is empty around them. The first one makes the layers.
-  void upload_caster(const ShadowRecord& record, const std::vector<std::uint8_t>& codes);
-  void upload_shadow(const ShadowRecord& record, const std::vector<std::uint8_t>& shares);
+  /// as 0..1, continued into what is empty around them. Error kGraphicsGl.
+  Result<void> upload_caster(const ShadowRecord& record, const std::vector<std::uint8_t>& codes);
+  Result<void> upload_shadow(const ShadowRecord& record, const std::vector<std::uint8_t>& shares);
+  /// 0 before the first tile.
   GLuint texture() const { return layers_.id(); }
-  std::size_t gpu_bytes() const;
+  std::size_t gpu_bytes() const { return layers_.gpu_bytes(); }
 
  private:
-  void upload(const AtlasSlot& slot, const std::vector<std::uint8_t>& texels);
+  Result<void> upload(const AtlasSlot& slot, const std::vector<std::uint8_t>& texels);
 
-  gl::Texture layers_;
+  LayeredTexture layers_{{GL_R8, GL_LINEAR}, kShadowAtlasEdge, kShadowAtlasLayers};
 };
 
 }  // namespace mirage

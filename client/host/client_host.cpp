@@ -12,12 +12,11 @@ namespace {
 constexpr int kReferenceTimeoutMs = 120'000;
 constexpr int kReplyTimeoutMs = 30'000;
 constexpr std::int64_t kScenePatienceUs = 20'000'000;
+constexpr int kLayerMb = kAtlasEdge * kAtlasEdge * kAtlasTexelBytes >> 20;
 
 }  // namespace
 
-int atlas_layers(int megabytes) {
-  return std::max(1, megabytes * 1024 * 1024 / (kAtlasEdge * kAtlasEdge * 5));
-}
+int atlas_layers(int megabytes) { return std::max(1, megabytes / kLayerMb); }
 
 ClientHost::ClientHost(HostOptions options, FrameRenderer& renderer)
     : options_(std::move(options)), renderer_(renderer) {
@@ -33,22 +32,24 @@ ClientHost::ClientHost(HostOptions options, FrameRenderer& renderer)
 
 TileSink ClientHost::sink() {
   TileSink sink;
-  sink.tile = [this](const TileRecord& record, const TilePixels& pixels) {
-    options_.content_changed();
-    renderer_.upload(record, pixels);
+  const auto say = [](const Result<void>& uploaded) {
+    if (!uploaded) spdlog::error("{}", uploaded.error().line());
   };
-  sink.shadow = [this](const ShadowRecord& record, const std::vector<std::uint8_t>& shares) {
+  sink.tile = [this, say](const TileRecord& record, const TilePixels& pixels) {
     options_.content_changed();
-    renderer_.upload_shadow(record, shares);
+    say(renderer_.upload(record, pixels));
   };
-  sink.caster = [this](const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
+  sink.shadow = [this, say](const ShadowRecord& record, const std::vector<std::uint8_t>& shares) {
     options_.content_changed();
-    renderer_.upload_caster(record, codes);
+    say(renderer_.upload_shadow(record, shares));
   };
-  sink.mesh = [this](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
+  sink.caster = [this, say](const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
     options_.content_changed();
-    const Result<void> added = renderer_.add_mesh(object, lod, std::move(model));
-    if (!added) spdlog::error("{}", added.error().line());
+    say(renderer_.upload_caster(record, codes));
+  };
+  sink.mesh = [this, say](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
+    options_.content_changed();
+    say(renderer_.add_mesh(object, lod, std::move(model)));
   };
   sink.image = [this](std::uint32_t index, const Image& image) {
     options_.content_changed();

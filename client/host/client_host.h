@@ -15,7 +15,7 @@
 namespace mirage {
 
 inline constexpr int kAtlasEdge = 1024;
-/// Layers of the atlas that fit into this much graphics memory, colour and depth; at least one.
+/// Layers of the atlas that fit into this much graphics memory with all planes; at least one.
 int atlas_layers(int megabytes);
 
 struct HostOptions {

@@ -1,6 +1,6 @@
 #include "client/host/png.h"
 
-#include <OpenImageIO/imageio.h>
+#include <png.h>
 
 namespace mirage {
 
@@ -13,13 +13,14 @@ Result<void> write_png(const std::string& path, int width, int height,
     rgb.insert(rgb.end(), rgba.begin() + static_cast<std::ptrdiff_t>(i),
                rgba.begin() + static_cast<std::ptrdiff_t>(i + 3));
   }
-  const std::unique_ptr<OIIO::ImageOutput> file = OIIO::ImageOutput::create(path);
-  OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
-  spec.attribute("png:compressionLevel", 1);
-  if (!file || !file->open(path, spec) || !file->write_image(OIIO::TypeDesc::UINT8, rgb.data()) ||
-      !file->close()) {
-    return make_error(ErrorId::kIo, "cannot write '" + path + "'",
-                      file ? file->geterror() : OIIO::geterror());
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(width);
+  image.height = static_cast<png_uint_32>(height);
+  image.format = PNG_FORMAT_RGB;
+  image.flags = PNG_IMAGE_FLAG_FAST;
+  if (png_image_write_to_file(&image, path.c_str(), 0, rgb.data(), 0, nullptr) == 0) {
+    return make_error(ErrorId::kIo, "cannot write '" + path + "'", image.message);
   }
   return {};
 }

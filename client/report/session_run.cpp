@@ -9,7 +9,7 @@
 namespace mirage {
 namespace {
 
-constexpr int kAtlasMb = 120;
+constexpr int kAtlasMb = 216;
 constexpr int kMsaa = 4;
 constexpr double kFovY = 1.0471975511965976;  // 60 degrees
 

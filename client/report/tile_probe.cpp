@@ -115,8 +115,7 @@ Result<void> TileProbe::take(const Message& message, const std::vector<TileNeed>
   const Capture capture(need.cell, need.distance, object.radius, tile->edge);
   const TilePixels pixels{std::move(tile->rgba), std::move(tile->surface)};
   records_[index] = cache_.insert(need.instance, scene_, capture, tile.take(), 1, 0, 0, need.phase);
-  if (records_[index]) renderer_.upload(*records_[index], pixels);
-  return {};
+  return records_[index] ? renderer_.upload(*records_[index], pixels) : Result<void>{};
 }
 
 Result<DrawList> TileProbe::draw_list(const std::vector<TileNeed>& needs, const Camera& camera,

@@ -119,8 +119,9 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
                  "thousand pixels a frame that may be drawn by marching depth; default 200 on a "
                  "software renderer, else unlimited")
       ->check(number_within(0.0, 1e5));
-  app.add_option("--atlas-mb", o.atlas_mb, "graphics memory for tiles")
-      ->check(CLI::Range(5, 8192))
+  app.add_option("--atlas-mb", o.atlas_mb,
+                 "graphics memory for tiles at most; it is taken as they need it")
+      ->check(CLI::Range(9, 8192))
       ->capture_default_str();
   app.add_option("--animation", o.animation, "off: everything stands at the start of its clip")
       ->check(CLI::IsMember({"on", "off"}))
@@ -134,6 +135,10 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
       ->capture_default_str();
   app.add_option("--mesh-mb", o.mesh_mb, "graphics memory for geometry and its images")
       ->check(CLI::Range(1, 65536))
+      ->capture_default_str();
+  app.add_option("--upload-kb", o.upload_kb,
+                 "to the graphics card in a frame at most, but for a single tile, mesh or image")
+      ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
   app.add_option("--out", o.out_dir, "write every frame here as PNG");
   app.add_option("--stats", o.stats_file, "write statistics here as JSON");

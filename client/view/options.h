@@ -29,8 +29,9 @@ struct ViewOptions {
   int reference_every = 0;
   int reference_supersample = 2;
   int msaa = 4;
-  int atlas_mb = 120;
+  int atlas_mb = 216;
   int mesh_mb = 256;
+  int upload_kb = 8192;
   double mesh_radii = kSwapRadii;
   double march_kpx = -1;  ///< thousand px a frame drawn by marching; < 0: by renderer
   std::string out_dir;

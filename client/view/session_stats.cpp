@@ -75,6 +75,7 @@ void SessionStats::add_frame(const DrawList& list, int draw_calls, double frame_
   ++frames_;
   frame_ms_.push_back(static_cast<float>(frame_ms));
   draw_calls_ += static_cast<std::uint64_t>(draw_calls);
+  most_draw_calls_ = std::max(most_draw_calls_, draw_calls);
   visible_ += list.visible;
   over_tau_ += list.over_tau;
   placeholders_ += list.placeholders.size();
@@ -143,10 +144,24 @@ std::string SessionStats::json(const Final& end) const {
                            : ratio(placeholders_, visible_);
   j["placeholder_fraction"] = ratio(placeholders_, visible_);
   j["draw_calls"] = ratio(draw_calls_, frames_);
+  j["draw_calls_max"] = most_draw_calls_;
   j["instances_drawn"] = ratio(impostors_ + meshes_ + placeholders_, frames_);
   j["impostors_drawn"] = ratio(impostors_, frames_);
   j["meshes_drawn"] = ratio(meshes_, frames_);
-  j["gpu_bytes"] = end.gpu_bytes;
+  j["gpu_bytes"] = gpu_.all() + gpu_target_;
+  j["gpu_bytes_max"] = gpu_most_;
+  j["memory"] = {{"atlas", gpu_.atlas},       {"atlas_budget", end.atlas_budget},
+                 {"geometry", gpu_.geometry}, {"geometry_budget", end.geometry_budget},
+                 {"shadows", gpu_.shadows},   {"target", gpu_target_}};
+  j["uploads"] = {{"tiles", end.uploads.tiles},
+                  {"bytes", end.uploads.bytes},
+                  {"bytes_a_frame", ratio(end.uploads.bytes, frames_)},
+                  {"largest_frame_bytes", end.uploads.largest_frame_bytes},
+                  {"frame_budget", end.upload_budget},
+                  {"frames_over_budget", end.uploads.frames_over_budget}};
+  j["programs"] = {{"compiled", end.programs},
+                   {"after_scene", end.programs_after_scene},
+                   {"in_draws", end.programs_in_draws}};
   ordered_json quality;
   quality["flip"] = {{"mean", flip_.empty() ? ordered_json(nullptr) : ordered_json(mean(flip_))},
                      {"p95", flip_.empty() ? ordered_json(nullptr) : number(quantile(flip_, 0.95))},

@@ -1,10 +1,12 @@
 #pragma once
 // What a viewing session measured, and its JSON (the contract of `--stats`).
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include "client/core/client_session.h"
+#include "client/core/frame_renderer.h"
 #include "client/core/geometric_error.h"
 #include "client/quality/metrics.h"
 
@@ -36,12 +38,22 @@ class SessionStats {
     if (first_image_us_ < 0) first_image_us_ = now_us;
   }
 
+  /// What there is of graphics memory after a frame.
+  void note_gpu(const GpuBytes& bytes, std::size_t target) {
+    gpu_ = bytes;
+    gpu_target_ = target;
+    gpu_most_ = std::max(gpu_most_, bytes.all() + target);
+  }
+
   struct Final {
     LinkTraffic traffic;
     TileCounts tiles;
     CodecUses codecs;
     PredictionError prediction;
-    std::size_t gpu_bytes = 0;
+    UploadCounts uploads;
+    std::size_t atlas_budget = 0, geometry_budget = 0, upload_budget = 0;  ///< bytes; a frame's
+    /// Shader programs: compiled in all, since the scene is known, and of those within a draw.
+    std::uint64_t programs = 0, programs_after_scene = 0, programs_in_draws = 0;
     std::int64_t duration_us = 0;
     std::string scene, renderer, server, method;
     double tau_px = 1;
@@ -64,6 +76,9 @@ class SessionStats {
   std::uint64_t relit_ = 0;
   std::uint64_t visible_ = 0, over_tau_ = 0, stale_ = 0, placeholders_ = 0, impostors_ = 0,
                 meshes_ = 0, draw_calls_ = 0;
+  int most_draw_calls_ = 0;
+  GpuBytes gpu_;
+  std::size_t gpu_target_ = 0, gpu_most_ = 0;
   std::vector<float> flip_, flicker_;
   std::vector<float> psnr_all_, ssim_all_, iou_all_;
   GeometricError geometric_;

@@ -68,6 +68,7 @@ class Viewer {
   bool frame_kept_ = false;  // the last frame was the picture that was there
   std::optional<Overlay> overlay_;
   double smooth_ms_ = 0;
+  std::uint64_t programs_at_scene_ = 0, programs_in_draws_ = 0;
   Comparison comparison_;
 };
 
@@ -113,6 +114,7 @@ void Viewer::make_host() {
   options.atlas_edge = kAtlasEdge;
   options.atlas_layers = atlas_layers(o_.atlas_mb);
   options.mesh_budget_bytes = static_cast<std::size_t>(o_.mesh_mb) * 1024 * 1024;
+  options.upload_budget_bytes = static_cast<std::size_t>(o_.upload_kb) * 1024;
   options.relight = o_.relight;
   options.token = o_.token;
   options.codec = codec_from_name(o_.codec_name);
@@ -125,6 +127,7 @@ void Viewer::make_host() {
 
 Result<void> Viewer::meet_scene() {
   if (Result<void> told = host_->wait_for_scene(); !told) return told;
+  programs_at_scene_ = gl::programs_compiled();
   const SceneView& scene = session().scene();
   if (!o_.path.empty()) {
     Result<CameraPath> path =
@@ -200,7 +203,10 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   const bool changed = !still_.unchanged(camera, scene, list, session().lighting());
   frame_kept_ = !changed;
   resting_ = !changed && session().at_rest();
+  const std::uint64_t programs = gl::programs_compiled();
   if (changed) renderer_->draw(*target_, camera, scene, list, session().lighting());
+  programs_in_draws_ += gl::programs_compiled() - programs;
+  stats_.note_gpu(renderer_->gpu_bytes(), target_->gpu_bytes());
   if (window_ && (window_->take_refresh() || changed)) show(list, now);
   glFinish();
   session().note_drawn(now_us());
@@ -301,7 +307,13 @@ Result<void> Viewer::finish() {
   end.tiles = session().tiles();
   end.codecs = session().codecs();
   end.prediction = session().predictor().error();
-  end.gpu_bytes = renderer_->gpu_bytes() + target_->gpu_bytes();
+  end.uploads = session().uploads();
+  end.atlas_budget = static_cast<std::size_t>(o_.atlas_mb) << 20;
+  end.geometry_budget = static_cast<std::size_t>(o_.mesh_mb) << 20;
+  end.upload_budget = static_cast<std::size_t>(o_.upload_kb) << 10;
+  end.programs = gl::programs_compiled();
+  end.programs_after_scene = end.programs - programs_at_scene_;
+  end.programs_in_draws = programs_in_draws_;
   end.duration_us = now_us() - start_us_;
   end.scene = session().scene().name;
   end.server = session().scene().renderer;

@@ -1,5 +1,6 @@
 #include "shaders/gl/program.h"
 
+#include <atomic>
 #include <glm/gtc/type_ptr.hpp>
 #include <utility>
 
@@ -9,6 +10,8 @@ namespace mirage::gl {
 namespace {
 
 constexpr int kMaxIncludeDepth = 4;
+
+std::atomic<std::uint64_t> compiled_so_far{0};
 
 // The client keeps to what GLSL ES 3.00 has as well, so one header line is all that differs there.
 constexpr const char* kHeader = "#version 330 core\n";
@@ -68,6 +71,8 @@ Result<GLuint> compile(GLenum stage, std::string_view name, const std::string& d
 
 }  // namespace
 
+std::uint64_t programs_compiled() { return compiled_so_far; }
+
 Program::Program(Program&& other) noexcept
     : id_(std::exchange(other.id_, 0)), locations_(std::move(other.locations_)) {}
 
@@ -108,6 +113,7 @@ Result<Program> Program::create(std::string_view vertex, std::string_view fragme
     return make_error(ErrorId::kGraphicsShader,
                       std::string(fragment) + ": " + info_log(program.id_, true));
   }
+  ++compiled_so_far;
   return program;
 }
 

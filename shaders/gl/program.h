@@ -1,6 +1,7 @@
 #pragma once
 // GLSL programs: sources are embedded at build time, variants are #defines put in front.
 
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
 #include <string_view>
@@ -14,6 +15,9 @@ namespace mirage::gl {
 
 /// Text of an embedded shader file, e.g. "mesh/mesh.vert"; empty when there is none.
 std::string_view shader_source(std::string_view name);
+
+/// Programs compiled and linked in this process so far.
+std::uint64_t programs_compiled();
 
 class Program {
  public:

@@ -225,7 +225,7 @@ std::vector<Pixels> pictures(const std::function<std::unique_ptr<Link>(Link&)>& 
     for (DrawnImpostor& d : list.impostors) {
       const auto copy = std::make_shared<TileRecord>(*d.tile);
       copy->slot = *places.allocate(d.tile->slot.w, d.tile->slot.h);
-      renderer->upload(*copy, texels[copy->serial]);
+      if (!renderer->upload(*copy, texels[copy->serial])) checks.failed("no room for a tile");
       d.tile = copy;
     }
     renderer->draw(*target, rig.camera, rig.session.scene(), list, rig.session.lighting());

@@ -124,7 +124,7 @@ TileRecordPtr Studio::hold(const MadeTile& made, std::uint32_t instance) {
   const TilePixels pixels{made.tile.rgba, made.tile.surface};
   cache_->relight(light_, 0);
   TileRecordPtr record = cache_->insert(instance, scene_, made.capture, made.tile, ++frame_, 0);
-  if (record) renderer_->upload(*record, pixels);
+  if (record && !renderer_->upload(*record, pixels)) return nullptr;
   return record;
 }
 

@@ -203,11 +203,11 @@ class Shadows : public ::testing::Test {
     const Capture capture = capture_of(one);
     if (one.key.channels == kCasterTile) {
       const ShadowRecordPtr record = cache.add_caster(one.key.object, capture, tile.crop, 1);
-      renderer_->upload_caster(*record, tile.depth);
+      EXPECT_TRUE(renderer_->upload_caster(*record, tile.depth));
       return record;
     }
     const ShadowRecordPtr record = cache.add_shadow(one.key.instance - 1, 1, capture, tile.crop, 1);
-    renderer_->upload_shadow(*record, tile.shadow);
+    EXPECT_TRUE(renderer_->upload_shadow(*record, tile.shadow));
     return record;
   }
 
@@ -361,7 +361,7 @@ TEST_F(Shadows, ImpostorsWearThem) {
       const TileRecordPtr record =
           tiles.insert(instance, scene_, capture_of(one), std::move(tile), 1, 0);
       ASSERT_TRUE(record);
-      renderer_->upload(*record, pixels);
+      ASSERT_TRUE(renderer_->upload(*record, pixels));
       list.impostors.push_back({instance, record, DrawMethod::kQuad, 0, 10, 1});
     }
     for (const DrawMethod method : {DrawMethod::kQuad, DrawMethod::kDepth}) {

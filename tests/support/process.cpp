@@ -1,6 +1,7 @@
 #include "tests/support/process.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -40,11 +41,11 @@ int exit_code(int status) {
 }
 
 // -1: still running when the time was over, and killed.
-int wait_for(int pid, double timeout_s) {
+int wait_for(int pid, double timeout_s, rusage* used = nullptr) {
   const Clock::time_point start = Clock::now();
   int status = 0;
   while (seconds_since(start) < timeout_s) {
-    if (waitpid(pid, &status, WNOHANG) == pid) return exit_code(status);
+    if (wait4(pid, &status, WNOHANG, used) == pid) return exit_code(status);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   kill(pid, SIGKILL);
@@ -90,7 +91,9 @@ Finished run(const std::vector<std::string>& command, double timeout_s) {
   const std::string log = scratch_folder() + "/log";
   const Clock::time_point start = Clock::now();
   Finished out;
-  out.exit_code = wait_for(spawn(command, log), timeout_s);
+  rusage used{};
+  out.exit_code = wait_for(spawn(command, log), timeout_s, &used);
+  out.peak_mb = static_cast<double>(used.ru_maxrss) / 1024;
   out.seconds = seconds_since(start);
   out.output = read_file(log);
   return out;

@@ -10,6 +10,7 @@ struct Finished {
   int exit_code = -1;  ///< 128 + signal when killed by one; -1: timed out and killed
   std::string output;  ///< standard output and error together
   double seconds = 0;
+  double peak_mb = 0;  ///< resident, at most, in 2^20 bytes
 };
 
 /// Runs a program to its end (at most `timeout_s`).

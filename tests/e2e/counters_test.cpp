@@ -1,0 +1,126 @@
+// What a short walk costs, counted: a change that draws, asks, renders, sends, uploads or compiles
+// more fails here, whatever the machine. Counts that follow from the scene and the path may move by
+// the share beside them when the selection is changed on purpose; the others are exact.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/support/process.h"
+#include "tests/support/raw_peer.h"
+
+namespace mirage::test {
+namespace {
+
+constexpr const char* kScene = "builtin:forest?trees=60&clutter=20";
+
+/// The server's counters by name, without the prefix.
+std::map<std::string, double> metrics(const Server& server) {
+  RawPeer peer(server.port());
+  peer.say("GET /metrics HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  std::string text;
+  for (std::string part = peer.hear(); !part.empty(); part = peer.hear()) text += part;
+  std::map<std::string, double> out;
+  std::istringstream lines(text);
+  const std::string prefix = "mirage_";
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t space = line.find(' ');
+    if (line.rfind(prefix, 0) != 0 || space == std::string::npos) continue;
+    out[line.substr(prefix.size(), space - prefix.size())] = std::stod(line.substr(space + 1));
+  }
+  return out;
+}
+
+nlohmann::json walk(const Server& server, const std::vector<std::string>& more = {}) {
+  const std::string stats = scratch_folder() + "/s.json";
+  std::vector<std::string> command = {binary("mirage-view"),
+                                      server.url(),
+                                      "--offscreen",
+                                      "320x180",
+                                      "--path",
+                                      "builtin:walk",
+                                      "--frames",
+                                      "61",
+                                      "--virtual-time",
+                                      "--net",
+                                      "rtt=100,rate=20,server-ms=5,seed=1",
+                                      "--stats",
+                                      stats};
+  command.insert(command.end(), more.begin(), more.end());
+  const Finished view = run(command, 240);
+  EXPECT_EQ(view.exit_code, 0) << view.output;
+  std::ifstream file(stats);
+  return nlohmann::json::parse(file, nullptr, false);
+}
+
+void expect_about(double value, double expected, double share, const char* what) {
+  EXPECT_NEAR(value, expected, share * expected) << what;
+}
+
+TEST(Counters, OfAShortWalk) {
+  const Server server(kScene, {"--metrics"});
+  ASSERT_TRUE(server.ready()) << server.log();
+  const nlohmann::json s = walk(server);
+  ASSERT_TRUE(s.is_object());
+  std::map<std::string, double> m = metrics(server);
+
+  expect_about(s["draw_calls"], 17.5, 0.05, "draw calls a frame");
+  EXPECT_LE(s["draw_calls_max"], 25);
+
+  // Every ask that was not taken back is one rendering, and one reply.
+  expect_about(s["tiles"]["asked"], 67, 0.08, "tiles asked for");
+  EXPECT_EQ(m["tiles_rendered_total"], m["tiles_asked_total"]);
+  EXPECT_EQ(s["tiles"]["received"], m["tiles_rendered_total"]);
+  EXPECT_EQ(m["tiles_rendered_twice_total"], 0);
+  EXPECT_EQ(m["store_evictions_total"], 0);
+  EXPECT_EQ(s["tiles"]["refused"], 0);
+  expect_about(s["bytes_down"], 1'061'365, 0.05, "bytes down");
+
+  const nlohmann::json& uploads = s["uploads"];
+  EXPECT_LE(uploads["tiles"], s["tiles"]["received"]);
+  expect_about(uploads["tiles"], 66, 0.08, "tiles uploaded");
+  expect_about(uploads["bytes"], 7'941'091, 0.05, "bytes uploaded");
+  expect_about(uploads["largest_frame_bytes"], 1'668'360, 0.1, "bytes uploaded in one frame");
+  EXPECT_EQ(uploads["frames_over_budget"], 0);
+
+  // All of the server's shaders are there before the first ask, and all of the client's that do
+  // not depend on materials before the scene; those of materials come with the geometry that has
+  // them, and none is compiled within a draw.
+  EXPECT_EQ(m["shader_programs"], 16);
+  EXPECT_EQ(m["shader_programs_after_ready_total"], 0);
+  EXPECT_EQ(s["programs"]["compiled"], 20);
+  EXPECT_EQ(s["programs"]["after_scene"], 6);
+  EXPECT_EQ(s["programs"]["in_draws"], 0);
+}
+
+TEST(Counters, NoTileIsRenderedTwiceForManyClients) {
+  const Server server(kScene, {"--metrics"});
+  ASSERT_TRUE(server.ready()) << server.log();
+  const Finished load = run({binary("mirage-load"), server.url(), "--clients", "8", "--duration",
+                             "4", "--rate", "10", "--spread", "0", "--path", "builtin:walk"},
+                            60);
+  ASSERT_EQ(load.exit_code, 0) << load.output;
+  std::map<std::string, double> m = metrics(server);
+  EXPECT_GT(m["tiles_rendered_total"], 20);
+  EXPECT_GT(m["tiles_merged_total"] + m["store_hits_total"], 100);
+  EXPECT_EQ(m["tiles_rendered_twice_total"], 0);
+  EXPECT_EQ(m["store_evictions_total"], 0);
+  EXPECT_EQ(m["shader_programs_after_ready_total"], 0);
+}
+
+// The same walk with uploads spread over frames: as much is uploaded in all, and no frame takes
+// more than its budget; what is largest here is a level of a mesh or an image, alone in its frame.
+TEST(Counters, UploadsKeepToTheirBudget) {
+  const Server server(kScene);
+  ASSERT_TRUE(server.ready()) << server.log();
+  const nlohmann::json free = walk(server), held = walk(server, {"--upload-kb", "256"});
+  ASSERT_TRUE(free.is_object() && held.is_object());
+  EXPECT_GT(held["uploads"]["frames_over_budget"], 0);
+  EXPECT_LT(held["uploads"]["largest_frame_bytes"], free["uploads"]["largest_frame_bytes"]);
+  expect_about(held["uploads"]["bytes"], free["uploads"]["bytes"], 0.1, "bytes uploaded");
+}
+
+}  // namespace
+}  // namespace mirage::test

@@ -1,0 +1,69 @@
+// Memory is held to its budgets: graphics memory of tiles and of geometry, and what the viewer has
+// resident in a scene that is far larger than what it shows.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+namespace mirage::test {
+namespace {
+
+struct Walked {
+  Finished view;
+  nlohmann::json stats;
+};
+
+Walked walk(const std::string& scene, int frames, const std::vector<std::string>& more) {
+  const Server server(scene);
+  EXPECT_TRUE(server.ready()) << server.log();
+  const std::string stats = scratch_folder() + "/s.json";
+  std::vector<std::string> command = {binary("mirage-view"),
+                                      server.url(),
+                                      "--offscreen",
+                                      "640x360",
+                                      "--path",
+                                      "builtin:walk",
+                                      "--frames",
+                                      std::to_string(frames),
+                                      "--fps",
+                                      "10",
+                                      "--virtual-time",
+                                      "--net",
+                                      "rtt=50,rate=50,server-ms=1,seed=1",
+                                      "--stats",
+                                      stats};
+  command.insert(command.end(), more.begin(), more.end());
+  Walked out{run(command, 600), {}};
+  EXPECT_EQ(out.view.exit_code, 0) << out.view.output;
+  std::ifstream file(stats);
+  out.stats = nlohmann::json::parse(file, nullptr, false);
+  return out;
+}
+
+// More is to be shown than either budget holds.
+TEST(Memory, GraphicsMemoryStaysWithinItsBudgets) {
+  const Walked walked = walk("builtin:field?instances=10000", 20,
+                             {"--atlas-mb", "9", "--mesh-mb", "1", "--tau", "0.25"});
+  ASSERT_TRUE(walked.stats.is_object());
+  const nlohmann::json& memory = walked.stats["memory"];
+  EXPECT_LE(memory["atlas"], memory["atlas_budget"]);
+  EXPECT_LE(memory["geometry"], memory["geometry_budget"]);
+  const std::size_t most =
+      memory["atlas_budget"].get<std::size_t>() + memory["geometry_budget"].get<std::size_t>() +
+      memory["shadows"].get<std::size_t>() + memory["target"].get<std::size_t>();
+  EXPECT_LE(walked.stats["gpu_bytes_max"], most);
+  EXPECT_GT(memory["atlas"], 0);
+  EXPECT_GT(memory["geometry"], 0);
+}
+
+// 143 MB on a software renderer, whose own code is a third of it and which holds all graphics
+// memory; a tenth of a scene's instances would not fit into the rest.
+TEST(Memory, AMillionInstancesTakeTheViewerAQuarterOfAGigabyteAtMost) {
+  const Walked walked = walk("builtin:field?instances=1000000", 10, {});
+  EXPECT_LE(walked.view.peak_mb, 256);
+}
+
+}  // namespace
+}  // namespace mirage::test
