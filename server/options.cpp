@@ -73,6 +73,10 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.add_option("--device", o.render.device, "EGL device: auto, surfaceless, device0, …")
       ->capture_default_str();
   app.add_flag("--list-devices", o.list_devices, "show the EGL devices and exit");
+  app.add_option("--gpu-mb", o.render.gpu_mb,
+                 "graphics memory for the scene, tile pages and full renders")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
   app.add_option("--page", o.render.page_edge, "tile page edge in texels; larger suits a GPU")
       ->check(CLI::Range(64, 4096))
       ->capture_default_str();

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <future>
 
 #include "server/render/gpu_scene.h"
@@ -21,6 +22,10 @@ struct GlWorld {
   std::unique_ptr<SceneShadow> shadow;  ///< none without --shadows
   std::unique_ptr<TilePageRenderer> pages;
   std::unique_ptr<ReferenceRenderer> references;
+
+  std::size_t scene_bytes() const {
+    return scene->gpu_bytes() + (shadow ? shadow->gpu_bytes() : 0);
+  }
 };
 
 Result<GlWorld> make_world(std::shared_ptr<const PreparedScene> scene,
@@ -36,6 +41,14 @@ Result<GlWorld> make_world(std::shared_ptr<const PreparedScene> scene,
       TilePageRenderer::create(*world.scene, options.supersample, world.shadow.get());
   if (!pages) return pages.error();
   world.pages = std::make_unique<TilePageRenderer>(pages.take());
+  const std::size_t budget = options.gpu_mb << 20, taken = world.scene_bytes();
+  if (taken > budget) {
+    return make_error(ErrorId::kGraphicsGl,
+                      "the scene takes " + std::to_string(taken >> 20) +
+                          " MB of graphics memory, more than " + std::to_string(options.gpu_mb),
+                      "--gpu-mb takes more");
+  }
+  world.pages->limit(budget - taken, options.ring);
   if (Result<void> warm = world.pages->warm_up(options.page_edge); !warm) return warm.error();
   Result<ReferenceRenderer> references =
       ReferenceRenderer::create(*world.scene, world.shadow.get());
@@ -75,6 +88,16 @@ Result<std::string> RenderStage::start(std::shared_ptr<const PreparedScene> scen
   return ready.get();
 }
 
+void RenderStage::refuse(const std::vector<TileJob>& jobs) {
+  for (const TileJob& job : jobs) {
+    Completion none;
+    none.id = job.id;
+    none.refused = true;
+    completions_.push(std::move(none));
+  }
+  wake_();
+}
+
 void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions options,
                       std::function<void(Result<std::string>)> ready) {
   Result<gl::EglContext> context = gl::EglContext::create(options.device);
@@ -86,6 +109,15 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
 
   RenderedKeys rendered_before;
   ReadbackRing ring(options.ring);
+  const std::size_t scene_bytes = world->scene_bytes();
+  counters_.gpu_scene_bytes = scene_bytes;
+  const auto target_bytes = [&] { return world->pages->gpu_bytes() + ring.gpu_bytes(); };
+  const auto note_memory = [&](std::size_t more) {
+    counters_.gpu_target_bytes = target_bytes();
+    counters_.gpu_most_bytes =
+        std::max<std::uint64_t>(counters_.gpu_most_bytes, scene_bytes + target_bytes() + more);
+  };
+  note_memory(0);
   const auto hand_over = [&](ReadbackRing::Collected page) {
     const std::int64_t now = clock_.now_us();
     const auto tiles = static_cast<std::int64_t>(page.info.jobs.size());
@@ -105,7 +137,12 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
     if (!work && ring.empty()) break;
     if (work && std::holds_alternative<ReferenceJob>(*work)) {
       const ReferenceJob& job = std::get<ReferenceJob>(*work);
-      Result<Bytes> reply = world->references->render(job);
+      const std::size_t more = world->references->gpu_bytes(job);
+      Result<Bytes> reply = make_error(ErrorId::kGraphicsGl, "a full render is over --gpu-mb");
+      if (scene_bytes + target_bytes() + more <= options.gpu_mb << 20) {
+        note_memory(more);
+        reply = world->references->render(job);
+      }
       ++counters_.references_rendered;
       if (!reply) {
         spdlog::warn("{}", reply.error().line());
@@ -125,12 +162,17 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
         page.places.emplace_back(packer.places()[i].x, packer.places()[i].y);
       }
       const gl::RenderTarget* target = world->pages->render(page.jobs, packer);
-      ++counters_.pages_rendered;
-      counters_.tiles_rendered += page.jobs.size();
-      for (const TileJob& job : page.jobs) {
-        if (!rendered_before.add(job.id)) ++counters_.tiles_rendered_twice;
+      if (target) {
+        ++counters_.pages_rendered;
+        counters_.tiles_rendered += page.jobs.size();
+        for (const TileJob& job : page.jobs) {
+          if (!rendered_before.add(job.id)) ++counters_.tiles_rendered_twice;
+        }
+        ring.start(*target, std::move(page));
+        note_memory(0);
+      } else {
+        refuse(page.jobs);
       }
-      if (target) ring.start(*target, std::move(page));
     }
     counters_.shader_programs_after_ready = gl::programs_compiled() - counters_.shader_programs;
     // Collect what is done; wait only when the ring is full or nothing else is there to do.

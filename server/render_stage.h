@@ -20,10 +20,11 @@ namespace mirage {
 
 struct RenderOptions {
   std::string device = "auto";
-  int page_edge = 512;   ///< texels; larger pages suit a GPU
-  int supersample = 2;   ///< per axis
-  std::size_t ring = 2;  ///< pages in flight between drawing and read-back
-  bool shadows = false;  ///< the sun's, in reference frames and shadow tiles
+  int page_edge = 512;        ///< texels; larger pages suit a GPU
+  int supersample = 2;        ///< per axis
+  std::size_t ring = 2;       ///< pages in flight between drawing and read-back
+  std::size_t gpu_mb = 4096;  ///< graphics memory for the scene, targets and the ring, at most
+  bool shadows = false;       ///< the sun's, in reference frames and shadow tiles
 };
 
 class RenderStage {
@@ -34,7 +35,7 @@ class RenderStage {
   ~RenderStage();
 
   /// Starts the thread, uploads the scene and compiles every shader; returns the renderer's name.
-  /// Errors: kGraphicsDevice, kGraphicsShader, kGraphicsGl.
+  /// Errors: kGraphicsDevice, kGraphicsShader, kGraphicsGl (also: over the budget).
   Result<std::string> start(std::shared_ptr<const PreparedScene> scene,
                             const RenderOptions& options);
   /// Ends the thread; the tile queue must have been closed.
@@ -43,6 +44,9 @@ class RenderStage {
  private:
   void run(std::shared_ptr<const PreparedScene> scene, RenderOptions options,
            std::function<void(Result<std::string>)> ready);
+
+  /// No targets can be made for them.
+  void refuse(const std::vector<TileJob>& jobs);
 
   const Clock& clock_;
   Counters& counters_;

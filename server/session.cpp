@@ -325,6 +325,15 @@ void SessionHub::finish_tile(const Completion& done) {
 
 void SessionHub::complete(Completion completion) {
   if (completion.tile) return finish_tile(completion);
+  if (completion.refused) {
+    for (const Waiter& w : queue_.finish(completion.id)) {
+      const auto at = sessions_.find(w.session);
+      if (at != sessions_.end()) {
+        refuse(w.session, at->second, w.request_id, wire::RefusalReason::TooLarge);
+      }
+    }
+    return;
+  }
   if (completion.image) return finish_image(*completion.image, std::move(completion.message));
   const auto at = sessions_.find(completion.session);
   if (at != sessions_.end()) {

@@ -106,6 +106,7 @@ struct Completion {
   // Of a tile:
   TileCodec codec = TileCodec::kZstd;
   StoredTilePtr lossless = nullptr;  ///< of one just rendered: to make other forms from
+  bool refused = false;              ///< there is none: it takes too much graphics memory
 };
 
 }  // namespace mirage

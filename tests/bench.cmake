@@ -1,9 +1,15 @@
 # What things cost beside floors and peers; scripts/bench runs it.
 add_executable(mirage-bench
   bench/main.cpp bench/bench.cpp bench/selection_bench.cpp bench/tile_bench.cpp bench/store_bench.cpp
-  bench/startup_bench.cpp bench/latency_bench.cpp bench/codec_bench.cpp bench/client_bench.cpp support/rig.cpp support/large_scene.cpp)
+  bench/startup_bench.cpp bench/latency_bench.cpp bench/codec_bench.cpp bench/client_bench.cpp bench/gpu_bench.cpp support/rig.cpp support/large_scene.cpp)
 mirage_target(mirage-bench)
 target_link_libraries(mirage-bench PRIVATE mirage_test_support mirage_report_core mirage_server_core mirage_client_core
                       mirage_client_native mirage_client_host mirage_quality mirage_gltf CLI11::CLI11 nlohmann_json::nlohmann_json
                       OpenImageIO::OpenImageIO)
 add_dependencies(mirage-bench mirage-server mirage-load)
+
+# On a graphics card, where there is one: ctest -L gpu. Its code also runs without.
+add_test(NAME gpu COMMAND mirage-bench --only gpu)
+set_tests_properties(gpu PROPERTIES LABELS gpu SKIP_RETURN_CODE 77 TIMEOUT 900 RUN_SERIAL ON)
+add_test(NAME gpu_bench_without_card COMMAND mirage-bench --only gpu --quick --software)
+set_tests_properties(gpu_bench_without_card PROPERTIES TIMEOUT 300)

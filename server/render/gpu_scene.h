@@ -27,6 +27,15 @@ struct GpuScene {
       }
     }
   }
+  /// Of images and meshes, all levels.
+  std::size_t gpu_bytes() const {
+    std::size_t bytes = images.gpu_bytes();
+    for (const gl::GpuMesh& mesh : meshes) bytes += mesh.gpu_bytes();
+    for (const std::vector<gl::GpuMesh>& lods : tile_lods) {
+      for (const gl::GpuMesh& mesh : lods) bytes += mesh.gpu_bytes();
+    }
+    return bytes;
+  }
   /// What a tile of this object is drawn from.
   const gl::GpuMesh& mesh_for_tile(std::uint32_t object, const Capture& capture) const {
     return level(object, lod_for_tile(prepared->objects[object].lods, capture));

@@ -19,6 +19,11 @@ struct PendingPage {
   int edge = 0;
 };
 
+/// Graphics memory of a page on its way back, bytes.
+inline std::size_t readback_bytes(int edge, bool surface) {
+  return static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge) * (surface ? 9 : 5);
+}
+
 class ReadbackRing {
  public:
   explicit ReadbackRing(std::size_t depth) : depth_(depth) {}
@@ -27,6 +32,11 @@ class ReadbackRing {
   bool full() const { return slots_.size() >= depth_; }
   bool empty() const { return slots_.empty(); }
   void start(const gl::RenderTarget& page, PendingPage info);
+  std::size_t gpu_bytes() const {
+    std::size_t bytes = 0;
+    for (const Slot& slot : slots_) bytes += readback_bytes(slot.info.edge, slot.relit);
+    return bytes;
+  }
 
   struct Collected {
     PendingPage info;

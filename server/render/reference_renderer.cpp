@@ -7,6 +7,8 @@
 namespace mirage {
 namespace {
 
+const std::vector<GLenum> kKeptFormats = {GL_SRGB8_ALPHA8, GL_R32F, GL_R32UI};
+
 glm::dvec3 center_relative(const Instance& instance, const ObjectDescription& object,
                            const glm::dvec3& eye) {
   const Similarity& m = instance.world_from_object;
@@ -106,14 +108,24 @@ void ReferenceRenderer::draw_moving(const gl::MeshInstance& one, bool blended) {
                 &one, 1, blended);
 }
 
+std::vector<GLenum> ReferenceRenderer::drawn_formats() const {
+  return {GLenum(scene_->prepared->blends() ? GL_RGBA16F : GL_SRGB8_ALPHA8), GL_R32UI};
+}
+
+std::size_t ReferenceRenderer::gpu_bytes(const ReferenceJob& job) const {
+  const int w = static_cast<int>(job.camera.width), h = static_cast<int>(job.camera.height);
+  const int s = static_cast<int>(job.supersample);
+  return gl::target_bytes(w * s, h * s, drawn_formats(), GL_DEPTH_COMPONENT32F) +
+         gl::target_bytes(w, h, kKeptFormats, 0);
+}
+
 Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
   const auto start = std::chrono::steady_clock::now();
   meshes_->set_shadow(shadow_ ? shadow_->map_for(job.lighting) : nullptr, job.camera.pose.eye);
   const int w = static_cast<int>(job.camera.width), h = static_cast<int>(job.camera.height);
   const int s = static_cast<int>(job.supersample);
-  const GLenum color = scene_->prepared->blends() ? GL_RGBA16F : GL_SRGB8_ALPHA8;
-  gl::RenderTarget big(w * s, h * s, {color, GL_R32UI}, GL_DEPTH_COMPONENT32F);
-  gl::RenderTarget out(w, h, {GL_SRGB8_ALPHA8, GL_R32F, GL_R32UI}, 0);
+  gl::RenderTarget big(w * s, h * s, drawn_formats(), GL_DEPTH_COMPONENT32F);
+  gl::RenderTarget out(w, h, kKeptFormats, 0);
   if (!big.ok() || !out.ok()) {
     return make_error(ErrorId::kGraphicsGl, "reference frame is too large for this device");
   }

@@ -20,9 +20,12 @@ class ReferenceRenderer {
   /// none), then instance + 1 (u32, 0 = none), each width x height, top row first, zstd.
   /// Error kGraphicsGl when the target is too large for the device.
   Result<Bytes> render(const ReferenceJob& job);
+  /// Graphics memory that takes while it is drawn, bytes.
+  std::size_t gpu_bytes(const ReferenceJob& job) const;
 
  private:
   explicit ReferenceRenderer(const GpuScene& scene);
+  std::vector<GLenum> drawn_formats() const;
   void draw_scene(const Camera& camera, const Lighting& lighting, DepthMapping mapping);
   void draw_blended(const Camera& camera);
   /// One instance in its pose at the time of the job.

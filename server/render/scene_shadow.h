@@ -17,6 +17,7 @@ class SceneShadow {
   /// Drawn anew when the sun has turned since the last call, which binds another framebuffer.
   /// nullptr: the lighting has no sun.
   const gl::ShadowMap* map_for(const Lighting& lighting);
+  std::size_t gpu_bytes() const { return map_.gpu_bytes(); }
 
  private:
   explicit SceneShadow(const GpuScene& scene);

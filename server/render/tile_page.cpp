@@ -7,6 +7,7 @@
 
 #include "protocol/capture.h"
 #include "protocol/sun_frame.h"
+#include "server/render/readback_ring.h"
 
 namespace mirage {
 namespace {
@@ -115,7 +116,8 @@ Result<void> TilePageRenderer::warm_up(int page_edge) {
   }
   for (Path* path : {&lit_, &relit_}) {
     if (!prepare_targets(*path, page_edge, kUsualTile * fine_samples())) {
-      return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made");
+      return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made",
+                        "--gpu-mb takes more");
     }
   }
   // Drawn, too: a driver finishes a shader with its first draw, by all that is bound.
@@ -128,7 +130,8 @@ Result<void> TilePageRenderer::warm_up(int page_edge) {
       PagePacker packer(page_edge);
       packer.add(tile_edge(job->key.size_class));
       if (!render({*job}, packer)) {
-        return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made");
+        return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made",
+                          "--gpu-mb takes more");
       }
     }
   }
@@ -183,14 +186,37 @@ bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
     page.push_back(GL_RGBA8);
   }
   if (&path == &shadow_) drawn = {GL_RGBA16F, GL_RGBA16F};
-  if (!path.supersampled.ok() || path.supersampled.width() < big) {
-    path.supersampled = gl::RenderTarget(big, big, drawn, GL_DEPTH_COMPONENT32F);
+  if ((!path.supersampled.ok() || path.supersampled.width() < big) &&
+      !remake(path.supersampled, big, drawn, GL_DEPTH_COMPONENT32F, page_edge)) {
+    return false;
   }
   if (&path == &shadow_) return path.supersampled.ok();
-  if (!path.page.ok() || path.page.width() != page_edge) {
-    path.page = gl::RenderTarget(page_edge, page_edge, page, 0);
+  if ((!path.page.ok() || path.page.width() != page_edge) &&
+      !remake(path.page, page_edge, page, 0, page_edge)) {
+    return false;
   }
   return path.supersampled.ok() && path.page.ok();
+}
+
+bool TilePageRenderer::remake(gl::RenderTarget& target, int edge, const std::vector<GLenum>& colors,
+                              GLenum depth, int page_edge) const {
+  const std::size_t others = gpu_bytes() - target.gpu_bytes();
+  const std::size_t on_their_way =
+      ring_ * readback_bytes(page_edge, true);  // at worst: all with a surface
+  if (others + on_their_way + gl::target_bytes(edge, edge, colors, depth) > most_bytes_) {
+    return false;
+  }
+  target = gl::RenderTarget();  // never both
+  target = gl::RenderTarget(edge, edge, colors, depth);
+  return target.ok();
+}
+
+std::size_t TilePageRenderer::gpu_bytes() const {
+  std::size_t bytes = 0;
+  for (const Path* path : {&lit_, &relit_, &shadow_}) {
+    bytes += path->supersampled.gpu_bytes() + path->page.gpu_bytes();
+  }
+  return bytes;
 }
 
 Capture TilePageRenderer::capture_of(const TileJob& job) const {

@@ -5,6 +5,7 @@
 // The same place, because interpolation rounds by absolute position: drawn elsewhere, a tile
 // differs in its last bits, and would no longer be a pure function of its key.
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -44,8 +45,17 @@ class TilePageRenderer {
 
   /// Draws `jobs` at `places`; the result is the bound-for-reading target, valid until the next
   /// call; the surface of relit tiles is its third attachment. nullptr when the target cannot be
-  /// made.
+  /// made, or would be over the limit.
   const gl::RenderTarget* render(const std::vector<TileJob>& jobs, const PagePacker& packer);
+
+  /// Targets, and `ring` pages on their way back, may take this many bytes of graphics memory;
+  /// without this call, any number.
+  void limit(std::size_t bytes, std::size_t ring) {
+    most_bytes_ = bytes;
+    ring_ = ring;
+  }
+  /// Of targets.
+  std::size_t gpu_bytes() const;
 
   /// Names of the mesh shader's variants compiled so far, of lit and of relit tiles.
   std::vector<std::string> variants() const;
@@ -84,6 +94,9 @@ class TilePageRenderer {
   int fine_samples() const;
   /// `supersampled_edge` of the largest tile, in samples.
   bool prepare_targets(Path& path, int page_edge, int supersampled_edge);
+  /// Replaces a target unless that is over the limit; it then stays as it was.
+  bool remake(gl::RenderTarget& target, int edge, const std::vector<GLenum>& colors, GLenum depth,
+              int page_edge) const;
   Capture capture_of(const TileJob& job) const;
   void draw_tile(const TileJob& job);
   /// `eye` in the world; the members are none of them blended.
@@ -101,6 +114,8 @@ class TilePageRenderer {
   Path shadow_;     ///< without a page of its own
   Resolve caster_;  ///< the lit path's, but for what is kept
   gl::VertexArray empty_vao_;
+  std::size_t most_bytes_ = SIZE_MAX;
+  std::size_t ring_ = 0;  ///< pages of it at a time
 };
 
 }  // namespace mirage

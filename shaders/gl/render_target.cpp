@@ -31,10 +31,32 @@ Texture make_texture(int width, int height, GLenum internal_format) {
   return texture;
 }
 
+std::size_t texel_bytes(GLenum internal_format) {
+  switch (internal_format) {
+    case GL_R8:
+      return 1;
+    case GL_RGBA16F:
+      return 8;
+    case GL_RGBA32F:
+      return 16;
+    default:
+      return 4;
+  }
+}
+
 }  // namespace
 
+std::size_t target_bytes(int width, int height, const std::vector<GLenum>& colors, GLenum depth) {
+  std::size_t texel = depth != 0 ? texel_bytes(depth) : 0;
+  for (const GLenum color : colors) texel += texel_bytes(color);
+  return texel * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
 RenderTarget::RenderTarget(int width, int height, const std::vector<GLenum>& colors, GLenum depth)
-    : framebuffer_(Framebuffer::create()), width_(width), height_(height) {
+    : framebuffer_(Framebuffer::create()),
+      width_(width),
+      height_(height),
+      bytes_(target_bytes(width, height, colors, depth)) {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
   std::vector<GLenum> attachments;
   for (const GLenum format : colors) {

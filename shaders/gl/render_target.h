@@ -7,6 +7,9 @@
 
 namespace mirage::gl {
 
+/// Graphics memory of a target with these attachments, bytes; `depth` 0: none.
+std::size_t target_bytes(int width, int height, const std::vector<GLenum>& colors, GLenum depth);
+
 class RenderTarget {
  public:
   RenderTarget() = default;
@@ -21,6 +24,7 @@ class RenderTarget {
   GLuint framebuffer() const { return framebuffer_.id(); }
   GLuint color(std::size_t i) const { return colors_[i].id(); }
   GLuint depth() const { return depth_.id(); }
+  std::size_t gpu_bytes() const { return bytes_; }
 
  private:
   Framebuffer framebuffer_;
@@ -28,6 +32,7 @@ class RenderTarget {
   Texture depth_;
   int width_ = 0;
   int height_ = 0;
+  std::size_t bytes_ = 0;
   bool ok_ = false;
 };
 

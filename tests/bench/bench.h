@@ -26,12 +26,14 @@ struct Row {
 
 struct Conditions {
   bool quick = false;
+  std::string device = "auto";  ///< EGL device, of those that are about one
 };
 
 struct Bench {
   const char* id;
   const char* what;
   std::function<Result<std::vector<Row>>(const Conditions&)> run;
+  bool hardware = false;  ///< left out on a software renderer, unless that is asked for
 };
 
 std::vector<Bench> selection_benches();
@@ -41,6 +43,10 @@ std::vector<Bench> startup_benches();
 std::vector<Bench> latency_benches();
 std::vector<Bench> codec_benches();
 std::vector<Bench> client_benches();
+std::vector<Bench> gpu_benches();
+
+/// Whether the EGL device ("auto": the best there is) is a graphics card. Error kGraphicsDevice.
+Result<bool> is_hardware(const std::string& device);
 
 /// Of all threads of this process.
 double cpu_seconds();

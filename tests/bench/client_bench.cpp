@@ -22,7 +22,7 @@ constexpr int kWidth = 1280, kHeight = 720;
 constexpr int kMsaa = 4;
 constexpr double kFovY = 1.0471975511965976;  // 60 degrees
 constexpr int kSettleFrames = 400;
-constexpr int kAtlasMb = 120;
+constexpr int kAtlasMb = 216;
 constexpr std::int64_t kFrameUs = 16'667;
 
 // Every instance in view from its whole mesh, near ones first: what a client without impostors and

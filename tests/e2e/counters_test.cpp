@@ -6,32 +6,14 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "tests/support/metrics.h"
 #include "tests/support/process.h"
-#include "tests/support/raw_peer.h"
 
 namespace mirage::test {
 namespace {
 
 constexpr const char* kScene = "builtin:forest?trees=60&clutter=20";
-
-/// The server's counters by name, without the prefix.
-std::map<std::string, double> metrics(const Server& server) {
-  RawPeer peer(server.port());
-  peer.say("GET /metrics HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
-  std::string text;
-  for (std::string part = peer.hear(); !part.empty(); part = peer.hear()) text += part;
-  std::map<std::string, double> out;
-  std::istringstream lines(text);
-  const std::string prefix = "mirage_";
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t space = line.find(' ');
-    if (line.rfind(prefix, 0) != 0 || space == std::string::npos) continue;
-    out[line.substr(prefix.size(), space - prefix.size())] = std::stod(line.substr(space + 1));
-  }
-  return out;
-}
 
 nlohmann::json walk(const Server& server, const std::vector<std::string>& more = {}) {
   const std::string stats = scratch_folder() + "/s.json";

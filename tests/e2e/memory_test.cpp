@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/metrics.h"
 #include "tests/support/process.h"
 
 namespace mirage::test {
@@ -56,6 +58,28 @@ TEST(Memory, GraphicsMemoryStaysWithinItsBudgets) {
   EXPECT_LE(walked.stats["gpu_bytes_max"], most);
   EXPECT_GT(memory["atlas"], 0);
   EXPECT_GT(memory["geometry"], 0);
+}
+
+// The server's: what does not fit is refused, at start or when it is asked for.
+TEST(Memory, TheServersGraphicsMemoryStaysWithinItsBudget) {
+  const Server none("builtin:knot", {"--gpu-mb", "1"});
+  EXPECT_FALSE(none.ready());
+  EXPECT_NE(none.log().find("error graphics-gl: "), std::string::npos) << none.log();
+  const Server server("builtin:knot", {"--gpu-mb", "24", "--metrics"});
+  ASSERT_TRUE(server.ready()) << server.log();
+  const auto view = [&](const char* samples) {  // of full renders: 14 MB, and 47
+    return run({binary("mirage-view"), server.url(), "--offscreen", "640x360", "--path",
+                "builtin:orbit", "--frames", "9", "--virtual-time", "--net", "rtt=20,server-ms=1",
+                "--method", "quad", "--reference", "8", "--reference-samples", samples});
+  };
+  const Finished small = view("2"), large = view("4");
+  EXPECT_EQ(small.exit_code, 0) << small.output;
+  std::map<std::string, double> m = metrics(server);
+  EXPECT_LE(m["gpu_most_bytes"], 24 << 20);
+  EXPECT_GT(m["gpu_most_bytes"], m["gpu_scene_bytes"] + m["gpu_target_bytes"]);
+  EXPECT_GT(m["tiles_rendered_total"], 0);
+  EXPECT_NE(large.exit_code, 0) << large.output;
+  EXPECT_NE(large.output.find("the frame is too large"), std::string::npos) << large.output;
 }
 
 // 143 MB on a software renderer, whose own code is a third of it and which holds all graphics

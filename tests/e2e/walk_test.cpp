@@ -140,11 +140,10 @@ TEST(Walk, LightMoves) {
   const Server server("builtin:knot");
   ASSERT_TRUE(server.ready()) << server.log();
   const std::string folder = scratch_folder();
-  const Finished view =
-      run({binary("mirage-view"), server.url(), "--offscreen", "160x120", "--path", "builtin:still",
-           "--light", "builtin:sun-sweep", "--frames", "90", "--virtual-time", "--net",
-           "rtt=20,server-ms=2", "--stats", folder + "/s.json", "--relight", "never",
-           "--mesh-radii", "0"});
+  const Finished view = run({binary("mirage-view"), server.url(), "--offscreen", "160x120",
+                             "--path", "builtin:still", "--light", "builtin:sun-sweep", "--frames",
+                             "90", "--virtual-time", "--net", "rtt=20,server-ms=2", "--stats",
+                             folder + "/s.json", "--relight", "never", "--mesh-radii", "0"});
   ASSERT_EQ(view.exit_code, 0) << view.output;
   const nlohmann::json s = nlohmann::json::parse(read(folder + "/s.json"));
   EXPECT_GE(s["tiles"]["received"], 5);  // 1.5 s of a sun that moves every frame
