@@ -30,7 +30,7 @@ Walked walk(const std::string& scene, int frames, const std::vector<std::string>
                                       "--frames",
                                       std::to_string(frames),
                                       "--fps",
-                                      "10",
+                                      "5",
                                       "--virtual-time",
                                       "--net",
                                       "rtt=50,rate=50,server-ms=1,seed=1",
@@ -46,8 +46,9 @@ Walked walk(const std::string& scene, int frames, const std::vector<std::string>
 
 // More is to be shown than either budget holds.
 TEST(Memory, GraphicsMemoryStaysWithinItsBudgets) {
-  const Walked walked = walk("builtin:field?instances=10000", 20,
-                             {"--atlas-mb", "9", "--mesh-mb", "1", "--tau", "0.25"});
+  const Walked walked = walk("builtin:field?instances=10000", 30,
+                             {"--atlas-mb", "9", "--mesh-mb", "1", "--tau", "0.25", "--mesh-radii",
+                              "0", "--relight", "always"});
   ASSERT_TRUE(walked.stats.is_object());
   const nlohmann::json& memory = walked.stats["memory"];
   EXPECT_LE(memory["atlas"], memory["atlas_budget"]);
@@ -56,7 +57,7 @@ TEST(Memory, GraphicsMemoryStaysWithinItsBudgets) {
       memory["atlas_budget"].get<std::size_t>() + memory["geometry_budget"].get<std::size_t>() +
       memory["shadows"].get<std::size_t>() + memory["target"].get<std::size_t>();
   EXPECT_LE(walked.stats["gpu_bytes_max"], most);
-  EXPECT_GT(memory["atlas"], 0);
+  EXPECT_GT(walked.stats["uploads"]["bytes"], memory["atlas_budget"]) << "too little to ask for";
   EXPECT_GT(memory["geometry"], 0);
 }
 
@@ -65,7 +66,7 @@ TEST(Memory, TheServersGraphicsMemoryStaysWithinItsBudget) {
   const Server none("builtin:knot", {"--gpu-mb", "1"});
   EXPECT_FALSE(none.ready());
   EXPECT_NE(none.log().find("error graphics-gl: "), std::string::npos) << none.log();
-  const Server server("builtin:knot", {"--gpu-mb", "24", "--metrics"});
+  const Server server("builtin:knot", {"--gpu-mb", "32", "--metrics"});
   ASSERT_TRUE(server.ready()) << server.log();
   const auto view = [&](const char* samples) {  // of full renders: 14 MB, and 47
     return run({binary("mirage-view"), server.url(), "--offscreen", "640x360", "--path",
@@ -75,7 +76,7 @@ TEST(Memory, TheServersGraphicsMemoryStaysWithinItsBudget) {
   const Finished small = view("2"), large = view("4");
   EXPECT_EQ(small.exit_code, 0) << small.output;
   std::map<std::string, double> m = metrics(server);
-  EXPECT_LE(m["gpu_most_bytes"], 24 << 20);
+  EXPECT_LE(m["gpu_most_bytes"], 32 << 20);
   EXPECT_GT(m["gpu_most_bytes"], m["gpu_scene_bytes"] + m["gpu_target_bytes"]);
   EXPECT_GT(m["tiles_rendered_total"], 0);
   EXPECT_NE(large.exit_code, 0) << large.output;
