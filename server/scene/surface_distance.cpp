@@ -94,8 +94,8 @@ SurfaceTree::Box SurfaceTree::build(std::uint32_t at, std::uint32_t leaf, Center
     const Box box = is_leaf ? make_leaf(leaves[i], own, counts[i])
                             : build(nodes[i], leaves[i], own, counts[i], workers);
     for (int c = 0; c < 3; ++c) {
-      node.low[c][i] = box.low[c];
-      node.high[c][i] = box.high[c];
+      node.bounds[c][i] = box.low[c];
+      node.bounds[c][2 + i] = -box.high[c];
     }
   };
   if (count > kSharedTriangles) {
@@ -106,8 +106,8 @@ SurfaceTree::Box SurfaceTree::build(std::uint32_t at, std::uint32_t leaf, Center
   }
   Box box;
   for (int c = 0; c < 3; ++c) {
-    box.low[c] = std::min(node.low[c][0], node.low[c][1]);
-    box.high[c] = std::max(node.high[c][0], node.high[c][1]);
+    box.low[c] = std::min(node.bounds[c][0], node.bounds[c][1]);
+    box.high[c] = -std::min(node.bounds[c][2], node.bounds[c][3]);
   }
   return box;
 }
@@ -134,6 +134,7 @@ void SurfaceTree::try_leaf(std::uint32_t leaf, const glm::vec3& p, Nearest& best
 }
 
 void SurfaceTree::search(const glm::vec3& p, float enough2, Nearest& best) const {
+  const Lanes place[3] = {{p.x, p.x, -p.x, -p.x}, {p.y, p.y, -p.y, -p.y}, {p.z, p.z, -p.z, -p.z}};
   struct Waiting {
     std::uint32_t child;
     float distance2;
@@ -146,12 +147,13 @@ void SurfaceTree::search(const glm::vec3& p, float enough2, Nearest& best) const
     while (distance2 < best.distance2 &&
            !(at & kLeaf)) {  // to the nearer leaf, the other sides wait
       const Node& node = nodes_[at];
-      float outside2[2] = {0, 0};
+      Lanes outside2{};  // by child
       for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < 2; ++i) {
-          const float d = std::max(std::max(node.low[c][i] - p[c], p[c] - node.high[c][i]), 0.0f);
-          outside2[i] += d * d;
-        }
+        const Lanes beyond = node.bounds[c] - place[c];
+        const Lanes other = __builtin_shufflevector(beyond, beyond, 2, 3, 0, 1);
+        Lanes d = beyond > other ? beyond : other;
+        d = d > 0 ? d : Lanes{};
+        outside2 += d * d;
       }
       const int near = outside2[1] < outside2[0] ? 1 : 0;
       if (outside2[1 - near] < best.distance2) {

@@ -38,9 +38,10 @@ class SurfaceTree {
   std::vector<std::uint32_t> places_of_vertices() const;
 
  private:
+  using Lanes = FourTriangles::Lanes;
   /// Both children's boxes, side by side: one line of the cache for each step down.
   struct alignas(64) Node {
-    float low[3][2], high[3][2];
+    Lanes bounds[3];         ///< by axis: the least values of both, then the greatest with minus
     std::uint32_t child[2];  ///< an inner node, or a leaf (kLeaf)
   };
   struct Box {
