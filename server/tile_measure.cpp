@@ -105,6 +105,34 @@ std::vector<float> depths_of(const std::vector<std::uint8_t>& codes, const Depth
   return out;
 }
 
+/// 1 / depth of a plane, linear in the texel.
+struct Line {
+  double at_corner, along_x, along_y;
+};
+
+// Least of `least` and of all lines at each texel of a row. Of a run of texels only the lines are
+// followed that are not above another one on all of it.
+void take_least(const std::vector<Line>& lines, double y, std::vector<double>& least) {
+  constexpr std::size_t kRun = 16;
+  const auto at = [y](const Line& line, std::size_t x) {
+    return line.at_corner + line.along_y * y + line.along_x * static_cast<double>(x);
+  };
+  for (std::size_t begin = 0; begin < least.size(); begin += kRun) {
+    const std::size_t end = std::min(begin + kRun, least.size());
+    double most = std::numeric_limits<double>::infinity();
+    for (const Line& line : lines) {
+      most = std::min(most, std::max(at(line, begin), at(line, end - 1)));
+    }
+    for (const Line& line : lines) {
+      if (std::min(at(line, begin), at(line, end - 1)) > most) continue;
+      const double start = line.at_corner + line.along_y * y;
+      for (std::size_t x = begin; x < end; ++x) {
+        least[x] = std::min(least[x], start + line.along_x * static_cast<double>(x));
+      }
+    }
+  }
+}
+
 void measure(Tile& tile, const Capture& capture, const ObjectDescription& object) {
   const DepthCode code(capture.radius, capture.distance);
   const auto quantum = static_cast<float>(code.quantum());
@@ -153,37 +181,28 @@ std::vector<float> entry_depths(const std::vector<Plane>& planes, const Capture&
   const glm::dvec3 corner = capture.point_from_texel(first, 1.0);
   const glm::dvec3 along_x = capture.point_from_texel(first + glm::dvec2(1, 0), 1.0) - corner;
   const glm::dvec3 along_y = capture.point_from_texel(first + glm::dvec2(0, 1), 1.0) - corner;
-  struct Line {
-    double at_corner, along_x, along_y;
-  };
-  std::vector<Line> entering, leaving;
+  std::vector<Line> entering, leaving;  // of the leaving the opposite: the greatest counts
   for (const Plane& plane : planes) {
     const glm::dvec3 n(plane.normal);
     double gap = plane.offset - glm::dot(n, center + eye);
     if (gap == 0) gap = std::numeric_limits<double>::min();
-    const Line inverse{glm::dot(n, corner - eye) / gap, glm::dot(n, along_x) / gap,
-                       glm::dot(n, along_y) / gap};
-    (gap < 0 ? entering : leaving).push_back(inverse);
+    if (gap < 0) {
+      entering.push_back({glm::dot(n, corner - eye) / gap, glm::dot(n, along_x) / gap,
+                          glm::dot(n, along_y) / gap});
+    } else {
+      leaving.push_back({-glm::dot(n, corner - eye) / gap, -glm::dot(n, along_x) / gap,
+                         -glm::dot(n, along_y) / gap});
+    }
   }
   std::vector<float> out(crop.area(), std::numeric_limits<float>::quiet_NaN());
   std::vector<double> enter(crop.w), leave(crop.w);
   for (std::uint32_t y = 0; y < crop.h; ++y) {
     std::fill(enter.begin(), enter.end(), kInfinity);
     std::fill(leave.begin(), leave.end(), 0.0);
-    for (const Line& line : entering) {
-      const double start = line.at_corner + line.along_y * y;
-      for (std::uint32_t x = 0; x < crop.w; ++x) {
-        enter[x] = std::min(enter[x], start + line.along_x * x);
-      }
-    }
-    for (const Line& line : leaving) {
-      const double start = line.at_corner + line.along_y * y;
-      for (std::uint32_t x = 0; x < crop.w; ++x) {
-        leave[x] = std::max(leave[x], start + line.along_x * x);
-      }
-    }
+    take_least(entering, y, enter);
+    take_least(leaving, y, leave);
     for (std::uint32_t x = 0; x < crop.w; ++x) {
-      const bool met = enter[x] > 0 && enter[x] >= leave[x];
+      const bool met = enter[x] > 0 && enter[x] >= -leave[x];
       if (met) out[std::size_t{y} * crop.w + x] = static_cast<float>(1 / enter[x]);
     }
   }
