@@ -1,6 +1,7 @@
 #include "server/tile_measure.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -40,54 +41,106 @@ TileCrop content_crop(const Source& source) {
 
 // Largest dc^2 |1/z - 1/entry| with the entry depth taken over the 3x3 neighbourhood as well, which
 // covers what happens between texel centres; `unusable` when content lies where the proxy is
-// missed.
+// missed. Of a neighbourhood, the nearest or the farthest entry differs most.
 float entry_difference(const std::vector<float>& z, const std::vector<float>& entry,
                        const TileCrop& crop, float dc, float unusable) {
-  float worst = 0;
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  const std::size_t w = crop.w;
+  // Of three rows, by column; a column more on both sides.
+  std::vector<float> low(w + 2, kNone), high(w + 2, 0.0f), worst(w, 0.0f), missed(w, 0.0f);
   for (std::uint32_t y = 0; y < crop.h; ++y) {
-    for (std::uint32_t x = 0; x < crop.w; ++x) {
-      const float depth = z[std::size_t{y} * crop.w + x];
-      if (depth == 0) continue;
-      bool met = false;
-      for (std::uint32_t ny = y > 0 ? y - 1 : 0; ny <= std::min(y + 1, crop.h - 1); ++ny) {
-        for (std::uint32_t nx = x > 0 ? x - 1 : 0; nx <= std::min(x + 1, crop.w - 1); ++nx) {
-          const float e = entry[std::size_t{ny} * crop.w + nx];
-          if (std::isnan(e)) continue;
-          met = true;
-          worst = std::max(worst, std::abs(depth - e) * (dc / depth) * (dc / e));
-        }
+    std::fill(low.begin(), low.end(), kNone);
+    std::fill(high.begin(), high.end(), 0.0f);
+    for (std::uint32_t ny = y > 0 ? y - 1 : 0; ny <= std::min(y + 1, crop.h - 1); ++ny) {
+      const float* const row = &entry[ny * w];
+      for (std::size_t x = 0; x < w; ++x) {  // never true of what is no number
+        low[x + 1] = row[x] < low[x + 1] ? row[x] : low[x + 1];
+        high[x + 1] = row[x] > high[x + 1] ? row[x] : high[x + 1];
       }
-      if (!met) return unusable;
+    }
+    const float* const depths = &z[y * w];
+    for (std::size_t x = 0; x < w; ++x) {
+      const float depth = depths[x];
+      const float near = std::min(std::min(low[x], low[x + 1]), low[x + 2]);
+      const float far = std::max(std::max(high[x], high[x + 1]), high[x + 2]);
+      const float scale = dc / depth;
+      const float differs = std::max(std::abs(depth - near) * scale * (dc / near),
+                                     std::abs(depth - far) * scale * (dc / far));
+      const bool content = depth != 0, met = far > 0;
+      worst[x] = content & met & (differs > worst[x]) ? differs : worst[x];
+      missed[x] = content & !met ? 1.0f : missed[x];
     }
   }
-  return worst;
+  if (std::find(missed.begin(), missed.end(), 1.0f) != missed.end()) return unusable;
+  return *std::max_element(worst.begin(), worst.end());
+}
+
+// Between `count` texels and those `ahead` of them.
+void grow_gap(const float* z, std::size_t ahead, std::size_t count, std::vector<float>& gap) {
+  for (std::size_t x = 0; x < count; ++x) {
+    const float a = z[x], b = z[x + ahead], differs = std::abs(a - b);
+    gap[x] = (a != 0) & (b != 0) & (differs > gap[x]) ? differs : gap[x];
+  }
 }
 
 float largest_gap(const std::vector<float>& z, const TileCrop& crop) {
-  float gap = 0;
+  std::vector<float> gap(crop.w, 0.0f);
   for (std::uint32_t y = 0; y < crop.h; ++y) {
-    for (std::uint32_t x = 0; x < crop.w; ++x) {
-      const std::size_t i = std::size_t{y} * crop.w + x;
-      if (z[i] == 0) continue;
-      if (x + 1 < crop.w && z[i + 1] != 0) gap = std::max(gap, std::abs(z[i] - z[i + 1]));
-      if (y + 1 < crop.h && z[i + crop.w] != 0) {
-        gap = std::max(gap, std::abs(z[i] - z[i + crop.w]));
+    const float* const row = &z[std::size_t{y} * crop.w];
+    grow_gap(row, 1, crop.w - 1, gap);
+    if (y + 1 < crop.h) grow_gap(row, crop.w, crop.w, gap);
+  }
+  return *std::max_element(gap.begin(), gap.end());
+}
+
+// Capture depth of each texel; 0: nothing there.
+std::vector<float> depths_of(const std::vector<std::uint8_t>& codes, const DepthCode& code) {
+  std::array<float, 256> depth{};
+  for (std::size_t i = 1; i < depth.size(); ++i) {
+    depth[i] = static_cast<float>(code.decode(static_cast<std::uint8_t>(i)));
+  }
+  std::vector<float> out;
+  out.reserve(codes.size());
+  for (const std::uint8_t c : codes) out.push_back(depth[c]);
+  return out;
+}
+
+/// 1 / depth of a plane, linear in the texel.
+struct Line {
+  double at_corner, along_x, along_y;
+};
+
+// Least of `least` and of all lines at each texel of a row. Of a run of texels only the lines are
+// followed that are not above another one on all of it.
+void take_least(const std::vector<Line>& lines, double y, std::vector<double>& least) {
+  constexpr std::size_t kRun = 16;
+  const auto at = [y](const Line& line, std::size_t x) {
+    return line.at_corner + line.along_y * y + line.along_x * static_cast<double>(x);
+  };
+  for (std::size_t begin = 0; begin < least.size(); begin += kRun) {
+    const std::size_t end = std::min(begin + kRun, least.size());
+    double most = std::numeric_limits<double>::infinity();
+    for (const Line& line : lines) {
+      most = std::min(most, std::max(at(line, begin), at(line, end - 1)));
+    }
+    for (const Line& line : lines) {
+      if (std::min(at(line, begin), at(line, end - 1)) > most) continue;
+      const double start = line.at_corner + line.along_y * y;
+      for (std::size_t x = begin; x < end; ++x) {
+        least[x] = std::min(least[x], start + line.along_x * static_cast<double>(x));
       }
     }
   }
-  return gap;
 }
 
 void measure(Tile& tile, const Capture& capture, const ObjectDescription& object) {
   const DepthCode code(capture.radius, capture.distance);
   const auto quantum = static_cast<float>(code.quantum());
-  std::vector<float> z(tile.crop.area(), 0.0f);
+  const std::vector<float> z = depths_of(tile.depth, code);
   float low = std::numeric_limits<float>::infinity(), high = 0;
-  for (std::size_t i = 0; i < z.size(); ++i) {
-    if (tile.depth[i] == 0) continue;
-    z[i] = static_cast<float>(code.decode(tile.depth[i]));
-    low = std::min(low, z[i]);
-    high = std::max(high, z[i]);
+  for (const float depth : z) {
+    low = depth != 0 && depth < low ? depth : low;
+    high = std::max(high, depth);
   }
   if (high == 0) return;
   TileMeasure& m = tile.measure;
@@ -128,37 +181,28 @@ std::vector<float> entry_depths(const std::vector<Plane>& planes, const Capture&
   const glm::dvec3 corner = capture.point_from_texel(first, 1.0);
   const glm::dvec3 along_x = capture.point_from_texel(first + glm::dvec2(1, 0), 1.0) - corner;
   const glm::dvec3 along_y = capture.point_from_texel(first + glm::dvec2(0, 1), 1.0) - corner;
-  struct Line {
-    double at_corner, along_x, along_y;
-  };
-  std::vector<Line> entering, leaving;
+  std::vector<Line> entering, leaving;  // of the leaving the opposite: the greatest counts
   for (const Plane& plane : planes) {
     const glm::dvec3 n(plane.normal);
     double gap = plane.offset - glm::dot(n, center + eye);
     if (gap == 0) gap = std::numeric_limits<double>::min();
-    const Line inverse{glm::dot(n, corner - eye) / gap, glm::dot(n, along_x) / gap,
-                       glm::dot(n, along_y) / gap};
-    (gap < 0 ? entering : leaving).push_back(inverse);
+    if (gap < 0) {
+      entering.push_back({glm::dot(n, corner - eye) / gap, glm::dot(n, along_x) / gap,
+                          glm::dot(n, along_y) / gap});
+    } else {
+      leaving.push_back({-glm::dot(n, corner - eye) / gap, -glm::dot(n, along_x) / gap,
+                         -glm::dot(n, along_y) / gap});
+    }
   }
   std::vector<float> out(crop.area(), std::numeric_limits<float>::quiet_NaN());
   std::vector<double> enter(crop.w), leave(crop.w);
   for (std::uint32_t y = 0; y < crop.h; ++y) {
     std::fill(enter.begin(), enter.end(), kInfinity);
     std::fill(leave.begin(), leave.end(), 0.0);
-    for (const Line& line : entering) {
-      const double start = line.at_corner + line.along_y * y;
-      for (std::uint32_t x = 0; x < crop.w; ++x) {
-        enter[x] = std::min(enter[x], start + line.along_x * x);
-      }
-    }
-    for (const Line& line : leaving) {
-      const double start = line.at_corner + line.along_y * y;
-      for (std::uint32_t x = 0; x < crop.w; ++x) {
-        leave[x] = std::max(leave[x], start + line.along_x * x);
-      }
-    }
+    take_least(entering, y, enter);
+    take_least(leaving, y, leave);
     for (std::uint32_t x = 0; x < crop.w; ++x) {
-      const bool met = enter[x] > 0 && enter[x] >= leave[x];
+      const bool met = enter[x] > 0 && enter[x] >= -leave[x];
       if (met) out[std::size_t{y} * crop.w + x] = static_cast<float>(1 / enter[x]);
     }
   }

@@ -19,10 +19,26 @@ struct Range4 {
 };
 
 Range4 range_of(const Image& image) {
+  constexpr std::size_t kAtOnce = 16;  // bytes: the compiler takes one instruction for them
+  std::array<std::uint8_t, kAtOnce> low, high;
+  low.fill(255);
+  high.fill(0);
+  const std::uint8_t* const rgba = image.rgba.data();
+  const std::size_t size = image.rgba.size(), whole = size / kAtOnce * kAtOnce;
+  for (std::size_t i = 0; i < whole; i += kAtOnce) {
+    for (std::size_t k = 0; k < kAtOnce; ++k) {
+      low[k] = std::min(low[k], rgba[i + k]);
+      high[k] = std::max(high[k], rgba[i + k]);
+    }
+  }
+  for (std::size_t i = whole; i < size; ++i) {
+    low[i % 4] = std::min(low[i % 4], rgba[i]);
+    high[i % 4] = std::max(high[i % 4], rgba[i]);
+  }
   Range4 out;
-  for (std::size_t i = 0; i < image.rgba.size(); ++i) {
-    out.low[i % 4] = std::min(out.low[i % 4], image.rgba[i]);
-    out.high[i % 4] = std::max(out.high[i % 4], image.rgba[i]);
+  for (std::size_t k = 0; k < kAtOnce; ++k) {
+    out.low[k % 4] = std::min(out.low[k % 4], low[k]);
+    out.high[k % 4] = std::max(out.high[k % 4], high[k]);
   }
   return out;
 }

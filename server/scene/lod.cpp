@@ -13,6 +13,7 @@
 #include "server/scene/lod_error.h"
 #include "server/scene/lod_normals.h"
 #include "server/scene/seams.h"
+#include "server/scene/surface_simplifier.h"
 
 namespace mirage {
 namespace {
@@ -201,18 +202,15 @@ float spread_of(const std::vector<Piece>& pieces, double share) {
 class Chain {
  public:
   Chain(Part part, const Material& material, const Workers& workers)
-      : workers_(workers), part_(std::move(part)), coarse_(part_.indices) {
+      : workers_(workers), part_(std::move(part)) {
     if (part_.kind != PrimitiveKind::kTriangles) return;
     pieces_ = pieces_of(part_);
     if (is_foliage(material, part_, pieces_)) return;
     pieces_.clear();
-    if (is_soup(part_)) {
-      part_ = welded(part_);
-      coarse_ = part_.indices;
-    }
-    scale_ = double{meshopt_simplifyScale(&part_.vertices[0].position.x, part_.vertices.size(),
-                                          sizeof(Vertex))};
-    surface_.emplace(part_.vertices, part_.indices, scale_, workers_);
+    if (is_soup(part_)) part_ = welded(part_);
+    simplifier_.emplace(part_.vertices, part_.indices);
+    coarse_ = part_.indices;
+    surface_.emplace(part_.vertices, part_.indices, simplifier_->scale(), workers_);
   }
   Chain(Chain&&) = delete;
 
@@ -237,28 +235,24 @@ class Chain {
         3;
     double aim = allowed;
     for (int i = 0; i < kTries && coarse_.size() > target; ++i, aim *= 0.4) {
-      std::vector<std::uint32_t> next(coarse_.size());
-      float relative = 0;
-      next.resize(meshopt_simplify(next.data(), coarse_.data(), coarse_.size(),
-                                   &part_.vertices[0].position.x, part_.vertices.size(),
-                                   sizeof(Vertex), target, static_cast<float>(aim / scale_), 0,
-                                   &relative));
+      SurfaceSimplifier::Step step = simplifier_->simplified(target, aim);
       // Nothing left is no level of detail but a hole.
-      if (next.empty() || next.size() >= coarse_.size()) break;
-      const double estimate = estimate_ + double{relative} * scale_;
+      if (step.indices.empty() || step.indices.size() >= coarse_.size()) break;
+      std::vector<std::uint32_t> next = simplifier_->full_indices(step.indices);
+      const double estimate = estimate_ + step.error;
       const double error = surface_->distance_to(next, estimate, allowed, workers_);
       if (error > allowed) continue;
       if (surface_->colored() && surface_->loses_colors(next, workers_)) continue;
+      simplifier_->take(std::move(step));
       coarse_ = std::move(next);
       estimate_ = estimate;
       error_ = error;
       break;
     }
     out.error = std::max(out.error, static_cast<float>(error_ * 1.0001));
-    std::vector<Vertex> vertices = part_.vertices;
-    std::vector<std::uint32_t> indices = coarse_;
-    restore_normals(*surface_, vertices, indices, workers_);
-    append(out.mesh, part_, vertices, indices);
+    Level level = level_of(part_.vertices, coarse_);
+    restore_normals(*surface_, level, workers_);
+    append(out.mesh, part_, level.vertices, level.indices);
   }
 
   void thin(double share, MeshLod& out) const {
@@ -287,12 +281,13 @@ class Chain {
 
   const Workers& workers_;
   Part part_;
-  std::vector<std::uint32_t> coarse_;   ///< indices of the present level
-  std::vector<Piece> pieces_;           ///< of foliage only
-  std::optional<FullSurface> surface_;  ///< the full primitive; empty for foliage
-  double scale_ = 0;                    ///< what the simplifier's errors are relative to
-  double estimate_ = 0;                 ///< sum of the simplifier's errors, object units
-  double error_ = 0;                    ///< of the present level
+  std::vector<std::uint32_t> coarse_;  ///< of the present level, into part_.vertices
+  std::vector<Piece> pieces_;          ///< of foliage only
+  // Of the full primitive; empty for foliage.
+  std::optional<SurfaceSimplifier> simplifier_;
+  std::optional<FullSurface> surface_;
+  double estimate_ = 0;  ///< sum of the simplifier's errors, object units
+  double error_ = 0;     ///< of the present level
 };
 
 double extent_of(const Mesh& mesh) {

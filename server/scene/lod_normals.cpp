@@ -16,19 +16,19 @@ glm::vec3 near_corner(const glm::vec3 (&v)[3], std::size_t k) {
 }
 
 /// By corner: the full surface's normal where the corner shades wrongly, else zero.
-std::vector<glm::vec3> missing_normals(const FullSurface& full, const std::vector<Vertex>& vertices,
-                                       const std::vector<std::uint32_t>& indices,
+std::vector<glm::vec3> missing_normals(const FullSurface& full, const Level& level,
                                        const Workers& workers) {
+  const std::vector<std::uint32_t>& indices = level.indices;
   std::vector<glm::vec3> out(indices.size(), glm::vec3(0));
   const auto one = [&](std::size_t t) {
     glm::vec3 p[3], n[3];
     for (std::size_t k = 0; k < 3; ++k) {
-      p[k] = vertices[indices[t + k]].position;
-      n[k] = vertices[indices[t + k]].normal;
+      p[k] = level.vertices[indices[t + k]].position;
+      n[k] = level.vertices[indices[t + k]].normal;
     }
     const glm::vec3 face = glm::cross(p[1] - p[0], p[2] - p[0]);
     for (std::size_t k = 0; k < 3; ++k) {
-      std::uint32_t near = full.places()[indices[t + k]];
+      std::uint32_t near = full.places()[level.origin[indices[t + k]]];
       const glm::vec3 right = full.tree().shading_at(near_corner(p, k), near).normal;
       if (glm::dot(right, face) <= 0) continue;  // of another side
       const glm::vec3 shown = near_corner(n, k);
@@ -45,9 +45,24 @@ std::vector<glm::vec3> missing_normals(const FullSurface& full, const std::vecto
 
 }  // namespace
 
-void restore_normals(const FullSurface& full, std::vector<Vertex>& vertices,
-                     std::vector<std::uint32_t>& indices, const Workers& workers) {
-  const std::vector<glm::vec3> missing = missing_normals(full, vertices, indices, workers);
+Level level_of(const std::vector<Vertex>& vertices, const std::vector<std::uint32_t>& indices) {
+  Level out;
+  out.indices.reserve(indices.size());
+  std::vector<std::uint32_t> place(vertices.size(), UINT32_MAX);
+  for (const std::uint32_t i : indices) {
+    if (place[i] == UINT32_MAX) {
+      place[i] = static_cast<std::uint32_t>(out.vertices.size());
+      out.vertices.push_back(vertices[i]);
+      out.origin.push_back(i);
+    }
+    out.indices.push_back(place[i]);
+  }
+  return out;
+}
+
+void restore_normals(const FullSurface& full, Level& level, const Workers& workers) {
+  const std::vector<glm::vec3> missing = missing_normals(full, level, workers);
+  auto& [vertices, indices, origin] = level;
   std::map<std::uint32_t, std::vector<std::uint32_t>> copies;  // of a vertex, with other normals
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const glm::vec3& right = missing[i];
@@ -61,6 +76,7 @@ void restore_normals(const FullSurface& full, std::vector<Vertex>& vertices,
       copy.normal = right;
       made.push_back(static_cast<std::uint32_t>(vertices.size()));
       vertices.push_back(copy);
+      origin.push_back(origin[indices[i]]);
       at = made.end() - 1;
     }
     indices[i] = *at;

@@ -1,6 +1,7 @@
 #include "server/scene/object_description.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "server/scene/convex_hull.h"
@@ -99,18 +100,18 @@ void use_motion(const MeasuredMotion& measured, ObjectDescription& out) {
 ImageDescription describe_image(const Scene& scene, std::size_t index) {
   const Image& image = scene.images[index];
   ImageDescription out{image.width, image.height, image.srgb, {}, 0};
-  glm::dvec3 sum(0);
-  double alpha = 0;
+  std::array<std::uint64_t, 3> sum{};
+  std::uint64_t alpha = 0;
   const std::size_t pixels = image.rgba.size() / 4;
   for (std::size_t i = 0; i < pixels; ++i) {
     const std::uint8_t* p = &image.rgba[i * 4];
-    for (int c = 0; c < 3; ++c) sum[c] += static_cast<double>(p[3]) * p[c];
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += std::uint32_t{p[3]} * p[c];
     alpha += p[3];
   }
   for (std::size_t c = 0; c < 3; ++c) {
-    out.mean[c] = static_cast<std::uint8_t>(alpha > 0 ? sum[static_cast<int>(c)] / alpha : 128.0);
+    out.mean[c] = static_cast<std::uint8_t>(alpha > 0 ? sum[c] / alpha : 128);
   }
-  out.mean[3] = static_cast<std::uint8_t>(alpha / static_cast<double>(pixels));
+  out.mean[3] = static_cast<std::uint8_t>(alpha / pixels);
   out.alpha_cutoff = alpha_test_cutoff(static_cast<std::int32_t>(index), scene.materials);
   return out;
 }

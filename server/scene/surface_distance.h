@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "protocol/model.h"
+#include "server/scene/four_triangles.h"
 #include "server/scene/workers.h"
 
 namespace mirage {
@@ -37,16 +38,14 @@ class SurfaceTree {
   std::vector<std::uint32_t> places_of_vertices() const;
 
  private:
+  using Lanes = FourTriangles::Lanes;
   /// Both children's boxes, side by side: one line of the cache for each step down.
   struct alignas(64) Node {
-    float low[3][2], high[3][2];
+    Lanes bounds[3];         ///< by axis: the least values of both, then the greatest with minus
     std::uint32_t child[2];  ///< an inner node, or a leaf (kLeaf)
   };
   struct Box {
     glm::vec3 low, high;
-  };
-  struct Corners {
-    glm::vec3 a, b, c;
   };
   struct Center {
     glm::vec3 at;
@@ -57,25 +56,23 @@ class SurfaceTree {
     std::uint32_t place;
     glm::vec3 point;
   };
-  /// Makes the tree over `count` triangles from `first` on, its inner nodes from `at` on; gives its
-  /// box. At least two leaves.
-  Box build(std::uint32_t at, std::uint32_t first, std::uint32_t count,
-            std::vector<Center>& centers, const Workers& workers);
-  Box make_leaf(std::uint32_t first, std::uint32_t count, const std::vector<Center>& centers);
+  /// Makes the tree over `count` triangles, its inner nodes from `at` on, its leaves from `leaf`
+  /// on; gives its box. At least two leaves.
+  Box build(std::uint32_t at, std::uint32_t leaf, Center* centers, std::uint32_t count,
+            const Workers& workers);
+  Box make_leaf(std::uint32_t leaf, const Center* centers, std::uint32_t count);
+  glm::vec3 corner(std::uint32_t place, std::size_t number) const;
   void try_triangle(std::uint32_t place, const glm::vec3& p, Nearest& best) const;
+  void try_leaf(std::uint32_t leaf, const glm::vec3& p, Nearest& best) const;
   /// Ends as soon as something within `enough2` is found.
   void search(const glm::vec3& p, float enough2, Nearest& best) const;
 
   const std::vector<Vertex>& vertices_;
   const std::vector<std::uint32_t>& indices_;
-  std::vector<std::uint32_t> order_;  ///< triangles, grouped by leaf
-  std::vector<Corners> corners_;      ///< in that order
-  std::vector<Node> nodes_;           ///< inner ones
-  std::uint32_t root_ = 0;            ///< as Node::child
+  std::vector<std::uint32_t> order_;   ///< by place: the triangle; a leaf has four places
+  std::vector<FourTriangles> leaves_;  ///< their corners
+  std::vector<Node> nodes_;            ///< inner ones
+  std::uint32_t root_ = 0;             ///< as Node::child
 };
-
-/// Closest point of triangle abc to p (C. Ericson, Real-Time Collision Detection, 5.1.5).
-glm::vec3 closest_on_triangle(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b,
-                              const glm::vec3& c);
 
 }  // namespace mirage
