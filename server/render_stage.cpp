@@ -157,7 +157,8 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
       PendingPage page;
       page.jobs = std::move(std::get<std::vector<TileJob>>(*work));
       page.started_us = clock_.now_us();
-      page.edge = packer.page_edge();
+      page.width = packer.used().x;
+      page.height = packer.used().y;
       for (std::size_t i = 0; i < page.jobs.size(); ++i) {
         page.places.emplace_back(packer.places()[i].x, packer.places()[i].y);
       }

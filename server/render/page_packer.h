@@ -15,6 +15,8 @@ class PagePacker {
 
   int page_edge() const { return page_edge_; }
   const std::vector<Place>& places() const { return places_; }
+  /// How far the tiles reach, texels.
+  const Place& used() const { return used_; }
 
   /// Places a tile; false when the page is full. A tile larger than the page gets a page of its
   /// own, which grows to its edge.
@@ -31,6 +33,7 @@ class PagePacker {
     if (y_ + edge > page_edge_) return false;
     places_.push_back({x_, y_});
     x_ += edge;
+    used_ = {std::max(used_.x, x_), std::max(used_.y, y_ + edge)};
     shelf_ = std::max(shelf_, edge);
     return true;
   }
@@ -38,6 +41,7 @@ class PagePacker {
  private:
   int page_edge_;
   int x_ = 0, y_ = 0, shelf_ = 0;
+  Place used_;
   std::vector<Place> places_;
 };
 

@@ -6,13 +6,14 @@
 namespace mirage {
 namespace {
 
-gl::Buffer read_into_buffer(GLenum attachment, int edge, GLenum format, std::size_t bytes) {
+gl::Buffer read_into_buffer(GLenum attachment, const PendingPage& info, GLenum format,
+                            std::size_t bytes) {
   gl::Buffer buffer = gl::Buffer::create();
   glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer.id());
   glBufferData(GL_PIXEL_PACK_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_READ);
   glReadBuffer(attachment);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, edge, edge, format, GL_UNSIGNED_BYTE, nullptr);
+  glReadPixels(0, 0, info.width, info.height, format, GL_UNSIGNED_BYTE, nullptr);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   return buffer;
 }
@@ -37,13 +38,13 @@ ReadbackRing::~ReadbackRing() {
 void ReadbackRing::start(const gl::RenderTarget& page, PendingPage info) {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, page.framebuffer());
   Slot slot;
-  const std::size_t texels = static_cast<std::size_t>(info.edge) * info.edge;
-  slot.color = read_into_buffer(GL_COLOR_ATTACHMENT0, info.edge, GL_RGBA, texels * 4);
-  slot.depth = read_into_buffer(GL_COLOR_ATTACHMENT1, info.edge, GL_RED, texels);
+  const std::size_t texels = static_cast<std::size_t>(info.width) * info.height;
+  slot.color = read_into_buffer(GL_COLOR_ATTACHMENT0, info, GL_RGBA, texels * 4);
+  slot.depth = read_into_buffer(GL_COLOR_ATTACHMENT1, info, GL_RED, texels);
   slot.relit = std::any_of(info.jobs.begin(), info.jobs.end(),
                            [](const TileJob& job) { return job.key.channels == kRelitTile; });
   if (slot.relit) {
-    slot.surface = read_into_buffer(GL_COLOR_ATTACHMENT2, info.edge, GL_RGBA, texels * 4);
+    slot.surface = read_into_buffer(GL_COLOR_ATTACHMENT2, info, GL_RGBA, texels * 4);
   }
   slot.info = std::move(info);
   slot.fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -63,8 +64,9 @@ std::optional<ReadbackRing::Collected> ReadbackRing::collect(bool wait) {
   }
   glDeleteSync(slot.fence);
   auto pixels = std::make_shared<PagePixels>();
-  pixels->width = pixels->height = slot.info.edge;
-  const std::size_t texels = static_cast<std::size_t>(slot.info.edge) * slot.info.edge;
+  pixels->width = slot.info.width;
+  pixels->height = slot.info.height;
+  const std::size_t texels = static_cast<std::size_t>(pixels->width) * pixels->height;
   pixels->rgba.resize(texels * 4);
   pixels->depth.resize(texels);
   copy_out(slot.color, pixels->rgba);

@@ -16,7 +16,7 @@ struct PendingPage {
   std::vector<TileJob> jobs;
   std::vector<std::pair<int, int>> places;
   std::int64_t started_us = 0;
-  int edge = 0;
+  int width = 0, height = 0;  ///< texels that the tiles take up, from the lower left
 };
 
 /// Graphics memory of a page on its way back, bytes.

@@ -198,7 +198,8 @@ TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache, std::uint8_t ch
   PendingPage pending;
   pending.jobs = {job};
   pending.places = {{0, 0}};
-  pending.edge = packer.page_edge();
+  pending.width = packer.used().x;
+  pending.height = packer.used().y;
   ring.start(*pages_->render({job}, packer), pending);
   const ReadbackRing::Collected page = *ring.collect(true);
   const StoredTilePtr stored =

@@ -173,7 +173,8 @@ class Shadows : public ::testing::Test {
       packer.add(tile_edge(one.key.size_class));
       pending.places.emplace_back(packer.places().back().x, packer.places().back().y);
     }
-    pending.edge = packer.page_edge();
+    pending.width = packer.used().x;
+    pending.height = packer.used().y;
     ReadbackRing ring(1);
     ring.start(*pages_->render(jobs, packer), pending);
     const ReadbackRing::Collected page = *ring.collect(true);
