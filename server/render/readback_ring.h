@@ -20,8 +20,8 @@ struct PendingPage {
 };
 
 /// Graphics memory of a page on its way back, bytes.
-inline std::size_t readback_bytes(int edge, bool surface) {
-  return static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge) * (surface ? 9 : 5);
+inline std::size_t readback_bytes(int width, int height, bool surface) {
+  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * (surface ? 9 : 5);
 }
 
 class ReadbackRing {
@@ -34,7 +34,9 @@ class ReadbackRing {
   void start(const gl::RenderTarget& page, PendingPage info);
   std::size_t gpu_bytes() const {
     std::size_t bytes = 0;
-    for (const Slot& slot : slots_) bytes += readback_bytes(slot.info.edge, slot.relit);
+    for (const Slot& slot : slots_) {
+      bytes += readback_bytes(slot.info.width, slot.info.height, slot.relit);
+    }
     return bytes;
   }
 

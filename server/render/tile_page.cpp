@@ -202,7 +202,7 @@ bool TilePageRenderer::remake(gl::RenderTarget& target, int edge, const std::vec
                               GLenum depth, int page_edge) const {
   const std::size_t others = gpu_bytes() - target.gpu_bytes();
   const std::size_t on_their_way =
-      ring_ * readback_bytes(page_edge, true);  // at worst: all with a surface
+      ring_ * readback_bytes(page_edge, page_edge, true);  // at worst: all with a surface
   if (others + on_their_way + gl::target_bytes(edge, edge, colors, depth) > most_bytes_) {
     return false;
   }

@@ -70,7 +70,8 @@ class PageLoop {
         page.jobs.push_back(jobs[next++]);
         page.places.emplace_back(packer.places().back().x, packer.places().back().y);
       }
-      page.edge = packer.page_edge();
+      page.width = packer.used().x;
+      page.height = packer.used().y;
       const gl::RenderTarget* target = pages_->render(page.jobs, packer);
       if (!target) return false;
       ring.start(*target, std::move(page));
@@ -98,7 +99,7 @@ class PageLoop {
     const double s = seconds_of([&] {
       for (int i = 0; i < pages; ++i) {
         PendingPage page;
-        page.edge = edge;
+        page.width = page.height = edge;
         ring.start(target, std::move(page));
         while (ring.full()) ring.collect(true);
       }

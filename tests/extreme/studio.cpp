@@ -102,7 +102,8 @@ MadeTile Studio::make_tile(const TileKey& key, std::uint32_t instance, TileCodec
   PendingPage pending;
   pending.jobs = {job};
   pending.places = {{0, 0}};
-  pending.edge = packer.page_edge();
+  pending.width = packer.used().x;
+  pending.height = packer.used().y;
   ring.start(*pages_->render({job}, packer), pending);
   const ReadbackRing::Collected page = *ring.collect(true);
   const StoredTilePtr stored = EncodeStage::encode({job, page.pixels, 0, 0, 0, 0}, object, codec);
