@@ -95,7 +95,8 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
       }
       early_pages_.clear();
       if (Result<void> taken = scene_.accept(welcome); !taken) return taken;
-      break;
+      take_scene(false);  // a scene without instances is complete at once
+      return {};
     }
     case wire::Body::ImagePage:
     case wire::Body::ObjectPage:
