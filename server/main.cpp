@@ -163,8 +163,8 @@ int run(int argc, char** argv) {
       load_scene(options.scene, {.keep_imported = options.prove, .cache = cache});
   if (!scene) return fail(scene.error());
   for (const std::string& warning : (*scene)->scene.warnings) spdlog::warn("scene: {}", warning);
-  spdlog::info("loaded in {}", (*scene)->load_times.words());
   if (options.explain) return explain(options, scene.take());
+  spdlog::info("loaded in {}", (*scene)->load_times.words());
   options.session.shadows = options.render.shadows = options.shadows && (*scene)->has_casters();
   return serve(options, scene.take(), cache);
 }

@@ -332,13 +332,14 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   if (!link_.connected()) return list;
   std::vector<TileNeed> tiles = selector_.needs(input);
   if (shadows) shadows_.add_needs(input, lighting_, list, tiles);
+  codec_ = codec_choice_.update({scheduler_.rate_mbps(), scheduler_.saturated_s(now_us)}, now_us);
+  scheduler_.ask_lossy(is_lossy(codec_));
   std::optional<wire::RequestBatchT> batch =
       scheduler_.plan(scene_, tiles, meshes, lighting_id_, now_us);
   // In time relit tiles give way to better ones, and tau comes down again.
   const bool passing = relit && options_.relight == RelightChoice::kAuto;
   const bool stands = glm::length(input.predicted.pose.eye - camera.pose.eye) < kStandsM &&
                       glm::dot(input.predicted.pose.rotation, camera.pose.rotation) > kFacesSame;
-  codec_ = codec_choice_.update({scheduler_.rate_mbps(), scheduler_.saturated_s(now_us)}, now_us);
   at_rest_ = stands && !passing && !(moves_ && options_.animation) && tiles.empty() &&
              meshes.empty() && !batch && scheduler_.in_flight() == 0 && uploads_.empty() &&
              input.tau_px <= options_.tau_px;

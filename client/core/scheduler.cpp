@@ -138,11 +138,11 @@ void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::int6
                           static_cast<float>(need.gain), 0u, need.distance.index, need.cell.x,
                           need.cell.y, need.cell.level, need.distance.level, need.size_class,
                           need.channels, need.phase);
-  const double bytes = tile_bytes_.expected(need.size_class, need.channels);
+  const double bytes = tile_bytes_[lossy_].expected(need.size_class, need.channels);
   in_flight_bytes_ += bytes;
   const double under_way = in_flight_bytes_ + leaving_bytes_ + asset_bytes_;
   pending_[id] = {need,  view.object, now_us, now_us + window_.trip_us(bytes, under_way),
-                  bytes, now_us};
+                  bytes, now_us,      lossy_};
   pending_wanted_[wanted(need)] = id;
   ++asked_;
 }
@@ -196,7 +196,7 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
   pending_.erase(at);
   pending_wanted_.erase(wanted(ask.need));
   in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - ask.expected_bytes);
-  tile_bytes_.arrived(ask.need.size_class, ask.need.channels, bytes);
+  tile_bytes_[ask.lossy].arrived(ask.need.size_class, ask.need.channels, bytes);
   // Older than what is given up: this machine has slept meanwhile, and it is no trip.
   const std::int64_t trip = now_us - ask.sent_us;
   if (trip > lost_us_) {

@@ -6,6 +6,7 @@
 // Full:   what is in flight is held to the window (ask_window.h); needs beyond it wait, worst
 // first.
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -29,6 +30,7 @@ struct PendingAsk {
   std::int64_t due_us = 0;     ///< when the reply is to be here
   double expected_bytes = 0;   ///< as counted when it was sent: the expectation changes
   std::int64_t needed_us = 0;  ///< when it was needed last
+  bool lossy = false;          ///< asked for in a codec that loses colour
 };
 
 /// Geometry or an image under way.
@@ -44,6 +46,8 @@ class Scheduler {
   void reset();
   /// A number for a request of another kind: all share one numbering.
   std::uint32_t next_number() { return next_request_++; }
+  /// From now on tiles are asked for in a codec that loses colour, or in one that does not.
+  void ask_lossy(bool lossy) { lossy_ = lossy; }
 
   /// Makes the next batch of what is needed and not yet under way; nullopt when there is nothing
   /// to say. Asks whose instance is no longer needed are cancelled; those for a light that has
@@ -111,7 +115,10 @@ class Scheduler {
   AskWindow window_;
   std::int64_t lost_us_;  ///< an ask this old is given up
   std::int64_t saturated_since_us_ = -1;
-  TileBytes tile_bytes_;
+  /// Without loss and with it: a client that goes from one to the other must not expect the other's
+  /// sizes, or it asks for more than the link holds.
+  std::array<TileBytes, 2> tile_bytes_;
+  bool lossy_ = false;
   double in_flight_bytes_ = 0;        ///< of tiles
   double leaving_bytes_ = 0;          ///< of cancelled tiles that may still come
   double asset_bytes_ = 0;            ///< of geometry and images, in flight
