@@ -26,8 +26,8 @@ struct LeftOutOfScene {
 };
 
 /// Maps that are neutral in every texel, alpha that is 1 everywhere, vertex attributes that no
-/// material reads, images that nothing uses any more, and objects that equal an earlier one. Exact: no pixel changes. A texture that
-/// is nearly white is not white.
+/// material reads, images that nothing uses any more, and objects that equal an earlier one. Exact:
+/// no pixel changes. A texture that is nearly white is not white.
 LeftOutOfScene leave_out_unneeded(Scene& scene);
 
 }  // namespace mirage

@@ -14,9 +14,9 @@ constexpr Letter kLetters[] = {{'G', 16}, {'V', 12}, {'L', 9}, {'A', 7}, {'D', 5
 
 std::vector<Case> all_cases() {
   std::vector<Case> out;
-  for (const auto& list : {geometry_cases, view_cases, lighting_cases, alpha_cases, depth_cases,
-                           texture_cases, network_cases, prediction_cases, control_cases,
-                           wire_cases}) {
+  for (const auto& list :
+       {geometry_cases, view_cases, lighting_cases, alpha_cases, depth_cases, texture_cases,
+        network_cases, prediction_cases, control_cases, wire_cases}) {
     const std::vector<Case> cases = list();
     out.insert(out.end(), cases.begin(), cases.end());
   }

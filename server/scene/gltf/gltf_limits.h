@@ -24,8 +24,8 @@ inline constexpr std::uint32_t kMaxImageSide = 16384;
 inline constexpr std::uint64_t kMaxImagePixels = 64ull << 20;   ///< one image
 inline constexpr std::uint64_t kMaxScenePixels = 128ull << 20;  ///< all images, 4 bytes each
 
-/// Vertices beyond this are treated as not finite: a mesh keeps its shape at any scale, but its place
-/// in a float world needs some room above it.
+/// Vertices beyond this are treated as not finite: a mesh keeps its shape at any scale, but its
+/// place in a float world needs some room above it.
 inline constexpr float kMaxPosition = 1e36f;
 /// Of what moves, positions beyond this are: the squares of their differences, and sums of
 /// a few of those, must stay inside float (3.4e38).
