@@ -27,6 +27,7 @@ constexpr std::int64_t kPeriodUs = 5'000'000;
 constexpr int kPeriodTrips = 20;
 constexpr int kDrainTrips = 3;
 constexpr double kLargestGain = 2;
+constexpr double kCertainShare = 0.95;    // of the rate: what tiles will weigh is known to a few %
 constexpr double kShortestBusyUs = 1000;  // less tells no rate
 
 }  // namespace
@@ -169,7 +170,7 @@ double AskWindow::update(std::int64_t now_us, std::int64_t held_back_us, bool id
   const double best = std::max(best_rates_[0], best_rates_[1]);
   const double grown = std::max(window_, kLargestGain * best * trip);
   // The shortest trip holds its own tile's time on the link.
-  double wanted = rate_ * trip - shortest_trip().bytes;
+  double wanted = kCertainShare * rate_ * trip - shortest_trip().bytes;
   // Without a queue more than what has come may be under way, or it would never be.
   if (!queued()) wanted = std::max(wanted, whole_rate(now_us) * trip);
   window_ = std::max(kLeastBytes, std::min(wanted, grown));

@@ -66,7 +66,9 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
       batch.cancels.push_back(it->first);
       in_flight_bytes_ -= ask.expected_bytes;
       if (!lost) {
-        leaving_[it->first] = {ask.sent_us, std::max(ask.due_us, now_us + window_.trip_us(0, 0)),
+        // Half as long again as it was to take: what is due is only expected.
+        const std::int64_t late_us = ask.due_us + (ask.due_us - ask.sent_us) / 2;
+        leaving_[it->first] = {ask.sent_us, std::max(late_us, now_us + window_.trip_us(0, 0)),
                                ask.expected_bytes};
         leaving_bytes_ += ask.expected_bytes;
       }

@@ -159,19 +159,12 @@ std::vector<Message> HostLink::receive() {
   return out;
 }
 
-// What these scripts hold the window and tau to was found without a change of codec on the way,
-// which the window does not keep its bound through yet (ARCHITECTURE.md).
-static ClientOptions without_loss(ClientOptions client) {
-  if (!client.codec) client.codec = TileCodec::kZstd;
-  return client;
-}
-
 Rig::Rig(std::shared_ptr<const PreparedScene> scene, const RigOptions& options)
     : host(std::move(scene), server_clock, {}),
       server_link(host),
       link(server_link, clock, options.net, true, [] { return false; }),
       wrapped(options.wrap ? options.wrap(link) : nullptr),
-      session(wrapped ? *wrapped : link, without_loss(options.client), sink()),
+      session(wrapped ? *wrapped : link, options.client, sink()),
       frame_us_(options.frame_us) {
   camera.width = 320;
   camera.height = 180;
