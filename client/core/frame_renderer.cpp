@@ -153,8 +153,8 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& camera, const 
   const gl::ViewDepth view_depth;
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  sky_.draw(camera, scene.environment);
   draw_meshes(camera, scene, list, lighting, false, view_depth.mapping());
+  sky_.draw_behind(camera, scene.environment, view_depth.farthest());
   impostors_.draw(camera, view_depth.mapping(), scene, list, lighting, shadow_atlas_.texture());
   draw_meshes(camera, scene, list, lighting, true, view_depth.mapping());
   draw_calls_ = 1 + impostors_.draw_calls() + mesh_pass_->draw_calls();

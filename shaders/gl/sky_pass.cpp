@@ -14,6 +14,24 @@ Result<SkyPass> SkyPass::create() {
 }
 
 void SkyPass::draw(const Camera& camera, const Environment& environment) {
+  glDisable(GL_DEPTH_TEST);
+  fill(camera, environment);
+  glEnable(GL_DEPTH_TEST);
+}
+
+void SkyPass::draw_behind(const Camera& camera, const Environment& environment, float farthest) {
+  GLint func = GL_LESS;
+  glGetIntegerv(GL_DEPTH_FUNC, &func);
+  glDepthRangef(farthest, farthest);
+  glDepthFunc(GL_EQUAL);
+  glDepthMask(GL_FALSE);
+  fill(camera, environment);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(static_cast<GLenum>(func));
+  glDepthRangef(0, 1);
+}
+
+void SkyPass::fill(const Camera& camera, const Environment& environment) {
   const double tan_y = std::tan(0.5 * camera.fov_y);
   const double tan_x = tan_y * camera.width / camera.height;
   program_.use();
@@ -23,12 +41,10 @@ void SkyPass::draw(const Camera& camera, const Environment& environment) {
   program_.set("u_zenith", environment.zenith);
   program_.set("u_horizon", environment.horizon);
   program_.set("u_nadir", environment.nadir);
-  glDisable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
   glBindVertexArray(vao_.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindVertexArray(0);
-  glEnable(GL_DEPTH_TEST);
 }
 
 }  // namespace mirage::gl

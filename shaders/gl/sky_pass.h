@@ -12,8 +12,12 @@ class SkyPass {
  public:
   static Result<SkyPass> create();
   void draw(const Camera& camera, const Environment& environment);
+  /// The same where nothing has been drawn yet: depth is what it was cleared to, `farthest`.
+  void draw_behind(const Camera& camera, const Environment& environment, float farthest);
 
  private:
+  void fill(const Camera& camera, const Environment& environment);
+
   Program program_;
   VertexArray vao_;
 };

@@ -66,7 +66,6 @@ class FullGeometry {
     const gl::ViewDepth view_depth;
     glClearColor(0, 0, 0, 0);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    sky_.draw(camera, prepared.scene.environment);
     pass_.begin(camera.clip_from_relative(view_depth.mapping()),
                 gl::light_block(prepared.scene.lighting, eye), view_depth.mapping());
     pass_.set_fog(prepared.scene.environment.horizon, prepared.scene.environment.fog_density);
@@ -82,6 +81,7 @@ class FullGeometry {
                  instances.size(), false);
     }
     pass_.end();
+    sky_.draw_behind(camera, prepared.scene.environment, view_depth.farthest());
   }
 
  private:
