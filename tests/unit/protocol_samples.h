@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "protocol/limits.h"
 #include "protocol/message.h"
 
 namespace mirage::test {
@@ -50,6 +51,10 @@ inline wire::WelcomeT sample_welcome() {
   m.roots = 3;
   m.bounds_center = std::make_unique<wire::Vec3d>(7, 8, 9);
   m.bounds_radius = 40;
+  m.images = 6;
+  m.fog_density = 0.015625f;
+  m.shadows = true;
+  m.codecs = {1, 3};
   return m;
 }
 
@@ -66,6 +71,11 @@ inline std::unique_ptr<wire::ObjectInfoT> sample_object() {
   o->hull_vertices = {{0, 1, 2}, {2, 1, 2}, {0, 3, 2}, {0, 1, 4}};
   o->hull_parallax = {0.5f, 0, 0.25f, 1};
   o->hull_indices = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+  o->surrounds = true;
+  o->clip_s = 8;
+  o->speed.assign(limits::kMotionSegments, 0.75f);
+  o->jump.assign(std::size_t{1} << limits::kMaxPhaseLevel, 0.625f);
+  o->wrap_jump = 0.375f;
   return o;
 }
 
@@ -119,6 +129,7 @@ inline wire::RequestBatchT sample_request_batch() {
   m.credit_bytes = 0x123456789;
   m.mesh_asks = {wire::MeshAsk(11, 3, 1)};
   m.image_asks = {wire::ImageAsk(12, 5, 2)};
+  m.codec = static_cast<std::uint8_t>(TileCodec::kWebp);
   return m;
 }
 
@@ -153,7 +164,7 @@ inline wire::TileReplyT sample_tile_reply() {
   m.crop_y = 2;
   m.crop_w = 1;
   m.crop_h = 2;
-  m.codec = 0;
+  m.codec = static_cast<std::uint8_t>(TileCodec::kBc3);
   m.plane_depth = 1;
   m.depth_min = 0.5f;
   m.depth_max = 1.5f;
@@ -165,10 +176,21 @@ inline wire::TileReplyT sample_tile_reply() {
   m.queue_us = 10;
   m.render_us = 20;
   m.encode_us = 30;
+  m.channels = kRelitTile;
+  m.color_rms = 1.25f;
+  m.color_max = 6;
+  m.server_us = 40;
   return m;
 }
 
-inline Bytes sample_tile_payload() { return {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}; }
+/// A block of BC3, then coverage, surface and depth of two texels, in zstd frames that are stored.
+inline Bytes sample_tile_payload() {
+  return {17,   0,    0,    0,                                  //
+          0x28, 0xb5, 0x2f, 0xfd, 0x20, 8,  8 << 3 | 1,  0, 0,  //
+          1,    2,    3,    4,    5,    6,  7,           8,     //
+          0x28, 0xb5, 0x2f, 0xfd, 0x20, 12, 12 << 3 | 1, 0, 0,  //
+          1,    2,    3,    4,    5,    6,  7,           8, 9, 10, 11, 12};
+}
 
 inline wire::RefusedT sample_refused() {
   wire::RefusedT m;
