@@ -10,6 +10,7 @@ add_executable(mirage_protocol_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_stable_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_model_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_tile_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_values_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_view_cell_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_wire_test.cpp)
 mirage_target(mirage_protocol_tests)
