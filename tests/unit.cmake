@@ -11,7 +11,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_predictor_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_scheduler_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_codec_choice_test.cpp
-  ${PROJECT_SOURCE_DIR}/tests/unit/core_selector_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/core_selector_test.cpp unit/core_selector_geometry_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_session_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_shadow_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_stillness_test.cpp
@@ -27,7 +27,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/server_codec_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_queue_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_seams_test.cpp
-  ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp unit/server_asks_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_measure_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_store_test.cpp unit/server_cache_test.cpp unit/server_load_test.cpp support/large_scene.cpp)
 mirage_target(mirage_core_tests)

@@ -176,4 +176,13 @@ struct SelectorWorld {
   std::int64_t now_us = 0;
 };
 
+/// A ball of radius 1 in the middle, seen from 5 m.
+inline SelectorWorld one_ball(bool geometry = false) {
+  SceneOptions options;
+  options.geometry = geometry;
+  SelectorWorld world(make_scene({{{0, 0, 0}}}, options));
+  world.look({0, 0, 5}, {0, 0, 0});
+  return world;
+}
+
 }  // namespace mirage::test

@@ -5,20 +5,11 @@
 #include <random>
 
 #include "protocol/limits.h"
-#include "protocol/need_mask.h"
 #include "protocol/stable_math.h"
 #include "tests/unit/core_scene.h"
 
 namespace mirage::test {
 namespace {
-
-SelectorWorld one_ball(bool geometry = false) {
-  SceneOptions options;
-  options.geometry = geometry;
-  SelectorWorld world(make_scene({{{0, 0, 0}}}, options));
-  world.look({0, 0, 5}, {0, 0, 0});
-  return world;
-}
 
 double log_uniform(std::mt19937& random, double low, double high) {
   std::uniform_real_distribution<double> u(std::log(low), std::log(high));
@@ -208,142 +199,6 @@ TEST(CoreSelector, ObjectWithoutAHullIsNotDrawnOnOne) {
   const DrawList list = world.selector.select(in);
   ASSERT_EQ(list.impostors.size(), 1u);
   EXPECT_EQ(list.impostors[0].method, DrawMethod::kQuad);
-}
-
-TEST(CoreSelector, GeometrySmallerThanATileIsDrawnEverywhere) {
-  SelectorWorld world = one_ball(true);
-  ObjectDescription& object = world.scene.objects[0];
-  object.lods = {LodInfo{12, 800, 0, 0}};
-  world.look({0, 0, 60}, {0, 0, 0});
-  EXPECT_EQ(world.selector.mesh_needs(world.input()), std::vector<std::uint32_t>{0});
-  EXPECT_EQ(world.selector.needs(world.input()).size(), 1u) << "until it is there";
-  world.mesh_ready[0] = true;
-  EXPECT_EQ(world.selector.select(world.input()).meshes.size(), 1u);
-  EXPECT_TRUE(world.selector.needs(world.input()).empty());
-  object.needs |= kNeedBaseColorMap;
-  EXPECT_TRUE(world.selector.mesh_needs(world.input()).empty()) << "its images are not small";
-  object.needs = 0;
-  object.lods[0].bytes = 20'000;
-  EXPECT_TRUE(world.selector.mesh_needs(world.input()).empty());
-}
-
-TEST(CoreSelector, NearGeometryReplacesTheImpostor) {
-  SelectorWorld world = one_ball(true);
-  world.look({0, 0, 10.3}, {0, 0, 0});
-  EXPECT_EQ(world.selector.mesh_needs(world.input()), std::vector<std::uint32_t>{0});
-  world.look({0, 0, 10.5}, {0, 0, 0});
-  EXPECT_TRUE(world.selector.mesh_needs(world.input()).empty());
-  world.mesh_ready[0] = true;
-  world.look({0, 0, 7.9}, {0, 0, 0});
-  const DrawList near = world.selector.select(world.input());
-  ASSERT_EQ(near.meshes.size(), 1u);
-  EXPECT_EQ(near.meshes[0].instance, 0u);
-  EXPECT_TRUE(near.impostors.empty());
-  EXPECT_EQ(near.over_tau, 0u);
-  EXPECT_TRUE(world.selector.needs(world.input()).empty());
-  EXPECT_EQ(world.selector.mesh_needs(world.input()).size(), 1u) << "it must stay";
-  world.look({0, 0, 9.1}, {0, 0, 0});
-  EXPECT_EQ(world.selector.select(world.input()).meshes.size(), 1u) << "hysteresis";
-  world.look({0, 0, 9.3}, {0, 0, 0});
-  world.frame += 2;  // out of view in between: nothing fades
-  EXPECT_TRUE(world.selector.select(world.input()).meshes.empty());
-  EXPECT_EQ(world.selector.needs(world.input()).size(), 1u);
-  world.frame += 2;
-  world.look({0, 0, 9.1}, {0, 0, 0});
-  EXPECT_TRUE(world.selector.select(world.input()).meshes.empty()) << "hysteresis";
-}
-
-TEST(CoreSelector, GeometryFadesInOverTheTileAndTheTileOverIt) {
-  SelectorWorld world = one_ball(true);
-  world.look({0, 0, 9.6}, {0, 0, 0});
-  ASSERT_TRUE(world.add_tile(0));
-  world.mesh_ready[0] = true;
-  const auto at = [&](double distance, std::int64_t us) {
-    world.look({0.8, 0, distance}, {0, 0, 0});
-    world.now_us += us;
-    ++world.frame;
-    SelectorInput in = world.input();
-    in.march_budget_px = 0;  // flat, and over tau
-    return world.selector.select(in);
-  };
-  EXPECT_TRUE(at(9.6, 16'000).meshes.empty());
-  DrawList list = at(7.9, 16'000);
-  ASSERT_EQ(list.meshes.size(), 1u);
-  ASSERT_EQ(list.impostors.size(), 1u) << "whole, underneath";
-  EXPECT_EQ(list.impostors[0].fade, 1);
-  EXPECT_EQ(list.meshes[0].fade, 0);
-  EXPECT_GT(list.impostors[0].bound_px, 1);
-  EXPECT_EQ(list.over_tau, 1u) << "the tile shows";
-  list = at(7.9, 60'000);
-  EXPECT_NEAR(list.meshes[0].fade, 0.5, 1e-6);
-  ASSERT_EQ(list.impostors.size(), 1u);
-  EXPECT_EQ(list.over_tau, 0u) << "geometry covers it";
-  list = at(7.9, 60'000);
-  EXPECT_EQ(list.meshes[0].fade, 1);
-  EXPECT_TRUE(list.impostors.empty());
-  list = at(9.6, 16'000);
-  ASSERT_EQ(list.meshes.size(), 1u) << "whole, underneath";
-  EXPECT_EQ(list.meshes[0].fade, 1);
-  list = at(9.6, 60'000);
-  ASSERT_EQ(list.impostors.size(), 1u);
-  EXPECT_NEAR(list.impostors[0].fade, 0.5, 1e-6);
-  list = at(9.6, 60'000);
-  EXPECT_TRUE(list.meshes.empty());
-}
-
-TEST(CoreSelector, TileStandsInForHeavyGeometryWhileItLasts) {
-  SelectorWorld world = one_ball(true);
-  world.mesh_ready[0] = true;
-  world.look({0, 0, 5}, {0, 0, 0});
-  const auto frame = [&](const SelectorInput& in) {
-    world.frame += 2;  // out of view in between: nothing fades
-    SelectorInput now = in;
-    now.frame = world.frame;
-    return world.selector.select(now);
-  };
-  world.scene.objects[0].lods = {LodInfo{100, 40'000, 0, 0}};
-  EXPECT_TRUE(world.selector.needs(world.input()).empty()) << "so few triangles cost less";
-  world.scene.objects[0].lods[0].triangles = 100'000;
-  const std::vector<TileNeed> wanted = world.selector.needs(world.input());
-  ASSERT_EQ(wanted.size(), 1u);
-  EXPECT_GT(wanted[0].gain, 0);
-  EXPECT_LE(wanted[0].gain, 10) << "it only saves work: after all that mends the picture";
-  SelectorInput walking = world.input();
-  walking.velocity = {2, 0, 0};
-  EXPECT_TRUE(world.selector.needs(walking).empty()) << "it would not last";
-
-  EXPECT_EQ(frame(world.input()).meshes.size(), 1u);
-  ASSERT_TRUE(world.add_tile(0));
-  const DrawList still = frame(world.input());
-  EXPECT_TRUE(still.meshes.empty());
-  ASSERT_EQ(still.impostors.size(), 1u);
-  EXPECT_LE(still.impostors[0].bound_px, 1);
-  EXPECT_TRUE(world.selector.needs(world.input()).empty());
-  world.look({0.6, 0, 5}, {0, 0, 0});
-  EXPECT_EQ(frame(world.input()).meshes.size(), 1u) << "over tau: geometry again";
-  world.look({0, 0, 2.9}, {0, 0, 0});
-  EXPECT_TRUE(world.selector.needs(world.input()).empty()) << "too near";
-  EXPECT_EQ(frame(world.input()).meshes.size(), 1u);
-}
-
-TEST(CoreSelector, SurroundingsAreGeometry) {
-  std::vector<Placed> placed{{{0, 0, 0}, 50, 1}};  // a hall
-  for (int i = 0; i < 20; ++i) placed.push_back({{i - 10.0, 0, -4}, 0.5f, 0});
-  SceneOptions options;
-  options.objects = 2;
-  options.geometry = true;
-  options.surrounds = {1};
-  SelectorWorld world(make_scene(placed, options));
-  world.look({0, 0, -3}, {0, 0, -4});
-  EXPECT_TRUE(world.scene.objects[1].surrounds);
-  EXPECT_FALSE(world.scene.objects[0].surrounds);
-  const std::vector<std::uint32_t> wanted = world.selector.mesh_needs(world.input());
-  EXPECT_EQ(std::count(wanted.begin(), wanted.end(), 0u), 1);
-  for (const TileNeed& need : world.selector.needs(world.input())) EXPECT_NE(need.instance, 0u);
-  world.mesh_ready[1] = true;
-  const DrawList list = world.selector.select(world.input());
-  ASSERT_EQ(list.meshes.size(), 1u);
-  EXPECT_EQ(list.meshes[0].instance, 0u);
 }
 
 TEST(CoreSelector, NeedsAreRankedByGain) {
