@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <map>
 
-#include "protocol/limits.h"
 #include "server/left_out.h"
+#include "server/proof_cases.h"
 #include "server/render/tile_shot.h"
 #include "shaders/gl/egl_context.h"
 
@@ -32,73 +32,13 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// Faces, corners, edges of a cube: any first few of them are spread.
-std::vector<glm::dvec3> directions(int count) {
-  std::vector<glm::dvec3> out;
-  for (const int zeros : {2, 0, 1}) {
-    for (int i = 0; i < 27; ++i) {
-      const glm::ivec3 v(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-      if ((v.x == 0) + (v.y == 0) + (v.z == 0) == zeros) out.emplace_back(v);
-    }
-  }
-  out.resize(static_cast<std::size_t>(std::clamp(count, 1, 26)));
-  return out;
-}
-
-struct LightingCase {
-  const char* name;
-  Lighting lighting;
-};
-
-// As the scene has it; with three of its lamps turned off; turned, with a lamp too far away.
-std::vector<LightingCase> lighting_cases(const PreparedScene& scene) {
-  const Lighting& own = scene.scene.lighting;
-  Lighting off = own, turned = own;
-  for (int i = 0; i < 3 && off.lights.size() < limits::kMaxLights; ++i) {
-    Light lamp;
-    lamp.kind = LightKind::kPoint;
-    lamp.color = glm::vec3(0);
-    lamp.position = scene.bounds_center + glm::dvec3(i - 1, 2, 1) * scene.bounds_radius;
-    off.lights.push_back(lamp);
-  }
-  for (Light& light : turned.lights) {
-    light.direction =
-        glm::normalize(glm::vec3(-light.direction.z, light.direction.y - 0.2f, light.direction.x));
-  }
-  if (turned.lights.size() < limits::kMaxLights) {
-    Light lamp;
-    lamp.kind = LightKind::kPoint;
-    lamp.position = scene.bounds_center + glm::dvec3(0, 3 * scene.bounds_radius, 0);
-    lamp.range = static_cast<float>(scene.bounds_radius);
-    turned.lights.push_back(lamp);
-  }
-  return {{"as the scene has it", own},
-          {"with three lamps off", off},
-          {"turned, a lamp out of reach", turned}};
-}
-
-// The scene as it was imported. What blends with an alpha of 1 everywhere is what a renderer that
-// sorts shows: the depth buffer sorts it, with blending on.
-std::shared_ptr<const PreparedScene> as_imported(const PreparedScene& scene) {
-  auto out = std::make_shared<PreparedScene>(scene);
-  out->scene.materials = scene.imported->materials;
-  out->scene.images = scene.imported->images;
-  for (std::size_t i = 0; i < out->scene.materials.size(); ++i) {
-    Material& m = out->scene.materials[i];
-    const bool solid = scene.scene.materials[i].alpha_mode == AlphaMode::kOpaque;
-    if (solid && m.alpha_mode == AlphaMode::kBlend) m.alpha_mode = AlphaMode::kOpaque;
-  }
-  out->mips = make_mips(out->scene);
-  return out;
-}
-
 class Prover {
  public:
   Prover(std::shared_ptr<const PreparedScene> scene, const ProofOptions& options, bool software)
       : scene_(std::move(scene)),
         options_(options),
-        cells_(directions(options.cells)),
-        cases_(lighting_cases(*scene_)),
+        cells_(proof_directions(options.cells)),
+        cases_(proof_lighting(*scene_)),
         instances_(first_instances(*scene_)),
         lean_(scene_),
         full_(as_imported(*scene_)),
@@ -122,7 +62,7 @@ class Prover {
   std::shared_ptr<const PreparedScene> scene_;
   const ProofOptions& options_;
   const std::vector<glm::dvec3> cells_;
-  const std::vector<LightingCase> cases_;
+  const std::vector<ProofLighting> cases_;
   const std::vector<std::size_t> instances_;
   GpuScene lean_, full_;
   const bool software_;
@@ -365,7 +305,7 @@ Result<void> Prover::prove_object(std::size_t object, const ObjectClass& of) {
 Result<Proof> Prover::run() {
   if (Result<void> made = make_shooters(); !made) return made.error();
   for (const int size : kSizeClasses) proof_.edges.push_back(tile_edge(size));
-  for (const LightingCase& one : cases_) proof_.lighting.emplace_back(one.name);
+  for (const ProofLighting& one : cases_) proof_.lighting.emplace_back(one.name);
   for (const ObjectClass& one : object_classes(*scene_, scene_->scene.lighting)) {
     int left = options_.objects_per_class;
     for (const std::size_t object : one.objects) {

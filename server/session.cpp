@@ -2,9 +2,6 @@
 
 #include <algorithm>
 
-#include "protocol/model_codec.h"
-#include "protocol/sun_frame.h"
-
 namespace mirage {
 namespace {
 
@@ -200,68 +197,6 @@ void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batc
   writable_.insert(id);  // new credit may free tiles that wait
 }
 
-bool SessionHub::can_be(std::uint8_t channels, const ObjectDescription& object,
-                        const Lighting& lighting) const {
-  switch (channels) {
-    case kRelitTile:
-      return can_relight(object.needs);
-    case kShadowTile:
-      return options_.shadows && (object.needs & kNeedLighting) && sun_of(lighting);
-    case kCasterTile:
-      return options_.shadows && object.casts();
-    default:
-      return true;
-  }
-}
-
-void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lighting& lighting,
-                     TileCodec codec) {
-  if (a.object() >= scene_->object_count() || a.instance() >= scene_->instance_count() ||
-      scene_->instance(a.instance()).object != a.object()) {
-    return refuse(id, s, a.request_id(), wire::RefusalReason::UnknownObject);
-  }
-  TileKey key;
-  key.scene_revision = scene_->revision;
-  key.object = a.object();
-  key.cell = {a.view_level(), a.view_x(), a.view_y()};
-  key.distance = {a.distance_level(), a.distance_index()};
-  key.size_class = a.size_class();
-  key.channels = a.channels();
-  key.phase = a.phase();
-  const std::shared_ptr<const ObjectDescription> described = scene_->description(a.object());
-  const ObjectDescription& object = *described;
-  if (!valid(key.cell) || !valid(key.distance) || key.size_class > limits::kMaxSizeClass ||
-      !valid_channels(key.channels) || object.radius <= 0 ||
-      !valid_phase(a.phase(), object.motion.moving())) {
-    return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
-  }
-  const bool shadow = key.channels == kShadowTile;
-  if (!can_be(key.channels, object, lighting)) {
-    return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
-  }
-  ObjectLighting light;
-  if (shadow) {
-    key.instance = a.instance() + 1;
-    key.lighting = lighting_hash(lighting);
-  } else if ((object.needs & kNeedLighting) && key.channels == kLitTile) {
-    light = object_lighting(lighting, scene_->instance(a.instance()).world_from_object,
-                            object.center, object.radius);
-    key.lighting = light.hash();
-  }
-  const TileId tile = tile_id(key);
-  const bool colors = key.channels & kChannelColor;
-  Waiter waiter{id, a.request_id(), a.error_px(), 0};
-  waiter.codec = colors || !is_lossy(codec) ? codec : TileCodec::kZstd;
-  waiter.asked_us = clock_.now_us();
-  if (a.deadline_ms() > 0) waiter.deadline_us = waiter.asked_us + a.deadline_ms() * 1000ll;
-  if (const StoredTilePtr form = store_.find(tile, waiter.codec)) return push_tile(waiter, *form);
-  if (const StoredTilePtr other = store_.find_lossless(tile)) return convert(waiter, tile, other);
-  const Lighting world = shadow ? lighting : Lighting{};
-  if (queue_.submit(key, tile, light, waiter, world) == TileQueue::Admission::kBusy) {
-    refuse(id, s, a.request_id(), wire::RefusalReason::Busy);
-  }
-}
-
 void SessionHub::refuse(SessionId id, Session& s, std::uint32_t request,
                         wire::RefusalReason reason) {
   ++counters_.tiles_refused;
@@ -288,39 +223,6 @@ void SessionHub::push(SessionId id, std::deque<FramePtr>& lane, Bytes message) {
   }
   s.overfull = s.outbox_bytes > options_.max_outbox_bytes;
   writable_.insert(id);
-}
-
-void SessionHub::push_tile(const Waiter& waiter, const StoredTile& tile) {
-  const auto at = sessions_.find(waiter.session);
-  if (at == sessions_.end() || at->second.overfull) return;
-  wire::TileReplyT reply = tile.reply;
-  reply.request_id = waiter.request_id;
-  reply.server_us = static_cast<std::uint32_t>(clock_.now_us() - waiter.asked_us);
-  push(waiter.session, at->second.tiles, encode_message(std::move(reply), tile.planes));
-}
-
-void SessionHub::convert(const Waiter& waiter, const TileId& id, const StoredTilePtr& lossless) {
-  if (forms_.wait(id, lossless, waiter)) return;
-  const auto at = sessions_.find(waiter.session);
-  if (at == sessions_.end()) return;
-  const std::vector<TileCodec>& taken = at->second.codecs;
-  const auto codec = static_cast<TileCodec>(lossless->reply.codec);
-  if (std::find(taken.begin(), taken.end(), codec) != taken.end()) {
-    return push_tile(waiter, *lossless);
-  }
-  refuse(waiter.session, at->second, waiter.request_id, wire::RefusalReason::Busy);
-}
-
-void SessionHub::finish_tile(const Completion& done) {
-  for (const Waiter& w : forms_.take_waiting(done.id, done.codec)) push_tile(w, *done.tile);
-  if (!done.lossless) return;
-  for (const Waiter& w : queue_.finish(done.id)) {
-    if (w.codec == done.codec) {
-      push_tile(w, *done.tile);
-    } else {
-      convert(w, done.id, done.lossless);
-    }
-  }
 }
 
 void SessionHub::complete(Completion completion) {
