@@ -3,37 +3,19 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
-
-#include "tests/support/process.h"
+#include "tests/support/viewed.h"
 
 namespace mirage::test {
 namespace {
 
-nlohmann::json view(const std::string& asset, int frames, const std::vector<std::string>& more) {
+nlohmann::json watch(const std::string& asset, int frames, const std::string& more) {
   const Server server(asset);
   EXPECT_TRUE(server.ready()) << server.log();
-  const std::string folder = scratch_folder();
-  std::vector<std::string> command = {binary("mirage-view"),
-                                      server.url(),
-                                      "--offscreen",
-                                      "320x180",
-                                      "--path",
-                                      "builtin:still",
-                                      "--frames",
-                                      std::to_string(frames),
-                                      "--virtual-time",
-                                      "--net",
-                                      "rtt=60,rate=50,server-ms=3,seed=1",
-                                      "--stats",
-                                      folder + "/s.json"};
-  command.insert(command.end(), more.begin(), more.end());
-  const Finished done = run(command, 240);
-  EXPECT_EQ(done.exit_code, 0) << asset << ": " << done.output;
-  std::ifstream file(folder + "/s.json");
-  return nlohmann::json::parse(file, nullptr, false);
+  return view(server,
+              "--offscreen 320x180 --path builtin:still --net rtt=60,rate=50,server-ms=3,seed=1 "
+              "--frames " +
+                  std::to_string(frames) + " " + more)
+      .stats;
 }
 
 class Animation : public ::testing::Test {
@@ -54,7 +36,7 @@ TEST_F(Animation, ImpostorsMoveWithinTheirBounds) {
        {Case{"features/fox_skinned.glb", 28.0}, Case{"objects/desk_fan_skinned.glb", 30.0},
         Case{"features/milk_truck_animated.glb", 26.0},
         Case{"features/morph_stress_test.glb", 26.0}}) {
-    const nlohmann::json s = view(asset(c.name), 121, {"--reference", "60", "--mesh-radii", "0"});
+    const nlohmann::json s = watch(asset(c.name), 121, "--reference 60 --mesh-radii 0");
     ASSERT_FALSE(s.is_discarded()) << c.name;
     const nlohmann::json& q = s["quality"];
     EXPECT_GT(q["compared_pixels"], 1000) << c.name;
@@ -67,7 +49,7 @@ TEST_F(Animation, ImpostorsMoveWithinTheirBounds) {
 
 TEST_F(Animation, GeometryIsPosedAsTheServerDoes) {
   const nlohmann::json s =
-      view(asset("features/fox_skinned.glb"), 61, {"--reference", "15", "--method", "mesh"});
+      watch(asset("features/fox_skinned.glb"), 61, "--reference 15 --method mesh");
   ASSERT_FALSE(s.is_discarded());
   EXPECT_GT(s["meshes_drawn"], 0.5);
   EXPECT_GT(s["quality"]["psnr"]["min"], 29.0);
@@ -76,16 +58,16 @@ TEST_F(Animation, GeometryIsPosedAsTheServerDoes) {
 
 TEST_F(Animation, AStandingClipAndALoopOnceSeenCostNothing) {
   const std::string fox = asset("features/fox_skinned.glb");
-  const nlohmann::json one = view(fox, 60, {"--animation", "off", "--mesh-radii", "0"});
-  const nlohmann::json four = view(fox, 240, {"--animation", "off", "--mesh-radii", "0"});
+  const nlohmann::json one = watch(fox, 60, "--animation off --mesh-radii 0");
+  const nlohmann::json four = watch(fox, 240, "--animation off --mesh-radii 0");
   ASSERT_FALSE(one.is_discarded() || four.is_discarded());
   EXPECT_EQ(one["tiles"]["asked"], four["tiles"]["asked"]);
   EXPECT_LE(four["tiles"]["asked"], 4);
   EXPECT_EQ(one["bytes_down"], four["bytes_down"]);
   // The truck's clip is 1.25 s: three loops, asked for in the first and what came late after it.
   const std::string truck = asset("features/milk_truck_animated.glb");
-  const nlohmann::json two_loops = view(truck, 180, {"--mesh-radii", "0"});
-  const nlohmann::json more = view(truck, 300, {"--mesh-radii", "0"});
+  const nlohmann::json two_loops = watch(truck, 180, "--mesh-radii 0");
+  const nlohmann::json more = watch(truck, 300, "--mesh-radii 0");
   EXPECT_EQ(two_loops["tiles"]["asked"], more["tiles"]["asked"]);
 }
 

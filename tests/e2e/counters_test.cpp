@@ -3,39 +3,18 @@
 // the share beside them when the selection is changed on purpose; the others are exact.
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/metrics.h"
-#include "tests/support/process.h"
+#include "tests/support/viewed.h"
 
 namespace mirage::test {
 namespace {
 
 constexpr const char* kScene = "builtin:forest?trees=60&clutter=20";
-
-nlohmann::json walk(const Server& server, const std::vector<std::string>& more = {}) {
-  const std::string stats = scratch_folder() + "/s.json";
-  std::vector<std::string> command = {binary("mirage-view"),
-                                      server.url(),
-                                      "--offscreen",
-                                      "320x180",
-                                      "--path",
-                                      "builtin:walk",
-                                      "--frames",
-                                      "61",
-                                      "--virtual-time",
-                                      "--net",
-                                      "rtt=100,rate=20,server-ms=5,seed=1",
-                                      "--stats",
-                                      stats};
-  command.insert(command.end(), more.begin(), more.end());
-  const Finished view = run(command, 240);
-  EXPECT_EQ(view.exit_code, 0) << view.output;
-  std::ifstream file(stats);
-  return nlohmann::json::parse(file, nullptr, false);
-}
+const std::string kWalk =
+    "--offscreen 320x180 --path builtin:walk --frames 61 --net rtt=100,rate=20,server-ms=5,seed=1";
 
 void expect_about(double value, double expected, double share, const char* what) {
   EXPECT_NEAR(value, expected, share * expected) << what;
@@ -44,7 +23,7 @@ void expect_about(double value, double expected, double share, const char* what)
 TEST(Counters, OfAShortWalk) {
   const Server server(kScene, {"--metrics"});
   ASSERT_TRUE(server.ready()) << server.log();
-  const nlohmann::json s = walk(server);
+  const nlohmann::json s = view(server, kWalk).stats;
   ASSERT_TRUE(s.is_object());
   std::map<std::string, double> m = metrics(server);
 
@@ -97,7 +76,8 @@ TEST(Counters, NoTileIsRenderedTwiceForManyClients) {
 TEST(Counters, UploadsKeepToTheirBudget) {
   const Server server(kScene);
   ASSERT_TRUE(server.ready()) << server.log();
-  const nlohmann::json free = walk(server), held = walk(server, {"--upload-kb", "256"});
+  const nlohmann::json free = view(server, kWalk).stats;
+  const nlohmann::json held = view(server, kWalk + " --upload-kb 256").stats;
   ASSERT_TRUE(free.is_object() && held.is_object());
   EXPECT_GT(held["uploads"]["frames_over_budget"], 0);
   EXPECT_LT(held["uploads"]["largest_frame_bytes"], free["uploads"]["largest_frame_bytes"]);

@@ -2,53 +2,27 @@
 // resident in a scene that is far larger than what it shows.
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "tests/support/metrics.h"
-#include "tests/support/process.h"
+#include "tests/support/viewed.h"
 
 namespace mirage::test {
 namespace {
 
-struct Walked {
-  Finished view;
-  nlohmann::json stats;
-};
-
-Walked walk(const std::string& scene, int frames, const std::vector<std::string>& more) {
+Viewed walk(const std::string& scene, int frames, const std::string& more) {
   const Server server(scene);
   EXPECT_TRUE(server.ready()) << server.log();
-  const std::string stats = scratch_folder() + "/s.json";
-  std::vector<std::string> command = {binary("mirage-view"),
-                                      server.url(),
-                                      "--offscreen",
-                                      "640x360",
-                                      "--path",
-                                      "builtin:walk",
-                                      "--frames",
-                                      std::to_string(frames),
-                                      "--fps",
-                                      "5",
-                                      "--virtual-time",
-                                      "--net",
-                                      "rtt=50,rate=50,server-ms=1,seed=1",
-                                      "--stats",
-                                      stats};
-  command.insert(command.end(), more.begin(), more.end());
-  Walked out{run(command, 600), {}};
-  EXPECT_EQ(out.view.exit_code, 0) << out.view.output;
-  std::ifstream file(stats);
-  out.stats = nlohmann::json::parse(file, nullptr, false);
-  return out;
+  return view(server,
+              "--offscreen 640x360 --path builtin:walk --fps 5 "
+              "--net rtt=50,rate=50,server-ms=1,seed=1 --frames " +
+                  std::to_string(frames) + " " + more);
 }
 
 // More is to be shown than either budget holds.
 TEST(Memory, GraphicsMemoryStaysWithinItsBudgets) {
-  const Walked walked = walk("builtin:field?instances=10000", 30,
-                             {"--atlas-mb", "9", "--mesh-mb", "1", "--tau", "0.25", "--mesh-radii",
-                              "0", "--relight", "always"});
+  const Viewed walked = walk("builtin:field?instances=10000", 30,
+                             "--atlas-mb 9 --mesh-mb 1 --tau 0.25 --mesh-radii 0 --relight always");
   ASSERT_TRUE(walked.stats.is_object());
   const nlohmann::json& memory = walked.stats["memory"];
   EXPECT_LE(memory["atlas"], memory["atlas_budget"]);
@@ -68,12 +42,12 @@ TEST(Memory, TheServersGraphicsMemoryStaysWithinItsBudget) {
   EXPECT_NE(none.log().find("error graphics-gl: "), std::string::npos) << none.log();
   const Server server("builtin:knot", {"--gpu-mb", "32", "--metrics"});
   ASSERT_TRUE(server.ready()) << server.log();
-  const auto view = [&](const char* samples) {  // of full renders: 14 MB, and 47
+  const auto look = [&](const char* samples) {  // of full renders: 14 MB, and 47
     return run({binary("mirage-view"), server.url(), "--offscreen", "640x360", "--path",
                 "builtin:orbit", "--frames", "9", "--virtual-time", "--net", "rtt=20,server-ms=1",
                 "--method", "quad", "--reference", "8", "--reference-samples", samples});
   };
-  const Finished small = view("2"), large = view("4");
+  const Finished small = look("2"), large = look("4");
   EXPECT_EQ(small.exit_code, 0) << small.output;
   std::map<std::string, double> m = metrics(server);
   EXPECT_LE(m["gpu_most_bytes"], 32 << 20);
@@ -86,8 +60,8 @@ TEST(Memory, TheServersGraphicsMemoryStaysWithinItsBudget) {
 // 143 MB on a software renderer, whose own code is a third of it and which holds all graphics
 // memory; a tenth of a scene's instances would not fit into the rest.
 TEST(Memory, AMillionInstancesTakeTheViewerAQuarterOfAGigabyteAtMost) {
-  const Walked walked = walk("builtin:field?instances=1000000", 10, {});
-  EXPECT_LE(walked.view.peak_mb, 256);
+  const Viewed walked = walk("builtin:field?instances=1000000", 10, {});
+  EXPECT_LE(walked.run.peak_mb, 256);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -18,14 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-std::string read(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 std::vector<std::vector<std::string>> csv(const std::string& path) {
   std::vector<std::vector<std::string>> rows;
-  std::istringstream lines(read(path));
+  std::istringstream lines(read_file(path));
   std::string line;
   while (std::getline(lines, line)) {
     std::istringstream cells(line);
@@ -82,7 +76,7 @@ TEST(Report, WorkPrecisionHasAllMethodsFiguresAndPlots) {
                                             "auto", "mesh"}));
   EXPECT_GE(on_front, 1);
   EXPECT_LT(on_front, 24);
-  const std::string html = read(out + "/index.html");
+  const std::string html = read_file(out + "/index.html");
   expect_self_contained(html);
   EXPECT_EQ(count(html, "src=\"data:image/jpeg;base64,"), 8u * 3);
   EXPECT_EQ(count(html, "<svg"), gnuplot() ? 4u : 0u);
@@ -95,7 +89,7 @@ TEST(Report, FidelityIsWhatTheProtocolGives) {
       run({binary("mirage-report"), "fidelity", "--quick", "--scene", "builtin:knot", "--out", out},
           300);
   ASSERT_EQ(report.exit_code, 0) << report.output;
-  const json rows = json::parse(read(out + "/fidelity.json"))["rows"];
+  const json rows = json::parse(read_file(out + "/fidelity.json"))["rows"];
   ASSERT_GE(rows.size(), 8u);
   for (const json& row : rows) {
     const double psnr = row["psnr_db"];
@@ -115,7 +109,7 @@ TEST(Report, FidelityIsWhatTheProtocolGives) {
       EXPECT_TRUE(row.contains(key)) << key;
     }
   }
-  expect_self_contained(read(out + "/index.html"));
+  expect_self_contained(read_file(out + "/index.html"));
 }
 
 // The report beside programs that say what a test wants to hear.
@@ -142,17 +136,17 @@ TEST_F(Outside, ExtremeCasesThatHoldGiveZeroAndOthersSix) {
           "\"measured\":\"0\",\"limit\":\"0\",\"pass\":true}]}' > \"$2\"");
   const Finished good = report("extreme");
   EXPECT_EQ(good.exit_code, 0) << good.output;
-  const json rows = json::parse(read(out + "/extreme.json"))["rows"];
+  const json rows = json::parse(read_file(out + "/extreme.json"))["rows"];
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0]["must_hold"], "alpha 0");
-  EXPECT_NE(read(out + "/index.html").find("1 of 1 cases hold"), std::string::npos);
+  EXPECT_NE(read_file(out + "/index.html").find("1 of 1 cases hold"), std::string::npos);
 
   program("mirage-extreme",
           "echo '{\"rows\":[{\"id\":\"G1\",\"case\":\"<b>\",\"must_hold\":\"alpha 0\","
           "\"measured\":3.5,\"limit\":\"0\",\"pass\":false}]}' > \"$2\"; exit 6");
   const Finished bad = report("extreme");
   EXPECT_EQ(bad.exit_code, 6) << bad.output;
-  const std::string html = read(out + "/index.html");  // written all the same
+  const std::string html = read_file(out + "/index.html");  // written all the same
   EXPECT_NE(html.find("extreme case G1 does not hold"), std::string::npos);
   EXPECT_EQ(count(html, "<b>"), 0u);
 }
@@ -162,7 +156,7 @@ TEST(Report, ExtremeCasesWriteWhatItReads) {
   const Finished cases =
       run({binary("mirage-extreme"), "--json", file, "--quick", "--jobs", "2", "--only", "G3,R8"});
   ASSERT_EQ(cases.exit_code, 0) << cases.output;
-  const json rows = json::parse(read(file))["rows"];
+  const json rows = json::parse(read_file(file))["rows"];
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[0]["id"], "G3");
   for (const char* key : {"case", "must_hold", "measured", "limit", "pass"}) {
@@ -181,7 +175,7 @@ TEST_F(Outside, WhatIsLeftOutMustNotChangeAPixel) {
   };
   say("0");
   EXPECT_EQ(report("needs").exit_code, 0);
-  EXPECT_EQ(json::parse(read(out + "/needs.json"))["rows"][0]["left_out"], "sort");
+  EXPECT_EQ(json::parse(read_file(out + "/needs.json"))["rows"][0]["left_out"], "sort");
   say("4");
   EXPECT_EQ(report("needs").exit_code, 6);
 }
@@ -189,11 +183,11 @@ TEST_F(Outside, WhatIsLeftOutMustNotChangeAPixel) {
 TEST_F(Outside, WhatIsNotThereOrFailsIsAnOmission) {
   const Finished none = report("extreme");
   EXPECT_EQ(none.exit_code, 0) << none.output;
-  EXPECT_NE(read(out + "/index.html").find("there is no mirage-extreme"), std::string::npos);
-  EXPECT_TRUE(json::parse(read(out + "/extreme.json"))["rows"].empty());
+  EXPECT_NE(read_file(out + "/index.html").find("there is no mirage-extreme"), std::string::npos);
+  EXPECT_TRUE(json::parse(read_file(out + "/extreme.json"))["rows"].empty());
   program("mirage-server", "echo 'error scene-missing: no such file' >&2; exit 3");
   EXPECT_EQ(report("needs").exit_code, 0);
-  EXPECT_NE(read(out + "/index.html").find("scene-missing: no such file"), std::string::npos);
+  EXPECT_NE(read_file(out + "/index.html").find("scene-missing: no such file"), std::string::npos);
 }
 
 TEST(Report, FailsWithTheExitCodeOfTheReason) {

@@ -3,34 +3,17 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
-#include <nlohmann/json.hpp>
 #include <set>
 
-#include "tests/support/process.h"
+#include "tests/support/viewed.h"
 
 namespace mirage::test {
 namespace {
 
-nlohmann::json view(const Server& server, const std::vector<std::string>& more, int frames) {
-  const std::string file = scratch_folder() + "/s.json";
-  std::vector<std::string> command = {binary("mirage-view"),
-                                      server.url(),
-                                      "--offscreen",
-                                      "160x90",
-                                      "--virtual-time",
-                                      "--net",
-                                      "rtt=50,rate=20,server-ms=5,seed=1",
-                                      "--frames",
-                                      std::to_string(frames),
-                                      "--stats",
-                                      file};
-  command.insert(command.end(), more.begin(), more.end());
-  const Finished done = run(command, 240);
-  EXPECT_EQ(done.exit_code, 0) << done.output;
-  std::ifstream in(file, std::ios::binary);
-  return nlohmann::json::parse(std::string(std::istreambuf_iterator<char>(in), {}));
+nlohmann::json watch(const Server& server, const std::string& more, int frames) {
+  return view(server, "--offscreen 160x90 --net rtt=50,rate=20,server-ms=5,seed=1 --frames " +
+                          std::to_string(frames) + " " + more)
+      .stats;
 }
 
 int drawn(const nlohmann::json& stats) { return stats["frames_drawn"]; }
@@ -40,8 +23,8 @@ constexpr const char* kScene = "builtin:forest?trees=30&clutter=10";
 TEST(Stillness, NothingIsAskedSentOrDrawnOnceAllIsSettled) {
   const Server server(kScene);
   ASSERT_TRUE(server.ready()) << server.log();
-  const std::vector<std::string> still = {"--path", "builtin:still"};
-  const nlohmann::json settled = view(server, still, 300), later = view(server, still, 900);
+  const std::string still = "--path builtin:still";
+  const nlohmann::json settled = watch(server, still, 300), later = watch(server, still, 900);
   EXPECT_GT(settled["tiles"]["received"], 10);
   EXPECT_LT(drawn(settled), 100);
   EXPECT_EQ(drawn(later), drawn(settled)) << "600 frames more draw nothing";
@@ -53,10 +36,9 @@ TEST(Stillness, NothingIsAskedSentOrDrawnOnceAllIsSettled) {
 TEST(Stillness, CameraAndLightWakeIt) {
   const Server server(kScene);
   ASSERT_TRUE(server.ready()) << server.log();
-  EXPECT_EQ(drawn(view(server, {"--path", "builtin:walk"}, 120)), 120);
-  const std::vector<std::string> lamp = {"--path", "builtin:still", "--light",
-                                         "builtin:lamp-toggle"};
-  const nlohmann::json once = view(server, lamp, 400), again = view(server, lamp, 700);
+  EXPECT_EQ(drawn(watch(server, "--path builtin:walk", 120)), 120);
+  const std::string lamp = "--path builtin:still --light builtin:lamp-toggle";
+  const nlohmann::json once = watch(server, lamp, 400), again = watch(server, lamp, 700);
   EXPECT_GT(drawn(again), drawn(once)) << "the lamp goes on and off";
   EXPECT_LT(drawn(again), 500) << "and stands still between";
 }
@@ -66,9 +48,9 @@ TEST(Stillness, AnimationIsDrawn) {
   if (shared_folder().empty()) GTEST_SKIP() << "no shared models";
   const Server server(fox);
   ASSERT_TRUE(server.ready()) << server.log();
-  const std::vector<std::string> still = {"--path", "builtin:still"};
-  EXPECT_GT(drawn(view(server, still, 120)), 60);
-  EXPECT_LT(drawn(view(server, {"--path", "builtin:still", "--animation", "off"}, 120)), 60);
+  const std::string still = "--path builtin:still";
+  EXPECT_GT(drawn(watch(server, still, 120)), 60);
+  EXPECT_LT(drawn(watch(server, still + " --animation off", 120)), 60);
 }
 
 TEST(Explain, NamesDifferentThingsOfDifferentScenes) {

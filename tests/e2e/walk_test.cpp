@@ -4,49 +4,28 @@
 
 #include <csignal>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <nlohmann/json.hpp>
 
-#include "tests/support/process.h"
+#include "tests/support/viewed.h"
 
 namespace mirage::test {
 namespace {
 
-std::string read(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-std::vector<std::string> walk(const Server& server, const std::string& folder, int frames) {
-  return {binary("mirage-view"),
-          server.url(),
-          "--offscreen",
-          "320x180",
-          "--path",
-          "builtin:walk",
-          "--frames",
-          std::to_string(frames),
-          "--virtual-time",
-          "--net",
-          "rtt=100,rate=20,server-ms=5,seed=1",
-          "--reference",
-          "30",
-          "--stats",
-          folder + "/s.json",
-          "--out",
-          folder};
-}
-
 constexpr const char* kScene = "builtin:forest?trees=60&clutter=20";
+
+/// With its pictures in the folder.
+Viewed walk(const Server& server, const std::string& folder, int frames) {
+  return view(server,
+              "--offscreen 320x180 --path builtin:walk --net rtt=100,rate=20,server-ms=5,seed=1 "
+              "--reference 30 --frames " +
+                  std::to_string(frames) + " --out " + folder,
+              folder);
+}
 
 TEST(Walk, StatsHaveTheContractAndNoBoundIsExceeded) {
   const Server server(kScene);
   ASSERT_TRUE(server.ready()) << server.log();
-  const std::string folder = scratch_folder();
-  const Finished view = run(walk(server, folder, 91), 240);
-  ASSERT_EQ(view.exit_code, 0) << view.output;
-  const nlohmann::json s = nlohmann::json::parse(read(folder + "/s.json"));
+  const nlohmann::json s = walk(server, scratch_folder(), 91).stats;
+  ASSERT_TRUE(s.is_object());
   for (const char* key : {"/frames",
                           "/frame_ms/p50",
                           "/frame_ms/p95",
@@ -102,18 +81,19 @@ TEST(Walk, StatsHaveTheContractAndNoBoundIsExceeded) {
 
 TEST(Walk, TwoRunsAreTheSameToTheByte) {
   const std::string first = scratch_folder(), second = scratch_folder();
-  for (const std::string& folder : {first, second}) {
+  std::string stats[2];
+  for (const int i : {0, 1}) {
     const Server server(kScene);  // a fresh server: nothing may depend on what it holds
     ASSERT_TRUE(server.ready()) << server.log();
-    const Finished view = run(walk(server, folder, 61), 240);
-    ASSERT_EQ(view.exit_code, 0) << view.output;
+    stats[i] = walk(server, i == 0 ? first : second, 61).text;
   }
-  EXPECT_EQ(read(first + "/s.json"), read(second + "/s.json"));
+  EXPECT_FALSE(stats[0].empty());
+  EXPECT_EQ(stats[0], stats[1]);
   int frames = 0;
   for (const auto& entry : std::filesystem::directory_iterator(first)) {
     if (entry.path().extension() != ".png") continue;
     const std::string name = entry.path().filename().string();
-    EXPECT_EQ(read(first + "/" + name), read(second + "/" + name)) << name;
+    EXPECT_EQ(read_file(first + "/" + name), read_file(second + "/" + name)) << name;
     ++frames;
   }
   EXPECT_GE(frames, 61);
@@ -123,13 +103,12 @@ TEST(Walk, MethodsAllDraw) {
   const Server server("builtin:knot");
   ASSERT_TRUE(server.ready()) << server.log();
   for (const char* method : {"mesh", "quad", "cuboid", "hull", "warp", "depth", "auto"}) {
-    const std::string folder = scratch_folder();
-    const Finished view =
-        run({binary("mirage-view"), server.url(), "--offscreen", "160x120", "--path",
-             "builtin:orbit", "--frames", "41", "--virtual-time", "--net", "rtt=20,server-ms=2",
-             "--method", method, "--reference", "40", "--stats", folder + "/s.json"});
-    ASSERT_EQ(view.exit_code, 0) << method << ": " << view.output;
-    const nlohmann::json s = nlohmann::json::parse(read(folder + "/s.json"));
+    const nlohmann::json s = view(server, std::string("--offscreen 160x120 --path builtin:orbit "
+                                                      "--frames 41 --net rtt=20,server-ms=2 "
+                                                      "--reference 40 --method ") +
+                                              method)
+                                 .stats;
+    ASSERT_TRUE(s.is_object()) << method;
     EXPECT_EQ(s["quality"]["bound_violations"], 0) << method;
     EXPECT_GT(s["quality"]["iou"]["mean"], 0.9) << method;
     EXPECT_LT(s["hole_fraction"], 0.01) << method;
@@ -139,13 +118,12 @@ TEST(Walk, MethodsAllDraw) {
 TEST(Walk, LightMoves) {
   const Server server("builtin:knot");
   ASSERT_TRUE(server.ready()) << server.log();
-  const std::string folder = scratch_folder();
-  const Finished view = run({binary("mirage-view"), server.url(), "--offscreen", "160x120",
-                             "--path", "builtin:still", "--light", "builtin:sun-sweep", "--frames",
-                             "90", "--virtual-time", "--net", "rtt=20,server-ms=2", "--stats",
-                             folder + "/s.json", "--relight", "never", "--mesh-radii", "0"});
-  ASSERT_EQ(view.exit_code, 0) << view.output;
-  const nlohmann::json s = nlohmann::json::parse(read(folder + "/s.json"));
+  const nlohmann::json s =
+      view(server,
+           "--offscreen 160x120 --path builtin:still --light builtin:sun-sweep --frames 90 "
+           "--net rtt=20,server-ms=2 --relight never --mesh-radii 0")
+          .stats;
+  ASSERT_TRUE(s.is_object());
   EXPECT_GE(s["tiles"]["received"], 5);  // 1.5 s of a sun that moves every frame
 }
 

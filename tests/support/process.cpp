@@ -53,14 +53,14 @@ int wait_for(int pid, double timeout_s, rusage* used = nullptr) {
   return -1;
 }
 
+}  // namespace
+
+std::string binary(const std::string& name) { return std::string(MIRAGE_BIN_DIR) + "/" + name; }
+
 std::string read_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
-
-}  // namespace
-
-std::string binary(const std::string& name) { return std::string(MIRAGE_BIN_DIR) + "/" + name; }
 
 std::string shared_folder() {
   const char* set = std::getenv("MIRAGE_SHARED");

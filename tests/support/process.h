@@ -19,6 +19,9 @@ Finished run(const std::vector<std::string>& command, double timeout_s = 60);
 /// Path of a shipped binary.
 std::string binary(const std::string& name);
 
+/// All bytes of a file; none when it is not there.
+std::string read_file(const std::string& path);
+
 /// Folder with the shared assets, or empty when it is not there.
 std::string shared_folder();
 
