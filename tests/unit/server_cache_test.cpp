@@ -1,6 +1,5 @@
 // The directory of things that can be made again: its budget, age, damage, and several writers.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -10,6 +9,7 @@
 #include <thread>
 
 #include "server/cache_directory.h"
+#include "tests/support/temp_folder.h"
 
 namespace mirage::test {
 namespace {
@@ -26,20 +26,9 @@ Bytes thing(std::uint64_t n, std::size_t size = 1000) {
 
 class ServerCache : public ::testing::Test {
  protected:
-  ServerCache()
-      : folder_(fs::temp_directory_path() /
-                ("mirage_cache_" + std::to_string(::getpid()) + "_" +
-                 ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::create_directories(folder_);
-  }
-  ~ServerCache() override { fs::remove_all(folder_); }
-
   /// All regular files, oldest use first.
   std::vector<fs::path> files() const {
-    std::vector<fs::path> out;
-    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
-      if (entry.is_regular_file()) out.push_back(entry.path());
-    }
+    std::vector<fs::path> out = temporary_.files();
     std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) {
       return fs::last_write_time(a) < fs::last_write_time(b);
     });
@@ -59,7 +48,8 @@ class ServerCache : public ::testing::Test {
     }
   }
 
-  const fs::path folder_;
+  const TempFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 TEST_F(ServerCache, WhatIsWrittenIsReadByTheNextProcess) {

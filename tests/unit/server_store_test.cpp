@@ -1,6 +1,5 @@
 // Tile store: budget, directory, and files that are not trusted.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -9,6 +8,7 @@
 #include "protocol/tile_color.h"
 #include "server/tile_form.h"
 #include "server/tile_store.h"
+#include "tests/support/temp_folder.h"
 
 namespace mirage::test {
 namespace {
@@ -40,25 +40,12 @@ Bytes header_of(const StoredTile& tile) { return encode_message(wire::TileReplyT
 
 class ServerStore : public ::testing::Test {
  protected:
-  ServerStore()
-      : directory_(fs::temp_directory_path() /
-                   ("mirage_store_" + std::to_string(::getpid()) + "_" +
-                    ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::create_directories(directory_);
-  }
-  ~ServerStore() override { fs::remove_all(directory_); }
-  std::string directory() const { return directory_.string(); }
+  std::string directory() const { return folder_.path().string(); }
   /// The only file in the directory.
   fs::path only_file() const {
-    fs::path found;
-    int count = 0;
-    for (const auto& entry : fs::recursive_directory_iterator(directory_)) {
-      if (!entry.is_regular_file()) continue;
-      found = entry.path();
-      ++count;
-    }
-    EXPECT_EQ(count, 1);
-    return found;
+    const std::vector<fs::path> files = folder_.files();
+    EXPECT_EQ(files.size(), 1u);
+    return files.empty() ? fs::path() : files[0];
   }
   static Bytes read(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
@@ -85,7 +72,7 @@ class ServerStore : public ::testing::Test {
   Counters counters;
 
  private:
-  const fs::path directory_;
+  const TempFolder folder_;
 };
 
 TEST_F(ServerStore, LeastRecentlyUsedGoFirst) {
