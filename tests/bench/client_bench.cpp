@@ -6,12 +6,11 @@
 
 #include "client/core/camera_path.h"
 #include "client/core/quantile.h"
-#include "client/host/client_host.h"
 #include "client/host/methods.h"
 #include "client/quality/metrics.h"
 #include "server/render/gpu_scene.h"
-#include "shaders/gl/egl_context.h"
 #include "tests/bench/bench.h"
+#include "tests/bench/bench_client.h"
 #include "tests/support/large_scene.h"
 #include "tests/support/process.h"
 
@@ -91,7 +90,7 @@ class FullGeometry {
   std::uint64_t triangles_ = 0;
 };
 
-/// A client in this process, on virtual time and a modelled link, with a frame to draw.
+/// A client on virtual time and a modelled link, frame by frame.
 class Client {
  public:
   struct Options {
@@ -100,80 +99,66 @@ class Client {
     int width = kWidth, height = kHeight;
   };
   static Result<std::unique_ptr<Client>> create(const std::string& url, const Options& options) {
-    auto out = std::unique_ptr<Client>(new Client);
-    Result<gl::EglContext> egl = gl::EglContext::create("auto");
-    if (!egl) return egl.error();
-    out->egl_ = std::move(*egl);
-    const int layers = atlas_layers(kAtlasMb);
-    Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, layers);
-    if (!renderer) return renderer.error();
-    out->renderer_.emplace(renderer.take());
-    Result<FrameTarget> target = FrameTarget::create(options.width, options.height, kMsaa);
-    if (!target) return target.error();
-    out->target_.emplace(target.take());
     HostOptions host;
     host.url = url;
     host.virtual_time = true;
     host.net = options.net;
     host.session.atlas_edge = kAtlasEdge;
-    host.session.atlas_layers = layers;
+    host.session.atlas_layers = atlas_layers(kAtlasMb);
     host.session.animation = false;
     host.session.mesh_radii = options.mesh_radii;
-    out->host_ = std::make_unique<ClientHost>(host, *out->renderer_);
-    if (Result<void> opened = out->host_->open(); !opened) return opened.error();
-    if (Result<void> met = out->host_->wait_for_scene(); !met) return met.error();
+    Result<std::unique_ptr<BenchClient>> client =
+        BenchClient::create(host, {options.width, options.height, kMsaa});
+    if (!client) return client.error();
+    auto out = std::make_unique<Client>();
+    out->client_ = client.take();
     return out;
   }
 
-  const SceneView& scene() const { return host_->session().scene(); }
+  const SceneView& scene() const { return client_->scene(); }
   Camera camera(const Pose& pose) const {
     Camera camera;
     camera.pose = pose;
     camera.fov_y = kFovY;
-    camera.width = static_cast<std::uint32_t>(target_->width());
-    camera.height = static_cast<std::uint32_t>(target_->height());
+    camera.width = static_cast<std::uint32_t>(target().width());
+    camera.height = static_cast<std::uint32_t>(target().height());
     camera.fit_depth_range(scene().bounds_center, scene().bounds_radius);
     return camera;
   }
   /// One frame of 1/60 s, without drawing it.
   void plan(const Camera& camera) {
-    host_->virtual_clock()->advance_to_us(host_->now_us() + kFrameUs);
-    (void)host_->session().receive(host_->now_us());
-    list_ = host_->session().frame(camera, host_->now_us());
+    host().virtual_clock()->advance_to_us(host().now_us() + kFrameUs);
+    (void)host().session().receive(host().now_us());
+    list_ = host().session().frame(camera, host().now_us());
   }
   void plan_and_draw(const Camera& camera) {
     plan(camera);
-    draw(*target_, camera);
+    draw(target(), camera);
   }
   /// What was planned last.
   void draw(const FrameTarget& target, const Camera& camera) {
-    renderer_->draw(target, camera, scene(), list_, host_->session().lighting());
-    glFinish();
+    client_->draw(target, camera, list_);
   }
   /// Until nothing more is to come.
   void settle(const Camera& camera) {
     for (int frame = 0; frame < kSettleFrames; ++frame) {
       plan(camera);
-      if (frame > 20 && host_->session().at_rest()) return;
+      if (frame > 20 && host().session().at_rest()) return;
     }
   }
   /// Of what was drawn last into target().
   double flip(const ReferenceFrame& truth) const {
-    const std::vector<std::uint8_t> drawn = target_->read();
+    const std::vector<std::uint8_t> drawn = target().read();
     return measure_images({truth.width, truth.height, truth.rgba.data()},
                           {truth.width, truth.height, drawn.data()})
         .flip_mean.value_or(NAN);
   }
-  const FrameTarget& target() const { return *target_; }
-  ClientHost& host() { return *host_; }
+  const FrameTarget& target() const { return client_->target(); }
+  ClientHost& host() { return client_->host(); }
   const DrawList& list() const { return list_; }
 
  private:
-  Client() = default;
-  gl::EglContext egl_;
-  std::optional<FrameRenderer> renderer_;
-  std::optional<FrameTarget> target_;
-  std::unique_ptr<ClientHost> host_;
+  std::unique_ptr<BenchClient> client_;
   DrawList list_;
 };
 

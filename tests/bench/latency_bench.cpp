@@ -4,10 +4,9 @@
 #include <cmath>
 
 #include "client/core/quantile.h"
-#include "client/host/client_host.h"
 #include "client/host/methods.h"
-#include "shaders/gl/egl_context.h"
 #include "tests/bench/bench.h"
+#include "tests/bench/bench_client.h"
 #include "tests/support/process.h"
 
 namespace mirage::bench {
@@ -21,25 +20,17 @@ constexpr int kReplyTimeoutMs = 5'000;
 class EagerClient {
  public:
   static Result<std::unique_ptr<EagerClient>> create(const std::string& url) {
-    auto out = std::unique_ptr<EagerClient>(new EagerClient);
-    Result<gl::EglContext> egl = gl::EglContext::create("auto");
-    if (!egl) return egl.error();
-    out->egl_ = std::move(*egl);
-    Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, 4);
-    if (!renderer) return renderer.error();
-    out->renderer_.emplace(renderer.take());
-    Result<FrameTarget> target = FrameTarget::create(kFrameEdge, kFrameEdge, 0);
-    if (!target) return target.error();
-    out->target_.emplace(target.take());
     HostOptions options;
     options.url = url;
     options.session.trace = true;
     options.session.method = *method_from_name("quad");
     options.session.atlas_edge = kAtlasEdge;
     options.session.atlas_layers = 4;
-    out->host_ = std::make_unique<ClientHost>(options, *out->renderer_);
-    if (Result<void> opened = out->host_->open(); !opened) return opened.error();
-    if (Result<void> met = out->host_->wait_for_scene(); !met) return met.error();
+    Result<std::unique_ptr<BenchClient>> client =
+        BenchClient::create(options, {kFrameEdge, kFrameEdge, 0});
+    if (!client) return client.error();
+    auto out = std::make_unique<EagerClient>();
+    out->client_ = client.take();
     return out;
   }
 
@@ -55,25 +46,20 @@ class EagerClient {
         scene.bounds_center + distance * glm::dvec3(std::cos(turn), 0.2, std::sin(turn));
     camera.pose = look_at(eye, scene.bounds_center);
     camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
+    ClientHost& host = client_->host();
     for (int frame = 0; frame < 200; ++frame) {
-      if (Result<void> came = session().receive(host_->now_us()); !came) return came;
-      const DrawList list = session().frame(camera, host_->now_us());
-      renderer_->draw(*target_, camera, scene, list, session().lighting());
-      glFinish();
-      session().note_drawn(host_->now_us());
+      if (Result<void> came = session().receive(host.now_us()); !came) return came;
+      client_->draw(client_->target(), camera, session().frame(camera, host.now_us()));
+      session().note_drawn(host.now_us());
       if (session().in_flight() == 0 && frame > 1) return {};
-      if (session().in_flight() > 0) host_->native().wait_message(kReplyTimeoutMs);
+      if (session().in_flight() > 0) host.native().wait_message(kReplyTimeoutMs);
     }
     return make_error(ErrorId::kInternal, "the client keeps asking");
   }
-  ClientSession& session() { return host_->session(); }
+  ClientSession& session() { return client_->session(); }
 
  private:
-  EagerClient() = default;
-  gl::EglContext egl_;
-  std::optional<FrameRenderer> renderer_;
-  std::optional<FrameTarget> target_;
-  std::unique_ptr<ClientHost> host_;
+  std::unique_ptr<BenchClient> client_;
 };
 
 Result<std::vector<Row>> latency(const Conditions& conditions) {

@@ -1,0 +1,29 @@
+#include "tests/bench/bench_client.h"
+
+namespace mirage::bench {
+
+Result<std::unique_ptr<BenchClient>> BenchClient::create(const HostOptions& host,
+                                                         const View& view) {
+  auto out = std::unique_ptr<BenchClient>(new BenchClient);
+  Result<gl::EglContext> egl = gl::EglContext::create("auto");
+  if (!egl) return egl.error();
+  out->egl_ = std::move(*egl);
+  Result<FrameRenderer> renderer =
+      FrameRenderer::create(host.session.atlas_edge, host.session.atlas_layers);
+  if (!renderer) return renderer.error();
+  out->renderer_.emplace(renderer.take());
+  Result<FrameTarget> target = FrameTarget::create(view.width, view.height, view.samples);
+  if (!target) return target.error();
+  out->target_.emplace(target.take());
+  out->host_ = std::make_unique<ClientHost>(host, *out->renderer_);
+  if (Result<void> opened = out->host_->open(); !opened) return opened.error();
+  if (Result<void> met = out->host_->wait_for_scene(); !met) return met.error();
+  return out;
+}
+
+void BenchClient::draw(const FrameTarget& target, const Camera& camera, const DrawList& list) {
+  renderer_->draw(target, camera, scene(), list, session().lighting());
+  glFinish();
+}
+
+}  // namespace mirage::bench

@@ -1,0 +1,36 @@
+#pragma once
+// A client in this process, its GL context and a target to draw into.
+
+#include <memory>
+#include <optional>
+
+#include "client/host/client_host.h"
+#include "shaders/gl/egl_context.h"
+
+namespace mirage::bench {
+
+class BenchClient {
+ public:
+  struct View {
+    int width = 0, height = 0;
+    int samples = 0;  ///< a pixel; 0: one
+  };
+  /// Connects and waits for the scene. The atlas is as large as `host.session` says.
+  static Result<std::unique_ptr<BenchClient>> create(const HostOptions& host, const View& view);
+
+  ClientHost& host() { return *host_; }
+  ClientSession& session() { return host_->session(); }
+  const SceneView& scene() const { return host_->session().scene(); }
+  const FrameTarget& target() const { return *target_; }
+  /// What the session planned, with its lighting; until it is drawn.
+  void draw(const FrameTarget& target, const Camera& camera, const DrawList& list);
+
+ private:
+  BenchClient() = default;
+  gl::EglContext egl_;
+  std::optional<FrameRenderer> renderer_;
+  std::optional<FrameTarget> target_;
+  std::unique_ptr<ClientHost> host_;
+};
+
+}  // namespace mirage::bench
