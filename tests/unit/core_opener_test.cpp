@@ -1,10 +1,12 @@
 // A scene told group by group: what a viewer needs is known, and not much more.
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <random>
 
 #include "client/core/scene_opener.h"
 #include "client/core/selector_rules.h"
+#include "protocol/limits.h"
 #include "server/scene_opening.h"
 #include "server/scene_pages.h"
 #include "tests/unit/core_scene.h"
@@ -97,7 +99,91 @@ TEST(CoreOpener, WhereverTheEyeGoesOneRequestTellsWhatIsNeeded) {
     expect_known_as_needed(world);
     EXPECT_EQ(ask_on(opener, world), 0) << "nothing is asked for twice";
   }
-  EXPECT_LT(world.scene.instances.size(), 20'000u);
+  EXPECT_LT(world.scene.instances.size(), 9'000u) << "and not much more";
+}
+
+// Groups of a radius of 5 m that have not been opened yet, each of one leaf.
+SelectorWorld closed_groups(const std::vector<wire::GroupRecord>& groups) {
+  const std::size_t count = groups.size();
+  wire::InstancePageT page;
+  page.last = true;
+  page.groups = groups;
+  SceneView scene;
+  EXPECT_TRUE(scene.accept(make_welcome(count, count, count, {})).ok());
+  EXPECT_TRUE(scene.accept(make_objects({})).ok());
+  EXPECT_TRUE(scene.accept(page).ok());
+  return SelectorWorld(std::move(scene));
+}
+
+wire::GroupRecord closed_group(const glm::dvec3& center, std::uint32_t index, std::uint32_t count,
+                               Importance importance = Importance::kNormal) {
+  return {to_wire(center),
+          wire::Vec3f(2.9f, 2.9f, 2.9f),
+          0u,
+          0u,
+          count + index,
+          kNone,
+          index,
+          1u,
+          static_cast<std::uint8_t>(importance)};
+}
+
+// From how far away a group is asked for, m; `change` is made to what the selector is told.
+double asked_from(const std::function<void(SelectorInput&)>& change,
+                  Importance importance = Importance::kNormal) {
+  const SelectorWorld world = closed_groups({closed_group({}, 0, 1, importance)});
+  double near = 6, far = 1e5;
+  for (int i = 0; i < 40; ++i) {
+    SelectorInput in = world.input();
+    const double middle = 0.5 * (near + far);
+    in.camera.pose = look_at({0, 0, 2e5}, {0, 0, 0});  // only where it will be counts
+    in.predicted.pose = look_at({0, 0, middle}, {0, 0, 0});
+    change(in);
+    (SceneOpener().plan(in) ? near : far) = middle;
+  }
+  return near;
+}
+
+TEST(CoreOpener, TauSpeedAndImportanceDecideFromHowFarAGroupIsAskedFor) {
+  const double usual = asked_from([](SelectorInput&) {});
+  EXPECT_GT(usual, 10);
+  EXPECT_LT(usual, 1e4);
+  EXPECT_GT(asked_from([](SelectorInput& in) { in.tau_px /= 4; }), 1.1 * usual);
+  EXPECT_GT(asked_from([](SelectorInput& in) { in.target_px = in.tau_px / 4; }), 1.1 * usual)
+      << "a steered tau comes back down";
+  EXPECT_GT(asked_from([](SelectorInput& in) { in.velocity = {20, 0, 0}; }), 1.1 * usual);
+  EXPECT_EQ(asked_from([](SelectorInput& in) {
+              in.velocity = {0, 0, 0};
+            }),
+            usual)
+      << "who stands may walk";
+  EXPECT_GT(asked_from([](SelectorInput&) {}, Importance::kImportant), 1.1 * usual);
+  EXPECT_LT(asked_from([](SelectorInput&) {}, Importance::kScenery), 0.95 * usual);
+}
+
+TEST(CoreOpener, NearOnesComeFirstAndARequestHasALimit) {
+  const auto count = static_cast<std::uint32_t>(limits::kMaxOpensPerRequest + 100);
+  std::vector<wire::GroupRecord> groups;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    groups.push_back(closed_group({10 + 1e-4 * double(i * 7919ull % count), 0, 0}, i, count));
+  }
+  SelectorWorld world = closed_groups(groups);
+  SceneOpener opener;
+  const auto first = opener.plan(world.input());
+  ASSERT_TRUE(first);
+  ASSERT_EQ(first->groups.size(), limits::kMaxOpensPerRequest);
+  double before = 0;
+  for (const std::uint32_t id : first->groups) {
+    const double x = groups[id - count].center().x();
+    ASSERT_GE(x, before);
+    before = x;
+  }
+  world.now_us += 50'000;
+  EXPECT_FALSE(opener.plan(world.input())) << "ten times a second at most";
+  world.now_us += 50'000;
+  const auto second = opener.plan(world.input());
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->groups.size(), 100u);
 }
 
 TEST(CoreOpener, ALostConnectionAsksAgain) {
@@ -235,6 +321,51 @@ TEST(ServerOpening, ALimitIsKeptAndGroupsComeBeforeTheirOwn) {
   }
   EXPECT_GE(told, 500u);
   EXPECT_LT(told, 520u);
+}
+
+// How many instances and groups are told of.
+std::size_t told_of(const PreparedScene& scene, const Opening& opening) {
+  std::size_t told = 0;
+  for (const std::uint32_t id : groups_to_open(scene, scene.grouping.roots, opening)) {
+    told += scene.group_of_instance(id)->members;
+  }
+  return told;
+}
+
+TEST(ServerOpening, AtLeastAsManyAsWantedAreToldOf) {
+  Opening far_away;
+  far_away.eye = {0, 1e6, 0};
+  EXPECT_EQ(told_of(*field(), far_away), 0u);
+  far_away.least = 300;
+  EXPECT_GE(told_of(*field(), far_away), 300u);
+  EXPECT_LT(told_of(*field(), far_away), 320u);
+}
+
+TEST(ServerOpening, WhatIsImportantIsToldOfFromFartherAway) {
+  Opening opening;
+  opening.eye = field()->scene.home.eye;
+  const auto told_with = [&](Importance importance) {
+    PreparedScene scene = *field();
+    for (InstanceGroup& group : scene.grouping.groups) group.importance = importance;
+    return told_of(scene, opening);
+  };
+  EXPECT_GT(told_with(Importance::kImportant), told_with(Importance::kNormal));
+  EXPECT_GT(told_with(Importance::kNormal), told_with(Importance::kScenery));
+}
+
+TEST(ServerOpening, WhatLiesBeforeTheEyeComesFirst) {
+  Opening opening;
+  opening.eye = field()->bounds_center;
+  opening.most = 2000;
+  int before = 0, behind = 0;
+  for (const std::uint32_t id : groups_to_open(*field(), field()->grouping.roots, opening)) {
+    const GroupBounds& bounds = field()->group_of_instance(id)->bounds;
+    const double ahead = glm::dot(bounds.center - opening.eye, opening.forward);
+    const double radius = glm::length(glm::dvec3(bounds.half));
+    before += ahead > radius;
+    behind += ahead < -radius;
+  }
+  EXPECT_GT(3 * before, 4 * behind) << before << " before, " << behind << " behind";
 }
 
 TEST(ServerOpening, NumbersThatAreNoGroupsArePassedOver) {

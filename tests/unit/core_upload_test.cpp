@@ -104,6 +104,14 @@ TEST(UploadQueue, AFloodIsNotKept) {
   EXPECT_EQ(take(queue, std::move(flood)).size(), 10u);
 }
 
+TEST(UploadQueue, WhatWaitedOverALostConnectionIsGone) {
+  UploadQueue queue(kCost);
+  EXPECT_EQ(take(queue, list(tile(1), tile(2))), (Numbers{1}));
+  queue.clear();
+  EXPECT_TRUE(queue.empty());
+  EXPECT_EQ(take(queue, list(tile(3))), (Numbers{3}));
+}
+
 TEST(UploadQueue, CountsFramesApart) {
   UploadQueue queue(kCost);
   take(queue, {});

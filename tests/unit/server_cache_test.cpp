@@ -66,6 +66,26 @@ TEST_F(ServerCache, EmptyThingsAreKeptToo) {
   EXPECT_EQ(cache.read(key_of(1)), Bytes{});
 }
 
+TEST_F(ServerCache, DamageAndAnotherThingsFileAreNotRead) {
+  CacheDirectory cache(folder_, kRoomy);
+  const auto made = [&] {
+    cache.write(key_of(1), thing(1));
+    return files()[0];
+  };
+  fs::resize_file(made(), 500);
+  EXPECT_FALSE(cache.read(key_of(1)));
+  EXPECT_TRUE(files().empty()) << "to be made anew";
+  std::fstream(made(), std::ios::in | std::ios::out | std::ios::binary).seekp(300).put('!');
+  EXPECT_FALSE(cache.read(key_of(1)));
+  const fs::path one = made();
+  cache.write(key_of(2), thing(2));
+  for (const fs::path& file : files()) {
+    if (file != one) fs::copy_file(one, file, fs::copy_options::overwrite_existing);
+  }
+  EXPECT_TRUE(cache.read(key_of(1)));
+  EXPECT_FALSE(cache.read(key_of(2))) << "the bytes of another name";
+}
+
 TEST_F(ServerCache, StaysWithinItsBudgetAndTheLongestUnusedGo) {
   constexpr std::uint64_t kBudget = 20'000;
   CacheDirectory cache(folder_, kBudget);

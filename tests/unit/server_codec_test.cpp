@@ -2,7 +2,9 @@
 // made of what is there.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <set>
+#include <thread>
 
 #include "server/encode_stage.h"
 #include "tests/support/session_hub_test.h"
@@ -61,7 +63,15 @@ class ServerCodec : public SessionHubTest {
     return tiles.size();
   }
   /// Waits for the next of the encode stage's completions and hands it on.
-  void complete_one() { hub->complete(*completions.pop()); }
+  void complete_one() {
+    for (int ms = 0; ms < 5000; ++ms) {
+      if (std::optional<Completion> done = completions.try_pop()) {
+        return hub->complete(std::move(*done));
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ADD_FAILURE() << "nothing comes from the encode stage";
+  }
   /// The codec of the only message, which must be a tile; its planes must decode to its hash.
   TileCodec came(SessionId id) {
     const std::vector<Message> messages = drain(id);
@@ -153,6 +163,8 @@ TEST_F(ServerCodec, TilesWithoutColoursComeInZstd) {
   ASSERT_EQ(draw(), 1u);
   complete_one();
   EXPECT_EQ(came(id), C::kZstd);
+  ask_in(id, C::kJpeg, 0, kCasterTile);
+  EXPECT_EQ(came(id), C::kZstd) << "at once: there is no form of it to be made";
 }
 
 // The encode stage has enough to do (it does not run here): what is there is sent as it is.
@@ -190,6 +202,25 @@ TEST_F(ServerCodec, ReplyTellsHowLongTheServerHadIt) {
   EXPECT_EQ(drain(id).at(0).body.AsTileReply()->server_us, 7000u);
   ask_in(id, {});
   EXPECT_EQ(drain(id).at(0).body.AsTileReply()->server_us, 0u) << "from the store, at once";
+}
+
+TEST(FormRequests, AsManyMayWaitAgainAsWereServed) {
+  BoundedQueue<EncodeJob> jobs{1};
+  FormRequests forms(jobs);
+  const auto tile = std::make_shared<const StoredTile>();
+  Waiter waiter;
+  waiter.codec = C::kLz4;
+  std::size_t first = 0;
+  for (const int round : {1, 2}) {
+    std::size_t waiting = 0;
+    while (waiting < 200'000 && forms.wait({1, 2}, tile, waiter)) ++waiting;
+    EXPECT_LT(waiting, 200'000u) << "there is a limit";
+    if (round == 1) first = waiting;
+    EXPECT_EQ(waiting, first);
+    EXPECT_EQ(forms.take_waiting({1, 2}, C::kLz4).size(), waiting);
+    EXPECT_TRUE(jobs.try_pop());
+    EXPECT_FALSE(jobs.try_pop()) << "one job for all of them";
+  }
 }
 
 }  // namespace
