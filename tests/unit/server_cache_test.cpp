@@ -117,7 +117,9 @@ TEST_F(ServerCache, WhatEarlierProcessesLeftCounts) {
 TEST_F(ServerCache, TouchesNothingThatIsNotItsOwn) {
   fs::create_directories(folder_ / "ab");
   const fs::path foreign[] = {folder_ / "letter.txt", folder_ / "ab" / "photo.jpg",
-                              folder_ / "ab" / (std::string(32, 'c') + ".tile")};
+                              folder_ / "ab" / (std::string(32, 'c') + ".tile"),
+                              folder_ / "ab" / ("ab" + std::string(30, 'x') + ".tile"),
+                              folder_ / "ab" / "ab.tile"};
   for (const fs::path& path : foreign) std::ofstream(path) << std::string(5000, 'x');
   CacheDirectory cache(folder_, 2'000);
   cache.write(key_of(1), thing(1));
