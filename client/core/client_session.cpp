@@ -176,7 +176,7 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
                                       std::int64_t came_us, std::int64_t now_us) {
   ++received_;
   // For the credit never less than the server counts: control part, headers, those of chunks.
-  const std::size_t bytes = planes.size() + 192 + planes.size() / 4096;
+  const std::size_t bytes = planes.size() + 224 + planes.size() / 4096;
   const std::optional<PendingAsk> ask = scheduler_.finish(reply.request_id, bytes, came_us);
   if (!ask || !scene_.complete()) return {};
   codec_choice_.tile_arrived(came_us - ask->sent_us, reply.server_us);

@@ -115,7 +115,7 @@ TEST_F(ServerAsks, ATileCostsNoMoreCreditThanTheClientCounts) {
     std::size_t sent = 0;
     while (const FramePtr frame = hub->next_frame(id)) sent += frame->size();
     EXPECT_GT(sent, payload);
-    EXPECT_LE(sent, payload + 192 + payload / 4096);
+    EXPECT_LE(sent, payload + 224 + payload / 4096);
   }
 }
 
