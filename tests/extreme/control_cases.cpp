@@ -173,7 +173,7 @@ NetModel net(double rtt_ms, double rate_mbps) {
 // Rates that lie close together are as different as far ones: what is asked for when changes.
 std::vector<double> rates(const Conditions& conditions) {
   if (conditions.quick) return {1};
-  return {0.94, 1, 1.06};
+  return {0.94, 0.97, 1, 1.03, 1.06};
 }
 std::string named(double share, double tau) {
   return (share == 1 ? "" : fmt::format(", times {}", share)) +
