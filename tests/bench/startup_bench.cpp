@@ -193,9 +193,10 @@ Result<std::vector<Row>> load(const LargeFile& file, int rounds) {
 }
 
 Result<std::vector<Row>> startup(const Conditions& conditions) {
-  const LargeFile files[] = {{"600,000 triangles", {600'000, 8, 0, 0}, 2},
-                             {"600,000 triangles in one mesh", {600'000, 1, 0, 0}, 2},
-                             {"100 MB", {2'200'000, 24, 18, 2048}, 6}};
+  const LargeFile files[] = {
+      {"600,000 triangles", {.triangles = 600'000, .meshes = 8}, 2},
+      {"600,000 triangles in one mesh", {.triangles = 600'000, .meshes = 1}, 2},
+      {"100 MB", {.triangles = 2'200'000, .meshes = 24, .textures = 18}, 6}};
   Result<std::vector<Row>> rows = first_tile(conditions);
   if (!rows) return rows;
   for (const LargeFile& file : files) {

@@ -57,7 +57,8 @@ class LoadedTiles : public ::testing::TestWithParam<const char*> {
     spec_ = GetParam();
     if (spec_.empty()) {
       spec_ = (folder_.path() / "large.glb").string();
-      ASSERT_TRUE(write_large_glb(spec_, {90'000, 3, 3, 64}));
+      ASSERT_TRUE(write_large_glb(
+          spec_, {.triangles = 90'000, .meshes = 3, .textures = 3, .texture_edge = 64}));
     }
     alone_ = tile_hashes(spec_, {.threads = 1});
     ASSERT_FALSE(alone_.empty());

@@ -13,7 +13,7 @@ namespace mirage::test {
 struct LargeScene {
   std::uint64_t triangles = 600'000;  ///< about
   int meshes = 8;
-  int copies = 1;           ///< of each mesh
+  int copies = 1;           ///< of each mesh, at least 1
   int textures = 0;         ///< two thirds colour as JPEG, the others normal maps as PNG
   int texture_edge = 2048;  ///< texels
 };
