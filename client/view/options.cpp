@@ -46,6 +46,7 @@ Result<void> check(ViewOptions& o, const std::string& offscreen, const std::stri
   }
   o.method = *method_from_name(o.method_name);
   o.relight = kRelight.at(o.relight_name);
+  if (o.msaa_name != "auto") o.msaa = std::stoi(o.msaa_name);
   if (o.offscreen && o.frames == 0) o.frames = 300;
   if (o.offscreen && o.path.empty()) o.path = "builtin:walk";
   if (!o.token_file.empty()) {
@@ -112,8 +113,10 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_option("--reference-samples", o.reference_supersample, "samples per pixel and axis in it")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
-  app.add_option("--msaa", o.msaa, "samples per pixel")
-      ->check(CLI::Range(0, 16))
+  app.add_option("--msaa", o.msaa_name,
+                 "samples per pixel, 0 to 16; auto: 4, and none once frames take longer than "
+                 "--frame-ms or 50 ms to draw (never on virtual time)")
+      ->check(CLI::Range(0, 16) | CLI::IsMember({"auto"}))
       ->capture_default_str();
   app.add_option("--march-kpx", o.march_kpx,
                  "thousand pixels a frame that may be drawn by marching depth; default 200 on a "

@@ -28,7 +28,8 @@ struct ViewOptions {
   MethodChoice method;
   int reference_every = 0;
   int reference_supersample = 2;
-  int msaa = 4;
+  std::string msaa_name = "auto";
+  int msaa = -1;  ///< samples a pixel; < 0: by what frames take
   int atlas_mb = 216;
   int mesh_mb = 256;
   int upload_kb = 8192;

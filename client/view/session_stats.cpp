@@ -198,6 +198,7 @@ std::string SessionStats::real_time_json(const Final& end) const {
   ordered_json j;
   j["frame_ms"] = quantiles(real_ms_, true);
   j["wall_s"] = end.wall_s;
+  j["samples_at_end"] = end.samples;
   j["client_renderer"] = end.renderer;
   j["server_renderer"] = end.server;
   return j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";

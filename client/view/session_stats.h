@@ -58,6 +58,7 @@ class SessionStats {
     std::string scene, renderer, server, method;
     double tau_px = 1;
     double wall_s = 0;
+    int samples = 0;  ///< of a pixel, at the end
   };
   /// All keys of the contract; with virtual time nothing in it depends on the machine.
   std::string json(const Final& end) const;

@@ -9,6 +9,7 @@
 
 #include "client/core/camera_path.h"
 #include "client/core/quantile.h"
+#include "client/core/sample_choice.h"
 #include "client/core/stillness.h"
 #include "client/host/client_host.h"
 #include "client/host/light_script.h"
@@ -24,7 +25,8 @@ namespace {
 
 class Viewer {
  public:
-  explicit Viewer(const ViewOptions& options) : o_(options) {}
+  explicit Viewer(const ViewOptions& options)
+      : o_(options), samples_(options.msaa, options.targets.frame_ms) {}
   Result<void> run();
 
  private:
@@ -35,7 +37,9 @@ class Viewer {
   Result<void> one_frame(std::int64_t frame);
   Result<void> compare(const Camera& camera, const DrawList& list);
   Result<void> finish();
+  Result<void> make_target(int width, int height, bool blends);
   Result<void> fit_target();
+  void draw(const Camera& camera, const DrawList& list);
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
   bool next_events();
@@ -54,7 +58,9 @@ class Viewer {
   std::int64_t start_us_ = 0;
   std::optional<Window> window_;
   gl::EglContext egl_;
+  SampleChoice samples_;
   std::optional<FrameTarget> target_;
+  int target_samples_ = 0;  // as chosen, which may be more than the device has
   std::optional<FrameRenderer> renderer_;
   std::unique_ptr<ClientHost> host_;
   std::optional<CameraPath> path_;
@@ -91,9 +97,14 @@ Result<void> Viewer::open_graphics() {
   Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, atlas_layers(o_.atlas_mb));
   if (!renderer) return renderer.error();
   renderer_.emplace(renderer.take());
-  Result<FrameTarget> target = FrameTarget::create(o_.width, o_.height, o_.msaa);
+  return make_target(o_.width, o_.height, false);
+}
+
+Result<void> Viewer::make_target(int width, int height, bool blends) {
+  Result<FrameTarget> target = FrameTarget::create(width, height, samples_.samples(), blends);
   if (!target) return target.error();
   target_.emplace(target.take());
+  target_samples_ = samples_.samples();
   return {};
 }
 
@@ -157,13 +168,27 @@ Result<void> Viewer::fit_target() {
   int w = target_->width(), h = target_->height();
   if (window_) window_->framebuffer_size(w, h);
   const bool blends = session().scene().blends();
-  const bool same = w == target_->width() && h == target_->height();
-  if (w < 1 || h < 1 || (same && blends == target_->blends())) return {};
-  Result<FrameTarget> target = FrameTarget::create(w, h, o_.msaa, blends);
-  if (!target) return target.error();
-  target_.emplace(target.take());
+  const bool same = w == target_->width() && h == target_->height() &&
+                    blends == target_->blends() && samples_.samples() == target_samples_;
+  if (w < 1 || h < 1 || same) return {};
+  if (Result<void> made = make_target(w, h, blends); !made) return made;
   still_.content_changed();
   return {};
+}
+
+void Viewer::draw(const Camera& camera, const DrawList& list) {
+  const std::uint64_t programs = gl::programs_compiled();
+  const std::int64_t began = real_clock_.now_us();
+  renderer_->draw(*target_, camera, session().scene(), list, session().lighting());
+  glFinish();
+  programs_in_draws_ += gl::programs_compiled() - programs;
+  if (host_->virtual_clock()) return;  // reproducible, whatever the machine
+  const double ms = static_cast<double>(real_clock_.now_us() - began) * 1e-3;
+  if (samples_.note_drawn(ms)) {
+    spdlog::info(
+        "frames take {:.0f} ms to draw: from now on with one sample a pixel (--msaa {} keeps more)",
+        ms, target_samples_);
+  }
 }
 
 void Viewer::show(const DrawList& list, std::int64_t now) {
@@ -203,9 +228,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   const bool changed = !still_.unchanged(camera, scene, list, session().lighting());
   frame_kept_ = !changed;
   resting_ = !changed && session().at_rest();
-  const std::uint64_t programs = gl::programs_compiled();
-  if (changed) renderer_->draw(*target_, camera, scene, list, session().lighting());
-  programs_in_draws_ += gl::programs_compiled() - programs;
+  if (changed) draw(camera, list);
   stats_.note_gpu(renderer_->gpu_bytes(), target_->gpu_bytes());
   if (window_ && (window_->take_refresh() || changed)) show(list, now);
   glFinish();
@@ -320,6 +343,7 @@ Result<void> Viewer::finish() {
   end.renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
   end.method = o_.method_name;
   end.tau_px = o_.tau_px;
+  end.samples = target_samples_;
   end.wall_s = static_cast<double>(real_clock_.now_us()) * 1e-6;
   std::fputs(stats_.table(end).c_str(), stdout);
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
