@@ -8,7 +8,7 @@ namespace mirage::bench {
 
 namespace {
 
-double seconds_of(Time time) {
+double now_s(Time time) {
   timespec t{};
   clock_gettime(time == Time::kCpu ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
@@ -16,7 +16,11 @@ double seconds_of(Time time) {
 
 }  // namespace
 
-double cpu_seconds() { return seconds_of(Time::kCpu); }
+double seconds(Time time, const std::function<void()>& work) {
+  const double began = now_s(time);
+  work();
+  return now_s(time) - began;
+}
 
 Middle middle(std::vector<double> samples) {
   Middle out;
@@ -28,17 +32,12 @@ Middle middle(std::vector<double> samples) {
 
 Pair in_turn(Time time, int rounds, const std::function<void()>& ours,
              const std::function<void()>& beside) {
-  const auto seconds = [time](const std::function<void()>& work) {
-    const double began = seconds_of(time);
-    work();
-    return seconds_of(time) - began;
-  };
   ours();
   beside();
   std::vector<double> mine, theirs, ratios;
   for (int i = 0; i < rounds; ++i) {
-    mine.push_back(seconds(ours));
-    theirs.push_back(seconds(beside));
+    mine.push_back(seconds(time, ours));
+    theirs.push_back(seconds(time, beside));
     ratios.push_back(theirs.back() / mine.back());
   }
   const Middle ratio = middle(ratios);

@@ -48,9 +48,6 @@ std::vector<Bench> gpu_benches();
 /// Whether the EGL device ("auto": the best there is) is a graphics card. Error kGraphicsDevice.
 Result<bool> is_hardware(const std::string& device);
 
-/// Of all threads of this process.
-double cpu_seconds();
-
 /// Seconds of two things, measured in turn.
 struct Pair {
   double ours_s = 0, beside_s = 0;  ///< medians
@@ -58,9 +55,10 @@ struct Pair {
   double spread_pct = 0;
 };
 
-enum class Time { kWall, kCpu };
-/// `rounds` times each, in turn, after one round that is not counted. CPU is that of all threads,
-/// as a software renderer has several.
+enum class Time { kWall, kCpu };  ///< CPU: of all threads, as a software renderer has several
+/// What `work` takes.
+double seconds(Time time, const std::function<void()>& work);
+/// `rounds` times each, in turn, after one round that is not counted.
 Pair in_turn(Time time, int rounds, const std::function<void()>& ours,
              const std::function<void()>& beside);
 /// Of samples: the median, and half the distance of the quartiles in per cent of it.

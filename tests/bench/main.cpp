@@ -93,6 +93,7 @@ int main_of(int argc, char** argv) {
         continue;
       }
     }
+    std::fprintf(stderr, "%s: %s …\n", bench.id, bench.what);
     const Result<std::vector<Row>> found = bench.run({o.quick, o.device});
     if (!found) return fail(found.error());
     const std::string command =
