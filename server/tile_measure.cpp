@@ -23,13 +23,15 @@ struct Source {
 TileCrop content_crop(const Source& source) {
   std::uint32_t x0 = source.edge, y0 = source.edge, x1 = 0, y1 = 0;
   for (std::uint32_t y = 0; y < source.edge; ++y) {
-    for (std::uint32_t x = 0; x < source.edge; ++x) {
-      if (!source.covered(x, y)) continue;
-      x0 = std::min(x0, x);
-      x1 = std::max(x1, x + 1);
-      y0 = std::min(y0, y);
-      y1 = std::max(y1, y + 1);
-    }
+    // From either end, as far as rows before did not reach: what lies between is not looked at.
+    std::uint32_t left = 0, right = source.edge;
+    while (left < source.edge && !source.covered(left, y)) ++left;
+    if (left == source.edge) continue;
+    while (right > x1 && !source.covered(right - 1, y)) --right;
+    x0 = std::min(x0, left);
+    x1 = std::max(x1, right);
+    y0 = std::min(y0, y);
+    y1 = y + 1;
   }
   if (x0 >= x1) return {};
   x0 = x0 > 0 ? x0 - 1 : 0;
@@ -93,42 +95,72 @@ float largest_gap(const std::vector<float>& z, const TileCrop& crop) {
   return *std::max_element(gap.begin(), gap.end());
 }
 
-// Capture depth of each texel; 0: nothing there.
-std::vector<float> depths_of(const std::vector<std::uint8_t>& codes, const DepthCode& code) {
+/// Capture depth of each texel, 0: nothing there; least and greatest of what is there.
+struct Depths {
+  std::vector<float> z;
+  float least = 0, greatest = 0;
+};
+
+Depths depths_of(const std::vector<std::uint8_t>& codes, const DepthCode& code) {
   std::array<float, 256> depth{};
   for (std::size_t i = 1; i < depth.size(); ++i) {
     depth[i] = static_cast<float>(code.decode(static_cast<std::uint8_t>(i)));
   }
-  std::vector<float> out;
-  out.reserve(codes.size());
-  for (const std::uint8_t c : codes) out.push_back(depth[c]);
+  Depths out;
+  out.z.resize(codes.size());
+  std::uint8_t last = 0, before_first = 255;  // codes grow with depth; less 1, nothing is 255
+  for (const std::uint8_t c : codes) {
+    last = std::max(last, c);
+    before_first = std::min(before_first, static_cast<std::uint8_t>(c - 1));
+  }
+  for (std::size_t i = 0; i < codes.size(); ++i) out.z[i] = depth[codes[i]];
+  if (last > 0) {
+    out.least = depth[before_first + std::size_t{1}];
+    out.greatest = depth[last];
+  }
   return out;
 }
 
 /// 1 / depth of a plane, linear in the texel.
 struct Line {
   double at_corner, along_x, along_y;
+  double at(double x, double y) const { return at_corner + along_y * y + along_x * x; }
 };
 
-// Least of `least` and of all lines at each texel of a row. Of a run of texels only the lines are
-// followed that are not above another one on all of it.
-void take_least(const std::vector<Line>& lines, double y, std::vector<double>& least) {
-  constexpr std::size_t kRun = 16;
-  const auto at = [y](const Line& line, std::size_t x) {
-    return line.at_corner + line.along_y * y + line.along_x * static_cast<double>(x);
+constexpr std::uint32_t kBlock = 16;  // texels
+
+struct Block {
+  std::uint32_t x, y, w, h;  // of the crop
+};
+
+// Those of `lines` that are not above another one on all of the block, in their order.
+void pick_least(const std::vector<Line>& lines, const Block& block, std::vector<Line>& picked) {
+  const double across = block.w - 1, down = block.h - 1;
+  double most = std::numeric_limits<double>::infinity();
+  const auto middle = [&](const Line& line) {
+    return line.at(block.x + 0.5 * across, block.y + 0.5 * down);
   };
-  for (std::size_t begin = 0; begin < least.size(); begin += kRun) {
-    const std::size_t end = std::min(begin + kRun, least.size());
-    double most = std::numeric_limits<double>::infinity();
-    for (const Line& line : lines) {
-      most = std::min(most, std::max(at(line, begin), at(line, end - 1)));
-    }
-    for (const Line& line : lines) {
-      if (std::min(at(line, begin), at(line, end - 1)) > most) continue;
-      const double start = line.at_corner + line.along_y * y;
-      for (std::size_t x = begin; x < end; ++x) {
-        least[x] = std::min(least[x], start + line.along_x * static_cast<double>(x));
-      }
+  const auto swing = [&](const Line& line) {
+    return 0.5 * (std::abs(line.along_x) * across + std::abs(line.along_y) * down);
+  };
+  for (const Line& line : lines) most = std::min(most, middle(line) + swing(line));
+  picked.clear();
+  for (const Line& line : lines) {
+    // By more than roundings, and never true of what is no number.
+    const double least = middle(line) - swing(line);
+    const bool above = least - 1e-12 * std::abs(least) > most + 1e-12 * std::abs(most);
+    if (!above) picked.push_back(line);
+  }
+}
+
+// Least of `least` and of all lines at each texel of a row.
+void take_least(const std::vector<Line>& lines, const Block& block, std::uint32_t y,
+                std::array<double, kBlock>& least) {
+  for (const Line& line : lines) {
+    const double start = line.at_corner + line.along_y * y, left = block.x;
+    for (int x = 0; x < static_cast<int>(kBlock); ++x) {  // all of it: as cheap as a part
+      const auto i = static_cast<std::size_t>(x);
+      least[i] = std::min(least[i], start + line.along_x * (left + x));
     }
   }
 }
@@ -136,16 +168,12 @@ void take_least(const std::vector<Line>& lines, double y, std::vector<double>& l
 void measure(Tile& tile, const Capture& capture, const ObjectDescription& object) {
   const DepthCode code(capture.radius, capture.distance);
   const auto quantum = static_cast<float>(code.quantum());
-  const std::vector<float> z = depths_of(tile.depth, code);
-  float low = std::numeric_limits<float>::infinity(), high = 0;
-  for (const float depth : z) {
-    low = depth != 0 && depth < low ? depth : low;
-    high = std::max(high, depth);
-  }
-  if (high == 0) return;
+  const Depths depths = depths_of(tile.depth, code);
+  if (depths.greatest == 0) return;
+  const std::vector<float>& z = depths.z;
   TileMeasure& m = tile.measure;
-  m.depth_min = std::max(low - quantum, 0.0f);
-  m.depth_max = high + quantum;
+  m.depth_min = std::max(depths.least - quantum, 0.0f);
+  m.depth_max = depths.greatest + quantum;
   // The harmonic mean balances |z - plane| / (z * plane) between the near and the far end.
   m.plane_depth = 2.0f * m.depth_min * m.depth_max / (m.depth_min + m.depth_max);
   const auto dc = static_cast<float>(capture.distance);
@@ -194,16 +222,26 @@ std::vector<float> entry_depths(const std::vector<Plane>& planes, const Capture&
                          -glm::dot(n, along_y) / gap});
     }
   }
-  std::vector<float> out(crop.area(), std::numeric_limits<float>::quiet_NaN());
-  std::vector<double> enter(crop.w), leave(crop.w);
-  for (std::uint32_t y = 0; y < crop.h; ++y) {
-    std::fill(enter.begin(), enter.end(), kInfinity);
-    std::fill(leave.begin(), leave.end(), 0.0);
-    take_least(entering, y, enter);
-    take_least(leaving, y, leave);
-    for (std::uint32_t x = 0; x < crop.w; ++x) {
-      const bool met = enter[x] > 0 && enter[x] >= -leave[x];
-      if (met) out[std::size_t{y} * crop.w + x] = static_cast<float>(1 / enter[x]);
+  constexpr float kMissed = std::numeric_limits<float>::quiet_NaN();
+  std::vector<float> out(crop.area());
+  std::vector<Line> first_in, first_out;
+  std::array<double, kBlock> enter{}, leave{};
+  for (std::uint32_t top = 0; top < crop.h; top += kBlock) {
+    for (std::uint32_t left = 0; left < crop.w; left += kBlock) {
+      const Block block{left, top, std::min(kBlock, crop.w - left), std::min(kBlock, crop.h - top)};
+      pick_least(entering, block, first_in);
+      pick_least(leaving, block, first_out);
+      for (std::uint32_t y = top; y < top + block.h; ++y) {
+        enter.fill(kInfinity);
+        leave.fill(0.0);
+        take_least(first_in, block, y, enter);
+        take_least(first_out, block, y, leave);
+        float* const row = &out[std::size_t{y} * crop.w + left];
+        for (std::uint32_t x = 0; x < block.w; ++x) {
+          const bool met = (enter[x] > 0) & (enter[x] >= -leave[x]);
+          row[x] = met ? static_cast<float>(1 / enter[x]) : kMissed;
+        }
+      }
     }
   }
   return out;

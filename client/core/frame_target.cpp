@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "shaders/gl/renderer.h"
+
 namespace mirage {
 namespace {
 
@@ -26,7 +28,8 @@ Result<FrameTarget> FrameTarget::create(int width, int height, int samples, bool
   t.height_ = height;
   t.samples_ = std::min(samples, static_cast<int>(most));
   t.blends_ = blends;
-  if (blends && t.make(GL_RGBA16F)) return t;
+  const GLenum format = gl::color_format(blends);
+  if (format != GL_SRGB8_ALPHA8 && t.make(format)) return t;
   if (Result<void> made = t.make(GL_SRGB8_ALPHA8); !made) return made.error();
   return t;
 }
@@ -35,12 +38,13 @@ Result<void> FrameTarget::make(GLenum drawn_format) {
   bool ok = true;
   draw_ = gl::Framebuffer::create();
   glBindFramebuffer(GL_FRAMEBUFFER, draw_.id());
+  sample_bytes_ = drawn_format == GL_SRGB8_ALPHA8 ? 8 : 12;
   color_ = storage(drawn_format, GL_COLOR_ATTACHMENT0, width_, height_, samples_);
   depth_ = storage(GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, width_, height_, samples_);
   ok = ok && complete();
   averaged_ = gl::Framebuffer();
   averaged_color_ = gl::Renderbuffer();
-  if (drawn_format != GL_SRGB8_ALPHA8) {
+  if (drawn_format != GL_SRGB8_ALPHA8 && samples_ > 0) {
     averaged_ = gl::Framebuffer::create();
     glBindFramebuffer(GL_FRAMEBUFFER, averaged_.id());
     averaged_color_ = storage(drawn_format, GL_COLOR_ATTACHMENT0, width_, height_, 0);
@@ -94,8 +98,9 @@ void FrameTarget::show() const {
 
 std::size_t FrameTarget::gpu_bytes() const {
   const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-  const std::size_t averaged = averaged_ ? 8 : 0, drawn = averaged_ ? 12 : 8;
-  return pixels * drawn * static_cast<std::size_t>(std::max(samples_, 1)) + pixels * (averaged + 4);
+  const std::size_t averaged = averaged_ ? 8 : 0;
+  return pixels * sample_bytes_ * static_cast<std::size_t>(std::max(samples_, 1)) +
+         pixels * (averaged + 4);
 }
 
 }  // namespace mirage

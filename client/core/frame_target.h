@@ -11,8 +11,8 @@ namespace mirage {
 
 class FrameTarget {
  public:
-  /// `samples` 0: none. `blends`: many surfaces may be laid over each other, whose sum 8 bits would
-  /// round at each; it then has 16 a channel, where the device can. Error kGraphicsGl.
+  /// `samples` 0: none. `blends`: many surfaces may be laid over each other (gl::color_format,
+  /// where the device can). Error kGraphicsGl.
   static Result<FrameTarget> create(int width, int height, int samples, bool blends = false);
 
   void bind() const;
@@ -36,6 +36,7 @@ class FrameTarget {
   gl::Framebuffer resolved_;
   gl::Renderbuffer color_, depth_, resolved_color_;
   int width_ = 0, height_ = 0, samples_ = 0;
+  std::size_t sample_bytes_ = 0;  ///< colour and depth
   bool blends_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "shaders/gl/gl_object.h"
+#include "shaders/gl/renderer.h"
 
 namespace mirage {
 namespace {
@@ -85,11 +86,9 @@ Result<void> ClientHost::open() {
         "start one with: mirage-server builtin:forest");
   }
   // Measured: a pixel of marching costs a CPU rasteriser some 0.3 us, a GPU next to nothing.
-  const std::string renderer_name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  const bool software = renderer_name.find("llvmpipe") != std::string::npos;
   ClientOptions session = options_.session;
   session.march_budget_px = options_.march_kpx >= 0 ? options_.march_kpx * 1000
-                            : software              ? 200e3
+                            : gl::is_software()     ? 200e3
                                                     : 1e9;
   if (session.trace && !virtual_clock_) session.trace_clock = [this] { return now_us(); };
   Link& link = modelled_ ? static_cast<Link&>(*modelled_) : *native_;

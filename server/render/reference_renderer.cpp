@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cstring>
 
+#include "shaders/gl/renderer.h"
+
 namespace mirage {
 namespace {
 
@@ -109,7 +111,7 @@ void ReferenceRenderer::draw_moving(const gl::MeshInstance& one, bool blended) {
 }
 
 std::vector<GLenum> ReferenceRenderer::drawn_formats() const {
-  return {GLenum(scene_->prepared->blends() ? GL_RGBA16F : GL_SRGB8_ALPHA8), GL_R32UI};
+  return {gl::color_format(scene_->prepared->blends()), GL_R32UI};
 }
 
 std::size_t ReferenceRenderer::gpu_bytes(const ReferenceJob& job) const {

@@ -8,6 +8,7 @@
 #include "protocol/capture.h"
 #include "protocol/sun_frame.h"
 #include "server/render/readback_ring.h"
+#include "shaders/gl/renderer.h"
 
 namespace mirage {
 namespace {
@@ -176,9 +177,8 @@ int TilePageRenderer::samples(const TileJob& job) const {
 }
 
 bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
-  const GLenum color = extras_.float_color          ? GL_RGBA32F
-                       : scene_->prepared->blends() ? GL_RGBA16F
-                                                    : GL_SRGB8_ALPHA8;
+  const GLenum color =
+      extras_.float_color ? GL_RGBA32F : gl::color_format(scene_->prepared->blends());
   const GLenum kept = extras_.float_color ? GL_RGBA32F : GL_SRGB8_ALPHA8;
   std::vector<GLenum> drawn = {color}, page = {kept, GLenum(extras_.fine_depth ? GL_RGBA8 : GL_R8)};
   if (&path == &relit_) {

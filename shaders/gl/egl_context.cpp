@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "shaders/gl/gl.h"
+#include "shaders/gl/renderer.h"
 
 namespace mirage::gl {
 namespace {
@@ -63,12 +64,6 @@ EGLContext make_context(EGLDisplay display) {
                                        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                        EGL_NONE};
   return eglCreateContext(display, config, EGL_NO_CONTEXT, context_attributes);
-}
-
-bool is_software(const std::string& renderer) {
-  return renderer.find("llvmpipe") != std::string::npos ||
-         renderer.find("softpipe") != std::string::npos ||
-         renderer.find("SWR") != std::string::npos;
 }
 
 std::string gl_string(GLenum name) {
