@@ -79,7 +79,7 @@ Result<std::vector<Row>> codecs(const Conditions& conditions) {
       for (const TileCodec codec : kTileCodecs) {
         if (codec == TileCodec::kZstd) continue;
         const std::string what =
-            fmt::format("{} of {} texels, {}", scene.substr(0, 7), edge, codec_name(codec));
+            fmt::format("{} of {} texels, {}", scene.substr(0, scene.find('?')), edge, codec_name(codec));
         const Encoded encoded = encode_all(*tiles, codec);
         std::vector<Tile> decoded = *tiles;
         const Pair encoding = in_turn(
