@@ -78,8 +78,8 @@ Result<std::vector<Row>> codecs(const Conditions& conditions) {
       const auto per_tile = [&](double all) { return all / static_cast<double>(tiles->size()); };
       for (const TileCodec codec : kTileCodecs) {
         if (codec == TileCodec::kZstd) continue;
-        const std::string what =
-            fmt::format("{} of {} texels, {}", scene.substr(0, scene.find('?')), edge, codec_name(codec));
+        const std::string what = fmt::format(
+            "{} of {} texels, {}", scene.substr(0, scene.find('?')), edge, codec_name(codec));
         const Encoded encoded = encode_all(*tiles, codec);
         std::vector<Tile> decoded = *tiles;
         const Pair encoding = in_turn(
