@@ -127,6 +127,30 @@ TEST(Walk, LightMoves) {
   EXPECT_GE(s["tiles"]["received"], 5);  // 1.5 s of a sun that moves every frame
 }
 
+// Samples a pixel at the end, after some seconds of frames that are all too slow.
+nlohmann::json after_slow_frames(const Server& server, const std::vector<std::string>& more) {
+  const std::string folder = scratch_folder();
+  std::vector<std::string> command = {
+      binary("mirage-view"), server.url(), "--offscreen", "320x240",         "--path",
+      "builtin:orbit",       "--fps",      "1000",        "--frames",        "1000",
+      "--frame-ms",          "0.001",      "--stats",     folder + "/s.json"};
+  command.insert(command.end(), more.begin(), more.end());
+  const Finished done = run(command, 120);
+  EXPECT_EQ(done.exit_code, 0) << done.output;
+  return nlohmann::json::parse(read_file(folder + "/s.real_time.json"), nullptr, false);
+}
+
+TEST(Walk, SamplesFollowWhatFramesTake) {
+  const Server server("builtin:knot");
+  ASSERT_TRUE(server.ready()) << server.log();
+  EXPECT_EQ(after_slow_frames(server, {"--msaa", "4"})["samples_at_end"], 4);
+  EXPECT_EQ(after_slow_frames(server, {"--virtual-time"})["samples_at_end"], 4);
+  const nlohmann::json chosen = after_slow_frames(server, {});
+  const std::string renderer = chosen["client_renderer"];
+  if (renderer.find("llvmpipe") == std::string::npos) GTEST_SKIP() << "too quick to be slow";
+  EXPECT_EQ(chosen["samples_at_end"], 0);
+}
+
 TEST(Walk, ServerDrainsOnTerm) {
   Server server("builtin:knot");
   ASSERT_TRUE(server.ready()) << server.log();
