@@ -93,10 +93,11 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     while (asset != asset_needs.end() && !may_ask(*asset, now_us)) ++asset;
     const bool full = in_flight_bytes_ + leaving_bytes_ + asset_bytes_ >= window;
     held_back = held_back || (full && (tile != needs.end() || asset != asset_needs.end()));
-    // A large mesh under way may fill the window; tiles keep half of it all the same.
+    // A large mesh under way may fill the window, and so may tiles that wait for a server; the
+    // others keep half of it all the same.
     const bool tiles = tile != needs.end() && batch.asks.size() < kMaxAsksPerFrame &&
                        (!full || in_flight_bytes_ + leaving_bytes_ < 0.5 * window);
-    const bool assets = asset != asset_needs.end() && !full &&
+    const bool assets = asset != asset_needs.end() && (!full || asset_bytes_ < 0.5 * window) &&
                         batch.mesh_asks.size() + batch.image_asks.size() < limits::kMaxAsksPerBatch;
     if (!tiles && !assets) break;
     // What one stands in comes before anything else; otherwise whoever has less under way.

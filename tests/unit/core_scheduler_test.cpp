@@ -264,6 +264,18 @@ TEST_F(CoreScheduler, OneLargeMeshLeavesTilesHalfTheWindow) {
   EXPECT_NEAR(tiles, 0.5 * kFirstWindowBytes, 5000);
 }
 
+// A server that takes its time with tiles must not keep geometry from an idle link.
+TEST_F(CoreScheduler, TilesThatFillTheWindowLeaveGeometryHalf) {
+  std::vector<AssetNeed> meshes;
+  for (std::uint32_t i = 0; i < 500; ++i) meshes.push_back(mesh(i, 4000));
+  ASSERT_TRUE(plan(needs(1000, 4), 0));
+  const auto batch = plan(needs(1000, 4), 1000, meshes);
+  ASSERT_TRUE(batch);
+  EXPECT_TRUE(batch->asks.empty());
+  EXPECT_NEAR(static_cast<double>(batch->mesh_asks.size()) * 4000, 0.5 * kFirstWindowBytes, 5000);
+  EXPECT_FALSE(plan(needs(1000, 4), 2000, meshes)) << "no more than that";
+}
+
 TEST_F(CoreScheduler, SurroundingsComeBeforeTiles) {
   std::vector<AssetNeed> meshes;
   for (std::uint32_t i = 0; i < 100; ++i) meshes.push_back(mesh(i, 4000, HUGE_VAL));
