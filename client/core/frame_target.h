@@ -22,6 +22,8 @@ class FrameTarget {
   void show() const;
   int width() const { return width_; }
   int height() const { return height_; }
+  /// Of a pixel, as the device has them; 0: one, and no multisampling.
+  int samples() const { return samples_; }
   std::size_t gpu_bytes() const;
 
   bool blends() const { return blends_; }

@@ -186,8 +186,9 @@ void Viewer::draw(const Camera& camera, const DrawList& list) {
   const double ms = static_cast<double>(real_clock_.now_us() - began) * 1e-3;
   if (samples_.note_drawn(ms)) {
     spdlog::info(
-        "frames take {:.0f} ms to draw: from now on with one sample a pixel (--msaa {} keeps more)",
-        ms, target_samples_);
+        "frames take {:.0f} ms to draw: from now on with one sample a pixel (--msaa {} keeps "
+        "them as they were)",
+        ms, SampleChoice::kMost);
   }
 }
 
@@ -343,7 +344,7 @@ Result<void> Viewer::finish() {
   end.renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
   end.method = o_.method_name;
   end.tau_px = o_.tau_px;
-  end.samples = target_samples_;
+  end.samples = target_->samples();
   end.wall_s = static_cast<double>(real_clock_.now_us()) * 1e-6;
   std::fputs(stats_.table(end).c_str(), stdout);
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
