@@ -15,6 +15,8 @@
 #include <sstream>
 #include <thread>
 
+#include "protocol/clock.h"
+
 namespace mirage {
 namespace {
 
@@ -147,7 +149,8 @@ std::optional<std::string> sibling_program(const std::string& name) {
 }
 
 Result<std::unique_ptr<ServerProcess>> ServerProcess::start(const std::string& scene,
-                                                            const std::string& device) {
+                                                            const std::string& device,
+                                                            const std::vector<std::string>& more) {
   const std::optional<std::string> program = sibling_program("mirage-server");
   if (!program) {
     return make_error(ErrorId::kIo, "there is no mirage-server beside mirage-report",
@@ -157,13 +160,48 @@ Result<std::unique_ptr<ServerProcess>> ServerProcess::start(const std::string& s
   if (!folder) return folder.error();
   std::unique_ptr<ServerProcess> server(new ServerProcess);
   server->folder_ = *folder;
-  const Result<int> pid = spawn({*program, scene, "--listen", "127.0.0.1:0", "--port-file",
-                                 *folder + "/port", "--device", device},
-                                *folder + "/out", *folder + "/err");
+  std::vector<std::string> command = {*program,      scene,         "--listen",
+                                      "127.0.0.1:0", "--port-file", *folder + "/port",
+                                      "--device",    device};
+  command.insert(command.end(), more.begin(), more.end());
+  const SteadyClock clock;
+  const Result<int> pid = spawn(command, *folder + "/out", *folder + "/err");
   if (!pid) return pid.error();
   server->pid_ = *pid;
   if (Result<void> ready = server->wait_ready(scene); !ready) return ready.error();
+  server->ready_s_ = static_cast<double>(clock.now_us()) * 1e-6;
   return server;
+}
+
+std::optional<double> ServerProcess::peak_mb() const {
+  std::istringstream status(read_file("/proc/" + std::to_string(pid_) + "/status"));
+  std::string line;
+  while (std::getline(status, line)) {
+    if (line.rfind("VmHWM:", 0) == 0) return std::atof(line.c_str() + 6) * 1024 * 1e-6;
+  }
+  return std::nullopt;
+}
+
+std::string ServerProcess::ready_value(const std::string& key) const {
+  std::istringstream words(read_file(folder_ + "/out"));
+  std::string word;
+  while (words >> word) {
+    if (word.rfind(key + "=", 0) == 0) return word.substr(key.size() + 1);
+  }
+  return "";
+}
+
+std::vector<std::string> ServerProcess::scene_warnings() const {
+  const std::string mark = "warning scene: ";
+  std::istringstream lines(read_file(folder_ + "/err"));
+  std::vector<std::string> out;
+  std::string line;
+  while (std::getline(lines, line)) {
+    if (const std::size_t at = line.find(mark); at != std::string::npos) {
+      out.push_back(line.substr(at + mark.size()));
+    }
+  }
+  return out;
 }
 
 Result<void> ServerProcess::wait_ready(const std::string& scene) {

@@ -34,11 +34,20 @@ class ServerProcess {
   ServerProcess(const ServerProcess&) = delete;
   ServerProcess& operator=(const ServerProcess&) = delete;
 
-  /// Waits until it is ready. Errors: what the server said itself, kIo when it is not there,
-  /// kNetworkTimeout.
+  /// Waits until it is ready; `more` are further options. Errors: what the server said itself, kIo
+  /// when it is not there, kNetworkTimeout.
   static Result<std::unique_ptr<ServerProcess>> start(const std::string& scene,
-                                                      const std::string& device);
+                                                      const std::string& device,
+                                                      const std::vector<std::string>& more = {});
   std::string url() const { return "ws://127.0.0.1:" + std::to_string(port_); }
+  /// From its start to its `ready` line, seconds of the wall clock.
+  double ready_s() const { return ready_s_; }
+  /// The most memory it has held so far, MB (10^6 bytes); nullopt where the system does not tell.
+  std::optional<double> peak_mb() const;
+  /// The value of a `key=value` of its `ready` line; empty when there is none.
+  std::string ready_value(const std::string& key) const;
+  /// What it warned of when it loaded the scene, a line each.
+  std::vector<std::string> scene_warnings() const;
 
  private:
   ServerProcess() = default;
@@ -47,6 +56,7 @@ class ServerProcess {
 
   int pid_ = -1;
   int port_ = 0;
+  double ready_s_ = 0;
   std::string folder_;
 };
 

@@ -9,6 +9,7 @@
 #include "client/report/context.h"
 #include "client/report/fidelity.h"
 #include "client/report/latency.h"
+#include "client/report/models.h"
 #include "client/report/outside.h"
 #include "client/report/work_precision.h"
 #include "protocol/cli.h"
@@ -27,7 +28,8 @@ Result<void> measure(Context& context) {
   if (wanted(Part::kExtreme)) extreme = start_extreme(context);
   const std::pair<Part, Step> steps[] = {{Part::kLatency, report_latency},
                                          {Part::kFidelity, report_fidelity},
-                                         {Part::kNeeds, report_needs}};
+                                         {Part::kNeeds, report_needs},
+                                         {Part::kModels, report_models}};
   for (const auto& [part, step] : steps) {
     if (!wanted(part)) continue;
     if (Result<void> done = step(context); !done) return done;

@@ -15,6 +15,7 @@ const std::map<std::string, std::set<Part>>& parts() {
       {"latency", {Part::kLatency}},
       {"extreme", {Part::kExtreme}},
       {"needs", {Part::kNeeds}},
+      {"models", {Part::kModels}},
       {"all",
        {Part::kFidelity, Part::kWorkPrecision, Part::kLatency, Part::kExtreme, Part::kNeeds}}};
   return list;
@@ -34,6 +35,16 @@ Result<void> check(const ReportOptions& o) {
   if (!o.model.empty() && o.what != "fidelity") {
     return make_error(ErrorId::kUsage, "--model is for fidelity only", "--scene FILE for the rest");
   }
+  if ((o.what == "models") == o.models_dir.empty()) {
+    return make_error(
+        ErrorId::kUsage,
+        o.models_dir.empty() ? "models needs a folder of glTF files" : "only models takes a folder",
+        "mirage-report models DIR --out out/models");
+  }
+  if (o.what == "models" && !(o.url.empty() && o.scene.empty())) {
+    return make_error(ErrorId::kUsage, "models starts a server for each file of its folder",
+                      "leave out --url and --scene");
+  }
   return {};
 }
 
@@ -47,9 +58,11 @@ int parse_options(int argc, char** argv, ReportOptions& o) {
   app.add_option("WHAT", o.what,
                  "fidelity: tiles against the mesh, by the field's protocol; work-precision: "
                  "error against run time; latency: against video on the same link; extreme: the "
-                 "extreme cases; needs: what was left out; all")
+                 "extreme cases; needs: what was left out; all of these; models: each glTF file of "
+                 "a folder")
       ->required()
       ->check(CLI::IsMember(names()));
+  app.add_option("DIR", o.models_dir, "with models: the folder, searched with all below it");
   app.add_option("--scene", o.scene,
                  "measure this file or builtin:NAME instead of the report's own scenes");
   app.add_option("--url", o.url, "measure the scene of a running server");

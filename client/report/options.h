@@ -5,14 +5,15 @@
 
 namespace mirage {
 
-enum class Part { kWorkPrecision, kFidelity, kLatency, kExtreme, kNeeds };
+enum class Part { kWorkPrecision, kFidelity, kLatency, kExtreme, kNeeds, kModels };
 
 struct ReportOptions {
   std::set<Part> parts;
-  std::string what;   ///< as typed: "all", "latency", …
-  std::string scene;  ///< empty: the report's own scenes
-  std::string url;    ///< empty: servers of its own
-  std::string model;  ///< of the user's, for fidelity
+  std::string what;        ///< as typed: "all", "latency", …
+  std::string scene;       ///< empty: the report's own scenes
+  std::string url;         ///< empty: servers of its own
+  std::string model;       ///< of the user's, for fidelity
+  std::string models_dir;  ///< for models
   std::string out_dir = "out/report";
   bool quick = false;
   std::string device = "auto";

@@ -1,0 +1,231 @@
+#include "client/report/models.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace mirage {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPart = "models";
+constexpr double kFps = 8;
+constexpr int kRestFrames = 64;  // 8 s: by then all has come that is to come
+constexpr int kOrbitFrames = 48, kOrbitEvery = 12;
+constexpr std::uint32_t kTruthSamples = 4;
+constexpr double kWorsePerGeometry = 0.01;  // FLIP of rounding and of other samples
+
+struct Row {
+  std::string file;
+  std::string status;  // "ok", or the line of the error
+  std::optional<double> ready_s, rss_mb, flip_default, flip_impostors;
+  std::string triangles;
+  std::uint64_t violations = 0, compared = 0;
+  std::vector<std::string> warnings;
+};
+
+Result<std::vector<std::string>> model_files(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code failed;
+  for (fs::recursive_directory_iterator at(folder, failed), end; !failed && at != end;
+       at.increment(failed)) {
+    std::string kind = at->path().extension().string();
+    std::transform(kind.begin(), kind.end(), kind.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (kind == ".glb" || kind == ".gltf") files.push_back(at->path().string());
+  }
+  if (failed) return make_error(ErrorId::kIo, folder + ": " + failed.message());
+  if (files.empty()) {
+    return make_error(ErrorId::kIo, folder + ": no .glb or .gltf file in it or below it");
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string out;
+  for (const std::string& line : lines) out += (out.empty() ? "" : "; ") + line;
+  return out;
+}
+
+std::string cell(const std::optional<double>& value, const char* format = "{:.4f}") {
+  return value ? fmt::format(fmt::runtime(format), *value) : "n/a";
+}
+
+RunSpec at_rest(const Context& context, const std::string& url) {
+  RunSpec spec;
+  spec.url = url;
+  spec.path = "builtin:still";
+  spec.width = context.options.quick ? 320 : 480;
+  spec.height = context.options.quick ? 180 : 270;
+  spec.fps = kFps;
+  spec.frames = kRestFrames;
+  spec.compared = {kRestFrames - 1};
+  spec.truth_samples = kTruthSamples;
+  spec.keep_picture = true;
+  return spec;
+}
+
+RunSpec around(const Context& context, const std::string& url) {
+  RunSpec spec = at_rest(context, url);
+  spec.path = "builtin:orbit";
+  spec.frames = kOrbitFrames;
+  spec.compared.clear();
+  for (int f = kOrbitEvery; f < kOrbitFrames; f += kOrbitEvery) spec.compared.push_back(f);
+  spec.keep_picture = false;
+  return spec;
+}
+
+struct Look {
+  std::optional<double> flip;  // at rest
+  std::optional<Picture> picture;
+};
+
+// The model at rest and, in the full form, around it.
+Result<Look> look_at_model(Context& context, const std::string& url, TruthSource& truth, Row& row) {
+  const auto count = [&row](const RunResult& run) {
+    row.violations += run.geometric.violations;
+    row.compared += run.geometric.compared;
+  };
+  Result<RunResult> rest = context.runner->run(at_rest(context, url), truth);
+  if (!rest) return rest.error();
+  count(*rest);
+  if (!context.options.quick) {
+    const Result<RunResult> moved = context.runner->run(around(context, url), truth);
+    if (!moved) return moved.error();
+    count(*moved);
+  }
+  return Look{rest->frames.back().image.flip_mean, std::move(rest->picture)};
+}
+
+Result<void> measure_model(Context& context, const std::string& file, Row& row) {
+  const std::string& device = context.options.device;
+  Result<std::unique_ptr<ServerProcess>> server = ServerProcess::start(file, device);
+  if (!server) return server.error();
+  row.ready_s = (*server)->ready_s();
+  row.triangles = (*server)->ready_value("triangles");
+  row.warnings = (*server)->scene_warnings();
+  row.rss_mb = (*server)->peak_mb();
+  const Result<std::unique_ptr<TruthSource>> truth =
+      TruthSource::open((*server)->url(), context.runner->renderer());
+  if (!truth) return truth.error();
+  const Result<Look> all = look_at_model(context, (*server)->url(), **truth, row);
+  if (!all) return all.error();
+  row.flip_default = all->flip;
+  const Result<std::unique_ptr<ServerProcess>> bare =
+      ServerProcess::start(file, device, {"--no-geometry"});
+  if (!bare) return bare.error();
+  const Result<Look> impostors = look_at_model(context, (*bare)->url(), **truth, row);
+  if (!impostors) return impostors.error();
+  row.flip_impostors = impostors->flip;
+  for (const auto& [how, look] :
+       {std::pair("as a viewer draws it", &*all), std::pair("impostors only", &*impostors)}) {
+    if (!look->picture) continue;
+    const std::string caption = fmt::format(
+        "{}, {}: FLIP {}. Drawn, full render, difference "
+        "times 2.",
+        row.file, how, cell(look->flip));
+    if (Result<void> shown = context.page.pictures(caption, *look->picture); !shown) return shown;
+  }
+  return {};
+}
+
+Table table_of(const std::vector<Row>& rows) {
+  Table table({"file", "status", "ready_s", "rss_mb", "triangles", "flip_default", "flip_impostors",
+               "violations", "warnings"});
+  for (const Row& row : rows) {
+    const bool drawn = row.status == "ok";
+    table.add({row.file, row.status, cell(row.ready_s, "{:.2f}"), cell(row.rss_mb, "{:.0f}"),
+               row.triangles.empty() ? "n/a" : row.triangles, cell(row.flip_default),
+               cell(row.flip_impostors), drawn ? std::to_string(row.violations) : "n/a",
+               joined(row.warnings)});
+  }
+  return table;
+}
+
+// Value below which a share of the values lies; nullopt of none.
+std::optional<double> quantile_of(std::vector<double> values, double share) {
+  if (values.empty()) return std::nullopt;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+std::string spread_of(const std::vector<Row>& rows, std::optional<double> Row::*value) {
+  std::vector<double> values;
+  for (const Row& row : rows) {
+    if (row.*value) values.push_back(*(row.*value));
+  }
+  return fmt::format("{} median, {} at the ninetieth percentile, {} at worst",
+                     cell(quantile_of(values, 0.5)), cell(quantile_of(values, 0.9)),
+                     cell(quantile_of(values, 1)));
+}
+
+void summarise(Context& context, const std::vector<Row>& rows) {
+  std::size_t opened = 0;
+  std::uint64_t violations = 0, compared = 0;
+  std::vector<std::string> worse;
+  for (const Row& row : rows) {
+    opened += row.status == "ok";
+    violations += row.violations;
+    compared += row.compared;
+    if (row.flip_default && row.flip_impostors &&
+        *row.flip_default > *row.flip_impostors + kWorsePerGeometry) {
+      worse.push_back(row.file);
+    }
+  }
+  std::vector<std::string> lines = {
+      fmt::format("{} of {} files opened and were drawn.", opened, rows.size()),
+      "FLIP at rest, as a viewer draws it: " + spread_of(rows, &Row::flip_default) + ".",
+      "FLIP at rest, impostors only: " + spread_of(rows, &Row::flip_impostors) + ".",
+      fmt::format("{} of {} compared pixels of impostors exceed their bound.", violations,
+                  compared)};
+  lines.push_back(worse.empty()
+                      ? fmt::format("None is drawn worse than impostors alone (by more than {}).",
+                                    kWorsePerGeometry)
+                      : fmt::format("Drawn worse than impostors alone by more than {}: {}.",
+                                    kWorsePerGeometry, joined(worse)));
+  context.page.heading("All files");
+  context.page.list(lines);
+  for (const std::string& line : lines) std::puts(line.c_str());
+  if (violations > 0) context.failed_checks.push_back(lines[3]);
+}
+
+}  // namespace
+
+Result<void> report_models(Context& context) {
+  const Result<SessionRunner*> gl = context.graphics();
+  if (!gl) return gl.error();
+  const std::string& folder = context.options.models_dir;
+  const Result<std::vector<std::string>> files = model_files(folder);
+  if (!files) return files.error();
+  Page& page = context.page;
+  page.section(kPart, "Models of " + folder);
+  page.command(context.options.command_line);
+  page.paragraph(
+      "Each file is served by a server of its own on an ideal link and looked at from its home "
+      "view "
+      "for eight seconds at rest, then once around it: as a viewer draws it by default, and with "
+      "impostors only (mirage-server --no-geometry). Truth is the server's full render of the same "
+      "camera with 4 x 4 samples; FLIP is its mean where either picture shows something. Every "
+      "pixel of an impostor that the truth shows is held against the bound it was drawn with.");
+  std::vector<Row> rows;
+  context.progress.begin(kPart, files->size());
+  for (const std::string& file : *files) {
+    Row row;
+    row.file = fs::path(file).lexically_relative(folder).string();
+    context.progress.step(row.file);
+    const Result<void> measured = measure_model(context, file, row);
+    row.status = measured ? "ok" : measured.error().line();
+    rows.push_back(std::move(row));
+    // As it goes: a long run that is broken off has not been for nothing.
+    const Result<void> kept = write_file(context.path("models.csv"), table_of(rows).csv());
+    if (!kept) return kept;
+  }
+  summarise(context, rows);
+  page.table(table_of(rows));
+  return {};
+}
+
+}  // namespace mirage
