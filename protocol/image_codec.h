@@ -27,8 +27,21 @@ std::uint8_t image_levels(const ImageDescription& image);
 /// Size of a level: the full one halved until its larger edge fits.
 glm::uvec2 image_level_size(const ImageDescription& image, std::uint8_t level);
 
-/// Colour with a quality of 90 and exact alpha; data maps (normals, roughness) without loss.
-/// A pure function of its input. Error kCodec.
+/// What a lossy form of a colour image does to its hue, in 1/255: by mean over 2 x 2 texels, as a
+/// filter shows them, weighted by alpha; the larger change of R - G and of B - G.
+struct HueError {
+  float median = 0;
+  float p95 = 0;
+};
+/// Of two images of one size.
+HueError hue_error(const Image& image, const Image& shown);
+/// The most that a lossy form may do: a share of what the eye tells apart in large patches, and, at
+/// the few texels where colours meet, of what it does not see beside an edge.
+inline constexpr HueError kHueLimit{2, 10};
+
+/// Colour in the smallest of few lossy forms that keeps to kHueLimit, alpha exact; without loss
+/// where none does, where colours are few (palettes, masks, signs) and for images of at most 64 x
+/// 64. Data maps (normals, roughness) without loss. A pure function of its input. Error kCodec.
 Result<Bytes> encode_image(const Image& image);
 /// The size must be as expected, which is checked before allocating. Error kCodec.
 Result<Image> decode_image(const std::uint8_t* bytes, std::size_t size, const glm::uvec2& expected,
