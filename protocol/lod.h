@@ -21,6 +21,9 @@ struct LodInfo {
   /// same area. 95 % of the dropped pieces have a kept one within this distance: it says how far
   /// cover has moved, and bounds nothing.
   float spread = 0;
+  /// Object units: the level is shaded and coloured like the whole mesh at pixels of this size and
+  /// larger ones (server/scene/lod_shading.h). Its surfaces may lie right and face elsewhere.
+  float shading = 0;
 };
 
 /// Cover that moves within foliage is seen less than an edge that moves: it may do so by this many
@@ -30,8 +33,8 @@ inline constexpr double kSpreadPerTau = 4;
 /// What a level shows wrongly, in px over tau, at `px_per_unit` pixels an object unit; <= 1 is fit
 /// to be drawn.
 inline double lod_excess(const LodInfo& lod, double px_per_unit, double tau_px) {
-  const double error =
-      lod.error > lod.spread / kSpreadPerTau ? lod.error : lod.spread / kSpreadPerTau;
+  double error = lod.error > lod.spread / kSpreadPerTau ? lod.error : lod.spread / kSpreadPerTau;
+  if (lod.shading > error) error = lod.shading;
   return error * px_per_unit / tau_px;
 }
 
@@ -44,16 +47,18 @@ inline std::size_t lod_for_view(const std::vector<LodInfo>& lods, double px_per_
   return 0;
 }
 
-/// What a tile's geometry may be off: a quarter of a texel at the nearest depth the object can
-/// have.
+/// What a tile's geometry may be off, in texels at the nearest depth the object can have.
+inline constexpr double kTileErrorTexels = 0.25;
 inline double allowed_tile_error(const Capture& capture) {
-  return 0.25 * capture.texel_width(capture.distance - capture.radius);
+  return kTileErrorTexels * capture.texel_width(capture.distance - capture.radius);
 }
 
-/// The coarsest level whose error is bounded and within `allowed` object units.
+/// The coarsest level whose error is bounded and within `allowed` object units, and which is shaded
+/// like the whole mesh at texels of which that is kTileErrorTexels.
 inline std::size_t lod_within(const std::vector<LodInfo>& lods, double allowed) {
   for (std::size_t i = lods.size(); i-- > 1;) {
-    if (lods[i].spread == 0 && double{lods[i].error} <= allowed) return i;
+    const bool shaded = double{lods[i].shading} * kTileErrorTexels <= allowed;
+    if (lods[i].spread == 0 && double{lods[i].error} <= allowed && shaded) return i;
   }
   return 0;
 }

@@ -86,7 +86,8 @@ Result<void> check_lods(const flatbuffers::Vector<const wire::LodInfo*>* lods) {
   for (std::size_t i = 0; i < count(lods); ++i) {
     const wire::LodInfo* lod = lods->Get(static_cast<flatbuffers::uoffset_t>(i));
     const bool good = std::isfinite(lod->error()) && lod->error() >= 0 &&
-                      std::isfinite(lod->spread()) && lod->spread() >= 0;
+                      std::isfinite(lod->spread()) && lod->spread() >= 0 &&
+                      std::isfinite(lod->shading()) && lod->shading() >= 0;
     if (!good) return value_error("level of detail");
   }
   return {};

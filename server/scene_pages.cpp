@@ -43,7 +43,7 @@ std::unique_ptr<wire::ObjectInfoT> object_info(const ObjectDescription& o) {
   info->triangles = o.triangles;
   info->surrounds = o.surrounds;
   for (const LodInfo& lod : o.lods) {
-    info->lods.emplace_back(lod.triangles, lod.bytes, lod.error, lod.spread);
+    info->lods.emplace_back(lod.triangles, lod.bytes, lod.error, lod.spread, lod.shading);
   }
   for (const glm::vec3& v : o.hull.vertices) info->hull_vertices.push_back(to_wire(v));
   info->hull_indices = o.hull.indices;

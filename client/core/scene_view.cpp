@@ -92,7 +92,7 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
     o.needs = info->needs;
     o.triangles = info->triangles;
     for (const wire::LodInfo& lod : info->lods) {
-      o.lods.push_back({lod.triangles(), lod.bytes(), lod.error(), lod.spread()});
+      o.lods.push_back({lod.triangles(), lod.bytes(), lod.error(), lod.spread(), lod.shading()});
     }
     for (const wire::Vec3f& v : info->hull_vertices) o.hull.vertices.push_back(from_wire(v));
     o.hull.indices = info->hull_indices;

@@ -63,7 +63,8 @@ bool Selector::stands_in(const SelectorInput& in, const Candidate& c) const {
   if (c.group->tiles.empty() || c.light_lag_us > 0) return false;
   if (!may_stand_in(in, *c.object, c.view, c.tau_px)) return false;
   const double slack = shown_[c.instance].as_mesh ? 1.0 : kMeshHysteresis;
-  return best_flat(*c.group, *c.object, c.view, c.tau_px).settled(slack * c.tau_px);
+  const TileFit fit = best_flat(*c.group, *c.object, c.view, c.tau_px);
+  return fit.meets(slack * c.tau_px) && fit.sharp(slack * c.tau_px);
 }
 
 // Adds the instance to the candidates or the lists, if it is drawn at all.

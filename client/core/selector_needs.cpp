@@ -158,6 +158,8 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   // Inside the swap distance a tile is no use but as a stopgap: one, until geometry comes.
   if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
   TileNeed need = need_for_view(view, plan);
+  if (stand_in && need.size_class >= kMaxAskedSizeClass)
+    return;  // it would be coarser than geometry
   need.instance = instance;
   // Something quick first: a quarter of the edge is a sixteenth of the bytes.
   if (group.tiles.empty() && !stand_in) need.size_class = coarse_class(need.size_class);

@@ -28,7 +28,9 @@ struct TileFit {
   double error_px(double tau_px) const;
   /// Drawn within tau.
   bool meets(double tau_px) const;
-  /// Meets tau and is not blurred: nothing better needs to be asked for.
+  /// A texel covers hardly more than a pixel, or than tau.
+  bool sharp(double tau_px) const;
+  /// Meets tau and is sharp, or as fine as any: nothing better needs to be asked for.
   bool settled(double tau_px) const;
 };
 

@@ -14,7 +14,7 @@ namespace mirage {
 namespace {
 
 // Raise it when equal input gives other levels, other mips or another layout here.
-constexpr std::uint32_t kDerivedVersion = 1;
+constexpr std::uint32_t kDerivedVersion = 2;
 
 class Hash128 {
  public:
@@ -64,7 +64,8 @@ bool get_array(ByteReader& r, std::vector<T>& values) {
 }
 
 CacheKey geometry_key(const Scene& scene, const SceneObject& object,
-                      const ObjectDescription& description) {
+                      const ObjectDescription& description,
+                      const std::vector<std::uint64_t>& image_hashes) {
   Hash128 hash("lods");
   hash.add_array(object.mesh.vertices);
   hash.add_array(object.mesh.indices);
@@ -73,7 +74,10 @@ CacheKey geometry_key(const Scene& scene, const SceneObject& object,
     hash.add(p.first_index);
     hash.add(p.index_count);
     hash.add(p.material);
-    hash.add_array(encode_materials({scene.materials[p.material]}));
+    const Material& material = scene.materials[p.material];
+    hash.add_array(encode_materials({material}));
+    const TextureRef& map = material.base_color_map;
+    if (map.present()) hash.add(image_hashes[static_cast<std::size_t>(map.image)]);
   }
   hash.add_array(encode_animation(object.animation.get()));
   hash.add(description.box_min);
@@ -173,11 +177,21 @@ std::vector<Image> find_or_make_mips(const Image& image, float cutoff, CacheDire
 
 }  // namespace
 
+std::vector<std::uint64_t> hash_images(const Scene& scene, const Workers& workers) {
+  std::vector<std::uint64_t> out(scene.images.size());
+  workers.each(out.size(), [&](std::size_t i) {
+    const Image& image = scene.images[i];
+    out[i] = XXH3_64bits_withSeed(image.rgba.data(), image.rgba.size(), image.width);
+  });
+  return out;
+}
+
 ObjectGeometry find_or_make_geometry(const Scene& scene, const SceneObject& object,
                                      ObjectDescription& description, CacheDirectory* cache,
+                                     const std::vector<std::uint64_t>& image_hashes,
                                      const Workers& workers) {
   if (!cache) return make_geometry(scene, object, description, workers);
-  const CacheKey key = geometry_key(scene, object, description);
+  const CacheKey key = geometry_key(scene, object, description, image_hashes);
   if (const std::optional<Bytes> bytes = cache->read(key)) {
     std::vector<LodInfo> lods;
     if (auto found = decode_geometry(*bytes, scene.materials.size(), lods)) {

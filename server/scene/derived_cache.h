@@ -7,9 +7,14 @@
 
 namespace mirage {
 
+/// A hash of each image, for the keys of what looks at them.
+std::vector<std::uint64_t> hash_images(const Scene& scene, const Workers& workers);
+
 /// make_geometry() of `object`, from `cache` where it is there (nullptr: there is none).
+/// `image_hashes` are the scene's; only a cache needs them.
 ObjectGeometry find_or_make_geometry(const Scene& scene, const SceneObject& object,
                                      ObjectDescription& description, CacheDirectory* cache,
+                                     const std::vector<std::uint64_t>& image_hashes,
                                      const Workers& workers);
 
 /// Mip levels of the scene's images in the same way: gl::alpha_preserving_mips() of those that are

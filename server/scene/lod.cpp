@@ -12,6 +12,7 @@
 #include "protocol/lod.h"
 #include "server/scene/lod_error.h"
 #include "server/scene/lod_normals.h"
+#include "server/scene/lod_shading.h"
 #include "server/scene/seams.h"
 #include "server/scene/surface_simplifier.h"
 
@@ -152,23 +153,25 @@ bool is_soup(const Part& part) {
              kSoupShare * static_cast<double>(part.indices.size());
 }
 
-// Vertices joined that differ in normal and tangent only, with the mean of both.
-Part welded(const Part& part) {
+// Vertices joined that differ in normal and tangent only. Only where they are counts: each level
+// has its normals from the full surface.
+struct Welded {
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> indices;
+  std::vector<std::uint32_t> origin;  // by vertex: one of the part's that became it
+};
+
+Welded welded(const Part& part) {
   const meshopt_Stream streams[] = {
       {&part.vertices[0].position, sizeof(glm::vec3), sizeof(Vertex)},
       {&part.vertices[0].uv0, 2 * sizeof(glm::vec2) + sizeof(glm::u16vec4), sizeof(Vertex)}};
   std::vector<std::uint32_t> remap(part.vertices.size());
   const std::size_t count = meshopt_generateVertexRemapMulti(
       remap.data(), part.indices.data(), part.indices.size(), remap.size(), streams, 2);
-  Part out{part.kind, part.material, std::vector<Vertex>(count), {}};
-  std::vector<glm::vec3> normals(count, glm::vec3(0));
-  for (std::size_t i = 0; i < remap.size(); ++i) {
+  Welded out{std::vector<Vertex>(count), {}, std::vector<std::uint32_t>(count)};
+  for (std::uint32_t i = 0; i < remap.size(); ++i) {
     out.vertices[remap[i]] = part.vertices[i];
-    normals[remap[i]] += part.vertices[i].normal;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    const float length = glm::length(normals[i]);
-    if (length > 1e-6f) out.vertices[i].normal = normals[i] / length;
+    out.origin[remap[i]] = i;
   }
   for (const std::uint32_t i : part.indices) out.indices.push_back(remap[i]);
   return out;
@@ -207,8 +210,13 @@ class Chain {
     pieces_ = pieces_of(part_);
     if (is_foliage(material, part_, pieces_)) return;
     pieces_.clear();
-    if (is_soup(part_)) part_ = welded(part_);
-    simplifier_.emplace(part_.vertices, part_.indices);
+    if (is_soup(part_)) {
+      Welded joined = welded(part_);
+      simplifier_.emplace(joined.vertices, std::move(joined.indices));
+      origin_ = std::move(joined.origin);
+    } else {
+      simplifier_.emplace(part_.vertices, part_.indices);
+    }
     coarse_ = part_.indices;
     surface_.emplace(part_.vertices, part_.indices, simplifier_->scale(), workers_);
   }
@@ -239,6 +247,9 @@ class Chain {
       // Nothing left is no level of detail but a hole.
       if (step.indices.empty() || step.indices.size() >= coarse_.size()) break;
       std::vector<std::uint32_t> next = simplifier_->full_indices(step.indices);
+      if (!origin_.empty()) {
+        for (std::uint32_t& vertex : next) vertex = origin_[vertex];
+      }
       const double estimate = estimate_ + step.error;
       const double error = surface_->distance_to(next, estimate, allowed, workers_);
       if (error > allowed) continue;
@@ -283,6 +294,7 @@ class Chain {
   Part part_;
   std::vector<std::uint32_t> coarse_;  ///< of the present level, into part_.vertices
   std::vector<Piece> pieces_;          ///< of foliage only
+  std::vector<std::uint32_t> origin_;  ///< of soup only: Welded::origin
   // Of the full primitive; empty for foliage.
   std::optional<SurfaceSimplifier> simplifier_;
   std::optional<FullSurface> surface_;
@@ -310,7 +322,7 @@ std::size_t triangle_count(const Mesh& mesh) {
 }  // namespace
 
 std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& materials,
-                                const Workers& workers) {
+                                const std::vector<Image>& images, const Workers& workers) {
   std::vector<MeshLod> lods;
   std::size_t triangles = triangle_count(full);
   if (triangles <= kFewTriangles) return lods;
@@ -326,6 +338,8 @@ std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& m
   chains.erase(std::remove(chains.begin(), chains.end(), nullptr), chains.end());
   std::stable_partition(chains.begin(), chains.end(),
                         [](const std::unique_ptr<Chain>& chain) { return chain->foliage(); });
+  const MeshPictures::Frame frame = MeshPictures::frame_around(full);
+  std::optional<MeshPictures> pictures;  // of the full mesh, where a level is held against it
   double share = 1, allowed = kFirstError * extent_of(full);
   const double most = kMostError * extent_of(full);
   int fruitless = 0;
@@ -341,6 +355,11 @@ std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& m
     }
     fruitless = 0;
     triangles = left;
+    if (lod.spread == 0) {
+      if (!pictures) pictures.emplace(full, materials, images, frame, workers);
+      const MeshPictures level(lod.mesh, materials, images, frame, workers);
+      lod.shading = shading_size(*pictures, level);
+    }
     lods.push_back(std::move(lod));
     if (triangles <= kFewTriangles) break;
   }

@@ -20,6 +20,8 @@ struct MeshLod {
   /// Object units; above 0: foliage was thinned, and 95 % of the dropped pieces have a kept one
   /// within this distance (between middles). No bound: tiles are never drawn from such a level.
   float spread = 0;
+  /// Object units: shading_size() of it beside the full mesh; 0 where foliage was thinned.
+  float shading = 0;
 };
 
 /// The chain below the full mesh, finest first: each level about a third of the triangles of the
@@ -30,7 +32,9 @@ struct MeshLod {
 /// their middles so that the covered area stays (R. L. Cook et al., "Stochastic simplification of
 /// aggregate detail", 2007). A pure function of its input: the same
 /// however many work at it.
+/// `images` are those the materials' maps refer to.
 std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& materials,
+                                const std::vector<Image>& images,
                                 const Workers& workers = Workers());
 
 }  // namespace mirage

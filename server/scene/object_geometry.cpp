@@ -52,7 +52,8 @@ ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
   workers.both(
       [&] {
         // Simplified poses have no error bound.
-        if (!object.animation) lods = build_lods(object.mesh, scene.materials, workers);
+        if (!object.animation)
+          lods = build_lods(object.mesh, scene.materials, scene.images, workers);
       },
       [&] { whole = encode(object.mesh); });
   ObjectGeometry out;
@@ -68,6 +69,7 @@ ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
     info.bytes = static_cast<std::uint32_t>(out.encoded[i].payload.size());
     info.error = (i == 0 ? 0.0f : lods[i - 1].error) + step;
     info.spread = i == 0 ? 0.0f : lods[i - 1].spread;
+    info.shading = i == 0 ? 0.0f : lods[i - 1].shading;
     description.lods.push_back(info);
     if (i > 0 && info.spread == 0) out.tile_lods[i] = std::move(lods[i - 1].mesh);
   }

@@ -32,9 +32,11 @@ void describe(PreparedScene& prepared, const std::map<std::size_t, MeasuredMotio
 void make_all_geometry(PreparedScene& prepared, CacheDirectory* cache, const Workers& workers) {
   const std::vector<SceneObject>& objects = prepared.scene.objects;
   prepared.geometry.resize(objects.size());
+  const std::vector<std::uint64_t> images =
+      cache ? hash_images(prepared.scene, workers) : std::vector<std::uint64_t>{};
   workers.each(objects.size(), [&](std::size_t i) {
-    prepared.geometry[i] =
-        find_or_make_geometry(prepared.scene, objects[i], prepared.objects[i], cache, workers);
+    prepared.geometry[i] = find_or_make_geometry(prepared.scene, objects[i], prepared.objects[i],
+                                                 cache, images, workers);
   });
 }
 

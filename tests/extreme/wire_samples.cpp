@@ -37,7 +37,9 @@ class FloatCheck {
   }
   void add(const wire::ObjectInfoT& o) {
     add(o.center), add(o.box_min), add(o.box_max), add(o.mean_color), add(double{o.radius});
-    for (const wire::LodInfo& lod : o.lods) add(double{lod.error()}), add(double{lod.spread()});
+    for (const wire::LodInfo& lod : o.lods) {
+      add(double{lod.error()}), add(double{lod.spread()}), add(double{lod.shading()});
+    }
     for (const wire::Vec3f& v : o.hull_vertices) add(v);
     add(o.hull_parallax), add(o.speed), add(o.jump);
     add(double{o.clip_s}), add(double{o.wrap_jump});

@@ -97,9 +97,11 @@ TEST(ProtocolHostile, ObjectsAreHeldAgainstTheLimits) {
   EXPECT_EQ(page([](auto& m) { m.objects[1]->lods.resize(kMaxLods); }), ErrorId::kInternal);
   EXPECT_EQ(page([](auto& m) { m.objects[1]->lods.resize(kMaxLods + 1); }), ErrorId::kWireLimit);
   for (const float bad : {std::nanf(""), HUGE_VALF, -1.0f}) {
-    EXPECT_EQ(page([&](auto& m) { m.objects[1]->lods = {wire::LodInfo(1, 1, bad, 0)}; }),
+    EXPECT_EQ(page([&](auto& m) { m.objects[1]->lods = {wire::LodInfo(1, 1, bad, 0, 0)}; }),
               ErrorId::kWireValue);
-    EXPECT_EQ(page([&](auto& m) { m.objects[1]->lods = {wire::LodInfo(1, 1, 0, bad)}; }),
+    EXPECT_EQ(page([&](auto& m) { m.objects[1]->lods = {wire::LodInfo(1, 1, 0, 0, bad)}; }),
+              ErrorId::kWireValue);
+    EXPECT_EQ(page([&](auto& m) { m.objects[1]->lods = {wire::LodInfo(1, 1, 0, bad, 0)}; }),
               ErrorId::kWireValue);
   }
 }

@@ -67,7 +67,7 @@ inline std::unique_ptr<wire::ObjectInfoT> sample_object() {
   o->mean_color = std::make_unique<wire::Vec3f>(0.5f, 0.5f, 0.5f);
   o->needs = 0x301;
   o->triangles = 4;
-  o->lods = {wire::LodInfo(4, 500, 0.001f, 0.0f), wire::LodInfo(2, 300, 0.25f, 0.5f)};
+  o->lods = {wire::LodInfo(4, 500, 0.001f, 0.0f, 0.0f), wire::LodInfo(2, 300, 0.25f, 0.5f, 0.125f)};
   o->hull_vertices = {{0, 1, 2}, {2, 1, 2}, {0, 3, 2}, {0, 1, 4}};
   o->hull_parallax = {0.5f, 0, 0.25f, 1};
   o->hull_indices = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};

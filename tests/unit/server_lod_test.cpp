@@ -85,7 +85,7 @@ TEST(ServerLod, TreeFindsTheNearest) {
 TEST(ServerLod, ErrorIsHonestAgainstBruteForce) {
   const auto scene = load_scene("builtin:knot?tubular=100&radial=16").take();
   const Mesh& full = scene->scene.objects[0].mesh;
-  const std::vector<MeshLod> lods = build_lods(full, scene->scene.materials);
+  const std::vector<MeshLod> lods = build_lods(full, scene->scene.materials, scene->scene.images);
   ASSERT_GE(lods.size(), 3u);
   std::size_t before = triangles(full);
   float error = 0;
@@ -107,7 +107,7 @@ TEST(ServerLod, ErrorIsHonestAgainstBruteForce) {
 TEST(ServerLod, FoliageKeepsItsArea) {
   const auto scene = load_scene("builtin:forest?trees=4&clutter=1").take();
   const Mesh& full = scene->scene.objects[0].mesh;  // a tree: bark and leaf cards
-  const std::vector<MeshLod> lods = build_lods(full, scene->scene.materials);
+  const std::vector<MeshLod> lods = build_lods(full, scene->scene.materials, scene->scene.images);
   ASSERT_GE(lods.size(), 2u);
   for (const MeshLod& lod : lods) {
     EXPECT_GT(lod.spread, 0);
@@ -181,7 +181,7 @@ double leaning_share(const Mesh& mesh) {
 TEST(ServerLod, FacesStayFlatWhenTheirBevelsCollapse) {
   const Mesh cube = bevelled_cube();
   ASSERT_LT(leaning_share(cube), 0.02);
-  const std::vector<MeshLod> lods = build_lods(cube, {Material{}});
+  const std::vector<MeshLod> lods = build_lods(cube, {Material{}}, {});
   ASSERT_GE(lods.size(), 2u);
   ASSERT_LT(triangles(lods.back().mesh), triangles(cube) / 10);
   for (const MeshLod& lod : lods) EXPECT_LT(leaning_share(lod.mesh), 0.02);
@@ -194,7 +194,7 @@ TEST(ServerLod, ColoursOfVerticesAreNotLostWithThem) {  // light baked into a wa
     const auto level = static_cast<std::uint16_t>(65535.0f * (1 - 0.8f * dark * dark));
     v.color = {level, level, level, 65535};
   }
-  for (const MeshLod& lod : build_lods(wall, {Material{}})) {
+  for (const MeshLod& lod : build_lods(wall, {Material{}}, {})) {
     const SurfaceTree tree(lod.mesh.vertices, lod.mesh.indices);
     double wrong = 0;
     for (const Vertex& v : wall.vertices) {
@@ -214,7 +214,7 @@ TEST(ServerLod, PrimitivesKeepTheirMaterialAndLinesStay) {
   mesh.primitives = {{PrimitiveKind::kTriangles, 0, half, 0},
                      {PrimitiveKind::kTriangles, half, rest, 1},
                      {PrimitiveKind::kLines, 0, 10, 2}};
-  const std::vector<MeshLod> lods = build_lods(mesh, std::vector<Material>(3));
+  const std::vector<MeshLod> lods = build_lods(mesh, std::vector<Material>(3), {});
   ASSERT_FALSE(lods.empty());
   for (const MeshLod& lod : lods) {
     ASSERT_EQ(lod.mesh.primitives.size(), 3u);
@@ -252,7 +252,7 @@ TEST(ServerLod, TriangleSoupIsSimplifiedToo) {
   }
   soup.primitives = {
       {PrimitiveKind::kTriangles, 0, static_cast<std::uint32_t>(soup.indices.size()), 0}};
-  const std::vector<MeshLod> lods = build_lods(soup, std::vector<Material>(1));
+  const std::vector<MeshLod> lods = build_lods(soup, std::vector<Material>(1), {});
   ASSERT_GE(lods.size(), 2u);
   EXPECT_LT(triangles(lods.back().mesh), triangles(soup) / 8);
 }

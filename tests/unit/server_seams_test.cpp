@@ -101,7 +101,7 @@ std::size_t open_edges(const Mesh& mesh) {
 TEST(ServerSeams, LevelsOfDetailStayClosed) {
   const Mesh full = ball(24, 32);
   ASSERT_GT(open_edges(full), 0u) << "nothing to close";
-  const std::vector<MeshLod> lods = build_lods(full, {Material{}});
+  const std::vector<MeshLod> lods = build_lods(full, {Material{}}, {});
   ASSERT_GE(lods.size(), 2u);
   for (const MeshLod& lod : lods) EXPECT_EQ(open_edges(lod.mesh), 0u) << lod.error;
 }
