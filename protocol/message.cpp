@@ -100,6 +100,7 @@ void set_tile_fields(const Tile& tile, wire::TileReplyT& reply) {
   reply.dz_cuboid = tile.measure.dz_cuboid;
   reply.dz_hull = tile.measure.dz_hull;
   reply.depth_gap = tile.measure.depth_gap;
+  reply.dz_behind = tile.measure.dz_behind;
   reply.lod_error = tile.measure.lod_error;
   reply.channels = tile.channels;
 }
@@ -108,8 +109,9 @@ Result<Tile> tile_from_fields(const wire::TileReplyT& reply) {
   Tile tile;
   tile.edge = reply.edge;
   tile.crop = {reply.crop_x, reply.crop_y, reply.crop_w, reply.crop_h};
-  tile.measure = {reply.plane_depth, reply.depth_min, reply.depth_max, reply.dz_quad,
-                  reply.dz_cuboid,   reply.dz_hull,   reply.depth_gap, reply.lod_error};
+  tile.measure = {reply.plane_depth, reply.depth_min, reply.depth_max,
+                  reply.dz_quad,     reply.dz_cuboid, reply.dz_hull,
+                  reply.depth_gap,   reply.dz_behind, reply.lod_error};
   tile.channels = reply.channels;
   if (!valid_channels(tile.channels)) {
     return make_error(ErrorId::kWireValue, "tile has channels of no known kind");
@@ -119,8 +121,9 @@ Result<Tile> tile_from_fields(const wire::TileReplyT& reply) {
   if (tile.edge < 4 || tile.edge > limits::kMaxTileEdge || !inside) {
     return make_error(ErrorId::kWireValue, "tile crop leaves its window");
   }
-  for (const float v : {reply.plane_depth, reply.depth_min, reply.depth_max, reply.dz_quad,
-                        reply.dz_cuboid, reply.dz_hull, reply.depth_gap, reply.lod_error}) {
+  for (const float v :
+       {reply.plane_depth, reply.depth_min, reply.depth_max, reply.dz_quad, reply.dz_cuboid,
+        reply.dz_hull, reply.depth_gap, reply.dz_behind, reply.lod_error}) {
     if (!std::isfinite(v) || v < 0) {
       return make_error(ErrorId::kWireValue, "tile measure is negative or not finite");
     }

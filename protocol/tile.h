@@ -27,6 +27,9 @@ struct TileMeasure {
   float dz_cuboid = 0;
   float dz_hull = 0;
   float depth_gap = 0;  ///< largest depth step between neighbours: the widest possible hole
+  /// Of blended surfaces max Dc^2 |1/z - 1/z_behind|: how far behind its stored depth a texel still
+  /// shows something. 0: nothing is seen through.
+  float dz_behind = 0;
   float lod_error = 0;  ///< how far the geometry it was drawn from lies from the whole mesh
 };
 

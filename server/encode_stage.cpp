@@ -14,10 +14,9 @@ Tile cut_and_measure(const RenderedTile& rendered, const ObjectDescription& obje
   const Capture capture(key.cell, key.distance, object.radius, tile_edge(key.size_class));
   const std::size_t offset = static_cast<std::size_t>(rendered.y) * rendered.page->width +
                              static_cast<std::size_t>(rendered.x);
-  const bool relit = key.channels == kRelitTile;
+  const std::vector<std::uint8_t>& surface = rendered.page->surface;
   const PageTexels page{&rendered.page->rgba[offset * 4], &rendered.page->depth[offset],
-                        relit ? &rendered.page->surface[offset * 4] : nullptr,
-                        rendered.page->width};
+                        surface.empty() ? nullptr : &surface[offset * 4], rendered.page->width};
   Tile tile = cut_tile(page, key.channels, capture, object);
   // The members of a group have levels of their own, each within what is allowed.
   tile.measure.lod_error = object.group ? static_cast<float>(allowed_tile_error(capture))

@@ -162,6 +162,7 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
       for (std::size_t i = 0; i < page.jobs.size(); ++i) {
         page.places.emplace_back(packer.places()[i].x, packer.places()[i].y);
       }
+      page.surface = world->pages->writes_surface(page.jobs);
       const gl::RenderTarget* target = world->pages->render(page.jobs, packer);
       if (target) {
         ++counters_.pages_rendered;

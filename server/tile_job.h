@@ -41,7 +41,7 @@ struct PagePixels {
   int height = 0;
   std::vector<std::uint8_t> rgba;     ///< bottom row first, as GL reads it
   std::vector<std::uint8_t> depth;    ///< one code per texel
-  std::vector<std::uint8_t> surface;  ///< empty when no tile of the page is relit
+  std::vector<std::uint8_t> surface;  ///< empty when no tile of the page is relit or blended
 };
 
 /// A rendered tile on its way to an encoder.

@@ -165,20 +165,28 @@ void take_least(const std::vector<Line>& lines, const Block& block, std::uint32_
   }
 }
 
-void measure(Tile& tile, const Capture& capture, const ObjectDescription& object) {
+/// `behind`: codes of the farthest that each texel shows; empty: nothing is seen through.
+void measure(Tile& tile, const std::vector<std::uint8_t>& behind, const Capture& capture,
+             const ObjectDescription& object) {
   const DepthCode code(capture.radius, capture.distance);
   const auto quantum = static_cast<float>(code.quantum());
   const Depths depths = depths_of(tile.depth, code);
   if (depths.greatest == 0) return;
   const std::vector<float>& z = depths.z;
+  const Depths farthest = behind.empty() ? Depths{} : depths_of(behind, code);
   TileMeasure& m = tile.measure;
   m.depth_min = std::max(depths.least - quantum, 0.0f);
-  m.depth_max = depths.greatest + quantum;
+  m.depth_max = std::max(depths.greatest, farthest.greatest) + quantum;
   // The harmonic mean balances |z - plane| / (z * plane) between the near and the far end.
   m.plane_depth = 2.0f * m.depth_min * m.depth_max / (m.depth_min + m.depth_max);
   const auto dc = static_cast<float>(capture.distance);
   m.dz_quad = 0.5f * dc * dc * (m.depth_max - m.depth_min) / (m.depth_min * m.depth_max) * 1.00001f;
   m.depth_gap = largest_gap(z, tile.crop);
+  for (std::size_t i = 0; i < farthest.z.size(); ++i) {
+    if (z[i] == 0) continue;
+    const float off = dc / z[i] - dc / farthest.z[i];
+    m.dz_behind = std::max(m.dz_behind, off * dc * 1.00001f);
+  }
   const glm::dvec3 center(object.center);
   const auto box =
       entry_depths(box_planes(object.box_min, object.box_max), capture, center, tile.crop);
@@ -186,15 +194,40 @@ void measure(Tile& tile, const Capture& capture, const ObjectDescription& object
   const auto step =
       static_cast<float>(code.inverse_quantum() * capture.distance * capture.distance);
   const auto unusable = static_cast<float>(100.0 * capture.distance);
-  m.dz_cuboid = entry_difference(z, box, tile.crop, dc, unusable) + step;
+  // Of what lies behind blended surfaces as of these.
+  const auto off_proxy = [&](const std::vector<float>& entry) {
+    float off = entry_difference(z, entry, tile.crop, dc, unusable);
+    if (!farthest.z.empty()) {
+      off = std::max(off, entry_difference(farthest.z, entry, tile.crop, dc, unusable));
+    }
+    return off + step;
+  };
+  m.dz_cuboid = off_proxy(box);
   const std::vector<Plane> hull = object.hull.planes();
   if (hull.empty()) {
     m.dz_hull = m.dz_cuboid;
   } else {
-    m.dz_hull = entry_difference(z, entry_depths(hull, capture, center, tile.crop), tile.crop, dc,
-                                 unusable) +
-                step;
+    m.dz_hull = off_proxy(entry_depths(hull, capture, center, tile.crop));
   }
+}
+
+// Of each texel of the crop the code of the farthest it shows; empty where that is its own depth.
+std::vector<std::uint8_t> codes_behind(const PageTexels& page, const Source& source,
+                                       const Tile& tile, const ObjectDescription& object) {
+  if (tile.channels != kLitTile || !page.surface || !(object.needs & kNeedBlend)) return {};
+  std::vector<std::uint8_t> out(tile.depth.size());
+  bool any = false;
+  for (std::uint32_t y = 0; y < tile.crop.h; ++y) {
+    for (std::uint32_t x = 0; x < tile.crop.w; ++x) {
+      const std::size_t i = std::size_t{y} * tile.crop.w + x;
+      const int behind = page.surface[source.at(tile.crop.x + x, tile.crop.y + y) * 4];
+      if (tile.depth[i] == 0) continue;
+      out[i] = static_cast<std::uint8_t>(std::min(tile.depth[i] + behind, 255));
+      any = any || behind > 0;
+    }
+  }
+  if (!any) out.clear();
+  return out;
 }
 
 }  // namespace
@@ -267,7 +300,8 @@ Tile cut_tile(const PageTexels& page, std::uint8_t channels, const Capture& capt
   if (channels & kChannelNormal) copy(page.surface, 4, tile.surface);
   if (channels & kChannelDepth) copy(page.depth, 1, tile.depth);
   if (channels & kChannelShadow) copy(page.depth, 1, tile.shadow);
-  if (is_picture(channels)) measure(tile, capture, object);
+  if (is_picture(channels))
+    measure(tile, codes_behind(page, source, tile, object), capture, object);
   return tile;
 }
 

@@ -8,8 +8,10 @@ namespace mirage {
 /// A tile's lower left texel in its page of `width` texels; rows go up, as GL reads them.
 struct PageTexels {
   const std::uint8_t* rgba;
-  const std::uint8_t* depth;    ///< of a shadow tile: what is left of its light
-  const std::uint8_t* surface;  ///< of a relit tile only
+  const std::uint8_t* depth;  ///< of a shadow tile: what is left of its light
+  /// Of a relit tile, RGBA; of a lit one that is blended, R: codes behind its depth that a texel
+  /// still shows. Else null.
+  const std::uint8_t* surface;
   int width;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "client/core/blend_order.h"
 #include "client/core/selector_rules.h"
 
 namespace mirage {
@@ -280,6 +281,7 @@ DrawList Selector::select(const SelectorInput& in) {
     c->march = true;
   }
   for (const auto& [far_side, candidate] : by_far_side) draw_candidate(in, *candidate, out);
+  sort_for_blending(out.impostors, *in.scene, in.camera.pose.eye);
   return out;
 }
 

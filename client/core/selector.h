@@ -42,7 +42,7 @@ struct DrawnPlaceholder {
 };
 
 struct DrawList {
-  std::vector<DrawnImpostor> impostors;  ///< back to front, by the spheres' far sides
+  std::vector<DrawnImpostor> impostors;  ///< back to front (blend_order.h)
   std::vector<DrawnPlaceholder> placeholders;
   std::vector<DrawnMesh> meshes;
   std::size_t visible = 0;  ///< instances and groups in view, large enough to matter

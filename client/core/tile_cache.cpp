@@ -69,7 +69,7 @@ DrawnDepth TileRecord::drawn_depth_of_lod(DrawMethod method,
     case DrawMethod::kDepth: {
       // Interpolated depth stays within half a code of the stored one (relief.glsl).
       const double step = depth_code.inverse_quantum();
-      out.dz = 2.0 * step * dc * dc + slope;
+      out.dz = 2.0 * step * dc * dc + slope + measure.dz_behind;
       const double off = out.dz / (dc * dc);
       out.surface_min = std::max(1.0 / (1.0 / measure.depth_min + off), 0.0);
       out.surface_max = 1.0 / std::max(1.0 / measure.depth_max - off, 1e-12 / dc);

@@ -41,9 +41,7 @@ void ReadbackRing::start(const gl::RenderTarget& page, PendingPage info) {
   const std::size_t texels = static_cast<std::size_t>(info.width) * info.height;
   slot.color = read_into_buffer(GL_COLOR_ATTACHMENT0, info, GL_RGBA, texels * 4);
   slot.depth = read_into_buffer(GL_COLOR_ATTACHMENT1, info, GL_RED, texels);
-  slot.relit = std::any_of(info.jobs.begin(), info.jobs.end(),
-                           [](const TileJob& job) { return job.key.channels == kRelitTile; });
-  if (slot.relit) {
+  if (info.surface) {
     slot.surface = read_into_buffer(GL_COLOR_ATTACHMENT2, info, GL_RGBA, texels * 4);
   }
   slot.info = std::move(info);
@@ -71,7 +69,7 @@ std::optional<ReadbackRing::Collected> ReadbackRing::collect(bool wait) {
   pixels->depth.resize(texels);
   copy_out(slot.color, pixels->rgba);
   copy_out(slot.depth, pixels->depth);
-  if (slot.relit) {
+  if (slot.info.surface) {
     pixels->surface.resize(texels * 4);
     copy_out(slot.surface, pixels->surface);
   }

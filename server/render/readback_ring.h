@@ -16,6 +16,7 @@ struct PendingPage {
   std::vector<TileJob> jobs;
   std::vector<std::pair<int, int>> places;
   std::int64_t started_us = 0;
+  bool surface = false;       ///< read the third attachment, too
   int width = 0, height = 0;  ///< texels that the tiles take up, from the lower left
 };
 
@@ -35,7 +36,7 @@ class ReadbackRing {
   std::size_t gpu_bytes() const {
     std::size_t bytes = 0;
     for (const Slot& slot : slots_) {
-      bytes += readback_bytes(slot.info.width, slot.info.height, slot.relit);
+      bytes += readback_bytes(slot.info.width, slot.info.height, slot.info.surface);
     }
     return bytes;
   }
@@ -52,8 +53,7 @@ class ReadbackRing {
     PendingPage info;
     gl::Buffer color;
     gl::Buffer depth;
-    gl::Buffer surface;  ///< of a page with relit tiles only
-    bool relit = false;
+    gl::Buffer surface;  ///< where info.surface says so
     GLsync fence = nullptr;
   };
   const std::size_t depth_;

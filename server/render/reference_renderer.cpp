@@ -11,6 +11,9 @@ namespace {
 
 const std::vector<GLenum> kKeptFormats = {GL_SRGB8_ALPHA8, GL_R32F, GL_R32UI};
 
+constexpr GLenum kColorOnly[] = {GL_COLOR_ATTACHMENT0, GL_NONE};
+constexpr GLenum kIdOnly[] = {GL_NONE, GL_COLOR_ATTACHMENT1};
+
 glm::dvec3 center_relative(const Instance& instance, const ObjectDescription& object,
                            const glm::dvec3& eye) {
   const Similarity& m = instance.world_from_object;
@@ -32,7 +35,8 @@ void append_flipped(Bytes& out, const std::vector<T>& pixels, std::size_t row_el
 ReferenceRenderer::ReferenceRenderer(const GpuScene& scene)
     : scene_(&scene),
       instances_of_object_(scene.prepared->scene.objects.size()),
-      meshes_(std::make_unique<gl::MeshPass>(gl::MeshOutput::kId)) {
+      meshes_(std::make_unique<gl::MeshPass>(gl::MeshOutput::kId)),
+      fronts_(std::make_unique<gl::MeshPass>(gl::MeshOutput::kFront)) {
   const std::vector<Instance>& instances = scene.prepared->scene.instances;
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
     instances_of_object_[instances[i].object].push_back(i);
@@ -74,17 +78,24 @@ void ReferenceRenderer::draw_scene(const Camera& camera, const Lighting& lightin
     }
     if (visible.empty()) continue;
     if (prepared.objects[object].motion.moving()) {
-      for (const gl::MeshInstance& one : visible) draw_moving(one, false);
+      for (const gl::MeshInstance& one : visible) draw_moving(*meshes_, one, false);
       continue;
     }
     meshes_->draw(scene_->meshes[object], scene_->materials(), scene_->images, visible.data(),
                   visible.size(), false);
   }
-  draw_blended(camera);
+  const std::vector<std::uint32_t> blended = blended_instances(camera);
+  glDrawBuffers(2, kColorOnly);
+  for (const std::uint32_t i : blended) draw_blended(*meshes_, camera, i);
   meshes_->end();
+  // Depth and id are of what is nearest, blended or not: the last to be written.
+  glDrawBuffers(2, kIdOnly);
+  fronts_->begin(camera.clip_from_relative(mapping), gl::light_block(lighting, eye), mapping);
+  for (const std::uint32_t i : blended) draw_blended(*fronts_, camera, i);
+  fronts_->end();
 }
 
-void ReferenceRenderer::draw_blended(const Camera& camera) {
+std::vector<std::uint32_t> ReferenceRenderer::blended_instances(const Camera& camera) const {
   const PreparedScene& prepared = *scene_->prepared;
   std::vector<std::pair<double, std::uint32_t>> blended;
   for (std::uint32_t i = 0; i < prepared.scene.instances.size(); ++i) {
@@ -95,19 +106,22 @@ void ReferenceRenderer::draw_blended(const Camera& camera) {
     blended.emplace_back(-glm::length(center), i);  // farthest first
   }
   std::sort(blended.begin(), blended.end());
-  for (const auto& [order, i] : blended) {
-    const Instance& instance = prepared.scene.instances[i];
-    const gl::MeshInstance one = gl::mesh_instance(instance.world_from_object, camera.pose.eye, i);
-    draw_moving(one, true);
-  }
+  std::vector<std::uint32_t> out;
+  for (const auto& [order, i] : blended) out.push_back(i);
+  return out;
 }
 
-void ReferenceRenderer::draw_moving(const gl::MeshInstance& one, bool blended) {
+void ReferenceRenderer::draw_blended(gl::MeshPass& pass, const Camera& camera, std::uint32_t i) {
+  const Instance& instance = scene_->prepared->scene.instances[i];
+  draw_moving(pass, gl::mesh_instance(instance.world_from_object, camera.pose.eye, i), true);
+}
+
+void ReferenceRenderer::draw_moving(gl::MeshPass& pass, const gl::MeshInstance& one, bool blended) {
   const Instance& instance = scene_->prepared->scene.instances[one.id];
   const MotionProfile& motion = scene_->prepared->objects[instance.object].motion;
   const double time = wrap_clip(time_s_ + double{instance.clip_offset_s}, motion.clip_s);
-  meshes_->draw(scene_->posed_mesh(instance.object, time), scene_->materials(), scene_->images,
-                &one, 1, blended);
+  pass.draw(scene_->posed_mesh(instance.object, time), scene_->materials(), scene_->images, &one, 1,
+            blended);
 }
 
 std::vector<GLenum> ReferenceRenderer::drawn_formats() const {
@@ -141,8 +155,7 @@ Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
   glClearBufferuiv(GL_COLOR, 1, no_id);
   glDepthMask(GL_TRUE);
   glClearBufferfv(GL_DEPTH, 0, &far_depth);
-  const GLenum color_only[] = {GL_COLOR_ATTACHMENT0, GL_NONE};
-  glDrawBuffers(2, color_only);
+  glDrawBuffers(2, kColorOnly);
   sky_.draw(job.camera, scene_->prepared->scene.environment);
   const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   glDrawBuffers(2, both);

@@ -27,14 +27,17 @@ class ReferenceRenderer {
   explicit ReferenceRenderer(const GpuScene& scene);
   std::vector<GLenum> drawn_formats() const;
   void draw_scene(const Camera& camera, const Lighting& lighting, DepthMapping mapping);
-  void draw_blended(const Camera& camera);
+  /// Those with blended surfaces, in the order they are drawn: farthest first.
+  std::vector<std::uint32_t> blended_instances(const Camera& camera) const;
+  void draw_blended(gl::MeshPass& pass, const Camera& camera, std::uint32_t instance);
   /// One instance in its pose at the time of the job.
-  void draw_moving(const gl::MeshInstance& instance, bool blended);
+  void draw_moving(gl::MeshPass& pass, const gl::MeshInstance& instance, bool blended);
 
   const GpuScene* scene_;
   SceneShadow* shadow_ = nullptr;
   std::vector<std::vector<std::uint32_t>> instances_of_object_;
   std::unique_ptr<gl::MeshPass> meshes_;
+  std::unique_ptr<gl::MeshPass> fronts_;  ///< depth and id of blended surfaces
   gl::SkyPass sky_;
   gl::Program resolve_;
   gl::VertexArray empty_vao_;

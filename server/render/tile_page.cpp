@@ -19,6 +19,11 @@ constexpr int kAlphaTestSupersample = 3;
 constexpr int kUsualTile = 128;                   // texels: targets for it are there from the start
 constexpr std::uint32_t kLargestFineTile = 1024;  // larger ones would take a target of 300 MB
 
+// What is drawn to of a target that has ranges of blended depths beside its colour.
+constexpr GLenum kColorOnly[] = {GL_COLOR_ATTACHMENT0};
+constexpr GLenum kRangeOnly[] = {GL_NONE, GL_COLOR_ATTACHMENT1};
+constexpr GLenum kColorAndRange[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+
 // All of a mesh that decides which shaders draw it, and with what state.
 std::vector<NeedMask> look_of(const gl::GpuMesh& mesh, const std::vector<Material>& materials) {
   std::vector<NeedMask> out = {mesh.vertex_color()};
@@ -49,11 +54,13 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
   TilePageRenderer out(scene, supersample);
   out.shadow_map_ = shadow;
   out.extras_ = extras;
+  const bool blends = scene.prepared->blends();
   const auto compile = [&](const char* kind, Resolve& into) -> Result<void> {
     for (const bool fine : {false, true}) {
       std::vector<std::string> defines = {"FACTOR " +
                                           std::to_string(fine ? out.fine_samples() : supersample)};
       if (*kind) defines.emplace_back(kind);
+      if (&into == &out.lit_.resolve && blends) defines.emplace_back("BLENDED");
       if (extras.fine_depth) defines.emplace_back("FINE_DEPTH");
       Result<gl::Program> made =
           gl::Program::create("common/fullscreen.vert", "tile/resolve_tile.frag", defines);
@@ -70,6 +77,7 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
     if (const Result<void> compiled = compile(kind, *into); !compiled) return compiled.error();
   }
   out.lit_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);
+  if (blends) out.lit_.ranges = std::make_unique<gl::MeshPass>(gl::MeshOutput::kRange);
   out.relit_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kSurface);
   out.shadow_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kShadow);
   out.empty_vao_ = gl::VertexArray::create();
@@ -104,6 +112,10 @@ Result<void> TilePageRenderer::warm_up(int page_edge) {
       if (path == &relit_ && !can_relight(scene_->prepared->objects[i].needs)) continue;
       Result<void> compiled = path->meshes->warm_up(scene_->meshes[i], scene_->materials(), false);
       if (!compiled) return compiled;
+      if (path->ranges && (scene_->prepared->objects[i].needs & kNeedBlend)) {
+        compiled = path->ranges->warm_up(scene_->meshes[i], scene_->materials(), false);
+        if (!compiled) return compiled;
+      }
       for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
         compiled = path->meshes->warm_up(lod, scene_->materials(), false);
         if (!compiled) return compiled;
@@ -165,6 +177,17 @@ std::optional<TileJob> TilePageRenderer::first_job(std::uint32_t index,
   return job;
 }
 
+bool TilePageRenderer::blended(const TileJob& job) const {
+  return lit_.ranges && job.key.channels == kLitTile &&
+         (scene_->prepared->description(job.key.object)->needs & kNeedBlend);
+}
+
+bool TilePageRenderer::writes_surface(const std::vector<TileJob>& jobs) const {
+  return std::any_of(jobs.begin(), jobs.end(), [this](const TileJob& job) {
+    return job.key.channels == kRelitTile || blended(job);
+  });
+}
+
 bool TilePageRenderer::fine(const TileJob& job) const {
   const bool tested = scene_->prepared->description(job.key.object)->needs & kNeedAlphaMask;
   return tested && tile_edge(job.key.size_class) <= kLargestFineTile;
@@ -183,6 +206,10 @@ bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
   std::vector<GLenum> drawn = {color}, page = {kept, GLenum(extras_.fine_depth ? GL_RGBA8 : GL_R8)};
   if (&path == &relit_) {
     drawn.insert(drawn.end(), {GL_RGBA16F, GL_RGBA8});
+    page.push_back(GL_RGBA8);
+  }
+  if (path.ranges) {
+    drawn.push_back(GL_RG32F);
     page.push_back(GL_RGBA8);
   }
   if (&path == &shadow_) drawn = {GL_RGBA16F, GL_RGBA16F};
@@ -256,9 +283,11 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   glDepthMask(GL_TRUE);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  if (path.ranges) glDrawBuffers(1, kColorOnly);
   path.meshes->set_stroke(static_cast<float>(samples(job)));
   path.meshes->begin(at.clip_from_relative, at.lights);
-  if (const InstanceGroup* group = scene_->prepared->group(job.key.object)) {
+  const InstanceGroup* const group = scene_->prepared->group(job.key.object);
+  if (group) {
     const bool world = &path == &shadow_;
     draw_group(*path.meshes, *group, capture, world ? at.eye : group->bounds.center + at.eye);
   } else {
@@ -268,11 +297,23 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
     const gl::GpuMesh& mesh = object.motion.moving()
                                   ? scene_->posed_mesh(job.key.object, clip_time)
                                   : scene_->mesh_for_tile(job.key.object, capture);
-    for (const bool blended : {false, true}) {
-      path.meshes->draw(mesh, scene_->materials(), scene_->images, &instance, 1, blended);
+    for (const bool second : {false, true}) {
+      path.meshes->draw(mesh, scene_->materials(), scene_->images, &instance, 1, second);
     }
+    if (blended(job)) draw_ranges(job, at, mesh, instance);
   }
   path.meshes->end();
+  if (path.ranges) glDrawBuffers(2, kColorAndRange);
+}
+
+void TilePageRenderer::draw_ranges(const TileJob& job, const Stage& at, const gl::GpuMesh& mesh,
+                                   const gl::MeshInstance& instance) {
+  glDrawBuffers(2, kRangeOnly);
+  gl::MeshPass& ranges = *lit_.ranges;
+  ranges.set_stroke(static_cast<float>(samples(job)));
+  ranges.begin(at.clip_from_relative, at.lights);
+  ranges.draw(mesh, scene_->materials(), scene_->images, &instance, 1, true);
+  ranges.end();
 }
 
 void TilePageRenderer::draw_group(gl::MeshPass& meshes, const InstanceGroup& group,
@@ -319,6 +360,9 @@ void TilePageRenderer::resolve(const TileJob& job, const gl::RenderTarget& page,
     program.set("u_right", glm::vec3(basis.right));
     program.set("u_up", glm::vec3(basis.up));
     inputs.insert(inputs.end(), {path.supersampled.color(1), path.supersampled.color(2)});
+  } else if (path.ranges && job.key.channels == kLitTile) {
+    program.set("u_range", 2);
+    inputs.push_back(path.supersampled.color(1));
   } else if (&path == &shadow_) {
     program.set("u_darkened", 2);
     inputs.push_back(path.supersampled.color(1));

@@ -48,6 +48,9 @@ class TilePageRenderer {
   /// made, or would be over the limit.
   const gl::RenderTarget* render(const std::vector<TileJob>& jobs, const PagePacker& packer);
 
+  /// Whether a page of these has a third attachment worth reading: PageTexels::surface.
+  bool writes_surface(const std::vector<TileJob>& jobs) const;
+
   /// Targets, and `ring` pages on their way back, may take this many bytes of graphics memory;
   /// without this call, any number.
   void limit(std::size_t bytes, std::size_t ring) {
@@ -71,6 +74,7 @@ class TilePageRenderer {
   /// What one kind of tile is drawn with.
   struct Path {
     std::unique_ptr<gl::MeshPass> meshes;
+    std::unique_ptr<gl::MeshPass> ranges;  ///< of blended surfaces; null: none are drawn
     Resolve resolve;
     gl::RenderTarget supersampled;
     gl::RenderTarget page;
@@ -89,6 +93,8 @@ class TilePageRenderer {
   /// A tile of these channels of an instance's object, to draw once; nothing where it has none.
   std::optional<TileJob> first_job(std::uint32_t instance, std::uint8_t channels) const;
   bool fine(const TileJob& job) const;
+  /// A lit tile of an object that has blended surfaces: it tells what lies behind them.
+  bool blended(const TileJob& job) const;
   /// Per axis.
   int samples(const TileJob& job) const;
   int fine_samples() const;
@@ -99,6 +105,9 @@ class TilePageRenderer {
               int page_edge) const;
   Capture capture_of(const TileJob& job) const;
   void draw_tile(const TileJob& job);
+  /// Nearest and farthest depth of the blended surfaces that the tile on the target shows.
+  void draw_ranges(const TileJob& job, const Stage& at, const gl::GpuMesh& mesh,
+                   const gl::MeshInstance& instance);
   /// `eye` in the world; the members are none of them blended.
   void draw_group(gl::MeshPass& meshes, const InstanceGroup& group, const Capture& capture,
                   const glm::dvec3& eye);

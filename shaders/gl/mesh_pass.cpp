@@ -167,12 +167,17 @@ Result<Program*> MeshPass::program(NeedMask needs, bool fade, Stage stage) {
     needs = (needs & kNeedAlphaMask ? needs & (kDepthNeeds | kSwitches) : NeedMask{0}) | kDepthOnly;
   }
   if (stage == Stage::kTested) needs &= ~NeedMask{kNeedAlphaMask};
+  if (of_blended())
+    needs = (needs & (kNeedBaseColorMap | kNeedVertexColor | kSwitches)) | kDepthOnly;
   if (fade) needs |= kFade;
   const auto found = programs_.find(needs);
   if (found != programs_.end()) return &found->second;
   std::vector<std::string> defines = variant_defines(needs);
   if (output_ == MeshOutput::kShadow) defines.emplace_back("WRITE_DARKENED");
   if (output_ == MeshOutput::kId) defines.emplace_back("WRITE_ID");
+  if (of_blended()) defines.emplace_back("SEEN");
+  if (output_ == MeshOutput::kFront) defines.emplace_back("WRITE_ID");
+  if (output_ == MeshOutput::kRange) defines.emplace_back("WRITE_RANGE");
   if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
   Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
   if (!made) return made.error();
@@ -208,6 +213,7 @@ void MeshPass::begin(const glm::mat4& clip_from_relative, const LightBlock& ligh
   glDepthFunc(nearer_);
   glFrontFace(GL_CCW);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  glBlendEquation(output_ == MeshOutput::kRange ? GL_MAX : GL_FUNC_ADD);
   glMinSampleShading(1.0f);
   if (forced_ & kNeedVertexColor) glVertexAttrib4f(5, 1, 1, 1, 1);  // of meshes without
   glEnable(GL_PROGRAM_POINT_SIZE);
@@ -280,7 +286,8 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
     }
     const NeedMask needs = material_needs(material, mesh.vertex_color());
     (material.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
-    (blended || (forced_ & kNeedBlend) ? glEnable : glDisable)(GL_BLEND);
+    const bool blends = blended || (forced_ & kNeedBlend);
+    (blends && output_ != MeshOutput::kFront ? glEnable : glDisable)(GL_BLEND);
     for (const Stage stage : stages(needs)) {
       const Result<Program*> made = program(needs, fading, stage);
       if (!made) continue;  // warm_up has told
@@ -295,7 +302,7 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
 }
 
 std::vector<MeshPass::Stage> MeshPass::stages(NeedMask needs) const {
-  if (output_ == MeshOutput::kDepth) return {Stage::kDepth};
+  if (output_ == MeshOutput::kDepth || of_blended()) return {Stage::kDepth};
   if (needs & kNeedAlphaMask) return {Stage::kDepth, Stage::kTested};
   return {Stage::kWhole};
 }
@@ -319,16 +326,18 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
   const bool depth = stage == Stage::kDepth, tested = stage == Stage::kTested;
   // An alpha test decides a whole pixel: on a multisampled target it is made for every sample.
   (depth ? glEnable : glDisable)(GL_SAMPLE_SHADING);
-  const GLboolean colors = depth ? GL_FALSE : GL_TRUE;
+  const GLboolean colors = depth && !of_blended() ? GL_FALSE : GL_TRUE;
   glColorMask(colors, colors, colors, colors);
   glDepthFunc(tested ? GL_EQUAL : nearer_);
-  glDepthMask(tested || (needs & kNeedBlend) ? GL_FALSE : GL_TRUE);
+  const bool hides = !(needs & kNeedBlend) || output_ == MeshOutput::kFront;
+  glDepthMask(tested || !hides ? GL_FALSE : GL_TRUE);
 }
 
 void MeshPass::end() {
   glBindVertexArray(0);
   glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
+  glBlendEquation(GL_FUNC_ADD);
   glDisable(GL_SAMPLE_SHADING);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthFunc(nearer_);

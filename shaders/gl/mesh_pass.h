@@ -44,6 +44,9 @@ enum class MeshOutput : std::uint8_t {
   kSurface,  ///< colour is not shaded; normal, then metallic, roughness, occlusion (relit tiles)
   kShadow,   ///< colour is without shadows; the same with them (shadow tiles)
   kDepth,    ///< not even colour (shadow maps)
+  // Of blended surfaces, where more than a little of them shows (common/seen.glsl):
+  kFront,  ///< depth and id, no colour: what is nearest (reference frames)
+  kRange,  ///< nearest and farthest window depth, no colour, by GL_MAX (tiles): 1 - depth, depth
 };
 
 class MeshPass {
@@ -96,6 +99,7 @@ class MeshPass {
   /// where that depth is theirs: leaves lie many deep (a third less client time in a forest).
   enum class Stage : std::uint8_t { kWhole, kDepth, kTested };
   std::vector<Stage> stages(NeedMask needs) const;
+  bool of_blended() const { return output_ == MeshOutput::kFront || output_ == MeshOutput::kRange; }
   Result<Program*> program(NeedMask needs, bool fade, Stage stage);
   void use(Program& p, const Material& material, NeedMask needs, const GpuImages& images,
            Stage stage);

@@ -12,6 +12,12 @@ flat in uint v_id;
 #ifndef DEPTH_ONLY
 layout(location = 0) out vec4 o_color;
 #endif
+#ifdef SEEN
+#include "common/seen.glsl"
+#endif
+#ifdef WRITE_RANGE
+layout(location = 1) out vec4 o_range;  // 1 less the window depth, the window depth: greatest of both
+#endif
 #ifdef WRITE_ID
 layout(location = 1) out uint o_id;
 #endif
@@ -93,6 +99,15 @@ void main() {
 #endif
 #ifdef NEED_ALPHA_MASK
   if (base.a < u_alpha_cutoff) discard;
+#endif
+#ifdef SEEN
+  if (base.a < kSeenAlpha) discard;
+#endif
+#ifdef WRITE_RANGE
+  o_range = vec4(1.0 - gl_FragCoord.z, gl_FragCoord.z, 0.0, 0.0);
+#endif
+#if defined(DEPTH_ONLY) && defined(WRITE_ID)
+  o_id = v_id;
 #endif
 #ifndef DEPTH_ONLY
 #ifdef SWITCHES

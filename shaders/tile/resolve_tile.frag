@@ -31,6 +31,10 @@ vec4 surface_code(vec3 normal, vec3 material) {
 }
 #endif
 
+#ifdef BLENDED
+uniform sampler2D u_range;  // of blended surfaces: 1 less the nearest depth, the farthest; 0 where none is
+layout(location = 2) out vec4 o_behind;  // how many codes behind its depth the texel still shows something
+#endif
 #ifdef SHADOW
 uniform sampler2D u_darkened;
 #endif
@@ -42,6 +46,9 @@ void main() {
   ivec2 base = (ivec2(gl_FragCoord.xy) - u_origin) * FACTOR;
   vec4 sum = vec4(0.0);
   float nearest = 2.0;
+#ifdef BLENDED
+  float front = 2.0, back = -1.0;  // of samples that show a blended surface
+#endif
 #ifdef RELIT
   vec3 normal = vec3(0.0), material = vec3(0.0);
 #endif
@@ -53,6 +60,14 @@ void main() {
       vec4 c = texelFetch(u_color, base + ivec2(x, y), 0);
       sum += c;
       float depth = texelFetch(u_depth, base + ivec2(x, y), 0).r;
+#ifdef BLENDED
+      vec2 range = texelFetch(u_range, base + ivec2(x, y), 0).rg;
+      if (range.r > 0.0) {
+        front = min(front, 1.0 - range.r);
+        back = max(back, depth < 1.0 ? depth : range.g);
+        depth = 1.0 - range.r;
+      }
+#endif
       nearest = min(nearest, c.a > 0.0 ? depth : 2.0);
 #ifdef RELIT
       normal += texelFetch(u_normal, base + ivec2(x, y), 0).xyz;
@@ -67,7 +82,7 @@ void main() {
 #ifdef RELIT
   o_surface = sum.a > 0.0 ? surface_code(normal / sum.a, material / sum.a) : vec4(0.0);
 #endif
-  // Blended surfaces write no depth: they count as lying in the middle of the range.
+  // What is blended and hardly shows has no depth: it counts as lying in the middle of the range.
   float d = nearest >= 1.0 ? 0.5 : nearest;
   float code = nearest > 1.5 ? 0.0 : 1.0 + floor(clamp(d, 0.0, 1.0) * 254.0 + 0.5);
 #ifdef SHADOW
@@ -83,6 +98,9 @@ void main() {
   o_color = vec4(code > 0.0 ? 1.0 : 0.0);
 #endif
   o_depth = vec4(code / 255.0);
+#ifdef BLENDED
+  o_behind = vec4(back < 0.0 ? 0.0 : ceil(clamp(back - d, 0.0, 1.0) * 254.0) / 255.0);
+#endif
 #ifdef FINE_DEPTH
   // All that the depth buffer holds of it, for proofs; 0 where nothing is.
   uint fine = code > 0.0 ? 1u + uint(clamp(d, 0.0, 1.0) * 16777213.0 + 0.5) : 0u;

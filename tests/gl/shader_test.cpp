@@ -23,8 +23,9 @@ TEST(Shaders, EveryVariantCompiles) {
   }
   const gl::ShadowMap map = gl::ShadowMap::create(16).take();
   using gl::MeshOutput;
-  for (const MeshOutput output : {MeshOutput::kColor, MeshOutput::kId, MeshOutput::kSurface,
-                                  MeshOutput::kShadow, MeshOutput::kDepth}) {
+  for (const MeshOutput output :
+       {MeshOutput::kColor, MeshOutput::kId, MeshOutput::kSurface, MeshOutput::kShadow,
+        MeshOutput::kDepth, MeshOutput::kFront, MeshOutput::kRange}) {
     for (const auto& [shadows, fog] :
          {std::pair{false, 0.0f}, {false, 0.01f}, {true, 0.0f}, {true, 0.01f}}) {
       // A shadow tile without a map of shadows is nothing.

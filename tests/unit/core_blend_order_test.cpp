@@ -62,6 +62,29 @@ TEST(CoreBlendOrder, NearReliefIsWide) {
   EXPECT_EQ(blend_order(drawn, scene, {0, 0, 0.9}).over_relief.size(), 1u) << "from inside";
 }
 
+// A ball of glass, 1 m in radius, and something small in it, behind it or before it.
+TEST(CoreBlendOrder, WhatIsSeenThroughGlassComesBeforeIt) {
+  const auto order = [](double z) {
+    SceneView scene = make_scene({{{0, 0, 0}, 1, 0}, {{0, 0, z}, 0.05f, 1}}, {.objects = 2});
+    scene.objects[0].needs |= kNeedBlend;
+    std::vector<DrawnImpostor> drawn(3);
+    drawn[1].instance = drawn[2].instance = kCup;
+    drawn[kDesk].instance = kDesk;
+    auto tile = std::make_shared<TileRecord>();
+    tile->capture = Capture(ViewCell{4, 8, 8}, DistanceBucket{2, 9}, 1, 64);
+    tile->measure.depth_min = static_cast<float>(tile->capture.distance - 1);
+    drawn[kDesk].tile = tile;
+    drawn[1].fade = 0.25f;
+    sort_for_blending(drawn, scene, {0, 0, 5});
+    Ids ids;
+    for (const DrawnImpostor& one : drawn) ids.push_back(one.instance);
+    return ids;
+  };
+  EXPECT_EQ(order(0), (Ids{kCup, kCup, kDesk})) << "within";
+  EXPECT_EQ(order(-2), (Ids{kCup, kCup, kDesk})) << "behind";
+  EXPECT_EQ(order(1.5), (Ids{kDesk, kCup, kCup})) << "before, and its tiles stay together";
+}
+
 TEST(CoreBlendOrder, WithoutReliefAllKeepTheirOrder) {
   const Instances order = with_cup_at({0, 0, 0.5}, DrawMethod::kQuad);
   EXPECT_EQ(order.over, Ids{});
