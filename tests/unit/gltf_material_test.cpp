@@ -183,7 +183,9 @@ TEST(GltfImage, UnreadableImagesAreWhite) {
         good.substr(0, good.size() - 20), make_png(0, 0, 8, 2, ""), make_png(4, 4, 8, 2, "abc")}) {
     auto scene = with_image(bytes);
     ASSERT_TRUE(scene) << failure(scene);
-    EXPECT_TRUE(has_warning(*scene, "1 unreadable images replaced by white")) << bytes.size();
+    EXPECT_TRUE(has_warning(*scene, "1 unreadable images left out")) << bytes.size();
+    EXPECT_FALSE(scene->materials[0].base_color_map.present()) << bytes.size();
+    EXPECT_REFUSED(textured(bytes, base_color()).load_strict(), kSceneFormat, "images[0]");
     EXPECT_EQ(scene->images[0].width, 1u);
     EXPECT_EQ(first_pixel(*scene), Pixel({255, 255, 255, 255}));
   }
@@ -218,7 +220,11 @@ TEST(GltfImage, FilesAreGuardedLikeBuffers) {
   builder.doc["images"] = {{{"uri", "../x.png"}}};
   EXPECT_REFUSED(builder.load(), kSceneUri, "images[0]");
   builder.doc["images"] = {{{"uri", "x.png"}}};
-  EXPECT_REFUSED(builder.load(), kSceneMissing, "images[0]");
+  EXPECT_REFUSED(builder.load_strict(), kSceneMissing, "images[0]");
+  auto without = builder.load();
+  ASSERT_TRUE(without) << failure(without);
+  EXPECT_TRUE(has_warning(*without, "1 missing image files left out"));
+  EXPECT_FALSE(without->materials[0].base_color_map.present());
   builder.doc["images"] = {json::object()};
   EXPECT_REFUSED(builder.load(), kSceneFormat, "images[0]");
 }

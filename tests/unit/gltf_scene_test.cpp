@@ -83,7 +83,30 @@ TEST(GltfNodes, ActiveScene) {
   EXPECT_EQ(second->instances[0].world_from_object.position.x, 5);
 
   builder.doc["nodes"].push_back({{"children", {1}}});
-  EXPECT_REFUSED(builder.load(), kSceneReference, "scenes[1] lists nodes[1]");
+  EXPECT_REFUSED(builder.load_strict(), kSceneReference, "scenes[1] lists nodes[1]");
+}
+
+TEST(GltfNodes, AListedChildIsDrawnOnceWhereItsParentsPutIt) {
+  Builder builder = triangle();
+  builder.doc["nodes"] = {{{"children", {1}}, {"translation", {1, 0, 0}}},
+                          {{"children", {2}}, {"translation", {0, 2, 0}}},
+                          {{"mesh", 0}, {"translation", {0, 0, 3}}}};
+  // The parent is listed, too, or before, or after, or not at all.
+  for (const json& roots : {json{0, 2}, json{2, 0}, json{2}, json{2, 1}, json{0, 1, 2, 2}}) {
+    builder.doc["scenes"] = {{{"nodes", roots}}};
+    auto scene = builder.load();
+    ASSERT_TRUE(scene) << failure(scene);
+    ASSERT_EQ(scene->instances.size(), 1u) << roots;
+    EXPECT_EQ(scene->instances[0].world_from_object.position, glm::dvec3(1, 2, 3)) << roots;
+    EXPECT_TRUE(has_warning(*scene, "children of other nodes drawn once")) << roots;
+    EXPECT_REFUSED(builder.load_strict(), kSceneReference, "which is a child of");
+  }
+  builder.doc["scenes"] = {{{"nodes", {0, 0}}}};
+  auto twice = builder.load();
+  ASSERT_TRUE(twice) << failure(twice);
+  EXPECT_EQ(twice->instances.size(), 1u);
+  EXPECT_TRUE(has_warning(*twice, "1 nodes that a scene lists twice"));
+  EXPECT_REFUSED(builder.load_strict(), kSceneReference, "lists nodes[0] twice");
 }
 
 TEST(GltfNodes, NothingToDrawIsAValidScene) {

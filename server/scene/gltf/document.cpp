@@ -105,12 +105,12 @@ std::string take_text(json& object, const char* key) {
 
 /// Fills one buffer from its URI or, for the first one, from the BIN chunk.
 Result<BufferData> load_buffer(json& entry, std::size_t index, const Document& document,
-                               const GltfFile& file, std::uint64_t bytes_left) {
+                               const GltfFile& file, std::uint64_t bytes_left, Tally& tally) {
   const std::string what = "buffers[" + std::to_string(index) + "]";
   BufferData buffer;
   buffer.length = entry["byteLength"].get<std::uint64_t>();
   if (entry.contains("uri")) {
-    auto bytes = load_uri(take_text(entry, "uri"), document.folder, bytes_left, what);
+    auto bytes = load_uri(take_text(entry, "uri"), document.folder, bytes_left, what, tally);
     if (!bytes) return bytes.error();
     buffer.owned = bytes.take();
     buffer.data = buffer.owned;
@@ -128,12 +128,12 @@ Result<BufferData> load_buffer(json& entry, std::size_t index, const Document& d
   return buffer;
 }
 
-Result<void> load_buffers(json& root, Document& document, const GltfFile& file) {
+Result<void> load_buffers(json& root, Document& document, const GltfFile& file, Tally& tally) {
   const auto list = root.find("buffers");
   if (list == root.end()) return {};
   std::uint64_t bytes_left = kMaxFileBytes;
   for (std::size_t i = 0; i < list->size(); ++i) {
-    auto buffer = load_buffer((*list)[i], i, document, file, bytes_left);
+    auto buffer = load_buffer((*list)[i], i, document, file, bytes_left, tally);
     if (!buffer) return buffer.error();
     const std::uint64_t used = buffer->owned.size();
     if (used > bytes_left) {
@@ -147,27 +147,41 @@ Result<void> load_buffers(json& root, Document& document, const GltfFile& file) 
   return {};
 }
 
-/// Keeps where each image lies; a forbidden or missing file is refused now, pixels come later.
-Result<void> take_images(json& root, Document& document) {
+/// A file that may be read. Nothing, if it is missing: viewers draw the material without it.
+Result<std::filesystem::path> image_file(const std::string& uri, const Document& document,
+                                         const std::string& what, Tally& tally) {
+  auto path = resolve_uri(uri, document.folder, tally);
+  if (!path) return make_error(path.error().id, what + ": " + path.error().text);
+  std::error_code code;
+  if (!std::filesystem::exists(*path, code)) {
+    auto ok =
+        tally.forgive("missing image files left out",
+                      make_error(ErrorId::kSceneMissing, what + ": '" + uri + "': no such file"));
+    if (!ok) return ok.error();
+    return std::filesystem::path();
+  }
+  if (!std::filesystem::is_regular_file(*path, code)) {
+    return make_error(ErrorId::kSceneUri, what + ": '" + uri + "': not a regular file");
+  }
+  return path;
+}
+
+/// Keeps where each image lies; a forbidden file is refused now, pixels come later.
+Result<void> take_images(json& root, Document& document, Tally& tally) {
   const auto list = root.find("images");
   if (list == root.end()) return {};
   for (std::size_t i = 0; i < list->size(); ++i) {
     json& entry = (*list)[i];
     const std::string what = "images[" + std::to_string(i) + "]";
-    ImageSource image{take_text(entry, "uri"), entry.value("bufferView", -1)};
+    ImageSource image{take_text(entry, "uri"), {}, entry.value("bufferView", -1)};
     if (image.uri.empty() == (image.buffer_view < 0)) {
       return make_error(ErrorId::kSceneFormat, what + " needs either uri or bufferView");
     }
     if (!image.uri.empty() && !image.uri.starts_with("data:")) {
-      auto path = resolve_uri(image.uri, document.folder);
-      if (!path) return make_error(path.error().id, what + ": " + path.error().text);
-      std::error_code code;
-      if (!std::filesystem::exists(*path, code)) {
-        return make_error(ErrorId::kSceneMissing, what + ": '" + image.uri + "': no such file");
-      }
-      if (!std::filesystem::is_regular_file(*path, code)) {
-        return make_error(ErrorId::kSceneUri, what + ": '" + image.uri + "': not a regular file");
-      }
+      auto path = image_file(image.uri, document, what, tally);
+      if (!path) return path.error();
+      image.file = path.take();
+      image.uri.clear();
     }
     document.images.push_back(std::move(image));
   }
@@ -229,8 +243,8 @@ Result<Document> load_document(const std::string& path, Tally& tally) {
   document.importance = read_importance(*raw, tally);
   auto clean = sanitize(raw.take());
   if (!clean) return clean.error();
-  if (auto ok = load_buffers(*clean, document, *file); !ok) return ok.error();
-  if (auto ok = take_images(*clean, document); !ok) return ok.error();
+  if (auto ok = load_buffers(*clean, document, *file, tally); !ok) return ok.error();
+  if (auto ok = take_images(*clean, document, tally); !ok) return ok.error();
   fill_sparse_defaults(*clean);
   if (auto ok = parse_model(*clean, document); !ok) return ok.error();
   document.file = std::move(file->bytes);

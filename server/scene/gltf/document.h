@@ -26,9 +26,13 @@ struct BufferData {
   bool absent = false;                 ///< neither uri nor BIN chunk: content undefined
 };
 
+/// One of `uri`, `file` and `buffer_view`; none of them where the file is missing.
 struct ImageSource {
-  std::string uri;
+  std::string uri;  ///< data: only
+  std::filesystem::path file;
   int buffer_view = -1;
+
+  bool missing() const { return uri.empty() && file.empty() && buffer_view < 0; }
 };
 
 struct Document {

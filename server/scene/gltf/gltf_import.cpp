@@ -24,8 +24,9 @@
 namespace mirage {
 namespace {
 
-Result<Scene> import_stages(const std::string& path, const Workers& workers) {
-  gltf::Tally tally;
+Result<Scene> import_stages(const std::string& path, const Workers& workers,
+                            const ImportOptions& options) {
+  gltf::Tally tally(options.strict);
   auto document = gltf::load_document(path, tally);
   if (!document) return document.error();
   const std::map<int, gltf::NodeClip> clips = gltf::import_clips(*document, tally);
@@ -52,12 +53,13 @@ Result<Scene> import_stages(const std::string& path, const Workers& workers) {
 
 }  // namespace
 
-Result<Scene> import_gltf(const std::string& path, const Workers& workers) {
+Result<Scene> import_gltf(const std::string& path, const Workers& workers,
+                          const ImportOptions& options) {
   auto named = [&path](const Error& error) {
     return make_error(error.id, path + ": " + error.text, error.hint);
   };
   try {
-    auto scene = import_stages(path, workers);
+    auto scene = import_stages(path, workers, options);
     if (!scene) return named(scene.error());
     return scene;
   } catch (const std::bad_alloc&) {

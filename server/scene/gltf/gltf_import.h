@@ -8,11 +8,17 @@
 
 namespace mirage {
 
+struct ImportOptions {
+  /// Refuses what viewers forgive against the specification (README, "What is forgiven").
+  bool strict = false;
+};
+
 /// Loads and validates a glTF file.
 /// Errors: kSceneMissing, kSceneFormat, kSceneRange, kSceneReference, kSceneCycle, kSceneLimit,
 /// kSceneUri, kSceneExtension, kSceneEmpty; the text names the file and the offending element.
 /// Images are decoded by `workers`. Recoverable defects (a NaN vertex, an unreadable texture) are
-/// mended and listed in warnings.
-Result<Scene> import_gltf(const std::string& path, const Workers& workers = Workers());
+/// mended and listed in warnings, one line a kind.
+Result<Scene> import_gltf(const std::string& path, const Workers& workers = Workers(),
+                          const ImportOptions& options = {});
 
 }  // namespace mirage

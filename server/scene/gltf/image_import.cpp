@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "server/scene/gltf/file_guard.h"
 #include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/image_decode.h"
 #include "server/scene/gltf/uri_loader.h"
@@ -35,25 +36,32 @@ Result<std::span<const std::uint8_t>> ImageImporter::bytes_of(
     int source, std::vector<std::uint8_t>& owned) const {
   const ImageSource& place = document_.images[source];
   if (place.buffer_view >= 0) return document_.view_bytes(place.buffer_view);
-  auto loaded = load_uri(place.uri, document_.folder, kMaxFileBytes, name_of(source));
-  if (!loaded) return loaded.error();
+  auto loaded = place.file.empty()
+                    ? decode_data_uri(place.uri)
+                    : read_regular_file(place.file, kMaxFileBytes, ErrorId::kSceneUri);
+  if (!loaded) {
+    return make_error(loaded.error().id, name_of(source) + ": " + loaded.error().text);
+  }
   owned = loaded.take();
   return std::span<const std::uint8_t>(owned);
 }
 
-void ImageImporter::leave_white(Wanted& wanted, const Error& error) {
+Result<void> ImageImporter::leave_out(Wanted& wanted, const Error& error) {
   wanted.readable = false;
-  tally_.add("unreadable images replaced by white", 1, error.text);
+  return tally_.forgive("unreadable images left out", error);
+}
+
+bool ImageImporter::readable(std::int32_t place) const {
+  const Wanted& wanted = wanted_[static_cast<std::size_t>(place)];
+  return wanted.same >= 0 ? wanted_[static_cast<std::size_t>(wanted.same)].readable
+                          : wanted.readable;
 }
 
 // Adds what the image will take to `pixels`.
 Result<void> ImageImporter::judge(Wanted& wanted, std::uint64_t& pixels) {
   std::vector<std::uint8_t> owned;
   const auto bytes = bytes_of(wanted.source, owned);
-  if (!bytes) {
-    leave_white(wanted, bytes.error());
-    return {};
-  }
+  if (!bytes) return leave_out(wanted, bytes.error());
   const auto own = count_pixels(*bytes, std::min(kMaxImagePixels, kMaxScenePixels - pixels));
   if (own) {
     wanted.readable = true;
@@ -63,8 +71,7 @@ Result<void> ImageImporter::judge(Wanted& wanted, std::uint64_t& pixels) {
   const Error named = make_error(own.error().id, name_of(wanted.source) + ": " + own.error().text);
   // Too large is no damage to paper over: the scene would look wrong without a word.
   if (named.id == ErrorId::kSceneLimit) return named;
-  leave_white(wanted, named);
-  return {};
+  return leave_out(wanted, named);
 }
 
 Result<std::vector<Image>> ImageImporter::take(const Workers& workers) {
@@ -87,7 +94,9 @@ Result<std::vector<Image>> ImageImporter::take(const Workers& workers) {
     }
   });
   for (std::size_t i = 0; i < wanted_.size(); ++i) {
-    if (damage[i]) leave_white(wanted_[i], *damage[i]);
+    if (damage[i]) {
+      if (auto ok = leave_out(wanted_[i], *damage[i]); !ok) return ok.error();
+    }
     if (wanted_[i].same >= 0) images[i] = images[static_cast<std::size_t>(wanted_[i].same)];
     if (images[i].rgba.empty()) images[i] = white_pixel();
     images[i].srgb = wanted_[i].srgb;

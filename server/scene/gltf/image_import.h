@@ -25,6 +25,8 @@ class ImageImporter {
   /// Decodes all that were asked for; unreadable ones become white with a warning. Error
   /// kSceneLimit when one, or all together, are too large.
   Result<std::vector<Image>> take(const Workers& workers);
+  /// After take(): whether the image at this place is what the file holds.
+  bool readable(std::int32_t place) const;
 
  private:
   struct Wanted {
@@ -33,11 +35,12 @@ class ImageImporter {
     bool readable = false;
     std::int32_t same = -1;  ///< the place of the same image decoded the other way
   };
-  /// Encoded bytes, in the document or read into `owned`. Errors: those of load_uri.
+  /// Encoded bytes, in the document or read into `owned`. Errors: kSceneUri, kSceneMissing,
+  /// kSceneLimit.
   Result<std::span<const std::uint8_t>> bytes_of(int source,
                                                  std::vector<std::uint8_t>& owned) const;
   Result<void> judge(Wanted& wanted, std::uint64_t& pixels);
-  void leave_white(Wanted& wanted, const Error& error);
+  Result<void> leave_out(Wanted& wanted, const Error& error);
 
   const Document& document_;
   Tally& tally_;

@@ -58,6 +58,19 @@ std::uint32_t MaterialImporter::index_of(int gltf_material, bool unlit) {
   return entry->second;
 }
 
+Result<std::vector<Image>> MaterialImporter::take_images(const Workers& workers) {
+  auto images = images_.take(workers);
+  if (!images) return images;
+  for (Material& material : materials_) {
+    for (TextureRef* ref :
+         {&material.base_color_map, &material.metal_rough_map, &material.normal_map,
+          &material.occlusion_map, &material.emissive_map}) {
+      if (ref->present() && !images_.readable(ref->image)) *ref = TextureRef{};
+    }
+  }
+  return images;
+}
+
 float MaterialImporter::factor(double value, double low, double high, double fallback) {
   if (!std::isfinite(value)) value = fallback;
   const double clamped = std::clamp(value, low, high);
@@ -112,6 +125,7 @@ TextureRef MaterialImporter::texture(const tinygltf::ExtensionMap& extensions, i
     tally_.add("textures without a readable source left out");
     return ref;
   }
+  if (document_.images[static_cast<std::size_t>(image)].missing()) return ref;  // told already
   apply_sampler(source.sampler, ref);
   apply_transform(extensions, ref, uv_set);
   if (uv_set > 1) {

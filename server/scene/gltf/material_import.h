@@ -27,8 +27,9 @@ class MaterialImporter {
 
   const std::vector<Material>& materials() const { return materials_; }
   std::vector<Material> take_materials() { return std::move(materials_); }
-  /// Errors: those of ImageImporter::take().
-  Result<std::vector<Image>> take_images(const Workers& workers) { return images_.take(workers); }
+  /// Before take_materials(): those whose images turn out unreadable lose these maps, as in other
+  /// viewers. Errors: those of ImageImporter::take().
+  Result<std::vector<Image>> take_images(const Workers& workers);
 
  private:
   Material convert(const tinygltf::Material& source);
