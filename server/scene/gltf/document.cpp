@@ -1,9 +1,10 @@
 #include "server/scene/gltf/document.h"
 
 #include <algorithm>
-#include <array>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "server/scene/gltf/decompress.h"
 #include "server/scene/gltf/file_guard.h"
 #include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/json_schema.h"
@@ -15,15 +16,16 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::string_view, 7> kSupportedExtensions = {
-    "KHR_texture_transform", "KHR_mesh_quantization",   "KHR_lights_punctual",
-    "KHR_materials_unlit",   "EXT_mesh_gpu_instancing", "KHR_materials_emissive_strength",
-    "EXT_texture_webp",
+constexpr std::string_view kSupportedExtensions[] = {
+    "KHR_texture_transform",   "KHR_mesh_quantization",      "KHR_lights_punctual",
+    "KHR_materials_unlit",     "EXT_mesh_gpu_instancing",    "KHR_materials_emissive_strength",
+    "EXT_texture_webp",        "KHR_draco_mesh_compression", "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
 };
 
 bool is_supported(std::string_view extension) {
-  return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), extension) !=
-         kSupportedExtensions.end();
+  return std::find(std::begin(kSupportedExtensions), std::end(kSupportedExtensions), extension) !=
+         std::end(kSupportedExtensions);
 }
 
 Result<json> parse_json(std::string_view text) {
@@ -103,12 +105,27 @@ std::string take_text(json& object, const char* key) {
   return found == object.end() ? std::string() : std::move(found->get_ref<std::string&>());
 }
 
+/// Content for viewers without the extension, if there is any; all that lies in it is compressed.
+bool is_fallback(const json& buffer) {
+  const auto extensions = buffer.find("extensions");
+  if (extensions == buffer.end()) return false;
+  for (const char* name : kMeshoptExtensions) {
+    const auto found = extensions->find(name);
+    if (found != extensions->end() && found->value("fallback", false)) return true;
+  }
+  return false;
+}
+
 /// Fills one buffer from its URI or, for the first one, from the BIN chunk.
 Result<BufferData> load_buffer(json& entry, std::size_t index, const Document& document,
                                const GltfFile& file, std::uint64_t bytes_left, Tally& tally) {
   const std::string what = "buffers[" + std::to_string(index) + "]";
   BufferData buffer;
   buffer.length = entry["byteLength"].get<std::uint64_t>();
+  if (is_fallback(entry)) {
+    buffer.absent = true;
+    return buffer;
+  }
   if (entry.contains("uri")) {
     auto bytes = load_uri(take_text(entry, "uri"), document.folder, bytes_left, what, tally);
     if (!bytes) return bytes.error();
@@ -203,7 +220,27 @@ void fill_sparse_defaults(json& root) {
   }
 }
 
-Result<void> parse_model(const json& root, Document& document) {
+/// tinygltf refuses indices without a bufferView, which are zeros: it never hears of them.
+std::map<std::pair<std::size_t, std::size_t>, int> take_indices_without_view(json& root) {
+  std::map<std::pair<std::size_t, std::size_t>, int> taken;
+  const auto meshes = root.find("meshes");
+  if (meshes == root.end()) return taken;
+  for (std::size_t m = 0; m < meshes->size(); ++m) {
+    json& primitives = (*meshes)[m]["primitives"];
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
+      const auto indices = primitives[p].find("indices");
+      if (indices == primitives[p].end()) continue;
+      const int accessor = indices->get<int>();
+      if (root["accessors"][static_cast<std::size_t>(accessor)].contains("bufferView")) continue;
+      taken[{m, p}] = accessor;
+      primitives[p].erase(indices);
+    }
+  }
+  return taken;
+}
+
+Result<void> parse_model(json& root, Document& document) {
+  const auto without_view = take_indices_without_view(root);
   tinygltf::TinyGLTF loader;
   std::string error;
   std::string warning;
@@ -216,6 +253,9 @@ Result<void> parse_model(const json& root, Document& document) {
     error = exception.what();
   }
   if (!loaded) return make_error(ErrorId::kSceneFormat, "not a valid glTF model: " + error);
+  for (const auto& [place, accessor] : without_view) {
+    document.model.meshes[place.first].primitives[place.second].indices = accessor;
+  }
   return {};
 }
 
@@ -228,7 +268,7 @@ std::span<const std::uint8_t> Document::view_bytes(int view) const {
   return buffer.data.subspan(place.byteOffset, place.byteLength);
 }
 
-Result<Document> load_document(const std::string& path, Tally& tally) {
+Result<Document> load_document(const std::string& path, const Workers& workers, Tally& tally) {
   auto file = open_gltf(path);
   if (!file) return file.error();
   Document document;
@@ -245,6 +285,8 @@ Result<Document> load_document(const std::string& path, Tally& tally) {
   if (!clean) return clean.error();
   if (auto ok = load_buffers(*clean, document, *file, tally); !ok) return ok.error();
   if (auto ok = take_images(*clean, document, tally); !ok) return ok.error();
+  if (auto ok = decompress_views(*clean, document, workers); !ok) return ok.error();
+  if (auto ok = decompress_primitives(*clean, document, workers, tally); !ok) return ok.error();
   fill_sparse_defaults(*clean);
   if (auto ok = parse_model(*clean, document); !ok) return ok.error();
   document.file = std::move(file->bytes);

@@ -16,6 +16,7 @@
 #include "server/scene/gltf/animation_source.h"
 #include "server/scene/gltf/extras.h"
 #include "server/scene/gltf/tally.h"
+#include "server/scene/workers.h"
 
 namespace mirage::gltf {
 
@@ -50,6 +51,6 @@ struct Document {
 
 /// Errors: kSceneMissing, kSceneFormat, kSceneRange, kSceneReference, kSceneLimit, kSceneUri,
 /// kSceneExtension. Ranges of bufferViews and accessors are checked too (model_check.h).
-Result<Document> load_document(const std::string& path, Tally& tally);
+Result<Document> load_document(const std::string& path, const Workers& workers, Tally& tally);
 
 }  // namespace mirage::gltf

@@ -2,6 +2,7 @@
 //   file_guard      bytes: container lengths, JSON nesting, size
 //   json_schema     types, required properties, references between lists
 //   document        version, extensions, URIs, buffers; tinygltf makes the typed model
+//   decompress      meshopt and Draco -> plain bufferViews and accessors, before tinygltf
 //   model_check     ranges of bufferViews and accessors
 //   node_import     no cycles; world matrices
 //   scene_assembler meshes (mesh_import), materials, instances (similarity_split)
@@ -27,7 +28,7 @@ namespace {
 Result<Scene> import_stages(const std::string& path, const Workers& workers,
                             const ImportOptions& options) {
   gltf::Tally tally(options.strict);
-  auto document = gltf::load_document(path, tally);
+  auto document = gltf::load_document(path, workers, tally);
   if (!document) return document.error();
   const std::map<int, gltf::NodeClip> clips = gltf::import_clips(*document, tally);
   auto tree = gltf::flatten_nodes(document->model, tally);

@@ -84,12 +84,41 @@ const Schema& texture_schema() {
   return kSchema;
 }
 
+const Schema& view_schema() {
+  static const Schema kMeshopt{{index("buffer", "buffers", kRequired),
+                                count("byteOffset"),
+                                count("byteLength", kRequired),
+                                count("byteStride", kRequired),
+                                count("count", kRequired),
+                                {"mode", Kind::kText, kRequired},
+                                {"filter", Kind::kText}}};
+  static const Schema kExtensions{
+      {object("EXT_meshopt_compression", kMeshopt), object("KHR_meshopt_compression", kMeshopt)}};
+  static const Schema kSchema{{index("buffer", "buffers", kRequired), count("byteOffset"),
+                               count("byteLength", kRequired), count("byteStride"),
+                               object("extensions", kExtensions)}};
+  return kSchema;
+}
+
+const Schema& buffer_schema() {
+  static const Schema kFallback{{{"fallback", Kind::kFlag}}};
+  static const Schema kExtensions{
+      {object("EXT_meshopt_compression", kFallback), object("KHR_meshopt_compression", kFallback)}};
+  static const Schema kSchema{
+      {{"uri", Kind::kText}, count("byteLength", kRequired), object("extensions", kExtensions)}};
+  return kSchema;
+}
+
 const Schema& mesh_schema() {
+  static const Schema kDraco{
+      {index("bufferView", "bufferViews", kRequired), {"attributes", Kind::kCountMap, kRequired}}};
+  static const Schema kExtensions{{object("KHR_draco_mesh_compression", kDraco)}};
   static const Schema kPrimitive{{{"attributes", Kind::kIndexMap, kRequired, "accessors"},
                                   index("indices", "accessors"),
                                   index("material", "materials"),
                                   count("mode"),
-                                  {"targets", Kind::kIndexMapList, kOptional, "accessors"}}};
+                                  {"targets", Kind::kIndexMapList, kOptional, "accessors"},
+                                  object("extensions", kExtensions)}};
   static const Schema kSchema{
       {name(), objects("primitives", kPrimitive, kRequired), numbers("weights", 0)}};
   return kSchema;
@@ -140,9 +169,6 @@ const Schema& lights_schema() {
 
 const Schema& root_schema() {
   static const Schema kAsset{{{"version", Kind::kText, kRequired}, {"minVersion", Kind::kText}}};
-  static const Schema kView{{index("buffer", "buffers", kRequired), count("byteOffset"),
-                             count("byteLength", kRequired), count("byteStride")}};
-  static const Schema kBuffer{{{"uri", Kind::kText}, count("byteLength", kRequired)}};
   static const Schema kImage{
       {{"uri", Kind::kText}, {"mimeType", Kind::kText}, index("bufferView", "bufferViews")}};
   static const Schema kSampler{
@@ -157,8 +183,8 @@ const Schema& root_schema() {
                                {"extensionsUsed", Kind::kTexts},
                                {"extensionsRequired", Kind::kTexts},
                                objects("accessors", accessor_schema()),
-                               objects("bufferViews", kView),
-                               objects("buffers", kBuffer),
+                               objects("bufferViews", view_schema()),
+                               objects("buffers", buffer_schema()),
                                objects("cameras", camera_schema()),
                                objects("images", kImage),
                                objects("materials", material_schema()),

@@ -79,6 +79,7 @@ class Sanitizer {
       case Kind::kTexts:
         return list(in, rule, place);
       case Kind::kIndexMap:
+      case Kind::kCountMap:
         return index_map(in, rule, place);
       default:
         return scalar(in, rule, place);
@@ -121,7 +122,7 @@ class Sanitizer {
   Result<json> index_map(json& in, const Rule& rule, const Place& place) const {
     if (!in.is_object()) return type_error(place, "an object");
     Rule element = rule;
-    element.kind = Kind::kIndex;
+    element.kind = rule.kind == Kind::kCountMap ? Kind::kCount : Kind::kIndex;
     json out = json::object();
     for (auto it = in.begin(); it != in.end(); ++it) {
       auto value = scalar(it.value(), element, Place{&place, it.key()});
