@@ -2,6 +2,7 @@
 #include <array>
 
 #include "gltf_fixture.h"
+#include "server/scene/gltf/image_decode.h"
 
 namespace mirage::test {
 namespace {
@@ -191,11 +192,67 @@ TEST(GltfImage, UnreadableImagesAreWhite) {
   }
 }
 
+/// With the byte that says so; decoders hold such an image whole.
+std::string interlaced(std::uint32_t width, std::uint32_t height) {
+  std::string header = big_endian(width) + big_endian(height) + std::string("\10\2\0\0\1", 5);
+  return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", header) + png_chunk("IEND", "");
+}
+
 TEST(GltfImage, TooLargeImagesAreRefusedByName) {
-  for (const unsigned edge : {16384u, 65535u}) {
-    Builder builder = textured(make_png(edge, edge, 8, 2, "abc"), base_color());
-    EXPECT_REFUSED(builder.load(), kSceneLimit, "images[0]");
+  for (const std::string& image : {make_png(65535, 65535, 8, 2, "abc"),
+                                   make_png(16385, 1, 8, 2, "abc"), interlaced(16384, 8192)}) {
+    EXPECT_REFUSED(textured(image, base_color()).load(), kSceneLimit, "images[0]");
   }
+}
+
+/// `count` images of a size that is only claimed, each the colour of a material of its own.
+Builder many_images(std::size_t count, std::uint32_t edge) {
+  Builder builder = textured(make_png(edge, edge, 8, 2, "abc"), base_color());
+  const json primitive = builder.primitive();
+  for (std::size_t i = 1; i < count; ++i) {
+    builder.doc["images"].push_back(builder.doc["images"][0]);
+    builder.doc["textures"].push_back({{"source", i}});
+    builder.doc["materials"].push_back(builder.doc["materials"][0]);
+    builder.doc["materials"][i]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = i;
+    builder.doc["meshes"][0]["primitives"].push_back(primitive);
+    builder.doc["meshes"][0]["primitives"][i]["material"] = i;
+  }
+  return builder;
+}
+
+TEST(GltfImage, MorePixelsThanFitAreReduced) {
+  auto fits = many_images(2, 8192).load();
+  ASSERT_TRUE(fits) << failure(fits);
+  EXPECT_FALSE(has_warning(*fits, "reduced to fit"));
+  auto scene = many_images(3, 8192).load();  // 192 Mi pixels, 128 are held
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_TRUE(has_warning(*scene, "2 images reduced to fit"));
+  EXPECT_REFUSED(many_images(3, 8192).load_strict(), kSceneLimit, "are held");
+  EXPECT_TRUE(has_warning(*many_images(1, 16384).load(), "1 images reduced to fit"));
+  EXPECT_REFUSED(many_images(9, 8192).load(), kSceneLimit, "are decoded");
+}
+
+TEST(GltfImage, ReducedImagesKeepTheirLight) {
+  using gltf::decode_image;
+  // Black and white in turn, from 5 x 4; the last column has no partner and joins the second.
+  const std::string row = {'\0', '\xff', '\0', '\xff', '\0'};
+  const std::string png = make_png(5, 4, 8, 0, row + row + row + row);
+  const auto bytes = std::span(reinterpret_cast<const std::uint8_t*>(png.data()), png.size());
+  auto color = decode_image(bytes, 1, true);
+  ASSERT_TRUE(color) << color.error().line();
+  ASSERT_EQ(color->width, 2u);
+  ASSERT_EQ(color->height, 2u);
+  EXPECT_EQ(color->rgba[0], 188);  // half the light, IEC 61966-2-1
+  EXPECT_EQ(color->rgba[4], 156);  // a third
+  EXPECT_EQ(color->rgba[3], 255);
+  auto data = decode_image(bytes, 1, false);
+  ASSERT_TRUE(data) << data.error().line();
+  EXPECT_EQ(data->rgba[0], 128);
+  EXPECT_EQ(data->rgba[4], 85);
+  auto least = decode_image(bytes, 9, false);
+  ASSERT_TRUE(least) << least.error().line();
+  EXPECT_EQ(least->rgba.size(), 4u);
+  EXPECT_EQ(least->rgba[0], 102);  // two of five
 }
 
 TEST(GltfImage, WebpExtension) {
@@ -227,6 +284,61 @@ TEST(GltfImage, FilesAreGuardedLikeBuffers) {
   EXPECT_FALSE(without->materials[0].base_color_map.present());
   builder.doc["images"] = {json::object()};
   EXPECT_REFUSED(builder.load(), kSceneFormat, "images[0]");
+}
+
+TEST(GltfVariants, TheChosenOneElseTheFilesOwn) {
+  Builder builder = triangle();
+  builder.doc["materials"] = {{{"pbrMetallicRoughness", {{"metallicFactor", 0.25}}}},
+                              {{"pbrMetallicRoughness", {{"metallicFactor", 0.5}}}},
+                              {{"pbrMetallicRoughness", {{"metallicFactor", 0.75}}}}};
+  builder.primitive()["material"] = 0;
+  builder.primitive()["extensions"]["KHR_materials_variants"]["mappings"] = {
+      {{"material", 1}, {"variants", {0}}}, {{"material", 2}, {"variants", {2}}}};
+  builder.doc["extensions"]["KHR_materials_variants"]["variants"] = {
+      {{"name", "red"}}, {{"name", "plain"}}, {{"name", "dark blue"}}};
+  builder.doc["extensionsUsed"] = builder.doc["extensionsRequired"] = {"KHR_materials_variants"};
+  const TempFolder folder;
+  const std::string file = folder.write("scene.glb", builder.glb());
+  const auto metallic = [&](const std::string& query) {
+    auto scene = import_gltf_spec(file + query);
+    EXPECT_TRUE(scene) << failure(scene);
+    return scene ? scene->materials[0].metallic : -1;
+  };
+  EXPECT_EQ(metallic(""), 0.25f);
+  EXPECT_EQ(metallic("?variant=red"), 0.5f);
+  EXPECT_EQ(metallic("?variant=plain"), 0.25f);  // it maps no primitive
+  EXPECT_EQ(metallic("?variant=dark blue"), 0.75f);
+  auto unknown = import_gltf_spec(file + "?variant=green");
+  EXPECT_REFUSED(unknown, kUsage, "no variant 'green'");
+  EXPECT_EQ(unknown.error().hint, "its variants: red, plain, dark blue");
+  EXPECT_REFUSED(import_gltf_spec(file + "?colour=red"), kUsage, "?variant=NAME");
+  EXPECT_REFUSED(import_gltf_spec(file + "?variant="), kUsage, "?variant=NAME");
+  EXPECT_TRUE(import_gltf_spec(folder.write("a?b.glb", builder.glb())).ok());
+
+  builder.doc["extensions"]["KHR_materials_variants"]["variants"][2]["name"] = "red";
+  auto twice = builder.load({.variant = "red"});
+  ASSERT_TRUE(twice) << failure(twice);
+  EXPECT_EQ(twice->materials[0].metallic, 0.5f);
+  EXPECT_TRUE(has_warning(*twice, "1 variants of one name"));
+  EXPECT_REFUSED(builder.load_strict(), kSceneFormat, "two variants named 'red'");
+  builder.primitive()["extensions"]["KHR_materials_variants"]["mappings"][0]["variants"] = {3};
+  EXPECT_REFUSED(builder.load(), kSceneReference, "but there are 3 variants");
+}
+
+TEST(GltfImage, BasisuUsesItsFallbackElseSaysHowToConvert) {
+  Builder builder = textured(make_png(1, 1, 8, 2, "abc"), base_color());
+  builder.doc["images"].push_back({{"bufferView", 0}, {"mimeType", "image/ktx2"}});
+  builder.doc["textures"][0]["extensions"]["KHR_texture_basisu"]["source"] = 1;
+  builder.doc["extensionsUsed"] = {"KHR_texture_basisu"};
+  auto scene = builder.load();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_EQ(first_pixel(*scene), Pixel({'a', 'b', 'c', 255}));
+  EXPECT_TRUE(has_warning(*scene, "1 textures of KHR_texture_basisu use their fallback"));
+
+  builder.doc["textures"][0].erase("source");
+  auto without = builder.load();
+  EXPECT_REFUSED(without, kSceneExtension, "textures[0] is of KHR_texture_basisu");
+  EXPECT_NE(without.error().hint.find("gltf-transform/cli ktxdecompress"), std::string::npos);
 }
 
 }  // namespace

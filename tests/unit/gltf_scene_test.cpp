@@ -380,5 +380,26 @@ TEST(GltfScene, UnknownImportanceIsTold) {
   EXPECT_TRUE(b.load()) << "extras of others are none of our business";
 }
 
+TEST(GltfScene, CesiumRtcMovesEverything) {
+  Builder builder = triangle();
+  builder.doc["nodes"][0]["translation"] = {1, 2, 3};
+  builder.doc["nodes"].push_back({{"camera", 0}, {"translation", {1, 2, 9}}});
+  builder.doc["cameras"] = {
+      {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}};
+  auto before = builder.load();
+  ASSERT_TRUE(before) << failure(before);
+  builder.doc["extensions"]["CESIUM_RTC"]["center"] = {4e6, -5e6, 1.25};
+  builder.doc["extensionsUsed"] = builder.doc["extensionsRequired"] = {"CESIUM_RTC"};
+  auto scene = builder.load_strict();
+  ASSERT_TRUE(scene) << failure(scene);
+  const glm::dvec3 center(4e6, -5e6, 1.25);
+  EXPECT_EQ(scene->instances[0].world_from_object.position,
+            before->instances[0].world_from_object.position + center);
+  EXPECT_LT(glm::distance(scene->home.eye, before->home.eye + center), 1e-6);
+  EXPECT_LT(glm::distance(scene->home.target, before->home.target + center), 1e-3);
+  builder.doc["extensions"]["CESIUM_RTC"]["center"] = {4e6, -5e6};
+  EXPECT_REFUSED(builder.load(), kSceneFormat, "extensions.CESIUM_RTC.center");
+}
+
 }  // namespace
 }  // namespace mirage::test

@@ -7,6 +7,7 @@
 #include "server/scene/gltf/decompress.h"
 #include "server/scene/gltf/file_guard.h"
 #include "server/scene/gltf/gltf_limits.h"
+#include "server/scene/gltf/json_extensions.h"
 #include "server/scene/gltf/json_schema.h"
 #include "server/scene/gltf/model_check.h"
 #include "server/scene/gltf/uri_loader.h"
@@ -17,10 +18,19 @@ namespace {
 using nlohmann::json;
 
 constexpr std::string_view kSupportedExtensions[] = {
-    "KHR_texture_transform",   "KHR_mesh_quantization",      "KHR_lights_punctual",
-    "KHR_materials_unlit",     "EXT_mesh_gpu_instancing",    "KHR_materials_emissive_strength",
-    "EXT_texture_webp",        "KHR_draco_mesh_compression", "EXT_meshopt_compression",
+    "KHR_texture_transform",
+    "KHR_mesh_quantization",
+    "KHR_lights_punctual",
+    "KHR_materials_unlit",
+    "EXT_mesh_gpu_instancing",
+    "KHR_materials_emissive_strength",
+    "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
     "KHR_meshopt_compression",
+    "KHR_materials_variants",
+    "KHR_texture_basisu",
+    "CESIUM_RTC",
 };
 
 bool is_supported(std::string_view extension) {
@@ -103,6 +113,14 @@ Result<void> check_sizes(const json& root) {
 std::string take_text(json& object, const char* key) {
   const auto found = object.find(key);
   return found == object.end() ? std::string() : std::move(found->get_ref<std::string&>());
+}
+
+glm::dvec3 read_center(const json& root) {
+  const json::json_pointer place("/extensions/CESIUM_RTC/center");
+  glm::dvec3 center(0);
+  if (!root.contains(place)) return center;
+  for (int i = 0; i < 3; ++i) center[i] = root.at(place)[static_cast<std::size_t>(i)].get<double>();
+  return center;
 }
 
 /// Content for viewers without the extension, if there is any; all that lies in it is compressed.
@@ -268,7 +286,8 @@ std::span<const std::uint8_t> Document::view_bytes(int view) const {
   return buffer.data.subspan(place.byteOffset, place.byteLength);
 }
 
-Result<Document> load_document(const std::string& path, const Workers& workers, Tally& tally) {
+Result<Document> load_document(const std::string& path, const std::string& variant,
+                               const Workers& workers, Tally& tally) {
   auto file = open_gltf(path);
   if (!file) return file.error();
   Document document;
@@ -283,6 +302,9 @@ Result<Document> load_document(const std::string& path, const Workers& workers, 
   document.importance = read_importance(*raw, tally);
   auto clean = sanitize(raw.take());
   if (!clean) return clean.error();
+  if (auto ok = choose_variant(*clean, variant, tally); !ok) return ok.error();
+  if (auto ok = settle_basisu(*clean, path, tally); !ok) return ok.error();
+  document.center = read_center(*clean);
   if (auto ok = load_buffers(*clean, document, *file, tally); !ok) return ok.error();
   if (auto ok = take_images(*clean, document, tally); !ok) return ok.error();
   if (auto ok = decompress_views(*clean, document, workers); !ok) return ok.error();

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <glm/glm.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,6 +45,7 @@ struct Document {
   std::vector<ImageSource> images;
   AnimationSources animations;
   ImportanceMarks importance;
+  glm::dvec3 center{0};  ///< CESIUM_RTC: where the origin of the file lies, m
 
   /// The bytes of a checked bufferView; empty when its buffer is absent.
   std::span<const std::uint8_t> view_bytes(int view) const;
@@ -51,6 +53,8 @@ struct Document {
 
 /// Errors: kSceneMissing, kSceneFormat, kSceneRange, kSceneReference, kSceneLimit, kSceneUri,
 /// kSceneExtension. Ranges of bufferViews and accessors are checked too (model_check.h).
-Result<Document> load_document(const std::string& path, const Workers& workers, Tally& tally);
+/// `variant` as choose_variant() has it (kUsage).
+Result<Document> load_document(const std::string& path, const std::string& variant,
+                               const Workers& workers, Tally& tally);
 
 }  // namespace mirage::gltf

@@ -25,10 +25,18 @@
 namespace mirage {
 namespace {
 
+/// CESIUM_RTC: geocentric places are too far out for floats, so that meshes are told from `center`
+/// and only instances move there, in doubles.
+void move_origin(Scene& scene, gltf::NodeTree& tree, const glm::dvec3& center) {
+  if (center == glm::dvec3(0)) return;
+  for (Instance& instance : scene.instances) instance.world_from_object.position += center;
+  for (glm::dmat4& world : tree.world_from_node) world[3] += glm::dvec4(center, 0);
+}
+
 Result<Scene> import_stages(const std::string& path, const Workers& workers,
                             const ImportOptions& options) {
   gltf::Tally tally(options.strict);
-  auto document = gltf::load_document(path, workers, tally);
+  auto document = gltf::load_document(path, options.variant, workers, tally);
   if (!document) return document.error();
   const std::map<int, gltf::NodeClip> clips = gltf::import_clips(*document, tally);
   auto tree = gltf::flatten_nodes(document->model, tally);
@@ -42,6 +50,7 @@ Result<Scene> import_stages(const std::string& path, const Workers& workers,
   Result<Scene> taken = assembler.take(workers);
   if (!taken) return taken;
   Scene scene = taken.take();
+  move_origin(scene, *tree, document->center);
   scene.name = std::filesystem::path(path).stem().string();
   if (scene.instances.empty()) tally.note("nothing to draw");
 
@@ -53,6 +62,22 @@ Result<Scene> import_stages(const std::string& path, const Workers& workers,
 }
 
 }  // namespace
+
+Result<Scene> import_gltf_spec(const std::string& spec, const Workers& workers,
+                               ImportOptions options) {
+  constexpr std::string_view kVariant = "variant=";
+  const std::size_t mark = spec.rfind('?');
+  std::error_code code;
+  if (mark == std::string::npos || std::filesystem::exists(spec, code)) {
+    return import_gltf(spec, workers, options);
+  }
+  const std::string_view query = std::string_view(spec).substr(mark + 1);
+  if (!query.starts_with(kVariant) || query.size() == kVariant.size()) {
+    return make_error(ErrorId::kUsage, "'" + spec + "': a file takes ?variant=NAME alone");
+  }
+  options.variant = query.substr(kVariant.size());
+  return import_gltf(spec.substr(0, mark), workers, options);
+}
 
 Result<Scene> import_gltf(const std::string& path, const Workers& workers,
                           const ImportOptions& options) {

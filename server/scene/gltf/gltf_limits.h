@@ -23,8 +23,9 @@ inline constexpr std::size_t kMaxChannelsInFile = 100'000;  ///< of one clip
 inline constexpr double kMaxClipOffset = 1e6;               ///< s
 inline constexpr std::size_t kMaxLights = 256;
 inline constexpr std::uint32_t kMaxImageSide = 16384;
-inline constexpr std::uint64_t kMaxImagePixels = 64ull << 20;   ///< one image
-inline constexpr std::uint64_t kMaxScenePixels = 128ull << 20;  ///< all images, 4 bytes each
+inline constexpr std::uint64_t kMaxImagePixels = 64ull << 20;     ///< one image
+inline constexpr std::uint64_t kMaxScenePixels = 128ull << 20;    ///< all images, 4 bytes each
+inline constexpr std::uint64_t kMaxDecodedPixels = 512ull << 20;  ///< of them before reducing
 
 /// Vertices beyond this are treated as not finite: a mesh keeps its shape at any scale, but its
 /// place in a float world needs some room above it.

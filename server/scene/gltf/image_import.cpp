@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <optional>
+#include <queue>
 
 #include "server/scene/gltf/file_guard.h"
 #include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/image_decode.h"
+#include "server/scene/gltf/image_reduce.h"
 #include "server/scene/gltf/uri_loader.h"
 
 namespace mirage::gltf {
@@ -28,7 +30,11 @@ std::int32_t ImageImporter::index_of(int source, bool srgb) {
   const auto [entry, is_new] = index_.try_emplace({source, srgb}, next);
   if (!is_new) return entry->second;
   const auto other = index_.find({source, !srgb});
-  wanted_.push_back({source, srgb, false, other == index_.end() ? -1 : other->second});
+  Wanted wanted;
+  wanted.source = source;
+  wanted.srgb = srgb;
+  if (other != index_.end()) wanted.same = other->second;
+  wanted_.push_back(wanted);
   return next;
 }
 
@@ -57,42 +63,109 @@ bool ImageImporter::readable(std::int32_t place) const {
                           : wanted.readable;
 }
 
-// Adds what the image will take to `pixels`.
-Result<void> ImageImporter::judge(Wanted& wanted, std::uint64_t& pixels) {
+std::uint64_t ImageImporter::Wanted::pixels() const {
+  return std::uint64_t{halved(header.width, halvings)} * halved(header.height, halvings);
+}
+
+std::uint64_t ImageImporter::Wanted::cost() const {
+  return halvings > 0 && header.streams ? pixels() : header.pixels();
+}
+
+Result<void> ImageImporter::judge(Wanted& wanted) {
   std::vector<std::uint8_t> owned;
   const auto bytes = bytes_of(wanted.source, owned);
   if (!bytes) return leave_out(wanted, bytes.error());
-  const auto own = count_pixels(*bytes, std::min(kMaxImagePixels, kMaxScenePixels - pixels));
-  if (own) {
+  const auto header = judge_image(*bytes);
+  if (header) {
     wanted.readable = true;
-    pixels += *own;
+    wanted.header = *header;
     return {};
   }
-  const Error named = make_error(own.error().id, name_of(wanted.source) + ": " + own.error().text);
+  const Error named =
+      make_error(header.error().id, name_of(wanted.source) + ": " + header.error().text);
   // Too large is no damage to paper over: the scene would look wrong without a word.
   if (named.id == ErrorId::kSceneLimit) return named;
   return leave_out(wanted, named);
 }
 
-Result<std::vector<Image>> ImageImporter::take(const Workers& workers) {
-  std::uint64_t pixels = 0;
-  for (Wanted& wanted : wanted_) {
-    if (Result<void> judged = judge(wanted, pixels); !judged) return judged.error();
+Result<void> ImageImporter::fit() {
+  std::priority_queue<std::pair<std::uint64_t, std::size_t>> largest;
+  std::uint64_t decoded = 0;
+  std::uint64_t held = 0;
+  for (std::size_t i = 0; i < wanted_.size(); ++i) {
+    Wanted& wanted = wanted_[i];
+    if (!wanted.readable || wanted.same >= 0) continue;
+    decoded += wanted.header.pixels();
+    held += wanted.pixels() * wanted.uses;
+    largest.push({wanted.pixels(), i});
   }
+  if (decoded > kMaxDecodedPixels) {
+    return make_error(ErrorId::kSceneLimit,
+                      "images of " + std::to_string(decoded) + " pixels in all, at most " +
+                          std::to_string(kMaxDecodedPixels) + " are decoded",
+                      "npx @gltf-transform/cli resize IN.glb OUT.glb --width 2048 --height 2048");
+  }
+  const std::uint64_t in_file = held;
+  while (!largest.empty() && (held > kMaxScenePixels || largest.top().first > kMaxImagePixels)) {
+    Wanted& wanted = wanted_[largest.top().second];
+    const std::size_t place = largest.top().second;
+    largest.pop();
+    held -= wanted.pixels() * wanted.uses;
+    ++wanted.halvings;
+    held += wanted.pixels() * wanted.uses;
+    if (wanted.pixels() > 1) largest.push({wanted.pixels(), place});
+  }
+  for (const Wanted& wanted : wanted_) {
+    if (wanted.halvings == 0) continue;
+    auto ok = tally_.forgive(
+        "images reduced to fit",
+        make_error(ErrorId::kSceneLimit, name_of(wanted.source) + ": " +
+                                             std::to_string(wanted.header.width) + " x " +
+                                             std::to_string(wanted.header.height) + " pixels, " +
+                                             std::to_string(in_file) + " in all, " +
+                                             std::to_string(kMaxScenePixels) + " are held"));
+    if (!ok) return ok;
+  }
+  return {};
+}
+
+std::size_t ImageImporter::batch_end(std::size_t begin) const {
+  std::uint64_t cost = 0;
+  std::size_t end = begin;
+  for (; end < wanted_.size(); ++end) {
+    if (!wanted_[end].readable || wanted_[end].same >= 0) continue;
+    cost += wanted_[end].cost();
+    if (cost > kMaxImagePixels && cost > wanted_[end].cost()) break;
+  }
+  return std::max(end, begin + 1);
+}
+
+Result<std::vector<Image>> ImageImporter::take(const Workers& workers) {
+  for (Wanted& wanted : wanted_) {
+    if (Result<void> judged = judge(wanted); !judged) return judged.error();
+    if (wanted.same >= 0) ++wanted_[static_cast<std::size_t>(wanted.same)].uses;
+  }
+  if (Result<void> fits = fit(); !fits) return fits.error();
   std::vector<Image> images(wanted_.size());
   std::vector<std::optional<Error>> damage(wanted_.size());
-  workers.each(wanted_.size(), [&](std::size_t i) {
+  const auto decode = [&](std::size_t i) {
     const Wanted& wanted = wanted_[i];
     if (!wanted.readable || wanted.same >= 0) return;
     std::vector<std::uint8_t> owned;
     const auto bytes = bytes_of(wanted.source, owned);
-    Result<Image> image = bytes ? decode_image(*bytes, kMaxImagePixels) : bytes.error();
+    Result<Image> image =
+        bytes ? decode_image(*bytes, wanted.halvings, wanted.srgb) : bytes.error();
     if (image) {
       images[i] = image.take();
     } else {
       damage[i] = make_error(image.error().id, name_of(wanted.source) + ": " + image.error().text);
     }
-  });
+  };
+  for (std::size_t begin = 0; begin < wanted_.size();) {
+    const std::size_t end = batch_end(begin);
+    workers.each(end - begin, [&](std::size_t i) { decode(begin + i); });
+    begin = end;
+  }
   for (std::size_t i = 0; i < wanted_.size(); ++i) {
     if (damage[i]) {
       if (auto ok = leave_out(wanted_[i], *damage[i]); !ok) return ok.error();

@@ -78,7 +78,8 @@ const Schema& material_schema() {
 
 const Schema& texture_schema() {
   static const Schema kWebp{{index("source", "images")}};
-  static const Schema kExtensions{{object("EXT_texture_webp", kWebp)}};
+  static const Schema kExtensions{
+      {object("EXT_texture_webp", kWebp), object("KHR_texture_basisu", kWebp)}};
   static const Schema kSchema{
       {index("sampler", "samplers"), index("source", "images"), object("extensions", kExtensions)}};
   return kSchema;
@@ -112,7 +113,11 @@ const Schema& buffer_schema() {
 const Schema& mesh_schema() {
   static const Schema kDraco{
       {index("bufferView", "bufferViews", kRequired), {"attributes", Kind::kCountMap, kRequired}}};
-  static const Schema kExtensions{{object("KHR_draco_mesh_compression", kDraco)}};
+  static const Schema kMapping{{index("material", "materials", kRequired),
+                                {"variants", Kind::kIndexList, kRequired, "variants"}}};
+  static const Schema kVariants{{objects("mappings", kMapping, kRequired)}};
+  static const Schema kExtensions{
+      {object("KHR_draco_mesh_compression", kDraco), object("KHR_materials_variants", kVariants)}};
   static const Schema kPrimitive{{{"attributes", Kind::kIndexMap, kRequired, "accessors"},
                                   index("indices", "accessors"),
                                   index("material", "materials"),
@@ -178,7 +183,12 @@ const Schema& root_schema() {
                              index("inverseBindMatrices", "accessors"),
                              index("skeleton", "nodes"),
                              {"joints", Kind::kIndexList, kRequired, "nodes"}}};
-  static const Schema kExtensions{{object("KHR_lights_punctual", lights_schema())}};
+  static const Schema kVariant{{name()}};
+  static const Schema kVariants{{objects("variants", kVariant, kRequired)}};
+  static const Schema kCenter{{numbers("center", 3)}};
+  static const Schema kExtensions{{object("KHR_lights_punctual", lights_schema()),
+                                   object("KHR_materials_variants", kVariants),
+                                   object("CESIUM_RTC", kCenter)}};
   static const Schema kSchema{{object("asset", kAsset, kRequired),
                                {"extensionsUsed", Kind::kTexts},
                                {"extensionsRequired", Kind::kTexts},
