@@ -75,6 +75,16 @@ TEST(GltfContainer, AssetVersion) {
   EXPECT_TRUE(load_text(R"({"asset":{"version":"2.0"}})").ok());
 }
 
+TEST(GltfContainer, DuplicateNames) {
+  const std::string twice = R"({"asset":{"version":"1.0","version":"2.0"},"nodes":[{},{}]})";
+  auto scene = load_text(twice);
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_TRUE(has_warning(*scene, "duplicate names in JSON"));
+  const TempFolder folder;
+  EXPECT_REFUSED(import_gltf(folder.write("scene.gltf", twice), Workers(), {.strict = true}),
+                 kSceneFormat, "1 JSON objects name a property twice");
+}
+
 TEST(GltfContainer, RequiredExtensions) {
   for (const char* name : {"KHR_materials_of_tomorrow", "VENDOR_thing"}) {
     Builder builder = triangle();

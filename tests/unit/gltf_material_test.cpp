@@ -341,5 +341,97 @@ TEST(GltfImage, BasisuUsesItsFallbackElseSaysHowToConvert) {
   EXPECT_NE(without.error().hint.find("gltf-transform/cli ktxdecompress"), std::string::npos);
 }
 
+/// A material of KHR_materials_pbrSpecularGlossiness over one image.
+Builder spec_gloss(const std::string& image, const json& values) {
+  Builder builder = textured(image, json::object());
+  builder.doc["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"] = values;
+  builder.doc["extensionsUsed"] = {"KHR_materials_pbrSpecularGlossiness"};
+  return builder;
+}
+
+TEST(GltfSpecGloss, FactorsBecomeDielectricsAndMetals) {
+  const std::string image = make_png(1, 1, 8, 2, "abc");
+  auto plastic = spec_gloss(image, {{"diffuseFactor", {0.5, 0.25, 0, 0.5}},
+                                    {"specularFactor", {0.04, 0.04, 0.04}},
+                                    {"glossinessFactor", 0.75}})
+                     .load_strict();
+  ASSERT_TRUE(plastic) << failure(plastic);
+  EXPECT_TRUE(plastic->warnings.empty()) << plastic->warnings[0];
+  const Material& a = plastic->materials[0];
+  EXPECT_NEAR(a.metallic, 0, 1e-5);
+  EXPECT_FLOAT_EQ(a.roughness, 0.25f);
+  EXPECT_NEAR(a.base_color.x, 0.5, 1e-5);
+  EXPECT_NEAR(a.base_color.y, 0.25, 1e-5);
+  EXPECT_EQ(a.base_color.w, 0.5f);
+
+  // Gold: nothing diffuse, a coloured highlight.
+  auto gold =
+      spec_gloss(image, {{"diffuseFactor", {0, 0, 0, 1}}, {"specularFactor", {1, 0.75, 0.25}}})
+          .load_strict();
+  ASSERT_TRUE(gold) << failure(gold);
+  const Material& b = gold->materials[0];
+  EXPECT_NEAR(b.metallic, 1, 1e-5);
+  EXPECT_EQ(b.roughness, 0);
+  EXPECT_NEAR(b.base_color.y, 0.75, 1e-5);
+  EXPECT_NEAR(b.base_color.z, 0.25, 1e-5);
+}
+
+TEST(GltfSpecGloss, TexturesAreConvertedTexelByTexel) {
+  // Left a dielectric of half gloss, right a metal of full gloss; the diffuse image is black there.
+  const std::string specular = make_png(2, 1, 8, 6, std::string("\0\0\0\x80\xff\xff\0\xff", 8));
+  Builder builder = spec_gloss(specular, {{"diffuseTexture", {{"index", 1}}},
+                                          {"specularGlossinessTexture", {{"index", 0}}}});
+  const std::string diffuse = make_png(2, 1, 8, 2, std::string("\x80\x40\x20\0\0\0", 6));
+  const int view = builder.view(std::vector<char>(diffuse.begin(), diffuse.end()));
+  builder.doc["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}});
+  builder.doc["textures"].push_back({{"source", 1}});
+  auto scene = builder.load_strict();
+  ASSERT_TRUE(scene) << failure(scene);
+  const Material& material = scene->materials[0];
+  EXPECT_EQ(material.base_color, glm::vec4(1));
+  ASSERT_TRUE(material.base_color_map.present() && material.metal_rough_map.present());
+  const Image& base = scene->images[static_cast<std::size_t>(material.base_color_map.image)];
+  const Image& data = scene->images[static_cast<std::size_t>(material.metal_rough_map.image)];
+  EXPECT_TRUE(base.srgb);
+  EXPECT_FALSE(data.srgb);
+  ASSERT_EQ(base.rgba.size(), 8u);
+  ASSERT_EQ(data.rgba.size(), 8u);
+  EXPECT_NEAR(base.rgba[0], 0x82, 1);  // without the highlight of a dielectric: 1 / .96 of it
+  EXPECT_NEAR(base.rgba[2], 0x21, 1);
+  EXPECT_EQ(data.rgba[1], 127);
+  EXPECT_EQ(data.rgba[2], 0);
+  EXPECT_EQ(base.rgba[4], 255);
+  EXPECT_EQ(base.rgba[6], 0);
+  EXPECT_EQ(data.rgba[5], 0);
+  EXPECT_EQ(data.rgba[6], 255);
+  // Elsewhere on the surface: told, and the colour stays the diffuse one.
+  builder.doc["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"]
+             ["specularGlossinessTexture"]["texCoord"] = 1;
+  auto other = builder.load();
+  ASSERT_TRUE(other) << failure(other);
+  EXPECT_TRUE(has_warning(*other, "otherwise than the diffuse one"));
+}
+
+TEST(GltfSpecGloss, ADiffuseTextureAloneStaysAsItIs) {
+  Builder builder = spec_gloss(make_png(1, 1, 8, 2, "abc"),
+                               {{"diffuseTexture", {{"index", 0}}}, {"specularFactor", {0, 0, 0}}});
+  auto scene = builder.load_strict();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_EQ(scene->images.size(), 1u);
+  EXPECT_EQ(first_pixel(*scene), Pixel({'a', 'b', 'c', 255}));
+  EXPECT_EQ(scene->materials[0].metallic, 0);
+  // An unreadable one leaves the factors.
+  builder.doc["images"][0]["bufferView"] = 0;
+  builder.doc["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"] = {
+      {"diffuseFactor", {0, 0, 1, 1}},
+      {"specularGlossinessTexture", {{"index", 0}}},
+      {"specularFactor", {0, 0, 0}}};
+  auto broken = builder.load();
+  ASSERT_TRUE(broken) << failure(broken);
+  const auto place = static_cast<std::size_t>(broken->materials[0].base_color_map.image);
+  EXPECT_EQ(broken->images[place].rgba[0], 0);
+  EXPECT_EQ(broken->images[place].rgba[2], 255);
+}
+
 }  // namespace
 }  // namespace mirage::test

@@ -31,6 +31,7 @@ constexpr std::string_view kSupportedExtensions[] = {
     "KHR_materials_variants",
     "KHR_texture_basisu",
     "CESIUM_RTC",
+    "KHR_materials_pbrSpecularGlossiness",
 };
 
 bool is_supported(std::string_view extension) {
@@ -38,10 +39,46 @@ bool is_supported(std::string_view extension) {
          std::end(kSupportedExtensions);
 }
 
-Result<json> parse_json(std::string_view text) {
+/// Watches a parser for objects that name a property twice (glTF §2.7 forbids it; parsers take the
+/// last).
+class KeyWatch {
+ public:
+  bool see(json::parse_event_t event, const json& value) {
+    if (event == json::parse_event_t::object_start) {
+      open_.emplace_back();
+    } else if (event == json::parse_event_t::key) {
+      const auto& key = value.get_ref<const std::string&>();
+      open_.back().push_back(std::hash<std::string_view>{}(key));
+    } else if (event == json::parse_event_t::object_end) {
+      std::vector<std::size_t>& keys = open_.back();
+      std::sort(keys.begin(), keys.end());
+      if (std::adjacent_find(keys.begin(), keys.end()) != keys.end()) ++twice_;
+      open_.pop_back();
+    }
+    return true;
+  }
+  std::uint64_t twice() const { return twice_; }
+
+ private:
+  std::vector<std::vector<std::size_t>> open_;  // hashes of the keys, by depth
+  std::uint64_t twice_ = 0;
+};
+
+Result<json> parse_json(std::string_view text, Tally& tally) {
   if (auto scan = scan_json(text); !scan) return scan.error();
   try {
-    return json::parse(text.begin(), text.end());
+    KeyWatch watch;
+    json root = json::parse(
+        text.begin(), text.end(),
+        [&](int, json::parse_event_t event, json& value) { return watch.see(event, value); });
+    if (watch.twice() > 0) {
+      auto ok = tally.forgive(
+          "files with duplicate names in JSON, the last of each counts",
+          make_error(ErrorId::kSceneFormat,
+                     std::to_string(watch.twice()) + " JSON objects name a property twice"));
+      if (!ok) return ok.error();
+    }
+    return root;
   } catch (const json::parse_error& error) {
     return make_error(ErrorId::kSceneFormat,
                       "JSON syntax error at byte " + std::to_string(error.byte));
@@ -294,7 +331,7 @@ Result<Document> load_document(const std::string& path, const std::string& varia
   document.folder = std::filesystem::path(path).parent_path();
   if (document.folder.empty()) document.folder = ".";
 
-  auto raw = parse_json(file->json);
+  auto raw = parse_json(file->json, tally);
   if (!raw) return raw.error();
   if (auto ok = check_version_and_extensions(*raw, tally); !ok) return ok.error();
   if (auto ok = check_sizes(*raw); !ok) return ok.error();

@@ -26,6 +26,59 @@ Image white_pixel() {
 }  // namespace
 
 std::int32_t ImageImporter::index_of(int source, bool srgb) {
+  const std::int32_t place = wanted_place(source, srgb);
+  wanted_[static_cast<std::size_t>(place)].drawn = true;
+  return place;
+}
+
+ImageImporter::Converted ImageImporter::converted(int diffuse, int specular_glossiness,
+                                                  const SpecGloss& factors) {
+  Conversion conversion;
+  conversion.factors = factors;
+  if (diffuse >= 0) conversion.diffuse = wanted_place(diffuse, true);
+  if (specular_glossiness >= 0) conversion.specular = wanted_place(specular_glossiness, true);
+  for (const Conversion& other : conversions_) {
+    const bool same = other.diffuse == conversion.diffuse &&
+                      other.specular == conversion.specular &&
+                      glm::vec3(other.factors.diffuse) == glm::vec3(factors.diffuse) &&
+                      other.factors.specular == factors.specular &&
+                      other.factors.glossiness == factors.glossiness;
+    if (same) return other.to;
+  }
+  for (const std::int32_t place : {conversion.diffuse, conversion.specular}) {
+    if (place < 0) continue;
+    Wanted& source = wanted_[static_cast<std::size_t>(place)];
+    // A copy of the same image in the other coding counts at the first of them.
+    const std::size_t first = static_cast<std::size_t>(source.same >= 0 ? source.same : place);
+    wanted_[first].uses += 2;
+  }
+  Wanted made;
+  made.made = made.drawn = made.readable = true;
+  conversion.to.base = static_cast<std::int32_t>(wanted_.size());
+  wanted_.push_back(made);
+  made.srgb = false;
+  conversion.to.metal_rough = static_cast<std::int32_t>(wanted_.size());
+  wanted_.push_back(made);
+  conversions_.push_back(conversion);
+  return conversion.to;
+}
+
+void ImageImporter::convert(const Workers& workers, std::vector<Image>& images) {
+  const auto source = [&](std::int32_t place) -> const Image* {
+    return place >= 0 && readable(place) ? &images[static_cast<std::size_t>(place)] : nullptr;
+  };
+  workers.each(conversions_.size(), [&](std::size_t i) {
+    const Conversion& c = conversions_[i];
+    MetalRoughImages made = convert_images(source(c.diffuse), source(c.specular), c.factors);
+    images[static_cast<std::size_t>(c.to.base)] = std::move(made.base);
+    images[static_cast<std::size_t>(c.to.metal_rough)] = std::move(made.metal_rough);
+  });
+  for (std::size_t i = 0; i < wanted_.size(); ++i) {
+    if (!wanted_[i].drawn) images[i] = white_pixel();
+  }
+}
+
+std::int32_t ImageImporter::wanted_place(int source, bool srgb) {
   const auto next = static_cast<std::int32_t>(wanted_.size());
   const auto [entry, is_new] = index_.try_emplace({source, srgb}, next);
   if (!is_new) return entry->second;
@@ -94,7 +147,7 @@ Result<void> ImageImporter::fit() {
   std::uint64_t held = 0;
   for (std::size_t i = 0; i < wanted_.size(); ++i) {
     Wanted& wanted = wanted_[i];
-    if (!wanted.readable || wanted.same >= 0) continue;
+    if (!wanted.readable || wanted.same >= 0 || wanted.made) continue;
     decoded += wanted.header.pixels();
     held += wanted.pixels() * wanted.uses;
     largest.push({wanted.pixels(), i});
@@ -133,7 +186,7 @@ std::size_t ImageImporter::batch_end(std::size_t begin) const {
   std::uint64_t cost = 0;
   std::size_t end = begin;
   for (; end < wanted_.size(); ++end) {
-    if (!wanted_[end].readable || wanted_[end].same >= 0) continue;
+    if (!wanted_[end].readable || wanted_[end].same >= 0 || wanted_[end].made) continue;
     cost += wanted_[end].cost();
     if (cost > kMaxImagePixels && cost > wanted_[end].cost()) break;
   }
@@ -142,6 +195,7 @@ std::size_t ImageImporter::batch_end(std::size_t begin) const {
 
 Result<std::vector<Image>> ImageImporter::take(const Workers& workers) {
   for (Wanted& wanted : wanted_) {
+    if (wanted.made) continue;
     if (Result<void> judged = judge(wanted); !judged) return judged.error();
     if (wanted.same >= 0) ++wanted_[static_cast<std::size_t>(wanted.same)].uses;
   }
@@ -150,7 +204,7 @@ Result<std::vector<Image>> ImageImporter::take(const Workers& workers) {
   std::vector<std::optional<Error>> damage(wanted_.size());
   const auto decode = [&](std::size_t i) {
     const Wanted& wanted = wanted_[i];
-    if (!wanted.readable || wanted.same >= 0) return;
+    if (!wanted.readable || wanted.same >= 0 || wanted.made) return;
     std::vector<std::uint8_t> owned;
     const auto bytes = bytes_of(wanted.source, owned);
     Result<Image> image =
@@ -174,6 +228,7 @@ Result<std::vector<Image>> ImageImporter::take(const Workers& workers) {
     if (images[i].rgba.empty()) images[i] = white_pixel();
     images[i].srgb = wanted_[i].srgb;
   }
+  convert(workers, images);
   return images;
 }
 

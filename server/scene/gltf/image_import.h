@@ -11,6 +11,7 @@
 #include "protocol/result.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/image_size.h"
+#include "server/scene/gltf/spec_gloss.h"
 #include "server/scene/gltf/tally.h"
 #include "server/scene/workers.h"
 
@@ -23,6 +24,13 @@ class ImageImporter {
   /// Place in the scene's list of a glTF image. Colour and data need different decoding, so an
   /// image used for both is there twice.
   std::int32_t index_of(int source, bool srgb);
+  /// Places of the two images that a pair of KHR_materials_pbrSpecularGlossiness becomes; -1: that
+  /// one is 1 everywhere.
+  struct Converted {
+    std::int32_t base = -1;
+    std::int32_t metal_rough = -1;
+  };
+  Converted converted(int diffuse, int specular_glossiness, const SpecGloss& factors);
   /// Decodes all that were asked for; unreadable ones become white with a warning, and so many
   /// pixels that they do not fit are reduced with another. Error kSceneLimit when one cannot be
   /// reduced while it is decoded, or all together take too long.
@@ -36,6 +44,8 @@ class ImageImporter {
     bool srgb = true;
     bool readable = false;
     std::int32_t same = -1;  ///< the place of the same image decoded the other way
+    bool drawn = false;      ///< by itself, not only for what it is converted to
+    bool made = false;       ///< by a conversion, not from the file
     ImageHeader header = {};
     std::uint64_t uses = 1;  ///< how often it lies in memory: `same` of it count here
     int halvings = 0;
@@ -43,6 +53,15 @@ class ImageImporter {
     std::uint64_t pixels() const;  ///< as decoded
     std::uint64_t cost() const;    ///< pixels in memory while it is decoded
   };
+  struct Conversion {
+    std::int32_t diffuse = -1;  ///< places, -1: none
+    std::int32_t specular = -1;
+    SpecGloss factors;
+    Converted to;
+  };
+  std::int32_t wanted_place(int source, bool srgb);
+  /// Makes what conversions make, and drops what was only there for them.
+  void convert(const Workers& workers, std::vector<Image>& images);
   /// Encoded bytes, in the document or read into `owned`. Errors: kSceneUri, kSceneMissing,
   /// kSceneLimit.
   Result<std::span<const std::uint8_t>> bytes_of(int source,
@@ -58,6 +77,7 @@ class ImageImporter {
   const Document& document_;
   Tally& tally_;
   std::vector<Wanted> wanted_;
+  std::vector<Conversion> conversions_;
   std::map<std::pair<int, bool>, std::int32_t> index_;
 };
 

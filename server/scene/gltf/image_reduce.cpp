@@ -1,53 +1,9 @@
 #include "server/scene/gltf/image_reduce.h"
 
-#include <array>
-#include <cmath>
+#include "server/scene/gltf/srgb_table.h"
 
 namespace mirage::gltf {
 namespace {
-
-constexpr std::size_t kSteps = 65536;  // 1/255 of sRGB is 20 of them where it is darkest
-
-float light_of(float code) {
-  return code <= 0.04045f ? code / 12.92f : std::pow((code + 0.055f) / 1.055f, 2.4f);
-}
-
-float code_of(float light) {
-  return light <= 0.0031308f ? light * 12.92f : 1.055f * std::pow(light, 1 / 2.4f) - 0.055f;
-}
-
-using FromByte = std::array<float, 256>;
-using ToByte = std::vector<std::uint8_t>;
-
-FromByte make_from_byte(bool srgb) {
-  FromByte table{};
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    const float code = static_cast<float>(i) / 255.0f;
-    table[i] = srgb ? light_of(code) : code;
-  }
-  return table;
-}
-
-ToByte make_to_byte(bool srgb) {
-  ToByte table(kSteps);
-  for (std::size_t i = 0; i < kSteps; ++i) {
-    const float value = static_cast<float>(i) / (kSteps - 1);
-    table[i] = static_cast<std::uint8_t>((srgb ? code_of(value) : value) * 255.0f + 0.5f);
-  }
-  return table;
-}
-
-const FromByte& from_byte(bool srgb) {
-  static const FromByte kLight = make_from_byte(true);
-  static const FromByte kPlain = make_from_byte(false);
-  return srgb ? kLight : kPlain;
-}
-
-const ToByte& to_byte(bool srgb) {
-  static const ToByte kCode = make_to_byte(true);
-  static const ToByte kPlain = make_to_byte(false);
-  return srgb ? kCode : kPlain;
-}
 
 /// First source pixel of result pixel `i`.
 std::uint32_t first_of(std::uint32_t i, std::uint32_t from, std::uint32_t to) {
@@ -76,8 +32,8 @@ void ImageReducer::add_rows(std::span<const std::uint8_t> rows) {
 }
 
 void ImageReducer::add_row(const std::uint8_t* row) {
-  const FromByte& color = from_byte(srgb_);
-  const FromByte& plain = from_byte(false);
+  const std::array<float, 256>& color = from_byte(srgb_);
+  const std::array<float, 256>& plain = from_byte(false);
   const int step = channels_;
   const int green = step < 3 ? 0 : 1;
   const int blue = step < 3 ? 0 : 2;
@@ -95,18 +51,16 @@ void ImageReducer::add_row(const std::uint8_t* row) {
 }
 
 void ImageReducer::finish_row() {
-  const ToByte& color = to_byte(srgb_);
-  const ToByte& plain = to_byte(false);
+  const std::vector<std::uint8_t>& color = to_byte(srgb_);
+  const std::vector<std::uint8_t>& plain = to_byte(false);
   const std::uint32_t rows = row_ - first_of(out_row_, height_, out_.height);
   std::uint8_t* out = &out_.rgba[std::size_t{out_row_} * out_.width * 4];
   for (std::uint32_t x = 0; x < out_.width; ++x) {
     const std::uint32_t columns =
         first_of(x + 1, width_, out_.width) - first_of(x, width_, out_.width);
-    const float scale = (kSteps - 1) / static_cast<float>(rows * columns);
+    const float share = 1 / static_cast<float>(rows * columns);
     for (std::size_t c = 0; c < 4; ++c) {
-      const float level = sums_[std::size_t{x} * 4 + c] * scale + 0.5f;
-      const auto step = std::min(static_cast<std::size_t>(level), kSteps - 1);
-      *out++ = c < 3 ? color[step] : plain[step];
+      *out++ = byte_of(sums_[std::size_t{x} * 4 + c] * share, c < 3 ? color : plain);
     }
   }
   std::fill(sums_.begin(), sums_.end(), 0.0f);

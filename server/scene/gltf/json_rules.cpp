@@ -61,7 +61,11 @@ const Schema& material_schema() {
                             number("metallicFactor"), number("roughnessFactor"),
                             object("metallicRoughnessTexture", info)}};
   static const Schema kStrength{{number("emissiveStrength")}};
+  static const Schema kSpecGloss{{numbers("diffuseFactor", 4), object("diffuseTexture", info),
+                                  numbers("specularFactor", 3), number("glossinessFactor"),
+                                  object("specularGlossinessTexture", info)}};
   static const Schema kExtensions{{object("KHR_materials_unlit", empty_schema()),
+                                   object("KHR_materials_pbrSpecularGlossiness", kSpecGloss),
                                    object("KHR_materials_emissive_strength", kStrength)}};
   static const Schema kSchema{{name(),
                                object("pbrMetallicRoughness", kPbr),

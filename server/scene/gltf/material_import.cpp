@@ -105,6 +105,10 @@ Material MaterialImporter::convert(const tinygltf::Material& source) {
   };
   out.base_color_map = ref(pbr.baseColorTexture, true);
   out.metal_rough_map = ref(pbr.metallicRoughnessTexture, false);
+  if (const auto ext = source.extensions.find("KHR_materials_pbrSpecularGlossiness");
+      ext != source.extensions.end()) {
+    apply_spec_gloss(ext->second, out);
+  }
   out.normal_map = ref(source.normalTexture, false);
   out.occlusion_map = ref(source.occlusionTexture, false);
   out.emissive_map = ref(source.emissiveTexture, true);
@@ -113,6 +117,14 @@ Material MaterialImporter::convert(const tinygltf::Material& source) {
 
 TextureRef MaterialImporter::texture(const tinygltf::ExtensionMap& extensions, int texture,
                                      int uv_set, bool srgb) {
+  int image = -1;
+  TextureRef ref = place(extensions, texture, uv_set, image);
+  if (image >= 0) ref.image = images_.index_of(image, srgb);
+  return ref;
+}
+
+TextureRef MaterialImporter::place(const tinygltf::ExtensionMap& extensions, int texture,
+                                   int uv_set, int& found) {
   TextureRef ref;
   if (texture < 0) return ref;
   const tinygltf::Texture& source = document_.model.textures[texture];
@@ -133,7 +145,7 @@ TextureRef MaterialImporter::texture(const tinygltf::ExtensionMap& extensions, i
     uv_set = 0;
   }
   ref.uv_set = static_cast<std::uint8_t>(uv_set);
-  ref.image = images_.index_of(image, srgb);
+  found = image;
   return ref;
 }
 
