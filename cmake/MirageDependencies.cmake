@@ -19,6 +19,10 @@ pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 find_package(meshoptimizer REQUIRED CONFIG)
 find_package(TinyGLTF REQUIRED)
+# KHR_draco_mesh_compression; without it such files are refused by name.
+# libdraco exports a tinygltf of its own, of another layout than the real one, and whichever comes
+# first in a program wins: link it after tinygltf, and only through mirage_gltf (a test looks).
+pkg_check_modules(DRACO IMPORTED_TARGET draco)
 # The video baseline of mirage-report; without it that row of the report is left out.
 pkg_check_modules(LIBAV IMPORTED_TARGET libavcodec libavutil libswscale)
 if(MIRAGE_TESTS)

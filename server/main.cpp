@@ -160,7 +160,7 @@ int run(int argc, char** argv) {
   if (!options.cache_dir.empty()) directory.emplace(options.cache_dir, options.cache_dir_mb << 20);
   CacheDirectory* const cache = directory ? &*directory : nullptr;
   Result<std::shared_ptr<const PreparedScene>> scene =
-      load_scene(options.scene, {.keep_imported = options.prove, .cache = cache});
+      load_scene(options.scene, {.keep_imported = options.prove, .strict = options.strict, .cache = cache});
   if (!scene) return fail(scene.error());
   for (const std::string& warning : (*scene)->scene.warnings) spdlog::warn("scene: {}", warning);
   if (options.explain) return explain(options, scene.take());

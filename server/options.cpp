@@ -48,7 +48,11 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   std::string listen = "127.0.0.1:9870", token_file, codec = "auto";
   bool no_geometry = false, no_reference = false;
   std::string shadows = "off";
-  app.add_option("SCENE", o.scene, "a .glb or .gltf file, or builtin:NAME[?key=value&…]");
+  app.add_option("SCENE", o.scene,
+                 "a .glb or .gltf file[?variant=NAME], or builtin:NAME[?key=value&…]");
+  app.add_flag(
+      "--strict", o.strict,
+      "refuse what viewers forgive: missing images, odd URIs, children listed as roots, …");
   app.add_option("--listen", listen, "HOST:PORT to serve on; port 0 takes any free one")
       ->take_last()
       ->capture_default_str();

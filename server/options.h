@@ -17,6 +17,7 @@ struct ServerOptions {
   std::uint64_t cache_dir_mb = 4096;
   std::size_t cache_mb = 512;
   int encoders = 1;
+  bool strict = false;   ///< refuse what viewers forgive
   bool shadows = false;  ///< asked for; a scene without casters has none all the same
   bool list_devices = false;
   bool explain = false;

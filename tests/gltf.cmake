@@ -1,5 +1,6 @@
 add_executable(mirage_gltf_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/gltf_animation_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/gltf_compressed_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/gltf_container_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/gltf_geometry_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/gltf_material_test.cpp
@@ -8,5 +9,9 @@ add_executable(mirage_gltf_tests
 mirage_target(mirage_gltf_tests)
 target_compile_definitions(mirage_gltf_tests PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(mirage_gltf_tests PRIVATE mirage_gltf nlohmann_json::nlohmann_json
-                      GTest::gtest_main)
+                     
+                      GTest::gtest_main ${CMAKE_DL_LIBS})
+if(DRACO_FOUND)  # comes with mirage_gltf
+  target_compile_definitions(mirage_gltf_tests PRIVATE MIRAGE_DRACO)
+endif()
 add_test(NAME gltf COMMAND mirage_gltf_tests)

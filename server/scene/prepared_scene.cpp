@@ -193,7 +193,7 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
   const Workers workers(options.threads);
   StageTimes times;
   Result<Scene> loaded = builtin ? build_builtin_scene(spec.substr(std::string(kBuiltin).size()))
-                                 : import_gltf(spec, workers);
+                                 : import_gltf_spec(spec, workers, {.strict = options.strict});
   if (!loaded) return loaded.error();
   times.done("scene");
   auto prepared = prepare(loaded.take(), options, workers, std::move(times));

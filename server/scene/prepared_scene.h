@@ -59,6 +59,7 @@ struct PreparedScene {
 struct LoadOptions {
   bool keep_imported = false;       ///< PreparedScene::imported
   std::size_t threads = 0;          ///< that work at it; 0: as many as there are cores
+  bool strict = false;              ///< files: refuse what viewers forgive (ImportOptions)
   CacheDirectory* cache = nullptr;  ///< of levels of detail and mips; nullptr: all is made
 };
 

@@ -23,10 +23,10 @@ struct Target {
   void (*run)(const std::uint8_t*, std::size_t);
 };
 
-constexpr Target kTargets[] = {{"message", mirage::fuzz::run_message},
-                               {"tile", mirage::fuzz::run_tile},
-                               {"model", mirage::fuzz::run_model},
-                               {"image", mirage::fuzz::run_image}};
+constexpr Target kTargets[] = {
+    {"message", mirage::fuzz::run_message}, {"tile", mirage::fuzz::run_tile},
+    {"model", mirage::fuzz::run_model},     {"image", mirage::fuzz::run_image},
+    {"draco", mirage::fuzz::run_draco},     {"meshopt", mirage::fuzz::run_meshopt}};
 
 Bytes read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);

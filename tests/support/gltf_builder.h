@@ -84,10 +84,11 @@ struct Builder {
     }
     return make_glb(whole.dump(), bin);
   }
-  Result<Scene> load() const {
+  Result<Scene> load(const ImportOptions& options = {}) const {
     const TempFolder folder;
-    return import_gltf(folder.write("scene.glb", glb()));
+    return import_gltf(folder.write("scene.glb", glb()), Workers(), options);
   }
+  Result<Scene> load_strict() const { return load({.strict = true}); }
 };
 
 /// Corners (0,0,0), (1,0,0), (0,1,0), counter-clockwise seen from +z; no normals.

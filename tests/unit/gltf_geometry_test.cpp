@@ -224,5 +224,30 @@ TEST(GltfGeometry, BrokenSkinsLeaveTheMeshUnskinned) {
   EXPECT_EQ(bad_matrices->instances[0].world_from_object.position, glm::dvec3(100, 0, 0));
 }
 
+TEST(GltfGeometry, AccessorsWithoutViewAreZeros) {
+  // Indices too: all corners fall together, and nothing is drawn.
+  Builder builder = triangle();
+  builder.doc["accessors"].push_back({{"componentType", 5123}, {"count", 3}, {"type", "SCALAR"}});
+  builder.primitive()["indices"] = 1;
+  auto scene = builder.load_strict();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_TRUE(scene->instances.empty());
+  // Sparse values count on top of the zeros.
+  const int places = builder.view(std::vector<std::uint16_t>{1, 2});
+  const int values = builder.view(std::vector<std::uint16_t>{1, 2});
+  builder.doc["accessors"][1]["sparse"] = {
+      {"count", 2},
+      {"indices", {{"bufferView", places}, {"componentType", 5123}}},
+      {"values", {{"bufferView", values}}}};
+  auto sparse = builder.load_strict();
+  ASSERT_TRUE(sparse) << failure(sparse);
+  EXPECT_EQ(sparse->triangles(), 1u);
+  builder.doc["accessors"].push_back({{"componentType", 5126}, {"count", 3}, {"type", "VEC4"}});
+  builder.primitive()["attributes"]["COLOR_0"] = 2;
+  auto black = builder.load_strict();
+  ASSERT_TRUE(black) << failure(black);
+  EXPECT_EQ(black->objects[0].mesh.vertices[0].color, glm::u16vec4(0));
+}
+
 }  // namespace
 }  // namespace mirage::test

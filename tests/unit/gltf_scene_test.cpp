@@ -83,7 +83,30 @@ TEST(GltfNodes, ActiveScene) {
   EXPECT_EQ(second->instances[0].world_from_object.position.x, 5);
 
   builder.doc["nodes"].push_back({{"children", {1}}});
-  EXPECT_REFUSED(builder.load(), kSceneReference, "scenes[1] lists nodes[1]");
+  EXPECT_REFUSED(builder.load_strict(), kSceneReference, "scenes[1] lists nodes[1]");
+}
+
+TEST(GltfNodes, AListedChildIsDrawnOnceWhereItsParentsPutIt) {
+  Builder builder = triangle();
+  builder.doc["nodes"] = {{{"children", {1}}, {"translation", {1, 0, 0}}},
+                          {{"children", {2}}, {"translation", {0, 2, 0}}},
+                          {{"mesh", 0}, {"translation", {0, 0, 3}}}};
+  // The parent is listed, too, or before, or after, or not at all.
+  for (const json& roots : {json{0, 2}, json{2, 0}, json{2}, json{2, 1}, json{0, 1, 2, 2}}) {
+    builder.doc["scenes"] = {{{"nodes", roots}}};
+    auto scene = builder.load();
+    ASSERT_TRUE(scene) << failure(scene);
+    ASSERT_EQ(scene->instances.size(), 1u) << roots;
+    EXPECT_EQ(scene->instances[0].world_from_object.position, glm::dvec3(1, 2, 3)) << roots;
+    EXPECT_TRUE(has_warning(*scene, "children of other nodes drawn once")) << roots;
+    EXPECT_REFUSED(builder.load_strict(), kSceneReference, "which is a child of");
+  }
+  builder.doc["scenes"] = {{{"nodes", {0, 0}}}};
+  auto twice = builder.load();
+  ASSERT_TRUE(twice) << failure(twice);
+  EXPECT_EQ(twice->instances.size(), 1u);
+  EXPECT_TRUE(has_warning(*twice, "1 nodes that a scene lists twice"));
+  EXPECT_REFUSED(builder.load_strict(), kSceneReference, "lists nodes[0] twice");
 }
 
 TEST(GltfNodes, NothingToDrawIsAValidScene) {
@@ -355,6 +378,27 @@ TEST(GltfScene, UnknownImportanceIsTold) {
   Builder b = triangle();
   b.doc["nodes"][0]["extras"] = "free text";
   EXPECT_TRUE(b.load()) << "extras of others are none of our business";
+}
+
+TEST(GltfScene, CesiumRtcMovesEverything) {
+  Builder builder = triangle();
+  builder.doc["nodes"][0]["translation"] = {1, 2, 3};
+  builder.doc["nodes"].push_back({{"camera", 0}, {"translation", {1, 2, 9}}});
+  builder.doc["cameras"] = {
+      {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}};
+  auto before = builder.load();
+  ASSERT_TRUE(before) << failure(before);
+  builder.doc["extensions"]["CESIUM_RTC"]["center"] = {4e6, -5e6, 1.25};
+  builder.doc["extensionsUsed"] = builder.doc["extensionsRequired"] = {"CESIUM_RTC"};
+  auto scene = builder.load_strict();
+  ASSERT_TRUE(scene) << failure(scene);
+  const glm::dvec3 center(4e6, -5e6, 1.25);
+  EXPECT_EQ(scene->instances[0].world_from_object.position,
+            before->instances[0].world_from_object.position + center);
+  EXPECT_LT(glm::distance(scene->home.eye, before->home.eye + center), 1e-6);
+  EXPECT_LT(glm::distance(scene->home.target, before->home.target + center), 1e-3);
+  builder.doc["extensions"]["CESIUM_RTC"]["center"] = {4e6, -5e6};
+  EXPECT_REFUSED(builder.load(), kSceneFormat, "extensions.CESIUM_RTC.center");
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 #include "server/scene/gltf/document.h"
 
 #include <algorithm>
-#include <array>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "server/scene/gltf/decompress.h"
 #include "server/scene/gltf/file_guard.h"
 #include "server/scene/gltf/gltf_limits.h"
+#include "server/scene/gltf/json_extensions.h"
 #include "server/scene/gltf/json_schema.h"
 #include "server/scene/gltf/model_check.h"
 #include "server/scene/gltf/uri_loader.h"
@@ -15,21 +17,68 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::string_view, 7> kSupportedExtensions = {
-    "KHR_texture_transform", "KHR_mesh_quantization",   "KHR_lights_punctual",
-    "KHR_materials_unlit",   "EXT_mesh_gpu_instancing", "KHR_materials_emissive_strength",
+constexpr std::string_view kSupportedExtensions[] = {
+    "KHR_texture_transform",
+    "KHR_mesh_quantization",
+    "KHR_lights_punctual",
+    "KHR_materials_unlit",
+    "EXT_mesh_gpu_instancing",
+    "KHR_materials_emissive_strength",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+    "KHR_materials_variants",
+    "KHR_texture_basisu",
+    "CESIUM_RTC",
+    "KHR_materials_pbrSpecularGlossiness",
 };
 
 bool is_supported(std::string_view extension) {
-  return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), extension) !=
-         kSupportedExtensions.end();
+  return std::find(std::begin(kSupportedExtensions), std::end(kSupportedExtensions), extension) !=
+         std::end(kSupportedExtensions);
 }
 
-Result<json> parse_json(std::string_view text) {
+/// Watches a parser for objects that name a property twice (glTF §2.7 forbids it; parsers take the
+/// last).
+class KeyWatch {
+ public:
+  bool see(json::parse_event_t event, const json& value) {
+    if (event == json::parse_event_t::object_start) {
+      open_.emplace_back();
+    } else if (event == json::parse_event_t::key) {
+      const auto& key = value.get_ref<const std::string&>();
+      open_.back().push_back(std::hash<std::string_view>{}(key));
+    } else if (event == json::parse_event_t::object_end) {
+      std::vector<std::size_t>& keys = open_.back();
+      std::sort(keys.begin(), keys.end());
+      if (std::adjacent_find(keys.begin(), keys.end()) != keys.end()) ++twice_;
+      open_.pop_back();
+    }
+    return true;
+  }
+  std::uint64_t twice() const { return twice_; }
+
+ private:
+  std::vector<std::vector<std::size_t>> open_;  // hashes of the keys, by depth
+  std::uint64_t twice_ = 0;
+};
+
+Result<json> parse_json(std::string_view text, Tally& tally) {
   if (auto scan = scan_json(text); !scan) return scan.error();
   try {
-    return json::parse(text.begin(), text.end());
+    KeyWatch watch;
+    json root = json::parse(
+        text.begin(), text.end(),
+        [&](int, json::parse_event_t event, json& value) { return watch.see(event, value); });
+    if (watch.twice() > 0) {
+      auto ok = tally.forgive(
+          "files with duplicate names in JSON, the last of each counts",
+          make_error(ErrorId::kSceneFormat,
+                     std::to_string(watch.twice()) + " JSON objects name a property twice"));
+      if (!ok) return ok.error();
+    }
+    return root;
   } catch (const json::parse_error& error) {
     return make_error(ErrorId::kSceneFormat,
                       "JSON syntax error at byte " + std::to_string(error.byte));
@@ -103,14 +152,37 @@ std::string take_text(json& object, const char* key) {
   return found == object.end() ? std::string() : std::move(found->get_ref<std::string&>());
 }
 
+glm::dvec3 read_center(const json& root) {
+  const json::json_pointer place("/extensions/CESIUM_RTC/center");
+  glm::dvec3 center(0);
+  if (!root.contains(place)) return center;
+  for (int i = 0; i < 3; ++i) center[i] = root.at(place)[static_cast<std::size_t>(i)].get<double>();
+  return center;
+}
+
+/// Content for viewers without the extension, if there is any; all that lies in it is compressed.
+bool is_fallback(const json& buffer) {
+  const auto extensions = buffer.find("extensions");
+  if (extensions == buffer.end()) return false;
+  for (const char* name : kMeshoptExtensions) {
+    const auto found = extensions->find(name);
+    if (found != extensions->end() && found->value("fallback", false)) return true;
+  }
+  return false;
+}
+
 /// Fills one buffer from its URI or, for the first one, from the BIN chunk.
 Result<BufferData> load_buffer(json& entry, std::size_t index, const Document& document,
-                               const GltfFile& file, std::uint64_t bytes_left) {
+                               const GltfFile& file, std::uint64_t bytes_left, Tally& tally) {
   const std::string what = "buffers[" + std::to_string(index) + "]";
   BufferData buffer;
   buffer.length = entry["byteLength"].get<std::uint64_t>();
+  if (is_fallback(entry)) {
+    buffer.absent = true;
+    return buffer;
+  }
   if (entry.contains("uri")) {
-    auto bytes = load_uri(take_text(entry, "uri"), document.folder, bytes_left, what);
+    auto bytes = load_uri(take_text(entry, "uri"), document.folder, bytes_left, what, tally);
     if (!bytes) return bytes.error();
     buffer.owned = bytes.take();
     buffer.data = buffer.owned;
@@ -128,12 +200,12 @@ Result<BufferData> load_buffer(json& entry, std::size_t index, const Document& d
   return buffer;
 }
 
-Result<void> load_buffers(json& root, Document& document, const GltfFile& file) {
+Result<void> load_buffers(json& root, Document& document, const GltfFile& file, Tally& tally) {
   const auto list = root.find("buffers");
   if (list == root.end()) return {};
   std::uint64_t bytes_left = kMaxFileBytes;
   for (std::size_t i = 0; i < list->size(); ++i) {
-    auto buffer = load_buffer((*list)[i], i, document, file, bytes_left);
+    auto buffer = load_buffer((*list)[i], i, document, file, bytes_left, tally);
     if (!buffer) return buffer.error();
     const std::uint64_t used = buffer->owned.size();
     if (used > bytes_left) {
@@ -147,27 +219,41 @@ Result<void> load_buffers(json& root, Document& document, const GltfFile& file) 
   return {};
 }
 
-/// Keeps where each image lies; a forbidden or missing file is refused now, pixels come later.
-Result<void> take_images(json& root, Document& document) {
+/// A file that may be read. Nothing, if it is missing: viewers draw the material without it.
+Result<std::filesystem::path> image_file(const std::string& uri, const Document& document,
+                                         const std::string& what, Tally& tally) {
+  auto path = resolve_uri(uri, document.folder, tally);
+  if (!path) return make_error(path.error().id, what + ": " + path.error().text);
+  std::error_code code;
+  if (!std::filesystem::exists(*path, code)) {
+    auto ok =
+        tally.forgive("missing image files left out",
+                      make_error(ErrorId::kSceneMissing, what + ": '" + uri + "': no such file"));
+    if (!ok) return ok.error();
+    return std::filesystem::path();
+  }
+  if (!std::filesystem::is_regular_file(*path, code)) {
+    return make_error(ErrorId::kSceneUri, what + ": '" + uri + "': not a regular file");
+  }
+  return path;
+}
+
+/// Keeps where each image lies; a forbidden file is refused now, pixels come later.
+Result<void> take_images(json& root, Document& document, Tally& tally) {
   const auto list = root.find("images");
   if (list == root.end()) return {};
   for (std::size_t i = 0; i < list->size(); ++i) {
     json& entry = (*list)[i];
     const std::string what = "images[" + std::to_string(i) + "]";
-    ImageSource image{take_text(entry, "uri"), entry.value("bufferView", -1)};
+    ImageSource image{take_text(entry, "uri"), {}, entry.value("bufferView", -1)};
     if (image.uri.empty() == (image.buffer_view < 0)) {
       return make_error(ErrorId::kSceneFormat, what + " needs either uri or bufferView");
     }
     if (!image.uri.empty() && !image.uri.starts_with("data:")) {
-      auto path = resolve_uri(image.uri, document.folder);
-      if (!path) return make_error(path.error().id, what + ": " + path.error().text);
-      std::error_code code;
-      if (!std::filesystem::exists(*path, code)) {
-        return make_error(ErrorId::kSceneMissing, what + ": '" + image.uri + "': no such file");
-      }
-      if (!std::filesystem::is_regular_file(*path, code)) {
-        return make_error(ErrorId::kSceneUri, what + ": '" + image.uri + "': not a regular file");
-      }
+      auto path = image_file(image.uri, document, what, tally);
+      if (!path) return path.error();
+      image.file = path.take();
+      image.uri.clear();
     }
     document.images.push_back(std::move(image));
   }
@@ -189,7 +275,27 @@ void fill_sparse_defaults(json& root) {
   }
 }
 
-Result<void> parse_model(const json& root, Document& document) {
+/// tinygltf refuses indices without a bufferView, which are zeros: it never hears of them.
+std::map<std::pair<std::size_t, std::size_t>, int> take_indices_without_view(json& root) {
+  std::map<std::pair<std::size_t, std::size_t>, int> taken;
+  const auto meshes = root.find("meshes");
+  if (meshes == root.end()) return taken;
+  for (std::size_t m = 0; m < meshes->size(); ++m) {
+    json& primitives = (*meshes)[m]["primitives"];
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
+      const auto indices = primitives[p].find("indices");
+      if (indices == primitives[p].end()) continue;
+      const int accessor = indices->get<int>();
+      if (root["accessors"][static_cast<std::size_t>(accessor)].contains("bufferView")) continue;
+      taken[{m, p}] = accessor;
+      primitives[p].erase(indices);
+    }
+  }
+  return taken;
+}
+
+Result<void> parse_model(json& root, Document& document) {
+  const auto without_view = take_indices_without_view(root);
   tinygltf::TinyGLTF loader;
   std::string error;
   std::string warning;
@@ -202,6 +308,9 @@ Result<void> parse_model(const json& root, Document& document) {
     error = exception.what();
   }
   if (!loaded) return make_error(ErrorId::kSceneFormat, "not a valid glTF model: " + error);
+  for (const auto& [place, accessor] : without_view) {
+    document.model.meshes[place.first].primitives[place.second].indices = accessor;
+  }
   return {};
 }
 
@@ -214,14 +323,15 @@ std::span<const std::uint8_t> Document::view_bytes(int view) const {
   return buffer.data.subspan(place.byteOffset, place.byteLength);
 }
 
-Result<Document> load_document(const std::string& path, Tally& tally) {
+Result<Document> load_document(const std::string& path, const std::string& variant,
+                               const Workers& workers, Tally& tally) {
   auto file = open_gltf(path);
   if (!file) return file.error();
   Document document;
   document.folder = std::filesystem::path(path).parent_path();
   if (document.folder.empty()) document.folder = ".";
 
-  auto raw = parse_json(file->json);
+  auto raw = parse_json(file->json, tally);
   if (!raw) return raw.error();
   if (auto ok = check_version_and_extensions(*raw, tally); !ok) return ok.error();
   if (auto ok = check_sizes(*raw); !ok) return ok.error();
@@ -229,8 +339,13 @@ Result<Document> load_document(const std::string& path, Tally& tally) {
   document.importance = read_importance(*raw, tally);
   auto clean = sanitize(raw.take());
   if (!clean) return clean.error();
-  if (auto ok = load_buffers(*clean, document, *file); !ok) return ok.error();
-  if (auto ok = take_images(*clean, document); !ok) return ok.error();
+  if (auto ok = choose_variant(*clean, variant, tally); !ok) return ok.error();
+  if (auto ok = settle_basisu(*clean, path, tally); !ok) return ok.error();
+  document.center = read_center(*clean);
+  if (auto ok = load_buffers(*clean, document, *file, tally); !ok) return ok.error();
+  if (auto ok = take_images(*clean, document, tally); !ok) return ok.error();
+  if (auto ok = decompress_views(*clean, document, workers); !ok) return ok.error();
+  if (auto ok = decompress_primitives(*clean, document, workers, tally); !ok) return ok.error();
   fill_sparse_defaults(*clean);
   if (auto ok = parse_model(*clean, document); !ok) return ok.error();
   document.file = std::move(file->bytes);

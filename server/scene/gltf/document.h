@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <glm/glm.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "server/scene/gltf/animation_source.h"
 #include "server/scene/gltf/extras.h"
 #include "server/scene/gltf/tally.h"
+#include "server/scene/workers.h"
 
 namespace mirage::gltf {
 
@@ -26,9 +28,13 @@ struct BufferData {
   bool absent = false;                 ///< neither uri nor BIN chunk: content undefined
 };
 
+/// One of `uri`, `file` and `buffer_view`; none of them where the file is missing.
 struct ImageSource {
-  std::string uri;
+  std::string uri;  ///< data: only
+  std::filesystem::path file;
   int buffer_view = -1;
+
+  bool missing() const { return uri.empty() && file.empty() && buffer_view < 0; }
 };
 
 struct Document {
@@ -39,6 +45,7 @@ struct Document {
   std::vector<ImageSource> images;
   AnimationSources animations;
   ImportanceMarks importance;
+  glm::dvec3 center{0};  ///< CESIUM_RTC: where the origin of the file lies, m
 
   /// The bytes of a checked bufferView; empty when its buffer is absent.
   std::span<const std::uint8_t> view_bytes(int view) const;
@@ -46,6 +53,8 @@ struct Document {
 
 /// Errors: kSceneMissing, kSceneFormat, kSceneRange, kSceneReference, kSceneLimit, kSceneUri,
 /// kSceneExtension. Ranges of bufferViews and accessors are checked too (model_check.h).
-Result<Document> load_document(const std::string& path, Tally& tally);
+/// `variant` as choose_variant() has it (kUsage).
+Result<Document> load_document(const std::string& path, const std::string& variant,
+                               const Workers& workers, Tally& tally);
 
 }  // namespace mirage::gltf

@@ -2,6 +2,7 @@
 //   file_guard      bytes: container lengths, JSON nesting, size
 //   json_schema     types, required properties, references between lists
 //   document        version, extensions, URIs, buffers; tinygltf makes the typed model
+//   decompress      meshopt and Draco -> plain bufferViews and accessors, before tinygltf
 //   model_check     ranges of bufferViews and accessors
 //   node_import     no cycles; world matrices
 //   scene_assembler meshes (mesh_import), materials, instances (similarity_split)
@@ -24,9 +25,18 @@
 namespace mirage {
 namespace {
 
-Result<Scene> import_stages(const std::string& path, const Workers& workers) {
-  gltf::Tally tally;
-  auto document = gltf::load_document(path, tally);
+/// CESIUM_RTC: geocentric places are too far out for floats, so that meshes are told from `center`
+/// and only instances move there, in doubles.
+void move_origin(Scene& scene, gltf::NodeTree& tree, const glm::dvec3& center) {
+  if (center == glm::dvec3(0)) return;
+  for (Instance& instance : scene.instances) instance.world_from_object.position += center;
+  for (glm::dmat4& world : tree.world_from_node) world[3] += glm::dvec4(center, 0);
+}
+
+Result<Scene> import_stages(const std::string& path, const Workers& workers,
+                            const ImportOptions& options) {
+  gltf::Tally tally(options.strict);
+  auto document = gltf::load_document(path, options.variant, workers, tally);
   if (!document) return document.error();
   const std::map<int, gltf::NodeClip> clips = gltf::import_clips(*document, tally);
   auto tree = gltf::flatten_nodes(document->model, tally);
@@ -40,6 +50,7 @@ Result<Scene> import_stages(const std::string& path, const Workers& workers) {
   Result<Scene> taken = assembler.take(workers);
   if (!taken) return taken;
   Scene scene = taken.take();
+  move_origin(scene, *tree, document->center);
   scene.name = std::filesystem::path(path).stem().string();
   if (scene.instances.empty()) tally.note("nothing to draw");
 
@@ -52,12 +63,29 @@ Result<Scene> import_stages(const std::string& path, const Workers& workers) {
 
 }  // namespace
 
-Result<Scene> import_gltf(const std::string& path, const Workers& workers) {
+Result<Scene> import_gltf_spec(const std::string& spec, const Workers& workers,
+                               ImportOptions options) {
+  constexpr std::string_view kVariant = "variant=";
+  const std::size_t mark = spec.rfind('?');
+  std::error_code code;
+  if (mark == std::string::npos || std::filesystem::exists(spec, code)) {
+    return import_gltf(spec, workers, options);
+  }
+  const std::string_view query = std::string_view(spec).substr(mark + 1);
+  if (!query.starts_with(kVariant) || query.size() == kVariant.size()) {
+    return make_error(ErrorId::kUsage, "'" + spec + "': a file takes ?variant=NAME alone");
+  }
+  options.variant = query.substr(kVariant.size());
+  return import_gltf(spec.substr(0, mark), workers, options);
+}
+
+Result<Scene> import_gltf(const std::string& path, const Workers& workers,
+                          const ImportOptions& options) {
   auto named = [&path](const Error& error) {
     return make_error(error.id, path + ": " + error.text, error.hint);
   };
   try {
-    auto scene = import_stages(path, workers);
+    auto scene = import_stages(path, workers, options);
     if (!scene) return named(scene.error());
     return scene;
   } catch (const std::bad_alloc&) {

@@ -12,17 +12,20 @@ inline constexpr std::uint64_t kMaxJsonValues = 6'000'000;    ///< bounds the pa
 inline constexpr int kMaxJsonDepth = 64;                      ///< parsers recurse per level
 inline constexpr std::size_t kMaxNodes = 500'000;
 inline constexpr std::uint64_t kMaxInstances = 1'000'000;
-inline constexpr std::size_t kMaxPrimitives = 200'000;        ///< in the file, and in the scene
-inline constexpr std::uint64_t kMaxVertices = 8'000'000;      ///< over all objects, 64 bytes each
-inline constexpr std::uint64_t kMaxIndices = 60'000'000;      ///< over all objects
+inline constexpr std::size_t kMaxPrimitives = 200'000;      ///< in the file, and in the scene
+inline constexpr std::uint64_t kMaxVertices = 8'000'000;    ///< over all objects, 64 bytes each
+inline constexpr std::uint64_t kMaxIndices = 60'000'000;    ///< over all objects
+inline constexpr std::uint32_t kMaxDracoFaces = 12u << 20;  ///< of one mesh, and of all
+inline constexpr std::uint64_t kMaxDracoAttributeBytes = 256ull << 20;  ///< of one mesh
 inline constexpr std::uint64_t kMaxZeroElements = 1'000'000;  ///< accessors without a bufferView
 inline constexpr std::size_t kMaxClips = 10'000;
 inline constexpr std::size_t kMaxChannelsInFile = 100'000;  ///< of one clip
 inline constexpr double kMaxClipOffset = 1e6;               ///< s
 inline constexpr std::size_t kMaxLights = 256;
 inline constexpr std::uint32_t kMaxImageSide = 16384;
-inline constexpr std::uint64_t kMaxImagePixels = 64ull << 20;   ///< one image
-inline constexpr std::uint64_t kMaxScenePixels = 128ull << 20;  ///< all images, 4 bytes each
+inline constexpr std::uint64_t kMaxImagePixels = 64ull << 20;     ///< one image
+inline constexpr std::uint64_t kMaxScenePixels = 128ull << 20;    ///< all images, 4 bytes each
+inline constexpr std::uint64_t kMaxDecodedPixels = 512ull << 20;  ///< of them before reducing
 
 /// Vertices beyond this are treated as not finite: a mesh keeps its shape at any scale, but its
 /// place in a float world needs some room above it.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/scene/gltf/gltf_limits.h"
-#include "server/scene/gltf/image_size.h"
+#include "server/scene/gltf/image_reduce.h"
 
 namespace mirage::gltf {
 namespace {
@@ -43,7 +43,41 @@ std::vector<std::uint8_t> expand(const std::vector<std::uint8_t>& in, int channe
   return out;
 }
 
-Result<Image> decode(std::span<const std::uint8_t> bytes, const ImageHeader& header) {
+/// Rows of about a megabyte at a time, so that only the result lies in memory whole.
+bool read_reduced(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, int halvings, bool srgb,
+                  Image& image) {
+  const std::size_t stride =
+      static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
+  const int step = std::max(1, static_cast<int>((std::size_t{1} << 20) / stride));
+  std::vector<std::uint8_t> rows(static_cast<std::size_t>(step) * stride);
+  ImageReducer reducer(static_cast<std::uint32_t>(spec.width),
+                       static_cast<std::uint32_t>(spec.height), spec.nchannels, halvings, srgb);
+  for (int y = 0; y < spec.height; y += step) {
+    const int end = std::min(y + step, spec.height);
+    if (!input.read_scanlines(0, 0, y, end, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8,
+                              rows.data())) {
+      return false;
+    }
+    reducer.add_rows(std::span(rows).first(static_cast<std::size_t>(end - y) * stride));
+  }
+  image = reducer.take();
+  return true;
+}
+
+bool read_whole(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, Image& image) {
+  image.width = static_cast<std::uint32_t>(spec.width);
+  image.height = static_cast<std::uint32_t>(spec.height);
+  std::vector<std::uint8_t> pixels(std::size_t{image.width} * image.height *
+                                   static_cast<std::size_t>(spec.nchannels));
+  if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, pixels.data())) {
+    return false;
+  }
+  image.rgba = spec.nchannels == 4 ? std::move(pixels) : expand(pixels, spec.nchannels);
+  return true;
+}
+
+Result<Image> decode(std::span<const std::uint8_t> bytes, const ImageHeader& header, int halvings,
+                     bool srgb) {
   OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;
@@ -58,39 +92,35 @@ Result<Image> decode(std::span<const std::uint8_t> bytes, const ImageHeader& hea
   if (width != header.width || height != header.height) return unreadable("contradictory size");
   if (spec.nchannels < 1 || spec.nchannels > kMaxChannels) return unreadable("odd channel count");
 
-  std::vector<std::uint8_t> pixels(std::size_t{width} * height *
-                                   static_cast<std::size_t>(spec.nchannels));
-  const bool complete =
-      input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, pixels.data());
+  Image image;
+  const bool complete = halvings > 0 ? read_reduced(*input, spec, halvings, srgb, image)
+                                     : read_whole(*input, spec, image);
   const std::string message = input->geterror();
   input->close();
   if (!complete) return unreadable(message);
-  Image image;
-  image.width = width;
-  image.height = height;
-  image.rgba = spec.nchannels == 4 ? std::move(pixels) : expand(pixels, spec.nchannels);
   return image;
 }
 
 }  // namespace
 
-Result<std::uint64_t> count_pixels(std::span<const std::uint8_t> bytes, std::uint64_t max_pixels) {
+Result<ImageHeader> judge_image(std::span<const std::uint8_t> bytes) {
   const auto header = peek_image_header(bytes);
   if (!header) return unreadable("neither a whole PNG, nor JPEG, nor WebP");
   if (header->width == 0 || header->height == 0) return unreadable("an image without pixels");
-  const std::uint64_t pixels = std::uint64_t{header->width} * header->height;
-  if (header->width > kMaxImageSide || header->height > kMaxImageSide || pixels > max_pixels) {
+  const bool large = header->pixels() > kMaxImagePixels && !header->streams;
+  if (header->width > kMaxImageSide || header->height > kMaxImageSide || large) {
     return make_error(ErrorId::kSceneLimit, std::to_string(header->width) + " x " +
                                                 std::to_string(header->height) +
                                                 " pixels are too many");
   }
-  return pixels;
+  return *header;
 }
 
-Result<Image> decode_image(std::span<const std::uint8_t> bytes, std::uint64_t max_pixels) {
-  if (const auto judged = count_pixels(bytes, max_pixels); !judged) return judged.error();
+Result<Image> decode_image(std::span<const std::uint8_t> bytes, int halvings, bool srgb) {
+  const auto header = judge_image(bytes);
+  if (!header) return header.error();
   try {
-    return decode(bytes, *peek_image_header(bytes));
+    return decode(bytes, *header, halvings, srgb);
   } catch (const std::exception& exception) {
     return unreadable(exception.what());
   }

@@ -7,16 +7,18 @@
 
 #include "protocol/model.h"
 #include "protocol/result.h"
+#include "server/scene/gltf/image_size.h"
 
 namespace mirage::gltf {
 
-/// Width times height, as the first bytes tell. Errors: kSceneFormat (none of the three formats,
-/// or empty), kSceneLimit (more than `max_pixels`, or a side beyond kMaxImageSide).
-Result<std::uint64_t> count_pixels(std::span<const std::uint8_t> bytes, std::uint64_t max_pixels);
+/// Format and size, as the first bytes tell. Errors: kSceneFormat (none of the three formats, or
+/// empty), kSceneLimit (a side beyond kMaxImageSide, or more than kMaxImagePixels in a form that
+/// decoders hold whole).
+Result<ImageHeader> judge_image(std::span<const std::uint8_t> bytes);
 
-/// Alpha stays unassociated, 16-bit is reduced, grey and RGB are expanded. `srgb` is left to the
-/// caller. `max_pixels` bounds what is allocated: count_pixels() judges before any is decoded.
-/// Errors: those, and kSceneFormat (unreadable). Any thread.
-Result<Image> decode_image(std::span<const std::uint8_t> bytes, std::uint64_t max_pixels);
+/// Alpha stays unassociated, 16-bit is reduced, grey and RGB are expanded. The sides are halved
+/// `halvings` times (image_reduce.h, by `srgb`). Errors: those of judge_image, kSceneFormat
+/// (unreadable). Any thread.
+Result<Image> decode_image(std::span<const std::uint8_t> bytes, int halvings, bool srgb);
 
 }  // namespace mirage::gltf

@@ -52,7 +52,7 @@ std::optional<ImageHeader> peek_jpeg(Bytes bytes) {
         marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
     if (is_frame) {
       return ImageHeader{ImageFormat::kJpeg, big_endian(bytes, at + 7, 2),
-                         big_endian(bytes, at + 5, 2)};
+                         big_endian(bytes, at + 5, 2), marker == 0xc0 || marker == 0xc1};
     }
     at += 2 + std::max<std::size_t>(big_endian(bytes, at + 2, 2), 2);
   }
@@ -64,15 +64,15 @@ std::optional<ImageHeader> peek_webp(Bytes bytes) {
   if (bytes.size() < 30) return std::nullopt;
   if (has_tag(bytes, 12, "VP8 ")) {
     return ImageHeader{ImageFormat::kWebp, little_endian(bytes, 26, 2) & 0x3fff,
-                       little_endian(bytes, 28, 2) & 0x3fff};
+                       little_endian(bytes, 28, 2) & 0x3fff, false};
   }
   if (has_tag(bytes, 12, "VP8L")) {
     const std::uint32_t bits = little_endian(bytes, 21, 4);
-    return ImageHeader{ImageFormat::kWebp, (bits & 0x3fff) + 1, (bits >> 14 & 0x3fff) + 1};
+    return ImageHeader{ImageFormat::kWebp, (bits & 0x3fff) + 1, (bits >> 14 & 0x3fff) + 1, false};
   }
   if (has_tag(bytes, 12, "VP8X")) {
     return ImageHeader{ImageFormat::kWebp, little_endian(bytes, 24, 3) + 1,
-                       little_endian(bytes, 27, 3) + 1};
+                       little_endian(bytes, 27, 3) + 1, false};
   }
   return std::nullopt;
 }
@@ -81,9 +81,10 @@ std::optional<ImageHeader> peek_webp(Bytes bytes) {
 
 std::optional<ImageHeader> peek_image_header(Bytes bytes) {
   if (has_tag(bytes, 0, "\x89PNG\r\n\x1a\n")) {
-    if (bytes.size() < 24 || !has_tag(bytes, 12, "IHDR")) return std::nullopt;
+    if (bytes.size() < 29 || !has_tag(bytes, 12, "IHDR")) return std::nullopt;
     if (!is_whole_png(bytes)) return std::nullopt;
-    return ImageHeader{ImageFormat::kPng, big_endian(bytes, 16, 4), big_endian(bytes, 20, 4)};
+    return ImageHeader{ImageFormat::kPng, big_endian(bytes, 16, 4), big_endian(bytes, 20, 4),
+                       bytes[28] == 0};
   }
   if (has_tag(bytes, 0, "\xff\xd8\xff")) return peek_jpeg(bytes);
   if (has_tag(bytes, 0, "RIFF") && has_tag(bytes, 8, "WEBP")) return peek_webp(bytes);

@@ -14,6 +14,10 @@ struct ImageHeader {
   ImageFormat format = ImageFormat::kPng;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
+  /// Decoders hand out rows without holding the whole: neither interlaced nor progressive.
+  bool streams = false;
+
+  std::uint64_t pixels() const { return std::uint64_t{width} * height; }
 };
 
 /// Nothing if the bytes are none of the three formats, end before the size, or are a cut PNG.

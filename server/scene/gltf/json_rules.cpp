@@ -61,7 +61,11 @@ const Schema& material_schema() {
                             number("metallicFactor"), number("roughnessFactor"),
                             object("metallicRoughnessTexture", info)}};
   static const Schema kStrength{{number("emissiveStrength")}};
+  static const Schema kSpecGloss{{numbers("diffuseFactor", 4), object("diffuseTexture", info),
+                                  numbers("specularFactor", 3), number("glossinessFactor"),
+                                  object("specularGlossinessTexture", info)}};
   static const Schema kExtensions{{object("KHR_materials_unlit", empty_schema()),
+                                   object("KHR_materials_pbrSpecularGlossiness", kSpecGloss),
                                    object("KHR_materials_emissive_strength", kStrength)}};
   static const Schema kSchema{{name(),
                                object("pbrMetallicRoughness", kPbr),
@@ -78,18 +82,52 @@ const Schema& material_schema() {
 
 const Schema& texture_schema() {
   static const Schema kWebp{{index("source", "images")}};
-  static const Schema kExtensions{{object("EXT_texture_webp", kWebp)}};
+  static const Schema kExtensions{
+      {object("EXT_texture_webp", kWebp), object("KHR_texture_basisu", kWebp)}};
   static const Schema kSchema{
       {index("sampler", "samplers"), index("source", "images"), object("extensions", kExtensions)}};
   return kSchema;
 }
 
+const Schema& view_schema() {
+  static const Schema kMeshopt{{index("buffer", "buffers", kRequired),
+                                count("byteOffset"),
+                                count("byteLength", kRequired),
+                                count("byteStride", kRequired),
+                                count("count", kRequired),
+                                {"mode", Kind::kText, kRequired},
+                                {"filter", Kind::kText}}};
+  static const Schema kExtensions{
+      {object("EXT_meshopt_compression", kMeshopt), object("KHR_meshopt_compression", kMeshopt)}};
+  static const Schema kSchema{{index("buffer", "buffers", kRequired), count("byteOffset"),
+                               count("byteLength", kRequired), count("byteStride"),
+                               object("extensions", kExtensions)}};
+  return kSchema;
+}
+
+const Schema& buffer_schema() {
+  static const Schema kFallback{{{"fallback", Kind::kFlag}}};
+  static const Schema kExtensions{
+      {object("EXT_meshopt_compression", kFallback), object("KHR_meshopt_compression", kFallback)}};
+  static const Schema kSchema{
+      {{"uri", Kind::kText}, count("byteLength", kRequired), object("extensions", kExtensions)}};
+  return kSchema;
+}
+
 const Schema& mesh_schema() {
+  static const Schema kDraco{
+      {index("bufferView", "bufferViews", kRequired), {"attributes", Kind::kCountMap, kRequired}}};
+  static const Schema kMapping{{index("material", "materials", kRequired),
+                                {"variants", Kind::kIndexList, kRequired, "variants"}}};
+  static const Schema kVariants{{objects("mappings", kMapping, kRequired)}};
+  static const Schema kExtensions{
+      {object("KHR_draco_mesh_compression", kDraco), object("KHR_materials_variants", kVariants)}};
   static const Schema kPrimitive{{{"attributes", Kind::kIndexMap, kRequired, "accessors"},
                                   index("indices", "accessors"),
                                   index("material", "materials"),
                                   count("mode"),
-                                  {"targets", Kind::kIndexMapList, kOptional, "accessors"}}};
+                                  {"targets", Kind::kIndexMapList, kOptional, "accessors"},
+                                  object("extensions", kExtensions)}};
   static const Schema kSchema{
       {name(), objects("primitives", kPrimitive, kRequired), numbers("weights", 0)}};
   return kSchema;
@@ -140,9 +178,6 @@ const Schema& lights_schema() {
 
 const Schema& root_schema() {
   static const Schema kAsset{{{"version", Kind::kText, kRequired}, {"minVersion", Kind::kText}}};
-  static const Schema kView{{index("buffer", "buffers", kRequired), count("byteOffset"),
-                             count("byteLength", kRequired), count("byteStride")}};
-  static const Schema kBuffer{{{"uri", Kind::kText}, count("byteLength", kRequired)}};
   static const Schema kImage{
       {{"uri", Kind::kText}, {"mimeType", Kind::kText}, index("bufferView", "bufferViews")}};
   static const Schema kSampler{
@@ -152,13 +187,18 @@ const Schema& root_schema() {
                              index("inverseBindMatrices", "accessors"),
                              index("skeleton", "nodes"),
                              {"joints", Kind::kIndexList, kRequired, "nodes"}}};
-  static const Schema kExtensions{{object("KHR_lights_punctual", lights_schema())}};
+  static const Schema kVariant{{name()}};
+  static const Schema kVariants{{objects("variants", kVariant, kRequired)}};
+  static const Schema kCenter{{numbers("center", 3)}};
+  static const Schema kExtensions{{object("KHR_lights_punctual", lights_schema()),
+                                   object("KHR_materials_variants", kVariants),
+                                   object("CESIUM_RTC", kCenter)}};
   static const Schema kSchema{{object("asset", kAsset, kRequired),
                                {"extensionsUsed", Kind::kTexts},
                                {"extensionsRequired", Kind::kTexts},
                                objects("accessors", accessor_schema()),
-                               objects("bufferViews", kView),
-                               objects("buffers", kBuffer),
+                               objects("bufferViews", view_schema()),
+                               objects("buffers", buffer_schema()),
                                objects("cameras", camera_schema()),
                                objects("images", kImage),
                                objects("materials", material_schema()),

@@ -19,6 +19,7 @@ enum class Kind {
   kIndexList,     ///< list of such
   kIndexMap,      ///< object whose values are such (attributes)
   kIndexMapList,  ///< list of those (morph targets)
+  kCountMap,      ///< object whose values are kCount
   kObject,        ///< object after `schema`
   kObjectList,    ///< list of such
 };

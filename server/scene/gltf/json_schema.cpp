@@ -39,10 +39,8 @@ class Sanitizer {
     for (const auto& [key, value] : root.items()) {
       if (value.is_array()) sizes_[key] = value.size();
     }
-    const json::json_pointer lights("/extensions/KHR_lights_punctual/lights");
-    if (root.contains(lights) && root.at(lights).is_array()) {
-      sizes_["lights"] = root.at(lights).size();
-    }
+    take_size(root, "lights", "/extensions/KHR_lights_punctual/lights");
+    take_size(root, "variants", "/extensions/KHR_materials_variants/variants");
   }
 
   Result<json> object(json& in, const Schema& schema, const Place& place) const {
@@ -68,6 +66,11 @@ class Sanitizer {
   }
 
  private:
+  void take_size(const json& root, const char* name, const char* pointer) {
+    const json::json_pointer place(pointer);
+    if (root.contains(place) && root.at(place).is_array()) sizes_[name] = root.at(place).size();
+  }
+
   Result<json> any(json& in, const Rule& rule, const Place& place) const {
     switch (rule.kind) {
       case Kind::kObject:
@@ -79,6 +82,7 @@ class Sanitizer {
       case Kind::kTexts:
         return list(in, rule, place);
       case Kind::kIndexMap:
+      case Kind::kCountMap:
         return index_map(in, rule, place);
       default:
         return scalar(in, rule, place);
@@ -121,7 +125,7 @@ class Sanitizer {
   Result<json> index_map(json& in, const Rule& rule, const Place& place) const {
     if (!in.is_object()) return type_error(place, "an object");
     Rule element = rule;
-    element.kind = Kind::kIndex;
+    element.kind = rule.kind == Kind::kCountMap ? Kind::kCount : Kind::kIndex;
     json out = json::object();
     for (auto it = in.begin(); it != in.end(); ++it) {
       auto value = scalar(it.value(), element, Place{&place, it.key()});

@@ -58,6 +58,19 @@ std::uint32_t MaterialImporter::index_of(int gltf_material, bool unlit) {
   return entry->second;
 }
 
+Result<std::vector<Image>> MaterialImporter::take_images(const Workers& workers) {
+  auto images = images_.take(workers);
+  if (!images) return images;
+  for (Material& material : materials_) {
+    for (TextureRef* ref :
+         {&material.base_color_map, &material.metal_rough_map, &material.normal_map,
+          &material.occlusion_map, &material.emissive_map}) {
+      if (ref->present() && !images_.readable(ref->image)) *ref = TextureRef{};
+    }
+  }
+  return images;
+}
+
 float MaterialImporter::factor(double value, double low, double high, double fallback) {
   if (!std::isfinite(value)) value = fallback;
   const double clamped = std::clamp(value, low, high);
@@ -92,6 +105,10 @@ Material MaterialImporter::convert(const tinygltf::Material& source) {
   };
   out.base_color_map = ref(pbr.baseColorTexture, true);
   out.metal_rough_map = ref(pbr.metallicRoughnessTexture, false);
+  if (const auto ext = source.extensions.find("KHR_materials_pbrSpecularGlossiness");
+      ext != source.extensions.end()) {
+    apply_spec_gloss(ext->second, out);
+  }
   out.normal_map = ref(source.normalTexture, false);
   out.occlusion_map = ref(source.occlusionTexture, false);
   out.emissive_map = ref(source.emissiveTexture, true);
@@ -100,6 +117,14 @@ Material MaterialImporter::convert(const tinygltf::Material& source) {
 
 TextureRef MaterialImporter::texture(const tinygltf::ExtensionMap& extensions, int texture,
                                      int uv_set, bool srgb) {
+  int image = -1;
+  TextureRef ref = place(extensions, texture, uv_set, image);
+  if (image >= 0) ref.image = images_.index_of(image, srgb);
+  return ref;
+}
+
+TextureRef MaterialImporter::place(const tinygltf::ExtensionMap& extensions, int texture,
+                                   int uv_set, int& found) {
   TextureRef ref;
   if (texture < 0) return ref;
   const tinygltf::Texture& source = document_.model.textures[texture];
@@ -112,6 +137,7 @@ TextureRef MaterialImporter::texture(const tinygltf::ExtensionMap& extensions, i
     tally_.add("textures without a readable source left out");
     return ref;
   }
+  if (document_.images[static_cast<std::size_t>(image)].missing()) return ref;  // told already
   apply_sampler(source.sampler, ref);
   apply_transform(extensions, ref, uv_set);
   if (uv_set > 1) {
@@ -119,7 +145,7 @@ TextureRef MaterialImporter::texture(const tinygltf::ExtensionMap& extensions, i
     uv_set = 0;
   }
   ref.uv_set = static_cast<std::uint8_t>(uv_set);
-  ref.image = images_.index_of(image, srgb);
+  found = image;
   return ref;
 }
 

@@ -27,11 +27,20 @@ class MaterialImporter {
 
   const std::vector<Material>& materials() const { return materials_; }
   std::vector<Material> take_materials() { return std::move(materials_); }
-  /// Errors: those of ImageImporter::take().
-  Result<std::vector<Image>> take_images(const Workers& workers) { return images_.take(workers); }
+  /// Before take_materials(): those whose images turn out unreadable lose these maps, as in other
+  /// viewers. Errors: those of ImageImporter::take().
+  Result<std::vector<Image>> take_images(const Workers& workers);
 
  private:
   Material convert(const tinygltf::Material& source);
+  /// Where a texture lies, and its image in the file: -1 if there is none to draw.
+  struct PlacedTexture {
+    TextureRef ref;
+    int image = -1;
+  };
+  PlacedTexture placed(const tinygltf::Value& object, const char* key);
+  void apply_spec_gloss(const tinygltf::Value& source, Material& out);
+  TextureRef place(const tinygltf::ExtensionMap& extensions, int texture, int uv_set, int& image);
   TextureRef texture(const tinygltf::ExtensionMap& extensions, int texture, int uv_set, bool srgb);
   void apply_sampler(int sampler, TextureRef& ref) const;
   void apply_transform(const tinygltf::ExtensionMap& extensions, TextureRef& ref, int& uv_set);

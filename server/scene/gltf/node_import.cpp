@@ -69,8 +69,28 @@ Result<std::vector<int>> order_nodes(const tinygltf::Model& model, const std::ve
   return order;
 }
 
+/// Without the nodes that lie below another of the list: those are drawn with it.
+std::vector<int> topmost(const std::vector<int>& listed, const std::vector<int>& parent,
+                         const std::vector<int>& order) {
+  std::vector<bool> covered(parent.size(), false);  // listed, or below one that is
+  for (const int node : listed) covered[node] = true;
+  std::vector<bool> below(parent.size(), false);
+  for (const int node : order) {
+    if (parent[node] == kNoParent || !covered[parent[node]]) continue;
+    covered[node] = below[node] = true;
+  }
+  std::vector<int> roots;
+  for (const int node : listed) {
+    if (!below[node]) roots.push_back(node);
+  }
+  return roots;
+}
+
 /// The roots that the active scene lists: `scene`, else the first; all of them without scenes.
-Result<std::vector<int>> scene_roots(const tinygltf::Model& model, const std::vector<int>& parent) {
+/// A listed child is drawn once, where its parents put it. Viewers differ where those are moved:
+/// three.js takes it off its parent, Babylon refuses it. Files that do so have parents at rest.
+Result<std::vector<int>> scene_roots(const tinygltf::Model& model, const std::vector<int>& parent,
+                                     const std::vector<int>& order, Tally& tally) {
   std::vector<int> roots;
   if (model.scenes.empty()) {
     for (std::size_t i = 0; i < parent.size(); ++i) {
@@ -82,14 +102,25 @@ Result<std::vector<int>> scene_roots(const tinygltf::Model& model, const std::ve
   std::vector<bool> listed(parent.size(), false);
   for (const int node : model.scenes[scene].nodes) {
     if (parent[node] != kNoParent) {
-      return make_error(ErrorId::kSceneReference, "scenes[" + std::to_string(scene) + "] lists " +
-                                                      node_name(node) + ", which is a child of " +
-                                                      node_name(parent[node]));
+      auto ok = tally.forgive(
+          "scenes' entries that are children of other nodes drawn once",
+          make_error(ErrorId::kSceneReference, "scenes[" + std::to_string(scene) + "] lists " +
+                                                   node_name(node) + ", which is a child of " +
+                                                   node_name(parent[node])));
+      if (!ok) return ok.error();
     }
-    if (!listed[node]) roots.push_back(node);
+    if (listed[node]) {
+      auto ok = tally.forgive(
+          "nodes that a scene lists twice drawn once",
+          make_error(ErrorId::kSceneReference,
+                     "scenes[" + std::to_string(scene) + "] lists " + node_name(node) + " twice"));
+      if (!ok) return ok.error();
+      continue;
+    }
+    roots.push_back(node);
     listed[node] = true;
   }
-  return roots;
+  return topmost(roots, parent, order);
 }
 
 }  // namespace
@@ -99,7 +130,7 @@ Result<NodeTree> flatten_nodes(const tinygltf::Model& model, Tally& tally) {
   if (!parent) return parent.error();
   auto order = order_nodes(model, *parent);
   if (!order) return order.error();
-  auto roots = scene_roots(model, *parent);
+  auto roots = scene_roots(model, *parent, *order, tally);
   if (!roots) return roots.error();
 
   NodeTree tree;

@@ -18,7 +18,7 @@ struct NodeTree {
 };
 
 /// No recursion: a chain of 100 000 nodes is valid. Errors: kSceneCycle (a node below itself, or
-/// with two parents), kSceneReference (a scene lists a node that has a parent).
+/// with two parents); when strict, kSceneReference (a scene lists a node that has a parent).
 Result<NodeTree> flatten_nodes(const tinygltf::Model& model, Tally& tally);
 
 /// parent_from_node at rest.

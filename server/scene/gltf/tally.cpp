@@ -26,6 +26,12 @@ void Tally::add(std::string_view what, std::uint64_t count, std::string_view exa
   if (row->example.empty()) row->example = single_line(example);
 }
 
+Result<void> Tally::forgive(std::string_view what, const Error& defect) {
+  if (strict_) return defect;
+  add(what, 1, defect.text);
+  return {};
+}
+
 void Tally::note(std::string line) {
   for (const Row& row : rows_) {
     if (row.what == line) return;

@@ -6,10 +6,18 @@
 #include <string_view>
 #include <vector>
 
+#include "protocol/result.h"
+
 namespace mirage::gltf {
 
 class Tally {
  public:
+  /// Strict: nothing is forgiven.
+  explicit Tally(bool strict = false) : strict_(strict) {}
+
+  /// What viewers let pass though the specification does not: counted as `what` with the text of
+  /// `defect` as its example, or, when strict, handed back as an error.
+  Result<void> forgive(std::string_view what, const Error& defect);
   /// Adds `count` cases of `what` ("triangles with a NaN vertex dropped"); nothing when 0. The
   /// first non-empty `example` is kept and printed.
   void add(std::string_view what, std::uint64_t count = 1, std::string_view example = {});
@@ -23,6 +31,7 @@ class Tally {
     std::string example;
     std::uint64_t count = 0;
   };
+  bool strict_ = false;
   std::vector<Row> rows_;  // in order of first occurrence; there are a few dozen kinds at most
 };
 

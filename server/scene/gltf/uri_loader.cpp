@@ -82,6 +82,25 @@ bool has_scheme(std::string_view uri) {
   return colon != std::string_view::npos && colon < uri.find_first_of("/\\");
 }
 
+/// The file name in a relative URI. Errors: strict ones.
+Result<std::string> file_name(std::string_view uri, Tally& tally) {
+  if (uri.find(' ') != std::string_view::npos) {
+    auto ok = tally.forgive("URIs with spaces that are not escaped",
+                            uri_error(uri, "a space in a URI that is not escaped as %20"));
+    if (!ok) return ok.error();
+  }
+  std::string name;
+  if (percent_decode(uri, name)) return name;
+  auto ok = tally.forgive("URIs with broken percent escapes taken as they stand",
+                          uri_error(uri, "broken percent escape"));
+  if (!ok) return ok.error();
+  return std::string(uri);
+}
+
+bool climbs(const fs::path& path) {
+  return std::find(path.begin(), path.end(), "..") != path.end();
+}
+
 bool is_inside(const fs::path& path, const fs::path& folder) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first ==
          folder.end();
@@ -107,15 +126,22 @@ Result<std::vector<std::uint8_t>> decode_data_uri(std::string_view uri) {
   return bytes;
 }
 
-Result<fs::path> resolve_uri(std::string_view uri, const fs::path& folder) {
-  std::string name;
+Result<fs::path> resolve_uri(std::string_view uri, const fs::path& folder, Tally& tally) {
   if (uri.empty()) return uri_error(uri, "empty URI");
-  if (!percent_decode(uri, name)) return uri_error(uri, "broken percent escape");
+  auto decoded = file_name(uri, tally);
+  if (!decoded) return decoded.error();
+  std::string name = decoded.take();
   const bool control =
       std::any_of(name.begin(), name.end(), [](unsigned char c) { return std::iscntrl(c) != 0; });
   if (control) return uri_error(uri, "control character in a URI");
   if (has_scheme(name)) return uri_error(uri, "only relative files and data: URIs are read");
   if (name.front() == '/' || name.front() == '\\') return uri_error(uri, "absolute path");
+  if (name.find('\\') != std::string::npos) {
+    auto ok = tally.forgive("URIs with backslashes read as slashes",
+                            uri_error(uri, "backslash in a URI"));
+    if (!ok) return ok.error();
+    std::replace(name.begin(), name.end(), '\\', '/');
+  }
 
   std::error_code code;
   const fs::path root = fs::weakly_canonical(folder, code);
@@ -123,11 +149,17 @@ Result<fs::path> resolve_uri(std::string_view uri, const fs::path& folder) {
   const fs::path path = fs::weakly_canonical(root / name, code);
   if (code) return uri_error(uri, code.message());
   if (!is_inside(path, root)) return uri_error(uri, "leaves the folder of the scene");
+  if (climbs(name)) {
+    auto ok = tally.forgive("URIs with '..' that stay inside the folder of the scene",
+                            uri_error(uri, "'..' in a URI"));
+    if (!ok) return ok.error();
+  }
   return path;
 }
 
 Result<std::vector<std::uint8_t>> load_uri(std::string_view uri, const fs::path& folder,
-                                           std::uint64_t max_bytes, const std::string& what) {
+                                           std::uint64_t max_bytes, const std::string& what,
+                                           Tally& tally) {
   auto named = [&what](const Error& error) {
     return make_error(error.id, what + ": " + error.text, error.hint);
   };
@@ -136,7 +168,7 @@ Result<std::vector<std::uint8_t>> load_uri(std::string_view uri, const fs::path&
     if (!bytes) return named(bytes.error());
     return bytes;
   }
-  auto path = resolve_uri(uri, folder);
+  auto path = resolve_uri(uri, folder, tally);
   if (!path) return named(path.error());
   auto bytes = read_regular_file(*path, max_bytes, ErrorId::kSceneUri);
   if (!bytes) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "protocol/result.h"
+#include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {
 
@@ -15,13 +16,15 @@ namespace mirage::gltf {
 Result<std::vector<std::uint8_t>> decode_data_uri(std::string_view uri);
 
 /// The file a relative URI names. Refuses schemes, absolute paths and whatever leaves `folder`,
-/// also through symbolic links. Errors: kSceneUri, kSceneMissing.
-Result<std::filesystem::path> resolve_uri(std::string_view uri,
-                                          const std::filesystem::path& folder);
+/// also through symbolic links. Forgives ".." that stays inside, backslashes, spaces and broken
+/// escapes. Errors: kSceneUri.
+Result<std::filesystem::path> resolve_uri(std::string_view uri, const std::filesystem::path& folder,
+                                          Tally& tally);
 
 /// Either of the above, read whole. `what` ("buffers[0]") leads the error text.
 Result<std::vector<std::uint8_t>> load_uri(std::string_view uri,
                                            const std::filesystem::path& folder,
-                                           std::uint64_t max_bytes, const std::string& what);
+                                           std::uint64_t max_bytes, const std::string& what,
+                                           Tally& tally);
 
 }  // namespace mirage::gltf

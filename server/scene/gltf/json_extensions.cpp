@@ -1,0 +1,108 @@
+#include "server/scene/gltf/json_extensions.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace mirage::gltf {
+namespace {
+
+using nlohmann::json;
+
+constexpr char kVariants[] = "KHR_materials_variants";
+constexpr char kBasisu[] = "KHR_texture_basisu";
+constexpr std::size_t kShownVariants = 20;
+constexpr std::size_t kShownNameBytes = 60;
+
+const json* extension(const json& object, const char* name) {
+  const auto list = object.find("extensions");
+  if (list == object.end()) return nullptr;
+  const auto found = list->find(name);
+  return found == list->end() ? nullptr : &*found;
+}
+
+std::string shown(const std::string& name) {
+  std::string out = name.substr(0, kShownNameBytes);
+  std::replace_if(
+      out.begin(), out.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  return out;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  if (names.empty()) return "the file has no variants";
+  std::string out = "its variants:";
+  for (std::size_t i = 0; i < std::min(names.size(), kShownVariants); ++i) {
+    out += (i == 0 ? " " : ", ") + shown(names[i]);
+  }
+  if (names.size() > kShownVariants) out += ", …";
+  return out;
+}
+
+/// The material that a primitive maps to a variant; nullptr: it keeps its own.
+const json* material_of(const json& primitive, std::size_t variant) {
+  const json* source = extension(primitive, kVariants);
+  if (source == nullptr) return nullptr;
+  for (const json& mapping : (*source)["mappings"]) {
+    for (const json& index : mapping["variants"]) {
+      if (index.get<std::size_t>() == variant) return &mapping["material"];
+    }
+  }
+  return nullptr;
+}
+
+Result<std::vector<std::string>> variant_names(const json& root, Tally& tally) {
+  std::vector<std::string> names;
+  const json* source = extension(root, kVariants);
+  if (source == nullptr) return names;
+  for (const json& variant : (*source)["variants"]) {
+    std::string name = variant.value("name", std::string());
+    if (std::find(names.begin(), names.end(), name) != names.end()) {
+      auto ok = tally.forgive(
+          "variants of one name, the first is taken",
+          make_error(ErrorId::kSceneFormat, "two variants named '" + shown(name) + "'"));
+      if (!ok) return ok.error();
+    }
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+}  // namespace
+
+Result<void> choose_variant(json& root, const std::string& variant, Tally& tally) {
+  const auto names = variant_names(root, tally);
+  if (!names) return names.error();
+  if (variant.empty()) return {};
+  const auto found = std::find(names->begin(), names->end(), variant);
+  if (found == names->end()) {
+    return make_error(ErrorId::kUsage, "no variant '" + shown(variant) + "'", listed(*names));
+  }
+  const auto index = static_cast<std::size_t>(found - names->begin());
+  const auto meshes = root.find("meshes");
+  if (meshes == root.end()) return {};
+  for (json& mesh : *meshes) {
+    for (json& primitive : mesh["primitives"]) {
+      const json* material = material_of(primitive, index);
+      if (material != nullptr) primitive["material"] = json(*material);
+    }
+  }
+  return {};
+}
+
+Result<void> settle_basisu(json& root, const std::string& path, Tally& tally) {
+  const auto textures = root.find("textures");
+  if (textures == root.end()) return {};
+  for (std::size_t i = 0; i < textures->size(); ++i) {
+    const json& texture = (*textures)[i];
+    if (extension(texture, kBasisu) == nullptr) continue;
+    const std::string name = "textures[" + std::to_string(i) + "]";
+    if (!texture.contains("source") && extension(texture, "EXT_texture_webp") == nullptr) {
+      return make_error(ErrorId::kSceneExtension,
+                        name + " is of KHR_texture_basisu, which is not read, without a fallback",
+                        "npx @gltf-transform/cli ktxdecompress '" + path + "' OUT.glb");
+    }
+    tally.add("textures of KHR_texture_basisu use their fallback", 1, name);
+  }
+  return {};
+}
+
+}  // namespace mirage::gltf

@@ -1,0 +1,40 @@
+#pragma once
+// KHR_materials_pbrSpecularGlossiness -> metallic-roughness, by the conversion of the extension's
+// own appendix: the metalness for which both describe the same diffuse and specular brightness.
+
+#include <glm/glm.hpp>
+
+#include "protocol/model.h"
+
+namespace mirage::gltf {
+
+/// Linear colours, 0..1.
+struct SpecGloss {
+  glm::vec4 diffuse{1};
+  glm::vec3 specular{1};
+  float glossiness = 1;
+};
+
+struct MetalRough {
+  glm::vec3 base{1};  ///< linear
+  float metallic = 0;
+  float roughness = 0;
+};
+
+MetalRough metal_rough_of(const glm::vec3& diffuse, const glm::vec3& specular, float glossiness);
+
+/// Whether no diffuse colour makes it a metal: base colour is then diffuse times a number.
+bool never_metal(const glm::vec3& specular);
+
+/// Of a conversion texel by texel; factors are in it, but for the alpha of `diffuse`.
+struct MetalRoughImages {
+  Image base;         ///< sRGB
+  Image metal_rough;  ///< G roughness, B metallic
+};
+
+/// `diffuse` (sRGB, alpha kept) and `specular_glossiness` (sRGB, glossiness in alpha); nullptr: 1.
+/// The results have the larger size of both, the smaller one is interpolated.
+MetalRoughImages convert_images(const Image* diffuse, const Image* specular_glossiness,
+                                const SpecGloss& factors);
+
+}  // namespace mirage::gltf
