@@ -39,46 +39,18 @@ bool is_supported(std::string_view extension) {
          std::end(kSupportedExtensions);
 }
 
-/// Watches a parser for objects that name a property twice (glTF §2.7 forbids it; parsers take the
-/// last).
-class KeyWatch {
- public:
-  bool see(json::parse_event_t event, const json& value) {
-    if (event == json::parse_event_t::object_start) {
-      open_.emplace_back();
-    } else if (event == json::parse_event_t::key) {
-      const auto& key = value.get_ref<const std::string&>();
-      open_.back().push_back(std::hash<std::string_view>{}(key));
-    } else if (event == json::parse_event_t::object_end) {
-      std::vector<std::size_t>& keys = open_.back();
-      std::sort(keys.begin(), keys.end());
-      if (std::adjacent_find(keys.begin(), keys.end()) != keys.end()) ++twice_;
-      open_.pop_back();
-    }
-    return true;
-  }
-  std::uint64_t twice() const { return twice_; }
-
- private:
-  std::vector<std::vector<std::size_t>> open_;  // hashes of the keys, by depth
-  std::uint64_t twice_ = 0;
-};
-
 Result<json> parse_json(std::string_view text, Tally& tally) {
-  if (auto scan = scan_json(text); !scan) return scan.error();
+  auto twice = scan_json(text);
+  if (!twice) return twice.error();
+  if (*twice > 0) {  // glTF §2.7 forbids it; parsers take the last
+    auto ok =
+        tally.forgive("files with duplicate names in JSON, the last of each counts",
+                      make_error(ErrorId::kSceneFormat,
+                                 std::to_string(*twice) + " JSON objects name a property twice"));
+    if (!ok) return ok.error();
+  }
   try {
-    KeyWatch watch;
-    json root = json::parse(
-        text.begin(), text.end(),
-        [&](int, json::parse_event_t event, json& value) { return watch.see(event, value); });
-    if (watch.twice() > 0) {
-      auto ok = tally.forgive(
-          "files with duplicate names in JSON, the last of each counts",
-          make_error(ErrorId::kSceneFormat,
-                     std::to_string(watch.twice()) + " JSON objects name a property twice"));
-      if (!ok) return ok.error();
-    }
-    return root;
+    return json::parse(text.begin(), text.end());
   } catch (const json::parse_error& error) {
     return make_error(ErrorId::kSceneFormat,
                       "JSON syntax error at byte " + std::to_string(error.byte));

@@ -1,6 +1,8 @@
 #include "server/scene/gltf/file_guard.h"
 
+#include <algorithm>
 #include <fstream>
+#include <functional>
 #include <system_error>
 
 #include "server/scene/gltf/gltf_limits.h"
@@ -69,6 +71,33 @@ Result<void> split_chunks(GltfFile& file, std::size_t end) {
   return {};
 }
 
+/// The names of the objects that are open, by their hashes.
+class NameWatch {
+ public:
+  void open() {
+    if (++depth_ > static_cast<int>(levels_.size())) levels_.emplace_back();
+    levels_[static_cast<std::size_t>(depth_ - 1)].clear();
+  }
+  void name(std::string_view name) {
+    if (depth_ > 0) {
+      levels_[static_cast<std::size_t>(depth_ - 1)].push_back(std::hash<std::string_view>{}(name));
+    }
+  }
+  void close() {
+    if (depth_ == 0) return;  // not JSON; the parser says so
+    std::vector<std::size_t>& names = levels_[static_cast<std::size_t>(--depth_)];
+    std::sort(names.begin(), names.end());
+    if (std::adjacent_find(names.begin(), names.end()) != names.end()) ++twice_;
+  }
+  int depth() const { return depth_; }
+  std::uint64_t twice() const { return twice_; }
+
+ private:
+  std::vector<std::vector<std::size_t>> levels_;
+  int depth_ = 0;
+  std::uint64_t twice_ = 0;
+};
+
 }  // namespace
 
 Result<std::vector<std::uint8_t>> read_regular_file(const fs::path& path, std::uint64_t max_bytes,
@@ -133,30 +162,28 @@ Result<GltfFile> split_container(std::vector<std::uint8_t> bytes) {
   return file;
 }
 
-Result<void> scan_json(std::string_view text) {
-  int depth = 0;
+Result<std::uint64_t> scan_json(std::string_view text) {
   std::uint64_t values = 0;
-  bool in_string = false;
+  std::size_t last_string = 0;  // the last string: from after its quote to the closing one
+  std::size_t last_end = 0;
+  NameWatch names;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
-    if (in_string) {
-      if (c == '\\') {
-        ++i;
-      } else if (c == '"') {
-        in_string = false;
-      }
-      continue;
-    }
     if (c == '"') {
-      in_string = true;
+      last_string = i + 1;
+      for (++i; i < text.size() && text[i] != '"'; ++i) i += text[i] == '\\' ? 1 : 0;
+      last_end = std::min(i, text.size());
+    } else if (c == ':') {
+      names.name(text.substr(last_string, last_end - last_string));
     } else if (c == '{' || c == '[') {
       ++values;
-      if (++depth > kMaxJsonDepth) {
+      names.open();
+      if (names.depth() > kMaxJsonDepth) {
         return make_error(ErrorId::kSceneLimit,
                           "JSON nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
       }
     } else if (c == '}' || c == ']') {
-      --depth;
+      names.close();
     } else if (c == ',') {
       ++values;
     }
@@ -165,7 +192,7 @@ Result<void> scan_json(std::string_view text) {
     return make_error(ErrorId::kSceneLimit,
                       "JSON with more than " + std::to_string(kMaxJsonValues) + " values");
   }
-  return {};
+  return names.twice();
 }
 
 }  // namespace mirage::gltf

@@ -32,7 +32,8 @@ Result<GltfFile> open_gltf(const std::string& path);
 /// Splits bytes already read. Errors: kSceneFormat.
 Result<GltfFile> split_container(std::vector<std::uint8_t> bytes);
 
-/// Checks nesting depth and number of values without recursion. Errors: kSceneLimit.
-Result<void> scan_json(std::string_view text);
+/// Checks nesting depth and number of values without recursion. The number of objects that name a
+/// property twice (names told apart by their bytes). Errors: kSceneLimit.
+Result<std::uint64_t> scan_json(std::string_view text);
 
 }  // namespace mirage::gltf
