@@ -245,6 +245,11 @@ TEST(GltfImage, ReducedImagesKeepTheirLight) {
   EXPECT_EQ(color->rgba[0], 188);  // half the light, IEC 61966-2-1
   EXPECT_EQ(color->rgba[4], 156);  // a third
   EXPECT_EQ(color->rgba[3], 255);
+  const std::string grey = make_png(4, 4, 8, 0, std::string(16, '\x64'));
+  auto even = decode_image(
+      std::span(reinterpret_cast<const std::uint8_t*>(grey.data()), grey.size()), 1, true);
+  ASSERT_TRUE(even) << even.error().line();
+  EXPECT_EQ(even->rgba[0], 100);
   auto data = decode_image(bytes, 1, false);
   ASSERT_TRUE(data) << data.error().line();
   EXPECT_EQ(data->rgba[0], 128);
