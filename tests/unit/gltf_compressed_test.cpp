@@ -308,6 +308,18 @@ TEST(GltfDraco, PrimitivesMayShareAccessors) {
   EXPECT_EQ(scene->triangles(), 576u);
 }
 
+TEST(GltfDraco, TrianglesOfAllPrimitivesAreCounted) {
+  Builder builder = draco_sheet(Sheet(4), draco::MESH_EDGEBREAKER_ENCODING);
+  // Three times 5 million triangles of 3 vertices, claimed.
+  const Blob claim = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0, 0, 3, 0xc0, 0x96, 0xb1, 2};
+  std::memcpy(builder.bin.data(), claim.data(), claim.size());
+  json& primitives = builder.doc["meshes"][0]["primitives"];
+  EXPECT_REFUSED(builder.load(), kSceneFormat, "Draco");
+  primitives.push_back(primitives[0]);
+  primitives.push_back(primitives[0]);
+  EXPECT_REFUSED(builder.load(), kSceneLimit, "triangles in all");
+}
+
 TEST(GltfDraco, OtherCountsThanDeclaredAreForgiven) {
   Builder builder = draco_sheet(Sheet(12), draco::MESH_EDGEBREAKER_ENCODING);
   builder.doc["accessors"][0]["count"] = 3;

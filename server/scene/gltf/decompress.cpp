@@ -164,7 +164,7 @@ bool has_plain_data(const json& primitive, const json& root) {
 
 Result<std::vector<DracoJob>> find_primitives(json& root, const Document& document) {
   std::vector<DracoJob> jobs;
-  Allowance allowance;
+  std::uint64_t faces = 0;
   const auto meshes = root.find("meshes");
   if (meshes == root.end()) return jobs;
   for (std::size_t m = 0; m < meshes->size(); ++m) {
@@ -177,7 +177,12 @@ Result<std::vector<DracoJob>> find_primitives(json& root, const Document& docume
           "meshes[" + std::to_string(m) + "].primitives[" + std::to_string(p) + "]";
       auto job = draco_job(primitives[p], *source, root, document);
       if (!job) return named(name, job.error());
-      if (auto ok = allowance.take(job->cost / kDracoFaceBytes * 12); !ok) return ok.error();
+      faces += job->cost / kDracoFaceBytes;
+      if (faces > kMaxDracoFacesInFile) {
+        return make_error(
+            ErrorId::kSceneLimit,
+            "Draco: more than " + std::to_string(kMaxDracoFacesInFile) + " triangles in all");
+      }
       job->name = name;
       jobs.push_back(job.take());
     }

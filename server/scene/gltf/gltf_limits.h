@@ -12,10 +12,12 @@ inline constexpr std::uint64_t kMaxJsonValues = 6'000'000;    ///< bounds the pa
 inline constexpr int kMaxJsonDepth = 64;                      ///< parsers recurse per level
 inline constexpr std::size_t kMaxNodes = 500'000;
 inline constexpr std::uint64_t kMaxInstances = 1'000'000;
-inline constexpr std::size_t kMaxPrimitives = 200'000;      ///< in the file, and in the scene
-inline constexpr std::uint64_t kMaxVertices = 8'000'000;    ///< over all objects, 64 bytes each
-inline constexpr std::uint64_t kMaxIndices = 60'000'000;    ///< over all objects
-inline constexpr std::uint32_t kMaxDracoFaces = 12u << 20;  ///< of one mesh, and of all
+inline constexpr std::size_t kMaxPrimitives = 200'000;    ///< in the file, and in the scene
+inline constexpr std::uint64_t kMaxVertices = 8'000'000;  ///< over all objects, 64 bytes each
+inline constexpr std::uint64_t kMaxIndices = 60'000'000;  ///< over all objects
+inline constexpr std::uint32_t kMaxDracoFaces =
+    6'600'000;  ///< of one mesh: 90 bytes each, decoding
+inline constexpr std::uint64_t kMaxDracoFacesInFile = 12'000'000;       ///< 5 million a second
 inline constexpr std::uint64_t kMaxDracoAttributeBytes = 256ull << 20;  ///< of one mesh
 inline constexpr std::uint64_t kMaxZeroElements = 1'000'000;  ///< accessors without a bufferView
 inline constexpr std::size_t kMaxClips = 10'000;
