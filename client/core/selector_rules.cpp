@@ -78,8 +78,7 @@ bool may_stand_in(const SelectorInput& in, const ObjectDescription& object,
   const bool stands = glm::length(in.velocity) < kStandingMps;
   const double nearest = (stands ? kStandingRadii : kStandInRadii) * view.radius;
   if (std::isinf(swap_radii(in, object)) || distance < nearest) return false;
-  // What shows through a blended surface may be another object, within it: geometry knows.
-  if (stands) return !(object.needs & kNeedBlend);
+  if (stands) return true;
   const double px_per_unit = view.focal_px / (distance - view.radius);
   const std::size_t lod = lod_for_view(object.lods, px_per_unit, tau_px);
   return lod < object.lods.size() &&
