@@ -49,6 +49,11 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   bool no_geometry = false, no_reference = false;
   std::string shadows = "off";
   app.add_option("SCENE", o.scene, "a .glb or .gltf file, or builtin:NAME[?key=value&…]");
+  app.add_option("--environment", o.environment,
+                 "light from all around: FILE.hdr or FILE.exr (equirectangular), builtin:studio, "
+                 "builtin:sky, none; default: the studio for a file without lights, else none");
+  app.add_option("--write-environment", o.write_environment,
+                 "write the surroundings (default the studio) as FILE.hdr or FILE.exr and exit");
   app.add_option("--listen", listen, "HOST:PORT to serve on; port 0 takes any free one")
       ->take_last()
       ->capture_default_str();
@@ -115,7 +120,7 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
       ->capture_default_str();
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
-  if (o.list_devices) return -1;
+  if (o.list_devices || !o.write_environment.empty()) return -1;
   if (o.scene.empty()) {
     return fail(make_error(ErrorId::kUsage, "no SCENE given", "try mirage-server builtin:forest"));
   }
