@@ -41,6 +41,36 @@ LightWords words(const ObjectLight& l) {
           l.cos_outer};
 }
 
+// A rotation has two quaternions: the one with w >= 0, or where that is 0 the first of the others.
+glm::dquat canonical(const glm::dquat& q) {
+  for (const double v : {q.w, q.x, q.y, q.z}) {
+    if (v != 0) return v < 0 ? -q : q;
+  }
+  return {1, 0, 0, 0};
+}
+
+// The probe as an object turned by `rotation` sees it; one that adds nothing is none.
+ProbeLight to_object_space(const ProbeLight& probe, const glm::quat& rotation) {
+  if (!probe.shines()) return {};
+  const glm::dquat seen =
+      canonical(glm::conjugate(glm::dquat(rotation)) * glm::dquat(probe.rotation));
+  ProbeLight out = probe;
+  const double step = 1.0 / 4096.0;
+  const glm::dquat even =
+      canonical({double{quantise(seen.w, step)}, double{quantise(seen.x, step)},
+                 double{quantise(seen.y, step)}, double{quantise(seen.z, step)}});
+  const double length =
+      std::sqrt(even.w * even.w + even.x * even.x + even.y * even.y + even.z * even.z);
+  const auto part = [&](double v) { return positive_zero(static_cast<float>(v / length)); };
+  out.rotation = {part(even.w), part(even.x), part(even.y), part(even.z)};
+  return out;
+}
+
+bool same_probe(const ProbeLight& a, const ProbeLight& b) {
+  if (!a.shines() || !b.shines()) return a.shines() == b.shines();
+  return a.id == b.id && a.strength == b.strength && a.rotation == b.rotation;
+}
+
 bool is_black(const Light& light) { return light.color == glm::vec3(0); }
 
 ObjectLight to_object_space(const Light& light, const Similarity& m, double radius) {
@@ -94,6 +124,13 @@ std::uint64_t ObjectLighting::hash() const {
   for (const ObjectLight& light : lights) {
     for (const float word : words(light)) bytes.push_back(positive_zero(word));
   }
+  if (probe.shines()) {
+    for (int i = 0; i < 64; i += 16) {  // a float holds 16 bits of it exactly
+      bytes.push_back(static_cast<float>((probe.id >> i) & 0xffffu));
+    }
+    const glm::quat& q = probe.rotation;
+    for (const float v : {q.w, q.x, q.y, q.z, probe.strength}) bytes.push_back(positive_zero(v));
+  }
   return XXH3_64bits(bytes.data(), bytes.size() * sizeof(float));
 }
 
@@ -128,6 +165,14 @@ Result<Lighting> checked_lighting(Lighting lighting) {
       light.direction = glm::vec3(direction);
     }
   }
+  if (lighting.probe.id == 0) lighting.probe = {};
+  glm::quat& turn = lighting.probe.rotation;
+  const float length = glm::length(turn);
+  const float strength = lighting.probe.strength;
+  if (!(std::abs(length - 1.0f) < 1e-3f) || !std::isfinite(strength) || strength < 0) {
+    return make_error(ErrorId::kWireValue, "light probe has no rotation or a negative strength");
+  }
+  if (turn != glm::quat(1, 0, 0, 0)) turn = turn / length;
   return lighting;
 }
 
@@ -137,7 +182,7 @@ bool same_lighting(const Lighting& a, const Lighting& b) {
            x.direction == y.direction && x.range == y.range && x.cos_inner == y.cos_inner &&
            x.cos_outer == y.cos_outer;
   };
-  return a.ambient == b.ambient &&
+  return a.ambient == b.ambient && same_probe(a.probe, b.probe) &&
          std::equal(a.lights.begin(), a.lights.end(), b.lights.begin(), b.lights.end(), same);
 }
 
@@ -155,6 +200,15 @@ std::uint64_t lighting_hash(const Lighting& lighting) {
     put(glm::vec3(light.range, light.cos_inner, light.cos_outer));
     values.push_back(static_cast<double>(light.kind));
   }
+  if (lighting.probe.shines()) {
+    const ProbeLight& p = lighting.probe;
+    for (const std::uint32_t half :
+         {static_cast<std::uint32_t>(p.id), static_cast<std::uint32_t>(p.id >> 32)}) {
+      values.push_back(static_cast<double>(half));
+    }
+    const glm::dquat q = canonical(glm::dquat(p.rotation));
+    for (const double v : {q.w, q.x, q.y, q.z, double{p.strength}}) values.push_back(v + 0.0);
+  }
   return XXH3_64bits(values.data(), values.size() * sizeof(double));
 }
 
@@ -162,6 +216,7 @@ ObjectLighting whole_object_lighting(const Lighting& lighting, const Similarity&
                                      float radius) {
   ObjectLighting out;
   out.ambient = lighting.ambient;
+  out.probe = to_object_space(lighting.probe, world_from_object.rotation);
   for (const Light& light : lighting.lights) {
     const ObjectLight object_light = to_object_space(light, world_from_object, radius);
     // A tiny scale can carry a light beyond float: it is then as good as absent.

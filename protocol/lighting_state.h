@@ -28,13 +28,15 @@ struct ObjectLight {
 struct ObjectLighting {
   glm::vec3 ambient{0};
   std::vector<ObjectLight> lights;
+  ProbeLight probe;  ///< turned as the object sees it
 
   /// 64-bit hash of the canonical form.
   std::uint64_t hash() const;
 };
 
 /// Checks a lighting state from outside: finite, non-negative colours, unit directions (made unit),
-/// at most limits::kMaxLights lights. Error kWireValue names the light.
+/// at most limits::kMaxLights lights, a probe that is turned and not stretched. Error kWireValue
+/// names the light.
 Result<Lighting> checked_lighting(Lighting lighting);
 
 /// Equal in every value.
@@ -46,8 +48,8 @@ std::uint64_t lighting_hash(const Lighting& lighting);
 
 /// The scene's lighting as the object of `instance` sees it. Black lights and lights whose range
 /// or cone does not reach the bounding sphere (centre, radius in object space) are left out;
-/// directions are quantised to 1/4096, positions to radius/256, so small motions keep the key; the
-/// values used for shading are the quantised ones.
+/// directions and the probe's rotation are quantised to 1/4096, positions to radius/256, so small
+/// motions keep the key; the values used for shading are the quantised ones.
 ObjectLighting object_lighting(const Lighting& lighting, const Similarity& world_from_object,
                                const glm::vec3& center, float radius);
 

@@ -64,6 +64,10 @@ std::unique_ptr<wire::LightingT> to_wire(const Lighting& lighting) {
                              to_wire(light.direction), light.range, light.cos_inner,
                              light.cos_outer, static_cast<std::uint8_t>(light.kind));
   }
+  const ProbeLight& p = lighting.probe;
+  if (p.id != 0) {
+    out->probe = std::make_unique<wire::ProbeLight>(to_wire(p.rotation), p.strength, p.id);
+  }
   return out;
 }
 
@@ -83,6 +87,9 @@ Result<Lighting> from_wire(const wire::LightingT& lighting) {
     light.cos_inner = l.cos_inner();
     light.cos_outer = l.cos_outer();
     out.lights.push_back(light);
+  }
+  if (const wire::ProbeLight* p = lighting.probe.get()) {
+    out.probe = {p->id(), from_wire(p->rotation()), p->strength()};
   }
   return checked_lighting(std::move(out));
 }

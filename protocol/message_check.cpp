@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "protocol/light_probe.h"
 #include "protocol/limits.h"
 #include "protocol/scene_types.h"
 #include "protocol/view_cell.h"
@@ -45,6 +46,18 @@ Result<void> check(const wire::Hello& m) {
 Result<void> check_lighting(const wire::Lighting* lighting) {
   if (!lighting || !finite(lighting->ambient())) return value_error("lighting");
   if (count(lighting->lights()) > limits::kMaxLights) return limit_error("lights");
+  if (const wire::ProbeLight* probe = lighting->probe()) {
+    const bool strength = std::isfinite(probe->strength()) && probe->strength() >= 0;
+    if (!unit(&probe->rotation()) || !strength) return value_error("light probe");
+  }
+  return {};
+}
+
+Result<void> check(const wire::LightProbePage& m) {
+  if (m.id() == 0 || count(m.irradiance()) != 3 * kProbeTerms) return value_error("light probe");
+  for (const float v : *m.irradiance()) {
+    if (!std::isfinite(v)) return value_error("light probe");
+  }
   return {};
 }
 
@@ -232,6 +245,8 @@ Result<void> check_body(const wire::Control& control) {
       return check(*control.body_as_Hello());
     case wire::Body::Welcome:
       return check(*control.body_as_Welcome());
+    case wire::Body::LightProbePage:
+      return check(*control.body_as_LightProbePage());
     case wire::Body::ImagePage:
       return check(*control.body_as_ImagePage());
     case wire::Body::ObjectPage:

@@ -42,10 +42,20 @@ struct Light {
   float cos_outer = 0;
 };
 
+/// Light from all around, as the scene's light probe holds it (light_probe.h).
+struct ProbeLight {
+  std::uint64_t id = 0;            ///< of the probe, a hash of its content; 0: none
+  glm::quat rotation{1, 0, 0, 0};  ///< from the probe's axes, unit
+  float strength = 1;              ///< factor on its radiance, >= 0
+
+  bool shines() const { return id != 0 && strength > 0; }
+};
+
 /// Lighting state in world space.
 struct Lighting {
   glm::vec3 ambient{0.6f};  ///< linear radiance from every direction
   std::vector<Light> lights;
+  ProbeLight probe;
 };
 
 /// What is seen where no object is: a vertical gradient, linear RGB.

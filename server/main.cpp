@@ -19,6 +19,8 @@
 #include "server/explain.h"
 #include "server/image_stage.h"
 #include "server/options.h"
+#include "server/scene/environment/environment.h"
+#include "server/scene/environment/environment_file.h"
 #include "shaders/gl/egl_context.h"
 
 namespace mirage {
@@ -36,6 +38,15 @@ int list_devices() {
                 device.renderer.c_str());
   }
   return 0;
+}
+
+int write_surroundings(const ServerOptions& options) {
+  std::vector<std::string> warnings;
+  const Result<Equirect> image = surroundings(options.environment, warnings);
+  for (const std::string& warning : warnings) spdlog::warn("{}", warning);
+  if (!image) return fail(image.error());
+  const Result<void> written = write_environment(*image, options.write_environment);
+  return written ? 0 : fail(written.error());
 }
 
 // A thousand clients need a thousand descriptors; the soft limit is often 1024.
@@ -155,12 +166,16 @@ int run(int argc, char** argv) {
   if (options.list_devices) return list_devices();
   spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  if (!options.write_environment.empty()) return write_surroundings(options);
   raise_descriptor_limit();
   std::optional<CacheDirectory> directory;
   if (!options.cache_dir.empty()) directory.emplace(options.cache_dir, options.cache_dir_mb << 20);
   CacheDirectory* const cache = directory ? &*directory : nullptr;
   Result<std::shared_ptr<const PreparedScene>> scene =
-      load_scene(options.scene, {.keep_imported = options.prove, .strict = options.strict, .cache = cache});
+      load_scene(options.scene, {.keep_imported = options.prove,
+                                 .strict = options.strict,
+                                 .environment = options.environment,
+                                 .cache = cache});
   if (!scene) return fail(scene.error());
   for (const std::string& warning : (*scene)->scene.warnings) spdlog::warn("scene: {}", warning);
   if (options.explain) return explain(options, scene.take());

@@ -53,6 +53,11 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.add_flag(
       "--strict", o.strict,
       "refuse what viewers forgive: missing images, odd URIs, children listed as roots, …");
+  app.add_option("--environment", o.environment,
+                 "light from all around: FILE.hdr or FILE.exr (equirectangular), builtin:studio, "
+                 "builtin:sky, none; default: the studio for a file without lights, else none");
+  app.add_option("--write-environment", o.write_environment,
+                 "write the surroundings (default the studio) as FILE.hdr or FILE.exr and exit");
   app.add_option("--listen", listen, "HOST:PORT to serve on; port 0 takes any free one")
       ->take_last()
       ->capture_default_str();
@@ -119,7 +124,7 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
       ->capture_default_str();
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
-  if (o.list_devices) return -1;
+  if (o.list_devices || !o.write_environment.empty()) return -1;
   if (o.scene.empty()) {
     return fail(make_error(ErrorId::kUsage, "no SCENE given", "try mirage-server builtin:forest"));
   }

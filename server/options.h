@@ -9,6 +9,8 @@ namespace mirage {
 
 struct ServerOptions {
   std::string scene;
+  std::string environment;        ///< empty: what suits the scene
+  std::string write_environment;  ///< set: only write it to this file
   EndpointOptions endpoint;
   RenderOptions render;
   SessionOptions session;

@@ -44,6 +44,7 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
       queue_(queue),
       store_(store),
       pages_(make_scene_pages(*scene_)),
+      probe_page_(scene_->scene.probe ? encode_probe(*scene_->scene.probe) : Bytes{}),
       images_(image_jobs),
       forms_(encode_jobs) {}
 
@@ -151,6 +152,7 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.shadows = options_.shadows;
   welcome.images = static_cast<std::uint32_t>(scene.images.size());
   push(id, s.control, encode_message(std::move(welcome)));
+  if (!probe_page_.empty()) push(id, s.control, probe_page_);
   return {};
 }
 
@@ -171,6 +173,10 @@ Result<void> SessionHub::set_lighting(Session& s, const wire::SetLightingT& m) {
   }
   Result<Lighting> lighting = from_wire(*m.lighting);
   if (!lighting) return lighting.error();
+  const std::uint64_t probe = lighting->probe.id;
+  if (probe != 0 && probe != scene_->scene.lighting.probe.id) {
+    return make_error(ErrorId::kWireValue, "lighting has a probe that is not this scene's");
+  }
   s.lighting[m.id] = lighting.take();
   return {};
 }

@@ -119,6 +119,7 @@ class SessionHub {
   TileQueue& queue_;
   TileStore& store_;
   const std::vector<FramePtr> pages_;  ///< scene description, made once
+  const Bytes probe_page_;             ///< whole message; empty: the scene has no probe
   ImageCache images_;
   FormRequests forms_;
   std::map<SessionId, Session> sessions_;

@@ -6,6 +6,7 @@ add_executable(mirage_protocol_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_lossy_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_lighting_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_message_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_probe_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_shadow_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_stable_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_model_test.cpp

@@ -19,6 +19,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_samples_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_window_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_tile_bytes_test.cpp unit/core_tile_fit_test.cpp unit/core_settled_test.cpp unit/core_upload_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_environment_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_grouping_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_hull_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_leave_out_test.cpp

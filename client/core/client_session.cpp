@@ -17,7 +17,8 @@ constexpr std::size_t kMaxEarlyPages = 64;
 bool announces(const wire::WelcomeT& welcome, const SceneView& scene) {
   return welcome.revision == scene.revision && welcome.instances == scene.all_instances &&
          welcome.geometry == scene.geometry && welcome.reference == scene.reference &&
-         welcome.shadows == scene.shadows;
+         welcome.shadows == scene.shadows &&
+         (welcome.lighting->probe ? welcome.lighting->probe->id() : 0) == scene.lighting.probe.id;
 }
 
 // The server's own choice first.
@@ -29,7 +30,11 @@ std::vector<TileCodec> offered_codecs(const wire::WelcomeT& welcome) {
   return out;
 }
 
-Result<void> accept_page(SceneView& scene, const wire::BodyUnion& body) {
+Result<void> accept_page(SceneView& scene, const Message& page) {
+  const wire::BodyUnion& body = page.body;
+  if (const wire::LightProbePageT* probe = body.AsLightProbePage()) {
+    return scene.accept(*probe, page.payload);
+  }
   if (const wire::ImagePageT* images = body.AsImagePage()) return scene.accept(*images);
   if (const wire::ObjectPageT* objects = body.AsObjectPage()) return scene.accept(*objects);
   return scene.accept(*body.AsInstancePage());
@@ -98,6 +103,7 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
       take_scene(false);  // a scene without instances is complete at once
       return {};
     }
+    case wire::Body::LightProbePage:
     case wire::Body::ImagePage:
     case wire::Body::ObjectPage:
       if (was_complete) return {};
@@ -148,7 +154,7 @@ void ClientSession::take_scene(bool was_complete) {
 }
 
 Result<void> ClientSession::take_page(Message page) {
-  Result<void> taken = accept_page(scene_, page.body);
+  Result<void> taken = accept_page(scene_, page);
   if (!taken) {
     if (taken.error().id != ErrorId::kWireState || early_pages_.size() >= kMaxEarlyPages) {
       return taken;
@@ -159,7 +165,7 @@ Result<void> ClientSession::take_page(Message page) {
   // What came too early may follow on now, and others on it.
   auto early = early_pages_.begin();
   while (early != early_pages_.end()) {
-    taken = accept_page(scene_, early->body);
+    taken = accept_page(scene_, *early);
     if (taken) {
       early_pages_.erase(early);
       early = early_pages_.begin();

@@ -42,6 +42,9 @@ Result<void> FrameRenderer::reset(const SceneView& scene) {
   images_ = gl::GpuImages();
   mesh_pass_->set_fog(scene.environment.horizon, scene.environment.fog_density);
   for (std::uint32_t i = 0; i < scene.images.size(); ++i) show_mean(scene, i);
+  probe_.reset();
+  if (scene.probe) probe_ = gl::ProbeMap::create(*scene.probe);
+  mesh_pass_->set_probe(probe_ ? &*probe_ : nullptr);
   return impostors_.reset(scene);
 }
 
@@ -155,7 +158,8 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& camera, const 
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   draw_meshes(camera, scene, list, lighting, false, view_depth.mapping());
   sky_.draw_behind(camera, scene.environment, view_depth.farthest());
-  impostors_.draw(camera, view_depth.mapping(), scene, list, lighting, shadow_atlas_.texture());
+  impostors_.draw(camera, view_depth.mapping(), scene, list, lighting, shadow_atlas_.texture(),
+                  probe_ ? &*probe_ : nullptr);
   draw_meshes(camera, scene, list, lighting, true, view_depth.mapping());
   draw_calls_ = 1 + impostors_.draw_calls() + mesh_pass_->draw_calls();
 }
@@ -163,7 +167,7 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& camera, const 
 GpuBytes FrameRenderer::gpu_bytes() const {
   GpuBytes bytes;
   bytes.atlas = impostors_.gpu_bytes();
-  bytes.geometry = images_.gpu_bytes();
+  bytes.geometry = images_.gpu_bytes() + (probe_ ? probe_->gpu_bytes() : 0);
   for (const auto& [id, mesh] : meshes_) bytes.geometry += mesh.mesh.gpu_bytes();
   bytes.shadows = shadow_atlas_.gpu_bytes() + shadow_map_.gpu_bytes();
   return bytes;

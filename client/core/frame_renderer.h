@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "client/core/caster_pass.h"
 #include "client/core/frame_target.h"
@@ -67,6 +68,7 @@ class FrameRenderer {
 
   ImpostorPass impostors_;
   gl::SkyPass sky_;
+  std::optional<gl::ProbeMap> probe_;
   std::unique_ptr<gl::MeshPass> mesh_pass_ = std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);
   std::map<std::pair<std::uint32_t, std::uint8_t>, ClientMesh> meshes_;  ///< by object and level
   gl::GpuImages images_;                                                 ///< of the scene

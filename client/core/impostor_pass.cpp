@@ -67,10 +67,15 @@ const MethodShader kShaders[] = {
 
 }  // namespace
 
-Result<void> ImpostorPass::make_programs(bool fog, bool shadows) {
+Result<void> ImpostorPass::make_programs(bool fog, bool shadows, bool probe) {
   std::vector<std::string> common, worn;  // `worn`: of what has a tile, and shadows on it
   if (fog) common.emplace_back("FOG");
   if (shadows) worn.emplace_back("SHADOW");
+  const auto relit_from = [&](std::vector<std::string> defines) {
+    defines.emplace_back("RELIT");
+    if (probe) defines.emplace_back("PROBE");
+    return defines;
+  };
   const auto make = [&](const char* name, std::vector<std::string> defines) {
     defines.insert(defines.end(), common.begin(), common.end());
     const std::string file = std::string("impostor/") + name;
@@ -81,14 +86,13 @@ Result<void> ImpostorPass::make_programs(bool fog, bool shadows) {
     for (const bool relit : {false, true}) {
       std::vector<std::string> defines = shader.defines;
       defines.insert(defines.end(), worn.begin(), worn.end());
-      if (relit) defines.emplace_back("RELIT");
+      if (relit) defines = relit_from(std::move(defines));
       Result<gl::Program> program = make("impostor", defines);
       if (!program) return program.error();
       programs.emplace(std::pair(shader.method, relit), program.take());
     }
   }
-  std::vector<std::string> worn_relit = worn, worn_merged = worn;
-  worn_relit.emplace_back("RELIT");
+  std::vector<std::string> worn_relit = relit_from(worn), worn_merged = worn;
   worn_merged.emplace_back("MERGED");
   Result<gl::Program> relief = make("relief", worn), relit = make("relief", worn_relit);
   Result<gl::Program> merged = make("relief", worn_merged), placeholder = make("placeholder", {});
@@ -102,12 +106,13 @@ Result<void> ImpostorPass::make_programs(bool fog, bool shadows) {
   placeholder_ = placeholder.take();
   with_fog_ = fog;
   with_shadows_ = shadows;
+  with_probe_ = probe;
   return {};
 }
 
 Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers) {
   ImpostorPass pass;
-  if (Result<void> made = pass.make_programs(false, false); !made) return made.error();
+  if (Result<void> made = pass.make_programs(false, false, false); !made) return made.error();
   Result<ImpostorAtlas> atlas = ImpostorAtlas::create(atlas_edge, atlas_layers);
   if (!atlas) return atlas.error();
   pass.atlas_ = atlas.take();
@@ -153,8 +158,9 @@ Result<void> ImpostorPass::reset(const SceneView& scene) {
   fog_color_ = scene.environment.horizon;
   fog_density_ = scene.environment.fog_density;
   const bool fog = fog_density_ > 0;
-  const bool made = fog == with_fog_ && scene.shadows == with_shadows_;
-  return made ? Result<void>{} : make_programs(fog, scene.shadows);
+  const bool probe = scene.probe != nullptr;
+  const bool made = fog == with_fog_ && scene.shadows == with_shadows_ && probe == with_probe_;
+  return made ? Result<void>{} : make_programs(fog, scene.shadows, probe);
 }
 
 const ImpostorPass::Proxy& ImpostorPass::hull(const SceneView& scene, std::uint32_t object) {
@@ -212,6 +218,7 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool re
   program.set("u_ambient", lights_.ambient);
   program.set("u_light_count", lights_.count);
   program.set("u_lights", lights_.lights);
+  if (probe_) probe_->use(program, lights_.probe);
 }
 
 void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list) {
@@ -316,15 +323,20 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
 }
 
 void ImpostorPass::draw(const Camera& camera, DepthMapping mapping, const SceneView& scene,
-                        const DrawList& list, const Lighting& lighting, GLuint shadow_atlas) {
+                        const DrawList& list, const Lighting& lighting, GLuint shadow_atlas,
+                        const gl::ProbeMap* probe) {
+  probe_ = probe;
+  // Where one colour has to do, the probe is what it sends on the mean.
+  Lighting mean = lighting;
+  if (scene.probe) mean.ambient += scene.probe->irradiance[0] * lighting.probe.strength;
   mapping_ = mapping;
   shadow_atlas_ = shadow_atlas;
-  shadow_tint_ = shadow_tint(lighting);
+  shadow_tint_ = shadow_tint(mean);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(gl::nearer_or_equal(mapping_));
   glDisable(GL_BLEND);
   lights_ = gl::light_block(lighting, camera.pose.eye);
-  draw_placeholders(camera, scene, list, lighting);
+  draw_placeholders(camera, scene, list, mean);
   const BlendOrder order = blend_order(list.impostors, scene, camera.pose.eye);
   DrawnImpostors flat = order.under_relief;
   flat.insert(flat.end(), order.over_relief.begin(), order.over_relief.end());

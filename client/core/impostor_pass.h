@@ -13,6 +13,7 @@
 #include "protocol/result.h"
 #include "shaders/gl/gl_object.h"
 #include "shaders/gl/mesh_pass.h"
+#include "shaders/gl/probe_map.h"
 #include "shaders/gl/program.h"
 
 namespace mirage {
@@ -22,16 +23,17 @@ class ImpostorPass {
   /// Error kGraphicsShader, kGraphicsGl (atlas too large).
   static Result<ImpostorPass> create(int atlas_edge, int atlas_layers);
 
-  /// Proxies of a new scene, and programs with or without its fog and shadows. Error
+  /// Proxies of a new scene, and programs with or without its fog, shadows and probe. Error
   /// kGraphicsShader: those there were stay.
   Result<void> reset(const SceneView& scene);
   Result<void> upload(const TileRecord& record, const TilePixels& pixels) {
     return atlas_.upload(record, pixels);
   }
   /// `shadow_atlas`: of ShadowAtlas, 0 when no impostor wears a shadow.
-  /// `mapping`: of the target's depth.
+  /// `mapping`: of the target's depth. `probe`: the scene's, nullptr for none.
   void draw(const Camera& camera, DepthMapping mapping, const SceneView& scene,
-            const DrawList& list, const Lighting& lighting, GLuint shadow_atlas);
+            const DrawList& list, const Lighting& lighting, GLuint shadow_atlas,
+            const gl::ProbeMap* probe);
 
   int draw_calls() const { return draw_calls_; }
   void reset_draw_calls() { draw_calls_ = 0; }
@@ -43,7 +45,7 @@ class ImpostorPass {
     gl::Buffer vertices;
     int vertex_count = 0;
   };
-  Result<void> make_programs(bool fog, bool shadows);
+  Result<void> make_programs(bool fog, bool shadows, bool probe);
   static Proxy make_proxy(const std::vector<ProxyVertex>& triangles);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
@@ -71,8 +73,9 @@ class ImpostorPass {
   Proxy cube_;
   std::map<std::uint32_t, Proxy> hulls_, warp_proxies_;  ///< by object, made when first drawn
   gl::LightBlock lights_;                                ///< of the frame
-  bool with_fog_ = false, with_shadows_ = false;         ///< what the programs were made for
+  bool with_fog_ = false, with_shadows_ = false, with_probe_ = false;  ///< of the programs
   GLuint shadow_atlas_ = 0;
+  const gl::ProbeMap* probe_ = nullptr;
   DepthMapping mapping_ = DepthMapping::kForward;
   glm::vec3 shadow_tint_{1};
   glm::vec3 fog_color_{0};

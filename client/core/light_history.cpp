@@ -118,11 +118,26 @@ std::uint64_t LightHistory::key(std::uint32_t instance, const State& state) cons
   return key;
 }
 
+namespace {
+
+// The most that a change of the probe can change, with a white surface at strength 1 taken as 1:
+// the difference in strength, and the angle it has turned by (0 to 1).
+float probe_change(const ProbeLight& a, const ProbeLight& b) {
+  const float before = a.shines() ? a.strength : 0, after = b.shines() ? b.strength : 0;
+  if (before == 0 || after == 0) return std::max(before, after);
+  if (a.id != b.id) return before + after;
+  const float sine2 = 1 - std::min(std::abs(glm::dot(a.rotation, b.rotation)), 1.0f);
+  const float turned = std::min(2 * std::sqrt(2 * sine2), 1.0f);  // the angle, of small ones
+  return std::abs(before - after) + turned * std::min(before, after);
+}
+
+}  // namespace
+
 double light_error_px(const Lighting& then, const Lighting& now, const InstanceView& instance,
                       const ObjectDescription& object, double radius_px) {
   const Cardinal a = cardinal_light(then, instance, object);
   const Cardinal b = cardinal_light(now, instance, object);
-  float worst = 0;
+  float worst = probe_change(then.probe, now.probe);
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (int c = 0; c < 3; ++c) {
       worst = std::max(worst, std::abs(std::min(a[i][c], 1.0f) - std::min(b[i][c], 1.0f)));

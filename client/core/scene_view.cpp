@@ -58,6 +58,16 @@ Result<void> SceneView::accept(const wire::WelcomeT& w) {
   return {};
 }
 
+Result<void> SceneView::accept(const wire::LightProbePageT& page, const Bytes& payload) {
+  if (!welcomed_ || page.id != lighting.probe.id || probe) {
+    return make_error(ErrorId::kWireState, "light probe that no welcome named");
+  }
+  Result<LightProbe> decoded = decode_probe(page, payload);
+  if (!decoded) return decoded.error();
+  probe = std::make_shared<const LightProbe>(decoded.take());
+  return {};
+}
+
 Result<void> SceneView::accept(const wire::ImagePageT& page) {
   if (!welcomed_ || page.first != images.size() ||
       images.size() + page.images.size() > expected_images_) {
@@ -232,8 +242,9 @@ bool SceneView::blends() const {
 }
 
 bool SceneView::complete() const {
-  return welcomed_ && images.size() == expected_images_ && objects.size() >= expected_objects_ &&
-         roots_.size() >= expected_roots_;
+  const bool lit = lighting.probe.id == 0 || probe;
+  return welcomed_ && lit && images.size() == expected_images_ &&
+         objects.size() >= expected_objects_ && roots_.size() >= expected_roots_;
 }
 
 void SceneView::build_grid() {

@@ -4,12 +4,14 @@
 // which they came, and ids of the server's.
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 #include "protocol/camera.h"
 #include "protocol/image_codec.h"
+#include "protocol/light_probe.h"
 #include "protocol/message.h"
 #include "protocol/object_proxy.h"
 #include "protocol/scene_types.h"
@@ -42,10 +44,11 @@ class SceneView {
     const std::uint32_t* end() const { return last; }
   };
 
-  /// Takes Welcome, ImagePage, ObjectPage and InstancePage. Instance pages go on coming once the
-  /// scene is complete; what is known already changes nothing. Errors: kWireState when pages do not
-  /// follow on, kWireValue when they refer to what is not there.
+  /// Takes Welcome, LightProbePage, ImagePage, ObjectPage and InstancePage. Instance pages go on
+  /// coming once the scene is complete; what is known already changes nothing. Errors: kWireState
+  /// when pages do not follow on, kWireValue when they refer to what is not there.
   Result<void> accept(const wire::WelcomeT& welcome);
+  Result<void> accept(const wire::LightProbePageT& page, const Bytes& payload);
   Result<void> accept(const wire::ImagePageT& page);
   Result<void> accept(const wire::ObjectPageT& page);
   Result<void> accept(const wire::InstancePageT& page);
@@ -53,7 +56,8 @@ class SceneView {
   bool welcomed() const { return welcomed_; }
   /// Some object has blended surfaces.
   bool blends() const;
-  /// All images and objects are there, and all that has no parent: there is a scene to draw.
+  /// The probe, all images and objects are there, and all that has no parent: there is a scene to
+  /// draw.
   bool complete() const;
   /// All that comes unasked is there.
   bool described() const { return described_; }
@@ -63,6 +67,7 @@ class SceneView {
   std::string renderer;
   std::uint64_t triangles = 0;
   Lighting lighting;
+  std::shared_ptr<const LightProbe> probe;  ///< that lighting.probe names; nullptr: none
   Environment environment;
   HomeView home;
   bool geometry = false;

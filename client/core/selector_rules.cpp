@@ -18,10 +18,6 @@ constexpr std::uint32_t kTileBytes = 1500;  // of a middling tile, as it travels
 // a triangle costs as much as so many pixels of a quad, or more.
 constexpr double kStandInRadii = 3;
 constexpr double kPixelsPerTriangle = 16;
-// An eye that stands: its tile is filtered from more samples than geometry is drawn with, and from
-// the whole mesh. From nearer a texel's depth no longer holds still.
-constexpr double kStandingMps = 0.02;
-constexpr double kStandingRadii = 1.3;
 
 // Sent once, such geometry costs less than any one tile, and is right from everywhere.
 bool cheaper_than_tiles(const ObjectDescription& object) {
@@ -75,10 +71,7 @@ bool may_stand_in(const SelectorInput& in, const ObjectDescription& object,
                   const ViewGeometry& view, double tau_px) {
   const double distance = glm::length(view.eye), size = radius_px(view);
   if (!in.method.automatic || object.group || object.motion.moving()) return false;
-  const bool stands = glm::length(in.velocity) < kStandingMps;
-  const double nearest = (stands ? kStandingRadii : kStandInRadii) * view.radius;
-  if (std::isinf(swap_radii(in, object)) || distance < nearest) return false;
-  if (stands) return true;
+  if (std::isinf(swap_radii(in, object)) || distance < kStandInRadii * view.radius) return false;
   const double px_per_unit = view.focal_px / (distance - view.radius);
   const std::size_t lod = lod_for_view(object.lods, px_per_unit, tau_px);
   return lod < object.lods.size() &&

@@ -22,8 +22,7 @@ double light_change_px(const SelectorInput& in, const TileCache::LitGroup& lit,
                        std::uint32_t instance, double radius_px);
 /// Nearer than this, in radii, the object is geometry, if it is there; +inf: everywhere.
 double swap_radii(const SelectorInput& in, const ObjectDescription& object);
-/// Whether a flat tile of the object may replace its geometry: it is cheaper to draw, or the eye
-/// stands, and sees it drawn better.
+/// Whether a flat tile of the object is cheaper to draw than its geometry, and may replace it.
 bool may_stand_in(const SelectorInput& in, const ObjectDescription& object,
                   const ViewGeometry& view, double tau_px);
 

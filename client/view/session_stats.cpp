@@ -128,6 +128,8 @@ std::string SessionStats::json(const Final& end) const {
   j["tiles"] = {{"asked", end.tiles.asked},         {"received", end.tiles.received},
                 {"drawn", end.tiles.drawn},         {"wasted", end.tiles.wasted},
                 {"cancelled", end.tiles.cancelled}, {"refused", end.tiles.refused}};
+  const glm::dvec3 &eye = end.home.eye, &target = end.home.target;
+  j["home"] = {{"eye", {eye.x, eye.y, eye.z}}, {"target", {target.x, target.y, target.z}}};
   j["codecs"] = codecs_json(end.codecs);
   if (!light_lag_ms_.empty()) {
     j["light_lag_ms"] = {{"p50", number(quantile(light_lag_ms_, 0.50))},

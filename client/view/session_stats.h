@@ -55,6 +55,7 @@ class SessionStats {
     /// Shader programs: compiled in all, since the scene is known, and of those within a draw.
     std::uint64_t programs = 0, programs_after_scene = 0, programs_in_draws = 0;
     std::int64_t duration_us = 0;
+    HomeView home;
     std::string scene, renderer, server, method;
     double tau_px = 1;
     double wall_s = 0;

@@ -1,5 +1,7 @@
 // mirage-sheet DIR OUT.png: a contact sheet of compared frames, one row each:
 // Mirage | full render | difference.
+// mirage-sheet IMAGE IMAGE… OUT.png: images of one size beside each other, with the FLIP of each
+// against the first.
 
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
@@ -7,9 +9,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "client/quality/flip.h"
 #include "protocol/cli.h"
 #include "protocol/result.h"
 
@@ -57,16 +61,64 @@ Result<void> make_sheet(const std::string& directory, const std::string& target)
   return {};
 }
 
+// Opaque RGBA bytes. Error kIo.
+Result<std::vector<std::uint8_t>> read_image(const std::string& path, const OIIO::ImageBuf& image) {
+  const int w = image.spec().width, h = image.spec().height, channels = image.nchannels();
+  if (!image.initialized() || w < 1 || h < 1 || channels < 3) {
+    return make_error(ErrorId::kIo, "cannot read '" + path + "' as a colour image");
+  }
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * 4, 255);
+  const OIIO::ROI colors(0, w, 0, h, 0, 1, 0, 3);
+  image.get_pixels(colors, OIIO::TypeDesc::UINT8, out.data(), 4);
+  return out;
+}
+
+Result<void> compare_images(const std::vector<std::string>& paths, const std::string& target) {
+  constexpr int kGap = 4;
+  OIIO::ImageBuf sheet;
+  std::vector<std::uint8_t> first;
+  int w = 0, h = 0;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const OIIO::ImageBuf image(paths[i]);
+    Result<std::vector<std::uint8_t>> pixels = read_image(paths[i], image);
+    if (!pixels) return pixels.error();
+    const int count = static_cast<int>(paths.size());
+    if (i == 0) {
+      w = image.spec().width;
+      h = image.spec().height;
+      first = *pixels;
+      sheet.reset(OIIO::ImageSpec(count * w + (count - 1) * kGap, h, 3, OIIO::TypeDesc::UINT8));
+      OIIO::ImageBufAlgo::fill(sheet, {1.0f, 1.0f, 1.0f});
+    } else if (image.spec().width != w || image.spec().height != h) {
+      return make_error(ErrorId::kUsage, "'" + paths[i] + "' has another size than the first");
+    }
+    OIIO::ImageBufAlgo::paste(sheet, static_cast<int>(i) * (w + kGap), 0, 0, 0, image);
+    const auto size = [](int v) { return static_cast<std::uint32_t>(v); };
+    const std::optional<FlipMap> map =
+        flip_map({size(w), size(h), first.data()}, {size(w), size(h), pixels->data()});
+    const std::optional<double> flip = map ? flip_mean(*map) : std::nullopt;
+    if (i > 0) std::printf("%s flip=%.4f\n", paths[i].c_str(), flip.value_or(0.0));
+  }
+  if (!sheet.write(target)) return make_error(ErrorId::kIo, "cannot write '" + target + "'");
+  return {};
+}
+
 }  // namespace
 }  // namespace mirage
 
 int main(int argc, char** argv) {
   CLI::App app("Puts compared frames beside each other.", "mirage-sheet");
-  std::string directory, target;
-  app.add_option("DIR", directory, "frames of mirage-view --out")->required();
-  app.add_option("OUT", target, "image to write")->required();
+  std::vector<std::string> paths;
+  app.add_option("PATHS", paths,
+                 "frames of mirage-view --out, or images to compare with the first of them; then "
+                 "the image to write")
+      ->required()
+      ->expected(2, 64);
   mirage::add_conventions(app);
   if (const int code = mirage::parse_command_line(app, argc, argv); code >= 0) return code;
-  const mirage::Result<void> made = mirage::make_sheet(directory, target);
+  const std::string target = paths.back();
+  paths.pop_back();
+  const mirage::Result<void> made = paths.size() == 1 ? mirage::make_sheet(paths.front(), target)
+                                                      : mirage::compare_images(paths, target);
   return made.ok() ? 0 : mirage::fail(made.error());
 }

@@ -327,6 +327,7 @@ Result<void> write_text(const std::string& path, const std::string& text) {
 
 Result<void> Viewer::finish() {
   SessionStats::Final end;
+  end.home = session().scene().home;
   end.traffic = host_->traffic();
   end.tiles = session().tiles();
   end.codecs = session().codecs();

@@ -1,10 +1,12 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "protocol/capture.h"
 #include "server/scene/prepared_scene.h"
 #include "shaders/gl/gpu_model.h"
+#include "shaders/gl/probe_map.h"
 
 namespace mirage {
 
@@ -12,6 +14,7 @@ namespace mirage {
 struct GpuScene {
   std::shared_ptr<const PreparedScene> prepared;
   gl::GpuImages images;
+  std::optional<gl::ProbeMap> probe;
   std::vector<gl::GpuMesh> meshes;                  ///< whole, by object
   std::vector<std::vector<gl::GpuMesh>> tile_lods;  ///< by object and level; some are empty
 
@@ -19,6 +22,7 @@ struct GpuScene {
     for (std::size_t i = 0; i < prepared->scene.images.size(); ++i) {
       images.put(i, prepared->scene.images[i], prepared->mips[i]);
     }
+    if (prepared->scene.probe) probe = gl::ProbeMap::create(*prepared->scene.probe);
     for (const SceneObject& object : prepared->scene.objects) meshes.emplace_back(object.mesh);
     for (const ObjectGeometry& geometry : prepared->geometry) {
       std::vector<gl::GpuMesh>& lods = tile_lods.emplace_back();
@@ -27,9 +31,11 @@ struct GpuScene {
       }
     }
   }
-  /// Of images and meshes, all levels.
+  /// For a mesh pass; nullptr: the scene has none.
+  const gl::ProbeMap* probe_map() const { return probe ? &*probe : nullptr; }
+  /// Of images and meshes, all levels, and the probe.
   std::size_t gpu_bytes() const {
-    std::size_t bytes = images.gpu_bytes();
+    std::size_t bytes = images.gpu_bytes() + (probe ? probe->gpu_bytes() : 0);
     for (const gl::GpuMesh& mesh : meshes) bytes += mesh.gpu_bytes();
     for (const std::vector<gl::GpuMesh>& lods : tile_lods) {
       for (const gl::GpuMesh& mesh : lods) bytes += mesh.gpu_bytes();

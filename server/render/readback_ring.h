@@ -16,8 +16,8 @@ struct PendingPage {
   std::vector<TileJob> jobs;
   std::vector<std::pair<int, int>> places;
   std::int64_t started_us = 0;
-  bool surface = false;       ///< read the third attachment, too
   int width = 0, height = 0;  ///< texels that the tiles take up, from the lower left
+  bool surface = false;       ///< read the third attachment, too
 };
 
 /// Graphics memory of a page on its way back, bytes.

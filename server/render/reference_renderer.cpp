@@ -46,6 +46,7 @@ ReferenceRenderer::ReferenceRenderer(const GpuScene& scene)
 Result<ReferenceRenderer> ReferenceRenderer::create(const GpuScene& scene, SceneShadow* shadow) {
   ReferenceRenderer out(scene);
   out.shadow_ = shadow;
+  out.meshes_->set_probe(scene.probe_map());
   Result<gl::SkyPass> sky = gl::SkyPass::create();
   if (!sky) return sky.error();
   out.sky_ = std::move(*sky);

@@ -80,6 +80,9 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
   if (blends) out.lit_.ranges = std::make_unique<gl::MeshPass>(gl::MeshOutput::kRange);
   out.relit_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kSurface);
   out.shadow_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kShadow);
+  for (const Path* path : {&out.lit_, &out.relit_, &out.shadow_}) {
+    path->meshes->set_probe(scene.probe_map());
+  }
   out.empty_vao_ = gl::VertexArray::create();
   if (extras.forced) {
     for (const Path* path : {&out.lit_, &out.relit_}) path->meshes->force(extras.forced);

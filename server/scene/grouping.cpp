@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "protocol/need_mask.h"
+
 namespace mirage {
 namespace {
 
@@ -245,8 +247,48 @@ Grouping group_instances(Scene& scene, const std::vector<ObjectDescription>& obj
   return Grouper(scene, objects).build();
 }
 
-void find_surroundings(const Scene& scene, double bounds_radius,
-                       std::vector<ObjectDescription>& objects) {
+namespace {
+
+// In the world, of the object's bounding box.
+glm::dvec3 middle_of(const Instance& instance, const ObjectDescription& object) {
+  const Similarity& m = instance.world_from_object;
+  return m.position + glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale});
+}
+
+bool in_box(const glm::dvec3& world, const Instance& instance, const ObjectDescription& object) {
+  const Similarity& m = instance.world_from_object;
+  const glm::dvec3 p =
+      glm::conjugate(glm::dquat(m.rotation)) * (world - m.position) / double{m.scale};
+  return glm::all(glm::greaterThan(p, glm::dvec3(object.box_min))) &&
+         glm::all(glm::lessThan(p, glm::dvec3(object.box_max)));
+}
+
+// Objects that are seen through and have the middle of another in their box.
+void find_vitrines(const Scene& scene, std::vector<ObjectDescription>& objects) {
+  std::vector<std::pair<double, glm::dvec3>> middles;  // by x
+  for (const Instance& i : scene.instances) {
+    const glm::dvec3 at = middle_of(i, objects[i.object]);
+    middles.emplace_back(at.x, at);
+  }
+  std::sort(middles.begin(), middles.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const Instance& i : scene.instances) {
+    ObjectDescription& object = objects[i.object];
+    const bool vitrine = (object.needs & kNeedBlend) && !object.surrounds &&
+                         object.triangles <= kMaxSurroundingTriangles;
+    if (!vitrine) continue;
+    const glm::dvec3 own = middle_of(i, object);
+    const double radius = double{object.radius} * i.world_from_object.scale;
+    auto at = std::lower_bound(middles.begin(), middles.end(), own.x - radius,
+                               [](const auto& m, double x) { return m.first < x; });
+    for (; at != middles.end() && at->first <= own.x + radius && !object.surrounds; ++at) {
+      object.surrounds = at->second != own && in_box(at->second, i, object);
+    }
+  }
+}
+
+void find_shells(const Scene& scene, double bounds_radius,
+                 std::vector<ObjectDescription>& objects) {
   if (scene.instances.size() < kSurroundedInstances) return;
   std::vector<std::uint32_t> uses(objects.size(), 0);
   for (const Instance& i : scene.instances) ++uses[i.object];
@@ -257,6 +299,14 @@ void find_surroundings(const Scene& scene, double bounds_radius,
     object.surrounds = uses[i.object] == 1 && radius > kLargeShare * bounds_radius &&
                        object.triangles <= kMaxSurroundingTriangles;
   }
+}
+
+}  // namespace
+
+void find_surroundings(const Scene& scene, double bounds_radius,
+                       std::vector<ObjectDescription>& objects) {
+  find_shells(scene, bounds_radius, objects);
+  find_vitrines(scene, objects);
 }
 
 }  // namespace mirage

@@ -36,7 +36,8 @@ Grouping group_instances(Scene& scene, const std::vector<ObjectDescription>& obj
 Grouping no_groups(std::size_t instances);
 
 /// Marks the objects that surround the viewer (terrain, water, a room's shell): used once, large
-/// against the scene, in a scene of several.
+/// against the scene, in a scene of several; and those that are seen through and have other objects
+/// in them (amber, a vitrine), which no picture of the object alone can show.
 void find_surroundings(const Scene& scene, double bounds_radius,
                        std::vector<ObjectDescription>& objects);
 

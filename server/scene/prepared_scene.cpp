@@ -7,6 +7,7 @@
 #include "protocol/lighting_state.h"
 #include "protocol/limits.h"
 #include "server/scene/builtin/builtin_scene.h"
+#include "server/scene/environment/environment.h"
 #include "server/scene/gltf/gltf_import.h"
 #include "server/scene/motion_measure.h"
 #include "server/scene/scene_revision.h"
@@ -196,7 +197,11 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
                                  : import_gltf_spec(spec, workers, {.strict = options.strict});
   if (!loaded) return loaded.error();
   times.done("scene");
-  auto prepared = prepare(loaded.take(), options, workers, std::move(times));
+  Scene scene = loaded.take();
+  Result<void> lit = set_environment(options.environment, scene, workers);
+  if (!lit) return lit.error();
+  times.done("environment");
+  auto prepared = prepare(std::move(scene), options, workers, std::move(times));
   const bool range = !prepared && prepared.error().id == ErrorId::kSceneRange;
   if (range) return make_error(ErrorId::kSceneRange, spec + ": " + prepared.error().text);
   return prepared;

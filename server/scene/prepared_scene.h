@@ -57,10 +57,11 @@ struct PreparedScene {
 };
 
 struct LoadOptions {
-  bool keep_imported = false;       ///< PreparedScene::imported
-  std::size_t threads = 0;          ///< that work at it; 0: as many as there are cores
-  bool strict = false;              ///< files: refuse what viewers forgive (ImportOptions)
-  CacheDirectory* cache = nullptr;  ///< of levels of detail and mips; nullptr: all is made
+  bool keep_imported = false;        ///< PreparedScene::imported
+  std::size_t threads = 0;           ///< that work at it; 0: as many as there are cores
+  bool strict = false;               ///< files: refuse what viewers forgive (ImportOptions)
+  std::string environment = "none";  ///< `--environment`; empty: what suits the scene
+  CacheDirectory* cache = nullptr;   ///< of levels of detail and mips; nullptr: all is made
 };
 
 /// Loads `spec` (a path or `builtin:NAME?…`) and prepares it: the same however many threads work,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocol/animation.h"
+#include "protocol/light_probe.h"
 #include "protocol/model.h"
 #include "protocol/result.h"
 #include "protocol/scene_types.h"
@@ -28,6 +29,8 @@ struct Scene {
   std::vector<Image> images;
   std::vector<Instance> instances;
   Lighting lighting;
+  bool own_lights = true;  ///< false: `lighting` is what is taken where a file says nothing
+  std::shared_ptr<const LightProbe> probe;  ///< that lighting.probe names; nullptr: none
   Environment environment;
   HomeView home;
   /// One line per kind of recoverable defect, with its count ("3 triangles with NaN dropped").

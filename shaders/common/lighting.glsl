@@ -79,6 +79,10 @@ vec3 unit(vec3 v) {
   return normalize(v / max(max(a.x, a.y), a.z));
 }
 
+#ifdef PROBE
+#include "common/probe.glsl"
+#endif
+
 vec3 shade(Surface s) {
   vec3 f0 = mix(vec3(0.04), s.albedo, s.metallic);
   vec3 diffuse = s.albedo * (1.0 - s.metallic);
@@ -102,5 +106,8 @@ vec3 shade(Surface s) {
     float specular = ggx_specular(n_l, n_v, max(dot(s.normal, h), 0.0), s.roughness);
     result += color * n_l * ((1.0 - fresnel) * diffuse + fresnel * specular);
   }
+#ifdef PROBE
+  result += probe_light(s, to_eye, f0, diffuse);
+#endif
   return result;
 }

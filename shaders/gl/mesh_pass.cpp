@@ -15,6 +15,7 @@ constexpr NeedMask kFade = NeedMask{1} << 62;
 constexpr NeedMask kDepthOnly = NeedMask{1} << 61;
 constexpr NeedMask kShadow = NeedMask{1} << 60;
 constexpr NeedMask kSwitches = NeedMask{1} << 59;  // of what is forced
+constexpr NeedMask kProbe = NeedMask{1} << 58;
 
 struct NeedDefine {
   NeedMask need;
@@ -33,6 +34,7 @@ constexpr NeedDefine kDefines[] = {
     {kFog, "FOG"},
     {kFade, "FADE"},
     {kShadow, "SHADOW"},
+    {kProbe, "PROBE"},
     {kDepthOnly, "DEPTH_ONLY"},
     {kSwitches, "SWITCHES"},
 };
@@ -113,6 +115,7 @@ MeshInstance mesh_instance(const Similarity& m, const glm::dvec3& eye, std::uint
 LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye) {
   LightBlock block;
   block.ambient = lighting.ambient;
+  block.probe = lighting.probe;
   for (const ObjectLight& l : lighting.lights) {
     add_light(block, l.kind, l.color, l.position - eye, l.direction,
               {l.range, l.cos_inner, l.cos_outer});
@@ -123,6 +126,7 @@ LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye) {
 LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye) {
   LightBlock block;
   block.ambient = lighting.ambient;
+  block.probe = lighting.probe;
   const Light* sun = sun_of(lighting);
   for (const Light& l : lighting.lights) {
     if (l.color == glm::vec3(0)) continue;
@@ -142,6 +146,7 @@ void MeshPass::force(NeedMask needs) {
     return texture;
   };
   white_ = one_texel(GL_RGBA8, glm::vec4(1));
+  black_probe_ = ProbeMap::black();
   // In 8 bits no normal map is neutral: 127 and 128 both lean by 0.2 degrees.
   flat_ = one_texel(GL_RGBA16F, {0.5f, 0.5f, 1, 1});
 }
@@ -162,6 +167,7 @@ Result<Program*> MeshPass::program(NeedMask needs, bool fade, Stage stage) {
   needs &= kShaderNeeds;
   if (forced_) needs |= (forced_ & kShaderNeeds) | kSwitches;
   if (shadow_ && (needs & kNeedLighting)) needs |= kShadow;
+  if ((probe_ || forced_) && (needs & kNeedLighting)) needs |= kProbe;
   if (fog_density_ > 0) needs |= kFog;
   if (stage == Stage::kDepth) {
     needs = (needs & kNeedAlphaMask ? needs & (kDepthNeeds | kSwitches) : NeedMask{0}) | kDepthOnly;
@@ -318,6 +324,7 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
     p.set("u_sun", lights_.sun);
     shadow_->use(p, eye_);
   }
+  if (probe_ || forced_) (probe_ ? *probe_ : black_probe_).use(p, lights_.probe);
   p.set("u_mip_bias", stage == Stage::kDepth ? 2 * mip_bias_ : mip_bias_);
   p.set("u_point_size", stroke_);
   p.set("u_fog_color", fog_color_);

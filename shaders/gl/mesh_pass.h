@@ -9,6 +9,7 @@
 #include "protocol/lighting_state.h"
 #include "protocol/result.h"
 #include "shaders/gl/gpu_model.h"
+#include "shaders/gl/probe_map.h"
 #include "shaders/gl/program.h"
 #include "shaders/gl/shadow_map.h"
 #include "shaders/gl/view_depth.h"
@@ -32,7 +33,8 @@ struct LightBlock {
   glm::vec3 ambient{0};
   int count = 0;
   std::vector<glm::vec4> lights;
-  int sun = -1;  ///< which of them casts shadows (sun_of); never one of an object's own space
+  ProbeLight probe;  ///< in the axes of what is drawn
+  int sun = -1;      ///< which of them casts shadows (sun_of); never one of an object's own space
 };
 LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye);
 LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye);
@@ -84,6 +86,9 @@ class MeshPass {
     shadow_ = map;
     eye_ = eye;
   }
+  /// Light from all around on what is drawn from now on; nullptr: none, and variants without it are
+  /// used.
+  void set_probe(const ProbeMap* probe) { probe_ = probe; }
   /// Draws the opaque and masked primitives (`blended` false) or the blended ones (true).
   void draw(const GpuMesh& mesh, const std::vector<Material>& materials, const GpuImages& images,
             const MeshInstance* instances, std::size_t count, bool blended);
@@ -120,7 +125,9 @@ class MeshPass {
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;
   const ShadowMap* shadow_ = nullptr;
-  glm::dvec3 eye_{0};  ///< positions are relative to it, world; for shadows only
+  const ProbeMap* probe_ = nullptr;
+  ProbeMap black_probe_;  ///< of what is forced
+  glm::dvec3 eye_{0};     ///< positions are relative to it, world; for shadows only
   int draw_calls_ = 0;
 };
 

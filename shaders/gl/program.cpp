@@ -9,7 +9,7 @@
 namespace mirage::gl {
 namespace {
 
-constexpr int kMaxIncludeDepth = 4;
+constexpr int kMaxIncludeDepth = 5;
 
 std::atomic<std::uint64_t> compiled_so_far{0};
 

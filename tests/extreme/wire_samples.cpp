@@ -34,6 +34,8 @@ class FloatCheck {
       add(l.position), add(glm::dvec3(l.color)), add(glm::dvec3(l.direction));
       add(double{l.range}), add(double{l.cos_inner}), add(double{l.cos_outer});
     }
+    const glm::quat& q = lighting.probe.rotation;
+    add(glm::dvec3(q.x, q.y, q.z)), add(double{q.w}), add(double{lighting.probe.strength});
   }
   void add(const wire::ObjectInfoT& o) {
     add(o.center), add(o.box_min), add(o.box_max), add(o.mean_color), add(double{o.radius});
@@ -89,6 +91,7 @@ bool accepts_message(const Bytes& bytes, int& not_finite) {
     check.add(m->eye), check.add(m->forward), check.add(m->focal_px), check.add(m->tau_px);
     check.add(m->speed_mps), check.add(m->margin);
   }
+  if (const auto* m = body.AsLightProbePage()) check.add(m->irradiance);
   if (const auto* m = body.AsImagePage()) {
     for (const wire::ImageInfo& i : m->images) check.add(double{i.alpha_cutoff()});
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "fuzz_targets.h"
+#include "protocol/light_probe.h"
 #include "protocol/message.h"
 
 namespace mirage::fuzz {
@@ -15,6 +16,7 @@ void use_message(const std::uint8_t* bytes, std::size_t size) {
   const wire::BodyUnion& body = message->body;
   if (const auto* m = body.AsWelcome()) (void)from_wire(*m->lighting);
   if (const auto* m = body.AsSetLighting()) (void)from_wire(*m->lighting);
+  if (const auto* m = body.AsLightProbePage()) (void)decode_probe(*m, message->payload);
   if (const auto* m = body.AsTileReply()) {
     Result<Tile> tile = tile_from_fields(*m);
     if (tile) {

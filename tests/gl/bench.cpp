@@ -9,6 +9,8 @@
 #include "protocol/stable_math.h"
 #include "server/encode_stage.h"
 #include "server/render/readback_ring.h"
+#include "server/scene/environment/builtin_environment.h"
+#include "server/scene/environment/probe_filter.h"
 #include "server/session.h"
 
 namespace mirage::test {
@@ -24,6 +26,12 @@ Lighting field_light(BenchLight kind) {
   constexpr float kPi = 3.14159265f;
   lighting.ambient = glm::vec3(kind == BenchLight::kLit ? 0.6f / kPi : 1.0f);
   if (kind == BenchLight::kAlbedo) return lighting;
+  if (kind == BenchLight::kProbe) {
+    lighting.ambient = glm::vec3(0);
+    lighting.probe.rotation = glm::angleAxis(0.7f, glm::normalize(glm::vec3(0.2f, 1, -0.3f)));
+    lighting.probe.strength = 0.8f;
+    return lighting;
+  }
   Light sun;
   sun.color = glm::vec3(2.5f / kPi);
   sun.direction = -glm::normalize(glm::vec3(2, 3, 1));
@@ -121,10 +129,16 @@ std::optional<SceneView> scene_as_told(const std::shared_ptr<const PreparedScene
   const Bytes greeting = encode_message(std::move(hello));
   if (!hub.receive(id, greeting.data(), greeting.size())) return std::nullopt;
   SceneView scene;
+  FrameAssembler assembler(limits::kMaxTransferBytes);
   while (const FramePtr frame = hub.next_frame(id)) {
-    Message m = decode_message(frame->data(), frame->size()).take();
+    const auto whole = assembler.accept(frame->data(), frame->size());
+    if (!whole || !whole->has_value()) continue;
+    Message m = decode_message((*whole)->data(), (*whole)->size()).take();
     bool taken = true;
     if (m.body.AsWelcome()) taken = scene.accept(*m.body.AsWelcome()).ok();
+    if (m.body.AsLightProbePage()) {
+      taken = scene.accept(*m.body.AsLightProbePage(), m.payload).ok();
+    }
     if (m.body.AsImagePage()) taken = scene.accept(*m.body.AsImagePage()).ok();
     if (m.body.AsObjectPage()) taken = scene.accept(*m.body.AsObjectPage()).ok();
     if (m.body.AsInstancePage()) taken = scene.accept(*m.body.AsInstancePage()).ok();
@@ -143,7 +157,13 @@ std::unique_ptr<Bench> Bench::create(const std::string& spec, BenchLight light,
   Result<std::shared_ptr<const PreparedScene>> scene = load_scene(spec);
   if (!scene) return nullptr;
   auto prepared = std::make_shared<PreparedScene>(as_one_object(**scene, placed));
-  prepared->scene.lighting = bench->light_ = field_light(light);
+  bench->light_ = field_light(light);
+  if (light == BenchLight::kProbe) {
+    auto probe = std::make_shared<const LightProbe>(make_probe(*builtin_environment("sky"), {}));
+    bench->light_.probe.id = probe->id;
+    prepared->scene.probe = std::move(probe);
+  }
+  prepared->scene.lighting = bench->light_;
   prepared->scene.environment = Environment{};  // sRGB 128
   prepared->scene.environment.fog_density = fog_density;
   bench->prepared_ = prepared;

@@ -17,7 +17,7 @@
 namespace mirage::test {
 
 /// Light of the field's protocol (FIELD.md).
-enum class BenchLight { kLit, kAlbedo };
+enum class BenchLight { kLit, kAlbedo, kProbe };
 
 /// Folder of the models shared between checkouts: `shared` beside the checkout; "" when absent.
 std::string shared_models();

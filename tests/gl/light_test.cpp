@@ -149,10 +149,14 @@ struct Model {
   const char* name;
   const char* spec;  // relative paths: below the shared models
   double lit_db, relit_db;
+  BenchLight light = BenchLight::kLit;
 };
-const Model kModels[] = {{"knot", "builtin:knot", 50, 44},
-                         {"flight_helmet", "assets/objects/flight_helmet.glb", 41, 35},
-                         {"tree", "assets/reference/tree.glb", 33, 31}};
+const Model kModels[] = {
+    {"knot", "builtin:knot", 50, 44},
+    {"knot_in_a_probe", "builtin:knot", 50, 44, BenchLight::kProbe},
+    {"helmet_in_a_probe", "assets/objects/flight_helmet.glb", 40, 35, BenchLight::kProbe},
+    {"flight_helmet", "assets/objects/flight_helmet.glb", 41, 35},
+    {"tree", "assets/reference/tree.glb", 33, 31}};
 
 std::unique_ptr<Bench> bench_for(const Model& model, const Similarity& at = placed()) {
   std::string spec = model.spec;
@@ -160,7 +164,7 @@ std::unique_ptr<Bench> bench_for(const Model& model, const Similarity& at = plac
     spec = shared_models() + "/" + spec;
     if (shared_models().empty() || !std::ifstream(spec)) return nullptr;
   }
-  return Bench::create(spec, BenchLight::kLit, at);
+  return Bench::create(spec, model.light, at);
 }
 
 class LitAndRelit : public testing::TestWithParam<Model> {};

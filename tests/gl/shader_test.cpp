@@ -22,17 +22,22 @@ TEST(Shaders, EveryVariantCompiles) {
     masks.push_back(all |= need);
   }
   const gl::ShadowMap map = gl::ShadowMap::create(16).take();
+  const gl::ProbeMap probe = gl::ProbeMap::black();
   using gl::MeshOutput;
   for (const MeshOutput output :
        {MeshOutput::kColor, MeshOutput::kId, MeshOutput::kSurface, MeshOutput::kShadow,
         MeshOutput::kDepth, MeshOutput::kFront, MeshOutput::kRange}) {
-    for (const auto& [shadows, fog] :
-         {std::pair{false, 0.0f}, {false, 0.01f}, {true, 0.0f}, {true, 0.01f}}) {
+    for (const auto& [shadows, fog, light] : {std::tuple{false, 0.0f, false},
+                                              {false, 0.01f, false},
+                                              {true, 0.0f, true},
+                                              {true, 0.01f, false},
+                                              {false, 0.0f, true}}) {
       // A shadow tile without a map of shadows is nothing.
       if (output == MeshOutput::kShadow && !shadows) continue;
       gl::MeshPass pass(output);
       pass.set_fog(glm::vec3(1), fog);
       pass.set_shadow(shadows ? &map : nullptr, {});
+      pass.set_probe(light ? &probe : nullptr);
       for (const NeedMask mask : masks) {
         const Result<void> compiled = pass.compile(mask, true);
         EXPECT_TRUE(compiled) << compiled.error().line();

@@ -58,6 +58,7 @@ TEST(ProtocolMessage, ConversionsGoBothWays) {
   lighting.lights[1].range = 7;
   lighting.lights[1].cos_inner = 0.5f;
   lighting.lights[1].cos_outer = 0.25f;
+  lighting.probe = {0x8877665544332211u, {0.5f, -0.5f, 0.5f, 0.5f}, 0.75f};
   const Result<Lighting> back = from_wire(*to_wire(lighting));
   ASSERT_TRUE(back);
   ASSERT_EQ(back->lights.size(), 2u);
@@ -69,6 +70,10 @@ TEST(ProtocolMessage, ConversionsGoBothWays) {
   EXPECT_EQ(light.range, 7);
   EXPECT_EQ(light.cos_inner, 0.5f);
   EXPECT_EQ(light.cos_outer, 0.25f);
+  EXPECT_EQ(back->probe.id, lighting.probe.id);
+  EXPECT_EQ(back->probe.rotation, lighting.probe.rotation);
+  EXPECT_EQ(back->probe.strength, 0.75f);
+  EXPECT_EQ(to_wire(Lighting{})->probe, nullptr) << "no byte where there is none";
 }
 
 TEST(ProtocolMessage, GoldenTileReply) {

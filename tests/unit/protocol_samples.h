@@ -224,6 +224,13 @@ inline wire::ImagePageT sample_image_page() {
   return m;
 }
 
+inline wire::LightProbePageT sample_probe_page() {
+  wire::LightProbePageT m;
+  m.id = 0x8877665544332211ull;
+  for (int i = 0; i < 27; ++i) m.irradiance.push_back(0.125f * static_cast<float>(i - 4));
+  return m;
+}
+
 inline wire::ReferenceReplyT sample_reference_reply() {
   wire::ReferenceReplyT m;
   m.request_id = 6;
@@ -272,7 +279,8 @@ inline std::vector<Bytes> sample_messages() {
           encode_message(sample_bye()),
           encode_message(sample_image_page()),
           encode_message(sample_image_reply(), {6, 5}),
-          encode_message(sample_open_request())};
+          encode_message(sample_open_request()),
+          encode_message(sample_probe_page(), {5, 4, 3})};
 }
 
 }  // namespace mirage::test

@@ -55,7 +55,7 @@ Result<Scene> import_stages(const std::string& path, const Workers& workers,
   if (scene.instances.empty()) tally.note("nothing to draw");
 
   const gltf::Bounds bounds = gltf::scene_bounds(scene);
-  scene.lighting = gltf::import_lighting(*document, *tree, bounds, tally);
+  scene.lighting = gltf::import_lighting(*document, *tree, bounds, tally, scene.own_lights);
   scene.home = gltf::import_home_view(*document, *tree, bounds, scene.instances.size());
   scene.warnings = tally.lines();
   return scene;

@@ -48,7 +48,9 @@ HomeView import_home_view(const Document& document, const NodeTree& tree, const 
   const double radius = bounds.radius();
   if (bounds.empty || !(radius > 0) || !std::isfinite(radius)) return home;
   const glm::dvec3 size = bounds.high - bounds.low;
-  const bool is_ground = instances > kManyInstances && size.y < kFlat * std::max(size.x, size.z);
+  // Something flat of many parts may be a board or a sign: a place is larger than a person's room.
+  const bool is_ground = instances > kManyInstances && radius >= kPersonScale &&
+                         size.y < kFlat * std::max(size.x, size.z);
   const glm::dvec3 direction = glm::normalize(glm::dvec3(0.6, 0.35, 1));
   home.target = bounds.center();
   home.eye = home.target + (is_ground ? kInside : kOutside) * radius * direction;

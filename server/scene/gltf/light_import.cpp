@@ -99,7 +99,7 @@ int light_of(const tinygltf::Node& node) {
 }  // namespace
 
 Lighting import_lighting(const Document& document, const NodeTree& tree, const Bounds& bounds,
-                         Tally& tally) {
+                         Tally& tally, bool& own) {
   Lighting lighting;
   lighting.ambient = glm::vec3(kAmbientWithLights);
   for (const int node : tree.drawn) {
@@ -116,7 +116,8 @@ Lighting import_lighting(const Document& document, const NodeTree& tree, const B
       tally.add("lights with impossible values left out");
     }
   }
-  if (lighting.lights.empty()) return default_lighting();
+  own = !lighting.lights.empty();
+  if (!own) return default_lighting();
   expose(lighting, bounds, tally);
   return lighting;
 }

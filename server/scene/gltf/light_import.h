@@ -13,7 +13,8 @@ namespace mirage::gltf {
 /// glTF's lux and candela are divided by pi, so that albedo * color * cos (over the squared
 /// distance) is the radiance of a Lambert surface. If together they would overexpose the middle
 /// of `bounds`, all are scaled alike and a warning says by how much.
+/// `own`: whether there were any.
 Lighting import_lighting(const Document& document, const NodeTree& tree, const Bounds& bounds,
-                         Tally& tally);
+                         Tally& tally, bool& own);
 
 }  // namespace mirage::gltf

@@ -1,0 +1,35 @@
+#include "server/scene/environment/environment.h"
+
+#include <algorithm>
+
+#include "server/scene/environment/builtin_environment.h"
+#include "server/scene/environment/environment_file.h"
+#include "server/scene/environment/probe_filter.h"
+
+namespace mirage {
+Result<Equirect> surroundings(const std::string& spec, std::vector<std::string>& warnings) {
+  const std::string builtin = "builtin:";
+  if (!spec.empty() && spec.rfind(builtin, 0) != 0) return read_environment(spec, warnings);
+  std::optional<Equirect> image =
+      builtin_environment(spec.empty() ? "studio" : spec.substr(builtin.size()));
+  if (image) return std::move(*image);
+  return make_error(ErrorId::kUsage, "unknown environment '" + spec + "'",
+                    "builtin:studio, builtin:sky, none or a .hdr or .exr file");
+}
+
+Result<void> set_environment(const std::string& spec, Scene& scene, const Workers& workers) {
+  if (spec == "none" || (spec.empty() && scene.own_lights)) return {};
+  Result<Equirect> image = surroundings(spec, scene.warnings);
+  if (!image) return image.error();
+  const bool lit = std::any_of(scene.materials.begin(), scene.materials.end(),
+                               [](const Material& m) { return !m.unlit; });
+  if (!lit) return {};
+  scene.probe = std::make_shared<const LightProbe>(make_probe(*image, workers));
+  if (!scene.own_lights) scene.lighting.lights.clear();
+  scene.lighting.ambient = glm::vec3(0);
+  scene.lighting.probe = {};
+  scene.lighting.probe.id = scene.probe->id;
+  return {};
+}
+
+}  // namespace mirage

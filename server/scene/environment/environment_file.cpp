@@ -1,0 +1,139 @@
+#include "server/scene/environment/environment_file.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace mirage {
+namespace {
+
+constexpr int kMostEdge = 8192;  // 16k would take seconds to decode and adds nothing
+constexpr int kWidth = 1024, kHeight = 512;
+constexpr float kBrightest = 65408.0f;  // what a probe's texels hold
+constexpr int kBandRows = 64;
+
+// Sums what falls into each texel of the reduced image.
+class Reducer {
+ public:
+  Reducer(int width, int height)
+      : width_(width),
+        height_(height),
+        out_{std::min(width, kWidth), std::min(height, kHeight), {}},
+        sums_(static_cast<std::size_t>(out_.width) * static_cast<std::size_t>(out_.height)),
+        counts_(sums_.size()) {}
+
+  void add_row(int y, const float* pixels, int channels) {
+    const auto row = static_cast<std::size_t>(std::int64_t{y} * out_.height / height_) *
+                     static_cast<std::size_t>(out_.width);
+    for (int x = 0; x < width_; ++x, pixels += channels) {
+      const glm::vec3 c =
+          channels < 3 ? glm::vec3(pixels[0]) : glm::vec3(pixels[0], pixels[1], pixels[2]);
+      const std::size_t at = row + static_cast<std::size_t>(std::int64_t{x} * out_.width / width_);
+      sums_[at] += checked(c);
+      ++counts_[at];
+    }
+  }
+
+  Equirect take(std::vector<std::string>& warnings) {
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+      out_.texels.push_back(sums_[i] / static_cast<float>(std::max(counts_[i], 1u)));
+    }
+    if (replaced_ > 0) {
+      warnings.push_back("environment: " + std::to_string(replaced_) +
+                         " pixels that are no colour (NaN, negative, beyond 65408) replaced");
+    }
+    return std::move(out_);
+  }
+
+ private:
+  glm::vec3 checked(glm::vec3 c) {
+    bool bad = false;
+    for (int i = 0; i < 3; ++i) {
+      const float v = c[i];
+      if (v >= 0 && v <= kBrightest) continue;
+      bad = true;
+      c[i] = v > kBrightest ? kBrightest : 0.0f;  // NaN too is black
+    }
+    replaced_ += bad ? 1 : 0;
+    return c;
+  }
+
+  int width_, height_;
+  Equirect out_;
+  std::vector<glm::vec3> sums_;
+  std::vector<std::uint32_t> counts_;
+  std::size_t replaced_ = 0;
+};
+
+Result<Equirect> read(const std::string& path, std::vector<std::string>& warnings) {
+  auto input = OIIO::ImageInput::open(path);
+  if (!input) return make_error(ErrorId::kSceneFormat, OIIO::geterror(), "a .hdr or .exr file");
+  const OIIO::ImageSpec spec = input->spec();
+  const int w = spec.width, h = spec.height, channels = spec.nchannels;
+  if (w < 1 || h < 1 || spec.depth > 1 || channels < 1) {
+    return make_error(ErrorId::kSceneFormat, "an image without pixels");
+  }
+  if (w > kMostEdge || h > kMostEdge) {
+    return make_error(ErrorId::kSceneLimit,
+                      std::to_string(w) + " x " + std::to_string(h) + " pixels are too many",
+                      "oiiotool FILE --resize 4096x2048 -o SMALLER");
+  }
+  const int taken = std::min(channels, 3);
+  const int rows = spec.tile_height > 0 ? spec.tile_height : kBandRows;
+  if (rows > kMostEdge || spec.tile_width > 2 * kMostEdge) {
+    return make_error(ErrorId::kSceneLimit, "its tiles are too large");
+  }
+  std::vector<float> band(static_cast<std::size_t>(w) * static_cast<std::size_t>(rows * taken));
+  Reducer reducer(w, h);
+  for (int y = 0; y < h; y += rows) {
+    const int end = std::min(y + rows, h);
+    const int y0 = spec.y + y, y1 = spec.y + end;
+    const bool read =
+        spec.tile_width > 0
+            ? input->read_tiles(0, 0, spec.x, spec.x + w, y0, y1, 0, 1, 0, taken,
+                                OIIO::TypeDesc::FLOAT, band.data())
+            : input->read_scanlines(0, 0, y0, y1, 0, 0, taken, OIIO::TypeDesc::FLOAT, band.data());
+    if (!read) return make_error(ErrorId::kSceneFormat, input->geterror());
+    for (int i = y; i < end; ++i) {
+      reducer.add_row(i, band.data() + static_cast<std::ptrdiff_t>(i - y) * w * taken, taken);
+    }
+  }
+  if (w != 2 * h) {
+    warnings.push_back("environment: " + std::to_string(w) + " x " + std::to_string(h) +
+                       " pixels are not 2:1; taken as all directions all the same");
+  }
+  return reducer.take(warnings);
+}
+
+}  // namespace
+
+Result<Equirect> read_environment(const std::string& path, std::vector<std::string>& warnings) {
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(path, code)) {
+    return make_error(ErrorId::kSceneMissing, "no environment file '" + path + "'",
+                      "--environment FILE.hdr, FILE.exr, builtin:studio, builtin:sky or none");
+  }
+  try {
+    Result<Equirect> image = read(path, warnings);
+    if (image) return image;
+    const Error& error = image.error();
+    return make_error(error.id, "environment " + path + ": " + error.text, error.hint);
+  } catch (const std::exception& exception) {
+    return make_error(ErrorId::kSceneFormat, "environment " + path + ": " + exception.what());
+  }
+}
+
+Result<void> write_environment(const Equirect& image, const std::string& path) {
+  auto output = OIIO::ImageOutput::create(path);
+  const OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::FLOAT);
+  if (output && output->open(path, spec) &&
+      output->write_image(OIIO::TypeDesc::FLOAT, image.texels.data()) && output->close()) {
+    return {};
+  }
+  return make_error(ErrorId::kIo, "cannot write '" + path +
+                                      "': " + (output ? output->geterror() : OIIO::geterror()));
+}
+
+}  // namespace mirage

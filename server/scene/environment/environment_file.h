@@ -1,0 +1,21 @@
+#pragma once
+// Equirectangular images of surroundings: .hdr, .exr.
+
+#include <string>
+#include <vector>
+
+#include "protocol/result.h"
+#include "server/scene/environment/equirect.h"
+
+namespace mirage {
+
+/// Reads a file and reduces it to 1024 x 512 at most, a band of rows at a time. What is no number,
+/// negative or brighter than 65408 is replaced, with a counted line in `warnings`; so is being told
+/// of a shape that is not 2:1. Errors: kSceneMissing, kSceneFormat, kSceneLimit (above 8192 x
+/// 8192).
+Result<Equirect> read_environment(const std::string& path, std::vector<std::string>& warnings);
+
+/// Writes `.hdr` or `.exr`, by the name. Error kIo.
+Result<void> write_environment(const Equirect& image, const std::string& path);
+
+}  // namespace mirage

@@ -1,0 +1,13 @@
+#pragma once
+// Prefilters surroundings into a light probe.
+
+#include "protocol/light_probe.h"
+#include "server/scene/environment/equirect.h"
+#include "server/scene/workers.h"
+
+namespace mirage {
+
+/// The same however many threads work. `image` has at least one texel.
+LightProbe make_probe(const Equirect& image, const Workers& workers);
+
+}  // namespace mirage

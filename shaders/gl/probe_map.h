@@ -1,0 +1,31 @@
+#pragma once
+// A light probe on the GPU: its reflections as a texture, its irradiance as uniforms.
+
+#include <vector>
+
+#include "protocol/light_probe.h"
+#include "shaders/gl/gl_object.h"
+#include "shaders/gl/program.h"
+
+namespace mirage::gl {
+
+class ProbeMap {
+ public:
+  /// Of no light at all: neutral, for shaders that read one in any case.
+  static ProbeMap black();
+  static ProbeMap create(const LightProbe& probe);
+
+  /// Hands the probe to a program that includes common/probe.glsl, turned and scaled by `light`; of
+  /// another probe's light nothing.
+  void use(Program& program, const ProbeLight& light) const;
+
+  std::size_t gpu_bytes() const { return bytes_; }
+
+ private:
+  Texture texels_;
+  std::uint64_t id_ = 0;
+  std::vector<glm::vec4> irradiance_ = std::vector<glm::vec4>(kProbeTerms, glm::vec4(0));
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace mirage::gl
