@@ -1,9 +1,12 @@
 #include "server/scene/leave_out.h"
 
+#include <xxhash.h>
+
 #include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
+#include <unordered_map>
 
 namespace mirage {
 namespace {
@@ -226,14 +229,23 @@ bool same_mesh(const Mesh& a, const Mesh& b) {
                     same_vertex);
 }
 
+// Equal for equal meshes; -0 and 0 are equal, so that they count as one here, too.
+std::uint64_t hash_of(const Mesh& mesh) {
+  std::vector<glm::vec3> places;
+  places.reserve(mesh.vertices.size());
+  for (const Vertex& vertex : mesh.vertices) places.push_back(vertex.position + glm::vec3(0));
+  return XXH3_64bits_withSeed(places.data(), places.size() * sizeof(glm::vec3),
+                              XXH3_64bits(mesh.indices.data(), mesh.indices.size() * 4));
+}
+
 // Instances of an object that equals an earlier one become that one's: equal tiles get equal keys.
 std::size_t merge_equal_objects(Scene& scene) {
-  std::multimap<std::pair<std::size_t, std::size_t>, std::uint32_t> kept;  // by size
+  std::unordered_multimap<std::uint64_t, std::uint32_t> kept;  // by hash
   std::vector<std::uint32_t> place;
   std::vector<SceneObject> objects;
   for (SceneObject& object : scene.objects) {
-    const std::pair size(object.mesh.vertices.size(), object.mesh.indices.size());
-    const auto [first, last] = kept.equal_range(size);
+    const std::uint64_t hash = hash_of(object.mesh);
+    const auto [first, last] = kept.equal_range(hash);
     const auto same = std::find_if(first, last, [&](const auto& one) {
       const SceneObject& other = objects[one.second];
       return !object.animation && !other.animation && same_mesh(other.mesh, object.mesh);
@@ -243,7 +255,7 @@ std::size_t merge_equal_objects(Scene& scene) {
       continue;
     }
     place.push_back(static_cast<std::uint32_t>(objects.size()));
-    kept.emplace(size, place.back());
+    kept.emplace(hash, place.back());
     objects.push_back(std::move(object));
   }
   for (Instance& instance : scene.instances) instance.object = place[instance.object];

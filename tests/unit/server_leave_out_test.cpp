@@ -60,8 +60,10 @@ TEST(ServerLeaveOut, TheDocumentIsTheTable) {
 
 TEST(ServerLeaveOut, EqualObjectsAreOne) {
   const Change again = [](Scene& s) {
+    s.objects[0].mesh.vertices[3].position.x = 0;
     s.objects.push_back(s.objects[0]);
     s.objects.push_back(s.objects[0]);
+    s.objects[1].mesh.vertices[3].position.x = -0.0f;  // the same place
     s.objects[2].mesh.vertices[7].position.x += 1e-6f;
     s.instances.resize(3);
     s.instances[1].object = 1;
