@@ -40,6 +40,35 @@ TEST(ServerGrouping, EveryInstanceIsInAtMostOneTree) {
   EXPECT_GT(grouped, scene.scene.instances.size() / 2);
 }
 
+// Two boxes of glass; in one of them stands something, the other only beside it.
+TEST(ServerGrouping, WhatIsSeenThroughAndHoldsSomethingIsGeometry) {
+  Scene scene;
+  std::vector<ObjectDescription> objects(3);
+  for (ObjectDescription& object : objects) {
+    object.radius = 1;
+    object.box_min = glm::vec3(-0.5f);
+    object.box_max = glm::vec3(0.5f);
+    object.triangles = 12;
+  }
+  objects[0].needs = objects[1].needs = kNeedBlend;
+  scene.instances.resize(3);
+  for (std::uint32_t i = 0; i < 3; ++i) scene.instances[i].object = i;
+  scene.instances[1].world_from_object.position = {5, 0, 0};
+  scene.instances[1].world_from_object.scale = 2;
+  const auto holds = [&](const glm::dvec3& thing) {
+    std::vector<ObjectDescription> found = objects;
+    scene.instances[2].world_from_object.position = thing;
+    find_surroundings(scene, 10, found);
+    EXPECT_FALSE(found[2].surrounds) << "nobody sees through it";
+    return std::pair(found[0].surrounds, found[1].surrounds);
+  };
+  EXPECT_EQ(holds({0.3, 0, 0.2}), std::pair(true, false));
+  EXPECT_EQ(holds({0.6, 0, 0}), std::pair(false, false)) << "beside the first";
+  EXPECT_EQ(holds({5.9, 0, 0}), std::pair(false, true)) << "the second is twice as large";
+  objects[0].triangles = 100'000'000;
+  EXPECT_EQ(holds({0.3, 0, 0.2}), std::pair(false, false)) << "too much to be sent first of all";
+}
+
 TEST(ServerGrouping, BoundsEncloseTheMembersVertices) {
   const PreparedScene& scene = *forest();
   for (std::size_t g = 0; g < scene.grouping.groups.size(); g += 3) {
