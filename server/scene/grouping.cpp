@@ -10,6 +10,7 @@
 namespace mirage {
 namespace {
 
+constexpr float kHidesAll = 0.99f;  // alpha from which a surface is drawn as a solid one
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kFewInstances = 32;  // not worth a group
 // Nested groups are a factor of four apart in size, from few enough instances to be told apart from
@@ -263,6 +264,15 @@ bool in_box(const glm::dvec3& world, const Instance& instance, const ObjectDescr
          glm::all(glm::lessThan(p, glm::dvec3(object.box_max)));
 }
 
+// Glass, not foliage whose textures have soft edges: no part of such a surface hides all behind it.
+bool seen_through(const Scene& scene, const SceneObject& object) {
+  const std::vector<Primitive>& primitives = object.mesh.primitives;
+  return std::any_of(primitives.begin(), primitives.end(), [&](const Primitive& p) {
+    const Material& material = scene.materials[p.material];
+    return material.alpha_mode == AlphaMode::kBlend && material.base_color.a < kHidesAll;
+  });
+}
+
 // Objects that are seen through and have the middle of another in their box.
 void find_vitrines(const Scene& scene, std::vector<ObjectDescription>& objects) {
   std::vector<std::pair<double, glm::dvec3>> middles;  // by x
@@ -275,6 +285,7 @@ void find_vitrines(const Scene& scene, std::vector<ObjectDescription>& objects) 
   for (const Instance& i : scene.instances) {
     ObjectDescription& object = objects[i.object];
     const bool vitrine = (object.needs & kNeedBlend) && !object.surrounds &&
+                         seen_through(scene, scene.objects[i.object]) &&
                          object.triangles <= kMaxSurroundingTriangles;
     if (!vitrine) continue;
     const glm::dvec3 own = middle_of(i, object);

@@ -44,7 +44,7 @@ class MeshPictures {
 };
 
 /// Root of the mean squared difference of normals (half) and colours that passes for equal.
-inline constexpr double kSameShading = 0.045;
+inline constexpr double kSameShading = 0.03;
 
 /// Object units: the smallest pixels at which both look the same, within kSameShading; 0 when they
 /// do at the pictures' own. Larger pixels show means of what lies in them. Both are of one frame.

@@ -51,6 +51,11 @@ TEST(ServerGrouping, WhatIsSeenThroughAndHoldsSomethingIsGeometry) {
     object.triangles = 12;
   }
   objects[0].needs = objects[1].needs = kNeedBlend;
+  scene.materials.resize(1);
+  scene.materials[0].alpha_mode = AlphaMode::kBlend;
+  scene.materials[0].base_color.a = 0.4f;
+  scene.objects.resize(3);
+  for (SceneObject& object : scene.objects) object.mesh.primitives.resize(1);
   scene.instances.resize(3);
   for (std::uint32_t i = 0; i < 3; ++i) scene.instances[i].object = i;
   scene.instances[1].world_from_object.position = {5, 0, 0};
@@ -65,6 +70,9 @@ TEST(ServerGrouping, WhatIsSeenThroughAndHoldsSomethingIsGeometry) {
   EXPECT_EQ(holds({0.3, 0, 0.2}), std::pair(true, false));
   EXPECT_EQ(holds({0.6, 0, 0}), std::pair(false, false)) << "beside the first";
   EXPECT_EQ(holds({5.9, 0, 0}), std::pair(false, true)) << "the second is twice as large";
+  scene.materials[0].base_color.a = 1;
+  EXPECT_EQ(holds({0.3, 0, 0.2}), std::pair(false, false)) << "leaves, not glass";
+  scene.materials[0].base_color.a = 0.4f;
   objects[0].triangles = 100'000'000;
   EXPECT_EQ(holds({0.3, 0, 0.2}), std::pair(false, false)) << "too much to be sent first of all";
 }
