@@ -213,7 +213,7 @@ int largest_difference(const Pixels& a, const Pixels& b) {
 int not_finite(const wire::TileReplyT& h) {
   int bad = 0;
   for (const float v : {h.plane_depth, h.depth_min, h.depth_max, h.dz_quad, h.dz_cuboid, h.dz_hull,
-                        h.depth_gap, h.lod_error}) {
+                        h.depth_gap, h.dz_behind, h.lod_error}) {
     bad += std::isfinite(v) ? 0 : 1;
   }
   return bad;

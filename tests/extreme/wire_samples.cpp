@@ -104,7 +104,7 @@ bool accepts_message(const Bytes& bytes, int& not_finite) {
   if (const auto* m = body.AsTileReply()) {
     taken = use_tile(*m, message->payload);
     for (const float v : {m->plane_depth, m->depth_min, m->depth_max, m->dz_quad, m->dz_cuboid,
-                          m->dz_hull, m->depth_gap, m->lod_error, m->color_rms}) {
+                          m->dz_hull, m->depth_gap, m->dz_behind, m->lod_error, m->color_rms}) {
       check.add(double{v});
     }
   }

@@ -172,6 +172,7 @@ inline wire::TileReplyT sample_tile_reply() {
   m.dz_cuboid = 0.125f;
   m.dz_hull = 0.0625f;
   m.depth_gap = 0.75f;
+  m.dz_behind = 0.375f;
   m.lod_error = 0.03125f;
   m.queue_us = 10;
   m.render_us = 20;

@@ -229,7 +229,7 @@ TEST(ProtocolDepthCode, MonotoneAndStable) {
 
 wire::TileReplyT plain_fields() {
   Tile tile = make_tile(20, 10, true);
-  tile.measure = {1, 2, 3, 4, 5, 6, 7, 8};
+  tile.measure = {1, 2, 3, 4, 5, 6, 7, 8, 9};
   wire::TileReplyT reply;
   set_tile_fields(tile, reply);
   return reply;
@@ -251,7 +251,8 @@ TEST(ProtocolTileFields, RoundTrip) {
   EXPECT_EQ(m.dz_cuboid, 5);
   EXPECT_EQ(m.dz_hull, 6);
   EXPECT_EQ(m.depth_gap, 7);
-  EXPECT_EQ(m.lod_error, 8);
+  EXPECT_EQ(m.dz_behind, 8);
+  EXPECT_EQ(m.lod_error, 9);
 }
 
 TEST(ProtocolTileFields, BadFieldsAreRefused) {
@@ -278,6 +279,7 @@ TEST(ProtocolTileFields, BadFieldsAreRefused) {
     refused([bad](auto& r) { r.dz_cuboid = bad; });
     refused([bad](auto& r) { r.dz_hull = bad; });
     refused([bad](auto& r) { r.depth_gap = bad; });
+    refused([bad](auto& r) { r.dz_behind = bad; });
     refused([bad](auto& r) { r.lod_error = bad; });
   }
 }

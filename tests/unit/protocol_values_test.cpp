@@ -281,7 +281,8 @@ TEST(ProtocolValues, NoFloatOfATileMayBeNotFinite) {
   for (const auto member :
        {&wire::TileReplyT::plane_depth, &wire::TileReplyT::depth_min, &wire::TileReplyT::depth_max,
         &wire::TileReplyT::dz_quad, &wire::TileReplyT::dz_cuboid, &wire::TileReplyT::dz_hull,
-        &wire::TileReplyT::depth_gap, &wire::TileReplyT::lod_error, &wire::TileReplyT::color_rms}) {
+        &wire::TileReplyT::depth_gap, &wire::TileReplyT::dz_behind, &wire::TileReplyT::lod_error,
+        &wire::TileReplyT::color_rms}) {
     of(member);
   }
 }
