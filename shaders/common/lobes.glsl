@@ -39,7 +39,7 @@ vec3 with_sheen(Surface s, vec3 to_eye, vec3 base) {
            sheen_albedo(n_v, s.sheen_roughness);
 #endif
   // What the fibres send back does not reach the base: 0.157, as three.js has it.
-  return base * (1.0 - 0.157 * greatest(s.sheen_color)) + s.sheen_color * light;
+  return base + (s.sheen_color * light - base * (0.157 * greatest(s.sheen_color)));
 }
 
 vec3 with_clearcoat(Surface s, vec3 to_eye, vec3 base) {
@@ -67,5 +67,5 @@ vec3 with_clearcoat(Surface s, vec3 to_eye, vec3 base) {
 #endif
   light += u_ambient * s.occlusion * 0.04;
   float through = 0.04 + 0.96 * pow(1.0 - n_v, 5.0);
-  return base * (1.0 - s.clearcoat * through) + s.clearcoat * light;
+  return base + s.clearcoat * (light - base * through);
 }

@@ -253,7 +253,7 @@ void main() {
 #endif
   o_color = vec4(color * base.a, base.a);
 #ifdef BLEND_SEEN
-  o_color.a *= 1.0 - seen;
+  o_color.a -= o_color.a * seen;
 #endif
 #ifdef FOG
   o_color = fogged(o_color, v_position);

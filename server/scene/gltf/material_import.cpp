@@ -63,11 +63,9 @@ Result<std::vector<Image>> MaterialImporter::take_images(const Workers& workers)
   auto images = images_.take(workers);
   if (!images) return images;
   for (Material& material : materials_) {
-    for (TextureRef* ref :
-         {&material.base_color_map, &material.metal_rough_map, &material.normal_map,
-          &material.occlusion_map, &material.emissive_map}) {
-      if (ref->present() && !images_.readable(ref->image)) *ref = TextureRef{};
-    }
+    material.each_map([&](TextureRef& ref) {
+      if (ref.present() && !images_.readable(ref.image)) ref = TextureRef{};
+    });
   }
   return images;
 }
