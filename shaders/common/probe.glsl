@@ -34,7 +34,8 @@ vec3 probe_radiance(vec3 d, float roughness) {
 // Irradiance / pi for a normal in the probe's axes; of length below 1 where many differ.
 vec3 probe_irradiance(vec3 n, float mean_length) {
   float second = mean_length * mean_length * mean_length;
-  vec3 linear = u_probe_light[4].rgb * n.y + u_probe_light[5].rgb * n.z + u_probe_light[6].rgb * n.x;
+  vec3 linear = u_probe_light[4].rgb * n.y + u_probe_light[5].rgb * n.z +
+                u_probe_light[6].rgb * n.x;
   vec3 square = u_probe_light[7].rgb * (n.x * n.y) + u_probe_light[8].rgb * (n.y * n.z) +
                 u_probe_light[9].rgb * (3.0 * n.z * n.z - 1.0) +
                 u_probe_light[10].rgb * (n.x * n.z) +
