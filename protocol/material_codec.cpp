@@ -1,6 +1,8 @@
 #include "protocol/material_codec.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace mirage {
 namespace {
@@ -32,6 +34,41 @@ bool get_texture(ByteReader& r, TextureRef& t, std::size_t images) {
   return finite;
 }
 
+constexpr std::uint8_t kHasLobes = 1;
+constexpr std::size_t kLobeBytes = 15 * 4 + kLobeMaps * kTextureBytes;
+
+template <typename LobesT, typename Visit>
+void each_factor(LobesT& l, const Visit& visit) {
+  visit(l.specular);
+  for (int i = 0; i < 3; ++i) visit(l.specular_color[i]);
+  visit(l.ior);
+  visit(l.clearcoat);
+  visit(l.clearcoat_roughness);
+  for (int i = 0; i < 3; ++i) visit(l.sheen_color[i]);
+  visit(l.sheen_roughness);
+  visit(l.transmission);
+  for (int i = 0; i < 3; ++i) visit(l.volume_tint[i]);
+}
+
+bool has_lobes(const Lobes& lobes) {
+  std::vector<float> set, plain;
+  each_factor(lobes, [&](float v) { set.push_back(v); });
+  const Lobes none;
+  each_factor(none, [&](float v) { plain.push_back(v); });
+  return set != plain || std::any_of(lobes.maps.begin(), lobes.maps.end(),
+                                     [](const TextureRef& map) { return map.present(); });
+}
+
+bool get_lobes(ByteReader& r, Lobes& lobes, std::size_t images) {
+  bool ok = true;
+  each_factor(lobes, [&](float& v) {
+    v = r.get<float>();
+    ok = ok && std::isfinite(v) && v >= 0;
+  });
+  for (TextureRef& map : lobes.maps) ok = get_texture(r, map, images) && ok;
+  return ok && lobes.ior >= 1;
+}
+
 }  // namespace
 
 void put_material(ByteWriter& w, const Material& m) {
@@ -44,11 +81,15 @@ void put_material(ByteWriter& w, const Material& m) {
   w.put(static_cast<std::uint8_t>(m.alpha_mode));
   w.put(static_cast<std::uint8_t>(m.double_sided));
   w.put(static_cast<std::uint8_t>(m.unlit));
-  w.put(std::uint8_t{0});
+  const bool lobes = has_lobes(m.lobes);
+  w.put(lobes ? kHasLobes : std::uint8_t{0});
   for (const TextureRef* t :
        {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {
     put_texture(w, *t);
   }
+  if (!lobes) return;
+  each_factor(m.lobes, [&](float v) { w.put(v); });
+  for (const TextureRef& map : m.lobes.maps) put_texture(w, map);
 }
 
 bool get_material(ByteReader& r, Material& m, std::size_t images) {
@@ -64,8 +105,8 @@ bool get_material(ByteReader& r, Material& m, std::size_t images) {
     number(*v);
   }
   const auto alpha_mode = r.get<std::uint8_t>(), double_sided = r.get<std::uint8_t>();
-  const auto unlit = r.get<std::uint8_t>(), zero = r.get<std::uint8_t>();
-  if (alpha_mode > 2 || double_sided > 1 || unlit > 1 || zero != 0) return false;
+  const auto unlit = r.get<std::uint8_t>(), lobes = r.get<std::uint8_t>();
+  if (alpha_mode > 2 || double_sided > 1 || unlit > 1 || lobes > kHasLobes) return false;
   m.alpha_mode = static_cast<AlphaMode>(alpha_mode);
   m.double_sided = double_sided != 0;
   m.unlit = unlit != 0;
@@ -73,6 +114,7 @@ bool get_material(ByteReader& r, Material& m, std::size_t images) {
        {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {
     ok = get_texture(r, *t, images) && ok;
   }
+  if (lobes == kHasLobes) ok = r.has(1, kLobeBytes) && get_lobes(r, m.lobes, images) && ok;
   return ok;
 }
 

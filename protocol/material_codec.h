@@ -1,5 +1,5 @@
 #pragma once
-// Materials in a fixed layout without padding.
+// Materials in a fixed layout without padding; lobes follow those that have any.
 
 #include "protocol/byte_stream.h"
 #include "protocol/model.h"
@@ -7,6 +7,7 @@
 namespace mirage {
 
 inline constexpr std::size_t kTextureBytes = 4 + 4 + 5 * 4;
+/// Without lobes, which is the least a material takes.
 inline constexpr std::size_t kMaterialBytes = 4 * 4 + 3 * 4 + 5 * 4 + 4 + 5 * kTextureBytes;
 
 void put_material(ByteWriter& w, const Material& m);

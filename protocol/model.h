@@ -2,6 +2,7 @@
 // The drawable content of an object: mesh, materials, images. Both ends agree on it because the
 // server renders tiles from it and may send it whole as geometry.
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
@@ -54,6 +55,35 @@ struct TextureRef {
 
 enum class AlphaMode : std::uint8_t { kOpaque, kMask, kBlend };
 
+/// Maps of lobes: what of a texel is read.
+enum class LobeMap : std::uint8_t {
+  kSpecular,            ///< A
+  kSpecularColor,       ///< sRGB
+  kClearcoat,           ///< R
+  kClearcoatRoughness,  ///< G
+  kClearcoatNormal,     ///< tangent space
+  kSheenColor,          ///< sRGB
+  kTransmission,        ///< R
+};
+inline constexpr std::size_t kLobeMaps = 7;
+
+/// What KHR_materials_* add to metal-rough; by default nothing. Factors are linear.
+struct Lobes {
+  float specular = 1;           ///< strength of a dielectric's reflection, 0 to 1
+  glm::vec3 specular_color{1};  ///< of it, seen head on
+  float ior = 1.5f;             ///< >= 1
+  float clearcoat = 0;          ///< share covered, 0 to 1
+  float clearcoat_roughness = 0;
+  glm::vec3 sheen_color{0};
+  float sheen_roughness = 0;
+  float transmission = 0;    ///< share of the light not reflected that goes through, 0 to 1
+  glm::vec3 volume_tint{1};  ///< what a volume leaves of it on the way
+  std::array<TextureRef, kLobeMaps> maps;
+
+  TextureRef& map(LobeMap which) { return maps[static_cast<std::size_t>(which)]; }
+  const TextureRef& map(LobeMap which) const { return maps[static_cast<std::size_t>(which)]; }
+};
+
 /// glTF 2.0 metallic-roughness material; factors are linear.
 struct Material {
   glm::vec4 base_color{1};
@@ -71,6 +101,27 @@ struct Material {
   TextureRef normal_map;       ///< tangent space
   TextureRef occlusion_map;    ///< R
   TextureRef emissive_map;
+  Lobes lobes;
+
+  /// Calls `visit` for each map, present or not: the five above, then those of lobes.
+  template <typename Visit>
+  void each_map(const Visit& visit) {
+    each_map_of(*this, visit);
+  }
+  template <typename Visit>
+  void each_map(const Visit& visit) const {
+    each_map_of(*this, visit);
+  }
+
+ private:
+  template <typename Self, typename Visit>
+  static void each_map_of(Self& m, const Visit& visit) {
+    for (auto* map : {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map,
+                      &m.emissive_map}) {
+      visit(*map);
+    }
+    for (auto& map : m.lobes.maps) visit(map);
+  }
 };
 
 /// 8-bit RGBA pixels, first row at v = 0 (the top row of a glTF image).

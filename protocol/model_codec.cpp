@@ -31,11 +31,11 @@ Error malformed(const char* what) {
 std::uint32_t streams_of(const ObjectModel& model) {
   std::uint32_t streams = has_vertex_color(model.mesh) ? kColor : 0u;
   for (const Material& m : model.materials) {
-    if (m.normal_map.present()) streams |= kTangent;
-    for (const TextureRef* t : {&m.base_color_map, &m.metal_rough_map, &m.normal_map,
-                                &m.occlusion_map, &m.emissive_map}) {
-      if (t->present()) streams |= t->uv_set == 1 ? kUv1 : kUv0;
-    }
+    const bool coat = m.lobes.map(LobeMap::kClearcoatNormal).present();
+    if (m.normal_map.present() || coat) streams |= kTangent;
+    m.each_map([&](const TextureRef& t) {
+      if (t.present()) streams |= t.uv_set == 1 ? kUv1 : kUv0;
+    });
   }
   return streams;
 }

@@ -10,7 +10,37 @@ bool is_transformed(const TextureRef& t) {
   return t.present() && (t.offset != glm::vec2(0) || t.scale != glm::vec2(1) || t.rotation != 0.0f);
 }
 
+NeedMask lobe_needs(const Lobes& lobes) {
+  NeedMask needs = 0;
+  const bool reflects = lobes.specular != 1 || lobes.specular_color != glm::vec3(1) ||
+                        lobes.ior != 1.5f || lobes.map(LobeMap::kSpecular).present() ||
+                        lobes.map(LobeMap::kSpecularColor).present();
+  if (reflects) needs |= kNeedReflectance;
+  if (lobes.clearcoat > 0) needs |= kNeedClearcoat;
+  if (lobes.sheen_color != glm::vec3(0)) needs |= kNeedSheen;
+  if (lobes.transmission > 0) needs |= kNeedTransmission;
+  for (std::size_t i = 0; i < kLobeMaps; ++i) {
+    const bool read = needs & lobe_of(static_cast<LobeMap>(i));
+    if (read && lobes.maps[i].present()) needs |= NeedMask{kNeedFirstLobeMap} << i;
+  }
+  return needs;
+}
+
 }  // namespace
+
+NeedMask lobe_of(LobeMap map) {
+  switch (map) {
+    case LobeMap::kSpecular:
+    case LobeMap::kSpecularColor:
+      return kNeedReflectance;
+    case LobeMap::kSheenColor:
+      return kNeedSheen;
+    case LobeMap::kTransmission:
+      return kNeedTransmission;
+    default:
+      return kNeedClearcoat;
+  }
+}
 
 bool has_vertex_color(const Mesh& mesh) {
   for (const Vertex& v : mesh.vertices) {
@@ -35,14 +65,14 @@ NeedMask material_needs(const Material& m, bool vertex_color) {
     if (m.occlusion_map.present() && m.occlusion_strength != 0.0f) needs |= kNeedOcclusionMap;
     if (m.emissive_map.present() && m.emissive != glm::vec3(0)) needs |= kNeedEmissiveMap;
     if (m.emissive != glm::vec3(0)) needs |= kNeedEmissive;
+    needs |= lobe_needs(m.lobes);
   } else {
     needs |= kNeedUnlit;
   }
-  for (const TextureRef* t :
-       {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {
-    if (is_transformed(*t)) needs |= kNeedTextureTransform;
-    if (t->present() && t->uv_set == 1) needs |= kNeedUv1;
-  }
+  m.each_map([&](const TextureRef& t) {
+    if (is_transformed(t)) needs |= kNeedTextureTransform;
+    if (t.present() && t.uv_set == 1) needs |= kNeedUv1;
+  });
   return needs;
 }
 

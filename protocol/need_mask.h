@@ -27,14 +27,26 @@ enum Need : NeedMask {
   kNeedEmissive = 1u << 12,
   kNeedUnlit = 1u << 13,
   kNeedShadowPass = 1u << 14,  ///< something of it is not blended: it stops the sun's light
+  // Lobes beyond metal-rough, and their maps in the order of LobeMap.
+  kNeedReflectance = 1u << 15,  ///< KHR_materials_specular, KHR_materials_ior
+  kNeedClearcoat = 1u << 16,
+  kNeedSheen = 1u << 17,
+  kNeedTransmission = 1u << 18,
+  kNeedFirstLobeMap = 1u << 19,
 };
+inline constexpr NeedMask kLobeMapNeeds = ((NeedMask{1} << kLobeMaps) - 1) * kNeedFirstLobeMap;
+inline constexpr NeedMask kLobeNeeds =
+    kNeedReflectance | kNeedClearcoat | kNeedSheen | kNeedTransmission;
 
 /// Whether tiles of an object can leave the shading to the client: one opaque, lit surface per
-/// texel that sends out no light of its own.
+/// texel that sends out no light of its own and has no lobe that the tile knows nothing of.
 inline bool can_relight(NeedMask needs) {
-  return (needs & kNeedLighting) && !(needs & (kNeedBlend | kNeedEmissive | kNeedUnlit));
+  return (needs & kNeedLighting) &&
+         !(needs & (kNeedBlend | kNeedEmissive | kNeedUnlit | kLobeNeeds));
 }
 
+/// The lobe a map belongs to.
+NeedMask lobe_of(LobeMap map);
 /// Needs of one material on a mesh; `vertex_color` tells whether any vertex colour is not white.
 NeedMask material_needs(const Material& material, bool vertex_color);
 /// Whether any vertex of the mesh has a colour other than opaque white.

@@ -20,8 +20,8 @@ constexpr double kCaptureRadii = 4;
 constexpr int kViewLevel = 8, kDistanceLevel = 2;
 constexpr NeedMask kEveryMap =
     kNeedBaseColorMap | kNeedMetalRoughMap | kNeedNormalMap | kNeedOcclusionMap | kNeedEmissiveMap;
-constexpr NeedMask kEverything =
-    kEveryMap | kNeedLighting | kNeedUnlit | kNeedAlphaMask | kNeedBlend | kNeedVertexColor;
+constexpr NeedMask kEverything = kEveryMap | kLobeNeeds | kLobeMapNeeds | kNeedLighting |
+                                 kNeedUnlit | kNeedAlphaMask | kNeedBlend | kNeedVertexColor;
 
 constexpr FullCoding kFullCoding{true, true, true};
 
@@ -209,6 +209,8 @@ std::optional<Undone> undo(NeedRule rule, NeedMask needs) {
       return force(kNeedMetalRoughMap | kNeedNormalMap | kNeedOcclusionMap);
     case NeedRule::kEmission:
       return force(kNeedEmissiveMap);
+    case NeedRule::kExtensions:
+      return force(kLobeNeeds | kLobeMapNeeds);
     case NeedRule::kLighting:
       return Undone{kNeedLighting | kNeedUnlit, true, true, {}};
     case NeedRule::kLights:

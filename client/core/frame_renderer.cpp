@@ -45,6 +45,7 @@ Result<void> FrameRenderer::reset(const SceneView& scene) {
   probe_.reset();
   if (scene.probe) probe_ = gl::ProbeMap::create(*scene.probe);
   mesh_pass_->set_probe(probe_ ? &*probe_ : nullptr);
+  mesh_pass_->set_backdrop(scene.environment.horizon);
   return impostors_.reset(scene);
 }
 

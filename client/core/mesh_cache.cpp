@@ -46,19 +46,18 @@ std::vector<ImageUse> image_uses(const ObjectModel& model) {
   std::map<std::uint32_t, ImageUse> uses;
   for (const Primitive& p : model.mesh.primitives) {
     const Material& m = model.materials[p.material];
-    for (const TextureRef* map : {&m.base_color_map, &m.metal_rough_map, &m.normal_map,
-                                  &m.occlusion_map, &m.emissive_map}) {
-      if (!map->present()) continue;
-      const auto image = static_cast<std::uint32_t>(map->image);
+    m.each_map([&](const TextureRef& map) {
+      if (!map.present()) return;
+      const auto image = static_cast<std::uint32_t>(map.image);
       ImageUse& use = uses[image];
       use.image = image;
       // The least stretched use asks for the most texels.
-      const double density = median_uv_per_unit(model.mesh, p, *map);
+      const double density = median_uv_per_unit(model.mesh, p, map);
       if (density > 0) {
         use.uv_per_unit = use.uv_per_unit > 0 ? std::min(use.uv_per_unit, density) : density;
       }
-      use.masks = use.masks || (map == &m.base_color_map && m.alpha_mode == AlphaMode::kMask);
-    }
+      use.masks = use.masks || (&map == &m.base_color_map && m.alpha_mode == AlphaMode::kMask);
+    });
   }
   std::vector<ImageUse> out;
   for (const auto& [image, use] : uses) out.push_back(use);

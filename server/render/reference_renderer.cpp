@@ -47,6 +47,7 @@ Result<ReferenceRenderer> ReferenceRenderer::create(const GpuScene& scene, Scene
   ReferenceRenderer out(scene);
   out.shadow_ = shadow;
   out.meshes_->set_probe(scene.probe_map());
+  out.meshes_->set_backdrop(scene.prepared->scene.environment.horizon);
   Result<gl::SkyPass> sky = gl::SkyPass::create();
   if (!sky) return sky.error();
   out.sky_ = std::move(*sky);

@@ -82,6 +82,7 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
   out.shadow_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kShadow);
   for (const Path* path : {&out.lit_, &out.relit_, &out.shadow_}) {
     path->meshes->set_probe(scene.probe_map());
+    path->meshes->set_backdrop(scene.prepared->scene.environment.horizon);
   }
   out.empty_vao_ = gl::VertexArray::create();
   if (extras.forced) {

@@ -8,43 +8,10 @@
 #include <optional>
 #include <unordered_map>
 
+#include "server/scene/leave_out_lobes.h"
+
 namespace mirage {
 namespace {
-
-// Least and greatest value of each channel over all texels.
-struct Range4 {
-  std::array<std::uint8_t, 4> low{255, 255, 255, 255}, high{0, 0, 0, 0};
-  bool always(std::size_t channel, std::uint8_t value) const {
-    return low[channel] == value && high[channel] == value;
-  }
-  bool white() const { return always(0, 255) && always(1, 255) && always(2, 255); }
-  bool black() const { return always(0, 0) && always(1, 0) && always(2, 0); }
-};
-
-Range4 range_of(const Image& image) {
-  constexpr std::size_t kAtOnce = 16;  // bytes: the compiler takes one instruction for them
-  std::array<std::uint8_t, kAtOnce> low, high;
-  low.fill(255);
-  high.fill(0);
-  const std::uint8_t* const rgba = image.rgba.data();
-  const std::size_t size = image.rgba.size(), whole = size / kAtOnce * kAtOnce;
-  for (std::size_t i = 0; i < whole; i += kAtOnce) {
-    for (std::size_t k = 0; k < kAtOnce; ++k) {
-      low[k] = std::min(low[k], rgba[i + k]);
-      high[k] = std::max(high[k], rgba[i + k]);
-    }
-  }
-  for (std::size_t i = whole; i < size; ++i) {
-    low[i % 4] = std::min(low[i % 4], rgba[i]);
-    high[i % 4] = std::max(high[i % 4], rgba[i]);
-  }
-  Range4 out;
-  for (std::size_t k = 0; k < kAtOnce; ++k) {
-    out.low[k % 4] = std::min(out.low[k % 4], low[k]);
-    out.high[k % 4] = std::max(out.high[k % 4], high[k]);
-  }
-  return out;
-}
 
 class MaterialAnalysis {
  public:
@@ -64,6 +31,8 @@ class MaterialAnalysis {
     Material& m = scene_.materials[index];
     out_.clear();
     if (m.unlit) drop_maps_of_unlit(m);
+    leave_out_lobes(
+        m, [this](const TextureRef& map) { return range(map); }, out_);
     check_alpha(m, vertex_alpha_[index]);
     if (m.base_color_map.present() && range(m.base_color_map).white() && alpha_is_one(m)) {
       drop(m.base_color_map, NeedRule::kSolidColor, "base colour map", "white in every texel");
@@ -75,9 +44,9 @@ class MaterialAnalysis {
   }
 
  private:
-  const Range4& range(const TextureRef& map) {
-    std::optional<Range4>& known = ranges_[static_cast<std::size_t>(map.image)];
-    if (!known) known = range_of(scene_.images[static_cast<std::size_t>(map.image)]);
+  const TexelRange& range(const TextureRef& map) {
+    std::optional<TexelRange>& known = ranges_[static_cast<std::size_t>(map.image)];
+    if (!known) known = texel_range(scene_.images[static_cast<std::size_t>(map.image)]);
     return *known;
   }
   bool alpha_is_one(const Material& m) {
@@ -104,6 +73,7 @@ class MaterialAnalysis {
   }
 
   void check_alpha(Material& m, bool vertices_solid) {
+    if (m.lobes.transmission > 0) return;  // it takes from alpha
     if (m.alpha_mode == AlphaMode::kOpaque || !vertices_solid || !alpha_is_one(m)) return;
     const bool blend = m.alpha_mode == AlphaMode::kBlend;
     if (blend ? m.base_color.a != 1.0f : m.base_color.a < m.alpha_cutoff) return;
@@ -114,7 +84,7 @@ class MaterialAnalysis {
 
   void check_surface_maps(Material& m) {
     if (m.metal_rough_map.present()) {
-      const Range4& r = range(m.metal_rough_map);
+      const TexelRange& r = range(m.metal_rough_map);
       const bool rough = m.roughness == 0 || r.always(1, 255);
       const bool metal = m.metallic == 0 || r.always(2, 255);
       if (rough && metal) {
@@ -134,7 +104,7 @@ class MaterialAnalysis {
 
   void check_emission(Material& m) {
     if (!m.emissive_map.present()) return;
-    const Range4& r = range(m.emissive_map);
+    const TexelRange& r = range(m.emissive_map);
     if (m.emissive == glm::vec3(0)) {
       drop(m.emissive_map, NeedRule::kEmission, "emissive map", "its factor is 0");
     } else if (r.black()) {
@@ -158,7 +128,7 @@ class MaterialAnalysis {
   }
 
   Scene& scene_;
-  std::vector<std::optional<Range4>> ranges_;
+  std::vector<std::optional<TexelRange>> ranges_;
   std::vector<bool> vertex_alpha_;  ///< by material: 1 on every vertex drawn with it
   std::vector<LeftOut> out_;
 };
@@ -173,11 +143,11 @@ Reads reads_of(const Mesh& mesh, const std::vector<Material>& materials) {
   for (const Primitive& p : mesh.primitives) {
     const Material& m = materials[p.material];
     out.normal = out.normal || !m.unlit;
-    out.tangent = out.tangent || m.normal_map.present();
-    for (const TextureRef* t : {&m.base_color_map, &m.metal_rough_map, &m.normal_map,
-                                &m.occlusion_map, &m.emissive_map}) {
-      if (t->present()) (t->uv_set == 1 ? out.uv1 : out.uv0) = true;
-    }
+    const bool coat = m.lobes.map(LobeMap::kClearcoatNormal).present();
+    out.tangent = out.tangent || m.normal_map.present() || coat;
+    m.each_map([&](const TextureRef& t) {
+      if (t.present()) (t.uv_set == 1 ? out.uv1 : out.uv0) = true;
+    });
   }
   return out;
 }
@@ -267,10 +237,9 @@ void drop_unused_images(Scene& scene) {
   std::vector<std::int32_t> place(scene.images.size(), -1);
   const auto each_map = [&](const auto& visit) {
     for (Material& m : scene.materials) {
-      for (TextureRef* t : {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map,
-                            &m.emissive_map}) {
-        if (t->present()) visit(*t);
-      }
+      m.each_map([&](TextureRef& t) {
+        if (t.present()) visit(t);
+      });
     }
   };
   each_map([&](TextureRef& map) { place[static_cast<std::size_t>(map.image)] = 0; });

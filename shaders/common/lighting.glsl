@@ -19,6 +19,15 @@ struct Surface {
 #ifdef SHADOW
   float sun;  // share of the sun's light that arrives
 #endif
+#ifdef LOBES
+  vec4 reflectance;  // of a dielectric: head on, and the greatest at grazing angles
+  float transmission;
+  vec3 sheen_color;
+  float sheen_roughness;
+  float clearcoat;
+  float coat_roughness;
+  vec3 coat_normal;
+#endif
 #ifdef SPREAD
   float spread;  // 0: one normal, 1: they cancel out (relit tiles: many leaves in a texel)
 #endif
@@ -82,13 +91,26 @@ vec3 unit(vec3 v) {
 #ifdef PROBE
 #include "common/probe.glsl"
 #endif
+#ifdef LOBES
+#include "common/lobes.glsl"
+#endif
 
 vec3 shade(Surface s) {
   vec3 f0 = mix(vec3(0.04), s.albedo, s.metallic);
   vec3 diffuse = s.albedo * (1.0 - s.metallic);
+#ifdef LOBES
+  // All that lobes do is added to what is there without: at a factor of 0 no bit changes.
+  f0 += (s.reflectance.rgb - 0.04) * (1.0 - s.metallic);
+  float grazing = (s.reflectance.a - 1.0) * (1.0 - s.metallic);  // beyond 1
+  vec3 gone = diffuse * s.transmission;
+#endif
   vec3 to_eye = -unit(s.position);
   float n_v = max(dot(s.normal, to_eye), 1e-4);
   vec3 result = u_ambient * s.occlusion * mix(s.albedo, f0, s.metallic);
+#ifdef LOBES
+  result -= u_ambient * s.occlusion * gone;
+  diffuse -= gone;
+#endif
   for (int i = 0; i < u_light_count; ++i) {
     vec3 to_light;
     vec3 color = incoming(i, s, to_light);
@@ -103,11 +125,24 @@ vec3 shade(Surface s) {
     vec3 h = normalize(to_light + to_eye);
     float v_h = clamp(dot(to_eye, h), 0.0, 1.0);
     vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - v_h, 5.0);
+#ifdef LOBES
+    fresnel += grazing * pow(1.0 - v_h, 5.0);
+#endif
     float specular = ggx_specular(n_l, n_v, max(dot(s.normal, h), 0.0), s.roughness);
     result += color * n_l * ((1.0 - fresnel) * diffuse + fresnel * specular);
   }
 #ifdef PROBE
-  result += probe_light(s, to_eye, f0, diffuse);
+#ifdef LOBES
+  result += probe_light(s, to_eye, f0, grazing, diffuse);
+#else
+  result += probe_light(s, to_eye, f0, 0.0, diffuse);
+#endif
+#endif
+#ifdef NEED_SHEEN
+  result = with_sheen(s, to_eye, result);
+#endif
+#ifdef NEED_CLEARCOAT
+  result = with_clearcoat(s, to_eye, result);
 #endif
   return result;
 }

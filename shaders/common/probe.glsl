@@ -34,7 +34,8 @@ vec3 probe_radiance(vec3 d, float roughness) {
 // Irradiance / pi for a normal in the probe's axes; of length below 1 where many differ.
 vec3 probe_irradiance(vec3 n, float mean_length) {
   float second = mean_length * mean_length * mean_length;
-  vec3 linear = u_probe_light[4].rgb * n.y + u_probe_light[5].rgb * n.z + u_probe_light[6].rgb * n.x;
+  vec3 linear = u_probe_light[4].rgb * n.y + u_probe_light[5].rgb * n.z +
+                u_probe_light[6].rgb * n.x;
   vec3 square = u_probe_light[7].rgb * (n.x * n.y) + u_probe_light[8].rgb * (n.y * n.z) +
                 u_probe_light[9].rgb * (3.0 * n.z * n.z - 1.0) +
                 u_probe_light[10].rgb * (n.x * n.z) +
@@ -55,7 +56,8 @@ float specular_occlusion(float n_v, float occlusion, float roughness) {
   return clamp(pow(n_v + occlusion, exp2(-16.0 * roughness - 1.0)) - 1.0 + occlusion, 0.0, 1.0);
 }
 
-vec3 probe_light(Surface s, vec3 to_eye, vec3 f0, vec3 diffuse) {
+// `grazing`: how far the greatest reflectance is from 1.
+vec3 probe_light(Surface s, vec3 to_eye, vec3 f0, float grazing, vec3 diffuse) {
   float n_v = clamp(dot(s.normal, to_eye), 0.0, 1.0);
   float mean_length = 1.0;
 #ifdef SPREAD
@@ -67,7 +69,7 @@ vec3 probe_light(Surface s, vec3 to_eye, vec3 f0, vec3 diffuse) {
   vec3 mirrored = normalize(mix(reflect(-to_eye, s.normal), s.normal, s.roughness * s.roughness));
   vec3 radiance = probe_radiance(probe_axes(mirrored), s.roughness);
   vec2 ab = brdf_integral(n_v, s.roughness);
-  vec3 single = f0 * ab.x + ab.y;
+  vec3 single = f0 * ab.x + ab.y + grazing * ab.y;
   float lost = 1.0 - (ab.x + ab.y);
   vec3 mean_fresnel = f0 + (1.0 - f0) * 0.047619;  // 1 / 21
   vec3 multiple = single * mean_fresnel / (1.0 - lost * mean_fresnel) * lost;

@@ -38,9 +38,32 @@ constexpr NeedDefine kDefines[] = {
     {kDepthOnly, "DEPTH_ONLY"},
     {kSwitches, "SWITCHES"},
 };
-constexpr NeedMask kShaderNeeds = kNeedLighting | kNeedBaseColorMap | kNeedMetalRoughMap |
-                                  kNeedNormalMap | kNeedOcclusionMap | kNeedEmissiveMap |
-                                  kNeedAlphaMask | kNeedBlend | kNeedVertexColor;
+constexpr NeedDefine kLobeDefines[] = {
+    {kNeedReflectance, "NEED_REFLECTANCE"},
+    {kNeedClearcoat, "NEED_CLEARCOAT"},
+    {kNeedSheen, "NEED_SHEEN"},
+    {kNeedTransmission, "NEED_TRANSMISSION"},
+};
+struct LobeMapNames {
+  const char* define;
+  const char* sampler;
+};
+// In the order of LobeMap; on the texture units after the probe's.
+constexpr LobeMapNames kLobeMapNames[kLobeMaps] = {
+    {"NEED_SPECULAR_MAP", "u_specular_map"},
+    {"NEED_SPECULAR_COLOR_MAP", "u_specular_color_map"},
+    {"NEED_CLEARCOAT_MAP", "u_clearcoat_map"},
+    {"NEED_CLEARCOAT_ROUGHNESS_MAP", "u_clearcoat_roughness_map"},
+    {"NEED_CLEARCOAT_NORMAL_MAP", "u_clearcoat_normal_map"},
+    {"NEED_SHEEN_COLOR_MAP", "u_sheen_color_map"},
+    {"NEED_TRANSMISSION_MAP", "u_transmission_map"},
+};
+constexpr int kFirstLobeUnit = 9;
+constexpr NeedMask lobe_map_need(std::size_t i) { return NeedMask{kNeedFirstLobeMap} << i; }
+
+constexpr NeedMask kShaderNeeds = kLobeNeeds | kLobeMapNeeds | kNeedLighting | kNeedBaseColorMap |
+                                  kNeedMetalRoughMap | kNeedNormalMap | kNeedOcclusionMap |
+                                  kNeedEmissiveMap | kNeedAlphaMask | kNeedBlend | kNeedVertexColor;
 
 constexpr NeedMask kDepthNeeds = kNeedBaseColorMap | kNeedAlphaMask | kNeedVertexColor;
 
@@ -99,6 +122,13 @@ std::vector<std::string> variant_defines(NeedMask needs) {
   for (const NeedDefine& d : kDefines) {
     if (needs & d.need) defines.emplace_back(d.define);
   }
+  for (const NeedDefine& d : kLobeDefines) {
+    if (needs & d.need) defines.emplace_back(d.define);
+  }
+  for (std::size_t i = 0; i < kLobeMaps; ++i) {
+    if (needs & lobe_map_need(i)) defines.emplace_back(kLobeMapNames[i].define);
+  }
+  if (needs & kLobeNeeds) defines.emplace_back("LOBES");
   return defines;
 }
 
@@ -257,7 +287,8 @@ void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs, cons
                           "u_occlusion_map", "u_emissive_map"};
   const NeedMask bits[5] = {kNeedBaseColorMap, kNeedMetalRoughMap, kNeedNormalMap,
                             kNeedOcclusionMap, kNeedEmissiveMap};
-  std::vector<glm::vec4> transforms(10, glm::vec4(0));
+  const bool lobes = (needs | forced_) & kLobeNeeds;
+  std::vector<glm::vec4> transforms(lobes ? 2 * (5 + kLobeMaps) : 10, glm::vec4(0));
   for (int i = 0; i < 5; ++i) {
     if (!((needs | forced_) & bits[i])) continue;
     if (needs & bits[i]) {
@@ -271,7 +302,34 @@ void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs, cons
     p.set(names[i], i);
     put_uv_transform(*maps[i], &transforms[static_cast<std::size_t>(2 * i)]);
   }
+  if (lobes) bind_lobes(p, m.lobes, needs, images, transforms);
   p.set("u_uv_transform", transforms);
+}
+
+void MeshPass::bind_lobes(Program& p, const Lobes& l, NeedMask needs, const GpuImages& images,
+                          std::vector<glm::vec4>& transforms) {
+  // Schlick's from the refractive index; 0.04 to the last bit where it is the usual one.
+  const float ratio = (l.ior - 1) / (l.ior + 1);
+  const float f0 = l.ior == 1.5f ? 0.04f : ratio * ratio;
+  p.set("u_reflectance",
+        glm::vec4(glm::min(f0 * l.specular_color, glm::vec3(1)) * l.specular, l.specular));
+  p.set("u_clearcoat", glm::vec2(l.clearcoat, l.clearcoat_roughness));
+  p.set("u_sheen", glm::vec4(l.sheen_color, l.sheen_roughness));
+  p.set("u_backdrop", backdrop_);
+  p.set("u_transmission", glm::vec4(l.volume_tint, l.transmission));
+  for (std::size_t i = 0; i < kLobeMaps; ++i) {
+    if (!((needs | forced_) & lobe_map_need(i))) continue;
+    const int unit = kFirstLobeUnit + static_cast<int>(i);
+    if (needs & lobe_map_need(i)) {
+      bind_texture(unit, l.maps[i], images, GL_LINEAR_MIPMAP_LINEAR);
+    } else {
+      const bool normal = i == static_cast<std::size_t>(LobeMap::kClearcoatNormal);
+      glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+      glBindTexture(GL_TEXTURE_2D, normal ? flat_.id() : white_.id());
+    }
+    p.set(kLobeMapNames[i].sampler, unit);
+    put_uv_transform(l.maps[i], &transforms[2 * (5 + i)]);
+  }
 }
 
 void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,

@@ -89,6 +89,8 @@ class MeshPass {
   /// Light from all around on what is drawn from now on; nullptr: none, and variants without it are
   /// used.
   void set_probe(const ProbeMap* probe) { probe_ = probe; }
+  /// What is seen where no object is, linear: of it is what shows tinted through a surface.
+  void set_backdrop(const glm::vec3& color) { backdrop_ = color; }
   /// Draws the opaque and masked primitives (`blended` false) or the blended ones (true).
   void draw(const GpuMesh& mesh, const std::vector<Material>& materials, const GpuImages& images,
             const MeshInstance* instances, std::size_t count, bool blended);
@@ -110,6 +112,8 @@ class MeshPass {
            Stage stage);
   void bind_material(Program& p, const Material& material, NeedMask needs, const GpuImages& images,
                      Stage stage);
+  void bind_lobes(Program& p, const Lobes& lobes, NeedMask needs, const GpuImages& images,
+                  std::vector<glm::vec4>& transforms);
   void bind_instances(const MeshInstance* instances, std::size_t count);
 
   const MeshOutput output_;
@@ -126,6 +130,7 @@ class MeshPass {
   float fog_density_ = 0;
   const ShadowMap* shadow_ = nullptr;
   const ProbeMap* probe_ = nullptr;
+  glm::vec3 backdrop_{0.216f};
   ProbeMap black_probe_;  ///< of what is forced
   glm::dvec3 eye_{0};     ///< positions are relative to it, world; for shadows only
   int draw_calls_ = 0;

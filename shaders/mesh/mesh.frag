@@ -45,7 +45,23 @@ uniform sampler2D u_normal_map;
 uniform sampler2D u_occlusion_map;
 uniform sampler2D u_emissive_map;
 // Per map: uv' = (m0.xy . uv + m0.z, m1.xy . uv + m1.z); m0.w selects the set.
+#ifdef LOBES
+uniform vec4 u_uv_transform[24];
+uniform vec4 u_reflectance;
+uniform vec2 u_clearcoat;     // share, roughness
+uniform vec4 u_sheen;         // colour, roughness
+uniform vec4 u_transmission;  // tint of the way through, share
+uniform vec3 u_backdrop;      // what is seen where no object is
+uniform sampler2D u_specular_map;
+uniform sampler2D u_specular_color_map;
+uniform sampler2D u_clearcoat_map;
+uniform sampler2D u_clearcoat_roughness_map;
+uniform sampler2D u_clearcoat_normal_map;
+uniform sampler2D u_sheen_color_map;
+uniform sampler2D u_transmission_map;
+#else
 uniform vec4 u_uv_transform[10];
+#endif
 
 #ifdef NEED_LIGHTING
 #include "common/lighting.glsl"
@@ -65,21 +81,80 @@ vec2 map_uv(int map) {
   return vec2(dot(m0.xy, uv) + m0.z, dot(m1.xy, uv) + m1.z);
 }
 
-vec3 surface_normal() {
-  vec3 n = normalize(v_normal);
-  if (!gl_FrontFacing) n = -n;
-#ifdef NEED_NORMAL_MAP
-  vec3 texel = texture(u_normal_map, map_uv(2)).xyz * 2.0 - 1.0;
-  texel.xy *= u_factors.z;
+// `n` leant as a texel of a normal map says.
+vec3 mapped_normal(vec3 n, vec3 texel) {
   if (texel.xy == vec2(0.0)) return n;  // says nothing: not even a rounding of n
   vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
   vec3 b = cross(n, t) * v_tangent.w;
   vec3 mapped = texel.x * t + texel.y * b + texel.z * n;
   float l = length(mapped);
-  if (l > 1e-6) n = mapped / l;
+  return l > 1e-6 ? mapped / l : n;
+}
+
+vec3 facing_normal() {
+  vec3 n = normalize(v_normal);
+  return gl_FrontFacing ? n : -n;
+}
+
+vec3 surface_normal() {
+  vec3 n = facing_normal();
+#ifdef NEED_NORMAL_MAP
+  vec3 texel = texture(u_normal_map, map_uv(2)).xyz * 2.0 - 1.0;
+  texel.xy *= u_factors.z;
+  n = mapped_normal(n, texel);
 #endif
   return n;
 }
+
+#if defined(LOBES) && defined(NEED_LIGHTING)
+void read_lobes(inout Surface s) {
+  s.reflectance = u_reflectance;
+#ifdef NEED_SPECULAR_MAP
+  s.reflectance *= texture(u_specular_map, map_uv(5)).a;
+#endif
+#ifdef NEED_SPECULAR_COLOR_MAP
+  s.reflectance.rgb *= texture(u_specular_color_map, map_uv(6)).rgb;
+#endif
+  s.clearcoat = u_clearcoat.x;
+  s.coat_roughness = u_clearcoat.y;
+  s.coat_normal = facing_normal();
+#ifdef NEED_CLEARCOAT_MAP
+  s.clearcoat *= texture(u_clearcoat_map, map_uv(7)).r;
+#endif
+#ifdef NEED_CLEARCOAT_ROUGHNESS_MAP
+  s.coat_roughness *= texture(u_clearcoat_roughness_map, map_uv(8)).g;
+#endif
+#ifdef NEED_CLEARCOAT_NORMAL_MAP
+  s.coat_normal = mapped_normal(s.coat_normal,
+                                texture(u_clearcoat_normal_map, map_uv(9)).xyz * 2.0 - 1.0);
+#endif
+  s.sheen_color = u_sheen.rgb;
+  s.sheen_roughness = u_sheen.w;
+#ifdef NEED_SHEEN_COLOR_MAP
+  s.sheen_color *= texture(u_sheen_color_map, map_uv(10)).rgb;
+#endif
+  s.transmission = u_transmission.w;
+#ifdef NEED_TRANSMISSION_MAP
+  s.transmission *= texture(u_transmission_map, map_uv(11)).r;
+#endif
+  s.transmission *= 1.0 - s.metallic;
+}
+
+#ifdef NEED_TRANSMISSION
+// One alpha stands for all colours: what the tint takes from white is blended, the rest of its
+// colour is the backdrop's, and so is all that a rough surface would blur. Adds that to `color`;
+// the share that is blended.
+float seen_through(Surface s, inout vec3 color) {
+  float n_v = clamp(dot(s.normal, -unit(s.position)), 0.0, 1.0);
+  float fresnel = s.reflectance.g + (s.reflectance.a - s.reflectance.g) * pow(1.0 - n_v, 5.0);
+  float share = s.transmission * (1.0 - fresnel);
+  vec3 tint = s.albedo * u_transmission.rgb;
+  float clear = min(min(tint.r, tint.g), tint.b) * (1.0 - s.roughness);
+  color += share * (tint - clear) * u_backdrop;
+  return share * clear;
+}
+#endif
+#endif
 
 #ifdef FADE
 flat in float v_fade;
@@ -131,6 +206,9 @@ void main() {
 #ifdef NEED_OCCLUSION_MAP
   s.occlusion = 1.0 + u_factors.w * (texture(u_occlusion_map, map_uv(3)).r - 1.0);
 #endif
+#ifdef LOBES
+  read_lobes(s);
+#endif
 #ifdef WRITE_SURFACE
   o_normal = vec4(s.normal, 1.0);
   o_material = vec4(s.metallic, s.roughness, s.occlusion, 1.0);
@@ -151,6 +229,13 @@ void main() {
   emissive *= texture(u_emissive_map, map_uv(4)).rgb;
 #endif
   color += emissive;
+#ifdef NEED_TRANSMISSION
+#define BLEND_SEEN
+  float seen = seen_through(s, color);
+#ifdef SWITCHES
+  if (u_switches.x > 0.5) seen = 0.0;
+#endif
+#endif
 #ifdef SWITCHES
   if (u_switches.x > 0.5) color = base.rgb;
 #endif
@@ -167,6 +252,9 @@ void main() {
 #endif
 #endif
   o_color = vec4(color * base.a, base.a);
+#ifdef BLEND_SEEN
+  o_color.a -= o_color.a * seen;
+#endif
 #ifdef FOG
   o_color = fogged(o_color, v_position);
 #endif

@@ -37,7 +37,7 @@ TEST(Counters, OfAShortWalk) {
   EXPECT_EQ(m["tiles_rendered_twice_total"], 0);
   EXPECT_EQ(m["store_evictions_total"], 0);
   EXPECT_EQ(s["tiles"]["refused"], 0);
-  expect_about(s["bytes_down"], 1'061'365, 0.05, "bytes down");
+  expect_about(s["bytes_down"], 1'130'837, 0.05, "bytes down");
 
   const nlohmann::json& uploads = s["uploads"];
   EXPECT_LE(uploads["tiles"], s["tiles"]["received"]);

@@ -39,6 +39,19 @@ TEST(Failure, UnusableScenesEndWithThreeQuickly) {
   expect_error(run({binary("mirage-server"), text}, 5), 3, "scene-format");
 }
 
+TEST(Failure, UnusableSurroundingsEndQuickly) {
+  const auto in = [](const std::string& environment) {
+    return run({binary("mirage-server"), "builtin:knot", "--environment", environment}, 5);
+  };
+  expect_error(in("/nonexistent.hdr"), 3, "scene-missing");
+  expect_error(in("builtin:nosuch"), 2, "usage");
+  const std::string text = scratch_folder() + "/text.exr", large = scratch_folder() + "/16k.hdr";
+  std::ofstream(text) << "these are no surroundings";
+  expect_error(in(text), 3, "scene-format");
+  std::ofstream(large) << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8192 +X 16384\n";
+  expect_error(in(large), 3, "scene-limit");
+}
+
 TEST(Failure, NobodyThereEndsWithFive) {
   expect_error(run({binary("mirage-view"), "ws://127.0.0.1:1", "--offscreen", "64x64",
                     "--connect-timeout", "0.5"}),

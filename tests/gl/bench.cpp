@@ -217,6 +217,7 @@ TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache, std::uint8_t ch
   ReadbackRing ring(1);
   PendingPage pending;
   pending.jobs = {job};
+  pending.surface = pages_->writes_surface({job});
   pending.places = {{0, 0}};
   pending.width = packer.used().x;
   pending.height = packer.used().y;

@@ -36,7 +36,9 @@ std::vector<std::uint64_t> tile_hashes(const std::string& spec, const LoadOption
         const gl::RenderTarget* target = pages->render({job}, packer);
         if (!target) return {};
         ReadbackRing ring(1);
-        ring.start(*target, {{job}, {{0, 0}}, 0, packer.used().x, packer.used().y});
+        PendingPage pending{{job}, {{0, 0}}, 0, packer.used().x, packer.used().y};
+        pending.surface = pages->writes_surface({job});
+        ring.start(*target, std::move(pending));
         const ReadbackRing::Collected page = *ring.collect(true);
         const StoredTilePtr tile =
             EncodeStage::encode({job, page.pixels, 0, 0, 0, 0}, object, TileCodec::kZstd);

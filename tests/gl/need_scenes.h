@@ -120,6 +120,27 @@ inline std::vector<NamedChange> neutral_changes() {
          with_map(&Material::emissive_map, solid_image({0, 0, 0, 255}, true))(s);
          s.materials[0].emissive = glm::vec3(1);
        }},
+      {"lobes of factor 0, and a dark one", NeedRule::kExtensions,
+       [](Scene& s) {
+         Lobes& l = s.materials[0].lobes;
+         l.clearcoat_roughness = 0.4f;
+         l.sheen_roughness = 0.7f;
+         l.volume_tint = {0.2f, 0.9f, 0.4f};
+         l.transmission = 0.8f;
+         s.images.push_back(solid_image({0, 90, 90, 255}, false));
+         l.map(LobeMap::kTransmission).image = static_cast<std::int32_t>(s.images.size()) - 1;
+         s.images.push_back(solid_image({40, 60, 90, 255}, false));
+         l.map(LobeMap::kClearcoat).image = static_cast<std::int32_t>(s.images.size()) - 1;
+       }},
+      {"white maps of reflection", NeedRule::kExtensions,
+       [=](Scene& s) {
+         s.images.push_back(solid_image({9, 9, 9, 255}, false));
+         s.materials[0].lobes.map(LobeMap::kSpecular).image =
+             static_cast<std::int32_t>(s.images.size()) - 1;
+         s.images.push_back(white(true));
+         s.materials[0].lobes.map(LobeMap::kSpecularColor).image =
+             static_cast<std::int32_t>(s.images.size()) - 1;
+       }},
       {"texture coordinates nobody reads", NeedRule::kAttributes,
        [](Scene& s) {
          for (Vertex& v : s.objects[0].mesh.vertices) v.uv1 = v.uv0 * 3.0f;
@@ -178,6 +199,32 @@ inline std::vector<NeededChange> needed_changes() {
          s.materials[0].emissive_map = {};
          s.materials[0].emissive = glm::vec3(0);
        }},
+      {"clearcoat", NeedRule::kExtensions, [](Scene& s) { s.materials[0].lobes.clearcoat = 0.2f; },
+       [](Scene& s) { s.materials[0].lobes.clearcoat = 0; }},
+      {"sheen", NeedRule::kExtensions,
+       [](Scene& s) {
+         s.materials[0].lobes.sheen_color = {0, 0, 0.1f};
+       },
+       [](Scene& s) { s.materials[0].lobes.sheen_color = glm::vec3(0); }},
+      {"transmission", NeedRule::kExtensions,
+       [](Scene& s) {
+         s.materials[0].lobes.transmission = 0.1f;
+         s.materials[0].alpha_mode = AlphaMode::kBlend;
+       },
+       [](Scene& s) {
+         s.materials[0].lobes.transmission = 0;
+         s.materials[0].alpha_mode = AlphaMode::kOpaque;
+       }},
+      {"index of refraction", NeedRule::kExtensions,
+       [](Scene& s) { s.materials[0].lobes.ior = 1.7f; },
+       [](Scene& s) { s.materials[0].lobes.ior = 1.5f; }},
+      {"specular map", NeedRule::kExtensions,
+       [](Scene& s) {
+         s.images.push_back(small_image({9, 9, 9, 255}, {9, 9, 9, 0}, false));
+         s.materials[0].lobes.map(LobeMap::kSpecular).image =
+             static_cast<std::int32_t>(s.images.size()) - 1;
+       },
+       [](Scene& s) { s.materials[0].lobes.map(LobeMap::kSpecular) = {}; }},
       {"vertex colours", NeedRule::kAttributes,
        [](Scene& s) {
          s.objects[0].mesh.vertices[30].color = {60000, 60000, 60000, 65535};

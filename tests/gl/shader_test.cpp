@@ -8,9 +8,10 @@
 namespace mirage::test {
 namespace {
 
-constexpr NeedMask kNeeds[] = {kNeedLighting,  kNeedBaseColorMap, kNeedMetalRoughMap,
-                               kNeedNormalMap, kNeedOcclusionMap, kNeedEmissiveMap,
-                               kNeedAlphaMask, kNeedBlend,        kNeedVertexColor};
+constexpr NeedMask kNeeds[] = {
+    kNeedLighting,    kNeedBaseColorMap, kNeedMetalRoughMap, kNeedNormalMap,   kNeedOcclusionMap,
+    kNeedEmissiveMap, kNeedAlphaMask,    kNeedBlend,         kNeedVertexColor, kNeedReflectance,
+    kNeedClearcoat,   kNeedSheen,        kNeedTransmission,  kLobeMapNeeds};
 
 TEST(Shaders, EveryVariantCompiles) {
   Result<gl::EglContext> egl = gl::EglContext::create("auto");

@@ -140,6 +140,35 @@ TEST(GltfMaterial, HighTextureCoordinateSetsFallBack) {
   EXPECT_TRUE(has_warning(*scene, "TEXCOORD_2 or higher"));
 }
 
+TEST(GltfMaterial, LobesAreRead) {
+  json material = base_color();
+  material["extensions"] = {
+      {"KHR_materials_specular",
+       {{"specularFactor", 0.5},
+        {"specularColorFactor", {0.5, 1, 2}},
+        {"specularTexture", {{"index", 0}}}}},
+      {"KHR_materials_ior", {{"ior", 1.33}}},
+      {"KHR_materials_clearcoat", {{"clearcoatFactor", 0.75}, {"clearcoatRoughnessFactor", 0.25}}},
+      {"KHR_materials_sheen", {{"sheenColorFactor", {0, 0.5, 7}}, {"sheenRoughnessFactor", 0.125}}},
+      {"KHR_materials_transmission", {{"transmissionFactor", 0.5}}},
+      {"KHR_materials_volume",
+       {{"thicknessFactor", 2}, {"attenuationDistance", 1}, {"attenuationColor", {1, 0.5, 0.25}}}}};
+  auto scene = textured(make_png(1, 1, 8, 2, "abc"), material).load();
+  ASSERT_TRUE(scene) << failure(scene);
+  const Material& out = scene->materials[0];
+  const Lobes& l = out.lobes;
+  EXPECT_EQ(l.specular, 0.5f);
+  EXPECT_EQ(l.specular_color, glm::vec3(0.5f, 1, 2));
+  EXPECT_TRUE(l.map(LobeMap::kSpecular).present());
+  EXPECT_FLOAT_EQ(l.ior, 1.33f);
+  EXPECT_EQ(l.clearcoat, 0.75f);
+  EXPECT_EQ(l.clearcoat_roughness, 0.25f);
+  EXPECT_EQ(l.sheen_color, glm::vec3(0, 0.5f, 1)) << "clamped";
+  EXPECT_EQ(l.transmission, 0.5f);
+  EXPECT_EQ(out.alpha_mode, AlphaMode::kBlend);
+  EXPECT_NEAR(l.volume_tint.g, 0.25f, 1e-6f);
+}
+
 TEST(GltfMaterial, ImageForColourAndDataIsStoredTwice) {
   json material = base_color();
   material["emissiveTexture"] = {{"index", 0}};

@@ -258,6 +258,52 @@ TEST(ProtocolModel, MaterialsAreChecked) {
   }
 }
 
+TEST(ProtocolModel, LobesComeBackAndCostNothingWhereThereAreNone) {
+  ByteWriter plain;
+  put_material(plain, Material());
+  EXPECT_EQ(plain.bytes.size(), kMaterialBytes);
+  Material m;
+  m.lobes.specular_color = {0.5f, 2, 1};
+  m.lobes.ior = 1.33f;
+  m.lobes.clearcoat = 0.75f;
+  m.lobes.sheen_color = {0.1f, 0.2f, 0.3f};
+  m.lobes.transmission = 0.5f;
+  m.lobes.volume_tint = {0.9f, 0.8f, 0.7f};
+  m.lobes.map(LobeMap::kTransmission).image = 2;
+  m.lobes.map(LobeMap::kTransmission).uv_set = 1;
+  ByteWriter w;
+  put_material(w, m);
+  const Bytes bytes = w.bytes;
+  ByteReader r(bytes.data(), bytes.size());
+  Material back;
+  ASSERT_TRUE(get_material(r, back, 3));
+  EXPECT_EQ(back.lobes.specular_color, m.lobes.specular_color);
+  EXPECT_EQ(back.lobes.ior, 1.33f);
+  EXPECT_EQ(back.lobes.clearcoat, 0.75f);
+  EXPECT_EQ(back.lobes.sheen_color, m.lobes.sheen_color);
+  EXPECT_EQ(back.lobes.volume_tint, m.lobes.volume_tint);
+  EXPECT_EQ(back.lobes.map(LobeMap::kTransmission).image, 2);
+  EXPECT_EQ(back.lobes.map(LobeMap::kTransmission).uv_set, 1);
+  ByteReader few(bytes.data(), bytes.size());
+  EXPECT_FALSE(get_material(few, back, 2)) << "an image that is not there";
+  for (std::size_t n = kMaterialBytes; n < bytes.size(); n += 7) {
+    ByteReader cut(bytes.data(), n);
+    EXPECT_FALSE(get_material(cut, back, 3)) << n;
+  }
+  for (const auto& [what, spoil] : std::initializer_list<std::pair<const char*, void (*)(Lobes&)>>{
+           {"NaN", [](Lobes& l) { l.clearcoat = std::nanf(""); }},
+           {"negative", [](Lobes& l) { l.sheen_color.g = -1; }},
+           {"index below 1", [](Lobes& l) { l.ior = 0.5f; }}}) {
+    Material bad = m;
+    spoil(bad.lobes);
+    ByteWriter out;
+    put_material(out, bad);
+    const Bytes spoilt = out.bytes;
+    ByteReader in(spoilt.data(), spoilt.size());
+    EXPECT_FALSE(get_material(in, back, 3)) << what;
+  }
+}
+
 TEST(ProtocolModel, FlippedBitsNeverCrash) {
   const Bytes good = encode_model(sheet(5));
   for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {

@@ -8,7 +8,9 @@ namespace mirage {
 namespace {
 
 constexpr double kPi = glm::pi<double>();
-constexpr int kSamples = 128;  // of a lobe; each reads as wide as its share of the lobe is
+// Of a level's lobe; each reads as wide as its share of the lobe is, so that sharp ones, of which
+// there are most, need few.
+constexpr std::array<std::uint32_t, kProbeLevels.size()> kSamples = {16, 32, 64, 128, 128, 128};
 
 // The image and its halvings, rows weighted by the solid angle they have.
 class Pyramid {
@@ -83,12 +85,12 @@ double radical_inverse(std::uint32_t i) {
 
 // GGX halfway vectors by importance (Karis 2013, "Real Shading in Unreal Engine 4"), each sample
 // with the solid angle of its density (Krivanek and Colbert 2008).
-std::vector<Sample> lobe(double roughness) {
+std::vector<Sample> lobe(double roughness, std::uint32_t samples) {
   const double a2 = std::pow(roughness, 4);
   std::vector<Sample> out;
   double sum = 0;
-  for (std::uint32_t i = 0; i < kSamples; ++i) {
-    const double turn = 2 * kPi * (i + 0.5) / kSamples, share = radical_inverse(i);
+  for (std::uint32_t i = 0; i < samples; ++i) {
+    const double turn = 2 * kPi * (i + 0.5) / samples, share = radical_inverse(i);
     const double cosine2 = (1 - share) / (1 + (a2 - 1) * share);
     const double cosine = std::sqrt(cosine2), sine = std::sqrt(std::max(0.0, 1 - cosine2));
     const glm::dvec3 halfway(sine * std::cos(turn), sine * std::sin(turn), cosine);
@@ -96,7 +98,7 @@ std::vector<Sample> lobe(double roughness) {
     if (d.z <= 0) continue;
     const double spread = cosine2 * (a2 - 1) + 1;
     const double density = a2 / (kPi * spread * spread) / 4;
-    out.push_back({d, d.z, 1 / (kSamples * density)});
+    out.push_back({d, d.z, 1 / (samples * density)});
     sum += d.z;
   }
   for (Sample& s : out) s.weight /= sum;
@@ -179,7 +181,7 @@ LightProbe make_probe(const Equirect& image, const Workers& workers) {
   std::vector<Row> rows;
   std::vector<std::vector<Sample>> lobes;
   for (std::size_t i = 0; i < kProbeLevels.size(); ++i) {
-    lobes.push_back(lobe(probe_roughness(i)));
+    lobes.push_back(lobe(probe_roughness(i), kSamples[i]));
     for (int y = 0; y < kProbeLevels[i].edge; ++y) rows.push_back({i, y});
   }
   workers.each(rows.size() + 1, [&](std::size_t i) {

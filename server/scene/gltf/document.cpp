@@ -32,6 +32,12 @@ constexpr std::string_view kSupportedExtensions[] = {
     "KHR_texture_basisu",
     "CESIUM_RTC",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_specular",
+    "KHR_materials_ior",
+    "KHR_materials_clearcoat",
+    "KHR_materials_sheen",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
 };
 
 bool is_supported(std::string_view extension) {

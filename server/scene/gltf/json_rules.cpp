@@ -55,18 +55,43 @@ const Schema& texture_info_schema() {
   return kSchema;
 }
 
+const Schema& material_extension_schema() {
+  const Schema& info = texture_info_schema();
+  static const Schema kStrength{{number("emissiveStrength")}};
+  static const Schema kSpecGloss{{numbers("diffuseFactor", 4), object("diffuseTexture", info),
+                                  numbers("specularFactor", 3), number("glossinessFactor"),
+                                  object("specularGlossinessTexture", info)}};
+  static const Schema kSpecular{{number("specularFactor"), object("specularTexture", info),
+                                 numbers("specularColorFactor", 3),
+                                 object("specularColorTexture", info)}};
+  static const Schema kIor{{number("ior")}};
+  static const Schema kClearcoat{{number("clearcoatFactor"), object("clearcoatTexture", info),
+                                  number("clearcoatRoughnessFactor"),
+                                  object("clearcoatRoughnessTexture", info),
+                                  object("clearcoatNormalTexture", info)}};
+  static const Schema kSheen{{numbers("sheenColorFactor", 3), object("sheenColorTexture", info),
+                              number("sheenRoughnessFactor"),
+                              object("sheenRoughnessTexture", info)}};
+  static const Schema kTransmission{
+      {number("transmissionFactor"), object("transmissionTexture", info)}};
+  static const Schema kVolume{{number("thicknessFactor"), object("thicknessTexture", info),
+                               number("attenuationDistance"), numbers("attenuationColor", 3)}};
+  static const Schema kSchema{
+      {object("KHR_materials_unlit", empty_schema()),
+       object("KHR_materials_emissive_strength", kStrength),
+       object("KHR_materials_pbrSpecularGlossiness", kSpecGloss),
+       object("KHR_materials_specular", kSpecular), object("KHR_materials_ior", kIor),
+       object("KHR_materials_clearcoat", kClearcoat), object("KHR_materials_sheen", kSheen),
+       object("KHR_materials_transmission", kTransmission),
+       object("KHR_materials_volume", kVolume)}};
+  return kSchema;
+}
+
 const Schema& material_schema() {
   const Schema& info = texture_info_schema();
   static const Schema kPbr{{numbers("baseColorFactor", 4), object("baseColorTexture", info),
                             number("metallicFactor"), number("roughnessFactor"),
                             object("metallicRoughnessTexture", info)}};
-  static const Schema kStrength{{number("emissiveStrength")}};
-  static const Schema kSpecGloss{{numbers("diffuseFactor", 4), object("diffuseTexture", info),
-                                  numbers("specularFactor", 3), number("glossinessFactor"),
-                                  object("specularGlossinessTexture", info)}};
-  static const Schema kExtensions{{object("KHR_materials_unlit", empty_schema()),
-                                   object("KHR_materials_pbrSpecularGlossiness", kSpecGloss),
-                                   object("KHR_materials_emissive_strength", kStrength)}};
   static const Schema kSchema{{name(),
                                object("pbrMetallicRoughness", kPbr),
                                object("normalTexture", info),
@@ -76,7 +101,7 @@ const Schema& material_schema() {
                                {"alphaMode", Kind::kText},
                                number("alphaCutoff"),
                                {"doubleSided", Kind::kFlag},
-                               object("extensions", kExtensions)}};
+                               object("extensions", material_extension_schema())}};
   return kSchema;
 }
 

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kMaxEmission = 1e6;
 constexpr double kMaxUvTransform = 1e6;
+constexpr double kMaxIor = 1e3;
 
 Wrap wrap_mode(int mode) {
   switch (mode) {
@@ -62,11 +63,9 @@ Result<std::vector<Image>> MaterialImporter::take_images(const Workers& workers)
   auto images = images_.take(workers);
   if (!images) return images;
   for (Material& material : materials_) {
-    for (TextureRef* ref :
-         {&material.base_color_map, &material.metal_rough_map, &material.normal_map,
-          &material.occlusion_map, &material.emissive_map}) {
-      if (ref->present() && !images_.readable(ref->image)) *ref = TextureRef{};
-    }
+    material.each_map([&](TextureRef& ref) {
+      if (ref.present() && !images_.readable(ref.image)) ref = TextureRef{};
+    });
   }
   return images;
 }
@@ -112,7 +111,71 @@ Material MaterialImporter::convert(const tinygltf::Material& source) {
   out.normal_map = ref(source.normalTexture, false);
   out.occlusion_map = ref(source.occlusionTexture, false);
   out.emissive_map = ref(source.emissiveTexture, true);
+  if (!out.unlit) read_lobes(source, out.lobes);
+  // What shows through is blended: nothing behind is known where a tile is made.
+  if (out.lobes.transmission > 0) out.alpha_mode = AlphaMode::kBlend;
   return out;
+}
+
+void MaterialImporter::read_lobes(const tinygltf::Material& source, Lobes& out) {
+  static const tinygltf::Value kNone;
+  const auto extension = [&](const char* name) -> const tinygltf::Value& {
+    const auto found = source.extensions.find(name);
+    return found == source.extensions.end() ? kNone : found->second;
+  };
+  const auto share = [&](const tinygltf::Value& of, const char* key, double plain) {
+    return factor(number_or(of, key, plain), 0, 1, plain);
+  };
+  const auto color = [&](const tinygltf::Value& of, const char* key, double plain, double most) {
+    glm::vec3 rgb;
+    for (int i = 0; i < 3; ++i) rgb[i] = factor(pair_element(of, key, i, plain), 0, most, plain);
+    return rgb;
+  };
+  const tinygltf::Value& specular = extension("KHR_materials_specular");
+  out.specular = share(specular, "specularFactor", 1);
+  out.specular_color = color(specular, "specularColorFactor", 1, 1e3);
+  out.map(LobeMap::kSpecular) = lobe_map(specular, "specularTexture", false);
+  out.map(LobeMap::kSpecularColor) = lobe_map(specular, "specularColorTexture", true);
+  // 0 is the specification's way to have every ray reflected.
+  const double ior = number_or(extension("KHR_materials_ior"), "ior", 1.5);
+  out.ior = ior == 0 ? static_cast<float>(kMaxIor) : factor(ior, 1, kMaxIor, 1.5);
+  const tinygltf::Value& coat = extension("KHR_materials_clearcoat");
+  out.clearcoat = share(coat, "clearcoatFactor", 0);
+  out.clearcoat_roughness = share(coat, "clearcoatRoughnessFactor", 0);
+  out.map(LobeMap::kClearcoat) = lobe_map(coat, "clearcoatTexture", false);
+  out.map(LobeMap::kClearcoatRoughness) = lobe_map(coat, "clearcoatRoughnessTexture", false);
+  out.map(LobeMap::kClearcoatNormal) = lobe_map(coat, "clearcoatNormalTexture", false);
+  const tinygltf::Value& sheen = extension("KHR_materials_sheen");
+  out.sheen_color = color(sheen, "sheenColorFactor", 0, 1);
+  out.sheen_roughness = share(sheen, "sheenRoughnessFactor", 0);
+  out.map(LobeMap::kSheenColor) = lobe_map(sheen, "sheenColorTexture", true);
+  const tinygltf::Value& through = extension("KHR_materials_transmission");
+  out.transmission = share(through, "transmissionFactor", 0);
+  out.map(LobeMap::kTransmission) = lobe_map(through, "transmissionTexture", false);
+  const tinygltf::Value& volume = extension("KHR_materials_volume");
+  // Beer's law over the stated thickness, one for all directions.
+  const double thickness = number_or(volume, "thicknessFactor", 0);
+  const double distance = number_or(volume, "attenuationDistance", 0);
+  if (thickness > 0 && distance > 0) {
+    const glm::vec3 left = color(volume, "attenuationColor", 1, 1);
+    out.volume_tint = glm::pow(left, glm::vec3(static_cast<float>(thickness / distance)));
+  }
+  const bool unread = (sheen.IsObject() && sheen.Has("sheenRoughnessTexture")) ||
+                      (volume.IsObject() && volume.Has("thicknessTexture"));
+  if (unread) tally_.add("sheen roughness and thickness textures read as their factors");
+}
+
+TextureRef MaterialImporter::lobe_map(const tinygltf::Value& extension, const char* key,
+                                      bool srgb) {
+  if (!extension.IsObject() || !extension.Has(key)) return {};
+  const tinygltf::Value& info = extension.Get(key);
+  tinygltf::ExtensionMap extensions;
+  if (info.Has("extensions")) {
+    const tinygltf::Value& of = info.Get("extensions");
+    for (const std::string& name : of.Keys()) extensions[name] = of.Get(name);
+  }
+  return texture(extensions, static_cast<int>(number_or(info, "index", -1)),
+                 static_cast<int>(number_or(info, "texCoord", 0)), srgb);
 }
 
 TextureRef MaterialImporter::texture(const tinygltf::ExtensionMap& extensions, int texture,

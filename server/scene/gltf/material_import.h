@@ -44,6 +44,8 @@ class MaterialImporter {
   TextureRef texture(const tinygltf::ExtensionMap& extensions, int texture, int uv_set, bool srgb);
   void apply_sampler(int sampler, TextureRef& ref) const;
   void apply_transform(const tinygltf::ExtensionMap& extensions, TextureRef& ref, int& uv_set);
+  void read_lobes(const tinygltf::Material& source, Lobes& out);
+  TextureRef lobe_map(const tinygltf::Value& extension, const char* key, bool srgb);
   float factor(double value, double low, double high, double fallback);
 
   const Document& document_;

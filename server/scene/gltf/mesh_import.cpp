@@ -14,12 +14,11 @@ Error limit_error(const char* what, std::uint64_t limit) {
 }
 
 bool uses_missing_uv(const Material& material, const RawPrimitive& raw) {
-  for (const TextureRef* ref :
-       {&material.base_color_map, &material.metal_rough_map, &material.normal_map,
-        &material.occlusion_map, &material.emissive_map}) {
-    if (ref->present() && (ref->uv_set == 0 ? raw.uv0.empty() : raw.uv1.empty())) return true;
-  }
-  return false;
+  bool missing = false;
+  material.each_map([&](const TextureRef& ref) {
+    missing = missing || (ref.present() && (ref.uv_set == 0 ? raw.uv0.empty() : raw.uv1.empty()));
+  });
+  return missing;
 }
 
 }  // namespace
@@ -73,7 +72,10 @@ Result<Mesh> import_mesh(const Document& document, int mesh, const Pose& pose,
       raw->source.resize(raw->position.size());
       std::iota(raw->source.begin(), raw->source.end(), 0u);
     }
-    append_primitive(*raw, material, used.normal_map.present(), tally, out);
+    append_primitive(
+        *raw, material,
+        used.normal_map.present() || used.lobes.map(LobeMap::kClearcoatNormal).present(), tally,
+        out);
     if (origins != nullptr && out.vertices.size() > vertices_before) {
       for (const std::uint32_t vertex : raw->source) origins->push_back({primitive, vertex});
     }
