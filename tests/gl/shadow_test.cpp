@@ -169,6 +169,7 @@ class Shadows : public ::testing::Test {
     PagePacker packer(1024);
     PendingPage pending;
     pending.jobs = jobs;
+    pending.surface = pages_->writes_surface(jobs);
     for (const TileJob& one : jobs) {
       packer.add(tile_edge(one.key.size_class));
       pending.places.emplace_back(packer.places().back().x, packer.places().back().y);
