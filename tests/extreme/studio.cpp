@@ -104,6 +104,7 @@ MadeTile Studio::make_tile(const TileKey& key, std::uint32_t instance, TileCodec
   pending.places = {{0, 0}};
   pending.width = packer.used().x;
   pending.height = packer.used().y;
+  pending.surface = pages_->writes_surface({job});
   ring.start(*pages_->render({job}, packer), pending);
   const ReadbackRing::Collected page = *ring.collect(true);
   const StoredTilePtr stored = EncodeStage::encode({job, page.pixels, 0, 0, 0, 0}, object, codec);

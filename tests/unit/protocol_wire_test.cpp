@@ -78,7 +78,8 @@ TEST(ProtocolWire, HeaderIsChecked) {
   EXPECT_EQ(changed(1, 'r'), ErrorId::kWireMalformed);
   EXPECT_EQ(changed(2, 0), ErrorId::kWireVersion);
   EXPECT_EQ(changed(2, 1), ErrorId::kWireVersion);
-  EXPECT_EQ(changed(2, 3), ErrorId::kWireVersion);
+  EXPECT_EQ(changed(2, 2), ErrorId::kWireVersion);
+  EXPECT_EQ(changed(2, 4), ErrorId::kWireVersion);
   EXPECT_EQ(changed(3, 0), ErrorId::kWireMalformed);
   EXPECT_EQ(changed(3, 3), ErrorId::kWireMalformed);
   EXPECT_EQ(changed(12, 1), ErrorId::kWireMalformed);
