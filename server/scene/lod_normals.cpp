@@ -15,6 +15,14 @@ glm::vec3 near_corner(const glm::vec3 (&v)[3], std::size_t k) {
   return kNearCorner * v[k] + 0.5f * (1 - kNearCorner) * (v[(k + 1) % 3] + v[(k + 2) % 3]);
 }
 
+// All corners face the way the triangle does: nothing of another side shades it.
+bool shades_as_it_lies(const glm::vec3 (&normals)[3], const glm::vec3& face) {
+  const float enough = kSameShading * glm::length(face);
+  return std::all_of(normals, normals + 3, [&](const glm::vec3& n) {
+    return glm::dot(n, face) >= enough * glm::length(n);
+  });
+}
+
 /// By corner: the full surface's normal where the corner shades wrongly, else zero.
 std::vector<glm::vec3> missing_normals(const FullSurface& full, const Level& level,
                                        const Workers& workers) {
@@ -27,6 +35,7 @@ std::vector<glm::vec3> missing_normals(const FullSurface& full, const Level& lev
       n[k] = level.vertices[indices[t + k]].normal;
     }
     const glm::vec3 face = glm::cross(p[1] - p[0], p[2] - p[0]);
+    if (shades_as_it_lies(n, face)) return;
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint32_t near = full.places()[level.origin[indices[t + k]]];
       const glm::vec3 right = full.tree().shading_at(near_corner(p, k), near).normal;
