@@ -3,6 +3,7 @@ add_executable(mirage_protocol_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_error_bound_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_geometry_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_hostile_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_image_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_lossy_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_lighting_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_message_test.cpp

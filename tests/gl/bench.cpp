@@ -39,14 +39,16 @@ Lighting field_light(BenchLight kind) {
   return lighting;
 }
 
-// The whole model as one object, its transparent materials alpha-tested: what the field's protocol
-// calls the alpha-tested tree.
-PreparedScene as_one_object(const PreparedScene& prepared, const Similarity& placed) {
+// The whole model as one object, its transparent materials, if they are not kept, alpha-tested:
+// what the field's protocol calls the alpha-tested tree.
+PreparedScene as_one_object(const PreparedScene& prepared, const Similarity& placed,
+                            BenchBlending blending) {
   const Scene& from = prepared.scene;
   Scene scene;
   scene.materials = from.materials;
   for (Material& m : scene.materials) {
-    if (m.alpha_mode == AlphaMode::kBlend) m.alpha_mode = AlphaMode::kMask;
+    const bool blends = m.alpha_mode == AlphaMode::kBlend;
+    if (blends && blending == BenchBlending::kTested) m.alpha_mode = AlphaMode::kMask;
   }
   scene.images = from.images;
   SceneObject whole;
@@ -149,14 +151,15 @@ std::optional<SceneView> scene_as_told(const std::shared_ptr<const PreparedScene
 }
 
 std::unique_ptr<Bench> Bench::create(const std::string& spec, BenchLight light,
-                                     const Similarity& placed, float fog_density) {
+                                     const Similarity& placed, float fog_density,
+                                     BenchBlending blending) {
   auto bench = std::make_unique<Bench>();
   Result<gl::EglContext> egl = gl::EglContext::create("auto");
   if (!egl) return nullptr;
   bench->egl_ = std::move(*egl);
   Result<std::shared_ptr<const PreparedScene>> scene = load_scene(spec);
   if (!scene) return nullptr;
-  auto prepared = std::make_shared<PreparedScene>(as_one_object(**scene, placed));
+  auto prepared = std::make_shared<PreparedScene>(as_one_object(**scene, placed, blending));
   bench->light_ = field_light(light);
   if (light == BenchLight::kProbe) {
     auto probe = std::make_shared<const LightProbe>(make_probe(*builtin_environment("sky"), {}));

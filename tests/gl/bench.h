@@ -18,6 +18,8 @@ namespace mirage::test {
 
 /// Light of the field's protocol (FIELD.md).
 enum class BenchLight { kLit, kAlbedo, kProbe };
+/// Of blended materials: alpha-tested instead, as the protocol has it, or as they are.
+enum class BenchBlending { kTested, kKept };
 
 /// Folder of the models shared between checkouts: `shared` beside the checkout; "" when absent.
 std::string shared_models();
@@ -38,7 +40,8 @@ class Bench {
 
   /// nullptr without a GL context, or when `spec` does not load. The model stands at `placed`.
   static std::unique_ptr<Bench> create(const std::string& spec, BenchLight light,
-                                       const Similarity& placed = {}, float fog_density = 0);
+                                       const Similarity& placed = {}, float fog_density = 0,
+                                       BenchBlending blending = BenchBlending::kTested);
 
   /// The field's camera: `radii` from the centre, the sphere filling the picture.
   Camera camera(double radii, const glm::dvec3& direction) const;
