@@ -4,6 +4,22 @@
 #include <cmath>
 
 namespace mirage {
+
+GroupBounds GroupBounds::around(const glm::dvec3& low, const glm::dvec3& high) {
+  GroupBounds out;
+  out.center = 0.5 * (low + high);
+  const glm::dvec3 half = 0.5 * (high - low);
+  const double slack = 1e-6 * glm::length(half) + 1e-12 * glm::length(out.center);
+  out.half = glm::vec3(half + slack);
+  return out;
+}
+
+void GroupBounds::set_mean_color(const glm::vec3& linear) {
+  for (int c = 0; c < 3; ++c) {
+    mean_color[c] = std::round(std::clamp(linear[c], 0.0f, 1.0f) * 255.0f) / 255.0f;
+  }
+}
+
 double tolerance(Importance importance) {
   switch (importance) {
     case Importance::kScenery:

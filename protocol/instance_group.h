@@ -12,6 +12,9 @@ namespace mirage {
 inline constexpr std::uint32_t kNoGroup = 0xffffffffu;
 /// A group never stands for its members nearer than this many of its radii.
 inline constexpr double kGroupRadii = 4;
+/// Nearer than this many of its radii, an instance that is cut is shown as its parts, unless it is
+/// geometry.
+inline constexpr double kPartRadii = 1.5;
 /// A group stands for its members where its image is expected to last this long.
 inline constexpr double kGroupLifeS = 3;
 
@@ -23,6 +26,11 @@ struct GroupBounds {
   glm::vec3 half{0};        ///< of the box around its members, m
   glm::vec3 mean_color{0};  ///< linear, in steps of 1/255
   NeedMask needs = 0;       ///< of all members
+
+  /// Of a box in the world, m; rounded up, so that what is in it is inside in float as well.
+  static GroupBounds around(const glm::dvec3& low, const glm::dvec3& high);
+  /// Clamps to 0..1 and rounds to what travels.
+  void set_mean_color(const glm::vec3& linear);
 };
 
 /// The group as an object: its box is its hull. A pure function, so that both ends have the same.

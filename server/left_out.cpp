@@ -171,6 +171,9 @@ std::vector<ObjectClass> object_classes(const PreparedScene& scene, const Lighti
 
 std::string object_name(const PreparedScene& scene, std::size_t object) {
   if (const InstanceGroup* group = scene.group(object)) {
+    if (group->part != kNoGroup) {
+      return "part of " + object_name(scene, scene.scene.instances[group->first_leaf].object);
+    }
     return fmt::format("group of {}", group->leaves);
   }
   const std::string& name = scene.scene.objects[object].name;

@@ -26,7 +26,7 @@ std::vector<std::uint32_t> groups_to_open(const PreparedScene& scene,
   std::priority_queue<Ranked> needed, others;
   const auto add = [&](std::uint32_t id) {
     const InstanceGroup* group = scene.group_of_instance(id);
-    if (!group) return;
+    if (!group || group->members == 0) return;
     const double radius = glm::length(glm::dvec3(group->bounds.half));
     OpenRule rule = opening.rule;
     rule.tau_px *= tolerance(group->importance);

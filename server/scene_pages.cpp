@@ -52,6 +52,7 @@ std::unique_ptr<wire::ObjectInfoT> object_info(const ObjectDescription& o) {
   info->jump = o.motion.jump;
   info->wrap_jump = o.motion.wrap_jump;
   info->hull_parallax = o.hull.parallax;
+  info->cut = o.cut;
   return info;
 }
 
@@ -102,12 +103,10 @@ class TreePages {
     }
   }
   void add_members(std::uint32_t id) {
-    const InstanceGroup& group = *scene_.group_of_instance(id);
-    make_room(group.members);
+    const std::vector<std::uint32_t> members = scene_.members(id);
+    make_room(members.size());
     page_.opened.push_back(id);
-    for (std::uint32_t i = 0; i < group.members; ++i) {
-      add_record(scene_, scene_.grouping.members[group.first_member + i], page_);
-    }
+    for (const std::uint32_t member : members) add_record(scene_, member, page_);
   }
   void finish() {
     page_.last = true;
@@ -165,6 +164,10 @@ std::vector<FramePtr> answer_open(const PreparedScene& scene, const wire::OpenRe
   opening.forward = from_wire(*request.forward);
   opening.rule = {request.focal_px, request.tau_px, request.speed_mps, request.margin};
   for (const std::uint32_t id : groups_to_open(scene, groups, opening)) tree.add_members(id);
+  // A client that asks for the parts of an instance needs them.
+  for (const std::uint32_t id : groups) {
+    if (scene.cut(id)) tree.add_members(id);
+  }
   tree.finish();
   return pages;
 }

@@ -25,5 +25,8 @@ mirage_e2e(stillness)
 mirage_e2e(cache)
 mirage_e2e(counters)
 mirage_e2e(memory)
+mirage_e2e(parts)
+# It writes a scene of its own.
+target_link_libraries(mirage_e2e_parts PRIVATE mirage_gltf)
 # It watches frame times: alone on the machine, please.
 set_tests_properties(e2e_failure PROPERTIES RUN_SERIAL ON)

@@ -3,7 +3,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_cache_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_camera_path_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_eight_views_test.cpp
-  ${PROJECT_SOURCE_DIR}/tests/unit/core_group_test.cpp unit/core_opener_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/core_group_test.cpp unit/core_opener_test.cpp unit/core_parts_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_importance_test.cpp unit/core_blend_order_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_mesh_cache_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_light_test.cpp
@@ -21,6 +21,8 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_tile_bytes_test.cpp unit/core_tile_fit_test.cpp unit/core_settled_test.cpp unit/core_upload_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_environment_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_grouping_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_bound_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_parts_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_hull_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_leave_out_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_lod_test.cpp

@@ -181,65 +181,95 @@ PixelError pixel_error(const DrawnImpostor& drawn, const InstanceView& view,
           0};
 }
 
+using ShownMap = std::unordered_map<std::uint32_t, Shown>;  // by instance
+
+// What stands for the instance of this id: itself, parts of it, or a group it is in.
+std::vector<std::uint32_t> standing_for(std::uint32_t id, const SceneView& scene,
+                                        const ShownMap& shown) {
+  std::vector<std::uint32_t> out;
+  const std::uint32_t known = scene.index_of(id);
+  if (known == InstanceView::kNoParent) {
+    const auto at = std::find_if(shown.begin(), shown.end(), [&](const auto& one) {
+      const InstanceView& group = scene.instances[one.first];
+      return id - group.first_leaf < group.leaves && id >= group.first_leaf;
+    });
+    if (at != shown.end()) out.push_back(at->first);
+    return out;
+  }
+  for (const std::uint32_t part : scene.members(known)) {
+    if (shown.count(part) != 0) out.push_back(part);
+  }
+  std::uint32_t instance = known;
+  while (instance != InstanceView::kNoParent && shown.count(instance) == 0) {
+    instance = scene.instances[instance].parent;
+  }
+  if (instance != InstanceView::kNoParent) out.push_back(instance);
+  return out;
+}
+
+// Compares one pixel's point, relative to the eye, with all that stands for its instance: a part's
+// picture overlaps its neighbours', so that several may show the point.
+void compare(const std::vector<std::uint32_t>& standing, const glm::dvec3& relative,
+             const Camera& camera, const SceneView& scene, double time_s, ShownMap& shown,
+             GeometricError& out) {
+  bool seen = false;
+  for (const std::uint32_t instance : standing) {
+    Shown& one = shown.at(instance);
+    const DrawnImpostor& impostor = *one.impostor;
+    const InstanceView& view = scene.instances[instance];
+    const ObjectDescription& object = scene.objects[view.object];
+    const PixelError error = object.motion.moving()
+                                 ? moving_error(impostor, view, object, camera, relative, time_s)
+                                 : pixel_error(impostor, view, object, camera, relative);
+    if (!error.seen) continue;
+    seen = true;
+    ++out.compared;
+    out.errors_px.push_back(static_cast<float>(error.error_px));
+    ++one.pixels;
+    one.worst_px = std::max(one.worst_px, error.error_px);
+    if (error.error_px > impostor.bound_px + kReferenceSlackPx + error.slack_px) {
+      ++out.violations;
+      out.worst_excess_px = std::max(out.worst_excess_px, error.error_px - impostor.bound_px);
+    }
+  }
+  out.disoccluded += !seen;
+}
+
 }  // namespace
 
 void add_geometric_error(const ReferenceFrame& reference, double offset_px, const Camera& camera,
                          const SceneView& scene, const DrawList& drawn, GeometricError& out) {
-  std::unordered_map<std::uint32_t, Shown> shown;
+  ShownMap shown;
   for (const DrawnImpostor& impostor : drawn.impostors)
     shown[impostor.instance].impostor = &impostor;
   for (const DrawnMesh& mesh : drawn.meshes) shown[mesh.instance].mesh = true;
   const double f = camera.focal_px();
   const glm::dvec3 right = camera.right(), up = camera.up(), forward = camera.forward();
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> standing_of;
   for (std::uint32_t y = 0; y < reference.height; ++y) {
     for (std::uint32_t x = 0; x < reference.width; ++x) {
       const std::size_t i = std::size_t{y} * reference.width + x;
       if (reference.ids[i] == 0 || reference.ids[i] > scene.all_instances) continue;
       ++out.object_pixels;
-      // What stands for the instance: itself, or a group it is in.
       const std::uint32_t id = reference.ids[i] - 1;
-      std::uint32_t instance = scene.index_of(id);
-      auto found = shown.find(instance);
-      if (instance == InstanceView::kNoParent) {
-        found = std::find_if(shown.begin(), shown.end(), [&](const auto& one) {
-          const InstanceView& group = scene.instances[one.first];
-          return id - group.first_leaf < group.leaves && id >= group.first_leaf;
-        });
-        if (found != shown.end()) instance = found->first;
+      auto at = standing_of.find(id);
+      if (at == standing_of.end()) {
+        at = standing_of.emplace(id, standing_for(id, scene, shown)).first;
       }
-      while (found == shown.end() && instance != InstanceView::kNoParent) {
-        instance = scene.instances[instance].parent;
-        found = shown.find(instance);
-      }
-      if (found == shown.end()) {
+      const std::vector<std::uint32_t>& standing = at->second;
+      if (standing.empty()) {
         ++out.holes;
         continue;
       }
-      if (found->second.mesh) continue;
+      const bool mesh = std::any_of(standing.begin(), standing.end(),
+                                    [&](std::uint32_t one) { return shown.at(one).mesh; });
+      if (mesh) continue;
       const double z = reference.depth[i];
       const double px = x + offset_px - 0.5 * camera.width;
       // Rows are counted from the top, the reference sampled them from the bottom.
       const double py = 0.5 * camera.height - (y + 1.0 - offset_px);
       const glm::dvec3 relative = (right * (px / f) + up * (py / f) + forward) * z;
-      const DrawnImpostor& impostor = *found->second.impostor;
-      const InstanceView& view = scene.instances[instance];
-      const ObjectDescription& object = scene.objects[view.object];
-      const PixelError error =
-          object.motion.moving()
-              ? moving_error(impostor, view, object, camera, relative, drawn.time_s)
-              : pixel_error(impostor, view, object, camera, relative);
-      if (!error.seen) {
-        ++out.disoccluded;
-        continue;
-      }
-      ++out.compared;
-      out.errors_px.push_back(static_cast<float>(error.error_px));
-      ++found->second.pixels;
-      found->second.worst_px = std::max(found->second.worst_px, error.error_px);
-      if (error.error_px > impostor.bound_px + kReferenceSlackPx + error.slack_px) {
-        ++out.violations;
-        out.worst_excess_px = std::max(out.worst_excess_px, error.error_px - impostor.bound_px);
-      }
+      compare(standing, relative, camera, scene, drawn.time_s, shown, out);
     }
   }
   for (const auto& [instance, one] : shown) {

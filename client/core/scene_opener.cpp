@@ -39,11 +39,18 @@ std::optional<wire::OpenRequestT> SceneOpener::plan(const SelectorInput& in) {
     const std::uint32_t index = open.back();
     open.pop_back();
     const InstanceView& view = scene.instances[index];
-    if (!scene.objects[view.object].group) continue;
-    OpenRule own = rule;
-    own.tau_px *= tolerance(view.importance);
+    const ObjectDescription& object = scene.objects[view.object];
     const double distance = glm::length(view.center - eye);
-    if (distance >= open_distance(own, view.radius)) continue;
+    if (object.cut) {
+      const bool parts = distance < kAskMargin * kPartRadii * view.radius;
+      if (!parts || comes_as_mesh(in, object, distance / view.radius)) continue;
+    } else if (object.group) {
+      OpenRule own = rule;
+      own.tau_px *= tolerance(view.importance);
+      if (distance >= open_distance(own, view.radius)) continue;
+    } else {
+      continue;
+    }
     const SceneView::Members members = scene.members(index);
     open.insert(open.end(), members.begin(), members.end());
     if (scene.opened(index) || asked_.count(view.id) != 0) continue;

@@ -1,8 +1,8 @@
 #pragma once
 // Scene opener.
 // Input:  the scene as far as it is known, the predicted camera. Output: requests for the members
-// of
-//         groups that are, or soon will be, too near to be shown as one.
+//         of groups that are, or soon will be, too near to be shown as one, and for the parts of
+//         instances that are and do not come as geometry.
 // Thread: the frame loop's. Never full: a group is asked for once; limits::kMaxOpensPerRequest at a
 //         time.
 

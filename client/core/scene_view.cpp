@@ -109,6 +109,7 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
     o.surrounds = info->surrounds;
     o.motion = {info->clip_s, info->speed, info->jump, info->wrap_jump};
     o.hull.parallax = info->hull_parallax;
+    o.cut = info->cut;
     objects.push_back(std::move(o));
   }
   return {};
@@ -121,9 +122,11 @@ Result<void> SceneView::check_page(const wire::InstancePageT& page) const {
     return make_error(ErrorId::kWireState, "instance page out of order");
   }
   std::unordered_set<std::uint32_t> groups, opened;
-  const auto known_group = [&](std::uint32_t id) {
+  const auto known_parent = [&](std::uint32_t id) {
     const std::uint32_t index = index_of(id);
-    return index != InstanceView::kNoParent && objects[instances[index].object].group;
+    if (index == InstanceView::kNoParent) return false;
+    const ObjectDescription& object = objects[instances[index].object];
+    return object.group || object.cut;
   };
   // Parents first: a group of this page may be opened in it, once it has a parent itself.
   for (const wire::GroupRecord& record : page.groups) {
@@ -136,7 +139,7 @@ Result<void> SceneView::check_page(const wire::InstancePageT& page) const {
     groups.insert(record.id());
   }
   for (const std::uint32_t id : page.opened) {
-    if (!known_group(id) && groups.count(id) == 0) {
+    if (!known_parent(id) && groups.count(id) == 0) {
       return make_error(ErrorId::kWireState, "members of a group that is not known yet");
     }
     opened.insert(id);
@@ -186,6 +189,8 @@ Result<void> SceneView::accept(const wire::InstancePageT& page) {
     if (index_by_id_.count(record.id()) != 0) continue;
     const GroupBounds bounds = bounds_of(record);
     objects.push_back(group_description(bounds));
+    // A part of an instance: nothing is nested in it, so it is drawn as an object of its own.
+    objects.back().group = record.parent() >= all_instances;
     Similarity m;
     m.position = bounds.center;
     InstanceView view = placed(m, static_cast<std::uint32_t>(objects.size() - 1), objects.back());
@@ -232,7 +237,7 @@ std::uint32_t SceneView::index_of(std::uint32_t id) const {
 
 std::uint32_t SceneView::object_id(std::uint32_t instance) const {
   const InstanceView& view = instances[instance];
-  if (!objects[view.object].group) return view.object;
+  if (view.id < all_instances) return view.object;
   return static_cast<std::uint32_t>(expected_objects_ + (view.id - all_instances));
 }
 

@@ -27,8 +27,8 @@ struct InstanceView {
   double radius = 0;     ///< world, m
   double clip_offset_s = 0;
   Importance importance = Importance::kNormal;
-  std::uint32_t parent = kNoParent;  ///< index of the group it belongs to
-  /// Groups: ids of the instances in it.
+  std::uint32_t parent = kNoParent;  ///< index of the group it belongs to, or is a part of
+  /// Groups and parts: ids of the instances in it.
   std::uint32_t first_leaf = 0, leaves = 0;
 
   static constexpr std::uint32_t kNoParent = 0xffffffffu;
@@ -42,6 +42,7 @@ class SceneView {
     const std::uint32_t* last;
     const std::uint32_t* begin() const { return first; }
     const std::uint32_t* end() const { return last; }
+    bool empty() const { return first == last; }
   };
 
   /// Takes Welcome, LightProbePage, ImagePage, ObjectPage and InstancePage. Instance pages go on
@@ -80,14 +81,16 @@ class SceneView {
   glm::dvec3 bounds_center{0};
   double bounds_radius = 1;
 
-  /// Instances (and nested groups) of a group; empty for any other, and until they are known.
+  /// Instances (and nested groups) of a group, or the parts of an instance; empty for any other,
+  /// and until they are known.
   Members members(std::uint32_t group) const {
     const Run& run = members_of_[group];
     return {members_.data() + run.first, members_.data() + run.last};
   }
-  /// Whether members() are known. True for an instance that is no group.
+  /// Whether members() are known. True for an instance that is neither a group nor cut.
   bool opened(std::uint32_t instance) const {
-    return !objects[instances[instance].object].group || members_of_[instance].known;
+    const ObjectDescription& object = objects[instances[instance].object];
+    return !(object.group || object.cut) || members_of_[instance].known;
   }
   /// What has no parent, by index.
   const std::vector<std::uint32_t>& roots() const { return roots_; }

@@ -94,7 +94,7 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
     shown.swapped_us = was_drawn ? in.now_us : INT64_MIN / 2;
     shown.as_mesh = as_mesh;
   }
-  if (!c.object->group) shown.frame = in.frame;
+  if (in.scene->members(instance).empty()) shown.frame = in.frame;
   // What takes over fades in over what was there: geometry dithered, a tile blended.
   const auto progress = static_cast<float>(fade_progress(shown.swapped_us, in.now_us));
   const bool swapping = progress < 1 && (*in.mesh_ready)[view_of.object];
@@ -148,6 +148,11 @@ bool Selector::group_serves(const SelectorInput& in, std::uint32_t group,
   const InstanceView& view_of = in.scene->instances[group];
   const bool was_drawn = shown_[group].frame + 1 >= in.frame && in.frame > 0;
   const double slack = was_drawn ? kMeshHysteresis : 1.0;
+  if (in.scene->objects[view_of.object].cut) {
+    const bool near = glm::length(view.eye) * slack < kPartRadii * view.radius;
+    const bool pictured = outside(view) && in.cache->group_to_draw(group)->known();
+    return drawn_as_mesh(in, group) || !near || (pictured && !members_have_images(in, group));
+  }
   const double tau = allowed_px(in, in.camera, view_of);
   if (!group_wanted(in, view_of, view, tau, slack)) return false;
   const TileGroup& tiles = *in.cache->group_to_draw(group);
@@ -197,7 +202,8 @@ void Selector::walk_group(Walk& w, std::uint32_t group, float fade) {
 void Selector::walk(Walk& w, std::uint32_t instance, float fade) {
   const InstanceView& view_of = w.in.scene->instances[instance];
   if (!w.frustum.may_see(view_of.center - w.in.camera.pose.eye, view_of.radius)) return;
-  if (w.in.scene->objects[view_of.object].group) return walk_group(w, instance, fade);
+  const bool parts = !w.in.scene->members(instance).empty();
+  if (parts || w.in.scene->objects[view_of.object].group) return walk_group(w, instance, fade);
   consider(w, instance, fade);
 }
 

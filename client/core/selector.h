@@ -132,9 +132,8 @@ class Selector {
   void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);
   bool keep_chosen(const SelectorInput& in, Candidate& candidate) const;
   void forget_settled(const SelectorInput& in);
+  bool wants_members(const SelectorInput& in, std::uint32_t instance) const;
   void add_need(const SelectorInput& in, std::uint32_t instance, std::vector<TileNeed>& out);
-  /// The need, coarser where the atlas is full; false: what would come is there already, or would
-  /// find no place.
 
   std::vector<Shown> shown_;
   Basis basis_;

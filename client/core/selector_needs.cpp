@@ -172,6 +172,19 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   out.push_back(need);
 }
 
+// Of a group, or of an instance that is cut; false where there are none.
+bool Selector::wants_members(const SelectorInput& in, std::uint32_t instance) const {
+  const InstanceView& view_of = in.scene->instances[instance];
+  const ObjectDescription& object = in.scene->objects[view_of.object];
+  const ViewGeometry view = view_geometry(in.predicted, view_of, object);
+  if (object.cut) {
+    const double radii = glm::length(view.eye) / view.radius;
+    const bool known = !in.scene->members(instance).empty();
+    return known && radii < kPartRadii && !comes_as_mesh(in, object, radii);
+  }
+  return object.group && !group_wanted(in, view_of, view, allowed_px(in, in.predicted, view_of), 1);
+}
+
 std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
   std::vector<TileNeed> out;
   if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return out;
@@ -181,9 +194,7 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
     const InstanceView& view_of = in.scene->instances[i];
     if (!frustum.may_see(view_of.center - in.predicted.pose.eye, view_of.radius)) return;
     if (in.now_us < shown_[i].settled_until_us) return;
-    const ObjectDescription& object = in.scene->objects[view_of.object];
-    if (object.group && !group_wanted(in, view_of, view_geometry(in.predicted, view_of, object),
-                                      allowed_px(in, in.predicted, view_of), 1)) {
+    if (wants_members(in, i)) {
       for (const std::uint32_t member : in.scene->members(i)) visit(member);
       return;
     }

@@ -67,6 +67,10 @@ double swap_radii(const SelectorInput& in, const ObjectDescription& object) {
   return cheap ? kEverywhere : in.mesh_radii;
 }
 
+bool comes_as_mesh(const SelectorInput& in, const ObjectDescription& object, double radii) {
+  return in.scene->geometry && radii < swap_radii(in, object);
+}
+
 bool may_stand_in(const SelectorInput& in, const ObjectDescription& object,
                   const ViewGeometry& view, double tau_px) {
   const double distance = glm::length(view.eye), size = radius_px(view);

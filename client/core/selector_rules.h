@@ -22,6 +22,8 @@ double light_change_px(const SelectorInput& in, const TileCache::LitGroup& lit,
                        std::uint32_t instance, double radius_px);
 /// Nearer than this, in radii, the object is geometry, if it is there; +inf: everywhere.
 double swap_radii(const SelectorInput& in, const ObjectDescription& object);
+/// Whether geometry of the object is there or will be, at this distance in radii.
+bool comes_as_mesh(const SelectorInput& in, const ObjectDescription& object, double radii);
 /// Whether a flat tile of the object is cheaper to draw than its geometry, and may replace it.
 bool may_stand_in(const SelectorInput& in, const ObjectDescription& object,
                   const ViewGeometry& view, double tau_px);

@@ -40,6 +40,7 @@ struct GpuScene {
     for (const std::vector<gl::GpuMesh>& lods : tile_lods) {
       for (const gl::GpuMesh& mesh : lods) bytes += mesh.gpu_bytes();
     }
+    for (const gl::GpuMesh& mesh : *parts) bytes += mesh.gpu_bytes();
     return bytes;
   }
   /// What a tile of this object is drawn from.
@@ -51,6 +52,12 @@ struct GpuScene {
                                     const Capture& capture) const {
     const double allowed = allowed_tile_error(capture) / double{scale};
     return level(object, lod_within(prepared->objects[object].lods, allowed));
+  }
+  /// A part of an instance (InstanceGroup::part); it is put on the GPU when it is first asked for.
+  const gl::GpuMesh& part(std::uint32_t index) const {
+    gl::GpuMesh& mesh = (*parts)[index];
+    if (mesh.primitives().empty()) mesh = gl::GpuMesh(prepared->parts[index]);
+    return mesh;
   }
   const gl::GpuMesh& level(std::uint32_t object, std::size_t lod) const {
     return lod == 0 ? meshes[object] : tile_lods[object][lod];
@@ -77,6 +84,8 @@ struct GpuScene {
     std::vector<Vertex> vertices;
   };
   std::unique_ptr<Poser> poser = std::make_unique<Poser>();
+  std::unique_ptr<std::vector<gl::GpuMesh>> parts =
+      std::make_unique<std::vector<gl::GpuMesh>>(prepared->parts.size());
 };
 
 }  // namespace mirage

@@ -330,7 +330,9 @@ void TilePageRenderer::draw_group(gl::MeshPass& meshes, const InstanceGroup& gro
   std::vector<Batch> batches;  // in the order of the instances: the same every time
   for (std::uint32_t i = group.first_leaf; i < group.first_leaf + group.leaves; ++i) {
     const Similarity& m = instances[i].world_from_object;
-    const gl::GpuMesh* mesh = &scene_->mesh_for_group(instances[i].object, m.scale, capture);
+    const gl::GpuMesh* mesh = group.part != kNoGroup
+                                  ? &scene_->part(group.part)
+                                  : &scene_->mesh_for_group(instances[i].object, m.scale, capture);
     auto at = std::find_if(batches.begin(), batches.end(),
                            [&](const Batch& batch) { return batch.mesh == mesh; });
     if (at == batches.end()) at = batches.insert(batches.end(), Batch{mesh, {}});

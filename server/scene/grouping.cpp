@@ -66,16 +66,8 @@ struct Sum {
 };
 
 GroupBounds bounds_of(const Sum& sum) {
-  GroupBounds out;
-  out.center = 0.5 * (sum.extent.low + sum.extent.high);
-  // Rounded up, so that everything is inside in float as well.
-  const glm::dvec3 half = 0.5 * (sum.extent.high - sum.extent.low);
-  const double slack = 1e-6 * glm::length(half) + 1e-12 * glm::length(out.center);
-  out.half = glm::vec3(half + slack);
-  if (sum.area > 0) out.mean_color = glm::vec3(sum.color / sum.area);
-  for (int c = 0; c < 3; ++c) {
-    out.mean_color[c] = std::round(std::clamp(out.mean_color[c], 0.0f, 1.0f) * 255.0f) / 255.0f;
-  }
+  GroupBounds out = GroupBounds::around(sum.extent.low, sum.extent.high);
+  out.set_mean_color(sum.area > 0 ? glm::vec3(sum.color / sum.area) : glm::vec3(0));
   out.needs = sum.needs;
   return out;
 }

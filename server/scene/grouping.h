@@ -16,6 +16,14 @@ struct InstanceGroup {
   std::uint32_t parent = kNoGroup;           ///< index of the group it is nested in
   std::uint32_t first_member = 0, members = 0;   ///< in Grouping::members
   Importance importance = Importance::kScenery;  ///< largest of its leaves
+  /// Index into PreparedScene::parts: it shows a part of its one leaf. kNoGroup: all of its leaves.
+  std::uint32_t part = kNoGroup;
+};
+
+/// An instance that may be shown as parts of it.
+struct Cut {
+  std::uint32_t instance = 0;
+  std::uint32_t first_group = 0, groups = 0;  ///< its parts, in Grouping::groups
 };
 
 struct Grouping {
@@ -24,6 +32,7 @@ struct Grouping {
   /// What groups consist of, group by group: instances, and groups as instance_count + their index.
   std::vector<std::uint32_t> members;
   std::vector<std::uint32_t> roots;  ///< the same of what is in no group
+  std::vector<Cut> cuts;             ///< by instance, ascending; their parts are the last groups
 };
 
 /// Groups the instances of `scene` and puts them in the groups' order: what is in no group comes

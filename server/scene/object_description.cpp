@@ -23,23 +23,31 @@ glm::vec3 mean_image_color(const Image& image) {
   return weight > 0 ? glm::vec3(sum / weight) : glm::vec3(0.5f);
 }
 
-// Area-weighted mean of base colour x vertex colour x texture mean, plus emission.
-glm::vec3 mean_color(const SceneObject& object, const Scene& scene) {
+}  // namespace
+
+std::map<std::uint32_t, glm::vec3> material_colors(const Mesh& mesh, const Scene& scene) {
+  std::map<std::uint32_t, glm::vec3> out;
+  for (const Primitive& p : mesh.primitives) {
+    const Material& m = scene.materials[p.material];
+    const auto [at, is_new] = out.emplace(p.material, glm::vec3(m.base_color) + m.emissive);
+    if (!is_new || !m.base_color_map.present()) continue;
+    at->second *= mean_image_color(scene.images[static_cast<std::size_t>(m.base_color_map.image)]);
+  }
+  return out;
+}
+
+glm::vec3 mean_color(const Mesh& mesh, const std::map<std::uint32_t, glm::vec3>& of_material) {
   glm::dvec3 sum(0);
   double area_sum = 0;
-  for (const Primitive& p : object.mesh.primitives) {
+  for (const Primitive& p : mesh.primitives) {
     if (p.kind != PrimitiveKind::kTriangles) continue;
-    const Material& m = scene.materials[p.material];
-    glm::vec3 base = glm::vec3(m.base_color) + m.emissive;
-    if (m.base_color_map.present()) {
-      base *= mean_image_color(scene.images[static_cast<std::size_t>(m.base_color_map.image)]);
-    }
+    const glm::vec3 base = of_material.at(p.material);
     const std::uint32_t step = 3 * std::max(1u, p.index_count / 3 / 2000);
     for (std::uint32_t i = 0; i + 2 < p.index_count; i += step) {
-      const std::uint32_t* at = &object.mesh.indices[p.first_index + i];
-      const Vertex& a = object.mesh.vertices[at[0]];
-      const Vertex& b = object.mesh.vertices[at[1]];
-      const Vertex& c = object.mesh.vertices[at[2]];
+      const std::uint32_t* at = &mesh.indices[p.first_index + i];
+      const Vertex& a = mesh.vertices[at[0]];
+      const Vertex& b = mesh.vertices[at[1]];
+      const Vertex& c = mesh.vertices[at[2]];
       const double area =
           step * double{glm::length(glm::cross(b.position - a.position, c.position - a.position))};
       sum += glm::dvec3(base * glm::vec3(a.color) / 65535.0f) * area;
@@ -49,8 +57,6 @@ glm::vec3 mean_color(const SceneObject& object, const Scene& scene) {
   if (!(area_sum > 0) || !std::isfinite(area_sum)) return glm::vec3(0.5f);
   return glm::clamp(glm::vec3(sum / area_sum), 0.0f, 1.0f);
 }
-
-}  // namespace
 
 ObjectDescription describe_object(const SceneObject& object, const Scene& scene,
                                   const Workers& workers) {
@@ -82,7 +88,7 @@ ObjectDescription describe_object(const SceneObject& object, const Scene& scene,
   out.radius = static_cast<float>(std::max(radius * 1.00001, std::min(floor_radius, 1e-3)));
   if (Result<ConvexHull> hull = enclosing_hull(points); hull.ok()) out.hull = hull.take();
   out.hull.parallax = parallax_factors(out.hull, points, out.center, workers);
-  out.mean_color = mean_color(object, scene);
+  out.mean_color = mean_color(object.mesh, material_colors(object.mesh, scene));
   return out;
 }
 

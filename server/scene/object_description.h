@@ -1,6 +1,8 @@
 #pragma once
 // What clients are told of objects and images.
 
+#include <map>
+
 #include "protocol/image_codec.h"
 #include "protocol/object_proxy.h"
 #include "server/scene/motion_measure.h"
@@ -8,6 +10,11 @@
 #include "server/scene/workers.h"
 
 namespace mirage {
+
+/// By the materials of `mesh`: base colour x texture mean, plus emission; linear.
+std::map<std::uint32_t, glm::vec3> material_colors(const Mesh& mesh, const Scene& scene);
+/// Area-weighted mean of these x vertex colours, 0 to 1.
+glm::vec3 mean_color(const Mesh& mesh, const std::map<std::uint32_t, glm::vec3>& of_material);
 
 /// Bounds, hull, mean colour and needs of one object.
 ObjectDescription describe_object(const SceneObject& object, const Scene& scene,

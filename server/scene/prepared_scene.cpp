@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include "protocol/lighting_state.h"
 #include "protocol/limits.h"
 #include "server/scene/builtin/builtin_scene.h"
 #include "server/scene/environment/environment.h"
 #include "server/scene/gltf/gltf_import.h"
+#include "server/scene/instance_parts.h"
 #include "server/scene/motion_measure.h"
 #include "server/scene/scene_revision.h"
 
@@ -128,9 +130,30 @@ Instance PreparedScene::instance(std::size_t index) const {
 
 std::uint32_t PreparedScene::parent(std::size_t index) const {
   const std::size_t own = scene.instances.size();
-  const std::uint32_t of =
-      index < own ? grouping.group_of[index] : grouping.groups[index - own].parent;
+  const InstanceGroup* const group = group_of_instance(index);
+  if (group && group->part != kNoGroup) return group->first_leaf;
+  const std::uint32_t of = group ? group->parent : grouping.group_of[index];
   return of == kNoGroup ? kNoGroup : static_cast<std::uint32_t>(own + of);
+}
+
+const Cut* PreparedScene::cut(std::size_t index) const {
+  const std::vector<Cut>& cuts = grouping.cuts;
+  const auto at = std::lower_bound(cuts.begin(), cuts.end(), index,
+                                   [](const Cut& c, std::size_t i) { return c.instance < i; });
+  return at != cuts.end() && at->instance == index ? &*at : nullptr;
+}
+
+std::vector<std::uint32_t> PreparedScene::members(std::size_t index) const {
+  std::vector<std::uint32_t> out;
+  if (const InstanceGroup* group = group_of_instance(index)) {
+    const auto first = grouping.members.begin() + group->first_member;
+    out.assign(first, first + group->members);
+  } else if (const Cut* found = cut(index)) {
+    out.resize(found->groups);
+    std::iota(out.begin(), out.end(),
+              static_cast<std::uint32_t>(scene.instances.size() + found->first_group));
+  }
+  return out;
 }
 
 std::shared_ptr<const ObjectDescription> PreparedScene::description(std::size_t object) const {
@@ -179,6 +202,8 @@ Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const LoadOpti
   bound_world(*prepared);
   find_surroundings(prepared->scene, prepared->bounds_radius, prepared->objects);
   prepared->grouping = group_instances(prepared->scene, prepared->objects);
+  prepared->parts = cut_instances(prepared->scene, prepared->bounds_radius, prepared->objects,
+                                  prepared->grouping, workers);
   prepared->revision = scene_revision(prepared->scene);
   times.done("revision and groups");
   prepared->load_times = std::move(times);

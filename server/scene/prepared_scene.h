@@ -27,6 +27,7 @@ struct PreparedScene {
   /// By image (make_mips).
   std::vector<std::vector<Image>> mips;
   Grouping grouping;
+  std::vector<Mesh> parts;      ///< InstanceGroup::part, in their object's space
   glm::dvec3 bounds_center{0};  ///< sphere around all instances, world
   double bounds_radius = 1;
   StageTimes load_times;
@@ -43,8 +44,12 @@ struct PreparedScene {
     const std::size_t own = scene.instances.size();
     return index < own ? nullptr : &grouping.groups[index - own];
   }
-  /// Index of the instance whose group `index` belongs to; kNoGroup: none.
+  /// Index of the instance whose group `index` belongs to, or of which it is a part; kNoGroup: none.
   std::uint32_t parent(std::size_t index) const;
+  /// How the instance is cut; nullptr when it is not.
+  const Cut* cut(std::size_t index) const;
+  /// Indices of what a group consists of, or of an instance's parts.
+  std::vector<std::uint32_t> members(std::size_t index) const;
   /// Objects as clients number them: the scene's, then one for each group.
   std::size_t object_count() const { return scene.objects.size() + grouping.groups.size(); }
   /// Of a group it is made anew; of any other the scene has it.

@@ -8,8 +8,7 @@
 #include "client/core/selector_rules.h"
 #include "protocol/limits.h"
 #include "server/scene_opening.h"
-#include "server/scene_pages.h"
-#include "tests/unit/core_scene.h"
+#include "tests/support/told_scene.h"
 
 namespace mirage::test {
 namespace {
@@ -23,33 +22,6 @@ std::shared_ptr<const PreparedScene> field() {
 }
 
 Message decoded(const FramePtr& page) { return decode_message(page->data(), page->size()).take(); }
-
-Result<void> take(SceneView& scene, const std::vector<FramePtr>& pages) {
-  for (const FramePtr& page : pages) {
-    Message m = decoded(page);
-    Result<void> taken;
-    if (const auto* images = m.body.AsImagePage()) taken = scene.accept(*images);
-    if (const auto* objects = m.body.AsObjectPage()) taken = scene.accept(*objects);
-    if (const auto* instances = m.body.AsInstancePage()) taken = scene.accept(*instances);
-    if (!taken) return taken;
-  }
-  return {};
-}
-
-SceneView as_told(const PreparedScene& prepared) {
-  SceneOptions options;
-  options.objects = static_cast<std::uint32_t>(prepared.objects.size());
-  wire::WelcomeT welcome =
-      make_welcome(prepared.scene.instances.size(), prepared.grouping.groups.size(),
-                   prepared.grouping.roots.size(), options);
-  welcome.images = static_cast<std::uint32_t>(prepared.images.size());
-  welcome.bounds_center = std::make_unique<wire::Vec3d>(to_wire(prepared.bounds_center));
-  welcome.bounds_radius = prepared.bounds_radius;
-  SceneView scene;
-  EXPECT_TRUE(scene.accept(welcome).ok());
-  EXPECT_TRUE(take(scene, make_scene_pages(prepared)).ok());
-  return scene;
-}
 
 // Asks and gets until nothing more is wanted; returns how often.
 int ask_on(SceneOpener& opener, SelectorWorld& world) {
@@ -78,7 +50,7 @@ void expect_known_as_needed(const SelectorWorld& world) {
 }
 
 TEST(CoreOpener, TheHomeViewIsToldUnasked) {
-  SelectorWorld world(as_told(*field()));
+  SelectorWorld world(as_told(*field(), true));
   ASSERT_TRUE(world.scene.complete());
   ASSERT_TRUE(world.scene.described());
   EXPECT_EQ(world.scene.all_instances, field()->scene.instances.size());

@@ -16,6 +16,12 @@ std::shared_ptr<const PreparedScene> forest() {
   return scene;
 }
 
+// Groups of instances; after them come parts of one.
+std::size_t groups_of(const PreparedScene& scene) {
+  const Grouping& grouping = scene.grouping;
+  return grouping.cuts.empty() ? grouping.groups.size() : grouping.cuts.front().first_group;
+}
+
 TEST(ServerGrouping, EveryInstanceIsInAtMostOneTree) {
   const PreparedScene& scene = *forest();
   const Grouping& grouping = scene.grouping;
@@ -79,7 +85,7 @@ TEST(ServerGrouping, WhatIsSeenThroughAndHoldsSomethingIsGeometry) {
 
 TEST(ServerGrouping, BoundsEncloseTheMembersVertices) {
   const PreparedScene& scene = *forest();
-  for (std::size_t g = 0; g < scene.grouping.groups.size(); g += 3) {
+  for (std::size_t g = 0; g < groups_of(scene); g += 3) {
     const InstanceGroup& group = scene.grouping.groups[g];
     const ObjectDescription of = *scene.description(scene.scene.objects.size() + g);
     EXPECT_TRUE(of.group);
@@ -104,7 +110,7 @@ TEST(ServerGrouping, GroupsAreInstancesAfterTheScenesOwn) {
   const PreparedScene& scene = *forest();
   const std::size_t own = scene.scene.instances.size();
   ASSERT_EQ(scene.instance_count(), own + scene.grouping.groups.size());
-  for (std::size_t g = 0; g < scene.grouping.groups.size(); ++g) {
+  for (std::size_t g = 0; g < groups_of(scene); ++g) {
     const Instance instance = scene.instance(own + g);
     EXPECT_EQ(instance.object, scene.scene.objects.size() + g);
     EXPECT_EQ(instance.world_from_object.position, scene.grouping.groups[g].bounds.center);
@@ -122,7 +128,7 @@ TEST(ServerGrouping, GroupsAreInstancesAfterTheScenesOwn) {
 TEST(ServerGrouping, AGroupIsAsImportantAsItsMostImportantMember) {
   Scene scene = forest()->scene;
   for (Instance& instance : scene.instances) instance.importance = Importance::kScenery;
-  const std::uint32_t one = forest()->grouping.groups.back().first_leaf;
+  const std::uint32_t one = forest()->grouping.groups[groups_of(*forest()) - 1].first_leaf;
   scene.instances[one].importance = Importance::kImportant;
   PreparedScene prepared;
   prepared.grouping = group_instances(scene, forest()->objects);
@@ -146,7 +152,7 @@ TEST(ServerGrouping, TheSameEveryTime) {
 }
 
 TEST(ServerGrouping, FewInstancesAreNotGrouped) {
-  EXPECT_TRUE(load_scene("builtin:knot").take()->grouping.groups.empty());
+  EXPECT_EQ(groups_of(*load_scene("builtin:knot").take()), 0u);
 }
 
 TEST(ServerGrouping, MembersAndRootsAreEverythingOnce) {
@@ -158,12 +164,15 @@ TEST(ServerGrouping, MembersAndRootsAreEverythingOnce) {
   };
   for (const std::uint32_t id : scene.grouping.roots) see(id, kNoGroup);
   const std::size_t own = scene.scene.instances.size();
-  for (std::size_t g = 0; g < scene.grouping.groups.size(); ++g) {
+  for (std::size_t g = 0; g < groups_of(scene); ++g) {
     const InstanceGroup& group = scene.grouping.groups[g];
     EXPECT_GE(group.members, 2u);
     for (std::uint32_t i = 0; i < group.members; ++i) {
       see(scene.grouping.members[group.first_member + i], static_cast<std::uint32_t>(own + g));
     }
+  }
+  for (const Cut& cut : scene.grouping.cuts) {
+    for (const std::uint32_t id : scene.members(cut.instance)) see(id, cut.instance);
   }
   EXPECT_EQ(seen.size(), scene.instance_count());
 }

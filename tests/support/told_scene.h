@@ -1,0 +1,38 @@
+#pragma once
+// A prepared scene as a client is told of it, without a socket.
+
+#include "server/scene_pages.h"
+#include "tests/unit/core_scene.h"
+
+namespace mirage::test {
+
+inline Result<void> take(SceneView& scene, const std::vector<FramePtr>& pages) {
+  for (const FramePtr& page : pages) {
+    Message m = decode_message(page->data(), page->size()).take();
+    Result<void> taken;
+    if (const auto* images = m.body.AsImagePage()) taken = scene.accept(*images);
+    if (const auto* objects = m.body.AsObjectPage()) taken = scene.accept(*objects);
+    if (const auto* instances = m.body.AsInstancePage()) taken = scene.accept(*instances);
+    if (!taken) return taken;
+  }
+  return {};
+}
+
+/// What a client knows before it asks for more.
+inline SceneView as_told(const PreparedScene& prepared, bool geometry = false) {
+  SceneOptions options;
+  options.objects = static_cast<std::uint32_t>(prepared.objects.size());
+  options.geometry = geometry;
+  wire::WelcomeT welcome =
+      make_welcome(prepared.scene.instances.size(), prepared.grouping.groups.size(),
+                   prepared.grouping.roots.size(), options);
+  welcome.images = static_cast<std::uint32_t>(prepared.images.size());
+  welcome.bounds_center = std::make_unique<wire::Vec3d>(to_wire(prepared.bounds_center));
+  welcome.bounds_radius = prepared.bounds_radius;
+  SceneView scene;
+  EXPECT_TRUE(scene.accept(welcome).ok());
+  EXPECT_TRUE(take(scene, make_scene_pages(prepared)).ok());
+  return scene;
+}
+
+}  // namespace mirage::test
