@@ -37,6 +37,7 @@ struct ObjectDescription {
   MotionProfile motion;       ///< bounds and hull enclose every pose
   bool surrounds = false;     ///< large scenery that exists once: geometry from the start
   bool group = false;         ///< all instances of a spatial cell, for far views
+  bool part = false;          ///< such a part; it is no group
   bool cut = false;           ///< its one instance may be shown as parts, to an eye close to it
 
   /// It throws a shadow. What moves does not: where it is when, no key says.

@@ -309,7 +309,8 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
     data.rotation = rotation_of(view);
     data.center_scale = center_scale_of(view, camera);
     const bool lit = object.needs & kNeedLighting;
-    data.right_distance = glm::vec4(object.mean_color * (lit ? light : glm::vec3(1)), 1);
+    data.right_distance =
+        glm::vec4(object.mean_color * (lit ? light : glm::vec3(1)), object.part ? -1 : 1);
     data.center = glm::vec4(object.center, 0);
     by_object[view.object].push_back(data);
   }
@@ -318,7 +319,11 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
   placeholder_.set("u_fog_color", fog_color_);
   placeholder_.set("u_fog_density", fog_density_);
   for (const auto& [object, instances] : by_object) {
+    // Of a part of what one is in, such as ground, the far sides: the near ones of its box stand
+    // before what is on it.
+    if (scene.objects[object].part) glCullFace(GL_FRONT);
     draw_instances(hull(scene, object), instances, true);
+    glCullFace(GL_BACK);
   }
 }
 

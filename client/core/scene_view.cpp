@@ -190,7 +190,8 @@ Result<void> SceneView::accept(const wire::InstancePageT& page) {
     const GroupBounds bounds = bounds_of(record);
     objects.push_back(group_description(bounds));
     // A part of an instance: nothing is nested in it, so it is drawn as an object of its own.
-    objects.back().group = record.parent() >= all_instances;
+    objects.back().part = record.parent() < all_instances;
+    objects.back().group = !objects.back().part;
     Similarity m;
     m.position = bounds.center;
     InstanceView view = placed(m, static_cast<std::uint32_t>(objects.size() - 1), objects.back());

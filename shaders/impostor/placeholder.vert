@@ -3,7 +3,7 @@ layout(location = 0) in vec3 a_position;
 layout(location = 1) in vec3 a_normal;
 layout(location = 2) in vec4 i_rotation;
 layout(location = 3) in vec4 i_center_scale;
-layout(location = 4) in vec4 i_color;   // linear
+layout(location = 4) in vec4 i_color;   // linear; a: -1 where the far sides are drawn, else 1
 layout(location = 11) in vec4 i_center;
 uniform mat4 u_clip_from_relative;
 flat out vec3 v_color;
@@ -13,7 +13,7 @@ out vec3 v_relative;  // to the eye, world
 
 void main() {
   vec3 normal = rotate(i_rotation, a_normal);
-  v_color = i_color.rgb * (0.7 + 0.3 * normal.y);
+  v_color = i_color.rgb * (0.7 + 0.3 * i_color.a * normal.y);
   vec3 p = i_center_scale.xyz + rotate(i_rotation, i_center_scale.w * (a_position - i_center.xyz));
   v_relative = p;
   gl_Position = u_clip_from_relative * vec4(p, 1.0);
