@@ -38,6 +38,9 @@ glm::mat4 Camera::clip_from_relative(DepthMapping mapping) const {
     clip_from_view[2][2] = 0;
     clip_from_view[3][2] = near_m;
   }
+  // Added to x / w and y / w: w is minus the view's z.
+  clip_from_view[2][0] -= 2 * shift_px.x / width;
+  clip_from_view[2][1] -= 2 * shift_px.y / height;
   const glm::dmat4 view_from_relative =
       glm::transpose(glm::dmat4(glm::mat4_cast(glm::dquat(pose.rotation))));
   return glm::mat4(clip_from_view * view_from_relative);

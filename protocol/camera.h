@@ -25,6 +25,7 @@ struct Camera {
   std::uint32_t height = 360;         ///< px
   double near_m = 0.05;
   double far_m = 4000;
+  glm::dvec2 shift_px{0};  ///< of all that is drawn, right and up; planning knows nothing of it
 
   /// Near and far around a scene's bounding sphere, the same on both ends: 5e12 apart.
   void fit_depth_range(const glm::dvec3& scene_center, double scene_radius);

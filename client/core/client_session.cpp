@@ -10,6 +10,8 @@ namespace {
 constexpr std::int64_t kHorizonSlackUs = 150'000;
 constexpr std::int64_t kMaxHorizonUs = 1'000'000;
 constexpr double kStandsM = 1e-6;        // from where the eye is expected to be
+// At rest geometry is drawn as if tau were so much less: nothing else is left to be asked for.
+constexpr double kRestTauShare = 0.25;
 constexpr float kFacesSame = 0.999999f;  // half the angle's cosine: 0.16 degrees
 constexpr std::size_t kMaxEarlyPages = 64;
 
@@ -283,6 +285,7 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
                               const std::optional<glm::dvec2>& cursor_px) {
   const std::int64_t now_us = steady_us(told_us);
   ++frame_;
+  const bool was_at_rest = at_rest_;
   at_rest_ = false;
   if (!scene_.complete()) return {};
   predictor_.add(now_us, camera.pose);
@@ -312,7 +315,13 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   input.frame = frame_;
   input.now_us = now_us;
   DrawList list = selector_.select(input);
-  meshes_.choose(scene_, camera, input.tau_px, frame_, now_us, list.meshes);
+  // In time relit tiles give way to better ones, and tau comes down again.
+  const bool passing = relit && options_.relight == RelightChoice::kAuto;
+  const bool stands = glm::length(input.predicted.pose.eye - camera.pose.eye) < kStandsM &&
+                      glm::dot(input.predicted.pose.rotation, camera.pose.rotation) > kFacesSame;
+  rested_ = stands && (rested_ || was_at_rest);
+  const double mesh_tau_px = input.tau_px * (rested_ ? kRestTauShare : 1);
+  meshes_.choose(scene_, camera, mesh_tau_px, frame_, now_us, list.meshes);
   const bool shadows = scene_.shadows && options_.shadows;
   if (shadows) shadows_.shade(input, lighting_, meshes_, list);
   for (const std::weak_ptr<TileRecord>& tile : undrawn_) {
@@ -330,7 +339,7 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   std::vector<AssetNeed> meshes;
   if (scene_.geometry) {
     meshes =
-        meshes_.needs(scene_, input.predicted, input.tau_px, now_us, selector_.mesh_needs(input));
+        meshes_.needs(scene_, input.predicted, mesh_tau_px, now_us, selector_.mesh_needs(input));
   }
   for (const AssetId& gone : meshes_.drop(frame_, now_us)) {
     if (sink_.drop) sink_.drop(gone);
@@ -342,10 +351,6 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   scheduler_.ask_lossy(is_lossy(codec_));
   std::optional<wire::RequestBatchT> batch =
       scheduler_.plan(scene_, tiles, meshes, lighting_id_, now_us);
-  // In time relit tiles give way to better ones, and tau comes down again.
-  const bool passing = relit && options_.relight == RelightChoice::kAuto;
-  const bool stands = glm::length(input.predicted.pose.eye - camera.pose.eye) < kStandsM &&
-                      glm::dot(input.predicted.pose.rotation, camera.pose.rotation) > kFacesSame;
   at_rest_ = stands && !passing && !(moves_ && options_.animation) && tiles.empty() &&
              meshes.empty() && !batch && scheduler_.in_flight() == 0 && uploads_.empty() &&
              input.tau_px <= options_.tau_px;

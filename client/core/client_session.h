@@ -186,6 +186,7 @@ class ClientSession {
   bool reference_refused_ = false;
   bool moves_ = false;  ///< something of the scene is animated
   bool at_rest_ = false;
+  bool rested_ = false;  ///< all that tau asks for has come, and the eye stands
   std::int64_t told_us_ = INT64_MIN;  ///< the caller's clock, when it was last told
   std::int64_t set_back_us_ = 0;      ///< by how much it has been set back in all
   std::uint64_t frame_ = 0;

@@ -6,6 +6,7 @@ namespace mirage {
 namespace {
 // A pixel's mip level is half a level blurrier than the mean of samples that each chose their own.
 constexpr float kSharpenLevels = 0.75f;
+constexpr float kSharpenTestedLevels = 1.5f;  // they are tested for every sample
 
 // Near ones first, as they hide what is drawn later; blended ones last, over what is behind them.
 std::vector<DrawnMesh> in_drawing_order(std::vector<DrawnMesh> meshes, const Camera& camera,
@@ -32,9 +33,11 @@ Result<FrameRenderer> FrameRenderer::create(int atlas_edge, int atlas_layers) {
   out.casters_ = casters.take();
   out.impostors_ = impostors.take();
   out.sky_ = std::move(*sky);
-  out.mesh_pass_->sharpen(kSharpenLevels);
+  out.sharpen_as_usual();
   return out;
 }
+
+void FrameRenderer::sharpen_as_usual() { sharpen(kSharpenLevels, kSharpenTestedLevels); }
 
 Result<void> FrameRenderer::reset(const SceneView& scene) {
   meshes_.clear();

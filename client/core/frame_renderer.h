@@ -48,6 +48,10 @@ class FrameRenderer {
   void draw(const FrameTarget& target, const Camera& camera, const SceneView& scene,
             const DrawList& list, const Lighting& lighting);
 
+  /// Reads textures so many levels sharper from now on, and those of alpha tests.
+  void sharpen(float levels, float tested_levels) { mesh_pass_->sharpen(levels, tested_levels); }
+  void sharpen_as_usual();
+
   /// Draw calls of the last frame.
   int draw_calls() const { return draw_calls_; }
   GpuBytes gpu_bytes() const;

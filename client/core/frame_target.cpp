@@ -38,7 +38,7 @@ Result<void> FrameTarget::make(GLenum drawn_format) {
   bool ok = true;
   draw_ = gl::Framebuffer::create();
   glBindFramebuffer(GL_FRAMEBUFFER, draw_.id());
-  sample_bytes_ = drawn_format == GL_SRGB8_ALPHA8 ? 8 : 12;
+  format_ = drawn_format;
   color_ = storage(drawn_format, GL_COLOR_ATTACHMENT0, width_, height_, samples_);
   depth_ = storage(GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, width_, height_, samples_);
   ok = ok && complete();
@@ -58,13 +58,15 @@ Result<void> FrameTarget::make(GLenum drawn_format) {
                                               std::to_string(height_) + " can be made");
 }
 
+void FrameTarget::copy(const gl::Framebuffer& from, const gl::Framebuffer& to) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, from.id());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to.id());
+  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+void FrameTarget::copy_to(const gl::Framebuffer& to) const { copy(draw_, to); }
+
 void FrameTarget::resolve() const {
-  const auto copy = [&](const gl::Framebuffer& from, const gl::Framebuffer& to) {
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, from.id());
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to.id());
-    glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT,
-                      GL_NEAREST);
-  };
   // A multisampled source must not change format while it is resolved.
   if (averaged_) copy(draw_, averaged_);
   copy(averaged_ ? averaged_ : draw_, resolved_);
@@ -99,7 +101,8 @@ void FrameTarget::show() const {
 std::size_t FrameTarget::gpu_bytes() const {
   const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   const std::size_t averaged = averaged_ ? 8 : 0;
-  return pixels * sample_bytes_ * static_cast<std::size_t>(std::max(samples_, 1)) +
+  const std::size_t sample = format_ == GL_SRGB8_ALPHA8 ? 8 : 12;  // colour and depth
+  return pixels * sample * static_cast<std::size_t>(std::max(samples_, 1)) +
          pixels * (averaged + 4);
 }
 

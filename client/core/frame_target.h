@@ -18,6 +18,10 @@ class FrameTarget {
   void bind() const;
   /// Resolves and reads RGBA8, top row first; alpha is the coverage by objects.
   std::vector<std::uint8_t> read() const;
+  /// Copies the means of the samples to a framebuffer of one sample and format().
+  void copy_to(const gl::Framebuffer& to) const;
+  /// Of what is drawn.
+  GLenum format() const { return format_; }
   /// Resolves to the window's framebuffer (0).
   void show() const;
   int width() const { return width_; }
@@ -30,6 +34,7 @@ class FrameTarget {
 
  private:
   Result<void> make(GLenum drawn_format);
+  void copy(const gl::Framebuffer& from, const gl::Framebuffer& to) const;
   /// The samples of a pixel averaged, and encoded to 8 bits, in resolved_.
   void resolve() const;
   gl::Framebuffer draw_;
@@ -38,7 +43,7 @@ class FrameTarget {
   gl::Framebuffer resolved_;
   gl::Renderbuffer color_, depth_, resolved_color_;
   int width_ = 0, height_ = 0, samples_ = 0;
-  std::size_t sample_bytes_ = 0;  ///< colour and depth
+  GLenum format_ = 0;
   bool blends_ = false;
 };
 

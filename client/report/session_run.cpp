@@ -42,6 +42,7 @@ struct SessionRunner::Loop {
   ClientHost& host;
   RunResult& out;
   DrawList list{};
+  int rested = 0;         // frames a viewer would have refined the picture in
   double planned_ms = 0;  // of this frame
   int before = -2;        // the frame compared last
   std::vector<std::uint8_t> drawn_before{};
@@ -57,6 +58,9 @@ Result<std::unique_ptr<SessionRunner>> SessionRunner::create(const std::string& 
   Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, atlas_layers(kAtlasMb));
   if (!renderer) return renderer.error();
   runner->renderer_.emplace(renderer.take());
+  Result<Refinement> refinement = Refinement::create();
+  if (!refinement) return refinement.error();
+  runner->refinement_ = refinement.take();
   return runner;
 }
 
@@ -93,6 +97,11 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
     const double ms = draw();
     compared.client_ms = std::min(compared.client_ms, ms);
     loop.out.client_ms.push_back(ms);
+  }
+  refinement_.restart();
+  for (int i = 0; i < loop.rested && !refinement_.done(); ++i) {
+    refinement_.draw_more(*renderer_, *target_, camera, session.scene(), loop.list,
+                          session.lighting());
   }
   std::vector<std::uint8_t> drawn = target_->read();
   Result<ReferencePtr> truth = loop.truth.at(camera, spec.truth_samples);
@@ -144,7 +153,10 @@ Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
   const Result<CameraPath> path =
       CameraPath::create(spec.path, scene.home, scene.bounds_center, scene.bounds_radius);
   if (!path) return path.error();
-  ClientHost host(host_options(spec), *renderer_);
+  HostOptions options = host_options(spec);
+  Stillness still;
+  options.content_changed = [&still] { still.content_changed(); };
+  ClientHost host(std::move(options), *renderer_);
   if (Result<void> open = host.open(); !open) return open.error();
   RunResult out;
   Loop loop{spec, truth, host, out};
@@ -158,6 +170,9 @@ Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
     const double began = now_ms();
     loop.list = host.session().frame(camera, now);
     loop.planned_ms = now_ms() - began;
+    const bool same =
+        still.unchanged(camera, host.session().scene(), loop.list, host.session().lighting());
+    loop.rested = same && host.session().at_rest() ? loop.rested + 1 : 0;
     const bool shows = !loop.list.impostors.empty() || !loop.list.meshes.empty();
     if (shows && out.first_image_ms < 0) out.first_image_ms = seconds * 1e3;
     if (next == spec.compared.end() || *next != frame) continue;

@@ -9,6 +9,8 @@
 #include "client/core/camera_path.h"
 #include "client/core/frame_target.h"
 #include "client/core/geometric_error.h"
+#include "client/core/refinement.h"
+#include "client/core/stillness.h"
 #include "client/quality/metrics.h"
 #include "client/report/page.h"
 #include "client/report/truth_source.h"
@@ -77,6 +79,7 @@ class SessionRunner {
   std::string renderer_name_;
   std::optional<FrameRenderer> renderer_;
   std::optional<FrameTarget> target_;
+  Refinement refinement_;
 };
 
 }  // namespace mirage

@@ -9,6 +9,7 @@
 
 #include "client/core/camera_path.h"
 #include "client/core/quantile.h"
+#include "client/core/refinement.h"
 #include "client/core/sample_choice.h"
 #include "client/core/stillness.h"
 #include "client/host/client_host.h"
@@ -70,6 +71,7 @@ class Viewer {
   std::optional<Lighting> last_light_;
   bool link_was_up_ = true;
   Stillness still_;
+  Refinement refinement_;
   bool resting_ = false;     // the last frame changed nothing, and no further one would
   bool frame_kept_ = false;  // the last frame was the picture that was there
   std::optional<Overlay> overlay_;
@@ -97,6 +99,9 @@ Result<void> Viewer::open_graphics() {
   Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, atlas_layers(o_.atlas_mb));
   if (!renderer) return renderer.error();
   renderer_.emplace(renderer.take());
+  Result<Refinement> refinement = Refinement::create();
+  if (!refinement) return refinement.error();
+  refinement_ = refinement.take();
   return make_target(o_.width, o_.height, false);
 }
 
@@ -227,11 +232,19 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
   const DrawList list = session().frame(camera, now, window_ ? window_->cursor_px() : std::nullopt);
   const bool changed = !still_.unchanged(camera, scene, list, session().lighting());
-  frame_kept_ = !changed;
-  resting_ = !changed && session().at_rest();
-  if (changed) draw(camera, list);
-  stats_.note_gpu(renderer_->gpu_bytes(), target_->gpu_bytes());
-  if (window_ && (window_->take_refresh() || changed)) show(list, now);
+  const bool refines = !changed && session().at_rest() && !refinement_.done();
+  const bool drawn = changed || refines;
+  frame_kept_ = !drawn;
+  resting_ = !drawn && session().at_rest();
+  if (changed) {
+    draw(camera, list);
+    refinement_.restart();
+  }
+  if (refines) {
+    refinement_.draw_more(*renderer_, *target_, camera, scene, list, session().lighting());
+  }
+  stats_.note_gpu(renderer_->gpu_bytes(), target_->gpu_bytes() + refinement_.gpu_bytes());
+  if (window_ && (window_->take_refresh() || drawn)) show(list, now);
   glFinish();
   session().note_drawn(now_us());
   if (!list.impostors.empty() || !list.meshes.empty()) stats_.first_image(now);
@@ -239,9 +252,9 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (session().light_changed()) stats_.add_light_lag(list, scene);
   stats_.add_frame(list, renderer_->draw_calls(),
                    host_->virtual_clock() ? 1000.0 / o_.fps : real_ms, now);
-  if (changed) stats_.note_drawn(real_ms);
+  if (drawn) stats_.note_drawn(real_ms);
   stats_.note_traffic(host_->traffic(), now - start_us_);
-  if (changed) smooth_ms_ += 0.1 * (real_ms - smooth_ms_);
+  if (drawn) smooth_ms_ += 0.1 * (real_ms - smooth_ms_);
   if (!host_->virtual_clock()) session().note_frame_ms(smooth_ms_);
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);

@@ -383,7 +383,7 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
     shadow_->use(p, eye_);
   }
   if (probe_ || forced_) (probe_ ? *probe_ : black_probe_).use(p, lights_.probe);
-  p.set("u_mip_bias", stage == Stage::kDepth ? 2 * mip_bias_ : mip_bias_);
+  p.set("u_mip_bias", stage == Stage::kDepth ? tested_mip_bias_ : mip_bias_);
   p.set("u_point_size", stroke_);
   p.set("u_fog_color", fog_color_);
   p.set("u_fog_density", fog_density_);

@@ -56,8 +56,11 @@ class MeshPass {
   explicit MeshPass(MeshOutput output) : output_(output) {}
 
   /// For a multisampled target, drawn beside a supersampled truth: textures are read this many
-  /// levels sharper, alpha-tested ones (which are shaded per sample) twice as many.
-  void sharpen(float levels) { mip_bias_ = -levels; }
+  /// levels sharper, those of alpha tests `tested_levels`.
+  void sharpen(float levels, float tested_levels) {
+    mip_bias_ = -levels;
+    tested_mip_bias_ = -tested_levels;
+  }
   /// Lines and points are one pixel wide: `samples` of a target with so many to a pixel's side.
   void set_stroke(float samples) { stroke_ = samples; }
 
@@ -125,6 +128,7 @@ class MeshPass {
   GLenum nearer_ = GL_LESS;
   LightBlock lights_;
   float mip_bias_ = 0;
+  float tested_mip_bias_ = 0;
   float stroke_ = 1;
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;
