@@ -26,6 +26,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/server_lod_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_motion_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_motion_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_posed_extent_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_codec_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_queue_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_seams_test.cpp
