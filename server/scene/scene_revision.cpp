@@ -29,7 +29,7 @@ class ContentHash {
 
 // Stored tiles outlive a build: raise it when equal content gives other ones, by build_lods(), the
 // shaders or the codec.
-constexpr std::uint32_t kTileVersion = 5;
+constexpr std::uint32_t kTileVersion = 6;
 
 }  // namespace
 
