@@ -3,7 +3,6 @@
 #include <map>
 
 #include "protocol/tile_codec.h"
-#include "server/scene/lod.h"
 
 namespace mirage {
 namespace {
@@ -41,7 +40,8 @@ ObjectModel object_model(const Scene& scene, const Mesh& mesh) {
 }
 
 ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
-                             ObjectDescription& description, const Workers& workers) {
+                             ObjectDescription& description, const LodFamilies* families,
+                             const Workers& workers) {
   const auto encode = [&](const Mesh& mesh) {
     ObjectModel model = object_model(scene, mesh);
     model.animation = object.animation;
@@ -51,9 +51,10 @@ ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
   std::vector<MeshLod> lods;
   workers.both(
       [&] {
-        // Simplified poses have no error bound.
-        if (!object.animation)
-          lods = build_lods(object.mesh, scene.materials, scene.images, workers);
+        if (object.animation) return;  // simplified poses have no error bound
+        lods = families && families->first_of(object)
+                   ? families->lods_of(object, workers)
+                   : build_lods(object.mesh, scene.materials, scene.images, workers);
       },
       [&] { whole = encode(object.mesh); });
   ObjectGeometry out;

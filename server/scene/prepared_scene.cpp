@@ -35,9 +35,10 @@ void make_all_geometry(PreparedScene& prepared, CacheDirectory* cache, const Wor
   prepared.geometry.resize(objects.size());
   const std::vector<std::uint64_t> images =
       cache ? hash_images(prepared.scene, workers) : std::vector<std::uint64_t>{};
+  const LodFamilies families(prepared.scene);
   workers.each(objects.size(), [&](std::size_t i) {
     prepared.geometry[i] = find_or_make_geometry(prepared.scene, objects[i], prepared.objects[i],
-                                                 cache, images, workers);
+                                                 cache, images, families, workers);
   });
 }
 
