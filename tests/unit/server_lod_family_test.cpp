@@ -74,6 +74,24 @@ TEST(ServerLodFamily, ErrorsHoldForEveryCopy) {
   }
 }
 
+TEST(ServerLodFamily, IsTheSameFromAnyNumberOfThreads) {
+  const Scene scene = copies_of_a_knot(6);
+  const auto errors = [&](const Workers& workers) {
+    const LodFamilies families(scene);
+    std::vector<std::vector<MeshLod>> lods(scene.objects.size());
+    workers.each(lods.size(),
+                 [&](std::size_t i) { lods[i] = families.lods_of(scene.objects[i], workers); });
+    std::vector<float> out;
+    for (const std::vector<MeshLod>& own : lods) {
+      for (const MeshLod& lod : own) {
+        out.insert(out.end(), {lod.error, lod.shading, lod.mesh.vertices.back().position.x});
+      }
+    }
+    return out;
+  };
+  EXPECT_EQ(errors(Workers(4)), errors(Workers()));
+}
+
 TEST(ServerLodFamily, FewCopiesFlatOnesAndMovingOnesAreOfNone) {
   const Scene few = copies_of_a_knot(3);
   EXPECT_EQ(LodFamilies(few).first_of(few.objects[0]), nullptr);
