@@ -186,7 +186,8 @@ namespace {
 
 // Large matrices, each finite, may overflow together: such a vertex stays where it is bound.
 glm::vec3 placed_or(const glm::vec3& posed, const glm::vec3& bound) {
-  return is_finite(glm::dvec3(posed)) ? posed : bound;
+  const bool finite = std::isfinite(posed.x) && std::isfinite(posed.y) && std::isfinite(posed.z);
+  return finite ? posed : bound;
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ Error malformed(const char* what) {
   return make_error(ErrorId::kWireMalformed, std::string("geometry: ") + what);
 }
 
-std::uint32_t streams_of(const ObjectModel& model) {
+std::uint32_t streams_of(const ModelView& model) {
   std::uint32_t streams = has_vertex_color(model.mesh) ? kColor : 0u;
   for (const Material& m : model.materials) {
     const bool coat = m.lobes.map(LobeMap::kClearcoatNormal).present();
@@ -40,7 +40,7 @@ std::uint32_t streams_of(const ObjectModel& model) {
   return streams;
 }
 
-VertexLayout layout_of(const ObjectModel& model, const std::vector<std::uint32_t>& indices) {
+VertexLayout layout_of(const ModelView& model, const std::vector<std::uint32_t>& indices) {
   VertexLayout layout;
   layout.streams = streams_of(model);
   bool first = true;
@@ -61,7 +61,7 @@ struct Ordered {
   std::size_t triangle_indices = 0;  ///< they come first
 };
 
-Ordered in_wire_order(const ObjectModel& model) {
+Ordered in_wire_order(const ModelView& model) {
   Ordered out;
   const auto take = [&](const Primitive& p) {
     const auto at = out.indices.size();
@@ -74,18 +74,18 @@ Ordered in_wire_order(const ObjectModel& model) {
     out.indices.insert(out.indices.end(), from, from + count);
     out.primitives.push_back({p.kind, static_cast<std::uint32_t>(at), count, p.material});
   };
-  for (const Primitive& p : model.mesh.primitives) {
+  for (const Primitive& p : model.primitives) {
     if (p.kind == PrimitiveKind::kTriangles) take(p);
   }
   out.triangle_indices = out.indices.size();
-  for (const Primitive& p : model.mesh.primitives) {
+  for (const Primitive& p : model.primitives) {
     if (p.kind != PrimitiveKind::kTriangles) take(p);
   }
   return out;
 }
 
 /// Quantised vertices without doubles, in order of first use; `order.indices` then refer to them.
-Bytes unique_vertices(const ObjectModel& model, const VertexLayout& layout, Ordered& order,
+Bytes unique_vertices(const ModelView& model, const VertexLayout& layout, Ordered& order,
                       std::size_t& count) {
   const std::size_t stride = layout.stride();
   ByteWriter all;
@@ -254,7 +254,7 @@ Bytes encode_materials(const std::vector<Material>& materials) {
   return std::move(w.bytes);
 }
 
-Bytes encode_model(const ObjectModel& model) {
+Bytes encode_model(const ModelView& model) {
   Ordered order = in_wire_order(model);
   const VertexLayout layout = layout_of(model, order.indices);
   std::size_t vertices = 0;
@@ -296,7 +296,7 @@ Bytes encode_model(const ObjectModel& model) {
   w.put_bytes(triangle_code.data(), triangle_code.size());
   w.put_bytes(other_code.data(), other_code.size());
   for (const Material& m : model.materials) put_material(w, m);
-  const Bytes animation = encode_animation(model.animation.get());
+  const Bytes animation = encode_animation(model.animation);
   w.put_bytes(animation.data(), animation.size());
   return std::move(w.bytes);
 }

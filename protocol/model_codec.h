@@ -18,13 +18,25 @@ struct ObjectModel {
   std::shared_ptr<const Animation> animation;  ///< set: the mesh is in bind space
 };
 
+/// The same of a mesh that lies elsewhere and is not to be copied.
+struct ModelView {
+  const Mesh& mesh;
+  const std::vector<Primitive>& primitives;  ///< the mesh's, with its materials as below
+  const std::vector<Material>& materials;
+  const Animation* animation = nullptr;
+};
+
 /// Positions become 16 bits a coordinate over the mesh's box, normals and tangents octahedral of 10
 /// bits a component, texture coordinates 16 bits over their range, colours 8 bits a channel (square
 /// roots of linear light, so that dark ones stay apart). Tangents travel only where a material maps
 /// normals, coordinates only where one reads them, colours only where one is not white. Equal
 /// vertices are joined, unused ones dropped; triangles are reordered within opaque primitives only.
 /// Order of primitives: triangles first. Misuse (an index out of range) ends the program.
-Bytes encode_model(const ObjectModel& model);
+Bytes encode_model(const ModelView& model);
+inline Bytes encode_model(const ObjectModel& model) {
+  return encode_model(
+      ModelView{model.mesh, model.mesh.primitives, model.materials, model.animation.get()});
+}
 /// Every count is checked against limits.h and the bytes that are there before allocating, every
 /// index against its array (images: `image_count`), every float for being finite. Errors:
 /// kWireMalformed, kWireLimit, kWireValue.

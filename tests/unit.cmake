@@ -26,8 +26,11 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/server_hull_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_leave_out_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_lod_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_lod_chunks_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_lod_family_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_motion_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_motion_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_posed_extent_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_codec_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_queue_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_seams_test.cpp

@@ -1,9 +1,5 @@
 #include "server/scene/convex_hull.h"
 
-#include <libqhullcpp/Qhull.h>
-#include <libqhullcpp/QhullFacetList.h>
-#include <libqhullcpp/QhullVertexSet.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -25,48 +21,68 @@ std::vector<glm::dvec3> support_directions() {
   return out;
 }
 
-std::vector<double> flat(const std::vector<glm::dvec3>& points) {
-  std::vector<double> out;
-  for (const glm::dvec3& p : points) out.insert(out.end(), {p.x, p.y, p.z});
-  return out;
+/// A convex polygon, counter-clockwise seen from outside.
+using Polygon = std::vector<glm::dvec3>;
+
+constexpr double kSame = 1e-6;  // corners nearer than that are one
+
+// A square around the middle of the plane, larger than all that planes of such offsets enclose.
+Polygon square_on(const glm::dvec3& normal, double offset) {
+  constexpr double kHalf = 4;
+  const glm::dvec3 aside = std::abs(normal.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 u = kHalf * glm::normalize(glm::cross(aside, normal));
+  const glm::dvec3 v = glm::cross(normal, u);
+  const glm::dvec3 middle = offset * normal;
+  return {middle - u - v, middle + u - v, middle + u + v, middle - u + v};
 }
 
-// Each facet of the dual points' hull is a vertex of the intersection of half-spaces.
-std::vector<glm::dvec3> intersect_half_spaces(const std::vector<glm::dvec3>& normals,
-                                              const std::vector<double>& offsets) {
-  std::vector<glm::dvec3> dual;
-  for (std::size_t i = 0; i < normals.size(); ++i) dual.push_back(normals[i] / offsets[i]);
-  const std::vector<double> coordinates = flat(dual);
-  orgQhull::Qhull qhull("", 3, static_cast<int>(dual.size()), coordinates.data(), "Qt");
+// What of `in` lies within the plane (Sutherland and Hodgman, "Reentrant polygon clipping", 1974).
+void clip(const Polygon& in, const glm::dvec3& normal, double offset, Polygon& out) {
+  out.clear();
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    const glm::dvec3 &a = in[i], &b = in[(i + 1) % in.size()];
+    const double beyond_a = glm::dot(normal, a) - offset, beyond_b = glm::dot(normal, b) - offset;
+    if (beyond_a <= 0) out.push_back(a);
+    if ((beyond_a <= 0) != (beyond_b <= 0)) {
+      out.push_back(a + (b - a) * (beyond_a / (beyond_a - beyond_b)));
+    }
+  }
+}
+
+std::size_t index_of(const glm::dvec3& corner, std::vector<glm::dvec3>& vertices) {
+  const auto at = std::find_if(vertices.begin(), vertices.end(), [&](const glm::dvec3& v) {
+    return glm::dot(v - corner, v - corner) < kSame * kSame;
+  });
+  const auto index = static_cast<std::size_t>(at - vertices.begin());
+  if (index == vertices.size()) vertices.push_back(corner);
+  return index;
+}
+
+// Each plane's face is what the others leave of it.
+ConvexHull intersect_half_spaces(const std::vector<glm::dvec3>& normals,
+                                 const std::vector<double>& offsets) {
   std::vector<glm::dvec3> vertices;
-  for (const orgQhull::QhullFacet& facet : qhull.facetList()) {
-    const orgQhull::QhullHyperplane plane = facet.hyperplane();
-    const double offset = -plane.offset();
-    const glm::dvec3 v = glm::dvec3(plane[0], plane[1], plane[2]) / offset;
-    const auto near_v = [&](const glm::dvec3& w) { return glm::length(v - w) < 1e-6; };
-    if (std::none_of(vertices.begin(), vertices.end(), near_v)) vertices.push_back(v);
+  std::vector<std::size_t> triangles;
+  Polygon face, clipped;
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    face = square_on(normals[i], offsets[i]);
+    for (std::size_t k = 0; k < normals.size() && !face.empty(); ++k) {
+      if (k == i) continue;
+      clip(face, normals[k], offsets[k], clipped);
+      face.swap(clipped);
+    }
+    std::vector<std::size_t> corners;
+    for (const glm::dvec3& corner : face) {
+      const std::size_t id = index_of(corner, vertices);
+      if (std::find(corners.begin(), corners.end(), id) == corners.end()) corners.push_back(id);
+    }
+    for (std::size_t k = 2; k < corners.size(); ++k) {
+      triangles.insert(triangles.end(), {corners[0], corners[k - 1], corners[k]});
+    }
   }
-  return vertices;
-}
-
-ConvexHull triangulated_hull(const std::vector<glm::dvec3>& points) {
-  const std::vector<double> coordinates = flat(points);
-  orgQhull::Qhull qhull("", 3, static_cast<int>(points.size()), coordinates.data(), "Qt");
   ConvexHull hull;
-  for (const glm::dvec3& p : points) hull.vertices.emplace_back(p);
-  for (const orgQhull::QhullFacet& facet : qhull.facetList()) {
-    const orgQhull::QhullVertexSet corners = facet.vertices();
-    if (corners.size() != 3) continue;
-    int ids[3];
-    for (int i = 0; i < 3; ++i) ids[i] = corners[i].point().id();
-    const orgQhull::QhullHyperplane plane = facet.hyperplane();
-    const glm::dvec3 n(plane[0], plane[1], plane[2]);
-    const glm::dvec3 a = points[static_cast<std::size_t>(ids[0])];
-    const glm::dvec3 b = points[static_cast<std::size_t>(ids[1])];
-    const glm::dvec3 c = points[static_cast<std::size_t>(ids[2])];
-    if (glm::dot(glm::cross(b - a, c - a), n) < 0) std::swap(ids[1], ids[2]);
-    for (const int id : ids) hull.indices.push_back(static_cast<std::uint8_t>(id));
-  }
+  for (const glm::dvec3& v : vertices) hull.vertices.emplace_back(v);
+  for (const std::size_t id : triangles) hull.indices.push_back(static_cast<std::uint8_t>(id));
   return hull;
 }
 
@@ -90,18 +106,13 @@ Result<ConvexHull> enclosing_hull(const std::vector<glm::vec3>& points) {
     }
   }
   for (double& offset : offsets) offset += 1e-3;
-  try {
-    const std::vector<glm::dvec3> vertices = intersect_half_spaces(normals, offsets);
-    if (vertices.size() > limits::kMaxHullVertices) {
-      return make_error(ErrorId::kInternal, "hull has too many vertices");
-    }
-    ConvexHull hull = triangulated_hull(vertices);
-    for (glm::vec3& v : hull.vertices) v = glm::vec3(glm::dvec3(v) * extent + middle);
-    hull.parallax.assign(hull.vertices.size(), 0.0f);
-    return hull;
-  } catch (const std::exception& e) {
-    return make_error(ErrorId::kInternal, std::string("qhull: ") + e.what());
+  ConvexHull hull = intersect_half_spaces(normals, offsets);
+  if (hull.vertices.size() > limits::kMaxHullVertices) {
+    return make_error(ErrorId::kInternal, "hull has too many vertices");
   }
+  for (glm::vec3& v : hull.vertices) v = glm::vec3(glm::dvec3(v) * extent + middle);
+  hull.parallax.assign(hull.vertices.size(), 0.0f);
+  return hull;
 }
 
 std::vector<float> parallax_factors(const ConvexHull& hull, const std::vector<glm::vec3>& points,

@@ -1,5 +1,5 @@
 #pragma once
-// Convex hulls through Qhull.
+// Convex hulls.
 
 #include <vector>
 
@@ -13,7 +13,7 @@ namespace mirage {
 /// support planes in the 26 directions of a cube's faces, edges and corners, intersected. Grown by
 /// a thousandth of the extent so that rounding leaves no point outside; flat point sets get that
 /// thickness too. Its parallax factors are 0. Empty when there are no points. Error kInternal when
-/// Qhull gives up.
+/// it has more than limits::kMaxHullVertices.
 Result<ConvexHull> enclosing_hull(const std::vector<glm::vec3>& points);
 
 /// Per hull vertex the distance to the nearest of `points` behind it, that is on the inner side of

@@ -14,7 +14,7 @@ namespace mirage {
 namespace {
 
 // Raise it when equal input gives other levels, other mips or another layout here.
-constexpr std::uint32_t kDerivedVersion = 2;
+constexpr std::uint32_t kDerivedVersion = 3;
 
 class Hash128 {
  public:
@@ -65,7 +65,7 @@ bool get_array(ByteReader& r, std::vector<T>& values) {
 
 CacheKey geometry_key(const Scene& scene, const SceneObject& object,
                       const ObjectDescription& description,
-                      const std::vector<std::uint64_t>& image_hashes) {
+                      const std::vector<std::uint64_t>& image_hashes, const LodFamilies& families) {
   Hash128 hash("lods");
   hash.add_array(object.mesh.vertices);
   hash.add_array(object.mesh.indices);
@@ -80,6 +80,11 @@ CacheKey geometry_key(const Scene& scene, const SceneObject& object,
     if (map.present()) hash.add(image_hashes[static_cast<std::size_t>(map.image)]);
   }
   hash.add_array(encode_animation(object.animation.get()));
+  if (const SceneObject* first = families.first_of(object)) {
+    hash.add_array(first->mesh.vertices);
+    hash.add(first->baked->shape);
+    hash.add(object.baked->shape);
+  }
   hash.add(description.box_min);
   hash.add(description.box_max);
   return hash.key();
@@ -189,9 +194,9 @@ std::vector<std::uint64_t> hash_images(const Scene& scene, const Workers& worker
 ObjectGeometry find_or_make_geometry(const Scene& scene, const SceneObject& object,
                                      ObjectDescription& description, CacheDirectory* cache,
                                      const std::vector<std::uint64_t>& image_hashes,
-                                     const Workers& workers) {
-  if (!cache) return make_geometry(scene, object, description, workers);
-  const CacheKey key = geometry_key(scene, object, description, image_hashes);
+                                     const LodFamilies& families, const Workers& workers) {
+  if (!cache) return make_geometry(scene, object, description, &families, workers);
+  const CacheKey key = geometry_key(scene, object, description, image_hashes, families);
   if (const std::optional<Bytes> bytes = cache->read(key)) {
     std::vector<LodInfo> lods;
     if (auto found = decode_geometry(*bytes, scene.materials.size(), lods)) {
@@ -199,7 +204,7 @@ ObjectGeometry find_or_make_geometry(const Scene& scene, const SceneObject& obje
       return std::move(*found);
     }
   }
-  ObjectGeometry made = make_geometry(scene, object, description, workers);
+  ObjectGeometry made = make_geometry(scene, object, description, &families, workers);
   cache->write(key, encode_geometry(made, description.lods));
   return made;
 }

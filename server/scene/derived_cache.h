@@ -15,7 +15,7 @@ std::vector<std::uint64_t> hash_images(const Scene& scene, const Workers& worker
 ObjectGeometry find_or_make_geometry(const Scene& scene, const SceneObject& object,
                                      ObjectDescription& description, CacheDirectory* cache,
                                      const std::vector<std::uint64_t>& image_hashes,
-                                     const Workers& workers);
+                                     const LodFamilies& families, const Workers& workers);
 
 /// Mip levels of the scene's images in the same way: gl::alpha_preserving_mips() of those that are
 /// tested for alpha, none where the driver's will do.

@@ -10,11 +10,9 @@
 
 #include "protocol/limits.h"
 #include "protocol/lod.h"
-#include "server/scene/lod_error.h"
-#include "server/scene/lod_normals.h"
+#include "server/scene/lod_chunks.h"
 #include "server/scene/lod_shading.h"
 #include "server/scene/seams.h"
-#include "server/scene/surface_simplifier.h"
 
 namespace mirage {
 namespace {
@@ -25,23 +23,12 @@ constexpr std::size_t kFewTriangles = 64;     // small enough: the chain ends
 constexpr double kFirstError = 0.002;         // of the extent: what the first level may be off
 constexpr double kErrorGrowth = 2.5;          // from level to level
 constexpr double kMostError = 0.1;            // of the extent: beyond, the shape is gone
-constexpr int kTries = 4;                     // to keep to it: the simplifier only estimates
 constexpr int kSteps = 12;                    // towards fewer triangles; some give no level
 constexpr std::size_t kFoliagePieces = 8;     // fewer pieces are seen one by one
 constexpr std::size_t kPieceTriangles = 64;   // larger pieces on average are surfaces
 constexpr double kLeastFoliage = 1.0 / 16.0;  // pieces are then four times as large
-constexpr std::size_t kSoupIndices = 3'000;   // below, hard edges may well be meant
-constexpr double kSoupShare = 0.8;            // vertices an index; a box of quads has 0.67
 constexpr int kFruitless = 3;                 // steps without a level: the chain ends
 constexpr std::size_t kSampledPieces = 2'000;
-
-/// One primitive on its own vertices.
-struct Part {
-  PrimitiveKind kind = PrimitiveKind::kTriangles;
-  std::uint32_t material = 0;
-  std::vector<Vertex> vertices;
-  std::vector<std::uint32_t> indices;
-};
 
 /// A connected component of foliage.
 struct Piece {
@@ -50,7 +37,8 @@ struct Piece {
   double rank = 0;  ///< in [0, 1); pieces of the lowest ranks stay longest
 };
 
-Part extract(const Mesh& mesh, const Primitive& primitive) {
+// `places`: where the vertices are once seams are closed.
+Part extract(const Mesh& mesh, const std::vector<glm::vec3>& places, const Primitive& primitive) {
   Part part{primitive.kind, primitive.material, {}, {}};
   std::vector<std::uint32_t> place(mesh.vertices.size(), UINT32_MAX);
   const bool triangles = primitive.kind == PrimitiveKind::kTriangles;
@@ -61,6 +49,7 @@ Part extract(const Mesh& mesh, const Primitive& primitive) {
     if (place[v] == UINT32_MAX) {
       place[v] = static_cast<std::uint32_t>(part.vertices.size());
       part.vertices.push_back(mesh.vertices[v]);
+      part.vertices.back().position = places[v];
     }
     part.indices.push_back(place[v]);
   }
@@ -140,41 +129,8 @@ std::vector<Piece> pieces_of(const Part& part) {
   return pieces;
 }
 
-bool is_foliage(const Material& material, const Part& part, const std::vector<Piece>& pieces) {
-  const bool cards = material.double_sided || material.alpha_mode != AlphaMode::kOpaque;
-  return cards && pieces.size() >= kFoliagePieces &&
-         part.indices.size() / 3 <= pieces.size() * kPieceTriangles;
-}
-
-// Every triangle has vertices of its own: flat-shaded scans come so. Nothing would collapse.
-bool is_soup(const Part& part) {
-  return part.indices.size() >= kSoupIndices &&
-         static_cast<double>(part.vertices.size()) >
-             kSoupShare * static_cast<double>(part.indices.size());
-}
-
-// Vertices joined that differ in normal and tangent only. Only where they are counts: each level
-// has its normals from the full surface.
-struct Welded {
-  std::vector<Vertex> vertices;
-  std::vector<std::uint32_t> indices;
-  std::vector<std::uint32_t> origin;  // by vertex: one of the part's that became it
-};
-
-Welded welded(const Part& part) {
-  const meshopt_Stream streams[] = {
-      {&part.vertices[0].position, sizeof(glm::vec3), sizeof(Vertex)},
-      {&part.vertices[0].uv0, 2 * sizeof(glm::vec2) + sizeof(glm::u16vec4), sizeof(Vertex)}};
-  std::vector<std::uint32_t> remap(part.vertices.size());
-  const std::size_t count = meshopt_generateVertexRemapMulti(
-      remap.data(), part.indices.data(), part.indices.size(), remap.size(), streams, 2);
-  Welded out{std::vector<Vertex>(count), {}, std::vector<std::uint32_t>(count)};
-  for (std::uint32_t i = 0; i < remap.size(); ++i) {
-    out.vertices[remap[i]] = part.vertices[i];
-    out.origin[remap[i]] = i;
-  }
-  for (const std::uint32_t i : part.indices) out.indices.push_back(remap[i]);
-  return out;
+bool is_foliage(const Part& part, const std::vector<Piece>& pieces) {
+  return pieces.size() >= kFoliagePieces && part.triangles() <= pieces.size() * kPieceTriangles;
 }
 
 /// How far 95 % of the dropped pieces are from a kept one.
@@ -205,20 +161,14 @@ float spread_of(const std::vector<Piece>& pieces, double share) {
 class Chain {
  public:
   Chain(Part part, const Material& material, const Workers& workers)
-      : workers_(workers), part_(std::move(part)) {
+      : workers_(workers), part_(std::move(part)), full_triangles_(part_.triangles()) {
     if (part_.kind != PrimitiveKind::kTriangles) return;
-    pieces_ = pieces_of(part_);
-    if (is_foliage(material, part_, pieces_)) return;
-    pieces_.clear();
-    if (is_soup(part_)) {
-      Welded joined = welded(part_);
-      simplifier_.emplace(joined.vertices, std::move(joined.indices));
-      origin_ = std::move(joined.origin);
-    } else {
-      simplifier_.emplace(part_.vertices, part_.indices);
+    if (material.double_sided || material.alpha_mode != AlphaMode::kOpaque) {
+      pieces_ = pieces_of(part_);
+      if (is_foliage(part_, pieces_)) return;
+      pieces_.clear();
     }
-    coarse_ = part_.indices;
-    surface_.emplace(part_.vertices, part_.indices, simplifier_->scale(), workers_);
+    measure_from_here();
   }
   Chain(Chain&&) = delete;
 
@@ -236,34 +186,30 @@ class Chain {
   }
 
  private:
+  void measure_from_here() {
+    soup_ = is_soup(part_);
+    if (part_.triangles() <= kLargeTriangles) {
+      surface_.emplace(part_, LodRules{soup_, false, {}}, workers_);
+    }
+  }
+
   // At most `allowed` away from the full surface, object units.
   void simplify(double share, double allowed, MeshLod& out) {
     const auto target =
-        static_cast<std::size_t>(std::ceil(share * static_cast<double>(part_.indices.size() / 3))) *
-        3;
-    double aim = allowed;
-    for (int i = 0; i < kTries && coarse_.size() > target; ++i, aim *= 0.4) {
-      SurfaceSimplifier::Step step = simplifier_->simplified(target, aim);
-      // Nothing left is no level of detail but a hole.
-      if (step.indices.empty() || step.indices.size() >= coarse_.size()) break;
-      std::vector<std::uint32_t> next = simplifier_->full_indices(step.indices);
-      if (!origin_.empty()) {
-        for (std::uint32_t& vertex : next) vertex = origin_[vertex];
-      }
-      const double estimate = estimate_ + step.error;
-      const double error = surface_->distance_to(next, estimate, allowed, workers_);
-      if (error > allowed) continue;
-      if (surface_->colored() && surface_->loses_colors(next, workers_)) continue;
-      simplifier_->take(std::move(step));
-      coarse_ = std::move(next);
-      estimate_ = estimate;
-      error_ = error;
-      break;
+        static_cast<std::size_t>(std::ceil(share * static_cast<double>(full_triangles_)));
+    if (surface_) {
+      surface_->reduce(target, allowed - base_error_, workers_);
+      const Level level = surface_->level(workers_);
+      append(out.mesh, part_, level.vertices, level.indices);
+    } else {
+      ChunkedStep step = simplify_in_chunks(part_, target, allowed - base_error_, soup_, workers_);
+      append(out.mesh, part_, step.shown.vertices, step.shown.indices);
+      part_ = std::move(step.part);
+      base_error_ += step.error;
+      measure_from_here();
     }
-    out.error = std::max(out.error, static_cast<float>(error_ * 1.0001));
-    Level level = level_of(part_.vertices, coarse_);
-    restore_normals(*surface_, level, workers_);
-    append(out.mesh, part_, level.vertices, level.indices);
+    const double error = base_error_ + (surface_ ? surface_->error() : 0.0);
+    out.error = std::max(out.error, static_cast<float>(error * 1.0001));
   }
 
   void thin(double share, MeshLod& out) const {
@@ -291,15 +237,12 @@ class Chain {
   }
 
   const Workers& workers_;
-  Part part_;
-  std::vector<std::uint32_t> coarse_;  ///< of the present level, into part_.vertices
-  std::vector<Piece> pieces_;          ///< of foliage only
-  std::vector<std::uint32_t> origin_;  ///< of soup only: Welded::origin
-  // Of the full primitive; empty for foliage.
-  std::optional<SurfaceSimplifier> simplifier_;
-  std::optional<FullSurface> surface_;
-  double estimate_ = 0;  ///< sum of the simplifier's errors, object units
-  double error_ = 0;     ///< of the present level
+  Part part_;  ///< the full primitive; of a large one what its last chunks left
+  std::size_t full_triangles_;
+  std::vector<Piece> pieces_;  ///< of foliage only
+  bool soup_ = false;
+  double base_error_ = 0;              ///< of part_, object units
+  std::optional<LodSurface> surface_;  ///< of part_; empty for foliage and while part_ is large
 };
 
 double extent_of(const Mesh& mesh) {
@@ -326,15 +269,16 @@ std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& m
   std::vector<MeshLod> lods;
   std::size_t triangles = triangle_count(full);
   if (triangles <= kFewTriangles) return lods;
-  Mesh closed = full;
-  close_seams(closed.vertices);
-  std::vector<std::unique_ptr<Chain>> chains(closed.primitives.size());
-  workers.each(chains.size(), [&](std::size_t i) {
-    const Primitive& p = closed.primitives[i];
-    Part part = extract(closed, p);
-    if (part.indices.empty()) return;
-    chains[i] = std::make_unique<Chain>(std::move(part), materials[p.material], workers);
-  });
+  std::vector<std::unique_ptr<Chain>> chains(full.primitives.size());
+  {
+    const std::vector<glm::vec3> places = closed_positions(full.vertices);
+    workers.each(chains.size(), [&](std::size_t i) {
+      const Primitive& p = full.primitives[i];
+      Part part = extract(full, places, p);
+      if (part.indices.empty()) return;
+      chains[i] = std::make_unique<Chain>(std::move(part), materials[p.material], workers);
+    });
+  }
   chains.erase(std::remove(chains.begin(), chains.end(), nullptr), chains.end());
   std::stable_partition(chains.begin(), chains.end(),
                         [](const std::unique_ptr<Chain>& chain) { return chain->foliage(); });

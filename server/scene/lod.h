@@ -15,7 +15,9 @@ struct MeshLod {
   /// Object units: largest distance found between the connected surfaces of this level and of the
   /// full mesh, from vertices of the full mesh (at most 20,000 a primitive) to this level and from
   /// the middles of this level's triangles to the full mesh. Where vertices were sampled, not less
-  /// than the simplifier's own estimate.
+  /// than the simplifier's own estimate. Of a primitive of more than kLargeTriangles the sum over
+  /// the steps in chunks (lod_chunks.h), each so measured against the surface before it, and of
+  /// this.
   float error = 0;
   /// Object units; above 0: foliage was thinned, and 95 % of the dropped pieces have a kept one
   /// within this distance (between middles). No bound: tiles are never drawn from such a level.

@@ -7,8 +7,6 @@
 namespace mirage {
 namespace {
 
-constexpr std::size_t kSampledVertices = 20'000;
-constexpr std::size_t kSampledTriangles = 5'000;
 // Always as many, however many threads there are: where a search begins depends on the one before.
 constexpr std::size_t kChunks = 8;
 constexpr std::size_t kAhead = 16;     // one of so many points goes ahead
@@ -52,9 +50,10 @@ double largest_distance(const SurfaceTree& tree, const Sampled& sampled, const P
 
 FullSurface::FullSurface(const std::vector<Vertex>& vertices,
                          const std::vector<std::uint32_t>& indices, double radius,
-                         const Workers& workers)
+                         const DistanceSamples& samples, const Workers& workers)
     : vertices_(vertices),
       radius_(radius),
+      samples_(samples),
       tree_(vertices, indices, workers),
       places_(tree_.places_of_vertices()),
       colored_(std::any_of(vertices.begin(), vertices.end(),
@@ -63,7 +62,7 @@ FullSurface::FullSurface(const std::vector<Vertex>& vertices,
 double FullSurface::distance_to(const std::vector<std::uint32_t>& coarse, double estimate,
                                 double allowed, const Workers& workers) const {
   const SurfaceTree tree(vertices_, coarse, workers);
-  const Sampled corners(vertices_.size(), kSampledVertices);
+  const Sampled corners(vertices_.size(), samples_.vertices);
   const double floor = corners.step > 1 ? estimate : 0;
   const double there = largest_distance(
       tree, corners, [&](std::size_t i) { return vertices_[i].position; }, floor, allowed,
@@ -74,14 +73,14 @@ double FullSurface::distance_to(const std::vector<std::uint32_t>& coarse, double
             vertices_[coarse[3 * t + 2]].position) /
            3.0f;
   };
-  return largest_distance(tree_, Sampled(coarse.size() / 3, kSampledTriangles), middle, there,
+  return largest_distance(tree_, Sampled(coarse.size() / 3, samples_.triangles), middle, there,
                           allowed, 4 * radius_, workers);
 }
 
 bool FullSurface::loses_colors(const std::vector<std::uint32_t>& coarse,
                                const Workers& workers) const {
   const SurfaceTree tree(vertices_, coarse, workers);
-  const Sampled sampled(vertices_.size(), kSampledVertices);
+  const Sampled sampled(vertices_.size(), samples_.vertices);
   std::array<std::size_t, kChunks> wrong{};
   workers.each(kChunks, [&](std::size_t chunk) {
     std::uint32_t near = 0;

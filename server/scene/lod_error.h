@@ -5,12 +5,17 @@
 
 namespace mirage {
 
+/// How many of a surface's things distances are taken from, at most.
+struct DistanceSamples {
+  std::size_t vertices = 20'000, triangles = 5'000;
+};
+
 /// One surface and its tree, to measure coarser ones of the same vertices against.
 class FullSurface {
  public:
   /// `vertices` and `indices` must outlive it. `radius`: of the surface, object units.
   FullSurface(const std::vector<Vertex>& vertices, const std::vector<std::uint32_t>& indices,
-              double radius, const Workers& workers);
+              double radius, const DistanceSamples& samples, const Workers& workers);
 
   const SurfaceTree& tree() const { return tree_; }
   /// By vertex: where in the tree it is.
@@ -29,6 +34,7 @@ class FullSurface {
  private:
   const std::vector<Vertex>& vertices_;
   const double radius_;
+  const DistanceSamples samples_;
   const SurfaceTree tree_;
   const std::vector<std::uint32_t> places_;
   bool colored_ = false;

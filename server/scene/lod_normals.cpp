@@ -71,7 +71,7 @@ Level level_of(const std::vector<Vertex>& vertices, const std::vector<std::uint3
 
 void restore_normals(const FullSurface& full, Level& level, const Workers& workers) {
   const std::vector<glm::vec3> missing = missing_normals(full, level, workers);
-  auto& [vertices, indices, origin] = level;
+  auto& [vertices, indices, origin, count] = level;
   std::map<std::uint32_t, std::vector<std::uint32_t>> copies;  // of a vertex, with other normals
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const glm::vec3& right = missing[i];
@@ -85,6 +85,7 @@ void restore_normals(const FullSurface& full, Level& level, const Workers& worke
       copy.normal = right;
       made.push_back(static_cast<std::uint32_t>(vertices.size()));
       vertices.push_back(copy);
+      ++count;
       origin.push_back(origin[indices[i]]);
       at = made.end() - 1;
     }

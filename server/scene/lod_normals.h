@@ -10,6 +10,7 @@ struct Level {
   std::vector<Vertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<std::uint32_t> origin;  ///< by vertex: its index in the full surface
+  std::size_t copies = 0;             ///< of the vertices: the last, with normals of their own
 };
 
 /// The vertices that `indices` use, in order of first use.

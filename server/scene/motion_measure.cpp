@@ -1,11 +1,11 @@
 #include "server/scene/motion_measure.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
+#include <optional>
 
 #include "protocol/limits.h"
+#include "server/scene/posed_extent.h"
 
 namespace mirage {
 namespace {
@@ -22,18 +22,6 @@ constexpr int kMaxHalvings = 8;
 constexpr int kCenterPoses = 16;
 constexpr double kMatters = 1e-5;  // of the extent: smaller steps are not halved again
 constexpr double kStill = 1e-6;    // of the extent: rounding of the poses, no motion
-
-std::vector<glm::dvec3> hull_directions() {
-  std::vector<glm::dvec3> out;
-  for (int x = -1; x <= 1; ++x) {
-    for (int y = -1; y <= 1; ++y) {
-      for (int z = -1; z <= 1; ++z) {
-        if (x != 0 || y != 0 || z != 0) out.push_back(glm::normalize(glm::dvec3(x, y, z)));
-      }
-    }
-  }
-  return out;
-}
 
 std::vector<double> pose_times(const Animation& animation, std::size_t vertices) {
   const double clip = animation.clip_s;
@@ -76,41 +64,6 @@ std::vector<std::uint32_t> used_vertices(const Mesh& mesh) {
   return out;
 }
 
-double largest_step(const std::vector<std::uint32_t>& used, const std::vector<glm::vec3>& a,
-                    const std::vector<glm::vec3>& b) {
-  float most = 0;
-  for (const std::uint32_t i : used) {
-    const glm::vec3 d = b[i] - a[i];
-    most = std::max(most, glm::dot(d, d));
-  }
-  return std::sqrt(double{most});
-}
-
-/// The extremes of everything that is added.
-struct Extent {
-  std::vector<glm::dvec3> directions = hull_directions();
-  std::vector<double> support = std::vector<double>(26, -std::numeric_limits<double>::infinity());
-  std::vector<glm::dvec3> point = std::vector<glm::dvec3>(26);
-  glm::vec3 low{std::numeric_limits<float>::infinity()};
-  glm::vec3 high{-std::numeric_limits<float>::infinity()};
-
-  glm::vec3 center{0};  ///< any point; where the bounding sphere is to be
-  double radius2 = 0;   ///< squared, around it
-
-  void add(const glm::vec3& p) {
-    const glm::dvec3 off = glm::dvec3(p) - glm::dvec3(center);
-    radius2 = std::max(radius2, glm::dot(off, off));
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-    for (std::size_t i = 0; i < directions.size(); ++i) {
-      const double d = glm::dot(directions[i], glm::dvec3(p));
-      if (d <= support[i]) continue;
-      support[i] = d;
-      point[i] = p;
-    }
-  }
-};
-
 /// One part of the clip over which the largest speed is even.
 struct Step {
   double from = 0, to = 0;
@@ -119,6 +72,8 @@ struct Step {
   bool is_jump() const { return to - from < 2 * kJumpGap; }
 };
 
+using Points = std::vector<glm::vec3>;
+
 /// Walks the clip pose by pose. A part whose halves differ in speed is halved again.
 class Walk {
  public:
@@ -126,51 +81,50 @@ class Walk {
       : mesh_(mesh), animation_(animation), used_(used_vertices(mesh)) {}
 
   void run(const std::vector<double>& times) {
-    Points points;
-    glm::vec3 low(std::numeric_limits<float>::infinity()), high = -low;
+    PointBox box;
     for (int i = 0; i < kCenterPoses; ++i) {
-      pose_positions(mesh_.vertices, animation_, i * double{animation_.clip_s} / kCenterPoses,
-                     points);
-      for (const std::uint32_t k : used_) {
-        low = glm::min(low, points[k]);
-        high = glm::max(high, points[k]);
-      }
+      box.add(posed(i * double{animation_.clip_s} / kCenterPoses));
     }
-    extent_.center = 0.5f * (low + high);
+    extent_.emplace(0.5f * (box.low + box.high));
     first_ = at(times.front());
-    std::vector<glm::vec3> last = first_;
+    Points last = first_;
     for (std::size_t k = 1; k < times.size(); ++k) {
-      std::vector<glm::vec3> now = at(times[k]);
-      split({times[k - 1], times[k], distance(last, now), kSpeedMargin}, last, now, 0);
+      Points now = at(times[k]);
+      split({times[k - 1], times[k], largest_step(last, now), kSpeedMargin}, last, now, 0);
       last = std::move(now);
     }
-    wrap_jump_ = distance(last, first_);
+    wrap_jump_ = largest_step(last, first_);
   }
 
   const std::vector<std::uint32_t>& used() const { return used_; }
   const std::vector<Step>& steps() const { return steps_; }
-  const Extent& extent() const { return extent_; }
+  const PosedExtent& extent() const { return *extent_; }
   double wrap_jump() const { return wrap_jump_; }
 
  private:
-  using Points = std::vector<glm::vec3>;
-  double distance(const Points& a, const Points& b) const { return largest_step(used_, a, b); }
-  Points at(double t) {
+  // Of the vertices that anything draws.
+  Points posed(double t) const {
     Points out;
     pose_positions(mesh_.vertices, animation_, t, out);
-    for (const std::uint32_t i : used_) extent_.add(out[i]);
+    for (std::size_t i = 0; i < used_.size(); ++i) out[i] = out[used_[i]];  // they increase
+    out.resize(used_.size());
+    return out;
+  }
+  Points at(double t) {
+    Points out = posed(t);
+    extent_->add(out);
     return out;
   }
   void split(const Step& whole, const Points& a, const Points& b, int depth) {
     if (whole.is_jump()) return steps_.push_back(whole);
     const double middle = 0.5 * (whole.from + whole.to);
     const Points m = at(middle);
-    Step halves[2] = {{whole.from, middle, distance(a, m), kSpeedMargin},
-                      {middle, whole.to, distance(m, b), kSpeedMargin}};
+    Step halves[2] = {{whole.from, middle, largest_step(a, m), kSpeedMargin},
+                      {middle, whole.to, largest_step(m, b), kSpeedMargin}};
     const double low = std::min(halves[0].distance, halves[1].distance);
     const double high = std::max(halves[0].distance, halves[1].distance);
     const bool even = high - low <= kEven * high && 2 * high <= (1 + kEven) * whole.distance;
-    const bool matters = high > kMatters * glm::length(extent_.high - extent_.low);
+    const bool matters = high > kMatters * glm::length(extent_->box().high - extent_->box().low);
     if (!even && matters && depth < kMaxHalvings) {
       split(halves[0], a, m, depth + 1);
       split(halves[1], m, b, depth + 1);
@@ -187,7 +141,7 @@ class Walk {
   const Animation& animation_;
   const std::vector<std::uint32_t> used_;
   Points first_;
-  Extent extent_;
+  std::optional<PosedExtent> extent_;
   std::vector<Step> steps_;
   double wrap_jump_ = 0;
 };
@@ -228,16 +182,17 @@ MeasuredMotion measure_motion(const Mesh& mesh, const Animation& animation) {
     largest = std::max(largest, step.distance);
     if (!step.is_jump()) growth = std::max(growth, step.distance);
   }
-  const Extent& extent = walk.extent();
+  const PosedExtent& extent = walk.extent();
+  const PointBox& box = extent.box();
   const auto grown = static_cast<float>(growth);
-  out.box_min = extent.low - grown;
-  out.box_max = extent.high + grown;
-  out.center = extent.center;
-  for (std::size_t i = 0; i < extent.directions.size(); ++i) {
-    out.hull_points.emplace_back(extent.point[i] + growth * extent.directions[i]);
+  out.box_min = box.low - grown;
+  out.box_max = box.high + grown;
+  out.center = extent.center();
+  for (std::size_t i = 0; i < PosedExtent::kDirections; ++i) {
+    out.hull_points.emplace_back(extent.points()[i] + growth * extent.directions()[i]);
   }
-  out.radius = std::sqrt(extent.radius2) + growth;
-  const double size = glm::length(glm::dvec3(extent.high) - glm::dvec3(extent.low));
+  out.radius = std::sqrt(extent.radius2()) + growth;
+  const double size = glm::length(glm::dvec3(box.high) - glm::dvec3(box.low));
   if (largest > kStill * size) {
     out.motion = profile(walk.steps(), animation.clip_s, walk.wrap_jump());
   }

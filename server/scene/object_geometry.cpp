@@ -3,12 +3,29 @@
 #include <map>
 
 #include "protocol/tile_codec.h"
-#include "server/scene/lod.h"
 
 namespace mirage {
 namespace {
 
-EncodedLod encode_lod(const ObjectModel& model) {
+/// What a mesh draws, with only the materials it uses.
+struct UsedMaterials {
+  std::vector<Primitive> primitives;  ///< `material` into `materials`
+  std::vector<Material> materials;
+};
+
+UsedMaterials used_materials(const Scene& scene, const Mesh& mesh) {
+  UsedMaterials out{mesh.primitives, {}};
+  std::map<std::uint32_t, std::uint32_t> material_index;
+  for (Primitive& p : out.primitives) {
+    const auto [at, is_new] =
+        material_index.emplace(p.material, static_cast<std::uint32_t>(out.materials.size()));
+    if (is_new) out.materials.push_back(scene.materials[p.material]);
+    p.material = at->second;
+  }
+  return out;
+}
+
+EncodedLod encode_lod(const ModelView& model) {
   EncodedLod out;
   out.payload = encode_model(model);
   out.raw_bytes = static_cast<std::uint32_t>(out.payload.size());
@@ -30,30 +47,27 @@ std::uint32_t triangles_of(const Mesh& mesh) {
 ObjectModel object_model(const Scene& scene, const Mesh& mesh) {
   ObjectModel model;
   model.mesh = mesh;
-  std::map<std::uint32_t, std::uint32_t> material_index;
-  for (Primitive& p : model.mesh.primitives) {
-    const auto [at, is_new] =
-        material_index.emplace(p.material, static_cast<std::uint32_t>(model.materials.size()));
-    if (is_new) model.materials.push_back(scene.materials[p.material]);
-    p.material = at->second;
-  }
+  UsedMaterials used = used_materials(scene, mesh);
+  model.mesh.primitives = std::move(used.primitives);
+  model.materials = std::move(used.materials);
   return model;
 }
 
 ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
-                             ObjectDescription& description, const Workers& workers) {
+                             ObjectDescription& description, const LodFamilies* families,
+                             const Workers& workers) {
   const auto encode = [&](const Mesh& mesh) {
-    ObjectModel model = object_model(scene, mesh);
-    model.animation = object.animation;
-    return encode_lod(model);
+    const UsedMaterials used = used_materials(scene, mesh);
+    return encode_lod({mesh, used.primitives, used.materials, object.animation.get()});
   };
   EncodedLod whole;
   std::vector<MeshLod> lods;
   workers.both(
       [&] {
-        // Simplified poses have no error bound.
-        if (!object.animation)
-          lods = build_lods(object.mesh, scene.materials, scene.images, workers);
+        if (object.animation) return;  // simplified poses have no error bound
+        lods = families && families->first_of(object)
+                   ? families->lods_of(object, workers)
+                   : build_lods(object.mesh, scene.materials, scene.images, workers);
       },
       [&] { whole = encode(object.mesh); });
   ObjectGeometry out;

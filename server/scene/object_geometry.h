@@ -3,7 +3,7 @@
 
 #include "protocol/model_codec.h"
 #include "protocol/object_proxy.h"
-#include "server/scene/scene.h"
+#include "server/scene/lod_family.h"
 #include "server/scene/workers.h"
 
 namespace mirage {
@@ -25,8 +25,10 @@ struct ObjectGeometry {
 /// `mesh` with only the materials it uses.
 ObjectModel object_model(const Scene& scene, const Mesh& mesh);
 
-/// Levels of detail of `object`, made and encoded; `description.lods` is filled in.
+/// Levels of detail of `object`, made and encoded; `description.lods` is filled in. `families`: of
+/// the scene; nullptr: none shares levels.
 ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
-                             ObjectDescription& description, const Workers& workers = Workers());
+                             ObjectDescription& description, const LodFamilies* families = nullptr,
+                             const Workers& workers = Workers());
 
 }  // namespace mirage

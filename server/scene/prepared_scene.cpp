@@ -37,9 +37,10 @@ void make_all_geometry(PreparedScene& prepared, CacheDirectory* cache, const Wor
   prepared.geometry.resize(objects.size());
   const std::vector<std::uint64_t> images =
       cache ? hash_images(prepared.scene, workers) : std::vector<std::uint64_t>{};
+  const LodFamilies families(prepared.scene);
   workers.each(objects.size(), [&](std::size_t i) {
     prepared.geometry[i] = find_or_make_geometry(prepared.scene, objects[i], prepared.objects[i],
-                                                 cache, images, workers);
+                                                 cache, images, families, workers);
   });
 }
 
@@ -85,20 +86,24 @@ Result<void> check_limits(const Scene& scene) {
 }
 
 // Rule 19 of NUMERICS section 5: what does not move is a static object, and costs what one does.
-std::map<std::size_t, MeasuredMotion> settle_motion(Scene& scene) {
-  std::map<std::size_t, MeasuredMotion> moving;
+std::map<std::size_t, MeasuredMotion> settle_motion(Scene& scene, const Workers& workers) {
+  std::vector<std::size_t> animated;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    SceneObject& object = scene.objects[i];
-    if (!object.animation) continue;
-    MeasuredMotion measured = measure_motion(object.mesh, *object.animation);
-    if (measured.motion.moving()) {
-      moving.emplace(i, std::move(measured));
-      continue;
-    }
+    if (scene.objects[i].animation) animated.push_back(i);
+  }
+  std::vector<MeasuredMotion> measured(animated.size());
+  workers.each(animated.size(), [&](std::size_t k) {
+    SceneObject& object = scene.objects[animated[k]];
+    measured[k] = measure_motion(object.mesh, *object.animation);
+    if (measured[k].motion.moving()) return;
     std::vector<Vertex> posed;
     pose_vertices(object.mesh.vertices, *object.animation, 0, posed);
     object.mesh.vertices = std::move(posed);
     object.animation.reset();
+  });
+  std::map<std::size_t, MeasuredMotion> moving;
+  for (std::size_t k = 0; k < animated.size(); ++k) {
+    if (measured[k].motion.moving()) moving.emplace(animated[k], std::move(measured[k]));
   }
   return moving;
 }
@@ -189,7 +194,7 @@ Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const LoadOpti
         PreparedScene::Imported{prepared->scene.materials, prepared->scene.images});
   }
   prepared->left_out = leave_out_unneeded(prepared->scene);
-  const std::map<std::size_t, MeasuredMotion> moving = settle_motion(prepared->scene);
+  const std::map<std::size_t, MeasuredMotion> moving = settle_motion(prepared->scene, workers);
   times.done("needs");
   describe(*prepared, moving, workers);
   times.done("descriptions");

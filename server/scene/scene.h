@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,12 +15,19 @@
 
 namespace mirage {
 
+/// What an object's mesh was made of: objects of the same base differ by their shapes alone.
+struct BakedShape {
+  std::uint32_t base = 0;
+  glm::dmat3 shape{1};  ///< that the base's vertices were multiplied by
+};
+
 /// An impostor object: one mesh with its materials, in its own space.
 struct SceneObject {
   std::string name;
   Mesh mesh;
   /// Set: the mesh is in bind space, and pose_vertices() takes it to object space.
   std::shared_ptr<const Animation> animation = nullptr;
+  std::optional<BakedShape> baked = std::nullopt;
 };
 
 struct Scene {

@@ -29,7 +29,7 @@ class ContentHash {
 
 // Stored tiles outlive a build: raise it when equal content gives other ones, by build_lods(), the
 // shaders or the codec.
-constexpr std::uint32_t kTileVersion = 5;
+constexpr std::uint32_t kTileVersion = 6;
 
 }  // namespace
 
@@ -40,6 +40,11 @@ std::uint64_t scene_revision(const Scene& scene) {
     hash.add_array(object.mesh.vertices);
     hash.add_array(object.mesh.indices);
     hash.add_array(encode_animation(object.animation.get()));
+    // Objects of one base may share its levels of detail.
+    if (object.baked) {
+      hash.add(&object.baked->base, sizeof(object.baked->base));
+      hash.add(&object.baked->shape, sizeof(object.baked->shape));
+    }
     for (const Primitive& p : object.mesh.primitives) {
       const std::uint32_t words[4] = {static_cast<std::uint32_t>(p.kind), p.first_index,
                                       p.index_count, p.material};

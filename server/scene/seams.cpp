@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <unordered_map>
 
 namespace mirage {
 namespace {
@@ -18,6 +17,10 @@ class Places {
     glm::dvec3 largest(0);
     for (const Vertex& v : vertices) largest = glm::max(largest, glm::abs(glm::dvec3(v.position)));
     reach_ = kRounding * largest;
+    std::size_t buckets = 2;
+    while (buckets < vertices.size()) buckets *= 2;
+    youngest_.assign(buckets, kNone);
+    places_.reserve(vertices.size());
   }
 
   /// The place that `p` is one with; where there is none, `p` is a new one.
@@ -27,18 +30,30 @@ class Places {
     for (std::int64_t z = low.z; z <= high.z; ++z) {
       for (std::int64_t y = low.y; y <= high.y; ++y) {
         for (std::int64_t x = low.x; x <= high.x; ++x) {
-          const auto [first, last] = places_.equal_range(key({x, y, z}));
-          for (auto place = first; place != last; ++place) {
-            if (one(glm::dvec3(place->second), at)) return place->second;
+          const std::uint64_t here = key({x, y, z});
+          for (std::uint32_t i = youngest_[bucket(here)]; i != kNone; i = places_[i].older) {
+            const glm::dvec3 place(places_[i].position);
+            if (one(place, at) && key(cell(place)) == here) return places_[i].position;
           }
         }
       }
     }
-    places_.emplace(key(cell(at)), p);
+    std::uint32_t& youngest = youngest_[bucket(key(cell(at)))];
+    places_.push_back({p, youngest});
+    youngest = static_cast<std::uint32_t>(places_.size() - 1);
     return p;
   }
 
  private:
+  static constexpr std::uint32_t kNone = UINT32_MAX;
+  struct Place {
+    glm::vec3 position;
+    std::uint32_t older;  ///< in the same bucket
+  };
+
+  std::size_t bucket(std::uint64_t key) const {
+    return (key * 0x9e3779b97f4a7c15ull >> 32) & (youngest_.size() - 1);
+  }
   glm::i64vec3 cell(const glm::dvec3& p) const {
     glm::i64vec3 out(0);
     for (int i = 0; i < 3; ++i) {
@@ -58,14 +73,18 @@ class Places {
   }
 
   glm::dvec3 reach_{0};
-  std::unordered_multimap<std::uint64_t, glm::vec3> places_;
+  std::vector<std::uint32_t> youngest_;  ///< by bucket of cells
+  std::vector<Place> places_;
 };
 
 }  // namespace
 
-void close_seams(std::vector<Vertex>& vertices) {
+std::vector<glm::vec3> closed_positions(const std::vector<Vertex>& vertices) {
   Places places(vertices);
-  for (Vertex& v : vertices) v.position = places.place_of(v.position);
+  std::vector<glm::vec3> out;
+  out.reserve(vertices.size());
+  for (const Vertex& v : vertices) out.push_back(places.place_of(v.position));
+  return out;
 }
 
 }  // namespace mirage

@@ -8,8 +8,12 @@
 namespace mirage {
 
 SurfaceSimplifier::SurfaceSimplifier(const std::vector<Vertex>& vertices,
-                                     std::vector<std::uint32_t> indices)
-    : indices_(std::move(indices)), full_(vertices.size()), place_(vertices.size()), span_{} {
+                                     std::vector<std::uint32_t> indices, bool lock_border)
+    : indices_(std::move(indices)),
+      full_(vertices.size()),
+      place_(vertices.size()),
+      span_{},
+      options_(lock_border ? unsigned{meshopt_SimplifyLockBorder} : 0u) {
   positions_.reserve(vertices.size());
   for (const Vertex& v : vertices) positions_.push_back(v.position);
   std::iota(full_.begin(), full_.end(), 0u);
@@ -33,9 +37,9 @@ SurfaceSimplifier::Step SurfaceSimplifier::simplified(std::size_t target, double
   Step out;
   out.indices.resize(indices_.size());
   float relative = 0;
-  out.indices.resize(meshopt_simplify(out.indices.data(), indices_.data(), indices_.size(),
-                                      &positions_[0].x, positions_.size(), sizeof(glm::vec3),
-                                      target, static_cast<float>(error / scale_), 0, &relative));
+  out.indices.resize(meshopt_simplify(
+      out.indices.data(), indices_.data(), indices_.size(), &positions_[0].x, positions_.size(),
+      sizeof(glm::vec3), target, static_cast<float>(error / scale_), options_, &relative));
   out.error = double{relative} * scale_;
   return out;
 }

@@ -15,7 +15,9 @@ namespace mirage {
 class SurfaceSimplifier {
  public:
   /// `indices` refer to `vertices`; their count is a multiple of 3.
-  SurfaceSimplifier(const std::vector<Vertex>& vertices, std::vector<std::uint32_t> indices);
+  /// `lock_border`: vertices at an edge of one triangle stay.
+  SurfaceSimplifier(const std::vector<Vertex>& vertices, std::vector<std::uint32_t> indices,
+                    bool lock_border = false);
 
   /// Largest edge of the box around all vertices, object units.
   double scale() const { return scale_; }
@@ -41,6 +43,7 @@ class SurfaceSimplifier {
   std::size_t places_ = 0;             ///< numbers of positions
   std::array<std::uint32_t, 6> span_;  ///< positions that the box is spanned by
   double scale_ = 0;
+  unsigned options_ = 0;  ///< meshopt_simplify()'s
 };
 
 }  // namespace mirage

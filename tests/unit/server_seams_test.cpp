@@ -18,6 +18,11 @@ std::vector<Vertex> vertices_at(const std::vector<glm::vec3>& positions) {
   return out;
 }
 
+void close_seams(std::vector<Vertex>& vertices) {
+  const std::vector<glm::vec3> closed = closed_positions(vertices);
+  for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i].position = closed[i];
+}
+
 TEST(ServerSeams, JoinsWhatRoundingParted) {
   const float next = std::nextafter(0.7f, 1.0f);
   std::vector<Vertex> v = vertices_at(

@@ -252,7 +252,8 @@ Result<std::uint32_t> SceneAssembler::object_of(std::size_t index, const glm::dm
   if (auto ok = budget_.take(mesh.vertices.size(), mesh.indices.size()); !ok) return ok.error();
   if (auto ok = budget_.take_primitives(mesh.primitives.size()); !ok) return ok.error();
   Mesh copy = bake(mesh, residual);
-  scene_.objects.push_back({base.name, std::move(copy)});
+  scene_.objects.push_back({base.name, std::move(copy), nullptr,
+                            BakedShape{static_cast<std::uint32_t>(index), residual}});
   return next;
 }
 
