@@ -92,12 +92,9 @@ struct PlaneShape {
   std::size_t bytes;     // per texel
 };
 constexpr PlaneShape kPlanes[] = {
-    {&Tile::rgba, kChannelColor, 4},
-    {&Tile::surface, kChannelNormal, 4},
-    {&Tile::depth, kChannelDepth, 1},
-    {&Tile::shadow, kChannelShadow, 1},
-    {&Tile::behind, kChannelBehind, 4},
-    {&Tile::behind_depth, kChannelBehind, 1},
+    {&Tile::rgba, kChannelColor, 4},    {&Tile::surface, kChannelNormal, 4},
+    {&Tile::depth, kChannelDepth, 1},   {&Tile::shadow, kChannelShadow, 1},
+    {&Tile::behind, kChannelBehind, 4}, {&Tile::behind_depth, kChannelBehind, 1},
 };
 constexpr std::size_t kLengthBytes = 4;  // of the colour image before it
 

@@ -103,8 +103,8 @@ Result<void> ImpostorAtlas::upload(const TileRecord& record, const TilePixels& p
   };
   // What is drawn flat is both layers in one.
   const bool both = !pixels.behind.empty();
-  Result<void> done = put_color(
-      record.slot, both ? front_over_behind(pixels.rgba, pixels.behind) : pixels.rgba);
+  Result<void> done =
+      put_color(record.slot, both ? front_over_behind(pixels.rgba, pixels.behind) : pixels.rgba);
   if (done) {
     done = put(depth_, record.slot, grown_depth(with_gutter(record.depth, w, h, 1), pw, ph));
   }

@@ -230,8 +230,19 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool re
 }
 
 void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list) {
-  std::vector<ReliefInstance> single, layered, relit, merged;
+  std::vector<ReliefInstance> run, relit, merged;
   std::vector<glm::vec4> rows;
+  // The proxies' far faces: each pixel once, also with the eye inside.
+  glCullFace(GL_FRONT);
+  // Those in one layer and in two together back to front, by runs: soft edges lie over what is
+  // behind.
+  bool in_layers = false;
+  const auto draw_run = [&] {
+    if (run.empty()) return;
+    use_atlas(in_layers ? layered_relief_ : relief_, camera, false);
+    draw_instances(cube_, run, true);
+    run.clear();
+  };
   for (const DrawnImpostor& drawn : list.impostors) {
     if (drawn.method != DrawMethod::kDepth) continue;
     // Merging takes finished colours: a relit tile is drawn alone.
@@ -240,22 +251,15 @@ void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, con
       continue;
     }
     if (!drawn.neighbours[0]) {
-      (drawn.tile->layered() ? layered : single).push_back(relief_instance(drawn, camera, scene, 0));
+      if (drawn.tile->layered() != in_layers) draw_run();
+      in_layers = drawn.tile->layered();
+      run.push_back(relief_instance(drawn, camera, scene, 0));
       continue;
     }
     merged.push_back(relief_instance(drawn, camera, scene, static_cast<int>(merged.size())));
     append_relief_row(drawn, camera, scene, rows);
   }
-  // The proxies' far faces: each pixel once, also with the eye inside.
-  glCullFace(GL_FRONT);
-  if (!single.empty()) {
-    use_atlas(relief_, camera, false);
-    draw_instances(cube_, single, true);
-  }
-  if (!layered.empty()) {
-    use_atlas(layered_relief_, camera, false);
-    draw_instances(cube_, layered, true);
-  }
+  draw_run();
   if (!relit.empty()) {
     use_atlas(relit_relief_, camera, true);
     draw_instances(cube_, relit, true);

@@ -78,7 +78,7 @@ class ImpostorPass {
   Proxy cube_;
   std::map<std::uint32_t, Proxy> hulls_, warp_proxies_;  ///< by object, made when first drawn
   gl::LightBlock lights_;                                ///< of the frame
-  Variant variant_;  ///< of the programs
+  Variant variant_;                                      ///< of the programs
   GLuint shadow_atlas_ = 0;
   const gl::ProbeMap* probe_ = nullptr;
   DepthMapping mapping_ = DepthMapping::kForward;

@@ -113,8 +113,7 @@ Result<void> TileProbe::take(const Message& message, const std::vector<TileNeed>
   if (on_tile) on_tile(*tile);
   const ObjectDescription& object = scene_.objects[scene_.instances[need.instance].object];
   const Capture capture(need.cell, need.distance, object.radius, tile->edge);
-  const TilePixels pixels{std::move(tile->rgba), std::move(tile->surface),
-                          std::move(tile->behind)};
+  const TilePixels pixels{std::move(tile->rgba), std::move(tile->surface), std::move(tile->behind)};
   records_[index] = cache_.insert(need.instance, scene_, capture, tile.take(), 1, 0, 0, need.phase);
   return records_[index] ? renderer_.upload(*records_[index], pixels) : Result<void>{};
 }

@@ -20,7 +20,8 @@ class TileLayers {
   /// Draws what lies behind: between begin() and end().
   gl::MeshPass& meshes() { return meshes_; }
 
-  /// Formats of the peeled target's colours; its depth is GL_DEPTH_COMPONENT32F. And of the floor's.
+  /// Formats of the peeled target's colours; its depth is GL_DEPTH_COMPONENT32F. And of the
+  /// floor's.
   gl::RenderTarget& peeled() { return peeled_; }
   gl::RenderTarget& floor() { return floor_; }
   std::size_t gpu_bytes() const { return peeled_.gpu_bytes() + floor_.gpu_bytes(); }

@@ -138,7 +138,8 @@ Result<void> TilePageRenderer::warm_up(int page_edge) {
       }
     }
     if (!layers_ || !layered(scene_->prepared->objects[i].needs)) continue;
-    Result<void> compiled = layers_->meshes().warm_up(scene_->meshes[i], scene_->materials(), false);
+    Result<void> compiled =
+        layers_->meshes().warm_up(scene_->meshes[i], scene_->materials(), false);
     if (!compiled) return compiled;
     for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
       compiled = layers_->meshes().warm_up(lod, scene_->materials(), false);
@@ -157,7 +158,8 @@ Result<void> TilePageRenderer::warm_up(int page_edge) {
     }
   }
   // Drawn, too: a driver finishes a shader with its first draw, by all that is bound.
-  for (const std::uint8_t channels : {kLitTile, kLayeredTile, kRelitTile, kShadowTile, kCasterTile}) {
+  for (const std::uint8_t channels :
+       {kLitTile, kLayeredTile, kRelitTile, kShadowTile, kCasterTile}) {
     std::set<std::vector<NeedMask>> drawn;
     for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
       if (!shown[i] || scene_->prepared->objects[i].radius <= 0) continue;
@@ -182,7 +184,8 @@ std::optional<TileJob> TilePageRenderer::first_job(std::uint32_t index,
   const Lighting& light = scene_->prepared->scene.lighting;
   const bool shadow = channels == kShadowTile, relit = channels == kRelitTile;
   const bool lit_by_sun = shadow_map_ && (object.needs & kNeedLighting) && sun_of(light);
-  if ((channels == kLayeredTile && !layered(object.needs)) || (relit && !can_relight(object.needs)) || (shadow && !lit_by_sun) ||
+  if ((channels == kLayeredTile && !layered(object.needs)) ||
+      (relit && !can_relight(object.needs)) || (shadow && !lit_by_sun) ||
       (channels == kCasterTile && !(shadow_map_ && object.casts()))) {
     return std::nullopt;
   }

@@ -125,10 +125,10 @@ class TilePageRenderer {
   SceneShadow* shadow_map_ = nullptr;
   TileExtras extras_;
   Path lit_;
-  Path relit_;      ///< its page has the surface as a third attachment; made when first needed
-  Path shadow_;     ///< without a page of its own
+  Path relit_;   ///< its page has the surface as a third attachment; made when first needed
+  Path shadow_;  ///< without a page of its own
   std::unique_ptr<TileLayers> layers_;  ///< of layered tiles; null: the scene has none
-  Resolve caster_;  ///< the lit path's, but for what is kept
+  Resolve caster_;                      ///< the lit path's, but for what is kept
   gl::VertexArray empty_vao_;
   std::size_t most_bytes_ = SIZE_MAX;
   std::size_t ring_ = 0;  ///< pages of it at a time
