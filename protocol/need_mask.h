@@ -45,6 +45,10 @@ inline bool can_relight(NeedMask needs) {
          !(needs & (kNeedBlend | kNeedEmissive | kNeedUnlit | kLobeNeeds));
 }
 
+/// Whether an object comes in layered tiles, too: foliage, which hides much of itself. What is
+/// blended shows more than one surface in front already.
+inline bool layered(NeedMask needs) { return (needs & kNeedAlphaMask) && !(needs & kNeedBlend); }
+
 /// The lobe a map belongs to.
 NeedMask lobe_of(LobeMap map);
 /// Needs of one material on a mesh; `vertex_color` tells whether any vertex colour is not white.

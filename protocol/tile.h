@@ -48,12 +48,22 @@ struct Tile {
   /// where no visible surface points: it may be filtered.
   std::vector<std::uint8_t> surface;
   std::vector<std::uint8_t> depth;  ///< crop.w*crop.h; hyperbolic 1..255 over Dc -+ r, 0 = nothing
+  /// Layered tiles only, colour and depth as above: what lies more than kLayerStep codes behind
+  /// `depth`, whether `rgba`, which then holds what is nearer, covers it or leaves it open. `rgba`
+  /// over it is what a lit tile holds. Colours in steps of kBehindStep.
+  std::vector<std::uint8_t> behind, behind_depth;
   /// Shadow tiles, crop.w*crop.h: how much of the texel's light (luminance, with the sun) is left
   /// in shadow, 1..255 for none to all; 0 = nothing there.
   std::vector<std::uint8_t> shadow;
 
   bool relit() const { return channels == kRelitTile; }
+  bool layered() const { return channels == kLayeredTile; }
 };
+
+/// Codes: from 2 to 8 the reference tree looks the same from aside, with 16 it loses 0.7 dB.
+inline constexpr int kLayerStep = 8;
+/// Of 256: a quarter of the layer's bytes is saved, and not 0.1 dB lost.
+inline constexpr int kBehindStep = 8;
 
 /// Half the tangent of the capture window: the bounding sphere's cone plus a guard of 1 texel a
 /// side.

@@ -92,16 +92,20 @@ struct PlaneShape {
   std::size_t bytes;     // per texel
 };
 constexpr PlaneShape kPlanes[] = {
-    {&Tile::rgba, kChannelColor, 4},
-    {&Tile::surface, kChannelNormal, 4},
-    {&Tile::depth, kChannelDepth, 1},
-    {&Tile::shadow, kChannelShadow, 1},
+    {&Tile::rgba, kChannelColor, 4},    {&Tile::surface, kChannelNormal, 4},
+    {&Tile::depth, kChannelDepth, 1},   {&Tile::shadow, kChannelShadow, 1},
+    {&Tile::behind, kChannelBehind, 4}, {&Tile::behind_depth, kChannelBehind, 1},
 };
 constexpr std::size_t kLengthBytes = 4;  // of the colour image before it
 
 // What is sent of a plane without loss; of colours beside a lossy image the coverage alone.
 std::size_t bytes_per_texel(const PlaneShape& shape, TileCodec codec) {
   return shape.plane == &Tile::rgba && is_lossy(codec) ? 1 : shape.bytes;
+}
+
+// Colours as they are, which are differences from green on the wire.
+bool holds_colors(const PlaneShape& shape, TileCodec codec) {
+  return shape.plane == &Tile::behind || (shape.plane == &Tile::rgba && !is_lossy(codec));
 }
 
 std::size_t plane_bytes(const Tile& tile, const PlaneShape& shape, TileCodec codec) {
@@ -133,7 +137,7 @@ Bytes lossless_planes(const Tile& tile, TileCodec codec) {
     planes.insert(planes.end(), plane.begin(), plane.end());
     if (codec == TileCodec::kRaw) continue;
     std::uint8_t* put = planes.data() + (planes.size() - plane.size());
-    if (shape.plane == &Tile::rgba && !coverage) add_green(put, tile.crop.area(), -1);
+    if (holds_colors(shape, codec)) add_green(put, tile.crop.area(), -1);
     predict(put, tile.crop.w, tile.crop.h, channels);
   }
   return planes;
@@ -148,7 +152,7 @@ void take_planes(Bytes planes, TileCodec codec, Tile& tile) {
     const bool coverage = channels != shape.bytes;
     if (codec != TileCodec::kRaw && at != end) {
       unpredict(&*at, tile.crop.w, tile.crop.h, channels);
-      if (shape.plane == &Tile::rgba && !coverage) add_green(&*at, tile.crop.area(), 1);
+      if (holds_colors(shape, codec)) add_green(&*at, tile.crop.area(), 1);
     }
     if (coverage) {
       tile.rgba.resize(tile.crop.area() * 4);
@@ -289,6 +293,10 @@ std::uint64_t tile_content_hash(const Tile& tile) {
   hash = XXH3_64bits_withSeed(tile.depth.data(), tile.depth.size(), hash);
   if (tile.channels & kChannelShadow) {
     hash = XXH3_64bits_withSeed(tile.shadow.data(), tile.shadow.size(), hash);
+  }
+  if (tile.channels & kChannelBehind) {
+    hash = XXH3_64bits_withSeed(tile.behind.data(), tile.behind.size(), hash);
+    hash = XXH3_64bits_withSeed(tile.behind_depth.data(), tile.behind_depth.size(), hash);
   }
   return hash;
 }

@@ -27,8 +27,10 @@ struct Curves {
     }
   }
   // The byte whose light is `factor` times that of `byte`, at most white.
-  std::uint8_t scaled(std::uint8_t byte, float factor) const {
-    const float v = std::min(linear[byte] * factor, 1.0f);
+  std::uint8_t scaled(std::uint8_t byte, float factor) const { return sum(0, byte, factor); }
+  // That of `byte` and `factor` times that of `other`.
+  std::uint8_t sum(std::uint8_t byte, std::uint8_t other, float factor) const {
+    const float v = std::min(linear[byte] + linear[other] * factor, 1.0f);
     return srgb[static_cast<std::size_t>(v * kEncodeSteps + 0.5f)];
   }
 };
@@ -114,6 +116,19 @@ void premultiply_colors(const std::vector<std::uint8_t>& straight,
       rgba[k] = alpha == 255 ? straight[k] : alpha == 0 ? 0 : curves().scaled(straight[k], factor);
     }
   }
+}
+
+std::vector<std::uint8_t> front_over_behind(const std::vector<std::uint8_t>& front,
+                                            const std::vector<std::uint8_t>& behind) {
+  std::vector<std::uint8_t> out = front;
+  for (std::size_t i = 0; i + 4 <= out.size(); i += 4) {
+    if (front[i + 3] == 255 || behind[i + 3] == 0) continue;
+    const float open = 1.0f - static_cast<float>(front[i + 3]) / 255.0f;
+    for (std::size_t k = i; k < i + 3; ++k) out[k] = curves().sum(front[k], behind[k], open);
+    const float cover = static_cast<float>(behind[i + 3]) * open;
+    out[i + 3] = static_cast<std::uint8_t>(static_cast<float>(front[i + 3]) + cover + 0.5f);
+  }
+  return out;
 }
 
 ColorError color_error(const std::vector<std::uint8_t>& original,

@@ -17,6 +17,10 @@ std::vector<std::uint8_t> straight_colors(const std::vector<std::uint8_t>& rgba,
 /// has no colour.
 void premultiply_colors(const std::vector<std::uint8_t>& straight, std::vector<std::uint8_t>& rgba);
 
+/// `front` over `behind`, both premultiplied and of the same size: in linear light, sRGB-encoded.
+std::vector<std::uint8_t> front_over_behind(const std::vector<std::uint8_t>& front,
+                                            const std::vector<std::uint8_t>& behind);
+
 /// Of the premultiplied colours of texels with coverage, all three components, in 1/255.
 struct ColorError {
   float rms = 0;

@@ -15,16 +15,20 @@ enum TileChannel : std::uint8_t {
   kChannelNormal = 4,
   kChannelMaterial = 8,
   kChannelShadow = 16,
+  kChannelBehind = 32,
 };
 
 /// The two kinds of picture: shaded by the server for one lighting, or by the client for any.
 inline constexpr std::uint8_t kLitTile = kChannelColor | kChannelDepth;
 inline constexpr std::uint8_t kRelitTile = kLitTile | kChannelNormal | kChannelMaterial;
+/// A lit tile in two layers: its front, and what that hides. For objects that are layered().
+inline constexpr std::uint8_t kLayeredTile = kLitTile | kChannelBehind;
 /// What the sun's shadows take away from one instance under one light (TECHNIQUES row 7).
 inline constexpr std::uint8_t kShadowTile = kChannelShadow;
 /// The shape of an object alone, to be drawn into a shadow map.
 inline constexpr std::uint8_t kCasterTile = kChannelDepth;
-inline bool is_picture(std::uint8_t c) { return c == kLitTile || c == kRelitTile; }
+inline bool is_lit(std::uint8_t c) { return c == kLitTile || c == kLayeredTile; }
+inline bool is_picture(std::uint8_t c) { return is_lit(c) || c == kRelitTile; }
 inline bool valid_channels(std::uint8_t c) {
   return is_picture(c) || c == kShadowTile || c == kCasterTile;
 }

@@ -11,6 +11,8 @@ bool SessionHub::can_be(std::uint8_t channels, const ObjectDescription& object,
   switch (channels) {
     case kRelitTile:
       return can_relight(object.needs);
+    case kLayeredTile:
+      return layered(object.needs) && !object.group;
     case kShadowTile:
       return options_.shadows && (object.needs & kNeedLighting) && sun_of(lighting);
     case kCasterTile:
@@ -49,7 +51,7 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
   if (shadow) {
     key.instance = a.instance() + 1;
     key.lighting = lighting_hash(lighting);
-  } else if ((object.needs & kNeedLighting) && key.channels == kLitTile) {
+  } else if ((object.needs & kNeedLighting) && is_lit(key.channels)) {
     light = object_lighting(lighting, scene_->instance(a.instance()).world_from_object,
                             object.center, object.radius);
     key.lighting = light.hash();

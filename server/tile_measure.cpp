@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "server/tile_behind.h"
+
 namespace mirage {
 namespace {
 
@@ -183,7 +185,7 @@ void measure(Tile& tile, const std::vector<std::uint8_t>& behind, const Capture&
   m.dz_quad = 0.5f * dc * dc * (m.depth_max - m.depth_min) / (m.depth_min * m.depth_max) * 1.00001f;
   m.depth_gap = largest_gap(z, tile.crop);
   for (std::size_t i = 0; i < farthest.z.size(); ++i) {
-    if (z[i] == 0) continue;
+    if (z[i] == 0 || tile.layered()) continue;  // what is behind has a depth of its own
     const float off = dc / z[i] - dc / farthest.z[i];
     m.dz_behind = std::max(m.dz_behind, off * dc * 1.00001f);
   }
@@ -214,6 +216,11 @@ void measure(Tile& tile, const std::vector<std::uint8_t>& behind, const Capture&
 // Of each texel of the crop the code of the farthest it shows; empty where that is its own depth.
 std::vector<std::uint8_t> codes_behind(const PageTexels& page, const Source& source,
                                        const Tile& tile, const ObjectDescription& object) {
+  if (tile.layered()) {
+    std::vector<std::uint8_t> out = tile.depth;
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::max(out[i], tile.behind_depth[i]);
+    return out;
+  }
   if (tile.channels != kLitTile || !page.surface || !(object.needs & kNeedBlend)) return {};
   std::vector<std::uint8_t> out(tile.depth.size());
   bool any = false;
@@ -300,6 +307,12 @@ Tile cut_tile(const PageTexels& page, std::uint8_t channels, const Capture& capt
   if (channels & kChannelNormal) copy(page.surface, 4, tile.surface);
   if (channels & kChannelDepth) copy(page.depth, 1, tile.depth);
   if (channels & kChannelShadow) copy(page.depth, 1, tile.shadow);
+  if (channels & kChannelBehind) {
+    std::vector<std::uint8_t> packed;
+    copy(page.surface, 4, packed);
+    unpack_behind(packed, tile);
+    drop_poor_layer(tile);
+  }
   if (is_picture(channels))
     measure(tile, codes_behind(page, source, tile, object), capture, object);
   return tile;

@@ -10,7 +10,7 @@ struct PageTexels {
   const std::uint8_t* rgba;
   const std::uint8_t* depth;  ///< of a shadow tile: what is left of its light
   /// Of a relit tile, RGBA; of a lit one that is blended, R: codes behind its depth that a texel
-  /// still shows. Else null.
+  /// still shows; of a layered one what is behind, packed as resolve_layers.frag does. Else null.
   const std::uint8_t* surface;
   int width;
 };

@@ -208,7 +208,7 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
     take_shadow(*ask, capture, tile.take());
     return {};
   }
-  const TilePixels pixels{std::move(tile->rgba), std::move(tile->surface)};
+  const TilePixels pixels{std::move(tile->rgba), std::move(tile->surface), std::move(tile->behind)};
   const TileRecordPtr record = cache_.insert(ask->need.instance, scene_, capture, tile.take(),
                                              frame_, now_us, ask->need.light, ask->need.phase);
   if (!record) return {};

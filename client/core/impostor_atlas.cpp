@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "protocol/tile_color.h"
+
 namespace mirage {
 namespace {
 
@@ -22,6 +24,16 @@ std::vector<std::uint8_t> grown_depth(const std::vector<std::uint8_t>& depth, st
         }
       }
     }
+  }
+  return out;
+}
+
+// `plane` with a texel of nothing around it.
+std::vector<std::uint8_t> with_gutter(const std::vector<std::uint8_t>& plane, std::size_t w,
+                                      std::size_t h, std::size_t bytes) {
+  std::vector<std::uint8_t> out((w + 2) * (h + 2) * bytes, 0);
+  for (std::size_t y = 0; y < h; ++y) {
+    std::memcpy(&out[((y + 1) * (w + 2) + 1) * bytes], &plane[y * w * bytes], w * bytes);
   }
   return out;
 }
@@ -77,22 +89,33 @@ Result<ImpostorAtlas> ImpostorAtlas::create(int edge, int layers) {
 }
 
 Result<void> ImpostorAtlas::upload(const TileRecord& record, const TilePixels& pixels) {
-  const std::vector<std::uint8_t>& rgba = pixels.rgba;
   const std::size_t w = record.crop.w, h = record.crop.h, pw = w + 2, ph = h + 2;
-  std::vector<std::uint8_t> color(pw * ph * 4, 0), depth(pw * ph, 0);
-  for (std::size_t y = 0; y < h; ++y) {
-    std::memcpy(&color[((y + 1) * pw + 1) * 4], &rgba[y * w * 4], w * 4);
-    std::memcpy(&depth[(y + 1) * pw + 1], &record.depth[y * w], w);
-  }
-  depth = grown_depth(depth, pw, ph);
-  const auto put = [&](LayeredTexture& plane, const std::vector<std::uint8_t>& texels) {
-    const AtlasSlot& s = record.slot;
+  const auto put = [&](LayeredTexture& plane, const AtlasSlot& s,
+                       const std::vector<std::uint8_t>& texels) {
     return plane.upload(s.layer, s.x, s.y, static_cast<int>(pw), static_cast<int>(ph),
                         texels.data());
   };
-  if (Result<void> done = put(color_, color); !done) return done;
-  if (Result<void> done = put(depth_, depth); !done) return done;
-  return record.relit ? put(surface_, grown_surface(pixels, w, h)) : Result<void>{};
+  const auto put_color = [&](const AtlasSlot& slot, const std::vector<std::uint8_t>& rgba) {
+    return put(color_, slot, with_gutter(rgba, w, h, 4));
+  };
+  const auto put_depth = [&](const AtlasSlot& slot, const std::vector<std::uint8_t>& codes) {
+    return put(depth_, slot, with_gutter(codes, w, h, 1));
+  };
+  // What is drawn flat is both layers in one.
+  const bool both = !pixels.behind.empty();
+  Result<void> done =
+      put_color(record.slot, both ? front_over_behind(pixels.rgba, pixels.behind) : pixels.rgba);
+  if (done) {
+    done = put(depth_, record.slot, grown_depth(with_gutter(record.depth, w, h, 1), pw, ph));
+  }
+  if (done && record.layered()) {
+    done = put_color(record.front_slot, pixels.rgba);
+    if (done) done = put_depth(record.front_slot, record.depth);
+    if (done) done = put_color(record.behind_slot, pixels.behind);
+    if (done) done = put_depth(record.behind_slot, record.behind_depth);
+  }
+  if (done && record.relit) done = put(surface_, record.slot, grown_surface(pixels, w, h));
+  return done;
 }
 
 void ImpostorAtlas::bind(bool relit) const {

@@ -1,6 +1,8 @@
 #include "client/core/impostor_pass.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <tuple>
 
 #include "client/core/relief_instance.h"
 #include "shaders/gl/view_depth.h"
@@ -67,13 +69,13 @@ const MethodShader kShaders[] = {
 
 }  // namespace
 
-Result<void> ImpostorPass::make_programs(bool fog, bool shadows, bool probe) {
+Result<void> ImpostorPass::make_programs(const Variant& v) {
   std::vector<std::string> common, worn;  // `worn`: of what has a tile, and shadows on it
-  if (fog) common.emplace_back("FOG");
-  if (shadows) worn.emplace_back("SHADOW");
+  if (v.fog) common.emplace_back("FOG");
+  if (v.shadows) worn.emplace_back("SHADOW");
   const auto relit_from = [&](std::vector<std::string> defines) {
     defines.emplace_back("RELIT");
-    if (probe) defines.emplace_back("PROBE");
+    if (v.probe) defines.emplace_back("PROBE");
     return defines;
   };
   const auto make = [&](const char* name, std::vector<std::string> defines) {
@@ -92,27 +94,32 @@ Result<void> ImpostorPass::make_programs(bool fog, bool shadows, bool probe) {
       programs.emplace(std::pair(shader.method, relit), program.take());
     }
   }
-  std::vector<std::string> worn_relit = relit_from(worn), worn_merged = worn;
+  std::vector<std::string> worn_relit = relit_from(worn), worn_merged = worn, worn_layers = worn;
   worn_merged.emplace_back("MERGED");
+  worn_layers.emplace_back("LAYERED");
   Result<gl::Program> relief = make("relief", worn), relit = make("relief", worn_relit);
   Result<gl::Program> merged = make("relief", worn_merged), placeholder = make("placeholder", {});
   for (const Result<gl::Program>* program : {&relief, &relit, &merged, &placeholder}) {
     if (!*program) return program->error();
+  }
+  layered_relief_ = gl::Program();
+  if (v.layers) {
+    Result<gl::Program> layers = make("relief", worn_layers);
+    if (!layers) return layers.error();
+    layered_relief_ = layers.take();
   }
   programs_ = std::move(programs);
   relief_ = relief.take();
   relit_relief_ = relit.take();
   merged_ = merged.take();
   placeholder_ = placeholder.take();
-  with_fog_ = fog;
-  with_shadows_ = shadows;
-  with_probe_ = probe;
+  variant_ = v;
   return {};
 }
 
 Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers) {
   ImpostorPass pass;
-  if (Result<void> made = pass.make_programs(false, false, false); !made) return made.error();
+  if (Result<void> made = pass.make_programs({}); !made) return made.error();
   Result<ImpostorAtlas> atlas = ImpostorAtlas::create(atlas_edge, atlas_layers);
   if (!atlas) return atlas.error();
   pass.atlas_ = atlas.take();
@@ -157,10 +164,11 @@ Result<void> ImpostorPass::reset(const SceneView& scene) {
   warp_proxies_.clear();
   fog_color_ = scene.environment.horizon;
   fog_density_ = scene.environment.fog_density;
-  const bool fog = fog_density_ > 0;
-  const bool probe = scene.probe != nullptr;
-  const bool made = fog == with_fog_ && scene.shadows == with_shadows_ && probe == with_probe_;
-  return made ? Result<void>{} : make_programs(fog, scene.shadows, probe);
+  const bool layers = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                  [](const auto& object) { return layered(object.needs); });
+  const Variant wanted{fog_density_ > 0, scene.shadows, scene.probe != nullptr, layers};
+  const auto bits = [](const Variant& v) { return std::tie(v.fog, v.shadows, v.probe, v.layers); };
+  return bits(wanted) == bits(variant_) ? Result<void>{} : make_programs(wanted);
 }
 
 const ImpostorPass::Proxy& ImpostorPass::hull(const SceneView& scene, std::uint32_t object) {
@@ -207,7 +215,7 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool re
   program.set("u_depth", 1);
   program.set("u_tiles", 2);
   atlas_.bind(relit);
-  if (with_shadows_) {
+  if (variant_.shadows) {
     program.set("u_shadow", 4);
     program.set("u_shadow_tint", shadow_tint_);
     glActiveTexture(GL_TEXTURE4);
@@ -222,8 +230,19 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool re
 }
 
 void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list) {
-  std::vector<ReliefInstance> single, relit, merged;
+  std::vector<ReliefInstance> run, relit, merged;
   std::vector<glm::vec4> rows;
+  // The proxies' far faces: each pixel once, also with the eye inside.
+  glCullFace(GL_FRONT);
+  // Those in one layer and in two together back to front, by runs: soft edges lie over what is
+  // behind.
+  bool in_layers = false;
+  const auto draw_run = [&] {
+    if (run.empty()) return;
+    use_atlas(in_layers ? layered_relief_ : relief_, camera, false);
+    draw_instances(cube_, run, true);
+    run.clear();
+  };
   for (const DrawnImpostor& drawn : list.impostors) {
     if (drawn.method != DrawMethod::kDepth) continue;
     // Merging takes finished colours: a relit tile is drawn alone.
@@ -232,18 +251,15 @@ void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, con
       continue;
     }
     if (!drawn.neighbours[0]) {
-      single.push_back(relief_instance(drawn, camera, scene, 0));
+      if (drawn.tile->layered() != in_layers) draw_run();
+      in_layers = drawn.tile->layered();
+      run.push_back(relief_instance(drawn, camera, scene, 0));
       continue;
     }
     merged.push_back(relief_instance(drawn, camera, scene, static_cast<int>(merged.size())));
     append_relief_row(drawn, camera, scene, rows);
   }
-  // The proxies' far faces: each pixel once, also with the eye inside.
-  glCullFace(GL_FRONT);
-  if (!single.empty()) {
-    use_atlas(relief_, camera, false);
-    draw_instances(cube_, single, true);
-  }
+  draw_run();
   if (!relit.empty()) {
     use_atlas(relit_relief_, camera, true);
     draw_instances(cube_, relit, true);

@@ -45,7 +45,11 @@ class ImpostorPass {
     gl::Buffer vertices;
     int vertex_count = 0;
   };
-  Result<void> make_programs(bool fog, bool shadows, bool probe);
+  /// What a scene has, beyond what every scene may: defines of its programs.
+  struct Variant {
+    bool fog = false, shadows = false, probe = false, layers = false;
+  };
+  Result<void> make_programs(const Variant& v);
   static Proxy make_proxy(const std::vector<ProxyVertex>& triangles);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
@@ -65,6 +69,7 @@ class ImpostorPass {
   std::map<std::pair<DrawMethod, bool>, gl::Program> programs_;  ///< and whether for relit tiles
   gl::Program relief_;
   gl::Program relit_relief_;
+  gl::Program layered_relief_;  ///< of tiles in two layers; none in a scene without
   gl::Program merged_;
   gl::Texture tile_rows_;  ///< of merged impostors, see relief_instance.h
   gl::Program placeholder_;
@@ -73,7 +78,7 @@ class ImpostorPass {
   Proxy cube_;
   std::map<std::uint32_t, Proxy> hulls_, warp_proxies_;  ///< by object, made when first drawn
   gl::LightBlock lights_;                                ///< of the frame
-  bool with_fog_ = false, with_shadows_ = false, with_probe_ = false;  ///< of the programs
+  Variant variant_;                                      ///< of the programs
   GLuint shadow_atlas_ = 0;
   const gl::ProbeMap* probe_ = nullptr;
   DepthMapping mapping_ = DepthMapping::kForward;

@@ -95,6 +95,13 @@ ReliefInstance relief_instance(const DrawnImpostor& drawn, const Camera& camera,
   out.slack = {drawn.fade < 1 ? kFadeBias : 0.0f, slack, 0, 0};
   out.box_min = glm::vec4(object.box_min - object.center, static_cast<float>(row));
   out.box_max = glm::vec4(object.box_max - object.center, 0);
+  if (tile.layered()) {  // its shader has no use for the box
+    const auto from = [&](const AtlasSlot& s) {
+      return glm::vec4(s.x - tile.slot.x, s.y - tile.slot.y, s.layer, 0);
+    };
+    out.box_min = from(tile.front_slot);
+    out.box_max = from(tile.behind_slot);
+  }
   out.shadow = worn_shadow(drawn, q);
   return out;
 }

@@ -47,6 +47,15 @@ void add_eight_view_need(const SelectorInput& in, std::uint32_t instance, const 
   out.push_back(*need);
 }
 
+// Two layers in place of one, which comes sooner, where relief is all there is and the eye moves
+// on: a choice of methods replaces tiles before they are seen from so far aside that it pays.
+bool wants_layers(const SelectorInput& in, const ObjectDescription& object, const ViewPlan& plan,
+                  double size_px, const TileFit& fit) {
+  constexpr double kLeastPx = 64;  // smaller ones take 1.8 times the bytes
+  return !in.method.automatic && plan.depth_share != kFlatDepthShare && layered(object.needs) &&
+         !object.group && size_px >= kLeastPx && fit.sharp(plan.tau_px);
+}
+
 double walking_speed(const SelectorInput& in) {
   return std::max(glm::length(in.velocity), kWalkingMps);
 }
@@ -163,7 +172,9 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   need.instance = instance;
   // Something quick first: a quarter of the edge is a sixteenth of the bytes.
   if (group.tiles.empty() && !stand_in) need.size_class = coarse_class(need.size_class);
-  need.channels = in.cache->wants_relit(instance) ? kRelitTile : kLitTile;
+  need.channels = in.cache->wants_relit(instance)             ? kRelitTile
+                  : wants_layers(in, object, plan, size, fit) ? kLayeredTile
+                                                              : kLitTile;
   need.light = in.cache->light();
   need.error_px = std::max(displayed_error_px(fit, size, tau), std::min(light_px, 2 * size));
   // Any image is better than none, however soon it ages.

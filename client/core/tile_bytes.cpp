@@ -16,7 +16,7 @@ constexpr int kMemory = 20;             // tiles
 // Bytes against those of a lit tile: measured 1.1 (knot) to 2.0 (flight helmet).
 double share_of_lit(std::uint8_t channels) {
   if (!is_picture(channels)) return 0.3;
-  return channels == kRelitTile ? 1.6 : 1.0;
+  return channels == kLitTile ? 1.0 : 1.6;
 }
 
 double texels(std::uint8_t size_class) {

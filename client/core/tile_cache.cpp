@@ -206,22 +206,25 @@ TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
     group.empty_views.push_back({-capture.basis.forward, std::cos(angle)});
     return nullptr;
   }
-  AtlasSlot slot;
+  auto record = std::make_shared<TileRecord>();
   const int w = static_cast<int>(tile.crop.w) + 2 * kGutter;
   const int h = static_cast<int>(tile.crop.h) + 2 * kGutter;
-  if (!make_room(w, h, frame, slot)) {
+  if (!make_room(w, h, frame, record->slot)) {
     refused_edge_ = capture.edge;
     refused_at_texels_ = texels_in_view(frame);
     return nullptr;
   }
-  auto record = std::make_shared<TileRecord>();
+  // Without room for its layers, or with nothing in the second, it is as good as a lit tile.
+  if (std::any_of(tile.behind_depth.begin(), tile.behind_depth.end(), [](auto c) { return c; }) &&
+      make_room_for_layers(w, h, frame, *record)) {
+    record->behind_depth = std::move(tile.behind_depth);
+  }
   record->object = scene.instances[instance].object;
   record->serial = next_serial_++;
   record->capture = capture;
   record->crop = tile.crop;
   record->measure = tile.measure;
   record->depth_code = DepthCode(capture.radius, capture.distance);
-  record->slot = slot;
   record->depth = std::move(tile.depth);
   record->phase = phase;
   record->relit = relit;
@@ -250,7 +253,9 @@ std::size_t TileCache::texels_in_view(std::uint64_t frame) const {
   std::size_t texels = 0;
   for (const auto& [key, group] : groups_) {
     for (const TileRecordPtr& tile : group.tiles) {
-      if (tile->last_drawn + 1 >= frame) texels += allocator_.footprint(tile->slot.w, tile->slot.h);
+      if (tile->last_drawn + 1 < frame) continue;
+      const std::size_t slots = tile->layered() ? 3 : 1;
+      texels += slots * allocator_.footprint(tile->slot.w, tile->slot.h);
     }
   }
   return texels;
@@ -320,8 +325,20 @@ void TileCache::list_by_age() {
   });
 }
 
+bool TileCache::make_room_for_layers(int w, int h, std::uint64_t frame, TileRecord& record) {
+  if (!make_room(w, h, frame, record.front_slot)) return false;
+  if (make_room(w, h, frame, record.behind_slot)) return true;
+  allocator_.release(record.front_slot);
+  return false;
+}
+
 void TileCache::forget(TileGroup& group, std::size_t index) {
-  allocator_.release(group.tiles[index]->slot);
+  const TileRecord& tile = *group.tiles[index];
+  allocator_.release(tile.slot);
+  if (tile.layered()) {
+    allocator_.release(tile.front_slot);
+    allocator_.release(tile.behind_slot);
+  }
   group.tiles.erase(group.tiles.begin() + static_cast<std::ptrdiff_t>(index));
   --resident_;
 }

@@ -30,7 +30,9 @@ struct TileRecord {
   TileMeasure measure;
   DepthCode depth_code{0, 1};
   AtlasSlot slot;
-  std::vector<std::uint8_t> depth;  ///< codes of the crop, for the geometric error
+  AtlasSlot front_slot, behind_slot;  ///< colours of both layers, and depth of the one behind
+  /// Codes of the crop, for the geometric error; of the layer behind, empty where there is none.
+  std::vector<std::uint8_t> depth, behind_depth;
   Phase phase = kStaticPhase;
   std::int64_t received_us = 0;
   std::uint64_t last_drawn = 0;  ///< frame number
@@ -38,6 +40,7 @@ struct TileRecord {
   bool relit = false;            ///< shaded when it is drawn
   std::size_t trace = SIZE_MAX;  ///< index of its life in the trace, if one is kept
 
+  bool layered() const { return !behind_depth.empty(); }
   /// Prepares bounds; to be called once what was captured is set.
   void seal(const ObjectDescription& description);
   /// Bound in px of how far the object has moved since this pose.
@@ -58,9 +61,9 @@ struct TileRecord {
 };
 using TileRecordPtr = std::shared_ptr<TileRecord>;
 
-/// Pixels of a tile that only drawing needs: Tile::rgba and Tile::surface.
+/// Pixels of a tile that only drawing needs: Tile::rgba, Tile::surface and Tile::behind.
 struct TilePixels {
-  std::vector<std::uint8_t> rgba, surface;
+  std::vector<std::uint8_t> rgba, surface, behind;
 };
 
 /// Tiles that look the same on every instance that shares them: same object, same light on it.
@@ -140,6 +143,7 @@ class TileCache {
   std::size_t texels_in_view(std::uint64_t frame) const;
   void drop_past_groups();
   bool make_room(int w, int h, std::uint64_t frame, AtlasSlot& slot);
+  bool make_room_for_layers(int w, int h, std::uint64_t frame, TileRecord& record);
   bool evict_oldest(std::uint64_t frame);
   void list_by_age();
   void forget(TileGroup& group, std::size_t index);

@@ -10,7 +10,7 @@ namespace mirage {
 std::size_t tile_upload_bytes(std::size_t w, std::size_t h, std::uint8_t channels) {
   const std::size_t texels = w * h == 0 ? 0 : (w + 2) * (h + 2);
   if (!is_picture(channels)) return texels;
-  return texels * (channels == kRelitTile ? 9 : 5);
+  return texels * (channels == kRelitTile ? 9 : channels == kLayeredTile ? 15 : 5);
 }
 
 std::vector<Message> UploadQueue::take(std::vector<Message> arrived, std::int64_t now_us,

@@ -113,7 +113,7 @@ Result<void> TileProbe::take(const Message& message, const std::vector<TileNeed>
   if (on_tile) on_tile(*tile);
   const ObjectDescription& object = scene_.objects[scene_.instances[need.instance].object];
   const Capture capture(need.cell, need.distance, object.radius, tile->edge);
-  const TilePixels pixels{std::move(tile->rgba), std::move(tile->surface)};
+  const TilePixels pixels{std::move(tile->rgba), std::move(tile->surface), std::move(tile->behind)};
   records_[index] = cache_.insert(need.instance, scene_, capture, tile.take(), 1, 0, 0, need.phase);
   return records_[index] ? renderer_.upload(*records_[index], pixels) : Result<void>{};
 }
@@ -152,6 +152,7 @@ Result<DrawList> TileProbe::capture(const Camera& captured, const Camera& camera
     need.cell = *view_cell_from_direction(view.eye, limits::kMaxViewLevel);
     need.distance = *distance_bucket_from_radii(radii, limits::kMaxDistanceLevel);
     need.phase = object.motion.moving() ? Phase{1} : kStaticPhase;  // the clip's beginning
+    if (method == DrawMethod::kDepth && layered(object.needs)) need.channels = kLayeredTile;
     needs.push_back(need);
   }
   return draw_list(needs, camera, method);

@@ -76,6 +76,18 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
   for (const auto& [kind, into] : kinds) {
     if (const Result<void> compiled = compile(kind, *into); !compiled) return compiled.error();
   }
+  const auto& objects = scene.prepared->objects;
+  const bool layers = std::any_of(objects.begin(), objects.end(), [](const auto& object) {
+    return layered(object.needs) && !object.group;
+  });
+  if (layers) {
+    out.layers_ = std::make_unique<TileLayers>();
+    for (const int samples : {supersample, out.fine_samples()}) {
+      if (Result<void> made = out.layers_->compile(samples); !made) return made.error();
+    }
+    out.layers_->meshes().set_probe(scene.probe_map());
+    out.layers_->meshes().set_backdrop(scene.prepared->scene.environment.horizon);
+  }
   out.lit_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);
   if (blends) out.lit_.ranges = std::make_unique<gl::MeshPass>(gl::MeshOutput::kRange);
   out.relit_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kSurface);
@@ -125,6 +137,14 @@ Result<void> TilePageRenderer::warm_up(int page_edge) {
         if (!compiled) return compiled;
       }
     }
+    if (!layers_ || !layered(scene_->prepared->objects[i].needs)) continue;
+    Result<void> compiled =
+        layers_->meshes().warm_up(scene_->meshes[i], scene_->materials(), false);
+    if (!compiled) return compiled;
+    for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
+      compiled = layers_->meshes().warm_up(lod, scene_->materials(), false);
+      if (!compiled) return compiled;
+    }
   }
   const std::vector<Instance>& instances = scene_->prepared->scene.instances;
   std::vector<std::optional<std::uint32_t>> shown(scene_->meshes.size());  // an instance of each
@@ -138,7 +158,8 @@ Result<void> TilePageRenderer::warm_up(int page_edge) {
     }
   }
   // Drawn, too: a driver finishes a shader with its first draw, by all that is bound.
-  for (const std::uint8_t channels : {kLitTile, kRelitTile, kShadowTile, kCasterTile}) {
+  for (const std::uint8_t channels :
+       {kLitTile, kLayeredTile, kRelitTile, kShadowTile, kCasterTile}) {
     std::set<std::vector<NeedMask>> drawn;
     for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
       if (!shown[i] || scene_->prepared->objects[i].radius <= 0) continue;
@@ -163,7 +184,8 @@ std::optional<TileJob> TilePageRenderer::first_job(std::uint32_t index,
   const Lighting& light = scene_->prepared->scene.lighting;
   const bool shadow = channels == kShadowTile, relit = channels == kRelitTile;
   const bool lit_by_sun = shadow_map_ && (object.needs & kNeedLighting) && sun_of(light);
-  if ((relit && !can_relight(object.needs)) || (shadow && !lit_by_sun) ||
+  if ((channels == kLayeredTile && !layered(object.needs)) ||
+      (relit && !can_relight(object.needs)) || (shadow && !lit_by_sun) ||
       (channels == kCasterTile && !(shadow_map_ && object.casts()))) {
     return std::nullopt;
   }
@@ -188,7 +210,7 @@ bool TilePageRenderer::blended(const TileJob& job) const {
 
 bool TilePageRenderer::writes_surface(const std::vector<TileJob>& jobs) const {
   return std::any_of(jobs.begin(), jobs.end(), [this](const TileJob& job) {
-    return job.key.channels == kRelitTile || blended(job);
+    return job.key.channels == kRelitTile || job.key.channels == kLayeredTile || blended(job);
   });
 }
 
@@ -212,10 +234,8 @@ bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
     drawn.insert(drawn.end(), {GL_RGBA16F, GL_RGBA8});
     page.push_back(GL_RGBA8);
   }
-  if (path.ranges) {
-    drawn.push_back(GL_RG32F);
-    page.push_back(GL_RGBA8);
-  }
+  if (path.ranges) drawn.push_back(GL_RG32F);
+  if (&path == &lit_ && (path.ranges || layers_)) page.push_back(GL_RGBA8);
   if (&path == &shadow_) drawn = {GL_RGBA16F, GL_RGBA16F};
   if ((!path.supersampled.ok() || path.supersampled.width() < big) &&
       !remake(path.supersampled, big, drawn, GL_DEPTH_COMPONENT32F, page_edge)) {
@@ -227,6 +247,18 @@ bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
     return false;
   }
   return path.supersampled.ok() && path.page.ok();
+}
+
+bool TilePageRenderer::prepare_layers(int big, int page_edge) {
+  gl::RenderTarget &peeled = layers_->peeled(), &floor = layers_->floor();
+  const GLenum color = gl::color_format(scene_->prepared->blends());
+  if ((!peeled.ok() || peeled.width() < big) &&
+      !remake(peeled, big, {color}, GL_DEPTH_COMPONENT32F, page_edge)) {
+    return false;
+  }
+  // Of a texel for each sample at most.
+  return (floor.ok() && floor.width() >= big / supersample_) ||
+         remake(floor, big / supersample_, {GL_R32F}, 0, page_edge);
 }
 
 bool TilePageRenderer::remake(gl::RenderTarget& target, int edge, const std::vector<GLenum>& colors,
@@ -244,6 +276,7 @@ bool TilePageRenderer::remake(gl::RenderTarget& target, int edge, const std::vec
 
 std::size_t TilePageRenderer::gpu_bytes() const {
   std::size_t bytes = 0;
+  if (layers_) bytes += layers_->gpu_bytes();
   for (const Path* path : {&lit_, &relit_, &shadow_}) {
     bytes += path->supersampled.gpu_bytes() + path->page.gpu_bytes();
   }
@@ -305,9 +338,21 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
       path.meshes->draw(mesh, scene_->materials(), scene_->images, &instance, 1, second);
     }
     if (blended(job)) draw_ranges(job, at, mesh, instance);
+    if (job.key.channels == kLayeredTile) draw_behind(job, at, mesh, instance);
   }
   path.meshes->end();
   if (path.ranges) glDrawBuffers(2, kColorAndRange);
+}
+
+void TilePageRenderer::draw_behind(const TileJob& job, const Stage& at, const gl::GpuMesh& mesh,
+                                   const gl::MeshInstance& instance) {
+  layers_->begin(lit_.supersampled, static_cast<int>(tile_edge(job.key.size_class)), samples(job));
+  gl::MeshPass& meshes = layers_->meshes();
+  meshes.set_stroke(static_cast<float>(samples(job)));
+  meshes.begin(at.clip_from_relative, at.lights);
+  meshes.draw(mesh, scene_->materials(), scene_->images, &instance, 1, false);
+  meshes.end();
+  lit_.supersampled.bind();
 }
 
 void TilePageRenderer::draw_ranges(const TileJob& job, const Stage& at, const gl::GpuMesh& mesh,
@@ -354,6 +399,9 @@ void TilePageRenderer::resolve(const TileJob& job, const gl::RenderTarget& page,
   glViewport(place.x, place.y, edge, edge);
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_DEPTH_TEST);
+  if (job.key.channels == kLayeredTile) {
+    return layers_->resolve(path.supersampled, place.x, place.y, samples(job));
+  }
   program.use();
   program.set("u_color", 0);
   program.set("u_depth", 1);
@@ -392,10 +440,16 @@ const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& job
     }
     return edge;
   };
+  int behind = 0;  // as above, of layered tiles
+  for (const TileJob& job : jobs) {
+    if (job.key.channels != kLayeredTile) continue;
+    behind = std::max(behind, static_cast<int>(tile_edge(job.key.size_class)) * samples(job));
+  }
   const int edge = packer.page_edge(), relit = largest(relit_), darkened = largest(shadow_);
   // Shadow tiles have no page of their own.
   const int lit = relit > 0 ? largest(lit_) : std::max(largest(lit_), 1);
   if (lit > 0 && !prepare_targets(lit_, edge, lit)) return nullptr;
+  if (behind > 0 && !prepare_layers(behind, edge)) return nullptr;
   if (relit > 0 && !prepare_targets(relit_, edge, relit)) return nullptr;
   if (darkened > 0 && !prepare_targets(shadow_, edge, darkened)) return nullptr;
   const gl::RenderTarget& page = relit > 0 ? relit_.page : lit_.page;

@@ -13,6 +13,7 @@
 #include "server/render/gpu_scene.h"
 #include "server/render/page_packer.h"
 #include "server/render/scene_shadow.h"
+#include "server/render/tile_layers.h"
 #include "server/tile_job.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/program.h"
@@ -100,11 +101,16 @@ class TilePageRenderer {
   int fine_samples() const;
   /// `supersampled_edge` of the largest tile, in samples.
   bool prepare_targets(Path& path, int page_edge, int supersampled_edge);
+  /// The same of what layered tiles take besides.
+  bool prepare_layers(int supersampled_edge, int page_edge);
   /// Replaces a target unless that is over the limit; it then stays as it was.
   bool remake(gl::RenderTarget& target, int edge, const std::vector<GLenum>& colors, GLenum depth,
               int page_edge) const;
   Capture capture_of(const TileJob& job) const;
   void draw_tile(const TileJob& job);
+  /// What lies behind the front of the tile that is on its target.
+  void draw_behind(const TileJob& job, const Stage& at, const gl::GpuMesh& mesh,
+                   const gl::MeshInstance& instance);
   /// Nearest and farthest depth of the blended surfaces that the tile on the target shows.
   void draw_ranges(const TileJob& job, const Stage& at, const gl::GpuMesh& mesh,
                    const gl::MeshInstance& instance);
@@ -119,9 +125,10 @@ class TilePageRenderer {
   SceneShadow* shadow_map_ = nullptr;
   TileExtras extras_;
   Path lit_;
-  Path relit_;      ///< its page has the surface as a third attachment; made when first needed
-  Path shadow_;     ///< without a page of its own
-  Resolve caster_;  ///< the lit path's, but for what is kept
+  Path relit_;   ///< its page has the surface as a third attachment; made when first needed
+  Path shadow_;  ///< without a page of its own
+  std::unique_ptr<TileLayers> layers_;  ///< of layered tiles; null: the scene has none
+  Resolve caster_;                      ///< the lit path's, but for what is kept
   gl::VertexArray empty_vao_;
   std::size_t most_bytes_ = SIZE_MAX;
   std::size_t ring_ = 0;  ///< pages of it at a time

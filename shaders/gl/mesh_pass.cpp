@@ -58,6 +58,7 @@ constexpr LobeMapNames kLobeMapNames[kLobeMaps] = {
     {"NEED_SHEEN_COLOR_MAP", "u_sheen_color_map"},
     {"NEED_TRANSMISSION_MAP", "u_transmission_map"},
 };
+constexpr int kFloorUnit = 6;  // a free one, of those that mesh.frag can have
 constexpr int kFirstLobeUnit = 9;
 constexpr NeedMask lobe_map_need(std::size_t i) { return NeedMask{kNeedFirstLobeMap} << i; }
 
@@ -215,6 +216,7 @@ Result<Program*> MeshPass::program(NeedMask needs, bool fade, Stage stage) {
   if (output_ == MeshOutput::kFront) defines.emplace_back("WRITE_ID");
   if (output_ == MeshOutput::kRange) defines.emplace_back("WRITE_RANGE");
   if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
+  if (output_ == MeshOutput::kBehind) defines.emplace_back("BEHIND");
   Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
   if (!made) return made.error();
   return &programs_.emplace(needs, made.take()).first->second;
@@ -383,6 +385,12 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
     shadow_->use(p, eye_);
   }
   if (probe_ || forced_) (probe_ ? *probe_ : black_probe_).use(p, lights_.probe);
+  if (output_ == MeshOutput::kBehind) {
+    p.set("u_floor", kFloorUnit);
+    p.set("u_floor_samples", floor_samples_);
+    glActiveTexture(GL_TEXTURE0 + kFloorUnit);
+    glBindTexture(GL_TEXTURE_2D, floor_);
+  }
   p.set("u_mip_bias", stage == Stage::kDepth ? tested_mip_bias_ : mip_bias_);
   p.set("u_point_size", stroke_);
   p.set("u_fog_color", fog_color_);

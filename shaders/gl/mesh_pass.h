@@ -44,6 +44,7 @@ enum class MeshOutput : std::uint8_t {
   kColor,    ///< nothing (client geometry, lit tiles)
   kId,       ///< the instance id, an integer (reference frames)
   kSurface,  ///< colour is not shaded; normal, then metallic, roughness, occlusion (relit tiles)
+  kBehind,   ///< nothing, of what lies behind set_floor() (layered tiles)
   kShadow,   ///< colour is without shadows; the same with them (shadow tiles)
   kDepth,    ///< not even colour (shadow maps)
   // Of blended surfaces, where more than a little of them shows (common/seen.glsl):
@@ -88,6 +89,11 @@ class MeshPass {
   void set_shadow(const ShadowMap* map, const glm::dvec3& eye) {
     shadow_ = map;
     eye_ = eye;
+  }
+  /// Draws only what lies farther than a texture says, a texel of it for each `samples` a side.
+  void set_floor(GLuint depths, int samples) {
+    floor_ = depths;
+    floor_samples_ = samples;
   }
   /// Light from all around on what is drawn from now on; nullptr: none, and variants without it are
   /// used.
@@ -135,6 +141,8 @@ class MeshPass {
   const ShadowMap* shadow_ = nullptr;
   const ProbeMap* probe_ = nullptr;
   glm::vec3 backdrop_{0.216f};
+  GLuint floor_ = 0;
+  int floor_samples_ = 1;
   ProbeMap black_probe_;  ///< of what is forced
   glm::dvec3 eye_{0};     ///< positions are relative to it, world; for shadows only
   int draw_calls_ = 0;

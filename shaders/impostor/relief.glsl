@@ -57,12 +57,11 @@ vec4 color_at(vec2 at, int layer) {
 }
 
 // Where the ray meets the surface interpolated between texels: one Newton step from parameter s.
-float refine(Ray ray, float s, int layer) {
+// `codes`: of the four texels around it, x before y.
+float refined(Ray ray, float s, vec4 codes) {
   vec2 at = ray.from.xy + ray.span.xy * s - 0.5;
-  ivec2 base = ivec2(floor(at));
-  vec2 f = at - vec2(base);
-  float c00 = code_at(base, layer), c10 = code_at(base + ivec2(1, 0), layer);
-  float c01 = code_at(base + ivec2(0, 1), layer), c11 = code_at(base + ivec2(1, 1), layer);
+  vec2 f = at - floor(at);
+  float c00 = codes.x, c10 = codes.y, c01 = codes.z, c11 = codes.w;
   float low = min(min(c00, c10), min(c01, c11)), high = max(max(c00, c10), max(c01, c11));
   if (low < 0.0 || high - low > 2.0 * kWall) return s;
   float dx0 = c10 - c00, dx1 = c11 - c01;
@@ -74,6 +73,12 @@ float refine(Ray ray, float s, int layer) {
   float slope = ray.span.z - dot(vec2(mix(dx0, dx1, f.y), c1 - c0), ray.span.xy);
   float error = ray.from.z + ray.span.z * s - c;
   return slope > 0.25 * ray.span.z ? clamp(s - error / slope, 0.0, 1.0) : s;
+}
+
+float refine(Ray ray, float s, int layer) {
+  ivec2 base = ivec2(floor(ray.from.xy + ray.span.xy * s - 0.5));
+  return refined(ray, s, vec4(code_at(base, layer), code_at(base + ivec2(1, 0), layer),
+                              code_at(base + ivec2(0, 1), layer), code_at(base + ivec2(1, 1), layer)));
 }
 
 // Texel of cell i of n along the ray.
@@ -131,10 +136,7 @@ void blend(inout Hit hit, vec2 at, int layer, vec3 point, bool filled) {
   hit.color += (1.0 - hit.color.a) * color;
 }
 
-// Front to back through the cells the ray crosses, one sample a cell. Where it passes behind a
-// surface it goes on, hidden; when it comes out behind another or ends, the farther surfaces on
-// either side of the hidden stretch are extended into it. Soft texels are blended and passed.
-Hit trace(Ray ray, int layer, float reach) {
+Hit nothing() {
   Hit hit;
   hit.color = vec4(0.0);
   hit.point = vec3(0.0);
@@ -143,6 +145,17 @@ Hit trace(Ray ray, int layer, float reach) {
 #ifdef RELIT
   hit.surface = Stored(vec2(0.0), 0.0, vec3(0.0));
 #endif
+  return hit;
+}
+
+#ifdef LAYERED
+#include "impostor/relief_layers.glsl"
+#else
+// Front to back through the cells the ray crosses, one sample a cell. Where it passes behind a
+// surface it goes on, hidden; when it comes out behind another or ends, the farther surfaces on
+// either side of the hidden stretch are extended into it. Soft texels are blended and passed.
+Hit trace(Ray ray, int layer, float reach) {
+  Hit hit = nothing();
   float n = clamp(ceil(max(abs(ray.span.x), abs(ray.span.y))), 1.0, kMaxCells);
   float rise = ray.span.z / n;
   float i = 0.0, last = -1.0;
@@ -196,3 +209,4 @@ Hit trace(Ray ray, int layer, float reach) {
   }
   return hit;
 }
+#endif

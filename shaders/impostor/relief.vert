@@ -16,6 +16,11 @@ layout(location = 9) in vec4 i_slack;           // depth bias, coarseness of dep
 #ifdef MERGED
 layout(location = 10) in vec4 i_box_min;        // relative to the centre; w: row of tile data
 layout(location = 11) in vec4 i_box_max;
+#elif defined(LAYERED)
+layout(location = 10) in vec4 i_front;   // from the tile's place to the front's colours: texels, layer
+layout(location = 11) in vec4 i_behind;  // and to the layer behind
+flat out vec3 v_front;
+flat out vec3 v_behind;
 #endif
 
 uniform mat4 u_clip_from_relative;
@@ -80,6 +85,10 @@ void main() {
 #endif
   vec3 relative = i_center_scale.xyz + rotate(i_rotation, scale * point);
   v_relative = relative;
+#ifdef LAYERED
+  v_front = i_front.xyz;
+  v_behind = i_behind.xyz;
+#endif
 #ifdef RELIT
   v_right = right;
   v_up = up;

@@ -35,6 +35,10 @@ uniform vec3 u_emissive;
 uniform vec4 u_factors;  // metallic, roughness, normal scale, occlusion strength
 uniform float u_alpha_cutoff;
 uniform float u_mip_bias;
+#ifdef BEHIND
+uniform sampler2D u_floor;   // window depth of what is left out, a texel for each u_floor_samples a side
+uniform int u_floor_samples;
+#endif
 #ifdef SWITCHES
 // One shader for all that a material may be (proofs of leaving out): 1 where it is unlit, opaque.
 uniform vec2 u_switches;
@@ -162,6 +166,9 @@ flat in float v_fade;
 #endif
 
 void main() {
+#ifdef BEHIND
+  if (gl_FragCoord.z <= texelFetch(u_floor, ivec2(gl_FragCoord.xy) / u_floor_samples, 0).r) discard;
+#endif
 #ifdef FADE
   if (dithered_away(v_fade)) discard;
 #endif

@@ -123,7 +123,7 @@ MadeTile Studio::make_tile(const TileKey& key, std::uint32_t instance, TileCodec
 
 TileRecordPtr Studio::hold(const MadeTile& made, std::uint32_t instance) {
   make_current();
-  const TilePixels pixels{made.tile.rgba, made.tile.surface};
+  const TilePixels pixels{made.tile.rgba, made.tile.surface, made.tile.behind};
   cache_->relight(light_, 0);
   TileRecordPtr record = cache_->insert(instance, scene_, made.capture, made.tile, ++frame_, 0);
   if (record && !renderer_->upload(*record, pixels)) return nullptr;

@@ -23,6 +23,7 @@ void run_tile(const std::uint8_t* data, std::size_t size) {
   reply.channels = data[11] == 0   ? kLitTile
                    : data[11] == 2 ? kShadowTile
                    : data[11] == 3 ? kCasterTile
+                   : data[11] == 4 ? kLayeredTile
                                    : kRelitTile;
   Result<Tile> tile = tile_from_fields(reply);
   if (!tile) return;
@@ -33,6 +34,8 @@ void run_tile(const std::uint8_t* data, std::size_t size) {
   if (tile->rgba.size() != planes(kChannelColor) * 4 ||
       tile->surface.size() != planes(kChannelNormal) * 4 ||
       tile->depth.size() != planes(kChannelDepth) ||
+      tile->behind.size() != planes(kChannelBehind) * 4 ||
+      tile->behind_depth.size() != planes(kChannelBehind) ||
       tile->shadow.size() != planes(kChannelShadow)) {
     fail("planes do not have the size of their crop");
   }

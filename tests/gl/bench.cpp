@@ -234,7 +234,7 @@ TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache, std::uint8_t ch
   }
   tile_bytes_ = stored->planes.size();
   tile_hash_ = stored->reply.content_hash;
-  const TilePixels pixels{tile.rgba, tile.surface};
+  const TilePixels pixels{tile.rgba, tile.surface, tile.behind};
   const Capture capture(job.key.cell, job.key.distance, object.radius, tile.edge);
   TileRecordPtr record = cache.insert(0, scene_, capture, std::move(tile), 1, 0);
   if (record && !renderer_->upload(*record, pixels)) return nullptr;

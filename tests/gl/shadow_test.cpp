@@ -359,7 +359,7 @@ TEST_F(Shadows, ImpostorsWearThem) {
       TileJob one = job(instance, kind, view.eye, glm::length(view.eye) / view.radius);
       one.key.size_class = static_cast<std::uint8_t>(size_class_for(512));
       Tile tile = decoded(*render({one})[0]);
-      const TilePixels pixels{tile.rgba, tile.surface};
+      const TilePixels pixels{tile.rgba, tile.surface, {}};
       const TileRecordPtr record =
           tiles.insert(instance, scene_, capture_of(one), std::move(tile), 1, 0);
       ASSERT_TRUE(record);

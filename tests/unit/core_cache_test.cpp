@@ -52,6 +52,50 @@ TEST(CoreTileCache, FullAtlasNeverEvictsWhatIsOnScreen) {
   EXPECT_EQ(cache.resident(), kFull);
 }
 
+Tile layered_tile(const Capture& capture, std::uint8_t code_behind) {
+  Tile tile = make_tile(capture);
+  tile.channels = kLayeredTile;
+  tile.behind_depth.assign(tile.crop.area(), code_behind);
+  return tile;
+}
+
+TEST(CoreTileCache, LayersTakePlacesOfTheirOwnAndGiveThemBack) {
+  const SceneView scene = four_objects();
+  TileCache cache(kAtlasEdge, 1);
+  cache.reset(scene, scene.lighting);
+  for (int n = 0; n < 64; ++n) {  // many times what there is room for
+    const Capture capture = small_capture(n);
+    const TileRecordPtr tile =
+        cache.insert(0, scene, capture, layered_tile(capture, 9), 10 * static_cast<unsigned>(n), 0);
+    ASSERT_TRUE(tile && tile->layered()) << n;
+    const auto place = [](const AtlasSlot& s) { return std::pair(s.x, s.y); };
+    EXPECT_NE(place(tile->slot), place(tile->front_slot));
+    EXPECT_NE(place(tile->slot), place(tile->behind_slot));
+    EXPECT_NE(place(tile->front_slot), place(tile->behind_slot));
+  }
+  EXPECT_LE(cache.resident(), kFull / 3);
+}
+
+TEST(CoreTileCache, WithoutRoomForItsLayersOrWithNothingBehindATileIsALitOne) {
+  const SceneView scene = four_objects();
+  TileCache cache(kAtlasEdge, 1);
+  cache.reset(scene, scene.lighting);
+  const Capture bare = small_capture(90);
+  const TileRecordPtr nothing = cache.insert(0, scene, bare, layered_tile(bare, 0), 5, 0);
+  ASSERT_TRUE(nothing);
+  EXPECT_FALSE(nothing->layered());
+  for (int n = 0; n < static_cast<int>(kFull) - 3; ++n) {
+    const Capture capture = small_capture(n);
+    ASSERT_TRUE(cache.insert(static_cast<std::uint32_t>(n % 3) + 1, scene, capture,
+                             make_tile(capture), 5, 0));
+  }
+  const Capture late = small_capture(100), later = small_capture(101);
+  const TileRecordPtr tile = cache.insert(0, scene, late, layered_tile(late, 9), 5, 0);
+  ASSERT_TRUE(tile) << "there are two places left";
+  EXPECT_FALSE(tile->layered());
+  EXPECT_TRUE(cache.insert(0, scene, later, make_tile(later), 5, 0)) << "the other is free again";
+}
+
 TEST(CoreTileCache, WhatWasDrawnLongestAgoGoesFirst) {
   const SceneView scene = four_objects();
   TileCache cache(kAtlasEdge, 1);

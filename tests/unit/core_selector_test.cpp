@@ -201,6 +201,31 @@ TEST(CoreSelector, ObjectWithoutAHullIsNotDrawnOnOne) {
   EXPECT_EQ(list.impostors[0].method, DrawMethod::kQuad);
 }
 
+TEST(CoreSelector, LargeFoliageDrawnAsReliefIsAskedForInLayersWhileTheEyeMoves) {
+  const auto asked = [](NeedMask needs, double distance, double speed, bool first,
+                        bool automatic = false) {
+    SceneOptions options;
+    options.needs = needs;
+    SelectorWorld world(make_scene({{{0, 0, 0}}}, options));
+    world.look({0, 0, distance}, {0, 0, 0});
+    if (!first) world.add_tile(0)->measure.depth_gap = 1;  // much of it is hidden
+    world.look({0.5 * distance, 0, distance}, {0, 0, 0});
+    SelectorInput in = world.input();
+    in.velocity = {speed, 0, 0};
+    in.method.automatic = automatic;
+    in.method.method = DrawMethod::kDepth;
+    const std::vector<TileNeed> found = world.selector.needs(in);
+    return found.empty() ? 0 : found[0].channels;
+  };
+  EXPECT_EQ(asked(kNeedAlphaMask, 4, 1, false), kLayeredTile);
+  EXPECT_EQ(asked(kNeedAlphaMask, 4, 0, false), kLitTile) << "a still eye is served flat";
+  EXPECT_EQ(asked(kNeedAlphaMask, 4, 1, true), kLitTile) << "anything quick first";
+  EXPECT_EQ(asked(kNeedAlphaMask, 40, 1, false), kLitTile) << "too small to gain";
+  EXPECT_EQ(asked(0, 4, 1, false), kLitTile);
+  EXPECT_EQ(asked(kNeedAlphaMask, 4, 1, false, true), kLitTile) << "replaced too soon to gain";
+  EXPECT_EQ(asked(kNeedAlphaMask | kNeedBlend, 4, 1, false), kLitTile);
+}
+
 TEST(CoreSelector, NeedsAreRankedByGain) {
   SelectorWorld world(make_scene({{{-2, 0, -20}}, {{0, 0, -6}}, {{3, 0, -60}}}));
   world.look({0, 0, 0}, {0, 0, -1});

@@ -127,6 +127,7 @@ TEST(UploadQueue, CountsFramesApart) {
 TEST(UploadQueue, ATileTakesAllItsPlanesAndAGutter) {
   EXPECT_EQ(tile_upload_bytes(8, 6, kLitTile), 10u * 8 * 5);
   EXPECT_EQ(tile_upload_bytes(8, 6, kRelitTile), 10u * 8 * 9);
+  EXPECT_EQ(tile_upload_bytes(8, 6, kLayeredTile), 10u * 8 * 15) << "both layers, and both in one";
   EXPECT_EQ(tile_upload_bytes(8, 6, kShadowTile), 10u * 8);
   EXPECT_EQ(tile_upload_bytes(0, 0, kLitTile), 0u);
 }

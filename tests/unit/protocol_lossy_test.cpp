@@ -32,6 +32,10 @@ Tile ball(std::uint32_t w, std::uint32_t h, std::uint8_t channels = kLitTile) {
       tile.depth.push_back(alpha > 0 ? static_cast<std::uint8_t>(100 + x + y) : 0);
     }
   }
+  if (tile.layered()) {
+    tile.behind.assign(tile.rgba.rbegin(), tile.rgba.rend());
+    tile.behind_depth.assign(tile.depth.rbegin(), tile.depth.rend());
+  }
   if (tile.relit()) tile.surface.assign(tile.rgba.rbegin(), tile.rgba.rend());
   return tile;
 }
@@ -39,6 +43,8 @@ Tile ball(std::uint32_t w, std::uint32_t h, std::uint8_t channels = kLitTile) {
 Tile without_planes(Tile tile) {
   tile.rgba.clear();
   tile.surface.clear();
+  tile.behind.clear();
+  tile.behind_depth.clear();
   tile.depth.clear();
   tile.shadow.clear();
   return tile;
@@ -54,13 +60,15 @@ Result<Tile> decoded(const Tile& tile, TileCodec codec) {
 
 TEST(ProtocolLossy, OnlyColoursDifferAndNotByMuch) {
   for (const TileCodec codec : kLossy) {
-    for (const std::uint8_t channels : {kLitTile, kRelitTile}) {
+    for (const std::uint8_t channels : {kLitTile, kLayeredTile, kRelitTile}) {
       for (const auto& [w, h] : {std::pair{1u, 1u}, {1u, 9u}, {5u, 3u}, {64u, 64u}, {61u, 47u}}) {
         const Tile tile = ball(w, h, channels);
         const Result<Tile> back = decoded(tile, codec);
         ASSERT_TRUE(back) << codec_name(codec) << w << "x" << h;
         EXPECT_EQ(back->depth, tile.depth);
         EXPECT_EQ(back->surface, tile.surface);
+        EXPECT_EQ(back->behind, tile.behind);
+        EXPECT_EQ(back->behind_depth, tile.behind_depth);
         ASSERT_EQ(back->rgba.size(), tile.rgba.size());
         for (std::size_t i = 3; i < tile.rgba.size(); i += 4) {
           ASSERT_EQ(back->rgba[i], tile.rgba[i]) << "coverage";

@@ -9,6 +9,7 @@
 #include "protocol/message.h"
 #include "protocol/tile.h"
 #include "protocol/tile_codec.h"
+#include "protocol/tile_color.h"
 
 namespace mirage::test {
 namespace {
@@ -60,6 +61,49 @@ Tile make_relit(std::uint32_t w, std::uint32_t h) {
   tile.channels = kRelitTile;
   tile.surface.assign(tile.rgba.rbegin(), tile.rgba.rend());
   return tile;
+}
+
+TEST(ProtocolTileCodec, LayeredTilesCarryWhatIsBehind) {
+  for (const TileCodec codec : kLossless) {
+    Tile tile = make_tile(33, 20, false);
+    tile.channels = kLayeredTile;
+    tile.behind.assign(tile.rgba.rbegin(), tile.rgba.rend());
+    tile.behind_depth.assign(tile.depth.rbegin(), tile.depth.rend());
+    const auto bytes = encode_tile_planes(tile, codec);
+    Tile back = empty_like(tile);
+    back.behind.clear();
+    back.behind_depth.clear();
+    ASSERT_TRUE(decode_tile_planes(bytes.data(), bytes.size(), codec, back));
+    EXPECT_EQ(back.rgba, tile.rgba);
+    EXPECT_EQ(back.depth, tile.depth);
+    EXPECT_EQ(back.behind, tile.behind);
+    EXPECT_EQ(back.behind_depth, tile.behind_depth);
+    for (auto plane : {&Tile::behind, &Tile::behind_depth}) {
+      Tile other = tile;
+      (other.*plane)[7] ^= 1;
+      EXPECT_NE(tile_content_hash(other), tile_content_hash(tile));
+    }
+    // Planes of one kind do not pass for the other.
+    Tile lit = empty_like(tile);
+    lit.channels = kLitTile;
+    EXPECT_FALSE(decode_tile_planes(bytes.data(), bytes.size(), codec, lit));
+  }
+}
+
+TEST(ProtocolTileColor, FrontOverBehindAddsWhatTheFrontLeavesOpen) {
+  const std::vector<std::uint8_t> behind = {100, 200, 50, 255, 100, 200, 50, 255, 0, 0, 0, 0};
+  std::vector<std::uint8_t> front = {9, 8, 7, 255, 0, 0, 0, 0, 60, 50, 40, 100};
+  EXPECT_EQ(front_over_behind(front, behind),
+            (std::vector<std::uint8_t>{9, 8, 7, 255, 100, 200, 50, 255, 60, 50, 40, 100}));
+  // Half of white over white: white; the two halves are added in linear light.
+  front = {188, 188, 188, 128, 0, 0, 0, 128, 0, 0, 0, 0};
+  const std::vector<std::uint8_t> white(12, 255);
+  const std::vector<std::uint8_t> over = front_over_behind(front, white);
+  EXPECT_NEAR(over[0], 255, 1);
+  EXPECT_EQ(over[3], 255);
+  EXPECT_NEAR(over[4], 188, 1);
+  EXPECT_EQ(over[7], 255);
+  EXPECT_EQ(over[8], 255);
 }
 
 TEST(ProtocolTileCodec, RelitTilesCarryTheirSurface) {

@@ -49,6 +49,7 @@ TEST_F(ServerAsks, BadKeysAreRefusedNotFatal) {
   EXPECT_EQ(refused(changed(0, 0, 8, 0, 9, 255, 2, 3)), R::BadKey);
   EXPECT_EQ(refused(changed(0, 0, 8, 0, 9, 2, 15, 3)), R::BadKey);
   EXPECT_EQ(refused(changed(0, 0, 8, 0, 9, 2, 2, 7)), R::BadKey);
+  EXPECT_EQ(refused(changed(0, 0, 8, 0, 9, 2, 2, kLayeredTile)), R::BadKey) << "it is opaque";
   EXPECT_EQ(queue.length(), 0u);
   wire::RequestBatchT batch;
   batch.lighting_id = 5;  // never set

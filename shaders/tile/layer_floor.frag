@@ -1,0 +1,18 @@
+// What a texel's front layer does not reach: the nearest depth of its samples and a step. One texel
+// of the target each. FACTOR: samples of a texel each way.
+precision highp float;
+precision highp int;
+uniform sampler2D u_depth;
+uniform float u_step;  // window depth
+layout(location = 0) out float o_floor;  // 1 and more where nothing is
+
+void main() {
+  ivec2 base = ivec2(gl_FragCoord.xy) * FACTOR;
+  float nearest = 1.0;
+  for (int y = 0; y < FACTOR; ++y) {
+    for (int x = 0; x < FACTOR; ++x) {
+      nearest = min(nearest, texelFetch(u_depth, base + ivec2(x, y), 0).r);
+    }
+  }
+  o_floor = nearest + u_step;
+}
