@@ -69,9 +69,15 @@ const MethodShader kShaders[] = {
 
 }  // namespace
 
+Result<gl::Program> ImpostorPass::make_program(const char* name, std::vector<std::string> defines,
+                                               const Variant& v) {
+  if (v.fog) defines.emplace_back("FOG");
+  const std::string file = std::string("impostor/") + name;
+  return gl::Program::create(file + ".vert", file + ".frag", defines);
+}
+
 Result<void> ImpostorPass::make_programs(const Variant& v) {
-  std::vector<std::string> common, worn;  // `worn`: of what has a tile, and shadows on it
-  if (v.fog) common.emplace_back("FOG");
+  std::vector<std::string> worn;  // of what has a tile, and shadows on it
   if (v.shadows) worn.emplace_back("SHADOW");
   const auto relit_from = [&](std::vector<std::string> defines) {
     defines.emplace_back("RELIT");
@@ -79,9 +85,7 @@ Result<void> ImpostorPass::make_programs(const Variant& v) {
     return defines;
   };
   const auto make = [&](const char* name, std::vector<std::string> defines) {
-    defines.insert(defines.end(), common.begin(), common.end());
-    const std::string file = std::string("impostor/") + name;
-    return gl::Program::create(file + ".vert", file + ".frag", defines);
+    return make_program(name, std::move(defines), v);
   };
   std::map<std::pair<DrawMethod, bool>, gl::Program> programs;
   for (const MethodShader& shader : kShaders) {
@@ -94,20 +98,14 @@ Result<void> ImpostorPass::make_programs(const Variant& v) {
       programs.emplace(std::pair(shader.method, relit), program.take());
     }
   }
-  std::vector<std::string> worn_relit = relit_from(worn), worn_merged = worn, worn_layers = worn;
+  std::vector<std::string> worn_relit = relit_from(worn), worn_merged = worn;
   worn_merged.emplace_back("MERGED");
-  worn_layers.emplace_back("LAYERED");
   Result<gl::Program> relief = make("relief", worn), relit = make("relief", worn_relit);
   Result<gl::Program> merged = make("relief", worn_merged), placeholder = make("placeholder", {});
   for (const Result<gl::Program>* program : {&relief, &relit, &merged, &placeholder}) {
     if (!*program) return program->error();
   }
   layered_relief_ = gl::Program();
-  if (v.layers) {
-    Result<gl::Program> layers = make("relief", worn_layers);
-    if (!layers) return layers.error();
-    layered_relief_ = layers.take();
-  }
   programs_ = std::move(programs);
   relief_ = relief.take();
   relit_relief_ = relit.take();
@@ -159,15 +157,24 @@ ImpostorPass::Proxy ImpostorPass::make_proxy(const std::vector<ProxyVertex>& dat
   return proxy;
 }
 
+Result<void> ImpostorPass::upload(const TileRecord& record, const TilePixels& pixels) {
+  if (record.layered() && !layered_relief_) {
+    std::vector<std::string> defines = {"LAYERED"};
+    if (variant_.shadows) defines.emplace_back("SHADOW");
+    Result<gl::Program> made = make_program("relief", std::move(defines), variant_);
+    if (!made) return made.error();
+    layered_relief_ = made.take();
+  }
+  return atlas_.upload(record, pixels);
+}
+
 Result<void> ImpostorPass::reset(const SceneView& scene) {
   hulls_.clear();
   warp_proxies_.clear();
   fog_color_ = scene.environment.horizon;
   fog_density_ = scene.environment.fog_density;
-  const bool layers = std::any_of(scene.objects.begin(), scene.objects.end(),
-                                  [](const auto& object) { return layered(object.needs); });
-  const Variant wanted{fog_density_ > 0, scene.shadows, scene.probe != nullptr, layers};
-  const auto bits = [](const Variant& v) { return std::tie(v.fog, v.shadows, v.probe, v.layers); };
+  const Variant wanted{fog_density_ > 0, scene.shadows, scene.probe != nullptr};
+  const auto bits = [](const Variant& v) { return std::tie(v.fog, v.shadows, v.probe); };
   return bits(wanted) == bits(variant_) ? Result<void>{} : make_programs(wanted);
 }
 

@@ -26,9 +26,8 @@ class ImpostorPass {
   /// Proxies of a new scene, and programs with or without its fog, shadows and probe. Error
   /// kGraphicsShader: those there were stay.
   Result<void> reset(const SceneView& scene);
-  Result<void> upload(const TileRecord& record, const TilePixels& pixels) {
-    return atlas_.upload(record, pixels);
-  }
+  /// The first tile in layers brings its program. Errors kGraphicsGl, kGraphicsShader.
+  Result<void> upload(const TileRecord& record, const TilePixels& pixels);
   /// `shadow_atlas`: of ShadowAtlas, 0 when no impostor wears a shadow.
   /// `mapping`: of the target's depth. `probe`: the scene's, nullptr for none.
   void draw(const Camera& camera, DepthMapping mapping, const SceneView& scene,
@@ -47,8 +46,10 @@ class ImpostorPass {
   };
   /// What a scene has, beyond what every scene may: defines of its programs.
   struct Variant {
-    bool fog = false, shadows = false, probe = false, layers = false;
+    bool fog = false, shadows = false, probe = false;
   };
+  static Result<gl::Program> make_program(const char* name, std::vector<std::string> defines,
+                                          const Variant& v);
   Result<void> make_programs(const Variant& v);
   static Proxy make_proxy(const std::vector<ProxyVertex>& triangles);
   template <typename InstanceT>
@@ -69,7 +70,7 @@ class ImpostorPass {
   std::map<std::pair<DrawMethod, bool>, gl::Program> programs_;  ///< and whether for relit tiles
   gl::Program relief_;
   gl::Program relit_relief_;
-  gl::Program layered_relief_;  ///< of tiles in two layers; none in a scene without
+  gl::Program layered_relief_;  ///< of tiles in two layers; none before the first
   gl::Program merged_;
   gl::Texture tile_rows_;  ///< of merged impostors, see relief_instance.h
   gl::Program placeholder_;

@@ -1,5 +1,7 @@
 #include "client/core/refinement.h"
 
+#include <algorithm>
+
 namespace mirage {
 namespace {
 
@@ -14,6 +16,14 @@ double halton(int n, int base) {
     out += share * (n % base);
   }
   return out;
+}
+
+// Of the n-th further drawing, pixels: every second one is opposite to the one before, so that the
+// mean of a few is where the picture was.
+glm::dvec2 offset_px(int n) {
+  const int pair = (n + 1) / 2;
+  const glm::dvec2 offset = glm::dvec2(halton(pair, 2), halton(pair, 3)) - 0.5;
+  return n % 2 != 0 ? offset : -offset;
 }
 
 }  // namespace
@@ -41,23 +51,22 @@ Refinement::Plane Refinement::make_plane(int width, int height, GLenum format) {
 
 // False where the device cannot: the picture stays as it was drawn.
 bool Refinement::make(const FrameTarget& target) {
-  const bool same = width_ == target.width() && height_ == target.height() &&
-                    format_ == target.format() && mean_.color;
+  const bool same = one_sample_ && one_sample_->width() == target.width() &&
+                    one_sample_->height() == target.height() &&
+                    one_sample_->blends() == target.blends();
   if (same) return true;
-  width_ = target.width();
-  height_ = target.height();
-  format_ = target.format();
+  one_sample_.reset();
+  Result<FrameTarget> made =
+      FrameTarget::create(target.width(), target.height(), 0, target.blends());
+  if (!made) return false;
   const auto complete = [] {
     return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
   };
-  drawing_ = make_plane(width_, height_, format_);
+  drawing_ = make_plane(target.width(), target.height(), made->format());
   bool ok = complete();
-  mean_ = make_plane(width_, height_, GL_RGBA16F);
-  ok = ok && complete();
-  if (!ok) {
-    drawing_ = Plane();
-    mean_ = Plane();
-  }
+  mean_ = make_plane(target.width(), target.height(), GL_RGBA16F);
+  ok = ok && complete() && made->format() == target.format();
+  if (ok) one_sample_.emplace(made.take());
   return ok;
 }
 
@@ -74,8 +83,8 @@ void Refinement::fill(const gl::Texture& from) {
   glEnable(GL_DEPTH_TEST);
 }
 
-void Refinement::add(const FrameTarget& target, float weight) {
-  target.copy_to(drawing_.framebuffer);
+void Refinement::add(const FrameTarget& drawn, float weight) {
+  drawn.copy_to(drawing_.framebuffer);
   glBindFramebuffer(GL_FRAMEBUFFER, mean_.framebuffer.id());
   glEnable(GL_BLEND);
   glBlendColor(0, 0, 0, weight);
@@ -91,22 +100,24 @@ void Refinement::draw_more(FrameRenderer& renderer, const FrameTarget& target, c
     drawings_ = kDrawings;
     return;
   }
-  if (drawings_ == 1) add(target, 1);
-  Camera moved = camera;
-  moved.shift_px = glm::dvec2(halton(drawings_, 2), halton(drawings_, 3)) - 0.5;
-  renderer.sharpen(kSharpenLevels, kSharpenLevels);
-  renderer.draw(target, moved, scene, list, lighting);
-  renderer.sharpen_as_usual();
+  if (drawings_ == 0) add(target, 1);
   ++drawings_;
-  add(target, 1.0f / static_cast<float>(drawings_));
+  Camera moved = camera;
+  moved.shift_px += offset_px(drawings_);
+  renderer.sharpen(kSharpenLevels, kSharpenLevels);
+  renderer.draw(*one_sample_, moved, scene, list, lighting);
+  renderer.sharpen_as_usual();
+  add(*one_sample_, 1.0f / static_cast<float>(std::max(target.samples(), 1) + drawings_));
   target.bind();
   fill(mean_.color);
 }
 
 std::size_t Refinement::gpu_bytes() const {
-  if (!mean_.color) return 0;
-  const std::size_t drawing = format_ == GL_SRGB8_ALPHA8 ? 4 : 8;
-  return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) * (8 + drawing);
+  if (!one_sample_) return 0;
+  const std::size_t pixels = static_cast<std::size_t>(one_sample_->width()) *
+                             static_cast<std::size_t>(one_sample_->height());
+  const std::size_t drawing = one_sample_->format() == GL_SRGB8_ALPHA8 ? 4 : 8;
+  return one_sample_->gpu_bytes() + pixels * (8 + drawing);
 }
 
 }  // namespace mirage

@@ -1,6 +1,7 @@
 #pragma once
-// Refinement: a picture at rest becomes the mean of several drawings of the same view, each moved
-// by a part of a pixel.
+// Refinement: a picture at rest becomes the mean of many drawings of the same view with one sample
+// a pixel, each moved by a part of one. Several samples would be the mean over a pixel already, and
+// the mean of such means over two.
 // Input:  what the frame renderer drew last, with nothing under way that would change it.
 // Output: in the target, a better picture of the same. Thread: the GL one.
 
@@ -11,13 +12,13 @@ namespace mirage {
 
 class Refinement {
  public:
-  /// Drawings of a picture, at most: beyond, the eye sees no difference.
-  static constexpr int kDrawings = 16;
+  /// Further drawings of a picture.
+  static constexpr int kDrawings = 32;
 
   static Result<Refinement> create();
 
   /// Another picture has been drawn.
-  void restart() { drawings_ = 1; }
+  void restart() { drawings_ = 0; }
   /// Nothing would get better any more.
   bool done() const { return drawings_ >= kDrawings; }
   /// Draws the picture once more and leaves the mean of all its drawings in the target. The inputs
@@ -34,15 +35,14 @@ class Refinement {
   };
   static Plane make_plane(int width, int height, GLenum format);
   bool make(const FrameTarget& target);
-  /// Lays what was drawn over the mean with this weight.
-  void add(const FrameTarget& target, float weight);
+  /// Lays what `drawn` shows over the mean with this weight.
+  void add(const FrameTarget& drawn, float weight);
   void fill(const gl::Texture& from);
 
   gl::Program program_;
   gl::VertexArray vao_;
+  std::optional<FrameTarget> one_sample_;
   Plane drawing_, mean_;
-  int width_ = 0, height_ = 0;
-  GLenum format_ = 0;  ///< of drawing_
   int drawings_ = kDrawings;
 };
 

@@ -22,6 +22,7 @@ void draw_with(std::initializer_list<GLuint> textures, const gl::VertexArray& va
 }  // namespace
 
 Result<void> TileLayers::compile(int samples) {
+  if (programs_.count(samples) != 0) return {};
   if (!empty_vao_) empty_vao_ = gl::VertexArray::create();
   const std::vector<std::string> defines = {"FACTOR " + std::to_string(samples)};
   Result<gl::Program> floor =

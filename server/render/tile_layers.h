@@ -14,7 +14,7 @@ namespace mirage {
 class TileLayers {
  public:
   TileLayers() : meshes_(gl::MeshOutput::kBehind) {}
-  /// For tiles of so many samples an axis. Error kGraphicsShader.
+  /// For tiles of so many samples an axis, once. Error kGraphicsShader.
   Result<void> compile(int samples);
 
   /// Draws what lies behind: between begin() and end().

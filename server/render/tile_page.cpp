@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numeric>
-#include <set>
 
 #include "protocol/capture.h"
 #include "protocol/sun_frame.h"
@@ -16,25 +15,12 @@ namespace {
 // The edge of an alpha test is a texture's, not a triangle's, and foliage has one in every pixel:
 // settled, 3 samples an axis are worth 1.1 dB over 2 on the reference tree, 4 no more than 3.
 constexpr int kAlphaTestSupersample = 3;
-constexpr int kUsualTile = 128;                   // texels: targets for it are there from the start
 constexpr std::uint32_t kLargestFineTile = 1024;  // larger ones would take a target of 300 MB
 
 // What is drawn to of a target that has ranges of blended depths beside its colour.
 constexpr GLenum kColorOnly[] = {GL_COLOR_ATTACHMENT0};
 constexpr GLenum kRangeOnly[] = {GL_NONE, GL_COLOR_ATTACHMENT1};
 constexpr GLenum kColorAndRange[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-
-// All of a mesh that decides which shaders draw it, and with what state.
-std::vector<NeedMask> look_of(const gl::GpuMesh& mesh, const std::vector<Material>& materials) {
-  std::vector<NeedMask> out = {mesh.vertex_color()};
-  for (const Primitive& p : mesh.primitives()) {
-    const Material& m = materials[p.material];
-    out.push_back(material_needs(m, mesh.vertex_color()));
-    out.push_back(static_cast<NeedMask>(p.kind) << 8 | m.double_sided);
-  }
-  std::sort(out.begin(), out.end());
-  return out;
-}
 
 }  // namespace
 
@@ -82,9 +68,6 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
   });
   if (layers) {
     out.layers_ = std::make_unique<TileLayers>();
-    for (const int samples : {supersample, out.fine_samples()}) {
-      if (Result<void> made = out.layers_->compile(samples); !made) return made.error();
-    }
     out.layers_->meshes().set_probe(scene.probe_map());
     out.layers_->meshes().set_backdrop(scene.prepared->scene.environment.horizon);
   }
@@ -112,95 +95,6 @@ std::vector<std::string> TilePageRenderer::variants() const {
 TilePageRenderer::Path& TilePageRenderer::path_of(const TileJob& job) {
   if (job.key.channels == kShadowTile) return shadow_;
   return job.key.channels == kRelitTile ? relit_ : lit_;
-}
-
-Result<void> TilePageRenderer::warm_up(int page_edge) {
-  const Lighting& light = scene_->prepared->scene.lighting;
-  if (const gl::ShadowMap* map = shadow_map_ ? shadow_map_->map_for(light) : nullptr) {
-    shadow_.meshes->set_shadow(map, {});
-    for (const gl::GpuMesh& mesh : scene_->meshes) {
-      Result<void> compiled = shadow_.meshes->warm_up(mesh, scene_->materials(), false);
-      if (!compiled) return compiled;
-    }
-  }
-  for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
-    for (Path* path : {&lit_, &relit_}) {
-      if (path == &relit_ && !can_relight(scene_->prepared->objects[i].needs)) continue;
-      Result<void> compiled = path->meshes->warm_up(scene_->meshes[i], scene_->materials(), false);
-      if (!compiled) return compiled;
-      if (path->ranges && (scene_->prepared->objects[i].needs & kNeedBlend)) {
-        compiled = path->ranges->warm_up(scene_->meshes[i], scene_->materials(), false);
-        if (!compiled) return compiled;
-      }
-      for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
-        compiled = path->meshes->warm_up(lod, scene_->materials(), false);
-        if (!compiled) return compiled;
-      }
-    }
-    if (!layers_ || !layered(scene_->prepared->objects[i].needs)) continue;
-    Result<void> compiled =
-        layers_->meshes().warm_up(scene_->meshes[i], scene_->materials(), false);
-    if (!compiled) return compiled;
-    for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
-      compiled = layers_->meshes().warm_up(lod, scene_->materials(), false);
-      if (!compiled) return compiled;
-    }
-  }
-  const std::vector<Instance>& instances = scene_->prepared->scene.instances;
-  std::vector<std::optional<std::uint32_t>> shown(scene_->meshes.size());  // an instance of each
-  for (std::uint32_t i = 0; i < instances.size(); ++i) {
-    if (!shown[instances[i].object]) shown[instances[i].object] = i;
-  }
-  for (Path* path : {&lit_, &relit_}) {
-    if (!prepare_targets(*path, page_edge, kUsualTile * fine_samples())) {
-      return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made",
-                        "--gpu-mb takes more");
-    }
-  }
-  // Drawn, too: a driver finishes a shader with its first draw, by all that is bound.
-  for (const std::uint8_t channels :
-       {kLitTile, kLayeredTile, kRelitTile, kShadowTile, kCasterTile}) {
-    std::set<std::vector<NeedMask>> drawn;
-    for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {
-      if (!shown[i] || scene_->prepared->objects[i].radius <= 0) continue;
-      const std::optional<TileJob> job = first_job(*shown[i], channels);
-      if (!job || !drawn.insert(look_of(scene_->meshes[i], scene_->materials())).second) continue;
-      PagePacker packer(page_edge);
-      packer.add(tile_edge(job->key.size_class));
-      if (!render({*job}, packer)) {
-        return make_error(ErrorId::kGraphicsGl, "no framebuffer for tiles can be made",
-                          "--gpu-mb takes more");
-      }
-    }
-  }
-  glFinish();
-  return {};
-}
-
-std::optional<TileJob> TilePageRenderer::first_job(std::uint32_t index,
-                                                   std::uint8_t channels) const {
-  const Instance& instance = scene_->prepared->scene.instances[index];
-  const ObjectDescription& object = scene_->prepared->objects[instance.object];
-  const Lighting& light = scene_->prepared->scene.lighting;
-  const bool shadow = channels == kShadowTile, relit = channels == kRelitTile;
-  const bool lit_by_sun = shadow_map_ && (object.needs & kNeedLighting) && sun_of(light);
-  if ((channels == kLayeredTile && !layered(object.needs)) ||
-      (relit && !can_relight(object.needs)) || (shadow && !lit_by_sun) ||
-      (channels == kCasterTile && !(shadow_map_ && object.casts()))) {
-    return std::nullopt;
-  }
-  TileJob job;
-  job.key.object = instance.object;
-  job.key.channels = channels;
-  job.key.phase = object.motion.moving() ? 1 : kStaticPhase;
-  job.key.distance = {0, 2};
-  if (shadow) {
-    job.key.instance = index + 1;
-    job.world = light;
-  } else {
-    job.lighting = object_lighting(light, instance.world_from_object, object.center, object.radius);
-  }
-  return job;
 }
 
 bool TilePageRenderer::blended(const TileJob& job) const {
@@ -250,6 +144,9 @@ bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
 }
 
 bool TilePageRenderer::prepare_layers(int big, int page_edge) {
+  for (const int samples : {supersample_, fine_samples()}) {
+    if (!layers_->compile(samples)) return false;
+  }
   gl::RenderTarget &peeled = layers_->peeled(), &floor = layers_->floor();
   const GLenum color = gl::color_format(scene_->prepared->blends());
   if ((!peeled.ok() || peeled.width() < big) &&

@@ -261,6 +261,18 @@ std::vector<std::uint8_t> Bench::mesh_picture(const Camera& c, float fade) {
   return target_->read();
 }
 
+std::vector<std::uint8_t> Bench::rested_mesh_picture(const Camera& c, int drawings) {
+  Refinement refinement = Refinement::create().take();
+  mesh_picture(c);
+  refinement.restart();
+  DrawList list;
+  list.meshes.push_back({0, 0, 1});
+  for (int i = 0; i < drawings; ++i) {
+    refinement.draw_more(*renderer_, *target_, c, scene_, list, light_);
+  }
+  return target_->read();
+}
+
 std::vector<std::uint8_t> Bench::picture(const Camera& c, const std::vector<TileRecordPtr>& tiles,
                                          DrawMethod method) {
   draw(c, tiles, method);

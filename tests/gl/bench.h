@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/core/client_session.h"
-#include "client/core/frame_renderer.h"
+#include "client/core/refinement.h"
 #include "client/quality/metrics.h"
 #include "server/render/reference_renderer.h"
 #include "server/render/tile_page.h"
@@ -58,6 +58,8 @@ class Bench {
                                     DrawMethod method);
   /// The same with the object's geometry.
   std::vector<std::uint8_t> mesh_picture(const Camera& camera, float fade = 1);
+  /// The same after so many further drawings (Refinement).
+  std::vector<std::uint8_t> rested_mesh_picture(const Camera& camera, int drawings);
   /// From now on the light of lit tiles, of drawing and of the truth.
   void set_light(const Lighting& light) { light_ = light; }
   const Lighting& light() const { return light_; }

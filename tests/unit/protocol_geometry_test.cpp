@@ -125,6 +125,23 @@ TEST(ProtocolCamera, PixelsAgreeWithTheMatrix) {
   }
 }
 
+TEST(ProtocolCamera, AShiftMovesThePictureByPixels) {
+  Random random;
+  for (int i = 0; i < 1000; ++i) {
+    Camera camera = some_camera(random);
+    const glm::dvec3 p = camera.forward() * random.uniform(1, 100) + random.in_box(0.3);
+    const auto drawn = [&] {
+      const glm::dvec4 clip = glm::dmat4(camera.clip_from_relative()) * glm::dvec4(p, 1);
+      return glm::dvec2(clip.x / clip.w * 0.5 * camera.width,
+                        clip.y / clip.w * 0.5 * camera.height);
+    };
+    const glm::dvec2 before = drawn();
+    camera.shift_px = {random.uniform(-1, 1), random.uniform(-1, 1)};
+    const double tolerance = 1e-5 * (glm::length(before) + camera.width + camera.height);
+    ASSERT_NEAR(glm::distance(drawn() - before, camera.shift_px), 0, tolerance);
+  }
+}
+
 TEST(ProtocolCamera, LooksAtItsTarget) {
   Random random;
   for (int i = 0; i < 2000; ++i) {

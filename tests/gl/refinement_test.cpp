@@ -1,0 +1,57 @@
+// At rest a picture becomes the mean of many drawings: nearer the full render, and where it was.
+
+#include <gtest/gtest.h>
+
+#include "tests/gl/bench.h"
+
+namespace mirage::test {
+namespace {
+
+double psnr_beside(const std::vector<std::uint8_t>& truth, const std::vector<std::uint8_t>& seen) {
+  const std::uint32_t n = Bench::kSize;
+  return measure_images({n, n, truth.data()}, {n, n, seen.data()}).psnr_db.value_or(0);
+}
+
+class RefinementTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    bench_ = Bench::create("builtin:knot", BenchLight::kLit);
+    ASSERT_TRUE(bench_);
+    camera_ = bench_->camera(4, glm::normalize(glm::dvec3(1, 0.4, 0.7)));
+    truth_ = bench_->truth(camera_, 8);
+  }
+  std::unique_ptr<Bench> bench_;
+  Camera camera_;
+  std::vector<std::uint8_t> truth_;
+};
+
+TEST_F(RefinementTest, ComesNearerTheFullRender) {
+  const double once = psnr_beside(truth_, bench_->mesh_picture(camera_));
+  const double few = psnr_beside(truth_, bench_->rested_mesh_picture(camera_, 4));
+  const double all =
+      psnr_beside(truth_, bench_->rested_mesh_picture(camera_, Refinement::kDrawings));
+  RecordProperty("psnr_once", std::to_string(once));
+  RecordProperty("psnr_rested", std::to_string(all));
+  EXPECT_GT(few, once + 0.5);
+  EXPECT_GT(all, once + 2);
+}
+
+// The mean of what is moved by parts of a pixel to all sides is where the picture was.
+TEST_F(RefinementTest, MovesNothing) {
+  const double here =
+      psnr_beside(truth_, bench_->rested_mesh_picture(camera_, Refinement::kDrawings));
+  for (const glm::dvec2& shift :
+       {glm::dvec2(0.1, 0), glm::dvec2(-0.1, 0), glm::dvec2(0, 0.1), glm::dvec2(0, -0.1)}) {
+    Camera aside = camera_;
+    aside.shift_px = shift;
+    EXPECT_LT(psnr_beside(truth_, bench_->rested_mesh_picture(aside, Refinement::kDrawings)), here);
+  }
+}
+
+TEST_F(RefinementTest, EndsByItself) {
+  const auto all = bench_->rested_mesh_picture(camera_, Refinement::kDrawings);
+  EXPECT_EQ(bench_->rested_mesh_picture(camera_, 4 * Refinement::kDrawings), all);
+}
+
+}  // namespace
+}  // namespace mirage::test
