@@ -28,16 +28,6 @@ glm::dvec2 offset_px(int n) {
 
 }  // namespace
 
-Result<Refinement> Refinement::create() {
-  Refinement out;
-  Result<gl::Program> program =
-      gl::Program::create("common/fullscreen.vert", "common/copy.frag", {});
-  if (!program) return program.error();
-  out.program_ = program.take();
-  out.vao_ = gl::VertexArray::create();
-  return out;
-}
-
 Refinement::Plane Refinement::make_plane(int width, int height, GLenum format) {
   Plane out{gl::Framebuffer::create(), gl::Texture::create()};
   glBindTexture(GL_TEXTURE_2D, out.color.id());
@@ -56,6 +46,13 @@ bool Refinement::make(const FrameTarget& target) {
                     one_sample_->blends() == target.blends();
   if (same) return true;
   one_sample_.reset();
+  if (!program_) {
+    Result<gl::Program> program =
+        gl::Program::create("common/fullscreen.vert", "common/copy.frag", {});
+    if (!program) return false;
+    program_ = program.take();
+    vao_ = gl::VertexArray::create();
+  }
   Result<FrameTarget> made =
       FrameTarget::create(target.width(), target.height(), 0, target.blends());
   if (!made) return false;

@@ -15,14 +15,13 @@ class Refinement {
   /// Further drawings of a picture.
   static constexpr int kDrawings = 32;
 
-  static Result<Refinement> create();
-
   /// Another picture has been drawn.
   void restart() { drawings_ = 0; }
   /// Nothing would get better any more.
   bool done() const { return drawings_ >= kDrawings; }
-  /// Draws the picture once more and leaves the mean of all its drawings in the target. The inputs
-  /// are those of the drawing before.
+  /// Makes its targets and program when it is first called; where the device cannot, the picture
+  /// stays as it was. Draws the picture once more and leaves the mean of all its drawings in the
+  /// target. The inputs are those of the drawing before.
   void draw_more(FrameRenderer& renderer, const FrameTarget& target, const Camera& camera,
                  const SceneView& scene, const DrawList& list, const Lighting& lighting);
   std::size_t gpu_bytes() const;

@@ -58,9 +58,6 @@ Result<std::unique_ptr<SessionRunner>> SessionRunner::create(const std::string& 
   Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, atlas_layers(kAtlasMb));
   if (!renderer) return renderer.error();
   runner->renderer_.emplace(renderer.take());
-  Result<Refinement> refinement = Refinement::create();
-  if (!refinement) return refinement.error();
-  runner->refinement_ = refinement.take();
   return runner;
 }
 

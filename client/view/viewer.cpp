@@ -99,9 +99,6 @@ Result<void> Viewer::open_graphics() {
   Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, atlas_layers(o_.atlas_mb));
   if (!renderer) return renderer.error();
   renderer_.emplace(renderer.take());
-  Result<Refinement> refinement = Refinement::create();
-  if (!refinement) return refinement.error();
-  refinement_ = refinement.take();
   return make_target(o_.width, o_.height, false);
 }
 

@@ -116,7 +116,7 @@ class PageLoop {
     TileRecord record;
     record.crop = {0, 0, kTileEdge - 2, kTileEdge - 2};
     record.depth.assign(record.crop.area(), 128);
-    const TilePixels pixels{std::vector<std::uint8_t>(record.crop.area() * 4, 128), {}};
+    const TilePixels pixels{std::vector<std::uint8_t>(record.crop.area() * 4, 128), {}, {}};
     const int row = kEdge / static_cast<int>(kTileEdge);
     Result<void> done;
     const double s = seconds_of([&] {

@@ -262,7 +262,7 @@ std::vector<std::uint8_t> Bench::mesh_picture(const Camera& c, float fade) {
 }
 
 std::vector<std::uint8_t> Bench::rested_mesh_picture(const Camera& c, int drawings) {
-  Refinement refinement = Refinement::create().take();
+  Refinement refinement;
   mesh_picture(c);
   refinement.restart();
   DrawList list;

@@ -93,10 +93,10 @@ TEST(GltfContainer, RequiredExtensions) {
   }
   Builder builder = triangle();
   builder.doc["extensionsRequired"] = {"KHR_texture_transform", "KHR_mesh_quantization"};
-  builder.doc["extensionsUsed"] = {"VENDOR_thing"};
+  builder.doc["extensionsUsed"] = {"VENDOR_thing", "KHR_mesh_quantization", "VENDOR_other"};
   auto scene = builder.load();
   ASSERT_TRUE(scene) << failure(scene);
-  EXPECT_TRUE(has_warning(*scene, "VENDOR_thing"));
+  EXPECT_TRUE(has_warning(*scene, "VENDOR_thing, VENDOR_other"));
 }
 
 TEST(GltfContainer, Limits) {

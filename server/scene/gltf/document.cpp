@@ -85,6 +85,7 @@ Result<void> check_version_and_extensions(const json& root, Tally& tally) {
                         std::string("asset.") + key + " is " + version->dump() + ", need 2.0");
     }
   }
+  std::vector<std::string> ignored;
   for (const char* list : {"extensionsRequired", "extensionsUsed"}) {
     const auto names = root.find(list);
     if (names == root.end() || !names->is_array()) continue;
@@ -95,9 +96,16 @@ Result<void> check_version_and_extensions(const json& root, Tally& tally) {
         return make_error(ErrorId::kSceneExtension,
                           "requires the unsupported extension " + extension.substr(0, 80));
       }
-      tally.add("extensions used but not supported are ignored", 1, extension);
+      ignored.push_back(extension.substr(0, 80));
     }
   }
+  constexpr std::size_t kNamed = 16;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(ignored.size(), kNamed); ++i) {
+    names += (i > 0 ? ", " : "") + ignored[i];
+  }
+  if (ignored.size() > kNamed) names += " and others";
+  tally.add("extensions used but not supported are ignored", ignored.size(), names);
   return {};
 }
 
