@@ -9,7 +9,7 @@ namespace {
 // What a tile is asked for lies this far beyond the round trip: half of its expected life.
 constexpr std::int64_t kHorizonSlackUs = 150'000;
 constexpr std::int64_t kMaxHorizonUs = 1'000'000;
-constexpr double kStandsM = 1e-6;        // from where the eye is expected to be
+constexpr double kStandsM = 1e-6;  // from where the eye is expected to be
 // At rest geometry is drawn as if tau were so much less: nothing else is left to be asked for.
 constexpr double kRestTauShare = 0.25;
 constexpr float kFacesSame = 0.999999f;  // half the angle's cosine: 0.16 degrees

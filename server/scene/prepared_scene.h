@@ -44,7 +44,8 @@ struct PreparedScene {
     const std::size_t own = scene.instances.size();
     return index < own ? nullptr : &grouping.groups[index - own];
   }
-  /// Index of the instance whose group `index` belongs to, or of which it is a part; kNoGroup: none.
+  /// Index of the instance whose group `index` belongs to, or of which it is a part; kNoGroup:
+  /// none.
   std::uint32_t parent(std::size_t index) const;
   /// How the instance is cut; nullptr when it is not.
   const Cut* cut(std::size_t index) const;
