@@ -115,7 +115,9 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   const bool useless = c.group->tiles.empty() || !outside(c.view);
   if (useless && on_mesh) return;
   if (useless) {
-    if (!c.object->group) w.out.placeholders.push_back({instance, c.distance});
+    // The hull of what moves is where it ever is: a ghost.
+    const bool stands = !c.object->group && !c.object->motion.moving();
+    if (stands) w.out.placeholders.push_back({instance, c.distance});
     ++w.out.over_tau;
     return;
   }

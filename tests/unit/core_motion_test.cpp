@@ -58,6 +58,12 @@ TEST(CoreMotion, TheNearestPoseIsDrawnAndItsBoundGrowsWithTime) {
   EXPECT_LE(last, 1.2 * moved + 1);
 }
 
+TEST(CoreMotion, WithoutAnImageThereIsNoGhostOfAllItsPoses) {
+  SelectorWorld moving = moving_world(0.1f), still = moving_world(0);
+  EXPECT_EQ(moving.selector.select(moving.input()).placeholders.size(), 0u);
+  EXPECT_EQ(still.selector.select(still.input()).placeholders.size(), 1u);
+}
+
 TEST(CoreMotion, PhasesAreAskedForAsFinelyAsTheObjectMoves) {
   std::size_t last = 0;
   for (const float speed : {0.001f, 0.03f, 0.3f}) {
