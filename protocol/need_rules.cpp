@@ -94,9 +94,7 @@ const std::array<NeedRuleInfo, kNeedRules>& need_rules() {
        "rendering, sending, the client's frame", kApplied,
        "client/core/stillness.cpp, client/view/viewer.cpp", "Stillness, CoreStillness",
        "still forest, 900 frames: 106 drawn, 32 of them to refine the picture at rest, then none, "
-       "and "
-       "no byte; a window at rest: "
-       "0 ticks of processor time in 5 s on both ends"},
+       "and no byte; a window at rest: 0 ticks of processor time in 5 s on both ends"},
       {NeedRule::kBackFaces, "back faces", "closed, opaque, double-sided", "back faces", kDropped,
        "", "census of every proof; tried on terrain_low_poly.glb",
        "found in one of ten shared scenes (4 of 6 objects), 1.2 x time there, but "
