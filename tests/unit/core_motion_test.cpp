@@ -59,7 +59,7 @@ TEST(CoreMotion, TheNearestPoseIsDrawnAndItsBoundGrowsWithTime) {
 }
 
 TEST(CoreMotion, WithoutAnImageThereIsNoGhostOfAllItsPoses) {
-  SelectorWorld moving = moving_world(0.1f), still = moving_world(0);
+  SelectorWorld moving = moving_world(0.1f), still = one_ball();
   EXPECT_EQ(moving.selector.select(moving.input()).placeholders.size(), 0u);
   EXPECT_EQ(still.selector.select(still.input()).placeholders.size(), 1u);
 }
