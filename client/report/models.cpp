@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "protocol/image_codec.h"
+
 namespace mirage {
 namespace {
 
@@ -21,6 +23,7 @@ struct Row {
   std::string file;
   std::string status;  // "ok", or the line of the error
   std::optional<double> ready_s, rss_mb, flip_default, flip_impostors;
+  std::optional<double> hue;  // as a viewer draws it, median over the model's pixels, 1/255
   std::string triangles;
   std::uint64_t violations = 0, compared = 0;
   std::vector<std::string> warnings;
@@ -83,6 +86,18 @@ struct Look {
   std::optional<Picture> picture;
 };
 
+// Of the drawn picture against the truth, where that shows something.
+double hue_median(const Picture& picture) {
+  const auto image = [&picture](const std::vector<std::uint8_t>& rgba) {
+    Image out;
+    out.width = static_cast<std::uint32_t>(picture.width);
+    out.height = static_cast<std::uint32_t>(picture.height);
+    out.rgba = rgba;
+    return out;
+  };
+  return double{hue_error(image(picture.truth), image(picture.drawn)).median};
+}
+
 // The model at rest and, in the full form, around it.
 Result<Look> look_at_model(Context& context, const std::string& url, TruthSource& truth, Row& row) {
   const auto count = [&row](const RunResult& run) {
@@ -114,6 +129,7 @@ Result<void> measure_model(Context& context, const std::string& file, Row& row) 
   const Result<Look> all = look_at_model(context, (*server)->url(), **truth, row);
   if (!all) return all.error();
   row.flip_default = all->flip;
+  if (all->picture) row.hue = hue_median(*all->picture);
   const Result<std::unique_ptr<ServerProcess>> bare =
       ServerProcess::start(file, device, {"--no-geometry"});
   if (!bare) return bare.error();
@@ -134,13 +150,13 @@ Result<void> measure_model(Context& context, const std::string& file, Row& row) 
 
 Table table_of(const std::vector<Row>& rows) {
   Table table({"file", "status", "ready_s", "rss_mb", "triangles", "flip_default", "flip_impostors",
-               "violations", "warnings"});
+               "hue_default", "violations", "warnings"});
   for (const Row& row : rows) {
     const bool drawn = row.status == "ok";
     table.add({row.file, row.status, cell(row.ready_s, "{:.2f}"), cell(row.rss_mb, "{:.0f}"),
                row.triangles.empty() ? "n/a" : row.triangles, cell(row.flip_default),
-               cell(row.flip_impostors), drawn ? std::to_string(row.violations) : "n/a",
-               joined(row.warnings)});
+               cell(row.flip_impostors), cell(row.hue, "{:.1f}"),
+               drawn ? std::to_string(row.violations) : "n/a", joined(row.warnings)});
   }
   return table;
 }
@@ -181,6 +197,8 @@ void summarise(Context& context, const std::vector<Row>& rows) {
       "FLIP at rest, impostors only: " + spread_of(rows, &Row::flip_impostors) + ".",
       fmt::format("{} of {} compared pixels of impostors exceed their bound.", violations,
                   compared)};
+  lines.push_back("Hue as a viewer draws it, median over a model's pixels, of 255: " +
+                  spread_of(rows, &Row::hue) + ".");
   lines.push_back(worse.empty()
                       ? fmt::format("None is drawn worse than impostors alone (by more than {}).",
                                     kWorsePerGeometry)
@@ -208,7 +226,9 @@ Result<void> report_models(Context& context) {
       "view "
       "for eight seconds at rest, then once around it: as a viewer draws it by default, and with "
       "impostors only (mirage-server --no-geometry). Truth is the server's full render of the same "
-      "camera with 4 x 4 samples; FLIP is its mean where either picture shows something. Every "
+      "camera with 4 x 4 samples; FLIP is its mean where either picture shows something. Hue is "
+      "the "
+      "larger change of red - green and of blue - green, by mean over 2 x 2 pixels. Every "
       "pixel of an impostor that the truth shows is held against the bound it was drawn with.");
   std::vector<Row> rows;
   context.progress.begin(kPart, files->size());
