@@ -5,68 +5,13 @@
 #include <cstddef>
 
 #include "protocol/limits.h"
+#include "shaders/gl/mesh_variants.h"
 
 namespace mirage::gl {
 namespace {
 
-// No need of an object: a property of the frame, beyond the bits of need_mask.h.
-constexpr NeedMask kFog = NeedMask{1} << 63;
-constexpr NeedMask kFade = NeedMask{1} << 62;
-constexpr NeedMask kDepthOnly = NeedMask{1} << 61;
-constexpr NeedMask kShadow = NeedMask{1} << 60;
-constexpr NeedMask kSwitches = NeedMask{1} << 59;  // of what is forced
-constexpr NeedMask kProbe = NeedMask{1} << 58;
-
-struct NeedDefine {
-  NeedMask need;
-  const char* define;
-};
-constexpr NeedDefine kDefines[] = {
-    {kNeedLighting, "NEED_LIGHTING"},
-    {kNeedBaseColorMap, "NEED_BASE_COLOR_MAP"},
-    {kNeedMetalRoughMap, "NEED_METAL_ROUGH_MAP"},
-    {kNeedNormalMap, "NEED_NORMAL_MAP"},
-    {kNeedOcclusionMap, "NEED_OCCLUSION_MAP"},
-    {kNeedEmissiveMap, "NEED_EMISSIVE_MAP"},
-    {kNeedAlphaMask, "NEED_ALPHA_MASK"},
-    {kNeedBlend, "NEED_BLEND"},
-    {kNeedVertexColor, "NEED_VERTEX_COLOR"},
-    {kFog, "FOG"},
-    {kFade, "FADE"},
-    {kShadow, "SHADOW"},
-    {kProbe, "PROBE"},
-    {kDepthOnly, "DEPTH_ONLY"},
-    {kSwitches, "SWITCHES"},
-};
-constexpr NeedDefine kLobeDefines[] = {
-    {kNeedReflectance, "NEED_REFLECTANCE"},
-    {kNeedClearcoat, "NEED_CLEARCOAT"},
-    {kNeedSheen, "NEED_SHEEN"},
-    {kNeedTransmission, "NEED_TRANSMISSION"},
-};
-struct LobeMapNames {
-  const char* define;
-  const char* sampler;
-};
-// In the order of LobeMap; on the texture units after the probe's.
-constexpr LobeMapNames kLobeMapNames[kLobeMaps] = {
-    {"NEED_SPECULAR_MAP", "u_specular_map"},
-    {"NEED_SPECULAR_COLOR_MAP", "u_specular_color_map"},
-    {"NEED_CLEARCOAT_MAP", "u_clearcoat_map"},
-    {"NEED_CLEARCOAT_ROUGHNESS_MAP", "u_clearcoat_roughness_map"},
-    {"NEED_CLEARCOAT_NORMAL_MAP", "u_clearcoat_normal_map"},
-    {"NEED_SHEEN_COLOR_MAP", "u_sheen_color_map"},
-    {"NEED_TRANSMISSION_MAP", "u_transmission_map"},
-};
-constexpr int kFloorUnit = 6;  // a free one, of those that mesh.frag can have
-constexpr int kFirstLobeUnit = 9;
-constexpr NeedMask lobe_map_need(std::size_t i) { return NeedMask{kNeedFirstLobeMap} << i; }
-
-constexpr NeedMask kShaderNeeds = kLobeNeeds | kLobeMapNeeds | kNeedLighting | kNeedBaseColorMap |
-                                  kNeedMetalRoughMap | kNeedNormalMap | kNeedOcclusionMap |
-                                  kNeedEmissiveMap | kNeedAlphaMask | kNeedBlend | kNeedVertexColor;
-
-constexpr NeedMask kDepthNeeds = kNeedBaseColorMap | kNeedAlphaMask | kNeedVertexColor;
+constexpr int kFloorUnit = 6;      // a free one, of those that mesh.frag can have
+constexpr int kFirstLobeUnit = 9;  // after the probe
 
 GLint gl_wrap(Wrap wrap) {
   switch (wrap) {
@@ -116,21 +61,6 @@ GLenum gl_mode(PrimitiveKind kind) {
       break;
   }
   return GL_TRIANGLES;
-}
-
-std::vector<std::string> variant_defines(NeedMask needs) {
-  std::vector<std::string> defines;
-  for (const NeedDefine& d : kDefines) {
-    if (needs & d.need) defines.emplace_back(d.define);
-  }
-  for (const NeedDefine& d : kLobeDefines) {
-    if (needs & d.need) defines.emplace_back(d.define);
-  }
-  for (std::size_t i = 0; i < kLobeMaps; ++i) {
-    if (needs & lobe_map_need(i)) defines.emplace_back(kLobeMapNames[i].define);
-  }
-  if (needs & kLobeNeeds) defines.emplace_back("LOBES");
-  return defines;
 }
 
 }  // namespace
@@ -329,7 +259,7 @@ void MeshPass::bind_lobes(Program& p, const Lobes& l, NeedMask needs, const GpuI
       glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
       glBindTexture(GL_TEXTURE_2D, normal ? flat_.id() : white_.id());
     }
-    p.set(kLobeMapNames[i].sampler, unit);
+    p.set(lobe_map_sampler(i), unit);
     put_uv_transform(l.maps[i], &transforms[2 * (5 + i)]);
   }
 }
