@@ -110,6 +110,7 @@ void MeshPass::force(NeedMask needs) {
   black_probe_ = ProbeMap::black();
   // In 8 bits no normal map is neutral: 127 and 128 both lean by 0.2 degrees.
   flat_ = one_texel(GL_RGBA16F, {0.5f, 0.5f, 1, 1});
+  along_ = one_texel(GL_RGBA16F, {1, 0.5f, 1, 1});
 }
 
 std::vector<std::string> MeshPass::variants() const {
@@ -238,6 +239,11 @@ void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs, cons
   p.set("u_uv_transform", transforms);
 }
 
+const Texture& MeshPass::neutral_map(LobeMap which) const {
+  if (which == LobeMap::kClearcoatNormal) return flat_;
+  return which == LobeMap::kAnisotropy ? along_ : white_;
+}
+
 void MeshPass::bind_lobes(Program& p, const Lobes& l, NeedMask needs, const GpuImages& images,
                           std::vector<glm::vec4>& transforms) {
   // Schlick's from the refractive index; 0.04 to the last bit where it is the usual one.
@@ -249,15 +255,16 @@ void MeshPass::bind_lobes(Program& p, const Lobes& l, NeedMask needs, const GpuI
   p.set("u_sheen", glm::vec4(l.sheen_color, l.sheen_roughness));
   p.set("u_backdrop", backdrop_);
   p.set("u_transmission", glm::vec4(l.volume_tint, l.transmission));
+  p.set("u_anisotropy",
+        glm::vec3(l.anisotropy, std::cos(l.anisotropy_rotation), std::sin(l.anisotropy_rotation)));
   for (std::size_t i = 0; i < kLobeMaps; ++i) {
     if (!((needs | forced_) & lobe_map_need(i))) continue;
     const int unit = kFirstLobeUnit + static_cast<int>(i);
     if (needs & lobe_map_need(i)) {
       bind_texture(unit, l.maps[i], images, GL_LINEAR_MIPMAP_LINEAR);
     } else {
-      const bool normal = i == static_cast<std::size_t>(LobeMap::kClearcoatNormal);
       glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
-      glBindTexture(GL_TEXTURE_2D, normal ? flat_.id() : white_.id());
+      glBindTexture(GL_TEXTURE_2D, neutral_map(static_cast<LobeMap>(i)).id());
     }
     p.set(lobe_map_sampler(i), unit);
     put_uv_transform(l.maps[i], &transforms[2 * (5 + i)]);

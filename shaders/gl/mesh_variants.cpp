@@ -27,6 +27,7 @@ constexpr NeedDefine kDefines[] = {
     {kNeedClearcoat, "NEED_CLEARCOAT"},
     {kNeedSheen, "NEED_SHEEN"},
     {kNeedTransmission, "NEED_TRANSMISSION"},
+    {kNeedAnisotropy, "NEED_ANISOTROPY"},
 };
 
 struct LobeMapNames {
@@ -42,6 +43,7 @@ constexpr LobeMapNames kLobeMapNames[kLobeMaps] = {
     {"NEED_CLEARCOAT_NORMAL_MAP", "u_clearcoat_normal_map"},
     {"NEED_SHEEN_COLOR_MAP", "u_sheen_color_map"},
     {"NEED_TRANSMISSION_MAP", "u_transmission_map"},
+    {"NEED_ANISOTROPY_MAP", "u_anisotropy_map"},
 };
 
 }  // namespace
