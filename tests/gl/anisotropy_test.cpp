@@ -155,7 +155,7 @@ TEST_F(Anisotropy, LampsAreTheSpecificationsFormula) {
   for (int round = 0; round < 120; ++round) {
     SCOPED_TRACE(round);
     Plate plate;
-    const glm::dvec3 n = glm::normalize(glm::dvec3(0, 0, 1) + 0.4 * dice.direction());
+    const glm::dvec3 n = glm::normalize(glm::dvec3(0, 0, 1) + 0.9 * dice.direction());
     const glm::dvec3 t = glm::normalize(glm::cross(n, dice.direction()));
     const double sign = round % 3 == 0 ? -1 : 1;
     plate.from_behind = round % 4 == 3;
@@ -189,7 +189,7 @@ TEST_F(Anisotropy, LampsAreTheSpecificationsFormula) {
     ObjectLighting lighting;
     ObjectLight lamp;
     lamp.color = glm::vec3(0.05f);
-    const glm::dvec3 aside = 0.7 * dice.direction();
+    const glm::dvec3 aside = 0.95 * dice.direction();
     lamp.direction = glm::vec3(-glm::normalize(n + aside));
     lighting.lights = {lamp};
     const std::vector<glm::vec4> drawn = draw(plate, lighting);
