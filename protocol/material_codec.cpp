@@ -34,8 +34,11 @@ bool get_texture(ByteReader& r, TextureRef& t, std::size_t images) {
   return finite;
 }
 
-constexpr std::uint8_t kHasLobes = 1;
-constexpr std::size_t kLobeBytes = 15 * 4 + kLobeMaps * kTextureBytes;
+// What follows a material, in this order. Anisotropy apart: lobes without are what they were.
+constexpr std::uint8_t kHasLobes = 1, kHasAnisotropy = 2;
+constexpr std::size_t kFirstMaps = static_cast<std::size_t>(LobeMap::kAnisotropy);  // of lobes
+constexpr std::size_t kLobeBytes = 15 * 4 + kFirstMaps * kTextureBytes;
+constexpr std::size_t kAnisotropyBytes = 2 * 4 + kTextureBytes;
 
 template <typename LobesT, typename Visit>
 void each_factor(LobesT& l, const Visit& visit) {
@@ -55,8 +58,13 @@ bool has_lobes(const Lobes& lobes) {
   each_factor(lobes, [&](float v) { set.push_back(v); });
   const Lobes none;
   each_factor(none, [&](float v) { plain.push_back(v); });
-  return set != plain || std::any_of(lobes.maps.begin(), lobes.maps.end(),
+  return set != plain || std::any_of(lobes.maps.begin(), lobes.maps.begin() + kFirstMaps,
                                      [](const TextureRef& map) { return map.present(); });
+}
+
+bool has_anisotropy(const Lobes& lobes) {
+  return lobes.anisotropy != 0 || lobes.anisotropy_rotation != 0 ||
+         lobes.map(LobeMap::kAnisotropy).present();
 }
 
 bool get_lobes(ByteReader& r, Lobes& lobes, std::size_t images) {
@@ -65,8 +73,17 @@ bool get_lobes(ByteReader& r, Lobes& lobes, std::size_t images) {
     v = r.get<float>();
     ok = ok && std::isfinite(v) && v >= 0;
   });
-  for (TextureRef& map : lobes.maps) ok = get_texture(r, map, images) && ok;
+  for (std::size_t i = 0; i < kFirstMaps; ++i) ok = get_texture(r, lobes.maps[i], images) && ok;
   return ok && lobes.ior >= 1;
+}
+
+bool get_anisotropy(ByteReader& r, Lobes& lobes, std::size_t images) {
+  lobes.anisotropy = r.get<float>();
+  lobes.anisotropy_rotation = r.get<float>();
+  // Each is false for NaN.
+  const bool ok = lobes.anisotropy >= 0 && lobes.anisotropy <= 1 &&
+                  lobes.anisotropy_rotation >= 0 && lobes.anisotropy_rotation <= kMaxGrainRotation;
+  return get_texture(r, lobes.map(LobeMap::kAnisotropy), images) && ok;
 }
 
 }  // namespace
@@ -81,15 +98,21 @@ void put_material(ByteWriter& w, const Material& m) {
   w.put(static_cast<std::uint8_t>(m.alpha_mode));
   w.put(static_cast<std::uint8_t>(m.double_sided));
   w.put(static_cast<std::uint8_t>(m.unlit));
-  const bool lobes = has_lobes(m.lobes);
-  w.put(lobes ? kHasLobes : std::uint8_t{0});
+  const bool lobes = has_lobes(m.lobes), anisotropy = has_anisotropy(m.lobes);
+  w.put(static_cast<std::uint8_t>((lobes ? kHasLobes : 0) | (anisotropy ? kHasAnisotropy : 0)));
   for (const TextureRef* t :
        {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {
     put_texture(w, *t);
   }
-  if (!lobes) return;
-  each_factor(m.lobes, [&](float v) { w.put(v); });
-  for (const TextureRef& map : m.lobes.maps) put_texture(w, map);
+  if (lobes) {
+    each_factor(m.lobes, [&](float v) { w.put(v); });
+    for (std::size_t i = 0; i < kFirstMaps; ++i) put_texture(w, m.lobes.maps[i]);
+  }
+  if (anisotropy) {
+    w.put(m.lobes.anisotropy);
+    w.put(m.lobes.anisotropy_rotation);
+    put_texture(w, m.lobes.map(LobeMap::kAnisotropy));
+  }
 }
 
 bool get_material(ByteReader& r, Material& m, std::size_t images) {
@@ -105,8 +128,9 @@ bool get_material(ByteReader& r, Material& m, std::size_t images) {
     number(*v);
   }
   const auto alpha_mode = r.get<std::uint8_t>(), double_sided = r.get<std::uint8_t>();
-  const auto unlit = r.get<std::uint8_t>(), lobes = r.get<std::uint8_t>();
-  if (alpha_mode > 2 || double_sided > 1 || unlit > 1 || lobes > kHasLobes) return false;
+  const auto unlit = r.get<std::uint8_t>(), more = r.get<std::uint8_t>();
+  if (alpha_mode > 2 || double_sided > 1 || unlit > 1) return false;
+  if (more > (kHasLobes | kHasAnisotropy)) return false;
   m.alpha_mode = static_cast<AlphaMode>(alpha_mode);
   m.double_sided = double_sided != 0;
   m.unlit = unlit != 0;
@@ -114,7 +138,10 @@ bool get_material(ByteReader& r, Material& m, std::size_t images) {
        {&m.base_color_map, &m.metal_rough_map, &m.normal_map, &m.occlusion_map, &m.emissive_map}) {
     ok = get_texture(r, *t, images) && ok;
   }
-  if (lobes == kHasLobes) ok = r.has(1, kLobeBytes) && get_lobes(r, m.lobes, images) && ok;
+  if (more & kHasLobes) ok = r.has(1, kLobeBytes) && get_lobes(r, m.lobes, images) && ok;
+  if (more & kHasAnisotropy) {
+    ok = r.has(1, kAnisotropyBytes) && get_anisotropy(r, m.lobes, images) && ok;
+  }
   return ok;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Materials in a fixed layout without padding; lobes follow those that have any.
+// Materials in a fixed layout without padding; lobes and anisotropy follow those that have any.
 
 #include "protocol/byte_stream.h"
 #include "protocol/model.h"

@@ -64,8 +64,11 @@ enum class LobeMap : std::uint8_t {
   kClearcoatNormal,     ///< tangent space
   kSheenColor,          ///< sRGB
   kTransmission,        ///< R
+  kAnisotropy,          ///< RG: direction in tangent space, -1 to 1; B: share of the strength
 };
-inline constexpr std::size_t kLobeMaps = 7;
+inline constexpr std::size_t kLobeMaps = 8;
+/// Radians; turned by more the grain is what it is again.
+inline constexpr float kMaxGrainRotation = 3.1415927f;
 
 /// What KHR_materials_* add to metal-rough; by default nothing. Factors are linear.
 struct Lobes {
@@ -78,6 +81,10 @@ struct Lobes {
   float sheen_roughness = 0;
   float transmission = 0;    ///< share of the light not reflected that goes through, 0 to 1
   glm::vec3 volume_tint{1};  ///< what a volume leaves of it on the way
+  /// KHR_materials_anisotropy: how much rougher along the tangent than across, 0 to 1, and how far
+  /// that direction is turned from the tangent to the bitangent, 0 to kMaxGrainRotation.
+  float anisotropy = 0;
+  float anisotropy_rotation = 0;
   std::array<TextureRef, kLobeMaps> maps;
 
   TextureRef& map(LobeMap which) { return maps[static_cast<std::size_t>(which)]; }
@@ -103,6 +110,11 @@ struct Material {
   TextureRef emissive_map;
   Lobes lobes;
 
+  /// Whether it is drawn with the tangents of its vertices.
+  bool reads_tangents() const {
+    return normal_map.present() || lobes.map(LobeMap::kClearcoatNormal).present() ||
+           lobes.anisotropy > 0;
+  }
   /// Calls `visit` for each map, present or not: the five above, then those of lobes.
   template <typename Visit>
   void each_map(const Visit& visit) {

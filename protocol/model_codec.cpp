@@ -31,8 +31,7 @@ Error malformed(const char* what) {
 std::uint32_t streams_of(const ModelView& model) {
   std::uint32_t streams = has_vertex_color(model.mesh) ? kColor : 0u;
   for (const Material& m : model.materials) {
-    const bool coat = m.lobes.map(LobeMap::kClearcoatNormal).present();
-    if (m.normal_map.present() || coat) streams |= kTangent;
+    if (m.reads_tangents()) streams |= kTangent;
     m.each_map([&](const TextureRef& t) {
       if (t.present()) streams |= t.uv_set == 1 ? kUv1 : kUv0;
     });

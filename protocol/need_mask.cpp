@@ -19,6 +19,7 @@ NeedMask lobe_needs(const Lobes& lobes) {
   if (lobes.clearcoat > 0) needs |= kNeedClearcoat;
   if (lobes.sheen_color != glm::vec3(0)) needs |= kNeedSheen;
   if (lobes.transmission > 0) needs |= kNeedTransmission;
+  if (lobes.anisotropy > 0) needs |= kNeedAnisotropy;
   for (std::size_t i = 0; i < kLobeMaps; ++i) {
     const bool read = needs & lobe_of(static_cast<LobeMap>(i));
     if (read && lobes.maps[i].present()) needs |= NeedMask{kNeedFirstLobeMap} << i;
@@ -37,6 +38,8 @@ NeedMask lobe_of(LobeMap map) {
       return kNeedSheen;
     case LobeMap::kTransmission:
       return kNeedTransmission;
+    case LobeMap::kAnisotropy:
+      return kNeedAnisotropy;
     default:
       return kNeedClearcoat;
   }

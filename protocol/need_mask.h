@@ -33,10 +33,12 @@ enum Need : NeedMask {
   kNeedSheen = 1u << 17,
   kNeedTransmission = 1u << 18,
   kNeedFirstLobeMap = 1u << 19,
+  kNeedAnisotropy = 1u << 27,  ///< after the maps: masks travel, and those before keep their bits
 };
+static_assert(NeedMask{kNeedFirstLobeMap} << kLobeMaps <= kNeedAnisotropy);
 inline constexpr NeedMask kLobeMapNeeds = ((NeedMask{1} << kLobeMaps) - 1) * kNeedFirstLobeMap;
 inline constexpr NeedMask kLobeNeeds =
-    kNeedReflectance | kNeedClearcoat | kNeedSheen | kNeedTransmission;
+    kNeedReflectance | kNeedClearcoat | kNeedSheen | kNeedTransmission | kNeedAnisotropy;
 
 /// Whether tiles of an object can leave the shading to the client: one opaque, lit surface per
 /// texel that sends out no light of its own and has no lobe that the tile knows nothing of.

@@ -1,5 +1,6 @@
 add_executable(mirage_gltf_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/gltf_animation_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/gltf_anisotropy_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/gltf_compressed_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/gltf_container_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/gltf_geometry_test.cpp

@@ -143,8 +143,7 @@ Reads reads_of(const Mesh& mesh, const std::vector<Material>& materials) {
   for (const Primitive& p : mesh.primitives) {
     const Material& m = materials[p.material];
     out.normal = out.normal || !m.unlit;
-    const bool coat = m.lobes.map(LobeMap::kClearcoatNormal).present();
-    out.tangent = out.tangent || m.normal_map.present() || coat;
+    out.tangent = out.tangent || m.reads_tangents();
     m.each_map([&](const TextureRef& t) {
       if (t.present()) (t.uv_set == 1 ? out.uv1 : out.uv0) = true;
     });
@@ -177,7 +176,7 @@ std::vector<LeftOut> reset_unread(SceneObject& object, const std::vector<Materia
     reset_attribute(mesh, &Vertex::uv1, "second texture coordinates", "no map reads them", out);
   }
   if (!reads.tangent) {
-    reset_attribute(mesh, &Vertex::tangent, "tangents", "there is no normal map", out);
+    reset_attribute(mesh, &Vertex::tangent, "tangents", "no normal map or grain reads them", out);
   }
   if (!reads.normal) reset_attribute(mesh, &Vertex::normal, "normals", "all is unlit", out);
   return out;

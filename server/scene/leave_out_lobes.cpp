@@ -61,6 +61,12 @@ class LobeAnalysis {
       lobes_.transmission = plain.transmission;
       lobes_.volume_tint = plain.volume_tint;
     }
+    // Its map holds directions, of which no texel of 8 bits says nothing; only strengths of 0 do.
+    if (lobes_.anisotropy == 0 || black(LobeMap::kAnisotropy, {2})) {
+      gone("anisotropy", lobes_.anisotropy > 0, {LobeMap::kAnisotropy});
+      lobes_.anisotropy = plain.anisotropy;
+      lobes_.anisotropy_rotation = plain.anisotropy_rotation;
+    }
   }
 
  private:

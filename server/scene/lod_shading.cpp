@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint32_t kLeastEdge = 32, kMostEdge = 256;
 constexpr double kPixelsPerTriangle = 4;  // of a side
 constexpr std::uint32_t kCoarsestEdge = 8;
-constexpr float kNormalWeight = 0.5f;  // a mean light shows half of what a normal turns
+constexpr float kNormalWeight = 0.5f;  // a mean light shows half of what a normal or grain turns
 constexpr float kWhole = 0.99f;        // less cover is an edge, which MeshLod::error answers for
 constexpr float kMargin = 1.02f;
 
@@ -112,6 +112,13 @@ void fill(Canvas& canvas, const glm::vec3 (&at)[3], const Shade& shade) {
   }
 }
 
+glm::vec3 grain_of(const Vertex* const (&v)[3], const glm::vec3& weights) {
+  glm::vec3 sum(0);
+  for (int k = 0; k < 3; ++k) sum += weights[k] * glm::vec3(v[k]->tangent);
+  const float length = glm::length(sum);
+  return length > 1e-6f ? sum / length : glm::vec3(0);
+}
+
 void draw(const Mesh& mesh, const std::vector<Material>& materials,
           const std::vector<Image>& images, const MeshPictures::Frame& frame,
           const glm::mat3& rotation, Canvas& canvas) {
@@ -140,6 +147,7 @@ void draw(const Mesh& mesh, const std::vector<Material>& materials,
         const float length = glm::length(sum);
         pixel.normal = length > 1e-6f ? sum / (turn < 0 ? -length : length) : glm::vec3(0);
         pixel.color = paint.at(v, w);
+        pixel.grain = material.lobes.anisotropy > 0 ? grain_of(v, w) : glm::vec3(0);
         pixel.cover = 1;
       });
     }
@@ -156,6 +164,7 @@ MeshPictures::Picture halved(const MeshPictures::Picture& in, std::uint32_t edge
       MeshPictures::Pixel& to = out[std::size_t{y / 2} * half + x / 2];
       to.normal += 0.25f * from.normal;
       to.color += 0.25f * from.color;
+      to.grain += 0.25f * from.grain;
       to.cover += 0.25f * from.cover;
     }
   }
@@ -173,7 +182,9 @@ void add_difference(const MeshPictures::Picture& a, const MeshPictures::Picture&
     if (a[i].cover < kWhole || b[i].cover < kWhole) continue;
     const glm::vec3 normal = kNormalWeight * (a[i].normal - b[i].normal);
     const glm::vec3 color = a[i].color - b[i].color;
+    const glm::vec3 grain = kNormalWeight * (a[i].grain - b[i].grain);
     out.sum += double{glm::dot(normal, normal)} + double{glm::dot(color, color)} / 3;
+    out.sum += double{glm::dot(grain, grain)};
     ++out.pixels;
   }
 }

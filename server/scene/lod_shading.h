@@ -10,7 +10,8 @@
 
 namespace mirage {
 
-/// Six orthographic pictures of a mesh, of its normals and base colours, made without a GPU.
+/// Six orthographic pictures of a mesh, of its normals, base colours and the grain of what is
+/// anisotropic, made without a GPU.
 class MeshPictures {
  public:
   /// What pictures that are compared have in common.
@@ -32,6 +33,7 @@ class MeshPictures {
   struct Pixel {
     glm::vec3 normal{0};  ///< unit, towards the viewer
     glm::vec3 color{0};   ///< base colour, square root of linear
+    glm::vec3 grain{0};   ///< the tangent, unit; zero where nothing is drawn along it
     float cover = 0;      ///< share that shows anything; the others are sums over it
   };
   using Picture = std::vector<Pixel>;
@@ -43,7 +45,8 @@ class MeshPictures {
   std::array<Picture, kSides> sides_;
 };
 
-/// Root of the mean squared difference of normals (half) and colours that passes for equal.
+/// Root of the mean squared difference of normals and grain (half) and colours that passes for
+/// equal.
 inline constexpr double kSameShading = 0.03;
 
 /// Object units: the smallest pixels at which both look the same, within kSameShading; 0 when they

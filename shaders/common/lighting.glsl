@@ -28,6 +28,10 @@ struct Surface {
   float coat_roughness;
   vec3 coat_normal;
 #endif
+#ifdef NEED_ANISOTROPY
+  float anisotropy;  // 0 to 1
+  vec3 grain;        // unit, along the surface: where it is rougher
+#endif
 #ifdef SPREAD
   float spread;  // 0: one normal, 1: they cancel out (relit tiles: many leaves in a texel)
 #endif
@@ -88,6 +92,9 @@ vec3 unit(vec3 v) {
   return normalize(v / max(max(a.x, a.y), a.z));
 }
 
+#ifdef NEED_ANISOTROPY
+#include "common/anisotropy.glsl"
+#endif
 #ifdef PROBE
 #include "common/probe.glsl"
 #endif
@@ -129,6 +136,9 @@ vec3 shade(Surface s) {
     fresnel += grazing * pow(1.0 - v_h, 5.0);
 #endif
     float specular = ggx_specular(n_l, n_v, max(dot(s.normal, h), 0.0), s.roughness);
+#ifdef NEED_ANISOTROPY
+    if (s.anisotropy > 0.0) specular = anisotropic_specular(s, to_eye, to_light, h, n_l, n_v);
+#endif
     result += color * n_l * ((1.0 - fresnel) * diffuse + fresnel * specular);
   }
 #ifdef PROBE

@@ -65,8 +65,12 @@ vec3 probe_light(Surface s, vec3 to_eye, vec3 f0, float grazing, vec3 diffuse) {
 #endif
   vec3 n = probe_axes(s.normal);
   vec3 irradiance = probe_irradiance(n, mean_length);
+  vec3 facet = s.normal;
+#ifdef NEED_ANISOTROPY
+  if (s.anisotropy > 0.0) facet = bent_normal(s, to_eye);
+#endif
   // The lobe of a rough surface leans towards the normal.
-  vec3 mirrored = normalize(mix(reflect(-to_eye, s.normal), s.normal, s.roughness * s.roughness));
+  vec3 mirrored = normalize(mix(reflect(-to_eye, facet), facet, s.roughness * s.roughness));
   vec3 radiance = probe_radiance(probe_axes(mirrored), s.roughness);
   vec2 ab = brdf_integral(n_v, s.roughness);
   vec3 single = f0 * ab.x + ab.y + grazing * ab.y;

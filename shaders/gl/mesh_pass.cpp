@@ -5,68 +5,13 @@
 #include <cstddef>
 
 #include "protocol/limits.h"
+#include "shaders/gl/mesh_variants.h"
 
 namespace mirage::gl {
 namespace {
 
-// No need of an object: a property of the frame, beyond the bits of need_mask.h.
-constexpr NeedMask kFog = NeedMask{1} << 63;
-constexpr NeedMask kFade = NeedMask{1} << 62;
-constexpr NeedMask kDepthOnly = NeedMask{1} << 61;
-constexpr NeedMask kShadow = NeedMask{1} << 60;
-constexpr NeedMask kSwitches = NeedMask{1} << 59;  // of what is forced
-constexpr NeedMask kProbe = NeedMask{1} << 58;
-
-struct NeedDefine {
-  NeedMask need;
-  const char* define;
-};
-constexpr NeedDefine kDefines[] = {
-    {kNeedLighting, "NEED_LIGHTING"},
-    {kNeedBaseColorMap, "NEED_BASE_COLOR_MAP"},
-    {kNeedMetalRoughMap, "NEED_METAL_ROUGH_MAP"},
-    {kNeedNormalMap, "NEED_NORMAL_MAP"},
-    {kNeedOcclusionMap, "NEED_OCCLUSION_MAP"},
-    {kNeedEmissiveMap, "NEED_EMISSIVE_MAP"},
-    {kNeedAlphaMask, "NEED_ALPHA_MASK"},
-    {kNeedBlend, "NEED_BLEND"},
-    {kNeedVertexColor, "NEED_VERTEX_COLOR"},
-    {kFog, "FOG"},
-    {kFade, "FADE"},
-    {kShadow, "SHADOW"},
-    {kProbe, "PROBE"},
-    {kDepthOnly, "DEPTH_ONLY"},
-    {kSwitches, "SWITCHES"},
-};
-constexpr NeedDefine kLobeDefines[] = {
-    {kNeedReflectance, "NEED_REFLECTANCE"},
-    {kNeedClearcoat, "NEED_CLEARCOAT"},
-    {kNeedSheen, "NEED_SHEEN"},
-    {kNeedTransmission, "NEED_TRANSMISSION"},
-};
-struct LobeMapNames {
-  const char* define;
-  const char* sampler;
-};
-// In the order of LobeMap; on the texture units after the probe's.
-constexpr LobeMapNames kLobeMapNames[kLobeMaps] = {
-    {"NEED_SPECULAR_MAP", "u_specular_map"},
-    {"NEED_SPECULAR_COLOR_MAP", "u_specular_color_map"},
-    {"NEED_CLEARCOAT_MAP", "u_clearcoat_map"},
-    {"NEED_CLEARCOAT_ROUGHNESS_MAP", "u_clearcoat_roughness_map"},
-    {"NEED_CLEARCOAT_NORMAL_MAP", "u_clearcoat_normal_map"},
-    {"NEED_SHEEN_COLOR_MAP", "u_sheen_color_map"},
-    {"NEED_TRANSMISSION_MAP", "u_transmission_map"},
-};
-constexpr int kFloorUnit = 6;  // a free one, of those that mesh.frag can have
-constexpr int kFirstLobeUnit = 9;
-constexpr NeedMask lobe_map_need(std::size_t i) { return NeedMask{kNeedFirstLobeMap} << i; }
-
-constexpr NeedMask kShaderNeeds = kLobeNeeds | kLobeMapNeeds | kNeedLighting | kNeedBaseColorMap |
-                                  kNeedMetalRoughMap | kNeedNormalMap | kNeedOcclusionMap |
-                                  kNeedEmissiveMap | kNeedAlphaMask | kNeedBlend | kNeedVertexColor;
-
-constexpr NeedMask kDepthNeeds = kNeedBaseColorMap | kNeedAlphaMask | kNeedVertexColor;
+constexpr int kFloorUnit = 6;      // a free one, of those that mesh.frag can have
+constexpr int kFirstLobeUnit = 9;  // after the probe
 
 GLint gl_wrap(Wrap wrap) {
   switch (wrap) {
@@ -118,21 +63,6 @@ GLenum gl_mode(PrimitiveKind kind) {
   return GL_TRIANGLES;
 }
 
-std::vector<std::string> variant_defines(NeedMask needs) {
-  std::vector<std::string> defines;
-  for (const NeedDefine& d : kDefines) {
-    if (needs & d.need) defines.emplace_back(d.define);
-  }
-  for (const NeedDefine& d : kLobeDefines) {
-    if (needs & d.need) defines.emplace_back(d.define);
-  }
-  for (std::size_t i = 0; i < kLobeMaps; ++i) {
-    if (needs & lobe_map_need(i)) defines.emplace_back(kLobeMapNames[i].define);
-  }
-  if (needs & kLobeNeeds) defines.emplace_back("LOBES");
-  return defines;
-}
-
 }  // namespace
 
 MeshInstance mesh_instance(const Similarity& m, const glm::dvec3& eye, std::uint32_t id) {
@@ -180,6 +110,7 @@ void MeshPass::force(NeedMask needs) {
   black_probe_ = ProbeMap::black();
   // In 8 bits no normal map is neutral: 127 and 128 both lean by 0.2 degrees.
   flat_ = one_texel(GL_RGBA16F, {0.5f, 0.5f, 1, 1});
+  along_ = one_texel(GL_RGBA16F, {1, 0.5f, 1, 1});
 }
 
 std::vector<std::string> MeshPass::variants() const {
@@ -308,6 +239,11 @@ void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs, cons
   p.set("u_uv_transform", transforms);
 }
 
+const Texture& MeshPass::neutral_map(LobeMap which) const {
+  if (which == LobeMap::kClearcoatNormal) return flat_;
+  return which == LobeMap::kAnisotropy ? along_ : white_;
+}
+
 void MeshPass::bind_lobes(Program& p, const Lobes& l, NeedMask needs, const GpuImages& images,
                           std::vector<glm::vec4>& transforms) {
   // Schlick's from the refractive index; 0.04 to the last bit where it is the usual one.
@@ -319,17 +255,18 @@ void MeshPass::bind_lobes(Program& p, const Lobes& l, NeedMask needs, const GpuI
   p.set("u_sheen", glm::vec4(l.sheen_color, l.sheen_roughness));
   p.set("u_backdrop", backdrop_);
   p.set("u_transmission", glm::vec4(l.volume_tint, l.transmission));
+  p.set("u_anisotropy",
+        glm::vec3(l.anisotropy, std::cos(l.anisotropy_rotation), std::sin(l.anisotropy_rotation)));
   for (std::size_t i = 0; i < kLobeMaps; ++i) {
     if (!((needs | forced_) & lobe_map_need(i))) continue;
     const int unit = kFirstLobeUnit + static_cast<int>(i);
     if (needs & lobe_map_need(i)) {
       bind_texture(unit, l.maps[i], images, GL_LINEAR_MIPMAP_LINEAR);
     } else {
-      const bool normal = i == static_cast<std::size_t>(LobeMap::kClearcoatNormal);
       glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
-      glBindTexture(GL_TEXTURE_2D, normal ? flat_.id() : white_.id());
+      glBindTexture(GL_TEXTURE_2D, neutral_map(static_cast<LobeMap>(i)).id());
     }
-    p.set(kLobeMapNames[i].sampler, unit);
+    p.set(lobe_map_sampler(i), unit);
     put_uv_transform(l.maps[i], &transforms[2 * (5 + i)]);
   }
 }

@@ -121,13 +121,14 @@ class MeshPass {
            Stage stage);
   void bind_material(Program& p, const Material& material, NeedMask needs, const GpuImages& images,
                      Stage stage);
+  const Texture& neutral_map(LobeMap which) const;
   void bind_lobes(Program& p, const Lobes& lobes, NeedMask needs, const GpuImages& images,
                   std::vector<glm::vec4>& transforms);
   void bind_instances(const MeshInstance* instances, std::size_t count);
 
   const MeshOutput output_;
   NeedMask forced_ = 0;
-  Texture white_, flat_;  ///< neutral maps, of what is forced
+  Texture white_, flat_, along_;  ///< neutral maps, of what is forced: 1, no slope, the tangent
   std::map<NeedMask, Program> programs_;
   Buffer instance_buffer_;
   glm::mat4 clip_from_relative_{1};

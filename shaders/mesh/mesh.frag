@@ -50,11 +50,12 @@ uniform sampler2D u_occlusion_map;
 uniform sampler2D u_emissive_map;
 // Per map: uv' = (m0.xy . uv + m0.z, m1.xy . uv + m1.z); m0.w selects the set.
 #ifdef LOBES
-uniform vec4 u_uv_transform[24];
+uniform vec4 u_uv_transform[26];
 uniform vec4 u_reflectance;
 uniform vec2 u_clearcoat;     // share, roughness
 uniform vec4 u_sheen;         // colour, roughness
 uniform vec4 u_transmission;  // tint of the way through, share
+uniform vec3 u_anisotropy;    // strength; direction in the tangent frame
 uniform vec3 u_backdrop;      // what is seen where no object is
 uniform sampler2D u_specular_map;
 uniform sampler2D u_specular_color_map;
@@ -63,6 +64,7 @@ uniform sampler2D u_clearcoat_roughness_map;
 uniform sampler2D u_clearcoat_normal_map;
 uniform sampler2D u_sheen_color_map;
 uniform sampler2D u_transmission_map;
+uniform sampler2D u_anisotropy_map;
 #else
 uniform vec4 u_uv_transform[10];
 #endif
@@ -110,6 +112,35 @@ vec3 surface_normal() {
   return n;
 }
 
+#if defined(NEED_ANISOTROPY) && defined(NEED_LIGHTING)
+// As KHR_materials_anisotropy has it, in the tangent frame of normal maps, but laid into the normal
+// that is shaded: along the mesh's own tangents a highlight would not see the normal map. The
+// grain is that of the front from behind, too, so its frame does not turn to face the eye.
+void read_grain(inout Surface s) {
+  s.anisotropy = u_anisotropy.x;
+  vec2 turn = u_anisotropy.yz, along = vec2(1.0, 0.0);
+#ifdef NEED_ANISOTROPY_MAP
+  vec3 texel = texture(u_anisotropy_map, map_uv(12)).rgb;
+  s.anisotropy *= texel.b;
+  vec2 direction = texel.rg * 2.0 - 1.0;
+  float size = length(direction);
+  if (size > 0.0) along = direction / size;
+#endif
+  along = vec2(turn.x * along.x - turn.y * along.y, turn.y * along.x + turn.x * along.y);
+  vec3 n = normalize(v_normal);
+  vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
+  vec3 grain = along.x * t + along.y * v_tangent.w * cross(n, t);
+  grain -= s.normal * dot(s.normal, grain);
+  float l = length(grain);
+  if (l > 1e-6) {
+    s.grain = grain / l;
+  } else {  // the normal map leans all the way along it, or there is no tangent: no direction
+    s.grain = vec3(0.0);
+    s.anisotropy = 0.0;
+  }
+}
+#endif
+
 #if defined(LOBES) && defined(NEED_LIGHTING)
 void read_lobes(inout Surface s) {
   s.reflectance = u_reflectance;
@@ -142,6 +173,9 @@ void read_lobes(inout Surface s) {
   s.transmission *= texture(u_transmission_map, map_uv(11)).r;
 #endif
   s.transmission *= 1.0 - s.metallic;
+#ifdef NEED_ANISOTROPY
+  read_grain(s);
+#endif
 }
 
 #ifdef NEED_TRANSMISSION

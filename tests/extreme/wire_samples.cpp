@@ -131,10 +131,8 @@ bool accepts_model(const Bytes& bytes, int& not_finite) {
     check.add(glm::dvec3(m.base_color)), check.add(double{m.base_color.w});
     check.add(glm::dvec3(m.emissive));
     check.add({m.metallic, m.roughness, m.normal_scale, m.occlusion_strength, m.alpha_cutoff});
-    for (const TextureRef* t : {&m.base_color_map, &m.metal_rough_map, &m.normal_map,
-                                &m.occlusion_map, &m.emissive_map}) {
-      add_reference(check, *t);
-    }
+    check.add({m.lobes.anisotropy, m.lobes.anisotropy_rotation});
+    m.each_map([&](const TextureRef& t) { add_reference(check, t); });
   }
   if (model->animation) {
     // What is drawn: the pose, at both ends of the clip and within it.

@@ -127,10 +127,19 @@ inline std::vector<NamedChange> neutral_changes() {
          l.sheen_roughness = 0.7f;
          l.volume_tint = {0.2f, 0.9f, 0.4f};
          l.transmission = 0.8f;
+         l.anisotropy_rotation = 0.6f;
          s.images.push_back(solid_image({0, 90, 90, 255}, false));
          l.map(LobeMap::kTransmission).image = static_cast<std::int32_t>(s.images.size()) - 1;
          s.images.push_back(solid_image({40, 60, 90, 255}, false));
          l.map(LobeMap::kClearcoat).image = static_cast<std::int32_t>(s.images.size()) - 1;
+       }},
+      {"a grain of strength 0 in every texel", NeedRule::kExtensions,
+       [](Scene& s) {
+         Lobes& l = s.materials[0].lobes;
+         l.anisotropy = 0.9f;
+         l.anisotropy_rotation = 0.6f;
+         s.images.push_back(solid_image({200, 90, 0, 255}, false));
+         l.map(LobeMap::kAnisotropy).image = static_cast<std::int32_t>(s.images.size()) - 1;
        }},
       {"white maps of reflection", NeedRule::kExtensions,
        [=](Scene& s) {
@@ -215,6 +224,23 @@ inline std::vector<NeededChange> needed_changes() {
          s.materials[0].lobes.transmission = 0;
          s.materials[0].alpha_mode = AlphaMode::kOpaque;
        }},
+      {"anisotropy", NeedRule::kExtensions,
+       [](Scene& s) { s.materials[0].lobes.anisotropy = 0.3f; },
+       [](Scene& s) { s.materials[0].lobes.anisotropy = 0; }},
+      {"rotation of the grain", NeedRule::kExtensions,
+       [](Scene& s) {
+         s.materials[0].lobes.anisotropy = 0.3f;
+         s.materials[0].lobes.anisotropy_rotation = 0.2f;
+       },
+       [](Scene& s) { s.materials[0].lobes.anisotropy_rotation = 0; }},
+      {"a grain of strength 0 in all texels but one", NeedRule::kExtensions,
+       [](Scene& s) {
+         s.materials[0].lobes.anisotropy = 1;
+         s.images.push_back(small_image({255, 128, 0, 255}, {255, 128, 255, 255}, false));
+         s.materials[0].lobes.map(LobeMap::kAnisotropy).image =
+             static_cast<std::int32_t>(s.images.size()) - 1;
+       },
+       [](Scene& s) { s.materials[0].lobes.anisotropy = 0; }},
       {"index of refraction", NeedRule::kExtensions,
        [](Scene& s) { s.materials[0].lobes.ior = 1.7f; },
        [](Scene& s) { s.materials[0].lobes.ior = 1.5f; }},

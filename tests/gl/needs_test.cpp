@@ -113,6 +113,12 @@ TEST_F(NeedsProof, UnlitScenesAndThoseThatNeedAllAreDrawnAlike) {
     }
   }
   EXPECT_EQ(prove(prepared(all)).total.differing_components, 0u);
+  // A grain without a map: FULL reads one that says nothing.
+  const Change brushed = [](Scene& s) {
+    s.materials[0].lobes.anisotropy = 0.7f;
+    s.materials[0].lobes.anisotropy_rotation = 0.4f;
+  };
+  EXPECT_EQ(prove(prepared({brushed})).total.differing_components, 0u);
 }
 
 // Negative control: where a feature is needed, be it by one texel, leaving it out shows.

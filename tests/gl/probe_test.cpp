@@ -61,13 +61,16 @@ TEST_F(Probe, AFurnaceHidesWhatReflectsAll) {
   const Equirect gray{2, 1, {glm::vec3(0.8f), glm::vec3(0.8f)}};
   for (const float metallic : {0.0f, 1.0f}) {
     for (const float roughness : {0.0f, 0.3f, 0.7f, 1.0f}) {
-      const auto white = [=](Scene& s) {
-        s.materials[0].base_color = glm::vec4(1);
-        s.materials[0].metallic = metallic;
-        s.materials[0].roughness = roughness;
-      };
-      for (const glm::vec4& c : draw({in_probe(gray), white})) {
-        ASSERT_NEAR(c.g, 0.8f, 0.02f) << metallic << " " << roughness;
+      for (const float anisotropy : {0.0f, 0.5f, 1.0f}) {
+        const auto white = [=](Scene& s) {
+          s.materials[0].base_color = glm::vec4(1);
+          s.materials[0].metallic = metallic;
+          s.materials[0].roughness = roughness;
+          s.materials[0].lobes.anisotropy = anisotropy;
+        };
+        for (const glm::vec4& c : draw({in_probe(gray), white})) {
+          ASSERT_NEAR(c.g, 0.8f, 0.02f) << metallic << " " << roughness << " " << anisotropy;
+        }
       }
     }
   }

@@ -11,7 +11,7 @@ namespace {
 constexpr NeedMask kNeeds[] = {
     kNeedLighting,    kNeedBaseColorMap, kNeedMetalRoughMap, kNeedNormalMap,   kNeedOcclusionMap,
     kNeedEmissiveMap, kNeedAlphaMask,    kNeedBlend,         kNeedVertexColor, kNeedReflectance,
-    kNeedClearcoat,   kNeedSheen,        kNeedTransmission,  kLobeMapNeeds};
+    kNeedClearcoat,   kNeedSheen,        kNeedTransmission,  kNeedAnisotropy,  kLobeMapNeeds};
 
 TEST(Shaders, EveryVariantCompiles) {
   Result<gl::EglContext> egl = gl::EglContext::create("auto");

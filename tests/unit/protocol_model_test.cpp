@@ -56,6 +56,8 @@ ObjectModel sheet(std::uint32_t n) {
   m.base_color_map.image = 0;
   m.normal_map = {1, 1, Wrap::kClamp, Wrap::kMirror, true, {0.1f, 0.2f}, {3, 4}, 0.5f};
   model.materials[0].emissive_map.image = 1;
+  model.materials[0].lobes.anisotropy = 0.5f;
+  model.materials[0].lobes.map(LobeMap::kAnisotropy).image = 1;
   return model;
 }
 
@@ -132,6 +134,7 @@ TEST(ProtocolModel, StreamsTravelOnlyWhenNeeded) {
   const std::size_t all = encode_model(plain).size();
   for (Material& m : plain.materials) m.base_color_map.image = m.normal_map.image = -1;
   plain.materials[0].emissive_map.image = -1;
+  plain.materials[0].lobes = {};
   for (Vertex& v : plain.mesh.vertices) v.color = glm::u16vec4(65535);
   const Bytes bytes = encode_model(plain);
   EXPECT_LT(bytes.size(), 0.75 * static_cast<double>(all));
@@ -300,6 +303,78 @@ TEST(ProtocolModel, LobesComeBackAndCostNothingWhereThereAreNone) {
     ByteReader in(spoilt.data(), spoilt.size());
     EXPECT_FALSE(get_material(in, back, 3)) << what;
   }
+}
+
+TEST(ProtocolModel, AnisotropyFollowsLobesThatAreWhatTheyWere) {
+  const auto bytes_of = [](const Material& m) {
+    ByteWriter w;
+    put_material(w, m);
+    return w.bytes;
+  };
+  const auto taken = [](const Bytes& bytes, Material& m, std::size_t images) {
+    ByteReader r(bytes.data(), bytes.size());
+    return get_material(r, m, images) && r.left() == 0;
+  };
+  constexpr std::size_t kFlags = kMaterialBytes - 5 * kTextureBytes - 1;
+  constexpr std::size_t kLobes = 15 * 4 + 7 * kTextureBytes, kGrain = 2 * 4 + kTextureBytes;
+  for (const bool others : {false, true}) {
+    Material m;
+    if (others) m.lobes.clearcoat = 0.75f;
+    const Bytes without = bytes_of(m);
+    const std::size_t size = kMaterialBytes + (others ? kLobes : 0);
+    ASSERT_EQ(without.size(), size);
+    m.lobes.anisotropy = 0.5f;
+    m.lobes.anisotropy_rotation = 1.25f;
+    m.lobes.map(LobeMap::kAnisotropy).image = 2;
+    m.lobes.map(LobeMap::kAnisotropy).uv_set = 1;
+    const Bytes bytes = bytes_of(m);
+    ASSERT_EQ(bytes.size(), size + kGrain);
+    Bytes first(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    EXPECT_EQ(first[kFlags], others ? 3 : 2);
+    first[kFlags] = without[kFlags];
+    EXPECT_EQ(first, without);
+    Material back;
+    ASSERT_TRUE(taken(bytes, back, 3));
+    EXPECT_EQ(back.lobes.anisotropy, 0.5f);
+    EXPECT_EQ(back.lobes.anisotropy_rotation, 1.25f);
+    EXPECT_EQ(back.lobes.map(LobeMap::kAnisotropy).image, 2);
+    EXPECT_EQ(back.lobes.map(LobeMap::kAnisotropy).uv_set, 1);
+    EXPECT_EQ(back.lobes.clearcoat, m.lobes.clearcoat);
+    EXPECT_FALSE(taken(bytes, back, 2)) << "an image that is not there";
+    for (std::size_t n = kMaterialBytes; n < bytes.size(); ++n) {
+      const Bytes cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n));
+      EXPECT_FALSE(taken(cut, back, 3)) << n;
+    }
+    for (const unsigned flags : {4u, 7u, 255u}) {
+      Bytes unknown = bytes;
+      unknown[kFlags] = static_cast<std::uint8_t>(flags);
+      EXPECT_FALSE(taken(unknown, back, 3)) << flags;
+    }
+    for (const float bad : {std::nanf(""), HUGE_VALF, -HUGE_VALF, -0.01f, 3.2f}) {
+      Material spoilt = m;
+      spoilt.lobes.anisotropy = bad;
+      EXPECT_FALSE(taken(bytes_of(spoilt), back, 3)) << bad;
+      spoilt = m;
+      spoilt.lobes.anisotropy_rotation = bad;
+      EXPECT_FALSE(taken(bytes_of(spoilt), back, 3)) << bad;
+    }
+    m.lobes.anisotropy = 1.01f;
+    EXPECT_FALSE(taken(bytes_of(m), back, 3));
+  }
+}
+
+// Texture coordinates of its map and tangents come with it.
+TEST(ProtocolModel, AnisotropyTravelsWithItsTangents) {
+  ObjectModel plain = sheet(6);
+  plain.materials.assign(2, Material());
+  const auto tangent = [](const ObjectModel& model) {
+    const Result<ObjectModel> back = decode(encode_model(model));
+    EXPECT_TRUE(back);
+    return glm::vec3(back->mesh.vertices[8].tangent);
+  };
+  EXPECT_EQ(tangent(plain), glm::vec3(Vertex().tangent));
+  plain.materials[0].lobes.anisotropy = 0.5f;
+  EXPECT_NE(tangent(plain), glm::vec3(Vertex().tangent));
 }
 
 TEST(ProtocolModel, FlippedBitsNeverCrash) {

@@ -83,6 +83,21 @@ TEST(ServerShading, ColoursCountAsTheyAreDrawn) {
   EXPECT_GT(size_of(full, slid), 0.3f);
 }
 
+// A disk turned on a lathe: flat and of one colour, and yet seen.
+TEST(ServerShading, TheGrainOfWhatIsBrushedCounts) {
+  Mesh full = plate(16, 0), coarse = plate(2, 0);
+  for (Mesh* mesh : {&full, &coarse}) {
+    for (Vertex& v : mesh->vertices) {
+      v.tangent = glm::vec4(glm::normalize(glm::vec3(-v.position.y, v.position.x + 1e-3f, 0)), 1);
+    }
+  }
+  Material brushed;
+  brushed.lobes.anisotropy = 0.5f;
+  EXPECT_EQ(size_of(full, full, {brushed}), 0);
+  EXPECT_GT(size_of(full, coarse, {brushed}), 0.05f) << "between few corners it does not go round";
+  EXPECT_EQ(size_of(full, coarse), 0) << "without anisotropy nobody sees it";
+}
+
 TEST(ServerShading, NothingToSeeIsEqual) {
   Mesh empty;
   EXPECT_EQ(size_of(empty, empty), 0);

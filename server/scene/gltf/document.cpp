@@ -38,6 +38,7 @@ constexpr std::string_view kSupportedExtensions[] = {
     "KHR_materials_sheen",
     "KHR_materials_transmission",
     "KHR_materials_volume",
+    "KHR_materials_anisotropy",
 };
 
 bool is_supported(std::string_view extension) {

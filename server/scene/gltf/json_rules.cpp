@@ -76,14 +76,16 @@ const Schema& material_extension_schema() {
       {number("transmissionFactor"), object("transmissionTexture", info)}};
   static const Schema kVolume{{number("thicknessFactor"), object("thicknessTexture", info),
                                number("attenuationDistance"), numbers("attenuationColor", 3)}};
+  static const Schema kAnisotropy{{number("anisotropyStrength"), number("anisotropyRotation"),
+                                   object("anisotropyTexture", info)}};
   static const Schema kSchema{
       {object("KHR_materials_unlit", empty_schema()),
        object("KHR_materials_emissive_strength", kStrength),
        object("KHR_materials_pbrSpecularGlossiness", kSpecGloss),
        object("KHR_materials_specular", kSpecular), object("KHR_materials_ior", kIor),
        object("KHR_materials_clearcoat", kClearcoat), object("KHR_materials_sheen", kSheen),
-       object("KHR_materials_transmission", kTransmission),
-       object("KHR_materials_volume", kVolume)}};
+       object("KHR_materials_transmission", kTransmission), object("KHR_materials_volume", kVolume),
+       object("KHR_materials_anisotropy", kAnisotropy)}};
   return kSchema;
 }
 

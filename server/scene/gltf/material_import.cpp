@@ -45,15 +45,39 @@ double pair_element(const tinygltf::Value& object, const char* key, int i, doubl
   return list.Get(i).GetNumberAsDouble();
 }
 
+/// Strength of KHR_materials_anisotropy as it is in the file; 0 where there is none to draw.
+double strength_of_grain(const tinygltf::Material& material) {
+  const auto found = material.extensions.find("KHR_materials_anisotropy");
+  if (found == material.extensions.end()) return 0;
+  if (material.extensions.contains("KHR_materials_unlit")) return 0;
+  return number_or(found->second, "anisotropyStrength", 0);
+}
+
+/// Radians in 0..kMaxGrainRotation: what reflects one way reflects the other way alike.
+float half_turn(double radians) {
+  const double pi = std::acos(-1.0);
+  const double rest = std::fmod(radians, pi);
+  return static_cast<float>(rest < 0 ? rest + pi : rest);
+}
+
 }  // namespace
 
-std::uint32_t MaterialImporter::index_of(int gltf_material, bool unlit) {
-  const auto [entry, is_new] = material_index_.try_emplace({gltf_material, unlit}, 0u);
-  if (!is_new) return entry->second;
+std::uint32_t MaterialImporter::index_of(int gltf_material, Without without) {
   static const tinygltf::Material kDefault;
-  Material material =
-      convert(gltf_material < 0 ? kDefault : document_.model.materials[gltf_material]);
-  material.unlit = material.unlit || unlit;
+  const tinygltf::Material& source =
+      gltf_material < 0 ? kDefault : document_.model.materials[gltf_material];
+  without.anisotropy = without.anisotropy && strength_of_grain(source) > 0;
+  // The specification wants tangents or a normal map, which lies by texture coordinates. Any frame
+  // that we made up would have seams somewhere, and show them.
+  if (without.anisotropy) tally_.add("primitives without tangents drawn without anisotropy");
+  const auto [entry, is_new] = material_index_.try_emplace({gltf_material, without}, 0u);
+  if (!is_new) return entry->second;
+  Material material = convert(source);
+  material.unlit = material.unlit || without.lighting;
+  if (without.anisotropy) {
+    material.lobes.anisotropy = material.lobes.anisotropy_rotation = 0;
+    material.lobes.map(LobeMap::kAnisotropy) = {};
+  }
   entry->second = static_cast<std::uint32_t>(materials_.size());
   materials_.push_back(material);
   return entry->second;
@@ -160,6 +184,10 @@ void MaterialImporter::read_lobes(const tinygltf::Material& source, Lobes& out) 
     const glm::vec3 left = color(volume, "attenuationColor", 1, 1);
     out.volume_tint = glm::pow(left, glm::vec3(static_cast<float>(thickness / distance)));
   }
+  const tinygltf::Value& grain = extension("KHR_materials_anisotropy");
+  out.anisotropy = share(grain, "anisotropyStrength", 0);
+  out.anisotropy_rotation = half_turn(number_or(grain, "anisotropyRotation", 0));
+  out.map(LobeMap::kAnisotropy) = lobe_map(grain, "anisotropyTexture", false);
   const bool unread = (sheen.IsObject() && sheen.Has("sheenRoughnessTexture")) ||
                       (volume.IsObject() && volume.Has("thicknessTexture"));
   if (unread) tally_.add("sheen roughness and thickness textures read as their factors");

@@ -1,6 +1,7 @@
 #pragma once
 // glTF materials, textures and samplers -> Material and Image lists.
 
+#include <compare>
 #include <cstdint>
 #include <map>
 #include <string_view>
@@ -14,6 +15,13 @@
 
 namespace mirage::gltf {
 
+/// What a primitive cannot be drawn with, so that it takes a copy of its material without.
+struct Without {
+  bool lighting = false;    ///< points and lines without normals (glTF §3.7.2.1)
+  bool anisotropy = false;  ///< without tangents, and nothing to make them of
+  auto operator<=>(const Without&) const = default;
+};
+
 /// Materials are converted, and their images asked for, when first used: what no drawn primitive
 /// uses costs nothing.
 class MaterialImporter {
@@ -21,9 +29,8 @@ class MaterialImporter {
   MaterialImporter(const Document& document, Tally& tally)
       : document_(document), tally_(tally), images_(document, tally) {}
 
-  /// Index into materials() of a glTF material, -1 for the default one. `unlit` asks for a copy
-  /// without lighting: points and lines without normals are drawn so (glTF §3.7.2.1).
-  std::uint32_t index_of(int gltf_material, bool unlit);
+  /// Index into materials() of a glTF material, -1 for the default one.
+  std::uint32_t index_of(int gltf_material, Without without);
 
   const std::vector<Material>& materials() const { return materials_; }
   std::vector<Material> take_materials() { return std::move(materials_); }
@@ -52,7 +59,7 @@ class MaterialImporter {
   Tally& tally_;
   std::vector<Material> materials_;
   ImageImporter images_;
-  std::map<std::pair<int, bool>, std::uint32_t> material_index_;
+  std::map<std::pair<int, Without>, std::uint32_t> material_index_;
 };
 
 }  // namespace mirage::gltf

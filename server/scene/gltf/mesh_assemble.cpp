@@ -207,6 +207,12 @@ std::size_t vertices_needed(const RawPrimitive& raw) {
   return splits ? raw.indices.size() : raw.position.size();
 }
 
+bool has_tangents(const RawPrimitive& raw) {
+  // glTF §3.7.2.1: tangents without normals are ignored.
+  if (!raw.tangent.empty() && !raw.normal.empty()) return true;
+  return raw.kind == PrimitiveKind::kTriangles && !(raw.uv0.empty() && raw.uv1.empty());
+}
+
 glm::vec3 perpendicular(const glm::vec3& normal) {
   // The axis least aligned with the normal keeps the cross product long.
   const glm::vec3 size = glm::abs(normal);

@@ -14,6 +14,10 @@ namespace mirage::gltf {
 void append_primitive(RawPrimitive& raw, std::uint32_t material, bool needs_tangents, Tally& tally,
                       Mesh& mesh);
 
+/// Whether its tangents follow the surface: those of the file, or made of texture coordinates. Else
+/// append_primitive gives any that are perpendicular to the normals.
+bool has_tangents(const RawPrimitive& raw);
+
 /// How many vertices append_primitive may add.
 std::size_t vertices_needed(const RawPrimitive& raw);
 

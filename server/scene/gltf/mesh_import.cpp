@@ -60,8 +60,10 @@ Result<Mesh> import_mesh(const Document& document, int mesh, const Pose& pose,
     if (auto ok = budget.take(vertices, indices); !ok) return ok.error();
     if (auto ok = budget.take_primitives(1); !ok) return ok.error();
 
-    const bool unlit = raw->kind != PrimitiveKind::kTriangles && raw->normal.empty();
-    const std::uint32_t material = materials.index_of(source.material, unlit);
+    Without without;
+    without.lighting = raw->kind != PrimitiveKind::kTriangles && raw->normal.empty();
+    without.anisotropy = !has_tangents(*raw);
+    const std::uint32_t material = materials.index_of(source.material, without);
     const Material& used = materials.materials()[material];
     if (uses_missing_uv(used, *raw)) {
       tally.add("primitives lack the texture coordinates of their material");
@@ -72,10 +74,7 @@ Result<Mesh> import_mesh(const Document& document, int mesh, const Pose& pose,
       raw->source.resize(raw->position.size());
       std::iota(raw->source.begin(), raw->source.end(), 0u);
     }
-    append_primitive(
-        *raw, material,
-        used.normal_map.present() || used.lobes.map(LobeMap::kClearcoatNormal).present(), tally,
-        out);
+    append_primitive(*raw, material, used.reads_tangents(), tally, out);
     if (origins != nullptr && out.vertices.size() > vertices_before) {
       for (const std::uint32_t vertex : raw->source) origins->push_back({primitive, vertex});
     }
