@@ -19,7 +19,7 @@ Result<SessionRunner*> Context::graphics() {
 }
 
 Result<OpenScene*> Context::open(const std::string& name) {
-  std::unique_ptr<OpenScene>& scene = scenes[options.url.empty() ? name : options.url];
+  std::unique_ptr<OpenScene>& scene = scenes[key_of(name)];
   if (scene) return scene.get();
   const Result<SessionRunner*> gl = graphics();
   if (!gl) return gl.error();

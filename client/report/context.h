@@ -50,6 +50,8 @@ struct Context {
   /// Starts the scene's server, unless it runs, and learns the scene. With --url: that server's,
   /// whatever `name` says. Errors as ServerProcess and TruthSource.
   Result<OpenScene*> open(const std::string& name);
+  /// Ends its server, if it is one of ours, and forgets its truth.
+  void close(const std::string& name) { scenes.erase(key_of(name)); }
   /// The scenes to measure: the user's one, or the part's own.
   std::vector<std::string> scenes_or(const std::vector<std::string>& own) const;
   /// Puts a plot on the page, or says why it is not there.
@@ -58,6 +60,12 @@ struct Context {
   std::string path(const std::string& file) const { return options.out_dir + "/" + file; }
   void omit(const std::string& part, const std::string& what, const std::string& why) {
     omissions.push_back({part, what, why});
+  }
+
+ private:
+  /// With --url all names are of one scene.
+  std::string key_of(const std::string& name) const {
+    return options.url.empty() ? name : options.url;
   }
 };
 

@@ -11,6 +11,7 @@
 #include "client/report/latency.h"
 #include "client/report/models.h"
 #include "client/report/outside.h"
+#include "client/report/weather.h"
 #include "client/report/work_precision.h"
 #include "protocol/cli.h"
 
@@ -27,6 +28,7 @@ Result<void> measure(Context& context) {
   ExtremeRun extreme;
   if (wanted(Part::kExtreme)) extreme = start_extreme(context);
   const std::pair<Part, Step> steps[] = {{Part::kLatency, report_latency},
+                                         {Part::kWeather, report_weather},
                                          {Part::kFidelity, report_fidelity},
                                          {Part::kNeeds, report_needs},
                                          {Part::kModels, report_models}};

@@ -67,7 +67,7 @@ RunSpec at_rest(const Context& context, const std::string& url) {
   spec.frames = kRestFrames;
   spec.compared = {kRestFrames - 1};
   spec.truth_samples = kTruthSamples;
-  spec.keep_picture = true;
+  spec.pictured = spec.compared;
   return spec;
 }
 
@@ -77,13 +77,13 @@ RunSpec around(const Context& context, const std::string& url) {
   spec.frames = kOrbitFrames;
   spec.compared.clear();
   for (int f = kOrbitEvery; f < kOrbitFrames; f += kOrbitEvery) spec.compared.push_back(f);
-  spec.keep_picture = false;
+  spec.pictured.clear();
   return spec;
 }
 
 struct Look {
   std::optional<double> flip;  // at rest
-  std::optional<Picture> picture;
+  Picture picture;
 };
 
 // Of the drawn picture against the truth, where that shows something.
@@ -112,7 +112,7 @@ Result<Look> look_at_model(Context& context, const std::string& url, TruthSource
     if (!moved) return moved.error();
     count(*moved);
   }
-  return Look{rest->frames.back().image.flip_mean, std::move(rest->picture)};
+  return Look{rest->frames.back().image.flip_mean, std::move(rest->pictures.back())};
 }
 
 Result<void> measure_model(Context& context, const std::string& file, Row& row) {
@@ -129,7 +129,7 @@ Result<void> measure_model(Context& context, const std::string& file, Row& row) 
   const Result<Look> all = look_at_model(context, (*server)->url(), **truth, row);
   if (!all) return all.error();
   row.flip_default = all->flip;
-  if (all->picture) row.hue = hue_median(*all->picture);
+  row.hue = hue_median(all->picture);
   const Result<std::unique_ptr<ServerProcess>> bare =
       ServerProcess::start(file, device, {"--no-geometry"});
   if (!bare) return bare.error();
@@ -138,12 +138,11 @@ Result<void> measure_model(Context& context, const std::string& file, Row& row) 
   row.flip_impostors = impostors->flip;
   for (const auto& [how, look] :
        {std::pair("as a viewer draws it", &*all), std::pair("impostors only", &*impostors)}) {
-    if (!look->picture) continue;
     const std::string caption = fmt::format(
         "{}, {}: FLIP {}. Drawn, full render, difference "
         "times 2.",
         row.file, how, cell(look->flip));
-    if (Result<void> shown = context.page.pictures(caption, *look->picture); !shown) return shown;
+    if (Result<void> shown = context.page.pictures(caption, look->picture); !shown) return shown;
   }
   return {};
 }

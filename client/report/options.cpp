@@ -13,11 +13,13 @@ const std::map<std::string, std::set<Part>>& parts() {
       {"fidelity", {Part::kFidelity}},
       {"work-precision", {Part::kWorkPrecision}},
       {"latency", {Part::kLatency}},
+      {"weather", {Part::kWeather}},
       {"extreme", {Part::kExtreme}},
       {"needs", {Part::kNeeds}},
       {"models", {Part::kModels}},
       {"all",
-       {Part::kFidelity, Part::kWorkPrecision, Part::kLatency, Part::kExtreme, Part::kNeeds}}};
+       {Part::kFidelity, Part::kWorkPrecision, Part::kLatency, Part::kWeather, Part::kExtreme,
+        Part::kNeeds}}};
   return list;
 }
 
@@ -57,7 +59,8 @@ int parse_options(int argc, char** argv, ReportOptions& o) {
       "Example: mirage-report all --quick --out out/report");
   app.add_option("WHAT", o.what,
                  "fidelity: tiles against the mesh, by the field's protocol; work-precision: "
-                 "error against run time; latency: against video on the same link; extreme: the "
+                 "error against run time; latency: against video on the same link; weather: ten "
+                 "links, scenes and paths, several seeds (with --scene those on it); extreme: the "
                  "extreme cases; needs: what was left out; all of these; models: each glTF file of "
                  "a folder")
       ->required()

@@ -5,7 +5,7 @@
 
 namespace mirage {
 
-enum class Part { kWorkPrecision, kFidelity, kLatency, kExtreme, kNeeds, kModels };
+enum class Part { kWorkPrecision, kFidelity, kLatency, kWeather, kExtreme, kNeeds, kModels };
 
 struct ReportOptions {
   std::set<Part> parts;

@@ -10,7 +10,6 @@ namespace mirage {
 namespace {
 
 constexpr int kAtlasMb = 216;
-constexpr int kMsaa = 4;
 constexpr double kFovY = 1.0471975511965976;  // 60 degrees
 
 double clock_ms(clockid_t clock) {
@@ -128,8 +127,8 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
     compared.hole_fraction =
         static_cast<double>(loop.out.geometric.holes - holes_before) / static_cast<double>(pixels);
   }
-  if (spec.keep_picture && frame == spec.compared.back()) {
-    loop.out.picture = Picture{spec.width, spec.height, drawn, (*truth)->rgba};
+  if (std::binary_search(spec.pictured.begin(), spec.pictured.end(), frame)) {
+    loop.out.pictures.push_back({spec.width, spec.height, drawn, (*truth)->rgba});
   }
   loop.before = frame;
   loop.drawn_before = std::move(drawn);
@@ -138,14 +137,20 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
   return {};
 }
 
-Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
-  const bool blends = truth.scene().blends();
-  if (!target_ || target_->width() != spec.width || target_->height() != spec.height ||
-      target_->blends() != blends) {
-    Result<FrameTarget> target = FrameTarget::create(spec.width, spec.height, kMsaa, blends);
-    if (!target) return target.error();
-    target_.emplace(target.take());
+Result<void> SessionRunner::fit_target(const RunSpec& spec, bool blends) {
+  if (target_ && target_->width() == spec.width && target_->height() == spec.height &&
+      target_->blends() == blends && target_msaa_ == spec.msaa) {
+    return {};
   }
+  Result<FrameTarget> target = FrameTarget::create(spec.width, spec.height, spec.msaa, blends);
+  if (!target) return target.error();
+  target_.emplace(target.take());
+  target_msaa_ = spec.msaa;
+  return {};
+}
+
+Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
+  if (Result<void> fit = fit_target(spec, truth.scene().blends()); !fit) return fit.error();
   const SceneView& scene = truth.scene();
   const Result<CameraPath> path =
       CameraPath::create(spec.path, scene.home, scene.bounds_center, scene.bounds_radius);
@@ -155,12 +160,16 @@ Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
   options.content_changed = [&still] { still.content_changed(); };
   ClientHost host(std::move(options), *renderer_);
   if (Result<void> open = host.open(); !open) return open.error();
+  if (spec.from_scene) {
+    if (Result<void> told = host.wait_for_scene(); !told) return told.error();
+  }
+  const std::int64_t start = host.now_us();
   RunResult out;
   Loop loop{spec, truth, host, out};
   auto next = spec.compared.begin();
   for (int frame = 0; frame < spec.frames; ++frame) {
     const double seconds = frame / spec.fps;
-    const std::int64_t now = std::llround(seconds * 1e6);
+    const std::int64_t now = start + std::llround(seconds * 1e6);
     host.virtual_clock()->advance_to_us(now);
     if (Result<void> received = host.session().receive(now); !received) return received.error();
     const Camera camera = camera_at(*path, seconds, scene, spec.width, spec.height);
@@ -170,6 +179,8 @@ Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
     const bool same =
         still.unchanged(camera, host.session().scene(), loop.list, host.session().lighting());
     loop.rested = same && host.session().at_rest() ? loop.rested + 1 : 0;
+    out.visible += loop.list.visible;
+    out.placeholders += loop.list.placeholders.size();
     const bool shows = !loop.list.impostors.empty() || !loop.list.meshes.empty();
     if (shows && out.first_image_ms < 0) out.first_image_ms = seconds * 1e3;
     if (next == spec.compared.end() || *next != frame) continue;

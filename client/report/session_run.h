@@ -26,12 +26,14 @@ struct RunSpec {
   double mesh_radii = kSwapRadii;
   NetModel net;
   int width = 240, height = 135;
+  int msaa = 4;  ///< samples of a drawn pixel; 0: one
   double fps = 12;
-  int frames = 36;            ///< the first at time 0, when the connection begins
+  int frames = 36;          ///< the first at time 0
+  bool from_scene = false;  ///< time 0: the scene is known, as in a viewer; else: connecting begins
   std::vector<int> compared;  ///< rising; only these are drawn
   int draws_each = 1;         ///< of a compared frame, for its time; above 1: once more at first
   std::uint32_t truth_samples = 4;
-  bool keep_picture = false;  ///< of the last compared frame
+  std::vector<int> pictured;  ///< rising, of those compared: the frames whose pictures are kept
 };
 
 struct ComparedFrame {
@@ -52,7 +54,9 @@ struct RunResult {
   double seconds = 0;
   std::vector<TileLife> lives;
   double first_image_ms = -1;  ///< < 0: none
-  std::optional<Picture> picture;
+  /// Instances and groups in view, and those of them without an image, summed over all frames.
+  std::uint64_t visible = 0, placeholders = 0;
+  std::vector<Picture> pictures;  ///< of the frames `pictured`
 };
 
 class SessionRunner {
@@ -72,6 +76,7 @@ class SessionRunner {
 
  private:
   struct Loop;
+  Result<void> fit_target(const RunSpec& spec, bool blends);
   Result<void> compare(Loop& loop, const Camera& camera, int frame);
   double now_ms() const;
 
@@ -79,6 +84,7 @@ class SessionRunner {
   std::string renderer_name_;
   std::optional<FrameRenderer> renderer_;
   std::optional<FrameTarget> target_;
+  int target_msaa_ = 0;  ///< as asked for, which may be more than the device has
   Refinement refinement_;
 };
 

@@ -286,7 +286,8 @@ Result<void> one_scene(Context& context, const Sweep& sweep, const std::string& 
     for (const std::string& method : method_names()) {
       spec.method = method;
       spec.tau_px = tau;
-      spec.keep_picture = tau == 1;
+      spec.pictured.clear();
+      if (tau == 1) spec.pictured = {spec.compared.back()};
       context.progress.step(fmt::format("{}, {} at tau {:g} px", scene.name, method, tau));
       Result<RunResult> run = runner.run(spec, *scene.truth);
       if (!run) {
@@ -295,7 +296,7 @@ Result<void> one_scene(Context& context, const Sweep& sweep, const std::string& 
         continue;
       }
       settings.push_back(setting_of(spec, *run));
-      if (run->picture) pictures.emplace_back(method, std::move(*run->picture));
+      for (Picture& picture : run->pictures) pictures.emplace_back(method, std::move(picture));
     }
   }
   scene.truth->forget();

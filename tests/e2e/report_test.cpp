@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -81,6 +82,47 @@ TEST(Report, WorkPrecisionHasAllMethodsFiguresAndPlots) {
   EXPECT_EQ(count(html, "src=\"data:image/jpeg;base64,"), 8u * 3);
   EXPECT_EQ(count(html, "<svg"), gnuplot() ? 4u : 0u);
   EXPECT_EQ(html.find("gnuplot is not installed") != std::string::npos, !gnuplot());
+}
+
+TEST(Report, WeatherIsATableOfLinksScenesAndPaths) {
+  const std::string out = scratch_folder();
+  const Finished report = run({binary("mirage-report"), "weather", "--quick", "--scene",
+                               "builtin:clutter?objects=60", "--out", out},
+                              300);
+  ASSERT_EQ(report.exit_code, 0) << report.output;
+  EXPECT_NE(report.output.find("weather 2 of 2"), std::string::npos) << report.output;
+  EXPECT_NE(report.output.find("thin-room, seed 1: FLIP 0."), std::string::npos) << report.output;
+  const auto rows = csv(out + "/weather.csv");
+  ASSERT_EQ(rows.size(), 3u);
+  const auto value = [&](std::size_t row, const std::string& column) {
+    const auto at = std::find(rows[0].begin(), rows[0].end(), column) - rows[0].begin();
+    return std::atof(rows[row].at(static_cast<std::size_t>(at)).c_str());
+  };
+  EXPECT_EQ(rows[1][0], "thin-room");
+  EXPECT_EQ(rows[2][0], "teleport-room");
+  for (const std::size_t row : {1u, 2u}) {
+    EXPECT_GT(value(row, "flip_mean"), 0);
+    EXPECT_LT(value(row, "flip_mean"), 0.3);
+    EXPECT_GE(value(row, "flip_worst"), value(row, "flip_mean"));
+    EXPECT_GT(value(row, "mb"), 0);
+    EXPECT_GT(value(row, "no_image_fraction"), 0) << "what a new view shows has no image at first";
+    EXPECT_EQ(value(row, "bound_violations"), 0);
+  }
+  EXPECT_GT(value(1, "link_used"), 2 * value(2, "link_used")) << "of 2 and of 50 Mbit/s";
+  const std::string html = read_file(out + "/index.html");
+  expect_self_contained(html);
+  EXPECT_EQ(count(html, "<svg"), gnuplot() ? 1u : 0u);
+  EXPECT_NE(html.find("<td>median</td>"), std::string::npos);
+}
+
+TEST(Report, WeatherOnASceneOfNoWeatherIsAnOmission) {
+  const std::string out = scratch_folder();
+  const Finished report =
+      run({binary("mirage-report"), "weather", "--quick", "--scene", "builtin:knot", "--out", out});
+  EXPECT_EQ(report.exit_code, 0) << report.output;
+  EXPECT_EQ(csv(out + "/weather.csv").size(), 1u);
+  EXPECT_NE(read_file(out + "/index.html").find("no weather of the table is on this scene"),
+            std::string::npos);
 }
 
 TEST(Report, FidelityIsWhatTheProtocolGives) {

@@ -1,0 +1,159 @@
+#include "client/report/weather.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cstdio>
+#include <set>
+
+#include "client/report/weather_rows.h"
+
+namespace mirage {
+namespace {
+
+constexpr const char* kPart = "weather";
+constexpr int kWidth = 480, kHeight = 270;
+constexpr double kFps = 8;
+constexpr int kCompareEvery = 8;  // frames
+
+// How much of the table is run.
+struct Extent {
+  std::uint64_t seeds;
+  int frames;
+};
+Extent extent(bool quick) { return quick ? Extent{1, 33} : Extent{3, 65}; }
+
+RunSpec spec_of(const Weather& weather, const std::string& url, std::uint64_t seed, int frames) {
+  RunSpec spec;
+  spec.url = url;
+  spec.path = weather.path;
+  spec.net = weather.net;
+  spec.net.seed = seed;
+  spec.width = kWidth;
+  spec.height = kHeight;
+  spec.msaa = 0;
+  spec.fps = kFps;
+  spec.frames = frames;
+  spec.from_scene = true;
+  for (int f = kCompareEvery; f < frames; f += kCompareEvery) spec.compared.push_back(f);
+  return spec;
+}
+
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+}
+
+WeatherRun run_of(const Weather& weather, std::uint64_t seed, const RunResult& result) {
+  WeatherRun run;
+  run.weather = weather;
+  run.seed = seed;
+  MeasureMean flip, psnr;
+  for (const ComparedFrame& frame : result.frames) {
+    flip.add(frame.image.flip_mean);
+    psnr.add(frame.image.psnr_db);
+    if (!frame.image.flip_mean) continue;
+    run.flip.emplace_back(frame.frame / kFps, *frame.image.flip_mean);
+    run.flip_worst = std::fmax(run.flip_worst, *frame.image.flip_mean);
+  }
+  run.flip_mean = flip.mean().value_or(NAN);
+  run.psnr_db = psnr.mean().value_or(NAN);
+  run.hole_fraction = share(result.geometric.holes, result.geometric.object_pixels);
+  run.no_image_fraction = share(result.placeholders, result.visible);
+  run.mb = 1e-6 * static_cast<double>(result.traffic.bytes_down);
+  const auto both_ways = static_cast<double>(result.traffic.bytes_down + result.traffic.bytes_up);
+  run.link_used = 8e-6 * both_ways / result.seconds / weather.net.rate_mbps;
+  run.bound_violations = result.geometric.violations;
+  return run;
+}
+
+void say(const WeatherRun& run) {
+  std::printf(
+      "%s, seed %d: FLIP %.4f, worst %.4f, %.1f dB, holes %.4f, no image %.3f, %.2f MB, "
+      "%.0f %% of the link, %d px over bound\n",
+      run.weather.name.c_str(), static_cast<int>(run.seed), run.flip_mean, run.flip_worst,
+      run.psnr_db, run.hole_fraction, run.no_image_fraction, run.mb, 100 * run.link_used,
+      static_cast<int>(run.bound_violations));
+  std::fflush(stdout);
+}
+
+// All weathers with one seed. What is on one scene and path shares its full renders.
+Result<void> run_seed(Context& context, const std::vector<Weather>& weathers, std::uint64_t seed,
+                      int frames, std::vector<WeatherRun>& out) {
+  std::set<std::string> opened;
+  for (const Weather& weather : weathers) {
+    const std::string name = seeded(weather.scene, seed);
+    const std::string what = fmt::format("{}, {}, seed {}", weather.name, name, seed);
+    context.progress.step(what);
+    const Result<OpenScene*> scene = context.open(name);
+    if (!scene) return scene.error();
+    opened.insert(name);
+    const Result<RunResult> result =
+        context.runner->run(spec_of(weather, (*scene)->url, seed, frames), *(*scene)->truth);
+    if (!result) {
+      context.omit(kPart, what, result.error().line());
+      continue;
+    }
+    out.push_back(run_of(weather, seed, *result));
+    say(out.back());
+  }
+  for (const std::string& name : opened) context.close(name);
+  return {};
+}
+
+void explain(Context& context, const Extent& extent) {
+  Page& page = context.page;
+  page.section(kPart, "Ten kinds of weather");
+  page.command(context.options.command_line);
+  page.paragraph(fmt::format(
+      "How it was measured: a session as mirage-view has it (auto, tau 1 px) for each weather and "
+      "each of {} seed{}, of the scene and of the link's chances, on virtual time over a modelled "
+      "link; {:g} s at {:g} frames a second, {}x{} pixels, one sample a pixel drawn, every {}th "
+      "frame compared with the full render at 4x4 samples. Time 0 is when the scene is known: what "
+      "comes before has a section of its own. A figure of one seed and one steady link says "
+      "little; a claim about pictures or traffic is a median and a worst over this table.",
+      extent.seeds, extent.seeds > 1 ? "s" : "", (extent.frames - 1) / kFps, kFps, kWidth, kHeight,
+      kCompareEvery));
+  page.paragraph(
+      "FLIP: mean over the compared frames. holes: share of the pixels showing an object where "
+      "nothing was drawn for it. no image: share of the instances in view that no tile and no "
+      "geometry was there for, over all frames. MB: down. link used: both ways, of the rate. over "
+      "bound: pixels of impostors whose true error exceeds what it was said to be at most. Where "
+      "nothing else is said, the median over seeds.");
+}
+
+void show(Context& context, const std::vector<WeatherRun>& runs) {
+  const Table table = weather_table(runs);
+  std::vector<bool> marked(table.rows().size(), false);
+  marked[marked.size() - 2] = marked[marked.size() - 1] = true;
+  context.page.table(table, marked);
+  context.plot(kPart, weather_panels(runs), 2,
+               "FLIP over time, a line for each weather: the median over seeds.");
+  std::uint64_t violations = 0;
+  for (const WeatherRun& run : runs) violations += run.bound_violations;
+  if (violations == 0) return;
+  context.failed_checks.push_back(
+      fmt::format("weather: {} pixels of impostors exceed their bound", violations));
+}
+
+}  // namespace
+
+Result<void> report_weather(Context& context) {
+  const Result<SessionRunner*> gl = context.graphics();
+  if (!gl) return gl.error();
+  const Extent what = extent(context.options.quick);
+  explain(context, what);
+  const std::string scene = context.scenes_or({""}).front();
+  const std::vector<Weather> weathers = weathers_on(scene);
+  if (weathers.empty()) {
+    context.omit(kPart, scene, "no weather of the table is on this scene");
+  }
+  context.progress.begin(kPart, weathers.size() * what.seeds);
+  std::vector<WeatherRun> runs;
+  for (std::uint64_t seed = 1; seed <= what.seeds; ++seed) {
+    const Result<void> done = run_seed(context, weathers, seed, what.frames, runs);
+    if (!done) return done;
+  }
+  if (!runs.empty()) show(context, runs);
+  return write_file(context.path("weather.csv"), weather_csv(runs).csv());
+}
+
+}  // namespace mirage
