@@ -29,8 +29,9 @@ Look look_of(const std::string& name, std::size_t index) {
       {"cuboid", {"#56b4e9", 9}}, {"hull", {"#009e73", 11}},  {"warp", {"#cc79a7", 13}},
       {"depth", {"#0072b2", 4}},  {"mesh", {"#999999", 6}},   {"geometry", {"#999999", 6}},
       {"fixed8", {"#d55e00", 2}}, {"video", {"#e69f00", 5}},  {"video+timewarp", {"#0072b2", 4}}};
-  static const Look other[] = {{"#009e73", 9}, {"#cc79a7", 11}, {"#56b4e9", 13},
-                               {"#d55e00", 2}, {"#e69f00", 5},  {"#999999", 6}};
+  static const Look other[] = {{"#009e73", 9}, {"#cc79a7", 11}, {"#56b4e9", 13}, {"#d55e00", 2},
+                               {"#e69f00", 5}, {"#999999", 6},  {"#0072b2", 4},  {"#000000", 7},
+                               {"#cc79a7", 1}, {"#009e73", 3}};
   const auto at = known.find(name);
   return at != known.end() ? at->second : other[index % std::size(other)];
 }
@@ -85,7 +86,21 @@ void add_block(std::string& script, const std::string& name, const Panel& panel,
   script += "EOD\n";
 }
 
-void add_panel(std::string& script, Panel panel, std::size_t index) {
+// In the order in which they first come: a name looks the same in all panels and in the legend.
+std::vector<std::string> names_of(const std::vector<Panel>& panels) {
+  std::vector<std::string> names;
+  for (const Panel& panel : panels) {
+    for (const Series& series : panel.series) {
+      if (std::find(names.begin(), names.end(), series.name) == names.end()) {
+        names.push_back(series.name);
+      }
+    }
+  }
+  return names;
+}
+
+void add_panel(std::string& script, Panel panel, std::size_t index,
+               const std::vector<std::string>& names) {
   // Where nothing is wrong there is nothing a logarithm could show.
   panel.log_y =
       panel.log_y && std::any_of(panel.series.begin(), panel.series.end(), [](const Series& s) {
@@ -123,7 +138,9 @@ void add_panel(std::string& script, Panel panel, std::size_t index) {
         fmt::format(", {:.9g} with lines dt 2 lw 1.5 lc rgb \"#cc0000\" notitle", *panel.floor);
   }
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
-    const Look look = look_of(panel.series[i].name, i);
+    const std::string& name = panel.series[i].name;
+    const auto at = std::find(names.begin(), names.end(), name) - names.begin();
+    const Look look = look_of(name, static_cast<std::size_t>(at));
     plots += fmt::format(
         ", $d{}_{} using 1:2 with linespoints lw 1.4 pt {} ps 0.8 lc rgb \"{}\" notitle", index, i,
         look.point, look.color);
@@ -132,17 +149,11 @@ void add_panel(std::string& script, Panel panel, std::size_t index) {
 }
 
 // One legend for all panels: an empty plot with nothing but its key.
-std::string legend(const std::vector<Panel>& panels) {
-  std::vector<std::string> names;
+std::string legend(const std::vector<Panel>& panels, const std::vector<std::string>& names) {
   bool floor = false, front = false;
   for (const Panel& panel : panels) {
     floor = floor || panel.floor.has_value();
     front = front || !panel.front.empty();
-    for (const Series& series : panel.series) {
-      if (std::find(names.begin(), names.end(), series.name) == names.end()) {
-        names.push_back(series.name);
-      }
-    }
   }
   std::string plots;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -167,6 +178,7 @@ std::string plot_script(const std::vector<Panel>& panels, int columns,
                         const std::string& svg_file) {
   const int rows = (static_cast<int>(panels.size()) + columns - 1) / columns;
   const int width = columns * kPanelWidth, height = rows * kPanelHeight + kLegendHeight;
+  const std::vector<std::string> names = names_of(panels);
   std::string script = fmt::format(
       "set terminal svg noenhanced size {},{} font \"sans-serif,13\" background \"#ffffff\"\n"
       "set output {}\nset multiplot\nset grid lc rgb \"#dddddd\"\nset border lc rgb \"#444444\"\n",
@@ -177,11 +189,11 @@ std::string plot_script(const std::vector<Panel>& panels, int columns,
                           static_cast<double>(kPanelHeight) / height,
                           static_cast<double>(column) / columns,
                           1.0 - static_cast<double>((row + 1) * kPanelHeight) / height);
-    add_panel(script, panels[i], i);
+    add_panel(script, panels[i], i, names);
   }
   script += fmt::format("set size 1,{:.5f}\nset origin 0,0\n",
                         static_cast<double>(kLegendHeight) / height);
-  return script + legend(panels) + "unset multiplot\n";
+  return script + legend(panels, names) + "unset multiplot\n";
 }
 
 std::string inline_svg(std::string svg, const std::string& prefix) {

@@ -102,6 +102,24 @@ TEST(ReportPlot, ScriptNamesAxesMethodsFloorAndFront) {
   }
 }
 
+TEST(ReportPlot, ANameLooksTheSameInAllPanelsAndTheLegend) {
+  Panel one = panel(), two = panel();
+  one.series = {{"rain", {{1, 2}}}, {"snow", {{1, 2}}}};
+  two.series = {{"snow", {{1, 2}}}, {"fog", {{1, 2}}}};
+  const std::string script = plot_script({one, two}, 2, "out.svg");
+  const auto look_after = [&](const std::string& text) {
+    const std::size_t at = script.find(" pt ", script.find(text));
+    return script.substr(at, script.find('"', script.find('"', at) + 1) - at);
+  };
+  const std::string in_first = look_after("$d0_1 using");
+  EXPECT_NE(in_first, look_after("$d0_0 using"));
+  EXPECT_EQ(look_after("$d1_0 using"), in_first);
+  EXPECT_NE(look_after("$d1_1 using"), in_first);
+  EXPECT_NE(script.find("NaN with linespoints lw 1.4" + in_first + "\" title \"snow\""),
+            std::string::npos)
+      << in_first;
+}
+
 TEST(ReportPlot, LeavesOutWhatALogarithmCannotShow) {
   const std::string script = plot_script({panel()}, 1, "out.svg");
   EXPECT_NE(script.find("$d0_0 << EOD\n1 2\n8 0.5\nEOD"), std::string::npos) << script;
