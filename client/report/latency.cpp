@@ -6,20 +6,12 @@
 #include <cmath>
 
 #include "client/report/latency_rows.h"
-#ifdef MIRAGE_HAS_VIDEO
-#include "client/report/video_baseline.h"
-#endif
+#include "client/report/method_runs.h"
 
 namespace mirage {
 namespace {
 
 constexpr const char* kPart = "latency";
-
-std::string drawn_as(const std::string& method) {
-  return method == "mirage" ? "auto" : method == "geometry" ? "mesh" : method;
-}
-
-bool is_video(const std::string& method) { return method.rfind("video", 0) == 0; }
 
 RunSpec spec_of(const LatencyPlan& plan, const OpenScene& scene, const Condition& condition) {
   RunSpec spec;
@@ -36,52 +28,13 @@ RunSpec spec_of(const LatencyPlan& plan, const OpenScene& scene, const Condition
   return spec;
 }
 
-LatencyRun from_session(const RunResult& result, double fps) {
-  LatencyRun run;
-  for (const ComparedFrame& frame : result.frames) {
-    run.samples.push_back({frame.frame / fps, frame.image.flip_mean.value_or(0), frame.client_ms,
-                           frame.hole_fraction});
-  }
-  run.mbps = 8e-6 * static_cast<double>(result.traffic.bytes_down + result.traffic.bytes_up) /
-             result.seconds;
-  run.first_image_ms = result.first_image_ms;
-  return run;
-}
-
 // All methods under one condition.
 void run_condition(Context& context, const LatencyPlan& plan, OpenScene& scene,
                    const Condition& condition, std::vector<LatencyRun>& out) {
-  RunSpec spec = spec_of(plan, scene, condition);
-  const std::string where = fmt::format("{}, {}, RTT {:g} ms, {:g} Mbit/s", scene.name,
-                                        spec.path.substr(spec.path.find(':') + 1),
-                                        condition.net.rtt_ms, condition.net.rate_mbps);
-  context.progress.step(where);
-  const auto keep = [&](LatencyRun run, const std::string& method) {
-    run.scene = scene.name;
-    run.method = method;
-    run.condition = condition;
-    run.condition.path = spec.path;
+  const RunSpec spec = spec_of(plan, scene, condition);
+  for (LatencyRun& run : run_methods(context, kPart, spec, plan.methods, scene)) {
     run.own_path = condition.path.empty();
     out.push_back(std::move(run));
-  };
-#ifdef MIRAGE_HAS_VIDEO
-  const Result<VideoRuns> video = run_video(spec, *scene.truth);
-  if (!video) context.omit(kPart, where + ", video", video.error().line());
-#endif
-  for (const std::string& method : plan.methods) {
-    if (is_video(method)) {
-#ifdef MIRAGE_HAS_VIDEO
-      if (video) keep(method == "video" ? video->plain : video->warped, method);
-#endif
-      continue;
-    }
-    spec.method = drawn_as(method);
-    const Result<RunResult> result = context.runner->run(spec, *scene.truth);
-    if (result) {
-      keep(from_session(*result, plan.fps), method);
-    } else {
-      context.omit(kPart, where + ", " + method, result.error().line());
-    }
   }
 }
 
@@ -135,11 +88,7 @@ Result<void> report_latency(Context& context) {
   if (!gl) return gl.error();
   const LatencyPlan plan = latency_plan(context.options.quick);
   explain(context, plan);
-#ifndef MIRAGE_HAS_VIDEO
-  context.omit(kPart, "video, video+timewarp",
-               "built without libavcodec (libavcodec-dev, "
-               "libavutil-dev, libswscale-dev)");
-#endif
+  omit_missing_video(context, kPart);
   const std::vector<std::string> scenes = context.scenes_or(plan.scenes);
   context.progress.begin(kPart, scenes.size() * plan.conditions.size());
   std::vector<LatencyRun> runs;

@@ -4,16 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "client/core/net_model.h"
 #include "client/report/context.h"
+#include "client/report/latency_run.h"
 
 namespace mirage {
-
-/// One link and path under which all methods are run.
-struct Condition {
-  std::string path;  ///< empty: the scene's own (OpenScene::path), of which the plots are
-  NetModel net;
-};
 
 struct LatencyPlan {
   std::vector<std::string> scenes;
@@ -28,18 +22,6 @@ LatencyPlan latency_plan(bool quick);
 /// Frames before this are the start: connecting, the scene's description, the first tiles or the
 /// first video frame. The table has what comes after; all frames are in a table of their own.
 inline constexpr double kStartSeconds = 2;
-
-struct LatencySample {
-  double seconds = 0, flip = 0, pose_to_display_ms = 0, hole_fraction = 0;
-};
-
-struct LatencyRun {
-  std::string scene, method;
-  Condition condition;
-  bool own_path = true;
-  std::vector<LatencySample> samples;
-  double mbps = 0, first_image_ms = -1;
-};
 
 struct LatencyFigures {
   double flip_mean = 0, flip_p95 = 0, pose_to_display_ms_p99 = 0, hole_fraction = 0;

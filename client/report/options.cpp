@@ -13,13 +13,14 @@ const std::map<std::string, std::set<Part>>& parts() {
       {"fidelity", {Part::kFidelity}},
       {"work-precision", {Part::kWorkPrecision}},
       {"latency", {Part::kLatency}},
+      {"first", {Part::kFirst}},
       {"weather", {Part::kWeather}},
       {"extreme", {Part::kExtreme}},
       {"needs", {Part::kNeeds}},
       {"models", {Part::kModels}},
       {"all",
-       {Part::kFidelity, Part::kWorkPrecision, Part::kLatency, Part::kWeather, Part::kExtreme,
-        Part::kNeeds}}};
+       {Part::kFidelity, Part::kWorkPrecision, Part::kLatency, Part::kFirst, Part::kWeather,
+        Part::kExtreme, Part::kNeeds}}};
   return list;
 }
 
@@ -57,12 +58,13 @@ int parse_options(int argc, char** argv, ReportOptions& o) {
   app.footer(
       "Writes DIR/index.html, to be opened in any browser, and CSV and JSON beside it.\n"
       "Example: mirage-report all --quick --out out/report");
-  app.add_option("WHAT", o.what,
-                 "fidelity: tiles against the mesh, by the field's protocol; work-precision: "
-                 "error against run time; latency: against video on the same link; weather: ten "
-                 "links, scenes and paths, several seeds (with --scene those on it); extreme: the "
-                 "extreme cases; needs: what was left out; all of these; models: each glTF file of "
-                 "a folder")
+  app.add_option(
+         "WHAT", o.what,
+         "fidelity: tiles against the mesh, by the field's protocol; work-precision: "
+         "error against run time; latency: against video on the same link; first: the same "
+         "from the moment of connecting; weather: ten links, scenes and paths, several "
+         "seeds (of them those on --scene); extreme: the extreme cases; needs: what was left "
+         "out; all of these; models: each glTF file of a folder")
       ->required()
       ->check(CLI::IsMember(names()));
   app.add_option("DIR", o.models_dir, "with models: the folder, searched with all below it");

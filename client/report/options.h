@@ -5,7 +5,16 @@
 
 namespace mirage {
 
-enum class Part { kWorkPrecision, kFidelity, kLatency, kWeather, kExtreme, kNeeds, kModels };
+enum class Part {
+  kWorkPrecision,
+  kFidelity,
+  kLatency,
+  kFirst,
+  kWeather,
+  kExtreme,
+  kNeeds,
+  kModels
+};
 
 struct ReportOptions {
   std::set<Part> parts;

@@ -29,6 +29,8 @@ td.number { text-align: right; font-variant-numeric: tabular-nums; }
 tr.marked td { background: var(--mark); }
 .three { display: grid; grid-template-columns: repeat(3, 1fr); gap: 4px; }
 .three img { width: 100%; image-rendering: auto; }
+.strip { display: grid; grid-auto-flow: column; grid-auto-columns: 240px; gap: 4px;
+  overflow-x: auto; font-size: 85%; } .strip img { width: 100%; display: block; }
 )css";
 
 bool is_number(const std::string& text) {
@@ -157,6 +159,25 @@ Result<void> Page::pictures(const std::string& caption, const Picture& picture) 
     images += fmt::format("<img alt=\"{}: {}\" src=\"{}\">", escape_html(caption), what, *uri);
   }
   body_ += "<figure><div class=\"three\">" + images + "</div><figcaption>" + escape_html(caption) +
+           "</figcaption></figure>\n";
+  return {};
+}
+
+Result<void> Page::strip(const std::string& caption,
+                         const std::vector<std::pair<std::string, Picture>>& pictures) {
+  std::string columns;
+  for (const auto& [label, picture] : pictures) {
+    const Result<std::string> drawn = data_uri(picture, picture.drawn);
+    if (!drawn) return drawn.error();
+    const Result<std::string> truth = data_uri(picture, picture.truth);
+    if (!truth) return truth.error();
+    const std::string name = escape_html(label);
+    columns += fmt::format(
+        "<div>{0}<img alt=\"{0}, as drawn\" src=\"{1}\"><img alt=\"{0}, full render\" "
+        "src=\"{2}\"></div>",
+        name, *drawn, *truth);
+  }
+  body_ += "<figure><div class=\"strip\">" + columns + "</div><figcaption>" + escape_html(caption) +
            "</figcaption></figure>\n";
   return {};
 }

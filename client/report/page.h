@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "client/report/table.h"
@@ -35,6 +36,9 @@ class Page {
   void folded(const std::string& summary, const Table& table);
   /// Drawn, true and twice the difference beside each other. Error kIo.
   Result<void> pictures(const std::string& caption, const Picture& picture);
+  /// Beside each other, each with its label, drawn above true. Error kIo.
+  Result<void> strip(const std::string& caption,
+                     const std::vector<std::pair<std::string, Picture>>& pictures);
 
   /// The whole page; `summary` comes before the contents.
   std::string html(const std::string& title, const std::vector<std::string>& summary) const;

@@ -1,7 +1,8 @@
 #pragma once
 // The video baselines of the latency part, plain and with rotational timewarp.
 
-#include "client/report/latency_rows.h"
+#include "client/report/latency_run.h"
+#include "client/report/session_run.h"
 
 namespace mirage {
 

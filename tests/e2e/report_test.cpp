@@ -115,6 +115,36 @@ TEST(Report, WeatherIsATableOfLinksScenesAndPaths) {
   EXPECT_NE(html.find("<td>median</td>"), std::string::npos);
 }
 
+TEST(Report, FirstSecondsBeginWithNothingForEveryone) {
+  const std::string out = scratch_folder();
+  const Finished report = run({binary("mirage-report"), "first", "--quick", "--scene",
+                               "builtin:clutter?objects=60", "--out", out},
+                              300);
+  ASSERT_EQ(report.exit_code, 0) << report.output;
+  const auto rows = csv(out + "/first_seconds.csv");
+  ASSERT_FALSE(rows.empty());
+  EXPECT_EQ(rows[0], (std::vector<std::string>{"scene", "path", "rtt_ms", "rate_mbps", "method",
+                                               "first_picture_ms", "first_picture_flip",
+                                               "second_after_flip"}));
+  const bool video =
+      read_file(out + "/index.html").find("built without libavcodec") == std::string::npos;
+  ASSERT_EQ(rows.size(), video ? 10u : 7u);
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const double trips = std::atof(rows[i][5].c_str()) / std::atof(rows[i][2].c_str());
+    EXPECT_GE(trips, 3) << "two to connect, one to ask: " << rows[i][4];
+    EXPECT_GT(std::atof(rows[i][6].c_str()), 0) << rows[i][4];
+  }
+  std::set<std::string> blank;  // FLIP of the first frame
+  for (const auto& row : csv(out + "/first_seconds_frames.csv")) {
+    if (row[5] == "0") blank.insert(row[6]);
+  }
+  EXPECT_EQ(blank.size(), 1u) << "before anything has come all show the same";
+  const std::string html = read_file(out + "/index.html");
+  expect_self_contained(html);
+  EXPECT_EQ(count(html, "src=\"data:image/jpeg;base64,"), 2u * 12);
+  EXPECT_EQ(count(html, "<svg"), gnuplot() ? 1u : 0u);
+}
+
 TEST(Report, WeatherOnASceneOfNoWeatherIsAnOmission) {
   const std::string out = scratch_folder();
   const Finished report =

@@ -75,6 +75,23 @@ TEST(ReportPage, PicturesAreInTheFileItself) {
   EXPECT_EQ(images, 3u);
 }
 
+TEST(ReportPage, AStripHasEachPictureAboveItsTruth) {
+  Page page;
+  const std::vector<std::uint8_t> grey(8 * 4 * 4, 100), white(8 * 4 * 4, 255);
+  ASSERT_TRUE(
+      page.strip("two", {{"<1 s>", {8, 4, grey, white}}, {"2 s", {8, 4, white, grey}}}).ok());
+  const std::string html = page.html("t", {});
+  EXPECT_EQ(html.find("<1 s>"), std::string::npos);
+  const auto picture = [&](const std::string& alt) {
+    const std::size_t at = html.find("src=\"", html.find("alt=\"" + alt + "\""));
+    return html.substr(at, html.find('>', at) - at);
+  };
+  EXPECT_EQ(picture("&lt;1 s&gt;, as drawn").rfind("src=\"data:image/jpeg;base64,/9j/", 0), 0u);
+  EXPECT_EQ(picture("&lt;1 s&gt;, as drawn"), picture("2 s, full render"));
+  EXPECT_EQ(picture("&lt;1 s&gt;, full render"), picture("2 s, as drawn"));
+  EXPECT_NE(picture("2 s, as drawn"), picture("2 s, full render"));
+}
+
 // RFC 4648, section 10.
 TEST(ReportPage, Base64) {
   const auto of = [](const std::string& text) {

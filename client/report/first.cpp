@@ -1,0 +1,101 @@
+#include "client/report/first.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+
+#include "client/report/first_rows.h"
+#include "client/report/method_runs.h"
+
+namespace mirage {
+namespace {
+
+constexpr const char* kPart = "first";
+
+RunSpec spec_of(const FirstPlan& plan, const OpenScene& scene, std::size_t link) {
+  RunSpec spec;
+  spec.url = scene.url;
+  spec.path = scene.path();
+  spec.net = plan.links[link];
+  spec.width = plan.width;
+  spec.height = plan.height;
+  spec.fps = plan.fps;
+  spec.frames = static_cast<int>(std::lround(plan.seconds * plan.fps)) + 1;
+  for (int f = 0; f < spec.frames; f += plan.compare_every) spec.compared.push_back(f);
+  if (link != plan.pictured_link) return spec;
+  for (const int f : spec.compared) {
+    const bool early = f < plan.pictured_from_s * plan.fps;
+    const bool enough = static_cast<int>(spec.pictured.size()) == plan.pictures;
+    if (!early && !enough) spec.pictured.push_back(f);
+  }
+  return spec;
+}
+
+void explain(Context& context, const FirstPlan& plan) {
+  Page& page = context.page;
+  page.section(kPart, "The first seconds");
+  page.command(context.options.command_line);
+  page.paragraph(fmt::format(
+      "How it was measured: as for latency, {:g} s from the beginning of the connection at {:g} "
+      "frames a second, {}x{} pixels, every {}th frame compared with the full render at 4x4 "
+      "samples. Connecting costs everyone two round trips. Until there is anything of the scene "
+      "each shows what it has: grey, then the sky, then plain hulls in place of what has no image. "
+      "The first picture is the first frame with a tile, a mesh or a video frame in it; its FLIP, "
+      "that of the first compared frame from then on, at most {:g} ms later.",
+      plan.seconds, plan.fps, plan.width, plan.height, plan.compare_every,
+      1e3 * plan.compare_every / plan.fps));
+}
+
+Result<void> show_pictures(Page& page, const RunSpec& spec, const LatencyRun& run) {
+  std::vector<std::pair<std::string, Picture>> strip;
+  for (std::size_t i = 0; i < run.pictures.size(); ++i) {
+    strip.emplace_back(fmt::format("{:.1f} s", spec.pictured[i] / spec.fps), run.pictures[i]);
+  }
+  return page.strip(fmt::format("{}, Mirage at RTT {:g} ms and {:g} Mbit/s; below, the full render "
+                                "of the same frame.",
+                                run.scene, spec.net.rtt_ms, spec.net.rate_mbps),
+                    strip);
+}
+
+Result<void> run_scene(Context& context, const FirstPlan& plan, OpenScene& scene,
+                       std::vector<LatencyRun>& out) {
+  for (std::size_t link = 0; link < plan.links.size(); ++link) {
+    const RunSpec spec = spec_of(plan, scene, link);
+    for (LatencyRun& run : run_methods(context, kPart, spec, plan.methods, scene)) {
+      if (run.method == "mirage" && !run.pictures.empty()) {
+        if (Result<void> shown = show_pictures(context.page, spec, run); !shown) return shown;
+      }
+      run.pictures.clear();
+      out.push_back(std::move(run));
+    }
+  }
+  scene.truth->forget();
+  return {};
+}
+
+}  // namespace
+
+Result<void> report_first(Context& context) {
+  const Result<SessionRunner*> gl = context.graphics();
+  if (!gl) return gl.error();
+  const FirstPlan plan = first_plan(context.options.quick);
+  explain(context, plan);
+  omit_missing_video(context, kPart);
+  const std::vector<std::string> scenes = context.scenes_or(plan.scenes);
+  context.progress.begin(kPart, scenes.size() * plan.links.size());
+  std::vector<LatencyRun> runs;
+  for (const std::string& name : scenes) {
+    const Result<OpenScene*> scene = context.open(name);
+    if (!scene) return scene.error();
+    if (Result<void> done = run_scene(context, plan, **scene, runs); !done) return done;
+  }
+  context.plot("first_seconds", first_panels(runs), static_cast<int>(plan.links.size()),
+               "The picture's error from the beginning of the connection.");
+  const Table table = first_table(runs);
+  context.page.table(table);
+  const Result<void> written = write_file(context.path("first_seconds.csv"), table.csv());
+  if (!written) return written;
+  return write_file(context.path("first_seconds_frames.csv"), first_frames(runs).csv());
+}
+
+}  // namespace mirage

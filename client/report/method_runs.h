@@ -1,0 +1,17 @@
+#pragma once
+// One path over one link by several methods: Mirage, all geometry, video.
+
+#include "client/report/context.h"
+#include "client/report/latency_run.h"
+
+namespace mirage {
+
+/// The session of `spec` by each of "mirage", "geometry", "video", "video+timewarp" or a method of
+/// drawing, in that order, and a step of the progress. What fails is an omission of `part`.
+std::vector<LatencyRun> run_methods(Context& context, const std::string& part, RunSpec spec,
+                                    const std::vector<std::string>& methods, OpenScene& scene);
+
+/// Says in `part` that video is left out, where this was built without it.
+void omit_missing_video(Context& context, const std::string& part);
+
+}  // namespace mirage
