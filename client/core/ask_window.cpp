@@ -13,7 +13,9 @@ namespace {
 
 constexpr double kInitialBytes = 256 * 1024;
 constexpr double kLeastBytes = 16 * 1024;
-constexpr std::int64_t kSlackUs = 25'000;  // and 25 for frames and a tile's own time on the link
+constexpr std::int64_t kSlackUs = 25'000;  // at least, and 25 for a tile's own time on the link
+constexpr std::int64_t kMostSlackUs = 500'000;
+constexpr std::size_t kFrames = 8;  // of the last ones the shortest counts
 constexpr std::int64_t kQueueUs = 12'500;  // longer than the shortest by less is no queue
 constexpr std::int64_t kSecondUs = 1'000'000;
 constexpr std::int64_t kShortestSpanUs = 200'000;
@@ -92,7 +94,13 @@ bool AskWindow::longer(const Trip& trip, const Trip& than) const {
   return trip.us - own_us(trip) > than.us + kQueueUs;
 }
 
-std::int64_t AskWindow::usual_trip_us() const { return shortest_trip().us + kSlackUs; }
+std::int64_t AskWindow::usual_trip_us() const { return shortest_trip().us + slack_us(); }
+
+std::int64_t AskWindow::slack_us() const {
+  if (frames_us_.empty()) return kSlackUs;
+  const std::int64_t shortest = *std::min_element(frames_us_.begin(), frames_us_.end());
+  return std::clamp(shortest, kSlackUs, kMostSlackUs);
+}
 
 std::int64_t AskWindow::trip_us(double bytes, double under_way) const {
   if (rate_ <= 0) return usual_trip_us();
@@ -150,6 +158,8 @@ double AskWindow::update(std::int64_t now_us, std::int64_t held_back_us, bool id
   while (!arrivals_.empty() && arrivals_.front().at_us < now_us - std::max(span_us(), kSecondUs)) {
     arrivals_.pop_front();
   }
+  if (updated_us_ != 0) frames_us_.push_back(now_us - updated_us_);
+  if (frames_us_.size() > kFrames) frames_us_.pop_front();
   updated_us_ = now_us;
   turn_period(now_us);
   if (drain_until_us_ != 0) {

@@ -10,7 +10,7 @@
 // trips have brought.
 //
 // The slack is a queue at the bottleneck: a link that gets faster empties it, the rate rises, and
-// the window with it. What a window can hide from itself is a round trip that has become longer: it
+// the window with it. Asks leave with frames, so it lasts from one to the next. What a window can hide from itself is a round trip that has become longer: it
 // looks like a queue. After a period in which every trip was slow all is let arrive, and the next
 // trip tells which it was.
 
@@ -65,6 +65,8 @@ class AskWindow {
   /// 0 while there was none.
   Trip shortest_trip() const;
   std::int64_t usual_trip_us() const;
+  /// What the queue at the bottleneck may take.
+  std::int64_t slack_us() const;
   bool queued() const;
   std::int64_t span_us() const;
   double busy_rate(std::int64_t now_us) const;
@@ -78,6 +80,7 @@ class AskWindow {
   std::int64_t slow_until_us_ = 0;     ///< and the last
   std::int64_t began_us_ = INT64_MAX;  ///< when the first of all can have come
   std::int64_t updated_us_ = 0;
+  std::deque<std::int64_t> frames_us_;  ///< between the last calls of update()
   std::array<Trip, 2> shortest_;        ///< of the present period and the one before
   std::array<double, 2> best_rates_{};  ///< of whole trips, bytes/us, of the same periods
   std::int64_t period_ends_us_ = 0;
