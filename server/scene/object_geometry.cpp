@@ -85,7 +85,7 @@ ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
     info.spread = i == 0 ? 0.0f : lods[i - 1].spread;
     info.shading = i == 0 ? 0.0f : lods[i - 1].shading;
     description.lods.push_back(info);
-    if (i > 0 && info.spread == 0) out.tile_lods[i] = std::move(lods[i - 1].mesh);
+    if (i > 0) out.tile_lods[i] = std::move(lods[i - 1].mesh);
   }
   return out;
 }

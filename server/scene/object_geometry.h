@@ -16,8 +16,8 @@ struct EncodedLod {
 
 /// Geometry of one object below the whole mesh, and all of it encoded.
 struct ObjectGeometry {
-  /// By level; empty where tiles are never drawn from it: level 0 is the object's own mesh, and
-  /// thinned foliage has no bound.
+  /// By level; level 0, which is the object's own mesh, is empty. Tiles are never drawn from thinned
+  /// foliage, as it has no bound; views are.
   std::vector<Mesh> tile_lods;
   std::vector<EncodedLod> encoded;
 };
