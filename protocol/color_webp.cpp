@@ -6,17 +6,15 @@
 namespace mirage {
 namespace {
 
-// Colours are a fifth to a third of such a tile, the rest is depth: 90 for 80 is 2.4 dB for 12 % of
-// the bytes.
-constexpr float kQuality = 90;
 constexpr int kMethod = 2;  // 0 fast .. 6 small
 
 }  // namespace
 
-ColorBytes encode_webp_colors(const ColorBytes& colors, std::uint32_t w, std::uint32_t h) {
+ColorBytes encode_webp_colors(const ColorBytes& colors, std::uint32_t w, std::uint32_t h,
+                              float quality) {
   WebPConfig config;
   WebPPicture picture;
-  if (!WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, kQuality) || !WebPPictureInit(&picture)) {
+  if (!WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, quality) || !WebPPictureInit(&picture)) {
     return {};
   }
   config.method = kMethod;

@@ -7,7 +7,7 @@
 
 namespace mirage::limits {
 
-inline constexpr std::uint32_t kProtocolVersion = 3;
+inline constexpr std::uint32_t kProtocolVersion = 4;
 
 // Wire.
 inline constexpr std::size_t kMaxMessageBytes = 256 * 1024;           ///< one WebSocket message
@@ -27,6 +27,10 @@ inline constexpr std::size_t kMaxLightingStatesPerClient = 64;
 inline constexpr std::size_t kMaxReferencePixels = 4096u * 4096u;
 inline constexpr std::uint32_t kMaxReferenceEdge = 8192;
 inline constexpr std::uint32_t kMaxReferenceSupersample = 4;  ///< per axis
+inline constexpr std::uint32_t kMinViewEdge = 16;
+inline constexpr std::uint32_t kMaxViewEdge = 1024;
+inline constexpr std::size_t kMaxViewTexels = 640u * 360u;
+inline constexpr std::size_t kMaxViewInstances = 4096;  ///< that are told apart in one
 
 // Scene description.
 inline constexpr std::size_t kMaxObjects = 1u << 20;

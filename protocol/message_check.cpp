@@ -37,7 +37,42 @@ bool unit(const wire::Quat* q) {
   return std::abs(n - 1.0) < 1e-3;
 }
 
+bool view_size(std::uint32_t width, std::uint32_t height) {
+  const auto edge = [](std::uint32_t v) {
+    return v >= limits::kMinViewEdge && v <= limits::kMaxViewEdge && v % 2 == 0;
+  };
+  return edge(width) && edge(height) && std::size_t{width} * height <= limits::kMaxViewTexels;
+}
+
+bool field_of_view(double fov_y) {
+  const double degrees = fov_y * 57.29577951308232;
+  return degrees >= limits::kMinFovDegrees && degrees <= limits::kMaxFovDegrees;
+}
+
+Result<void> check(const wire::ViewRequest& m) {
+  if (!view_size(m.width(), m.height())) return value_error("size of a view");
+  if (!finite(m.eye()) || !unit(m.rotation())) return value_error("pose of a view");
+  if (!field_of_view(m.fov_y())) return value_error("field of view");
+  if (!std::isfinite(m.time_s())) return value_error("animation time");
+  return {};
+}
+
+Result<void> check(const wire::ViewReply& m) {
+  if (!view_size(m.width(), m.height())) return value_error("size of a view");
+  if (!finite(m.eye()) || !unit(m.rotation()) || !field_of_view(m.fov_y())) {
+    return value_error("pose of a view");
+  }
+  if (!(m.near_m() > 0) || !(m.far_m() >= m.near_m()) || !std::isfinite(m.far_m())) {
+    return value_error("depth of a view");
+  }
+  if (count(m.instances()) > limits::kMaxViewInstances) return limit_error("instances in a view");
+  return {};
+}
+
 Result<void> check(const wire::Hello& m) {
+  if (m.view()) {
+    if (Result<void> view = check(*m.view()); !view) return view;
+  }
   if (long_text(m.token()) || long_text(m.name())) return limit_error("characters in a text");
   if (count(m.codecs()) > limits::kMaxCodecs) return limit_error("codecs");
   return {};
@@ -223,9 +258,7 @@ Result<void> check(const wire::ReferenceRequest& m) {
                     m.height() <= limits::kMaxReferenceEdge && m.supersample() >= 1 &&
                     m.supersample() <= limits::kMaxReferenceSupersample;
   if (!size || !finite(m.eye()) || !unit(m.rotation())) return value_error("reference camera");
-  const double degrees = m.fov_y() * 57.29577951308232;
-  const bool fov = degrees >= limits::kMinFovDegrees && degrees <= limits::kMaxFovDegrees;
-  if (!fov) return value_error("field of view");
+  if (!field_of_view(m.fov_y())) return value_error("field of view");
   if (!std::isfinite(m.time_s())) return value_error("animation time");
   return {};
 }
@@ -261,6 +294,10 @@ Result<void> check_body(const wire::Control& control) {
       return check(*control.body_as_OpenRequest());
     case wire::Body::ReferenceRequest:
       return check(*control.body_as_ReferenceRequest());
+    case wire::Body::ViewRequest:
+      return check(*control.body_as_ViewRequest());
+    case wire::Body::ViewReply:
+      return check(*control.body_as_ViewReply());
     case wire::Body::TileReply:
       return check(*control.body_as_TileReply());
     case wire::Body::Bye:

@@ -20,6 +20,8 @@ struct Counters {
   std::atomic<std::uint64_t> store_evictions{0};  ///< tiles let go for the budget
   std::atomic<std::uint64_t> pages_rendered{0};
   std::atomic<std::uint64_t> references_rendered{0};
+  std::atomic<std::uint64_t> views_rendered{0};
+  std::atomic<std::uint64_t> views_sent{0};
   std::atomic<std::uint64_t> gpu_scene_bytes{0};   ///< meshes, images, the shadow map
   std::atomic<std::uint64_t> gpu_target_bytes{0};  ///< pages, their targets, those on their way
   std::atomic<std::uint64_t> gpu_most_bytes{0};    ///< of all, with full renders

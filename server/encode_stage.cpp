@@ -4,6 +4,7 @@
 #include "protocol/clock.h"
 #include "server/tile_form.h"
 #include "server/tile_measure.h"
+#include "server/view_cut.h"
 
 namespace mirage {
 
@@ -81,14 +82,24 @@ void EncodeStage::finish(const FormJob& job) {
   if (is_lossy(job.codec)) store_.save(job.id, job.codec, *form);  // the others share a file
 }
 
+void EncodeStage::finish(const RenderedView& drawn) {
+  Completion done;
+  done.view = drawn.id;
+  done.encoded_view =
+      std::make_shared<const EncodedView>(encode_view(cut_view(drawn.camera, drawn.frame)));
+  announce(std::move(done));
+}
+
 void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers) {
   for (int i = 0; i < workers; ++i) {
     workers_.emplace_back([this, scene] {
       while (const std::optional<EncodeJob> job = input_.pop()) {
         if (job->rendered) {
           finish(*job->rendered, *scene->description(job->rendered->job.key.object));
-        } else {
+        } else if (job->form) {
           finish(*job->form);
+        } else {
+          finish(*job->view);
         }
       }
     });

@@ -1,7 +1,7 @@
 #pragma once
 // Encode stage.
-// Input:  rendered tiles (pixels of a page), and tiles wanted in another form. Output: stored
-//         tiles, announced to the network loop.
+// Input:  rendered tiles (pixels of a page), tiles wanted in another form, drawn views. Output:
+//         stored tiles and encoded views, announced to the network loop.
 // Thread: N workers of its own.
 // Full:   the queue in front makes the render stage wait.
 
@@ -37,6 +37,7 @@ class EncodeStage {
  private:
   void finish(const RenderedTile& rendered, const ObjectDescription& object);
   void finish(const FormJob& job);
+  void finish(const RenderedView& drawn);
   void announce(Completion done);
 
   BoundedQueue<EncodeJob>& input_;

@@ -126,6 +126,7 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
   if (const Result<void> listening = endpoint.listen(options.endpoint); !listening) {
     return fail(listening.error());
   }
+  hub.make_home_view();
   awake = &endpoint;
   running_endpoint = &endpoint;
   std::signal(SIGTERM, on_terminate);

@@ -26,6 +26,8 @@ std::string metrics_text(const Counters& c, std::size_t clients) {
   add(out, "store_evictions_total", "counter", c.store_evictions);
   add(out, "pages_rendered_total", "counter", c.pages_rendered);
   add(out, "references_rendered_total", "counter", c.references_rendered);
+  add(out, "views_rendered_total", "counter", c.views_rendered);
+  add(out, "views_sent_total", "counter", c.views_sent);
   add(out, "gpu_scene_bytes", "gauge", c.gpu_scene_bytes);
   add(out, "gpu_target_bytes", "gauge", c.gpu_target_bytes);
   add(out, "gpu_most_bytes", "gauge", c.gpu_most_bytes);

@@ -46,7 +46,7 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   CLI::App app("Holds a scene and renders impostor tiles of it on request.", "mirage-server");
   app.footer(footer());
   std::string listen = "127.0.0.1:9870", token_file, codec = "auto";
-  bool no_geometry = false, no_reference = false;
+  bool no_geometry = false, no_reference = false, no_view = false;
   std::string shadows = "off";
   app.add_option("SCENE", o.scene,
                  "a .glb or .gltf file[?variant=NAME], or builtin:NAME[?key=value&…]");
@@ -100,6 +100,7 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.add_option("--allow-origin", o.endpoint.allow_origin, "only browsers from this origin");
   app.add_flag("--no-geometry", no_geometry, "never send meshes");
   app.add_flag("--no-reference", no_reference, "refuse full renders for comparison");
+  app.add_flag("--no-view", no_view, "no picture of the whole scene to begin with");
   app.add_option("--shadows", shadows, "the sun's shadows: on or off")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
@@ -138,6 +139,7 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   }
   o.session.geometry = !no_geometry;
   o.session.reference = !no_reference;
+  o.session.view = !no_view;
   o.shadows = shadows == "on";
   if (const std::optional<TileCodec> only = codec_from_name(codec)) {
     o.session.codecs = {*only};

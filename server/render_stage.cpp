@@ -54,6 +54,7 @@ Result<GlWorld> make_world(std::shared_ptr<const PreparedScene> scene,
       ReferenceRenderer::create(*world.scene, world.shadow.get());
   if (!references) return references.error();
   world.references = std::make_unique<ReferenceRenderer>(references.take());
+  if (Result<void> warm = world.references->warm_up(); !warm) return warm.error();
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
     return make_error(ErrorId::kGraphicsGl, "GL error " + std::to_string(error) + " at start");
   }
@@ -107,6 +108,7 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
   counters_.shader_programs = gl::programs_compiled();
   ready(context->description());
 
+  const bool software = context->software();
   RenderedKeys rendered_before;
   ReadbackRing ring(options.ring);
   const std::size_t scene_bytes = world->scene_bytes();
@@ -118,6 +120,12 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
         std::max<std::uint64_t>(counters_.gpu_most_bytes, scene_bytes + target_bytes() + more);
   };
   note_memory(0);
+  const auto fits_memory = [&](const SceneShot& shot) {
+    const std::size_t more = world->references->gpu_bytes(shot);
+    if (scene_bytes + target_bytes() + more > options.gpu_mb << 20) return false;
+    note_memory(more);
+    return true;
+  };
   const auto hand_over = [&](ReadbackRing::Collected page) {
     const std::int64_t now = clock_.now_us();
     const auto tiles = static_cast<std::int64_t>(page.info.jobs.size());
@@ -135,14 +143,27 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
     const auto fits = [&](std::uint32_t edge) { return packer.add(edge); };
     std::optional<TileQueue::Work> work = queue_.take(fits, ring.empty());
     if (!work && ring.empty()) break;
-    if (work && std::holds_alternative<ReferenceJob>(*work)) {
-      const ReferenceJob& job = std::get<ReferenceJob>(*work);
-      const std::size_t more = world->references->gpu_bytes(job);
-      Result<Bytes> reply = make_error(ErrorId::kGraphicsGl, "a full render is over --gpu-mb");
-      if (scene_bytes + target_bytes() + more <= options.gpu_mb << 20) {
-        note_memory(more);
-        reply = world->references->render(job);
+    if (work && std::holds_alternative<ViewJob>(*work)) {
+      ViewJob& job = std::get<ViewJob>(*work);
+      if (software && !job.home) job.shot.supersample = 1;
+      Result<SceneFrame> frame = make_error(ErrorId::kGraphicsGl, "a view is over --gpu-mb");
+      if (fits_memory(job.shot)) frame = world->references->draw(job.shot);
+      if (frame) {
+        ++counters_.views_rendered;
+        rendered_.push({nullptr, nullptr,
+                        std::make_shared<const RenderedView>(
+                            RenderedView{job.id, job.shot.camera, frame.take()})});
+      } else {
+        spdlog::warn("{}", frame.error().line());
+        Completion none;
+        none.view = job.id;
+        completions_.push(std::move(none));
+        wake_();
       }
+    } else if (work && std::holds_alternative<ReferenceJob>(*work)) {
+      const ReferenceJob& job = std::get<ReferenceJob>(*work);
+      Result<Bytes> reply = make_error(ErrorId::kGraphicsGl, "a full render is over --gpu-mb");
+      if (fits_memory(job.shot)) reply = world->references->render(job);
       ++counters_.references_rendered;
       if (!reply) {
         spdlog::warn("{}", reply.error().line());
@@ -151,7 +172,10 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
         refused.reason = wire::RefusalReason::TooLarge;
         reply = encode_message(std::move(refused));
       }
-      completions_.push(Completion{{}, nullptr, std::nullopt, job.session, reply.take()});
+      Completion done;
+      done.session = job.session;
+      done.message = reply.take();
+      completions_.push(std::move(done));
       wake_();
     } else if (work) {
       PendingPage page;

@@ -46,7 +46,8 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
       pages_(make_scene_pages(*scene_)),
       probe_page_(scene_->scene.probe ? encode_probe(*scene_->scene.probe) : Bytes{}),
       images_(image_jobs),
-      forms_(encode_jobs) {}
+      forms_(encode_jobs),
+      views_(queue) {}
 
 Result<SessionId> SessionHub::open() {
   if (sessions_.size() >= options_.max_clients) {
@@ -60,6 +61,7 @@ Result<SessionId> SessionHub::open() {
 
 void SessionHub::close(SessionId id) {
   queue_.remove_session(id);
+  views_.remove_session(id);
   sessions_.erase(id);
   writable_.erase(id);
 }
@@ -93,6 +95,9 @@ Result<void> SessionHub::handle(SessionId id, Session& s, Message message) {
       return {};
     case wire::Body::ReferenceRequest:
       reference(id, s, *body.AsReferenceRequest());
+      return {};
+    case wire::Body::ViewRequest:
+      view(id, s, *body.AsViewRequest());
       return {};
     case wire::Body::StatsRequest:
       stats(id, s, *body.AsStatsRequest());
@@ -153,6 +158,7 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.images = static_cast<std::uint32_t>(scene.images.size());
   push(id, s.control, encode_message(std::move(welcome)));
   if (!probe_page_.empty()) push(id, s.control, probe_page_);
+  if (hello.view) view(id, s, *hello.view);
   return {};
 }
 
@@ -242,6 +248,7 @@ void SessionHub::complete(Completion completion) {
     }
     return;
   }
+  if (completion.view) return finish_view(completion);
   if (completion.image) return finish_image(*completion.image, std::move(completion.message));
   const auto at = sessions_.find(completion.session);
   if (at != sessions_.end()) {

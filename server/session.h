@@ -24,6 +24,7 @@
 #include "server/tile_job.h"
 #include "server/tile_queue.h"
 #include "server/tile_store.h"
+#include "server/view_cache.h"
 
 namespace mirage {
 
@@ -32,6 +33,7 @@ struct SessionOptions {
   std::string renderer;  ///< told to clients
   bool geometry = true;
   bool reference = true;
+  bool view = true;  ///< the whole scene as one tile is sent to who asks for it
   bool shadows = false;
   std::size_t max_clients = 4096;
   std::size_t max_outbox_bytes = 512u << 20;  ///< of one client, before it is closed
@@ -46,6 +48,8 @@ class SessionHub {
              Counters& counters, TileQueue& queue, TileStore& store,
              BoundedQueue<EncodeJob>& encode_jobs, BoundedQueue<ImageLevel>& image_jobs);
 
+  /// Has the home view made, which most clients ask for first.
+  void make_home_view();
   /// Error kBusy when there are too many clients.
   Result<SessionId> open();
   /// One WebSocket message. An error means: say goodbye and close with its close code.
@@ -101,6 +105,10 @@ class SessionHub {
   void open_groups(SessionId id, Session& s, const wire::OpenRequestT& m);
   Result<void> set_lighting(Session& s, const wire::SetLightingT& m);
   void reference(SessionId id, Session& s, const wire::ReferenceRequestT& m);
+  ViewJob view_job(const wire::ViewRequestT& m, const Lighting& lighting) const;
+  void view(SessionId id, Session& s, const wire::ViewRequestT& m);
+  void finish_view(const Completion& done);
+  void push_view(const ViewCache::Waiting& waiting, const EncodedView& view);
   void stats(SessionId id, Session& s, const wire::StatsRequestT& m);
 
   void push(SessionId id, std::deque<FramePtr>& lane, Bytes message);
@@ -122,6 +130,7 @@ class SessionHub {
   const Bytes probe_page_;             ///< whole message; empty: the scene has no probe
   ImageCache images_;
   FormRequests forms_;
+  ViewCache views_;
   std::map<SessionId, Session> sessions_;
   std::set<SessionId> writable_;
   SessionId next_id_ = 1;

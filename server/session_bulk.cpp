@@ -66,17 +66,16 @@ void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceReques
   if (!known || samples > limits::kMaxReferencePixels * 2) {
     return refuse(id, s, m.request_id, wire::RefusalReason::TooLarge);
   }
-  ReferenceJob job;
-  job.session = id;
-  job.request_id = m.request_id;
-  job.camera.pose = {from_wire(*m.eye), glm::normalize(from_wire(*m.rotation))};
-  job.camera.fov_y = m.fov_y;
-  job.camera.width = m.width;
-  job.camera.height = m.height;
-  job.camera.fit_depth_range(scene_->bounds_center, scene_->bounds_radius);
-  job.supersample = m.supersample;
-  job.time_s = m.time_s;
-  job.lighting = found != s.lighting.end() ? found->second : scene_->scene.lighting;
+  SceneShot shot;
+  shot.camera.pose = {from_wire(*m.eye), glm::normalize(from_wire(*m.rotation))};
+  shot.camera.fov_y = m.fov_y;
+  shot.camera.width = m.width;
+  shot.camera.height = m.height;
+  shot.camera.fit_depth_range(scene_->bounds_center, scene_->bounds_radius);
+  shot.supersample = m.supersample;
+  shot.time_s = m.time_s;
+  shot.lighting = found != s.lighting.end() ? found->second : scene_->scene.lighting;
+  ReferenceJob job{id, m.request_id, std::move(shot)};
   if (!queue_.submit(std::move(job))) {
     refuse(id, s, m.request_id, wire::RefusalReason::Busy);
   }

@@ -10,6 +10,7 @@
 #include "protocol/lighting_state.h"
 #include "protocol/message.h"
 #include "protocol/tile_key.h"
+#include "protocol/view_tile.h"
 
 namespace mirage {
 
@@ -67,12 +68,6 @@ struct FormJob {
   StoredTilePtr lossless;
   TileCodec codec = TileCodec::kZstd;
 };
-/// Work of the encode stage: one of the two.
-struct EncodeJob {
-  std::shared_ptr<const RenderedTile> rendered;
-  std::shared_ptr<const FormJob> form;
-};
-
 /// A level of one of the scene's images.
 struct ImageLevel {
   std::uint32_t image = 0;
@@ -82,14 +77,48 @@ struct ImageLevel {
   }
 };
 
+/// The whole scene from one camera.
+struct SceneShot {
+  Camera camera;
+  std::uint32_t supersample = 2;
+  Lighting lighting;
+  double time_s = 0;    ///< of the animation
+  double level_px = 0;  ///< what levels of detail may show wrongly; 0: whole meshes
+};
+
+/// Rows from the top.
+struct SceneFrame {
+  std::vector<std::uint8_t> rgba;  ///< sRGB, alpha = coverage by objects
+  std::vector<float> depth;        ///< eye depth, m; 0: none
+  std::vector<std::uint32_t> ids;  ///< instance + 1; 0: none
+};
+
 /// A full render of the scene for comparison.
 struct ReferenceJob {
   SessionId session = 0;
   std::uint32_t request_id = 0;
+  SceneShot shot;
+};
+
+/// A view tile to draw, for everybody who asked for it.
+struct ViewJob {
+  TileId id;
+  SceneShot shot;
+  bool home = false;    ///< it is made ahead and kept: it may take longer
+  bool wanted = true;   ///< somebody waits for it; else it is made when there is nothing else to do
+};
+/// A drawn view on its way to an encoder.
+struct RenderedView {
+  TileId id;
   Camera camera;
-  std::uint32_t supersample = 2;
-  Lighting lighting;
-  double time_s = 0;  ///< of the animation
+  SceneFrame frame;
+};
+
+/// Work of the encode stage: one of the three.
+struct EncodeJob {
+  std::shared_ptr<const RenderedTile> rendered;
+  std::shared_ptr<const FormJob> form;
+  std::shared_ptr<const RenderedView> view = nullptr;
 };
 
 /// What the render and encode stages hand back to the network loop.
@@ -107,6 +136,10 @@ struct Completion {
   TileCodec codec = TileCodec::kZstd;
   StoredTilePtr lossless = nullptr;  ///< of one just rendered: to make other forms from
   bool refused = false;              ///< there is none: it takes too much graphics memory
+
+  // Or an encoded view, for everybody who waits for it (null: it failed).
+  std::optional<TileId> view = std::nullopt;
+  std::shared_ptr<const EncodedView> encoded_view = nullptr;
 };
 
 }  // namespace mirage

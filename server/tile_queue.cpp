@@ -42,6 +42,23 @@ bool TileQueue::submit(ReferenceJob job) {
   return true;
 }
 
+void TileQueue::submit(ViewJob job) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  views_.push_back(std::move(job));
+  not_empty_.notify_one();
+}
+
+void TileQueue::want_view(const TileId& id) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (ViewJob& job : views_) job.wanted = job.wanted || job.id == id;
+}
+
+std::deque<ViewJob>::iterator TileQueue::next_view() {
+  const auto wanted =
+      std::find_if(views_.begin(), views_.end(), [](const ViewJob& job) { return job.wanted; });
+  return wanted != views_.end() ? wanted : views_.begin();
+}
+
 void TileQueue::drop_waiter(SessionId session, std::uint32_t request_id, const TileId& id) {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return;
@@ -116,6 +133,22 @@ TileQueue::Entry* TileQueue::next_entry() {
   return nullptr;
 }
 
+std::vector<TileJob> TileQueue::take_batch(const std::function<bool(std::uint32_t)>& fits) {
+  std::vector<TileJob> batch;
+  while (Entry* entry = next_entry()) {
+    if (!fits(tile_edge(entry->job.key.size_class))) {
+      // Back to the head of its first waiter's queue: it opens the next batch.
+      const SessionId owner = entry->waiters.front().session;
+      sessions_[owner].ranked.emplace(Rank{2e30f, ++order_}, entry->job.id);
+      last_served_ = owner - 1;  // whose turn comes first then
+      break;
+    }
+    entry->rendering = true;
+    batch.push_back(entry->job);
+  }
+  return batch;
+}
+
 std::optional<TileQueue::Work> TileQueue::take(const std::function<bool(std::uint32_t)>& fits,
                                                bool wait) {
   std::unique_lock<std::mutex> lock(mutex_);
@@ -127,18 +160,17 @@ std::optional<TileQueue::Work> TileQueue::take(const std::function<bool(std::uin
       return Work(std::move(job));
     }
     std::vector<TileJob> batch;
-    while (Entry* entry = next_entry()) {
-      if (!fits(tile_edge(entry->job.key.size_class))) {
-        // Back to the head of its first waiter's queue: it opens the next batch.
-        const SessionId owner = entry->waiters.front().session;
-        sessions_[owner].ranked.emplace(Rank{2e30f, ++order_}, entry->job.id);
-        last_served_ = owner - 1;  // whose turn comes first then
-        break;
-      }
-      entry->rendering = true;
-      batch.push_back(entry->job);
-    }
+    const auto view = next_view();
+    const bool wanted = view != views_.end() && view->wanted;
+    if (!wanted || view_was_last_) batch = take_batch(fits);
+    view_was_last_ = false;
     if (!batch.empty()) return Work(std::move(batch));
+    if (view != views_.end()) {
+      ViewJob job = std::move(*view);
+      views_.erase(view);
+      view_was_last_ = true;
+      return Work(std::move(job));
+    }
     if (!wait) return std::nullopt;
     not_empty_.wait(lock);
   }

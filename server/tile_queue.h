@@ -30,10 +30,15 @@ class TileQueue {
                    const Waiter& waiter, const Lighting& world = {});
   /// References are few: they go before tiles. False when too many wait already.
   bool submit(ReferenceJob job);
+  /// Views come between tiles: one, then at least one batch of tiles where some wait; those that
+  /// nobody wants yet after all tiles.
+  void submit(ViewJob job);
+  /// Somebody wants it now.
+  void want_view(const TileId& id);
   void cancel(SessionId session, std::uint32_t request_id);
   void remove_session(SessionId session);
 
-  using Work = std::variant<std::vector<TileJob>, ReferenceJob>;
+  using Work = std::variant<std::vector<TileJob>, ReferenceJob, ViewJob>;
   /// Next work; waits while there is none if `wait`. `fits` is asked for each tile's edge in turn
   /// and ends the batch with false. nullopt: closed, or nothing to do and not waiting.
   std::optional<Work> take(const std::function<bool(std::uint32_t)>& fits, bool wait);
@@ -68,6 +73,10 @@ class TileQueue {
   void drop_waiter(SessionId session, std::uint32_t request_id, const TileId& id);
   bool drop_late(Entry& entry);
   Entry* next_entry();
+  /// What waits and fits, marked as being rendered.
+  std::vector<TileJob> take_batch(const std::function<bool(std::uint32_t)>& fits);
+  /// The view to draw next: a wanted one, if there is one.
+  std::deque<ViewJob>::iterator next_view();
 
   const Clock& clock_;
   Counters& counters_;
@@ -76,6 +85,8 @@ class TileQueue {
   std::unordered_map<TileId, Entry> entries_;
   std::map<SessionId, SessionQueue> sessions_;
   std::deque<ReferenceJob> references_;
+  std::deque<ViewJob> views_;
+  bool view_was_last_ = false;
   std::vector<Waiter> late_;
   SessionId last_served_ = 0;
   std::uint64_t order_ = 0;

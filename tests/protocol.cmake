@@ -14,6 +14,7 @@ add_executable(mirage_protocol_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_tile_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_values_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_view_cell_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/protocol_view_tile_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_wire_test.cpp)
 mirage_target(mirage_protocol_tests)
 target_link_libraries(mirage_protocol_tests PRIVATE mirage_protocol GTest::gtest_main)

@@ -17,7 +17,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_stillness_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_tau_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_samples_test.cpp
-  ${PROJECT_SOURCE_DIR}/tests/unit/core_window_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/core_window_test.cpp unit/core_view_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_tile_bytes_test.cpp unit/core_tile_fit_test.cpp unit/core_settled_test.cpp unit/core_upload_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_environment_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_grouping_test.cpp
@@ -35,7 +35,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/server_queue_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_seams_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_shading_test.cpp
-  ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp unit/server_asks_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp unit/server_asks_test.cpp unit/server_view_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_measure_test.cpp unit/server_behind_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_store_test.cpp unit/server_cache_test.cpp unit/server_load_test.cpp support/large_scene.cpp)
 mirage_target(mirage_core_tests)

@@ -51,6 +51,7 @@ ClientSession::ClientSession(Link& link, ClientOptions options, TileSink sink)
       cache_(options_.atlas_edge, options_.atlas_layers),
       relight_(options_.relight),
       uploads_(options_.upload_budget_bytes),
+      views_(options_.views && options_.method.automatic && options_.shadows),
       tau_(options_.tau_px, options_.targets),
       codec_choice_(options_.codec) {}
 
@@ -65,6 +66,14 @@ void ClientSession::greet() {
   hello.token = options_.token;
   hello.name = options_.name;
   hello.codecs = every_codec();
+  views_.reset();
+  // Under a light of its own this client has to say first which it is.
+  if (views_.enabled() && !own_lighting_ && !scene_.complete()) {
+    hello.view = std::make_unique<wire::ViewRequestT>(view_request(options_.screen, 0));
+    hello.view->home = true;
+    hello.view->request_id = scheduler_.next_number();
+    views_.asked(hello.view->request_id);
+  }
   link_.send(encode_message(std::move(hello)));
 }
 
@@ -101,6 +110,7 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
         return {};
       }
       early_pages_.clear();
+      if (welcome.revision != scene_.revision) views_.forget();
       if (Result<void> taken = scene_.accept(welcome); !taken) return taken;
       take_scene(false);  // a scene without instances is complete at once
       return {};
@@ -119,6 +129,8 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
       return take_mesh(*body.AsMeshReply(), message.payload, came_us, now_us);
     case wire::Body::ImageReply:
       return take_image(*body.AsImageReply(), message.payload, came_us, now_us);
+    case wire::Body::ViewReply:
+      return take_view(*body.AsViewReply(), message.payload, came_us);
     case wire::Body::ReferenceReply:
       return take_reference(*body.AsReferenceReply(), message.payload);
     case wire::Body::Refused:
@@ -255,6 +267,7 @@ void ClientSession::take_refusal(const wire::RefusedT& refused, std::int64_t now
     reference_refused_ = true;
     return;
   }
+  if (views_.refused(refused, now_us)) return;
   ++refused_;
   scheduler_.refuse(refused.request_id, now_us);
 }
@@ -287,7 +300,11 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   ++frame_;
   const bool was_at_rest = at_rest_;
   at_rest_ = false;
-  if (!scene_.complete()) return {};
+  if (!scene_.complete()) {
+    DrawList first;
+    views_.show_all(first);
+    return first;
+  }
   predictor_.add(now_us, camera.pose);
   const std::int64_t horizon =
       std::min(scheduler_.round_trip_us() + kHorizonSlackUs, kMaxHorizonUs);
@@ -298,6 +315,8 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   input.scene = &scene_;
   input.cache = &cache_;
   input.mesh_ready = &meshes_.ready();
+  input.meshes = &meshes_;
+  input.view = views_.fit();
   input.camera = input.predicted = camera;
   input.predicted.pose = predictor_.predict(horizon);
   input.velocity = predictor_.velocity_mps();
@@ -339,12 +358,20 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   std::vector<AssetNeed> meshes;
   if (scene_.geometry) {
     meshes =
-        meshes_.needs(scene_, input.predicted, mesh_tau_px, now_us, selector_.mesh_needs(input));
+        meshes_.needs(scene_, input.predicted, mesh_tau_px, now_us, selector_.mesh_needs(input),
+                      input.view);
   }
   for (const AssetId& gone : meshes_.drop(frame_, now_us)) {
     if (sink_.drop) sink_.drop(gone);
   }
+  views_.show_missing(scene_, camera, list);
   if (!link_.connected()) return list;
+  if (auto view = views_.plan(scene_, input.predicted, time_s_, list, now_us)) {
+    view->request_id = scheduler_.next_number();
+    view->lighting_id = lighting_id_;
+    views_.asked(view->request_id);
+    link_.send(encode_message(std::move(*view)));
+  }
   std::vector<TileNeed> tiles = selector_.needs(input);
   if (shadows) shadows_.add_needs(input, lighting_, list, tiles);
   codec_ = codec_choice_.update({scheduler_.rate_mbps(), scheduler_.saturated_s(now_us)}, now_us);

@@ -24,6 +24,7 @@
 #include "client/core/tau_controller.h"
 #include "client/core/tile_trace.h"
 #include "client/core/upload_queue.h"
+#include "client/core/view_stage.h"
 #include "protocol/clock.h"
 #include "protocol/model_codec.h"
 
@@ -50,6 +51,9 @@ struct ClientOptions {
   bool animation = true;              ///< false: every clip stands at its beginning
   std::optional<TileCodec> codec;     ///< of tiles; none: by link and cost
   const Clock* work_clock = nullptr;  ///< what decoding takes; null on virtual time
+  bool views = true;                  ///< a view tile shows what has no image yet (automatic methods, with
+                                      ///< what shadows the server draws)
+  Camera screen;                      ///< of the first frames: size and field of view
 };
 
 struct ReferenceFrame {
@@ -67,6 +71,7 @@ struct TileSink {
   std::function<void(std::uint32_t index, const Image&)> image;
   std::function<void(const AssetId&)> drop;  ///< an image that goes shows its mean colour again
   std::function<void(const SceneView&)> scene;
+  std::function<void(const ViewTile&)> view;
 };
 
 struct TileCounts {
@@ -120,6 +125,9 @@ class ClientSession {
   const std::vector<TileLife>& lives() const { return trace_.lives(); }
   /// The frame planned last is drawn. For the trace.
   void note_drawn(std::int64_t now_us) { trace_.frame_drawn(now_us); }
+  const ViewCounts& views() const { return views_.counts(); }
+  /// There is something to draw: the scene, or a view of it.
+  bool drawable() const { return scene_.complete() || (scene_.welcomed() && views_.here()); }
   std::int64_t round_trip_us() const { return scheduler_.round_trip_us(); }
   std::size_t in_flight() const { return scheduler_.in_flight(); }
   /// Nothing was left to ask for in the last frame, nothing is under way, nothing moves: until the
@@ -149,6 +157,7 @@ class ClientSession {
                          std::int64_t now_us);
   Result<void> take_image(const wire::ImageReplyT& reply, const Bytes& bytes, std::int64_t came_us,
                           std::int64_t now_us);
+  Result<void> take_view(const wire::ViewReplyT& reply, const Bytes& bytes, std::int64_t came_us);
   Result<void> take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes);
   void take_refusal(const wire::RefusedT& refused, std::int64_t now_us);
   void greet();
@@ -175,6 +184,7 @@ class ClientSession {
   SceneOpener opener_;
   Scheduler scheduler_;
   UploadQueue uploads_;
+  ViewStage views_;
   TauController tau_;
   CodecChoice codec_choice_;
   TileCodec codec_ = TileCodec::kZstd;

@@ -76,6 +76,15 @@ Result<void> ClientSession::take_image(const wire::ImageReplyT& reply, const Byt
   return {};
 }
 
+Result<void> ClientSession::take_view(const wire::ViewReplyT& reply, const Bytes& bytes,
+                                      std::int64_t came_us) {
+  scheduler_.note_other(bytes.size() + kReplyBytes, came_us);
+  const Result<std::shared_ptr<const ViewTile>> view = views_.take(reply, bytes);
+  if (!view) return view.error();
+  if (*view && sink_.view) sink_.view(**view);
+  return {};
+}
+
 Result<void> ClientSession::take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes) {
   const std::size_t pixels = std::size_t{reply.width} * reply.height;
   const bool asked = std::exchange(reference_asked_px_, 0) == pixels && pixels > 0;

@@ -29,7 +29,10 @@ Result<FrameRenderer> FrameRenderer::create(int atlas_edge, int atlas_layers) {
   if (!sky) return sky.error();
   Result<CasterPass> casters = CasterPass::create();
   if (!casters) return casters.error();
+  Result<ViewPass> view = ViewPass::create();
+  if (!view) return view.error();
   FrameRenderer out;
+  out.view_ = view.take();
   out.casters_ = casters.take();
   out.impostors_ = impostors.take();
   out.sky_ = std::move(*sky);
@@ -162,10 +165,14 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& camera, const 
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   draw_meshes(camera, scene, list, lighting, false, view_depth.mapping());
   sky_.draw_behind(camera, scene.environment, view_depth.farthest());
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(gl::nearer_or_equal(view_depth.mapping()));
+  if (list.view) view_.draw(camera, view_depth.mapping(), *list.view);
   impostors_.draw(camera, view_depth.mapping(), scene, list, lighting, shadow_atlas_.texture(),
                   probe_ ? &*probe_ : nullptr);
   draw_meshes(camera, scene, list, lighting, true, view_depth.mapping());
-  draw_calls_ = 1 + impostors_.draw_calls() + mesh_pass_->draw_calls();
+  const int view_calls = list.view ? view_.draw_calls() : 0;
+  draw_calls_ = 1 + view_calls + impostors_.draw_calls() + mesh_pass_->draw_calls();
 }
 
 GpuBytes FrameRenderer::gpu_bytes() const {
@@ -173,6 +180,7 @@ GpuBytes FrameRenderer::gpu_bytes() const {
   bytes.atlas = impostors_.gpu_bytes();
   bytes.geometry = images_.gpu_bytes() + (probe_ ? probe_->gpu_bytes() : 0);
   for (const auto& [id, mesh] : meshes_) bytes.geometry += mesh.mesh.gpu_bytes();
+  bytes.view = view_.gpu_bytes();
   bytes.shadows = shadow_atlas_.gpu_bytes() + shadow_map_.gpu_bytes();
   return bytes;
 }

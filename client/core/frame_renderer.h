@@ -10,6 +10,7 @@
 #include "client/core/frame_target.h"
 #include "client/core/impostor_pass.h"
 #include "client/core/shadow_atlas.h"
+#include "client/core/view_pass.h"
 #include "protocol/model_codec.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/sky_pass.h"
@@ -21,7 +22,8 @@ struct GpuBytes {
   std::size_t atlas = 0;     ///< of tiles, all planes
   std::size_t geometry = 0;  ///< meshes and their images
   std::size_t shadows = 0;   ///< atlas of shadow and caster tiles, the map
-  std::size_t all() const { return atlas + geometry + shadows; }
+  std::size_t view = 0;      ///< the view tile
+  std::size_t all() const { return atlas + geometry + shadows + view; }
 };
 
 class FrameRenderer {
@@ -40,6 +42,7 @@ class FrameRenderer {
   Result<void> upload_caster(const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
     return shadow_atlas_.upload_caster(record, codes);
   }
+  void upload_view(const ViewTile& view) { view_.upload(view); }
   /// Error kGraphicsShader: it cannot be drawn as it should.
   Result<void> add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model);
   void add_image(const SceneView& scene, std::uint32_t index, const Image& image);
@@ -71,6 +74,7 @@ class FrameRenderer {
                    const Lighting& lighting, bool blended, DepthMapping mapping);
 
   ImpostorPass impostors_;
+  ViewPass view_;
   gl::SkyPass sky_;
   std::optional<gl::ProbeMap> probe_;
   std::unique_ptr<gl::MeshPass> mesh_pass_ = std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);

@@ -258,7 +258,8 @@ void add_geometric_error(const ReferenceFrame& reference, double offset_px, cons
       }
       const std::vector<std::uint32_t>& standing = at->second;
       if (standing.empty()) {
-        ++out.holes;
+        const bool viewed = drawn.view && drawn.view->shows(id);  // no bound is claimed for it
+        ++(viewed ? out.viewed : out.holes);
         continue;
       }
       const bool mesh = std::any_of(standing.begin(), standing.end(),

@@ -18,6 +18,7 @@ struct GeometricError {
   std::uint64_t compared = 0;
   std::uint64_t disoccluded = 0;  ///< pixels showing a part of an object its tile never saw
   std::uint64_t holes = 0;        ///< pixels of objects that had no image at all
+  std::uint64_t viewed = 0;       ///< pixels of objects that the view tile alone showed
   std::uint64_t object_pixels = 0;
   double worst_excess_px = 0;
 };

@@ -326,6 +326,7 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
   }
   std::map<std::uint32_t, std::vector<ImpostorInstance>> by_object;
   for (const DrawnPlaceholder& drawn : list.placeholders) {
+    if (drawn.covered) continue;
     const InstanceView& view = scene.instances[drawn.instance];
     const ObjectDescription& object = scene.objects[view.object];
     ImpostorInstance data{};

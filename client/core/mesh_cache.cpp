@@ -14,7 +14,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kMeshKeptUs = 10'000'000;   // after it was last needed
 constexpr std::int64_t kImageKeptUs = 30'000'000;  // images are smaller, and shared
 constexpr std::int64_t kPinnedUs = 500'000;        // needed this recently: still in use
-constexpr double kCoarseExcess = 16;  // the first level of an object may be this far beyond tau
+// The first level of an object may be this far beyond tau; one of thinned foliage, which would show
+// slabs for leaves, less.
+constexpr double kCoarseExcess = 16, kCoarseThinnedExcess = 4;
 constexpr double kCoarseShare = 0.5;  // of the needed level's bytes: otherwise it is not worth it
 constexpr double kTexelsPerPixel = 1.5;  // a level is sharp enough down to this
 constexpr double kNearest = 0.01;        // of the radius: nothing is seen from nearer than this
@@ -154,9 +156,20 @@ void MeshCache::choose(const SceneView& scene, const Camera& camera, double tau_
   }
 }
 
+double MeshCache::error_px(const SceneView& scene, const Camera& camera,
+                           std::uint32_t instance) const {
+  const std::uint32_t index = scene.instances[instance].object;
+  const std::vector<Level>& levels = objects_[index].lods;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    if (!levels[i].resident) continue;
+    return lod_excess(scene.objects[index].lods[i], px_per_unit(scene, camera, instance), 1);
+  }
+  return kInfinity;
+}
+
 std::vector<MeshCache::Wanted> MeshCache::wanted(
     const SceneView& scene, const Camera& camera,
-    const std::vector<std::uint32_t>& instances) const {
+    const std::vector<std::uint32_t>& instances, const ViewFit* view) const {
   std::map<std::uint32_t, Wanted> by_object;
   for (const std::uint32_t i : instances) {
     const std::uint32_t object = scene.instances[i].object;
@@ -166,6 +179,9 @@ std::vector<MeshCache::Wanted> MeshCache::wanted(
     want.px_per_unit = std::max(want.px_per_unit, density);
     const double most = std::hypot(camera.width, camera.height);
     want.size_px = std::max(want.size_px, std::min(density * scene.objects[object].radius, most));
+    const std::optional<double> in_view =
+        view ? view->error_px(scene.instances[i], camera) : std::nullopt;
+    want.view_px = std::max(want.view_px, in_view.value_or(kInfinity));
     want.surrounds = want.surrounds || scene.objects[object].surrounds;
   }
   std::vector<Wanted> out;
@@ -208,17 +224,21 @@ void MeshCache::need_mesh(const SceneView& scene, const Wanted& want, double tau
     break;
   }
   std::size_t first = lod;
-  if (shown == kInfinity) {
+  const bool none = shown == kInfinity;
+  const bool unseen = none && want.view_px > kFirstImagePx * tau_px;
+  if (none) shown = std::max(want.view_px, tau_px);
+  if (unseen) {
     // Something quick first.
     for (std::size_t i = lods.size(); i-- > lod + 1;) {
-      const bool fit = lod_excess(lods[i], want.px_per_unit, tau_px) <= kCoarseExcess;
+      const double most = lods[i].spread > 0 ? kCoarseThinnedExcess : kCoarseExcess;
+      const bool fit = lod_excess(lods[i], want.px_per_unit, tau_px) <= most;
       if (!fit || lods[i].bytes > kCoarseShare * lods[lod].bytes || !allowed(i)) continue;
       first = i;
       break;
     }
   }
   const double gain =
-      want.surrounds && shown == kInfinity ? kInfinity : std::min(shown, want.size_px);
+      want.surrounds && none ? kInfinity : std::min(shown, want.size_px);
   out.push_back({{AssetId::Kind::kMesh, want.object, static_cast<std::uint8_t>(first)},
                  gain,
                  static_cast<double>(lods[first].bytes + kReplyBytes)});
@@ -270,9 +290,10 @@ void MeshCache::need_images(const SceneView& scene, const Wanted& want, std::int
 
 std::vector<AssetNeed> MeshCache::needs(const SceneView& scene, const Camera& camera, double tau_px,
                                         std::int64_t now_us,
-                                        const std::vector<std::uint32_t>& instances) {
+                                        const std::vector<std::uint32_t>& instances,
+                                        const ViewFit* view) {
   std::vector<AssetNeed> out;
-  for (const Wanted& want : wanted(scene, camera, instances)) {
+  for (const Wanted& want : wanted(scene, camera, instances, view)) {
     need_mesh(scene, want, tau_px, now_us, out);
     need_images(scene, want, now_us, out);
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/core/scene_view.h"
+#include "client/core/view_fit.h"
 #include "protocol/model_codec.h"
 
 namespace mirage {
@@ -70,9 +71,14 @@ class MeshCache {
   void choose(const SceneView& scene, const Camera& camera, double tau_px, std::uint64_t frame,
               std::int64_t now_us, std::vector<DrawnMesh>& meshes);
 
-  /// What to ask for so that `instances` can be drawn at `camera`, most urgent first.
+  /// What geometry of the instance that is here shows wrongly, px; +inf: there is none.
+  double error_px(const SceneView& scene, const Camera& camera, std::uint32_t instance) const;
+
+  /// What to ask for so that `instances` can be drawn at `camera`, most urgent first. `view`: of the
+  /// view tile, which shows some of them meanwhile; nullptr: there is none.
   std::vector<AssetNeed> needs(const SceneView& scene, const Camera& camera, double tau_px,
-                               std::int64_t now_us, const std::vector<std::uint32_t>& instances);
+                               std::int64_t now_us, const std::vector<std::uint32_t>& instances,
+                               const ViewFit* view = nullptr);
 
   void add_mesh(std::uint32_t object, std::uint8_t lod, const ObjectModel& model,
                 std::int64_t now_us);
@@ -106,11 +112,13 @@ class MeshCache {
     std::uint32_t object = 0;
     double px_per_unit = 0;  ///< at the nearest instance
     double size_px = 0;
+    double view_px = 0;  ///< what the view shows wrongly of them; infinite where it does not
     bool surrounds = false;
   };
 
   std::vector<Wanted> wanted(const SceneView& scene, const Camera& camera,
-                             const std::vector<std::uint32_t>& instances) const;
+                             const std::vector<std::uint32_t>& instances,
+                             const ViewFit* view) const;
   void need_mesh(const SceneView& scene, const Wanted& want, double tau_px, std::int64_t now_us,
                  std::vector<AssetNeed>& out);
   void need_images(const SceneView& scene, const Wanted& want, std::int64_t now_us,

@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "protocol/view_tile.h"
 
 namespace mirage {
 namespace {
 
 constexpr std::size_t kFrameOverhead = kWireHeaderBytes + 8;  // our header and WebSocket's
 constexpr std::size_t kControlBytes = 144;                    // a tile reply's control part
+// Among what is ready at one time: the welcome and tiles, then the scene's description, then by
+// request what comes in bulk.
+constexpr std::uint32_t kAtOnce = 0, kDescription = 1, kFirstBulk = 2;
 
 std::size_t control_estimate(const Message& m) {
   flatbuffers::FlatBufferBuilder builder;
@@ -58,7 +64,10 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
     owed_reference_ = false;
     // Connecting cost two round trips before the hello could be sent: TCP, then the upgrade.
     welcome_us_ = arrives + std::llround(2000.0 * model_.rtt_ms);
+    const wire::ViewRequestT* view = message->body.AsHello()->view.get();
+    if (view) ask_view(*view, welcome_us_);
   }
+  if (const wire::ViewRequestT* view = message->body.AsViewRequest()) ask_view(*view, arrives);
   if (const wire::OpenRequestT* open = message->body.AsOpenRequest()) {
     opens_us_[open->request_id] = arrives;
   }
@@ -78,6 +87,14 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
   const std::int64_t ready = arrives + std::llround(std::max(model_.server_ms, 0.0) * 1000.0);
   for (const wire::MeshAsk& ask : batch->mesh_asks) assets_asked_us_[ask.request_id()] = ready;
   for (const wire::ImageAsk& ask : batch->image_asks) assets_asked_us_[ask.request_id()] = ready;
+}
+
+void ModelledLink::ask_view(const wire::ViewRequestT& view, std::int64_t arrives_us) {
+  Ask entry;
+  entry.arrives_us = arrives_us;
+  entry.error_px = std::numeric_limits<float>::infinity();  // between tiles, but before them
+  entry.view = true;
+  asks_[view.request_id] = std::move(entry);
 }
 
 bool ModelledLink::owed() const {
@@ -105,6 +122,7 @@ void ModelledLink::take_reply(Message message) {
   item.left = item.bytes;
   std::uint32_t request = 0;
   if (const wire::TileReplyT* tile = message.body.AsTileReply()) request = tile->request_id;
+  if (const wire::ViewReplyT* view = message.body.AsViewReply()) request = view->request_id;
   if (const wire::MeshReplyT* mesh = message.body.AsMeshReply()) request = mesh->request_id;
   if (const wire::ImageReplyT* image = message.body.AsImageReply()) request = image->request_id;
   if (const wire::RefusedT* refused = message.body.AsRefused()) {
@@ -152,7 +170,9 @@ void ModelledLink::take_reply(Message message) {
   ready.at_us = ready.bulk ? asked->second : std::max(sent_us, blocking_ ? 0 : now);
   ready.item = std::move(item);
   if (ready.bulk) assets_asked_us_.erase(asked);
-  ready_.emplace(std::make_pair(ready.at_us, ready.bulk ? request : 0u), std::move(ready));
+  const bool welcome = ready.item.message.body.type == wire::Body::Welcome;
+  const std::uint32_t order = ready.bulk ? kFirstBulk + request : welcome ? kAtOnce : kDescription;
+  ready_.emplace(std::make_pair(ready.at_us, order), std::move(ready));
 }
 
 void ModelledLink::run_server(std::int64_t now) {
@@ -182,6 +202,8 @@ void ModelledLink::run_server(std::int64_t now) {
     double cost_ms = model_.server_ms;
     const wire::TileReplyT* tile = ask.reply.message.body.AsTileReply();
     if (cost_ms < 0) cost_ms = tile ? 0.001 * (tile->render_us + tile->encode_us) : 0.0;
+    const wire::ViewReplyT* view = ask.reply.message.body.AsViewReply();
+    if (view) cost_ms = view->kept ? 0 : kViewTiles * std::max(cost_ms, 0.0);
     // In real time the server has really spent it already.
     const std::int64_t cost = blocking_ ? std::llround(cost_ms * 1000.0) : 0;
     server_free_us_ = start + cost;
@@ -190,8 +212,9 @@ void ModelledLink::run_server(std::int64_t now) {
       ask.reply.message.body.AsTileReply()->server_us =
           static_cast<std::uint32_t>(server_free_us_ - ask.arrives_us);
     }
-    ready_.emplace(std::make_pair(server_free_us_, 0u),
-                   Ready{server_free_us_, false, std::move(ask.reply)});
+    // A refusal of a view takes no time either.
+    ready_.emplace(std::make_pair(server_free_us_, kAtOnce),
+                   Ready{server_free_us_, false, ask.view, std::move(ask.reply)});
   }
 }
 
@@ -218,7 +241,9 @@ void ModelledLink::run_downlink(std::int64_t now) {
     if (start > now) return;
     while (!ready_.empty() && ready_.begin()->first.first <= start) {
       Ready& ready = ready_.begin()->second;
-      (ready.bulk ? bulk_lane_ : tiles_lane_).push_back(std::move(ready.item));
+      std::deque<Item>& lane = ready.bulk ? bulk_lane_ : tiles_lane_;
+      const bool ahead = ready.view && lane.size() > 1;
+      lane.insert(ahead ? std::next(lane.begin()) : lane.end(), std::move(ready.item));
       ready_.erase(ready_.begin());
     }
     // As the server does: tiles and bulk share the link by bytes.

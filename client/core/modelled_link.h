@@ -47,16 +47,19 @@ class ModelledLink final : public Link {
     std::int64_t arrives_us = 0;  ///< at the server
     std::int64_t cancelled_us = INT64_MAX;
     float error_px = 0;
+    bool view = false;
     bool answered = false;
     Item reply;
   };
   struct Ready {
     std::int64_t at_us = 0;  ///< at the server's socket
     bool bulk = false;
+    bool view = false;  ///< goes before all that is not being transmitted
     Item item;
   };
 
   void note_sent(const Bytes& message, std::int64_t now_us);
+  void ask_view(const wire::ViewRequestT& view, std::int64_t arrives_us);
   void collect_replies();
   void take_reply(Message message);
   bool owed() const;
@@ -71,8 +74,8 @@ class ModelledLink final : public Link {
   std::function<bool()> wait_;
   NetDelays delays_;
   std::map<std::uint32_t, Ask> asks_;  ///< at or on the way to the server, by request id
-  /// Waiting for the downlink, by time; equal times by request (0: none), whichever reply really
-  /// came first.
+  /// Waiting for the downlink, by time; equal times by kind and request, whichever reply really came
+  /// first.
   std::multimap<std::pair<std::int64_t, std::uint32_t>, Ready> ready_;
   std::deque<Item> tiles_lane_, bulk_lane_;
   std::deque<std::pair<std::int64_t, Message>> arrived_;

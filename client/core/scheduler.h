@@ -71,6 +71,9 @@ class Scheduler {
   std::optional<AssetNeed> finish_asset(std::uint32_t request_id, std::size_t bytes,
                                         std::int64_t now_us);
 
+  /// What is neither has come and took its time on the link.
+  void note_other(std::size_t bytes, std::int64_t now_us) { window_.stray_arrived(now_us, bytes); }
+
   /// Measured request-to-reply time (median of the last), µs; the rest of the horizon is on top.
   std::int64_t round_trip_us() const { return window_.round_trip_us(); }
   /// Seconds for which asks have been held back by the window without a break.

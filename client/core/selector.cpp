@@ -13,6 +13,7 @@ namespace {
 constexpr std::int64_t kFadeUs = 120'000;
 constexpr double kMeshHysteresis = 1.15;
 constexpr double kWorthMarching = 0.7;  // of the flat bound
+constexpr double kFitForViewPx = 4;     // per tau: geometry that shows more of its level wrongly
 // A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
 constexpr double kSwitchRatio = 0.6;
 // How long a choice is kept that is still good enough.
@@ -68,6 +69,22 @@ bool Selector::stands_in(const SelectorInput& in, const Candidate& c) const {
   return fit.meets(slack * c.tau_px) && fit.sharp(slack * c.tau_px);
 }
 
+// The level that has come first may show less than a tile, or the view, that is there.
+bool Selector::better_than_mesh(const SelectorInput& in, const Candidate& c) const {
+  if (!in.meshes || !in.method.automatic || c.object->surrounds) return false;
+  const double mesh_px = in.meshes->error_px(*in.scene, in.camera, c.instance);
+  if (mesh_px <= kFitForViewPx * c.tau_px) return false;
+  const InstanceView& view_of = in.scene->instances[c.instance];
+  double other_px = std::numeric_limits<double>::infinity();
+  if (in.view) other_px = in.view->error_px(view_of, in.camera).value_or(other_px);
+  if (!c.group->tiles.empty() && outside(c.view)) {
+    const TileFit fit = best_flat(*c.group, *c.object, c.view, c.tau_px);
+    other_px = std::min(other_px, displayed_error_px(fit, radius_px(c.view), c.tau_px));
+  }
+  const double slack = shown_[c.instance].as_mesh ? kWorthMarching : 1;
+  return other_px < slack * mesh_px;
+}
+
 // Adds the instance to the candidates or the lists, if it is drawn at all.
 void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   const SelectorInput& in = w.in;
@@ -88,7 +105,8 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   if (lit.then && light_change_px(in, lit, instance, size) > c.tau_px) {
     c.light_lag_us = in.now_us - lit.then->ended_us;
   }
-  const bool as_mesh = drawn_as_mesh(in, instance) && !stands_in(in, c);
+  const bool as_mesh =
+      drawn_as_mesh(in, instance) && !stands_in(in, c) && !better_than_mesh(in, c);
   if (as_mesh != shown.as_mesh) {
     const bool was_drawn = shown.frame > 0 && shown.frame + 1 >= in.frame;
     shown.swapped_us = was_drawn ? in.now_us : INT64_MIN / 2;

@@ -16,6 +16,7 @@
 #include "client/core/caster_list.h"
 #include "client/core/tile_fit.h"
 #include "client/core/tile_need.h"
+#include "client/core/view_fit.h"
 
 namespace mirage {
 
@@ -35,15 +36,25 @@ struct DrawnImpostor {
   ShadowRecordPtr shadow{};
 };
 
-/// An instance that has no tile yet: its proxy in its mean colour.
+/// An instance that has no tile yet: its part of the view tile, or its proxy in its mean colour.
 struct DrawnPlaceholder {
   std::uint32_t instance = 0;
   double distance = 0;
+  bool covered = false;  ///< the view tile shows what is there instead
+};
+
+/// What of the view tile is drawn.
+struct DrawnView {
+  std::shared_ptr<const ViewTile> tile;
+  std::vector<bool> owners;  ///< by index into ViewTile::instances
+  /// Whether the instance with this id of the server's is.
+  bool shows(std::uint32_t id) const;
 };
 
 struct DrawList {
   std::vector<DrawnImpostor> impostors;  ///< back to front (blend_order.h)
   std::vector<DrawnPlaceholder> placeholders;
+  std::optional<DrawnView> view;  ///< of placeholders, and before there is a scene
   std::vector<DrawnMesh> meshes;
   std::size_t visible = 0;  ///< instances and groups in view, large enough to matter
   /// Of them, drawn with a bound above what is allowed, or from no tile. Allowed is tau, scaled by
@@ -60,6 +71,8 @@ struct SelectorInput {
   const SceneView* scene = nullptr;
   const TileCache* cache = nullptr;
   const std::vector<bool>* mesh_ready = nullptr;  ///< per object
+  const MeshCache* meshes = nullptr;              ///< nullptr: what is ready is taken to be exact
+  const ViewFit* view = nullptr;                  ///< of the view tile; nullptr: there is none
   Camera camera;
   Camera predicted;
   glm::dvec3 velocity{0};  ///< of the eye, world, m/s
@@ -128,6 +141,7 @@ class Selector {
   bool members_have_images(const SelectorInput& in, std::uint32_t group) const;
   bool group_serves(const SelectorInput& in, std::uint32_t group, const ViewGeometry& view) const;
   bool drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const;
+  bool better_than_mesh(const SelectorInput& in, const Candidate& candidate) const;
   bool stands_in(const SelectorInput& in, const Candidate& candidate) const;
   void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);
   bool keep_chosen(const SelectorInput& in, Candidate& candidate) const;

@@ -170,15 +170,20 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
   if (stand_in && need.size_class >= kMaxAskedSizeClass)
     return;  // it would be coarser than geometry
   need.instance = instance;
+  // What has no image of its own may be in the view.
+  const std::optional<double> in_view =
+      in.view && group.tiles.empty() ? in.view->error_px(view_of, in.predicted) : std::nullopt;
+  const bool unseen = group.tiles.empty() && !(in_view && *in_view <= kFirstImagePx * tau);
   // Something quick first: a quarter of the edge is a sixteenth of the bytes.
-  if (group.tiles.empty() && !stand_in) need.size_class = coarse_class(need.size_class);
+  if (unseen && !stand_in) need.size_class = coarse_class(need.size_class);
   need.channels = in.cache->wants_relit(instance)             ? kRelitTile
                   : wants_layers(in, object, plan, size, fit) ? kLayeredTile
                                                               : kLitTile;
   need.light = in.cache->light();
   need.error_px = std::max(displayed_error_px(fit, size, tau), std::min(light_px, 2 * size));
+  if (in_view) need.error_px = std::min(std::max(*in_view, tau), need.error_px);
   // Any image is better than none, however soon it ages.
-  need.gain = need.error_px * (group.tiles.empty() ? kLongestLife : expected_life_s(view, plan));
+  need.gain = need.error_px * (unseen ? kLongestLife : expected_life_s(view, plan));
   if (stand_in) need.gain = std::min(need.gain, tau * kStandInLifeS);  // it only saves work
   out.push_back(need);
 }

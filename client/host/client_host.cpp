@@ -58,6 +58,10 @@ TileSink ClientHost::sink() {
   };
   // What the frame draws is never dropped: the picture stays.
   sink.drop = [this](const AssetId& id) { renderer_.drop(session_->scene(), id); };
+  sink.view = [this](const ViewTile& view) {
+    options_.content_changed();
+    renderer_.upload_view(view);
+  };
   sink.scene = [this](const SceneView& scene) {
     options_.content_changed();
     const Result<void> ready = renderer_.reset(scene);
@@ -97,11 +101,19 @@ Result<void> ClientHost::open() {
 }
 
 Result<void> ClientHost::wait_for_scene() {
+  return wait_until([this] { return session_->scene().complete(); });
+}
+
+Result<void> ClientHost::wait_for_picture() {
+  return wait_until([this] { return session_->drawable(); });
+}
+
+Result<void> ClientHost::wait_until(const std::function<bool()>& there) {
   const SteadyClock patience;
   const auto limit = static_cast<std::int64_t>(options_.connect_timeout_s * 1e6) + kScenePatienceUs;
-  while (!session_->scene().complete()) {
+  while (!there()) {
     if (Result<void> received = session_->receive(now_us()); !received) return received;
-    if (session_->scene().complete()) break;
+    if (there()) break;
     if (native_->last_close_code() == close_code(ErrorId::kAuth)) {
       return make_error(ErrorId::kAuth, "the server refused the token", "--token-file FILE");
     }

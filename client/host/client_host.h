@@ -39,6 +39,8 @@ class ClientHost {
   /// Takes in what comes until the scene is known, letting virtual time pass. Errors kAuth,
   /// kNetworkClosed, and what the scene was refused for.
   Result<void> wait_for_scene();
+  /// The same until the scene or a view of it can be drawn.
+  Result<void> wait_for_picture();
   /// The server's full render of a camera at the time of the session's last frame, out of band:
   /// neither bytes nor virtual time. Errors kComparison, kNetworkTimeout.
   Result<ReferenceFrame> reference(const Camera& camera, std::uint32_t supersample);
@@ -59,6 +61,7 @@ class ClientHost {
 
  private:
   TileSink sink();
+  Result<void> wait_until(const std::function<bool()>& there);
 
   HostOptions options_;
   FrameRenderer& renderer_;

@@ -115,7 +115,7 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
   if (session.scene().complete()) {
     add_geometric_error(**truth, (std::floor(s / 2) + 0.5) / s, camera, session.scene(), loop.list,
                         loop.out.geometric);
-  } else {  // nothing is known yet: all of it is missing
+  } else if (!loop.list.view) {  // nothing is known yet: all of it is missing
     const auto& ids = (*truth)->ids;
     const auto missing =
         ids.size() - static_cast<std::size_t>(std::count(ids.begin(), ids.end(), 0u));
@@ -161,7 +161,7 @@ Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
   ClientHost host(std::move(options), *renderer_);
   if (Result<void> open = host.open(); !open) return open.error();
   if (spec.from_scene) {
-    if (Result<void> told = host.wait_for_scene(); !told) return told.error();
+    if (Result<void> told = host.wait_for_picture(); !told) return told.error();
   }
   const std::int64_t start = host.now_us();
   RunResult out;
@@ -181,7 +181,8 @@ Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
     loop.rested = same && host.session().at_rest() ? loop.rested + 1 : 0;
     out.visible += loop.list.visible;
     out.placeholders += loop.list.placeholders.size();
-    const bool shows = !loop.list.impostors.empty() || !loop.list.meshes.empty();
+    const bool shows =
+        loop.list.view || !loop.list.impostors.empty() || !loop.list.meshes.empty();
     if (shows && out.first_image_ms < 0) out.first_image_ms = seconds * 1e3;
     if (next == spec.compared.end() || *next != frame) continue;
     ++next;

@@ -29,7 +29,7 @@ struct RunSpec {
   int msaa = 4;  ///< samples of a drawn pixel; 0: one
   double fps = 12;
   int frames = 36;          ///< the first at time 0
-  bool from_scene = false;  ///< time 0: the scene is known, as in a viewer; else: connecting begins
+  bool from_scene = false;  ///< time 0: the first picture, as in a viewer; else: connecting begins
   std::vector<int> compared;  ///< rising; only these are drawn
   int draws_each = 1;         ///< of a compared frame, for its time; above 1: once more at first
   std::uint32_t truth_samples = 4;

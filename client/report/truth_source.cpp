@@ -27,6 +27,7 @@ Result<std::unique_ptr<TruthSource>> TruthSource::open(const std::string& url,
   options.url = url;
   options.session.name = "mirage-report truth";
   options.session.animation = false;
+  options.session.views = false;
   auto truth = std::make_unique<TruthSource>();
   truth->host_ = std::make_unique<ClientHost>(options, renderer);
   if (Result<void> open = truth->host_->open(); !open) return open.error();

@@ -118,6 +118,8 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
                  "--frame-ms or 50 ms to draw (never on virtual time)")
       ->check(CLI::Range(0, 16) | CLI::IsMember({"auto"}))
       ->capture_default_str();
+  app.add_flag("--no-view{false}", o.views,
+               "no picture of the whole scene where objects have none of their own yet");
   app.add_option("--march-kpx", o.march_kpx,
                  "thousand pixels a frame that may be drawn by marching depth; default 200 on a "
                  "software renderer, else unlimited")

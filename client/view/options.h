@@ -12,6 +12,7 @@ namespace mirage {
 struct ViewOptions {
   std::string url;
   bool offscreen = false;
+  bool views = true;  ///< the whole scene as one tile, where objects have no image yet
   int width = 1280, height = 720;
   std::string path;  ///< empty: mouse and keyboard (window) or the walk (offscreen)
   std::string light = "builtin:fixed";

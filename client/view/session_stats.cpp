@@ -109,9 +109,12 @@ std::string SessionStats::json(const Final& end) const {
   j["frames"] = frames_;
   j["frames_drawn"] = drawn_;  // the others were the picture that was there
   j["frame_ms"] = quantiles(frame_ms_, true);
-  j["time_to_first_image_ms"] = first_image_us_ < 0
-                                    ? ordered_json(nullptr)
-                                    : ordered_json(static_cast<double>(first_image_us_) / 1000.0);
+  const auto since_start_ms = [](std::int64_t us) {
+    return us < 0 ? ordered_json(nullptr) : ordered_json(static_cast<double>(us) / 1000.0);
+  };
+  j["first_picture_ms"] = since_start_ms(first_picture_us_);
+  j["time_to_first_image_ms"] = since_start_ms(first_image_us_);
+  j["view_tiles"] = {{"asked", end.views.asked}, {"drawn", end.views.drawn}};
   j["bytes_down"] = end.traffic.bytes_down;
   j["bytes_up"] = end.traffic.bytes_up;
   j["mbps_mean"] =
@@ -144,6 +147,9 @@ std::string SessionStats::json(const Final& end) const {
   j["hole_fraction"] = geometric_.object_pixels > 0
                            ? ratio(geometric_.holes, geometric_.object_pixels)
                            : ratio(placeholders_, visible_);
+  j["view_fraction"] = geometric_.object_pixels > 0
+                           ? ordered_json(ratio(geometric_.viewed, geometric_.object_pixels))
+                           : ordered_json(nullptr);
   j["placeholder_fraction"] = ratio(placeholders_, visible_);
   j["draw_calls"] = ratio(draw_calls_, frames_);
   j["draw_calls_max"] = most_draw_calls_;
@@ -154,7 +160,8 @@ std::string SessionStats::json(const Final& end) const {
   j["gpu_bytes_max"] = gpu_most_;
   j["memory"] = {{"atlas", gpu_.atlas},       {"atlas_budget", end.atlas_budget},
                  {"geometry", gpu_.geometry}, {"geometry_budget", end.geometry_budget},
-                 {"shadows", gpu_.shadows},   {"target", gpu_target_}};
+                 {"shadows", gpu_.shadows},   {"view", gpu_.view},
+                 {"target", gpu_target_}};
   j["uploads"] = {{"tiles", end.uploads.tiles},
                   {"bytes", end.uploads.bytes},
                   {"bytes_a_frame", ratio(end.uploads.bytes, frames_)},

@@ -34,6 +34,10 @@ class SessionStats {
     settled_us_ = since_start_us;
     settled_bytes_ = traffic.bytes_down + traffic.bytes_up;
   }
+  /// The first frame that showed anything of the scene, and the first with an image of an object.
+  void first_picture(std::int64_t now_us) {
+    if (first_picture_us_ < 0) first_picture_us_ = now_us;
+  }
   void first_image(std::int64_t now_us) {
     if (first_image_us_ < 0) first_image_us_ = now_us;
   }
@@ -51,6 +55,7 @@ class SessionStats {
     CodecUses codecs;
     PredictionError prediction;
     UploadCounts uploads;
+    ViewCounts views;
     std::size_t atlas_budget = 0, geometry_budget = 0, upload_budget = 0;  ///< bytes; a frame's
     /// Shader programs: compiled in all, since the scene is known, and of those within a draw.
     std::uint64_t programs = 0, programs_after_scene = 0, programs_in_draws = 0;
@@ -73,7 +78,7 @@ class SessionStats {
   std::int64_t settled_us_ = -1;
   std::uint64_t settled_bytes_ = 0;
   std::size_t frames_ = 0, drawn_ = 0;
-  std::int64_t first_image_us_ = -1;
+  std::int64_t first_image_us_ = -1, first_picture_us_ = -1;
   std::vector<float> frame_ms_, real_ms_, bounds_, ages_ms_, light_lag_ms_;
   std::uint64_t relit_ = 0;
   std::uint64_t visible_ = 0, over_tau_ = 0, stale_ = 0, placeholders_ = 0, impostors_ = 0,

@@ -41,6 +41,7 @@ class Viewer {
   Result<void> make_target(int width, int height, bool blends);
   Result<void> fit_target();
   void draw(const Camera& camera, const DrawList& list);
+  void note_scene();
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
   bool next_events();
@@ -134,13 +135,16 @@ void Viewer::make_host() {
   if (!o_.virtual_time) options.work_clock = &real_clock_;
   options.shadows = o_.shadows == "on";
   options.animation = o_.animation == "on";
+  options.views = o_.views;
+  options.screen.fov_y = o_.fov_degrees * 0.017453292519943295;
+  options.screen.width = static_cast<std::uint32_t>(target_->width());
+  options.screen.height = static_cast<std::uint32_t>(target_->height());
   options.trace = !o_.trace_file.empty();
   host_ = std::make_unique<ClientHost>(host, *renderer_);
 }
 
 Result<void> Viewer::meet_scene() {
-  if (Result<void> told = host_->wait_for_scene(); !told) return told;
-  programs_at_scene_ = gl::programs_compiled();
+  if (Result<void> told = host_->wait_for_picture(); !told) return told;
   const SceneView& scene = session().scene();
   if (!o_.path.empty()) {
     Result<CameraPath> path =
@@ -152,9 +156,16 @@ Result<void> Viewer::meet_scene() {
   if (!light) return light.error();
   light_.emplace(light.take());
   pose_ = look_at(scene.home.eye, scene.home.target);
+  return {};
+}
+
+// What can be drawn before is a view of it.
+void Viewer::note_scene() {
+  const SceneView& scene = session().scene();
+  if (programs_at_scene_ != 0 || !scene.complete()) return;
+  programs_at_scene_ = gl::programs_compiled();
   spdlog::info("{}: {} objects, {} instances, {} triangles on the server", scene.name,
                scene.objects.size(), scene.instances.size(), scene.triangles);
-  return {};
 }
 
 Pose Viewer::next_pose(std::int64_t now, double real_seconds) {
@@ -208,6 +219,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (Result<void> received = session().receive(now); !received) {
     spdlog::warn("{}", received.error().line());
   }
+  note_scene();
   if (native().connected() != link_was_up_) {
     link_was_up_ = native().connected();
     spdlog::warn("{}", link_was_up_ ? "server is back"
@@ -245,6 +257,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   glFinish();
   session().note_drawn(now_us());
   if (!list.impostors.empty() || !list.meshes.empty()) stats_.first_image(now);
+  if (list.view || !list.impostors.empty() || !list.meshes.empty()) stats_.first_picture(now);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
   if (session().light_changed()) stats_.add_light_lag(list, scene);
   stats_.add_frame(list, renderer_->draw_calls(),
@@ -343,6 +356,7 @@ Result<void> Viewer::finish() {
   end.codecs = session().codecs();
   end.prediction = session().predictor().error();
   end.uploads = session().uploads();
+  end.views = session().views();
   end.atlas_budget = static_cast<std::size_t>(o_.atlas_mb) << 20;
   end.geometry_budget = static_cast<std::size_t>(o_.mesh_mb) << 20;
   end.upload_budget = static_cast<std::size_t>(o_.upload_kb) << 10;

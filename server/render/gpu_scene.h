@@ -16,7 +16,7 @@ struct GpuScene {
   gl::GpuImages images;
   std::optional<gl::ProbeMap> probe;
   std::vector<gl::GpuMesh> meshes;                  ///< whole, by object
-  std::vector<std::vector<gl::GpuMesh>> tile_lods;  ///< by object and level; some are empty
+  std::vector<std::vector<gl::GpuMesh>> tile_lods;  ///< by object and level; the whole is empty
 
   explicit GpuScene(std::shared_ptr<const PreparedScene> scene) : prepared(std::move(scene)) {
     for (std::size_t i = 0; i < prepared->scene.images.size(); ++i) {

@@ -168,6 +168,11 @@ std::shared_ptr<const ObjectDescription> PreparedScene::description(std::size_t 
   return {std::shared_ptr<const void>{}, &objects[object]};  // owned by the scene
 }
 
+bool PreparedScene::animated() const {
+  return std::any_of(objects.begin(), objects.end(),
+                     [](const ObjectDescription& o) { return o.motion.moving(); });
+}
+
 bool PreparedScene::blends() const {
   return std::any_of(objects.begin(), objects.end(),
                      [](const ObjectDescription& o) { return (o.needs & kNeedBlend) != 0; });

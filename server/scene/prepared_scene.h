@@ -36,6 +36,8 @@ struct PreparedScene {
   bool has_casters() const;
   /// Some object has blended surfaces: what is laid over each other wants more than 8 bits.
   bool blends() const;
+  /// Some object moves by itself.
+  bool animated() const;
   /// Instances as clients number them: the scene's, then one for each group.
   std::size_t instance_count() const { return scene.instances.size() + grouping.groups.size(); }
   Instance instance(std::size_t index) const;

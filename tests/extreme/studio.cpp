@@ -178,9 +178,9 @@ Pixels Studio::meshes(const Camera& camera) {
 ReferenceFrame Studio::truth(const Camera& camera, std::uint32_t samples) {
   make_current();
   ReferenceJob job;
-  job.camera = camera;
-  job.supersample = samples;
-  job.lighting = light_;
+  job.shot.camera = camera;
+  job.shot.supersample = samples;
+  job.shot.lighting = light_;
   ReferenceFrame frame{camera.width, camera.height, {}, {}, {}};
   const Result<Bytes> bytes = references_->render(job);
   if (!bytes) return frame;

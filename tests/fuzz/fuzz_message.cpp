@@ -6,6 +6,7 @@
 #include "fuzz_targets.h"
 #include "protocol/light_probe.h"
 #include "protocol/message.h"
+#include "protocol/view_tile.h"
 
 namespace mirage::fuzz {
 namespace {
@@ -17,6 +18,7 @@ void use_message(const std::uint8_t* bytes, std::size_t size) {
   if (const auto* m = body.AsWelcome()) (void)from_wire(*m->lighting);
   if (const auto* m = body.AsSetLighting()) (void)from_wire(*m->lighting);
   if (const auto* m = body.AsLightProbePage()) (void)decode_probe(*m, message->payload);
+  if (const auto* m = body.AsViewReply()) (void)decode_view(*m, message->payload);
   if (const auto* m = body.AsTileReply()) {
     Result<Tile> tile = tile_from_fields(*m);
     if (tile) {

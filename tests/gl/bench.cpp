@@ -281,9 +281,9 @@ std::vector<std::uint8_t> Bench::picture(const Camera& c, const std::vector<Tile
 
 ReferenceFrame Bench::truth_frame(const Camera& c, std::uint32_t samples) {
   ReferenceJob job;
-  job.camera = c;
-  job.supersample = samples;
-  job.lighting = light_;
+  job.shot.camera = c;
+  job.shot.supersample = samples;
+  job.shot.lighting = light_;
   const Bytes bytes = references_->render(job).take();
   const Message message = decode_message(bytes.data(), bytes.size()).take();
   const std::size_t pixels = std::size_t{c.width} * c.height;

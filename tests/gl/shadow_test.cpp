@@ -122,9 +122,9 @@ class Shadows : public ::testing::Test {
   ReferenceFrame truth(SceneShadow* shadow) {
     ReferenceRenderer renderer = ReferenceRenderer::create(*gpu_, shadow).take();
     ReferenceJob job;
-    job.camera = camera_;
-    job.supersample = 4;
-    job.lighting = light_;
+    job.shot.camera = camera_;
+    job.shot.supersample = 4;
+    job.shot.lighting = light_;
     const Bytes bytes = renderer.render(job).take();
     const Message message = decode_message(bytes.data(), bytes.size()).take();
     const std::size_t pixels = std::size_t{kEdge} * kEdge;

@@ -17,6 +17,20 @@ inline std::unique_ptr<wire::LightingT> sample_lighting() {
   return lighting;
 }
 
+inline wire::ViewRequestT sample_view_request() {
+  wire::ViewRequestT m;
+  m.request_id = 31;
+  m.lighting_id = 2;
+  m.home = true;
+  m.eye = std::make_unique<wire::Vec3d>(1, 2, 3);
+  m.rotation = std::make_unique<wire::Quat>(1, 0, 0, 0);
+  m.fov_y = 1;
+  m.width = 64;
+  m.height = 36;
+  m.time_s = 0.5;
+  return m;
+}
+
 inline wire::HelloT sample_hello() {
   wire::HelloT m;
   m.version_min = 1;
@@ -24,6 +38,24 @@ inline wire::HelloT sample_hello() {
   m.token = "secret";
   m.codecs = {1, 0};
   m.name = "viewer";
+  m.view = std::make_unique<wire::ViewRequestT>(sample_view_request());
+  return m;
+}
+
+inline wire::ViewReplyT sample_view_reply() {
+  wire::ViewReplyT m;
+  m.request_id = 31;
+  m.eye = std::make_unique<wire::Vec3d>(1, 2, 3);
+  m.rotation = std::make_unique<wire::Quat>(1, 0, 0, 0);
+  m.fov_y = 1;
+  m.width = 64;
+  m.height = 36;
+  m.near_m = 0.5;
+  m.far_m = 80;
+  m.color_bytes = 2;
+  m.instances = {3, 7};
+  m.kept = true;
+  m.server_us = 1500;
   return m;
 }
 
@@ -281,7 +313,9 @@ inline std::vector<Bytes> sample_messages() {
           encode_message(sample_image_page()),
           encode_message(sample_image_reply(), {6, 5}),
           encode_message(sample_open_request()),
-          encode_message(sample_probe_page(), {5, 4, 3})};
+          encode_message(sample_probe_page(), {5, 4, 3}),
+          encode_message(sample_view_request()),
+          encode_message(sample_view_reply(), {4, 3, 2})};
 }
 
 }  // namespace mirage::test

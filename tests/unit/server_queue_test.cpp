@@ -161,7 +161,7 @@ TEST_F(ServerQueue, RepeatedRequestIdsDoNotPassTheBound) {
 TEST_F(ServerQueue, ReferencesGoFirstAndAreFew) {
   submit(1, 1, key_of(1));
   std::size_t taken = 0;
-  while (queue.submit(ReferenceJob{1, static_cast<std::uint32_t>(taken), {}, 2, {}})) {
+  while (queue.submit(ReferenceJob{1, static_cast<std::uint32_t>(taken), {}})) {
     ASSERT_LT(++taken, 1000u);
   }
   for (std::size_t i = 0; i < taken; ++i) {
@@ -176,7 +176,7 @@ TEST_F(ServerQueue, RemoveSessionTakesItsWorkAlong) {
   submit(1, 1, key_of(1));
   submit(1, 2, key_of(2));
   submit(2, 1, key_of(2));
-  ASSERT_TRUE(queue.submit(ReferenceJob{1, 1, {}, 2, {}}));
+  ASSERT_TRUE(queue.submit(ReferenceJob{1, 1, {}}));
   queue.remove_session(1);
   queue.remove_session(99);
   EXPECT_EQ(take(), Objects{2});

@@ -1,0 +1,11 @@
+// Cells of a view tile, where they stand.
+layout(location = 0) in vec3 a_position;  // relative to the eye the view was taken from, world
+layout(location = 1) in vec2 a_texture;
+uniform mat4 u_clip_from_relative;
+uniform vec3 u_offset;                    // that eye, relative to the present one
+out vec2 v_texture;
+
+void main() {
+  v_texture = a_texture;
+  gl_Position = u_clip_from_relative * vec4(a_position + u_offset, 1.0);
+}
