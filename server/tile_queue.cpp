@@ -53,6 +53,15 @@ void TileQueue::want_view(const TileId& id) {
   for (ViewJob& job : views_) job.wanted = job.wanted || job.id == id;
 }
 
+bool TileQueue::drop_view(const TileId& id) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto at = std::find_if(views_.begin(), views_.end(),
+                               [&](const ViewJob& job) { return job.id == id; });
+  if (at == views_.end()) return false;
+  views_.erase(at);
+  return true;
+}
+
 std::deque<ViewJob>::iterator TileQueue::next_view() {
   const auto wanted =
       std::find_if(views_.begin(), views_.end(), [](const ViewJob& job) { return job.wanted; });

@@ -35,6 +35,8 @@ class TileQueue {
   void submit(ViewJob job);
   /// Somebody wants it now.
   void want_view(const TileId& id);
+  /// Nobody wants it any more. False: it is being drawn already.
+  bool drop_view(const TileId& id);
   void cancel(SessionId session, std::uint32_t request_id);
   void remove_session(SessionId session);
 

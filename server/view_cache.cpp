@@ -51,10 +51,15 @@ std::vector<ViewCache::Waiting> ViewCache::finish(const TileId& id,
 }
 
 void ViewCache::remove_session(SessionId session) {
-  for (auto& [id, all] : making_) {
-    all.erase(std::remove_if(all.begin(), all.end(),
-                             [&](const Waiting& w) { return w.session == session; }),
-              all.end());
+  for (auto at = making_.begin(); at != making_.end();) {
+    auto& [id, all] = *at;
+    const auto left = std::remove_if(all.begin(), all.end(),
+                                     [&](const Waiting& w) { return w.session == session; });
+    const bool waited = left != all.end();
+    all.erase(left, all.end());
+    // Who comes, asks and goes must not leave work behind.
+    const bool unwanted = waited && all.empty() && !(home_ && id == *home_);
+    at = unwanted && queue_.drop_view(id) ? making_.erase(at) : std::next(at);
   }
 }
 

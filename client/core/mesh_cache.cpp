@@ -150,6 +150,7 @@ void MeshCache::choose(const SceneView& scene, const Camera& camera, double tau_
     object.lods[best].drawn_frame = frame;
     object.lods[best].needed_us = now_us;
     for (const ImageUse& use : object.uses) {
+      mesh.plain = mesh.plain || images_[use.image].level < 0;
       images_[use.image].held.drawn_frame = frame;
       images_[use.image].held.needed_us = now_us;
     }

@@ -19,7 +19,8 @@ namespace mirage {
 struct DrawnMesh {
   std::uint32_t instance = 0;
   std::uint8_t lod = 0;
-  float fade = 1;  ///< opacity
+  float fade = 1;      ///< opacity
+  bool plain = false;  ///< an image of it shows its mean colour only
 };
 
 /// A level of an object's geometry, or of an image.

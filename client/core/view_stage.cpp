@@ -10,7 +10,7 @@ namespace {
 
 // Asked for from so much of the screen on that shows nothing of what is there.
 constexpr double kMissingShare = 0.05;
-constexpr double kEmptyShare = 0.25;  // whatever it costs: there is next to nothing to be seen
+constexpr double kEmptyShare = 0.25;          // whatever it costs: there is next to nothing to be seen
 constexpr std::int64_t kPauseUs = 2'000'000;  // after a refusal
 
 /// Of the screen, by the bounding sphere: at most all of it.
@@ -18,7 +18,7 @@ double screen_share(const Camera& camera, const InstanceView& instance) {
   const double distance = glm::length(instance.center - camera.pose.eye);
   if (distance <= instance.radius) return 1;
   const double px = camera.focal_px() * instance.radius / distance;
-  return std::min(1.0, 3.14159 * px * px / (double(camera.width) * camera.height));
+  return std::min(1.0, 3.14159 * px * px / (static_cast<double>(camera.width) * camera.height));
 }
 
 }  // namespace
@@ -31,7 +31,9 @@ bool DrawnView::shows(std::uint32_t id) const {
 
 Result<std::shared_ptr<const ViewTile>> ViewStage::take(const wire::ViewReplyT& reply,
                                                         const Bytes& payload) {
-  if (reply.request_id == 0 || reply.request_id != pending_) return std::shared_ptr<const ViewTile>();
+  if (reply.request_id == 0 || reply.request_id != pending_) {
+    return std::shared_ptr<const ViewTile>();
+  }
   pending_ = 0;
   Result<ViewTile> view = decode_view(reply, payload);
   if (!view) return view.error();
@@ -87,7 +89,8 @@ void ViewStage::show_missing(const SceneView& scene, const Camera& camera, DrawL
     if (drawn.fade >= 1) mark(scene.instances[drawn.instance], false, view.owners);
   }
   for (const DrawnMesh& drawn : list.meshes) {
-    if (drawn.fade >= 1) mark(scene.instances[drawn.instance], false, view.owners);
+    const bool whole = drawn.fade >= 1 && !drawn.plain;
+    if (whole) mark(scene.instances[drawn.instance], false, view.owners);
   }
   for (DrawnPlaceholder& placeholder : list.placeholders) {
     const InstanceView& instance = scene.instances[placeholder.instance];

@@ -56,6 +56,29 @@ TEST(Counters, OfAShortWalk) {
   EXPECT_EQ(s["programs"]["in_draws"], 0);
 }
 
+// One tile of the whole scene comes before the first image of an object, unless one end will not
+// have it.
+TEST(Counters, APictureComesBeforeTheImages) {
+  const Server server(kScene, {"--metrics"});
+  ASSERT_TRUE(server.ready()) << server.log();
+  const nlohmann::json s = view(server, kWalk).stats;
+  ASSERT_TRUE(s.is_object());
+  EXPECT_GE(s["view_tiles"]["drawn"], 1);
+  EXPECT_LT(s["first_picture_ms"], 340) << "three round trips and the view";
+  EXPECT_GT(s["time_to_first_image_ms"], s["first_picture_ms"].get<double>() + 90);
+  const nlohmann::json without = view(server, kWalk + " --no-view").stats;
+  EXPECT_EQ(without["view_tiles"]["asked"], 0);
+  EXPECT_EQ(without["first_picture_ms"], without["time_to_first_image_ms"]);
+  std::map<std::string, double> m = metrics(server);
+  EXPECT_EQ(m["views_sent_total"], s["view_tiles"]["asked"]);
+  const Server plain(kScene, {"--no-view"});
+  ASSERT_TRUE(plain.ready()) << plain.log();
+  const nlohmann::json refused = view(plain, kWalk).stats;
+  EXPECT_EQ(refused["view_tiles"]["asked"], 1) << "and never again";
+  EXPECT_EQ(refused["view_tiles"]["drawn"], 0);
+  EXPECT_EQ(refused["first_picture_ms"], refused["time_to_first_image_ms"]);
+}
+
 TEST(Counters, NoTileIsRenderedTwiceForManyClients) {
   const Server server(kScene, {"--metrics"});
   ASSERT_TRUE(server.ready()) << server.log();

@@ -79,6 +79,10 @@ TEST_F(CoreView, ShowsWhatHasNoImageAndNothingElse) {
   list.meshes[0].fade = 0.5f;
   stage.show_missing(scene, camera, list);
   EXPECT_TRUE(list.view->owners[6]);
+  list.meshes[0].fade = 1;
+  list.meshes[0].plain = true;
+  stage.show_missing(scene, camera, list);
+  EXPECT_TRUE(list.view->owners[6]) << "geometry without its image";
   EXPECT_EQ(stage.counts().drawn, 1u);
 }
 

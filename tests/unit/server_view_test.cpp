@@ -145,6 +145,21 @@ TEST_F(ServerView, WhoLeavesIsForgotten) {
   EXPECT_TRUE(hub->take_writable().empty());
 }
 
+TEST_F(ServerView, WhoComesAsksAndGoesLeavesNoWork) {
+  hub->make_home_view();
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const SessionId id = greeted();
+    ASSERT_TRUE(send(id, request(1, i)).ok());
+    hub->close(id);
+  }
+  const SessionId id = hub->open().take();
+  ASSERT_TRUE(send(id, hello_with_view()).ok());
+  hub->close(id);
+  const std::vector<ViewJob> jobs = take_views();
+  ASSERT_EQ(jobs.size(), 1u) << "the home view is kept for the next";
+  EXPECT_TRUE(jobs[0].home);
+}
+
 TEST(ServerViewCut, ACellShowsItsNearestSurface) {
   Camera camera;
   camera.width = 16;
