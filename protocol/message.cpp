@@ -42,6 +42,7 @@ Result<Message> decode_message(const std::uint8_t* bytes, std::size_t size) {
   const wire::Control* control = wire::GetControl(aligned.data());
   if (const Result<void> checked = check_body(*control); !checked) return checked.error();
   Message message;
+  message.wire_bytes = size;
   message.body.type = control->body_type();
   message.body.value = wire::BodyUnion::UnPack(control->body(), control->body_type(), nullptr);
   const std::uint8_t* payload = bytes + kWireHeaderBytes + header->control_bytes;

@@ -12,6 +12,7 @@ namespace mirage {
 struct Message {
   wire::BodyUnion body;
   Bytes payload;
+  std::size_t wire_bytes = 0;  ///< of all of it, as it was encoded
   /// Set by a link: how long it had been here when it was fetched, µs. Frames fetch, and may be
   /// farther apart than a trip takes.
   std::int64_t waited_us = 0;

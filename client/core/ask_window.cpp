@@ -12,6 +12,8 @@ namespace mirage {
 namespace {
 
 constexpr double kInitialBytes = 256 * 1024;
+constexpr double kMostInitialBytes = 2 << 20;  // and more than comes at the rate of the opening
+constexpr std::int64_t kOpeningTripUs = 100'000;
 constexpr double kLeastBytes = 16 * 1024;
 constexpr std::int64_t kSlackUs = 25'000;  // at least, and 25 for a tile's own time on the link
 constexpr std::int64_t kMostSlackUs = 500'000;
@@ -24,6 +26,7 @@ constexpr std::size_t kLeastArrivals = 4;
 constexpr std::size_t kFirstArrivals = 8;  // before them nothing is known
 constexpr std::size_t kTrips = 33;
 constexpr int kQueueTrips = 8;                     // all of them long: they have waited in a queue
+constexpr int kClearTrips = 2;                     // of these long, at most: the link is not full
 constexpr std::int64_t kLongestBurstUs = 100'000;  // that no queue need stand for
 constexpr std::int64_t kPeriodUs = 5'000'000;
 constexpr int kPeriodTrips = 20;
@@ -53,28 +56,41 @@ void AskWindow::arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t b
   arrivals_.push_back({since, now_us, bytes, expected, timed});
 }
 
-void AskWindow::tile_arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes,
-                             double expected) {
-  const Trip trip{std::max<std::int64_t>(now_us - sent_us, 0), expected};
+void AskWindow::tile_arrived(const TileTrip& tile) {
+  const std::int64_t now_us = tile.came_us;
+  trips_us_.push_back(std::max<std::int64_t>(now_us - tile.sent_us, 0));
+  if (trips_us_.size() > kTrips) trips_us_.pop_front();
+  // As if it had been asked for so much later: what waits at the server tells nothing of the link.
+  const std::int64_t sent_us =
+      tile.sent_us + std::clamp<std::int64_t>(tile.server_us, 0, trips_us_.back());
+  const Trip trip{std::max<std::int64_t>(now_us - sent_us, 0), tile.expected};
   if (sent_us >= drained_us_) {
     shortest_ = {Trip{}, longer(trip, shortest_trip()) ? trip : shortest_trip()};
     drained_us_ = INT64_MAX;
   }
   if (trip.us < shortest_[0].us) shortest_[0] = trip;
-  if (!longer(trip, shortest_trip())) {
+  const bool slow = longer(trip, shortest_trip());
+  long_.push_back(slow);
+  if (long_.size() > kQueueTrips) long_.pop_front();
+  if (!slow) {
     slow_trips_ = 0;
   } else if (slow_trips_++ == 0) {
     slow_since_us_ = now_us;
   }
   slow_until_us_ = now_us;
-  trips_us_.push_back(trip.us);
-  if (trips_us_.size() > kTrips) trips_us_.pop_front();
-  arrived(sent_us, now_us, bytes, expected);
+  arrived(sent_us, now_us, tile.bytes, tile.expected);
 }
 
 void AskWindow::asset_arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes,
                               double expected) {
   arrived(sent_us, now_us, bytes, expected);
+}
+
+void AskWindow::opening_arrived(std::int64_t now_us, std::size_t bytes) {
+  const auto counted = static_cast<double>(bytes);
+  const std::int64_t since = opening_us_ < 0 ? now_us : std::min(opening_us_, now_us);
+  arrivals_.push_back({since, now_us, bytes, 0, opening_us_ < 0 ? 0 : counted});
+  opening_us_ = now_us;
 }
 
 void AskWindow::stray_arrived(std::int64_t now_us, std::size_t bytes) {
@@ -108,6 +124,10 @@ std::int64_t AskWindow::trip_us(double bytes, double under_way) const {
   return usual_trip_us() + std::llround(std::max(bytes / rate_, under_way / rate_ - way));
 }
 
+bool AskWindow::clear() const {
+  return long_.size() == kQueueTrips && std::count(long_.begin(), long_.end(), true) <= kClearTrips;
+}
+
 bool AskWindow::queued() const {
   if (slow_trips_ < kQueueTrips) return false;
   const std::int64_t long_enough = std::min(usual_trip_us(), kLongestBurstUs);
@@ -129,6 +149,13 @@ double AskWindow::busy_rate(std::int64_t now_us) const {
   }
   if (busy_us < kShortestBusyUs) return std::numeric_limits<double>::infinity();
   return received / busy_us;
+}
+
+double AskWindow::initial_bytes(std::int64_t now_us) const {
+  const double rate = opening_us_ < 0 ? 0 : busy_rate(now_us);
+  if (!std::isfinite(rate)) return kInitialBytes;
+  const auto moment = static_cast<double>(kOpeningTripUs + slack_us());
+  return std::clamp(rate * moment, kInitialBytes, kMostInitialBytes);
 }
 
 double AskWindow::whole_rate(std::int64_t now_us) const {
@@ -169,10 +196,9 @@ double AskWindow::update(std::int64_t now_us, std::int64_t held_back_us, bool id
     best_rates_ = {};
   }
   // Little came because little was asked for: that says nothing about the link.
-  if (window_ == 0) window_ = kInitialBytes;
-  if (arrivals_.size() < kFirstArrivals && (idle || held_back_us < kSecondUs)) {
-    return window_ = std::min(window_, kInitialBytes);
-  }
+  if (window_ == 0) window_ = initial_ = initial_bytes(now_us);
+  const bool unknown = std::min(arrivals_.size(), trips_us_.size()) < kFirstArrivals;
+  if (unknown && (idle || held_back_us < kSecondUs)) return window_ = std::min(window_, initial_);
   best_rates_[0] = std::max(best_rates_[0], whole_rate(now_us));
   rate_ = busy_rate(now_us);
   if (held_back_us == 0 && !queued()) return window_;
@@ -183,6 +209,8 @@ double AskWindow::update(std::int64_t now_us, std::int64_t held_back_us, bool id
   double wanted = kCertainShare * rate_ * trip - shortest_trip().bytes;
   // Without a queue more than what has come may be under way, or it would never be.
   if (!queued()) wanted = std::max(wanted, whole_rate(now_us) * trip);
+  // Where most replies come without any the link is not full, however little has come through it.
+  if (clear()) wanted = std::max(wanted, window_);
   window_ = std::max(kLeastBytes, std::min(wanted, grown));
   return window_;
 }

@@ -7,12 +7,13 @@
 // What the link delivers is measured while it is busy: from when a reply can have come at the
 // earliest, or the one before it came, until it came. A gap in which nothing was due says nothing.
 // A train too short to measure looks infinitely fast, so the window at most doubles what whole
-// trips have brought.
+// trips have brought. The server's own time counts for neither trip nor rate. While hardly a reply
+// has waited the link is not full, and the window is not lowered.
 //
 // The slack is a queue at the bottleneck: a link that gets faster empties it, the rate rises, and
-// the window with it. Asks leave with frames, so it lasts from one to the next. What a window can hide from itself is a round trip that has become longer: it
-// looks like a queue. After a period in which every trip was slow all is let arrive, and the next
-// trip tells which it was.
+// the window with it. Asks leave with frames, so it lasts from one to the next. What a window can
+// hide from itself is a round trip that has become longer: it looks like a queue. After a period in
+// which every trip was slow all is let arrive, and the next trip tells which it was.
 
 #include <array>
 #include <cstddef>
@@ -21,16 +22,25 @@
 
 namespace mirage {
 
+/// An ask and its reply.
+struct TileTrip {
+  std::int64_t sent_us = 0, came_us = 0;
+  std::int64_t server_us = 0;  ///< for which the server had it
+  std::size_t bytes = 0;       ///< as they came
+  /// Bytes as counted when it was asked for: the window is compared with these.
+  double expected = 0;
+};
+
 class AskWindow {
  public:
   /// A new connection: nothing of the old one will arrive.
   void reset();
 
-  /// A reply. `bytes` as they came, `expected` as they were counted when they were asked for: the
-  /// window is compared with the latter.
-  void tile_arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes, double expected);
+  void tile_arrived(const TileTrip& trip);
   /// Geometry: tells of the rate, not of the trip.
   void asset_arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes, double expected);
+  /// Of the scene's description, which comes at once: all but the first tell the rate.
+  void opening_arrived(std::int64_t now_us, std::size_t bytes);
   /// What nobody knows any more when it was asked for tells of neither.
   void stray_arrived(std::int64_t now_us, std::size_t bytes);
 
@@ -38,8 +48,13 @@ class AskWindow {
   /// for so long; 0: not so. `idle`: nothing is under way.
   double update(std::int64_t now_us, std::int64_t held_back_us, bool idle);
 
+  /// Every reply of the last moments has waited: the link is full, or its way has become longer.
+  bool queued() const;
   /// How long a reply of `bytes` takes that is asked for now, with `under_way` bytes in all.
   std::int64_t trip_us(double bytes, double under_way) const;
+  /// What a queue may take, at the link or at the server: asks leave with frames, so it lasts from
+  /// one to the next.
+  std::int64_t slack_us() const;
   /// Request to reply, median of the last, µs.
   std::int64_t round_trip_us() const;
   /// Bytes of the last second, as Mbit/s.
@@ -65,9 +80,10 @@ class AskWindow {
   /// 0 while there was none.
   Trip shortest_trip() const;
   std::int64_t usual_trip_us() const;
-  /// What the queue at the bottleneck may take.
-  std::int64_t slack_us() const;
-  bool queued() const;
+  /// Before anything was asked for: what comes in a moment at the rate of the opening.
+  double initial_bytes(std::int64_t now_us) const;
+  /// Hardly any has.
+  bool clear() const;
   std::int64_t span_us() const;
   double busy_rate(std::int64_t now_us) const;
   double whole_rate(std::int64_t now_us) const;
@@ -75,9 +91,11 @@ class AskWindow {
 
   std::deque<Arrival> arrivals_;       ///< of the last second, or the last whole trips
   std::deque<std::int64_t> trips_us_;  ///< the last ones
+  std::deque<bool> long_;              ///< which of them have waited
   int slow_trips_ = 0;                 ///< one after the other, till now
   std::int64_t slow_since_us_ = 0;     ///< when the first of them came
   std::int64_t slow_until_us_ = 0;     ///< and the last
+  std::int64_t opening_us_ = -1;       ///< when the last of the description came
   std::int64_t began_us_ = INT64_MAX;  ///< when the first of all can have come
   std::int64_t updated_us_ = 0;
   std::deque<std::int64_t> frames_us_;  ///< between the last calls of update()
@@ -87,6 +105,7 @@ class AskWindow {
   std::int64_t drain_until_us_ = 0;      ///< at the latest
   std::int64_t drained_us_ = INT64_MAX;  ///< what was asked for since tells the shortest trip
   double rate_ = 0;                      ///< of the busy link, bytes/us; 0: unknown
+  double initial_ = 0;                   ///< the first window
   double window_ = 0;
 };
 

@@ -121,6 +121,7 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
       if (was_complete) return {};
       [[fallthrough]];
     case wire::Body::InstancePage:
+      scheduler_.note_opening(message.wire_bytes, came_us);
       if (Result<void> taken = take_page(std::move(message)); !taken) return taken;
       break;
     case wire::Body::TileReply:
@@ -197,7 +198,8 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   ++received_;
   // For the credit never less than the server counts: control part, headers, those of chunks.
   const std::size_t bytes = planes.size() + 224 + planes.size() / 4096;
-  const std::optional<PendingAsk> ask = scheduler_.finish(reply.request_id, bytes, came_us);
+  const std::optional<PendingAsk> ask =
+      scheduler_.finish(reply.request_id, bytes, reply.server_us, came_us);
   if (!ask || !scene_.complete()) return {};
   codec_choice_.tile_arrived(came_us - ask->sent_us, reply.server_us);
   Result<Tile> tile = tile_from_fields(reply);

@@ -129,6 +129,9 @@ class ClientSession {
   /// There is something to draw: the scene, or a view of it.
   bool drawable() const { return scene_.complete() || (scene_.welcomed() && views_.here()); }
   std::int64_t round_trip_us() const { return scheduler_.round_trip_us(); }
+  /// Something in view lacks an image of its own, and asking for it waits for the link or the
+  /// server.
+  bool first_waits() const { return scheduler_.first_waits(); }
   std::size_t in_flight() const { return scheduler_.in_flight(); }
   /// Nothing was left to ask for in the last frame, nothing is under way, nothing moves: until the
   /// camera, the light or the link brings something new, further frames would do nothing.

@@ -242,7 +242,8 @@ void MeshCache::need_mesh(const SceneView& scene, const Wanted& want, double tau
       want.surrounds && none ? kInfinity : std::min(shown, want.size_px);
   out.push_back({{AssetId::Kind::kMesh, want.object, static_cast<std::uint8_t>(first)},
                  gain,
-                 static_cast<double>(lods[first].bytes + kReplyBytes)});
+                 static_cast<double>(lods[first].bytes + kReplyBytes),
+                 none});
 }
 
 void MeshCache::need_images(const SceneView& scene, const Wanted& want, std::int64_t now_us,

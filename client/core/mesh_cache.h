@@ -43,6 +43,7 @@ struct AssetNeed {
   AssetId id;
   double gain = 0;            ///< px of error it takes away; infinite for what one stands in
   double expected_bytes = 0;  ///< of the reply
+  bool first = false;         ///< geometry of what is shown by nothing of its own
 };
 
 /// A texture as a mesh uses it.

@@ -9,6 +9,7 @@
 namespace mirage {
 namespace {
 
+constexpr std::int64_t kUseUs = 500'000;
 constexpr std::size_t kFrameOverhead = kWireHeaderBytes + 8;  // our header and WebSocket's
 constexpr std::size_t kControlBytes = 144;                    // a tile reply's control part
 // Among what is ready at one time: the welcome and tiles, then the scene's description, then by
@@ -207,6 +208,7 @@ void ModelledLink::run_server(std::int64_t now) {
     // In real time the server has really spent it already.
     const std::int64_t cost = blocking_ ? std::llround(cost_ms * 1000.0) : 0;
     server_free_us_ = start + cost;
+    working_.add(start, server_free_us_);
     // What the client is told must be the model's time, too.
     if (blocking_ && tile) {
       ask.reply.message.body.AsTileReply()->server_us =
@@ -222,6 +224,7 @@ void ModelledLink::transmit(std::deque<Item>& lane, std::int64_t start) {
   Item& item = lane.front();
   const std::size_t n = std::min(item.left, limits::kChunkBytes);
   downlink_free_us_ = start + delays_.transmission_us(n);
+  transmitting_.add(start, downlink_free_us_);
   item.left -= n;
   if (item.left > 0) return;
   bytes_down_ += item.bytes;
@@ -255,6 +258,13 @@ void ModelledLink::run_downlink(std::int64_t now) {
     tile_lead_bytes_ += tile ? n : -n;
     transmit(lane, start);
   }
+}
+
+LinkUse ModelledLink::use() {
+  const std::int64_t now = clock_.now_us();
+  const auto trips = static_cast<std::int64_t>(std::llround(2000.0 * model_.rtt_ms));
+  const std::int64_t since = std::max(now - std::max(kUseUs, trips), welcome_us_);
+  return {transmitting_.share(since, now), working_.share(since, now)};
 }
 
 std::vector<Message> ModelledLink::receive() {

@@ -13,11 +13,23 @@
 #include <string>
 #include <vector>
 
+#include "client/core/busy_time.h"
 #include "client/core/link.h"
 #include "client/core/net_model.h"
 #include "protocol/clock.h"
 
 namespace mirage {
+
+/// Shares of the last half second, or of the last two round trips: 0 to 1.
+struct LinkUse {
+  double link = 0;    ///< in which the link down transmitted; 0 where its rate is not limited
+  double server = 0;  ///< in which the server was at work
+};
+
+/// A first image waits to be asked for, and yet neither is busy.
+inline bool starves(bool first_waits, const LinkUse& use) {
+  return first_waits && use.link < 0.8 && use.server < 0.9;
+}
 
 class ModelledLink final : public Link {
  public:
@@ -31,6 +43,9 @@ class ModelledLink final : public Link {
   bool connected() const override;
   std::uint32_t generation() const override { return inner_.generation(); }
   LinkTraffic traffic() const override { return {bytes_up_, bytes_down_}; }
+  /// How busy both ends of what the client waits for were till now; on virtual time only, where the
+  /// server's time is the model's.
+  LinkUse use();
   /// From now on the network is this one; what is on its way arrives as it would have.
   void change(const NetModel& model) {
     model_ = model;
@@ -87,6 +102,7 @@ class ModelledLink final : public Link {
   bool owed_reference_ = false;
   std::map<std::uint32_t, std::int64_t> assets_asked_us_;  ///< geometry and images, by request id
   std::int64_t uplink_free_us_ = 0, downlink_free_us_ = 0, server_free_us_ = 0;
+  BusyTime transmitting_, working_;
   std::int64_t last_arrival_us_ = 0, welcome_us_ = 0;
   std::int64_t tile_lead_bytes_ = 0;
   std::uint64_t bytes_up_ = 0, bytes_down_ = 0;

@@ -57,6 +57,7 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
         TileNeed need = need_for_view(then, plan);
         need.instance = instance;
         need.phase = phase;
+        need.first = first;
         need.channels = in.cache->wants_relit(instance) ? kRelitTile : kLitTile;
         need.light = in.cache->light();
         if (first) need.size_class = coarse_class(need.size_class);

@@ -31,10 +31,12 @@ void Scheduler::reset() {
   assets_under_way_.clear();
   assets_not_before_us_.clear();
   window_.reset();
+  pace_ = ServerPace();
   leaving_.clear();
   in_flight_bytes_ = leaving_bytes_ = asset_bytes_ = 0;
   received_bytes_ = 0;
-  saturated_since_us_ = -1;
+  held_since_us_ = saturated_since_us_ = -1;
+  first_waits_ = false;
 }
 
 std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
@@ -46,7 +48,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   std::set<std::uint32_t> needed;  // a phase that has passed comes again with the next loop
   for (const TileNeed& need : needs) needed.insert(need.instance);
   bool lost_any = false;
-  const std::int64_t patience_us = std::max(kPatienceUs, window_.trip_us(0, 0));
+  const std::int64_t patience_us = std::max(kPatienceUs, trip_us(0, 0));
   for (auto it = leaving_.begin(); it != leaving_.end();) {
     if (it->second.until_us > now_us) {
       ++it;
@@ -68,7 +70,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
       if (!lost) {
         // Half as long again as it was to take: what is due is only expected.
         const std::int64_t late_us = ask.due_us + (ask.due_us - ask.sent_us) / 2;
-        leaving_[it->first] = {ask.sent_us, std::max(late_us, now_us + window_.trip_us(0, 0)),
+        leaving_[it->first] = {ask.sent_us, std::max(late_us, now_us + trip_us(0, 0)),
                                ask.expected_bytes};
         leaving_bytes_ += ask.expected_bytes;
       }
@@ -82,20 +84,23 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   }
   if (lost_any) lost_us_ = std::min(2 * lost_us_, kLostAtMostUs);
   const std::int64_t held_back_us =
-      saturated_since_us_ < 0 ? 0 : std::max<std::int64_t>(now_us - saturated_since_us_, 1);
+      held_since_us_ < 0 ? 0 : std::max<std::int64_t>(now_us - held_since_us_, 1);
   const bool idle = pending_.empty() && assets_pending_.empty();
   const double window = window_.update(now_us, held_back_us, idle);
+  const std::size_t most = pace_.limit(2 * window_.slack_us());
   auto tile = needs.begin();
   auto asset = asset_needs.begin();
   bool held_back = false;
   for (;;) {
     while (tile != needs.end() && !may_ask(*tile, now_us)) ++tile;
     while (asset != asset_needs.end() && !may_ask(*asset, now_us)) ++asset;
-    const bool full = in_flight_bytes_ + leaving_bytes_ + asset_bytes_ >= window;
-    held_back = held_back || (full && (tile != needs.end() || asset != asset_needs.end()));
+    const bool slow = pending_.size() >= most;
+    const bool full = under_way() >= window;
+    held_back =
+        held_back || (full && ((tile != needs.end() && !slow) || asset != asset_needs.end()));
     // A large mesh under way may fill the window, and so may tiles that wait for a server; the
     // others keep half of it all the same.
-    const bool tiles = tile != needs.end() && batch.asks.size() < kMaxAsksPerFrame &&
+    const bool tiles = tile != needs.end() && !slow && batch.asks.size() < kMaxAsksPerFrame &&
                        (!full || in_flight_bytes_ + leaving_bytes_ < 0.5 * window);
     const bool assets = asset != asset_needs.end() && (!full || asset_bytes_ < 0.5 * window) &&
                         batch.mesh_asks.size() + batch.image_asks.size() < limits::kMaxAsksPerBatch;
@@ -108,17 +113,27 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
       ask_tile(scene, *tile++, now_us, batch);
     }
   }
-  if (!held_back) {
-    saturated_since_us_ = -1;
-  } else if (saturated_since_us_ < 0) {
-    saturated_since_us_ = now_us;
-  }
+  first_waits_ =
+      std::any_of(tile, needs.end(),
+                  [&](const TileNeed& need) { return need.first && may_ask(need, now_us); }) ||
+      std::any_of(asset, asset_needs.end(),
+                  [&](const AssetNeed& need) { return need.first && may_ask(need, now_us); });
+  if (!held_back) held_since_us_ = -1;
+  if (held_back && held_since_us_ < 0) held_since_us_ = now_us;
+  // Asks wait for a link that is not full, too: what came through it lately was little.
+  const bool saturated = held_back && window_.queued();
+  if (!saturated) saturated_since_us_ = -1;
+  if (saturated && saturated_since_us_ < 0) saturated_since_us_ = now_us;
   if (batch.asks.empty() && batch.cancels.empty() && batch.mesh_asks.empty() &&
       batch.image_asks.empty()) {
     return std::nullopt;
   }
   batch.credit_bytes = received_bytes_ + kCreditAhead;
   return batch;
+}
+
+std::int64_t Scheduler::trip_us(double bytes, double bytes_under_way) const {
+  return window_.trip_us(bytes, bytes_under_way) + pace_.server_us();
 }
 
 bool Scheduler::may_ask(const TileNeed& need, std::int64_t now_us) const {
@@ -143,9 +158,8 @@ void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::int6
                           need.channels, need.phase);
   const double bytes = tile_bytes_[lossy_].expected(need.size_class, need.channels);
   in_flight_bytes_ += bytes;
-  const double under_way = in_flight_bytes_ + leaving_bytes_ + asset_bytes_;
-  pending_[id] = {need,  view.object, now_us, now_us + window_.trip_us(bytes, under_way),
-                  bytes, now_us,      lossy_};
+  pending_[id] = {need,  view.object, now_us, now_us + trip_us(bytes, under_way()),
+                  bytes, now_us,      lossy_, pending_.size() + 1};
   pending_wanted_[wanted(need)] = id;
   ++asked_;
 }
@@ -181,7 +195,7 @@ std::optional<AssetNeed> Scheduler::finish_asset(std::uint32_t request_id, std::
 }
 
 std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_t bytes,
-                                            std::int64_t now_us) {
+                                            std::int64_t server_us, std::int64_t now_us) {
   received_bytes_ += bytes;
   const auto at = pending_.find(request_id);
   if (at == pending_.end()) {  // cancelled, and sent all the same
@@ -206,7 +220,8 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
     window_.asset_arrived(now_us, now_us, bytes, ask.expected_bytes);
     return ask;
   }
-  window_.tile_arrived(ask.sent_us, now_us, bytes, ask.expected_bytes);
+  pace_.tile_arrived(ask.under_way, trip, server_us);
+  window_.tile_arrived({ask.sent_us, now_us, server_us, bytes, ask.expected_bytes});
   lost_us_ = std::clamp(kLostTrips * trip, kLostUs, kLostAtMostUs);
   return ask;
 }

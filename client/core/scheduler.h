@@ -3,8 +3,8 @@
 // Input:  needs of this frame, replies as they come. Output: request batches (asks, cancels,
 //         credit); tiles and geometry share the window half and half while both want it.
 // Thread: the frame loop's.
-// Full:   what is in flight is held to the window (ask_window.h); needs beyond it wait, worst
-// first.
+// Full:   what is in flight is held to the window (ask_window.h) and to what the server completes
+//         (server_pace.h); needs beyond it wait, worst first.
 
 #include <array>
 #include <cstdint>
@@ -17,6 +17,7 @@
 
 #include "client/core/ask_window.h"
 #include "client/core/selector.h"
+#include "client/core/server_pace.h"
 #include "client/core/tile_bytes.h"
 #include "protocol/message.h"
 
@@ -31,6 +32,7 @@ struct PendingAsk {
   double expected_bytes = 0;   ///< as counted when it was sent: the expectation changes
   std::int64_t needed_us = 0;  ///< when it was needed last
   bool lossy = false;          ///< asked for in a codec that loses colour
+  std::size_t under_way = 0;   ///< asks without a reply when it was sent, itself among them
 };
 
 /// Geometry or an image under way.
@@ -62,24 +64,31 @@ class Scheduler {
     const auto at = pending_.find(request_id);
     return at != pending_.end() ? &at->second : nullptr;
   }
-  /// The ask a reply answers; nullopt when it was cancelled or never made.
+  /// The ask a reply answers; nullopt when it was cancelled or never made. `server_us`: for which
+  /// the server had it.
   std::optional<PendingAsk> finish(std::uint32_t request_id, std::size_t bytes,
-                                   std::int64_t now_us);
+                                   std::int64_t server_us, std::int64_t now_us);
   /// A refusal: the instance may ask again after a pause.
   void refuse(std::uint32_t request_id, std::int64_t now_us);
   /// The same for geometry and images.
   std::optional<AssetNeed> finish_asset(std::uint32_t request_id, std::size_t bytes,
                                         std::int64_t now_us);
 
+  /// A part of the scene's description has come.
+  void note_opening(std::size_t bytes, std::int64_t now_us) {
+    window_.opening_arrived(now_us, bytes);
+  }
   /// What is neither has come and took its time on the link.
   void note_other(std::size_t bytes, std::int64_t now_us) { window_.stray_arrived(now_us, bytes); }
 
   /// Measured request-to-reply time (median of the last), µs; the rest of the horizon is on top.
   std::int64_t round_trip_us() const { return window_.round_trip_us(); }
-  /// Seconds for which asks have been held back by the window without a break.
+  /// Seconds for which asks have been held back by a link that is full without a break.
   double saturated_s(std::int64_t now_us) const {
     return saturated_since_us_ < 0 ? 0 : static_cast<double>(now_us - saturated_since_us_) * 1e-6;
   }
+  /// What is in view and shown by nothing of its own was left unasked in the last plan.
+  bool first_waits() const { return first_waits_; }
   /// Bytes down in the last second, as Mbit/s.
   double rate_mbps() const { return window_.rate_mbps(); }
   std::size_t in_flight() const { return pending_.size(); }
@@ -93,11 +102,15 @@ class Scheduler {
   static Wanted wanted(const TileNeed& need) {
     return {need.instance, need.phase, is_picture(need.channels) ? kLitTile : need.channels};
   }
+  /// How long a tile of `bytes` takes that is asked for now, with `under_way` bytes in all.
+  std::int64_t trip_us(double bytes, double under_way) const;
   /// Neither under way nor refused a moment ago.
   bool may_ask(const TileNeed& need, std::int64_t now_us) const;
   bool may_ask(const AssetNeed& need, std::int64_t now_us) const;
   void ask_tile(const SceneView& scene, const TileNeed& need, std::int64_t now_us,
                 wire::RequestBatchT& batch);
+  /// Counted for the window.
+  double under_way() const { return in_flight_bytes_ + leaving_bytes_ + asset_bytes_; }
   void ask_asset(const AssetNeed& need, std::int64_t now_us, wire::RequestBatchT& batch);
   /// Takes what is under way off the books.
   std::optional<PendingAsset> end_asset(std::uint32_t request_id);
@@ -116,8 +129,11 @@ class Scheduler {
   std::map<std::uint32_t, Leaving> leaving_;              ///< by request id
   std::map<AssetId, std::int64_t> assets_not_before_us_;  ///< refused
   AskWindow window_;
+  ServerPace pace_;
   std::int64_t lost_us_;  ///< an ask this old is given up
-  std::int64_t saturated_since_us_ = -1;
+  std::int64_t held_since_us_ = -1;       ///< asks wait for the window
+  std::int64_t saturated_since_us_ = -1;  ///< and the link is full
+  bool first_waits_ = false;
   /// Without loss and with it: a client that goes from one to the other must not expect the other's
   /// sizes, or it asks for more than the link holds.
   std::array<TileBytes, 2> tile_bytes_;

@@ -11,7 +11,6 @@ namespace mirage {
 namespace {
 
 constexpr std::int64_t kFadeUs = 120'000;
-constexpr double kMeshHysteresis = 1.15;
 constexpr double kWorthMarching = 0.7;  // of the flat bound
 constexpr double kFitForViewPx = 4;     // per tau: geometry that shows more of its level wrongly
 // A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
@@ -234,7 +233,7 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   const bool still_held = std::find(held.begin(), held.end(), shown.tile) != held.end();
   if (still_held && shown.tile != best.tile) {
     const TileFit present = fit_of(shown.tile, best.method, *c.object, c.view);
-    if (present.meets(c.tau_px) &&
+    if (present.meets(c.tau_px) && (present.sharp(c.tau_px) || !best.sharp(c.tau_px)) &&
         present.error_px(c.tau_px) * kSwitchRatio < best.error_px(c.tau_px)) {
       best = present;
     }

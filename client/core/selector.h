@@ -147,7 +147,8 @@ class Selector {
   bool keep_chosen(const SelectorInput& in, Candidate& candidate) const;
   void forget_settled(const SelectorInput& in);
   bool wants_members(const SelectorInput& in, std::uint32_t instance) const;
-  void add_need(const SelectorInput& in, std::uint32_t instance, std::vector<TileNeed>& out);
+  void add_need(const SelectorInput& in, std::uint32_t instance, bool in_view,
+                std::vector<TileNeed>& out);
 
   std::vector<Shown> shown_;
   Basis basis_;

@@ -14,6 +14,7 @@ namespace mirage {
 namespace {
 
 constexpr double kViewGuard = 0.0873;   // 5 degrees around the predicted view
+constexpr double kGuardGain = 0.25;     // of what only the guard shows: it may never be seen
 constexpr double kMeshPrefetch = 1.3;   // times the swap distance
 constexpr double kQuantumShare = 0.01;  // 8-bit depth and the slope within a texel, in radii
 constexpr double kStandInLifeS = 3;     // a tile is asked for in place of geometry if it lasts
@@ -128,7 +129,7 @@ void Selector::forget_settled(const SelectorInput& in) {
   for (Shown& shown : shown_) shown.settled_until_us = INT64_MIN / 2;
 }
 
-void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
+void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in_view,
                         std::vector<TileNeed>& out) {
   const InstanceView& view_of = in.scene->instances[instance];
   const ObjectDescription& object = in.scene->objects[view_of.object];
@@ -171,17 +172,18 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance,
     return;  // it would be coarser than geometry
   need.instance = instance;
   // What has no image of its own may be in the view.
-  const std::optional<double> in_view =
+  const std::optional<double> view_px =
       in.view && group.tiles.empty() ? in.view->error_px(view_of, in.predicted) : std::nullopt;
-  const bool unseen = group.tiles.empty() && !(in_view && *in_view <= kFirstImagePx * tau);
+  const bool unseen = group.tiles.empty() && !(view_px && *view_px <= kFirstImagePx * tau);
   // Something quick first: a quarter of the edge is a sixteenth of the bytes.
-  if (unseen && !stand_in) need.size_class = coarse_class(need.size_class);
+  if (unseen && in_view && !stand_in) need.size_class = coarse_class(need.size_class);
   need.channels = in.cache->wants_relit(instance)             ? kRelitTile
                   : wants_layers(in, object, plan, size, fit) ? kLayeredTile
                                                               : kLitTile;
+  need.first = in_view && group.tiles.empty() && !stand_in;
   need.light = in.cache->light();
   need.error_px = std::max(displayed_error_px(fit, size, tau), std::min(light_px, 2 * size));
-  if (in_view) need.error_px = std::min(std::max(*in_view, tau), need.error_px);
+  if (view_px) need.error_px = std::min(std::max(*view_px, tau), need.error_px);
   // Any image is better than none, however soon it ages.
   need.gain = need.error_px * (unseen ? kLongestLife : expected_life_s(view, plan));
   if (stand_in) need.gain = std::min(need.gain, tau * kStandInLifeS);  // it only saves work
@@ -193,19 +195,22 @@ bool Selector::wants_members(const SelectorInput& in, std::uint32_t instance) co
   const InstanceView& view_of = in.scene->instances[instance];
   const ObjectDescription& object = in.scene->objects[view_of.object];
   const ViewGeometry view = view_geometry(in.predicted, view_of, object);
+  // By the same rule as what is drawn: members of a group that goes on would never be seen.
+  const double slack = shown_[instance].frame == in.frame ? kMeshHysteresis : 1.0;
   if (object.cut) {
     const double radii = glm::length(view.eye) / view.radius;
     const bool known = !in.scene->members(instance).empty();
-    return known && radii < kPartRadii && !comes_as_mesh(in, object, radii);
+    return known && radii * slack < kPartRadii && !comes_as_mesh(in, object, radii);
   }
-  return object.group && !group_wanted(in, view_of, view, allowed_px(in, in.predicted, view_of), 1);
+  return object.group &&
+         !group_wanted(in, view_of, view, allowed_px(in, in.predicted, view_of), slack);
 }
 
 std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
   std::vector<TileNeed> out;
   if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return out;
   forget_settled(in);
-  const Frustum frustum(in.predicted, kViewGuard);
+  const Frustum frustum(in.predicted, kViewGuard), ahead(in.predicted), now(in.camera);
   const std::function<void(std::uint32_t)> visit = [&](std::uint32_t i) {
     const InstanceView& view_of = in.scene->instances[i];
     if (!frustum.may_see(view_of.center - in.predicted.pose.eye, view_of.radius)) return;
@@ -215,12 +220,14 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
       return;
     }
     const std::size_t first = out.size();
-    add_need(in, i, out);
+    const bool in_view = ahead.may_see(view_of.center - in.predicted.pose.eye, view_of.radius) ||
+                         now.may_see(view_of.center - in.camera.pose.eye, view_of.radius);
+    add_need(in, i, in_view, out);
     // Any image beats none. Without a cursor nobody is known to look: the middle first cost the
     // whole picture 1.6 % of FLIP on the forest walk.
     const bool ranks = in.cursor_px && in.cache->group_to_draw(i)->known();
     const double looked_at = ranks ? attention(in.predicted, in.cursor_px, view_of) : 1;
-    const double urgency = looked_at / tolerance(view_of.importance);
+    const double urgency = (in_view ? 1 : kGuardGain) * looked_at / tolerance(view_of.importance);
     for (std::size_t k = first; k < out.size(); ++k) out[k].gain *= urgency;
   };
   in.scene->for_visible_roots(in.predicted, kViewGuard, visit);

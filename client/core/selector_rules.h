@@ -7,6 +7,7 @@
 namespace mirage {
 
 inline constexpr double kMinRadiusPx = 0.5;  ///< smaller objects are neither drawn nor asked for
+inline constexpr double kMeshHysteresis = 1.15;  ///< what is drawn goes on for so much of the way
 inline constexpr double kWalkingMps = 1.4;   ///< what may be expected of an eye that stands
 
 /// Whether any picture of the object can stand for it: the eye is out of its sphere. False for NaN.

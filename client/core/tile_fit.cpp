@@ -14,9 +14,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A texel may cover this much more than a pixel (or tau) before a sharper tile is worth asking for.
 constexpr double kSharpTexel = 1.15;
 
-// Inside the swap distance every bound is infinite: the newest tile is the best guess.
+// What meets tau and is sharp, then what errs least: a first tile as coarse as a quarter of its
+// edge may be the truer one. Inside the swap distance every bound is infinite: the newest tile is
+// the best guess.
 bool better(const TileFit& a, const TileFit& b, double tau) {
   if (!b.tile) return true;
+  const bool settled = a.settled(tau);
+  if (settled != b.settled(tau)) return settled;
   const double ea = a.error_px(tau), eb = b.error_px(tau);
   return ea < eb || (ea == eb && a.tile->serial > b.tile->serial);
 }

@@ -18,6 +18,7 @@ struct TileNeed {
   std::uint8_t size_class = 0;
   Phase phase = kStaticPhase;
   std::uint8_t channels = kLitTile;
+  bool first = false;       ///< it is in view and nothing of its own is shown for it
   std::uint32_t light = 0;  ///< serial of the lighting it is for (LightHistory)
   double error_px = 0;      ///< what showing the present state costs
   double gain = 0;  ///< error_px times the seconds the new tile is expected to serve: the rank

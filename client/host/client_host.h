@@ -54,6 +54,10 @@ class ClientHost {
   const Clock& clock() const { return *clock_; }
   /// Whether a network is modelled between the session and the socket.
   bool modelled() const { return modelled_ != nullptr; }
+  /// Of the last moments; nullopt in real time.
+  std::optional<LinkUse> link_use() {
+    return virtual_clock_ ? std::optional(modelled_->use()) : std::nullopt;
+  }
   /// Null in real time.
   VirtualClock* virtual_clock() { return virtual_clock_; }
   /// Leaves the time since `clock_us` (of clock()) out of the session's.

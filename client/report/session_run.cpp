@@ -181,6 +181,8 @@ Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
     loop.rested = same && host.session().at_rest() ? loop.rested + 1 : 0;
     out.visible += loop.list.visible;
     out.placeholders += loop.list.placeholders.size();
+    const std::optional<LinkUse> use = host.link_use();
+    out.starved += use && starves(host.session().first_waits(), *use);
     const bool shows =
         loop.list.view || !loop.list.impostors.empty() || !loop.list.meshes.empty();
     if (shows && out.first_image_ms < 0) out.first_image_ms = seconds * 1e3;

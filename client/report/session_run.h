@@ -56,6 +56,8 @@ struct RunResult {
   double first_image_ms = -1;  ///< < 0: none
   /// Instances and groups in view, and those of them without an image, summed over all frames.
   std::uint64_t visible = 0, placeholders = 0;
+  std::uint64_t starved =
+      0;  ///< frames in which a first image waited for a link and server not busy
   std::vector<Picture> pictures;  ///< of the frames `pictured`
 };
 

@@ -42,7 +42,7 @@ double share(std::uint64_t part, std::uint64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
 }
 
-WeatherRun run_of(const Weather& weather, std::uint64_t seed, const RunResult& result) {
+WeatherRun run_of(const Weather& weather, std::uint64_t seed, int frames, const RunResult& result) {
   WeatherRun run;
   run.weather = weather;
   run.seed = seed;
@@ -58,6 +58,7 @@ WeatherRun run_of(const Weather& weather, std::uint64_t seed, const RunResult& r
   run.psnr_db = psnr.mean().value_or(NAN);
   run.hole_fraction = share(result.geometric.holes, result.geometric.object_pixels);
   run.no_image_fraction = share(result.placeholders, result.visible);
+  run.starved_fraction = share(result.starved, static_cast<std::uint64_t>(frames));
   run.mb = 1e-6 * static_cast<double>(result.traffic.bytes_down);
   const auto both_ways = static_cast<double>(result.traffic.bytes_down + result.traffic.bytes_up);
   run.link_used = 8e-6 * both_ways / result.seconds / weather.net.rate_mbps;
@@ -67,11 +68,12 @@ WeatherRun run_of(const Weather& weather, std::uint64_t seed, const RunResult& r
 
 void say(const WeatherRun& run) {
   std::printf(
-      "%s, seed %d: FLIP %.4f, worst %.4f, %.1f dB, holes %.4f, no image %.3f, %.2f MB, "
+      "%s, seed %d: FLIP %.4f, worst %.4f, %.1f dB, holes %.4f, no image %.3f, starved %.3f, %.2f "
+      "MB, "
       "%.0f %% of the link, %d px over bound\n",
       run.weather.name.c_str(), static_cast<int>(run.seed), run.flip_mean, run.flip_worst,
-      run.psnr_db, run.hole_fraction, run.no_image_fraction, run.mb, 100 * run.link_used,
-      static_cast<int>(run.bound_violations));
+      run.psnr_db, run.hole_fraction, run.no_image_fraction, run.starved_fraction, run.mb,
+      100 * run.link_used, static_cast<int>(run.bound_violations));
   std::fflush(stdout);
 }
 
@@ -92,7 +94,7 @@ Result<void> run_seed(Context& context, const std::vector<Weather>& weathers, st
       context.omit(kPart, what, result.error().line());
       continue;
     }
-    out.push_back(run_of(weather, seed, *result));
+    out.push_back(run_of(weather, seed, frames, *result));
     say(out.back());
   }
   for (const std::string& name : opened) context.close(name);
@@ -115,7 +117,10 @@ void explain(Context& context, const Extent& extent) {
   page.paragraph(
       "FLIP: mean over the compared frames. holes: share of the pixels showing an object where "
       "nothing was drawn for it. no image: share of the instances in view that no tile and no "
-      "geometry was there for, over all frames. MB: down. link used: both ways, of the rate. over "
+      "geometry was there for, over all frames. starved: share of the frames in which a first "
+      "image "
+      "waited to be asked for while neither the link (80 %) nor the server (90 %) was busy. MB: "
+      "down. link used: both ways, of the rate. over "
       "bound: pixels of impostors whose true error exceeds what it was said to be at most. Where "
       "nothing else is said, the median over seeds.");
 }

@@ -70,6 +70,7 @@ const std::vector<Column>& columns() {
       {"PSNR, dB", [](const Run& r) { return r.psnr_db; }, median, least},
       {"holes", [](const Run& r) { return r.hole_fraction; }, median, most},
       {"no image", [](const Run& r) { return r.no_image_fraction; }, median, most},
+      {"starved", [](const Run& r) { return r.starved_fraction; }, median, most},
       {"MB", [](const Run& r) { return r.mb; }, median, most},
       {"link used", [](const Run& r) { return r.link_used; }, median, most},
       {"over bound, px", [](const Run& r) { return static_cast<double>(r.bound_violations); }, sum,
@@ -132,15 +133,16 @@ std::string seeded(const std::string& scene, std::uint64_t seed) {
 Table weather_csv(const std::vector<WeatherRun>& runs) {
   Table table({"weather", "scene", "path", "seed", "rtt_ms", "jitter_ms", "rate_mbps", "loss_pct",
                "server_ms", "flip_mean", "flip_worst", "psnr_db", "hole_fraction",
-               "no_image_fraction", "mb", "link_used", "bound_violations"});
+               "no_image_fraction", "starved_fraction", "mb", "link_used", "bound_violations"});
   for (const WeatherRun& run : runs) {
     const NetModel& net = run.weather.net;
     table.add({run.weather.name, seeded(run.weather.scene, run.seed), run.weather.path,
                std::to_string(run.seed), figure(net.rtt_ms), figure(net.jitter_ms),
                figure(net.rate_mbps), figure(net.loss_percent), figure(net.server_ms),
                figure(run.flip_mean), figure(run.flip_worst), figure(run.psnr_db),
-               figure(run.hole_fraction), figure(run.no_image_fraction), figure(run.mb),
-               figure(run.link_used), std::to_string(run.bound_violations)});
+               figure(run.hole_fraction), figure(run.no_image_fraction),
+               figure(run.starved_fraction), figure(run.mb), figure(run.link_used),
+               std::to_string(run.bound_violations)});
   }
   return table;
 }

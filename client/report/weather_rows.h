@@ -33,6 +33,8 @@ struct WeatherRun {
   double psnr_db = NAN;
   double hole_fraction = 0;            ///< of the pixels that show an object: nothing drawn for it
   double no_image_fraction = 0;        ///< of the instances in view, over all frames
+  double starved_fraction = 0;  ///< of the frames: neither link nor server busy, and yet first
+                                ///< images wait to be asked for
   double mb = 0;                       ///< down, 10^6 bytes
   double link_used = 0;                ///< of the rate, both ways together
   std::uint64_t bound_violations = 0;  ///< pixels

@@ -89,6 +89,11 @@ void SessionStats::add_frame(const DrawList& list, int draw_calls, double frame_
   }
 }
 
+void SessionStats::note_use(bool first_waits, const LinkUse& use) {
+  ++known_use_;
+  starved_ += starves(first_waits, use);
+}
+
 void SessionStats::add_light_lag(const DrawList& list, const SceneView& scene) {
   for (const DrawnImpostor& drawn : list.impostors) {
     if (!(scene.objects[drawn.tile->object].needs & kNeedLighting)) continue;
@@ -114,6 +119,7 @@ std::string SessionStats::json(const Final& end) const {
   };
   j["first_picture_ms"] = since_start_ms(first_picture_us_);
   j["time_to_first_image_ms"] = since_start_ms(first_image_us_);
+  if (known_use_ > 0) j["starved_fraction"] = ratio(starved_, known_use_);
   j["view_tiles"] = {{"asked", end.views.asked}, {"drawn", end.views.drawn}};
   j["bytes_down"] = end.traffic.bytes_down;
   j["bytes_up"] = end.traffic.bytes_up;

@@ -8,6 +8,7 @@
 #include "client/core/client_session.h"
 #include "client/core/frame_renderer.h"
 #include "client/core/geometric_error.h"
+#include "client/core/modelled_link.h"
 #include "client/quality/metrics.h"
 
 namespace mirage {
@@ -34,6 +35,8 @@ class SessionStats {
     settled_us_ = since_start_us;
     settled_bytes_ = traffic.bytes_down + traffic.bytes_up;
   }
+  /// A first image waited to be asked for while neither the link nor the server was busy.
+  void note_use(bool first_waits, const LinkUse& use);
   /// The first frame that showed anything of the scene, and the first with an image of an object.
   void first_picture(std::int64_t now_us) {
     if (first_picture_us_ < 0) first_picture_us_ = now_us;
@@ -78,6 +81,7 @@ class SessionStats {
   std::int64_t settled_us_ = -1;
   std::uint64_t settled_bytes_ = 0;
   std::size_t frames_ = 0, drawn_ = 0;
+  std::size_t known_use_ = 0, starved_ = 0;  ///< frames
   std::int64_t first_image_us_ = -1, first_picture_us_ = -1;
   std::vector<float> frame_ms_, real_ms_, bounds_, ages_ms_, light_lag_ms_;
   std::uint64_t relit_ = 0;

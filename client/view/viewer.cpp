@@ -262,6 +262,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (session().light_changed()) stats_.add_light_lag(list, scene);
   stats_.add_frame(list, renderer_->draw_calls(),
                    host_->virtual_clock() ? 1000.0 / o_.fps : real_ms, now);
+  if (const auto use = host_->link_use()) stats_.note_use(session().first_waits(), *use);
   if (drawn) stats_.note_drawn(real_ms);
   stats_.note_traffic(host_->traffic(), now - start_us_);
   if (drawn) smooth_ms_ += 0.1 * (real_ms - smooth_ms_);

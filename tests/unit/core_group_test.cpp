@@ -118,6 +118,29 @@ TEST(CoreGroup, TheGroupFadesInOverGeometry) {
   EXPECT_TRUE(select().meshes.empty());
 }
 
+// A group that is drawn goes on a little nearer than one that is not: so long its members are not
+// asked for.
+TEST(CoreGroup, MembersOfAGroupThatGoesOnAreNotAskedFor) {
+  GroupWorld world;
+  double nearest = 300;  // at which the group, not its members, is asked for
+  for (double d = 300; d > 20; d -= 1) {
+    world.look_from(d);
+    if (world.needed() != Indices{4}) break;
+    nearest = d;
+  }
+  world.look_from(1.05 * nearest);
+  ASSERT_TRUE(world.add_tile(4));
+  EXPECT_EQ(world.drawn(), Indices{4});
+  world.pass(10'000);
+  world.look_from(0.97 * nearest);
+  EXPECT_EQ(world.drawn(), Indices{4});
+  for (const std::uint32_t instance : world.needed()) EXPECT_EQ(instance, 4u);
+  world.pass(10'000);
+  world.look_from(0.8 * nearest);
+  world.drawn();
+  EXPECT_EQ(world.needed(), (Indices{0, 1, 2, 3}));
+}
+
 TEST(CoreGroup, CirclesAndUnknownParentsAreRefused) {
   EXPECT_EQ(grouped().instances.size(), 5u);
   EXPECT_TRUE(grouped(4).instances.empty()) << "a group in itself";

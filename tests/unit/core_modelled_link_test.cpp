@@ -268,6 +268,24 @@ TEST(CoreModelledLink, NothingBetweenIsAtOnce) {
   EXPECT_EQ(session.link.receive().size(), 3u);
 }
 
+// Twelve tiles of 10 kB: 4 ms each on the link at 20 Mbit/s, 10 ms each at the server.
+TEST(CoreModelledLink, SaysHowBusyBothEndsWere) {
+  NetModel model;
+  model.rtt_ms = 20;
+  model.rate_mbps = 20;
+  model.server_ms = 10;
+  Session session(model, 3);
+  session.link.send(encode_message(batch_of(1, 12)));
+  session.run_until(500'000);
+  const LinkUse use = session.link.use();
+  EXPECT_NEAR(use.server, 0.12 / 0.5, 0.001);
+  EXPECT_NEAR(use.link, 12 * kReplyBytes * 8 / 20e6 / 0.5, 0.001);
+  EXPECT_TRUE(starves(true, use));
+  EXPECT_FALSE(starves(false, use));
+  EXPECT_FALSE(starves(true, {0.85, 0}));
+  EXPECT_FALSE(starves(true, {0, 0.95}));
+}
+
 TEST(CoreModelledLink, OutageDoesNotHang) {
   NetModel model;
   Session session(model, 1);

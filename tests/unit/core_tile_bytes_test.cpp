@@ -1,6 +1,8 @@
 // What a tile is expected to weigh.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "client/core/tile_bytes.h"
 #include "protocol/tile_key.h"
 
@@ -13,9 +15,11 @@ void feed(TileBytes& bytes, std::uint8_t size_class, std::uint8_t channels, std:
 
 TEST(CoreTileBytes, BeforeAnyHasCome) {
   const TileBytes bytes;
-  EXPECT_NEAR(bytes.expected(4, kLitTile), 160 + 0.7 * 64 * 64, 1e-9);
-  EXPECT_NEAR(bytes.expected(4, kRelitTile), 160 + 1.6 * 0.7 * 64 * 64, 1e-9);
-  EXPECT_NEAR(bytes.expected(4, kShadowTile), 160 + 0.3 * 0.7 * 64 * 64, 1e-9);
+  const double lit = 0.6 * std::sqrt(2.0) * 64 * 64;  // of 128 texels .6 a texel
+  EXPECT_NEAR(bytes.expected(4, kLitTile), 160 + lit, 1e-9);
+  EXPECT_NEAR(bytes.expected(4, kRelitTile), 160 + 1.6 * lit, 1e-9);
+  EXPECT_NEAR(bytes.expected(4, kShadowTile), 160 + 0.3 * lit, 1e-9);
+  EXPECT_NEAR(bytes.expected(0, kLitTile), 160 + lit / 8, 1e-9) << "a quarter of the edge";
 }
 
 TEST(CoreTileBytes, EachSizeHasItsOwn) {
@@ -24,9 +28,9 @@ TEST(CoreTileBytes, EachSizeHasItsOwn) {
   feed(bytes, 8, kLitTile, 30'000);  // 0.46
   EXPECT_NEAR(bytes.expected(4, kLitTile), 5000, 1);
   EXPECT_NEAR(bytes.expected(8, kLitTile), 30'000, 1);
-  // Of a size that never came: as the nearest that did.
-  EXPECT_NEAR(bytes.expected(10, kLitTile), 160 + 4 * 30'000, 10);
-  EXPECT_NEAR(bytes.expected(2, kLitTile), 160 + 5000 / 4.0, 10);
+  // Of a size that never came: as the nearest that did, fewer a texel the larger it is.
+  EXPECT_NEAR(bytes.expected(10, kLitTile), 160 + 30'000 * 4 / std::sqrt(2.0), 10);
+  EXPECT_NEAR(bytes.expected(2, kLitTile), 160 + 5000 / 4.0 * std::sqrt(2.0), 10);
 }
 
 TEST(CoreTileBytes, AKindThatNeverCameIsJudgedByOthers) {
@@ -34,7 +38,7 @@ TEST(CoreTileBytes, AKindThatNeverCameIsJudgedByOthers) {
   feed(bytes, 4, kLitTile, 5000);
   EXPECT_NEAR(bytes.expected(4, kRelitTile), 160 + 1.6 * 5000, 10);
   feed(bytes, 8, kRelitTile, 6 * 65'536);
-  EXPECT_NEAR(bytes.expected(4, kRelitTile), 160 + 6 * 4096, 10) << "its own kind, however far";
+  EXPECT_NEAR(bytes.expected(4, kRelitTile), 160 + 6 * 4096 * 2, 10) << "its own kind, however far";
   EXPECT_NEAR(bytes.expected(4, kLitTile), 5000, 1);
 }
 

@@ -52,5 +52,34 @@ TEST(CoreTileFit, ASmallReliefDoesNotServeFromFarAside) {
   }
 }
 
+// A coarse tile seen from right where it was captured errs less than a sharp one from aside: the
+// sharp one is drawn all the same, or it would be asked for again and again.
+TEST(CoreTileFit, WhatIsSharpComesBeforeWhatErrsLess) {
+  test::SelectorWorld world(test::make_scene({{}}));
+  world.look({0, 0, 12}, {0, 0, 0});
+  const ObjectDescription& object = world.scene.objects[0];
+  const auto insert = [&](double degrees, bool coarse) {
+    const double a = degrees * kDegree;
+    world.look(12.0 * glm::dvec3(std::sin(a), 0, std::cos(a)), {0, 0, 0});
+    TileNeed need =
+        need_for_view(view_geometry(world.camera, world.scene.instances[0], object), ViewPlan{});
+    if (coarse) need.size_class = coarse_class(need.size_class);
+    const Capture capture = test::capture_for(need, object.radius);
+    world.cache.insert(0, world.scene, capture, test::make_tile(capture), world.frame, 0);
+    return capture.edge;
+  };
+  insert(0, true);
+  const std::uint32_t sharp = insert(3, false);
+  world.look({0, 0, 12}, {0, 0, 0});
+  const ViewGeometry view = view_geometry(world.camera, world.scene.instances[0], object);
+  const TileGroup& group = *world.cache.group_to_draw(0);
+  const TileFit coarse = fit_of(group.tiles[0], DrawMethod::kQuad, object, view);
+  const TileFit fine = fit_of(group.tiles[1], DrawMethod::kQuad, object, view);
+  ASSERT_LT(coarse.error_px(1), fine.error_px(1));
+  ASSERT_FALSE(coarse.sharp(1));
+  ASSERT_TRUE(fine.settled(1));
+  EXPECT_EQ(best_flat(group, object, view, 1).tile->capture.edge, sharp);
+}
+
 }  // namespace
 }  // namespace mirage

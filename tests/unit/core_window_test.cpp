@@ -24,7 +24,8 @@ struct Plant {
     const std::int64_t end = now_us + std::llround(seconds * 1e6);
     for (; now_us < end; now_us += kStepUs) {
       while (!under_way.empty() && under_way.front().arrives_us <= now_us) {
-        window.tile_arrived(under_way.front().sent_us, now_us, kTile, kTile);
+        const Reply& reply = under_way.front();
+        window.tile_arrived({reply.sent_us, reply.arrives_us, 0, kTile, kTile});
         under_way.pop_front();
         received += kTile;
       }
@@ -126,7 +127,7 @@ TEST(CoreWindow, DrainedAWayIsToldFromAQueue) {
     double last = 0;
     const auto step = [&] {
       now += 2'000;
-      window.tile_arrived(now - trip, now, 2'000, 2'000);  // 1 MB/s
+      window.tile_arrived({now - trip, now, 0, 2'000, 2'000});  // 1 MB/s
       last = window.update(now, now, false);
     };
     // One that did not wait for the one before it: the others did, the link is busy.
@@ -136,7 +137,9 @@ TEST(CoreWindow, DrainedAWayIsToldFromAQueue) {
       trip += 2'000;
     };
     first_step();
-    while (now < 7'000'000) step();
+    while (now < 500'000) step();
+    for (trip = 70'000; now < 2'000'000;) step();  // the first window was more than it carries
+    for (trip = 50'000; now < 7'000'000;) step();
     EXPECT_NEAR(last, 75'000, 3'000);
     for (trip = 150'000; now < 16'000'000 && last > 0;) {
       ASSERT_LE(last, 76'000) << "still a queue";
@@ -159,7 +162,7 @@ TEST(CoreWindow, GapsSayNothingAboutTheLink) {
   for (int train = 0; train < 8; ++train) {
     const std::int64_t sent = now;
     for (; now < sent + 250'000; now += 10'000) {  // 10 kB in 10 ms: 1 MB/s
-      if (now >= sent + 50'000) window.tile_arrived(sent, now, 10'000, 10'000);
+      if (now >= sent + 50'000) window.tile_arrived({sent, now, 0, 10'000, 10'000});
       window.update(now, 1, false);
     }
     now += 750'000;
@@ -173,21 +176,53 @@ TEST(CoreWindow, ABurstAtMostDoublesIt) {
   double before = 0;
   for (std::int64_t now = 0; now <= 4'000'000; now += 10'000) {  // a kB in 0.1 s, after 1 s
     if (now > 1'000'000 && now % 100'000 == 0) {
-      window.tile_arrived(now - 1'000'000, now, 1000, 1000);
+      window.tile_arrived({now - 1'000'000, now, 0, 1000, 1000});
     }
     before = window.update(now, 2'000'000, false);
   }
-  for (int i = 0; i < 40; ++i) window.tile_arrived(3'000'000, 4'010'000, 1000, 1000);
+  for (int i = 0; i < 40; ++i) window.tile_arrived({3'000'000, 4'010'000, 0, 1000, 1000});
   EXPECT_LE(window.update(4'010'000, 2'000'000, false), std::max(before, 2 * 51'000.0));
 }
 
 TEST(CoreWindow, ASleepIsNoRate) {
   AskWindow window;
   EXPECT_EQ(window.update(0, 0, true), 256 * 1024);
-  for (int i = 1; i <= 20; ++i) window.tile_arrived(i * 1000, i * 1000 + 50'000, 1000, 1000);
+  for (int i = 1; i <= 20; ++i) window.tile_arrived({i * 1000, i * 1000 + 50'000, 0, 1000, 1000});
   const std::int64_t hour = 3'600'000'000;
   EXPECT_LE(window.update(hour, 0, true), 256 * 1024);
   EXPECT_EQ(window.rate_mbps(), 0);
+}
+
+// 2 kB each 20 ms, as the server makes them; the link carries each at once.
+TEST(CoreWindow, TimeAtTheServerIsNotTheLinks) {
+  for (const bool told : {true, false}) {
+    AskWindow window;
+    std::int64_t now = 0;
+    double last = 0, least = 1e9;
+    for (int i = 0; i < 400; ++i) {
+      now += 20'000;
+      const std::int64_t server = 20'000 * (1 + i % 20);  // twenty at a time
+      window.tile_arrived({now - 60'000 - server, now, told ? server : 0, 2000, 2000});
+      last = window.update(now, now, false);
+      least = std::min(least, last);
+    }
+    if (told) {
+      EXPECT_GE(least, 256 * 1024) << "nothing tells that the link is thin";
+    } else {
+      EXPECT_LE(least, 20'000) << "passes for the link's";
+    }
+  }
+}
+
+TEST(CoreWindow, TheOpeningTellsTheFirstWindow) {
+  const auto first = [](std::int64_t page_us) {
+    AskWindow window;
+    for (int i = 0; i < 5; ++i) window.opening_arrived(1'000'000 + i * page_us, 60'000);
+    return window.update(2'000'000, 0, true);
+  };
+  EXPECT_NEAR(first(10'000), 6.0 * 125'000, 1) << "6 MB/s for 125 ms";
+  EXPECT_EQ(first(100'000), 256 * 1024) << "no less than without";
+  EXPECT_EQ(first(0), 256 * 1024) << "all at once: nothing is known";
 }
 
 }  // namespace

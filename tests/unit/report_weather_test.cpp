@@ -73,7 +73,7 @@ TEST(Weather, CsvHasARowForEachRun) {
             (std::vector<std::string>{"weather", "scene", "path", "seed", "rtt_ms", "jitter_ms",
                                       "rate_mbps", "loss_pct", "server_ms", "flip_mean",
                                       "flip_worst", "psnr_db", "hole_fraction", "no_image_fraction",
-                                      "mb", "link_used", "bound_violations"}));
+                                      "starved_fraction", "mb", "link_used", "bound_violations"}));
   EXPECT_EQ(cell(csv, 0, "scene"), "builtin:forest?seed=1");
   EXPECT_EQ(cell(csv, 1, "scene"), "builtin:field?instances=100000");
   EXPECT_EQ(cell(csv, 1, "psnr_db"), "n/a");

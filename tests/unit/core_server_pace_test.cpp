@@ -1,0 +1,97 @@
+// How many tiles may be under way at a server that makes them one after the other.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+
+#include "client/core/busy_time.h"
+#include "client/core/server_pace.h"
+
+namespace mirage {
+namespace {
+
+/// A server that takes `tile_us` for each, a way of `way_us`, and a client that wants no end of
+/// them.
+struct Shop {
+  Shop(std::int64_t tile, std::int64_t way) : tile_us(tile), way_us(way) {}
+  void run(std::int64_t until_us) {
+    for (; now_us < until_us; now_us += step_us) {
+      while (!asked.empty() && asked.front().done_us + way_us / 2 <= now_us) {
+        const Ask& ask = asked.front();
+        pace.tile_arrived(ask.under_way, ask.done_us + way_us / 2 - ask.sent_us,
+                          ask.done_us - ask.sent_us - way_us / 2);
+        asked.pop_front();
+        ++made;
+      }
+      const std::size_t most = std::min<std::size_t>(pace.limit(50'000), 500);
+      while (asked.size() < most) {
+        free_us = std::max(free_us, now_us + way_us / 2) + tile_us;
+        asked.push_back({now_us, free_us, asked.size() + 1});
+      }
+      longest_us = std::max(longest_us, free_us - now_us - way_us / 2);
+    }
+  }
+
+  struct Ask {
+    std::int64_t sent_us, done_us;
+    std::size_t under_way;
+  };
+  static constexpr std::int64_t step_us = 16'000;
+  std::int64_t tile_us, way_us;
+  ServerPace pace;
+  std::deque<Ask> asked;
+  std::int64_t now_us = 0, free_us = 0, longest_us = 0;
+  int made = 0;
+};
+
+TEST(CoreServerPace, ASlowServerIsKeptBusyAndItsQueueShort) {
+  for (const std::int64_t way : {20'000, 100'000, 400'000}) {
+    Shop shop(20'000, way);
+    shop.run(6'000'000);
+    shop.longest_us = 0;
+    const int before = shop.made;
+    shop.run(12'000'000);
+    EXPECT_GE(shop.made - before, 0.9 * 6e6 / 20'000) << way;
+    EXPECT_LE(shop.longest_us, 180'000) << way;
+  }
+}
+
+TEST(CoreServerPace, AFastServerLimitsNothing) {
+  Shop shop(200, 40'000);
+  shop.run(2'000'000);
+  EXPECT_GE(shop.pace.limit(50'000), 300u);
+}
+
+TEST(CoreServerPace, AServerThatGetsFasterIsFollowed) {
+  Shop shop(100'000, 40'000);
+  shop.run(8'000'000);
+  EXPECT_LE(shop.pace.limit(50'000), 6u);
+  shop.tile_us = 1'000;
+  shop.run(10'000'000);
+  const int before = shop.made;
+  shop.run(11'000'000);
+  EXPECT_GE(shop.made - before, 500);
+}
+
+TEST(CoreServerPace, TimesThatCannotBeAreTaken) {
+  ServerPace pace;
+  for (int i = 0; i < 20; ++i) pace.tile_arrived(0, -5, INT64_MAX);
+  EXPECT_GE(pace.limit(50'000), 1u);
+  for (int i = 0; i < 20; ++i) pace.tile_arrived(SIZE_MAX, INT64_MAX, -7);
+  EXPECT_GE(pace.limit(50'000), 1u);
+}
+
+TEST(CoreBusyTime, SharesOfASpan) {
+  BusyTime busy;
+  busy.add(0, 100);
+  busy.add(150, 150);
+  busy.add(200, 300);
+  EXPECT_NEAR(busy.share(0, 400), 0.5, 1e-12);
+  EXPECT_NEAR(busy.share(50, 250), 0.5, 1e-12);
+  EXPECT_NEAR(busy.share(250, 300), 1, 1e-12);
+  EXPECT_NEAR(busy.share(300, 500), 0, 1e-12);
+  EXPECT_EQ(busy.share(500, 500), 0);
+}
+
+}  // namespace
+}  // namespace mirage
