@@ -13,6 +13,9 @@ namespace {
 // 20 Mbit/s); of a larger one what is needed from the home view, and somewhat around it.
 constexpr std::size_t kToldAtOnce = 3000;
 constexpr double kHomeMargin = 1.5;
+// Instances and groups on a page, but for a group with more members: 20 KB, so that what lies
+// nearest can be asked for while the rest is still coming.
+constexpr std::size_t kRecordsPerPage = 256;
 
 void add_image_pages(const PreparedScene& scene, std::vector<FramePtr>& pages) {
   const std::vector<ImageDescription>& images = scene.images;
@@ -115,10 +118,9 @@ class TreePages {
 
  private:
   void make_room(std::size_t records) {
-    const std::size_t most = limits::kInstancesPerPage;
-    const bool full = page_.instances.size() + page_.groups.size() + records > most ||
-                      page_.opened.size() >= most;
-    if (full) send();
+    const std::size_t here = page_.instances.size() + page_.groups.size();
+    const bool full = here + records > kRecordsPerPage || page_.opened.size() >= kRecordsPerPage;
+    if (here > 0 && full) send();
   }
   void send() {
     const std::uint32_t request = page_.request_id;

@@ -133,6 +133,7 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   for (const TileCodec codec : s.codecs) {
     welcome.codecs.push_back(static_cast<std::uint8_t>(codec));
   }
+  welcome.tile_us = static_cast<std::uint32_t>(std::lround(std::min(tile_us_, 1e9)));
   welcome.revision = scene_->revision;
   welcome.scene = scene.name.substr(0, limits::kMaxTextBytes);
   welcome.renderer = options_.renderer.substr(0, limits::kMaxTextBytes);

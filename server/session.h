@@ -134,6 +134,7 @@ class SessionHub {
   std::map<SessionId, Session> sessions_;
   std::set<SessionId> writable_;
   SessionId next_id_ = 1;
+  double tile_us_ = 0;  ///< what a tile takes, mean of the last ones; 0: none was rendered
 };
 
 }  // namespace mirage

@@ -5,6 +5,9 @@
 #include "server/session.h"
 
 namespace mirage {
+namespace {
+constexpr double kNewTileShare = 1.0 / 16;  // in the mean of what tiles take
+}  // namespace
 
 bool SessionHub::can_be(std::uint8_t channels, const ObjectDescription& object,
                         const Lighting& lighting) const {
@@ -94,6 +97,8 @@ void SessionHub::convert(const Waiter& waiter, const TileId& id, const StoredTil
 void SessionHub::finish_tile(const Completion& done) {
   for (const Waiter& w : forms_.take_waiting(done.id, done.codec)) push_tile(w, *done.tile);
   if (!done.lossless) return;
+  const double took = static_cast<double>(done.tile->reply.render_us) + done.tile->reply.encode_us;
+  tile_us_ += (took - tile_us_) * (tile_us_ > 0 ? kNewTileShare : 1);
   for (const Waiter& w : queue_.finish(done.id)) {
     if (w.codec == done.codec) {
       push_tile(w, *done.tile);

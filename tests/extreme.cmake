@@ -4,7 +4,7 @@ add_executable(mirage-extreme
   extreme/studio.cpp extreme/shapes.cpp
   extreme/geometry_cases.cpp extreme/geometry_vertex_cases.cpp extreme/geometry_file_cases.cpp
   support/rig.cpp extreme/prediction_cases.cpp extreme/texture_cases.cpp
-  extreme/control_cases.cpp extreme/network_cases.cpp extreme/network_server_case.cpp
+  extreme/control_cases.cpp extreme/control_turn_case.cpp extreme/network_cases.cpp extreme/network_server_case.cpp
   extreme/wire_samples.cpp extreme/peak_memory.cpp extreme/wire_cases.cpp extreme/wire_server_cases.cpp
   extreme/view_cases.cpp extreme/view_bound_cases.cpp
   extreme/lighting_cases.cpp extreme/light_pictures.cpp extreme/light_queue_case.cpp

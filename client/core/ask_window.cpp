@@ -11,9 +11,9 @@
 namespace mirage {
 namespace {
 
-constexpr double kInitialBytes = 256 * 1024;
+constexpr double kInitialBytes = 256 * 1024;  // where the opening told no rate
+constexpr double kLeastInitialBytes = 64 * 1024;
 constexpr double kMostInitialBytes = 2 << 20;  // and more than comes at the rate of the opening
-constexpr std::int64_t kOpeningTripUs = 100'000;
 constexpr double kLeastBytes = 16 * 1024;
 constexpr std::int64_t kSlackUs = 25'000;  // at least, and 25 for a tile's own time on the link
 constexpr std::int64_t kMostSlackUs = 500'000;
@@ -56,6 +56,17 @@ void AskWindow::arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t b
   arrivals_.push_back({since, now_us, bytes, expected, timed});
 }
 
+void AskWindow::frame_began(std::int64_t now_us) {
+  if (frame_us_ >= 0) frames_us_.push_back(std::max<std::int64_t>(now_us - frame_us_, 0));
+  if (frames_us_.size() > kFrames) frames_us_.pop_front();
+  frame_us_ = now_us;
+}
+
+void AskWindow::welcomed(std::int64_t now_us, std::int64_t trip_us) {
+  opening_us_ = now_us;
+  if (shortest_trip().us == 0 && trip_us > 0) shortest_[0] = {trip_us, 0};
+}
+
 void AskWindow::tile_arrived(const TileTrip& tile) {
   const std::int64_t now_us = tile.came_us;
   trips_us_.push_back(std::max<std::int64_t>(now_us - tile.sent_us, 0));
@@ -63,6 +74,8 @@ void AskWindow::tile_arrived(const TileTrip& tile) {
   // As if it had been asked for so much later: what waits at the server tells nothing of the link.
   const std::int64_t sent_us =
       tile.sent_us + std::clamp<std::int64_t>(tile.server_us, 0, trips_us_.back());
+  server_us_.push_back(trips_us_.back() - (now_us - sent_us));
+  if (server_us_.size() > kQueueTrips) server_us_.pop_front();
   const Trip trip{std::max<std::int64_t>(now_us - sent_us, 0), tile.expected};
   if (sent_us >= drained_us_) {
     shortest_ = {Trip{}, longer(trip, shortest_trip()) ? trip : shortest_trip()};
@@ -115,7 +128,7 @@ std::int64_t AskWindow::usual_trip_us() const { return shortest_trip().us + slac
 std::int64_t AskWindow::slack_us() const {
   if (frames_us_.empty()) return kSlackUs;
   const std::int64_t shortest = *std::min_element(frames_us_.begin(), frames_us_.end());
-  return std::clamp(shortest, kSlackUs, kMostSlackUs);
+  return std::clamp(shortest + shortest / 4, kSlackUs, kMostSlackUs);
 }
 
 std::int64_t AskWindow::trip_us(double bytes, double under_way) const {
@@ -152,10 +165,10 @@ double AskWindow::busy_rate(std::int64_t now_us) const {
 }
 
 double AskWindow::initial_bytes(std::int64_t now_us) const {
-  const double rate = opening_us_ < 0 ? 0 : busy_rate(now_us);
-  if (!std::isfinite(rate)) return kInitialBytes;
-  const auto moment = static_cast<double>(kOpeningTripUs + slack_us());
-  return std::clamp(rate * moment, kInitialBytes, kMostInitialBytes);
+  const double rate = busy_rate(now_us);
+  if (opening_us_ < 0 || !std::isfinite(rate)) return kInitialBytes;
+  const auto moment = static_cast<double>(usual_trip_us());
+  return std::clamp(rate * moment, kLeastInitialBytes, kMostInitialBytes);
 }
 
 double AskWindow::whole_rate(std::int64_t now_us) const {
@@ -185,8 +198,6 @@ double AskWindow::update(std::int64_t now_us, std::int64_t held_back_us, bool id
   while (!arrivals_.empty() && arrivals_.front().at_us < now_us - std::max(span_us(), kSecondUs)) {
     arrivals_.pop_front();
   }
-  if (updated_us_ != 0) frames_us_.push_back(now_us - updated_us_);
-  if (frames_us_.size() > kFrames) frames_us_.pop_front();
   updated_us_ = now_us;
   turn_period(now_us);
   if (drain_until_us_ != 0) {
@@ -201,7 +212,7 @@ double AskWindow::update(std::int64_t now_us, std::int64_t held_back_us, bool id
   if (unknown && (idle || held_back_us < kSecondUs)) return window_ = std::min(window_, initial_);
   best_rates_[0] = std::max(best_rates_[0], whole_rate(now_us));
   rate_ = busy_rate(now_us);
-  if (held_back_us == 0 && !queued()) return window_;
+  if (held_back_us == 0 && !queued()) return window_ + at_server(now_us);
   const auto trip = static_cast<double>(usual_trip_us());
   const double best = std::max(best_rates_[0], best_rates_[1]);
   const double grown = std::max(window_, kLargestGain * best * trip);
@@ -212,7 +223,13 @@ double AskWindow::update(std::int64_t now_us, std::int64_t held_back_us, bool id
   // Where most replies come without any the link is not full, however little has come through it.
   if (clear()) wanted = std::max(wanted, window_);
   window_ = std::max(kLeastBytes, std::min(wanted, grown));
-  return window_;
+  return window_ + at_server(now_us);
+}
+
+double AskWindow::at_server(std::int64_t now_us) const {
+  const auto median =
+      quantile(std::vector<std::int64_t>(server_us_.begin(), server_us_.end()), 0.5);
+  return whole_rate(now_us) * static_cast<double>(std::max<std::int64_t>(median - kSlackUs, 0));
 }
 
 double AskWindow::rate_mbps() const {
@@ -224,6 +241,7 @@ double AskWindow::rate_mbps() const {
 }
 
 std::int64_t AskWindow::round_trip_us() const {
+  if (trips_us_.empty()) return way_us();
   return quantile(std::vector<std::int64_t>(trips_us_.begin(), trips_us_.end()), 0.5);
 }
 

@@ -20,26 +20,23 @@
 #include <cstdint>
 #include <deque>
 
-namespace mirage {
+#include "client/core/tile_trip.h"
 
-/// An ask and its reply.
-struct TileTrip {
-  std::int64_t sent_us = 0, came_us = 0;
-  std::int64_t server_us = 0;  ///< for which the server had it
-  std::size_t bytes = 0;       ///< as they came
-  /// Bytes as counted when it was asked for: the window is compared with these.
-  double expected = 0;
-};
+namespace mirage {
 
 class AskWindow {
  public:
   /// A new connection: nothing of the old one will arrive.
   void reset();
 
+  /// A frame begins, in which something may be asked for.
+  void frame_began(std::int64_t now_us);
+  /// The first answer of a connection: its trip is about the shortest there is.
+  void welcomed(std::int64_t now_us, std::int64_t trip_us);
   void tile_arrived(const TileTrip& trip);
   /// Geometry: tells of the rate, not of the trip.
   void asset_arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes, double expected);
-  /// Of the scene's description, which comes at once: all but the first tell the rate.
+  /// Of what comes unasked after the welcome, the scene's description and its view.
   void opening_arrived(std::int64_t now_us, std::size_t bytes);
   /// What nobody knows any more when it was asked for tells of neither.
   void stray_arrived(std::int64_t now_us, std::size_t bytes);
@@ -55,6 +52,8 @@ class AskWindow {
   /// What a queue may take, at the link or at the server: asks leave with frames, so it lasts from
   /// one to the next.
   std::int64_t slack_us() const;
+  /// There and back, without what waits: the shortest of the last ones; 0 while unknown.
+  std::int64_t way_us() const { return shortest_trip().us; }
   /// Request to reply, median of the last, µs.
   std::int64_t round_trip_us() const;
   /// Bytes of the last second, as Mbit/s.
@@ -87,18 +86,22 @@ class AskWindow {
   std::int64_t span_us() const;
   double busy_rate(std::int64_t now_us) const;
   double whole_rate(std::int64_t now_us) const;
+  /// Bytes that wait at the server, not on the link: as many as come while it has each.
+  double at_server(std::int64_t now_us) const;
   void turn_period(std::int64_t now_us);
 
   std::deque<Arrival> arrivals_;       ///< of the last second, or the last whole trips
   std::deque<std::int64_t> trips_us_;  ///< the last ones
+  std::deque<std::int64_t> server_us_;  ///< for which the server had the last ones
   std::deque<bool> long_;              ///< which of them have waited
   int slow_trips_ = 0;                 ///< one after the other, till now
   std::int64_t slow_since_us_ = 0;     ///< when the first of them came
   std::int64_t slow_until_us_ = 0;     ///< and the last
-  std::int64_t opening_us_ = -1;       ///< when the last of the description came
+  std::int64_t opening_us_ = -1;       ///< when the last of it came, or the welcome
   std::int64_t began_us_ = INT64_MAX;  ///< when the first of all can have come
   std::int64_t updated_us_ = 0;
-  std::deque<std::int64_t> frames_us_;  ///< between the last calls of update()
+  std::int64_t frame_us_ = -1;          ///< when the last frame began
+  std::deque<std::int64_t> frames_us_;  ///< between the last ones
   std::array<Trip, 2> shortest_;        ///< of the present period and the one before
   std::array<double, 2> best_rates_{};  ///< of whole trips, bytes/us, of the same periods
   std::int64_t period_ends_us_ = 0;

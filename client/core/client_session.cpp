@@ -55,7 +55,8 @@ ClientSession::ClientSession(Link& link, ClientOptions options, TileSink sink)
       tau_(options_.tau_px, options_.targets),
       codec_choice_(options_.codec) {}
 
-void ClientSession::greet() {
+void ClientSession::greet(std::int64_t now_us) {
+  greeted_us_ = now_us;
   generation_ = link_.generation();
   goodbye_.clear();
   scheduler_.reset();
@@ -85,7 +86,7 @@ std::int64_t ClientSession::steady_us(std::int64_t now_us) {
 
 Result<void> ClientSession::receive(std::int64_t told_us) {
   const std::int64_t now_us = steady_us(told_us);
-  if (link_.connected() && link_.generation() != generation_) greet();
+  if (link_.connected() && link_.generation() != generation_) greet(now_us);
   Result<void> first_error;
   const auto cost = [this](const Message& message) { return upload_cost(message); };
   const auto first = [this](const Message& message) { return first_image(message); };
@@ -104,6 +105,7 @@ Result<void> ClientSession::handle(Message message, std::int64_t now_us) {
     case wire::Body::Welcome: {
       const wire::WelcomeT& welcome = *body.AsWelcome();
       codec_choice_.reset(offered_codecs(welcome));
+      scheduler_.note_welcome(came_us, came_us - greeted_us_, welcome.tile_us);
       // The same scene after a reconnect: everything held stays valid, keys and all.
       if (was_complete && announces(welcome, scene_)) {
         if (own_lighting_) send_lighting();
@@ -300,6 +302,7 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
                               const std::optional<glm::dvec2>& cursor_px) {
   const std::int64_t now_us = steady_us(told_us);
   ++frame_;
+  scheduler_.note_frame(now_us);
   const bool was_at_rest = at_rest_;
   at_rest_ = false;
   if (!scene_.complete()) {

@@ -163,7 +163,7 @@ class ClientSession {
   Result<void> take_view(const wire::ViewReplyT& reply, const Bytes& bytes, std::int64_t came_us);
   Result<void> take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes);
   void take_refusal(const wire::RefusedT& refused, std::int64_t now_us);
-  void greet();
+  void greet(std::int64_t now_us);
   void send_lighting();
   /// Time that never goes back, whatever the caller's clock does: pauses would never end, and no
   /// view sample would be newer than the last.
@@ -173,6 +173,7 @@ class ClientSession {
   const ClientOptions options_;
   TileSink sink_;
   std::uint32_t generation_ = 0;
+  std::int64_t greeted_us_ = 0;  ///< when the hello left
   SceneView scene_;
   std::vector<Message> early_pages_;  ///< of the scene, before their turn
   Lighting lighting_;

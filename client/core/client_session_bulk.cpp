@@ -78,7 +78,12 @@ Result<void> ClientSession::take_image(const wire::ImageReplyT& reply, const Byt
 
 Result<void> ClientSession::take_view(const wire::ViewReplyT& reply, const Bytes& bytes,
                                       std::int64_t came_us) {
-  scheduler_.note_other(bytes.size() + kReplyBytes, came_us);
+  const std::size_t size = bytes.size() + kReplyBytes;
+  if (scene_.complete()) {
+    scheduler_.note_other(size, came_us);
+  } else {
+    scheduler_.note_opening(size, came_us);
+  }
   const Result<std::shared_ptr<const ViewTile>> view = views_.take(reply, bytes);
   if (!view) return view.error();
   if (*view && sink_.view) sink_.view(**view);

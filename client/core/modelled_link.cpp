@@ -10,6 +10,7 @@ namespace mirage {
 namespace {
 
 constexpr std::int64_t kUseUs = 500'000;
+constexpr double kConnectingTrips = 2;
 constexpr std::size_t kFrameOverhead = kWireHeaderBytes + 8;  // our header and WebSocket's
 constexpr std::size_t kControlBytes = 144;                    // a tile reply's control part
 // Among what is ready at one time: the welcome and tiles, then the scene's description, then by
@@ -34,7 +35,16 @@ ModelledLink::ModelledLink(Link& inner, const Clock& clock, const NetModel& mode
       delays_(model),
       greeted_(inner.generation()) {}
 
-bool ModelledLink::connected() const { return inner_.connected(); }
+bool ModelledLink::connected() const {
+  return inner_.connected() && inner_.generation() == reached_ && clock_.now_us() >= connected_us_;
+}
+
+void ModelledLink::note_connection(std::int64_t now_us) {
+  if (inner_.generation() == reached_) return;
+  reached_ = inner_.generation();
+  // TCP, then the upgrade.
+  connected_us_ = now_us + std::llround(kConnectingTrips * 1000.0 * model_.rtt_ms);
+}
 
 void ModelledLink::send(Bytes message) {
   const std::int64_t now = clock_.now_us();
@@ -63,10 +73,9 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
     owed_images_ = owed_objects_ = 0;
     opens_us_.clear();
     owed_reference_ = false;
-    // Connecting cost two round trips before the hello could be sent: TCP, then the upgrade.
-    welcome_us_ = arrives + std::llround(2000.0 * model_.rtt_ms);
+    welcome_us_ = arrives;
     const wire::ViewRequestT* view = message->body.AsHello()->view.get();
-    if (view) ask_view(*view, welcome_us_);
+    if (view) ask_view(*view, arrives);
   }
   if (const wire::ViewRequestT* view = message->body.AsViewRequest()) ask_view(*view, arrives);
   if (const wire::OpenRequestT* open = message->body.AsOpenRequest()) {
@@ -139,10 +148,14 @@ void ModelledLink::take_reply(Message message) {
     out_of_band_.push_back(std::move(message));
     return;
   }
-  if (const wire::WelcomeT* welcome = message.body.AsWelcome()) {
+  if (wire::WelcomeT* welcome = message.body.AsWelcome()) {
     owed_welcome_ = false;
     owed_images_ = welcome->images;
     owed_objects_ = welcome->objects;
+    // What the client is told must be the model's time.
+    if (blocking_ && model_.server_ms >= 0) {
+      welcome->tile_us = static_cast<std::uint32_t>(std::llround(1000 * model_.server_ms));
+    }
     if (welcome->instances > 0) opens_us_[0] = 0;  // what comes unasked
   } else if (const wire::ImagePageT* images = message.body.AsImagePage()) {
     owed_images_ -= std::min(owed_images_, images->images.size());
@@ -269,6 +282,7 @@ LinkUse ModelledLink::use() {
 
 std::vector<Message> ModelledLink::receive() {
   const std::int64_t now = clock_.now_us();
+  note_connection(now);
   collect_replies();
   run_server(now);
   run_downlink(now);

@@ -40,6 +40,7 @@ class ModelledLink final : public Link {
 
   void send(Bytes message) override;
   std::vector<Message> receive() override;
+  /// Two round trips after the inner link is.
   bool connected() const override;
   std::uint32_t generation() const override { return inner_.generation(); }
   LinkTraffic traffic() const override { return {bytes_up_, bytes_down_}; }
@@ -73,6 +74,7 @@ class ModelledLink final : public Link {
     Item item;
   };
 
+  void note_connection(std::int64_t now_us);
   void note_sent(const Bytes& message, std::int64_t now_us);
   void ask_view(const wire::ViewRequestT& view, std::int64_t arrives_us);
   void collect_replies();
@@ -98,6 +100,8 @@ class ModelledLink final : public Link {
   std::size_t owed_images_ = 0, owed_objects_ = 0;
   std::map<std::uint32_t, std::int64_t> opens_us_;  ///< requests for members, when they arrive
   bool owed_welcome_ = false;
+  std::uint32_t reached_ = 0;      ///< the last connection seen
+  std::int64_t connected_us_ = 0;  ///< when it stands
   std::uint32_t greeted_;  ///< connection the last hello went to: only that one owes anything
   bool owed_reference_ = false;
   std::map<std::uint32_t, std::int64_t> assets_asked_us_;  ///< geometry and images, by request id

@@ -48,7 +48,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   std::set<std::uint32_t> needed;  // a phase that has passed comes again with the next loop
   for (const TileNeed& need : needs) needed.insert(need.instance);
   bool lost_any = false;
-  const std::int64_t patience_us = std::max(kPatienceUs, trip_us(0, 0));
+  const std::int64_t patience_us = std::max(kPatienceUs, window_.trip_us(0, 0) + pace_.server_us());
   for (auto it = leaving_.begin(); it != leaving_.end();) {
     if (it->second.until_us > now_us) {
       ++it;
@@ -68,10 +68,10 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
       batch.cancels.push_back(it->first);
       in_flight_bytes_ -= ask.expected_bytes;
       if (!lost) {
-        // Half as long again as it was to take: what is due is only expected.
-        const std::int64_t late_us = ask.due_us + (ask.due_us - ask.sent_us) / 2;
-        leaving_[it->first] = {ask.sent_us, std::max(late_us, now_us + trip_us(0, 0)),
-                               ask.expected_bytes};
+        // What the server had sent before it heard of it is here in a trip, or half as long again:
+        // a way may just have become longer.
+        const std::int64_t trip = window_.trip_us(ask.expected_bytes, under_way());
+        leaving_[it->first] = {ask.sent_us, now_us + trip + trip / 2, ask.expected_bytes};
         leaving_bytes_ += ask.expected_bytes;
       }
       pending_wanted_.erase(wanted(ask.need));
@@ -87,7 +87,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
       held_since_us_ < 0 ? 0 : std::max<std::int64_t>(now_us - held_since_us_, 1);
   const bool idle = pending_.empty() && assets_pending_.empty();
   const double window = window_.update(now_us, held_back_us, idle);
-  const std::size_t most = pace_.limit(2 * window_.slack_us());
+  const std::size_t most = pace_.limit(window_.way_us(), 2 * window_.slack_us());
   auto tile = needs.begin();
   auto asset = asset_needs.begin();
   bool held_back = false;
@@ -132,10 +132,6 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
   return batch;
 }
 
-std::int64_t Scheduler::trip_us(double bytes, double bytes_under_way) const {
-  return window_.trip_us(bytes, bytes_under_way) + pace_.server_us();
-}
-
 bool Scheduler::may_ask(const TileNeed& need, std::int64_t now_us) const {
   const auto pause = not_before_us_.find(need.instance);
   const bool paused = pause != not_before_us_.end() && pause->second > now_us;
@@ -158,8 +154,7 @@ void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::int6
                           need.channels, need.phase);
   const double bytes = tile_bytes_[lossy_].expected(need.size_class, need.channels);
   in_flight_bytes_ += bytes;
-  pending_[id] = {need,  view.object, now_us, now_us + trip_us(bytes, under_way()),
-                  bytes, now_us,      lossy_, pending_.size() + 1};
+  pending_[id] = {need, view.object, now_us, bytes, now_us, lossy_, pending_.size() + 1};
   pending_wanted_[wanted(need)] = id;
   ++asked_;
 }
@@ -220,8 +215,9 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
     window_.asset_arrived(now_us, now_us, bytes, ask.expected_bytes);
     return ask;
   }
-  pace_.tile_arrived(ask.under_way, trip, server_us);
-  window_.tile_arrived({ask.sent_us, now_us, server_us, bytes, ask.expected_bytes});
+  const TileTrip tile{ask.sent_us, now_us, server_us, bytes, ask.expected_bytes, ask.under_way};
+  pace_.tile_arrived(tile);
+  window_.tile_arrived(tile);
   lost_us_ = std::clamp(kLostTrips * trip, kLostUs, kLostAtMostUs);
   return ask;
 }

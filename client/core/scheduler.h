@@ -28,7 +28,6 @@ struct PendingAsk {
   TileNeed need;
   std::uint32_t object = 0;
   std::int64_t sent_us = 0;
-  std::int64_t due_us = 0;     ///< when the reply is to be here
   double expected_bytes = 0;   ///< as counted when it was sent: the expectation changes
   std::int64_t needed_us = 0;  ///< when it was needed last
   bool lossy = false;          ///< asked for in a codec that loses colour
@@ -74,7 +73,13 @@ class Scheduler {
   std::optional<AssetNeed> finish_asset(std::uint32_t request_id, std::size_t bytes,
                                         std::int64_t now_us);
 
-  /// A part of the scene's description has come.
+  void note_frame(std::int64_t now_us) { window_.frame_began(now_us); }
+  /// The hello was answered; a tile is said to take the server `tile_us`, 0: unknown.
+  void note_welcome(std::int64_t now_us, std::int64_t trip_us, std::int64_t tile_us) {
+    window_.welcomed(now_us, trip_us);
+    pace_.expect(tile_us);
+  }
+  /// A part of what comes unasked after it.
   void note_opening(std::size_t bytes, std::int64_t now_us) {
     window_.opening_arrived(now_us, bytes);
   }
@@ -102,8 +107,6 @@ class Scheduler {
   static Wanted wanted(const TileNeed& need) {
     return {need.instance, need.phase, is_picture(need.channels) ? kLitTile : need.channels};
   }
-  /// How long a tile of `bytes` takes that is asked for now, with `under_way` bytes in all.
-  std::int64_t trip_us(double bytes, double under_way) const;
   /// Neither under way nor refused a moment ago.
   bool may_ask(const TileNeed& need, std::int64_t now_us) const;
   bool may_ask(const AssetNeed& need, std::int64_t now_us) const;

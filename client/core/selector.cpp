@@ -12,7 +12,6 @@ namespace {
 
 constexpr std::int64_t kFadeUs = 120'000;
 constexpr double kWorthMarching = 0.7;  // of the flat bound
-constexpr double kFitForViewPx = 4;     // per tau: geometry that shows more of its level wrongly
 // A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
 constexpr double kSwitchRatio = 0.6;
 // How long a choice is kept that is still good enough.
@@ -72,16 +71,25 @@ bool Selector::stands_in(const SelectorInput& in, const Candidate& c) const {
 bool Selector::better_than_mesh(const SelectorInput& in, const Candidate& c) const {
   if (!in.meshes || !in.method.automatic || c.object->surrounds) return false;
   const double mesh_px = in.meshes->error_px(*in.scene, in.camera, c.instance);
-  if (mesh_px <= kFitForViewPx * c.tau_px) return false;
+  if (mesh_px <= c.tau_px) return false;
   const InstanceView& view_of = in.scene->instances[c.instance];
   double other_px = std::numeric_limits<double>::infinity();
-  if (in.view) other_px = in.view->error_px(view_of, in.camera).value_or(other_px);
+  // Its seams count as what a thinned level spreads.
+  constexpr double kBehind = 1 / kSpreadPerTau;
+  if (in.view) other_px = in.view->error_px(view_of, in.camera, kBehind).value_or(other_px);
   if (!c.group->tiles.empty() && outside(c.view)) {
     const TileFit fit = best_flat(*c.group, *c.object, c.view, c.tau_px);
     other_px = std::min(other_px, displayed_error_px(fit, radius_px(c.view), c.tau_px));
   }
   const double slack = shown_[c.instance].as_mesh ? kWorthMarching : 1;
   return other_px < slack * mesh_px;
+}
+
+// From where the view was taken, or near enough that it is not torn.
+bool Selector::view_shows(const SelectorInput& in, const Candidate& c) {
+  if (!in.view) return false;
+  const std::optional<double> px = in.view->error_px(in.scene->instances[c.instance], in.camera);
+  return px && *px <= kFirstImagePx * c.tau_px;
 }
 
 // Adds the instance to the candidates or the lists, if it is drawn at all.
@@ -113,7 +121,8 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   }
   if (in.scene->members(instance).empty()) shown.frame = in.frame;
   // What takes over fades in over what was there: geometry dithered, a tile blended.
-  const auto progress = static_cast<float>(fade_progress(shown.swapped_us, in.now_us));
+  auto progress = static_cast<float>(fade_progress(shown.swapped_us, in.now_us));
+  if (progress < 1 && c.group->tiles.empty() && !view_shows(in, c)) progress = 1;
   const bool swapping = progress < 1 && (*in.mesh_ready)[view_of.object];
   if (as_mesh) {
     w.out.meshes.push_back({instance, 0, std::min(fade, progress)});

@@ -141,6 +141,7 @@ class Selector {
   bool members_have_images(const SelectorInput& in, std::uint32_t group) const;
   bool group_serves(const SelectorInput& in, std::uint32_t group, const ViewGeometry& view) const;
   bool drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const;
+  static bool view_shows(const SelectorInput& in, const Candidate& c);
   bool better_than_mesh(const SelectorInput& in, const Candidate& candidate) const;
   bool stands_in(const SelectorInput& in, const Candidate& candidate) const;
   void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);

@@ -11,7 +11,8 @@ constexpr double kAsideShare = 0.25;  // of the object's distance: an angle of 1
 ViewFit::ViewFit(const ViewTile& view)
     : camera_(view.camera), step_(view.depth_step()) {}
 
-std::optional<double> ViewFit::error_px(const InstanceView& instance, const Camera& camera) const {
+std::optional<double> ViewFit::error_px(const InstanceView& instance, const Camera& camera,
+                                        double behind_share) const {
   const glm::dvec3 to = instance.center - camera_.pose.eye;
   const double depth = glm::dot(to, camera_.forward());
   const double up = std::tan(0.5 * camera_.fov_y) * depth, right = up * camera_.width / camera_.height;
@@ -23,7 +24,7 @@ std::optional<double> ViewFit::error_px(const InstanceView& instance, const Came
   const double now = glm::length(instance.center - camera.pose.eye);
   const double texel = focal / camera_.focal_px() * far / std::max(now, 1e-9);
   const double behind = 1 / (far - instance.radius) - 1 / (far + instance.radius);
-  return texel + focal * aside * (step_ / far + behind);
+  return texel + focal * aside * (step_ / far + behind_share * behind);
 }
 
 }  // namespace mirage

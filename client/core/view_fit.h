@@ -21,7 +21,9 @@ class ViewFit {
   /// a step of its depth moves, and how much comes out from behind the object's own front, from
   /// where the eye is now. An estimate, no bound: what hid the object from the view is not known.
   /// nullopt: it was not in the view, or is seen from too far aside.
-  std::optional<double> error_px(const InstanceView& instance, const Camera& camera) const;
+  /// Of what comes out from behind, a seam here and there, `behind_share` counts.
+  std::optional<double> error_px(const InstanceView& instance, const Camera& camera,
+                                 double behind_share = 1) const;
 
  private:
   Camera camera_;

@@ -79,6 +79,8 @@ void ViewStage::show_missing(const SceneView& scene, const Camera& camera, DrawL
   const Frustum frustum(camera);
   for (std::size_t i = 0; i < view_->instances.size(); ++i) {
     const std::uint32_t index = scene.index_of(view_->instances[i]);
+    // Not told of yet: nothing else can show it.
+    view.owners[i] = index == InstanceView::kNoParent && !scene.described();
     if (index == InstanceView::kNoParent) continue;
     const InstanceView& instance = scene.instances[index];
     const glm::dvec3 to = instance.center - camera.pose.eye;

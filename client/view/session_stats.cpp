@@ -180,7 +180,8 @@ std::string SessionStats::json(const Final& end) const {
   ordered_json quality;
   quality["flip"] = {{"mean", flip_.empty() ? ordered_json(nullptr) : ordered_json(mean(flip_))},
                      {"p95", flip_.empty() ? ordered_json(nullptr) : number(quantile(flip_, 0.95))},
-                     {"worst", flip_.empty() ? ordered_json(nullptr) : number(quantile(flip_, 1))}};
+                     {"worst", flip_.empty() ? ordered_json(nullptr) : number(quantile(flip_, 1))},
+                     {"each", flip_}};
   quality["psnr"] = mean_min(psnr_all_);
   quality["ssim"] = mean_min(ssim_all_);
   quality["iou"] = mean_min(iou_all_);

@@ -255,9 +255,11 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   stats_.note_gpu(renderer_->gpu_bytes(), target_->gpu_bytes() + refinement_.gpu_bytes());
   if (window_ && (window_->take_refresh() || drawn)) show(list, now);
   glFinish();
-  session().note_drawn(now_us());
-  if (!list.impostors.empty() || !list.meshes.empty()) stats_.first_image(now);
-  if (list.view || !list.impostors.empty() || !list.meshes.empty()) stats_.first_picture(now);
+  const std::int64_t drawn_us = now_us();
+  session().note_drawn(drawn_us);
+  const bool own_images = !list.impostors.empty() || !list.meshes.empty();
+  if (own_images) stats_.first_image(drawn_us);
+  if (own_images || list.view) stats_.first_picture(drawn_us);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
   if (session().light_changed()) stats_.add_light_lag(list, scene);
   stats_.add_frame(list, renderer_->draw_calls(),

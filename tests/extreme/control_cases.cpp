@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "client/core/tau_controller.h"
+#include "tests/extreme/control_turn_case.h"
 #include "tests/extreme/network_links.h"
 #include "tests/extreme/registry.h"
 #include "tests/support/rig.h"
@@ -397,6 +398,7 @@ std::vector<Case> control_cases() {
        longer_link},
       {"C3", "meters that give NaN and Inf", "tau held", broken_meter},
       {"C4", "two clients of one server", "Jain's index >= 0.9", two_clients},
+      turning_weather_case(),
   };
 }
 

@@ -18,8 +18,7 @@ inline Result<void> take(SceneView& scene, const std::vector<FramePtr>& pages) {
   return {};
 }
 
-/// What a client knows before it asks for more.
-inline SceneView as_told(const PreparedScene& prepared, bool geometry = false) {
+inline wire::WelcomeT welcome_of(const PreparedScene& prepared, bool geometry = false) {
   SceneOptions options;
   options.objects = static_cast<std::uint32_t>(prepared.objects.size());
   options.geometry = geometry;
@@ -29,8 +28,13 @@ inline SceneView as_told(const PreparedScene& prepared, bool geometry = false) {
   welcome.images = static_cast<std::uint32_t>(prepared.images.size());
   welcome.bounds_center = std::make_unique<wire::Vec3d>(to_wire(prepared.bounds_center));
   welcome.bounds_radius = prepared.bounds_radius;
+  return welcome;
+}
+
+/// What a client knows before it asks for more.
+inline SceneView as_told(const PreparedScene& prepared, bool geometry = false) {
   SceneView scene;
-  EXPECT_TRUE(scene.accept(welcome).ok());
+  EXPECT_TRUE(scene.accept(welcome_of(prepared, geometry)).ok());
   EXPECT_TRUE(take(scene, make_scene_pages(prepared)).ok());
   return scene;
 }

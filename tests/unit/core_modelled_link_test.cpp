@@ -286,6 +286,35 @@ TEST(CoreModelledLink, SaysHowBusyBothEndsWere) {
   EXPECT_FALSE(starves(true, {0, 0.95}));
 }
 
+// TCP, then the upgrade; the hello waits for both, on every connection.
+TEST(CoreModelledLink, ConnectingTakesTwoRoundTrips) {
+  NetModel model;
+  model.rtt_ms = 40;
+  Session session(model, 1);
+  for (int connection = 0; connection < 2; ++connection) {
+    session.link.receive();
+    const std::int64_t began = session.clock.now_us();
+    EXPECT_FALSE(session.link.connected());
+    session.run_until(began + 79'900);
+    EXPECT_FALSE(session.link.connected());
+    session.run_until(began + 80'000);
+    EXPECT_TRUE(session.link.connected());
+    ++session.server.connections;
+  }
+}
+
+TEST(CoreModelledLink, AWelcomeTellsTheModelsSpeed) {
+  for (const double server_ms : {0.0, 20.0}) {
+    NetModel model;
+    model.server_ms = server_ms;
+    Session session(model, 1);
+    session.link.send(encode_message(wire::HelloT{}));
+    const std::vector<Message> messages = session.link.receive();
+    ASSERT_EQ(messages.size(), 1u);
+    EXPECT_EQ(messages[0].body.AsWelcome()->tile_us, 1000 * server_ms);
+  }
+}
+
 TEST(CoreModelledLink, OutageDoesNotHang) {
   NetModel model;
   Session session(model, 1);

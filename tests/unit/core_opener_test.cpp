@@ -313,6 +313,28 @@ TEST(ServerOpening, AtLeastAsManyAsWantedAreToldOf) {
   EXPECT_LT(told_of(*field(), far_away), 320u);
 }
 
+TEST(ServerOpening, TheDescriptionComesInSmallPagesOfWhichTheFirstWillDo) {
+  SceneView scene;
+  ASSERT_TRUE(scene.accept(welcome_of(*field())).ok());
+  int pages = 0;
+  for (const FramePtr& frame : make_scene_pages(*field())) {
+    const Message page = decoded(frame);
+    if (const wire::ImagePageT* images = page.body.AsImagePage()) {
+      ASSERT_TRUE(scene.accept(*images).ok());
+    }
+    if (const wire::ObjectPageT* objects = page.body.AsObjectPage()) {
+      ASSERT_TRUE(scene.accept(*objects).ok());
+    }
+    const wire::InstancePageT* tree = page.body.AsInstancePage();
+    if (!tree) continue;
+    ASSERT_TRUE(scene.accept(*tree).ok());
+    EXPECT_LE(frame->size(), 32u << 10);
+    if (scene.complete()) ++pages;
+  }
+  EXPECT_TRUE(scene.described());
+  EXPECT_GE(pages, 4) << "there is a scene to draw long before the last";
+}
+
 TEST(ServerOpening, WhatIsImportantIsToldOfFromFartherAway) {
   Opening opening;
   opening.eye = field()->scene.home.eye;

@@ -18,12 +18,12 @@ struct Shop {
     for (; now_us < until_us; now_us += step_us) {
       while (!asked.empty() && asked.front().done_us + way_us / 2 <= now_us) {
         const Ask& ask = asked.front();
-        pace.tile_arrived(ask.under_way, ask.done_us + way_us / 2 - ask.sent_us,
-                          ask.done_us - ask.sent_us - way_us / 2);
+        pace.tile_arrived({ask.sent_us, ask.done_us + way_us / 2,
+                           ask.done_us - ask.sent_us - way_us / 2, 1000, 1000, ask.under_way});
         asked.pop_front();
         ++made;
       }
-      const std::size_t most = std::min<std::size_t>(pace.limit(50'000), 500);
+      const std::size_t most = std::min<std::size_t>(pace.limit(way_us, 50'000), 500);
       while (asked.size() < most) {
         free_us = std::max(free_us, now_us + way_us / 2) + tile_us;
         asked.push_back({now_us, free_us, asked.size() + 1});
@@ -59,13 +59,13 @@ TEST(CoreServerPace, ASlowServerIsKeptBusyAndItsQueueShort) {
 TEST(CoreServerPace, AFastServerLimitsNothing) {
   Shop shop(200, 40'000);
   shop.run(2'000'000);
-  EXPECT_GE(shop.pace.limit(50'000), 300u);
+  EXPECT_GE(shop.pace.limit(40'000, 50'000), 300u);
 }
 
 TEST(CoreServerPace, AServerThatGetsFasterIsFollowed) {
   Shop shop(100'000, 40'000);
   shop.run(8'000'000);
-  EXPECT_LE(shop.pace.limit(50'000), 6u);
+  EXPECT_LE(shop.pace.limit(40'000, 50'000), 6u);
   shop.tile_us = 1'000;
   shop.run(10'000'000);
   const int before = shop.made;
@@ -75,10 +75,37 @@ TEST(CoreServerPace, AServerThatGetsFasterIsFollowed) {
 
 TEST(CoreServerPace, TimesThatCannotBeAreTaken) {
   ServerPace pace;
-  for (int i = 0; i < 20; ++i) pace.tile_arrived(0, -5, INT64_MAX);
-  EXPECT_GE(pace.limit(50'000), 1u);
-  for (int i = 0; i < 20; ++i) pace.tile_arrived(SIZE_MAX, INT64_MAX, -7);
-  EXPECT_GE(pace.limit(50'000), 1u);
+  for (int i = 0; i < 20; ++i) pace.tile_arrived({5, 0, INT64_MAX, 0, 0, 0});
+  EXPECT_GE(pace.limit(0, 50'000), 1u);
+  for (int i = 0; i < 20; ++i) pace.tile_arrived({0, INT64_MAX, -7, 0, 0, SIZE_MAX});
+  EXPECT_GE(pace.limit(0, 50'000), 1u);
+  for (const std::int64_t tile_us : {std::int64_t{-1}, INT64_MAX}) {
+    ServerPace told;
+    told.expect(tile_us);
+    EXPECT_GE(told.limit(100'000, 50'000), 1u);
+  }
+}
+
+TEST(CoreServerPace, BeforeTheFirstReplyTheServersWordCounts) {
+  ServerPace pace;
+  EXPECT_EQ(pace.limit(100'000, 50'000), 30u) << "5 ms a tile where it has none";
+  pace.expect(20'000);
+  EXPECT_EQ(pace.limit(100'000, 50'000), 7u);
+  pace.expect(500);
+  EXPECT_EQ(pace.limit(100'000, 50'000), 300u);
+}
+
+// The server takes the worst first: some overtake a queue that is there all the same.
+TEST(CoreServerPace, WhatOvertakesTheQueueMakesTheServerNoFaster) {
+  ServerPace pace;
+  std::int64_t done_us = 0;
+  for (int i = 0; i < 40; ++i) {
+    done_us += 10'000;
+    const std::int64_t server_us = i % 4 == 0 ? 12'000 : 300'000;
+    const std::int64_t sent_us = done_us - server_us;
+    pace.tile_arrived({sent_us, done_us + 50'000, server_us, 1000, 1000, 60});
+  }
+  EXPECT_NEAR(static_cast<double>(pace.limit(50'000, 100'000)), 15, 1) << "100 a second";
 }
 
 TEST(CoreBusyTime, SharesOfASpan) {

@@ -86,6 +86,33 @@ TEST_F(CoreView, ShowsWhatHasNoImageAndNothingElse) {
   EXPECT_EQ(stage.counts().drawn, 1u);
 }
 
+// The scene comes in pages: nothing else can show what is on a later one.
+TEST_F(CoreView, ShowsWhatIsNotToldOfYet) {
+  stage.asked(1);
+  arrive(1);
+  SceneView early;
+  ASSERT_TRUE(early.accept(make_welcome(24, 0, 4, {})).ok());
+  ASSERT_TRUE(early.accept(make_objects({})).ok());
+  wire::InstancePageT page;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const Placed ball{from_wire(to_wire(scene.instances[i].center))};
+    page.instances.push_back(instance_record(ball, i));
+  }
+  ASSERT_TRUE(early.accept(page).ok());
+  ASSERT_TRUE(early.complete());
+  DrawList list;
+  for (std::uint32_t i = 0; i < 4; ++i) list.meshes.push_back({i, 0, 1});
+  stage.show_missing(early, camera, list);
+  ASSERT_TRUE(list.view);
+  for (std::size_t i = 0; i < 24; ++i) EXPECT_EQ(list.view->owners[i], i >= 4) << i;
+  wire::InstancePageT last;
+  last.last = true;
+  ASSERT_TRUE(early.accept(last).ok());
+  list.view.reset();
+  stage.show_missing(early, camera, list);
+  EXPECT_FALSE(list.view) << "told of all: what is not known is in no view from here";
+}
+
 TEST_F(CoreView, IsNotDrawnOnceAllHaveImages) {
   stage.asked(1);
   arrive(1);
@@ -135,6 +162,50 @@ TEST_F(CoreView, RefusalsPauseAndOneEndsIt) {
   EXPECT_FALSE(stage.plan(scene, camera, 0, list, 60'000'000));
 }
 
+// Leaves blown up to slabs are worse than the view of the leaves; and what takes over from a view
+// that is torn has nothing to fade in over.
+TEST_F(CoreView, GeometryReplacesItOnceItShowsMore) {
+  Bytes payload;
+  const wire::ViewReplyT reply = reply_for(camera, 24, 1, payload);
+  const ViewFit fit(decode_view(reply, payload).take());
+  SceneOptions options;
+  options.geometry = true;
+  SelectorWorld world(make_scene({{scene.instances[12].center}}, options));
+  ObjectDescription& object = world.scene.objects[0];
+  object.lods = {{9000, 90'000, 0, 0}, {3000, 30'000, 0, 0.8f}};  // 0.8 of a radius of spread
+  MeshCache meshes;
+  meshes.reset(world.scene, 1 << 30, 1 << 20);
+  world.mesh_ready[0] = true;
+  const auto drawn = [&](double aside) {
+    world.camera = camera;
+    world.camera.pose.eye.x += aside;
+    ++world.frame;
+    SelectorInput in = world.input();
+    in.view = &fit;
+    in.meshes = &meshes;
+    in.mesh_radii = 100;
+    return world.selector.select(in).meshes;
+  };
+  const auto add = [&](std::uint8_t level) {
+    ObjectModel model;
+    model.mesh.vertices.resize(3);
+    model.mesh.indices = {0, 1, 2};
+    meshes.add_mesh(0, level, model, 0);
+  };
+  add(1);
+  EXPECT_GT(meshes.error_px(world.scene, camera, 0), 1);
+  EXPECT_LE(meshes.error_px(world.scene, camera, 0), 4);
+  EXPECT_TRUE(drawn(0).empty()) << "the view shows more";
+  ASSERT_EQ(drawn(4).size(), 1u) << "but not from here";
+  EXPECT_EQ(drawn(4)[0].fade, 1) << "and is torn, seen from there";
+  drawn(0);
+  world.now_us += 1'000'000;
+  EXPECT_TRUE(drawn(0).empty());
+  add(0);
+  ASSERT_EQ(drawn(0).size(), 1u);
+  EXPECT_LT(drawn(0)[0].fade, 1) << "fades in over the view";
+}
+
 TEST_F(CoreView, WhatWasNotAskedForIsNotTaken) {
   Bytes payload;
   const wire::ViewReplyT reply = reply_for(camera, 24, 9, payload);
@@ -161,6 +232,10 @@ TEST_F(CoreView, TheErrorIsATexelAndGrowsAside) {
     EXPECT_GT(error, before);
     before = error;
   }
+  Camera little = camera;
+  little.pose.eye.x += 1;
+  EXPECT_LT(*fit.error_px(middle, little, 0.25), *fit.error_px(middle, little));
+  EXPECT_EQ(*fit.error_px(middle, camera, 0.25), *fit.error_px(middle, camera));
   Camera far = camera;
   far.pose.eye.x += 10;
   EXPECT_FALSE(fit.error_px(middle, far));
@@ -225,10 +300,10 @@ std::pair<double, double> arrivals(bool kept) {
 
 TEST(CoreViewLink, AKeptViewComesFirstAndADrawnOneTakesTheTimeOfItsTiles) {
   const auto [kept, page] = arrivals(true);
-  EXPECT_NEAR(kept, 301, 3) << "two round trips to connect, one for the hello";
+  EXPECT_NEAR(kept, 101, 3) << "a round trip for the hello";
   EXPECT_GT(page, kept + 70) << "200 KB behind it";
   const auto [drawn, early_page] = arrivals(false);
-  EXPECT_NEAR(drawn, 301 + 5 * kViewTiles, 90) << "behind what is being transmitted, at most";
+  EXPECT_NEAR(drawn, 101 + 5 * kViewTiles, 90) << "behind what is being transmitted, at most";
   EXPECT_LT(early_page, page + 1) << "nothing waits for it";
 }
 

@@ -14,6 +14,12 @@ namespace {
 constexpr std::size_t kTile = 8000;
 constexpr std::int64_t kStepUs = 5'000;
 
+/// The window of a frame.
+double frame(AskWindow& window, std::int64_t now_us, std::int64_t held_back_us, bool idle) {
+  window.frame_began(now_us);
+  return window.update(now_us, held_back_us, idle);
+}
+
 /// A client that always wants more than the link carries.
 struct Plant {
   double rate_mbps = 20;
@@ -30,7 +36,7 @@ struct Plant {
         received += kTile;
       }
       const std::int64_t waited_us = waits ? std::max<std::int64_t>(now_us - began_us, 1) : 0;
-      const double bytes = window.update(now_us, waited_us, under_way.empty());
+      const double bytes = frame(window, now_us, waited_us, under_way.empty());
       while (static_cast<double>(under_way.size() * kTile) < bytes) {
         const auto cost = static_cast<std::int64_t>(8.0 * kTile / rate_mbps);
         free_us = std::max(free_us, now_us + rtt_us / 2) + cost;
@@ -217,12 +223,49 @@ TEST(CoreWindow, TimeAtTheServerIsNotTheLinks) {
 TEST(CoreWindow, TheOpeningTellsTheFirstWindow) {
   const auto first = [](std::int64_t page_us) {
     AskWindow window;
-    for (int i = 0; i < 5; ++i) window.opening_arrived(1'000'000 + i * page_us, 60'000);
-    return window.update(2'000'000, 0, true);
+    window.welcomed(1'000'000, 100'000);
+    for (int i = 1; i < 5; ++i) window.opening_arrived(1'000'000 + i * page_us, 60'000);
+    return frame(window, 2'000'000, 0, true);
   };
   EXPECT_NEAR(first(10'000), 6.0 * 125'000, 1) << "6 MB/s for 125 ms";
-  EXPECT_EQ(first(100'000), 256 * 1024) << "no less than without";
+  EXPECT_NEAR(first(60'000), 1.0 * 125'000, 1) << "1 MB/s";
+  EXPECT_EQ(first(1'000'000), 64 * 1024) << "no less than that";
   EXPECT_EQ(first(0), 256 * 1024) << "all at once: nothing is known";
+}
+
+// Asks leave with frames: what comes between two of them is under way as well.
+TEST(CoreWindow, TheFirstWindowHoldsAWholeFrame) {
+  AskWindow window;
+  window.welcomed(1'000'000, 100'000);
+  for (int i = 1; i < 5; ++i) window.opening_arrived(1'000'000 + i * 10'000, 60'000);
+  window.frame_began(1'040'000);
+  EXPECT_NEAR(frame(window, 1'140'000, 0, true), 6.0 * (100'000 + 125'000), 1);
+}
+
+TEST(CoreWindow, AWelcomeTellsTheWay) {
+  AskWindow window;
+  EXPECT_EQ(window.round_trip_us(), 0);
+  window.welcomed(1'000'000, 300'000);
+  EXPECT_EQ(window.round_trip_us(), 300'000);
+  window.tile_arrived({2'000'000, 2'080'000, 30'000, 1000, 1000});
+  EXPECT_EQ(window.way_us(), 50'000) << "the shortest counts";
+  window.welcomed(3'000'000, 10'000);
+  EXPECT_EQ(window.way_us(), 50'000) << "and what tiles tell more than a greeting";
+}
+
+// What waits at a server is not on the link, and takes no place from what is.
+TEST(CoreWindow, TilesAtTheServerAreOnTop) {
+  const auto after = [](std::int64_t server_us) {
+    AskWindow window;
+    double last = 0;
+    for (std::int64_t now = 0; now <= 4'000'000; now += 5'000) {  // a MB/s
+      const std::int64_t trip = now < 500'000 ? 50'000 : 70'000;  // a queue from then on
+      window.tile_arrived({now - trip - server_us, now, server_us, 5'000, 5'000});
+      last = frame(window, now, 1'000'000, false);
+    }
+    return last;
+  };
+  EXPECT_NEAR(after(200'000) - after(0), 175'000, 10'000) << "but for what the slack holds";
 }
 
 }  // namespace

@@ -87,6 +87,7 @@ inline wire::WelcomeT sample_welcome() {
   m.fog_density = 0.015625f;
   m.shadows = true;
   m.codecs = {1, 3};
+  m.tile_us = 5000;
   return m;
 }
 

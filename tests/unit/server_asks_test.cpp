@@ -25,6 +25,20 @@ TEST_F(ServerAsks, AsksAreQueuedAndAnswered) {
   ASSERT_EQ(drain(a).size(), 1u);
 }
 
+TEST_F(ServerAsks, AWelcomeTellsWhatATileTakes) {
+  const auto told = [&] {
+    const SessionId id = hub->open().take();
+    EXPECT_TRUE(send(id, hello()).ok());
+    return drain(id).front().body.AsWelcome()->tile_us;
+  };
+  EXPECT_EQ(told(), 0u) << "none was rendered";
+  ASSERT_TRUE(send_ask(greeted(), ask(1)).ok());
+  render_all();
+  const wire::TileReplyT tile = sample_tile_reply();
+  EXPECT_EQ(told(), tile.render_us + tile.encode_us);
+  ASSERT_GT(told(), 0u);
+}
+
 TEST_F(ServerAsks, BadKeysAreRefusedNotFatal) {
   using R = wire::RefusalReason;
   const SessionId id = greeted();

@@ -1,0 +1,10 @@
+#pragma once
+// C5: weather that turns, and turns back.
+
+#include "tests/extreme/extreme_case.h"
+
+namespace mirage::extreme {
+
+Case turning_weather_case();
+
+}  // namespace mirage::extreme
