@@ -45,10 +45,31 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
                                                    std::uint32_t lighting_id, std::int64_t now_us) {
   wire::RequestBatchT batch;
   batch.lighting_id = lighting_id;
-  std::set<std::uint32_t> needed;  // a phase that has passed comes again with the next loop
-  for (const TileNeed& need : needs) needed.insert(need.instance);
-  bool lost_any = false;
-  const std::int64_t patience_us = std::max(kPatienceUs, window_.trip_us(0, 0) + pace_.server_us());
+  give_up(needs, now_us, batch);
+  const std::int64_t held_back_us =
+      held_since_us_ < 0 ? 0 : std::max<std::int64_t>(now_us - held_since_us_, 1);
+  const bool idle = pending_.empty() && assets_pending_.empty();
+  const double window = window_.update(now_us, held_back_us, idle);
+  const bool held_back = ask(scene, needs, asset_needs, window, now_us, batch);
+  const auto waits = [&](const auto& need) { return need.first && may_ask(need, now_us); };
+  first_waits_ = std::any_of(needs.begin(), needs.end(), waits) ||
+                 std::any_of(asset_needs.begin(), asset_needs.end(), waits);
+  if (!held_back) held_since_us_ = -1;
+  if (held_back && held_since_us_ < 0) held_since_us_ = now_us;
+  // Asks wait for a link that is not full, too: what came through it lately was little.
+  const bool saturated = held_back && window_.queued();
+  if (!saturated) saturated_since_us_ = -1;
+  if (saturated && saturated_since_us_ < 0) saturated_since_us_ = now_us;
+  if (batch.asks.empty() && batch.cancels.empty() && batch.mesh_asks.empty() &&
+      batch.image_asks.empty()) {
+    return std::nullopt;
+  }
+  batch.credit_bytes = received_bytes_ + kCreditAhead;
+  return batch;
+}
+
+void Scheduler::give_up(const std::vector<TileNeed>& needs, std::int64_t now_us,
+                        wire::RequestBatchT& batch) {
   for (auto it = leaving_.begin(); it != leaving_.end();) {
     if (it->second.until_us > now_us) {
       ++it;
@@ -57,36 +78,41 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
     leaving_bytes_ = std::max(0.0, leaving_bytes_ - it->second.bytes);
     it = leaving_.erase(it);
   }
+  std::set<std::uint32_t> needed;  // a phase that has passed comes again with the next loop
+  for (const TileNeed& need : needs) needed.insert(need.instance);
+  bool lost_any = false;
+  const std::int64_t patience_us = std::max(kPatienceUs, window_.trip_us(0, 0) + pace_.server_us());
   for (auto it = pending_.begin(); it != pending_.end();) {
-    const PendingAsk& ask = it->second;
-    if (needed.count(ask.need.instance) != 0) it->second.needed_us = now_us;
+    if (batch.cancels.size() >= limits::kMaxCancelsPerBatch) break;
+    PendingAsk& ask = it->second;
+    if (needed.count(ask.need.instance) != 0) ask.needed_us = now_us;
     // What is on its way is cheaper than what is asked for again a frame later.
     const bool useless = now_us - ask.needed_us > patience_us;
     const bool lost = now_us - ask.sent_us > lost_us_;
     lost_any = lost_any || lost;
-    if (useless || lost) {
-      batch.cancels.push_back(it->first);
-      in_flight_bytes_ -= ask.expected_bytes;
-      if (!lost) {
-        // What the server had sent before it heard of it is here in a trip, or half as long again:
-        // a way may just have become longer.
-        const std::int64_t trip = window_.trip_us(ask.expected_bytes, under_way());
-        leaving_[it->first] = {ask.sent_us, now_us + trip + trip / 2, ask.expected_bytes};
-        leaving_bytes_ += ask.expected_bytes;
-      }
-      pending_wanted_.erase(wanted(ask.need));
-      it = pending_.erase(it);
-      ++cancelled_;
-    } else {
+    if (!useless && !lost) {
       ++it;
+      continue;
     }
-    if (batch.cancels.size() >= limits::kMaxCancelsPerBatch) break;
+    batch.cancels.push_back(it->first);
+    in_flight_bytes_ -= ask.expected_bytes;
+    if (!lost) {
+      // What the server had sent before it heard of it is here in a trip, or half as long again: a
+      // way may just have become longer.
+      const std::int64_t trip = window_.trip_us(ask.expected_bytes, under_way());
+      leaving_[it->first] = {ask.sent_us, now_us + trip + trip / 2, ask.expected_bytes};
+      leaving_bytes_ += ask.expected_bytes;
+    }
+    pending_wanted_.erase(wanted(ask.need));
+    it = pending_.erase(it);
+    ++cancelled_;
   }
   if (lost_any) lost_us_ = std::min(2 * lost_us_, kLostAtMostUs);
-  const std::int64_t held_back_us =
-      held_since_us_ < 0 ? 0 : std::max<std::int64_t>(now_us - held_since_us_, 1);
-  const bool idle = pending_.empty() && assets_pending_.empty();
-  const double window = window_.update(now_us, held_back_us, idle);
+}
+
+bool Scheduler::ask(const SceneView& scene, const std::vector<TileNeed>& needs,
+                    const std::vector<AssetNeed>& asset_needs, double window, std::int64_t now_us,
+                    wire::RequestBatchT& batch) {
   const std::size_t most = pace_.limit(window_.way_us(), 2 * window_.slack_us());
   auto tile = needs.begin();
   auto asset = asset_needs.begin();
@@ -104,7 +130,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
                        (!full || in_flight_bytes_ + leaving_bytes_ < 0.5 * window);
     const bool assets = asset != asset_needs.end() && (!full || asset_bytes_ < 0.5 * window) &&
                         batch.mesh_asks.size() + batch.image_asks.size() < limits::kMaxAsksPerBatch;
-    if (!tiles && !assets) break;
+    if (!tiles && !assets) return held_back;
     // What one stands in comes before anything else; otherwise whoever has less under way.
     const bool surroundings = assets && std::isinf(asset->gain);
     if (assets && (!tiles || surroundings || asset_bytes_ <= in_flight_bytes_)) {
@@ -113,23 +139,6 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
       ask_tile(scene, *tile++, now_us, batch);
     }
   }
-  first_waits_ =
-      std::any_of(tile, needs.end(),
-                  [&](const TileNeed& need) { return need.first && may_ask(need, now_us); }) ||
-      std::any_of(asset, asset_needs.end(),
-                  [&](const AssetNeed& need) { return need.first && may_ask(need, now_us); });
-  if (!held_back) held_since_us_ = -1;
-  if (held_back && held_since_us_ < 0) held_since_us_ = now_us;
-  // Asks wait for a link that is not full, too: what came through it lately was little.
-  const bool saturated = held_back && window_.queued();
-  if (!saturated) saturated_since_us_ = -1;
-  if (saturated && saturated_since_us_ < 0) saturated_since_us_ = now_us;
-  if (batch.asks.empty() && batch.cancels.empty() && batch.mesh_asks.empty() &&
-      batch.image_asks.empty()) {
-    return std::nullopt;
-  }
-  batch.credit_bytes = received_bytes_ + kCreditAhead;
-  return batch;
 }
 
 bool Scheduler::may_ask(const TileNeed& need, std::int64_t now_us) const {

@@ -110,6 +110,12 @@ class Scheduler {
   /// Neither under way nor refused a moment ago.
   bool may_ask(const TileNeed& need, std::int64_t now_us) const;
   bool may_ask(const AssetNeed& need, std::int64_t now_us) const;
+  /// Cancels what has not been needed for a while, or will not come any more.
+  void give_up(const std::vector<TileNeed>& needs, std::int64_t now_us, wire::RequestBatchT& batch);
+  /// Asks for what window and server have room for; true: more is wanted than the window holds.
+  bool ask(const SceneView& scene, const std::vector<TileNeed>& needs,
+           const std::vector<AssetNeed>& asset_needs, double window, std::int64_t now_us,
+           wire::RequestBatchT& batch);
   void ask_tile(const SceneView& scene, const TileNeed& need, std::int64_t now_us,
                 wire::RequestBatchT& batch);
   /// Counted for the window.
