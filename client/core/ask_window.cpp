@@ -31,6 +31,8 @@ constexpr std::int64_t kLongestBurstUs = 100'000;  // that no queue need stand f
 constexpr std::int64_t kPeriodUs = 5'000'000;
 constexpr int kPeriodTrips = 20;
 constexpr int kDrainTrips = 3;
+constexpr int kFarSlacks = 2;  // the window lets no queue be that long, but for a moment
+constexpr int kFarTrips = 2;   // that moment, or a second
 constexpr double kLargestGain = 2;
 constexpr double kCertainShare = 0.95;    // of the rate: what tiles will weigh is known to a few %
 constexpr double kShortestBusyUs = 1000;  // less tells no rate
@@ -91,6 +93,9 @@ void AskWindow::tile_arrived(const TileTrip& tile) {
     slow_since_us_ = now_us;
   }
   slow_until_us_ = now_us;
+  const bool far = trip.us - own_us(trip) > shortest_trip().us + kFarSlacks * slack_us();
+  if (!far || far_.us == INT64_MAX) far_since_us_ = now_us;
+  far_ = far ? Trip{std::min(trip.us, far_.us), 0} : Trip{};
   arrived(sent_us, now_us, tile.bytes, tile.expected);
 }
 
@@ -182,12 +187,21 @@ double AskWindow::whole_rate(std::int64_t now_us) const {
   return received / static_cast<double>(now_us - since);
 }
 
+// A queue all the time, or a longer way: without the one it shows whether it is the other.
+void AskWindow::drain(std::int64_t now_us, const Trip& shortest) {
+  drain_until_us_ = now_us + kDrainTrips * (shortest.us + kSlackUs);
+  far_ = {};
+}
+
 void AskWindow::turn_period(std::int64_t now_us) {
+  if (far_.us != INT64_MAX && drain_until_us_ == 0 &&
+      now_us - far_since_us_ >= std::max(kSecondUs, kFarTrips * far_.us)) {
+    drain(now_us, far_);
+  }
   if (period_ends_us_ != 0 && now_us < period_ends_us_) return;
-  // A queue all the time, or a longer way: without the one it shows whether it is the other.
   if (shortest_[0].us != INT64_MAX && shortest_[1].us != INT64_MAX &&
       longer(shortest_[0], shortest_[1])) {
-    drain_until_us_ = now_us + kDrainTrips * (shortest_[0].us + kSlackUs);
+    drain(now_us, shortest_[0]);
   }
   shortest_ = {Trip{}, shortest_[1].us < shortest_[0].us ? shortest_[1] : shortest_[0]};
   best_rates_ = {0, best_rates_[0]};

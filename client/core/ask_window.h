@@ -13,7 +13,8 @@
 // The slack is a queue at the bottleneck: a link that gets faster empties it, the rate rises, and
 // the window with it. Asks leave with frames, so it lasts from one to the next. What a window can
 // hide from itself is a round trip that has become longer: it looks like a queue. After a period in
-// which every trip was slow all is let arrive, and the next trip tells which it was.
+// which every trip was slow, or a second in which each was longer than any queue of this window, all
+// is let arrive, and the next trip tells which it was.
 
 #include <array>
 #include <cstddef>
@@ -88,12 +89,15 @@ class AskWindow {
   double whole_rate(std::int64_t now_us) const;
   /// Bytes that wait at the server, not on the link: as many as come while it has each.
   double at_server(std::int64_t now_us) const;
+  void drain(std::int64_t now_us, const Trip& shortest);
   void turn_period(std::int64_t now_us);
 
   std::deque<Arrival> arrivals_;       ///< of the last second, or the last whole trips
   std::deque<std::int64_t> trips_us_;  ///< the last ones
   std::deque<std::int64_t> server_us_;  ///< for which the server had the last ones
   std::deque<bool> long_;              ///< which of them have waited
+  Trip far_;  ///< the shortest of those without a break longer than any queue of this window
+  std::int64_t far_since_us_ = 0;
   int slow_trips_ = 0;                 ///< one after the other, till now
   std::int64_t slow_since_us_ = 0;     ///< when the first of them came
   std::int64_t slow_until_us_ = 0;     ///< and the last

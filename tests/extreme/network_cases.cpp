@@ -121,6 +121,10 @@ struct OneObject {
   void stand(double seconds, int side) {
     rig.run(seconds, [&](double) { return pose(side); });
   }
+  /// Until the link stands again: how long that takes is the network's, not the session's.
+  void until_connected(int side) {
+    while (!rig.link.connected()) stand(0.002, side);
+  }
   /// Seconds from now until the picture is well.
   double until_well(int side, double limit_s = 30) {
     const double began = rig.now_s();
@@ -168,6 +172,7 @@ Outcome loss_and_outage(const Conditions& conditions) {
     one.gate->open();
     one.stand(silence_s, 1);
     one.rig.server_link.connect();
+    one.until_connected(1);
     const double took = one.until_well(1);
     checks.at_most("well after " + number_text(silence_s) + " s without a connection, s", took,
                    2 * rtt_s + one.tile_s(net) + frame_s);

@@ -111,6 +111,18 @@ TEST(CoreWindow, ALongerRoundTripIsFoundOut) {
   EXPECT_LE(plant.range(20).second, plant.bound());
 }
 
+// Longer than any queue the window lets be: that is not waited out for a period.
+TEST(CoreWindow, AFarLongerRoundTripIsFoundOutInSeconds) {
+  Plant plant;
+  plant.rtt_us = 20'000;
+  plant.run(7);
+  plant.rtt_us = 400'000;
+  plant.run(4);
+  const std::size_t before = plant.received;
+  plant.run(3);
+  EXPECT_GE(static_cast<double>(plant.received - before) * 8e-6 / 3, 0.8 * plant.rate_mbps);
+}
+
 TEST(CoreWindow, AHundredfoldRoundTripKeepsTheBound) {
   Plant plant;
   plant.rate_mbps = 2;
