@@ -43,6 +43,7 @@ std::vector<Bench> startup_benches();
 std::vector<Bench> latency_benches();
 std::vector<Bench> codec_benches();
 std::vector<Bench> client_benches();
+std::vector<Bench> price_benches();
 std::vector<Bench> gpu_benches();
 
 /// Whether the EGL device ("auto": the best there is) is a graphics card. Error kGraphicsDevice.

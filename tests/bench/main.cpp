@@ -42,7 +42,8 @@ nlohmann::ordered_json json_of(const Row& r, const std::string& command) {
 Result<std::vector<Bench>> chosen(const std::vector<std::string>& names) {
   std::vector<Bench> all, out;
   for (const auto& some : {selection_benches(), tile_benches(), store_benches(), startup_benches(),
-                           latency_benches(), codec_benches(), client_benches(), gpu_benches()}) {
+                           latency_benches(), codec_benches(), client_benches(), price_benches(),
+                           gpu_benches()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
   if (names.empty()) return all;
