@@ -3,6 +3,7 @@
 #include <fstream>
 #include <map>
 
+#include "client/host/device_model.h"
 #include "client/host/methods.h"
 #include "protocol/cli.h"
 #include "protocol/limits.h"
@@ -43,6 +44,15 @@ Result<void> check(ViewOptions& o, const std::string& offscreen, const std::stri
   }
   if (o.virtual_time && !o.offscreen) {
     return make_error(ErrorId::kUsage, "--virtual-time needs --offscreen WxH");
+  }
+  if (!o.device_model_name.empty()) {
+    if (!o.virtual_time) {
+      return make_error(ErrorId::kUsage, "--device-model needs --virtual-time",
+                        "in real time it is measured what frames take");
+    }
+    Result<CostModel> model = read_device_model(o.device_model_name);
+    if (!model) return model.error();
+    o.device_model = *model;
   }
   o.method = *method_from_name(o.method_name);
   o.relight = kRelight.at(o.relight_name);
@@ -91,6 +101,9 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
       ->capture_default_str();
   app.add_flag("--virtual-time", o.virtual_time,
                "time advances by whole frames, the network by its model: reproducible");
+  app.add_option("--device-model", o.device_model_name,
+                 "what frames take on virtual time: software, laptop, phone or a JSON file of prices; "
+                 "default: nothing");
   app.add_option("--net", net,
                  "network model: rtt=100,jitter=20,rate=20,loss=0.5,server-ms=5,seed=1");
   app.add_option("--tau", o.tau_px, "error target in pixels")

@@ -6,6 +6,7 @@
 #include "client/core/relight_policy.h"
 #include "client/core/selector.h"
 #include "client/core/tau_controller.h"
+#include "client/price/cost_model.h"
 
 namespace mirage {
 
@@ -23,6 +24,8 @@ struct ViewOptions {
   double fov_degrees = 60;
   bool virtual_time = false;
   std::optional<NetModel> net;
+  std::string device_model_name;  ///< empty: frames take no virtual time
+  std::optional<CostModel> device_model;
   double tau_px = 1;
   TauTargets targets;
   std::string method_name = "auto";

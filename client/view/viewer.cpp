@@ -41,6 +41,7 @@ class Viewer {
   Result<void> make_target(int width, int height, bool blends);
   Result<void> fit_target();
   void draw(const Camera& camera, const DrawList& list);
+  void note_drawn_ms(double ms);
   void note_scene();
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
@@ -77,6 +78,7 @@ class Viewer {
   bool frame_kept_ = false;  // the last frame was the picture that was there
   std::optional<Overlay> overlay_;
   double smooth_ms_ = 0;
+  double model_ms_ = 0;  // of the last drawn frame, by the device model
   std::uint64_t programs_at_scene_ = 0, programs_in_draws_ = 0;
   Comparison comparison_;
 };
@@ -195,8 +197,16 @@ void Viewer::draw(const Camera& camera, const DrawList& list) {
   renderer_->draw(*target_, camera, session().scene(), list, session().lighting());
   glFinish();
   programs_in_draws_ += gl::programs_compiled() - programs;
-  if (host_->virtual_clock()) return;  // reproducible, whatever the machine
-  const double ms = static_cast<double>(real_clock_.now_us() - began) * 1e-3;
+  if (!host_->virtual_clock()) {
+    note_drawn_ms(static_cast<double>(real_clock_.now_us() - began) * 1e-3);
+  } else if (o_.device_model) {  // reproducible, whatever the machine
+    const int samples = std::max(target_->samples(), 1);
+    model_ms_ = o_.device_model->ms_of(work_of(session().scene(), camera, list, samples));
+    note_drawn_ms(model_ms_);
+  }
+}
+
+void Viewer::note_drawn_ms(double ms) {
   if (samples_.note_drawn(ms)) {
     spdlog::info(
         "frames take {:.0f} ms to draw: from now on with one sample a pixel (--msaa {} keeps "
@@ -261,14 +271,16 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (own_images) stats_.first_image(drawn_us);
   if (own_images || list.view) stats_.first_picture(drawn_us);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
+  const double frame_ms = !host_->virtual_clock() ? real_ms
+                          : o_.device_model       ? (drawn ? model_ms_ : 0)
+                                                  : 1000.0 / o_.fps;
   if (session().light_changed()) stats_.add_light_lag(list, scene);
-  stats_.add_frame(list, renderer_->draw_calls(),
-                   host_->virtual_clock() ? 1000.0 / o_.fps : real_ms, now);
+  stats_.add_frame(list, renderer_->draw_calls(), frame_ms, now);
   if (const auto use = host_->link_use()) stats_.note_use(session().first_waits(), *use);
   if (drawn) stats_.note_drawn(real_ms);
   stats_.note_traffic(host_->traffic(), now - start_us_);
-  if (drawn) smooth_ms_ += 0.1 * (real_ms - smooth_ms_);
-  if (!host_->virtual_clock()) session().note_frame_ms(smooth_ms_);
+  if (drawn) smooth_ms_ += 0.1 * (frame_ms - smooth_ms_);
+  if (!host_->virtual_clock() || o_.device_model) session().note_frame_ms(smooth_ms_);
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
     const Result<void> written =
