@@ -5,7 +5,8 @@ add_test(NAME include_directions COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURC
 # The portable core must also compile as C++17 with clang, as a browser build will.
 find_program(CLANGXX NAMES clang++ clang++-14)
 if(CLANGXX)
-  file(GLOB core_sources ${PROJECT_SOURCE_DIR}/client/core/*.cpp ${PROJECT_SOURCE_DIR}/protocol/*.cpp)
+  file(GLOB core_sources ${PROJECT_SOURCE_DIR}/client/core/*.cpp ${PROJECT_SOURCE_DIR}/client/price/*.cpp
+       ${PROJECT_SOURCE_DIR}/client/plan/*.cpp ${PROJECT_SOURCE_DIR}/protocol/*.cpp)
   add_test(NAME portable_core COMMAND ${CLANGXX} -std=c++17 -Wall -Wextra -Werror -fsyntax-only
            -I${PROJECT_SOURCE_DIR} -isystem ${PROJECT_BINARY_DIR}/generated ${core_sources})
 else()

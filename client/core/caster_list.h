@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "client/core/mesh_cache.h"
 #include "client/core/shadow_cache.h"
+#include "client/frame/drawn_mesh.h"
 #include "protocol/sun_frame.h"
 
 namespace mirage {

@@ -53,6 +53,7 @@ ClientSession::ClientSession(Link& link, ClientOptions options, TileSink sink)
       uploads_(options_.upload_budget_bytes),
       views_(options_.views && options_.method.automatic && options_.shadows),
       tau_(options_.tau_px, options_.targets),
+      plan_(options_.frame_ms, options_.samples),
       codec_choice_(options_.codec) {}
 
 void ClientSession::greet(std::int64_t now_us) {
@@ -325,7 +326,8 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   input.camera = input.predicted = camera;
   input.predicted.pose = predictor_.predict(horizon);
   input.velocity = predictor_.velocity_mps();
-  const TauLoad load{frame_ms_, scheduler_.rate_mbps(), scheduler_.saturated_s(now_us)};
+  input.plan = plan_.plans() ? &plan_ : nullptr;
+  const TauLoad load{scheduler_.rate_mbps(), scheduler_.saturated_s(now_us)};
   input.tau_px = tau_.update(load, now_us, scheduler_.round_trip_us());
   input.target_px = options_.tau_px;
   input.cursor_px = cursor_px;
@@ -346,6 +348,7 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   rested_ = stands && (rested_ || was_at_rest);
   const double mesh_tau_px = input.tau_px * (rested_ ? kRestTauShare : 1);
   meshes_.choose(scene_, camera, mesh_tau_px, frame_, now_us, list.meshes);
+  plan_.finish(camera, selector_.considered(), levels_drawn(scene_, list.meshes), now_us);
   const bool shadows = scene_.shadows && options_.shadows;
   if (shadows) shadows_.shade(input, lighting_, meshes_, list);
   for (const std::weak_ptr<TileRecord>& tile : undrawn_) {

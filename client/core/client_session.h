@@ -34,6 +34,8 @@ struct ClientOptions {
   double tau_px = 1;
   TauTargets targets;  ///< tau rises above tau_px while they are not met
   MethodChoice method;
+  double frame_ms = 0;             ///< budget of a frame; 0: any time
+  int samples = -1;                ///< of a pixel; < 0: as many as pay within the budget
   double march_budget_px = 1e9;    ///< screen area per frame drawn by marching depth
   double mesh_radii = kSwapRadii;  ///< swap distance to geometry, in radii
   RelightChoice relight = RelightChoice::kAuto;
@@ -100,9 +102,12 @@ class ClientSession {
   DrawList frame(const Camera& camera, std::int64_t now_us,
                  const std::optional<glm::dvec2>& cursor_px = std::nullopt);
 
-  /// What the last frames took, for TauTargets::frame_ms. Not called on virtual time, where frames
-  /// take none.
-  void note_frame_ms(double ms) { frame_ms_ = ms; }
+  /// What this device takes for what, for the plan of the frames to come.
+  void set_prices(const CostModel& prices) { plan_.set_prices(prices); }
+  /// The frame planned last took so long to draw, by the clock or by those prices.
+  void note_frame_ms(double ms) { plan_.note_drawn(ms); }
+  /// How the frame is to be drawn that was planned last, and what it is expected to take.
+  const FramePlan& plan() const { return plan_; }
   double tau_px() const { return tau_.tau_px(); }
 
   void set_lighting(const Lighting& lighting, std::int64_t now_us);
@@ -190,10 +195,10 @@ class ClientSession {
   UploadQueue uploads_;
   ViewStage views_;
   TauController tau_;
+  FramePlan plan_;
   CodecChoice codec_choice_;
   TileCodec codec_ = TileCodec::kZstd;
   CodecUses codec_uses_;
-  double frame_ms_ = 0;
   MeshCache meshes_;
   std::optional<ReferenceFrame> reference_;
   std::size_t reference_asked_px_ = 0;

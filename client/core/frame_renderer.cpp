@@ -152,8 +152,9 @@ void FrameRenderer::draw_shadow_map(const SceneView& scene, const CasterListPtr&
   in_map_ = casters;
 }
 
-void FrameRenderer::draw(const FrameTarget& target, const Camera& camera, const SceneView& scene,
+void FrameRenderer::draw(const FrameTarget& target, const Camera& shown, const SceneView& scene,
                          const DrawList& list, const Lighting& lighting) {
+  const Camera camera = target.drawn_camera(shown);
   impostors_.reset_draw_calls();
   mesh_pass_->reset_draw_calls();
   draw_shadow_map(scene, list.casters);

@@ -48,7 +48,7 @@ class FrameRenderer {
   void add_image(const SceneView& scene, std::uint32_t index, const Image& image);
   void drop(const SceneView& scene, const AssetId& id);
 
-  void draw(const FrameTarget& target, const Camera& camera, const SceneView& scene,
+  void draw(const FrameTarget& target, const Camera& shown, const SceneView& scene,
             const DrawList& list, const Lighting& lighting);
 
   /// Reads textures so many levels sharper from now on, and those of alpha tests.

@@ -1,6 +1,7 @@
 #include "client/core/frame_target.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "shaders/gl/renderer.h"
@@ -20,13 +21,20 @@ bool complete() { return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUF
 
 }  // namespace
 
-Result<FrameTarget> FrameTarget::create(int width, int height, int samples, bool blends) {
+Result<FrameTarget> FrameTarget::create(int width, int height, int samples, bool blends,
+                                        double scale) {
   FrameTarget t;
   GLint most = 0;
   glGetIntegerv(GL_MAX_SAMPLES, &most);
   t.width_ = width;
   t.height_ = height;
-  t.samples_ = std::min(samples, static_cast<int>(most));
+  // Some devices make four of one.
+  t.samples_ = samples > 1 ? std::min(samples, static_cast<int>(most)) : 0;
+  const auto scaled = [&](int edge) {
+    return t.samples_ > 0 ? edge : std::max(1, static_cast<int>(std::lround(edge * scale)));
+  };
+  t.drawn_width_ = scaled(width);
+  t.drawn_height_ = scaled(height);
   t.blends_ = blends;
   const GLenum format = gl::color_format(blends);
   if (format != GL_SRGB8_ALPHA8 && t.make(format)) return t;
@@ -39,8 +47,9 @@ Result<void> FrameTarget::make(GLenum drawn_format) {
   draw_ = gl::Framebuffer::create();
   glBindFramebuffer(GL_FRAMEBUFFER, draw_.id());
   format_ = drawn_format;
-  color_ = storage(drawn_format, GL_COLOR_ATTACHMENT0, width_, height_, samples_);
-  depth_ = storage(GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, width_, height_, samples_);
+  color_ = storage(drawn_format, GL_COLOR_ATTACHMENT0, drawn_width_, drawn_height_, samples_);
+  depth_ =
+      storage(GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, drawn_width_, drawn_height_, samples_);
   ok = ok && complete();
   averaged_ = gl::Framebuffer();
   averaged_color_ = gl::Renderbuffer();
@@ -61,7 +70,15 @@ Result<void> FrameTarget::make(GLenum drawn_format) {
 void FrameTarget::copy(const gl::Framebuffer& from, const gl::Framebuffer& to) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, from.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to.id());
-  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBlitFramebuffer(0, 0, drawn_width_, drawn_height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT,
+                    enlarges() ? GL_LINEAR : GL_NEAREST);
+}
+
+Camera FrameTarget::drawn_camera(const Camera& camera) const {
+  Camera drawn = camera;
+  drawn.width = static_cast<std::uint32_t>(drawn_width_);
+  drawn.height = static_cast<std::uint32_t>(drawn_height_);
+  return drawn;
 }
 
 void FrameTarget::copy_to(const gl::Framebuffer& to) const { copy(draw_, to); }
@@ -75,7 +92,7 @@ void FrameTarget::resolve() const {
 
 void FrameTarget::bind() const {
   glBindFramebuffer(GL_FRAMEBUFFER, draw_.id());
-  glViewport(0, 0, width_, height_);
+  glViewport(0, 0, drawn_width_, drawn_height_);
 }
 
 std::vector<std::uint8_t> FrameTarget::read() const {
@@ -100,10 +117,11 @@ void FrameTarget::show() const {
 
 std::size_t FrameTarget::gpu_bytes() const {
   const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  const std::size_t drawn =
+      static_cast<std::size_t>(drawn_width_) * static_cast<std::size_t>(drawn_height_);
   const std::size_t averaged = averaged_ ? 8 : 0;
   const std::size_t sample = format_ == GL_SRGB8_ALPHA8 ? 8 : 12;  // colour and depth
-  return pixels * sample * static_cast<std::size_t>(std::max(samples_, 1)) +
-         pixels * (averaged + 4);
+  return drawn * sample * static_cast<std::size_t>(std::max(samples_, 1)) + pixels * (averaged + 4);
 }
 
 }  // namespace mirage

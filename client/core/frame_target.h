@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "protocol/camera.h"
 #include "protocol/result.h"
 #include "shaders/gl/gl_object.h"
 
@@ -11,9 +12,11 @@ namespace mirage {
 
 class FrameTarget {
  public:
-  /// `samples` 0: none. `blends`: many surfaces may be laid over each other (gl::color_format,
-  /// where the device can). Error kGraphicsGl.
-  static Result<FrameTarget> create(int width, int height, int samples, bool blends = false);
+  /// `samples` of a pixel: 0 and 1 are one, without multisampling. `blends`: many surfaces may be
+  /// laid over each other (gl::color_format, where the device can). `scale` of the drawn picture,
+  /// over the shown one, which it is enlarged to: below 1 with one sample only. Error kGraphicsGl.
+  static Result<FrameTarget> create(int width, int height, int samples, bool blends = false,
+                                    double scale = 1);
 
   void bind() const;
   /// Resolves and reads RGBA8, top row first; alpha is the coverage by objects.
@@ -24,6 +27,10 @@ class FrameTarget {
   GLenum format() const { return format_; }
   /// Resolves to the window's framebuffer (0).
   void show() const;
+  /// The camera of a picture, as it is drawn: of another size where it is enlarged.
+  Camera drawn_camera(const Camera& camera) const;
+  bool enlarges() const { return drawn_width_ != width_ || drawn_height_ != height_; }
+  /// Of the shown picture.
   int width() const { return width_; }
   int height() const { return height_; }
   /// Of a pixel, as the device has them; 0: one, and no multisampling.
@@ -43,6 +50,7 @@ class FrameTarget {
   gl::Framebuffer resolved_;
   gl::Renderbuffer color_, depth_, resolved_color_;
   int width_ = 0, height_ = 0, samples_ = 0;
+  int drawn_width_ = 0, drawn_height_ = 0;
   GLenum format_ = 0;
   bool blends_ = false;
 };

@@ -132,23 +132,30 @@ void MeshCache::update_ready(std::uint32_t index) {
   ready_[index] = any && masks;
 }
 
+std::optional<std::size_t> MeshCache::level(const SceneView& scene, const Camera& camera,
+                                            double tau_px, std::uint32_t instance) const {
+  const std::uint32_t index = scene.instances[instance].object;
+  const std::vector<Level>& lods = objects_[index].lods;
+  const std::size_t fit =
+      lod_for_view(scene.objects[index].lods, px_per_unit(scene, camera, instance), tau_px);
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < lods.size(); ++i) {
+    if (!lods[i].resident) continue;
+    // Finer ones show the same; of coarser ones the finest.
+    if (i <= fit || !best) best = i;
+  }
+  return best;
+}
+
 void MeshCache::choose(const SceneView& scene, const Camera& camera, double tau_px,
                        std::uint64_t frame, std::int64_t now_us, std::vector<DrawnMesh>& meshes) {
   for (DrawnMesh& mesh : meshes) {
-    const std::uint32_t index = scene.instances[mesh.instance].object;
-    Object& object = objects_[index];
-    const std::size_t fit =
-        lod_for_view(scene.objects[index].lods, px_per_unit(scene, camera, mesh.instance), tau_px);
-    std::size_t best = object.lods.size();
-    for (std::size_t i = 0; i < object.lods.size(); ++i) {
-      if (!object.lods[i].resident) continue;
-      // Finer ones show the same; of coarser ones the finest.
-      if (i <= fit || best == object.lods.size()) best = i;
-    }
-    if (best == object.lods.size()) continue;
-    mesh.lod = static_cast<std::uint8_t>(best);
-    object.lods[best].drawn_frame = frame;
-    object.lods[best].needed_us = now_us;
+    const std::optional<std::size_t> best = level(scene, camera, tau_px, mesh.instance);
+    if (!best) continue;
+    Object& object = objects_[scene.instances[mesh.instance].object];
+    mesh.lod = static_cast<std::uint8_t>(*best);
+    object.lods[*best].drawn_frame = frame;
+    object.lods[*best].needed_us = now_us;
     for (const ImageUse& use : object.uses) {
       mesh.plain = mesh.plain || images_[use.image].level < 0;
       images_[use.image].held.drawn_frame = frame;

@@ -7,21 +7,15 @@
 //         frame; what does not fit is not asked for.
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "client/core/scene_view.h"
 #include "client/core/view_fit.h"
+#include "client/frame/drawn_mesh.h"
 #include "protocol/model_codec.h"
 
 namespace mirage {
-
-/// An instance drawn as geometry.
-struct DrawnMesh {
-  std::uint32_t instance = 0;
-  std::uint8_t lod = 0;
-  float fade = 1;      ///< opacity
-  bool plain = false;  ///< an image of it shows its mean colour only
-};
 
 /// A level of an object's geometry, or of an image.
 struct AssetId {
@@ -73,6 +67,9 @@ class MeshCache {
   void choose(const SceneView& scene, const Camera& camera, double tau_px, std::uint64_t frame,
               std::int64_t now_us, std::vector<DrawnMesh>& meshes);
 
+  /// The level choose() would draw the instance from; nullopt: none is here.
+  std::optional<std::size_t> level(const SceneView& scene, const Camera& camera, double tau_px,
+                                   std::uint32_t instance) const;
   /// What geometry of the instance that is here shows wrongly, px; +inf: there is none.
   double error_px(const SceneView& scene, const Camera& camera, std::uint32_t instance) const;
 

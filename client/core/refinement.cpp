@@ -97,14 +97,16 @@ void Refinement::draw_more(FrameRenderer& renderer, const FrameTarget& target, c
     drawings_ = kDrawings;
     return;
   }
-  if (drawings_ == 0) add(target, 1);
+  // An enlarged picture is none to go on from.
+  const int before = target.enlarges() ? 0 : std::max(target.samples(), 1);
+  if (drawings_ == 0 && before > 0) add(target, 1);
   ++drawings_;
   Camera moved = camera;
   moved.shift_px += offset_px(drawings_);
   renderer.sharpen(kSharpenLevels, kSharpenLevels);
   renderer.draw(*one_sample_, moved, scene, list, lighting);
   renderer.sharpen_as_usual();
-  add(*one_sample_, 1.0f / static_cast<float>(std::max(target.samples(), 1) + drawings_));
+  add(*one_sample_, 1.0f / static_cast<float>(before + drawings_));
   target.bind();
   fill(mean_.color);
 }

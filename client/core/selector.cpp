@@ -6,6 +6,7 @@
 
 #include "client/core/blend_order.h"
 #include "client/core/selector_rules.h"
+#include "protocol/need_mask.h"
 
 namespace mirage {
 namespace {
@@ -39,6 +40,7 @@ struct Selector::Candidate {
   TileFit flat;
   TileFit deep;
   bool march = false;
+  std::size_t considered = SIZE_MAX;  ///< its place in considered_, with a plan
   bool kept = false;  ///< `flat` is what was chosen before
 };
 
@@ -92,6 +94,35 @@ bool Selector::view_shows(const SelectorInput& in, const Candidate& c) {
   return px && *px <= kFirstImagePx * c.tau_px;
 }
 
+// What the instance could be drawn as; `geometry`: also as that.
+Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c,
+                                    bool geometry) const {
+  const InstanceView& view_of = in.scene->instances[c.instance];
+  Alternatives out;
+  out.area_px = shown_area_px(in.camera, view_of.center - in.camera.pose.eye, view_of.radius);
+  out.alpha_tested = c.object->needs & kNeedAlphaMask;
+  const bool pictured = !c.group->tiles.empty() && outside(c.view);
+  if (pictured) {
+    const auto tile_of = [&](const TileFit& fit) {
+      const double edge = fit.tile->capture.edge;
+      const double share = fit.tile->crop.w * fit.tile->crop.h / (edge * edge);
+      return Alternatives::Tile{fit.error_px(c.tau_px), fit.texel_px, share};
+    };
+    out.flat = tile_of(best_flat(*c.group, *c.object, c.view, c.tau_px));
+  }
+  if (in.view) out.view_px = in.view->error_px(view_of, in.camera);
+  if (!geometry) return out;
+  out.mesh_only = c.object->surrounds;
+  const std::optional<std::size_t> level =
+      in.meshes ? in.meshes->level(*in.scene, in.camera, c.tau_px, c.instance) : std::nullopt;
+  const std::vector<LodInfo>& lods = c.object->lods;
+  if (level && *level < lods.size()) {
+    out.triangles = lods[*level].triangles;
+    out.mesh_px = lod_excess(lods[*level], px_per_unit(*in.scene, in.camera, c.instance), 1);
+  }
+  return out;
+}
+
 // Adds the instance to the candidates or the lists, if it is drawn at all.
 void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   const SelectorInput& in = w.in;
@@ -112,8 +143,14 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   if (lit.then && light_change_px(in, lit, instance, size) > c.tau_px) {
     c.light_lag_us = in.now_us - lit.then->ended_us;
   }
-  const bool as_mesh =
-      drawn_as_mesh(in, instance) && !stands_in(in, c) && !better_than_mesh(in, c);
+  bool as_mesh = drawn_as_mesh(in, instance);
+  if (in.plan) {
+    c.considered = considered_.size();
+    considered_.push_back(alternatives(in, c, as_mesh));
+    as_mesh = as_mesh && in.plan->mesh_pays(considered_.back(), shown.as_mesh);
+  } else {
+    as_mesh = as_mesh && !stands_in(in, c) && !better_than_mesh(in, c);
+  }
   if (as_mesh != shown.as_mesh) {
     const bool was_drawn = shown.frame > 0 && shown.frame + 1 >= in.frame;
     shown.swapped_us = was_drawn ? in.now_us : INT64_MIN / 2;
@@ -285,7 +322,17 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   if (!c.under_mesh && is_stale(best.bound_px, c.tau_px)) ++out.over_tau;
 }
 
+bool Selector::march_pays(const SelectorInput& in, const Candidate& c) {
+  Alternatives& thing = considered_[c.considered];
+  const double edge = c.deep.tile->capture.edge;
+  const double share = c.deep.tile->crop.w * c.deep.tile->crop.h / (edge * edge);
+  thing.deep = Alternatives::Tile{c.deep.error_px(c.tau_px), c.deep.texel_px, share};
+  const bool marched = shown_[c.instance].method == DrawMethod::kDepth;
+  return in.plan->march_pays(thing, marched);
+}
+
 DrawList Selector::select(const SelectorInput& in) {
+  considered_.clear();
   DrawList out;
   out.time_s = in.time_s;
   Walk w{in, out, Frustum(in.camera), {}};
@@ -302,6 +349,7 @@ DrawList Selector::select(const SelectorInput& in) {
   // Marching goes where it takes away most error per area, as far as the budget reaches.
   for (const auto& [far_side, c] : by_far_side) {
     if (!c->deep.tile) continue;
+    if (in.plan && !march_pays(in, *c)) continue;
     const double deep = c->deep.error_px(c->tau_px), flat = c->flat.error_px(c->tau_px);
     if (deep < kWorthMarching * flat) {
       by_gain.emplace_back((std::min(flat, 1e6) - deep) / c->area_px, c);

@@ -7,62 +7,19 @@
 // Impostor groups (all instances of a spatial cell) form trees over the instances. Both walks go
 // down from the roots and stop where a group will do.
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <vector>
 
-#include "client/core/caster_list.h"
+#include "client/core/mesh_cache.h"
 #include "client/core/tile_fit.h"
 #include "client/core/tile_need.h"
 #include "client/core/view_fit.h"
+#include "client/frame/draw_list.h"
+#include "client/plan/frame_plan.h"
 
 namespace mirage {
-
-/// An instance drawn from a tile.
-struct DrawnImpostor {
-  std::uint32_t instance = 0;
-  TileRecordPtr tile;
-  DrawMethod method = DrawMethod::kQuad;
-  double bound_px = 0;
-  double distance = 0;  ///< eye to centre, m
-  float fade = 1;       ///< opacity while fading in
-  /// Further tiles of the object that help where `tile` has nothing (kDepth only), from the front.
-  std::array<TileRecordPtr, 2> neighbours{};
-  /// For how long the light it shows has been past; 0: shown right, or within tau of it.
-  std::int64_t light_lag_us = 0;
-  /// What the sun's shadows take away; null: drawn without.
-  ShadowRecordPtr shadow{};
-};
-
-/// An instance that has no tile yet: its part of the view tile, or its proxy in its mean colour.
-struct DrawnPlaceholder {
-  std::uint32_t instance = 0;
-  double distance = 0;
-  bool covered = false;  ///< the view tile shows what is there instead
-};
-
-/// What of the view tile is drawn.
-struct DrawnView {
-  std::shared_ptr<const ViewTile> tile;
-  std::vector<bool> owners;  ///< by index into ViewTile::instances
-  /// Whether the instance with this id of the server's is.
-  bool shows(std::uint32_t id) const;
-};
-
-struct DrawList {
-  std::vector<DrawnImpostor> impostors;  ///< back to front (blend_order.h)
-  std::vector<DrawnPlaceholder> placeholders;
-  std::optional<DrawnView> view;  ///< of placeholders, and before there is a scene
-  std::vector<DrawnMesh> meshes;
-  std::size_t visible = 0;  ///< instances and groups in view, large enough to matter
-  /// Of them, drawn with a bound above what is allowed, or from no tile. Allowed is tau, scaled by
-  /// the importance the scene gives.
-  std::size_t over_tau = 0;
-  double time_s = 0;      ///< of the animation
-  CasterListPtr casters;  ///< of the shadows on geometry; null: there are none
-};
 
 /// Default swap distance to geometry, in radii; ARCHITECTURE.md has the figures it was chosen by.
 inline constexpr double kSwapRadii = 8;
@@ -73,6 +30,7 @@ struct SelectorInput {
   const std::vector<bool>* mesh_ready = nullptr;  ///< per object
   const MeshCache* meshes = nullptr;              ///< nullptr: what is ready is taken to be exact
   const ViewFit* view = nullptr;                  ///< of the view tile; nullptr: there is none
+  const FramePlan* plan = nullptr;                ///< what pays; nullptr: whatever it costs
   Camera camera;
   Camera predicted;
   glm::dvec3 velocity{0};  ///< of the eye, world, m/s
@@ -99,6 +57,8 @@ class Selector {
 
   /// Decides what is drawn this frame; marks the tiles as drawn.
   DrawList select(const SelectorInput& input);
+  /// What each thing in view could have been drawn as, of the last select() with a plan.
+  const std::vector<Alternatives>& considered() const { return considered_; }
   /// What to ask for, largest gain first; instances without any acceptable tile at the predicted
   /// view.
   std::vector<TileNeed> needs(const SelectorInput& input);
@@ -141,7 +101,10 @@ class Selector {
   bool members_have_images(const SelectorInput& in, std::uint32_t group) const;
   bool group_serves(const SelectorInput& in, std::uint32_t group, const ViewGeometry& view) const;
   bool drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const;
+  Alternatives alternatives(const SelectorInput& in, const Candidate& candidate,
+                            bool geometry) const;
   static bool view_shows(const SelectorInput& in, const Candidate& c);
+  bool march_pays(const SelectorInput& in, const Candidate& candidate);
   bool better_than_mesh(const SelectorInput& in, const Candidate& candidate) const;
   bool stands_in(const SelectorInput& in, const Candidate& candidate) const;
   void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);
@@ -152,6 +115,7 @@ class Selector {
                 std::vector<TileNeed>& out);
 
   std::vector<Shown> shown_;
+  std::vector<Alternatives> considered_;
   Basis basis_;
 };
 

@@ -140,7 +140,8 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   const double distance = glm::length(view.eye) / view.radius;
   if (in.scene->geometry && object.surrounds) return;
   const double tau = allowed_px(in, in.predicted, view_of);
-  const bool stand_in = (*in.mesh_ready)[view_of.object] && distance < swap_radii(in, object);
+  const bool stand_in = (*in.mesh_ready)[view_of.object] && distance < swap_radii(in, object) &&
+                        !too_dear(in, in.predicted, instance, tau);
   if (stand_in && !may_stand_in(in, object, view, tau)) return;
   const TileCache::LitGroup lit = in.cache->lit_group(instance);
   const TileGroup& group = *lit.tiles;
@@ -246,7 +247,8 @@ std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) const {
     const InstanceView& view_of = in.scene->instances[instance];
     const double distance = glm::length(view_of.center - in.predicted.pose.eye);
     const double swap = swap_radii(in, in.scene->objects[view_of.object]);
-    if (distance < kMeshPrefetch * swap * view_of.radius) out.push_back(instance);
+    if (distance >= kMeshPrefetch * swap * view_of.radius) return;
+    if (!too_dear(in, in.predicted, instance, in.tau_px)) out.push_back(instance);
   });
   return out;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "client/core/importance.h"
+#include "protocol/limits.h"
 #include "protocol/need_mask.h"
 #include "protocol/stable_math.h"
 
@@ -18,6 +19,9 @@ constexpr std::uint32_t kTileBytes = 1500;  // of a middling tile, as it travels
 // a triangle costs as much as so many pixels of a quad, or more.
 constexpr double kStandInRadii = 3;
 constexpr double kPixelsPerTriangle = 16;
+// A tile that is asked for: its error over tau in the middle of its life, and its share of its
+// frame.
+constexpr double kGoodTilePx = 0.5, kGoodTileShare = 0.6;
 
 // Sent once, such geometry costs less than any one tile, and is right from everywhere.
 bool cheaper_than_tiles(const ObjectDescription& object) {
@@ -69,6 +73,24 @@ double swap_radii(const SelectorInput& in, const ObjectDescription& object) {
 
 bool comes_as_mesh(const SelectorInput& in, const ObjectDescription& object, double radii) {
   return in.scene->geometry && radii < swap_radii(in, object);
+}
+
+bool too_dear(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
+              double tau_px) {
+  const InstanceView& view = in.scene->instances[instance];
+  const ObjectDescription& object = in.scene->objects[view.object];
+  if (!in.plan || !in.method.automatic || object.surrounds || object.lods.empty()) return false;
+  const glm::dvec3 center = view.center - camera.pose.eye;
+  if (glm::length(center) < limits::kMinCaptureRadii * view.radius) return false;
+  Alternatives thing;
+  thing.area_px = shown_area_px(camera, center, view.radius);
+  thing.alpha_tested = object.needs & kNeedAlphaMask;
+  thing.flat = Alternatives::Tile{kGoodTilePx * tau_px, std::max(1.0, tau_px), kGoodTileShare};
+  const double density = px_per_unit(*in.scene, camera, instance);
+  const LodInfo& lod = object.lods[lod_for_view(object.lods, density, tau_px)];
+  thing.triangles = lod.triangles;
+  thing.mesh_px = lod_excess(lod, density, 1);
+  return !in.plan->mesh_pays(thing, true);
 }
 
 bool may_stand_in(const SelectorInput& in, const ObjectDescription& object,

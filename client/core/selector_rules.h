@@ -25,6 +25,9 @@ double light_change_px(const SelectorInput& in, const TileCache::LitGroup& lit,
 double swap_radii(const SelectorInput& in, const ObjectDescription& object);
 /// Whether geometry of the object is there or will be, at this distance in radii.
 bool comes_as_mesh(const SelectorInput& in, const ObjectDescription& object, double radii);
+/// Whether the plan would rather have a good tile of it than its geometry: that is too dear for
+/// what it shows better.
+bool too_dear(const SelectorInput& in, const Camera& camera, std::uint32_t instance, double tau_px);
 /// Whether a flat tile of the object is cheaper to draw than its geometry, and may replace it.
 bool may_stand_in(const SelectorInput& in, const ObjectDescription& object,
                   const ViewGeometry& view, double tau_px);

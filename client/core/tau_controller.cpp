@@ -21,11 +21,10 @@ constexpr std::int64_t kLongestPatienceUs = 32'000'000;
 double TauController::update(const TauLoad& load, std::int64_t now_us, std::int64_t round_trip_us) {
   if (now_us < next_action_us_) return tau_px_;
   double strain = 0;
-  if (targets_.frame_ms > 0) strain = std::max(strain, load.frame_ms / targets_.frame_ms);
   if (targets_.rate_mbps > 0) strain = std::max(strain, load.rate_mbps / targets_.rate_mbps);
   if (load.saturated_s > kSaturatedS) strain = std::max(strain, 1 + 2 * kDeadBand);
   // std::max passes over a NaN on its right: look for it apart.
-  const double sum = load.frame_ms + load.rate_mbps + load.saturated_s;
+  const double sum = load.rate_mbps + load.saturated_s;
   if (!std::isfinite(sum)) return tau_px_;
   const std::int64_t round = std::max(round_trip_us, kShortestRoundUs);
   const std::int64_t least = std::clamp(kPatienceRounds * round, kPatienceUs, kLongestPatienceUs);

@@ -1,6 +1,6 @@
 #pragma once
-// Steers the global tolerance tau to what the machine and the link can do (TECHNIQUES: an update
-// is due when the error passes a factor steered at run time to hold a frame rate).
+// Steers the global tolerance tau to what the link can do. What a frame may take is the frame
+// plan's.
 //
 // Stable under delay (NUMERICS section 4): at most one step a round trip, steps of x1.25 and x0.8
 // in log tau, a dead band of 10 % around the target, and coming back needs several calm rounds. A
@@ -12,13 +12,11 @@
 namespace mirage {
 
 struct TauTargets {
-  double frame_ms = 0;   ///< wanted time per frame; 0: any
   double rate_mbps = 0;  ///< wanted rate down; 0: any
 };
 
 /// What was measured lately; NaN where nothing was.
 struct TauLoad {
-  double frame_ms = 0;
   double rate_mbps = 0;
   double saturated_s = 0;  ///< how long asks have been held back by the window
 };

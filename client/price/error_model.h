@@ -1,12 +1,10 @@
 #pragma once
 // How wrong what is drawn looks: FLIP a pixel (0 to 1) of what an object may be drawn as, from what
-// is known before it is drawn. A linear model; `mirage-report calibrate` fits it.
+// is known before it is drawn. A linear model, so that it can be fitted.
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-
-#include "client/core/tile_fit.h"
 
 namespace mirage {
 
@@ -44,7 +42,7 @@ struct ErrorModel {
   Wrongs flip{};  ///< of one of each, >= 0
   double flip_of(const Wrongs& wrongs) const;
 };
-/// As fitted; error_model.cpp says when, and on what.
+/// error_model.cpp says where its numbers are from.
 const ErrorModel& error_model();
 
 }  // namespace mirage

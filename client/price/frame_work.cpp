@@ -110,14 +110,20 @@ FrameWork impostor_work(const SceneView& scene, const Camera& camera, std::uint3
   return work;
 }
 
+std::size_t levels_drawn(const SceneView& scene, const std::vector<DrawnMesh>& meshes) {
+  std::set<std::pair<std::uint32_t, std::uint8_t>> levels;
+  for (const DrawnMesh& mesh : meshes) {
+    levels.emplace(scene.instances[mesh.instance].object, mesh.lod);
+  }
+  return levels.size();
+}
+
 FrameWork work_of(const SceneView& scene, const Camera& camera, const DrawList& list, int samples) {
   FrameWork work = target_work(camera, samples);
-  std::set<std::pair<std::uint32_t, std::uint8_t>> levels;
   for (const DrawnMesh& mesh : list.meshes) {
-    levels.emplace(scene.instances[mesh.instance].object, mesh.lod);
     work += mesh_work(scene, camera, mesh.instance, mesh.lod, samples);
   }
-  work[Work::kMesh] = static_cast<double>(levels.size());
+  work[Work::kMesh] = static_cast<double>(levels_drawn(scene, list.meshes));
   for (const DrawnImpostor& drawn : list.impostors) {
     work += impostor_work(scene, camera, drawn.instance, *drawn.tile, drawn.method, samples);
   }

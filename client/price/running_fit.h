@@ -11,7 +11,7 @@
 namespace mirage {
 
 struct RunningFitOptions {
-  double kept = 0.99;   ///< weight of a row one row later; 1: none is forgotten
+  double kept = 0.95;   ///< weight of a row one row later; 1: none is forgotten
   double prior = 1e-3;  ///< weight of 1 for each factor, in squared units of the target
   double range = 16;
 };

@@ -109,9 +109,11 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_option("--tau", o.tau_px, "error target in pixels")
       ->check(number_within(0.01, 1000.0))
       ->capture_default_str();
-  app.add_option("--frame-ms", o.targets.frame_ms, "time per frame to hold by raising tau; 0: none")
-      ->check(number_within(0.0, 10'000.0))
-      ->capture_default_str();
+  app.add_option(
+         "--frame-ms", o.frame_ms,
+         "budget of a frame in ms, spent where it takes away most error; 0: none; default: the "
+         "display's pace, 50 on a software renderer, none on virtual time")
+      ->check(number_within(0.0, 10'000.0));
   app.add_option("--rate-mbps", o.targets.rate_mbps,
                  "rate down to hold by raising tau, Mbit/s; 0: none")
       ->check(number_within(0.0, 100'000.0))
@@ -127,8 +129,8 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
   app.add_option("--msaa", o.msaa_name,
-                 "samples per pixel, 0 to 16; auto: 4, and none once frames take longer than "
-                 "--frame-ms or 50 ms to draw (never on virtual time)")
+                 "samples per pixel, 0 to 16 (0 and 1: one); auto: 4, or 1 where that pays within "
+                 "--frame-ms")
       ->check(CLI::Range(0, 16) | CLI::IsMember({"auto"}))
       ->capture_default_str();
   app.add_flag("--no-view{false}", o.views,

@@ -26,6 +26,7 @@ struct ViewOptions {
   std::optional<NetModel> net;
   std::string device_model_name;  ///< empty: frames take no virtual time
   std::optional<CostModel> device_model;
+  double frame_ms = -1;  ///< budget of a frame; 0: none; < 0: by renderer and display
   double tau_px = 1;
   TauTargets targets;
   std::string method_name = "auto";
@@ -33,7 +34,7 @@ struct ViewOptions {
   int reference_every = 0;
   int reference_supersample = 2;
   std::string msaa_name = "auto";
-  int msaa = -1;  ///< samples a pixel; < 0: by what frames take
+  int msaa = -1;  ///< samples a pixel; < 0: as many as pay in the budget
   int atlas_mb = 216;
   int mesh_mb = 256;
   int upload_kb = 8192;

@@ -10,29 +10,30 @@
 #include "client/core/camera_path.h"
 #include "client/core/quantile.h"
 #include "client/core/refinement.h"
-#include "client/core/sample_choice.h"
 #include "client/core/stillness.h"
 #include "client/host/client_host.h"
 #include "client/host/light_script.h"
 #include "client/host/png.h"
+#include "client/price/cost_fit.h"
 #include "client/view/comparison.h"
 #include "client/view/overlay.h"
 #include "client/view/session_stats.h"
 #include "client/view/window.h"
 #include "shaders/gl/egl_context.h"
+#include "shaders/gl/renderer.h"
 
 namespace mirage {
 namespace {
 
 class Viewer {
  public:
-  explicit Viewer(const ViewOptions& options)
-      : o_(options), samples_(options.msaa, options.targets.frame_ms) {}
+  explicit Viewer(const ViewOptions& options) : o_(options) {}
   Result<void> run();
 
  private:
   Result<void> open_graphics();
   void make_host();
+  void price_frames();
   Result<void> meet_scene();
   Result<void> frame_loop();
   Result<void> one_frame(std::int64_t frame);
@@ -40,8 +41,8 @@ class Viewer {
   Result<void> finish();
   Result<void> make_target(int width, int height, bool blends);
   Result<void> fit_target();
+  double frame_budget_ms() const;
   void draw(const Camera& camera, const DrawList& list);
-  void note_drawn_ms(double ms);
   void note_scene();
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
@@ -61,9 +62,9 @@ class Viewer {
   std::int64_t start_us_ = 0;
   std::optional<Window> window_;
   gl::EglContext egl_;
-  SampleChoice samples_;
   std::optional<FrameTarget> target_;
-  int target_samples_ = 0;  // as chosen, which may be more than the device has
+  FrameSetting setting_;  // of the target, as planned: the device may not have as many samples
+  std::optional<CostFit> prices_;  // in real time
   std::optional<FrameRenderer> renderer_;
   std::unique_ptr<ClientHost> host_;
   std::optional<CameraPath> path_;
@@ -84,6 +85,7 @@ class Viewer {
 };
 
 constexpr double kKeptFrameS = 1.0 / 60;  // instead of the display's pace, which only a swap brings
+constexpr double kSoftwareFrameMs = 50;
 constexpr double kRestS = 60;             // an event comes sooner or not at all
 
 Result<void> Viewer::open_graphics() {
@@ -106,10 +108,11 @@ Result<void> Viewer::open_graphics() {
 }
 
 Result<void> Viewer::make_target(int width, int height, bool blends) {
-  Result<FrameTarget> target = FrameTarget::create(width, height, samples_.samples(), blends);
+  if (host_) setting_ = session().plan().setting();
+  Result<FrameTarget> target =
+      FrameTarget::create(width, height, setting_.samples, blends, setting_.scale);
   if (!target) return target.error();
   target_.emplace(target.take());
-  target_samples_ = samples_.samples();
   return {};
 }
 
@@ -125,6 +128,8 @@ void Viewer::make_host() {
   ClientOptions& options = host.session;
   options.tau_px = o_.tau_px;
   options.targets = o_.targets;
+  options.frame_ms = frame_budget_ms();
+  options.samples = o_.msaa;
   options.mesh_radii = o_.mesh_radii;
   options.method = o_.method;
   options.atlas_edge = kAtlasEdge;
@@ -143,6 +148,23 @@ void Viewer::make_host() {
   options.screen.height = static_cast<std::uint32_t>(target_->height());
   options.trace = !o_.trace_file.empty();
   host_ = std::make_unique<ClientHost>(host, *renderer_);
+}
+
+// From now on frames have prices: those of the device model, or what they are measured to take.
+void Viewer::price_frames() {
+  if (o_.device_model) session().set_prices(*o_.device_model);
+  if (o_.virtual_time) return;
+  prices_.emplace(*device_model(gl::is_software() ? "software" : "laptop"));
+  session().set_prices(prices_->model());
+}
+
+// What is not said: the display's pace, 20 frames a second on a software renderer; on virtual time
+// frames take none.
+double Viewer::frame_budget_ms() const {
+  if (o_.frame_ms >= 0) return o_.frame_ms;
+  if (o_.virtual_time) return 0;
+  if (gl::is_software()) return kSoftwareFrameMs;
+  return window_ ? window_->refresh_ms() : 0;
 }
 
 Result<void> Viewer::meet_scene() {
@@ -184,7 +206,7 @@ Result<void> Viewer::fit_target() {
   if (window_) window_->framebuffer_size(w, h);
   const bool blends = session().scene().blends();
   const bool same = w == target_->width() && h == target_->height() &&
-                    blends == target_->blends() && samples_.samples() == target_samples_;
+                    blends == target_->blends() && session().plan().setting() == setting_;
   if (w < 1 || h < 1 || same) return {};
   if (Result<void> made = make_target(w, h, blends); !made) return made;
   still_.content_changed();
@@ -196,23 +218,19 @@ void Viewer::draw(const Camera& camera, const DrawList& list) {
   const std::int64_t began = real_clock_.now_us();
   renderer_->draw(*target_, camera, session().scene(), list, session().lighting());
   glFinish();
-  programs_in_draws_ += gl::programs_compiled() - programs;
-  if (!host_->virtual_clock()) {
-    note_drawn_ms(static_cast<double>(real_clock_.now_us() - began) * 1e-3);
-  } else if (o_.device_model) {  // reproducible, whatever the machine
-    const int samples = std::max(target_->samples(), 1);
-    model_ms_ = o_.device_model->ms_of(work_of(session().scene(), camera, list, samples));
-    note_drawn_ms(model_ms_);
+  const std::uint64_t compiled = gl::programs_compiled() - programs;
+  programs_in_draws_ += compiled;
+  const FrameWork work = work_of(session().scene(), target_->drawn_camera(camera), list,
+                                 std::max(target_->samples(), 1));
+  if (o_.device_model) {
+    model_ms_ = o_.device_model->ms_of(work);
+    session().note_frame_ms(model_ms_);
   }
-}
-
-void Viewer::note_drawn_ms(double ms) {
-  if (samples_.note_drawn(ms)) {
-    spdlog::info(
-        "frames take {:.0f} ms to draw: from now on with one sample a pixel (--msaa {} keeps "
-        "them as they were)",
-        ms, SampleChoice::kMost);
-  }
+  if (!prices_ || compiled > 0) return;  // what is compiled is compiled once
+  const double ms = static_cast<double>(real_clock_.now_us() - began) * 1e-3;
+  prices_->add(work, ms);
+  session().note_frame_ms(ms);
+  session().set_prices(prices_->model());
 }
 
 void Viewer::show(const DrawList& list, std::int64_t now) {
@@ -280,7 +298,6 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (drawn) stats_.note_drawn(real_ms);
   stats_.note_traffic(host_->traffic(), now - start_us_);
   if (drawn) smooth_ms_ += 0.1 * (frame_ms - smooth_ms_);
-  if (!host_->virtual_clock() || o_.device_model) session().note_frame_ms(smooth_ms_);
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
     const Result<void> written =
@@ -411,6 +428,7 @@ Result<void> Viewer::run() {
   if (Result<void> graphics = open_graphics(); !graphics) return graphics;
   make_host();
   if (Result<void> link = host_->open(); !link) return link;
+  price_frames();
   if (Result<void> scene = meet_scene(); !scene) return scene;
   if (Result<void> looped = frame_loop(); !looped) return looped;
   return finish();

@@ -68,6 +68,13 @@ bool Window::wait(double seconds) {
 
 void Window::wake() { glfwPostEmptyEvent(); }
 
+double Window::refresh_ms() const {
+  constexpr double kUsualHz = 60;
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  const GLFWvidmode* mode = monitor ? glfwGetVideoMode(monitor) : nullptr;
+  return 1000.0 / (mode && mode->refreshRate > 0 ? mode->refreshRate : kUsualHz);
+}
+
 bool Window::take_refresh() { return std::exchange(impl_->refresh, false); }
 
 bool Window::after_events() {

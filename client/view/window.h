@@ -30,6 +30,8 @@ class Window {
   bool take_refresh();
   void present();
   void framebuffer_size(int& width, int& height) const;
+  /// Time between two pictures of the display.
+  double refresh_ms() const;
   bool overlay() const;
   /// Where the mouse points, in pixels of the framebuffer from the upper left; nullopt outside the
   /// window, and while a drag turns the view.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "client/core/tau_controller.h"
+#include "client/price/cost_fit.h"
 #include "tests/extreme/control_turn_case.h"
 #include "tests/extreme/network_links.h"
 #include "tests/extreme/registry.h"
@@ -218,38 +219,44 @@ Outcome broken_meter(const Conditions&) {
   constexpr std::int64_t kRoundUs = 100'000;
   int moved = 0;
   for (const double bad : {nan, -nan, inf, -inf}) {
-    for (int meter = 0; meter < 3; ++meter) {
-      TauController c(1, {20, 5});
+    for (int meter = 0; meter < 2; ++meter) {
+      TauController c(1, {5});
       std::int64_t now = 0;
-      for (int i = 0; i < 4; ++i) c.update({60, 10, 0}, now += kRoundUs, kRoundUs);
+      for (int i = 0; i < 4; ++i) c.update({10, 0}, now += kRoundUs, kRoundUs);
       const double held = c.tau_px();
       for (int i = 0; i < 50; ++i) {
-        TauLoad load{i % 2 ? 100.0 : 1.0, i % 2 ? 50.0 : 0.1, 0};
-        (meter == 0 ? load.frame_ms : meter == 1 ? load.rate_mbps : load.saturated_s) = bad;
+        TauLoad load{i % 2 ? 50.0 : 0.1, 0};
+        (meter == 0 ? load.rate_mbps : load.saturated_s) = bad;
         moved += c.update(load, now += kRoundUs, kRoundUs) == held ? 0 : 1;
       }
     }
   }
-  // The whole client, its meter broken for a while.
+  // The whole client, the clock of its frames broken for a while.
   RigOptions options;
-  options.client.targets.frame_ms = 20;
+  options.client.frame_ms = 20;
   options.net.rtt_ms = 50;
   Rig rig(rig_scene({}), options);
+  const CostModel usual_prices = *device_model("software");
+  CostFit fit(usual_prices);
   const auto still = [](double) { return eye_at({0, 0, 9}, {0, 0, -12}); };
-  const auto run = [&](double seconds, double ms) {
+  /// What a frame is expected to take, where each takes `times` its usual time.
+  const auto run = [&](double seconds, double times) {
     const double end = rig.now_s() + seconds;
+    FrameWork work;
     while (rig.now_s() < end) {
-      rig.session.note_frame_ms(ms);
-      rig.frame(still(0));
+      const DrawList list = rig.frame(still(0));
+      work = work_of(rig.session.scene(), rig.camera, list, 1);
+      fit.add(work, times * usual_prices.ms_of(work));
+      rig.session.set_prices(fit.model());
     }
-    return rig.session.tau_px();
+    return fit.model().ms_of(work);
   };
-  const double usual = run(2, 18), strained = run(1, 60), held = run(5, nan), back = run(10, 5);
+  const double usual = run(2, 1), strained = run(4, 3), held = run(5, nan), back = run(10, 1);
   Checks checks;
   checks.equal("steps taken on a NaN or infinite measure", moved, 0);
-  checks.at_least("tau under strain, of the usual", strained / usual, 1.25);
-  checks.equal("tau held while the meter is broken, of that before", held / strained, 1);
-  checks.equal("tau when it is back and calm", back, usual);
+  checks.at_least("price of a frame under strain, of the usual", strained / usual, 2.5);
+  checks.equal("price held while the clock is broken, of that before", held / strained, 1);
+  checks.at_most("price when it is back, of the usual", back / usual, 1.1);
   return checks.outcome();
 }
 
