@@ -17,7 +17,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/core_stillness_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_tau_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/core_window_test.cpp unit/core_view_test.cpp
-  ${PROJECT_SOURCE_DIR}/tests/unit/core_tile_bytes_test.cpp unit/core_tile_fit_test.cpp unit/core_server_pace_test.cpp unit/core_settled_test.cpp unit/core_upload_test.cpp unit/core_price_test.cpp unit/core_plan_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/core_tile_bytes_test.cpp unit/core_tile_fit_test.cpp unit/core_server_pace_test.cpp unit/core_settled_test.cpp unit/core_upload_test.cpp unit/core_price_test.cpp unit/core_rent_test.cpp unit/core_plan_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_environment_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_grouping_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_bound_test.cpp

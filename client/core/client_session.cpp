@@ -205,6 +205,9 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
       scheduler_.finish(reply.request_id, bytes, reply.server_us, came_us);
   if (!ask || !scene_.complete()) return {};
   codec_choice_.tile_arrived(came_us - ask->sent_us, reply.server_us);
+  if (is_picture(ask->need.channels)) {
+    selector_.note_tile(ask->object, static_cast<double>(bytes));
+  }
   Result<Tile> tile = tile_from_fields(reply);
   if (!tile) return tile.error();
   if (tile->edge != tile_edge(ask->need.size_class)) {
@@ -323,10 +326,11 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   input.mesh_ready = &meshes_.ready();
   input.meshes = &meshes_;
   input.view = views_.fit();
+  input.tile_bytes = &scheduler_.tile_bytes();
   input.camera = input.predicted = camera;
   input.predicted.pose = predictor_.predict(horizon);
   input.velocity = predictor_.velocity_mps();
-  input.plan = plan_.plans() ? &plan_ : nullptr;
+  input.plan = &plan_;
   const TauLoad load{scheduler_.rate_mbps(), scheduler_.saturated_s(now_us)};
   input.tau_px = tau_.update(load, now_us, scheduler_.round_trip_us());
   input.target_px = options_.tau_px;
@@ -340,15 +344,14 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   input.horizon_s = options_.animation ? static_cast<double>(horizon) * 1e-6 : 0;
   input.frame = frame_;
   input.now_us = now_us;
-  DrawList list = selector_.select(input);
   // In time relit tiles give way to better ones, and tau comes down again.
   const bool passing = relit && options_.relight == RelightChoice::kAuto;
   const bool stands = glm::length(input.predicted.pose.eye - camera.pose.eye) < kStandsM &&
                       glm::dot(input.predicted.pose.rotation, camera.pose.rotation) > kFacesSame;
   rested_ = stands && (rested_ || was_at_rest);
-  const double mesh_tau_px = input.tau_px * (rested_ ? kRestTauShare : 1);
-  meshes_.choose(scene_, camera, mesh_tau_px, frame_, now_us, list.meshes);
-  plan_.finish(camera, selector_.considered(), levels_drawn(scene_, list.meshes), now_us);
+  input.mesh_tau_px = input.tau_px * (rested_ ? kRestTauShare : 1);
+  DrawList list = selector_.select(input);
+  meshes_.mark_drawn(scene_, frame_, now_us, list.meshes);
   const bool shadows = scene_.shadows && options_.shadows;
   if (shadows) shadows_.shade(input, lighting_, meshes_, list);
   for (const std::weak_ptr<TileRecord>& tile : undrawn_) {
@@ -363,11 +366,11 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
                                   return !record || record->shown;
                                 }),
                  undrawn_.end());
+  std::vector<TileNeed> tiles = selector_.needs(input);
   std::vector<AssetNeed> meshes;
   if (scene_.geometry) {
-    meshes =
-        meshes_.needs(scene_, input.predicted, mesh_tau_px, now_us, selector_.mesh_needs(input),
-                      input.view);
+    meshes = meshes_.needs(scene_, input.predicted, input.mesh_tau_px, now_us,
+                           selector_.mesh_needs(input), input.view);
   }
   for (const AssetId& gone : meshes_.drop(frame_, now_us)) {
     if (sink_.drop) sink_.drop(gone);
@@ -380,7 +383,6 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
     views_.asked(view->request_id);
     link_.send(encode_message(std::move(*view)));
   }
-  std::vector<TileNeed> tiles = selector_.needs(input);
   if (shadows) shadows_.add_needs(input, lighting_, list, tiles);
   codec_ = codec_choice_.update({scheduler_.rate_mbps(), scheduler_.saturated_s(now_us)}, now_us);
   scheduler_.ask_lossy(is_lossy(codec_));

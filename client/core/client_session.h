@@ -34,10 +34,10 @@ struct ClientOptions {
   double tau_px = 1;
   TauTargets targets;  ///< tau rises above tau_px while they are not met
   MethodChoice method;
-  double frame_ms = 0;             ///< budget of a frame; 0: any time
-  int samples = -1;                ///< of a pixel; < 0: as many as pay within the budget
-  double march_budget_px = 1e9;    ///< screen area per frame drawn by marching depth
-  double mesh_radii = kSwapRadii;  ///< swap distance to geometry, in radii
+  double frame_ms = 0;            ///< budget of a frame; 0: any time
+  int samples = -1;               ///< of a pixel; < 0: as many as pay within the budget
+  double march_budget_px = 1e9;   ///< screen area per frame drawn by marching depth
+  double mesh_radii = kAnyRadii;  ///< nothing farther is drawn as geometry but what is cheap
   RelightChoice relight = RelightChoice::kAuto;
   int atlas_edge = 1024;
   int atlas_layers = 24;
@@ -53,9 +53,9 @@ struct ClientOptions {
   bool animation = true;              ///< false: every clip stands at its beginning
   std::optional<TileCodec> codec;     ///< of tiles; none: by link and cost
   const Clock* work_clock = nullptr;  ///< what decoding takes; null on virtual time
-  bool views = true;                  ///< a view tile shows what has no image yet (automatic methods, with
-                                      ///< what shadows the server draws)
-  Camera screen;                      ///< of the first frames: size and field of view
+  bool views = true;  ///< a view tile shows what has no image yet (automatic methods, with
+                      ///< what shadows the server draws)
+  Camera screen;      ///< of the first frames: size and field of view
 };
 
 struct ReferenceFrame {
@@ -205,7 +205,7 @@ class ClientSession {
   bool reference_refused_ = false;
   bool moves_ = false;  ///< something of the scene is animated
   bool at_rest_ = false;
-  bool rested_ = false;  ///< all that tau asks for has come, and the eye stands
+  bool rested_ = false;               ///< all that tau asks for has come, and the eye stands
   std::int64_t told_us_ = INT64_MIN;  ///< the caller's clock, when it was last told
   std::int64_t set_back_us_ = 0;      ///< by how much it has been set back in all
   std::uint64_t frame_ = 0;

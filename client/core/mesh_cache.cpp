@@ -6,6 +6,7 @@
 #include <map>
 
 #include "client/core/importance.h"
+#include "protocol/need_mask.h"
 
 namespace mirage {
 namespace {
@@ -21,6 +22,24 @@ constexpr double kCoarseShare = 0.5;  // of the needed level's bytes: otherwise 
 constexpr double kTexelsPerPixel = 1.5;  // a level is sharp enough down to this
 constexpr double kNearest = 0.01;        // of the radius: nothing is seen from nearer than this
 constexpr std::size_t kReplyBytes = 64;  // around any payload
+
+constexpr NeedMask kMapNeeds[] = {kNeedBaseColorMap, kNeedMetalRoughMap, kNeedNormalMap,
+                                  kNeedOcclusionMap, kNeedEmissiveMap};
+constexpr double kLargestGuess = 1024;  // texels of an edge
+
+// The coarsest level with a texel for each pixel, the whole image lying over 1 / uv_per_unit units.
+int needed_level(const ImageDescription& image, const ImageUse& use, double px_per_unit) {
+  const double edge = std::max(image.width, image.height);
+  const double needed_edge =
+      use.uv_per_unit > 0 ? kTexelsPerPixel * px_per_unit / use.uv_per_unit : edge;
+  int level = 0;
+  while (level + 1 < image_levels(image)) {
+    const glm::uvec2 size = image_level_size(image, static_cast<std::uint8_t>(level));
+    if (std::max(size.x, size.y) >= needed_edge) break;
+    ++level;
+  }
+  return level;
+}
 
 double median_uv_per_unit(const Mesh& mesh, const Primitive& p, const TextureRef& map) {
   std::vector<double> ratios;
@@ -151,11 +170,17 @@ void MeshCache::choose(const SceneView& scene, const Camera& camera, double tau_
                        std::uint64_t frame, std::int64_t now_us, std::vector<DrawnMesh>& meshes) {
   for (DrawnMesh& mesh : meshes) {
     const std::optional<std::size_t> best = level(scene, camera, tau_px, mesh.instance);
-    if (!best) continue;
+    mesh.lod = static_cast<std::uint8_t>(best.value_or(0));
+  }
+  mark_drawn(scene, frame, now_us, meshes);
+}
+
+void MeshCache::mark_drawn(const SceneView& scene, std::uint64_t frame, std::int64_t now_us,
+                           std::vector<DrawnMesh>& meshes) {
+  for (DrawnMesh& mesh : meshes) {
     Object& object = objects_[scene.instances[mesh.instance].object];
-    mesh.lod = static_cast<std::uint8_t>(*best);
-    object.lods[*best].drawn_frame = frame;
-    object.lods[*best].needed_us = now_us;
+    object.lods[mesh.lod].drawn_frame = frame;
+    object.lods[mesh.lod].needed_us = now_us;
     for (const ImageUse& use : object.uses) {
       mesh.plain = mesh.plain || images_[use.image].level < 0;
       images_[use.image].held.drawn_frame = frame;
@@ -164,20 +189,38 @@ void MeshCache::choose(const SceneView& scene, const Camera& camera, double tau_
   }
 }
 
-double MeshCache::error_px(const SceneView& scene, const Camera& camera,
-                           std::uint32_t instance) const {
+double MeshCache::price_bytes(const SceneView& scene, const Camera& camera, double tau_px,
+                              std::uint32_t instance) const {
   const std::uint32_t index = scene.instances[instance].object;
-  const std::vector<Level>& levels = objects_[index].lods;
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    if (!levels[i].resident) continue;
-    return lod_excess(scene.objects[index].lods[i], px_per_unit(scene, camera, instance), 1);
+  const ObjectDescription& description = scene.objects[index];
+  const Object& object = objects_[index];
+  const double density = px_per_unit(scene, camera, instance);
+  const std::size_t lod = lod_for_view(description.lods, density, tau_px);
+  double bytes = 0;
+  const bool here = std::any_of(object.lods.begin(), object.lods.begin() + lod + 1,
+                                [](const Level& level) { return level.resident; });
+  if (!here) bytes += description.lods[lod].bytes;
+  if (object.known_uses) {
+    for (const ImageUse& use : object.uses) {
+      const int level = needed_level(scene.images[use.image], use, density);
+      if (level <= images_[use.image].level) continue;
+      const glm::uvec2 size =
+          image_level_size(scene.images[use.image], static_cast<std::uint8_t>(level));
+      bytes += image_bytes_per_texel_ * size.x * size.y;
+    }
+    return bytes;
   }
-  return kInfinity;
+  // Each map once around the object, some three times its diameter in pixels.
+  const double edge = std::min(3 * 2 * density * description.radius, kLargestGuess);
+  for (const NeedMask map : kMapNeeds) {
+    if (description.needs & map) bytes += image_bytes_per_texel_ * edge * edge;
+  }
+  return bytes;
 }
 
-std::vector<MeshCache::Wanted> MeshCache::wanted(
-    const SceneView& scene, const Camera& camera,
-    const std::vector<std::uint32_t>& instances, const ViewFit* view) const {
+std::vector<MeshCache::Wanted> MeshCache::wanted(const SceneView& scene, const Camera& camera,
+                                                 const std::vector<std::uint32_t>& instances,
+                                                 const ViewFit* view) const {
   std::map<std::uint32_t, Wanted> by_object;
   for (const std::uint32_t i : instances) {
     const std::uint32_t object = scene.instances[i].object;
@@ -245,8 +288,7 @@ void MeshCache::need_mesh(const SceneView& scene, const Wanted& want, double tau
       break;
     }
   }
-  const double gain =
-      want.surrounds && none ? kInfinity : std::min(shown, want.size_px);
+  const double gain = want.surrounds && none ? kInfinity : std::min(shown, want.size_px);
   out.push_back({{AssetId::Kind::kMesh, want.object, static_cast<std::uint8_t>(first)},
                  gain,
                  static_cast<double>(lods[first].bytes + kReplyBytes),
@@ -259,16 +301,7 @@ void MeshCache::need_images(const SceneView& scene, const Wanted& want, std::int
     const ImageDescription& image = scene.images[use.image];
     ImageState& state = images_[use.image];
     state.held.needed_us = now_us;
-    const double edge = std::max(image.width, image.height);
-    // Texels a pixel at level 0 and above, the whole image lying over 1 / uv_per_unit units.
-    const double needed_edge =
-        use.uv_per_unit > 0 ? kTexelsPerPixel * want.px_per_unit / use.uv_per_unit : edge;
-    int level = 0;
-    while (level + 1 < image_levels(image)) {
-      const glm::uvec2 size = image_level_size(image, static_cast<std::uint8_t>(level));
-      if (std::max(size.x, size.y) >= needed_edge) break;
-      ++level;
-    }
+    int level = needed_level(image, use, want.px_per_unit);
     const auto texels = [&](int l) {
       const glm::uvec2 size = image_level_size(image, static_cast<std::uint8_t>(l));
       return static_cast<double>(size.x) * size.y;

@@ -62,19 +62,24 @@ class MeshCache {
   /// Per object: something of it can be drawn.
   const std::vector<bool>& ready() const { return ready_; }
 
-  /// Chooses the level of each of `meshes`: the coarsest within tau, or what comes nearest of those
-  /// that are here. Marks it as drawn in this frame.
+  /// Gives each of `meshes` its level, and marks it as drawn in this frame.
   void choose(const SceneView& scene, const Camera& camera, double tau_px, std::uint64_t frame,
               std::int64_t now_us, std::vector<DrawnMesh>& meshes);
+  /// Levels of geometry that are drawn in this frame: with their images they are in use.
+  void mark_drawn(const SceneView& scene, std::uint64_t frame, std::int64_t now_us,
+                  std::vector<DrawnMesh>& meshes);
 
-  /// The level choose() would draw the instance from; nullopt: none is here.
+  /// The level to draw the instance from: the coarsest within tau, or what comes nearest of those
+  /// that are here; nullopt: none is here.
   std::optional<std::size_t> level(const SceneView& scene, const Camera& camera, double tau_px,
                                    std::uint32_t instance) const;
-  /// What geometry of the instance that is here shows wrongly, px; +inf: there is none.
-  double error_px(const SceneView& scene, const Camera& camera, std::uint32_t instance) const;
 
-  /// What to ask for so that `instances` can be drawn at `camera`, most urgent first. `view`: of the
-  /// view tile, which shows some of them meanwhile; nullptr: there is none.
+  /// Bytes on the wire that drawing the instance within tau still takes: its level of geometry, and
+  /// images (an estimate, until it is known which they are).
+  double price_bytes(const SceneView& scene, const Camera& camera, double tau_px,
+                     std::uint32_t instance) const;
+  /// What to ask for so that `instances` can be drawn at `camera`, most urgent first. `view`: of
+  /// the view tile, which shows some of them meanwhile; nullptr: there is none.
   std::vector<AssetNeed> needs(const SceneView& scene, const Camera& camera, double tau_px,
                                std::int64_t now_us, const std::vector<std::uint32_t>& instances,
                                const ViewFit* view = nullptr);

@@ -97,6 +97,8 @@ class Scheduler {
   /// Bytes down in the last second, as Mbit/s.
   double rate_mbps() const { return window_.rate_mbps(); }
   std::size_t in_flight() const { return pending_.size(); }
+  /// What tiles weigh in the codec they are asked for in now.
+  const TileBytes& tile_bytes() const { return tile_bytes_[lossy_]; }
   std::uint64_t asked() const { return asked_; }
   std::uint64_t cancelled() const { return cancelled_; }
 
@@ -139,7 +141,7 @@ class Scheduler {
   std::map<AssetId, std::int64_t> assets_not_before_us_;  ///< refused
   AskWindow window_;
   ServerPace pace_;
-  std::int64_t lost_us_;  ///< an ask this old is given up
+  std::int64_t lost_us_;                  ///< an ask this old is given up
   std::int64_t held_since_us_ = -1;       ///< asks wait for the window
   std::int64_t saturated_since_us_ = -1;  ///< and the link is full
   bool first_waits_ = false;

@@ -12,7 +12,6 @@ namespace mirage {
 namespace {
 
 constexpr std::int64_t kFadeUs = 120'000;
-constexpr double kWorthMarching = 0.7;  // of the flat bound
 // A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
 constexpr double kSwitchRatio = 0.6;
 // How long a choice is kept that is still good enough.
@@ -24,7 +23,10 @@ double fade_progress(std::int64_t since_us, std::int64_t now_us) {
 
 }  // namespace
 
-void Selector::reset(const SceneView& scene) { shown_.assign(scene.instances.size(), Shown{}); }
+void Selector::reset(const SceneView& scene) {
+  shown_.assign(scene.instances.size(), Shown{});
+  geometry_.reset(scene.objects.size());
+}
 
 struct Selector::Candidate {
   std::uint32_t instance = 0;
@@ -33,21 +35,21 @@ struct Selector::Candidate {
   ViewGeometry view;
   double distance = 0;
   double tau_px = 1;  ///< what is allowed
-  double area_px = 0;
   std::int64_t light_lag_us = 0;
   float fade = 1;
+  bool pictured = false;    ///< it has tiles that may be drawn
   bool under_mesh = false;  ///< geometry already covers most of it
   TileFit flat;
   TileFit deep;
-  bool march = false;
-  std::size_t considered = SIZE_MAX;  ///< its place in considered_, with a plan
   bool kept = false;  ///< `flat` is what was chosen before
+  Choice choice;
 };
 
 struct Selector::Walk {
   const SelectorInput& in;
   DrawList& out;
   Frustum frustum;
+  double march_left_px;
   std::vector<Candidate> candidates;
 };
 
@@ -60,33 +62,6 @@ bool Selector::drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) co
   return distance < slack * swap_radii(in, object) * view.radius;
 }
 
-// A tile that shows the same for less than the geometry would.
-bool Selector::stands_in(const SelectorInput& in, const Candidate& c) const {
-  if (c.group->tiles.empty() || c.light_lag_us > 0) return false;
-  if (!may_stand_in(in, *c.object, c.view, c.tau_px)) return false;
-  const double slack = shown_[c.instance].as_mesh ? 1.0 : kMeshHysteresis;
-  const TileFit fit = best_flat(*c.group, *c.object, c.view, c.tau_px);
-  return fit.meets(slack * c.tau_px) && fit.sharp(slack * c.tau_px);
-}
-
-// The level that has come first may show less than a tile, or the view, that is there.
-bool Selector::better_than_mesh(const SelectorInput& in, const Candidate& c) const {
-  if (!in.meshes || !in.method.automatic || c.object->surrounds) return false;
-  const double mesh_px = in.meshes->error_px(*in.scene, in.camera, c.instance);
-  if (mesh_px <= c.tau_px) return false;
-  const InstanceView& view_of = in.scene->instances[c.instance];
-  double other_px = std::numeric_limits<double>::infinity();
-  // Its seams count as what a thinned level spreads.
-  constexpr double kBehind = 1 / kSpreadPerTau;
-  if (in.view) other_px = in.view->error_px(view_of, in.camera, kBehind).value_or(other_px);
-  if (!c.group->tiles.empty() && outside(c.view)) {
-    const TileFit fit = best_flat(*c.group, *c.object, c.view, c.tau_px);
-    other_px = std::min(other_px, displayed_error_px(fit, radius_px(c.view), c.tau_px));
-  }
-  const double slack = shown_[c.instance].as_mesh ? kWorthMarching : 1;
-  return other_px < slack * mesh_px;
-}
-
 // From where the view was taken, or near enough that it is not torn.
 bool Selector::view_shows(const SelectorInput& in, const Candidate& c) {
   if (!in.view) return false;
@@ -94,36 +69,74 @@ bool Selector::view_shows(const SelectorInput& in, const Candidate& c) {
   return px && *px <= kFirstImagePx * c.tau_px;
 }
 
-// What the instance could be drawn as; `geometry`: also as that.
-Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c,
-                                    bool geometry) const {
+// Levels of geometry that are here: the one within tau, or nearest to it, and coarser ones.
+void Selector::add_levels(const SelectorInput& in, std::uint32_t instance,
+                          Alternatives& out) const {
+  const std::uint32_t object = in.scene->instances[instance].object;
+  const std::vector<LodInfo>& lods = in.scene->objects[object].lods;
+  if (!in.meshes) {  // what is ready is taken to be exact
+    out.levels.push_back({0, lods.empty() ? 0 : lods[0].triangles, 0});
+    return;
+  }
+  const std::optional<std::size_t> best =
+      in.meshes->level(*in.scene, in.camera, in.mesh_tau_px, instance);
+  if (!best) return;
+  const double density = px_per_unit(*in.scene, in.camera, instance);
+  for (std::size_t i = *best; i < lods.size(); ++i) {
+    const auto level = static_cast<std::uint8_t>(i);
+    if (!in.meshes->resident({AssetId::Kind::kMesh, object, level})) continue;
+    out.levels.push_back({level, lods[i].triangles, lod_excess(lods[i], density, 1)});
+  }
+}
+
+// What the instance could be drawn as.
+Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c) const {
   const InstanceView& view_of = in.scene->instances[c.instance];
   Alternatives out;
+  out.instance = c.instance;
   out.area_px = shown_area_px(in.camera, view_of.center - in.camera.pose.eye, view_of.radius);
   out.alpha_tested = c.object->needs & kNeedAlphaMask;
-  const bool pictured = !c.group->tiles.empty() && outside(c.view);
-  if (pictured) {
-    const auto tile_of = [&](const TileFit& fit) {
-      const double edge = fit.tile->capture.edge;
-      const double share = fit.tile->crop.w * fit.tile->crop.h / (edge * edge);
-      return Alternatives::Tile{fit.error_px(c.tau_px), fit.texel_px, share};
-    };
-    out.flat = tile_of(best_flat(*c.group, *c.object, c.view, c.tau_px));
-  }
+  const auto tile_of = [&](const TileFit& fit) {
+    const double edge = fit.tile->capture.edge;
+    const double share = fit.tile->crop.w * fit.tile->crop.h / (edge * edge);
+    return Alternatives::Tile{fit.error_px(c.tau_px), fit.texel_px, share};
+  };
+  if (c.pictured) out.flat = tile_of(c.flat);
+  if (c.pictured && c.deep.tile) out.deep = tile_of(c.deep);
   if (in.view) out.view_px = in.view->error_px(view_of, in.camera);
-  if (!geometry) return out;
-  out.mesh_only = c.object->surrounds;
-  const std::optional<std::size_t> level =
-      in.meshes ? in.meshes->level(*in.scene, in.camera, c.tau_px, c.instance) : std::nullopt;
-  const std::vector<LodInfo>& lods = c.object->lods;
-  if (level && *level < lods.size()) {
-    out.triangles = lods[*level].triangles;
-    out.mesh_px = lod_excess(lods[*level], px_per_unit(*in.scene, in.camera, c.instance), 1);
+  if (drawn_as_mesh(in, c.instance)) {
+    add_levels(in, c.instance, out);
+    // Where methods are compared, all draw the same geometry.
+    out.mesh_only = c.object->surrounds || !in.method.automatic;
   }
+  const Shown& shown = shown_[c.instance];
+  if (shown.frame == 0 || shown.frame + 1 < in.frame) return out;
+  const Look tile = shown.method == DrawMethod::kDepth ? Look::kDeep : Look::kFlat;
+  if (shown.as_mesh) {
+    out.shown = Look::kMesh;
+  } else if (shown.tile) {
+    out.shown = tile;
+  }
+  const bool fades = fade_progress(shown.swapped_us, in.now_us) < 1;
+  if (fades && out.shown) out.leaving = shown.as_mesh ? tile : Look::kMesh;
   return out;
 }
 
-// Adds the instance to the candidates or the lists, if it is drawn at all.
+// Which tiles serve the candidate best.
+void Selector::fit_tiles(const SelectorInput& in, Candidate& c) const {
+  c.pictured = !c.group->tiles.empty() && outside(c.view) && !c.group->empty_from(c.view.eye);
+  if (!c.pictured) return;
+  c.kept = keep_chosen(in, c);
+  if (c.kept) return;
+  if (!in.method.automatic) {
+    c.flat = best_fit(*c.group, *c.object, c.view, in.method, c.tau_px);
+    return;
+  }
+  c.flat = best_flat(*c.group, *c.object, c.view, c.tau_px);
+  if (!c.flat.meets(c.tau_px)) c.deep = best_deep(*c.group, *c.object, c.view, c.tau_px);
+}
+
+// Adds the instance to the candidates, if it is drawn at all.
 void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   const SelectorInput& in = w.in;
   const InstanceView& view_of = in.scene->instances[instance];
@@ -137,63 +150,58 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   ++w.out.visible;
   c.tau_px = allowed_px(in, in.camera, view_of);
   c.distance = glm::length(view_of.center - in.camera.pose.eye);
-  Shown& shown = shown_[instance];
   const TileCache::LitGroup lit = in.cache->lit_group(instance);
   c.group = lit.tiles;
   if (lit.then && light_change_px(in, lit, instance, size) > c.tau_px) {
     c.light_lag_us = in.now_us - lit.then->ended_us;
   }
-  bool as_mesh = drawn_as_mesh(in, instance);
-  if (in.plan) {
-    c.considered = considered_.size();
-    considered_.push_back(alternatives(in, c, as_mesh));
-    as_mesh = as_mesh && in.plan->mesh_pays(considered_.back(), shown.as_mesh);
-  } else {
-    as_mesh = as_mesh && !stands_in(in, c) && !better_than_mesh(in, c);
-  }
+  fit_tiles(in, c);
+  considered_.push_back(alternatives(in, c));
+  std::optional<Alternatives::Tile>& deep = considered_.back().deep;
+  if (deep && considered_.back().area_px > w.march_left_px) deep.reset();
+  if (deep) w.march_left_px -= considered_.back().area_px;
+  w.candidates.push_back(std::move(c));
+}
+
+// Geometry of the candidate, where it is drawn so or fades; true: nothing else is drawn of it.
+bool Selector::draw_geometry(Walk& w, Candidate& c) {
+  const SelectorInput& in = w.in;
+  Shown& shown = shown_[c.instance];
+  const bool as_mesh = c.choice.look == Look::kMesh;
   if (as_mesh != shown.as_mesh) {
     const bool was_drawn = shown.frame > 0 && shown.frame + 1 >= in.frame;
     shown.swapped_us = was_drawn ? in.now_us : INT64_MIN / 2;
     shown.as_mesh = as_mesh;
   }
-  if (in.scene->members(instance).empty()) shown.frame = in.frame;
+  if (in.scene->members(c.instance).empty()) shown.frame = in.frame;
+  if (!c.choice.fades) shown.swapped_us = INT64_MIN / 2;
   // What takes over fades in over what was there: geometry dithered, a tile blended.
   auto progress = static_cast<float>(fade_progress(shown.swapped_us, in.now_us));
   if (progress < 1 && c.group->tiles.empty() && !view_shows(in, c)) progress = 1;
-  const bool swapping = progress < 1 && (*in.mesh_ready)[view_of.object];
+  const std::uint32_t object = in.scene->instances[c.instance].object;
+  const bool swapping = progress < 1 && (*in.mesh_ready)[object];
   if (as_mesh) {
-    w.out.meshes.push_back({instance, 0, std::min(fade, progress)});
+    w.out.meshes.push_back({c.instance, c.choice.lod, std::min(c.fade, progress)});
     if (!swapping) {
       shown.tile.reset();
       shown.former.reset();
-      return;
+      return true;
     }
   } else if (swapping) {
-    w.out.meshes.push_back({instance, 0, fade});
-    c.fade = std::min(fade, progress);
+    Alternatives here;
+    add_levels(in, c.instance, here);
+    if (!here.levels.empty()) w.out.meshes.push_back({c.instance, here.levels[0].lod, c.fade});
+    c.fade = std::min(c.fade, progress);
   }
   c.under_mesh = as_mesh && progress >= 0.5f;
-  const bool on_mesh = as_mesh || swapping;
-  if (c.group->empty_from(c.view.eye)) return;
-  const bool useless = c.group->tiles.empty() || !outside(c.view);
-  if (useless && on_mesh) return;
-  if (useless) {
-    // The hull of what moves is where it ever is: a ghost.
-    const bool stands = !c.object->group && !c.object->motion.moving();
-    if (stands) w.out.placeholders.push_back({instance, c.distance});
-    ++w.out.over_tau;
-    return;
-  }
-  c.kept = keep_chosen(in, c);
-  if (in.method.automatic && !c.kept) {
-    c.flat = best_flat(*c.group, *c.object, c.view, c.tau_px);
-    if (!c.flat.meets(c.tau_px)) c.deep = best_deep(*c.group, *c.object, c.view, c.tau_px);
-  } else if (!c.kept) {
-    c.flat = best_fit(*c.group, *c.object, c.view, in.method, c.tau_px);
-  }
-  const double screen = static_cast<double>(in.camera.width) * in.camera.height;
-  c.area_px = std::min(3.14159 * size * size, screen);
-  w.candidates.push_back(std::move(c));
+  if (c.group->empty_from(c.view.eye)) return true;
+  if (c.pictured) return false;
+  if (as_mesh || swapping) return true;
+  // The hull of what moves is where it ever is: a ghost.
+  const bool stands = !c.object->group && !c.object->motion.moving();
+  if (stands) w.out.placeholders.push_back({c.instance, c.distance});
+  ++w.out.over_tau;
+  return true;
 }
 
 // A flat tile that was chosen a moment ago and still meets tau is drawn on, if none has come since.
@@ -273,7 +281,7 @@ void Selector::walk(Walk& w, std::uint32_t instance, float fade) {
 }
 
 void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawList& out) {
-  TileFit best = c.march ? c.deep : c.flat;
+  TileFit best = c.choice.look == Look::kDeep ? c.deep : c.flat;
   Shown& shown = shown_[c.instance];
   const std::vector<TileRecordPtr>& held = c.group->tiles;
   const bool still_held = std::find(held.begin(), held.end(), shown.tile) != held.end();
@@ -322,48 +330,29 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   if (!c.under_mesh && is_stale(best.bound_px, c.tau_px)) ++out.over_tau;
 }
 
-bool Selector::march_pays(const SelectorInput& in, const Candidate& c) {
-  Alternatives& thing = considered_[c.considered];
-  const double edge = c.deep.tile->capture.edge;
-  const double share = c.deep.tile->crop.w * c.deep.tile->crop.h / (edge * edge);
-  thing.deep = Alternatives::Tile{c.deep.error_px(c.tau_px), c.deep.texel_px, share};
-  const bool marched = shown_[c.instance].method == DrawMethod::kDepth;
-  return in.plan->march_pays(thing, marched);
-}
-
 DrawList Selector::select(const SelectorInput& in) {
   considered_.clear();
   DrawList out;
   out.time_s = in.time_s;
-  Walk w{in, out, Frustum(in.camera), {}};
+  Walk w{in, out, Frustum(in.camera), in.march_budget_px, {}};
   in.scene->for_visible_roots(in.camera, 0, [&](std::uint32_t root) { walk(w, root, 1); });
+  FramePlan& plan = in.plan ? *in.plan : whatever_;
+  chosen_ = plan.decide(in.camera, considered_, levels_, in.now_us);
   // Back to front by the far side, so that blending is right and what stands on or in another thing
   // comes after it; equals keep the order of instances.
   using Ranked = std::pair<double, Candidate*>;
-  const auto larger = [](const Ranked& a, const Ranked& b) { return a.first > b.first; };
-  std::vector<Ranked> by_far_side, by_gain;
-  for (Candidate& c : w.candidates) {
+  std::vector<Ranked> by_far_side;
+  for (std::size_t i = 0; i < w.candidates.size(); ++i) {
+    Candidate& c = w.candidates[i];
+    c.choice = chosen_[i];
+    if (draw_geometry(w, c)) continue;
     by_far_side.emplace_back(c.distance + in.scene->instances[c.instance].radius, &c);
   }
-  std::stable_sort(by_far_side.begin(), by_far_side.end(), larger);
-  // Marching goes where it takes away most error per area, as far as the budget reaches.
-  for (const auto& [far_side, c] : by_far_side) {
-    if (!c->deep.tile) continue;
-    if (in.plan && !march_pays(in, *c)) continue;
-    const double deep = c->deep.error_px(c->tau_px), flat = c->flat.error_px(c->tau_px);
-    if (deep < kWorthMarching * flat) {
-      by_gain.emplace_back((std::min(flat, 1e6) - deep) / c->area_px, c);
-    }
-  }
-  std::stable_sort(by_gain.begin(), by_gain.end(), larger);
-  double left_px = in.march_budget_px;
-  for (const auto& [gain, c] : by_gain) {
-    if (c->area_px > left_px) continue;
-    left_px -= c->area_px;
-    c->march = true;
-  }
+  std::stable_sort(by_far_side.begin(), by_far_side.end(),
+                   [](const Ranked& a, const Ranked& b) { return a.first > b.first; });
   for (const auto& [far_side, candidate] : by_far_side) draw_candidate(in, *candidate, out);
   sort_for_blending(out.impostors, *in.scene, in.camera.pose.eye);
+  levels_ = levels_drawn(*in.scene, out.meshes);
   return out;
 }
 

@@ -13,34 +13,40 @@
 #include <vector>
 
 #include "client/core/mesh_cache.h"
+#include "client/core/tile_bytes.h"
 #include "client/core/tile_fit.h"
 #include "client/core/tile_need.h"
 #include "client/core/view_fit.h"
 #include "client/frame/draw_list.h"
 #include "client/plan/frame_plan.h"
+#include "client/plan/rent_or_buy.h"
 
 namespace mirage {
 
-/// Default swap distance to geometry, in radii; ARCHITECTURE.md has the figures it was chosen by.
+/// Where methods of drawing tiles are compared, geometry is drawn within this many radii unless
+/// something else is said.
 inline constexpr double kSwapRadii = 8;
+inline constexpr double kAnyRadii = std::numeric_limits<double>::infinity();
 
 struct SelectorInput {
   const SceneView* scene = nullptr;
   const TileCache* cache = nullptr;
   const std::vector<bool>* mesh_ready = nullptr;  ///< per object
   const MeshCache* meshes = nullptr;              ///< nullptr: what is ready is taken to be exact
+  const TileBytes* tile_bytes = nullptr;          ///< nullptr: as many as usual
   const ViewFit* view = nullptr;                  ///< of the view tile; nullptr: there is none
-  const FramePlan* plan = nullptr;                ///< what pays; nullptr: whatever it costs
+  FramePlan* plan = nullptr;                      ///< nullptr: least error, whatever it costs
   Camera camera;
   Camera predicted;
   glm::dvec3 velocity{0};  ///< of the eye, world, m/s
   double tau_px = 1;
+  double mesh_tau_px = 1;  ///< by which levels of geometry are chosen
   /// What tau was steered up from; it rises last where the viewer looks or points.
   double target_px = std::numeric_limits<double>::infinity();
   std::optional<glm::dvec2> cursor_px;  ///< from the upper left
   MethodChoice method;
-  double march_budget_px = 1e9;    ///< screen area that may be drawn by marching depth
-  double mesh_radii = kSwapRadii;  ///< nearer than this, geometry is drawn if it is there
+  double march_budget_px = 1e9;   ///< screen area that may be drawn by marching depth
+  double mesh_radii = kAnyRadii;  ///< farther than this, only what is cheap is geometry
   std::uint64_t frame = 0;
   std::int64_t now_us = 0;
   double time_s = 0;     ///< animation time now
@@ -53,17 +59,25 @@ class Selector {
   /// Forgets which tile each instance showed.
   void reset(const SceneView& scene);
   /// Learns the instances that have come since.
-  void grow(const SceneView& scene) { shown_.resize(scene.instances.size()); }
+  void grow(const SceneView& scene) {
+    shown_.resize(scene.instances.size());
+    geometry_.grow(scene.objects.size());
+  }
 
   /// Decides what is drawn this frame; marks the tiles as drawn.
   DrawList select(const SelectorInput& input);
-  /// What each thing in view could have been drawn as, of the last select() with a plan.
+  /// What each thing in view could have been drawn as, of the last select().
   const std::vector<Alternatives>& considered() const { return considered_; }
+  /// And what it was, one a thing.
+  const std::vector<Choice>& chosen() const { return chosen_; }
   /// What to ask for, largest gain first; instances without any acceptable tile at the predicted
   /// view.
   std::vector<TileNeed> needs(const SelectorInput& input);
-  /// Instances that should be geometry, there or not: too near for any impostor, now or soon.
-  std::vector<std::uint32_t> mesh_needs(const SelectorInput& input) const;
+  /// Instances that should be geometry, there or not: too near for any impostor, or bought. After
+  /// needs() of the frame.
+  std::vector<std::uint32_t> mesh_needs(const SelectorInput& input);
+  /// A tile of the object has come.
+  void note_tile(std::uint32_t object, double bytes) { geometry_.paid(object, bytes); }
 
  private:
   /// What an instance or group showed last, for transitions.
@@ -98,24 +112,29 @@ class Selector {
   void walk(Walk& walk, std::uint32_t instance, float fade);
   void walk_group(Walk& walk, std::uint32_t group, float fade);
   void consider(Walk& walk, std::uint32_t instance, float fade);
+  void fit_tiles(const SelectorInput& in, Candidate& candidate) const;
   bool members_have_images(const SelectorInput& in, std::uint32_t group) const;
   bool group_serves(const SelectorInput& in, std::uint32_t group, const ViewGeometry& view) const;
   bool drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const;
-  Alternatives alternatives(const SelectorInput& in, const Candidate& candidate,
-                            bool geometry) const;
+  Alternatives alternatives(const SelectorInput& in, const Candidate& candidate) const;
+  void add_levels(const SelectorInput& in, std::uint32_t instance, Alternatives& out) const;
   static bool view_shows(const SelectorInput& in, const Candidate& c);
-  bool march_pays(const SelectorInput& in, const Candidate& candidate);
-  bool better_than_mesh(const SelectorInput& in, const Candidate& candidate) const;
-  bool stands_in(const SelectorInput& in, const Candidate& candidate) const;
+  bool draw_geometry(Walk& walk, Candidate& candidate);
   void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);
   bool keep_chosen(const SelectorInput& in, Candidate& candidate) const;
   void forget_settled(const SelectorInput& in);
   bool wants_members(const SelectorInput& in, std::uint32_t instance) const;
+  void note_rent(const SelectorInput& in, const TileNeed& need);
+  bool comes_soon(const SelectorInput& in, const TileNeed& need) const;
   void add_need(const SelectorInput& in, std::uint32_t instance, bool in_view,
                 std::vector<TileNeed>& out);
 
   std::vector<Shown> shown_;
   std::vector<Alternatives> considered_;
+  std::vector<Choice> chosen_;
+  RentOrBuy geometry_;
+  std::size_t levels_ = 0;    ///< of geometry in the last frame
+  FramePlan whatever_{0, 1};  ///< where there is no other
   Basis basis_;
 };
 

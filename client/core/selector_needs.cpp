@@ -13,11 +13,12 @@
 namespace mirage {
 namespace {
 
-constexpr double kViewGuard = 0.0873;   // 5 degrees around the predicted view
-constexpr double kGuardGain = 0.25;     // of what only the guard shows: it may never be seen
-constexpr double kMeshPrefetch = 1.3;   // times the swap distance
-constexpr double kQuantumShare = 0.01;  // 8-bit depth and the slope within a texel, in radii
-constexpr double kStandInLifeS = 3;     // a tile is asked for in place of geometry if it lasts
+constexpr double kViewGuard = 0.0873;     // 5 degrees around the predicted view
+constexpr double kGuardGain = 0.25;       // of what only the guard shows: it may never be seen
+constexpr double kUsualTileBytes = 0.15;  // a texel, before any has come
+constexpr double kQuantumShare = 0.01;    // 8-bit depth and the slope within a texel, in radii
+constexpr double kGoodTileTau = 0.5;      // of tau: what a tile shows wrongly in its middle age
+constexpr double kStandInLifeS = 3;       // a tile is asked for in place of geometry if it lasts
 constexpr double kStandsM = 1e-4;
 constexpr double kJumpM = 0.05;            // beyond what the speed explains
 constexpr long long kSettledUs = 100'000;  // what is settled is looked at again after so long
@@ -142,7 +143,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   const double tau = allowed_px(in, in.predicted, view_of);
   const bool stand_in = (*in.mesh_ready)[view_of.object] && distance < swap_radii(in, object) &&
                         !too_dear(in, in.predicted, instance, tau);
-  if (stand_in && !may_stand_in(in, object, view, tau)) return;
+  if (stand_in && mesh_pays(in, in.predicted, instance, kGoodTileTau * tau)) return;
   const TileCache::LitGroup lit = in.cache->lit_group(instance);
   const TileGroup& group = *lit.tiles;
   if (group.empty_from(view.eye)) return;  // under any light
@@ -191,6 +192,31 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   out.push_back(need);
 }
 
+// What the tiles of an instance cost beside its geometry.
+void Selector::note_rent(const SelectorInput& in, const TileNeed& need) {
+  const InstanceView& view_of = in.scene->instances[need.instance];
+  const ObjectDescription& object = in.scene->objects[view_of.object];
+  const double radii = glm::length(view_of.center - in.predicted.pose.eye) / view_of.radius;
+  if (!in.meshes || !in.method.automatic || !in.scene->geometry || object.lods.empty()) return;
+  if (object.group || radii >= swap_radii(in, object)) return;
+  if (too_dear(in, in.predicted, need.instance, in.tau_px)) return;
+  const double edge = tile_edge(need.size_class);
+  const double bytes = in.tile_bytes ? in.tile_bytes->expected(need.size_class, need.channels)
+                                     : kUsualTileBytes * edge * edge;
+  const double price =
+      in.meshes->price_bytes(*in.scene, in.predicted, in.mesh_tau_px, need.instance);
+  geometry_.want(view_of.object, bytes, need.gain / need.error_px, price, in.now_us);
+}
+
+// Geometry comes instead of the tile, and something is shown meanwhile.
+bool Selector::comes_soon(const SelectorInput& in, const TileNeed& need) const {
+  const InstanceView& view_of = in.scene->instances[need.instance];
+  const double radii = glm::length(view_of.center - in.predicted.pose.eye) / view_of.radius;
+  if (!geometry_.bought(view_of.object, in.now_us) || need.first) return false;
+  return radii < swap_radii(in, in.scene->objects[view_of.object]) &&
+         !too_dear(in, in.predicted, need.instance, in.tau_px);
+}
+
 // Of a group, or of an instance that is cut; false where there are none.
 bool Selector::wants_members(const SelectorInput& in, std::uint32_t instance) const {
   const InstanceView& view_of = in.scene->instances[instance];
@@ -229,9 +255,16 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
     const bool ranks = in.cursor_px && in.cache->group_to_draw(i)->known();
     const double looked_at = ranks ? attention(in.predicted, in.cursor_px, view_of) : 1;
     const double urgency = (in_view ? 1 : kGuardGain) * looked_at / tolerance(view_of.importance);
-    for (std::size_t k = first; k < out.size(); ++k) out[k].gain *= urgency;
+    for (std::size_t k = first; k < out.size(); ++k) {
+      note_rent(in, out[k]);
+      out[k].gain *= urgency;
+    }
   };
   in.scene->for_visible_roots(in.predicted, kViewGuard, visit);
+  geometry_.decide(in.now_us);
+  out.erase(std::remove_if(out.begin(), out.end(),
+                           [&](const TileNeed& need) { return comes_soon(in, need); }),
+            out.end());
   std::stable_sort(out.begin(), out.end(),
                    [](const TileNeed& a, const TileNeed& b) { return a.gain > b.gain; });
   TileCache::Room room = in.cache->room(in.frame);
@@ -241,13 +274,16 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
   return out;
 }
 
-std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) const {
+std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) {
   std::vector<std::uint32_t> out;
   in.scene->for_visible(in.predicted, kViewGuard, [&](std::uint32_t instance) {
     const InstanceView& view_of = in.scene->instances[instance];
-    const double distance = glm::length(view_of.center - in.predicted.pose.eye);
-    const double swap = swap_radii(in, in.scene->objects[view_of.object]);
-    if (distance >= kMeshPrefetch * swap * view_of.radius) return;
+    const ObjectDescription& object = in.scene->objects[view_of.object];
+    const double radii = glm::length(view_of.center - in.predicted.pose.eye) / view_of.radius;
+    geometry_.used(view_of.object, in.now_us);
+    const bool bought = geometry_.bought(view_of.object, in.now_us) &&
+                        radii < swap_radii(in, object) && !object.group;
+    if (!bought && !comes_as_mesh(in, object, radii)) return;
     if (!too_dear(in, in.predicted, instance, in.tau_px)) out.push_back(instance);
   });
   return out;

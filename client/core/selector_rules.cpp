@@ -14,14 +14,14 @@ namespace {
 
 // Nearer, in radii, no picture of the object can stand for it: the eye is in its sphere.
 constexpr double kInsideRadii = 1 + 1e-6;
+// Geometry that is to be drawn is asked for from so many times its distance.
+constexpr double kMeshPrefetch = 1.3;
+// So near a tile lasts for a step only: geometry is asked for whatever it weighs.
+constexpr double kNearRadii = 2;
 constexpr std::uint32_t kTileBytes = 1500;  // of a middling tile, as it travels
-// Beyond so many radii a tile may stand in for geometry that is there, when it is drawn for less:
-// a triangle costs as much as so many pixels of a quad, or more.
-constexpr double kStandInRadii = 3;
-constexpr double kPixelsPerTriangle = 16;
-// A tile that is asked for: its error over tau in the middle of its life, and its share of its
-// frame.
-constexpr double kGoodTilePx = 0.5, kGoodTileShare = 0.6;
+// What a tile that is asked for shows wrongly towards the end of its life, over tau, and its share
+// of its frame.
+constexpr double kAgedTilePx = 2, kTileShare = 0.6;
 
 // Sent once, such geometry costs less than any one tile, and is right from everywhere.
 bool cheaper_than_tiles(const ObjectDescription& object) {
@@ -67,41 +67,38 @@ double swap_radii(const SelectorInput& in, const ObjectDescription& object) {
   constexpr double kEverywhere = std::numeric_limits<double>::infinity();
   if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return kEverywhere;
   if (object.surrounds) return kEverywhere;
-  const bool cheap = in.method.automatic && in.mesh_radii > 0 && cheaper_than_tiles(object);
-  return cheap ? kEverywhere : in.mesh_radii;
+  if (in.method.automatic && in.mesh_radii > 0 && cheaper_than_tiles(object)) return kEverywhere;
+  return in.method.automatic ? in.mesh_radii : std::min(in.mesh_radii, kSwapRadii);
 }
 
 bool comes_as_mesh(const SelectorInput& in, const ObjectDescription& object, double radii) {
-  return in.scene->geometry && radii < swap_radii(in, object);
+  if (!in.scene->geometry) return false;
+  const double swap = swap_radii(in, object);
+  if (!in.method.automatic) return radii < kMeshPrefetch * swap;
+  return object.surrounds || (in.mesh_radii > 0 && cheaper_than_tiles(object)) ||
+         radii < std::min(swap, kNearRadii);
+}
+
+bool mesh_pays(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
+               double tile_px) {
+  const InstanceView& view = in.scene->instances[instance];
+  const ObjectDescription& object = in.scene->objects[view.object];
+  if (!in.plan || !in.method.automatic || object.surrounds || object.lods.empty()) return true;
+  const glm::dvec3 center = view.center - camera.pose.eye;
+  if (glm::length(center) < limits::kMinCaptureRadii * view.radius) return true;
+  Alternatives thing;
+  thing.area_px = shown_area_px(camera, center, view.radius);
+  thing.alpha_tested = object.needs & kNeedAlphaMask;
+  thing.flat = Alternatives::Tile{tile_px, std::max(1.0, in.tau_px), kTileShare};
+  const double density = px_per_unit(*in.scene, camera, instance);
+  const LodInfo& lod = object.lods[lod_for_view(object.lods, density, in.mesh_tau_px)];
+  thing.levels.push_back({0, lod.triangles, lod_excess(lod, density, 1)});
+  return in.plan->mesh_pays(thing);
 }
 
 bool too_dear(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
               double tau_px) {
-  const InstanceView& view = in.scene->instances[instance];
-  const ObjectDescription& object = in.scene->objects[view.object];
-  if (!in.plan || !in.method.automatic || object.surrounds || object.lods.empty()) return false;
-  const glm::dvec3 center = view.center - camera.pose.eye;
-  if (glm::length(center) < limits::kMinCaptureRadii * view.radius) return false;
-  Alternatives thing;
-  thing.area_px = shown_area_px(camera, center, view.radius);
-  thing.alpha_tested = object.needs & kNeedAlphaMask;
-  thing.flat = Alternatives::Tile{kGoodTilePx * tau_px, std::max(1.0, tau_px), kGoodTileShare};
-  const double density = px_per_unit(*in.scene, camera, instance);
-  const LodInfo& lod = object.lods[lod_for_view(object.lods, density, tau_px)];
-  thing.triangles = lod.triangles;
-  thing.mesh_px = lod_excess(lod, density, 1);
-  return !in.plan->mesh_pays(thing, true);
-}
-
-bool may_stand_in(const SelectorInput& in, const ObjectDescription& object,
-                  const ViewGeometry& view, double tau_px) {
-  const double distance = glm::length(view.eye), size = radius_px(view);
-  if (!in.method.automatic || object.group || object.motion.moving()) return false;
-  if (std::isinf(swap_radii(in, object)) || distance < kStandInRadii * view.radius) return false;
-  const double px_per_unit = view.focal_px / (distance - view.radius);
-  const std::size_t lod = lod_for_view(object.lods, px_per_unit, tau_px);
-  return lod < object.lods.size() &&
-         object.lods[lod].triangles * kPixelsPerTriangle > 3.14159 * size * size;
+  return in.plan && in.plan->limited() && !mesh_pays(in, camera, instance, kAgedTilePx * tau_px);
 }
 
 }  // namespace mirage

@@ -4,9 +4,6 @@
 
 #include <algorithm>
 
-#include "shaders/gl/gl_object.h"
-#include "shaders/gl/renderer.h"
-
 namespace mirage {
 namespace {
 
@@ -89,11 +86,7 @@ Result<void> ClientHost::open() {
         "no server answers at " + options_.url + (problem.empty() ? "" : ": " + problem),
         "start one with: mirage-server builtin:forest");
   }
-  // Measured: a pixel of marching costs a CPU rasteriser some 0.3 us, a GPU next to nothing.
   ClientOptions session = options_.session;
-  session.march_budget_px = options_.march_kpx >= 0 ? options_.march_kpx * 1000
-                            : gl::is_software()     ? 200e3
-                                                    : 1e9;
   if (session.trace && !virtual_clock_) session.trace_clock = [this] { return now_us(); };
   Link& link = modelled_ ? static_cast<Link&>(*modelled_) : *native_;
   session_ = std::make_unique<ClientSession>(link, std::move(session), sink());

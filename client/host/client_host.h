@@ -23,8 +23,7 @@ struct HostOptions {
   bool virtual_time = false;  ///< time passes only as it is told to; the link is modelled
   std::optional<NetModel> net;
   double connect_timeout_s = 10;
-  double march_kpx = -1;       ///< thousand px a frame drawn by marching; < 0: by renderer
-  ClientOptions session;       ///< march_budget_px follows from march_kpx
+  ClientOptions session;
   std::function<void()> wake;  ///< called by the network thread when something came; may be empty
   std::function<void()> content_changed;  ///< texels, geometry or a scene came; may be empty
 };

@@ -13,19 +13,26 @@ constexpr double kPlannedShare = 0.95;
 // Another setting must promise so much less error, and the present one have lasted so long.
 constexpr double kBetterSetting = 0.9;
 constexpr std::int64_t kSettingLastsUs = 500'000;
-constexpr double kClearly = 0.3;  // of error and price: less is no reason to draw a thing otherwise
+constexpr double kStays = 0.9;  // of the error of what is shown: less is no reason to change it
 constexpr double kExcessRises = 0.3, kExcessFalls = 0.15, kMostExcess = 1.5;  // a frame
-constexpr double kLambdaFalls =
-    0.8;  // a frame, at most: what has just become affordable may not stay
-constexpr double kLeastLambda = 1;  // FLIP px a ms: as good as nothing
+// A frame, at most: what has just become affordable may not stay, and is not asked for yet.
+constexpr double kLambdaFalls = 0.8;
+constexpr double kShortestMs = 1e-9;  // of a step: what costs nothing comes first
+constexpr double kLeastLambda = 1;    // FLIP px a ms: as good as nothing
 
-double sum(const CostModel& prices, const Alternatives& thing, const FrameSetting& setting,
-           double share, Work pixel, Work sample) {
-  const double pixels = thing.area_px * share * setting.scale * setting.scale;
-  return pixels * (prices[pixel] + (setting.samples - 1) * prices[sample]);
+bool is_tile(Look look) { return look == Look::kFlat || look == Look::kDeep; }
+
+// Whether one is drawn beneath the other while that fades in: geometry and tiles are.
+bool crosses(Look from, Look to) {
+  return (from == Look::kMesh && is_tile(to)) || (to == Look::kMesh && is_tile(from));
 }
 
 }  // namespace
+
+const char* look_name(Look look) {
+  constexpr const char* kNames[] = {"nothing", "view", "flat", "depth", "mesh"};
+  return kNames[static_cast<std::size_t>(look)];
+}
 
 FramePlan::FramePlan(double budget_ms, int samples) : budget_ms_(budget_ms) {
   const int most = samples < 0 ? kMostSamples : std::max(samples, 1);
@@ -36,149 +43,227 @@ FramePlan::FramePlan(double budget_ms, int samples) : budget_ms_(budget_ms) {
   setting_ = settings_.front();
 }
 
-FramePlan::Way FramePlan::mesh(const Alternatives& thing, const FrameSetting& setting) const {
-  const CostModel& p = *prices_;
-  Way way;
-  if (!thing.mesh_px) return way;
-  const int more = setting.samples - 1;
-  way.ms =
-      thing.alpha_tested
-          ? thing.triangles * (p[Work::kTestedTriangle] + more * p[Work::kTestedTriangleSample]) +
-                sum(p, thing, setting, 1, Work::kTestedPixel, Work::kTestedSample)
-          : thing.triangles * p[Work::kTriangle] +
-                thing.area_px * setting.scale * setting.scale * p[Work::kMeshPixel];
-  way.error = thing.area_px * error_model().flip_of(mesh_wrongs(thing.alpha_tested, *thing.mesh_px,
-                                                                setting.samples, setting.scale));
-  return way;
+double FramePlan::ms_of(Work pixel, Work sample, double pixels, const FrameSetting& setting) const {
+  if (!prices_) return 0;
+  const double drawn = pixels * setting.scale * setting.scale;
+  return drawn * ((*prices_)[pixel] + (setting.samples - 1) * (*prices_)[sample]);
 }
 
-FramePlan::Way FramePlan::tile(const Alternatives& thing,
-                               const std::optional<Alternatives::Tile>& tile, bool deep,
-                               const FrameSetting& setting) const {
-  Way way;
-  if (!tile) return way;
-  way.ms = sum(*prices_, thing, setting, tile->share, deep ? Work::kReliefPixel : Work::kFlatPixel,
-               Work::kImpostorSample);
-  way.error = thing.area_px * error_model().flip_of(tile_wrongs(tile->error_px, tile->texel_px,
-                                                                setting.samples, setting.scale));
-  return way;
+Choice FramePlan::way(const Alternatives& thing, Look look, std::size_t index,
+                      const FrameSetting& setting) const {
+  Choice out;
+  out.look = look;
+  out.error = std::numeric_limits<double>::infinity();
+  const int samples = setting.samples;
+  switch (look) {
+    case Look::kNothing:
+      out.wrongs = nothing_wrongs();
+      break;
+    case Look::kView:
+      if (!thing.view_px) return out;
+      out.wrongs = view_wrongs(*thing.view_px);
+      break;
+    case Look::kFlat:
+    case Look::kDeep: {
+      const bool deep = look == Look::kDeep;
+      const std::optional<Alternatives::Tile>& tile = deep ? thing.deep : thing.flat;
+      if (!tile) return out;
+      out.wrongs =
+          tile_wrongs(thing.alpha_tested, tile->error_px, tile->texel_px, samples, setting.scale);
+      out.ms = ms_of(deep ? Work::kReliefPixel : Work::kFlatPixel, Work::kImpostorSample,
+                     thing.area_px * tile->share, setting);
+      break;
+    }
+    case Look::kMesh: {
+      if (index >= thing.levels.size()) return out;
+      const Alternatives::Level& level = thing.levels[index];
+      out.lod = level.lod;
+      out.wrongs = mesh_wrongs(thing.alpha_tested, level.error_px, samples, setting.scale);
+      if (!prices_) break;
+      const CostModel& p = *prices_;
+      out.ms = thing.alpha_tested
+                   ? level.triangles * (p[Work::kTestedTriangle] +
+                                        (samples - 1) * p[Work::kTestedTriangleSample]) +
+                         ms_of(Work::kTestedPixel, Work::kTestedSample, thing.area_px, setting)
+                   : level.triangles * p[Work::kTriangle] +
+                         thing.area_px * setting.scale * setting.scale * p[Work::kMeshPixel];
+      break;
+    }
+  }
+  out.error = thing.area_px * error_model().flip_of(out.wrongs);
+  return out;
 }
 
-FramePlan::Way FramePlan::cheapest(const Alternatives& thing, const FrameSetting& setting) const {
-  if (thing.mesh_only) return mesh(thing, setting);
-  Way way = tile(thing, thing.flat, false, setting);
-  const Wrongs else_shown = thing.view_px ? view_wrongs(*thing.view_px) : nothing_wrongs();
-  const Way nothing{thing.area_px * error_model().flip_of(else_shown), 0};
-  return nothing.error < way.error ? nothing : way;
+std::vector<Choice> FramePlan::ways(const Alternatives& thing, const FrameSetting& setting) const {
+  std::vector<Choice> out;
+  const auto add = [&](const Choice& choice) {
+    if (std::isfinite(choice.error)) out.push_back(choice);
+  };
+  const bool only_mesh = thing.mesh_only && !thing.levels.empty();
+  if (!only_mesh) {
+    // A tile is drawn wherever there is one; a view, where it shows more than a placeholder.
+    const Choice flat = way(thing, Look::kFlat, 0, setting);
+    const Choice view = way(thing, Look::kView, 0, setting);
+    const Choice nothing = way(thing, Look::kNothing, 0, setting);
+    add(thing.flat ? flat : view.error < nothing.error ? view : nothing);
+    add(way(thing, Look::kDeep, 0, setting));
+  }
+  for (std::size_t i = 0; i < thing.levels.size(); ++i) add(way(thing, Look::kMesh, i, setting));
+  return out;
 }
 
-bool FramePlan::pays(const Way& dear, const Way& cheap, bool drawn) const {
-  const double gain = cheap.error - dear.error, price = lambda_ * (dear.ms - cheap.ms);
-  // In units of what is at stake, as either side may be less than nothing.
-  const double slack = kClearly * 0.5 * (std::abs(gain) + std::abs(price));
-  return gain - price >= (drawn ? -slack : slack);
+double FramePlan::beneath_ms(const Alternatives& thing, Look look,
+                             const FrameSetting& setting) const {
+  if (!thing.shown) return 0;
+  const bool changes = crosses(*thing.shown, look);
+  if (!changes && !thing.leaving) return 0;
+  const Choice beneath = way(thing, changes ? *thing.shown : *thing.leaving, 0, setting);
+  return std::isfinite(beneath.error) ? beneath.ms : 0;
 }
 
-bool FramePlan::mesh_pays(const Alternatives& thing, bool drawn) const {
-  if (thing.mesh_only) return true;
-  const Way dear = mesh(thing, setting_);
-  if (std::isinf(dear.error)) return false;
-  Way cheap = cheapest(thing, setting_);
-  if (march_pays(thing, false)) cheap = tile(thing, thing.deep, true, setting_);
-  return pays(dear, cheap, drawn);
-}
-
-bool FramePlan::march_pays(const Alternatives& thing, bool drawn) const {
-  if (!thing.deep) return false;
-  return pays(tile(thing, thing.deep, true, setting_), cheapest(thing, setting_), drawn);
+bool FramePlan::mesh_pays(const Alternatives& thing) const {
+  const auto cost = [&](const Choice& choice) { return choice.error + lambda_ * choice.ms; };
+  const Choice mesh = way(thing, Look::kMesh);
+  return std::isfinite(mesh.error) && cost(mesh) <= cost(way(thing, Look::kFlat));
 }
 
 void FramePlan::note_drawn(double ms) {
-  if (!plans() || !std::isfinite(ms) || ms <= 0 || expected_ms_ <= 0) return;
+  if (!limited() || !std::isfinite(ms) || ms <= 0 || expected_ms_ <= 0) return;
   const double excess = std::clamp(ms / expected_ms_, 1.0, kMostExcess);
   excess_ += (excess > excess_ ? kExcessRises : kExcessFalls) * (excess - excess_);
 }
 
-double FramePlan::planned_ms() const { return kPlannedShare * budget_ms_ / excess_; }
-
-// From the cheapest way up, each step with less gain a millisecond than the one before it.
-void FramePlan::add_steps(const Way& cheap, const Way& deep, const Way& mesh,
-                          std::vector<Step>& steps) {
-  const auto step = [](const Way& from, const Way& to) {
-    // What is no dearer needs no budget.
-    return Step{from.error - to.error, std::max(to.ms - from.ms, 0.0)};
-  };
-  const auto steeper = [](const Step& a, const Step& b) { return a.gain * b.ms > b.gain * a.ms; };
-  const bool marches = deep.error < cheap.error, meshes = mesh.error < cheap.error;
-  if (marches && mesh.error < deep.error) {
-    const Step first = step(cheap, deep), second = step(deep, mesh);
-    if (steeper(first, second)) {
-      steps.push_back(first);
-      steps.push_back(second);
-      return;
-    }
-  }
-  if (meshes && !(marches && deep.error <= mesh.error)) {
-    steps.push_back(step(cheap, mesh));
-  } else if (marches) {
-    steps.push_back(step(cheap, deep));
-  }
+double FramePlan::planned_ms() const {
+  return limited() ? kPlannedShare * budget_ms_ / excess_ : std::numeric_limits<double>::infinity();
 }
 
-FramePlan::Outcome FramePlan::solve(const Camera& camera, const std::vector<Alternatives>& things,
-                                    std::size_t levels, const FrameSetting& setting) const {
+double FramePlan::frame_ms(const Camera& camera, const std::vector<Alternatives>& things,
+                           std::size_t levels, const FrameSetting& setting) const {
+  if (!prices_) return 0;
   Camera drawn = camera;
   drawn.width = static_cast<std::uint32_t>(std::lround(camera.width * setting.scale));
   drawn.height = static_cast<std::uint32_t>(std::lround(camera.height * setting.scale));
   FrameWork frame = target_work(drawn, setting.samples);
   frame[Work::kMesh] = static_cast<double>(levels);
   const bool views = std::any_of(things.begin(), things.end(), [](const Alternatives& thing) {
-    return thing.view_px && !thing.flat && !thing.mesh_px;
+    return thing.view_px && !thing.flat && thing.levels.empty();
   });
   if (views) frame[Work::kViewPixel] = frame[Work::kPixel];
-  Outcome out;
-  out.ms = prices_->ms_of(frame);
-  std::vector<Step> steps;
-  for (const Alternatives& thing : things) {
-    const Way cheap = cheapest(thing, setting);
-    out.error += cheap.error;
-    out.ms += cheap.ms;
-    add_steps(cheap, tile(thing, thing.deep, true, setting), mesh(thing, setting), steps);
+  return prices_->ms_of(frame);
+}
+
+// The cheapest way of a thing, and its steps to dearer ones, each with less gain a millisecond than
+// the one before it.
+void FramePlan::add_steps(std::size_t index, const Alternatives& thing, const FrameSetting& setting,
+                          Outcome& out, std::vector<Step>& steps) const {
+  struct Point {
+    Choice choice;
+    double error, ms;
+  };
+  std::vector<Point> points;
+  for (const Choice& choice : ways(thing, setting)) {
+    const bool stays = thing.shown == choice.look;
+    // To fade to what is cheaper is no reason to go on with what is dear.
+    const bool cheaper = thing.shown == Look::kMesh && choice.look != Look::kMesh;
+    points.push_back({choice, (stays ? kStays : 1) * choice.error,
+                      choice.ms + (cheaper ? 0 : beneath_ms(thing, choice.look, setting))});
   }
-  std::sort(steps.begin(), steps.end(),
-            [](const Step& a, const Step& b) { return a.gain * b.ms > b.gain * a.ms; });
-  for (const Step& step : steps) {
-    if (out.ms + step.ms > planned_ms()) {
-      out.lambda = step.gain / step.ms;
-      break;
+  std::size_t at = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const bool better = points[i].ms < points[at].ms && thing.mesh_only;
+    const bool free = points[i].ms <= points[at].ms && points[i].error < points[at].error;
+    if (better || free) at = i;
+  }
+  out.choices.push_back(points[at].choice);
+  out.error += points[at].choice.error;
+  out.ms += points[at].ms;
+  for (;;) {
+    std::size_t next = at;
+    double steepest = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double gain = points[at].error - points[i].error;
+      if (!(gain > 0)) continue;
+      const double ms = std::max(points[i].ms - points[at].ms, kShortestMs);
+      if (gain / ms > steepest) {
+        steepest = gain / ms;
+        next = i;
+      }
+    }
+    if (next == at) return;
+    steps.push_back({points[at].error - points[next].error, points[next].ms - points[at].ms, index,
+                     points[next].choice});
+    at = next;
+  }
+}
+
+FramePlan::Outcome FramePlan::solve(const Camera& camera, const std::vector<Alternatives>& things,
+                                    std::size_t levels, const FrameSetting& setting) const {
+  Outcome out;
+  std::vector<Step> steps;
+  out.ms = frame_ms(camera, things, levels, setting);
+  out.choices.reserve(things.size());
+  for (std::size_t i = 0; i < things.size(); ++i) add_steps(i, things[i], setting, out, steps);
+  const double most = planned_ms();
+  // What fades in is shown at once where there is no time for what is beneath.
+  for (std::size_t i = 0; i < things.size() && out.ms > most; ++i) {
+    if (!things[i].leaving || things[i].shown != out.choices[i].look) continue;
+    out.choices[i].fades = false;
+    out.ms -= beneath_ms(things[i], out.choices[i].look, setting);
+  }
+  std::stable_sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) {
+    return a.gain * std::max(b.ms, 0.0) > b.gain * std::max(a.ms, 0.0);
+  });
+  std::vector<bool> stopped(things.size(), false);
+  for (Step& step : steps) {
+    if (stopped[step.thing]) continue;
+    if (out.ms + step.ms > most) {
+      // What comes later and takes less time may still fit; the dearer ways of this thing do not.
+      stopped[step.thing] = true;
+      out.lambda = std::max(out.lambda, step.gain / std::max(step.ms, kShortestMs));
+      continue;
     }
     out.ms += step.ms;
-    out.error -= step.gain;
+    out.error += step.to.error - out.choices[step.thing].error;
+    out.choices[step.thing] = std::move(step.to);
   }
   return out;
 }
 
-void FramePlan::finish(const Camera& camera, const std::vector<Alternatives>& things,
-                       std::size_t levels, std::int64_t now_us) {
-  if (!plans()) return;
+// What becomes cheaper fades as far as there is time left.
+void FramePlan::fade(const std::vector<Alternatives>& things, Outcome& out) const {
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    Choice& choice = out.choices[i];
+    if (things[i].shown != Look::kMesh || !is_tile(choice.look)) continue;
+    const double ms = beneath_ms(things[i], choice.look, setting_);
+    choice.fades = out.ms + ms <= planned_ms();
+    if (choice.fades) out.ms += ms;
+  }
+}
+
+const std::vector<Choice>& FramePlan::decide(const Camera& camera,
+                                             const std::vector<Alternatives>& things,
+                                             std::size_t levels, std::int64_t now_us) {
   Outcome present = solve(camera, things, levels, setting_);
   const auto fits = [&](const Outcome& o) { return o.ms <= planned_ms(); };
-  if (now_us - changed_us_ >= kSettingLastsUs || !fits(present)) {
+  if (limited() && (now_us - changed_us_ >= kSettingLastsUs || !fits(present))) {
     for (const FrameSetting& setting : settings_) {
       if (setting == setting_) continue;
-      const Outcome other = solve(camera, things, levels, setting);
+      Outcome other = solve(camera, things, levels, setting);
       // What fits comes before what does not; of what does not, the quicker.
       const bool better = fits(other) != fits(present) ? fits(other)
                           : fits(other) ? other.error < kBetterSetting * present.error
                                         : other.ms < present.ms;
       if (!better) continue;
-      present = other;
+      present = std::move(other);
       setting_ = setting;
       changed_us_ = now_us;
     }
   }
+  fade(things, present);
   lambda_ = std::max(present.lambda, lambda_ > kLeastLambda ? kLambdaFalls * lambda_ : 0);
   expected_ms_ = present.ms;
+  choices_ = std::move(present.choices);
+  return choices_;
 }
 
 }  // namespace mirage

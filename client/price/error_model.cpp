@@ -18,7 +18,7 @@ ErrorModel by_hand() {
   at(m.flip, Wrong::kMesh) = 0.03;
   at(m.flip, Wrong::kMeshAlias) = 0.02;
   at(m.flip, Wrong::kTested) = 0.06;
-  at(m.flip, Wrong::kTestedAlias) = 0.05;
+  at(m.flip, Wrong::kTestedAlias) = 0.02;
   at(m.flip, Wrong::kMeshError) = 0.02;
   at(m.flip, Wrong::kTile) = 0.06;
   at(m.flip, Wrong::kTileAlias) = 0.01;
@@ -27,7 +27,7 @@ ErrorModel by_hand() {
   at(m.flip, Wrong::kView) = 0.1;
   at(m.flip, Wrong::kViewError) = 0.02;
   at(m.flip, Wrong::kNothing) = 0.4;
-  at(m.flip, Wrong::kUpscaled) = 0.05;
+  at(m.flip, Wrong::kUpscaled) = 0.1;
   return m;
 }
 
@@ -47,6 +47,8 @@ const char* wrong_name(Wrong kind) {
       return "mesh_error";
     case Wrong::kTile:
       return "tile";
+    case Wrong::kTestedTile:
+      return "tested_tile";
     case Wrong::kTileAlias:
       return "tile_alias";
     case Wrong::kTileError:
@@ -76,9 +78,10 @@ Wrongs mesh_wrongs(bool alpha_tested, double error_px, int samples, double scale
   return out;
 }
 
-Wrongs tile_wrongs(double error_px, double texel_px, int samples, double scale) {
+Wrongs tile_wrongs(bool alpha_tested, double error_px, double texel_px, int samples, double scale) {
   Wrongs out{};
   at(out, Wrong::kTile) = 1;
+  if (alpha_tested) at(out, Wrong::kTestedTile) = 1;
   if (samples <= 1) at(out, Wrong::kTileAlias) = 1;
   at(out, Wrong::kTileError) = capped(error_px);
   // The coarser of both is what blurs.

@@ -15,6 +15,7 @@ enum class Wrong : std::uint8_t {
   kTestedAlias,  ///< the same with one sample a pixel: 1
   kMeshError,    ///< px by which a level of geometry is off (lod_excess at tau 1)
   kTile,         ///< an impostor: 1
+  kTestedTile,   ///< of an object with an alpha test: 1, beside kTile
   kTileAlias,    ///< the same with one sample a pixel: 1
   kTileError,    ///< px of TileFit::error_px
   kTileBlur,     ///< px by which a texel covers more than a pixel
@@ -34,7 +35,8 @@ using Wrongs = std::array<double, kWrongs>;
 /// the shown picture; what is larger than kWorstPx counts as that.
 inline constexpr double kWorstPx = 8;
 Wrongs mesh_wrongs(bool alpha_tested, double error_px, int samples, double scale = 1);
-Wrongs tile_wrongs(double error_px, double texel_px, int samples, double scale = 1);
+Wrongs tile_wrongs(bool alpha_tested, double error_px, double texel_px, int samples,
+                   double scale = 1);
 Wrongs view_wrongs(double error_px);
 Wrongs nothing_wrongs();
 

@@ -101,9 +101,10 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
       ->capture_default_str();
   app.add_flag("--virtual-time", o.virtual_time,
                "time advances by whole frames, the network by its model: reproducible");
-  app.add_option("--device-model", o.device_model_name,
-                 "what frames take on virtual time: software, laptop, phone or a JSON file of prices; "
-                 "default: nothing");
+  app.add_option(
+      "--device-model", o.device_model_name,
+      "what frames take on virtual time: software, laptop, phone or a JSON file of prices; "
+      "default: nothing");
   app.add_option("--net", net,
                  "network model: rtt=100,jitter=20,rate=20,loss=0.5,server-ms=5,seed=1");
   app.add_option("--tau", o.tau_px, "error target in pixels")
@@ -136,8 +137,8 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_flag("--no-view{false}", o.views,
                "no picture of the whole scene where objects have none of their own yet");
   app.add_option("--march-kpx", o.march_kpx,
-                 "thousand pixels a frame that may be drawn by marching depth; default 200 on a "
-                 "software renderer, else unlimited")
+                 "limit, for experiments: thousand pixels a frame that may be drawn by marching "
+                 "depth; default: none")
       ->check(number_within(0.0, 1e5));
   app.add_option("--atlas-mb", o.atlas_mb,
                  "graphics memory for tiles at most; it is taken as they need it")
@@ -149,10 +150,11 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_option("--shadows", o.shadows, "off: without shadows, also when the server has them")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
-  app.add_option("--mesh-radii", o.mesh_radii,
-                 "swap distance: objects nearer than this many radii are drawn as geometry")
-      ->check(number_within(0.0, 1000.0))
-      ->capture_default_str();
+  app.add_option(
+         "--mesh-radii", o.mesh_radii,
+         "limit, for experiments: nothing farther than this many radii is geometry, but what "
+         "is smaller than a tile; default: none, or 8 with a fixed --method")
+      ->check(number_within(0.0, 1000.0));
   app.add_option("--mesh-mb", o.mesh_mb, "graphics memory for geometry and its images")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();

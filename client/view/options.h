@@ -38,8 +38,8 @@ struct ViewOptions {
   int atlas_mb = 216;
   int mesh_mb = 256;
   int upload_kb = 8192;
-  double mesh_radii = kSwapRadii;
-  double march_kpx = -1;  ///< thousand px a frame drawn by marching; < 0: by renderer
+  double mesh_radii = kAnyRadii;
+  double march_kpx = -1;  ///< thousand px a frame drawn by marching at most; < 0: any
   std::string out_dir;
   std::string stats_file;
   std::string trace_file;

@@ -86,7 +86,7 @@ class Viewer {
 
 constexpr double kKeptFrameS = 1.0 / 60;  // instead of the display's pace, which only a swap brings
 constexpr double kSoftwareFrameMs = 50;
-constexpr double kRestS = 60;             // an event comes sooner or not at all
+constexpr double kRestS = 60;  // an event comes sooner or not at all
 
 Result<void> Viewer::open_graphics() {
   if (o_.offscreen) {
@@ -122,7 +122,6 @@ void Viewer::make_host() {
   host.virtual_time = o_.virtual_time;
   host.net = o_.net;
   host.connect_timeout_s = o_.connect_timeout_s;
-  host.march_kpx = o_.march_kpx;
   if (window_) host.wake = &Window::wake;
   host.content_changed = [this] { still_.content_changed(); };
   ClientOptions& options = host.session;
@@ -131,6 +130,7 @@ void Viewer::make_host() {
   options.frame_ms = frame_budget_ms();
   options.samples = o_.msaa;
   options.mesh_radii = o_.mesh_radii;
+  if (o_.march_kpx >= 0) options.march_budget_px = 1000 * o_.march_kpx;
   options.method = o_.method;
   options.atlas_edge = kAtlasEdge;
   options.atlas_layers = atlas_layers(o_.atlas_mb);

@@ -48,8 +48,8 @@ struct CoreView : ::testing::Test {
   }
   void arrive(std::uint32_t request) {
     Bytes payload;
-    const wire::ViewReplyT reply = reply_for(
-        camera, static_cast<std::uint32_t>(scene.instances.size()), request, payload);
+    const wire::ViewReplyT reply =
+        reply_for(camera, static_cast<std::uint32_t>(scene.instances.size()), request, payload);
     const auto taken = stage.take(reply, payload);
     ASSERT_TRUE(taken);
     ASSERT_TRUE(*taken);
@@ -172,7 +172,7 @@ TEST_F(CoreView, GeometryReplacesItOnceItShowsMore) {
   options.geometry = true;
   SelectorWorld world(make_scene({{scene.instances[12].center}}, options));
   ObjectDescription& object = world.scene.objects[0];
-  object.lods = {{9000, 90'000, 0, 0}, {3000, 30'000, 0, 0.8f}};  // 0.8 of a radius of spread
+  object.lods = {{9000, 90'000, 0, 0}, {3000, 30'000, 0, 3.2f}};  // pieces as large as itself
   MeshCache meshes;
   meshes.reset(world.scene, 1 << 30, 1 << 20);
   world.mesh_ready[0] = true;
@@ -193,8 +193,7 @@ TEST_F(CoreView, GeometryReplacesItOnceItShowsMore) {
     meshes.add_mesh(0, level, model, 0);
   };
   add(1);
-  EXPECT_GT(meshes.error_px(world.scene, camera, 0), 1);
-  EXPECT_LE(meshes.error_px(world.scene, camera, 0), 4);
+  EXPECT_EQ(*meshes.level(world.scene, camera, 1, 0), 1u);
   EXPECT_TRUE(drawn(0).empty()) << "the view shows more";
   ASSERT_EQ(drawn(4).size(), 1u) << "but not from here";
   EXPECT_EQ(drawn(4)[0].fade, 1) << "and is torn, seen from there";
@@ -291,8 +290,9 @@ std::pair<double, double> arrivals(bool kept) {
   for (std::int64_t us = 0; us < 1'000'000; us += 500) {
     clock.advance_to_us(us);
     for (const Message& m : link.receive()) {
-      (m.body.AsViewReply() ? out.first : m.body.AsObjectPage() ? out.second : out.second) =
-          static_cast<double>(us) * 1e-3;
+      (m.body.AsViewReply()    ? out.first
+       : m.body.AsObjectPage() ? out.second
+                               : out.second) = static_cast<double>(us) * 1e-3;
     }
   }
   return out;

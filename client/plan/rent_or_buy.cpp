@@ -1,0 +1,60 @@
+#include "client/plan/rent_or_buy.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mirage {
+namespace {
+// What has been seen for a moment only may be looked at for so long, s; nobody plans farther.
+constexpr double kLeastHorizonS = 4, kFarthestHorizonS = 60;
+constexpr double kShortestLifeS = 0.05;
+// What was not seen, or not used, for so long is forgotten.
+constexpr std::int64_t kForgottenUs = 10'000'000;
+}  // namespace
+
+void RentOrBuy::paid(std::uint32_t object, double bytes) {
+  if (object < accounts_.size()) accounts_[object].paid += bytes;
+}
+
+double RentOrBuy::horizon_s(const Account& account, std::int64_t now_us) const {
+  const double seen_s = 1e-6 * static_cast<double>(now_us - account.since_us);
+  return std::clamp(seen_s, kLeastHorizonS, kFarthestHorizonS);
+}
+
+void RentOrBuy::want(std::uint32_t object, double bytes, double life_s, double price_bytes,
+                     std::int64_t now_us) {
+  if (object >= accounts_.size() || !std::isfinite(bytes) || !std::isfinite(life_s)) return;
+  Account& account = accounts_[object];
+  if (now_us - account.seen_us > kForgottenUs) {
+    account = Account{};
+    account.since_us = now_us;
+  }
+  account.seen_us = now_us;
+  if (account.wanted == 0) told_.push_back(object);
+  const double times = horizon_s(account, now_us) / std::max(life_s, kShortestLifeS);
+  account.wanted += bytes * std::max(times, 1.0);
+  account.price = std::max(account.price, price_bytes);
+}
+
+bool RentOrBuy::bought(std::uint32_t object, std::int64_t now_us) const {
+  const Account& account = accounts_[object];
+  return account.bought_us >= 0 && now_us - account.bought_us <= kForgottenUs;
+}
+
+void RentOrBuy::used(std::uint32_t object, std::int64_t now_us) {
+  if (bought(object, now_us)) accounts_[object].bought_us = now_us;
+}
+
+void RentOrBuy::decide(std::int64_t now_us) {
+  for (const std::uint32_t object : told_) {
+    Account& account = accounts_[object];
+    if (account.wanted > 0 && account.paid + account.wanted >= account.price) {
+      account.bought_us = now_us;
+      account.paid = 0;
+    }
+    account.wanted = account.price = 0;
+  }
+  told_.clear();
+}
+
+}  // namespace mirage
