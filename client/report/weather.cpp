@@ -30,7 +30,7 @@ RunSpec spec_of(const Weather& weather, const std::string& url, std::uint64_t se
   spec.net.seed = seed;
   spec.width = kWidth;
   spec.height = kHeight;
-  spec.msaa = 0;
+  spec.samples = 1;
   spec.fps = kFps;
   spec.frames = frames;
   spec.from_scene = true;
