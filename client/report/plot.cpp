@@ -164,6 +164,12 @@ std::string legend(const std::vector<Panel>& panels, const std::vector<std::stri
   std::string plots;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Look look = look_of(names[i], i);
+    // A variant has the colour of the name it belongs to, and no entry beside it.
+    const std::size_t comma = names[i].find(',');
+    const bool variant =
+        comma != std::string::npos &&
+        std::find(names.begin(), names.end(), names[i].substr(0, comma)) != names.end();
+    if (variant) continue;
     plots += fmt::format(", NaN with linespoints lw 1.4 pt {} ps 0.8 lc rgb \"{}\" title {}",
                          look.point, look.color, quoted(names[i]));
   }

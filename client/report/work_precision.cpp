@@ -169,8 +169,9 @@ Result<void> show(Context& context, const OpenScene& scene, const std::vector<Fi
   say_who_wins(page, all);
   for (const ErrorPlot& plot : error_plots(all, floor)) {
     context.plot(fmt::format("work_precision_{}_{}", plot.id, index), plot.panels, 2,
-                 fmt::format("{}: {} against four costs. One line a method and number of samples, "
-                             "one point a tau or a budget.",
+                 fmt::format("{}: {} against four costs. Filled points: 4 samples, and auto "
+                             "without a budget, a point for each tau; open points: 1 sample, and "
+                             "auto by budget.",
                              scene.name, plot.label));
   }
   for (const auto& [setting, picture] : pictures) {
