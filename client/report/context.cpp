@@ -39,6 +39,13 @@ Result<OpenScene*> Context::open(const std::string& name) {
   return scene.get();
 }
 
+Result<OpenScene*> Context::open_own(const std::string& part, const std::string& name) {
+  const Result<OpenScene*> opened = open(name);
+  if (opened || !options.scene.empty() || !options.url.empty()) return opened;
+  omit(part, name, opened.error().line());
+  return static_cast<OpenScene*>(nullptr);
+}
+
 std::vector<std::string> Context::scenes_or(const std::vector<std::string>& own) const {
   if (!options.url.empty()) return {options.url};
   return options.scene.empty() ? own : std::vector<std::string>{options.scene};

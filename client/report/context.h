@@ -50,6 +50,9 @@ struct Context {
   /// Starts the scene's server, unless it runs, and learns the scene. With --url: that server's,
   /// whatever `name` says. Errors as ServerProcess and TruthSource.
   Result<OpenScene*> open(const std::string& name);
+  /// The same of one of the part's own scenes: nullptr and an omission if it cannot be had. That of
+  /// the command line is an error then.
+  Result<OpenScene*> open_own(const std::string& part, const std::string& name);
   /// Ends its server, if it is one of ours, and forgets its truth.
   void close(const std::string& name) { scenes.erase(key_of(name)); }
   /// The scenes to measure: the user's one, or the part's own.

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "client/report/bytes.h"
 #include "client/report/context.h"
 #include "client/report/fidelity.h"
 #include "client/report/first.h"
@@ -29,9 +30,10 @@ Result<void> measure(Context& context) {
   ExtremeRun extreme;
   if (wanted(Part::kExtreme)) extreme = start_extreme(context);
   const std::pair<Part, Step> steps[] = {
-      {Part::kLatency, report_latency}, {Part::kFirst, report_first},
-      {Part::kWeather, report_weather}, {Part::kFidelity, report_fidelity},
-      {Part::kNeeds, report_needs},     {Part::kModels, report_models}};
+      {Part::kLatency, report_latency},   {Part::kFirst, report_first},
+      {Part::kBytes, report_bytes},       {Part::kWeather, report_weather},
+      {Part::kFidelity, report_fidelity}, {Part::kNeeds, report_needs},
+      {Part::kModels, report_models}};
   for (const auto& [part, step] : steps) {
     if (!wanted(part)) continue;
     if (Result<void> done = step(context); !done) return done;

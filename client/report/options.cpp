@@ -14,13 +14,14 @@ const std::map<std::string, std::set<Part>>& parts() {
       {"work-precision", {Part::kWorkPrecision}},
       {"latency", {Part::kLatency}},
       {"first", {Part::kFirst}},
+      {"bytes", {Part::kBytes}},
       {"weather", {Part::kWeather}},
       {"extreme", {Part::kExtreme}},
       {"needs", {Part::kNeeds}},
       {"models", {Part::kModels}},
       {"all",
-       {Part::kFidelity, Part::kWorkPrecision, Part::kLatency, Part::kFirst, Part::kWeather,
-        Part::kExtreme, Part::kNeeds}}};
+       {Part::kFidelity, Part::kWorkPrecision, Part::kLatency, Part::kFirst, Part::kBytes,
+        Part::kWeather, Part::kExtreme, Part::kNeeds}}};
   return list;
 }
 
@@ -37,6 +38,10 @@ Result<void> check(const ReportOptions& o) {
   }
   if (!o.model.empty() && o.what != "fidelity") {
     return make_error(ErrorId::kUsage, "--model is for fidelity only", "--scene FILE for the rest");
+  }
+  if (o.frame_ms > 0 && !parts().at(o.what).contains(Part::kWeather)) {
+    return make_error(ErrorId::kUsage, "--frame-ms is for weather only",
+                      "work-precision has budgets of its own");
   }
   if ((o.what == "models") == o.models_dir.empty()) {
     return make_error(
@@ -62,7 +67,8 @@ int parse_options(int argc, char** argv, ReportOptions& o) {
          "WHAT", o.what,
          "fidelity: tiles against the mesh, by the field's protocol; work-precision: "
          "error against run time; latency: against video on the same link; first: the same "
-         "from the moment of connecting; weather: ten links, scenes and paths, several "
+         "from the moment of connecting; bytes: of walks, against all geometry and tiles only; "
+         "weather: ten links, scenes and paths, several "
          "seeds (of them those on --scene); extreme: the extreme cases; needs: what was left "
          "out; all of these; models: each glTF file of a folder")
       ->required()
@@ -72,9 +78,13 @@ int parse_options(int argc, char** argv, ReportOptions& o) {
                  "measure this file or builtin:NAME instead of the report's own scenes");
   app.add_option("--url", o.url, "measure the scene of a running server");
   app.add_option("--model", o.model, "fidelity of your own glTF file");
+  app.add_option("--frame-ms", o.frame_ms,
+                 "weather within this budget of a frame, ms, too, beside none; by the device model "
+                 "'software'")
+      ->check(number_within(0.0, 10'000.0));
   app.add_option("--out", o.out_dir, "folder to write into")->capture_default_str();
   app.add_flag("--quick", o.quick,
-               "small pictures, few frames, three values of tau: minutes instead of hours");
+               "small pictures, small scenes, few frames: minutes instead of hours");
   app.add_option("--device", o.device, "EGL device")->capture_default_str();
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;

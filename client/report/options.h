@@ -10,6 +10,7 @@ enum class Part {
   kFidelity,
   kLatency,
   kFirst,
+  kBytes,
   kWeather,
   kExtreme,
   kNeeds,
@@ -24,6 +25,7 @@ struct ReportOptions {
   std::string model;       ///< of the user's, for fidelity
   std::string models_dir;  ///< for models
   std::string out_dir = "out/report";
+  double frame_ms = 0;     ///< budget of a frame, for weather; 0: none
   bool quick = false;
   std::string device = "auto";
   std::string command_line;  ///< to be repeated by hand

@@ -19,21 +19,27 @@ constexpr int kPanelWidth = 470, kPanelHeight = 330, kLegendHeight = 90;
 
 struct Look {
   const char* color;
-  int point;
+  int point, variant;  // of the name alone, and with more after a comma
 };
 
 // Of Okabe and Ito, told apart by colour-blind people as well; points differ, too.
 Look look_of(const std::string& name, std::size_t index) {
   static const std::map<std::string, Look> known = {
-      {"auto", {"#000000", 7}},   {"mirage", {"#000000", 7}}, {"quad", {"#e69f00", 5}},
-      {"cuboid", {"#56b4e9", 9}}, {"hull", {"#009e73", 11}},  {"warp", {"#cc79a7", 13}},
-      {"depth", {"#0072b2", 4}},  {"mesh", {"#999999", 6}},   {"geometry", {"#999999", 6}},
-      {"fixed8", {"#d55e00", 2}}, {"video", {"#e69f00", 5}},  {"video+timewarp", {"#0072b2", 4}}};
-  static const Look other[] = {{"#009e73", 9}, {"#cc79a7", 11}, {"#56b4e9", 13}, {"#d55e00", 2},
-                               {"#e69f00", 5}, {"#999999", 6},  {"#0072b2", 4},  {"#000000", 7},
-                               {"#cc79a7", 1}, {"#009e73", 3}};
-  const auto at = known.find(name);
-  return at != known.end() ? at->second : other[index % std::size(other)];
+      {"auto", {"#000000", 7, 6}},     {"mirage", {"#000000", 7, 6}},
+      {"quad", {"#e69f00", 5, 4}},     {"cuboid", {"#56b4e9", 9, 8}},
+      {"hull", {"#009e73", 11, 10}},   {"warp", {"#cc79a7", 13, 12}},
+      {"depth", {"#0072b2", 15, 14}},  {"mesh", {"#999999", 7, 6}},
+      {"geometry", {"#999999", 7, 6}}, {"fixed8", {"#d55e00", 2, 1}},
+      {"video", {"#e69f00", 5, 4}},    {"video+timewarp", {"#0072b2", 15, 14}}};
+  static const Look other[] = {{"#009e73", 9, 8},   {"#cc79a7", 11, 10}, {"#56b4e9", 13, 12},
+                               {"#d55e00", 2, 1},   {"#e69f00", 5, 4},   {"#999999", 6, 7},
+                               {"#0072b2", 15, 14}, {"#000000", 7, 6},   {"#cc79a7", 1, 2},
+                               {"#009e73", 3, 1}};
+  const std::size_t comma = name.find(',');
+  const auto at = known.find(name.substr(0, comma));
+  Look look = at != known.end() ? at->second : other[index % std::size(other)];
+  if (comma != std::string::npos) look.point = look.variant;
+  return look;
 }
 
 // gnuplot's own markup characters and quotes.
@@ -158,6 +164,12 @@ std::string legend(const std::vector<Panel>& panels, const std::vector<std::stri
   std::string plots;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Look look = look_of(names[i], i);
+    // A variant has the colour of the name it belongs to, and no entry beside it.
+    const std::size_t comma = names[i].find(',');
+    const bool variant =
+        comma != std::string::npos &&
+        std::find(names.begin(), names.end(), names[i].substr(0, comma)) != names.end();
+    if (variant) continue;
     plots += fmt::format(", NaN with linespoints lw 1.4 pt {} ps 0.8 lc rgb \"{}\" title {}",
                          look.point, look.color, quoted(names[i]));
   }

@@ -11,7 +11,9 @@
 namespace mirage {
 
 struct Series {
-  std::string name;  ///< methods of drawing keep their colour in all plots
+  /// Methods of drawing keep their colour in all plots; with more after a comma, too, and other
+  /// points.
+  std::string name;
   std::vector<std::pair<double, double>> points;  ///< drawn as given; not finite ones are left out
 };
 

@@ -18,6 +18,14 @@ double clock_ms(clockid_t clock) {
   return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
+Camera screen_of(const RunSpec& spec) {
+  Camera screen;
+  screen.fov_y = kFovY;
+  screen.width = static_cast<std::uint32_t>(spec.width);
+  screen.height = static_cast<std::uint32_t>(spec.height);
+  return screen;
+}
+
 HostOptions host_options(const RunSpec& spec) {
   HostOptions options;
   options.url = spec.url;
@@ -26,6 +34,9 @@ HostOptions host_options(const RunSpec& spec) {
   options.session.tau_px = spec.tau_px;
   options.session.method = *method_from_name(spec.method);
   options.session.mesh_radii = spec.mesh_radii;
+  options.session.frame_ms = spec.frame_ms;
+  options.session.samples = spec.samples;
+  options.session.screen = screen_of(spec);
   options.session.atlas_edge = kAtlasEdge;
   options.session.atlas_layers = atlas_layers(kAtlasMb);
   options.session.trace = true;
@@ -40,6 +51,9 @@ struct SessionRunner::Loop {
   TruthSource& truth;
   ClientHost& host;
   RunResult& out;
+  const CameraPath& path;
+  Stillness& still;
+  std::int64_t start_us = 0;
   DrawList list{};
   int rested = 0;         // frames a viewer would have refined the picture in
   double planned_ms = 0;  // of this frame
@@ -67,7 +81,7 @@ double SessionRunner::now_ms() const {
 Camera SessionRunner::camera_at(const CameraPath& path, double seconds, const SceneView& scene,
                                 int width, int height) {
   Camera camera;
-  camera.pose = path.at(seconds);
+  camera.pose = path.at(1e-6 * static_cast<double>(std::llround(seconds * 1e6)));
   camera.fov_y = kFovY;
   camera.width = static_cast<std::uint32_t>(width);
   camera.height = static_cast<std::uint32_t>(height);
@@ -137,20 +151,57 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
   return {};
 }
 
-Result<void> SessionRunner::fit_target(const RunSpec& spec, bool blends) {
+Result<void> SessionRunner::fit_target(const RunSpec& spec, const FrameSetting& setting,
+                                       bool blends) {
   if (target_ && target_->width() == spec.width && target_->height() == spec.height &&
-      target_->blends() == blends && target_msaa_ == spec.msaa) {
+      target_->blends() == blends && setting_ == setting) {
     return {};
   }
-  Result<FrameTarget> target = FrameTarget::create(spec.width, spec.height, spec.msaa, blends);
+  Result<FrameTarget> target =
+      FrameTarget::create(spec.width, spec.height, setting.samples, blends, setting.scale);
   if (!target) return target.error();
   target_.emplace(target.take());
-  target_msaa_ = spec.msaa;
+  setting_ = setting;
   return {};
 }
 
+// A viewer's frame (client/view/viewer.cpp), drawn only where it is compared.
+Result<void> SessionRunner::one_frame(Loop& loop, int frame) {
+  const RunSpec& spec = loop.spec;
+  ClientSession& session = loop.host.session();
+  const double seconds = frame / spec.fps;
+  const std::int64_t now = loop.start_us + std::llround(seconds * 1e6);
+  loop.host.virtual_clock()->advance_to_us(now);
+  if (Result<void> received = session.receive(now); !received) return received.error();
+  const SceneView& scene = session.scene();
+  const FrameSetting setting = session.plan().setting();
+  if (!(setting == setting_)) loop.still.content_changed();
+  if (Result<void> fit = fit_target(spec, setting, scene.blends()); !fit) return fit.error();
+  const Camera camera = camera_at(loop.path, seconds, scene, spec.width, spec.height);
+  const double began = now_ms();
+  loop.list = session.frame(camera, now);
+  loop.planned_ms = now_ms() - began;
+  const bool same = loop.still.unchanged(camera, scene, loop.list, session.lighting());
+  loop.rested = same && session.at_rest() ? loop.rested + 1 : 0;
+  PlannedFrame planned{setting, 0, loop.host.traffic().bytes_down};
+  if (spec.device && !same) {
+    planned.model_ms = spec.device->ms_of(
+        work_of(scene, target_->drawn_camera(camera), loop.list, std::max(target_->samples(), 1)));
+    session.note_frame_ms(planned.model_ms);
+  }
+  RunResult& out = loop.out;
+  out.planned.push_back(planned);
+  out.visible += loop.list.visible;
+  out.placeholders += loop.list.placeholders.size();
+  const std::optional<LinkUse> use = loop.host.link_use();
+  out.starved += use && starves(session.first_waits(), *use);
+  const bool shows = loop.list.view || !loop.list.impostors.empty() || !loop.list.meshes.empty();
+  if (shows && out.first_image_ms < 0) out.first_image_ms = seconds * 1e3;
+  const bool compared = std::binary_search(spec.compared.begin(), spec.compared.end(), frame);
+  return compared ? compare(loop, camera, frame) : Result<void>{};
+}
+
 Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
-  if (Result<void> fit = fit_target(spec, truth.scene().blends()); !fit) return fit.error();
   const SceneView& scene = truth.scene();
   const Result<CameraPath> path =
       CameraPath::create(spec.path, scene.home, scene.bounds_center, scene.bounds_radius);
@@ -160,35 +211,14 @@ Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
   options.content_changed = [&still] { still.content_changed(); };
   ClientHost host(std::move(options), *renderer_);
   if (Result<void> open = host.open(); !open) return open.error();
+  if (spec.device) host.session().set_prices(*spec.device);
   if (spec.from_scene) {
     if (Result<void> told = host.wait_for_picture(); !told) return told.error();
   }
-  const std::int64_t start = host.now_us();
   RunResult out;
-  Loop loop{spec, truth, host, out};
-  auto next = spec.compared.begin();
+  Loop loop{spec, truth, host, out, *path, still, host.now_us()};
   for (int frame = 0; frame < spec.frames; ++frame) {
-    const double seconds = frame / spec.fps;
-    const std::int64_t now = start + std::llround(seconds * 1e6);
-    host.virtual_clock()->advance_to_us(now);
-    if (Result<void> received = host.session().receive(now); !received) return received.error();
-    const Camera camera = camera_at(*path, seconds, scene, spec.width, spec.height);
-    const double began = now_ms();
-    loop.list = host.session().frame(camera, now);
-    loop.planned_ms = now_ms() - began;
-    const bool same =
-        still.unchanged(camera, host.session().scene(), loop.list, host.session().lighting());
-    loop.rested = same && host.session().at_rest() ? loop.rested + 1 : 0;
-    out.visible += loop.list.visible;
-    out.placeholders += loop.list.placeholders.size();
-    const std::optional<LinkUse> use = host.link_use();
-    out.starved += use && starves(host.session().first_waits(), *use);
-    const bool shows =
-        loop.list.view || !loop.list.impostors.empty() || !loop.list.meshes.empty();
-    if (shows && out.first_image_ms < 0) out.first_image_ms = seconds * 1e3;
-    if (next == spec.compared.end() || *next != frame) continue;
-    ++next;
-    if (Result<void> compared = compare(loop, camera, frame); !compared) return compared.error();
+    if (Result<void> done = one_frame(loop, frame); !done) return done.error();
   }
   out.traffic = host.traffic();
   out.seconds = spec.frames / spec.fps;

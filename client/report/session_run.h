@@ -11,6 +11,7 @@
 #include "client/core/geometric_error.h"
 #include "client/core/refinement.h"
 #include "client/core/stillness.h"
+#include "client/plan/frame_plan.h"
 #include "client/quality/metrics.h"
 #include "client/report/page.h"
 #include "client/report/truth_source.h"
@@ -26,7 +27,9 @@ struct RunSpec {
   double mesh_radii = kSwapRadii;
   NetModel net;
   int width = 240, height = 135;
-  int msaa = 4;  ///< samples of a drawn pixel; 0: one
+  int samples = 4;      ///< of a drawn pixel; < 0: as many as pay within frame_ms, without it 4
+  double frame_ms = 0;  ///< budget of a frame, by `device`; 0: none
+  std::optional<CostModel> device;  ///< what frames take, in none of the virtual time
   double fps = 12;
   int frames = 36;          ///< the first at time 0
   bool from_scene = false;  ///< time 0: the first picture, as in a viewer; else: connecting begins
@@ -44,12 +47,20 @@ struct ComparedFrame {
   double hole_fraction = 0;       ///< of the pixels that show an object: nothing drawn for it
 };
 
+/// How a frame is drawn, or would be: of all of them, not only of those that are compared.
+struct PlannedFrame {
+  FrameSetting setting;
+  double model_ms = 0;  ///< by RunSpec::device; 0: without one, and where the picture stays
+  std::uint64_t bytes_down = 0;  ///< until then
+};
+
 struct RunResult {
   std::vector<ComparedFrame> frames;
   GeometricError geometric;
   /// Planning and drawing, a value per draw (not the extra one). CPU time of all threads on a
   /// software renderer, else wall time.
   std::vector<double> client_ms;
+  std::vector<PlannedFrame> planned;
   LinkTraffic traffic;
   double seconds = 0;
   std::vector<TileLife> lives;
@@ -72,13 +83,14 @@ class SessionRunner {
   FrameRenderer& renderer() { return *renderer_; }
   const std::string& renderer_name() const { return renderer_name_; }
   bool software() const { return egl_.software(); }
-  /// The camera of a path at a time, as runs use it.
+  /// The camera of a path at a time, as runs use it: to a microsecond, as clocks go.
   static Camera camera_at(const CameraPath& path, double seconds, const SceneView& scene, int width,
                           int height);
 
  private:
   struct Loop;
-  Result<void> fit_target(const RunSpec& spec, bool blends);
+  Result<void> fit_target(const RunSpec& spec, const FrameSetting& setting, bool blends);
+  Result<void> one_frame(Loop& loop, int frame);
   Result<void> compare(Loop& loop, const Camera& camera, int frame);
   double now_ms() const;
 
@@ -86,7 +98,7 @@ class SessionRunner {
   std::string renderer_name_;
   std::optional<FrameRenderer> renderer_;
   std::optional<FrameTarget> target_;
-  int target_msaa_ = 0;  ///< as asked for, which may be more than the device has
+  FrameSetting setting_;  ///< of the target, as planned: the device may not have as many samples
   Refinement refinement_;
 };
 

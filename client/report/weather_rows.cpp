@@ -73,6 +73,7 @@ const std::vector<Column>& columns() {
       {"starved", [](const Run& r) { return r.starved_fraction; }, median, most},
       {"MB", [](const Run& r) { return r.mb; }, median, most},
       {"link used", [](const Run& r) { return r.link_used; }, median, most},
+      {"client ms p95", [](const Run& r) { return r.client_ms_p95; }, median, most},
       {"over bound, px", [](const Run& r) { return static_cast<double>(r.bound_violations); }, sum,
        most}};
   return list;
@@ -131,18 +132,48 @@ std::string seeded(const std::string& scene, std::uint64_t seed) {
 }
 
 Table weather_csv(const std::vector<WeatherRun>& runs) {
-  Table table({"weather", "scene", "path", "seed", "rtt_ms", "jitter_ms", "rate_mbps", "loss_pct",
-               "server_ms", "flip_mean", "flip_worst", "psnr_db", "hole_fraction",
-               "no_image_fraction", "starved_fraction", "mb", "link_used", "bound_violations"});
+  Table table({"weather",
+               "scene",
+               "path",
+               "seed",
+               "rtt_ms",
+               "jitter_ms",
+               "rate_mbps",
+               "loss_pct",
+               "server_ms",
+               "flip_mean",
+               "flip_worst",
+               "psnr_db",
+               "hole_fraction",
+               "no_image_fraction",
+               "starved_fraction",
+               "mb",
+               "link_used",
+               "bound_violations",
+               "budget_ms",
+               "client_ms_p95"});
   for (const WeatherRun& run : runs) {
     const NetModel& net = run.weather.net;
-    table.add({run.weather.name, seeded(run.weather.scene, run.seed), run.weather.path,
-               std::to_string(run.seed), figure(net.rtt_ms), figure(net.jitter_ms),
-               figure(net.rate_mbps), figure(net.loss_percent), figure(net.server_ms),
-               figure(run.flip_mean), figure(run.flip_worst), figure(run.psnr_db),
-               figure(run.hole_fraction), figure(run.no_image_fraction),
-               figure(run.starved_fraction), figure(run.mb), figure(run.link_used),
-               std::to_string(run.bound_violations)});
+    table.add({run.weather.name,
+               seeded(run.weather.scene, run.seed),
+               run.weather.path,
+               std::to_string(run.seed),
+               figure(net.rtt_ms),
+               figure(net.jitter_ms),
+               figure(net.rate_mbps),
+               figure(net.loss_percent),
+               figure(net.server_ms),
+               figure(run.flip_mean),
+               figure(run.flip_worst),
+               figure(run.psnr_db),
+               figure(run.hole_fraction),
+               figure(run.no_image_fraction),
+               figure(run.starved_fraction),
+               figure(run.mb),
+               figure(run.link_used),
+               std::to_string(run.bound_violations),
+               figure(run.budget_ms),
+               figure(run.client_ms_p95)});
   }
   return table;
 }
@@ -167,6 +198,44 @@ Table weather_table(const std::vector<WeatherRun>& runs) {
   for (std::size_t c = 0; c < columns().size(); ++c) {
     middle.push_back(rounded(median(all[c])));
     worst.push_back(rounded(columns()[c].worst(all[c])));
+  }
+  table.add(middle);
+  table.add(worst);
+  return table;
+}
+
+Table weather_budget_table(const std::vector<WeatherRun>& runs) {
+  const Column columns[] = {
+      {"FLIP", [](const WeatherRun& r) { return r.flip_mean; }, median, most},
+      {"FLIP, worst seed", [](const WeatherRun& r) { return r.flip_mean; }, most, most},
+      {"MB", [](const WeatherRun& r) { return r.mb; }, median, most},
+      {"client ms p95", [](const WeatherRun& r) { return r.client_ms_p95; }, median, most}};
+  std::vector<std::string> names = {"weather"};
+  for (const Column& column : columns) {
+    names.insert(names.end(),
+                 {std::string(column.name) + ", no budget", std::string(column.name) + ", within"});
+  }
+  Table table(names);
+  std::vector<std::vector<double>> all(names.size() - 1);  // a value for each weather
+  for (const auto& group : by_weather(runs)) {
+    std::vector<std::string> row = {group.front()->weather.name};
+    std::size_t i = 0;
+    for (const Column& column : columns) {
+      std::vector<double> free, held;
+      for (const WeatherRun* run : group) {
+        (run->budget_ms > 0 ? held : free).push_back(column.value(*run));
+      }
+      for (const std::vector<double>* values : {&free, &held}) {
+        all[i].push_back(column.over_seeds(*values));
+        row.push_back(rounded(all[i++].back()));
+      }
+    }
+    table.add(row);
+  }
+  std::vector<std::string> middle = {"median"}, worst = {"worst"};
+  for (const std::vector<double>& values : all) {
+    middle.push_back(rounded(median(values)));
+    worst.push_back(rounded(most(values)));
   }
   table.add(middle);
   table.add(worst);

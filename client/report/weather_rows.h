@@ -28,15 +28,17 @@ std::string seeded(const std::string& scene, std::uint64_t seed);
 struct WeatherRun {
   Weather weather;
   std::uint64_t seed = 1;
+  double budget_ms = 0;                         ///< of a frame; 0: none
   std::vector<std::pair<double, double>> flip;  ///< seconds, FLIP: a compared frame each
   double flip_mean = NAN, flip_worst = NAN;
   double psnr_db = NAN;
-  double hole_fraction = 0;            ///< of the pixels that show an object: nothing drawn for it
-  double no_image_fraction = 0;        ///< of the instances in view, over all frames
-  double starved_fraction = 0;  ///< of the frames: neither link nor server busy, and yet first
-                                ///< images wait to be asked for
-  double mb = 0;                       ///< down, 10^6 bytes
-  double link_used = 0;                ///< of the rate, both ways together
+  double client_ms_p95 = NAN;    ///< by the device model, from the second second on
+  double hole_fraction = 0;      ///< of the pixels that show an object: nothing drawn for it
+  double no_image_fraction = 0;  ///< of the instances in view, over all frames
+  double starved_fraction = 0;   ///< of the frames: neither link nor server busy, and yet first
+                                 ///< images wait to be asked for
+  double mb = 0;                 ///< down, 10^6 bytes
+  double link_used = 0;          ///< of the rate, both ways together
   std::uint64_t bound_violations = 0;  ///< pixels
 };
 
@@ -45,6 +47,9 @@ Table weather_csv(const std::vector<WeatherRun>& runs);
 /// A row for each weather, medians over its seeds where nothing else is said; at the end the median
 /// and the worst of every column.
 Table weather_table(const std::vector<WeatherRun>& runs);
+/// What a budget costs: FLIP within it and without, a row for each weather, medians over its seeds;
+/// at the end the median and the worst. `runs`: of both.
+Table weather_budget_table(const std::vector<WeatherRun>& runs);
 /// FLIP over time, median over seeds; a panel for each scene, a line for each weather.
 std::vector<Panel> weather_panels(const std::vector<WeatherRun>& runs);
 

@@ -54,15 +54,32 @@ TEST(Report, WorkPrecisionHasAllMethodsFiguresAndPlots) {
                                "builtin:knot", "--out", out},
                               300);
   ASSERT_EQ(report.exit_code, 0) << report.output;
-  EXPECT_NE(report.output.find("work-precision 24 of 24"), std::string::npos) << report.output;
+  EXPECT_NE(report.output.find("work-precision 26 of 26"), std::string::npos) << report.output;
   const auto rows = csv(out + "/work_precision.csv");
-  ASSERT_EQ(rows.size(), 25u);
-  EXPECT_EQ(rows[0],
-            (std::vector<std::string>{
-                "scene", "method", "tau_px", "client_ms", "server_ms_per_tile", "bytes_per_s",
-                "request_to_display_ms", "e1_px_p99", "e1_px_max", "flip_mean", "psnr_db", "ssim",
-                "iou", "flicker", "pareto", "commit", "renderer", "revision"}));
-  std::set<std::string> methods;
+  ASSERT_EQ(rows.size(), 27u);
+  EXPECT_EQ(rows[0], (std::vector<std::string>{"scene",
+                                               "method",
+                                               "tau_px",
+                                               "client_ms",
+                                               "server_ms_per_tile",
+                                               "bytes_per_s",
+                                               "request_to_display_ms",
+                                               "e1_px_p99",
+                                               "e1_px_max",
+                                               "flip_mean",
+                                               "psnr_db",
+                                               "ssim",
+                                               "iou",
+                                               "flicker",
+                                               "pareto",
+                                               "commit",
+                                               "renderer",
+                                               "revision",
+                                               "budget_ms",
+                                               "client_ms_p95",
+                                               "scale",
+                                               "samples"}));
+  std::set<std::string> methods, budgets, samples;
   int on_front = 0;
   for (std::size_t i = 1; i < rows.size(); ++i) {
     methods.insert(rows[i][1]);
@@ -70,17 +87,26 @@ TEST(Report, WorkPrecisionHasAllMethodsFiguresAndPlots) {
     EXPECT_GT(std::atof(rows[i][5].c_str()), 0) << "bytes_per_s of row " << i;
     EXPECT_GT(std::atof(rows[i][9].c_str()), 0) << "flip_mean of row " << i;
     EXPECT_LT(std::atof(rows[i][9].c_str()), 0.3) << "flip_mean of row " << i;
-    EXPECT_EQ(rows[i].back().size(), 16u) << "revision";
+    // The renderer has commas of its own.
+    const std::vector<std::string> end(rows[i].end() - 5, rows[i].end());
+    EXPECT_EQ(end[0].size(), 16u) << "revision";
+    if (rows[i][1] == "auto") budgets.insert(end[1]);
+    EXPECT_GT(std::atof(end[2].c_str()), 0) << "client_ms_p95 of row " << i;
+    if (rows[i][1] == "quad") samples.insert(end[4]);
     on_front += rows[i][14] == "1";
   }
   EXPECT_EQ(methods, (std::set<std::string>{"fixed8", "quad", "cuboid", "hull", "warp", "depth",
                                             "auto", "mesh"}));
+  EXPECT_EQ(budgets, (std::set<std::string>{"0", "8", "16", "33"}));
+  EXPECT_EQ(samples, (std::set<std::string>{"1", "4"}));
   EXPECT_GE(on_front, 1);
-  EXPECT_LT(on_front, 24);
+  EXPECT_LT(on_front, 26);
   const std::string html = read_file(out + "/index.html");
   expect_self_contained(html);
-  EXPECT_EQ(count(html, "src=\"data:image/jpeg;base64,"), 8u * 3);
+  EXPECT_EQ(count(html, "src=\"data:image/jpeg;base64,"), 9u * 3);
   EXPECT_EQ(count(html, "<svg"), gnuplot() ? 4u : 0u);
+  EXPECT_EQ(count(html, "<p>By client ms"), 1u);
+  EXPECT_EQ(count(html, "<p>By bytes"), 1u);
   EXPECT_EQ(html.find("gnuplot is not installed") != std::string::npos, !gnuplot());
 }
 
@@ -113,6 +139,48 @@ TEST(Report, WeatherIsATableOfLinksScenesAndPaths) {
   expect_self_contained(html);
   EXPECT_EQ(count(html, "<svg"), gnuplot() ? 1u : 0u);
   EXPECT_NE(html.find("<td>median</td>"), std::string::npos);
+}
+
+TEST(Report, WeatherWithinABudgetStandsBesideNone) {
+  const std::string out = scratch_folder();
+  const Finished report = run({binary("mirage-report"), "weather", "--quick", "--frame-ms", "8",
+                               "--scene", "builtin:clutter?objects=60", "--out", out},
+                              300);
+  ASSERT_EQ(report.exit_code, 0) << report.output;
+  const auto rows = csv(out + "/weather.csv");
+  ASSERT_EQ(rows.size(), 5u) << "two weathers, each without and within";
+  for (const std::size_t row : {1u, 3u}) {
+    const std::vector<std::string>&none = rows[row], &within = rows[row + 1];
+    EXPECT_EQ(none[none.size() - 2], "0");
+    EXPECT_EQ(within[within.size() - 2], "8");
+    EXPECT_LT(std::atof(within.back().c_str()), std::atof(none.back().c_str())) << "client ms";
+  }
+  const std::string html = read_file(out + "/index.html");
+  EXPECT_NE(html.find("FLIP, within"), std::string::npos);
+}
+
+TEST(Report, BytesOfAWalkAreThoseOfFourDeliveries) {
+  const std::string out = scratch_folder();
+  const Finished report = run({binary("mirage-report"), "bytes", "--quick", "--scene",
+                               "builtin:clutter?objects=60", "--out", out},
+                              300);
+  ASSERT_EQ(report.exit_code, 0) << report.output;
+  const auto rows = csv(out + "/bytes.csv");
+  ASSERT_EQ(rows.size(), 9u) << "four of 5 s, four of 10 s";
+  const auto value = [&](std::size_t row, const std::string& column) {
+    const auto at = std::find(rows[0].begin(), rows[0].end(), column) - rows[0].begin();
+    return std::atof(rows[row].at(static_cast<std::size_t>(at)).c_str());
+  };
+  for (std::size_t row = 1; row < 5; ++row) {
+    EXPECT_GT(value(row, "mb_down"), 0);
+    EXPECT_GE(value(row + 4, "mb_down"), value(row, "mb_down")) << "the same walk, further on";
+    EXPECT_GT(value(row, "flip_mean"), 0);
+    EXPECT_LT(value(row, "flip_mean"), 0.3);
+    EXPECT_EQ(value(row, "flip_after_5s"), value(row + 4, "flip_after_5s"));
+    EXPECT_GE(value(row, "first_picture_ms"), 300) << "two trips to connect, one to ask";
+  }
+  EXPECT_GT(value(4, "mb_down"), value(3, "mb_down")) << "tiles only, all geometry";
+  expect_self_contained(read_file(out + "/index.html"));
 }
 
 TEST(Report, FirstSecondsBeginWithNothingForEveryone) {
@@ -270,6 +338,7 @@ TEST(Report, FailsWithTheExitCodeOfTheReason) {
     return run(arguments).exit_code;
   };
   EXPECT_EQ(code({"everything"}), 2);
+  EXPECT_EQ(code({"latency", "--frame-ms", "50"}), 2);
   EXPECT_EQ(code({"fidelity", "--scene", "builtin:knot", "--url", "ws://127.0.0.1:1"}), 2);
   EXPECT_EQ(code({"work-precision", "--quick", "--scene", "no_such_file.glb"}), 3);
   EXPECT_EQ(code({"fidelity", "--url", "ws://127.0.0.1:1"}), 5);

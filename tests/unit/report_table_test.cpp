@@ -137,6 +137,17 @@ TEST(ReportPlot, ANameLooksTheSameInAllPanelsAndTheLegend) {
       << in_first;
 }
 
+TEST(ReportPlot, AVariantHasTheColourOfItsNameOtherPointsAndNoEntryOfItsOwn) {
+  Panel both = panel();
+  both.series = {{"quad", {{1, 2}}}, {"quad, 1 sample", {{1, 3}}}, {"hull, 1 sample", {{1, 4}}}};
+  const std::string script = plot_script({both}, 1, "out.svg");
+  EXPECT_NE(script.find("pt 5 ps 0.8 lc rgb \"#e69f00\""), std::string::npos) << script;
+  EXPECT_NE(script.find("pt 4 ps 0.8 lc rgb \"#e69f00\""), std::string::npos) << script;
+  EXPECT_NE(script.find("title \"quad\""), std::string::npos);
+  EXPECT_EQ(script.find("title \"quad, 1 sample\""), std::string::npos);
+  EXPECT_NE(script.find("title \"hull, 1 sample\""), std::string::npos) << "it stands alone";
+}
+
 TEST(ReportPlot, LeavesOutWhatALogarithmCannotShow) {
   const std::string script = plot_script({panel()}, 1, "out.svg");
   EXPECT_NE(script.find("$d0_0 << EOD\n1 2\n8 0.5\nEOD"), std::string::npos) << script;

@@ -69,14 +69,47 @@ TEST(Weather, TableHasMediansOverSeedsAndOverWeathers) {
 TEST(Weather, CsvHasARowForEachRun) {
   const std::vector<Weather> all = weathers_on("");
   const Table csv = weather_csv({run(all[0], 1, 0.02, 40), run(all[8], 2, 0.02, NAN)});
-  EXPECT_EQ(csv.columns(),
-            (std::vector<std::string>{"weather", "scene", "path", "seed", "rtt_ms", "jitter_ms",
-                                      "rate_mbps", "loss_pct", "server_ms", "flip_mean",
-                                      "flip_worst", "psnr_db", "hole_fraction", "no_image_fraction",
-                                      "starved_fraction", "mb", "link_used", "bound_violations"}));
+  EXPECT_EQ(csv.columns(), (std::vector<std::string>{"weather",
+                                                     "scene",
+                                                     "path",
+                                                     "seed",
+                                                     "rtt_ms",
+                                                     "jitter_ms",
+                                                     "rate_mbps",
+                                                     "loss_pct",
+                                                     "server_ms",
+                                                     "flip_mean",
+                                                     "flip_worst",
+                                                     "psnr_db",
+                                                     "hole_fraction",
+                                                     "no_image_fraction",
+                                                     "starved_fraction",
+                                                     "mb",
+                                                     "link_used",
+                                                     "bound_violations",
+                                                     "budget_ms",
+                                                     "client_ms_p95"}));
   EXPECT_EQ(cell(csv, 0, "scene"), "builtin:forest?seed=1");
   EXPECT_EQ(cell(csv, 1, "scene"), "builtin:field?instances=100000");
   EXPECT_EQ(cell(csv, 1, "psnr_db"), "n/a");
+}
+
+TEST(Weather, BudgetStandsBesideNoneWeatherByWeather) {
+  const std::vector<Weather> all = weathers_on("");
+  const auto within = [](WeatherRun run) {
+    run.budget_ms = 50;
+    return run;
+  };
+  const Table table = weather_budget_table(
+      {run(all[0], 1, 0.02, 40), within(run(all[0], 1, 0.04, 40)), run(all[0], 2, 0.04, 40),
+       within(run(all[0], 2, 0.08, 40)), run(all[1], 1, 0.2, 40), within(run(all[1], 1, 0.4, 40))});
+  ASSERT_EQ(table.rows().size(), 4u);
+  EXPECT_EQ(cell(table, 0, "FLIP, no budget"), "0.045");
+  EXPECT_EQ(cell(table, 0, "FLIP, within"), "0.09");
+  EXPECT_EQ(cell(table, 0, "FLIP, worst seed, within"), "0.12");
+  EXPECT_EQ(cell(table, 2, "weather"), "median");
+  EXPECT_EQ(cell(table, 3, "FLIP, no budget"), "0.3");
+  EXPECT_EQ(cell(table, 3, "FLIP, within"), "0.6");
 }
 
 TEST(Weather, PanelsAreByScene) {

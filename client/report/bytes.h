@@ -1,0 +1,10 @@
+#pragma once
+#include "client/report/context.h"
+
+namespace mirage {
+
+/// What a walk costs in bytes: Mirage, all geometry, tiles only. Writes bytes.csv and its section
+/// of the page.
+Result<void> report_bytes(Context& context);
+
+}  // namespace mirage
