@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "server/cache_directory.h"
 #include "server/scene/builtin/builtin_scene.h"
 
 namespace mirage {
@@ -17,9 +19,9 @@ namespace {
 constexpr double kMean = 6000;  // triangles
 constexpr std::size_t kCount = 24;
 
-Scene built(const Workers& workers = Workers(),
+Scene built(const LoadTools& tools = {Workers()},
             const std::string& options = "objects=24&triangles=6000&seed=3") {
-  auto scene = build_builtin_scene("museum?" + options, workers);
+  auto scene = build_builtin_scene("museum?" + options, tools);
   EXPECT_TRUE(scene.ok());
   return scene.ok() ? scene.take() : Scene();
 }
@@ -88,26 +90,52 @@ TEST(BuiltinMuseum, TrianglesSpreadFromThreeHundredThousandToAMillionForTheDefau
   EXPECT_GT(static_cast<double>(most), 1.3 * kMean);
 }
 
-TEST(BuiltinMuseum, IsTheSameFromAnyNumberOfThreads) {
-  const Scene one = built();
-  const Scene three = built(Workers(3));
-  ASSERT_EQ(one.objects.size(), three.objects.size());
+void expect_same(const Scene& one, const Scene& other) {
+  ASSERT_EQ(one.objects.size(), other.objects.size());
   for (std::size_t i = 0; i < one.objects.size(); ++i) {
-    const Mesh &a = one.objects[i].mesh, &b = three.objects[i].mesh;
-    EXPECT_EQ(one.objects[i].name, three.objects[i].name);
+    const Mesh &a = one.objects[i].mesh, &b = other.objects[i].mesh;
+    EXPECT_EQ(one.objects[i].name, other.objects[i].name);
     EXPECT_TRUE(a.indices == b.indices) << one.objects[i].name;
     ASSERT_EQ(a.vertices.size(), b.vertices.size());
     EXPECT_TRUE(std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(),
                            [](const Vertex& x, const Vertex& y) {
                              return x.position == y.position && x.normal == y.normal &&
-                                    x.tangent == y.tangent && x.uv0 == y.uv0;
+                                    x.tangent == y.tangent && x.uv0 == y.uv0 && x.color == y.color;
                            }))
         << one.objects[i].name;
   }
-  ASSERT_EQ(one.images.size(), three.images.size());
+  ASSERT_EQ(one.images.size(), other.images.size());
   for (std::size_t i = 0; i < one.images.size(); ++i) {
-    EXPECT_TRUE(one.images[i].rgba == three.images[i].rgba) << i;
+    EXPECT_EQ(one.images[i].srgb, other.images[i].srgb) << i;
+    EXPECT_TRUE(one.images[i].rgba == other.images[i].rgba) << i;
   }
+  ASSERT_EQ(one.materials.size(), other.materials.size());
+  for (std::size_t i = 0; i < one.materials.size(); ++i) {
+    EXPECT_EQ(one.materials[i].roughness, other.materials[i].roughness) << i;
+    EXPECT_EQ(one.materials[i].metallic, other.materials[i].metallic) << i;
+  }
+  for (std::size_t i = 0; i < one.instances.size(); ++i) {
+    EXPECT_EQ(one.instances[i].world_from_object.position,
+              other.instances[i].world_from_object.position);
+  }
+}
+
+TEST(BuiltinMuseum, IsTheSameFromAnyNumberOfThreads) { expect_same(built(), built({Workers(3)})); }
+
+TEST(BuiltinMuseum, IsTheSameFromTheCacheAndMakesNothingAgain) {
+  const std::string folder = testing::TempDir() + "mirage_museum_cache";
+  std::filesystem::remove_all(folder);
+  CacheDirectory cache(folder, std::uint64_t{1} << 30);
+  const Workers workers(2);
+  const Scene made = built({workers, &cache});
+  expect_same(built(), made);
+  cache.settle();
+  const std::uint64_t bytes = cache.bytes();
+  EXPECT_GT(bytes, 0u);
+  expect_same(built({workers, &cache}), made);
+  cache.settle();
+  EXPECT_EQ(cache.bytes(), bytes);
+  std::filesystem::remove_all(folder);
 }
 
 using Place = std::array<float, 3>;
@@ -137,7 +165,7 @@ std::size_t open_edges(const Mesh& mesh) {
 
 TEST(BuiltinMuseum, SculpturesAreClosedAndFaceOutward) {
   // Of a lattice's walls a few thousand triangles show too little.
-  const Scene scene = built(Workers(2), "objects=12&triangles=30000");
+  const Scene scene = built({Workers(2)}, "objects=12&triangles=30000");
   for (const std::size_t i : sculptures_of(scene)) {
     const Mesh& mesh = scene.objects[i].mesh;
     // A point's thinnest triangles are dropped.

@@ -38,12 +38,12 @@ struct Builder {
   const char* name;
   const char* description;
   std::span<const OptionRule> rules;
-  Scene (*build)(const builtin::OptionValues&, const Workers&);
+  Scene (*build)(const builtin::OptionValues&, const LoadTools&);
 };
 
 /// Of a scene that is light enough to be built by one.
 template <Scene (*build)(const builtin::OptionValues&)>
-Scene alone(const builtin::OptionValues& values, const Workers&) {
+Scene alone(const builtin::OptionValues& values, const LoadTools&) {
   return build(values);
 }
 
@@ -86,7 +86,7 @@ const std::vector<BuiltinSceneInfo>& builtin_scenes() {
   return kInfos;
 }
 
-Result<Scene> build_builtin_scene(const std::string& spec, const Workers& workers) {
+Result<Scene> build_builtin_scene(const std::string& spec, const LoadTools& tools) {
   const std::size_t mark = std::min(spec.find('?'), spec.size());
   const std::string name = spec.substr(0, mark);
   const auto builder = std::find_if(kBuilders.begin(), kBuilders.end(),
@@ -95,7 +95,7 @@ Result<Scene> build_builtin_scene(const std::string& spec, const Workers& worker
   const std::string options = mark < spec.size() ? spec.substr(mark + 1) : std::string();
   auto values = builtin::parse_options(name, options, builder->rules);
   if (!values) return values.error();
-  Scene scene = builder->build(*values, workers);
+  Scene scene = builder->build(*values, tools);
   scene.name = "builtin:" + spec;
   return scene;
 }

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "server/scene/load_tools.h"
 #include "server/scene/scene.h"
-#include "server/scene/workers.h"
 
 namespace mirage {
 
@@ -19,6 +19,6 @@ const std::vector<BuiltinSceneInfo>& builtin_scenes();
 /// Builds the scene named by `spec` (without the `builtin:` prefix), e.g. "forest?trees=50&seed=7".
 /// The same spec gives the same bytes, however many work at it. Errors: kSceneBuiltin for an
 /// unknown name or option or a value out of range, naming it and the allowed ones.
-Result<Scene> build_builtin_scene(const std::string& spec, const Workers& workers = Workers());
+Result<Scene> build_builtin_scene(const std::string& spec, const LoadTools& tools = {Workers()});
 
 }  // namespace mirage

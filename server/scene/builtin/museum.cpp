@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "server/scene/builtin/museum_hall.h"
-#include "server/scene/builtin/sculpture.h"
+#include "server/scene/builtin/sculpture_cache.h"
 
 namespace mirage::builtin {
 namespace {
@@ -54,13 +54,16 @@ std::vector<Spot> spots_for(std::size_t objects) {
 }
 
 std::vector<Sculpture> make_sculptures(std::size_t count, double mean_triangles, std::uint32_t seed,
-                                       const Workers& workers) {
+                                       const LoadTools& tools) {
   std::vector<Sculpture> sculptures(count);
-  workers.each(count, [&](std::size_t i) {
+  StageProgress progress(tools.progress, "sculptures", count);
+  tools.workers.each(count, [&](std::size_t i) {
     const auto number = static_cast<std::uint32_t>(i);
     Random random(seed, 2000 + number);
     const double triangles = mean_triangles * static_cast<double>(random.range(kFewest, kMost));
-    sculptures[i] = make_sculpture(seed, number, static_cast<std::size_t>(triangles));
+    sculptures[i] =
+        find_or_make_sculpture(seed, number, static_cast<std::size_t>(triangles), tools.cache);
+    progress.one_done();
   });
   return sculptures;
 }
@@ -95,10 +98,10 @@ void light_hall(Scene& scene, const Hall& hall) {
 
 }  // namespace
 
-Scene build_museum(const OptionValues& options, const Workers& workers) {
+Scene build_museum(const OptionValues& options, const LoadTools& tools) {
   const auto objects = static_cast<std::size_t>(options[0]);
   const auto seed = static_cast<std::uint32_t>(mix_bits(static_cast<std::uint64_t>(options[1])));
-  std::vector<Sculpture> sculptures = make_sculptures(objects, options[2], seed, workers);
+  std::vector<Sculpture> sculptures = make_sculptures(objects, options[2], seed, tools);
   const std::vector<Spot> spots = spots_for(objects);
   Hall hall;
   hall.loop_radius = kLoopRadius;
