@@ -36,7 +36,7 @@ Sweep sweep(bool quick) {
             121,
             {89, 90, 119, 120}};
   }
-  return {{"builtin:forest", "builtin:clutter", "builtin:city", "builtin:knot"},
+  return {{"builtin:forest", "builtin:clutter", "builtin:city", "builtin:museum", "builtin:knot"},
           {8, 4, 2, 1, 0.5, 0.25},
           640,
           360,
