@@ -172,11 +172,13 @@ int run(int argc, char** argv) {
   std::optional<CacheDirectory> directory;
   if (!options.cache_dir.empty()) directory.emplace(options.cache_dir, options.cache_dir_mb << 20);
   CacheDirectory* const cache = directory ? &*directory : nullptr;
+  const auto tell = [](const std::string& line) { spdlog::info("loading: {}", line); };
   Result<std::shared_ptr<const PreparedScene>> scene =
       load_scene(options.scene, {.keep_imported = options.prove,
                                  .strict = options.strict,
                                  .environment = options.environment,
-                                 .cache = cache});
+                                 .cache = cache,
+                                 .progress = tell});
   if (!scene) return fail(scene.error());
   for (const std::string& warning : (*scene)->scene.warnings) spdlog::warn("scene: {}", warning);
   if (options.explain) return explain(options, scene.take());

@@ -1,5 +1,6 @@
 add_executable(mirage_builtin_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/builtin_mesh_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/builtin_museum_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/builtin_options_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/builtin_scene_test.cpp)
 mirage_target(mirage_builtin_tests)

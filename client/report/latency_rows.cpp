@@ -36,7 +36,7 @@ LatencyPlan latency_plan(bool quick) {
     return plan;
   }
   plan.methods.insert(plan.methods.begin() + 2, "fixed8");
-  plan.scenes = {"builtin:forest", "builtin:clutter"};
+  plan.scenes = {"builtin:forest", "builtin:clutter", "builtin:museum"};
   plan.width = 640;
   plan.height = 360;
   plan.seconds = 10;

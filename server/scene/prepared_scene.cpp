@@ -32,15 +32,18 @@ void describe(PreparedScene& prepared, const std::map<std::size_t, MeasuredMotio
                [&](std::size_t i) { prepared.images[i] = describe_image(scene, i); });
 }
 
-void make_all_geometry(PreparedScene& prepared, CacheDirectory* cache, const Workers& workers) {
+void make_all_geometry(PreparedScene& prepared, const LoadOptions& options,
+                       const Workers& workers) {
   const std::vector<SceneObject>& objects = prepared.scene.objects;
   prepared.geometry.resize(objects.size());
   const std::vector<std::uint64_t> images =
-      cache ? hash_images(prepared.scene, workers) : std::vector<std::uint64_t>{};
+      options.cache ? hash_images(prepared.scene, workers) : std::vector<std::uint64_t>{};
   const LodFamilies families(prepared.scene);
+  StageProgress progress(options.progress, "levels of detail", objects.size());
   workers.each(objects.size(), [&](std::size_t i) {
     prepared.geometry[i] = find_or_make_geometry(prepared.scene, objects[i], prepared.objects[i],
-                                                 cache, images, families, workers);
+                                                 options.cache, images, families, workers);
+    progress.one_done();
   });
 }
 
@@ -203,7 +206,7 @@ Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const LoadOpti
   times.done("needs");
   describe(*prepared, moving, workers);
   times.done("descriptions");
-  make_all_geometry(*prepared, options.cache, workers);
+  make_all_geometry(*prepared, options, workers);
   times.done("levels of detail");
   prepared->mips = make_mips(prepared->scene, options.cache, workers);
   times.done("mips");
@@ -228,7 +231,8 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
   const bool builtin = spec.rfind(kBuiltin, 0) == 0;
   const Workers workers(options.threads);
   StageTimes times;
-  Result<Scene> loaded = builtin ? build_builtin_scene(spec.substr(std::string(kBuiltin).size()))
+  Result<Scene> loaded = builtin ? build_builtin_scene(spec.substr(std::string(kBuiltin).size()),
+                                                       {workers, options.cache, options.progress})
                                  : import_gltf_spec(spec, workers, {.strict = options.strict});
   if (!loaded) return loaded.error();
   times.done("scene");

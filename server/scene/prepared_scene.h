@@ -7,6 +7,7 @@
 #include "server/scene/grouping.h"
 #include "server/scene/leave_out.h"
 #include "server/scene/object_description.h"
+#include "server/scene/stage_progress.h"
 #include "server/scene/stage_times.h"
 
 namespace mirage {
@@ -65,11 +66,12 @@ struct PreparedScene {
 };
 
 struct LoadOptions {
-  bool keep_imported = false;        ///< PreparedScene::imported
-  std::size_t threads = 0;           ///< that work at it; 0: as many as there are cores
-  bool strict = false;               ///< files: refuse what viewers forgive (ImportOptions)
-  std::string environment = "none";  ///< `--environment`; empty: what suits the scene
-  CacheDirectory* cache = nullptr;   ///< of levels of detail and mips; nullptr: all is made
+  bool keep_imported = false;         ///< PreparedScene::imported
+  std::size_t threads = 0;            ///< that work at it; 0: as many as there are cores
+  bool strict = false;                ///< files: refuse what viewers forgive (ImportOptions)
+  std::string environment = "none";   ///< `--environment`; empty: what suits the scene
+  CacheDirectory* cache = nullptr;    ///< of levels of detail and mips; nullptr: all is made
+  StageProgress::Tell progress = {};  ///< told how far a long stage is
 };
 
 /// Loads `spec` (a path or `builtin:NAME?…`) and prepares it: the same however many threads work,

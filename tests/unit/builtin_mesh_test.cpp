@@ -79,7 +79,8 @@ TEST_P(BuiltinMesh, IsSound) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, BuiltinMesh,
                          testing::Values("forest?trees=20&species=8", "clutter", "city?blocks=2",
-                                         "knot", "knot?R=0.5&r=0.1&tubular=7&radial=3&p=3&q=2",
+                                         "museum?objects=12&triangles=5000&seed=4", "knot",
+                                         "knot?R=0.5&r=0.1&tubular=7&radial=3&p=3&q=2",
                                          "field?instances=10"));
 
 /// Six times the enclosed volume: positive when a closed mesh is wound outward.

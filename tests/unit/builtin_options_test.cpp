@@ -16,12 +16,13 @@ void expect_refused(const std::string& spec, const std::string& named, const std
 TEST(BuiltinOptions, RefusesUnknownScenes) {
   expect_refused("", "''", "forest");
   expect_refused("forrest", "forrest", "did you mean forest?");
-  expect_refused("desert", "desert", "clutter, city, knot, field");
+  expect_refused("desert", "desert", "clutter, city, museum, knot, field");
   expect_refused(std::string(100000, 'x'), "xxx", "forest");
 }
 
 TEST(BuiltinOptions, RefusesUnknownOptions) {
   expect_refused("forest?tree=5", "tree", "did you mean trees?");
+  expect_refused("museum?sculptures=5", "sculptures", "allowed: objects, seed, triangles");
   expect_refused("knot?colour=red", "colour", "allowed: R, r");
   expect_refused("city?=3", "''", "blocks");
   expect_refused("city?blocks=2&blocks=3", "twice", "");
@@ -40,6 +41,9 @@ TEST(BuiltinOptions, RefusesValuesOutOfRange) {
   expect_refused("city?blocks=", "blocks=", "whole number");
   expect_refused("city?blocks", "blocks=", "whole number");
   expect_refused("city?blocks=3x", "3x", "whole number");
+  expect_refused("museum?objects=0", "objects=0", "from 1 to 200");
+  expect_refused("museum?objects=201", "objects=201", "from 1 to 200");
+  expect_refused("museum?triangles=1000", "triangles=1000", "from 2000 to 2e+06");
   expect_refused("clutter?seed=-1", "seed=-1", "whole number");
 }
 
@@ -49,7 +53,7 @@ TEST(BuiltinOptions, ListsEveryScene) {
     names += info.name + " ";
     EXPECT_FALSE(info.description.empty());
   }
-  EXPECT_EQ(names, "forest clutter city knot field ");
+  EXPECT_EQ(names, "forest clutter city museum knot field ");
   EXPECT_EQ(builtin_scenes()[0].options, "trees=400 species=4 seed=1 clutter=150 fog=0");
 }
 

@@ -40,8 +40,8 @@ std::string fingerprint(const Scene& scene) {
 }
 
 TEST(BuiltinScene, SameSpecSameBytesOtherSeedDiffers) {
-  for (const std::string spec :
-       {"forest?trees=30", "clutter?objects=80", "city?blocks=2", "field?instances=500"}) {
+  for (const std::string spec : {"forest?trees=30", "clutter?objects=80", "city?blocks=2",
+                                 "field?instances=500", "museum?objects=12&triangles=2000"}) {
     const std::string first = fingerprint(built(spec));
     EXPECT_TRUE(first == fingerprint(built(spec))) << spec;
     EXPECT_FALSE(first == fingerprint(built(spec + "&seed=2"))) << spec;
@@ -72,7 +72,8 @@ TEST(BuiltinScene, CountsFollowTheOptions) {
 }
 
 TEST(BuiltinScene, InstancesAreSimilarities) {
-  for (const std::string spec : {"forest?trees=100", "clutter", "city", "field?instances=100"}) {
+  for (const std::string spec : {"forest?trees=100", "clutter", "city", "field?instances=100",
+                                 "museum?objects=12&triangles=2000"}) {
     const Scene scene = built(spec);
     for (const Instance& i : scene.instances) {
       const Similarity& s = i.world_from_object;
@@ -86,7 +87,7 @@ TEST(BuiltinScene, InstancesAreSimilarities) {
 
 bool surrounds(const std::string& name) {
   return name == "terrain" || name == "pond" || name == "room" || name == "ground" ||
-         name == "meadow";
+         name == "meadow" || name == "hall" || name == "hall floor";
 }
 
 /// Least horizontal distance from the walk loop of any vertex a walker could run into.
@@ -117,6 +118,8 @@ TEST(BuiltinScene, WalkLoopIsFree) {
   EXPECT_GT(clearance(built("city?blocks=3")), 0.8);
   EXPECT_GT(clearance(built("city?blocks=1")), 0.8);
   EXPECT_GT(clearance(built("field?instances=1000")), 0.3);
+  EXPECT_GT(clearance(built("museum?objects=60&triangles=2000")), 1.2);
+  EXPECT_GT(clearance(built("museum?objects=1&triangles=2000")), 1.2);
 }
 
 TEST(BuiltinScene, ForestGroundIsLevelAlongTheWalk) {

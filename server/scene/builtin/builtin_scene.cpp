@@ -23,6 +23,8 @@ constexpr std::array<OptionRule, 2> kClutterRules = {
     {{"objects", 300, 1, 20000}, {"seed", 1, 0, kMaxSeed}}};
 constexpr std::array<OptionRule, 3> kCityRules = {
     {{"blocks", 6, 1, 60}, {"seed", 1, 0, kMaxSeed}, kFogRule}};
+constexpr std::array<OptionRule, 3> kMuseumRules = {
+    {{"objects", 60, 1, 200}, {"seed", 1, 0, kMaxSeed}, {"triangles", 650000, 2000, 2000000}}};
 constexpr std::array<OptionRule, 6> kKnotRules = {{{"R", 1, 0.01, 1000, false},
                                                    {"r", 0.35, 0.001, 1000, false},
                                                    {"tubular", 200, 3, 4096},
@@ -36,16 +38,26 @@ struct Builder {
   const char* name;
   const char* description;
   std::span<const OptionRule> rules;
-  Scene (*build)(const builtin::OptionValues&);
+  Scene (*build)(const builtin::OptionValues&, const LoadTools&);
 };
 
-constexpr std::array<Builder, 5> kBuilders = {{
+/// Of a scene that is light enough to be built by one.
+template <Scene (*build)(const builtin::OptionValues&)>
+Scene alone(const builtin::OptionValues& values, const LoadTools&) {
+  return build(values);
+}
+
+constexpr std::array<Builder, 6> kBuilders = {{
     {"forest", "a walk through a wood of detailed trees, with hills, a pond and sky", kForestRules,
-     builtin::build_forest},
-    {"clutter", "a furnished room full of small objects", kClutterRules, builtin::build_clutter},
-    {"city", "blocks of buildings with streets, cars and a plaza", kCityRules, builtin::build_city},
-    {"knot", "one torus knot", kKnotRules, builtin::build_knot},
-    {"field", "a meadow with very many light instances", kFieldRules, builtin::build_field},
+     alone<builtin::build_forest>},
+    {"clutter", "a furnished room full of small objects", kClutterRules,
+     alone<builtin::build_clutter>},
+    {"city", "blocks of buildings with streets, cars and a plaza", kCityRules,
+     alone<builtin::build_city>},
+    {"museum", "a round hall of heavy sculptures, each with a mesh and textures of its own",
+     kMuseumRules, builtin::build_museum},
+    {"knot", "one torus knot", kKnotRules, alone<builtin::build_knot>},
+    {"field", "a meadow with very many light instances", kFieldRules, alone<builtin::build_field>},
 }};
 
 Error unknown_scene(const std::string& name) {
@@ -74,7 +86,7 @@ const std::vector<BuiltinSceneInfo>& builtin_scenes() {
   return kInfos;
 }
 
-Result<Scene> build_builtin_scene(const std::string& spec) {
+Result<Scene> build_builtin_scene(const std::string& spec, const LoadTools& tools) {
   const std::size_t mark = std::min(spec.find('?'), spec.size());
   const std::string name = spec.substr(0, mark);
   const auto builder = std::find_if(kBuilders.begin(), kBuilders.end(),
@@ -83,7 +95,7 @@ Result<Scene> build_builtin_scene(const std::string& spec) {
   const std::string options = mark < spec.size() ? spec.substr(mark + 1) : std::string();
   auto values = builtin::parse_options(name, options, builder->rules);
   if (!values) return values.error();
-  Scene scene = builder->build(*values);
+  Scene scene = builder->build(*values, tools);
   scene.name = "builtin:" + spec;
   return scene;
 }

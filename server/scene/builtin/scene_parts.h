@@ -7,6 +7,7 @@
 #include "server/scene/builtin/mesh_builder.h"
 #include "server/scene/builtin/options.h"
 #include "server/scene/builtin/random.h"
+#include "server/scene/load_tools.h"
 #include "server/scene/scene.h"
 
 namespace mirage::builtin {
@@ -40,6 +41,7 @@ HomeView home_on_loop(glm::dvec3 center, double radius_m, double eye_height_m, d
 Scene build_forest(const OptionValues& options);
 Scene build_clutter(const OptionValues& options);
 Scene build_city(const OptionValues& options);
+Scene build_museum(const OptionValues& options, const LoadTools& tools);
 Scene build_knot(const OptionValues& options);
 Scene build_field(const OptionValues& options);
 

@@ -10,12 +10,6 @@ namespace {
 
 constexpr int kCardSide = 128;
 
-std::uint8_t srgb_byte(float linear) {
-  const float c = glm::clamp(linear, 0.0f, 1.0f);
-  const float s = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
-  return static_cast<std::uint8_t>(s * 255.0f + 0.5f);
-}
-
 /// Linear RGB plus coverage; converted once at the end.
 class Canvas {
  public:
@@ -101,6 +95,12 @@ void draw_leaf(Canvas& canvas, const Leaf& leaf) {
 }
 
 }  // namespace
+
+std::uint8_t srgb_byte(float linear) {
+  const float c = glm::clamp(linear, 0.0f, 1.0f);
+  const float s = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
+  return static_cast<std::uint8_t>(s * 255.0f + 0.5f);
+}
 
 Image paint_leaf_cluster(std::uint32_t seed, const LeafStyle& style) {
   Canvas canvas(kCardSide, kCardSide);

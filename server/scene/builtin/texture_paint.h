@@ -8,6 +8,9 @@
 
 namespace mirage::builtin {
 
+/// A linear component, clamped, as images hold it.
+std::uint8_t srgb_byte(float linear);
+
 struct LeafStyle {
   int count = 12;
   float length = 0.3f;  ///< of the image's side
