@@ -108,6 +108,8 @@ class ClientSession {
   void note_frame_ms(double ms) { plan_.note_drawn(ms); }
   /// How the frame is to be drawn that was planned last, and what it is expected to take.
   const FramePlan& plan() const { return plan_; }
+  /// What was considered for it, and chosen.
+  const Selector& selector() const { return selector_; }
   double tau_px() const { return tau_.tau_px(); }
 
   void set_lighting(const Lighting& lighting, std::int64_t now_us);

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "client/report/bytes.h"
+#include "client/report/calibrate.h"
 #include "client/report/context.h"
 #include "client/report/fidelity.h"
 #include "client/report/first.h"
@@ -33,7 +34,8 @@ Result<void> measure(Context& context) {
       {Part::kLatency, report_latency},   {Part::kFirst, report_first},
       {Part::kBytes, report_bytes},       {Part::kWeather, report_weather},
       {Part::kFidelity, report_fidelity}, {Part::kNeeds, report_needs},
-      {Part::kModels, report_models}};
+      {Part::kModels, report_models},
+      {Part::kCalibrate, report_calibrate}};
   for (const auto& [part, step] : steps) {
     if (!wanted(part)) continue;
     if (Result<void> done = step(context); !done) return done;

@@ -16,6 +16,7 @@ const std::map<std::string, std::set<Part>>& parts() {
       {"first", {Part::kFirst}},
       {"bytes", {Part::kBytes}},
       {"weather", {Part::kWeather}},
+      {"calibrate", {Part::kCalibrate}},
       {"extreme", {Part::kExtreme}},
       {"needs", {Part::kNeeds}},
       {"models", {Part::kModels}},
@@ -68,6 +69,7 @@ int parse_options(int argc, char** argv, ReportOptions& o) {
          "fidelity: tiles against the mesh, by the field's protocol; work-precision: "
          "error against run time; latency: against video on the same link; first: the same "
          "from the moment of connecting; bytes: of walks, against all geometry and tiles only; "
+         "calibrate: predicted error beside measured, and the coefficients that follow; "
          "weather: ten links, scenes and paths, several "
          "seeds (of them those on --scene); extreme: the extreme cases; needs: what was left "
          "out; all of these; models: each glTF file of a folder")

@@ -12,6 +12,7 @@ enum class Part {
   kFirst,
   kBytes,
   kWeather,
+  kCalibrate,
   kExtreme,
   kNeeds,
   kModels

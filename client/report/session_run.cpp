@@ -123,6 +123,9 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
     compared.flicker = flicker({w, h, loop.truth_before->rgba.data()},
                                {w, h, loop.drawn_before.data()}, due, seen);
   }
+  if (spec.observe && session.scene().complete()) {
+    spec.observe({session.scene(), loop.list, session.selector(), **truth, seen, due});
+  }
   const double s = spec.truth_samples;
   const std::uint64_t pixels_before = loop.out.geometric.object_pixels;
   const std::uint64_t holes_before = loop.out.geometric.holes;
@@ -174,13 +177,13 @@ Result<void> SessionRunner::one_frame(Loop& loop, int frame) {
   loop.host.virtual_clock()->advance_to_us(now);
   if (Result<void> received = session.receive(now); !received) return received.error();
   const SceneView& scene = session.scene();
-  const FrameSetting setting = session.plan().setting();
-  if (!(setting == setting_)) loop.still.content_changed();
-  if (Result<void> fit = fit_target(spec, setting, scene.blends()); !fit) return fit.error();
   const Camera camera = camera_at(loop.path, seconds, scene, spec.width, spec.height);
   const double began = now_ms();
   loop.list = session.frame(camera, now);
   loop.planned_ms = now_ms() - began;
+  const FrameSetting setting = session.plan().setting();
+  if (!(setting == setting_)) loop.still.content_changed();
+  if (Result<void> fit = fit_target(spec, setting, scene.blends()); !fit) return fit.error();
   const bool same = loop.still.unchanged(camera, scene, loop.list, session.lighting());
   loop.rested = same && session.at_rest() ? loop.rested + 1 : 0;
   PlannedFrame planned{setting, 0, loop.host.traffic().bytes_down};

@@ -2,6 +2,7 @@
 // One scripted session in this process, on virtual time and a modelled link: what a viewer would
 // have shown at every frame of a path, what that cost, and how far it was from the truth.
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,12 +20,21 @@
 
 namespace mirage {
 
+/// A compared frame, while it lasts.
+struct ObservedFrame {
+  const SceneView& scene;
+  const DrawList& list;
+  const Selector& selector;  ///< what was considered, and chosen
+  const ReferenceFrame& truth;
+  ImageView seen, due;
+};
+
 struct RunSpec {
   std::string url;
   std::string path = "builtin:walk";
   std::string method = "auto";
   double tau_px = 1;
-  double mesh_radii = kSwapRadii;
+  double mesh_radii = kAnyRadii;
   NetModel net;
   int width = 240, height = 135;
   int samples = 4;      ///< of a drawn pixel; < 0: as many as pay within frame_ms, without it 4
@@ -36,6 +46,7 @@ struct RunSpec {
   std::vector<int> compared;  ///< rising; only these are drawn
   int draws_each = 1;         ///< of a compared frame, for its time; above 1: once more at first
   std::uint32_t truth_samples = 4;
+  std::function<void(const ObservedFrame&)> observe;  ///< told each compared frame; may be empty
   std::vector<int> pictured;  ///< rising, of those compared: the frames whose pictures are kept
 };
 

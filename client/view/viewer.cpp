@@ -268,6 +268,8 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   camera.height = static_cast<std::uint32_t>(target_->height());
   camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
   const DrawList list = session().frame(camera, now, window_ ? window_->cursor_px() : std::nullopt);
+  // With as many samples and at the scale that were planned with it.
+  if (Result<void> fitted = fit_target(); !fitted) return fitted;
   const bool changed = !still_.unchanged(camera, scene, list, session().lighting());
   const bool refines = !changed && session().at_rest() && !refinement_.done();
   const bool drawn = changed || refines;
