@@ -151,6 +151,8 @@ void say_who_wins(Page& page, const std::vector<Figures>& all) {
   }
   const double spread = spread_of(all);
   page.paragraph(say_of_auto(all, Cost::kClientMs, spread));
+  // Of no machine's load.
+  page.paragraph(say_of_auto(all, Cost::kModelMs, 0));
   page.paragraph(say_of_auto(all, Cost::kBytesPerS, 0));
   page.paragraph("On the Pareto front of client ms against mean FLIP: " + on + ".");
   page.paragraph(

@@ -115,8 +115,20 @@ std::vector<CostError> points_of(const std::vector<Figures>& all, Cost cost) {
 
 std::string with_unit(double value, Cost cost) {
   if (std::isinf(value)) return "never";
-  return cost == Cost::kClientMs ? fmt::format("{:.1f} ms", value)
-                                 : fmt::format("{:.0f} kB/s", 1e-3 * value);
+  return cost == Cost::kBytesPerS ? fmt::format("{:.0f} kB/s", 1e-3 * value)
+                                  : fmt::format("{:.1f} ms", value);
+}
+
+std::string words(Cost cost, double slack) {
+  switch (cost) {
+    case Cost::kClientMs:
+      return fmt::format("client ms (within {:.0f} %)", 100 * slack);
+    case Cost::kModelMs:
+      return "the device model's ms (95th percentile)";
+    case Cost::kBytesPerS:
+      return "bytes";
+  }
+  return {};
 }
 
 }  // namespace
@@ -154,7 +166,15 @@ Sweep work_sweep(bool quick, const std::vector<std::string>& methods) {
 }
 
 double cost_of(const Figures& figures, Cost cost) {
-  return cost == Cost::kClientMs ? figures.client_ms : figures.bytes_per_s;
+  switch (cost) {
+    case Cost::kClientMs:
+      return figures.client_ms;
+    case Cost::kModelMs:
+      return figures.client_ms_p95.value_or(NAN);
+    case Cost::kBytesPerS:
+      return figures.bytes_per_s;
+  }
+  return NAN;
 }
 
 std::vector<bool> front_by(const std::vector<Figures>& all, Cost cost) {
@@ -190,8 +210,7 @@ std::vector<LeftOfAuto> left_of_auto(const std::vector<Figures>& all, Cost cost,
 std::string say_of_auto(const std::vector<Figures>& all, Cost cost, double slack) {
   const auto fixed = std::count_if(all.begin(), all.end(),
                                    [](const Figures& f) { return !f.setting.automatic(); });
-  const std::string by =
-      cost == Cost::kClientMs ? fmt::format("client ms (within {:.0f} %)", 100 * slack) : "bytes";
+  const std::string by = words(cost, slack);
   const std::vector<LeftOfAuto> left = left_of_auto(all, cost, slack);
   if (left.empty()) return fmt::format("By {} auto is on or left of every fixed method.", by);
   std::string out = fmt::format("By {} {} of {} settings of fixed methods stand left of auto: ", by,

@@ -49,7 +49,7 @@ struct Figures {
   std::vector<double> spreads;  ///< slowest over quickest draw, one per compared frame
 };
 
-enum class Cost { kClientMs, kBytesPerS };
+enum class Cost { kClientMs, kModelMs, kBytesPerS };  ///< kModelMs: client_ms_p95
 double cost_of(const Figures& figures, Cost cost);
 /// By this cost and FLIP, of all settings.
 std::vector<bool> front_by(const std::vector<Figures>& all, Cost cost);

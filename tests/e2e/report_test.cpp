@@ -106,6 +106,7 @@ TEST(Report, WorkPrecisionHasAllMethodsFiguresAndPlots) {
   EXPECT_EQ(count(html, "src=\"data:image/jpeg;base64,"), 9u * 3);
   EXPECT_EQ(count(html, "<svg"), gnuplot() ? 4u : 0u);
   EXPECT_EQ(count(html, "<p>By client ms"), 1u);
+  EXPECT_EQ(count(html, "<p>By the device model"), 1u);
   EXPECT_EQ(count(html, "<p>By bytes"), 1u);
   EXPECT_EQ(html.find("gnuplot is not installed") != std::string::npos, !gnuplot());
 }

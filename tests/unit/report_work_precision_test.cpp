@@ -76,6 +76,9 @@ TEST(WorkPrecision, SentenceSaysWhichStandLeftOfAuto) {
             std::string::npos)
       << by_ms;
   EXPECT_NE(say_of_auto(all, Cost::kBytesPerS, 0).find("hull"), std::string::npos);
+  for (Figures& f : all) f.client_ms_p95 = 50;
+  EXPECT_EQ(say_of_auto(all, Cost::kModelMs, 0),
+            "By the device model's ms (95th percentile) auto is on or left of every fixed method.");
 }
 
 TEST(WorkPrecision, PlotsHaveALineForEachMethodAndSampleCountAndAFrontOfBothCosts) {
