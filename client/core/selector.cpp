@@ -103,7 +103,7 @@ Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c)
   };
   if (c.pictured) out.flat = tile_of(c.flat);
   if (c.pictured && c.deep.tile) out.deep = tile_of(c.deep);
-  if (in.view) out.view_px = in.view->error_px(view_of, in.camera);
+  out.viewed = in.view && in.view->error_px(view_of, in.camera).has_value();
   if (drawn_as_mesh(in, c.instance)) {
     add_levels(in, c.instance, out);
     // Where methods are compared, all draw the same geometry.

@@ -39,7 +39,7 @@ struct Alternatives {
   bool mesh_only = false;  ///< it is what one stands in, or no picture can stand for it
   std::vector<Level> levels;
   std::optional<Tile> flat, deep;
-  std::optional<double> view_px;
+  bool viewed = false;          ///< the view tile shows it
   std::optional<Look> shown;    ///< in the last frame; nullopt: it was not in it
   std::optional<Look> leaving;  ///< still drawn beneath, while what is shown fades in over it
 };

@@ -57,19 +57,19 @@ Choice FramePlan::way(const Alternatives& thing, Look look, std::size_t index,
   const int samples = setting.samples;
   switch (look) {
     case Look::kNothing:
-      out.wrongs = nothing_wrongs();
+      out.wrongs = nothing_wrongs(thing.area_px);
       break;
     case Look::kView:
-      if (!thing.view_px) return out;
-      out.wrongs = view_wrongs(*thing.view_px);
+      if (!thing.viewed) return out;
+      out.wrongs = view_wrongs(thing.area_px);
       break;
     case Look::kFlat:
     case Look::kDeep: {
       const bool deep = look == Look::kDeep;
       const std::optional<Alternatives::Tile>& tile = deep ? thing.deep : thing.flat;
       if (!tile) return out;
-      out.wrongs =
-          tile_wrongs(thing.alpha_tested, tile->error_px, tile->texel_px, samples, setting.scale);
+      out.wrongs = tile_wrongs(thing.area_px, thing.alpha_tested, tile->error_px, tile->texel_px,
+                               samples, setting.scale);
       out.ms = ms_of(deep ? Work::kReliefPixel : Work::kFlatPixel, Work::kImpostorSample,
                      thing.area_px * tile->share, setting);
       break;
@@ -78,7 +78,8 @@ Choice FramePlan::way(const Alternatives& thing, Look look, std::size_t index,
       if (index >= thing.levels.size()) return out;
       const Alternatives::Level& level = thing.levels[index];
       out.lod = level.lod;
-      out.wrongs = mesh_wrongs(thing.alpha_tested, level.error_px, samples, setting.scale);
+      out.wrongs =
+          mesh_wrongs(thing.area_px, thing.alpha_tested, level.error_px, samples, setting.scale);
       if (!prices_) break;
       const CostModel& p = *prices_;
       out.ms = thing.alpha_tested
@@ -146,7 +147,7 @@ double FramePlan::frame_ms(const Camera& camera, const std::vector<Alternatives>
   FrameWork frame = target_work(drawn, setting.samples);
   frame[Work::kMesh] = static_cast<double>(levels);
   const bool views = std::any_of(things.begin(), things.end(), [](const Alternatives& thing) {
-    return thing.view_px && !thing.flat && thing.levels.empty();
+    return thing.viewed && !thing.flat && thing.levels.empty();
   });
   if (views) frame[Work::kViewPixel] = frame[Work::kPixel];
   return prices_->ms_of(frame);

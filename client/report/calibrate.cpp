@@ -20,8 +20,8 @@ struct Manner {
   double tau_px = 1;
   double mesh_radii = kAnyRadii;
 };
-const Manner kManners[] = {{15}, {30}, {60}, {150}, {0, 1}, {0, 4},
-                           {0, 1, 1, 0}, {0, 1, 4, 0}, {0, 4, 1, 0}, {0, 4, 0.5, 3}};
+const Manner kManners[] = {{15},   {30},         {60},         {150},        {0, 1},
+                           {0, 4}, {0, 1, 1, 0}, {0, 1, 4, 0}, {0, 4, 1, 0}, {0, 4, 0.5, 3}};
 
 struct Scenes {
   std::vector<std::string> fitted, held_out;
@@ -30,9 +30,8 @@ struct Scenes {
 
 Scenes scenes(bool quick) {
   if (quick) {
-    return {{"builtin:forest?trees=60", "builtin:clutter?objects=150"},
-            {"builtin:city?blocks=3"},
-            41};
+    return {
+        {"builtin:forest?trees=60", "builtin:clutter?objects=150"}, {"builtin:city?blocks=3"}, 41};
   }
   return {{"builtin:forest", "builtin:clutter"},
           {"builtin:city", "builtin:museum?objects=12&triangles=60000", "builtin:forest?seed=2"},
@@ -90,11 +89,14 @@ Result<std::vector<ErrorSample>> observe(Context& context, const std::vector<std
 void judge(Table& table, const std::string& what, const std::vector<ErrorSample>& samples,
            const ErrorModel& fitted) {
   const auto row = [&](const std::string& look, const std::vector<ErrorSample>& part) {
-    table.add({what, look, fmt::format("{}", part.size()),
-               fmt::format("{:.2f}", rank_correlation(part, error_model())),
-               fmt::format("{:+.4f}", mean_excess(part, error_model())),
-               fmt::format("{:.2f}", rank_correlation(part, fitted)),
-               fmt::format("{:+.4f}", mean_excess(part, fitted))});
+    std::vector<std::string> cells = {what, look, fmt::format("{}", part.size())};
+    for (const ErrorModel* model : {&error_model(), &fitted}) {
+      const RankCorrelation rank = rank_correlation(part, *model);
+      cells.push_back(fmt::format("{:.2f}", rank.error));
+      cells.push_back(fmt::format("{:.2f}", rank.flip));
+      cells.push_back(fmt::format("{:+.4f}", mean_excess(part, *model)));
+    }
+    table.add(cells);
   };
   for (const Look look : {Look::kNothing, Look::kView, Look::kFlat, Look::kDeep, Look::kMesh}) {
     std::vector<ErrorSample> part;
@@ -112,15 +114,14 @@ Result<void> report_calibrate(Context& context) {
   const Result<SessionRunner*> gl = context.graphics();
   if (!gl) return gl.error();
   const Scenes what = scenes(context.options.quick);
-  context.progress.begin(kPart,
-                         std::size(kManners) * (what.fitted.size() + what.held_out.size()));
+  context.progress.begin(kPart, std::size(kManners) * (what.fitted.size() + what.held_out.size()));
   Result<std::vector<ErrorSample>> near = observe(context, what.fitted, what.frames);
   if (!near) return near.error();
   Result<std::vector<ErrorSample>> far = observe(context, what.held_out, what.frames);
   if (!far) return far.error();
   const ErrorModel fitted = fitted_errors(*near, error_model());
-  Table table({"scenes", "drawn as", "things", "rank (in use)", "off (in use)", "rank (fitted)",
-               "off (fitted)"});
+  Table table({"scenes", "drawn as", "things", "rank of error (in use)", "of FLIP (in use)",
+               "off (in use)", "rank of error (fitted)", "of FLIP (fitted)", "off (fitted)"});
   judge(table, "fitted", *near, fitted);
   judge(table, "held out", *far, fitted);
   Table coefficients({"what is wrong", "in use", "fitted now"});
@@ -136,11 +137,12 @@ Result<void> report_calibrate(Context& context) {
       "How it was measured: walks of {:g} s at {}x{} over RTT 100 ms and 20 Mbit/s in {} manners "
       "(budgets of {:g} to {:g} ms and none, one sample and four, tiles only, tau 1/2 to 4). Of "
       "each "
-      "thing that is drawn in one way and covers {} pixels and more: the mean FLIP of its pixels "
+      "thing that is drawn in one way and covers {} pixels and more: the FLIP of its pixels "
       "against the full render, beside what client/price/error_model.cpp says of it. Rank: "
-      "Spearman's "
-      "correlation. Off: measured less predicted, the mean over pixels. Coefficients are fitted to "
-      "the first scenes by least squares and judged on the others.",
+      "Spearman's correlation, of the error that is planned by (FLIP times pixels, those of the "
+      "prediction being its disc) and of FLIP a pixel. Off: measured less predicted FLIP, the mean "
+      "over pixels. Coefficients are fitted to the first scenes by least squares and judged on the "
+      "others.",
       (what.frames - 1) / kFps, kWidth, kHeight, std::size(kManners), 15.0, 150.0, 64));
   page.table(table);
   page.table(coefficients);

@@ -70,6 +70,7 @@ std::vector<ErrorSample> samples_of(const ObservedFrame& frame, const std::strin
     out[i].scene = scene;
     out[i].look = chosen[i].look;
     out[i].wrongs = chosen[i].wrongs;
+    out[i].area_px = considered[i].area_px;
   }
   for (const DrawnMesh& mesh : frame.list.meshes) {
     const auto at = things.find(mesh.instance);
@@ -111,7 +112,8 @@ ErrorModel fitted_errors(const std::vector<ErrorSample>& samples, const ErrorMod
   for (const ErrorSample& sample : samples) {
     Wrongs row{};
     for (std::size_t k = 0; k < kWrongs; ++k) row[k] = sample.wrongs[k] * start[k];
-    fit.add(row, sample.flip, sample.pixels);
+    // Between a thing's weight and a pixel's: large ones are few, and small ones all alike.
+    fit.add(row, sample.flip, std::sqrt(sample.pixels));
   }
   for (int i = 0; i < 1000; ++i) fit.add({}, 0, 0);  // on to where it does not move any more
   ErrorModel out;
@@ -119,14 +121,18 @@ ErrorModel fitted_errors(const std::vector<ErrorSample>& samples, const ErrorMod
   return out;
 }
 
-double rank_correlation(const std::vector<ErrorSample>& samples, const ErrorModel& model) {
-  if (samples.size() < 3) return 0;
-  std::vector<double> predicted, measured;
+RankCorrelation rank_correlation(const std::vector<ErrorSample>& samples, const ErrorModel& model) {
+  if (samples.size() < 3) return {};
+  std::vector<double> errors, flips, measured_errors, measured_flips;
   for (const ErrorSample& sample : samples) {
-    predicted.push_back(model.flip_of(sample.wrongs));
-    measured.push_back(sample.flip);
+    const double flip = model.flip_of(sample.wrongs);
+    errors.push_back(flip * sample.area_px);
+    flips.push_back(flip);
+    measured_errors.push_back(sample.flip * sample.pixels);
+    measured_flips.push_back(sample.flip);
   }
-  return correlation(ranks(predicted), ranks(measured));
+  return {correlation(ranks(errors), ranks(measured_errors)),
+          correlation(ranks(flips), ranks(measured_flips))};
 }
 
 double mean_excess(const std::vector<ErrorSample>& samples, const ErrorModel& model) {
@@ -139,11 +145,13 @@ double mean_excess(const std::vector<ErrorSample>& samples, const ErrorModel& mo
 }
 
 Table calibration_csv(const std::vector<ErrorSample>& samples, const ErrorModel& model) {
-  std::vector<std::string> head = {"scene", "look", "pixels", "flip", "predicted"};
+  std::vector<std::string> head = {"scene", "look", "area_px", "pixels", "flip", "predicted"};
   for (std::size_t k = 0; k < kWrongs; ++k) head.push_back(wrong_name(static_cast<Wrong>(k)));
   Table table(head);
   for (const ErrorSample& sample : samples) {
-    std::vector<std::string> row = {sample.scene, look_name(sample.look),
+    std::vector<std::string> row = {sample.scene,
+                                    look_name(sample.look),
+                                    fmt::format("{:.0f}", sample.area_px),
                                     fmt::format("{:.0f}", sample.pixels),
                                     fmt::format("{:.5f}", sample.flip),
                                     fmt::format("{:.5f}", model.flip_of(sample.wrongs))};

@@ -15,18 +15,24 @@ namespace mirage {
 struct ErrorSample {
   std::string scene;
   Look look = Look::kNothing;
-  Wrongs wrongs{};    ///< as it was drawn
-  double pixels = 0;  ///< of the full render that show it
-  double flip = 0;    ///< mean over them
+  Wrongs wrongs{};     ///< as it was drawn
+  double area_px = 0;  ///< that it was expected to cover
+  double pixels = 0;   ///< of the full render that show it
+  double flip = 0;     ///< mean over them
 };
 
 /// The things of a frame that were drawn in one way only and cover enough pixels to say anything.
 std::vector<ErrorSample> samples_of(const ObservedFrame& frame, const std::string& scene);
-/// The coefficients nearest to the samples by least squares, weighted by pixels; none below 0.
+/// The coefficients nearest to the samples by least squares, weighted by the root of
+/// their pixels; none below 0.
 ErrorModel fitted_errors(const std::vector<ErrorSample>& samples, const ErrorModel& first);
-/// Spearman's rank correlation of predicted and measured FLIP, -1 to 1; equal values share their
+/// Spearman's rank correlation of predicted and measured error, -1 to 1; equal values share their
 /// mean rank. 0 with fewer than three samples, or where all are equal.
-double rank_correlation(const std::vector<ErrorSample>& samples, const ErrorModel& model);
+struct RankCorrelation {
+  double error = 0;  ///< FLIP times pixels: what is planned by
+  double flip = 0;   ///< FLIP a pixel
+};
+RankCorrelation rank_correlation(const std::vector<ErrorSample>& samples, const ErrorModel& model);
 /// Mean measured less mean predicted FLIP, weighted by pixels.
 double mean_excess(const std::vector<ErrorSample>& samples, const ErrorModel& model);
 Table calibration_csv(const std::vector<ErrorSample>& samples, const ErrorModel& model);

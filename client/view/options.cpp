@@ -164,6 +164,10 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
       ->capture_default_str();
   app.add_option("--out", o.out_dir, "write every frame here as PNG");
   app.add_option("--stats", o.stats_file, "write statistics here as JSON");
+  app.add_option(
+      "--explain-frame", o.explain_file,
+      "write here, as JSON, why the last frame is drawn as it is: of each thing what was "
+      "chosen and what else there was, with error and ms");
   app.add_option("--trace", o.trace_file, "write the life of every tile here as JSON");
   app.add_option("--codec", o.codec_name,
                  "tiles' codec; auto: lossy colours on a thin link, lz4 on a very fast one, else "

@@ -41,6 +41,7 @@ struct ViewOptions {
   double mesh_radii = kAnyRadii;
   double march_kpx = -1;  ///< thousand px a frame drawn by marching at most; < 0: any
   std::string out_dir;
+  std::string explain_file;
   std::string stats_file;
   std::string trace_file;
   std::string animation = "on";

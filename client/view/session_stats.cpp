@@ -114,6 +114,13 @@ std::string SessionStats::json(const Final& end) const {
   j["frames"] = frames_;
   j["frames_drawn"] = drawn_;  // the others were the picture that was there
   j["frame_ms"] = quantiles(frame_ms_, true);
+  if (planned_ > 0) {
+    const auto frames = static_cast<double>(planned_);
+    j["budget_ms"] = budget_ms_;  // 0: none
+    j["scale"] = scale_ / frames;
+    j["samples"] = samples_ / frames;
+    j["lambda"] = lambda_ / frames;  // FLIP px a ms
+  }
   const auto since_start_ms = [](std::int64_t us) {
     return us < 0 ? ordered_json(nullptr) : ordered_json(static_cast<double>(us) / 1000.0);
   };

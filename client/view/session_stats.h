@@ -16,6 +16,14 @@ namespace mirage {
 class SessionStats {
  public:
   void add_frame(const DrawList& list, int draw_calls, double frame_ms, std::int64_t now_us);
+  /// How the frame was planned.
+  void note_plan(const FramePlan& plan) {
+    ++planned_;
+    budget_ms_ = plan.budget_ms();
+    scale_ += plan.setting().scale;
+    samples_ += plan.setting().samples;
+    lambda_ += plan.lambda();
+  }
   /// The last frame added was drawn, not kept as it was: it took `real_ms`.
   void note_drawn(double real_ms) {
     ++drawn_;
@@ -83,6 +91,8 @@ class SessionStats {
   std::size_t frames_ = 0, drawn_ = 0;
   std::size_t known_use_ = 0, starved_ = 0;  ///< frames
   std::int64_t first_image_us_ = -1, first_picture_us_ = -1;
+  std::uint64_t planned_ = 0;
+  double budget_ms_ = 0, scale_ = 0, samples_ = 0, lambda_ = 0;  ///< sums, but for the budget
   std::vector<float> frame_ms_, real_ms_, bounds_, ages_ms_, light_lag_ms_;
   std::uint64_t relit_ = 0;
   std::uint64_t visible_ = 0, over_tau_ = 0, stale_ = 0, placeholders_ = 0, impostors_ = 0,

@@ -16,6 +16,7 @@
 #include "client/host/png.h"
 #include "client/price/cost_fit.h"
 #include "client/view/comparison.h"
+#include "client/view/explain_frame.h"
 #include "client/view/overlay.h"
 #include "client/view/session_stats.h"
 #include "client/view/window.h"
@@ -295,6 +296,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
                           : o_.device_model       ? (drawn ? model_ms_ : 0)
                                                   : 1000.0 / o_.fps;
   if (session().light_changed()) stats_.add_light_lag(list, scene);
+  stats_.note_plan(session().plan());
   stats_.add_frame(list, renderer_->draw_calls(), frame_ms, now);
   if (const auto use = host_->link_use()) stats_.note_use(session().first_waits(), *use);
   if (drawn) stats_.note_drawn(real_ms);
@@ -332,14 +334,20 @@ std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {
     ages_ms.push_back(static_cast<float>(now - drawn.tile->received_us) / 1000.0f);
   }
   const LinkTraffic traffic = host_->traffic();
+  const FramePlan& plan = session().plan();
+  const std::string budget = plan.limited()
+                                 ? fmt::format("{:.0f} of {:.0f} ms planned, lambda {:.0f}, ",
+                                               plan.expected_ms(), plan.budget_ms(), plan.lambda())
+                                 : "no budget, ";
   return fmt::format(
-      "{:.0f} fps, {} draw calls\n{} impostors, {} meshes, {} without image\nbound {:.1f} px "
+      "{:.0f} fps, {} draw calls\n{}scale {:g}, {} samples\n{} impostors, {} meshes, {} without "
+      "image\nbound {:.1f} px "
       "worst, "
       "{} of {} over tau\ntile age {:.1f} s median\n{:.2f} MB down, round trip {} ms{}{}",
-      1000.0 / std::max(smooth_ms_, 0.1), renderer_->draw_calls(), list.impostors.size(),
-      list.meshes.size(), list.placeholders.size(), bound, list.over_tau, list.visible,
-      quantile(ages_ms, 0.5) / 1000.0f, static_cast<double>(traffic.bytes_down) * 1e-6,
-      session().round_trip_us() / 1000,
+      1000.0 / std::max(smooth_ms_, 0.1), renderer_->draw_calls(), budget, plan.setting().scale,
+      plan.setting().samples, list.impostors.size(), list.meshes.size(), list.placeholders.size(),
+      bound, list.over_tau, list.visible, quantile(ages_ms, 0.5) / 1000.0f,
+      static_cast<double>(traffic.bytes_down) * 1e-6, session().round_trip_us() / 1000,
       session().scene().geometry ? "" : "\nthe server keeps its geometry: images only",
       native().connected() ? "" : "\nOFFLINE: showing what is here, reconnecting");
 }
@@ -411,6 +419,9 @@ Result<void> Viewer::finish() {
   }
   if (!o_.trace_file.empty()) {
     if (Result<void> r = write_text(o_.trace_file, trace_json(session().lives())); !r) return r;
+  }
+  if (!o_.explain_file.empty()) {
+    if (Result<void> r = write_text(o_.explain_file, explain_frame(session())); !r) return r;
   }
   if (o_.stats_file.empty()) return {};
   if (Result<void> r = write_text(o_.stats_file, stats_.json(end)); !r) return r;

@@ -172,7 +172,7 @@ TEST_F(CoreView, GeometryReplacesItOnceItShowsMore) {
   options.geometry = true;
   SelectorWorld world(make_scene({{scene.instances[12].center}}, options));
   ObjectDescription& object = world.scene.objects[0];
-  object.lods = {{9000, 90'000, 0, 0}, {3000, 30'000, 0, 3.2f}};  // pieces as large as itself
+  object.lods = {{9000, 90'000, 0, 0}, {3000, 30'000, 0, 16}};  // slabs
   MeshCache meshes;
   meshes.reset(world.scene, 1 << 30, 1 << 20);
   world.mesh_ready[0] = true;
