@@ -26,6 +26,8 @@ mirage_e2e(cache)
 mirage_e2e(counters)
 mirage_e2e(memory)
 mirage_e2e(parts)
+mirage_e2e(demo)
+add_dependencies(mirage_e2e_demo mirage-sheet)
 # It writes a scene of its own.
 target_link_libraries(mirage_e2e_parts PRIVATE mirage_gltf)
 # It watches frame times: alone on the machine, please.

@@ -2,6 +2,7 @@
 // Mirage | full render | difference.
 // mirage-sheet IMAGE IMAGE… OUT.png: images of one size beside each other, with the FLIP of each
 // against the first.
+// mirage-sheet --animate FPS DIR OUT.webp: all frames as a moving picture.
 
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "client/quality/flip.h"
+#include "client/view/animation.h"
 #include "protocol/cli.h"
 #include "protocol/result.h"
 
@@ -22,19 +24,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string> compared_frames(const std::string& directory) {
+/// What follows `kind` in the names of the images of that kind, in order.
+std::vector<std::string> frames_of(const std::string& directory, const std::string& kind) {
   std::vector<std::string> out;
   std::error_code failed;
   for (const fs::directory_entry& entry : fs::directory_iterator(directory, failed)) {
     const std::string name = entry.path().filename().string();
-    if (name.rfind("reference_", 0) == 0) out.push_back(name.substr(10));
+    if (name.rfind(kind, 0) == 0) out.push_back(name.substr(kind.size()));
   }
   std::sort(out.begin(), out.end());
   return out;
 }
 
 Result<void> make_sheet(const std::string& directory, const std::string& target) {
-  const std::vector<std::string> frames = compared_frames(directory);
+  const std::vector<std::string> frames = frames_of(directory, "reference_");
   if (frames.empty()) {
     return make_error(ErrorId::kUsage, "no compared frames in '" + directory + "'",
                       "mirage-view --reference N --out DIR writes them");
@@ -59,6 +62,19 @@ Result<void> make_sheet(const std::string& directory, const std::string& target)
   }
   if (!sheet.write(target)) return make_error(ErrorId::kIo, "cannot write '" + target + "'");
   return {};
+}
+
+Result<void> animate(const std::string& directory, double frames_per_second,
+                     const std::string& target) {
+  std::vector<std::string> images;
+  for (const std::string& frame : frames_of(directory, "frame_")) {
+    images.push_back(directory + "/frame_" + frame);
+  }
+  if (images.empty()) {
+    return make_error(ErrorId::kUsage, "no frames in '" + directory + "'",
+                      "mirage-view --out DIR writes them");
+  }
+  return write_animation(images, frames_per_second, target);
 }
 
 // Opaque RGBA bytes. Error kIo.
@@ -114,11 +130,16 @@ int main(int argc, char** argv) {
                  "the image to write")
       ->required()
       ->expected(2, 64);
+  double animated = 0;
+  app.add_option("--animate", animated,
+                 "write all frames as an animated WebP of so many frames a second instead")
+      ->check(CLI::Range(1.0, 100.0));
   mirage::add_conventions(app);
   if (const int code = mirage::parse_command_line(app, argc, argv); code >= 0) return code;
   const std::string target = paths.back();
   paths.pop_back();
-  const mirage::Result<void> made = paths.size() == 1 ? mirage::make_sheet(paths.front(), target)
-                                                      : mirage::compare_images(paths, target);
+  const mirage::Result<void> made = animated > 0 ? mirage::animate(paths.front(), animated, target)
+                                    : paths.size() == 1 ? mirage::make_sheet(paths.front(), target)
+                                                        : mirage::compare_images(paths, target);
   return made.ok() ? 0 : mirage::fail(made.error());
 }
