@@ -17,6 +17,9 @@ constexpr double kSwitchRatio = 0.6;
 // How long a choice is kept that is still good enough.
 constexpr std::int64_t kReconsiderUs = 100'000;
 
+// What the view shows more wrongly, px, is no picture of a thing any more.
+constexpr double kTornPx = 8;
+
 double fade_progress(std::int64_t since_us, std::int64_t now_us) {
   return std::clamp(static_cast<double>(now_us - since_us) / kFadeUs, 0.0, 1.0);
 }
@@ -103,7 +106,10 @@ Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c)
   };
   if (c.pictured) out.flat = tile_of(c.flat);
   if (c.pictured && c.deep.tile) out.deep = tile_of(c.deep);
-  out.viewed = in.view && in.view->error_px(view_of, in.camera).has_value();
+  if (in.view) {
+    const std::optional<double> view_px = in.view->error_px(view_of, in.camera);
+    out.viewed = view_px && *view_px <= kTornPx;
+  }
   if (drawn_as_mesh(in, c.instance)) {
     add_levels(in, c.instance, out);
     // Where methods are compared, all draw the same geometry.

@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kLeastPixels = 64;
 constexpr double kLeastCoefficient = 1e-3;  // a factor cannot raise 0
-constexpr double kCoefficientRange = 64;
+constexpr double kCoefficientRange = 1000;
+constexpr double kPrior = 1e-9;  // for what no sample has
 
 // The thing that stands for an instance: itself, or the group it is in.
 std::uint32_t standing_for(const SceneView& scene, std::uint32_t id,
@@ -106,6 +107,7 @@ ErrorModel fitted_errors(const std::vector<ErrorSample>& samples, const ErrorMod
   RunningFitOptions options;
   options.kept = 1;
   options.range = kCoefficientRange;
+  options.prior = kPrior;
   RunningFit<kWrongs> fit(options);
   Wrongs start{};
   for (std::size_t k = 0; k < kWrongs; ++k) start[k] = std::max(first.flip[k], kLeastCoefficient);

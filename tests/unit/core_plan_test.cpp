@@ -51,13 +51,16 @@ struct Session {
   FramePlan plan;
   std::vector<Alternatives> things;
   std::int64_t now_us = 0;
-  int changed = 0;  ///< things, from one frame to the next
-  double ms = 0;    ///< of the last frame, reckoned here from prices alone
+  int changed = 0;   ///< things, from one frame to the next
+  double ms = 0;     ///< of the last frame, reckoned here from prices alone
+  double error = 0;  ///< of the last frame
 
   void frames(int count) {
     for (int i = 0; i < count; ++i) {
       const std::vector<Choice> choices = plan.decide(screen(), things, 1, now_us += kFrameUs);
       ms = work_ms(choices);
+      error = 0;
+      for (const Choice& choice : choices) error += choice.error;
       for (std::size_t k = 0; k < things.size(); ++k) {
         changed += things[k].shown && *things[k].shown != choices[k].look;
         things[k].shown = choices[k].look;
@@ -109,10 +112,10 @@ TEST(CorePlan, BudgetsHoldInEveryFrameAndBuyLessErrorTheLargerTheyAre) {
       if (frame == 60) session.changed = 0;
     }
     EXPECT_EQ(session.changed, 0) << "budget " << budget << ": it swings";
-    EXPECT_LE(session.plan.lambda(), before) << "budget " << budget;
-    before = session.plan.lambda();
+    EXPECT_LT(session.error, before) << "budget " << budget;
+    EXPECT_EQ(session.plan.lambda() > 0, budget < 1000) << "what everything fits in has no price";
+    before = session.error;
   }
-  EXPECT_EQ(before, 0) << "what everything fits in has no price";
 }
 
 TEST(CorePlan, ASuddenCrowdIsHeldInItsFirstFrame) {
@@ -140,8 +143,8 @@ TEST(CorePlan, ACoarserLevelIsDrawnWhereTheFineOneIsTooDear) {
   Alternatives both = tree(20'000);
   both.levels.push_back({3, 2000, 1.5});
   both.flat = Alternatives::Tile{8, 3, 0.6};
-  for (const double budget : {27.0, 200.0}) {
-    FramePlan plan = plan_of(budget);
+  for (const double budget : {40.0, 200.0}) {
+    FramePlan plan = plan_of(budget, 2);
     const Choice choice = plan.decide(screen(), {both}, 1, 0)[0];
     EXPECT_EQ(choice.look, Look::kMesh);
     EXPECT_EQ(choice.lod, budget < 100 ? 3 : 0) << budget;
