@@ -13,7 +13,8 @@ constexpr double kPlannedShare = 0.95;
 // Another setting must promise so much less error, and the present one have lasted so long.
 constexpr double kBetterSetting = 0.9;
 constexpr std::int64_t kSettingLastsUs = 500'000;
-constexpr double kStays = 0.9;  // of the error of what is shown: less is no reason to change it
+// Of the error of what is shown: less is no reason to change it. Ways differ by a tenth or two.
+constexpr double kStays = 0.95;
 constexpr double kExcessRises = 0.3, kExcessFalls = 0.15, kMostExcess = 1.5;  // a frame
 // A frame, at most: what has just become affordable may not stay, and is not asked for yet.
 constexpr double kLambdaFalls = 0.8;
@@ -25,6 +26,11 @@ bool is_tile(Look look) { return look == Look::kFlat || look == Look::kDeep; }
 // Whether one is drawn beneath the other while that fades in: geometry and tiles are.
 bool crosses(Look from, Look to) {
   return (from == Look::kMesh && is_tile(to)) || (to == Look::kMesh && is_tile(from));
+}
+
+// Whether a fade under way goes on when the thing is drawn so.
+bool goes_on(const Alternatives& thing, Look look) {
+  return thing.leaving && thing.shown && !crosses(*thing.shown, look);
 }
 
 }  // namespace
@@ -110,6 +116,7 @@ std::vector<Choice> FramePlan::ways(const Alternatives& thing, const FrameSettin
     add(way(thing, Look::kDeep, 0, setting));
   }
   for (std::size_t i = 0; i < thing.levels.size(); ++i) add(way(thing, Look::kMesh, i, setting));
+  if (out.empty()) out.push_back({});  // of no finite size
   return out;
 }
 
@@ -155,8 +162,9 @@ double FramePlan::frame_ms(const Camera& camera, const std::vector<Alternatives>
 
 // The cheapest way of a thing, and its steps to dearer ones, each with less gain a millisecond than
 // the one before it.
-void FramePlan::add_steps(std::size_t index, const Alternatives& thing, const FrameSetting& setting,
-                          Outcome& out, std::vector<Step>& steps) const {
+void FramePlan::add_steps(std::uint32_t index, const Alternatives& thing,
+                          const FrameSetting& setting, Outcome& out,
+                          std::vector<Step>& steps) const {
   struct Point {
     Choice choice;
     double error, ms;
@@ -165,9 +173,10 @@ void FramePlan::add_steps(std::size_t index, const Alternatives& thing, const Fr
   for (const Choice& choice : ways(thing, setting)) {
     const bool stays = thing.shown == choice.look;
     // To fade to what is cheaper is no reason to go on with what is dear.
-    const bool cheaper = thing.shown == Look::kMesh && choice.look != Look::kMesh;
+    const bool dearer =
+        choice.look == Look::kMesh && thing.shown && crosses(*thing.shown, choice.look);
     points.push_back({choice, (stays ? kStays : 1) * choice.error,
-                      choice.ms + (cheaper ? 0 : beneath_ms(thing, choice.look, setting))});
+                      choice.ms + (dearer ? beneath_ms(thing, choice.look, setting) : 0)});
   }
   std::size_t at = 0;
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -178,6 +187,9 @@ void FramePlan::add_steps(std::size_t index, const Alternatives& thing, const Fr
   out.choices.push_back(points[at].choice);
   out.error += points[at].choice.error;
   out.ms += points[at].ms;
+  if (goes_on(thing, points[at].choice.look)) {
+    out.ms += beneath_ms(thing, points[at].choice.look, setting);
+  }
   for (;;) {
     std::size_t next = at;
     double steepest = 0;
@@ -191,8 +203,11 @@ void FramePlan::add_steps(std::size_t index, const Alternatives& thing, const Fr
       }
     }
     if (next == at) return;
+    const Choice& to = points[next].choice;
+    std::uint8_t level = 0;
+    while (to.look == Look::kMesh && thing.levels[level].lod != to.lod) ++level;
     steps.push_back({points[at].error - points[next].error, points[next].ms - points[at].ms, index,
-                     points[next].choice});
+                     to.look, level});
     at = next;
   }
 }
@@ -203,11 +218,11 @@ FramePlan::Outcome FramePlan::solve(const Camera& camera, const std::vector<Alte
   std::vector<Step> steps;
   out.ms = frame_ms(camera, things, levels, setting);
   out.choices.reserve(things.size());
-  for (std::size_t i = 0; i < things.size(); ++i) add_steps(i, things[i], setting, out, steps);
+  for (std::uint32_t i = 0; i < things.size(); ++i) add_steps(i, things[i], setting, out, steps);
   const double most = planned_ms();
   // What fades in is shown at once where there is no time for what is beneath.
   for (std::size_t i = 0; i < things.size() && out.ms > most; ++i) {
-    if (!things[i].leaving || things[i].shown != out.choices[i].look) continue;
+    if (!goes_on(things[i], out.choices[i].look)) continue;
     out.choices[i].fades = false;
     out.ms -= beneath_ms(things[i], out.choices[i].look, setting);
   }
@@ -215,7 +230,7 @@ FramePlan::Outcome FramePlan::solve(const Camera& camera, const std::vector<Alte
     return a.gain * std::max(b.ms, 0.0) > b.gain * std::max(a.ms, 0.0);
   });
   std::vector<bool> stopped(things.size(), false);
-  for (Step& step : steps) {
+  for (const Step& step : steps) {
     if (stopped[step.thing]) continue;
     if (out.ms + step.ms > most) {
       // What comes later and takes less time may still fit; the dearer ways of this thing do not.
@@ -224,8 +239,9 @@ FramePlan::Outcome FramePlan::solve(const Camera& camera, const std::vector<Alte
       continue;
     }
     out.ms += step.ms;
-    out.error += step.to.error - out.choices[step.thing].error;
-    out.choices[step.thing] = std::move(step.to);
+    const Choice to = way(things[step.thing], step.look, step.level, setting);
+    out.error += to.error - out.choices[step.thing].error;
+    out.choices[step.thing] = to;
   }
   return out;
 }

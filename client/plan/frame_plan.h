@@ -60,8 +60,9 @@ class FramePlan {
   /// A step of a thing to a dearer way.
   struct Step {
     double gain = 0, ms = 0;
-    std::size_t thing = 0;
-    Choice to;
+    std::uint32_t thing = 0;
+    Look look = Look::kNothing;
+    std::uint8_t level = 0;  ///< index into Alternatives::levels
   };
   struct Outcome {
     double error = 0, ms = 0, lambda = 0;
@@ -75,7 +76,7 @@ class FramePlan {
   double beneath_ms(const Alternatives& thing, Look look, const FrameSetting& setting) const;
   double frame_ms(const Camera& camera, const std::vector<Alternatives>& things, std::size_t levels,
                   const FrameSetting& setting) const;
-  void add_steps(std::size_t index, const Alternatives& thing, const FrameSetting& setting,
+  void add_steps(std::uint32_t index, const Alternatives& thing, const FrameSetting& setting,
                  Outcome& out, std::vector<Step>& steps) const;
   Outcome solve(const Camera& camera, const std::vector<Alternatives>& things, std::size_t levels,
                 const FrameSetting& setting) const;

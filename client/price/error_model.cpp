@@ -23,8 +23,8 @@ constexpr Coefficient kCoefficients[] = {
     {Wrong::kMeshAlias, 0.0134}, {Wrong::kTestedAlias, 0.0264}, {Wrong::kMeshError, 0.04},
     {Wrong::kTile, 0.025},       {Wrong::kTileEdge, 0.535},     {Wrong::kTestedTile, 0.0086},
     {Wrong::kTileAlias, 0.0048}, {Wrong::kTileError, 0.0257},   {Wrong::kTileBlur, 0.0379},
-    {Wrong::kView, 0.1115},      {Wrong::kViewEdge, 0.621},     {Wrong::kNothing, 0.109},
-    {Wrong::kNothingEdge, 5.61}, {Wrong::kUpscaled, 0.0333}};
+    {Wrong::kView, 0.1115},      {Wrong::kViewEdge, 0.621},     {Wrong::kNothing, 0.23},
+    {Wrong::kNothingEdge, 3.66}, {Wrong::kUpscaled, 0.0333}};
 
 ErrorModel calibrated() {
   ErrorModel model;

@@ -66,7 +66,8 @@ TEST(Budget, DeviceModelsAreReadOrRefusedByName) {
   const auto told = [&](const std::string& text) {
     std::ofstream(folder + "/model.json") << text;
     return run({binary("mirage-view"), server.url(), "--virtual-time", "--offscreen", "64x36",
-                "--frames", "2", "--frame-ms", "50", "--device-model", folder + "/model.json"});
+                "--offscreen", "64x36", "--frames", "2", "--frame-ms", "50", "--device-model",
+                folder + "/model.json"});
   };
   const auto refused = [&](const std::string& text, const std::string& why) {
     const Finished done = told(text);
@@ -78,8 +79,8 @@ TEST(Budget, DeviceModelsAreReadOrRefusedByName) {
   refused("{\"ms\": {\"frame\": -1}}", "the price of 'frame' is no time");
   refused("{\"ms\": {\"frame\": null}}", "the price of 'frame' is no time");
   refused("{\"ms\": {\"frame\": NaN}}", "no JSON object");
-  const Finished none =
-      run({binary("mirage-view"), server.url(), "--virtual-time", "--device-model", "toaster"});
+  const Finished none = run({binary("mirage-view"), server.url(), "--virtual-time", "--offscreen",
+                             "64x36", "--device-model", "toaster"});
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_NE(none.output.find("software, laptop, phone"), std::string::npos) << none.output;
 }
