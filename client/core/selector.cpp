@@ -106,6 +106,10 @@ Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c)
   };
   if (c.pictured) out.flat = tile_of(c.flat);
   if (c.pictured && c.deep.tile) out.deep = tile_of(c.deep);
+  // What meets tau is what was promised, and nothing better is asked for: a flat tile that does not
+  // is no alternative where there is time for any.
+  const bool any_time = !in.plan || !in.plan->limited();
+  if (any_time && out.deep && c.deep.meets(c.tau_px)) out.flat.reset();
   if (in.view) {
     const std::optional<double> view_px = in.view->error_px(view_of, in.camera);
     out.viewed = view_px && *view_px <= kTornPx;

@@ -66,8 +66,7 @@ TEST(Budget, DeviceModelsAreReadOrRefusedByName) {
   const auto told = [&](const std::string& text) {
     std::ofstream(folder + "/model.json") << text;
     return run({binary("mirage-view"), server.url(), "--virtual-time", "--offscreen", "64x36",
-                "--offscreen", "64x36", "--frames", "2", "--frame-ms", "50", "--device-model",
-                folder + "/model.json"});
+                "--frames", "2", "--frame-ms", "50", "--device-model", folder + "/model.json"});
   };
   const auto refused = [&](const std::string& text, const std::string& why) {
     const Finished done = told(text);

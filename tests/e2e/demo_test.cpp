@@ -11,7 +11,7 @@ namespace {
 
 Finished demo(const std::string& scene, const std::string& out) {
   const std::string bin = std::filesystem::path(binary("mirage-view")).parent_path().string();
-  return run({"env", "-u", "DISPLAY", "-u", "WAYLAND_DISPLAY", "MIRAGE_DEMO_FRAMES=10",
+  return run({"/usr/bin/env", "-u", "DISPLAY", "-u", "WAYLAND_DISPLAY", "MIRAGE_DEMO_FRAMES=10",
               "MIRAGE_DEMO_BIN=" + bin, "MIRAGE_DEMO_OUT=" + out,
               std::string(MIRAGE_SOURCE_DIR) + "/scripts/demo", scene},
              300);
