@@ -54,7 +54,7 @@ std::optional<TileNeed> eight_view_need(const TileGroup& group, const ViewGeomet
   if (group.tiles.empty()) need.size_class = coarse_class(need.size_class);
   // Any image beats none; among wrong ones the largest on the screen.
   need.error_px = (group.tiles.empty() ? 2 : 0.5) * std::min(radius_px, 1e4);
-  need.gain = need.error_px * kLongestLife;
+  need.life_s = kLongestLife;
   return need;
 }
 

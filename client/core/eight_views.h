@@ -14,7 +14,7 @@ TileFit nearest_view(const TileGroup& group, const ObjectDescription& object,
                      const ViewGeometry& view);
 
 /// The one of the eight views that is nearest, at 1.5 texels per pixel; nullopt when `group` has it
-/// about as fine. `instance` and `light` are left to the caller. `radius_px`: projected.
+/// about as fine. `instance`, `light` and `gain` are left to the caller. `radius_px`: projected.
 std::optional<TileNeed> eight_view_need(const TileGroup& group, const ViewGeometry& view,
                                         double radius_px);
 

@@ -6,6 +6,8 @@
 #include <map>
 
 #include "client/core/importance.h"
+#include "client/core/tile_need.h"
+#include "client/plan/ask_gain.h"
 #include "protocol/need_mask.h"
 
 namespace mirage {
@@ -21,6 +23,8 @@ constexpr double kCoarseExcess = 16, kCoarseThinnedExcess = 4;
 constexpr double kCoarseShare = 0.5;  // of the needed level's bytes: otherwise it is not worth it
 constexpr double kTexelsPerPixel = 1.5;  // a level is sharp enough down to this
 constexpr double kNearest = 0.01;        // of the radius: nothing is seen from nearer than this
+// FLIP of a surface that shows its mean colour in place of its images: about that of a view.
+constexpr double kNoImageFlip = 0.1;
 constexpr std::size_t kReplyBytes = 64;  // around any payload
 
 constexpr NeedMask kMapNeeds[] = {kNeedBaseColorMap, kNeedMetalRoughMap, kNeedNormalMap,
@@ -219,10 +223,10 @@ double MeshCache::price_bytes(const SceneView& scene, const Camera& camera, doub
 }
 
 std::vector<MeshCache::Wanted> MeshCache::wanted(const SceneView& scene, const Camera& camera,
-                                                 const std::vector<std::uint32_t>& instances,
+                                                 const MeshWants& wants,
                                                  const ViewFit* view) const {
   std::map<std::uint32_t, Wanted> by_object;
-  for (const std::uint32_t i : instances) {
+  for (const std::uint32_t i : wants.instances) {
     const std::uint32_t object = scene.instances[i].object;
     Wanted& want = by_object[object];
     want.object = object;
@@ -236,7 +240,11 @@ std::vector<MeshCache::Wanted> MeshCache::wanted(const SceneView& scene, const C
     want.surrounds = want.surrounds || scene.objects[object].surrounds;
   }
   std::vector<Wanted> out;
-  for (const auto& [object, want] : by_object) out.push_back(want);
+  for (const auto& [object, want] : by_object) {
+    out.push_back(want);
+    const auto gain = wants.gain.find(object);
+    if (gain != wants.gain.end()) out.back().gain = gain->second;
+  }
   return out;
 }
 
@@ -266,18 +274,13 @@ void MeshCache::need_mesh(const SceneView& scene, const Wanted& want, double tau
   if (lod == lods.size()) return;
   object.lods[lod].needed_us = now_us;
   if (object.lods[lod].resident) return;
-  double shown = kInfinity;  // px of the best level that is here
-  for (std::size_t i = 0; i < lods.size(); ++i) {
-    if (!object.lods[i].resident) continue;
-    shown = lod_excess(lods[i], want.px_per_unit, 1);
-    object.lods[i].needed_us = now_us;  // until the better one is there
-    if (i <= lod) return;               // finer than needed: nothing to gain
-    break;
-  }
+  const auto here = std::find_if(object.lods.begin(), object.lods.end(),
+                                 [](const Level& level) { return level.resident; });
+  const bool none = here == object.lods.end();
+  if (!none) here->needed_us = now_us;  // until the better one is there
+  if (!none && here - object.lods.begin() <= static_cast<std::ptrdiff_t>(lod)) return;
   std::size_t first = lod;
-  const bool none = shown == kInfinity;
   const bool unseen = none && want.view_px > kFirstImagePx * tau_px;
-  if (none) shown = std::max(want.view_px, tau_px);
   if (unseen) {
     // Something quick first.
     for (std::size_t i = lods.size(); i-- > lod + 1;) {
@@ -288,14 +291,14 @@ void MeshCache::need_mesh(const SceneView& scene, const Wanted& want, double tau
       break;
     }
   }
-  const double gain = want.surrounds && none ? kInfinity : std::min(shown, want.size_px);
+  const double gain = want.surrounds && none ? kInfinity : want.gain;
   out.push_back({{AssetId::Kind::kMesh, want.object, static_cast<std::uint8_t>(first)},
                  gain,
                  static_cast<double>(lods[first].bytes + kReplyBytes),
                  none});
 }
 
-void MeshCache::need_images(const SceneView& scene, const Wanted& want, std::int64_t now_us,
+void MeshCache::need_images(const SceneView& scene, const Camera& camera, const Wanted& want, std::int64_t now_us,
                             std::vector<AssetNeed>& out) {
   for (const ImageUse& use : objects_[want.object].uses) {
     const ImageDescription& image = scene.images[use.image];
@@ -316,7 +319,7 @@ void MeshCache::need_images(const SceneView& scene, const Wanted& want, std::int
     if (level <= state.level) continue;
     const double missing =
         state.level < 0 ? 1.0 : 1.0 - std::sqrt(texels(state.level) / texels(level));
-    const double gain = want.surrounds && state.level < 0 ? kInfinity : want.size_px * missing;
+    const double gain = want.surrounds && state.level < 0 ? kInfinity : kNoImageFlip * missing * disc_px(camera, want.size_px) * kLongestLife;
     const AssetId id{AssetId::Kind::kImage, use.image, static_cast<std::uint8_t>(level)};
     const auto same = std::find_if(out.begin(), out.end(), [&](const AssetNeed& need) {
       return need.id.kind == id.kind && need.id.index == id.index;
@@ -331,17 +334,13 @@ void MeshCache::need_images(const SceneView& scene, const Wanted& want, std::int
 }
 
 std::vector<AssetNeed> MeshCache::needs(const SceneView& scene, const Camera& camera, double tau_px,
-                                        std::int64_t now_us,
-                                        const std::vector<std::uint32_t>& instances,
+                                        std::int64_t now_us, const MeshWants& wants,
                                         const ViewFit* view) {
   std::vector<AssetNeed> out;
-  for (const Wanted& want : wanted(scene, camera, instances, view)) {
+  for (const Wanted& want : wanted(scene, camera, wants, view)) {
     need_mesh(scene, want, tau_px, now_us, out);
-    need_images(scene, want, now_us, out);
+    need_images(scene, camera, want, now_us, out);
   }
-  std::stable_sort(out.begin(), out.end(), [](const AssetNeed& a, const AssetNeed& b) {
-    return a.gain / a.expected_bytes > b.gain / b.expected_bytes;
-  });
   return out;
 }
 

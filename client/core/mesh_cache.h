@@ -7,6 +7,7 @@
 //         frame; what does not fit is not asked for.
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -32,10 +33,16 @@ struct AssetId {
   }
 };
 
+/// What should be geometry.
+struct MeshWants {
+  std::vector<std::uint32_t> instances;
+  std::map<std::uint32_t, double> gain;  ///< of each object of them (ask_gain.h)
+};
+
 /// Geometry worth asking for.
 struct AssetNeed {
   AssetId id;
-  double gain = 0;            ///< px of error it takes away; infinite for what one stands in
+  double gain = 0;            ///< what it is worth (ask_gain.h); infinite: one stands in it
   double expected_bytes = 0;  ///< of the reply
   bool first = false;         ///< geometry of what is shown by nothing of its own
 };
@@ -78,10 +85,10 @@ class MeshCache {
   /// images (an estimate, until it is known which they are).
   double price_bytes(const SceneView& scene, const Camera& camera, double tau_px,
                      std::uint32_t instance) const;
-  /// What to ask for so that `instances` can be drawn at `camera`, most urgent first. `view`: of
-  /// the view tile, which shows some of them meanwhile; nullptr: there is none.
+  /// What to ask for so that `wants` can be drawn at `camera`. `view`: of the view tile, which shows
+  /// some of them meanwhile; nullptr: there is none.
   std::vector<AssetNeed> needs(const SceneView& scene, const Camera& camera, double tau_px,
-                               std::int64_t now_us, const std::vector<std::uint32_t>& instances,
+                               std::int64_t now_us, const MeshWants& wants,
                                const ViewFit* view = nullptr);
 
   void add_mesh(std::uint32_t object, std::uint8_t lod, const ObjectModel& model,
@@ -116,16 +123,16 @@ class MeshCache {
     std::uint32_t object = 0;
     double px_per_unit = 0;  ///< at the nearest instance
     double size_px = 0;
+    double gain = 0;
     double view_px = 0;  ///< what the view shows wrongly of them; infinite where it does not
     bool surrounds = false;
   };
 
   std::vector<Wanted> wanted(const SceneView& scene, const Camera& camera,
-                             const std::vector<std::uint32_t>& instances,
-                             const ViewFit* view) const;
+                             const MeshWants& wants, const ViewFit* view) const;
   void need_mesh(const SceneView& scene, const Wanted& want, double tau_px, std::int64_t now_us,
                  std::vector<AssetNeed>& out);
-  void need_images(const SceneView& scene, const Wanted& want, std::int64_t now_us,
+  void need_images(const SceneView& scene, const Camera& camera, const Wanted& want, std::int64_t now_us,
                    std::vector<AssetNeed>& out);
   void update_ready(std::uint32_t object);
   bool fits(std::size_t more_bytes, std::int64_t now_us) const;

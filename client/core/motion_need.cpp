@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "client/plan/ask_gain.h"
 #include "protocol/limits.h"
 #include "protocol/motion.h"
 
@@ -63,7 +64,11 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
         if (first) need.size_class = coarse_class(need.size_class);
         need.error_px = displayed_error_px(fit, size, tau_px);
         const double life = first ? kLongestLife : clip_s / (1 << level);
-        need.gain = need.error_px * std::min(life, kLongestLife);
+        need.life_s = std::min(life, kLongestLife);
+        const double area = disc_px(in.predicted, size);
+        const Wrongs now =
+            first ? nothing_wrongs(area) : tile_wrongs(area, false, need.error_px, 1, 1);
+        need.gain = ask_gain(area, now, tile_wrongs(area, false, tau_px, 1, 1), need.life_s);
         out.push_back(need);
         ++asked;
       }

@@ -107,7 +107,7 @@ void Refinement::draw_more(FrameRenderer& renderer, const FrameTarget& target, c
   renderer.draw(*one_sample_, moved, scene, list, lighting);
   renderer.sharpen_as_usual();
   add(*one_sample_, 1.0f / static_cast<float>(before + drawings_));
-  target.bind();
+  one_sample_->bind();
   fill(mean_.color);
 }
 

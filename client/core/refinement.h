@@ -3,7 +3,7 @@
 // a pixel, each moved by a part of one. Several samples would be the mean over a pixel already, and
 // the mean of such means over two.
 // Input:  what the frame renderer drew last, with nothing under way that would change it.
-// Output: in the target, a better picture of the same. Thread: the GL one.
+// Output: a better picture of the same, at full scale. Thread: the GL one.
 
 #include "client/core/frame_renderer.h"
 #include "shaders/gl/program.h"
@@ -20,10 +20,14 @@ class Refinement {
   /// Nothing would get better any more.
   bool done() const { return drawings_ >= kDrawings; }
   /// Makes its targets and program when it is first called; where the device cannot, the picture
-  /// stays as it was. Draws the picture once more and leaves the mean of all its drawings in the
-  /// target. The inputs are those of the drawing before.
+  /// stays as it was. Draws the picture once more and leaves the mean of all its drawings in
+  /// picture(). The inputs are those of the drawing before.
   void draw_more(FrameRenderer& renderer, const FrameTarget& target, const Camera& camera,
                  const SceneView& scene, const DrawList& list, const Lighting& lighting);
+  /// Where the picture is: in `drawn`, until there are further drawings of it.
+  const FrameTarget& picture(const FrameTarget& drawn) const {
+    return drawings_ > 0 && one_sample_ ? *one_sample_ : drawn;
+  }
   std::size_t gpu_bytes() const;
 
  private:

@@ -15,7 +15,7 @@ constexpr std::int64_t kAssetPauseUs = 5'000'000;
 constexpr std::int64_t kLostUs = 5'000'000;
 constexpr std::int64_t kLostAtMostUs = 120'000'000;
 constexpr int kLostTrips = 4;
-constexpr std::size_t kMaxAsksPerFrame = 256;  // the rest queue, worst first
+constexpr std::size_t kMaxAsksPerFrame = 256;  // the rest queue
 // Credit far ahead of the window: the window limits, credit only protects the client's memory.
 constexpr std::uint64_t kCreditAhead = 64u << 20;
 
@@ -99,7 +99,7 @@ void Scheduler::give_up(const std::vector<TileNeed>& needs, std::int64_t now_us,
     if (!lost) {
       // What the server had sent before it heard of it is here in a trip, or half as long again: a
       // way may just have become longer.
-      const std::int64_t trip = window_.trip_us(ask.expected_bytes, under_way());
+      const std::int64_t trip = window_.trip_us(ask.expected_bytes, in_flight_bytes_ + leaving_bytes_ + asset_bytes_);
       leaving_[it->first] = {ask.sent_us, now_us + trip + trip / 2, ask.expected_bytes};
       leaving_bytes_ += ask.expected_bytes;
     }
@@ -110,35 +110,58 @@ void Scheduler::give_up(const std::vector<TileNeed>& needs, std::int64_t now_us,
   if (lost_any) lost_us_ = std::min(2 * lost_us_, kLostAtMostUs);
 }
 
+// What is large is off the books only when all of it is here: the link would run dry before. No one
+// mesh counts for more than half of the window.
+double Scheduler::under_way(double window) const {
+  double bytes = in_flight_bytes_ + leaving_bytes_;
+  for (const auto& [id, asset] : assets_pending_) {
+    bytes += std::min(asset.need.expected_bytes, 0.5 * window);
+  }
+  return bytes;
+}
+
+std::vector<Scheduler::Offer> Scheduler::offers(const std::vector<TileNeed>& needs,
+                                                const std::vector<AssetNeed>& asset_needs,
+                                                std::int64_t now_us) const {
+  std::vector<Offer> out;
+  // A server at its limit is a second price: as many bytes as come while it makes a tile.
+  const double server_bytes = pace_.tile_us() * window_.rate_mbps() / 8;
+  for (const TileNeed& need : needs) {
+    if (!may_ask(need, now_us)) continue;
+    const double bytes = tile_bytes_[lossy_].expected(need.size_class, need.channels);
+    out.push_back({&need, nullptr, need.gain / (bytes + server_bytes)});
+  }
+  for (const AssetNeed& need : asset_needs) {
+    if (may_ask(need, now_us)) out.push_back({nullptr, &need, need.gain / need.expected_bytes});
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Offer& a, const Offer& b) { return a.rank > b.rank; });
+  return out;
+}
+
 bool Scheduler::ask(const SceneView& scene, const std::vector<TileNeed>& needs,
                     const std::vector<AssetNeed>& asset_needs, double window, std::int64_t now_us,
                     wire::RequestBatchT& batch) {
   const std::size_t most = pace_.limit(window_.way_us(), 2 * window_.slack_us());
-  auto tile = needs.begin();
-  auto asset = asset_needs.begin();
   bool held_back = false;
-  for (;;) {
-    while (tile != needs.end() && !may_ask(*tile, now_us)) ++tile;
-    while (asset != asset_needs.end() && !may_ask(*asset, now_us)) ++asset;
-    const bool slow = pending_.size() >= most;
-    const bool full = under_way() >= window;
-    held_back =
-        held_back || (full && ((tile != needs.end() && !slow) || asset != asset_needs.end()));
-    // A large mesh under way may fill the window, and so may tiles that wait for a server; the
-    // others keep half of it all the same.
-    const bool tiles = tile != needs.end() && !slow && batch.asks.size() < kMaxAsksPerFrame &&
-                       (!full || in_flight_bytes_ + leaving_bytes_ < 0.5 * window);
-    const bool assets = asset != asset_needs.end() && (!full || asset_bytes_ < 0.5 * window) &&
-                        batch.mesh_asks.size() + batch.image_asks.size() < limits::kMaxAsksPerBatch;
-    if (!tiles && !assets) return held_back;
-    // What one stands in comes before anything else; otherwise whoever has less under way.
-    const bool surroundings = assets && std::isinf(asset->gain);
-    if (assets && (!tiles || surroundings || asset_bytes_ <= in_flight_bytes_)) {
-      ask_asset(*asset++, now_us, batch);
+  for (const Offer& offer : offers(needs, asset_needs, now_us)) {
+    // Another phase, or another instance's, may be under way by now.
+    if (offer.tile ? !may_ask(*offer.tile, now_us) : !may_ask(*offer.asset, now_us)) continue;
+    const bool room = offer.tile
+                          ? batch.asks.size() < kMaxAsksPerFrame && pending_.size() < most
+                          : batch.mesh_asks.size() + batch.image_asks.size() <
+                                limits::kMaxAsksPerBatch;
+    if (!room) continue;
+    const bool full = under_way(window) >= window;
+    held_back = held_back || full;
+    if (full) continue;
+    if (offer.tile) {
+      ask_tile(scene, *offer.tile, offer.rank, now_us, batch);
     } else {
-      ask_tile(scene, *tile++, now_us, batch);
+      ask_asset(*offer.asset, now_us, batch);
     }
   }
+  return held_back;
 }
 
 bool Scheduler::may_ask(const TileNeed& need, std::int64_t now_us) const {
@@ -153,12 +176,12 @@ bool Scheduler::may_ask(const AssetNeed& need, std::int64_t now_us) const {
   return !paused && assets_under_way_.count(need.id) == 0;
 }
 
-void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, std::int64_t now_us,
-                         wire::RequestBatchT& batch) {
+void Scheduler::ask_tile(const SceneView& scene, const TileNeed& need, double rank,
+                         std::int64_t now_us, wire::RequestBatchT& batch) {
   const std::uint32_t id = next_request_++;
   const InstanceView& view = scene.instances[need.instance];
   batch.asks.emplace_back(id, view.id, scene.object_id(need.instance),
-                          static_cast<float>(need.gain), 0u, need.distance.index, need.cell.x,
+                          static_cast<float>(rank), 0u, need.distance.index, need.cell.x,
                           need.cell.y, need.cell.level, need.distance.level, need.size_class,
                           need.channels, need.phase);
   const double bytes = tile_bytes_[lossy_].expected(need.size_class, need.channels);

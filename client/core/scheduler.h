@@ -1,11 +1,12 @@
 #pragma once
 // Scheduler.
 // Input:  needs of this frame, replies as they come. Output: request batches (asks, cancels,
-//         credit); tiles and geometry share the window half and half while both want it.
+//         credit), in one list by what each is worth for what it takes.
 // Thread: the frame loop's.
 // Full:   what is in flight is held to the window (ask_window.h) and to what the server completes
-//         (server_pace.h); needs beyond it wait, worst first.
+//         (server_pace.h); needs beyond it wait.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -118,10 +119,19 @@ class Scheduler {
   bool ask(const SceneView& scene, const std::vector<TileNeed>& needs,
            const std::vector<AssetNeed>& asset_needs, double window, std::int64_t now_us,
            wire::RequestBatchT& batch);
-  void ask_tile(const SceneView& scene, const TileNeed& need, std::int64_t now_us,
+  void ask_tile(const SceneView& scene, const TileNeed& need, double rank, std::int64_t now_us,
                 wire::RequestBatchT& batch);
-  /// Counted for the window.
-  double under_way() const { return in_flight_bytes_ + leaving_bytes_ + asset_bytes_; }
+  /// Something to ask for; one of both.
+  struct Offer {
+    const TileNeed* tile = nullptr;
+    const AssetNeed* asset = nullptr;
+    double rank = 0;  ///< what it is worth, a byte
+  };
+  /// All that may be asked for, what is worth most for what it takes first.
+  std::vector<Offer> offers(const std::vector<TileNeed>& needs,
+                            const std::vector<AssetNeed>& asset_needs, std::int64_t now_us) const;
+  /// Counted for a window of so many bytes.
+  double under_way(double window) const;
   void ask_asset(const AssetNeed& need, std::int64_t now_us, wire::RequestBatchT& batch);
   /// Takes what is under way off the books.
   std::optional<PendingAsset> end_asset(std::uint32_t request_id);

@@ -355,6 +355,7 @@ DrawList Selector::select(const SelectorInput& in) {
   for (std::size_t i = 0; i < w.candidates.size(); ++i) {
     Candidate& c = w.candidates[i];
     c.choice = chosen_[i];
+    shown_[c.instance].wrongs = c.choice.wrongs;
     if (draw_geometry(w, c)) continue;
     by_far_side.emplace_back(c.distance + in.scene->instances[c.instance].radius, &c);
   }

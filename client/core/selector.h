@@ -75,7 +75,7 @@ class Selector {
   std::vector<TileNeed> needs(const SelectorInput& input);
   /// Instances that should be geometry, there or not: too near for any impostor, or bought. After
   /// needs() of the frame.
-  std::vector<std::uint32_t> mesh_needs(const SelectorInput& input);
+  MeshWants mesh_needs(const SelectorInput& input);
   /// A tile of the object has come.
   void note_tile(std::uint32_t object, double bytes) { geometry_.paid(object, bytes); }
 
@@ -89,6 +89,7 @@ class Selector {
     std::int64_t appeared_us = 0;          ///< groups: when it took over from its members
     std::int64_t left_us = INT64_MIN / 2;  ///< groups: when its members took over
     bool as_mesh = false;
+    Wrongs wrongs{};  ///< of what it showed last
     std::int64_t swapped_us = INT64_MIN / 2;  ///< when geometry took over, or tiles from it
     DrawMethod method = DrawMethod::kQuad;    ///< of `tile`
     std::uint64_t newest = 0;  ///< serial of the group's newest tile when it was chosen
@@ -125,6 +126,9 @@ class Selector {
   void forget_settled(const SelectorInput& in);
   bool wants_members(const SelectorInput& in, std::uint32_t instance) const;
   void note_rent(const SelectorInput& in, const TileNeed& need);
+  double geometry_gain(const SelectorInput& in, std::uint32_t instance) const;
+  static double bytes_of(const SelectorInput& in, const TileNeed& need);
+  bool members_are_geometry(const SelectorInput& in, std::uint32_t group) const;
   bool comes_soon(const SelectorInput& in, const TileNeed& need) const;
   void add_need(const SelectorInput& in, std::uint32_t instance, bool in_view,
                 std::vector<TileNeed>& out);

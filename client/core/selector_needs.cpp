@@ -8,6 +8,7 @@
 #include "client/core/importance.h"
 #include "client/core/motion_need.h"
 #include "client/core/selector_rules.h"
+#include "client/plan/ask_gain.h"
 #include "protocol/limits.h"
 
 namespace mirage {
@@ -19,6 +20,7 @@ constexpr double kUsualTileBytes = 0.15;  // a texel, before any has come
 constexpr double kQuantumShare = 0.01;    // 8-bit depth and the slope within a texel, in radii
 constexpr double kGoodTileTau = 0.5;      // of tau: what a tile shows wrongly in its middle age
 constexpr double kStandInLifeS = 3;       // a tile is asked for in place of geometry if it lasts
+constexpr std::ptrdiff_t kFewMembers = 64;   // of a group: so many are drawn one by one
 constexpr double kStandsM = 1e-4;
 constexpr double kJumpM = 0.05;            // beyond what the speed explains
 constexpr long long kSettledUs = 100'000;  // what is settled is looked at again after so long
@@ -46,6 +48,10 @@ void add_eight_view_need(const SelectorInput& in, std::uint32_t instance, const 
   if (!need) return;
   need->instance = instance;
   need->light = in.cache->light();
+  const double area = disc_px(in.predicted, radius_px(view));
+  const Wrongs now = lit.tiles->tiles.empty() ? nothing_wrongs(area)
+                                              : tile_wrongs(area, false, need->error_px, 1, 1);
+  need->gain = ask_gain(area, now, tile_wrongs(area, false, 0, 1, 1), need->life_s);
   out.push_back(*need);
 }
 
@@ -187,9 +193,25 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   need.error_px = std::max(displayed_error_px(fit, size, tau), std::min(light_px, 2 * size));
   if (view_px) need.error_px = std::min(std::max(*view_px, tau), need.error_px);
   // Any image is better than none, however soon it ages.
-  need.gain = need.error_px * (unseen ? kLongestLife : expected_life_s(view, plan));
-  if (stand_in) need.gain = std::min(need.gain, tau * kStandInLifeS);  // it only saves work
+  need.life_s = unseen ? kLongestLife : expected_life_s(view, plan);
+  const bool tested = object.needs & kNeedAlphaMask;
+  const double area = disc_px(in.predicted, size);
+  const Shown& shown = shown_[instance];
+  const Wrongs now = stand_in && shown.frame == in.frame ? shown.wrongs
+                     : !group.tiles.empty()
+                         ? tile_wrongs(area, tested, need.error_px, fit.texel_px, 1)
+                     : view_px ? view_wrongs(area)
+                               : nothing_wrongs(area);
+  const double texel_px = std::max(1.0, 2 * size / tile_edge(need.size_class));
+  const Wrongs then = tile_wrongs(area, tested, kGoodTileTau * tau, texel_px, 1);
+  need.gain = ask_gain(area, now, then, need.life_s);
   out.push_back(need);
+}
+
+double Selector::bytes_of(const SelectorInput& in, const TileNeed& need) {
+  const double edge = tile_edge(need.size_class);
+  return in.tile_bytes ? in.tile_bytes->expected(need.size_class, need.channels)
+                       : kUsualTileBytes * edge * edge;
 }
 
 // What the tiles of an instance cost beside its geometry.
@@ -200,21 +222,37 @@ void Selector::note_rent(const SelectorInput& in, const TileNeed& need) {
   if (!in.meshes || !in.method.automatic || !in.scene->geometry || object.lods.empty()) return;
   if (object.group || radii >= swap_radii(in, object)) return;
   if (too_dear(in, in.predicted, need.instance, in.tau_px)) return;
-  const double edge = tile_edge(need.size_class);
-  const double bytes = in.tile_bytes ? in.tile_bytes->expected(need.size_class, need.channels)
-                                     : kUsualTileBytes * edge * edge;
   const double price =
       in.meshes->price_bytes(*in.scene, in.predicted, in.mesh_tau_px, need.instance);
-  geometry_.want(view_of.object, bytes, need.gain / need.error_px, price, in.now_us);
+  geometry_.want(view_of.object, bytes_of(in, need), need.life_s, price, need.gain, in.now_us);
 }
 
-// Geometry comes instead of the tile, and something is shown meanwhile.
+// Geometry comes instead of the tile: something is shown meanwhile, or it comes first anyway.
 bool Selector::comes_soon(const SelectorInput& in, const TileNeed& need) const {
   const InstanceView& view_of = in.scene->instances[need.instance];
   const double radii = glm::length(view_of.center - in.predicted.pose.eye) / view_of.radius;
-  if (!geometry_.bought(view_of.object, in.now_us) || need.first) return false;
+  if (!geometry_.bought(view_of.object, in.now_us)) return false;
+  const double rank = need.gain / bytes_of(in, need);
+  if (need.first && geometry_.worth_a_byte(view_of.object) < rank) return false;
   return radii < swap_radii(in, in.scene->objects[view_of.object]) &&
          !too_dear(in, in.predicted, need.instance, in.tau_px);
+}
+
+// Whether all members are drawn as geometry or will be, and are few: a tile of the group would only
+// cost bytes.
+bool Selector::members_are_geometry(const SelectorInput& in, std::uint32_t group) const {
+  const SceneView::Members members = in.scene->members(group);
+  if (members.empty() || members.end() - members.begin() > kFewMembers || !in.method.automatic) return false;
+  return std::all_of(members.begin(), members.end(), [&](std::uint32_t member) {
+    const InstanceView& view_of = in.scene->instances[member];
+    const ObjectDescription& object = in.scene->objects[view_of.object];
+    if (object.group) return members_are_geometry(in, member);
+    const bool comes =
+        (*in.mesh_ready)[view_of.object] || geometry_.bought(view_of.object, in.now_us);
+    const double radii = glm::length(view_of.center - in.predicted.pose.eye) / view_of.radius;
+    return comes && radii < swap_radii(in, object) &&
+           !too_dear(in, in.predicted, member, in.tau_px);
+  });
 }
 
 // Of a group, or of an instance that is cut; false where there are none.
@@ -229,8 +267,9 @@ bool Selector::wants_members(const SelectorInput& in, std::uint32_t instance) co
     const bool known = !in.scene->members(instance).empty();
     return known && radii * slack < kPartRadii && !comes_as_mesh(in, object, radii);
   }
-  return object.group &&
-         !group_wanted(in, view_of, view, allowed_px(in, in.predicted, view_of), slack);
+  if (!object.group) return false;
+  return !group_wanted(in, view_of, view, allowed_px(in, in.predicted, view_of), slack) ||
+         members_are_geometry(in, instance);
 }
 
 std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
@@ -274,8 +313,20 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
   return out;
 }
 
-std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) {
-  std::vector<std::uint32_t> out;
+// What geometry of the instance is worth, beside what it shows now.
+double Selector::geometry_gain(const SelectorInput& in, std::uint32_t instance) const {
+  const InstanceView& view_of = in.scene->instances[instance];
+  const ObjectDescription& object = in.scene->objects[view_of.object];
+  const double size = radius_px(view_geometry(in.predicted, view_of, object, in.time_s));
+  const double area = disc_px(in.predicted, size);
+  const Shown& shown = shown_[instance];
+  const bool tested = object.needs & kNeedAlphaMask;
+  const Wrongs now = shown.frame == in.frame ? shown.wrongs : nothing_wrongs(area);
+  return ask_gain(area, now, mesh_wrongs(area, tested, 1, 1), kLongestLife);
+}
+
+MeshWants Selector::mesh_needs(const SelectorInput& in) {
+  MeshWants out;
   in.scene->for_visible(in.predicted, kViewGuard, [&](std::uint32_t instance) {
     const InstanceView& view_of = in.scene->instances[instance];
     const ObjectDescription& object = in.scene->objects[view_of.object];
@@ -284,8 +335,14 @@ std::vector<std::uint32_t> Selector::mesh_needs(const SelectorInput& in) {
     const bool bought = geometry_.bought(view_of.object, in.now_us) &&
                         radii < swap_radii(in, object) && !object.group;
     if (!bought && !comes_as_mesh(in, object, radii)) return;
-    if (!too_dear(in, in.predicted, instance, in.tau_px)) out.push_back(instance);
+    if (too_dear(in, in.predicted, instance, in.tau_px)) return;
+    out.instances.push_back(instance);
+    out.gain[view_of.object] += geometry_gain(in, instance);
   });
+  // What is bought is worth the tiles it stands for.
+  for (auto& [object, gain] : out.gain) {
+    if (geometry_.bought(object, in.now_us)) gain = std::max(gain, geometry_.worth(object));
+  }
   return out;
 }
 

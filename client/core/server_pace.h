@@ -26,6 +26,8 @@ class ServerPace {
   void tile_arrived(const TileTrip& trip);
   /// For how long the server has had the last ones: their median, µs.
   std::int64_t server_us() const;
+  /// What it makes a tile in when it is at its limit, µs; 0: it never was.
+  double tile_us() const { return per_us_ > 0 ? 1 / per_us_ : 0; }
   /// The most tiles to have under way; `way_us`: there and back, as far as known before a tile has
   /// come; `slack_us`: what may wait at the server.
   std::size_t limit(std::int64_t way_us, std::int64_t slack_us);

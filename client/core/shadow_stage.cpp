@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "client/core/light_history.h"
+#include "client/plan/ask_gain.h"
 #include "protocol/stable_math.h"
 
 namespace mirage {
@@ -133,7 +134,10 @@ void ShadowStage::walk_casters(CasterWalk& w, std::uint32_t instance) const {
   need.channels = kCasterTile;
   need.light = in.cache->light();
   need.error_px = std::min(size_px, 1e4);
-  need.gain = need.error_px * kLongestLife * (held ? 0.1 : kShadowShare);
+  need.life_s = kLongestLife;
+  const double area = disc_px(in.camera, size_px);
+  need.gain = (held ? 0.1 : kShadowShare) * ask_gain(area, tile_wrongs(area, false, size_px, 1, 1),
+                                                     tile_wrongs(area, false, 0, 1, 1), kLongestLife);
   w.needs.push_back(need);
 }
 
@@ -199,7 +203,10 @@ void ShadowStage::add_shadow_need(const SelectorInput& in, const Lighting& dark,
   need.light = in.cache->light();
   need.error_px = contrast_px;
   const double worth = held ? std::min(angle / kShadowAngle, 2.0) * 0.25 : 1.0;
-  need.gain = contrast_px * worth * kShadowShare * kLongestLife;
+  need.life_s = kLongestLife;
+  const double area = disc_px(in.predicted, size);
+  need.gain = worth * kShadowShare * ask_gain(area, tile_wrongs(area, false, contrast_px, 1, 1),
+                                              tile_wrongs(area, false, 0, 1, 1), kLongestLife);
   needs.push_back(need);
 }
 
@@ -215,8 +222,6 @@ void ShadowStage::add_needs(const SelectorInput& in, const Lighting& lighting, c
       last = drawn.instance;
     }
   }
-  std::stable_sort(needs.begin(), needs.end(),
-                   [](const TileNeed& a, const TileNeed& b) { return a.gain > b.gain; });
 }
 
 }  // namespace mirage

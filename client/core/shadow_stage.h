@@ -32,7 +32,7 @@ class ShadowStage {
   /// Completes the draw list under `lighting`: shadow tiles and casters. `meshes` chooses the
   /// levels of casters.
   void shade(const SelectorInput& in, const Lighting& lighting, MeshCache& meshes, DrawList& list);
-  /// Adds what is worth asking for, `list` being drawn; all stay sorted by gain.
+  /// Adds what is worth asking for, `list` being drawn.
   void add_needs(const SelectorInput& in, const Lighting& lighting, const DrawList& list,
                  std::vector<TileNeed>& needs) const;
 

@@ -21,7 +21,8 @@ struct TileNeed {
   bool first = false;       ///< it is in view and nothing of its own is shown for it
   std::uint32_t light = 0;  ///< serial of the lighting it is for (LightHistory)
   double error_px = 0;      ///< what showing the present state costs
-  double gain = 0;  ///< error_px times the seconds the new tile is expected to serve: the rank
+  double life_s = 0;        ///< for which the new tile is expected to serve
+  double gain = 0;          ///< what it is worth (ask_gain.h)
 };
 
 /// What a view is planned with. Lengths in object units.

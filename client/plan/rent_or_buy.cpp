@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mirage {
 namespace {
@@ -22,7 +23,7 @@ double RentOrBuy::horizon_s(const Account& account, std::int64_t now_us) const {
 }
 
 void RentOrBuy::want(std::uint32_t object, double bytes, double life_s, double price_bytes,
-                     std::int64_t now_us) {
+                     double gain, std::int64_t now_us) {
   if (object >= accounts_.size() || !std::isfinite(bytes) || !std::isfinite(life_s)) return;
   Account& account = accounts_[object];
   if (now_us - account.seen_us > kForgottenUs) {
@@ -30,15 +31,26 @@ void RentOrBuy::want(std::uint32_t object, double bytes, double life_s, double p
     account.since_us = now_us;
   }
   account.seen_us = now_us;
-  if (account.wanted == 0) told_.push_back(object);
-  const double times = horizon_s(account, now_us) / std::max(life_s, kShortestLifeS);
-  account.wanted += bytes * std::max(times, 1.0);
+  if (account.wanted == 0) {
+    told_.push_back(object);
+    account.worth = account.price = 0;
+  }
+  const double times =
+      std::max(horizon_s(account, now_us) / std::max(life_s, kShortestLifeS), 1.0);
+  account.wanted += bytes * times;
+  account.worth += gain * times;
   account.price = std::max(account.price, price_bytes);
 }
 
 bool RentOrBuy::bought(std::uint32_t object, std::int64_t now_us) const {
   const Account& account = accounts_[object];
   return account.bought_us >= 0 && now_us - account.bought_us <= kForgottenUs;
+}
+
+double RentOrBuy::worth_a_byte(std::uint32_t object) const {
+  const Account& account = accounts_[object];
+  return account.price > 0 ? account.worth / account.price
+                           : std::numeric_limits<double>::infinity();
 }
 
 void RentOrBuy::used(std::uint32_t object, std::int64_t now_us) {
@@ -52,7 +64,7 @@ void RentOrBuy::decide(std::int64_t now_us) {
       account.bought_us = now_us;
       account.paid = 0;
     }
-    account.wanted = account.price = 0;
+    account.wanted = 0;
   }
   told_.clear();
 }

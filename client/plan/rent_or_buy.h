@@ -24,12 +24,16 @@ class RentOrBuy {
   /// A tile of the object has come.
   void paid(std::uint32_t object, double bytes);
   /// An instance of the object wants a tile of `bytes` that will serve for `life_s`, where geometry
-  /// fit for it would take `price_bytes`.
-  void want(std::uint32_t object, double bytes, double life_s, double price_bytes,
+  /// fit for it would take `price_bytes`; `gain`: of the tile (ask_gain.h).
+  void want(std::uint32_t object, double bytes, double life_s, double price_bytes, double gain,
             std::int64_t now_us);
   /// All that is wanted in this frame has been told.
   void decide(std::int64_t now_us);
   bool bought(std::uint32_t object, std::int64_t now_us) const;
+  /// What the tiles would be worth that were wanted of the object last, and in the time to come.
+  double worth(std::uint32_t object) const { return accounts_[object].worth; }
+  /// The same a byte of geometry; +inf where that takes none.
+  double worth_a_byte(std::uint32_t object) const;
   /// An instance of the object is in view: what was bought is kept.
   void used(std::uint32_t object, std::int64_t now_us);
 
@@ -37,7 +41,8 @@ class RentOrBuy {
   struct Account {
     double paid = 0;    ///< bytes of tiles since it was last bought or forgotten
     double wanted = 0;  ///< of tiles, in this frame and in the time to come
-    double price = 0;   ///< of geometry, at the nearest instance of this frame
+    double price = 0;   ///< of geometry, at the nearest instance that wanted a tile last
+    double worth = 0;   ///< of the tiles wanted last, and in the time to come
     std::int64_t since_us = 0, seen_us = INT64_MIN / 2;
     std::int64_t bought_us = -1;  ///< when it was bought or last used; < 0: it is not
   };

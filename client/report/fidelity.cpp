@@ -195,7 +195,7 @@ Result<Row> measure(Bench& bench, const Model& model, const Setting& setting, in
         bench.refinement.draw_more(renderer, bench.target, camera, scene, *list, lighting);
       }
     }
-    const std::vector<std::uint8_t> drawn = bench.target.read();
+    const std::vector<std::uint8_t> drawn = bench.refinement.picture(bench.target).read();
     const Result<ReferencePtr> truth = bench.truth.at(camera, 4);
     if (!truth) return truth.error();
     const FieldFidelity f =

@@ -113,7 +113,7 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
     refinement_.draw_more(*renderer_, *target_, camera, session.scene(), loop.list,
                           session.lighting());
   }
-  std::vector<std::uint8_t> drawn = target_->read();
+  std::vector<std::uint8_t> drawn = refinement_.picture(*target_).read();
   Result<ReferencePtr> truth = loop.truth.at(camera, spec.truth_samples);
   if (!truth) return truth.error();
   const std::uint32_t w = camera.width, h = camera.height;

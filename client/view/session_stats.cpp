@@ -220,6 +220,10 @@ std::string SessionStats::json(const Final& end) const {
 std::string SessionStats::real_time_json(const Final& end) const {
   ordered_json j;
   j["frame_ms"] = quantiles(real_ms_, true);
+  // Relative: of what each frame was expected to take before the prices followed it.
+  if (!price_errors_.empty()) {
+    j["price_error"] = {{"p50", quantile(price_errors_, 0.5)}, {"p90", quantile(price_errors_, 0.9)}};
+  }
   j["wall_s"] = end.wall_s;
   j["samples_at_end"] = end.samples;
   j["client_renderer"] = end.renderer;

@@ -2,6 +2,7 @@
 // What a viewing session measured, and its JSON (the contract of `--stats`).
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,10 @@ class SessionStats {
   void note_drawn(double real_ms) {
     ++drawn_;
     real_ms_.push_back(static_cast<float>(real_ms));
+  }
+  /// A frame was expected to take `expected_ms` before it was fitted, and took `ms`.
+  void note_price(double expected_ms, double ms) {
+    price_errors_.push_back(static_cast<float>(std::abs(expected_ms / ms - 1)));
   }
   /// Of a frame in a session whose light has changed: how long each lit impostor's has been past.
   void add_light_lag(const DrawList& list, const SceneView& scene);
@@ -93,7 +98,7 @@ class SessionStats {
   std::int64_t first_image_us_ = -1, first_picture_us_ = -1;
   std::uint64_t planned_ = 0;
   double budget_ms_ = 0, scale_ = 0, samples_ = 0, lambda_ = 0;  ///< sums, but for the budget
-  std::vector<float> frame_ms_, real_ms_, bounds_, ages_ms_, light_lag_ms_;
+  std::vector<float> frame_ms_, real_ms_, price_errors_, bounds_, ages_ms_, light_lag_ms_;
   std::uint64_t relit_ = 0;
   std::uint64_t visible_ = 0, over_tau_ = 0, stale_ = 0, placeholders_ = 0, impostors_ = 0,
                 meshes_ = 0, draw_calls_ = 0;

@@ -229,13 +229,14 @@ void Viewer::draw(const Camera& camera, const DrawList& list) {
   }
   if (!prices_ || compiled > 0) return;  // what is compiled is compiled once
   const double ms = static_cast<double>(real_clock_.now_us() - began) * 1e-3;
+  stats_.note_price(prices_->model().ms_of(work), ms);
   prices_->add(work, ms);
   session().note_frame_ms(ms);
   session().set_prices(prices_->model());
 }
 
 void Viewer::show(const DrawList& list, std::int64_t now) {
-  target_->show();
+  refinement_.picture(*target_).show();
   if (window_->overlay()) {
     overlay_->draw(overlay_text(list, now), target_->width(), target_->height());
   }
@@ -282,6 +283,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   }
   if (refines) {
     refinement_.draw_more(*renderer_, *target_, camera, scene, list, session().lighting());
+    if (o_.device_model) model_ms_ = o_.device_model->ms_of(work_of(scene, camera, list, 1));
   }
   stats_.note_gpu(renderer_->gpu_bytes(), target_->gpu_bytes() + refinement_.gpu_bytes());
   if (window_ && (window_->take_refresh() || drawn)) show(list, now);
@@ -305,7 +307,8 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
     const Result<void> written =
-        write_png(path, target_->width(), target_->height(), target_->read());
+        write_png(path, target_->width(), target_->height(),
+                  refinement_.picture(*target_).read());
     if (!written) return written;
   }
   if (o_.reference_every > 0 && frame > 0 && frame % o_.reference_every == 0) {
@@ -317,7 +320,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
 }
 
 Result<void> Viewer::compare(const Camera& camera, const DrawList& list) {
-  const std::vector<std::uint8_t> drawn = target_->read();
+  const std::vector<std::uint8_t> drawn = refinement_.picture(*target_).read();
   const Result<ReferenceFrame> reference =
       host_->reference(camera, static_cast<std::uint32_t>(o_.reference_supersample));
   if (!reference) return reference.error();

@@ -261,16 +261,19 @@ std::vector<std::uint8_t> Bench::mesh_picture(const Camera& c, float fade) {
   return target_->read();
 }
 
-std::vector<std::uint8_t> Bench::rested_mesh_picture(const Camera& c, int drawings) {
+std::vector<std::uint8_t> Bench::rested_mesh_picture(const Camera& c, int drawings, double scale) {
+  const FrameTarget target =
+      FrameTarget::create(kSize, kSize, scale < 1 ? 0 : 4, false, scale).take();
   Refinement refinement;
   mesh_picture(c);
-  refinement.restart();
   DrawList list;
   list.meshes.push_back({0, 0, 1});
+  renderer_->draw(target, c, scene_, list, light_);
+  refinement.restart();
   for (int i = 0; i < drawings; ++i) {
-    refinement.draw_more(*renderer_, *target_, c, scene_, list, light_);
+    refinement.draw_more(*renderer_, target, c, scene_, list, light_);
   }
-  return target_->read();
+  return refinement.picture(target).read();
 }
 
 std::vector<std::uint8_t> Bench::picture(const Camera& c, const std::vector<TileRecordPtr>& tiles,

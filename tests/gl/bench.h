@@ -58,8 +58,9 @@ class Bench {
                                     DrawMethod method);
   /// The same with the object's geometry.
   std::vector<std::uint8_t> mesh_picture(const Camera& camera, float fade = 1);
-  /// The same after so many further drawings (Refinement).
-  std::vector<std::uint8_t> rested_mesh_picture(const Camera& camera, int drawings);
+  /// The same after so many further drawings (Refinement); the first at this scale.
+  std::vector<std::uint8_t> rested_mesh_picture(const Camera& camera, int drawings,
+                                                double scale = 1);
   /// From now on the light of lit tiles, of drawing and of the truth.
   void set_light(const Lighting& light) { light_ = light; }
   const Lighting& light() const { return light_; }

@@ -48,6 +48,17 @@ TEST_F(RefinementTest, MovesNothing) {
   }
 }
 
+// A picture that was drawn small, for want of time, rests at its full size.
+TEST_F(RefinementTest, AnEnlargedPictureRestsAtFullScale) {
+  const double small = psnr_beside(truth_, bench_->rested_mesh_picture(camera_, 0, 0.5));
+  const double rested =
+      psnr_beside(truth_, bench_->rested_mesh_picture(camera_, Refinement::kDrawings, 0.5));
+  const double usual =
+      psnr_beside(truth_, bench_->rested_mesh_picture(camera_, Refinement::kDrawings));
+  EXPECT_GT(rested, small + 4);
+  EXPECT_NEAR(rested, usual, 0.5);
+}
+
 TEST_F(RefinementTest, EndsByItself) {
   const auto all = bench_->rested_mesh_picture(camera_, Refinement::kDrawings);
   EXPECT_EQ(bench_->rested_mesh_picture(camera_, 4 * Refinement::kDrawings), all);

@@ -47,8 +47,11 @@ struct World {
   }
   void look_from(double distance) { camera.pose = look_at({0, 0, distance}, {0, 0, 0}); }
   std::vector<AssetNeed> needs(std::int64_t now_us = 0) {
-    std::vector<std::uint32_t> all;
-    for (std::uint32_t i = 0; i < scene.instances.size(); ++i) all.push_back(i);
+    MeshWants all;
+    for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+      all.instances.push_back(i);
+      all.gain[scene.instances[i].object] += 1;
+    }
     return cache.needs(scene, camera, 1, now_us, all);
   }
   std::uint8_t drawn_lod(std::uint64_t frame = 1, std::int64_t now_us = 0) {

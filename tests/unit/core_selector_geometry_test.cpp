@@ -14,16 +14,16 @@ TEST(CoreSelectorGeometry, GeometrySmallerThanATileIsDrawnEverywhere) {
   ObjectDescription& object = world.scene.objects[0];
   object.lods = {LodInfo{12, 800, 0, 0}};
   world.look({0, 0, 60}, {0, 0, 0});
-  EXPECT_EQ(world.selector.mesh_needs(world.input()), std::vector<std::uint32_t>{0});
+  EXPECT_EQ(world.selector.mesh_needs(world.input()).instances, std::vector<std::uint32_t>{0});
   EXPECT_EQ(world.selector.needs(world.input()).size(), 1u) << "until it is there";
   world.mesh_ready[0] = true;
   EXPECT_EQ(world.selector.select(world.input()).meshes.size(), 1u);
   EXPECT_TRUE(world.selector.needs(world.input()).empty());
   object.needs |= kNeedBaseColorMap;
-  EXPECT_TRUE(world.selector.mesh_needs(world.input()).empty()) << "its images are not small";
+  EXPECT_TRUE(world.selector.mesh_needs(world.input()).instances.empty()) << "its images are not small";
   object.needs = 0;
   object.lods[0].bytes = 20'000;
-  EXPECT_TRUE(world.selector.mesh_needs(world.input()).empty());
+  EXPECT_TRUE(world.selector.mesh_needs(world.input()).instances.empty());
 }
 
 // As far as a limit for experiments lets it be.
@@ -35,9 +35,9 @@ TEST(CoreSelectorGeometry, NearGeometryReplacesTheImpostor) {
     return in;
   };
   world.look({0, 0, 1.9}, {0, 0, 0});
-  EXPECT_EQ(world.selector.mesh_needs(input()), std::vector<std::uint32_t>{0});
+  EXPECT_EQ(world.selector.mesh_needs(input()).instances, std::vector<std::uint32_t>{0});
   world.look({0, 0, 2.1}, {0, 0, 0});
-  EXPECT_TRUE(world.selector.mesh_needs(input()).empty()) << "unless it is bought";
+  EXPECT_TRUE(world.selector.mesh_needs(input()).instances.empty()) << "unless it is bought";
   world.mesh_ready[0] = true;
   world.look({0, 0, 7.9}, {0, 0, 0});
   const DrawList near = world.selector.select(input());
@@ -118,7 +118,7 @@ TEST(CoreSelectorGeometry, TilesStandInForGeometryThatTheBudgetDoesNotHold) {
   world.scene.objects[0].lods[0].triangles = triangles = 3'000'000;
   EXPECT_TRUE(world.selector.select(input()).meshes.empty()) << "a placeholder is in time";
   EXPECT_EQ(world.selector.needs(input()).size(), 1u);
-  EXPECT_TRUE(world.selector.mesh_needs(input()).empty());
+  EXPECT_TRUE(world.selector.mesh_needs(input()).instances.empty());
   ASSERT_TRUE(world.add_tile(0));
   const DrawList still = world.selector.select(input());
   EXPECT_TRUE(still.meshes.empty());
@@ -140,7 +140,7 @@ TEST(CoreSelectorGeometry, SurroundingsAreGeometry) {
   world.look({0, 0, -3}, {0, 0, -4});
   EXPECT_TRUE(world.scene.objects[1].surrounds);
   EXPECT_FALSE(world.scene.objects[0].surrounds);
-  const std::vector<std::uint32_t> wanted = world.selector.mesh_needs(world.input());
+  const std::vector<std::uint32_t> wanted = world.selector.mesh_needs(world.input()).instances;
   EXPECT_EQ(std::count(wanted.begin(), wanted.end(), 0u), 1);
   for (const TileNeed& need : world.selector.needs(world.input())) EXPECT_NE(need.instance, 0u);
   world.mesh_ready[1] = true;

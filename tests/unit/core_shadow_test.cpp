@@ -50,9 +50,6 @@ struct ShadowWorld : SelectorWorld {
   std::vector<TileNeed> needs(std::uint8_t channels) {
     std::vector<TileNeed> all = selector.needs(input()), out;
     stage.add_needs(input(), lighting, draw(), all);
-    EXPECT_TRUE(std::is_sorted(all.begin(), all.end(), [](const TileNeed& a, const TileNeed& b) {
-      return a.gain > b.gain;
-    }));
     for (const TileNeed& need : all) {
       if (need.channels == channels) out.push_back(need);
     }
