@@ -15,7 +15,7 @@ class Refinement {
   /// Further drawings of a picture.
   static constexpr int kDrawings = 32;
 
-  /// Another picture has been drawn.
+  /// Another picture has been drawn: picture() is that one, until draw_more().
   void restart() { drawings_ = 0; }
   /// Nothing would get better any more.
   bool done() const { return drawings_ >= kDrawings; }

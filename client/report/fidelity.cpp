@@ -189,8 +189,8 @@ Result<Row> measure(Bench& bench, const Model& model, const Setting& setting, in
     FrameRenderer& renderer = bench.runner.renderer();
     const Lighting& lighting = bench.probe->lighting();
     renderer.draw(bench.target, camera, scene, *list, lighting);
+    bench.refinement.restart();
     if (setting.method == "at rest") {
-      bench.refinement.restart();
       while (!bench.refinement.done()) {
         bench.refinement.draw_more(renderer, bench.target, camera, scene, *list, lighting);
       }
