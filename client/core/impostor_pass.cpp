@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "client/core/relief_instance.h"
+#include "protocol/need_mask.h"
 #include "shaders/gl/view_depth.h"
 
 namespace mirage {
@@ -54,6 +55,13 @@ ImpostorInstance instance_data(const DrawnImpostor& drawn, const Camera& camera,
   out.center = glm::vec4(object.center, tile.measure.depth_min);
   out.shadow = worn_shadow(drawn);
   return out;
+}
+
+/// Whether one instanced call draws both.
+bool drawn_alike(const DrawnImpostor& a, const DrawnImpostor& b) {
+  const bool own_proxy = a.method == DrawMethod::kHull || a.method == DrawMethod::kWarp;
+  return a.method == b.method && a.tile->relit == b.tile->relit &&
+         a.tile->layered() == b.tile->layered() && (!own_proxy || a.tile->object == b.tile->object);
 }
 
 struct MethodShader {
@@ -236,85 +244,90 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool re
   if (probe_) probe_->use(program, lights_.probe);
 }
 
-void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list) {
-  std::vector<ReliefInstance> run, relit, merged;
+// Merging takes finished colours: a relit tile is drawn alone.
+bool ImpostorPass::merges(const DrawnImpostor& drawn) {
+  return drawn.method == DrawMethod::kDepth && !drawn.tile->relit && drawn.neighbours[0];
+}
+
+ImpostorPass::Fragments ImpostorPass::fragments_of(const DrawnImpostor& drawn,
+                                                   const SceneView& scene, bool solid) {
+  const ObjectDescription& object = scene.objects[scene.instances[drawn.instance].object];
+  const bool soft_within = object.group || (object.needs & kNeedBlend);
+  if (drawn.method == DrawMethod::kDepth || !soft_within) return Fragments::kAll;
+  return solid ? Fragments::kSolid : Fragments::kSoft;
+}
+
+void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene,
+                               const DrawnImpostors& run) {
+  const TileRecord& tile = *run[0]->tile;
+  const bool merged = merges(*run[0]);
+  std::vector<ReliefInstance> instances;
   std::vector<glm::vec4> rows;
-  // The proxies' far faces: each pixel once, also with the eye inside.
-  glCullFace(GL_FRONT);
-  // Those in one layer and in two together back to front, by runs: soft edges lie over what is
-  // behind.
-  bool in_layers = false;
-  const auto draw_run = [&] {
-    if (run.empty()) return;
-    use_atlas(in_layers ? layered_relief_ : relief_, camera, false);
-    draw_instances(cube_, run, true);
-    run.clear();
-  };
-  for (const DrawnImpostor& drawn : list.impostors) {
-    if (drawn.method != DrawMethod::kDepth) continue;
-    // Merging takes finished colours: a relit tile is drawn alone.
-    if (drawn.tile->relit) {
-      relit.push_back(relief_instance(drawn, camera, scene, 0));
-      continue;
-    }
-    if (!drawn.neighbours[0]) {
-      if (drawn.tile->layered() != in_layers) draw_run();
-      in_layers = drawn.tile->layered();
-      run.push_back(relief_instance(drawn, camera, scene, 0));
-      continue;
-    }
-    merged.push_back(relief_instance(drawn, camera, scene, static_cast<int>(merged.size())));
-    append_relief_row(drawn, camera, scene, rows);
+  for (const DrawnImpostor* drawn : run) {
+    const int row = merged ? static_cast<int>(instances.size()) : 0;
+    instances.push_back(relief_instance(*drawn, camera, scene, row));
+    if (merged) append_relief_row(*drawn, camera, scene, rows);
   }
-  draw_run();
-  if (!relit.empty()) {
-    use_atlas(relit_relief_, camera, true);
-    draw_instances(cube_, relit, true);
-  }
-  if (!merged.empty()) {
-    use_atlas(merged_, camera, false);
+  gl::Program& program = tile.relit       ? relit_relief_
+                         : merged         ? merged_
+                         : tile.layered() ? layered_relief_
+                                          : relief_;
+  use_atlas(program, camera, tile.relit);
+  if (merged) {
     glActiveTexture(GL_TEXTURE2);
     glBindTexture(GL_TEXTURE_2D, tile_rows_.id());
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, kReliefRowTexels,
-                 static_cast<GLsizei>(merged.size()), 0, GL_RGBA, GL_FLOAT, rows.data());
-    draw_instances(cube_, merged, true);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, kReliefRowTexels, static_cast<GLsizei>(run.size()),
+                 0, GL_RGBA, GL_FLOAT, rows.data());
   }
+  glCullFace(GL_FRONT);  // the proxies' far faces: each pixel once, also with the eye inside
+  draw_instances(cube_, instances, true);
   glCullFace(GL_BACK);
 }
 
 void ImpostorPass::draw_flat(const Camera& camera, const SceneView& scene,
-                             const DrawnImpostors& drawn, bool soft) {
-  for (const MethodShader& shader : kShaders) {
-    for (const bool relit : {false, true}) {
-      draw_method(camera, scene, drawn, shader.method, relit, soft);
-    }
+                             const DrawnImpostors& run, Fragments fragments) {
+  const DrawMethod method = run[0]->method;
+  const TileRecord& tile = *run[0]->tile;
+  std::vector<ImpostorInstance> instances;
+  for (const DrawnImpostor* drawn : run) {
+    instances.push_back(instance_data(*drawn, camera, scene));
   }
+  gl::Program& program = programs_.at({method, tile.relit});
+  use_atlas(program, camera, tile.relit);
+  program.set("u_fragments", static_cast<int>(fragments));
+  program.set("u_forward", glm::vec3(camera.forward()));
+  const Proxy& proxy = method == DrawMethod::kQuad   ? quad_
+                       : method == DrawMethod::kHull ? hull(scene, tile.object)
+                       : method == DrawMethod::kWarp ? warp_proxy(scene, tile.object)
+                                                     : cube_;
+  draw_instances(proxy, instances, method != DrawMethod::kQuad);
 }
 
-void ImpostorPass::draw_method(const Camera& camera, const SceneView& scene,
-                               const DrawnImpostors& impostors, DrawMethod method, bool relit,
-                               bool soft) {
-  std::vector<ImpostorInstance> all;
-  std::map<std::uint32_t, std::vector<ImpostorInstance>> by_object;
-  for (const DrawnImpostor* drawn : impostors) {
-    if (drawn->method != method || drawn->tile->relit != relit) continue;
-    if (method == DrawMethod::kHull || method == DrawMethod::kWarp) {
-      by_object[drawn->tile->object].push_back(instance_data(*drawn, camera, scene));
+void ImpostorPass::draw_runs(const Camera& camera, const SceneView& scene, const DrawList& list,
+                             bool solid) {
+  DrawnImpostors run;
+  const auto draw_run = [&] {
+    if (run.empty()) return;
+    const Fragments fragments = fragments_of(*run[0], scene, solid);
+    glDepthMask(fragments != Fragments::kSoft);
+    if (run[0]->method == DrawMethod::kDepth) {
+      draw_relief(camera, scene, run);
     } else {
-      all.push_back(instance_data(*drawn, camera, scene));
+      draw_flat(camera, scene, run, fragments);
     }
+    run.clear();
+  };
+  for (const DrawnImpostor& drawn : list.impostors) {
+    const Fragments fragments = fragments_of(drawn, scene, solid);
+    if (solid && fragments == Fragments::kAll) continue;
+    const bool alike = !run.empty() && drawn_alike(*run[0], drawn) &&
+                       merges(*run[0]) == merges(drawn) &&
+                       fragments_of(*run[0], scene, solid) == fragments;
+    if (!alike) draw_run();
+    run.push_back(&drawn);
   }
-  if (all.empty() && by_object.empty()) return;
-  gl::Program& program = programs_.at({method, relit});
-  use_atlas(program, camera, relit);
-  program.set("u_soft", soft ? 1 : 0);
-  program.set("u_forward", glm::vec3(camera.forward()));
-  const bool quad = method == DrawMethod::kQuad;
-  draw_instances(quad ? quad_ : cube_, all, !quad);
-  for (const auto& [object, instances] : by_object) {
-    const bool warp = method == DrawMethod::kWarp;
-    draw_instances(warp ? warp_proxy(scene, object) : hull(scene, object), instances, true);
-  }
+  draw_run();
+  glDepthMask(GL_TRUE);
 }
 
 void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scene,
@@ -366,19 +379,10 @@ void ImpostorPass::draw(const Camera& camera, DepthMapping mapping, const SceneV
   glDisable(GL_BLEND);
   lights_ = gl::light_block(lighting, camera.pose.eye);
   draw_placeholders(camera, scene, list, mean);
-  const BlendOrder order = blend_order(list.impostors, scene, camera.pose.eye);
-  DrawnImpostors flat = order.under_relief;
-  flat.insert(flat.end(), order.over_relief.begin(), order.over_relief.end());
-  draw_flat(camera, scene, flat, false);
+  draw_runs(camera, scene, list, true);
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  glDepthMask(GL_FALSE);
-  draw_flat(camera, scene, order.under_relief, true);
-  glDepthMask(GL_TRUE);
-  draw_relief(camera, scene, list);
-  glDepthMask(GL_FALSE);
-  draw_flat(camera, scene, order.over_relief, true);
-  glDepthMask(GL_TRUE);
+  draw_runs(camera, scene, list, false);
   glBindVertexArray(0);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);

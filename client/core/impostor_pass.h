@@ -1,11 +1,10 @@
 #pragma once
-// Draws impostors from the atlas: one instanced call per method and pass (solid, then soft) for
-// quads, cuboids and marched depth, one per object for convex hulls. Keeps to the GLES 3.0 subset.
+// Draws impostors from the atlas, back to front: one instanced call per run of one method, for
+// convex hulls and warps of one object. Keeps to the GLES 3.0 subset.
 
 #include <map>
 #include <vector>
 
-#include "client/core/blend_order.h"
 #include "client/core/impostor_atlas.h"
 #include "client/core/proxy_triangles.h"
 #include "client/core/scene_view.h"
@@ -54,11 +53,20 @@ class ImpostorPass {
   static Proxy make_proxy(const std::vector<ProxyVertex>& triangles);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
-  void draw_flat(const Camera& camera, const SceneView& scene, const DrawnImpostors& drawn,
-                 bool soft);
-  void draw_method(const Camera& camera, const SceneView& scene, const DrawnImpostors& impostors,
-                   DrawMethod method, bool relit, bool soft);
-  void draw_relief(const Camera& camera, const SceneView& scene, const DrawList& list);
+  /// Which fragments of an impostor are drawn at once. kAll: all of them, and all write depth:
+  /// behind a soft edge only what comes later, though it is farther, is missing. Flat groups and
+  /// what is seen through are soft within: their solid fragments come first, the soft ones write no
+  /// depth.
+  enum class Fragments { kAll, kSolid, kSoft };
+  using DrawnImpostors = std::vector<const DrawnImpostor*>;
+  static Fragments fragments_of(const DrawnImpostor& drawn, const SceneView& scene, bool solid);
+  static bool merges(const DrawnImpostor& drawn);
+  /// `solid`: the solid fragments that come first, else all others, in the order of the list.
+  void draw_runs(const Camera& camera, const SceneView& scene, const DrawList& list, bool solid);
+  /// A run of impostors that are drawn alike; not empty.
+  void draw_flat(const Camera& camera, const SceneView& scene, const DrawnImpostors& run,
+                 Fragments fragments);
+  void draw_relief(const Camera& camera, const SceneView& scene, const DrawnImpostors& run);
   void use_atlas(gl::Program& program, const Camera& camera, bool relit);
   void draw_placeholders(const Camera& camera, const SceneView& scene, const DrawList& list,
                          const Lighting& lighting);

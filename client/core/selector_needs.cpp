@@ -14,13 +14,13 @@
 namespace mirage {
 namespace {
 
-constexpr double kViewGuard = 0.0873;     // 5 degrees around the predicted view
-constexpr double kGuardGain = 0.25;       // of what only the guard shows: it may never be seen
-constexpr double kUsualTileBytes = 0.15;  // a texel, before any has come
-constexpr double kQuantumShare = 0.01;    // 8-bit depth and the slope within a texel, in radii
-constexpr double kGoodTileTau = 0.5;      // of tau: what a tile shows wrongly in its middle age
-constexpr double kStandInLifeS = 3;       // a tile is asked for in place of geometry if it lasts
-constexpr std::ptrdiff_t kFewMembers = 64;   // of a group: so many are drawn one by one
+constexpr double kViewGuard = 0.0873;       // 5 degrees around the predicted view
+constexpr double kGuardGain = 0.25;         // of what only the guard shows: it may never be seen
+constexpr double kUsualTileBytes = 0.15;    // a texel, before any has come
+constexpr double kQuantumShare = 0.01;      // 8-bit depth and the slope within a texel, in radii
+constexpr double kGoodTileTau = 0.5;        // of tau: what a tile shows wrongly in its middle age
+constexpr double kStandInLifeS = 3;         // a tile is asked for in place of geometry if it lasts
+constexpr std::ptrdiff_t kFewMembers = 64;  // of a group: so many are drawn one by one
 constexpr double kStandsM = 1e-4;
 constexpr double kJumpM = 0.05;            // beyond what the speed explains
 constexpr long long kSettledUs = 100'000;  // what is settled is looked at again after so long
@@ -242,7 +242,8 @@ bool Selector::comes_soon(const SelectorInput& in, const TileNeed& need) const {
 // cost bytes.
 bool Selector::members_are_geometry(const SelectorInput& in, std::uint32_t group) const {
   const SceneView::Members members = in.scene->members(group);
-  if (members.empty() || members.end() - members.begin() > kFewMembers || !in.method.automatic) return false;
+  if (members.empty() || members.end() - members.begin() > kFewMembers || !in.method.automatic)
+    return false;
   return std::all_of(members.begin(), members.end(), [&](std::uint32_t member) {
     const InstanceView& view_of = in.scene->instances[member];
     const ObjectDescription& object = in.scene->objects[view_of.object];

@@ -78,6 +78,9 @@ vec3 incoming(int i, Surface s, out vec3 to_light) {
   return color;
 }
 
+// x to the fifth, as Schlick's Fresnel term has it; pow() would be a logarithm and an exponential.
+float fifth(float x) { return x * x * (x * x) * x; }
+
 float ggx_specular(float n_l, float n_v, float n_h, float roughness) {
   float a = max(roughness * roughness, 1e-3);
   float a2 = a * a;
@@ -131,9 +134,9 @@ vec3 shade(Surface s) {
     if (n_l <= 0.0) continue;
     vec3 h = normalize(to_light + to_eye);
     float v_h = clamp(dot(to_eye, h), 0.0, 1.0);
-    vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - v_h, 5.0);
+    vec3 fresnel = f0 + (1.0 - f0) * fifth(1.0 - v_h);
 #ifdef LOBES
-    fresnel += grazing * pow(1.0 - v_h, 5.0);
+    fresnel += grazing * fifth(1.0 - v_h);
 #endif
     float specular = ggx_specular(n_l, n_v, max(dot(s.normal, h), 0.0), s.roughness);
 #ifdef NEED_ANISOTROPY

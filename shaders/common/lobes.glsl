@@ -54,7 +54,7 @@ vec3 with_clearcoat(Surface s, vec3 to_eye, vec3 base) {
     float n_l = dot(s.coat_normal, to_light);
     if (n_l <= 0.0) continue;
     vec3 h = normalize(to_light + to_eye);
-    float fresnel = 0.04 + 0.96 * pow(1.0 - clamp(dot(to_eye, h), 0.0, 1.0), 5.0);
+    float fresnel = 0.04 + 0.96 * fifth(1.0 - clamp(dot(to_eye, h), 0.0, 1.0));
     float n_h = max(dot(s.coat_normal, h), 0.0);
     light += color * n_l * fresnel * ggx_specular(n_l, n_v, n_h, s.coat_roughness);
   }
@@ -66,6 +66,6 @@ vec3 with_clearcoat(Surface s, vec3 to_eye, vec3 base) {
            probe_radiance(probe_axes(mirrored), s.coat_roughness);
 #endif
   light += u_ambient * s.occlusion * 0.04;
-  float through = 0.04 + 0.96 * pow(1.0 - n_v, 5.0);
+  float through = 0.04 + 0.96 * fifth(1.0 - n_v);
   return base + s.clearcoat * (light - base * through);
 }

@@ -33,9 +33,9 @@ uniform sampler2DArray u_color;
 uniform sampler2DArray u_depth;
 uniform float u_near;         // view depth of the near plane
 uniform vec2 u_depth_window;  // window depth = x + y / view depth
-// First the solid fragments, which write depth; then the soft ones over them, which do not: an edge
-// must neither hide what is behind it nor blend with less than all of it.
-uniform bool u_soft;
+// ImpostorPass::Fragments. 0: all; or 1: the solid ones, which write depth, and then 2: the soft ones
+// over them, which do not: glass must neither hide what is behind it nor blend with less than all.
+uniform int u_fragments;
 
 #if defined(RELIT) || defined(FOG) || defined(SHADOW)
 #include "common/rotation.glsl"
@@ -83,8 +83,8 @@ vec4 stored_color(vec2 t) {
 
 void emit(vec4 color, vec3 p) {
   o_color = color * v_depth.w;
-  bool soft = o_color.a < kSolid;
-  if (soft != u_soft || o_color.a < 1.0 / 255.0) discard;
+  int part = o_color.a < kSolid ? 2 : 1;
+  if (o_color.a < 1.0 / 255.0 || (u_fragments != 0 && part != u_fragments)) discard;
   // Towards the viewer by what quantising may have pushed it back: a shelf at a wall stays before it.
   float view_depth = (v_capture.w + dot(v_view_depth, p) - v_depth_slack) * (1.0 - v_capture.z);
   gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, u_near), 0.0, 1.0);

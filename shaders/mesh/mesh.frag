@@ -184,7 +184,7 @@ void read_lobes(inout Surface s) {
 // the share that is blended.
 float seen_through(Surface s, inout vec3 color) {
   float n_v = clamp(dot(s.normal, -unit(s.position)), 0.0, 1.0);
-  float fresnel = s.reflectance.g + (s.reflectance.a - s.reflectance.g) * pow(1.0 - n_v, 5.0);
+  float fresnel = s.reflectance.g + (s.reflectance.a - s.reflectance.g) * fifth(1.0 - n_v);
   float share = s.transmission * (1.0 - fresnel);
   vec3 tint = s.albedo * u_transmission.rgb;
   float clear = min(min(tint.r, tint.g), tint.b) * (1.0 - s.roughness);
