@@ -27,8 +27,8 @@ TEST(Counters, OfAShortWalk) {
   ASSERT_TRUE(s.is_object());
   std::map<std::string, double> m = metrics(server);
 
-  expect_about(s["draw_calls"], 18.2, 0.05, "draw calls a frame");
-  EXPECT_LE(s["draw_calls_max"], 29);
+  expect_about(s["draw_calls"], 19.1, 0.05, "draw calls a frame");
+  EXPECT_LE(s["draw_calls_max"], 30);
 
   // Every ask that was not taken back is one rendering, and one reply.
   expect_about(s["tiles"]["asked"], 29, 0.08, "tiles asked for");
