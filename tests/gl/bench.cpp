@@ -249,6 +249,23 @@ void Bench::draw(const Camera& c, const std::vector<TileRecordPtr>& tiles, DrawM
   renderer_->draw(*target_, c, scene_, list, light_);
 }
 
+std::vector<std::uint8_t> Bench::picture_of_two(const Camera& c, const TileRecordPtr& tile,
+                                                double behind_radii, DrawMethod near_method,
+                                                DrawMethod far_method) {
+  SceneView two = scene_;
+  InstanceView copy = instance();
+  const glm::dvec3 behind = behind_radii * copy.radius * c.forward();
+  copy.center += behind;
+  copy.world_from_object.position += behind;
+  two.instances.push_back(copy);
+  const double distance = glm::length(instance().center - c.pose.eye);
+  DrawList list;
+  list.impostors.push_back({1, tile, far_method, 0, distance + behind_radii * copy.radius, 1});
+  list.impostors.push_back({0, tile, near_method, 0, distance, 1});
+  renderer_->draw(*target_, c, two, list, light_);
+  return target_->read();
+}
+
 std::vector<std::uint8_t> Bench::mesh_picture(const Camera& c, float fade) {
   const Scene& scene = prepared_->scene;
   if (!renderer_->add_mesh(0, 0, object_model(scene, scene.objects[0].mesh))) return {};

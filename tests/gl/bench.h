@@ -56,6 +56,10 @@ class Bench {
   void draw(const Camera& camera, const std::vector<TileRecordPtr>& tiles, DrawMethod method);
   std::vector<std::uint8_t> picture(const Camera& camera, const std::vector<TileRecordPtr>& tiles,
                                     DrawMethod method);
+  /// The object and a copy of it, `behind_radii` farther from the eye, back to front.
+  std::vector<std::uint8_t> picture_of_two(const Camera& camera, const TileRecordPtr& tile,
+                                           double behind_radii, DrawMethod near_method,
+                                           DrawMethod far_method);
   /// The same with the object's geometry.
   std::vector<std::uint8_t> mesh_picture(const Camera& camera, float fade = 1);
   /// The same after so many further drawings (Refinement); the first at this scale.

@@ -103,5 +103,38 @@ TEST(Relief, WallsAreFilledBehindThinBoards) {
   }
 }
 
+// Flat impostors and relief are drawn in one order: whichever way the far one of two trees is
+// drawn, it is seen behind the soft edges of the near one.
+TEST(Relief, IsSeenBehindSoftEdgesOfFlatImpostors) {
+  std::vector<Box> fence;
+  for (float x = -1; x < 1; x += 0.05f) fence.push_back({{x, -1, -0.01f}, {x + 0.02f, 1, 0.01f}});
+  const TempFolder folder;
+  const auto bench =
+      Bench::create(folder.write("fence.glb", boxes_glb(fence)), BenchLight::kAlbedo);
+  ASSERT_TRUE(bench);
+  TileCache cache = bench->make_cache();
+  const Camera camera = bench->camera(6, glm::normalize(glm::dvec3(0.3, 0.1, 1)));
+  const TileRecordPtr tile = bench->tile_for(camera, cache);
+  ASSERT_TRUE(tile);
+  constexpr double kBehindRadii = 2;
+  const auto drawn = [&](DrawMethod near_method, DrawMethod far_method) {
+    return bench->picture_of_two(camera, tile, kBehindRadii, near_method, far_method);
+  };
+  const std::vector<std::uint8_t> alone = bench->picture(camera, {tile}, DrawMethod::kQuad);
+  const std::vector<std::uint8_t> flat = drawn(DrawMethod::kQuad, DrawMethod::kQuad);
+  const std::vector<std::uint8_t> relief = drawn(DrawMethod::kQuad, DrawMethod::kDepth);
+  // Where the far fence shows through edges of the near one, its method makes little difference.
+  int behind = 0, missing = 0;
+  for (std::size_t i = 0; i < flat.size(); i += 4) {
+    const int edge = std::abs(flat[i] - alone[i]);
+    const bool covered = alone[i] < 120;  // the background is 128
+    if (edge < 16 || !covered) continue;
+    ++behind;
+    if (std::abs(relief[i] - alone[i]) < edge / 4) ++missing;
+  }
+  EXPECT_GT(behind, 200);
+  EXPECT_LT(missing, behind / 10) << "of " << behind;
+}
+
 }  // namespace
 }  // namespace mirage::test
