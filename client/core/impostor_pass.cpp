@@ -252,7 +252,7 @@ bool ImpostorPass::merges(const DrawnImpostor& drawn) {
 ImpostorPass::Fragments ImpostorPass::fragments_of(const DrawnImpostor& drawn,
                                                    const SceneView& scene, bool solid) {
   const ObjectDescription& object = scene.objects[scene.instances[drawn.instance].object];
-  const bool soft_within = object.group || (object.needs & kNeedBlend);
+  const bool soft_within = object.group || object.part || (object.needs & kNeedBlend);
   if (drawn.method == DrawMethod::kDepth || !soft_within) return Fragments::kAll;
   return solid ? Fragments::kSolid : Fragments::kSoft;
 }
