@@ -53,10 +53,10 @@ class ImpostorPass {
   static Proxy make_proxy(const std::vector<ProxyVertex>& triangles);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
-  /// Which fragments of an impostor are drawn at once. kAll: all of them, and all write depth: behind
-  /// a soft edge only what comes later, though it is farther, is missing. Flat groups and what is seen
-  /// through are soft within, and parts of one thing meet at soft edges: their solid fragments come
-  /// first, the soft ones write no depth.
+  /// Which fragments of an impostor are drawn at once. kAll: all of them, and all write depth:
+  /// behind a soft edge only what comes later, though it is farther, is missing. Flat groups and
+  /// what is seen through are soft within, and parts of one thing meet at soft edges: their solid
+  /// fragments come first, the soft ones write no depth.
   enum class Fragments { kAll, kSolid, kSoft };
   using DrawnImpostors = std::vector<const DrawnImpostor*>;
   static Fragments fragments_of(const DrawnImpostor& drawn, const SceneView& scene, bool solid);
