@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -56,10 +57,30 @@ std::vector<Found> files_in(const std::string& directory) {
   return out;
 }
 
+// Nothing when there is none, or something else: opening a pipe nobody writes to would wait for
+// ever. Empty when it is larger than `most` or ends early.
+std::optional<Bytes> read_regular_file(const std::string& path, std::uint64_t most) {
+  const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) return std::nullopt;
+  struct stat about {};
+  const bool regular = fstat(file, &about) == 0 && S_ISREG(about.st_mode);
+  const auto size = static_cast<std::uint64_t>(about.st_size);
+  Bytes bytes(regular && size <= most ? size : 0);
+  std::size_t here = 0;
+  while (here < bytes.size()) {
+    const ssize_t n = ::read(file, bytes.data() + here, bytes.size() - here);
+    if (n <= 0) break;
+    here += static_cast<std::size_t>(n);
+  }
+  close(file);
+  if (!regular) return std::nullopt;
+  if (here < bytes.size()) bytes.clear();
+  return bytes;
+}
+
 }  // namespace
 
 CacheDirectory::CacheDirectory(std::string path, std::uint64_t budget_bytes)
-
     : directory_(std::move(path)),
       budget_(budget_bytes),
       writer_(std::random_device()()),
@@ -81,17 +102,13 @@ std::string CacheDirectory::path_of(const CacheKey& key) const {
 
 std::optional<Bytes> CacheDirectory::read(const CacheKey& key) const {
   const std::string path = path_of(key);
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  std::error_code absent;
-  if (!file || !fs::is_regular_file(path, absent)) return std::nullopt;
-  const auto size = static_cast<std::uint64_t>(file.tellg());
-  Bytes bytes(size <= budget_ ? size : 0);
-  file.seekg(0);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  std::optional<Bytes> whole_file = read_regular_file(path, budget_);
+  if (!whole_file) return std::nullopt;
+  Bytes& bytes = *whole_file;
   std::uint64_t hash = 0;
   const std::size_t own = bytes.size() - std::min(bytes.size(), sizeof(hash));
   if (bytes.size() >= sizeof(hash)) std::memcpy(&hash, bytes.data() + own, sizeof(hash));
-  const bool whole = file && bytes.size() >= sizeof(hash);
+  const bool whole = bytes.size() >= sizeof(hash);
   if (!whole || hash_of(name_of(key), bytes.data(), own) != hash) {
     spdlog::warn("cache: '{}' is damaged and made anew", path);
     std::error_code ignored;
@@ -100,7 +117,7 @@ std::optional<Bytes> CacheDirectory::read(const CacheKey& key) const {
   }
   utimensat(AT_FDCWD, path.c_str(), nullptr, 0);  // used now: it stays longer
   bytes.resize(own);
-  return bytes;
+  return whole_file;
 }
 
 void CacheDirectory::write(const CacheKey& key, Bytes bytes) {

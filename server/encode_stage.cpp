@@ -42,7 +42,7 @@ StoredTilePtr EncodeStage::encode(const RenderedTile& rendered, const ObjectDesc
 }
 
 void EncodeStage::announce(Completion done) {
-  completions_.push(std::move(done));
+  queues_.completions.push(std::move(done));
   wake_();
 }
 
@@ -61,12 +61,11 @@ void EncodeStage::finish(const RenderedTile& rendered, const ObjectDescription& 
     done.tile = smaller_form(done.lossless, make_form(tile, fields, job.codec));
   }
   const StoredTilePtr lossless = done.lossless, asked = done.tile;
-  store_.put(job.id, lossless_codec(job.codec), lossless);
-  if (is_lossy(job.codec)) store_.put(job.id, job.codec, asked);
+  queues_.store.put(job.id, lossless_codec(job.codec), lossless);
+  if (is_lossy(job.codec)) queues_.store.put(job.id, job.codec, asked);
   announce(std::move(done));
-  // Last: nobody waits for it.
-  store_.save(job.id, lossless_codec(job.codec), *lossless);
-  if (is_lossy(job.codec)) store_.save(job.id, job.codec, *asked);
+  save(job.id, lossless_codec(job.codec), lossless);
+  if (is_lossy(job.codec)) save(job.id, job.codec, asked);
 }
 
 void EncodeStage::finish(const FormJob& job) {
@@ -76,10 +75,16 @@ void EncodeStage::finish(const FormJob& job) {
   done.tile = convert_form(job.lossless, job.codec);
   if (!done.tile) done.tile = job.lossless;
   const StoredTilePtr form = done.tile;
-  store_.put(job.id, job.codec, form);
-  ++counters_.forms_made;
+  queues_.store.put(job.id, job.codec, form);
+  ++queues_.counters.forms_made;
   announce(std::move(done));
-  if (is_lossy(job.codec)) store_.save(job.id, job.codec, *form);  // the others share a file
+  if (is_lossy(job.codec)) save(job.id, job.codec, form);  // the others share a file
+}
+
+void EncodeStage::save(const TileId& id, TileCodec codec, StoredTilePtr tile) {
+  if (!queues_.store.has_directory()) return;
+  SaveJob job{id, codec, std::move(tile)};
+  if (!queues_.saves.try_push(job)) ++queues_.counters.tiles_not_saved;
 }
 
 void EncodeStage::finish(const RenderedView& drawn) {
@@ -93,7 +98,7 @@ void EncodeStage::finish(const RenderedView& drawn) {
 void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers) {
   for (int i = 0; i < workers; ++i) {
     workers_.emplace_back([this, scene] {
-      while (const std::optional<EncodeJob> job = input_.pop()) {
+      while (const std::optional<EncodeJob> job = queues_.rendered.pop()) {
         if (job->rendered) {
           finish(*job->rendered, *scene->description(job->rendered->job.key.object));
         } else if (job->form) {

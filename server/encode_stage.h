@@ -8,22 +8,15 @@
 #include <thread>
 #include <vector>
 
-#include "protocol/bounded_queue.h"
 #include "server/scene/prepared_scene.h"
-#include "server/tile_job.h"
-#include "server/tile_store.h"
+#include "server/stage_queues.h"
 
 namespace mirage {
 
 class EncodeStage {
  public:
-  EncodeStage(BoundedQueue<EncodeJob>& input, BoundedQueue<Completion>& completions,
-              TileStore& store, Counters& counters, std::function<void()> wake)
-      : input_(input),
-        completions_(completions),
-        store_(store),
-        counters_(counters),
-        wake_(std::move(wake)) {}
+  EncodeStage(StageQueues& queues, std::function<void()> wake)
+      : queues_(queues), wake_(std::move(wake)) {}
   ~EncodeStage() { join(); }
 
   void start(std::shared_ptr<const PreparedScene> scene, int workers);
@@ -40,10 +33,10 @@ class EncodeStage {
   void finish(const RenderedView& drawn);
   void announce(Completion done);
 
-  BoundedQueue<EncodeJob>& input_;
-  BoundedQueue<Completion>& completions_;
-  TileStore& store_;
-  Counters& counters_;
+  /// Into the directory, unless there is none or too much to be written already.
+  void save(const TileId& id, TileCodec codec, StoredTilePtr tile);
+
+  StageQueues& queues_;
   std::function<void()> wake_;
   std::vector<std::thread> workers_;
 };

@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kMaxWritesPerCallback = 8;
 constexpr std::int64_t kDrainUs = 2'000'000;
+constexpr lws_usec_t kFetchCheckUs = 5'000;  // how often it is looked whether a disk is too slow
 
 struct Connection {
   SessionId session = 0;
@@ -49,6 +50,31 @@ struct Endpoint::Impl {
   lws_vhost* vhost = nullptr;
   std::atomic<bool> stopping{false};
   std::map<SessionId, lws*> sockets;
+
+  struct FetchTimer {
+    lws_sorted_usec_list_t timer{};  // first member: the callback gets its address
+    Impl* impl = nullptr;
+    bool set = false;
+  };
+  FetchTimer fetch_timer;
+
+  /// While somebody waits for the tile cache's directory.
+  void watch_fetches() {
+    if (fetch_timer.set || !hub.waits_for_directory()) return;
+    fetch_timer.impl = this;
+    fetch_timer.set = true;
+    lws_sul_schedule(context, 0, &fetch_timer.timer, on_fetch_timer, kFetchCheckUs);
+  }
+
+  static void on_fetch_timer(lws_sorted_usec_list_t* timer) {
+    auto* const fetch = reinterpret_cast<FetchTimer*>(timer);
+    fetch->set = false;
+    fetch->impl->hub.give_up_fetches();
+    fetch->impl->ask_to_write();
+    fetch->impl->watch_fetches();
+    // A timer served before the poll does not end the poll: make it look again.
+    lws_cancel_service(fetch->impl->context);
+  }
 
   void drain_completions() {
     while (std::optional<Completion> c = completions.try_pop()) hub.complete(std::move(*c));
@@ -106,6 +132,7 @@ struct Endpoint::Impl {
     const Result<void> done = hub.receive(connection.session, whole.data(), whole.size());
     if (!done) return close_with(wsi, connection.session, done.error());
     ask_to_write();
+    watch_fetches();
     return 0;
   }
 };
@@ -210,7 +237,10 @@ Endpoint::Endpoint(SessionHub& hub, BoundedQueue<Completion>& completions, Count
     : impl_(std::make_unique<Impl>(hub, completions, counters)) {}
 
 Endpoint::~Endpoint() {
-  if (impl_->context) lws_context_destroy(impl_->context);
+  if (!impl_->context) return;
+  lws_sul_schedule(impl_->context, 0, &impl_->fetch_timer.timer, nullptr,
+                   LWS_SET_TIMER_USEC_CANCEL);
+  lws_context_destroy(impl_->context);
 }
 
 Result<void> Endpoint::listen(const EndpointOptions& options) {

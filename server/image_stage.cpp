@@ -15,11 +15,11 @@ Bytes ImageStage::encode(const PreparedScene& scene, const ImageLevel& level) {
 
 void ImageStage::start(std::shared_ptr<const PreparedScene> scene) {
   worker_ = std::thread([this, scene] {
-    while (const std::optional<ImageLevel> level = input_.pop()) {
+    while (const std::optional<ImageLevel> level = queues_.images.pop()) {
       Completion done;
       done.image = *level;
       done.message = encode(*scene, *level);
-      completions_.push(std::move(done));
+      queues_.completions.push(std::move(done));
       wake_();
     }
   });

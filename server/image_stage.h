@@ -8,17 +8,15 @@
 #include <memory>
 #include <thread>
 
-#include "protocol/bounded_queue.h"
 #include "server/scene/prepared_scene.h"
-#include "server/tile_job.h"
+#include "server/stage_queues.h"
 
 namespace mirage {
 
 class ImageStage {
  public:
-  ImageStage(BoundedQueue<ImageLevel>& input, BoundedQueue<Completion>& completions,
-             std::function<void()> wake)
-      : input_(input), completions_(completions), wake_(std::move(wake)) {}
+  ImageStage(StageQueues& queues, std::function<void()> wake)
+      : queues_(queues), wake_(std::move(wake)) {}
   ~ImageStage() { join(); }
 
   void start(std::shared_ptr<const PreparedScene> scene);
@@ -29,8 +27,7 @@ class ImageStage {
   static Bytes encode(const PreparedScene& scene, const ImageLevel& level);
 
  private:
-  BoundedQueue<ImageLevel>& input_;
-  BoundedQueue<Completion>& completions_;
+  StageQueues& queues_;
   std::function<void()> wake_;
   std::thread worker_;
 };

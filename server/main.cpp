@@ -1,9 +1,8 @@
 // mirage-server: the stages in flow order.
 //
-//   endpoint -> sessions -> tile queue -> render stage -> encode stage -> tile store -> sessions
+//   endpoint -> sessions -> pipeline (fetch, render, encode and image stage) -> sessions
 //
-// The network loop runs here; the render stage has the GL thread, the encode and image
-// stages their workers.
+// The network loop runs here; the stages have threads of their own.
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -14,11 +13,10 @@
 #include <cstdio>
 #include <fstream>
 
-#include "protocol/cli.h"
-#include "server/encode_stage.h"
+#include "protocol/fail.h"
 #include "server/explain.h"
-#include "server/image_stage.h"
 #include "server/options.h"
+#include "server/pipeline.h"
 #include "server/scene/environment/environment.h"
 #include "server/scene/environment/environment_file.h"
 #include "shaders/gl/egl_context.h"
@@ -77,52 +75,26 @@ Result<void> announce(const ServerOptions& options, const PreparedScene& scene, 
 int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> scene,
           CacheDirectory* cache) {
   const SteadyClock clock;
-  Counters counters;
-  TileStore store(options.cache_mb * 1024 * 1024, cache, counters);
-  TileQueue queue(clock, counters);
-  BoundedQueue<EncodeJob> rendered(512);
-  BoundedQueue<ImageLevel> image_jobs(4096);
-  BoundedQueue<Completion> completions(8192);
   std::atomic<Endpoint*> awake{nullptr};
-  const auto wake = [&awake] {
+  Pipeline pipeline(clock, options.cache_mb * 1024 * 1024, cache, [&awake] {
     if (Endpoint* endpoint = awake.load()) endpoint->wake();
-  };
-
-  EncodeStage encode(rendered, completions, store, counters, wake);
-  ImageStage images(image_jobs, completions, wake);
-  RenderStage render(clock, counters, queue, rendered, completions, wake);
-  // However this function is left: the queues close in flow order, then the threads end.
+  });
+  const Result<std::string> renderer = pipeline.start(scene, options.render, options.encoders);
+  if (!renderer) return fail(renderer.error());
+  SessionOptions session_options = options.session;
+  session_options.renderer = *renderer;
+  StageQueues& queues = pipeline.queues;
+  SessionHub hub(scene, session_options, queues);
+  Endpoint endpoint(hub, queues.completions, queues.counters);
+  // However this function is left: the stages end before the endpoint they wake.
   struct Shutdown {
-    TileQueue& queue;
-    RenderStage& render;
-    BoundedQueue<EncodeJob>& rendered;
-    BoundedQueue<Completion>& completions;
-    EncodeStage& encode;
-    BoundedQueue<ImageLevel>& image_jobs;
-    ImageStage& images;
+    Pipeline& pipeline;
     ~Shutdown() {
       running_endpoint = nullptr;
-      completions.close();
-      queue.close();
-      render.join();
-      rendered.close();
-      encode.join();
-      image_jobs.close();
-      images.join();
+      pipeline.stop();
     }
   };
-
-  SessionOptions session_options = options.session;
-  Result<std::string> renderer = [&] {
-    images.start(scene);
-    encode.start(scene, options.encoders);
-    return render.start(scene, options.render);
-  }();
-  if (renderer.ok()) session_options.renderer = renderer.value();
-  SessionHub hub(scene, session_options, clock, counters, queue, store, rendered, image_jobs);
-  Endpoint endpoint(hub, completions, counters);
-  const Shutdown shutdown{queue, render, rendered, completions, encode, image_jobs, images};
-  if (!renderer) return fail(renderer.error());
+  const Shutdown shutdown{pipeline};
   if (const Result<void> listening = endpoint.listen(options.endpoint); !listening) {
     return fail(listening.error());
   }
@@ -136,6 +108,7 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
   if (!announced) return fail(announced.error());
   endpoint.run();
   awake = nullptr;
+  const Counters& counters = queues.counters;
   spdlog::info("stopped: {} tiles rendered, {} from the store, {} merged",
                counters.tiles_rendered.load(), counters.store_hits.load(),
                counters.tiles_merged.load());

@@ -63,15 +63,8 @@ Result<GlWorld> make_world(std::shared_ptr<const PreparedScene> scene,
 
 }  // namespace
 
-RenderStage::RenderStage(const Clock& clock, Counters& counters, TileQueue& queue,
-                         BoundedQueue<EncodeJob>& rendered, BoundedQueue<Completion>& completions,
-                         std::function<void()> wake)
-    : clock_(clock),
-      counters_(counters),
-      queue_(queue),
-      rendered_(rendered),
-      completions_(completions),
-      wake_(std::move(wake)) {}
+RenderStage::RenderStage(StageQueues& queues, std::function<void()> wake)
+    : queues_(queues), wake_(std::move(wake)) {}
 
 RenderStage::~RenderStage() { join(); }
 
@@ -94,7 +87,7 @@ void RenderStage::refuse(const std::vector<TileJob>& jobs) {
     Completion none;
     none.id = job.id;
     none.refused = true;
-    completions_.push(std::move(none));
+    queues_.completions.push(std::move(none));
   }
   wake_();
 }
@@ -105,19 +98,19 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
   if (!context) return ready(context.error());
   Result<GlWorld> world = make_world(std::move(scene), options);
   if (!world) return ready(world.error());
-  counters_.shader_programs = gl::programs_compiled();
+  queues_.counters.shader_programs = gl::programs_compiled();
   ready(context->description());
 
   const bool software = context->software();
   RenderedKeys rendered_before;
   ReadbackRing ring(options.ring);
   const std::size_t scene_bytes = world->scene_bytes();
-  counters_.gpu_scene_bytes = scene_bytes;
+  queues_.counters.gpu_scene_bytes = scene_bytes;
   const auto target_bytes = [&] { return world->pages->gpu_bytes() + ring.gpu_bytes(); };
   const auto note_memory = [&](std::size_t more) {
-    counters_.gpu_target_bytes = target_bytes();
-    counters_.gpu_most_bytes =
-        std::max<std::uint64_t>(counters_.gpu_most_bytes, scene_bytes + target_bytes() + more);
+    queues_.counters.gpu_target_bytes = target_bytes();
+    queues_.counters.gpu_most_bytes =
+        std::max<std::uint64_t>(queues_.counters.gpu_most_bytes, scene_bytes + target_bytes() + more);
   };
   note_memory(0);
   const auto fits_memory = [&](const SceneShot& shot) {
@@ -127,21 +120,21 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
     return true;
   };
   const auto hand_over = [&](ReadbackRing::Collected page) {
-    const std::int64_t now = clock_.now_us();
+    const std::int64_t now = queues_.clock.now_us();
     const auto tiles = static_cast<std::int64_t>(page.info.jobs.size());
     const auto share = static_cast<std::uint32_t>((now - page.info.started_us) / tiles);
     for (std::size_t i = 0; i < page.info.jobs.size(); ++i) {
       RenderedTile tile{page.info.jobs[i],          page.pixels, page.info.places[i].first,
                         page.info.places[i].second, 0,           share};
       tile.queue_us = static_cast<std::uint32_t>(page.info.started_us - tile.job.queued_us);
-      rendered_.push({std::make_shared<const RenderedTile>(std::move(tile)), nullptr});
+      queues_.rendered.push({std::make_shared<const RenderedTile>(std::move(tile)), nullptr});
     }
   };
 
   for (;;) {
     PagePacker packer(options.page_edge);
     const auto fits = [&](std::uint32_t edge) { return packer.add(edge); };
-    std::optional<TileQueue::Work> work = queue_.take(fits, ring.empty());
+    std::optional<TileQueue::Work> work = queues_.tiles.take(fits, ring.empty());
     if (!work && ring.empty()) break;
     if (work && std::holds_alternative<ViewJob>(*work)) {
       ViewJob& job = std::get<ViewJob>(*work);
@@ -149,22 +142,22 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
       Result<SceneFrame> frame = make_error(ErrorId::kGraphicsGl, "a view is over --gpu-mb");
       if (fits_memory(job.shot)) frame = world->references->draw(job.shot);
       if (frame) {
-        ++counters_.views_rendered;
-        rendered_.push({nullptr, nullptr,
+        ++queues_.counters.views_rendered;
+        queues_.rendered.push({nullptr, nullptr,
                         std::make_shared<const RenderedView>(
                             RenderedView{job.id, job.shot.camera, frame.take()})});
       } else {
         spdlog::warn("{}", frame.error().line());
         Completion none;
         none.view = job.id;
-        completions_.push(std::move(none));
+        queues_.completions.push(std::move(none));
         wake_();
       }
     } else if (work && std::holds_alternative<ReferenceJob>(*work)) {
       const ReferenceJob& job = std::get<ReferenceJob>(*work);
       Result<Bytes> reply = make_error(ErrorId::kGraphicsGl, "a full render is over --gpu-mb");
       if (fits_memory(job.shot)) reply = world->references->render(job);
-      ++counters_.references_rendered;
+      ++queues_.counters.references_rendered;
       if (!reply) {
         spdlog::warn("{}", reply.error().line());
         wire::RefusedT refused;
@@ -175,12 +168,12 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
       Completion done;
       done.session = job.session;
       done.message = reply.take();
-      completions_.push(std::move(done));
+      queues_.completions.push(std::move(done));
       wake_();
     } else if (work) {
       PendingPage page;
       page.jobs = std::move(std::get<std::vector<TileJob>>(*work));
-      page.started_us = clock_.now_us();
+      page.started_us = queues_.clock.now_us();
       page.width = packer.used().x;
       page.height = packer.used().y;
       for (std::size_t i = 0; i < page.jobs.size(); ++i) {
@@ -189,10 +182,10 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
       page.surface = world->pages->writes_surface(page.jobs);
       const gl::RenderTarget* target = world->pages->render(page.jobs, packer);
       if (target) {
-        ++counters_.pages_rendered;
-        counters_.tiles_rendered += page.jobs.size();
+        ++queues_.counters.pages_rendered;
+        queues_.counters.tiles_rendered += page.jobs.size();
         for (const TileJob& job : page.jobs) {
-          if (!rendered_before.add(job.id)) ++counters_.tiles_rendered_twice;
+          if (!rendered_before.add(job.id)) ++queues_.counters.tiles_rendered_twice;
         }
         ring.start(*target, std::move(page));
         note_memory(0);
@@ -200,7 +193,7 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
         refuse(page.jobs);
       }
     }
-    counters_.shader_programs_after_ready = gl::programs_compiled() - counters_.shader_programs;
+    queues_.counters.shader_programs_after_ready = gl::programs_compiled() - queues_.counters.shader_programs;
     // Collect what is done; wait only when the ring is full or nothing else is there to do.
     while (!ring.empty()) {
       std::optional<ReadbackRing::Collected> page = ring.collect(ring.full() || !work);

@@ -5,16 +5,13 @@
 // Thread: its own, the only one with the GL context.
 // Full:   waits (the encode queue is bounded), so the tile queue in front fills and refuses.
 
-#include <atomic>
-#include <deque>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
 
-#include "protocol/bounded_queue.h"
-#include "server/counters.h"
 #include "server/scene/prepared_scene.h"
-#include "server/tile_queue.h"
+#include "server/stage_queues.h"
 
 namespace mirage {
 
@@ -29,9 +26,7 @@ struct RenderOptions {
 
 class RenderStage {
  public:
-  RenderStage(const Clock& clock, Counters& counters, TileQueue& queue,
-              BoundedQueue<EncodeJob>& rendered, BoundedQueue<Completion>& completions,
-              std::function<void()> wake);
+  RenderStage(StageQueues& queues, std::function<void()> wake);
   ~RenderStage();
 
   /// Starts the thread, uploads the scene and compiles every shader; returns the renderer's name.
@@ -48,11 +43,7 @@ class RenderStage {
   /// No targets can be made for them.
   void refuse(const std::vector<TileJob>& jobs);
 
-  const Clock& clock_;
-  Counters& counters_;
-  TileQueue& queue_;
-  BoundedQueue<EncodeJob>& rendered_;
-  BoundedQueue<Completion>& completions_;
+  StageQueues& queues_;
   std::function<void()> wake_;
   std::thread thread_;
 };

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "protocol/limits.h"
-#include "server/scene_opening.h"
 
 namespace mirage {
 namespace {
@@ -72,105 +72,114 @@ void add_object_pages(const PreparedScene& scene, std::vector<FramePtr>& pages) 
   }
 }
 
-void add_record(const PreparedScene& scene, std::uint32_t id, wire::InstancePageT& page) {
-  const std::uint32_t parent = scene.parent(id);
-  if (const InstanceGroup* group = scene.group_of_instance(id)) {
-    const GroupBounds& b = group->bounds;
-    std::uint32_t mean = 0;
-    for (int c = 0; c < 3; ++c) {
-      mean |= static_cast<std::uint32_t>(std::lround(b.mean_color[c] * 255.0f)) << (8 * c);
-    }
-    page.groups.emplace_back(to_wire(b.center), to_wire(b.half), mean, b.needs, id, parent,
-                             group->first_leaf, group->leaves,
-                             static_cast<std::uint8_t>(group->importance));
-    return;
-  }
-  const Instance& instance = scene.scene.instances[id];
-  const Similarity& m = instance.world_from_object;
-  page.instances.emplace_back(to_wire(m.position), to_wire(m.rotation), m.scale, id,
-                              instance.object, parent, instance.clip_offset_s,
-                              static_cast<std::uint8_t>(instance.importance));
-}
-
-// Splits what is told of the tree into pages.
-class TreePages {
- public:
-  TreePages(const PreparedScene& scene, std::uint32_t request_id, std::vector<FramePtr>& pages)
-      : scene_(scene), pages_(pages) {
-    page_.request_id = request_id;
-  }
-  void add_roots() {
-    for (const std::uint32_t id : scene_.grouping.roots) {
-      make_room(1);
-      add_record(scene_, id, page_);
-    }
-  }
-  void add_members(std::uint32_t id) {
-    const std::vector<std::uint32_t> members = scene_.members(id);
-    make_room(members.size());
-    page_.opened.push_back(id);
-    for (const std::uint32_t member : members) add_record(scene_, member, page_);
-  }
-  void finish() {
-    page_.last = true;
-    send();
-  }
-
- private:
-  void make_room(std::size_t records) {
-    const std::size_t here = page_.instances.size() + page_.groups.size();
-    const bool full = here + records > kRecordsPerPage || page_.opened.size() >= kRecordsPerPage;
-    if (here > 0 && full) send();
-  }
-  void send() {
-    const std::uint32_t request = page_.request_id;
-    pages_.push_back(std::make_shared<const Bytes>(encode_message(std::move(page_))));
-    page_ = {};
-    page_.request_id = request;
-  }
-
-  const PreparedScene& scene_;
-  std::vector<FramePtr>& pages_;
-  wire::InstancePageT page_;
-};
-
-}  // namespace
-
-std::vector<FramePtr> make_scene_pages(const PreparedScene& scene) {
-  std::vector<FramePtr> pages;
-  add_image_pages(scene, pages);
-  add_object_pages(scene, pages);
-  TreePages tree(scene, 0, pages);
-  tree.add_roots();
+// What the home view needs, and somewhat around it.
+Opening home_opening(const PreparedScene& scene) {
   Opening opening;
   opening.eye = scene.scene.home.eye;
   opening.forward = scene.scene.home.target - scene.scene.home.eye;
   opening.rule.margin = kHomeMargin;
   opening.least = kToldAtOnce;
-  for (const std::uint32_t id : groups_to_open(scene, scene.grouping.roots, opening)) {
-    tree.add_members(id);
-  }
-  tree.finish();
-  return pages;
+  return opening;
 }
 
-std::vector<FramePtr> answer_open(const PreparedScene& scene, const wire::OpenRequestT& request) {
-  std::vector<FramePtr> pages;
-  TreePages tree(scene, request.request_id, pages);
-  std::vector<std::uint32_t> groups;
-  for (const std::uint32_t id : request.groups) {
-    if (id < scene.instance_count()) groups.push_back(id);
-  }
+Opening opening_of(const wire::OpenRequestT& request) {
   Opening opening;
   opening.eye = from_wire(*request.eye);
   opening.forward = from_wire(*request.forward);
   opening.rule = {request.focal_px, request.tau_px, request.speed_mps, request.margin};
-  for (const std::uint32_t id : groups_to_open(scene, groups, opening)) tree.add_members(id);
-  // A client that asks for the parts of an instance needs them.
-  for (const std::uint32_t id : groups) {
-    if (scene.cut(id)) tree.add_members(id);
+  return opening;
+}
+
+// A client that asks for the parts of instances needs them, each once.
+std::deque<std::uint32_t> cut_instances(const PreparedScene& scene,
+                                        const std::vector<std::uint32_t>& asked) {
+  std::set<std::uint32_t> seen;
+  std::deque<std::uint32_t> out;
+  for (const std::uint32_t id : asked) {
+    if (id < scene.instance_count() && scene.cut(id) && seen.insert(id).second) out.push_back(id);
   }
-  tree.finish();
+  return out;
+}
+
+}  // namespace
+
+TreeTelling::TreeTelling(const PreparedScene& scene, const wire::OpenRequestT& request)
+    : scene_(scene),
+      opening_(scene, request.groups, opening_of(request)),
+      cut_(cut_instances(scene, request.groups)) {
+  page_.request_id = request.request_id;
+}
+
+TreeTelling::TreeTelling(const PreparedScene& scene)
+    : scene_(scene),
+      roots_(scene.grouping.roots.begin(), scene.grouping.roots.end()),
+      opening_(scene, scene.grouping.roots, home_opening(scene)) {}
+
+FramePtr TreeTelling::next_page() {
+  if (done_) return nullptr;
+  while (!roots_.empty()) {
+    if (!has_room(1)) return finish_page(false);
+    add_record(roots_.front());
+    roots_.pop_front();
+  }
+  for (;;) {
+    if (!opened_) opened_ = opening_.next();
+    if (!opened_ && !cut_.empty()) {
+      opened_ = cut_.front();
+      cut_.pop_front();
+    }
+    if (!opened_) break;
+    const std::vector<std::uint32_t> members = scene_.members(*opened_);
+    if (!has_room(members.size())) return finish_page(false);
+    page_.opened.push_back(*opened_);
+    for (const std::uint32_t member : members) add_record(member);
+    opened_.reset();
+  }
+  done_ = true;
+  return finish_page(true);
+}
+
+bool TreeTelling::has_room(std::size_t records) const {
+  const std::size_t here = page_.instances.size() + page_.groups.size();
+  return here == 0 ||
+         (here + records <= kRecordsPerPage && page_.opened.size() < kRecordsPerPage);
+}
+
+FramePtr TreeTelling::finish_page(bool last) {
+  const std::uint32_t request = page_.request_id;
+  page_.last = last;
+  FramePtr out = std::make_shared<const Bytes>(encode_message(std::move(page_)));
+  page_ = {};
+  page_.request_id = request;
+  return out;
+}
+
+void TreeTelling::add_record(std::uint32_t id) {
+  const std::uint32_t parent = scene_.parent(id);
+  if (const InstanceGroup* group = scene_.group_of_instance(id)) {
+    const GroupBounds& b = group->bounds;
+    std::uint32_t mean = 0;
+    for (int c = 0; c < 3; ++c) {
+      mean |= static_cast<std::uint32_t>(std::lround(b.mean_color[c] * 255.0f)) << (8 * c);
+    }
+    page_.groups.emplace_back(to_wire(b.center), to_wire(b.half), mean, b.needs, id, parent,
+                             group->first_leaf, group->leaves,
+                             static_cast<std::uint8_t>(group->importance));
+    return;
+  }
+  const Instance& instance = scene_.scene.instances[id];
+  const Similarity& m = instance.world_from_object;
+  page_.instances.emplace_back(to_wire(m.position), to_wire(m.rotation), m.scale, id,
+                              instance.object, parent, instance.clip_offset_s,
+                              static_cast<std::uint8_t>(instance.importance));
+}
+
+std::vector<FramePtr> make_scene_pages(const PreparedScene& scene) {
+  std::vector<FramePtr> pages;
+  add_image_pages(scene, pages);
+  add_object_pages(scene, pages);
+  TreeTelling tree(scene);
+  while (FramePtr page = tree.next_page()) pages.push_back(std::move(page));
   return pages;
 }
 

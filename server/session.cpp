@@ -6,6 +6,8 @@ namespace mirage {
 namespace {
 
 constexpr std::int64_t kHelloTimeoutUs = 10'000'000;
+// Of a client; ours waits for one at a time.
+constexpr std::size_t kMaxWaitingOpenRequests = 64;
 
 // Not the place where timing could leak a token byte by byte.
 bool same_secret(const std::string& a, const std::string& b) {
@@ -35,19 +37,19 @@ std::vector<TileCodec> common_codecs(const std::vector<TileCodec>& ours,
 }  // namespace
 
 SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
-                       const Clock& clock, Counters& counters, TileQueue& queue, TileStore& store,
-                       BoundedQueue<EncodeJob>& encode_jobs, BoundedQueue<ImageLevel>& image_jobs)
+                       StageQueues& queues)
     : scene_(std::move(scene)),
       options_(std::move(options)),
-      clock_(clock),
-      counters_(counters),
-      queue_(queue),
-      store_(store),
+      clock_(queues.clock),
+      counters_(queues.counters),
+      queue_(queues.tiles),
+      store_(queues.store),
       pages_(make_scene_pages(*scene_)),
       probe_page_(scene_->scene.probe ? encode_probe(*scene_->scene.probe) : Bytes{}),
-      images_(image_jobs),
-      forms_(encode_jobs),
-      views_(queue) {}
+      images_(queues.images),
+      fetches_(queues.fetches, queues.clock),
+      forms_(queues.rendered),
+      views_(queues.tiles) {}
 
 Result<SessionId> SessionHub::open() {
   if (sessions_.size() >= options_.max_clients) {
@@ -61,6 +63,7 @@ Result<SessionId> SessionHub::open() {
 
 void SessionHub::close(SessionId id) {
   queue_.remove_session(id);
+  fetches_.remove_session(id);
   views_.remove_session(id);
   sessions_.erase(id);
   writable_.erase(id);
@@ -165,11 +168,11 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
 
 void SessionHub::open_groups(SessionId id, Session& s, const wire::OpenRequestT& m) {
   if (s.overfull) return;
-  for (FramePtr& page : answer_open(*scene_, m)) {
-    s.outbox_bytes += page->size();
-    s.tree.push_back(std::move(page));
+  if (s.tree.size() >= kMaxWaitingOpenRequests) {
+    s.overfull = true;
+    return;
   }
-  s.overfull = s.outbox_bytes > options_.max_outbox_bytes;
+  s.tree.emplace_back(*scene_, m);
   writable_.insert(id);
 }
 
@@ -190,7 +193,13 @@ Result<void> SessionHub::set_lighting(Session& s, const wire::SetLightingT& m) {
 
 void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batch) {
   s.credit_bytes = std::max(s.credit_bytes, batch.credit_bytes);
-  for (const std::uint32_t request : batch.cancels) queue_.cancel(id, request);
+  for (const std::uint32_t request : batch.cancels) {
+    if (fetches_.cancel(id, request)) {
+      ++counters_.tiles_cancelled;
+    } else {
+      queue_.cancel(id, request);
+    }
+  }
   const auto found = s.lighting.find(batch.lighting_id);
   const bool known = batch.lighting_id == 0 || found != s.lighting.end();
   const Lighting& lighting = found != s.lighting.end() ? found->second : scene_->scene.lighting;
@@ -239,6 +248,7 @@ void SessionHub::push(SessionId id, std::deque<FramePtr>& lane, Bytes message) {
 }
 
 void SessionHub::complete(Completion completion) {
+  if (completion.fetched) return finish_fetch(completion);
   if (completion.tile) return finish_tile(completion);
   if (completion.refused) {
     for (const Waiter& w : queue_.finish(completion.id)) {
@@ -272,6 +282,14 @@ std::deque<FramePtr>* SessionHub::tile_or_bulk(Session& s) {
   return &s.bulk;
 }
 
+FramePtr SessionHub::next_tree_page(Session& s) {
+  while (!s.tree.empty()) {
+    if (FramePtr page = s.tree.front().next_page()) return page;
+    s.tree.pop_front();
+  }
+  return nullptr;
+}
+
 FramePtr SessionHub::next_frame(SessionId id) {
   Session& s = sessions_.at(id);
   std::deque<FramePtr>* lane = nullptr;
@@ -280,8 +298,11 @@ FramePtr SessionHub::next_frame(SessionId id) {
   } else if (s.greeted && s.next_page < pages_.size()) {
     counters_.bytes_sent += pages_[s.next_page]->size();
     return pages_[s.next_page++];
+  } else if (FramePtr page = next_tree_page(s)) {
+    counters_.bytes_sent += page->size();
+    return page;
   } else {
-    lane = s.tree.empty() ? tile_or_bulk(s) : &s.tree;
+    lane = tile_or_bulk(s);
   }
   if (!lane) return nullptr;
   FramePtr frame = std::move(lane->front());

@@ -15,15 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "protocol/bounded_queue.h"
-#include "protocol/clock.h"
-#include "server/counters.h"
+#include "server/fetch_requests.h"
 #include "server/form_requests.h"
 #include "server/image_cache.h"
 #include "server/scene_pages.h"
-#include "server/tile_job.h"
-#include "server/tile_queue.h"
-#include "server/tile_store.h"
+#include "server/stage_queues.h"
 #include "server/view_cache.h"
 
 namespace mirage {
@@ -44,9 +40,8 @@ struct SessionOptions {
 
 class SessionHub {
  public:
-  SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options, const Clock& clock,
-             Counters& counters, TileQueue& queue, TileStore& store,
-             BoundedQueue<EncodeJob>& encode_jobs, BoundedQueue<ImageLevel>& image_jobs);
+  SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
+             StageQueues& queues);
 
   /// Has the home view made, which most clients ask for first.
   void make_home_view();
@@ -59,6 +54,10 @@ class SessionHub {
   void complete(Completion completion);
   /// Refuses asks whose deadline passed while they were queued.
   void refuse_late();
+  /// Whether somebody waits for the directory: then give_up_fetches() is due every few ms.
+  bool waits_for_directory() const { return fetches_.waiting(); }
+  /// Has rendered what the directory does not bring in time.
+  void give_up_fetches();
 
   /// Next frame to write; nullptr when there is nothing the client may be sent now.
   FramePtr next_frame(SessionId id);
@@ -78,7 +77,7 @@ class SessionHub {
     std::vector<TileCodec> codecs;  ///< that both ends have; the first is used unless asked
     std::map<std::uint32_t, Lighting> lighting;
     std::deque<FramePtr> control;
-    std::deque<FramePtr> tree;  ///< members of groups that were asked for
+    std::deque<TreeTelling> tree;  ///< answers to what was asked of it, made as they are sent
     std::deque<FramePtr> tiles;
     std::deque<FramePtr> bulk;
     std::size_t next_page = 0;  ///< of the scene description
@@ -95,6 +94,10 @@ class SessionHub {
   void batch(SessionId id, Session& s, const wire::RequestBatchT& batch);
   void ask(SessionId id, Session& s, const wire::Ask& ask, const Lighting& lighting,
            TileCodec codec);
+  /// Answers from memory, or has it made from what is there; false: the tile is not in memory.
+  bool answer_from_memory(const TileAsk& ask);
+  void have_rendered(const TileAsk& ask);
+  void finish_fetch(const Completion& done);
   /// Whether the object has tiles of this kind under this lighting.
   bool can_be(std::uint8_t channels, const ObjectDescription& object,
               const Lighting& lighting) const;
@@ -112,6 +115,8 @@ class SessionHub {
   void stats(SessionId id, Session& s, const wire::StatsRequestT& m);
 
   void push(SessionId id, std::deque<FramePtr>& lane, Bytes message);
+  /// The next page of what was asked of the tree.
+  static FramePtr next_tree_page(Session& s);
   /// The lane whose turn it is; nullptr when neither may send.
   static std::deque<FramePtr>* tile_or_bulk(Session& s);
   void push_tile(const Waiter& waiter, const StoredTile& tile);
@@ -129,6 +134,7 @@ class SessionHub {
   const std::vector<FramePtr> pages_;  ///< scene description, made once
   const Bytes probe_page_;             ///< whole message; empty: the scene has no probe
   ImageCache images_;
+  FetchRequests fetches_;
   FormRequests forms_;
   ViewCache views_;
   std::map<SessionId, Session> sessions_;

@@ -59,17 +59,55 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
                             object.center, object.radius);
     key.lighting = light.hash();
   }
-  const TileId tile = tile_id(key);
+  TileAsk asked{key, tile_id(key), light, shadow ? lighting : Lighting{}, {}};
   const bool colors = key.channels & kChannelColor;
-  Waiter waiter{id, a.request_id(), a.error_px(), 0};
-  waiter.codec = colors || !is_lossy(codec) ? codec : TileCodec::kZstd;
-  waiter.asked_us = clock_.now_us();
-  if (a.deadline_ms() > 0) waiter.deadline_us = waiter.asked_us + a.deadline_ms() * 1000ll;
-  if (const StoredTilePtr form = store_.find(tile, waiter.codec)) return push_tile(waiter, *form);
-  if (const StoredTilePtr other = store_.find_lossless(tile)) return convert(waiter, tile, other);
-  const Lighting world = shadow ? lighting : Lighting{};
-  if (queue_.submit(key, tile, light, waiter, world) == TileQueue::Admission::kBusy) {
-    refuse(id, s, a.request_id(), wire::RefusalReason::Busy);
+  asked.waiter = {id, a.request_id(), a.error_px(), 0};
+  asked.waiter.codec = colors || !is_lossy(codec) ? codec : TileCodec::kZstd;
+  asked.waiter.asked_us = clock_.now_us();
+  if (a.deadline_ms() > 0) {
+    asked.waiter.deadline_us = asked.waiter.asked_us + a.deadline_ms() * 1000ll;
+  }
+  if (answer_from_memory(asked)) return;
+  if (store_.has_directory() && fetches_.wait(asked)) return;
+  have_rendered(asked);
+}
+
+bool SessionHub::answer_from_memory(const TileAsk& asked) {
+  if (const StoredTilePtr form = store_.find(asked.id, asked.waiter.codec)) {
+    push_tile(asked.waiter, *form);
+    return true;
+  }
+  const StoredTilePtr other = store_.find_lossless(asked.id);
+  if (other) convert(asked.waiter, asked.id, other);
+  return other != nullptr;
+}
+
+void SessionHub::have_rendered(const TileAsk& asked) {
+  const auto admission =
+      queue_.submit(asked.key, asked.id, asked.lighting, asked.waiter, asked.world);
+  if (admission != TileQueue::Admission::kBusy) return;
+  const SessionId id = asked.waiter.session;
+  refuse(id, sessions_.at(id), asked.waiter.request_id, wire::RefusalReason::Busy);
+}
+
+void SessionHub::finish_fetch(const Completion& done) {
+  for (const TileAsk& asked : fetches_.take(done.id, done.codec)) {
+    const FetchedTile& found = *done.fetched;
+    if (found.form || found.lossless) ++counters_.store_hits;
+    if (found.form) {
+      push_tile(asked.waiter, *found.form);
+    } else if (found.lossless) {
+      convert(asked.waiter, asked.id, found.lossless);
+    } else if (!answer_from_memory(asked)) {
+      have_rendered(asked);
+    }
+  }
+}
+
+void SessionHub::give_up_fetches() {
+  for (const TileAsk& asked : fetches_.take_overdue()) {
+    ++counters_.fetches_given_up;
+    if (!answer_from_memory(asked)) have_rendered(asked);
   }
 }
 

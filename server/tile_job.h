@@ -26,6 +26,15 @@ struct Waiter {
   std::int64_t asked_us = 0;
 };
 
+/// A tile that somebody waits for.
+struct TileAsk {
+  TileKey key;
+  TileId id;
+  ObjectLighting lighting;
+  Lighting world;  ///< of a shadow tile
+  Waiter waiter;
+};
+
 /// One tile to render, for everybody who asked for it.
 struct TileJob {
   TileKey key;
@@ -61,6 +70,23 @@ struct StoredTile {
   std::size_t bytes() const { return planes.size() + sizeof(reply); }
 };
 using StoredTilePtr = std::shared_ptr<const StoredTile>;
+
+/// A tile to look for in the directory.
+struct FetchJob {
+  TileId id;
+  TileCodec codec = TileCodec::kZstd;
+};
+/// What lay there; nothing, if both are null.
+struct FetchedTile {
+  StoredTilePtr form;      ///< as it was asked for
+  StoredTilePtr lossless;  ///< else what that can be made of
+};
+/// A tile to be kept in the directory.
+struct SaveJob {
+  TileId id;
+  TileCodec codec = TileCodec::kZstd;
+  StoredTilePtr tile;
+};
 
 /// A form to be made of a tile that is there without loss.
 struct FormJob {
@@ -121,7 +147,7 @@ struct EncodeJob {
   std::shared_ptr<const RenderedView> view = nullptr;
 };
 
-/// What the render and encode stages hand back to the network loop.
+/// What the stages hand back to the network loop.
 struct Completion {
   // A tile in the form `codec` for everybody who waits for it …
   TileId id;
@@ -136,6 +162,9 @@ struct Completion {
   TileCodec codec = TileCodec::kZstd;
   StoredTilePtr lossless = nullptr;  ///< of one just rendered: to make other forms from
   bool refused = false;              ///< there is none: it takes too much graphics memory
+
+  // Or what was looked for in the directory, for everybody who waits for `id` in `codec`.
+  std::optional<FetchedTile> fetched = std::nullopt;
 
   // Or an encoded view, for everybody who waits for it (null: it failed).
   std::optional<TileId> view = std::nullopt;

@@ -17,7 +17,8 @@ TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
   if (session.requests.size() >= limits::kMaxQueuedAsksPerClient) return Admission::kBusy;
   // An id still in use: a second waiter under it would escape the bound and every removal.
   if (session.requests.count(waiter.request_id) != 0) return Admission::kBusy;
-  session.requests[waiter.request_id] = id;
+  Request& request = session.requests[waiter.request_id];
+  request.id = id;
   const auto found = entries_.find(id);
   const bool merged = found != entries_.end();
   Entry& entry = merged ? found->second : entries_[id];
@@ -29,7 +30,10 @@ TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
   }
   // A NaN error would break the ordering: it counts as the worst.
   const float error = waiter.error_px >= 0 && waiter.error_px < 1e30f ? waiter.error_px : 1e30f;
-  if (!entry.rendering) session.ranked.emplace(Rank{error, ++order_}, id);
+  if (!entry.rendering) {
+    request.rank = Rank{error, ++order_};
+    session.ranked.emplace(*request.rank, id);
+  }
   not_empty_.notify_one();
   return merged ? Admission::kMerged : Admission::kQueued;
 }
@@ -77,8 +81,21 @@ void TileQueue::drop_waiter(SessionId session, std::uint32_t request_id, const T
                                  return w.session == session && w.request_id == request_id;
                                }),
                 waiters.end());
-  // Its places in the rankings are skipped when they come up.
   if (waiters.empty() && !found->second.rendering) entries_.erase(found);
+}
+
+void TileQueue::end_request(SessionQueue& session, std::uint32_t request_id) {
+  const auto request = session.requests.find(request_id);
+  if (request == session.requests.end()) return;
+  if (request->second.rank) session.ranked.erase(*request->second.rank);
+  session.requests.erase(request);
+}
+
+void TileQueue::end_requests(const std::vector<Waiter>& waiters) {
+  for (const Waiter& w : waiters) {
+    const auto at = sessions_.find(w.session);
+    if (at != sessions_.end()) end_request(at->second, w.request_id);
+  }
 }
 
 void TileQueue::cancel(SessionId session, std::uint32_t request_id) {
@@ -87,8 +104,8 @@ void TileQueue::cancel(SessionId session, std::uint32_t request_id) {
   if (at == sessions_.end()) return;
   const auto request = at->second.requests.find(request_id);
   if (request == at->second.requests.end()) return;
-  const TileId id = request->second;
-  at->second.requests.erase(request);
+  const TileId id = request->second.id;
+  end_request(at->second, request_id);
   drop_waiter(session, request_id, id);
   ++counters_.tiles_cancelled;
 }
@@ -97,7 +114,9 @@ void TileQueue::remove_session(SessionId session) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto at = sessions_.find(session);
   if (at != sessions_.end()) {
-    for (const auto& [request_id, id] : at->second.requests) drop_waiter(session, request_id, id);
+    for (const auto& [request_id, request] : at->second.requests) {
+      drop_waiter(session, request_id, request.id);
+    }
     sessions_.erase(at);
   }
   references_.erase(std::remove_if(references_.begin(), references_.end(),
@@ -111,13 +130,20 @@ bool TileQueue::drop_late(Entry& entry) {
   for (const Waiter& w : entry.waiters) {
     if (!is_late(w)) return false;  // one who still wants it is enough
   }
-  for (const Waiter& w : entry.waiters) {
-    late_.push_back(w);
-    ++counters_.tiles_late;
-    const auto at = sessions_.find(w.session);
-    if (at != sessions_.end()) at->second.requests.erase(w.request_id);
-  }
+  late_.insert(late_.end(), entry.waiters.begin(), entry.waiters.end());
+  counters_.tiles_late += entry.waiters.size();
+  end_requests(entry.waiters);
   return true;
+}
+
+void TileQueue::start(Entry& entry) {
+  entry.rendering = true;
+  for (const Waiter& w : entry.waiters) {
+    SessionQueue& session = sessions_.at(w.session);
+    Request& request = session.requests.at(w.request_id);
+    session.ranked.erase(*request.rank);
+    request.rank.reset();
+  }
 }
 
 TileQueue::Entry* TileQueue::next_entry() {
@@ -126,17 +152,11 @@ TileQueue::Entry* TileQueue::next_entry() {
     auto at = sessions_.upper_bound(last_served_);
     if (at == sessions_.end()) at = sessions_.begin();
     last_served_ = at->first;
-    std::map<Rank, TileId>& ranked = at->second.ranked;
+    const std::map<Rank, TileId>& ranked = at->second.ranked;
     while (!ranked.empty()) {
-      const TileId id = ranked.begin()->second;
-      ranked.erase(ranked.begin());
-      const auto found = entries_.find(id);
-      if (found == entries_.end() || found->second.rendering) continue;
-      if (drop_late(found->second)) {
-        entries_.erase(found);
-        continue;
-      }
-      return &found->second;
+      const auto found = entries_.find(ranked.begin()->second);
+      if (!drop_late(found->second)) return &found->second;
+      entries_.erase(found);
     }
   }
   return nullptr;
@@ -146,13 +166,10 @@ std::vector<TileJob> TileQueue::take_batch(const std::function<bool(std::uint32_
   std::vector<TileJob> batch;
   while (Entry* entry = next_entry()) {
     if (!fits(tile_edge(entry->job.key.size_class))) {
-      // Back to the head of its first waiter's queue: it opens the next batch.
-      const SessionId owner = entry->waiters.front().session;
-      sessions_[owner].ranked.emplace(Rank{2e30f, ++order_}, entry->job.id);
-      last_served_ = owner - 1;  // whose turn comes first then
+      --last_served_;  // its turn comes first with the next batch
       break;
     }
-    entry->rendering = true;
+    start(*entry);
     batch.push_back(entry->job);
   }
   return batch;
@@ -191,10 +208,7 @@ std::vector<Waiter> TileQueue::finish(const TileId& id) {
   if (found == entries_.end()) return {};
   std::vector<Waiter> waiters = std::move(found->second.waiters);
   entries_.erase(found);
-  for (const Waiter& w : waiters) {
-    const auto at = sessions_.find(w.session);
-    if (at != sessions_.end()) at->second.requests.erase(w.request_id);
-  }
+  end_requests(waiters);
   return waiters;
 }
 
@@ -206,6 +220,13 @@ std::vector<Waiter> TileQueue::take_late() {
 std::size_t TileQueue::length() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return entries_.size();
+}
+
+std::size_t TileQueue::ranks() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::size_t all = 0;
+  for (const auto& [id, session] : sessions_) all += session.ranked.size();
+  return all;
 }
 
 void TileQueue::close() {

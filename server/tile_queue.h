@@ -51,6 +51,8 @@ class TileQueue {
   std::vector<Waiter> take_late();
 
   std::size_t length() const;
+  /// Places in the rankings of all sessions: one for each ask that waits to be rendered.
+  std::size_t ranks() const;
   void close();
 
  private:
@@ -67,13 +69,23 @@ class TileQueue {
       return error_px != o.error_px ? error_px > o.error_px : order < o.order;
     }
   };
+  struct Request {
+    TileId id;
+    std::optional<Rank> rank;  ///< while it waits to be rendered
+  };
   struct SessionQueue {
     std::map<Rank, TileId> ranked;
-    std::unordered_map<std::uint32_t, TileId> requests;
+    std::unordered_map<std::uint32_t, Request> requests;
   };
 
   void drop_waiter(SessionId session, std::uint32_t request_id, const TileId& id);
+  /// Ends requests, their ranks with them.
+  void end_request(SessionQueue& session, std::uint32_t request_id);
+  void end_requests(const std::vector<Waiter>& waiters);
+  /// It is being rendered, and ranked no longer.
+  void start(Entry& entry);
   bool drop_late(Entry& entry);
+  /// The next to be rendered, still in its place; whose turn it was is last_served_.
   Entry* next_entry();
   /// What waits and fits, marked as being rendered.
   std::vector<TileJob> take_batch(const std::function<bool(std::uint32_t)>& fits);

@@ -33,26 +33,24 @@ StoredTilePtr TileStore::find_in_memory(const TileId& id, const std::vector<Tile
 }
 
 StoredTilePtr TileStore::find(const TileId& id, TileCodec codec) {
-  if (StoredTilePtr form = find_in_memory(id, {codec})) return form;
-  if (!directory_) return nullptr;
-  StoredTilePtr tile = load(id, codec);
-  if (!tile || (!is_lossy(codec) && tile->reply.codec != static_cast<std::uint8_t>(codec))) {
-    return nullptr;
-  }
-  ++counters_.store_hits;
-  put(id, codec, tile);
-  return tile;
+  return find_in_memory(id, {codec});
 }
 
 StoredTilePtr TileStore::find_lossless(const TileId& id) {
-  const std::vector<TileCodec> lossless = {TileCodec::kZstd, TileCodec::kLz4, TileCodec::kRaw};
-  if (StoredTilePtr form = find_in_memory(id, lossless)) return form;
-  if (!directory_) return nullptr;
-  StoredTilePtr tile = load(id, TileCodec::kZstd);
-  if (!tile) return nullptr;
-  ++counters_.store_hits;
-  put(id, static_cast<TileCodec>(tile->reply.codec), tile);
-  return tile;
+  return find_in_memory(id, {TileCodec::kZstd, TileCodec::kLz4, TileCodec::kRaw});
+}
+
+FetchedTile TileStore::fetch(const TileId& id, TileCodec codec) {
+  StoredTilePtr tile = load(id, codec);
+  const bool as_asked =
+      tile && (is_lossy(codec) || tile->reply.codec == static_cast<std::uint8_t>(codec));
+  if (as_asked) {
+    put(id, codec, tile);
+    return {tile, nullptr};
+  }
+  if (is_lossy(codec)) tile = load(id, TileCodec::kZstd);
+  if (tile) put(id, static_cast<TileCodec>(tile->reply.codec), tile);
+  return {nullptr, tile};
 }
 
 void TileStore::put(const TileId& id, TileCodec codec, StoredTilePtr tile) {

@@ -1,6 +1,7 @@
 #pragma once
 // Tile store: finished tiles by id, in memory under a byte budget (least recently used go first,
-// all their forms together), and optionally in a directory, which outlives the process. Any thread.
+// all their forms together), and optionally in a directory, which outlives the process. Any thread;
+// fetch() and save() take as long as the disk does and are the fetch stage's.
 
 #include <list>
 #include <mutex>
@@ -17,14 +18,18 @@ class TileStore {
   /// `directory` nullptr: memory only; else it outlives the store.
   TileStore(std::size_t budget_bytes, CacheDirectory* directory, Counters& counters);
 
-  /// The form that was made for `codec`, from memory or the directory; nullptr when it must be.
+  /// The form that was made for `codec`; nullptr: it is not in memory.
   StoredTilePtr find(const TileId& id, TileCodec codec);
-  /// A form without loss to make others from; nullptr when the tile must be rendered.
+  /// A form without loss to make others from; nullptr: it is not in memory.
   StoredTilePtr find_lossless(const TileId& id);
   /// Into memory: the form that was made for `codec`; it may be in another, where that is smaller.
   void put(const TileId& id, TileCodec codec, StoredTilePtr tile);
-  /// Into the directory, where there is one. Apart from put(): nobody is to wait for a disk. All
-  /// forms without loss share one file; lossy ones have their own.
+
+  bool has_directory() const { return directory_ != nullptr; }
+  /// From the directory into memory.
+  FetchedTile fetch(const TileId& id, TileCodec codec);
+  /// Into the directory, where there is one. All forms without loss share one file; lossy ones have
+  /// their own.
   void save(const TileId& id, TileCodec codec, const StoredTile& tile) const;
 
  private:

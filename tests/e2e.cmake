@@ -28,6 +28,8 @@ mirage_e2e(counters)
 mirage_e2e(memory)
 mirage_e2e(parts)
 mirage_e2e(demo)
+mirage_e2e(options)
+target_link_libraries(mirage_e2e_options PRIVATE mirage_cli)
 add_dependencies(mirage_e2e_demo mirage-sheet)
 target_compile_definitions(mirage_e2e_demo PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 # It writes a scene of its own.

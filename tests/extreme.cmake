@@ -13,7 +13,7 @@ add_executable(mirage-extreme
 mirage_target(mirage-extreme)
 target_compile_definitions(mirage-extreme PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(mirage-extreme PRIVATE mirage_test_support mirage_server_core mirage_client_core mirage_client_native
-                      mirage_gltf mirage_quality CLI11::CLI11 nlohmann_json::nlohmann_json)
+                      mirage_gltf mirage_quality mirage_cli nlohmann_json::nlohmann_json)
 # Cases that are about whole programs run them.
 add_dependencies(mirage-extreme mirage-server mirage-view)
 

@@ -16,7 +16,7 @@
 #include "client/report/outside.h"
 #include "client/report/weather.h"
 #include "client/report/work_precision.h"
-#include "protocol/cli.h"
+#include "protocol/fail.h"
 
 namespace mirage {
 namespace {

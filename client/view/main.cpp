@@ -6,7 +6,7 @@
 
 #include "client/view/options.h"
 #include "client/view/viewer.h"
-#include "protocol/cli.h"
+#include "protocol/fail.h"
 
 int main(int argc, char** argv) {
   try {

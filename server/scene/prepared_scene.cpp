@@ -32,7 +32,7 @@ void describe(PreparedScene& prepared, const std::map<std::size_t, MeasuredMotio
                [&](std::size_t i) { prepared.images[i] = describe_image(scene, i); });
 }
 
-void make_all_geometry(PreparedScene& prepared, const LoadOptions& options,
+void make_all_geometry(PreparedScene& prepared, const SceneLoadOptions& options,
                        const Workers& workers) {
   const std::vector<SceneObject>& objects = prepared.scene.objects;
   prepared.geometry.resize(objects.size());
@@ -188,7 +188,7 @@ bool PreparedScene::has_casters() const {
 
 namespace {
 
-Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const LoadOptions& options,
+Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const SceneLoadOptions& options,
                                                      const Workers& workers, StageTimes times) {
   auto prepared = std::make_shared<PreparedScene>();
   prepared->scene = std::move(scene);
@@ -226,7 +226,7 @@ Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const LoadOpti
 }  // namespace
 
 Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
-                                                        const LoadOptions& options) {
+                                                        const SceneLoadOptions& options) {
   constexpr const char* kBuiltin = "builtin:";
   const bool builtin = spec.rfind(kBuiltin, 0) == 0;
   const Workers workers(options.threads);
@@ -247,7 +247,7 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
 }
 
 Result<std::shared_ptr<const PreparedScene>> prepare_scene(Scene scene,
-                                                           const LoadOptions& options) {
+                                                           const SceneLoadOptions& options) {
   return prepare(std::move(scene), options, Workers(options.threads), {});
 }
 

@@ -65,7 +65,7 @@ struct PreparedScene {
   }
 };
 
-struct LoadOptions {
+struct SceneLoadOptions {
   bool keep_imported = false;         ///< PreparedScene::imported
   std::size_t threads = 0;            ///< that work at it; 0: as many as there are cores
   bool strict = false;                ///< files: refuse what viewers forgive (ImportOptions)
@@ -78,9 +78,9 @@ struct LoadOptions {
 /// and whether from the cache or not.
 /// Errors: those of the importers, kSceneLimit when it exceeds limits.h.
 Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
-                                                        const LoadOptions& options = {});
+                                                        const SceneLoadOptions& options = {});
 /// The same of a scene that is there.
 Result<std::shared_ptr<const PreparedScene>> prepare_scene(Scene scene,
-                                                           const LoadOptions& options = {});
+                                                           const SceneLoadOptions& options = {});
 
 }  // namespace mirage

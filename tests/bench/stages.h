@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "protocol/clock.h"
-#include "server/encode_stage.h"
-#include "server/render_stage.h"
+#include "server/pipeline.h"
 #include "server/scene/prepared_scene.h"
 
 namespace mirage::bench {
@@ -39,28 +38,20 @@ inline std::vector<TileJob> tiles_of(const PreparedScene& scene, std::size_t cou
 class Stages {
  public:
   Result<void> start(std::shared_ptr<const PreparedScene> scene) {
-    encode_.start(scene, 1);
-    const Result<std::string> renderer = render_.start(scene, {});
+    const Result<std::string> renderer = pipeline_.start(std::move(scene), {}, 1);
     return renderer ? Result<void>{} : renderer.error();
-  }
-  ~Stages() {
-    completions_.close();
-    queue_.close();
-    render_.join();
-    rendered_.close();
-    encode_.join();
   }
   /// In the order in which they are done.
   std::vector<StoredTilePtr> make(const std::vector<TileJob>& jobs) {
     std::vector<StoredTilePtr> out;
     std::uint32_t request = 0;
     for (const TileJob& job : jobs) {
-      queue_.submit(job.key, job.id, job.lighting, {1, ++request, 1.0f, 0});
+      pipeline_.queues.tiles.submit(job.key, job.id, job.lighting, {1, ++request, 1.0f, 0});
     }
     for (std::size_t done = 0; done < jobs.size(); ++done) {
-      const std::optional<Completion> tile = completions_.pop();
+      const std::optional<Completion> tile = pipeline_.queues.completions.pop();
       if (!tile) break;
-      queue_.finish(tile->id);
+      pipeline_.queues.tiles.finish(tile->id);
       out.push_back(tile->tile);
     }
     return out;
@@ -68,13 +59,7 @@ class Stages {
 
  private:
   SteadyClock clock_;
-  Counters counters_;
-  TileStore store_{256u << 20, nullptr, counters_};
-  TileQueue queue_{clock_, counters_};
-  BoundedQueue<EncodeJob> rendered_{512};
-  BoundedQueue<Completion> completions_{8192};
-  EncodeStage encode_{rendered_, completions_, store_, counters_, [] {}};
-  RenderStage render_{clock_, counters_, queue_, rendered_, completions_, [] {}};
+  Pipeline pipeline_{clock_, 256u << 20, nullptr};
 };
 
 }  // namespace mirage::bench

@@ -118,12 +118,8 @@ glm::dvec3 turned(const glm::dvec3& direction, double degrees, double bearing) {
 
 std::optional<SceneView> scene_as_told(const std::shared_ptr<const PreparedScene>& prepared) {
   const SteadyClock clock;
-  Counters counters;
-  TileQueue queue(clock, counters);
-  TileStore store(1 << 20, nullptr, counters);
-  BoundedQueue<EncodeJob> jobs(64);
-  BoundedQueue<ImageLevel> images(64);
-  SessionHub hub(prepared, {}, clock, counters, queue, store, jobs, images);
+  StageQueues queues(clock, 1 << 20, nullptr);
+  SessionHub hub(prepared, {}, queues);
   const SessionId id = hub.open().take();
   wire::HelloT hello;
   hello.version_min = hello.version_max = limits::kProtocolVersion;

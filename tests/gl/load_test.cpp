@@ -12,7 +12,7 @@ namespace mirage::test {
 namespace {
 
 /// Content hashes of tiles of all objects, near and far, lit and relit; empty when it fails.
-std::vector<std::uint64_t> tile_hashes(const std::string& spec, const LoadOptions& options) {
+std::vector<std::uint64_t> tile_hashes(const std::string& spec, const SceneLoadOptions& options) {
   const auto scene = load_scene(spec, options);
   if (!scene) return {};
   const GpuScene gpu(*scene);

@@ -71,10 +71,9 @@ std::shared_ptr<const PreparedScene> rig_scene(const RigScene& options) {
 }
 
 Host::Host(std::shared_ptr<const PreparedScene> scene, const Clock& clock, SessionOptions options)
-    : scene_(std::move(scene)), queue_(clock, counters_) {
+    : scene_(std::move(scene)), queues_(clock, 64u << 20, nullptr) {
   options.geometry = false;
-  hub_ = std::make_unique<SessionHub>(scene_, std::move(options), clock, counters_, queue_, store_,
-                                      encode_jobs_, image_jobs_);
+  hub_ = std::make_unique<SessionHub>(scene_, std::move(options), queues_);
 }
 
 StoredTilePtr Host::make(const TileJob& job) const {
@@ -87,12 +86,12 @@ StoredTilePtr Host::make(const TileJob& job) const {
 }
 
 void Host::make_forms() {
-  while (const std::optional<EncodeJob> job = encode_jobs_.try_pop()) {
+  while (const std::optional<EncodeJob> job = queues_.rendered.try_pop()) {
     Completion done;
     done.id = job->form->id;
     done.codec = job->form->codec;
     done.tile = convert_form(job->form->lossless, done.codec);
-    store_.put(done.id, done.codec, done.tile);
+    queues_.store.put(done.id, done.codec, done.tile);
     hub_->complete(std::move(done));
   }
 }
@@ -100,11 +99,11 @@ void Host::make_forms() {
 std::size_t Host::render(std::size_t count) {
   make_forms();
   std::size_t left = count, done = 0;
-  const auto work = queue_.take([&](std::uint32_t) { return left > 0 && left-- > 0; }, false);
+  const auto work = queues_.tiles.take([&](std::uint32_t) { return left > 0 && left-- > 0; }, false);
   if (!work || !std::holds_alternative<std::vector<TileJob>>(*work)) return 0;
   for (const TileJob& job : std::get<std::vector<TileJob>>(*work)) {
     const StoredTilePtr tile = make(job);
-    store_.put(job.id, job.codec, tile);
+    queues_.store.put(job.id, job.codec, tile);
     Completion completion;
     completion.id = job.id;
     completion.codec = job.codec;

@@ -41,7 +41,7 @@ class Host {
   Host(std::shared_ptr<const PreparedScene> scene, const Clock& clock, SessionOptions options);
 
   SessionHub& hub() { return *hub_; }
-  TileQueue& queue() { return queue_; }
+  TileQueue& queue() { return queues_.tiles; }
   /// Renders at most `count` of the tiles that wait; how many it were.
   std::size_t render(std::size_t count = SIZE_MAX);
   /// All that the client may be sent now.
@@ -56,11 +56,7 @@ class Host {
   void make_forms();
 
   std::shared_ptr<const PreparedScene> scene_;
-  Counters counters_;
-  TileQueue queue_;
-  TileStore store_{64u << 20, nullptr, counters_};
-  BoundedQueue<EncodeJob> encode_jobs_{16};
-  BoundedQueue<ImageLevel> image_jobs_{16};
+  StageQueues queues_;
   std::unique_ptr<SessionHub> hub_;
   double busy_s_ = 0;
 };

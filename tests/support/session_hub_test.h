@@ -25,8 +25,7 @@ class SessionHubTest : public ::testing::Test {
   SessionHubTest() { restart({}); }
 
   void restart(SessionOptions options, std::shared_ptr<const PreparedScene> scene = scene_) {
-    hub = std::make_unique<SessionHub>(std::move(scene), std::move(options), clock, counters, queue,
-                                       store, encode_jobs, image_jobs);
+    hub = std::make_unique<SessionHub>(std::move(scene), std::move(options), queues);
   }
   static wire::HelloT hello(const std::vector<TileCodec>& codecs = {TileCodec::kRaw,
                                                                     TileCodec::kZstd}) {
@@ -97,11 +96,12 @@ class SessionHubTest : public ::testing::Test {
 
   static inline std::shared_ptr<const PreparedScene> scene_;
   VirtualClock clock;
-  Counters counters;
-  TileQueue queue{clock, counters};
-  TileStore store{1 << 24, nullptr, counters};
-  BoundedQueue<EncodeJob> encode_jobs{16};
-  BoundedQueue<ImageLevel> image_jobs{16};
+  StageQueues queues{clock, 1 << 24, nullptr};
+  Counters& counters = queues.counters;
+  TileQueue& queue = queues.tiles;
+  TileStore& store = queues.store;
+  BoundedQueue<EncodeJob>& encode_jobs = queues.rendered;
+  BoundedQueue<ImageLevel>& image_jobs = queues.images;
   std::unique_ptr<SessionHub> hub;
 };
 

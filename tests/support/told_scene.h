@@ -6,6 +6,12 @@
 
 namespace mirage::test {
 
+inline std::vector<FramePtr> pages_of(TreeTelling telling) {
+  std::vector<FramePtr> out;
+  while (FramePtr page = telling.next_page()) out.push_back(std::move(page));
+  return out;
+}
+
 inline Result<void> take(SceneView& scene, const std::vector<FramePtr>& pages) {
   for (const FramePtr& page : pages) {
     Message m = decode_message(page->data(), page->size()).take();

@@ -7,7 +7,6 @@
 #include "client/core/scene_opener.h"
 #include "client/core/selector_rules.h"
 #include "protocol/limits.h"
-#include "server/scene_opening.h"
 #include "tests/support/told_scene.h"
 
 namespace mirage::test {
@@ -30,7 +29,7 @@ int ask_on(SceneOpener& opener, SelectorWorld& world) {
     world.now_us += 200'000;
     const std::optional<wire::OpenRequestT> request = opener.plan(world.input());
     if (!request || requests > 20) return requests;
-    EXPECT_TRUE(take(world.scene, answer_open(*field(), *request)).ok());
+    EXPECT_TRUE(take(world.scene, pages_of({*field(), *request})).ok());
     world.selector.grow(world.scene);
     world.cache.grow(world.scene);
     world.mesh_ready.resize(world.scene.objects.size(), false);
@@ -277,15 +276,25 @@ TEST(CoreOpener, PagesThatContradictTheSceneAreRefusedWhole) {
       << "leaves beyond the scene's instances";
 }
 
+// All groups that are opened of `groups`, in order.
+std::vector<std::uint32_t> opened(const PreparedScene& scene,
+                                  const std::vector<std::uint32_t>& groups,
+                                  const Opening& opening) {
+  std::vector<std::uint32_t> out;
+  GroupOpening groups_left(scene, groups, opening);
+  while (const std::optional<std::uint32_t> id = groups_left.next()) out.push_back(*id);
+  return out;
+}
+
 TEST(ServerOpening, ALimitIsKeptAndGroupsComeBeforeTheirOwn) {
   Opening opening;
   opening.eye = field()->scene.home.eye;
   opening.rule.margin = 16;
   opening.most = 500;
-  const auto opened = groups_to_open(*field(), field()->grouping.roots, opening);
+  const auto ids = opened(*field(), field()->grouping.roots, opening);
   std::size_t told = 0;
   std::set<std::uint32_t> seen;
-  for (const std::uint32_t id : opened) {
+  for (const std::uint32_t id : ids) {
     told += field()->group_of_instance(id)->members;
     const std::uint32_t parent = field()->parent(id);
     EXPECT_TRUE(parent == kNoGroup || seen.count(parent) != 0);
@@ -298,7 +307,7 @@ TEST(ServerOpening, ALimitIsKeptAndGroupsComeBeforeTheirOwn) {
 // How many instances and groups are told of.
 std::size_t told_of(const PreparedScene& scene, const Opening& opening) {
   std::size_t told = 0;
-  for (const std::uint32_t id : groups_to_open(scene, scene.grouping.roots, opening)) {
+  for (const std::uint32_t id : opened(scene, scene.grouping.roots, opening)) {
     told += scene.group_of_instance(id)->members;
   }
   return told;
@@ -352,7 +361,7 @@ TEST(ServerOpening, WhatLiesBeforeTheEyeComesFirst) {
   opening.eye = field()->bounds_center;
   opening.most = 2000;
   int before = 0, behind = 0;
-  for (const std::uint32_t id : groups_to_open(*field(), field()->grouping.roots, opening)) {
+  for (const std::uint32_t id : opened(*field(), field()->grouping.roots, opening)) {
     const GroupBounds& bounds = field()->group_of_instance(id)->bounds;
     const double ahead = glm::dot(bounds.center - opening.eye, opening.forward);
     const double radius = glm::length(glm::dvec3(bounds.half));
@@ -368,7 +377,7 @@ TEST(ServerOpening, NumbersThatAreNoGroupsArePassedOver) {
   request.eye = std::make_unique<wire::Vec3d>();
   request.forward = std::make_unique<wire::Vec3d>(0, 0, -1);
   request.focal_px = 500, request.tau_px = 1, request.margin = 1;
-  const auto pages = answer_open(*field(), request);
+  const auto pages = pages_of({*field(), request});
   ASSERT_EQ(pages.size(), 1u);
   const Message m = decoded(pages[0]);
   EXPECT_TRUE(m.body.AsInstancePage()->last);

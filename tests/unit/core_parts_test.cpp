@@ -24,7 +24,7 @@ bool open_up(SelectorWorld& world) {
   world.now_us += 200'000;
   const std::optional<wire::OpenRequestT> request = opener.plan(world.input());
   if (!request) return false;
-  EXPECT_TRUE(take(world.scene, answer_open(*room(), *request)).ok());
+  EXPECT_TRUE(take(world.scene, pages_of({*room(), *request})).ok());
   world.selector.grow(world.scene);
   world.cache.grow(world.scene);
   world.mesh_ready.resize(world.scene.objects.size(), false);

@@ -16,8 +16,7 @@ class HubLink final : public Link {
   HubLink() : scene_(*load_scene("builtin:knot?tubular=16&radial=8")) { restart({}); }
   /// A server started anew: the connection is another one.
   void restart(SessionOptions options) {
-    hub_ = std::make_unique<SessionHub>(scene_, std::move(options), clock_, counters_, queue_,
-                                        store_, encode_jobs_, image_jobs_);
+    hub_ = std::make_unique<SessionHub>(scene_, std::move(options), queues_);
     id_ = hub_->open().take();
     ++generation_;
   }
@@ -45,11 +44,7 @@ class HubLink final : public Link {
  private:
   std::shared_ptr<const PreparedScene> scene_;
   VirtualClock clock_;
-  Counters counters_;
-  TileQueue queue_{clock_, counters_};
-  TileStore store_{1 << 24, nullptr, counters_};
-  BoundedQueue<EncodeJob> encode_jobs_{16};
-  BoundedQueue<ImageLevel> image_jobs_{16};
+  StageQueues queues_{clock_, 1 << 24, nullptr};
   std::unique_ptr<SessionHub> hub_;
   SessionId id_ = 0;
   std::uint32_t generation_ = 0;

@@ -87,8 +87,8 @@ class ServerCodec : public SessionHubTest {
     return codec;
   }
 
-  BoundedQueue<Completion> completions{64};
-  EncodeStage encode{encode_jobs, completions, store, counters, [] {}};
+  BoundedQueue<Completion>& completions = queues.completions;
+  EncodeStage encode{queues, [] {}};
   std::uint32_t request = 0;
 };
 

@@ -71,7 +71,7 @@ struct Loaded {
   std::uint64_t revision = 0, content = 0;
   bool operator==(const Loaded&) const = default;
 };
-Loaded load(const std::string& spec, const LoadOptions& options) {
+Loaded load(const std::string& spec, const SceneLoadOptions& options) {
   const auto scene = load_scene(spec, options);
   if (!scene) return {};
   return {(*scene)->revision, content_of(**scene)};

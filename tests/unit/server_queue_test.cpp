@@ -1,6 +1,7 @@
 // Tile queue: merging, order, turns, and every ask accounted for.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <random>
@@ -120,6 +121,30 @@ TEST_F(ServerQueue, CancelWhileRenderingDeliversToNobody) {
   queue.cancel(1, 1);
   EXPECT_EQ(finish(1), 0u);
   EXPECT_EQ(queue.length(), 0u);
+}
+
+// A place that outlives its ask is memory a client can make grow without end.
+TEST_F(ServerQueue, RanksEndWithTheirAsks) {
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    submit(1, i, key_of(i));
+    queue.cancel(1, i);
+  }
+  EXPECT_EQ(queue.ranks(), 0u) << "cancelled";
+  submit(2, 1, key_of(1));
+  submit(1, 1, key_of(1));
+  EXPECT_EQ(queue.ranks(), 2u);
+  EXPECT_EQ(take(), Objects{1});
+  EXPECT_EQ(queue.ranks(), 0u) << "the second ask is served with the first";
+  submit(3, 1, key_of(1));
+  EXPECT_EQ(queue.ranks(), 0u) << "it is being rendered";
+  submit(1, 2, key_of(2), 1, 1000);
+  submit(2, 2, key_of(2), 1, 1000);
+  clock.advance_to_us(1001);
+  EXPECT_EQ(take(), Objects{});
+  EXPECT_EQ(queue.ranks(), 0u) << "both were late";
+  submit(1, 3, key_of(3));
+  queue.remove_session(1);
+  EXPECT_EQ(queue.ranks(), 0u) << "its session has gone";
 }
 
 TEST_F(ServerQueue, LateAsksAreDroppedAndReported) {
@@ -263,6 +288,11 @@ TEST_F(ServerQueue, NothingIsLostInARandomHistory) {
       }
     }
     if (HasFatalFailure()) return;
+    if (i % 100 == 0) {
+      const auto open = std::count_if(asks.begin(), asks.end(),
+                                      [](const auto& ask) { return ask.second == Fate::kOpen; });
+      ASSERT_LE(queue.ranks(), static_cast<std::size_t>(open));
+    }
   }
   while (queue.length() > rendering.size()) take_some(100);
   finish_all();

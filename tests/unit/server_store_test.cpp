@@ -1,5 +1,6 @@
 // Tile store: budget, directory, and files that are not trusted.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -66,7 +67,7 @@ class ServerStore : public ::testing::Test {
   /// What the next one finds.
   StoredTilePtr kept(std::uint64_t n) {
     CacheDirectory cache(directory(), kRoomy);
-    return TileStore(1 << 20, &cache, counters).find(id_of(n), TileCodec::kRaw);
+    return TileStore(1 << 20, &cache, counters).fetch(id_of(n), TileCodec::kRaw).form;
   }
 
   Counters counters;
@@ -117,12 +118,13 @@ TEST_F(ServerStore, DirectoryOutlivesTheProcess) {
   keep(original, 5);
   CacheDirectory cache(directory(), kRoomy);
   TileStore store(1 << 20, &cache, counters);
-  const StoredTilePtr found = store.find(id_of(5), TileCodec::kRaw);
+  EXPECT_FALSE(store.find(id_of(5), TileCodec::kRaw)) << "not in memory yet";
+  const StoredTilePtr found = store.fetch(id_of(5), TileCodec::kRaw).form;
   ASSERT_TRUE(found);
   EXPECT_EQ(found->planes, original->planes);
   EXPECT_EQ(header_of(*found), header_of(*original));
   EXPECT_EQ(store.find(id_of(5), TileCodec::kRaw), found) << "in memory now";
-  EXPECT_FALSE(store.find(id_of(6), TileCodec::kRaw));
+  EXPECT_FALSE(store.fetch(id_of(6), TileCodec::kRaw).form);
 }
 
 TEST_F(ServerStore, DamagedFilesAreRenderedAgain) {
@@ -253,11 +255,13 @@ TEST_F(ServerStore, DirectoryKeepsLossyFormsBesideTheOneWithoutLoss) {
     store.save(id_of(1), TileCodec::kWebp, *webp);
   }
   TileStore store(1 << 20, &cache, counters);
-  ASSERT_TRUE(store.find(id_of(1), TileCodec::kWebp));
+  ASSERT_TRUE(store.fetch(id_of(1), TileCodec::kWebp).form);
   EXPECT_EQ(store.find(id_of(1), TileCodec::kWebp)->planes, webp->planes);
-  EXPECT_FALSE(store.find(id_of(1), TileCodec::kLz4)) << "to be made";
-  ASSERT_TRUE(store.find_lossless(id_of(1)));
-  EXPECT_EQ(store.find_lossless(id_of(1))->planes, zstd->planes);
+  const FetchedTile lz4 = store.fetch(id_of(1), TileCodec::kLz4);
+  EXPECT_FALSE(lz4.form) << "to be made";
+  ASSERT_TRUE(lz4.lossless);
+  EXPECT_EQ(lz4.lossless->planes, zstd->planes);
+  EXPECT_EQ(store.find_lossless(id_of(1)), lz4.lossless);
   // A lossy file in the other's place never passes for the tile itself.
   for (const auto& entry : fs::recursive_directory_iterator(directory())) {
     const std::string name = entry.path().string();
@@ -265,7 +269,7 @@ TEST_F(ServerStore, DirectoryKeepsLossyFormsBesideTheOneWithoutLoss) {
     if (at == std::string::npos) continue;
     write(name.substr(0, at) + ".tile", read(entry.path()));
   }
-  EXPECT_FALSE(TileStore(1 << 20, &cache, counters).find_lossless(id_of(1)));
+  EXPECT_FALSE(TileStore(1 << 20, &cache, counters).fetch(id_of(1), TileCodec::kZstd).form);
 }
 
 TEST_F(ServerStore, DirectoryThatCannotBeWrittenIsNoError) {
@@ -274,7 +278,16 @@ TEST_F(ServerStore, DirectoryThatCannotBeWrittenIsNoError) {
   store.put(id_of(1), TileCodec::kRaw, make_stored(1));
   store.save(id_of(1), TileCodec::kRaw, *make_stored(1));
   EXPECT_TRUE(store.find(id_of(1), TileCodec::kRaw));
-  EXPECT_FALSE(store.find(id_of(2), TileCodec::kRaw));
+  EXPECT_FALSE(store.fetch(id_of(2), TileCodec::kRaw).form);
+}
+
+// Opening one to read waits for somebody to write: for ever.
+TEST_F(ServerStore, APipeInTheDirectoryIsNoFileAndHoldsUpNobody) {
+  keep(make_stored(5), 5);
+  const fs::path file = only_file();
+  fs::remove(file);
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  EXPECT_FALSE(kept(5));
 }
 
 }  // namespace

@@ -1,0 +1,89 @@
+// What programs make of a configuration file and of the environment.
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <regex>
+#include <set>
+
+#include "protocol/cli.h"
+#include "tests/support/process.h"
+
+namespace mirage::test {
+namespace {
+
+const std::vector<std::string> kPrograms = {"mirage-server", "mirage-view",   "mirage-load",
+                                            "mirage-report", "mirage-extreme", "mirage-sheet"};
+
+std::string config(const std::string& text) {
+  static int number = 0;
+  const std::string path = scratch_folder() + "/config" + std::to_string(++number) + ".toml";
+  std::ofstream(path) << text;
+  return path;
+}
+
+/// The server with this configuration and this in the environment: it lists devices and ends.
+Finished list_devices(const std::string& config_file, const std::string& variable = "X=y") {
+  std::vector<std::string> command = {"/usr/bin/env", variable, binary("mirage-server"),
+                                      "--list-devices"};
+  if (!config_file.empty()) command.insert(command.end(), {"--config", config_file});
+  return run(command);
+}
+
+void expect_usage_error(const Finished& done, const std::string& named) {
+  EXPECT_EQ(done.exit_code, 2) << done.output;
+  EXPECT_NE(done.output.find("error usage:"), std::string::npos) << done.output;
+  EXPECT_NE(done.output.find(named), std::string::npos) << done.output;
+}
+
+// A misspelt token file must not open a server to everybody.
+TEST(Options, UnknownKeysOfAConfigFileAreErrors) {
+  const std::string file = config("cache-mb = 64\ntoken_file = \"/etc/mirage/token\"\n");
+  const Finished done = list_devices(file);
+  expect_usage_error(done, "token_file");
+  EXPECT_NE(done.output.find("did you mean token-file?"), std::string::npos) << done.output;
+  expect_usage_error(list_devices(config("[server]\ncache-mb = 64\n")), "server.cache-mb");
+}
+
+TEST(Options, WhatIsNoTomlIsAnError) {
+  expect_usage_error(list_devices(config("these are words\n")), "these are words");
+  expect_usage_error(list_devices(config("[cache-mb\n")), "cache-mb");
+  expect_usage_error(list_devices(config("cache-mb = lots\n")), "cache-mb");
+  expect_usage_error(list_devices(config("\x01\x02\xff\xfe")), "config");
+  expect_usage_error(list_devices("/nonexistent.toml"), "/nonexistent.toml");
+}
+
+TEST(Options, AGoodConfigFileIsTaken) {
+  const Finished done = list_devices(config("# a comment\n\ncache-mb = 64\nmetrics = true\n"));
+  EXPECT_EQ(done.exit_code, 0) << done.output;
+}
+
+TEST(Options, UnknownVariablesAreErrors) {
+  const Finished done = list_devices("", "MIRAGE_TOKEN_FLE=/etc/mirage/token");
+  expect_usage_error(done, "MIRAGE_TOKEN_FLE");
+  EXPECT_NE(done.output.find("did you mean MIRAGE_TOKEN_FILE?"), std::string::npos) << done.output;
+  EXPECT_EQ(list_devices("", "MIRAGE_CACHE_MB=64").exit_code, 0);
+  EXPECT_EQ(list_devices("", "MIRAGE_FRAME_MS=50").exit_code, 0) << "another program's";
+  expect_usage_error(list_devices("", "MIRAGE_CACHE_MB=lots"), "MIRAGE_CACHE_MB");
+}
+
+TEST(Options, TheListOfAllProgramsOptionsIsCurrent) {
+  std::set<std::string> found;
+  const std::regex name("Env:(MIRAGE_[A-Z0-9_]+)");
+  for (const std::string& program : kPrograms) {
+    const std::string help = run({binary(program), "--help"}).output;
+    for (std::sregex_iterator at(help.begin(), help.end(), name), end; at != end; ++at) {
+      found.insert((*at)[1]);
+    }
+  }
+  const std::set<std::string> hidden = {"MIRAGE_CHILD", "MIRAGE_FOLDER"};  // of mirage-extreme
+  found.insert(hidden.begin(), hidden.end());
+  std::set<std::string> listed;
+  for (const std::string& option : options_of_all_programs()) {
+    listed.insert(environment_name(option));
+  }
+  EXPECT_EQ(listed, found);
+}
+
+}  // namespace
+}  // namespace mirage::test

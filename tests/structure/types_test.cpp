@@ -1,0 +1,64 @@
+// The shape of the code: each type of a namespace is defined in one header.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace mirage::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Types that a header's text defines at namespace level, each with its namespace before it.
+std::vector<std::string> types_of(std::istream& text) {
+  static const std::regex opens(R"(^namespace ([A-Za-z_:]+) \{)");
+  static const std::regex defines(
+      R"(^(?:struct|class|enum class|union) ([A-Za-z_0-9]+)(?: final)?(?: ?:[^;]*)? ?\{)");
+  std::vector<std::string> out;
+  std::string space;
+  std::smatch match;
+  for (std::string line; std::getline(text, line);) {
+    if (std::regex_search(line, match, opens)) space = match[1];
+    if (std::regex_search(line, match, defines)) out.push_back(space + "::" + match[1].str());
+  }
+  return out;
+}
+
+std::map<std::string, std::vector<std::string>> headers_by_type(const fs::path& root) {
+  std::map<std::string, std::vector<std::string>> out;
+  for (const char* part : {"protocol", "shaders", "server", "client", "tests"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(root / part)) {
+      if (entry.path().extension() != ".h") continue;
+      std::ifstream text(entry.path());
+      for (const std::string& type : types_of(text)) {
+        out[type].push_back(fs::relative(entry.path(), root).string());
+      }
+    }
+  }
+  return out;
+}
+
+// Two that are linked into one program are undefined behaviour, and a reader finds the wrong one.
+TEST(Structure, EachTypeIsDefinedInOneHeader) {
+  const auto headers = headers_by_type(MIRAGE_SOURCE_DIR);
+  EXPECT_GT(headers.size(), 300u) << "too few types were found to say anything";
+  for (const auto& [type, files] : headers) {
+    EXPECT_EQ(files.size(), 1u) << type << " in " << ::testing::PrintToString(files);
+  }
+}
+
+TEST(Structure, TypesAreFoundWithTheirNamespace) {
+  std::istringstream text(
+      "namespace mirage {\nstruct One;\nstruct Two {\n  struct Inner {\n};\n"
+      "class Three final : public Two {\n}  // namespace mirage\nnamespace mirage::gl {\n"
+      "enum class Four : int { kA };\n");
+  EXPECT_EQ(types_of(text),
+            (std::vector<std::string>{"mirage::Two", "mirage::Three", "mirage::gl::Four"}));
+}
+
+}  // namespace
+}  // namespace mirage::test
