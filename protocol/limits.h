@@ -27,6 +27,15 @@ inline constexpr std::size_t kMaxLightingStatesPerClient = 64;
 inline constexpr std::size_t kMaxReferencePixels = 4096u * 4096u;
 inline constexpr std::uint32_t kMaxReferenceEdge = 8192;
 inline constexpr std::uint32_t kMaxReferenceSupersample = 4;  ///< per axis
+/// Whether a full render may be asked for; `supersample` is per axis.
+inline constexpr bool reference_within_limits(std::uint32_t width, std::uint32_t height,
+                                              std::uint32_t supersample) {
+  const bool edges =
+      width >= 1 && width <= kMaxReferenceEdge && height >= 1 && height <= kMaxReferenceEdge;
+  const bool samples = supersample >= 1 && supersample <= kMaxReferenceSupersample;
+  return edges && samples &&
+         std::uint64_t{width} * height * supersample * supersample <= 2 * kMaxReferencePixels;
+}
 inline constexpr std::uint32_t kMinViewEdge = 16;
 inline constexpr std::uint32_t kMaxViewEdge = 1024;
 inline constexpr std::size_t kMaxViewTexels = 640u * 360u;

@@ -256,8 +256,20 @@ Result<void> Endpoint::listen(const EndpointOptions& options) {
   impl_->context = lws_create_context(&info);
   if (!impl_->context) return make_error(ErrorId::kNetworkListen, "libwebsockets does not start");
   info.options |= LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
-  info.port = options.port;
-  info.iface = options.host.c_str();
+  const ListenAddress& at = options.address;
+  std::string interface = at.socket_path;
+  if (at.socket_path.empty()) {
+    Result<std::string> numeric = numeric_address(at.host);
+    if (!numeric) return numeric.error();
+    interface = numeric.take();
+    if (interface.find(':') == std::string::npos) info.options |= LWS_SERVER_OPTION_DISABLE_IPV6;
+    info.port = at.port;
+  } else {
+    if (Result<void> free = free_socket_path(at.socket_path); !free) return free.error();
+    info.options |= LWS_SERVER_OPTION_UNIX_SOCK;
+    info.port = 0;
+  }
+  info.iface = interface.c_str();
   info.protocols = kProtocols;
   info.timeout_secs = 10;
   info.ka_time = 30;
@@ -271,16 +283,19 @@ Result<void> Endpoint::listen(const EndpointOptions& options) {
   impl_->vhost = lws_create_vhost(impl_->context, &info);
   if (!impl_->vhost) {
     return make_error(ErrorId::kNetworkListen,
-                      "cannot listen on " + options.host + ":" + std::to_string(options.port),
+                      "cannot listen on " + at.url(!options.tls_cert.empty(), at.port),
                       "is the port taken, or the certificate unreadable? --listen HOST:0 takes any "
                       "free port");
   }
   return {};
 }
 
-int Endpoint::port() const { return lws_get_vhost_listen_port(impl_->vhost); }
+int Endpoint::port() const {
+  const bool has_port = impl_->options.address.socket_path.empty();
+  return has_port ? lws_get_vhost_listen_port(impl_->vhost) : 0;
+}
 
-void Endpoint::run() {
+Result<void> Endpoint::run() {
   const SteadyClock clock;
   std::int64_t next_sweep_us = 0;
   std::int64_t drain_until_us = 0;
@@ -296,14 +311,19 @@ void Endpoint::run() {
         lws_set_timeout(at->second, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
       }
     }
+    const std::optional<Error>& failure = impl_->hub.failure();
+    if (failure) impl_->stopping = true;
     if (!impl_->stopping) continue;
     if (drain_until_us == 0) {
       drain_until_us = now + kDrainUs;
-      impl_->hub.say_goodbye_to_all("server is shutting down");
+      impl_->hub.say_goodbye_to_all(failure ? "the server's graphics have failed"
+                                            : "server is shutting down");
       impl_->ask_to_write();
     }
     if (impl_->hub.all_written() || now > drain_until_us) break;
   }
+  if (impl_->hub.failure()) return *impl_->hub.failure();
+  return {};
 }
 
 void Endpoint::stop() {

@@ -9,13 +9,13 @@
 #include <string>
 
 #include "protocol/bounded_queue.h"
+#include "server/listen_address.h"
 #include "server/session.h"
 
 namespace mirage {
 
 struct EndpointOptions {
-  std::string host = "127.0.0.1";
-  int port = 9870;       ///< 0: any free port
+  ListenAddress address;
   std::string tls_cert;  ///< PEM files; both or none
   std::string tls_key;
   std::string allow_origin;  ///< empty: any; else the only Origin a browser may come from
@@ -31,9 +31,11 @@ class Endpoint {
 
   /// Binds and listens. Error kNetworkListen.
   Result<void> listen(const EndpointOptions& options);
+  /// The one taken; of a unix socket 0.
   int port() const;
-  /// Serves until stop(); then says goodbye to the clients and returns.
-  void run();
+  /// Serves until stop(); then says goodbye to the clients and returns. So it does when the
+  /// renderer fails, with its error.
+  Result<void> run();
   /// Any thread, also from a signal handler.
   void stop();
   /// Any thread: there are completions.

@@ -20,6 +20,7 @@
 #include "server/scene/environment/environment.h"
 #include "server/scene/environment/environment_file.h"
 #include "shaders/gl/egl_context.h"
+#include "shaders/gl/health.h"
 
 namespace mirage {
 namespace {
@@ -57,12 +58,11 @@ void raise_descriptor_limit() {
 
 Result<void> announce(const ServerOptions& options, const PreparedScene& scene, int port,
                       const std::string& renderer) {
-  const char* scheme = options.endpoint.tls_cert.empty() ? "ws" : "wss";
-  std::printf(
-      "ready url=%s://%s:%d revision=%016llx objects=%zu instances=%zu triangles=%llu gl=%s\n",
-      scheme, options.endpoint.host.c_str(), port, static_cast<unsigned long long>(scene.revision),
-      scene.objects.size(), scene.scene.instances.size(),
-      static_cast<unsigned long long>(scene.scene.triangles()), renderer.c_str());
+  const std::string url = options.endpoint.address.url(!options.endpoint.tls_cert.empty(), port);
+  std::printf("ready url=%s revision=%016llx objects=%zu instances=%zu triangles=%llu gl=%s\n",
+              url.c_str(), static_cast<unsigned long long>(scene.revision), scene.objects.size(),
+              scene.scene.instances.size(),
+              static_cast<unsigned long long>(scene.scene.triangles()), renderer.c_str());
   std::fflush(stdout);
   if (options.port_file.empty()) return {};
   std::ofstream file(options.port_file);
@@ -106,13 +106,13 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
   std::signal(SIGPIPE, SIG_IGN);
   const Result<void> announced = announce(options, *scene, endpoint.port(), *renderer);
   if (!announced) return fail(announced.error());
-  endpoint.run();
+  const Result<void> served = endpoint.run();
   awake = nullptr;
   const Counters& counters = queues.counters;
   spdlog::info("stopped: {} tiles rendered, {} from the store, {} merged",
                counters.tiles_rendered.load(), counters.store_hits.load(),
                counters.tiles_merged.load());
-  return 0;
+  return served ? 0 : fail(served.error());
 }
 
 int explain(const ServerOptions& options, std::shared_ptr<const PreparedScene> scene) {
@@ -165,7 +165,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    return mirage::run(argc, argv);
+    return mirage::gl::exit_without_leaks(mirage::run(argc, argv));
   } catch (const std::exception& e) {
     return mirage::fail(mirage::make_error(mirage::ErrorId::kInternal, e.what()));
   }

@@ -17,20 +17,6 @@ std::string footer() {
   return text;
 }
 
-Result<void> split_listen(const std::string& listen, EndpointOptions& out) {
-  const std::size_t colon = listen.rfind(':');
-  const std::string port = colon == std::string::npos ? "" : listen.substr(colon + 1);
-  const bool digits = !port.empty() && port.size() <= 5 &&
-                      port.find_first_not_of("0123456789") == std::string::npos;
-  if (!digits || std::stoi(port) > 65535 || colon == 0) {
-    return make_error(ErrorId::kUsage, "--listen takes HOST:PORT, not '" + listen + "'",
-                      "for example 127.0.0.1:9870, or :0 for any free port after a host");
-  }
-  out.host = listen.substr(0, colon);
-  out.port = std::stoi(port);
-  return {};
-}
-
 Result<std::string> read_token(const std::string& path) {
   std::ifstream file(path);
   std::string token;
@@ -58,7 +44,8 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
                  "builtin:sky, none; default: the studio for a file without lights, else none");
   app.add_option("--write-environment", o.write_environment,
                  "write the surroundings (default the studio) as FILE.hdr or FILE.exr and exit");
-  app.add_option("--listen", listen, "HOST:PORT to serve on; port 0 takes any free one")
+  app.add_option("--listen", listen,
+                 "HOST:PORT, [IPv6]:PORT or unix:PATH to serve on; port 0 takes any free one")
       ->take_last()
       ->capture_default_str();
   app.add_option("--port-file", o.port_file, "write the port here once ready");
@@ -129,8 +116,11 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   if (o.scene.empty()) {
     return fail(make_error(ErrorId::kUsage, "no SCENE given", "try mirage-server builtin:forest"));
   }
-  if (const Result<void> split = split_listen(listen, o.endpoint); !split) {
-    return fail(split.error());
+  Result<ListenAddress> address = parse_listen(listen);
+  if (!address) return fail(address.error());
+  o.endpoint.address = address.take();
+  if (!o.port_file.empty() && !o.endpoint.address.socket_path.empty()) {
+    return fail(make_error(ErrorId::kUsage, "--port-file: a unix socket has no port"));
   }
   if (!token_file.empty()) {
     Result<std::string> token = read_token(token_file);

@@ -40,9 +40,6 @@ class RenderStage {
   void run(std::shared_ptr<const PreparedScene> scene, RenderOptions options,
            std::function<void(Result<std::string>)> ready);
 
-  /// No targets can be made for them.
-  void refuse(const std::vector<TileJob>& jobs);
-
   StageQueues& queues_;
   std::function<void()> wake_;
   std::thread thread_;

@@ -248,6 +248,10 @@ void SessionHub::push(SessionId id, std::deque<FramePtr>& lane, Bytes message) {
 }
 
 void SessionHub::complete(Completion completion) {
+  if (completion.failure) {
+    failure_ = completion.failure;
+    return;
+  }
   if (completion.fetched) return finish_fetch(completion);
   if (completion.tile) return finish_tile(completion);
   if (completion.refused) {

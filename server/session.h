@@ -67,6 +67,8 @@ class SessionHub {
   std::vector<std::pair<SessionId, Error>> overdue();
   void say_goodbye_to_all(const std::string& text);
   bool all_written() const;
+  /// Why the server must end: the renderer has failed.
+  const std::optional<Error>& failure() const { return failure_; }
   std::size_t clients() const { return sessions_.size(); }
 
  private:
@@ -140,6 +142,7 @@ class SessionHub {
   std::map<SessionId, Session> sessions_;
   std::set<SessionId> writable_;
   SessionId next_id_ = 1;
+  std::optional<Error> failure_;
   double tile_us_ = 0;  ///< what a tile takes, mean of the last ones; 0: none was rendered
 };
 

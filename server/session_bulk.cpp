@@ -62,8 +62,7 @@ void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceReques
   }
   const auto found = s.lighting.find(m.lighting_id);
   const bool known = m.lighting_id == 0 || found != s.lighting.end();
-  const std::uint64_t samples = std::uint64_t{m.width} * m.height * m.supersample * m.supersample;
-  if (!known || samples > limits::kMaxReferencePixels * 2) {
+  if (!known || !limits::reference_within_limits(m.width, m.height, m.supersample)) {
     return refuse(id, s, m.request_id, wire::RefusalReason::TooLarge);
   }
   SceneShot shot;

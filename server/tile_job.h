@@ -130,8 +130,8 @@ struct ReferenceJob {
 struct ViewJob {
   TileId id;
   SceneShot shot;
-  bool home = false;    ///< it is made ahead and kept: it may take longer
-  bool wanted = true;   ///< somebody waits for it; else it is made when there is nothing else to do
+  bool home = false;   ///< it is made ahead and kept: it may take longer
+  bool wanted = true;  ///< somebody waits for it; else it is made when there is nothing else to do
 };
 /// A drawn view on its way to an encoder.
 struct RenderedView {
@@ -165,6 +165,9 @@ struct Completion {
 
   // Or what was looked for in the directory, for everybody who waits for `id` in `codec`.
   std::optional<FetchedTile> fetched = std::nullopt;
+
+  // Or the end of all: the renderer has failed, and the server must end with this error.
+  std::optional<Error> failure = std::nullopt;
 
   // Or an encoded view, for everybody who waits for it (null: it failed).
   std::optional<TileId> view = std::nullopt;

@@ -126,6 +126,13 @@ Result<void> ClientHost::wait_until(const std::function<bool()>& there) {
 }
 
 Result<ReferenceFrame> ClientHost::reference(const Camera& camera, std::uint32_t supersample) {
+  if (!limits::reference_within_limits(camera.width, camera.height, supersample)) {
+    return make_error(ErrorId::kComparison,
+                      fmt::format("a full render of {}x{} pixels with {} samples an axis is more "
+                                  "than a server draws",
+                                  camera.width, camera.height, supersample),
+                      "at most 8192 pixels an edge and 33 million samples");
+  }
   session_->ask_reference(camera, supersample);
   const SteadyClock patience;
   std::optional<ReferenceFrame> reference;

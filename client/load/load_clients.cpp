@@ -251,12 +251,13 @@ void LoadClients::connect(std::uint32_t client) {
   Connection& c = impl_->connections[client];
   c.state = LinkState::kConnecting;
   ++impl_->live;
+  const std::string address = impl_->url.address(), host = impl_->url.host_header();
   lws_client_connect_info info{};
   info.context = impl_->context;
-  info.address = impl_->url.host.c_str();
+  info.address = address.c_str();
   info.port = impl_->url.port;
   info.path = "/";
-  info.host = impl_->url.host.c_str();
+  info.host = host.c_str();
   info.protocol = "mirage";
   info.local_protocol_name = "mirage";
   info.ssl_connection = impl_->url.tls ? LCCSCF_USE_SSL : 0;

@@ -71,12 +71,13 @@ struct NativeLink::Impl {
   }
 
   void connect() {
+    const std::string address = url.address(), host = url.host_header();
     lws_client_connect_info info{};
     info.context = context;
-    info.address = url.host.c_str();
+    info.address = address.c_str();
     info.port = url.port;
     info.path = "/";
-    info.host = url.host.c_str();
+    info.host = host.c_str();
     info.origin = nullptr;
     info.protocol = "mirage";
     info.local_protocol_name = "mirage";
@@ -232,35 +233,6 @@ int on_client(lws* wsi, lws_callback_reasons reason, void*, void* in, size_t len
 void silent_log(int, const char*) {}
 
 }  // namespace
-
-Result<ServerUrl> parse_url(const std::string& url) {
-  ServerUrl out;
-  std::string rest = url;
-  if (rest.rfind("ws://", 0) == 0) {
-    rest = rest.substr(5);
-  } else if (rest.rfind("wss://", 0) == 0) {
-    rest = rest.substr(6);
-    out.tls = true;
-  } else if (rest.find("://") != std::string::npos) {
-    rest.clear();
-  }
-  if (!rest.empty() && rest.back() == '/') rest.pop_back();
-  const std::size_t colon = rest.rfind(':');
-  if (colon != std::string::npos) {
-    const std::string port = rest.substr(colon + 1);
-    const bool digits = !port.empty() && port.size() <= 5 &&
-                        port.find_first_not_of("0123456789") == std::string::npos;
-    out.port = digits ? std::stoi(port) : 0;
-    rest = rest.substr(0, colon);
-  }
-  out.host = rest;
-  if (out.host.empty() || out.port < 1 || out.port > 65535 ||
-      out.host.find('/') != std::string::npos) {
-    return make_error(ErrorId::kUsage, "'" + url + "' is no server address",
-                      "ws://HOST:PORT, as the server's ready line prints it");
-  }
-  return out;
-}
 
 NativeLink::NativeLink(const ServerUrl& url, std::function<void()> arrived)
     : impl_(std::make_unique<Impl>()) {

@@ -10,16 +10,9 @@
 #include <string>
 
 #include "client/core/link.h"
+#include "client/native/server_url.h"
 
 namespace mirage {
-
-struct ServerUrl {
-  std::string host;
-  int port = 9870;
-  bool tls = false;
-};
-/// ws://HOST[:PORT] or wss://…; error kUsage.
-Result<ServerUrl> parse_url(const std::string& url);
 
 class NativeLink final : public Link {
  public:

@@ -17,6 +17,7 @@
 #include "client/report/weather.h"
 #include "client/report/work_precision.h"
 #include "protocol/fail.h"
+#include "shaders/gl/health.h"
 
 namespace mirage {
 namespace {
@@ -34,8 +35,7 @@ Result<void> measure(Context& context) {
       {Part::kLatency, report_latency},   {Part::kFirst, report_first},
       {Part::kBytes, report_bytes},       {Part::kWeather, report_weather},
       {Part::kFidelity, report_fidelity}, {Part::kNeeds, report_needs},
-      {Part::kModels, report_models},
-      {Part::kCalibrate, report_calibrate}};
+      {Part::kModels, report_models},     {Part::kCalibrate, report_calibrate}};
   for (const auto& [part, step] : steps) {
     if (!wanted(part)) continue;
     if (Result<void> done = step(context); !done) return done;
@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
     spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
     spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
     const mirage::Result<void> done = mirage::run_report(options);
-    return done.ok() ? 0 : mirage::fail(done.error());
+    return mirage::gl::exit_without_leaks(done.ok() ? 0 : mirage::fail(done.error()));
   } catch (const std::exception& e) {
     return mirage::fail(mirage::make_error(mirage::ErrorId::kInternal, e.what()));
   }

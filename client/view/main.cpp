@@ -7,6 +7,7 @@
 #include "client/view/options.h"
 #include "client/view/viewer.h"
 #include "protocol/fail.h"
+#include "shaders/gl/health.h"
 
 int main(int argc, char** argv) {
   try {
@@ -15,7 +16,7 @@ int main(int argc, char** argv) {
     spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
     spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
     const mirage::Result<void> done = mirage::run_viewer(options);
-    return done.ok() ? 0 : mirage::fail(done.error());
+    return mirage::gl::exit_without_leaks(done.ok() ? 0 : mirage::fail(done.error()));
   } catch (const std::exception& e) {
     return mirage::fail(mirage::make_error(mirage::ErrorId::kInternal, e.what()));
   }

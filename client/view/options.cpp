@@ -45,6 +45,14 @@ Result<void> check(ViewOptions& o, const std::string& offscreen, const std::stri
   if (o.virtual_time && !o.offscreen) {
     return make_error(ErrorId::kUsage, "--virtual-time needs --offscreen WxH");
   }
+  if (o.reference_every > 0 &&
+      !limits::reference_within_limits(static_cast<std::uint32_t>(o.width),
+                                       static_cast<std::uint32_t>(o.height),
+                                       static_cast<std::uint32_t>(o.reference_supersample))) {
+    return make_error(ErrorId::kUsage,
+                      "a full render is at most 8192 pixels an edge and 33 million samples",
+                      "a smaller frame, fewer --reference-samples, or no --reference");
+  }
   if (!o.device_model_name.empty()) {
     if (!o.virtual_time) {
       return make_error(ErrorId::kUsage, "--device-model needs --virtual-time",

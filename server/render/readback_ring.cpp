@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "shaders/gl/health.h"
+
 namespace mirage {
 namespace {
 
@@ -18,15 +20,18 @@ gl::Buffer read_into_buffer(GLenum attachment, const PendingPage& info, GLenum f
   return buffer;
 }
 
-void copy_out(const gl::Buffer& buffer, std::vector<std::uint8_t>& out) {
+// False: the buffer's bytes cannot be had.
+bool copy_out(const gl::Buffer& buffer, std::vector<std::uint8_t>& out) {
   glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer.id());
   const void* mapped = glMapBufferRange(GL_PIXEL_PACK_BUFFER, 0,
                                         static_cast<GLsizeiptr>(out.size()), GL_MAP_READ_BIT);
+  bool good = mapped != nullptr;
   if (mapped) {
     std::memcpy(out.data(), mapped, out.size());
-    glUnmapBuffer(GL_PIXEL_PACK_BUFFER);
+    good = glUnmapBuffer(GL_PIXEL_PACK_BUFFER) == GL_TRUE;
   }
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  return good;
 }
 
 }  // namespace
@@ -50,29 +55,37 @@ void ReadbackRing::start(const gl::RenderTarget& page, PendingPage info) {
   slots_.push_back(std::move(slot));
 }
 
-std::optional<ReadbackRing::Collected> ReadbackRing::collect(bool wait) {
-  if (slots_.empty()) return std::nullopt;
-  Slot& slot = slots_.front();
-  constexpr GLuint64 kOneSecondNs = 1'000'000'000;
-  for (;;) {
-    const GLenum state =
-        glClientWaitSync(slot.fence, GL_SYNC_FLUSH_COMMANDS_BIT, wait ? kOneSecondNs : 0);
-    if (state != GL_TIMEOUT_EXPIRED) break;
-    if (!wait) return std::nullopt;
-  }
-  glDeleteSync(slot.fence);
+Result<std::shared_ptr<const PagePixels>> ReadbackRing::read(const Slot& slot) {
   auto pixels = std::make_shared<PagePixels>();
   pixels->width = slot.info.width;
   pixels->height = slot.info.height;
   const std::size_t texels = static_cast<std::size_t>(pixels->width) * pixels->height;
   pixels->rgba.resize(texels * 4);
   pixels->depth.resize(texels);
-  copy_out(slot.color, pixels->rgba);
-  copy_out(slot.depth, pixels->depth);
-  if (slot.info.surface) {
-    pixels->surface.resize(texels * 4);
-    copy_out(slot.surface, pixels->surface);
+  pixels->surface.resize(slot.info.surface ? texels * 4 : 0);
+  const bool mapped = copy_out(slot.color, pixels->rgba) && copy_out(slot.depth, pixels->depth) &&
+                      (!slot.info.surface || copy_out(slot.surface, pixels->surface));
+  if (Result<void> healthy = gl::check_health("reading a page back"); !healthy) {
+    return healthy.error();
   }
+  if (!mapped)
+    return make_error(ErrorId::kGraphicsGl, "a page that was read back cannot be mapped");
+  return std::shared_ptr<const PagePixels>(std::move(pixels));
+}
+
+std::optional<ReadbackRing::Collected> ReadbackRing::collect(bool wait) {
+  if (slots_.empty()) return std::nullopt;
+  Slot& slot = slots_.front();
+  constexpr GLuint64 kOneSecondNs = 1'000'000'000;
+  GLenum state = GL_TIMEOUT_EXPIRED;
+  while (state == GL_TIMEOUT_EXPIRED) {
+    state = glClientWaitSync(slot.fence, GL_SYNC_FLUSH_COMMANDS_BIT, wait ? kOneSecondNs : 0);
+    if (state == GL_TIMEOUT_EXPIRED && !wait) return std::nullopt;
+  }
+  glDeleteSync(slot.fence);
+  const bool passed = state == GL_ALREADY_SIGNALED || state == GL_CONDITION_SATISFIED;
+  Result<std::shared_ptr<const PagePixels>> pixels =
+      passed ? read(slot) : make_error(ErrorId::kGraphicsGl, "the fence behind a page failed");
   Collected out{std::move(slot.info), std::move(pixels)};
   slots_.pop_front();
   return out;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "protocol/result.h"
 #include "server/tile_job.h"
 #include "shaders/gl/render_target.h"
 
@@ -43,7 +44,9 @@ class ReadbackRing {
 
   struct Collected {
     PendingPage info;
-    std::shared_ptr<const PagePixels> pixels;
+    /// Error kGraphicsGl: they did not arrive, or the context failed meanwhile; what was read of
+    /// them is worth nothing.
+    Result<std::shared_ptr<const PagePixels>> pixels;
   };
   /// The oldest page: waits for its fence if `wait`, else gives nothing while it is under way.
   std::optional<Collected> collect(bool wait);
@@ -56,6 +59,8 @@ class ReadbackRing {
     gl::Buffer surface;  ///< where info.surface says so
     GLsync fence = nullptr;
   };
+  static Result<std::shared_ptr<const PagePixels>> read(const Slot& slot);
+
   const std::size_t depth_;
   std::deque<Slot> slots_;
 };

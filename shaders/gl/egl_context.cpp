@@ -56,14 +56,20 @@ EGLContext make_context(EGLDisplay display) {
   if (!eglChooseConfig(display, config_attributes, &config, 1, &count) || count == 0) {
     config = EGL_NO_CONFIG_KHR;
   }
-  const EGLint context_attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                       3,
-                                       EGL_CONTEXT_MINOR_VERSION,
-                                       3,
-                                       EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                       EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                       EGL_NONE};
-  return eglCreateContext(display, config, EGL_NO_CONTEXT, context_attributes);
+  std::vector<EGLint> attributes = {EGL_CONTEXT_MAJOR_VERSION,
+                                    3,
+                                    EGL_CONTEXT_MINOR_VERSION,
+                                    3,
+                                    EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                    EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                    EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY,
+                                    EGL_LOSE_CONTEXT_ON_RESET,
+                                    EGL_NONE};
+  const EGLContext told = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
+  if (told != EGL_NO_CONTEXT) return told;
+  // A device that does not tell of its resets.
+  attributes[attributes.size() - 3] = EGL_NONE;
+  return eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
 }
 
 std::string gl_string(GLenum name) {

@@ -8,6 +8,7 @@
 
 #include "client/report/table.h"
 #include "protocol/cli.h"
+#include "shaders/gl/health.h"
 #include "tests/bench/bench.h"
 
 namespace mirage::bench {
@@ -41,9 +42,9 @@ nlohmann::ordered_json json_of(const Row& r, const std::string& command) {
 // The benchmarks named, or all. Error kUsage for a name that is none.
 Result<std::vector<Bench>> chosen(const std::vector<std::string>& names) {
   std::vector<Bench> all, out;
-  for (const auto& some : {selection_benches(), tile_benches(), store_benches(), startup_benches(),
-                           latency_benches(), codec_benches(), client_benches(), price_benches(),
-                           gpu_benches()}) {
+  for (const auto& some :
+       {selection_benches(), tile_benches(), store_benches(), startup_benches(), latency_benches(),
+        codec_benches(), client_benches(), price_benches(), gpu_benches()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
   if (names.empty()) return all;
@@ -120,4 +121,6 @@ int main_of(int argc, char** argv) {
 }  // namespace
 }  // namespace mirage::bench
 
-int main(int argc, char** argv) { return mirage::bench::main_of(argc, argv); }
+int main(int argc, char** argv) {
+  return mirage::gl::exit_without_leaks(mirage::bench::main_of(argc, argv));
+}

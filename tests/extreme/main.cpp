@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "protocol/cli.h"
+#include "shaders/gl/health.h"
 #include "tests/extreme/child_run.h"
 #include "tests/extreme/registry.h"
 
@@ -174,4 +175,6 @@ int main_of(int argc, char** argv) {
 }  // namespace
 }  // namespace mirage::extreme
 
-int main(int argc, char** argv) { return mirage::extreme::main_of(argc, argv); }
+int main(int argc, char** argv) {
+  return mirage::gl::exit_without_leaks(mirage::extreme::main_of(argc, argv));
+}

@@ -107,7 +107,7 @@ MadeTile Studio::make_tile(const TileKey& key, std::uint32_t instance, TileCodec
   pending.surface = pages_->writes_surface({job});
   ring.start(*pages_->render({job}, packer), pending);
   const ReadbackRing::Collected page = *ring.collect(true);
-  const StoredTilePtr stored = EncodeStage::encode({job, page.pixels, 0, 0, 0, 0}, object, codec);
+  const StoredTilePtr stored = EncodeStage::encode({job, *page.pixels, 0, 0, 0, 0}, object, codec);
   MadeTile out;
   out.header = stored->reply;
   // From here on as a client does with what comes.

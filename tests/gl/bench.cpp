@@ -223,7 +223,7 @@ TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache, std::uint8_t ch
   ring.start(*pages_->render({job}, packer), pending);
   const ReadbackRing::Collected page = *ring.collect(true);
   const StoredTilePtr stored =
-      EncodeStage::encode({job, page.pixels, 0, 0, 0, 0}, object, TileCodec::kZstd);
+      EncodeStage::encode({job, *page.pixels, 0, 0, 0, 0}, object, TileCodec::kZstd);
   Tile tile = tile_from_fields(stored->reply).take();
   if (!decode_tile_planes(stored->planes.data(), stored->planes.size(), TileCodec::kZstd, tile)) {
     return nullptr;

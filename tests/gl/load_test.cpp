@@ -41,7 +41,7 @@ std::vector<std::uint64_t> tile_hashes(const std::string& spec, const SceneLoadO
         ring.start(*target, std::move(pending));
         const ReadbackRing::Collected page = *ring.collect(true);
         const StoredTilePtr tile =
-            EncodeStage::encode({job, page.pixels, 0, 0, 0, 0}, object, TileCodec::kZstd);
+            EncodeStage::encode({job, *page.pixels, 0, 0, 0, 0}, object, TileCodec::kZstd);
         out.push_back(tile->reply.content_hash);
       }
     }

@@ -182,7 +182,7 @@ class Shadows : public ::testing::Test {
     std::vector<StoredTilePtr> out;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
       const auto [x, y] = pending.places[i];
-      out.push_back(EncodeStage::encode({jobs[i], page.pixels, x, y, 0, 0},
+      out.push_back(EncodeStage::encode({jobs[i], *page.pixels, x, y, 0, 0},
                                         prepared_->objects[jobs[i].key.object], TileCodec::kRaw));
     }
     return out;
