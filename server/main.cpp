@@ -17,6 +17,7 @@
 #include "server/explain.h"
 #include "server/options.h"
 #include "server/pipeline.h"
+#include "server/render_profile.h"
 #include "server/scene/environment/environment.h"
 #include "server/scene/environment/environment_file.h"
 #include "shaders/gl/egl_context.h"
@@ -56,13 +57,24 @@ void raise_descriptor_limit() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-Result<void> announce(const ServerOptions& options, const PreparedScene& scene, int port,
-                      const std::string& renderer) {
+// In the ready line values end at the next space; but for the last.
+std::string without_spaces(std::string text) {
+  for (std::size_t at = text.find(' '); at != std::string::npos; at = text.find(' ', at)) {
+    text.replace(at, 1, "%20");
+  }
+  return text;
+}
+
+Result<void> announce(const ServerOptions& options, const PreparedScene& scene,
+                      const SessionHub& hub, int port) {
   const std::string url = options.endpoint.address.url(!options.endpoint.tls_cert.empty(), port);
-  std::printf("ready url=%s revision=%016llx objects=%zu instances=%zu triangles=%llu gl=%s\n",
-              url.c_str(), static_cast<unsigned long long>(scene.revision), scene.objects.size(),
-              scene.scene.instances.size(),
-              static_cast<unsigned long long>(scene.scene.triangles()), renderer.c_str());
+  std::printf("%s\n",
+              fmt::format("ready url={} scene={} revision={:016x} profile={:016x} objects={} "
+                          "instances={} triangles={} gl={}",
+                          without_spaces(url), without_spaces(options.scene), hub.revision(),
+                          hub.options().profile, scene.objects.size(), scene.scene.instances.size(),
+                          scene.scene.triangles(), hub.options().renderer)
+                  .c_str());
   std::fflush(stdout);
   if (options.port_file.empty()) return {};
   std::ofstream file(options.port_file);
@@ -83,6 +95,7 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
   if (!renderer) return fail(renderer.error());
   SessionOptions session_options = options.session;
   session_options.renderer = *renderer;
+  session_options.profile = render_profile(*renderer, options.render.supersample).hash();
   StageQueues& queues = pipeline.queues;
   SessionHub hub(scene, session_options, queues);
   Endpoint endpoint(hub, queues.completions, queues.counters);
@@ -104,7 +117,7 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
   std::signal(SIGTERM, on_terminate);
   std::signal(SIGINT, on_terminate);
   std::signal(SIGPIPE, SIG_IGN);
-  const Result<void> announced = announce(options, *scene, endpoint.port(), *renderer);
+  const Result<void> announced = announce(options, *scene, hub, endpoint.port());
   if (!announced) return fail(announced.error());
   const Result<void> served = endpoint.run();
   awake = nullptr;

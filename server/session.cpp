@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/render_profile.h"
+
 namespace mirage {
 namespace {
 
@@ -40,6 +42,7 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
                        StageQueues& queues)
     : scene_(std::move(scene)),
       options_(std::move(options)),
+      revision_(profiled_revision(scene_->revision, options_.profile)),
       clock_(queues.clock),
       counters_(queues.counters),
       queue_(queues.tiles),
@@ -137,7 +140,7 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
     welcome.codecs.push_back(static_cast<std::uint8_t>(codec));
   }
   welcome.tile_us = static_cast<std::uint32_t>(std::lround(std::min(tile_us_, 1e9)));
-  welcome.revision = scene_->revision;
+  welcome.revision = revision_;
   welcome.scene = scene.name.substr(0, limits::kMaxTextBytes);
   welcome.renderer = options_.renderer.substr(0, limits::kMaxTextBytes);
   welcome.objects = static_cast<std::uint32_t>(scene.objects.size());

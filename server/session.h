@@ -25,8 +25,9 @@
 namespace mirage {
 
 struct SessionOptions {
-  std::string token;     ///< empty: no client needs one
-  std::string renderer;  ///< told to clients
+  std::string token;          ///< empty: no client needs one
+  std::string renderer;       ///< told to clients
+  std::uint64_t profile = 0;  ///< of what draws and encodes (RenderProfile)
   bool geometry = true;
   bool reference = true;
   bool view = true;  ///< the whole scene as one tile is sent to who asks for it
@@ -43,6 +44,8 @@ class SessionHub {
   SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
              StageQueues& queues);
 
+  /// Equal for servers whose tiles of equal keys are equal: of the scene and of what draws it.
+  std::uint64_t revision() const { return revision_; }
   /// Has the home view made, which most clients ask for first.
   void make_home_view();
   /// Error kBusy when there are too many clients.
@@ -70,6 +73,7 @@ class SessionHub {
   /// Why the server must end: the renderer has failed.
   const std::optional<Error>& failure() const { return failure_; }
   std::size_t clients() const { return sessions_.size(); }
+  const SessionOptions& options() const { return options_; }
 
  private:
   struct Session {
@@ -129,6 +133,7 @@ class SessionHub {
 
   std::shared_ptr<const PreparedScene> scene_;
   const SessionOptions options_;
+  const std::uint64_t revision_;
   const Clock& clock_;
   Counters& counters_;
   TileQueue& queue_;

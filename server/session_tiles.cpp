@@ -32,7 +32,7 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
     return refuse(id, s, a.request_id(), wire::RefusalReason::UnknownObject);
   }
   TileKey key;
-  key.scene_revision = scene_->revision;
+  key.scene_revision = revision_;
   key.object = a.object();
   key.cell = {a.view_level(), a.view_x(), a.view_y()};
   key.distance = {a.distance_level(), a.distance_index()};

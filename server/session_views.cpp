@@ -14,7 +14,7 @@ ViewJob SessionHub::view_job(const wire::ViewRequestT& m, const Lighting& lighti
   if (!scene_->animated()) pose.time_s = 0;
   pose.camera.fit_depth_range(scene_->bounds_center, scene_->bounds_radius);
   ViewJob job;
-  job.id = view_id(scene_->revision, lighting_hash(lighting), pose);
+  job.id = view_id(revision_, lighting_hash(lighting), pose);
   job.shot = {pose.camera, kViewSupersample, lighting, pose.time_s, kViewLevelPx};
   job.home = m.home;
   return job;

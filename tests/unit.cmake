@@ -34,7 +34,7 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/server_queue_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_seams_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_shading_test.cpp
-  ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp unit/server_asks_test.cpp unit/server_view_test.cpp unit/server_fetch_test.cpp
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp unit/server_asks_test.cpp unit/server_view_test.cpp unit/server_fetch_test.cpp unit/server_profile_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_measure_test.cpp unit/server_behind_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_store_test.cpp unit/server_cache_test.cpp unit/server_load_test.cpp support/large_scene.cpp)
 mirage_target(mirage_core_tests)

@@ -232,17 +232,17 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
   const TileRecordPtr record = cache_.insert(ask->need.instance, scene_, capture, tile.take(),
                                              frame_, now_us, ask->need.light, ask->need.phase);
   if (!record) return {};
-  undrawn_.push_back(record);
-  record->last_drawn = frame_;
+  std::size_t life = SIZE_MAX;
   if (options_.trace) {
-    record->trace = trace_.begin({reply.request_id, scene_.object_id(ask->need.instance),
-                                  scene_.instances[ask->need.instance].id,
-                                  tile_edge(ask->need.size_class), ask->sent_us, came_us, now_us,
-                                  -1, reply.queue_us, reply.render_us, reply.encode_us, bytes});
+    life = trace_.begin({reply.request_id, scene_.object_id(ask->need.instance),
+                         scene_.instances[ask->need.instance].id, tile_edge(ask->need.size_class),
+                         ask->sent_us, came_us, now_us, -1, reply.queue_us, reply.render_us,
+                         reply.encode_us, bytes});
   }
+  undrawn_.push_back({record, life});
   uploads_.uploaded(tile_upload_bytes(record->crop.w, record->crop.h, reply.channels), true);
   if (sink_.tile) sink_.tile(*record, pixels);
-  if (options_.trace_clock) trace_.uploaded(record->trace, options_.trace_clock());
+  if (options_.trace_clock) trace_.uploaded(life, options_.trace_clock());
   return {};
 }
 
@@ -351,21 +351,11 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
   rested_ = stands && (rested_ || was_at_rest);
   input.mesh_tau_px = input.tau_px * (rested_ ? kRestTauShare : 1);
   DrawList list = selector_.select(input);
+  cache_.mark_drawn(list.tiles(), frame_);
   meshes_.mark_drawn(scene_, frame_, now_us, list.meshes);
   const bool shadows = scene_.shadows && options_.shadows;
   if (shadows) shadows_.shade(input, lighting_, meshes_, list);
-  for (const std::weak_ptr<TileRecord>& tile : undrawn_) {
-    const TileRecordPtr record = tile.lock();
-    if (!record || !record->shown) continue;
-    ++drawn_;
-    trace_.first_in_frame(record->trace, now_us);
-  }
-  undrawn_.erase(std::remove_if(undrawn_.begin(), undrawn_.end(),
-                                [](const std::weak_ptr<TileRecord>& tile) {
-                                  const TileRecordPtr record = tile.lock();
-                                  return !record || record->shown;
-                                }),
-                 undrawn_.end());
+  note_first_drawn(now_us);
   std::vector<TileNeed> tiles = selector_.needs(input);
   std::vector<AssetNeed> meshes;
   if (scene_.geometry) {
@@ -399,6 +389,18 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us,
     link_.send(encode_message(std::move(*open)));
   }
   return list;
+}
+
+void ClientSession::note_first_drawn(std::int64_t now_us) {
+  const auto done = [&](const Undrawn& one) {
+    const TileRecordPtr record = one.tile.lock();
+    if (record && record->shown) {
+      ++drawn_;
+      trace_.first_in_frame(one.life, now_us);
+    }
+    return !record || record->shown;
+  };
+  undrawn_.erase(std::remove_if(undrawn_.begin(), undrawn_.end(), done), undrawn_.end());
 }
 
 TileCounts ClientSession::tiles() const {

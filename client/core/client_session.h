@@ -170,6 +170,8 @@ class ClientSession {
   Result<void> take_view(const wire::ViewReplyT& reply, const Bytes& bytes, std::int64_t came_us);
   Result<void> take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes);
   void take_refusal(const wire::RefusedT& refused, std::int64_t now_us);
+  /// Tiles that this frame draws for the first time.
+  void note_first_drawn(std::int64_t now_us);
   void greet(std::int64_t now_us);
   void send_lighting();
   /// Time that never goes back, whatever the caller's clock does: pauses would never end, and no
@@ -214,7 +216,12 @@ class ClientSession {
   double time_s_ = 0;  ///< of the animation, at the last frame
   std::uint64_t received_ = 0;
   std::uint64_t refused_ = 0;
-  std::vector<std::weak_ptr<TileRecord>> undrawn_;
+  /// A tile that has come and was not drawn yet.
+  struct Undrawn {
+    std::weak_ptr<const TileRecord> tile;
+    std::size_t life = SIZE_MAX;  ///< its place in the trace, if one is kept
+  };
+  std::vector<Undrawn> undrawn_;
   std::uint64_t drawn_ = 0;
   TileTrace trace_;
   std::string goodbye_;

@@ -318,7 +318,6 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
       shown.former.reset();
     } else {
       const TileFit under = fit_of(shown.former, best.method, *c.object, c.view);
-      shown.former->last_drawn = in.frame;
       out.impostors.push_back(
           {c.instance, under.tile, under.method, under.bound_px, c.distance, c.fade});
       out.impostors.back().light_lag_us = c.light_lag_us;
@@ -332,8 +331,6 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
     shown.method = best.method;
     shown.newest = held.back()->serial;
   }
-  best.tile->last_drawn = in.frame;
-  best.tile->shown = true;
   out.impostors.push_back(
       {c.instance, best.tile, best.method, best.bound_px, c.distance, static_cast<float>(fade)});
   out.impostors.back().light_lag_us = c.light_lag_us;

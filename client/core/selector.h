@@ -64,7 +64,7 @@ class Selector {
     geometry_.grow(scene.objects.size());
   }
 
-  /// Decides what is drawn this frame; marks the tiles as drawn.
+  /// Decides what is drawn this frame. Its tiles are to be marked in the cache before needs().
   DrawList select(const SelectorInput& input);
   /// What each thing in view could have been drawn as, of the last select().
   const std::vector<Alternatives>& considered() const { return considered_; }
@@ -89,7 +89,7 @@ class Selector {
     std::int64_t appeared_us = 0;          ///< groups: when it took over from its members
     std::int64_t left_us = INT64_MIN / 2;  ///< groups: when its members took over
     bool as_mesh = false;
-    Wrongs wrongs{};  ///< of what it showed last
+    Wrongs wrongs{};                          ///< of what it showed last
     std::int64_t swapped_us = INT64_MIN / 2;  ///< when geometry took over, or tiles from it
     DrawMethod method = DrawMethod::kQuad;    ///< of `tile`
     std::uint64_t newest = 0;  ///< serial of the group's newest tile when it was chosen

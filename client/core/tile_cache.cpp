@@ -129,6 +129,7 @@ void TileCache::reset(const SceneView& scene, const Lighting& lighting) {
     while (!group.tiles.empty()) forget(group, 0);
   }
   groups_.clear();
+  owned_.clear();
   oldest_last_.clear();
   listed_at_ = UINT64_MAX;
   refused_edge_ = UINT32_MAX;
@@ -232,9 +233,18 @@ TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
   record->last_drawn = frame;
   record->seal(scene.objects[record->object]);
   group.tiles.push_back(record);
-  ++resident_;
+  owned_[record->serial] = record;
   trim(group, frame);
   return record;
+}
+
+void TileCache::mark_drawn(const std::vector<TileRecordPtr>& tiles, std::uint64_t frame) {
+  for (const TileRecordPtr& tile : tiles) {
+    const auto at = owned_.find(tile->serial);
+    if (at == owned_.end()) continue;
+    at->second->last_drawn = frame;
+    at->second->shown = true;
+  }
 }
 
 bool TileCache::holds(std::uint32_t instance, const Capture& capture, bool relit, Phase phase,
@@ -339,8 +349,8 @@ void TileCache::forget(TileGroup& group, std::size_t index) {
     allocator_.release(tile.front_slot);
     allocator_.release(tile.behind_slot);
   }
+  owned_.erase(tile.serial);
   group.tiles.erase(group.tiles.begin() + static_cast<std::ptrdiff_t>(index));
-  --resident_;
 }
 
 void TileCache::trim(TileGroup& group, std::uint64_t frame) {

@@ -38,7 +38,6 @@ struct TileRecord {
   std::uint64_t last_drawn = 0;  ///< frame number
   bool shown = false;            ///< drawn at least once
   bool relit = false;            ///< shaded when it is drawn
-  std::size_t trace = SIZE_MAX;  ///< index of its life in the trace, if one is kept
 
   bool layered() const { return !behind_depth.empty(); }
   /// Prepares bounds; to be called once what was captured is set.
@@ -59,7 +58,8 @@ struct TileRecord {
   CaptureGeometry whole_, content_;
   std::array<DrawnDepth, static_cast<std::size_t>(DrawMethod::kMesh)> drawn_;  // by method
 };
-using TileRecordPtr = std::shared_ptr<TileRecord>;
+/// Only the cache changes what it holds.
+using TileRecordPtr = std::shared_ptr<const TileRecord>;
 
 /// Pixels of a tile that only drawing needs: Tile::rgba, Tile::surface and Tile::behind.
 struct TilePixels {
@@ -119,6 +119,9 @@ class TileCache {
                        Tile tile, std::uint64_t frame, std::int64_t now_us, std::uint32_t light = 0,
                        Phase phase = kStaticPhase);
 
+  /// They are drawn in this frame: none of them is evicted in it or the next.
+  void mark_drawn(const std::vector<TileRecordPtr>& tiles, std::uint64_t frame);
+
   /// Whether this very tile is there: once more it would bring nothing. `light` as for insert().
   bool holds(std::uint32_t instance, const Capture& capture, bool relit, Phase phase,
              std::uint32_t light) const;
@@ -133,7 +136,7 @@ class TileCache {
   /// Of `room`, what a tile of this edge takes at most.
   std::size_t footprint(std::uint32_t edge) const;
 
-  std::size_t resident() const { return resident_; }
+  std::size_t resident() const { return owned_.size(); }
   std::size_t groups() const { return groups_.size(); }
   std::size_t atlas_texels() const { return allocator_.used_texels(); }
 
@@ -154,8 +157,9 @@ class TileCache {
   bool want_relit_ = false;
   /// By LightHistory::key, or by object for relit tiles; made when their first tile comes.
   std::unordered_map<std::uint64_t, TileGroup> groups_;
+  /// The same tiles, by serial, to be changed.
+  std::unordered_map<std::uint64_t, std::shared_ptr<TileRecord>> owned_;
   std::uint64_t next_serial_ = 1;
-  std::size_t resident_ = 0;
   /// What is to be evicted next, from the back; of the frame it was made in.
   struct Aged {
     std::uint64_t last_drawn, serial, group;

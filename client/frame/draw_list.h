@@ -55,6 +55,13 @@ struct DrawList {
   std::size_t over_tau = 0;
   double time_s = 0;      ///< of the animation
   CasterListPtr casters;  ///< of the shadows on geometry; null: there are none
+
+  /// That are drawn, those beneath a fade among them.
+  std::vector<TileRecordPtr> tiles() const {
+    std::vector<TileRecordPtr> out;
+    for (const DrawnImpostor& drawn : impostors) out.push_back(drawn.tile);
+    return out;
+  }
 };
 
 }  // namespace mirage

@@ -27,8 +27,8 @@ class ContentHash {
   XXH3_state_t* state_;
 };
 
-// Stored tiles outlive a build: raise it when equal content gives other ones, by build_lods(), the
-// shaders or the codec.
+// Stored tiles outlive a build: raise it when equal content gives other ones, by build_lods() or by
+// how groups are formed. What draws and encodes them is in the profile (render_profile.h).
 constexpr std::uint32_t kTileVersion = 6;
 
 }  // namespace

@@ -15,6 +15,8 @@ namespace mirage::gl {
 
 /// Text of an embedded shader file, e.g. "mesh/mesh.vert"; empty when there is none.
 std::string_view shader_source(std::string_view name);
+/// Of all embedded shader files.
+std::vector<std::string_view> shader_names();
 
 /// Programs compiled and linked in this process so far.
 std::uint64_t programs_compiled();

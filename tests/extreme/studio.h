@@ -57,6 +57,8 @@ class Studio {
                      TileCodec codec = TileCodec::kZstd);
   /// Into the client's cache and atlas; nullptr when there is nothing in it.
   TileRecordPtr hold(const MadeTile& made, std::uint32_t instance);
+  /// It is never evicted.
+  void keep(const TileRecordPtr& tile) { cache_->mark_drawn({tile}, UINT64_MAX / 2); }
 
   /// RGBA8, top row first, as the client draws it.
   Pixels draw(const Camera& camera, const DrawList& list);

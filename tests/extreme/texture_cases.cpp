@@ -245,7 +245,7 @@ Outcome neighbours(const Conditions&) {
       other = studio.hold(next, 0);
       if (i != 17) continue;
       record = studio.hold(own, 0);
-      record->last_drawn = UINT64_MAX / 2;  // stays, whatever comes
+      studio.keep(record);  // whatever comes
     }
     for (const DrawMethod method : {DrawMethod::kQuad, DrawMethod::kCuboid, DrawMethod::kHull,
                                     DrawMethod::kWarp, DrawMethod::kDepth}) {

@@ -64,7 +64,7 @@ Outcome no_direction(const Conditions&) {
     test::SelectorWorld world(test::make_scene({{{0, 0, 0}}}));
     world.camera.pose.eye = v;
     asks += static_cast<int>(world.selector.needs(world.input()).size());
-    drawn += static_cast<int>(world.selector.select(world.input()).impostors.size());
+    drawn += static_cast<int>(world.select(world.input()).impostors.size());
   }
   Checks checks;
   checks.equal("keys made", accepted, 0);
@@ -171,7 +171,7 @@ Outcome inside(const Conditions&) {
                                     DrawMethod::kWarp, DrawMethod::kDepth}) {
       bounds += std::isfinite(tile->bound_px(method, world.scene.objects[0], view)) ? 1 : 0;
     }
-    used += static_cast<int>(world.selector.select(world.input()).impostors.size() +
+    used += static_cast<int>(world.select(world.input()).impostors.size() +
                              world.selector.needs(world.input()).size());
   };
   for (const double distance : {0.0, 1e-30, 0.5, 1.0, 1.0 + 1e-7}) {

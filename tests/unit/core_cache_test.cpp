@@ -41,8 +41,8 @@ TEST(CoreTileCache, FullAtlasNeverEvictsWhatIsOnScreen) {
   EXPECT_FALSE(cache.insert(0, scene, late, make_tile(late), 6, 0)) << "drawn a frame ago";
   EXPECT_EQ(cache.resident(), kFull);
   // All but one drawn again: that one makes room.
-  for (const TileRecordPtr& r : records) r->last_drawn = 9;
-  records[7]->last_drawn = 8;
+  cache.mark_drawn(records, 9);
+  cache.mark_drawn({records[7]}, 8);
   const TileRecordPtr placed = cache.insert(0, scene, late, make_tile(late), 10, 0);
   ASSERT_TRUE(placed);
   EXPECT_EQ(placed->slot.x, records[7]->slot.x);
@@ -106,7 +106,7 @@ TEST(CoreTileCache, WhatWasDrawnLongestAgoGoesFirst) {
   for (std::uint64_t frame = 10; frame < 400; ++frame) {
     for (const TileRecordPtr& tile : held) {
       random = random * 1664525u + 1013904223u;
-      if (random >> 30 == 0) tile->last_drawn = frame;
+      if (random >> 30 == 0) cache.mark_drawn({tile}, frame);
     }
     for (int k = 0; k < 2; ++k) {
       const Capture capture = small_capture(next++ % 256);

@@ -53,7 +53,7 @@ TEST(CoreGroup, OneImageStandsForItsMembers) {
   GroupWorld world;
   world.look_from(300);
   ASSERT_TRUE(world.add_tile(4));
-  const DrawList list = world.selector.select(world.input());
+  const DrawList list = world.select(world.input());
   ASSERT_EQ(list.impostors.size(), 1u);
   EXPECT_EQ(list.impostors[0].instance, 4u);
   EXPECT_EQ(list.visible, 1u) << "the cost follows what can be told apart";
@@ -64,7 +64,7 @@ TEST(CoreGroup, OneImageStandsForItsMembers) {
 TEST(CoreGroup, WithoutItsImageTheMembersAreDrawn) {
   GroupWorld world;
   world.look_from(300);
-  EXPECT_EQ(world.selector.select(world.input()).placeholders.size(), 4u);
+  EXPECT_EQ(world.select(world.input()).placeholders.size(), 4u);
   for (std::uint32_t i = 0; i < 4; ++i) ASSERT_TRUE(world.add_tile(i));
   EXPECT_EQ(world.drawn(), (Indices{0, 1, 2, 3}));
 }
@@ -78,7 +78,7 @@ TEST(CoreGroup, TheGroupFadesInOverItsMembersAndTheyOverIt) {
   ASSERT_TRUE(world.add_tile(4));
   EXPECT_EQ(world.drawn(), (Indices{0, 1, 2, 3, 4})) << "members stay underneath";
   world.pass(60'000);
-  for (const DrawnImpostor& d : world.selector.select(world.input()).impostors) {
+  for (const DrawnImpostor& d : world.select(world.input()).impostors) {
     EXPECT_NEAR(d.fade, d.instance == 4 ? 0.5f : 1.0f, 1e-3f);
   }
   world.pass(70'000);
@@ -88,7 +88,7 @@ TEST(CoreGroup, TheGroupFadesInOverItsMembersAndTheyOverIt) {
   world.pass(10'000);
   EXPECT_EQ(world.drawn(), (Indices{0, 1, 2, 3, 4}));
   world.pass(60'000);
-  for (const DrawnImpostor& d : world.selector.select(world.input()).impostors) {
+  for (const DrawnImpostor& d : world.select(world.input()).impostors) {
     EXPECT_NEAR(d.fade, d.instance == 4 ? 1.0f : 0.5f, 1e-3f);
   }
   world.pass(70'000);
@@ -103,7 +103,7 @@ TEST(CoreGroup, TheGroupFadesInOverGeometry) {
   const auto select = [&world] {
     SelectorInput in = world.input();
     in.mesh_radii = 1000;
-    return world.selector.select(in);
+    return world.select(in);
   };
   world.look_from(300);
   EXPECT_EQ(select().meshes.size(), 4u);

@@ -91,7 +91,7 @@ TEST(CoreImportance, SceneryIsGoodEnoughEarlierAndWhatIsImportantLater) {
     world.look({aside, 0, 5}, {0, 0, 0});
     SelectorInput in = world.input();
     in.march_budget_px = 0;
-    const DrawList list = world.selector.select(in);
+    const DrawList list = world.select(in);
     EXPECT_EQ(list.over_tau, world.selector.needs(in).size()) << "counted against what is allowed";
     return std::pair(world.selector.needs(in).size(), list.impostors.at(0).bound_px);
   };

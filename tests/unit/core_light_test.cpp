@@ -163,7 +163,7 @@ TEST(CoreLight, OnlyWhatChangedVisiblyIsAskedForAgain) {
   world.cache.relight(sun_at(0.002), 10 * kMs);
   world.now_us = 30 * kMs;
   EXPECT_TRUE(world.selector.needs(world.input()).empty()) << "below tau";
-  EXPECT_EQ(world.selector.select(world.input()).impostors.at(0).light_lag_us, 0);
+  EXPECT_EQ(world.select(world.input()).impostors.at(0).light_lag_us, 0);
   world.cache.relight(sun_at(1), 40 * kMs);
   world.now_us = 100 * kMs;
   ++world.frame;
@@ -173,7 +173,7 @@ TEST(CoreLight, OnlyWhatChangedVisiblyIsAskedForAgain) {
   EXPECT_EQ(needs[0].light, world.cache.light());
   EXPECT_GT(needs[0].error_px, 1);
   // The tile's own light ended when the first change came.
-  EXPECT_EQ(world.selector.select(world.input()).impostors.at(0).light_lag_us, 90 * kMs);
+  EXPECT_EQ(world.select(world.input()).impostors.at(0).light_lag_us, 90 * kMs);
   world.cache.want_relit(true);
   EXPECT_EQ(world.selector.needs(world.input()).at(0).channels, kRelitTile);
 }

@@ -46,7 +46,7 @@ TEST(CoreMotion, TheNearestPoseIsDrawnAndItsBoundGrowsWithTime) {
   double last = 0;
   for (const double t : {0.0, 0.1, 0.2, 0.4}) {
     in.time_s = t;
-    const DrawList list = world.selector.select(in);
+    const DrawList list = world.select(in);
     ASSERT_EQ(list.impostors.size(), 1u);
     EXPECT_GE(list.impostors[0].bound_px, last);
     last = list.impostors[0].bound_px;
@@ -60,8 +60,8 @@ TEST(CoreMotion, TheNearestPoseIsDrawnAndItsBoundGrowsWithTime) {
 
 TEST(CoreMotion, WithoutAnImageThereIsNoGhostOfAllItsPoses) {
   SelectorWorld moving = moving_world(0.1f), still = one_ball();
-  EXPECT_EQ(moving.selector.select(moving.input()).placeholders.size(), 0u);
-  EXPECT_EQ(still.selector.select(still.input()).placeholders.size(), 1u);
+  EXPECT_EQ(moving.select(moving.input()).placeholders.size(), 0u);
+  EXPECT_EQ(still.select(still.input()).placeholders.size(), 1u);
 }
 
 TEST(CoreMotion, PhasesAreAskedForAsFinelyAsTheObjectMoves) {
@@ -75,7 +75,7 @@ TEST(CoreMotion, PhasesAreAskedForAsFinelyAsTheObjectMoves) {
     for (double t = 0; t < 2; t += 0.01) {
       in.time_s = t;
       for (const TileNeed& need : world.selector.needs(in)) add_phase(world, need);
-      const DrawList list = world.selector.select(in);
+      const DrawList list = world.select(in);
       ASSERT_EQ(list.impostors.size(), 1u);
       EXPECT_LE(list.impostors[0].bound_px, in.tau_px) << speed << " at " << t;
       phases.insert(list.impostors[0].tile->phase);
@@ -112,7 +112,7 @@ TEST(CoreMotion, AStandingAnimationIsAskedForOnceAndDrawnWithinTau) {
   fetch_all(world, in);
   for (int frame = 0; frame < 100; ++frame) {
     EXPECT_TRUE(world.selector.needs(in).empty());
-    const DrawList list = world.selector.select(in);
+    const DrawList list = world.select(in);
     ASSERT_EQ(list.impostors.size(), 1u);
     EXPECT_LE(list.impostors[0].bound_px, in.tau_px);
   }

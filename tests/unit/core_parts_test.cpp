@@ -49,7 +49,7 @@ TEST(CoreParts, AreAskedForFromInsideAndThenDrawn) {
     EXPECT_EQ(world.scene.instances[need.instance].parent, 0u);
     world.add_tile(need.instance);
   }
-  const DrawList drawn = world.selector.select(world.input());
+  const DrawList drawn = world.select(world.input());
   EXPECT_GT(drawn.impostors.size(), needs.size() / 2);
   for (const DrawnImpostor& one : drawn.impostors) EXPECT_NE(one.instance, 0u);
 }
@@ -70,7 +70,7 @@ TEST(CoreParts, GiveWayToTheWholeFromFarAway) {
   ASSERT_EQ(needs.size(), 1u);
   EXPECT_EQ(needs[0].instance, 0u);
   world.add_tile(0);
-  const DrawList drawn = world.selector.select(world.input());
+  const DrawList drawn = world.select(world.input());
   ASSERT_EQ(drawn.impostors.size(), 1u);
   EXPECT_EQ(drawn.impostors[0].instance, 0u);
 }
@@ -83,16 +83,16 @@ TEST(CoreParts, TheWholeStaysUntilPartsHaveImages) {
   const double near = 1.25 * world.scene.instances[0].radius;
   world.look({0, 0, near}, {0, 0, 0});
   world.add_tile(0);
-  DrawList drawn = world.selector.select(world.input());
+  DrawList drawn = world.select(world.input());
   ASSERT_EQ(drawn.impostors.size(), 1u);
   EXPECT_EQ(drawn.impostors[0].instance, 0u);
   for (const std::uint32_t part : world.scene.members(0)) world.add_tile(part);
   world.frame += 1;
   world.now_us += 1'000'000;
-  world.selector.select(world.input());
+  world.select(world.input());
   world.frame += 1;
   world.now_us += 1'000'000;
-  drawn = world.selector.select(world.input());
+  drawn = world.select(world.input());
   EXPECT_GT(drawn.impostors.size(), 50u);
   for (const DrawnImpostor& one : drawn.impostors) EXPECT_NE(one.instance, 0u);
 }

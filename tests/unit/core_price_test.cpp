@@ -65,7 +65,7 @@ TEST(CorePrice, WorkIsWhatIsDrawn) {
   list.meshes.push_back({0, 1, 1.0f});
   EXPECT_EQ(work_of(world.scene, world.camera, list, 1)[Work::kMesh], 1) << "once a level";
   ASSERT_TRUE(world.add_tile(0));
-  const DrawList tiles = world.selector.select(world.input());
+  const DrawList tiles = world.select(world.input());
   ASSERT_EQ(tiles.impostors.size(), 1u);
   const FrameWork tile = work_of(world.scene, world.camera, tiles, 1);
   EXPECT_GT(tile[Work::kFlatPixel], 0);

@@ -1,6 +1,7 @@
 #pragma once
 // A small scene as a client gets it from the wire, and tiles to put into its cache.
 
+#include <functional>
 #include <map>
 #include <set>
 #include <vector>
@@ -159,12 +160,22 @@ struct SelectorWorld {
   }
   void look(const glm::dvec3& eye, const glm::dvec3& target) { camera.pose = look_at(eye, target); }
   /// The tile a server would send for the present view of `instance`.
-  TileRecordPtr add_tile(std::uint32_t instance) {
+  TileRecordPtr add_tile(
+      std::uint32_t instance,
+      const std::function<void(TileMeasure&)>& change = [](TileMeasure&) {}) {
     const ObjectDescription& object = scene.objects[scene.instances[instance].object];
     const TileNeed need =
         need_for_view(view_geometry(camera, scene.instances[instance], object), ViewPlan{});
     const Capture capture = capture_for(need, object.radius);
-    return cache.insert(instance, scene, capture, make_tile(capture), frame, now_us);
+    Tile tile = make_tile(capture);
+    change(tile.measure);
+    return cache.insert(instance, scene, capture, std::move(tile), frame, now_us);
+  }
+  /// As a session does: what is drawn is marked in the cache.
+  DrawList select(const SelectorInput& in) {
+    DrawList list = selector.select(in);
+    cache.mark_drawn(list.tiles(), in.frame);
+    return list;
   }
 
   SceneView scene;

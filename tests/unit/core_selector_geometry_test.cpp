@@ -17,10 +17,11 @@ TEST(CoreSelectorGeometry, GeometrySmallerThanATileIsDrawnEverywhere) {
   EXPECT_EQ(world.selector.mesh_needs(world.input()).instances, std::vector<std::uint32_t>{0});
   EXPECT_EQ(world.selector.needs(world.input()).size(), 1u) << "until it is there";
   world.mesh_ready[0] = true;
-  EXPECT_EQ(world.selector.select(world.input()).meshes.size(), 1u);
+  EXPECT_EQ(world.select(world.input()).meshes.size(), 1u);
   EXPECT_TRUE(world.selector.needs(world.input()).empty());
   object.needs |= kNeedBaseColorMap;
-  EXPECT_TRUE(world.selector.mesh_needs(world.input()).instances.empty()) << "its images are not small";
+  EXPECT_TRUE(world.selector.mesh_needs(world.input()).instances.empty())
+      << "its images are not small";
   object.needs = 0;
   object.lods[0].bytes = 20'000;
   EXPECT_TRUE(world.selector.mesh_needs(world.input()).instances.empty());
@@ -40,23 +41,23 @@ TEST(CoreSelectorGeometry, NearGeometryReplacesTheImpostor) {
   EXPECT_TRUE(world.selector.mesh_needs(input()).instances.empty()) << "unless it is bought";
   world.mesh_ready[0] = true;
   world.look({0, 0, 7.9}, {0, 0, 0});
-  const DrawList near = world.selector.select(input());
+  const DrawList near = world.select(input());
   ASSERT_EQ(near.meshes.size(), 1u);
   EXPECT_EQ(near.meshes[0].instance, 0u);
   EXPECT_TRUE(near.impostors.empty());
   EXPECT_EQ(near.over_tau, 0u);
   EXPECT_TRUE(world.selector.needs(input()).empty());
   world.look({0, 0, 9.1}, {0, 0, 0});
-  EXPECT_EQ(world.selector.select(input()).meshes.size(), 1u) << "hysteresis";
+  EXPECT_EQ(world.select(input()).meshes.size(), 1u) << "hysteresis";
   world.look({0, 0, 9.3}, {0, 0, 0});
   world.frame += 2;  // out of view in between: nothing fades
-  EXPECT_TRUE(world.selector.select(input()).meshes.empty());
+  EXPECT_TRUE(world.select(input()).meshes.empty());
   EXPECT_EQ(world.selector.needs(input()).size(), 1u);
   world.frame += 2;
   world.look({0, 0, 9.1}, {0, 0, 0});
-  EXPECT_TRUE(world.selector.select(input()).meshes.empty()) << "hysteresis";
+  EXPECT_TRUE(world.select(input()).meshes.empty()) << "hysteresis";
   world.frame += 2;
-  EXPECT_EQ(world.selector.select(world.input()).meshes.size(), 1u) << "without a limit";
+  EXPECT_EQ(world.select(world.input()).meshes.size(), 1u) << "without a limit";
 }
 
 TEST(CoreSelectorGeometry, GeometryFadesInOverTheTileAndTheTileOverIt) {
@@ -71,7 +72,7 @@ TEST(CoreSelectorGeometry, GeometryFadesInOverTheTileAndTheTileOverIt) {
     SelectorInput in = world.input();
     in.march_budget_px = 0;  // flat, and over tau
     in.mesh_radii = 8;
-    return world.selector.select(in);
+    return world.select(in);
   };
   EXPECT_TRUE(at(9.6, 16'000).meshes.empty());
   DrawList list = at(7.9, 16'000);
@@ -113,20 +114,20 @@ TEST(CoreSelectorGeometry, TilesStandInForGeometryThatTheBudgetDoesNotHold) {
   };
   std::uint32_t& triangles = world.scene.objects[0].triangles;
   world.scene.objects[0].lods = {LodInfo{100, 40'000, 0, 0}};
-  EXPECT_EQ(world.selector.select(input()).meshes.size(), 1u);
+  EXPECT_EQ(world.select(input()).meshes.size(), 1u);
   EXPECT_TRUE(world.selector.needs(input()).empty()) << "so few triangles cost less";
   world.scene.objects[0].lods[0].triangles = triangles = 3'000'000;
-  EXPECT_TRUE(world.selector.select(input()).meshes.empty()) << "a placeholder is in time";
+  EXPECT_TRUE(world.select(input()).meshes.empty()) << "a placeholder is in time";
   EXPECT_EQ(world.selector.needs(input()).size(), 1u);
   EXPECT_TRUE(world.selector.mesh_needs(input()).instances.empty());
   ASSERT_TRUE(world.add_tile(0));
-  const DrawList still = world.selector.select(input());
+  const DrawList still = world.select(input());
   EXPECT_TRUE(still.meshes.empty());
   EXPECT_EQ(still.impostors.size(), 1u);
   EXPECT_TRUE(world.selector.needs(input()).empty());
   SelectorInput any_time = input();
   any_time.plan = nullptr;
-  EXPECT_EQ(world.selector.select(any_time).meshes.size(), 1u) << "it errs less";
+  EXPECT_EQ(world.select(any_time).meshes.size(), 1u) << "it errs less";
 }
 
 TEST(CoreSelectorGeometry, SurroundingsAreGeometry) {
@@ -144,7 +145,7 @@ TEST(CoreSelectorGeometry, SurroundingsAreGeometry) {
   EXPECT_EQ(std::count(wanted.begin(), wanted.end(), 0u), 1);
   for (const TileNeed& need : world.selector.needs(world.input())) EXPECT_NE(need.instance, 0u);
   world.mesh_ready[1] = true;
-  const DrawList list = world.selector.select(world.input());
+  const DrawList list = world.select(world.input());
   ASSERT_EQ(list.meshes.size(), 1u);
   EXPECT_EQ(list.meshes[0].instance, 0u);
 }

@@ -107,7 +107,7 @@ TEST(CoreSelector, TurningTheHeadKeepsTheKey) {
 
 TEST(CoreSelector, NoTileIsAPlaceholderAndACoarseNeed) {
   SelectorWorld world = one_ball();
-  const DrawList list = world.selector.select(world.input());
+  const DrawList list = world.select(world.input());
   EXPECT_EQ(list.visible, 1u);
   EXPECT_EQ(list.over_tau, 1u);
   ASSERT_EQ(list.placeholders.size(), 1u);
@@ -122,11 +122,22 @@ TEST(CoreSelector, NoTileIsAPlaceholderAndACoarseNeed) {
   EXPECT_GT(needs[0].gain, 0);
 }
 
+// Planning a frame that is not drawn (for its price, or to explain it) leaves no trace.
+TEST(CoreSelector, SelectingWritesNothingIntoTheCache) {
+  SelectorWorld world = one_ball();
+  const TileRecordPtr tile = world.add_tile(0);
+  const std::uint64_t before = tile->last_drawn;
+  world.frame += 3;
+  ASSERT_EQ(world.selector.select(world.input()).impostors.size(), 1u);
+  EXPECT_EQ(tile->last_drawn, before);
+  EXPECT_FALSE(tile->shown);
+}
+
 TEST(CoreSelector, TileOfThePresentViewIsEnough) {
   SelectorWorld world = one_ball();
   const TileRecordPtr tile = world.add_tile(0);
   ASSERT_TRUE(tile);
-  const DrawList list = world.selector.select(world.input());
+  const DrawList list = world.select(world.input());
   ASSERT_EQ(list.impostors.size(), 1u);
   EXPECT_EQ(list.impostors[0].tile, tile);
   EXPECT_EQ(list.impostors[0].method, DrawMethod::kQuad);
@@ -141,10 +152,10 @@ TEST(CoreSelector, TileOfThePresentViewIsEnough) {
 TEST(CoreSelector, InstancesOutOfViewOrTooSmallAreNothing) {
   SelectorWorld world = one_ball();
   world.look({0, 0, 5}, {0, 0, 10});
-  EXPECT_EQ(world.selector.select(world.input()).visible, 0u);
+  EXPECT_EQ(world.select(world.input()).visible, 0u);
   EXPECT_TRUE(world.selector.needs(world.input()).empty());
   world.look({0, 0, 1000}, {0, 0, 0});  // 0.3 px
-  EXPECT_EQ(world.selector.select(world.input()).visible, 0u);
+  EXPECT_EQ(world.select(world.input()).visible, 0u);
   EXPECT_TRUE(world.selector.needs(world.input()).empty());
 }
 
@@ -153,7 +164,7 @@ TEST(CoreSelector, InsideTheSwapDistanceEveryBoundIsInfinite) {
   world.look({0, 0, 1.15}, {0, 0, 0});
   ASSERT_EQ(world.selector.needs(world.input()).size(), 1u) << "one, as a stopgap";
   ASSERT_TRUE(world.add_tile(0));
-  const DrawList list = world.selector.select(world.input());
+  const DrawList list = world.select(world.input());
   ASSERT_EQ(list.impostors.size(), 1u);
   EXPECT_TRUE(std::isinf(list.impostors[0].bound_px));
   EXPECT_EQ(list.over_tau, 1u);
@@ -165,11 +176,11 @@ TEST(CoreSelector, MarchingKeepsToItsBudget) {
   ASSERT_TRUE(world.add_tile(0));
   world.look({0.6, 0, 5}, {0, 0, 0});  // off the cell: the flat proxy is not good enough
   SelectorInput in = world.input();
-  const DrawList rich = world.selector.select(in);
+  const DrawList rich = world.select(in);
   ASSERT_EQ(rich.impostors.size(), 1u);
   EXPECT_EQ(rich.impostors[0].method, DrawMethod::kDepth);
   in.march_budget_px = 0;
-  const DrawList poor = world.selector.select(in);
+  const DrawList poor = world.select(in);
   ASSERT_EQ(poor.impostors.size(), 1u);
   EXPECT_NE(poor.impostors[0].method, DrawMethod::kDepth);
   EXPECT_GT(poor.impostors[0].bound_px, rich.impostors[0].bound_px);
@@ -182,7 +193,7 @@ TEST(CoreSelector, FixedMethodIsKept) {
   in.method.automatic = false;
   for (const DrawMethod method : {DrawMethod::kQuad, DrawMethod::kCuboid, DrawMethod::kDepth}) {
     in.method.method = method;
-    const DrawList list = world.selector.select(in);
+    const DrawList list = world.select(in);
     ASSERT_EQ(list.impostors.size(), 1u);
     EXPECT_EQ(list.impostors[0].method, method);
   }
@@ -191,12 +202,11 @@ TEST(CoreSelector, FixedMethodIsKept) {
 TEST(CoreSelector, ObjectWithoutAHullIsNotDrawnOnOne) {
   SelectorWorld world = one_ball();
   ASSERT_TRUE(world.scene.objects[0].hull.vertices.empty());
-  const TileRecordPtr tile = world.add_tile(0);
-  tile->measure.dz_hull = 0;  // however good it is said to be
+  world.add_tile(0, [](TileMeasure& m) { m.dz_hull = 0; });  // however good it is said to be
   world.look({0.6, 0, 5}, {0, 0, 0});
   SelectorInput in = world.input();
   in.march_budget_px = 0;
-  const DrawList list = world.selector.select(in);
+  const DrawList list = world.select(in);
   ASSERT_EQ(list.impostors.size(), 1u);
   EXPECT_EQ(list.impostors[0].method, DrawMethod::kQuad);
 }
@@ -208,7 +218,7 @@ TEST(CoreSelector, LargeFoliageDrawnAsReliefIsAskedForInLayersWhileTheEyeMoves) 
     options.needs = needs;
     SelectorWorld world(make_scene({{{0, 0, 0}}}, options));
     world.look({0, 0, distance}, {0, 0, 0});
-    if (!first) world.add_tile(0)->measure.depth_gap = 1;  // much of it is hidden
+    if (!first) world.add_tile(0, [](TileMeasure& m) { m.depth_gap = 1; });  // much is hidden
     world.look({0.5 * distance, 0, distance}, {0, 0, 0});
     SelectorInput in = world.input();
     in.velocity = {speed, 0, 0};
@@ -239,7 +249,7 @@ TEST(CoreSelector, NeedsAreRankedByGain) {
 TEST(CoreSelector, NewTileFadesInOverTheFormer) {
   SelectorWorld world = one_ball();
   const TileRecordPtr old_tile = world.add_tile(0);
-  world.selector.select(world.input());
+  world.select(world.input());
   world.look({2, 0, 4}, {0, 0, 0});
   world.frame++;
   world.now_us = 1'000'000;
@@ -248,7 +258,7 @@ TEST(CoreSelector, NewTileFadesInOverTheFormer) {
     SelectorInput in = world.input();
     in.now_us = world.now_us + since;
     in.frame = ++world.frame;
-    const DrawList list = world.selector.select(in);
+    const DrawList list = world.select(in);
     ASSERT_EQ(list.impostors.size(), 2u) << since;
     EXPECT_EQ(list.impostors[0].tile, old_tile);
     EXPECT_EQ(list.impostors[0].fade, 1);
@@ -258,7 +268,7 @@ TEST(CoreSelector, NewTileFadesInOverTheFormer) {
   }
   SelectorInput in = world.input();
   in.now_us = world.now_us + 120'000;
-  const DrawList list = world.selector.select(in);
+  const DrawList list = world.select(in);
   ASSERT_EQ(list.impostors.size(), 1u);
   EXPECT_EQ(list.impostors[0].tile, fresh);
   EXPECT_EQ(list.impostors[0].fade, 1);
@@ -267,19 +277,19 @@ TEST(CoreSelector, NewTileFadesInOverTheFormer) {
 TEST(CoreSelector, EvictedFormerIsNotDrawnWhileFading) {
   SelectorWorld world = one_ball();
   const TileRecordPtr old_tile = world.add_tile(0);
-  world.selector.select(world.input());
+  world.select(world.input());
   world.look({2, 0, 4}, {0, 0, 0});
   world.frame++;
   const TileRecordPtr fresh = world.add_tile(0);
-  ASSERT_EQ(world.selector.select(world.input()).impostors.size(), 2u);
+  ASSERT_EQ(world.select(world.input()).impostors.size(), 2u);
   // Out of view for some frames, the former goes; its texels may be another tile's by now.
   world.frame += 5;
-  fresh->last_drawn = world.frame;
+  world.cache.mark_drawn({fresh}, world.frame);
   for (int i = 0; i < 12; ++i) world.add_tile(0);
   const auto& held = world.cache.group_to_draw(0)->tiles;
   ASSERT_EQ(std::count(held.begin(), held.end(), old_tile), 0);
   world.now_us += 50'000;
-  for (const DrawnImpostor& drawn : world.selector.select(world.input()).impostors) {
+  for (const DrawnImpostor& drawn : world.select(world.input()).impostors) {
     EXPECT_NE(drawn.tile, old_tile);
   }
 }
@@ -288,7 +298,7 @@ TEST(CoreSelector, BackToFront) {
   SelectorWorld world(make_scene({{{-2, 0, -20}}, {{0, 0, -6}}, {{3, 0, -60}}}));
   world.look({0, 0, 0}, {0, 0, -1});
   for (std::uint32_t i = 0; i < 3; ++i) ASSERT_TRUE(world.add_tile(i));
-  const DrawList list = world.selector.select(world.input());
+  const DrawList list = world.select(world.input());
   ASSERT_EQ(list.impostors.size(), 3u);
   EXPECT_GT(list.impostors[0].distance, list.impostors[1].distance);
   EXPECT_GT(list.impostors[1].distance, list.impostors[2].distance);

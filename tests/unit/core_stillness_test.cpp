@@ -17,7 +17,7 @@ struct CoreStillness : ::testing::Test {
     ++world.frame;
     world.now_us += us;
     const SelectorInput in = world.input();
-    DrawList list = world.selector.select(in);
+    DrawList list = world.select(in);
     list.time_s = static_cast<double>(world.now_us) * 1e-6;
     return stillness.unchanged(world.camera, world.scene, list, light);
   }

@@ -185,7 +185,7 @@ TEST_F(CoreView, GeometryReplacesItOnceItShowsMore) {
     in.view = torn ? nullptr : &fit;
     in.meshes = &meshes;
     in.mesh_radii = 100;
-    return world.selector.select(in).meshes;
+    return world.select(in).meshes;
   };
   const auto add = [&](std::uint8_t level) {
     ObjectModel model;

@@ -22,7 +22,7 @@ TEST_F(ServerSession, HelloIsAnsweredWithTheScene) {
   const wire::WelcomeT* welcome = messages[0].body.AsWelcome();
   ASSERT_TRUE(welcome);
   EXPECT_EQ(welcome->version, limits::kProtocolVersion);
-  EXPECT_EQ(welcome->revision, scene_->revision);
+  EXPECT_EQ(welcome->revision, hub->revision());
   EXPECT_EQ(welcome->objects, 1u);
   EXPECT_EQ(welcome->instances, 1u);
   ASSERT_TRUE(messages[1].body.AsObjectPage());
