@@ -37,10 +37,9 @@ std::size_t edits_between(const std::string& a, const std::string& b) {
 std::string nearest_or(const std::string& name, const std::vector<std::string>& known,
                        const std::string& otherwise) {
   const auto distance = [&](const std::string& one) { return edits_between(name, one); };
-  const auto best =
-      std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-        return distance(a) < distance(b);
-      });
+  const auto best = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+    return distance(a) < distance(b);
+  });
   if (best == known.end() || distance(*best) > std::max<std::size_t>(2, name.size() / 4)) {
     return otherwise;
   }
@@ -74,10 +73,15 @@ std::optional<Error> unknown_variable() {
 }
 
 Error in_config_file(const CLI::App& app, const std::string& key) {
-  return make_error(
-      ErrorId::kUsage,
-      "the --config file has '" + key + "', which is no option of " + app.get_name(),
-      nearest_or(key, long_names(app), app.get_name() + " --help lists the options"));
+  const std::size_t section = key.rfind(".++");  // how CLI11 names the beginning of one
+  if (section != std::string::npos) {
+    return make_error(ErrorId::kUsage,
+                      "the --config file has a section [" + key.substr(0, section) + "]",
+                      "options stand in no section");
+  }
+  return make_error(ErrorId::kUsage,
+                    "the --config file has '" + key + "', which is no option of " + app.get_name(),
+                    nearest_or(key, long_names(app), app.get_name() + " --help lists the options"));
 }
 
 /// What CLI11 says of a key it does not know: "INI was not able to parse KEY".
@@ -90,17 +94,83 @@ std::optional<std::string> unknown_key(const CLI::ParseError& error) {
 }  // namespace
 
 const std::vector<std::string>& options_of_all_programs() {
-  static const std::vector<std::string> names = {
-      "allow-origin", "animate", "animation", "atlas-mb", "cache-dir", "cache-dir-mb", "cache-mb",
-      "child", "clients", "codec", "connect-rate", "connect-timeout", "device", "device-model",
-      "duration", "encoders", "environment", "explain", "explain-frame", "folder", "fov", "fps",
-      "frame-ms", "frames", "gpu-mb", "jobs", "json", "light", "list", "list-devices", "listen",
-      "march-kpx", "max-clients", "mesh-mb", "mesh-radii", "method", "metrics", "model", "msaa",
-      "net", "no-geometry", "no-reference", "no-view", "offscreen", "only", "out", "page", "path",
-      "port-file", "prove", "prove-cells", "prove-objects", "quick", "rate", "rate-mbps",
-      "reference", "reference-samples", "relight", "scene", "seed", "shadows", "size", "spread",
-      "stats", "strict", "supersample", "tau", "tls-cert", "tls-key", "token-file", "trace",
-      "upload-kb", "url", "verify", "virtual-time", "warm", "write-environment"};
+  static const std::vector<std::string> names = {"allow-origin",
+                                                 "animate",
+                                                 "animation",
+                                                 "atlas-mb",
+                                                 "cache-dir",
+                                                 "cache-dir-mb",
+                                                 "cache-mb",
+                                                 "child",
+                                                 "clients",
+                                                 "codec",
+                                                 "connect-rate",
+                                                 "connect-timeout",
+                                                 "device",
+                                                 "device-model",
+                                                 "duration",
+                                                 "encoders",
+                                                 "environment",
+                                                 "explain",
+                                                 "explain-frame",
+                                                 "folder",
+                                                 "fov",
+                                                 "fps",
+                                                 "frame-ms",
+                                                 "frames",
+                                                 "gpu-mb",
+                                                 "jobs",
+                                                 "json",
+                                                 "light",
+                                                 "list",
+                                                 "list-devices",
+                                                 "listen",
+                                                 "march-kpx",
+                                                 "max-clients",
+                                                 "mesh-mb",
+                                                 "mesh-radii",
+                                                 "method",
+                                                 "metrics",
+                                                 "model",
+                                                 "msaa",
+                                                 "net",
+                                                 "no-geometry",
+                                                 "no-reference",
+                                                 "no-view",
+                                                 "offscreen",
+                                                 "only",
+                                                 "out",
+                                                 "page",
+                                                 "path",
+                                                 "port-file",
+                                                 "prove",
+                                                 "prove-cells",
+                                                 "prove-objects",
+                                                 "quick",
+                                                 "rate",
+                                                 "rate-mbps",
+                                                 "reference",
+                                                 "reference-samples",
+                                                 "relight",
+                                                 "scene",
+                                                 "seed",
+                                                 "shadows",
+                                                 "size",
+                                                 "spread",
+                                                 "stats",
+                                                 "strict",
+                                                 "supersample",
+                                                 "tau",
+                                                 "tls-cert",
+                                                 "tls-key",
+                                                 "token-file",
+                                                 "trace",
+                                                 "upload-kb",
+                                                 "url",
+                                                 "verify",
+                                                 "virtual-time",
+                                                 "warm",
+                                                 "write-environment"};
   return names;
 }
 

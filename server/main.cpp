@@ -65,8 +65,17 @@ std::string without_spaces(std::string text) {
   return text;
 }
 
-Result<void> announce(const ServerOptions& options, const PreparedScene& scene,
-                      const SessionHub& hub, int port) {
+Result<void> write_port(const std::string& path, int port) {
+  if (path.empty()) return {};
+  std::ofstream file(path);
+  file << port << '\n';
+  file.close();
+  if (!file) return make_error(ErrorId::kIo, "cannot write port file '" + path + "'");
+  return {};
+}
+
+void announce(const ServerOptions& options, const PreparedScene& scene, const SessionHub& hub,
+              int port) {
   const std::string url = options.endpoint.address.url(!options.endpoint.tls_cert.empty(), port);
   std::printf("%s\n",
               fmt::format("ready url={} scene={} revision={:016x} profile={:016x} objects={} "
@@ -76,12 +85,6 @@ Result<void> announce(const ServerOptions& options, const PreparedScene& scene,
                           scene.scene.triangles(), hub.options().renderer)
                   .c_str());
   std::fflush(stdout);
-  if (options.port_file.empty()) return {};
-  std::ofstream file(options.port_file);
-  file << port << '\n';
-  file.close();
-  if (!file) return make_error(ErrorId::kIo, "cannot write port file '" + options.port_file + "'");
-  return {};
 }
 
 int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> scene,
@@ -117,8 +120,10 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
   std::signal(SIGTERM, on_terminate);
   std::signal(SIGINT, on_terminate);
   std::signal(SIGPIPE, SIG_IGN);
-  const Result<void> announced = announce(options, *scene, hub, endpoint.port());
-  if (!announced) return fail(announced.error());
+  if (const Result<void> written = write_port(options.port_file, endpoint.port()); !written) {
+    return fail(written.error());
+  }
+  announce(options, *scene, hub, endpoint.port());
   const Result<void> served = endpoint.run();
   awake = nullptr;
   const Counters& counters = queues.counters;

@@ -17,6 +17,7 @@ GroupOpening::GroupOpening(const PreparedScene& scene, const std::vector<std::ui
 // Needed ones by how far inside their distance the eye is, first those before it; then, while
 // fewer than `least` have been told of, the others.
 void GroupOpening::add(std::uint32_t id) {
+  if (id >= scene_.instance_count()) return;
   const InstanceGroup* group = scene_.group_of_instance(id);
   if (!group || group->members == 0 || !seen_.insert(id).second) return;
   const double radius = glm::length(glm::dvec3(group->bounds.half));

@@ -29,6 +29,7 @@ mirage_e2e(memory)
 mirage_e2e(parts)
 mirage_e2e(demo)
 mirage_e2e(options)
+mirage_e2e(listen)
 target_link_libraries(mirage_e2e_options PRIVATE mirage_cli)
 add_dependencies(mirage_e2e_demo mirage-sheet)
 target_compile_definitions(mirage_e2e_demo PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
@@ -36,3 +37,13 @@ target_compile_definitions(mirage_e2e_demo PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_
 target_link_libraries(mirage_e2e_parts PRIVATE mirage_gltf)
 # It watches frame times: alone on the machine, please.
 set_tests_properties(e2e_failure PROPERTIES RUN_SERIAL ON)
+
+# Put before the driver and the file system of a server: they fail, or are slow, when they are told.
+add_library(mirage_test_faults MODULE support/faults.cpp)
+mirage_target(mirage_test_faults)
+target_link_libraries(mirage_test_faults PRIVATE ${CMAKE_DL_LIBS})
+mirage_e2e(faults)
+add_dependencies(mirage_e2e_faults mirage_test_faults)
+target_compile_definitions(mirage_e2e_faults PRIVATE MIRAGE_FAULTS="$<TARGET_FILE:mirage_test_faults>")
+# It compares waiting times.
+set_tests_properties(e2e_faults PROPERTIES RUN_SERIAL ON)

@@ -24,23 +24,23 @@ namespace {
 
 Result<void> measure(Context& context) {
   using Step = Result<void> (*)(Context&);
-  const auto wanted = [&](Part part) { return context.options.parts.contains(part); };
+  const auto wanted = [&](ReportPart part) { return context.options.parts.contains(part); };
   // Times are measured here: nothing beside it.
-  if (wanted(Part::kWorkPrecision)) {
+  if (wanted(ReportPart::kWorkPrecision)) {
     if (Result<void> done = report_work_precision(context); !done) return done;
   }
   ExtremeRun extreme;
-  if (wanted(Part::kExtreme)) extreme = start_extreme(context);
-  const std::pair<Part, Step> steps[] = {
-      {Part::kLatency, report_latency},   {Part::kFirst, report_first},
-      {Part::kBytes, report_bytes},       {Part::kWeather, report_weather},
-      {Part::kFidelity, report_fidelity}, {Part::kNeeds, report_needs},
-      {Part::kModels, report_models},     {Part::kCalibrate, report_calibrate}};
+  if (wanted(ReportPart::kExtreme)) extreme = start_extreme(context);
+  const std::pair<ReportPart, Step> steps[] = {
+      {ReportPart::kLatency, report_latency},   {ReportPart::kFirst, report_first},
+      {ReportPart::kBytes, report_bytes},       {ReportPart::kWeather, report_weather},
+      {ReportPart::kFidelity, report_fidelity}, {ReportPart::kNeeds, report_needs},
+      {ReportPart::kModels, report_models},     {ReportPart::kCalibrate, report_calibrate}};
   for (const auto& [part, step] : steps) {
     if (!wanted(part)) continue;
     if (Result<void> done = step(context); !done) return done;
   }
-  if (!wanted(Part::kExtreme)) return {};
+  if (!wanted(ReportPart::kExtreme)) return {};
   return report_extreme(context, std::move(extreme));
 }
 

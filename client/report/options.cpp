@@ -8,21 +8,21 @@
 namespace mirage {
 namespace {
 
-const std::map<std::string, std::set<Part>>& parts() {
-  static const std::map<std::string, std::set<Part>> list = {
-      {"fidelity", {Part::kFidelity}},
-      {"work-precision", {Part::kWorkPrecision}},
-      {"latency", {Part::kLatency}},
-      {"first", {Part::kFirst}},
-      {"bytes", {Part::kBytes}},
-      {"weather", {Part::kWeather}},
-      {"calibrate", {Part::kCalibrate}},
-      {"extreme", {Part::kExtreme}},
-      {"needs", {Part::kNeeds}},
-      {"models", {Part::kModels}},
+const std::map<std::string, std::set<ReportPart>>& parts() {
+  static const std::map<std::string, std::set<ReportPart>> list = {
+      {"fidelity", {ReportPart::kFidelity}},
+      {"work-precision", {ReportPart::kWorkPrecision}},
+      {"latency", {ReportPart::kLatency}},
+      {"first", {ReportPart::kFirst}},
+      {"bytes", {ReportPart::kBytes}},
+      {"weather", {ReportPart::kWeather}},
+      {"calibrate", {ReportPart::kCalibrate}},
+      {"extreme", {ReportPart::kExtreme}},
+      {"needs", {ReportPart::kNeeds}},
+      {"models", {ReportPart::kModels}},
       {"all",
-       {Part::kFidelity, Part::kWorkPrecision, Part::kLatency, Part::kFirst, Part::kBytes,
-        Part::kWeather, Part::kExtreme, Part::kNeeds}}};
+       {ReportPart::kFidelity, ReportPart::kWorkPrecision, ReportPart::kLatency, ReportPart::kFirst,
+        ReportPart::kBytes, ReportPart::kWeather, ReportPart::kExtreme, ReportPart::kNeeds}}};
   return list;
 }
 
@@ -40,7 +40,7 @@ Result<void> check(const ReportOptions& o) {
   if (!o.model.empty() && o.what != "fidelity") {
     return make_error(ErrorId::kUsage, "--model is for fidelity only", "--scene FILE for the rest");
   }
-  if (o.frame_ms > 0 && !parts().at(o.what).contains(Part::kWeather)) {
+  if (o.frame_ms > 0 && !parts().at(o.what).contains(ReportPart::kWeather)) {
     return make_error(ErrorId::kUsage, "--frame-ms is for weather only",
                       "work-precision has budgets of its own");
   }

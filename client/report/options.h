@@ -5,7 +5,7 @@
 
 namespace mirage {
 
-enum class Part {
+enum class ReportPart {
   kWorkPrecision,
   kFidelity,
   kLatency,
@@ -19,14 +19,14 @@ enum class Part {
 };
 
 struct ReportOptions {
-  std::set<Part> parts;
+  std::set<ReportPart> parts;
   std::string what;        ///< as typed: "all", "latency", …
   std::string scene;       ///< empty: the report's own scenes
   std::string url;         ///< empty: servers of its own
   std::string model;       ///< of the user's, for fidelity
   std::string models_dir;  ///< for models
   std::string out_dir = "out/report";
-  double frame_ms = 0;     ///< budget of a frame, for weather; 0: none
+  double frame_ms = 0;  ///< budget of a frame, for weather; 0: none
   bool quick = false;
   std::string device = "auto";
   std::string command_line;  ///< to be repeated by hand

@@ -12,7 +12,7 @@
 namespace mirage::test {
 namespace {
 
-const std::vector<std::string> kPrograms = {"mirage-server", "mirage-view",   "mirage-load",
+const std::vector<std::string> kPrograms = {"mirage-server", "mirage-view",    "mirage-load",
                                             "mirage-report", "mirage-extreme", "mirage-sheet"};
 
 std::string config(const std::string& text) {
@@ -42,7 +42,7 @@ TEST(Options, UnknownKeysOfAConfigFileAreErrors) {
   const Finished done = list_devices(file);
   expect_usage_error(done, "token_file");
   EXPECT_NE(done.output.find("did you mean token-file?"), std::string::npos) << done.output;
-  expect_usage_error(list_devices(config("[server]\ncache-mb = 64\n")), "server.cache-mb");
+  expect_usage_error(list_devices(config("[server]\ncache-mb = 64\n")), "section [server]");
 }
 
 TEST(Options, WhatIsNoTomlIsAnError) {
@@ -64,7 +64,7 @@ TEST(Options, UnknownVariablesAreErrors) {
   EXPECT_NE(done.output.find("did you mean MIRAGE_TOKEN_FILE?"), std::string::npos) << done.output;
   EXPECT_EQ(list_devices("", "MIRAGE_CACHE_MB=64").exit_code, 0);
   EXPECT_EQ(list_devices("", "MIRAGE_FRAME_MS=50").exit_code, 0) << "another program's";
-  expect_usage_error(list_devices("", "MIRAGE_CACHE_MB=lots"), "MIRAGE_CACHE_MB");
+  expect_usage_error(list_devices("", "MIRAGE_CACHE_MB=lots"), "cache-mb");
 }
 
 TEST(Options, TheListOfAllProgramsOptionsIsCurrent) {

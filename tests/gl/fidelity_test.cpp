@@ -46,9 +46,21 @@ struct Row {
 
 std::ostream& operator<<(std::ostream& out, const Row& row) { return out << row.name; }
 
+// The one in use, by model: it lasts as long as the tests that follow want the same.
+std::map<std::string, std::unique_ptr<Bench>>& shared_benches() {
+  static std::map<std::string, std::unique_ptr<Bench>> benches;
+  return benches;
+}
+
+class ReleaseBenches : public ::testing::Environment {
+  void TearDown() override { shared_benches().clear(); }
+};
+[[maybe_unused]] const auto* const release_benches =
+    ::testing::AddGlobalTestEnvironment(new ReleaseBenches);  // owned by gtest
+
 // nullptr when the model is not there.
 Bench* bench_for(const Model& model) {
-  static std::map<std::string, std::unique_ptr<Bench>> benches;
+  std::map<std::string, std::unique_ptr<Bench>>& benches = shared_benches();
   std::string spec = model.spec;
   if (spec.rfind("builtin:", 0) != 0) {
     spec = shared_models() + "/" + spec;

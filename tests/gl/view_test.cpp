@@ -1,5 +1,5 @@
-// View tiles as they are drawn: at their own pose they are the picture; what has an image of its own
-// is left out.
+// View tiles as they are drawn: at their own pose they are the picture; what has an image of its
+// own is left out.
 #include <gtest/gtest.h>
 
 #include "client/core/frame_renderer.h"
@@ -85,8 +85,8 @@ TEST_F(GlView, WhatHasAnImageIsLeftOut) {
   for (const std::uint16_t owner : view.owners) {
     if (owner > 0 && owner != ViewTile::kNobody) ++cells[owner - 1u];
   }
-  const auto one = static_cast<std::size_t>(
-      std::max_element(cells.begin(), cells.end()) - cells.begin());
+  const auto one =
+      static_cast<std::size_t>(std::max_element(cells.begin(), cells.end()) - cells.begin());
   std::vector<bool> alone = none;
   alone[one] = true;
   const std::size_t shown = covered(drawn(camera_, view, alone));

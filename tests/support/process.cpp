@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -99,17 +100,32 @@ Finished run(const std::vector<std::string>& command, double timeout_s) {
   return out;
 }
 
-Server::Server(const std::string& scene, const std::vector<std::string>& extra)
+// Empty: it is not ready yet.
+std::string ready_url(const std::string& log) {
+  const std::string before = "ready url=";
+  const std::size_t at = log.find(before), end = log.find('\n', at);
+  if (at == std::string::npos || end == std::string::npos) return "";
+  return log.substr(at + before.size(), log.find(' ', at + before.size()) - at - before.size());
+}
+
+Server::Server(const std::string& scene, const std::vector<std::string>& extra,
+               const std::vector<std::string>& environment)
     : folder_(scratch_folder()) {
-  std::vector<std::string> command = {binary("mirage-server"), scene,         "--listen",
-                                      "127.0.0.1:0",           "--port-file", folder_ + "/port"};
+  std::vector<std::string> command = {"/usr/bin/env"};
+  command.insert(command.end(), environment.begin(), environment.end());
+  command.insert(command.end(), {binary("mirage-server"), scene, "--listen", "127.0.0.1:0"});
   command.insert(command.end(), extra.begin(), extra.end());
+  const bool has_port = std::none_of(extra.begin(), extra.end(), [](const std::string& word) {
+    return word.rfind("unix:", 0) == 0;
+  });
+  if (has_port) command.insert(command.end(), {"--port-file", folder_ + "/port"});
   pid_ = spawn(command, folder_ + "/log");
   const Clock::time_point start = Clock::now();
   while (seconds_since(start) < 60) {
-    const std::string port = read_file(folder_ + "/port");
-    if (!port.empty() && port.back() == '\n') {
-      port_ = std::atoi(port.c_str());
+    const std::string url = ready_url(log());
+    if (!url.empty()) {
+      if (has_port) port_ = std::atoi(read_file(folder_ + "/port").c_str());
+      url_ = url;
       return;
     }
     int status = 0;
@@ -127,6 +143,13 @@ int Server::stop(int signal) {
   if (pid_ < 0) return -1;
   kill(pid_, signal);
   const int code = wait_for(pid_, 20);
+  pid_ = -1;
+  return code;
+}
+
+int Server::wait(double timeout_s) {
+  if (pid_ < 0) return -1;
+  const int code = wait_for(pid_, timeout_s);
   pid_ = -1;
   return code;
 }

@@ -31,22 +31,27 @@ std::string scratch_folder();
 /// A running mirage-server on a free port; stopped (SIGTERM) and reaped on destruction.
 class Server {
  public:
-  explicit Server(const std::string& scene, const std::vector<std::string>& extra = {});
+  /// `environment`: NAME=value, beside the test's own.
+  explicit Server(const std::string& scene, const std::vector<std::string>& extra = {},
+                  const std::vector<std::string>& environment = {});
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  bool ready() const { return port_ > 0; }
-  int port() const { return port_; }
+  bool ready() const { return !url_.empty(); }
+  int port() const { return port_; }  ///< 0: it listens on a unix socket
   int pid() const { return pid_; }
-  std::string url() const { return "ws://127.0.0.1:" + std::to_string(port_); }
+  const std::string& url() const { return url_; }
   /// Ends it with `signal` and gives the exit code.
   int stop(int signal);
+  /// The exit code of one that ends by itself; -1: it did not.
+  int wait(double timeout_s);
   std::string log() const;
 
  private:
   int pid_ = -1;
   int port_ = 0;
+  std::string url_;  ///< as its ready line says
   std::string folder_;
 };
 

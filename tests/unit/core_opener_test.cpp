@@ -1,5 +1,6 @@
 // A scene told group by group: what a viewer needs is known, and not much more.
 #include <gtest/gtest.h>
+#include <time.h>
 
 #include <functional>
 #include <random>
@@ -7,6 +8,7 @@
 #include "client/core/scene_opener.h"
 #include "client/core/selector_rules.h"
 #include "protocol/limits.h"
+#include "server/session.h"
 #include "tests/support/told_scene.h"
 
 namespace mirage::test {
@@ -382,6 +384,54 @@ TEST(ServerOpening, NumbersThatAreNoGroupsArePassedOver) {
   const Message m = decoded(pages[0]);
   EXPECT_TRUE(m.body.AsInstancePage()->last);
   EXPECT_TRUE(m.body.AsInstancePage()->instances.empty());
+}
+
+double thread_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// All that a request of 60 KB can ask for: nobody else waits while it is answered.
+TEST(ServerOpening, AnAnswerIsMadePageByPageAndTellsOfEachOnce) {
+  const VirtualClock clock;
+  StageQueues queues(clock, 1 << 20, nullptr);
+  SessionHub hub(field(), {}, queues);
+  const SessionId id = hub.open().take();
+  const auto say = [&](Bytes bytes) {
+    ASSERT_TRUE(hub.receive(id, bytes.data(), bytes.size()).ok());
+  };
+  wire::HelloT hello;
+  hello.version_min = hello.version_max = limits::kProtocolVersion;
+  hello.codecs = {static_cast<std::uint8_t>(TileCodec::kZstd)};
+  say(encode_message(std::move(hello)));
+  while (hub.next_frame(id)) {
+  }
+  wire::OpenRequestT request;
+  for (std::size_t i = 0; i < limits::kMaxOpensPerRequest; ++i) {
+    request.groups.push_back(field()->grouping.roots[i % field()->grouping.roots.size()]);
+  }
+  request.eye = std::make_unique<wire::Vec3d>();
+  request.forward = std::make_unique<wire::Vec3d>(0, 0, -1);
+  request.focal_px = 500, request.tau_px = 1, request.margin = 1, request.speed_mps = 1e9;
+  const double before = thread_seconds();
+  say(encode_message(std::move(request)));
+  const double received = thread_seconds();
+  std::size_t records = 0, pages = 0;
+  double longest = 0;
+  for (double last = received;; last = thread_seconds()) {
+    const FramePtr frame = hub.next_frame(id);
+    longest = std::max(longest, thread_seconds() - last);
+    if (!frame) break;
+    const Message m = decoded(frame);
+    records += m.body.AsInstancePage()->instances.size() + m.body.AsInstancePage()->groups.size();
+    ++pages;
+  }
+  EXPECT_GT(pages, 50u);
+  EXPECT_LE(records, field()->instance_count());
+  const double all = thread_seconds() - before;
+  EXPECT_LT(received - before, all / 5) << "the request itself, of " << all << " s in all";
+  EXPECT_LT(longest, all / 5);
 }
 
 }  // namespace

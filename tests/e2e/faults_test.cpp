@@ -1,0 +1,111 @@
+// A server whose graphics driver or whose disk fails.
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+namespace mirage::test {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr const char* kScene = "builtin:knot?tubular=60&radial=12";
+
+std::string preload() { return std::string("LD_PRELOAD=") + MIRAGE_FAULTS; }
+
+/// Four clients, 60 tiles a second together, every tile checked.
+nlohmann::json load(const std::string& url, int seconds) {
+  const std::string file = scratch_folder() + "/load.json";
+  const Finished done =
+      run({binary("mirage-load"), url, "--clients", "4", "--duration", std::to_string(seconds),
+           "--rate", "60", "--verify", "1", "--json", file});
+  const nlohmann::json found = nlohmann::json::parse(read_file(file), nullptr, false);
+  EXPECT_FALSE(found.is_discarded()) << done.output;
+  return found.is_discarded() ? nlohmann::json() : found;
+}
+
+class GlFault : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(GlFault, EndsTheServerWithFourAndNoWrongTileGoesOut) {
+  Server server(kScene, {"--no-view"},
+                {preload(), std::string("FAULT_GL=") + GetParam(), "FAULT_AFTER=12"});
+  ASSERT_TRUE(server.ready()) << server.log();
+  const nlohmann::json clients = load(server.url(), 3);
+  EXPECT_EQ(server.wait(10), 4) << server.log();
+  EXPECT_NE(server.log().find("error graphics-gl:"), std::string::npos) << server.log();
+  EXPECT_EQ(clients.value("verify_failures", 1), 0);
+  EXPECT_GT(clients.value("tiles", 0), 0) << "some came before it failed";
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, GlFault,
+                         ::testing::Values("map", "unmap", "fence", "error", "reset"),
+                         [](const auto& kind) { return std::string(kind.param); });
+
+// Files of the cache that are pipes nobody writes to: opening one would wait for ever.
+void fill_with_pipes(const std::string& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  ASSERT_FALSE(files.empty());
+  for (const fs::path& file : files) {
+    fs::remove(file);
+    ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  }
+}
+
+TEST(DiskFault, PipesInTheCacheHoldUpNobody) {
+  const std::string folder = scratch_folder() + "/cache";
+  {
+    Server first(kScene, {"--cache-dir", folder});
+    ASSERT_TRUE(first.ready()) << first.log();
+    load(first.url(), 2);
+    EXPECT_EQ(first.stop(SIGTERM), 0);
+  }
+  fill_with_pipes(folder);
+  Server server(kScene, {"--cache-dir", folder});
+  ASSERT_TRUE(server.ready()) << server.log();
+  const nlohmann::json clients = load(server.url(), 3);
+  EXPECT_GT(clients.value("tiles", 0), 60);
+  EXPECT_EQ(server.stop(SIGTERM), 0) << server.log();
+}
+
+TEST(DiskFault, ADirectoryThatIsAPipeHoldsUpNobody) {
+  const std::string pipe = scratch_folder() + "/cache";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  Server server(kScene, {"--cache-dir", pipe});
+  ASSERT_TRUE(server.ready()) << server.log();
+  EXPECT_GT(load(server.url(), 3).value("tiles", 0), 60);
+  EXPECT_EQ(server.stop(SIGTERM), 0) << server.log();
+}
+
+// Two servers side by side under the same load, the cache of one answering after two seconds.
+TEST(DiskFault, ASlowDirectoryChangesNobodysWaitingTime) {
+  const std::string slow = scratch_folder() + "/slow", quick = scratch_folder() + "/quick";
+  fs::create_directories(slow);
+  Server plain(kScene, {"--cache-dir", quick});
+  Server beside(kScene, {"--cache-dir", slow},
+                {preload(), "FAULT_FOLDER=" + slow, "FAULT_MS=2000"});
+  ASSERT_TRUE(plain.ready() && beside.ready()) << beside.log();
+  double plain_p99 = 0, slow_p99 = 0;
+  for (int round = 0; round < 2; ++round) {  // in turn: the machine's other users meet both
+    const nlohmann::json usual = load(plain.url(), 4), slowed = load(beside.url(), 4);
+    EXPECT_EQ(slowed["errors"].size(), 0u) << slowed.dump();
+    plain_p99 = std::max(plain_p99, usual["latency_ms"].value("p99", 0.0));
+    slow_p99 = std::max(slow_p99, slowed["latency_ms"].value("p99", 1e9));
+  }
+  std::printf("p99 of a tile, cache answering at once: %.1f ms, after 2 s: %.1f ms (%.2f times)\n",
+              plain_p99, slow_p99, slow_p99 / plain_p99);
+  // A look that takes 10 ms is given up; twice the usual and that, for the noise of two servers.
+  EXPECT_LT(slow_p99, 2 * plain_p99 + 20);
+  EXPECT_EQ(beside.stop(SIGTERM), 0) << beside.log();
+}
+
+}  // namespace
+}  // namespace mirage::test
