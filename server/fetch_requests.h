@@ -19,8 +19,8 @@ class FetchRequests {
  public:
   FetchRequests(BoundedQueue<FetchJob>& jobs, const Clock& clock) : jobs_(jobs), clock_(clock) {}
 
-  /// Has the tile looked for, once for all who wait for it in the waiter's codec. False: it is to be
-  /// rendered without looking.
+  /// Has the tile looked for, once for all who wait for it in the waiter's codec. False: it is to
+  /// be rendered without looking.
   bool wait(const TileAsk& ask);
   /// It was looked for; they wait no longer.
   std::vector<TileAsk> take(const TileId& id, TileCodec codec);

@@ -17,8 +17,9 @@ class Pipeline {
  public:
   /// `wake` is called by any thread when there is a completion. `directory` nullptr: tiles are kept
   /// in memory only. Clock and directory outlive it.
-  Pipeline(const Clock& clock, std::size_t cache_bytes, CacheDirectory* directory,
-           std::function<void()> wake = [] {});
+  Pipeline(
+      const Clock& clock, std::size_t cache_bytes, CacheDirectory* directory,
+      std::function<void()> wake = [] {});
   ~Pipeline() { stop(); }
 
   /// Starts all threads and compiles every shader; the renderer's name. Errors: RenderStage's.

@@ -141,8 +141,7 @@ FramePtr TreeTelling::next_page() {
 
 bool TreeTelling::has_room(std::size_t records) const {
   const std::size_t here = page_.instances.size() + page_.groups.size();
-  return here == 0 ||
-         (here + records <= kRecordsPerPage && page_.opened.size() < kRecordsPerPage);
+  return here == 0 || (here + records <= kRecordsPerPage && page_.opened.size() < kRecordsPerPage);
 }
 
 FramePtr TreeTelling::finish_page(bool last) {
@@ -163,15 +162,15 @@ void TreeTelling::add_record(std::uint32_t id) {
       mean |= static_cast<std::uint32_t>(std::lround(b.mean_color[c] * 255.0f)) << (8 * c);
     }
     page_.groups.emplace_back(to_wire(b.center), to_wire(b.half), mean, b.needs, id, parent,
-                             group->first_leaf, group->leaves,
-                             static_cast<std::uint8_t>(group->importance));
+                              group->first_leaf, group->leaves,
+                              static_cast<std::uint8_t>(group->importance));
     return;
   }
   const Instance& instance = scene_.scene.instances[id];
   const Similarity& m = instance.world_from_object;
   page_.instances.emplace_back(to_wire(m.position), to_wire(m.rotation), m.scale, id,
-                              instance.object, parent, instance.clip_offset_s,
-                              static_cast<std::uint8_t>(instance.importance));
+                               instance.object, parent, instance.clip_offset_s,
+                               static_cast<std::uint8_t>(instance.importance));
 }
 
 std::vector<FramePtr> make_scene_pages(const PreparedScene& scene) {

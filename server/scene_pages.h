@@ -40,7 +40,7 @@ class TreeTelling {
   wire::InstancePageT page_;
   std::deque<std::uint32_t> roots_;  ///< still to be told of
   GroupOpening opening_;
-  std::deque<std::uint32_t> cut_;       ///< instances whose parts are still to be told of
+  std::deque<std::uint32_t> cut_;        ///< instances whose parts are still to be told of
   std::optional<std::uint32_t> opened_;  ///< whose members come next
   bool done_ = false;
 };

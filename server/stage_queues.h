@@ -18,12 +18,12 @@ struct StageQueues {
   const Clock& clock;
   Counters counters;
   TileStore store;
-  BoundedQueue<FetchJob> fetches{4096};         ///< sessions -> fetch stage
-  TileQueue tiles;                              ///< sessions -> render stage
-  BoundedQueue<EncodeJob> rendered{512};        ///< render stage, sessions -> encode stage
-  BoundedQueue<SaveJob> saves{256};             ///< encode stage -> fetch stage
-  BoundedQueue<ImageLevel> images{4096};        ///< sessions -> image stage
-  BoundedQueue<Completion> completions{8192};   ///< all stages -> sessions
+  BoundedQueue<FetchJob> fetches{4096};        ///< sessions -> fetch stage
+  TileQueue tiles;                             ///< sessions -> render stage
+  BoundedQueue<EncodeJob> rendered{512};       ///< render stage, sessions -> encode stage
+  BoundedQueue<SaveJob> saves{256};            ///< encode stage -> fetch stage
+  BoundedQueue<ImageLevel> images{4096};       ///< sessions -> image stage
+  BoundedQueue<Completion> completions{8192};  ///< all stages -> sessions
 };
 
 }  // namespace mirage

@@ -59,8 +59,8 @@ void TileQueue::want_view(const TileId& id) {
 
 bool TileQueue::drop_view(const TileId& id) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto at = std::find_if(views_.begin(), views_.end(),
-                               [&](const ViewJob& job) { return job.id == id; });
+  const auto at =
+      std::find_if(views_.begin(), views_.end(), [&](const ViewJob& job) { return job.id == id; });
   if (at == views_.end()) return false;
   views_.erase(at);
   return true;
