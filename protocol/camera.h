@@ -1,6 +1,6 @@
 #pragma once
 // The viewer's camera. Matrices are relative to the eye: world positions have the eye subtracted
-// in double before they become float (NUMERICS section 3).
+// in double before they become float (numerics.md section 3).
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -14,8 +14,8 @@ struct Pose {
 };
 
 /// How eye depth z becomes window depth. Reversed: near / z, without a far end, whose rounding in a
-/// float is the same share of z everywhere (NUMERICS section 3); it takes glClipControl. Forward is
-/// what GLES has.
+/// float is the same share of z everywhere (numerics.md section 3); it takes glClipControl. Forward
+/// is what GLES has.
 enum class DepthMapping : std::uint8_t { kForward, kReversed };
 
 struct Camera {

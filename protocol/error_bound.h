@@ -1,5 +1,5 @@
 #pragma once
-// The proven bound, in pixels, of where an impostor draws the points of its object (NUMERICS
+// The proven bound, in pixels, of where an impostor draws the points of its object (numerics.md
 // section 2). Every decision of the client is made with it.
 //
 // One exact identity carries it. Capture eye Oc, present eye e, baseline B = e - Oc, capture ray

@@ -40,7 +40,7 @@ ObjectDescription group_description(const GroupBounds& bounds);
 inline constexpr double kTypicalGap = 0.6;  ///< deepest step in an object's depth, radii
 /// A disocclusion may be as wide as this share of the projected radius; less below a tau of 1 px.
 inline constexpr double kHoleShare = 0.15;
-/// Disocclusions may be at most this many times as wide as a position error (NUMERICS: the real
+/// Disocclusions may be at most this many times as wide as a position error (numerics.md: the real
 /// knob once there is depth).
 inline constexpr double kHoleTolerance = 8;
 inline constexpr double kLeadShare =

@@ -58,7 +58,7 @@ inline constexpr int kMaxViewLevel = 16;      ///< 2^16 x 2^16 octahedral cells
 inline constexpr int kMaxDistanceLevel = 16;  ///< 2^16 buckets per octave
 inline constexpr int kMaxSizeClass = 14;
 inline constexpr std::uint32_t kMaxTileEdge = 2048;
-/// Below this distance (in radii) no impostor is generated; see NUMERICS section 2.
+/// Below this distance (in radii) no impostor is generated; see numerics.md section 2.
 inline constexpr double kMinCaptureRadii = 1.2;
 inline constexpr double kMaxCaptureRadii = 1.0e6;
 

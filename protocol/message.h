@@ -49,4 +49,8 @@ void set_tile_fields(const Tile& tile, wire::TileReplyT& reply);
 /// Error kWireValue when the crop leaves the window or a measure is not finite.
 Result<Tile> tile_from_fields(const wire::TileReplyT& reply);
 
+/// Bytes that a tile takes of a client's credit, at most, with so many bytes of planes: beside them
+/// its control part, headers, and those of chunks.
+constexpr std::size_t tile_credit_bytes(std::size_t planes) { return planes + 224 + planes / 4096; }
+
 }  // namespace mirage

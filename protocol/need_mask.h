@@ -1,6 +1,6 @@
 #pragma once
 // Need mask: what an object needs drawn, one bit each. It selects shader variants on both ends; a
-// bit that is clear means the feature is absent or provably neutral (NUMERICS section 5).
+// bit that is clear means the feature is absent or provably neutral (numerics.md section 5).
 
 #include <cstdint>
 #include <vector>

@@ -1,7 +1,7 @@
 #pragma once
-// The rules of leaving out (NUMERICS section 5) as one table: what is detected, what is then left
-// out, how that is proven, and what became of the rule. Explain, proof, report and documents read
-// it.
+// The rules of leaving out (numerics.md section 5) as one table: what is detected, what is then
+// left out, how that is proven, and what became of the rule. Explain, proof, report and documents
+// read it.
 
 #include <array>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// Forms that keep their accuracy where the textbook ones lose it (NUMERICS section 3).
+// Forms that keep their accuracy where the textbook ones lose it (numerics.md section 3).
 
 #include <algorithm>
 #include <cmath>

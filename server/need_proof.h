@@ -1,5 +1,5 @@
 #pragma once
-// Proof that leaving out changes nothing, and what it saves (NUMERICS section 5): every object's
+// Proof that leaving out changes nothing, and what it saves (numerics.md section 5): every object's
 // tiles are drawn twice, FULL and LEAN, compared byte by byte and timed in turns.
 //
 // FULL is the same server without need analysis: one mesh shader with every feature, absent maps

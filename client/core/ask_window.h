@@ -1,6 +1,6 @@
 #pragma once
 // How many bytes may be under way: what the link delivers times the round trip and a slack
-// (NUMERICS section 4: outstanding <= rate x (RTT + 50 ms)).
+// (numerics.md section 4: outstanding <= rate x (RTT + 50 ms)).
 // Input:  what arrives, when it was asked for. Output: the window, round trip and rate.
 // Thread: the frame loop's. Never full: keeps the arrivals of a few trips.
 //
@@ -13,8 +13,8 @@
 // The slack is a queue at the bottleneck: a link that gets faster empties it, the rate rises, and
 // the window with it. Asks leave with frames, so it lasts from one to the next. What a window can
 // hide from itself is a round trip that has become longer: it looks like a queue. After a period in
-// which every trip was slow, or a second in which each was longer than any queue of this window, all
-// is let arrive, and the next trip tells which it was.
+// which every trip was slow, or a second in which each was longer than any queue of this window,
+// all is let arrive, and the next trip tells which it was.
 
 #include <array>
 #include <cstddef>
@@ -92,10 +92,10 @@ class AskWindow {
   void drain(std::int64_t now_us, const Trip& shortest);
   void turn_period(std::int64_t now_us);
 
-  std::deque<Arrival> arrivals_;       ///< of the last second, or the last whole trips
-  std::deque<std::int64_t> trips_us_;  ///< the last ones
+  std::deque<Arrival> arrivals_;        ///< of the last second, or the last whole trips
+  std::deque<std::int64_t> trips_us_;   ///< the last ones
   std::deque<std::int64_t> server_us_;  ///< for which the server had the last ones
-  std::deque<bool> long_;              ///< which of them have waited
+  std::deque<bool> long_;               ///< which of them have waited
   Trip far_;  ///< the shortest of those without a break longer than any queue of this window
   std::int64_t far_since_us_ = 0;
   int slow_trips_ = 0;                 ///< one after the other, till now

@@ -199,8 +199,7 @@ Result<void> ClientSession::take_page(Message page) {
 Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes& planes,
                                       std::int64_t came_us, std::int64_t now_us) {
   ++received_;
-  // For the credit never less than the server counts: control part, headers, those of chunks.
-  const std::size_t bytes = planes.size() + 224 + planes.size() / 4096;
+  const std::size_t bytes = tile_credit_bytes(planes.size());
   const std::optional<PendingAsk> ask =
       scheduler_.finish(reply.request_id, bytes, reply.server_us, came_us);
   if (!ask || !scene_.complete()) return {};

@@ -1,5 +1,5 @@
 #pragma once
-// Predictor: damped velocity, gated (NUMERICS section 4).
+// Predictor: damped velocity, gated (numerics.md section 4).
 // Input: view samples in order of time. Output: the view expected later, and its measured error.
 // Thread: the frame loop's. Never full: keeps a fixed state.
 

@@ -1,5 +1,5 @@
 #pragma once
-// Whether a frame would be the picture that is already there (NUMERICS section 5, rule 20): all
+// Whether a frame would be the picture that is already there (numerics.md section 5, rule 20): all
 // that drawing reads is compared with what it read last.
 
 #include <vector>

@@ -2,10 +2,10 @@
 // Steers the global tolerance tau to what the link can do. What a frame may take is the frame
 // plan's.
 //
-// Stable under delay (NUMERICS section 4): at most one step a round trip, steps of x1.25 and x0.8
-// in log tau, a dead band of 10 % around the target, and coming back needs several calm rounds. A
-// full link has no such band: asks vanish as tau rises and are back as it falls. So a rise soon
-// after tau came down doubles how long the next coming down waits.
+// Stable under delay (numerics.md section 4): at most one step a round trip, steps of x1.25 and
+// x0.8 in log tau, a dead band of 10 % around the target, and coming back needs several calm
+// rounds. A full link has no such band: asks vanish as tau rises and are back as it falls. So a
+// rise soon after tau came down doubles how long the next coming down waits.
 
 #include <cstdint>
 

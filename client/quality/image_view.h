@@ -1,5 +1,5 @@
 #pragma once
-// Images as the measures see them, and the masks the measures run over (NUMERICS section 1).
+// Images as the measures see them, and the masks the measures run over (numerics.md section 1).
 
 #include <cstddef>
 #include <cstdint>
@@ -48,9 +48,9 @@ struct Mask {
 Mask full_mask(std::uint32_t width, std::uint32_t height);
 
 /// Pixels where either image has alpha >= `min_alpha`, grown by `grow_px` in the maximum norm (a
-/// square of edge 2 grow_px + 1). The defaults are the mask of every measure of NUMERICS section 1:
-/// (alpha of reference > 0) union (alpha of test > 0), grown by 2 px. Empty (0 x 0) when the images
-/// cannot be compared.
+/// square of edge 2 grow_px + 1). The defaults are the mask of every measure of numerics.md section
+/// 1: (alpha of reference > 0) union (alpha of test > 0), grown by 2 px. Empty (0 x 0) when the
+/// images cannot be compared.
 Mask union_mask(const ImageView& reference, const ImageView& test, int min_alpha = 1,
                 int grow_px = 2);
 

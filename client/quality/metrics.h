@@ -1,5 +1,5 @@
 #pragma once
-// The measures of NUMERICS section 1 on 8-bit images. nullopt everywhere means "n/a": the images
+// The measures of numerics.md section 1 on 8-bit images. nullopt everywhere means "n/a": the images
 // cannot be compared, or the mask is empty.
 
 #include <cstddef>
@@ -44,8 +44,8 @@ struct ImageMeasures {
 };
 ImageMeasures measure_images(const ImageView& reference, const ImageView& test);
 
-/// Flicker of two successive frames (NUMERICS section 1, E6): mean over the mask of both references
-/// of
+/// Flicker of two successive frames (numerics.md section 1, E6): mean over the mask of both
+/// references of
 /// |(T - T_before) - (R - R_before)| / 255, averaged over R, G and B. 0 to 2.
 std::optional<double> flicker(const ImageView& reference_before, const ImageView& test_before,
                               const ImageView& reference, const ImageView& test);

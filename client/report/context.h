@@ -15,7 +15,7 @@
 
 namespace mirage {
 
-/// What was meant to be measured and was not: told, never dropped (NUMERICS section 1).
+/// What was meant to be measured and was not: told, never dropped (numerics.md section 1).
 struct Omission {
   std::string part, what, why;
 };

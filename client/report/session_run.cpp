@@ -100,7 +100,7 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
     glFinish();
     return loop.planned_ms + now_ms() - began;
   };
-  // First use compiles: apart (NUMERICS section 1).
+  // First use compiles: apart (numerics.md section 1).
   if (loop.out.frames.empty() && spec.draws_each > 1) draw();
   compared.client_ms = INFINITY;
   for (int i = 0; i < spec.draws_each; ++i) {

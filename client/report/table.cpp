@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 
@@ -37,7 +38,10 @@ std::string figure(double value) {
 std::string figure(const std::optional<double>& value) { return value ? figure(*value) : "n/a"; }
 
 void Table::add(std::vector<std::string> row) {
-  if (row.size() != columns_.size()) std::abort();
+  if (row.size() != columns_.size()) {
+    std::fprintf(stderr, "a row of %zu cells for %zu columns\n", row.size(), columns_.size());
+    std::abort();
+  }
   rows_.push_back(std::move(row));
 }
 

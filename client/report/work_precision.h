@@ -1,5 +1,5 @@
 #pragma once
-// Error against run time: the error target tau swept for every method of drawing (NUMERICS
+// Error against run time: the error target tau swept for every method of drawing (numerics.md
 // section 1). Writes work_precision.csv and its section of the page.
 
 #include "client/report/context.h"

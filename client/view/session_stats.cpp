@@ -29,7 +29,7 @@ double ratio(std::uint64_t part, std::uint64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
 }
 
-// Identical images have an infinite PSNR: left out of the mean, as NUMERICS section 1 asks.
+// Identical images have an infinite PSNR: left out of the mean, as numerics.md section 1 asks.
 ordered_json mean_min(const std::vector<float>& values) {
   double sum = 0, least = INFINITY;
   std::size_t n = 0;
@@ -222,7 +222,8 @@ std::string SessionStats::real_time_json(const Final& end) const {
   j["frame_ms"] = quantiles(real_ms_, true);
   // Relative: of what each frame was expected to take before the prices followed it.
   if (!price_errors_.empty()) {
-    j["price_error"] = {{"p50", quantile(price_errors_, 0.5)}, {"p90", quantile(price_errors_, 0.9)}};
+    j["price_error"] = {{"p50", quantile(price_errors_, 0.5)},
+                        {"p90", quantile(price_errors_, 0.9)}};
   }
   j["wall_s"] = end.wall_s;
   j["samples_at_end"] = end.samples;

@@ -1,6 +1,6 @@
 #pragma once
-// Takes out of a scene what no pixel depends on (NUMERICS section 5), before anything is made from
-// it: what is gone here is in no shader variant, no key, no byte of geometry and no client.
+// Takes out of a scene what no pixel depends on (numerics.md section 5), before anything is made
+// from it: what is gone here is in no shader variant, no key, no byte of geometry and no client.
 
 #include <cstdint>
 #include <string>

@@ -88,7 +88,7 @@ Result<void> check_limits(const Scene& scene) {
   return {};
 }
 
-// Rule 19 of NUMERICS section 5: what does not move is a static object, and costs what one does.
+// Rule 19 of numerics.md section 5: what does not move is a static object, and costs what one does.
 std::map<std::size_t, MeasuredMotion> settle_motion(Scene& scene, const Workers& workers) {
   std::vector<std::size_t> animated;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {

@@ -33,7 +33,7 @@ struct PreparedScene {
   double bounds_radius = 1;
   StageTimes load_times;
 
-  /// Anything of the scene throws a shadow (NUMERICS section 5, rule 18).
+  /// Anything of the scene throws a shadow (numerics.md section 5, rule 18).
   bool has_casters() const;
   /// Some object has blended surfaces: what is laid over each other wants more than 8 bits.
   bool blends() const;

@@ -1,5 +1,5 @@
 // With nothing moving and everything settled nothing is rendered, sent or drawn; light, animation
-// and camera wake the client (NUMERICS section 5, rule 20). And explain tells scenes apart.
+// and camera wake the client (numerics.md section 5, rule 20). And explain tells scenes apart.
 
 #include <gtest/gtest.h>
 

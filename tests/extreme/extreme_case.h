@@ -1,5 +1,5 @@
 #pragma once
-// A stiff or extreme case (NUMERICS section 6): what is fed to the shipped code, what must hold,
+// A stiff or extreme case (numerics.md section 6): what is fed to the shipped code, what must hold,
 // and a function that feeds it and measures.
 
 #include <cstdint>
@@ -31,7 +31,7 @@ struct Conditions {
 struct Case {
   const char* id;
   const char* input;      ///< what is fed
-  const char* must_hold;  ///< the oracle, as NUMERICS states it
+  const char* must_hold;  ///< the oracle, as numerics.md states it
   Outcome (*run)(const Conditions&);
   double time_s = 120;   ///< hard limit of the case's process; ten times this under sanitizers
   int memory_mb = 4096;  ///< of address space; not limited under AddressSanitizer

@@ -1,5 +1,5 @@
-// mirage-extreme: runs the stiff and extreme cases of NUMERICS section 6 and tells, for each, what
-// was fed, what must hold, what was measured.
+// mirage-extreme: runs the stiff and extreme cases of numerics.md section 6 and tells, for each,
+// what was fed, what must hold, what was measured.
 
 #include <unistd.h>
 

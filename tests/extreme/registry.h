@@ -1,6 +1,6 @@
 #pragma once
-// All cases, a list for each letter of NUMERICS section 6. A letter's file defines its list; a new
-// letter is a declaration here and a line in registry.cpp.
+// All cases, a list for each letter of numerics.md section 6. A letter's file defines its list; a
+// new letter is a declaration here and a line in registry.cpp.
 
 #include <optional>
 #include <string>
@@ -21,7 +21,7 @@ std::vector<Case> prediction_cases();  ///< P
 std::vector<Case> control_cases();     ///< C
 std::vector<Case> wire_cases();        ///< R
 
-/// Every case in the order of NUMERICS.
+/// Every case in the order of numerics.md.
 std::vector<Case> all_cases();
 
 /// Id that a letter which has any cases lacks or has twice; nothing when all is in order.

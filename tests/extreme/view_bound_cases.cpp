@@ -148,7 +148,7 @@ Outcome monotone(const Conditions& conditions) {
       const double term = baseline_term(radii, radii, theta, 1);
       falls += bound >= last && term >= last_term ? 0 : 1;
       zeros += bound > 0 && term > 0 ? 0 : 1;
-      // NUMERICS section 2, B1 with D = Dc: radii (sin theta + 2 sin^2(theta/2) r / w), r = 1.
+      // numerics.md section 2, B1 with D = Dc: radii (sin theta + 2 sin^2(theta/2) r / w), r = 1.
       const double half = std::sin(theta / 2), w = std::sqrt((radii - 1) * (radii + 1));
       const double exact = radii * (std::sin(theta) + 2 * half * half / w);
       worst_term = std::max(worst_term, std::abs(term / exact - 1));

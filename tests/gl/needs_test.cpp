@@ -1,4 +1,4 @@
-// Leaving out (NUMERICS section 5), rule by rule: nothing changes where a feature is neutral, to
+// Leaving out (numerics.md section 5), rule by rule: nothing changes where a feature is neutral, to
 // the last byte; something does where it is not; and a neutral element changes neither key nor
 // variant.
 

@@ -1,4 +1,4 @@
-// Atlas allocator: no overlap ever, nothing lost after any order of releases (NUMERICS T1-5).
+// Atlas allocator: no overlap ever, nothing lost after any order of releases (numerics.md T1-5).
 #include <gtest/gtest.h>
 
 #include <random>

@@ -1,4 +1,4 @@
-// Predictor: damped velocity and its gate (NUMERICS section 4, P1-9).
+// Predictor: damped velocity and its gate (numerics.md section 4, P1-9).
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -326,7 +326,8 @@ TEST_F(CoreScheduler, WhatIsWorthMoreAByteComesFirst) {
   for (std::uint32_t i = 0; i < 10; ++i) meshes.push_back(mesh(i, 4000, 450.0 - i));
   const auto batch = plan(needs(1000, 6), 0, meshes);
   ASSERT_TRUE(batch);
-  ASSERT_EQ(batch->mesh_asks.size(), 10u) << "a byte of the least is worth more than one of any tile";
+  ASSERT_EQ(batch->mesh_asks.size(), 10u)
+      << "a byte of the least is worth more than one of any tile";
   const double left = kFirstWindowBytes - 10 * 4000;
   EXPECT_NEAR(static_cast<double>(batch->asks.size()), left / kTileBytes, 1);
   EXPECT_GT(batch->asks[0].error_px(), batch->asks[1].error_px()) << "the server ranks them alike";

@@ -1,4 +1,4 @@
-// The window of what may be under way, on a plant: a link with a queue (NUMERICS section 4).
+// The window of what may be under way, on a plant: a link with a queue (numerics.md section 4).
 #include <gtest/gtest.h>
 
 #include <algorithm>

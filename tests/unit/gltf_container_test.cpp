@@ -49,7 +49,9 @@ TEST(GltfContainer, GlbHeaderAndChunks) {
 }
 
 TEST(GltfContainer, BytesAfterTheGlbAreIgnored) {
-  EXPECT_TRUE(load_text(triangle().glb() + "more").ok());
+  const Result<Scene> scene = load_text(triangle().glb() + "more");
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_EQ(scene->triangles(), 1u);
 }
 
 TEST(GltfContainer, JsonNesting) {

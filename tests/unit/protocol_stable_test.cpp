@@ -1,4 +1,4 @@
-// The table of stable forms (NUMERICS section 3), row by row where protocol/ computes it: each
+// The table of stable forms (numerics.md section 3), row by row where protocol/ computes it: each
 // against long double over its range, and beside the textbook form, which fails there.
 // Angles, 1 - cos, tangent lengths, gains and unit vectors: protocol_view_cell_test.cpp.
 #include <gtest/gtest.h>
@@ -77,7 +77,7 @@ TEST(ProtocolStable, Slerp) {
   EXPECT_TRUE(std::isnan(std::sin(0.5 * std::acos(cosine)) / std::sin(std::acos(cosine))));
 }
 
-// 10 bits a component: the best of four codes, and within what NUMERICS says of it.
+// 10 bits a component: the best of four codes, and within what numerics.md says of it.
 TEST(ProtocolStable, OctahedralCodes) {
   Random random;
   VertexLayout layout;

@@ -34,8 +34,13 @@ ViewTile sample_view() {
 }
 
 TEST(ViewTile, WhatIsAskedForIsWhatAnyScreenShowsAndMore) {
-  for (const auto& [w, h] : {std::pair{1280u, 720u}, {480u, 270u}, {3840u, 2160u}, {720u, 1280u},
-                            {16384u, 1u}, {1u, 16384u}, {33u, 17u}}) {
+  for (const auto& [w, h] : {std::pair{1280u, 720u},
+                             {480u, 270u},
+                             {3840u, 2160u},
+                             {720u, 1280u},
+                             {16384u, 1u},
+                             {1u, 16384u},
+                             {33u, 17u}}) {
     Camera screen;
     screen.width = w;
     screen.height = h;
@@ -118,7 +123,8 @@ TEST(ViewTile, HostileRepliesAreErrors) {
   for (int i = 0; i < 2000; ++i) {
     wire::ViewReplyT reply = good.reply;
     Bytes payload = good.payload;
-    for (int n = 0; n < 4; ++n) payload[random() % payload.size()] = static_cast<std::uint8_t>(random());
+    for (int n = 0; n < 4; ++n)
+      payload[random() % payload.size()] = static_cast<std::uint8_t>(random());
     const Result<ViewTile> view_of = decode_view(reply, payload);
     if (!view_of) continue;
     EXPECT_EQ(view_of->owners.size(), 32u * 18u);

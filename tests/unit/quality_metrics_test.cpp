@@ -1,4 +1,4 @@
-// PSNR, SSIM, coverage and masks: closed forms, and the examples of NUMERICS section 1.
+// PSNR, SSIM, coverage and masks: closed forms, and the examples of numerics.md section 1.
 #include <gtest/gtest.h>
 
 #include <random>

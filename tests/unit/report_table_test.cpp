@@ -42,7 +42,7 @@ TEST(ReportTable, SaysWhatIsNoNumber) {
 
 TEST(ReportTable, RefusesARowOfAnotherWidth) {
   Table table({"one", "two"});
-  EXPECT_DEATH(table.add({"alone"}), "");
+  EXPECT_DEATH(table.add({"alone"}), "a row of 1 cells for 2 columns");
 }
 
 TEST(ReportPage, NothingInItIsMarkupUnlessMeant) {
