@@ -22,7 +22,7 @@ struct LodInfo {
   /// cover has moved, and bounds nothing.
   float spread = 0;
   /// Object units: the level is shaded and coloured like the whole mesh at pixels of this size and
-  /// larger ones (server/scene/lod_shading.h). Its surfaces may lie right and face elsewhere.
+  /// larger ones (server/lod/lod_shading.h). Its surfaces may lie right and face elsewhere.
   float shading = 0;
 };
 

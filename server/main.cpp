@@ -14,12 +14,12 @@
 #include <fstream>
 
 #include "protocol/fail.h"
-#include "server/explain.h"
 #include "server/options.h"
-#include "server/pipeline.h"
-#include "server/render_profile.h"
+#include "server/prove/explain.h"
 #include "server/scene/environment/environment.h"
 #include "server/scene/environment/environment_file.h"
+#include "server/stage/pipeline.h"
+#include "server/stage/render_profile.h"
 #include "shaders/gl/egl_context.h"
 #include "shaders/gl/health.h"
 

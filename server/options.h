@@ -1,9 +1,9 @@
 #pragma once
 #include <string>
 
-#include "server/endpoint.h"
-#include "server/render_stage.h"
-#include "server/session.h"
+#include "server/net/endpoint.h"
+#include "server/session/session.h"
+#include "server/stage/render_stage.h"
 
 namespace mirage {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "protocol/capture.h"
-#include "server/scene/prepared_scene.h"
+#include "server/prepare/prepared_scene.h"
 #include "shaders/gl/gpu_model.h"
 #include "shaders/gl/probe_map.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "protocol/result.h"
-#include "server/tile_job.h"
+#include "server/tile/tile_job.h"
 #include "shaders/gl/render_target.h"
 
 namespace mirage {

@@ -5,7 +5,7 @@
 #include "protocol/camera.h"
 #include "server/render/gpu_scene.h"
 #include "server/render/scene_shadow.h"
-#include "server/tile_job.h"
+#include "server/tile/tile_job.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/render_target.h"
 #include "shaders/gl/sky_pass.h"

@@ -14,7 +14,7 @@
 #include "server/render/page_packer.h"
 #include "server/render/scene_shadow.h"
 #include "server/render/tile_layers.h"
-#include "server/tile_job.h"
+#include "server/tile/tile_job.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/program.h"
 #include "shaders/gl/render_target.h"

@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "protocol/tile_codec.h"
-#include "server/encode_stage.h"
-#include "server/tile_measure.h"
+#include "server/tile/tile_encode.h"
+#include "server/tile/tile_measure.h"
 
 namespace mirage {
 namespace {
@@ -138,7 +138,7 @@ std::size_t components_out_of_range(const TileShot& shot) {
 TileCost lean_cost(const TileShot& shot, const TileJob& job, const ObjectDescription& object) {
   const RenderedTile rendered = as_rendered(shot, job);
   const double start = now_ms(true);
-  const StoredTilePtr stored = EncodeStage::encode(rendered, object, TileCodec::kZstd);
+  const StoredTilePtr stored = encode_tile(rendered, object, TileCodec::kZstd);
   return {now_ms(true) - start, stored->planes.size()};
 }
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "protocol/clock.h"
-#include "server/pipeline.h"
-#include "server/scene/prepared_scene.h"
+#include "server/prepare/prepared_scene.h"
+#include "server/stage/pipeline.h"
 
 namespace mirage::bench {
 

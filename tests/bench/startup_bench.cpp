@@ -9,7 +9,7 @@
 
 #include "client/native/native_link.h"
 #include "protocol/limits.h"
-#include "server/scene/prepared_scene.h"
+#include "server/prepare/prepared_scene.h"
 #include "tests/bench/bench.h"
 #include "tests/support/large_scene.h"
 #include "tests/support/process.h"

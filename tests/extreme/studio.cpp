@@ -8,8 +8,8 @@
 #include "protocol/lighting_state.h"
 #include "protocol/model_codec.h"
 #include "protocol/stable_math.h"
-#include "server/encode_stage.h"
 #include "server/render/readback_ring.h"
+#include "server/tile/tile_encode.h"
 #include "tests/gl/bench.h"
 
 namespace mirage::extreme {
@@ -107,7 +107,7 @@ MadeTile Studio::make_tile(const TileKey& key, std::uint32_t instance, TileCodec
   pending.surface = pages_->writes_surface({job});
   ring.start(*pages_->render({job}, packer), pending);
   const ReadbackRing::Collected page = *ring.collect(true);
-  const StoredTilePtr stored = EncodeStage::encode({job, *page.pixels, 0, 0, 0, 0}, object, codec);
+  const StoredTilePtr stored = encode_tile({job, *page.pixels, 0, 0, 0, 0}, object, codec);
   MadeTile out;
   out.header = stored->reply;
   // From here on as a client does with what comes.

@@ -7,11 +7,11 @@
 
 #include "protocol/lighting_state.h"
 #include "protocol/stable_math.h"
-#include "server/encode_stage.h"
 #include "server/render/readback_ring.h"
 #include "server/scene/environment/builtin_environment.h"
 #include "server/scene/environment/probe_filter.h"
-#include "server/session.h"
+#include "server/session/session.h"
+#include "server/tile/tile_encode.h"
 
 namespace mirage::test {
 namespace {
@@ -223,7 +223,7 @@ TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache, std::uint8_t ch
   ring.start(*pages_->render({job}, packer), pending);
   const ReadbackRing::Collected page = *ring.collect(true);
   const StoredTilePtr stored =
-      EncodeStage::encode({job, *page.pixels, 0, 0, 0, 0}, object, TileCodec::kZstd);
+      encode_tile({job, *page.pixels, 0, 0, 0, 0}, object, TileCodec::kZstd);
   Tile tile = tile_from_fields(stored->reply).take();
   if (!decode_tile_planes(stored->planes.data(), stored->planes.size(), TileCodec::kZstd, tile)) {
     return nullptr;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "client/core/frame_renderer.h"
-#include "server/image_stage.h"
+#include "server/stage/image_stage.h"
 #include "tests/gl/bench.h"
 
 namespace mirage {

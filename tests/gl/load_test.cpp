@@ -1,9 +1,9 @@
 // Tiles are the same however many threads loaded the scene, and wherever its levels come from.
 #include <gtest/gtest.h>
 
-#include "server/encode_stage.h"
 #include "server/render/readback_ring.h"
 #include "server/render/tile_page.h"
+#include "server/tile/tile_encode.h"
 #include "shaders/gl/egl_context.h"
 #include "tests/support/gltf_builder.h"
 #include "tests/support/large_scene.h"
@@ -41,7 +41,7 @@ std::vector<std::uint64_t> tile_hashes(const std::string& spec, const SceneLoadO
         ring.start(*target, std::move(pending));
         const ReadbackRing::Collected page = *ring.collect(true);
         const StoredTilePtr tile =
-            EncodeStage::encode({job, *page.pixels, 0, 0, 0, 0}, object, TileCodec::kZstd);
+            encode_tile({job, *page.pixels, 0, 0, 0, 0}, object, TileCodec::kZstd);
         out.push_back(tile->reply.content_hash);
       }
     }

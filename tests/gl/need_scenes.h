@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/scene/prepared_scene.h"
+#include "server/prepare/prepared_scene.h"
 
 namespace mirage::test {
 

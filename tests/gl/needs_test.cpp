@@ -7,10 +7,10 @@
 #include <set>
 
 #include "protocol/limits.h"
-#include "server/encode_stage.h"
-#include "server/left_out.h"
-#include "server/need_proof.h"
+#include "server/prove/left_out.h"
+#include "server/prove/need_proof.h"
 #include "server/render/tile_shot.h"
+#include "server/tile/tile_encode.h"
 #include "shaders/gl/egl_context.h"
 #include "tests/gl/need_scenes.h"
 
@@ -62,8 +62,7 @@ class Needs : public ::testing::Test {
     page->rgba = out.shot.color;
     page->depth = out.shot.code;
     page->surface = out.shot.surface;
-    out.bytes =
-        EncodeStage::encode({job, page, 0, 0, 0, 0}, scene->objects[0], TileCodec::kZstd)->planes;
+    out.bytes = encode_tile({job, page, 0, 0, 0, 0}, scene->objects[0], TileCodec::kZstd)->planes;
     return out;
   }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "server/need_proof.h"
+#include "server/prove/need_proof.h"
 #include "server/render/tile_shot.h"
 #include "server/scene/environment/builtin_environment.h"
 #include "server/scene/environment/probe_filter.h"

@@ -11,10 +11,10 @@
 #include "client/core/frame_renderer.h"
 #include "client/quality/metrics.h"
 #include "protocol/lighting_state.h"
-#include "server/encode_stage.h"
 #include "server/render/readback_ring.h"
 #include "server/render/reference_renderer.h"
 #include "server/render/tile_page.h"
+#include "server/tile/tile_encode.h"
 #include "shaders/gl/egl_context.h"
 
 namespace mirage::test {
@@ -182,8 +182,8 @@ class Shadows : public ::testing::Test {
     std::vector<StoredTilePtr> out;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
       const auto [x, y] = pending.places[i];
-      out.push_back(EncodeStage::encode({jobs[i], *page.pixels, x, y, 0, 0},
-                                        prepared_->objects[jobs[i].key.object], TileCodec::kRaw));
+      out.push_back(encode_tile({jobs[i], *page.pixels, x, y, 0, 0},
+                                prepared_->objects[jobs[i].key.object], TileCodec::kRaw));
     }
     return out;
   }

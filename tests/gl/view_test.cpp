@@ -4,7 +4,7 @@
 
 #include "client/core/frame_renderer.h"
 #include "server/render/reference_renderer.h"
-#include "server/view_cut.h"
+#include "server/tile/view_cut.h"
 #include "shaders/gl/egl_context.h"
 
 namespace mirage::test {

@@ -30,7 +30,7 @@ check(client/frame "client/(price|plan)/" "what is handed over knows neither pri
 check(client/price "client/plan/" "prices know no plans")
 foreach(folder protocol shaders server client)
   check(${folder} "libwebsockets" "sockets live in the endpoints" EXCEPT
-        server/endpoint.cpp client/native/native_link.cpp client/load/load_clients.cpp)
+        server/net/endpoint.cpp client/native/native_link.cpp client/load/load_clients.cpp)
   check(${folder} "tiny_gltf" "tinygltf lives in the importer" EXCEPT server/scene/gltf/document.cpp
         server/scene/gltf/document.h)
   check(${folder} "EGL/" "EGL lives in shaders/gl" EXCEPT shaders/gl/egl_context.cpp)

@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 using Graph = std::map<std::string, Names>;
 
-// Arrows that are there on purpose. client/core and server are still to be divided: what goes both
-// ways among their rooms is listed in kOwed, and goes when they are.
+// Arrows that are there on purpose. client/core is still to be divided: what goes both ways among
+// rooms is listed in kOwed, and goes when it is.
 const Graph kMayInclude = {
     {"protocol", {}},
     {"shaders/gl", {"protocol"}},
@@ -37,21 +37,26 @@ const Graph kMayInclude = {
     {"client/report",
      {"protocol", "shaders/gl", "client/core", "client/host", "client/native", "client/plan",
       "client/price", "client/quality"}},
-    {"server/scene",
-     {"protocol", "shaders/gl", "server", "server/scene/builtin", "server/scene/environment",
-      "server/scene/gltf"}},
-    {"server/scene/builtin", {"protocol", "server", "server/scene"}},
-    {"server/scene/environment", {"protocol", "server/scene"}},
-    {"server/scene/gltf", {"protocol", "server/scene"}},
-    {"server/render", {"protocol", "shaders/gl", "server", "server/scene"}},
+    {"server/base", {"protocol"}},
+    {"server/scene", {"protocol"}},
+    {"server/scene/builtin", {"protocol", "server/base", "server/scene"}},
+    {"server/scene/environment", {"protocol", "server/base", "server/scene"}},
+    {"server/scene/gltf", {"protocol", "server/base", "server/scene"}},
+    {"server/lod", {"protocol", "server/base", "server/scene"}},
+    {"server/prepare",
+     {"protocol", "shaders/gl", "server/base", "server/scene", "server/scene/builtin",
+      "server/scene/environment", "server/scene/gltf", "server/lod"}},
+    {"server/tile", {"protocol", "server/base"}},
+    {"server/render", {"protocol", "shaders/gl", "server/prepare", "server/tile"}},
+    {"server/stage", {"protocol", "shaders/gl", "server/prepare", "server/tile", "server/render"}},
+    {"server/session", {"protocol", "server/prepare", "server/tile", "server/stage"}},
+    {"server/net", {"protocol", "server/base", "server/session"}},
+    {"server/prove", {"protocol", "shaders/gl", "server/prepare", "server/tile", "server/render"}},
     {"server",
-     {"protocol", "shaders/gl", "server/render", "server/scene", "server/scene/builtin",
-      "server/scene/environment"}},
+     {"protocol", "shaders/gl", "server/scene/builtin", "server/scene/environment", "server/stage",
+      "server/session", "server/net", "server/prove"}},
 };
-const std::vector<Names> kOwed = {
-    {"client/core", "client/frame", "client/plan", "client/price"},
-    {"server", "server/render", "server/scene", "server/scene/builtin", "server/scene/environment",
-     "server/scene/gltf"}};
+const std::vector<Names> kOwed = {{"client/core", "client/frame", "client/plan", "client/price"}};
 
 std::string room_of(const std::string& file) { return fs::path(file).parent_path().string(); }
 
@@ -163,7 +168,7 @@ TEST(Includes, AreNeitherDeeperNorWiderThanTheyWere) {
   std::printf("%zu files; own headers a .cpp sees: median %zu, p95 %zu, most %zu; %d deep\n",
               includes().size(), seen[seen.size() / 2], p95, seen.back(), deepest);
   // The aims are 30 and 10.
-  EXPECT_LE(p95, 102u);
+  EXPECT_LE(p95, 101u);
   EXPECT_LE(deepest, 22);
 }
 

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "protocol/capture.h"
-#include "server/image_stage.h"
-#include "server/tile_form.h"
+#include "server/stage/image_stage.h"
+#include "server/tile/tile_form.h"
 #include "tests/unit/core_scene.h"
 
 namespace mirage::test {

@@ -9,7 +9,7 @@
 
 #include "client/core/client_session.h"
 #include "client/core/modelled_link.h"
-#include "server/session.h"
+#include "server/session/session.h"
 
 namespace mirage::test {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/session.h"
+#include "server/session/session.h"
 #include "tests/unit/protocol_samples.h"
 
 namespace mirage::test {

@@ -1,7 +1,7 @@
 #pragma once
 // A prepared scene as a client is told of it, without a socket.
 
-#include "server/scene_pages.h"
+#include "server/session/scene_pages.h"
 #include "tests/unit/core_scene.h"
 
 namespace mirage::test {

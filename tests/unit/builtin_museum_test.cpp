@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "server/cache_directory.h"
+#include "server/base/cache_directory.h"
 #include "server/scene/builtin/builtin_scene.h"
 
 namespace mirage {

@@ -8,7 +8,7 @@
 #include "client/core/scene_opener.h"
 #include "client/core/selector_rules.h"
 #include "protocol/limits.h"
-#include "server/session.h"
+#include "server/session/session.h"
 #include "tests/support/told_scene.h"
 
 namespace mirage::test {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "client/core/client_session.h"
-#include "server/session.h"
+#include "server/session/session.h"
 
 namespace mirage::test {
 namespace {

@@ -1,7 +1,7 @@
 // Asks to a session without sockets: tiles, geometry, images; credit, refusals.
 #include <gtest/gtest.h>
 
-#include "server/image_stage.h"
+#include "server/stage/image_stage.h"
 #include "tests/support/session_hub_test.h"
 
 namespace mirage::test {

@@ -1,8 +1,8 @@
 // The second layer of layered tiles: unpacked, measured, dropped where it is not worth its bytes.
 #include <gtest/gtest.h>
 
-#include "server/tile_behind.h"
-#include "server/tile_measure.h"
+#include "server/tile/tile_behind.h"
+#include "server/tile/tile_measure.h"
 
 namespace mirage::test {
 namespace {

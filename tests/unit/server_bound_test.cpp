@@ -9,7 +9,7 @@
 #include "protocol/error_bound.h"
 #include "protocol/instance_group.h"
 #include "protocol/tile_codec.h"
-#include "server/tile_measure.h"
+#include "server/tile/tile_measure.h"
 
 namespace mirage::test {
 namespace {

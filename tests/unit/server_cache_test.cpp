@@ -8,7 +8,7 @@
 #include <fstream>
 #include <thread>
 
-#include "server/cache_directory.h"
+#include "server/base/cache_directory.h"
 #include "tests/support/temp_folder.h"
 
 namespace mirage::test {

@@ -6,7 +6,8 @@
 #include <set>
 #include <thread>
 
-#include "server/encode_stage.h"
+#include "server/stage/encode_stage.h"
+#include "server/tile/tile_encode.h"
 #include "tests/support/session_hub_test.h"
 
 namespace mirage::test {
@@ -174,7 +175,7 @@ TEST_F(ServerCodec, BusyEncodersCostNoTile) {
   ASSERT_EQ(draw(), 1u);
   const EncodeJob job = *encode_jobs.pop();
   const TileId tile = job.rendered->job.id;
-  const StoredTilePtr zstd = EncodeStage::encode(*job.rendered, scene_->objects[0], C::kZstd);
+  const StoredTilePtr zstd = encode_tile(*job.rendered, scene_->objects[0], C::kZstd);
   store.put(tile, C::kZstd, zstd);
   hub->complete({tile, zstd, std::nullopt, 0, {}, C::kZstd, zstd});
   EXPECT_EQ(came(id), C::kZstd);

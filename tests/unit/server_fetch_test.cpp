@@ -3,8 +3,8 @@
 
 #include <thread>
 
-#include "server/fetch_stage.h"
-#include "server/tile_form.h"
+#include "server/stage/fetch_stage.h"
+#include "server/tile/tile_form.h"
 #include "tests/support/session_hub_test.h"
 #include "tests/support/temp_folder.h"
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-#include "server/scene/prepared_scene.h"
+#include "server/prepare/prepared_scene.h"
 
 namespace mirage {
 namespace {

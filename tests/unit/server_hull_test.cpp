@@ -6,8 +6,8 @@
 #include <random>
 
 #include "protocol/limits.h"
-#include "server/scene/convex_hull.h"
-#include "server/scene/prepared_scene.h"
+#include "server/prepare/convex_hull.h"
+#include "server/prepare/prepared_scene.h"
 
 namespace mirage::test {
 namespace {

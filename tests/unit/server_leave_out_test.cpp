@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-#include "server/left_out.h"
+#include "server/prove/left_out.h"
 #include "tests/gl/need_scenes.h"
 
 namespace mirage::test {

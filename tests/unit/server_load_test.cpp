@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "protocol/byte_stream.h"
-#include "server/scene/prepared_scene.h"
+#include "server/prepare/prepared_scene.h"
 #include "tests/support/gltf_builder.h"
 #include "tests/support/large_scene.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "server/scene/lod.h"
-#include "server/scene/lod_chunks.h"
+#include "server/lod/lod.h"
+#include "server/lod/lod_chunks.h"
 
 namespace mirage {
 namespace {

@@ -5,10 +5,10 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
-#include "server/scene/gltf/similarity_split.h"
-#include "server/scene/lod_family.h"
-#include "server/scene/prepared_scene.h"
-#include "server/scene/surface_distance.h"
+#include "server/lod/lod_family.h"
+#include "server/lod/surface_distance.h"
+#include "server/prepare/prepared_scene.h"
+#include "server/scene/similarity_split.h"
 
 namespace mirage {
 namespace {
@@ -31,7 +31,7 @@ Scene copies_of_a_knot(std::size_t copies) {
   while (scene.objects.size() < copies) {
     const glm::dmat3 shape = any_shape(random);
     if (std::abs(glm::determinant(shape)) < 0.2) continue;
-    scene.objects.push_back({"", gltf::bake(knot, shape), nullptr, BakedShape{7, shape}});
+    scene.objects.push_back({"", bake(knot, shape), nullptr, BakedShape{7, shape}});
   }
   return scene;
 }

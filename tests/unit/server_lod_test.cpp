@@ -8,9 +8,9 @@
 #include <random>
 
 #include "protocol/limits.h"
-#include "server/scene/lod.h"
-#include "server/scene/prepared_scene.h"
-#include "server/scene/surface_distance.h"
+#include "server/lod/lod.h"
+#include "server/lod/surface_distance.h"
+#include "server/prepare/prepared_scene.h"
 
 namespace mirage::test {
 namespace {

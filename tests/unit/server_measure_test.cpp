@@ -6,7 +6,7 @@
 #include <random>
 
 #include "protocol/object_proxy.h"
-#include "server/tile_measure.h"
+#include "server/tile/tile_measure.h"
 
 namespace mirage::test {
 namespace {

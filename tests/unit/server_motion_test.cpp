@@ -5,8 +5,8 @@
 #include <random>
 
 #include "protocol/error_bound.h"
-#include "server/scene/convex_hull.h"
-#include "server/scene/motion_measure.h"
+#include "server/prepare/convex_hull.h"
+#include "server/prepare/motion_measure.h"
 
 namespace mirage {
 namespace {

@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "server/scene/cut_mesh.h"
-#include "server/scene/prepared_scene.h"
+#include "server/prepare/cut_mesh.h"
+#include "server/prepare/prepared_scene.h"
 #include "tests/support/room.h"
 
 namespace mirage::test {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "server/scene/posed_extent.h"
+#include "server/prepare/posed_extent.h"
 
 namespace mirage {
 namespace {

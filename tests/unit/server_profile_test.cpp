@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "server/render_profile.h"
+#include "server/stage/render_profile.h"
 #include "shaders/gl/program.h"
 
 namespace mirage::test {

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "protocol/limits.h"
-#include "server/tile_queue.h"
+#include "server/tile/tile_queue.h"
 
 namespace mirage::test {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "server/scene/lod.h"
-#include "server/scene/seams.h"
+#include "server/lod/lod.h"
+#include "server/lod/seams.h"
 
 namespace mirage::test {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "protocol/lod.h"
-#include "server/scene/lod.h"
-#include "server/scene/lod_shading.h"
+#include "server/lod/lod.h"
+#include "server/lod/lod_shading.h"
 
 namespace mirage::test {
 namespace {

@@ -7,8 +7,8 @@
 #include <iterator>
 
 #include "protocol/tile_color.h"
-#include "server/tile_form.h"
-#include "server/tile_store.h"
+#include "server/tile/tile_form.h"
+#include "server/tile/tile_store.h"
 #include "tests/support/temp_folder.h"
 
 namespace mirage::test {

@@ -1,7 +1,7 @@
 // Views on the server: who gets which, when, and how they are cut.
 #include <gtest/gtest.h>
 
-#include "server/view_cut.h"
+#include "server/tile/view_cut.h"
 #include "tests/support/session_hub_test.h"
 
 namespace mirage::test {

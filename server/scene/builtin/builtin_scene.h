@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/scene/load_tools.h"
+#include "server/base/load_tools.h"
 #include "server/scene/scene.h"
 
 namespace mirage {

@@ -4,10 +4,10 @@
 #include <string>
 #include <utility>
 
+#include "server/base/load_tools.h"
 #include "server/scene/builtin/mesh_builder.h"
 #include "server/scene/builtin/options.h"
 #include "server/scene/builtin/random.h"
-#include "server/scene/load_tools.h"
 #include "server/scene/scene.h"
 
 namespace mirage::builtin {

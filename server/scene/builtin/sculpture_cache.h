@@ -1,7 +1,7 @@
 #pragma once
 // Sculptures are worked out for seconds each; once made they lie in the cache directory.
 
-#include "server/cache_directory.h"
+#include "server/base/cache_directory.h"
 #include "server/scene/builtin/sculpture.h"
 
 namespace mirage::builtin {

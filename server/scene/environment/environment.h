@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "server/base/workers.h"
 #include "server/scene/environment/equirect.h"
 #include "server/scene/scene.h"
-#include "server/scene/workers.h"
 
 namespace mirage {
 

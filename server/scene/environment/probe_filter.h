@@ -2,8 +2,8 @@
 // Prefilters surroundings into a light probe.
 
 #include "protocol/light_probe.h"
+#include "server/base/workers.h"
 #include "server/scene/environment/equirect.h"
-#include "server/scene/workers.h"
 
 namespace mirage {
 

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/result.h"
+#include "server/base/workers.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/tally.h"
-#include "server/scene/workers.h"
 
 namespace mirage::gltf {
 

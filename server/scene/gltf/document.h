@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "protocol/result.h"
+#include "server/base/workers.h"
 #include "server/scene/gltf/animation_source.h"
 #include "server/scene/gltf/extras.h"
 #include "server/scene/gltf/tally.h"
-#include "server/scene/workers.h"
 
 namespace mirage::gltf {
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "server/base/workers.h"
 #include "server/scene/scene.h"
-#include "server/scene/workers.h"
 
 namespace mirage {
 

@@ -9,11 +9,11 @@
 
 #include "protocol/model.h"
 #include "protocol/result.h"
+#include "server/base/workers.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/image_size.h"
 #include "server/scene/gltf/spec_gloss.h"
 #include "server/scene/gltf/tally.h"
-#include "server/scene/workers.h"
 
 namespace mirage::gltf {
 

@@ -20,11 +20,6 @@ bool is_usable(const glm::vec3& p) {
          std::abs(p.z) <= kMaxPosition;
 }
 
-bool has_direction(const glm::vec3& v) {
-  const double length2 = glm::dot(glm::dvec3(v), glm::dvec3(v));
-  return length2 > 0 && std::isfinite(length2);
-}
-
 /// Twice the area times the face normal. In double, where the differences of floats are exact
 /// enough that a needle keeps its direction and 1e-30 m keeps its area.
 glm::dvec3 face_vector(const RawPrimitive& raw, const std::uint32_t* corner) {
@@ -211,20 +206,6 @@ bool has_tangents(const RawPrimitive& raw) {
   // glTF §3.7.2.1: tangents without normals are ignored.
   if (!raw.tangent.empty() && !raw.normal.empty()) return true;
   return raw.kind == PrimitiveKind::kTriangles && !(raw.uv0.empty() && raw.uv1.empty());
-}
-
-glm::vec3 perpendicular(const glm::vec3& normal) {
-  // The axis least aligned with the normal keeps the cross product long.
-  const glm::vec3 size = glm::abs(normal);
-  const glm::vec3 axis = size.x <= size.y && size.x <= size.z ? glm::vec3(1, 0, 0)
-                         : size.y <= size.z                   ? glm::vec3(0, 1, 0)
-                                                              : glm::vec3(0, 0, 1);
-  return glm::normalize(axis - normal * glm::dot(normal, axis));
-}
-
-glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& fallback) {
-  if (!has_direction(v)) return fallback;
-  return glm::vec3(glm::normalize(glm::dvec3(v)));
 }
 
 double normalise_extent(Mesh& mesh) {

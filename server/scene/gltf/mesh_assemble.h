@@ -5,6 +5,7 @@
 #include "protocol/model.h"
 #include "server/scene/gltf/primitive_read.h"
 #include "server/scene/gltf/tally.h"
+#include "server/scene/unit_vectors.h"
 
 namespace mirage::gltf {
 
@@ -20,12 +21,6 @@ bool has_tangents(const RawPrimitive& raw);
 
 /// How many vertices append_primitive may add.
 std::size_t vertices_needed(const RawPrimitive& raw);
-
-/// Any unit vector perpendicular to the unit vector `normal`.
-glm::vec3 perpendicular(const glm::vec3& normal);
-
-/// `v` at unit length, or `fallback` where it has no direction (zero, NaN, infinite).
-glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& fallback);
 
 /// Brings a mesh of extreme size to about 1 by a power of two, so that no picture of it changes,
 /// and gives that power: what one unit of the mesh now is in units of the file. 1: left as it was.

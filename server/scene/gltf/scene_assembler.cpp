@@ -13,7 +13,7 @@
 #include "server/scene/gltf/accessor_reader.h"
 #include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/mesh_assemble.h"
-#include "server/scene/gltf/similarity_split.h"
+#include "server/scene/similarity_split.h"
 
 namespace mirage::gltf {
 namespace {

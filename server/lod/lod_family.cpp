@@ -1,0 +1,104 @@
+#include "server/lod/lod_family.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "server/lod/lod_shading.h"
+#include "server/scene/similarity_split.h"
+
+namespace mirage {
+namespace {
+
+constexpr std::size_t kFewMembers = 4;         // fewer have levels of their own
+constexpr std::size_t kMostIndices = 300'000;  // more are worth all workers, one by one
+constexpr double kFlattest = 1.0 / 16;         // least stretch that can be undone
+// Of the base's reach: what undoing a shape (floats' last places times 16) and baking another may
+// move a vertex by.
+constexpr double kRounding = 4e-6;
+
+bool can_share(const SceneObject& object) {
+  if (!object.baked || object.animation || object.mesh.indices.size() > kMostIndices) return false;
+  const glm::dmat3& shape = object.baked->shape;
+  return std::abs(glm::determinant(shape)) > 1e-6 &&
+         longest_stretch(glm::inverse(shape)) < 1 / kFlattest;
+}
+
+double reach_of(const Mesh& mesh) {
+  double reach = 0;
+  for (const Vertex& v : mesh.vertices) {
+    reach = std::max(reach, glm::length(glm::dvec3(v.position)));
+  }
+  return reach;
+}
+
+}  // namespace
+
+struct LodFamilies::Family {
+  std::size_t members = 0;
+  const SceneObject* first = nullptr;
+  std::once_flag once;
+  double rounding = 0;        ///< object units of the base
+  std::vector<MeshLod> lods;  ///< of the base
+};
+
+double longest_stretch(const glm::dmat3& shape) {
+  // The norm of a power is at least that of the largest eigenvalue's, and at most sqrt(3) times.
+  glm::dmat3 power = glm::transpose(shape) * shape;
+  constexpr int kSquarings = 6;
+  for (int i = 0; i < kSquarings; ++i) power = power * power;
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) sum += glm::dot(power[c], power[c]);
+  return std::pow(sum, 0.25 / (1 << kSquarings)) * (1 + 1e-12);
+}
+
+LodFamilies::LodFamilies(const Scene& scene) : scene_(scene) {
+  for (const SceneObject& object : scene.objects) {
+    if (!can_share(object)) continue;
+    std::shared_ptr<Family>& family = families_[object.baked->base];
+    if (!family) {
+      family = std::make_shared<Family>();
+      family->first = &object;
+    }
+    ++family->members;
+  }
+  std::erase_if(families_, [](const auto& entry) { return entry.second->members < kFewMembers; });
+}
+
+const LodFamilies::Family* LodFamilies::family_of(const SceneObject& object) const {
+  if (!can_share(object)) return nullptr;
+  const auto at = families_.find(object.baked->base);
+  return at == families_.end() ? nullptr : at->second.get();
+}
+
+const SceneObject* LodFamilies::first_of(const SceneObject& object) const {
+  const Family* family = family_of(object);
+  return family ? family->first : nullptr;
+}
+
+std::vector<MeshLod> LodFamilies::lods_of(const SceneObject& object, const Workers& workers) const {
+  Family& family = *families_.at(object.baked->base);
+  std::call_once(family.once, [&] {
+    // By one thread alone: a wait for others could come round to this family again.
+    const Mesh base = bake(family.first->mesh, glm::inverse(family.first->baked->shape));
+    family.rounding = kRounding * reach_of(base);
+    family.lods = build_lods(base, scene_.materials, scene_.images);
+  });
+  const glm::dmat3& shape = object.baked->shape;
+  const double stretch = longest_stretch(shape);
+  const MeshPictures::Frame frame = MeshPictures::frame_around(object.mesh);
+  const MeshPictures full(object.mesh, scene_.materials, scene_.images, frame, workers);
+  std::vector<MeshLod> out;
+  for (const MeshLod& lod : family.lods) {
+    MeshLod& own = out.emplace_back();
+    own.mesh = bake(lod.mesh, shape);
+    own.error = static_cast<float>(stretch * (double{lod.error} + family.rounding) * (1 + 1e-6));
+    own.spread = static_cast<float>(stretch * double{lod.spread});
+    if (lod.spread > 0) continue;
+    own.shading =
+        shading_size(full, MeshPictures(own.mesh, scene_.materials, scene_.images, frame, workers));
+  }
+  return out;
+}
+
+}  // namespace mirage

@@ -1,0 +1,86 @@
+#include "server/lod/lod_surface.h"
+
+#include <meshoptimizer.h>
+
+namespace mirage {
+namespace {
+
+constexpr int kTries = 4;                    // to keep to it: the simplifier only estimates
+constexpr std::size_t kSoupIndices = 3'000;  // below, hard edges may well be meant
+constexpr double kSoupShare = 0.8;           // vertices an index; a box of quads has 0.67
+
+// Vertices joined that differ in normal and tangent only. Only where they are counts: each level
+// has its normals from the full surface.
+struct Welded {
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> indices;
+  std::vector<std::uint32_t> origin;  // by vertex: one of the part's that became it
+};
+
+Welded welded(const Part& part) {
+  const meshopt_Stream streams[] = {
+      {&part.vertices[0].position, sizeof(glm::vec3), sizeof(Vertex)},
+      {&part.vertices[0].uv0, 2 * sizeof(glm::vec2) + sizeof(glm::u16vec4), sizeof(Vertex)}};
+  std::vector<std::uint32_t> remap(part.vertices.size());
+  const std::size_t count = meshopt_generateVertexRemapMulti(
+      remap.data(), part.indices.data(), part.indices.size(), remap.size(), streams, 2);
+  Welded out{std::vector<Vertex>(count), {}, std::vector<std::uint32_t>(count)};
+  for (std::uint32_t i = 0; i < remap.size(); ++i) {
+    out.vertices[remap[i]] = part.vertices[i];
+    out.origin[remap[i]] = i;
+  }
+  for (const std::uint32_t i : part.indices) out.indices.push_back(remap[i]);
+  return out;
+}
+
+}  // namespace
+
+bool is_soup(const Part& part) {
+  return part.indices.size() >= kSoupIndices &&
+         static_cast<double>(part.vertices.size()) >
+             kSoupShare * static_cast<double>(part.indices.size());
+}
+
+LodSurface::LodSurface(const Part& part, const LodRules& rules, const Workers& workers)
+    : part_(part), coarse_(part.indices) {
+  if (rules.soup) {
+    Welded joined = welded(part);
+    simplifier_.emplace(joined.vertices, std::move(joined.indices), rules.lock_border);
+    origin_ = std::move(joined.origin);
+  } else {
+    simplifier_.emplace(part.vertices, part.indices, rules.lock_border);
+  }
+  surface_.emplace(part.vertices, part.indices, simplifier_->scale(), rules.samples, workers);
+}
+
+bool LodSurface::reduce(std::size_t triangles, double allowed, const Workers& workers) {
+  const std::size_t target = 3 * triangles;
+  double aim = allowed;
+  for (int i = 0; i < kTries && coarse_.size() > target; ++i, aim *= 0.4) {
+    SurfaceSimplifier::Step step = simplifier_->simplified(target, aim);
+    // Nothing left is no level of detail but a hole.
+    if (step.indices.empty() || step.indices.size() >= coarse_.size()) break;
+    std::vector<std::uint32_t> next = simplifier_->full_indices(step.indices);
+    if (!origin_.empty()) {
+      for (std::uint32_t& vertex : next) vertex = origin_[vertex];
+    }
+    const double estimate = estimate_ + step.error;
+    const double error = surface_->distance_to(next, estimate, allowed, workers);
+    if (error > allowed) continue;
+    if (surface_->colored() && surface_->loses_colors(next, workers)) continue;
+    simplifier_->take(std::move(step));
+    coarse_ = std::move(next);
+    estimate_ = estimate;
+    error_ = error;
+    return true;
+  }
+  return false;
+}
+
+Level LodSurface::level(const Workers& workers) const {
+  Level out = level_of(part_.vertices, coarse_);
+  restore_normals(*surface_, out, workers);
+  return out;
+}
+
+}  // namespace mirage

@@ -1,0 +1,50 @@
+#pragma once
+// Endpoint: the libwebsockets loop; bytes to messages and back. The only server file that knows
+// libwebsockets.
+// Input:  sockets. Output: calls into the SessionHub. Thread: the caller's of run() (main).
+// Full:   writes only when a socket can take it; a slow reader fills its own outbox.
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "protocol/bounded_queue.h"
+#include "server/net/listen_address.h"
+#include "server/session/session.h"
+
+namespace mirage {
+
+struct EndpointOptions {
+  ListenAddress address;
+  std::string tls_cert;  ///< PEM files; both or none
+  std::string tls_key;
+  std::string allow_origin;  ///< empty: any; else the only Origin a browser may come from
+  bool metrics = false;      ///< GET /metrics
+};
+
+class Endpoint {
+ public:
+  Endpoint(SessionHub& hub, BoundedQueue<Completion>& completions, Counters& counters);
+  ~Endpoint();
+  Endpoint(const Endpoint&) = delete;
+  Endpoint& operator=(const Endpoint&) = delete;
+
+  /// Binds and listens. Error kNetworkListen.
+  Result<void> listen(const EndpointOptions& options);
+  /// The one taken; of a unix socket 0.
+  int port() const;
+  /// Serves until stop(); then says goodbye to the clients and returns. So it does when the
+  /// renderer fails, with its error.
+  Result<void> run();
+  /// Any thread, also from a signal handler.
+  void stop();
+  /// Any thread: there are completions.
+  void wake();
+
+  struct Impl;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,202 @@
+#include "server/prepare/motion_measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "protocol/limits.h"
+#include "server/prepare/posed_extent.h"
+
+namespace mirage {
+namespace {
+
+constexpr std::size_t kSegments = limits::kMotionSegments;
+constexpr std::size_t kVertexPoses = 16u << 20;  // what one object may cost, about a second
+constexpr std::size_t kMaxStepsPerSegment = 4;
+constexpr std::size_t kMaxKeyPoses = 1024;
+constexpr double kJumpGap = 1e-9;      // s before a STEP key that shows the pose it ends
+constexpr double kEven = 0.02;         // halves of a step that differ by less are one speed
+constexpr double kSpeedMargin = 1.05;  // for what lies between two poses of even speed
+constexpr double kUnevenMargin = 2;    // and where halving has ended before it got even
+constexpr int kMaxHalvings = 8;
+constexpr int kCenterPoses = 16;
+constexpr double kMatters = 1e-5;  // of the extent: smaller steps are not halved again
+constexpr double kStill = 1e-6;    // of the extent: rounding of the poses, no motion
+
+std::vector<double> pose_times(const Animation& animation, std::size_t vertices) {
+  const double clip = animation.clip_s;
+  const std::size_t per_segment = std::clamp<std::size_t>(
+      kVertexPoses / std::max<std::size_t>(vertices, 1) / kSegments, 1, kMaxStepsPerSegment);
+  std::vector<double> times;
+  const std::size_t steps = kSegments * per_segment;
+  for (std::size_t i = 0; i < steps; ++i) {
+    times.push_back(clip * static_cast<double>(i) / static_cast<double>(steps));
+  }
+  std::vector<double> keys;
+  for (const Channel& c : animation.channels) {
+    for (const float t : c.times) {
+      if (t > 0 && t < clip) keys.push_back(t);
+      if (t > 0 && t < clip && c.interpolation == Interpolation::kStep) {
+        keys.push_back(t - kJumpGap);
+      }
+    }
+  }
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  const std::size_t affordable = kVertexPoses / std::max<std::size_t>(vertices, 1);
+  if (keys.size() <= std::min(kMaxKeyPoses, std::max(affordable, kSegments))) {
+    times.insert(times.end(), keys.begin(), keys.end());
+  }
+  times.push_back(clip * (1 - 1e-12));
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
+/// Bind-space vertices that anything draws, with an animation of their own.
+std::vector<std::uint32_t> used_vertices(const Mesh& mesh) {
+  std::vector<bool> used(mesh.vertices.size(), false);
+  for (const std::uint32_t i : mesh.indices) used[i] = true;
+  std::vector<std::uint32_t> out;
+  for (std::uint32_t i = 0; i < used.size(); ++i) {
+    if (used[i]) out.push_back(i);
+  }
+  return out;
+}
+
+/// One part of the clip over which the largest speed is even.
+struct Step {
+  double from = 0, to = 0;
+  double distance = 0;
+  double margin = kSpeedMargin;
+  bool is_jump() const { return to - from < 2 * kJumpGap; }
+};
+
+using Points = std::vector<glm::vec3>;
+
+/// Walks the clip pose by pose. A part whose halves differ in speed is halved again.
+class Walk {
+ public:
+  Walk(const Mesh& mesh, const Animation& animation)
+      : mesh_(mesh), animation_(animation), used_(used_vertices(mesh)) {}
+
+  void run(const std::vector<double>& times) {
+    PointBox box;
+    for (int i = 0; i < kCenterPoses; ++i) {
+      box.add(posed(i * double{animation_.clip_s} / kCenterPoses));
+    }
+    extent_.emplace(0.5f * (box.low + box.high));
+    first_ = at(times.front());
+    Points last = first_;
+    for (std::size_t k = 1; k < times.size(); ++k) {
+      Points now = at(times[k]);
+      split({times[k - 1], times[k], largest_step(last, now), kSpeedMargin}, last, now, 0);
+      last = std::move(now);
+    }
+    wrap_jump_ = largest_step(last, first_);
+  }
+
+  const std::vector<std::uint32_t>& used() const { return used_; }
+  const std::vector<Step>& steps() const { return steps_; }
+  const PosedExtent& extent() const { return *extent_; }
+  double wrap_jump() const { return wrap_jump_; }
+
+ private:
+  // Of the vertices that anything draws.
+  Points posed(double t) const {
+    Points out;
+    pose_positions(mesh_.vertices, animation_, t, out);
+    for (std::size_t i = 0; i < used_.size(); ++i) out[i] = out[used_[i]];  // they increase
+    out.resize(used_.size());
+    return out;
+  }
+  Points at(double t) {
+    Points out = posed(t);
+    extent_->add(out);
+    return out;
+  }
+  void split(const Step& whole, const Points& a, const Points& b, int depth) {
+    if (whole.is_jump()) return steps_.push_back(whole);
+    const double middle = 0.5 * (whole.from + whole.to);
+    const Points m = at(middle);
+    Step halves[2] = {{whole.from, middle, largest_step(a, m), kSpeedMargin},
+                      {middle, whole.to, largest_step(m, b), kSpeedMargin}};
+    const double low = std::min(halves[0].distance, halves[1].distance);
+    const double high = std::max(halves[0].distance, halves[1].distance);
+    const bool even = high - low <= kEven * high && 2 * high <= (1 + kEven) * whole.distance;
+    const bool matters = high > kMatters * glm::length(extent_->box().high - extent_->box().low);
+    if (!even && matters && depth < kMaxHalvings) {
+      split(halves[0], a, m, depth + 1);
+      split(halves[1], m, b, depth + 1);
+      return;
+    }
+    for (Step& half : halves) {
+      half.distance = even ? half.distance : high;
+      half.margin = even ? kSpeedMargin : kUnevenMargin;
+      steps_.push_back(half);
+    }
+  }
+
+  const Mesh& mesh_;
+  const Animation& animation_;
+  const std::vector<std::uint32_t> used_;
+  Points first_;
+  std::optional<PosedExtent> extent_;
+  std::vector<Step> steps_;
+  double wrap_jump_ = 0;
+};
+
+MotionProfile profile(const std::vector<Step>& steps, double clip_s, double wrap_jump) {
+  MotionProfile motion;
+  motion.clip_s = static_cast<float>(clip_s);
+  motion.wrap_jump = static_cast<float>(wrap_jump * (1 + 1e-6));
+  motion.speed.assign(kSegments, 0.0f);
+  std::vector<float> jumps(std::size_t{1} << limits::kMaxPhaseLevel, 0.0f);
+  bool any_jump = false;
+  for (const Step& step : steps) {
+    const double share = step.from / clip_s;
+    if (step.is_jump()) {
+      const auto part = static_cast<std::size_t>(share * static_cast<double>(jumps.size()));
+      jumps[std::min(part, jumps.size() - 1)] += static_cast<float>(step.distance * (1 + 1e-6));
+      any_jump = any_jump || step.distance > 0;
+      continue;
+    }
+    const auto segment =
+        std::min(static_cast<std::size_t>(share * kSegments * (1 + 1e-12)), kSegments - 1);
+    const double speed = step.margin * step.distance / (step.to - step.from);
+    motion.speed[segment] = std::max(motion.speed[segment], static_cast<float>(speed));
+  }
+  if (any_jump) motion.jump = jumps;
+  return motion;
+}
+
+}  // namespace
+
+MeasuredMotion measure_motion(const Mesh& mesh, const Animation& animation) {
+  MeasuredMotion out;
+  Walk walk(mesh, animation);
+  if (walk.used().empty()) return out;
+  walk.run(pose_times(animation, mesh.vertices.size()));
+  double growth = 0, largest = walk.wrap_jump();
+  for (const Step& step : walk.steps()) {
+    largest = std::max(largest, step.distance);
+    if (!step.is_jump()) growth = std::max(growth, step.distance);
+  }
+  const PosedExtent& extent = walk.extent();
+  const PointBox& box = extent.box();
+  const auto grown = static_cast<float>(growth);
+  out.box_min = box.low - grown;
+  out.box_max = box.high + grown;
+  out.center = extent.center();
+  for (std::size_t i = 0; i < PosedExtent::kDirections; ++i) {
+    out.hull_points.emplace_back(extent.points()[i] + growth * extent.directions()[i]);
+  }
+  out.radius = std::sqrt(extent.radius2()) + growth;
+  const double size = glm::length(glm::dvec3(box.high) - glm::dvec3(box.low));
+  if (largest > kStill * size) {
+    out.motion = profile(walk.steps(), animation.clip_s, walk.wrap_jump());
+  }
+  return out;
+}
+
+}  // namespace mirage

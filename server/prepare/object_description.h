@@ -1,0 +1,28 @@
+#pragma once
+// What clients are told of objects and images.
+
+#include <map>
+
+#include "protocol/image_codec.h"
+#include "protocol/object_proxy.h"
+#include "server/base/workers.h"
+#include "server/prepare/motion_measure.h"
+#include "server/scene/scene.h"
+
+namespace mirage {
+
+/// By the materials of `mesh`: base colour x texture mean, plus emission; linear.
+std::map<std::uint32_t, glm::vec3> material_colors(const Mesh& mesh, const Scene& scene);
+/// Area-weighted mean of these x vertex colours, 0 to 1.
+glm::vec3 mean_color(const Mesh& mesh, const std::map<std::uint32_t, glm::vec3>& of_material);
+
+/// Bounds, hull, mean colour and needs of one object.
+ObjectDescription describe_object(const SceneObject& object, const Scene& scene,
+                                  const Workers& workers = Workers());
+/// Puts the bounds of all poses in place of those of the bind pose.
+void use_motion(const MeasuredMotion& measured, ObjectDescription& description);
+
+/// Size, mean colour and alpha test of one of the scene's images.
+ImageDescription describe_image(const Scene& scene, std::size_t index);
+
+}  // namespace mirage

@@ -1,0 +1,56 @@
+#pragma once
+// Who waits for tiles that are looked for in the directory, and how long.
+// Input:  asks that memory could not answer. Output: jobs of the fetch stage.
+// Thread: the network loop's.
+// Full:   an ask goes past the directory, as it does while the directory is slow.
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "protocol/bounded_queue.h"
+#include "protocol/clock.h"
+#include "server/tile/tile_job.h"
+
+namespace mirage {
+
+class FetchRequests {
+ public:
+  FetchRequests(BoundedQueue<FetchJob>& jobs, const Clock& clock) : jobs_(jobs), clock_(clock) {}
+
+  /// Has the tile looked for, once for all who wait for it in the waiter's codec. False: it is to
+  /// be rendered without looking.
+  bool wait(const TileAsk& ask);
+  /// It was looked for; they wait no longer.
+  std::vector<TileAsk> take(const TileId& id, TileCodec codec);
+  /// Those for whom it takes too long; from now on asks go past the directory for a while.
+  std::vector<TileAsk> take_overdue();
+  /// False: it does not wait here.
+  bool cancel(SessionId session, std::uint32_t request_id);
+  void remove_session(SessionId session);
+  bool waiting() const { return !looked_for_.empty(); }
+
+ private:
+  struct Wanted {
+    TileId id;
+    TileCodec codec = TileCodec::kZstd;
+    bool operator<(const Wanted& o) const {
+      return std::tie(id.high, id.low, codec) < std::tie(o.id.high, o.id.low, o.codec);
+    }
+  };
+  struct LookedFor {
+    std::int64_t since_us = 0;
+    std::vector<TileAsk> asks;
+  };
+  bool directory_is_slow() const;
+
+  BoundedQueue<FetchJob>& jobs_;
+  const Clock& clock_;
+  std::map<Wanted, LookedFor> looked_for_;
+  std::map<std::pair<SessionId, std::uint32_t>, Wanted> requests_;
+  std::int64_t avoid_until_us_ = INT64_MIN;
+  bool on_trial_ = false;  ///< it was slow: one tile at a time, until one comes in time
+};
+
+}  // namespace mirage

@@ -1,0 +1,42 @@
+#pragma once
+// Images as they are sent: who waits for a level that is being encoded, and the encoded ones.
+// Input:  asks for levels, encoded levels. Output: jobs of the image stage.
+// Thread: the network loop's.
+// Full:   what was encoded longest ago goes first.
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "protocol/bounded_queue.h"
+#include "server/tile/tile_job.h"
+
+namespace mirage {
+
+class ImageCache {
+ public:
+  /// A session and its request.
+  using Waiting = std::pair<SessionId, std::uint32_t>;
+
+  explicit ImageCache(BoundedQueue<ImageLevel>& jobs) : jobs_(jobs) {}
+
+  /// An encoded level, empty if it could not be; nullptr: not here.
+  const Bytes* find(const ImageLevel& level) const;
+  /// Has the level encoded, once for all who wait. False: the stage has enough to do, or this
+  /// session waits for it already.
+  bool wait(const ImageLevel& level, Waiting waiting);
+  /// Who waited for a level that is now encoded; they wait no longer.
+  std::vector<Waiting> take_waiting(const ImageLevel& level);
+  void keep(const ImageLevel& level, Bytes bytes);
+
+ private:
+  BoundedQueue<ImageLevel>& jobs_;
+  std::map<ImageLevel, std::vector<Waiting>> waiting_;
+  std::map<ImageLevel, Bytes> encoded_;  ///< at most kMaxBytes (image_cache.cpp)
+  std::deque<ImageLevel> order_;         ///< of encoded_, oldest first
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace mirage

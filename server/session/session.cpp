@@ -1,0 +1,350 @@
+#include "server/session/session.h"
+
+#include <algorithm>
+
+#include "server/stage/render_profile.h"
+
+namespace mirage {
+namespace {
+
+constexpr std::int64_t kHelloTimeoutUs = 10'000'000;
+// Of a client; ours waits for one at a time.
+constexpr std::size_t kMaxWaitingOpenRequests = 64;
+
+// Not the place where timing could leak a token byte by byte.
+bool same_secret(const std::string& a, const std::string& b) {
+  unsigned char difference = a.size() != b.size();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    difference |= static_cast<unsigned char>(a[i] ^ b[i % std::max<std::size_t>(b.size(), 1)]);
+  }
+  return difference == 0;
+}
+
+// Of what this server has, what the client takes. Tiles without colours come without loss, too:
+// who does not take zstd has no use for the lossy ones.
+std::vector<TileCodec> common_codecs(const std::vector<TileCodec>& ours,
+                                     const std::vector<std::uint8_t>& theirs) {
+  const auto taken = [&](TileCodec codec) {
+    return std::find(theirs.begin(), theirs.end(), static_cast<std::uint8_t>(codec)) !=
+           theirs.end();
+  };
+  const bool zstd = taken(TileCodec::kZstd);
+  std::vector<TileCodec> out;
+  for (const TileCodec codec : ours) {
+    if (taken(codec) && (zstd || !is_lossy(codec))) out.push_back(codec);
+  }
+  return out;
+}
+
+}  // namespace
+
+SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
+                       StageQueues& queues)
+    : scene_(std::move(scene)),
+      options_(std::move(options)),
+      revision_(profiled_revision(scene_->revision, options_.profile)),
+      clock_(queues.clock),
+      counters_(queues.counters),
+      queue_(queues.tiles),
+      store_(queues.store),
+      pages_(make_scene_pages(*scene_)),
+      probe_page_(scene_->scene.probe ? encode_probe(*scene_->scene.probe) : Bytes{}),
+      images_(queues.images),
+      fetches_(queues.fetches, queues.clock),
+      forms_(queues.rendered),
+      views_(queues.tiles) {}
+
+Result<SessionId> SessionHub::open() {
+  if (sessions_.size() >= options_.max_clients) {
+    return make_error(ErrorId::kBusy,
+                      "server has its " + std::to_string(options_.max_clients) + " clients");
+  }
+  const SessionId id = next_id_++;
+  sessions_[id].opened_us = clock_.now_us();
+  return id;
+}
+
+void SessionHub::close(SessionId id) {
+  queue_.remove_session(id);
+  fetches_.remove_session(id);
+  views_.remove_session(id);
+  sessions_.erase(id);
+  writable_.erase(id);
+}
+
+Result<void> SessionHub::receive(SessionId id, const std::uint8_t* bytes, std::size_t size) {
+  counters_.bytes_received += size;
+  Session& s = sessions_.at(id);
+  Result<std::optional<Bytes>> whole = s.assembler.accept(bytes, size);
+  if (!whole) return whole.error();
+  if (!whole->has_value()) return {};
+  Result<Message> message = decode_message((*whole)->data(), (*whole)->size());
+  if (!message) return message.error();
+  return handle(id, s, message.take());
+}
+
+Result<void> SessionHub::handle(SessionId id, Session& s, Message message) {
+  wire::BodyUnion& body = message.body;
+  if (!s.greeted && body.type != wire::Body::Hello) {
+    return make_error(ErrorId::kWireState, "the first message must be a hello");
+  }
+  switch (body.type) {
+    case wire::Body::Hello:
+      return hello(id, s, *body.AsHello());
+    case wire::Body::SetLighting:
+      return set_lighting(s, *body.AsSetLighting());
+    case wire::Body::RequestBatch:
+      batch(id, s, *body.AsRequestBatch());
+      return {};
+    case wire::Body::OpenRequest:
+      open_groups(id, s, *body.AsOpenRequest());
+      return {};
+    case wire::Body::ReferenceRequest:
+      reference(id, s, *body.AsReferenceRequest());
+      return {};
+    case wire::Body::ViewRequest:
+      view(id, s, *body.AsViewRequest());
+      return {};
+    case wire::Body::StatsRequest:
+      stats(id, s, *body.AsStatsRequest());
+      return {};
+    case wire::Body::Bye:
+      return make_error(ErrorId::kNetworkClosed, "client said goodbye");
+    default:
+      return make_error(ErrorId::kWireState, "this message is not for a server");
+  }
+}
+
+Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hello) {
+  if (s.greeted) return make_error(ErrorId::kWireState, "a second hello");
+  if (hello.version_min > limits::kProtocolVersion ||
+      hello.version_max < limits::kProtocolVersion) {
+    return make_error(ErrorId::kWireVersion,
+                      "client speaks protocol " + std::to_string(hello.version_min) + " to " +
+                          std::to_string(hello.version_max) + ", this server " +
+                          std::to_string(limits::kProtocolVersion));
+  }
+  if (!options_.token.empty() && !same_secret(hello.token, options_.token)) {
+    return make_error(ErrorId::kAuth, "wrong or missing token");
+  }
+  s.codecs = common_codecs(options_.codecs, hello.codecs);
+  if (s.codecs.empty()) {
+    return make_error(ErrorId::kCodec, "client does not decode this server's tile codecs");
+  }
+  s.greeted = true;
+  const Scene& scene = scene_->scene;
+  wire::WelcomeT welcome;
+  welcome.version = limits::kProtocolVersion;
+  welcome.codec = static_cast<std::uint8_t>(s.codecs.front());
+  for (const TileCodec codec : s.codecs) {
+    welcome.codecs.push_back(static_cast<std::uint8_t>(codec));
+  }
+  welcome.tile_us = static_cast<std::uint32_t>(std::lround(std::min(tile_us_, 1e9)));
+  welcome.revision = revision_;
+  welcome.scene = scene.name.substr(0, limits::kMaxTextBytes);
+  welcome.renderer = options_.renderer.substr(0, limits::kMaxTextBytes);
+  welcome.objects = static_cast<std::uint32_t>(scene.objects.size());
+  welcome.instances = static_cast<std::uint32_t>(scene.instances.size());
+  welcome.groups = static_cast<std::uint32_t>(scene_->grouping.groups.size());
+  welcome.roots = static_cast<std::uint32_t>(scene_->grouping.roots.size());
+  welcome.bounds_center = std::make_unique<wire::Vec3d>(to_wire(scene_->bounds_center));
+  welcome.bounds_radius = scene_->bounds_radius;
+  welcome.triangles = scene.triangles();
+  welcome.lighting = to_wire(scene.lighting);
+  welcome.sky_zenith = std::make_unique<wire::Vec3f>(to_wire(scene.environment.zenith));
+  welcome.sky_horizon = std::make_unique<wire::Vec3f>(to_wire(scene.environment.horizon));
+  welcome.sky_nadir = std::make_unique<wire::Vec3f>(to_wire(scene.environment.nadir));
+  welcome.fog_density = scene.environment.fog_density;
+  welcome.home_eye = std::make_unique<wire::Vec3d>(to_wire(scene.home.eye));
+  welcome.home_target = std::make_unique<wire::Vec3d>(to_wire(scene.home.target));
+  welcome.walk_radius_m = scene.home.walk_radius_m;
+  welcome.walk_speed_mps = scene.home.walk_speed_mps;
+  welcome.geometry = options_.geometry;
+  welcome.reference = options_.reference;
+  welcome.shadows = options_.shadows;
+  welcome.images = static_cast<std::uint32_t>(scene.images.size());
+  push(id, s.control, encode_message(std::move(welcome)));
+  if (!probe_page_.empty()) push(id, s.control, probe_page_);
+  if (hello.view) view(id, s, *hello.view);
+  return {};
+}
+
+void SessionHub::open_groups(SessionId id, Session& s, const wire::OpenRequestT& m) {
+  if (s.overfull) return;
+  if (s.tree.size() >= kMaxWaitingOpenRequests) {
+    s.overfull = true;
+    return;
+  }
+  s.tree.emplace_back(*scene_, m);
+  writable_.insert(id);
+}
+
+Result<void> SessionHub::set_lighting(Session& s, const wire::SetLightingT& m) {
+  if (m.id == 0) return make_error(ErrorId::kWireValue, "lighting 0 is the scene's own");
+  if (s.lighting.count(m.id) == 0 && s.lighting.size() >= limits::kMaxLightingStatesPerClient) {
+    s.lighting.erase(s.lighting.begin());  // oldest first: ids only grow
+  }
+  Result<Lighting> lighting = from_wire(*m.lighting);
+  if (!lighting) return lighting.error();
+  const std::uint64_t probe = lighting->probe.id;
+  if (probe != 0 && probe != scene_->scene.lighting.probe.id) {
+    return make_error(ErrorId::kWireValue, "lighting has a probe that is not this scene's");
+  }
+  s.lighting[m.id] = lighting.take();
+  return {};
+}
+
+void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batch) {
+  s.credit_bytes = std::max(s.credit_bytes, batch.credit_bytes);
+  for (const std::uint32_t request : batch.cancels) {
+    if (fetches_.cancel(id, request)) {
+      ++counters_.tiles_cancelled;
+    } else {
+      queue_.cancel(id, request);
+    }
+  }
+  const auto found = s.lighting.find(batch.lighting_id);
+  const bool known = batch.lighting_id == 0 || found != s.lighting.end();
+  const Lighting& lighting = found != s.lighting.end() ? found->second : scene_->scene.lighting;
+  const auto asked = static_cast<TileCodec>(batch.codec);
+  const bool common = std::find(s.codecs.begin(), s.codecs.end(), asked) != s.codecs.end();
+  const TileCodec codec = common ? asked : s.codecs.front();
+  for (const wire::Ask& one : batch.asks) {
+    ++counters_.tiles_asked;
+    if (known) {
+      ask(id, s, one, lighting, codec);
+    } else {
+      refuse(id, s, one.request_id(), wire::RefusalReason::BadKey);
+    }
+  }
+  for (const wire::MeshAsk& one : batch.mesh_asks) mesh_ask(id, s, one);
+  for (const wire::ImageAsk& one : batch.image_asks) image_ask(id, s, one);
+  writable_.insert(id);  // new credit may free tiles that wait
+}
+
+void SessionHub::refuse(SessionId id, Session& s, std::uint32_t request,
+                        wire::RefusalReason reason) {
+  ++counters_.tiles_refused;
+  wire::RefusedT refused;
+  refused.request_id = request;
+  refused.reason = reason;
+  push(id, s.control, encode_message(std::move(refused)));
+}
+
+void SessionHub::refuse_late() {
+  for (const Waiter& w : queue_.take_late()) {
+    const auto at = sessions_.find(w.session);
+    if (at == sessions_.end()) continue;
+    refuse(w.session, at->second, w.request_id, wire::RefusalReason::Late);
+  }
+}
+
+void SessionHub::push(SessionId id, std::deque<FramePtr>& lane, Bytes message) {
+  Session& s = sessions_.at(id);
+  if (s.overfull) return;
+  for (Bytes& frame : split_into_frames(std::move(message), s.next_transfer++)) {
+    s.outbox_bytes += frame.size();
+    lane.push_back(std::make_shared<const Bytes>(std::move(frame)));
+  }
+  s.overfull = s.outbox_bytes > options_.max_outbox_bytes;
+  writable_.insert(id);
+}
+
+void SessionHub::complete(Completion completion) {
+  if (completion.failure) {
+    failure_ = completion.failure;
+    return;
+  }
+  if (completion.fetched) return finish_fetch(completion);
+  if (completion.tile) return finish_tile(completion);
+  if (completion.refused) {
+    for (const Waiter& w : queue_.finish(completion.id)) {
+      const auto at = sessions_.find(w.session);
+      if (at != sessions_.end()) {
+        refuse(w.session, at->second, w.request_id, wire::RefusalReason::TooLarge);
+      }
+    }
+    return;
+  }
+  if (completion.view) return finish_view(completion);
+  if (completion.image) return finish_image(*completion.image, std::move(completion.message));
+  const auto at = sessions_.find(completion.session);
+  if (at != sessions_.end()) {
+    push(completion.session, at->second.bulk, std::move(completion.message));
+  }
+}
+
+std::deque<FramePtr>* SessionHub::tile_or_bulk(Session& s) {
+  const bool tiles = !s.tiles.empty() && s.tile_bytes_sent < s.credit_bytes;
+  const bool both = tiles && !s.bulk.empty();
+  if (!both) s.tile_lead_bytes = 0;
+  if (tiles && (!both || s.tile_lead_bytes <= 0)) {
+    const auto bytes = static_cast<std::int64_t>(s.tiles.front()->size());
+    s.tile_bytes_sent += static_cast<std::uint64_t>(bytes);
+    s.tile_lead_bytes += bytes;
+    return &s.tiles;
+  }
+  if (s.bulk.empty()) return nullptr;
+  s.tile_lead_bytes -= static_cast<std::int64_t>(s.bulk.front()->size());
+  return &s.bulk;
+}
+
+FramePtr SessionHub::next_tree_page(Session& s) {
+  while (!s.tree.empty()) {
+    if (FramePtr page = s.tree.front().next_page()) return page;
+    s.tree.pop_front();
+  }
+  return nullptr;
+}
+
+FramePtr SessionHub::next_frame(SessionId id) {
+  Session& s = sessions_.at(id);
+  std::deque<FramePtr>* lane = nullptr;
+  if (!s.control.empty()) {
+    lane = &s.control;
+  } else if (s.greeted && s.next_page < pages_.size()) {
+    counters_.bytes_sent += pages_[s.next_page]->size();
+    return pages_[s.next_page++];
+  } else if (FramePtr page = next_tree_page(s)) {
+    counters_.bytes_sent += page->size();
+    return page;
+  } else {
+    lane = tile_or_bulk(s);
+  }
+  if (!lane) return nullptr;
+  FramePtr frame = std::move(lane->front());
+  lane->pop_front();
+  s.outbox_bytes -= frame->size();
+  counters_.bytes_sent += frame->size();
+  return frame;
+}
+
+std::set<SessionId> SessionHub::take_writable() { return std::exchange(writable_, {}); }
+
+std::vector<std::pair<SessionId, Error>> SessionHub::overdue() {
+  std::vector<std::pair<SessionId, Error>> out;
+  const std::int64_t now = clock_.now_us();
+  for (const auto& [id, s] : sessions_) {
+    if (!s.greeted && now - s.opened_us > kHelloTimeoutUs) {
+      out.emplace_back(id, make_error(ErrorId::kNetworkTimeout, "no hello within 10 s"));
+    } else if (s.overfull) {
+      out.emplace_back(id, make_error(ErrorId::kBusy, "client does not read what it asked for"));
+    }
+  }
+  return out;
+}
+
+void SessionHub::say_goodbye_to_all(const std::string& text) {
+  for (auto& [id, s] : sessions_) {
+    wire::ByeT bye;
+    bye.text = text;
+    push(id, s.control, encode_message(std::move(bye)));
+  }
+}
+
+bool SessionHub::all_written() const {
+  return std::all_of(sessions_.begin(), sessions_.end(),
+                     [](const auto& entry) { return entry.second.control.empty(); });
+}
+
+}  // namespace mirage

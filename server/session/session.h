@@ -1,0 +1,154 @@
+#pragma once
+// Sessions: everything between the socket and the stages, without any socket.
+// Input:  whole messages of clients; completions of the stages. Output: frames to write, in order
+//         of priority (control first, then the scene's description; tiles under credit and bulk
+//         share the rest by bytes).
+// Thread: the network loop's.
+// Full:   asks beyond kMaxQueuedAsksPerClient are refused as busy; a client that does not read
+//         until max_outbox_bytes have piled up gets nothing more and is closed.
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "server/session/fetch_requests.h"
+#include "server/session/form_requests.h"
+#include "server/session/image_cache.h"
+#include "server/session/scene_pages.h"
+#include "server/session/view_cache.h"
+#include "server/tile/stage_queues.h"
+
+namespace mirage {
+
+struct SessionOptions {
+  std::string token;          ///< empty: no client needs one
+  std::string renderer;       ///< told to clients
+  std::uint64_t profile = 0;  ///< of what draws and encodes (RenderProfile)
+  bool geometry = true;
+  bool reference = true;
+  bool view = true;  ///< the whole scene as one tile is sent to who asks for it
+  bool shadows = false;
+  std::size_t max_clients = 4096;
+  std::size_t max_outbox_bytes = 512u << 20;  ///< of one client, before it is closed
+  /// That clients may ask for, the first that a client takes is its own.
+  std::vector<TileCodec> codecs = {TileCodec::kZstd, TileCodec::kRaw,  TileCodec::kLz4,
+                                   TileCodec::kWebp, TileCodec::kJpeg, TileCodec::kBc3};
+};
+
+class SessionHub {
+ public:
+  SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
+             StageQueues& queues);
+
+  /// Equal for servers whose tiles of equal keys are equal: of the scene and of what draws it.
+  std::uint64_t revision() const { return revision_; }
+  /// Has the home view made, which most clients ask for first.
+  void make_home_view();
+  /// Error kBusy when there are too many clients.
+  Result<SessionId> open();
+  /// One WebSocket message. An error means: say goodbye and close with its close code.
+  Result<void> receive(SessionId id, const std::uint8_t* bytes, std::size_t size);
+  void close(SessionId id);
+
+  void complete(Completion completion);
+  /// Refuses asks whose deadline passed while they were queued.
+  void refuse_late();
+  /// Whether somebody waits for the directory: then give_up_fetches() is due every few ms.
+  bool waits_for_directory() const { return fetches_.waiting(); }
+  /// Has rendered what the directory does not bring in time.
+  void give_up_fetches();
+
+  /// Next frame to write; nullptr when there is nothing the client may be sent now.
+  FramePtr next_frame(SessionId id);
+  /// Sessions that got something to write since the last call.
+  std::set<SessionId> take_writable();
+  /// Sessions to close: never said hello, or do not read.
+  std::vector<std::pair<SessionId, Error>> overdue();
+  void say_goodbye_to_all(const std::string& text);
+  bool all_written() const;
+  /// Why the server must end: the renderer has failed.
+  const std::optional<Error>& failure() const { return failure_; }
+  std::size_t clients() const { return sessions_.size(); }
+  const SessionOptions& options() const { return options_; }
+
+ private:
+  struct Session {
+    std::int64_t opened_us = 0;
+    bool greeted = false;
+    FrameAssembler assembler{limits::kMaxInboundTransferBytes};
+    std::vector<TileCodec> codecs;  ///< that both ends have; the first is used unless asked
+    std::map<std::uint32_t, Lighting> lighting;
+    std::deque<FramePtr> control;
+    std::deque<TreeTelling> tree;  ///< answers to what was asked of it, made as they are sent
+    std::deque<FramePtr> tiles;
+    std::deque<FramePtr> bulk;
+    std::size_t next_page = 0;  ///< of the scene description
+    std::size_t outbox_bytes = 0;
+    bool overfull = false;  ///< max_outbox_bytes were exceeded: gets nothing more and is closed
+    std::int64_t tile_lead_bytes = 0;  ///< tiles sent ahead of bulk while both waited
+    std::uint64_t tile_bytes_sent = 0;
+    std::uint64_t credit_bytes = 0;
+    std::uint32_t next_transfer = 1;
+  };
+
+  Result<void> handle(SessionId id, Session& s, Message message);
+  Result<void> hello(SessionId id, Session& s, const wire::HelloT& hello);
+  void batch(SessionId id, Session& s, const wire::RequestBatchT& batch);
+  void ask(SessionId id, Session& s, const wire::Ask& ask, const Lighting& lighting,
+           TileCodec codec);
+  /// Answers from memory, or has it made from what is there; false: the tile is not in memory.
+  bool answer_from_memory(const TileAsk& ask);
+  void have_rendered(const TileAsk& ask);
+  void finish_fetch(const Completion& done);
+  /// Whether the object has tiles of this kind under this lighting.
+  bool can_be(std::uint8_t channels, const ObjectDescription& object,
+              const Lighting& lighting) const;
+  void mesh_ask(SessionId id, Session& s, const wire::MeshAsk& ask);
+  void image_ask(SessionId id, Session& s, const wire::ImageAsk& ask);
+  void finish_image(const ImageLevel& level, Bytes bytes);
+  void push_image(SessionId id, std::uint32_t request, const ImageLevel& level, const Bytes& bytes);
+  void open_groups(SessionId id, Session& s, const wire::OpenRequestT& m);
+  Result<void> set_lighting(Session& s, const wire::SetLightingT& m);
+  void reference(SessionId id, Session& s, const wire::ReferenceRequestT& m);
+  ViewJob view_job(const wire::ViewRequestT& m, const Lighting& lighting) const;
+  void view(SessionId id, Session& s, const wire::ViewRequestT& m);
+  void finish_view(const Completion& done);
+  void push_view(const ViewCache::Waiting& waiting, const EncodedView& view);
+  void stats(SessionId id, Session& s, const wire::StatsRequestT& m);
+
+  void push(SessionId id, std::deque<FramePtr>& lane, Bytes message);
+  /// The next page of what was asked of the tree.
+  static FramePtr next_tree_page(Session& s);
+  /// The lane whose turn it is; nullptr when neither may send.
+  static std::deque<FramePtr>* tile_or_bulk(Session& s);
+  void push_tile(const Waiter& waiter, const StoredTile& tile);
+  void finish_tile(const Completion& done);
+  /// Has the waiter's form made; while there is too much to do, it is sent this one.
+  void convert(const Waiter& waiter, const TileId& id, const StoredTilePtr& lossless);
+  void refuse(SessionId id, Session& s, std::uint32_t request, wire::RefusalReason reason);
+
+  std::shared_ptr<const PreparedScene> scene_;
+  const SessionOptions options_;
+  const std::uint64_t revision_;
+  const Clock& clock_;
+  Counters& counters_;
+  TileQueue& queue_;
+  TileStore& store_;
+  const std::vector<FramePtr> pages_;  ///< scene description, made once
+  const Bytes probe_page_;             ///< whole message; empty: the scene has no probe
+  ImageCache images_;
+  FetchRequests fetches_;
+  FormRequests forms_;
+  ViewCache views_;
+  std::map<SessionId, Session> sessions_;
+  std::set<SessionId> writable_;
+  SessionId next_id_ = 1;
+  std::optional<Error> failure_;
+  double tile_us_ = 0;  ///< what a tile takes, mean of the last ones; 0: none was rendered
+};
+
+}  // namespace mirage

@@ -1,0 +1,149 @@
+// Sessions: tiles, from the ask to the reply.
+#include <algorithm>
+
+#include "protocol/sun_frame.h"
+#include "server/session/session.h"
+
+namespace mirage {
+namespace {
+constexpr double kNewTileShare = 1.0 / 16;  // in the mean of what tiles take
+}  // namespace
+
+bool SessionHub::can_be(std::uint8_t channels, const ObjectDescription& object,
+                        const Lighting& lighting) const {
+  switch (channels) {
+    case kRelitTile:
+      return can_relight(object.needs);
+    case kLayeredTile:
+      return layered(object.needs) && !object.group;
+    case kShadowTile:
+      return options_.shadows && (object.needs & kNeedLighting) && sun_of(lighting);
+    case kCasterTile:
+      return options_.shadows && object.casts();
+    default:
+      return true;
+  }
+}
+
+void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lighting& lighting,
+                     TileCodec codec) {
+  if (a.object() >= scene_->object_count() || a.instance() >= scene_->instance_count() ||
+      scene_->instance(a.instance()).object != a.object()) {
+    return refuse(id, s, a.request_id(), wire::RefusalReason::UnknownObject);
+  }
+  TileKey key;
+  key.scene_revision = revision_;
+  key.object = a.object();
+  key.cell = {a.view_level(), a.view_x(), a.view_y()};
+  key.distance = {a.distance_level(), a.distance_index()};
+  key.size_class = a.size_class();
+  key.channels = a.channels();
+  key.phase = a.phase();
+  const std::shared_ptr<const ObjectDescription> described = scene_->description(a.object());
+  const ObjectDescription& object = *described;
+  if (!valid(key.cell) || !valid(key.distance) || key.size_class > limits::kMaxSizeClass ||
+      !valid_channels(key.channels) || object.radius <= 0 ||
+      !valid_phase(a.phase(), object.motion.moving())) {
+    return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
+  }
+  const bool shadow = key.channels == kShadowTile;
+  if (!can_be(key.channels, object, lighting)) {
+    return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
+  }
+  ObjectLighting light;
+  if (shadow) {
+    key.instance = a.instance() + 1;
+    key.lighting = lighting_hash(lighting);
+  } else if ((object.needs & kNeedLighting) && is_lit(key.channels)) {
+    light = object_lighting(lighting, scene_->instance(a.instance()).world_from_object,
+                            object.center, object.radius);
+    key.lighting = light.hash();
+  }
+  TileAsk asked{key, tile_id(key), light, shadow ? lighting : Lighting{}, {}};
+  const bool colors = key.channels & kChannelColor;
+  asked.waiter = {id, a.request_id(), a.error_px(), 0};
+  asked.waiter.codec = colors || !is_lossy(codec) ? codec : TileCodec::kZstd;
+  asked.waiter.asked_us = clock_.now_us();
+  if (a.deadline_ms() > 0) {
+    asked.waiter.deadline_us = asked.waiter.asked_us + a.deadline_ms() * 1000ll;
+  }
+  if (answer_from_memory(asked)) return;
+  if (store_.has_directory() && fetches_.wait(asked)) return;
+  have_rendered(asked);
+}
+
+bool SessionHub::answer_from_memory(const TileAsk& asked) {
+  if (const StoredTilePtr form = store_.find(asked.id, asked.waiter.codec)) {
+    push_tile(asked.waiter, *form);
+    return true;
+  }
+  const StoredTilePtr other = store_.find_lossless(asked.id);
+  if (other) convert(asked.waiter, asked.id, other);
+  return other != nullptr;
+}
+
+void SessionHub::have_rendered(const TileAsk& asked) {
+  const auto admission =
+      queue_.submit(asked.key, asked.id, asked.lighting, asked.waiter, asked.world);
+  if (admission != TileQueue::Admission::kBusy) return;
+  const SessionId id = asked.waiter.session;
+  refuse(id, sessions_.at(id), asked.waiter.request_id, wire::RefusalReason::Busy);
+}
+
+void SessionHub::finish_fetch(const Completion& done) {
+  for (const TileAsk& asked : fetches_.take(done.id, done.codec)) {
+    const FetchedTile& found = *done.fetched;
+    if (found.form || found.lossless) ++counters_.store_hits;
+    if (found.form) {
+      push_tile(asked.waiter, *found.form);
+    } else if (found.lossless) {
+      convert(asked.waiter, asked.id, found.lossless);
+    } else if (!answer_from_memory(asked)) {
+      have_rendered(asked);
+    }
+  }
+}
+
+void SessionHub::give_up_fetches() {
+  for (const TileAsk& asked : fetches_.take_overdue()) {
+    ++counters_.fetches_given_up;
+    if (!answer_from_memory(asked)) have_rendered(asked);
+  }
+}
+
+void SessionHub::push_tile(const Waiter& waiter, const StoredTile& tile) {
+  const auto at = sessions_.find(waiter.session);
+  if (at == sessions_.end() || at->second.overfull) return;
+  wire::TileReplyT reply = tile.reply;
+  reply.request_id = waiter.request_id;
+  reply.server_us = static_cast<std::uint32_t>(clock_.now_us() - waiter.asked_us);
+  push(waiter.session, at->second.tiles, encode_message(std::move(reply), tile.planes));
+}
+
+void SessionHub::convert(const Waiter& waiter, const TileId& id, const StoredTilePtr& lossless) {
+  if (forms_.wait(id, lossless, waiter)) return;
+  const auto at = sessions_.find(waiter.session);
+  if (at == sessions_.end()) return;
+  const std::vector<TileCodec>& taken = at->second.codecs;
+  const auto codec = static_cast<TileCodec>(lossless->reply.codec);
+  if (std::find(taken.begin(), taken.end(), codec) != taken.end()) {
+    return push_tile(waiter, *lossless);
+  }
+  refuse(waiter.session, at->second, waiter.request_id, wire::RefusalReason::Busy);
+}
+
+void SessionHub::finish_tile(const Completion& done) {
+  for (const Waiter& w : forms_.take_waiting(done.id, done.codec)) push_tile(w, *done.tile);
+  if (!done.lossless) return;
+  const double took = static_cast<double>(done.tile->reply.render_us) + done.tile->reply.encode_us;
+  tile_us_ += (took - tile_us_) * (tile_us_ > 0 ? kNewTileShare : 1);
+  for (const Waiter& w : queue_.finish(done.id)) {
+    if (w.codec == done.codec) {
+      push_tile(w, *done.tile);
+    } else {
+      convert(w, done.id, done.lossless);
+    }
+  }
+}
+
+}  // namespace mirage

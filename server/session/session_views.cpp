@@ -1,0 +1,72 @@
+// Sessions: views, from the request to the reply.
+#include "server/session/session.h"
+
+namespace mirage {
+namespace {
+// It is seen at about its size, for a second.
+constexpr std::uint32_t kViewSupersample = 2;
+constexpr double kViewLevelPx = 1;
+}  // namespace
+
+ViewJob SessionHub::view_job(const wire::ViewRequestT& m, const Lighting& lighting) const {
+  ViewPose pose = view_pose(m);
+  if (m.home) pose.camera.pose = look_at(scene_->scene.home.eye, scene_->scene.home.target);
+  if (!scene_->animated()) pose.time_s = 0;
+  pose.camera.fit_depth_range(scene_->bounds_center, scene_->bounds_radius);
+  ViewJob job;
+  job.id = view_id(revision_, lighting_hash(lighting), pose);
+  job.shot = {pose.camera, kViewSupersample, lighting, pose.time_s, kViewLevelPx};
+  job.home = m.home;
+  return job;
+}
+
+void SessionHub::make_home_view() {
+  if (!options_.view) return;
+  wire::ViewRequestT m = view_request(Camera{}, 0);
+  m.home = true;
+  views_.keep_ready(view_job(m, scene_->scene.lighting));
+}
+
+void SessionHub::view(SessionId id, Session& s, const wire::ViewRequestT& m) {
+  const auto found = s.lighting.find(m.lighting_id);
+  const bool known = m.lighting_id == 0 || found != s.lighting.end();
+  if (!options_.view || !known) {
+    return refuse(id, s, m.request_id,
+                  known ? wire::RefusalReason::NoView : wire::RefusalReason::BadKey);
+  }
+  ViewJob job = view_job(m, found != s.lighting.end() ? found->second : scene_->scene.lighting);
+  ViewCache::Waiting waiting{id, m.request_id, clock_.now_us()};
+  if (const auto made = views_.find(job.id)) {
+    waiting.kept = true;
+    return push_view(waiting, *made);
+  }
+  if (!views_.wait(std::move(job), waiting)) {
+    refuse(id, s, m.request_id, wire::RefusalReason::Busy);
+  }
+}
+
+void SessionHub::push_view(const ViewCache::Waiting& waiting, const EncodedView& view) {
+  const auto at = sessions_.find(waiting.session);
+  if (at == sessions_.end()) return;
+  wire::ViewReplyT reply = view.reply;
+  reply.request_id = waiting.request_id;
+  reply.kept = waiting.kept;
+  reply.server_us = static_cast<std::uint32_t>(clock_.now_us() - waiting.asked_us);
+  ++counters_.views_sent;
+  // Before the scene's description: it is the first picture.
+  push(waiting.session, at->second.control, encode_message(std::move(reply), view.payload));
+}
+
+void SessionHub::finish_view(const Completion& done) {
+  for (const ViewCache::Waiting& w : views_.finish(*done.view, done.encoded_view)) {
+    const auto at = sessions_.find(w.session);
+    if (at == sessions_.end()) continue;
+    if (done.encoded_view) {
+      push_view(w, *done.encoded_view);
+    } else {
+      refuse(w.session, at->second, w.request_id, wire::RefusalReason::TooLarge);
+    }
+  }
+}
+
+}  // namespace mirage

@@ -1,0 +1,40 @@
+#pragma once
+// Encode stage.
+// Input:  rendered tiles (pixels of a page), tiles wanted in another form, drawn views. Output:
+//         stored tiles and encoded views, announced to the network loop.
+// Thread: N workers of its own.
+// Full:   the queue in front makes the render stage wait.
+
+#include <thread>
+#include <vector>
+
+#include "server/prepare/prepared_scene.h"
+#include "server/tile/stage_queues.h"
+
+namespace mirage {
+
+class EncodeStage {
+ public:
+  EncodeStage(StageQueues& queues, std::function<void()> wake)
+      : queues_(queues), wake_(std::move(wake)) {}
+  ~EncodeStage() { join(); }
+
+  void start(std::shared_ptr<const PreparedScene> scene, int workers);
+  /// Ends the workers; the input must have been closed.
+  void join();
+
+ private:
+  void finish(const RenderedTile& rendered, const ObjectDescription& object);
+  void finish(const FormJob& job);
+  void finish(const RenderedView& drawn);
+  void announce(Completion done);
+
+  /// Into the directory, unless there is none or too much to be written already.
+  void save(const TileId& id, TileCodec codec, StoredTilePtr tile);
+
+  StageQueues& queues_;
+  std::function<void()> wake_;
+  std::vector<std::thread> workers_;
+};
+
+}  // namespace mirage

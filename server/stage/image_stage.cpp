@@ -1,0 +1,32 @@
+#include "server/stage/image_stage.h"
+
+#include "shaders/gl/mip_chain.h"
+
+namespace mirage {
+
+Bytes ImageStage::encode(const PreparedScene& scene, const ImageLevel& level) {
+  const ImageDescription& description = scene.images[level.image];
+  const Image reduced =
+      gl::reduced_image(scene.scene.images[level.image], image_level_size(description, level.level),
+                        description.alpha_cutoff);
+  Result<Bytes> encoded = encode_image(reduced);
+  return encoded ? encoded.take() : Bytes{};
+}
+
+void ImageStage::start(std::shared_ptr<const PreparedScene> scene) {
+  worker_ = std::thread([this, scene] {
+    while (const std::optional<ImageLevel> level = queues_.images.pop()) {
+      Completion done;
+      done.image = *level;
+      done.message = encode(*scene, *level);
+      queues_.completions.push(std::move(done));
+      wake_();
+    }
+  });
+}
+
+void ImageStage::join() {
+  if (worker_.joinable()) worker_.join();
+}
+
+}  // namespace mirage

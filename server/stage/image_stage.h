@@ -1,0 +1,35 @@
+#pragma once
+// Image stage.
+// Input:  images asked for, by level. Output: encoded images, announced to the network loop.
+// Thread: one worker of its own (an image takes from a millisecond to a second).
+// Full:   the network loop refuses the ask as busy.
+
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "server/prepare/prepared_scene.h"
+#include "server/tile/stage_queues.h"
+
+namespace mirage {
+
+class ImageStage {
+ public:
+  ImageStage(StageQueues& queues, std::function<void()> wake)
+      : queues_(queues), wake_(std::move(wake)) {}
+  ~ImageStage() { join(); }
+
+  void start(std::shared_ptr<const PreparedScene> scene);
+  /// Ends the worker; the input must have been closed.
+  void join();
+
+  /// Reduces and encodes one level; empty when it cannot be. A pure function of its input.
+  static Bytes encode(const PreparedScene& scene, const ImageLevel& level);
+
+ private:
+  StageQueues& queues_;
+  std::function<void()> wake_;
+  std::thread worker_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,29 @@
+#pragma once
+// What lies between the server's stages and is shared by them: queues, the tile store, counters.
+
+#include "protocol/bounded_queue.h"
+#include "protocol/clock.h"
+#include "server/base/counters.h"
+#include "server/tile/tile_job.h"
+#include "server/tile/tile_queue.h"
+#include "server/tile/tile_store.h"
+
+namespace mirage {
+
+struct StageQueues {
+  /// `directory` nullptr: finished tiles are kept in memory only. Both outlive it.
+  StageQueues(const Clock& used_clock, std::size_t cache_bytes, CacheDirectory* directory)
+      : clock(used_clock), store(cache_bytes, directory, counters), tiles(used_clock, counters) {}
+
+  const Clock& clock;
+  Counters counters;
+  TileStore store;
+  BoundedQueue<FetchJob> fetches{4096};        ///< sessions -> fetch stage
+  TileQueue tiles;                             ///< sessions -> render stage
+  BoundedQueue<EncodeJob> rendered{512};       ///< render stage, sessions -> encode stage
+  BoundedQueue<SaveJob> saves{256};            ///< encode stage -> fetch stage
+  BoundedQueue<ImageLevel> images{4096};       ///< sessions -> image stage
+  BoundedQueue<Completion> completions{8192};  ///< all stages -> sessions
+};
+
+}  // namespace mirage

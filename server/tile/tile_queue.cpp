@@ -1,0 +1,238 @@
+#include "server/tile/tile_queue.h"
+
+#include <algorithm>
+
+#include "protocol/limits.h"
+
+namespace mirage {
+namespace {
+constexpr std::size_t kMaxQueuedReferences = 16;
+}
+
+TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
+                                       const ObjectLighting& lighting, const Waiter& waiter,
+                                       const Lighting& world) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  SessionQueue& session = sessions_[waiter.session];
+  if (session.requests.size() >= limits::kMaxQueuedAsksPerClient) return Admission::kBusy;
+  // An id still in use: a second waiter under it would escape the bound and every removal.
+  if (session.requests.count(waiter.request_id) != 0) return Admission::kBusy;
+  Request& request = session.requests[waiter.request_id];
+  request.id = id;
+  const auto found = entries_.find(id);
+  const bool merged = found != entries_.end();
+  Entry& entry = merged ? found->second : entries_[id];
+  entry.waiters.push_back(waiter);
+  if (merged) {
+    ++counters_.tiles_merged;
+  } else {
+    entry.job = {key, id, lighting, clock_.now_us(), world, waiter.codec};
+  }
+  // A NaN error would break the ordering: it counts as the worst.
+  const float error = waiter.error_px >= 0 && waiter.error_px < 1e30f ? waiter.error_px : 1e30f;
+  if (!entry.rendering) {
+    request.rank = Rank{error, ++order_};
+    session.ranked.emplace(*request.rank, id);
+  }
+  not_empty_.notify_one();
+  return merged ? Admission::kMerged : Admission::kQueued;
+}
+
+bool TileQueue::submit(ReferenceJob job) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (references_.size() >= kMaxQueuedReferences) return false;
+  references_.push_back(std::move(job));
+  not_empty_.notify_one();
+  return true;
+}
+
+void TileQueue::submit(ViewJob job) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  views_.push_back(std::move(job));
+  not_empty_.notify_one();
+}
+
+void TileQueue::want_view(const TileId& id) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (ViewJob& job : views_) job.wanted = job.wanted || job.id == id;
+}
+
+bool TileQueue::drop_view(const TileId& id) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto at =
+      std::find_if(views_.begin(), views_.end(), [&](const ViewJob& job) { return job.id == id; });
+  if (at == views_.end()) return false;
+  views_.erase(at);
+  return true;
+}
+
+std::deque<ViewJob>::iterator TileQueue::next_view() {
+  const auto wanted =
+      std::find_if(views_.begin(), views_.end(), [](const ViewJob& job) { return job.wanted; });
+  return wanted != views_.end() ? wanted : views_.begin();
+}
+
+void TileQueue::drop_waiter(SessionId session, std::uint32_t request_id, const TileId& id) {
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return;
+  std::vector<Waiter>& waiters = found->second.waiters;
+  waiters.erase(std::remove_if(waiters.begin(), waiters.end(),
+                               [&](const Waiter& w) {
+                                 return w.session == session && w.request_id == request_id;
+                               }),
+                waiters.end());
+  if (waiters.empty() && !found->second.rendering) entries_.erase(found);
+}
+
+void TileQueue::end_request(SessionQueue& session, std::uint32_t request_id) {
+  const auto request = session.requests.find(request_id);
+  if (request == session.requests.end()) return;
+  if (request->second.rank) session.ranked.erase(*request->second.rank);
+  session.requests.erase(request);
+}
+
+void TileQueue::end_requests(const std::vector<Waiter>& waiters) {
+  for (const Waiter& w : waiters) {
+    const auto at = sessions_.find(w.session);
+    if (at != sessions_.end()) end_request(at->second, w.request_id);
+  }
+}
+
+void TileQueue::cancel(SessionId session, std::uint32_t request_id) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto at = sessions_.find(session);
+  if (at == sessions_.end()) return;
+  const auto request = at->second.requests.find(request_id);
+  if (request == at->second.requests.end()) return;
+  const TileId id = request->second.id;
+  end_request(at->second, request_id);
+  drop_waiter(session, request_id, id);
+  ++counters_.tiles_cancelled;
+}
+
+void TileQueue::remove_session(SessionId session) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto at = sessions_.find(session);
+  if (at != sessions_.end()) {
+    for (const auto& [request_id, request] : at->second.requests) {
+      drop_waiter(session, request_id, request.id);
+    }
+    sessions_.erase(at);
+  }
+  references_.erase(std::remove_if(references_.begin(), references_.end(),
+                                   [&](const ReferenceJob& r) { return r.session == session; }),
+                    references_.end());
+}
+
+bool TileQueue::drop_late(Entry& entry) {
+  const std::int64_t now = clock_.now_us();
+  const auto is_late = [now](const Waiter& w) { return w.deadline_us != 0 && w.deadline_us < now; };
+  for (const Waiter& w : entry.waiters) {
+    if (!is_late(w)) return false;  // one who still wants it is enough
+  }
+  late_.insert(late_.end(), entry.waiters.begin(), entry.waiters.end());
+  counters_.tiles_late += entry.waiters.size();
+  end_requests(entry.waiters);
+  return true;
+}
+
+void TileQueue::start(Entry& entry) {
+  entry.rendering = true;
+  for (const Waiter& w : entry.waiters) {
+    SessionQueue& session = sessions_.at(w.session);
+    Request& request = session.requests.at(w.request_id);
+    session.ranked.erase(*request.rank);
+    request.rank.reset();
+  }
+}
+
+TileQueue::Entry* TileQueue::next_entry() {
+  // Sessions take turns: start behind the one served last.
+  for (std::size_t tries = sessions_.size(); tries > 0; --tries) {
+    auto at = sessions_.upper_bound(last_served_);
+    if (at == sessions_.end()) at = sessions_.begin();
+    last_served_ = at->first;
+    const std::map<Rank, TileId>& ranked = at->second.ranked;
+    while (!ranked.empty()) {
+      const auto found = entries_.find(ranked.begin()->second);
+      if (!drop_late(found->second)) return &found->second;
+      entries_.erase(found);
+    }
+  }
+  return nullptr;
+}
+
+std::vector<TileJob> TileQueue::take_batch(const std::function<bool(std::uint32_t)>& fits) {
+  std::vector<TileJob> batch;
+  while (Entry* entry = next_entry()) {
+    if (!fits(tile_edge(entry->job.key.size_class))) {
+      --last_served_;  // its turn comes first with the next batch
+      break;
+    }
+    start(*entry);
+    batch.push_back(entry->job);
+  }
+  return batch;
+}
+
+std::optional<TileQueue::Work> TileQueue::take(const std::function<bool(std::uint32_t)>& fits,
+                                               bool wait) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  for (;;) {
+    if (closed_) return std::nullopt;
+    if (!references_.empty()) {
+      ReferenceJob job = std::move(references_.front());
+      references_.pop_front();
+      return Work(std::move(job));
+    }
+    std::vector<TileJob> batch;
+    const auto view = next_view();
+    const bool wanted = view != views_.end() && view->wanted;
+    if (!wanted || view_was_last_) batch = take_batch(fits);
+    view_was_last_ = false;
+    if (!batch.empty()) return Work(std::move(batch));
+    if (view != views_.end()) {
+      ViewJob job = std::move(*view);
+      views_.erase(view);
+      view_was_last_ = true;
+      return Work(std::move(job));
+    }
+    if (!wait) return std::nullopt;
+    not_empty_.wait(lock);
+  }
+}
+
+std::vector<Waiter> TileQueue::finish(const TileId& id) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return {};
+  std::vector<Waiter> waiters = std::move(found->second.waiters);
+  entries_.erase(found);
+  end_requests(waiters);
+  return waiters;
+}
+
+std::vector<Waiter> TileQueue::take_late() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return std::exchange(late_, {});
+}
+
+std::size_t TileQueue::length() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return entries_.size();
+}
+
+std::size_t TileQueue::ranks() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::size_t all = 0;
+  for (const auto& [id, session] : sessions_) all += session.ranked.size();
+  return all;
+}
+
+void TileQueue::close() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  closed_ = true;
+  not_empty_.notify_all();
+}
+
+}  // namespace mirage

@@ -1,0 +1,110 @@
+#pragma once
+// Tile queue.
+// Input:  asks from the sessions (network thread). Output: batches for the render stage.
+// Thread: any; one lock. Bounded per session by kMaxQueuedAsksPerClient.
+// Full:   the ask is refused as busy. Equal keys merge, worst error first, sessions take turns,
+//         cancelled and late asks are dropped unrendered.
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <unordered_map>
+#include <variant>
+#include <vector>
+
+#include "protocol/clock.h"
+#include "server/base/counters.h"
+#include "server/tile/tile_job.h"
+
+namespace mirage {
+
+class TileQueue {
+ public:
+  TileQueue(const Clock& clock, Counters& counters) : clock_(clock), counters_(counters) {}
+
+  enum class Admission { kQueued, kMerged, kBusy };
+  Admission submit(const TileKey& key, const TileId& id, const ObjectLighting& lighting,
+                   const Waiter& waiter, const Lighting& world = {});
+  /// References are few: they go before tiles. False when too many wait already.
+  bool submit(ReferenceJob job);
+  /// Views come between tiles: one, then at least one batch of tiles where some wait; those that
+  /// nobody wants yet after all tiles.
+  void submit(ViewJob job);
+  /// Somebody wants it now.
+  void want_view(const TileId& id);
+  /// Nobody wants it any more. False: it is being drawn already.
+  bool drop_view(const TileId& id);
+  void cancel(SessionId session, std::uint32_t request_id);
+  void remove_session(SessionId session);
+
+  using Work = std::variant<std::vector<TileJob>, ReferenceJob, ViewJob>;
+  /// Next work; waits while there is none if `wait`. `fits` is asked for each tile's edge in turn
+  /// and ends the batch with false. nullopt: closed, or nothing to do and not waiting.
+  std::optional<Work> take(const std::function<bool(std::uint32_t)>& fits, bool wait);
+
+  /// Everybody waiting for a finished tile; the key may be queued anew afterwards.
+  std::vector<Waiter> finish(const TileId& id);
+  /// Asks that were dropped since the last call because their deadline passed.
+  std::vector<Waiter> take_late();
+
+  std::size_t length() const;
+  /// Places in the rankings of all sessions: one for each ask that waits to be rendered.
+  std::size_t ranks() const;
+  void close();
+
+ private:
+  struct Entry {
+    TileJob job;
+    std::vector<Waiter> waiters;
+    bool rendering = false;
+  };
+  // Worst error first; equal errors in order of arrival.
+  struct Rank {
+    float error_px;
+    std::uint64_t order;
+    bool operator<(const Rank& o) const {
+      return error_px != o.error_px ? error_px > o.error_px : order < o.order;
+    }
+  };
+  struct Request {
+    TileId id;
+    std::optional<Rank> rank;  ///< while it waits to be rendered
+  };
+  struct SessionQueue {
+    std::map<Rank, TileId> ranked;
+    std::unordered_map<std::uint32_t, Request> requests;
+  };
+
+  void drop_waiter(SessionId session, std::uint32_t request_id, const TileId& id);
+  /// Ends requests, their ranks with them.
+  void end_request(SessionQueue& session, std::uint32_t request_id);
+  void end_requests(const std::vector<Waiter>& waiters);
+  /// It is being rendered, and ranked no longer.
+  void start(Entry& entry);
+  bool drop_late(Entry& entry);
+  /// The next to be rendered, still in its place; whose turn it was is last_served_.
+  Entry* next_entry();
+  /// What waits and fits, marked as being rendered.
+  std::vector<TileJob> take_batch(const std::function<bool(std::uint32_t)>& fits);
+  /// The view to draw next: a wanted one, if there is one.
+  std::deque<ViewJob>::iterator next_view();
+
+  const Clock& clock_;
+  Counters& counters_;
+  mutable std::mutex mutex_;
+  std::condition_variable not_empty_;
+  std::unordered_map<TileId, Entry> entries_;
+  std::map<SessionId, SessionQueue> sessions_;
+  std::deque<ReferenceJob> references_;
+  std::deque<ViewJob> views_;
+  bool view_was_last_ = false;
+  std::vector<Waiter> late_;
+  SessionId last_served_ = 0;
+  std::uint64_t order_ = 0;
+  bool closed_ = false;
+};
+
+}  // namespace mirage
