@@ -13,9 +13,10 @@ namespace mirage {
 namespace {
 
 constexpr char kPrefix[] = "MIRAGE_";
-// Of the tests and of `mirage-report fidelity`; no options.
-const char* const kOtherVariables[] = {"MIRAGE_SHARED", "MIRAGE_FIDELITY_PICTURES",
-                                       "MIRAGE_SWEEP_VERBOSE"};
+// Of scripts, tests and `mirage-report fidelity`; no options.
+const char* const kOtherVariables[] = {"MIRAGE_DEMO_FRAMES",       "MIRAGE_DEMO_BIN",
+                                       "MIRAGE_DEMO_OUT",          "MIRAGE_SHARED",
+                                       "MIRAGE_FIDELITY_PICTURES", "MIRAGE_SWEEP_VERBOSE"};
 
 /// How many letters must change for one text to become the other (Levenshtein's distance).
 std::size_t edits_between(const std::string& a, const std::string& b) {
