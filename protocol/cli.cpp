@@ -14,7 +14,7 @@ namespace {
 
 constexpr char kPrefix[] = "MIRAGE_";
 // Of scripts, tests and `mirage-report fidelity`; no options.
-const char* const kOtherVariables[] = {"MIRAGE_DEMO_FRAMES",       "MIRAGE_DEMO_BIN",
+const char* const kOtherVariables[] = {"MIRAGE_DEMO_BIN",          "MIRAGE_DEMO_FRAMES",
                                        "MIRAGE_DEMO_OUT",          "MIRAGE_SHARED",
                                        "MIRAGE_FIDELITY_PICTURES", "MIRAGE_SWEEP_VERBOSE"};
 

@@ -64,6 +64,10 @@ TEST(Options, UnknownVariablesAreErrors) {
   EXPECT_NE(done.output.find("did you mean MIRAGE_TOKEN_FILE?"), std::string::npos) << done.output;
   EXPECT_EQ(list_devices("", "MIRAGE_CACHE_MB=64").exit_code, 0);
   EXPECT_EQ(list_devices("", "MIRAGE_FRAME_MS=50").exit_code, 0) << "another program's";
+  for (const char* of_the_demo :
+       {"MIRAGE_DEMO_BIN=x", "MIRAGE_DEMO_FRAMES=10", "MIRAGE_DEMO_OUT=x"}) {
+    EXPECT_EQ(list_devices("", of_the_demo).exit_code, 0) << of_the_demo;
+  }
   expect_usage_error(list_devices("", "MIRAGE_CACHE_MB=lots"), "cache-mb");
 }
 
