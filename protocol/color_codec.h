@@ -1,7 +1,7 @@
 #pragma once
 // Lossy images of a tile's straight colours (tile_color.h): w x h x 4 bytes, the fourth of no
-// account. One family a file. Encoders are pure functions; decoders take hostile bytes: the size
-// must be as expected, which is checked before allocating. Error kCodec.
+// account. The encoder is a pure function; the decoder takes hostile bytes: the size must be as
+// expected, which is checked before allocating. Error kCodec.
 
 #include <cstdint>
 #include <vector>
@@ -21,15 +21,5 @@ ColorBytes encode_webp_colors(const ColorBytes& colors, std::uint32_t w, std::ui
                               float quality = kTileWebpQuality);
 Result<ColorBytes> decode_webp_colors(const std::uint8_t* bytes, std::size_t size, std::uint32_t w,
                                       std::uint32_t h);
-
-/// Baseline JPEG, 4:4:4.
-ColorBytes encode_jpeg_colors(const ColorBytes& colors, std::uint32_t w, std::uint32_t h);
-Result<ColorBytes> decode_jpeg_colors(const std::uint8_t* bytes, std::size_t size, std::uint32_t w,
-                                      std::uint32_t h);
-
-/// The colour half of BC3: blocks of 4 x 4 texels, all end points, then all indices, then zstd.
-ColorBytes encode_bc_colors(const ColorBytes& colors, std::uint32_t w, std::uint32_t h);
-Result<ColorBytes> decode_bc_colors(const std::uint8_t* bytes, std::size_t size, std::uint32_t w,
-                                    std::uint32_t h);
 
 }  // namespace mirage

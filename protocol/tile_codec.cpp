@@ -1,10 +1,9 @@
 #include "protocol/tile_codec.h"
 
-#include <lz4.h>
 #include <xxhash.h>
 #include <zstd.h>
 
-#include <iterator>
+#include <algorithm>
 #include <memory>
 
 #include "protocol/color_codec.h"
@@ -164,46 +163,6 @@ void take_planes(Bytes planes, TileCodec codec, Tile& tile) {
   }
 }
 
-Bytes compress_lz4(const Bytes& planes) {
-  Bytes out(static_cast<std::size_t>(LZ4_compressBound(static_cast<int>(planes.size()))));
-  const int n = LZ4_compress_default(reinterpret_cast<const char*>(planes.data()),
-                                     reinterpret_cast<char*>(out.data()),
-                                     static_cast<int>(planes.size()), static_cast<int>(out.size()));
-  out.resize(static_cast<std::size_t>(n));
-  return out;
-}
-
-Result<Bytes> decompress_lz4(const std::uint8_t* bytes, std::size_t size, std::size_t expected) {
-  // A byte of LZ4 stands for at most 255: what is too short to be that long is not worth a try.
-  if (size > limits::kMaxTransferBytes || expected / 255 > size) {
-    return make_error(ErrorId::kCodec, "LZ4 block does not fit its tile");
-  }
-  Bytes out(expected);
-  const int n =
-      LZ4_decompress_safe(reinterpret_cast<const char*>(bytes), reinterpret_cast<char*>(out.data()),
-                          static_cast<int>(size), static_cast<int>(expected));
-  if (n < 0 || static_cast<std::size_t>(n) != expected) {
-    return make_error(ErrorId::kCodec, "LZ4 block is damaged");
-  }
-  return out;
-}
-
-Bytes encode_colors(const Tile& tile, TileCodec codec) {
-  const std::uint32_t w = tile.crop.w, h = tile.crop.h;
-  const Bytes colors = straight_colors(tile.rgba, w, h);
-  return codec == TileCodec::kWebp   ? encode_webp_colors(colors, w, h)
-         : codec == TileCodec::kJpeg ? encode_jpeg_colors(colors, w, h)
-                                     : encode_bc_colors(colors, w, h);
-}
-
-Result<Bytes> decode_colors(const std::uint8_t* bytes, std::size_t size, TileCodec codec,
-                            const Tile& tile) {
-  const std::uint32_t w = tile.crop.w, h = tile.crop.h;
-  return codec == TileCodec::kWebp   ? decode_webp_colors(bytes, size, w, h)
-         : codec == TileCodec::kJpeg ? decode_jpeg_colors(bytes, size, w, h)
-                                     : decode_bc_colors(bytes, size, w, h);
-}
-
 Result<void> decode_lossy(const std::uint8_t* bytes, std::size_t size, TileCodec codec,
                           Tile& tile) {
   std::uint32_t length = 0;
@@ -216,21 +175,25 @@ Result<void> decode_lossy(const std::uint8_t* bytes, std::size_t size, TileCodec
   Result<Bytes> planes =
       decompress_block(rest, size - kLengthBytes - length, all_plane_bytes(tile, codec));
   if (!planes) return planes.error();
-  const Result<Bytes> colors = decode_colors(bytes + kLengthBytes, length, codec, tile);
+  const Result<Bytes> colors = decode_webp_colors(bytes + kLengthBytes, length, tile.crop.w, tile.crop.h);
   if (!colors) return colors.error();
   take_planes(planes.take(), codec, tile);
   premultiply_colors(*colors, tile.rgba);
   return {};
 }
 
-constexpr const char* kNames[] = {"raw", "zstd", "lz4", "webp", "jpeg", "bc3"};
-static_assert(std::size(kNames) == kTileCodecs.size());
-
 }  // namespace
 
 const char* codec_name(TileCodec codec) {
-  const auto index = static_cast<std::size_t>(codec);
-  return index < std::size(kNames) ? kNames[index] : "unknown";
+  switch (codec) {
+    case TileCodec::kRaw:
+      return "raw";
+    case TileCodec::kZstd:
+      return "zstd";
+    case TileCodec::kWebp:
+      return "webp";
+  }
+  return "unknown";
 }
 
 std::optional<TileCodec> codec_from_name(const std::string& name) {
@@ -249,10 +212,10 @@ std::vector<std::uint8_t> every_codec() {
 std::vector<std::uint8_t> encode_tile_planes(const Tile& tile, TileCodec codec) {
   Bytes planes = lossless_planes(tile, codec);
   if (codec == TileCodec::kRaw || planes.empty()) return planes;
-  if (codec == TileCodec::kLz4) return compress_lz4(planes);
   const Bytes rest = compress_block(planes.data(), planes.size());
   if (!is_lossy(codec)) return rest;
-  const Bytes colors = encode_colors(tile, codec);
+  const std::uint32_t w = tile.crop.w, h = tile.crop.h;
+  const Bytes colors = encode_webp_colors(straight_colors(tile.rgba, w, h), w, h);
   Bytes out(kLengthBytes);
   for (std::size_t i = 0; i < kLengthBytes; ++i) {
     out[i] = static_cast<std::uint8_t>(colors.size() >> 8 * i);
@@ -267,7 +230,7 @@ Result<void> decode_tile_planes(const std::uint8_t* bytes, std::size_t size, Til
   if (tile.crop.w > limits::kMaxTileEdge || tile.crop.h > limits::kMaxTileEdge) {
     return make_error(ErrorId::kCodec, "tile crop is larger than any tile");
   }
-  if (static_cast<std::size_t>(codec) >= kTileCodecs.size()) {
+  if (std::find(kTileCodecs.begin(), kTileCodecs.end(), codec) == kTileCodecs.end()) {
     return make_error(ErrorId::kCodec, "unknown tile codec");
   }
   if (is_lossy(codec) && !(tile.channels & kChannelColor)) {
@@ -280,8 +243,7 @@ Result<void> decode_tile_planes(const std::uint8_t* bytes, std::size_t size, Til
     return {};
   }
   if (is_lossy(codec)) return decode_lossy(bytes, size, codec, tile);
-  Result<Bytes> planes = codec == TileCodec::kZstd ? decompress_block(bytes, size, expected)
-                                                   : decompress_lz4(bytes, size, expected);
+  Result<Bytes> planes = decompress_block(bytes, size, expected);
   if (!planes) return planes.error();
   take_planes(planes.take(), codec, tile);
   return {};

@@ -13,10 +13,10 @@
 namespace mirage {
 
 /// The numbers are those on the wire (README.md of this folder).
-enum class TileCodec : std::uint8_t { kRaw = 0, kZstd, kLz4, kWebp, kJpeg, kBc3 };
-inline constexpr std::array<TileCodec, 6> kTileCodecs = {TileCodec::kRaw,  TileCodec::kZstd,
-                                                         TileCodec::kLz4,  TileCodec::kWebp,
-                                                         TileCodec::kJpeg, TileCodec::kBc3};
+enum class TileCodec : std::uint8_t { kRaw = 0, kZstd = 1, kWebp = 3 };
+inline constexpr std::array<TileCodec, 3> kTileCodecs = {TileCodec::kRaw, TileCodec::kZstd,
+                                                         TileCodec::kWebp};
+inline constexpr std::size_t kCodecNumbers = 4;  ///< what is indexed by number has so many places
 
 /// In lower case, as on command lines; "unknown" for what is none.
 const char* codec_name(TileCodec codec);
@@ -24,12 +24,12 @@ std::optional<TileCodec> codec_from_name(const std::string& name);
 /// All of them, as a Hello lists them.
 std::vector<std::uint8_t> every_codec();
 /// Colours come back within an error; coverage, depth, normals and shadows always as they were.
-inline bool is_lossy(TileCodec codec) { return codec >= TileCodec::kWebp; }
+inline bool is_lossy(TileCodec codec) { return codec == TileCodec::kWebp; }
 
 /// Of colour, surface, depth and shadow the planes its channels name.
 /// `kZstd` takes green from red and blue, so that gray costs one channel (of the forest's colours
 /// 9 % of a tile), and predicts each byte from its left neighbour's channel, which makes smooth
-/// images smaller at almost no time; `kLz4` does the same for a quicker compressor.
+/// images smaller at almost no time.
 /// A lossy codec needs a tile with colour: an image of the colours divided by coverage, continued
 /// into what is empty (tile_color.h, color_codec.h), then alpha and the other planes as `kZstd`.
 std::vector<std::uint8_t> encode_tile_planes(const Tile& tile, TileCodec codec);

@@ -61,7 +61,7 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
          "--codec", codec,
          "tile codec; auto: each client chooses by its link, else this one for all (beside a "
          "lossy one zstd, where it is smaller)")
-      ->check(CLI::IsMember({"auto", "raw", "zstd", "lz4", "webp", "jpeg", "bc3"}))
+      ->check(CLI::IsMember({"auto", "raw", "zstd", "webp"}))
       ->capture_default_str();
   app.add_option("--encoders", o.encoders, "encoder threads")
       ->check(CLI::Range(1, 64))

@@ -247,10 +247,8 @@ Result<void> ClientSession::take_tile(const wire::TileReplyT& reply, const Bytes
 
 Result<void> ClientSession::decode(const wire::TileReplyT& reply, const Bytes& planes, Tile& tile) {
   const auto codec = static_cast<TileCodec>(reply.codec);
-  const std::int64_t began_us = options_.work_clock ? options_.work_clock->now_us() : 0;
   const Result<void> decoded = decode_tile_planes(planes.data(), planes.size(), codec, tile);
   if (!decoded) return decoded;
-  if (options_.work_clock) codec_choice_.decoded(options_.work_clock->now_us() - began_us);
   CodecUse& use = codec_uses_[reply.codec];
   ++use.tiles;
   use.bytes += planes.size();

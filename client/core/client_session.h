@@ -52,7 +52,6 @@ struct ClientOptions {
   bool shadows = true;                ///< the sun's, if the server has them
   bool animation = true;              ///< false: every clip stands at its beginning
   std::optional<TileCodec> codec;     ///< of tiles; none: by link and cost
-  const Clock* work_clock = nullptr;  ///< what decoding takes; null on virtual time
   bool views = true;  ///< a view tile shows what has no image yet (automatic methods, with
                       ///< what shadows the server draws)
   Camera screen;      ///< of the first frames: size and field of view
@@ -87,7 +86,7 @@ struct CodecUse {
   std::vector<float> color_rms;  ///< of lossy ones, each tile's, 1/255
   std::uint8_t color_max = 0;    ///< of any texel, 1/255
 };
-using CodecUses = std::array<CodecUse, kTileCodecs.size()>;
+using CodecUses = std::array<CodecUse, kCodecNumbers>;
 
 class ClientSession {
  public:

@@ -15,10 +15,6 @@ constexpr std::int64_t kQueueUs = 10'000;  // of the link's way beyond the short
 constexpr double kThickMbps = 2 * kThinMbps;
 constexpr double kLossyGain = 2;  // bytes of a tile, zstd over WebP: 1.6 small ones, 2.3 large ones
 constexpr std::int64_t kRoomyUs = 5'000'000;
-constexpr std::int64_t kFastTripUs = 5'000;  // the client's own planning is in it
-constexpr std::int64_t kFastQueueUs = 2'000;
-constexpr std::int64_t kSecondUs = 1'000'000;
-constexpr double kDearShare = 0.2;
 
 }  // namespace
 
@@ -36,49 +32,29 @@ void CodecChoice::tile_arrived(std::int64_t trip_us, std::int64_t server_us) {
   if (link_us_.size() > kTrips) link_us_.pop_front();
 }
 
-void CodecChoice::note_decoding(std::int64_t now_us) {
-  const std::int64_t passed = now_us - decoding_since_us_;
-  if (passed < kSecondUs) return;
-  const double share = static_cast<double>(decoding_us_) / static_cast<double>(passed);
-  dear_ = mode_ == Mode::kThin && (dear_ || share > kDearShare);
-  decoding_us_ = 0;
-  decoding_since_us_ = now_us;
-}
-
-CodecChoice::Mode CodecChoice::next_mode(const LinkLoad& load, std::int64_t now_us) {
-  if (link_us_.size() < kLeastTrips) return mode_;
+bool CodecChoice::is_thin(const LinkLoad& load, std::int64_t now_us) {
+  if (link_us_.size() < kLeastTrips) return thin_;
   const std::vector<std::int64_t> trips(link_us_.begin(), link_us_.end());
   const std::int64_t shortest = *std::min_element(trips.begin(), trips.end());
   const std::int64_t waits = quantile(trips, 0.5) - shortest;
   const bool full = load.held_back_s >= kHeldBackS && waits > kQueueUs;
   if (full) link_mbps_ = load.down_mbps;
-  if (mode_ == Mode::kThin) {
+  if (thin_) {
     const bool roomy = !full && load.down_mbps * kLossyGain < 0.5 * link_mbps_;
     if (!roomy) roomy_since_us_ = -1;
     if (roomy && roomy_since_us_ < 0) roomy_since_us_ = now_us;
-    const bool leave =
-        load.down_mbps > kThickMbps || (roomy && now_us - roomy_since_us_ > kRoomyUs);
-    return leave ? Mode::kPlain : Mode::kThin;
+    return load.down_mbps <= kThickMbps && !(roomy && now_us - roomy_since_us_ > kRoomyUs);
   }
-  if (full && load.down_mbps < kThinMbps) {
-    roomy_since_us_ = -1;
-    return Mode::kThin;
-  }
-  const std::int64_t slack = mode_ == Mode::kFast ? 2 : 1;
-  const bool fast = shortest <= kFastTripUs * slack && waits <= kFastQueueUs * slack;
-  return fast ? Mode::kFast : Mode::kPlain;
+  if (!full || load.down_mbps >= kThinMbps) return false;
+  roomy_since_us_ = -1;
+  return true;
 }
 
 TileCodec CodecChoice::update(const LinkLoad& load, std::int64_t now_us) {
   const TileCodec own = common_.front();
   if (forced_) return has(*forced_) ? *forced_ : own;
-  mode_ = next_mode(load, now_us);
-  note_decoding(now_us);
-  if (mode_ == Mode::kFast && has(TileCodec::kLz4) && own == TileCodec::kZstd)
-    return TileCodec::kLz4;
-  if (mode_ != Mode::kThin) return own;
-  if ((dear_ || !has(TileCodec::kWebp)) && has(TileCodec::kBc3)) return TileCodec::kBc3;
-  return has(TileCodec::kWebp) ? TileCodec::kWebp : own;
+  thin_ = is_thin(load, now_us);
+  return thin_ && has(TileCodec::kWebp) ? TileCodec::kWebp : own;
 }
 
 }  // namespace mirage

@@ -1,17 +1,14 @@
 #pragma once
-// Which codec to ask for tiles in, from what the link and this client are measured to do.
-// Input:  trips of tiles, time spent decoding, load of the link. Output: the codec of the next
-//         batch. Thread: the frame loop's. Never full: keeps the trips of the last tiles.
+// Which codec to ask for tiles in, from what the link is measured to do.
+// Input:  trips of tiles, load of the link. Output: the codec of the next batch. Thread: the frame
+//         loop's. Never full: keeps the trips of the last tiles.
 //
 // A tile's trip without the server's own time (TileReply.server_us) is the link's: its way there
-// and back and what waits at it. So a slow renderer does not pass for a thin link.
-//   thin:  asks are held back, the wait is the link's and little comes through: lossy colours.
-//          BC3 instead of WebP where decoding takes a fifth of the client's time: a few per cent
-//          more bytes, decoded in less than half the time (JPEG has more of both).
-//   fast:  the way is short and nothing waits: lz4, as bytes cost nothing.
-//   else:  the server's own choice, without loss.
-// Each is left by another measure than it is entered by: lossy colours once the link delivers far
-// more, or once tiles without loss would fill less than half of it for a while.
+// and back and what waits at it. So a slow renderer does not pass for a thin link. A link is thin
+// when asks are held back, the wait is the link's and little comes through: lossy colours. Else it
+// is the server's own choice, without loss. Lossy colours are left by another measure than they are
+// entered by: once the link delivers far more, or once tiles without loss would fill less than half
+// of it for a while.
 
 #include <cstdint>
 #include <deque>
@@ -36,28 +33,21 @@ class CodecChoice {
   void reset(std::vector<TileCodec> common);
   /// A tile came `trip_us` after it was asked for, of which the server had it for `server_us`.
   void tile_arrived(std::int64_t trip_us, std::int64_t server_us);
-  /// Decoding a tile took so long; never called on virtual time, where it takes none.
-  void decoded(std::int64_t us) { decoding_us_ += us; }
   /// What comes when nothing else is asked for.
   TileCodec unasked() const { return common_.front(); }
   /// The codec from now on.
   TileCodec update(const LinkLoad& load, std::int64_t now_us);
 
  private:
-  enum class Mode { kPlain, kThin, kFast };
   bool has(TileCodec codec) const;
-  Mode next_mode(const LinkLoad& load, std::int64_t now_us);
-  void note_decoding(std::int64_t now_us);
+  bool is_thin(const LinkLoad& load, std::int64_t now_us);
 
   std::optional<TileCodec> forced_;
   std::vector<TileCodec> common_ = {TileCodec::kZstd};
   std::deque<std::int64_t> link_us_;  ///< of the last tiles, without the server's time
-  Mode mode_ = Mode::kPlain;
+  bool thin_ = false;
   double link_mbps_ = 0;              ///< what came through when it was last full
   std::int64_t roomy_since_us_ = -1;  ///< tiles without loss would fit since then
-  std::int64_t decoding_us_ = 0;      ///< since decoding_since_us_
-  std::int64_t decoding_since_us_ = 0;
-  bool dear_ = false;  ///< decoding WebP took too much of this client's time
 };
 
 }  // namespace mirage

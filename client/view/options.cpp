@@ -178,9 +178,8 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
       "chosen and what else there was, with error and ms");
   app.add_option("--trace", o.trace_file, "write the life of every tile here as JSON");
   app.add_option("--codec", o.codec_name,
-                 "tiles' codec; auto: lossy colours on a thin link, lz4 on a very fast one, else "
-                 "zstd")
-      ->check(CLI::IsMember({"auto", "raw", "zstd", "lz4", "webp", "jpeg", "bc3"}))
+                 "tiles' codec; auto: lossy colours on a thin link that is full, else zstd")
+      ->check(CLI::IsMember({"auto", "raw", "zstd", "webp"}))
       ->capture_default_str();
   app.add_option("--token-file", o.token_file, "the server's token");
   app.add_option("--device", o.device, "EGL device when offscreen")->capture_default_str();

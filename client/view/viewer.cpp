@@ -140,7 +140,6 @@ void Viewer::make_host() {
   options.relight = o_.relight;
   options.token = o_.token;
   options.codec = codec_from_name(o_.codec_name);
-  if (!o_.virtual_time) options.work_clock = &real_clock_;
   options.shadows = o_.shadows == "on";
   options.animation = o_.animation == "on";
   options.views = o_.views;

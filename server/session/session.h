@@ -35,8 +35,7 @@ struct SessionOptions {
   std::size_t max_clients = 4096;
   std::size_t max_outbox_bytes = 512u << 20;  ///< of one client, before it is closed
   /// That clients may ask for, the first that a client takes is its own.
-  std::vector<TileCodec> codecs = {TileCodec::kZstd, TileCodec::kRaw,  TileCodec::kLz4,
-                                   TileCodec::kWebp, TileCodec::kJpeg, TileCodec::kBc3};
+  std::vector<TileCodec> codecs = {TileCodec::kZstd, TileCodec::kRaw, TileCodec::kWebp};
 };
 
 class SessionHub {

@@ -8,8 +8,6 @@ namespace {
 CacheKey file_of(const TileId& id, TileCodec codec) {
   const char* kind = "tile";
   if (codec == TileCodec::kWebp) kind = "webp-tile";
-  if (codec == TileCodec::kJpeg) kind = "jpeg-tile";
-  if (codec == TileCodec::kBc3) kind = "bc3-tile";
   return {id.high, id.low, kind};
 }
 
@@ -37,7 +35,7 @@ StoredTilePtr TileStore::find(const TileId& id, TileCodec codec) {
 }
 
 StoredTilePtr TileStore::find_lossless(const TileId& id) {
-  return find_in_memory(id, {TileCodec::kZstd, TileCodec::kLz4, TileCodec::kRaw});
+  return find_in_memory(id, {TileCodec::kZstd, TileCodec::kRaw});
 }
 
 FetchedTile TileStore::fetch(const TileId& id, TileCodec codec) {

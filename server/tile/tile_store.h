@@ -34,7 +34,7 @@ class TileStore {
 
  private:
   struct Slot {
-    std::array<StoredTilePtr, kTileCodecs.size()> forms;  ///< by the codec they were made for
+    std::array<StoredTilePtr, kCodecNumbers> forms;  ///< by the codec they were made for
     std::size_t bytes = 0;
     std::list<TileId>::iterator age;
   };

@@ -197,7 +197,7 @@ inline wire::TileReplyT sample_tile_reply() {
   m.crop_y = 2;
   m.crop_w = 1;
   m.crop_h = 2;
-  m.codec = static_cast<std::uint8_t>(TileCodec::kBc3);
+  m.codec = static_cast<std::uint8_t>(TileCodec::kZstd);
   m.plane_depth = 1;
   m.depth_min = 0.5f;
   m.depth_max = 1.5f;
@@ -217,13 +217,11 @@ inline wire::TileReplyT sample_tile_reply() {
   return m;
 }
 
-/// A block of BC3, then coverage, surface and depth of two texels, in zstd frames that are stored.
+/// Colour, surface and depth of two texels, in a zstd frame that is stored.
 inline Bytes sample_tile_payload() {
-  return {17,   0,    0,    0,                                  //
-          0x28, 0xb5, 0x2f, 0xfd, 0x20, 8,  8 << 3 | 1,  0, 0,  //
-          1,    2,    3,    4,    5,    6,  7,           8,     //
-          0x28, 0xb5, 0x2f, 0xfd, 0x20, 12, 12 << 3 | 1, 0, 0,  //
-          1,    2,    3,    4,    5,    6,  7,           8, 9, 10, 11, 12};
+  return {0x28, 0xb5, 0x2f, 0xfd, 0x20, 18, 18 << 3 | 1, 0, 0,  //
+          1,    2,    3,    4,    5,    6,  7,           8, 9,  //
+          10,   11,   12,   13,   14,   15, 16,          17, 18};
 }
 
 inline wire::RefusedT sample_refused() {

@@ -14,7 +14,7 @@
 namespace mirage::test {
 namespace {
 
-constexpr TileCodec kLossless[] = {TileCodec::kRaw, TileCodec::kZstd, TileCodec::kLz4};
+constexpr TileCodec kLossless[] = {TileCodec::kRaw, TileCodec::kZstd};
 
 Tile make_tile(std::uint32_t w, std::uint32_t h, bool smooth) {
   std::mt19937 random(w * 31 + h);

@@ -199,22 +199,20 @@ TEST(ServerForm, ErrorAndHashAreOfWhatComesOut) {
   const StoredTilePtr zstd = rendered_tile(1);
   const Tile original = decoded(*zstd);
   EXPECT_EQ(zstd->reply.color_rms, 0);
-  for (const TileCodec codec : {TileCodec::kWebp, TileCodec::kJpeg, TileCodec::kBc3}) {
-    const StoredTilePtr form = make_form(original, zstd->reply, codec);
-    ASSERT_TRUE(form);
-    ASSERT_EQ(form->reply.codec, static_cast<std::uint8_t>(codec));
-    const Tile back = decoded(*form);
-    const ColorError error = color_error(original.rgba, back.rgba);
-    EXPECT_GT(error.max, 0);
-    EXPECT_EQ(form->reply.color_rms, error.rms);
-    EXPECT_EQ(form->reply.color_max, error.max);
-    EXPECT_EQ(form->reply.content_hash, tile_content_hash(back));
-    EXPECT_EQ(back.depth, original.depth);
-    EXPECT_EQ(form->reply.key_low, zstd->reply.key_low);
-  }
-  const StoredTilePtr lz4 = convert_form(zstd, TileCodec::kLz4);
-  EXPECT_EQ(lz4->reply.content_hash, zstd->reply.content_hash);
-  EXPECT_EQ(decoded(*lz4).rgba, original.rgba);
+  const StoredTilePtr form = make_form(original, zstd->reply, TileCodec::kWebp);
+  ASSERT_TRUE(form);
+  ASSERT_EQ(form->reply.codec, static_cast<std::uint8_t>(TileCodec::kWebp));
+  const Tile back = decoded(*form);
+  const ColorError error = color_error(original.rgba, back.rgba);
+  EXPECT_GT(error.max, 0);
+  EXPECT_EQ(form->reply.color_rms, error.rms);
+  EXPECT_EQ(form->reply.color_max, error.max);
+  EXPECT_EQ(form->reply.content_hash, tile_content_hash(back));
+  EXPECT_EQ(back.depth, original.depth);
+  EXPECT_EQ(form->reply.key_low, zstd->reply.key_low);
+  const StoredTilePtr raw = convert_form(zstd, TileCodec::kRaw);
+  EXPECT_EQ(raw->reply.content_hash, zstd->reply.content_hash);
+  EXPECT_EQ(decoded(*raw).rgba, original.rgba);
 }
 
 TEST(ServerForm, WhereLossSavesNothingThereIsNone) {
@@ -222,10 +220,10 @@ TEST(ServerForm, WhereLossSavesNothingThereIsNone) {
   std::fill(flat.rgba.begin(), flat.rgba.end(), std::uint8_t{255});
   std::fill(flat.depth.begin(), flat.depth.end(), std::uint8_t{90});
   const StoredTilePtr zstd = make_form(flat, {}, TileCodec::kZstd);
-  EXPECT_EQ(convert_form(zstd, TileCodec::kJpeg), zstd);
-  // Also of what is kept in lz4, which not every client takes.
-  const StoredTilePtr lz4 = make_form(flat, {}, TileCodec::kLz4);
-  EXPECT_EQ(convert_form(lz4, TileCodec::kJpeg)->planes, zstd->planes);
+  EXPECT_EQ(convert_form(zstd, TileCodec::kWebp), zstd);
+  // Also of what is kept raw, which not every client takes.
+  const StoredTilePtr raw = make_form(flat, {}, TileCodec::kRaw);
+  EXPECT_EQ(convert_form(raw, TileCodec::kWebp)->planes, zstd->planes);
 }
 
 TEST_F(ServerStore, FormsAreApartAndGoTogether) {
@@ -237,8 +235,8 @@ TEST_F(ServerStore, FormsAreApartAndGoTogether) {
   store.put(id_of(1), TileCodec::kWebp, webp);
   EXPECT_EQ(store.find(id_of(1), TileCodec::kWebp), webp);
   EXPECT_EQ(counters.store_bytes, zstd->bytes() + webp->bytes());
-  store.put(id_of(1), TileCodec::kJpeg, zstd);  // no smaller: the same bytes, counted once
-  EXPECT_EQ(store.find(id_of(1), TileCodec::kJpeg), zstd);
+  store.put(id_of(1), TileCodec::kRaw, zstd);  // the same bytes, counted once
+  EXPECT_EQ(store.find(id_of(1), TileCodec::kRaw), zstd);
   EXPECT_EQ(counters.store_bytes, zstd->bytes() + webp->bytes());
   for (std::uint64_t n = 2; n < 12; ++n) store.put(id_of(n), TileCodec::kZstd, rendered_tile(n));
   EXPECT_FALSE(store.find(id_of(1), TileCodec::kWebp));
@@ -257,11 +255,11 @@ TEST_F(ServerStore, DirectoryKeepsLossyFormsBesideTheOneWithoutLoss) {
   TileStore store(1 << 20, &cache, counters);
   ASSERT_TRUE(store.fetch(id_of(1), TileCodec::kWebp).form);
   EXPECT_EQ(store.find(id_of(1), TileCodec::kWebp)->planes, webp->planes);
-  const FetchedTile lz4 = store.fetch(id_of(1), TileCodec::kLz4);
-  EXPECT_FALSE(lz4.form) << "to be made";
-  ASSERT_TRUE(lz4.lossless);
-  EXPECT_EQ(lz4.lossless->planes, zstd->planes);
-  EXPECT_EQ(store.find_lossless(id_of(1)), lz4.lossless);
+  const FetchedTile raw = store.fetch(id_of(1), TileCodec::kRaw);
+  EXPECT_FALSE(raw.form) << "to be made";
+  ASSERT_TRUE(raw.lossless);
+  EXPECT_EQ(raw.lossless->planes, zstd->planes);
+  EXPECT_EQ(store.find_lossless(id_of(1)), raw.lossless);
   // A lossy file in the other's place never passes for the tile itself.
   for (const auto& entry : fs::recursive_directory_iterator(directory())) {
     const std::string name = entry.path().string();
