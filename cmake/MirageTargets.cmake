@@ -1,8 +1,10 @@
 # Helpers that give every target the same warnings, standard and sanitizers; no global flags.
 
-# mirage_target(NAME [PORTABLE]): PORTABLE keeps to C++17, for the code that also builds for a browser.
+# mirage_target(NAME [PORTABLE] [TEST] [PCH base|wire|none]): PORTABLE keeps to C++17, for the code that also builds for a
+# browser. TEST is optimised little: compiling tests takes longer than running them. PCH: which of cmake/pch it begins with
+# (default: that of TEST, else base).
 function(mirage_target name)
-  cmake_parse_arguments(ARG "PORTABLE" "" "" ${ARGN})
+  cmake_parse_arguments(ARG "PORTABLE;TEST" "PCH" "" ${ARGN})
   if(ARG_PORTABLE)
     target_compile_features(${name} PUBLIC cxx_std_17)
     set_target_properties(${name} PROPERTIES CXX_STANDARD 17)
@@ -16,6 +18,16 @@ function(mirage_target name)
                          -Wno-sign-conversion -Werror
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarms of GCC 12 on std::string
                          -fno-math-errno)
+  # A bundle's libraries lie beside its programs (scripts/bundle); also those of its libraries, hence the old tag.
+  set_target_properties(${name} PROPERTIES BUILD_RPATH "$ORIGIN/../lib")
+  get_target_property(kind ${name} TYPE)
+  if(kind STREQUAL "EXECUTABLE")
+    target_link_options(${name} PRIVATE -Wl,--disable-new-dtags)
+  endif()
+  if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT MIRAGE_SANITIZE)  # against what hostile bytes might yet find
+    target_compile_options(${name} PRIVATE -fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3)
+    target_link_options(${name} PRIVATE -Wl,-z,relro,-z,now)
+  endif()
   if(MIRAGE_SANITIZE)
     # GCC 12 sees uninitialised members in std::variant once sanitizers instrument it.
     target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
@@ -24,5 +36,49 @@ function(mirage_target name)
     if(MIRAGE_SANITIZE MATCHES "undefined")
       target_compile_options(${name} PUBLIC -fno-sanitize-recover=undefined)
     endif()
+  endif()
+  if(ARG_TEST)
+    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
+  if(MIRAGE_PCH AND NOT ARG_PCH STREQUAL "none")
+    set(pch base)
+    if(ARG_PCH)
+      set(pch ${ARG_PCH})
+    elseif(ARG_TEST)
+      set(pch tests)
+    endif()
+    if(ARG_PORTABLE)
+      string(APPEND pch _portable)
+    endif()
+    target_precompile_headers(${name} REUSE_FROM mirage_pch_${pch})
+    # More of GCC 12's false alarms on std::string, which system headers read from a precompiled one no longer silence; the
+    # builds without them still warn.
+    target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>
+                           $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
+  endif()
+endfunction()
+
+# Each is compiled once, with the flags of the targets that take it.
+function(mirage_precompiled_headers)
+  file(WRITE ${PROJECT_BINARY_DIR}/pch.cpp "")
+  foreach(pch base base_portable wire wire_portable tests)
+    string(REPLACE "_portable" "" header ${pch})
+    add_library(mirage_pch_${pch} OBJECT ${PROJECT_BINARY_DIR}/pch.cpp)
+    set(kind)
+    if(pch MATCHES portable)
+      set(kind PORTABLE)
+    elseif(pch STREQUAL tests)
+      set(kind TEST)
+    endif()
+    mirage_target(mirage_pch_${pch} ${kind} PCH none)
+    target_precompile_headers(mirage_pch_${pch} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/pch/${header}.h)
+    target_link_libraries(mirage_pch_${pch} PRIVATE glm::glm)
+    if(NOT header STREQUAL base)
+      target_include_directories(mirage_pch_${pch} SYSTEM PRIVATE ${PROJECT_BINARY_DIR}/generated)
+      add_dependencies(mirage_pch_${pch} mirage_wire)
+    endif()
+  endforeach()
+  if(TARGET GTest::gtest)
+    target_link_libraries(mirage_pch_tests PRIVATE GTest::gtest)
   endif()
 endfunction()

@@ -175,7 +175,8 @@ Result<void> decode_lossy(const std::uint8_t* bytes, std::size_t size, TileCodec
   Result<Bytes> planes =
       decompress_block(rest, size - kLengthBytes - length, all_plane_bytes(tile, codec));
   if (!planes) return planes.error();
-  const Result<Bytes> colors = decode_webp_colors(bytes + kLengthBytes, length, tile.crop.w, tile.crop.h);
+  const Result<Bytes> colors =
+      decode_webp_colors(bytes + kLengthBytes, length, tile.crop.w, tile.crop.h);
   if (!colors) return colors.error();
   take_planes(planes.take(), codec, tile);
   premultiply_colors(*colors, tile.rgba);
@@ -205,6 +206,7 @@ std::optional<TileCodec> codec_from_name(const std::string& name) {
 
 std::vector<std::uint8_t> every_codec() {
   std::vector<std::uint8_t> out;
+  out.reserve(kTileCodecs.size());
   for (const TileCodec codec : kTileCodecs) out.push_back(static_cast<std::uint8_t>(codec));
   return out;
 }

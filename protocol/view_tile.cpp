@@ -142,14 +142,13 @@ Result<ViewTile> decode_view(const wire::ViewReplyT& reply, const Bytes& payload
       !std::is_sorted(out.instances.begin(), out.instances.end())) {
     return make_error(ErrorId::kWireValue, "view with parts that do not fit together");
   }
-  Result<ColorBytes> colors = decode_webp_colors(payload.data(), reply.color_bytes,
-                                                 out.camera.width, out.camera.height);
+  Result<ColorBytes> colors =
+      decode_webp_colors(payload.data(), reply.color_bytes, out.camera.width, out.camera.height);
   if (!colors) return colors.error();
   out.rgba = colors.take();
   const std::size_t cells = std::size_t{out.columns()} * out.rows();
-  const Result<Bytes> planes =
-      decompress_block(payload.data() + reply.color_bytes, payload.size() - reply.color_bytes,
-                       kPlaneBytes * cells);
+  const Result<Bytes> planes = decompress_block(
+      payload.data() + reply.color_bytes, payload.size() - reply.color_bytes, kPlaneBytes * cells);
   if (!planes) return planes.error();
   out.depth.assign(planes->begin(), planes->begin() + static_cast<std::ptrdiff_t>(cells));
   out.owners.resize(cells);

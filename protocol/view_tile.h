@@ -33,8 +33,8 @@ struct ViewTile {
   std::uint32_t columns() const { return camera.width / kViewCellTexels; }
   std::uint32_t rows() const { return camera.height / kViewCellTexels; }
   std::uint8_t encode_depth(double depth_m) const;
-  /// The nearest eye depth a code of 1..255 can stand for, m: what lies on something is drawn before
-  /// it, whichever of the two has an image of its own.
+  /// The nearest eye depth a code of 1..255 can stand for, m: what lies on something is drawn
+  /// before it, whichever of the two has an image of its own.
   double decode_depth(std::uint8_t code) const;
   /// Of a depth, by what it may be drawn too near.
   double depth_step() const;

@@ -87,7 +87,7 @@ void announce(const ServerOptions& options, const PreparedScene& scene, const Se
   std::fflush(stdout);
 }
 
-int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> scene,
+int serve(const ServerOptions& options, const std::shared_ptr<const PreparedScene>& scene,
           CacheDirectory* cache) {
   const SteadyClock clock;
   std::atomic<Endpoint*> awake{nullptr};
@@ -133,7 +133,7 @@ int serve(const ServerOptions& options, std::shared_ptr<const PreparedScene> sce
   return served ? 0 : fail(served.error());
 }
 
-int explain(const ServerOptions& options, std::shared_ptr<const PreparedScene> scene) {
+int explain(const ServerOptions& options, const std::shared_ptr<const PreparedScene>& scene) {
   std::optional<Proof> proof;
   if (options.prove) {
     ProofOptions how;

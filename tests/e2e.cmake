@@ -1,12 +1,8 @@
 # End to end: the shipped binaries over real sockets on loopback.
-add_library(mirage_test_support STATIC support/process.cpp)
-mirage_target(mirage_test_support)
-target_compile_definitions(mirage_test_support PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                           MIRAGE_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
 
 function(mirage_e2e name)
   add_executable(mirage_e2e_${name} e2e/${name}_test.cpp)
-  mirage_target(mirage_e2e_${name})
+  mirage_target(mirage_e2e_${name} TEST)
   target_link_libraries(mirage_e2e_${name} PRIVATE mirage_test_support nlohmann_json::nlohmann_json
                         GTest::gtest_main)
   add_dependencies(mirage_e2e_${name} mirage-server mirage-view mirage-load mirage-report mirage-extreme)
@@ -40,10 +36,14 @@ set_tests_properties(e2e_failure PROPERTIES RUN_SERIAL ON)
 
 # Put before the driver and the file system of a server: they fail, or are slow, when they are told.
 add_library(mirage_test_faults MODULE support/faults.cpp)
-mirage_target(mirage_test_faults)
+mirage_target(mirage_test_faults PCH none)
 target_link_libraries(mirage_test_faults PRIVATE ${CMAKE_DL_LIBS})
 mirage_e2e(faults)
 add_dependencies(mirage_e2e_faults mirage_test_faults)
 target_compile_definitions(mirage_e2e_faults PRIVATE MIRAGE_FAULTS="$<TARGET_FILE:mirage_test_faults>")
 # It compares waiting times.
 set_tests_properties(e2e_faults PROPERTIES RUN_SERIAL ON)
+
+# The portable bundle of all of them.
+add_test(NAME e2e_bundle COMMAND ${PROJECT_SOURCE_DIR}/tests/e2e/bundle.sh)
+set_tests_properties(e2e_bundle PROPERTIES TIMEOUT 600)

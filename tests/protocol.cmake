@@ -16,6 +16,6 @@ add_executable(mirage_protocol_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_view_cell_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_view_tile_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/protocol_wire_test.cpp)
-mirage_target(mirage_protocol_tests)
+mirage_target(mirage_protocol_tests TEST)
 target_link_libraries(mirage_protocol_tests PRIVATE mirage_protocol GTest::gtest_main)
-add_test(NAME protocol COMMAND mirage_protocol_tests)
+mirage_unit_test(protocol mirage_protocol_tests)

@@ -1,8 +1,8 @@
 add_executable(mirage_quality_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/quality_flip_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/quality_metrics_test.cpp)
-mirage_target(mirage_quality_tests)
+mirage_target(mirage_quality_tests TEST)
 target_compile_definitions(mirage_quality_tests PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(mirage_quality_tests PRIVATE mirage_quality OpenImageIO::OpenImageIO
                       GTest::gtest_main)
-add_test(NAME quality COMMAND mirage_quality_tests)
+mirage_unit_test(quality mirage_quality_tests)

@@ -36,9 +36,9 @@ add_executable(mirage_core_tests
   ${PROJECT_SOURCE_DIR}/tests/unit/server_shading_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_session_test.cpp unit/server_asks_test.cpp unit/server_view_test.cpp unit/server_fetch_test.cpp unit/server_profile_test.cpp
   ${PROJECT_SOURCE_DIR}/tests/unit/server_measure_test.cpp unit/server_behind_test.cpp
-  ${PROJECT_SOURCE_DIR}/tests/unit/server_store_test.cpp unit/server_cache_test.cpp unit/server_load_test.cpp support/large_scene.cpp)
-mirage_target(mirage_core_tests)
+  ${PROJECT_SOURCE_DIR}/tests/unit/server_store_test.cpp unit/server_cache_test.cpp unit/server_load_test.cpp)
+mirage_target(mirage_core_tests TEST)
 target_compile_definitions(mirage_core_tests PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-target_link_libraries(mirage_core_tests PRIVATE mirage_client_core mirage_server_core mirage_gltf mirage_hull mirage_lod OpenImageIO::OpenImageIO nlohmann_json::nlohmann_json
+target_link_libraries(mirage_core_tests PRIVATE mirage_test_rigs mirage_client_core mirage_server_core mirage_gltf mirage_hull mirage_lod OpenImageIO::OpenImageIO nlohmann_json::nlohmann_json
                       GTest::gtest_main)
-add_test(NAME core COMMAND mirage_core_tests)
+mirage_unit_test(core mirage_core_tests)

@@ -1,14 +1,14 @@
 #pragma once
 // What is decided to be drawn in a frame: handed from planning to drawing.
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "client/core/caster_list.h"
-#include "client/core/tile_cache.h"
+#include "client/frame/caster_list.h"
+#include "client/frame/drawn_mesh.h"
+#include "client/frame/resident.h"
 #include "protocol/view_tile.h"
 
 namespace mirage {
@@ -21,8 +21,6 @@ struct DrawnImpostor {
   double bound_px = 0;
   double distance = 0;  ///< eye to centre, m
   float fade = 1;       ///< opacity while fading in
-  /// Further tiles of the object that help where `tile` has nothing (kDepth only), from the front.
-  std::array<TileRecordPtr, 2> neighbours{};
   /// For how long the light it shows has been past; 0: shown right, or within tau of it.
   std::int64_t light_lag_us = 0;
   /// What the sun's shadows take away; null: drawn without.

@@ -7,10 +7,10 @@
 #include <optional>
 #include <string>
 
-#include "client/core/client_session.h"
-#include "client/core/frame_renderer.h"
-#include "client/core/modelled_link.h"
+#include "client/draw/frame_renderer.h"
+#include "client/link/modelled_link.h"
 #include "client/native/native_link.h"
+#include "client/session/client_session.h"
 
 namespace mirage {
 

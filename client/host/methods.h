@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/core/tile_fit.h"
+#include "client/plan/tile_fit.h"
 
 namespace mirage {
 

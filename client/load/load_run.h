@@ -11,13 +11,13 @@
 #include <unordered_map>
 #include <vector>
 
-#include "client/core/scene_view.h"
 #include "client/load/load_clients.h"
 #include "client/load/message_view.h"
 #include "client/load/options.h"
 #include "client/load/report.h"
 #include "client/load/request_plan.h"
 #include "client/load/tile_verifier.h"
+#include "client/scene/scene_view.h"
 #include "protocol/clock.h"
 
 namespace mirage {

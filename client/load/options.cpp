@@ -3,7 +3,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "client/core/camera_path.h"
+#include "client/frame/camera_path.h"
 #include "protocol/cli.h"
 #include "protocol/limits.h"
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/core/camera_path.h"
-#include "client/core/selector.h"
+#include "client/frame/camera_path.h"
+#include "client/plan/selector.h"
 
 namespace mirage {
 

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "client/core/link.h"
+#include "client/link/link.h"
 #include "client/native/server_url.h"
 
 namespace mirage {

@@ -35,8 +35,7 @@ void RentOrBuy::want(std::uint32_t object, double bytes, double life_s, double p
     told_.push_back(object);
     account.worth = account.price = 0;
   }
-  const double times =
-      std::max(horizon_s(account, now_us) / std::max(life_s, kShortestLifeS), 1.0);
+  const double times = std::max(horizon_s(account, now_us) / std::max(life_s, kShortestLifeS), 1.0);
   account.wanted += bytes * times;
   account.worth += gain * times;
   account.price = std::max(account.price, price_bytes);

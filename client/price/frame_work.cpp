@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "client/hold/tile_cache.h"
 #include "protocol/need_mask.h"
 
 namespace mirage {

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "client/core/scene_view.h"
 #include "client/frame/draw_list.h"
+#include "client/scene/scene_view.h"
 
 namespace mirage {
 

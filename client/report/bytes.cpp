@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <set>
 
-#include "client/core/quantile.h"
 #include "client/report/bytes_rows.h"
+#include "protocol/quantile.h"
 
 namespace mirage {
 namespace {

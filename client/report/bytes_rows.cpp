@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "client/core/selector.h"
+#include "client/plan/selector.h"
 
 namespace mirage {
 namespace {

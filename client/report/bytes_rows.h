@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "client/core/net_model.h"
+#include "client/link/net_model.h"
 #include "client/report/table.h"
 
 namespace mirage {

@@ -36,6 +36,7 @@ int status_to_code(int status) {
 Result<int> spawn(const std::vector<std::string>& command, const std::string& out,
                   const std::string& err) {
   std::vector<char*> argv;
+  argv.reserve(command.size() + 1);
   for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   const int write_new = O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC;
@@ -97,7 +98,7 @@ std::optional<Error> error_said(const std::string& text) {
     if (colon == std::string::npos) continue;
     const std::string id = line.substr(6, colon - 6);
 #define MIRAGE_X(e, name, exit, close) \
-  if (id == name) return make_error(ErrorId::e, line.substr(colon + 2));
+  if (id == (name)) return make_error(ErrorId::e, line.substr(colon + 2));
     MIRAGE_ERRORS(MIRAGE_X)
 #undef MIRAGE_X
   }
@@ -133,7 +134,7 @@ std::optional<std::string> find_program(const std::string& name) {
   std::istringstream folders(path ? path : "");
   std::string folder;
   while (std::getline(folders, folder, ':')) {
-    const std::string candidate = folder + "/" + name;
+    const std::string candidate = std::string(folder).append("/").append(name);
     if (!folder.empty() && access(candidate.c_str(), X_OK) == 0) return candidate;
   }
   return std::nullopt;

@@ -9,7 +9,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "client/core/refinement.h"
+#include "client/draw/refinement.h"
 #include "client/report/alpha_tested.h"
 #include "client/report/codecs.h"
 #include "client/report/tile_probe.h"
@@ -106,6 +106,7 @@ std::vector<Setting> settings(const Model& model, bool quick) {
   if (quick && model.name == "monkey") distances = {4.0};
   if (quick && model.name == "tree") distances = {4.0, 40.0};
   std::vector<Setting> out;
+  out.reserve(16);
   for (const double radii : distances) out.push_back({radii, 0, "quad"});
   out.push_back({4, 0, "at rest"});  // the same quad, refined as a viewer's picture is
   for (const double degrees : {5.0, 10.0}) {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "client/core/quantile.h"
+#include "protocol/quantile.h"
 
 namespace mirage {
 namespace {

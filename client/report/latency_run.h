@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "client/core/net_model.h"
+#include "client/link/net_model.h"
 #include "client/report/page.h"
 
 namespace mirage {

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <ctime>
 
+#include "client/host/client_host.h"
 #include "client/host/methods.h"
+#include "client/session/stillness.h"
 
 namespace mirage {
 namespace {
@@ -68,7 +70,8 @@ Result<std::unique_ptr<SessionRunner>> SessionRunner::create(const std::string& 
   if (!egl) return egl.error();
   runner->egl_ = std::move(*egl);
   runner->renderer_name_ = runner->egl_.description();
-  Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, atlas_layers(kAtlasMb));
+  Result<FrameRenderer> renderer =
+      FrameRenderer::create(kAtlasEdge, atlas_layers(kAtlasMb), kFlatMethods);
   if (!renderer) return renderer.error();
   runner->renderer_.emplace(renderer.take());
   return runner;

@@ -7,15 +7,17 @@
 #include <string>
 #include <vector>
 
-#include "client/core/camera_path.h"
-#include "client/core/frame_target.h"
-#include "client/core/geometric_error.h"
-#include "client/core/refinement.h"
-#include "client/core/stillness.h"
-#include "client/plan/frame_plan.h"
+#include "client/draw/frame_target.h"
+#include "client/draw/geometric_error.h"
+#include "client/draw/refinement.h"
+#include "client/frame/camera_path.h"
+#include "client/link/link.h"
+#include "client/link/net_model.h"
+#include "client/plan/selector.h"
 #include "client/quality/metrics.h"
 #include "client/report/page.h"
 #include "client/report/truth_source.h"
+#include "client/session/tile_trace.h"
 #include "shaders/gl/egl_context.h"
 
 namespace mirage {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "client/core/eight_views.h"
 #include "client/host/client_host.h"
+#include "client/plan/eight_views.h"
 #include "protocol/limits.h"
 
 namespace mirage {

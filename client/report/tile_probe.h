@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "client/core/frame_renderer.h"
-#include "client/core/tile_cache.h"
-#include "client/core/tile_need.h"
+#include "client/draw/frame_renderer.h"
+#include "client/hold/tile_cache.h"
 #include "client/native/native_link.h"
+#include "client/plan/tile_need.h"
 
 namespace mirage {
 

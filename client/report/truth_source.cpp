@@ -1,8 +1,14 @@
 #include "client/report/truth_source.h"
 
+#include "client/host/client_host.h"
 #include "protocol/lighting_state.h"
 
 namespace mirage {
+
+TruthSource::TruthSource() = default;
+TruthSource::~TruthSource() = default;
+
+const SceneView& TruthSource::scene() const { return host_->session().scene(); }
 namespace {
 
 template <typename T>

@@ -6,10 +6,16 @@
 #include <memory>
 #include <string>
 
-#include "client/host/client_host.h"
+#include "client/frame/reference_frame.h"
+#include "protocol/camera.h"
+#include "protocol/lighting_state.h"
+#include "protocol/result.h"
 
 namespace mirage {
 
+class ClientHost;
+class FrameRenderer;
+class SceneView;
 using ReferencePtr = std::shared_ptr<const ReferenceFrame>;
 
 class TruthSource {
@@ -18,7 +24,9 @@ class TruthSource {
   /// `renderer` takes what a client is sent and outlives this. Errors as ClientHost's.
   static Result<std::unique_ptr<TruthSource>> open(const std::string& url, FrameRenderer& renderer);
 
-  const SceneView& scene() const { return host_->session().scene(); }
+  TruthSource();
+  ~TruthSource();
+  const SceneView& scene() const;
   /// Light of all renders from now on.
   void set_lighting(const Lighting& lighting);
   /// The full render with `samples` per axis of a pixel. Errors as ClientHost::reference.

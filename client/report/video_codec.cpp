@@ -13,7 +13,7 @@ extern "C" {
 #include <cmath>
 #include <memory>
 
-#include "client/core/quantile.h"
+#include "protocol/quantile.h"
 
 namespace mirage {
 namespace {

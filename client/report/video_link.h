@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/core/net_model.h"
+#include "client/link/net_model.h"
 #include "protocol/camera.h"
 
 namespace mirage {

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <set>
 
-#include "client/core/quantile.h"
 #include "client/report/weather_rows.h"
+#include "protocol/quantile.h"
 
 namespace mirage {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/core/net_model.h"
+#include "client/link/net_model.h"
 #include "client/report/plot.h"
 #include "client/report/table.h"
 

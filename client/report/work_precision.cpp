@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/core/quantile.h"
 #include "client/host/methods.h"
 #include "client/report/work_precision_rows.h"
+#include "protocol/quantile.h"
 
 namespace mirage {
 namespace {

@@ -7,8 +7,8 @@
 #include <functional>
 #include <limits>
 
-#include "client/core/quantile.h"
 #include "client/report/pareto.h"
+#include "protocol/quantile.h"
 
 namespace mirage {
 namespace {

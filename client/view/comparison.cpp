@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "client/core/geometric_error.h"
+#include "client/draw/geometric_error.h"
 #include "client/host/png.h"
 #include "client/quality/metrics.h"
 

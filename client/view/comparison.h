@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/core/client_session.h"
+#include "client/session/client_session.h"
 #include "client/view/session_stats.h"
 
 namespace mirage {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "client/core/client_session.h"
+#include "client/session/client_session.h"
 
 namespace mirage {
 

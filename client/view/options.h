@@ -2,10 +2,10 @@
 #include <optional>
 #include <string>
 
-#include "client/core/modelled_link.h"
-#include "client/core/relight_policy.h"
-#include "client/core/selector.h"
-#include "client/core/tau_controller.h"
+#include "client/link/modelled_link.h"
+#include "client/plan/relight_policy.h"
+#include "client/plan/selector.h"
+#include "client/plan/tau_controller.h"
 #include "client/price/cost_model.h"
 
 namespace mirage {

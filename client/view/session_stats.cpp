@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "client/core/quantile.h"
+#include "protocol/quantile.h"
 
 namespace mirage {
 namespace {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "client/core/client_session.h"
-#include "client/core/frame_renderer.h"
-#include "client/core/geometric_error.h"
-#include "client/core/modelled_link.h"
+#include "client/draw/frame_renderer.h"
+#include "client/draw/geometric_error.h"
+#include "client/link/modelled_link.h"
 #include "client/quality/metrics.h"
+#include "client/session/client_session.h"
 
 namespace mirage {
 

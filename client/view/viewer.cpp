@@ -7,19 +7,19 @@
 #include <fstream>
 #include <thread>
 
-#include "client/core/camera_path.h"
-#include "client/core/quantile.h"
-#include "client/core/refinement.h"
-#include "client/core/stillness.h"
+#include "client/draw/refinement.h"
+#include "client/frame/camera_path.h"
 #include "client/host/client_host.h"
 #include "client/host/light_script.h"
 #include "client/host/png.h"
 #include "client/price/cost_fit.h"
+#include "client/session/stillness.h"
 #include "client/view/comparison.h"
 #include "client/view/explain_frame.h"
 #include "client/view/overlay.h"
 #include "client/view/session_stats.h"
 #include "client/view/window.h"
+#include "protocol/quantile.h"
 #include "shaders/gl/egl_context.h"
 #include "shaders/gl/renderer.h"
 
@@ -102,7 +102,10 @@ Result<void> Viewer::open_graphics() {
     if (!overlay) return overlay.error();
     overlay_.emplace(std::move(*overlay));
   }
-  Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, atlas_layers(o_.atlas_mb));
+  std::set<DrawMethod> flat = kAutoFlatMethods;
+  if (kFlatMethods.count(o_.method.method) > 0) flat.insert(o_.method.method);
+  Result<FrameRenderer> renderer =
+      FrameRenderer::create(kAtlasEdge, atlas_layers(o_.atlas_mb), flat);
   if (!renderer) return renderer.error();
   renderer_.emplace(renderer.take());
   return make_target(o_.width, o_.height, false);
@@ -268,7 +271,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   camera.width = static_cast<std::uint32_t>(target_->width());
   camera.height = static_cast<std::uint32_t>(target_->height());
   camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
-  const DrawList list = session().frame(camera, now, window_ ? window_->cursor_px() : std::nullopt);
+  const DrawList list = session().frame(camera, now);
   // With as many samples and at the scale that were planned with it.
   if (Result<void> fitted = fit_target(); !fitted) return fitted;
   const bool changed = !still_.unchanged(camera, scene, list, session().lighting());
@@ -306,8 +309,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
     const Result<void> written =
-        write_png(path, target_->width(), target_->height(),
-                  refinement_.picture(*target_).read());
+        write_png(path, target_->width(), target_->height(), refinement_.picture(*target_).read());
     if (!written) return written;
   }
   if (o_.reference_every > 0 && frame > 0 && frame % o_.reference_every == 0) {

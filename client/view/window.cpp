@@ -93,18 +93,6 @@ void Window::framebuffer_size(int& width, int& height) const {
 }
 bool Window::overlay() const { return impl_->overlay; }
 
-std::optional<glm::dvec2> Window::cursor_px() const {
-  int width = 0, height = 0, window_width = 0, window_height = 0;
-  glfwGetFramebufferSize(impl_->window, &width, &height);
-  glfwGetWindowSize(impl_->window, &window_width, &window_height);
-  double x = 0, y = 0;
-  glfwGetCursorPos(impl_->window, &x, &y);
-  const bool inside = x >= 0 && y >= 0 && x < window_width && y < window_height;
-  const bool over = glfwGetWindowAttrib(impl_->window, GLFW_HOVERED) == GLFW_TRUE;
-  if (!inside || !over || impl_->dragging) return std::nullopt;
-  return glm::dvec2(x * width / window_width, y * height / window_height);
-}
-
 void Window::steer(Pose& pose, double seconds, double speed_mps) {
   const glm::dquat q(pose.rotation);
   glm::dvec3 forward = q * glm::dvec3(0, 0, -1), right = q * glm::dvec3(1, 0, 0);

@@ -2,7 +2,6 @@
 // A window with a GL context, and the camera a person steers in it.
 
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "protocol/camera.h"
@@ -33,9 +32,6 @@ class Window {
   /// Time between two pictures of the display.
   double refresh_ms() const;
   bool overlay() const;
-  /// Where the mouse points, in pixels of the framebuffer from the upper left; nullopt outside the
-  /// window, and while a drag turns the view.
-  std::optional<glm::dvec2> cursor_px() const;
 
   /// Moves the camera by what was pressed since the last call.
   void steer(Pose& pose, double seconds, double speed_mps);

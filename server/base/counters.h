@@ -9,7 +9,6 @@ struct Counters {
   std::atomic<std::uint64_t> tiles_asked{0};
   std::atomic<std::uint64_t> tiles_rendered{0};
   /// Of them, keys that had been rendered before: none unless the store had to let them go.
-  std::atomic<std::uint64_t> tiles_rendered_twice{0};
   std::atomic<std::uint64_t> tiles_merged{0};
   std::atomic<std::uint64_t> tiles_cancelled{0};
   std::atomic<std::uint64_t> tiles_late{0};
@@ -17,6 +16,7 @@ struct Counters {
   std::atomic<std::uint64_t> forms_made{0};  ///< of tiles that were there in another codec
   std::atomic<std::uint64_t> store_hits{0};
   std::atomic<std::uint64_t> store_bytes{0};
+  std::atomic<std::uint64_t> store_tiles{0};
   std::atomic<std::uint64_t> store_evictions{0};  ///< tiles let go for the budget
   std::atomic<std::uint64_t> tiles_not_saved{0};  ///< the directory is too slow to keep them
   /// Asks that did not wait for the directory any longer.

@@ -78,7 +78,7 @@ void restore_normals(const FullSurface& full, Level& level, const Workers& worke
     if (right == glm::vec3(0)) continue;
     std::vector<std::uint32_t>& made = copies[indices[i]];
     auto at = std::find_if(made.begin(), made.end(), [&](std::uint32_t c) {
-      return glm::dot(vertices[c].normal, right) >= kSameShading;
+      return glm::dot(level.vertices[c].normal, right) >= kSameShading;
     });
     if (at == made.end()) {
       Vertex copy = vertices[indices[i]];

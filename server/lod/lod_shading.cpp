@@ -238,7 +238,8 @@ float shading_size(const MeshPictures& full, const MeshPictures& level) {
     if (difference.sum <= kSameShading * kSameShading * static_cast<double>(difference.pixels)) {
       return size;
     }
-    size = frame.extent / static_cast<float>(edge / 2);
+    const auto half = edge / 2;
+    size = frame.extent / static_cast<float>(half);
     for (std::size_t i = 0; i < a.size(); ++i) {
       a[i] = halved(a[i], edge);
       b[i] = halved(b[i], edge);

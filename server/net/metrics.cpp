@@ -14,9 +14,9 @@ std::string metrics_text(const Counters& c, std::size_t clients) {
   std::string out;
   add(out, "clients", "gauge", clients);
   add(out, "store_bytes", "gauge", c.store_bytes);
+  add(out, "store_tiles", "gauge", c.store_tiles);
   add(out, "tiles_asked_total", "counter", c.tiles_asked);
   add(out, "tiles_rendered_total", "counter", c.tiles_rendered);
-  add(out, "tiles_rendered_twice_total", "counter", c.tiles_rendered_twice);
   add(out, "tiles_merged_total", "counter", c.tiles_merged);
   add(out, "tiles_cancelled_total", "counter", c.tiles_cancelled);
   add(out, "tiles_late_total", "counter", c.tiles_late);

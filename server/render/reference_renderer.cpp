@@ -83,8 +83,7 @@ std::size_t ReferenceRenderer::level_of(const SceneShot& shot, const Instance& i
   const ObjectDescription& object = scene_->prepared->objects[instance.object];
   if (shot.level_px <= 0 || object.lods.empty() || object.motion.moving()) return 0;
   const double nearest = std::max(distance, shot.camera.near_m);
-  const double px_per_unit =
-      shot.camera.focal_px() * instance.world_from_object.scale / nearest;
+  const double px_per_unit = shot.camera.focal_px() * instance.world_from_object.scale / nearest;
   return lod_for_view(object.lods, px_per_unit, shot.level_px);
 }
 
@@ -125,14 +124,15 @@ void ReferenceRenderer::draw_scene(const SceneShot& shot, DepthMapping mapping) 
   std::vector<gl::MeshInstance> run;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto [object, level, instance, size_px] = all[i];
-    run.push_back(gl::mesh_instance(
-        scene_->prepared->scene.instances[instance].world_from_object, eye, instance));
+    run.push_back(gl::mesh_instance(scene_->prepared->scene.instances[instance].world_from_object,
+                                    eye, instance));
     if (scene_->prepared->objects[object].motion.moving()) {
       draw_moving(*meshes_, run.back(), false);
       run.clear();
       continue;
     }
-    const bool last = i + 1 == all.size() || all[i + 1].object != object || all[i + 1].level != level;
+    const bool last =
+        i + 1 == all.size() || all[i + 1].object != object || all[i + 1].level != level;
     if (!last) continue;
     meshes_->draw(scene_->level(object, level), scene_->materials(), scene_->images, run.data(),
                   run.size(), false);

@@ -228,7 +228,7 @@ void SessionHub::refuse(SessionId id, Session& s, std::uint32_t request,
   wire::RefusedT refused;
   refused.request_id = request;
   refused.reason = reason;
-  push(id, s.control, encode_message(std::move(refused)));
+  push(id, s.control, encode_message(refused));
 }
 
 void SessionHub::refuse_late() {

@@ -9,7 +9,6 @@
 #include "server/render/readback_ring.h"
 #include "server/render/reference_renderer.h"
 #include "server/render/tile_page.h"
-#include "server/tile/rendered_keys.h"
 #include "shaders/gl/egl_context.h"
 #include "shaders/gl/health.h"
 #include "shaders/gl/program.h"
@@ -101,7 +100,6 @@ class RenderLoop {
   const RenderOptions options_;
   const bool software_;
   ReadbackRing ring_;
-  RenderedKeys rendered_before_;
 };
 
 Result<void> RenderLoop::run() {
@@ -166,9 +164,6 @@ Result<void> RenderLoop::draw(std::vector<TileJob> jobs, const PagePacker& packe
   if (Result<void> healthy = gl::check_health("drawing a page"); !healthy) return healthy;
   ++queues_.counters.pages_rendered;
   queues_.counters.tiles_rendered += page.jobs.size();
-  for (const TileJob& job : page.jobs) {
-    if (!rendered_before_.add(job.id)) ++queues_.counters.tiles_rendered_twice;
-  }
   ring_.start(*target, std::move(page));
   note_memory(0);
   return {};

@@ -75,6 +75,7 @@ void TileStore::put(const TileId& id, TileCodec codec, StoredTilePtr tile) {
     ++counters_.store_evictions;
   }
   counters_.store_bytes = bytes_;
+  counters_.store_tiles = slots_.size();
 }
 
 StoredTilePtr TileStore::load(const TileId& id, TileCodec form) const {

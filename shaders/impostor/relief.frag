@@ -1,18 +1,12 @@
-// Draws a tile, or up to three of one object, by tracing the stored depth (relief.vert).
+// Draws a tile by tracing the stored depth (relief.vert).
 precision highp float;
 precision highp int;
 precision highp sampler2DArray;
 flat in vec4 v_slack;
-#ifdef MERGED
-in vec3 v_point;
-flat in int v_row;
-uniform highp sampler2D u_tiles;  // a row per impostor, eight texels per tile (impostor_pass.cpp)
-#else
 in vec4 v_tile;
 flat in vec4 v_eye;
 flat in vec4 v_low_layer;
 flat in vec4 v_high;
-#endif
 in vec3 v_relative;
 #ifdef RELIT
 flat in vec3 v_right;
@@ -71,7 +65,6 @@ bool trace_tile(vec4 tile, vec4 eye, vec3 low, vec3 high, int layer, out Hit hit
   return true;
 }
 
-#ifndef MERGED
 void main() {
   Hit hit;
   float along;
@@ -88,49 +81,3 @@ void main() {
 #endif
   emit(hit.color, along);
 }
-#else
-const int kTexelsPerTile = 8;
-vec4 tile_data(int tile, int i) { return texelFetch(u_tiles, ivec2(tile * kTexelsPerTile + i, v_row), 0); }
-
-void main() {
-  vec4 color = vec4(0.0), fill = vec4(0.0);
-  float along = 1e9, fill_along = 1e9, weight = 0.0, fill_weight = 0.0;
-  bool free = false;  // one tile saw that nothing is there: no other may fill it
-  for (int k = 0; k < 3; ++k) {
-    vec4 low = tile_data(k, 5), high = tile_data(k, 6);
-    if (high.w <= 0.0) break;
-    vec4 tile = tile_data(k, 0) * v_point.x + tile_data(k, 1) * v_point.y +
-                tile_data(k, 2) * v_point.z + tile_data(k, 3);
-    Hit hit;
-    float at;
-    if (!trace_tile(tile, tile_data(k, 4), low.xyz, high.xyz, int(low.w), hit, at)) {
-      free = true;
-      continue;
-    }
-    if (hit.color.a <= 0.0) {
-      free = free || !hit.hidden;
-      continue;
-    }
-    if (hit.filled) {
-      if (fill_weight == 0.0) {
-        fill = hit.color;
-        fill_along = at;
-        fill_weight = 1.0;
-      }
-      continue;
-    }
-    color += hit.color * high.w;
-    weight += high.w;
-    along = min(along, at);
-  }
-  if (weight > 0.0) {
-    color /= weight;
-    if (color.a < kSolid && !free) color += (1.0 - color.a) * fill;
-  } else if (!free) {
-    color = fill;
-    along = fill_along;
-  }
-  if (color.a <= 0.0) discard;
-  emit(color, along);
-}
-#endif

@@ -19,8 +19,6 @@ struct Ray {
 struct Hit {
   vec4 color;   // premultiplied, as far as the ray got
   vec3 point;   // of the first thing met, tile space
-  bool filled;  // that thing is an extended surface
-  bool hidden;  // the ray passed behind something
 #ifdef RELIT
   Stored surface;  // weighted like colour
 #endif
@@ -120,12 +118,9 @@ float extended(Ray ray, float from, float entry, float to, float leave) {
 }
 
 // Adds what the tile holds at `at`, behind what the ray met so far.
-void blend(inout Hit hit, vec2 at, int layer, vec3 point, bool filled) {
+void blend(inout Hit hit, vec2 at, int layer, vec3 point) {
   vec4 color = color_at(at, layer);
-  if (hit.color.a < 0.5) {
-    hit.point = point;
-    hit.filled = filled;
-  }
+  if (hit.color.a < 0.5) hit.point = point;
 #ifdef RELIT
   Stored s = stored_surface(at, float(layer));
   float weight = (1.0 - hit.color.a) * color.a;
@@ -140,8 +135,6 @@ Hit nothing() {
   Hit hit;
   hit.color = vec4(0.0);
   hit.point = vec3(0.0);
-  hit.filled = true;
-  hit.hidden = false;
 #ifdef RELIT
   hit.surface = Stored(vec2(0.0), 0.0, vec3(0.0));
 #endif
@@ -176,11 +169,10 @@ Hit trace(Ray ray, int layer, float reach) {
       float met = risen ? (i - 0.5 + (last - deep + 0.5 * rise) / (last - c + rise)) / n
                         : (c - ray.from.z) / ray.span.z;
       float s = refine(ray, clamp(met, 0.0, 1.0), layer);
-      blend(hit, ray.from.xy + ray.span.xy * s, layer, ray.from + ray.span * s, false);
+      blend(hit, ray.from.xy + ray.span.xy * s, layer, ray.from + ray.span * s);
       if (hit.color.a >= kSolid) break;
     }
     // Hidden behind c.
-    hit.hidden = true;
     float entry = last > c + kWall ? last : -1.0;
     float start = i;
     float under = c;
@@ -202,7 +194,7 @@ Hit trace(Ray ray, int layer, float reach) {
                                : goes_on(ray, i, hidden, n, layer));
       if (abs(at * n - source) <= reach && fills) {
         source = clamp(source / n, 0.0, 1.0);
-        blend(hit, ray.from.xy + ray.span.xy * source, layer, ray.from + ray.span * at, true);
+        blend(hit, ray.from.xy + ray.span.xy * source, layer, ray.from + ray.span * at);
       }
     }
     last = -1.0;

@@ -13,10 +13,7 @@ layout(location = 6) in vec4 i_window;          // crop as tangents: left, top, 
 layout(location = 7) in vec4 i_place;           // first texel of the crop, layer, fade
 layout(location = 8) in vec4 i_range;           // depth of code 0 and 254, least and largest code
 layout(location = 9) in vec4 i_slack;           // depth bias, coarseness of depth in object units
-#ifdef MERGED
-layout(location = 10) in vec4 i_box_min;        // relative to the centre; w: row of tile data
-layout(location = 11) in vec4 i_box_max;
-#elif defined(LAYERED)
+#ifdef LAYERED
 layout(location = 10) in vec4 i_front;   // from the tile's place to the front's colours: texels, layer
 layout(location = 11) in vec4 i_behind;  // and to the layer behind
 flat out vec3 v_front;
@@ -32,10 +29,6 @@ flat out vec4 v_center_scale;
 #endif
 
 flat out vec4 v_slack;  // depth bias, view depth by which stored depth may be too far, fade
-#ifdef MERGED
-out vec3 v_point;       // on the proxy, object space relative to the centre
-flat out int v_row;
-#else
 out vec4 v_tile;        // the proxy's point in homogeneous tile space
 flat out vec4 v_eye;    // the eye in it
 flat out vec4 v_low_layer;
@@ -44,7 +37,6 @@ flat out vec4 v_high;
 flat out vec3 v_right;  // capture basis
 flat out vec3 v_up;
 flat out vec4 v_rotation;
-#endif
 #endif
 out vec3 v_relative;    // the proxy's point relative to the eye, world
 
@@ -57,11 +49,6 @@ void main() {
   vec3 ahead = -cross(right, up);
   float scale = i_center_scale.w;
   v_slack = vec4(i_slack.x, i_slack.y * scale, i_place.w, 0.0);
-#ifdef MERGED
-  vec3 point = mix(i_box_min.xyz, i_box_max.xyz, a_position);
-  v_point = point;
-  v_row = int(i_box_min.w);
-#else
   float near = i_range.x, far = i_range.y, texels = i_up_texels.w;
   // The cube's third axis runs towards the eye: the map then keeps the winding.
   float code = mix(i_range.w, i_range.z, a_position.z);
@@ -82,7 +69,6 @@ void main() {
   vec2 size = vec2(i_window.z - i_window.x, i_window.y - i_window.w) * texels;
   v_low_layer = vec4(i_place.xy, i_range.z, i_place.z);
   v_high = vec4(i_place.xy + size, i_range.w, 0.0);
-#endif
   vec3 relative = i_center_scale.xyz + rotate(i_rotation, scale * point);
   v_relative = relative;
 #ifdef LAYERED

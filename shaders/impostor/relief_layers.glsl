@@ -34,9 +34,9 @@ float refine_layers(Ray ray, float s, float c) {
                               like_at(base + ivec2(1, 1), c)));
 }
 
-void blend_layer(inout Hit hit, Ray ray, float at, float s, bool behind, bool filled) {
+void blend_layer(inout Hit hit, Ray ray, float at, float s, bool behind) {
   vec3 place = behind ? v_behind : v_front;
-  blend(hit, ray.from.xy + ray.span.xy * at + place.xy, int(place.z), ray.from + ray.span * s, filled);
+  blend(hit, ray.from.xy + ray.span.xy * at + place.xy, int(place.z), ray.from + ray.span * s);
 }
 
 // Blends what the ray meets in cell i: code `c`, of the layer behind or of the front. `last`: of the
@@ -49,7 +49,7 @@ void meet(inout Hit hit, Ray ray, float i, float n, float c, float last, bool be
   float met = risen ? (i - 0.5 + (last - deep + 0.5 * rise) / (last - c + rise)) / n
                     : (c - ray.from.z) / ray.span.z;
   float s = refine_layers(ray, clamp(met, 0.0, 1.0), c);
-  blend_layer(hit, ray, s, s, behind, false);
+  blend_layer(hit, ray, s, s, behind);
 }
 
 // Fills the hidden cells [start, i) as trace() in relief.glsl does; `codes`: where the ray is out.
@@ -64,7 +64,7 @@ void fill(inout Hit hit, Ray ray, float start, float i, float n, int layer, floa
                (from_entry ? goes_on(ray, start - 1.0, -hidden, n, layer)
                            : goes_on(ray, i, hidden, n, layer));
   if (abs(at * n - source) > reach || !fills) return;
-  blend_layer(hit, ray, clamp(source / n, 0.0, 1.0), at, from_entry ? behind.x : behind.y, true);
+  blend_layer(hit, ray, clamp(source / n, 0.0, 1.0), at, from_entry ? behind.x : behind.y);
 }
 
 Hit trace(Ray ray, int layer, float reach) {
@@ -113,7 +113,6 @@ Hit trace(Ray ray, int layer, float reach) {
       entry = -1.0;
     }
     hidden = true;
-    hit.hidden = true;
     start = i;
     under = deepest;
   }

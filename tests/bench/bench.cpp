@@ -2,7 +2,7 @@
 
 #include <time.h>
 
-#include "client/core/quantile.h"
+#include "protocol/quantile.h"
 
 namespace mirage::bench {
 

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "client/core/camera_path.h"
-#include "client/core/quantile.h"
+#include "client/frame/camera_path.h"
 #include "client/host/methods.h"
 #include "client/price/cost_model.h"
 #include "client/quality/metrics.h"
+#include "protocol/quantile.h"
 #include "server/render/gpu_scene.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_client.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "client/core/impostor_atlas.h"
+#include "client/draw/impostor_atlas.h"
 #include "server/render/readback_ring.h"
 #include "server/render/tile_page.h"
 #include "shaders/gl/egl_context.h"

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "client/core/quantile.h"
 #include "client/host/methods.h"
+#include "protocol/quantile.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_client.h"
 #include "tests/support/process.h"

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "client/core/camera_path.h"
-#include "client/core/quantile.h"
+#include "client/frame/camera_path.h"
 #include "client/price/cost_fit.h"
+#include "protocol/quantile.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_client.h"
 #include "tests/support/process.h"

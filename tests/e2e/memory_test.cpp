@@ -27,10 +27,10 @@ TEST(Memory, GraphicsMemoryStaysWithinItsBudgets) {
   const nlohmann::json& memory = walked.stats["memory"];
   EXPECT_LE(memory["atlas"], memory["atlas_budget"]);
   EXPECT_LE(memory["geometry"], memory["geometry_budget"]);
-  const std::size_t most =
-      memory["atlas_budget"].get<std::size_t>() + memory["geometry_budget"].get<std::size_t>() +
-      memory["shadows"].get<std::size_t>() + memory["view"].get<std::size_t>() +
-      memory["target"].get<std::size_t>();
+  const std::size_t most = memory["atlas_budget"].get<std::size_t>() +
+                           memory["geometry_budget"].get<std::size_t>() +
+                           memory["shadows"].get<std::size_t>() +
+                           memory["view"].get<std::size_t>() + memory["target"].get<std::size_t>();
   EXPECT_LE(memory["view"], 640 * 360 * 15) << "colours; a vertex and six indices a cell";
   EXPECT_LE(walked.stats["gpu_bytes_max"], most);
   EXPECT_GT(walked.stats["uploads"]["bytes"], memory["atlas_budget"]) << "too little to ask for";

@@ -45,7 +45,6 @@ TEST(Stillness, CameraAndLightWakeIt) {
 
 TEST(Stillness, AnimationIsDrawn) {
   const std::string fox = shared_folder() + "/assets/features/fox_skinned.glb";
-  if (shared_folder().empty()) GTEST_SKIP() << "no shared models";
   const Server server(fox);
   ASSERT_TRUE(server.ready()) << server.log();
   const std::string still = "--path builtin:still";
@@ -58,10 +57,8 @@ TEST(Explain, NamesDifferentThingsOfDifferentScenes) {
   const std::string shared = shared_folder();
   std::vector<std::string> scenes = {"builtin:forest?trees=10&clutter=5",
                                      "builtin:knot?tubular=16&radial=8"};
-  if (!shared.empty()) {
-    scenes.push_back(shared + "/assets/scenes/city_delft.glb");
-    scenes.push_back(shared + "/assets/features/unlit_test/unlit_test.gltf");
-  }
+  scenes.push_back(shared + "/assets/objects/flight_helmet.glb");
+  scenes.push_back(shared + "/assets/features/unlit_test/unlit_test.gltf");
   for (const std::string& scene : scenes) {
     const Finished done = run({binary("mirage-server"), scene, "--explain", "--json"}, 60);
     ASSERT_EQ(done.exit_code, 0) << done.output;

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "client/core/tau_controller.h"
+#include "client/plan/tau_controller.h"
 #include "client/price/cost_fit.h"
 #include "tests/extreme/control_turn_case.h"
 #include "tests/extreme/network_links.h"

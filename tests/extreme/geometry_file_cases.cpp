@@ -8,7 +8,7 @@
 #include <limits>
 #include <optional>
 
-#include "client/core/tile_fit.h"
+#include "client/plan/tile_fit.h"
 #include "protocol/stable_math.h"
 #include "server/scene/gltf/gltf_import.h"
 #include "tests/extreme/shapes.h"

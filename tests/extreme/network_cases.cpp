@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "client/core/quantile.h"
+#include "protocol/quantile.h"
 #include "tests/extreme/network_links.h"
 #include "tests/extreme/network_server_case.h"
 #include "tests/extreme/registry.h"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/core/link.h"
+#include "client/link/link.h"
 
 namespace mirage::extreme {
 

@@ -14,10 +14,10 @@
 #include <memory>
 #include <thread>
 
-#include "client/core/client_session.h"
-#include "client/core/quantile.h"
 #include "client/native/native_link.h"
+#include "client/session/client_session.h"
 #include "protocol/clock.h"
+#include "protocol/quantile.h"
 #include "tests/support/process.h"
 #include "tests/support/rig.h"
 

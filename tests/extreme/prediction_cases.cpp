@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "client/core/predictor.h"
+#include "client/plan/predictor.h"
 #include "protocol/stable_math.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"

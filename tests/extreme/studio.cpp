@@ -46,7 +46,7 @@ Result<std::unique_ptr<Studio>> Studio::create(Result<std::shared_ptr<const Prep
   Result<ReferenceRenderer> references = ReferenceRenderer::create(*studio->gpu_);
   if (!references) return references.error();
   studio->references_ = std::make_unique<ReferenceRenderer>(references.take());
-  Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, kAtlasLayers);
+  Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, kAtlasLayers, kFlatMethods);
   if (!renderer) return renderer.error();
   studio->renderer_ = std::make_unique<FrameRenderer>(renderer.take());
   std::optional<SceneView> told = test::scene_as_told(studio->prepared_);

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "client/core/client_session.h"
-#include "client/core/frame_renderer.h"
+#include "client/draw/frame_renderer.h"
+#include "client/session/client_session.h"
 #include "server/render/reference_renderer.h"
 #include "server/render/tile_page.h"
 #include "shaders/gl/egl_context.h"

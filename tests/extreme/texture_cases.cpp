@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "client/core/atlas_allocator.h"
+#include "client/hold/atlas_allocator.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "client/core/geometric_error.h"
+#include "client/draw/geometric_error.h"
 #include "protocol/stable_math.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"

@@ -4,8 +4,8 @@
 #include <memory>
 #include <thread>
 
-#include "client/core/client_session.h"
 #include "client/native/native_link.h"
+#include "client/session/client_session.h"
 #include "protocol/clock.h"
 #include "protocol/error.h"
 #include "tests/extreme/peak_memory.h"

@@ -343,7 +343,7 @@ TEST(AnisotropyPicture, ABrushedPlatesHighlightIsStretchedAlongTheGrain) {
     const TileRecordPtr tile = bench->tile_for(camera, cache);
     ASSERT_TRUE(tile);
     for (const auto& [what, drawn] :
-         {std::pair{"tile", bench->picture(camera, {tile}, DrawMethod::kQuad)},
+         {std::pair{"tile", bench->picture(camera, tile, DrawMethod::kQuad)},
           std::pair{"geometry", bench->mesh_picture(camera)},
           std::pair{"truth", bench->truth(camera, 2)}}) {
       const glm::dvec2 size = spread(drawn);

@@ -1,8 +1,8 @@
 // Texture layers made as they are needed: what was there before stays, byte for byte.
 #include <gtest/gtest.h>
 
-#include "client/core/impostor_atlas.h"
-#include "client/core/layered_texture.h"
+#include "client/draw/impostor_atlas.h"
+#include "client/draw/layered_texture.h"
 #include "shaders/gl/egl_context.h"
 
 namespace mirage::test {

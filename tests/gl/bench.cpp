@@ -94,12 +94,6 @@ PreparedScene as_one_object(const PreparedScene& prepared, const Similarity& pla
 
 }  // namespace
 
-std::string shared_models() {
-  const char* set = std::getenv("MIRAGE_SHARED");
-  const std::string folder = set ? set : std::string(MIRAGE_SOURCE_DIR) + "/../shared";
-  return std::filesystem::is_directory(folder) ? folder : "";
-}
-
 glm::dvec3 fibonacci_direction(int i, int count) {
   const double s = std::sin(5.0 * 0.017453292519943295);
   const double y = s + (1.0 - s) * (i + 0.5) / count;
@@ -171,7 +165,7 @@ std::unique_ptr<Bench> Bench::create(const std::string& spec, BenchLight light,
       std::make_unique<TilePageRenderer>(TilePageRenderer::create(*bench->gpu_, 2).take());
   bench->references_ =
       std::make_unique<ReferenceRenderer>(ReferenceRenderer::create(*bench->gpu_).take());
-  Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, kAtlasLayers);
+  Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, kAtlasLayers, kFlatMethods);
   if (!renderer) {
     std::fprintf(stderr, "%s\n", renderer.error().text.c_str());
     return nullptr;
@@ -237,9 +231,8 @@ TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache, std::uint8_t ch
   return record;
 }
 
-void Bench::draw(const Camera& c, const std::vector<TileRecordPtr>& tiles, DrawMethod method) {
-  DrawnImpostor drawn{0, tiles.at(0), method, 0, glm::length(c.pose.eye), 1};
-  for (std::size_t i = 1; i < tiles.size(); ++i) drawn.neighbours.at(i - 1) = tiles[i];
+void Bench::draw(const Camera& c, const TileRecordPtr& tile, DrawMethod method) {
+  DrawnImpostor drawn{0, tile, method, 0, glm::length(c.pose.eye), 1};
   DrawList list;
   list.impostors.push_back(drawn);
   renderer_->draw(*target_, c, scene_, list, light_);
@@ -289,9 +282,9 @@ std::vector<std::uint8_t> Bench::rested_mesh_picture(const Camera& c, int drawin
   return refinement.picture(target).read();
 }
 
-std::vector<std::uint8_t> Bench::picture(const Camera& c, const std::vector<TileRecordPtr>& tiles,
+std::vector<std::uint8_t> Bench::picture(const Camera& c, const TileRecordPtr& tile,
                                          DrawMethod method) {
-  draw(c, tiles, method);
+  draw(c, tile, method);
   return target_->read();
 }
 

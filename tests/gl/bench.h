@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "client/core/client_session.h"
-#include "client/core/refinement.h"
+#include "client/draw/refinement.h"
 #include "client/quality/metrics.h"
+#include "client/session/client_session.h"
 #include "server/render/reference_renderer.h"
 #include "server/render/tile_page.h"
 #include "shaders/gl/egl_context.h"
@@ -20,9 +20,6 @@ namespace mirage::test {
 enum class BenchLight { kLit, kAlbedo, kProbe };
 /// Of blended materials: alpha-tested instead, as the protocol has it, or as they are.
 enum class BenchBlending { kTested, kKept };
-
-/// Folder of the models shared between checkouts: `shared` beside the checkout; "" when absent.
-std::string shared_models();
 
 /// Direction `i` of `count` of the field's protocol: unit, elevation of at least 5 degrees.
 glm::dvec3 fibonacci_direction(int i, int count);
@@ -52,9 +49,9 @@ class Bench {
   std::uint64_t tile_hash() const { return tile_hash_; }
   /// A cache of the bench's atlas size, empty.
   TileCache make_cache() const;
-  /// Clears the target and draws; `tiles` holds one to three.
-  void draw(const Camera& camera, const std::vector<TileRecordPtr>& tiles, DrawMethod method);
-  std::vector<std::uint8_t> picture(const Camera& camera, const std::vector<TileRecordPtr>& tiles,
+  /// Clears the target and draws.
+  void draw(const Camera& camera, const TileRecordPtr& tile, DrawMethod method);
+  std::vector<std::uint8_t> picture(const Camera& camera, const TileRecordPtr& tile,
                                     DrawMethod method);
   /// The object and a copy of it, `behind_radii` farther from the eye, back to front.
   std::vector<std::uint8_t> picture_of_two(const Camera& camera, const TileRecordPtr& tile,

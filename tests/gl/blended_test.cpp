@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/core/geometric_error.h"
+#include "client/draw/geometric_error.h"
 #include "tests/gl/bench.h"
 #include "tests/support/gltf_builder.h"
 

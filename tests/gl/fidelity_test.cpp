@@ -11,9 +11,9 @@
 #include <fstream>
 #include <map>
 
-#include "client/core/geometric_error.h"
-#include "client/core/neighbours.h"
+#include "client/draw/geometric_error.h"
 #include "tests/gl/bench.h"
+#include "tests/support/data_folder.h"
 
 namespace mirage::test {
 namespace {
@@ -36,8 +36,7 @@ struct Row {
   const char* name;
   Model model;
   double radii;
-  double degrees;  // between the tiles' captures and the eye
-  int tiles;       // around the eye
+  double degrees;  // between the tile's capture and the eye
   DrawMethod method;
   double least_psnr;
   double least_iou;
@@ -63,8 +62,8 @@ Bench* bench_for(const Model& model) {
   std::map<std::string, std::unique_ptr<Bench>>& benches = shared_benches();
   std::string spec = model.spec;
   if (spec.rfind("builtin:", 0) != 0) {
-    spec = shared_models() + "/" + spec;
-    if (shared_models().empty() || !std::ifstream(spec)) return nullptr;
+    spec = (data_folder() / spec).string();
+    if (!std::ifstream(spec)) return nullptr;
   }
   std::unique_ptr<Bench>& bench = benches[model.name];
   // One context at a time: each bench owns one, and the newest is current.
@@ -106,15 +105,12 @@ TEST_P(Fidelity, Row) {
   for (int i = 0; i < row.directions; ++i) {
     TileCache cache = bench->make_cache();
     const glm::dvec3 eye = fibonacci_direction(i, row.directions);
-    std::vector<TileRecordPtr> tiles;
-    for (int k = 0; k < row.tiles; ++k) {
-      const glm::dvec3 from = turned(eye, row.degrees, 2.4 * i + 2.0943951 * k);
-      tiles.push_back(bench->tile_for(bench->camera(row.radii, from), cache));
-      ASSERT_TRUE(tiles.back()) << "direction " << i;
-    }
+    const glm::dvec3 from = turned(eye, row.degrees, 2.4 * i);
+    const TileRecordPtr tile = bench->tile_for(bench->camera(row.radii, from), cache);
+    ASSERT_TRUE(tile) << "direction " << i;
     texels = std::max(texels, cache.atlas_texels());
     const Camera camera = bench->camera(row.radii, eye);
-    const std::vector<std::uint8_t> drawn = bench->picture(camera, tiles, row.method);
+    const std::vector<std::uint8_t> drawn = bench->picture(camera, tile, row.method);
     const std::vector<std::uint8_t> truth = bench->truth(camera, 4);
     const FieldFidelity f =
         field_fidelity({kEdge, kEdge, truth.data()}, {kEdge, kEdge, drawn.data()});
@@ -125,9 +121,9 @@ TEST_P(Fidelity, Row) {
   }
   const double mib = static_cast<double>(texels) * 5 / (1 << 20);  // RGBA and depth
   std::printf(
-      "[ FIGURES  ] %-22s %4.1f r %4.1f deg, %d tile: PSNR %.1f dB, SSIM %.3f, IoU %.4f, "
+      "[ FIGURES  ] %-22s %4.1f r %4.1f deg: PSNR %.1f dB, SSIM %.3f, IoU %.4f, "
       "%.2f MiB of textures\n",
-      row.name, row.radii, row.degrees, row.tiles, psnr.mean().value_or(0), ssim.mean().value_or(0),
+      row.name, row.radii, row.degrees, psnr.mean().value_or(0), ssim.mean().value_or(0),
       iou.mean().value_or(0), mib);
   EXPECT_GE(psnr.mean().value_or(0), row.least_psnr);
   EXPECT_GE(iou.mean().value_or(0), row.least_iou);
@@ -138,24 +134,23 @@ constexpr DrawMethod kQuad = DrawMethod::kQuad, kDepth = DrawMethod::kDepth,
                      kHull = DrawMethod::kHull, kWarp = DrawMethod::kWarp;
 
 const Row kRows[] = {
-    {"knot_settled_2.5r", kKnot, 2.5, 0, 1, kQuad, 44, 0.995},
-    {"knot_settled_4r", kKnot, 4, 0, 1, kQuad, 45, 0.995},
-    {"knot_settled_12r", kKnot, 12, 0, 1, kQuad, 45, 0.995},
-    {"knot_settled_40r", kKnot, 40, 0, 1, kQuad, 45, 0.995},
-    {"knot_settled_relief", kKnot, 4, 0, 1, kDepth, 45, 0.995},
-    {"knot_5deg_quad", kKnot, 4, 5, 1, kQuad, 25, 0.92},
-    {"knot_5deg_hull", kKnot, 4, 5, 1, kHull, 24.5, 0.91},
-    {"knot_5deg_warp", kKnot, 4, 5, 1, kWarp, 26.5, 0.935},
-    {"knot_10deg_quad", kKnot, 4, 10, 1, kQuad, 22, 0.855},
-    {"knot_10deg_hull", kKnot, 4, 10, 1, kHull, 21.5, 0.84},
-    {"knot_10deg_warp", kKnot, 4, 10, 1, kWarp, 23.5, 0.885},
-    {"knot_5deg", kKnot, 4, 5, 1, kDepth, 33, 0.97},
-    {"knot_10deg", kKnot, 4, 10, 1, kDepth, 29.5, 0.95},
-    {"knot_merged_cell", kKnot, 4, 11.547, 3, kDepth, 32, 0.97},
-    {"monkey_settled_4r", kMonkey, 4, 0, 1, kQuad, 44, 0.995},
-    {"tree_settled_4r", kTree, 4, 0, 1, kQuad, 36, 0.97, kTreeDirections},
-    {"tree_5deg", kTree, 4, 5, 1, kDepth, 24, 0.84, kTreeDirections},
-    {"tree_10deg", kTree, 4, 10, 1, kDepth, 22.5, 0.80, kTreeDirections},
+    {"knot_settled_2.5r", kKnot, 2.5, 0, kQuad, 44, 0.995},
+    {"knot_settled_4r", kKnot, 4, 0, kQuad, 45, 0.995},
+    {"knot_settled_12r", kKnot, 12, 0, kQuad, 45, 0.995},
+    {"knot_settled_40r", kKnot, 40, 0, kQuad, 45, 0.995},
+    {"knot_settled_relief", kKnot, 4, 0, kDepth, 45, 0.995},
+    {"knot_5deg_quad", kKnot, 4, 5, kQuad, 25, 0.92},
+    {"knot_5deg_hull", kKnot, 4, 5, kHull, 24.5, 0.91},
+    {"knot_5deg_warp", kKnot, 4, 5, kWarp, 26.5, 0.935},
+    {"knot_10deg_quad", kKnot, 4, 10, kQuad, 22, 0.855},
+    {"knot_10deg_hull", kKnot, 4, 10, kHull, 21.5, 0.84},
+    {"knot_10deg_warp", kKnot, 4, 10, kWarp, 23.5, 0.885},
+    {"knot_5deg", kKnot, 4, 5, kDepth, 33, 0.97},
+    {"knot_10deg", kKnot, 4, 10, kDepth, 29.5, 0.95},
+    {"monkey_settled_4r", kMonkey, 4, 0, kQuad, 44, 0.995},
+    {"tree_settled_4r", kTree, 4, 0, kQuad, 36, 0.97, kTreeDirections},
+    {"tree_5deg", kTree, 4, 5, kDepth, 24, 0.84, kTreeDirections},
+    {"tree_10deg", kTree, 4, 10, kDepth, 22.5, 0.80, kTreeDirections},
 };
 
 INSTANTIATE_TEST_SUITE_P(Field, Fidelity, testing::ValuesIn(kRows), [](const auto& row) {
@@ -168,16 +163,14 @@ struct Timed {
   const char* name;
   DrawMethod method;
   double degrees;
-  int tiles;
 };
 
 // Fastest of some runs, in ms: the machine's load only ever adds.
-double draw_ms(Bench& bench, const Camera& camera, const std::vector<TileRecordPtr>& tiles,
-               DrawMethod method) {
+double draw_ms(Bench& bench, const Camera& camera, const TileRecordPtr& tile, DrawMethod method) {
   double best = 1e9;
   for (int run = 0; run < 3; ++run) {
     const auto start = std::chrono::steady_clock::now();
-    bench.draw(camera, tiles, method);
+    bench.draw(camera, tile, method);
     glFinish();
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
     best = std::min(best, took.count());
@@ -192,20 +185,16 @@ TEST(Cost, OfEachMethodAgainstTheQuad) {
   const glm::dvec3 eye = fibonacci_direction(5, kDirections);
   const Camera camera = bench->camera(4, eye);
   TileCache cache = bench->make_cache();
-  const double quad = draw_ms(*bench, camera, {bench->tile_for(camera, cache)}, kQuad);
-  for (const Timed& t : {Timed{"cuboid", DrawMethod::kCuboid, 2, 1},
-                         {"hull", DrawMethod::kHull, 2, 1},
-                         {"warp", DrawMethod::kWarp, 2, 1},
-                         {"relief", kDepth, 0, 1},
-                         {"relief", kDepth, 1, 1},
-                         {"relief", kDepth, 5, 1},
-                         {"relief", kDepth, 10, 1},
-                         {"merged relief", kDepth, 11.5, 3}}) {
-    std::vector<TileRecordPtr> tiles;
-    for (int k = 0; k < t.tiles; ++k) {
-      tiles.push_back(bench->tile_for(bench->camera(4, turned(eye, t.degrees, 2.1 * k)), cache));
-    }
-    const double ms = draw_ms(*bench, camera, tiles, t.method);
+  const double quad = draw_ms(*bench, camera, bench->tile_for(camera, cache), kQuad);
+  for (const Timed& t : {Timed{"cuboid", DrawMethod::kCuboid, 2},
+                         {"hull", DrawMethod::kHull, 2},
+                         {"warp", DrawMethod::kWarp, 2},
+                         {"relief", kDepth, 0},
+                         {"relief", kDepth, 1},
+                         {"relief", kDepth, 5},
+                         {"relief", kDepth, 10}}) {
+    const TileRecordPtr tile = bench->tile_for(bench->camera(4, turned(eye, t.degrees, 0)), cache);
+    const double ms = draw_ms(*bench, camera, tile, t.method);
     std::printf("[ FIGURES  ] cost of %-14s at %4.1f deg: %.2f x quad (%.2f ms)\n", t.name,
                 t.degrees, ms / quad, ms);
     EXPECT_GT(ms, 0);
@@ -220,10 +209,10 @@ TEST(Methods, AgreeAtTheCapturePose) {
   const Camera c = bench->camera(4, fibonacci_direction(5, kDirections));
   const TileRecordPtr tile = bench->tile_for(c, cache);
   ASSERT_TRUE(tile);
-  const std::vector<std::uint8_t> quad = bench->picture(c, {tile}, DrawMethod::kQuad);
+  const std::vector<std::uint8_t> quad = bench->picture(c, tile, DrawMethod::kQuad);
   for (const DrawMethod method :
        {DrawMethod::kCuboid, DrawMethod::kHull, DrawMethod::kWarp, DrawMethod::kDepth}) {
-    const std::vector<std::uint8_t> other = bench->picture(c, {tile}, method);
+    const std::vector<std::uint8_t> other = bench->picture(c, tile, method);
     const FieldFidelity f =
         field_fidelity({kEdge, kEdge, quad.data()}, {kEdge, kEdge, other.data()});
     EXPECT_GE(f.psnr_db.value_or(0), 50.0) << "method " << static_cast<int>(method);

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "client/core/frame_renderer.h"
+#include "client/draw/frame_renderer.h"
 #include "server/stage/image_stage.h"
 #include "tests/gl/bench.h"
 

@@ -8,6 +8,7 @@
 
 #include "protocol/tile_color.h"
 #include "tests/gl/bench.h"
+#include "tests/support/data_folder.h"
 #include "tests/support/gltf_builder.h"
 
 namespace mirage::test {
@@ -61,7 +62,7 @@ class Layers : public testing::Test {
     TileCache cache = bench->make_cache();
     const TileRecordPtr tile = bench->tile_for(from, cache, channels);
     if (!tile) return 0;
-    const std::vector<std::uint8_t> drawn = bench->picture(camera, {tile}, method);
+    const std::vector<std::uint8_t> drawn = bench->picture(camera, tile, method);
     const std::vector<std::uint8_t> truth = bench->truth(camera, 4);
     constexpr std::uint32_t kEdge = Bench::kSize;
     return field_fidelity({kEdge, kEdge, truth.data()}, {kEdge, kEdge, drawn.data()})
@@ -147,9 +148,8 @@ TEST_F(Layers, TheBoundCoversWhatTheSecondShows) {
 }
 
 TEST_F(Layers, TheTreeFromAside) {
-  const std::string tree = shared_models() + "/assets/reference/tree.glb";
-  if (shared_models().empty() || !std::ifstream(tree))
-    GTEST_SKIP() << "no tree beside the checkout";
+  const std::string tree = (data_folder() / "assets/reference/tree.glb").string();
+  if (!std::ifstream(tree)) GTEST_SKIP() << "no tree beside the checkout";
   open(tree);
   const glm::dvec3 direction = fibonacci_direction(0, 4);
   const Camera camera = bench->camera(4, direction);

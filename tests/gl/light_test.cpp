@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "tests/gl/bench.h"
+#include "tests/support/data_folder.h"
 
 namespace mirage::test {
 namespace {
@@ -127,9 +128,9 @@ TEST(Fog, IsInThePictureAndNotInTheTile) {
             .psnr_db.value_or(0);
       };
       const double as_mesh = psnr(mesh);
-      const double as_quad = psnr(bench->picture(c, {lit}, DrawMethod::kQuad));
-      const double as_relief = psnr(bench->picture(c, {lit}, DrawMethod::kDepth));
-      const double as_relit = psnr(bench->picture(c, {relit}, DrawMethod::kQuad));
+      const double as_quad = psnr(bench->picture(c, lit, DrawMethod::kQuad));
+      const double as_relief = psnr(bench->picture(c, lit, DrawMethod::kDepth));
+      const double as_relit = psnr(bench->picture(c, relit, DrawMethod::kQuad));
       std::printf(
           "[ FIGURES  ] fog %.2f at %4.1f r against truth: mesh %.1f dB, quad %.1f dB, "
           "relief %.1f dB, relit %.1f dB\n",
@@ -137,7 +138,7 @@ TEST(Fog, IsInThePictureAndNotInTheTile) {
       for (const double db : {as_mesh, as_quad, as_relief, as_relit}) EXPECT_GE(db, 43);
       if (radii > 4)
         keep(density > 0 ? "fog" : "fog_none",
-             {truth, mesh, bench->picture(c, {lit}, DrawMethod::kQuad)});
+             {truth, mesh, bench->picture(c, lit, DrawMethod::kQuad)});
     }
   }
   ASSERT_EQ(bytes.size(), 4u);
@@ -161,8 +162,8 @@ const Model kModels[] = {
 std::unique_ptr<Bench> bench_for(const Model& model, const Similarity& at = placed()) {
   std::string spec = model.spec;
   if (spec.rfind("builtin:", 0) != 0) {
-    spec = shared_models() + "/" + spec;
-    if (shared_models().empty() || !std::ifstream(spec)) return nullptr;
+    spec = (data_folder() / spec).string();
+    if (!std::ifstream(spec)) return nullptr;
   }
   return Bench::create(spec, model.light, at);
 }
@@ -184,8 +185,8 @@ TEST_P(LitAndRelit, MatchTheMeshAndTheTruth) {
     relit_bytes += bench->tile_bytes();
     ASSERT_TRUE(lit && relit && relit->relit);
     const Picture truth = bench->truth(c, 4), mesh = bench->mesh_picture(c);
-    const Picture a = bench->picture(c, {lit}, DrawMethod::kQuad);
-    const Picture b = bench->picture(c, {relit}, DrawMethod::kQuad);
+    const Picture a = bench->picture(c, lit, DrawMethod::kQuad);
+    const Picture b = bench->picture(c, relit, DrawMethod::kQuad);
     mesh_truth.add(truth, mesh);
     lit_truth.add(truth, a);
     relit_truth.add(truth, b);
@@ -219,9 +220,9 @@ TEST_P(LitAndRelit, OnlyTheRelitTileFollowsTheLight) {
     const TileRecordPtr relit = bench->tile_for(c, cache, kRelitTile);
     bench->set_light(other_light(*bench));
     const Picture truth = bench->truth(c, 4);
-    const Picture a = bench->picture(c, {lit}, DrawMethod::kQuad);
-    const Picture b = bench->picture(c, {relit}, DrawMethod::kQuad);
-    const Picture traced = bench->picture(c, {relit}, DrawMethod::kDepth);
+    const Picture a = bench->picture(c, lit, DrawMethod::kQuad);
+    const Picture b = bench->picture(c, relit, DrawMethod::kQuad);
+    const Picture traced = bench->picture(c, relit, DrawMethod::kDepth);
     lit_after.add(truth, a);
     relit_after.add(truth, b);
     traced_after.add(truth, traced);
@@ -244,7 +245,7 @@ double draw_ms(Bench& bench, const Camera& camera, const TileRecordPtr& tile, Dr
   double best = 1e9;
   for (int run = 0; run < 8; ++run) {
     const auto start = std::chrono::steady_clock::now();
-    bench.draw(camera, {tile}, method);
+    bench.draw(camera, tile, method);
     glFinish();
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
     best = std::min(best, took.count());

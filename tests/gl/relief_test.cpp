@@ -78,7 +78,7 @@ Inside relief_inside(const std::vector<Box>& boxes, const glm::dvec3& capture,
   const TileRecordPtr tile = bench->tile_for(bench->camera(4, glm::normalize(capture)), cache);
   if (!tile) return {};
   const Camera camera = bench->camera(4, glm::normalize(eye));
-  return inside(bench->truth(camera, 4), bench->picture(camera, {tile}, DrawMethod::kDepth));
+  return inside(bench->truth(camera, 4), bench->picture(camera, tile, DrawMethod::kDepth));
 }
 
 TEST(Relief, SteepSurfacesHaveNoPinholes) {
@@ -120,7 +120,7 @@ TEST(Relief, IsSeenBehindSoftEdgesOfFlatImpostors) {
   const auto drawn = [&](DrawMethod near_method, DrawMethod far_method) {
     return bench->picture_of_two(camera, tile, kBehindRadii, near_method, far_method);
   };
-  const std::vector<std::uint8_t> alone = bench->picture(camera, {tile}, DrawMethod::kQuad);
+  const std::vector<std::uint8_t> alone = bench->picture(camera, tile, DrawMethod::kQuad);
   const std::vector<std::uint8_t> flat = drawn(DrawMethod::kQuad, DrawMethod::kQuad);
   const std::vector<std::uint8_t> relief = drawn(DrawMethod::kQuad, DrawMethod::kDepth);
   // Where the far fence shows through edges of the near one, its method makes little difference.

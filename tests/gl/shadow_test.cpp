@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <cstring>
 
-#include "client/core/client_session.h"
-#include "client/core/frame_renderer.h"
+#include "client/draw/frame_renderer.h"
 #include "client/quality/metrics.h"
+#include "client/session/client_session.h"
 #include "protocol/lighting_state.h"
 #include "server/render/readback_ring.h"
 #include "server/render/reference_renderer.h"

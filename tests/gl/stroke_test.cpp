@@ -62,7 +62,7 @@ void expect_same_width(int mode) {
   ASSERT_TRUE(tile);
   // A texel wide in the tile, and the bench's tiles have more texels than the picture pixels.
   const double texel_px = double{Bench::kSize} / tile->capture.edge;
-  EXPECT_NEAR(darkness(bench->picture(camera, {tile}, DrawMethod::kQuad)) / one,
+  EXPECT_NEAR(darkness(bench->picture(camera, tile, DrawMethod::kQuad)) / one,
               mode == 0 ? texel_px * texel_px : texel_px, 0.15);
 }
 

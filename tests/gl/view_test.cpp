@@ -2,7 +2,7 @@
 // own is left out.
 #include <gtest/gtest.h>
 
-#include "client/core/frame_renderer.h"
+#include "client/draw/frame_renderer.h"
 #include "server/render/reference_renderer.h"
 #include "server/tile/view_cut.h"
 #include "shaders/gl/egl_context.h"

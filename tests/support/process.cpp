@@ -14,6 +14,8 @@
 #include <iterator>
 #include <thread>
 
+#include "tests/support/data_folder.h"
+
 namespace mirage::test {
 namespace {
 
@@ -63,11 +65,7 @@ std::string read_file(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-std::string shared_folder() {
-  const char* set = std::getenv("MIRAGE_SHARED");
-  const std::string folder = set ? set : std::string(MIRAGE_SOURCE_DIR) + "/../shared";
-  return fs::is_directory(folder) ? folder : "";
-}
+std::string shared_folder() { return data_folder().string(); }
 
 std::string scratch_folder() {
   struct Folder {

@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "client/core/client_session.h"
-#include "client/core/modelled_link.h"
+#include "client/link/modelled_link.h"
+#include "client/session/client_session.h"
 #include "server/session/session.h"
 
 namespace mirage::test {

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "client/core/atlas_allocator.h"
+#include "client/hold/atlas_allocator.h"
 
 namespace mirage::test {
 namespace {

@@ -1,7 +1,7 @@
 // Blend order: soft edges lie over what is behind them.
 #include <gtest/gtest.h>
 
-#include "client/core/blend_order.h"
+#include "client/plan/blend_order.h"
 #include "tests/unit/core_scene.h"
 
 namespace mirage::test {

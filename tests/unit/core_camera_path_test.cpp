@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "client/core/camera_path.h"
+#include "client/frame/camera_path.h"
 #include "protocol/stable_math.h"
 
 namespace mirage::test {

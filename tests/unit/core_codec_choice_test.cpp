@@ -1,7 +1,7 @@
 // The choice of a codec: by the link's share of a trip, with hysteresis, never without an offer.
 #include <gtest/gtest.h>
 
-#include "client/core/codec_choice.h"
+#include "client/ask/codec_choice.h"
 
 namespace mirage::test {
 namespace {

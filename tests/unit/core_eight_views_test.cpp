@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "client/core/eight_views.h"
+#include "client/plan/eight_views.h"
 
 namespace mirage::test {
 namespace {

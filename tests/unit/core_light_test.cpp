@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "client/core/relight_policy.h"
+#include "client/plan/relight_policy.h"
 #include "protocol/lighting_state.h"
 #include "protocol/limits.h"
 #include "tests/unit/core_scene.h"

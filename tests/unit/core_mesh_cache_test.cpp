@@ -1,7 +1,8 @@
 // Mesh cache: the level by screen-space error, coarse first, what goes when, within the budget.
 #include <gtest/gtest.h>
 
-#include "client/core/mesh_cache.h"
+#include "client/hold/mesh_cache.h"
+#include "client/plan/mesh_wants.h"
 #include "tests/unit/core_scene.h"
 
 namespace mirage::test {
@@ -52,7 +53,7 @@ struct World {
       all.instances.push_back(i);
       all.gain[scene.instances[i].object] += 1;
     }
-    return cache.needs(scene, camera, 1, now_us, all);
+    return cache.needs(scene, 1, now_us, mesh_wants(scene, camera, 1, all, nullptr));
   }
   std::uint8_t drawn_lod(std::uint64_t frame = 1, std::int64_t now_us = 0) {
     std::vector<DrawnMesh> meshes{{0}};

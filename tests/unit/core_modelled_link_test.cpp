@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "client/core/modelled_link.h"
+#include "client/link/modelled_link.h"
 
 namespace mirage::test {
 namespace {

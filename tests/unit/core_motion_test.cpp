@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "client/core/scheduler.h"
+#include "client/ask/scheduler.h"
 #include "tests/unit/core_scene.h"
 
 namespace mirage::test {

@@ -5,8 +5,8 @@
 #include <functional>
 #include <random>
 
-#include "client/core/scene_opener.h"
-#include "client/core/selector_rules.h"
+#include "client/plan/scene_opener.h"
+#include "client/plan/selector_rules.h"
 #include "protocol/limits.h"
 #include "server/session/session.h"
 #include "tests/support/told_scene.h"

@@ -1,7 +1,7 @@
 // An eye inside of a mesh that is not sent: its parts are asked for and drawn, until it leaves.
 #include <gtest/gtest.h>
 
-#include "client/core/scene_opener.h"
+#include "client/plan/scene_opener.h"
 #include "tests/support/room.h"
 #include "tests/support/told_scene.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "client/core/predictor.h"
+#include "client/plan/predictor.h"
 
 namespace mirage::test {
 namespace {

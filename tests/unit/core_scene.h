@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "client/core/selector.h"
+#include "client/plan/selector.h"
 
 namespace mirage::test {
 

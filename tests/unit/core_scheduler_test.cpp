@@ -6,7 +6,7 @@
 #include <deque>
 #include <set>
 
-#include "client/core/scheduler.h"
+#include "client/ask/scheduler.h"
 #include "protocol/limits.h"
 #include "tests/unit/core_scene.h"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <deque>
 
-#include "client/core/busy_time.h"
-#include "client/core/server_pace.h"
+#include "client/ask/server_pace.h"
+#include "client/link/busy_time.h"
 
 namespace mirage {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "client/core/client_session.h"
+#include "client/session/client_session.h"
 #include "server/session/session.h"
 
 namespace mirage::test {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "client/core/shadow_stage.h"
-#include "client/core/worn_shadow.h"
+#include "client/draw/worn_shadow.h"
+#include "client/session/shadow_stage.h"
 #include "protocol/lighting_state.h"
 #include "tests/unit/core_scene.h"
 

@@ -1,7 +1,7 @@
 // A picture is kept exactly as long as nothing that drawing reads has changed.
 #include <gtest/gtest.h>
 
-#include "client/core/stillness.h"
+#include "client/session/stillness.h"
 #include "tests/unit/core_scene.h"
 
 namespace mirage::test {

@@ -5,7 +5,7 @@
 #include <deque>
 #include <limits>
 
-#include "client/core/tau_controller.h"
+#include "client/plan/tau_controller.h"
 
 namespace mirage {
 namespace {

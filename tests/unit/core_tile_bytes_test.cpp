@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "client/core/tile_bytes.h"
+#include "client/price/tile_bytes.h"
 #include "protocol/tile_key.h"
 
 namespace mirage {

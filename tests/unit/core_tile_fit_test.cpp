@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "client/core/tile_fit.h"
-#include "client/core/tile_need.h"
+#include "client/plan/tile_fit.h"
+#include "client/plan/tile_need.h"
 #include "protocol/instance_group.h"
 #include "tests/unit/core_scene.h"
 

@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "client/core/upload_queue.h"
+#include "client/hold/upload_queue.h"
 #include "protocol/tile_key.h"
 
 namespace mirage::test {

@@ -1,8 +1,8 @@
 // The view tile as one of the ways an object is drawn, and when another is asked for.
 #include <gtest/gtest.h>
 
-#include "client/core/modelled_link.h"
-#include "client/core/view_stage.h"
+#include "client/link/modelled_link.h"
+#include "client/session/view_stage.h"
 #include "tests/unit/core_scene.h"
 
 namespace mirage::test {

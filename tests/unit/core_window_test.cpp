@@ -6,7 +6,7 @@
 #include <deque>
 #include <vector>
 
-#include "client/core/ask_window.h"
+#include "client/ask/ask_window.h"
 
 namespace mirage {
 namespace {

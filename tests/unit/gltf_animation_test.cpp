@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "protocol/motion.h"
+#include "tests/support/data_folder.h"
 #include "tests/unit/gltf_fixture.h"
 
 namespace mirage::test {
@@ -192,17 +193,11 @@ TEST(GltfAnimation, BrokenAnimationsLeaveTheObjectAtRest) {
 class SharedAsset : public ::testing::Test {
  protected:
   static Result<Scene> load(const std::string& name) {
-    const char* chosen = std::getenv("MIRAGE_SHARED");
-    const fs::path shared = chosen ? fs::path(chosen) : fs::path(MIRAGE_SOURCE_DIR) / "../shared";
-    if (!fs::exists(shared / "assets" / name)) {
-      return make_error(ErrorId::kSceneMissing, "no shared assets beside the checkout");
-    }
-    return import_gltf((shared / "assets" / name).string());
+    return import_gltf((data_folder() / "assets" / name).string());
   }
   static void expect(const std::string& name, std::size_t objects, std::size_t moving,
                      std::size_t instances) {
     const Result<Scene> scene = load(name);
-    if (!scene && scene.error().id == ErrorId::kSceneMissing) GTEST_SKIP() << scene.error().text;
     ASSERT_TRUE(scene) << failure(scene);
     EXPECT_EQ(scene->objects.size(), objects) << name;
     EXPECT_EQ(scene->instances.size(), instances) << name;

@@ -13,6 +13,7 @@
 
 #include "server/scene/gltf/draco_decode.h"
 #include "server/scene/gltf/gltf_import.h"
+#include "tests/support/data_folder.h"
 
 namespace mirage {
 namespace {
@@ -24,11 +25,6 @@ using Row = std::map<std::string, std::string>;
 // Generous against slow machines and sanitizers; the files themselves take milliseconds.
 constexpr double kMaxSeconds = 5;
 constexpr long kMaxResidentKib = 1L << 20;
-
-fs::path shared_folder() {
-  if (const char* chosen = std::getenv("MIRAGE_SHARED")) return chosen;
-  return fs::path(MIRAGE_SOURCE_DIR) / ".." / "shared";
-}
 
 std::vector<std::string> split_tabs(const std::string& line) {
   std::vector<std::string> fields;
@@ -121,7 +117,7 @@ void print_counts(const std::map<std::string, int>& counts) {
 }
 
 TEST(GltfSweep, AssetsLoad) {
-  const fs::path folder = shared_folder() / "assets";
+  const fs::path folder = test::data_folder() / "assets";
   if (!fs::exists(folder / "MANIFEST.tsv")) GTEST_SKIP() << folder << " is absent";
   std::map<std::string, int> counts;
   for (const Row& row : read_manifest(folder)) {
@@ -144,7 +140,7 @@ TEST(GltfSweep, AssetsLoad) {
 
 /// Models found in public, each for what went wrong with it at first.
 TEST(GltfSweep, FieldModelsLoad) {
-  const fs::path folder = shared_folder() / "assets" / "field";
+  const fs::path folder = test::data_folder() / "assets" / "field";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is absent";
   std::map<std::string, int> counts;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -181,7 +177,7 @@ bool is_forgiven(const std::string& warnings) {
 }
 
 TEST(GltfSweep, StrictRefusesWhatIsForgivenAndNothingElse) {
-  const fs::path folder = shared_folder() / "assets_broken";
+  const fs::path folder = test::data_folder() / "assets_broken";
   if (!fs::exists(folder / "MANIFEST.tsv")) GTEST_SKIP() << folder << " is absent";
   int forgiven = 0;
   for (const Row& row : read_manifest(folder)) {
@@ -199,7 +195,7 @@ TEST(GltfSweep, StrictRefusesWhatIsForgivenAndNothingElse) {
 }
 
 TEST(GltfSweep, BrokenAssetsEndCleanly) {
-  const fs::path folder = shared_folder() / "assets_broken";
+  const fs::path folder = test::data_folder() / "assets_broken";
   if (!fs::exists(folder / "MANIFEST.tsv")) GTEST_SKIP() << folder << " is absent";
   std::map<std::string, int> counts;
   for (const Row& row : read_manifest(folder)) {

@@ -219,8 +219,8 @@ inline wire::TileReplyT sample_tile_reply() {
 
 /// Colour, surface and depth of two texels, in a zstd frame that is stored.
 inline Bytes sample_tile_payload() {
-  return {0x28, 0xb5, 0x2f, 0xfd, 0x20, 18, 18 << 3 | 1, 0, 0,  //
-          1,    2,    3,    4,    5,    6,  7,           8, 9,  //
+  return {0x28, 0xb5, 0x2f, 0xfd, 0x20, 18, 18 << 3 | 1, 0,  0,  //
+          1,    2,    3,    4,    5,    6,  7,           8,  9,  //
           10,   11,   12,   13,   14,   15, 16,          17, 18};
 }
 

@@ -10,16 +10,12 @@
 
 #include "client/quality/flip.h"
 #include "quality_fixture.h"
+#include "tests/support/data_folder.h"
 
 namespace mirage::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path shared_folder() {
-  const char* named = std::getenv("MIRAGE_SHARED");
-  return named != nullptr ? fs::path(named) : fs::path(MIRAGE_SOURCE_DIR) / ".." / "shared";
-}
 
 TestImage read_png(const fs::path& path) {
   const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(path.string());
@@ -39,7 +35,7 @@ TestImage read_png(const fs::path& path) {
 // Soft limit 1e-4 on the mean: what independent implementations agree to. 1e-3 on the maximum: one
 // pixel, float against float.
 TEST(QualityFlip, AgreesWithTheReferenceImplementation) {
-  const fs::path folder = shared_folder() / "flip_reference";
+  const fs::path folder = data_folder() / "flip_reference";
   std::ifstream table(folder / "values.tsv");
   if (!table) GTEST_SKIP() << "no FLIP reference values at " << folder;
   std::string line;

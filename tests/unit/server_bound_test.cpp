@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-#include "client/core/tile_cache.h"
+#include "client/hold/tile_cache.h"
 #include "protocol/error_bound.h"
 #include "protocol/instance_group.h"
 #include "protocol/tile_codec.h"

@@ -47,7 +47,8 @@ Scene build_field(const OptionValues& options) {
   parts.scene.instances.reserve(count + 1);
   for (std::uint64_t i = 0; i < count; ++i) {
     const float x = (static_cast<float>(i % columns) + 0.5f) * kSpacing - 0.5f * side;
-    const float z = -(static_cast<float>(i / columns) + 0.5f) * kSpacing;
+    const std::uint64_t row = i / columns;
+    const float z = -(static_cast<float>(row) + 0.5f) * kSpacing;
     const float pick = random.unit();
     const std::size_t kind = pick < 0.5f    ? 4
                              : pick < 0.72f ? 2

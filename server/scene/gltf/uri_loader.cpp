@@ -65,7 +65,7 @@ bool decode_base64(std::string_view text, std::vector<std::uint8_t>& out) {
   std::uint32_t bits = 0;
   int held = 0;
   for (const char c : text) {
-    const int value = kTable[static_cast<unsigned char>(c)];
+    const auto value = kTable[static_cast<unsigned char>(c)];
     if (value < 0) return false;
     bits = (bits << 6 | static_cast<std::uint32_t>(value)) & 0xffffff;
     held += 6;

@@ -1,0 +1,36 @@
+#pragma once
+// E1: the true error in pixels of what was drawn, from the reference frame's depth, held against
+// the bound every impostor was drawn with.
+
+#include <vector>
+
+#include "client/frame/draw_list.h"
+#include "client/frame/reference_frame.h"
+#include "client/scene/scene_view.h"
+
+namespace mirage {
+
+struct GeometricError {
+  std::vector<float> errors_px;  ///< one per compared pixel
+  /// Bound over the largest error among an impostor's pixels, one per drawn impostor with at least
+  /// kRatioPixels of them and an error of 0.01 px: a bound of the largest is held against the
+  /// largest.
+  std::vector<float> ratios;
+  std::uint64_t violations = 0;  ///< pixels whose error exceeds the bound of their impostor
+  std::uint64_t compared = 0;
+  std::uint64_t disoccluded = 0;  ///< pixels showing a part of an object its tile never saw
+  std::uint64_t holes = 0;        ///< pixels of objects that had no image at all
+  std::uint64_t viewed = 0;       ///< pixels of objects that the view tile alone showed
+  std::uint64_t object_pixels = 0;
+  double worst_excess_px = 0;
+};
+
+inline constexpr std::uint64_t kRatioPixels = 16;
+
+/// Reprojects every pixel of the reference that shows an impostor's object: its surface point P is
+/// on a capture ray of the tile; Q is where the tile's method draws that ray; the error is the
+/// distance of their images. `offset_px` is where in the pixel the reference sampled depth.
+void add_geometric_error(const ReferenceFrame& reference, double offset_px, const Camera& camera,
+                         const SceneView& scene, const DrawList& drawn, GeometricError& out);
+
+}  // namespace mirage

@@ -1,0 +1,86 @@
+#include "client/draw/layered_texture.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace mirage {
+namespace {
+
+constexpr int kRgba = 4;  // the one layout every format can be read in
+
+GLenum layout_of(const LayeredTexture::Format& format) {
+  return format.channels() == 1 ? GL_RED : GL_RGBA;
+}
+
+// The first `layers` of a texture, one after the other.
+std::vector<std::uint8_t> read_layers(GLuint texture, const LayeredTexture::Format& format,
+                                      int edge, int layers) {
+  const std::size_t texels = static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge);
+  const auto channels = static_cast<std::size_t>(format.channels());
+  std::vector<std::uint8_t> out(texels * channels * static_cast<std::size_t>(layers));
+  std::vector<std::uint8_t> layer(texels * kRgba);
+  const gl::Framebuffer framebuffer = gl::Framebuffer::create();
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.id());
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  for (int i = 0; i < layers; ++i) {
+    glFramebufferTextureLayer(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture, 0, i);
+    glReadPixels(0, 0, edge, edge, GL_RGBA, GL_UNSIGNED_BYTE, layer.data());
+    std::uint8_t* to = &out[texels * channels * static_cast<std::size_t>(i)];
+    if (channels == kRgba) {
+      std::copy(layer.begin(), layer.end(), to);
+    } else {
+      for (std::size_t t = 0; t < texels; ++t) to[t] = layer[t * kRgba];
+    }
+  }
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+  return out;
+}
+
+}  // namespace
+
+Result<void> LayeredTexture::upload(int layer, int x, int y, int w, int h,
+                                    const std::uint8_t* texels) {
+  if (layer >= layers_) {
+    const int wanted = std::min(max_layers_, std::max(layer + 1, 2 * layers_));
+    if (Result<void> grown = grow(wanted); !grown) return grown;
+  }
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, texture_.id());
+  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, x, y, layer, w, h, 1, layout_of(format_),
+                  GL_UNSIGNED_BYTE, texels);
+  return {};
+}
+
+Result<void> LayeredTexture::grow(int layers) {
+  std::vector<std::uint8_t> kept;
+  if (layers_ > 0) kept = read_layers(texture_.id(), format_, edge_, layers_);
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  texture_ = gl::Texture();
+  texture_ = gl::Texture::create();
+  glBindTexture(GL_TEXTURE_2D_ARRAY, texture_.id());
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, static_cast<GLint>(format_.stored), edge_, edge_, layers, 0,
+               layout_of(format_), GL_UNSIGNED_BYTE, nullptr);
+  if (glGetError() != GL_NO_ERROR) {
+    texture_ = gl::Texture();
+    layers_ = 0;
+    return make_error(ErrorId::kGraphicsGl, "the atlas does not fit the graphics memory",
+                      "--atlas-mb takes less");
+  }
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, filter, format_.filter);
+  }
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) {
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, wrap, GL_CLAMP_TO_EDGE);
+  }
+  if (!kept.empty()) {
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, edge_, edge_, layers_, layout_of(format_),
+                    GL_UNSIGNED_BYTE, kept.data());
+  }
+  layers_ = layers;
+  return {};
+}
+
+}  // namespace mirage

@@ -1,0 +1,46 @@
+#pragma once
+// Draws a view tile by its depth: a grid of cells, each where it was seen. Keeps to the GLES 3.0
+// subset. GL thread only.
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "client/frame/draw_list.h"
+#include "protocol/result.h"
+#include "protocol/view_tile.h"
+#include "shaders/gl/gl_object.h"
+#include "shaders/gl/program.h"
+
+namespace mirage {
+
+class ViewPass {
+ public:
+  /// Error kGraphicsShader.
+  static Result<ViewPass> create();
+
+  /// The view there is from now on.
+  void upload(const ViewTile& view);
+  /// Cells of the owners that `drawn` shows. The depth test is the caller's.
+  void draw(const Camera& camera, DepthMapping mapping, const DrawnView& drawn);
+
+  int draw_calls() const { return draw_calls_; }
+  std::size_t gpu_bytes() const { return gpu_bytes_; }
+
+ private:
+  void show(const std::vector<bool>& owners);
+
+  gl::Program program_;
+  gl::VertexArray vao_;
+  gl::Buffer vertices_, indices_;
+  gl::Texture color_;
+  std::uint32_t columns_ = 0, rows_ = 0;
+  std::vector<std::uint8_t> depth_;    ///< of ViewTile
+  std::vector<std::uint16_t> owners_;  ///< the same
+  glm::dvec3 eye_{0};
+  std::vector<bool> shown_;  ///< owners that the indices are for
+  std::size_t index_count_ = 0;
+  std::size_t gpu_bytes_ = 0;
+  int draw_calls_ = 0;
+};
+
+}  // namespace mirage

@@ -1,0 +1,29 @@
+#pragma once
+// What the client's shadow map is drawn from.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "client/frame/drawn_mesh.h"
+#include "client/frame/resident.h"
+#include "protocol/sun_frame.h"
+
+namespace mirage {
+
+/// An instance or group that casts the shadow of its tile.
+struct DrawnCaster {
+  std::uint32_t instance = 0;
+  ShadowRecordPtr tile;
+};
+
+/// All casters under one sun. A list never changes: another one means another map.
+struct CasterList {
+  SunFrame frame;
+  std::vector<DrawnCaster> tiles;
+  std::vector<DrawnMesh> meshes;
+  std::uint64_t assets = 0;  ///< count of meshes and images that had come by then
+};
+using CasterListPtr = std::shared_ptr<const CasterList>;
+
+}  // namespace mirage

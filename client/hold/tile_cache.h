@@ -1,0 +1,170 @@
+#pragma once
+// Tile cache: which tiles the client holds, for whom, and where in the atlas.
+// Thread: the frame loop's.
+// Full:   tiles drawn longest ago go first; a tile drawn in the current frame is never evicted, a
+//         new one is then left out. room() says beforehand what will be, so that coarser tiles are
+//         asked for, or none.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "client/frame/resident.h"
+#include "client/hold/atlas_allocator.h"
+#include "client/hold/light_history.h"
+#include "client/scene/scene_view.h"
+#include "protocol/capture.h"
+#include "protocol/tile.h"
+
+namespace mirage {
+
+/// A resident tile.
+struct TileRecord {
+  std::uint32_t object = 0;
+  std::uint64_t serial = 0;  ///< order of arrival, unique
+  Capture capture;
+  TileCrop crop;
+  TileMeasure measure;
+  DepthCode depth_code{0, 1};
+  AtlasSlot slot;
+  AtlasSlot front_slot, behind_slot;  ///< colours of both layers, and depth of the one behind
+  /// Codes of the crop, for the geometric error; of the layer behind, empty where there is none.
+  std::vector<std::uint8_t> depth, behind_depth;
+  Phase phase = kStaticPhase;
+  std::int64_t received_us = 0;
+  std::uint64_t last_drawn = 0;  ///< frame number
+  bool shown = false;            ///< drawn at least once
+  bool relit = false;            ///< shaded when it is drawn
+
+  bool layered() const { return !behind_depth.empty(); }
+  /// Prepares bounds; to be called once what was captured is set.
+  void seal(const ObjectDescription& description);
+  /// Bound in px of how far the object has moved since this pose.
+  double motion_px(const ObjectDescription& description, const ViewGeometry& view) const;
+  /// Bound in px: position, texel footprint, the sideways part of the level's error, and motion.
+  double bound_px(DrawMethod method, const ObjectDescription& description,
+                  const ViewGeometry& view) const;
+  /// Of all that the tile can show, not of its content alone.
+  const CaptureGeometry& whole() const { return whole_; }
+
+ private:
+  /// How far drawn points can be from the surface when drawn with `method`.
+  DrawnDepth drawn_depth(DrawMethod method, const ObjectDescription& description) const;
+  DrawnDepth drawn_depth_of_lod(DrawMethod method, const ObjectDescription& description) const;
+
+  CaptureGeometry whole_, content_;
+  std::array<DrawnDepth, static_cast<std::size_t>(DrawMethod::kMesh)> drawn_;  // by method
+};
+/// Pixels of a tile that only drawing needs: Tile::rgba, Tile::surface and Tile::behind.
+struct TilePixels {
+  std::vector<std::uint8_t> rgba, surface, behind;
+};
+
+/// Tiles that look the same on every instance that shares them: same object, same light on it.
+struct TileGroup {
+  /// A view from which the object has no pixels: an empty tile came back.
+  struct EmptyView {
+    glm::dvec3 axis{0};  ///< unit, centre -> eye
+    double cos_angle = 1;
+  };
+  std::vector<TileRecordPtr> tiles;
+  std::vector<EmptyView> empty_views;
+  std::uint64_t turn = 0;  ///< of the latest lighting that wanted it (LightHistory)
+
+  /// Nothing of the object shows from `eye` (relative to its centre), as far as is known.
+  bool empty_from(const glm::dvec3& eye) const;
+  bool known() const { return !tiles.empty() || !empty_views.empty(); }
+};
+
+class TileCache {
+ public:
+  TileCache(int atlas_edge, int atlas_layers);
+
+  /// Drops everything and learns the scene's instances.
+  void reset(const SceneView& scene, const Lighting& lighting);
+  /// Learns the instances that have come since.
+  void grow(const SceneView& scene) { lights_.grow(scene); }
+  /// New light: tiles of the former ones are shown until better lit ones come.
+  void relight(const Lighting& lighting, std::int64_t now_us);
+  /// From now on objects that can be relit want relit tiles, or want lit ones.
+  void want_relit(bool relit) { want_relit_ = relit; }
+  bool wants_relit(std::uint32_t instance) const {
+    return want_relit_ && lights_.can_relight(instance);
+  }
+  /// Serial of the present lighting, for asks.
+  std::uint32_t light() const { return lights_.current().serial; }
+
+  /// What to draw an instance from.
+  struct LitGroup {
+    const TileGroup* tiles = nullptr;           ///< never null, possibly empty
+    bool wanted = true;                         ///< of the present light and the wanted kind
+    const LightHistory::State* then = nullptr;  ///< the light it is of, if not the present one
+  };
+  /// Relit tiles or those of the present light, whichever kind is wanted first; without any, those
+  /// of the latest light that has some.
+  LitGroup lit_group(std::uint32_t instance) const;
+  const TileGroup* group_to_draw(std::uint32_t instance) const { return lit_group(instance).tiles; }
+  const LightHistory& lights() const { return lights_; }
+
+  /// Places a decoded tile into the atlas and the group of its instance under the light it was
+  /// asked for (0: the present one); nullptr when it is empty, no room can be made, or that light
+  /// is long past.
+  TileRecordPtr insert(std::uint32_t instance, const SceneView& scene, const Capture& capture,
+                       Tile tile, std::uint64_t frame, std::int64_t now_us, std::uint32_t light = 0,
+                       Phase phase = kStaticPhase);
+
+  /// They are drawn in this frame: none of them is evicted in it or the next.
+  void mark_drawn(const std::vector<TileRecordPtr>& tiles, std::uint64_t frame);
+
+  /// Whether this very tile is there: once more it would bring nothing. `light` as for insert().
+  bool holds(std::uint32_t instance, const Capture& capture, bool relit, Phase phase,
+             std::uint32_t light) const;
+
+  /// What a new tile can be given without taking from what is in view.
+  struct Room {
+    std::size_t texels = SIZE_MAX;    ///< in all
+    std::size_t reserved = 0;         ///< of them, for instances that show nothing yet
+    std::uint32_t edge = UINT32_MAX;  ///< a tile of this edge, or a larger one, finds no place
+  };
+  Room room(std::uint64_t frame) const;
+  /// Of `room`, what a tile of this edge takes at most.
+  std::size_t footprint(std::uint32_t edge) const;
+
+  std::size_t resident() const { return owned_.size(); }
+  std::size_t groups() const { return groups_.size(); }
+  std::size_t atlas_texels() const { return allocator_.used_texels(); }
+
+ private:
+  const TileGroup* find(std::uint64_t key) const;
+  /// Texels of tiles that may not be evicted in this frame.
+  std::size_t texels_in_view(std::uint64_t frame) const;
+  void drop_past_groups();
+  bool make_room(int w, int h, std::uint64_t frame, AtlasSlot& slot);
+  bool make_room_for_layers(int w, int h, std::uint64_t frame, TileRecord& record);
+  bool evict_oldest(std::uint64_t frame);
+  void list_by_age();
+  void forget(TileGroup& group, std::size_t index);
+  void trim(TileGroup& group, std::uint64_t frame);
+
+  AtlasAllocator allocator_;
+  LightHistory lights_;
+  bool want_relit_ = false;
+  /// By LightHistory::key, or by object for relit tiles; made when their first tile comes.
+  std::unordered_map<std::uint64_t, TileGroup> groups_;
+  /// The same tiles, by serial, to be changed.
+  std::unordered_map<std::uint64_t, std::shared_ptr<TileRecord>> owned_;
+  std::uint64_t next_serial_ = 1;
+  /// What is to be evicted next, from the back; of the frame it was made in.
+  struct Aged {
+    std::uint64_t last_drawn, serial, group;
+  };
+  std::vector<Aged> oldest_last_;
+  std::uint64_t listed_at_ = UINT64_MAX;
+  /// The last tile that found no place, and how much was in view then.
+  std::uint32_t refused_edge_ = UINT32_MAX;
+  std::size_t refused_at_texels_ = 0;
+};
+
+}  // namespace mirage

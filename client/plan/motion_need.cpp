@@ -1,0 +1,80 @@
+#include "client/plan/motion_need.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "client/price/ask_gain.h"
+#include "protocol/limits.h"
+#include "protocol/motion.h"
+
+namespace mirage {
+namespace {
+
+constexpr double kMotionShare = 0.5;  // of tau, for the motion within a phase
+constexpr int kFirstPhaseLevel = 2;   // quarters of the clip, until there is any tile
+constexpr int kMaxPhasesAhead = 32;   // asked for at a time per instance
+
+// Tiles of other phases are not looked at: coarse phases are among the fine ones, so that what was
+// asked for at another distance is found all the same.
+TileFit best_of_phase(const TileGroup& group, Phase phase, const ObjectDescription& object,
+                      const ViewGeometry& view, const MethodChoice& method, double tau_px) {
+  TileGroup same;
+  for (const TileRecordPtr& tile : group.tiles) {
+    if (tile->phase == phase) same.tiles.push_back(tile);
+  }
+  return best_fit(same, object, view, method, tau_px);
+}
+
+}  // namespace
+
+void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
+                      const TileCache::LitGroup& lit, double tau_px, std::vector<TileNeed>& out) {
+  const TileGroup& group = *lit.tiles;
+  const ObjectDescription& object = in.scene->objects[in.scene->instances[instance].object];
+  const double size = radius_px(view);
+  const bool first = group.tiles.empty();
+  if (glm::length(view.eye) < limits::kMinCaptureRadii * view.radius && !first) return;
+  ViewPlan plan;
+  // Half of tau is for the motion within the phase.
+  plan.tau_px = (1 - kMotionShare) * tau_px;
+  const double allowed = kMotionShare * tau_px / motion_bound_px(view, 1.0);
+  const double clip_s = object.motion.clip_s;
+  const double step_s = clip_s / (1 << limits::kMaxPhaseLevel);
+  const double end_s = std::min(in.horizon_s, in.lead_s + clip_s - step_s);
+  Phase last = kStaticPhase;
+  int asked = 0;
+  for (double ahead = in.lead_s; asked < kMaxPhasesAhead; ahead += step_s) {
+    ViewGeometry then = view;
+    then.clip_time_s = wrap_clip(view.clip_time_s + ahead, clip_s);
+    int level = phase_level_for(object.motion, then.clip_time_s, allowed);
+    if (first) level = std::min(level, kFirstPhaseLevel);
+    const Phase phase = nearest_phase(then.clip_time_s, clip_s, level);
+    if (phase != last) {
+      last = phase;
+      then.clip_time_s = phase_time(phase, clip_s);
+      const TileFit fit = best_of_phase(group, phase, object, then, in.method, tau_px);
+      if (!fit.settled(plan.tau_px) || !lit.wanted) {
+        TileNeed need = need_for_view(then, plan);
+        need.instance = instance;
+        need.phase = phase;
+        need.first = first;
+        need.channels = in.cache->wants_relit(instance) ? kRelitTile : kLitTile;
+        need.light = in.cache->light();
+        if (first) need.size_class = coarse_class(need.size_class);
+        need.error_px = displayed_error_px(fit, size, tau_px);
+        const double life = first ? kLongestLife : clip_s / (1 << level);
+        need.life_s = std::min(life, kLongestLife);
+        const double area = disc_px(in.predicted, size);
+        const Wrongs now =
+            first ? nothing_wrongs(area) : tile_wrongs(area, false, need.error_px, 1, 1);
+        need.gain = ask_gain(area, now, tile_wrongs(area, false, tau_px, 1, 1), need.life_s);
+        out.push_back(need);
+        ++asked;
+      }
+    }
+    if (ahead > end_s || first) return;
+  }
+}
+
+}  // namespace mirage

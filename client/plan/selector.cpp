@@ -1,0 +1,367 @@
+#include "client/plan/selector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "client/plan/blend_order.h"
+#include "client/plan/selector_rules.h"
+#include "protocol/need_mask.h"
+
+namespace mirage {
+namespace {
+
+constexpr std::int64_t kFadeUs = 120'000;
+// A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
+constexpr double kSwitchRatio = 0.6;
+// How long a choice is kept that is still good enough.
+constexpr std::int64_t kReconsiderUs = 100'000;
+
+// What the view shows more wrongly, px, is no picture of a thing any more.
+constexpr double kTornPx = 8;
+
+double fade_progress(std::int64_t since_us, std::int64_t now_us) {
+  return std::clamp(static_cast<double>(now_us - since_us) / kFadeUs, 0.0, 1.0);
+}
+
+}  // namespace
+
+void Selector::reset(const SceneView& scene) {
+  shown_.assign(scene.instances.size(), Shown{});
+  geometry_.reset(scene.objects.size());
+}
+
+struct Selector::Candidate {
+  std::uint32_t instance = 0;
+  const TileGroup* group = nullptr;
+  const ObjectDescription* object = nullptr;
+  ViewGeometry view;
+  double distance = 0;
+  double tau_px = 1;  ///< what is allowed
+  std::int64_t light_lag_us = 0;
+  float fade = 1;
+  bool pictured = false;    ///< it has tiles that may be drawn
+  bool under_mesh = false;  ///< geometry already covers most of it
+  TileFit flat;
+  TileFit deep;
+  bool kept = false;  ///< `flat` is what was chosen before
+  Choice choice;
+};
+
+struct Selector::Walk {
+  const SelectorInput& in;
+  DrawList& out;
+  Frustum frustum;
+  double march_left_px;
+  std::vector<Candidate> candidates;
+};
+
+bool Selector::drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const {
+  const InstanceView& view = in.scene->instances[instance];
+  const ObjectDescription& object = in.scene->objects[view.object];
+  if (object.group || !(*in.mesh_ready)[view.object]) return false;
+  const double distance = glm::length(view.center - in.camera.pose.eye);
+  const double slack = shown_[instance].as_mesh ? kMeshHysteresis : 1.0;
+  return distance < slack * swap_radii(in, object) * view.radius;
+}
+
+// From where the view was taken, or near enough that it is not torn.
+bool Selector::view_shows(const SelectorInput& in, const Candidate& c) {
+  if (!in.view) return false;
+  const std::optional<double> px = in.view->error_px(in.scene->instances[c.instance], in.camera);
+  return px && *px <= kFirstImagePx * c.tau_px;
+}
+
+// Levels of geometry that are here: the one within tau, or nearest to it, and coarser ones.
+void Selector::add_levels(const SelectorInput& in, std::uint32_t instance,
+                          Alternatives& out) const {
+  const std::uint32_t object = in.scene->instances[instance].object;
+  const std::vector<LodInfo>& lods = in.scene->objects[object].lods;
+  if (!in.meshes) {  // what is ready is taken to be exact
+    out.levels.push_back({0, lods.empty() ? 0 : lods[0].triangles, 0});
+    return;
+  }
+  const std::optional<std::size_t> best =
+      in.meshes->level(*in.scene, in.camera, in.mesh_tau_px, instance);
+  if (!best) return;
+  const double density = px_per_unit(*in.scene, in.camera, instance);
+  for (std::size_t i = *best; i < lods.size(); ++i) {
+    const auto level = static_cast<std::uint8_t>(i);
+    if (!in.meshes->resident({AssetId::Kind::kMesh, object, level})) continue;
+    out.levels.push_back({level, lods[i].triangles, lod_excess(lods[i], density, 1)});
+  }
+}
+
+// What the instance could be drawn as.
+Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c) const {
+  const InstanceView& view_of = in.scene->instances[c.instance];
+  Alternatives out;
+  out.instance = c.instance;
+  out.area_px = shown_area_px(in.camera, view_of.center - in.camera.pose.eye, view_of.radius);
+  out.alpha_tested = c.object->needs & kNeedAlphaMask;
+  const auto tile_of = [&](const TileFit& fit) {
+    const double edge = fit.tile->capture.edge;
+    const double share = fit.tile->crop.w * fit.tile->crop.h / (edge * edge);
+    return Alternatives::Tile{fit.error_px(c.tau_px), fit.texel_px, share};
+  };
+  if (c.pictured) out.flat = tile_of(c.flat);
+  if (c.pictured && c.deep.tile) out.deep = tile_of(c.deep);
+  // What meets tau is what was promised, and nothing better is asked for: a flat tile that does not
+  // is no alternative where there is time for any.
+  const bool any_time = !in.plan || !in.plan->limited();
+  if (any_time && out.deep && c.deep.meets(c.tau_px)) out.flat.reset();
+  if (in.view) {
+    const std::optional<double> view_px = in.view->error_px(view_of, in.camera);
+    out.viewed = view_px && *view_px <= kTornPx;
+  }
+  if (drawn_as_mesh(in, c.instance)) {
+    add_levels(in, c.instance, out);
+    // Where methods are compared, all draw the same geometry.
+    out.mesh_only = c.object->surrounds || !in.method.automatic;
+  }
+  const Shown& shown = shown_[c.instance];
+  if (shown.frame == 0 || shown.frame + 1 < in.frame) return out;
+  const Look tile = shown.method == DrawMethod::kDepth ? Look::kDeep : Look::kFlat;
+  if (shown.as_mesh) {
+    out.shown = Look::kMesh;
+  } else if (shown.tile) {
+    out.shown = tile;
+  }
+  const bool fades = fade_progress(shown.swapped_us, in.now_us) < 1;
+  if (fades && out.shown) out.leaving = shown.as_mesh ? tile : Look::kMesh;
+  return out;
+}
+
+// Which tiles serve the candidate best.
+void Selector::fit_tiles(const SelectorInput& in, Candidate& c) const {
+  c.pictured = !c.group->tiles.empty() && outside(c.view) && !c.group->empty_from(c.view.eye);
+  if (!c.pictured) return;
+  c.kept = keep_chosen(in, c);
+  if (c.kept) return;
+  if (!in.method.automatic) {
+    c.flat = best_fit(*c.group, *c.object, c.view, in.method, c.tau_px);
+    return;
+  }
+  c.flat = best_flat(*c.group, *c.object, c.view, c.tau_px);
+  if (!c.flat.meets(c.tau_px)) c.deep = best_deep(*c.group, *c.object, c.view, c.tau_px);
+}
+
+// Adds the instance to the candidates, if it is drawn at all.
+void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
+  const SelectorInput& in = w.in;
+  const InstanceView& view_of = in.scene->instances[instance];
+  Candidate c;
+  c.instance = instance;
+  c.object = &in.scene->objects[view_of.object];
+  c.view = view_geometry(in.camera, view_of, *c.object, in.time_s);
+  c.fade = fade;
+  const double size = radius_px(c.view);
+  if (c.object->radius <= 0 || size < kMinRadiusPx) return;
+  ++w.out.visible;
+  c.tau_px = allowed_px(in, in.camera, view_of);
+  c.distance = glm::length(view_of.center - in.camera.pose.eye);
+  const TileCache::LitGroup lit = in.cache->lit_group(instance);
+  c.group = lit.tiles;
+  if (lit.then && light_change_px(in, lit, instance, size) > c.tau_px) {
+    c.light_lag_us = in.now_us - lit.then->ended_us;
+  }
+  fit_tiles(in, c);
+  considered_.push_back(alternatives(in, c));
+  std::optional<Alternatives::Tile>& deep = considered_.back().deep;
+  if (deep && considered_.back().area_px > w.march_left_px) deep.reset();
+  if (deep) w.march_left_px -= considered_.back().area_px;
+  w.candidates.push_back(std::move(c));
+}
+
+// Geometry of the candidate, where it is drawn so or fades; true: nothing else is drawn of it.
+bool Selector::draw_geometry(Walk& w, Candidate& c) {
+  const SelectorInput& in = w.in;
+  Shown& shown = shown_[c.instance];
+  const bool as_mesh = c.choice.look == Look::kMesh;
+  if (as_mesh != shown.as_mesh) {
+    const bool was_drawn = shown.frame > 0 && shown.frame + 1 >= in.frame;
+    shown.swapped_us = was_drawn ? in.now_us : INT64_MIN / 2;
+    shown.as_mesh = as_mesh;
+  }
+  if (in.scene->members(c.instance).empty()) shown.frame = in.frame;
+  if (!c.choice.fades) shown.swapped_us = INT64_MIN / 2;
+  // What takes over fades in over what was there: geometry dithered, a tile blended.
+  auto progress = static_cast<float>(fade_progress(shown.swapped_us, in.now_us));
+  if (progress < 1 && c.group->tiles.empty() && !view_shows(in, c)) progress = 1;
+  const std::uint32_t object = in.scene->instances[c.instance].object;
+  const bool swapping = progress < 1 && (*in.mesh_ready)[object];
+  if (as_mesh) {
+    w.out.meshes.push_back({c.instance, c.choice.lod, std::min(c.fade, progress)});
+    if (!swapping) {
+      shown.tile.reset();
+      shown.former.reset();
+      return true;
+    }
+  } else if (swapping) {
+    Alternatives here;
+    add_levels(in, c.instance, here);
+    if (!here.levels.empty()) w.out.meshes.push_back({c.instance, here.levels[0].lod, c.fade});
+    c.fade = std::min(c.fade, progress);
+  }
+  c.under_mesh = as_mesh && progress >= 0.5f;
+  if (c.group->empty_from(c.view.eye)) return true;
+  if (c.pictured) return false;
+  if (as_mesh || swapping) return true;
+  // The hull of what moves is where it ever is: a ghost.
+  const bool stands = !c.object->group && !c.object->motion.moving();
+  if (stands) w.out.placeholders.push_back({c.instance, c.distance});
+  ++w.out.over_tau;
+  return true;
+}
+
+// A flat tile that was chosen a moment ago and still meets tau is drawn on, if none has come since.
+bool Selector::keep_chosen(const SelectorInput& in, Candidate& c) const {
+  const Shown& shown = shown_[c.instance];
+  if (in.now_us >= shown.chosen_until_us || c.group->tiles.back()->serial != shown.newest) {
+    return false;
+  }
+  const std::vector<TileRecordPtr>& held = c.group->tiles;
+  if (std::find(held.begin(), held.end(), shown.tile) == held.end()) return false;
+  c.flat = fit_of(shown.tile, shown.method, *c.object, c.view);
+  return c.flat.meets(c.tau_px);
+}
+
+bool Selector::group_serves(const SelectorInput& in, std::uint32_t group,
+                            const ViewGeometry& view) const {
+  const InstanceView& view_of = in.scene->instances[group];
+  const bool was_drawn = shown_[group].frame + 1 >= in.frame && in.frame > 0;
+  const double slack = was_drawn ? kMeshHysteresis : 1.0;
+  if (in.scene->objects[view_of.object].cut) {
+    const bool near = glm::length(view.eye) * slack < kPartRadii * view.radius;
+    const bool pictured = outside(view) && in.cache->group_to_draw(group)->known();
+    return drawn_as_mesh(in, group) || !near || (pictured && !members_have_images(in, group));
+  }
+  const double tau = allowed_px(in, in.camera, view_of);
+  if (!group_wanted(in, view_of, view, tau, slack)) return false;
+  const TileGroup& tiles = *in.cache->group_to_draw(group);
+  if (tiles.empty_from(view.eye)) return true;
+  const ObjectDescription& object = in.scene->objects[view_of.object];
+  const TileFit fit = best_fit(tiles, object, view, in.method, tau);
+  return fit.meets(tau * slack) || (fit.tile && !members_have_images(in, group));
+}
+
+bool Selector::members_have_images(const SelectorInput& in, std::uint32_t group) const {
+  for (const std::uint32_t member : in.scene->members(group)) {
+    const bool nested = in.scene->objects[in.scene->instances[member].object].group;
+    const bool shows = nested
+                           ? members_have_images(in, member)
+                           : drawn_as_mesh(in, member) || in.cache->group_to_draw(member)->known();
+    if (!shows) return false;
+  }
+  return true;
+}
+
+// A group takes over from its members, or they from it, by fading in over what was there.
+void Selector::walk_group(Walk& w, std::uint32_t group, float fade) {
+  const SelectorInput& in = w.in;
+  const InstanceView& view_of = in.scene->instances[group];
+  const ViewGeometry view = view_geometry(in.camera, view_of, in.scene->objects[view_of.object]);
+  Shown& shown = shown_[group];
+  const bool was_drawn = shown.frame > 0 && shown.frame + 1 >= in.frame;
+  if (group_serves(in, group, view)) {
+    if (!was_drawn) shown.appeared_us = members_have_images(in, group) ? in.now_us : INT64_MIN / 2;
+    shown.frame = in.frame;
+    shown.left_us = INT64_MIN / 2;
+    const auto progress = static_cast<float>(fade_progress(shown.appeared_us, in.now_us));
+    if (progress < 1) {
+      for (const std::uint32_t member : in.scene->members(group)) walk(w, member, fade);
+    }
+    consider(w, group, std::min(fade, progress));
+    return;
+  }
+  if (was_drawn) shown.left_us = in.now_us;
+  const auto progress = static_cast<float>(fade_progress(shown.left_us, in.now_us));
+  if (progress < 1) consider(w, group, fade);
+  for (const std::uint32_t member : in.scene->members(group)) {
+    walk(w, member, std::min(fade, progress));
+  }
+}
+
+void Selector::walk(Walk& w, std::uint32_t instance, float fade) {
+  const InstanceView& view_of = w.in.scene->instances[instance];
+  if (!w.frustum.may_see(view_of.center - w.in.camera.pose.eye, view_of.radius)) return;
+  const bool parts = !w.in.scene->members(instance).empty();
+  if (parts || w.in.scene->objects[view_of.object].group) return walk_group(w, instance, fade);
+  consider(w, instance, fade);
+}
+
+void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawList& out) {
+  TileFit best = c.choice.look == Look::kDeep ? c.deep : c.flat;
+  Shown& shown = shown_[c.instance];
+  const std::vector<TileRecordPtr>& held = c.group->tiles;
+  const bool still_held = std::find(held.begin(), held.end(), shown.tile) != held.end();
+  if (still_held && shown.tile != best.tile) {
+    const TileFit present = fit_of(shown.tile, best.method, *c.object, c.view);
+    if (present.meets(c.tau_px) && (present.sharp(c.tau_px) || !best.sharp(c.tau_px)) &&
+        present.error_px(c.tau_px) * kSwitchRatio < best.error_px(c.tau_px)) {
+      best = present;
+    }
+  }
+  if (shown.tile != best.tile) {
+    // Two poses over one another would be a ghost, and a phase is shorter than a fade.
+    const bool same_pose = still_held && shown.tile->phase == best.tile->phase;
+    shown.former = same_pose ? shown.tile : nullptr;
+    shown.tile = best.tile;
+    shown.since_us = in.now_us;
+  }
+  // A former tile that left the cache meanwhile has no texels of its own any more.
+  if (std::find(held.begin(), held.end(), shown.former) == held.end()) shown.former.reset();
+  double fade = c.fade;
+  if (shown.former) {
+    const double progress = fade_progress(shown.since_us, in.now_us);
+    if (progress >= 1) {
+      shown.former.reset();
+    } else {
+      const TileFit under = fit_of(shown.former, best.method, *c.object, c.view);
+      out.impostors.push_back(
+          {c.instance, under.tile, under.method, under.bound_px, c.distance, c.fade});
+      out.impostors.back().light_lag_us = c.light_lag_us;
+      fade = std::min(fade, progress);
+    }
+  }
+  if (!c.kept) {
+    const bool keeps = in.method.automatic && !c.object->motion.moving() &&
+                       best.method != DrawMethod::kDepth && best.meets(c.tau_px);
+    shown.chosen_until_us = keeps ? in.now_us + kReconsiderUs : INT64_MIN / 2;
+    shown.method = best.method;
+    shown.newest = held.back()->serial;
+  }
+  out.impostors.push_back(
+      {c.instance, best.tile, best.method, best.bound_px, c.distance, static_cast<float>(fade)});
+  out.impostors.back().light_lag_us = c.light_lag_us;
+  if (!c.under_mesh && is_stale(best.bound_px, c.tau_px)) ++out.over_tau;
+}
+
+DrawList Selector::select(const SelectorInput& in) {
+  considered_.clear();
+  DrawList out;
+  out.time_s = in.time_s;
+  Walk w{in, out, Frustum(in.camera), in.march_budget_px, {}};
+  in.scene->for_visible_roots(in.camera, 0, [&](std::uint32_t root) { walk(w, root, 1); });
+  FramePlan& plan = in.plan ? *in.plan : whatever_;
+  chosen_ = plan.decide(in.camera, considered_, levels_, in.now_us);
+  // Back to front by the far side, so that blending is right and what stands on or in another thing
+  // comes after it; equals keep the order of instances.
+  using Ranked = std::pair<double, Candidate*>;
+  std::vector<Ranked> by_far_side;
+  for (std::size_t i = 0; i < w.candidates.size(); ++i) {
+    Candidate& c = w.candidates[i];
+    c.choice = chosen_[i];
+    shown_[c.instance].wrongs = c.choice.wrongs;
+    if (draw_geometry(w, c)) continue;
+    by_far_side.emplace_back(c.distance + in.scene->instances[c.instance].radius, &c);
+  }
+  std::stable_sort(by_far_side.begin(), by_far_side.end(),
+                   [](const Ranked& a, const Ranked& b) { return a.first > b.first; });
+  for (const auto& [far_side, candidate] : by_far_side) draw_candidate(in, *candidate, out);
+  sort_for_blending(out.impostors, *in.scene, in.camera.pose.eye);
+  levels_ = levels_drawn(*in.scene, out.meshes);
+  return out;
+}
+
+}  // namespace mirage

@@ -1,0 +1,144 @@
+#pragma once
+// Selector.
+// Input:  scene, resident tiles, the true and the predicted camera. Output: what to draw now, and
+//         what to ask for, by the error bound.
+// Thread: the frame loop's. Never full: one decision per visible instance and frame.
+//
+// Impostor groups (all instances of a spatial cell) form trees over the instances. Both walks go
+// down from the roots and stop where a group will do.
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "client/frame/draw_list.h"
+#include "client/plan/frame_plan.h"
+#include "client/plan/mesh_wants.h"
+#include "client/plan/rent_or_buy.h"
+#include "client/plan/tile_fit.h"
+#include "client/plan/tile_need.h"
+#include "client/price/tile_bytes.h"
+#include "client/price/view_fit.h"
+
+namespace mirage {
+
+/// Where methods of drawing tiles are compared, geometry is drawn within this many radii unless
+/// something else is said.
+inline constexpr double kSwapRadii = 8;
+inline constexpr double kAnyRadii = std::numeric_limits<double>::infinity();
+
+struct SelectorInput {
+  const SceneView* scene = nullptr;
+  const TileCache* cache = nullptr;
+  const std::vector<bool>* mesh_ready = nullptr;  ///< per object
+  const MeshCache* meshes = nullptr;              ///< nullptr: what is ready is taken to be exact
+  const TileBytes* tile_bytes = nullptr;          ///< nullptr: as many as usual
+  const ViewFit* view = nullptr;                  ///< of the view tile; nullptr: there is none
+  FramePlan* plan = nullptr;                      ///< nullptr: least error, whatever it costs
+  Camera camera;
+  Camera predicted;
+  glm::dvec3 velocity{0};  ///< of the eye, world, m/s
+  double tau_px = 1;
+  double mesh_tau_px = 1;  ///< by which levels of geometry are chosen
+  /// What tau was steered up from; it rises last where the viewer looks.
+  double target_px = std::numeric_limits<double>::infinity();
+  MethodChoice method;
+  double march_budget_px = 1e9;   ///< screen area that may be drawn by marching depth
+  double mesh_radii = kAnyRadii;  ///< farther than this, only what is cheap is geometry
+  std::uint64_t frame = 0;
+  std::int64_t now_us = 0;
+  double time_s = 0;     ///< animation time now
+  double lead_s = 0;     ///< until a tile asked for now is here; 0: the animation stands still
+  double horizon_s = 0;  ///< how far ahead phases are asked for, >= lead_s
+};
+
+class Selector {
+ public:
+  /// Forgets which tile each instance showed.
+  void reset(const SceneView& scene);
+  /// Learns the instances that have come since.
+  void grow(const SceneView& scene) {
+    shown_.resize(scene.instances.size());
+    geometry_.grow(scene.objects.size());
+  }
+
+  /// Decides what is drawn this frame. Its tiles are to be marked in the cache before needs().
+  DrawList select(const SelectorInput& input);
+  /// What each thing in view could have been drawn as, of the last select().
+  const std::vector<Alternatives>& considered() const { return considered_; }
+  /// And what it was, one a thing.
+  const std::vector<Choice>& chosen() const { return chosen_; }
+  /// What to ask for, largest gain first; instances without any acceptable tile at the predicted
+  /// view.
+  std::vector<TileNeed> needs(const SelectorInput& input);
+  /// Instances that should be geometry, there or not: too near for any impostor, or bought. After
+  /// needs() of the frame.
+  MeshWants mesh_needs(const SelectorInput& input);
+  /// A tile of the object has come.
+  void note_tile(std::uint32_t object, double bytes) { geometry_.paid(object, bytes); }
+
+ private:
+  /// What an instance or group showed last, for transitions.
+  struct Shown {
+    TileRecordPtr tile;
+    TileRecordPtr former;  ///< still drawn underneath while `tile` fades in
+    std::int64_t since_us = 0;
+    std::uint64_t frame = 0;               ///< last frame in which it was drawn
+    std::int64_t appeared_us = 0;          ///< groups: when it took over from its members
+    std::int64_t left_us = INT64_MIN / 2;  ///< groups: when its members took over
+    bool as_mesh = false;
+    Wrongs wrongs{};                          ///< of what it showed last
+    std::int64_t swapped_us = INT64_MIN / 2;  ///< when geometry took over, or tiles from it
+    DrawMethod method = DrawMethod::kQuad;    ///< of `tile`
+    std::uint64_t newest = 0;  ///< serial of the group's newest tile when it was chosen
+    std::int64_t chosen_until_us = INT64_MIN / 2;   ///< no better flat tile is looked for before
+    std::int64_t settled_until_us = INT64_MIN / 2;  ///< nothing needs to be asked for before
+  };
+  /// What an instance's being settled rests on, beside its tiles and time.
+  struct Basis {
+    double tau_px = 0, target_px = 0, focal_px = 0, mesh_radii = 0;
+    std::uint32_t light = 0;
+    bool automatic = true, eight_views = false;
+    DrawMethod method = DrawMethod::kQuad;
+    glm::dvec3 eye{0};
+    bool moving = false;
+    std::int64_t now_us = 0;
+  };
+  /// An instance that has tiles, before it is settled how it is drawn.
+  struct Candidate;
+  struct Walk;
+
+  void walk(Walk& walk, std::uint32_t instance, float fade);
+  void walk_group(Walk& walk, std::uint32_t group, float fade);
+  void consider(Walk& walk, std::uint32_t instance, float fade);
+  void fit_tiles(const SelectorInput& in, Candidate& candidate) const;
+  bool members_have_images(const SelectorInput& in, std::uint32_t group) const;
+  bool group_serves(const SelectorInput& in, std::uint32_t group, const ViewGeometry& view) const;
+  bool drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const;
+  Alternatives alternatives(const SelectorInput& in, const Candidate& candidate) const;
+  void add_levels(const SelectorInput& in, std::uint32_t instance, Alternatives& out) const;
+  static bool view_shows(const SelectorInput& in, const Candidate& c);
+  bool draw_geometry(Walk& walk, Candidate& candidate);
+  void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);
+  bool keep_chosen(const SelectorInput& in, Candidate& candidate) const;
+  void forget_settled(const SelectorInput& in);
+  bool wants_members(const SelectorInput& in, std::uint32_t instance) const;
+  void note_rent(const SelectorInput& in, const TileNeed& need);
+  double geometry_gain(const SelectorInput& in, std::uint32_t instance) const;
+  static double bytes_of(const SelectorInput& in, const TileNeed& need);
+  bool members_are_geometry(const SelectorInput& in, std::uint32_t group) const;
+  bool comes_soon(const SelectorInput& in, const TileNeed& need) const;
+  void add_need(const SelectorInput& in, std::uint32_t instance, bool in_view,
+                std::vector<TileNeed>& out);
+
+  std::vector<Shown> shown_;
+  std::vector<Alternatives> considered_;
+  std::vector<Choice> chosen_;
+  RentOrBuy geometry_;
+  std::size_t levels_ = 0;    ///< of geometry in the last frame
+  FramePlan whatever_{0, 1};  ///< where there is no other
+  Basis basis_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,346 @@
+// The selector's second half: what to ask for.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "client/plan/eight_views.h"
+#include "client/plan/importance.h"
+#include "client/plan/motion_need.h"
+#include "client/plan/selector_rules.h"
+#include "client/price/ask_gain.h"
+#include "protocol/limits.h"
+
+namespace mirage {
+namespace {
+
+constexpr double kViewGuard = 0.0873;       // 5 degrees around the predicted view
+constexpr double kGuardGain = 0.25;         // of what only the guard shows: it may never be seen
+constexpr double kUsualTileBytes = 0.15;    // a texel, before any has come
+constexpr double kQuantumShare = 0.01;      // 8-bit depth and the slope within a texel, in radii
+constexpr double kGoodTileTau = 0.5;        // of tau: what a tile shows wrongly in its middle age
+constexpr double kStandInLifeS = 3;         // a tile is asked for in place of geometry if it lasts
+constexpr std::ptrdiff_t kFewMembers = 64;  // of a group: so many are drawn one by one
+constexpr double kStandsM = 1e-4;
+constexpr double kJumpM = 0.05;            // beyond what the speed explains
+constexpr long long kSettledUs = 100'000;  // what is settled is looked at again after so long
+
+ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileGroup& tiles,
+                  double radius, double tau_px, double size_px) {
+  ViewPlan plan;
+  plan.tau_px = tau_px;
+  const glm::dquat inverse = glm::conjugate(glm::dquat(view.world_from_object.rotation));
+  plan.velocity = inverse * in.velocity / double{view.world_from_object.scale};
+  const bool flat = !in.method.automatic && in.method.method != DrawMethod::kDepth;
+  const bool still = glm::length(in.velocity) < 0.02;
+  if (flat || still) return plan;  // a still eye is served best, and cheapest, by a quad
+  double gap = kTypicalGap;
+  if (!tiles.tiles.empty()) gap = tiles.tiles.back()->measure.depth_gap / radius;
+  plan.depth_share = std::max(gap / hole_tolerance(tau_px, size_px), kQuantumShare);
+  return plan;
+}
+
+void add_eight_view_need(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
+                         const TileCache::LitGroup& lit, std::vector<TileNeed>& out) {
+  const TileGroup none;
+  std::optional<TileNeed> need =
+      eight_view_need(lit.wanted ? *lit.tiles : none, view, radius_px(view));
+  if (!need) return;
+  need->instance = instance;
+  need->light = in.cache->light();
+  const double area = disc_px(in.predicted, radius_px(view));
+  const Wrongs now = lit.tiles->tiles.empty() ? nothing_wrongs(area)
+                                              : tile_wrongs(area, false, need->error_px, 1, 1);
+  need->gain = ask_gain(area, now, tile_wrongs(area, false, 0, 1, 1), need->life_s);
+  out.push_back(*need);
+}
+
+// Two layers in place of one, which comes sooner, where relief is all there is and the eye moves
+// on: a choice of methods replaces tiles before they are seen from so far aside that it pays.
+bool wants_layers(const SelectorInput& in, const ObjectDescription& object, const ViewPlan& plan,
+                  double size_px, const TileFit& fit) {
+  constexpr double kLeastPx = 64;  // smaller ones take 1.8 times the bytes
+  return !in.method.automatic && plan.depth_share != kFlatDepthShare && layered(object.needs) &&
+         !object.group && size_px >= kLeastPx && fit.sharp(plan.tau_px);
+}
+
+double walking_speed(const SelectorInput& in) {
+  return std::max(glm::length(in.velocity), kWalkingMps);
+}
+
+// Until when a tile that is good enough is taken to be so: a tenth of the way that is left to tau
+// at this speed, or at a walk, and no longer than is unseen.
+std::int64_t settled_until(const SelectorInput& in, const TileFit& fit, const ViewGeometry& view,
+                           const ViewPlan& plan) {
+  const double left = 1 - fit.error_px(plan.tau_px) / plan.tau_px;
+  const double seconds = 0.1 * left * allowed_baseline(view, plan) / walking_speed(in);
+  return in.now_us + std::min(std::llround(1e6 * std::clamp(seconds, 0.0, 1.0)), kSettledUs);
+}
+
+// Makes the need as coarse as what is left of the atlas asks for; false: it is none.
+bool fit_to_atlas(const SelectorInput& in, TileCache::Room& room, TileNeed& need) {
+  if (!is_picture(need.channels)) return true;
+  const TileGroup& group = *in.cache->group_to_draw(need.instance);
+  std::uint32_t shown_edge = 0;
+  for (const TileRecordPtr& tile : group.tiles) {
+    if (tile->last_drawn == in.frame) shown_edge = std::max(shown_edge, tile->capture.edge);
+  }
+  const std::size_t kept = shown_edge > 0 ? room.reserved : 0;
+  const std::size_t left = room.texels - std::min(room.texels, kept);
+  const std::uint8_t wanted = need.size_class;
+  const auto fits = [&] {
+    const std::uint32_t edge = tile_edge(need.size_class);
+    return edge < room.edge && in.cache->footprint(edge) <= left;
+  };
+  while (!fits()) {
+    if (need.size_class == 0) return false;
+    --need.size_class;
+  }
+  const std::uint32_t edge = tile_edge(need.size_class);
+  if (need.size_class < wanted && edge <= shown_edge) return false;
+  const InstanceView& view = in.scene->instances[need.instance];
+  const Capture capture(need.cell, need.distance, in.scene->objects[view.object].radius, edge);
+  const bool relit = need.channels == kRelitTile;
+  if (in.cache->holds(need.instance, capture, relit, need.phase, need.light)) return false;
+  if (room.texels != SIZE_MAX) room.texels -= std::min(room.texels, in.cache->footprint(edge));
+  return true;
+}
+
+}  // namespace
+
+// Forgets what was settled when it may have changed by anything but time and an even walk.
+void Selector::forget_settled(const SelectorInput& in) {
+  Basis now;
+  now.tau_px = in.tau_px;
+  now.target_px = in.target_px;
+  now.focal_px = in.predicted.focal_px();
+  now.mesh_radii = in.mesh_radii;
+  now.light = in.cache->light();
+  now.automatic = in.method.automatic;
+  now.eight_views = in.method.eight_views;
+  now.method = in.method.method;
+  now.eye = in.predicted.pose.eye;
+  now.now_us = in.now_us;
+  const double seconds = 1e-6 * static_cast<double>(now.now_us - basis_.now_us);
+  const double way = glm::length(now.eye - basis_.eye);
+  const bool jumped = !(way <= 2 * walking_speed(in) * seconds + kJumpM) || seconds < 0;
+  // When a walk ends there may be no other frame to look again.
+  now.moving = way > kStandsM;
+  const bool stopped = basis_.moving && !now.moving;
+  const bool same = now.tau_px == basis_.tau_px && now.target_px == basis_.target_px &&
+                    now.focal_px == basis_.focal_px && now.mesh_radii == basis_.mesh_radii &&
+                    now.light == basis_.light && now.automatic == basis_.automatic &&
+                    now.eight_views == basis_.eight_views && now.method == basis_.method;
+  basis_ = now;
+  if (same && !jumped && !stopped) return;
+  for (Shown& shown : shown_) shown.settled_until_us = INT64_MIN / 2;
+}
+
+void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in_view,
+                        std::vector<TileNeed>& out) {
+  const InstanceView& view_of = in.scene->instances[instance];
+  const ObjectDescription& object = in.scene->objects[view_of.object];
+  ViewGeometry view = view_geometry(in.predicted, view_of, object, in.time_s);
+  const double size = radius_px(view);
+  if (object.radius <= 0 || size < kMinRadiusPx) return;
+  if (!outside(view)) return;
+  const double distance = glm::length(view.eye) / view.radius;
+  if (in.scene->geometry && object.surrounds) return;
+  const double tau = allowed_px(in, in.predicted, view_of);
+  const bool stand_in = (*in.mesh_ready)[view_of.object] && distance < swap_radii(in, object) &&
+                        !too_dear(in, in.predicted, instance, tau);
+  if (stand_in && mesh_pays(in, in.predicted, instance, kGoodTileTau * tau)) return;
+  const TileCache::LitGroup lit = in.cache->lit_group(instance);
+  const TileGroup& group = *lit.tiles;
+  if (group.empty_from(view.eye)) return;  // under any light
+  // At the edge of the view the eye depth falls; ask as if the object were looked at.
+  view.center_depth = glm::length(view.eye);
+  if (in.method.eight_views) return add_eight_view_need(in, instance, view, lit, out);
+  if (object.motion.moving()) return add_moving_needs(in, instance, view, lit, tau, out);
+  ViewPlan plan = plan_for(in, view_of, group, view.radius, tau, size);
+  if (stand_in) plan.depth_share = kFlatDepthShare;
+  if (stand_in && expected_life_s(view, plan) < kStandInLifeS) return;
+  TileFit fit;
+  if (!group.tiles.empty()) {
+    const bool still = plan.depth_share == kFlatDepthShare;
+    fit = still && in.method.automatic ? best_flat(group, object, view, tau)
+                                       : best_fit(group, object, view, in.method, tau);
+  }
+  const double light_px = light_change_px(in, lit, instance, size);
+  // Shaded here it is right, and yet not as good as shaded by the server: when there is time.
+  const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
+  if (fit.settled(tau) && !is_stale(light_px, tau) && !shaded_here) {
+    if (lit.wanted) shown_[instance].settled_until_us = settled_until(in, fit, view, plan);
+    return;
+  }
+  // Inside the swap distance a tile is no use but as a stopgap: one, until geometry comes.
+  if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
+  TileNeed need = need_for_view(view, plan);
+  if (stand_in && need.size_class >= kMaxAskedSizeClass)
+    return;  // it would be coarser than geometry
+  need.instance = instance;
+  // What has no image of its own may be in the view.
+  const std::optional<double> view_px =
+      in.view && group.tiles.empty() ? in.view->error_px(view_of, in.predicted) : std::nullopt;
+  const bool unseen = group.tiles.empty() && !(view_px && *view_px <= kFirstImagePx * tau);
+  // Something quick first: a quarter of the edge is a sixteenth of the bytes.
+  if (unseen && in_view && !stand_in) need.size_class = coarse_class(need.size_class);
+  need.channels = in.cache->wants_relit(instance)             ? kRelitTile
+                  : wants_layers(in, object, plan, size, fit) ? kLayeredTile
+                                                              : kLitTile;
+  need.first = in_view && group.tiles.empty() && !stand_in;
+  need.light = in.cache->light();
+  need.error_px = std::max(displayed_error_px(fit, size, tau), std::min(light_px, 2 * size));
+  if (view_px) need.error_px = std::min(std::max(*view_px, tau), need.error_px);
+  // Any image is better than none, however soon it ages.
+  need.life_s = unseen ? kLongestLife : expected_life_s(view, plan);
+  const bool tested = object.needs & kNeedAlphaMask;
+  const double area = disc_px(in.predicted, size);
+  const Shown& shown = shown_[instance];
+  const Wrongs now = stand_in && shown.frame == in.frame ? shown.wrongs
+                     : !group.tiles.empty()
+                         ? tile_wrongs(area, tested, need.error_px, fit.texel_px, 1)
+                     : view_px ? view_wrongs(area)
+                               : nothing_wrongs(area);
+  const double texel_px = std::max(1.0, 2 * size / tile_edge(need.size_class));
+  const Wrongs then = tile_wrongs(area, tested, kGoodTileTau * tau, texel_px, 1);
+  need.gain = ask_gain(area, now, then, need.life_s);
+  out.push_back(need);
+}
+
+double Selector::bytes_of(const SelectorInput& in, const TileNeed& need) {
+  const double edge = tile_edge(need.size_class);
+  return in.tile_bytes ? in.tile_bytes->expected(need.size_class, need.channels)
+                       : kUsualTileBytes * edge * edge;
+}
+
+// What the tiles of an instance cost beside its geometry.
+void Selector::note_rent(const SelectorInput& in, const TileNeed& need) {
+  const InstanceView& view_of = in.scene->instances[need.instance];
+  const ObjectDescription& object = in.scene->objects[view_of.object];
+  const double radii = glm::length(view_of.center - in.predicted.pose.eye) / view_of.radius;
+  if (!in.meshes || !in.method.automatic || !in.scene->geometry || object.lods.empty()) return;
+  if (object.group || radii >= swap_radii(in, object)) return;
+  if (too_dear(in, in.predicted, need.instance, in.tau_px)) return;
+  const double price =
+      in.meshes->price_bytes(*in.scene, in.predicted, in.mesh_tau_px, need.instance);
+  geometry_.want(view_of.object, bytes_of(in, need), need.life_s, price, need.gain, in.now_us);
+}
+
+// Geometry comes instead of the tile: something is shown meanwhile, or it comes first anyway.
+bool Selector::comes_soon(const SelectorInput& in, const TileNeed& need) const {
+  const InstanceView& view_of = in.scene->instances[need.instance];
+  const double radii = glm::length(view_of.center - in.predicted.pose.eye) / view_of.radius;
+  if (!geometry_.bought(view_of.object, in.now_us)) return false;
+  const double rank = need.gain / bytes_of(in, need);
+  if (need.first && geometry_.worth_a_byte(view_of.object) < rank) return false;
+  return radii < swap_radii(in, in.scene->objects[view_of.object]) &&
+         !too_dear(in, in.predicted, need.instance, in.tau_px);
+}
+
+// Whether all members are drawn as geometry or will be, and are few: a tile of the group would only
+// cost bytes.
+bool Selector::members_are_geometry(const SelectorInput& in, std::uint32_t group) const {
+  const SceneView::Members members = in.scene->members(group);
+  if (members.empty() || members.end() - members.begin() > kFewMembers || !in.method.automatic)
+    return false;
+  return std::all_of(members.begin(), members.end(), [&](std::uint32_t member) {
+    const InstanceView& view_of = in.scene->instances[member];
+    const ObjectDescription& object = in.scene->objects[view_of.object];
+    if (object.group) return members_are_geometry(in, member);
+    const bool comes =
+        (*in.mesh_ready)[view_of.object] || geometry_.bought(view_of.object, in.now_us);
+    const double radii = glm::length(view_of.center - in.predicted.pose.eye) / view_of.radius;
+    return comes && radii < swap_radii(in, object) &&
+           !too_dear(in, in.predicted, member, in.tau_px);
+  });
+}
+
+// Of a group, or of an instance that is cut; false where there are none.
+bool Selector::wants_members(const SelectorInput& in, std::uint32_t instance) const {
+  const InstanceView& view_of = in.scene->instances[instance];
+  const ObjectDescription& object = in.scene->objects[view_of.object];
+  const ViewGeometry view = view_geometry(in.predicted, view_of, object);
+  // By the same rule as what is drawn: members of a group that goes on would never be seen.
+  const double slack = shown_[instance].frame == in.frame ? kMeshHysteresis : 1.0;
+  if (object.cut) {
+    const double radii = glm::length(view.eye) / view.radius;
+    const bool known = !in.scene->members(instance).empty();
+    return known && radii * slack < kPartRadii && !comes_as_mesh(in, object, radii);
+  }
+  if (!object.group) return false;
+  return !group_wanted(in, view_of, view, allowed_px(in, in.predicted, view_of), slack) ||
+         members_are_geometry(in, instance);
+}
+
+std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
+  std::vector<TileNeed> out;
+  if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return out;
+  forget_settled(in);
+  const Frustum frustum(in.predicted, kViewGuard), ahead(in.predicted), now(in.camera);
+  const std::function<void(std::uint32_t)> visit = [&](std::uint32_t i) {
+    const InstanceView& view_of = in.scene->instances[i];
+    if (!frustum.may_see(view_of.center - in.predicted.pose.eye, view_of.radius)) return;
+    if (in.now_us < shown_[i].settled_until_us) return;
+    if (wants_members(in, i)) {
+      for (const std::uint32_t member : in.scene->members(i)) visit(member);
+      return;
+    }
+    const std::size_t first = out.size();
+    const bool in_view = ahead.may_see(view_of.center - in.predicted.pose.eye, view_of.radius) ||
+                         now.may_see(view_of.center - in.camera.pose.eye, view_of.radius);
+    add_need(in, i, in_view, out);
+    const double urgency = (in_view ? 1 : kGuardGain) / tolerance(view_of.importance);
+    for (std::size_t k = first; k < out.size(); ++k) {
+      note_rent(in, out[k]);
+      out[k].gain *= urgency;
+    }
+  };
+  in.scene->for_visible_roots(in.predicted, kViewGuard, visit);
+  geometry_.decide(in.now_us);
+  out.erase(std::remove_if(out.begin(), out.end(),
+                           [&](const TileNeed& need) { return comes_soon(in, need); }),
+            out.end());
+  std::stable_sort(out.begin(), out.end(),
+                   [](const TileNeed& a, const TileNeed& b) { return a.gain > b.gain; });
+  TileCache::Room room = in.cache->room(in.frame);
+  out.erase(std::remove_if(out.begin(), out.end(),
+                           [&](TileNeed& need) { return !fit_to_atlas(in, room, need); }),
+            out.end());
+  return out;
+}
+
+// What geometry of the instance is worth, beside what it shows now.
+double Selector::geometry_gain(const SelectorInput& in, std::uint32_t instance) const {
+  const InstanceView& view_of = in.scene->instances[instance];
+  const ObjectDescription& object = in.scene->objects[view_of.object];
+  const double size = radius_px(view_geometry(in.predicted, view_of, object, in.time_s));
+  const double area = disc_px(in.predicted, size);
+  const Shown& shown = shown_[instance];
+  const bool tested = object.needs & kNeedAlphaMask;
+  const Wrongs now = shown.frame == in.frame ? shown.wrongs : nothing_wrongs(area);
+  return ask_gain(area, now, mesh_wrongs(area, tested, 1, 1), kLongestLife);
+}
+
+MeshWants Selector::mesh_needs(const SelectorInput& in) {
+  MeshWants out;
+  in.scene->for_visible(in.predicted, kViewGuard, [&](std::uint32_t instance) {
+    const InstanceView& view_of = in.scene->instances[instance];
+    const ObjectDescription& object = in.scene->objects[view_of.object];
+    const double radii = glm::length(view_of.center - in.predicted.pose.eye) / view_of.radius;
+    geometry_.used(view_of.object, in.now_us);
+    const bool bought = geometry_.bought(view_of.object, in.now_us) &&
+                        radii < swap_radii(in, object) && !object.group;
+    if (!bought && !comes_as_mesh(in, object, radii)) return;
+    if (too_dear(in, in.predicted, instance, in.tau_px)) return;
+    out.instances.push_back(instance);
+    out.gain[view_of.object] += geometry_gain(in, instance);
+  });
+  // What is bought is worth the tiles it stands for.
+  for (auto& [object, gain] : out.gain) {
+    if (geometry_.bought(object, in.now_us)) gain = std::max(gain, geometry_.worth(object));
+  }
+  return out;
+}
+
+}  // namespace mirage

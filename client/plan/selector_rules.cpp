@@ -1,0 +1,104 @@
+#include "client/plan/selector_rules.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "client/plan/importance.h"
+#include "protocol/limits.h"
+#include "protocol/need_mask.h"
+#include "protocol/stable_math.h"
+
+namespace mirage {
+namespace {
+
+// Nearer, in radii, no picture of the object can stand for it: the eye is in its sphere.
+constexpr double kInsideRadii = 1 + 1e-6;
+// Geometry that is to be drawn is asked for from so many times its distance.
+constexpr double kMeshPrefetch = 1.3;
+// So near a tile lasts for a step only: geometry is asked for whatever it weighs.
+constexpr double kNearRadii = 2;
+constexpr std::uint32_t kTileBytes = 1500;  // of a middling tile, as it travels
+// What a tile that is asked for shows wrongly towards the end of its life, over tau, and its share
+// of its frame.
+constexpr double kAgedTilePx = 2, kTileShare = 0.6;
+
+// Sent once, such geometry costs less than any one tile, and is right from everywhere.
+bool cheaper_than_tiles(const ObjectDescription& object) {
+  constexpr NeedMask kImages = kNeedBaseColorMap | kNeedMetalRoughMap | kNeedNormalMap |
+                               kNeedOcclusionMap | kNeedEmissiveMap;
+  return !object.lods.empty() && object.lods[0].bytes <= kTileBytes && !(object.needs & kImages);
+}
+
+}  // namespace
+
+bool outside(const ViewGeometry& view) {
+  return glm::length(view.eye) > kInsideRadii * view.radius && is_finite(view.eye);
+}
+
+double allowed_px(const SelectorInput& in, const Camera& camera, const InstanceView& view) {
+  // Where the viewer looks matters to a tau that was steered up only.
+  const bool steered = in.tau_px > in.target_px;
+  const double looked_at = steered ? attention(camera, view) : 1;
+  return allowed_error_px(in.tau_px, in.target_px, looked_at, view.importance);
+}
+
+bool group_wanted(const SelectorInput& in, const InstanceView& view_of, const ViewGeometry& view,
+                  double tau_px, double slack) {
+  if (in.method.eight_views) return false;
+  if (glm::length(view.eye) * slack < kGroupRadii * view.radius) return false;
+  ViewPlan plan;
+  plan.tau_px = tau_px;
+  plan.depth_share = kTypicalGap / hole_tolerance(tau_px, radius_px(view));
+  const double speed = std::max(glm::length(in.velocity), kWalkingMps);
+  plan.velocity = glm::dvec3(speed / view_of.world_from_object.scale, 0, 0);
+  return expected_life_s(view, plan) * slack >= kGroupLifeS;
+}
+
+double light_change_px(const SelectorInput& in, const TileCache::LitGroup& lit,
+                       std::uint32_t instance, double radius_px) {
+  if (!lit.then) return 0;
+  const InstanceView& view = in.scene->instances[instance];
+  return light_error_px(lit.then->lighting, in.cache->lights().current().lighting, view,
+                        in.scene->objects[view.object], radius_px);
+}
+
+double swap_radii(const SelectorInput& in, const ObjectDescription& object) {
+  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+  if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return kEverywhere;
+  if (object.surrounds) return kEverywhere;
+  if (in.method.automatic && in.mesh_radii > 0 && cheaper_than_tiles(object)) return kEverywhere;
+  return in.method.automatic ? in.mesh_radii : std::min(in.mesh_radii, kSwapRadii);
+}
+
+bool comes_as_mesh(const SelectorInput& in, const ObjectDescription& object, double radii) {
+  if (!in.scene->geometry) return false;
+  const double swap = swap_radii(in, object);
+  if (!in.method.automatic) return radii < kMeshPrefetch * swap;
+  return object.surrounds || (in.mesh_radii > 0 && cheaper_than_tiles(object)) ||
+         radii < std::min(swap, kNearRadii);
+}
+
+bool mesh_pays(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
+               double tile_px) {
+  const InstanceView& view = in.scene->instances[instance];
+  const ObjectDescription& object = in.scene->objects[view.object];
+  if (!in.plan || !in.method.automatic || object.surrounds || object.lods.empty()) return true;
+  const glm::dvec3 center = view.center - camera.pose.eye;
+  if (glm::length(center) < limits::kMinCaptureRadii * view.radius) return true;
+  Alternatives thing;
+  thing.area_px = shown_area_px(camera, center, view.radius);
+  thing.alpha_tested = object.needs & kNeedAlphaMask;
+  thing.flat = Alternatives::Tile{tile_px, std::max(1.0, in.tau_px), kTileShare};
+  const double density = px_per_unit(*in.scene, camera, instance);
+  const LodInfo& lod = object.lods[lod_for_view(object.lods, density, in.mesh_tau_px)];
+  thing.levels.push_back({0, lod.triangles, lod_excess(lod, density, 1)});
+  return in.plan->mesh_pays(thing);
+}
+
+bool too_dear(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
+              double tau_px) {
+  return in.plan && in.plan->limited() && !mesh_pays(in, camera, instance, kAgedTilePx * tau_px);
+}
+
+}  // namespace mirage

@@ -1,0 +1,307 @@
+#include "client/scene/scene_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_set>
+
+#include "protocol/instance_group.h"
+
+namespace mirage {
+namespace {
+constexpr double kInstancesPerCell = 16;
+
+InstanceView placed(const Similarity& m, std::uint32_t object, const ObjectDescription& of) {
+  InstanceView view;
+  view.object = object;
+  view.world_from_object = m;
+  view.center = m.position + glm::dquat(m.rotation) * (glm::dvec3(of.center) * double{m.scale});
+  view.radius = double{of.radius} * m.scale;
+  return view;
+}
+
+GroupBounds bounds_of(const wire::GroupRecord& record) {
+  GroupBounds out;
+  out.center = from_wire(record.center());
+  out.half = from_wire(record.half());
+  for (int c = 0; c < 3; ++c) {
+    out.mean_color[c] = static_cast<float>((record.mean_rgb() >> (8 * c)) & 255u) / 255.0f;
+  }
+  out.needs = record.needs();
+  return out;
+}
+}  // namespace
+
+Result<void> SceneView::accept(const wire::WelcomeT& w) {
+  *this = SceneView{};
+  welcomed_ = true;
+  revision = w.revision;
+  name = w.scene;
+  renderer = w.renderer;
+  triangles = w.triangles;
+  expected_images_ = w.images;
+  expected_objects_ = w.objects;
+  expected_groups_ = w.groups;
+  expected_roots_ = w.roots;
+  all_instances = w.instances;
+  bounds_center = from_wire(*w.bounds_center);
+  bounds_radius = w.bounds_radius;
+  Result<Lighting> light = from_wire(*w.lighting);
+  if (!light) return light.error();
+  lighting = light.take();
+  environment = {from_wire(*w.sky_zenith), from_wire(*w.sky_horizon), from_wire(*w.sky_nadir),
+                 w.fog_density};
+  home = {from_wire(*w.home_eye), from_wire(*w.home_target), w.walk_radius_m, w.walk_speed_mps};
+  geometry = w.geometry;
+  reference = w.reference;
+  shadows = w.shadows;
+  return {};
+}
+
+Result<void> SceneView::accept(const wire::LightProbePageT& page, const Bytes& payload) {
+  if (!welcomed_ || page.id != lighting.probe.id || probe) {
+    return make_error(ErrorId::kWireState, "light probe that no welcome named");
+  }
+  Result<LightProbe> decoded = decode_probe(page, payload);
+  if (!decoded) return decoded.error();
+  probe = std::make_shared<const LightProbe>(decoded.take());
+  return {};
+}
+
+Result<void> SceneView::accept(const wire::ImagePageT& page) {
+  if (!welcomed_ || page.first != images.size() ||
+      images.size() + page.images.size() > expected_images_) {
+    return make_error(ErrorId::kWireState, "image page out of order");
+  }
+  for (const wire::ImageInfo& info : page.images) {
+    ImageDescription image;
+    image.width = info.width();
+    image.height = info.height();
+    image.srgb = info.srgb();
+    for (std::size_t c = 0; c < 4; ++c) {
+      image.mean[c] = static_cast<std::uint8_t>(info.mean_rgba() >> (8 * c));
+    }
+    image.alpha_cutoff = info.alpha_cutoff();
+    images.push_back(image);
+  }
+  return {};
+}
+
+Result<void> SceneView::accept(const wire::ObjectPageT& page) {
+  if (!welcomed_ || images.size() != expected_images_ || page.first != objects.size() ||
+      objects.size() + page.objects.size() > expected_objects_) {
+    return make_error(ErrorId::kWireState, "object page out of order");
+  }
+  for (const std::unique_ptr<wire::ObjectInfoT>& info : page.objects) {
+    ObjectDescription o;
+    o.center = from_wire(*info->center);
+    o.radius = info->radius;
+    o.box_min = from_wire(*info->box_min);
+    o.box_max = from_wire(*info->box_max);
+    o.mean_color = from_wire(*info->mean_color);
+    o.needs = info->needs;
+    o.triangles = info->triangles;
+    for (const wire::LodInfo& lod : info->lods) {
+      o.lods.push_back({lod.triangles(), lod.bytes(), lod.error(), lod.spread(), lod.shading()});
+    }
+    for (const wire::Vec3f& v : info->hull_vertices) o.hull.vertices.push_back(from_wire(v));
+    o.hull.indices = info->hull_indices;
+    o.surrounds = info->surrounds;
+    o.motion = {info->clip_s, info->speed, info->jump, info->wrap_jump};
+    o.hull.parallax = info->hull_parallax;
+    o.cut = info->cut;
+    objects.push_back(std::move(o));
+  }
+  return {};
+}
+
+// A page is taken as a whole or not at all. Members come with the group they are told to be of, so
+// every parent is known, or not known yet; that groups cannot nest in a circle follows.
+Result<void> SceneView::check_page(const wire::InstancePageT& page) const {
+  if (!welcomed_ || images.size() != expected_images_ || objects.size() < expected_objects_) {
+    return make_error(ErrorId::kWireState, "instance page out of order");
+  }
+  std::unordered_set<std::uint32_t> groups, opened;
+  const auto known_parent = [&](std::uint32_t id) {
+    const std::uint32_t index = index_of(id);
+    if (index == InstanceView::kNoParent) return false;
+    const ObjectDescription& object = objects[instances[index].object];
+    return object.group || object.cut;
+  };
+  // Parents first: a group of this page may be opened in it, once it has a parent itself.
+  for (const wire::GroupRecord& record : page.groups) {
+    const std::size_t number = record.id() - std::size_t{all_instances};
+    const bool leaves =
+        record.leaves() <= all_instances && record.first_leaf() <= all_instances - record.leaves();
+    if (record.id() < all_instances || number >= expected_groups_ || !leaves) {
+      return make_error(ErrorId::kWireValue, "group that the scene does not have");
+    }
+    groups.insert(record.id());
+  }
+  for (const std::uint32_t id : page.opened) {
+    if (!known_parent(id) && groups.count(id) == 0) {
+      return make_error(ErrorId::kWireState, "members of a group that is not known yet");
+    }
+    opened.insert(id);
+  }
+  const auto may_belong = [&](std::uint32_t parent) {
+    return parent == InstanceView::kNoParent || opened.count(parent) != 0;
+  };
+  for (const wire::GroupRecord& record : page.groups) {
+    // A group comes before those nested in it: its number is smaller.
+    const bool after = record.parent() == InstanceView::kNoParent || record.parent() < record.id();
+    if (!may_belong(record.parent()) || !after) {
+      return make_error(ErrorId::kWireValue, "group in a group that is not there");
+    }
+  }
+  for (const wire::InstanceRecord& record : page.instances) {
+    if (record.object() >= expected_objects_ || record.id() >= all_instances) {
+      return make_error(ErrorId::kWireValue, "instance of an object that is not there");
+    }
+    if (!may_belong(record.parent())) {
+      return make_error(ErrorId::kWireValue, "instance in a group that is not there");
+    }
+  }
+  return {};
+}
+
+void SceneView::add(InstanceView view, std::uint32_t parent_id) {
+  const auto index = static_cast<std::uint32_t>(instances.size());
+  if (!index_by_id_.emplace(view.id, index).second) return;  // known already
+  view.parent = parent_id;                                   // made an index in link_members
+  instances.push_back(view);
+}
+
+Result<void> SceneView::accept(const wire::InstancePageT& page) {
+  if (Result<void> checked = check_page(page); !checked) return checked;
+  const bool was_complete = complete();
+  const std::size_t first_new = instances.size();
+  for (const wire::InstanceRecord& record : page.instances) {
+    const Similarity m{from_wire(record.position()), glm::normalize(from_wire(record.rotation())),
+                       record.scale()};
+    InstanceView view = placed(m, record.object(), objects[record.object()]);
+    view.id = record.id();
+    view.clip_offset_s = record.clip_offset_s();
+    view.importance = static_cast<Importance>(record.importance());
+    add(view, record.parent());
+  }
+  for (const wire::GroupRecord& record : page.groups) {
+    if (index_by_id_.count(record.id()) != 0) continue;
+    const GroupBounds bounds = bounds_of(record);
+    objects.push_back(group_description(bounds));
+    // A part of an instance: nothing is nested in it, so it is drawn as an object of its own.
+    objects.back().part = record.parent() < all_instances;
+    objects.back().group = !objects.back().part;
+    Similarity m;
+    m.position = bounds.center;
+    InstanceView view = placed(m, static_cast<std::uint32_t>(objects.size() - 1), objects.back());
+    view.id = record.id();
+    view.importance = static_cast<Importance>(record.importance());
+    view.first_leaf = record.first_leaf();
+    view.leaves = record.leaves();
+    add(view, record.parent());
+  }
+  link_members(first_new);
+  for (const std::uint32_t id : page.opened) members_of_[index_of(id)].known = true;
+  if (complete() && !was_complete) build_grid();
+  described_ = described_ || (page.request_id == 0 && page.last);
+  return {};
+}
+
+// New members of a group all come in one page: they are one run.
+void SceneView::link_members(std::size_t first_new) {
+  members_of_.resize(instances.size());
+  std::map<std::uint32_t, std::vector<std::uint32_t>> by_parent;
+  for (std::size_t i = first_new; i < instances.size(); ++i) {
+    const auto index = static_cast<std::uint32_t>(i);
+    std::uint32_t& parent = instances[i].parent;
+    if (parent == InstanceView::kNoParent) {
+      roots_.push_back(index);
+      continue;
+    }
+    parent = index_of(parent);
+    by_parent[parent].push_back(index);
+  }
+  for (const auto& [parent, members] : by_parent) {
+    Run& run = members_of_[parent];
+    if (run.known) continue;  // told twice, and not the same: the first time counts
+    run.first = static_cast<std::uint32_t>(members_.size());
+    members_.insert(members_.end(), members.begin(), members.end());
+    run.last = static_cast<std::uint32_t>(members_.size());
+  }
+}
+
+std::uint32_t SceneView::index_of(std::uint32_t id) const {
+  const auto at = index_by_id_.find(id);
+  return at != index_by_id_.end() ? at->second : InstanceView::kNoParent;
+}
+
+std::uint32_t SceneView::object_id(std::uint32_t instance) const {
+  const InstanceView& view = instances[instance];
+  if (view.id < all_instances) return view.object;
+  return static_cast<std::uint32_t>(expected_objects_ + (view.id - all_instances));
+}
+
+bool SceneView::blends() const {
+  return std::any_of(objects.begin(), objects.end(),
+                     [](const ObjectDescription& o) { return (o.needs & kNeedBlend) != 0; });
+}
+
+bool SceneView::complete() const {
+  const bool lit = lighting.probe.id == 0 || probe;
+  return welcomed_ && lit && images.size() == expected_images_ &&
+         objects.size() >= expected_objects_ && roots_.size() >= expected_roots_;
+}
+
+void SceneView::build_grid() {
+  const int n = std::max(
+      1, static_cast<int>(std::sqrt(static_cast<double>(roots_.size()) / kInstancesPerCell)));
+  const auto index = [&](double v, double middle) {
+    const double t = bounds_radius > 0 ? (v - middle) / (2 * bounds_radius) + 0.5 : 0.5;
+    return std::clamp(static_cast<int>(t * n), 0, n - 1);
+  };
+  cells_.assign(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), Cell{});
+  for (const std::uint32_t i : roots_) {
+    const glm::dvec3& c = instances[i].center;
+    const int x = index(c.x, bounds_center.x), z = index(c.z, bounds_center.z);
+    cells_[static_cast<std::size_t>(z) * static_cast<std::size_t>(n) + static_cast<std::size_t>(x)]
+        .instances.push_back(i);
+  }
+  for (Cell& cell : cells_) {
+    for (const std::uint32_t i : cell.instances) {
+      cell.center += instances[i].center / static_cast<double>(cell.instances.size());
+    }
+    for (const std::uint32_t i : cell.instances) {
+      cell.radius = std::max(cell.radius,
+                             glm::length(instances[i].center - cell.center) + instances[i].radius);
+    }
+  }
+}
+
+void SceneView::for_visible_roots(const Camera& camera, double guard,
+                                  const std::function<void(std::uint32_t)>& visit) const {
+  const Frustum frustum(camera, guard);
+  for (const Cell& cell : cells_) {
+    if (cell.instances.empty()) continue;
+    if (!frustum.may_see(cell.center - camera.pose.eye, cell.radius)) continue;
+    for (const std::uint32_t i : cell.instances) {
+      const InstanceView& instance = instances[i];
+      if (frustum.may_see(instance.center - camera.pose.eye, instance.radius)) visit(i);
+    }
+  }
+}
+
+void SceneView::for_visible(const Camera& camera, double guard,
+                            const std::function<void(std::uint32_t)>& visit) const {
+  const Frustum frustum(camera, guard);
+  const std::function<void(std::uint32_t)> down = [&](std::uint32_t i) {
+    if (!objects[instances[i].object].group) return visit(i);
+    for (const std::uint32_t member : members(i)) {
+      const InstanceView& view = instances[member];
+      if (frustum.may_see(view.center - camera.pose.eye, view.radius)) down(member);
+    }
+  };
+  for_visible_roots(camera, guard, down);
+}
+
+}  // namespace mirage

@@ -1,0 +1,54 @@
+#pragma once
+// Shadow stage.
+// Input:  what is drawn, the light, shadow and caster tiles as they come. Output: the shadow tile
+//         of each drawn impostor, the casters of the shadow map, and what to ask for.
+// Thread: the frame loop's. Never full: the cache behind it is (shadow_cache.h).
+//
+// Impostors wear the shadow tile of their instance; geometry is shadowed by a map, drawn from
+// meshes and from tiles captured along the light. Only the sun casts (sun_of), and only at rest:
+// while it turns, the map follows and impostors go without, for a tile would be late whenever it
+// came.
+
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "client/frame/caster_list.h"
+#include "client/hold/shadow_cache.h"
+#include "client/plan/selector.h"
+
+namespace mirage {
+
+class ShadowStage {
+ public:
+  void reset();
+  /// The light has become another.
+  void relight(std::int64_t now_us) { light_since_us_ = now_us; }
+  /// A mesh or image has come: the next map is drawn with it.
+  void assets_changed() { ++assets_; }
+  /// nullptr when there is no room for it.
+  ShadowRecordPtr insert(const TileNeed& need, std::uint32_t object, const Capture& capture,
+                         const TileCrop& crop, std::uint64_t frame);
+
+  /// Completes the draw list under `lighting`: shadow tiles and casters. `meshes` chooses the
+  /// levels of casters.
+  void shade(const SelectorInput& in, const Lighting& lighting, MeshCache& meshes, DrawList& list);
+  /// Adds what is worth asking for, `list` being drawn.
+  void add_needs(const SelectorInput& in, const Lighting& lighting, const DrawList& list,
+                 std::vector<TileNeed>& needs) const;
+
+ private:
+  struct CasterWalk;
+  void walk_casters(CasterWalk& walk, std::uint32_t instance) const;
+  void add_shadow_need(const SelectorInput& in, const Lighting& lighting,
+                       const DrawnImpostor& drawn, std::vector<TileNeed>& needs) const;
+
+  ShadowCache cache_;
+  CasterListPtr casters_;
+  std::vector<TileNeed> caster_needs_;  ///< as of the last walk
+  std::int64_t walked_us_ = INT64_MIN / 2;
+  std::int64_t light_since_us_ = INT64_MIN / 2;
+  std::uint64_t assets_ = 0;
+};
+
+}  // namespace mirage

@@ -1,0 +1,61 @@
+#include "client/session/stillness.h"
+
+#include "client/hold/shadow_cache.h"
+#include "client/hold/tile_cache.h"
+#include "protocol/lighting_state.h"
+
+namespace mirage {
+namespace {
+
+std::vector<double> numbers(const Camera& camera, const SceneView& scene, const DrawList& list) {
+  const glm::dvec3& eye = camera.pose.eye;
+  const glm::quat& q = camera.pose.rotation;
+  std::vector<double> out = {eye.x,
+                             eye.y,
+                             eye.z,
+                             double{q.w},
+                             double{q.x},
+                             double{q.y},
+                             double{q.z},
+                             camera.fov_y,
+                             camera.near_m,
+                             camera.far_m,
+                             static_cast<double>(camera.width),
+                             static_cast<double>(camera.height)};
+  const auto put = [&](auto value) { out.push_back(static_cast<double>(value)); };
+  put(list.impostors.size());
+  for (const DrawnImpostor& drawn : list.impostors) {
+    put(drawn.instance);
+    put(drawn.tile->serial);
+    put(drawn.method);
+    put(drawn.fade);
+    put(drawn.shadow ? drawn.shadow->serial : 0);
+  }
+  put(list.placeholders.size());
+  for (const DrawnPlaceholder& drawn : list.placeholders) put(drawn.instance);
+  bool moves = false;
+  for (const DrawnMesh& drawn : list.meshes) {
+    put(drawn.instance);
+    put(drawn.lod);
+    put(drawn.fade);
+    moves = moves || scene.objects[scene.instances[drawn.instance].object].motion.moving();
+  }
+  put(moves ? list.time_s : 0.0);
+  return out;
+}
+
+}  // namespace
+
+bool Stillness::unchanged(const Camera& camera, const SceneView& scene, const DrawList& list,
+                          const Lighting& lighting) {
+  std::vector<double> now = numbers(camera, scene, list);
+  const bool same =
+      known_ && now == drawn_ && list.casters == casters_ && same_lighting(lighting, lighting_);
+  known_ = true;
+  drawn_ = std::move(now);
+  casters_ = list.casters;
+  lighting_ = lighting;
+  return same;
+}
+
+}  // namespace mirage

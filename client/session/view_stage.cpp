@@ -1,0 +1,117 @@
+#include "client/session/view_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/plan/selector_rules.h"
+
+namespace mirage {
+namespace {
+
+// Asked for from so much of the screen on that shows nothing of what is there.
+constexpr double kMissingShare = 0.05;
+constexpr double kEmptyShare = 0.25;  // whatever it costs: there is next to nothing to be seen
+constexpr std::int64_t kPauseUs = 2'000'000;  // after a refusal
+
+/// Of the screen, by the bounding sphere: at most all of it.
+double screen_share(const Camera& camera, const InstanceView& instance) {
+  const double distance = glm::length(instance.center - camera.pose.eye);
+  if (distance <= instance.radius) return 1;
+  const double px = camera.focal_px() * instance.radius / distance;
+  return std::min(1.0, 3.14159 * px * px / (static_cast<double>(camera.width) * camera.height));
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const ViewTile>> ViewStage::take(const wire::ViewReplyT& reply,
+                                                        const Bytes& payload) {
+  if (reply.request_id == 0 || reply.request_id != pending_) {
+    return std::shared_ptr<const ViewTile>();
+  }
+  pending_ = 0;
+  Result<ViewTile> view = decode_view(reply, payload);
+  if (!view) return view.error();
+  view_ = std::make_shared<const ViewTile>(view.take());
+  fit_.emplace(*view_);
+  drawn_ = false;
+  return view_;
+}
+
+bool ViewStage::refused(const wire::RefusedT& refused, std::int64_t now_us) {
+  if (refused.request_id == 0 || refused.request_id != pending_) return false;
+  pending_ = 0;
+  not_before_us_ = now_us + kPauseUs;
+  if (refused.reason == wire::RefusalReason::NoView) enabled_ = false;
+  return true;
+}
+
+void ViewStage::note_drawn() {
+  if (!std::exchange(drawn_, true)) ++counts_.drawn;
+}
+
+void ViewStage::show_all(DrawList& list) {
+  if (!view_) return;
+  list.view = DrawnView{view_, std::vector<bool>(view_->instances.size(), true)};
+  note_drawn();
+}
+
+bool ViewStage::mark(const InstanceView& instance, bool shown, std::vector<bool>& owners) const {
+  const std::vector<std::uint32_t>& ids = view_->instances;
+  const std::uint32_t first = instance.leaves > 0 ? instance.first_leaf : instance.id;
+  const std::uint32_t end = first + std::max(instance.leaves, 1u);
+  const auto begin = std::lower_bound(ids.begin(), ids.end(), first);
+  auto at = begin;
+  for (; at != ids.end() && *at < end; ++at) {
+    owners[static_cast<std::size_t>(at - ids.begin())] = shown;
+  }
+  return at != begin;
+}
+
+void ViewStage::show_missing(const SceneView& scene, const Camera& camera, DrawList& list) {
+  if (!view_) return;
+  DrawnView view{view_, std::vector<bool>(view_->instances.size(), false)};
+  const Frustum frustum(camera);
+  for (std::size_t i = 0; i < view_->instances.size(); ++i) {
+    const std::uint32_t index = scene.index_of(view_->instances[i]);
+    // Not told of yet: nothing else can show it.
+    view.owners[i] = index == InstanceView::kNoParent && !scene.described();
+    if (index == InstanceView::kNoParent) continue;
+    const InstanceView& instance = scene.instances[index];
+    const glm::dvec3 to = instance.center - camera.pose.eye;
+    const bool large = camera.focal_px() * instance.radius > kMinRadiusPx * glm::length(to);
+    view.owners[i] = large && frustum.may_see(to, instance.radius);
+  }
+  for (const DrawnImpostor& drawn : list.impostors) {
+    if (drawn.fade >= 1) mark(scene.instances[drawn.instance], false, view.owners);
+  }
+  for (const DrawnMesh& drawn : list.meshes) {
+    const bool whole = drawn.fade >= 1 && !drawn.plain;
+    if (whole) mark(scene.instances[drawn.instance], false, view.owners);
+  }
+  for (DrawnPlaceholder& placeholder : list.placeholders) {
+    const InstanceView& instance = scene.instances[placeholder.instance];
+    const bool in_view = mark(instance, true, view.owners);
+    placeholder.covered = in_view || fit_->error_px(instance, camera);
+  }
+  if (std::find(view.owners.begin(), view.owners.end(), true) == view.owners.end()) return;
+  list.view = std::move(view);
+  note_drawn();
+}
+
+std::optional<wire::ViewRequestT> ViewStage::plan(const SceneView& scene, const Camera& predicted,
+                                                  double time_s, const DrawList& list,
+                                                  std::int64_t now_us) {
+  if (!enabled_ || pending_ != 0 || now_us < not_before_us_) return std::nullopt;
+  double missing = 0, tiles = 0;
+  for (const DrawnPlaceholder& placeholder : list.placeholders) {
+    if (placeholder.covered) continue;
+    missing += screen_share(predicted, scene.instances[placeholder.instance]);
+    ++tiles;
+  }
+  // A few of them have tiles of their own sooner.
+  const bool pays = tiles >= kViewTiles || missing >= kEmptyShare;
+  if (missing < kMissingShare || !pays) return std::nullopt;
+  return view_request(predicted, time_s);
+}
+
+}  // namespace mirage

@@ -1,0 +1,149 @@
+// How large functions and types are. The code is formatted, so lines tell: a function ends with a
+// brace in the first column, members are indented by two.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace mirage::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Lines = std::vector<std::string>;
+
+struct Size {
+  int size = 0;
+  std::string what;
+  bool operator<(const Size& o) const { return size > o.size; }
+};
+
+Lines lines_of(const fs::path& file) {
+  std::ifstream in(file);
+  Lines out;
+  for (std::string line; std::getline(in, line);) out.push_back(line);
+  return out;
+}
+
+bool begins(const std::string& line, const char* text) { return line.rfind(text, 0) == 0; }
+
+/// Lines of each function, its signature's among them.
+std::vector<Size> functions_in(const Lines& lines) {
+  std::vector<Size> out;
+  std::size_t start = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::string& line = lines[i];
+    const bool indented = line.empty() || line[0] == ' ' || line[0] == '}' || line[0] == '#' ||
+                          line[0] == '/' || line[0] == ')';
+    if (!indented &&
+        (i == 0 || lines[i - 1].empty() || lines[i - 1][0] == '}' || lines[i - 1][0] == '/' ||
+         lines[i - 1][0] == '#' || lines[i - 1].back() == ';' || lines[i - 1].back() == '{')) {
+      start = i;
+    }
+    const std::string& first = lines[start];
+    const bool function =
+        first.find('(') != std::string::npos && first.find('=') == std::string::npos;
+    if (line == "}" && function) {
+      out.push_back({static_cast<int>(i - start + 1), first.substr(0, first.find('('))});
+    }
+  }
+  return out;
+}
+
+/// Data members of each class and struct.
+std::vector<Size> types_in(const Lines& lines) {
+  static const std::regex type("^(?:class|struct) (\\w+)[^;]*\\{$");
+  static const std::regex none(
+      "^  (?:using|static|friend|typedef|template|return|enum|struct|class|explicit|virtual) .*");
+  std::vector<Size> out;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    std::smatch name;
+    if (!std::regex_match(lines[i], name, type)) continue;
+    int members = 0;
+    for (++i; i < lines.size() && lines[i] != "};"; ++i) {
+      const std::string& line = lines[i];
+      if (!begins(line, "  ") || line.size() < 4 || line[2] == ' ' || line[2] == '}') continue;
+      std::string code = line.substr(0, line.find("//"));
+      code.erase(code.find_last_not_of(' ') + 1);
+      if (code.empty() || code.back() != ';' || std::regex_match(line, none)) continue;
+      const std::string declared = code.substr(0, std::min(code.find('='), code.find('{')));
+      const bool callable = declared.find("std::function<") != std::string::npos;
+      if (declared.find('(') != std::string::npos && !callable) continue;
+      // Several in one declaration: commas outside of what a template takes.
+      int depth = 0;
+      for (const char c : code) {
+        depth += c == '<' || c == '{' || c == '(' ? 1 : c == '>' || c == '}' || c == ')' ? -1 : 0;
+        if (c == ',' && depth == 0) ++members;
+      }
+      ++members;
+    }
+    out.push_back({members, name[1]});
+  }
+  return out;
+}
+
+template <typename Measure>
+std::vector<Size> sizes(const Measure& measure) {
+  std::vector<Size> out;
+  for (const char* part : {"protocol", "shaders", "server", "client"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(MIRAGE_SOURCE_DIR) / part)) {
+      const std::string kind = entry.path().extension().string();
+      if (kind != ".h" && kind != ".cpp") continue;
+      for (Size& size : measure(lines_of(entry.path()))) {
+        size.what += "  " + fs::relative(entry.path(), MIRAGE_SOURCE_DIR).string();
+        out.push_back(std::move(size));
+      }
+    }
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+void print(const char* what, const std::vector<Size>& all) {
+  std::printf("%zu %s; the largest:\n", all.size(), what);
+  for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 12); ++i) {
+    std::printf("%5d  %s\n", all[i].size, all[i].what.c_str());
+  }
+}
+
+// CONTRIBUTING asks for about 60 lines, but for tables.
+TEST(Sizes, NoFunctionGrowsBeyondTheLongest) {
+  static const std::regex table(
+      "^.*(?:need_rules|parse_options|options_of_all_programs|finishes|SessionStats::json)  .*");
+  std::vector<Size> all = sizes(functions_in);
+  print("functions by lines", all);
+  ASSERT_GT(all.size(), 1000u);
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [](const Size& s) { return std::regex_match(s.what, table); }),
+            all.end());
+  EXPECT_LE(all.front().size, 74);
+}
+
+// About 15 is the aim.
+TEST(Sizes, NoTypeGrowsBeyondTheLargest) {
+  const std::vector<Size> all = sizes(types_in);
+  print("types by data members", all);
+  ASSERT_GT(all.size(), 300u);
+  EXPECT_LE(all.front().size, 42);
+}
+
+TEST(Sizes, AreCounted) {
+  const std::vector<Size> functions =
+      functions_in({"int a(int b) {", "  return b;", "}", "", "void C::d(int e,",
+                    "         int f) {", "  if (e) {", "  }", "}"});
+  ASSERT_EQ(functions.size(), 2u);
+  EXPECT_EQ(functions[0].size, 3);
+  EXPECT_EQ(functions[1].size, 5);
+  const std::vector<Size> types = types_in(
+      {"struct A {", "  int a = 0, b = 1;  ///< two", "  std::map<int, int> c;", "  int d() const;",
+       "  struct B {", "    int e;", "  };", "  std::function<void(int)> f{};", "};"});
+  ASSERT_EQ(types.size(), 1u);
+  EXPECT_EQ(types[0].size, 4);
+}
+
+}  // namespace
+}  // namespace mirage::test

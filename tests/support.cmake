@@ -1,0 +1,11 @@
+# What several tests and benchmarks stand on: a child process, an object in a GL context, a session with its server, large scenes.
+add_library(mirage_test_support STATIC support/process.cpp)
+mirage_target(mirage_test_support TEST PCH none)
+target_compile_definitions(mirage_test_support PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                           MIRAGE_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+
+add_library(mirage_test_rigs STATIC gl/bench.cpp support/rig.cpp support/large_scene.cpp)
+mirage_target(mirage_test_rigs PCH wire)
+target_compile_definitions(mirage_test_rigs PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+target_link_libraries(mirage_test_rigs PUBLIC mirage_server_core mirage_client_core mirage_gltf mirage_builtin mirage_quality
+                      mirage_egl OpenImageIO::OpenImageIO nlohmann_json::nlohmann_json)
