@@ -1,8 +1,7 @@
 # What several tests and benchmarks stand on: a child process, an object in a GL context, a session with its server, large scenes.
 add_library(mirage_test_support STATIC support/process.cpp)
 mirage_target(mirage_test_support TEST PCH none)
-target_compile_definitions(mirage_test_support PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                           MIRAGE_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+target_compile_definitions(mirage_test_support PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
 add_library(mirage_test_rigs STATIC gl/bench.cpp support/rig.cpp support/large_scene.cpp)
 mirage_target(mirage_test_rigs PCH wire)

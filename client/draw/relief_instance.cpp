@@ -1,10 +1,8 @@
 #include "client/draw/relief_instance.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "client/hold/tile_cache.h"
-#include "protocol/stable_math.h"
 
 namespace mirage {
 namespace {

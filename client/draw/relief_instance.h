@@ -2,7 +2,6 @@
 // What relief.vert is told of an impostor: per-instance attributes.
 
 #include <glm/glm.hpp>
-#include <vector>
 
 #include "client/draw/worn_shadow.h"
 #include "client/frame/draw_list.h"

@@ -1,5 +1,5 @@
 // What nearly every file includes, read once: a convenience of the build alone. Every file still
-// includes what it uses; builds with -DMIRAGE_PCH=OFF (the sanitizers', the linter's) see to it.
+// includes what it uses; the linter's build, with -DMIRAGE_PCH=OFF, sees to it for what is shipped.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -8,7 +8,6 @@ namespace mirage {
 struct Counters {
   std::atomic<std::uint64_t> tiles_asked{0};
   std::atomic<std::uint64_t> tiles_rendered{0};
-  /// Of them, keys that had been rendered before: none unless the store had to let them go.
   std::atomic<std::uint64_t> tiles_merged{0};
   std::atomic<std::uint64_t> tiles_cancelled{0};
   std::atomic<std::uint64_t> tiles_late{0};

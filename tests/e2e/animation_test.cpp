@@ -20,7 +20,6 @@ nlohmann::json watch(const std::string& asset, int frames, const std::string& mo
 
 class Animation : public ::testing::Test {
  protected:
-  void SetUp() override {}
   static std::string asset(const std::string& name) { return shared_folder() + "/assets/" + name; }
 };
 

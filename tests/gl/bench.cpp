@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 
 #include "protocol/lighting_state.h"
 #include "protocol/stable_math.h"

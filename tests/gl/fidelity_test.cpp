@@ -99,7 +99,7 @@ class Fidelity : public testing::TestWithParam<Row> {};
 TEST_P(Fidelity, Row) {
   const Row& row = GetParam();
   Bench* bench = bench_for(row.model);
-  if (!bench) GTEST_SKIP() << "no " << row.model.spec << " beside the checkout";
+  ASSERT_TRUE(bench) << "no " << row.model.spec;
   MeasureMean psnr, ssim, iou;
   std::size_t texels = 0;
   for (int i = 0; i < row.directions; ++i) {

@@ -173,7 +173,7 @@ class LitAndRelit : public testing::TestWithParam<Model> {};
 TEST_P(LitAndRelit, MatchTheMeshAndTheTruth) {
   const Model& model = GetParam();
   const std::unique_ptr<Bench> bench = bench_for(model);
-  if (!bench) GTEST_SKIP() << "no " << model.spec << " beside the checkout";
+  ASSERT_TRUE(bench) << "no " << model.spec;
   Agreement mesh_truth, lit_truth, relit_truth, lit_mesh, relit_mesh;
   std::size_t lit_bytes = 0, relit_bytes = 0;
   for (int i = 0; i < kDirections; ++i) {
@@ -210,7 +210,7 @@ TEST_P(LitAndRelit, MatchTheMeshAndTheTruth) {
 TEST_P(LitAndRelit, OnlyTheRelitTileFollowsTheLight) {
   const Model& model = GetParam();
   const std::unique_ptr<Bench> bench = bench_for(model);
-  if (!bench) GTEST_SKIP() << "no " << model.spec << " beside the checkout";
+  ASSERT_TRUE(bench) << "no " << model.spec;
   Agreement lit_after, relit_after, traced_after;
   for (int i = 0; i < kDirections; ++i) {
     const Camera c = bench->camera(4, fibonacci_direction(i, kDirections));

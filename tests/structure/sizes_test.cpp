@@ -38,15 +38,16 @@ std::vector<Size> functions_in(const Lines& lines) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const std::string& line = lines[i];
     const bool indented = line.empty() || line[0] == ' ' || line[0] == '}' || line[0] == '#' ||
-                          line[0] == '/' || line[0] == ')';
+                          line[0] == '/' || line[0] == ')' || begins(line, "template ");
     if (!indented &&
         (i == 0 || lines[i - 1].empty() || lines[i - 1][0] == '}' || lines[i - 1][0] == '/' ||
-         lines[i - 1][0] == '#' || lines[i - 1].back() == ';' || lines[i - 1].back() == '{')) {
+         lines[i - 1][0] == '#' || lines[i - 1].back() == ';' || lines[i - 1].back() == '{' ||
+         begins(lines[i - 1], "template "))) {
       start = i;
     }
     const std::string& first = lines[start];
-    const bool function =
-        first.find('(') != std::string::npos && first.find('=') == std::string::npos;
+    const std::string declared = first.substr(0, first.find('('));
+    const bool function = declared != first && declared.find('=') == std::string::npos;
     if (line == "}" && function) {
       out.push_back({static_cast<int>(i - start + 1), first.substr(0, first.find('('))});
     }
@@ -65,7 +66,12 @@ std::vector<Size> types_in(const Lines& lines) {
     if (!std::regex_match(lines[i], name, type)) continue;
     int members = 0;
     for (++i; i < lines.size() && lines[i] != "};"; ++i) {
-      const std::string& line = lines[i];
+      std::string line = lines[i];
+      // A declaration over several lines.
+      while (begins(line, "  ") && line[2] != ' ' && line.find('(') == std::string::npos &&
+             (line.back() == ',' || line.back() == '>') && i + 1 < lines.size()) {
+        line += lines[++i].substr(std::min<std::size_t>(lines[i].size(), 5));
+      }
       if (!begins(line, "  ") || line.size() < 4 || line[2] == ' ' || line[2] == '}') continue;
       std::string code = line.substr(0, line.find("//"));
       code.erase(code.find_last_not_of(' ') + 1);
@@ -132,17 +138,19 @@ TEST(Sizes, NoTypeGrowsBeyondTheLargest) {
 }
 
 TEST(Sizes, AreCounted) {
-  const std::vector<Size> functions =
-      functions_in({"int a(int b) {", "  return b;", "}", "", "void C::d(int e,",
-                    "         int f) {", "  if (e) {", "  }", "}"});
-  ASSERT_EQ(functions.size(), 2u);
+  const std::vector<Size> functions = functions_in(
+      {"int a(int b) {", "  return b;", "}", "", "void C::d(int e,", "         int f) {",
+       "  if (e) {", "  }", "}", "", "template <typename T>", "int g(int h = 0) {", "}"});
+  ASSERT_EQ(functions.size(), 3u);
   EXPECT_EQ(functions[0].size, 3);
   EXPECT_EQ(functions[1].size, 5);
-  const std::vector<Size> types = types_in(
-      {"struct A {", "  int a = 0, b = 1;  ///< two", "  std::map<int, int> c;", "  int d() const;",
-       "  struct B {", "    int e;", "  };", "  std::function<void(int)> f{};", "};"});
+  EXPECT_EQ(functions[2].size, 2);
+  const std::vector<Size> types =
+      types_in({"struct A {", "  int a = 0, b = 1;  ///< two", "  std::map<int, int> c;",
+                "  int d() const;", "  struct B {", "    int e;", "  };",
+                "  std::function<void(int)> f{};", "  glm::vec4 g, h,", "      i;", "};"});
   ASSERT_EQ(types.size(), 1u);
-  EXPECT_EQ(types[0].size, 4);
+  EXPECT_EQ(types[0].size, 7);
 }
 
 }  // namespace

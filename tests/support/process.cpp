@@ -58,7 +58,9 @@ int wait_for(int pid, double timeout_s, rusage* used = nullptr) {
 
 }  // namespace
 
-std::string binary(const std::string& name) { return std::string(MIRAGE_BIN_DIR) + "/" + name; }
+std::string binary(const std::string& name) {
+  return (fs::read_symlink("/proc/self/exe").parent_path() / name).string();
+}
 
 std::string read_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);

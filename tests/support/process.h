@@ -17,12 +17,13 @@ struct Finished {
 Finished run(const std::vector<std::string>& command, double timeout_s = 60);
 
 /// Path of a shipped binary.
+/// The program of that name beside this one.
 std::string binary(const std::string& name);
 
 /// All bytes of a file; none when it is not there.
 std::string read_file(const std::string& path);
 
-/// Folder with the shared assets, or empty when it is not there.
+/// data_folder().
 std::string shared_folder();
 
 /// A fresh folder for one test's files, removed at exit.
