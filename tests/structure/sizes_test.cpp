@@ -70,7 +70,8 @@ std::vector<Size> types_in(const Lines& lines) {
       // A declaration over several lines.
       while (begins(line, "  ") && line[2] != ' ' && line.find('(') == std::string::npos &&
              (line.back() == ',' || line.back() == '>') && i + 1 < lines.size()) {
-        line += lines[++i].substr(std::min<std::size_t>(lines[i].size(), 5));
+        ++i;
+        line += lines[i].substr(std::min<std::size_t>(lines[i].size(), 5));
       }
       if (!begins(line, "  ") || line.size() < 4 || line[2] == ' ' || line[2] == '}') continue;
       std::string code = line.substr(0, line.find("//"));
