@@ -50,11 +50,12 @@ double ServerPace::completes() const {
 
 std::size_t ServerPace::limit(std::int64_t way_us, std::int64_t slack_us) {
   const std::int64_t tile_us = expected_us_ > 0 ? expected_us_ : kUnknownUs;
-  const double unknown = static_cast<double>(way_us + slack_us) / static_cast<double>(tile_us);
+  const double unknown =
+      (static_cast<double>(way_us) + static_cast<double>(slack_us)) / static_cast<double>(tile_us);
   if (last_.size() < kFirstReplies) return bounded(unknown);
   std::vector<std::int64_t> ways;
   for (const Reply& reply : last_) ways.push_back(reply.way_us);
-  const double while_us = static_cast<double>(quantile(ways, 0.5) + slack_us);
+  const double while_us = static_cast<double>(quantile(ways, 0.5)) + static_cast<double>(slack_us);
   const bool queued = 2 * server_us() >= slack_us;
   if (queued) {
     per_us_ = completes();
