@@ -13,13 +13,19 @@
 #include <cstdio>
 #include <fstream>
 
-#include "protocol/fail.h"
+#include "protocol/base/fail.h"
+#include "protocol/impostor/tile_key.h"
+#include "server/net/endpoint.h"
 #include "server/options.h"
+#include "server/prepare/prepared_scene.h"
 #include "server/prove/explain.h"
+#include "server/prove/need_proof.h"
 #include "server/scene/environment/environment.h"
 #include "server/scene/environment/environment_file.h"
+#include "server/session/session.h"
 #include "server/stage/pipeline.h"
 #include "server/stage/render_profile.h"
+#include "server/tile/tile_job.h"
 #include "shaders/gl/egl_context.h"
 #include "shaders/gl/health.h"
 
@@ -101,7 +107,7 @@ int serve(const ServerOptions& options, const std::shared_ptr<const PreparedScen
   session_options.profile = render_profile(*renderer, options.render.supersample).hash();
   StageQueues& queues = pipeline.queues;
   SessionHub hub(scene, session_options, queues);
-  Endpoint endpoint(hub, queues.completions, queues.counters);
+  Endpoint endpoint(hub, queues);
   // However this function is left: the stages end before the endpoint they wake.
   struct Shutdown {
     Pipeline& pipeline;

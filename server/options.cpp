@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "protocol/cli.h"
+#include "protocol/base/cli.h"
 #include "server/scene/builtin/builtin_scene.h"
 
 namespace mirage {

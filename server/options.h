@@ -1,9 +1,11 @@
 #pragma once
 #include <string>
 
-#include "server/net/endpoint.h"
-#include "server/session/session.h"
-#include "server/stage/render_stage.h"
+#include "server/net/endpoint_options.h"
+
+#include "server/session/session_options.h"
+
+#include "server/stage/render_options.h"
 
 namespace mirage {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "protocol/quantile.h"
+#include "protocol/base/quantile.h"
 
 namespace mirage {
 namespace {

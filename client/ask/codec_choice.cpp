@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "protocol/quantile.h"
+#include "protocol/base/quantile.h"
 
 namespace mirage {
 namespace {

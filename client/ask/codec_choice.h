@@ -15,7 +15,7 @@
 #include <optional>
 #include <vector>
 
-#include "protocol/tile_codec.h"
+#include "protocol/codec/tile_codec.h"
 
 namespace mirage {
 

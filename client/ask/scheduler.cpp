@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "protocol/limits.h"
+#include "client/scene/scene_view.h"
+#include "protocol/base/limits.h"
+#include "wire_generated.h"
 
 namespace mirage {
 namespace {

@@ -18,11 +18,16 @@
 
 #include "client/ask/ask_window.h"
 #include "client/ask/server_pace.h"
-#include "client/plan/selector.h"
 #include "client/price/tile_bytes.h"
-#include "protocol/message.h"
 
+#include "client/hold/asset_need.h"
+#include "client/plan/tile_need.h"
 namespace mirage {
+
+class SceneView;
+namespace wire {
+struct RequestBatchT;
+}
 
 /// An ask under way.
 struct PendingAsk {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "protocol/quantile.h"
+#include "protocol/base/quantile.h"
 
 namespace mirage {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "client/frame/caster_list.h"
 #include "client/scene/scene_view.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 #include "shaders/gl/gl_object.h"
 #include "shaders/gl/program.h"
 

@@ -1,6 +1,23 @@
 #include "client/draw/frame_renderer.h"
 
 #include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "client/draw/caster_pass.h"
+#include "client/draw/frame_target.h"
+#include "client/draw/impostor_pass.h"
+#include "client/draw/shadow_atlas.h"
+#include "client/draw/view_pass.h"
+#include "client/frame/asset_id.h"
+#include "client/frame/draw_list.h"
+#include "client/scene/scene_view.h"
+#include "protocol/codec/model_codec.h"
+#include "protocol/model/animation.h"
+#include "protocol/model/model.h"
+#include "shaders/gl/mesh_pass.h"
+#include "shaders/gl/sky_pass.h"
 
 namespace mirage {
 namespace {
@@ -22,86 +39,61 @@ std::vector<DrawnMesh> in_drawing_order(std::vector<DrawnMesh> meshes, const Cam
 }
 }  // namespace
 
-Result<FrameRenderer> FrameRenderer::create(int atlas_edge, int atlas_layers,
-                                            const std::set<DrawMethod>& flat) {
-  Result<ImpostorPass> impostors = ImpostorPass::create(atlas_edge, atlas_layers, flat);
-  if (!impostors) return impostors.error();
-  Result<gl::SkyPass> sky = gl::SkyPass::create();
-  if (!sky) return sky.error();
-  Result<CasterPass> casters = CasterPass::create();
-  if (!casters) return casters.error();
-  Result<ViewPass> view = ViewPass::create();
-  if (!view) return view.error();
-  FrameRenderer out;
-  out.view_ = view.take();
-  out.casters_ = casters.take();
-  out.impostors_ = impostors.take();
-  out.sky_ = std::move(*sky);
-  out.sharpen_as_usual();
-  return out;
-}
+struct FrameRenderer::Parts {
+  struct ClientMesh {
+    gl::GpuMesh mesh;
+    std::vector<Material> materials;
+    std::vector<Vertex> bind;  ///< of a moving object
+    std::shared_ptr<const Animation> animation;
+    double posed_at_s = -1;  ///< clip time of the vertices uploaded last
+  };
+  void show_mean(const SceneView& scene, std::uint32_t image);
+  void pose(ClientMesh& mesh, const InstanceView& instance, double time_s);
+  void draw_shadow_map(const SceneView& scene, const CasterListPtr& casters);
+  void draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
+                   const Lighting& lighting, bool blended, DepthMapping mapping);
 
-void FrameRenderer::sharpen_as_usual() { sharpen(kSharpenLevels, kSharpenTestedLevels); }
+  ImpostorPass impostors;
+  ViewPass view;
+  gl::SkyPass sky;
+  std::optional<gl::ProbeMap> probe;
+  std::unique_ptr<gl::MeshPass> mesh_pass = std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);
+  std::map<std::pair<std::uint32_t, std::uint8_t>, ClientMesh> meshes;  ///< by object and level
+  gl::GpuImages images;                                                 ///< of the scene
+  std::vector<Vertex> posed;                                            ///< scratch
+  ShadowAtlas shadow_atlas;
+  CasterPass caster_pass;
+  std::unique_ptr<gl::MeshPass> caster_meshes =
+      std::make_unique<gl::MeshPass>(gl::MeshOutput::kDepth);
+  gl::ShadowMap shadow_map;  ///< made when first needed
+  CasterListPtr in_map;      ///< what the map shows
+  int draw_calls = 0;
+};
 
-Result<void> FrameRenderer::reset(const SceneView& scene) {
-  meshes_.clear();
-  in_map_.reset();
-  images_ = gl::GpuImages();
-  mesh_pass_->set_fog(scene.environment.horizon, scene.environment.fog_density);
-  for (std::uint32_t i = 0; i < scene.images.size(); ++i) show_mean(scene, i);
-  probe_.reset();
-  if (scene.probe) probe_ = gl::ProbeMap::create(*scene.probe);
-  mesh_pass_->set_probe(probe_ ? &*probe_ : nullptr);
-  mesh_pass_->set_backdrop(scene.environment.horizon);
-  return impostors_.reset(scene);
-}
-
-void FrameRenderer::show_mean(const SceneView& scene, std::uint32_t index) {
+void FrameRenderer::Parts::show_mean(const SceneView& scene, std::uint32_t index) {
   const ImageDescription& description = scene.images[index];
   Image mean;
   mean.width = mean.height = 1;
   mean.srgb = description.srgb;
   mean.rgba.assign(description.mean.begin(), description.mean.end());
-  images_.put(index, mean, 0);
+  images.put(index, mean, 0);
 }
 
-Result<void> FrameRenderer::add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model) {
-  ClientMesh mesh;
-  mesh.mesh = gl::GpuMesh(model.mesh);
-  mesh.materials = std::move(model.materials);
-  if (model.animation) mesh.bind = std::move(model.mesh.vertices);
-  mesh.animation = std::move(model.animation);
-  Result<void> compiled = mesh_pass_->warm_up(mesh.mesh, mesh.materials, true);
-  meshes_[{object, lod}] = std::move(mesh);
-  return compiled;
-}
-
-void FrameRenderer::add_image(const SceneView& scene, std::uint32_t index, const Image& image) {
-  images_.put(index, image, scene.images[index].alpha_cutoff);
-}
-
-void FrameRenderer::drop(const SceneView& scene, const AssetId& id) {
-  if (id.kind == AssetId::Kind::kMesh) {
-    meshes_.erase({id.index, id.level});
-  } else {
-    show_mean(scene, id.index);
-  }
-}
-
-void FrameRenderer::pose(ClientMesh& mesh, const InstanceView& instance, double time_s) {
+void FrameRenderer::Parts::pose(ClientMesh& mesh, const InstanceView& instance, double time_s) {
   const double clip_time = wrap_clip(time_s + instance.clip_offset_s, mesh.animation->clip_s);
   if (mesh.posed_at_s == clip_time) return;
   mesh.posed_at_s = clip_time;
-  pose_vertices(mesh.bind, *mesh.animation, clip_time, posed_);
-  mesh.mesh.replace_vertices(posed_);
+  pose_vertices(mesh.bind, *mesh.animation, clip_time, posed);
+  mesh.mesh.replace_vertices(posed);
 }
 
-void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
-                                const Lighting& lighting, bool blended, DepthMapping mapping) {
+void FrameRenderer::Parts::draw_meshes(const Camera& camera, const SceneView& scene,
+                                       const DrawList& list, const Lighting& lighting, bool blended,
+                                       DepthMapping mapping) {
   if (list.meshes.empty()) return;
-  mesh_pass_->begin(camera.clip_from_relative(mapping), gl::light_block(lighting, camera.pose.eye),
-                    mapping);
-  mesh_pass_->set_shadow(list.casters && in_map_ ? &shadow_map_ : nullptr, camera.pose.eye);
+  mesh_pass->begin(camera.clip_from_relative(mapping), gl::light_block(lighting, camera.pose.eye),
+                   mapping);
+  mesh_pass->set_shadow(list.casters && in_map ? &shadow_map : nullptr, camera.pose.eye);
   std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<gl::MeshInstance>> by_mesh;
   std::vector<std::pair<std::uint32_t, std::uint8_t>> order;
   for (const DrawnMesh& drawn : in_drawing_order(list.meshes, camera, scene, blended)) {
@@ -115,76 +107,167 @@ void FrameRenderer::draw_meshes(const Camera& camera, const SceneView& scene, co
   }
   for (const auto& mesh : order) {
     const std::vector<gl::MeshInstance>& instances = by_mesh[mesh];
-    const auto found = meshes_.find(mesh);
-    if (found == meshes_.end()) continue;
+    const auto found = meshes.find(mesh);
+    if (found == meshes.end()) continue;
     if (found->second.animation) {
       for (const gl::MeshInstance& one : instances) {
         pose(found->second, scene.instances[one.id], list.time_s);
-        mesh_pass_->draw(found->second.mesh, found->second.materials, images_, &one, 1, blended);
+        mesh_pass->draw(found->second.mesh, found->second.materials, images, &one, 1, blended);
       }
       continue;
     }
-    mesh_pass_->draw(found->second.mesh, found->second.materials, images_, instances.data(),
-                     instances.size(), blended);
+    mesh_pass->draw(found->second.mesh, found->second.materials, images, instances.data(),
+                    instances.size(), blended);
   }
-  mesh_pass_->end();
+  mesh_pass->end();
 }
 
-void FrameRenderer::draw_shadow_map(const SceneView& scene, const CasterListPtr& casters) {
-  if (!casters || casters == in_map_) return;
-  if (shadow_map_.edge() == 0) {
+void FrameRenderer::Parts::draw_shadow_map(const SceneView& scene, const CasterListPtr& casters) {
+  if (!casters || casters == in_map) return;
+  if (shadow_map.edge() == 0) {
     Result<gl::ShadowMap> map = gl::ShadowMap::create(kShadowMapEdge);
     if (!map) return;  // drawn without shadows
-    shadow_map_ = map.take();
+    shadow_map = map.take();
   }
   const SunFrame& frame = casters->frame;
-  shadow_map_.begin(frame);
-  caster_meshes_->begin(frame.clip_from_relative(frame.center), {});
+  shadow_map.begin(frame);
+  caster_meshes->begin(frame.clip_from_relative(frame.center), {});
   for (const DrawnMesh& drawn : casters->meshes) {
     const InstanceView& instance = scene.instances[drawn.instance];
-    const auto found = meshes_.find({instance.object, drawn.lod});
-    if (found == meshes_.end()) continue;
+    const auto found = meshes.find({instance.object, drawn.lod});
+    if (found == meshes.end()) continue;
     const gl::MeshInstance one =
         gl::mesh_instance(instance.world_from_object, frame.center, drawn.instance);
-    caster_meshes_->draw(found->second.mesh, found->second.materials, images_, &one, 1, false);
+    caster_meshes->draw(found->second.mesh, found->second.materials, images, &one, 1, false);
   }
-  caster_meshes_->end();
-  casters_.draw(scene, *casters, shadow_atlas_.texture());
-  in_map_ = casters;
+  caster_meshes->end();
+  caster_pass.draw(scene, *casters, shadow_atlas.texture());
+  in_map = casters;
+}
+
+FrameRenderer::FrameRenderer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+FrameRenderer::FrameRenderer(FrameRenderer&& other) noexcept = default;
+FrameRenderer& FrameRenderer::operator=(FrameRenderer&& other) noexcept = default;
+FrameRenderer::~FrameRenderer() = default;
+
+Result<FrameRenderer> FrameRenderer::create(int atlas_edge, int atlas_layers,
+                                            const std::set<DrawMethod>& flat) {
+  Result<ImpostorPass> impostors = ImpostorPass::create(atlas_edge, atlas_layers, flat);
+  if (!impostors) return impostors.error();
+  Result<gl::SkyPass> sky = gl::SkyPass::create();
+  if (!sky) return sky.error();
+  Result<CasterPass> casters = CasterPass::create();
+  if (!casters) return casters.error();
+  Result<ViewPass> view = ViewPass::create();
+  if (!view) return view.error();
+  auto parts = std::make_unique<Parts>();
+  parts->view = view.take();
+  parts->caster_pass = casters.take();
+  parts->impostors = impostors.take();
+  parts->sky = std::move(*sky);
+  FrameRenderer out(std::move(parts));
+  out.sharpen_as_usual();
+  return out;
+}
+
+void FrameRenderer::sharpen_as_usual() { sharpen(kSharpenLevels, kSharpenTestedLevels); }
+
+Result<void> FrameRenderer::reset(const SceneView& scene) {
+  Parts& p = *parts_;
+  p.meshes.clear();
+  p.in_map.reset();
+  p.images = gl::GpuImages();
+  p.mesh_pass->set_fog(scene.environment.horizon, scene.environment.fog_density);
+  for (std::uint32_t i = 0; i < scene.images.size(); ++i) p.show_mean(scene, i);
+  p.probe.reset();
+  if (scene.probe) p.probe = gl::ProbeMap::create(*scene.probe);
+  p.mesh_pass->set_probe(p.probe ? &*p.probe : nullptr);
+  p.mesh_pass->set_backdrop(scene.environment.horizon);
+  return p.impostors.reset(scene);
+}
+
+Result<void> FrameRenderer::add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model) {
+  Parts& p = *parts_;
+  Parts::ClientMesh mesh;
+  mesh.mesh = gl::GpuMesh(model.mesh);
+  mesh.materials = std::move(model.materials);
+  if (model.animation) mesh.bind = std::move(model.mesh.vertices);
+  mesh.animation = std::move(model.animation);
+  Result<void> compiled = p.mesh_pass->warm_up(mesh.mesh, mesh.materials, true);
+  p.meshes[{object, lod}] = std::move(mesh);
+  return compiled;
+}
+
+void FrameRenderer::add_image(const SceneView& scene, std::uint32_t index, const Image& image) {
+  Parts& p = *parts_;
+  p.images.put(index, image, scene.images[index].alpha_cutoff);
+}
+
+void FrameRenderer::drop(const SceneView& scene, const AssetId& id) {
+  Parts& p = *parts_;
+  if (id.kind == AssetId::Kind::kMesh) {
+    p.meshes.erase({id.index, id.level});
+  } else {
+    p.show_mean(scene, id.index);
+  }
 }
 
 void FrameRenderer::draw(const FrameTarget& target, const Camera& shown, const SceneView& scene,
                          const DrawList& list, const Lighting& lighting) {
+  Parts& p = *parts_;
   const Camera camera = target.drawn_camera(shown);
-  impostors_.reset_draw_calls();
-  mesh_pass_->reset_draw_calls();
-  draw_shadow_map(scene, list.casters);
+  p.impostors.reset_draw_calls();
+  p.mesh_pass->reset_draw_calls();
+  p.draw_shadow_map(scene, list.casters);
   target.bind();
   glEnable(GL_FRAMEBUFFER_SRGB);
   glDepthMask(GL_TRUE);
   const gl::ViewDepth view_depth;
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  draw_meshes(camera, scene, list, lighting, false, view_depth.mapping());
-  sky_.draw_behind(camera, scene.environment, view_depth.farthest());
+  p.draw_meshes(camera, scene, list, lighting, false, view_depth.mapping());
+  p.sky.draw_behind(camera, scene.environment, view_depth.farthest());
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(gl::nearer_or_equal(view_depth.mapping()));
-  if (list.view) view_.draw(camera, view_depth.mapping(), *list.view);
-  impostors_.draw(camera, view_depth.mapping(), scene, list, lighting, shadow_atlas_.texture(),
-                  probe_ ? &*probe_ : nullptr);
-  draw_meshes(camera, scene, list, lighting, true, view_depth.mapping());
-  const int view_calls = list.view ? view_.draw_calls() : 0;
-  draw_calls_ = 1 + view_calls + impostors_.draw_calls() + mesh_pass_->draw_calls();
+  if (list.view) p.view.draw(camera, view_depth.mapping(), *list.view);
+  p.impostors.draw(camera, view_depth.mapping(), scene, list, lighting, p.shadow_atlas.texture(),
+                   p.probe ? &*p.probe : nullptr);
+  p.draw_meshes(camera, scene, list, lighting, true, view_depth.mapping());
+  const int view_calls = list.view ? p.view.draw_calls() : 0;
+  p.draw_calls = 1 + view_calls + p.impostors.draw_calls() + p.mesh_pass->draw_calls();
 }
 
 GpuBytes FrameRenderer::gpu_bytes() const {
+  const Parts& p = *parts_;
   GpuBytes bytes;
-  bytes.atlas = impostors_.gpu_bytes();
-  bytes.geometry = images_.gpu_bytes() + (probe_ ? probe_->gpu_bytes() : 0);
-  for (const auto& [id, mesh] : meshes_) bytes.geometry += mesh.mesh.gpu_bytes();
-  bytes.view = view_.gpu_bytes();
-  bytes.shadows = shadow_atlas_.gpu_bytes() + shadow_map_.gpu_bytes();
+  bytes.atlas = p.impostors.gpu_bytes();
+  bytes.geometry = p.images.gpu_bytes() + (p.probe ? p.probe->gpu_bytes() : 0);
+  for (const auto& [id, mesh] : p.meshes) bytes.geometry += mesh.mesh.gpu_bytes();
+  bytes.view = p.view.gpu_bytes();
+  bytes.shadows = p.shadow_atlas.gpu_bytes() + p.shadow_map.gpu_bytes();
   return bytes;
 }
+
+Result<void> FrameRenderer::upload(const TileRecord& record, const TilePixels& pixels) {
+  return parts_->impostors.upload(record, pixels);
+}
+
+Result<void> FrameRenderer::upload_shadow(const ShadowRecord& record,
+                                          const std::vector<std::uint8_t>& shares) {
+  return parts_->shadow_atlas.upload_shadow(record, shares);
+}
+
+Result<void> FrameRenderer::upload_caster(const ShadowRecord& record,
+                                          const std::vector<std::uint8_t>& codes) {
+  return parts_->shadow_atlas.upload_caster(record, codes);
+}
+
+void FrameRenderer::upload_view(const ViewTile& view) { parts_->view.upload(view); }
+
+void FrameRenderer::sharpen(float levels, float tested_levels) {
+  parts_->mesh_pass->sharpen(levels, tested_levels);
+}
+
+int FrameRenderer::draw_calls() const { return parts_->draw_calls; }
 
 }  // namespace mirage

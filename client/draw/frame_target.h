@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "protocol/camera.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
+#include "protocol/impostor/camera.h"
 #include "shaders/gl/gl_object.h"
 
 namespace mirage {

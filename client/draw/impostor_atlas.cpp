@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "protocol/tile_color.h"
+#include "protocol/codec/tile_color.h"
 
 namespace mirage {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "client/draw/layered_texture.h"
 #include "client/hold/tile_cache.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 
 namespace mirage {
 

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "client/draw/relief_instance.h"
-#include "protocol/need_mask.h"
+#include "protocol/model/need_mask.h"
 #include "shaders/gl/view_depth.h"
 
 namespace mirage {

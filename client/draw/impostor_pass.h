@@ -10,18 +10,13 @@
 #include "client/draw/proxy_triangles.h"
 #include "client/frame/draw_list.h"
 #include "client/scene/scene_view.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 #include "shaders/gl/gl_object.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/probe_map.h"
 #include "shaders/gl/program.h"
 
 namespace mirage {
-
-/// Those that `auto` chooses among, and all there are.
-inline const std::set<DrawMethod> kAutoFlatMethods = {DrawMethod::kQuad, DrawMethod::kHull};
-inline const std::set<DrawMethod> kFlatMethods = {DrawMethod::kQuad, DrawMethod::kCuboid,
-                                                  DrawMethod::kHull, DrawMethod::kWarp};
 
 class ImpostorPass {
  public:

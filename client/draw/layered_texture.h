@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 #include "shaders/gl/gl_object.h"
 
 namespace mirage {

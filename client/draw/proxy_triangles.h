@@ -4,7 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "protocol/object_proxy.h"
+#include "protocol/impostor/object_proxy.h"
 
 namespace mirage {
 

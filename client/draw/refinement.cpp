@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include "client/draw/frame_target.h"
 #include "client/hold/tile_cache.h"
+#include "protocol/impostor/camera.h"
+#include "shaders/gl/gl_object.h"
 
 namespace mirage {
 namespace {

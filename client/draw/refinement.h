@@ -6,6 +6,8 @@
 // Output: a better picture of the same, at full scale. Thread: the GL one.
 
 #include "client/draw/frame_renderer.h"
+#include "client/draw/frame_target.h"
+#include "shaders/gl/gl_object.h"
 #include "shaders/gl/program.h"
 
 namespace mirage {

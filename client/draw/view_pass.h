@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "client/frame/draw_list.h"
-#include "protocol/result.h"
-#include "protocol/view_tile.h"
+#include "protocol/base/result.h"
+#include "protocol/impostor/view_tile.h"
 #include "shaders/gl/gl_object.h"
 #include "shaders/gl/program.h"
 

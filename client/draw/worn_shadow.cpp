@@ -5,7 +5,7 @@
 
 #include "client/hold/shadow_cache.h"
 #include "client/hold/tile_cache.h"
-#include "protocol/sun_frame.h"
+#include "protocol/impostor/sun_frame.h"
 
 namespace mirage {
 

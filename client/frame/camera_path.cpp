@@ -5,8 +5,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "protocol/animation.h"
-#include "protocol/stable_math.h"
+#include "protocol/base/stable_math.h"
+#include "protocol/model/animation.h"
 
 namespace mirage {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "client/frame/drawn_mesh.h"
 #include "client/frame/resident.h"
-#include "protocol/sun_frame.h"
+#include "protocol/impostor/sun_frame.h"
 
 namespace mirage {
 

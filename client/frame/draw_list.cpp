@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "protocol/impostor/tile_key.h"
+#include "protocol/impostor/view_tile.h"
+
 namespace mirage {
 
 bool DrawnView::shows(std::uint32_t id) const {

@@ -9,9 +9,10 @@
 #include "client/frame/caster_list.h"
 #include "client/frame/drawn_mesh.h"
 #include "client/frame/resident.h"
-#include "protocol/view_tile.h"
 
 namespace mirage {
+
+struct ViewTile;
 
 /// An instance drawn from a tile.
 struct DrawnImpostor {

@@ -4,8 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "protocol/lighting_state.h"
-#include "protocol/limits.h"
+#include "client/scene/scene_view.h"
+#include "protocol/base/limits.h"
+#include "protocol/impostor/lighting_state.h"
+#include "protocol/impostor/object_proxy.h"
+#include "protocol/model/need_mask.h"
 
 namespace mirage {
 namespace {

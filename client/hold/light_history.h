@@ -4,9 +4,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/scene/scene_view.h"
-
+#include "protocol/model/scene_types.h"
 namespace mirage {
+
+struct InstanceView;
+struct ObjectDescription;
+class SceneView;
 
 class LightHistory {
  public:

@@ -5,8 +5,14 @@
 #include <limits>
 #include <map>
 
-#include "protocol/instance_group.h"
-#include "protocol/need_mask.h"
+#include "client/scene/scene_view.h"
+#include "protocol/codec/image_codec.h"
+#include "protocol/codec/model_codec.h"
+#include "protocol/impostor/camera.h"
+#include "protocol/impostor/instance_group.h"
+#include "protocol/model/need_mask.h"
+#include "protocol/model/scene_types.h"
+#include "server/scene/gltf/bounds.h"
 
 namespace mirage {
 namespace {

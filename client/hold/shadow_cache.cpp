@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "protocol/stable_math.h"
+#include "protocol/base/stable_math.h"
 
 namespace mirage {
 namespace {

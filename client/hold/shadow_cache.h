@@ -12,8 +12,8 @@
 
 #include "client/frame/resident.h"
 #include "client/hold/atlas_allocator.h"
-#include "protocol/capture.h"
-#include "protocol/tile.h"
+#include "protocol/impostor/capture.h"
+#include "protocol/impostor/tile.h"
 
 namespace mirage {
 

@@ -5,8 +5,10 @@
 #include <limits>
 #include <tuple>
 
-#include "protocol/limits.h"
-#include "protocol/stable_math.h"
+#include "client/scene/scene_view.h"
+#include "protocol/base/limits.h"
+#include "protocol/base/stable_math.h"
+#include "protocol/impostor/object_proxy.h"
 
 namespace mirage {
 namespace {

@@ -14,11 +14,15 @@
 #include "client/frame/resident.h"
 #include "client/hold/atlas_allocator.h"
 #include "client/hold/light_history.h"
-#include "client/scene/scene_view.h"
-#include "protocol/capture.h"
-#include "protocol/tile.h"
+#include "protocol/impostor/capture.h"
+#include "protocol/impostor/motion.h"
+#include "protocol/impostor/tile.h"
 
 namespace mirage {
+
+struct ObjectDescription;
+class SceneView;
+struct ViewGeometry;
 
 /// A resident tile.
 struct TileRecord {

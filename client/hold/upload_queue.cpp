@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "protocol/tile_key.h"
+#include "protocol/impostor/tile_key.h"
 
 namespace mirage {
 

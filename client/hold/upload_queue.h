@@ -11,17 +11,10 @@
 #include <functional>
 #include <vector>
 
-#include "protocol/message.h"
+#include "protocol/wire/message.h"
 
+#include "client/hold/upload_counts.h"
 namespace mirage {
-
-/// What went to the graphics card: tiles with their gutters and all planes, geometry, images.
-struct UploadCounts {
-  std::uint64_t tiles = 0;
-  std::uint64_t bytes = 0;
-  std::uint64_t largest_frame_bytes = 0;
-  std::uint64_t frames_over_budget = 0;  ///< in which something had to wait
-};
 
 /// Bytes a tile's window of w x h texels takes there; `channels` as of its key.
 std::size_t tile_upload_bytes(std::size_t w, std::size_t h, std::uint8_t channels);

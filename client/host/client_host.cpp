@@ -4,6 +4,22 @@
 
 #include <algorithm>
 
+#include "client/draw/frame_renderer.h"
+#include "client/draw/impostor_atlas.h"
+#include "client/frame/asset_id.h"
+#include "client/hold/tile_cache.h"
+#include "client/link/link.h"
+#include "client/link/modelled_link.h"
+#include "client/native/native_link.h"
+#include "client/native/server_url.h"
+#include "client/scene/scene_view.h"
+#include "client/session/client_session.h"
+#include "client/session/session_parts.h"
+#include "client/session/tile_sink.h"
+#include "protocol/codec/model_codec.h"
+#include "protocol/impostor/view_tile.h"
+#include "protocol/model/model.h"
+
 namespace mirage {
 namespace {
 
@@ -27,6 +43,8 @@ ClientHost::ClientHost(HostOptions options, FrameRenderer& renderer)
     clock_ = std::make_unique<SteadyClock>();
   }
 }
+
+ClientHost::~ClientHost() = default;
 
 TileSink ClientHost::sink() {
   TileSink sink;
@@ -148,6 +166,14 @@ Result<ReferenceFrame> ClientHost::reference(const Camera& camera, std::uint32_t
     if (Result<void> received = session_->receive(now_us()); !received) return received.error();
   }
   return std::move(*reference);
+}
+
+LinkTraffic ClientHost::traffic() const {
+  return modelled_ ? modelled_->traffic() : native_->traffic();
+}
+
+std::optional<LinkUse> ClientHost::link_use() {
+  return virtual_clock_ ? std::optional(modelled_->use()) : std::nullopt;
 }
 
 }  // namespace mirage

@@ -7,12 +7,22 @@
 #include <optional>
 #include <string>
 
-#include "client/draw/frame_renderer.h"
-#include "client/link/modelled_link.h"
-#include "client/native/native_link.h"
-#include "client/session/client_session.h"
+
+#include "client/frame/reference_frame.h"
+#include "client/link/net_model.h"
+#include "client/session/session_options.h"
+#include "protocol/base/clock.h"
+#include "protocol/base/result.h"
 
 namespace mirage {
+
+class ClientSession;
+class FrameRenderer;
+class ModelledLink;
+class NativeLink;
+struct LinkTraffic;
+struct LinkUse;
+struct TileSink;
 
 inline constexpr int kAtlasEdge = 1024;
 /// Layers of the atlas that fit into this much graphics memory with all planes; at least one.
@@ -32,6 +42,7 @@ class ClientHost {
  public:
   /// A GL context is current; `renderer` outlives the host.
   ClientHost(HostOptions options, FrameRenderer& renderer);
+  ~ClientHost();
 
   /// Connects. Errors kUsage, kNetworkConnect.
   Result<void> open();
@@ -47,16 +58,14 @@ class ClientHost {
   ClientSession& session() { return *session_; }
   const ClientSession& session() const { return *session_; }
   const NativeLink& native() const { return *native_; }
-  LinkTraffic traffic() const { return modelled_ ? modelled_->traffic() : native_->traffic(); }
+  LinkTraffic traffic() const;
   /// Session time in µs: the clock's, without what was left out.
   std::int64_t now_us() const { return clock_->now_us() - left_out_us_; }
   const Clock& clock() const { return *clock_; }
   /// Whether a network is modelled between the session and the socket.
   bool modelled() const { return modelled_ != nullptr; }
   /// Of the last moments; nullopt in real time.
-  std::optional<LinkUse> link_use() {
-    return virtual_clock_ ? std::optional(modelled_->use()) : std::nullopt;
-  }
+  std::optional<LinkUse> link_use();
   /// Null in real time.
   VirtualClock* virtual_clock() { return virtual_clock_; }
   /// Leaves the time since `clock_us` (of clock()) out of the session's.

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "client/price/cost_model.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 
 namespace mirage {
 

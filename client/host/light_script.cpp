@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "protocol/lighting_state.h"
+#include "protocol/impostor/lighting_state.h"
 
 namespace mirage {
 namespace {

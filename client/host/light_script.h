@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "protocol/result.h"
-#include "protocol/scene_types.h"
+#include "protocol/base/result.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
 

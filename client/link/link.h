@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "protocol/message.h"
+#include "protocol/wire/message.h"
 
 namespace mirage {
 

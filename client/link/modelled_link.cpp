@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "protocol/view_tile.h"
+#include "protocol/impostor/view_tile.h"
 
 namespace mirage {
 namespace {
@@ -21,6 +21,30 @@ std::size_t control_estimate(const Message& m) {
   flatbuffers::FlatBufferBuilder builder;
   builder.Finish(wire::CreateControl(builder, m.body.type, m.body.Pack(builder)));
   return builder.GetSize();
+}
+
+// 0: it answers nothing.
+std::uint32_t request_of(const Message& message) {
+  const wire::BodyUnion& body = message.body;
+  if (const wire::TileReplyT* tile = body.AsTileReply()) return tile->request_id;
+  if (const wire::ViewReplyT* view = body.AsViewReply()) return view->request_id;
+  if (const wire::MeshReplyT* mesh = body.AsMeshReply()) return mesh->request_id;
+  if (const wire::ImageReplyT* image = body.AsImageReply()) return image->request_id;
+  if (const wire::RefusedT* refused = body.AsRefused()) return refused->request_id;
+  if (const wire::InstancePageT* page = body.AsInstancePage()) return page->request_id;
+  return 0;
+}
+
+// A full render, or its refusal: neither bytes nor time of the model.
+bool is_out_of_band(const Message& message) {
+  const wire::RefusedT* refused = message.body.AsRefused();
+  return message.body.type == wire::Body::ReferenceReply || (refused && refused->request_id == 0);
+}
+
+std::size_t bytes_of(const Message& m) {
+  const std::size_t control =
+      m.body.type == wire::Body::TileReply ? kControlBytes : control_estimate(m);
+  return m.payload.size() + control + kFrameOverhead;
 }
 
 }  // namespace
@@ -122,32 +146,34 @@ void ModelledLink::collect_replies() {
 }
 
 void ModelledLink::take_reply(Message message) {
-  const auto bytes = [&](const Message& m) {
-    const std::size_t control =
-        m.body.type == wire::Body::TileReply ? kControlBytes : control_estimate(m);
-    return m.payload.size() + control + kFrameOverhead;
-  };
-  const std::int64_t now = clock_.now_us();
-  Item item{{}, bytes(message), 0};
-  item.left = item.bytes;
-  std::uint32_t request = 0;
-  if (const wire::TileReplyT* tile = message.body.AsTileReply()) request = tile->request_id;
-  if (const wire::ViewReplyT* view = message.body.AsViewReply()) request = view->request_id;
-  if (const wire::MeshReplyT* mesh = message.body.AsMeshReply()) request = mesh->request_id;
-  if (const wire::ImageReplyT* image = message.body.AsImageReply()) request = image->request_id;
-  if (const wire::RefusedT* refused = message.body.AsRefused()) {
-    request = refused->request_id;
-    if (request == 0) {
-      owed_reference_ = false;
-      out_of_band_.push_back(std::move(message));
-      return;
-    }
-  }
-  if (message.body.type == wire::Body::ReferenceReply) {
+  if (is_out_of_band(message)) {
     owed_reference_ = false;
     out_of_band_.push_back(std::move(message));
     return;
   }
+  const std::size_t bytes = bytes_of(message);  // as it came
+  const std::int64_t sent_us = note_description(message);
+  const std::uint32_t request = request_of(message);
+  const bool welcome = message.body.type == wire::Body::Welcome;
+  Item item{std::move(message), bytes, 0};
+  item.left = item.bytes;
+  const auto ask = asks_.find(request);
+  if (request != 0 && ask != asks_.end()) {
+    ask->second.answered = true;
+    ask->second.reply = std::move(item);
+    return;
+  }
+  const auto asked = assets_asked_us_.find(request);
+  Ready ready;
+  ready.bulk = asked != assets_asked_us_.end();
+  ready.at_us = ready.bulk ? asked->second : std::max(sent_us, blocking_ ? 0 : clock_.now_us());
+  ready.item = std::move(item);
+  if (ready.bulk) assets_asked_us_.erase(asked);
+  const std::uint32_t order = ready.bulk ? kFirstBulk + request : welcome ? kAtOnce : kDescription;
+  ready_.emplace(std::make_pair(ready.at_us, order), std::move(ready));
+}
+
+std::int64_t ModelledLink::note_description(Message& message) {
   if (wire::WelcomeT* welcome = message.body.AsWelcome()) {
     owed_welcome_ = false;
     owed_images_ = welcome->images;
@@ -162,31 +188,12 @@ void ModelledLink::take_reply(Message message) {
   } else if (const wire::ObjectPageT* page = message.body.AsObjectPage()) {
     owed_objects_ -= std::min(owed_objects_, page->objects.size());
   }
-  std::int64_t sent_us = welcome_us_;  // of what is neither a tile nor asked-for geometry
-  if (const wire::InstancePageT* page = message.body.AsInstancePage()) {
-    request = page->request_id;
-    const auto open = opens_us_.find(request);
-    if (open != opens_us_.end()) {
-      sent_us = std::max(sent_us, open->second);
-      if (page->last) opens_us_.erase(open);
-    }
-  }
-  item.message = std::move(message);
-  const auto ask = asks_.find(request);
-  if (request != 0 && ask != asks_.end()) {
-    ask->second.answered = true;
-    ask->second.reply = std::move(item);
-    return;
-  }
-  const auto asked = assets_asked_us_.find(request);
-  Ready ready;
-  ready.bulk = asked != assets_asked_us_.end();
-  ready.at_us = ready.bulk ? asked->second : std::max(sent_us, blocking_ ? 0 : now);
-  ready.item = std::move(item);
-  if (ready.bulk) assets_asked_us_.erase(asked);
-  const bool welcome = ready.item.message.body.type == wire::Body::Welcome;
-  const std::uint32_t order = ready.bulk ? kFirstBulk + request : welcome ? kAtOnce : kDescription;
-  ready_.emplace(std::make_pair(ready.at_us, order), std::move(ready));
+  const wire::InstancePageT* page = message.body.AsInstancePage();
+  const auto open = page ? opens_us_.find(page->request_id) : opens_us_.end();
+  if (open == opens_us_.end()) return welcome_us_;
+  const std::int64_t sent_us = std::max(welcome_us_, open->second);
+  if (page->last) opens_us_.erase(open);
+  return sent_us;
 }
 
 void ModelledLink::run_server(std::int64_t now) {

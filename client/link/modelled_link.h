@@ -16,7 +16,7 @@
 #include "client/link/busy_time.h"
 #include "client/link/link.h"
 #include "client/link/net_model.h"
-#include "protocol/clock.h"
+#include "protocol/base/clock.h"
 
 namespace mirage {
 
@@ -79,6 +79,9 @@ class ModelledLink final : public Link {
   void ask_view(const wire::ViewRequestT& view, std::int64_t arrives_us);
   void collect_replies();
   void take_reply(Message message);
+  /// Notes what of the scene's description has come, and has the welcome tell the model's times.
+  /// When the server sent what is neither a tile nor asked-for geometry.
+  std::int64_t note_description(Message& message);
   bool owed() const;
   void run_server(std::int64_t now_us);
   void run_downlink(std::int64_t now_us);

@@ -8,7 +8,7 @@
 #include <deque>
 #include <vector>
 
-#include "protocol/clock.h"
+#include "protocol/base/clock.h"
 
 namespace mirage {
 namespace {

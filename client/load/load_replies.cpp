@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "client/load/load_run.h"
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
 
 namespace mirage {
 namespace {

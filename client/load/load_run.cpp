@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
 
 namespace mirage {
 namespace {

@@ -18,7 +18,7 @@
 #include "client/load/request_plan.h"
 #include "client/load/tile_verifier.h"
 #include "client/scene/scene_view.h"
-#include "protocol/clock.h"
+#include "protocol/base/clock.h"
 
 namespace mirage {
 

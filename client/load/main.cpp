@@ -8,7 +8,7 @@
 #include "client/load/load_run.h"
 #include "client/load/options.h"
 #include "client/load/report.h"
-#include "protocol/fail.h"
+#include "protocol/base/fail.h"
 
 namespace mirage {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "protocol/message_check.h"
+#include "protocol/wire/message_check.h"
 
 namespace mirage {
 

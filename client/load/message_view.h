@@ -1,7 +1,7 @@
 #pragma once
 // A message read in place: what decode_message() checks, without copying payload or tables.
 
-#include "protocol/message.h"
+#include "protocol/wire/message.h"
 
 namespace mirage {
 

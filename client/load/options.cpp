@@ -4,8 +4,8 @@
 #include <fstream>
 
 #include "client/frame/camera_path.h"
-#include "protocol/cli.h"
-#include "protocol/limits.h"
+#include "protocol/base/cli.h"
+#include "protocol/base/limits.h"
 
 namespace mirage {
 namespace {

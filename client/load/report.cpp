@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "protocol/quantile.h"
+#include "protocol/base/quantile.h"
 
 namespace mirage {
 namespace {

@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
 
 namespace mirage {
 namespace {

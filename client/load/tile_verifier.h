@@ -8,8 +8,8 @@
 #include <string>
 #include <thread>
 
-#include "protocol/bounded_queue.h"
-#include "protocol/message.h"
+#include "protocol/base/bounded_queue.h"
+#include "protocol/wire/message.h"
 
 namespace mirage {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "client/hold/tile_cache.h"
-#include "protocol/need_mask.h"
+#include "protocol/model/need_mask.h"
 
 namespace mirage {
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/hold/tile_cache.h"
 #include "client/price/ask_gain.h"
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
+#include "protocol/impostor/tile_key.h"
 
 namespace mirage {
 namespace {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/impostor/camera.h"
+
 namespace mirage {
 namespace {
 

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 
+#include "client/scene/scene_view.h"
+#include "protocol/impostor/camera.h"
+#include "protocol/impostor/instance_group.h"
+
 namespace mirage {
 namespace {
 

@@ -2,10 +2,11 @@
 // How much error an instance may show, and how urgent it is (TECHNIQUES row 22): by what the scene
 // says it is, and by where the viewer looks.
 
-#include "client/scene/scene_view.h"
-#include "protocol/instance_group.h"
-
+#include "protocol/model/scene_types.h"
 namespace mirage {
+
+struct Camera;
+struct InstanceView;
 
 /// How much the viewer attends to a sphere: 2 in the middle of the view, 1 far from it, 1.5 at a
 /// quarter of the view's height beside it.

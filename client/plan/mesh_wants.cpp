@@ -4,7 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "client/hold/asset_need.h"
+#include "client/hold/mesh_cache.h"
 #include "client/price/ask_gain.h"
+#include "client/price/view_fit.h"
+#include "client/scene/scene_view.h"
+#include "protocol/impostor/tile_key.h"
 
 namespace mirage {
 

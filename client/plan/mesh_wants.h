@@ -5,10 +5,12 @@
 #include <map>
 #include <vector>
 
-#include "client/hold/mesh_cache.h"
-#include "client/price/view_fit.h"
-
 namespace mirage {
+
+struct Camera;
+struct MeshWant;
+class SceneView;
+class ViewFit;
 
 /// What should be geometry.
 struct MeshWants {

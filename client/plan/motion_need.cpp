@@ -4,9 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "client/hold/tile_cache.h"
 #include "client/price/ask_gain.h"
-#include "protocol/limits.h"
-#include "protocol/motion.h"
+#include "client/scene/scene_view.h"
+#include "protocol/base/limits.h"
+#include "protocol/impostor/motion.h"
+#include "protocol/impostor/object_proxy.h"
+#include "protocol/impostor/tile_key.h"
 
 namespace mirage {
 namespace {

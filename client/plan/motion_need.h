@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "client/hold/tile_cache.h"
 #include "client/plan/selector.h"
 
 namespace mirage {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "protocol/quantile.h"
-#include "protocol/stable_math.h"
+#include "protocol/base/quantile.h"
+#include "protocol/base/stable_math.h"
 
 namespace mirage {
 namespace {

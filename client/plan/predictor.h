@@ -7,7 +7,7 @@
 #include <deque>
 #include <vector>
 
-#include "protocol/camera.h"
+#include "protocol/impostor/camera.h"
 
 namespace mirage {
 

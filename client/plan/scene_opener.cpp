@@ -5,7 +5,10 @@
 #include <vector>
 
 #include "client/plan/selector_rules.h"
-#include "protocol/limits.h"
+#include "client/scene/scene_view.h"
+#include "protocol/base/limits.h"
+#include "protocol/wire/message.h"
+#include "wire_generated.h"
 
 namespace mirage {
 namespace {

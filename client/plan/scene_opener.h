@@ -10,9 +10,12 @@
 #include <optional>
 #include <unordered_set>
 
-#include "client/plan/selector.h"
-
 namespace mirage {
+
+struct SelectorInput;
+namespace wire {
+struct OpenRequestT;
+}
 
 class SceneOpener {
  public:

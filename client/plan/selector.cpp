@@ -4,9 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "client/frame/asset_id.h"
+#include "client/hold/mesh_cache.h"
+#include "client/hold/tile_cache.h"
 #include "client/plan/blend_order.h"
 #include "client/plan/selector_rules.h"
-#include "protocol/need_mask.h"
+#include "client/price/view_fit.h"
+#include "protocol/impostor/tile_key.h"
+#include "protocol/model/need_mask.h"
 
 namespace mirage {
 namespace {

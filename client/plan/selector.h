@@ -12,20 +12,23 @@
 #include <vector>
 
 #include "client/frame/draw_list.h"
+#include "client/frame/method_choice.h"
 #include "client/plan/frame_plan.h"
 #include "client/plan/mesh_wants.h"
 #include "client/plan/rent_or_buy.h"
 #include "client/plan/tile_fit.h"
 #include "client/plan/tile_need.h"
-#include "client/price/tile_bytes.h"
-#include "client/price/view_fit.h"
+#include "client/scene/scene_view.h"
+#include "protocol/impostor/camera.h"
 
 namespace mirage {
 
-/// Where methods of drawing tiles are compared, geometry is drawn within this many radii unless
-/// something else is said.
-inline constexpr double kSwapRadii = 8;
-inline constexpr double kAnyRadii = std::numeric_limits<double>::infinity();
+class MeshCache;
+class SceneView;
+class TileBytes;
+class TileCache;
+class ViewFit;
+struct ViewGeometry;
 
 struct SelectorInput {
   const SceneView* scene = nullptr;

@@ -4,12 +4,18 @@
 #include <functional>
 #include <limits>
 
+#include "client/hold/mesh_cache.h"
+#include "client/hold/tile_cache.h"
 #include "client/plan/eight_views.h"
 #include "client/plan/importance.h"
 #include "client/plan/motion_need.h"
 #include "client/plan/selector_rules.h"
 #include "client/price/ask_gain.h"
-#include "protocol/limits.h"
+#include "client/price/tile_bytes.h"
+#include "client/price/view_fit.h"
+#include "client/scene/scene_view.h"
+#include "protocol/base/limits.h"
+#include "protocol/impostor/tile_key.h"
 
 namespace mirage {
 namespace {
@@ -106,6 +112,23 @@ bool fit_to_atlas(const SelectorInput& in, TileCache::Room& room, TileNeed& need
   return true;
 }
 
+// What is best of what is here, drawn as it is planned to be.
+TileFit planned_fit(const SelectorInput& in, const TileGroup& group,
+                    const ObjectDescription& object, const ViewGeometry& view, const ViewPlan& plan,
+                    double tau) {
+  if (group.tiles.empty()) return {};
+  const bool still = plan.depth_share == kFlatDepthShare;
+  return still && in.method.automatic ? best_flat(group, object, view, tau)
+                                      : best_fit(group, object, view, in.method, tau);
+}
+
+// A tile's that has just come.
+Wrongs good_tile_wrongs(double area, bool tested, double tau, double size,
+                        std::uint8_t size_class) {
+  const double texel_px = std::max(1.0, 2 * size / tile_edge(size_class));
+  return tile_wrongs(area, tested, kGoodTileTau * tau, texel_px, 1);
+}
+
 }  // namespace
 
 // Forgets what was settled when it may have changed by anything but time and an even walk.
@@ -160,12 +183,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   ViewPlan plan = plan_for(in, view_of, group, view.radius, tau, size);
   if (stand_in) plan.depth_share = kFlatDepthShare;
   if (stand_in && expected_life_s(view, plan) < kStandInLifeS) return;
-  TileFit fit;
-  if (!group.tiles.empty()) {
-    const bool still = plan.depth_share == kFlatDepthShare;
-    fit = still && in.method.automatic ? best_flat(group, object, view, tau)
-                                       : best_fit(group, object, view, in.method, tau);
-  }
+  const TileFit fit = planned_fit(in, group, object, view, plan, tau);
   const double light_px = light_change_px(in, lit, instance, size);
   // Shaded here it is right, and yet not as good as shaded by the server: when there is time.
   const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
@@ -176,8 +194,8 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   // Inside the swap distance a tile is no use but as a stopgap: one, until geometry comes.
   if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
   TileNeed need = need_for_view(view, plan);
-  if (stand_in && need.size_class >= kMaxAskedSizeClass)
-    return;  // it would be coarser than geometry
+  // It would be coarser than geometry.
+  if (stand_in && need.size_class >= kMaxAskedSizeClass) return;
   need.instance = instance;
   // What has no image of its own may be in the view.
   const std::optional<double> view_px =
@@ -202,8 +220,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
                          ? tile_wrongs(area, tested, need.error_px, fit.texel_px, 1)
                      : view_px ? view_wrongs(area)
                                : nothing_wrongs(area);
-  const double texel_px = std::max(1.0, 2 * size / tile_edge(need.size_class));
-  const Wrongs then = tile_wrongs(area, tested, kGoodTileTau * tau, texel_px, 1);
+  const Wrongs then = good_tile_wrongs(area, tested, tau, size, need.size_class);
   need.gain = ask_gain(area, now, then, need.life_s);
   out.push_back(need);
 }

@@ -4,10 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "client/hold/mesh_cache.h"
+#include "client/hold/tile_cache.h"
 #include "client/plan/importance.h"
-#include "protocol/limits.h"
-#include "protocol/need_mask.h"
-#include "protocol/stable_math.h"
+#include "client/scene/scene_view.h"
+#include "protocol/base/limits.h"
+#include "protocol/base/stable_math.h"
+#include "protocol/impostor/camera.h"
+#include "protocol/model/need_mask.h"
 
 namespace mirage {
 namespace {

@@ -1,8 +1,9 @@
 #pragma once
 // What deciding what to draw and what to ask for have in common.
 
+#include "client/hold/tile_cache.h"
 #include "client/plan/selector.h"
-#include "protocol/instance_group.h"
+#include "protocol/impostor/instance_group.h"
 
 namespace mirage {
 

@@ -4,8 +4,10 @@
 #include <initializer_list>
 #include <limits>
 
+#include "client/hold/tile_cache.h"
 #include "client/plan/eight_views.h"
 #include "client/plan/tile_need.h"
+#include "protocol/impostor/tile_key.h"
 
 namespace mirage {
 namespace {

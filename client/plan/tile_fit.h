@@ -3,16 +3,13 @@
 
 #include <limits>
 
-#include "client/hold/tile_cache.h"
+#include "client/frame/method_choice.h"
 
 namespace mirage {
 
-/// How impostors are drawn: one method, or the cheapest that meets tau.
-struct MethodChoice {
-  bool automatic = true;
-  DrawMethod method = DrawMethod::kQuad;
-  bool eight_views = false;  ///< a baseline (eight_views.h); with kQuad
-};
+struct ObjectDescription;
+struct TileGroup;
+struct ViewGeometry;
 
 /// A tile drawn with a method, seen from a view.
 struct TileFit {

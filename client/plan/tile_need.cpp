@@ -5,10 +5,11 @@
 #include <limits>
 
 #include "client/price/ask_gain.h"
-#include "protocol/instance_group.h"
-#include "protocol/limits.h"
-#include "protocol/stable_math.h"
-#include "protocol/tile_key.h"
+#include "client/scene/scene_view.h"
+#include "protocol/base/limits.h"
+#include "protocol/base/stable_math.h"
+#include "protocol/impostor/instance_group.h"
+#include "protocol/impostor/tile_key.h"
 
 namespace mirage {
 namespace {

@@ -2,13 +2,16 @@
 // Which key to ask for: the capture that will serve longest along the eye's path, at the fineness
 // the bound allows, and how long it is expected to serve.
 
-#include "client/scene/scene_view.h"
-#include "protocol/error_bound.h"
-#include "protocol/motion.h"
-#include "protocol/tile_key.h"
-#include "protocol/view_cell.h"
+#include "protocol/impostor/error_bound.h"
+#include "protocol/impostor/motion.h"
+#include "protocol/impostor/tile_key.h"
+#include "protocol/impostor/view_cell.h"
 
 namespace mirage {
+
+struct Camera;
+struct InstanceView;
+struct ObjectDescription;
 
 /// A tile worth asking for.
 struct TileNeed {

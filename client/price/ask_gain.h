@@ -4,7 +4,7 @@
 // which it will serve.
 
 #include "client/price/error_model.h"
-#include "protocol/camera.h"
+#include "protocol/impostor/camera.h"
 
 namespace mirage {
 

@@ -4,8 +4,13 @@
 #include <cmath>
 #include <set>
 
+#include "client/frame/draw_list.h"
+#include "client/frame/drawn_mesh.h"
 #include "client/hold/tile_cache.h"
-#include "protocol/need_mask.h"
+#include "client/scene/scene_view.h"
+#include "protocol/impostor/camera.h"
+#include "protocol/impostor/object_proxy.h"
+#include "protocol/model/need_mask.h"
 
 namespace mirage {
 namespace {

@@ -7,10 +7,18 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "client/frame/draw_list.h"
-#include "client/scene/scene_view.h"
+#include "client/frame/resident.h"
+#include <glm/glm.hpp>
+
+#include <vector>
 
 namespace mirage {
+
+struct Camera;
+struct DrawnMesh;
+
+struct DrawList;
+class SceneView;
 
 enum class Work : std::uint8_t {
   kFrame,                 ///< 1 a frame

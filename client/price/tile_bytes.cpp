@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "protocol/tile_key.h"
+#include "protocol/impostor/tile_key.h"
 
 namespace mirage {
 namespace {

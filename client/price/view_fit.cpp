@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/scene/scene_view.h"
+#include "protocol/impostor/view_tile.h"
+
 namespace mirage {
 namespace {
 constexpr double kAsideShare = 0.25;  // of the object's distance: an angle of 14 degrees

@@ -4,10 +4,11 @@
 
 #include <optional>
 
-#include "client/scene/scene_view.h"
-#include "protocol/view_tile.h"
-
+#include "protocol/impostor/camera.h"
 namespace mirage {
+
+struct InstanceView;
+struct ViewTile;
 
 /// A first image of an object, which has to be quick, is as coarse as this, px per tau: it is left
 /// out where the view shows more.

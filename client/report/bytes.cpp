@@ -5,8 +5,13 @@
 #include <cstdio>
 #include <set>
 
+#include "client/price/cost_model.h"
+#include "client/quality/metrics.h"
 #include "client/report/bytes_rows.h"
-#include "protocol/quantile.h"
+#include "client/report/session_run.h"
+#include "client/report/truth_source.h"
+#include "protocol/base/quantile.h"
+#include "protocol/base/result.h"
 
 namespace mirage {
 namespace {

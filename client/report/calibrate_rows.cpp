@@ -7,6 +7,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "client/plan/selector.h"
 #include "client/price/running_fit.h"
 
 namespace mirage {

@@ -15,7 +15,7 @@
 #include <sstream>
 #include <thread>
 
-#include "protocol/clock.h"
+#include "protocol/base/clock.h"
 
 namespace mirage {
 namespace {

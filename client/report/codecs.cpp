@@ -6,8 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/frame/draw_list.h"
+#include "client/report/session_run.h"
 #include "client/report/tile_probe.h"
-#include "protocol/tile_color.h"
+#include "client/report/truth_source.h"
+#include "client/scene/scene_view.h"
+#include "protocol/codec/tile_color.h"
+#include "protocol/impostor/camera.h"
 
 namespace mirage {
 namespace {

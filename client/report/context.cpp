@@ -2,6 +2,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "client/report/child.h"
+#include "client/report/session_run.h"
+#include "client/report/truth_source.h"
 #include "report_commit.h"
 
 namespace mirage {
@@ -57,5 +60,15 @@ void Context::plot(const std::string& name, const std::vector<Panel>& panels, in
   if (svg) return page.figure(*svg, caption);
   omit("plots", name, svg.error().line());
 }
+
+OpenScene::~OpenScene() = default;
+
+std::string OpenScene::path() const {
+  constexpr std::size_t kSingleThing = 10;
+  const bool single = truth->scene().instances.size() < kSingleThing;
+  return single ? "builtin:orbit" : "builtin:walk";
+}
+
+void Context::close(const std::string& name) { scenes.erase(key_of(name)); }
 
 }  // namespace mirage

@@ -6,14 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "client/report/child.h"
 #include "client/report/options.h"
 #include "client/report/page.h"
 #include "client/report/plot.h"
 #include "client/report/progress.h"
-#include "client/report/session_run.h"
 
 namespace mirage {
+
+class ServerProcess;
+class SessionRunner;
+class TruthSource;
 
 /// What was meant to be measured and was not: told, never dropped (numerics.md section 1).
 struct Omission {
@@ -27,12 +29,10 @@ struct OpenScene {
   std::unique_ptr<ServerProcess> server;
   std::unique_ptr<TruthSource> truth;
 
+  ~OpenScene();
+
   /// A walk, or once around what is a single thing to look at.
-  std::string path() const {
-    constexpr std::size_t kSingleThing = 10;
-    const bool single = truth->scene().instances.size() < kSingleThing;
-    return single ? "builtin:orbit" : "builtin:walk";
-  }
+  std::string path() const;
 };
 
 struct Context {
@@ -54,7 +54,7 @@ struct Context {
   /// the command line is an error then.
   Result<OpenScene*> open_own(const std::string& part, const std::string& name);
   /// Ends its server, if it is one of ours, and forgets its truth.
-  void close(const std::string& name) { scenes.erase(key_of(name)); }
+  void close(const std::string& name);
   /// The scenes to measure: the user's one, or the part's own.
   std::vector<std::string> scenes_or(const std::vector<std::string>& own) const;
   /// Puts a plot on the page, or says why it is not there.

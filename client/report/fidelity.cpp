@@ -10,10 +10,14 @@
 #include <nlohmann/json.hpp>
 
 #include "client/draw/refinement.h"
+#include "client/frame/draw_list.h"
+#include "client/quality/metrics.h"
 #include "client/report/alpha_tested.h"
 #include "client/report/codecs.h"
+#include "client/report/session_run.h"
 #include "client/report/tile_probe.h"
-#include "protocol/stable_math.h"
+#include "client/report/truth_source.h"
+#include "protocol/base/stable_math.h"
 
 namespace mirage {
 namespace {

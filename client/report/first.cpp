@@ -6,6 +6,8 @@
 
 #include "client/report/first_rows.h"
 #include "client/report/method_runs.h"
+#include "client/report/session_run.h"
+#include "client/report/truth_source.h"
 
 namespace mirage {
 namespace {

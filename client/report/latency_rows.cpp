@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "protocol/quantile.h"
+#include "protocol/base/quantile.h"
 
 namespace mirage {
 namespace {

@@ -14,9 +14,10 @@
 #include "client/report/latency.h"
 #include "client/report/models.h"
 #include "client/report/outside.h"
+#include "client/report/session_run.h"
 #include "client/report/weather.h"
 #include "client/report/work_precision.h"
-#include "protocol/fail.h"
+#include "protocol/base/fail.h"
 #include "shaders/gl/health.h"
 
 namespace mirage {

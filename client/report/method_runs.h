@@ -3,6 +3,7 @@
 
 #include "client/report/context.h"
 #include "client/report/latency_run.h"
+#include "client/report/session_run.h"
 
 namespace mirage {
 

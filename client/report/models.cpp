@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "protocol/image_codec.h"
+#include "client/report/child.h"
+#include "client/report/session_run.h"
+#include "client/report/truth_source.h"
+#include "protocol/base/result.h"
+#include "protocol/codec/image_codec.h"
 
 namespace mirage {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <map>
 
-#include "protocol/cli.h"
-#include "protocol/result.h"
+#include "protocol/base/cli.h"
+#include "protocol/base/result.h"
 
 namespace mirage {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 
 namespace mirage {
 

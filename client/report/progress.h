@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "protocol/clock.h"
+#include "protocol/base/clock.h"
 
 namespace mirage {
 

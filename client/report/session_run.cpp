@@ -4,9 +4,16 @@
 #include <cmath>
 #include <ctime>
 
+#include "client/draw/frame_renderer.h"
+#include "client/draw/frame_target.h"
+#include "client/draw/refinement.h"
 #include "client/host/client_host.h"
 #include "client/host/methods.h"
+#include "client/link/modelled_link.h"
+#include "client/session/client_session.h"
 #include "client/session/stillness.h"
+#include "protocol/impostor/tile_key.h"
+#include "shaders/gl/egl_context.h"
 
 namespace mirage {
 namespace {
@@ -64,16 +71,32 @@ struct SessionRunner::Loop {
   ReferencePtr truth_before{};
 };
 
+struct SessionRunner::Screen {
+  gl::EglContext egl;
+  std::string renderer_name;
+  std::optional<FrameRenderer> renderer;
+  std::optional<FrameTarget> target;
+  FrameSetting setting;  ///< of the target, as planned: the device may not have as many samples
+  Refinement refinement;
+};
+
+SessionRunner::SessionRunner() : screen_(std::make_unique<Screen>()) {}
+SessionRunner::~SessionRunner() = default;
+
+FrameRenderer& SessionRunner::renderer() { return *screen_->renderer; }
+const std::string& SessionRunner::renderer_name() const { return screen_->renderer_name; }
+bool SessionRunner::software() const { return screen_->egl.software(); }
+
 Result<std::unique_ptr<SessionRunner>> SessionRunner::create(const std::string& device) {
   auto runner = std::make_unique<SessionRunner>();
   Result<gl::EglContext> egl = gl::EglContext::create(device);
   if (!egl) return egl.error();
-  runner->egl_ = std::move(*egl);
-  runner->renderer_name_ = runner->egl_.description();
+  runner->screen_->egl = std::move(*egl);
+  runner->screen_->renderer_name = runner->screen_->egl.description();
   Result<FrameRenderer> renderer =
       FrameRenderer::create(kAtlasEdge, atlas_layers(kAtlasMb), kFlatMethods);
   if (!renderer) return renderer.error();
-  runner->renderer_.emplace(renderer.take());
+  runner->screen_->renderer.emplace(renderer.take());
   return runner;
 }
 
@@ -92,6 +115,26 @@ Camera SessionRunner::camera_at(const CameraPath& path, double seconds, const Sc
   return camera;
 }
 
+double SessionRunner::add_geometric(Loop& loop, const Camera& camera, const ReferenceFrame& truth) {
+  const SceneView& scene = loop.host.session().scene();
+  const double s = loop.spec.truth_samples;
+  const std::uint64_t pixels_before = loop.out.geometric.object_pixels;
+  const std::uint64_t holes_before = loop.out.geometric.holes;
+  if (scene.complete()) {
+    add_geometric_error(truth, (std::floor(s / 2) + 0.5) / s, camera, scene, loop.list,
+                        loop.out.geometric);
+  } else if (!loop.list.view) {  // nothing is known yet: all of it is missing
+    const auto& ids = truth.ids;
+    const auto missing =
+        ids.size() - static_cast<std::size_t>(std::count(ids.begin(), ids.end(), 0u));
+    loop.out.geometric.object_pixels += missing;
+    loop.out.geometric.holes += missing;
+  }
+  const std::uint64_t pixels = loop.out.geometric.object_pixels - pixels_before;
+  const std::uint64_t holes = loop.out.geometric.holes - holes_before;
+  return pixels > 0 ? static_cast<double>(holes) / static_cast<double>(pixels) : 0;
+}
+
 Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame) {
   const RunSpec& spec = loop.spec;
   const ClientSession& session = loop.host.session();
@@ -99,7 +142,8 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
   compared.frame = frame;
   const auto draw = [&] {
     const double began = now_ms();
-    renderer_->draw(*target_, camera, session.scene(), loop.list, session.lighting());
+    screen_->renderer->draw(*screen_->target, camera, session.scene(), loop.list,
+                            session.lighting());
     glFinish();
     return loop.planned_ms + now_ms() - began;
   };
@@ -111,12 +155,12 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
     compared.client_ms = std::min(compared.client_ms, ms);
     loop.out.client_ms.push_back(ms);
   }
-  refinement_.restart();
-  for (int i = 0; i < loop.rested && !refinement_.done(); ++i) {
-    refinement_.draw_more(*renderer_, *target_, camera, session.scene(), loop.list,
-                          session.lighting());
+  screen_->refinement.restart();
+  for (int i = 0; i < loop.rested && !screen_->refinement.done(); ++i) {
+    screen_->refinement.draw_more(*screen_->renderer, *screen_->target, camera, session.scene(),
+                                  loop.list, session.lighting());
   }
-  std::vector<std::uint8_t> drawn = refinement_.picture(*target_).read();
+  std::vector<std::uint8_t> drawn = screen_->refinement.picture(*screen_->target).read();
   Result<ReferencePtr> truth = loop.truth.at(camera, spec.truth_samples);
   if (!truth) return truth.error();
   const std::uint32_t w = camera.width, h = camera.height;
@@ -129,24 +173,7 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
   if (spec.observe && session.scene().complete()) {
     spec.observe({session.scene(), loop.list, session.selector(), **truth, seen, due});
   }
-  const double s = spec.truth_samples;
-  const std::uint64_t pixels_before = loop.out.geometric.object_pixels;
-  const std::uint64_t holes_before = loop.out.geometric.holes;
-  if (session.scene().complete()) {
-    add_geometric_error(**truth, (std::floor(s / 2) + 0.5) / s, camera, session.scene(), loop.list,
-                        loop.out.geometric);
-  } else if (!loop.list.view) {  // nothing is known yet: all of it is missing
-    const auto& ids = (*truth)->ids;
-    const auto missing =
-        ids.size() - static_cast<std::size_t>(std::count(ids.begin(), ids.end(), 0u));
-    loop.out.geometric.object_pixels += missing;
-    loop.out.geometric.holes += missing;
-  }
-  const std::uint64_t pixels = loop.out.geometric.object_pixels - pixels_before;
-  if (pixels > 0) {
-    compared.hole_fraction =
-        static_cast<double>(loop.out.geometric.holes - holes_before) / static_cast<double>(pixels);
-  }
+  compared.hole_fraction = add_geometric(loop, camera, **truth);
   if (std::binary_search(spec.pictured.begin(), spec.pictured.end(), frame)) {
     loop.out.pictures.push_back({spec.width, spec.height, drawn, (*truth)->rgba});
   }
@@ -159,15 +186,16 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
 
 Result<void> SessionRunner::fit_target(const RunSpec& spec, const FrameSetting& setting,
                                        bool blends) {
-  if (target_ && target_->width() == spec.width && target_->height() == spec.height &&
-      target_->blends() == blends && setting_ == setting) {
+  if (screen_->target && screen_->target->width() == spec.width &&
+      screen_->target->height() == spec.height && screen_->target->blends() == blends &&
+      screen_->setting == setting) {
     return {};
   }
   Result<FrameTarget> target =
       FrameTarget::create(spec.width, spec.height, setting.samples, blends, setting.scale);
   if (!target) return target.error();
-  target_.emplace(target.take());
-  setting_ = setting;
+  screen_->target.emplace(target.take());
+  screen_->setting = setting;
   return {};
 }
 
@@ -185,14 +213,15 @@ Result<void> SessionRunner::one_frame(Loop& loop, int frame) {
   loop.list = session.frame(camera, now);
   loop.planned_ms = now_ms() - began;
   const FrameSetting setting = session.plan().setting();
-  if (!(setting == setting_)) loop.still.content_changed();
+  if (!(setting == screen_->setting)) loop.still.content_changed();
   if (Result<void> fit = fit_target(spec, setting, scene.blends()); !fit) return fit.error();
   const bool same = loop.still.unchanged(camera, scene, loop.list, session.lighting());
   loop.rested = same && session.at_rest() ? loop.rested + 1 : 0;
   PlannedFrame planned{setting, 0, loop.host.traffic().bytes_down};
   if (spec.device && !same) {
-    planned.model_ms = spec.device->ms_of(
-        work_of(scene, target_->drawn_camera(camera), loop.list, std::max(target_->samples(), 1)));
+    planned.model_ms =
+        spec.device->ms_of(work_of(scene, screen_->target->drawn_camera(camera), loop.list,
+                                   std::max(screen_->target->samples(), 1)));
     session.note_frame_ms(planned.model_ms);
   }
   RunResult& out = loop.out;
@@ -215,7 +244,7 @@ Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
   HostOptions options = host_options(spec);
   Stillness still;
   options.content_changed = [&still] { still.content_changed(); };
-  ClientHost host(std::move(options), *renderer_);
+  ClientHost host(std::move(options), *screen_->renderer);
   if (Result<void> open = host.open(); !open) return open.error();
   if (spec.device) host.session().set_prices(*spec.device);
   if (spec.from_scene) {

@@ -7,20 +7,24 @@
 #include <string>
 #include <vector>
 
-#include "client/draw/frame_target.h"
 #include "client/draw/geometric_error.h"
-#include "client/draw/refinement.h"
 #include "client/frame/camera_path.h"
+#include "client/frame/method_choice.h"
 #include "client/link/link.h"
 #include "client/link/net_model.h"
-#include "client/plan/selector.h"
+#include "client/plan/frame_plan.h"
 #include "client/quality/metrics.h"
 #include "client/report/page.h"
 #include "client/report/truth_source.h"
 #include "client/session/tile_trace.h"
-#include "shaders/gl/egl_context.h"
 
 namespace mirage {
+
+struct DrawList;
+class FrameRenderer;
+class SceneView;
+class Selector;
+struct ReferenceFrame;
 
 /// A compared frame, while it lasts.
 struct ObservedFrame {
@@ -87,15 +91,17 @@ struct RunResult {
 
 class SessionRunner {
  public:
+  SessionRunner();
+  ~SessionRunner();
   /// Makes the GL context and all that is shared by runs. Errors kGraphics….
   static Result<std::unique_ptr<SessionRunner>> create(const std::string& device);
 
   /// `truth` is of the server at spec.url. Errors as ClientHost's.
   Result<RunResult> run(const RunSpec& spec, TruthSource& truth);
 
-  FrameRenderer& renderer() { return *renderer_; }
-  const std::string& renderer_name() const { return renderer_name_; }
-  bool software() const { return egl_.software(); }
+  FrameRenderer& renderer();
+  const std::string& renderer_name() const;
+  bool software() const;
   /// The camera of a path at a time, as runs use it: to a microsecond, as clocks go.
   static Camera camera_at(const CameraPath& path, double seconds, const SceneView& scene, int width,
                           int height);
@@ -105,14 +111,13 @@ class SessionRunner {
   Result<void> fit_target(const RunSpec& spec, const FrameSetting& setting, bool blends);
   Result<void> one_frame(Loop& loop, int frame);
   Result<void> compare(Loop& loop, const Camera& camera, int frame);
+  /// Adds the frame drawn last to the geometric error; the share of its object pixels that are
+  /// holes.
+  static double add_geometric(Loop& loop, const Camera& camera, const ReferenceFrame& truth);
   double now_ms() const;
 
-  gl::EglContext egl_;
-  std::string renderer_name_;
-  std::optional<FrameRenderer> renderer_;
-  std::optional<FrameTarget> target_;
-  FrameSetting setting_;  ///< of the target, as planned: the device may not have as many samples
-  Refinement refinement_;
+  struct Screen;
+  std::unique_ptr<Screen> screen_;
 };
 
 }  // namespace mirage

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 
+#include "client/frame/draw_list.h"
 #include "client/host/client_host.h"
 #include "client/plan/eight_views.h"
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
 
 namespace mirage {
 namespace {

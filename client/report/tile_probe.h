@@ -11,6 +11,7 @@
 #include "client/hold/tile_cache.h"
 #include "client/native/native_link.h"
 #include "client/plan/tile_need.h"
+#include "client/scene/scene_view.h"
 
 namespace mirage {
 

@@ -1,7 +1,8 @@
 #include "client/report/truth_source.h"
 
 #include "client/host/client_host.h"
-#include "protocol/lighting_state.h"
+#include "client/session/client_session.h"
+#include "protocol/impostor/lighting_state.h"
 
 namespace mirage {
 

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "client/frame/reference_frame.h"
-#include "protocol/camera.h"
-#include "protocol/lighting_state.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
+#include "protocol/impostor/camera.h"
+#include "protocol/impostor/lighting_state.h"
 
 namespace mirage {
 

@@ -13,7 +13,7 @@ extern "C" {
 #include <cmath>
 #include <memory>
 
-#include "protocol/quantile.h"
+#include "protocol/base/quantile.h"
 
 namespace mirage {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "client/link/net_model.h"
-#include "protocol/camera.h"
+#include "protocol/impostor/camera.h"
 
 namespace mirage {
 

@@ -5,8 +5,12 @@
 #include <cstdio>
 #include <set>
 
+#include "client/price/cost_model.h"
+#include "client/quality/metrics.h"
+#include "client/report/session_run.h"
 #include "client/report/weather_rows.h"
-#include "protocol/quantile.h"
+#include "protocol/base/quantile.h"
+#include "protocol/base/result.h"
 
 namespace mirage {
 namespace {

@@ -5,9 +5,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/frame/camera_path.h"
 #include "client/host/methods.h"
+#include "client/link/net_model.h"
+#include "client/quality/image_view.h"
+#include "client/quality/metrics.h"
+#include "client/report/session_run.h"
+#include "client/report/truth_source.h"
 #include "client/report/work_precision_rows.h"
-#include "protocol/quantile.h"
+#include "client/scene/scene_view.h"
+#include "client/session/tile_trace.h"
+#include "protocol/base/quantile.h"
+#include "protocol/base/result.h"
+#include "protocol/impostor/camera.h"
+#include "server/render/tile_page.h"
 
 namespace mirage {
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "client/report/pareto.h"
-#include "protocol/quantile.h"
+#include "protocol/base/quantile.h"
 
 namespace mirage {
 namespace {

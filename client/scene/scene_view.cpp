@@ -5,7 +5,8 @@
 #include <map>
 #include <unordered_set>
 
-#include "protocol/instance_group.h"
+#include "protocol/impostor/instance_group.h"
+#include "protocol/wire/light_probe_codec.h"
 
 namespace mirage {
 namespace {

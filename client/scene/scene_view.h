@@ -9,14 +9,23 @@
 #include <unordered_map>
 #include <vector>
 
-#include "protocol/camera.h"
-#include "protocol/image_codec.h"
-#include "protocol/light_probe.h"
-#include "protocol/message.h"
-#include "protocol/object_proxy.h"
-#include "protocol/scene_types.h"
+#include "protocol/codec/image_codec.h"
+#include "protocol/impostor/camera.h"
+#include "protocol/impostor/object_proxy.h"
+#include "protocol/model/scene_types.h"
 
+#include "protocol/base/bytes.h"
+#include "protocol/base/result.h"
 namespace mirage {
+
+struct LightProbe;
+namespace wire {
+struct ImagePageT;
+struct InstancePageT;
+struct LightProbePageT;
+struct ObjectPageT;
+struct WelcomeT;
+}  // namespace wire
 
 /// An instance with what every frame needs of it precomputed.
 struct InstanceView {

@@ -3,9 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/frame/draw_list.h"
 #include "client/hold/light_history.h"
+#include "client/hold/mesh_cache.h"
+#include "client/hold/tile_cache.h"
+#include "client/plan/selector.h"
 #include "client/price/ask_gain.h"
-#include "protocol/stable_math.h"
+#include "client/scene/scene_view.h"
+#include "protocol/base/stable_math.h"
+#include "protocol/impostor/object_proxy.h"
 
 namespace mirage {
 namespace {

@@ -15,9 +15,15 @@
 
 #include "client/frame/caster_list.h"
 #include "client/hold/shadow_cache.h"
-#include "client/plan/selector.h"
 
+#include "client/plan/tile_need.h"
 namespace mirage {
+
+struct DrawList;
+struct DrawnImpostor;
+struct Lighting;
+class MeshCache;
+struct SelectorInput;
 
 class ShadowStage {
  public:

@@ -2,7 +2,7 @@
 
 #include "client/hold/shadow_cache.h"
 #include "client/hold/tile_cache.h"
-#include "protocol/lighting_state.h"
+#include "protocol/impostor/lighting_state.h"
 
 namespace mirage {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "client/frame/draw_list.h"
 #include "client/scene/scene_view.h"
-#include "protocol/camera.h"
-#include "protocol/scene_types.h"
+#include "protocol/impostor/camera.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
 

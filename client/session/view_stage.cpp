@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "client/plan/selector_rules.h"
+#include "protocol/wire/view_codec.h"
 
 namespace mirage {
 namespace {

@@ -7,16 +7,25 @@
 #include <cstdint>
 #include <optional>
 
-#include "client/plan/selector.h"
-#include "client/scene/scene_view.h"
-#include "protocol/view_tile.h"
+#include "client/price/view_fit.h"
+#include "client/session/counts.h"
+#include "protocol/base/bytes.h"
+#include "protocol/base/result.h"
+#include <memory>
+
+#include <vector>
 
 namespace mirage {
 
-struct ViewCounts {
-  std::uint64_t asked = 0;
-  std::uint64_t drawn = 0;  ///< that some frame showed
-};
+struct DrawList;
+struct InstanceView;
+class SceneView;
+struct ViewTile;
+namespace wire {
+struct RefusedT;
+struct ViewReplyT;
+struct ViewRequestT;
+}
 
 class ViewStage {
  public:

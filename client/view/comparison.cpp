@@ -8,6 +8,7 @@
 #include "client/draw/geometric_error.h"
 #include "client/host/png.h"
 #include "client/quality/metrics.h"
+#include "client/view/session_stats.h"
 
 namespace mirage {
 namespace {

@@ -5,10 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "client/session/client_session.h"
-#include "client/view/session_stats.h"
+#include "protocol/base/result.h"
 
 namespace mirage {
+
+struct Camera;
+struct DrawList;
+struct ReferenceFrame;
+class SceneView;
+class SessionStats;
 
 class Comparison {
  public:

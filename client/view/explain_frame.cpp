@@ -2,6 +2,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/plan/alternatives.h"
+#include "client/plan/frame_plan.h"
+#include "client/plan/selector.h"
+#include "client/price/error_model.h"
+#include "client/scene/scene_view.h"
+
 namespace mirage {
 namespace {
 

@@ -6,7 +6,7 @@
 
 #include "client/view/options.h"
 #include "client/view/viewer.h"
-#include "protocol/fail.h"
+#include "protocol/base/fail.h"
 #include "shaders/gl/health.h"
 
 int main(int argc, char** argv) {

@@ -5,8 +5,8 @@
 
 #include "client/host/device_model.h"
 #include "client/host/methods.h"
-#include "protocol/cli.h"
-#include "protocol/limits.h"
+#include "protocol/base/cli.h"
+#include "protocol/base/limits.h"
 
 namespace mirage {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 #include "shaders/gl/gl_object.h"
 #include "shaders/gl/program.h"
 

@@ -6,7 +6,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "protocol/quantile.h"
+#include "client/hold/tile_cache.h"
+#include "client/link/modelled_link.h"
+#include "client/plan/frame_plan.h"
+#include "client/session/tile_trace.h"
+#include "protocol/base/quantile.h"
+#include "protocol/impostor/tile_key.h"
 
 namespace mirage {
 namespace {
@@ -92,6 +97,14 @@ void SessionStats::add_frame(const DrawList& list, int draw_calls, double frame_
 void SessionStats::note_use(bool first_waits, const LinkUse& use) {
   ++known_use_;
   starved_ += starves(first_waits, use);
+}
+
+void SessionStats::note_plan(const FramePlan& plan) {
+  ++planned_;
+  budget_ms_ = plan.budget_ms();
+  scale_ += plan.setting().scale;
+  samples_ += plan.setting().samples;
+  lambda_ += plan.lambda();
 }
 
 void SessionStats::add_light_lag(const DrawList& list, const SceneView& scene) {

@@ -6,25 +6,29 @@
 #include <string>
 #include <vector>
 
-#include "client/draw/frame_renderer.h"
 #include "client/draw/geometric_error.h"
-#include "client/link/modelled_link.h"
 #include "client/quality/metrics.h"
-#include "client/session/client_session.h"
+
+#include "client/draw/gpu_bytes.h"
+#include "client/hold/upload_counts.h"
+#include "client/link/link.h"
+#include "client/plan/predictor.h"
+#include "client/session/counts.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
+
+struct DrawList;
+class FramePlan;
+struct LinkUse;
+class SceneView;
+struct TileLife;
 
 class SessionStats {
  public:
   void add_frame(const DrawList& list, int draw_calls, double frame_ms, std::int64_t now_us);
   /// How the frame was planned.
-  void note_plan(const FramePlan& plan) {
-    ++planned_;
-    budget_ms_ = plan.budget_ms();
-    scale_ += plan.setting().scale;
-    samples_ += plan.setting().samples;
-    lambda_ += plan.lambda();
-  }
+  void note_plan(const FramePlan& plan);
   /// The last frame added was drawn, not kept as it was: it took `real_ms`.
   void note_drawn(double real_ms) {
     ++drawn_;

@@ -16,8 +16,8 @@
 
 #include "client/quality/flip.h"
 #include "client/view/animation.h"
-#include "protocol/cli.h"
-#include "protocol/result.h"
+#include "protocol/base/cli.h"
+#include "protocol/base/result.h"
 
 namespace mirage {
 namespace {

@@ -9,9 +9,12 @@
 
 #include "client/draw/refinement.h"
 #include "client/frame/camera_path.h"
+#include "client/hold/tile_cache.h"
 #include "client/host/client_host.h"
 #include "client/host/light_script.h"
 #include "client/host/png.h"
+#include "client/native/native_link.h"
+#include "client/native/server_url.h"
 #include "client/price/cost_fit.h"
 #include "client/session/stillness.h"
 #include "client/view/comparison.h"
@@ -19,7 +22,9 @@
 #include "client/view/overlay.h"
 #include "client/view/session_stats.h"
 #include "client/view/window.h"
-#include "protocol/quantile.h"
+#include "protocol/base/quantile.h"
+#include "protocol/impostor/lighting_state.h"
+#include "protocol/impostor/tile_key.h"
 #include "shaders/gl/egl_context.h"
 #include "shaders/gl/renderer.h"
 
@@ -45,6 +50,10 @@ class Viewer {
   double frame_budget_ms() const;
   void draw(const Camera& camera, const DrawList& list);
   void note_scene();
+  void note_link();
+  void set_light(std::int64_t now);
+  void note_drawn(const DrawList& list);
+  void note_frame(const DrawList& list, double frame_ms, std::int64_t now);
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
   bool next_events();
@@ -245,6 +254,37 @@ void Viewer::show(const DrawList& list, std::int64_t now) {
   window_->present();
 }
 
+void Viewer::note_link() {
+  if (native().connected() == link_was_up_) return;
+  link_was_up_ = native().connected();
+  spdlog::warn(
+      "{}", link_was_up_ ? "server is back" : "server is gone: showing what is here, reconnecting");
+}
+
+void Viewer::set_light(std::int64_t now) {
+  const std::optional<Lighting> light =
+      light_->at(static_cast<double>(now - start_us_) * 1e-6, session().scene().lighting);
+  if (!light || (last_light_ && same_lighting(*light, *last_light_))) return;
+  session().set_lighting(*light, now);
+  last_light_ = light;
+}
+
+void Viewer::note_drawn(const DrawList& list) {
+  const std::int64_t drawn_us = now_us();
+  session().note_drawn(drawn_us);
+  const bool own_images = !list.impostors.empty() || !list.meshes.empty();
+  if (own_images) stats_.first_image(drawn_us);
+  if (own_images || list.view) stats_.first_picture(drawn_us);
+}
+
+void Viewer::note_frame(const DrawList& list, double frame_ms, std::int64_t now) {
+  if (session().light_changed()) stats_.add_light_lag(list, session().scene());
+  stats_.note_plan(session().plan());
+  stats_.add_frame(list, renderer_->draw_calls(), frame_ms, now);
+  if (const auto use = host_->link_use()) stats_.note_use(session().first_waits(), *use);
+  stats_.note_traffic(host_->traffic(), now - start_us_);
+}
+
 Result<void> Viewer::one_frame(std::int64_t frame) {
   const std::int64_t began = real_clock_.now_us();
   const std::int64_t now = now_us();
@@ -252,19 +292,10 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
     spdlog::warn("{}", received.error().line());
   }
   note_scene();
-  if (native().connected() != link_was_up_) {
-    link_was_up_ = native().connected();
-    spdlog::warn("{}", link_was_up_ ? "server is back"
-                                    : "server is gone: showing what is here, reconnecting");
-  }
+  note_link();
   if (Result<void> resized = fit_target(); !resized) return resized;
+  set_light(now);
   const SceneView& scene = session().scene();
-  const std::optional<Lighting> light =
-      light_->at(static_cast<double>(now - start_us_) * 1e-6, scene.lighting);
-  if (light && (!last_light_ || !same_lighting(*light, *last_light_))) {
-    session().set_lighting(*light, now);
-    last_light_ = light;
-  }
   Camera camera;
   camera.pose = next_pose(now, smooth_ms_ * 1e-3);
   camera.fov_y = o_.fov_degrees * 0.017453292519943295;
@@ -290,21 +321,13 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   stats_.note_gpu(renderer_->gpu_bytes(), target_->gpu_bytes() + refinement_.gpu_bytes());
   if (window_ && (window_->take_refresh() || drawn)) show(list, now);
   glFinish();
-  const std::int64_t drawn_us = now_us();
-  session().note_drawn(drawn_us);
-  const bool own_images = !list.impostors.empty() || !list.meshes.empty();
-  if (own_images) stats_.first_image(drawn_us);
-  if (own_images || list.view) stats_.first_picture(drawn_us);
+  note_drawn(list);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
   const double frame_ms = !host_->virtual_clock() ? real_ms
                           : o_.device_model       ? (drawn ? model_ms_ : 0)
                                                   : 1000.0 / o_.fps;
-  if (session().light_changed()) stats_.add_light_lag(list, scene);
-  stats_.note_plan(session().plan());
-  stats_.add_frame(list, renderer_->draw_calls(), frame_ms, now);
-  if (const auto use = host_->link_use()) stats_.note_use(session().first_waits(), *use);
+  note_frame(list, frame_ms, now);
   if (drawn) stats_.note_drawn(real_ms);
-  stats_.note_traffic(host_->traffic(), now - start_us_);
   if (drawn) smooth_ms_ += 0.1 * (frame_ms - smooth_ms_);
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);

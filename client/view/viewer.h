@@ -2,7 +2,7 @@
 // The viewing session: opens the link, drives the client stages frame by frame, compares, reports.
 
 #include "client/view/options.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 
 namespace mirage {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "protocol/stable_math.h"
+#include "protocol/base/stable_math.h"
 
 namespace mirage {
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
-#include "protocol/camera.h"
-#include "protocol/result.h"
-#include "protocol/scene_types.h"
+#include "protocol/base/result.h"
+#include "protocol/impostor/camera.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
 

@@ -15,7 +15,7 @@
 #include <string>
 #include <thread>
 
-#include "protocol/wire.h"
+#include "protocol/base/bytes.h"
 
 namespace mirage {
 

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <optional>
 
-#include "protocol/limits.h"
-#include "protocol/lod.h"
+#include "protocol/base/limits.h"
+#include "protocol/impostor/lod.h"
 #include "server/lod/lod_chunks.h"
 #include "server/lod/lod_shading.h"
 #include "server/lod/seams.h"

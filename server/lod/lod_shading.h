@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "protocol/model.h"
+#include "protocol/model/model.h"
 #include "server/base/workers.h"
 
 namespace mirage {

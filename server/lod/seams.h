@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "protocol/model.h"
+#include "protocol/model/model.h"
 
 namespace mirage {
 

@@ -5,7 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "protocol/model.h"
+#include "protocol/model/model.h"
 #include "server/base/workers.h"
 #include "server/lod/four_triangles.h"
 

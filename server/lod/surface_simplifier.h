@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "protocol/model.h"
+#include "protocol/model/model.h"
 
 namespace mirage {
 

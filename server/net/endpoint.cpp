@@ -7,7 +7,15 @@
 #include <cstring>
 #include <map>
 
+#include "protocol/base/bytes.h"
+#include "protocol/base/clock.h"
+#include "server/net/endpoint_options.h"
+#include "server/net/listen_address.h"
 #include "server/net/metrics.h"
+#include "server/session/scene_pages.h"
+#include "server/session/session.h"
+#include "server/tile/stage_queues.h"
+#include "server/tile/tile_job.h"
 
 namespace mirage {
 namespace {
@@ -39,8 +47,7 @@ void forward_log(int level, const char* line) {
 }  // namespace
 
 struct Endpoint::Impl {
-  Impl(SessionHub& h, BoundedQueue<Completion>& c, Counters& n)
-      : hub(h), completions(c), counters(n) {}
+  Impl(SessionHub& h, StageQueues& q) : hub(h), completions(q.completions), counters(q.counters) {}
 
   SessionHub& hub;
   BoundedQueue<Completion>& completions;
@@ -233,8 +240,8 @@ int on_http(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t 
 
 }  // namespace
 
-Endpoint::Endpoint(SessionHub& hub, BoundedQueue<Completion>& completions, Counters& counters)
-    : impl_(std::make_unique<Impl>(hub, completions, counters)) {}
+Endpoint::Endpoint(SessionHub& hub, StageQueues& queues)
+    : impl_(std::make_unique<Impl>(hub, queues)) {}
 
 Endpoint::~Endpoint() {
   if (!impl_->context) return;

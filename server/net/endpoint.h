@@ -8,23 +8,17 @@
 #include <memory>
 #include <string>
 
-#include "protocol/bounded_queue.h"
-#include "server/net/listen_address.h"
-#include "server/session/session.h"
+#include "protocol/base/result.h"
 
 namespace mirage {
 
-struct EndpointOptions {
-  ListenAddress address;
-  std::string tls_cert;  ///< PEM files; both or none
-  std::string tls_key;
-  std::string allow_origin;  ///< empty: any; else the only Origin a browser may come from
-  bool metrics = false;      ///< GET /metrics
-};
+struct EndpointOptions;
+class SessionHub;
+struct StageQueues;
 
 class Endpoint {
  public:
-  Endpoint(SessionHub& hub, BoundedQueue<Completion>& completions, Counters& counters);
+  Endpoint(SessionHub& hub, StageQueues& queues);
   ~Endpoint();
   Endpoint(const Endpoint&) = delete;
   Endpoint& operator=(const Endpoint&) = delete;

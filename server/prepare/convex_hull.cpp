@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
 
 namespace mirage {
 namespace {

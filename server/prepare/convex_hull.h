@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "protocol/object_proxy.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
+#include "protocol/impostor/object_proxy.h"
 #include "server/base/workers.h"
 
 namespace mirage {

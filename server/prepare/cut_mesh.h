@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "protocol/model.h"
+#include "protocol/model/model.h"
 #include "server/base/workers.h"
 
 namespace mirage {

@@ -5,9 +5,13 @@
 #include <limits>
 #include <optional>
 
-#include "protocol/animation_codec.h"
-#include "protocol/byte_stream.h"
-#include "protocol/need_mask.h"
+#include "protocol/base/byte_stream.h"
+#include "protocol/codec/animation_codec.h"
+#include "protocol/impostor/lod.h"
+#include "protocol/impostor/object_proxy.h"
+#include "protocol/model/need_mask.h"
+#include "server/lod/lod_family.h"
+#include "server/scene/scene.h"
 #include "shaders/gl/mip_chain.h"
 
 namespace mirage {

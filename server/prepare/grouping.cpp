@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "protocol/need_mask.h"
+#include "protocol/model/need_mask.h"
 
 namespace mirage {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "protocol/instance_group.h"
+#include "protocol/impostor/instance_group.h"
 #include "server/scene/scene.h"
 
 namespace mirage {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "protocol/need_rules.h"
+#include "protocol/model/need_rules.h"
 #include "server/scene/scene.h"
 
 namespace mirage {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
 #include "server/prepare/posed_extent.h"
 
 namespace mirage {

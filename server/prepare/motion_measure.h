@@ -4,8 +4,8 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "protocol/animation.h"
-#include "protocol/motion.h"
+#include "protocol/impostor/motion.h"
+#include "protocol/model/animation.h"
 
 namespace mirage {
 

@@ -3,8 +3,8 @@
 
 #include <map>
 
-#include "protocol/image_codec.h"
-#include "protocol/object_proxy.h"
+#include "protocol/codec/image_codec.h"
+#include "protocol/impostor/object_proxy.h"
 #include "server/base/workers.h"
 #include "server/prepare/motion_measure.h"
 #include "server/scene/scene.h"

@@ -2,7 +2,12 @@
 
 #include <map>
 
-#include "protocol/tile_codec.h"
+#include "protocol/codec/tile_codec.h"
+#include "protocol/impostor/lod.h"
+#include "protocol/impostor/object_proxy.h"
+#include "server/lod/lod.h"
+#include "server/lod/lod_family.h"
+#include "server/scene/scene.h"
 
 namespace mirage {
 namespace {

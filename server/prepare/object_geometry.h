@@ -1,12 +1,17 @@
 #pragma once
 // Levels of detail of an object, as tiles are drawn from them and as replies carry them.
 
-#include "protocol/model_codec.h"
-#include "protocol/object_proxy.h"
+#include "protocol/base/bytes.h"
+#include "protocol/codec/model_codec.h"
+#include "protocol/model/model.h"
 #include "server/base/workers.h"
-#include "server/lod/lod_family.h"
 
 namespace mirage {
+
+class LodFamilies;
+struct ObjectDescription;
+struct Scene;
+struct SceneObject;
 
 /// One level of an object as a reply carries it.
 struct EncodedLod {

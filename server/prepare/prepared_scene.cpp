@@ -5,8 +5,10 @@
 #include <map>
 #include <numeric>
 
-#include "protocol/lighting_state.h"
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
+#include "protocol/impostor/lighting_state.h"
+#include "server/lod/lod_family.h"
+#include "server/prepare/derived_cache.h"
 #include "server/prepare/instance_parts.h"
 #include "server/prepare/motion_measure.h"
 #include "server/prepare/scene_revision.h"

@@ -2,8 +2,8 @@
 
 #include <xxhash.h>
 
-#include "protocol/animation_codec.h"
-#include "protocol/model_codec.h"
+#include "protocol/codec/animation_codec.h"
+#include "protocol/codec/model_codec.h"
 
 namespace mirage {
 namespace {

@@ -4,7 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "server/prepare/prepared_scene.h"
 #include "server/prove/left_out.h"
+#include "server/prove/need_proof.h"
+#include "server/prove/tile_census.h"
 
 namespace mirage {
 namespace {

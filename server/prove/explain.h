@@ -1,10 +1,11 @@
 #pragma once
 #include <string>
 
-#include "server/prepare/prepared_scene.h"
-#include "server/prove/need_proof.h"
-
 namespace mirage {
+
+struct Proof;
+
+struct PreparedScene;
 
 /// The need analysis: what is left out of the scene and of its objects, by which rule, why, and
 /// with a `proof` (else nullptr) what it saves. `shadows`: they were asked for.

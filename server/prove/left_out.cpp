@@ -6,7 +6,13 @@
 #include <map>
 #include <set>
 
-#include "protocol/sun_frame.h"
+#include "protocol/impostor/instance_group.h"
+#include "protocol/impostor/lighting_state.h"
+#include "protocol/impostor/object_proxy.h"
+#include "protocol/impostor/sun_frame.h"
+#include "protocol/model/need_rules.h"
+#include "server/prepare/grouping.h"
+#include "server/prepare/prepared_scene.h"
 
 namespace mirage {
 namespace {

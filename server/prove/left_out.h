@@ -5,10 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "protocol/lighting_state.h"
-#include "server/prepare/prepared_scene.h"
+#include "protocol/impostor/lighting_state.h"
+
+#include "server/prepare/leave_out.h"
 
 namespace mirage {
+
+struct PreparedScene;
 
 /// In the order of the rules. `object` may be a group.
 std::vector<LeftOut> left_out_of_object(const PreparedScene& scene, std::size_t object,

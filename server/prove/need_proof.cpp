@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <map>
 
+#include "protocol/impostor/tile_key.h"
+#include "server/prepare/prepared_scene.h"
 #include "server/prove/left_out.h"
 #include "server/prove/proof_cases.h"
+#include "server/render/gpu_scene.h"
 #include "server/render/tile_shot.h"
 #include "shaders/gl/egl_context.h"
 

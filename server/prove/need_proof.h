@@ -14,11 +14,13 @@
 #include <string>
 #include <vector>
 
-#include "protocol/need_rules.h"
-#include "server/prepare/prepared_scene.h"
+#include "protocol/base/result.h"
+#include "protocol/model/need_rules.h"
 #include "server/prove/tile_census.h"
 
 namespace mirage {
+
+struct PreparedScene;
 
 struct ProofOptions {
   int cells = 26;             ///< view cells, 1 to 26: faces, edges and corners of a cube

@@ -2,7 +2,12 @@
 
 #include <algorithm>
 
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
+#include "protocol/impostor/tile_key.h"
+#include "protocol/model/model.h"
+#include "protocol/model/scene_types.h"
+#include "server/prepare/derived_cache.h"
+#include "server/prepare/prepared_scene.h"
 
 namespace mirage {
 

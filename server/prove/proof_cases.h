@@ -4,9 +4,11 @@
 #include <memory>
 #include <vector>
 
-#include "server/prepare/prepared_scene.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
+
+struct PreparedScene;
 
 /// Faces, corners, edges of a cube, 1 to 26: any first few of them are spread.
 std::vector<glm::dvec3> proof_directions(int count);

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <limits>
 
-#include "protocol/tile_codec.h"
+#include "protocol/codec/tile_codec.h"
+#include "server/render/tile_shot.h"
+#include "server/scene/scene.h"
+#include "server/tile/tile_job.h"
 #include "server/tile/tile_measure.h"
 
 namespace mirage {

@@ -8,10 +8,16 @@
 #include <tuple>
 #include <vector>
 
-#include "protocol/need_rules.h"
-#include "server/render/tile_shot.h"
+#include "protocol/model/need_rules.h"
 
 namespace mirage {
+
+struct Material;
+struct ObjectDescription;
+struct SceneObject;
+struct TileCost;
+struct TileJob;
+struct TileShot;
 
 /// What a rule that is not kept would save here.
 struct DroppedFigure {

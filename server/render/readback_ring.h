@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 #include "server/tile/tile_job.h"
 #include "shaders/gl/render_target.h"
 

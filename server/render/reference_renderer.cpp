@@ -4,6 +4,11 @@
 #include <chrono>
 #include <tuple>
 
+#include "protocol/impostor/motion.h"
+#include "protocol/impostor/object_proxy.h"
+#include "server/prepare/prepared_scene.h"
+#include "server/render/gpu_scene.h"
+#include "server/render/scene_shadow.h"
 #include "shaders/gl/renderer.h"
 
 namespace mirage {
@@ -41,6 +46,28 @@ template <typename T>
 void append(Bytes& out, const std::vector<T>& plane) {
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(plane.data());
   out.insert(out.end(), bytes, bytes + plane.size() * sizeof(T));
+}
+
+// What the framebuffer that is bound holds, rows from the top.
+SceneFrame read_back(int w, int h) {
+  const std::size_t row = static_cast<std::size_t>(w);
+  const std::size_t pixels = row * static_cast<std::size_t>(h);
+  SceneFrame frame;
+  frame.rgba.resize(pixels * 4);
+  frame.depth.resize(pixels);
+  frame.ids.resize(pixels);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  glReadPixels(0, 0, w, h, GL_RGBA, GL_UNSIGNED_BYTE, frame.rgba.data());
+  glReadBuffer(GL_COLOR_ATTACHMENT1);
+  glReadPixels(0, 0, w, h, GL_RED, GL_FLOAT, frame.depth.data());
+  glReadBuffer(GL_COLOR_ATTACHMENT2);
+  glReadPixels(0, 0, w, h, GL_RED_INTEGER, GL_UNSIGNED_INT, frame.ids.data());
+  flip(frame.rgba, row * 4);
+  flip(frame.depth, row);
+  flip(frame.ids, row);
+  return frame;
 }
 
 }  // namespace
@@ -234,24 +261,7 @@ Result<SceneFrame> ReferenceRenderer::draw(const SceneShot& job) {
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindVertexArray(0);
 
-  const std::size_t row = static_cast<std::size_t>(w);
-  const std::size_t pixels = row * static_cast<std::size_t>(h);
-  SceneFrame frame;
-  frame.rgba.resize(pixels * 4);
-  frame.depth.resize(pixels);
-  frame.ids.resize(pixels);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-  glReadBuffer(GL_COLOR_ATTACHMENT0);
-  glReadPixels(0, 0, w, h, GL_RGBA, GL_UNSIGNED_BYTE, frame.rgba.data());
-  glReadBuffer(GL_COLOR_ATTACHMENT1);
-  glReadPixels(0, 0, w, h, GL_RED, GL_FLOAT, frame.depth.data());
-  glReadBuffer(GL_COLOR_ATTACHMENT2);
-  glReadPixels(0, 0, w, h, GL_RED_INTEGER, GL_UNSIGNED_INT, frame.ids.data());
-  flip(frame.rgba, row * 4);
-  flip(frame.depth, row);
-  flip(frame.ids, row);
-  return frame;
+  return read_back(w, h);
 }
 
 Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {

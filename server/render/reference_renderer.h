@@ -2,15 +2,16 @@
 // The full scene for a camera: the truth the client's picture is compared with, and, from levels of
 // detail, views. GL thread only.
 
-#include "protocol/camera.h"
-#include "server/render/gpu_scene.h"
-#include "server/render/scene_shadow.h"
+#include "protocol/impostor/camera.h"
 #include "server/tile/tile_job.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/render_target.h"
 #include "shaders/gl/sky_pass.h"
 
 namespace mirage {
+
+struct GpuScene;
+class SceneShadow;
 
 class ReferenceRenderer {
  public:

@@ -1,5 +1,8 @@
 #include "server/render/scene_shadow.h"
 
+#include "server/prepare/prepared_scene.h"
+#include "server/render/gpu_scene.h"
+
 namespace mirage {
 
 SceneShadow::SceneShadow(const GpuScene& scene)

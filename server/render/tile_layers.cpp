@@ -1,6 +1,6 @@
 #include "server/render/tile_layers.h"
 
-#include "protocol/tile.h"
+#include "protocol/impostor/tile.h"
 #include "shaders/gl/renderer.h"
 
 namespace mirage {

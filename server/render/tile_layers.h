@@ -4,7 +4,6 @@
 
 #include <map>
 
-#include "server/render/gpu_scene.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/program.h"
 #include "shaders/gl/render_target.h"

@@ -4,9 +4,14 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <numeric>
 
-#include "protocol/capture.h"
-#include "protocol/sun_frame.h"
+#include "protocol/impostor/capture.h"
+#include "protocol/impostor/sun_frame.h"
+#include "protocol/impostor/tile_key.h"
+#include "server/prepare/prepared_scene.h"
+#include "server/render/gpu_scene.h"
 #include "server/render/readback_ring.h"
+#include "server/render/scene_shadow.h"
+#include "server/render/tile_layers.h"
 #include "shaders/gl/renderer.h"
 
 namespace mirage {
@@ -34,6 +39,12 @@ glm::mat4 capture_projection(const Capture& capture) {
       glm::transpose(glm::dmat4(glm::dmat3(b.right, b.up, -b.forward)));
   return glm::mat4(clip_from_view * view_from_relative);
 }
+
+TilePageRenderer::TilePageRenderer(const GpuScene& scene, int supersample)
+    : scene_(&scene), supersample_(supersample) {}
+TilePageRenderer::TilePageRenderer(TilePageRenderer&& other) noexcept = default;
+TilePageRenderer& TilePageRenderer::operator=(TilePageRenderer&& other) noexcept = default;
+TilePageRenderer::~TilePageRenderer() = default;
 
 Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int supersample,
                                                   SceneShadow* shadow, const TileExtras& extras) {

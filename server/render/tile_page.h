@@ -10,16 +10,18 @@
 #include <optional>
 #include <vector>
 
-#include "server/render/gpu_scene.h"
+#include "server/prepare/grouping.h"
 #include "server/render/page_packer.h"
-#include "server/render/scene_shadow.h"
-#include "server/render/tile_layers.h"
 #include "server/tile/tile_job.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/program.h"
 #include "shaders/gl/render_target.h"
 
 namespace mirage {
+
+struct GpuScene;
+class SceneShadow;
+class TileLayers;
 
 /// What a proof of need analysis draws beside what the product draws (need_proof.h).
 struct TileExtras {
@@ -33,6 +35,9 @@ glm::mat4 capture_projection(const Capture& capture);
 
 class TilePageRenderer {
  public:
+  TilePageRenderer(TilePageRenderer&& other) noexcept;
+  TilePageRenderer& operator=(TilePageRenderer&& other) noexcept;
+  ~TilePageRenderer();
   /// `supersample` per axis, at least 3 for alpha-tested objects. `shadow`, which must live as
   /// long, is for shadow tiles; nullptr: none will be asked for. Error kGraphicsShader.
   static Result<TilePageRenderer> create(const GpuScene& scene, int supersample,
@@ -65,8 +70,7 @@ class TilePageRenderer {
   std::vector<std::string> variants() const;
 
  private:
-  explicit TilePageRenderer(const GpuScene& scene, int supersample)
-      : scene_(&scene), supersample_(supersample) {}
+  TilePageRenderer(const GpuScene& scene, int supersample);
   /// For `supersample`, and for the samples of fine tiles: a constant in the shader, as a software
   /// renderer runs loops of unknown length slowly.
   struct Resolve {

@@ -2,7 +2,11 @@
 #include <algorithm>
 #include <set>
 
-#include "protocol/sun_frame.h"
+#include "protocol/impostor/sun_frame.h"
+#include "protocol/impostor/tile_key.h"
+#include "server/prepare/prepared_scene.h"
+#include "server/render/gpu_scene.h"
+#include "server/render/scene_shadow.h"
 #include "server/render/tile_page.h"
 
 namespace mirage {

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "protocol/tile_codec.h"
+#include "protocol/codec/tile_codec.h"
 #include "server/tile/tile_encode.h"
 #include "server/tile/tile_measure.h"
 

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "protocol/animation.h"
-#include "protocol/light_probe.h"
-#include "protocol/model.h"
-#include "protocol/result.h"
-#include "protocol/scene_types.h"
+#include "protocol/base/result.h"
+#include "protocol/impostor/light_probe.h"
+#include "protocol/model/animation.h"
+#include "protocol/model/model.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
 

@@ -4,8 +4,8 @@
 
 #include <glm/glm.hpp>
 
-#include "protocol/model.h"
-#include "protocol/scene_types.h"
+#include "protocol/model/model.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
 

@@ -17,7 +17,7 @@ bool FetchRequests::directory_is_slow() const {
 }
 
 bool FetchRequests::wait(const TileAsk& ask) {
-  const Wanted wanted{ask.id, ask.waiter.codec};
+  const FormId wanted{ask.id, ask.waiter.codec};
   const std::pair request(ask.waiter.session, ask.waiter.request_id);
   if (requests_.size() >= limits::kMaxQueuedAsksPerClient || requests_.count(request) != 0) {
     return false;
@@ -35,7 +35,7 @@ bool FetchRequests::wait(const TileAsk& ask) {
 }
 
 std::vector<TileAsk> FetchRequests::take(const TileId& id, TileCodec codec) {
-  auto node = looked_for_.extract(Wanted{id, codec});
+  auto node = looked_for_.extract(FormId{id, codec});
   if (node.empty()) return {};  // given up before
   on_trial_ = false;
   std::vector<TileAsk> out = std::move(node.mapped().asks);

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "protocol/bounded_queue.h"
-#include "protocol/clock.h"
+#include "protocol/base/bounded_queue.h"
+#include "protocol/base/clock.h"
 #include "server/tile/tile_job.h"
 
 namespace mirage {
@@ -32,13 +32,6 @@ class FetchRequests {
   bool waiting() const { return !looked_for_.empty(); }
 
  private:
-  struct Wanted {
-    TileId id;
-    TileCodec codec = TileCodec::kZstd;
-    bool operator<(const Wanted& o) const {
-      return std::tie(id.high, id.low, codec) < std::tie(o.id.high, o.id.low, o.codec);
-    }
-  };
   struct LookedFor {
     std::int64_t since_us = 0;
     std::vector<TileAsk> asks;
@@ -47,8 +40,8 @@ class FetchRequests {
 
   BoundedQueue<FetchJob>& jobs_;
   const Clock& clock_;
-  std::map<Wanted, LookedFor> looked_for_;
-  std::map<std::pair<SessionId, std::uint32_t>, Wanted> requests_;
+  std::map<FormId, LookedFor> looked_for_;
+  std::map<std::pair<SessionId, std::uint32_t>, FormId> requests_;
   std::int64_t avoid_until_us_ = INT64_MIN;
   bool on_trial_ = false;  ///< it was slow: one tile at a time, until one comes in time
 };

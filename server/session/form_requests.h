@@ -5,10 +5,10 @@
 // Full:   nothing more is taken on; rendered tiles fill the same queue and go on.
 
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
-#include "protocol/bounded_queue.h"
+#include "protocol/base/bounded_queue.h"
+#include "server/base/wait_list.h"
 #include "server/tile/tile_job.h"
 
 namespace mirage {
@@ -21,13 +21,13 @@ class FormRequests {
   /// enough to do.
   bool wait(const TileId& id, const StoredTilePtr& lossless, const Waiter& waiter);
   /// Who waited for a form that is now made; they wait no longer.
-  std::vector<Waiter> take_waiting(const TileId& id, TileCodec codec);
+  std::vector<Waiter> take_waiting(const TileId& id, TileCodec codec) {
+    return waiting_.take({id, codec});
+  }
 
  private:
-  /// By tile; of all codecs.
-  std::unordered_map<TileId, std::vector<Waiter>> waiting_;
+  WaitList<FormId, Waiter> waiting_;
   BoundedQueue<EncodeJob>& jobs_;
-  std::size_t count_ = 0;  ///< of all who wait
 };
 
 }  // namespace mirage

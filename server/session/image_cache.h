@@ -5,12 +5,13 @@
 // Full:   what was encoded longest ago goes first.
 
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <utility>
 #include <vector>
 
-#include "protocol/bounded_queue.h"
+#include "protocol/base/bounded_queue.h"
+#include "server/base/byte_budget.h"
+#include "server/base/wait_list.h"
 #include "server/tile/tile_job.h"
 
 namespace mirage {
@@ -28,15 +29,14 @@ class ImageCache {
   /// session waits for it already.
   bool wait(const ImageLevel& level, Waiting waiting);
   /// Who waited for a level that is now encoded; they wait no longer.
-  std::vector<Waiting> take_waiting(const ImageLevel& level);
+  std::vector<Waiting> take_waiting(const ImageLevel& level) { return waiting_.take(level); }
   void keep(const ImageLevel& level, Bytes bytes);
 
  private:
   BoundedQueue<ImageLevel>& jobs_;
-  std::map<ImageLevel, std::vector<Waiting>> waiting_;
-  std::map<ImageLevel, Bytes> encoded_;  ///< at most kMaxBytes (image_cache.cpp)
-  std::deque<ImageLevel> order_;         ///< of encoded_, oldest first
-  std::size_t bytes_ = 0;
+  WaitList<ImageLevel, Waiting> waiting_;
+  std::map<ImageLevel, Bytes> encoded_;
+  ByteBudget<ImageLevel> budget_{256u << 20};  ///< of encoded_
 };
 
 }  // namespace mirage

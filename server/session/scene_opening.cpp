@@ -1,5 +1,8 @@
 #include "server/session/scene_opening.h"
 
+#include "server/prepare/grouping.h"
+#include "server/prepare/prepared_scene.h"
+
 namespace mirage {
 namespace {
 

@@ -7,10 +7,12 @@
 #include <unordered_set>
 #include <vector>
 
-#include "protocol/camera.h"
-#include "server/prepare/prepared_scene.h"
+#include "protocol/impostor/camera.h"
+#include "protocol/impostor/instance_group.h"
 
 namespace mirage {
+
+struct PreparedScene;
 
 /// Who looks, and how much is told.
 struct Opening {

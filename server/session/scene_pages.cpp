@@ -4,7 +4,10 @@
 #include <cmath>
 #include <set>
 
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
+#include "protocol/codec/image_codec.h"
+#include "server/prepare/grouping.h"
+#include "server/prepare/prepared_scene.h"
 
 namespace mirage {
 namespace {

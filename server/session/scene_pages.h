@@ -6,16 +6,17 @@
 #include <memory>
 #include <vector>
 
-#include "protocol/message.h"
-#include "server/prepare/prepared_scene.h"
+#include "protocol/wire/message.h"
 #include "server/session/scene_opening.h"
 
 namespace mirage {
 
+struct PreparedScene;
+
 using FramePtr = std::shared_ptr<const Bytes>;
 
-/// Encoded pages, in the order they are sent; each within the limits of `protocol/limits.h`. Of a
-/// small scene it is everything.
+/// Encoded pages, in the order they are sent; each within the limits of `protocol/base/limits.h`.
+/// Of a small scene it is everything.
 std::vector<FramePtr> make_scene_pages(const PreparedScene& scene);
 
 /// What is told of the tree, page by page: nothing is made before it can be sent, so that a client

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 
+#include "protocol/impostor/tile_key.h"
+#include "protocol/wire/light_probe_codec.h"
+#include "server/prepare/prepared_scene.h"
+#include "server/scene/scene.h"
 #include "server/stage/render_profile.h"
 
 namespace mirage {
@@ -251,27 +255,20 @@ void SessionHub::push(SessionId id, std::deque<FramePtr>& lane, Bytes message) {
 }
 
 void SessionHub::complete(Completion completion) {
-  if (completion.failure) {
-    failure_ = completion.failure;
-    return;
+  std::visit([this](auto& done) { finish(std::move(done)); }, completion);
+}
+
+void SessionHub::finish(TooLargeTile done) {
+  for (const Waiter& w : queue_.finish(done.id)) {
+    const auto at = sessions_.find(w.session);
+    if (at == sessions_.end()) continue;
+    refuse(w.session, at->second, w.request_id, wire::RefusalReason::TooLarge);
   }
-  if (completion.fetched) return finish_fetch(completion);
-  if (completion.tile) return finish_tile(completion);
-  if (completion.refused) {
-    for (const Waiter& w : queue_.finish(completion.id)) {
-      const auto at = sessions_.find(w.session);
-      if (at != sessions_.end()) {
-        refuse(w.session, at->second, w.request_id, wire::RefusalReason::TooLarge);
-      }
-    }
-    return;
-  }
-  if (completion.view) return finish_view(completion);
-  if (completion.image) return finish_image(*completion.image, std::move(completion.message));
-  const auto at = sessions_.find(completion.session);
-  if (at != sessions_.end()) {
-    push(completion.session, at->second.bulk, std::move(completion.message));
-  }
+}
+
+void SessionHub::finish(FinishedReference done) {
+  const auto at = sessions_.find(done.session);
+  if (at != sessions_.end()) push(done.session, at->second.bulk, std::move(done.message));
 }
 
 std::deque<FramePtr>* SessionHub::tile_or_bulk(Session& s) {

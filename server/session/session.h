@@ -19,24 +19,11 @@
 #include "server/session/form_requests.h"
 #include "server/session/image_cache.h"
 #include "server/session/scene_pages.h"
+#include "server/session/session_options.h"
 #include "server/session/view_cache.h"
 #include "server/tile/stage_queues.h"
 
 namespace mirage {
-
-struct SessionOptions {
-  std::string token;          ///< empty: no client needs one
-  std::string renderer;       ///< told to clients
-  std::uint64_t profile = 0;  ///< of what draws and encodes (RenderProfile)
-  bool geometry = true;
-  bool reference = true;
-  bool view = true;  ///< the whole scene as one tile is sent to who asks for it
-  bool shadows = false;
-  std::size_t max_clients = 4096;
-  std::size_t max_outbox_bytes = 512u << 20;  ///< of one client, before it is closed
-  /// That clients may ask for, the first that a client takes is its own.
-  std::vector<TileCodec> codecs = {TileCodec::kZstd, TileCodec::kRaw, TileCodec::kWebp};
-};
 
 class SessionHub {
  public:
@@ -102,20 +89,17 @@ class SessionHub {
   /// Answers from memory, or has it made from what is there; false: the tile is not in memory.
   bool answer_from_memory(const TileAsk& ask);
   void have_rendered(const TileAsk& ask);
-  void finish_fetch(const Completion& done);
   /// Whether the object has tiles of this kind under this lighting.
   bool can_be(std::uint8_t channels, const ObjectDescription& object,
               const Lighting& lighting) const;
   void mesh_ask(SessionId id, Session& s, const wire::MeshAsk& ask);
   void image_ask(SessionId id, Session& s, const wire::ImageAsk& ask);
-  void finish_image(const ImageLevel& level, Bytes bytes);
   void push_image(SessionId id, std::uint32_t request, const ImageLevel& level, const Bytes& bytes);
   void open_groups(SessionId id, Session& s, const wire::OpenRequestT& m);
   Result<void> set_lighting(Session& s, const wire::SetLightingT& m);
   void reference(SessionId id, Session& s, const wire::ReferenceRequestT& m);
   ViewJob view_job(const wire::ViewRequestT& m, const Lighting& lighting) const;
   void view(SessionId id, Session& s, const wire::ViewRequestT& m);
-  void finish_view(const Completion& done);
   void push_view(const ViewCache::Waiting& waiting, const EncodedView& view);
   void stats(SessionId id, Session& s, const wire::StatsRequestT& m);
 
@@ -125,7 +109,14 @@ class SessionHub {
   /// The lane whose turn it is; nullptr when neither may send.
   static std::deque<FramePtr>* tile_or_bulk(Session& s);
   void push_tile(const Waiter& waiter, const StoredTile& tile);
-  void finish_tile(const Completion& done);
+  // What the stages have done.
+  void finish(FinishedTile done);
+  void finish(TooLargeTile done);
+  void finish(FinishedFetch done);
+  void finish(FinishedImage done);
+  void finish(FinishedView done);
+  void finish(FinishedReference done);
+  void finish(RendererFailure done) { failure_ = std::move(done.error); }
   /// Has the waiter's form made; while there is too much to do, it is sent this one.
   void convert(const Waiter& waiter, const TileId& id, const StoredTilePtr& lossless);
   void refuse(SessionId id, Session& s, std::uint32_t request, wire::RefusalReason reason);

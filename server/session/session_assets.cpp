@@ -1,5 +1,10 @@
 // Sessions: what is no tile. Geometry, images, full renders and statistics.
+#include "client/load/message_view.h"
+#include "protocol/impostor/tile_key.h"
+#include "server/prepare/object_geometry.h"
+#include "server/prepare/prepared_scene.h"
 #include "server/session/session.h"
+#include "server/tile/tile_job.h"
 
 namespace mirage {
 
@@ -49,11 +54,11 @@ void SessionHub::push_image(SessionId id, std::uint32_t request, const ImageLeve
   push(id, at->second.bulk, encode_message(std::move(reply), bytes));
 }
 
-void SessionHub::finish_image(const ImageLevel& level, Bytes bytes) {
-  for (const auto& [session, request] : images_.take_waiting(level)) {
-    push_image(session, request, level, bytes);
+void SessionHub::finish(FinishedImage done) {
+  for (const auto& [session, request] : images_.take_waiting(done.level)) {
+    push_image(session, request, done.level, done.bytes);
   }
-  images_.keep(level, std::move(bytes));
+  images_.keep(done.level, std::move(done.bytes));
 }
 
 void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceRequestT& m) {

@@ -1,7 +1,9 @@
 // Sessions: tiles, from the ask to the reply.
 #include <algorithm>
 
-#include "protocol/sun_frame.h"
+#include "protocol/impostor/sun_frame.h"
+#include "protocol/impostor/tile_key.h"
+#include "server/prepare/prepared_scene.h"
 #include "server/session/session.h"
 
 namespace mirage {
@@ -90,9 +92,9 @@ void SessionHub::have_rendered(const TileAsk& asked) {
   refuse(id, sessions_.at(id), asked.waiter.request_id, wire::RefusalReason::Busy);
 }
 
-void SessionHub::finish_fetch(const Completion& done) {
+void SessionHub::finish(FinishedFetch done) {
   for (const TileAsk& asked : fetches_.take(done.id, done.codec)) {
-    const FetchedTile& found = *done.fetched;
+    const FetchedTile& found = done.found;
     if (found.form || found.lossless) ++counters_.store_hits;
     if (found.form) {
       push_tile(asked.waiter, *found.form);
@@ -132,7 +134,7 @@ void SessionHub::convert(const Waiter& waiter, const TileId& id, const StoredTil
   refuse(waiter.session, at->second, waiter.request_id, wire::RefusalReason::Busy);
 }
 
-void SessionHub::finish_tile(const Completion& done) {
+void SessionHub::finish(FinishedTile done) {
   for (const Waiter& w : forms_.take_waiting(done.id, done.codec)) push_tile(w, *done.tile);
   if (!done.lossless) return;
   const double took = static_cast<double>(done.tile->reply.render_us) + done.tile->reply.encode_us;

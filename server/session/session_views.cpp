@@ -1,4 +1,7 @@
 // Sessions: views, from the request to the reply.
+#include "protocol/impostor/tile_key.h"
+#include "protocol/wire/view_codec.h"
+#include "server/prepare/prepared_scene.h"
 #include "server/session/session.h"
 
 namespace mirage {
@@ -57,12 +60,12 @@ void SessionHub::push_view(const ViewCache::Waiting& waiting, const EncodedView&
   push(waiting.session, at->second.control, encode_message(std::move(reply), view.payload));
 }
 
-void SessionHub::finish_view(const Completion& done) {
-  for (const ViewCache::Waiting& w : views_.finish(*done.view, done.encoded_view)) {
+void SessionHub::finish(FinishedView done) {
+  for (const ViewCache::Waiting& w : views_.finish(done.id, done.view)) {
     const auto at = sessions_.find(w.session);
     if (at == sessions_.end()) continue;
-    if (done.encoded_view) {
-      push_view(w, *done.encoded_view);
+    if (done.view) {
+      push_view(w, *done.view);
     } else {
       refuse(w.session, at->second, w.request_id, wire::RefusalReason::TooLarge);
     }

@@ -1,11 +1,6 @@
 #include "server/session/view_cache.h"
 
-#include <algorithm>
-
 namespace mirage {
-namespace {
-constexpr std::size_t kMost = 128;  // some 100 KB each
-}  // namespace
 
 std::shared_ptr<const EncodedView> ViewCache::find(const TileId& id) const {
   const auto at = made_.find(id);
@@ -13,18 +8,15 @@ std::shared_ptr<const EncodedView> ViewCache::find(const TileId& id) const {
 }
 
 bool ViewCache::wait(ViewJob job, Waiting waiting) {
-  for (const auto& [id, all] : making_) {
-    const bool again = std::any_of(all.begin(), all.end(),
-                                   [&](const Waiting& w) { return w.session == waiting.session; });
-    if (again) return false;
-  }
-  const auto [at, is_new] = making_.try_emplace(job.id);
-  waiting.kept = !is_new;
-  at->second.push_back(waiting);
-  if (is_new) {
-    queue_.submit(std::move(job));
-  } else {
+  const bool again =
+      making_.any([&](const Waiting& other) { return other.session == waiting.session; });
+  if (again) return false;
+  waiting.kept = making_.under_way(job.id);
+  making_.add(job.id, waiting);
+  if (waiting.kept) {
     queue_.want_view(job.id);
+  } else {
+    queue_.submit(std::move(job));
   }
   return true;
 }
@@ -32,34 +24,24 @@ bool ViewCache::wait(ViewJob job, Waiting waiting) {
 void ViewCache::keep_ready(ViewJob job) {
   home_ = job.id;
   job.wanted = false;
-  if (making_.try_emplace(job.id).second) queue_.submit(std::move(job));
+  if (making_.begin(job.id)) queue_.submit(std::move(job));
 }
 
 std::vector<ViewCache::Waiting> ViewCache::finish(const TileId& id,
                                                   std::shared_ptr<const EncodedView> view) {
-  auto node = making_.extract(id);
   if (view) {
+    if (!home_ || !(id == *home_)) budget_.add(id, view->payload.size());
     made_[id] = std::move(view);
-    if (!home_ || !(id == *home_)) order_.push_back(id);
-    if (order_.size() > kMost) {
-      made_.erase(order_.front());
-      order_.pop_front();
-    }
+    while (const std::optional<TileId> oldest = budget_.take_excess()) made_.erase(*oldest);
   }
-  return node.empty() ? std::vector<Waiting>{} : std::move(node.mapped());
+  return making_.take(id);
 }
 
 void ViewCache::remove_session(SessionId session) {
-  for (auto at = making_.begin(); at != making_.end();) {
-    auto& [id, all] = *at;
-    const auto left = std::remove_if(all.begin(), all.end(),
-                                     [&](const Waiting& w) { return w.session == session; });
-    const bool waited = left != all.end();
-    all.erase(left, all.end());
-    // Who comes, asks and goes must not leave work behind.
-    const bool unwanted = waited && all.empty() && !(home_ && id == *home_);
-    at = unwanted && queue_.drop_view(id) ? making_.erase(at) : std::next(at);
-  }
+  // Who comes, asks and goes must not leave work behind.
+  making_.remove(
+      [&](const Waiting& waiting) { return waiting.session == session; },
+      [&](const TileId& id) { return !(home_ && id == *home_) && queue_.drop_view(id); });
 }
 
 }  // namespace mirage

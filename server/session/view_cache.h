@@ -4,11 +4,14 @@
 // Thread: the network loop's.
 // Full:   the view made longest ago goes first; a client waits for one at a time.
 
-#include <deque>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
+#include "protocol/wire/view_codec.h"
+#include "server/base/byte_budget.h"
+#include "server/base/wait_list.h"
 #include "server/tile/tile_queue.h"
 
 namespace mirage {
@@ -37,10 +40,10 @@ class ViewCache {
 
  private:
   TileQueue& queue_;
-  std::unordered_map<TileId, std::vector<Waiting>> making_;
+  WaitList<TileId, Waiting> making_;
   std::unordered_map<TileId, std::shared_ptr<const EncodedView>> made_;
-  std::deque<TileId> order_;    ///< of made_, oldest first
-  std::optional<TileId> home_;  ///< is not let go
+  ByteBudget<TileId> budget_{16u << 20};  ///< of made_ but home: some 100 KB each
+  std::optional<TileId> home_;            ///< is not let go
 };
 
 }  // namespace mirage

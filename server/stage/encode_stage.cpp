@@ -1,6 +1,10 @@
 #include "server/stage/encode_stage.h"
 
-#include "protocol/clock.h"
+#include "protocol/base/clock.h"
+#include "protocol/impostor/tile_key.h"
+#include "protocol/wire/view_codec.h"
+#include "server/prepare/prepared_scene.h"
+#include "server/tile/stage_queues.h"
 #include "server/tile/tile_encode.h"
 #include "server/tile/tile_form.h"
 #include "server/tile/view_cut.h"
@@ -19,31 +23,22 @@ void EncodeStage::finish(const RenderedTile& rendered, const ObjectDescription& 
   const Tile tile = cut_and_measure(rendered, object);
   wire::TileReplyT fields = tile_fields(rendered);
   fields.encode_us = static_cast<std::uint32_t>(clock.now_us());
-  Completion done;
-  done.id = job.id;
-  done.codec = job.codec;
-  done.lossless = done.tile = make_form(tile, fields, lossless_codec(job.codec));
-  if (is_lossy(job.codec)) {
-    done.tile = smaller_form(done.lossless, make_form(tile, fields, job.codec));
-  }
-  const StoredTilePtr lossless = done.lossless, asked = done.tile;
+  const StoredTilePtr lossless = make_form(tile, fields, lossless_codec(job.codec));
+  const StoredTilePtr asked =
+      is_lossy(job.codec) ? smaller_form(lossless, make_form(tile, fields, job.codec)) : lossless;
   queues_.store.put(job.id, lossless_codec(job.codec), lossless);
   if (is_lossy(job.codec)) queues_.store.put(job.id, job.codec, asked);
-  announce(std::move(done));
+  announce(FinishedTile{job.id, job.codec, asked, lossless});
   save(job.id, lossless_codec(job.codec), lossless);
   if (is_lossy(job.codec)) save(job.id, job.codec, asked);
 }
 
 void EncodeStage::finish(const FormJob& job) {
-  Completion done;
-  done.id = job.id;
-  done.codec = job.codec;
-  done.tile = convert_form(job.lossless, job.codec);
-  if (!done.tile) done.tile = job.lossless;
-  const StoredTilePtr form = done.tile;
+  StoredTilePtr form = convert_form(job.lossless, job.codec);
+  if (!form) form = job.lossless;
   queues_.store.put(job.id, job.codec, form);
   ++queues_.counters.forms_made;
-  announce(std::move(done));
+  announce(FinishedTile{job.id, job.codec, form});
   if (is_lossy(job.codec)) save(job.id, job.codec, form);  // the others share a file
 }
 
@@ -54,23 +49,20 @@ void EncodeStage::save(const TileId& id, TileCodec codec, StoredTilePtr tile) {
 }
 
 void EncodeStage::finish(const RenderedView& drawn) {
-  Completion done;
-  done.view = drawn.id;
-  done.encoded_view =
-      std::make_shared<const EncodedView>(encode_view(cut_view(drawn.camera, drawn.frame)));
-  announce(std::move(done));
+  announce(FinishedView{drawn.id, std::make_shared<const EncodedView>(
+                                      encode_view(cut_view(drawn.camera, drawn.frame)))});
 }
 
 void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers) {
   for (int i = 0; i < workers; ++i) {
     workers_.emplace_back([this, scene] {
       while (const std::optional<EncodeJob> job = queues_.rendered.pop()) {
-        if (job->rendered) {
-          finish(*job->rendered, *scene->description(job->rendered->job.key.object));
-        } else if (job->form) {
-          finish(*job->form);
+        if (const auto* rendered = std::get_if<RenderedTile>(&*job)) {
+          finish(*rendered, *scene->description(rendered->job.key.object));
+        } else if (const auto* form = std::get_if<FormJob>(&*job)) {
+          finish(*form);
         } else {
-          finish(*job->view);
+          finish(std::get<RenderedView>(*job));
         }
       }
     });

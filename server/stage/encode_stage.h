@@ -8,10 +8,18 @@
 #include <thread>
 #include <vector>
 
-#include "server/prepare/prepared_scene.h"
-#include "server/tile/stage_queues.h"
+#include <functional>
+
+#include <memory>
+
+#include "server/tile/tile_job.h"
 
 namespace mirage {
+
+struct StageQueues;
+
+struct PreparedScene;
+struct ObjectDescription;
 
 class EncodeStage {
  public:

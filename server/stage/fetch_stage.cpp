@@ -1,5 +1,8 @@
 #include "server/stage/fetch_stage.h"
 
+#include "server/tile/stage_queues.h"
+#include "server/tile/tile_job.h"
+
 namespace mirage {
 namespace {
 
@@ -16,11 +19,8 @@ void FetchStage::start() {
 
 void FetchStage::read_all() {
   while (const std::optional<FetchJob> job = queues_.fetches.pop()) {
-    Completion done;
-    done.id = job->id;
-    done.codec = job->codec;
-    done.fetched = queues_.store.fetch(job->id, job->codec);
-    queues_.completions.push(std::move(done));
+    queues_.completions.push(
+        FinishedFetch{job->id, job->codec, queues_.store.fetch(job->id, job->codec)});
     wake_();
   }
 }

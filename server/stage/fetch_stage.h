@@ -10,9 +10,9 @@
 #include <thread>
 #include <vector>
 
-#include "server/tile/stage_queues.h"
-
 namespace mirage {
+
+struct StageQueues;
 
 class FetchStage {
  public:

@@ -1,5 +1,11 @@
 #include "server/stage/image_stage.h"
 
+#include "protocol/base/result.h"
+#include "protocol/codec/image_codec.h"
+#include "protocol/impostor/tile.h"
+#include "server/prepare/prepared_scene.h"
+#include "server/tile/stage_queues.h"
+#include "server/tile/tile_job.h"
 #include "shaders/gl/mip_chain.h"
 
 namespace mirage {
@@ -16,10 +22,7 @@ Bytes ImageStage::encode(const PreparedScene& scene, const ImageLevel& level) {
 void ImageStage::start(std::shared_ptr<const PreparedScene> scene) {
   worker_ = std::thread([this, scene] {
     while (const std::optional<ImageLevel> level = queues_.images.pop()) {
-      Completion done;
-      done.image = *level;
-      done.message = encode(*scene, *level);
-      queues_.completions.push(std::move(done));
+      queues_.completions.push(FinishedImage{*level, encode(*scene, *level)});
       wake_();
     }
   });

@@ -8,10 +8,14 @@
 #include <memory>
 #include <thread>
 
-#include "server/prepare/prepared_scene.h"
-#include "server/tile/stage_queues.h"
+#include "protocol/base/bytes.h"
 
 namespace mirage {
+
+struct ImageLevel;
+struct StageQueues;
+
+struct PreparedScene;
 
 class ImageStage {
  public:

@@ -6,12 +6,18 @@
 //
 // Thread: start() and stop() are the owner's; the stages have threads of their own.
 
-#include "server/stage/encode_stage.h"
-#include "server/stage/fetch_stage.h"
-#include "server/stage/image_stage.h"
-#include "server/stage/render_stage.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "protocol/base/result.h"
+#include "server/tile/stage_queues.h"
 
 namespace mirage {
+
+struct PreparedScene;
+struct RenderOptions;
 
 class Pipeline {
  public:
@@ -20,7 +26,7 @@ class Pipeline {
   Pipeline(
       const Clock& clock, std::size_t cache_bytes, CacheDirectory* directory,
       std::function<void()> wake = [] {});
-  ~Pipeline() { stop(); }
+  ~Pipeline();
 
   /// Starts all threads and compiles every shader; the renderer's name. Errors: RenderStage's.
   Result<std::string> start(std::shared_ptr<const PreparedScene> scene,
@@ -31,10 +37,8 @@ class Pipeline {
   StageQueues queues;
 
  private:
-  FetchStage fetch_;
-  RenderStage render_;
-  EncodeStage encode_;
-  ImageStage images_;
+  struct Stages;
+  std::unique_ptr<Stages> stages_;
 };
 
 }  // namespace mirage

@@ -5,10 +5,16 @@
 #include <algorithm>
 #include <future>
 
+#include "server/base/counters.h"
 #include "server/render/gpu_scene.h"
 #include "server/render/readback_ring.h"
 #include "server/render/reference_renderer.h"
+#include "server/render/scene_shadow.h"
 #include "server/render/tile_page.h"
+#include "server/session/session.h"
+#include "server/stage/render_options.h"
+#include "server/tile/stage_queues.h"
+#include "server/tile/tile_queue.h"
 #include "shaders/gl/egl_context.h"
 #include "shaders/gl/health.h"
 #include "shaders/gl/program.h"
@@ -142,7 +148,7 @@ void RenderLoop::hand_over(const PendingPage& page,
   for (std::size_t i = 0; i < page.jobs.size(); ++i) {
     RenderedTile tile{page.jobs[i], pixels, page.places[i].first, page.places[i].second, 0, share};
     tile.queue_us = static_cast<std::uint32_t>(page.started_us - tile.job.queued_us);
-    queues_.rendered.push({std::make_shared<const RenderedTile>(std::move(tile)), nullptr});
+    queues_.rendered.push(std::move(tile));
   }
 }
 
@@ -176,15 +182,11 @@ Result<void> RenderLoop::draw(ViewJob job) {
   if (Result<void> healthy = gl::check_health("drawing a view"); !healthy) return healthy;
   if (frame) {
     ++queues_.counters.views_rendered;
-    queues_.rendered.push({nullptr, nullptr,
-                           std::make_shared<const RenderedView>(
-                               RenderedView{job.id, job.shot.camera, frame.take()})});
+    queues_.rendered.push(RenderedView{job.id, job.shot.camera, frame.take()});
     return {};
   }
   spdlog::warn("{}", frame.error().line());
-  Completion none;
-  none.view = job.id;
-  announce(std::move(none));
+  announce(FinishedView{job.id, nullptr});
   return {};
 }
 
@@ -200,20 +202,12 @@ Result<void> RenderLoop::draw(const ReferenceJob& job) {
     refused.reason = wire::RefusalReason::TooLarge;
     reply = encode_message(std::move(refused));
   }
-  Completion done;
-  done.session = job.session;
-  done.message = reply.take();
-  announce(std::move(done));
+  announce(FinishedReference{job.session, reply.take()});
   return {};
 }
 
 void RenderLoop::refuse(const std::vector<TileJob>& jobs) {
-  for (const TileJob& job : jobs) {
-    Completion none;
-    none.id = job.id;
-    none.refused = true;
-    announce(std::move(none));
-  }
+  for (const TileJob& job : jobs) announce(TooLargeTile{job.id});
 }
 
 void RenderLoop::announce(Completion done) {
@@ -269,9 +263,7 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
   const Result<void> ended = loop.run();
   if (ended) return;
   spdlog::error("{}", ended.error().line());
-  Completion last;
-  last.failure = ended.error();
-  queues_.completions.push(std::move(last));
+  queues_.completions.push(RendererFailure{ended.error()});
   wake_();
 }
 

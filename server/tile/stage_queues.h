@@ -1,8 +1,8 @@
 #pragma once
 // What lies between the server's stages and is shared by them: queues, the tile store, counters.
 
-#include "protocol/bounded_queue.h"
-#include "protocol/clock.h"
+#include "protocol/base/bounded_queue.h"
+#include "protocol/base/clock.h"
 #include "server/base/counters.h"
 #include "server/tile/tile_job.h"
 #include "server/tile/tile_queue.h"

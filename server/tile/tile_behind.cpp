@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "protocol/tile_color.h"
+#include "protocol/codec/tile_color.h"
 
 namespace mirage {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "protocol/tile.h"
+#include "protocol/impostor/tile.h"
 
 namespace mirage {
 

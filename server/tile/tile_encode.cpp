@@ -1,6 +1,6 @@
 #include "server/tile/tile_encode.h"
 
-#include "protocol/capture.h"
+#include "protocol/impostor/capture.h"
 #include "server/tile/tile_form.h"
 #include "server/tile/tile_measure.h"
 

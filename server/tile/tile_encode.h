@@ -1,7 +1,7 @@
 #pragma once
 // A rendered tile becomes a stored one: cut out of its page, measured, encoded. Pure functions.
 
-#include "protocol/object_proxy.h"
+#include "protocol/impostor/object_proxy.h"
 #include "server/tile/tile_job.h"
 
 namespace mirage {

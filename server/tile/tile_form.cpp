@@ -1,7 +1,7 @@
 #include "server/tile/tile_form.h"
 
-#include "protocol/clock.h"
-#include "protocol/tile_color.h"
+#include "protocol/base/clock.h"
+#include "protocol/codec/tile_color.h"
 
 namespace mirage {
 

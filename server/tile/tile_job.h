@@ -3,14 +3,15 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
+#include <variant>
 #include <vector>
 
-#include "protocol/camera.h"
-#include "protocol/lighting_state.h"
-#include "protocol/message.h"
-#include "protocol/tile_key.h"
-#include "protocol/view_tile.h"
+#include "protocol/impostor/camera.h"
+#include "protocol/impostor/lighting_state.h"
+#include "protocol/impostor/tile_key.h"
+#include "protocol/impostor/view_tile.h"
+#include "protocol/wire/message.h"
+#include "protocol/wire/view_codec.h"
 
 namespace mirage {
 
@@ -71,6 +72,12 @@ struct StoredTile {
 };
 using StoredTilePtr = std::shared_ptr<const StoredTile>;
 
+/// A tile in the form that is made for a codec.
+struct FormId {
+  TileId id;
+  TileCodec codec = TileCodec::kZstd;
+  bool operator<(const FormId& o) const { return id == o.id ? codec < o.codec : id < o.id; }
+};
 /// A tile to look for in the directory.
 struct FetchJob {
   TileId id;
@@ -140,38 +147,47 @@ struct RenderedView {
   SceneFrame frame;
 };
 
-/// Work of the encode stage: one of the three.
-struct EncodeJob {
-  std::shared_ptr<const RenderedTile> rendered;
-  std::shared_ptr<const FormJob> form;
-  std::shared_ptr<const RenderedView> view = nullptr;
-};
+using EncodeJob = std::variant<RenderedTile, FormJob, RenderedView>;
 
-/// What the stages hand back to the network loop.
-struct Completion {
-  // A tile in the form `codec` for everybody who waits for it …
+// What the stages hand back to the network loop.
+
+/// A tile, or another form of one, for everybody who waits for it in `codec`.
+struct FinishedTile {
   TileId id;
+  TileCodec codec = TileCodec::kZstd;
   StoredTilePtr tile;
-  // … or an encoded image in `message`, for everybody who waits for it (empty: it failed) …
-  std::optional<ImageLevel> image;
-  // … or a whole message for one session.
+  StoredTilePtr lossless = nullptr;  ///< of one just rendered: to make other forms from
+};
+/// There is none: it takes too much graphics memory.
+struct TooLargeTile {
+  TileId id;
+};
+/// What was looked for in the directory, for everybody who waits for it in `codec`.
+struct FinishedFetch {
+  TileId id;
+  TileCodec codec = TileCodec::kZstd;
+  FetchedTile found;
+};
+/// An encoded image, for everybody who waits for it.
+struct FinishedImage {
+  ImageLevel level;
+  Bytes bytes;  ///< empty: it failed
+};
+/// An encoded view, for everybody who waits for it.
+struct FinishedView {
+  TileId id;
+  std::shared_ptr<const EncodedView> view;  ///< null: it failed
+};
+/// The answer to a request for a full render, as a whole message.
+struct FinishedReference {
   SessionId session = 0;
   Bytes message;
-
-  // Of a tile:
-  TileCodec codec = TileCodec::kZstd;
-  StoredTilePtr lossless = nullptr;  ///< of one just rendered: to make other forms from
-  bool refused = false;              ///< there is none: it takes too much graphics memory
-
-  // Or what was looked for in the directory, for everybody who waits for `id` in `codec`.
-  std::optional<FetchedTile> fetched = std::nullopt;
-
-  // Or the end of all: the renderer has failed, and the server must end with this error.
-  std::optional<Error> failure = std::nullopt;
-
-  // Or an encoded view, for everybody who waits for it (null: it failed).
-  std::optional<TileId> view = std::nullopt;
-  std::shared_ptr<const EncodedView> encoded_view = nullptr;
 };
+/// The renderer has failed, and the server must end with this error.
+struct RendererFailure {
+  Error error;
+};
+using Completion = std::variant<FinishedTile, TooLargeTile, FinishedFetch, FinishedImage,
+                                FinishedView, FinishedReference, RendererFailure>;
 
 }  // namespace mirage

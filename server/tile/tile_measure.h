@@ -1,7 +1,7 @@
 #pragma once
-#include "protocol/capture.h"
-#include "protocol/object_proxy.h"
-#include "protocol/tile.h"
+#include "protocol/impostor/capture.h"
+#include "protocol/impostor/object_proxy.h"
+#include "protocol/impostor/tile.h"
 
 namespace mirage {
 

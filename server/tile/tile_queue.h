@@ -15,7 +15,7 @@
 #include <variant>
 #include <vector>
 
-#include "protocol/clock.h"
+#include "protocol/base/clock.h"
 #include "server/base/counters.h"
 #include "server/tile/tile_job.h"
 

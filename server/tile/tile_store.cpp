@@ -14,7 +14,7 @@ CacheKey file_of(const TileId& id, TileCodec codec) {
 }  // namespace
 
 TileStore::TileStore(std::size_t budget_bytes, CacheDirectory* directory, Counters& counters)
-    : budget_(budget_bytes), directory_(directory), counters_(counters) {}
+    : directory_(directory), counters_(counters), budget_(budget_bytes) {}
 
 StoredTilePtr TileStore::find_in_memory(const TileId& id, const std::vector<TileCodec>& codecs) {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -23,7 +23,7 @@ StoredTilePtr TileStore::find_in_memory(const TileId& id, const std::vector<Tile
   for (const TileCodec codec : codecs) {
     const StoredTilePtr& form = found->second.forms[static_cast<std::size_t>(codec)];
     if (!form) continue;
-    ages_.splice(ages_.begin(), ages_, found->second.age);
+    budget_.touch(found->second.place);
     ++counters_.store_hits;
     return form;
   }
@@ -55,26 +55,19 @@ void TileStore::put(const TileId& id, TileCodec codec, StoredTilePtr tile) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto [at, fresh] = slots_.try_emplace(id);
   Slot& slot = at->second;
-  if (fresh) {
-    ages_.push_front(id);
-    slot.age = ages_.begin();
-  }
+  if (fresh) slot.place = budget_.add(id, 0);
   StoredTilePtr& form = slot.forms[static_cast<std::size_t>(codec)];
   if (form) return;
   const bool shared = std::find(slot.forms.begin(), slot.forms.end(), tile) != slot.forms.end();
   const std::size_t bytes = shared ? 0 : tile->bytes();
   form = std::move(tile);
-  slot.bytes += bytes;
-  bytes_ += bytes;
-  ages_.splice(ages_.begin(), ages_, slot.age);
-  while (bytes_ > budget_ && ages_.size() > 1) {
-    const auto oldest = slots_.find(ages_.back());
-    bytes_ -= oldest->second.bytes;
-    slots_.erase(oldest);
-    ages_.pop_back();
+  budget_.grow(slot.place, bytes);
+  budget_.touch(slot.place);
+  while (const std::optional<TileId> oldest = budget_.take_excess()) {
+    slots_.erase(*oldest);
     ++counters_.store_evictions;
   }
-  counters_.store_bytes = bytes_;
+  counters_.store_bytes = budget_.bytes();
   counters_.store_tiles = slots_.size();
 }
 

@@ -3,10 +3,10 @@
 // all their forms together), and optionally in a directory, which outlives the process. Any thread;
 // fetch() and save() take as long as the disk does and are the fetch stage's.
 
-#include <list>
 #include <mutex>
 #include <unordered_map>
 
+#include "server/base/byte_budget.h"
 #include "server/base/cache_directory.h"
 #include "server/base/counters.h"
 #include "server/tile/tile_job.h"
@@ -35,19 +35,16 @@ class TileStore {
  private:
   struct Slot {
     std::array<StoredTilePtr, kCodecNumbers> forms;  ///< by the codec they were made for
-    std::size_t bytes = 0;
-    std::list<TileId>::iterator age;
+    ByteBudget<TileId>::Place place;
   };
   StoredTilePtr find_in_memory(const TileId& id, const std::vector<TileCodec>& codecs);
   StoredTilePtr load(const TileId& id, TileCodec form) const;
 
-  const std::size_t budget_;
   CacheDirectory* const directory_;
   Counters& counters_;
   std::mutex mutex_;
   std::unordered_map<TileId, Slot> slots_;
-  std::list<TileId> ages_;  ///< most recently used first
-  std::size_t bytes_ = 0;
+  ByteBudget<TileId> budget_;
 };
 
 }  // namespace mirage

@@ -1,7 +1,7 @@
 #pragma once
 // A drawn frame of the scene -> a view tile: colours as they are, depth and owners by cell.
 
-#include "protocol/view_tile.h"
+#include "protocol/impostor/view_tile.h"
 #include "server/tile/tile_job.h"
 
 namespace mirage {

@@ -1,4 +1,4 @@
-// Light from all around: a prefiltered probe (protocol/light_probe.h). Split sum with the multiple
+// Light from all around: a prefiltered probe (protocol/impostor/light_probe.h). Split sum with the multiple
 // scattering of Fdez-Aguera 2019 ("A Multiple-Scattering Microfacet Model for Real-Time Image-based
 // Lighting"), whose BRDF integral is the fit of Karis 2014 ("Physically Based Shading on Mobile").
 uniform sampler2D u_probe;

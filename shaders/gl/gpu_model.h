@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "protocol/model.h"
-#include "protocol/need_mask.h"
+#include "protocol/model/model.h"
+#include "protocol/model/need_mask.h"
 #include "shaders/gl/gl_object.h"
 
 namespace mirage::gl {

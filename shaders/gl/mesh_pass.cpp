@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
 #include "shaders/gl/mesh_variants.h"
 
 namespace mirage::gl {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "protocol/lighting_state.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
+#include "protocol/impostor/lighting_state.h"
 #include "shaders/gl/gpu_model.h"
 #include "shaders/gl/probe_map.h"
 #include "shaders/gl/program.h"

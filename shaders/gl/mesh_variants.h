@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "protocol/need_mask.h"
+#include "protocol/model/need_mask.h"
 
 namespace mirage::gl {
 

@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "protocol/light_probe.h"
+#include "protocol/impostor/light_probe.h"
+#include "protocol/model/scene_types.h"
 #include "shaders/gl/gl_object.h"
 #include "shaders/gl/program.h"
 

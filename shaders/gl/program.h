@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 #include "shaders/gl/gl.h"
 
 namespace mirage::gl {

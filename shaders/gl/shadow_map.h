@@ -1,8 +1,8 @@
 #pragma once
 // A depth map of casters as the sun sees them. Keeps to the GLES 3.0 subset.
 
-#include "protocol/result.h"
-#include "protocol/sun_frame.h"
+#include "protocol/base/result.h"
+#include "protocol/impostor/sun_frame.h"
 #include "shaders/gl/gl_object.h"
 #include "shaders/gl/program.h"
 

@@ -1,7 +1,7 @@
 #pragma once
-#include "protocol/camera.h"
-#include "protocol/result.h"
-#include "protocol/scene_types.h"
+#include "protocol/base/result.h"
+#include "protocol/impostor/camera.h"
+#include "protocol/model/scene_types.h"
 #include "shaders/gl/gl_object.h"
 #include "shaders/gl/program.h"
 

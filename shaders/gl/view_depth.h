@@ -2,7 +2,7 @@
 // Depth of pictures taken by a camera: reversed and without a far end where the context has
 // glClipControl, forward where it does not (GLES 3.0).
 
-#include "protocol/camera.h"
+#include "protocol/impostor/camera.h"
 #include "shaders/gl/gl.h"
 
 namespace mirage::gl {

@@ -2,7 +2,7 @@
 
 #include <time.h>
 
-#include "protocol/quantile.h"
+#include "protocol/base/quantile.h"
 
 namespace mirage::bench {
 

@@ -1,5 +1,10 @@
 #include "tests/bench/bench_client.h"
 
+#include "client/draw/frame_renderer.h"
+#include "client/draw/frame_target.h"
+#include "client/frame/draw_list.h"
+#include "client/session/client_session.h"
+
 namespace mirage::bench {
 
 Result<std::unique_ptr<BenchClient>> BenchClient::create(const HostOptions& host,

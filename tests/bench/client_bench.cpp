@@ -8,12 +8,19 @@
 #include "client/host/methods.h"
 #include "client/price/cost_model.h"
 #include "client/quality/metrics.h"
-#include "protocol/quantile.h"
+#include "protocol/base/quantile.h"
 #include "server/render/gpu_scene.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_client.h"
 #include "tests/support/large_scene.h"
 #include "tests/support/process.h"
+#include "client/draw/frame_renderer.h"
+#include "client/link/link.h"
+#include "client/link/modelled_link.h"
+#include "server/prepare/prepared_scene.h"
+#include "shaders/gl/mesh_pass.h"
+#include "shaders/gl/sky_pass.h"
+#include "shaders/gl/view_depth.h"
 
 namespace mirage::bench {
 namespace {

@@ -1,7 +1,7 @@
 // What each tile codec costs beside zstd: bytes, encoding, decoding, and the error of its colours.
 #include <spdlog/fmt/fmt.h>
 
-#include "protocol/tile_color.h"
+#include "protocol/codec/tile_color.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/stages.h"
 

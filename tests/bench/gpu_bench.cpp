@@ -11,6 +11,7 @@
 #include "shaders/gl/egl_context.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/stages.h"
+#include "server/render/gpu_scene.h"
 
 namespace mirage::bench {
 namespace {

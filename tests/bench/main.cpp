@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/report/table.h"
-#include "protocol/cli.h"
+#include "protocol/base/cli.h"
 #include "shaders/gl/health.h"
 #include "tests/bench/bench.h"
 

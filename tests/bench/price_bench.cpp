@@ -6,10 +6,11 @@
 
 #include "client/frame/camera_path.h"
 #include "client/price/cost_fit.h"
-#include "protocol/quantile.h"
+#include "protocol/base/quantile.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_client.h"
 #include "tests/support/process.h"
+#include "client/draw/frame_renderer.h"
 
 namespace mirage::bench {
 namespace {

@@ -3,6 +3,7 @@
 
 #include "tests/bench/bench.h"
 #include "tests/support/rig.h"
+#include "server/prepare/prepared_scene.h"
 
 namespace mirage::bench {
 namespace {

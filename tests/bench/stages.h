@@ -5,9 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "protocol/clock.h"
+#include "server/tile/stage_queues.h"
+#include "protocol/base/clock.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/stage/pipeline.h"
+#include "server/stage/render_options.h"
 
 namespace mirage::bench {
 
@@ -51,8 +53,9 @@ class Stages {
     for (std::size_t done = 0; done < jobs.size(); ++done) {
       const std::optional<Completion> tile = pipeline_.queues.completions.pop();
       if (!tile) break;
-      pipeline_.queues.tiles.finish(tile->id);
-      out.push_back(tile->tile);
+      const FinishedTile& finished = std::get<FinishedTile>(*tile);
+      pipeline_.queues.tiles.finish(finished.id);
+      out.push_back(finished.tile);
     }
     return out;
   }

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "client/native/native_link.h"
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
 #include "server/prepare/prepared_scene.h"
 #include "tests/bench/bench.h"
 #include "tests/support/large_scene.h"

@@ -6,7 +6,7 @@
 #include <regex>
 #include <set>
 
-#include "protocol/cli.h"
+#include "protocol/base/cli.h"
 #include "tests/support/process.h"
 
 namespace mirage::test {

@@ -16,6 +16,9 @@
 #include "tests/extreme/network_links.h"
 #include "tests/extreme/registry.h"
 #include "tests/support/rig.h"
+#include "client/scene/scene_view.h"
+#include "protocol/impostor/tile_key.h"
+#include "server/prepare/prepared_scene.h"
 
 namespace mirage::extreme {
 using namespace test;

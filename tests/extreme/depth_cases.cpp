@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "protocol/limits.h"
-#include "protocol/stable_math.h"
+#include "protocol/base/limits.h"
+#include "protocol/base/stable_math.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"
+#include "client/draw/frame_target.h"
+#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 namespace {

@@ -9,10 +9,14 @@
 #include <optional>
 
 #include "client/plan/tile_fit.h"
-#include "protocol/stable_math.h"
+#include "protocol/base/stable_math.h"
 #include "server/scene/gltf/gltf_import.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"
+#include "client/draw/frame_target.h"
+#include "client/plan/tile_need.h"
+#include "protocol/impostor/error_bound.h"
+#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 namespace {

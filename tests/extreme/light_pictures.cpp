@@ -4,6 +4,8 @@
 
 #include "server/scene/gltf/gltf_import.h"
 #include "tests/extreme/shapes.h"
+#include "client/draw/frame_target.h"
+#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 

@@ -6,13 +6,15 @@
 #include <limits>
 #include <numeric>
 
-#include "protocol/lighting_state.h"
-#include "protocol/limits.h"
-#include "protocol/message.h"
+#include "protocol/base/limits.h"
+#include "protocol/impostor/lighting_state.h"
+#include "protocol/wire/message.h"
 #include "tests/extreme/light_pictures.h"
 #include "tests/extreme/light_queue_case.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"
+#include "client/draw/frame_target.h"
+#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 namespace {

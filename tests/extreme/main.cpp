@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "protocol/cli.h"
+#include "protocol/base/cli.h"
 #include "shaders/gl/health.h"
 #include "tests/extreme/child_run.h"
 #include "tests/extreme/registry.h"

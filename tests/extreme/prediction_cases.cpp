@@ -5,7 +5,7 @@
 #include <random>
 
 #include "client/plan/predictor.h"
-#include "protocol/stable_math.h"
+#include "protocol/base/stable_math.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"
 #include "tests/support/rig.h"

@@ -10,6 +10,10 @@
 #include "tests/extreme/studio.h"
 #include "tests/gl/bench.h"
 #include "tests/support/rig.h"
+#include "client/draw/frame_target.h"
+#include "client/plan/tile_need.h"
+#include "protocol/impostor/error_bound.h"
+#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 using namespace test;

@@ -5,10 +5,12 @@
 #include <limits>
 
 #include "client/draw/geometric_error.h"
-#include "protocol/stable_math.h"
+#include "protocol/base/stable_math.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"
 #include "tests/support/process.h"
+#include "client/draw/frame_target.h"
+#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 namespace {

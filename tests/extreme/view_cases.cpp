@@ -3,14 +3,14 @@
 #include <cmath>
 #include <limits>
 
-#include "protocol/camera.h"
-#include "protocol/error_bound.h"
-#include "protocol/limits.h"
-#include "protocol/stable_math.h"
+#include "protocol/base/limits.h"
+#include "protocol/base/stable_math.h"
+#include "protocol/impostor/camera.h"
+#include "protocol/impostor/error_bound.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/view_bound_cases.h"
-#include "tests/unit/core_scene.h"
+#include "tests/support/core_scene.h"
 
 namespace mirage::extreme {
 namespace {

@@ -7,12 +7,12 @@
 #include <limits>
 #include <random>
 
-#include "protocol/image_codec.h"
+#include "protocol/codec/image_codec.h"
 #include "tests/extreme/peak_memory.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/wire_samples.h"
 #include "tests/extreme/wire_server_cases.h"
-#include "tests/unit/protocol_samples.h"
+#include "tests/support/protocol_samples.h"
 
 namespace mirage::extreme {
 namespace {

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <sstream>
 
-#include "protocol/image_codec.h"
-#include "tests/unit/protocol_samples.h"
+#include "protocol/codec/image_codec.h"
+#include "tests/support/protocol_samples.h"
 
 namespace mirage::extreme {
 namespace {

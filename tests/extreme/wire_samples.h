@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "protocol/message.h"
-#include "protocol/model_codec.h"
+#include "protocol/codec/model_codec.h"
+#include "protocol/wire/message.h"
 
 namespace mirage::extreme {
 

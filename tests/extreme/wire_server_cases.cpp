@@ -6,13 +6,14 @@
 
 #include "client/native/native_link.h"
 #include "client/session/client_session.h"
-#include "protocol/clock.h"
-#include "protocol/error.h"
+#include "protocol/base/clock.h"
+#include "protocol/base/error.h"
 #include "tests/extreme/peak_memory.h"
 #include "tests/extreme/wire_samples.h"
 #include "tests/support/process.h"
+#include "tests/support/protocol_samples.h"
 #include "tests/support/raw_peer.h"
-#include "tests/unit/protocol_samples.h"
+#include "client/scene/scene_view.h"
 
 namespace mirage::extreme {
 namespace {

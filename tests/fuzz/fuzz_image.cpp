@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "fuzz_targets.h"
-#include "protocol/image_codec.h"
+#include "protocol/codec/image_codec.h"
 
 namespace mirage::fuzz {
 

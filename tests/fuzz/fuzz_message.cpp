@@ -4,9 +4,11 @@
 #include <cstdint>
 
 #include "fuzz_targets.h"
-#include "protocol/light_probe.h"
-#include "protocol/message.h"
-#include "protocol/view_tile.h"
+#include "protocol/impostor/light_probe.h"
+#include "protocol/impostor/view_tile.h"
+#include "protocol/wire/light_probe_codec.h"
+#include "protocol/wire/message.h"
+#include "protocol/wire/view_codec.h"
 
 namespace mirage::fuzz {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "fuzz_targets.h"
-#include "protocol/model_codec.h"
-#include "protocol/need_mask.h"
+#include "protocol/codec/model_codec.h"
+#include "protocol/model/need_mask.h"
 
 namespace mirage::fuzz {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "fuzz_targets.h"
-#include "protocol/message.h"
+#include "protocol/wire/message.h"
 
 namespace mirage::fuzz {
 

@@ -13,6 +13,8 @@
 #include "tests/gl/bench.h"
 #include "tests/gl/need_scenes.h"
 #include "tests/support/gltf_builder.h"
+#include "client/hold/tile_cache.h"
+#include "server/render/gpu_scene.h"
 
 namespace mirage::test {
 namespace {

@@ -14,6 +14,9 @@
 #include "client/draw/geometric_error.h"
 #include "tests/gl/bench.h"
 #include "tests/support/data_folder.h"
+#include "client/plan/tile_need.h"
+#include "protocol/impostor/error_bound.h"
+#include "server/render/gpu_scene.h"
 
 namespace mirage::test {
 namespace {

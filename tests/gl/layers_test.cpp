@@ -6,7 +6,9 @@
 #include <cmath>
 #include <fstream>
 
-#include "protocol/tile_color.h"
+#include "client/plan/tile_need.h"
+#include "protocol/codec/tile_color.h"
+#include "protocol/impostor/error_bound.h"
 #include "tests/gl/bench.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/gltf_builder.h"

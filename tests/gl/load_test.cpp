@@ -1,6 +1,9 @@
 // Tiles are the same however many threads loaded the scene, and wherever its levels come from.
 #include <gtest/gtest.h>
 
+#include "server/base/cache_directory.h"
+#include "server/prepare/prepared_scene.h"
+#include "server/render/gpu_scene.h"
 #include "server/render/readback_ring.h"
 #include "server/render/tile_page.h"
 #include "server/tile/tile_encode.h"

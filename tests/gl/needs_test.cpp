@@ -6,9 +6,10 @@
 
 #include <set>
 
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
 #include "server/prove/left_out.h"
 #include "server/prove/need_proof.h"
+#include "server/render/gpu_scene.h"
 #include "server/render/tile_shot.h"
 #include "server/tile/tile_encode.h"
 #include "shaders/gl/egl_context.h"

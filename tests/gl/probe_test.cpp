@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "server/prove/need_proof.h"
+#include "server/render/gpu_scene.h"
 #include "server/render/tile_shot.h"
 #include "server/scene/environment/builtin_environment.h"
 #include "server/scene/environment/probe_filter.h"

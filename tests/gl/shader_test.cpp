@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "protocol/need_mask.h"
+#include "protocol/model/need_mask.h"
 #include "tests/gl/bench.h"
 
 namespace mirage::test {

@@ -3,6 +3,11 @@
 #include <gtest/gtest.h>
 
 #include "client/draw/frame_renderer.h"
+#include "client/draw/frame_target.h"
+#include "client/frame/draw_list.h"
+#include "client/scene/scene_view.h"
+#include "server/prepare/prepared_scene.h"
+#include "server/render/gpu_scene.h"
 #include "server/render/reference_renderer.h"
 #include "server/tile/view_cut.h"
 #include "shaders/gl/egl_context.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 
 namespace mirage::test {
 

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "protocol/capture.h"
+#include "protocol/impostor/capture.h"
 #include "server/stage/image_stage.h"
 #include "server/tile/tile_form.h"
-#include "tests/unit/core_scene.h"
+#include "tests/support/core_scene.h"
 
 namespace mirage::test {
 namespace {
@@ -87,12 +87,10 @@ StoredTilePtr Host::make(const TileJob& job) const {
 
 void Host::make_forms() {
   while (const std::optional<EncodeJob> job = queues_.rendered.try_pop()) {
-    Completion done;
-    done.id = job->form->id;
-    done.codec = job->form->codec;
-    done.tile = convert_form(job->form->lossless, done.codec);
-    queues_.store.put(done.id, done.codec, done.tile);
-    hub_->complete(std::move(done));
+    const FormJob& form = std::get<FormJob>(*job);
+    const StoredTilePtr tile = convert_form(form.lossless, form.codec);
+    queues_.store.put(form.id, form.codec, tile);
+    hub_->complete(FinishedTile{form.id, form.codec, tile});
   }
 }
 
@@ -105,11 +103,7 @@ std::size_t Host::render(std::size_t count) {
   for (const TileJob& job : std::get<std::vector<TileJob>>(*work)) {
     const StoredTilePtr tile = make(job);
     queues_.store.put(job.id, job.codec, tile);
-    Completion completion;
-    completion.id = job.id;
-    completion.codec = job.codec;
-    completion.tile = completion.lossless = tile;
-    hub_->complete(std::move(completion));
+    hub_->complete(FinishedTile{job.id, job.codec, tile, tile});
     make_forms();
     ++done;
   }

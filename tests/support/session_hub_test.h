@@ -7,8 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "server/tile/stage_queues.h"
+#include "server/prepare/prepared_scene.h"
 #include "server/session/session.h"
-#include "tests/unit/protocol_samples.h"
+#include "tests/support/protocol_samples.h"
 
 namespace mirage::test {
 
@@ -89,7 +91,7 @@ class SessionHubTest : public ::testing::Test {
       tile->reply = sample_tile_reply();
       tile->planes.resize(bytes);
       store.put(job.id, TileCodec::kZstd, tile);
-      hub->complete({job.id, tile, std::nullopt, 0, {}, TileCodec::kZstd, tile});
+      hub->complete(FinishedTile{job.id, TileCodec::kZstd, tile, tile});
     }
     return jobs.size();
   }

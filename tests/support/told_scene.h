@@ -2,7 +2,8 @@
 // A prepared scene as a client is told of it, without a socket.
 
 #include "server/session/scene_pages.h"
-#include "tests/unit/core_scene.h"
+#include "tests/support/core_scene.h"
+#include "server/prepare/prepared_scene.h"
 
 namespace mirage::test {
 

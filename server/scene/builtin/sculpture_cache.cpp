@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "protocol/byte_stream.h"
+#include "protocol/base/byte_stream.h"
 #include "server/scene/builtin/random.h"
 
 namespace mirage::builtin {

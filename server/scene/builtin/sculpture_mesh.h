@@ -5,7 +5,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 
-#include "protocol/model.h"
+#include "protocol/model/model.h"
 
 namespace mirage::builtin {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "protocol/model.h"
+#include "protocol/model/model.h"
 
 namespace mirage::builtin {
 

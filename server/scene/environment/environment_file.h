@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 #include "server/scene/environment/equirect.h"
 
 namespace mirage {

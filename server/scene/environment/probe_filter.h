@@ -1,7 +1,7 @@
 #pragma once
 // Prefilters surroundings into a light probe.
 
-#include "protocol/light_probe.h"
+#include "protocol/impostor/light_probe.h"
 #include "server/base/workers.h"
 #include "server/scene/environment/equirect.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
 #include "server/scene/gltf/accessor_reader.h"
 #include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/influences.h"

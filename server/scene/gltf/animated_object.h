@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "protocol/scene_types.h"
+#include "protocol/model/scene_types.h"
 #include "server/scene/gltf/mesh_import.h"
 #include "server/scene/gltf/motion_groups.h"
 

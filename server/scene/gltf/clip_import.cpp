@@ -5,7 +5,7 @@
 #include <optional>
 #include <set>
 
-#include "protocol/limits.h"
+#include "protocol/base/limits.h"
 #include "server/scene/gltf/accessor_reader.h"
 #include "server/scene/gltf/gltf_limits.h"
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "protocol/animation.h"
+#include "protocol/model/animation.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/tally.h"
 

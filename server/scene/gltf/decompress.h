@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 #include "server/base/workers.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/tally.h"

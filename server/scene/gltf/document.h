@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 #include "server/base/workers.h"
 #include "server/scene/gltf/animation_source.h"
 #include "server/scene/gltf/extras.h"

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 
 namespace mirage::gltf {
 

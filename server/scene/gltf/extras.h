@@ -5,7 +5,7 @@
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 
-#include "protocol/scene_types.h"
+#include "protocol/model/scene_types.h"
 #include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "protocol/scene_types.h"
+#include "protocol/model/scene_types.h"
 #include "server/scene/gltf/bounds.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/node_import.h"

@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "protocol/model.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
+#include "protocol/model/model.h"
 #include "server/scene/gltf/image_size.h"
 
 namespace mirage::gltf {

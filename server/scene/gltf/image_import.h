@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "protocol/model.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
+#include "protocol/model/model.h"
 #include "server/base/workers.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/image_size.h"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "protocol/model.h"
+#include "protocol/model/model.h"
 
 namespace mirage::gltf {
 

@@ -1,7 +1,7 @@
 #pragma once
 // Per-vertex data of an animation as the file has it: joints and weights, morph displacements.
 
-#include "protocol/animation.h"
+#include "protocol/model/animation.h"
 #include "server/scene/gltf/mesh_import.h"
 
 namespace mirage::gltf {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 #include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 
 namespace mirage::gltf {
 

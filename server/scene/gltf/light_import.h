@@ -1,7 +1,7 @@
 #pragma once
 // KHR_lights_punctual -> Lighting, with one exposure for all lights of the scene.
 
-#include "protocol/scene_types.h"
+#include "protocol/model/scene_types.h"
 #include "server/scene/gltf/bounds.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/node_import.h"

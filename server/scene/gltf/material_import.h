@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "protocol/model.h"
+#include "protocol/model/model.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/image_import.h"
 #include "server/scene/gltf/tally.h"

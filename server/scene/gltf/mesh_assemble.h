@@ -2,7 +2,7 @@
 // RawPrimitive -> Mesh: defective and degenerate elements go, normals and tangents are completed,
 // unused vertices are left out.
 
-#include "protocol/model.h"
+#include "protocol/model/model.h"
 #include "server/scene/gltf/primitive_read.h"
 #include "server/scene/gltf/tally.h"
 #include "server/scene/unit_vectors.h"

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "protocol/model.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
+#include "protocol/model/model.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/material_import.h"
 #include "server/scene/gltf/primitive_read.h"

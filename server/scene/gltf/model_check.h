@@ -2,7 +2,7 @@
 // Ranges: every bufferView lies in its buffer, every accessor in its bufferView, sparse indices
 // increase. After this check accessors can be read without further tests.
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 
 namespace mirage::gltf {
 

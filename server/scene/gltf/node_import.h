@@ -4,7 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/tally.h"
 

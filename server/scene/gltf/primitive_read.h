@@ -6,8 +6,8 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "protocol/model.h"
-#include "protocol/result.h"
+#include "protocol/base/result.h"
+#include "protocol/model/model.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/tally.h"
 

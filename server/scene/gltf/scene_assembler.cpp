@@ -8,8 +8,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "protocol/animation_codec.h"
-#include "protocol/motion.h"
+#include "protocol/codec/animation_codec.h"
+#include "protocol/impostor/motion.h"
 #include "server/scene/gltf/accessor_reader.h"
 #include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/mesh_assemble.h"

@@ -4,7 +4,7 @@
 
 #include <glm/glm.hpp>
 
-#include "protocol/model.h"
+#include "protocol/model/model.h"
 
 namespace mirage::gltf {
 

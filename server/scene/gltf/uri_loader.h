@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "protocol/result.h"
+#include "protocol/base/result.h"
 #include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+
+namespace mirage {
+
+/// What went to the graphics card: tiles with their gutters and all planes, geometry, images.
+struct UploadCounts {
+  std::uint64_t tiles = 0;
+  std::uint64_t bytes = 0;
+  std::uint64_t largest_frame_bytes = 0;
+  std::uint64_t frames_over_budget = 0;  ///< in which something had to wait
+};
+
+}  // namespace mirage

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "client/frame/method_choice.h"
+#include "client/plan/relight_policy.h"
+#include "client/plan/tau_controller.h"
+#include "protocol/codec/tile_codec.h"
+#include "protocol/impostor/camera.h"
+
+namespace mirage {
+
+struct ClientOptions {
+  double tau_px = 1;
+  TauTargets targets;  ///< tau rises above tau_px while they are not met
+  MethodChoice method;
+  double frame_ms = 0;            ///< budget of a frame; 0: any time
+  int samples = -1;               ///< of a pixel; < 0: as many as pay within the budget
+  double march_budget_px = 1e9;   ///< screen area per frame drawn by marching depth
+  double mesh_radii = kAnyRadii;  ///< nothing farther is drawn as geometry but what is cheap
+  RelightChoice relight = RelightChoice::kAuto;
+  int atlas_edge = 1024;
+  int atlas_layers = 24;
+  std::string token;
+  std::string name = "mirage-view";
+  std::size_t max_mesh_bytes = 64u << 20;      ///< of one reply, decompressed
+  std::size_t mesh_budget_bytes = 256u << 20;  ///< graphics memory for geometry and its images
+  std::size_t upload_budget_bytes = 8u << 20;  ///< to graphics memory in a frame
+  bool trace = false;                          ///< keep every tile's life
+  /// The session's clock, for the trace, where time passes within a frame; empty: it does not.
+  std::function<std::int64_t()> trace_clock = nullptr;
+  bool shadows = true;             ///< the sun's, if the server has them
+  bool animation = true;           ///< false: every clip stands at its beginning
+  std::optional<TileCodec> codec;  ///< of tiles; none: by link and cost
+  bool views = true;  ///< a view tile shows what has no image yet (automatic methods, with
+                      ///< what shadows the server draws)
+  Camera screen;      ///< of the first frames: size and field of view
+};
+
+}  // namespace mirage

@@ -1,0 +1,227 @@
+#include "protocol/base/cli.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <numeric>
+#include <optional>
+#include <sstream>
+
+namespace mirage {
+namespace {
+
+constexpr char kPrefix[] = "MIRAGE_";
+// Of scripts, tests and `mirage-report fidelity`; no options.
+const char* const kOtherVariables[] = {"MIRAGE_DEMO_BIN",          "MIRAGE_DEMO_FRAMES",
+                                       "MIRAGE_DEMO_OUT",          "MIRAGE_SHARED",
+                                       "MIRAGE_FIDELITY_PICTURES", "MIRAGE_SWEEP_VERBOSE"};
+
+/// How many letters must change for one text to become the other (Levenshtein's distance).
+std::size_t edits_between(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j - 1] + 1, row[j] + 1, changed});
+    }
+  }
+  return row.back();
+}
+
+/// "did you mean …?" for a name that is nearly one of `known`; else `otherwise`.
+std::string nearest_or(const std::string& name, const std::vector<std::string>& known,
+                       const std::string& otherwise) {
+  const auto distance = [&](const std::string& one) { return edits_between(name, one); };
+  const auto best = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+    return distance(a) < distance(b);
+  });
+  if (best == known.end() || distance(*best) > std::max<std::size_t>(2, name.size() / 4)) {
+    return otherwise;
+  }
+  return "did you mean " + *best + "?";
+}
+
+std::vector<std::string> long_names(const CLI::App& app) {
+  std::vector<std::string> out;
+  for (const CLI::Option* option : app.get_options()) {
+    const std::vector<std::string>& names = option->get_lnames();
+    out.insert(out.end(), names.begin(), names.end());
+  }
+  return out;
+}
+
+/// The first MIRAGE_… variable that no program reads.
+std::optional<Error> unknown_variable() {
+  for (char** at = environ; at && *at; ++at) {
+    const std::string entry = *at;
+    const std::string name = entry.substr(0, entry.find('='));
+    if (name.rfind(kPrefix, 0) != 0) continue;
+    std::vector<std::string> known(std::begin(kOtherVariables), std::end(kOtherVariables));
+    for (const std::string& option : options_of_all_programs()) {
+      known.push_back(environment_name(option));
+    }
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    return make_error(ErrorId::kUsage, "the environment has " + name + ", which no program reads",
+                      nearest_or(name, known, "unset it, or see --help for the names"));
+  }
+  return std::nullopt;
+}
+
+Error in_config_file(const CLI::App& app, const std::string& key) {
+  const std::size_t section = key.rfind(".++");  // how CLI11 names the beginning of one
+  if (section != std::string::npos) {
+    return make_error(ErrorId::kUsage,
+                      "the --config file has a section [" + key.substr(0, section) + "]",
+                      "options stand in no section");
+  }
+  return make_error(ErrorId::kUsage,
+                    "the --config file has '" + key + "', which is no option of " + app.get_name(),
+                    nearest_or(key, long_names(app), app.get_name() + " --help lists the options"));
+}
+
+/// What CLI11 says of a key it does not know: "INI was not able to parse KEY".
+std::optional<std::string> unknown_key(const CLI::ParseError& error) {
+  const std::string text = error.what(), before = "INI was not able to parse ";
+  if (error.get_name() != "ConfigError" || text.rfind(before, 0) != 0) return std::nullopt;
+  return text.substr(before.size());
+}
+
+}  // namespace
+
+const std::vector<std::string>& options_of_all_programs() {
+  static const std::vector<std::string> names = {"allow-origin",
+                                                 "animate",
+                                                 "animation",
+                                                 "atlas-mb",
+                                                 "cache-dir",
+                                                 "cache-dir-mb",
+                                                 "cache-mb",
+                                                 "child",
+                                                 "clients",
+                                                 "codec",
+                                                 "connect-rate",
+                                                 "connect-timeout",
+                                                 "device",
+                                                 "device-model",
+                                                 "duration",
+                                                 "encoders",
+                                                 "environment",
+                                                 "explain",
+                                                 "explain-frame",
+                                                 "folder",
+                                                 "fov",
+                                                 "fps",
+                                                 "frame-ms",
+                                                 "frames",
+                                                 "gpu-mb",
+                                                 "jobs",
+                                                 "json",
+                                                 "light",
+                                                 "list",
+                                                 "list-devices",
+                                                 "listen",
+                                                 "march-kpx",
+                                                 "max-clients",
+                                                 "mesh-mb",
+                                                 "mesh-radii",
+                                                 "method",
+                                                 "metrics",
+                                                 "model",
+                                                 "msaa",
+                                                 "net",
+                                                 "no-geometry",
+                                                 "no-reference",
+                                                 "no-view",
+                                                 "offscreen",
+                                                 "only",
+                                                 "out",
+                                                 "page",
+                                                 "path",
+                                                 "port-file",
+                                                 "prove",
+                                                 "prove-cells",
+                                                 "prove-objects",
+                                                 "quick",
+                                                 "rate",
+                                                 "rate-mbps",
+                                                 "reference",
+                                                 "reference-samples",
+                                                 "relight",
+                                                 "scene",
+                                                 "seed",
+                                                 "shadows",
+                                                 "size",
+                                                 "spread",
+                                                 "stats",
+                                                 "strict",
+                                                 "supersample",
+                                                 "tau",
+                                                 "tls-cert",
+                                                 "tls-key",
+                                                 "token-file",
+                                                 "trace",
+                                                 "upload-kb",
+                                                 "url",
+                                                 "verify",
+                                                 "virtual-time",
+                                                 "warm",
+                                                 "write-environment"};
+  return names;
+}
+
+std::string environment_name(const std::string& option) {
+  std::string name = kPrefix + option;
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
+    return c == '-' ? '_' : static_cast<char>(std::toupper(c));
+  });
+  return name;
+}
+
+CLI::Validator number_within(double low, double high) {
+  std::ostringstream range;
+  range << low << " to " << high;
+  return CLI::Validator(
+      [low, high, range = range.str()](std::string& text) {
+        char* end = nullptr;
+        const double v = std::strtod(text.c_str(), &end);
+        const bool good = !text.empty() && *end == '\0' && v >= low && v <= high;
+        return good ? std::string() : "'" + text + "' is not a number from " + range;
+      },
+      "NUMBER from " + range.str());
+}
+
+void add_conventions(CLI::App& app) {
+  app.set_version_flag("--version", "mirage " MIRAGE_VERSION);
+  app.set_config("--config", "", "TOML file with option values");
+  app.allow_config_extras(CLI::config_extras_mode::error);
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_lnames().empty()) continue;
+    const std::string& name = option->get_lnames().front();
+    const bool special = name == "help" || name == "version" || name == "config";
+    if (!special) option->envname(environment_name(name));
+  }
+}
+
+int parse_command_line(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    if (const std::optional<std::string> key = unknown_key(error)) {
+      return fail(in_config_file(app, *key));
+    }
+    return fail(
+        make_error(ErrorId::kUsage, error.what(), app.get_name() + " --help lists the options"));
+  }
+  if (const std::optional<Error> error = unknown_variable()) return fail(*error);
+  return -1;
+}
+
+}  // namespace mirage

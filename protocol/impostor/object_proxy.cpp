@@ -1,0 +1,69 @@
+#include "protocol/impostor/object_proxy.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace mirage {
+
+std::vector<Plane> ConvexHull::planes() const {
+  std::vector<Plane> out;
+  for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
+    const glm::vec3 a = vertices[indices[i]];
+    const glm::vec3 n = glm::cross(vertices[indices[i + 1]] - a, vertices[indices[i + 2]] - a);
+    const float length = glm::length(n);
+    if (!(length > 0)) continue;
+    out.push_back({n / length, glm::dot(n / length, a)});
+  }
+  return out;
+}
+
+std::vector<Plane> box_planes(const glm::vec3& box_min, const glm::vec3& box_max) {
+  std::vector<Plane> out;
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::vec3 n(0);
+    n[axis] = 1;
+    out.push_back({n, box_max[axis]});
+    out.push_back({-n, -box_min[axis]});
+  }
+  return out;
+}
+
+double ray_entry(const std::vector<Plane>& planes, const glm::dvec3& origin,
+                 const glm::dvec3& direction) {
+  double enter = 0, leave = std::numeric_limits<double>::infinity();
+  for (const Plane& plane : planes) {
+    const glm::dvec3 n(plane.normal);
+    const double speed = glm::dot(n, direction);
+    const double gap = plane.offset - glm::dot(n, origin);
+    if (speed < 0) {
+      enter = std::max(enter, gap / speed);
+    } else if (speed > 0) {
+      leave = std::min(leave, gap / speed);
+    } else if (gap < 0) {
+      return -1;
+    }
+  }
+  return enter <= leave ? enter : -1;
+}
+
+float box_parallax(const ObjectDescription& object) {
+  // Towards a corner the ellipsoid reaches 1 / sqrt(3) of the half diagonal.
+  constexpr float kLeft = 1.0f - 0.57735027f;
+  return kLeft * 0.5f * glm::length(object.box_max - object.box_min);
+}
+
+double hull_extent(const ObjectDescription& object) {
+  double extent = 0;
+  for (const glm::vec3& v : object.hull.vertices) {
+    extent = std::max(extent, glm::length(glm::dvec3(v) - glm::dvec3(object.center)));
+  }
+  return extent;
+}
+
+double box_extent(const ObjectDescription& object) {
+  const glm::dvec3 low = glm::abs(glm::dvec3(object.box_min) - glm::dvec3(object.center));
+  const glm::dvec3 high = glm::abs(glm::dvec3(object.box_max) - glm::dvec3(object.center));
+  return glm::length(glm::max(low, high));
+}
+
+}  // namespace mirage

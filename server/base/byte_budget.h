@@ -1,0 +1,51 @@
+#pragma once
+// What is kept under a budget of bytes, by when it was used: who keeps it holds its place, and
+// lets go what take_excess() names.
+
+#include <cstddef>
+#include <list>
+#include <optional>
+#include <utility>
+
+namespace mirage {
+
+template <typename Key>
+class ByteBudget {
+  struct Entry {
+    Key key;
+    std::size_t bytes;
+  };
+
+ public:
+  using Place = typename std::list<Entry>::iterator;
+
+  explicit ByteBudget(std::size_t budget) : budget_(budget) {}
+
+  /// As what was used last.
+  Place add(Key key, std::size_t bytes) {
+    bytes_ += bytes;
+    entries_.push_front({std::move(key), bytes});
+    return entries_.begin();
+  }
+  void touch(Place place) { entries_.splice(entries_.begin(), entries_, place); }
+  void grow(Place place, std::size_t bytes) {
+    place->bytes += bytes;
+    bytes_ += bytes;
+  }
+  /// While there is too much: what was used longest ago, which counts no more. One always stays.
+  std::optional<Key> take_excess() {
+    if (bytes_ <= budget_ || entries_.size() <= 1) return std::nullopt;
+    Entry oldest = std::move(entries_.back());
+    entries_.pop_back();
+    bytes_ -= oldest.bytes;
+    return std::move(oldest.key);
+  }
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  const std::size_t budget_;
+  std::list<Entry> entries_;  ///< used last first
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace mirage

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace mirage {
+
+struct RenderOptions {
+  std::string device = "auto";
+  int page_edge = 512;        ///< texels; larger pages suit a GPU
+  int supersample = 2;        ///< per axis
+  std::size_t ring = 2;       ///< pages in flight between drawing and read-back
+  std::size_t gpu_mb = 4096;  ///< graphics memory for the scene, targets and the ring, at most
+  bool shadows = false;       ///< the sun's, in reference frames and shadow tiles
+};
+
+}  // namespace mirage

@@ -1,0 +1,122 @@
+// The client's session against the server's, without sockets: reconnects, and replies nobody asked
+// for.
+#include "server/session/session.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "client/session/client_session.h"
+#include "client/link/link.h"
+#include "client/scene/scene_view.h"
+#include "server/prepare/prepared_scene.h"
+
+namespace mirage::test {
+namespace {
+
+/// The server's sessions as the other end of a link.
+class HubLink final : public Link {
+ public:
+  HubLink() : scene_(*load_scene("builtin:knot?tubular=16&radial=8")) { restart({}); }
+  /// A server started anew: the connection is another one.
+  void restart(SessionOptions options) {
+    hub_ = std::make_unique<SessionHub>(scene_, std::move(options), queues_);
+    id_ = hub_->open().take();
+    ++generation_;
+  }
+  void send(Bytes bytes) override {
+    EXPECT_TRUE(hub_->receive(id_, bytes.data(), bytes.size()).ok());
+  }
+  std::vector<Message> receive() override {
+    std::vector<Message> out = std::exchange(unasked, {});
+    FrameAssembler assembler(limits::kMaxTransferBytes);
+    while (const FramePtr frame = hub_->next_frame(id_)) {
+      auto whole = assembler.accept(frame->data(), frame->size());
+      if (!whole || !whole->has_value()) continue;
+      out.push_back(decode_message((*whole)->data(), (*whole)->size()).take());
+    }
+    if (pages_reversed && out.size() > 1) std::reverse(out.begin() + 1, out.end());
+    return out;
+  }
+  bool connected() const override { return true; }
+  std::uint32_t generation() const override { return generation_; }
+  LinkTraffic traffic() const override { return {}; }
+
+  std::vector<Message> unasked;  ///< received next
+  bool pages_reversed = false;   ///< what follows a welcome comes last first
+
+ private:
+  std::shared_ptr<const PreparedScene> scene_;
+  VirtualClock clock_;
+  StageQueues queues_{clock_, 1 << 24, nullptr};
+  std::unique_ptr<SessionHub> hub_;
+  SessionId id_ = 0;
+  std::uint32_t generation_ = 0;
+};
+
+struct CoreSession : ::testing::Test {
+  CoreSession() : session(link, {}, counting()) { EXPECT_TRUE(session.receive(0).ok()); }
+  TileSink counting() {
+    TileSink sink;
+    sink.scene = [this](const SceneView&) { ++scenes; };
+    return sink;
+  }
+  int scenes = 0;
+  HubLink link;
+  ClientSession session;
+};
+
+TEST_F(CoreSession, TheSameSceneIsKeptOverAReconnect) {
+  ASSERT_EQ(scenes, 1);
+  ASSERT_TRUE(session.scene().complete());
+  link.restart({});
+  ASSERT_TRUE(session.receive(1).ok());
+  EXPECT_EQ(scenes, 1);
+  EXPECT_TRUE(session.scene().complete());
+}
+
+TEST(CoreSessionPages, WhatComesBeforeItsTurnWaits) {
+  HubLink link;
+  link.pages_reversed = true;
+  ClientSession session(link, {}, {});
+  EXPECT_TRUE(session.receive(0).ok());
+  EXPECT_TRUE(session.scene().complete());
+  EXPECT_EQ(session.scene().instances.size(), 1u);
+}
+
+// Asking on for what the server no longer has would be refused for ever, and what it has now would
+// never be asked for.
+TEST_F(CoreSession, AServerWithOtherOptionsIsAnotherScene) {
+  SessionOptions options;
+  options.shadows = true;
+  link.restart(options);
+  ASSERT_TRUE(session.receive(1).ok());
+  EXPECT_EQ(scenes, 2);
+  EXPECT_TRUE(session.scene().shadows);
+  options.geometry = false;
+  link.restart(options);
+  ASSERT_TRUE(session.receive(2).ok());
+  EXPECT_EQ(scenes, 3);
+  EXPECT_FALSE(session.scene().geometry);
+}
+
+TEST_F(CoreSession, GeometryAndImagesNobodyAskedForAreErrors) {
+  wire::MeshReplyT mesh;
+  mesh.request_id = 7;
+  Message message;
+  message.body.Set(std::move(mesh));
+  link.unasked.push_back(std::move(message));
+  Result<void> received = session.receive(1);
+  ASSERT_FALSE(received.ok());
+  EXPECT_EQ(received.error().id, ErrorId::kWireValue);
+  wire::ImageReplyT image;
+  image.request_id = 8;
+  message.body.Set(std::move(image));
+  link.unasked.push_back(std::move(message));
+  received = session.receive(2);
+  ASSERT_FALSE(received.ok());
+  EXPECT_EQ(received.error().id, ErrorId::kWireValue);
+}
+
+}  // namespace
+}  // namespace mirage::test

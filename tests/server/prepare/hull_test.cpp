@@ -1,0 +1,225 @@
+// Enclosing hulls and object descriptions: what the bound relies on must really enclose.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "protocol/base/limits.h"
+#include "server/prepare/convex_hull.h"
+#include "server/prepare/prepared_scene.h"
+
+namespace mirage::test {
+namespace {
+
+/// How far the worst point is outside the hull, as a share of the points' extent.
+double worst_outside(const ConvexHull& hull, const std::vector<glm::vec3>& points) {
+  glm::dvec3 low(points[0]), high(points[0]);
+  for (const glm::vec3& p : points) {
+    low = glm::min(low, glm::dvec3(p));
+    high = glm::max(high, glm::dvec3(p));
+  }
+  // In double, from the corners: float planes would round more than is to be seen.
+  double worst = -1e30;
+  for (std::size_t i = 0; i + 2 < hull.indices.size(); i += 3) {
+    const glm::dvec3 a(hull.vertices[hull.indices[i]]);
+    const glm::dvec3 n = glm::cross(glm::dvec3(hull.vertices[hull.indices[i + 1]]) - a,
+                                    glm::dvec3(hull.vertices[hull.indices[i + 2]]) - a);
+    // Slivers between corners that should coincide have no direction to speak of.
+    if (!(glm::length(n) > 1e-9 * glm::dot(high - low, high - low))) continue;
+    for (const glm::vec3& p : points) {
+      worst = std::max(worst, glm::dot(glm::normalize(n), glm::dvec3(p) - a));
+    }
+  }
+  return worst / std::max(glm::length(high - low), 1e-30);
+}
+
+/// Signed volume: positive when triangles wind outward.
+double volume(const ConvexHull& hull) {
+  double sum = 0;
+  const glm::dvec3 origin(hull.vertices.at(0));
+  for (std::size_t i = 0; i + 2 < hull.indices.size(); i += 3) {
+    const glm::dvec3 a = glm::dvec3(hull.vertices[hull.indices[i]]) - origin;
+    const glm::dvec3 b = glm::dvec3(hull.vertices[hull.indices[i + 1]]) - origin;
+    const glm::dvec3 c = glm::dvec3(hull.vertices[hull.indices[i + 2]]) - origin;
+    sum += glm::dot(a, glm::cross(b, c)) / 6;
+  }
+  return sum;
+}
+
+/// Every edge must be run through once each way.
+bool is_closed(const ConvexHull& hull) {
+  std::vector<std::pair<int, int>> edges;
+  for (std::size_t i = 0; i + 2 < hull.indices.size(); i += 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      edges.emplace_back(hull.indices[i + k], hull.indices[i + (k + 1) % 3]);
+    }
+  }
+  for (const auto& [a, b] : edges) {
+    if (std::count(edges.begin(), edges.end(), std::pair{a, b}) != 1) return false;
+    if (std::count(edges.begin(), edges.end(), std::pair{b, a}) != 1) return false;
+  }
+  return !edges.empty();
+}
+
+void expect_encloses(const std::vector<glm::vec3>& points, const std::string& what) {
+  const Result<ConvexHull> hull = enclosing_hull(points);
+  ASSERT_TRUE(hull) << what << ": " << hull.error().text;
+  EXPECT_LE(hull->vertices.size(), limits::kMaxHullVertices) << what;
+  EXPECT_LE(hull->indices.size(), limits::kMaxHullTriangles * 3) << what;
+  EXPECT_LE(worst_outside(*hull, points), 1e-6) << what;
+  EXPECT_GT(volume(*hull), 0) << what;
+  EXPECT_TRUE(is_closed(*hull)) << what;
+  for (const glm::vec3& v : hull->vertices) {
+    EXPECT_TRUE(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z)) << what;
+  }
+}
+
+std::vector<glm::vec3> cloud(std::mt19937& random, int n, const glm::vec3& size,
+                             const glm::vec3& offset) {
+  std::uniform_real_distribution<float> unit(-1, 1);
+  std::vector<glm::vec3> out;
+  for (int i = 0; i < n; ++i) {
+    out.push_back(offset + size * glm::vec3(unit(random), unit(random), unit(random)));
+  }
+  return out;
+}
+
+TEST(ServerHull,
+     HasAParallaxFactorForEveryVertex) {  // clients refuse a scene whose hulls have fewer
+  const Result<ConvexHull> hull = enclosing_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  ASSERT_TRUE(hull.ok());
+  EXPECT_GT(hull->vertices.size(), 0u);
+  EXPECT_EQ(hull->parallax, std::vector<float>(hull->vertices.size(), 0.0f));
+}
+
+TEST(ServerHull, EnclosesRandomClouds) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> exponent(-3, 3);
+  for (int i = 0; i < 300; ++i) {
+    const auto size = static_cast<float>(std::pow(10.0, exponent(random)));
+    const int n = 2 + static_cast<int>(random() % 200);
+    expect_encloses(cloud(random, n, glm::vec3(size), glm::vec3(size * 3)),
+                    "cloud " + std::to_string(i));
+  }
+}
+
+TEST(ServerHull, EnclosesNeedlesAndSheets) {
+  std::mt19937 random(7);
+  for (int i = 0; i < 100; ++i) {
+    expect_encloses(cloud(random, 50, {1, 1e-4f, 1}, glm::vec3(0)), "sheet");
+    expect_encloses(cloud(random, 50, {1e-4f, 1, 1e-4f}, glm::vec3(2)), "needle");
+  }
+}
+
+TEST(ServerHull, EnclosesFarFromTheOrigin) {
+  // Corners are float, and facets between rounded corners lean: a metre-sized object holds to a few
+  // hundred metres. Farther out (from 1e4 on) the rounding is no longer within the growth.
+  std::mt19937 random(8);
+  for (const float offset : {10.f, 100.f, 300.f}) {
+    for (int i = 0; i < 30; ++i) {
+      expect_encloses(cloud(random, 100, glm::vec3(1), glm::vec3(offset, 0, -offset)),
+                      "at " + std::to_string(offset));
+    }
+  }
+}
+
+TEST(ServerHull, FlatLineAndSinglePoint) {
+  expect_encloses({{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}}, "square");
+  expect_encloses({{0, 0, 0}, {1, 0.5f, 0.25f}, {1, 0.5f, 0.75f}}, "triangle");
+  expect_encloses({{0, 0, 0}, {3, 2, 1}}, "line");
+  expect_encloses({{0, 0, 0}, {0, 5, 0}, {0, 2, 0}}, "line on an axis");
+  const Result<ConvexHull> empty = enclosing_hull({});
+  ASSERT_TRUE(empty);
+  EXPECT_TRUE(empty->vertices.empty());
+  // A point has no extent to grow by: no body, and no error either.
+  const Result<ConvexHull> point = enclosing_hull({{1, 2, 3}, {1, 2, 3}});
+  ASSERT_TRUE(point) << point.error().text;
+  for (const glm::vec3& v : point->vertices) {
+    EXPECT_NEAR(glm::length(v - glm::vec3(1, 2, 3)), 0, 1e-5);
+  }
+}
+
+TEST(ServerHull, ParallaxIsTheDistanceToTheNearestPointBehind) {
+  ConvexHull hull;
+  hull.vertices = {{0, 0, 4}, {3, 0, 0}, {0, -2, 0}};
+  const std::vector<glm::vec3> points = {{0, 0, 1}, {0, 0, 4.5f}, {1, 0, 0}};
+  // The second point is nearer to the first vertex but in front of it.
+  EXPECT_EQ(parallax_factors(hull, points, glm::vec3(0)),
+            (std::vector<float>{3, 2, std::sqrt(5.0f)}));
+  EXPECT_EQ(parallax_factors(hull, {}, glm::vec3(0)), (std::vector<float>{0, 0, 0}));
+}
+
+TEST(ServerHull, KnotLiesBehindItsHullByTheFactors) {
+  const auto scene = load_scene("builtin:knot?tubular=24&radial=8");
+  ASSERT_TRUE(scene) << scene.error().text;
+  const ObjectDescription& o = (*scene)->objects[0];
+  ASSERT_EQ(o.hull.parallax.size(), o.hull.vertices.size());
+  for (std::size_t i = 0; i < o.hull.vertices.size(); ++i) {
+    const glm::vec3 corner = o.hull.vertices[i];
+    float nearest = 2 * o.radius;
+    for (const Vertex& v : (*scene)->scene.objects[0].mesh.vertices) {
+      const bool behind = glm::dot(v.position - corner, o.center - corner) >= 0;
+      if (behind) nearest = std::min(nearest, glm::length(v.position - corner));
+    }
+    EXPECT_FLOAT_EQ(o.hull.parallax[i], nearest);
+    EXPECT_GT(o.hull.parallax[i], 0);
+    EXPECT_LT(o.hull.parallax[i], o.radius);
+  }
+}
+
+TEST(ServerHull, DescriptionContainsEveryVertexInUse) {
+  for (const char* spec : {"builtin:knot?tubular=24&radial=8", "builtin:clutter?objects=20"}) {
+    const auto scene = load_scene(spec);
+    ASSERT_TRUE(scene) << scene.error().text;
+    for (std::size_t i = 0; i < (*scene)->objects.size(); ++i) {
+      const ObjectDescription& o = (*scene)->objects[i];
+      const Mesh& mesh = (*scene)->scene.objects[i].mesh;
+      std::vector<glm::vec3> points;
+      for (const std::uint32_t index : mesh.indices) {
+        const glm::vec3 p = mesh.vertices[index].position;
+        points.push_back(p);
+        ASSERT_LE(glm::length(glm::dvec3(p) - glm::dvec3(o.center)), double{o.radius});
+        ASSERT_TRUE(glm::all(glm::lessThanEqual(o.box_min, p)));
+        ASSERT_TRUE(glm::all(glm::greaterThanEqual(o.box_max, p)));
+      }
+      ASSERT_FALSE(o.hull.vertices.empty());
+      EXPECT_LE(worst_outside(o.hull, points), 1e-6);
+    }
+  }
+}
+
+TEST(ServerHull, DescriptionOfNothing) {
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.objects.emplace_back();
+  const ObjectDescription nothing = describe_object(scene.objects[0], scene);
+  EXPECT_EQ(nothing.radius, 0);
+  EXPECT_TRUE(nothing.hull.vertices.empty());
+  // All vertices in one place: a little extent, so that no division by zero follows.
+  SceneObject& object = scene.objects[0];
+  object.mesh.vertices.resize(3);
+  for (Vertex& v : object.mesh.vertices) v.position = {4, 5, 6};
+  object.mesh.indices = {0, 1, 2};
+  object.mesh.primitives.push_back({PrimitiveKind::kTriangles, 0, 3, 0});
+  const ObjectDescription point = describe_object(object, scene);
+  EXPECT_GT(point.radius, 0);
+  EXPECT_TRUE(std::isfinite(point.radius));
+}
+
+TEST(ServerHull, VerticesNothingUsesAreLeftOut) {
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.objects.emplace_back();
+  Mesh& mesh = scene.objects[0].mesh;
+  mesh.vertices.resize(4);
+  mesh.vertices[1].position = {1, 0, 0};
+  mesh.vertices[2].position = {0, 1, 0};
+  mesh.vertices[3].position = {1e6f, 0, 0};
+  mesh.indices = {0, 1, 2};
+  mesh.primitives.push_back({PrimitiveKind::kTriangles, 0, 3, 0});
+  EXPECT_LT(describe_object(scene.objects[0], scene).radius, 1);
+}
+
+}  // namespace
+}  // namespace mirage::test

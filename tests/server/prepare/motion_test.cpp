@@ -1,0 +1,189 @@
+// What is measured of a clip holds for poses nobody measured.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "protocol/impostor/error_bound.h"
+#include "server/prepare/convex_hull.h"
+#include "server/prepare/motion_measure.h"
+
+namespace mirage {
+namespace {
+
+float uniform(std::mt19937& random, float low, float high) {
+  return std::uniform_real_distribution<float>(low, high)(random);
+}
+
+struct Moving {
+  Mesh mesh;
+  Animation animation;
+  std::vector<glm::vec3> at(double t) const {
+    std::vector<glm::vec3> out;
+    pose_positions(mesh.vertices, animation, t, out);
+    return out;
+  }
+};
+
+/// A chain of three joints with random keys of every kind, 30 vertices bound to it.
+Moving random_clip(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  Moving m;
+  m.animation.clip_s = uniform(random, 0.3f, 5);
+  m.animation.joints.resize(3);
+  for (std::uint16_t j = 0; j < 3; ++j) {
+    Joint& joint = m.animation.joints[j];
+    joint.parent = j - 1;
+    joint.moves = true;
+    joint.translation = {uniform(random, -1, 1), 1, 0};
+    m.animation.bindings.push_back({j, glm::mat4(1)});
+    for (int kind = 0; kind < 3; ++kind) {
+      Channel c;
+      c.target = j;
+      c.path = static_cast<ChannelPath>(kind);
+      c.interpolation = static_cast<Interpolation>(random() % 3);
+      const bool cubic = c.interpolation == Interpolation::kCubicSpline;
+      const int keys = 2 + static_cast<int>(random() % 6);
+      for (int k = 0; k < keys; ++k) {
+        const float share =
+            (static_cast<float>(k) + uniform(random, 0, 0.8f)) / static_cast<float>(keys);
+        c.times.push_back(m.animation.clip_s * share);
+        for (int part = 0; part < (cubic ? 3 : 1); ++part) {
+          const bool tangent = cubic && part != 1;
+          for (int i = 0; i < (kind == 1 ? 4 : 3); ++i) {
+            const float value = uniform(random, -1, 1);
+            c.values.push_back(tangent ? 0.5f * value : kind == 2 ? 1 + 0.3f * value : value);
+          }
+        }
+      }
+      m.animation.channels.push_back(c);
+    }
+  }
+  for (std::uint32_t i = 0; i < 30; ++i) {
+    Vertex v;
+    v.position = {uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
+    m.mesh.vertices.push_back(v);
+    m.mesh.indices.push_back(i);
+    VertexBinding b;
+    b.binding = {i % 3, (i + 1) % 3, 0, 0};
+    b.weight = {0.7f, 0.3f, 0, 0};
+    m.animation.vertices.push_back(b);
+  }
+  m.mesh.primitives.push_back({PrimitiveKind::kTriangles, 0, 30, 0});
+  return m;
+}
+
+TEST(ServerMotion, BoundsEncloseEveryPose) {
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    const Moving m = random_clip(seed);
+    const MeasuredMotion measured = measure_motion(m.mesh, m.animation);
+    const auto hull = enclosing_hull(measured.hull_points);
+    ASSERT_TRUE(hull.ok());
+    const std::vector<Plane> planes = hull->planes();
+    std::mt19937 random(seed);
+    for (int k = 0; k < 3000; ++k) {
+      for (const glm::vec3& p : m.at(uniform(random, 0, m.animation.clip_s))) {
+        ASSERT_LE(glm::distance(glm::dvec3(p), glm::dvec3(measured.center)), measured.radius);
+        for (int c = 0; c < 3; ++c) {
+          ASSERT_GE(p[c], measured.box_min[c]);
+          ASSERT_LE(p[c], measured.box_max[c]);
+        }
+        for (const Plane& plane : planes) ASSERT_LE(glm::dot(plane.normal, p), plane.offset);
+      }
+    }
+  }
+}
+
+TEST(ServerMotion, NoVertexTravelsFartherThanTheProfileSays) {
+  std::size_t checked = 0;
+  double tightest = 0;
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    const Moving m = random_clip(seed);
+    const MotionProfile motion = measure_motion(m.mesh, m.animation).motion;
+    std::mt19937 random(seed + 100);
+    for (int k = 0; k < 3000; ++k) {
+      const double a = uniform(random, 0, m.animation.clip_s);
+      // Near and far pairs alike: 1e-6 of the clip to all of it.
+      const double step = m.animation.clip_s * std::pow(10.0, uniform(random, -6, 0));
+      const double b = wrap_clip(a + step, m.animation.clip_s);
+      const double allowed = motion.travel(a, b);
+      const std::vector<glm::vec3> from = m.at(a), to = m.at(b);
+      for (std::size_t i = 0; i < from.size(); ++i) {
+        const double moved = glm::distance(glm::dvec3(from[i]), glm::dvec3(to[i]));
+        ASSERT_LE(moved, allowed + 2e-6) << seed << ": " << a << " to " << b;
+        if (allowed > 1e-3) tightest = std::max(tightest, moved / allowed);
+        ++checked;
+      }
+    }
+  }
+  EXPECT_GT(checked, 1'000'000u);
+  EXPECT_GT(tightest, 0.9) << "the profile is no use when it is far above the truth";
+}
+
+TEST(ServerMotion, ATurningArmHasItsSpeed) {
+  Moving m;
+  m.mesh.vertices.resize(1);
+  m.mesh.vertices[0].position = {2, 0, 0};
+  m.mesh.indices = {0};
+  m.animation.clip_s = 1;
+  m.animation.joints.resize(1);
+  m.animation.joints[0].moves = true;
+  m.animation.bindings.resize(1);
+  m.animation.vertices.resize(1);
+  Channel c;
+  c.path = ChannelPath::kRotation;
+  c.times = {0, 0.25f, 0.5f, 0.75f, 1};
+  for (int k = 0; k < 5; ++k) {
+    const float half = 0.78539816f * static_cast<float>(k);
+    c.values.insert(c.values.end(), {0, 0, std::sin(half), std::cos(half)});
+  }
+  m.animation.channels = {c};
+  const MeasuredMotion measured = measure_motion(m.mesh, m.animation);
+  EXPECT_NEAR(measured.motion.max_speed(), 2 * 6.2831853, 0.06 * 2 * 6.2831853);
+  EXPECT_GE(measured.motion.max_speed(), 2 * 6.2831853);
+  EXPECT_NEAR(measured.motion.wrap_jump, 0, 1e-5);
+  EXPECT_TRUE(measured.motion.jump.empty());
+  EXPECT_NEAR(measured.radius, 2, 0.1);
+}
+
+TEST(ServerMotion, WhatMovesNoVertexIsStatic) {
+  Moving m = random_clip(1);
+  for (VertexBinding& v : m.animation.vertices) v.binding = glm::u16vec4(0);
+  std::erase_if(m.animation.channels, [](const Channel& c) { return c.target == 0; });
+  EXPECT_FALSE(measure_motion(m.mesh, m.animation).motion.moving());
+  EXPECT_TRUE(measure_motion(random_clip(1).mesh, random_clip(1).animation).motion.moving());
+}
+
+// A million points of the ball stepping by `travel`: their images never part by more.
+TEST(ServerMotion, ImageDistanceOfAStepIsBounded) {
+  std::mt19937 random(3);
+  const auto ball = [&](float radius) {
+    for (;;) {
+      const glm::dvec3 p(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+      if (glm::length(p) <= 1) return p * double{radius};
+    }
+  };
+  double tightest = 0;
+  for (int k = 0; k < 1'000'000; ++k) {
+    ViewGeometry view;
+    view.focal_px = 500;
+    view.radius = 1;
+    view.eye = glm::normalize(ball(1)) * double{uniform(random, 1.2f, 12)};
+    const glm::dvec3 forward =
+        glm::normalize(glm::normalize(-view.eye) + ball(0.5f));  // up to 30 degrees off
+    view.center_depth = glm::dot(-view.eye, forward);
+    const glm::dvec3 p = ball(1), q = ball(1);
+    const double bound = motion_bound_px(view, glm::distance(p, q));
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.3, 1, 0.2)));
+    const glm::dvec3 up = glm::cross(right, forward);
+    const double error =
+        point_error_px(view.focal_px, p - view.eye, q - view.eye, forward, right, up);
+    if (!std::isfinite(bound)) continue;
+    ASSERT_LE(error, bound * (1 + 1e-9));
+    tightest = std::max(tightest, error / bound);
+  }
+  EXPECT_GT(tightest, 0.5);
+}
+
+}  // namespace
+}  // namespace mirage

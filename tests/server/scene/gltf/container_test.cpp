@@ -1,0 +1,313 @@
+// Container, JSON, URIs, references and ranges: what is refused, with which error.
+#include <sys/stat.h>
+
+#include "tests/support/gltf_fixture.h"
+
+namespace mirage::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<Scene> load_text(const std::string& bytes, const std::string& name = "scene.gltf") {
+  const TempFolder folder;
+  return import_gltf(folder.write(name, bytes));
+}
+
+TEST(GltfContainer, PlainTriangleLoads) {
+  auto scene = triangle().load();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_EQ(scene->triangles(), 1u);
+  EXPECT_TRUE(scene->warnings.empty());
+}
+
+TEST(GltfContainer, MissingFileAndFolder) {
+  const TempFolder folder;
+  EXPECT_REFUSED(import_gltf((folder.path() / "no.glb").string()), kSceneMissing, "no.glb");
+  EXPECT_REFUSED(import_gltf(folder.path().string()), kSceneMissing, "not a regular file");
+  EXPECT_EQ(import_gltf("no.glb").error().text, "no.glb: no such file") << "named once";
+}
+
+TEST(GltfContainer, WhatIsNoGltf) {
+  EXPECT_REFUSED(load_text(""), kSceneFormat, "empty");
+  EXPECT_REFUSED(load_text("\x89PNG\r\n\x1a\n1234", "a.glb"), kSceneFormat, "PNG");
+  EXPECT_REFUSED(load_text("<html></html>"), kSceneFormat, "HTML");
+  EXPECT_REFUSED(load_text("Just some words.", "a.glb"), kSceneFormat, "neither GLB nor JSON");
+}
+
+TEST(GltfContainer, GlbHeaderAndChunks) {
+  const std::string good = triangle().glb();
+  EXPECT_REFUSED(load_text(good.substr(0, 16)), kSceneFormat, "too short");
+  EXPECT_REFUSED(load_text(good.substr(0, good.size() - 4)), kSceneFormat, "header says");
+  EXPECT_REFUSED(load_text(make_glb(R"({"asset":{"version":"2.0"}})", "", 1)), kSceneFormat,
+                 "version 1");
+  std::string long_chunk = good;
+  long_chunk.replace(12, 4, u32_bytes(0xfffffff0u));
+  EXPECT_REFUSED(load_text(long_chunk), kSceneFormat, "chunk 0");
+  std::string other_first = good;
+  other_first.replace(16, 4, "ABCD");
+  EXPECT_REFUSED(load_text(other_first), kSceneFormat, "not JSON");
+}
+
+TEST(GltfContainer, BytesAfterTheGlbAreIgnored) {
+  const Result<Scene> scene = load_text(triangle().glb() + "more");
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_EQ(scene->triangles(), 1u);
+}
+
+TEST(GltfContainer, JsonNesting) {
+  const std::string head = R"({"asset":{"version":"2.0"},"extras":)";
+  const std::string deep = std::string(70, '[') + std::string(70, ']');
+  EXPECT_REFUSED(load_text(head + deep + "}"), kSceneLimit, "64 levels");
+  // Brackets inside a string do not nest, also behind an escaped quote.
+  EXPECT_TRUE(load_text(head + "\"\\\"" + std::string(70, '[') + "\"}").ok());
+}
+
+TEST(GltfContainer, JsonSyntax) {
+  EXPECT_REFUSED(load_text(R"({"asset":)"), kSceneFormat, "syntax error");
+  EXPECT_REFUSED(load_text("{\"asset\":{\"version\":\"2.0\"},\"x\":\"\xff\xfe\"}"), kSceneFormat,
+                 "syntax error");
+  EXPECT_REFUSED(load_text(R"({"asset":{"version":"2.0"},"x":1e999})"), kSceneFormat, "number");
+}
+
+TEST(GltfContainer, AssetVersion) {
+  EXPECT_REFUSED(load_text(R"({"scenes":[]})"), kSceneFormat, "asset");
+  EXPECT_REFUSED(load_text(R"({"asset":[]})"), kSceneFormat, "asset");
+  EXPECT_REFUSED(load_text(R"({"asset":{"version":"1.0"}})"), kSceneFormat, "1.0");
+  EXPECT_REFUSED(load_text(R"({"asset":{"version":2}})"), kSceneFormat, "version");
+  EXPECT_TRUE(load_text(R"({"asset":{"version":"2.0"}})").ok());
+}
+
+TEST(GltfContainer, DuplicateNames) {
+  const std::string twice = R"({"asset":{"version":"1.0","version":"2.0"},"nodes":[{},{}]})";
+  auto scene = load_text(twice);
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_TRUE(has_warning(*scene, "duplicate names in JSON"));
+  const TempFolder folder;
+  EXPECT_REFUSED(import_gltf(folder.write("scene.gltf", twice), Workers(), {.strict = true}),
+                 kSceneFormat, "1 JSON objects name a property twice");
+}
+
+TEST(GltfContainer, RequiredExtensions) {
+  for (const char* name : {"KHR_materials_of_tomorrow", "VENDOR_thing"}) {
+    Builder builder = triangle();
+    builder.doc["extensionsRequired"] = json::array({name});
+    EXPECT_REFUSED(builder.load(), kSceneExtension, name);
+  }
+  Builder builder = triangle();
+  builder.doc["extensionsRequired"] = {"KHR_texture_transform", "KHR_mesh_quantization"};
+  builder.doc["extensionsUsed"] = {"VENDOR_thing", "KHR_mesh_quantization", "VENDOR_other"};
+  auto scene = builder.load();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_TRUE(has_warning(*scene, "VENDOR_thing, VENDOR_other"));
+}
+
+TEST(GltfContainer, Limits) {
+  std::string nodes = R"({"asset":{"version":"2.0"},"nodes":[{})";
+  for (int i = 0; i < 500'000; ++i) nodes += ",{}";
+  EXPECT_REFUSED(load_text(nodes + "]}"), kSceneLimit, "nodes");
+
+  Builder zeros;
+  zeros.doc["accessors"] = {{{"componentType", 5126}, {"count", 2'000'000'000}, {"type", "VEC3"}}};
+  zeros.mesh({{"POSITION", 0}});
+  EXPECT_REFUSED(zeros.load(), kSceneLimit, "accessors[0]");
+
+  // 40 meshes that share one accessor of 300 000 vertices: 12 million once expanded.
+  Builder many;
+  std::vector<float> position(900'000);
+  for (std::size_t i = 0; i < position.size(); ++i) position[i] = static_cast<float>(i % 7);
+  const int shared = many.vec3(position);
+  for (int i = 0; i < 40; ++i) many.mesh({{"POSITION", shared}});
+  EXPECT_REFUSED(many.load(), kSceneLimit, "vertices");
+}
+
+class GltfUri : public ::testing::Test {
+ protected:
+  GltfUri() {
+    Builder builder = triangle();
+    bin_ = builder.bin;
+    doc_ = builder.doc;
+    fs::create_directory(folder_.path() / "scene");
+    folder_.write("scene/good name.bin", bin_);
+    folder_.write("outside.bin", bin_);
+  }
+  Result<Scene> load(const std::string& uri, bool strict = false) {
+    doc_["buffers"] = json::array({{{"byteLength", bin_.size()}, {"uri", uri}}});
+    return import_gltf(folder_.write("scene/scene.gltf", doc_.dump()), Workers(),
+                       {.strict = strict});
+  }
+  /// Loads with this warning; not when strict.
+  void expect_forgiven(const std::string& uri, const std::string& warning) {
+    auto scene = load(uri);
+    ASSERT_TRUE(scene) << failure(scene);
+    EXPECT_TRUE(has_warning(*scene, "1 " + warning)) << uri;
+    EXPECT_REFUSED(load(uri, true), kSceneUri, "buffers[0]");
+  }
+
+  TempFolder folder_;
+  std::string bin_;
+  json doc_;
+};
+
+TEST_F(GltfUri, FilesInsideTheFolder) {
+  EXPECT_TRUE(load("good%20name.bin", true).ok()) << failure(load("good%20name.bin", true));
+  expect_forgiven("good name.bin", "URIs with spaces");
+  expect_forgiven("../scene/good%20name.bin", "URIs with '..'");
+  expect_forgiven("no/such/../%2e./good%20name.bin", "URIs with '..'");
+  fs::create_directory(folder_.path() / "scene" / "sub");
+  folder_.write("scene/sub/100%.bin", bin_);
+  expect_forgiven("sub/100%.bin", "URIs with broken percent escapes");
+  expect_forgiven("sub\\100%25.bin", "URIs with backslashes");
+  fs::create_symlink("good name.bin", folder_.path() / "scene" / "link.bin");
+  EXPECT_TRUE(load("link.bin").ok());
+}
+
+TEST_F(GltfUri, MissingAndShortFiles) {
+  EXPECT_REFUSED(load("not_there.bin"), kSceneMissing, "not_there.bin");
+  folder_.write("scene/short.bin", bin_.substr(0, 8));
+  EXPECT_REFUSED(load("short.bin"), kSceneRange, "buffers[0].byteLength");
+}
+
+TEST_F(GltfUri, WhatLeavesTheFolder) {
+  EXPECT_REFUSED(load("../outside.bin"), kSceneUri, "leaves the folder");
+  EXPECT_REFUSED(load("%2e%2e/outside.bin"), kSceneUri, "leaves the folder");
+  EXPECT_REFUSED(load("sub/../../outside.bin"), kSceneUri, "leaves the folder");
+  EXPECT_REFUSED(load("..\\outside.bin"), kSceneUri, "leaves the folder");
+  EXPECT_REFUSED(load("/etc/passwd"), kSceneUri, "absolute");
+  EXPECT_REFUSED(load("http://example.invalid/a.bin"), kSceneUri, "only relative");
+  EXPECT_REFUSED(load("file:///etc/passwd"), kSceneUri, "only relative");
+  fs::create_symlink(folder_.path() / "outside.bin", folder_.path() / "scene" / "escape.bin");
+  EXPECT_REFUSED(load("escape.bin"), kSceneUri, "leaves the folder");
+}
+
+TEST_F(GltfUri, PipesAndFolders) {
+  ASSERT_EQ(mkfifo((folder_.path() / "scene" / "pipe.bin").c_str(), 0600), 0);
+  EXPECT_REFUSED(load("pipe.bin"), kSceneUri, "not a regular file");
+  EXPECT_REFUSED(load("."), kSceneUri, "not a regular file");
+}
+
+TEST_F(GltfUri, DataUris) {
+  EXPECT_REFUSED(load("data:application/octet-stream;base64,@@@@"), kSceneUri, "base64");
+  EXPECT_REFUSED(load("data:application/octet-stream;base64,AAAAA"), kSceneUri, "base64");
+  EXPECT_REFUSED(load("data:application/octet-stream;base64,AAAA"), kSceneRange, "buffers[0]");
+  EXPECT_REFUSED(load("data:nothing"), kSceneUri, "data URI");
+  EXPECT_REFUSED(load("data:application/octet-stream,%zz"), kSceneUri, "percent");
+  // 36 zero bytes: loads, though all corners fall together.
+  EXPECT_TRUE(load("data:;base64," + std::string(48, 'A')).ok());
+}
+
+TEST(GltfReference, DanglingIndicesAreNamed) {
+  struct Case {
+    const char* pointer;
+    json value;
+    const char* part;
+  };
+  const std::vector<Case> cases = {
+      {"/accessors/0/bufferView", 9, "accessors[0].bufferView = 9"},
+      {"/accessors/0/bufferView", -1, "accessors[0].bufferView = -1"},
+      {"/bufferViews/0/buffer", 1, "bufferViews[0].buffer"},
+      {"/meshes/0/primitives/0/attributes/POSITION", 4, "attributes.POSITION = 4"},
+      {"/meshes/0/primitives/0/material", 0, "primitives[0].material"},
+      {"/meshes/0/primitives/0/indices", 7, "primitives[0].indices"},
+      {"/nodes/0/mesh", 3, "nodes[0].mesh = 3"},
+      {"/nodes/0/children", {5}, "nodes[0].children[0] = 5"},
+      {"/nodes/0/skin", 0, "nodes[0].skin"},
+      {"/scene", 2, "scene = 2"},
+      {"/textures", {{{"source", 1}}}, "textures[0].source"},
+      {"/textures", {{{"sampler", 1}}}, "textures[0].sampler"},
+  };
+  for (const Case& item : cases) {
+    Builder builder = triangle();
+    builder.doc[json::json_pointer(item.pointer)] = item.value;
+    EXPECT_REFUSED(builder.load(), kSceneReference, item.part);
+  }
+}
+
+TEST(GltfReference, BufferWithoutContent) {
+  Builder builder = triangle();
+  builder.doc["buffers"] = json::array({{{"byteLength", 36}}});
+  const TempFolder folder;
+  EXPECT_REFUSED(import_gltf(folder.write("scene.gltf", builder.doc.dump())), kSceneReference,
+                 "accessors[0]");
+}
+
+TEST(GltfRange, ElementsMustFit) {
+  struct Case {
+    const char* pointer;
+    json value;
+    const char* part;
+  };
+  const std::vector<Case> cases = {
+      {"/bufferViews/0/byteLength", 40, "bufferViews[0] ends"},
+      {"/bufferViews/0/byteOffset", 2147483647, "bufferViews[0] ends"},
+      {"/bufferViews/0/byteStride", -4, "byteStride = -4"},
+      {"/bufferViews/0/byteStride", 8, "byteStride 8"},
+      {"/accessors/0/count", 4, "accessors[0] needs 48 bytes"},
+      {"/accessors/0/count", 0, "count 0"},
+      {"/accessors/0/count", 9223372036854775807, "accessors[0].count"},
+      {"/accessors/0/byteOffset", 4, "accessors[0] needs"},
+  };
+  for (const Case& item : cases) {
+    Builder builder = triangle();
+    builder.doc[json::json_pointer(item.pointer)] = item.value;
+    EXPECT_REFUSED(builder.load(), kSceneRange, item.part);
+  }
+}
+
+TEST(GltfRange, StridesOutside4To252) {
+  for (const int stride : {2, 13, 256}) {
+    Builder builder = triangle();
+    builder.doc["bufferViews"][0]["byteStride"] = stride;
+    EXPECT_REFUSED(builder.load(), kSceneFormat, "byteStride");
+  }
+}
+
+TEST(GltfRange, SparseAccessors) {
+  auto sparse = [](const std::vector<std::uint16_t>& places, int component_type) {
+    Builder builder = triangle();
+    const int at = builder.view(places);
+    const int values = builder.view(std::vector<float>(3 * places.size(), 5.0f));
+    builder.doc["accessors"][0]["sparse"] = {
+        {"count", places.size()},
+        {"indices", {{"bufferView", at}, {"componentType", component_type}}},
+        {"values", {{"bufferView", values}}}};
+    return builder.load();
+  };
+  auto good = sparse({1}, 5123);
+  ASSERT_TRUE(good) << failure(good);
+  EXPECT_EQ(good->objects[0].mesh.vertices[1].position, glm::vec3(5));
+  EXPECT_REFUSED(sparse({1, 1}, 5123), kSceneRange, "sparse index");
+  EXPECT_REFUSED(sparse({3}, 5123), kSceneRange, "sparse index");
+  EXPECT_REFUSED(sparse({0, 1, 2, 3}, 5123), kSceneRange, "count 4 of 3");
+  EXPECT_REFUSED(sparse({0}, 5126), kSceneFormat, "component type");
+}
+
+TEST(GltfRange, WrongTypes) {
+  struct Case {
+    const char* pointer;
+    json value;
+  };
+  const std::vector<Case> cases = {{"/nodes", json::object()},
+                                   {"/nodes/0", 3},
+                                   {"/nodes/0/mesh", "zero"},
+                                   {"/nodes/0/mesh", 0.5},
+                                   {"/nodes/0/translation", {1, 2}},
+                                   {"/nodes/0/scale", {1, "a", 2}},
+                                   {"/accessors/0/componentType", 5124},
+                                   {"/accessors/0/type", "VEC7"},
+                                   {"/meshes/0/primitives/0/mode", 11},
+                                   {"/meshes/0/primitives/0/attributes", json::array()}};
+  for (const Case& item : cases) {
+    Builder builder = triangle();
+    builder.doc[json::json_pointer(item.pointer)] = item.value;
+    auto scene = builder.load();
+    ASSERT_FALSE(scene.ok()) << item.pointer;
+    EXPECT_EQ(scene.error().id, ErrorId::kSceneFormat) << item.pointer << failure(scene);
+  }
+  Builder builder = triangle();
+  builder.doc["nodes"][0]["name"] = 7;    // names carry no meaning
+  builder.doc["nodes"][0]["mesh"] = 0.0;  // an integer in other words
+  EXPECT_TRUE(builder.load().ok());
+}
+
+}  // namespace
+}  // namespace mirage::test

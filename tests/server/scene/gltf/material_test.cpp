@@ -1,0 +1,471 @@
+// Materials, textures and the images behind them.
+#include <array>
+
+#include "tests/support/gltf_fixture.h"
+#include "server/scene/gltf/image_decode.h"
+
+namespace mirage::test {
+namespace {
+
+std::string big_endian(std::uint32_t value) {
+  return {static_cast<char>(value >> 24), static_cast<char>(value >> 16),
+          static_cast<char>(value >> 8), static_cast<char>(value)};
+}
+
+std::uint32_t crc32(const std::string& bytes) {
+  std::uint32_t crc = 0xffffffffu;
+  for (const char c : bytes) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ ((crc & 1) != 0 ? 0xedb88320u : 0u);
+  }
+  return ~crc;
+}
+
+std::string png_chunk(const std::string& type, const std::string& data) {
+  return big_endian(static_cast<std::uint32_t>(data.size())) + type + data +
+         big_endian(crc32(type + data));
+}
+
+/// PNG whose pixels are stored, not compressed. `color_type`: 0 grey, 2 RGB, 4 grey-alpha, 6 RGBA.
+std::string make_png(std::uint32_t width, std::uint32_t height, int depth, int color_type,
+                     const std::string& pixels) {
+  std::string rows;
+  const std::size_t row = height > 0 ? pixels.size() / height : 0;
+  for (std::size_t y = 0; y < height && row > 0; ++y) {
+    rows += std::string(1, '\0') + pixels.substr(y * row, row);
+  }
+  std::uint32_t a = 1;
+  std::uint32_t b = 0;
+  for (const char c : rows) {
+    a = (a + static_cast<unsigned char>(c)) % 65521;
+    b = (b + a) % 65521;
+  }
+  const auto size = static_cast<std::uint16_t>(rows.size());
+  const std::string block = {'\1', static_cast<char>(size), static_cast<char>(size >> 8),
+                             static_cast<char>(~size), static_cast<char>(~size >> 8)};
+  const std::string header = big_endian(width) + big_endian(height) + static_cast<char>(depth) +
+                             static_cast<char>(color_type) + std::string(3, '\0');
+  return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", header) +
+         png_chunk("IDAT", "\x78\x01" + block + rows + big_endian(b << 16 | a)) +
+         png_chunk("IEND", "");
+}
+
+/// A triangle with one material over one image.
+Builder textured(const std::string& image, const json& material) {
+  Builder builder = triangle();
+  builder.primitive()["attributes"]["TEXCOORD_0"] = builder.vec2({0, 0, 1, 0, 0, 1});
+  const int view = builder.view(std::vector<char>(image.begin(), image.end()));
+  builder.doc["images"] = {{{"bufferView", view}, {"mimeType", "image/png"}}};
+  builder.doc["textures"] = {{{"source", 0}}};
+  builder.doc["materials"] = json::array({material});
+  builder.primitive()["material"] = 0;
+  return builder;
+}
+
+json base_color() { return {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}; }
+
+Result<Scene> with_image(const std::string& image) { return textured(image, base_color()).load(); }
+
+std::vector<std::uint8_t> first_pixel(const Scene& scene) {
+  return {scene.images[0].rgba.begin(), scene.images[0].rgba.begin() + 4};
+}
+
+using Pixel = std::vector<std::uint8_t>;
+
+TEST(GltfMaterial, DefaultMaterial) {
+  auto scene = triangle().load();
+  ASSERT_TRUE(scene);
+  ASSERT_EQ(scene->materials.size(), 1u);
+  EXPECT_EQ(scene->materials[0].base_color, glm::vec4(1));
+  EXPECT_EQ(scene->materials[0].metallic, 1);
+  EXPECT_EQ(scene->materials[0].roughness, 1);
+}
+
+TEST(GltfMaterial, FactorsAndModes) {
+  Builder builder = triangle();
+  builder.primitive()["material"] = 0;
+  builder.doc["materials"] = {
+      {{"pbrMetallicRoughness",
+        {{"baseColorFactor", {0.25, 0.5, 2, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 0.5}}},
+       {"emissiveFactor", {1, 0, 0}},
+       {"alphaMode", "MASK"},
+       {"alphaCutoff", 0.25},
+       {"doubleSided", true},
+       {"extensions",
+        {{"KHR_materials_unlit", json::object()},
+         {"KHR_materials_emissive_strength", {{"emissiveStrength", 4}}}}}}};
+  auto scene = builder.load();
+  ASSERT_TRUE(scene) << failure(scene);
+  const Material& material = scene->materials[0];
+  EXPECT_EQ(material.base_color, glm::vec4(0.25f, 0.5f, 1, 1));
+  EXPECT_EQ(material.metallic, 0);
+  EXPECT_EQ(material.roughness, 0.5f);
+  EXPECT_EQ(material.emissive, glm::vec3(4, 0, 0));
+  EXPECT_EQ(material.alpha_mode, AlphaMode::kMask);
+  EXPECT_EQ(material.alpha_cutoff, 0.25f);
+  EXPECT_TRUE(material.double_sided);
+  EXPECT_TRUE(material.unlit);
+  EXPECT_TRUE(has_warning(*scene, "1 material factors"));
+}
+
+TEST(GltfMaterial, SamplerAndTransform) {
+  json material = base_color();
+  material["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {
+      {"offset", {0.5, 0.25}}, {"scale", {2, 3}}, {"rotation", 1}, {"texCoord", 1}};
+  Builder builder = textured(make_png(1, 1, 8, 2, "abc"), material);
+  builder.doc["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}}};
+  builder.doc["textures"][0]["sampler"] = 0;
+  auto scene = builder.load();
+  ASSERT_TRUE(scene) << failure(scene);
+  const TextureRef& ref = scene->materials[0].base_color_map;
+  EXPECT_EQ(ref.wrap_s, Wrap::kClamp);
+  EXPECT_EQ(ref.wrap_t, Wrap::kMirror);
+  EXPECT_TRUE(ref.nearest);
+  EXPECT_EQ(ref.offset, glm::vec2(0.5f, 0.25f));
+  EXPECT_EQ(ref.scale, glm::vec2(2, 3));
+  EXPECT_EQ(ref.rotation, 1);
+  EXPECT_EQ(ref.uv_set, 1);
+  // TEXCOORD_1 is absent: set 0 stands in, and is told.
+  EXPECT_TRUE(has_warning(*scene, "lack the texture coordinates"));
+  const Vertex& vertex = scene->objects[0].mesh.vertices[1];
+  EXPECT_EQ(vertex.uv1, vertex.uv0);
+}
+
+TEST(GltfMaterial, HighTextureCoordinateSetsFallBack) {
+  json material = base_color();
+  material["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 6;
+  auto scene = textured(make_png(1, 1, 8, 2, "abc"), material).load();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_EQ(scene->materials[0].base_color_map.uv_set, 0);
+  EXPECT_TRUE(has_warning(*scene, "TEXCOORD_2 or higher"));
+}
+
+TEST(GltfMaterial, LobesAreRead) {
+  json material = base_color();
+  material["extensions"] = {
+      {"KHR_materials_specular",
+       {{"specularFactor", 0.5},
+        {"specularColorFactor", {0.5, 1, 2}},
+        {"specularTexture", {{"index", 0}}}}},
+      {"KHR_materials_ior", {{"ior", 1.33}}},
+      {"KHR_materials_clearcoat", {{"clearcoatFactor", 0.75}, {"clearcoatRoughnessFactor", 0.25}}},
+      {"KHR_materials_sheen", {{"sheenColorFactor", {0, 0.5, 7}}, {"sheenRoughnessFactor", 0.125}}},
+      {"KHR_materials_transmission", {{"transmissionFactor", 0.5}}},
+      {"KHR_materials_volume",
+       {{"thicknessFactor", 2}, {"attenuationDistance", 1}, {"attenuationColor", {1, 0.5, 0.25}}}}};
+  auto scene = textured(make_png(1, 1, 8, 2, "abc"), material).load();
+  ASSERT_TRUE(scene) << failure(scene);
+  const Material& out = scene->materials[0];
+  const Lobes& l = out.lobes;
+  EXPECT_EQ(l.specular, 0.5f);
+  EXPECT_EQ(l.specular_color, glm::vec3(0.5f, 1, 2));
+  EXPECT_TRUE(l.map(LobeMap::kSpecular).present());
+  EXPECT_FLOAT_EQ(l.ior, 1.33f);
+  EXPECT_EQ(l.clearcoat, 0.75f);
+  EXPECT_EQ(l.clearcoat_roughness, 0.25f);
+  EXPECT_EQ(l.sheen_color, glm::vec3(0, 0.5f, 1)) << "clamped";
+  EXPECT_EQ(l.transmission, 0.5f);
+  EXPECT_EQ(out.alpha_mode, AlphaMode::kBlend);
+  EXPECT_NEAR(l.volume_tint.g, 0.25f, 1e-6f);
+}
+
+TEST(GltfMaterial, ImageForColourAndDataIsStoredTwice) {
+  json material = base_color();
+  material["emissiveTexture"] = {{"index", 0}};
+  material["occlusionTexture"] = {{"index", 0}};
+  auto scene = textured(make_png(1, 1, 8, 2, "abc"), material).load();
+  ASSERT_TRUE(scene) << failure(scene);
+  ASSERT_EQ(scene->images.size(), 2u);
+  const Material& out = scene->materials[0];
+  EXPECT_EQ(out.base_color_map.image, out.emissive_map.image);
+  EXPECT_TRUE(scene->images[static_cast<std::size_t>(out.base_color_map.image)].srgb);
+  EXPECT_FALSE(scene->images[static_cast<std::size_t>(out.occlusion_map.image)].srgb);
+  EXPECT_EQ(scene->images[0].rgba, scene->images[1].rgba);
+}
+
+TEST(GltfImage, PixelFormats) {
+  auto pixel = [](int depth, int color_type, const std::string& bytes) {
+    auto scene = with_image(make_png(1, 1, depth, color_type, bytes));
+    EXPECT_TRUE(scene) << failure(scene);
+    EXPECT_FALSE(has_warning(*scene, "unreadable"));
+    return first_pixel(*scene);
+  };
+  EXPECT_EQ(pixel(8, 0, "\x40"), Pixel({64, 64, 64, 255}));
+  EXPECT_EQ(pixel(8, 2, "\x10\x20\x30"), Pixel({16, 32, 48, 255}));
+  EXPECT_EQ(pixel(8, 4, "\x40\x80"), Pixel({64, 64, 64, 128}));
+  // Unassociated: a half transparent pixel keeps its full colour, so does an invisible one.
+  EXPECT_EQ(pixel(8, 6, "\x7f\x20\x30\x40"), Pixel({127, 32, 48, 64}));
+  EXPECT_EQ(pixel(8, 6, std::string("\x7f\x20\x30\0", 4)), Pixel({127, 32, 48, 0}));
+  EXPECT_EQ(pixel(16, 0, std::string("\x80\x80", 2)), Pixel({128, 128, 128, 255}));
+}
+
+TEST(GltfImage, FirstRowStaysFirst) {
+  auto scene = with_image(make_png(1, 2, 8, 0, "\x01\x02"));
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_EQ(scene->images[0].rgba[0], 1);
+  EXPECT_EQ(scene->images[0].rgba[4], 2);
+}
+
+TEST(GltfImage, UnreadableImagesAreWhite) {
+  const std::string good = make_png(4, 4, 8, 2, std::string(48, 'x'));
+  for (const std::string& bytes :
+       {std::string("garbage garbage garbage"), good.substr(0, 40),
+        good.substr(0, good.size() - 20), make_png(0, 0, 8, 2, ""), make_png(4, 4, 8, 2, "abc")}) {
+    auto scene = with_image(bytes);
+    ASSERT_TRUE(scene) << failure(scene);
+    EXPECT_TRUE(has_warning(*scene, "1 unreadable images left out")) << bytes.size();
+    EXPECT_FALSE(scene->materials[0].base_color_map.present()) << bytes.size();
+    EXPECT_REFUSED(textured(bytes, base_color()).load_strict(), kSceneFormat, "images[0]");
+    EXPECT_EQ(scene->images[0].width, 1u);
+    EXPECT_EQ(first_pixel(*scene), Pixel({255, 255, 255, 255}));
+  }
+}
+
+/// With the byte that says so; decoders hold such an image whole.
+std::string interlaced(std::uint32_t width, std::uint32_t height) {
+  std::string header = big_endian(width) + big_endian(height) + std::string("\10\2\0\0\1", 5);
+  return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", header) + png_chunk("IEND", "");
+}
+
+TEST(GltfImage, TooLargeImagesAreRefusedByName) {
+  for (const std::string& image : {make_png(65535, 65535, 8, 2, "abc"),
+                                   make_png(16385, 1, 8, 2, "abc"), interlaced(16384, 8192)}) {
+    EXPECT_REFUSED(textured(image, base_color()).load(), kSceneLimit, "images[0]");
+  }
+}
+
+/// `count` images of a size that is only claimed, each the colour of a material of its own.
+Builder many_images(std::size_t count, std::uint32_t edge) {
+  Builder builder = textured(make_png(edge, edge, 8, 2, "abc"), base_color());
+  const json primitive = builder.primitive();
+  for (std::size_t i = 1; i < count; ++i) {
+    builder.doc["images"].push_back(builder.doc["images"][0]);
+    builder.doc["textures"].push_back({{"source", i}});
+    builder.doc["materials"].push_back(builder.doc["materials"][0]);
+    builder.doc["materials"][i]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = i;
+    builder.doc["meshes"][0]["primitives"].push_back(primitive);
+    builder.doc["meshes"][0]["primitives"][i]["material"] = i;
+  }
+  return builder;
+}
+
+TEST(GltfImage, MorePixelsThanFitAreReduced) {
+  auto fits = many_images(2, 8192).load();
+  ASSERT_TRUE(fits) << failure(fits);
+  EXPECT_FALSE(has_warning(*fits, "reduced to fit"));
+  auto scene = many_images(3, 8192).load();  // 192 Mi pixels, 128 are held
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_TRUE(has_warning(*scene, "2 images reduced to fit"));
+  EXPECT_REFUSED(many_images(3, 8192).load_strict(), kSceneLimit, "are held");
+  EXPECT_TRUE(has_warning(*many_images(1, 16384).load(), "1 images reduced to fit"));
+  EXPECT_REFUSED(many_images(9, 8192).load(), kSceneLimit, "are decoded");
+}
+
+TEST(GltfImage, ReducedImagesKeepTheirLight) {
+  using gltf::decode_image;
+  // Black and white in turn, from 5 x 4; the last column has no partner and joins the second.
+  const std::string row = {'\0', '\xff', '\0', '\xff', '\0'};
+  const std::string png = make_png(5, 4, 8, 0, row + row + row + row);
+  const auto bytes = std::span(reinterpret_cast<const std::uint8_t*>(png.data()), png.size());
+  auto color = decode_image(bytes, 1, true);
+  ASSERT_TRUE(color) << color.error().line();
+  ASSERT_EQ(color->width, 2u);
+  ASSERT_EQ(color->height, 2u);
+  EXPECT_EQ(color->rgba[0], 188);  // half the light, IEC 61966-2-1
+  EXPECT_EQ(color->rgba[4], 156);  // a third
+  EXPECT_EQ(color->rgba[3], 255);
+  const std::string grey = make_png(4, 4, 8, 0, std::string(16, '\x64'));
+  auto even = decode_image(
+      std::span(reinterpret_cast<const std::uint8_t*>(grey.data()), grey.size()), 1, true);
+  ASSERT_TRUE(even) << even.error().line();
+  EXPECT_EQ(even->rgba[0], 100);
+  auto data = decode_image(bytes, 1, false);
+  ASSERT_TRUE(data) << data.error().line();
+  EXPECT_EQ(data->rgba[0], 128);
+  EXPECT_EQ(data->rgba[4], 85);
+  auto least = decode_image(bytes, 9, false);
+  ASSERT_TRUE(least) << least.error().line();
+  EXPECT_EQ(least->rgba.size(), 4u);
+  EXPECT_EQ(least->rgba[0], 102);  // two of five
+}
+
+TEST(GltfImage, WebpExtension) {
+  Builder builder = textured(make_png(1, 1, 8, 2, "abc"), base_color());
+  builder.doc["extensionsRequired"] = {"EXT_texture_webp"};
+  // A lossless WebP of one transparent pixel.
+  builder.doc["images"].push_back(
+      {{"uri", "data:image/webp;base64,UklGRhoAAABXRUJQVlA4TA0AAAAvAAAAEAcQERGIiP4HAA=="}});
+  builder.doc["textures"] = {{{"extensions", {{"EXT_texture_webp", {{"source", 1}}}}}}};
+  auto scene = builder.load();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_FALSE(has_warning(*scene, "unreadable"));
+  EXPECT_EQ(first_pixel(*scene)[3], 0);
+  builder.doc["textures"][0]["source"] = 0;  // the fallback wins where there is one
+  auto fallback = builder.load();
+  ASSERT_TRUE(fallback) << failure(fallback);
+  EXPECT_EQ(first_pixel(*fallback), Pixel({'a', 'b', 'c', 255}));
+}
+
+TEST(GltfImage, FilesAreGuardedLikeBuffers) {
+  Builder builder = textured(make_png(1, 1, 8, 2, "abc"), base_color());
+  builder.doc["images"] = {{{"uri", "../x.png"}}};
+  EXPECT_REFUSED(builder.load(), kSceneUri, "images[0]");
+  builder.doc["images"] = {{{"uri", "x.png"}}};
+  EXPECT_REFUSED(builder.load_strict(), kSceneMissing, "images[0]");
+  auto without = builder.load();
+  ASSERT_TRUE(without) << failure(without);
+  EXPECT_TRUE(has_warning(*without, "1 missing image files left out"));
+  EXPECT_FALSE(without->materials[0].base_color_map.present());
+  builder.doc["images"] = {json::object()};
+  EXPECT_REFUSED(builder.load(), kSceneFormat, "images[0]");
+}
+
+TEST(GltfVariants, TheChosenOneElseTheFilesOwn) {
+  Builder builder = triangle();
+  builder.doc["materials"] = {{{"pbrMetallicRoughness", {{"metallicFactor", 0.25}}}},
+                              {{"pbrMetallicRoughness", {{"metallicFactor", 0.5}}}},
+                              {{"pbrMetallicRoughness", {{"metallicFactor", 0.75}}}}};
+  builder.primitive()["material"] = 0;
+  builder.primitive()["extensions"]["KHR_materials_variants"]["mappings"] = {
+      {{"material", 1}, {"variants", {0}}}, {{"material", 2}, {"variants", {2}}}};
+  builder.doc["extensions"]["KHR_materials_variants"]["variants"] = {
+      {{"name", "red"}}, {{"name", "plain"}}, {{"name", "dark blue"}}};
+  builder.doc["extensionsUsed"] = builder.doc["extensionsRequired"] = {"KHR_materials_variants"};
+  const TempFolder folder;
+  const std::string file = folder.write("scene.glb", builder.glb());
+  const auto metallic = [&](const std::string& query) {
+    auto scene = import_gltf_spec(file + query);
+    EXPECT_TRUE(scene) << failure(scene);
+    return scene ? scene->materials[0].metallic : -1;
+  };
+  EXPECT_EQ(metallic(""), 0.25f);
+  EXPECT_EQ(metallic("?variant=red"), 0.5f);
+  EXPECT_EQ(metallic("?variant=plain"), 0.25f);  // it maps no primitive
+  EXPECT_EQ(metallic("?variant=dark blue"), 0.75f);
+  auto unknown = import_gltf_spec(file + "?variant=green");
+  EXPECT_REFUSED(unknown, kUsage, "no variant 'green'");
+  EXPECT_EQ(unknown.error().hint, "its variants: red, plain, dark blue");
+  EXPECT_REFUSED(import_gltf_spec(file + "?colour=red"), kUsage, "?variant=NAME");
+  EXPECT_REFUSED(import_gltf_spec(file + "?variant="), kUsage, "?variant=NAME");
+  EXPECT_TRUE(import_gltf_spec(folder.write("a?b.glb", builder.glb())).ok());
+
+  builder.doc["extensions"]["KHR_materials_variants"]["variants"][2]["name"] = "red";
+  auto twice = builder.load({.variant = "red"});
+  ASSERT_TRUE(twice) << failure(twice);
+  EXPECT_EQ(twice->materials[0].metallic, 0.5f);
+  EXPECT_TRUE(has_warning(*twice, "1 variants of one name"));
+  EXPECT_REFUSED(builder.load_strict(), kSceneFormat, "two variants named 'red'");
+  builder.primitive()["extensions"]["KHR_materials_variants"]["mappings"][0]["variants"] = {3};
+  EXPECT_REFUSED(builder.load(), kSceneReference, "but there are 3 variants");
+}
+
+TEST(GltfImage, BasisuUsesItsFallbackElseSaysHowToConvert) {
+  Builder builder = textured(make_png(1, 1, 8, 2, "abc"), base_color());
+  builder.doc["images"].push_back({{"bufferView", 0}, {"mimeType", "image/ktx2"}});
+  builder.doc["textures"][0]["extensions"]["KHR_texture_basisu"]["source"] = 1;
+  builder.doc["extensionsUsed"] = {"KHR_texture_basisu"};
+  auto scene = builder.load();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_EQ(first_pixel(*scene), Pixel({'a', 'b', 'c', 255}));
+  EXPECT_TRUE(has_warning(*scene, "1 textures of KHR_texture_basisu use their fallback"));
+
+  builder.doc["textures"][0].erase("source");
+  auto without = builder.load();
+  EXPECT_REFUSED(without, kSceneExtension, "textures[0] is of KHR_texture_basisu");
+  EXPECT_NE(without.error().hint.find("gltf-transform/cli ktxdecompress"), std::string::npos);
+}
+
+/// A material of KHR_materials_pbrSpecularGlossiness over one image.
+Builder spec_gloss(const std::string& image, const json& values) {
+  Builder builder = textured(image, json::object());
+  builder.doc["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"] = values;
+  builder.doc["extensionsUsed"] = {"KHR_materials_pbrSpecularGlossiness"};
+  return builder;
+}
+
+TEST(GltfSpecGloss, FactorsBecomeDielectricsAndMetals) {
+  const std::string image = make_png(1, 1, 8, 2, "abc");
+  auto plastic = spec_gloss(image, {{"diffuseFactor", {0.5, 0.25, 0, 0.5}},
+                                    {"specularFactor", {0.04, 0.04, 0.04}},
+                                    {"glossinessFactor", 0.75}})
+                     .load_strict();
+  ASSERT_TRUE(plastic) << failure(plastic);
+  EXPECT_TRUE(plastic->warnings.empty()) << plastic->warnings[0];
+  const Material& a = plastic->materials[0];
+  EXPECT_NEAR(a.metallic, 0, 1e-5);
+  EXPECT_FLOAT_EQ(a.roughness, 0.25f);
+  EXPECT_NEAR(a.base_color.x, 0.5, 1e-5);
+  EXPECT_NEAR(a.base_color.y, 0.25, 1e-5);
+  EXPECT_EQ(a.base_color.w, 0.5f);
+
+  // Gold: nothing diffuse, a coloured highlight.
+  auto gold =
+      spec_gloss(image, {{"diffuseFactor", {0, 0, 0, 1}}, {"specularFactor", {1, 0.75, 0.25}}})
+          .load_strict();
+  ASSERT_TRUE(gold) << failure(gold);
+  const Material& b = gold->materials[0];
+  EXPECT_NEAR(b.metallic, 1, 1e-5);
+  EXPECT_EQ(b.roughness, 0);
+  EXPECT_NEAR(b.base_color.y, 0.75, 1e-5);
+  EXPECT_NEAR(b.base_color.z, 0.25, 1e-5);
+}
+
+TEST(GltfSpecGloss, TexturesAreConvertedTexelByTexel) {
+  // Left a dielectric of half gloss, right a metal of full gloss; the diffuse image is black there.
+  const std::string specular = make_png(2, 1, 8, 6, std::string("\0\0\0\x80\xff\xff\0\xff", 8));
+  Builder builder = spec_gloss(specular, {{"diffuseTexture", {{"index", 1}}},
+                                          {"specularGlossinessTexture", {{"index", 0}}}});
+  const std::string diffuse = make_png(2, 1, 8, 2, std::string("\x80\x40\x20\0\0\0", 6));
+  const int view = builder.view(std::vector<char>(diffuse.begin(), diffuse.end()));
+  builder.doc["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}});
+  builder.doc["textures"].push_back({{"source", 1}});
+  auto scene = builder.load_strict();
+  ASSERT_TRUE(scene) << failure(scene);
+  const Material& material = scene->materials[0];
+  EXPECT_EQ(material.base_color, glm::vec4(1));
+  ASSERT_TRUE(material.base_color_map.present() && material.metal_rough_map.present());
+  const Image& base = scene->images[static_cast<std::size_t>(material.base_color_map.image)];
+  const Image& data = scene->images[static_cast<std::size_t>(material.metal_rough_map.image)];
+  EXPECT_TRUE(base.srgb);
+  EXPECT_FALSE(data.srgb);
+  ASSERT_EQ(base.rgba.size(), 8u);
+  ASSERT_EQ(data.rgba.size(), 8u);
+  EXPECT_NEAR(base.rgba[0], 0x82, 1);  // without the highlight of a dielectric: 1 / .96 of it
+  EXPECT_NEAR(base.rgba[2], 0x21, 1);
+  EXPECT_EQ(data.rgba[1], 127);
+  EXPECT_EQ(data.rgba[2], 0);
+  EXPECT_EQ(base.rgba[4], 255);
+  EXPECT_EQ(base.rgba[6], 0);
+  EXPECT_EQ(data.rgba[5], 0);
+  EXPECT_EQ(data.rgba[6], 255);
+  // Elsewhere on the surface: told, and the colour stays the diffuse one.
+  builder.doc["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"]
+             ["specularGlossinessTexture"]["texCoord"] = 1;
+  auto other = builder.load();
+  ASSERT_TRUE(other) << failure(other);
+  EXPECT_TRUE(has_warning(*other, "otherwise than the diffuse one"));
+}
+
+TEST(GltfSpecGloss, ADiffuseTextureAloneStaysAsItIs) {
+  Builder builder = spec_gloss(make_png(1, 1, 8, 2, "abc"),
+                               {{"diffuseTexture", {{"index", 0}}}, {"specularFactor", {0, 0, 0}}});
+  auto scene = builder.load_strict();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_EQ(scene->images.size(), 1u);
+  EXPECT_EQ(first_pixel(*scene), Pixel({'a', 'b', 'c', 255}));
+  EXPECT_EQ(scene->materials[0].metallic, 0);
+  // An unreadable one leaves the factors.
+  builder.doc["images"][0]["bufferView"] = 0;
+  builder.doc["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"] = {
+      {"diffuseFactor", {0, 0, 1, 1}},
+      {"specularGlossinessTexture", {{"index", 0}}},
+      {"specularFactor", {0, 0, 0}}};
+  auto broken = builder.load();
+  ASSERT_TRUE(broken) << failure(broken);
+  const auto place = static_cast<std::size_t>(broken->materials[0].base_color_map.image);
+  EXPECT_EQ(broken->images[place].rgba[0], 0);
+  EXPECT_EQ(broken->images[place].rgba[2], 255);
+}
+
+}  // namespace
+}  // namespace mirage::test
