@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -138,8 +139,14 @@ int main(int argc, char** argv) {
   if (const int code = mirage::parse_command_line(app, argc, argv); code >= 0) return code;
   const std::string target = paths.back();
   paths.pop_back();
-  const mirage::Result<void> made = animated > 0 ? mirage::animate(paths.front(), animated, target)
-                                    : paths.size() == 1 ? mirage::make_sheet(paths.front(), target)
-                                                        : mirage::compare_images(paths, target);
-  return made.ok() ? 0 : mirage::fail(made.error());
+  OIIO::attribute("try_all_readers", 0);  // a file is what its name says
+  try {
+    const mirage::Result<void> made =
+        animated > 0        ? mirage::animate(paths.front(), animated, target)
+        : paths.size() == 1 ? mirage::make_sheet(paths.front(), target)
+                            : mirage::compare_images(paths, target);
+    return made.ok() ? 0 : mirage::fail(made.error());
+  } catch (const std::exception& exception) {  // a reader's
+    return mirage::fail(mirage::make_error(mirage::ErrorId::kIo, exception.what()));
+  }
 }

@@ -68,6 +68,8 @@ class Reducer {
 };
 
 Result<Equirect> read(const std::string& path, std::vector<std::string>& warnings) {
+  // A file is what its name says: none of the other readers is tried on it.
+  OIIO::attribute("try_all_readers", 0);
   auto input = OIIO::ImageInput::open(path);
   if (!input) return make_error(ErrorId::kSceneFormat, OIIO::geterror(), "a .hdr or .exr file");
   const OIIO::ImageSpec spec = input->spec();

@@ -83,6 +83,8 @@ Result<Image> decode(std::span<const std::uint8_t> bytes, const ImageHeader& hea
   config["oiio:UnassociatedAlpha"] = 1;
   OIIO::Filesystem::IOProxy* proxy = &reader;
   config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  // The header has named the format: what its reader fails at is no matter for all the others.
+  OIIO::attribute("try_all_readers", 0);
   auto input = OIIO::ImageInput::open(file_name(header.format), &config, proxy);
   // The message must be fetched in any case: OpenImageIO prints those nobody asked for.
   if (!input) return unreadable(OIIO::geterror());

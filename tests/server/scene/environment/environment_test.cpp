@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 
@@ -168,6 +169,9 @@ TEST_F(EnvironmentFiles, BadOnesAreRefusedByName) {
   EXPECT_EQ(refused(text("empty.hdr", "")), ErrorId::kSceneFormat);
   EXPECT_EQ(refused(text("words.exr", "this is no picture")), ErrorId::kSceneFormat);
   EXPECT_EQ(refused(text("words.txt", "nor is this")), ErrorId::kSceneFormat);
+  std::filesystem::rename(image("true.hdr", 4, 2, std::vector<float>(3 * 4 * 2, 0.5f)),
+                          path("no.exr"));
+  EXPECT_EQ(refused(path("no.exr")), ErrorId::kSceneFormat) << "another format than its name says";
   const std::string header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
   EXPECT_EQ(refused(text("16k.hdr", header + "-Y 8192 +X 16384\n")), ErrorId::kSceneLimit);
   EXPECT_EQ(refused(text("huge.hdr", header + "-Y 2000000000 +X 2000000000\n")),
