@@ -25,7 +25,6 @@
 #include "server/session/session.h"
 #include "server/stage/pipeline.h"
 #include "server/stage/render_profile.h"
-#include "server/tile/tile_job.h"
 #include "shaders/gl/egl_context.h"
 #include "shaders/gl/health.h"
 

@@ -11,8 +11,6 @@
 #include "protocol/impostor/camera.h"
 #include "protocol/impostor/instance_group.h"
 #include "protocol/model/need_mask.h"
-#include "protocol/model/scene_types.h"
-#include "server/scene/gltf/bounds.h"
 
 namespace mirage {
 namespace {

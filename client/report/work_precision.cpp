@@ -18,7 +18,6 @@
 #include "protocol/base/quantile.h"
 #include "protocol/base/result.h"
 #include "protocol/impostor/camera.h"
-#include "server/render/tile_page.h"
 
 namespace mirage {
 namespace {

@@ -1,5 +1,4 @@
 // Sessions: what is no tile. Geometry, images, full renders and statistics.
-#include "client/load/message_view.h"
 #include "protocol/impostor/tile_key.h"
 #include "server/prepare/object_geometry.h"
 #include "server/prepare/prepared_scene.h"

@@ -11,7 +11,6 @@
 #include "server/render/reference_renderer.h"
 #include "server/render/scene_shadow.h"
 #include "server/render/tile_page.h"
-#include "server/session/session.h"
 #include "server/stage/render_options.h"
 #include "server/tile/stage_queues.h"
 #include "server/tile/tile_queue.h"

@@ -27,7 +27,6 @@
 #include "server/prepare/prepared_scene.h"
 #include "server/render/gpu_scene.h"
 #include "server/scene/gltf/bounds.h"
-#include "server/session/view_cache.h"
 #include "shaders/gl/gl_object.h"
 
 namespace mirage::test {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/gl/bench.h"
-#include "tests/support/gltf_fixture.h"
 
 namespace mirage::test {
 namespace {
