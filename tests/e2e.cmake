@@ -45,5 +45,5 @@ target_compile_definitions(mirage_e2e_faults PRIVATE MIRAGE_FAULTS="$<TARGET_FIL
 set_tests_properties(e2e_faults PROPERTIES RUN_SERIAL ON)
 
 # The portable bundle of all of them.
-add_test(NAME e2e_bundle COMMAND e2e/bundle.sh ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
+add_test(NAME e2e_bundle COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/bundle.sh ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 set_tests_properties(e2e_bundle PROPERTIES TIMEOUT 600)

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/gl/bench.h"
+#include "tests/support/gltf_fixture.h"
 
 namespace mirage::test {
 namespace {
