@@ -122,6 +122,18 @@ TileFit planned_fit(const SelectorInput& in, const TileGroup& group,
                                       : best_fit(group, object, view, in.method, tau);
 }
 
+std::uint8_t wanted_channels(const SelectorInput& in, std::uint32_t instance,
+                             const ObjectDescription& object, const ViewPlan& plan, double size,
+                             const TileFit& fit) {
+  if (in.cache->wants_relit(instance)) return kRelitTile;
+  return wants_layers(in, object, plan, size, fit) ? kLayeredTile : kLitTile;
+}
+
+// Of what has no image of its own.
+Wrongs wrongs_without(double area, bool viewed) {
+  return viewed ? view_wrongs(area) : nothing_wrongs(area);
+}
+
 // A tile's that has just come.
 Wrongs good_tile_wrongs(double area, bool tested, double tau, double size,
                         std::uint8_t size_class) {
@@ -165,8 +177,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   const ObjectDescription& object = in.scene->objects[view_of.object];
   ViewGeometry view = view_geometry(in.predicted, view_of, object, in.time_s);
   const double size = radius_px(view);
-  if (object.radius <= 0 || size < kMinRadiusPx) return;
-  if (!outside(view)) return;
+  if (object.radius <= 0 || size < kMinRadiusPx || !outside(view)) return;
   const double distance = glm::length(view.eye) / view.radius;
   if (in.scene->geometry && object.surrounds) return;
   const double tau = allowed_px(in, in.predicted, view_of);
@@ -203,9 +214,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   const bool unseen = group.tiles.empty() && !(view_px && *view_px <= kFirstImagePx * tau);
   // Something quick first: a quarter of the edge is a sixteenth of the bytes.
   if (unseen && in_view && !stand_in) need.size_class = coarse_class(need.size_class);
-  need.channels = in.cache->wants_relit(instance)             ? kRelitTile
-                  : wants_layers(in, object, plan, size, fit) ? kLayeredTile
-                                                              : kLitTile;
+  need.channels = wanted_channels(in, instance, object, plan, size, fit);
   need.first = in_view && group.tiles.empty() && !stand_in;
   need.light = in.cache->light();
   need.error_px = std::max(displayed_error_px(fit, size, tau), std::min(light_px, 2 * size));
@@ -214,12 +223,9 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   need.life_s = unseen ? kLongestLife : expected_life_s(view, plan);
   const bool tested = object.needs & kNeedAlphaMask;
   const double area = disc_px(in.predicted, size);
-  const Shown& shown = shown_[instance];
-  const Wrongs now = stand_in && shown.frame == in.frame ? shown.wrongs
-                     : !group.tiles.empty()
-                         ? tile_wrongs(area, tested, need.error_px, fit.texel_px, 1)
-                     : view_px ? view_wrongs(area)
-                               : nothing_wrongs(area);
+  Wrongs now = group.tiles.empty() ? wrongs_without(area, view_px.has_value())
+                                   : tile_wrongs(area, tested, need.error_px, fit.texel_px, 1);
+  if (stand_in && shown_[instance].frame == in.frame) now = shown_[instance].wrongs;
   const Wrongs then = good_tile_wrongs(area, tested, tau, size, need.size_class);
   need.gain = ask_gain(area, now, then, need.life_s);
   out.push_back(need);
@@ -335,7 +341,7 @@ double Selector::geometry_gain(const SelectorInput& in, std::uint32_t instance) 
   const double area = disc_px(in.predicted, size);
   const Shown& shown = shown_[instance];
   const bool tested = object.needs & kNeedAlphaMask;
-  const Wrongs now = shown.frame == in.frame ? shown.wrongs : nothing_wrongs(area);
+  const Wrongs now = shown.frame == in.frame ? shown_[instance].wrongs : nothing_wrongs(area);
   return ask_gain(area, now, mesh_wrongs(area, tested, 1, 1), kLongestLife);
 }
 
