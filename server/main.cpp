@@ -37,6 +37,22 @@ void on_terminate(int) {
   if (Endpoint* endpoint = running_endpoint.load()) endpoint->stop();
 }
 
+void on_hangup(int) {
+  if (Endpoint* endpoint = running_endpoint.load()) endpoint->reload();
+}
+
+// A token file that is wrong changes nothing: who may come in stays as it is.
+void read_tokens_anew(const std::string& path, SessionHub& hub) {
+  if (path.empty()) return;
+  Result<Access> access = Access::read(path);
+  if (!access) {
+    spdlog::error("{}; the tokens stay as they are", access.error().line());
+    return;
+  }
+  hub.set_access(access.take());
+  spdlog::info("tokens are read anew from '{}'", path);
+}
+
 int list_devices() {
   for (const gl::EglDevice& device : gl::list_egl_devices()) {
     std::printf("%-12s %s  %s\n", device.name.c_str(), device.usable ? "ok " : "no ",
@@ -124,12 +140,13 @@ int serve(const ServerOptions& options, const std::shared_ptr<const PreparedScen
   running_endpoint = &endpoint;
   std::signal(SIGTERM, on_terminate);
   std::signal(SIGINT, on_terminate);
+  std::signal(SIGHUP, on_hangup);
   std::signal(SIGPIPE, SIG_IGN);
   if (const Result<void> written = write_port(options.port_file, endpoint.port()); !written) {
     return fail(written.error());
   }
   announce(options, *scene, hub, endpoint.port());
-  const Result<void> served = endpoint.run();
+  const Result<void> served = endpoint.run([&] { read_tokens_anew(options.token_file, hub); });
   awake = nullptr;
   const Counters& counters = queues.counters;
   spdlog::info("stopped: {} tiles rendered, {} from the store, {} merged",

@@ -1,7 +1,5 @@
 #include "server/options.h"
 
-#include <fstream>
-
 #include "protocol/base/cli.h"
 #include "server/scene/builtin/builtin_scene.h"
 
@@ -17,22 +15,13 @@ std::string footer() {
   return text;
 }
 
-Result<std::string> read_token(const std::string& path) {
-  std::ifstream file(path);
-  std::string token;
-  if (!file || !std::getline(file, token) || token.empty()) {
-    return make_error(ErrorId::kUsage, "token file '" + path + "' has no first line to use");
-  }
-  return token;
-}
-
 }  // namespace
 
 int parse_options(int argc, char** argv, ServerOptions& o) {
   CLI::App app("Holds a scene and renders impostor tiles of it on request.", "mirage-server");
   app.footer(footer());
-  std::string listen = "127.0.0.1:9870", token_file, codec = "auto";
-  bool no_geometry = false, no_reference = false, no_view = false;
+  std::string listen = "127.0.0.1:9870", codec = "auto";
+  bool no_geometry = false, no_reference = false, references = false, no_view = false;
   std::string shadows = "off";
   app.add_option("SCENE", o.scene,
                  "a .glb or .gltf file[?variant=NAME], or builtin:NAME[?key=value&…]");
@@ -79,19 +68,35 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.add_option("--supersample", o.render.supersample, "samples per texel and axis")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
-  app.add_option("--token-file", token_file, "clients must present this file's first line");
+  app.add_option("--token-file", o.token_file,
+                 "clients must present a token of this file: lines TOKEN [name=NAME] "
+                 "[expires=2027-01-31T12:00:00Z] [scope=view,geometry,reference], and key=SECRET "
+                 "for what mirage-token signs; read anew on SIGHUP");
   CLI::Option* cert = app.add_option("--tls-cert", o.endpoint.tls_cert, "certificate (PEM)");
   CLI::Option* key = app.add_option("--tls-key", o.endpoint.tls_key, "private key (PEM)");
   cert->needs(key);
   key->needs(cert);
-  app.add_option("--allow-origin", o.endpoint.allow_origin, "only browsers from this origin");
-  app.add_flag("--no-geometry", no_geometry, "never send meshes");
+  app.add_option(
+      "--allow-origin", o.endpoint.allow_origin,
+      "a browser's page may come from this origin, too (default: from this server's own host)");
+  app.add_option("--drain-s", o.endpoint.drain_s,
+                 "once told to stop: for how long what was asked for is still served")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  app.add_flag("--no-geometry", no_geometry,
+               "never send meshes, nor full renders unless --references; tiles still show what is "
+               "visible, with its relief");
   app.add_flag("--no-reference", no_reference, "refuse full renders for comparison");
+  app.add_flag("--references", references,
+               "full renders for comparison also where others can reach the server, or with "
+               "--no-geometry, although their depth tells it (default: on this machine's own "
+               "addresses)")
+      ->excludes("--no-reference");
   app.add_flag("--no-view", no_view, "no picture of the whole scene to begin with");
   app.add_option("--shadows", shadows, "the sun's shadows: on or off")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
-  app.add_option("--max-clients", o.session.max_clients, "connections at a time")
+  app.add_option("--max-clients", o.session.max_clients, "clients at a time")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
   app.add_flag("--metrics", o.endpoint.metrics, "serve GET /metrics (Prometheus text)");
@@ -122,13 +127,15 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   if (!o.port_file.empty() && !o.endpoint.address.socket_path.empty()) {
     return fail(make_error(ErrorId::kUsage, "--port-file: a unix socket has no port"));
   }
-  if (!token_file.empty()) {
-    Result<std::string> token = read_token(token_file);
-    if (!token) return fail(token.error());
-    o.session.token = token.take();
+  if (!o.token_file.empty()) {
+    Result<Access> access = Access::read(o.token_file);
+    if (!access) return fail(access.error());
+    o.session.access = access.take();
   }
   o.session.geometry = !no_geometry;
-  o.session.reference = !no_reference;
+  // A full render has depth from anywhere, which is geometry; and it takes the renderer for long.
+  const bool unasked = !no_geometry && is_loopback(o.endpoint.address);
+  o.session.reference = references || (unasked && !no_reference);
   o.session.view = !no_view;
   o.shadows = shadows == "on";
   if (const std::optional<TileCodec> only = codec_from_name(codec)) {

@@ -2,9 +2,7 @@
 #include <string>
 
 #include "server/net/endpoint_options.h"
-
 #include "server/session/session_options.h"
-
 #include "server/stage/render_options.h"
 
 namespace mirage {
@@ -16,6 +14,7 @@ struct ServerOptions {
   EndpointOptions endpoint;
   RenderOptions render;
   SessionOptions session;
+  std::string token_file;  ///< empty: no client needs a token
   std::string port_file;
   std::string cache_dir;
   std::uint64_t cache_dir_mb = 4096;

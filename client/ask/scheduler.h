@@ -18,10 +18,9 @@
 
 #include "client/ask/ask_window.h"
 #include "client/ask/server_pace.h"
-#include "client/price/tile_bytes.h"
-
 #include "client/hold/asset_need.h"
 #include "client/plan/tile_need.h"
+#include "client/price/tile_bytes.h"
 namespace mirage {
 
 class SceneView;

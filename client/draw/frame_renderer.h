@@ -2,11 +2,10 @@
 // Frame renderer: sky, geometry, impostors, with the true camera.
 // Thread: the GL one (the frame loop's).
 
-#include <memory>
 #include <cstdint>
+#include <memory>
 #include <set>
 #include <vector>
-
 
 #include "client/draw/gpu_bytes.h"
 #include "client/frame/method_choice.h"
@@ -26,7 +25,7 @@ struct TilePixels;
 struct ViewTile;
 
 class FrameRenderer {
-  public:
+ public:
   FrameRenderer(FrameRenderer&& other) noexcept;
   FrameRenderer& operator=(FrameRenderer&& other) noexcept;
   ~FrameRenderer();

@@ -7,13 +7,12 @@
 //         frame; what does not fit is not asked for.
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <optional>
 #include <vector>
 
 #include "client/frame/drawn_mesh.h"
-
 #include "client/hold/asset_need.h"
-#include <glm/glm.hpp>
 
 namespace mirage {
 

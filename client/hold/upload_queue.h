@@ -11,9 +11,8 @@
 #include <functional>
 #include <vector>
 
-#include "protocol/wire/message.h"
-
 #include "client/hold/upload_counts.h"
+#include "protocol/wire/message.h"
 namespace mirage {
 
 /// Bytes a tile's window of w x h texels takes there; `channels` as of its key.

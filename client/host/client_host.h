@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-
 #include "client/frame/reference_frame.h"
 #include "client/link/net_model.h"
 #include "client/session/session_options.h"

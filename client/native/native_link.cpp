@@ -8,6 +8,7 @@
 #include <cstring>
 #include <deque>
 #include <mutex>
+#include <random>
 #include <thread>
 
 namespace mirage {
@@ -52,6 +53,7 @@ struct NativeLink::Impl {
   FrameAssembler assembler{limits::kMaxTransferBytes};
   std::uint32_t next_transfer = 1;
   int pause_ms = kFirstPauseMs;
+  std::minstd_rand chance{std::random_device{}()};
   // libwebsockets sleeps until it has something to do: the next try is a timer of its own.
   struct RetryTimer {
     lws_sorted_usec_list_t timer{};  // first member: the callback gets its address
@@ -107,12 +109,12 @@ struct NativeLink::Impl {
     outbound.clear();
     if (problem.empty() || !why.empty()) problem = why;
     tell();
-    connect_later(pause_ms);
+    // A part of it by chance: the clients of a server that is back do not come all at once.
+    connect_later(std::uniform_int_distribution<int>(pause_ms / 2, pause_ms)(chance));
     pause_ms = std::min(pause_ms * 2, kLongestPauseMs);
   }
 
   void up() {
-    pause_ms = kFirstPauseMs;
     close_code = 0;
     const std::lock_guard<std::mutex> lock(mutex);
     problem.clear();
@@ -136,6 +138,8 @@ struct NativeLink::Impl {
     }
     Result<Message> message = decode_message((*whole)->data(), (*whole)->size());
     if (!message) return refuse(message.error());
+    // One who is turned away at every hello comes more and more seldom.
+    if (message->body.type == wire::Body::Welcome) pause_ms = kFirstPauseMs;
     pending_bytes += frame.size() + kWebSocketOverhead;
     // Reference frames serve the comparison, not the product: they are not counted.
     if (message->body.type != wire::Body::ReferenceReply) bytes_down += pending_bytes;

@@ -6,11 +6,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
 
 #include "client/frame/resident.h"
-#include <glm/glm.hpp>
-
-#include <vector>
 
 namespace mirage {
 

@@ -135,7 +135,7 @@ Result<void> measure_model(Context& context, const std::string& file, Row& row) 
   row.flip_default = all->flip;
   row.hue = hue_median(all->picture);
   const Result<std::unique_ptr<ServerProcess>> bare =
-      ServerProcess::start(file, device, {"--no-geometry"});
+      ServerProcess::start(file, device, {"--no-geometry", "--references"});
   if (!bare) return bare.error();
   const Result<Look> impostors = look_at_model(context, (*bare)->url(), **truth, row);
   if (!impostors) return impostors.error();
@@ -228,7 +228,8 @@ Result<void> report_models(Context& context) {
       "Each file is served by a server of its own on an ideal link and looked at from its home "
       "view "
       "for eight seconds at rest, then once around it: as a viewer draws it by default, and with "
-      "impostors only (mirage-server --no-geometry). Truth is the server's full render of the same "
+      "impostors only (mirage-server --no-geometry --references). Truth is the server's full "
+      "render of the same "
       "camera with 4 x 4 samples; FLIP is its mean where either picture shows something. Hue is "
       "the "
       "larger change of red - green and of blue - green, by mean over 2 x 2 pixels. Every "

@@ -173,8 +173,24 @@ void SceneView::add(InstanceView view, std::uint32_t parent_id) {
   instances.push_back(view);
 }
 
+// Whoever walks the groups goes down by recursion: a peer does not choose how far.
+Result<void> SceneView::note_depths(const wire::InstancePageT& page) {
+  std::map<std::uint32_t, std::uint32_t> parents;  // by group: those outside come first
+  for (const wire::GroupRecord& record : page.groups) parents[record.id()] = record.parent();
+  for (const auto& [id, parent] : parents) {
+    const auto above = group_depth_.find(parent);
+    const std::uint32_t depth = above == group_depth_.end() ? 1 : above->second + 1;
+    if (depth > limits::kMaxGroupDepth) {
+      return make_error(ErrorId::kWireLimit, "groups are nested too deeply");
+    }
+    group_depth_[id] = depth;
+  }
+  return {};
+}
+
 Result<void> SceneView::accept(const wire::InstancePageT& page) {
   if (Result<void> checked = check_page(page); !checked) return checked;
+  if (Result<void> nested = note_depths(page); !nested) return nested;
   const bool was_complete = complete();
   const std::size_t first_new = instances.size();
   for (const wire::InstanceRecord& record : page.instances) {

@@ -9,13 +9,12 @@
 #include <unordered_map>
 #include <vector>
 
+#include "protocol/base/bytes.h"
+#include "protocol/base/result.h"
 #include "protocol/codec/image_codec.h"
 #include "protocol/impostor/camera.h"
 #include "protocol/impostor/object_proxy.h"
 #include "protocol/model/scene_types.h"
-
-#include "protocol/base/bytes.h"
-#include "protocol/base/result.h"
 namespace mirage {
 
 struct LightProbe;
@@ -128,10 +127,13 @@ class SceneView {
     bool known = false;
   };
   Result<void> check_page(const wire::InstancePageT& page) const;
+  /// Error kWireLimit.
+  Result<void> note_depths(const wire::InstancePageT& page);
   void add(InstanceView view, std::uint32_t parent_id);
   void link_members(std::size_t first_new);
   void build_grid();
 
+  std::unordered_map<std::uint32_t, std::uint32_t> group_depth_;  ///< by the server's id
   bool welcomed_ = false;
   bool described_ = false;
   std::size_t expected_images_ = 0;

@@ -14,9 +14,9 @@
 
 #include "client/frame/draw_list.h"
 #include "client/frame/reference_frame.h"
+#include "client/session/counts.h"
 #include "client/session/session_options.h"
 #include "client/session/tile_sink.h"
-#include "client/session/counts.h"
 #include "protocol/base/result.h"
 
 namespace mirage {

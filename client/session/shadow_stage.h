@@ -15,7 +15,6 @@
 
 #include "client/frame/caster_list.h"
 #include "client/hold/shadow_cache.h"
-
 #include "client/plan/tile_need.h"
 namespace mirage {
 

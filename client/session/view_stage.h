@@ -5,15 +5,14 @@
 // Thread: the frame loop's. Never full: one request at a time.
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "client/price/view_fit.h"
 #include "client/session/counts.h"
 #include "protocol/base/bytes.h"
 #include "protocol/base/result.h"
-#include <memory>
-
-#include <vector>
 
 namespace mirage {
 
@@ -25,7 +24,7 @@ namespace wire {
 struct RefusedT;
 struct ViewReplyT;
 struct ViewRequestT;
-}
+}  // namespace wire
 
 class ViewStage {
  public:

@@ -7,12 +7,11 @@
 #include <vector>
 
 #include "client/draw/geometric_error.h"
-#include "client/quality/metrics.h"
-
 #include "client/draw/gpu_bytes.h"
 #include "client/hold/upload_counts.h"
 #include "client/link/link.h"
 #include "client/plan/predictor.h"
+#include "client/quality/metrics.h"
 #include "client/session/counts.h"
 #include "protocol/model/scene_types.h"
 

@@ -3,7 +3,9 @@
 
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -15,12 +17,20 @@ namespace mirage {
 template <typename T>
 class BoundedQueue {
  public:
-  explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
+  /// What an item weighs, and what all may weigh together; one is taken whatever it weighs.
+  struct Weight {
+    std::function<std::size_t(const T&)> of;
+    std::size_t most = SIZE_MAX;
+  };
+
+  explicit BoundedQueue(std::size_t capacity, Weight weight = {})
+      : capacity_(capacity), weight_(std::move(weight)) {}
 
   /// False when full or closed; `item` is then untouched.
   bool try_push(T& item) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (closed_ || items_.size() >= capacity_) return false;
+    if (closed_ || !has_room(item)) return false;
+    weighs_ += weight_of(item);
     items_.push_back(std::move(item));
     not_empty_.notify_one();
     return true;
@@ -29,8 +39,9 @@ class BoundedQueue {
   /// Waits while full; false when closed.
   bool push(T item) {
     std::unique_lock<std::mutex> lock(mutex_);
-    not_full_.wait(lock, [this] { return closed_ || items_.size() < capacity_; });
+    not_full_.wait(lock, [&] { return closed_ || has_room(item); });
     if (closed_) return false;
+    weighs_ += weight_of(item);
     items_.push_back(std::move(item));
     not_empty_.notify_one();
     return true;
@@ -62,19 +73,27 @@ class BoundedQueue {
   }
 
  private:
+  std::size_t weight_of(const T& item) const { return weight_.of ? weight_.of(item) : 0; }
+  bool has_room(const T& item) const {
+    if (items_.size() >= capacity_) return false;
+    return items_.empty() || weighs_ + weight_of(item) <= weight_.most;
+  }
   std::optional<T> take_front() {
     if (items_.empty()) return std::nullopt;
     std::optional<T> item(std::move(items_.front()));
     items_.pop_front();
-    not_full_.notify_one();
+    weighs_ -= weight_of(*item);
+    not_full_.notify_all();  // what does not fit yet lets another pass
     return item;
   }
 
   const std::size_t capacity_;
+  const Weight weight_;
   mutable std::mutex mutex_;
   std::condition_variable not_empty_;
   std::condition_variable not_full_;
   std::deque<T> items_;
+  std::size_t weighs_ = 0;
   bool closed_ = false;
 };
 

@@ -46,6 +46,8 @@ inline constexpr std::size_t kMaxObjects = 1u << 20;
 inline constexpr std::size_t kMaxInstances = 1u << 21;
 inline constexpr std::size_t kInstancesPerPage = 1536;  ///< instances and groups, each
 inline constexpr std::size_t kMaxOpensPerRequest = 8192;
+inline constexpr std::uint32_t kMaxGroupDepth =
+    64;  ///< of groups in groups; a few million leaves take 10
 inline constexpr std::size_t kObjectsPerPage = 48;
 inline constexpr std::size_t kMaxImages = 1u << 16;
 inline constexpr std::size_t kImagesPerPage = 4096;

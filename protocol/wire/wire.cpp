@@ -111,9 +111,14 @@ Result<std::optional<Bytes>> FrameAssembler::accept_chunk(const std::uint8_t* by
   if (transfer.total != total || offset != transfer.bytes.size() || n > total - offset) {
     return make_error(ErrorId::kWireMalformed, "chunk does not continue its message");
   }
+  if (held_bytes_ + n > max_bytes_) {
+    return make_error(ErrorId::kWireLimit, "chunked messages together are larger than allowed");
+  }
+  held_bytes_ += n;
   transfer.bytes.insert(transfer.bytes.end(), data, data + n);
   if (transfer.bytes.size() < total) return std::optional<Bytes>();
   std::optional<Bytes> whole(std::move(transfer.bytes));
+  held_bytes_ -= total;
   transfers_.erase(id);
   Result<FrameHeader> inner = read_frame_header(whole->data(), whole->size());
   if (!inner) return inner.error();

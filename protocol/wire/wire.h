@@ -38,6 +38,7 @@ std::vector<Bytes> split_into_frames(Bytes message, std::uint32_t transfer_id);
 /// Puts chunks together again; one per connection and direction.
 class FrameAssembler {
  public:
+  /// Of one transfer, and of all that are under way together.
   explicit FrameAssembler(std::size_t max_transfer_bytes) : max_bytes_(max_transfer_bytes) {}
 
   /// Takes one WebSocket message; gives a whole message when one is complete. Memory is taken as
@@ -52,6 +53,7 @@ class FrameAssembler {
   Result<std::optional<Bytes>> accept_chunk(const std::uint8_t* bytes, std::size_t size);
 
   std::size_t max_bytes_;
+  std::size_t held_bytes_ = 0;  ///< of all transfers
   std::map<std::uint32_t, Transfer> transfers_;
 };
 

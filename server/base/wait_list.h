@@ -54,6 +54,8 @@ class WaitList {
       at = waited && all.empty() && unwanted(at->first) ? waiting_.erase(at) : std::next(at);
     }
   }
+  /// Things that are being made.
+  std::size_t under_way() const { return waiting_.size(); }
   /// Of all who wait.
   std::size_t size() const { return count_; }
 

@@ -4,11 +4,13 @@
 #include <spdlog/spdlog.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <map>
 
 #include "protocol/base/bytes.h"
 #include "protocol/base/clock.h"
+#include "server/net/admission.h"
 #include "server/net/endpoint_options.h"
 #include "server/net/listen_address.h"
 #include "server/net/metrics.h"
@@ -21,11 +23,13 @@ namespace mirage {
 namespace {
 
 constexpr int kMaxWritesPerCallback = 8;
-constexpr std::int64_t kDrainUs = 2'000'000;
+constexpr std::int64_t kFarewellUs = 1'000'000;  // for goodbyes, once all is sent
+constexpr lws_usec_t kSweepUs = 250'000;
 constexpr lws_usec_t kFetchCheckUs = 5'000;  // how often it is looked whether a disk is too slow
 
 struct Connection {
   SessionId session = 0;
+  std::string* address = nullptr;
   Bytes* inbound = nullptr;  // fragments of the message under way
 };
 
@@ -46,6 +50,16 @@ void forward_log(int level, const char* line) {
 
 }  // namespace
 
+namespace {
+
+std::string peer_of(lws* wsi) {
+  char name[64] = {};
+  lws_get_peer_simple(wsi, name, sizeof(name));
+  return name[0] != '\0' ? name : "unix";
+}
+
+}  // namespace
+
 struct Endpoint::Impl {
   Impl(SessionHub& h, StageQueues& q) : hub(h), completions(q.completions), counters(q.counters) {}
 
@@ -55,15 +69,38 @@ struct Endpoint::Impl {
   EndpointOptions options;
   lws_context* context = nullptr;
   lws_vhost* vhost = nullptr;
-  std::atomic<bool> stopping{false};
+  std::atomic<bool> stopping{false}, reloading{false};
   std::map<SessionId, lws*> sockets;
 
-  struct FetchTimer {
+  Admission admission;
+  const SteadyClock clock;
+  bool farewell = false;  // goodbyes are said: who has read all is closed
+
+  struct Timer {
     lws_sorted_usec_list_t timer{};  // first member: the callback gets its address
     Impl* impl = nullptr;
     bool set = false;
   };
-  FetchTimer fetch_timer;
+  Timer fetch_timer, sweep_timer;
+
+  /// Clients that say nothing or take nothing are closed however quiet it is.
+  void sweep_later() {
+    sweep_timer.impl = this;
+    lws_sul_schedule(context, 0, &sweep_timer.timer, on_sweep_timer, kSweepUs);
+  }
+
+  static void on_sweep_timer(lws_sorted_usec_list_t* timer) {
+    Impl* const impl = reinterpret_cast<Timer*>(timer)->impl;
+    for (const auto& [id, error] : impl->hub.overdue()) {
+      const auto at = impl->sockets.find(id);
+      if (at == impl->sockets.end()) continue;
+      impl->close_with(at->second, id, error);
+      lws_set_timeout(at->second, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+    }
+    impl->sweep_later();
+    // A timer served before the poll does not end the poll: make it look again.
+    lws_cancel_service(impl->context);
+  }
 
   /// While somebody waits for the tile cache's directory.
   void watch_fetches() {
@@ -74,7 +111,7 @@ struct Endpoint::Impl {
   }
 
   static void on_fetch_timer(lws_sorted_usec_list_t* timer) {
-    auto* const fetch = reinterpret_cast<FetchTimer*>(timer);
+    auto* const fetch = reinterpret_cast<Timer*>(timer);
     fetch->set = false;
     fetch->impl->hub.give_up_fetches();
     fetch->impl->ask_to_write();
@@ -100,7 +137,7 @@ struct Endpoint::Impl {
   int close_with(lws* wsi, SessionId id, const Error& error) {
     if (error.id != ErrorId::kNetworkClosed) {
       ++counters.clients_closed_for_error;
-      spdlog::warn("client {}: closed: {}", id, error.line());
+      spdlog::warn("client {} ({}): closed: {}", id, peer_of(wsi), error.line());
     }
     std::string text = error.text.substr(0, 120);
     lws_close_reason(wsi, static_cast<lws_close_status>(close_code(error.id)),
@@ -108,10 +145,16 @@ struct Endpoint::Impl {
     return -1;
   }
 
+  static int say_goodbye(lws* wsi) {
+    lws_close_reason(wsi, LWS_CLOSE_STATUS_GOINGAWAY, nullptr, 0);
+    return -1;
+  }
+
   int write_some(lws* wsi, Connection& connection) {
     static thread_local std::vector<std::uint8_t> buffer;
     for (int i = 0; i < kMaxWritesPerCallback; ++i) {
       const FramePtr frame = hub.next_frame(connection.session);
+      if (!frame && farewell) return say_goodbye(wsi);
       if (!frame) return 0;
       buffer.resize(LWS_PRE + frame->size());
       std::memcpy(buffer.data() + LWS_PRE, frame->data(), frame->size());
@@ -137,7 +180,11 @@ struct Endpoint::Impl {
     if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi) > 0) return 0;
     const Bytes whole = std::exchange(inbound, {});
     const Result<void> done = hub.receive(connection.session, whole.data(), whole.size());
-    if (!done) return close_with(wsi, connection.session, done.error());
+    if (!done) {
+      const bool stranger = !hub.greeted(connection.session);
+      if (stranger) admission.note_failure(*connection.address, clock.now_us());
+      return close_with(wsi, connection.session, done.error());
+    }
     ask_to_write();
     watch_fetches();
     return 0;
@@ -150,36 +197,53 @@ Endpoint::Impl* impl_of(lws* wsi) {
   return static_cast<Endpoint::Impl*>(lws_context_user(lws_get_context(wsi)));
 }
 
-std::string header(lws* wsi, lws_token_indexes token) {
-  char text[256] = {};
+// What does not fit is given as such, never cut: what is read as none would be let pass.
+struct HeaderText {
+  std::string text;
+  bool there = false, whole = true;
+};
+
+HeaderText header(lws* wsi, lws_token_indexes token) {
+  HeaderText out;
+  const int length = lws_hdr_total_length(wsi, token);
+  if (length <= 0) return out;
+  out.there = true;
+  char text[512] = {};
   const int n = lws_hdr_copy(wsi, text, sizeof(text), token);
-  return n > 0 ? std::string(text, static_cast<std::size_t>(n)) : std::string();
+  out.whole = n >= 0;
+  if (n > 0) out.text.assign(text, static_cast<std::size_t>(n));
+  return out;
 }
 
 // libwebsockets accepts POST, other versions and short keys here: check for ourselves.
 bool acceptable_upgrade(lws* wsi, const EndpointOptions& options) {
   if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) return false;
-  if (header(wsi, WSI_TOKEN_VERSION) != "13") return false;
-  if (header(wsi, WSI_TOKEN_KEY).size() != 24) return false;
-  const std::string origin = header(wsi, WSI_TOKEN_ORIGIN);
-  return options.allow_origin.empty() || origin.empty() || origin == options.allow_origin;
+  if (header(wsi, WSI_TOKEN_VERSION).text != "13") return false;
+  if (header(wsi, WSI_TOKEN_KEY).text.size() != 24) return false;
+  const HeaderText origin = header(wsi, WSI_TOKEN_ORIGIN);
+  if (!origin.there) return true;  // no browser
+  if (!origin.whole) return false;
+  const bool tls = !options.tls_cert.empty();
+  return (!options.allow_origin.empty() && origin.text == options.allow_origin) ||
+         same_origin(origin.text, header(wsi, WSI_TOKEN_HOST).text, tls);
 }
 
 int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length) {
   auto* connection = static_cast<Connection*>(user);
   switch (reason) {
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: {
-      const Endpoint::Impl* impl = impl_of(wsi);
-      return acceptable_upgrade(wsi, impl->options) && !impl->stopping ? 0 : -1;
+      Endpoint::Impl* impl = impl_of(wsi);
+      const bool may = !impl->stopping && acceptable_upgrade(wsi, impl->options) &&
+                       impl->admission.may_connect(peer_of(wsi), impl->clock.now_us());
+      return may ? 0 : -1;
     }
     case LWS_CALLBACK_ESTABLISHED: {
       Endpoint::Impl* impl = impl_of(wsi);
       *connection = Connection{};
       connection->inbound = new Bytes;  // freed on CLOSED: lws zero-fills and frees `user` itself
-      Result<SessionId> id = impl->hub.open();
-      if (!id) return impl->close_with(wsi, 0, id.error());
-      connection->session = *id;
-      impl->sockets[*id] = wsi;
+      connection->address = new std::string(peer_of(wsi));
+      connection->session = impl->hub.open();
+      impl->sockets[connection->session] = wsi;
       return 0;
     }
     case LWS_CALLBACK_RECEIVE:
@@ -194,7 +258,9 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
         impl->hub.close(connection->session);
       }
       delete connection->inbound;
+      delete connection->address;
       connection->inbound = nullptr;
+      connection->address = nullptr;
       return 0;
     }
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
@@ -226,11 +292,17 @@ int on_http(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t 
       Endpoint::Impl* impl = impl_of(wsi);
       const std::string path = in ? static_cast<const char*>(in) : "";
       if (path == "/healthz") return send_text(wsi, 200, "ok\n");
+      if (path == "/readyz") {
+        return impl->stopping ? send_text(wsi, 503, "draining\n")
+                              : send_text(wsi, 200, impl->hub.identity());
+      }
       if (path == "/metrics" && impl->options.metrics) {
         return send_text(wsi, 200, metrics_text(impl->counters, impl->hub.clients()));
       }
       return send_text(wsi, 404, "this is a Mirage server: connect with mirage-view\n");
     }
+    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
+      return -1;  // an upgrade that names no protocol of ours lands here
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
       return 0;
     default:
@@ -245,8 +317,9 @@ Endpoint::Endpoint(SessionHub& hub, StageQueues& queues)
 
 Endpoint::~Endpoint() {
   if (!impl_->context) return;
-  lws_sul_schedule(impl_->context, 0, &impl_->fetch_timer.timer, nullptr,
-                   LWS_SET_TIMER_USEC_CANCEL);
+  for (Impl::Timer* timer : {&impl_->fetch_timer, &impl_->sweep_timer}) {
+    lws_sul_schedule(impl_->context, 0, &timer->timer, nullptr, LWS_SET_TIMER_USEC_CANCEL);
+  }
   lws_context_destroy(impl_->context);
 }
 
@@ -286,6 +359,8 @@ Result<void> Endpoint::listen(const EndpointOptions& options) {
   if (!options.tls_cert.empty()) {
     info.ssl_cert_filepath = options.tls_cert.c_str();
     info.ssl_private_key_filepath = options.tls_key.c_str();
+    info.alpn = "http/1.1";
+    info.ssl_cipher_list = "ECDHE+AESGCM:ECDHE+CHACHA20";  // of TLS 1.2; those of 1.3 are all AEAD
   }
   impl_->vhost = lws_create_vhost(impl_->context, &info);
   if (!impl_->vhost) {
@@ -302,39 +377,40 @@ int Endpoint::port() const {
   return has_port ? lws_get_vhost_listen_port(impl_->vhost) : 0;
 }
 
-Result<void> Endpoint::run() {
-  const SteadyClock clock;
-  std::int64_t next_sweep_us = 0;
-  std::int64_t drain_until_us = 0;
-  for (;;) {
-    if (lws_service(impl_->context, 0) < 0) break;
-    const std::int64_t now = clock.now_us();
-    if (now >= next_sweep_us) {
-      next_sweep_us = now + 500'000;
-      for (const auto& [id, error] : impl_->hub.overdue()) {
-        const auto at = impl_->sockets.find(id);
-        if (at == impl_->sockets.end()) continue;
-        impl_->close_with(at->second, id, error);
-        lws_set_timeout(at->second, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
-      }
-    }
-    const std::optional<Error>& failure = impl_->hub.failure();
-    if (failure) impl_->stopping = true;
-    if (!impl_->stopping) continue;
+Result<void> Endpoint::run(const std::function<void()>& on_reload) {
+  Impl& impl = *impl_;
+  std::int64_t drain_until_us = 0, gone_by_us = 0;
+  impl.sweep_later();
+  while (lws_service(impl.context, 0) >= 0) {
+    if (impl.reloading.exchange(false) && on_reload) on_reload();
+    const std::optional<Error>& failure = impl.hub.failure();
+    if (failure) impl.stopping = true;
+    if (!impl.stopping) continue;
+    const std::int64_t now = impl.clock.now_us();
     if (drain_until_us == 0) {
-      drain_until_us = now + kDrainUs;
-      impl_->hub.say_goodbye_to_all(failure ? "the server's graphics have failed"
-                                            : "server is shutting down");
-      impl_->ask_to_write();
+      impl.hub.drain();
+      drain_until_us = now + (failure ? 0 : std::llround(impl.options.drain_s * 1e6));
     }
-    if (impl_->hub.all_written() || now > drain_until_us) break;
+    if (!impl.farewell && (impl.hub.drained() || now >= drain_until_us)) {
+      impl.farewell = true;
+      gone_by_us = now + kFarewellUs;
+      impl.hub.say_goodbye_to_all(failure ? "the server's graphics have failed"
+                                          : "server is shutting down");
+      impl.ask_to_write();
+    }
+    if (impl.farewell && (impl.sockets.empty() || now >= gone_by_us)) break;
   }
-  if (impl_->hub.failure()) return *impl_->hub.failure();
+  if (impl.hub.failure()) return *impl.hub.failure();
   return {};
 }
 
 void Endpoint::stop() {
   impl_->stopping = true;
+  wake();
+}
+
+void Endpoint::reload() {
+  impl_->reloading = true;
   wake();
 }
 

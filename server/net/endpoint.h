@@ -29,9 +29,11 @@ class Endpoint {
   int port() const;
   /// Serves until stop(); then says goodbye to the clients and returns. So it does when the
   /// renderer fails, with its error.
-  Result<void> run();
+  Result<void> run(const std::function<void()>& on_reload = {});
   /// Any thread, also from a signal handler.
   void stop();
+  /// Any thread and signal handlers: has `on_reload` called in run().
+  void reload();
   /// Any thread: there are completions.
   void wake();
 

@@ -10,8 +10,10 @@ struct EndpointOptions {
   ListenAddress address;
   std::string tls_cert;  ///< PEM files; both or none
   std::string tls_key;
-  std::string allow_origin;  ///< empty: any; else the only Origin a browser may come from
-  bool metrics = false;      ///< GET /metrics
+  /// The only Origin a browser may come from beside this server's own.
+  std::string allow_origin;
+  double drain_s = 10;   ///< for which what was asked for is still served once told to stop
+  bool metrics = false;  ///< GET /metrics
 };
 
 }  // namespace mirage

@@ -99,4 +99,10 @@ Result<void> free_socket_path(const std::string& path) {
   return {};
 }
 
+bool is_loopback(const ListenAddress& address) {
+  if (!address.socket_path.empty()) return true;
+  return address.host == "::1" || address.host == "localhost" ||
+         address.host.compare(0, 4, "127.") == 0;
+}
+
 }  // namespace mirage

@@ -23,6 +23,9 @@ Result<ListenAddress> parse_listen(const std::string& text);
 /// kNetworkListen when nobody knows the name.
 Result<std::string> numeric_address(const std::string& host);
 
+/// Only this machine reaches it.
+bool is_loopback(const ListenAddress& address);
+
 /// Makes the path free for a socket: the socket of a server that is gone is removed. Errors
 /// kNetworkListen: a server answers there, or the path is something else than a socket.
 Result<void> free_socket_path(const std::string& path);

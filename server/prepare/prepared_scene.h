@@ -3,15 +3,13 @@
 
 #include <memory>
 
+#include "protocol/base/result.h"
 #include "server/base/stage_progress.h"
 #include "server/base/stage_times.h"
 #include "server/prepare/grouping.h"
 #include "server/prepare/leave_out.h"
 #include "server/prepare/object_description.h"
-
 #include "server/prepare/object_geometry.h"
-
-#include "protocol/base/result.h"
 
 namespace mirage {
 

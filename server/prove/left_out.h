@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "protocol/impostor/lighting_state.h"
-
 #include "server/prepare/leave_out.h"
 
 namespace mirage {

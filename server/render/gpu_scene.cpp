@@ -40,7 +40,7 @@ const gl::GpuMesh& GpuScene::mesh_for_tile(std::uint32_t object, const Capture& 
 }
 
 const gl::GpuMesh& GpuScene::mesh_for_group(std::uint32_t object, float scale,
-                                           const Capture& capture) const {
+                                            const Capture& capture) const {
   const double allowed = allowed_tile_error(capture) / double{scale};
   return level(object, lod_within(prepared->objects[object].lods, allowed));
 }

@@ -24,6 +24,7 @@ class FormRequests {
   std::vector<Waiter> take_waiting(const TileId& id, TileCodec codec) {
     return waiting_.take({id, codec});
   }
+  bool waiting() const { return waiting_.size() > 0; }
 
  private:
   WaitList<FormId, Waiter> waiting_;

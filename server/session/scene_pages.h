@@ -7,13 +7,12 @@
 #include <vector>
 
 #include "protocol/wire/message.h"
+#include "server/session/outbox.h"
 #include "server/session/scene_opening.h"
 
 namespace mirage {
 
 struct PreparedScene;
-
-using FramePtr = std::shared_ptr<const Bytes>;
 
 /// Encoded pages, in the order they are sent; each within the limits of `protocol/base/limits.h`.
 /// Of a small scene it is everything.

@@ -1,6 +1,9 @@
 #include "server/session/session.h"
 
 #include <algorithm>
+#include <cinttypes>
+#include <cstdio>
+#include <ctime>
 
 #include "protocol/impostor/tile_key.h"
 #include "protocol/wire/light_probe_codec.h"
@@ -12,17 +15,13 @@ namespace mirage {
 namespace {
 
 constexpr std::int64_t kHelloTimeoutUs = 10'000'000;
+constexpr std::size_t kMaxHelloBytes = 4096;
+// Connections that have not said who they are: beyond, the one that came first goes.
+constexpr std::size_t kMaxStrangers = 256;
+// For which a client may take nothing of what waits for it.
+constexpr std::int64_t kNoProgressUs = 30'000'000;
 // Of a client; ours waits for one at a time.
 constexpr std::size_t kMaxWaitingOpenRequests = 64;
-
-// Not the place where timing could leak a token byte by byte.
-bool same_secret(const std::string& a, const std::string& b) {
-  unsigned char difference = a.size() != b.size();
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    difference |= static_cast<unsigned char>(a[i] ^ b[i % std::max<std::size_t>(b.size(), 1)]);
-  }
-  return difference == 0;
-}
 
 // Of what this server has, what the client takes. Tiles without colours come without loss, too:
 // who does not take zstd has no use for the lossy ones.
@@ -46,6 +45,7 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
                        StageQueues& queues)
     : scene_(std::move(scene)),
       options_(std::move(options)),
+      access_(options_.access),
       revision_(profiled_revision(scene_->revision, options_.profile)),
       clock_(queues.clock),
       counters_(queues.counters),
@@ -58,13 +58,10 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
       forms_(queues.rendered),
       views_(queues.tiles) {}
 
-Result<SessionId> SessionHub::open() {
-  if (sessions_.size() >= options_.max_clients) {
-    return make_error(ErrorId::kBusy,
-                      "server has its " + std::to_string(options_.max_clients) + " clients");
-  }
+SessionId SessionHub::open() {
   const SessionId id = next_id_++;
-  sessions_[id].opened_us = clock_.now_us();
+  Session& s = sessions_.try_emplace(id, options_.max_outbox_bytes).first->second;
+  s.opened_us = s.progress_us = clock_.now_us();
   return id;
 }
 
@@ -72,6 +69,7 @@ void SessionHub::close(SessionId id) {
   queue_.remove_session(id);
   fetches_.remove_session(id);
   views_.remove_session(id);
+  if (sessions_.at(id).greeted) --clients_;
   sessions_.erase(id);
   writable_.erase(id);
 }
@@ -79,8 +77,14 @@ void SessionHub::close(SessionId id) {
 Result<void> SessionHub::receive(SessionId id, const std::uint8_t* bytes, std::size_t size) {
   counters_.bytes_received += size;
   Session& s = sessions_.at(id);
+  if (!s.greeted && size > kMaxHelloBytes) {
+    return make_error(ErrorId::kWireLimit, "a hello has at most 4096 bytes");
+  }
   Result<std::optional<Bytes>> whole = s.assembler.accept(bytes, size);
   if (!whole) return whole.error();
+  if (!whole->has_value() && !s.greeted) {
+    return make_error(ErrorId::kWireState, "the first message must be a hello, in one piece");
+  }
   if (!whole->has_value()) return {};
   Result<Message> message = decode_message((*whole)->data(), (*whole)->size());
   if (!message) return message.error();
@@ -110,7 +114,7 @@ Result<void> SessionHub::handle(SessionId id, Session& s, Message message) {
       view(id, s, *body.AsViewRequest());
       return {};
     case wire::Body::StatsRequest:
-      stats(id, s, *body.AsStatsRequest());
+      stats(id, *body.AsStatsRequest());
       return {};
     case wire::Body::Bye:
       return make_error(ErrorId::kNetworkClosed, "client said goodbye");
@@ -128,14 +132,21 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
                           std::to_string(hello.version_max) + ", this server " +
                           std::to_string(limits::kProtocolVersion));
   }
-  if (!options_.token.empty() && !same_secret(hello.token, options_.token)) {
-    return make_error(ErrorId::kAuth, "wrong or missing token");
+  Result<Grant> grant = access_.check(hello.token, std::time(nullptr));
+  if (!grant) return grant.error();
+  if (clients_ >= options_.max_clients || draining_) {
+    return make_error(ErrorId::kBusy,
+                      draining_
+                          ? "server is shutting down"
+                          : "server has its " + std::to_string(options_.max_clients) + " clients");
   }
   s.codecs = common_codecs(options_.codecs, hello.codecs);
   if (s.codecs.empty()) {
     return make_error(ErrorId::kCodec, "client does not decode this server's tile codecs");
   }
+  s.grant = grant.take();
   s.greeted = true;
+  ++clients_;
   const Scene& scene = scene_->scene;
   wire::WelcomeT welcome;
   welcome.version = limits::kProtocolVersion;
@@ -163,20 +174,19 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.home_target = std::make_unique<wire::Vec3d>(to_wire(scene.home.target));
   welcome.walk_radius_m = scene.home.walk_radius_m;
   welcome.walk_speed_mps = scene.home.walk_speed_mps;
-  welcome.geometry = options_.geometry;
-  welcome.reference = options_.reference;
+  welcome.geometry = options_.geometry && s.grant.geometry;
+  welcome.reference = options_.reference && s.grant.reference;
   welcome.shadows = options_.shadows;
   welcome.images = static_cast<std::uint32_t>(scene.images.size());
-  push(id, s.control, encode_message(std::move(welcome)));
-  if (!probe_page_.empty()) push(id, s.control, probe_page_);
+  push(id, Outbox::Lane::kControl, encode_message(std::move(welcome)));
+  if (!probe_page_.empty()) push(id, Outbox::Lane::kControl, probe_page_);
   if (hello.view) view(id, s, *hello.view);
   return {};
 }
 
 void SessionHub::open_groups(SessionId id, Session& s, const wire::OpenRequestT& m) {
-  if (s.overfull) return;
   if (s.tree.size() >= kMaxWaitingOpenRequests) {
-    s.overfull = true;
+    s.hopeless = true;
     return;
   }
   s.tree.emplace_back(*scene_, m);
@@ -199,7 +209,7 @@ Result<void> SessionHub::set_lighting(Session& s, const wire::SetLightingT& m) {
 }
 
 void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batch) {
-  s.credit_bytes = std::max(s.credit_bytes, batch.credit_bytes);
+  s.outbox.allow(batch.credit_bytes);
   for (const std::uint32_t request : batch.cancels) {
     if (fetches_.cancel(id, request)) {
       ++counters_.tiles_cancelled;
@@ -216,9 +226,9 @@ void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batc
   for (const wire::Ask& one : batch.asks) {
     ++counters_.tiles_asked;
     if (known) {
-      ask(id, s, one, lighting, codec);
+      ask(id, one, lighting, codec);
     } else {
-      refuse(id, s, one.request_id(), wire::RefusalReason::BadKey);
+      refuse(id, one.request_id(), wire::RefusalReason::BadKey);
     }
   }
   for (const wire::MeshAsk& one : batch.mesh_asks) mesh_ask(id, s, one);
@@ -226,31 +236,28 @@ void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batc
   writable_.insert(id);  // new credit may free tiles that wait
 }
 
-void SessionHub::refuse(SessionId id, Session& s, std::uint32_t request,
-                        wire::RefusalReason reason) {
+void SessionHub::refuse(SessionId id, std::uint32_t request, wire::RefusalReason reason) {
   ++counters_.tiles_refused;
   wire::RefusedT refused;
   refused.request_id = request;
   refused.reason = reason;
-  push(id, s.control, encode_message(refused));
+  push(id, Outbox::Lane::kControl, encode_message(refused));
 }
 
 void SessionHub::refuse_late() {
   for (const Waiter& w : queue_.take_late()) {
     const auto at = sessions_.find(w.session);
     if (at == sessions_.end()) continue;
-    refuse(w.session, at->second, w.request_id, wire::RefusalReason::Late);
+    refuse(w.session, w.request_id, wire::RefusalReason::Late);
   }
 }
 
-void SessionHub::push(SessionId id, std::deque<FramePtr>& lane, Bytes message) {
+void SessionHub::push(SessionId id, Outbox::Lane lane, Bytes message) {
   Session& s = sessions_.at(id);
-  if (s.overfull) return;
-  for (Bytes& frame : split_into_frames(std::move(message), s.next_transfer++)) {
-    s.outbox_bytes += frame.size();
-    lane.push_back(std::make_shared<const Bytes>(std::move(frame)));
-  }
-  s.overfull = s.outbox_bytes > options_.max_outbox_bytes;
+  if (s.hopeless) return;
+  if (!s.outbox.ready()) s.progress_us = clock_.now_us();
+  s.outbox.push(lane, std::move(message));
+  s.hopeless = s.outbox.hopeless();
   writable_.insert(id);
 }
 
@@ -262,28 +269,13 @@ void SessionHub::finish(TooLargeTile done) {
   for (const Waiter& w : queue_.finish(done.id)) {
     const auto at = sessions_.find(w.session);
     if (at == sessions_.end()) continue;
-    refuse(w.session, at->second, w.request_id, wire::RefusalReason::TooLarge);
+    refuse(w.session, w.request_id, wire::RefusalReason::TooLarge);
   }
 }
 
 void SessionHub::finish(FinishedReference done) {
   const auto at = sessions_.find(done.session);
-  if (at != sessions_.end()) push(done.session, at->second.bulk, std::move(done.message));
-}
-
-std::deque<FramePtr>* SessionHub::tile_or_bulk(Session& s) {
-  const bool tiles = !s.tiles.empty() && s.tile_bytes_sent < s.credit_bytes;
-  const bool both = tiles && !s.bulk.empty();
-  if (!both) s.tile_lead_bytes = 0;
-  if (tiles && (!both || s.tile_lead_bytes <= 0)) {
-    const auto bytes = static_cast<std::int64_t>(s.tiles.front()->size());
-    s.tile_bytes_sent += static_cast<std::uint64_t>(bytes);
-    s.tile_lead_bytes += bytes;
-    return &s.tiles;
-  }
-  if (s.bulk.empty()) return nullptr;
-  s.tile_lead_bytes -= static_cast<std::int64_t>(s.bulk.front()->size());
-  return &s.bulk;
+  if (at != sessions_.end()) push(done.session, Outbox::Lane::kLarge, std::move(done.message));
 }
 
 FramePtr SessionHub::next_tree_page(Session& s) {
@@ -296,22 +288,13 @@ FramePtr SessionHub::next_tree_page(Session& s) {
 
 FramePtr SessionHub::next_frame(SessionId id) {
   Session& s = sessions_.at(id);
-  std::deque<FramePtr>* lane = nullptr;
-  if (!s.control.empty()) {
-    lane = &s.control;
-  } else if (s.greeted && s.next_page < pages_.size()) {
-    counters_.bytes_sent += pages_[s.next_page]->size();
-    return pages_[s.next_page++];
-  } else if (FramePtr page = next_tree_page(s)) {
-    counters_.bytes_sent += page->size();
-    return page;
-  } else {
-    lane = tile_or_bulk(s);
-  }
-  if (!lane) return nullptr;
-  FramePtr frame = std::move(lane->front());
-  lane->pop_front();
-  s.outbox_bytes -= frame->size();
+  FramePtr frame = s.outbox.next_control();
+  if (!frame && s.greeted && s.next_page < pages_.size()) frame = pages_[s.next_page++];
+  if (!frame) frame = next_tree_page(s);
+  if (!frame && !s.outbox.large_waits() && !s.meshes.empty()) push_mesh(id, s);
+  if (!frame) frame = s.outbox.next_tile_or_bulk();
+  if (!frame) return nullptr;
+  s.progress_us = clock_.now_us();
   counters_.bytes_sent += frame->size();
   return frame;
 }
@@ -321,10 +304,15 @@ std::set<SessionId> SessionHub::take_writable() { return std::exchange(writable_
 std::vector<std::pair<SessionId, Error>> SessionHub::overdue() {
   std::vector<std::pair<SessionId, Error>> out;
   const std::int64_t now = clock_.now_us();
-  for (const auto& [id, s] : sessions_) {
-    if (!s.greeted && now - s.opened_us > kHelloTimeoutUs) {
-      out.emplace_back(id, make_error(ErrorId::kNetworkTimeout, "no hello within 10 s"));
-    } else if (s.overfull) {
+  std::size_t strangers = sessions_.size() - clients_;
+  for (const auto& [id, s] : sessions_) {  // in the order in which they came
+    const bool crowded = !s.greeted && strangers > kMaxStrangers;
+    if (crowded) --strangers;
+    if (crowded || (!s.greeted && now - s.opened_us > kHelloTimeoutUs)) {
+      out.emplace_back(id, make_error(ErrorId::kNetworkTimeout,
+                                      crowded ? "no hello yet, and many wait to say theirs"
+                                              : "no hello within 10 s"));
+    } else if (s.hopeless || (s.outbox.ready() && now - s.progress_us > kNoProgressUs)) {
       out.emplace_back(id, make_error(ErrorId::kBusy, "client does not read what it asked for"));
     }
   }
@@ -335,13 +323,27 @@ void SessionHub::say_goodbye_to_all(const std::string& text) {
   for (auto& [id, s] : sessions_) {
     wire::ByeT bye;
     bye.text = text;
-    push(id, s.control, encode_message(std::move(bye)));
+    push(id, Outbox::Lane::kControl, encode_message(std::move(bye)));
   }
 }
 
 bool SessionHub::all_written() const {
   return std::all_of(sessions_.begin(), sessions_.end(),
-                     [](const auto& entry) { return entry.second.control.empty(); });
+                     [](const auto& entry) { return !entry.second.outbox.control_waits(); });
+}
+
+bool SessionHub::drained() const {
+  const bool sent = std::none_of(sessions_.begin(), sessions_.end(), [](const auto& entry) {
+    return entry.second.outbox.ready() || !entry.second.meshes.empty();
+  });
+  return sent && queue_.length() == 0 && !forms_.waiting() && !fetches_.waiting();
+}
+
+std::string SessionHub::identity() const {
+  char text[64];
+  std::snprintf(text, sizeof(text), "ok revision=%016" PRIx64 " profile=%016" PRIx64 "\n",
+                revision_, options_.profile);
+  return text;
 }
 
 }  // namespace mirage

@@ -34,8 +34,9 @@ class SessionHub {
   std::uint64_t revision() const { return revision_; }
   /// Has the home view made, which most clients ask for first.
   void make_home_view();
-  /// Error kBusy when there are too many clients.
-  Result<SessionId> open();
+  /// A connection; it is a client once its hello was right.
+  SessionId open();
+  bool greeted(SessionId id) const { return sessions_.at(id).greeted; }
   /// One WebSocket message. An error means: say goodbye and close with its close code.
   Result<void> receive(SessionId id, const std::uint8_t* bytes, std::size_t size);
   void close(SessionId id);
@@ -56,36 +57,40 @@ class SessionHub {
   std::vector<std::pair<SessionId, Error>> overdue();
   void say_goodbye_to_all(const std::string& text);
   bool all_written() const;
+  /// Who may be a client from now on; those that are stay.
+  void set_access(Access access) { access_ = std::move(access); }
+  /// Nothing more is taken on; what was asked for is answered still.
+  void drain() { draining_ = true; }
+  /// Everything that was asked for is answered and sent, as far as it is taken.
+  bool drained() const;
   /// Why the server must end: the renderer has failed.
   const std::optional<Error>& failure() const { return failure_; }
-  std::size_t clients() const { return sessions_.size(); }
+  std::size_t clients() const { return clients_; }
   const SessionOptions& options() const { return options_; }
+  /// Revision and profile in hexadecimal, for whoever compares servers.
+  std::string identity() const;
 
  private:
   struct Session {
     std::int64_t opened_us = 0;
     bool greeted = false;
+    Grant grant;
     FrameAssembler assembler{limits::kMaxInboundTransferBytes};
     std::vector<TileCodec> codecs;  ///< that both ends have; the first is used unless asked
     std::map<std::uint32_t, Lighting> lighting;
-    std::deque<FramePtr> control;
-    std::deque<TreeTelling> tree;  ///< answers to what was asked of it, made as they are sent
-    std::deque<FramePtr> tiles;
-    std::deque<FramePtr> bulk;
-    std::size_t next_page = 0;  ///< of the scene description
-    std::size_t outbox_bytes = 0;
-    bool overfull = false;  ///< max_outbox_bytes were exceeded: gets nothing more and is closed
-    std::int64_t tile_lead_bytes = 0;  ///< tiles sent ahead of bulk while both waited
-    std::uint64_t tile_bytes_sent = 0;
-    std::uint64_t credit_bytes = 0;
-    std::uint32_t next_transfer = 1;
+    std::deque<TreeTelling> tree;      ///< answers to what was asked of it, made as they are sent
+    std::deque<wire::MeshAsk> meshes;  ///< asked for, and made as they are sent
+    std::size_t next_page = 0;         ///< of the scene description
+    Outbox outbox;
+    bool hopeless = false;         ///< does not read what it is answered: is closed
+    std::int64_t progress_us = 0;  ///< when something was last sent, or nothing waited
+    explicit Session(std::size_t most_bytes) : outbox(most_bytes) {}
   };
 
   Result<void> handle(SessionId id, Session& s, Message message);
   Result<void> hello(SessionId id, Session& s, const wire::HelloT& hello);
   void batch(SessionId id, Session& s, const wire::RequestBatchT& batch);
-  void ask(SessionId id, Session& s, const wire::Ask& ask, const Lighting& lighting,
-           TileCodec codec);
+  void ask(SessionId id, const wire::Ask& ask, const Lighting& lighting, TileCodec codec);
   /// Answers from memory, or has it made from what is there; false: the tile is not in memory.
   bool answer_from_memory(const TileAsk& ask);
   void have_rendered(const TileAsk& ask);
@@ -101,13 +106,14 @@ class SessionHub {
   ViewJob view_job(const wire::ViewRequestT& m, const Lighting& lighting) const;
   void view(SessionId id, Session& s, const wire::ViewRequestT& m);
   void push_view(const ViewCache::Waiting& waiting, const EncodedView& view);
-  void stats(SessionId id, Session& s, const wire::StatsRequestT& m);
+  void stats(SessionId id, const wire::StatsRequestT& m);
 
-  void push(SessionId id, std::deque<FramePtr>& lane, Bytes message);
+  void push(SessionId id, Outbox::Lane lane, Bytes message);
+  /// The next of the meshes it asked for.
+  void push_mesh(SessionId id, Session& s);
   /// The next page of what was asked of the tree.
   static FramePtr next_tree_page(Session& s);
   /// The lane whose turn it is; nullptr when neither may send.
-  static std::deque<FramePtr>* tile_or_bulk(Session& s);
   void push_tile(const Waiter& waiter, const StoredTile& tile);
   // What the stages have done.
   void finish(FinishedTile done);
@@ -119,10 +125,11 @@ class SessionHub {
   void finish(RendererFailure done) { failure_ = std::move(done.error); }
   /// Has the waiter's form made; while there is too much to do, it is sent this one.
   void convert(const Waiter& waiter, const TileId& id, const StoredTilePtr& lossless);
-  void refuse(SessionId id, Session& s, std::uint32_t request, wire::RefusalReason reason);
+  void refuse(SessionId id, std::uint32_t request, wire::RefusalReason reason);
 
   std::shared_ptr<const PreparedScene> scene_;
   const SessionOptions options_;
+  Access access_;
   const std::uint64_t revision_;
   const Clock& clock_;
   Counters& counters_;
@@ -137,6 +144,8 @@ class SessionHub {
   std::map<SessionId, Session> sessions_;
   std::set<SessionId> writable_;
   SessionId next_id_ = 1;
+  std::size_t clients_ = 0;  ///< sessions that are greeted
+  bool draining_ = false;
   std::optional<Error> failure_;
   double tile_us_ = 0;  ///< what a tile takes, mean of the last ones; 0: none was rendered
 };

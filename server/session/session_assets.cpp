@@ -8,49 +8,63 @@
 namespace mirage {
 
 void SessionHub::mesh_ask(SessionId id, Session& s, const wire::MeshAsk& ask) {
-  if (s.overfull) return;
   const bool known = ask.object() < scene_->geometry.size() &&
                      ask.lod() < scene_->geometry[ask.object()].encoded.size();
-  if (!known) return refuse(id, s, ask.request_id(), wire::RefusalReason::UnknownObject);
-  if (!options_.geometry) return refuse(id, s, ask.request_id(), wire::RefusalReason::NoGeometry);
+  if (!known) return refuse(id, ask.request_id(), wire::RefusalReason::UnknownObject);
+  if (!options_.geometry || !s.grant.geometry)
+    return refuse(id, ask.request_id(), wire::RefusalReason::NoGeometry);
   const EncodedLod& lod = scene_->geometry[ask.object()].encoded[ask.lod()];
   if (lod.payload.size() > limits::kMaxTransferBytes / 2) {
-    return refuse(id, s, ask.request_id(), wire::RefusalReason::TooLarge);
+    return refuse(id, ask.request_id(), wire::RefusalReason::TooLarge);
   }
+  if (s.meshes.size() >= limits::kMaxQueuedAsksPerClient) {
+    return refuse(id, ask.request_id(), wire::RefusalReason::Busy);
+  }
+  s.meshes.push_back(ask);
+  writable_.insert(id);
+}
+
+void SessionHub::push_mesh(SessionId id, Session& s) {
+  const wire::MeshAsk ask = s.meshes.front();
+  s.meshes.pop_front();
+  const EncodedLod& lod = scene_->geometry[ask.object()].encoded[ask.lod()];
   wire::MeshReplyT reply;
   reply.request_id = ask.request_id();
   reply.object = ask.object();
   reply.lod = ask.lod();
   reply.raw_bytes = lod.raw_bytes;
   ++counters_.meshes_sent;
-  push(id, s.bulk, encode_message(std::move(reply), lod.payload));
+  push(id, Outbox::Lane::kLarge, encode_message(std::move(reply), lod.payload));
 }
 
 void SessionHub::image_ask(SessionId id, Session& s, const wire::ImageAsk& ask) {
   const bool known = ask.image() < scene_->images.size() &&
                      ask.level() < image_levels(scene_->images[ask.image()]);
-  if (!known) return refuse(id, s, ask.request_id(), wire::RefusalReason::UnknownObject);
-  if (!options_.geometry) return refuse(id, s, ask.request_id(), wire::RefusalReason::NoGeometry);
+  if (!known) return refuse(id, ask.request_id(), wire::RefusalReason::UnknownObject);
+  if (!options_.geometry || !s.grant.geometry)
+    return refuse(id, ask.request_id(), wire::RefusalReason::NoGeometry);
+  if (s.outbox.full()) return refuse(id, ask.request_id(), wire::RefusalReason::Busy);
   const ImageLevel level{ask.image(), ask.level()};
   if (const Bytes* encoded = images_.find(level)) {
     return push_image(id, ask.request_id(), level, *encoded);
   }
   if (!images_.wait(level, {id, ask.request_id()})) {
-    refuse(id, s, ask.request_id(), wire::RefusalReason::Busy);
+    refuse(id, ask.request_id(), wire::RefusalReason::Busy);
   }
 }
 
 void SessionHub::push_image(SessionId id, std::uint32_t request, const ImageLevel& level,
                             const Bytes& bytes) {
   const auto at = sessions_.find(id);
-  if (at == sessions_.end() || at->second.overfull) return;
-  if (bytes.empty()) return refuse(id, at->second, request, wire::RefusalReason::TooLarge);
+  if (at == sessions_.end()) return;
+  if (at->second.outbox.full()) return refuse(id, request, wire::RefusalReason::Busy);
+  if (bytes.empty()) return refuse(id, request, wire::RefusalReason::TooLarge);
   wire::ImageReplyT reply;
   reply.request_id = request;
   reply.image = level.image;
   reply.level = level.level;
   ++counters_.images_sent;
-  push(id, at->second.bulk, encode_message(std::move(reply), bytes));
+  push(id, Outbox::Lane::kBulk, encode_message(std::move(reply), bytes));
 }
 
 void SessionHub::finish(FinishedImage done) {
@@ -61,13 +75,13 @@ void SessionHub::finish(FinishedImage done) {
 }
 
 void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceRequestT& m) {
-  if (!options_.reference) {
-    return refuse(id, s, m.request_id, wire::RefusalReason::NoReference);
+  if (!options_.reference || !s.grant.reference) {
+    return refuse(id, m.request_id, wire::RefusalReason::NoReference);
   }
   const auto found = s.lighting.find(m.lighting_id);
   const bool known = m.lighting_id == 0 || found != s.lighting.end();
   if (!known || !limits::reference_within_limits(m.width, m.height, m.supersample)) {
-    return refuse(id, s, m.request_id, wire::RefusalReason::TooLarge);
+    return refuse(id, m.request_id, wire::RefusalReason::TooLarge);
   }
   SceneShot shot;
   shot.camera.pose = {from_wire(*m.eye), glm::normalize(from_wire(*m.rotation))};
@@ -80,11 +94,11 @@ void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceReques
   shot.lighting = found != s.lighting.end() ? found->second : scene_->scene.lighting;
   ReferenceJob job{id, m.request_id, std::move(shot)};
   if (!queue_.submit(std::move(job))) {
-    refuse(id, s, m.request_id, wire::RefusalReason::Busy);
+    refuse(id, m.request_id, wire::RefusalReason::Busy);
   }
 }
 
-void SessionHub::stats(SessionId id, Session& s, const wire::StatsRequestT& m) {
+void SessionHub::stats(SessionId id, const wire::StatsRequestT& m) {
   wire::StatsT out;
   out.request_id = m.request_id;
   out.tiles_rendered = counters_.tiles_rendered;
@@ -95,7 +109,7 @@ void SessionHub::stats(SessionId id, Session& s, const wire::StatsRequestT& m) {
   out.tiles_late = counters_.tiles_late;
   out.queue_length = static_cast<std::uint32_t>(queue_.length());
   out.clients = static_cast<std::uint32_t>(sessions_.size());
-  push(id, s.control, encode_message(std::move(out)));
+  push(id, Outbox::Lane::kControl, encode_message(std::move(out)));
 }
 
 }  // namespace mirage

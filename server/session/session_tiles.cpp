@@ -27,11 +27,10 @@ bool SessionHub::can_be(std::uint8_t channels, const ObjectDescription& object,
   }
 }
 
-void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lighting& lighting,
-                     TileCodec codec) {
+void SessionHub::ask(SessionId id, const wire::Ask& a, const Lighting& lighting, TileCodec codec) {
   if (a.object() >= scene_->object_count() || a.instance() >= scene_->instance_count() ||
       scene_->instance(a.instance()).object != a.object()) {
-    return refuse(id, s, a.request_id(), wire::RefusalReason::UnknownObject);
+    return refuse(id, a.request_id(), wire::RefusalReason::UnknownObject);
   }
   TileKey key;
   key.scene_revision = revision_;
@@ -46,11 +45,11 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
   if (!valid(key.cell) || !valid(key.distance) || key.size_class > limits::kMaxSizeClass ||
       !valid_channels(key.channels) || object.radius <= 0 ||
       !valid_phase(a.phase(), object.motion.moving())) {
-    return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
+    return refuse(id, a.request_id(), wire::RefusalReason::BadKey);
   }
   const bool shadow = key.channels == kShadowTile;
   if (!can_be(key.channels, object, lighting)) {
-    return refuse(id, s, a.request_id(), wire::RefusalReason::BadKey);
+    return refuse(id, a.request_id(), wire::RefusalReason::BadKey);
   }
   ObjectLighting light;
   if (shadow) {
@@ -70,6 +69,7 @@ void SessionHub::ask(SessionId id, Session& s, const wire::Ask& a, const Lightin
     asked.waiter.deadline_us = asked.waiter.asked_us + a.deadline_ms() * 1000ll;
   }
   if (answer_from_memory(asked)) return;
+  if (draining_) return refuse(id, a.request_id(), wire::RefusalReason::Busy);
   if (store_.has_directory() && fetches_.wait(asked)) return;
   have_rendered(asked);
 }
@@ -85,11 +85,19 @@ bool SessionHub::answer_from_memory(const TileAsk& asked) {
 }
 
 void SessionHub::have_rendered(const TileAsk& asked) {
+  // What would be late is refused now: the client may ask for something else.
+  const std::int64_t deadline_us = asked.waiter.deadline_us;
+  const double left_us = static_cast<double>(deadline_us - clock_.now_us());
+  if (deadline_us != 0 && queue_.wait_us(asked.waiter.session, tile_us_) > left_us) {
+    ++counters_.tiles_late;
+    const SessionId late = asked.waiter.session;
+    return refuse(late, asked.waiter.request_id, wire::RefusalReason::Busy);
+  }
   const auto admission =
       queue_.submit(asked.key, asked.id, asked.lighting, asked.waiter, asked.world);
   if (admission != TileQueue::Admission::kBusy) return;
   const SessionId id = asked.waiter.session;
-  refuse(id, sessions_.at(id), asked.waiter.request_id, wire::RefusalReason::Busy);
+  refuse(id, asked.waiter.request_id, wire::RefusalReason::Busy);
 }
 
 void SessionHub::finish(FinishedFetch done) {
@@ -115,11 +123,14 @@ void SessionHub::give_up_fetches() {
 
 void SessionHub::push_tile(const Waiter& waiter, const StoredTile& tile) {
   const auto at = sessions_.find(waiter.session);
-  if (at == sessions_.end() || at->second.overfull) return;
+  if (at == sessions_.end()) return;
+  if (at->second.outbox.full()) {
+    return refuse(waiter.session, waiter.request_id, wire::RefusalReason::Busy);
+  }
   wire::TileReplyT reply = tile.reply;
   reply.request_id = waiter.request_id;
   reply.server_us = static_cast<std::uint32_t>(clock_.now_us() - waiter.asked_us);
-  push(waiter.session, at->second.tiles, encode_message(std::move(reply), tile.planes));
+  push(waiter.session, Outbox::Lane::kTiles, encode_message(std::move(reply), tile.planes));
 }
 
 void SessionHub::convert(const Waiter& waiter, const TileId& id, const StoredTilePtr& lossless) {
@@ -131,7 +142,7 @@ void SessionHub::convert(const Waiter& waiter, const TileId& id, const StoredTil
   if (std::find(taken.begin(), taken.end(), codec) != taken.end()) {
     return push_tile(waiter, *lossless);
   }
-  refuse(waiter.session, at->second, waiter.request_id, wire::RefusalReason::Busy);
+  refuse(waiter.session, waiter.request_id, wire::RefusalReason::Busy);
 }
 
 void SessionHub::finish(FinishedTile done) {

@@ -34,7 +34,7 @@ void SessionHub::view(SessionId id, Session& s, const wire::ViewRequestT& m) {
   const auto found = s.lighting.find(m.lighting_id);
   const bool known = m.lighting_id == 0 || found != s.lighting.end();
   if (!options_.view || !known) {
-    return refuse(id, s, m.request_id,
+    return refuse(id, m.request_id,
                   known ? wire::RefusalReason::NoView : wire::RefusalReason::BadKey);
   }
   ViewJob job = view_job(m, found != s.lighting.end() ? found->second : scene_->scene.lighting);
@@ -44,7 +44,7 @@ void SessionHub::view(SessionId id, Session& s, const wire::ViewRequestT& m) {
     return push_view(waiting, *made);
   }
   if (!views_.wait(std::move(job), waiting)) {
-    refuse(id, s, m.request_id, wire::RefusalReason::Busy);
+    refuse(id, m.request_id, wire::RefusalReason::Busy);
   }
 }
 
@@ -57,7 +57,7 @@ void SessionHub::push_view(const ViewCache::Waiting& waiting, const EncodedView&
   reply.server_us = static_cast<std::uint32_t>(clock_.now_us() - waiting.asked_us);
   ++counters_.views_sent;
   // Before the scene's description: it is the first picture.
-  push(waiting.session, at->second.control, encode_message(std::move(reply), view.payload));
+  push(waiting.session, Outbox::Lane::kControl, encode_message(std::move(reply), view.payload));
 }
 
 void SessionHub::finish(FinishedView done) {
@@ -67,7 +67,7 @@ void SessionHub::finish(FinishedView done) {
     if (done.view) {
       push_view(w, *done.view);
     } else {
-      refuse(w.session, at->second, w.request_id, wire::RefusalReason::TooLarge);
+      refuse(w.session, w.request_id, wire::RefusalReason::TooLarge);
     }
   }
 }

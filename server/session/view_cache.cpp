@@ -1,6 +1,10 @@
 #include "server/session/view_cache.h"
 
 namespace mirage {
+namespace {
+// Views that are being made: a view takes as long as twenty tiles.
+constexpr std::size_t kMostWaiting = 16;
+}  // namespace
 
 std::shared_ptr<const EncodedView> ViewCache::find(const TileId& id) const {
   const auto at = made_.find(id);
@@ -12,6 +16,7 @@ bool ViewCache::wait(ViewJob job, Waiting waiting) {
       making_.any([&](const Waiting& other) { return other.session == waiting.session; });
   if (again) return false;
   waiting.kept = making_.under_way(job.id);
+  if (!waiting.kept && making_.under_way() >= kMostWaiting) return false;
   making_.add(job.id, waiting);
   if (waiting.kept) {
     queue_.want_view(job.id);

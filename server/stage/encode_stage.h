@@ -5,12 +5,10 @@
 // Thread: N workers of its own.
 // Full:   the queue in front makes the render stage wait.
 
+#include <functional>
+#include <memory>
 #include <thread>
 #include <vector>
-
-#include <functional>
-
-#include <memory>
 
 #include "server/tile/tile_job.h"
 

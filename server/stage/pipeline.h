@@ -6,7 +6,6 @@
 //
 // Thread: start() and stop() are the owner's; the stages have threads of their own.
 
-
 #include <functional>
 #include <memory>
 #include <string>

@@ -18,9 +18,10 @@ struct StageQueues {
   const Clock& clock;
   Counters counters;
   TileStore store;
-  BoundedQueue<FetchJob> fetches{4096};        ///< sessions -> fetch stage
-  TileQueue tiles;                             ///< sessions -> render stage
-  BoundedQueue<EncodeJob> rendered{512};       ///< render stage, sessions -> encode stage
+  BoundedQueue<FetchJob> fetches{4096};  ///< sessions -> fetch stage
+  TileQueue tiles;                       ///< sessions -> render stage
+  /// Render stage, sessions -> encode stage. Few enough that what is small waits behind little.
+  BoundedQueue<EncodeJob> rendered{512, {pixel_bytes, 32u << 20}};
   BoundedQueue<SaveJob> saves{256};            ///< encode stage -> fetch stage
   BoundedQueue<ImageLevel> images{4096};       ///< sessions -> image stage
   BoundedQueue<Completion> completions{8192};  ///< all stages -> sessions

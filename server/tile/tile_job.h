@@ -148,6 +148,8 @@ struct RenderedView {
 };
 
 using EncodeJob = std::variant<RenderedTile, FormJob, RenderedView>;
+/// Of the pixels it holds, or its part of a page.
+std::size_t pixel_bytes(const EncodeJob& job);
 
 // What the stages hand back to the network loop.
 

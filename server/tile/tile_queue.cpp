@@ -6,8 +6,16 @@
 
 namespace mirage {
 namespace {
-constexpr std::size_t kMaxQueuedReferences = 16;
+
+// What a tile takes, in texels: those it has, and what there is to do for any. Triangles are not
+// known here; of an object drawn often they cost about as much in every tile.
+constexpr double kAnyTileTexels = 64 * 64;
+double work_of(const TileJob& job) {
+  const double edge = tile_edge(job.key.size_class);
+  return kAnyTileTexels + edge * edge;
 }
+
+}  // namespace
 
 TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
                                        const ObjectLighting& lighting, const Waiter& waiter,
@@ -31,6 +39,8 @@ TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
   // A NaN error would break the ordering: it counts as the worst.
   const float error = waiter.error_px >= 0 && waiter.error_px < 1e30f ? waiter.error_px : 1e30f;
   if (!entry.rendering) {
+    // Who was away has not saved up turns.
+    if (session.ranked.empty()) session.served = std::max(session.served, served_);
     request.rank = Rank{error, ++order_};
     session.ranked.emplace(*request.rank, id);
   }
@@ -40,7 +50,9 @@ TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
 
 bool TileQueue::submit(ReferenceJob job) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (references_.size() >= kMaxQueuedReferences) return false;
+  const bool again = std::any_of(references_.begin(), references_.end(),
+                                 [&](const ReferenceJob& r) { return r.session == job.session; });
+  if (again) return false;
   references_.push_back(std::move(job));
   not_empty_.notify_one();
   return true;
@@ -146,33 +158,42 @@ void TileQueue::start(Entry& entry) {
   }
 }
 
-TileQueue::Entry* TileQueue::next_entry() {
-  // Sessions take turns: start behind the one served last.
-  for (std::size_t tries = sessions_.size(); tries > 0; --tries) {
-    auto at = sessions_.upper_bound(last_served_);
-    if (at == sessions_.end()) at = sessions_.begin();
-    last_served_ = at->first;
-    const std::map<Rank, TileId>& ranked = at->second.ranked;
-    while (!ranked.empty()) {
-      const auto found = entries_.find(ranked.begin()->second);
-      if (!drop_late(found->second)) return &found->second;
-      entries_.erase(found);
+TileQueue::Entry* TileQueue::next_entry(SessionQueue** turn) {
+  for (;;) {
+    SessionQueue* next = nullptr;
+    for (auto& [id, session] : sessions_) {
+      if (session.ranked.empty()) continue;
+      if (!next || session.served < next->served) next = &session;
     }
+    if (!next) return nullptr;
+    const auto found = entries_.find(next->ranked.begin()->second);
+    if (!drop_late(found->second)) {
+      *turn = next;
+      return &found->second;
+    }
+    entries_.erase(found);
   }
-  return nullptr;
 }
 
 std::vector<TileJob> TileQueue::take_batch(const std::function<bool(std::uint32_t)>& fits) {
   std::vector<TileJob> batch;
-  while (Entry* entry = next_entry()) {
-    if (!fits(tile_edge(entry->job.key.size_class))) {
-      --last_served_;  // its turn comes first with the next batch
-      break;
-    }
+  SessionQueue* turn = nullptr;
+  while (Entry* entry = next_entry(&turn)) {
+    if (!fits(tile_edge(entry->job.key.size_class))) break;
+    served_ = turn->served;
+    turn->served += work_of(entry->job);
     start(*entry);
     batch.push_back(entry->job);
   }
   return batch;
+}
+
+std::optional<TileQueue::Work> TileQueue::take_reference() {
+  reference_was_last_ = !references_.empty();
+  if (references_.empty()) return std::nullopt;
+  ReferenceJob job = std::move(references_.front());
+  references_.pop_front();
+  return Work(std::move(job));
 }
 
 std::optional<TileQueue::Work> TileQueue::take(const std::function<bool(std::uint32_t)>& fits,
@@ -180,17 +201,19 @@ std::optional<TileQueue::Work> TileQueue::take(const std::function<bool(std::uin
   std::unique_lock<std::mutex> lock(mutex_);
   for (;;) {
     if (closed_) return std::nullopt;
-    if (!references_.empty()) {
-      ReferenceJob job = std::move(references_.front());
-      references_.pop_front();
-      return Work(std::move(job));
+    if (!reference_was_last_) {
+      if (std::optional<Work> reference = take_reference()) return reference;
     }
     std::vector<TileJob> batch;
     const auto view = next_view();
     const bool wanted = view != views_.end() && view->wanted;
     if (!wanted || view_was_last_) batch = take_batch(fits);
     view_was_last_ = false;
-    if (!batch.empty()) return Work(std::move(batch));
+    if (!batch.empty()) {
+      reference_was_last_ = false;
+      return Work(std::move(batch));
+    }
+    if (std::optional<Work> reference = take_reference()) return reference;
     if (view != views_.end()) {
       ViewJob job = std::move(*view);
       views_.erase(view);
@@ -200,6 +223,15 @@ std::optional<TileQueue::Work> TileQueue::take(const std::function<bool(std::uin
     if (!wait) return std::nullopt;
     not_empty_.wait(lock);
   }
+}
+
+double TileQueue::wait_us(SessionId session, double tile_us) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto own = sessions_.find(session);
+  const std::size_t before = own == sessions_.end() ? 0 : own->second.ranked.size();
+  std::size_t all = 0;
+  for (const auto& [id, other] : sessions_) all += std::min(other.ranked.size(), before + 1);
+  return tile_us * static_cast<double>(all);
 }
 
 std::vector<Waiter> TileQueue::finish(const TileId& id) {

@@ -28,8 +28,11 @@ class TileQueue {
   enum class Admission { kQueued, kMerged, kBusy };
   Admission submit(const TileKey& key, const TileId& id, const ObjectLighting& lighting,
                    const Waiter& waiter, const Lighting& world = {});
-  /// References are few: they go before tiles. False when too many wait already.
+  /// A full render, between batches of tiles. False: the session waits for one already.
   bool submit(ReferenceJob job);
+  /// For how long a new ask of the session would wait here, by what a tile has taken of late, µs:
+  /// sessions take turns.
+  double wait_us(SessionId session, double tile_us) const;
   /// Views come between tiles: one, then at least one batch of tiles where some wait; those that
   /// nobody wants yet after all tiles.
   void submit(ViewJob job);
@@ -74,6 +77,7 @@ class TileQueue {
     std::optional<Rank> rank;  ///< while it waits to be rendered
   };
   struct SessionQueue {
+    double served = 0;  ///< work done for it, as turns are counted
     std::map<Rank, TileId> ranked;
     std::unordered_map<std::uint32_t, Request> requests;
   };
@@ -85,8 +89,10 @@ class TileQueue {
   /// It is being rendered, and ranked no longer.
   void start(Entry& entry);
   bool drop_late(Entry& entry);
-  /// The next to be rendered, still in its place; whose turn it was is last_served_.
-  Entry* next_entry();
+  /// The next to be rendered, still in its place, and whose turn it is: of those who wait the one
+  /// for whom least has been done.
+  Entry* next_entry(SessionQueue** turn);
+  std::optional<Work> take_reference();
   /// What waits and fits, marked as being rendered.
   std::vector<TileJob> take_batch(const std::function<bool(std::uint32_t)>& fits);
   /// The view to draw next: a wanted one, if there is one.
@@ -100,9 +106,9 @@ class TileQueue {
   std::map<SessionId, SessionQueue> sessions_;
   std::deque<ReferenceJob> references_;
   std::deque<ViewJob> views_;
-  bool view_was_last_ = false;
+  bool view_was_last_ = false, reference_was_last_ = false;
   std::vector<Waiter> late_;
-  SessionId last_served_ = 0;
+  double served_ = 0;  ///< of the session whose turn it was last
   std::uint64_t order_ = 0;
   bool closed_ = false;
 };

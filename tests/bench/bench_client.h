@@ -5,12 +5,12 @@
 #include <optional>
 
 #include "client/draw/frame_renderer.h"
-#include "client/host/client_host.h"
-#include "shaders/gl/egl_context.h"
 #include "client/draw/frame_target.h"
 #include "client/frame/draw_list.h"
+#include "client/host/client_host.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
+#include "shaders/gl/egl_context.h"
 
 namespace mirage::bench {
 

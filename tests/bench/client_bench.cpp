@@ -4,23 +4,23 @@
 
 #include <algorithm>
 
+#include "client/draw/frame_renderer.h"
 #include "client/frame/camera_path.h"
 #include "client/host/methods.h"
+#include "client/link/link.h"
+#include "client/link/modelled_link.h"
 #include "client/price/cost_model.h"
 #include "client/quality/metrics.h"
 #include "protocol/base/quantile.h"
+#include "server/prepare/prepared_scene.h"
 #include "server/render/gpu_scene.h"
+#include "shaders/gl/mesh_pass.h"
+#include "shaders/gl/sky_pass.h"
+#include "shaders/gl/view_depth.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_client.h"
 #include "tests/support/large_scene.h"
 #include "tests/support/process.h"
-#include "client/draw/frame_renderer.h"
-#include "client/link/link.h"
-#include "client/link/modelled_link.h"
-#include "server/prepare/prepared_scene.h"
-#include "shaders/gl/mesh_pass.h"
-#include "shaders/gl/sky_pass.h"
-#include "shaders/gl/view_depth.h"
 
 namespace mirage::bench {
 namespace {

@@ -6,12 +6,12 @@
 #include <chrono>
 
 #include "client/draw/impostor_atlas.h"
+#include "server/render/gpu_scene.h"
 #include "server/render/readback_ring.h"
 #include "server/render/tile_page.h"
 #include "shaders/gl/egl_context.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/stages.h"
-#include "server/render/gpu_scene.h"
 
 namespace mirage::bench {
 namespace {

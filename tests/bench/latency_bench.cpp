@@ -3,14 +3,14 @@
 
 #include <cmath>
 
+#include "client/draw/frame_renderer.h"
 #include "client/host/methods.h"
+#include "client/native/native_link.h"
+#include "client/session/tile_trace.h"
 #include "protocol/base/quantile.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_client.h"
 #include "tests/support/process.h"
-#include "client/draw/frame_renderer.h"
-#include "client/native/native_link.h"
-#include "client/session/tile_trace.h"
 
 namespace mirage::bench {
 namespace {

@@ -4,13 +4,13 @@
 
 #include <cmath>
 
+#include "client/draw/frame_renderer.h"
 #include "client/frame/camera_path.h"
 #include "client/price/cost_fit.h"
 #include "protocol/base/quantile.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_client.h"
 #include "tests/support/process.h"
-#include "client/draw/frame_renderer.h"
 
 namespace mirage::bench {
 namespace {

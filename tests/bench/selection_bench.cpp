@@ -1,9 +1,9 @@
 // What deciding costs a client: selector and scheduler, by the number of instances.
 #include <spdlog/fmt/fmt.h>
 
+#include "server/prepare/prepared_scene.h"
 #include "tests/bench/bench.h"
 #include "tests/support/rig.h"
-#include "server/prepare/prepared_scene.h"
 
 namespace mirage::bench {
 namespace {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "server/tile/stage_queues.h"
 #include "protocol/base/clock.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/stage/pipeline.h"
 #include "server/stage/render_options.h"
+#include "server/tile/stage_queues.h"
 
 namespace mirage::bench {
 

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "protocol/impostor/capture.h"
+#include "server/render/gpu_scene.h"
 #include "server/render/tile_shot.h"
 #include "shaders/gl/egl_context.h"
 #include "shaders/gl/renderer.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/stages.h"
-#include "server/render/gpu_scene.h"
 
 namespace mirage::bench {
 namespace {

@@ -13,7 +13,8 @@ namespace mirage::test {
 namespace {
 
 const std::vector<std::string> kPrograms = {"mirage-server", "mirage-view",    "mirage-load",
-                                            "mirage-report", "mirage-extreme", "mirage-sheet"};
+                                            "mirage-report", "mirage-extreme", "mirage-sheet",
+                                            "mirage-token"};
 
 std::string config(const std::string& text) {
   static int number = 0;

@@ -45,7 +45,7 @@ std::string room_file() {
 
 TEST(Parts, AnEyeInsideOfOneMeshSeesItsWalls) {
   const std::string folder = scratch_folder();
-  const Server server(room_file(), {"--no-geometry"});
+  const Server server(room_file(), {"--no-geometry", "--references"});
   ASSERT_TRUE(server.ready()) << server.log();
   const nlohmann::json s =
       view(server,

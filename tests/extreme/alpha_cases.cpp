@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/draw/frame_target.h"
+#include "client/scene/scene_view.h"
 #include "protocol/codec/image_codec.h"
 #include "protocol/codec/tile_codec.h"
+#include "server/render/gpu_scene.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"
-#include "client/draw/frame_target.h"
-#include "client/scene/scene_view.h"
-#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 namespace {

@@ -12,13 +12,13 @@
 
 #include "client/plan/tau_controller.h"
 #include "client/price/cost_fit.h"
+#include "client/scene/scene_view.h"
+#include "protocol/impostor/tile_key.h"
+#include "server/prepare/prepared_scene.h"
 #include "tests/extreme/control_turn_case.h"
 #include "tests/extreme/network_links.h"
 #include "tests/extreme/registry.h"
 #include "tests/support/rig.h"
-#include "client/scene/scene_view.h"
-#include "protocol/impostor/tile_key.h"
-#include "server/prepare/prepared_scene.h"
 
 namespace mirage::extreme {
 using namespace test;

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/draw/frame_target.h"
 #include "protocol/base/limits.h"
 #include "protocol/base/stable_math.h"
+#include "server/render/gpu_scene.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"
-#include "client/draw/frame_target.h"
-#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 namespace {

@@ -5,15 +5,15 @@
 #include <cmath>
 #include <cstring>
 
+#include "client/draw/frame_target.h"
 #include "protocol/base/stable_math.h"
+#include "server/render/gpu_scene.h"
 #include "server/scene/gltf/gltf_import.h"
 #include "tests/extreme/geometry_file_cases.h"
 #include "tests/extreme/geometry_vertex_cases.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"
-#include "client/draw/frame_target.h"
-#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 namespace {

@@ -8,15 +8,15 @@
 #include <limits>
 #include <optional>
 
+#include "client/draw/frame_target.h"
 #include "client/plan/tile_fit.h"
+#include "client/plan/tile_need.h"
 #include "protocol/base/stable_math.h"
+#include "protocol/impostor/error_bound.h"
+#include "server/render/gpu_scene.h"
 #include "server/scene/gltf/gltf_import.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"
-#include "client/draw/frame_target.h"
-#include "client/plan/tile_need.h"
-#include "protocol/impostor/error_bound.h"
-#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 namespace {

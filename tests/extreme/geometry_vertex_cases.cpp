@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "client/draw/frame_target.h"
 #include "protocol/base/stable_math.h"
+#include "server/render/gpu_scene.h"
 #include "server/scene/gltf/gltf_import.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"
-#include "client/draw/frame_target.h"
-#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 namespace {

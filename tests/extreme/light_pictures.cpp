@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "server/scene/gltf/gltf_import.h"
-#include "tests/extreme/shapes.h"
 #include "client/draw/frame_target.h"
 #include "server/render/gpu_scene.h"
+#include "server/scene/gltf/gltf_import.h"
+#include "tests/extreme/shapes.h"
 
 namespace mirage::extreme {
 

@@ -6,15 +6,15 @@
 #include <limits>
 #include <numeric>
 
+#include "client/draw/frame_target.h"
 #include "protocol/base/limits.h"
 #include "protocol/impostor/lighting_state.h"
 #include "protocol/wire/message.h"
+#include "server/render/gpu_scene.h"
 #include "tests/extreme/light_pictures.h"
 #include "tests/extreme/light_queue_case.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"
-#include "client/draw/frame_target.h"
-#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 namespace {

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <map>
 
+#include "client/draw/frame_target.h"
 #include "protocol/base/quantile.h"
 #include "tests/extreme/network_links.h"
 #include "tests/extreme/network_server_case.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/studio.h"
 #include "tests/support/rig.h"
-#include "client/draw/frame_target.h"
 
 namespace mirage::extreme {
 using namespace test;

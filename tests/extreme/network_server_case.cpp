@@ -15,12 +15,12 @@
 #include <thread>
 
 #include "client/native/native_link.h"
+#include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
 #include "protocol/base/clock.h"
 #include "protocol/base/quantile.h"
 #include "tests/support/process.h"
 #include "tests/support/rig.h"
-#include "client/scene/scene_view.h"
 
 namespace mirage::extreme {
 using namespace test;

@@ -5,16 +5,16 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "client/draw/frame_target.h"
+#include "client/plan/tile_need.h"
 #include "protocol/base/stable_math.h"
 #include "protocol/codec/model_codec.h"
+#include "protocol/impostor/error_bound.h"
 #include "protocol/impostor/lighting_state.h"
+#include "server/render/gpu_scene.h"
 #include "server/render/readback_ring.h"
 #include "server/tile/tile_encode.h"
 #include "tests/gl/bench.h"
-#include "client/draw/frame_target.h"
-#include "client/plan/tile_need.h"
-#include "protocol/impostor/error_bound.h"
-#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 namespace {

@@ -8,18 +8,18 @@
 #include <string>
 #include <vector>
 
-#include "client/frame/draw_list.h"
-#include "server/render/gpu_scene.h"
-#include "client/draw/frame_target.h"
 #include "client/draw/frame_renderer.h"
+#include "client/draw/frame_target.h"
+#include "client/frame/draw_list.h"
+#include "client/hold/tile_cache.h"
+#include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
+#include "server/prepare/prepared_scene.h"
+#include "server/render/gpu_scene.h"
 #include "server/render/reference_renderer.h"
 #include "server/render/tile_page.h"
 #include "shaders/gl/egl_context.h"
 #include "tests/extreme/extreme_case.h"
-#include "client/hold/tile_cache.h"
-#include "client/scene/scene_view.h"
-#include "server/prepare/prepared_scene.h"
 
 namespace mirage::extreme {
 

@@ -4,16 +4,16 @@
 #include <map>
 #include <set>
 
+#include "client/draw/frame_target.h"
 #include "client/hold/atlas_allocator.h"
+#include "client/plan/tile_need.h"
+#include "protocol/impostor/error_bound.h"
+#include "server/render/gpu_scene.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"
 #include "tests/gl/bench.h"
 #include "tests/support/rig.h"
-#include "client/draw/frame_target.h"
-#include "client/plan/tile_need.h"
-#include "protocol/impostor/error_bound.h"
-#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 using namespace test;

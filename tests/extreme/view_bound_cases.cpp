@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "client/draw/frame_target.h"
 #include "client/draw/geometric_error.h"
 #include "protocol/base/stable_math.h"
+#include "server/render/gpu_scene.h"
 #include "tests/extreme/shapes.h"
 #include "tests/extreme/studio.h"
 #include "tests/support/process.h"
-#include "client/draw/frame_target.h"
-#include "server/render/gpu_scene.h"
 
 namespace mirage::extreme {
 namespace {

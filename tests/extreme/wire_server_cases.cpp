@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "client/native/native_link.h"
+#include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
 #include "protocol/base/clock.h"
 #include "protocol/base/error.h"
@@ -13,7 +14,6 @@
 #include "tests/support/process.h"
 #include "tests/support/protocol_samples.h"
 #include "tests/support/raw_peer.h"
-#include "client/scene/scene_view.h"
 
 namespace mirage::extreme {
 namespace {

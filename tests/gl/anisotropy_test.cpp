@@ -7,14 +7,14 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
+#include "client/hold/tile_cache.h"
+#include "server/render/gpu_scene.h"
 #include "server/scene/environment/probe_filter.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/render_target.h"
 #include "tests/gl/bench.h"
 #include "tests/gl/need_scenes.h"
 #include "tests/support/gltf_builder.h"
-#include "client/hold/tile_cache.h"
-#include "server/render/gpu_scene.h"
 
 namespace mirage::test {
 namespace {

@@ -4,21 +4,16 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "protocol/base/stable_math.h"
-#include "protocol/impostor/lighting_state.h"
-#include "server/render/readback_ring.h"
-#include "server/scene/environment/builtin_environment.h"
-#include "server/scene/environment/probe_filter.h"
-#include "server/session/session.h"
-#include "server/tile/tile_encode.h"
 #include "client/hold/tile_cache.h"
 #include "client/plan/tile_need.h"
 #include "client/scene/scene_view.h"
 #include "client/session/shadow_stage.h"
+#include "protocol/base/stable_math.h"
 #include "protocol/codec/image_codec.h"
 #include "protocol/codec/model_codec.h"
 #include "protocol/impostor/capture.h"
 #include "protocol/impostor/error_bound.h"
+#include "protocol/impostor/lighting_state.h"
 #include "protocol/impostor/tile_key.h"
 #include "protocol/model/scene_types.h"
 #include "server/prepare/derived_cache.h"
@@ -26,7 +21,12 @@
 #include "server/prepare/object_geometry.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/render/gpu_scene.h"
+#include "server/render/readback_ring.h"
+#include "server/scene/environment/builtin_environment.h"
+#include "server/scene/environment/probe_filter.h"
 #include "server/scene/gltf/bounds.h"
+#include "server/session/session.h"
+#include "server/tile/tile_encode.h"
 #include "shaders/gl/gl_object.h"
 
 namespace mirage::test {
@@ -130,7 +130,7 @@ std::optional<SceneView> scene_as_told(const std::shared_ptr<const PreparedScene
   const SteadyClock clock;
   StageQueues queues(clock, 1 << 20, nullptr);
   SessionHub hub(prepared, {}, queues);
-  const SessionId id = hub.open().take();
+  const SessionId id = hub.open();
   wire::HelloT hello;
   hello.version_min = hello.version_max = limits::kProtocolVersion;
   hello.codecs = {0, 1};

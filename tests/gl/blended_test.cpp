@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "client/draw/geometric_error.h"
-#include "tests/gl/bench.h"
-#include "tests/support/gltf_builder.h"
 #include "client/plan/tile_need.h"
 #include "protocol/impostor/error_bound.h"
 #include "server/render/gpu_scene.h"
+#include "tests/gl/bench.h"
+#include "tests/support/gltf_builder.h"
 
 namespace mirage::test {
 namespace {

@@ -1,5 +1,5 @@
 // Impostors against the full render of the same build: the fidelity protocol of the field
-// (FIELD.md: 512 x 512, 24 Fibonacci directions, fewer for the tree, tight field of view, grey
+// (512 x 512, 24 Fibonacci directions, fewer for the tree, tight field of view, grey
 // background). Every row prints its figures.
 
 #include <gtest/gtest.h>
@@ -12,11 +12,11 @@
 #include <map>
 
 #include "client/draw/geometric_error.h"
-#include "tests/gl/bench.h"
-#include "tests/support/data_folder.h"
 #include "client/plan/tile_need.h"
 #include "protocol/impostor/error_bound.h"
 #include "server/render/gpu_scene.h"
+#include "tests/gl/bench.h"
+#include "tests/support/data_folder.h"
 
 namespace mirage::test {
 namespace {
@@ -24,7 +24,7 @@ namespace {
 constexpr int kDirections = 24;
 constexpr int kTreeDirections = 4;  // its truth takes seconds a picture on a CPU
 constexpr std::uint32_t kEdge = Bench::kSize;
-constexpr double kGridMiB = 42.7;  // of the 12 x 12 grid that FIELD.md compares with
+constexpr double kGridMiB = 42.7;  // of the 12 x 12 grid of views that is compared with
 
 struct Model {
   const char* name;

@@ -6,8 +6,8 @@
 #include <set>
 #include <vector>
 
-#include "client/plan/selector.h"
 #include "client/hold/tile_cache.h"
+#include "client/plan/selector.h"
 #include "protocol/wire/message.h"
 #include "wire_generated.h"
 

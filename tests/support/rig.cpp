@@ -124,7 +124,7 @@ std::vector<Message> Host::messages_for(SessionId id) {
 
 void HostLink::connect() {
   disconnect();
-  id_ = host_.hub().open().take();
+  id_ = host_.hub().open();
   up_ = true;
   ++generation_;
 }

@@ -7,14 +7,14 @@
 #include <memory>
 #include <vector>
 
-#include "server/tile/stage_queues.h"
-#include "server/prepare/prepared_scene.h"
-#include "client/plan/selector.h"
 #include "client/hold/tile_cache.h"
-#include "client/scene/scene_view.h"
 #include "client/link/modelled_link.h"
+#include "client/plan/selector.h"
+#include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
+#include "server/prepare/prepared_scene.h"
 #include "server/session/session.h"
+#include "server/tile/stage_queues.h"
 
 namespace mirage::test {
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "server/tile/stage_queues.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/session/session.h"
+#include "server/tile/stage_queues.h"
 #include "tests/support/protocol_samples.h"
 
 namespace mirage::test {
@@ -57,7 +57,7 @@ class SessionHubTest : public ::testing::Test {
     return out;
   }
   SessionId greeted() {
-    const SessionId id = hub->open().take();
+    const SessionId id = hub->open();
     EXPECT_TRUE(send(id, hello()).ok());
     drain(id);
     return id;

@@ -1,9 +1,9 @@
 #pragma once
 // A prepared scene as a client is told of it, without a socket.
 
+#include "server/prepare/prepared_scene.h"
 #include "server/session/scene_pages.h"
 #include "tests/support/core_scene.h"
-#include "server/prepare/prepared_scene.h"
 
 namespace mirage::test {
 

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "protocol/base/limits.h"
-#include "tests/support/core_scene.h"
 #include "protocol/impostor/tile_key.h"
+#include "tests/support/core_scene.h"
 #include "wire_generated.h"
 
 namespace mirage::test {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "client/plan/mesh_wants.h"
-#include "tests/support/core_scene.h"
 #include "protocol/codec/model_codec.h"
+#include "tests/support/core_scene.h"
 
 namespace mirage::test {
 namespace {

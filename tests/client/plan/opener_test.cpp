@@ -8,11 +8,11 @@
 #include "client/plan/scene_opener.h"
 #include "client/plan/selector_rules.h"
 #include "protocol/base/limits.h"
-#include "server/session/session.h"
-#include "tests/support/told_scene.h"
 #include "protocol/impostor/tile_key.h"
 #include "server/prepare/grouping.h"
 #include "server/prepare/prepared_scene.h"
+#include "server/session/session.h"
+#include "tests/support/told_scene.h"
 
 namespace mirage::test {
 namespace {
@@ -400,7 +400,7 @@ TEST(ServerOpening, AnAnswerIsMadePageByPageAndTellsOfEachOnce) {
   const VirtualClock clock;
   StageQueues queues(clock, 1 << 20, nullptr);
   SessionHub hub(field(), {}, queues);
-  const SessionId id = hub.open().take();
+  const SessionId id = hub.open();
   const auto say = [&](Bytes bytes) {
     ASSERT_TRUE(hub.receive(id, bytes.data(), bytes.size()).ok());
   };

@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "client/plan/scene_opener.h"
-#include "tests/support/room.h"
-#include "tests/support/told_scene.h"
 #include "protocol/impostor/tile_key.h"
 #include "server/prepare/prepared_scene.h"
+#include "tests/support/room.h"
+#include "tests/support/told_scene.h"
 
 namespace mirage::test {
 namespace {

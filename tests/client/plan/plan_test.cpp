@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "client/plan/frame_plan.h"
-
 #include "protocol/impostor/camera.h"
 
 namespace mirage {

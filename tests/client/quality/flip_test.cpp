@@ -10,8 +10,8 @@
 #include <random>
 #include <sstream>
 
-#include "tests/support/quality_fixture.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/quality_fixture.h"
 
 namespace mirage::test {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <algorithm>
 
-#include "client/session/client_session.h"
 #include "client/link/link.h"
 #include "client/scene/scene_view.h"
+#include "client/session/client_session.h"
 #include "server/prepare/prepared_scene.h"
 
 namespace mirage::test {
@@ -21,7 +21,7 @@ class HubLink final : public Link {
   /// A server started anew: the connection is another one.
   void restart(SessionOptions options) {
     hub_ = std::make_unique<SessionHub>(scene_, std::move(options), queues_);
-    id_ = hub_->open().take();
+    id_ = hub_->open();
     ++generation_;
   }
   void send(Bytes bytes) override {

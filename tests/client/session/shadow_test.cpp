@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "client/draw/worn_shadow.h"
+#include "client/hold/mesh_cache.h"
 #include "client/session/shadow_stage.h"
 #include "protocol/impostor/lighting_state.h"
 #include "tests/support/core_scene.h"
-#include "client/hold/mesh_cache.h"
 
 namespace mirage::test {
 namespace {

@@ -1,12 +1,12 @@
 // The view tile as one of the ways an object is drawn, and when another is asked for.
 #include <gtest/gtest.h>
 
+#include "client/hold/mesh_cache.h"
 #include "client/link/modelled_link.h"
 #include "client/session/view_stage.h"
+#include "protocol/codec/model_codec.h"
 #include "protocol/wire/view_codec.h"
 #include "tests/support/core_scene.h"
-#include "client/hold/mesh_cache.h"
-#include "protocol/codec/model_codec.h"
 
 namespace mirage::test {
 namespace {

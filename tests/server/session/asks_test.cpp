@@ -27,7 +27,7 @@ TEST_F(ServerAsks, AsksAreQueuedAndAnswered) {
 
 TEST_F(ServerAsks, AWelcomeTellsWhatATileTakes) {
   const auto told = [&] {
-    const SessionId id = hub->open().take();
+    const SessionId id = hub->open();
     EXPECT_TRUE(send(id, hello()).ok());
     return drain(id).front().body.AsWelcome()->tile_us;
   };

@@ -31,7 +31,7 @@ class ServerCodec : public SessionHubTest {
   }
   /// Greets with these codecs; the welcome.
   std::pair<SessionId, wire::WelcomeT> greet(const std::vector<TileCodec>& codecs) {
-    const SessionId id = hub->open().take();
+    const SessionId id = hub->open();
     EXPECT_TRUE(send(id, hello(codecs)).ok());
     return {id, *drain(id).at(0).body.AsWelcome()};
   }

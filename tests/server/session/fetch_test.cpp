@@ -61,7 +61,7 @@ class ServerFetch : public SessionHubTest {
     return make_form(tile, fields, TileCodec::kZstd);
   }
   SessionId client() {
-    const SessionId id = hub->open().take();
+    const SessionId id = hub->open();
     EXPECT_TRUE(send(id, hello({TileCodec::kZstd})).ok());
     drain(id);
     return id;

@@ -13,7 +13,7 @@ namespace {
 class ServerSession : public SessionHubTest {};
 
 TEST_F(ServerSession, HelloIsAnsweredWithTheScene) {
-  const SessionId id = hub->open().take();
+  const SessionId id = hub->open();
   EXPECT_FALSE(hub->next_frame(id)) << "nothing before the hello";
   ASSERT_TRUE(send(id, hello()).ok());
   EXPECT_EQ(hub->take_writable(), std::set<SessionId>{id});
@@ -32,7 +32,7 @@ TEST_F(ServerSession, HelloIsAnsweredWithTheScene) {
 }
 
 TEST_F(ServerSession, MembersComeAfterTheDescriptionAndBeforeTiles) {
-  const SessionId id = hub->open().take();
+  const SessionId id = hub->open();
   ASSERT_TRUE(send(id, hello()).ok());
   ASSERT_TRUE(send(id, sample_open_request()).ok());
   const std::vector<Message> messages = drain(id);
@@ -51,7 +51,7 @@ TEST_F(ServerSession, WhatComesBeforeTheHelloIsAnError) {
   for (const Bytes& bytes : sample_messages()) {
     const bool is_hello = decode_message(bytes.data(), bytes.size())->body.AsHello() != nullptr;
     if (is_hello) continue;
-    const SessionId id = hub->open().take();
+    const SessionId id = hub->open();
     const Result<void> result = hub->receive(id, bytes.data(), bytes.size());
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().id, ErrorId::kWireState);
@@ -76,13 +76,13 @@ TEST_F(ServerSession, MessagesOfAServerAreNotForAServer) {
 
 TEST_F(ServerSession, BadHellos) {
   SessionOptions options;
-  options.token = "secret";
+  options.access = Access::parse("secret").take();
   restart(options);
   const auto error_of = [&](const std::function<void(wire::HelloT&)>& change) {
     wire::HelloT m = hello();
     m.token = "secret";
     change(m);
-    const Result<void> result = send(hub->open().take(), std::move(m));
+    const Result<void> result = send(hub->open(), std::move(m));
     return result ? std::string() : std::string(error_name(result.error().id));
   };
   EXPECT_EQ(error_of([](wire::HelloT&) {}), "");
@@ -96,21 +96,59 @@ TEST_F(ServerSession, BadHellos) {
   EXPECT_EQ(error_of([](wire::HelloT& m) { m.codecs.clear(); }), "codec");
 }
 
-TEST_F(ServerSession, TooManyClients) {
+TEST_F(ServerSession, PlacesAreTakenByARightHello) {
   SessionOptions options;
   options.max_clients = 2;
+  options.access = Access::parse("right").take();
   restart(options);
-  const SessionId first = hub->open().take();
-  ASSERT_TRUE(hub->open());
-  const auto third = hub->open();
+  wire::HelloT wrong = hello(), right = hello();
+  wrong.token = "wrong";
+  right.token = "right";
+  for (int i = 0; i < 10; ++i) hub->open();  // who says nothing takes no place
+  EXPECT_FALSE(send(hub->open(), wire::HelloT(wrong)));
+  const SessionId first = hub->open();
+  ASSERT_TRUE(send(first, wire::HelloT(right)));
+  ASSERT_TRUE(send(hub->open(), wire::HelloT(right)));
+  EXPECT_EQ(hub->clients(), 2u);
+  const Result<void> third = send(hub->open(), wire::HelloT(right));
   ASSERT_FALSE(third);
   EXPECT_EQ(third.error().id, ErrorId::kBusy);
   hub->close(first);
-  EXPECT_TRUE(hub->open());
+  EXPECT_TRUE(send(hub->open(), wire::HelloT(right)));
+}
+
+TEST_F(ServerSession, BeforeTheHelloThereIsNothingButAHello) {
+  const Bytes much(4097, 0);
+  EXPECT_EQ(hub->receive(hub->open(), much.data(), much.size()).error().id, ErrorId::kWireLimit);
+  // The first of two chunks.
+  wire::HelloT large = hello();
+  large.name = std::string(4000, 'x');
+  Bytes chunk(kWireHeaderBytes + kChunkPrefixBytes + 100);
+  FrameHeader header;
+  header.kind = FrameKind::kChunk;
+  header.payload_bytes = kChunkPrefixBytes + 100;
+  write_frame_header(header, chunk.data());
+  chunk[kWireHeaderBytes] = 1;
+  chunk[kWireHeaderBytes + 5] = 1;  // of 256 bytes
+  const Result<void> told = hub->receive(hub->open(), chunk.data(), chunk.size());
+  ASSERT_FALSE(told);
+  EXPECT_EQ(told.error().id, ErrorId::kWireState);
+}
+
+TEST_F(ServerSession, OfManyStrangersTheFirstGo) {
+  const SessionId client = greeted();
+  const SessionId first = hub->open();
+  for (int i = 0; i < 255; ++i) hub->open();
+  EXPECT_TRUE(hub->overdue().empty());
+  hub->open();
+  const auto overdue = hub->overdue();
+  ASSERT_EQ(overdue.size(), 1u);
+  EXPECT_EQ(overdue[0].first, first);
+  EXPECT_NE(first, client);
 }
 
 TEST_F(ServerSession, EveryByteSentIsCounted) {
-  const SessionId id = hub->open().take();
+  const SessionId id = hub->open();
   ASSERT_TRUE(send(id, hello()).ok());
   std::size_t sent = 0;
   while (const FramePtr frame = hub->next_frame(id)) sent += frame->size();
@@ -139,7 +177,7 @@ TEST_F(ServerSession, HostileBytesHurtOnlyTheirSender) {
   const std::vector<Bytes> samples = sample_messages();
   int errors = 0;
   for (int i = 0; i < 5000; ++i) {
-    const SessionId bad = hub->open().take();
+    const SessionId bad = hub->open();
     if (i % 2 == 0) {
       ASSERT_TRUE(send(bad, hello()).ok());
     }
@@ -169,30 +207,104 @@ TEST_F(ServerSession, CloseDuringRenderingIsHarmless) {
   EXPECT_EQ(queue.length(), 0u);
 }
 
-// A batch may ask for far more than a client could ever be allowed to leave unread.
-TEST_F(ServerSession, WhoDoesNotReadGetsNoMoreAndIsOverdue) {
-  SessionOptions options;
-  options.max_outbox_bytes = 3 * scene_->objects[0].lods[0].bytes;
-  restart(options);
-  const SessionId id = greeted(), other = greeted();
+// A batch may ask for far more than a client could ever be allowed to leave unread: meshes are made
+// as they are sent.
+TEST_F(ServerSession, AsksForAMeshCostNoMemoryUntilTheirTurn) {
+  const SessionId id = greeted();
+  drain(id);
   wire::RequestBatchT batch;
   for (std::uint32_t i = 0; i < limits::kMaxAsksPerBatch; ++i) {
     batch.mesh_asks.emplace_back(i + 1, 0, 0);
   }
   ASSERT_TRUE(send(id, std::move(batch)).ok());
-  const auto overdue = hub->overdue();
-  ASSERT_EQ(overdue.size(), 1u);
-  EXPECT_EQ(overdue[0].first, id);
-  EXPECT_EQ(overdue[0].second.id, ErrorId::kBusy);
-  EXPECT_LE(drain(id).size(), 3u);
-  EXPECT_EQ(hub->overdue().size(), 1u) << "what was left out never comes";
+  EXPECT_EQ(counters.meshes_sent, 0u);
+  ASSERT_TRUE(hub->next_frame(id));
+  EXPECT_EQ(counters.meshes_sent, 1u);
+  EXPECT_TRUE(hub->overdue().empty());
+  EXPECT_EQ(drain(id).size(), limits::kMaxAsksPerBatch - 1);
+}
+
+TEST_F(ServerSession, WhoHasMuchUnreadIsRefusedMore) {
+  SessionOptions options;
+  options.max_outbox_bytes = 5000;
+  restart(options);
+  const SessionId id = greeted(), other = greeted();
+  drain(id);
+  for (std::uint32_t i = 1; i <= 5; ++i) {
+    wire::Ask a = ask(i);
+    ASSERT_TRUE(send_ask(id, a).ok());
+  }
+  render_all(3000);
   ASSERT_TRUE(send_ask(other, ask(1)).ok());
+  EXPECT_EQ(drain(other).size(), 1u) << "from the store, while the first reads nothing";
+  std::size_t tiles = 0, refused = 0;
+  for (const Message& message : drain(id)) {
+    tiles += message.body.AsTileReply() != nullptr;
+    refused += message.body.AsRefused() != nullptr;
+  }
+  EXPECT_EQ(tiles, 2u);
+  EXPECT_EQ(refused, 3u);
+}
+
+TEST_F(ServerSession, WhoTakesNothingForLongIsOverdue) {
+  const SessionId id = greeted(), idle = greeted();
+  drain(id);
+  drain(idle);
+  ASSERT_TRUE(send_ask(id, ask(1)).ok());
+  render_all();
+  clock.advance_to_us(29'000'000);
+  EXPECT_TRUE(hub->overdue().empty());
+  clock.advance_to_us(31'000'000);
+  const auto overdue = hub->overdue();
+  ASSERT_EQ(overdue.size(), 1u) << "who has nothing to read is not";
+  EXPECT_EQ(overdue[0].first, id);
+  drain(id);
+  EXPECT_TRUE(hub->overdue().empty());
+}
+
+TEST_F(ServerSession, WhileDrainingWhatWasAskedForIsServedAndNothingElse) {
+  const SessionId id = greeted();
+  drain(id);
+  ASSERT_TRUE(send_ask(id, ask(1)).ok());
+  hub->drain();
+  EXPECT_FALSE(hub->drained());
+  ASSERT_TRUE(send_ask(id, ask(2, 1)).ok());
+  EXPECT_FALSE(send(hub->open(), hello()));
   EXPECT_EQ(render_all(), 1u);
-  EXPECT_EQ(drain(other).size(), 1u);
+  EXPECT_FALSE(hub->drained());
+  const std::vector<Message> messages = drain(id);
+  ASSERT_EQ(messages.size(), 2u);
+  EXPECT_TRUE(messages[0].body.AsRefused() && messages[1].body.AsTileReply());
+  EXPECT_TRUE(hub->drained());
+}
+
+// An ask that would be late is refused at once, not when it is late.
+TEST_F(ServerSession, WhatWouldBeLateIsRefusedAtOnce) {
+  const SessionId id = greeted();
+  drain(id);
+  ASSERT_TRUE(send_ask(id, ask(1)).ok());
+  for (const TileJob& job : take_tiles()) {  // it took a second
+    auto tile = std::make_shared<StoredTile>();
+    tile->reply = sample_tile_reply();
+    tile->reply.render_us = 1'000'000;
+    tile->planes.resize(100);
+    hub->complete(FinishedTile{job.id, TileCodec::kZstd, tile, tile});
+  }
+  drain(id);
+  const auto refused = [&](std::uint32_t request, std::uint32_t deadline_ms) {
+    const auto x = static_cast<std::uint16_t>(request);
+    const wire::Ask one(request, 0, 0, 1.0f, deadline_ms, 8, x, 0, 9, 2, 2, kLitTile, 0);
+    EXPECT_TRUE(send_ask(id, one).ok());
+    const std::vector<Message> messages = drain(id);
+    return messages.size() == 1 && messages[0].body.AsRefused();
+  };
+  EXPECT_FALSE(refused(2, 1500)) << "nothing is before it";
+  EXPECT_TRUE(refused(3, 500)) << "one is, and takes a second";
+  EXPECT_FALSE(refused(4, 0)) << "it may come whenever";
 }
 
 TEST_F(ServerSession, SilentClientsAreOverdue) {
-  const SessionId silent = hub->open().take();
+  const SessionId silent = hub->open();
   greeted();
   EXPECT_TRUE(hub->overdue().empty());
   clock.advance_to_us(10'000'001);

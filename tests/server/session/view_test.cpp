@@ -50,7 +50,7 @@ TEST_F(ServerView, TheHomeViewComesBeforeTheDescription) {
   ASSERT_EQ(jobs.size(), 1u);
   EXPECT_EQ(jobs[0].shot.camera.pose.eye, scene_->scene.home.eye);
   finish(jobs[0]);
-  const SessionId id = hub->open().take();
+  const SessionId id = hub->open();
   ASSERT_TRUE(send(id, hello_with_view()).ok());
   const std::vector<Message> messages = drain(id);
   ASSERT_EQ(messages.size(), 4u);
@@ -111,7 +111,7 @@ TEST_F(ServerView, TheHomeViewWaitsForTilesUntilSomebodyWantsIt) {
   const auto first = queue.take([](std::uint32_t) { return true; }, false);
   EXPECT_TRUE(first && std::holds_alternative<std::vector<TileJob>>(*first));
   ASSERT_TRUE(send_ask(a, ask(8, 1)).ok());
-  ASSERT_TRUE(send(hub->open().take(), hello_with_view()).ok());
+  ASSERT_TRUE(send(hub->open(), hello_with_view()).ok());
   const auto second = queue.take([](std::uint32_t) { return true; }, false);
   ASSERT_TRUE(second && std::holds_alternative<ViewJob>(*second));
   EXPECT_TRUE(std::get<ViewJob>(*second).home);
@@ -152,7 +152,7 @@ TEST_F(ServerView, WhoComesAsksAndGoesLeavesNoWork) {
     ASSERT_TRUE(send(id, request(1, i)).ok());
     hub->close(id);
   }
-  const SessionId id = hub->open().take();
+  const SessionId id = hub->open();
   ASSERT_TRUE(send(id, hello_with_view()).ok());
   hub->close(id);
   const std::vector<ViewJob> jobs = take_views();

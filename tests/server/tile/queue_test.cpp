@@ -6,6 +6,7 @@
 #include <map>
 #include <random>
 #include <set>
+#include <string>
 
 #include "protocol/base/limits.h"
 #include "server/tile/tile_queue.h"
@@ -183,18 +184,50 @@ TEST_F(ServerQueue, RepeatedRequestIdsDoNotPassTheBound) {
   EXPECT_EQ(take(), Objects{});
 }
 
-TEST_F(ServerQueue, ReferencesGoFirstAndAreFew) {
-  submit(1, 1, key_of(1));
-  std::size_t taken = 0;
-  while (queue.submit(ReferenceJob{1, static_cast<std::uint32_t>(taken), {}})) {
-    ASSERT_LT(++taken, 1000u);
+TEST_F(ServerQueue, ReferencesAreOneASessionAndLeaveTilesTheirTurn) {
+  for (std::uint32_t i = 0; i < 3; ++i) submit(1, i, key_of(i));
+  for (const SessionId session : {1, 2, 3}) {
+    EXPECT_TRUE(queue.submit(ReferenceJob{session, 7, {}}));
+    EXPECT_FALSE(queue.submit(ReferenceJob{session, 8, {}})) << "it waits for one already";
   }
-  for (std::size_t i = 0; i < taken; ++i) {
-    const auto work = queue.take([](std::uint32_t) { return true; }, false);
-    ASSERT_TRUE(work && std::holds_alternative<ReferenceJob>(*work));
-    EXPECT_EQ(std::get<ReferenceJob>(*work).request_id, i);
+  std::string order;
+  std::size_t n = 1;
+  while (const auto work = queue.take([&](std::uint32_t) { return n-- > 0; }, false)) {
+    order += std::holds_alternative<ReferenceJob>(*work) ? 'r' : 't';
+    n = 1;
   }
-  EXPECT_EQ(take(), Objects{1});
+  EXPECT_EQ(order, "rtrtrt");
+}
+
+// Turns are counted by work: one who asks for what is large waits, not those who ask for little.
+TEST_F(ServerQueue, TurnsAreCountedByTexels) {
+  for (std::uint32_t i = 0; i < 20; ++i) submit(1, i, key_of(100 + i, 12), 1000);
+  take(1);  // one of them is under way
+  for (std::uint32_t i = 0; i < 20; ++i) submit(2, i, key_of(200 + i, 4), 1);
+  const Objects order = take();
+  const auto is_small = [](std::uint32_t object) { return object >= 200; };
+  const auto second_large = std::find_if_not(order.begin() + 1, order.end(), is_small);
+  EXPECT_GE(std::count_if(order.begin(), second_large, is_small), 19);
+}
+
+TEST_F(ServerQueue, WhoWasAwayHasSavedUpNoTurns) {
+  submit(2, 1, key_of(1));
+  take();
+  for (std::uint32_t i = 0; i < 50; ++i) submit(1, i, key_of(100 + i));
+  take(40);
+  for (std::uint32_t i = 2; i < 12; ++i) submit(2, i, key_of(200 + i));
+  const Objects order = take(10);
+  EXPECT_EQ(std::count_if(order.begin(), order.end(), [](auto object) { return object >= 200; }),
+            5);
+}
+
+TEST_F(ServerQueue, TheWaitIsByTurnsToo) {
+  EXPECT_EQ(queue.wait_us(1, 1000), 0);
+  for (std::uint32_t i = 0; i < 10; ++i) submit(1, i, key_of(i));
+  EXPECT_EQ(queue.wait_us(2, 1000), 1000) << "one of the other's comes before";
+  EXPECT_EQ(queue.wait_us(1, 1000), 10'000);
+  submit(2, 1, key_of(100));
+  EXPECT_EQ(queue.wait_us(2, 1000), 3000);
 }
 
 TEST_F(ServerQueue, RemoveSessionTakesItsWorkAlong) {

@@ -8,9 +8,9 @@
 
 #include <cmath>
 
-#include "tests/support/gltf_fixture.h"
 #include "server/scene/gltf/draco_decode.h"
 #include "server/scene/gltf/meshopt_decode.h"
+#include "tests/support/gltf_fixture.h"
 
 namespace mirage::test {
 namespace {

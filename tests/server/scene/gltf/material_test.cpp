@@ -1,8 +1,8 @@
 // Materials, textures and the images behind them.
 #include <array>
 
-#include "tests/support/gltf_fixture.h"
 #include "server/scene/gltf/image_decode.h"
+#include "tests/support/gltf_fixture.h"
 
 namespace mirage::test {
 namespace {

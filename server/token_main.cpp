@@ -1,0 +1,52 @@
+// mirage-token: makes a token that a server takes for a while, signed with a key of its token file.
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <sstream>
+
+#include "protocol/base/cli.h"
+#include "server/session/access.h"
+
+namespace mirage {
+namespace {
+
+int run(int argc, char** argv) {
+  std::string key_file, name, scope = "view,geometry";
+  double hours = 24;
+  CLI::App app("Makes a token for a while, signed with a key of the server's token file.",
+               "mirage-token");
+  app.footer(
+      "Example: mirage-token --key-file tokens --name anna --hours 8 > anna.token\n"
+      "         mirage-view ws://box:9870 --token-file anna.token");
+  app.add_option("--key-file", key_file, "the server's token file: its first line key=SECRET signs")
+      ->required();
+  app.add_option("--name", name, "who it is for: letters, digits, - and _")->required();
+  app.add_option("--hours", hours, "for how long it is taken")
+      ->check(CLI::Range(0.01, 24.0 * 3660))
+      ->capture_default_str();
+  app.add_option("--scope", scope, "view[,geometry][,reference]")->capture_default_str();
+  add_conventions(app);
+  if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
+  std::ifstream file(key_file);
+  std::string key;
+  for (std::string line; key.empty() && std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string word;
+    if (words >> word && word.rfind("key=", 0) == 0) key = word.substr(4);
+  }
+  if (key.empty()) {
+    return fail(make_error(ErrorId::kUsage, "'" + key_file + "' has no line key=SECRET",
+                           "openssl rand -hex 32 makes a good one"));
+  }
+  const auto expires_s = std::time(nullptr) + std::llround(3600 * hours);
+  const Result<std::string> token = signed_token(key, name, expires_s, scope);
+  if (!token) return fail(token.error());
+  std::printf("%s\n", token->c_str());
+  return 0;
+}
+
+}  // namespace
+}  // namespace mirage
+
+int main(int argc, char** argv) { return mirage::run(argc, argv); }
