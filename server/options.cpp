@@ -1,5 +1,7 @@
 #include "server/options.h"
 
+#include <cstdio>
+
 #include "protocol/base/cli.h"
 #include "server/scene/builtin/builtin_scene.h"
 
@@ -115,6 +117,9 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
       ->needs(prove)
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
+  bool check = false;
+  app.add_flag("--check-config", check,
+               "read options, configuration and token file, say whether they are good, and exit");
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
   if (o.list_devices || !o.write_environment.empty()) return -1;
@@ -141,6 +146,10 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   if (const std::optional<TileCodec> only = codec_from_name(codec)) {
     o.session.codecs = {*only};
     if (is_lossy(*only)) o.session.codecs.push_back(TileCodec::kZstd);
+  }
+  if (check) {
+    std::puts("the configuration is good");
+    return 0;
   }
   return -1;
 }

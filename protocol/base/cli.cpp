@@ -102,6 +102,7 @@ const std::vector<std::string>& options_of_all_programs() {
                                                  "cache-dir",
                                                  "cache-dir-mb",
                                                  "cache-mb",
+                                                 "check-config",
                                                  "child",
                                                  "clients",
                                                  "codec",

@@ -2,10 +2,12 @@
 
 #include <libwebsockets.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <map>
 
 #include "protocol/base/bytes.h"
@@ -25,6 +27,22 @@ namespace {
 constexpr int kMaxWritesPerCallback = 8;
 constexpr std::int64_t kFarewellUs = 1'000'000;  // for goodbyes, once all is sent
 constexpr lws_usec_t kSweepUs = 250'000;
+// Descriptors that are kept for files, whoever connects.
+constexpr std::size_t kSpareDescriptors = 16;
+
+// How many sockets there may be. libwebsockets stops accepting in time, if it is told: at the
+// process' limit accept() fails, again and again.
+unsigned int most_sockets() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
+  std::error_code none;
+  const auto open = std::distance(std::filesystem::directory_iterator("/proc/self/fd", none),
+                                  std::filesystem::directory_iterator());
+  const std::size_t taken = static_cast<std::size_t>(open) + kSpareDescriptors;
+  constexpr rlim_t kMost = 1u << 20;
+  const auto all = static_cast<std::size_t>(std::min(limit.rlim_cur, kMost));
+  return static_cast<unsigned int>(std::max<std::size_t>(all > taken ? all - taken : 0, 8));
+}
 constexpr lws_usec_t kFetchCheckUs = 5'000;  // how often it is looked whether a disk is too slow
 
 struct Connection {
@@ -74,7 +92,10 @@ struct Endpoint::Impl {
 
   Admission admission;
   const SteadyClock clock;
-  bool farewell = false;  // goodbyes are said: who has read all is closed
+  std::size_t connections = 0;  // accepted and still open, whatever they speak
+  std::size_t most = 0;         // of them, before no more are accepted
+  bool crowded = false;         // said so
+  bool farewell = false;        // goodbyes are said: who has read all is closed
 
   struct Timer {
     lws_sorted_usec_list_t timer{};  // first member: the callback gets its address
@@ -89,6 +110,17 @@ struct Endpoint::Impl {
     lws_sul_schedule(context, 0, &sweep_timer.timer, on_sweep_timer, kSweepUs);
   }
 
+  void note_crowd() {
+    const bool full = connections + 1 >= most;
+    if (full && !crowded) {
+      spdlog::warn(
+          "{} connections are open: no more are accepted until some close; 'ulimit -n' "
+          "sets how many there may be",
+          connections);
+    }
+    crowded = full;
+  }
+
   static void on_sweep_timer(lws_sorted_usec_list_t* timer) {
     Impl* const impl = reinterpret_cast<Timer*>(timer)->impl;
     for (const auto& [id, error] : impl->hub.overdue()) {
@@ -97,6 +129,7 @@ struct Endpoint::Impl {
       impl->close_with(at->second, id, error);
       lws_set_timeout(at->second, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
     }
+    impl->note_crowd();
     impl->sweep_later();
     // A timer served before the poll does not end the poll: make it look again.
     lws_cancel_service(impl->context);
@@ -301,6 +334,12 @@ int on_http(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t 
       }
       return send_text(wsi, 404, "this is a Mirage server: connect with mirage-view\n");
     }
+    case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
+      ++impl_of(wsi)->connections;
+      return 0;
+    case LWS_CALLBACK_WSI_DESTROY:
+      if (Endpoint::Impl* impl = impl_of(wsi); impl->connections > 0) --impl->connections;
+      return 0;
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
       return -1;  // an upgrade that names no protocol of ours lands here
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
@@ -330,6 +369,7 @@ Result<void> Endpoint::listen(const EndpointOptions& options) {
   info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS;
   if (!options.tls_cert.empty()) info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
   info.port = CONTEXT_PORT_NO_LISTEN;
+  impl_->most = info.fd_limit_per_thread = most_sockets();
   info.user = impl_.get();
   info.gid = static_cast<gid_t>(-1);
   info.uid = static_cast<uid_t>(-1);

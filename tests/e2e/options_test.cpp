@@ -59,6 +59,20 @@ TEST(Options, AGoodConfigFileIsTaken) {
   EXPECT_EQ(done.exit_code, 0) << done.output;
 }
 
+TEST(Options, AConfigurationCanBeCheckedWithoutServing) {
+  const std::string tokens = scratch_folder() + "/tokens";
+  const auto check = [&](const std::string& text) {
+    std::ofstream(tokens) << text;
+    return run({binary("mirage-server"), "builtin:knot", "--check-config", "--token-file", tokens},
+               5);
+  };
+  const Finished good = check("secret name=anna\n");
+  EXPECT_EQ(good.exit_code, 0) << good.output;
+  EXPECT_NE(good.output.find("the configuration is good"), std::string::npos);
+  expect_usage_error(check("secret nam=anna\n"), "line 1");
+  expect_usage_error(check(""), "no token");
+}
+
 TEST(Options, UnknownVariablesAreErrors) {
   const Finished done = list_devices("", "MIRAGE_TOKEN_FLE=/etc/mirage/token");
   expect_usage_error(done, "MIRAGE_TOKEN_FLE");
