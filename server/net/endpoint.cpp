@@ -16,6 +16,7 @@
 #include "server/net/endpoint_options.h"
 #include "server/net/listen_address.h"
 #include "server/net/metrics.h"
+#include "server/net/websocket_rules.h"
 #include "server/session/scene_pages.h"
 #include "server/session/session.h"
 #include "server/tile/stage_queues.h"
@@ -205,12 +206,15 @@ struct Endpoint::Impl {
                         make_error(ErrorId::kWireMalformed, "text frames are not spoken here"));
     }
     Bytes& inbound = *connection.inbound;
-    if (inbound.size() + n > limits::kMaxMessageBytes) {
+    // What a frame declares counts before it is there.
+    const std::size_t to_come = lws_remaining_packet_payload(wsi);
+    if (to_come > limits::kMaxMessageBytes ||
+        inbound.size() + n + to_come > limits::kMaxMessageBytes) {
       return close_with(wsi, connection.session,
                         make_error(ErrorId::kWireLimit, "message is larger than allowed"));
     }
     inbound.insert(inbound.end(), bytes, bytes + n);
-    if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi) > 0) return 0;
+    if (!lws_is_final_fragment(wsi) || to_come > 0) return 0;
     const Bytes whole = std::exchange(inbound, {});
     const Result<void> done = hub.receive(connection.session, whole.data(), whole.size());
     if (!done) {
@@ -248,11 +252,13 @@ HeaderText header(lws* wsi, lws_token_indexes token) {
   return out;
 }
 
-// libwebsockets accepts POST, other versions and short keys here: check for ourselves.
+// libwebsockets accepts POST, HTTP/1.0, other versions and keys of any kind here: check for
+// ourselves.
 bool acceptable_upgrade(lws* wsi, const EndpointOptions& options) {
+  if (header(wsi, WSI_TOKEN_HTTP).text != "HTTP/1.1") return false;
   if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) return false;
   if (header(wsi, WSI_TOKEN_VERSION).text != "13") return false;
-  if (header(wsi, WSI_TOKEN_KEY).text.size() != 24) return false;
+  if (!is_upgrade_key(header(wsi, WSI_TOKEN_KEY).text)) return false;
   const HeaderText origin = header(wsi, WSI_TOKEN_ORIGIN);
   if (!origin.there) return true;  // no browser
   if (!origin.whole) return false;
@@ -281,6 +287,11 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
     }
     case LWS_CALLBACK_RECEIVE:
       return impl_of(wsi)->receive(wsi, *connection, static_cast<std::uint8_t*>(in), length);
+    case LWS_CALLBACK_WS_PEER_INITIATED_CLOSE: {
+      if (is_close_body(static_cast<std::uint8_t*>(in), length)) return 0;
+      const Error wrong = make_error(ErrorId::kWireMalformed, "a close frame that is none");
+      return impl_of(wsi)->close_with(wsi, connection->session, wrong);
+    }
     case LWS_CALLBACK_SERVER_WRITEABLE:
       if (connection->session == 0) return -1;
       return impl_of(wsi)->write_some(wsi, *connection);
@@ -367,6 +378,7 @@ Result<void> Endpoint::listen(const EndpointOptions& options) {
   lws_set_log_level(LLL_ERR, forward_log);
   lws_context_creation_info info{};
   info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS;
+  info.options |= LWS_SERVER_OPTION_VALIDATE_UTF8;  // of a close frame's reason
   if (!options.tls_cert.empty()) info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
   info.port = CONTEXT_PORT_NO_LISTEN;
   impl_->most = info.fd_limit_per_thread = most_sockets();

@@ -189,6 +189,7 @@ void SessionHub::open_groups(SessionId id, Session& s, const wire::OpenRequestT&
     s.hopeless = true;
     return;
   }
+  begin_waiting(s);
   s.tree.emplace_back(*scene_, m);
   writable_.insert(id);
 }
@@ -209,6 +210,7 @@ Result<void> SessionHub::set_lighting(Session& s, const wire::SetLightingT& m) {
 }
 
 void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batch) {
+  begin_waiting(s);
   s.outbox.allow(batch.credit_bytes);
   for (const std::uint32_t request : batch.cancels) {
     if (fetches_.cancel(id, request)) {
@@ -252,10 +254,19 @@ void SessionHub::refuse_late() {
   }
 }
 
+bool SessionHub::waits(const Session& s) const {
+  const bool told = !s.greeted || s.next_page == pages_.size();
+  return !told || s.outbox.ready() || !s.meshes.empty() || !s.tree.empty();
+}
+
+void SessionHub::begin_waiting(Session& s) const {
+  if (!waits(s)) s.progress_us = clock_.now_us();
+}
+
 void SessionHub::push(SessionId id, Outbox::Lane lane, Bytes message) {
   Session& s = sessions_.at(id);
   if (s.hopeless) return;
-  if (!s.outbox.ready()) s.progress_us = clock_.now_us();
+  begin_waiting(s);
   s.outbox.push(lane, std::move(message));
   s.hopeless = s.outbox.hopeless();
   writable_.insert(id);
@@ -312,7 +323,7 @@ std::vector<std::pair<SessionId, Error>> SessionHub::overdue() {
       out.emplace_back(id, make_error(ErrorId::kNetworkTimeout,
                                       crowded ? "no hello yet, and many wait to say theirs"
                                               : "no hello within 10 s"));
-    } else if (s.hopeless || (s.outbox.ready() && now - s.progress_us > kNoProgressUs)) {
+    } else if (s.hopeless || (waits(s) && now - s.progress_us > kNoProgressUs)) {
       out.emplace_back(id, make_error(ErrorId::kBusy, "client does not read what it asked for"));
     }
   }

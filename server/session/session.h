@@ -108,6 +108,10 @@ class SessionHub {
   void push_view(const ViewCache::Waiting& waiting, const EncodedView& view);
   void stats(SessionId id, const wire::StatsRequestT& m);
 
+  /// There is something that it may be sent now, made already or not.
+  bool waits(const Session& s) const;
+  /// Before something more is to be sent: until now it owed us no reading if nothing waited.
+  void begin_waiting(Session& s) const;
   void push(SessionId id, Outbox::Lane lane, Bytes message);
   /// The next of the meshes it asked for.
   void push_mesh(SessionId id, Session& s);

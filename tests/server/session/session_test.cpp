@@ -262,6 +262,37 @@ TEST_F(ServerSession, WhoTakesNothingForLongIsOverdue) {
   EXPECT_TRUE(hub->overdue().empty());
 }
 
+// A mesh is made as its turn comes: until then it waits in no outbox.
+TEST_F(ServerSession, WhoTakesNoneOfTheMeshesItAskedForIsOverdue) {
+  const SessionId id = greeted();
+  clock.advance_to_us(60'000'000);  // nothing to read: as long as it likes
+  wire::RequestBatchT batch;
+  batch.mesh_asks = {wire::MeshAsk(1, 0, 0), wire::MeshAsk(2, 0, 0)};
+  ASSERT_TRUE(send(id, std::move(batch)).ok());
+  EXPECT_TRUE(hub->overdue().empty());
+  ASSERT_TRUE(hub->next_frame(id));
+  clock.advance_to_us(89'000'000);
+  EXPECT_TRUE(hub->overdue().empty());
+  clock.advance_to_us(91'000'000);
+  EXPECT_EQ(hub->overdue().size(), 1u);
+}
+
+TEST_F(ServerSession, WhoGivesCreditAfterLongIsNotOverdueForIt) {
+  const SessionId id = greeted();
+  wire::RequestBatchT batch;
+  batch.asks = {ask(1)};
+  ASSERT_TRUE(send(id, std::move(batch)).ok());
+  render_all();
+  clock.advance_to_us(60'000'000);
+  EXPECT_TRUE(hub->overdue().empty()) << "it may not be sent";
+  wire::RequestBatchT credit;
+  credit.credit_bytes = 1 << 20;
+  ASSERT_TRUE(send(id, std::move(credit)).ok());
+  EXPECT_TRUE(hub->overdue().empty());
+  clock.advance_to_us(91'000'000);
+  EXPECT_EQ(hub->overdue().size(), 1u);
+}
+
 TEST_F(ServerSession, WhileDrainingWhatWasAskedForIsServedAndNothingElse) {
   const SessionId id = greeted();
   drain(id);
