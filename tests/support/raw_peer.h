@@ -3,6 +3,7 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -11,15 +12,29 @@
 
 namespace mirage::test {
 
+/// How a peer connects.
+struct PeerFrom {
+  std::string address = "127.0.0.1";  ///< its own; all of 127.0.0.0/8 are this machine's
+  int receive_bytes = 0;              ///< of its receive buffer; 0: the usual
+};
+
 class RawPeer {
  public:
-  explicit RawPeer(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+  explicit RawPeer(int port, const PeerFrom& from = {}) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    if (from.receive_bytes > 0) {
+      setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &from.receive_bytes, sizeof(int));
+    }
     sockaddr_in address{};
     address.sin_family = AF_INET;
+    address.sin_addr.s_addr = inet_addr(from.address.c_str());
+    bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address));
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     connected_ = connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0;
     wait_at_most(2);
+    // A server that takes nothing more holds up no test.
+    const timeval limit{1, 0};
+    setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof(limit));
   }
   ~RawPeer() { close(socket_); }
   RawPeer(const RawPeer&) = delete;
@@ -38,6 +53,17 @@ class RawPeer {
     const ssize_t n = recv(socket_, buffer, sizeof(buffer), 0);
     return n > 0 ? std::string(buffer, static_cast<std::size_t>(n)) : "";
   }
+  /// What has come within so many ms; empty also once the other side has closed: then ended().
+  std::string hear_within(int ms, std::size_t most_bytes = 65536) {
+    pollfd waiting{socket_, POLLIN, 0};
+    if (poll(&waiting, 1, ms) <= 0) return "";
+    std::string buffer(most_bytes, '\0');
+    const ssize_t n = recv(socket_, buffer.data(), buffer.size(), 0);
+    ended_ = n <= 0;
+    buffer.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
+    return buffer;
+  }
+  bool ended() const { return ended_; }
   /// The other side has closed; what it says meanwhile is thrown away.
   bool closed() {
     char buffer[4096];
@@ -50,7 +76,7 @@ class RawPeer {
 
  private:
   int socket_;
-  bool connected_ = false;
+  bool connected_ = false, ended_ = false;
 };
 
 inline std::string upgrade(const std::string& version, const std::string& key) {

@@ -1,0 +1,55 @@
+#pragma once
+// A client that speaks the protocol over a raw socket: what it sends is up to the test.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "protocol/base/limits.h"
+#include "protocol/wire/message.h"
+#include "tests/hostile/web_socket.h"
+
+namespace mirage::test {
+
+inline std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
+
+wire::HelloT hello(const std::string& token = "");
+
+/// Size classes of tiles: 64, 256 and 2048 texels.
+inline constexpr std::uint8_t kSmall = 4, kMiddle = 8, kLargest = 14;
+
+/// A tile of the first instance that nobody of this program has asked for before. `error_px`: what
+/// it is worth, most first.
+wire::Ask new_tile(std::uint32_t request, std::uint8_t size_class, std::uint32_t deadline_ms = 0,
+                   float error_px = 1);
+
+class Client {
+ public:
+  /// Says hello and takes in what is told of the scene, unless it is refused: then !greeted().
+  explicit Client(int port, const std::string& token = "", const PeerFrom& from = {});
+  bool greeted() const { return greeted_; }
+
+  template <typename BodyT>
+  void send(BodyT&& body) {
+    socket_.say(ClientFrame{2, text_of(encode_message(std::forward<BodyT>(body)))});
+  }
+  /// With credit for all of them.
+  void ask(std::vector<wire::Ask> asks);
+  /// The next message; none within `wait_ms`, or the server has closed.
+  std::optional<Message> next(int wait_ms);
+  /// Asks for a new tile and waits for it; ms, < 0: it did not come.
+  double tile_ms(std::uint8_t size_class);
+  /// Of the server's close frame; 0: none has come.
+  int close_code() const { return close_code_; }
+  WebSocket& socket() { return socket_; }
+
+ private:
+  WebSocket socket_;
+  FrameAssembler assembler_{limits::kMaxTransferBytes};
+  bool greeted_ = false;
+  int close_code_ = 0;
+  std::uint32_t request_ = 1u << 30;  ///< of tile_ms(), apart from a test's own
+};
+
+}  // namespace mirage::test
