@@ -28,7 +28,7 @@ std::int64_t ms_since(Clock::time_point start) {
 TEST(Fairness, OneWhoAsksForTheLargestTilesHoldsUpNobody) {
   const Server server(kScene, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
-  constexpr int kSeconds = 5;
+  constexpr int kSeconds = 7;
   int large = 0;
   const Cost cost = cost_of("9, three with 32 of the largest tiles each", server, [&] {
     std::list<Client> greedy;
@@ -53,8 +53,8 @@ TEST(Fairness, OneWhoAsksForTheLargestTilesHoldsUpNobody) {
               large_ms);
   EXPECT_GT(large, 3) << "he is served, too";
   // The one being drawn, and half as much again for what else runs here; by turns of tiles it would
-  // be one of each of the three.
-  EXPECT_LT(cost.beside.at(0.5), 2 * large_ms);
+  // be one of each of the three (2.5 to 2.7 was seen, 0.9 to 1.7 by turns of work).
+  EXPECT_LT(cost.beside.at(0.5), 2.3 * large_ms);
   // As they come, each of the three has a turn.
   expect_served(cost, 6 * large_ms);
 }

@@ -43,6 +43,10 @@ std::vector<Case> common_cases() {
       {"own, the port that is told", from("http://mirage.example:80", "mirage.example"), true},
       {"own by number", from("http://127.0.0.1:9870", "127.0.0.1:9870"), true},
       {"own by number, 6", from("http://[::1]:9870", "[::1]:9870"), true},
+      {"empty, which no browser says", with_more("Origin: \r\n"), true},
+      // The host is what the browser says that it asks: a page whose own name was made to mean this
+      // machine passes. A token stops it.
+      {"of a name made to mean us", from("http://evil.example:1", "evil.example:1"), true},
       {"another", from("http://evil.example"), false},
       {"another port", from("http://mirage.example:9871"), false},
       {"no port", from("http://mirage.example"), false},
