@@ -18,6 +18,7 @@ constexpr std::size_t kMaxOutbound = 1024;
 constexpr std::size_t kMaxInbound = 4096;
 constexpr int kFirstPauseMs = 100;
 constexpr int kLongestPauseMs = 5000;
+constexpr int kMostChancePercent = 15;           // of a pause: it still grows from one to the next
 constexpr std::uint64_t kWebSocketOverhead = 8;  // frame header, roughly: 2 to 14 bytes
 
 using SteadyTime = std::chrono::steady_clock;
@@ -109,8 +110,9 @@ struct NativeLink::Impl {
     outbound.clear();
     if (problem.empty() || !why.empty()) problem = why;
     tell();
-    // A part of it by chance: the clients of a server that is back do not come all at once.
-    connect_later(std::uniform_int_distribution<int>(pause_ms / 2, pause_ms)(chance));
+    // Some more by chance: the clients of a server that is back do not come all at once.
+    const int more_ms = pause_ms * kMostChancePercent / 100;
+    connect_later(pause_ms + std::uniform_int_distribution<int>(0, more_ms)(chance));
     pause_ms = std::min(pause_ms * 2, kLongestPauseMs);
   }
 
