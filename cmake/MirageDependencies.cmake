@@ -22,6 +22,8 @@ find_package(TinyGLTF REQUIRED)
 # libdraco exports a tinygltf of its own, of another layout than the real one, and whichever comes
 # first in a program wins: link it after tinygltf, and only through mirage_gltf (a test looks).
 pkg_check_modules(DRACO IMPORTED_TARGET draco)
+# A store that servers share; without it --store is refused by name.
+pkg_check_modules(HIREDIS IMPORTED_TARGET hiredis)
 # The video baseline of mirage-report; without it that row of the report is left out.
 pkg_check_modules(LIBAV IMPORTED_TARGET libavcodec libavutil libswscale)
 if(MIRAGE_TESTS)

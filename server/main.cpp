@@ -23,6 +23,8 @@
 #include "server/scene/environment/environment.h"
 #include "server/scene/environment/environment_file.h"
 #include "server/session/session.h"
+#include "server/source/directory_source.h"
+#include "server/source/shared_store.h"
 #include "server/stage/pipeline.h"
 #include "server/stage/render_profile.h"
 #include "shaders/gl/egl_context.h"
@@ -111,8 +113,19 @@ void announce(const ServerOptions& options, const PreparedScene& scene, const Se
 int serve(const ServerOptions& options, const std::shared_ptr<const PreparedScene>& scene,
           CacheDirectory* cache) {
   const SteadyClock clock;
+  std::optional<DirectorySource> kept;
+  if (cache) kept.emplace(*cache);
+  std::unique_ptr<TileSource> shared;
+  if (options.store) {
+    Result<std::unique_ptr<TileSource>> store = open_shared_store(*options.store, clock);
+    if (!store) return fail(store.error());
+    shared = store.take();
+  }
+  TileSources sources;
+  if (kept) sources.push_back(&*kept);
+  if (shared) sources.push_back(shared.get());
   std::atomic<Endpoint*> awake{nullptr};
-  Pipeline pipeline(clock, options.cache_mb * 1024 * 1024, cache, [&awake] {
+  Pipeline pipeline(clock, options.cache_mb * 1024 * 1024, sources, [&awake] {
     if (Endpoint* endpoint = awake.load()) endpoint->wake();
   });
   const Result<std::string> renderer = pipeline.start(scene, options.render, options.encoders);

@@ -22,7 +22,7 @@ std::string footer() {
 int parse_options(int argc, char** argv, ServerOptions& o) {
   CLI::App app("Holds a scene and renders impostor tiles of it on request.", "mirage-server");
   app.footer(footer());
-  std::string listen = "127.0.0.1:9870", codec = "auto";
+  std::string listen = "127.0.0.1:9870", codec = "auto", store;
   bool no_geometry = false, no_reference = false, references = false, no_view = false;
   std::string shadows = "off";
   app.add_option("SCENE", o.scene,
@@ -48,6 +48,9 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.add_option("--cache-dir-mb", o.cache_dir_mb, "what may lie in it")
       ->check(CLI::Range(1, 1 << 30))
       ->capture_default_str();
+  app.add_option("--store", store,
+                 "redis://[:PASSWORD@]HOST[:PORT][/DATABASE]: keep finished tiles there, too, and "
+                 "share them with the servers that do");
   app.add_option(
          "--codec", codec,
          "tile codec; auto: each client chooses by its link, else this one for all (beside a "
@@ -70,6 +73,10 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.add_option("--supersample", o.render.supersample, "samples per texel and axis")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
+  app.add_option("--stand-in-ms", o.render.stand_in_ms,
+                 "for trying many servers on one machine: draw nothing, let each tile be grey and "
+                 "take this long, asleep")
+      ->check(CLI::Range(0.01, 10'000.0));
   app.add_option("--token-file", o.token_file,
                  "clients must present a token of this file: lines TOKEN [name=NAME] "
                  "[expires=2027-01-31T12:00:00Z] [scope=view,geometry,reference], and key=SECRET "
@@ -131,6 +138,11 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   o.endpoint.address = address.take();
   if (!o.port_file.empty() && !o.endpoint.address.socket_path.empty()) {
     return fail(make_error(ErrorId::kUsage, "--port-file: a unix socket has no port"));
+  }
+  if (!store.empty()) {
+    Result<StoreAddress> parsed = parse_store_url(store);
+    if (!parsed) return fail(parsed.error());
+    o.store = parsed.take();
   }
   if (!o.token_file.empty()) {
     Result<Access> access = Access::read(o.token_file);

@@ -1,8 +1,10 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "server/net/endpoint_options.h"
 #include "server/session/session_options.h"
+#include "server/source/store_url.h"
 #include "server/stage/render_options.h"
 
 namespace mirage {
@@ -19,6 +21,7 @@ struct ServerOptions {
   std::string cache_dir;
   std::uint64_t cache_dir_mb = 4096;
   std::size_t cache_mb = 512;
+  std::optional<StoreAddress> store;  ///< that servers share
   int encoders = 1;
   bool strict = false;   ///< refuse what viewers forgive
   bool shadows = false;  ///< asked for; a scene without casters has none all the same

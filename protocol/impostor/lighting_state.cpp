@@ -118,7 +118,7 @@ bool out_of_cone(const ObjectLight& light, const glm::vec3& center, float radius
 
 }  // namespace
 
-std::uint64_t ObjectLighting::hash() const {
+std::vector<float> ObjectLighting::canonical() const {
   std::vector<float> bytes = {positive_zero(ambient.r), positive_zero(ambient.g),
                               positive_zero(ambient.b)};
   for (const ObjectLight& light : lights) {
@@ -131,7 +131,12 @@ std::uint64_t ObjectLighting::hash() const {
     const glm::quat& q = probe.rotation;
     for (const float v : {q.w, q.x, q.y, q.z, probe.strength}) bytes.push_back(positive_zero(v));
   }
-  return XXH3_64bits(bytes.data(), bytes.size() * sizeof(float));
+  return bytes;
+}
+
+std::uint64_t ObjectLighting::hash() const {
+  const std::vector<float> values = canonical();
+  return XXH3_64bits(values.data(), values.size() * sizeof(float));
 }
 
 Result<Lighting> checked_lighting(Lighting lighting) {
@@ -186,7 +191,7 @@ bool same_lighting(const Lighting& a, const Lighting& b) {
          std::equal(a.lights.begin(), a.lights.end(), b.lights.begin(), b.lights.end(), same);
 }
 
-std::uint64_t lighting_hash(const Lighting& lighting) {
+std::vector<double> canonical_values(const Lighting& lighting) {
   std::vector<double> values;
   const auto put = [&](const auto& v) {
     for (int i = 0; i < 3; ++i) values.push_back(v[i] == 0 ? 0.0 : static_cast<double>(v[i]));
@@ -209,6 +214,11 @@ std::uint64_t lighting_hash(const Lighting& lighting) {
     const glm::dquat q = canonical(glm::dquat(p.rotation));
     for (const double v : {q.w, q.x, q.y, q.z, double{p.strength}}) values.push_back(v + 0.0);
   }
+  return values;
+}
+
+std::uint64_t lighting_hash(const Lighting& lighting) {
+  const std::vector<double> values = canonical_values(lighting);
   return XXH3_64bits(values.data(), values.size() * sizeof(double));
 }
 

@@ -30,7 +30,9 @@ struct ObjectLighting {
   std::vector<ObjectLight> lights;
   ProbeLight probe;  ///< turned as the object sees it
 
-  /// 64-bit hash of the canonical form.
+  /// What it is, as values in a fixed order: equal for lightings that shade equally.
+  std::vector<float> canonical() const;
+  /// 64-bit hash of these.
   std::uint64_t hash() const;
 };
 
@@ -42,7 +44,10 @@ Result<Lighting> checked_lighting(Lighting lighting);
 /// Equal in every value.
 bool same_lighting(const Lighting& a, const Lighting& b);
 
-/// 64-bit hash of a lighting as it stands in the world, without its black lights: a shadow tile is
+/// A lighting as it stands in the world, as values in a fixed order, without its black lights.
+std::vector<double> canonical_values(const Lighting& lighting);
+
+/// 64-bit hash of these; of a lighting as it stands in the world: a shadow tile is
 /// made for one place, where what the object sees is not enough.
 std::uint64_t lighting_hash(const Lighting& lighting);
 

@@ -2,7 +2,6 @@
 
 #include <xxhash.h>
 
-#include <array>
 #include <cmath>
 
 #include "protocol/base/limits.h"
@@ -10,43 +9,38 @@
 namespace mirage {
 namespace {
 
-// Byte by byte, so that the hash does not depend on padding or on the machine's byte order.
-class CanonicalBytes {
- public:
-  template <typename T>
-  void put(T value) {
-    auto bits = static_cast<std::uint64_t>(value);
-    for (std::size_t i = 0; i < sizeof(T); ++i, bits >>= 8) {
-      bytes_[size_++] = static_cast<std::uint8_t>(bits);
-    }
+template <typename T>
+void put(std::vector<std::uint8_t>& bytes, T value) {
+  auto bits = static_cast<std::uint64_t>(value);
+  for (std::size_t i = 0; i < sizeof(T); ++i, bits >>= 8) {
+    bytes.push_back(static_cast<std::uint8_t>(bits));
   }
-  TileId hash() const {
-    const XXH128_hash_t h = XXH3_128bits(bytes_.data(), size_);
-    return {h.low64, h.high64};
-  }
-
- private:
-  std::array<std::uint8_t, 64> bytes_{};
-  std::size_t size_ = 0;
-};
+}
 
 }  // namespace
 
+std::vector<std::uint8_t> canonical_bytes(const TileKey& key) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(64);
+  put(bytes, key.scene_revision);
+  put(bytes, key.object);
+  put(bytes, key.cell.level);
+  put(bytes, key.cell.x);
+  put(bytes, key.cell.y);
+  put(bytes, key.distance.level);
+  put(bytes, static_cast<std::uint32_t>(key.distance.index));
+  put(bytes, key.size_class);
+  put(bytes, key.lighting);
+  put(bytes, key.phase);
+  put(bytes, key.channels);
+  put(bytes, key.instance);
+  return bytes;
+}
+
 TileId tile_id(const TileKey& key) {
-  CanonicalBytes bytes;
-  bytes.put(key.scene_revision);
-  bytes.put(key.object);
-  bytes.put(key.cell.level);
-  bytes.put(key.cell.x);
-  bytes.put(key.cell.y);
-  bytes.put(key.distance.level);
-  bytes.put(static_cast<std::uint32_t>(key.distance.index));
-  bytes.put(key.size_class);
-  bytes.put(key.lighting);
-  bytes.put(key.phase);
-  bytes.put(key.channels);
-  bytes.put(key.instance);
-  return bytes.hash();
+  const std::vector<std::uint8_t> bytes = canonical_bytes(key);
+  const XXH128_hash_t h = XXH3_128bits(bytes.data(), bytes.size());
+  return {h.low64, h.high64};
 }
 
 std::uint32_t tile_edge(int size_class) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "protocol/impostor/view_cell.h"
 
@@ -59,6 +60,8 @@ struct TileId {
   }
 };
 TileId tile_id(const TileKey& key);
+/// The key byte by byte, so that neither padding nor the machine's byte order is in it.
+std::vector<std::uint8_t> canonical_bytes(const TileKey& key);
 
 /// Tile edge in texels, in steps of sqrt 2 from 16 (class 0) to 2048 (class 14).
 std::uint32_t tile_edge(int size_class);

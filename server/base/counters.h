@@ -14,6 +14,10 @@ struct Counters {
   std::atomic<std::uint64_t> tiles_refused{0};
   std::atomic<std::uint64_t> forms_made{0};  ///< of tiles that were there in another codec
   std::atomic<std::uint64_t> store_hits{0};
+  std::atomic<std::uint64_t> directory_hits{0};        ///< of them, of the cache's directory
+  std::atomic<std::uint64_t> shared_store_hits{0};     ///< of them, of the store that servers share
+  std::atomic<std::uint64_t> records_wrong{0};         ///< of tiles, that a source held
+  std::atomic<std::uint64_t> tiles_left_to_others{0};  ///< another server was at them
   std::atomic<std::uint64_t> store_bytes{0};
   std::atomic<std::uint64_t> store_tiles{0};
   std::atomic<std::uint64_t> store_evictions{0};  ///< tiles let go for the budget

@@ -138,7 +138,7 @@ struct Endpoint::Impl {
 
   /// While somebody waits for the tile cache's directory.
   void watch_fetches() {
-    if (fetch_timer.set || !hub.waits_for_directory()) return;
+    if (fetch_timer.set || !hub.waits_for_sources()) return;
     fetch_timer.impl = this;
     fetch_timer.set = true;
     lws_sul_schedule(context, 0, &fetch_timer.timer, on_fetch_timer, kFetchCheckUs);

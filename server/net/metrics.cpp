@@ -23,6 +23,10 @@ std::string metrics_text(const Counters& c, std::size_t clients) {
   add(out, "tiles_refused_total", "counter", c.tiles_refused);
   add(out, "tile_forms_made_total", "counter", c.forms_made);
   add(out, "store_hits_total", "counter", c.store_hits);
+  add(out, "directory_hits_total", "counter", c.directory_hits);
+  add(out, "shared_store_hits_total", "counter", c.shared_store_hits);
+  add(out, "records_wrong_total", "counter", c.records_wrong);
+  add(out, "tiles_left_to_others_total", "counter", c.tiles_left_to_others);
   add(out, "fetches_given_up_total", "counter", c.fetches_given_up);
   add(out, "tiles_not_saved_total", "counter", c.tiles_not_saved);
   add(out, "store_evictions_total", "counter", c.store_evictions);

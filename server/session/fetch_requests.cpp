@@ -7,12 +7,14 @@ namespace {
 
 // Half of what a tile takes on a software renderer; a local disk answers in .1 ms.
 constexpr std::int64_t kPatienceUs = 10'000;
-// How long a directory that was slow is left alone.
+// More than a server may take to render what others wait for (RedisSource).
+constexpr std::int64_t kPatienceWithOthersUs = 2'500'000;
+// How long sources that were slow are left alone.
 constexpr std::int64_t kAvoidUs = 10'000'000;
 
 }  // namespace
 
-bool FetchRequests::directory_is_slow() const {
+bool FetchRequests::sources_are_slow() const {
   return clock_.now_us() < avoid_until_us_ || (on_trial_ && !looked_for_.empty());
 }
 
@@ -25,8 +27,8 @@ bool FetchRequests::wait(const TileAsk& ask) {
   const auto found = looked_for_.find(wanted);
   if (found == looked_for_.end()) {
     FetchJob job{ask.id, ask.waiter.codec};
-    if (directory_is_slow() || !jobs_.try_push(job)) return false;
-    looked_for_[wanted] = {clock_.now_us(), {ask}};
+    if (sources_are_slow() || !jobs_.try_push(job)) return false;
+    looked_for_[wanted] = {clock_.now_us() + kPatienceUs, {ask}};
   } else {
     found->second.asks.push_back(ask);
   }
@@ -43,11 +45,17 @@ std::vector<TileAsk> FetchRequests::take(const TileId& id, TileCodec codec) {
   return out;
 }
 
+void FetchRequests::be_patient(const TileId& id, TileCodec codec) {
+  const auto found = looked_for_.find(FormId{id, codec});
+  if (found != looked_for_.end()) {
+    found->second.until_us = clock_.now_us() + kPatienceWithOthersUs;
+  }
+}
+
 std::vector<TileAsk> FetchRequests::take_overdue() {
   const std::int64_t now = clock_.now_us();
-  const bool late = std::any_of(looked_for_.begin(), looked_for_.end(), [&](const auto& entry) {
-    return now - entry.second.since_us > kPatienceUs;
-  });
+  const bool late = std::any_of(looked_for_.begin(), looked_for_.end(),
+                                [&](const auto& entry) { return now > entry.second.until_us; });
   if (!late) return {};
   avoid_until_us_ = now + kAvoidUs;
   on_trial_ = true;

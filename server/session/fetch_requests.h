@@ -1,8 +1,8 @@
 #pragma once
-// Who waits for tiles that are looked for in the directory, and how long.
+// Who waits for tiles that are looked for in the sources, and how long.
 // Input:  asks that memory could not answer. Output: jobs of the fetch stage.
 // Thread: the network loop's.
-// Full:   an ask goes past the directory, as it does while the directory is slow.
+// Full:   an ask goes past the sources, as it does while they are slow.
 
 #include <cstdint>
 #include <map>
@@ -24,8 +24,10 @@ class FetchRequests {
   bool wait(const TileAsk& ask);
   /// It was looked for; they wait no longer.
   std::vector<TileAsk> take(const TileId& id, TileCodec codec);
-  /// Those for whom it takes too long; from now on asks go past the directory for a while.
+  /// Those for whom it takes too long; from now on asks go past the sources for a while.
   std::vector<TileAsk> take_overdue();
+  /// Another server renders it: who waits for it waits longer.
+  void be_patient(const TileId& id, TileCodec codec);
   /// False: it does not wait here.
   bool cancel(SessionId session, std::uint32_t request_id);
   void remove_session(SessionId session);
@@ -33,10 +35,10 @@ class FetchRequests {
 
  private:
   struct LookedFor {
-    std::int64_t since_us = 0;
+    std::int64_t until_us = 0;
     std::vector<TileAsk> asks;
   };
-  bool directory_is_slow() const;
+  bool sources_are_slow() const;
 
   BoundedQueue<FetchJob>& jobs_;
   const Clock& clock_;

@@ -44,9 +44,9 @@ class SessionHub {
   void complete(Completion completion);
   /// Refuses asks whose deadline passed while they were queued.
   void refuse_late();
-  /// Whether somebody waits for the directory: then give_up_fetches() is due every few ms.
-  bool waits_for_directory() const { return fetches_.waiting(); }
-  /// Has rendered what the directory does not bring in time.
+  /// Whether somebody waits for the sources: then give_up_fetches() is due every few ms.
+  bool waits_for_sources() const { return fetches_.waiting(); }
+  /// Has rendered what the sources do not bring in time.
   void give_up_fetches();
 
   /// Next frame to write; nullptr when there is nothing the client may be sent now.
@@ -123,6 +123,7 @@ class SessionHub {
   void finish(FinishedTile done);
   void finish(TooLargeTile done);
   void finish(FinishedFetch done);
+  void finish(PendingFetch done);
   void finish(FinishedImage done);
   void finish(FinishedView done);
   void finish(FinishedReference done);

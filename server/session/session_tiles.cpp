@@ -5,6 +5,7 @@
 #include "protocol/impostor/tile_key.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/session/session.h"
+#include "server/tile/tile_identity.h"
 
 namespace mirage {
 namespace {
@@ -60,7 +61,8 @@ void SessionHub::ask(SessionId id, const wire::Ask& a, const Lighting& lighting,
                             object.center, object.radius);
     key.lighting = light.hash();
   }
-  TileAsk asked{key, tile_id(key), light, shadow ? lighting : Lighting{}, {}};
+  const Lighting world = shadow ? lighting : Lighting{};
+  TileAsk asked{key, tile_identity(key, light, world), light, world, {}};
   const bool colors = key.channels & kChannelColor;
   asked.waiter = {id, a.request_id(), a.error_px(), 0};
   asked.waiter.codec = colors || !is_lossy(codec) ? codec : TileCodec::kZstd;
@@ -70,7 +72,7 @@ void SessionHub::ask(SessionId id, const wire::Ask& a, const Lighting& lighting,
   }
   if (answer_from_memory(asked)) return;
   if (draining_) return refuse(id, a.request_id(), wire::RefusalReason::Busy);
-  if (store_.has_directory() && fetches_.wait(asked)) return;
+  if (store_.has_sources() && fetches_.wait(asked)) return;
   have_rendered(asked);
 }
 
@@ -112,6 +114,11 @@ void SessionHub::finish(FinishedFetch done) {
       have_rendered(asked);
     }
   }
+}
+
+void SessionHub::finish(PendingFetch done) {
+  ++counters_.tiles_left_to_others;
+  fetches_.be_patient(done.id, done.codec);
 }
 
 void SessionHub::give_up_fetches() {

@@ -43,7 +43,7 @@ void EncodeStage::finish(const FormJob& job) {
 }
 
 void EncodeStage::save(const TileId& id, TileCodec codec, StoredTilePtr tile) {
-  if (!queues_.store.has_directory()) return;
+  if (!queues_.store.has_sources()) return;
   SaveJob job{id, codec, std::move(tile)};
   if (!queues_.saves.try_push(job)) ++queues_.counters.tiles_not_saved;
 }

@@ -1,27 +1,69 @@
 #include "server/stage/fetch_stage.h"
 
 #include "server/tile/stage_queues.h"
-#include "server/tile/tile_job.h"
 
 namespace mirage {
 namespace {
 
 constexpr int kReaders = 2;
 constexpr std::int64_t kLastWritesUs = 2'000'000;  // after the server was told to stop
+constexpr std::size_t kMostAgain = 4096;
+constexpr std::chrono::milliseconds kFirstPause{4}, kLongestPause{64};
 
 }  // namespace
 
 void FetchStage::start() {
-  if (!queues_.store.has_directory()) return;
+  if (!queues_.store.has_sources()) return;
   for (int i = 0; i < kReaders; ++i) threads_.emplace_back([this] { read_all(); });
+  threads_.emplace_back([this] { look_again(); });
   threads_.emplace_back([this] { write_all(); });
+}
+
+void FetchStage::announce(Completion done) {
+  queues_.completions.push(std::move(done));
+  wake_();
+}
+
+bool FetchStage::look(const FetchJob& job) {
+  FetchedTile found = queues_.store.fetch(job.id, job.codec);
+  const bool there = found.form || found.lossless;
+  if (!there && !queues_.store.claim(job.id)) return false;
+  announce(FinishedFetch{job.id, job.codec, std::move(found)});
+  return true;
 }
 
 void FetchStage::read_all() {
   while (const std::optional<FetchJob> job = queues_.fetches.pop()) {
-    queues_.completions.push(
-        FinishedFetch{job->id, job->codec, queues_.store.fetch(job->id, job->codec)});
-    wake_();
+    if (look(*job)) continue;
+    announce(look_later(*job, kFirstPause) ? Completion(PendingFetch{job->id, job->codec})
+                                           : Completion(FinishedFetch{job->id, job->codec, {}}));
+  }
+}
+
+bool FetchStage::look_later(const FetchJob& job, std::chrono::milliseconds pause) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (again_.size() >= kMostAgain) return false;
+  again_.emplace(std::chrono::steady_clock::now() + pause,
+                 Again{job, std::min(2 * pause, kLongestPause)});
+  changed_.notify_one();
+  return true;
+}
+
+void FetchStage::look_again() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!ending_) {
+    if (again_.empty()) {
+      changed_.wait(lock);
+    } else if (again_.begin()->first > std::chrono::steady_clock::now()) {
+      changed_.wait_until(lock, Time(again_.begin()->first));
+    } else {
+      const Again next = again_.extract(again_.begin()).mapped();
+      lock.unlock();
+      if (!look(next.job) && !look_later(next.job, next.pause)) {
+        announce(FinishedFetch{next.job.id, next.job.codec, {}});
+      }
+      lock.lock();
+    }
   }
 }
 
@@ -36,6 +78,11 @@ void FetchStage::join() {
   write_until_us_ = queues_.clock.now_us() + kLastWritesUs;
   while (queues_.fetches.try_pop()) {
   }
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_all();
   for (std::thread& thread : threads_) {
     if (thread.joinable()) thread.join();
   }

@@ -5,22 +5,30 @@
 #include "server/stage/encode_stage.h"
 #include "server/stage/fetch_stage.h"
 #include "server/stage/image_stage.h"
+#include "server/stage/render_options.h"
 #include "server/stage/render_stage.h"
+#include "server/stage/stand_in_stage.h"
 
 namespace mirage {
 
 struct Pipeline::Stages {
   Stages(StageQueues& queues, const std::function<void()>& wake)
-      : fetch(queues, wake), render(queues, wake), encode(queues, wake), images(queues, wake) {}
+      : fetch(queues, wake),
+        render(queues, wake),
+        stand_in(queues, wake),
+        encode(queues, wake),
+        images(queues, wake) {}
   FetchStage fetch;
   RenderStage render;
+  StandInStage stand_in;  ///< one of the two draws
   EncodeStage encode;
   ImageStage images;
 };
 
-Pipeline::Pipeline(const Clock& clock, std::size_t cache_bytes, CacheDirectory* directory,
+Pipeline::Pipeline(const Clock& clock, std::size_t cache_bytes, TileSources sources,
                    std::function<void()> wake)
-    : queues(clock, cache_bytes, directory), stages_(std::make_unique<Stages>(queues, wake)) {}
+    : queues(clock, cache_bytes, std::move(sources)),
+      stages_(std::make_unique<Stages>(queues, wake)) {}
 
 Pipeline::~Pipeline() { stop(); }
 
@@ -29,6 +37,7 @@ Result<std::string> Pipeline::start(std::shared_ptr<const PreparedScene> scene,
   stages_->fetch.start();
   stages_->images.start(scene);
   stages_->encode.start(scene, encoders);
+  if (options.stand_in_ms > 0) return stages_->stand_in.start(options);
   return stages_->render.start(std::move(scene), options);
 }
 
@@ -37,6 +46,7 @@ void Pipeline::stop() {
   queues.fetches.close();
   queues.tiles.close();
   stages_->render.join();
+  stages_->stand_in.join();
   queues.rendered.close();
   stages_->encode.join();
   queues.saves.close();

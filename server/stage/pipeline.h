@@ -20,10 +20,9 @@ struct RenderOptions;
 
 class Pipeline {
  public:
-  /// `wake` is called by any thread when there is a completion. `directory` nullptr: tiles are kept
-  /// in memory only. Clock and directory outlive it.
+  /// `wake` is called by any thread when there is a completion. Clock and sources outlive it.
   Pipeline(
-      const Clock& clock, std::size_t cache_bytes, CacheDirectory* directory,
+      const Clock& clock, std::size_t cache_bytes, TileSources sources,
       std::function<void()> wake = [] {});
   ~Pipeline();
 

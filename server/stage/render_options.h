@@ -11,6 +11,7 @@ struct RenderOptions {
   int supersample = 2;        ///< per axis
   std::size_t ring = 2;       ///< pages in flight between drawing and read-back
   std::size_t gpu_mb = 4096;  ///< graphics memory for the scene, targets and the ring, at most
+  double stand_in_ms = 0;     ///< set: nothing is drawn, each tile takes this long asleep
   bool shadows = false;       ///< the sun's, in reference frames and shadow tiles
 };
 

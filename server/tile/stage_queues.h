@@ -11,9 +11,11 @@
 namespace mirage {
 
 struct StageQueues {
-  /// `directory` nullptr: finished tiles are kept in memory only. Both outlive it.
-  StageQueues(const Clock& used_clock, std::size_t cache_bytes, CacheDirectory* directory)
-      : clock(used_clock), store(cache_bytes, directory, counters), tiles(used_clock, counters) {}
+  /// Clock and sources outlive it.
+  StageQueues(const Clock& used_clock, std::size_t cache_bytes, TileSources sources)
+      : clock(used_clock),
+        store(cache_bytes, std::move(sources), counters),
+        tiles(used_clock, counters) {}
 
   const Clock& clock;
   Counters counters;

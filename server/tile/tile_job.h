@@ -12,6 +12,7 @@
 #include "protocol/impostor/view_tile.h"
 #include "protocol/wire/message.h"
 #include "protocol/wire/view_codec.h"
+#include "server/source/tile_source.h"
 
 namespace mirage {
 
@@ -72,13 +73,7 @@ struct StoredTile {
 };
 using StoredTilePtr = std::shared_ptr<const StoredTile>;
 
-/// A tile in the form that is made for a codec.
-struct FormId {
-  TileId id;
-  TileCodec codec = TileCodec::kZstd;
-  bool operator<(const FormId& o) const { return id == o.id ? codec < o.codec : id < o.id; }
-};
-/// A tile to look for in the directory.
+/// A tile to look for in the sources.
 struct FetchJob {
   TileId id;
   TileCodec codec = TileCodec::kZstd;
@@ -88,7 +83,7 @@ struct FetchedTile {
   StoredTilePtr form;      ///< as it was asked for
   StoredTilePtr lossless;  ///< else what that can be made of
 };
-/// A tile to be kept in the directory.
+/// A tile to be kept in the sources.
 struct SaveJob {
   TileId id;
   TileCodec codec = TileCodec::kZstd;
@@ -164,11 +159,16 @@ struct FinishedTile {
 struct TooLargeTile {
   TileId id;
 };
-/// What was looked for in the directory, for everybody who waits for it in `codec`.
+/// What was looked for in the sources, for everybody who waits for it in `codec`.
 struct FinishedFetch {
   TileId id;
   TileCodec codec = TileCodec::kZstd;
   FetchedTile found;
+};
+/// Another server is about to have it: it is looked for again until then.
+struct PendingFetch {
+  TileId id;
+  TileCodec codec = TileCodec::kZstd;
 };
 /// An encoded image, for everybody who waits for it.
 struct FinishedImage {
@@ -189,7 +189,7 @@ struct FinishedReference {
 struct RendererFailure {
   Error error;
 };
-using Completion = std::variant<FinishedTile, TooLargeTile, FinishedFetch, FinishedImage,
-                                FinishedView, FinishedReference, RendererFailure>;
+using Completion = std::variant<FinishedTile, TooLargeTile, FinishedFetch, PendingFetch,
+                                FinishedImage, FinishedView, FinishedReference, RendererFailure>;
 
 }  // namespace mirage

@@ -5,16 +5,29 @@
 namespace mirage {
 namespace {
 
-CacheKey file_of(const TileId& id, TileCodec codec) {
-  const char* kind = "tile";
-  if (codec == TileCodec::kWebp) kind = "webp-tile";
-  return {id.high, id.low, kind};
+// What a source keeps of a tile: the reply's message. It holds the id, which stands for the whole
+// key, and the hash of what it decodes to. nullptr: this is none of `id` in this form.
+StoredTilePtr read_record(const Bytes& record, const TileId& id, TileCodec form) {
+  Result<Message> message = decode_message(record.data(), record.size());
+  if (!message || message->body.AsTileReply() == nullptr) return nullptr;
+  const wire::TileReplyT& reply = *message->body.AsTileReply();
+  Result<Tile> tile = tile_from_fields(reply);
+  if (!tile || reply.key_low != id.low || reply.key_high != id.high) return nullptr;
+  const auto codec = static_cast<TileCodec>(reply.codec);
+  const Bytes& planes = message->payload;
+  if (is_lossy(codec) && codec != form) return nullptr;
+  if (!decode_tile_planes(planes.data(), planes.size(), codec, *tile)) return nullptr;
+  if (tile_content_hash(*tile) != reply.content_hash) return nullptr;
+  auto stored = std::make_shared<StoredTile>();
+  stored->reply = reply;
+  stored->planes = message->payload;
+  return stored;
 }
 
 }  // namespace
 
-TileStore::TileStore(std::size_t budget_bytes, CacheDirectory* directory, Counters& counters)
-    : directory_(directory), counters_(counters), budget_(budget_bytes) {}
+TileStore::TileStore(std::size_t budget_bytes, TileSources sources, Counters& counters)
+    : sources_(std::move(sources)), counters_(counters), budget_(budget_bytes) {}
 
 StoredTilePtr TileStore::find_in_memory(const TileId& id, const std::vector<TileCodec>& codecs) {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -72,28 +85,28 @@ void TileStore::put(const TileId& id, TileCodec codec, StoredTilePtr tile) {
 }
 
 StoredTilePtr TileStore::load(const TileId& id, TileCodec form) const {
-  const std::optional<Bytes> bytes = directory_->read(file_of(id, form));
-  if (!bytes) return nullptr;
-  Result<Message> message = decode_message(bytes->data(), bytes->size());
-  if (!message || message->body.AsTileReply() == nullptr) return nullptr;
-  const wire::TileReplyT& reply = *message->body.AsTileReply();
-  Result<Tile> tile = tile_from_fields(reply);
-  if (!tile || reply.key_low != id.low || reply.key_high != id.high) return nullptr;
-  const auto codec = static_cast<TileCodec>(reply.codec);
-  const Bytes& planes = message->payload;
-  if (is_lossy(codec) && codec != form) return nullptr;
-  if (!decode_tile_planes(planes.data(), planes.size(), codec, *tile)) return nullptr;
-  if (tile_content_hash(*tile) != reply.content_hash) return nullptr;
-  auto stored = std::make_shared<StoredTile>();
-  stored->reply = reply;
-  stored->planes = message->payload;
-  return stored;
+  for (TileSource* const source : sources_) {
+    const std::optional<Bytes> record = source->fetch({id, form});
+    if (!record) continue;
+    if (StoredTilePtr tile = read_record(*record, id, form)) {
+      ++(source->tier() == TileSource::Tier::kRedis ? counters_.shared_store_hits
+                                                    : counters_.directory_hits);
+      return tile;
+    }
+    ++counters_.records_wrong;  // it is rendered anew, and offered in its place
+  }
+  return nullptr;
+}
+
+bool TileStore::claim(const TileId& id) {
+  return std::all_of(sources_.begin(), sources_.end(),
+                     [&](TileSource* source) { return source->claim(id); });
 }
 
 void TileStore::save(const TileId& id, TileCodec codec, const StoredTile& tile) const {
-  if (!directory_) return;
-  wire::TileReplyT reply = tile.reply;
-  directory_->write(file_of(id, codec), encode_message(std::move(reply), tile.planes));
+  if (sources_.empty()) return;
+  const Bytes record = encode_message(wire::TileReplyT(tile.reply), tile.planes);
+  for (TileSource* const source : sources_) source->offer({id, codec}, record);
 }
 
 }  // namespace mirage

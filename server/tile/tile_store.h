@@ -1,22 +1,24 @@
 #pragma once
 // Tile store: finished tiles by id, in memory under a byte budget (least recently used go first,
-// all their forms together), and optionally in a directory, which outlives the process. Any thread;
-// fetch() and save() take as long as the disk does and are the fetch stage's.
+// all their forms together), and behind it the sources, asked in order. Any thread; what asks the
+// sources takes as long as they do and is the fetch stage's.
 
 #include <mutex>
 #include <unordered_map>
 
 #include "server/base/byte_budget.h"
-#include "server/base/cache_directory.h"
 #include "server/base/counters.h"
+#include "server/source/tile_source.h"
 #include "server/tile/tile_job.h"
 
 namespace mirage {
 
+/// From the fastest to the slowest; they outlive who is told of them.
+using TileSources = std::vector<TileSource*>;
+
 class TileStore {
  public:
-  /// `directory` nullptr: memory only; else it outlives the store.
-  TileStore(std::size_t budget_bytes, CacheDirectory* directory, Counters& counters);
+  TileStore(std::size_t budget_bytes, TileSources sources, Counters& counters);
 
   /// The form that was made for `codec`; nullptr: it is not in memory.
   StoredTilePtr find(const TileId& id, TileCodec codec);
@@ -25,11 +27,12 @@ class TileStore {
   /// Into memory: the form that was made for `codec`; it may be in another, where that is smaller.
   void put(const TileId& id, TileCodec codec, StoredTilePtr tile);
 
-  bool has_directory() const { return directory_ != nullptr; }
-  /// From the directory into memory.
+  bool has_sources() const { return !sources_.empty(); }
+  /// From the sources into memory.
   FetchedTile fetch(const TileId& id, TileCodec codec);
-  /// Into the directory, where there is one. All forms without loss share one file; lossy ones have
-  /// their own.
+  /// Before it is rendered. False: another server is about to have it.
+  bool claim(const TileId& id);
+  /// Into all sources. All forms without loss share one record; lossy ones have their own.
   void save(const TileId& id, TileCodec codec, const StoredTile& tile) const;
 
  private:
@@ -40,7 +43,7 @@ class TileStore {
   StoredTilePtr find_in_memory(const TileId& id, const std::vector<TileCodec>& codecs);
   StoredTilePtr load(const TileId& id, TileCodec form) const;
 
-  CacheDirectory* const directory_;
+  const TileSources sources_;
   Counters& counters_;
   std::mutex mutex_;
   std::unordered_map<TileId, Slot> slots_;

@@ -128,7 +128,7 @@ glm::dvec3 turned(const glm::dvec3& direction, double degrees, double bearing) {
 
 std::optional<SceneView> scene_as_told(const std::shared_ptr<const PreparedScene>& prepared) {
   const SteadyClock clock;
-  StageQueues queues(clock, 1 << 20, nullptr);
+  StageQueues queues(clock, 1 << 20, {});
   SessionHub hub(prepared, {}, queues);
   const SessionId id = hub.open();
   wire::HelloT hello;

@@ -71,7 +71,7 @@ std::shared_ptr<const PreparedScene> rig_scene(const RigScene& options) {
 }
 
 Host::Host(std::shared_ptr<const PreparedScene> scene, const Clock& clock, SessionOptions options)
-    : scene_(std::move(scene)), queues_(clock, 64u << 20, nullptr) {
+    : scene_(std::move(scene)), queues_(clock, 64u << 20, {}) {
   options.geometry = false;
   hub_ = std::make_unique<SessionHub>(scene_, std::move(options), queues_);
 }

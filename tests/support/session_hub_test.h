@@ -98,7 +98,7 @@ class SessionHubTest : public ::testing::Test {
 
   static inline std::shared_ptr<const PreparedScene> scene_;
   VirtualClock clock;
-  StageQueues queues{clock, 1 << 24, nullptr};
+  StageQueues queues{clock, 1 << 24, {}};
   Counters& counters = queues.counters;
   TileQueue& queue = queues.tiles;
   TileStore& store = queues.store;

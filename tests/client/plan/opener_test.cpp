@@ -398,7 +398,7 @@ double thread_seconds() {
 // All that a request of 60 KB can ask for: nobody else waits while it is answered.
 TEST(ServerOpening, AnAnswerIsMadePageByPageAndTellsOfEachOnce) {
   const VirtualClock clock;
-  StageQueues queues(clock, 1 << 20, nullptr);
+  StageQueues queues(clock, 1 << 20, {});
   SessionHub hub(field(), {}, queues);
   const SessionId id = hub.open();
   const auto say = [&](Bytes bytes) {

@@ -48,7 +48,7 @@ class HubLink final : public Link {
  private:
   std::shared_ptr<const PreparedScene> scene_;
   VirtualClock clock_;
-  StageQueues queues_{clock_, 1 << 24, nullptr};
+  StageQueues queues_{clock_, 1 << 24, {}};
   std::unique_ptr<SessionHub> hub_;
   SessionId id_ = 0;
   std::uint32_t generation_ = 0;

@@ -3,6 +3,7 @@
 
 #include <thread>
 
+#include "server/source/directory_source.h"
 #include "server/stage/fetch_stage.h"
 #include "server/tile/tile_form.h"
 #include "tests/support/session_hub_test.h"
@@ -20,7 +21,7 @@ class ServerFetch : public SessionHubTest {
 
   void restart_server() {
     hub.reset();
-    server = std::make_unique<StageQueues>(clock, 1 << 24, &directory);
+    server = std::make_unique<StageQueues>(clock, 1 << 24, TileSources{&source});
     hub = std::make_unique<SessionHub>(scene_, SessionOptions{}, *server);
   }
   /// What the fetch stage does with all that waits; how many jobs it were.
@@ -88,6 +89,7 @@ class ServerFetch : public SessionHubTest {
 
   const TempFolder folder;
   CacheDirectory directory{folder.path().string(), 1u << 30};
+  DirectorySource source{directory};
   std::unique_ptr<StageQueues> server;
 };
 using Requests = std::vector<std::uint32_t>;
@@ -177,6 +179,62 @@ TEST_F(ServerFetch, WhoIsGoneOrCancelsGetsNothingAndHasNothingRendered) {
   render_all_and_keep();
   EXPECT_EQ(came(b), Requests{});
   EXPECT_EQ(came(c), Requests{1});
+}
+
+/// Another server is at every tile, until it is told that that one has it.
+class BusyElsewhere final : public TileSource {
+ public:
+  Tier tier() const override { return Tier::kRedis; }
+  std::optional<Bytes> fetch(const FormId&) override {
+    if (!there) return std::nullopt;
+    return record;
+  }
+  void offer(const FormId&, const Bytes& offered) override { record = offered; }
+  bool claim(const TileId&) override { return gone; }
+  std::atomic<bool> there{false}, gone{false};
+  Bytes record;
+};
+
+TEST_F(ServerFetch, WhatAnotherServerRendersIsLookedForAgain) {
+  BusyElsewhere elsewhere;
+  const auto with_stage = [&](const std::function<void(SessionId)>& act) {
+    hub.reset();
+    server = std::make_unique<StageQueues>(clock, 1 << 24, TileSources{&elsewhere});
+    hub = std::make_unique<SessionHub>(scene_, SessionOptions{}, *server);
+    FetchStage stage(*server, [] {});
+    stage.start();
+    act(client());
+    server->fetches.close();
+    server->saves.close();
+    stage.join();
+  };
+  const auto complete_one = [&] {
+    std::optional<Completion> done = server->completions.pop();
+    const bool pending = std::holds_alternative<PendingFetch>(*done);
+    hub->complete(std::move(*done));
+    return pending;
+  };
+  with_stage([&](SessionId id) {
+    ASSERT_TRUE(send_ask(id, ask(7)).ok());
+    ASSERT_TRUE(complete_one());
+    EXPECT_EQ(server->counters.tiles_left_to_others, 1u);
+    wait_for(kTooLateUs);
+    EXPECT_EQ(server->tiles.length(), 0u) << "the other has longer than a disk";
+    elsewhere.gone = true;  // its lease has ended: this server's turn
+    ASSERT_FALSE(complete_one());
+    EXPECT_EQ(render_all_and_keep(), 1u);
+    EXPECT_EQ(came(id), Requests{7});
+  });
+  elsewhere.gone = false;
+  with_stage([&](SessionId id) {
+    ASSERT_TRUE(send_ask(id, ask(8)).ok());
+    ASSERT_TRUE(complete_one());
+    elsewhere.there = true;
+    ASSERT_FALSE(complete_one());
+    EXPECT_EQ(came(id), Requests{8});
+    EXPECT_EQ(server->counters.shared_store_hits, 1u);
+    EXPECT_EQ(server->tiles.length(), 0u);
+  });
 }
 
 TEST_F(ServerFetch, TheStageReadsAndWritesOnThreadsOfItsOwn) {

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "protocol/codec/tile_color.h"
+#include "server/source/directory_source.h"
 #include "server/tile/tile_form.h"
 #include "server/tile/tile_store.h"
 #include "tests/support/temp_folder.h"
@@ -62,12 +63,14 @@ class ServerStore : public ::testing::Test {
   /// What a server that has ended left behind.
   void keep(const StoredTilePtr& tile, std::uint64_t n) {
     CacheDirectory cache(directory(), kRoomy);
-    TileStore(1 << 20, &cache, counters).save(id_of(n), TileCodec::kRaw, *tile);
+    DirectorySource source(cache);
+    TileStore(1 << 20, {&source}, counters).save(id_of(n), TileCodec::kRaw, *tile);
   }
   /// What the next one finds.
   StoredTilePtr kept(std::uint64_t n) {
     CacheDirectory cache(directory(), kRoomy);
-    return TileStore(1 << 20, &cache, counters).fetch(id_of(n), TileCodec::kRaw).form;
+    DirectorySource source(cache);
+    return TileStore(1 << 20, {&source}, counters).fetch(id_of(n), TileCodec::kRaw).form;
   }
 
   Counters counters;
@@ -78,7 +81,7 @@ class ServerStore : public ::testing::Test {
 
 TEST_F(ServerStore, LeastRecentlyUsedGoFirst) {
   const std::size_t one = make_stored(0)->bytes();
-  TileStore store(3 * one, nullptr, counters);
+  TileStore store(3 * one, {}, counters);
   for (std::uint64_t n = 0; n < 3; ++n) store.put(id_of(n), TileCodec::kRaw, make_stored(n));
   ASSERT_TRUE(store.find(id_of(0), TileCodec::kRaw));  // now the youngest
   store.put(id_of(3), TileCodec::kRaw, make_stored(3));
@@ -92,7 +95,7 @@ TEST_F(ServerStore, LeastRecentlyUsedGoFirst) {
 
 TEST_F(ServerStore, TheSameTileTwiceCountsOnce) {
   const std::size_t one = make_stored(0)->bytes();
-  TileStore store(10 * one, nullptr, counters);
+  TileStore store(10 * one, {}, counters);
   store.put(id_of(1), TileCodec::kRaw, make_stored(1));
   store.put(id_of(1), TileCodec::kRaw, make_stored(1));
   EXPECT_EQ(counters.store_bytes, one);
@@ -100,7 +103,7 @@ TEST_F(ServerStore, TheSameTileTwiceCountsOnce) {
 
 TEST_F(ServerStore, BudgetIsKeptThroughManySizes) {
   const std::size_t budget = 20 * make_stored(0, 16)->bytes();
-  TileStore store(budget, nullptr, counters);
+  TileStore store(budget, {}, counters);
   for (std::uint64_t n = 0; n < 500; ++n) {
     store.put(id_of(n), TileCodec::kRaw,
               make_stored(n, 4 + static_cast<std::uint32_t>(n * 7 % 40)));
@@ -108,7 +111,7 @@ TEST_F(ServerStore, BudgetIsKeptThroughManySizes) {
     ASSERT_TRUE(store.find(id_of(n), TileCodec::kRaw));
   }
   // One larger than everything: kept alone, for the clients that wait for it.
-  TileStore tiny(10, nullptr, counters);
+  TileStore tiny(10, {}, counters);
   tiny.put(id_of(1), TileCodec::kRaw, make_stored(1));
   EXPECT_TRUE(tiny.find(id_of(1), TileCodec::kRaw));
 }
@@ -117,7 +120,8 @@ TEST_F(ServerStore, DirectoryOutlivesTheProcess) {
   const StoredTilePtr original = make_stored(5);
   keep(original, 5);
   CacheDirectory cache(directory(), kRoomy);
-  TileStore store(1 << 20, &cache, counters);
+  DirectorySource source(cache);
+  TileStore store(1 << 20, {&source}, counters);
   EXPECT_FALSE(store.find(id_of(5), TileCodec::kRaw)) << "not in memory yet";
   const StoredTilePtr found = store.fetch(id_of(5), TileCodec::kRaw).form;
   ASSERT_TRUE(found);
@@ -228,7 +232,7 @@ TEST(ServerForm, WhereLossSavesNothingThereIsNone) {
 
 TEST_F(ServerStore, FormsAreApartAndGoTogether) {
   const StoredTilePtr zstd = rendered_tile(1), webp = convert_form(zstd, TileCodec::kWebp);
-  TileStore store(10 * zstd->bytes(), nullptr, counters);
+  TileStore store(10 * zstd->bytes(), {}, counters);
   store.put(id_of(1), TileCodec::kZstd, zstd);
   EXPECT_FALSE(store.find(id_of(1), TileCodec::kWebp));
   EXPECT_EQ(store.find_lossless(id_of(1)), zstd);
@@ -247,12 +251,13 @@ TEST_F(ServerStore, FormsAreApartAndGoTogether) {
 TEST_F(ServerStore, DirectoryKeepsLossyFormsBesideTheOneWithoutLoss) {
   const StoredTilePtr zstd = rendered_tile(1), webp = convert_form(zstd, TileCodec::kWebp);
   CacheDirectory cache(directory(), kRoomy);
+  DirectorySource source(cache);
   {
-    const TileStore store(1 << 20, &cache, counters);
+    const TileStore store(1 << 20, {&source}, counters);
     store.save(id_of(1), TileCodec::kZstd, *zstd);
     store.save(id_of(1), TileCodec::kWebp, *webp);
   }
-  TileStore store(1 << 20, &cache, counters);
+  TileStore store(1 << 20, {&source}, counters);
   ASSERT_TRUE(store.fetch(id_of(1), TileCodec::kWebp).form);
   EXPECT_EQ(store.find(id_of(1), TileCodec::kWebp)->planes, webp->planes);
   const FetchedTile raw = store.fetch(id_of(1), TileCodec::kRaw);
@@ -267,12 +272,13 @@ TEST_F(ServerStore, DirectoryKeepsLossyFormsBesideTheOneWithoutLoss) {
     if (at == std::string::npos) continue;
     write(name.substr(0, at) + ".tile", read(entry.path()));
   }
-  EXPECT_FALSE(TileStore(1 << 20, &cache, counters).fetch(id_of(1), TileCodec::kZstd).form);
+  EXPECT_FALSE(TileStore(1 << 20, {&source}, counters).fetch(id_of(1), TileCodec::kZstd).form);
 }
 
 TEST_F(ServerStore, DirectoryThatCannotBeWrittenIsNoError) {
   CacheDirectory cache("/proc/nowhere", kRoomy);
-  TileStore store(1 << 20, &cache, counters);
+  DirectorySource source(cache);
+  TileStore store(1 << 20, {&source}, counters);
   store.put(id_of(1), TileCodec::kRaw, make_stored(1));
   store.save(id_of(1), TileCodec::kRaw, *make_stored(1));
   EXPECT_TRUE(store.find(id_of(1), TileCodec::kRaw));

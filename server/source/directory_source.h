@@ -1,0 +1,28 @@
+#pragma once
+// Tile source: the cache's directory. It outlives the process, and servers may share it.
+
+#include "server/base/cache_directory.h"
+#include "server/source/tile_source.h"
+
+namespace mirage {
+
+class DirectorySource final : public TileSource {
+ public:
+  /// `directory` outlives it.
+  explicit DirectorySource(CacheDirectory& directory) : directory_(directory) {}
+
+  Tier tier() const override { return Tier::kDirectory; }
+  std::optional<Bytes> fetch(const FormId& id) override { return directory_.read(file_of(id)); }
+  void offer(const FormId& id, const Bytes& record) override {
+    directory_.write(file_of(id), record);
+  }
+
+ private:
+  static CacheKey file_of(const FormId& id) {
+    return {id.id.high, id.id.low, id.codec == TileCodec::kWebp ? "webp-tile" : "tile"};
+  }
+
+  CacheDirectory& directory_;
+};
+
+}  // namespace mirage

@@ -1,0 +1,127 @@
+#include "server/source/redis_source.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <random>
+
+namespace mirage {
+namespace {
+
+// Less than who waits for the fetch stage is patient.
+constexpr std::int64_t kLimitUs = 8'000;
+constexpr std::int64_t kFirstPauseUs = 250'000, kLongestPauseUs = 5'000'000;
+constexpr std::int64_t kShortestLeaseMs = 100, kLongestLeaseMs = 2'000;
+constexpr std::size_t kMostClaims = 4096;
+
+std::string hex(const TileId& id) { return fmt::format("{:016x}{:016x}", id.high, id.low); }
+
+std::string record_key(const FormId& id) {
+  return "mirage:tile:" + hex(id.id) + (id.codec == TileCodec::kWebp ? ".webp" : "");
+}
+
+std::string chance_name() {
+  std::random_device random;
+  return fmt::format("{:08x}{:08x}", random(), random());
+}
+
+}  // namespace
+
+RedisSource::RedisSource(StoreAddress address, const Clock& clock)
+    : address_(std::move(address)), clock_(clock), name_(chance_name()) {}
+
+std::unique_ptr<RedisLink> RedisSource::take() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::int64_t now = clock_.now_us();
+    if (now < alone_until_us_) return nullptr;
+    // It did not answer: one tries, the others leave it alone still.
+    if (pause_us_ > 0) alone_until_us_ = now + pause_us_;
+    if (!idle_.empty()) {
+      std::unique_ptr<RedisLink> link = std::move(idle_.back());
+      idle_.pop_back();
+      return link;
+    }
+  }
+  Result<std::unique_ptr<RedisLink>> fresh = RedisLink::connect(address_, kLimitUs);
+  if (fresh) return fresh.take();
+  failed(fresh.error());
+  return nullptr;
+}
+
+void RedisSource::give_back(std::unique_ptr<RedisLink> link) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (pause_us_ > 0) spdlog::info("store: {} answers again", address_.name());
+  pause_us_ = 0;
+  alone_until_us_ = INT64_MIN;
+  idle_.push_back(std::move(link));
+}
+
+void RedisSource::failed(const Error& error) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (pause_us_ == 0) {
+    spdlog::warn("store: {} does not answer ({}): tiles are rendered here until it does",
+                 address_.name(), error.text);
+  }
+  pause_us_ = std::clamp(2 * pause_us_, kFirstPauseUs, kLongestPauseUs);
+  alone_until_us_ = clock_.now_us() + pause_us_;
+  idle_.clear();  // of the same server, and as old
+}
+
+std::optional<Bytes> RedisSource::fetch(const FormId& id) {
+  std::unique_ptr<RedisLink> link = take();
+  if (!link) return std::nullopt;
+  Result<std::optional<Bytes>> record = link->get(record_key(id));
+  if (!record) {
+    failed(record.error());
+    return std::nullopt;
+  }
+  give_back(std::move(link));
+  return record.take();
+}
+
+void RedisSource::offer(const FormId& id, const Bytes& record) {
+  note_made(id.id);
+  std::unique_ptr<RedisLink> link = take();
+  if (!link) return;
+  const Result<void> kept = link->set(record_key(id), record);
+  if (!kept) return failed(kept.error());
+  give_back(std::move(link));
+}
+
+bool RedisSource::claim(const TileId& id) {
+  std::unique_ptr<RedisLink> link = take();
+  if (!link) return true;
+  const Result<std::string> holder = link->hold("mirage:lease:" + hex(id), name_, lease_ms());
+  if (!holder) {
+    failed(holder.error());
+    return true;
+  }
+  give_back(std::move(link));
+  if (*holder != name_) return false;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (claimed_us_.size() >= kMostClaims) claimed_us_.clear();  // of tiles nobody wanted any more
+  claimed_us_.try_emplace(id, clock_.now_us());
+  return true;
+}
+
+void RedisSource::note_made(const TileId& id) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto claimed = claimed_us_.extract(id);
+  if (claimed.empty()) return;
+  made_us_[made_++ % made_us_.size()] = clock_.now_us() - claimed.mapped();
+}
+
+// Twice what 99 of 100 of the last tiles took.
+std::int64_t RedisSource::lease_ms() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::size_t known = std::min(made_, made_us_.size());
+  if (known == 0) return kLongestLeaseMs;
+  std::array<std::int64_t, 128> times = made_us_;
+  const std::size_t rank = known * 99 / 100;
+  std::nth_element(times.begin(), times.begin() + rank, times.begin() + known);
+  return std::clamp(2 * times[rank] / 1000, kShortestLeaseMs, kLongestLeaseMs);
+}
+
+}  // namespace mirage
