@@ -12,7 +12,7 @@ namespace mirage {
 namespace {
 
 int run(int argc, char** argv) {
-  std::string key_file, name, scope = "view,geometry";
+  std::string key_file, name, path, scope = "view,geometry";
   double hours = 24;
   CLI::App app("Makes a token for a while, signed with a key of the server's token file.",
                "mirage-token");
@@ -21,13 +21,19 @@ int run(int argc, char** argv) {
       "         mirage-view ws://box:9870 --token-file anna.token");
   app.add_option("--key-file", key_file, "the server's token file: its first line key=SECRET signs")
       ->required();
-  app.add_option("--name", name, "who it is for: letters, digits, - and _")->required();
+  app.add_option("--name", name, "who it is for: letters, digits, - and _");
+  app.add_option("--path", path,
+                 "instead of a token: the query that lets whoever has it get what lies there, as "
+                 "/v1/tile/REVISION/");
   app.add_option("--hours", hours, "for how long it is taken")
       ->check(CLI::Range(0.01, 24.0 * 3660))
       ->capture_default_str();
   app.add_option("--scope", scope, "view[,geometry][,reference]")->capture_default_str();
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
+  if (name.empty() == path.empty()) {
+    return fail(make_error(ErrorId::kUsage, "either --name, for a token, or --path"));
+  }
   std::ifstream file(key_file);
   std::string key;
   for (std::string line; key.empty() && std::getline(file, line);) {
@@ -40,6 +46,11 @@ int run(int argc, char** argv) {
                            "openssl rand -hex 32 makes a good one"));
   }
   const auto expires_s = std::time(nullptr) + std::llround(3600 * hours);
+  if (!path.empty()) {
+    std::printf("until=%lld&signature=%s\n", static_cast<long long>(expires_s),
+                path_signature(key, path, expires_s).c_str());
+    return 0;
+  }
   const Result<std::string> token = signed_token(key, name, expires_s, scope);
   if (!token) return fail(token.error());
   std::printf("%s\n", token->c_str());

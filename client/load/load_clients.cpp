@@ -37,8 +37,7 @@ struct Connection {
   std::size_t sent = 0;  // of outbound
   Bytes inbound;         // fragments of the message under way
   FrameAssembler assembler{kMaxTransferBytes};
-  std::string down_id = "network-closed";
-  std::string down_text = "server closed the connection";
+  std::string down_id, down_text;
 };
 
 // A timer that knows its context: libwebsockets hands its callback the list node alone.
@@ -99,6 +98,7 @@ struct LoadClients::Impl {
     c.state = LinkState::kDown;
     c.socket = nullptr;
     c.outbound = {};
+    c.sent = 0;
     c.inbound = {};
     c.assembler = FrameAssembler(kMaxTransferBytes);
     --live;
@@ -250,6 +250,8 @@ Result<std::unique_ptr<LoadClients>> LoadClients::create(const ServerUrl& url, s
 void LoadClients::connect(std::uint32_t client) {
   Connection& c = impl_->connections[client];
   c.state = LinkState::kConnecting;
+  c.down_id = "network-closed";
+  c.down_text = "server closed the connection";
   ++impl_->live;
   const std::string address = impl_->url.address(), host = impl_->url.host_header();
   lws_client_connect_info info{};

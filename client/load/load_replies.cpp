@@ -76,7 +76,13 @@ Result<void> LoadRun::on_message(std::uint32_t client, const std::uint8_t* bytes
 
 void LoadRun::on_down(std::uint32_t client, const std::string& id, const std::string& text) {
   Client& c = clients_[client];
-  if (c.stage == Stage::kDescribed) --described_;
+  const bool was_up = c.stage == Stage::kDescribed;
+  if (was_up) --described_;
+  if (options_.reconnect && !options_.warm_shard && (was_up || results_.connected > 0)) {
+    c.stage = Stage::kAway;
+    reconnects_.lost(client, clock_.now_us());
+    return;
+  }
   c.stage = Stage::kDown;
   ++down_;
   waiting_ -= c.waiting;
@@ -87,7 +93,7 @@ void LoadRun::on_down(std::uint32_t client, const std::string& id, const std::st
 }
 
 Result<void> LoadRun::take_welcome(std::uint32_t client, const wire::Welcome& welcome) {
-  if (client == kScout) {
+  if (client == kScout && !scene_.described()) {
     const std::unique_ptr<wire::WelcomeT> unpacked(welcome.UnPack());
     if (Result<void> taken = scene_.accept(*unpacked); !taken) return taken;
     return {};
@@ -101,7 +107,7 @@ Result<void> LoadRun::take_welcome(std::uint32_t client, const wire::Welcome& we
 // The first client decodes the scene; for the others the same pages are only counted.
 Result<void> LoadRun::take_page(Client& c, std::uint32_t client, const MessageView& message) {
   ++c.pages;
-  if (client == kScout) {
+  if (client == kScout && !scene_.described()) {
     Result<void> taken;
     if (message.type() == wire::Body::ImagePage) {
       const std::unique_ptr<wire::ImagePageT> page(message.control().body_as_ImagePage()->UnPack());
@@ -117,16 +123,20 @@ Result<void> LoadRun::take_page(Client& c, std::uint32_t client, const MessageVi
     }
     if (!taken) return taken;
     scene_pages_ = c.pages;
-    if (scene_.described()) described(c);
+    if (scene_.described()) described(c, client);
   } else if (c.pages == scene_pages_) {
-    described(c);
+    described(c, client);
   }
   return {};
 }
 
-void LoadRun::described(Client& c) {
+void LoadRun::described(Client& c, std::uint32_t client) {
   c.stage = Stage::kDescribed;
   ++described_;
+  const std::optional<double> away_ms = reconnects_.back(client, clock_.now_us());
+  if (!away_ms) return;
+  results_.away_ms.push_back(static_cast<float>(*away_ms));
+  ask_again(client);
 }
 
 const PlannedAsk* LoadRun::answered(std::uint32_t client, std::uint32_t request_id) {
@@ -158,6 +168,7 @@ Result<void> LoadRun::take_tile(std::uint32_t client, const MessageView& message
   last_tile_us_ = now;
   const std::int64_t latency_us = now - start_us_ - ask->intended_us;
   results_.latency_ms.push_back(static_cast<float>(latency_us) * 1e-3f);
+  results_.server_ms.push_back(static_cast<float>(reply.server_us()) * 1e-3f);
   const bool right_edge = reply.edge() == tile_edge(plan_.needs[ask->need].size_class);
   if (!fits || !right_edge) {
     ++results_.verify_failures;

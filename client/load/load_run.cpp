@@ -3,8 +3,10 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "protocol/base/limits.h"
+#include "protocol/wire/tile_address.h"
 
 namespace mirage {
 namespace {
@@ -15,6 +17,7 @@ constexpr std::int64_t kAnswerPatienceUs = 5'000'000;
 constexpr std::int64_t kClosePatienceUs = 2'000'000;
 constexpr std::int64_t kProgressUs = 1'000'000;
 constexpr std::int64_t kLongestWaitUs = 100'000;
+constexpr std::int64_t kRetryCheckUs = 5'000;
 
 std::int64_t us(double seconds) { return static_cast<std::int64_t>(seconds * 1e6); }
 
@@ -28,8 +31,14 @@ Result<LoadResults> LoadRun::run() {
   link_ = link.take();
   if (Result<void> met = meet_server(); !met) return met.error();
   if (Result<void> planned = make_plan(); !planned) return planned.error();
-  if (options_.warm) {
+  if (options_.warm || options_.warm_shard) {
     if (Result<void> warm = warm_up(); !warm) return warm.error();
+  }
+  if (options_.warm_shard) {
+    results_.warmed = warm_answered_;
+    results_.connected_at_end = described_;
+    link_->close_all(kClosePatienceUs);
+    return std::move(results_);
   }
   connect_others();
   const std::optional<wire::StatsT> before = server_stats();
@@ -107,22 +116,47 @@ Result<void> LoadRun::make_plan() {
   results_.clients = options_.clients;
   results_.duration_s = options_.duration_s;
   results_.distinct_asks = plan_.needs.size();
+  if (!options_.urls_file.empty()) {
+    if (Result<void> written = write_urls(); !written) return written;
+  }
   spdlog::info("{}: {} requests planned, {} of them distinct", scene_.name, plan_.asks.size(),
                plan_.needs.size());
   return {};
 }
 
+Result<void> LoadRun::write_urls() const {
+  std::ofstream file(options_.urls_file);
+  for (const TileNeed& need : plan_.needs) {
+    TileAddress address;
+    address.instance = scene_.instances[need.instance].id;
+    address.cell = need.cell;
+    address.distance = need.distance;
+    address.size_class = need.size_class;
+    address.channels = kLitTile;
+    address.phase = phase_of(need);
+    file << fmt::format("/v1/tile/{:016x}/{}\n", scene_.revision, address.text());
+  }
+  file.close();
+  if (file) return {};
+  return make_error(ErrorId::kIo, "cannot write '" + options_.urls_file + "'");
+}
+
 Result<void> LoadRun::warm_up() {
   phase_ = "warming";
+  const LoadOptions::Shard shard = options_.warm_shard.value_or(LoadOptions::Shard{});
+  std::vector<TileNeed> needs;
+  for (std::size_t i = shard.index; i < plan_.needs.size(); i += shard.of) {
+    needs.push_back(plan_.needs[i]);
+  }
   std::int64_t deadline = clock_.now_us() + us(options_.connect_timeout_s);
-  while (warm_answered_ < plan_.needs.size()) {
+  while (warm_answered_ < needs.size()) {
     if (clients_[kScout].stage == Stage::kDown) return why_down();
     if (clock_.now_us() > deadline) {
       return make_error(ErrorId::kNetworkTimeout, "the server stopped answering while warming up");
     }
-    while (warm_sent_ < plan_.needs.size() && warm_sent_ < warm_answered_ + kWarmWindow) {
+    while (warm_sent_ < needs.size() && warm_sent_ < warm_answered_ + kWarmWindow) {
       const std::size_t id = plan_.asks.size() + 1 + warm_sent_;
-      link_->send(kScout, ask_message(static_cast<std::uint32_t>(id), plan_.needs[warm_sent_]));
+      link_->send(kScout, ask_message(static_cast<std::uint32_t>(id), needs[warm_sent_]));
       ++warm_sent_;
     }
     const std::size_t answered_before = warm_answered_;
@@ -163,8 +197,9 @@ void LoadRun::ask_at_intended_times() {
   const std::uint64_t bytes_before = link_->bytes();
   start_us_ = last_tile_us_ = clock_.now_us();
   const std::int64_t end = start_us_ + us(options_.duration_s);
-  std::size_t next = 0;
-  for (std::int64_t now = start_us_; now < end && described_ > 0; now = clock_.now_us()) {
+  std::size_t& next = next_ask_;
+  for (std::int64_t now = start_us_; now < end && described_ + reconnects_.away() > 0;
+       now = clock_.now_us()) {
     while (next < plan_.asks.size() && start_us_ + plan_.asks[next].intended_us <= now) {
       ask(next++, now);
     }
@@ -209,19 +244,26 @@ std::optional<wire::StatsT> LoadRun::server_stats() {
 void LoadRun::ask(std::size_t index, std::int64_t now_us) {
   const PlannedAsk& planned = plan_.asks[index];
   Client& c = clients_[planned.client];
-  if (c.stage != Stage::kDescribed) {
+  if (c.stage != Stage::kDescribed && !options_.reconnect) {
     asks_[index] = AskState::kDone;
     ++results_.errors["not-sent"];
     return;
   }
   const auto id = static_cast<std::uint32_t>(index + 1);
-  link_->send(planned.client, ask_message(id, plan_.needs[planned.need]));
+  if (c.stage == Stage::kDescribed) {  // else it is asked for once the client is back
+    link_->send(planned.client, ask_message(id, plan_.needs[planned.need]));
+  }
   const std::int64_t lag_us = now_us - start_us_ - planned.intended_us;
   results_.send_lag_ms.push_back(static_cast<float>(std::max<std::int64_t>(lag_us, 0)) * 1e-3f);
   asks_[index] = AskState::kWaiting;
   ++c.waiting;
   ++waiting_;
   ++results_.asked;
+}
+
+Phase LoadRun::phase_of(const TileNeed& need) const {
+  const std::uint32_t object = scene_.instances[need.instance].object;
+  return nearest_phase(0, scene_.objects[object].motion.clip_s, 0);
 }
 
 Bytes LoadRun::ask_message(std::uint32_t request_id, const TileNeed& need) const {
@@ -231,8 +273,7 @@ Bytes LoadRun::ask_message(std::uint32_t request_id, const TileNeed& need) const
   batch.asks.emplace_back(request_id, view.id, scene_.object_id(need.instance),
                           static_cast<float>(need.error_px), 0u, need.distance.index, need.cell.x,
                           need.cell.y, need.cell.level, need.distance.level, need.size_class,
-                          static_cast<std::uint8_t>(kChannelColor | kChannelDepth),
-                          nearest_phase(0, scene_.objects[view.object].motion.clip_s, 0));
+                          kLitTile, phase_of(need));
   return encode_message(std::move(batch));
 }
 
@@ -246,8 +287,24 @@ bool LoadRun::serve_until(Done done, std::int64_t deadline_us) {
   return true;
 }
 
+void LoadRun::try_again() {
+  for (const std::uint32_t client : reconnects_.take_due(clock_.now_us())) {
+    clients_[client].pages = 0;
+    link_->connect(client);
+  }
+}
+
+void LoadRun::ask_again(std::uint32_t client) {
+  for (std::size_t i = 0; i < next_ask_; ++i) {
+    if (asks_[i] != AskState::kWaiting || plan_.asks[i].client != client) continue;
+    const TileNeed& need = plan_.needs[plan_.asks[i].need];
+    link_->send(client, ask_message(static_cast<std::uint32_t>(i + 1), need));
+  }
+}
+
 void LoadRun::serve(std::int64_t wait_us) {
-  link_->service(wait_us);
+  link_->service(reconnects_.away() > 0 ? std::min(wait_us, kRetryCheckUs) : wait_us);
+  try_again();
   const std::int64_t now = clock_.now_us();
   if (now - progress_us_ >= kProgressUs) show_progress(now);
 }

@@ -14,6 +14,7 @@
 #include "client/load/load_clients.h"
 #include "client/load/message_view.h"
 #include "client/load/options.h"
+#include "client/load/reconnects.h"
 #include "client/load/report.h"
 #include "client/load/request_plan.h"
 #include "client/load/tile_verifier.h"
@@ -64,8 +65,10 @@ class LoadRun final : private LoadSink {
   /// The planned ask of this id when `client` waits for it; then it no longer does.
   const PlannedAsk* answered(std::uint32_t client, std::uint32_t request_id);
   bool same_content(const wire::TileReply& reply);
-  void described(Client& c);
+  void described(Client& c, std::uint32_t client);
   void ask(std::size_t index, std::int64_t now_us);
+  Phase phase_of(const TileNeed& need) const;
+  Result<void> write_urls() const;
   Bytes ask_message(std::uint32_t request_id, const TileNeed& need) const;
   Error why_down() const;
   /// Serves the network until `done` or the deadline; true when done.
@@ -73,6 +76,10 @@ class LoadRun final : private LoadSink {
   bool serve_until(Done done, std::int64_t deadline_us);
   void serve(std::int64_t wait_us);
   void show_progress(std::int64_t now_us);
+
+  void try_again();
+  /// Asks once more for what the client still waits for.
+  void ask_again(std::uint32_t client);
 
   const LoadOptions& options_;
   SteadyClock clock_;
@@ -88,6 +95,8 @@ class LoadRun final : private LoadSink {
   RequestPlan plan_;
   std::vector<AskState> asks_;
   std::size_t waiting_ = 0;
+  std::size_t next_ask_ = 0;
+  Reconnects reconnects_{options_.seed};
   std::size_t warm_sent_ = 0, warm_answered_ = 0;
   std::int64_t start_us_ = 0;
   std::int64_t last_tile_us_ = 0;

@@ -58,6 +58,15 @@ Result<void> check(LoadOptions& o, const std::string& size, const std::string& t
   return {};
 }
 
+Result<LoadOptions::Shard> parse_shard(const std::string& text) {
+  LoadOptions::Shard out;
+  char extra = 0;
+  const int read = std::sscanf(text.c_str(), "%9u/%9u%c", &out.index, &out.of, &extra);
+  if (read == 2 && out.index < out.of) return out;
+  return make_error(ErrorId::kUsage, "--warm-shard: '" + text + "' is no I/N with I below N",
+                    "0/8 to 7/8 are the shards of eight machines");
+}
+
 }  // namespace
 
 int parse_options(int argc, char** argv, LoadOptions& o) {
@@ -67,7 +76,7 @@ int parse_options(int argc, char** argv, LoadOptions& o) {
       "client still counts. Exit code 6 when a tile fails verification.\n"
       "Example: mirage-load ws://127.0.0.1:9870 --clients 100 --duration 10 --rate 5 --warm "
       "--json load.json");
-  std::string size = "640x360", token_file;
+  std::string size = "640x360", token_file, shard;
   app.add_option("URL", o.url_text, "server address, ws://HOST:PORT")->required();
   app.add_option("--clients", o.clients, "connections at a time")
       ->check(CLI::Range(1, 60'000))
@@ -100,7 +109,17 @@ int parse_options(int argc, char** argv, LoadOptions& o) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--seed", o.seed, "of the clients' offsets and phases")->capture_default_str();
-  app.add_flag("--warm", o.warm, "first ask for every tile of the run once, unmeasured");
+  CLI::Option* warm =
+      app.add_flag("--warm", o.warm, "first ask for every tile of the run once, unmeasured");
+  app.add_option(
+         "--warm-shard", shard,
+         "I/N: ask once for every Nth tile of the run from the Ith on (0 to N-1), then end: "
+         "N machines warm the store that servers share, as an array of jobs")
+      ->excludes(warm);
+  app.add_option("--urls", o.urls_file,
+                 "write the paths by which the run's tiles are got with HTTP, a line each");
+  app.add_flag("--reconnect", o.reconnect,
+               "clients that lose the server come back, and ask again for what they waited for");
   app.add_option("--connect-rate", o.connects_per_s, "connections opened per second")
       ->check(CLI::Range(1.0, 100'000.0))
       ->capture_default_str();
@@ -112,6 +131,11 @@ int parse_options(int argc, char** argv, LoadOptions& o) {
   app.add_option("--token-file", token_file, "the server's token");
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
+  if (!shard.empty()) {
+    const Result<LoadOptions::Shard> parsed = parse_shard(shard);
+    if (!parsed) return fail(parsed.error());
+    o.warm_shard = *parsed;
+  }
   if (const Result<void> checked = check(o, size, token_file); !checked) {
     return fail(checked.error());
   }

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "client/native/native_link.h"
@@ -21,6 +22,13 @@ struct LoadOptions {
   double verify_share = 0.1;
   std::uint64_t seed = 1;
   bool warm = false;
+  bool reconnect = false;
+  /// Of the run's tiles those to ask for once, and nothing else: every `of`th from `index` on.
+  struct Shard {
+    std::uint32_t index = 0, of = 1;
+  };
+  std::optional<Shard> warm_shard;
+  std::string urls_file;
   double connects_per_s = 200;
   double connect_timeout_s = 10;
   std::string json_file;

@@ -49,6 +49,14 @@ std::string to_json(const LoadResults& r) {
   j["send_lag_ms"] = {{"p50", at_quantile(r.send_lag_ms, 0.5)},
                       {"p99", at_quantile(r.send_lag_ms, 0.99)},
                       {"max", at_quantile(r.send_lag_ms, 1.0)}};
+  j["server_ms"] = {{"p50", at_quantile(r.server_ms, 0.5)},
+                    {"p99", at_quantile(r.server_ms, 0.99)},
+                    {"max", at_quantile(r.server_ms, 1.0)}};
+  j["reconnects"] = r.away_ms.size();
+  j["away_ms"] = {{"p50", at_quantile(r.away_ms, 0.5)},
+                  {"p99", at_quantile(r.away_ms, 0.99)},
+                  {"max", at_quantile(r.away_ms, 1.0)}};
+  j["warmed"] = r.warmed;
   j["server"] = nullptr;
   if (r.server) {
     j["server"] = {{"tiles_rendered", r.server->tiles_rendered},
@@ -61,6 +69,7 @@ std::string to_json(const LoadResults& r) {
 }
 
 std::string to_table(const LoadResults& r) {
+  if (r.warmed > 0) return fmt::format("warmed           {} tiles\n", r.warmed);
   std::string out = fmt::format(
       "clients          {} of {} connected\n"
       "tiles            {} of {} asked for ({} distinct) in {:.1f} s, {:.1f} tiles/s\n"
@@ -73,6 +82,11 @@ std::string to_table(const LoadResults& r) {
                        quantile(r.latency_ms, 0.99), quantile(r.latency_ms, 1.0));
     out += fmt::format("own send lag     {:.1f} ms p99, {:.1f} max (part of the latency)\n",
                        quantile(r.send_lag_ms, 0.99), quantile(r.send_lag_ms, 1.0));
+  }
+  if (!r.away_ms.empty()) {
+    out += fmt::format("reconnects       {}, away {:.0f} ms p50, {:.0f} p99, {:.0f} max\n",
+                       r.away_ms.size(), quantile(r.away_ms, 0.5), quantile(r.away_ms, 0.99),
+                       quantile(r.away_ms, 1.0));
   }
   out += fmt::format("verified         {} decoded, {} failures\n", r.verified, r.verify_failures);
   if (r.server) {

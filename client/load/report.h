@@ -26,7 +26,10 @@ struct LoadResults {
   std::uint64_t tiles = 0;
   std::uint64_t bytes = 0;
   std::vector<float> latency_ms;   ///< answer - intended time, one per tile
+  std::vector<float> server_ms;    ///< of it, at the server, as it says
   std::vector<float> send_lag_ms;  ///< handed to the socket - intended time: our own share of it
+  std::vector<float> away_ms;      ///< from a lost connection to the scene told anew, each
+  std::uint64_t warmed = 0;        ///< of a shard, all that was to be done
   std::map<std::string, std::uint64_t> errors;
   std::uint64_t verified = 0;
   std::uint64_t verify_failures = 0;

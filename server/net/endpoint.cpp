@@ -14,8 +14,9 @@
 #include "protocol/base/clock.h"
 #include "server/net/admission.h"
 #include "server/net/endpoint_options.h"
+#include "server/net/http_pages.h"
 #include "server/net/listen_address.h"
-#include "server/net/metrics.h"
+#include "server/net/lws_text.h"
 #include "server/net/websocket_rules.h"
 #include "server/session/scene_pages.h"
 #include "server/session/session.h"
@@ -56,7 +57,7 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
 int on_http(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
 
 const lws_protocols kProtocols[] = {
-    {"http", on_http, 0, 4096, 0, nullptr, 0},
+    {"http", on_http, sizeof(HttpPeer), 4096, 0, nullptr, 0},
     {"mirage", on_websocket, sizeof(Connection), 64 * 1024, 0, nullptr, 0},
     {nullptr, nullptr, 0, 0, 0, nullptr, 0},
 };
@@ -69,18 +70,12 @@ void forward_log(int level, const char* line) {
 
 }  // namespace
 
-namespace {
-
-std::string peer_of(lws* wsi) {
-  char name[64] = {};
-  lws_get_peer_simple(wsi, name, sizeof(name));
-  return name[0] != '\0' ? name : "unix";
-}
-
-}  // namespace
-
 struct Endpoint::Impl {
-  Impl(SessionHub& h, StageQueues& q) : hub(h), completions(q.completions), counters(q.counters) {}
+  Impl(SessionHub& h, StageQueues& q)
+      : hub(h),
+        completions(q.completions),
+        counters(q.counters),
+        http(h, q.counters, options, admission) {}
 
   SessionHub& hub;
   BoundedQueue<Completion>& completions;
@@ -92,6 +87,7 @@ struct Endpoint::Impl {
   std::map<SessionId, lws*> sockets;
 
   Admission admission;
+  HttpPages http;
   const SteadyClock clock;
   std::size_t connections = 0;  // accepted and still open, whatever they speak
   std::size_t most = 0;         // of them, before no more are accepted
@@ -161,6 +157,7 @@ struct Endpoint::Impl {
   }
 
   void ask_to_write() {
+    http.hand_out();
     for (const SessionId id : hub.take_writable()) {
       const auto at = sockets.find(id);
       if (at != sockets.end()) lws_callback_on_writable(at->second);
@@ -234,24 +231,6 @@ Endpoint::Impl* impl_of(lws* wsi) {
   return static_cast<Endpoint::Impl*>(lws_context_user(lws_get_context(wsi)));
 }
 
-// What does not fit is given as such, never cut: what is read as none would be let pass.
-struct HeaderText {
-  std::string text;
-  bool there = false, whole = true;
-};
-
-HeaderText header(lws* wsi, lws_token_indexes token) {
-  HeaderText out;
-  const int length = lws_hdr_total_length(wsi, token);
-  if (length <= 0) return out;
-  out.there = true;
-  char text[512] = {};
-  const int n = lws_hdr_copy(wsi, text, sizeof(text), token);
-  out.whole = n >= 0;
-  if (n > 0) out.text.assign(text, static_cast<std::size_t>(n));
-  return out;
-}
-
 // libwebsockets accepts POST, HTTP/1.0, other versions and keys of any kind here: check for
 // ourselves.
 bool acceptable_upgrade(lws* wsi, const EndpointOptions& options) {
@@ -315,36 +294,21 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
   }
 }
 
-int send_text(lws* wsi, unsigned int status, const std::string& body) {
-  std::vector<std::uint8_t> buffer(LWS_PRE + 1024 + body.size());
-  unsigned char* const start = buffer.data() + LWS_PRE;
-  unsigned char* at = start;
-  unsigned char* const end = buffer.data() + LWS_PRE + 1024;
-  if (lws_add_http_common_headers(wsi, status, "text/plain; version=0.0.4", body.size(), &at,
-                                  end) ||
-      lws_finalize_write_http_header(wsi, start, &at, end)) {
-    return 1;
-  }
-  std::memcpy(start, body.data(), body.size());
-  if (lws_write(wsi, start, body.size(), LWS_WRITE_HTTP_FINAL) < 0) return 1;
-  return lws_http_transaction_completed(wsi) ? -1 : 0;
-}
-
 int on_http(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length) {
   switch (reason) {
     case LWS_CALLBACK_HTTP: {
       Endpoint::Impl* impl = impl_of(wsi);
-      const std::string path = in ? static_cast<const char*>(in) : "";
-      if (path == "/healthz") return send_text(wsi, 200, "ok\n");
-      if (path == "/readyz") {
-        return impl->stopping ? send_text(wsi, 503, "draining\n")
-                              : send_text(wsi, 200, impl->hub.identity());
-      }
-      if (path == "/metrics" && impl->options.metrics) {
-        return send_text(wsi, 200, metrics_text(impl->counters, impl->hub.clients()));
-      }
-      return send_text(wsi, 404, "this is a Mirage server: connect with mirage-view\n");
+      const int done = impl->http.answer(wsi, *static_cast<HttpPeer*>(user),
+                                         in ? static_cast<const char*>(in) : "", impl->stopping);
+      impl->watch_fetches();
+      return done;
     }
+    case LWS_CALLBACK_HTTP_WRITEABLE:
+      return impl_of(wsi)->http.write(wsi, *static_cast<HttpPeer*>(user));
+    case LWS_CALLBACK_CLOSED_HTTP:
+    case LWS_CALLBACK_HTTP_DROP_PROTOCOL:
+      if (user) impl_of(wsi)->http.gone(*static_cast<HttpPeer*>(user));
+      return 0;
     case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
       ++impl_of(wsi)->connections;
       return 0;
@@ -443,7 +407,7 @@ Result<void> Endpoint::run(const std::function<void()>& on_reload) {
       impl.hub.drain();
       drain_until_us = now + (failure ? 0 : std::llround(impl.options.drain_s * 1e6));
     }
-    if (!impl.farewell && (impl.hub.drained() || now >= drain_until_us)) {
+    if (!impl.farewell && ((impl.hub.drained() && !impl.http.waiting()) || now >= drain_until_us)) {
       impl.farewell = true;
       gone_by_us = now + kFarewellUs;
       impl.hub.say_goodbye_to_all(failure ? "the server's graphics have failed"

@@ -175,6 +175,21 @@ Result<Grant> Access::check(const std::string& token, std::int64_t now_s) const 
   return grant;
 }
 
+std::string path_signature(const std::string& key, const std::string& path, std::int64_t until_s) {
+  return signature_of(key, path + "?until=" + std::to_string(until_s));
+}
+
+Result<void> Access::check_path(const std::string& path, std::int64_t until_s,
+                                const std::string& signature, std::int64_t now_s) const {
+  bool right = open();
+  for (const std::string& key : keys_) {
+    right = same(path_signature(key, path, until_s), signature) || right;
+  }
+  if (!right) return make_error(ErrorId::kAuth, "neither a right token nor a right signature");
+  if (!open() && now_s >= until_s) return make_error(ErrorId::kAuth, "the signature has expired");
+  return {};
+}
+
 Result<std::string> signed_token(const std::string& key, const std::string& name,
                                  std::int64_t expires_s, const std::string& scope) {
   Grant grant;

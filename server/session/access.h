@@ -39,6 +39,9 @@ class Access {
   /// Takes as long whatever the token is. Error kAuth, the same for every wrong token but one
   /// that was right once.
   Result<Grant> check(const std::string& token, std::int64_t now_s) const;
+  /// Of a path that is signed until then, as path_signature() does. Error kAuth.
+  Result<void> check_path(const std::string& path, std::int64_t until_s,
+                          const std::string& signature, std::int64_t now_s) const;
 
  private:
   struct Token {
@@ -54,6 +57,8 @@ class Access {
 /// other characters than letters, digits, - and _, or no such scope.
 Result<std::string> signed_token(const std::string& key, const std::string& name,
                                  std::int64_t expires_s, const std::string& scope);
+/// HMAC-SHA-256 in hexadecimal of `PATH?until=SECONDS`: whoever has it may get what lies there.
+std::string path_signature(const std::string& key, const std::string& path, std::int64_t until_s);
 /// `2027-01-31T12:00:00Z` as seconds since 1970. Error kUsage.
 Result<std::int64_t> parse_time(const std::string& text);
 

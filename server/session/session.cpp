@@ -240,6 +240,7 @@ void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batc
 
 void SessionHub::refuse(SessionId id, std::uint32_t request, wire::RefusalReason reason) {
   ++counters_.tiles_refused;
+  if (id == kGetters) return got_.push_back({request, {}, 0, reason});
   wire::RefusedT refused;
   refused.request_id = request;
   refused.reason = reason;
@@ -248,9 +249,7 @@ void SessionHub::refuse(SessionId id, std::uint32_t request, wire::RefusalReason
 
 void SessionHub::refuse_late() {
   for (const Waiter& w : queue_.take_late()) {
-    const auto at = sessions_.find(w.session);
-    if (at == sessions_.end()) continue;
-    refuse(w.session, w.request_id, wire::RefusalReason::Late);
+    if (waits_still(w.session)) refuse(w.session, w.request_id, wire::RefusalReason::Late);
   }
 }
 
@@ -278,9 +277,7 @@ void SessionHub::complete(Completion completion) {
 
 void SessionHub::finish(TooLargeTile done) {
   for (const Waiter& w : queue_.finish(done.id)) {
-    const auto at = sessions_.find(w.session);
-    if (at == sessions_.end()) continue;
-    refuse(w.session, w.request_id, wire::RefusalReason::TooLarge);
+    if (waits_still(w.session)) refuse(w.session, w.request_id, wire::RefusalReason::TooLarge);
   }
 }
 
@@ -350,10 +347,12 @@ bool SessionHub::drained() const {
   return sent && queue_.length() == 0 && !forms_.waiting() && !fetches_.waiting();
 }
 
-std::string SessionHub::identity() const {
-  char text[64];
-  std::snprintf(text, sizeof(text), "ok revision=%016" PRIx64 " profile=%016" PRIx64 "\n",
-                revision_, options_.profile);
+std::string SessionHub::identity(bool draining) const {
+  char text[128];
+  std::snprintf(text, sizeof(text),
+                R"({"revision":"%016)" PRIx64 R"(","profile":"%016)" PRIx64 R"(","draining":%s})"
+                "\n",
+                revision_, options_.profile, draining ? "true" : "false");
   return text;
 }
 

@@ -15,8 +15,10 @@
 #include <string>
 #include <vector>
 
+#include "protocol/wire/tile_address.h"
 #include "server/session/fetch_requests.h"
 #include "server/session/form_requests.h"
+#include "server/session/got_tile.h"
 #include "server/session/image_cache.h"
 #include "server/session/scene_pages.h"
 #include "server/session/session_options.h"
@@ -49,6 +51,12 @@ class SessionHub {
   /// Has rendered what the sources do not bring in time.
   void give_up_fetches();
 
+  /// A tile for who asks by HTTP; the number it is answered under, by take_got(), maybe at once.
+  std::uint32_t get(const TileAddress& address);
+  /// Nobody waits for it any more.
+  void cancel_get(std::uint32_t request);
+  std::vector<GotTile> take_got();
+
   /// Next frame to write; nullptr when there is nothing the client may be sent now.
   FramePtr next_frame(SessionId id);
   /// Sessions that got something to write since the last call.
@@ -59,6 +67,7 @@ class SessionHub {
   bool all_written() const;
   /// Who may be a client from now on; those that are stay.
   void set_access(Access access) { access_ = std::move(access); }
+  const Access& access() const { return access_; }
   /// Nothing more is taken on; what was asked for is answered still.
   void drain() { draining_ = true; }
   /// Everything that was asked for is answered and sent, as far as it is taken.
@@ -67,8 +76,8 @@ class SessionHub {
   const std::optional<Error>& failure() const { return failure_; }
   std::size_t clients() const { return clients_; }
   const SessionOptions& options() const { return options_; }
-  /// Revision and profile in hexadecimal, for whoever compares servers.
-  std::string identity() const;
+  /// Revision and profile as JSON, for whoever compares servers.
+  std::string identity(bool draining) const;
 
  private:
   struct Session {
@@ -86,6 +95,9 @@ class SessionHub {
     std::int64_t progress_us = 0;  ///< when something was last sent, or nothing waited
     explicit Session(std::size_t most_bytes) : outbox(most_bytes) {}
   };
+
+  /// As a waiter for tiles, all who ask by HTTP.
+  static constexpr SessionId kGetters = 0;
 
   Result<void> handle(SessionId id, Session& s, Message message);
   Result<void> hello(SessionId id, Session& s, const wire::HelloT& hello);
@@ -119,6 +131,8 @@ class SessionHub {
   static FramePtr next_tree_page(Session& s);
   /// The lane whose turn it is; nullptr when neither may send.
   void push_tile(const Waiter& waiter, const StoredTile& tile);
+  void got(const Waiter& waiter, const StoredTile& tile);
+  bool waits_still(SessionId id) const { return id == kGetters || sessions_.count(id) != 0; }
   // What the stages have done.
   void finish(FinishedTile done);
   void finish(TooLargeTile done);
@@ -149,6 +163,8 @@ class SessionHub {
   std::map<SessionId, Session> sessions_;
   std::set<SessionId> writable_;
   SessionId next_id_ = 1;
+  std::vector<GotTile> got_;
+  std::uint32_t next_get_ = 1;
   std::size_t clients_ = 0;  ///< sessions that are greeted
   bool draining_ = false;
   std::optional<Error> failure_;

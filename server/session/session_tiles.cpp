@@ -129,6 +129,7 @@ void SessionHub::give_up_fetches() {
 }
 
 void SessionHub::push_tile(const Waiter& waiter, const StoredTile& tile) {
+  if (waiter.session == kGetters) return got(waiter, tile);
   const auto at = sessions_.find(waiter.session);
   if (at == sessions_.end()) return;
   if (at->second.outbox.full()) {
@@ -143,7 +144,12 @@ void SessionHub::push_tile(const Waiter& waiter, const StoredTile& tile) {
 void SessionHub::convert(const Waiter& waiter, const TileId& id, const StoredTilePtr& lossless) {
   if (forms_.wait(id, lossless, waiter)) return;
   const auto at = sessions_.find(waiter.session);
-  if (at == sessions_.end()) return;
+  if (at == sessions_.end()) {
+    if (waits_still(waiter.session)) {
+      refuse(waiter.session, waiter.request_id, wire::RefusalReason::Busy);
+    }
+    return;
+  }
   const std::vector<TileCodec>& taken = at->second.codecs;
   const auto codec = static_cast<TileCodec>(lossless->reply.codec);
   if (std::find(taken.begin(), taken.end(), codec) != taken.end()) {

@@ -9,10 +9,10 @@
 namespace mirage {
 namespace {
 
-// Less than who waits for the fetch stage is patient.
-constexpr std::int64_t kLimitUs = 8'000;
+// Less than those are patient who wait for the fetch stage.
+constexpr std::int64_t kLimitUs = 10'000;
 constexpr std::int64_t kFirstPauseUs = 250'000, kLongestPauseUs = 5'000'000;
-constexpr std::int64_t kShortestLeaseMs = 100, kLongestLeaseMs = 2'000;
+constexpr std::int64_t kShortestLeaseMs = 100, kFirstLeaseMs = 2'000, kLongestLeaseMs = 10'000;
 constexpr std::size_t kMostClaims = 4096;
 
 std::string hex(const TileId& id) { return fmt::format("{:016x}{:016x}", id.high, id.low); }
@@ -117,7 +117,7 @@ void RedisSource::note_made(const TileId& id) {
 std::int64_t RedisSource::lease_ms() {
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::size_t known = std::min(made_, made_us_.size());
-  if (known == 0) return kLongestLeaseMs;
+  if (known == 0) return kFirstLeaseMs;
   std::array<std::int64_t, 128> times = made_us_;
   const std::size_t rank = known * 99 / 100;
   std::nth_element(times.begin(), times.begin() + rank, times.begin() + known);

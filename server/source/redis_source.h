@@ -1,5 +1,5 @@
 #pragma once
-// Tile source: a Redis server that many render servers share. One that does not answer within 8 ms
+// Tile source: a Redis server that many render servers share. One that does not answer within 10 ms
 // is left alone for a while that grows from a quarter of a second to five: tiles are rendered
 // here meanwhile.
 //

@@ -1,0 +1,125 @@
+#include "server/net/http_pages.h"
+
+#include <libwebsockets.h>
+
+#include <cstring>
+#include <ctime>
+#include <vector>
+
+#include "server/base/counters.h"
+#include "server/net/admission.h"
+#include "server/net/endpoint_options.h"
+#include "server/net/lws_text.h"
+#include "server/net/metrics.h"
+#include "server/session/session.h"
+
+namespace mirage {
+namespace {
+
+constexpr std::size_t kMostHeaderBytes = 1024;
+constexpr int kTilePatienceS = 15;  // longer than the hub's
+
+// One line each, `Name: value`.
+bool add_headers(lws* wsi, const std::string& lines, unsigned char** at, unsigned char* end) {
+  for (std::size_t from = 0; from < lines.size();) {
+    const std::size_t colon = lines.find(": ", from), line = lines.find("\r\n", from);
+    const std::string name = lines.substr(from, colon + 1 - from);
+    const std::string value = lines.substr(colon + 2, line - colon - 2);
+    if (lws_add_http_header_by_name(wsi, reinterpret_cast<const unsigned char*>(name.c_str()),
+                                    reinterpret_cast<const unsigned char*>(value.data()),
+                                    static_cast<int>(value.size()), at, end)) {
+      return false;
+    }
+    from = line + 2;
+  }
+  return true;
+}
+
+int send(lws* wsi, const HttpAnswer& answer) {
+  std::vector<std::uint8_t> buffer(LWS_PRE + std::max(kMostHeaderBytes, answer.body.size()));
+  unsigned char* const start = buffer.data() + LWS_PRE;
+  unsigned char* at = start;
+  unsigned char* const end = start + kMostHeaderBytes;
+  if (lws_add_http_common_headers(wsi, answer.status, answer.type.c_str(), answer.body.size(), &at,
+                                  end) ||
+      !add_headers(wsi, answer.headers, &at, end) ||
+      lws_finalize_write_http_header(wsi, start, &at, end)) {
+    return -1;
+  }
+  if (!answer.body.empty()) {
+    std::memcpy(start, answer.body.data(), answer.body.size());
+    if (lws_write(wsi, start, answer.body.size(), LWS_WRITE_HTTP_FINAL) < 0) return -1;
+  }
+  return lws_http_transaction_completed(wsi) ? -1 : 0;
+}
+
+}  // namespace
+
+int HttpPages::answer(lws* wsi, HttpPeer& peer, const std::string& path, bool stopping) {
+  if (path.rfind(kTilePath, 0) == 0) return get_tile(wsi, peer, path);
+  return send(wsi, page(path, stopping));
+}
+
+HttpAnswer HttpPages::page(const std::string& path, bool stopping) const {
+  if (path == "/healthz") return {200, "text/plain", "", "ok\n"};
+  if (path == "/readyz") {
+    return {stopping ? 503u : 200u, "application/json", "", hub_.identity(stopping)};
+  }
+  if (path == "/metrics" && options_.metrics) {
+    return {200, "text/plain; version=0.0.4", "", metrics_text(counters_, hub_.clients())};
+  }
+  return {404, "text/plain", "", "this is a Mirage server: connect with mirage-view\n"};
+}
+
+int HttpPages::get_tile(lws* wsi, HttpPeer& peer, const std::string& path) {
+  const std::int64_t now_us = clock_.now_us();
+  const std::string address = peer_of(wsi);
+  if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) {
+    return send(wsi, {405, "text/plain", "Allow: GET\r\n", "tiles are got\n"});
+  }
+  if (!admission_.may_connect(address, now_us)) {
+    return send(wsi, {429, "text/plain", "Retry-After: 1\r\n", "too many wrong tokens\n"});
+  }
+  const TileRequest request{path, header(wsi, WSI_TOKEN_HTTP_URI_ARGS).text,
+                            header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION).text};
+  auto read = read_tile_request(request, hub_.revision(), hub_.access(), std::time(nullptr));
+  if (const auto* refused = std::get_if<HttpAnswer>(&read)) {
+    if (refused->status == 401) admission_.note_failure(address, now_us);
+    return send(wsi, *refused);
+  }
+  const TileAddress& tile = std::get<TileAddress>(read);
+  peer.request = hub_.get(tile);
+  waiting_[peer.request] = {wsi, &peer, tile.codec, header(wsi, WSI_TOKEN_HTTP_IF_NONE_MATCH).text};
+  lws_set_timeout(wsi, PENDING_TIMEOUT_HTTP_CONTENT, kTilePatienceS);
+  hand_out();
+  return 0;
+}
+
+void HttpPages::hand_out() {
+  for (GotTile& tile : hub_.take_got()) {
+    const auto waits = waiting_.extract(tile.request);
+    if (waits.empty()) continue;
+    const Waiting& one = waits.mapped();
+    one.peer->request = 0;
+    one.peer->answer = new HttpAnswer(
+        tile_answer(std::move(tile), one.codec, hub_.access().open(), one.if_none_match));
+    lws_callback_on_writable(one.wsi);
+  }
+}
+
+int HttpPages::write(lws* wsi, HttpPeer& peer) {
+  if (!peer.answer) return 0;
+  const std::unique_ptr<HttpAnswer> answer(std::exchange(peer.answer, nullptr));
+  return send(wsi, *answer);
+}
+
+void HttpPages::gone(HttpPeer& peer) {
+  if (peer.request != 0) {
+    hub_.cancel_get(peer.request);
+    waiting_.erase(peer.request);
+  }
+  delete std::exchange(peer.answer, nullptr);
+  peer.request = 0;
+}
+
+}  // namespace mirage

@@ -1,0 +1,62 @@
+#pragma once
+// What is answered over HTTP: health, metrics, tiles.
+// Input:  requests as libwebsockets reads them; tiles as the hub has them. Output: answers.
+// Thread: the network loop's.
+// Full:   tiles wait in the tile queue as a client's do, and are refused as busy (503).
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "protocol/base/clock.h"
+#include "server/net/tile_http.h"
+
+struct lws;
+
+namespace mirage {
+
+class Admission;
+struct Counters;
+struct EndpointOptions;
+class SessionHub;
+
+/// What belongs to one HTTP connection; libwebsockets fills it with zeros and frees it.
+struct HttpPeer {
+  std::uint32_t request;  ///< of the tile it waits for; 0: none
+  HttpAnswer* answer;     ///< to be written
+};
+
+class HttpPages {
+ public:
+  HttpPages(SessionHub& hub, const Counters& counters, const EndpointOptions& options,
+            Admission& admission)
+      : hub_(hub), counters_(counters), options_(options), admission_(admission) {}
+
+  // These return what the libwebsockets callback is to return.
+  int answer(lws* wsi, HttpPeer& peer, const std::string& path, bool stopping);
+  int write(lws* wsi, HttpPeer& peer);
+  void gone(HttpPeer& peer);
+
+  /// Has written what the hub has for those who wait.
+  void hand_out();
+  bool waiting() const { return !waiting_.empty(); }
+
+ private:
+  struct Waiting {
+    lws* wsi;
+    HttpPeer* peer;
+    TileCodec codec;
+    std::string if_none_match;
+  };
+  HttpAnswer page(const std::string& path, bool stopping) const;
+  int get_tile(lws* wsi, HttpPeer& peer, const std::string& path);
+
+  SessionHub& hub_;
+  const Counters& counters_;
+  const EndpointOptions& options_;
+  Admission& admission_;
+  const SteadyClock clock_;
+  std::map<std::uint32_t, Waiting> waiting_;  ///< by the hub's number
+};
+
+}  // namespace mirage

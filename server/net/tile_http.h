@@ -1,0 +1,42 @@
+#pragma once
+// Tiles by HTTP, without sockets: what a request is for, and what it is answered.
+//
+//   GET /v1/tile/REVISION/ADDRESS[?until=SECONDS&signature=HEX]
+//
+// A tile never changes, so an answer may be kept for ever; where tokens are needed, by who asked
+// only. With tokens a request has one (Authorization: Bearer TOKEN), or its address is signed.
+
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "protocol/wire/tile_address.h"
+#include "server/session/access.h"
+#include "server/session/got_tile.h"
+
+namespace mirage {
+
+inline constexpr const char* kTilePath = "/v1/tile/";
+
+struct TileRequest {
+  std::string path;           ///< from its first slash, without the query
+  std::string query;          ///< what is behind the question mark
+  std::string authorization;  ///< the header's value
+};
+
+struct HttpAnswer {
+  unsigned int status = 200;
+  std::string type = "text/plain";
+  std::string headers;  ///< whole lines
+  std::string body;
+};
+
+/// The tile that is asked for, or the answer that refuses: 404 for what there is not, 401 without
+/// a right token or signature.
+std::variant<TileAddress, HttpAnswer> read_tile_request(const TileRequest& request,
+                                                        std::uint64_t revision,
+                                                        const Access& access, std::int64_t now_s);
+/// `open`: no token is needed. `if_none_match`: the header's value.
+HttpAnswer tile_answer(GotTile tile, TileCodec codec, bool open, const std::string& if_none_match);
+
+}  // namespace mirage
