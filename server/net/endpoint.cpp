@@ -27,6 +27,8 @@ namespace mirage {
 namespace {
 
 constexpr int kMaxWritesPerCallback = 8;
+// What a client says comes in pieces of this size at most; each connection has room for one.
+constexpr std::size_t kReceiveBytes = 2048;
 constexpr std::int64_t kFarewellUs = 1'000'000;  // for goodbyes, once all is sent
 constexpr lws_usec_t kSweepUs = 250'000;
 // Descriptors that are kept for files, whoever connects.
@@ -58,7 +60,7 @@ int on_http(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t 
 
 const lws_protocols kProtocols[] = {
     {"http", on_http, sizeof(HttpPeer), 4096, 0, nullptr, 0},
-    {"mirage", on_websocket, sizeof(Connection), 64 * 1024, 0, nullptr, 0},
+    {"mirage", on_websocket, sizeof(Connection), kReceiveBytes, 0, nullptr, 0},
     {nullptr, nullptr, 0, 0, 0, nullptr, 0},
 };
 

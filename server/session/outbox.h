@@ -9,7 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
+#include <list>
 #include <memory>
 
 #include "protocol/base/bytes.h"
@@ -44,7 +44,7 @@ class Outbox {
 
  private:
   struct Queue {
-    std::deque<FramePtr> frames;
+    std::list<FramePtr> frames;  ///< a deque of none takes half a KiB
     std::size_t bytes = 0;
   };
   static std::size_t index(Lane lane) { return static_cast<std::size_t>(lane); }

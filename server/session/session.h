@@ -7,7 +7,7 @@
 // Full:   asks beyond kMaxQueuedAsksPerClient are refused as busy; a client that does not read
 //         until max_outbox_bytes have piled up gets nothing more and is closed.
 
-#include <deque>
+#include <list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -87,9 +87,9 @@ class SessionHub {
     FrameAssembler assembler{limits::kMaxInboundTransferBytes};
     std::vector<TileCodec> codecs;  ///< that both ends have; the first is used unless asked
     std::map<std::uint32_t, Lighting> lighting;
-    std::deque<TreeTelling> tree;      ///< answers to what was asked of it, made as they are sent
-    std::deque<wire::MeshAsk> meshes;  ///< asked for, and made as they are sent
-    std::size_t next_page = 0;         ///< of the scene description
+    std::list<TreeTelling> tree;      ///< answers to what was asked of it, made as they are sent
+    std::list<wire::MeshAsk> meshes;  ///< asked for, and made as they are sent
+    std::size_t next_page = 0;        ///< of the scene description
     Outbox outbox;
     bool hopeless = false;         ///< does not read what it is answered: is closed
     std::int64_t progress_us = 0;  ///< when something was last sent, or nothing waited
