@@ -16,6 +16,7 @@ pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(LWS REQUIRED IMPORTED_TARGET libwebsockets)
 pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET libwebp)
 pkg_check_modules(WEBPMUX REQUIRED IMPORTED_TARGET libwebpmux)
+pkg_check_modules(PROMETHEUS REQUIRED IMPORTED_TARGET prometheus-cpp-core)
 find_package(meshoptimizer REQUIRED CONFIG)
 find_package(TinyGLTF REQUIRED)
 # KHR_draco_mesh_compression; without it such files are refused by name.

@@ -16,6 +16,9 @@ function(mirage_target name)
   target_compile_definitions(${name} PRIVATE MIRAGE_VERSION="${PROJECT_VERSION}")
   target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                          -Wno-sign-conversion -Werror
+                         # Loops that are to become vectors have no && and no if.
+                         $<$<CXX_COMPILER_ID:Clang>:-Wno-bitwise-instead-of-logical>
+                         $<$<CXX_COMPILER_ID:Clang>:-Wno-bitwise-conditional-parentheses>
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarms of GCC 12 on std::string
                          -fno-math-errno)
   # A bundle's libraries lie beside its programs (scripts/bundle); also those of its libraries, hence the old tag.

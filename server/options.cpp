@@ -22,7 +22,7 @@ std::string footer() {
 int parse_options(int argc, char** argv, ServerOptions& o) {
   CLI::App app("Holds a scene and renders impostor tiles of it on request.", "mirage-server");
   app.footer(footer());
-  std::string listen = "127.0.0.1:9870", codec = "auto", store;
+  std::string listen = "127.0.0.1:9870", codec = "auto", store, admin;
   bool no_geometry = false, no_reference = false, references = false, no_view = false;
   std::string shadows = "off";
   app.add_option("SCENE", o.scene,
@@ -108,6 +108,10 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.add_option("--max-clients", o.session.max_clients, "clients at a time")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
+  app.add_option(
+      "--admin", admin,
+      "[HOST:]PORT for who operates the server: /metrics, /healthz and /readyz; the host "
+      "is this machine unless it is said; port 0 takes any free one and logs it");
   app.add_flag("--metrics", o.endpoint.metrics, "serve GET /metrics (Prometheus text)");
   CLI::Option* explain = app.add_flag("--explain", o.explain,
                                       "print what each object needs and what is left out; exit");
@@ -136,6 +140,12 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   Result<ListenAddress> address = parse_listen(listen);
   if (!address) return fail(address.error());
   o.endpoint.address = address.take();
+  if (!admin.empty()) {
+    const bool port_only = admin.find_first_not_of("0123456789") == std::string::npos;
+    Result<ListenAddress> operators = parse_listen(port_only ? "127.0.0.1:" + admin : admin);
+    if (!operators) return fail(operators.error());
+    o.endpoint.admin = operators.take();
+  }
   if (!o.port_file.empty() && !o.endpoint.address.socket_path.empty()) {
     return fail(make_error(ErrorId::kUsage, "--port-file: a unix socket has no port"));
   }

@@ -67,6 +67,11 @@ class BoundedQueue {
     not_full_.notify_all();
   }
 
+  /// Of all that is in it.
+  std::size_t weighs() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return weighs_;
+  }
   std::size_t size() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return items_.size();

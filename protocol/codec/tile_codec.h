@@ -9,6 +9,7 @@
 
 #include "protocol/base/result.h"
 #include "protocol/impostor/tile.h"
+#include "protocol/impostor/tile_key.h"
 
 namespace mirage {
 
@@ -17,6 +18,13 @@ enum class TileCodec : std::uint8_t { kRaw = 0, kZstd = 1, kWebp = 3 };
 inline constexpr std::array<TileCodec, 3> kTileCodecs = {TileCodec::kRaw, TileCodec::kZstd,
                                                          TileCodec::kWebp};
 inline constexpr std::size_t kCodecNumbers = 4;  ///< what is indexed by number has so many places
+
+/// A tile in the form that is made for a codec.
+struct FormId {
+  TileId id;
+  TileCodec codec = TileCodec::kZstd;
+  bool operator<(const FormId& o) const { return id == o.id ? codec < o.codec : id < o.id; }
+};
 
 /// In lower case, as on command lines; "unknown" for what is none.
 const char* codec_name(TileCodec codec);

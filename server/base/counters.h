@@ -1,6 +1,9 @@
 #pragma once
+#include <array>
 #include <atomic>
 #include <cstdint>
+
+#include "server/base/time_histogram.h"
 
 namespace mirage {
 
@@ -38,6 +41,16 @@ struct Counters {
   std::atomic<std::uint64_t> bytes_sent{0};
   std::atomic<std::uint64_t> bytes_received{0};
   std::atomic<std::uint64_t> clients_closed_for_error{0};
+  std::atomic<std::uint64_t> authentication_failures{0};
+  std::atomic<std::uint64_t> upgrades_refused{0};   ///< handshakes that were none, or not allowed
+  std::atomic<std::uint64_t> addresses_refused{0};  ///< with too many wrong hellos
+  /// Of tiles_refused, by wire::RefusalReason.
+  static constexpr std::array<const char*, 9> kReasons = {
+      "other",        "busy", "bad-key",   "unknown-object", "no-geometry",
+      "no-reference", "late", "too-large", "no-view"};
+  std::array<std::atomic<std::uint64_t>, kReasons.size()> refused_for{};
+  /// What tiles took: looked for in the sources, waiting, rendered, encoded; from ask to answer.
+  TimeHistogram fetch_times, queue_times, render_times, encode_times, whole_times;
 };
 
 }  // namespace mirage

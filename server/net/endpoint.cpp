@@ -57,10 +57,16 @@ struct Connection {
 
 int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
 int on_http(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
+int on_operator(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
 
 const lws_protocols kProtocols[] = {
     {"http", on_http, sizeof(HttpPeer), 4096, 0, nullptr, 0},
     {"mirage", on_websocket, sizeof(Connection), kReceiveBytes, 0, nullptr, 0},
+    {nullptr, nullptr, 0, 0, 0, nullptr, 0},
+};
+
+const lws_protocols kOperatorProtocols[] = {
+    {"http", on_operator, sizeof(HttpPeer), 4096, 0, nullptr, 0},
     {nullptr, nullptr, 0, 0, 0, nullptr, 0},
 };
 
@@ -102,6 +108,9 @@ struct Endpoint::Impl {
     bool set = false;
   };
   Timer fetch_timer, sweep_timer;
+
+  Result<lws_vhost*> listen_at(const ListenAddress& at, const char* name,
+                               const lws_protocols* protocols, bool tls);
 
   /// Clients that say nothing or take nothing are closed however quiet it is.
   void sweep_later() {
@@ -253,9 +262,14 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
   switch (reason) {
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: {
       Endpoint::Impl* impl = impl_of(wsi);
-      const bool may = !impl->stopping && acceptable_upgrade(wsi, impl->options) &&
-                       impl->admission.may_connect(peer_of(wsi), impl->clock.now_us());
-      return may ? 0 : -1;
+      if (impl->stopping) return -1;
+      if (!impl->admission.may_connect(peer_of(wsi), impl->clock.now_us())) {
+        ++impl->counters.addresses_refused;
+        return -1;
+      }
+      if (acceptable_upgrade(wsi, impl->options)) return 0;
+      ++impl->counters.upgrades_refused;
+      return -1;
     }
     case LWS_CALLBACK_ESTABLISHED: {
       Endpoint::Impl* impl = impl_of(wsi);
@@ -326,6 +340,12 @@ int on_http(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t 
   }
 }
 
+int on_operator(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length) {
+  if (reason != LWS_CALLBACK_HTTP) return on_http(wsi, reason, user, in, length);
+  const Endpoint::Impl* impl = impl_of(wsi);
+  return impl->http.answer_operator(wsi, in ? static_cast<const char*>(in) : "", impl->stopping);
+}
+
 }  // namespace
 
 Endpoint::Endpoint(SessionHub& hub, StageQueues& queues)
@@ -339,22 +359,11 @@ Endpoint::~Endpoint() {
   lws_context_destroy(impl_->context);
 }
 
-Result<void> Endpoint::listen(const EndpointOptions& options) {
-  impl_->options = options;
-  lws_set_log_level(LLL_ERR, forward_log);
+Result<lws_vhost*> Endpoint::Impl::listen_at(const ListenAddress& at, const char* name,
+                                             const lws_protocols* protocols, bool tls) {
   lws_context_creation_info info{};
-  info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS;
-  info.options |= LWS_SERVER_OPTION_VALIDATE_UTF8;  // of a close frame's reason
-  if (!options.tls_cert.empty()) info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
-  info.port = CONTEXT_PORT_NO_LISTEN;
-  impl_->most = info.fd_limit_per_thread = most_sockets();
-  info.user = impl_.get();
-  info.gid = static_cast<gid_t>(-1);
-  info.uid = static_cast<uid_t>(-1);
-  impl_->context = lws_create_context(&info);
-  if (!impl_->context) return make_error(ErrorId::kNetworkListen, "libwebsockets does not start");
-  info.options |= LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
-  const ListenAddress& at = options.address;
+  info.options = LWS_SERVER_OPTION_VALIDATE_UTF8 |  // of a close frame's reason
+                 LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
   std::string interface = at.socket_path;
   if (at.socket_path.empty()) {
     Result<std::string> numeric = numeric_address(at.host);
@@ -368,25 +377,49 @@ Result<void> Endpoint::listen(const EndpointOptions& options) {
     info.port = 0;
   }
   info.iface = interface.c_str();
-  info.protocols = kProtocols;
+  info.protocols = protocols;
   info.timeout_secs = 10;
   info.ka_time = 30;
   info.ka_probes = 3;
   info.ka_interval = 10;
-  info.vhost_name = "mirage";
-  if (!options.tls_cert.empty()) {
+  info.vhost_name = name;
+  if (tls) {
+    info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
     info.ssl_cert_filepath = options.tls_cert.c_str();
     info.ssl_private_key_filepath = options.tls_key.c_str();
     info.alpn = "http/1.1";
     info.ssl_cipher_list = "ECDHE+AESGCM:ECDHE+CHACHA20";  // of TLS 1.2; those of 1.3 are all AEAD
   }
-  impl_->vhost = lws_create_vhost(impl_->context, &info);
-  if (!impl_->vhost) {
-    return make_error(ErrorId::kNetworkListen,
-                      "cannot listen on " + at.url(!options.tls_cert.empty(), at.port),
-                      "is the port taken, or the certificate unreadable? --listen HOST:0 takes any "
-                      "free port");
-  }
+  lws_vhost* const made = lws_create_vhost(context, &info);
+  if (made) return made;
+  return make_error(ErrorId::kNetworkListen, "cannot listen on " + at.url(tls, at.port),
+                    "is the port taken, or the certificate unreadable? --listen HOST:0 takes any "
+                    "free port");
+}
+
+Result<void> Endpoint::listen(const EndpointOptions& options) {
+  impl_->options = options;
+  const bool tls = !options.tls_cert.empty();
+  lws_set_log_level(LLL_ERR, forward_log);
+  lws_context_creation_info info{};
+  info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_VALIDATE_UTF8;
+  if (tls) info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
+  info.port = CONTEXT_PORT_NO_LISTEN;
+  impl_->most = info.fd_limit_per_thread = most_sockets();
+  info.user = impl_.get();
+  info.gid = static_cast<gid_t>(-1);
+  info.uid = static_cast<uid_t>(-1);
+  impl_->context = lws_create_context(&info);
+  if (!impl_->context) return make_error(ErrorId::kNetworkListen, "libwebsockets does not start");
+  Result<lws_vhost*> served = impl_->listen_at(options.address, "mirage", kProtocols, tls);
+  if (!served) return served.error();
+  impl_->vhost = *served;
+  if (!options.admin) return {};
+  Result<lws_vhost*> admin = impl_->listen_at(*options.admin, "admin", kOperatorProtocols, false);
+  if (!admin) return admin.error();
+  const bool has_port = options.admin->socket_path.empty();
+  const int taken = has_port ? lws_get_vhost_listen_port(*admin) : 0;
+  spdlog::info("metrics and health are at {}", options.admin->url(false, taken));
   return {};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "server/net/listen_address.h"
@@ -14,6 +15,8 @@ struct EndpointOptions {
   std::string allow_origin;
   double drain_s = 10;   ///< for which what was asked for is still served once told to stop
   bool metrics = false;  ///< GET /metrics
+  /// A second one, for who operates the server: health and metrics only. nullopt: none.
+  std::optional<ListenAddress> admin;
 };
 
 }  // namespace mirage

@@ -17,6 +17,7 @@ namespace mirage {
 namespace {
 
 constexpr std::size_t kMostHeaderBytes = 1024;
+const char* const kMetricsType = "text/plain; version=0.0.4";
 constexpr int kTilePatienceS = 15;  // longer than the hub's
 
 // One line each, `Name: value`.
@@ -66,9 +67,19 @@ HttpAnswer HttpPages::page(const std::string& path, bool stopping) const {
     return {stopping ? 503u : 200u, "application/json", "", hub_.identity(stopping)};
   }
   if (path == "/metrics" && options_.metrics) {
-    return {200, "text/plain; version=0.0.4", "", metrics_text(counters_, hub_.clients())};
+    return {200, kMetricsType, "", metrics()};
   }
   return {404, "text/plain", "", "this is a Mirage server: connect with mirage-view\n"};
+}
+
+std::string HttpPages::metrics() const {
+  return metrics_text(counters_, hub_.state(),
+                      {hub_.revision(), hub_.options().profile, hub_.options().renderer});
+}
+
+int HttpPages::answer_operator(lws* wsi, const std::string& path, bool stopping) const {
+  if (path == "/metrics") return send(wsi, {200, kMetricsType, "", metrics()});
+  return send(wsi, page(path, stopping));
 }
 
 int HttpPages::get_tile(lws* wsi, HttpPeer& peer, const std::string& path) {
@@ -78,13 +89,17 @@ int HttpPages::get_tile(lws* wsi, HttpPeer& peer, const std::string& path) {
     return send(wsi, {405, "text/plain", "Allow: GET\r\n", "tiles are got\n"});
   }
   if (!admission_.may_connect(address, now_us)) {
+    ++counters_.addresses_refused;
     return send(wsi, {429, "text/plain", "Retry-After: 1\r\n", "too many wrong tokens\n"});
   }
   const TileRequest request{path, header(wsi, WSI_TOKEN_HTTP_URI_ARGS).text,
                             header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION).text};
   auto read = read_tile_request(request, hub_.revision(), hub_.access(), std::time(nullptr));
   if (const auto* refused = std::get_if<HttpAnswer>(&read)) {
-    if (refused->status == 401) admission_.note_failure(address, now_us);
+    if (refused->status == 401) {
+      admission_.note_failure(address, now_us);
+      ++counters_.authentication_failures;
+    }
     return send(wsi, *refused);
   }
   const TileAddress& tile = std::get<TileAddress>(read);

@@ -28,12 +28,14 @@ struct HttpPeer {
 
 class HttpPages {
  public:
-  HttpPages(SessionHub& hub, const Counters& counters, const EndpointOptions& options,
+  HttpPages(SessionHub& hub, Counters& counters, const EndpointOptions& options,
             Admission& admission)
       : hub_(hub), counters_(counters), options_(options), admission_(admission) {}
 
   // These return what the libwebsockets callback is to return.
   int answer(lws* wsi, HttpPeer& peer, const std::string& path, bool stopping);
+  /// At the address of --admin: metrics always, tiles not.
+  int answer_operator(lws* wsi, const std::string& path, bool stopping) const;
   int write(lws* wsi, HttpPeer& peer);
   void gone(HttpPeer& peer);
 
@@ -49,10 +51,11 @@ class HttpPages {
     std::string if_none_match;
   };
   HttpAnswer page(const std::string& path, bool stopping) const;
+  std::string metrics() const;
   int get_tile(lws* wsi, HttpPeer& peer, const std::string& path);
 
   SessionHub& hub_;
-  const Counters& counters_;
+  Counters& counters_;
   const EndpointOptions& options_;
   Admission& admission_;
   const SteadyClock clock_;

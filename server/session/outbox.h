@@ -34,6 +34,8 @@ class Outbox {
   /// Tiles and what is large share the link in equal parts; nullptr: nothing may be sent.
   FramePtr next_tile_or_bulk();
 
+  /// Waiting.
+  std::size_t bytes() const { return bytes_ + bytes_of(Lane::kLarge); }
   bool full() const { return bytes_ >= most_bytes_; }
   /// Even the refusals are not read any more.
   bool hopeless() const { return bytes_of(Lane::kControl) > most_bytes_; }

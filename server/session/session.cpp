@@ -9,6 +9,7 @@
 #include "protocol/wire/light_probe_codec.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/scene/scene.h"
+#include "server/session/hub_state.h"
 #include "server/stage/render_profile.h"
 
 namespace mirage {
@@ -53,6 +54,7 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
       store_(queues.store),
       pages_(make_scene_pages(*scene_)),
       probe_page_(scene_->scene.probe ? encode_probe(*scene_->scene.probe) : Bytes{}),
+      pixels_(queues.rendered),
       images_(queues.images),
       fetches_(queues.fetches, queues.clock),
       forms_(queues.rendered),
@@ -123,8 +125,7 @@ Result<void> SessionHub::handle(SessionId id, Session& s, Message message) {
   }
 }
 
-Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hello) {
-  if (s.greeted) return make_error(ErrorId::kWireState, "a second hello");
+Result<Grant> SessionHub::admit(const wire::HelloT& hello) {
   if (hello.version_min > limits::kProtocolVersion ||
       hello.version_max < limits::kProtocolVersion) {
     return make_error(ErrorId::kWireVersion,
@@ -133,13 +134,23 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
                           std::to_string(limits::kProtocolVersion));
   }
   Result<Grant> grant = access_.check(hello.token, std::time(nullptr));
-  if (!grant) return grant.error();
+  if (!grant) {
+    ++counters_.authentication_failures;
+    return grant.error();
+  }
   if (clients_ >= options_.max_clients || draining_) {
     return make_error(ErrorId::kBusy,
                       draining_
                           ? "server is shutting down"
                           : "server has its " + std::to_string(options_.max_clients) + " clients");
   }
+  return grant;
+}
+
+Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hello) {
+  if (s.greeted) return make_error(ErrorId::kWireState, "a second hello");
+  Result<Grant> grant = admit(hello);
+  if (!grant) return grant.error();
   s.codecs = common_codecs(options_.codecs, hello.codecs);
   if (s.codecs.empty()) {
     return make_error(ErrorId::kCodec, "client does not decode this server's tile codecs");
@@ -240,6 +251,8 @@ void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batc
 
 void SessionHub::refuse(SessionId id, std::uint32_t request, wire::RefusalReason reason) {
   ++counters_.tiles_refused;
+  ++counters_.refused_for[std::min<std::size_t>(static_cast<std::size_t>(reason),
+                                                counters_.refused_for.size() - 1)];
   if (id == kGetters) return got_.push_back({request, {}, 0, reason});
   wire::RefusedT refused;
   refused.request_id = request;
@@ -345,6 +358,20 @@ bool SessionHub::drained() const {
     return entry.second.outbox.ready() || !entry.second.meshes.empty();
   });
   return sent && queue_.length() == 0 && !forms_.waiting() && !fetches_.waiting();
+}
+
+HubState SessionHub::state() const {
+  HubState out;
+  out.clients = clients_;
+  out.strangers = sessions_.size() - clients_;
+  for (const auto& [id, s] : sessions_) {
+    out.outbox_bytes += s.outbox.bytes();
+    out.largest_outbox_bytes = std::max(out.largest_outbox_bytes, s.outbox.bytes());
+  }
+  out.tiles_queued = queue_.length();
+  out.pixels_bytes = pixels_.weighs();
+  out.draining = draining_;
+  return out;
 }
 
 std::string SessionHub::identity(bool draining) const {

@@ -15,7 +15,6 @@
 #include <string>
 #include <vector>
 
-#include "protocol/wire/tile_address.h"
 #include "server/session/fetch_requests.h"
 #include "server/session/form_requests.h"
 #include "server/session/got_tile.h"
@@ -26,6 +25,9 @@
 #include "server/tile/stage_queues.h"
 
 namespace mirage {
+
+struct HubState;
+struct TileAddress;
 
 class SessionHub {
  public:
@@ -74,7 +76,7 @@ class SessionHub {
   bool drained() const;
   /// Why the server must end: the renderer has failed.
   const std::optional<Error>& failure() const { return failure_; }
-  std::size_t clients() const { return clients_; }
+  HubState state() const;
   const SessionOptions& options() const { return options_; }
   /// Revision and profile as JSON, for whoever compares servers.
   std::string identity(bool draining) const;
@@ -100,6 +102,8 @@ class SessionHub {
   static constexpr SessionId kGetters = 0;
 
   Result<void> handle(SessionId id, Session& s, Message message);
+  /// Who says this may be a client.
+  Result<Grant> admit(const wire::HelloT& hello);
   Result<void> hello(SessionId id, Session& s, const wire::HelloT& hello);
   void batch(SessionId id, Session& s, const wire::RequestBatchT& batch);
   void ask(SessionId id, const wire::Ask& ask, const Lighting& lighting, TileCodec codec);
@@ -156,6 +160,7 @@ class SessionHub {
   TileStore& store_;
   const std::vector<FramePtr> pages_;  ///< scene description, made once
   const Bytes probe_page_;             ///< whole message; empty: the scene has no probe
+  const BoundedQueue<EncodeJob>& pixels_;
   ImageCache images_;
   FetchRequests fetches_;
   FormRequests forms_;

@@ -1,5 +1,6 @@
 // Sessions: tiles that are got one by one by HTTP. All who get them are one client to the tile
 // queue.
+#include "protocol/wire/tile_address.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/session/session.h"
 

@@ -138,6 +138,7 @@ void SessionHub::push_tile(const Waiter& waiter, const StoredTile& tile) {
   wire::TileReplyT reply = tile.reply;
   reply.request_id = waiter.request_id;
   reply.server_us = static_cast<std::uint32_t>(clock_.now_us() - waiter.asked_us);
+  counters_.whole_times.add(reply.server_us);
   push(waiter.session, Outbox::Lane::kTiles, encode_message(std::move(reply), tile.planes));
 }
 
@@ -161,6 +162,9 @@ void SessionHub::convert(const Waiter& waiter, const TileId& id, const StoredTil
 void SessionHub::finish(FinishedTile done) {
   for (const Waiter& w : forms_.take_waiting(done.id, done.codec)) push_tile(w, *done.tile);
   if (!done.lossless) return;
+  counters_.queue_times.add(done.tile->reply.queue_us);
+  counters_.render_times.add(done.tile->reply.render_us);
+  counters_.encode_times.add(done.tile->reply.encode_us);
   const double took = static_cast<double>(done.tile->reply.render_us) + done.tile->reply.encode_us;
   tile_us_ += (took - tile_us_) * (tile_us_ > 0 ? kNewTileShare : 1);
   for (const Waiter& w : queue_.finish(done.id)) {

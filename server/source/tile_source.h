@@ -12,13 +12,6 @@
 
 namespace mirage {
 
-/// A tile in the form that is made for a codec.
-struct FormId {
-  TileId id;
-  TileCodec codec = TileCodec::kZstd;
-  bool operator<(const FormId& o) const { return id == o.id ? codec < o.codec : id < o.id; }
-};
-
 class TileSource {
  public:
   enum class Tier : std::uint8_t { kDirectory, kRedis };

@@ -25,7 +25,9 @@ void FetchStage::announce(Completion done) {
 }
 
 bool FetchStage::look(const FetchJob& job) {
+  const SteadyClock clock;
   FetchedTile found = queues_.store.fetch(job.id, job.codec);
+  queues_.counters.fetch_times.add(clock.now_us());
   const bool there = found.form || found.lossless;
   if (!there && !queues_.store.claim(job.id)) return false;
   announce(FinishedFetch{job.id, job.codec, std::move(found)});

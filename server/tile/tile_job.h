@@ -12,7 +12,6 @@
 #include "protocol/impostor/view_tile.h"
 #include "protocol/wire/message.h"
 #include "protocol/wire/view_codec.h"
-#include "server/source/tile_source.h"
 
 namespace mirage {
 

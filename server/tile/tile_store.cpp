@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/source/tile_source.h"
+
 namespace mirage {
 namespace {
 

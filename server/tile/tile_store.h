@@ -8,10 +8,11 @@
 
 #include "server/base/byte_budget.h"
 #include "server/base/counters.h"
-#include "server/source/tile_source.h"
 #include "server/tile/tile_job.h"
 
 namespace mirage {
+
+class TileSource;
 
 /// From the fastest to the slowest; they outlive who is told of them.
 using TileSources = std::vector<TileSource*>;

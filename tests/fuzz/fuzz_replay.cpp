@@ -26,7 +26,8 @@ struct Target {
 constexpr Target kTargets[] = {
     {"message", mirage::fuzz::run_message}, {"tile", mirage::fuzz::run_tile},
     {"model", mirage::fuzz::run_model},     {"image", mirage::fuzz::run_image},
-    {"draco", mirage::fuzz::run_draco},     {"meshopt", mirage::fuzz::run_meshopt}};
+    {"draco", mirage::fuzz::run_draco},     {"meshopt", mirage::fuzz::run_meshopt},
+    {"session", mirage::fuzz::run_session}};
 
 Bytes read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);

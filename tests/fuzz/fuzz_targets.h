@@ -14,6 +14,7 @@ void run_tile(const std::uint8_t* data, std::size_t size);
 void run_model(const std::uint8_t* data, std::size_t size);
 void run_image(const std::uint8_t* data, std::size_t size);
 void run_draco(const std::uint8_t* data, std::size_t size);
+void run_session(const std::uint8_t* data, std::size_t size);
 void run_meshopt(const std::uint8_t* data, std::size_t size);
 
 /// A property that every input must have does not hold: ends the program, as a crash would.

@@ -20,7 +20,7 @@ inline std::map<std::string, double> metrics(const Server& server) {
   std::istringstream lines(text);
   const std::string prefix = "mirage_";
   for (std::string line; std::getline(lines, line);) {
-    const std::size_t space = line.find(' ');
+    const std::size_t space = line.rfind(' ');
     if (line.rfind(prefix, 0) != 0 || space == std::string::npos) continue;
     out[line.substr(prefix.size(), space - prefix.size())] = std::stod(line.substr(space + 1));
   }

@@ -1,6 +1,7 @@
 // Tiles that are got one by one by HTTP, at sessions without sockets.
 #include <gtest/gtest.h>
 
+#include "protocol/wire/tile_address.h"
 #include "tests/support/session_hub_test.h"
 
 namespace mirage::test {

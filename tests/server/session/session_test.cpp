@@ -5,6 +5,7 @@
 #include <functional>
 #include <random>
 
+#include "server/session/hub_state.h"
 #include "tests/support/session_hub_test.h"
 
 namespace mirage::test {
@@ -109,7 +110,7 @@ TEST_F(ServerSession, PlacesAreTakenByARightHello) {
   const SessionId first = hub->open();
   ASSERT_TRUE(send(first, wire::HelloT(right)));
   ASSERT_TRUE(send(hub->open(), wire::HelloT(right)));
-  EXPECT_EQ(hub->clients(), 2u);
+  EXPECT_EQ(hub->state().clients, 2u);
   const Result<void> third = send(hub->open(), wire::HelloT(right));
   ASSERT_FALSE(third);
   EXPECT_EQ(third.error().id, ErrorId::kBusy);
@@ -191,7 +192,7 @@ TEST_F(ServerSession, HostileBytesHurtOnlyTheirSender) {
     hub->close(bad);
   }
   EXPECT_GT(errors, 3000);
-  EXPECT_EQ(hub->clients(), 1u);
+  EXPECT_EQ(hub->state().clients, 1u);
   while (queue.length() > 0) {  // references of the bad ones are gone with them
     ASSERT_GT(render_all(), 0u);
   }
