@@ -4,7 +4,6 @@
 //
 // The network loop runs here; the stages have threads of their own.
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
@@ -15,6 +14,8 @@
 
 #include "protocol/base/fail.h"
 #include "protocol/impostor/tile_key.h"
+#include "server/base/log.h"
+#include "server/doctor.h"
 #include "server/net/endpoint.h"
 #include "server/options.h"
 #include "server/prepare/prepared_scene.h"
@@ -22,6 +23,7 @@
 #include "server/prove/need_proof.h"
 #include "server/scene/environment/environment.h"
 #include "server/scene/environment/environment_file.h"
+#include "server/service_manager.h"
 #include "server/session/session.h"
 #include "server/source/directory_source.h"
 #include "server/source/shared_store.h"
@@ -32,6 +34,10 @@
 
 namespace mirage {
 namespace {
+
+// The graphics thread is taken for stuck when it is at one thing for longer, and the watchdog is no
+// longer fed.
+constexpr std::int64_t kLongestRenderUs = 30'000'000;
 
 std::atomic<Endpoint*> running_endpoint{nullptr};
 
@@ -110,22 +116,55 @@ void announce(const ServerOptions& options, const PreparedScene& scene, const Se
   std::fflush(stdout);
 }
 
+/// Where finished tiles lie beyond memory, as the options have it.
+struct Sources {
+  std::optional<DirectorySource> directory;
+  std::unique_ptr<TileSource> shared;
+
+  static Result<Sources> open(const ServerOptions& options, CacheDirectory* cache,
+                              const Clock& clock) {
+    Sources out;
+    if (cache) out.directory.emplace(*cache);
+    if (!options.store) return out;
+    Result<std::unique_ptr<TileSource>> store = open_shared_store(*options.store, clock);
+    if (!store) return store.error();
+    out.shared = store.take();
+    return out;
+  }
+  TileSources in_order() {
+    TileSources out;
+    if (directory) out.push_back(&*directory);
+    if (shared) out.push_back(shared.get());
+    return out;
+  }
+};
+
+/// What is done beside serving: tokens are read anew, and a service manager is told.
+EndpointHooks hooks_of(const ServerOptions& options, const ServiceManager& manager, SessionHub& hub,
+                       const StageQueues& queues) {
+  const auto ready = [&options, &manager] { manager.ready("serves " + options.scene); };
+  EndpointHooks out;
+  out.reload = [&options, &manager, &hub, ready] {
+    manager.reloading();
+    read_tokens_anew(options.token_file, hub);
+    ready();
+  };
+  out.tick = [&manager, &queues] {
+    const std::int64_t since_us = queues.rendering_since_us;
+    if (since_us == 0 || queues.clock.now_us() - since_us < kLongestRenderUs) manager.alive();
+  };
+  out.stopping = [&manager] { manager.stopping(); };
+  ready();
+  return out;
+}
+
 int serve(const ServerOptions& options, const std::shared_ptr<const PreparedScene>& scene,
           CacheDirectory* cache) {
   const SteadyClock clock;
-  std::optional<DirectorySource> kept;
-  if (cache) kept.emplace(*cache);
-  std::unique_ptr<TileSource> shared;
-  if (options.store) {
-    Result<std::unique_ptr<TileSource>> store = open_shared_store(*options.store, clock);
-    if (!store) return fail(store.error());
-    shared = store.take();
-  }
-  TileSources sources;
-  if (kept) sources.push_back(&*kept);
-  if (shared) sources.push_back(shared.get());
+  Result<Sources> sources = Sources::open(options, cache, clock);
+  if (!sources) return fail(sources.error());
   std::atomic<Endpoint*> awake{nullptr};
-  Pipeline pipeline(clock, options.cache_mb * 1024 * 1024, sources, [&awake] {
+  Pipeline pipeline(clock, options.cache_mb * 1024 * 1024, sources->in_order(), [&awake] {
     if (Endpoint* endpoint = awake.load()) endpoint->wake();
   });
   const Result<std::string> renderer = pipeline.start(scene, options.render, options.encoders);
@@ -159,7 +198,8 @@ int serve(const ServerOptions& options, const std::shared_ptr<const PreparedScen
     return fail(written.error());
   }
   announce(options, *scene, hub, endpoint.port());
-  const Result<void> served = endpoint.run([&] { read_tokens_anew(options.token_file, hub); });
+  const ServiceManager manager;
+  const Result<void> served = endpoint.run(hooks_of(options, manager, hub, queues));
   awake = nullptr;
   const Counters& counters = queues.counters;
   spdlog::info("stopped: {} tiles rendered, {} from the store, {} merged",
@@ -191,8 +231,8 @@ int run(int argc, char** argv) {
   ServerOptions options;
   if (const int code = parse_options(argc, argv, options); code >= 0) return code;
   if (options.list_devices) return list_devices();
-  spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  if (options.doctor) return run_doctor(options);
+  set_up_log(options.log_format);
   if (!options.write_environment.empty()) return write_surroundings(options);
   raise_descriptor_limit();
   std::optional<CacheDirectory> directory;

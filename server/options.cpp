@@ -131,9 +131,18 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   bool check = false;
   app.add_flag("--check-config", check,
                "read options, configuration and token file, say whether they are good, and exit");
+  app.add_flag("--doctor", o.doctor,
+               "look whether this machine can serve with these options: devices, limits, port, "
+               "cache, tokens, certificate, store, one tile; say so line by line, and exit");
+  std::string log_format = "text";
+  app.add_option("--log-format", log_format, "of the log on standard error: text, or JSON a line")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
+  if (log_format == "json") o.log_format = LogFormat::kJson;
   if (o.list_devices || !o.write_environment.empty()) return -1;
+  if (o.scene.empty() && o.doctor) o.scene = "builtin:knot";
   if (o.scene.empty()) {
     return fail(make_error(ErrorId::kUsage, "no SCENE given", "try mirage-server builtin:forest"));
   }

@@ -2,6 +2,7 @@
 #include <optional>
 #include <string>
 
+#include "server/base/log.h"
 #include "server/net/endpoint_options.h"
 #include "server/session/session_options.h"
 #include "server/source/store_url.h"
@@ -26,6 +27,8 @@ struct ServerOptions {
   bool strict = false;   ///< refuse what viewers forgive
   bool shadows = false;  ///< asked for; a scene without casters has none all the same
   bool list_devices = false;
+  bool doctor = false;  ///< only look whether this machine can serve
+  LogFormat log_format = LogFormat::kText;
   bool explain = false;
   bool prove = false;  ///< with explain: draw both ways and compare
   int prove_cells = 26;

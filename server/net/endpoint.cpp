@@ -12,6 +12,7 @@
 
 #include "protocol/base/bytes.h"
 #include "protocol/base/clock.h"
+#include "server/base/log.h"
 #include "server/net/admission.h"
 #include "server/net/endpoint_options.h"
 #include "server/net/http_pages.h"
@@ -89,6 +90,7 @@ struct Endpoint::Impl {
   BoundedQueue<Completion>& completions;
   Counters& counters;
   EndpointOptions options;
+  EndpointHooks hooks;
   lws_context* context = nullptr;
   lws_vhost* vhost = nullptr;
   std::atomic<bool> stopping{false}, reloading{false};
@@ -138,6 +140,7 @@ struct Endpoint::Impl {
       lws_set_timeout(at->second, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
     }
     impl->note_crowd();
+    if (impl->hooks.tick) impl->hooks.tick();
     impl->sweep_later();
     // A timer served before the poll does not end the poll: make it look again.
     lws_cancel_service(impl->context);
@@ -179,7 +182,9 @@ struct Endpoint::Impl {
   int close_with(lws* wsi, SessionId id, const Error& error) {
     if (error.id != ErrorId::kNetworkClosed) {
       ++counters.clients_closed_for_error;
-      spdlog::warn("client {} ({}): closed: {}", id, peer_of(wsi), error.line());
+      const std::string address = peer_of(wsi);
+      const LogAbout about(id, address);
+      spdlog::warn("client {} ({}): closed: {}", id, address, error.line());
     }
     std::string text = error.text.substr(0, 120);
     lws_close_reason(wsi, static_cast<lws_close_status>(close_code(error.id)),
@@ -428,17 +433,19 @@ int Endpoint::port() const {
   return has_port ? lws_get_vhost_listen_port(impl_->vhost) : 0;
 }
 
-Result<void> Endpoint::run(const std::function<void()>& on_reload) {
+Result<void> Endpoint::run(EndpointHooks hooks) {
   Impl& impl = *impl_;
+  impl.hooks = std::move(hooks);
   std::int64_t drain_until_us = 0, gone_by_us = 0;
   impl.sweep_later();
   while (lws_service(impl.context, 0) >= 0) {
-    if (impl.reloading.exchange(false) && on_reload) on_reload();
+    if (impl.reloading.exchange(false) && impl.hooks.reload) impl.hooks.reload();
     const std::optional<Error>& failure = impl.hub.failure();
     if (failure) impl.stopping = true;
     if (!impl.stopping) continue;
     const std::int64_t now = impl.clock.now_us();
     if (drain_until_us == 0) {
+      if (impl.hooks.stopping) impl.hooks.stopping();
       impl.hub.drain();
       drain_until_us = now + (failure ? 0 : std::llround(impl.options.drain_s * 1e6));
     }

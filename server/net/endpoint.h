@@ -16,6 +16,13 @@ struct EndpointOptions;
 class SessionHub;
 struct StageQueues;
 
+/// Called by run().
+struct EndpointHooks {
+  std::function<void()> reload;    ///< after Endpoint::reload()
+  std::function<void()> tick;      ///< four times a second
+  std::function<void()> stopping;  ///< once, as it begins to drain
+};
+
 class Endpoint {
  public:
   Endpoint(SessionHub& hub, StageQueues& queues);
@@ -29,10 +36,10 @@ class Endpoint {
   int port() const;
   /// Serves until stop(); then says goodbye to the clients and returns. So it does when the
   /// renderer fails, with its error.
-  Result<void> run(const std::function<void()>& on_reload = {});
+  Result<void> run(EndpointHooks hooks = {});
   /// Any thread, also from a signal handler.
   void stop();
-  /// Any thread and signal handlers: has `on_reload` called in run().
+  /// Any thread and signal handlers: has the hook called in run().
   void reload();
   /// Any thread: there are completions.
   void wake();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/prepare/convex_hull.h"
+#include "server/prepare/motion_measure.h"
 
 namespace mirage {
 namespace {

@@ -6,10 +6,11 @@
 #include "protocol/codec/image_codec.h"
 #include "protocol/impostor/object_proxy.h"
 #include "server/base/workers.h"
-#include "server/prepare/motion_measure.h"
 #include "server/scene/scene.h"
 
 namespace mirage {
+
+struct MeasuredMotion;
 
 /// By the materials of `mesh`: base colour x texture mean, plus emission; linear.
 std::map<std::uint32_t, glm::vec3> material_colors(const Mesh& mesh, const Scene& scene);

@@ -114,6 +114,7 @@ Result<void> RenderLoop::run() {
     const auto fits = [&](std::uint32_t edge) { return packer.add(edge); };
     std::optional<TileQueue::Work> work = queues_.tiles.take(fits, ring_.empty());
     if (!work && ring_.empty()) return {};
+    queues_.rendering_since_us = queues_.clock.now_us();
     Result<void> drawn;
     if (work && std::holds_alternative<ViewJob>(*work)) {
       drawn = draw(std::get<ViewJob>(std::move(*work)));
@@ -126,6 +127,7 @@ Result<void> RenderLoop::run() {
     counters.shader_programs_after_ready = gl::programs_compiled() - counters.shader_programs;
     // Collect what is done; wait only when the ring is full or nothing else is there to do.
     if (Result<void> collected = collect(!work); !collected) return collected;
+    queues_.rendering_since_us = 0;
   }
 }
 

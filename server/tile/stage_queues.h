@@ -1,6 +1,8 @@
 #pragma once
 // What lies between the server's stages and is shared by them: queues, the tile store, counters.
 
+#include <atomic>
+
 #include "protocol/base/bounded_queue.h"
 #include "protocol/base/clock.h"
 #include "server/base/counters.h"
@@ -20,6 +22,8 @@ struct StageQueues {
   const Clock& clock;
   Counters counters;
   TileStore store;
+  /// Since when the render stage is at what it does; 0: it waits for work.
+  std::atomic<std::int64_t> rendering_since_us{0};
   BoundedQueue<FetchJob> fetches{4096};  ///< sessions -> fetch stage
   TileQueue tiles;                       ///< sessions -> render stage
   /// Render stage, sessions -> encode stage. Few enough that what is small waits behind little.

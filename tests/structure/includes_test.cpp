@@ -99,9 +99,9 @@ const Graph kMayInclude = {
      {"protocol/base", "protocol/model", "protocol/impostor", "protocol/codec", "shaders/gl",
       "server/scene", "server/prepare", "server/tile", "server/render"}},
     {"server",
-     {"protocol/base", "protocol/impostor", "shaders/gl", "server/source", "server/scene/builtin",
-      "server/scene/environment", "server/prepare", "server/stage", "server/session", "server/net",
-      "server/prove"}},
+     {"protocol/base", "protocol/impostor", "protocol/wire", "shaders/gl", "server/base",
+      "server/source", "server/scene/builtin", "server/scene/environment", "server/prepare",
+      "server/stage", "server/session", "server/net", "server/prove"}},
 };
 
 std::string room_of(const std::string& file) { return fs::path(file).parent_path().string(); }
