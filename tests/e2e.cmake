@@ -52,3 +52,9 @@ set_tests_properties(e2e_faults PROPERTIES RUN_SERIAL ON)
 # The portable bundle of all of them.
 add_test(NAME e2e_bundle COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/bundle.sh ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 set_tests_properties(e2e_bundle PROPERTIES TIMEOUT 600)
+
+# The Debian package, where the tools to make one are.
+if(NOT MIRAGE_SANITIZE)
+  add_test(NAME e2e_package COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/package.sh ${PROJECT_BINARY_DIR})
+  set_tests_properties(e2e_package PROPERTIES TIMEOUT 300)
+endif()

@@ -1,0 +1,44 @@
+# What is installed: programs, their manual pages, the service with its user and an example of its configuration, dashboard
+# and alerts, configurations of HAProxy and nginx. `cpack -G DEB` in the build folder makes a package of it.
+include(GNUInstallDirs)
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # of programs alone, not of tests
+set(programs mirage-server mirage-view mirage-load mirage-token mirage-report mirage-sheet)
+install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+
+set(manuals)
+foreach(program ${programs})
+  set(manual ${PROJECT_BINARY_DIR}/man/${program}.1)
+  add_custom_command(
+    OUTPUT ${manual}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/man
+    COMMAND ${PROJECT_SOURCE_DIR}/scripts/man $<TARGET_FILE:${program}> > ${manual}
+    DEPENDS ${program} ${PROJECT_SOURCE_DIR}/scripts/man
+    COMMENT "Writing ${program}.1"
+    VERBATIM)
+  list(APPEND manuals ${manual})
+endforeach()
+add_custom_target(manuals DEPENDS ${manuals})
+# Part of `install` and `package` only: programs that sanitizers watch would be run for it.
+install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${PROJECT_BINARY_DIR}\" --target manuals COMMAND_ERROR_IS_FATAL ANY)")
+install(FILES ${manuals} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+
+install(FILES packaging/systemd/mirage-server.service DESTINATION lib/systemd/system)
+install(FILES packaging/systemd/mirage.sysusers.conf DESTINATION lib/sysusers.d RENAME mirage.conf)
+install(FILES packaging/server.toml DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
+install(DIRECTORY packaging/haproxy packaging/nginx packaging/prometheus packaging/grafana
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
+
+set(CPACK_PACKAGE_NAME mirage)
+set(CPACK_PACKAGE_CONTACT "The developers of Mirage <mirage@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Remote impostor generator: render server, thin viewer, load client")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+# Drivers are found at run time, so that no library names them.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "libgl1-mesa-dri, libegl1")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "gnuplot-nox, redis-server, haproxy, nginx, prometheus")
+set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/debian/postinst)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+include(CPack)
