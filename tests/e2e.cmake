@@ -58,3 +58,7 @@ if(NOT MIRAGE_SANITIZE)
   add_test(NAME e2e_package COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/package.sh ${PROJECT_BINARY_DIR})
   set_tests_properties(e2e_package PROPERTIES TIMEOUT 300)
 endif()
+
+# An array of jobs under a real Slurm, where there is one.
+add_test(NAME e2e_slurm COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/slurm.sh ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
+set_tests_properties(e2e_slurm PROPERTIES TIMEOUT 300)

@@ -6,13 +6,13 @@ namespace mirage {
 namespace {
 
 // A disk answers in .1 ms, a store over the network in .3; on a machine whose renderer has all
-// cores it is the thread that comes late, by 10 ms and more. What is given up is rendered, maybe
-// for the second time.
-constexpr std::int64_t kPatienceUs = 30'000;
+// cores it is the thread that comes late, by tens of ms. What is given up is rendered, maybe for
+// the second time.
+constexpr std::int64_t kPatienceUs = 100'000;
 // More than a server may take to render what others wait for (RedisSource).
 constexpr std::int64_t kPatienceWithOthersUs = 12'000'000;
 // How long sources that were slow are left alone.
-constexpr std::int64_t kAvoidUs = 1'000'000;
+constexpr std::int64_t kAvoidUs = 5'000'000;
 
 }  // namespace
 

@@ -11,6 +11,7 @@ namespace {
 
 // Less than those are patient who wait for the fetch stage.
 constexpr std::int64_t kLimitUs = 10'000;
+constexpr int kFailures = 2;  // one is the machine's, which had other things to do
 constexpr std::int64_t kFirstPauseUs = 250'000, kLongestPauseUs = 5'000'000;
 constexpr std::int64_t kShortestLeaseMs = 100, kFirstLeaseMs = 2'000, kLongestLeaseMs = 10'000;
 constexpr std::size_t kMostClaims = 4096;
@@ -53,20 +54,21 @@ std::unique_ptr<RedisLink> RedisSource::take() {
 void RedisSource::give_back(std::unique_ptr<RedisLink> link) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (pause_us_ > 0) spdlog::info("store: {} answers again", address_.name());
-  pause_us_ = 0;
+  pause_us_ = failures_ = 0;
   alone_until_us_ = INT64_MIN;
   idle_.push_back(std::move(link));
 }
 
 void RedisSource::failed(const Error& error) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  idle_.clear();  // of the same server, and as old
+  if (++failures_ < kFailures) return;
   if (pause_us_ == 0) {
     spdlog::warn("store: {} does not answer ({}): tiles are rendered here until it does",
                  address_.name(), error.text);
   }
   pause_us_ = std::clamp(2 * pause_us_, kFirstPauseUs, kLongestPauseUs);
   alone_until_us_ = clock_.now_us() + pause_us_;
-  idle_.clear();  // of the same server, and as old
 }
 
 std::optional<Bytes> RedisSource::fetch(const FormId& id) {

@@ -1,7 +1,7 @@
 #pragma once
-// Tile source: a Redis server that many render servers share. One that does not answer within 10 ms
-// is left alone for a while that grows from a quarter of a second to five: tiles are rendered
-// here meanwhile.
+// Tile source: a Redis server that many render servers share. A call may take 10 ms; after two in a
+// row that took longer it is left alone for a while that grows from a quarter of a second to five:
+// tiles are rendered here meanwhile.
 //
 // Of servers that want the same tile at the same time one renders it: it holds a lease,
 // `mirage:lease:ID`, for as long as its last tiles took, and the others look again.
@@ -45,6 +45,7 @@ class RedisSource final : public TileSource {
   std::vector<std::unique_ptr<RedisLink>> idle_;
   std::int64_t alone_until_us_ = INT64_MIN;
   std::int64_t pause_us_ = 0;  ///< 0: it answers
+  int failures_ = 0;           ///< in a row
   std::unordered_map<TileId, std::int64_t> claimed_us_;
   std::array<std::int64_t, 128> made_us_{};  ///< what the last tiles took, from claim to offer
   std::size_t made_ = 0;

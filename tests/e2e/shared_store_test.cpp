@@ -171,7 +171,8 @@ TEST_F(SharedStore, AServerRendersNothingThatAnotherHas) {
   const nlohmann::json cold = load(first), warm = load(second);
   EXPECT_GT(metric(first, "tiles_rendered_total"), 10);
   EXPECT_EQ(metric(second, "tiles_rendered_total"), 0);
-  EXPECT_EQ(metric(second, "shared_store_hits_total"), metric(first, "tiles_rendered_total"));
+  EXPECT_EQ(metric(second, "tile_hits_total{tier=\"redis\"}"),
+            metric(first, "tiles_rendered_total"));
   EXPECT_EQ(cold["verify_failures"], 0);
   EXPECT_EQ(warm["verify_failures"], 0);
   EXPECT_EQ(warm["tiles"], cold["tiles"]);
@@ -183,7 +184,7 @@ TEST_F(SharedStore, AServerWithOtherPixelsTakesNoneOfThem) {
                {"--store", redis_->url(), "--metrics", "--supersample", "1"});
   load(first);
   load(other);
-  EXPECT_EQ(metric(other, "shared_store_hits_total"), 0);
+  EXPECT_EQ(metric(other, "tile_hits_total{tier=\"redis\"}"), 0);
   EXPECT_GT(metric(other, "tiles_rendered_total"), 10);
 }
 

@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# A store that an array of jobs has warmed (docs/guide/scaling.md), by a real Slurm of one node: each job has a server of its own and
+# asks for its part; then a new server finds every tile and renders none.
+#   slurm.sh BIN_FOLDER
+set -euo pipefail
+bin="$1"
+PATH="$PATH:/usr/sbin"
+for program in slurmctld slurmd munged sbatch redis-server; do
+  command -v $program > /dev/null || { echo "skipped: $program is not installed"; exit 0; }
+done
+[ "$(id -u)" -eq 0 ] || { echo "skipped: only root starts a Slurm of its own"; exit 0; }
+work="$(mktemp -d)"
+host="$(hostname -s)"
+# Three ports that are likely free.
+base=$((20000 + $$ % 10000))
+finish() {
+  for file in "$work"/{slurmd,slurmctld,munge/munged,redis}.pid; do [ ! -s "$file" ] || kill "$(cat "$file")" 2> /dev/null || true; done
+  sleep .5
+  rm -rf "$work"
+}
+trap finish EXIT
+mkdir -p "$work"/{munge,state,spool}
+chmod 700 "$work/munge"
+head -c 1024 /dev/urandom > "$work/munge/key"
+chmod 400 "$work/munge/key"
+munged --force --key-file="$work/munge/key" --socket="$work/munge/socket" --pid-file="$work/munge/munged.pid" --log-file="$work/munge/log" --seed-file="$work/munge/seed"
+cat > "$work/slurm.conf" << CONF
+ClusterName=mirage
+SlurmctldHost=$host(127.0.0.1)
+AuthType=auth/munge
+CryptoType=crypto/munge
+AuthInfo=socket=$work/munge/socket
+SlurmUser=root
+SlurmdUser=root
+SlurmctldPort=$base
+SlurmdPort=$((base + 1))
+StateSaveLocation=$work/state
+SlurmdSpoolDir=$work/spool
+SlurmctldPidFile=$work/slurmctld.pid
+SlurmdPidFile=$work/slurmd.pid
+SlurmctldLogFile=$work/slurmctld.log
+SlurmdLogFile=$work/slurmd.log
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SwitchType=switch/none
+MpiDefault=none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+NodeName=$host NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN
+PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
+CONF
+export SLURM_CONF="$work/slurm.conf"
+slurmctld
+slurmd -N "$host"
+for _ in $(seq 100); do ! sinfo -h -o %T 2> /dev/null | grep -q idle || break; sleep .1; done
+sinfo -h -o %T | grep -q idle || { cat "$work"/slurm*.log; exit 1; }
+redis-server --port $((base + 2)) --bind 127.0.0.1 --save '' --daemonize yes --pidfile "$work/redis.pid" --dir "$work" > /dev/null
+store="redis://127.0.0.1:$((base + 2))"
+scene='builtin:clutter?objects=60'
+walk="--path builtin:walk --clients 10 --duration 5 --rate 4 --spread 10"
+cat > "$work/job" << JOB
+#!/bin/bash
+#SBATCH --array=0-3
+#SBATCH --output=$work/out-%a
+port=$work/port-\$SLURM_ARRAY_TASK_ID
+"$bin/mirage-server" '$scene' --listen 127.0.0.1:0 --port-file \$port --store $store &
+until [ -s \$port ]; do sleep .1; done
+"$bin/mirage-load" ws://127.0.0.1:\$(cat \$port) $walk --warm-shard \$SLURM_ARRAY_TASK_ID/\$SLURM_ARRAY_TASK_COUNT
+status=\$?
+kill %1; wait
+exit \$status
+JOB
+sbatch --wait "$work/job" > /dev/null || { cat "$work"/out-*; exit 1; }
+"$bin/mirage-server" "$scene" --listen 127.0.0.1:0 --port-file "$work/port" --store "$store" > "$work/server.log" 2>&1 &
+until [ -s "$work/port" ]; do sleep .1; done
+# shellcheck disable=SC2086
+"$bin/mirage-load" "ws://127.0.0.1:$(cat "$work/port")" $walk --urls "$work/urls" > "$work/load.txt" 2> "$work/load.log"
+kill %1
+wait
+tiles="$(wc -l < "$work/urls")"
+warmed="$(awk '/^warmed/ { n += $2 } END { print n + 0 }' "$work"/out-*)"
+rendered="$(awk '/^server/ { print $2 }' "$work/load.txt")"
+echo "$tiles tiles; warmed by 4 jobs: $warmed; rendered by a new server: $rendered"
+[ "$tiles" -gt 20 ] && [ "$warmed" -eq "$tiles" ] && [ "$rendered" -eq 0 ]
