@@ -236,7 +236,11 @@ int run(int argc, char** argv) {
   if (!options.write_environment.empty()) return write_surroundings(options);
   raise_descriptor_limit();
   std::optional<CacheDirectory> directory;
-  if (!options.cache_dir.empty()) directory.emplace(options.cache_dir, options.cache_dir_mb << 20);
+  if (!options.cache_dir.empty()) {
+    directory.emplace(options.cache_dir, options.cache_dir_mb << 20,
+                      options.cache_read_only ? CacheDirectory::Use::kReadOnly
+                                              : CacheDirectory::Use::kReadAndWrite);
+  }
   CacheDirectory* const cache = directory ? &*directory : nullptr;
   const auto tell = [](const std::string& line) { spdlog::info("loading: {}", line); };
   Result<std::shared_ptr<const PreparedScene>> scene =

@@ -45,6 +45,8 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
       ->capture_default_str();
   app.add_option("--cache-dir", o.cache_dir,
                  "keep finished tiles and levels of detail in this directory, too");
+  app.add_flag("--cache-read-only", o.cache_read_only,
+               "take what lies in the cache's directory, and change nothing there");
   app.add_option("--cache-dir-mb", o.cache_dir_mb, "what may lie in it")
       ->check(CLI::Range(1, 1 << 30))
       ->capture_default_str();

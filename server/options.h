@@ -21,6 +21,7 @@ struct ServerOptions {
   std::string port_file;
   std::string cache_dir;
   std::uint64_t cache_dir_mb = 4096;
+  bool cache_read_only = false;
   std::size_t cache_mb = 512;
   std::optional<StoreAddress> store;  ///< that servers share
   int encoders = 1;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
@@ -80,8 +81,9 @@ std::optional<Bytes> read_regular_file(const std::string& path, std::uint64_t mo
 
 }  // namespace
 
-CacheDirectory::CacheDirectory(std::string path, std::uint64_t budget_bytes)
+CacheDirectory::CacheDirectory(std::string path, std::uint64_t budget_bytes, Use use)
     : directory_(std::move(path)),
+      use_(use),
       budget_(budget_bytes),
       writer_(std::random_device()()),
       keeper_([this] { look_after(); }) {}
@@ -93,6 +95,21 @@ CacheDirectory::~CacheDirectory() {
   }
   changed_.notify_all();
   keeper_.join();
+  if (lock_ >= 0) close(lock_);
+}
+
+bool CacheDirectory::take_lock() {
+  if (lock_ >= 0) return true;
+  const int folder = open(directory_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return false;
+  if (flock(folder, LOCK_EX | LOCK_NB) != 0) {
+    close(folder);
+    return false;
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  lock_ = folder;
+  written_.clear();
+  return true;
 }
 
 std::string CacheDirectory::path_of(const CacheKey& key) const {
@@ -112,39 +129,64 @@ std::optional<Bytes> CacheDirectory::read(const CacheKey& key) const {
   if (!whole || hash_of(name_of(key), bytes.data(), own) != hash) {
     spdlog::warn("cache: '{}' is damaged and made anew", path);
     std::error_code ignored;
-    fs::remove(path, ignored);
+    if (use_ == Use::kReadAndWrite) fs::remove(path, ignored);
     return std::nullopt;
   }
-  utimensat(AT_FDCWD, path.c_str(), nullptr, 0);  // used now: it stays longer
+  // Used now: it stays longer.
+  if (use_ == Use::kReadAndWrite) utimensat(AT_FDCWD, path.c_str(), nullptr, 0);
   bytes.resize(own);
   return whole_file;
 }
 
-void CacheDirectory::write(const CacheKey& key, Bytes bytes) {
+std::string CacheDirectory::put(const std::string& path, const Bytes& bytes) {
+  std::error_code failed;
+  fs::create_directories(fs::path(path).parent_path(), failed);
+  if (failed) return failed.message();
+  const std::string aside = fmt::format("{}.{:08x}-{}{}", path, writer_, parts_++, kPart);
+  errno = 0;
+  std::ofstream file(aside, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  const int why = errno;
+  if (file) {
+    fs::rename(aside, path, failed);
+    if (!failed) return "";
+  }
+  const std::string text = failed ? failed.message() : std::generic_category().message(why);
+  fs::remove(aside, failed);
+  return text;
+}
+
+bool CacheDirectory::write(const CacheKey& key, Bytes bytes) {
+  if (use_ == Use::kReadOnly) return false;
   const std::string path = path_of(key);
   const std::uint64_t hash = hash_of(name_of(key), bytes.data(), bytes.size());
   const std::size_t own = bytes.size();
   bytes.resize(own + sizeof(hash));
   std::memcpy(bytes.data() + own, &hash, sizeof(hash));
-  std::error_code failed;
-  fs::create_directories(fs::path(path).parent_path(), failed);
-  const std::string aside = fmt::format("{}.{:08x}-{}{}", path, writer_, parts_++, kPart);
-  std::ofstream file(aside, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (file) fs::rename(aside, path, failed);
-  if (!file || failed) {
-    fs::remove(aside, failed);
-    return;
+  const std::string failure = put(path, bytes);
+  note_write(path, bytes.size(), failure);
+  return failure.empty();
+}
+
+void CacheDirectory::note_write(const std::string& path, std::size_t bytes,
+                                const std::string& failure) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (failing_ == failure.empty()) {
+    failing_ = !failing_;
+    if (failing_) {
+      spdlog::warn("cache: '{}' cannot be written ({}): nothing more is kept", directory_, failure);
+    } else {
+      spdlog::info("cache: '{}' can be written again", directory_);
+    }
   }
-  bytes_ += bytes.size();
-  unseen_ += bytes.size();
+  if (failing_) return;
+  if (lock_ < 0) written_.insert(path);
+  bytes_ += bytes;
+  unseen_ += bytes;
   if (bytes_ <= budget_ && unseen_ <= budget_ / kLookShare) return;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    due_ = true;
-  }
+  due_ = true;
   changed_.notify_all();
 }
 
@@ -171,6 +213,14 @@ void CacheDirectory::look_after() {
 void CacheDirectory::sweep() {
   unseen_ = 0;
   std::vector<Found> files = files_in(directory_);
+  const bool all_are_ours = use_ == Use::kReadAndWrite && take_lock();
+  if (!all_are_ours) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    files.erase(
+        std::remove_if(files.begin(), files.end(),
+                       [&](const Found& file) { return written_.count(file.path.string()) == 0; }),
+        files.end());
+  }
   const auto now = fs::file_time_type::clock::now();
   std::error_code ignored;
   std::uint64_t total = 0;
@@ -187,7 +237,10 @@ void CacheDirectory::sweep() {
     for (const Found& file : files) {
       if (total <= wanted) break;
       if (file.path.extension() == kPart) continue;
-      if (fs::remove(file.path, ignored)) total -= file.bytes;
+      if (!fs::remove(file.path, ignored)) continue;
+      total -= file.bytes;
+      const std::lock_guard<std::mutex> lock(mutex_);
+      written_.erase(file.path.string());
     }
   }
   bytes_ = total + unseen_;

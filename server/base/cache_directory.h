@@ -5,13 +5,16 @@
 // A file is written aside and renamed, so that a reader never sees half of one, and ends with a
 // hash of its name and its bytes: what is damaged is as good as not there. Several servers may
 // share a directory. Beyond the budget the files that were used longest ago go; a thread of its
-// own looks after that, so nobody who reads or writes waits for it.
+// own looks after that, so nobody who reads or writes waits for it. Of servers that share it the
+// one that has locked the folder does so for all; the others let go of what they wrote themselves
+// only, or the smallest budget would be everybody's.
 
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 
@@ -27,16 +30,18 @@ struct CacheKey {
 
 class CacheDirectory {
  public:
+  enum class Use : std::uint8_t { kReadAndWrite, kReadOnly };
   /// `path` is made when something is first written. Any thread may use it.
-  CacheDirectory(std::string path, std::uint64_t budget_bytes);
+  CacheDirectory(std::string path, std::uint64_t budget_bytes, Use use = Use::kReadAndWrite);
   ~CacheDirectory();
   CacheDirectory(const CacheDirectory&) = delete;
   CacheDirectory& operator=(const CacheDirectory&) = delete;
 
   /// Nothing when it is not there, or damaged: then it goes, with a warning.
   std::optional<Bytes> read(const CacheKey& key) const;
-  /// A directory that cannot be written is no error: nothing is kept then.
-  void write(const CacheKey& key, Bytes bytes);
+  /// False: it is not kept. A directory that cannot be written, or is full, is no error: it is said
+  /// once, and once more when it can be again.
+  bool write(const CacheKey& key, Bytes bytes);
 
   /// Waits until the directory has been looked through and is within its budget.
   void settle();
@@ -47,8 +52,14 @@ class CacheDirectory {
   std::string path_of(const CacheKey& key) const;
   void look_after();
   void sweep();
+  /// Writes aside and renames. Empty: it is there; else why not.
+  std::string put(const std::string& path, const Bytes& bytes);
+  void note_write(const std::string& path, std::size_t bytes, const std::string& failure);
+  /// Nobody else trims the directory.
+  bool take_lock();
 
   const std::string directory_;
+  const Use use_;
   const std::uint64_t budget_;
   const std::uint32_t writer_;  ///< by chance: process ids are the same in two containers
   std::atomic<std::uint64_t> bytes_{0};
@@ -56,6 +67,9 @@ class CacheDirectory {
   std::atomic<std::uint32_t> parts_{0};   ///< files written aside so far
   std::mutex mutex_;
   std::condition_variable changed_;
+  std::set<std::string> written_;  ///< by this server, as far as it does not hold the lock
+  bool failing_ = false;
+  int lock_ = -1;
   bool due_ = true;
   bool sweeping_ = false;
   bool stopping_ = false;

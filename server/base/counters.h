@@ -45,7 +45,7 @@ struct Counters {
   std::atomic<std::uint64_t> store_bytes{0};
   std::atomic<std::uint64_t> store_tiles{0};
   std::atomic<std::uint64_t> store_evictions{0};  ///< tiles let go for the budget
-  std::atomic<std::uint64_t> tiles_not_saved{0};  ///< the directory is too slow to keep them
+  std::atomic<std::uint64_t> tiles_not_saved{0};  ///< a source is too slow, full or gone
   /// Asks that did not wait for the directory any longer.
   std::atomic<std::uint64_t> fetches_given_up{0};
   std::atomic<std::uint64_t> pages_rendered{0};

@@ -75,7 +75,8 @@ void add_tiles(Families& out, const Counters& c) {
               "Tiles that another server was rendering.");
   out.counter("fetches_given_up", c.fetches_given_up,
               "Asks that a slow disk or store was passed for.");
-  out.counter("tiles_not_saved", c.tiles_not_saved, "Tiles not kept, for the disk is too slow.");
+  out.counter("tiles_not_saved", c.tiles_not_saved,
+              "Tiles not kept: disk or store are too slow, full or gone.");
   out.gauge("store_bytes", c.store_bytes, "Tiles in memory.");
   out.gauge("store_tiles", c.store_tiles, "Their number.");
   out.counter("store_evictions", c.store_evictions, "Tiles let go for the budget.");

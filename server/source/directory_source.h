@@ -13,8 +13,8 @@ class DirectorySource final : public TileSource {
 
   Tier tier() const override { return Tier::kDirectory; }
   std::optional<Bytes> fetch(const FormId& id) override { return directory_.read(file_of(id)); }
-  void offer(const FormId& id, const Bytes& record) override {
-    directory_.write(file_of(id), record);
+  bool offer(const FormId& id, const Bytes& record) override {
+    return directory_.write(file_of(id), record);
   }
 
  private:

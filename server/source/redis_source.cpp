@@ -83,13 +83,17 @@ std::optional<Bytes> RedisSource::fetch(const FormId& id) {
   return record.take();
 }
 
-void RedisSource::offer(const FormId& id, const Bytes& record) {
+bool RedisSource::offer(const FormId& id, const Bytes& record) {
   note_made(id.id);
   std::unique_ptr<RedisLink> link = take();
-  if (!link) return;
+  if (!link) return false;
   const Result<void> kept = link->set(record_key(id), record);
-  if (!kept) return failed(kept.error());
+  if (!kept) {
+    failed(kept.error());
+    return false;
+  }
   give_back(std::move(link));
+  return true;
 }
 
 bool RedisSource::claim(const TileId& id) {

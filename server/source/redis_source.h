@@ -26,7 +26,7 @@ class RedisSource final : public TileSource {
 
   Tier tier() const override { return Tier::kRedis; }
   std::optional<Bytes> fetch(const FormId& id) override;
-  void offer(const FormId& id, const Bytes& record) override;
+  bool offer(const FormId& id, const Bytes& record) override;
   bool claim(const TileId& id) override;
 
  private:

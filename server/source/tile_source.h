@@ -20,8 +20,8 @@ class TileSource {
   virtual Tier tier() const = 0;
   /// The record that was offered under this id, unchecked; all forms without loss are one record.
   virtual std::optional<Bytes> fetch(const FormId& id) = 0;
-  /// To be kept, in place of what lies there.
-  virtual void offer(const FormId& id, const Bytes& record) = 0;
+  /// To be kept, in place of what lies there. False: it is not.
+  virtual bool offer(const FormId& id, const Bytes& record) = 0;
   /// Before a tile is rendered that no source has. False: another server that shares this source
   /// has said so of the same tile a short while ago and is about to offer it.
   virtual bool claim(const TileId&) { return true; }

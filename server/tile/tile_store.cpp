@@ -108,7 +108,9 @@ bool TileStore::claim(const TileId& id) {
 void TileStore::save(const TileId& id, TileCodec codec, const StoredTile& tile) const {
   if (sources_.empty()) return;
   const Bytes record = encode_message(wire::TileReplyT(tile.reply), tile.planes);
-  for (TileSource* const source : sources_) source->offer({id, codec}, record);
+  for (TileSource* const source : sources_) {
+    if (!source->offer({id, codec}, record)) ++counters_.tiles_not_saved;
+  }
 }
 
 }  // namespace mirage

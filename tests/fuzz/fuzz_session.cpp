@@ -23,7 +23,7 @@ class Nothing final : public TileSource {
  public:
   Tier tier() const override { return Tier::kDirectory; }
   std::optional<Bytes> fetch(const FormId&) override { return std::nullopt; }
-  void offer(const FormId&, const Bytes&) override {}
+  bool offer(const FormId&, const Bytes&) override { return true; }
 };
 
 /// What the input says, byte by byte; zeros behind its end.

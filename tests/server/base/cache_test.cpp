@@ -1,11 +1,14 @@
 // The directory of things that can be made again: its budget, age, damage, and several writers.
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <thread>
 
 #include "server/base/cache_directory.h"
@@ -112,6 +115,53 @@ TEST_F(ServerCache, WhatEarlierProcessesLeftCounts) {
   cache.settle();
   EXPECT_LE(bytes_there(), 10'000u);
   EXPECT_GT(bytes_there(), 5'000u);
+}
+
+TEST_F(ServerCache, ASmallBudgetIsNotThatOfOthersWhoShareTheDirectory) {
+  CacheDirectory owner(folder_, kRoomy);
+  owner.settle();  // it was here first
+  for (std::uint64_t n = 0; n < 20; ++n) EXPECT_TRUE(owner.write(key_of(n), thing(n)));
+  CacheDirectory small(folder_, 4'000);
+  small.settle();
+  for (std::uint64_t n = 100; n < 120; ++n) {
+    EXPECT_TRUE(small.write(key_of(n), thing(n)));
+    small.settle();
+  }
+  for (std::uint64_t n = 0; n < 20; ++n) EXPECT_TRUE(owner.read(key_of(n))) << n;
+  EXPECT_FALSE(owner.read(key_of(100)));
+  EXPECT_TRUE(owner.read(key_of(119)));
+}
+
+TEST_F(ServerCache, OneThatOnlyReadsChangesNothing) {
+  CacheDirectory(folder_, kRoomy).write(key_of(1), thing(1));
+  std::ofstream(files()[0], std::ios::app) << "damage";
+  CacheDirectory(folder_, kRoomy).write(key_of(2), thing(2));
+  const std::size_t there = files().size();
+  CacheDirectory reader(folder_, kRoomy, CacheDirectory::Use::kReadOnly);
+  EXPECT_FALSE(reader.read(key_of(1)));
+  EXPECT_TRUE(reader.read(key_of(2)));
+  EXPECT_FALSE(reader.write(key_of(3), thing(3)));
+  reader.settle();
+  EXPECT_EQ(files().size(), there);
+}
+
+TEST_F(ServerCache, WhatCannotBeWrittenIsSaidOnceAndIsNoError) {
+  const auto lines = std::make_shared<std::ostringstream>();
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(*lines)));
+  {
+    std::ofstream(folder_ / "not_a_folder") << "x";
+    CacheDirectory cache(folder_ / "not_a_folder", kRoomy);
+    for (std::uint64_t n = 0; n < 5; ++n) EXPECT_FALSE(cache.write(key_of(n), thing(n)));
+    fs::remove(folder_ / "not_a_folder");
+    EXPECT_TRUE(cache.write(key_of(6), thing(6)));
+  }
+  spdlog::set_default_logger(before);
+  const std::string said = lines->str();
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 2) << said;
+  EXPECT_NE(said.find("cannot be written"), std::string::npos) << said;
+  EXPECT_NE(said.find("can be written again"), std::string::npos) << said;
 }
 
 TEST_F(ServerCache, TouchesNothingThatIsNotItsOwn) {

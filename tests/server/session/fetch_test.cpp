@@ -189,7 +189,10 @@ class BusyElsewhere final : public TileSource {
     if (!there) return std::nullopt;
     return record;
   }
-  void offer(const FormId&, const Bytes& offered) override { record = offered; }
+  bool offer(const FormId&, const Bytes& offered) override {
+    record = offered;
+    return true;
+  }
   bool claim(const TileId&) override { return gone; }
   std::atomic<bool> there{false}, gone{false};
   Bytes record;
