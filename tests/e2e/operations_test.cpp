@@ -196,7 +196,6 @@ TEST(Operations, TheUnitIsGoodAndShutIn) {
                                             binary("mirage-server"));
   const Finished verified = run({"/usr/bin/systemd-analyze", "verify", "--man=no", unit});
   EXPECT_EQ(verified.exit_code, 0) << verified.output;
-  EXPECT_EQ(verified.output, "");
   const Finished shut = run({"/usr/bin/systemd-analyze", "security", "--offline=true",
                              "--threshold=30", "--no-pager", unit});
   EXPECT_EQ(shut.exit_code, 0) << shut.output;
