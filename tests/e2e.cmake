@@ -34,6 +34,8 @@ target_link_libraries(mirage_e2e_parts PRIVATE mirage_gltf)
 # Tiles that servers share, by the shipped servers and by the source itself.
 mirage_e2e(shared_store)
 target_link_libraries(mirage_e2e_shared_store PRIVATE mirage_source)
+mirage_e2e(relay)
+add_dependencies(mirage_e2e_relay mirage-relay)
 mirage_e2e(operations)
 target_compile_definitions(mirage_e2e_operations PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 # It watches frame times: alone on the machine, please.

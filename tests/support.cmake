@@ -8,3 +8,8 @@ mirage_target(mirage_test_rigs PCH wire)
 target_compile_definitions(mirage_test_rigs PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(mirage_test_rigs PUBLIC mirage_server_core mirage_client_core mirage_gltf mirage_builtin mirage_quality
                       mirage_egl OpenImageIO::OpenImageIO nlohmann_json::nlohmann_json)
+
+# A real TCP connection shaped as a link.
+add_executable(mirage-relay relay/main.cpp relay/shaped_direction.cpp)
+mirage_target(mirage-relay TEST PCH none)
+target_link_libraries(mirage-relay PRIVATE mirage_cli)
