@@ -41,6 +41,14 @@ class WaitList {
       return std::any_of(entry.second.begin(), entry.second.end(), which);
     });
   }
+  template <typename Which>
+  std::size_t count(Which which) const {
+    std::ptrdiff_t all = 0;
+    for (const auto& [key, waiters] : waiting_) {
+      all += std::count_if(waiters.begin(), waiters.end(), which);
+    }
+    return static_cast<std::size_t>(all);
+  }
   /// They wait no longer. Has `unwanted(key)` decide whether what nobody waits for any more is
   /// forgotten, too; else it goes on being made.
   template <typename Which, typename Unwanted>

@@ -1,6 +1,7 @@
 #include "server/session/fetch_requests.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace mirage {
 namespace {
@@ -84,6 +85,11 @@ bool FetchRequests::cancel(SessionId session, std::uint32_t request_id) {
              asks.end());
   requests_.erase(request);
   return true;
+}
+
+std::size_t FetchRequests::asks_of(SessionId session) const {
+  const auto first = requests_.lower_bound({session, 0});
+  return static_cast<std::size_t>(std::distance(first, requests_.lower_bound({session + 1, 0})));
 }
 
 void FetchRequests::remove_session(SessionId session) {

@@ -32,6 +32,8 @@ class FetchRequests {
   bool cancel(SessionId session, std::uint32_t request_id);
   void remove_session(SessionId session);
   bool waiting() const { return !looked_for_.empty(); }
+  /// Asks of a session that wait.
+  std::size_t asks_of(SessionId session) const;
 
  private:
   struct LookedFor {

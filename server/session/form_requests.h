@@ -2,9 +2,11 @@
 // Who waits for a form of a tile that is being made from another.
 // Input:  asks for forms, forms as they are made. Output: jobs of the encode stage.
 // Thread: the network loop's.
-// Full:   nothing more is taken on; rendered tiles fill the same queue and go on.
+// Full:   nothing more is taken on, in all or of a session; rendered tiles fill the same queue and
+//         go on.
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "protocol/base/bounded_queue.h"
@@ -21,13 +23,15 @@ class FormRequests {
   /// enough to do.
   bool wait(const TileId& id, const StoredTilePtr& lossless, const Waiter& waiter);
   /// Who waited for a form that is now made; they wait no longer.
-  std::vector<Waiter> take_waiting(const TileId& id, TileCodec codec) {
-    return waiting_.take({id, codec});
-  }
+  std::vector<Waiter> take_waiting(const TileId& id, TileCodec codec);
+  void remove_session(SessionId session);
   bool waiting() const { return waiting_.size() > 0; }
+  /// Asks of a session that wait.
+  std::size_t asks_of(SessionId session) const;
 
  private:
   WaitList<FormId, Waiter> waiting_;
+  std::map<SessionId, std::size_t> asks_;  ///< of each session, in waiting_
   BoundedQueue<EncodeJob>& jobs_;
 };
 

@@ -17,6 +17,16 @@ bool ImageCache::wait(const ImageLevel& level, Waiting waiting) {
   return true;
 }
 
+void ImageCache::remove_session(SessionId session) {
+  // What is being encoded is kept for whoever asks next.
+  waiting_.remove([&](const Waiting& waiting) { return waiting.first == session; },
+                  [](const ImageLevel&) { return false; });
+}
+
+std::size_t ImageCache::asks_of(SessionId session) const {
+  return waiting_.count([&](const Waiting& waiting) { return waiting.first == session; });
+}
+
 void ImageCache::keep(const ImageLevel& level, Bytes bytes) {
   budget_.add(level, bytes.size());
   encoded_[level] = std::move(bytes);

@@ -31,6 +31,9 @@ class ImageCache {
   /// Who waited for a level that is now encoded; they wait no longer.
   std::vector<Waiting> take_waiting(const ImageLevel& level) { return waiting_.take(level); }
   void keep(const ImageLevel& level, Bytes bytes);
+  void remove_session(SessionId session);
+  /// Levels that a session waits for.
+  std::size_t asks_of(SessionId session) const;
 
  private:
   BoundedQueue<ImageLevel>& jobs_;

@@ -71,9 +71,16 @@ void SessionHub::close(SessionId id) {
   queue_.remove_session(id);
   fetches_.remove_session(id);
   views_.remove_session(id);
+  forms_.remove_session(id);
+  images_.remove_session(id);
   if (sessions_.at(id).greeted) --clients_;
   sessions_.erase(id);
   writable_.erase(id);
+}
+
+std::size_t SessionHub::asks_of(SessionId id) const {
+  return queue_.asks_of(id) + fetches_.asks_of(id) + views_.asks_of(id) + forms_.asks_of(id) +
+         images_.asks_of(id);
 }
 
 Result<void> SessionHub::receive(SessionId id, const std::uint8_t* bytes, std::size_t size) {
@@ -296,7 +303,9 @@ void SessionHub::finish(TooLargeTile done) {
 
 void SessionHub::finish(FinishedReference done) {
   const auto at = sessions_.find(done.session);
-  if (at != sessions_.end()) push(done.session, Outbox::Lane::kLarge, std::move(done.message));
+  if (at == sessions_.end()) return;
+  at->second.full_render = Session::FullRender::kSending;
+  push(done.session, Outbox::Lane::kLarge, std::move(done.message));
 }
 
 FramePtr SessionHub::next_tree_page(Session& s) {
@@ -315,6 +324,9 @@ FramePtr SessionHub::next_frame(SessionId id) {
   if (!frame && !s.outbox.large_waits() && !s.meshes.empty()) push_mesh(id, s);
   if (!frame) frame = s.outbox.next_tile_or_bulk();
   if (!frame) return nullptr;
+  if (s.full_render == Session::FullRender::kSending && !s.outbox.large_waits()) {
+    s.full_render = Session::FullRender::kNone;
+  }
   s.progress_us = clock_.now_us();
   counters_.bytes_sent += frame->size();
   return frame;

@@ -77,6 +77,8 @@ class SessionHub {
   /// Why the server must end: the renderer has failed.
   const std::optional<Error>& failure() const { return failure_; }
   HubState state() const;
+  /// Asks of a session that are waited for, wherever; of one that is closed there are none.
+  std::size_t asks_of(SessionId id) const;
   const SessionOptions& options() const { return options_; }
   /// Revision and profile as JSON, for whoever compares servers.
   std::string identity(bool draining) const;
@@ -93,6 +95,8 @@ class SessionHub {
     std::list<wire::MeshAsk> meshes;  ///< asked for, and made as they are sent
     std::size_t next_page = 0;        ///< of the scene description
     Outbox outbox;
+    /// One at a time, from the request until its reply is on its way.
+    enum class FullRender { kNone, kUnderWay, kSending } full_render = FullRender::kNone;
     bool hopeless = false;         ///< does not read what it is answered: is closed
     std::int64_t progress_us = 0;  ///< when something was last sent, or nothing waited
     explicit Session(std::size_t most_bytes) : outbox(most_bytes) {}

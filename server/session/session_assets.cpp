@@ -92,10 +92,11 @@ void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceReques
   shot.supersample = m.supersample;
   shot.time_s = m.time_s;
   shot.lighting = found != s.lighting.end() ? found->second : scene_->scene.lighting;
-  ReferenceJob job{id, m.request_id, std::move(shot)};
-  if (!queue_.submit(std::move(job))) {
-    refuse(id, m.request_id, wire::RefusalReason::Busy);
+  if (s.full_render != Session::FullRender::kNone ||
+      !queue_.submit(ReferenceJob{id, m.request_id, std::move(shot)})) {
+    return refuse(id, m.request_id, wire::RefusalReason::Busy);
   }
+  s.full_render = Session::FullRender::kUnderWay;
 }
 
 void SessionHub::stats(SessionId id, const wire::StatsRequestT& m) {

@@ -42,6 +42,10 @@ std::vector<ViewCache::Waiting> ViewCache::finish(const TileId& id,
   return making_.take(id);
 }
 
+std::size_t ViewCache::asks_of(SessionId session) const {
+  return making_.count([&](const Waiting& waiting) { return waiting.session == session; });
+}
+
 void ViewCache::remove_session(SessionId session) {
   // Who comes, asks and goes must not leave work behind.
   making_.remove(

@@ -37,6 +37,8 @@ class ViewCache {
   /// A view is made (null: it could not be): who waited for it.
   std::vector<Waiting> finish(const TileId& id, std::shared_ptr<const EncodedView> view);
   void remove_session(SessionId session);
+  /// Views that a session waits for: one at most.
+  std::size_t asks_of(SessionId session) const;
 
  private:
   TileQueue& queue_;

@@ -254,6 +254,17 @@ std::size_t TileQueue::length() const {
   return entries_.size();
 }
 
+std::size_t TileQueue::asks_of(SessionId session) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::ptrdiff_t all = std::count_if(references_.begin(), references_.end(),
+                                     [&](const auto& job) { return job.session == session; });
+  for (const auto& [id, entry] : entries_) {
+    all += std::count_if(entry.waiters.begin(), entry.waiters.end(),
+                         [&](const Waiter& waiter) { return waiter.session == session; });
+  }
+  return static_cast<std::size_t>(all);
+}
+
 std::size_t TileQueue::ranks() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::size_t all = 0;

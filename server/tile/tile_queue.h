@@ -54,6 +54,8 @@ class TileQueue {
   std::vector<Waiter> take_late();
 
   std::size_t length() const;
+  /// Asks of a session, tiles and full renders, that wait or are being rendered.
+  std::size_t asks_of(SessionId session) const;
   /// Places in the rankings of all sessions: one for each ask that waits to be rendered.
   std::size_t ranks() const;
   void close();

@@ -125,6 +125,7 @@ class Play {
   void close(SessionId id) {
     if (id == 0) return;
     hub_->close(id);
+    if (hub_->asks_of(id) != 0) fail("an ask waits of a client that is gone");
     clients_.erase(std::find(clients_.begin(), clients_.end(), id));
   }
   void receive(const Bytes& message) { receive(client(), message); }
@@ -293,7 +294,14 @@ class Play {
   void check() {
     const std::size_t waiters = (kMostClients + 1) * limits::kMaxQueuedAsksPerClient;
     if (queues_.tiles.ranks() > waiters) fail("more waits than may");
-    if (hub_->state().clients > 4) fail("more clients than may be");
+    for (const SessionId id : clients_) {
+      if (hub_->asks_of(id) > 2 * limits::kMaxQueuedAsksPerClient)
+        fail("a client has too many asks");
+    }
+    const HubState state = hub_->state();
+    // What is answered at once, a refusal more for each ask of a message, and one large thing.
+    if (state.largest_outbox_bytes > 3 * 4096 + 100'000) fail("an outbox holds too much");
+    if (state.clients > 4) fail("more clients than may be");
   }
 
   /// Everybody goes, and what was under way ends: nothing may be left.

@@ -135,6 +135,36 @@ TEST_F(ServerAsks, ATileCostsNoMoreCreditThanTheClientCounts) {
   }
 }
 
+TEST_F(ServerAsks, AClientHasOneFullRenderUntilItHasReadIt) {
+  const SessionId id = greeted();
+  const auto wanted = [&](std::uint32_t request) {
+    wire::ReferenceRequestT m;
+    m.request_id = request;
+    m.width = m.height = 64;
+    m.fov_y = 1;
+    m.supersample = 1;
+    m.eye = std::make_unique<wire::Vec3d>(0, 0, 5);
+    m.rotation = std::make_unique<wire::Quat>(1.0f, 0.0f, 0.0f, 0.0f);
+    EXPECT_TRUE(send(id, std::move(m)).ok());
+  };
+  const auto drawn = [&] {
+    const auto work = queue.take([](std::uint32_t) { return true; }, false);
+    return work && std::holds_alternative<ReferenceJob>(*work);
+  };
+  wanted(1);
+  ASSERT_TRUE(drawn());
+  wanted(2);
+  EXPECT_FALSE(drawn()) << "one is being drawn";
+  EXPECT_EQ(refusal(id), wire::RefusalReason::Busy);
+  hub->complete(FinishedReference{id, Bytes(100'000)});
+  wanted(3);
+  EXPECT_FALSE(drawn()) << "one waits to be read";
+  while (hub->next_frame(id)) {
+  }
+  wanted(4);
+  EXPECT_TRUE(drawn());
+}
+
 TEST_F(ServerAsks, GeometryAndReferenceCanBeOff) {
   SessionOptions options;
   options.geometry = options.reference = false;
