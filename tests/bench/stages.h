@@ -62,7 +62,7 @@ class Stages {
 
  private:
   SteadyClock clock_;
-  Pipeline pipeline_{clock_, 256u << 20, nullptr};
+  Pipeline pipeline_{clock_, 256u << 20, {}};
 };
 
 }  // namespace mirage::bench
