@@ -6,14 +6,10 @@
 namespace mirage {
 namespace {
 
-// A disk answers in .1 ms, a store over the network in .3; on a machine whose renderer has all
-// cores it is the thread that comes late, by tens of ms. What is given up is rendered, maybe for
-// the second time.
-constexpr std::int64_t kPatienceUs = 100'000;
 // More than a server may take to render what others wait for (RedisSource).
 constexpr std::int64_t kPatienceWithOthersUs = 12'000'000;
 // How long sources that were slow are left alone.
-constexpr std::int64_t kAvoidUs = 5'000'000;
+constexpr std::int64_t kAvoidUs = 10'000'000;
 
 }  // namespace
 
@@ -31,7 +27,7 @@ bool FetchRequests::wait(const TileAsk& ask) {
   if (found == looked_for_.end()) {
     FetchJob job{ask.id, ask.waiter.codec};
     if (sources_are_slow() || !jobs_.try_push(job)) return false;
-    looked_for_[wanted] = {clock_.now_us() + kPatienceUs, {ask}};
+    looked_for_[wanted] = {clock_.now_us() + patience_us_, {ask}};
   } else {
     found->second.asks.push_back(ask);
   }

@@ -17,7 +17,9 @@ namespace mirage {
 
 class FetchRequests {
  public:
-  FetchRequests(BoundedQueue<FetchJob>& jobs, const Clock& clock) : jobs_(jobs), clock_(clock) {}
+  /// An ask is given up after `patience_us`.
+  FetchRequests(BoundedQueue<FetchJob>& jobs, const Clock& clock, std::int64_t patience_us)
+      : jobs_(jobs), clock_(clock), patience_us_(patience_us) {}
 
   /// Has the tile looked for, once for all who wait for it in the waiter's codec. False: it is to
   /// be rendered without looking.
@@ -44,6 +46,7 @@ class FetchRequests {
 
   BoundedQueue<FetchJob>& jobs_;
   const Clock& clock_;
+  const std::int64_t patience_us_;
   std::map<FormId, LookedFor> looked_for_;
   std::map<std::pair<SessionId, std::uint32_t>, FormId> requests_;
   std::int64_t avoid_until_us_ = INT64_MIN;

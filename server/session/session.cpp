@@ -56,7 +56,7 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
       probe_page_(scene_->scene.probe ? encode_probe(*scene_->scene.probe) : Bytes{}),
       pixels_(queues.rendered),
       images_(queues.images),
-      fetches_(queues.fetches, queues.clock),
+      fetches_(queues.fetches, queues.clock, queues.store.patience_us()),
       forms_(queues.rendered),
       views_(queues.tiles) {}
 

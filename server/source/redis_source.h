@@ -25,6 +25,9 @@ class RedisSource final : public TileSource {
   RedisSource(StoreAddress address, const Clock& clock);
 
   Tier tier() const override { return Tier::kRedis; }
+  // It has a limit of its own: what is late beyond that is this machine, whose renderer has all
+  // cores, and rendering what is there already would only add to that.
+  std::int64_t patience_us() const override { return 100'000; }
   std::optional<Bytes> fetch(const FormId& id) override;
   bool offer(const FormId& id, const Bytes& record) override;
   bool claim(const TileId& id) override;

@@ -18,6 +18,8 @@ class TileSource {
 
   virtual ~TileSource() = default;
   virtual Tier tier() const = 0;
+  /// For so long an ask waits for it, before the tile is rendered instead.
+  virtual std::int64_t patience_us() const = 0;
   /// The record that was offered under this id, unchecked; all forms without loss are one record.
   virtual std::optional<Bytes> fetch(const FormId& id) = 0;
   /// To be kept, in place of what lies there. False: it is not.

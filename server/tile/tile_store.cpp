@@ -100,6 +100,12 @@ StoredTilePtr TileStore::load(const TileId& id, TileCodec form) const {
   return nullptr;
 }
 
+std::int64_t TileStore::patience_us() const {
+  std::int64_t out = 0;
+  for (const TileSource* const source : sources_) out = std::max(out, source->patience_us());
+  return out;
+}
+
 bool TileStore::claim(const TileId& id) {
   return std::all_of(sources_.begin(), sources_.end(),
                      [&](TileSource* source) { return source->claim(id); });

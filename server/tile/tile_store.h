@@ -29,6 +29,8 @@ class TileStore {
   void put(const TileId& id, TileCodec codec, StoredTilePtr tile);
 
   bool has_sources() const { return !sources_.empty(); }
+  /// That of the most patient.
+  std::int64_t patience_us() const;
   /// From the sources into memory.
   FetchedTile fetch(const TileId& id, TileCodec codec);
   /// Before it is rendered. False: another server is about to have it.

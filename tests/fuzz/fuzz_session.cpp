@@ -22,6 +22,7 @@ constexpr std::size_t kMostClients = 6;
 class Nothing final : public TileSource {
  public:
   Tier tier() const override { return Tier::kDirectory; }
+  std::int64_t patience_us() const override { return 30'000; }
   std::optional<Bytes> fetch(const FormId&) override { return std::nullopt; }
   bool offer(const FormId&, const Bytes&) override { return true; }
 };

@@ -28,7 +28,7 @@ foreach(room frame link scene hold price plan ask draw session)
 endforeach()
 foreach(folder protocol shaders server client)
   check(${folder} "libwebsockets" "sockets live in the endpoints" EXCEPT
-        server/net/endpoint.cpp client/native/native_link.cpp client/load/load_clients.cpp)
+        server/net/endpoint.cpp server/net/http_pages.cpp server/net/lws_text.h client/native/native_link.cpp client/load/load_clients.cpp)
   check(${folder} "tiny_gltf" "tinygltf lives in the importer" EXCEPT server/scene/gltf/document.cpp
         server/scene/gltf/document.h)
   check(${folder} "EGL/" "EGL lives in shaders/gl" EXCEPT shaders/gl/egl_context.cpp)

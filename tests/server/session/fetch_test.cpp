@@ -185,6 +185,7 @@ TEST_F(ServerFetch, WhoIsGoneOrCancelsGetsNothingAndHasNothingRendered) {
 class BusyElsewhere final : public TileSource {
  public:
   Tier tier() const override { return Tier::kRedis; }
+  std::int64_t patience_us() const override { return 30'000; }
   std::optional<Bytes> fetch(const FormId&) override {
     if (!there) return std::nullopt;
     return record;
