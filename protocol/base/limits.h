@@ -24,6 +24,11 @@ inline constexpr std::size_t kMaxAsksPerBatch = 1024;
 inline constexpr std::size_t kMaxCancelsPerBatch = 4096;
 inline constexpr std::size_t kMaxQueuedAsksPerClient = 4096;
 inline constexpr std::size_t kMaxLightingStatesPerClient = 64;
+/// Full renders of all clients, under way and not read yet; one of the largest fits.
+inline constexpr std::size_t kMaxFullRenderBytes = 512u << 20;
+inline constexpr std::size_t reference_bytes(std::uint32_t width, std::uint32_t height) {
+  return std::size_t{12} * width * height;  // colour, depth, id
+}
 inline constexpr std::size_t kMaxReferencePixels = 4096u * 4096u;
 inline constexpr std::uint32_t kMaxReferenceEdge = 8192;
 inline constexpr std::uint32_t kMaxReferenceSupersample = 4;  ///< per axis

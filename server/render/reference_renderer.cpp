@@ -1,12 +1,11 @@
 #include "server/render/reference_renderer.h"
 
 #include <algorithm>
-#include <chrono>
-#include <tuple>
 
 #include "protocol/impostor/motion.h"
 #include "protocol/impostor/object_proxy.h"
 #include "server/prepare/prepared_scene.h"
+#include "server/render/frame_pieces.h"
 #include "server/render/gpu_scene.h"
 #include "server/render/scene_shadow.h"
 #include "shaders/gl/renderer.h"
@@ -16,61 +15,93 @@ namespace {
 
 const std::vector<GLenum> kKeptFormats = {GL_SRGB8_ALPHA8, GL_R32F, GL_R32UI};
 
-// Of views, so that no scene makes them take too long: what is smaller in radius is left out, and
-// what comes after the largest.
-constexpr double kLeastPx = 0.5;
-constexpr std::ptrdiff_t kMostInstances = 20'000;
-
 constexpr GLenum kColorOnly[] = {GL_COLOR_ATTACHMENT0, GL_NONE};
 constexpr GLenum kIdOnly[] = {GL_NONE, GL_COLOR_ATTACHMENT1};
+constexpr GLenum kColorAndId[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
 
-glm::dvec3 center_relative(const Instance& instance, const ObjectDescription& object,
-                           const glm::dvec3& eye) {
-  const Similarity& m = instance.world_from_object;
-  const glm::dvec3 offset = glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale});
-  return m.position - eye + offset;
+// Targets hold this many samples, whatever the picture has: to make larger ones takes longer than
+// a slice.
+constexpr std::uint32_t kTargetSamples = 1u << 20;
+
+// Rows of a picture that a target holds.
+std::uint32_t rows_of_target(const SceneShot& shot) {
+  const std::uint32_t row = shot.camera.width * shot.supersample * shot.supersample;
+  return std::clamp(kTargetSamples / row, 1u, shot.camera.height);
 }
 
-/// Rows bottom up -> top down.
+/// A band, `low` rows up in the framebuffer that is bound, below the rows of the plane that are
+/// there, which go down; `components` elements a pixel. Memory is touched as it is filled: that of
+/// a large picture at once would take longer than a slice.
 template <typename T>
-void flip(std::vector<T>& pixels, std::size_t row) {
-  for (std::size_t low = 0, high = pixels.size(); low + row < high; low += row) {
-    high -= row;
-    std::swap_ranges(pixels.begin() + static_cast<std::ptrdiff_t>(low),
-                     pixels.begin() + static_cast<std::ptrdiff_t>(low + row),
-                     pixels.begin() + static_cast<std::ptrdiff_t>(high));
+void append_rows(std::vector<T>& plane, GLenum attachment, GLenum format, GLenum type,
+                 const RowBand& band, int low, int width, int components) {
+  const std::size_t row = static_cast<std::size_t>(width) * static_cast<std::size_t>(components);
+  std::vector<T> rows(row * band.rows());
+  glReadBuffer(attachment);
+  glReadPixels(0, low, width, static_cast<GLsizei>(band.high - band.low), format, type,
+               rows.data());
+  for (std::size_t y = band.rows(); y-- > 0;) {
+    const auto from = rows.begin() + static_cast<std::ptrdiff_t>(y * row);
+    plane.insert(plane.end(), from, from + static_cast<std::ptrdiff_t>(row));
   }
 }
 
-template <typename T>
-void append(Bytes& out, const std::vector<T>& plane) {
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(plane.data());
-  out.insert(out.end(), bytes, bytes + plane.size() * sizeof(T));
-}
-
-// What the framebuffer that is bound holds, rows from the top.
-SceneFrame read_back(int w, int h) {
-  const std::size_t row = static_cast<std::size_t>(w);
-  const std::size_t pixels = row * static_cast<std::size_t>(h);
-  SceneFrame frame;
-  frame.rgba.resize(pixels * 4);
-  frame.depth.resize(pixels);
-  frame.ids.resize(pixels);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-  glReadBuffer(GL_COLOR_ATTACHMENT0);
-  glReadPixels(0, 0, w, h, GL_RGBA, GL_UNSIGNED_BYTE, frame.rgba.data());
-  glReadBuffer(GL_COLOR_ATTACHMENT1);
-  glReadPixels(0, 0, w, h, GL_RED, GL_FLOAT, frame.depth.data());
-  glReadBuffer(GL_COLOR_ATTACHMENT2);
-  glReadPixels(0, 0, w, h, GL_RED_INTEGER, GL_UNSIGNED_INT, frame.ids.data());
-  flip(frame.rgba, row * 4);
-  flip(frame.depth, row);
-  flip(frame.ids, row);
-  return frame;
-}
-
 }  // namespace
+
+/// What a picture that is under way has come to.
+struct ReferenceRenderer::Progress {
+  Progress(const GpuScene& scene, const SceneShot& of, double slice)
+      : shot(of),
+        slice_samples(slice),
+        lights(gl::light_block(of.lighting, of.camera.pose.eye)),
+        pieces(scene, of),
+        target_rows(rows_of_target(of)) {
+    const std::size_t pixels = std::size_t{of.camera.width} * of.camera.height;
+    frame.rgba.reserve(pixels * 4);
+    frame.depth.reserve(pixels);
+    frame.ids.reserve(pixels);
+    band.low = of.camera.height;
+    next_band();
+  }
+  /// The rows below the last band; they do not go beyond a target's.
+  void next_band() {
+    band.high = band.low;
+    if (done()) return;
+    first_row = (band.high - 1) / target_rows * target_rows;
+    const std::uint32_t most = pieces.rows_of_band(slice_samples);
+    band.low = std::max(first_row, band.high - std::min(most, band.high));
+    begun = false;
+    steps.clear();
+    steps_done = 0;
+  }
+  bool done() const { return band.high == 0; }
+  int samples() const { return static_cast<int>(shot.supersample); }
+  int width() const { return static_cast<int>(shot.camera.width); }
+  /// Of the band, in the targets.
+  int low() const { return static_cast<int>(band.low - first_row); }
+  int rows() const { return static_cast<int>(band.high - band.low); }
+  double band_samples() const { return double{1} * width() * rows() * samples() * samples(); }
+
+  const SceneShot shot;
+  const double slice_samples;
+  const gl::LightBlock lights;
+  const FramePieces pieces;
+  const std::uint32_t target_rows;
+  std::uint32_t first_row = 0;  ///< of the picture, in the targets
+  RowBand band;
+  struct Step {
+    enum class Kind : std::uint8_t { kOpaque, kBlended, kFront } kind;
+    FramePiece piece;
+  };
+  std::vector<Step> steps;  ///< of the band, once it is begun
+  std::size_t steps_done = 0;
+  bool begun = false;
+  SceneFrame frame;
+};
+
+ReferenceRenderer::ReferenceRenderer(ReferenceRenderer&& other) noexcept = default;
+ReferenceRenderer& ReferenceRenderer::operator=(ReferenceRenderer&& other) noexcept = default;
+ReferenceRenderer::~ReferenceRenderer() = default;
 
 ReferenceRenderer::ReferenceRenderer(const GpuScene& scene)
     : scene_(&scene),
@@ -105,148 +136,117 @@ Result<void> ReferenceRenderer::warm_up() {
   return {};
 }
 
-std::size_t ReferenceRenderer::level_of(const SceneShot& shot, const Instance& instance,
-                                        double distance) const {
-  const ObjectDescription& object = scene_->prepared->objects[instance.object];
-  if (shot.level_px <= 0 || object.lods.empty() || object.motion.moving()) return 0;
-  const double nearest = std::max(distance, shot.camera.near_m);
-  const double px_per_unit = shot.camera.focal_px() * instance.world_from_object.scale / nearest;
-  return lod_for_view(object.lods, px_per_unit, shot.level_px);
-}
-
-std::vector<ReferenceRenderer::Visible> ReferenceRenderer::visible(const SceneShot& shot) const {
-  const PreparedScene& prepared = *scene_->prepared;
-  const Frustum frustum(shot.camera);
-  std::vector<Visible> out;
-  for (std::uint32_t i = 0; i < prepared.scene.instances.size(); ++i) {
-    const Instance& instance = prepared.scene.instances[i];
-    const ObjectDescription& object = prepared.objects[instance.object];
-    const double radius = double{object.radius} * instance.world_from_object.scale;
-    const glm::dvec3 offset = center_relative(instance, object, shot.camera.pose.eye);
-    if (!frustum.may_see(offset, radius)) continue;
-    const double distance = glm::length(offset) - radius;
-    const double size_px = shot.camera.focal_px() * radius / std::max(distance, 1e-9);
-    if (shot.level_px > 0 && size_px < kLeastPx) continue;
-    out.push_back({instance.object, level_of(shot, instance, distance), i, size_px});
-  }
-  if (shot.level_px > 0 && out.size() > std::size_t{kMostInstances}) {
-    std::nth_element(out.begin(), out.begin() + kMostInstances, out.end(),
-                     [](const Visible& a, const Visible& b) { return a.size_px > b.size_px; });
-    out.resize(kMostInstances);
-  }
-  std::sort(out.begin(), out.end(), [](const Visible& a, const Visible& b) {
-    return std::tie(a.object, a.level, a.instance) < std::tie(b.object, b.level, b.instance);
-  });
-  return out;
-}
-
-void ReferenceRenderer::draw_scene(const SceneShot& shot, DepthMapping mapping) {
-  const Camera& camera = shot.camera;
-  const glm::dvec3& eye = camera.pose.eye;
-  const gl::LightBlock lights = gl::light_block(shot.lighting, eye);
-  meshes_->begin(camera.clip_from_relative(mapping), lights, mapping);
-  const Environment& environment = scene_->prepared->scene.environment;
-  meshes_->set_fog(environment.horizon, environment.fog_density);
-  const std::vector<Visible> all = visible(shot);
-  std::vector<gl::MeshInstance> run;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto [object, level, instance, size_px] = all[i];
-    run.push_back(gl::mesh_instance(scene_->prepared->scene.instances[instance].world_from_object,
-                                    eye, instance));
-    if (scene_->prepared->objects[object].motion.moving()) {
-      draw_moving(*meshes_, run.back(), false);
-      run.clear();
-      continue;
-    }
-    const bool last =
-        i + 1 == all.size() || all[i + 1].object != object || all[i + 1].level != level;
-    if (!last) continue;
-    meshes_->draw(scene_->level(object, level), scene_->materials(), scene_->images, run.data(),
-                  run.size(), false);
-    run.clear();
-  }
-  const std::vector<std::uint32_t> blended = blended_instances(camera);
-  glDrawBuffers(2, kColorOnly);
-  for (const std::uint32_t i : blended) draw_blended(*meshes_, camera, i);
-  meshes_->end();
-  // Depth and id are of what is nearest, blended or not: the last to be written.
-  glDrawBuffers(2, kIdOnly);
-  fronts_->begin(camera.clip_from_relative(mapping), lights, mapping);
-  for (const std::uint32_t i : blended) draw_blended(*fronts_, camera, i);
-  fronts_->end();
-}
-
-std::vector<std::uint32_t> ReferenceRenderer::blended_instances(const Camera& camera) const {
-  const PreparedScene& prepared = *scene_->prepared;
-  std::vector<std::pair<double, std::uint32_t>> blended;
-  for (std::uint32_t i = 0; i < prepared.scene.instances.size(); ++i) {
-    const Instance& instance = prepared.scene.instances[i];
-    const ObjectDescription& object = prepared.objects[instance.object];
-    if (!(object.needs & kNeedBlend)) continue;
-    const glm::dvec3 center = center_relative(instance, object, camera.pose.eye);
-    blended.emplace_back(-glm::length(center), i);  // farthest first
-  }
-  std::sort(blended.begin(), blended.end());
-  std::vector<std::uint32_t> out;
-  for (const auto& [order, i] : blended) out.push_back(i);
-  return out;
-}
-
-void ReferenceRenderer::draw_blended(gl::MeshPass& pass, const Camera& camera, std::uint32_t i) {
-  const Instance& instance = scene_->prepared->scene.instances[i];
-  draw_moving(pass, gl::mesh_instance(instance.world_from_object, camera.pose.eye, i), true);
-}
-
-void ReferenceRenderer::draw_moving(gl::MeshPass& pass, const gl::MeshInstance& one, bool blended) {
-  const Instance& instance = scene_->prepared->scene.instances[one.id];
-  const MotionProfile& motion = scene_->prepared->objects[instance.object].motion;
-  const double time = wrap_clip(time_s_ + double{instance.clip_offset_s}, motion.clip_s);
-  pass.draw(scene_->posed_mesh(instance.object, time), scene_->materials(), scene_->images, &one, 1,
-            blended);
-}
-
 std::vector<GLenum> ReferenceRenderer::drawn_formats() const {
   return {gl::color_format(scene_->prepared->blends()), GL_R32UI};
 }
 
-std::size_t ReferenceRenderer::gpu_bytes(const SceneShot& job) const {
-  const int w = static_cast<int>(job.camera.width), h = static_cast<int>(job.camera.height);
-  const int s = static_cast<int>(job.supersample);
-  return gl::target_bytes(w * s, h * s, drawn_formats(), GL_DEPTH_COMPONENT32F) +
-         gl::target_bytes(w, h, kKeptFormats, 0);
+std::size_t ReferenceRenderer::gpu_bytes(const SceneShot& shot) const {
+  const int w = static_cast<int>(shot.camera.width), rows = static_cast<int>(rows_of_target(shot));
+  const int s = static_cast<int>(shot.supersample);
+  return gl::target_bytes(w * s, rows * s, drawn_formats(), GL_DEPTH_COMPONENT32F) +
+         gl::target_bytes(w, rows, kKeptFormats, 0);
 }
 
-Result<SceneFrame> ReferenceRenderer::draw(const SceneShot& job) {
-  meshes_->set_shadow(shadow_ ? shadow_->map_for(job.lighting) : nullptr, job.camera.pose.eye);
-  const int w = static_cast<int>(job.camera.width), h = static_cast<int>(job.camera.height);
-  const int s = static_cast<int>(job.supersample);
-  gl::RenderTarget big(w * s, h * s, drawn_formats(), GL_DEPTH_COMPONENT32F);
-  gl::RenderTarget out(w, h, kKeptFormats, 0);
-  if (!big.ok() || !out.ok()) {
-    return make_error(ErrorId::kGraphicsGl, "reference frame is too large for this device");
+void ReferenceRenderer::drop() { progress_.reset(); }
+
+Result<void> ReferenceRenderer::begin(const SceneShot& shot, double slice_samples) {
+  drop();
+  auto next = std::make_unique<Progress>(*scene_, shot, slice_samples);
+  const int w = static_cast<int>(shot.camera.width), rows = static_cast<int>(next->target_rows);
+  const int s = next->samples();
+  const bool fits = drawn_.ok() && kept_.ok() && drawn_.width() == w * s &&
+                    drawn_.height() == rows * s && kept_.width() == w;
+  if (!fits) {
+    drawn_ = gl::RenderTarget();  // never both
+    drawn_ = gl::RenderTarget(w * s, rows * s, drawn_formats(), GL_DEPTH_COMPONENT32F);
+    kept_ = gl::RenderTarget();
+    kept_ = gl::RenderTarget(w, rows, kKeptFormats, 0);
   }
-  glEnable(GL_FRAMEBUFFER_SRGB);
-  glDisable(GL_DEPTH_CLAMP);
-  glDisable(GL_SCISSOR_TEST);
-  big.bind();
+  if (!drawn_.ok() || !kept_.ok()) {
+    return make_error(ErrorId::kGraphicsGl, "a full render is too large for this device");
+  }
+  progress_ = std::move(next);
+  return {};
+}
+
+void ReferenceRenderer::aim_at_band() const {
+  const Progress& p = *progress_;
+  const int s = p.samples(), w = p.width() * s;
+  drawn_.bind();
+  glViewport(0, -static_cast<GLint>(p.first_row) * s, w,
+             static_cast<GLsizei>(p.shot.camera.height) * s);
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(0, p.low() * s, w, p.rows() * s);
+}
+
+void ReferenceRenderer::begin_band(float far_depth) {
+  using Kind = Progress::Step::Kind;
+  Progress& p = *progress_;
   const GLuint no_id[4] = {0, 0, 0, 0};
-  const gl::ViewDepth view_depth;
-  const float far_depth = view_depth.farthest();
+  glDrawBuffers(2, kColorAndId);
   glClearBufferuiv(GL_COLOR, 1, no_id);
   glDepthMask(GL_TRUE);
   glClearBufferfv(GL_DEPTH, 0, &far_depth);
   glDrawBuffers(2, kColorOnly);
-  sky_.draw(job.camera, scene_->prepared->scene.environment);
-  const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-  glDrawBuffers(2, both);
-  time_s_ = job.time_s;
-  meshes_->set_stroke(static_cast<float>(s));
-  draw_scene(job, view_depth.mapping());
+  sky_.draw(p.shot.camera, scene_->prepared->scene.environment);
+  for (FramePiece& piece : p.pieces.opaque(p.band)) {
+    p.steps.push_back({Kind::kOpaque, std::move(piece)});
+  }
+  // Depth and id are of what is nearest, blended or not: the last to be written.
+  for (const Kind kind : {Kind::kBlended, Kind::kFront}) {
+    for (FramePiece& piece : p.pieces.blended(p.band)) p.steps.push_back({kind, std::move(piece)});
+  }
+  p.begun = true;
+}
 
-  out.bind();
+double ReferenceRenderer::draw_pieces(double most, DepthMapping mapping) {
+  using Kind = Progress::Step::Kind;
+  Progress& p = *progress_;
+  const glm::mat4 clip = p.shot.camera.clip_from_relative(mapping);
+  double work = 0;
+  gl::MeshPass* pass = nullptr;
+  for (std::optional<Kind> last; work < most && p.steps_done < p.steps.size(); ++p.steps_done) {
+    const auto& [kind, piece] = p.steps[p.steps_done];
+    if (kind != last) {
+      if (pass) pass->end();
+      glDrawBuffers(2, kind == Kind::kOpaque    ? kColorAndId
+                       : kind == Kind::kBlended ? kColorOnly
+                                                : kIdOnly);
+      pass = kind == Kind::kFront ? fronts_.get() : meshes_.get();
+      pass->begin(clip, p.lights, mapping);
+      last = kind;
+    }
+    draw_piece(*pass, piece, kind != Kind::kOpaque);
+    work += piece.work;
+  }
+  if (pass) pass->end();
+  return work;
+}
+
+void ReferenceRenderer::draw_piece(gl::MeshPass& pass, const FramePiece& piece, bool blended) {
+  const SceneShot& shot = progress_->shot;
+  const PreparedScene& prepared = *scene_->prepared;
+  const MotionProfile& motion = prepared.objects[piece.object].motion;
+  std::vector<gl::MeshInstance> instances;
+  for (const std::uint32_t i : piece.instances) {
+    const Similarity& placed = prepared.scene.instances[i].world_from_object;
+    instances.push_back(gl::mesh_instance(placed, shot.camera.pose.eye, i));
+  }
+  const float offset_s = prepared.scene.instances[piece.instances.front()].clip_offset_s;
+  const gl::GpuMesh& mesh =
+      motion.moving() ? scene_->posed_mesh(piece.object,
+                                           wrap_clip(shot.time_s + double{offset_s}, motion.clip_s))
+                      : scene_->level(piece.object, piece.level);
+  pass.draw(mesh, scene_->materials(), scene_->images, instances.data(), instances.size(), blended);
+}
+
+void ReferenceRenderer::finish_band(const gl::ViewDepth& view_depth) {
+  Progress& p = *progress_;
+  kept_.bind();
+  glScissor(0, p.low(), p.width(), p.rows());
   glDisable(GL_DEPTH_TEST);
   resolve_.use();
-  const GLuint inputs[3] = {big.color(0), big.depth(), big.color(1)};
+  const GLuint inputs[3] = {drawn_.color(0), drawn_.depth(), drawn_.color(1)};
   for (int i = 0; i < 3; ++i) {
     glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
     glBindTexture(GL_TEXTURE_2D, inputs[i]);
@@ -254,36 +254,54 @@ Result<SceneFrame> ReferenceRenderer::draw(const SceneShot& job) {
   resolve_.set("u_color", 0);
   resolve_.set("u_depth", 1);
   resolve_.set("u_id", 2);
-  resolve_.set("u_factor", s);
-  resolve_.set("u_window_depth", glm::vec2(job.camera.window_depth(view_depth.mapping())));
+  resolve_.set("u_factor", p.samples());
+  resolve_.set("u_window_depth", glm::vec2(p.shot.camera.window_depth(view_depth.mapping())));
   resolve_.set("u_farthest", view_depth.farthest());
   glBindVertexArray(empty_vao_.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindVertexArray(0);
 
-  return read_back(w, h);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  const int w = p.width(), low = p.low();
+  append_rows(p.frame.rgba, GL_COLOR_ATTACHMENT0, GL_RGBA, GL_UNSIGNED_BYTE, p.band, low, w, 4);
+  append_rows(p.frame.depth, GL_COLOR_ATTACHMENT1, GL_RED, GL_FLOAT, p.band, low, w, 1);
+  append_rows(p.frame.ids, GL_COLOR_ATTACHMENT2, GL_RED_INTEGER, GL_UNSIGNED_INT, p.band, low, w,
+              1);
 }
 
-Result<Bytes> ReferenceRenderer::render(const ReferenceJob& job) {
-  const auto start = std::chrono::steady_clock::now();
-  const Result<SceneFrame> frame = draw(job.shot);
-  if (!frame) return frame.error();
-  Bytes raw;
-  raw.reserve(frame->depth.size() * 12);
-  append(raw, frame->rgba);
-  append(raw, frame->depth);
-  append(raw, frame->ids);
+std::optional<SceneFrame> ReferenceRenderer::draw_slice() {
+  Progress& p = *progress_;
+  meshes_->set_shadow(shadow_ ? shadow_->map_for(p.shot.lighting) : nullptr,
+                      p.shot.camera.pose.eye);
+  const Environment& environment = scene_->prepared->scene.environment;
+  meshes_->set_fog(environment.horizon, environment.fog_density);
+  meshes_->set_stroke(static_cast<float>(p.samples()));
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  glDisable(GL_DEPTH_CLAMP);
+  const gl::ViewDepth view_depth;
+  for (double work = 0; work < p.slice_samples && !p.done();) {
+    aim_at_band();
+    if (!p.begun) begin_band(view_depth.farthest());
+    work += draw_pieces(p.slice_samples - work, view_depth.mapping());
+    if (p.steps_done < p.steps.size()) break;
+    work += p.band_samples();
+    finish_band(view_depth);
+    p.next_band();
+  }
+  glDisable(GL_SCISSOR_TEST);
+  glFinish();
+  if (!p.done()) return std::nullopt;
+  SceneFrame frame = std::move(p.frame);
+  drop();
+  return frame;
+}
 
-  wire::ReferenceReplyT reply;
-  reply.request_id = job.request_id;
-  reply.width = job.shot.camera.width;
-  reply.height = job.shot.camera.height;
-  reply.raw_bytes = static_cast<std::uint32_t>(raw.size());
-  reply.render_us =
-      static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::microseconds>(
-                                     std::chrono::steady_clock::now() - start)
-                                     .count());
-  return encode_message(std::move(reply), compress_block(raw.data(), raw.size()));
+Result<SceneFrame> ReferenceRenderer::draw(const SceneShot& shot) {
+  if (const Result<void> begun = begin(shot); !begun) return begun.error();
+  for (;;) {
+    if (std::optional<SceneFrame> frame = draw_slice()) return std::move(*frame);
+  }
 }
 
 }  // namespace mirage

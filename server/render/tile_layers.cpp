@@ -35,10 +35,12 @@ Result<void> TileLayers::compile(int samples) {
   return {};
 }
 
-void TileLayers::begin(const gl::RenderTarget& first, int edge, int samples) {
+void TileLayers::begin(const gl::RenderTarget& first, int edge, const RowBand& rows, int samples) {
+  const int low = static_cast<int>(rows.low), count = static_cast<int>(rows.rows());
   floor_.bind();
   glViewport(0, 0, edge, edge);
-  glDisable(GL_SCISSOR_TEST);
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(0, low, edge, count);
   glDisable(GL_DEPTH_TEST);
   gl::Program& program = programs_.at(samples).floor;
   program.use();
@@ -47,8 +49,7 @@ void TileLayers::begin(const gl::RenderTarget& first, int edge, int samples) {
   draw_with({first.depth()}, empty_vao_);
   peeled_.bind();
   glViewport(0, 0, edge * samples, edge * samples);
-  glScissor(0, 0, edge * samples, edge * samples);
-  glEnable(GL_SCISSOR_TEST);
+  glScissor(0, low * samples, edge * samples, count * samples);
   glDepthMask(GL_TRUE);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "server/render/row_band.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/program.h"
 #include "shaders/gl/render_target.h"
@@ -25,8 +26,9 @@ class TileLayers {
   gl::RenderTarget& floor() { return floor_; }
   std::size_t gpu_bytes() const { return peeled_.gpu_bytes() + floor_.gpu_bytes(); }
 
-  /// Binds the peeled target, cleared, for what lies behind `first`: a tile of `edge` texels.
-  void begin(const gl::RenderTarget& first, int edge, int samples);
+  /// Binds the peeled target, cleared, for what lies behind `first`: rows of a tile of `edge`
+  /// texels.
+  void begin(const gl::RenderTarget& first, int edge, const RowBand& rows, int samples);
   /// Both layers into the page that is bound, where its viewport is: `x`, `y` from its corner.
   void resolve(const gl::RenderTarget& first, int x, int y, int samples);
 

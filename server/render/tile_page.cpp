@@ -130,28 +130,29 @@ int TilePageRenderer::samples(const TileJob& job) const {
   return fine(job) ? fine_samples() : supersample_;
 }
 
-bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
+std::vector<GLenum> TilePageRenderer::page_formats(const Path& path) const {
+  const GLenum kept = extras_.float_color ? GL_RGBA32F : GL_SRGB8_ALPHA8;
+  std::vector<GLenum> page = {kept, GLenum(extras_.fine_depth ? GL_RGBA8 : GL_R8)};
+  const bool behind = &path == &lit_ && (path.ranges || layers_);
+  if (&path == &relit_ || behind) page.push_back(GL_RGBA8);
+  return page;
+}
+
+bool TilePageRenderer::prepare_drawn(Path& path, int big, int page_edge) {
+  if (path.supersampled.ok() && path.supersampled.width() >= big) return true;
   const GLenum color =
       extras_.float_color ? GL_RGBA32F : gl::color_format(scene_->prepared->blends());
-  const GLenum kept = extras_.float_color ? GL_RGBA32F : GL_SRGB8_ALPHA8;
-  std::vector<GLenum> drawn = {color}, page = {kept, GLenum(extras_.fine_depth ? GL_RGBA8 : GL_R8)};
-  if (&path == &relit_) {
-    drawn.insert(drawn.end(), {GL_RGBA16F, GL_RGBA8});
-    page.push_back(GL_RGBA8);
-  }
+  std::vector<GLenum> drawn = {color};
+  if (&path == &relit_) drawn.insert(drawn.end(), {GL_RGBA16F, GL_RGBA8});
   if (path.ranges) drawn.push_back(GL_RG32F);
-  if (&path == &lit_ && (path.ranges || layers_)) page.push_back(GL_RGBA8);
   if (&path == &shadow_) drawn = {GL_RGBA16F, GL_RGBA16F};
-  if ((!path.supersampled.ok() || path.supersampled.width() < big) &&
-      !remake(path.supersampled, big, drawn, GL_DEPTH_COMPONENT32F, page_edge)) {
-    return false;
-  }
-  if (&path == &shadow_) return path.supersampled.ok();
-  if ((!path.page.ok() || path.page.width() != page_edge) &&
-      !remake(path.page, page_edge, page, 0, page_edge)) {
-    return false;
-  }
-  return path.supersampled.ok() && path.page.ok();
+  return remake(path.supersampled, big, drawn, GL_DEPTH_COMPONENT32F, page_edge);
+}
+
+bool TilePageRenderer::prepare_targets(Path& path, int page_edge, int big) {
+  if (!prepare_drawn(path, big, page_edge)) return false;
+  if (&path == &shadow_ || (path.page.ok() && path.page.width() == page_edge)) return true;
+  return remake(path.page, page_edge, page_formats(path), 0, page_edge);
 }
 
 bool TilePageRenderer::prepare_layers(int big, int page_edge) {
@@ -188,6 +189,7 @@ std::size_t TilePageRenderer::gpu_bytes() const {
   for (const Path* path : {&lit_, &relit_, &shadow_}) {
     bytes += path->supersampled.gpu_bytes() + path->page.gpu_bytes();
   }
+  if (slow_) bytes += slow_->page.gpu_bytes();
   return bytes;
 }
 
@@ -215,7 +217,25 @@ TilePageRenderer::Stage TilePageRenderer::stage(const TileJob& job, const Captur
   return out;
 }
 
-void TilePageRenderer::draw_tile(const TileJob& job) {
+const gl::GpuMesh& TilePageRenderer::mesh_of(const TileJob& job, const Capture& capture) const {
+  const ObjectDescription& object = scene_->prepared->objects[job.key.object];
+  const double clip_time = phase_time(static_cast<Phase>(job.key.phase), object.motion.clip_s);
+  return object.motion.moving() ? scene_->posed_mesh(job.key.object, clip_time)
+                                : scene_->mesh_for_tile(job.key.object, capture);
+}
+
+double TilePageRenderer::triangles(const TileJob& job) const {
+  const Capture capture = capture_of(job);
+  const InstanceGroup* const group = scene_->prepared->group(job.key.object);
+  if (!group) return mesh_of(job, capture).triangles();
+  double all = 0;
+  for (const GroupBatch& batch : group_batches(*group, capture, group->bounds.center)) {
+    all += batch.mesh->triangles() * static_cast<double>(batch.members.size());
+  }
+  return all;
+}
+
+void TilePageRenderer::draw_tile(const TileJob& job, const RowBand& rows) {
   const Capture capture = capture_of(job);
   const int edge = static_cast<int>(capture.edge) * samples(job);
   const Stage at = stage(job, capture);
@@ -223,7 +243,8 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   if (&path == &shadow_) path.meshes->set_shadow(shadow_map_->map_for(job.world), at.eye);
   path.supersampled.bind();
   glViewport(0, 0, edge, edge);
-  glScissor(0, 0, edge, edge);
+  glScissor(0, static_cast<int>(rows.low) * samples(job), edge,
+            static_cast<int>(rows.rows()) * samples(job));
   glEnable(GL_SCISSOR_TEST);
   glDepthMask(GL_TRUE);
   glClearColor(0, 0, 0, 0);
@@ -234,27 +255,28 @@ void TilePageRenderer::draw_tile(const TileJob& job) {
   const InstanceGroup* const group = scene_->prepared->group(job.key.object);
   if (group) {
     const bool world = &path == &shadow_;
-    draw_group(*path.meshes, *group, capture, world ? at.eye : group->bounds.center + at.eye);
+    const glm::dvec3 eye = world ? at.eye : group->bounds.center + at.eye;
+    for (const GroupBatch& batch : group_batches(*group, capture, eye)) {
+      path.meshes->draw(*batch.mesh, scene_->materials(), scene_->images, batch.members.data(),
+                        batch.members.size(), false);
+    }
   } else {
     const gl::MeshInstance instance = gl::mesh_instance(at.placed, at.eye, 0);
-    const ObjectDescription& object = scene_->prepared->objects[job.key.object];
-    const double clip_time = phase_time(static_cast<Phase>(job.key.phase), object.motion.clip_s);
-    const gl::GpuMesh& mesh = object.motion.moving()
-                                  ? scene_->posed_mesh(job.key.object, clip_time)
-                                  : scene_->mesh_for_tile(job.key.object, capture);
+    const gl::GpuMesh& mesh = mesh_of(job, capture);
     for (const bool second : {false, true}) {
       path.meshes->draw(mesh, scene_->materials(), scene_->images, &instance, 1, second);
     }
     if (blended(job)) draw_ranges(job, at, mesh, instance);
-    if (job.key.channels == kLayeredTile) draw_behind(job, at, mesh, instance);
+    if (job.key.channels == kLayeredTile) draw_behind(job, rows, at, mesh, instance);
   }
   path.meshes->end();
   if (path.ranges) glDrawBuffers(2, kColorAndRange);
 }
 
-void TilePageRenderer::draw_behind(const TileJob& job, const Stage& at, const gl::GpuMesh& mesh,
-                                   const gl::MeshInstance& instance) {
-  layers_->begin(lit_.supersampled, static_cast<int>(tile_edge(job.key.size_class)), samples(job));
+void TilePageRenderer::draw_behind(const TileJob& job, const RowBand& rows, const Stage& at,
+                                   const gl::GpuMesh& mesh, const gl::MeshInstance& instance) {
+  layers_->begin(lit_.supersampled, static_cast<int>(tile_edge(job.key.size_class)), rows,
+                 samples(job));
   gl::MeshPass& meshes = layers_->meshes();
   meshes.set_stroke(static_cast<float>(samples(job)));
   meshes.begin(at.clip_from_relative, at.lights);
@@ -273,28 +295,21 @@ void TilePageRenderer::draw_ranges(const TileJob& job, const Stage& at, const gl
   ranges.end();
 }
 
-void TilePageRenderer::draw_group(gl::MeshPass& meshes, const InstanceGroup& group,
-                                  const Capture& capture, const glm::dvec3& eye) {
+std::vector<TilePageRenderer::GroupBatch> TilePageRenderer::group_batches(
+    const InstanceGroup& group, const Capture& capture, const glm::dvec3& eye) const {
   const std::vector<Instance>& instances = scene_->prepared->scene.instances;
-  struct Batch {
-    const gl::GpuMesh* mesh;
-    std::vector<gl::MeshInstance> members;
-  };
-  std::vector<Batch> batches;  // in the order of the instances: the same every time
+  std::vector<GroupBatch> batches;  // in the order of the instances: the same every time
   for (std::uint32_t i = group.first_leaf; i < group.first_leaf + group.leaves; ++i) {
     const Similarity& m = instances[i].world_from_object;
     const gl::GpuMesh* mesh = group.part != kNoGroup
                                   ? &scene_->part(group.part)
                                   : &scene_->mesh_for_group(instances[i].object, m.scale, capture);
     auto at = std::find_if(batches.begin(), batches.end(),
-                           [&](const Batch& batch) { return batch.mesh == mesh; });
-    if (at == batches.end()) at = batches.insert(batches.end(), Batch{mesh, {}});
+                           [&](const GroupBatch& batch) { return batch.mesh == mesh; });
+    if (at == batches.end()) at = batches.insert(batches.end(), GroupBatch{mesh, {}});
     at->members.push_back(gl::mesh_instance(m, eye, i));
   }
-  for (const Batch& batch : batches) {
-    meshes.draw(*batch.mesh, scene_->materials(), scene_->images, batch.members.data(),
-                batch.members.size(), false);
-  }
+  return batches;
 }
 
 void TilePageRenderer::resolve(const TileJob& job, const gl::RenderTarget& page,
@@ -375,7 +390,7 @@ const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& job
            std::tie(kb.object, kb.phase, kb.lighting, b);
   });
   for (const std::size_t i : order) {
-    draw_tile(jobs[i]);
+    draw_tile(jobs[i], {0, tile_edge(jobs[i].key.size_class)});
     resolve(jobs[i], page, packer.places()[i]);
   }
   return &page;

@@ -12,6 +12,7 @@
 
 #include "server/prepare/grouping.h"
 #include "server/render/page_packer.h"
+#include "server/render/row_band.h"
 #include "server/tile/tile_job.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/program.h"
@@ -54,6 +55,13 @@ class TilePageRenderer {
   /// made, or would be over the limit.
   const gl::RenderTarget* render(const std::vector<TileJob>& jobs, const PagePacker& packer);
 
+  /// A tile to draw a slice of about so much work, in samples shaded, at a time: pages of others
+  /// may be drawn between two. False as render().
+  bool begin_slow(const TileJob& job, double slice_samples);
+  /// Draws a slice and waits for it. The tile's pixels, once they are whole. One must be under way.
+  std::shared_ptr<const PagePixels> draw_slow_slice();
+  void drop_slow() { slow_.reset(); }
+
   /// Whether a page of these has a third attachment worth reading: PageTexels::surface.
   bool writes_surface(const std::vector<TileJob>& jobs) const;
 
@@ -84,7 +92,19 @@ class TilePageRenderer {
     gl::RenderTarget supersampled;
     gl::RenderTarget page;
   };
+  /// A tile that is drawn a slice at a time. Its rows are drawn where they are in the tile, since
+  /// interpolation rounds by position, and averaged at the foot of `page`.
+  struct Slow {
+    TileJob job;
+    int slice_rows = 0;  ///< texels
+    int done_rows = 0;
+    gl::RenderTarget page;
+    std::shared_ptr<PagePixels> pixels;
+  };
   Path& path_of(const TileJob& job);
+  std::vector<GLenum> page_formats(const Path& path) const;
+  /// Triangles that the tile is drawn of.
+  double triangles(const TileJob& job) const;
   /// The object on a target bound for it, as the capture sees it: in its own space, or for a shadow
   /// tile in the world.
   struct Stage {
@@ -103,6 +123,8 @@ class TilePageRenderer {
   /// Per axis.
   int samples(const TileJob& job) const;
   int fine_samples() const;
+  /// What tiles of an edge of `big` samples are drawn to.
+  bool prepare_drawn(Path& path, int big, int page_edge);
   /// `supersampled_edge` of the largest tile, in samples.
   bool prepare_targets(Path& path, int page_edge, int supersampled_edge);
   /// The same of what layered tiles take besides.
@@ -111,16 +133,22 @@ class TilePageRenderer {
   bool remake(gl::RenderTarget& target, int edge, const std::vector<GLenum>& colors, GLenum depth,
               int page_edge) const;
   Capture capture_of(const TileJob& job) const;
-  void draw_tile(const TileJob& job);
+  /// Rows of it, in texels.
+  void draw_tile(const TileJob& job, const RowBand& rows);
   /// What lies behind the front of the tile that is on its target.
-  void draw_behind(const TileJob& job, const Stage& at, const gl::GpuMesh& mesh,
-                   const gl::MeshInstance& instance);
+  void draw_behind(const TileJob& job, const RowBand& rows, const Stage& at,
+                   const gl::GpuMesh& mesh, const gl::MeshInstance& instance);
   /// Nearest and farthest depth of the blended surfaces that the tile on the target shows.
   void draw_ranges(const TileJob& job, const Stage& at, const gl::GpuMesh& mesh,
                    const gl::MeshInstance& instance);
-  /// `eye` in the world; the members are none of them blended.
-  void draw_group(gl::MeshPass& meshes, const InstanceGroup& group, const Capture& capture,
-                  const glm::dvec3& eye);
+  struct GroupBatch {
+    const gl::GpuMesh* mesh;
+    std::vector<gl::MeshInstance> members;
+  };
+  /// Of a group, none of whose members is blended, seen from `eye` in the world.
+  std::vector<GroupBatch> group_batches(const InstanceGroup& group, const Capture& capture,
+                                        const glm::dvec3& eye) const;
+  const gl::GpuMesh& mesh_of(const TileJob& job, const Capture& capture) const;
   /// Into `page`, which has the channels of relit tiles or, for a lit tile, at least its own.
   void resolve(const TileJob& job, const gl::RenderTarget& page, PagePacker::Place place);
 
@@ -135,7 +163,8 @@ class TilePageRenderer {
   Resolve caster_;                      ///< the lit path's, but for what is kept
   gl::VertexArray empty_vao_;
   std::size_t most_bytes_ = SIZE_MAX;
-  std::size_t ring_ = 0;  ///< pages of it at a time
+  std::size_t ring_ = 0;        ///< pages of it at a time
+  std::unique_ptr<Slow> slow_;  ///< null: none is under way
 };
 
 }  // namespace mirage

@@ -97,8 +97,9 @@ class SessionHub {
     Outbox outbox;
     /// One at a time, from the request until its reply is on its way.
     enum class FullRender { kNone, kUnderWay, kSending } full_render = FullRender::kNone;
-    bool hopeless = false;         ///< does not read what it is answered: is closed
-    std::int64_t progress_us = 0;  ///< when something was last sent, or nothing waited
+    std::size_t full_render_bytes = 0;  ///< it takes at most, while there is one
+    bool hopeless = false;              ///< does not read what it is answered: is closed
+    std::int64_t progress_us = 0;       ///< when something was last sent, or nothing waited
     explicit Session(std::size_t most_bytes) : outbox(most_bytes) {}
   };
 
@@ -123,6 +124,8 @@ class SessionHub {
   void open_groups(SessionId id, Session& s, const wire::OpenRequestT& m);
   Result<void> set_lighting(Session& s, const wire::SetLightingT& m);
   void reference(SessionId id, Session& s, const wire::ReferenceRequestT& m);
+  /// Of all clients, that one of `more` bytes may be added.
+  bool full_render_fits(std::size_t more) const;
   ViewJob view_job(const wire::ViewRequestT& m, const Lighting& lighting) const;
   void view(SessionId id, Session& s, const wire::ViewRequestT& m);
   void push_view(const ViewCache::Waiting& waiting, const EncodedView& view);

@@ -92,11 +92,21 @@ void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceReques
   shot.supersample = m.supersample;
   shot.time_s = m.time_s;
   shot.lighting = found != s.lighting.end() ? found->second : scene_->scene.lighting;
-  if (s.full_render != Session::FullRender::kNone ||
+  const std::size_t bytes = limits::reference_bytes(m.width, m.height);
+  if (s.full_render != Session::FullRender::kNone || !full_render_fits(bytes) ||
       !queue_.submit(ReferenceJob{id, m.request_id, std::move(shot)})) {
     return refuse(id, m.request_id, wire::RefusalReason::Busy);
   }
   s.full_render = Session::FullRender::kUnderWay;
+  s.full_render_bytes = bytes;
+}
+
+bool SessionHub::full_render_fits(std::size_t more) const {
+  std::size_t all = more;
+  for (const auto& [id, s] : sessions_) {
+    if (s.full_render != Session::FullRender::kNone) all += s.full_render_bytes;
+  }
+  return all <= limits::kMaxFullRenderBytes;
 }
 
 void SessionHub::stats(SessionId id, const wire::StatsRequestT& m) {

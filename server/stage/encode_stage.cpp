@@ -1,15 +1,27 @@
 #include "server/stage/encode_stage.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include "protocol/base/clock.h"
 #include "protocol/impostor/tile_key.h"
 #include "protocol/wire/view_codec.h"
 #include "server/prepare/prepared_scene.h"
+#include "server/tile/reference_encode.h"
 #include "server/tile/stage_queues.h"
 #include "server/tile/tile_encode.h"
 #include "server/tile/tile_form.h"
 #include "server/tile/view_cut.h"
 
 namespace mirage {
+namespace {
+
+constexpr int kGivesWay = 10;  // nice
+
+/// This thread is run when the others of the process leave a core free.
+void give_way() { setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kGivesWay); }
+
+}  // namespace
 
 void EncodeStage::announce(Completion done) {
   queues_.completions.push(std::move(done));
@@ -53,20 +65,36 @@ void EncodeStage::finish(const RenderedView& drawn) {
                                       encode_view(cut_view(drawn.camera, drawn.frame)))});
 }
 
+void EncodeStage::finish(RenderedReference& drawn) {
+  const SessionId session = drawn.session;
+  announce(FinishedReference{session, encode_reference(std::move(drawn))});
+}
+
+void EncodeStage::finish(EncodeJob& job, const PreparedScene& scene) {
+  if (const auto* rendered = std::get_if<RenderedTile>(&job)) {
+    finish(*rendered, *scene.description(rendered->job.key.object));
+  } else if (const auto* form = std::get_if<FormJob>(&job)) {
+    finish(*form);
+  } else if (const auto* view = std::get_if<RenderedView>(&job)) {
+    finish(*view);
+  } else {
+    finish(std::get<RenderedReference>(job));
+  }
+}
+
 void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers) {
   for (int i = 0; i < workers; ++i) {
     workers_.emplace_back([this, scene] {
-      while (const std::optional<EncodeJob> job = queues_.rendered.pop()) {
-        if (const auto* rendered = std::get_if<RenderedTile>(&*job)) {
-          finish(*rendered, *scene->description(rendered->job.key.object));
-        } else if (const auto* form = std::get_if<FormJob>(&*job)) {
-          finish(*form);
-        } else {
-          finish(std::get<RenderedView>(*job));
-        }
-      }
+      while (std::optional<EncodeJob> job = queues_.rendered.pop()) finish(*job, *scene);
     });
   }
+  workers_.emplace_back([this, scene] {
+    give_way();
+    while (std::optional<EncodeJob> job = queues_.slow.pop()) {
+      queues_.tiles.look_again();  // there is room for the next
+      finish(*job, *scene);
+    }
+  });
 }
 
 void EncodeStage::join() {

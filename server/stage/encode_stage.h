@@ -1,8 +1,8 @@
 #pragma once
 // Encode stage.
-// Input:  rendered tiles (pixels of a page), tiles wanted in another form, drawn views. Output:
-//         stored tiles and encoded views, announced to the network loop.
-// Thread: N workers of its own.
+// Input:  rendered tiles (pixels of a page), tiles wanted in another form, drawn views and full
+//         renders. Output: stored tiles, encoded views and replies, announced to the network loop.
+// Thread: N workers of its own, and one for what takes long, which gives way to them.
 // Full:   the queue in front makes the render stage wait.
 
 #include <functional>
@@ -33,6 +33,8 @@ class EncodeStage {
   void finish(const RenderedTile& rendered, const ObjectDescription& object);
   void finish(const FormJob& job);
   void finish(const RenderedView& drawn);
+  void finish(RenderedReference& drawn);
+  void finish(EncodeJob& job, const PreparedScene& scene);
   void announce(Completion done);
 
   /// Into the directory, unless there is none or too much to be written already.

@@ -47,7 +47,7 @@ void Pipeline::stop() {
   queues.tiles.close();
   stages_->render.join();
   stages_->stand_in.join();
-  queues.rendered.close();
+  queues.close_drawn();
   stages_->encode.join();
   queues.saves.close();
   stages_->fetch.join();

@@ -42,7 +42,7 @@ void StandInStage::run(double tile_ms) {
   };
   for (;;) {
     bool first = true;
-    std::optional<TileQueue::Work> work = queues_.tiles.take(one_at_a_time(first), true);
+    std::optional<TileQueue::Work> work = queues_.tiles.take({one_at_a_time(first)}, true);
     if (!work) return;
     if (const auto* view = std::get_if<ViewJob>(&*work)) {
       queues_.completions.push(FinishedView{view->id, nullptr});

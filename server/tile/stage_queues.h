@@ -19,6 +19,12 @@ struct StageQueues {
         store(cache_bytes, std::move(sources), counters),
         tiles(used_clock, counters) {}
 
+  /// Nothing more is drawn: the encode stage ends.
+  void close_drawn() {
+    rendered.close();
+    slow.close();
+  }
+
   const Clock& clock;
   Counters counters;
   TileStore store;
@@ -28,6 +34,7 @@ struct StageQueues {
   TileQueue tiles;                       ///< sessions -> render stage
   /// Render stage, sessions -> encode stage. Few enough that what is small waits behind little.
   BoundedQueue<EncodeJob> rendered{512, {pixel_bytes, 32u << 20}};
+  BoundedQueue<EncodeJob> slow{1};             ///< the same of what takes long
   BoundedQueue<SaveJob> saves{256};            ///< encode stage -> fetch stage
   BoundedQueue<ImageLevel> images{4096};       ///< sessions -> image stage
   BoundedQueue<Completion> completions{8192};  ///< all stages -> sessions

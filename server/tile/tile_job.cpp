@@ -10,9 +10,11 @@ std::size_t pixel_bytes(const EncodeJob& job) {
     const std::size_t edge = tile_edge(rendered->job.key.size_class);
     return kTexelBytes * edge * edge;
   }
-  if (const auto* view = std::get_if<RenderedView>(&job)) {
-    return view->frame.rgba.size() + 4 * (view->frame.depth.size() + view->frame.ids.size());
-  }
+  const auto of_frame = [](const SceneFrame& frame) {
+    return frame.rgba.size() + 4 * (frame.depth.size() + frame.ids.size());
+  };
+  if (const auto* view = std::get_if<RenderedView>(&job)) return of_frame(view->frame);
+  if (const auto* full = std::get_if<RenderedReference>(&job)) return of_frame(full->frame);
   return 0;  // what is made from what is kept
 }
 

@@ -141,7 +141,16 @@ struct RenderedView {
   SceneFrame frame;
 };
 
-using EncodeJob = std::variant<RenderedTile, FormJob, RenderedView>;
+/// A drawn full render on its way to whoever asked.
+struct RenderedReference {
+  SessionId session = 0;
+  std::uint32_t request_id = 0;
+  std::uint32_t width = 0, height = 0;  ///< px
+  SceneFrame frame;
+  std::uint32_t render_us = 0;
+};
+
+using EncodeJob = std::variant<RenderedTile, FormJob, RenderedView, RenderedReference>;
 /// Of the pixels it holds, or its part of a page.
 std::size_t pixel_bytes(const EncodeJob& job);
 

@@ -134,6 +134,12 @@ void TileQueue::remove_session(SessionId session) {
   references_.erase(std::remove_if(references_.begin(), references_.end(),
                                    [&](const ReferenceJob& r) { return r.session == session; }),
                     references_.end());
+  if (reference_for_ == session) reference_for_.reset();
+}
+
+bool TileQueue::reference_wanted() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return reference_for_.has_value();
 }
 
 bool TileQueue::drop_late(Entry& entry) {
@@ -158,32 +164,40 @@ void TileQueue::start(Entry& entry) {
   }
 }
 
-TileQueue::Entry* TileQueue::next_entry(SessionQueue** turn) {
+TileQueue::Entry& TileQueue::first_of(const SessionQueue& session) {
+  return entries_.at(session.ranked.begin()->second);
+}
+
+TileQueue::Entry* TileQueue::next_entry(std::uint32_t slow_edge, bool slow, SessionQueue** turn) {
   for (;;) {
     SessionQueue* next = nullptr;
     for (auto& [id, session] : sessions_) {
-      if (session.ranked.empty()) continue;
-      if (!next || session.served < next->served) next = &session;
+      if (session.ranked.empty() || (next && session.served >= next->served)) continue;
+      // Who has something slow as the next keeps the turn, and holds up nobody.
+      if (!slow && tile_edge(first_of(session).job.key.size_class) >= slow_edge) continue;
+      next = &session;
     }
     if (!next) return nullptr;
-    const auto found = entries_.find(next->ranked.begin()->second);
-    if (!drop_late(found->second)) {
+    Entry& entry = first_of(*next);
+    if (!drop_late(entry)) {
       *turn = next;
-      return &found->second;
+      return &entry;
     }
-    entries_.erase(found);
+    entries_.erase(entry.job.id);
   }
 }
 
-std::vector<TileJob> TileQueue::take_batch(const std::function<bool(std::uint32_t)>& fits) {
+std::vector<TileJob> TileQueue::take_batch(const Room& room, bool slow) {
   std::vector<TileJob> batch;
   SessionQueue* turn = nullptr;
-  while (Entry* entry = next_entry(&turn)) {
-    if (!fits(tile_edge(entry->job.key.size_class))) break;
+  while (Entry* entry = next_entry(room.slow_edge, slow && batch.empty(), &turn)) {
+    const std::uint32_t edge = tile_edge(entry->job.key.size_class);
+    if (!room.fits(edge)) break;
     served_ = turn->served;
     turn->served += work_of(entry->job);
     start(*entry);
     batch.push_back(entry->job);
+    if (edge >= room.slow_edge) break;
   }
   return batch;
 }
@@ -193,32 +207,39 @@ std::optional<TileQueue::Work> TileQueue::take_reference() {
   if (references_.empty()) return std::nullopt;
   ReferenceJob job = std::move(references_.front());
   references_.pop_front();
+  reference_for_ = job.session;
   return Work(std::move(job));
 }
 
-std::optional<TileQueue::Work> TileQueue::take(const std::function<bool(std::uint32_t)>& fits,
-                                               bool wait) {
+std::optional<TileQueue::Work> TileQueue::take_view() {
+  const auto view = next_view();
+  if (view == views_.end()) return std::nullopt;
+  ViewJob job = std::move(*view);
+  views_.erase(view);
+  view_was_last_ = true;
+  return Work(std::move(job));
+}
+
+std::optional<TileQueue::Work> TileQueue::take(const Room& room, bool wait) {
   std::unique_lock<std::mutex> lock(mutex_);
   for (;;) {
     if (closed_) return std::nullopt;
-    if (!reference_was_last_) {
+    const bool slow = room.slow();
+    if (slow && !reference_was_last_) {
       if (std::optional<Work> reference = take_reference()) return reference;
     }
-    std::vector<TileJob> batch;
     const auto view = next_view();
-    const bool wanted = view != views_.end() && view->wanted;
-    if (!wanted || view_was_last_) batch = take_batch(fits);
-    view_was_last_ = false;
+    const bool view_first = slow && view != views_.end() && view->wanted && !view_was_last_;
+    std::vector<TileJob> batch;
+    if (!view_first) batch = take_batch(room, slow);
+    if (slow) view_was_last_ = false;
     if (!batch.empty()) {
-      reference_was_last_ = false;
+      if (slow) reference_was_last_ = false;
       return Work(std::move(batch));
     }
-    if (std::optional<Work> reference = take_reference()) return reference;
-    if (view != views_.end()) {
-      ViewJob job = std::move(*view);
-      views_.erase(view);
-      view_was_last_ = true;
-      return Work(std::move(job));
+    if (slow) {
+      if (std::optional<Work> reference = take_reference()) return reference;
+      if (std::optional<Work> drawn = take_view()) return drawn;
     }
     if (!wait) return std::nullopt;
     not_empty_.wait(lock);
@@ -270,6 +291,11 @@ std::size_t TileQueue::ranks() const {
   std::size_t all = 0;
   for (const auto& [id, session] : sessions_) all += session.ranked.size();
   return all;
+}
+
+bool TileQueue::closed() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return closed_;
 }
 
 void TileQueue::close() {

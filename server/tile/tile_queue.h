@@ -44,9 +44,23 @@ class TileQueue {
   void remove_session(SessionId session);
 
   using Work = std::variant<std::vector<TileJob>, ReferenceJob, ViewJob>;
-  /// Next work; waits while there is none if `wait`. `fits` is asked for each tile's edge in turn
-  /// and ends the batch with false. nullopt: closed, or nothing to do and not waiting.
-  std::optional<Work> take(const std::function<bool(std::uint32_t)>& fits, bool wait);
+  /// What the render stage takes on.
+  struct Room {
+    /// Asked for each tile's edge in turn; ends the batch with false.
+    std::function<bool(std::uint32_t)> fits;
+    /// Tiles from this edge on come alone, as slow work.
+    std::uint32_t slow_edge = UINT32_MAX;
+    /// Whether it takes slow work now: full renders, views and such tiles.
+    std::function<bool()> slow = [] { return true; };
+  };
+  /// Next work; waits while there is none if `wait`. nullopt: closed, or nothing to do and not
+  /// waiting.
+  std::optional<Work> take(const Room& room, bool wait);
+  /// Whoever asked for the full render that was taken last is still there.
+  bool reference_wanted() const;
+  /// Whoever waits in take() asks again what there is room for.
+  void look_again() { not_empty_.notify_all(); }
+  bool closed() const;
 
   /// Everybody waiting for a finished tile; the key may be queued anew afterwards.
   std::vector<Waiter> finish(const TileId& id);
@@ -91,12 +105,14 @@ class TileQueue {
   /// It is being rendered, and ranked no longer.
   void start(Entry& entry);
   bool drop_late(Entry& entry);
-  /// The next to be rendered, still in its place, and whose turn it is: of those who wait the one
-  /// for whom least has been done.
-  Entry* next_entry(SessionQueue** turn);
+  /// The next to be rendered, of edges below `slow_edge` unless `slow`, still in its place, and
+  /// whose turn it is: of those who wait the one for whom least has been done.
+  Entry* next_entry(std::uint32_t slow_edge, bool slow, SessionQueue** turn);
+  Entry& first_of(const SessionQueue& session);
   std::optional<Work> take_reference();
+  std::optional<Work> take_view();
   /// What waits and fits, marked as being rendered.
-  std::vector<TileJob> take_batch(const std::function<bool(std::uint32_t)>& fits);
+  std::vector<TileJob> take_batch(const Room& room, bool slow);
   /// The view to draw next: a wanted one, if there is one.
   std::deque<ViewJob>::iterator next_view();
 
@@ -107,6 +123,7 @@ class TileQueue {
   std::unordered_map<TileId, Entry> entries_;
   std::map<SessionId, SessionQueue> sessions_;
   std::deque<ReferenceJob> references_;
+  std::optional<SessionId> reference_for_;  ///< who asked for the one taken last, while there
   std::deque<ViewJob> views_;
   bool view_was_last_ = false, reference_was_last_ = false;
   std::vector<Waiter> late_;

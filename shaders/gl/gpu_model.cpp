@@ -83,6 +83,12 @@ GpuMesh::GpuMesh(const Mesh& mesh)
   bytes_ = vertex_bytes + index_bytes;
 }
 
+double GpuMesh::triangles() const {
+  double corners = 0;
+  for (const Primitive& primitive : primitives_) corners += primitive.index_count;
+  return corners / 3;
+}
+
 void GpuMesh::replace_vertices(const std::vector<Vertex>& vertices) const {
   glBindBuffer(GL_ARRAY_BUFFER, vertices_.id());
   // A new store: what is still being drawn from the old one is not waited for.

@@ -37,6 +37,8 @@ class GpuMesh {
 
   GLuint vertex_array() const { return vao_.id(); }
   const std::vector<Primitive>& primitives() const { return primitives_; }
+  /// As many as there are corners for.
+  double triangles() const;
   bool vertex_color() const { return vertex_color_; }
   std::size_t gpu_bytes() const { return bytes_; }
 

@@ -181,25 +181,14 @@ Pixels Studio::meshes(const Camera& camera) {
 
 ReferenceFrame Studio::truth(const Camera& camera, std::uint32_t samples) {
   make_current();
-  ReferenceJob job;
-  job.shot.camera = camera;
-  job.shot.supersample = samples;
-  job.shot.lighting = light_;
-  ReferenceFrame frame{camera.width, camera.height, {}, {}, {}};
-  const Result<Bytes> bytes = references_->render(job);
-  if (!bytes) return frame;
-  const Result<Message> message = decode_message(bytes->data(), bytes->size());
-  if (!message) return frame;
-  const std::size_t pixels = std::size_t{camera.width} * camera.height;
-  const Result<Bytes> raw =
-      decompress_block(message->payload.data(), message->payload.size(), pixels * 12);
-  if (!raw) return frame;
-  frame.rgba.assign(raw->begin(), raw->begin() + static_cast<std::ptrdiff_t>(pixels * 4));
-  frame.depth.resize(pixels);
-  frame.ids.resize(pixels);
-  std::memcpy(frame.depth.data(), raw->data() + pixels * 4, pixels * 4);
-  std::memcpy(frame.ids.data(), raw->data() + pixels * 8, pixels * 4);
-  return frame;
+  SceneShot shot;
+  shot.camera = camera;
+  shot.supersample = samples;
+  shot.lighting = light_;
+  Result<SceneFrame> drawn = references_->draw(shot);
+  if (!drawn) return {camera.width, camera.height, {}, {}, {}};
+  return {camera.width, camera.height, std::move(drawn->rgba), std::move(drawn->depth),
+          std::move(drawn->ids)};
 }
 
 Outcome no_studio(const Error& error) {

@@ -223,7 +223,7 @@ class Play {
   void render() {
     const bool one = script_.byte() % 2 == 0;
     int left = one ? 1 : 16;
-    auto work = queues_.tiles.take([&](std::uint32_t) { return left-- > 0; }, false);
+    auto work = queues_.tiles.take({[&](std::uint32_t) { return left-- > 0; }}, false);
     if (!work) return;
     if (const auto* view = std::get_if<ViewJob>(&*work)) {
       return hub_->complete(FinishedView{view->id, nullptr});
@@ -312,7 +312,7 @@ class Play {
     while (const std::optional<FetchJob> job = queues_.fetches.try_pop()) {
       hub_->complete(FinishedFetch{job->id, job->codec, {}});
     }
-    while (auto work = queues_.tiles.take([](std::uint32_t) { return true; }, false)) {
+    while (auto work = queues_.tiles.take({[](std::uint32_t) { return true; }}, false)) {
       const auto* tiles = std::get_if<std::vector<TileJob>>(&*work);
       if (tiles) fail("a tile is rendered for nobody");
       if (const auto* view = std::get_if<ViewJob>(&*work)) {

@@ -305,22 +305,12 @@ std::vector<std::uint8_t> Bench::picture(const Camera& c, const TileRecordPtr& t
 }
 
 ReferenceFrame Bench::truth_frame(const Camera& c, std::uint32_t samples) {
-  ReferenceJob job;
-  job.shot.camera = c;
-  job.shot.supersample = samples;
-  job.shot.lighting = light_;
-  const Bytes bytes = references_->render(job).take();
-  const Message message = decode_message(bytes.data(), bytes.size()).take();
-  const std::size_t pixels = std::size_t{c.width} * c.height;
-  const Bytes raw =
-      decompress_block(message.payload.data(), message.payload.size(), pixels * 12).take();
-  ReferenceFrame frame{c.width, c.height, {}, {}, {}};
-  frame.rgba.assign(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(pixels * 4));
-  frame.depth.resize(pixels);
-  frame.ids.resize(pixels);
-  std::memcpy(frame.depth.data(), raw.data() + pixels * 4, pixels * 4);
-  std::memcpy(frame.ids.data(), raw.data() + pixels * 8, pixels * 4);
-  return frame;
+  SceneShot shot;
+  shot.camera = c;
+  shot.supersample = samples;
+  shot.lighting = light_;
+  SceneFrame drawn = references_->draw(shot).take();
+  return {c.width, c.height, std::move(drawn.rgba), std::move(drawn.depth), std::move(drawn.ids)};
 }
 
 std::vector<std::uint8_t> Bench::truth(const Camera& c, std::uint32_t samples) {

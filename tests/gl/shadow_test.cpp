@@ -134,19 +134,12 @@ class Shadows : public ::testing::Test {
 
   ReferenceFrame truth(SceneShadow* shadow) {
     ReferenceRenderer renderer = ReferenceRenderer::create(*gpu_, shadow).take();
-    ReferenceJob job;
-    job.shot.camera = camera_;
-    job.shot.supersample = 4;
-    job.shot.lighting = light_;
-    const Bytes bytes = renderer.render(job).take();
-    const Message message = decode_message(bytes.data(), bytes.size()).take();
-    const std::size_t pixels = std::size_t{kEdge} * kEdge;
-    const Bytes raw =
-        decompress_block(message.payload.data(), message.payload.size(), pixels * 12).take();
-    ReferenceFrame frame{kEdge, kEdge, {}, std::vector<float>(pixels), {}};
-    frame.rgba.assign(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(pixels * 4));
-    std::memcpy(frame.depth.data(), raw.data() + pixels * 4, pixels * 4);
-    return frame;
+    SceneShot shot;
+    shot.camera = camera_;
+    shot.supersample = 4;
+    shot.lighting = light_;
+    SceneFrame drawn = renderer.draw(shot).take();
+    return {kEdge, kEdge, std::move(drawn.rgba), std::move(drawn.depth), {}};
   }
 
   /// World position a pixel of the truth shows.

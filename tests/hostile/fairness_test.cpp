@@ -22,9 +22,19 @@ std::int64_t ms_since(Clock::time_point start) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start).count();
 }
 
-// Row 9. What is being drawn is not taken back: a small tile waits for the page of a large one, and
-// two cores are shared with the encoders; so twice its time alone cannot hold. That it waits for
-// one, and not for one of each who asks for them, does.
+// Large tiles and full renders are drawn in slices with small tiles between them. One slice and
+// what else runs on two cores is waited for, twice the time alone in the median; the first large
+// tile makes its targets.
+void expect_little_wait(const Cost& cost) {
+  std::printf("   beside / alone: %.1f in the median, %.1f at p99\n",
+              cost.beside.at(0.5) / cost.alone.at(0.5), cost.beside.at(0.99) / cost.alone.at(0.99));
+  // 2.4 and 6 were seen, 185 and 220 when what is begun was drawn to its end.
+  EXPECT_LT(cost.beside.at(0.5), 4 * cost.alone.at(0.5) + 2);
+  EXPECT_LT(cost.beside.at(0.99), 10 * cost.alone.at(0.99) + 20);
+  expect_served(cost, 1000);
+}
+
+// Row 9.
 TEST(Fairness, OneWhoAsksForTheLargestTilesHoldsUpNobody) {
   const Server server(kScene, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
@@ -47,16 +57,9 @@ TEST(Fairness, OneWhoAsksForTheLargestTilesHoldsUpNobody) {
       }
     }
   });
-  const double large_ms = kSeconds * 1000.0 / std::max(large, 1);
-  std::printf("   beside / alone: %.0f in the median, %.0f at p99; a large tile takes %.0f ms\n",
-              cost.beside.at(0.5) / cost.alone.at(0.5), cost.beside.at(0.99) / cost.alone.at(0.99),
-              large_ms);
+  std::printf("   a large tile takes %.0f ms\n", kSeconds * 1000.0 / std::max(large, 1));
   EXPECT_GT(large, 3) << "he is served, too";
-  // The one being drawn, and half as much again for what else runs here; by turns of tiles it would
-  // be one of each of the three (2.5 to 2.7 was seen, 0.9 to 1.7 by turns of work).
-  EXPECT_LT(cost.beside.at(0.5), 2.3 * large_ms);
-  // As they come, each of the three has a turn.
-  expect_served(cost, 6 * large_ms);
+  expect_little_wait(cost);
 }
 
 wire::ReferenceRequestT full_render(std::uint32_t request, std::uint32_t width,
@@ -92,7 +95,7 @@ FullRender ask_for_two(Client& client) {
   return out;
 }
 
-// Row 1. Half a second of renders at a time, from three clients.
+// Row 1.
 TEST(Fairness, FullRendersComeOneAClientBetweenTiles) {
   const Server server(kScene, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
@@ -119,9 +122,9 @@ TEST(Fairness, FullRendersComeOneAClientBetweenTiles) {
   });
   std::printf("   %d renders\n", renders);
   EXPECT_GT(renders, 3);
-  // While it is drawn a render takes 64 bytes a pixel, and three are under way: 200 MB.
-  EXPECT_LT(cost.more_mb(), 300);
-  expect_served(cost, 1000);
+  // One is drawn, one waits to be encoded, one is: 12 to 24 MB each, and their targets.
+  EXPECT_LT(cost.more_mb(), 150);
+  expect_little_wait(cost);
 }
 
 TEST(Fairness, ASecondFullRenderOfAClientIsRefused) {

@@ -98,7 +98,7 @@ std::size_t Host::render(std::size_t count) {
   make_forms();
   std::size_t left = count, done = 0;
   const auto work =
-      queues_.tiles.take([&](std::uint32_t) { return left > 0 && left-- > 0; }, false);
+      queues_.tiles.take({[&](std::uint32_t) { return left > 0 && left-- > 0; }}, false);
   if (!work || !std::holds_alternative<std::vector<TileJob>>(*work)) return 0;
   for (const TileJob& job : std::get<std::vector<TileJob>>(*work)) {
     const StoredTilePtr tile = make(job);

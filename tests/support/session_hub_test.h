@@ -80,7 +80,7 @@ class SessionHubTest : public ::testing::Test {
   }
   /// The tiles the GL thread would render next; empty when there are none.
   std::vector<TileJob> take_tiles() {
-    auto work = queue.take([](std::uint32_t) { return true; }, false);
+    auto work = queue.take({[](std::uint32_t) { return true; }}, false);
     return work ? std::get<std::vector<TileJob>>(std::move(*work)) : std::vector<TileJob>{};
   }
   /// Finishes all that is queued with tiles of `bytes` of payload.

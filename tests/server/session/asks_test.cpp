@@ -135,20 +135,39 @@ TEST_F(ServerAsks, ATileCostsNoMoreCreditThanTheClientCounts) {
   }
 }
 
+wire::ReferenceRequestT full_render(std::uint32_t request, std::uint32_t edge) {
+  wire::ReferenceRequestT m;
+  m.request_id = request;
+  m.width = m.height = edge;
+  m.fov_y = 1;
+  m.supersample = 1;
+  m.eye = std::make_unique<wire::Vec3d>(0, 0, 5);
+  m.rotation = std::make_unique<wire::Quat>(1.0f, 0.0f, 0.0f, 0.0f);
+  return m;
+}
+
+TEST_F(ServerAsks, FullRendersOfAllClientsHaveABudget) {
+  constexpr std::uint32_t kEdge = 4096;  // 192 MiB
+  const SessionId first = greeted(), second = greeted(), third = greeted();
+  ASSERT_TRUE(send(first, full_render(1, kEdge)).ok());
+  ASSERT_TRUE(send(second, full_render(1, kEdge)).ok());
+  ASSERT_TRUE(send(third, full_render(1, kEdge)).ok());
+  EXPECT_EQ(refusal(third), wire::RefusalReason::Busy);
+  ASSERT_TRUE(send(third, full_render(2, 1024)).ok());
+  EXPECT_EQ(refusal(third), wire::RefusalReason::None) << "there is room for a small one";
+  hub->close(first);
+  const SessionId fourth = greeted();
+  ASSERT_TRUE(send(fourth, full_render(1, kEdge)).ok());
+  EXPECT_EQ(refusal(fourth), wire::RefusalReason::None);
+}
+
 TEST_F(ServerAsks, AClientHasOneFullRenderUntilItHasReadIt) {
   const SessionId id = greeted();
   const auto wanted = [&](std::uint32_t request) {
-    wire::ReferenceRequestT m;
-    m.request_id = request;
-    m.width = m.height = 64;
-    m.fov_y = 1;
-    m.supersample = 1;
-    m.eye = std::make_unique<wire::Vec3d>(0, 0, 5);
-    m.rotation = std::make_unique<wire::Quat>(1.0f, 0.0f, 0.0f, 0.0f);
-    EXPECT_TRUE(send(id, std::move(m)).ok());
+    EXPECT_TRUE(send(id, full_render(request, 64)).ok());
   };
   const auto drawn = [&] {
-    const auto work = queue.take([](std::uint32_t) { return true; }, false);
+    const auto work = queue.take({[](std::uint32_t) { return true; }}, false);
     return work && std::holds_alternative<ReferenceJob>(*work);
   };
   wanted(1);

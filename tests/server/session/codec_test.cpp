@@ -20,7 +20,7 @@ class ServerCodec : public SessionHubTest {
  protected:
   ServerCodec() { restart_with({}); }
   ~ServerCodec() override {
-    encode_jobs.close();
+    queues.close_drawn();
     encode.join();
   }
   void restart_with(std::vector<TileCodec> codecs) {

@@ -38,7 +38,7 @@ class ServerFetch : public SessionHubTest {
   }
   /// What render and encode stage do with all that waits, and the directory keeps it.
   std::size_t render_all_and_keep() {
-    auto work = server->tiles.take([](std::uint32_t) { return true; }, false);
+    auto work = server->tiles.take({[](std::uint32_t) { return true; }}, false);
     if (!work) return 0;
     const auto jobs = std::get<std::vector<TileJob>>(std::move(*work));
     for (const TileJob& job : jobs) {

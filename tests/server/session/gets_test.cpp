@@ -93,7 +93,7 @@ TEST_F(ServerGets, TogetherTheyTakeTurnsWithEachClient) {
   ASSERT_TRUE(send_ask(id, ask(1, 100)).ok());
   int before = 0;
   for (bool first = true; before < 40; ++before, first = true) {
-    auto work = queue.take([&](std::uint32_t) { return std::exchange(first, false); }, false);
+    auto work = queue.take({[&](std::uint32_t) { return std::exchange(first, false); }}, false);
     ASSERT_TRUE(work);
     if (std::get<std::vector<TileJob>>(*work)[0].key.cell.x == 100) break;
   }

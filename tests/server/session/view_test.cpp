@@ -13,7 +13,7 @@ class ServerView : public SessionHubTest {
   /// The views the GL thread would draw next.
   std::vector<ViewJob> take_views() {
     std::vector<ViewJob> out;
-    while (auto work = queue.take([](std::uint32_t) { return true; }, false)) {
+    while (auto work = queue.take({[](std::uint32_t) { return true; }}, false)) {
       if (auto* view = std::get_if<ViewJob>(&*work)) out.push_back(std::move(*view));
     }
     return out;
@@ -98,7 +98,7 @@ TEST_F(ServerView, TilesComeBetweenViews) {
   ASSERT_TRUE(send(b, request(1, 2)).ok());
   ASSERT_TRUE(send_ask(a, ask(7)).ok());
   std::vector<bool> view;
-  while (const auto work = queue.take([](std::uint32_t) { return true; }, false)) {
+  while (const auto work = queue.take({[](std::uint32_t) { return true; }}, false)) {
     view.push_back(std::holds_alternative<ViewJob>(*work));
   }
   EXPECT_EQ(view, (std::vector<bool>{true, false, true}));
@@ -108,11 +108,11 @@ TEST_F(ServerView, TheHomeViewWaitsForTilesUntilSomebodyWantsIt) {
   const SessionId a = greeted();
   hub->make_home_view();
   ASSERT_TRUE(send_ask(a, ask(7)).ok());
-  const auto first = queue.take([](std::uint32_t) { return true; }, false);
+  const auto first = queue.take({[](std::uint32_t) { return true; }}, false);
   EXPECT_TRUE(first && std::holds_alternative<std::vector<TileJob>>(*first));
   ASSERT_TRUE(send_ask(a, ask(8, 1)).ok());
   ASSERT_TRUE(send(hub->open(), hello_with_view()).ok());
-  const auto second = queue.take([](std::uint32_t) { return true; }, false);
+  const auto second = queue.take({[](std::uint32_t) { return true; }}, false);
   ASSERT_TRUE(second && std::holds_alternative<ViewJob>(*second));
   EXPECT_TRUE(std::get<ViewJob>(*second).home);
 }

@@ -33,7 +33,7 @@ class ServerQueue : public ::testing::Test {
   /// Objects of the next batch, at most `n` tiles, in order.
   std::vector<std::uint32_t> take(std::size_t n = 1000) {
     std::vector<std::uint32_t> out;
-    const auto work = queue.take([&](std::uint32_t) { return n-- > 0; }, false);
+    const auto work = queue.take({[&](std::uint32_t) { return n-- > 0; }}, false);
     if (!work || !std::holds_alternative<std::vector<TileJob>>(*work)) return out;
     for (const TileJob& job : std::get<std::vector<TileJob>>(*work)) out.push_back(job.key.object);
     return out;
@@ -192,7 +192,7 @@ TEST_F(ServerQueue, ReferencesAreOneASessionAndLeaveTilesTheirTurn) {
   }
   std::string order;
   std::size_t n = 1;
-  while (const auto work = queue.take([&](std::uint32_t) { return n-- > 0; }, false)) {
+  while (const auto work = queue.take({[&](std::uint32_t) { return n-- > 0; }}, false)) {
     order += std::holds_alternative<ReferenceJob>(*work) ? 'r' : 't';
     n = 1;
   }
@@ -256,17 +256,60 @@ TEST_F(ServerQueue, WhatDoesNotFitOpensTheNextBatch) {
     return fits;
   };
   first = false;
-  auto work = queue.take(small_page, false);  // whatever comes before the large one
+  auto work = queue.take({small_page}, false);  // whatever comes before the large one
   first = true;
-  work = queue.take(small_page, false);
+  work = queue.take({small_page}, false);
   ASSERT_TRUE(work);
   EXPECT_EQ(std::get<std::vector<TileJob>>(*work)[0].key.object, 1u);
+}
+
+TEST_F(ServerQueue, WhatIsSlowComesAloneAndHoldsUpNobody) {
+  constexpr std::uint8_t kLarge = 14;
+  bool slow = true;
+  TileQueue::Room room;
+  room.fits = [](std::uint32_t) { return true; };
+  room.slow_edge = tile_edge(kLarge);
+  room.slow = [&] { return slow; };
+  const auto objects = [&] {
+    Objects out;
+    const auto work = queue.take(room, false);
+    if (!work) return out;
+    for (const TileJob& job : std::get<std::vector<TileJob>>(*work)) out.push_back(job.key.object);
+    return out;
+  };
+  submit(1, 1, key_of(1, kLarge));
+  submit(1, 2, key_of(2, kLarge));
+  submit(2, 1, key_of(3, kLarge));
+  submit(3, 1, key_of(4));
+  submit(4, 1, key_of(5));
+  EXPECT_EQ(objects(), Objects{1}) << "alone";
+  slow = false;  // it is under way
+  EXPECT_EQ(objects(), (Objects{4, 5})) << "session 2, whose turn it is, waits";
+  EXPECT_EQ(objects(), Objects{});
+  ASSERT_TRUE(queue.submit(ReferenceJob{5, 1, {}}));
+  queue.submit(ViewJob{});
+  EXPECT_EQ(objects(), Objects{}) << "these are slow, too";
+  slow = true;
+  EXPECT_TRUE(std::holds_alternative<ReferenceJob>(*queue.take(room, false)));
+  EXPECT_TRUE(std::holds_alternative<ViewJob>(*queue.take(room, false)));
+  EXPECT_EQ(objects(), Objects{3}) << "session 1 has had its turn";
+  EXPECT_EQ(objects(), Objects{2});
+}
+
+TEST_F(ServerQueue, AFullRenderIsWantedWhileWhoAskedIsThere) {
+  ASSERT_TRUE(queue.submit(ReferenceJob{1, 1, {}}));
+  ASSERT_TRUE(queue.take({[](std::uint32_t) { return true; }}, false));
+  EXPECT_TRUE(queue.reference_wanted());
+  queue.remove_session(2);
+  EXPECT_TRUE(queue.reference_wanted());
+  queue.remove_session(1);
+  EXPECT_FALSE(queue.reference_wanted());
 }
 
 TEST_F(ServerQueue, CloseEndsTheWait) {
   submit(1, 1, key_of(1));
   queue.close();
-  EXPECT_FALSE(queue.take([](std::uint32_t) { return true; }, true));
+  EXPECT_FALSE(queue.take({[](std::uint32_t) { return true; }}, true));
 }
 
 TEST_F(ServerQueue, NothingIsLostInARandomHistory) {
@@ -282,7 +325,7 @@ TEST_F(ServerQueue, NothingIsLostInARandomHistory) {
     at->second = fate;
   };
   const auto take_some = [&](std::size_t n) {
-    const auto work = queue.take([&](std::uint32_t) { return n-- > 0; }, false);
+    const auto work = queue.take({[&](std::uint32_t) { return n-- > 0; }}, false);
     if (work) {
       for (const TileJob& job : std::get<std::vector<TileJob>>(*work)) rendering.push_back(job.id);
     }

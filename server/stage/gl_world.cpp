@@ -1,0 +1,42 @@
+#include "server/stage/gl_world.h"
+
+#include <string>
+
+#include "server/stage/render_options.h"
+
+namespace mirage {
+
+Result<GlWorld> make_world(std::shared_ptr<const PreparedScene> scene,
+                           const RenderOptions& options) {
+  GlWorld world;
+  world.scene = std::make_unique<GpuScene>(std::move(scene));
+  if (options.shadows) {
+    Result<SceneShadow> shadow = SceneShadow::create(*world.scene);
+    if (!shadow) return shadow.error();
+    world.shadow = std::make_unique<SceneShadow>(shadow.take());
+  }
+  Result<TilePageRenderer> pages =
+      TilePageRenderer::create(*world.scene, options.supersample, world.shadow.get());
+  if (!pages) return pages.error();
+  world.pages = std::make_unique<TilePageRenderer>(pages.take());
+  const std::size_t budget = options.gpu_mb << 20, taken = world.scene_bytes();
+  if (taken > budget) {
+    return make_error(ErrorId::kGraphicsGl,
+                      "the scene takes " + std::to_string(taken >> 20) +
+                          " MB of graphics memory, more than " + std::to_string(options.gpu_mb),
+                      "--gpu-mb takes more");
+  }
+  world.pages->limit(budget - taken, options.ring);
+  if (Result<void> warm = world.pages->warm_up(options.page_edge); !warm) return warm.error();
+  Result<ReferenceRenderer> references =
+      ReferenceRenderer::create(*world.scene, world.shadow.get());
+  if (!references) return references.error();
+  world.references = std::make_unique<ReferenceRenderer>(references.take());
+  if (Result<void> warm = world.references->warm_up(); !warm) return warm.error();
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
+    return make_error(ErrorId::kGraphicsGl, "GL error " + std::to_string(error) + " at start");
+  }
+  return world;
+}
+
+}  // namespace mirage

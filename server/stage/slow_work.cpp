@@ -1,0 +1,143 @@
+#include "server/stage/slow_work.h"
+
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+
+#include "protocol/base/limits.h"
+#include "protocol/impostor/tile_key.h"
+#include "server/stage/gl_world.h"
+#include "server/tile/stage_queues.h"
+#include "shaders/gl/health.h"
+
+namespace mirage {
+namespace {
+
+// A slice, in samples shaded: 2 to 4 ms of a software renderer on two cores. That of a GPU is not
+// measured yet; it should be long beside the wait for its end.
+constexpr double kSoftwareSlice = 64 * 1024, kGpuSlice = 8 * 1024 * 1024;
+
+/// The smallest edge of tiles that are more than two slices.
+std::uint32_t smallest_slow_edge(double slice_samples, int supersample) {
+  std::uint32_t edge = 1;
+  while (std::pow(double{1} * edge * supersample, 2) <= 2 * slice_samples) edge *= 2;
+  return edge;
+}
+
+}  // namespace
+
+SlowWork::SlowWork(StageQueues& queues, const std::function<void()>& wake, GlWorld& world,
+                   const RenderOptions& options, bool software)
+    : queues_(queues),
+      wake_(wake),
+      world_(world),
+      most_bytes_(options.gpu_mb << 20),
+      software_(software),
+      slice_samples_(software ? kSoftwareSlice : kGpuSlice),
+      slow_edge_(smallest_slow_edge(slice_samples_, options.supersample)) {}
+
+bool SlowWork::has_room() const { return !under_way() && queues_.slow.size() == 0; }
+
+void SlowWork::announce(Completion done) {
+  queues_.completions.push(std::move(done));
+  wake_();
+}
+
+void SlowWork::drop() {
+  job_ = std::monostate{};
+  world_.references->drop();
+  world_.pages->drop_slow();
+}
+
+Result<void> SlowWork::begin_picture(const SceneShot& shot) {
+  const std::size_t bytes = world_.references->gpu_bytes(shot);
+  if (world_.scene_bytes() + world_.pages->gpu_bytes() + bytes > most_bytes_) {
+    return make_error(ErrorId::kGraphicsGl, "a picture of the scene is over --gpu-mb");
+  }
+  if (Result<void> begun = world_.references->begin(shot, slice_samples_); !begun) return begun;
+  started_us_ = queues_.clock.now_us();
+  return {};
+}
+
+Result<void> SlowWork::begin(ViewJob job) {
+  if (software_ && !job.home) job.shot.supersample = 1;
+  const Result<void> begun = begin_picture(job.shot);
+  if (Result<void> healthy = gl::check_health("beginning a view"); !healthy) return healthy;
+  if (begun) {
+    job_ = std::move(job);
+    return {};
+  }
+  spdlog::warn("{}", begun.error().line());
+  announce(FinishedView{job.id, nullptr});
+  return {};
+}
+
+Result<void> SlowWork::begin(ReferenceJob job) {
+  const Result<void> begun = begin_picture(job.shot);
+  if (Result<void> healthy = gl::check_health("beginning a full render"); !healthy) return healthy;
+  ++queues_.counters.references_rendered;
+  if (begun) {
+    job_ = std::move(job);
+    return {};
+  }
+  spdlog::warn("{}", begun.error().line());
+  wire::RefusedT refused;
+  refused.request_id = job.request_id;
+  refused.reason = wire::RefusalReason::TooLarge;
+  announce(FinishedReference{job.session, encode_message(std::move(refused))});
+  return {};
+}
+
+Result<void> SlowWork::begin(TileJob job) {
+  const bool begun = world_.pages->begin_slow(job, slice_samples_);
+  if (Result<void> healthy = gl::check_health("beginning a large tile"); !healthy) return healthy;
+  if (!begun) {
+    announce(TooLargeTile{job.id});
+    return {};
+  }
+  started_us_ = queues_.clock.now_us();
+  job_ = std::move(job);
+  return {};
+}
+
+Result<void> SlowWork::draw_slice() {
+  if (auto* tile = std::get_if<TileJob>(&job_)) {
+    const std::shared_ptr<const PagePixels> pixels = world_.pages->draw_slow_slice();
+    if (Result<void> healthy = gl::check_health("a slice of a tile"); !healthy) return healthy;
+    if (!pixels) return {};
+    ++queues_.counters.pages_rendered;
+    ++queues_.counters.tiles_rendered;
+    RenderedTile done{std::move(*tile), pixels, 0, 0, 0, 0};
+    done.queue_us = static_cast<std::uint32_t>(started_us_ - done.job.queued_us);
+    done.render_us = static_cast<std::uint32_t>(queues_.clock.now_us() - started_us_);
+    drop();
+    queues_.slow.push(std::move(done));
+    return {};
+  }
+  if (std::holds_alternative<ReferenceJob>(job_) && !queues_.tiles.reference_wanted()) {
+    drop();
+    return {};
+  }
+  std::optional<SceneFrame> frame = world_.references->draw_slice();
+  if (Result<void> healthy = gl::check_health("a slice of a picture"); !healthy) return healthy;
+  if (frame) hand_over(std::move(*frame));
+  return {};
+}
+
+void SlowWork::hand_over(SceneFrame frame) {
+  if (auto* view = std::get_if<ViewJob>(&job_)) {
+    ++queues_.counters.views_rendered;
+    RenderedView done{view->id, view->shot.camera, std::move(frame)};
+    drop();
+    queues_.slow.push(std::move(done));
+    return;
+  }
+  const ReferenceJob& full = std::get<ReferenceJob>(job_);
+  RenderedReference done{full.session, full.request_id, full.shot.camera.width,
+                         full.shot.camera.height, std::move(frame)};
+  done.render_us = static_cast<std::uint32_t>(queues_.clock.now_us() - started_us_);
+  drop();
+  queues_.slow.push(std::move(done));
+}
+
+}  // namespace mirage
