@@ -15,6 +15,7 @@
 
 #include "protocol/base/fail.h"
 #include "protocol/impostor/tile_key.h"
+#include "server/base/cache_directory.h"
 #include "server/base/log.h"
 #include "server/doctor.h"
 #include "server/net/endpoint.h"
@@ -24,12 +25,11 @@
 #include "server/prove/need_proof.h"
 #include "server/scene/environment/environment.h"
 #include "server/scene/environment/environment_file.h"
+#include "server/scene_reload.h"
+#include "server/served_scene.h"
 #include "server/service_manager.h"
 #include "server/session/session.h"
-#include "server/source/directory_source.h"
-#include "server/source/shared_store.h"
 #include "server/stage/pipeline.h"
-#include "server/stage/render_profile.h"
 #include "shaders/gl/egl_context.h"
 #include "shaders/gl/health.h"
 
@@ -122,96 +122,105 @@ void announce(const ServerOptions& options, const PreparedScene& scene, const Se
   std::fflush(stdout);
 }
 
-/// Where finished tiles lie beyond memory, as the options have it.
-struct Sources {
-  std::optional<DirectorySource> directory;
-  std::unique_ptr<TileSource> shared;
+/// A server's life, from the ready line to the last goodbye.
+class Service {
+ public:
+  Service(const ServerOptions& options, CacheDirectory* cache)
+      : options_(options), reload_(options.scene, [this, cache] {
+          return ServedScene::start(options_, cache, clock_, [this] {
+            if (Endpoint* endpoint = awake_.load()) endpoint->wake();
+          });
+        }) {}
+  ~Service() {
+    running_endpoint = nullptr;
+    awake_ = nullptr;
+    // However run() ended: the stages end before the endpoint they wake.
+    reload_.end();
+    if (served_) served_->stop();
+  }
 
-  static Result<Sources> open(const ServerOptions& options, CacheDirectory* cache,
-                              const Clock& clock) {
-    Sources out;
-    if (cache) out.directory.emplace(*cache);
-    if (!options.store) return out;
-    Result<std::unique_ptr<TileSource>> store = open_shared_store(*options.store, clock);
-    if (!store) return store.error();
-    out.shared = store.take();
-    return out;
-  }
-  TileSources in_order() {
-    TileSources out;
-    if (directory) out.push_back(&*directory);
-    if (shared) out.push_back(shared.get());
-    return out;
-  }
+  int run();
+
+ private:
+  EndpointHooks hooks();
+  void hangup();
+  void tick();
+  /// In place of what is served.
+  void serve(std::unique_ptr<ServedScene> next);
+
+  const ServerOptions& options_;
+  const SteadyClock clock_;
+  std::atomic<Endpoint*> awake_{nullptr};
+  const ServiceManager manager_;
+  std::unique_ptr<ServedScene> served_;
+  SceneReload reload_;
+  std::optional<Endpoint> endpoint_;
 };
 
-/// What is done beside serving: tokens are read anew, and a service manager is told.
-EndpointHooks hooks_of(const ServerOptions& options, const ServiceManager& manager, SessionHub& hub,
-                       const StageQueues& queues) {
-  const auto ready = [&options, &manager] { manager.ready("serves " + options.scene); };
+EndpointHooks Service::hooks() {
   EndpointHooks out;
-  out.reload = [&options, &manager, &hub, ready] {
-    manager.reloading();
-    read_tokens_anew(options.token_file, hub);
-    ready();
-  };
-  out.tick = [&manager, &queues] {
-    const std::int64_t since_us = queues.rendering_since_us;
-    if (since_us == 0 || queues.clock.now_us() - since_us < kLongestRenderUs) manager.alive();
-  };
-  out.stopping = [&manager] { manager.stopping(); };
-  ready();
+  out.reload = [this] { hangup(); };
+  out.tick = [this] { tick(); };
+  out.stopping = [this] { manager_.stopping(); };
   return out;
 }
 
-int serve(const ServerOptions& options, const std::shared_ptr<const PreparedScene>& scene,
-          CacheDirectory* cache) {
-  const SteadyClock clock;
-  Result<Sources> sources = Sources::open(options, cache, clock);
-  if (!sources) return fail(sources.error());
-  std::atomic<Endpoint*> awake{nullptr};
-  Pipeline pipeline(clock, options.cache_mb * 1024 * 1024, sources->in_order(), [&awake] {
-    if (Endpoint* endpoint = awake.load()) endpoint->wake();
-  });
-  const Result<std::string> renderer = pipeline.start(scene, options.render, options.encoders);
-  if (!renderer) return fail(renderer.error());
-  SessionOptions session_options = options.session;
-  session_options.renderer = *renderer;
-  session_options.profile = render_profile(*renderer, options.render.supersample).hash();
-  StageQueues& queues = pipeline.queues;
-  SessionHub hub(scene, session_options, queues);
-  Endpoint endpoint(hub, queues);
-  // However this function is left: the stages end before the endpoint they wake.
-  struct Shutdown {
-    Pipeline& pipeline;
-    ~Shutdown() {
-      running_endpoint = nullptr;
-      pipeline.stop();
-    }
-  };
-  const Shutdown shutdown{pipeline};
-  if (const Result<void> listening = endpoint.listen(options.endpoint); !listening) {
+void Service::hangup() {
+  manager_.reloading();
+  read_tokens_anew(options_.token_file, served_->hub());
+  reload_.hangup();
+  manager_.ready("serves " + options_.scene);
+}
+
+void Service::tick() {
+  const StageQueues& queues = served_->queues();
+  const std::int64_t since_us = queues.rendering_since_us;
+  if (since_us == 0 || clock_.now_us() - since_us < kLongestRenderUs) manager_.alive();
+  reload_.look();
+  if (std::unique_ptr<ServedScene> next = reload_.take()) serve(std::move(next));
+}
+
+void Service::serve(std::unique_ptr<ServedScene> next) {
+  if (next->hub().revision() == served_->hub().revision()) {
+    spdlog::info("the scene is the same as before: nothing changes");
+    return reload_.retire(std::move(next));
+  }
+  read_tokens_anew(options_.token_file, next->hub());
+  next->hub().make_home_view();
+  endpoint_->serve(next->hub(), next->queues());
+  served_.swap(next);
+  spdlog::info("serves revision {:016x} now, in place of {:016x}", served_->hub().revision(),
+               next->hub().revision());
+  reload_.retire(std::move(next));
+}
+
+int Service::run() {
+  Result<std::unique_ptr<ServedScene>> first = reload_.load();
+  if (!first) return fail(first.error());
+  served_ = first.take();
+  endpoint_.emplace(served_->hub(), served_->queues());
+  if (const Result<void> listening = endpoint_->listen(options_.endpoint); !listening) {
     return fail(listening.error());
   }
-  hub.make_home_view();
-  awake = &endpoint;
-  running_endpoint = &endpoint;
+  served_->hub().make_home_view();
+  awake_ = &*endpoint_;
+  running_endpoint = &*endpoint_;
   std::signal(SIGTERM, on_terminate);
   std::signal(SIGINT, on_terminate);
   std::signal(SIGHUP, on_hangup);
   std::signal(SIGPIPE, SIG_IGN);
-  if (const Result<void> written = write_port(options.port_file, endpoint.port()); !written) {
+  if (const Result<void> written = write_port(options_.port_file, endpoint_->port()); !written) {
     return fail(written.error());
   }
-  announce(options, *scene, hub, endpoint.port());
-  const ServiceManager manager;
-  const Result<void> served = endpoint.run(hooks_of(options, manager, hub, queues));
-  awake = nullptr;
-  const Counters& counters = queues.counters;
+  announce(options_, served_->scene(), served_->hub(), endpoint_->port());
+  manager_.ready("serves " + options_.scene);
+  const Result<void> ended = endpoint_->run(hooks());
+  awake_ = nullptr;
+  const Counters& counters = served_->queues().counters;
   spdlog::info("stopped: {} tiles rendered, {} from the store, {} merged",
                counters.tiles_rendered.load(), counters.store_hits.load(),
                counters.tiles_merged.load());
-  return served ? 0 : fail(served.error());
+  return ended ? 0 : fail(ended.error());
 }
 
 int explain(const ServerOptions& options, const std::shared_ptr<const PreparedScene>& scene) {
@@ -249,19 +258,10 @@ int run(int argc, char** argv) {
                                               : CacheDirectory::Use::kReadAndWrite);
   }
   CacheDirectory* const cache = directory ? &*directory : nullptr;
-  const auto tell = [](const std::string& line) { spdlog::info("loading: {}", line); };
-  Result<std::shared_ptr<const PreparedScene>> scene =
-      load_scene(options.scene, {.keep_imported = options.prove,
-                                 .strict = options.strict,
-                                 .environment = options.environment,
-                                 .cache = cache,
-                                 .progress = tell});
+  if (!options.explain) return Service(options, cache).run();
+  Result<std::shared_ptr<const PreparedScene>> scene = load_served(options, cache);
   if (!scene) return fail(scene.error());
-  for (const std::string& warning : (*scene)->scene.warnings) spdlog::warn("scene: {}", warning);
-  if (options.explain) return explain(options, scene.take());
-  spdlog::info("loaded in {}", (*scene)->load_times.words());
-  options.session.shadows = options.render.shadows = options.shadows && (*scene)->has_casters();
-  return serve(options, scene.take(), cache);
+  return explain(options, scene.take());
 }
 
 }  // namespace

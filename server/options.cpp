@@ -83,8 +83,9 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
                  "clients must present a token of this file: lines TOKEN [name=NAME] "
                  "[expires=2027-01-31T12:00:00Z] [scope=view,geometry,reference], and key=SECRET "
                  "for what mirage-token signs; read anew on SIGHUP");
-  CLI::Option* cert = app.add_option("--tls-cert", o.endpoint.tls_cert, "certificate (PEM)");
-  CLI::Option* key = app.add_option("--tls-key", o.endpoint.tls_key, "private key (PEM)");
+  CLI::Option* cert =
+      app.add_option("--tls-cert", o.endpoint.tls_cert, "certificate (PEM), read anew on SIGHUP");
+  CLI::Option* key = app.add_option("--tls-key", o.endpoint.tls_key, "its private key (PEM)");
   cert->needs(key);
   key->needs(cert);
   app.add_option(

@@ -40,6 +40,9 @@ mirage_e2e(relay)
 add_dependencies(mirage_e2e_relay mirage-relay)
 mirage_e2e(operations)
 target_compile_definitions(mirage_e2e_operations PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+# Scenes of its own, frames, and TLS.
+mirage_e2e(reload)
+target_link_libraries(mirage_e2e_reload PRIVATE mirage_gltf OpenImageIO::OpenImageIO OpenSSL::SSL)
 # It watches frame times: alone on the machine, please.
 set_tests_properties(e2e_failure PROPERTIES RUN_SERIAL ON)
 

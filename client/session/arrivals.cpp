@@ -10,6 +10,7 @@
 #include "protocol/codec/model_codec.h"
 #include "protocol/codec/tile_codec.h"
 #include "protocol/impostor/tile_key.h"
+#include "protocol/wire/view_codec.h"
 
 namespace mirage {
 namespace {
@@ -105,10 +106,23 @@ Result<void> Arrivals::take_welcome(const wire::WelcomeT& welcome, std::int64_t 
     return {};
   }
   early_pages_.clear();
-  if (welcome.revision != s_.scene.revision) s_.held.views.forget();
+  if (welcome.revision != s_.scene.revision) {
+    s_.held.views.forget();
+    if (s_.scene.complete()) await_new_scene(came_us);
+  }
   if (Result<void> taken = s_.scene.accept(welcome); !taken) return taken;
   take_scene(false);  // a scene without instances is complete at once
   return {};
+}
+
+// From where the eye is: what the camera path goes by need not be there any more.
+void Arrivals::await_new_scene(std::int64_t now_us) {
+  s_.new_scene = {true, now_us};
+  if (!s_.held.views.enabled() || s_.light.own) return;
+  wire::ViewRequestT view = view_request(s_.camera, s_.time_s);
+  view.request_id = s_.asking.scheduler.next_number();
+  s_.held.views.asked(view.request_id);
+  s_.link.send(encode_message(std::move(view)));
 }
 
 void Arrivals::take_scene(bool was_complete) {

@@ -34,6 +34,7 @@ class Arrivals {
   /// It is a picture of what shows none yet.
   bool first_image(const Message& message) const;
   Result<void> take_welcome(const wire::WelcomeT& welcome, std::int64_t came_us);
+  void await_new_scene(std::int64_t now_us);
   /// Of the scene; one that comes before its turn waits for it.
   Result<void> take_page(Message page);
   /// The scene is there, or has grown.

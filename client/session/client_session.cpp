@@ -1,5 +1,6 @@
 #include "client/session/client_session.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "client/session/arrivals.h"
@@ -10,6 +11,18 @@
 
 namespace mirage {
 namespace {
+
+// For a picture of a new scene, while one of the last is shown.
+constexpr std::int64_t kLongestAwaitedUs = 3'000'000;
+
+void note_new_scene(SessionParts& s, const DrawList& list, std::int64_t now_us) {
+  if (!s.new_scene.awaited) return;
+  const auto bare = [](const DrawnPlaceholder& one) { return !one.covered; };
+  const bool whole =
+      s.scene.complete() && std::none_of(list.placeholders.begin(), list.placeholders.end(), bare);
+  const bool shown = list.view || whole;
+  if (shown || now_us - s.new_scene.since_us > kLongestAwaitedUs) s.new_scene.awaited = false;
+}
 
 void greet(SessionParts& s, std::int64_t now_us) {
   s.connection.greeted_us = now_us;
@@ -60,11 +73,13 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us) {
   SessionParts& s = *parts_;
   const std::int64_t now_us = s.clock.at(told_us);
   ++s.frame;
+  s.camera = camera;
   s.asking.scheduler.note_frame(now_us);
   if (!s.scene.complete()) {
     s.planning.at_rest = false;
     DrawList first;
     s.held.views.show_all(first);
+    note_new_scene(s, first, now_us);
     return first;
   }
   const Predicted at = predict(s, camera, now_us);
@@ -74,6 +89,7 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us) {
   Needs needs = ask(s, at.input);
   s.held.views.show_missing(s.scene, camera, list);
   if (s.link.connected()) send(s, at, list, std::move(needs));
+  note_new_scene(s, list, now_us);
   return list;
 }
 
@@ -148,6 +164,7 @@ bool ClientSession::drawable() const {
   const SessionParts& s = *parts_;
   return s.scene.complete() || (s.scene.welcomed() && s.held.views.here());
 }
+bool ClientSession::awaits_new_scene() const { return parts_->new_scene.awaited; }
 std::int64_t ClientSession::round_trip_us() const {
   return parts_->asking.scheduler.round_trip_us();
 }

@@ -78,6 +78,9 @@ class ClientSession {
   const ViewCounts& views() const;
   /// There is something to draw: the scene, or a view of it.
   bool drawable() const;
+  /// The server has another scene now, and there is nothing to show of it yet: what was drawn last
+  /// is better than what frame() lists.
+  bool awaits_new_scene() const;
   std::int64_t round_trip_us() const;
   /// Something in view lacks an image of its own, and asking for it waits for the link or the
   /// server.

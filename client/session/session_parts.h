@@ -54,6 +54,11 @@ struct SessionParts {
     std::int64_t greeted_us = 0;  ///< when the hello left
     std::string goodbye;
   };
+  /// The server's scene is another than the one that is drawn.
+  struct NewScene {
+    bool awaited = false;       ///< nothing of it can be shown yet
+    std::int64_t since_us = 0;  ///< while it is
+  };
   struct Light {
     Lighting now;
     bool own = false;      ///< set here; otherwise the scene's
@@ -101,6 +106,7 @@ struct SessionParts {
   TileSink sink;
   RisingTime clock;
   Connection connection;
+  NewScene new_scene;
   SceneView scene;
   Light light;
   Held held;
@@ -109,6 +115,7 @@ struct SessionParts {
   Reference reference;
   TileTally tally;
   std::uint64_t frame = 0;
+  Camera camera;       ///< of the last frame
   double time_s = 0;   ///< of the animation, at the last frame
   bool moves = false;  ///< something of the scene is animated
 

@@ -219,7 +219,7 @@ Result<void> Viewer::fit_target() {
   const bool blends = session().scene().blends();
   const bool same = w == target_->width() && h == target_->height() &&
                     blends == target_->blends() && session().plan().setting() == setting_;
-  if (w < 1 || h < 1 || same) return {};
+  if (w < 1 || h < 1 || same || session().awaits_new_scene()) return {};
   if (Result<void> made = make_target(w, h, blends); !made) return made;
   still_.content_changed();
   return {};
@@ -305,8 +305,10 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   const DrawList list = session().frame(camera, now);
   // With as many samples and at the scale that were planned with it.
   if (Result<void> fitted = fit_target(); !fitted) return fitted;
-  const bool changed = !still_.unchanged(camera, scene, list, session().lighting());
-  const bool refines = !changed && session().at_rest() && !refinement_.done();
+  const bool awaits = session().awaits_new_scene();
+  if (awaits) still_.content_changed();  // once it is there
+  const bool changed = !awaits && !still_.unchanged(camera, scene, list, session().lighting());
+  const bool refines = !changed && !awaits && session().at_rest() && !refinement_.done();
   const bool drawn = changed || refines;
   frame_kept_ = !drawn;
   resting_ = !drawn && session().at_rest();

@@ -14,6 +14,7 @@
 #include "protocol/base/clock.h"
 #include "server/base/log.h"
 #include "server/net/admission.h"
+#include "server/net/certificate.h"
 #include "server/net/endpoint_options.h"
 #include "server/net/http_pages.h"
 #include "server/net/listen_address.h"
@@ -54,6 +55,7 @@ struct Connection {
   SessionId session = 0;
   std::string* address = nullptr;
   Bytes* inbound = nullptr;  // fragments of the message under way
+  // Session 0: there is none, the connection is closed when it can be written to.
 };
 
 int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
@@ -80,15 +82,18 @@ void forward_log(int level, const char* line) {
 }  // namespace
 
 struct Endpoint::Impl {
-  Impl(SessionHub& h, StageQueues& q)
-      : hub(h),
-        completions(q.completions),
-        counters(q.counters),
-        http(h, q.counters, options, admission) {}
+  Impl(SessionHub& h, StageQueues& q) : http(options, admission) { serve(h, q); }
 
-  SessionHub& hub;
-  BoundedQueue<Completion>& completions;
-  Counters& counters;
+  void serve(SessionHub& h, StageQueues& q) {
+    hub = &h;
+    completions = &q.completions;
+    counters = &q.counters;
+    http.serve(h, q.counters);
+  }
+
+  SessionHub* hub = nullptr;
+  BoundedQueue<Completion>* completions = nullptr;
+  Counters* counters = nullptr;
   EndpointOptions options;
   EndpointHooks hooks;
   lws_context* context = nullptr;
@@ -114,6 +119,18 @@ struct Endpoint::Impl {
   Result<lws_vhost*> listen_at(const ListenAddress& at, const char* name,
                                const lws_protocols* protocols, bool tls);
 
+  /// A pair that is wrong changes nothing. Connections that are there go on as they are.
+  void read_certificate_anew() const {
+    if (options.tls_cert.empty()) return;
+    Result<void> right = check_certificate(options.tls_cert, options.tls_key);
+    if (right && lws_tls_cert_updated(context, options.tls_cert.c_str(), options.tls_key.c_str(),
+                                      nullptr, 0, nullptr, 0) != 0) {
+      right = make_error(ErrorId::kIo, "cannot use the certificate '" + options.tls_cert + "'");
+    }
+    if (right) return spdlog::info("the certificate is read anew from '{}'", options.tls_cert);
+    spdlog::error("{}; the certificate stays as it is", right.error().line());
+  }
+
   /// Clients that say nothing or take nothing are closed however quiet it is.
   void sweep_later() {
     sweep_timer.impl = this;
@@ -133,7 +150,7 @@ struct Endpoint::Impl {
 
   static void on_sweep_timer(lws_sorted_usec_list_t* timer) {
     Impl* const impl = reinterpret_cast<Timer*>(timer)->impl;
-    for (const auto& [id, error] : impl->hub.overdue()) {
+    for (const auto& [id, error] : impl->hub->overdue()) {
       const auto at = impl->sockets.find(id);
       if (at == impl->sockets.end()) continue;
       impl->close_with(at->second, id, error);
@@ -148,7 +165,7 @@ struct Endpoint::Impl {
 
   /// While somebody waits for the tile cache's directory.
   void watch_fetches() {
-    if (fetch_timer.set || !hub.waits_for_sources()) return;
+    if (fetch_timer.set || !hub->waits_for_sources()) return;
     fetch_timer.impl = this;
     fetch_timer.set = true;
     lws_sul_schedule(context, 0, &fetch_timer.timer, on_fetch_timer, kFetchCheckUs);
@@ -157,7 +174,7 @@ struct Endpoint::Impl {
   static void on_fetch_timer(lws_sorted_usec_list_t* timer) {
     auto* const fetch = reinterpret_cast<Timer*>(timer);
     fetch->set = false;
-    fetch->impl->hub.give_up_fetches();
+    fetch->impl->hub->give_up_fetches();
     fetch->impl->ask_to_write();
     fetch->impl->watch_fetches();
     // A timer served before the poll does not end the poll: make it look again.
@@ -165,14 +182,14 @@ struct Endpoint::Impl {
   }
 
   void drain_completions() {
-    while (std::optional<Completion> c = completions.try_pop()) hub.complete(std::move(*c));
-    hub.refuse_late();
+    while (std::optional<Completion> c = completions->try_pop()) hub->complete(std::move(*c));
+    hub->refuse_late();
     ask_to_write();
   }
 
   void ask_to_write() {
     http.hand_out();
-    for (const SessionId id : hub.take_writable()) {
+    for (const SessionId id : hub->take_writable()) {
       const auto at = sockets.find(id);
       if (at != sockets.end()) lws_callback_on_writable(at->second);
     }
@@ -181,7 +198,7 @@ struct Endpoint::Impl {
   /// Logs why, tells the peer, and makes libwebsockets close (the return value of a callback).
   int close_with(lws* wsi, SessionId id, const Error& error) {
     if (error.id != ErrorId::kNetworkClosed) {
-      ++counters.clients_closed_for_error;
+      ++counters->clients_closed_for_error;
       const std::string address = peer_of(wsi);
       const LogAbout about(id, address);
       spdlog::warn("client {} ({}): closed: {}", id, address, error.line());
@@ -200,7 +217,7 @@ struct Endpoint::Impl {
   int write_some(lws* wsi, Connection& connection) {
     static thread_local std::vector<std::uint8_t> buffer;
     for (int i = 0; i < kMaxWritesPerCallback; ++i) {
-      const FramePtr frame = hub.next_frame(connection.session);
+      const FramePtr frame = hub->next_frame(connection.session);
       if (!frame && farewell) return say_goodbye(wsi);
       if (!frame) return 0;
       buffer.resize(LWS_PRE + frame->size());
@@ -229,9 +246,9 @@ struct Endpoint::Impl {
     inbound.insert(inbound.end(), bytes, bytes + n);
     if (!lws_is_final_fragment(wsi) || to_come > 0) return 0;
     const Bytes whole = std::exchange(inbound, {});
-    const Result<void> done = hub.receive(connection.session, whole.data(), whole.size());
+    const Result<void> done = hub->receive(connection.session, whole.data(), whole.size());
     if (!done) {
-      const bool stranger = !hub.greeted(connection.session);
+      const bool stranger = !hub->greeted(connection.session);
       if (stranger) admission.note_failure(*connection.address, clock.now_us());
       return close_with(wsi, connection.session, done.error());
     }
@@ -269,11 +286,11 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
       Endpoint::Impl* impl = impl_of(wsi);
       if (impl->stopping) return -1;
       if (!impl->admission.may_connect(peer_of(wsi), impl->clock.now_us())) {
-        ++impl->counters.addresses_refused;
+        ++impl->counters->addresses_refused;
         return -1;
       }
       if (acceptable_upgrade(wsi, impl->options)) return 0;
-      ++impl->counters.upgrades_refused;
+      ++impl->counters->upgrades_refused;
       return -1;
     }
     case LWS_CALLBACK_ESTABLISHED: {
@@ -281,11 +298,12 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
       *connection = Connection{};
       connection->inbound = new Bytes;  // freed on CLOSED: lws zero-fills and frees `user` itself
       connection->address = new std::string(peer_of(wsi));
-      connection->session = impl->hub.open();
+      connection->session = impl->hub->open();
       impl->sockets[connection->session] = wsi;
       return 0;
     }
     case LWS_CALLBACK_RECEIVE:
+      if (connection->session == 0) return -1;
       return impl_of(wsi)->receive(wsi, *connection, static_cast<std::uint8_t*>(in), length);
     case LWS_CALLBACK_WS_PEER_INITIATED_CLOSE: {
       if (is_close_body(static_cast<std::uint8_t*>(in), length)) return 0;
@@ -299,7 +317,7 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
       Endpoint::Impl* impl = impl_of(wsi);
       if (connection->session != 0) {
         impl->sockets.erase(connection->session);
-        impl->hub.close(connection->session);
+        impl->hub->close(connection->session);
       }
       delete connection->inbound;
       delete connection->address;
@@ -439,27 +457,44 @@ Result<void> Endpoint::run(EndpointHooks hooks) {
   std::int64_t drain_until_us = 0, gone_by_us = 0;
   impl.sweep_later();
   while (lws_service(impl.context, 0) >= 0) {
-    if (impl.reloading.exchange(false) && impl.hooks.reload) impl.hooks.reload();
-    const std::optional<Error>& failure = impl.hub.failure();
+    if (impl.reloading.exchange(false)) {
+      impl.read_certificate_anew();
+      if (impl.hooks.reload) impl.hooks.reload();
+    }
+    const std::optional<Error>& failure = impl.hub->failure();
     if (failure) impl.stopping = true;
     if (!impl.stopping) continue;
     const std::int64_t now = impl.clock.now_us();
     if (drain_until_us == 0) {
       if (impl.hooks.stopping) impl.hooks.stopping();
-      impl.hub.drain();
+      impl.hub->drain();
       drain_until_us = now + (failure ? 0 : std::llround(impl.options.drain_s * 1e6));
     }
-    if (!impl.farewell && ((impl.hub.drained() && !impl.http.waiting()) || now >= drain_until_us)) {
+    if (!impl.farewell &&
+        ((impl.hub->drained() && !impl.http.waiting()) || now >= drain_until_us)) {
       impl.farewell = true;
       gone_by_us = now + kFarewellUs;
-      impl.hub.say_goodbye_to_all(failure ? "the server's graphics have failed"
-                                          : "server is shutting down");
+      impl.hub->say_goodbye_to_all(failure ? "the server's graphics have failed"
+                                           : "server is shutting down");
       impl.ask_to_write();
     }
     if (impl.farewell && (impl.sockets.empty() || now >= gone_by_us)) break;
   }
-  if (impl.hub.failure()) return *impl.hub.failure();
+  if (impl.hub->failure()) return *impl.hub->failure();
   return {};
+}
+
+void Endpoint::serve(SessionHub& hub, StageQueues& queues) {
+  Impl& impl = *impl_;
+  for (const auto& [id, wsi] : std::exchange(impl.sockets, {})) {
+    impl.hub->close(id);
+    static_cast<Connection*>(lws_wsi_user(wsi))->session = 0;
+    std::string why = "the scene is loaded anew";
+    lws_close_reason(wsi, LWS_CLOSE_STATUS_GOINGAWAY, reinterpret_cast<unsigned char*>(why.data()),
+                     why.size());
+    lws_callback_on_writable(wsi);  // closes who has no session
+  }
+  impl.serve(hub, queues);
 }
 
 void Endpoint::stop() {

@@ -18,8 +18,8 @@ struct StageQueues;
 
 /// Called by run().
 struct EndpointHooks {
-  std::function<void()> reload;    ///< after Endpoint::reload()
-  std::function<void()> tick;      ///< four times a second
+  std::function<void()> reload;  ///< after Endpoint::reload(); the certificate is read anew by then
+  std::function<void()> tick;    ///< four times a second
   std::function<void()> stopping;  ///< once, as it begins to drain
 };
 
@@ -34,6 +34,9 @@ class Endpoint {
   Result<void> listen(const EndpointOptions& options);
   /// The one taken; of a unix socket 0.
   int port() const;
+  /// Another scene's from now on, on the thread of run(): clients are closed, with 1001, and
+  /// come back to these. What was served before is not used any more.
+  void serve(SessionHub& hub, StageQueues& queues);
   /// Serves until stop(); then says goodbye to the clients and returns. So it does when the
   /// renderer fails, with its error.
   Result<void> run(EndpointHooks hooks = {});

@@ -56,6 +56,16 @@ int send(lws* wsi, const HttpAnswer& answer) {
 
 }  // namespace
 
+void HttpPages::serve(SessionHub& hub, Counters& counters) {
+  for (auto& [request, one] : std::exchange(waiting_, {})) {
+    one.peer->request = 0;
+    one.peer->answer = new HttpAnswer{503, "text/plain", "Retry-After: 1\r\n", "another scene\n"};
+    lws_callback_on_writable(one.wsi);
+  }
+  hub_ = &hub;
+  counters_ = &counters;
+}
+
 int HttpPages::answer(lws* wsi, HttpPeer& peer, const std::string& path, bool stopping) {
   if (path.rfind(kTilePath, 0) == 0) return get_tile(wsi, peer, path);
   return send(wsi, page(path, stopping));
@@ -64,7 +74,7 @@ int HttpPages::answer(lws* wsi, HttpPeer& peer, const std::string& path, bool st
 HttpAnswer HttpPages::page(const std::string& path, bool stopping) const {
   if (path == "/healthz") return {200, "text/plain", "", "ok\n"};
   if (path == "/readyz") {
-    return {stopping ? 503u : 200u, "application/json", "", hub_.identity(stopping)};
+    return {stopping ? 503u : 200u, "application/json", "", hub_->identity(stopping)};
   }
   if (path == "/metrics" && options_.metrics) {
     return {200, kMetricsType, "", metrics()};
@@ -73,8 +83,8 @@ HttpAnswer HttpPages::page(const std::string& path, bool stopping) const {
 }
 
 std::string HttpPages::metrics() const {
-  return metrics_text(counters_, hub_.state(),
-                      {hub_.revision(), hub_.options().profile, hub_.options().renderer});
+  return metrics_text(*counters_, hub_->state(),
+                      {hub_->revision(), hub_->options().profile, hub_->options().renderer});
 }
 
 int HttpPages::answer_operator(lws* wsi, const std::string& path, bool stopping) const {
@@ -89,21 +99,21 @@ int HttpPages::get_tile(lws* wsi, HttpPeer& peer, const std::string& path) {
     return send(wsi, {405, "text/plain", "Allow: GET\r\n", "tiles are got\n"});
   }
   if (!admission_.may_connect(address, now_us)) {
-    ++counters_.addresses_refused;
+    ++counters_->addresses_refused;
     return send(wsi, {429, "text/plain", "Retry-After: 1\r\n", "too many wrong tokens\n"});
   }
   const TileRequest request{path, header(wsi, WSI_TOKEN_HTTP_URI_ARGS).text,
                             header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION).text};
-  auto read = read_tile_request(request, hub_.revision(), hub_.access(), std::time(nullptr));
+  auto read = read_tile_request(request, hub_->revision(), hub_->access(), std::time(nullptr));
   if (const auto* refused = std::get_if<HttpAnswer>(&read)) {
     if (refused->status == 401) {
       admission_.note_failure(address, now_us);
-      ++counters_.authentication_failures;
+      ++counters_->authentication_failures;
     }
     return send(wsi, *refused);
   }
   const TileAddress& tile = std::get<TileAddress>(read);
-  peer.request = hub_.get(tile);
+  peer.request = hub_->get(tile);
   waiting_[peer.request] = {wsi, &peer, tile.codec, header(wsi, WSI_TOKEN_HTTP_IF_NONE_MATCH).text};
   lws_set_timeout(wsi, PENDING_TIMEOUT_HTTP_CONTENT, kTilePatienceS);
   hand_out();
@@ -111,13 +121,13 @@ int HttpPages::get_tile(lws* wsi, HttpPeer& peer, const std::string& path) {
 }
 
 void HttpPages::hand_out() {
-  for (GotTile& tile : hub_.take_got()) {
+  for (GotTile& tile : hub_->take_got()) {
     const auto waits = waiting_.extract(tile.request);
     if (waits.empty()) continue;
     const Waiting& one = waits.mapped();
     one.peer->request = 0;
     one.peer->answer = new HttpAnswer(
-        tile_answer(std::move(tile), one.codec, hub_.access().open(), one.if_none_match));
+        tile_answer(std::move(tile), one.codec, hub_->access().open(), one.if_none_match));
     lws_callback_on_writable(one.wsi);
   }
 }
@@ -130,7 +140,7 @@ int HttpPages::write(lws* wsi, HttpPeer& peer) {
 
 void HttpPages::gone(HttpPeer& peer) {
   if (peer.request != 0) {
-    hub_.cancel_get(peer.request);
+    hub_->cancel_get(peer.request);
     waiting_.erase(peer.request);
   }
   delete std::exchange(peer.answer, nullptr);

@@ -28,9 +28,12 @@ struct HttpPeer {
 
 class HttpPages {
  public:
-  HttpPages(SessionHub& hub, Counters& counters, const EndpointOptions& options,
-            Admission& admission)
-      : hub_(hub), counters_(counters), options_(options), admission_(admission) {}
+  HttpPages(const EndpointOptions& options, Admission& admission)
+      : options_(options), admission_(admission) {}
+
+  /// What is asked from now on is answered by these; who waits for a tile of others is told to come
+  /// back.
+  void serve(SessionHub& hub, Counters& counters);
 
   // These return what the libwebsockets callback is to return.
   int answer(lws* wsi, HttpPeer& peer, const std::string& path, bool stopping);
@@ -54,8 +57,8 @@ class HttpPages {
   std::string metrics() const;
   int get_tile(lws* wsi, HttpPeer& peer, const std::string& path);
 
-  SessionHub& hub_;
-  Counters& counters_;
+  SessionHub* hub_ = nullptr;
+  Counters* counters_ = nullptr;
   const EndpointOptions& options_;
   Admission& admission_;
   const SteadyClock clock_;

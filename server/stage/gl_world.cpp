@@ -2,9 +2,22 @@
 
 #include <string>
 
+#include "server/render/gpu_scene.h"
+#include "server/render/reference_renderer.h"
+#include "server/render/scene_shadow.h"
+#include "server/render/tile_page.h"
 #include "server/stage/render_options.h"
 
 namespace mirage {
+
+GlWorld::GlWorld() = default;
+GlWorld::GlWorld(GlWorld&& other) noexcept = default;
+GlWorld& GlWorld::operator=(GlWorld&& other) noexcept = default;
+GlWorld::~GlWorld() = default;
+
+std::size_t GlWorld::scene_bytes() const {
+  return scene->gpu_bytes() + (shadow ? shadow->gpu_bytes() : 0);
+}
 
 Result<GlWorld> make_world(std::shared_ptr<const PreparedScene> scene,
                            const RenderOptions& options) {

@@ -2,14 +2,15 @@
 #include <memory>
 
 #include "protocol/base/result.h"
-#include "server/render/gpu_scene.h"
-#include "server/render/reference_renderer.h"
-#include "server/render/scene_shadow.h"
-#include "server/render/tile_page.h"
 
 namespace mirage {
 
+struct GpuScene;
+struct PreparedScene;
+class ReferenceRenderer;
 struct RenderOptions;
+class SceneShadow;
+class TilePageRenderer;
 
 /// Everything the GL thread owns; made and destroyed on it.
 struct GlWorld {
@@ -18,9 +19,12 @@ struct GlWorld {
   std::unique_ptr<TilePageRenderer> pages;
   std::unique_ptr<ReferenceRenderer> references;
 
-  std::size_t scene_bytes() const {
-    return scene->gpu_bytes() + (shadow ? shadow->gpu_bytes() : 0);
-  }
+  GlWorld();
+  GlWorld(GlWorld&& other) noexcept;
+  GlWorld& operator=(GlWorld&& other) noexcept;
+  ~GlWorld();
+  /// Graphics memory that it takes whatever is drawn.
+  std::size_t scene_bytes() const;
 };
 
 /// Uploads the scene and compiles every shader. Errors kGraphicsShader, kGraphicsGl (also: over the

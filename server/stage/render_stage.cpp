@@ -7,6 +7,8 @@
 
 #include "server/base/counters.h"
 #include "server/render/readback_ring.h"
+#include "server/render/reference_renderer.h"
+#include "server/render/tile_page.h"
 #include "server/stage/gl_world.h"
 #include "server/stage/render_options.h"
 #include "server/stage/slow_work.h"

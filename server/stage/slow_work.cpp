@@ -6,6 +6,8 @@
 
 #include "protocol/base/limits.h"
 #include "protocol/impostor/tile_key.h"
+#include "server/render/reference_renderer.h"
+#include "server/render/tile_page.h"
 #include "server/stage/gl_world.h"
 #include "server/tile/stage_queues.h"
 #include "shaders/gl/health.h"

@@ -18,6 +18,13 @@ namespace {
 class HubLink final : public Link {
  public:
   HubLink() : scene_(*load_scene("builtin:knot?tubular=16&radial=8")) { restart({}); }
+  /// A server with another scene, without geometry: the connection is another one.
+  void serve(const std::string& scene) {
+    scene_ = *load_scene(scene);
+    SessionOptions options;
+    options.geometry = false;
+    restart(std::move(options));
+  }
   /// A server started anew: the connection is another one.
   void restart(SessionOptions options) {
     hub_ = std::make_unique<SessionHub>(scene_, std::move(options), queues_);
@@ -98,6 +105,37 @@ TEST_F(CoreSession, AServerWithOtherOptionsIsAnotherScene) {
   ASSERT_TRUE(session.receive(2).ok());
   EXPECT_EQ(scenes, 3);
   EXPECT_FALSE(session.scene().geometry);
+}
+
+// What was drawn of the last scene is shown until there is something of the new one: the server
+// here draws nothing, so for 3 s.
+TEST_F(CoreSession, ThePictureOfTheLastSceneStaysUntilThereIsOneOfTheNext) {
+  constexpr std::int64_t kSecond = 1'000'000;
+  Camera camera;
+  camera.pose = look_at({0, 0, 5}, {0, 0, 0});
+  camera.fit_depth_range({0, 0, 0}, 2);
+  const auto frame_at = [&](std::int64_t now_us) {
+    EXPECT_TRUE(session.receive(now_us).ok());
+    return session.frame(camera, now_us);
+  };
+  frame_at(0);
+  EXPECT_FALSE(session.awaits_new_scene());
+  link.restart({});
+  frame_at(kSecond);
+  EXPECT_FALSE(session.awaits_new_scene()) << "the same scene";
+  link.serve("builtin:knot?tubular=20&radial=8");
+  EXPECT_FALSE(frame_at(2 * kSecond).placeholders.empty());
+  EXPECT_TRUE(session.awaits_new_scene());
+  frame_at(4 * kSecond);
+  EXPECT_TRUE(session.awaits_new_scene());
+  frame_at(5 * kSecond + 1);
+  EXPECT_FALSE(session.awaits_new_scene()) << "blobs are better than nothing";
+  link.serve("builtin:knot?tubular=24&radial=8");
+  frame_at(6 * kSecond);
+  EXPECT_TRUE(session.awaits_new_scene());
+  camera.pose = look_at({0, 0, 5}, {0, 0, 10});
+  frame_at(6 * kSecond + 1);
+  EXPECT_FALSE(session.awaits_new_scene()) << "there is nothing in view to wait for";
 }
 
 TEST_F(CoreSession, GeometryAndImagesNobodyAskedForAreErrors) {

@@ -1,0 +1,214 @@
+// SIGHUP: another scene file and another certificate while the server serves.
+#include <OpenImageIO/imageio.h>
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <openssl/ssl.h>
+#include <openssl/x509.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "tests/support/gltf_builder.h"
+#include "tests/support/process.h"
+
+namespace mirage::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A box of 2 x 2 x 2 in one colour.
+std::string box(const std::array<double, 4>& color) {
+  Builder b;
+  const std::vector<float> corners = {-1, -1, -1, 1, -1, -1, -1, 1, -1, 1, 1, -1,
+                                      -1, -1, 1,  1, -1, 1,  -1, 1, 1,  1, 1, 1};
+  const std::vector<std::uint16_t> faces = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                            2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+  const int positions = b.accessor(corners, "VEC3", 5126, 3);
+  const int indices = b.accessor(faces, "SCALAR", 5123, 1);
+  b.doc["scene"] = 0;
+  b.doc["scenes"] = {{{"nodes", {0}}}};
+  b.doc["nodes"] = {{{"mesh", 0}}};
+  b.doc["materials"] = {
+      {{"pbrMetallicRoughness", {{"baseColorFactor", color}}}, {"doubleSided", true}}};
+  b.doc["meshes"] = {
+      {{"primitives",
+        {{{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"material", 0}}}}}};
+  b.doc["buffers"] = {{{"byteLength", b.bin.size()}}};
+  return make_glb(b.doc.dump(), b.bin);
+}
+
+/// As files should be replaced: at once.
+void replace(const fs::path& path, const std::string& bytes) {
+  const fs::path next = path.string() + ".next";
+  std::ofstream(next, std::ios::binary) << bytes;
+  fs::rename(next, path);
+}
+
+bool soon(const std::function<bool()>& what, double seconds = 20) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (!what()) {
+    if (std::chrono::steady_clock::now() > until) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return true;
+}
+bool says(const Server& server, const std::string& text) {
+  return soon([&] { return server.log().find(text) != std::string::npos; });
+}
+
+/// What is in the middle of a frame: 'r', 'g', or '-' for neither.
+char seen(const fs::path& png) {
+  const auto in = OIIO::ImageInput::open(png.string());
+  if (!in) return '?';
+  const OIIO::ImageSpec& spec = in->spec();
+  std::vector<std::uint8_t> pixels(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
+  if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, pixels.data())) return '?';
+  const std::size_t middle = (pixels.size() / static_cast<std::size_t>(spec.nchannels) +
+                              static_cast<std::size_t>(spec.width)) /
+                             2;
+  const std::uint8_t* pixel = &pixels[middle * static_cast<std::size_t>(spec.nchannels)];
+  if (pixel[0] > 2 * pixel[1] && pixel[0] > 2 * pixel[2]) return 'r';
+  if (pixel[1] > 2 * pixel[0] && pixel[1] > 2 * pixel[2]) return 'g';
+  return '-';
+}
+/// Of all frames in a folder, in their order.
+std::string seen_in(const fs::path& folder) {
+  std::vector<fs::path> frames(fs::directory_iterator(folder), {});
+  std::sort(frames.begin(), frames.end());
+  std::string out;
+  for (const fs::path& frame : frames) out += seen(frame);
+  return out;
+}
+
+TEST(Reload, AnotherSceneTakesThePlaceOfTheFirstWithoutABlackFrame) {
+  const fs::path folder = scratch_folder();
+  const fs::path file = folder / "scene.glb";
+  replace(file, box({0.8, 0.02, 0.02, 1}));
+  const Server server(file.string(), {});
+  ASSERT_TRUE(server.ready()) << server.log();
+  Finished viewer;
+  std::thread watching([&] {
+    viewer = run({binary("mirage-view"), server.url(), "--offscreen", "160x90", "--path",
+                  "builtin:still", "--fps", "20", "--frames", "200", "--out",
+                  (folder / "frames").string()});
+  });
+  ASSERT_TRUE(soon([&] { return fs::exists(folder / "frames" / "frame_00030.png"); }));
+  kill(server.pid(), SIGHUP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // nothing is to be said
+  replace(file, box({0.02, 0.8, 0.02, 1}));
+  EXPECT_TRUE(says(server, "is another file than the one that is served: SIGHUP loads it"));
+  EXPECT_EQ(server.log().find("anew"), std::string::npos) << "the file was the same";
+  kill(server.pid(), SIGHUP);
+  EXPECT_TRUE(says(server, "serves revision"));
+  watching.join();
+  EXPECT_EQ(viewer.exit_code, 0) << viewer.output;
+  const std::string frames = seen_in(folder / "frames");
+  const std::string shown = frames.substr(std::min(frames.find('r'), frames.size()));
+  EXPECT_EQ(shown.find_first_not_of("rg"), std::string::npos) << frames;
+  EXPECT_NE(shown.find("rg"), std::string::npos) << frames;
+  EXPECT_EQ(shown.find("gr"), std::string::npos) << frames;
+}
+
+TEST(Reload, ASceneThatIsBrokenTakesNobodysPlace) {
+  const fs::path file = fs::path(scratch_folder()) / "scene.glb";
+  replace(file, box({0.8, 0.02, 0.02, 1}));
+  const Server server(file.string(), {});
+  ASSERT_TRUE(server.ready()) << server.log();
+  replace(file, "glTF, or so it says");
+  kill(server.pid(), SIGHUP);
+  EXPECT_TRUE(says(server, "the scene stays as it is")) << server.log();
+  const std::vector<std::string> look = {
+      binary("mirage-view"), server.url(), "--offscreen", "160x90", "--frames", "5"};
+  EXPECT_EQ(run(look).exit_code, 0);
+  // Once it is right again, it is loaded.
+  replace(file, box({0.02, 0.8, 0.02, 1}));
+  kill(server.pid(), SIGHUP);
+  EXPECT_TRUE(says(server, "serves revision")) << server.log();
+  EXPECT_EQ(run(look).exit_code, 0);
+}
+
+/// A connection by TLS that believes any certificate.
+class TlsPeer {
+ public:
+  explicit TlsPeer(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(static_cast<std::uint16_t>(port));
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    SSL_set_fd(ssl_.get(), socket_);
+    met_ = connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof(to)) == 0 &&
+           SSL_connect(ssl_.get()) == 1;
+  }
+  ~TlsPeer() { close(socket_); }
+  TlsPeer(const TlsPeer&) = delete;
+  TlsPeer& operator=(const TlsPeer&) = delete;
+
+  /// The common name in the server's certificate.
+  std::string name() const {
+    if (!met_) return "no handshake";
+    const std::unique_ptr<X509, decltype(&X509_free)> certificate(
+        SSL_get1_peer_certificate(ssl_.get()), X509_free);
+    char text[64] = {};
+    X509_NAME_get_text_by_NID(X509_get_subject_name(certificate.get()), NID_commonName, text,
+                              sizeof(text));
+    return text;
+  }
+  bool healthy() {
+    const std::string ask = "GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n";
+    if (SSL_write(ssl_.get(), ask.data(), static_cast<int>(ask.size())) <= 0) return false;
+    std::string heard;
+    char part[512];
+    while (heard.find("ok\n") == std::string::npos) {
+      const int n = SSL_read(ssl_.get(), part, sizeof(part));
+      if (n <= 0) return false;
+      heard.append(part, static_cast<std::size_t>(n));
+    }
+    return true;
+  }
+
+ private:
+  std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context_{SSL_CTX_new(TLS_client_method()),
+                                                             SSL_CTX_free};
+  std::unique_ptr<SSL, decltype(&SSL_free)> ssl_{SSL_new(context_.get()), SSL_free};
+  int socket_;
+  bool met_ = false;
+};
+
+bool make_certificate(const fs::path& folder, const std::string& name) {
+  return run({"/usr/bin/openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt",
+              "ec_paramgen_curve:P-256", "-nodes", "-days", "2", "-subj", "/CN=" + name, "-keyout",
+              (folder / "key.pem").string(), "-out", (folder / "cert.pem").string()})
+             .exit_code == 0;
+}
+
+TEST(Reload, AnotherCertificateIsShownToWhoComesAndDropsNobody) {
+  const fs::path folder = scratch_folder();
+  if (!make_certificate(folder, "first")) GTEST_SKIP() << "openssl is not installed";
+  const Server server(
+      "builtin:knot?tubular=16&radial=8",
+      {"--tls-cert", (folder / "cert.pem").string(), "--tls-key", (folder / "key.pem").string()});
+  ASSERT_TRUE(server.ready()) << server.log();
+  TlsPeer early(server.port());
+  EXPECT_EQ(early.name(), "first");
+  ASSERT_TRUE(make_certificate(folder, "second"));
+  EXPECT_EQ(TlsPeer(server.port()).name(), "first") << "not before the signal";
+  kill(server.pid(), SIGHUP);
+  EXPECT_TRUE(soon([&] { return TlsPeer(server.port()).name() == "second"; })) << server.log();
+  EXPECT_TRUE(early.healthy()) << "who was there goes on";
+  // A key that is another's changes nothing.
+  fs::rename(folder / "cert.pem", folder / "cert2.pem");
+  ASSERT_TRUE(make_certificate(folder, "third"));
+  fs::rename(folder / "cert2.pem", folder / "cert.pem");
+  kill(server.pid(), SIGHUP);
+  EXPECT_TRUE(says(server, "the certificate stays as it is")) << server.log();
+  EXPECT_EQ(TlsPeer(server.port()).name(), "second");
+  EXPECT_TRUE(early.healthy());
+}
+
+}  // namespace
+}  // namespace mirage::test
