@@ -37,7 +37,7 @@ target_link_libraries(mirage_e2e_shared_store PRIVATE mirage_source)
 # A store that takes longer than 10 ms is done without, as it does on a machine with too much to do: alone, please.
 set_tests_properties(e2e_shared_store PROPERTIES RUN_SERIAL ON)
 mirage_e2e(relay)
-add_dependencies(mirage_e2e_relay mirage-relay)
+add_dependencies(mirage_e2e_relay mirage-relay mirage-link)
 mirage_e2e(operations)
 target_compile_definitions(mirage_e2e_operations PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 # Scenes of its own, frames, and TLS.

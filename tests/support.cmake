@@ -13,3 +13,7 @@ target_link_libraries(mirage_test_rigs PUBLIC mirage_server_core mirage_client_c
 add_executable(mirage-relay relay/main.cpp relay/shaped_direction.cpp)
 mirage_target(mirage-relay TEST PCH none)
 target_link_libraries(mirage-relay PRIVATE mirage_cli)
+# The same with packets that are lost, for who may make network namespaces.
+add_executable(mirage-link relay/link_main.cpp relay/packet_direction.cpp)
+mirage_target(mirage-link TEST PCH none)
+target_link_libraries(mirage-link PRIVATE mirage_cli nlohmann_json::nlohmann_json)

@@ -1,0 +1,51 @@
+#pragma once
+// One direction of a link that carries packets: each is transmitted behind those before it,
+// delayed, and sometimes lost or overtaken. Thread: any one; time is what it is told. Full: what
+// does not fit into its buffer is dropped.
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <random>
+#include <string>
+
+namespace mirage {
+
+struct PacketShape {
+  double delay_ms = 0;         ///< one way
+  double rate_mbps = 0;        ///< 0: any
+  double loss_percent = 0;     ///< of packets
+  double reorder_percent = 0;  ///< of packets: these come kLateMs after their time
+  double buffer_ms = 100;      ///< what may wait to be transmitted, at the rate
+  std::uint32_t seed = 1;
+};
+
+class PacketDirection {
+ public:
+  explicit PacketDirection(const PacketShape& shape) : shape_(shape), random_(shape.seed) {}
+
+  struct Counts {
+    std::uint64_t packets = 0, lost = 0, dropped = 0, late = 0;
+  };
+
+  void put(std::string packet, std::int64_t now_us);
+  /// The next that has arrived by now.
+  std::optional<std::string> take(std::int64_t now_us);
+  /// When one arrives next; INT64_MAX: nothing is under way.
+  std::int64_t next_us() const {
+    return under_way_.empty() ? INT64_MAX : under_way_.begin()->first;
+  }
+  const Counts& counts() const { return counts_; }
+
+ private:
+  bool chance(double percent);
+
+  const PacketShape shape_;
+  std::mt19937 random_;
+  std::multimap<std::int64_t, std::string> under_way_;  ///< by when they arrive
+  std::int64_t free_us_ = 0;                            ///< all that is there is transmitted
+  Counts counts_;
+};
+
+}  // namespace mirage
