@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <new>
 
 #include "protocol/base/bytes.h"
 #include "protocol/base/clock.h"
@@ -246,7 +247,12 @@ struct Endpoint::Impl {
     inbound.insert(inbound.end(), bytes, bytes + n);
     if (!lws_is_final_fragment(wsi) || to_come > 0) return 0;
     const Bytes whole = std::exchange(inbound, {});
-    const Result<void> done = hub->receive(connection.session, whole.data(), whole.size());
+    Result<void> done;
+    try {
+      done = hub->receive(connection.session, whole.data(), whole.size());
+    } catch (const std::bad_alloc&) {
+      done = make_error(ErrorId::kBusy, "there is no memory for what is asked");
+    }
     if (!done) {
       const bool stranger = !hub->greeted(connection.session);
       if (stranger) admission.note_failure(*connection.address, clock.now_us());

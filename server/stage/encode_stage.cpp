@@ -1,7 +1,10 @@
 #include "server/stage/encode_stage.h"
 
+#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <unistd.h>
+
+#include <new>
 
 #include "protocol/base/clock.h"
 #include "protocol/impostor/tile_key.h"
@@ -70,6 +73,28 @@ void EncodeStage::finish(RenderedReference& drawn) {
   announce(FinishedReference{session, encode_reference(std::move(drawn))});
 }
 
+void EncodeStage::work(EncodeJob& job, const PreparedScene& scene) {
+  try {
+    finish(job, scene);
+  } catch (const std::bad_alloc&) {
+    spdlog::warn("refused: there is no memory to encode something");
+    refuse(job);
+  }
+}
+
+void EncodeStage::refuse(const EncodeJob& job) {
+  if (const auto* rendered = std::get_if<RenderedTile>(&job)) {
+    announce(TooLargeTile{rendered->job.id});
+  } else if (const auto* form = std::get_if<FormJob>(&job)) {
+    announce(FinishedTile{form->id, form->codec, form->lossless});
+  } else if (const auto* view = std::get_if<RenderedView>(&job)) {
+    announce(FinishedView{view->id, nullptr});
+  } else {
+    const auto& full = std::get<RenderedReference>(job);
+    announce(refused_reference(full.session, full.request_id));
+  }
+}
+
 void EncodeStage::finish(EncodeJob& job, const PreparedScene& scene) {
   if (const auto* rendered = std::get_if<RenderedTile>(&job)) {
     finish(*rendered, *scene.description(rendered->job.key.object));
@@ -85,14 +110,14 @@ void EncodeStage::finish(EncodeJob& job, const PreparedScene& scene) {
 void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers) {
   for (int i = 0; i < workers; ++i) {
     workers_.emplace_back([this, scene] {
-      while (std::optional<EncodeJob> job = queues_.rendered.pop()) finish(*job, *scene);
+      while (std::optional<EncodeJob> job = queues_.rendered.pop()) work(*job, *scene);
     });
   }
   workers_.emplace_back([this, scene] {
     give_way();
     while (std::optional<EncodeJob> job = queues_.slow.pop()) {
       queues_.tiles.look_again();  // there is room for the next
-      finish(*job, *scene);
+      work(*job, *scene);
     }
   });
 }

@@ -30,6 +30,9 @@ class EncodeStage {
   void join();
 
  private:
+  /// Finishes it, or refuses it where memory lacks.
+  void work(EncodeJob& job, const PreparedScene& scene);
+  void refuse(const EncodeJob& job);
   void finish(const RenderedTile& rendered, const ObjectDescription& object);
   void finish(const FormJob& job);
   void finish(const RenderedView& drawn);

@@ -3,12 +3,14 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
+#include <new>
 
 #include "protocol/base/limits.h"
 #include "protocol/impostor/tile_key.h"
 #include "server/render/reference_renderer.h"
 #include "server/render/tile_page.h"
 #include "server/stage/gl_world.h"
+#include "server/tile/reference_encode.h"
 #include "server/tile/stage_queues.h"
 #include "shaders/gl/health.h"
 
@@ -56,74 +58,79 @@ Result<void> SlowWork::begin_picture(const SceneShot& shot) {
   if (world_.scene_bytes() + world_.pages->gpu_bytes() + bytes > most_bytes_) {
     return make_error(ErrorId::kGraphicsGl, "a picture of the scene is over --gpu-mb");
   }
-  if (Result<void> begun = world_.references->begin(shot, slice_samples_); !begun) return begun;
-  started_us_ = queues_.clock.now_us();
-  return {};
+  return world_.references->begin(shot, slice_samples_);
 }
 
-Result<void> SlowWork::begin(ViewJob job) {
-  if (software_ && !job.home) job.shot.supersample = 1;
-  const Result<void> begun = begin_picture(job.shot);
-  if (Result<void> healthy = gl::check_health("beginning a view"); !healthy) return healthy;
-  if (begun) {
-    job_ = std::move(job);
-    return {};
-  }
-  spdlog::warn("{}", begun.error().line());
-  announce(FinishedView{job.id, nullptr});
-  return {};
+Result<void> SlowWork::begin_tile(const TileJob& job) {
+  if (world_.pages->begin_slow(job, slice_samples_)) return {};
+  return make_error(ErrorId::kGraphicsGl, "there is no room for a tile");
 }
 
-Result<void> SlowWork::begin(ReferenceJob job) {
-  const Result<void> begun = begin_picture(job.shot);
-  if (Result<void> healthy = gl::check_health("beginning a full render"); !healthy) return healthy;
-  ++queues_.counters.references_rendered;
-  if (begun) {
-    job_ = std::move(job);
-    return {};
+Result<void> SlowWork::begin(Job job) {
+  if (auto* view = std::get_if<ViewJob>(&job); view && software_ && !view->home) {
+    view->shot.supersample = 1;
   }
-  spdlog::warn("{}", begun.error().line());
-  wire::RefusedT refused;
-  refused.request_id = job.request_id;
-  refused.reason = wire::RefusalReason::TooLarge;
-  announce(FinishedReference{job.session, encode_message(std::move(refused))});
-  return {};
-}
-
-Result<void> SlowWork::begin(TileJob job) {
-  const bool begun = world_.pages->begin_slow(job, slice_samples_);
-  if (Result<void> healthy = gl::check_health("beginning a large tile"); !healthy) return healthy;
-  if (!begun) {
-    announce(TooLargeTile{job.id});
-    return {};
-  }
-  started_us_ = queues_.clock.now_us();
+  if (std::holds_alternative<ReferenceJob>(job)) ++queues_.counters.references_rendered;
   job_ = std::move(job);
+  started_us_ = queues_.clock.now_us();
+  Result<void> begun;
+  try {
+    const auto* tile = std::get_if<TileJob>(&job_);
+    const auto* view = std::get_if<ViewJob>(&job_);
+    begun = tile   ? begin_tile(*tile)
+            : view ? begin_picture(view->shot)
+                   : begin_picture(std::get<ReferenceJob>(job_).shot);
+  } catch (const std::bad_alloc&) {
+    begun = make_error(ErrorId::kGraphicsGl, "there is no memory for it");
+  }
+  if (Result<void> healthy = gl::check_health("beginning slow work"); !healthy) return healthy;
+  if (!begun) refuse(begun.error());
   return {};
+}
+
+void SlowWork::refuse(const Error& why) {
+  spdlog::warn("refused: {}", why.line());
+  if (const auto* tile = std::get_if<TileJob>(&job_)) {
+    announce(TooLargeTile{tile->id});
+  } else if (const auto* view = std::get_if<ViewJob>(&job_)) {
+    announce(FinishedView{view->id, nullptr});
+  } else {
+    const ReferenceJob& full = std::get<ReferenceJob>(job_);
+    announce(refused_reference(full.session, full.request_id));
+  }
+  drop();
 }
 
 Result<void> SlowWork::draw_slice() {
-  if (auto* tile = std::get_if<TileJob>(&job_)) {
-    const std::shared_ptr<const PagePixels> pixels = world_.pages->draw_slow_slice();
-    if (Result<void> healthy = gl::check_health("a slice of a tile"); !healthy) return healthy;
-    if (!pixels) return {};
-    ++queues_.counters.pages_rendered;
-    ++queues_.counters.tiles_rendered;
-    RenderedTile done{std::move(*tile), pixels, 0, 0, 0, 0};
-    done.queue_us = static_cast<std::uint32_t>(started_us_ - done.job.queued_us);
-    done.render_us = static_cast<std::uint32_t>(queues_.clock.now_us() - started_us_);
-    drop();
-    queues_.slow.push(std::move(done));
-    return {};
-  }
   if (std::holds_alternative<ReferenceJob>(job_) && !queues_.tiles.reference_wanted()) {
     drop();
     return {};
   }
-  std::optional<SceneFrame> frame = world_.references->draw_slice();
-  if (Result<void> healthy = gl::check_health("a slice of a picture"); !healthy) return healthy;
+  std::shared_ptr<const PagePixels> pixels;
+  std::optional<SceneFrame> frame;
+  try {
+    if (std::holds_alternative<TileJob>(job_)) {
+      pixels = world_.pages->draw_slow_slice();
+    } else {
+      frame = world_.references->draw_slice();
+    }
+  } catch (const std::bad_alloc&) {
+    refuse(make_error(ErrorId::kGraphicsGl, "there is no memory for it"));
+  }
+  if (Result<void> healthy = gl::check_health("a slice of slow work"); !healthy) return healthy;
+  if (pixels) hand_over(std::move(pixels));
   if (frame) hand_over(std::move(*frame));
   return {};
+}
+
+void SlowWork::hand_over(std::shared_ptr<const PagePixels> pixels) {
+  ++queues_.counters.pages_rendered;
+  ++queues_.counters.tiles_rendered;
+  RenderedTile done{std::get<TileJob>(std::move(job_)), std::move(pixels), 0, 0, 0, 0};
+  done.queue_us = static_cast<std::uint32_t>(started_us_ - done.job.queued_us);
+  done.render_us = static_cast<std::uint32_t>(queues_.clock.now_us() - started_us_);
+  drop();
+  queues_.slow.push(std::move(done));
 }
 
 void SlowWork::hand_over(SceneFrame frame) {

@@ -29,19 +29,23 @@ class SlowWork {
   bool has_room() const;
   bool under_way() const { return !std::holds_alternative<std::monostate>(job_); }
 
-  // What cannot be drawn within --gpu-mb is refused. Error kGraphicsGl: the device has failed.
-  Result<void> begin(ViewJob job);
-  Result<void> begin(ReferenceJob job);
-  Result<void> begin(TileJob job);
+  using Job = std::variant<std::monostate, ViewJob, ReferenceJob, TileJob>;
+  /// What there is no room for, within --gpu-mb or at all, is refused. Error kGraphicsGl: the
+  /// device has failed.
+  Result<void> begin(Job job);
   /// Draws a slice; hands over what is whole. Something must be under way. Errors as begin().
   Result<void> draw_slice();
   /// What is under way is not wanted.
   void drop();
 
  private:
-  /// Error kGraphicsGl: there is no room for it.
+  // Error kGraphicsGl: there is no room for it.
   Result<void> begin_picture(const SceneShot& shot);
+  Result<void> begin_tile(const TileJob& job);
+  /// What is under way, which is dropped.
+  void refuse(const Error& why);
   void hand_over(SceneFrame frame);
+  void hand_over(std::shared_ptr<const PagePixels> pixels);
   void announce(Completion done);
 
   StageQueues& queues_;
@@ -51,7 +55,7 @@ class SlowWork {
   const bool software_;
   const double slice_samples_;
   const std::uint32_t slow_edge_;
-  std::variant<std::monostate, ViewJob, ReferenceJob, TileJob> job_;
+  Job job_;
   std::int64_t started_us_ = 0;
 };
 

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "server/stage/render_options.h"
+#include "server/tile/reference_encode.h"
 #include "server/tile/stage_queues.h"
 
 namespace mirage {
@@ -48,10 +49,7 @@ void StandInStage::run(double tile_ms) {
       queues_.completions.push(FinishedView{view->id, nullptr});
       wake_();
     } else if (const auto* full = std::get_if<ReferenceJob>(&*work)) {
-      wire::RefusedT refused;
-      refused.request_id = full->request_id;
-      refused.reason = wire::RefusalReason::TooLarge;
-      queues_.completions.push(FinishedReference{full->session, encode_message(refused)});
+      queues_.completions.push(refused_reference(full->session, full->request_id));
       wake_();
     } else {
       for (TileJob& job : std::get<std::vector<TileJob>>(*work)) {

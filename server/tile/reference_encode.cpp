@@ -17,6 +17,13 @@ void append(Bytes& out, std::vector<T>& plane) {
 
 }  // namespace
 
+FinishedReference refused_reference(SessionId session, std::uint32_t request_id) {
+  wire::RefusedT refused;
+  refused.request_id = request_id;
+  refused.reason = wire::RefusalReason::TooLarge;
+  return {session, encode_message(std::move(refused))};
+}
+
 Bytes encode_reference(RenderedReference&& drawn) {
   wire::ReferenceReplyT reply;
   reply.request_id = drawn.request_id;

@@ -71,6 +71,8 @@ RenderTarget::RenderTarget(int width, int height, const std::vector<GLenum>& col
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_.id(), 0);
   }
   ok_ = glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+  // There is no room for it: nothing else has failed.
+  if (glGetError() != GL_NO_ERROR) ok_ = false;
 }
 
 void RenderTarget::bind() const {

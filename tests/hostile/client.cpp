@@ -25,6 +25,19 @@ wire::Ask new_tile(std::uint32_t request, std::uint8_t size_class, std::uint32_t
   return {request, 0, 0, error_px, deadline_ms, 8, x, y, 12, 2, size_class, kLitTile, 0};
 }
 
+wire::ReferenceRequestT full_render(std::uint32_t request, std::uint32_t width,
+                                    std::uint32_t height) {
+  wire::ReferenceRequestT m;
+  m.request_id = request;
+  m.eye = std::make_unique<wire::Vec3d>(0, 0, 4);
+  m.rotation = std::make_unique<wire::Quat>(1, 0, 0, 0);
+  m.fov_y = 0.8;
+  m.width = width;
+  m.height = height;
+  m.supersample = 1;
+  return m;
+}
+
 Client::Client(int port, const std::string& token, const PeerFrom& from) : socket_(port, from) {
   if (!socket_.open()) return;
   send(hello(token));

@@ -24,6 +24,10 @@ inline constexpr std::uint8_t kSmall = 4, kMiddle = 8, kLargest = 14;
 wire::Ask new_tile(std::uint32_t request, std::uint8_t size_class, std::uint32_t deadline_ms = 0,
                    float error_px = 1);
 
+/// Of the whole scene, one sample a pixel.
+wire::ReferenceRequestT full_render(std::uint32_t request, std::uint32_t width,
+                                    std::uint32_t height);
+
 class Client {
  public:
   /// Says hello and takes in what is told of the scene, unless it is refused: then !greeted().

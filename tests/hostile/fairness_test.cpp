@@ -62,19 +62,6 @@ TEST(Fairness, OneWhoAsksForTheLargestTilesHoldsUpNobody) {
   expect_little_wait(cost);
 }
 
-wire::ReferenceRequestT full_render(std::uint32_t request, std::uint32_t width,
-                                    std::uint32_t height) {
-  wire::ReferenceRequestT m;
-  m.request_id = request;
-  m.eye = std::make_unique<wire::Vec3d>(0, 0, 4);
-  m.rotation = std::make_unique<wire::Quat>(1, 0, 0, 0);
-  m.fov_y = 0.8;
-  m.width = width;
-  m.height = height;
-  m.supersample = 1;
-  return m;
-}
-
 // What came for a full render: a reply, or why not.
 struct FullRender {
   int replies = 0;
