@@ -1,6 +1,7 @@
 // A server whose graphics driver or whose disk fails.
 
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -33,8 +34,9 @@ nlohmann::json load(const std::string& url, int seconds) {
 class GlFault : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(GlFault, EndsTheServerWithFourAndNoWrongTileGoesOut) {
-  Server server(kScene, {"--no-view"},
-                {preload(), std::string("FAULT_GL=") + GetParam(), "FAULT_AFTER=12"});
+  // Errors are asked for as the server starts, too, once for each target.
+  const std::string kind = GetParam(), after = kind == "error" ? "40" : "12";
+  Server server(kScene, {"--no-view"}, {preload(), "FAULT_GL=" + kind, "FAULT_AFTER=" + after});
   ASSERT_TRUE(server.ready()) << server.log();
   const nlohmann::json clients = load(server.url(), 3);
   EXPECT_EQ(server.wait(10), 4) << server.log();
@@ -105,6 +107,57 @@ TEST(DiskFault, ASlowDirectoryChangesNobodysWaitingTime) {
   // A look that takes 10 ms is given up; twice the usual and that, for the noise of two servers.
   EXPECT_LT(slow_p99, 2 * plain_p99 + 20);
   EXPECT_EQ(beside.stop(SIGTERM), 0) << beside.log();
+}
+
+// A disk of 256 KiB of its own, for who may mount one.
+class SmallDisk {
+ public:
+  explicit SmallDisk(const std::string& at) : at_(at) {
+    fs::create_directories(at_);
+    mounted_ = mount("none", at_.c_str(), "tmpfs", 0, "size=256k") == 0;
+  }
+  ~SmallDisk() {
+    if (mounted_) umount2(at_.c_str(), MNT_DETACH);
+  }
+  bool mounted() const { return mounted_; }
+  std::uintmax_t free_bytes() const { return fs::space(at_).available; }
+  void empty() const {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::recursive_directory_iterator(at_)) {
+      if (entry.is_regular_file()) files.push_back(entry.path());
+    }
+    for (const fs::path& file : files) fs::remove(file);
+  }
+
+ private:
+  const std::string at_;
+  bool mounted_ = false;
+};
+
+TEST(DiskFault, AFullDiskIsSaidOnceAndTilesGoOnWithoutIt) {
+  const std::string folder = scratch_folder() + "/disk";
+  const SmallDisk disk(folder);
+  if (!disk.mounted()) GTEST_SKIP() << "only root may mount a disk";
+  Server server(kScene, {"--cache-dir", folder, "--metrics", "--cache-mb", "1"});
+  ASSERT_TRUE(server.ready()) << server.log();
+  const auto times_said = [&](const std::string& text) {
+    const std::string log = server.log();
+    int out = 0;
+    for (std::size_t at = log.find(text); at != std::string::npos; at = log.find(text, at + 1)) {
+      ++out;
+    }
+    return out;
+  };
+  const nlohmann::json full = load(server.url(), 3);
+  EXPECT_GT(full.value("tiles", 0), 60);
+  EXPECT_EQ(full.value("verify_failures", -1), 0);
+  EXPECT_LT(disk.free_bytes(), 16384u);
+  EXPECT_GT(times_said("cannot be written (No space left on device)"), 0) << server.log();
+  EXPECT_LT(times_said("cannot be written"), 10) << "not at each tile";
+  disk.empty();
+  EXPECT_EQ(load(server.url(), 2).value("verify_failures", -1), 0);
+  EXPECT_GT(times_said("can be written again"), 0);
+  EXPECT_EQ(server.stop(SIGTERM), 0);
 }
 
 }  // namespace
