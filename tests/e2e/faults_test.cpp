@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -107,6 +108,34 @@ TEST(DiskFault, ASlowDirectoryChangesNobodysWaitingTime) {
   // A look that takes 10 ms is given up; twice the usual and that, for the noise of two servers.
   EXPECT_LT(slow_p99, 2 * plain_p99 + 20);
   EXPECT_EQ(beside.stop(SIGTERM), 0) << beside.log();
+}
+
+// An hour every two seconds. Only the ends of tokens and the log go by the wall clock.
+TEST(ClockFault, AClockThatIsSetBackChangesNobodysWaitingTime) {
+  const std::string folder = scratch_folder() + "/cache";
+  Server plain(kScene);
+  Server beside(kScene, {"--cache-dir", folder, "--drain-s", "2"},
+                {preload(), "FAULT_CLOCK_S=3600"});
+  ASSERT_TRUE(plain.ready() && beside.ready()) << beside.log();
+  double plain_p99 = 0, set_back_p99 = 0;
+  for (int round = 0; round < 2; ++round) {
+    const nlohmann::json usual = load(plain.url(), 4), set_back = load(beside.url(), 4);
+    EXPECT_EQ(set_back["errors"].size(), 0u) << set_back.dump();
+    EXPECT_EQ(set_back.value("verify_failures", 1), 0);
+    plain_p99 = std::max(plain_p99, usual["latency_ms"].value("p99", 0.0));
+    set_back_p99 = std::max(set_back_p99, set_back["latency_ms"].value("p99", 1e9));
+  }
+  std::printf("p99 of a tile: %.1f ms, beside a clock that is set back: %.1f ms\n", plain_p99,
+              set_back_p99);
+  EXPECT_LT(set_back_p99, 2 * plain_p99 + 20);
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_EQ(beside.stop(SIGTERM), 0) << beside.log();
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(5));
+  // Its log shows that the clock went back.
+  const std::string log = beside.log();
+  const std::size_t end = log.rfind(" info stopped");
+  ASSERT_NE(end, std::string::npos) << log;
+  EXPECT_NE(log.substr(0, 2), log.substr(log.rfind('\n', end) + 1, 2)) << log;
 }
 
 // A disk of 256 KiB of its own, for who may mount one.

@@ -1,12 +1,16 @@
 // A library to be preloaded (LD_PRELOAD) into a program under test: GL and files that fail.
 //   FAULT_GL=map|unmap|fence|error|reset   what fails, from the FAULT_AFTER-th call on
 //   FAULT_FOLDER=PATH FAULT_MS=N           opening a file below it takes so long
+//   FAULT_CLOCK_S=N                        the wall clock is set back by so much after 2 s, again
+//                                          and again
 
 #include <GL/gl.h>
 #include <GL/glext.h>
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <stdarg.h>
+#include <sys/time.h>
+#include <time.h>
 
 #include <atomic>
 #include <chrono>
@@ -42,9 +46,47 @@ void wait_for_disk(const char* path) {
   std::this_thread::sleep_for(std::chrono::milliseconds(ms));
 }
 
+decltype(clock_gettime)* real_clock() {
+  static const auto real = original<decltype(clock_gettime)>("clock_gettime");
+  return real;
+}
+
+/// Seconds that the wall clock is behind by now: every two seconds more.
+time_t set_back_s() {
+  static const time_t step_s = std::atol(set_to("FAULT_CLOCK_S").c_str());
+  static const time_t began_s = [] {
+    timespec at{};
+    real_clock()(CLOCK_MONOTONIC, &at);
+    return at.tv_sec;
+  }();
+  timespec now{};
+  real_clock()(CLOCK_MONOTONIC, &now);
+  return step_s * ((now.tv_sec - began_s) / 2);
+}
+
 }  // namespace
 
 extern "C" {
+
+int clock_gettime(clockid_t clock, timespec* at) noexcept {
+  const int result = real_clock()(clock, at);
+  if (clock == CLOCK_REALTIME || clock == CLOCK_REALTIME_COARSE) at->tv_sec -= set_back_s();
+  return result;
+}
+
+time_t time(time_t* out) noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  if (out) *out = now.tv_sec;
+  return now.tv_sec;
+}
+
+int gettimeofday(timeval* at, void*) noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  *at = {now.tv_sec, now.tv_nsec / 1000};
+  return 0;
+}
 
 void* glMapBufferRange(GLenum target, GLintptr offset, GLsizeiptr length, GLbitfield access) {
   if (fails("map")) return nullptr;
