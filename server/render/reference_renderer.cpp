@@ -154,6 +154,11 @@ Result<void> ReferenceRenderer::begin(const SceneShot& shot, double slice_sample
   auto next = std::make_unique<Progress>(*scene_, shot, slice_samples);
   const int w = static_cast<int>(shot.camera.width), rows = static_cast<int>(next->target_rows);
   const int s = next->samples();
+  GLint most[2] = {};  // beyond, a viewport is made smaller without a word
+  glGetIntegerv(GL_MAX_VIEWPORT_DIMS, most);
+  if (w * s > most[0] || static_cast<int>(shot.camera.height) * s > most[1]) {
+    return make_error(ErrorId::kGraphicsGl, "a full render is too large for this device");
+  }
   const bool fits = drawn_.ok() && kept_.ok() && drawn_.width() == w * s &&
                     drawn_.height() == rows * s && kept_.width() == w;
   if (!fits) {

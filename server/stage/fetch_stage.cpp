@@ -1,5 +1,9 @@
 #include "server/stage/fetch_stage.h"
 
+#include <spdlog/spdlog.h>
+
+#include <new>
+
 #include "server/tile/stage_queues.h"
 
 namespace mirage {
@@ -26,7 +30,12 @@ void FetchStage::announce(Completion done) {
 
 bool FetchStage::look(const FetchJob& job) {
   const SteadyClock clock;
-  FetchedTile found = queues_.store.fetch(job.id, job.codec);
+  FetchedTile found;
+  try {
+    found = queues_.store.fetch(job.id, job.codec);
+  } catch (const std::bad_alloc&) {
+    spdlog::warn("a tile of the sources is done without: there is no memory for it");
+  }
   queues_.counters.fetch_times.add(clock.now_us());
   const bool there = found.form || found.lossless;
   if (!there && !queues_.store.claim(job.id)) return false;

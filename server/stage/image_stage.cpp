@@ -1,5 +1,9 @@
 #include "server/stage/image_stage.h"
 
+#include <spdlog/spdlog.h>
+
+#include <new>
+
 #include "protocol/base/result.h"
 #include "protocol/codec/image_codec.h"
 #include "protocol/impostor/tile.h"
@@ -12,11 +16,16 @@ namespace mirage {
 
 Bytes ImageStage::encode(const PreparedScene& scene, const ImageLevel& level) {
   const ImageDescription& description = scene.images[level.image];
-  const Image reduced =
-      gl::reduced_image(scene.scene.images[level.image], image_level_size(description, level.level),
-                        description.alpha_cutoff);
-  Result<Bytes> encoded = encode_image(reduced);
-  return encoded ? encoded.take() : Bytes{};
+  try {
+    const Image reduced =
+        gl::reduced_image(scene.scene.images[level.image],
+                          image_level_size(description, level.level), description.alpha_cutoff);
+    Result<Bytes> encoded = encode_image(reduced);
+    if (encoded) return encoded.take();
+  } catch (const std::bad_alloc&) {
+    spdlog::warn("refused: there is no memory to encode an image");
+  }
+  return {};
 }
 
 void ImageStage::start(std::shared_ptr<const PreparedScene> scene) {

@@ -36,10 +36,18 @@ class RenderLoop {
     note_memory();
   }
 
-  /// Error kGraphicsGl: what was under way is not handed on.
-  Result<void> run();
+  /// Errors: kGraphicsGl, what was under way is not handed on; kInternal: there was no memory left
+  /// for a page of small tiles.
+  Result<void> run_within_memory() {
+    try {
+      return run();
+    } catch (const std::bad_alloc&) {
+      return make_error(ErrorId::kInternal, "there is no memory left");
+    }
+  }
 
  private:
+  Result<void> run();
   Result<void> draw(TileQueue::Work work, const PagePacker& packer);
   Result<void> draw(std::vector<TileJob> jobs, const PagePacker& packer);
   /// What is done; waits for one page if `wait`.
@@ -180,7 +188,7 @@ void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions 
   queues_.counters.shader_programs = gl::programs_compiled();
   RenderLoop loop(queues_, wake_, world.take(), options, context->software());
   ready(context->description());
-  const Result<void> ended = loop.run();
+  const Result<void> ended = loop.run_within_memory();
   if (ended) return;
   spdlog::error("{}", ended.error().line());
   queues_.completions.push(RendererFailure{ended.error()});

@@ -124,6 +124,17 @@ TEST_F(Slices, ALargePictureIsMadeOfPartsThatMeet) {
   EXPECT_LT(most, kWidth / 500);
 }
 
+// The device would shrink its viewport without a word.
+TEST_F(Slices, APictureBeyondTheDevicesViewportIsRefused) {
+  open("builtin:knot?tubular=60&radial=12");
+  SceneShot tall = shot(64, 8192, 0);
+  tall.supersample = 1;
+  EXPECT_TRUE(pictures_->begin(tall));
+  tall.supersample = 16;
+  EXPECT_FALSE(pictures_->begin(tall));
+  EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
+}
+
 TEST_F(Slices, ATileIsTheSameHoweverItIsCut) {
   for (const char* scene : {"builtin:forest?trees=6&clutter=20", "builtin:clutter?objects=40"}) {
     open(scene);
