@@ -21,6 +21,10 @@ function(mirage_target name)
                          $<$<CXX_COMPILER_ID:Clang>:-Wno-bitwise-conditional-parentheses>
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarms of GCC 12 on std::string
                          -fno-math-errno)
+  if(EMSCRIPTEN)
+    target_compile_options(${name} PRIVATE -fno-exceptions -fno-rtti)
+    return()
+  endif()
   # A bundle's libraries lie beside its programs (scripts/bundle); also those of its libraries, hence the old tag.
   set_target_properties(${name} PROPERTIES BUILD_RPATH "$ORIGIN/../lib")
   get_target_property(kind ${name} TYPE)

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "protocol/base/cli.h"
+#include "server/net/web_pages.h"
 #include "server/scene/builtin/builtin_scene.h"
 
 namespace mirage {
@@ -23,7 +24,8 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   CLI::App app("Holds a scene and renders impostor tiles of it on request.", "mirage-server");
   app.footer(footer());
   std::string listen = "127.0.0.1:9870", codec = "auto", store, admin;
-  bool no_geometry = false, no_reference = false, references = false, no_view = false;
+  bool no_geometry = false, no_reference = false, references = false, no_view = false,
+       no_web = false;
   std::string shadows = "off";
   app.add_option("SCENE", o.scene,
                  "a .glb or .gltf file[?variant=NAME], or builtin:NAME[?key=value&…]");
@@ -91,6 +93,11 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   app.add_option(
       "--allow-origin", o.endpoint.allow_origin,
       "a browser's page may come from this origin, too (default: from this server's own host)");
+  CLI::Option* web = app.add_option(
+      "--web", o.endpoint.web,
+      "folder of the viewer's page for browsers, served at / (default: beside this program, where "
+      "scripts/web or an installation put it)");
+  app.add_flag("--no-web", no_web, "serve no page to browsers")->excludes(web);
   app.add_option("--drain-s", o.endpoint.drain_s,
                  "once told to stop: for how long what was asked for is still served")
       ->check(CLI::Range(0.0, 3600.0))
@@ -171,6 +178,7 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
     if (!access) return fail(access.error());
     o.session.access = access.take();
   }
+  if (!no_web && o.endpoint.web.empty()) o.endpoint.web = web_folder_beside_program();
   o.session.geometry = !no_geometry;
   // A full render has depth from anywhere, which is geometry; and it takes the renderer for long.
   const bool unasked = !no_geometry && is_loopback(o.endpoint.address);

@@ -16,6 +16,7 @@
 #include "protocol/codec/model_codec.h"
 #include "protocol/model/animation.h"
 #include "protocol/model/model.h"
+#include "shaders/gl/dialect.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/sky_pass.h"
 
@@ -220,7 +221,7 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& shown, const S
   p.mesh_pass->reset_draw_calls();
   p.draw_shadow_map(scene, list.casters);
   target.bind();
-  glEnable(GL_FRAMEBUFFER_SRGB);
+  gl::encode_srgb(true);
   glDepthMask(GL_TRUE);
   const gl::ViewDepth view_depth;
   glClearColor(0, 0, 0, 0);

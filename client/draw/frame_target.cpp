@@ -61,7 +61,13 @@ Result<void> FrameTarget::make(GLenum drawn_format) {
   }
   resolved_ = gl::Framebuffer::create();
   glBindFramebuffer(GL_FRAMEBUFFER, resolved_.id());
-  resolved_color_ = storage(GL_SRGB8_ALPHA8, GL_COLOR_ATTACHMENT0, width_, height_, 0);
+  resolved_color_ = gl::Texture::create();
+  glBindTexture(GL_TEXTURE_2D, resolved_color_.id());
+  glTexStorage2D(GL_TEXTURE_2D, 1, GL_SRGB8_ALPHA8, width_, height_);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, resolved_color_.id(),
+                         0);
   if (ok && complete()) return {};
   return make_error(ErrorId::kGraphicsGl, "no framebuffer of " + std::to_string(width_) + "x" +
                                               std::to_string(height_) + " can be made");
@@ -107,12 +113,9 @@ std::vector<std::uint8_t> FrameTarget::read() const {
   return down;
 }
 
-void FrameTarget::show() const {
+GLuint FrameTarget::resolved_texture() const {
   resolve();
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-  glDisable(GL_FRAMEBUFFER_SRGB);  // copy the encoded bytes as they are
-  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  glEnable(GL_FRAMEBUFFER_SRGB);
+  return resolved_color_.id();
 }
 
 std::size_t FrameTarget::gpu_bytes() const {

@@ -25,8 +25,10 @@ class FrameTarget {
   void copy_to(const gl::Framebuffer& to) const;
   /// Of what is drawn.
   GLenum format() const { return format_; }
-  /// Resolves to the window's framebuffer (0).
-  void show() const;
+  /// Resolves, and the texture (sRGB, 8 bits) that has the picture then.
+  GLuint resolved_texture() const;
+  /// The same for reading, GL_READ_FRAMEBUFFER bound to it.
+  void resolve() const;
   /// The camera of a picture, as it is drawn: of another size where it is enlarged.
   Camera drawn_camera(const Camera& camera) const;
   bool enlarges() const { return drawn_width_ != width_ || drawn_height_ != height_; }
@@ -42,13 +44,12 @@ class FrameTarget {
  private:
   Result<void> make(GLenum drawn_format);
   void copy(const gl::Framebuffer& from, const gl::Framebuffer& to) const;
-  /// The samples of a pixel averaged, and encoded to 8 bits, in resolved_.
-  void resolve() const;
   gl::Framebuffer draw_;
   gl::Framebuffer averaged_;  ///< of more than 8 bits: they are averaged before they are encoded
   gl::Renderbuffer averaged_color_;
   gl::Framebuffer resolved_;
-  gl::Renderbuffer color_, depth_, resolved_color_;
+  gl::Renderbuffer color_, depth_;
+  gl::Texture resolved_color_;
   int width_ = 0, height_ = 0, samples_ = 0;
   int drawn_width_ = 0, drawn_height_ = 0;
   GLenum format_ = 0;

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "client/draw/frame_renderer.h"
-#include "client/draw/impostor_atlas.h"
 #include "client/frame/asset_id.h"
 #include "client/hold/tile_cache.h"
 #include "client/link/link.h"
@@ -13,6 +12,7 @@
 #include "client/native/native_link.h"
 #include "client/native/server_url.h"
 #include "client/scene/scene_view.h"
+#include "client/screen/renderer_sink.h"
 #include "client/session/client_session.h"
 #include "client/session/session_parts.h"
 #include "client/session/tile_sink.h"
@@ -26,11 +26,8 @@ namespace {
 constexpr int kReferenceTimeoutMs = 120'000;
 constexpr int kReplyTimeoutMs = 30'000;
 constexpr std::int64_t kScenePatienceUs = 20'000'000;
-constexpr int kLayerMb = kAtlasEdge * kAtlasEdge * kAtlasTexelBytes >> 20;
 
 }  // namespace
-
-int atlas_layers(int megabytes) { return std::max(1, megabytes / kLayerMb); }
 
 ClientHost::ClientHost(HostOptions options, FrameRenderer& renderer)
     : options_(std::move(options)), renderer_(renderer) {
@@ -47,42 +44,11 @@ ClientHost::ClientHost(HostOptions options, FrameRenderer& renderer)
 ClientHost::~ClientHost() = default;
 
 TileSink ClientHost::sink() {
-  TileSink sink;
-  const auto say = [](const Result<void>& uploaded) {
-    if (!uploaded) spdlog::error("{}", uploaded.error().line());
-  };
-  sink.tile = [this, say](const TileRecord& record, const TilePixels& pixels) {
-    options_.content_changed();
-    say(renderer_.upload(record, pixels));
-  };
-  sink.shadow = [this, say](const ShadowRecord& record, const std::vector<std::uint8_t>& shares) {
-    options_.content_changed();
-    say(renderer_.upload_shadow(record, shares));
-  };
-  sink.caster = [this, say](const ShadowRecord& record, const std::vector<std::uint8_t>& codes) {
-    options_.content_changed();
-    say(renderer_.upload_caster(record, codes));
-  };
-  sink.mesh = [this, say](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
-    options_.content_changed();
-    say(renderer_.add_mesh(object, lod, std::move(model)));
-  };
-  sink.image = [this](std::uint32_t index, const Image& image) {
-    options_.content_changed();
-    renderer_.add_image(session_->scene(), index, image);
-  };
-  // What the frame draws is never dropped: the picture stays.
-  sink.drop = [this](const AssetId& id) { renderer_.drop(session_->scene(), id); };
-  sink.view = [this](const ViewTile& view) {
-    options_.content_changed();
-    renderer_.upload_view(view);
-  };
-  sink.scene = [this](const SceneView& scene) {
-    options_.content_changed();
-    const Result<void> ready = renderer_.reset(scene);
-    if (!ready) spdlog::warn("{}", ready.error().line());
-  };
-  return sink;
+  SinkHooks hooks;
+  hooks.scene = [this]() -> const SceneView& { return session_->scene(); };
+  hooks.changed = options_.content_changed;
+  hooks.failed = [](const Error& error) { spdlog::error("{}", error.line()); };
+  return renderer_sink(renderer_, std::move(hooks));
 }
 
 Result<void> ClientHost::open() {

@@ -23,10 +23,6 @@ struct LinkTraffic;
 struct LinkUse;
 struct TileSink;
 
-inline constexpr int kAtlasEdge = 1024;
-/// Layers of the atlas that fit into this much graphics memory with all planes; at least one.
-int atlas_layers(int megabytes);
-
 struct HostOptions {
   std::string url;
   bool virtual_time = false;  ///< time passes only as it is told to; the link is modelled

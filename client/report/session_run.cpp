@@ -10,6 +10,7 @@
 #include "client/host/client_host.h"
 #include "client/host/methods.h"
 #include "client/link/modelled_link.h"
+#include "client/screen/viewer_defaults.h"
 #include "client/session/client_session.h"
 #include "client/session/stillness.h"
 #include "protocol/impostor/tile_key.h"

@@ -5,6 +5,7 @@
 #include "client/frame/draw_list.h"
 #include "client/host/client_host.h"
 #include "client/plan/eight_views.h"
+#include "client/screen/viewer_defaults.h"
 #include "protocol/base/limits.h"
 
 namespace mirage {

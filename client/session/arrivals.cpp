@@ -35,6 +35,13 @@ std::vector<TileCodec> offered_codecs(const wire::WelcomeT& welcome) {
   return out;
 }
 
+Result<Image> image_of_texels(const Bytes& texels, const glm::uvec2& size, bool srgb) {
+  if (texels.size() != std::size_t{size.x} * size.y * 4) {
+    return make_error(ErrorId::kCodec, "an image is not of the size it was asked for");
+  }
+  return Image{size.x, size.y, srgb, texels};
+}
+
 Result<void> accept_page(SceneView& scene, const Message& page) {
   const wire::BodyUnion& body = page.body;
   if (const wire::LightProbePageT* probe = body.AsLightProbePage()) {
@@ -75,13 +82,13 @@ Result<void> Arrivals::handle(Message message, std::int64_t now_us) {
       if (Result<void> taken = take_page(std::move(message)); !taken) return taken;
       break;
     case wire::Body::TileReply:
-      return take_tile(*body.AsTileReply(), message.payload, came_us, now_us);
+      return take_tile(message, came_us, now_us);
     case wire::Body::MeshReply:
-      return take_mesh(*body.AsMeshReply(), message.payload, came_us, now_us);
+      return take_mesh(message, came_us, now_us);
     case wire::Body::ImageReply:
-      return take_image(*body.AsImageReply(), message.payload, came_us, now_us);
+      return take_image(message, came_us, now_us);
     case wire::Body::ViewReply:
-      return take_view(*body.AsViewReply(), message.payload, came_us);
+      return take_view(message, came_us);
     case wire::Body::ReferenceReply:
       return take_reference(*body.AsReferenceReply(), message.payload);
     case wire::Body::Refused:
@@ -171,10 +178,11 @@ Result<void> Arrivals::take_page(Message page) {
   return {};
 }
 
-Result<void> Arrivals::take_tile(const wire::TileReplyT& reply, const Bytes& planes,
-                                 std::int64_t came_us, std::int64_t now_us) {
+Result<void> Arrivals::take_tile(const Message& message, std::int64_t came_us,
+                                 std::int64_t now_us) {
+  const wire::TileReplyT& reply = *message.body.AsTileReply();
   ++s_.tally.received;
-  const std::size_t bytes = tile_credit_bytes(planes.size());
+  const std::size_t bytes = tile_credit_bytes(message.payload_bytes);
   const std::optional<PendingAsk> ask =
       s_.asking.scheduler.finish(reply.request_id, bytes, reply.server_us, came_us);
   if (!ask || !s_.scene.complete()) return {};
@@ -197,10 +205,11 @@ Result<void> Arrivals::take_tile(const wire::TileReplyT& reply, const Bytes& pla
                                                         ask->need.phase, ask->need.light)) {
     return {};
   }
-  const auto codec = static_cast<TileCodec>(reply.codec);
+  const auto codec = message.unpacked ? TileCodec::kRaw : static_cast<TileCodec>(reply.codec);
+  const Bytes& planes = message.payload;
   const Result<void> decoded = decode_tile_planes(planes.data(), planes.size(), codec, *tile);
   if (!decoded) return decoded;
-  s_.tally.note_decoded(reply, planes.size());
+  s_.tally.note_decoded(reply, message.payload_bytes);
   if (!is_picture(tile->channels)) {
     take_shadow(*ask, capture, tile.take());
     return {};
@@ -276,10 +285,12 @@ Result<void> Arrivals::finish_asset(std::uint32_t request_id, const AssetId& id,
   return make_error(ErrorId::kWireValue, "geometry or an image that was not asked for");
 }
 
-Result<void> Arrivals::take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes,
-                                 std::int64_t came_us, std::int64_t now_us) {
+Result<void> Arrivals::take_mesh(const Message& message, std::int64_t came_us,
+                                 std::int64_t now_us) {
+  const wire::MeshReplyT& reply = *message.body.AsMeshReply();
+  const Bytes& bytes = message.payload;
   const AssetId id{AssetId::Kind::kMesh, reply.object, reply.lod};
-  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), came_us);
+  const Result<void> asked = finish_asset(reply.request_id, id, message.payload_bytes, came_us);
   if (!asked) return asked.error();
   if (reply.raw_bytes > s_.options.max_mesh_bytes) {
     return make_error(ErrorId::kWireLimit, "geometry is larger than asked for");
@@ -297,31 +308,34 @@ Result<void> Arrivals::take_mesh(const wire::MeshReplyT& reply, const Bytes& byt
   return {};
 }
 
-Result<void> Arrivals::take_image(const wire::ImageReplyT& reply, const Bytes& bytes,
-                                  std::int64_t came_us, std::int64_t now_us) {
+Result<void> Arrivals::take_image(const Message& message, std::int64_t came_us,
+                                  std::int64_t now_us) {
+  const wire::ImageReplyT& reply = *message.body.AsImageReply();
   const AssetId id{AssetId::Kind::kImage, reply.image, reply.level};
-  const Result<void> asked = finish_asset(reply.request_id, id, bytes.size(), came_us);
+  const Result<void> asked = finish_asset(reply.request_id, id, message.payload_bytes, came_us);
   if (!asked) return asked.error();
   const ImageDescription& description = s_.scene.images[reply.image];
-  Result<Image> image = decode_image(bytes.data(), bytes.size(),
-                                     image_level_size(description, reply.level), description.srgb);
+  const glm::uvec2 size = image_level_size(description, reply.level);
+  Result<Image> image =
+      message.unpacked
+          ? image_of_texels(message.payload, size, description.srgb)
+          : decode_image(message.payload.data(), message.payload.size(), size, description.srgb);
   if (!image) return image.error();
   s_.held.shadows.assets_changed();
-  s_.held.meshes.add_image(s_.scene, reply.image, reply.level, bytes.size(), now_us);
+  s_.held.meshes.add_image(s_.scene, reply.image, reply.level, message.payload_bytes, now_us);
   s_.held.uploads.uploaded(image_gpu_bytes({image->width, image->height}), false);
   if (s_.sink.image) s_.sink.image(reply.image, *image);
   return {};
 }
 
-Result<void> Arrivals::take_view(const wire::ViewReplyT& reply, const Bytes& bytes,
-                                 std::int64_t came_us) {
-  const std::size_t size = bytes.size() + kReplyBytes;
+Result<void> Arrivals::take_view(const Message& message, std::int64_t came_us) {
+  const std::size_t size = message.payload_bytes + kReplyBytes;
   if (s_.scene.complete()) {
     s_.asking.scheduler.note_other(size, came_us);
   } else {
     s_.asking.scheduler.note_opening(size, came_us);
   }
-  const Result<std::shared_ptr<const ViewTile>> view = s_.held.views.take(reply, bytes);
+  const Result<std::shared_ptr<const ViewTile>> view = s_.held.views.take(message);
   if (!view) return view.error();
   if (*view && s_.sink.view) s_.sink.view(**view);
   return {};
@@ -333,7 +347,9 @@ Result<void> Arrivals::take_reference(const wire::ReferenceReplyT& reply, const 
   if (!asked || reply.raw_bytes != pixels * 12) {
     return make_error(ErrorId::kWireValue, "reference frame that was not asked for");
   }
-  Result<Bytes> raw = decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
+  Result<Bytes> raw = reply.raw_bytes == bytes.size()
+                          ? Result<Bytes>(bytes)
+                          : decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
   if (!raw) return raw.error();
   ReferenceFrame frame{reply.width,
                        reply.height,

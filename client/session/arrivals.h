@@ -40,16 +40,13 @@ class Arrivals {
   /// The scene is there, or has grown.
   void take_scene(bool was_complete);
   /// `came_us`: when the link had it.
-  Result<void> take_tile(const wire::TileReplyT& reply, const Bytes& planes, std::int64_t came_us,
-                         std::int64_t now_us);
+  Result<void> take_tile(const Message& message, std::int64_t came_us, std::int64_t now_us);
   Result<void> finish_asset(std::uint32_t request_id, const AssetId& id, std::size_t bytes,
                             std::int64_t came_us);
   void take_shadow(const PendingAsk& ask, const Capture& capture, const Tile& tile);
-  Result<void> take_mesh(const wire::MeshReplyT& reply, const Bytes& bytes, std::int64_t came_us,
-                         std::int64_t now_us);
-  Result<void> take_image(const wire::ImageReplyT& reply, const Bytes& bytes, std::int64_t came_us,
-                          std::int64_t now_us);
-  Result<void> take_view(const wire::ViewReplyT& reply, const Bytes& bytes, std::int64_t came_us);
+  Result<void> take_mesh(const Message& message, std::int64_t came_us, std::int64_t now_us);
+  Result<void> take_image(const Message& message, std::int64_t came_us, std::int64_t now_us);
+  Result<void> take_view(const Message& message, std::int64_t came_us);
   Result<void> take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes);
   void take_refusal(const wire::RefusedT& refused, std::int64_t now_us);
 

@@ -24,13 +24,14 @@ double screen_share(const Camera& camera, const InstanceView& instance) {
 
 }  // namespace
 
-Result<std::shared_ptr<const ViewTile>> ViewStage::take(const wire::ViewReplyT& reply,
-                                                        const Bytes& payload) {
+Result<std::shared_ptr<const ViewTile>> ViewStage::take(const Message& message) {
+  const wire::ViewReplyT& reply = *message.body.AsViewReply();
   if (reply.request_id == 0 || reply.request_id != pending_) {
     return std::shared_ptr<const ViewTile>();
   }
   pending_ = 0;
-  Result<ViewTile> view = decode_view(reply, payload);
+  Result<ViewTile> view = message.unpacked ? view_of_planes(reply, message.payload)
+                                           : decode_view(reply, message.payload);
   if (!view) return view.error();
   view_ = std::make_shared<const ViewTile>(view.take());
   fit_.emplace(*view_);

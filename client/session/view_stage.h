@@ -11,11 +11,11 @@
 
 #include "client/price/view_fit.h"
 #include "client/session/counts.h"
-#include "protocol/base/bytes.h"
 #include "protocol/base/result.h"
 
 namespace mirage {
 
+struct Message;
 struct DrawList;
 struct InstanceView;
 class SceneView;
@@ -39,7 +39,7 @@ class ViewStage {
   }
 
   /// A reply; nullptr: it was not asked for. Error kWireValue, kCodec: it is damaged.
-  Result<std::shared_ptr<const ViewTile>> take(const wire::ViewReplyT& reply, const Bytes& payload);
+  Result<std::shared_ptr<const ViewTile>> take(const Message& message);
   /// True: the refusal was of a view.
   bool refused(const wire::RefusedT& refused, std::int64_t now_us);
 

@@ -82,6 +82,8 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   CLI::App app("Shows a scene from a mirage-server by impostors.", "mirage-view");
   app.footer(
       "Window: W A S D or arrows move, Q E down and up, drag looks, Shift is fast, O the overlay, "
+      "1 to 5 what "
+      "is drawn from what (tile borders, bound, age, geometry), "
       "Esc ends.\nExample: mirage-view ws://127.0.0.1:9870 --offscreen 640x360 --path builtin:walk "
       "--frames 300 --virtual-time --net rtt=100,rate=20 --reference 10 --stats stats.json");
   std::string offscreen, size, net;
@@ -182,6 +184,7 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
       ->check(CLI::IsMember({"auto", "raw", "zstd", "webp"}))
       ->capture_default_str();
   app.add_option("--token-file", o.token_file, "the server's token");
+  app.add_flag("--gles", o.gles, "offscreen: draw with OpenGL ES 3, as in a browser");
   app.add_option("--device", o.device, "EGL device when offscreen")->capture_default_str();
   app.add_option("--connect-timeout", o.connect_timeout_s, "seconds to wait for the server")
       ->check(number_within(0.1, 3600.0))

@@ -50,6 +50,7 @@ struct ViewOptions {
   std::string token_file;
   std::string token;
   std::string device = "auto";
+  bool gles = false;  ///< offscreen on OpenGL ES 3, as a browser draws
   double connect_timeout_s = 10;
 };
 

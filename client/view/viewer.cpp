@@ -7,7 +7,9 @@
 #include <fstream>
 #include <thread>
 
-#include "client/draw/refinement.h"
+#include "client/draw/frame_renderer.h"
+#include "client/draw/insight.h"
+#include "client/draw/presenter.h"
 #include "client/frame/camera_path.h"
 #include "client/hold/tile_cache.h"
 #include "client/host/client_host.h"
@@ -16,7 +18,8 @@
 #include "client/native/native_link.h"
 #include "client/native/server_url.h"
 #include "client/price/cost_fit.h"
-#include "client/session/stillness.h"
+#include "client/screen/picture.h"
+#include "client/screen/viewer_defaults.h"
 #include "client/view/comparison.h"
 #include "client/view/explain_frame.h"
 #include "client/view/overlay.h"
@@ -25,6 +28,7 @@
 #include "protocol/base/quantile.h"
 #include "protocol/impostor/lighting_state.h"
 #include "protocol/impostor/tile_key.h"
+#include "shaders/gl/dialect.h"
 #include "shaders/gl/egl_context.h"
 #include "shaders/gl/renderer.h"
 
@@ -45,7 +49,6 @@ class Viewer {
   Result<void> one_frame(std::int64_t frame);
   Result<void> compare(const Camera& camera, const DrawList& list);
   Result<void> finish();
-  Result<void> make_target(int width, int height, bool blends);
   Result<void> fit_target();
   double frame_budget_ms() const;
   void draw(const Camera& camera, const DrawList& list);
@@ -57,7 +60,7 @@ class Viewer {
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
   bool next_events();
-  void show(const DrawList& list, std::int64_t now);
+  void show(const Camera& camera, const DrawList& list, std::int64_t now);
   std::string overlay_text(const DrawList& list, std::int64_t now) const;
   std::int64_t now_us() const { return host_->now_us(); }
   ClientSession& session() { return host_->session(); }
@@ -72,9 +75,10 @@ class Viewer {
   std::int64_t start_us_ = 0;
   std::optional<Window> window_;
   gl::EglContext egl_;
-  std::optional<FrameTarget> target_;
-  FrameSetting setting_;  // of the target, as planned: the device may not have as many samples
-  std::optional<CostFit> prices_;  // in real time
+  Picture picture_;
+  std::optional<Presenter> presenter_;  // of the window
+  std::optional<Insight> insight_;      // the same
+  std::optional<CostFit> prices_;       // in real time
   std::optional<FrameRenderer> renderer_;
   std::unique_ptr<ClientHost> host_;
   std::optional<CameraPath> path_;
@@ -83,8 +87,6 @@ class Viewer {
   SessionStats stats_;
   std::optional<Lighting> last_light_;
   bool link_was_up_ = true;
-  Stillness still_;
-  Refinement refinement_;
   bool resting_ = false;     // the last frame changed nothing, and no further one would
   bool frame_kept_ = false;  // the last frame was the picture that was there
   std::optional<Overlay> overlay_;
@@ -95,12 +97,11 @@ class Viewer {
 };
 
 constexpr double kKeptFrameS = 1.0 / 60;  // instead of the display's pace, which only a swap brings
-constexpr double kSoftwareFrameMs = 50;
-constexpr double kRestS = 60;  // an event comes sooner or not at all
+constexpr double kRestS = 60;             // an event comes sooner or not at all
 
 Result<void> Viewer::open_graphics() {
   if (o_.offscreen) {
-    Result<gl::EglContext> egl = gl::EglContext::create(o_.device);
+    Result<gl::EglContext> egl = gl::EglContext::create(o_.device, o_.gles);
     if (!egl) return egl.error();
     egl_ = std::move(*egl);
   } else {
@@ -110,6 +111,12 @@ Result<void> Viewer::open_graphics() {
     Result<Overlay> overlay = Overlay::create();
     if (!overlay) return overlay.error();
     overlay_.emplace(std::move(*overlay));
+    Result<Presenter> presenter = Presenter::create();
+    if (!presenter) return presenter.error();
+    presenter_.emplace(presenter.take());
+    Result<Insight> insight = Insight::create();
+    if (!insight) return insight.error();
+    insight_.emplace(insight.take());
   }
   std::set<DrawMethod> flat = kAutoFlatMethods;
   if (kFlatMethods.count(o_.method.method) > 0) flat.insert(o_.method.method);
@@ -117,16 +124,7 @@ Result<void> Viewer::open_graphics() {
       FrameRenderer::create(kAtlasEdge, atlas_layers(o_.atlas_mb), flat);
   if (!renderer) return renderer.error();
   renderer_.emplace(renderer.take());
-  return make_target(o_.width, o_.height, false);
-}
-
-Result<void> Viewer::make_target(int width, int height, bool blends) {
-  if (host_) setting_ = session().plan().setting();
-  Result<FrameTarget> target =
-      FrameTarget::create(width, height, setting_.samples, blends, setting_.scale);
-  if (!target) return target.error();
-  target_.emplace(target.take());
-  return {};
+  return picture_.create(o_.width, o_.height);
 }
 
 void Viewer::make_host() {
@@ -136,7 +134,7 @@ void Viewer::make_host() {
   host.net = o_.net;
   host.connect_timeout_s = o_.connect_timeout_s;
   if (window_) host.wake = &Window::wake;
-  host.content_changed = [this] { still_.content_changed(); };
+  host.content_changed = [this] { picture_.content_changed(); };
   ClientOptions& options = host.session;
   options.tau_px = o_.tau_px;
   options.targets = o_.targets;
@@ -156,8 +154,8 @@ void Viewer::make_host() {
   options.animation = o_.animation == "on";
   options.views = o_.views;
   options.screen.fov_y = o_.fov_degrees * 0.017453292519943295;
-  options.screen.width = static_cast<std::uint32_t>(target_->width());
-  options.screen.height = static_cast<std::uint32_t>(target_->height());
+  options.screen.width = static_cast<std::uint32_t>(picture_.width());
+  options.screen.height = static_cast<std::uint32_t>(picture_.height());
   options.trace = !o_.trace_file.empty();
   host_ = std::make_unique<ClientHost>(host, *renderer_);
 }
@@ -214,26 +212,19 @@ Pose Viewer::next_pose(std::int64_t now, double real_seconds) {
 }
 
 Result<void> Viewer::fit_target() {
-  int w = target_->width(), h = target_->height();
+  int w = picture_.width(), h = picture_.height();
   if (window_) window_->framebuffer_size(w, h);
-  const bool blends = session().scene().blends();
-  const bool same = w == target_->width() && h == target_->height() &&
-                    blends == target_->blends() && session().plan().setting() == setting_;
-  if (w < 1 || h < 1 || same || session().awaits_new_scene()) return {};
-  if (Result<void> made = make_target(w, h, blends); !made) return made;
-  still_.content_changed();
-  return {};
+  return picture_.fit(w, h, session());
 }
 
 void Viewer::draw(const Camera& camera, const DrawList& list) {
   const std::uint64_t programs = gl::programs_compiled();
   const std::int64_t began = real_clock_.now_us();
-  renderer_->draw(*target_, camera, session().scene(), list, session().lighting());
+  picture_.draw(*renderer_, camera, list, session());
   glFinish();
   const std::uint64_t compiled = gl::programs_compiled() - programs;
   programs_in_draws_ += compiled;
-  const FrameWork work = work_of(session().scene(), target_->drawn_camera(camera), list,
-                                 std::max(target_->samples(), 1));
+  const FrameWork work = picture_.work(camera, list, session());
   if (o_.device_model) {
     model_ms_ = o_.device_model->ms_of(work);
     session().note_frame_ms(model_ms_);
@@ -246,10 +237,14 @@ void Viewer::draw(const Camera& camera, const DrawList& list) {
   session().set_prices(prices_->model());
 }
 
-void Viewer::show(const DrawList& list, std::int64_t now) {
-  refinement_.picture(*target_).show();
+void Viewer::show(const Camera& camera, const DrawList& list, std::int64_t now) {
+  presenter_->show(picture_.shown());
+  gl::encode_srgb(false);
+  insight_->draw(static_cast<InsightLayer>(window_->layer()), camera, session().scene(), list,
+                 session().tau_px(), now);
+  gl::encode_srgb(true);
   if (window_->overlay()) {
-    overlay_->draw(overlay_text(list, now), target_->width(), target_->height());
+    overlay_->draw(overlay_text(list, now), picture_.width(), picture_.height());
   }
   window_->present();
 }
@@ -299,29 +294,23 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   Camera camera;
   camera.pose = next_pose(now, smooth_ms_ * 1e-3);
   camera.fov_y = o_.fov_degrees * 0.017453292519943295;
-  camera.width = static_cast<std::uint32_t>(target_->width());
-  camera.height = static_cast<std::uint32_t>(target_->height());
+  camera.width = static_cast<std::uint32_t>(picture_.width());
+  camera.height = static_cast<std::uint32_t>(picture_.height());
   camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
   const DrawList list = session().frame(camera, now);
   // With as many samples and at the scale that were planned with it.
   if (Result<void> fitted = fit_target(); !fitted) return fitted;
-  const bool awaits = session().awaits_new_scene();
-  if (awaits) still_.content_changed();  // once it is there
-  const bool changed = !awaits && !still_.unchanged(camera, scene, list, session().lighting());
-  const bool refines = !changed && !awaits && session().at_rest() && !refinement_.done();
-  const bool drawn = changed || refines;
+  const Picture::Step step = picture_.next(camera, list, session());
+  const bool drawn = step != Picture::Step::kKeep;
   frame_kept_ = !drawn;
   resting_ = !drawn && session().at_rest();
-  if (changed) {
-    draw(camera, list);
-    refinement_.restart();
-  }
-  if (refines) {
-    refinement_.draw_more(*renderer_, *target_, camera, scene, list, session().lighting());
+  if (step == Picture::Step::kDraw) draw(camera, list);
+  if (step == Picture::Step::kRefine) {
+    picture_.refine(*renderer_, camera, list, session());
     if (o_.device_model) model_ms_ = o_.device_model->ms_of(work_of(scene, camera, list, 1));
   }
-  stats_.note_gpu(renderer_->gpu_bytes(), target_->gpu_bytes() + refinement_.gpu_bytes());
-  if (window_ && (window_->take_refresh() || drawn)) show(list, now);
+  stats_.note_gpu(renderer_->gpu_bytes(), picture_.gpu_bytes());
+  if (window_ && (window_->take_refresh() || drawn)) show(camera, list, now);
   glFinish();
   note_drawn(list);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
@@ -334,7 +323,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
     const Result<void> written =
-        write_png(path, target_->width(), target_->height(), refinement_.picture(*target_).read());
+        write_png(path, picture_.width(), picture_.height(), picture_.shown().read());
     if (!written) return written;
   }
   if (o_.reference_every > 0 && frame > 0 && frame % o_.reference_every == 0) {
@@ -346,7 +335,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
 }
 
 Result<void> Viewer::compare(const Camera& camera, const DrawList& list) {
-  const std::vector<std::uint8_t> drawn = refinement_.picture(*target_).read();
+  const std::vector<std::uint8_t> drawn = picture_.shown().read();
   const Result<ReferenceFrame> reference =
       host_->reference(camera, static_cast<std::uint32_t>(o_.reference_supersample));
   if (!reference) return reference.error();
@@ -437,10 +426,10 @@ Result<void> Viewer::finish() {
   end.duration_us = now_us() - start_us_;
   end.scene = session().scene().name;
   end.server = session().scene().renderer;
-  end.renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  end.renderer = gl::renderer_name();
   end.method = o_.method_name;
   end.tau_px = o_.tau_px;
-  end.samples = target_->samples();
+  end.samples = picture_.samples();
   end.wall_s = static_cast<double>(real_clock_.now_us()) * 1e-6;
   std::fputs(stats_.table(end).c_str(), stdout);
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {

@@ -3,11 +3,10 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
-#include "protocol/base/stable_math.h"
+#include "client/draw/insight.h"
+#include "client/screen/steering.h"
 
 namespace mirage {
 
@@ -15,6 +14,7 @@ struct Window::Impl {
   GLFWwindow* window = nullptr;
   bool overlay = true;
   bool overlay_key_down = false;
+  int layer = 0;
   bool dragging = false;
   double last_x = 0, last_y = 0;
   bool refresh = true;
@@ -84,6 +84,11 @@ bool Window::after_events() {
     impl_->refresh = true;
   }
   impl_->overlay_key_down = key;
+  for (int i = 0; i <= static_cast<int>(kInsightLayers); ++i) {
+    if (!impl_->down(GLFW_KEY_1 + i) || impl_->layer == i) continue;
+    impl_->layer = i;
+    impl_->refresh = true;
+  }
   return !glfwWindowShouldClose(impl_->window) && !impl_->down(GLFW_KEY_ESCAPE);
 }
 
@@ -91,23 +96,18 @@ void Window::present() { glfwSwapBuffers(impl_->window); }
 void Window::framebuffer_size(int& width, int& height) const {
   glfwGetFramebufferSize(impl_->window, &width, &height);
 }
+int Window::layer() const { return impl_->layer; }
 bool Window::overlay() const { return impl_->overlay; }
 
 void Window::steer(Pose& pose, double seconds, double speed_mps) {
-  const glm::dquat q(pose.rotation);
-  glm::dvec3 forward = q * glm::dvec3(0, 0, -1), right = q * glm::dvec3(1, 0, 0);
+  Steering by;
   double x = 0, y = 0;
   glfwGetCursorPos(impl_->window, &x, &y);
   const bool drag = glfwGetMouseButton(impl_->window, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
   if (drag && impl_->dragging) {
     constexpr double kRadiansPerPixel = 0.003;
-    const double yaw = (x - impl_->last_x) * kRadiansPerPixel;
-    const double pitch = (y - impl_->last_y) * kRadiansPerPixel;
-    const double c = std::cos(yaw), s = std::sin(yaw);
-    forward = {c * forward.x - s * forward.z, forward.y, s * forward.x + c * forward.z};
-    const double up = std::clamp(std::asin(std::clamp(forward.y, -1.0, 1.0)) - pitch, -1.5, 1.5);
-    const glm::dvec3 flat = safe_normalize({forward.x, 0, forward.z});
-    forward = flat * std::cos(up) + glm::dvec3(0, std::sin(up), 0);
+    by.yaw = (x - impl_->last_x) * kRadiansPerPixel;
+    by.pitch = (y - impl_->last_y) * kRadiansPerPixel;
   }
   impl_->dragging = drag;
   impl_->last_x = x;
@@ -119,9 +119,8 @@ void Window::steer(Pose& pose, double seconds, double speed_mps) {
   const double side = axis(GLFW_KEY_D, GLFW_KEY_A) + axis(GLFW_KEY_RIGHT, GLFW_KEY_LEFT);
   const double rise = axis(GLFW_KEY_E, GLFW_KEY_Q);
   const double speed = speed_mps * (impl_->down(GLFW_KEY_LEFT_SHIFT) ? 5.0 : 1.0);
-  const glm::dvec3 step = forward * ahead + right * side + glm::dvec3(0, rise, 0);
-  pose =
-      look_at(pose.eye + step * (speed * seconds), pose.eye + step * (speed * seconds) + forward);
+  by.move = glm::dvec3(side, rise, ahead) * (speed * seconds);
+  mirage::steer(pose, by);
 }
 
 }  // namespace mirage

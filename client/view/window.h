@@ -32,6 +32,8 @@ class Window {
   /// Time between two pictures of the display.
   double refresh_ms() const;
   bool overlay() const;
+  /// Of InsightLayer, by the keys 1 to 5: 0 is the picture alone.
+  int layer() const;
 
   /// Moves the camera by what was pressed since the last call.
   void steer(Pose& pose, double seconds, double speed_mps);

@@ -51,7 +51,9 @@ class ByteReader {
     left_ -= n;
     return p;
   }
-  bool has(std::size_t n, std::size_t each) const { return !failed_ && n <= left_ / each; }
+  /// Counts are of 64 bits: sums of what a peer declares do not fit into the sizes of a small
+  /// machine.
+  bool has(std::uint64_t n, std::size_t each) const { return !failed_ && n <= left_ / each; }
   bool failed() const { return failed_; }
   /// What has not been read yet.
   const std::uint8_t* at() const { return at_; }

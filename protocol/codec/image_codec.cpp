@@ -129,6 +129,14 @@ Result<Bytes> encode_image(const Image& image) {
   return encode_webp(image, std::nullopt);
 }
 
+std::optional<glm::uvec2> encoded_image_size(const std::uint8_t* bytes, std::size_t size) {
+  int width = 0, height = 0;
+  if (!WebPGetInfo(bytes, size, &width, &height)) return std::nullopt;
+  const int most = static_cast<int>(kImageLevelEdges.back());
+  if (width < 1 || height < 1 || width > most || height > most) return std::nullopt;
+  return glm::uvec2(width, height);
+}
+
 Result<Image> decode_image(const std::uint8_t* bytes, std::size_t size, const glm::uvec2& expected,
                            bool srgb) {
   int width = 0, height = 0;

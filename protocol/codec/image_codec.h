@@ -3,6 +3,7 @@
 // them.
 
 #include <array>
+#include <optional>
 
 #include "protocol/base/bytes.h"
 #include "protocol/base/result.h"
@@ -46,5 +47,7 @@ Result<Bytes> encode_image(const Image& image);
 /// The size must be as expected, which is checked before allocating. Error kCodec.
 Result<Image> decode_image(const std::uint8_t* bytes, std::size_t size, const glm::uvec2& expected,
                            bool srgb);
+/// As its bytes say; nullopt: they are no image, or one larger than any level.
+std::optional<glm::uvec2> encoded_image_size(const std::uint8_t* bytes, std::size_t size);
 
 }  // namespace mirage

@@ -227,6 +227,8 @@ std::vector<std::uint8_t> encode_tile_planes(const Tile& tile, TileCodec codec) 
   return out;
 }
 
+Bytes raw_tile_planes(const Tile& tile) { return lossless_planes(tile, TileCodec::kRaw); }
+
 Result<void> decode_tile_planes(const std::uint8_t* bytes, std::size_t size, TileCodec codec,
                                 Tile& tile) {
   if (tile.crop.w > limits::kMaxTileEdge || tile.crop.h > limits::kMaxTileEdge) {

@@ -41,6 +41,8 @@ inline bool is_lossy(TileCodec codec) { return codec == TileCodec::kWebp; }
 /// A lossy codec needs a tile with colour: an image of the colours divided by coverage, continued
 /// into what is empty (tile_color.h, color_codec.h), then alpha and the other planes as `kZstd`.
 std::vector<std::uint8_t> encode_tile_planes(const Tile& tile, TileCodec codec);
+/// As `kRaw`, for who has no encoders.
+std::vector<std::uint8_t> raw_tile_planes(const Tile& tile);
 
 /// Fills the planes of `tile`, whose crop and channels say the exact size. Nothing is allocated
 /// before the sizes agree; a bomb cannot grow past the crop. Errors: kCodec.

@@ -72,5 +72,7 @@ int size_class_for(double texels);
 
 template <>
 struct std::hash<mirage::TileId> {
-  std::size_t operator()(const mirage::TileId& id) const noexcept { return id.low ^ id.high; }
+  std::size_t operator()(const mirage::TileId& id) const noexcept {
+    return static_cast<std::size_t>(id.low ^ id.high);
+  }
 };

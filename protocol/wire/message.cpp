@@ -47,6 +47,7 @@ Result<Message> decode_message(const std::uint8_t* bytes, std::size_t size) {
   message.body.value = wire::BodyUnion::UnPack(control->body(), control->body_type(), nullptr);
   const std::uint8_t* payload = bytes + kWireHeaderBytes + header->control_bytes;
   message.payload.assign(payload, payload + header->payload_bytes);
+  message.payload_bytes = message.payload.size();
   return message;
 }
 

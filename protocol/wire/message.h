@@ -12,7 +12,9 @@ namespace mirage {
 struct Message {
   wire::BodyUnion body;
   Bytes payload;
-  std::size_t wire_bytes = 0;  ///< of all of it, as it was encoded
+  std::size_t wire_bytes = 0;     ///< of all of it, as it was encoded
+  std::size_t payload_bytes = 0;  ///< of the payload, as it came
+  bool unpacked = false;          ///< the payload is as unpack() leaves it
   /// Set by a link: how long it had been here when it was fetched, µs. Frames fetch, and may be
   /// farther apart than a trip takes.
   std::int64_t waited_us = 0;

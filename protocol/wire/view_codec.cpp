@@ -28,6 +28,10 @@ glm::quat in_steps(const glm::quat& q) {
   return glm::normalize(glm::quat(step(q.w), step(q.x), step(q.y), step(q.z)));
 }
 
+std::size_t cells_of(const wire::ViewReplyT& reply) {
+  return std::size_t{reply.width / kViewCellTexels} * (reply.height / kViewCellTexels);
+}
+
 std::uint32_t even_edge(double texels) {
   const auto edge = static_cast<std::uint32_t>(2 * std::floor((texels + 1e-6) / 2));
   return std::clamp(edge, limits::kMinViewEdge, limits::kMaxViewEdge);
@@ -91,7 +95,22 @@ EncodedView encode_view(const ViewTile& view) {
   return out;
 }
 
-Result<ViewTile> decode_view(const wire::ViewReplyT& reply, const Bytes& payload) {
+Result<Bytes> view_planes(const wire::ViewReplyT& reply, const Bytes& payload) {
+  if (reply.color_bytes > payload.size()) {
+    return make_error(ErrorId::kWireValue, "view with parts that do not fit together");
+  }
+  Result<ColorBytes> out =
+      decode_webp_colors(payload.data(), reply.color_bytes, reply.width, reply.height);
+  if (!out) return out.error();
+  const Result<Bytes> planes =
+      decompress_block(payload.data() + reply.color_bytes, payload.size() - reply.color_bytes,
+                       kPlaneBytes * cells_of(reply));
+  if (!planes) return planes.error();
+  out->insert(out->end(), planes->begin(), planes->end());
+  return out;
+}
+
+Result<ViewTile> view_of_planes(const wire::ViewReplyT& reply, const Bytes& planes) {
   ViewTile out;
   out.camera.pose = {from_wire(*reply.eye), glm::normalize(from_wire(*reply.rotation))};
   out.camera.fov_y = reply.fov_y;
@@ -100,29 +119,31 @@ Result<ViewTile> decode_view(const wire::ViewReplyT& reply, const Bytes& payload
   out.near_m = reply.near_m;
   out.far_m = reply.far_m;
   out.instances = reply.instances;
-  if (reply.color_bytes > payload.size() ||
+  const std::size_t color_bytes = std::size_t{reply.width} * reply.height * 4;
+  const std::size_t cells = cells_of(reply);
+  if (planes.size() != color_bytes + kPlaneBytes * cells ||
       !std::is_sorted(out.instances.begin(), out.instances.end())) {
     return make_error(ErrorId::kWireValue, "view with parts that do not fit together");
   }
-  Result<ColorBytes> colors =
-      decode_webp_colors(payload.data(), reply.color_bytes, out.camera.width, out.camera.height);
-  if (!colors) return colors.error();
-  out.rgba = colors.take();
-  const std::size_t cells = std::size_t{out.columns()} * out.rows();
-  const Result<Bytes> planes = decompress_block(
-      payload.data() + reply.color_bytes, payload.size() - reply.color_bytes, kPlaneBytes * cells);
-  if (!planes) return planes.error();
-  out.depth.assign(planes->begin(), planes->begin() + static_cast<std::ptrdiff_t>(cells));
+  const auto depth = planes.begin() + static_cast<std::ptrdiff_t>(color_bytes);
+  out.rgba.assign(planes.begin(), depth);
+  out.depth.assign(depth, depth + static_cast<std::ptrdiff_t>(cells));
   out.owners.resize(cells);
+  const std::uint8_t* low = planes.data() + color_bytes + cells;
   for (std::size_t i = 0; i < cells; ++i) {
-    const auto owner =
-        static_cast<std::uint16_t>((*planes)[cells + i] | ((*planes)[2 * cells + i] << 8));
+    const auto owner = static_cast<std::uint16_t>(low[i] | (low[cells + i] << 8));
     if (owner != ViewTile::kNobody && owner > out.instances.size()) {
       return make_error(ErrorId::kWireValue, "view with an owner that is not listed");
     }
     out.owners[i] = owner;
   }
   return out;
+}
+
+Result<ViewTile> decode_view(const wire::ViewReplyT& reply, const Bytes& payload) {
+  const Result<Bytes> planes = view_planes(reply, payload);
+  if (!planes) return planes.error();
+  return view_of_planes(reply, *planes);
 }
 
 }  // namespace mirage

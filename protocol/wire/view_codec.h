@@ -20,5 +20,8 @@ struct EncodedView {
 EncodedView encode_view(const ViewTile& view);
 /// Takes hostile bytes: sizes are checked before allocating. Errors kWireValue, kCodec.
 Result<ViewTile> decode_view(const wire::ViewReplyT& reply, const Bytes& payload);
+/// The same in two steps: RGBA and planes one after the other, then the view of them.
+Result<Bytes> view_planes(const wire::ViewReplyT& reply, const Bytes& payload);
+Result<ViewTile> view_of_planes(const wire::ViewReplyT& reply, const Bytes& planes);
 
 }  // namespace mirage

@@ -20,6 +20,7 @@
 #include "server/net/http_pages.h"
 #include "server/net/listen_address.h"
 #include "server/net/lws_text.h"
+#include "server/net/web_pages.h"
 #include "server/net/websocket_rules.h"
 #include "server/session/scene_pages.h"
 #include "server/session/session.h"
@@ -428,6 +429,11 @@ Result<lws_vhost*> Endpoint::Impl::listen_at(const ListenAddress& at, const char
 
 Result<void> Endpoint::listen(const EndpointOptions& options) {
   impl_->options = options;
+  if (!options.web.empty()) {
+    Result<WebPages> web = WebPages::read(options.web);
+    if (!web) return web.error();
+    impl_->http.serve(web.take());
+  }
   const bool tls = !options.tls_cert.empty();
   lws_set_log_level(LLL_ERR, forward_log);
   lws_context_creation_info info{};

@@ -2,6 +2,8 @@
 
 #include <libwebsockets.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <ctime>
 #include <vector>
@@ -18,6 +20,11 @@ namespace {
 
 constexpr std::size_t kMostHeaderBytes = 1024;
 const char* const kMetricsType = "text/plain; version=0.0.4";
+constexpr std::size_t kFileChunkBytes = 16 * 1024;
+constexpr int kFilePatienceS = 20;  // for a chunk to be taken
+const char* const kNoPage =
+    "this is a Mirage server, without its page for browsers (scripts/web makes it, --web DIR names "
+    "it): connect with mirage-view\n";
 constexpr int kTilePatienceS = 15;  // longer than the hub's
 
 // One line each, `Name: value`.
@@ -68,7 +75,51 @@ void HttpPages::serve(SessionHub& hub, Counters& counters) {
 
 int HttpPages::answer(lws* wsi, HttpPeer& peer, const std::string& path, bool stopping) {
   if (path.rfind(kTilePath, 0) == 0) return get_tile(wsi, peer, path);
+  const HeaderText accepted = header(wsi, WSI_TOKEN_HTTP_ACCEPT_ENCODING);
+  if (const WebFile* file = web_.find(path, accepted.text)) return get_file(wsi, peer, *file);
   return send(wsi, page(path, stopping));
+}
+
+int HttpPages::get_file(lws* wsi, HttpPeer& peer, const WebFile& file) const {
+  const bool head = lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) > 0;
+  if (!head && lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) {
+    return send(wsi, {405, "text/plain", "Allow: GET, HEAD\r\n", "pages are got\n"});
+  }
+  std::vector<std::uint8_t> buffer(LWS_PRE + kMostHeaderBytes);
+  unsigned char* const start = buffer.data() + LWS_PRE;
+  unsigned char* at = start;
+  unsigned char* const end = start + kMostHeaderBytes;
+  const std::string headers = WebPages::headers(file, header(wsi, WSI_TOKEN_HOST).text);
+  if (lws_add_http_common_headers(wsi, 200, file.type.c_str(), file.body->size(), &at, end) ||
+      !add_headers(wsi, headers, &at, end) ||
+      lws_finalize_write_http_header(wsi, start, &at, end)) {
+    return -1;
+  }
+  if (head) return lws_http_transaction_completed(wsi) ? -1 : 0;
+  peer.file = file.body.get();
+  peer.sent = 0;
+  lws_callback_on_writable(wsi);
+  return 0;
+}
+
+// As much as the socket takes: who reads slowly holds a pointer, no copy.
+int HttpPages::write_file(lws* wsi, HttpPeer& peer) {
+  std::array<std::uint8_t, LWS_PRE + kFileChunkBytes> buffer;
+  const std::size_t n = std::min(kFileChunkBytes, peer.file->size() - peer.sent);
+  const bool last = peer.sent + n == peer.file->size();
+  std::memcpy(buffer.data() + LWS_PRE, peer.file->data() + peer.sent, n);
+  lws_set_timeout(wsi, PENDING_TIMEOUT_HTTP_CONTENT, kFilePatienceS);
+  if (lws_write(wsi, buffer.data() + LWS_PRE, n, last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) <
+      0) {
+    return -1;
+  }
+  peer.sent += n;
+  if (last) {
+    peer.file = nullptr;
+    return lws_http_transaction_completed(wsi) ? -1 : 0;
+  }
+  lws_callback_on_writable(wsi);
+  return 0;
 }
 
 HttpAnswer HttpPages::page(const std::string& path, bool stopping) const {
@@ -79,7 +130,8 @@ HttpAnswer HttpPages::page(const std::string& path, bool stopping) const {
   if (path == "/metrics" && options_.metrics) {
     return {200, kMetricsType, "", metrics()};
   }
-  return {404, "text/plain", "", "this is a Mirage server: connect with mirage-view\n"};
+  return {404, "text/plain", "",
+          path == "/" ? kNoPage : "there is nothing here; the page for browsers is at /\n"};
 }
 
 std::string HttpPages::metrics() const {
@@ -133,6 +185,7 @@ void HttpPages::hand_out() {
 }
 
 int HttpPages::write(lws* wsi, HttpPeer& peer) {
+  if (peer.file) return write_file(wsi, peer);
   if (!peer.answer) return 0;
   const std::unique_ptr<HttpAnswer> answer(std::exchange(peer.answer, nullptr));
   return send(wsi, *answer);

@@ -10,6 +10,7 @@
 
 #include "protocol/base/clock.h"
 #include "server/net/tile_http.h"
+#include "server/net/web_pages.h"
 
 struct lws;
 
@@ -22,8 +23,10 @@ class SessionHub;
 
 /// What belongs to one HTTP connection; libwebsockets fills it with zeros and frees it.
 struct HttpPeer {
-  std::uint32_t request;  ///< of the tile it waits for; 0: none
-  HttpAnswer* answer;     ///< to be written
+  std::uint32_t request;    ///< of the tile it waits for; 0: none
+  HttpAnswer* answer;       ///< to be written
+  const std::string* file;  ///< under way: of the page for browsers
+  std::size_t sent;         ///< of it, bytes
 };
 
 class HttpPages {
@@ -34,6 +37,9 @@ class HttpPages {
   /// What is asked from now on is answered by these; who waits for a tile of others is told to come
   /// back.
   void serve(SessionHub& hub, Counters& counters);
+
+  /// From now on browsers get this page.
+  void serve(WebPages web) { web_ = std::move(web); }
 
   // These return what the libwebsockets callback is to return.
   int answer(lws* wsi, HttpPeer& peer, const std::string& path, bool stopping);
@@ -56,12 +62,15 @@ class HttpPages {
   HttpAnswer page(const std::string& path, bool stopping) const;
   std::string metrics() const;
   int get_tile(lws* wsi, HttpPeer& peer, const std::string& path);
+  int get_file(lws* wsi, HttpPeer& peer, const WebFile& file) const;
+  static int write_file(lws* wsi, HttpPeer& peer);
 
   SessionHub* hub_ = nullptr;
   Counters* counters_ = nullptr;
   const EndpointOptions& options_;
   Admission& admission_;
   const SteadyClock clock_;
+  WebPages web_;
   std::map<std::uint32_t, Waiting> waiting_;  ///< by the hub's number
 };
 

@@ -47,6 +47,12 @@ EGLDisplay display_for(const std::string& device) {
   return platform_display(EGL_PLATFORM_DEVICE_EXT, devices[index]);
 }
 
+EGLContext make_embedded_context(EGLDisplay display) {
+  if (!eglBindAPI(EGL_OPENGL_ES_API)) return EGL_NO_CONTEXT;
+  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_NONE};
+  return eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+}
+
 EGLContext make_context(EGLDisplay display) {
   if (!eglBindAPI(EGL_OPENGL_API)) return EGL_NO_CONTEXT;
   const EGLint config_attributes[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE,
@@ -82,12 +88,14 @@ std::string gl_string(GLenum name) {
 EglContext::EglContext(EglContext&& other) noexcept
     : display_(std::exchange(other.display_, nullptr)),
       context_(std::exchange(other.context_, nullptr)),
-      software_(other.software_) {}
+      software_(other.software_),
+      embedded_(other.embedded_) {}
 
 EglContext& EglContext::operator=(EglContext&& other) noexcept {
   std::swap(display_, other.display_);
   std::swap(context_, other.context_);
   std::swap(software_, other.software_);
+  std::swap(embedded_, other.embedded_);
   return *this;
 }
 
@@ -98,12 +106,14 @@ EglContext::~EglContext() {
   // The display is shared by every context of the process on this device: it stays initialised.
 }
 
-Result<EglContext> EglContext::create(const std::string& device) {
+Result<EglContext> EglContext::create(const std::string& device, bool embedded) {
   if (device == "auto") {
     for (const EglDevice& candidate : list_egl_devices()) {
-      if (candidate.usable && !is_software(candidate.renderer)) return create(candidate.name);
+      if (candidate.usable && !is_software(candidate.renderer)) {
+        return create(candidate.name, embedded);
+      }
     }
-    return create("surfaceless");
+    return create("surfaceless", embedded);
   }
   EglContext out;
   out.display_ = display_for(device);
@@ -114,11 +124,13 @@ Result<EglContext> EglContext::create(const std::string& device) {
   if (!eglInitialize(out.display_, nullptr, nullptr)) {
     return make_error(ErrorId::kGraphicsDevice, "EGL device '" + device + "' does not initialise");
   }
-  out.context_ = make_context(out.display_);
+  out.embedded_ = embedded;
+  out.context_ = embedded ? make_embedded_context(out.display_) : make_context(out.display_);
   if (!out.context_ ||
       !eglMakeCurrent(out.display_, EGL_NO_SURFACE, EGL_NO_SURFACE, out.context_)) {
     return make_error(ErrorId::kGraphicsDevice,
-                      "EGL device '" + device + "' offers no OpenGL 3.3 core context",
+                      "EGL device '" + device + "' offers no " +
+                          (embedded ? "OpenGL ES 3" : "OpenGL 3.3 core") + " context",
                       "a software renderer comes with libgl1-mesa-dri");
   }
   out.software_ = is_software(gl_string(GL_RENDERER));
@@ -126,7 +138,7 @@ Result<EglContext> EglContext::create(const std::string& device) {
 }
 
 void EglContext::make_current() {
-  eglBindAPI(EGL_OPENGL_API);
+  eglBindAPI(embedded_ ? EGL_OPENGL_ES_API : EGL_OPENGL_API);
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
 }
 

@@ -27,8 +27,9 @@ class EglContext {
   ~EglContext();
 
   /// `device`: "auto" (a usable GPU, else surfaceless), or a name from list_egl_devices().
-  /// The context is current on the calling thread. Error kGraphicsDevice.
-  static Result<EglContext> create(const std::string& device);
+  /// The context is current on the calling thread. `embedded`: OpenGL ES 3, as in a browser,
+  /// instead of OpenGL 3.3. Error kGraphicsDevice.
+  static Result<EglContext> create(const std::string& device, bool embedded = false);
 
   void make_current();
   void release_current();
@@ -40,6 +41,7 @@ class EglContext {
   void* display_ = nullptr;
   void* context_ = nullptr;
   bool software_ = true;
+  bool embedded_ = false;
 };
 
 }  // namespace mirage::gl

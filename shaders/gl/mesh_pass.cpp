@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "protocol/base/limits.h"
+#include "shaders/gl/dialect.h"
 #include "shaders/gl/mesh_variants.h"
 
 namespace mirage::gl {
@@ -183,9 +184,8 @@ void MeshPass::begin(const glm::mat4& clip_from_relative, const LightBlock& ligh
   glFrontFace(GL_CCW);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glBlendEquation(output_ == MeshOutput::kRange ? GL_MAX : GL_FUNC_ADD);
-  glMinSampleShading(1.0f);
   if (forced_ & kNeedVertexColor) glVertexAttrib4f(5, 1, 1, 1, 1);  // of meshes without
-  glEnable(GL_PROGRAM_POINT_SIZE);
+  prepare_points_and_samples();
   glLineWidth(stroke_);  // the device takes the nearest width it can draw
 }
 
@@ -335,7 +335,7 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
   bind_material(p, material, needs, images, stage);
   const bool depth = stage == Stage::kDepth, tested = stage == Stage::kTested;
   // An alpha test decides a whole pixel: on a multisampled target it is made for every sample.
-  (depth ? glEnable : glDisable)(GL_SAMPLE_SHADING);
+  shade_samples(depth);
   const GLboolean colors = depth && !of_blended() ? GL_FALSE : GL_TRUE;
   glColorMask(colors, colors, colors, colors);
   glDepthFunc(tested ? GL_EQUAL : nearer_);
@@ -348,7 +348,7 @@ void MeshPass::end() {
   glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);
-  glDisable(GL_SAMPLE_SHADING);
+  shade_samples(false);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthFunc(nearer_);
   glLineWidth(1.0f);

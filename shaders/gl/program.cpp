@@ -4,6 +4,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <utility>
 
+#include "shaders/gl/dialect.h"
 #include "shaders/gl/gl_object.h"
 
 namespace mirage::gl {
@@ -12,9 +13,6 @@ namespace {
 constexpr int kMaxIncludeDepth = 5;
 
 std::atomic<std::uint64_t> compiled_so_far{0};
-
-// The client keeps to what GLSL ES 3.00 has as well, so one header line is all that differs there.
-constexpr const char* kHeader = "#version 330 core\n";
 
 std::string expand(std::string_view source, int depth) {
   std::string out;
@@ -53,7 +51,7 @@ Result<GLuint> compile(GLenum stage, std::string_view name, const std::string& d
   if (source.empty()) {
     return make_error(ErrorId::kGraphicsShader, "no shader file " + std::string(name));
   }
-  const std::string text = kHeader + defines + expand(source, 0);
+  const std::string text = shader_header() + defines + expand(source, 0);
   const GLuint shader = glCreateShader(stage);
   const char* pointer = text.c_str();
   glShaderSource(shader, 1, &pointer, nullptr);

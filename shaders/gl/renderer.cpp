@@ -1,5 +1,7 @@
 #include "shaders/gl/renderer.h"
 
+#include "shaders/gl/dialect.h"
+
 namespace mirage::gl {
 
 bool is_software(const std::string& renderer) {
@@ -9,10 +11,7 @@ bool is_software(const std::string& renderer) {
   return false;
 }
 
-bool is_software() {
-  const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  return name && is_software(std::string(name));
-}
+bool is_software() { return is_software(renderer_name()); }
 
 GLenum color_format(bool blended) {
   return blended || is_software() ? GL_RGBA16F : GL_SRGB8_ALPHA8;

@@ -11,6 +11,7 @@
 #include "client/link/modelled_link.h"
 #include "client/price/cost_model.h"
 #include "client/quality/metrics.h"
+#include "client/screen/viewer_defaults.h"
 #include "protocol/base/quantile.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/render/gpu_scene.h"

@@ -6,6 +6,7 @@
 #include "client/draw/frame_renderer.h"
 #include "client/host/methods.h"
 #include "client/native/native_link.h"
+#include "client/screen/viewer_defaults.h"
 #include "client/session/tile_trace.h"
 #include "protocol/base/quantile.h"
 #include "tests/bench/bench.h"

@@ -7,6 +7,7 @@
 #include "client/draw/frame_renderer.h"
 #include "client/frame/camera_path.h"
 #include "client/price/cost_fit.h"
+#include "client/screen/viewer_defaults.h"
 #include "protocol/base/quantile.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/bench_client.h"

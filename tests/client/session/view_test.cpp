@@ -32,6 +32,14 @@ wire::ViewReplyT reply_for(const Camera& camera, std::uint32_t n, std::uint32_t 
   return std::move(encoded.reply);
 }
 
+Message message_of(const wire::ViewReplyT& reply, const Bytes& payload) {
+  Message message;
+  message.body.Set(wire::ViewReplyT(reply));
+  message.payload = payload;
+  message.payload_bytes = payload.size();
+  return message;
+}
+
 struct CoreView : ::testing::Test {
   /// Balls of radius 1 in a row, seen from 20 m.
   explicit CoreView(std::uint32_t n = 24) {
@@ -53,7 +61,7 @@ struct CoreView : ::testing::Test {
     Bytes payload;
     const wire::ViewReplyT reply =
         reply_for(camera, static_cast<std::uint32_t>(scene.instances.size()), request, payload);
-    const auto taken = stage.take(reply, payload);
+    const auto taken = stage.take(message_of(reply, payload));
     ASSERT_TRUE(taken);
     ASSERT_TRUE(*taken);
   }
@@ -214,12 +222,12 @@ TEST_F(CoreView, GeometryReplacesItOnceItShowsMore) {
 TEST_F(CoreView, WhatWasNotAskedForIsNotTaken) {
   Bytes payload;
   const wire::ViewReplyT reply = reply_for(camera, 24, 9, payload);
-  const auto taken = stage.take(reply, payload);
+  const auto taken = stage.take(message_of(reply, payload));
   ASSERT_TRUE(taken);
   EXPECT_FALSE(*taken);
   stage.asked(9);
   payload.resize(payload.size() / 2);
-  EXPECT_FALSE(stage.take(reply, payload)) << "damaged";
+  EXPECT_FALSE(stage.take(message_of(reply, payload))) << "damaged";
   EXPECT_FALSE(stage.here());
 }
 

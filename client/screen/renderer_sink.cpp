@@ -1,0 +1,51 @@
+#include "client/screen/renderer_sink.h"
+
+#include <utility>
+
+#include "client/draw/frame_renderer.h"
+
+namespace mirage {
+
+TileSink renderer_sink(FrameRenderer& renderer, SinkHooks hooks) {
+  const auto say = [failed = std::move(hooks.failed)](const Result<void>& done) {
+    if (!done) failed(done.error());
+  };
+  const auto scene = std::move(hooks.scene);
+  const auto changed = std::move(hooks.changed);
+  TileSink sink;
+  sink.tile = [&renderer, say, changed](const TileRecord& record, const TilePixels& pixels) {
+    changed();
+    say(renderer.upload(record, pixels));
+  };
+  sink.shadow = [&renderer, say, changed](const ShadowRecord& record,
+                                          const std::vector<std::uint8_t>& shares) {
+    changed();
+    say(renderer.upload_shadow(record, shares));
+  };
+  sink.caster = [&renderer, say, changed](const ShadowRecord& record,
+                                          const std::vector<std::uint8_t>& codes) {
+    changed();
+    say(renderer.upload_caster(record, codes));
+  };
+  sink.mesh = [&renderer, say, changed](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
+    changed();
+    say(renderer.add_mesh(object, lod, std::move(model)));
+  };
+  sink.image = [&renderer, scene, changed](std::uint32_t index, const Image& image) {
+    changed();
+    renderer.add_image(scene(), index, image);
+  };
+  // What the frame draws is never dropped: the picture stays.
+  sink.drop = [&renderer, scene](const AssetId& id) { renderer.drop(scene(), id); };
+  sink.view = [&renderer, changed](const ViewTile& view) {
+    changed();
+    renderer.upload_view(view);
+  };
+  sink.scene = [&renderer, say, changed](const SceneView& now) {
+    changed();
+    say(renderer.reset(now));
+  };
+  return sink;
+}
+
+}  // namespace mirage

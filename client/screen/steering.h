@@ -1,0 +1,19 @@
+#pragma once
+// How a person moves the eye: looking turns it without tilting, moving goes where it looks.
+
+#include <glm/glm.hpp>
+
+#include "protocol/impostor/camera.h"
+
+namespace mirage {
+
+struct Steering {
+  double yaw = 0;      ///< radians, to the right
+  double pitch = 0;    ///< radians, downwards; the eye never looks steeper than 1.5
+  glm::dvec3 move{0};  ///< m: right, up (of the world), ahead (where the eye looks)
+};
+
+/// Numbers that are not finite leave the pose as it is.
+void steer(Pose& pose, const Steering& by);
+
+}  // namespace mirage

@@ -1,0 +1,17 @@
+#pragma once
+// What a viewer is given where nobody says otherwise.
+
+#include <algorithm>
+
+#include "client/draw/impostor_atlas.h"
+
+namespace mirage {
+
+inline constexpr double kSoftwareFrameMs = 50;  ///< budget of a frame on a software renderer
+inline constexpr int kAtlasEdge = 1024;
+/// Layers of the atlas that fit into this much graphics memory with all planes; at least one.
+inline int atlas_layers(int megabytes) {
+  return std::max(1, megabytes / (kAtlasEdge * kAtlasEdge * kAtlasTexelBytes >> 20));
+}
+
+}  // namespace mirage

@@ -1,0 +1,216 @@
+// What the page calls (viewer.js). Texts are UTF-8, memory that is returned is ours until the next
+// call.
+
+#include <emscripten.h>
+#include <emscripten/html5.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+
+#include "client/frame/reference_frame.h"
+#include "client/scene/scene_view.h"
+#include "client/screen/steering.h"
+#include "client/web/web_viewer.h"
+#include "shaders/gl/dialect.h"
+
+// clang-format off
+EM_JS(void, page_write, (const void* bytes, int size), {
+  Module['write'](HEAPU8.slice(bytes, bytes + size));
+});
+// clang-format on
+
+namespace mirage {
+namespace {
+
+struct Page {
+  std::unique_ptr<WebViewer> viewer;
+  EMSCRIPTEN_WEBGL_CONTEXT_HANDLE context = 0;
+  std::string text;                // returned last
+  std::vector<std::uint8_t> rgba;  // the same
+};
+
+Page& page() {
+  static Page one;
+  return one;
+}
+
+bool make_context(Page& p) {
+  EmscriptenWebGLContextAttributes attributes;
+  emscripten_webgl_init_context_attributes(&attributes);
+  attributes.alpha = attributes.depth = attributes.stencil = attributes.antialias = 0;
+  attributes.majorVersion = 2;
+  attributes.powerPreference = EM_WEBGL_POWER_PREFERENCE_HIGH_PERFORMANCE;
+  p.context = emscripten_webgl_create_context("#view", &attributes);
+  return p.context > 0 &&
+         emscripten_webgl_make_context_current(p.context) == EMSCRIPTEN_RESULT_SUCCESS;
+}
+
+std::int64_t us(double ms) { return std::llround(ms * 1000); }
+
+int fail(const std::string& why) {
+  page().text = why;
+  return -1;
+}
+
+}  // namespace
+}  // namespace mirage
+
+using mirage::page;
+
+extern "C" {
+
+/// 0, or < 0: page_text() says why not. Again after page_stop(), with a context that is new.
+EMSCRIPTEN_KEEPALIVE int page_start(int width, int height, double frame_ms, double display_ms,
+                                    int atlas_mb, int mesh_mb, const char* token) {
+  mirage::Page& p = page();
+  p.viewer.reset();
+  if (!mirage::make_context(p)) return mirage::fail("there is no WebGL 2");
+  mirage::WebOptions options{width, height, frame_ms, display_ms, atlas_mb, mesh_mb, token};
+  const auto write = [](const mirage::Bytes& bytes) {
+    page_write(bytes.data(), static_cast<int>(bytes.size()));
+  };
+  mirage::Result<std::unique_ptr<mirage::WebViewer>> made =
+      mirage::WebViewer::create(options, write);
+  if (!made) return mirage::fail(made.error().text);
+  p.viewer = made.take();
+  return 0;
+}
+
+/// Lets everything of the graphics card go; what was drawn on is lost.
+EMSCRIPTEN_KEEPALIVE void page_stop() {
+  mirage::Page& p = page();
+  p.viewer.reset();
+  if (p.context > 0) emscripten_webgl_destroy_context(p.context);
+  p.context = 0;
+}
+
+EMSCRIPTEN_KEEPALIVE const char* page_text() { return page().text.c_str(); }
+
+EMSCRIPTEN_KEEPALIVE void page_connected(int connected) {
+  page().viewer->link().set_connected(connected != 0);
+}
+
+/// What the worker hands on. 0, or < 0: it is damaged.
+EMSCRIPTEN_KEEPALIVE int page_arrived(const std::uint8_t* control, std::size_t control_bytes,
+                                      const std::uint8_t* payload, std::size_t payload_bytes,
+                                      std::size_t packed_bytes, std::size_t wire_bytes,
+                                      double waited_ms) {
+  const mirage::Result<void> taken =
+      page().viewer->link().arrived({control, control_bytes, payload, payload_bytes, packed_bytes,
+                                     wire_bytes, mirage::us(waited_ms)});
+  return taken ? 0 : mirage::fail(taken.error().text);
+}
+
+/// Bits: 1 drawn, 2 resting, 4 something of the scene is there; < 0: page_text() says what failed.
+EMSCRIPTEN_KEEPALIVE int page_frame(double now_ms, int width, int height) {
+  const mirage::Result<mirage::WebViewer::Frame> frame =
+      page().viewer->frame(mirage::us(now_ms), width, height);
+  if (!frame) return mirage::fail(frame.error().text);
+  return (frame->drawn ? 1 : 0) | (frame->resting ? 2 : 0) | (frame->drawable ? 4 : 0);
+}
+
+/// Radians, and seconds at full speed.
+EMSCRIPTEN_KEEPALIVE void page_steer(double yaw, double pitch, double right, double up,
+                                     double ahead) {
+  page().viewer->steer({yaw, pitch, {right, up, ahead}});
+}
+
+/// Eye and a point it looks at, m. Ignored unless finite and apart.
+EMSCRIPTEN_KEEPALIVE void page_look(double ex, double ey, double ez, double tx, double ty,
+                                    double tz) {
+  const glm::dvec3 eye(ex, ey, ez), target(tx, ty, tz);
+  const double apart = glm::length(target - eye);
+  if (std::isfinite(apart) && apart > 0) page().viewer->set_pose(mirage::look_at(eye, target));
+}
+
+/// Eye, and the direction it looks in: six numbers.
+EMSCRIPTEN_KEEPALIVE const double* page_pose() {
+  static std::array<double, 6> out;
+  const mirage::Pose& pose = page().viewer->pose();
+  const glm::dvec3 ahead = glm::dquat(pose.rotation) * glm::dvec3(0, 0, -1);
+  out = {pose.eye.x, pose.eye.y, pose.eye.z, ahead.x, ahead.y, ahead.z};
+  return out.data();
+}
+
+EMSCRIPTEN_KEEPALIVE int page_home_known() { return page().viewer->home_known() ? 1 : 0; }
+EMSCRIPTEN_KEEPALIVE void page_home() { page().viewer->go_home(); }
+
+/// Degrees; not finite: the scene's own light.
+EMSCRIPTEN_KEEPALIVE void page_sun(double azimuth, double elevation, double now_ms) {
+  std::optional<std::array<double, 2>> at;
+  if (std::isfinite(azimuth + elevation)) at = {azimuth, elevation};
+  page().viewer->set_sun(at, mirage::us(now_ms));
+}
+
+EMSCRIPTEN_KEEPALIVE double page_drawn_frames() {
+  return static_cast<double>(page().viewer->drawn_frames());
+}
+EMSCRIPTEN_KEEPALIVE void page_gpu_ms(double frame, double ms) {
+  page().viewer->note_gpu_ms(static_cast<std::uint64_t>(frame), ms);
+}
+EMSCRIPTEN_KEEPALIVE double page_receive_ms() { return page().viewer->receive_ms(); }
+EMSCRIPTEN_KEEPALIVE void page_interval_ms(double ms) { page().viewer->note_interval_ms(ms); }
+
+/// As many numbers as there are kinds of work.
+EMSCRIPTEN_KEEPALIVE int page_price_count() { return static_cast<int>(mirage::kWorks); }
+EMSCRIPTEN_KEEPALIVE const double* page_prices() { return page().viewer->prices().ms.data(); }
+EMSCRIPTEN_KEEPALIVE void page_set_prices(const double* ms) {
+  mirage::CostModel prices;
+  for (std::size_t i = 0; i < mirage::kWorks; ++i) {
+    if (!std::isfinite(ms[i]) || ms[i] < 0) return;
+    prices.ms[i] = ms[i];
+  }
+  page().viewer->set_prices(prices);
+}
+
+EMSCRIPTEN_KEEPALIVE void page_probe() { page().viewer->probe(); }
+
+EMSCRIPTEN_KEEPALIVE const char* page_figures(double now_ms) {
+  page().text = page().viewer->figures(mirage::us(now_ms));
+  return page().text.c_str();
+}
+EMSCRIPTEN_KEEPALIVE const char* page_renderer() {
+  page().text = mirage::gl::renderer_name();
+  return page().text.c_str();
+}
+EMSCRIPTEN_KEEPALIVE const char* page_goodbye() {
+  page().text = page().viewer->session().goodbye();
+  return page().text.c_str();
+}
+EMSCRIPTEN_KEEPALIVE const char* page_scene_name() {
+  page().text = page().viewer->session().scene().name;
+  return page().text.c_str();
+}
+
+/// InsightLayer; another number shows the picture alone.
+EMSCRIPTEN_KEEPALIVE void page_layer(int layer) {
+  const bool known = layer > 0 && layer <= static_cast<int>(mirage::kInsightLayers);
+  page().viewer->show_layer(known ? static_cast<mirage::InsightLayer>(layer)
+                                  : mirage::InsightLayer::kNone);
+}
+
+EMSCRIPTEN_KEEPALIVE int page_width() { return page().viewer->width(); }
+EMSCRIPTEN_KEEPALIVE int page_height() { return page().viewer->height(); }
+/// RGBA of page_width() x page_height(), rows from the top.
+EMSCRIPTEN_KEEPALIVE const std::uint8_t* page_pixels() {
+  page().rgba = page().viewer->pixels();
+  return page().rgba.data();
+}
+
+EMSCRIPTEN_KEEPALIVE void page_ask_reference(int supersample) {
+  page().viewer->ask_reference(static_cast<std::uint32_t>(supersample));
+}
+/// 1: it is there, as page_reference_pixels(); 0: not yet; < 0: the server renders none.
+EMSCRIPTEN_KEEPALIVE int page_reference() {
+  mirage::Page& p = page();
+  if (std::optional<mirage::ReferenceFrame> frame = p.viewer->take_reference()) {
+    p.rgba = std::move(frame->rgba);
+    return 1;
+  }
+  return p.viewer->session().reference_refused() ? -1 : 0;
+}
+EMSCRIPTEN_KEEPALIVE const std::uint8_t* page_reference_pixels() { return page().rgba.data(); }
+
+}  // extern "C"

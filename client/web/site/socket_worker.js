@@ -1,0 +1,81 @@
+// Owns the socket: what comes is stamped, put together and unpacked here, so that the page's frames only copy.
+// From the page: {module} once, {connect: URL}, {send: bytes}, {close}, {flip: {id, reference, test, width, height}}.
+// To the page: {open}, {closed: {code, reason, opened}}, {arrival: {control, payload, packed, wire, at}}, {flip: {id, mean}}.
+import createMirage from './mirage.js';
+
+let core = null;
+let socket = null;
+const waiting = [];
+
+const now = () => performance.timeOrigin + performance.now();
+
+function copied(bytes, use) {
+  const at = core._malloc(bytes.length);
+  core.HEAPU8.set(bytes, at);
+  const out = use(at, bytes.length);
+  core._free(at);
+  return out;
+}
+
+function accept(from, bytes, at) {
+  copied(bytes, (pointer, size) => {
+    const out = core._socket_accept(pointer, size) >> 2;
+    const [state, control, controlBytes, payload, payloadBytes, packed, wire] = core.HEAP32.subarray(out, out + 7);
+    if (state < 0) {
+      from.close(4900, core.UTF8ToString(core._socket_problem()).slice(0, 100));
+    } else if (state > 0) {
+      const arrival = {
+        control: core.HEAPU8.slice(control, control + controlBytes),
+        payload: core.HEAPU8.slice(payload, payload + payloadBytes), packed, wire, at };
+      postMessage({ arrival }, [arrival.control.buffer, arrival.payload.buffer]);
+    }
+  });
+}
+
+function connect(url) {
+  const before = socket;
+  const mine = new WebSocket(url, 'mirage');
+  let opened = false;
+  mine.binaryType = 'arraybuffer';
+  socket = mine;
+  before?.close(1000);
+  core._socket_reset();
+  mine.onopen = () => { opened = true; postMessage({ open: true }); };
+  mine.onmessage = ({ data }) => { if (mine === socket) accept(mine, new Uint8Array(data), now()); };
+  mine.onclose = ({ code, reason }) => {
+    if (mine === socket) { socket = null; postMessage({ closed: { code, reason, opened } }); }
+  };
+}
+
+function send(bytes) {
+  if (!socket || socket.readyState !== WebSocket.OPEN) return;
+  copied(bytes, (pointer, size) => {
+    const frames = core._socket_split(pointer, size);
+    for (let i = 0; i < frames; ++i) {
+      const at = core._socket_frame(i);
+      socket.send(core.HEAPU8.slice(at, at + core._socket_frame_bytes(i)));
+    }
+  });
+}
+
+function flip({ id, reference, test, width, height }) {
+  const mean = copied(reference, (a) => copied(test, (b) => core._picture_flip(a, b, width, height)));
+  postMessage({ flip: { id, mean } });
+}
+
+function handle(message) {
+  if (message.connect) connect(message.connect);
+  if (message.send) send(message.send);
+  if (message.close && socket) socket.close(1000);
+  if (message.flip) flip(message.flip);
+}
+
+onmessage = async ({ data }) => {
+  if (!data.module) { core ? handle(data) : waiting.push(data); return; }
+  core = await createMirage({
+    instantiateWasm(imports, done) {
+      WebAssembly.instantiate(data.module, imports).then((instance) => done(instance));
+      return {};
+    } });
+  for (const message of waiting.splice(0)) handle(message);
+};

@@ -1,0 +1,252 @@
+#include "client/web/web_viewer.h"
+
+#include <emscripten.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "client/hold/tile_cache.h"
+#include "client/plan/frame_plan.h"
+#include "client/scene/scene_view.h"
+#include "client/screen/renderer_sink.h"
+#include "client/screen/steering.h"
+#include "client/screen/viewer_defaults.h"
+#include "protocol/base/quantile.h"
+#include "protocol/base/stable_math.h"
+#include "shaders/gl/program.h"
+#include "shaders/gl/renderer.h"
+
+namespace mirage {
+namespace {
+
+constexpr std::size_t kMostUnpriced = 16;  // frames that wait to be told what they took
+constexpr int kProbeFrames = 4;
+constexpr double kMostScaled = 8;  // by the probe: what it draws is but a part of what frames have
+constexpr double kFovY = 1.0471975511965976;
+constexpr double kSameDisplay = 1.25;  // intervals up to so many of the display's are the display's
+
+double budget_ms(const WebOptions& o) {
+  if (o.frame_ms >= 0) return o.frame_ms;
+  return gl::is_software() ? kSoftwareFrameMs : o.display_ms;
+}
+
+ClientOptions session_options(const WebOptions& o) {
+  ClientOptions s;
+  s.name = "mirage-web";
+  s.frame_ms = budget_ms(o);
+  s.token = o.token;
+  s.atlas_edge = kAtlasEdge;
+  s.atlas_layers = atlas_layers(o.atlas_mb);
+  s.mesh_budget_bytes = std::size_t{static_cast<unsigned>(o.mesh_mb)} << 20;
+  s.screen.fov_y = kFovY;
+  s.screen.width = static_cast<std::uint32_t>(o.width);
+  s.screen.height = static_cast<std::uint32_t>(o.height);
+  return s;
+}
+
+}  // namespace
+
+WebViewer::WebViewer(const WebOptions& options, std::function<void(const Bytes&)> write)
+    : options_(options),
+      link_(std::move(write)),
+      prices_(*device_model(gl::is_software() ? "software" : "laptop")) {}
+
+WebViewer::~WebViewer() = default;
+
+Result<std::unique_ptr<WebViewer>> WebViewer::create(const WebOptions& options,
+                                                     std::function<void(const Bytes&)> write) {
+  std::unique_ptr<WebViewer> out(new WebViewer(options, std::move(write)));
+  Result<FrameRenderer> renderer =
+      FrameRenderer::create(kAtlasEdge, atlas_layers(options.atlas_mb));
+  if (!renderer) return renderer.error();
+  out->renderer_.emplace(renderer.take());
+  Result<Presenter> presenter = Presenter::create();
+  if (!presenter) return presenter.error();
+  out->presenter_ = presenter.take();
+  Result<Insight> insight = Insight::create();
+  if (!insight) return insight.error();
+  out->insight_ = insight.take();
+  if (Result<void> made = out->picture_.create(options.width, options.height); !made) {
+    return made.error();
+  }
+  SinkHooks hooks;
+  WebViewer* const self = out.get();
+  hooks.scene = [self]() -> const SceneView& { return self->session_->scene(); };
+  hooks.changed = [self] { self->picture_.content_changed(); };
+  hooks.failed = [self](const Error& error) { self->problem_ = error.text; };
+  out->session_ = std::make_unique<ClientSession>(out->link_, session_options(options),
+                                                  renderer_sink(*out->renderer_, hooks));
+  out->session_->set_prices(out->prices_.model());
+  out->programs_ = gl::programs_compiled();
+  return out;
+}
+
+Camera WebViewer::camera() const {
+  Camera camera;
+  camera.pose = pose_;
+  camera.fov_y = kFovY;
+  camera.width = static_cast<std::uint32_t>(picture_.width());
+  camera.height = static_cast<std::uint32_t>(picture_.height());
+  const SceneView& scene = session_->scene();
+  camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
+  return camera;
+}
+
+Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int height) {
+  const double began = emscripten_get_now();
+  Result<void> received = session_->receive(now_us);
+  receive_ms_ = emscripten_get_now() - began;
+  if (!received) problem_ = received.error().text;
+  if (!posed_ && home_known()) go_home();
+  if (Result<void> fitted = picture_.fit(width, height, *session_); !fitted) return fitted.error();
+  Camera seen = camera();
+  list_ = session_->frame(seen, now_us);
+  // With as many samples and at the scale that were planned with it.
+  if (Result<void> fitted = picture_.fit(width, height, *session_); !fitted) return fitted.error();
+  const Picture::Step step = picture_.next(seen, list_, *session_);
+  Frame out;
+  out.drawn = step != Picture::Step::kKeep;
+  out.resting = !out.drawn && session_->at_rest();
+  out.drawable = session_->drawable();
+  if (step == Picture::Step::kDraw) {
+    picture_.draw(*renderer_, seen, list_, *session_);
+    note_work(picture_.work(seen, list_, *session_));
+  }
+  if (step == Picture::Step::kRefine) picture_.refine(*renderer_, seen, list_, *session_);
+  if (out.drawn || layer_ != InsightLayer::kNone) {
+    presenter_.show(picture_.shown());
+    insight_.draw(layer_, seen, session_->scene(), list_, session_->tau_px(), now_us);
+  }
+  if (out.drawn) {
+    session_->note_drawn(now_us);
+  }
+  return out;
+}
+
+void WebViewer::note_work(const FrameWork& work) {
+  compiled_ = gl::programs_compiled() != programs_;  // what is compiled is compiled once
+  programs_ = gl::programs_compiled();
+  ++drawn_frames_;
+  drawn_.push_back({drawn_frames_, work});
+  if (drawn_.size() > kMostUnpriced) drawn_.pop_front();
+}
+
+void WebViewer::note_gpu_ms(std::uint64_t frame, double ms) {
+  for (const Drawn& drawn : drawn_) {
+    if (drawn.frame != frame || compiled_) continue;
+    prices_.add(drawn.work, ms);
+    session_->note_frame_ms(ms);
+    session_->set_prices(prices_.model());
+  }
+}
+
+// Within the display's pace it only says that the frame took no longer; beyond, that it took some
+// of the last period.
+void WebViewer::note_interval_ms(double ms) {
+  if (drawn_.empty() || compiled_) return;
+  const bool paced = ms <= kSameDisplay * options_.display_ms;
+  const double took = paced ? ms : ms - 0.5 * options_.display_ms;
+  if (paced && prices_.model().ms_of(drawn_.back().work) <= ms) return;
+  note_gpu_ms(drawn_.back().frame, took);
+}
+
+void WebViewer::set_prices(const CostModel& prices) {
+  prices_ = CostFit(prices);
+  session_->set_prices(prices);
+}
+
+void WebViewer::probe() {
+  const Camera seen = camera();
+  const DrawList nothing;
+  const auto draw = [&] {
+    picture_.draw(*renderer_, seen, nothing, *session_);
+    picture_.shown().read();  // nothing else waits for the graphics card here
+  };
+  draw();  // programs are finished at their first use
+  const double began = emscripten_get_now();
+  for (int i = 0; i < kProbeFrames; ++i) draw();
+  const double ms = (emscripten_get_now() - began) / kProbeFrames;
+  const double expected = prices_.model().ms_of(picture_.work(seen, nothing, *session_));
+  if (!(ms > 0) || !(expected > 0)) return;
+  CostModel prices = prices_.model();
+  for (double& price : prices.ms) price *= std::clamp(ms / expected, 1 / kMostScaled, kMostScaled);
+  set_prices(prices);
+  picture_.content_changed();
+}
+
+void WebViewer::steer(const Steering& by) {
+  Steering scaled = by;
+  scaled.move *= session_->scene().home.walk_speed_mps * 2;
+  mirage::steer(pose_, scaled);
+}
+
+void WebViewer::go_home() {
+  const HomeView& home = session_->scene().home;
+  pose_ = look_at(home.eye, home.target);
+  posed_ = true;
+}
+
+void WebViewer::set_sun(std::optional<std::array<double, 2>> at, std::int64_t now_us) {
+  Lighting light = session_->scene().lighting;
+  if (at) {
+    constexpr double kRadians = 0.017453292519943295;
+    const double azimuth = (*at)[0] * kRadians, elevation = (*at)[1] * kRadians;
+    const glm::dvec3 to_sun(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                            -std::cos(azimuth) * std::cos(elevation));
+    for (Light& one : light.lights) {
+      if (one.kind == LightKind::kDirectional) one.direction = glm::vec3(-to_sun);
+    }
+  }
+  session_->set_lighting(light, now_us);
+}
+
+void WebViewer::show_layer(InsightLayer layer) {
+  layer_ = layer;
+  picture_.content_changed();
+}
+
+void WebViewer::ask_reference(std::uint32_t supersample) {
+  session_->ask_reference(camera(), supersample);
+}
+
+std::string WebViewer::figures(std::int64_t now_us) const {
+  double bound = 0;
+  std::vector<float> ages_ms;
+  for (const DrawnImpostor& drawn : list_.impostors) {
+    if (std::isfinite(drawn.bound_px)) bound = std::max(bound, drawn.bound_px);
+    ages_ms.push_back(static_cast<float>(now_us - drawn.tile->received_us) / 1000.0f);
+  }
+  const FramePlan& plan = session_->plan();
+  const LinkTraffic traffic = link_.traffic();
+  const GpuBytes gpu = renderer_->gpu_bytes();
+  const TileCounts tiles = session_->tiles();
+  char text[1536];
+  std::snprintf(
+      text, sizeof(text),
+      "{\"complete\":%s,\"atRest\":%s,\"refined\":%s,\"awaitsNewScene\":%s,\"references\":%s,"
+      "\"geometry\":%s,"
+      "\"budgetMs\":%g,\"plannedMs\":%g,\"lambda\":%g,\"scale\":%g,\"samples\":%d,\"drawCalls\":%d,"
+      "\"impostors\":%zu,\"meshes\":%zu,\"placeholders\":%zu,\"view\":%s,\"boundPx\":%g,"
+      "\"tauPx\":%g,\"overTau\":%zu,\"visible\":%zu,\"tileAgeS\":%g,\"bytesDown\":%llu,"
+      "\"bytesUp\":%llu,\"roundTripMs\":%lld,\"inFlight\":%zu,\"tilesReceived\":%llu,"
+      "\"codec\":\"%s\",\"gpuBytes\":%zu,\"targetBytes\":%zu,\"drawnFrames\":%llu,"
+      "\"software\":%s}",
+      session_->scene().complete() ? "true" : "false", session_->at_rest() ? "true" : "false",
+      picture_.refined() ? "true" : "false", session_->awaits_new_scene() ? "true" : "false",
+      session_->scene().reference ? "true" : "false", session_->scene().geometry ? "true" : "false",
+      plan.limited() ? plan.budget_ms() : 0.0, plan.expected_ms(), plan.lambda(),
+      plan.setting().scale, plan.setting().samples, renderer_->draw_calls(), list_.impostors.size(),
+      list_.meshes.size(), list_.placeholders.size(), list_.view ? "true" : "false", bound,
+      session_->tau_px(), list_.over_tau, list_.visible,
+      static_cast<double>(quantile(ages_ms, 0.5)) / 1000,
+      static_cast<unsigned long long>(traffic.bytes_down),
+      static_cast<unsigned long long>(traffic.bytes_up),
+      static_cast<long long>(session_->round_trip_us() / 1000), session_->in_flight(),
+      static_cast<unsigned long long>(tiles.received), codec_name(session_->codec()), gpu.all(),
+      picture_.gpu_bytes(), static_cast<unsigned long long>(drawn_frames_),
+      gl::is_software() ? "true" : "false");
+  return text;
+}
+
+}  // namespace mirage

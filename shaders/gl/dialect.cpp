@@ -1,0 +1,100 @@
+#include "shaders/gl/dialect.h"
+
+#include <cstring>
+
+#ifdef __EMSCRIPTEN__
+#include <emscripten.h>
+#endif
+
+namespace mirage::gl {
+namespace {
+
+#ifdef __EMSCRIPTEN__
+constexpr GLenum kRendererName = 0x9246;  // UNMASKED_RENDERER_WEBGL
+// clang-format off
+EM_JS(int, find_clip_control, (), {
+  const extension = GLctx.getExtension('EXT_clip_control');
+  return extension ? 1 : 0;
+});
+EM_JS(void, web_clip_control, (int zero_to_one), {
+  const e = GLctx.getExtension('EXT_clip_control');
+  if (e) e.clipControlEXT(e.LOWER_LEFT_EXT, zero_to_one ? e.ZERO_TO_ONE_EXT : e.NEGATIVE_ONE_TO_ONE_EXT);
+});
+EM_JS(int, find_renderer_name, (), {
+  return GLctx.getExtension('WEBGL_debug_renderer_info') ? 1 : 0;
+});
+// clang-format on
+#endif
+
+std::string text_of(GLenum name) {
+  const auto* text = reinterpret_cast<const char*>(glGetString(name));
+  return text ? text : "";
+}
+
+[[maybe_unused]] bool has_extension(const char* wanted) {
+  GLint count = 0;
+  glGetIntegerv(GL_NUM_EXTENSIONS, &count);
+  for (GLint i = 0; i < count; ++i) {
+    const auto* name = glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i));
+    if (std::strcmp(reinterpret_cast<const char*>(name), wanted) == 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+#ifdef __EMSCRIPTEN__
+
+bool is_embedded() { return true; }
+void encode_srgb(bool) {}
+void shade_samples(bool) {}
+void prepare_points_and_samples() {}
+bool has_clip_control() { return find_clip_control() != 0; }
+void set_clip_depth_zero_to_one(bool on) { web_clip_control(on ? 1 : 0); }
+std::string renderer_name() {
+  return text_of(find_renderer_name() != 0 ? kRendererName : GL_RENDERER);
+}
+
+#else
+
+bool is_embedded() { return text_of(GL_VERSION).rfind("OpenGL ES", 0) == 0; }
+
+void encode_srgb(bool on) {
+  if (!is_embedded()) (on ? glEnable : glDisable)(GL_FRAMEBUFFER_SRGB);
+}
+
+void shade_samples(bool on) {
+  if (!is_embedded()) (on ? glEnable : glDisable)(GL_SAMPLE_SHADING);
+}
+
+void prepare_points_and_samples() {
+  if (is_embedded()) return;
+  glMinSampleShading(1.0f);
+  glEnable(GL_PROGRAM_POINT_SIZE);
+}
+
+bool has_clip_control() {
+  GLint major = 0, minor = 0;
+  glGetIntegerv(GL_MAJOR_VERSION, &major);
+  glGetIntegerv(GL_MINOR_VERSION, &minor);
+  if (is_embedded()) return has_extension("GL_EXT_clip_control");
+  return major * 10 + minor >= 45 || has_extension("GL_ARB_clip_control");
+}
+
+void set_clip_depth_zero_to_one(bool on) {
+  glClipControl(GL_LOWER_LEFT, on ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);
+}
+
+std::string renderer_name() { return text_of(GL_RENDERER); }
+
+#endif
+
+const char* shader_header() {
+  if (!is_embedded()) return "#version 330 core\n";
+  return "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp "
+         "sampler2D;\n"
+         "precision highp sampler2DArray;\nprecision highp sampler2DShadow;\nprecision highp "
+         "samplerCube;\n";
+}
+
+}  // namespace mirage::gl
