@@ -184,8 +184,8 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
       ->check(CLI::IsMember({"auto", "raw", "zstd", "webp"}))
       ->capture_default_str();
   app.add_option("--token-file", o.token_file, "the server's token");
-  app.add_flag("--gles", o.gles, "offscreen: draw with OpenGL ES 3, as in a browser");
-  app.add_option("--device", o.device, "EGL device when offscreen")->capture_default_str();
+  app.add_flag("--gles", o.graphics.gles, "offscreen: draw with OpenGL ES 3, as in a browser");
+  app.add_option("--device", o.graphics.device, "EGL device when offscreen")->capture_default_str();
   app.add_option("--connect-timeout", o.connect_timeout_s, "seconds to wait for the server")
       ->check(number_within(0.1, 3600.0))
       ->capture_default_str();

@@ -10,6 +10,12 @@
 
 namespace mirage {
 
+/// What draws without a display.
+struct Offscreen {
+  std::string device = "auto";  ///< of EGL
+  bool gles = false;            ///< OpenGL ES 3, as a browser draws
+};
+
 struct ViewOptions {
   std::string url;
   bool offscreen = false;
@@ -49,8 +55,7 @@ struct ViewOptions {
   std::string codec_name = "auto";
   std::string token_file;
   std::string token;
-  std::string device = "auto";
-  bool gles = false;  ///< offscreen on OpenGL ES 3, as a browser draws
+  Offscreen graphics;
   double connect_timeout_s = 10;
 };
 

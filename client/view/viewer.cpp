@@ -18,7 +18,7 @@
 #include "client/native/native_link.h"
 #include "client/native/server_url.h"
 #include "client/price/cost_fit.h"
-#include "client/screen/picture.h"
+#include "client/screen/screen.h"
 #include "client/screen/viewer_defaults.h"
 #include "client/view/comparison.h"
 #include "client/view/explain_frame.h"
@@ -75,7 +75,7 @@ class Viewer {
   std::int64_t start_us_ = 0;
   std::optional<Window> window_;
   gl::EglContext egl_;
-  Picture picture_;
+  Screen screen_;
   std::optional<Presenter> presenter_;  // of the window
   std::optional<Insight> insight_;      // the same
   std::optional<CostFit> prices_;       // in real time
@@ -101,7 +101,7 @@ constexpr double kRestS = 60;             // an event comes sooner or not at all
 
 Result<void> Viewer::open_graphics() {
   if (o_.offscreen) {
-    Result<gl::EglContext> egl = gl::EglContext::create(o_.device, o_.gles);
+    Result<gl::EglContext> egl = gl::EglContext::create(o_.graphics.device, o_.graphics.gles);
     if (!egl) return egl.error();
     egl_ = std::move(*egl);
   } else {
@@ -124,7 +124,7 @@ Result<void> Viewer::open_graphics() {
       FrameRenderer::create(kAtlasEdge, atlas_layers(o_.atlas_mb), flat);
   if (!renderer) return renderer.error();
   renderer_.emplace(renderer.take());
-  return picture_.create(o_.width, o_.height);
+  return screen_.create(o_.width, o_.height);
 }
 
 void Viewer::make_host() {
@@ -134,7 +134,7 @@ void Viewer::make_host() {
   host.net = o_.net;
   host.connect_timeout_s = o_.connect_timeout_s;
   if (window_) host.wake = &Window::wake;
-  host.content_changed = [this] { picture_.content_changed(); };
+  host.content_changed = [this] { screen_.content_changed(); };
   ClientOptions& options = host.session;
   options.tau_px = o_.tau_px;
   options.targets = o_.targets;
@@ -154,8 +154,8 @@ void Viewer::make_host() {
   options.animation = o_.animation == "on";
   options.views = o_.views;
   options.screen.fov_y = o_.fov_degrees * 0.017453292519943295;
-  options.screen.width = static_cast<std::uint32_t>(picture_.width());
-  options.screen.height = static_cast<std::uint32_t>(picture_.height());
+  options.screen.width = static_cast<std::uint32_t>(screen_.width());
+  options.screen.height = static_cast<std::uint32_t>(screen_.height());
   options.trace = !o_.trace_file.empty();
   host_ = std::make_unique<ClientHost>(host, *renderer_);
 }
@@ -212,19 +212,19 @@ Pose Viewer::next_pose(std::int64_t now, double real_seconds) {
 }
 
 Result<void> Viewer::fit_target() {
-  int w = picture_.width(), h = picture_.height();
+  int w = screen_.width(), h = screen_.height();
   if (window_) window_->framebuffer_size(w, h);
-  return picture_.fit(w, h, session());
+  return screen_.fit(w, h, session());
 }
 
 void Viewer::draw(const Camera& camera, const DrawList& list) {
   const std::uint64_t programs = gl::programs_compiled();
   const std::int64_t began = real_clock_.now_us();
-  picture_.draw(*renderer_, camera, list, session());
+  screen_.draw(*renderer_, camera, list, session());
   glFinish();
   const std::uint64_t compiled = gl::programs_compiled() - programs;
   programs_in_draws_ += compiled;
-  const FrameWork work = picture_.work(camera, list, session());
+  const FrameWork work = screen_.work(camera, list, session());
   if (o_.device_model) {
     model_ms_ = o_.device_model->ms_of(work);
     session().note_frame_ms(model_ms_);
@@ -238,13 +238,13 @@ void Viewer::draw(const Camera& camera, const DrawList& list) {
 }
 
 void Viewer::show(const Camera& camera, const DrawList& list, std::int64_t now) {
-  presenter_->show(picture_.shown());
+  presenter_->show(screen_.shown());
   gl::encode_srgb(false);
   insight_->draw(static_cast<InsightLayer>(window_->layer()), camera, session().scene(), list,
                  session().tau_px(), now);
   gl::encode_srgb(true);
   if (window_->overlay()) {
-    overlay_->draw(overlay_text(list, now), picture_.width(), picture_.height());
+    overlay_->draw(overlay_text(list, now), screen_.width(), screen_.height());
   }
   window_->present();
 }
@@ -294,22 +294,22 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   Camera camera;
   camera.pose = next_pose(now, smooth_ms_ * 1e-3);
   camera.fov_y = o_.fov_degrees * 0.017453292519943295;
-  camera.width = static_cast<std::uint32_t>(picture_.width());
-  camera.height = static_cast<std::uint32_t>(picture_.height());
+  camera.width = static_cast<std::uint32_t>(screen_.width());
+  camera.height = static_cast<std::uint32_t>(screen_.height());
   camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
   const DrawList list = session().frame(camera, now);
   // With as many samples and at the scale that were planned with it.
   if (Result<void> fitted = fit_target(); !fitted) return fitted;
-  const Picture::Step step = picture_.next(camera, list, session());
-  const bool drawn = step != Picture::Step::kKeep;
+  const Screen::Step step = screen_.next(camera, list, session());
+  const bool drawn = step != Screen::Step::kKeep;
   frame_kept_ = !drawn;
   resting_ = !drawn && session().at_rest();
-  if (step == Picture::Step::kDraw) draw(camera, list);
-  if (step == Picture::Step::kRefine) {
-    picture_.refine(*renderer_, camera, list, session());
+  if (step == Screen::Step::kDraw) draw(camera, list);
+  if (step == Screen::Step::kRefine) {
+    screen_.refine(*renderer_, camera, list, session());
     if (o_.device_model) model_ms_ = o_.device_model->ms_of(work_of(scene, camera, list, 1));
   }
-  stats_.note_gpu(renderer_->gpu_bytes(), picture_.gpu_bytes());
+  stats_.note_gpu(renderer_->gpu_bytes(), screen_.gpu_bytes());
   if (window_ && (window_->take_refresh() || drawn)) show(camera, list, now);
   glFinish();
   note_drawn(list);
@@ -323,7 +323,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
     const Result<void> written =
-        write_png(path, picture_.width(), picture_.height(), picture_.shown().read());
+        write_png(path, screen_.width(), screen_.height(), screen_.shown().read());
     if (!written) return written;
   }
   if (o_.reference_every > 0 && frame > 0 && frame % o_.reference_every == 0) {
@@ -335,7 +335,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
 }
 
 Result<void> Viewer::compare(const Camera& camera, const DrawList& list) {
-  const std::vector<std::uint8_t> drawn = picture_.shown().read();
+  const std::vector<std::uint8_t> drawn = screen_.shown().read();
   const Result<ReferenceFrame> reference =
       host_->reference(camera, static_cast<std::uint32_t>(o_.reference_supersample));
   if (!reference) return reference.error();
@@ -429,7 +429,7 @@ Result<void> Viewer::finish() {
   end.renderer = gl::renderer_name();
   end.method = o_.method_name;
   end.tau_px = o_.tau_px;
-  end.samples = picture_.samples();
+  end.samples = screen_.samples();
   end.wall_s = static_cast<double>(real_clock_.now_us()) * 1e-6;
   std::fputs(stats_.table(end).c_str(), stdout);
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {

@@ -150,7 +150,8 @@ EMSCRIPTEN_KEEPALIVE double page_drawn_frames() {
 EMSCRIPTEN_KEEPALIVE void page_gpu_ms(double frame, double ms) {
   page().viewer->note_gpu_ms(static_cast<std::uint64_t>(frame), ms);
 }
-EMSCRIPTEN_KEEPALIVE double page_receive_ms() { return page().viewer->receive_ms(); }
+EMSCRIPTEN_KEEPALIVE double page_decode_ms() { return page().viewer->decode_ms(); }
+EMSCRIPTEN_KEEPALIVE double page_upload_ms() { return page().viewer->upload_ms(); }
 EMSCRIPTEN_KEEPALIVE void page_interval_ms(double ms) { page().viewer->note_interval_ms(ms); }
 
 /// As many numbers as there are kinds of work.

@@ -31,6 +31,16 @@ double budget_ms(const WebOptions& o) {
   return gl::is_software() ? kSoftwareFrameMs : o.display_ms;
 }
 
+// Adds what a function of the sink takes to `ms`.
+template <typename... Args>
+void time(std::function<void(Args...)>& of, double& ms) {
+  of = [inner = std::move(of), &ms](Args... args) {
+    const double began = emscripten_get_now();
+    inner(std::forward<Args>(args)...);
+    ms += emscripten_get_now() - began;
+  };
+}
+
 ClientOptions session_options(const WebOptions& o) {
   ClientOptions s;
   s.name = "mirage-web";
@@ -67,16 +77,24 @@ Result<std::unique_ptr<WebViewer>> WebViewer::create(const WebOptions& options,
   Result<Insight> insight = Insight::create();
   if (!insight) return insight.error();
   out->insight_ = insight.take();
-  if (Result<void> made = out->picture_.create(options.width, options.height); !made) {
+  if (Result<void> made = out->screen_.create(options.width, options.height); !made) {
     return made.error();
   }
   SinkHooks hooks;
   WebViewer* const self = out.get();
   hooks.scene = [self]() -> const SceneView& { return self->session_->scene(); };
-  hooks.changed = [self] { self->picture_.content_changed(); };
+  hooks.changed = [self] { self->screen_.content_changed(); };
   hooks.failed = [self](const Error& error) { self->problem_ = error.text; };
-  out->session_ = std::make_unique<ClientSession>(out->link_, session_options(options),
-                                                  renderer_sink(*out->renderer_, hooks));
+  TileSink sink = renderer_sink(*out->renderer_, hooks);
+  time(sink.tile, self->upload_ms_);
+  time(sink.shadow, self->upload_ms_);
+  time(sink.caster, self->upload_ms_);
+  time(sink.mesh, self->upload_ms_);
+  time(sink.image, self->upload_ms_);
+  time(sink.scene, self->upload_ms_);
+  time(sink.view, self->upload_ms_);
+  out->session_ =
+      std::make_unique<ClientSession>(out->link_, session_options(options), std::move(sink));
   out->session_->set_prices(out->prices_.model());
   out->programs_ = gl::programs_compiled();
   return out;
@@ -86,36 +104,37 @@ Camera WebViewer::camera() const {
   Camera camera;
   camera.pose = pose_;
   camera.fov_y = kFovY;
-  camera.width = static_cast<std::uint32_t>(picture_.width());
-  camera.height = static_cast<std::uint32_t>(picture_.height());
+  camera.width = static_cast<std::uint32_t>(screen_.width());
+  camera.height = static_cast<std::uint32_t>(screen_.height());
   const SceneView& scene = session_->scene();
   camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
   return camera;
 }
 
 Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int height) {
+  upload_ms_ = 0;
   const double began = emscripten_get_now();
   Result<void> received = session_->receive(now_us);
-  receive_ms_ = emscripten_get_now() - began;
+  decode_ms_ = emscripten_get_now() - began - upload_ms_;
   if (!received) problem_ = received.error().text;
   if (!posed_ && home_known()) go_home();
-  if (Result<void> fitted = picture_.fit(width, height, *session_); !fitted) return fitted.error();
+  if (Result<void> fitted = screen_.fit(width, height, *session_); !fitted) return fitted.error();
   Camera seen = camera();
   list_ = session_->frame(seen, now_us);
   // With as many samples and at the scale that were planned with it.
-  if (Result<void> fitted = picture_.fit(width, height, *session_); !fitted) return fitted.error();
-  const Picture::Step step = picture_.next(seen, list_, *session_);
+  if (Result<void> fitted = screen_.fit(width, height, *session_); !fitted) return fitted.error();
+  const Screen::Step step = screen_.next(seen, list_, *session_);
   Frame out;
-  out.drawn = step != Picture::Step::kKeep;
+  out.drawn = step != Screen::Step::kKeep;
   out.resting = !out.drawn && session_->at_rest();
   out.drawable = session_->drawable();
-  if (step == Picture::Step::kDraw) {
-    picture_.draw(*renderer_, seen, list_, *session_);
-    note_work(picture_.work(seen, list_, *session_));
+  if (step == Screen::Step::kDraw) {
+    screen_.draw(*renderer_, seen, list_, *session_);
+    note_work(screen_.work(seen, list_, *session_));
   }
-  if (step == Picture::Step::kRefine) picture_.refine(*renderer_, seen, list_, *session_);
+  if (step == Screen::Step::kRefine) screen_.refine(*renderer_, seen, list_, *session_);
   if (out.drawn || layer_ != InsightLayer::kNone) {
-    presenter_.show(picture_.shown());
+    presenter_.show(screen_.shown());
     insight_.draw(layer_, seen, session_->scene(), list_, session_->tau_px(), now_us);
   }
   if (out.drawn) {
@@ -160,19 +179,19 @@ void WebViewer::probe() {
   const Camera seen = camera();
   const DrawList nothing;
   const auto draw = [&] {
-    picture_.draw(*renderer_, seen, nothing, *session_);
-    picture_.shown().read();  // nothing else waits for the graphics card here
+    screen_.draw(*renderer_, seen, nothing, *session_);
+    screen_.shown().read();  // nothing else waits for the graphics card here
   };
   draw();  // programs are finished at their first use
   const double began = emscripten_get_now();
   for (int i = 0; i < kProbeFrames; ++i) draw();
   const double ms = (emscripten_get_now() - began) / kProbeFrames;
-  const double expected = prices_.model().ms_of(picture_.work(seen, nothing, *session_));
+  const double expected = prices_.model().ms_of(screen_.work(seen, nothing, *session_));
   if (!(ms > 0) || !(expected > 0)) return;
   CostModel prices = prices_.model();
   for (double& price : prices.ms) price *= std::clamp(ms / expected, 1 / kMostScaled, kMostScaled);
   set_prices(prices);
-  picture_.content_changed();
+  screen_.content_changed();
 }
 
 void WebViewer::steer(const Steering& by) {
@@ -203,7 +222,7 @@ void WebViewer::set_sun(std::optional<std::array<double, 2>> at, std::int64_t no
 
 void WebViewer::show_layer(InsightLayer layer) {
   layer_ = layer;
-  picture_.content_changed();
+  screen_.content_changed();
 }
 
 void WebViewer::ask_reference(std::uint32_t supersample) {
@@ -233,7 +252,7 @@ std::string WebViewer::figures(std::int64_t now_us) const {
       "\"codec\":\"%s\",\"gpuBytes\":%zu,\"targetBytes\":%zu,\"drawnFrames\":%llu,"
       "\"software\":%s}",
       session_->scene().complete() ? "true" : "false", session_->at_rest() ? "true" : "false",
-      picture_.refined() ? "true" : "false", session_->awaits_new_scene() ? "true" : "false",
+      screen_.refined() ? "true" : "false", session_->awaits_new_scene() ? "true" : "false",
       session_->scene().reference ? "true" : "false", session_->scene().geometry ? "true" : "false",
       plan.limited() ? plan.budget_ms() : 0.0, plan.expected_ms(), plan.lambda(),
       plan.setting().scale, plan.setting().samples, renderer_->draw_calls(), list_.impostors.size(),
@@ -244,7 +263,7 @@ std::string WebViewer::figures(std::int64_t now_us) const {
       static_cast<unsigned long long>(traffic.bytes_up),
       static_cast<long long>(session_->round_trip_us() / 1000), session_->in_flight(),
       static_cast<unsigned long long>(tiles.received), codec_name(session_->codec()), gpu.all(),
-      picture_.gpu_bytes(), static_cast<unsigned long long>(drawn_frames_),
+      screen_.gpu_bytes(), static_cast<unsigned long long>(drawn_frames_),
       gl::is_software() ? "true" : "false");
   return text;
 }

@@ -16,7 +16,7 @@
 #include "client/draw/presenter.h"
 #include "client/frame/draw_list.h"
 #include "client/price/cost_fit.h"
-#include "client/screen/picture.h"
+#include "client/screen/screen.h"
 #include "client/session/client_session.h"
 #include "client/web/browser_link.h"
 #include "protocol/impostor/camera.h"
@@ -66,8 +66,10 @@ class WebViewer {
   void note_gpu_ms(std::uint64_t drawn_frame, double ms);
   /// The display shows a picture `ms` after the one before; both were drawn.
   void note_interval_ms(double ms);
-  /// What taking in what came took in the last frame.
-  double receive_ms() const { return receive_ms_; }
+  /// What came in the last frame took so long to be taken in, and so long to go to the graphics
+  /// card.
+  double decode_ms() const { return decode_ms_; }
+  double upload_ms() const { return upload_ms_; }
   std::uint64_t drawn_frames() const { return drawn_frames_; }
   const CostModel& prices() const { return prices_.model(); }
   void set_prices(const CostModel& prices);
@@ -81,9 +83,9 @@ class WebViewer {
   void ask_reference(std::uint32_t supersample);
   std::optional<ReferenceFrame> take_reference() { return session_->take_reference(); }
   /// RGBA as shown, rows from the top.
-  std::vector<std::uint8_t> pixels() const { return picture_.shown().read(); }
-  int width() const { return picture_.width(); }
-  int height() const { return picture_.height(); }
+  std::vector<std::uint8_t> pixels() const { return screen_.shown().read(); }
+  int width() const { return screen_.width(); }
+  int height() const { return screen_.height(); }
 
   /// For the page's strip of figures, as JSON.
   std::string figures(std::int64_t now_us) const;
@@ -102,7 +104,7 @@ class WebViewer {
   BrowserLink link_;
   std::optional<FrameRenderer> renderer_;
   Presenter presenter_;
-  Picture picture_;
+  Screen screen_;
   Insight insight_;
   InsightLayer layer_ = InsightLayer::kNone;
   std::unique_ptr<ClientSession> session_;
@@ -113,7 +115,7 @@ class WebViewer {
   std::deque<Drawn> drawn_;
   std::uint64_t drawn_frames_ = 0;
   std::uint64_t programs_ = 0;
-  double receive_ms_ = 0;
+  double decode_ms_ = 0, upload_ms_ = 0;
   bool compiled_ = false;  // something was, in the last frame
   std::string problem_;    // of drawing, the last
 };

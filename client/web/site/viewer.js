@@ -22,6 +22,7 @@ export class Viewer {
     this.arrivals = [];
     this.intervals = [];   // of the display, while loading
     this.pauses = [];      // ms that taking messages in took, one number a frame
+    this.uploads = [];     // ms that handing it to the graphics card took, the same
     this.frames = [];      // ms from one drawn picture to the next
     this.next = 0;         // of requestAnimationFrame; 0: the page sleeps
     this.connected = false;
@@ -294,8 +295,9 @@ export class Viewer {
   note(at, bits) {
     const isDrawn = (bits & drawn) !== 0;
     if (this.lastAt && isDrawn && this.lastDrawn) this.frames.push(at - this.lastAt);
-    this.pauses.push(this.arrivingMs + this.core._page_receive_ms());
-    for (const list of [this.frames, this.pauses]) if (list.length > 4000) list.splice(0, 1000);
+    this.pauses.push(this.arrivingMs + this.core._page_decode_ms());
+    this.uploads.push(this.core._page_upload_ms());
+    for (const list of [this.frames, this.pauses, this.uploads]) if (list.length > 4000) list.splice(0, 1000);
     this.lastDrawn = isDrawn;
     if (!(bits & drawable)) {
       if (this.connected && !this.seen) this.say('Waiting for the scene', { aside: false });

@@ -1,4 +1,4 @@
-#include "client/screen/picture.h"
+#include "client/screen/screen.h"
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@
 
 namespace mirage {
 
-Result<void> Picture::make(int width, int height, bool blends, int samples, double scale) {
+Result<void> Screen::make(int width, int height, bool blends, int samples, double scale) {
   Result<FrameTarget> target = FrameTarget::create(width, height, samples, blends, scale);
   if (!target) return target.error();
   target_.emplace(target.take());
@@ -18,9 +18,9 @@ Result<void> Picture::make(int width, int height, bool blends, int samples, doub
   return {};
 }
 
-Result<void> Picture::create(int width, int height) { return make(width, height, false, 1, 1); }
+Result<void> Screen::create(int width, int height) { return make(width, height, false, 1, 1); }
 
-Result<void> Picture::fit(int width, int height, const ClientSession& session) {
+Result<void> Screen::fit(int width, int height, const ClientSession& session) {
   const FrameSetting& planned = session.plan().setting();
   const bool blends = session.scene().blends();
   const bool same = width == this->width() && height == this->height() &&
@@ -32,8 +32,8 @@ Result<void> Picture::fit(int width, int height, const ClientSession& session) {
   return made;
 }
 
-Picture::Step Picture::next(const Camera& camera, const DrawList& list,
-                            const ClientSession& session) {
+Screen::Step Screen::next(const Camera& camera, const DrawList& list,
+                          const ClientSession& session) {
   if (session.awaits_new_scene()) {
     still_.content_changed();  // once it is there
     return Step::kKeep;
@@ -42,19 +42,19 @@ Picture::Step Picture::next(const Camera& camera, const DrawList& list,
   return session.at_rest() && !refinement_.done() ? Step::kRefine : Step::kKeep;
 }
 
-void Picture::draw(FrameRenderer& renderer, const Camera& camera, const DrawList& list,
-                   const ClientSession& session) {
+void Screen::draw(FrameRenderer& renderer, const Camera& camera, const DrawList& list,
+                  const ClientSession& session) {
   renderer.draw(*target_, camera, session.scene(), list, session.lighting());
   refinement_.restart();
 }
 
-void Picture::refine(FrameRenderer& renderer, const Camera& camera, const DrawList& list,
-                     const ClientSession& session) {
+void Screen::refine(FrameRenderer& renderer, const Camera& camera, const DrawList& list,
+                    const ClientSession& session) {
   refinement_.draw_more(renderer, *target_, camera, session.scene(), list, session.lighting());
 }
 
-FrameWork Picture::work(const Camera& camera, const DrawList& list,
-                        const ClientSession& session) const {
+FrameWork Screen::work(const Camera& camera, const DrawList& list,
+                       const ClientSession& session) const {
   return work_of(session.scene(), target_->drawn_camera(camera), list,
                  std::max(target_->samples(), 1));
 }

@@ -16,7 +16,7 @@ namespace mirage {
 class ClientSession;
 struct FrameWork;
 
-class Picture {
+class Screen {
  public:
   /// Error kGraphicsGl.
   Result<void> create(int width, int height);
