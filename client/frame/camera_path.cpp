@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include "protocol/base/stable_math.h"
@@ -51,11 +52,35 @@ Result<CameraPath> CameraPath::create(const std::string& spec, const HomeView& h
     return make_error(ErrorId::kUsage, "unknown path '" + spec + "'",
                       "builtin:still, orbit, walk, fly, shake, strafe or teleport");
   }
+  if (const std::size_t hash = spec.find("#eye="); hash != std::string::npos) {
+    Result<Key> view = read_view(spec.substr(hash + 1));
+    if (!view) return view.error();
+    path.kind_ = Kind::kTrace;
+    path.keys_ = {view.take()};
+    return path;
+  }
   Result<std::vector<Key>> keys = read_trace(spec);
   if (!keys) return keys.error();
   path.kind_ = Kind::kTrace;
   path.keys_ = keys.take();
   return path;
+}
+
+Result<CameraPath::Key> CameraPath::read_view(const std::string& fragment) {
+  std::istringstream parts(fragment);
+  std::optional<glm::dvec3> eye, look;
+  for (std::string part; std::getline(parts, part, '&');) {
+    const bool is_eye = part.rfind("eye=", 0) == 0;
+    if (!is_eye && part.rfind("look=", 0) != 0) continue;
+    std::string text = part.substr(part.find('=') + 1);
+    std::replace(text.begin(), text.end(), ',', ' ');
+    std::istringstream in(text);
+    glm::dvec3 at(0);
+    if ((in >> at.x >> at.y >> at.z) && std::isfinite(at.x + at.y + at.z)) (is_eye ? eye : look) = at;
+  }
+  if (eye && look && *eye != *look) return Key{0, look_at(*eye, *look)};
+  return make_error(ErrorId::kUsage, "'#" + fragment + "' is no view",
+                    "#eye=X,Y,Z&look=X,Y,Z, two points apart, as a browser's address has them");
 }
 
 Result<std::vector<CameraPath::Key>> CameraPath::read_trace(const std::string& path) {

@@ -13,7 +13,8 @@ namespace mirage {
 class CameraPath {
  public:
   /// `spec`: "builtin:still|orbit|walk|fly|shake|strafe|teleport", or a file of lines
-  /// `x y z rx ry rz t_ms` (metres, degrees XYZ, milliseconds, t not falling).
+  /// `x y z rx ry rz t_ms` (metres, degrees XYZ, milliseconds, t not falling), or a view as the
+  /// page of browsers puts it into its address: `#eye=X,Y,Z&look=X,Y,Z`, with what is before it.
   /// Errors: kUsage for an unknown name or a bad line (with its number), kIo for the file.
   static Result<CameraPath> create(const std::string& spec, const HomeView& home,
                                    const glm::dvec3& scene_center, double scene_radius);
@@ -26,6 +27,7 @@ class CameraPath {
     double seconds;
     Pose pose;
   };
+  static Result<Key> read_view(const std::string& fragment);
   static Result<std::vector<Key>> read_trace(const std::string& path);
   Pose walk(double seconds) const;
   Pose trace(double seconds) const;

@@ -91,8 +91,8 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   app.add_option("--offscreen", offscreen, "WxH: render without a display");
   app.add_option("--size", size, "WxH of the window");
   app.add_option("--path", o.path,
-                 "file of `x y z rx ry rz t_ms` lines, or builtin:still|orbit|walk|fly|shake|"
-                 "strafe|teleport");
+                 "file of `x y z rx ry rz t_ms` lines, builtin:still|orbit|walk|fly|shake|strafe|"
+                 "teleport, or a view as in a browser's address: '#eye=X,Y,Z&look=X,Y,Z'");
   app.add_option("--light", o.light,
                  "file of `t_ms ambient_rgb sun_rgb sun_dir_xyz` lines, or builtin:fixed|sun-sweep|"
                  "lamp-toggle")

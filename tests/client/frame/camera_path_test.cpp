@@ -59,6 +59,18 @@ TEST(CoreCameraPath, BuiltinsAreFiniteAndContinuous) {
   }
 }
 
+TEST(CoreCameraPath, AViewOfABrowsersAddressStandsStill) {
+  const auto path = path_of("http://host:9870/#eye=1,2,3&look=1,2,-7&light=10,20");
+  ASSERT_TRUE(path);
+  EXPECT_EQ(path->at(0).eye, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(path->at(9).eye, glm::dvec3(1, 2, 3));
+  const glm::vec3 ahead = path->at(5).rotation * glm::vec3(0, 0, -1);
+  EXPECT_NEAR(glm::length(ahead - glm::vec3(0, 0, -1)), 0, 1e-6);
+  for (const char* wrong : {"#eye=1,2,3", "#eye=1,2,3&look=1,2,3", "#eye=1,2&look=0,0,0",
+                            "#eye=1,2,nan&look=0,0,0", "#eye=a,b,c&look=1,1,1"}) {
+    EXPECT_FALSE(path_of(wrong)) << wrong;
+  }
+}
 TEST(CoreCameraPath, TeleportJumpsEverySecond) {
   const auto path = path_of("builtin:teleport");
   ASSERT_TRUE(path);

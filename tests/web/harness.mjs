@@ -1,0 +1,143 @@
+// A shipped server, a shaped link before it, a real browser, and what tests ask of the page.
+// Environment: MIRAGE_BIN (folder of the programs), MIRAGE_MODULES (folder with node_modules/playwright-core), MIRAGE_CHROMIUM.
+import { spawn } from 'node:child_process';
+import { existsSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+export const bin = process.env.MIRAGE_BIN;
+const { chromium } = createRequire(join(process.env.MIRAGE_MODULES, 'x.js'))('playwright-core');
+const software = ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
+
+export const sleep = (ms) => new Promise((done) => { setTimeout(done, ms); });
+export const scratch = () => mkdtempSync(join(tmpdir(), 'mirage-web-'));
+
+export async function until(what, ask, seconds = 20) {
+  const end = Date.now() + seconds * 1000;
+  for (;;) {
+    const answer = await ask();
+    if (answer) return answer;
+    if (Date.now() > end) throw new Error(`not within ${seconds} s: ${what}`);
+    await sleep(50);
+  }
+}
+
+const running = new Set();
+process.on('exit', () => { for (const child of running) child.kill('SIGKILL'); });
+
+// A program that writes its port into a file once it is ready.
+async function start(program, args) {
+  const file = join(scratch(), 'port');
+  const child = spawn(join(bin, program), [...args, '--port-file', file], { stdio: ['ignore', 'pipe', 'pipe'] });
+  const log = [];
+  for (const stream of [child.stdout, child.stderr]) stream.on('data', (text) => log.push(String(text)));
+  running.add(child);
+  child.on('exit', () => running.delete(child));
+  const port = await until(`${program} ${args.join(' ')}`, () => {
+    if (child.exitCode !== null) throw new Error(`${program} ended: ${log.join('')}`);
+    return existsSync(file) && Number(readFileSync(file, 'utf8'));
+  }, 120);
+  const stop = (signal = 'SIGKILL') => new Promise((done) => {
+    if (child.exitCode !== null || child.signalCode !== null) { done(); return; }
+    child.on('exit', done);
+    child.kill(signal);
+  });
+  return { port, url: `http://127.0.0.1:${port}/`, log, child, stop };
+}
+
+export const serve = (scene, args = [], port = 0) => start('mirage-server', [scene, '--listen', `127.0.0.1:${port}`, ...args]);
+export const relay = (to, { rtt, rate }) =>
+  start('mirage-relay', ['--to', String(to), '--rtt', String(rtt), '--rate', String(rate)]);
+
+export const launch = (args = software) =>
+  chromium.launch({ executablePath: process.env.MIRAGE_CHROMIUM ?? '/usr/bin/chromium', args });
+
+/// A page that knows what went wrong in it.
+export async function open(browser, url, { width = 640, height = 360, scale = 1, touch = false, before, ...options } = {}) {
+  const context = await browser.newContext({
+    viewport: { width, height }, deviceScaleFactor: scale, hasTouch: touch, isMobile: touch, ...options });
+  const page = await context.newPage();
+  page.problems = [];
+  page.on('pageerror', (error) => page.problems.push(error.message));
+  page.on('console', (message) => { if (message.type() === 'error') page.problems.push(message.text()); });
+  if (before) await page.addInitScript(before);
+  await page.goto(url);
+  return page;
+}
+
+/// The core's figures, with what the page knows; null before there are any.
+export const figures = (page) => page.evaluate(() => (globalThis.mirage?.figures && mirage.viewerThere()
+  ? { ...mirage.figures.now(), seen: Boolean(mirage.seen), asleep: mirage.next === 0, connected: mirage.connected } : null));
+export const message = (page) => page.evaluate(() =>
+  (document.getElementById('status').hidden ? '' : document.getElementById('message').textContent));
+export const pose = (page) => page.evaluate(() => mirage.view());
+
+export const seen = (page, seconds) => until('a picture', async () => (await figures(page))?.seen, seconds);
+/// Everything is there, refined, and the page sleeps.
+export const rested = (page, seconds = 60) => until('rest', async () => {
+  const f = await figures(page);
+  return f && f.complete && f.connected && f.atRest && f.refined && f.asleep && f;
+}, seconds);
+
+/// RGBA of the picture as the core has it.
+export async function picture(page) {
+  const { width, height, text } = await page.evaluate(() => {
+    const { width: w, height: h, rgba } = mirage.pixels();
+    let binary = '';
+    for (let i = 0; i < rgba.length; i += 32768) binary += String.fromCharCode(...rgba.subarray(i, i + 32768));
+    return { width: w, height: h, text: btoa(binary) };
+  });
+  return { width, height, rgba: Buffer.from(text, 'base64') };
+}
+
+/// Of a PNG, as the browser decodes it.
+export async function decode(page, png) {
+  const { width, height, text } = await page.evaluate(async (base64) => {
+    const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+    const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }), { colorSpaceConversion: 'none' });
+    const sheet = new OffscreenCanvas(image.width, image.height);
+    const pen = sheet.getContext('2d');
+    pen.drawImage(image, 0, 0);
+    const { data } = pen.getImageData(0, 0, image.width, image.height);
+    let binary = '';
+    for (let i = 0; i < data.length; i += 32768) binary += String.fromCharCode(...data.subarray(i, i + 32768));
+    return { width: image.width, height: image.height, text: btoa(binary) };
+  }, png.toString('base64'));
+  return { width, height, rgba: Buffer.from(text, 'base64') };
+}
+
+/// What is to be seen of the canvas, without what lies over it.
+export async function screen(page) {
+  await page.addStyleTag({ content: '' }).catch(() => {});
+  const hidden = await page.evaluate(() => [...document.body.children].filter((e) => e.tagName !== 'MAIN' && e.style.visibility !== 'hidden')
+    .map((e) => { e.style.visibility = 'hidden'; return e.id; }));
+  const png = await page.screenshot();
+  await page.evaluate((ids) => { for (const id of ids) if (id) document.getElementById(id).style.visibility = ''; }, hidden);
+  return decode(page, png);
+}
+
+/// Mean FLIP by the core's own measure, in the page's worker.
+export const flip = (page, a, b) => page.evaluate(async ({ reference, test, width, height }) => {
+  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const id = `test-${Math.random()}`;
+  const answer = new Promise((done) => {
+    mirage.worker.addEventListener('message', function once({ data }) {
+      if (data.flip?.id !== id) return;
+      mirage.worker.removeEventListener('message', once);
+      done(data.flip.mean);
+    });
+  });
+  mirage.worker.postMessage({ flip: { id, reference: bytes(reference), test: bytes(test), width, height } });
+  return answer;
+}, { reference: a.rgba.toString('base64'), test: b.rgba.toString('base64'), width: a.width, height: a.height });
+
+export function write(file, text) {
+  writeFileSync(file, text);
+  return file;
+}
+
+export const percentile = (values, q) => {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted.length ? sorted[Math.min(sorted.length - 1, Math.round(q * (sorted.length - 1)))] : NaN;
+};

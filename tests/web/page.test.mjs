@@ -1,0 +1,461 @@
+// The page in a real browser, with the shipped server: what a person does, and what goes wrong.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { brotliDecompressSync, gunzipSync } from 'node:zlib';
+import http from 'node:http';
+import { join } from 'node:path';
+import { figures, flip, launch, message, open, picture, pose, rested, scratch, screen, seen, serve, sleep, until, write, decode } from './harness.mjs';
+
+let browser, knot;
+const apart = (a, b) => Math.hypot(...a.map((v, i) => v - b[i]));
+const at = (hash) => `${knot.url}${hash}`;
+const view = '#eye=0,1,6&look=0,0.5,0';
+
+before(async () => {
+  [browser, knot] = await Promise.all([launch(), serve('builtin:knot')]);
+});
+after(async () => {
+  await browser?.close();
+  await knot?.stop();
+});
+
+// As sent, not as a browser would unpack it.
+const get = (url, headers = {}) => new Promise((done, fail) => {
+  http.get(url, { headers }, (answer) => {
+    const parts = [];
+    answer.on('data', (part) => parts.push(part));
+    answer.on('end', () => done({ status: answer.statusCode, headers: answer.headers, body: Buffer.concat(parts) }));
+  }).on('error', fail);
+});
+
+test('the page is served compressed, its parts for ever, itself never from a cache', async () => {
+  const plain = await get(knot.url);
+  assert.equal(plain.status, 200);
+  assert.equal(plain.headers['content-encoding'], undefined);
+  assert.equal(plain.headers['cache-control'], 'no-cache');
+  assert.equal(plain.headers['x-content-type-options'], 'nosniff');
+  const policy = plain.headers['content-security-policy'];
+  assert.match(policy, /default-src 'none'/);
+  assert.doesNotMatch(policy, /unsafe-inline|'unsafe-eval'|\*/);
+  assert.doesNotMatch(plain.body.toString(), /<script>|<script type="module">|style="| on[a-z]+="/, 'nothing inline');
+  const gzip = await get(knot.url, { 'Accept-Encoding': 'gzip' });
+  assert.deepEqual(gunzipSync(gzip.body), plain.body);
+  const names = [...plain.body.toString().matchAll(/(?:src|href)="([^"]+)"/g)].map((found) => found[1]);
+  assert.ok(names.length >= 4);
+  for (const name of names) {
+    assert.doesNotMatch(name, /^(https?:)?\/\//, 'from this host alone');
+    const whole = await get(knot.url + name);
+    const small = await get(knot.url + name, { 'Accept-Encoding': 'gzip, br' });
+    assert.match(whole.headers['cache-control'], /immutable/);
+    assert.deepEqual(brotliDecompressSync(small.body), whole.body, name);
+  }
+  assert.equal((await get(`${knot.url}../etc/passwd`)).status, 404);
+  assert.equal((await get(`${knot.url}nothing`)).status, 404);
+  const strange = await get(knot.url, { Host: "x; script-src 'unsafe-inline'" });
+  assert.doesNotMatch(strange.headers['content-security-policy'] ?? '', /unsafe-inline/);
+});
+
+test('a picture comes, and what is on the screen is what was drawn', async () => {
+  const page = await open(browser, at(view));
+  await rested(page);
+  assert.match(await page.title(), /^Mirage: /);
+  const drawn = await picture(page), shown = await screen(page);
+  assert.equal(shown.width, 640);
+  assert.ok(await flip(page, drawn, shown) < 0.002);
+  const middle = 4 * (180 * 640 + 320), corner = 4 * 700;
+  assert.notDeepEqual(drawn.rgba.subarray(middle, middle + 3), drawn.rgba.subarray(corner, corner + 3), 'there is a knot in it');
+  assert.equal(await message(page), '');
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+});
+
+test('at rest nothing is drawn and the page sleeps', async () => {
+  const page = await open(browser, at(view));
+  const { drawnFrames } = await rested(page);
+  await page.evaluate(() => { globalThis.asked = 0; const real = requestAnimationFrame; globalThis.requestAnimationFrame = (f) => { ++asked; return real(f); }; });
+  await sleep(1500);
+  assert.equal((await figures(page)).drawnFrames, drawnFrames);
+  assert.equal(await page.evaluate(() => asked), 0);
+  await page.context().close();
+});
+
+test('keys move, the mouse looks, the wheel goes ahead', async () => {
+  const page = await open(browser, at(view));
+  await rested(page);
+  const start = await pose(page);
+  await page.locator('#view').focus();
+  await page.keyboard.down('KeyW');
+  await sleep(400);
+  await page.keyboard.up('KeyW');
+  const ahead = await pose(page);
+  const along = start.ahead.reduce((sum, v, i) => sum + v * (ahead.eye[i] - start.eye[i]), 0);
+  assert.ok(along > 0.05, `${along} m ahead`);
+  assert.ok(Math.abs(apart(start.eye, ahead.eye) - along) < 1e-3, 'straight ahead');
+  await page.keyboard.down('KeyQ');
+  await sleep(200);
+  await page.keyboard.up('KeyQ');
+  assert.ok((await pose(page)).eye[1] < ahead.eye[1], 'Q goes down');
+
+  const before = await pose(page);
+  await page.mouse.move(300, 200);
+  await page.mouse.down();
+  await page.mouse.move(400, 200, { steps: 5 });
+  await page.mouse.up();
+  await until('turned', async () => apart((await pose(page)).ahead, before.ahead) > 0.2);
+  const turned = await pose(page);
+  const yaw = Math.atan2(turned.ahead[0], -turned.ahead[2]) - Math.atan2(before.ahead[0], -before.ahead[2]);
+  assert.ok(Math.abs(yaw - 0.3) < 0.01, `100 px are 0.3 radians to the right, here ${yaw}`);
+  assert.ok(Math.abs(turned.ahead[1] - before.ahead[1]) < 0.01, 'level');
+
+  await page.mouse.wheel(0, -100);
+  await until('a step', async () => apart((await pose(page)).eye, turned.eye) > 0.05);
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+});
+
+test('fingers: one looks, two move and pinch, the stick moves', async () => {
+  const page = await open(browser, at(view), { width: 360, height: 640, touch: true });
+  await rested(page);
+  const session = await page.context().newCDPSession(page);
+  const touch = (type, points) => session.send('Input.dispatchTouchEvent', {
+    type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  const start = await pose(page);
+  await touch('touchStart', [[180, 300]]);
+  await touch('touchMove', [[150, 300]]);
+  await touch('touchMove', [[120, 300]]);
+  await touch('touchEnd', []);
+  await until('turned', async () => apart((await pose(page)).ahead, start.ahead) > 0.1);
+  const turned = await pose(page);
+  assert.ok(apart(turned.eye, start.eye) < 1e-6, 'one finger does not move');
+
+  await touch('touchStart', [[150, 300], [210, 300]]);
+  await touch('touchMove', [[110, 300], [250, 300]]);
+  await touch('touchMove', [[80, 300], [280, 300]]);
+  await touch('touchEnd', []);
+  await until('moved', async () => apart((await pose(page)).eye, turned.eye) > 0.05);
+  const pinched = await pose(page);
+  const along = turned.ahead.reduce((sum, v, i) => sum + v * (pinched.eye[i] - turned.eye[i]), 0);
+  assert.ok(along > 0.05, 'spreading goes ahead');
+  assert.ok(apart(pinched.ahead, turned.ahead) < 1e-3, 'two fingers do not turn');
+
+  const box = await page.locator('#stick').boundingBox();
+  assert.ok(box && box.width > 80, 'the stick is there for fingers');
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await touch('touchStart', [[x, y]]);
+  await touch('touchMove', [[x, y - 50]]);
+  await sleep(400);
+  const held = await pose(page);
+  await touch('touchEnd', []);
+  assert.ok(apart(held.eye, pinched.eye) > 0.05, 'the stick moves');
+  await sleep(200);
+  const let_go = await pose(page);
+  await sleep(300);
+  assert.ok(apart((await pose(page)).eye, let_go.eye) < 1e-9, 'and stops when it is let go');
+  await page.context().close();
+});
+
+test('a gamepad moves and looks, and wakes a page at rest', async () => {
+  const page = await open(browser, at(view), { before: () => {
+    globalThis.pad = { connected: true, axes: [0, 0, 0, 0], buttons: [] };
+    navigator.getGamepads = () => [pad];
+  } });
+  await rested(page);
+  const start = await pose(page);
+  await page.evaluate(() => { pad.axes = [0, -1, 0.5, 0]; });
+  await sleep(500);
+  await page.evaluate(() => { pad.axes = [0, 0.1, 0, 0]; });
+  const end = await pose(page);
+  assert.ok(apart(end.eye, start.eye) > 0.05 && apart(end.ahead, start.ahead) > 0.05);
+  await sleep(200);
+  const still = await pose(page);
+  await sleep(200);
+  assert.deepEqual(await pose(page), still, 'what a worn stick says is nothing');
+  await page.context().close();
+});
+
+test('the address holds the view: a link shows the same, back and forward work', async () => {
+  const page = await open(browser, at(view));
+  await rested(page);
+  const first = await pose(page);
+  assert.ok(apart(first.eye, [0, 1, 6]) < 1e-6);
+  await page.locator('#view').focus();
+  await page.keyboard.down('KeyD');
+  await sleep(500);
+  await page.keyboard.up('KeyD');
+  const moved = await pose(page);
+  await until('the address', async () => (await page.url()) !== at(view));
+  const link = page.url();
+  assert.match(link, /#eye=[-\d.,]+&look=[-\d.,]+$/);
+  await rested(page);
+  const there = await picture(page);
+
+  const other = await open(browser, link);
+  await rested(other);
+  assert.ok(apart((await pose(other)).eye, moved.eye) < 1e-3);
+  const shown = await picture(other);
+  assert.ok(await flip(other, there, shown) < 0.005, 'the same picture');
+  await other.context().close();
+
+  await page.goBack();
+  await until('back', async () => apart((await pose(page)).eye, first.eye) < 1e-3);
+  await page.goForward();
+  await until('forward', async () => apart((await pose(page)).eye, moved.eye) < 1e-3);
+  await page.locator('#home').click();
+  await until('home', async () => apart((await pose(page)).eye, moved.eye) > 0.1);
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+});
+
+test('the light is in the address', async () => {
+  const page = await open(browser, at(view));
+  await rested(page);
+  const own = await picture(page);
+  await page.locator('#figures-button').click();
+  await page.locator('#azimuth').fill('90');
+  await until('another light', async () => page.url().includes('light=90,'));
+  await rested(page);
+  const turned = await picture(page);
+  assert.ok(await flip(page, own, turned) > 0.01, 'it looks different');
+  await page.goBack();
+  await rested(page);
+  assert.ok(await flip(page, own, await picture(page)) < 0.01, 'and back');
+  await page.context().close();
+});
+
+test('a broken link says so and shows the scene', async () => {
+  for (const hash of ['#eye=1,2&look=x', '#eye=1,2,3', '#eye=1,2,3&look=1,2,3', '#nonsense', '#eye=%E0%A4%A&look=1e99,0,0', '#t=-1&light=a,b']) {
+    const page = await open(browser, at(hash));
+    const told = await until('a message', () => message(page).then((text) => /cannot be read/.test(text) && text), 20);
+    assert.doesNotMatch(told, /undefined|NaN/);
+    await seen(page, 20);
+    assert.deepEqual(page.problems, []);
+    await page.context().close();
+  }
+});
+
+test('sharing gives the link, a screenshot the picture', async () => {
+  const page = await open(browser, at(view), { permissions: ['clipboard-read', 'clipboard-write'] });
+  await rested(page);
+  await page.locator('#share').click();
+  const link = await until('a link', () => page.evaluate(() => navigator.clipboard.readText().catch(() => document.getElementById('link').value)));
+  assert.match(link, /^http:\/\/127\.0\.0\.1:\d+\/#eye=0,1,6&look=/);
+  await page.evaluate(() => Object.defineProperty(navigator, 'clipboard', { value: undefined }));
+  await page.locator('#share').click();
+  assert.equal(await page.locator('#link').inputValue(), link, 'without a clipboard it can be copied by hand');
+  await page.locator('#link-close').click();
+
+  const [download] = await Promise.all([page.waitForEvent('download'), page.locator('#screenshot').click()]);
+  assert.match(download.suggestedFilename(), /^mirage-.*\.png$/);
+  const file = join(scratch(), 'shot.png');
+  await download.saveAs(file);
+  const { readFileSync } = await import('node:fs');
+  const saved = await decode(page, readFileSync(file)), drawn = await picture(page);
+  assert.equal(saved.width, drawn.width);
+  assert.ok(await flip(page, drawn, saved) < 1e-4);
+  await page.context().close();
+});
+
+test('compare: the full render beside it, FLIP under it', async () => {
+  const page = await open(browser, at(view));
+  await rested(page);
+  await page.locator('#compare').click();
+  await until('FLIP', async () => /^FLIP 0\.\d{4}/.test(await page.locator('#flip').textContent()), 60);
+  const mean = await page.evaluate(() => mirage.compare.mean);
+  assert.ok(mean > 0 && mean < 0.05, `FLIP ${mean}`);
+  await page.locator('#split').fill('0');
+  const truth = await screen(page);
+  await page.locator('#split').fill('1000');
+  const ours = await screen(page);
+  assert.ok(await flip(page, await picture(page), ours) < 0.002, 'all Mirage');
+  const measured = await flip(page, truth, ours);
+  assert.ok(Math.abs(measured - mean) < 0.003, `what is told is what is seen: ${measured}, ${mean}`);
+  assert.ok(measured > 0, 'the full render is another picture');
+  await page.keyboard.press('Escape');
+  assert.ok(await page.locator('#slider').isHidden());
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+});
+
+test('where there are no full renders, comparing says why', async () => {
+  const server = await serve('builtin:knot', ['--no-reference']);
+  const page = await open(browser, server.url);
+  await rested(page);
+  await page.locator('#compare').click();
+  assert.match(await message(page), /makes no full renders/);
+  await page.context().close();
+  await server.stop();
+});
+
+test('the graphics are lost and come back', async () => {
+  const page = await open(browser, at(view));
+  await rested(page);
+  const before_loss = await picture(page), stood = await pose(page);
+  await page.evaluate(() => {
+    globalThis.loss = document.getElementById('view').getContext('webgl2').getExtension('WEBGL_lose_context');
+    loss.loseContext();
+  });
+  await until('a word', async () => /graphics were reset/.test(await message(page)));
+  await page.evaluate(() => loss.restoreContext());
+  await rested(page);
+  assert.ok(apart((await pose(page)).eye, stood.eye) < 1e-6, 'at the same place');
+  assert.ok(await flip(page, before_loss, await picture(page)) < 0.005);
+  assert.ok(await flip(page, before_loss, await screen(page)) < 0.005, 'on the screen, too');
+  assert.equal(await message(page), '');
+  await page.context().close();
+});
+
+test('the server is killed and comes back: the picture stays, frames go on', async () => {
+  const server = await serve('builtin:clutter');
+  const page = await open(browser, server.url);
+  await rested(page, 90);
+  await server.stop('SIGKILL');
+  await until('a word', async () => /server is gone.*trying again/.test(await message(page)));
+  const { drawnFrames } = await figures(page);
+  await page.locator('#view').focus();
+  await page.keyboard.down('ArrowLeft');
+  await sleep(500);
+  await page.keyboard.up('ArrowLeft');
+  const f = await figures(page);
+  assert.ok(f.drawnFrames > drawnFrames, 'it can be walked through');
+  assert.ok(f.impostors + f.meshes > 0, 'with what is here');
+  const back = await serve('builtin:clutter', [], server.port);
+  await until('reconnected', async () => (await figures(page)).connected && (await message(page)) === '', 30);
+  await rested(page, 90);
+  assert.ok(await flip(page, await picture(page), await screen(page)) < 0.002);
+  await page.context().close();
+  await back.stop();
+});
+
+test('tokens: asked for in a field, refused with a word, never in the address or a log', async () => {
+  const file = write(join(scratch(), 'tokens'), 'right-token-4711 name=somebody\n');
+  const server = await serve('builtin:knot', ['--token-file', file]);
+  const page = await open(browser, server.url);
+  await page.locator('#token-form').waitFor({ state: 'visible' });
+  await page.locator('#token').fill('wrong-token-0815');
+  await page.keyboard.press('Enter');
+  await until('refused', async () => /does not know this token/.test(await message(page)));
+  await sleep(1100);  // a server has one who guesses wait
+  await page.locator('#token').fill('right-token-4711');
+  await page.keyboard.press('Enter');
+  await rested(page);
+  assert.doesNotMatch(page.url(), /token/);
+  await page.reload();
+  await rested(page);
+  await page.context().close();
+
+  const requests = [];
+  const context = await browser.newContext({ viewport: { width: 640, height: 360 } });
+  const linked = await context.newPage();
+  linked.on('request', (request) => requests.push(request.url()));
+  await linked.goto(`${server.url}#token=right-token-4711&eye=0,1,6&look=0,0.5,0`);
+  await rested(linked);
+  assert.doesNotMatch(linked.url(), /token/, 'gone from the address');
+  assert.match(linked.url(), /eye=0,1,6/);
+  assert.ok(requests.every((url) => !new URL(url).search && !url.split('#')[0].includes('4711')), 'in no request line');
+  assert.doesNotMatch(server.log.join(''), /4711|0815/, 'in no log');
+  await context.close();
+  await server.stop();
+});
+
+test('a hidden tab does nothing', async () => {
+  const page = await open(browser, at(view));
+  await rested(page);
+  const hide = (hidden) => page.evaluate((value) => {
+    Object.defineProperty(document, 'hidden', { configurable: true, get: () => value });
+    document.dispatchEvent(new Event('visibilitychange'));
+  }, hidden);
+  await hide(true);
+  const { drawnFrames } = await figures(page);
+  await page.locator('#view').focus();
+  await page.keyboard.down('KeyW');
+  await sleep(500);
+  assert.equal((await figures(page)).drawnFrames, drawnFrames);
+  assert.ok((await figures(page)).asleep);
+  await hide(false);
+  await until('awake', async () => (await figures(page)).drawnFrames > drawnFrames);
+  await page.keyboard.up('KeyW');
+  await page.context().close();
+});
+
+test('views of how it works: each key another picture, and the picture again', async () => {
+  const page = await open(browser, `${knot.url}${view}`);
+  await rested(page);
+  const own = await screen(page);
+  for (const key of ['Digit2', 'Digit3', 'Digit4']) {
+    await page.keyboard.press(key);
+    await rested(page);
+    assert.ok(await flip(page, own, await screen(page)) > 0.002, key);
+  }
+  await page.keyboard.press('Digit1');
+  await rested(page);
+  assert.ok(await flip(page, own, await screen(page)) < 0.001);
+  await page.context().close();
+});
+
+test('small, sharp and turned screens; everything by keyboard, with a name', async () => {
+  const page = await open(browser, at(view), { width: 320, height: 568, scale: 2, touch: true });
+  await rested(page);
+  const { width } = await picture(page);
+  assert.equal(width, 640, 'in the pixels of the screen');
+  await page.locator('#figures-button').click();
+  const wide = await page.evaluate(() => [...document.querySelectorAll('button, input, section, dl')].filter((e) => e.offsetParent !== null)
+    .filter((e) => { const box = e.getBoundingClientRect(); return box.right > innerWidth + 1 || box.left < -1; }).map((e) => e.id || e.outerHTML.slice(0, 60)));
+  assert.deepEqual(wide, [], 'nothing beyond 320 px');
+  const nameless = await page.evaluate(() => [...document.querySelectorAll('button, input')].filter((e) =>
+    !(e.textContent.trim() || e.getAttribute('aria-label') || e.labels?.length)).map((e) => e.outerHTML));
+  assert.deepEqual(nameless, []);
+  const reached = new Set();
+  for (let i = 0; i < 40; ++i) {
+    await page.keyboard.press('Tab');
+    reached.add(await page.evaluate(() => document.activeElement.id));
+  }
+  for (const id of ['view', 'home', 'share', 'screenshot', 'compare', 'figures-button', 'azimuth', 'own-light']) assert.ok(reached.has(id), id);
+  await page.setViewportSize({ width: 568, height: 320 });
+  await until('turned', async () => (await picture(page)).width === 1136);
+  await rested(page);
+  await page.context().close();
+});
+
+test('no WebGL 2: a sentence', async () => {
+  const page = await open(browser, knot.url, { before: () => {
+    const real = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function get(kind, ...rest) { return kind === 'webgl2' ? null : real.call(this, kind, ...rest); };
+  } });
+  await until('a sentence', async () => /no WebGL 2/.test(await message(page)));
+  await page.context().close();
+});
+
+test('no server, another version, a small device: a sentence each, or less memory', async () => {
+  const page = await open(browser, at(view), { before: () => Object.defineProperty(navigator, 'deviceMemory', { value: 1 }) });
+  await rested(page);
+  assert.ok((await figures(page)).gpuBytes < 54e6);
+  await page.evaluate(() => mirage.closed({ code: 4001, reason: 'speak 9', opened: true }));
+  assert.match(await message(page), /another version.*Reload/);
+  await page.context().close();
+
+  const refused = await open(browser, at(view), { before: () => {
+    const Real = WebSocket;
+    globalThis.Worker = new Proxy(Worker, { construct: (W, args) => new W(...args) });
+    void Real;
+  } });
+  await refused.evaluate(() => mirage.closed({ code: 1006, reason: '', opened: false }));
+  assert.match(await message(refused), /No server answers here, or it does not let this page in|server is gone/);
+  await refused.context().close();
+});
+
+test('what the server calls its scene never becomes markup', async () => {
+  const folder = scratch();
+  const { copyFileSync } = await import('node:fs');
+  const model = process.env.MIRAGE_MODEL;
+  const name = join(folder, '<img src=x onerror=alert(1)>.gltf');
+  if (!model) return;
+  copyFileSync(model, name);
+  const server = await serve(name);
+  const page = await open(browser, server.url);
+  await rested(page);
+  await page.locator('#figures-button').click();
+  assert.equal(await page.locator('img').count(), 0);
+  assert.match(await page.title(), /<img src=x/);
+  await page.context().close();
+  await server.stop();
+});
