@@ -22,6 +22,9 @@ add_custom_target(manuals DEPENDS ${manuals})
 install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${PROJECT_BINARY_DIR}\" --target manuals COMMAND_ERROR_IS_FATAL ANY)")
 install(FILES ${manuals} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 
+# The page for browsers, if scripts/web has staged it.
+install(DIRECTORY build/web/site/ DESTINATION share/mirage/web OPTIONAL)
+
 install(FILES packaging/systemd/mirage-server.service DESTINATION lib/systemd/system)
 install(FILES packaging/systemd/mirage.sysusers.conf DESTINATION lib/sysusers.d RENAME mirage.conf)
 install(FILES packaging/server.toml DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)

@@ -53,7 +53,10 @@ class WebViewer {
 
   /// By what a person did: moves in seconds at twice the scene's walking speed.
   void steer(const Steering& by);
-  void set_pose(const Pose& pose) { pose_ = pose; }
+  void set_pose(const Pose& pose) {
+    pose_ = pose;
+    posed_ = true;
+  }
   const Pose& pose() const { return pose_; }
   /// Where the scene wants to be seen from.
   void go_home();

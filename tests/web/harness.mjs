@@ -1,13 +1,13 @@
 // A shipped server, a shaped link before it, a real browser, and what tests ask of the page.
-// Environment: MIRAGE_BIN (folder of the programs), MIRAGE_MODULES (folder with node_modules/playwright-core), MIRAGE_CHROMIUM.
+// Environment: WEB_BIN (folder of the programs), WEB_MODULES (folder with node_modules/playwright-core), WEB_CHROMIUM.
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-export const bin = process.env.MIRAGE_BIN;
-const { chromium } = createRequire(join(process.env.MIRAGE_MODULES, 'x.js'))('playwright-core');
+export const bin = process.env.WEB_BIN;
+const { chromium } = createRequire(join(process.env.WEB_MODULES, 'x.js'))('playwright-core');
 const software = ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 
 export const sleep = (ms) => new Promise((done) => { setTimeout(done, ms); });
@@ -51,7 +51,7 @@ export const relay = (to, { rtt, rate }) =>
   start('mirage-relay', ['--to', String(to), '--rtt', String(rtt), '--rate', String(rate)]);
 
 export const launch = (args = software) =>
-  chromium.launch({ executablePath: process.env.MIRAGE_CHROMIUM ?? '/usr/bin/chromium', args });
+  chromium.launch({ executablePath: process.env.WEB_CHROMIUM ?? '/usr/bin/chromium', args });
 
 /// A page that knows what went wrong in it.
 export async function open(browser, url, { width = 640, height = 360, scale = 1, touch = false, before, ...options } = {}) {

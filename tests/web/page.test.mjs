@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { brotliDecompressSync, gunzipSync } from 'node:zlib';
 import http from 'node:http';
+import { copyFileSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { figures, flip, launch, message, open, picture, pose, rested, scratch, screen, seen, serve, sleep, until, write, decode } from './harness.mjs';
 
@@ -62,8 +63,9 @@ test('a picture comes, and what is on the screen is what was drawn', async () =>
   const drawn = await picture(page), shown = await screen(page);
   assert.equal(shown.width, 640);
   assert.ok(await flip(page, drawn, shown) < 0.002);
-  const middle = 4 * (180 * 640 + 320), corner = 4 * 700;
-  assert.notDeepEqual(drawn.rgba.subarray(middle, middle + 3), drawn.rgba.subarray(corner, corner + 3), 'there is a knot in it');
+  let other = 0;
+  for (let i = 0; i < drawn.rgba.length; i += 4) other += drawn.rgba[i] - drawn.rgba[i + 2] > 20 ? 1 : 0;  // the knot is red
+  assert.ok(other > 2000, `${other} px of a knot`);
   assert.equal(await message(page), '');
   assert.deepEqual(page.problems, []);
   await page.context().close();
@@ -215,10 +217,10 @@ test('the light is in the address', async () => {
   await until('another light', async () => page.url().includes('light=90,'));
   await rested(page);
   const turned = await picture(page);
-  assert.ok(await flip(page, own, turned) > 0.01, 'it looks different');
+  assert.ok(await flip(page, own, turned) > 0.003, 'it looks different');
   await page.goBack();
   await rested(page);
-  assert.ok(await flip(page, own, await picture(page)) < 0.01, 'and back');
+  assert.ok(await flip(page, own, await picture(page)) < 0.002, 'and back');
   await page.context().close();
 });
 
@@ -248,7 +250,6 @@ test('sharing gives the link, a screenshot the picture', async () => {
   assert.match(download.suggestedFilename(), /^mirage-.*\.png$/);
   const file = join(scratch(), 'shot.png');
   await download.saveAs(file);
-  const { readFileSync } = await import('node:fs');
   const saved = await decode(page, readFileSync(file)), drawn = await picture(page);
   assert.equal(saved.width, drawn.width);
   assert.ok(await flip(page, drawn, saved) < 1e-4);
@@ -378,18 +379,21 @@ test('a hidden tab does nothing', async () => {
 });
 
 test('views of how it works: each key another picture, and the picture again', async () => {
-  const page = await open(browser, `${knot.url}${view}`);
-  await rested(page);
-  const own = await screen(page);
-  for (const key of ['Digit2', 'Digit3', 'Digit4']) {
-    await page.keyboard.press(key);
+  // From home the knot is an impostor, from nearby geometry.
+  for (const [hash, keys] of [['', ['Digit2', 'Digit3', 'Digit4']], [view, ['Digit2', 'Digit5']]]) {
+    const page = await open(browser, at(hash));
     await rested(page);
-    assert.ok(await flip(page, own, await screen(page)) > 0.002, key);
+    const own = await screen(page);
+    for (const key of keys) {
+      await page.keyboard.press(key);
+      await rested(page);
+      assert.ok(await flip(page, own, await screen(page)) > 0.005, `${key} at '${hash}'`);
+    }
+    await page.keyboard.press('Digit1');
+    await rested(page);
+    assert.ok(await flip(page, own, await screen(page)) < 0.003);  // refined from another scale, maybe
+    await page.context().close();
   }
-  await page.keyboard.press('Digit1');
-  await rested(page);
-  assert.ok(await flip(page, own, await screen(page)) < 0.001);
-  await page.context().close();
 });
 
 test('small, sharp and turned screens; everything by keyboard, with a name', async () => {
@@ -433,11 +437,8 @@ test('no server, another version, a small device: a sentence each, or less memor
   assert.match(await message(page), /another version.*Reload/);
   await page.context().close();
 
-  const refused = await open(browser, at(view), { before: () => {
-    const Real = WebSocket;
-    globalThis.Worker = new Proxy(Worker, { construct: (W, args) => new W(...args) });
-    void Real;
-  } });
+  const refused = await open(browser, at(view));
+  await refused.waitForFunction(() => globalThis.mirage?.worker);
   await refused.evaluate(() => mirage.closed({ code: 1006, reason: '', opened: false }));
   assert.match(await message(refused), /No server answers here, or it does not let this page in|server is gone/);
   await refused.context().close();
@@ -445,14 +446,12 @@ test('no server, another version, a small device: a sentence each, or less memor
 
 test('what the server calls its scene never becomes markup', async () => {
   const folder = scratch();
-  const { copyFileSync } = await import('node:fs');
-  const model = process.env.MIRAGE_MODEL;
-  const name = join(folder, '<img src=x onerror=alert(1)>.gltf');
-  if (!model) return;
+  const model = process.env.WEB_MODEL;
+  const name = join(folder, '<img src=x onerror=alert(1)>.glb');
   copyFileSync(model, name);
   const server = await serve(name);
   const page = await open(browser, server.url);
-  await rested(page);
+  await seen(page);  // it is animated
   await page.locator('#figures-button').click();
   assert.equal(await page.locator('img').count(), 0);
   assert.match(await page.title(), /<img src=x/);
