@@ -76,7 +76,8 @@ Result<CameraPath::Key> CameraPath::read_view(const std::string& fragment) {
     std::replace(text.begin(), text.end(), ',', ' ');
     std::istringstream in(text);
     glm::dvec3 at(0);
-    if ((in >> at.x >> at.y >> at.z) && std::isfinite(at.x + at.y + at.z)) (is_eye ? eye : look) = at;
+    if ((in >> at.x >> at.y >> at.z) && std::isfinite(at.x + at.y + at.z))
+      (is_eye ? eye : look) = at;
   }
   if (eye && look && *eye != *look) return Key{0, look_at(*eye, *look)};
   return make_error(ErrorId::kUsage, "'#" + fragment + "' is no view",

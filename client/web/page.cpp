@@ -135,6 +135,11 @@ EMSCRIPTEN_KEEPALIVE const double* page_pose() {
 }
 
 EMSCRIPTEN_KEEPALIVE int page_home_known() { return page().viewer->home_known() ? 1 : 0; }
+/// From the home eye to what it looks at, m.
+EMSCRIPTEN_KEEPALIVE double page_home_distance() {
+  const mirage::HomeView& home = page().viewer->session().scene().home;
+  return glm::length(home.target - home.eye);
+}
 EMSCRIPTEN_KEEPALIVE void page_home() { page().viewer->go_home(); }
 
 /// Degrees; not finite: the scene's own light.
