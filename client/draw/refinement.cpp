@@ -5,6 +5,7 @@
 #include "client/draw/frame_target.h"
 #include "client/hold/tile_cache.h"
 #include "protocol/impostor/camera.h"
+#include "shaders/gl/dialect.h"
 #include "shaders/gl/gl_object.h"
 
 namespace mirage {
@@ -44,6 +45,9 @@ Refinement::Plane Refinement::make_plane(int width, int height, GLenum format) {
   return out;
 }
 
+// Half floats cut off what they cannot hold on some devices, and a mean of 32 gets darker by it.
+GLenum Refinement::mean_format() { return gl::blends_floats() ? GL_RGBA32F : GL_RGBA16F; }
+
 // False where the device cannot: the picture stays as it was drawn.
 bool Refinement::make(const FrameTarget& target) {
   const bool same = one_sample_ && one_sample_->width() == target.width() &&
@@ -66,7 +70,7 @@ bool Refinement::make(const FrameTarget& target) {
   };
   drawing_ = make_plane(target.width(), target.height(), made->format());
   bool ok = complete();
-  mean_ = make_plane(target.width(), target.height(), GL_RGBA16F);
+  mean_ = make_plane(target.width(), target.height(), mean_format());
   ok = ok && complete() && made->format() == target.format();
   if (ok) one_sample_.emplace(made.take());
   return ok;
@@ -121,7 +125,7 @@ std::size_t Refinement::gpu_bytes() const {
   const std::size_t pixels = static_cast<std::size_t>(one_sample_->width()) *
                              static_cast<std::size_t>(one_sample_->height());
   const std::size_t drawing = one_sample_->format() == GL_SRGB8_ALPHA8 ? 4 : 8;
-  return one_sample_->gpu_bytes() + pixels * (8 + drawing);
+  return one_sample_->gpu_bytes() + pixels * (16 + drawing);
 }
 
 }  // namespace mirage

@@ -39,6 +39,7 @@ class Refinement {
     gl::Texture color;
   };
   static Plane make_plane(int width, int height, GLenum format);
+  static GLenum mean_format();
   bool make(const FrameTarget& target);
   /// Lays what `drawn` shows over the mean with this weight.
   void add(const FrameTarget& drawn, float weight);

@@ -20,6 +20,9 @@ EM_JS(void, web_clip_control, (int zero_to_one), {
   const e = GLctx.getExtension('EXT_clip_control');
   if (e) e.clipControlEXT(e.LOWER_LEFT_EXT, zero_to_one ? e.ZERO_TO_ONE_EXT : e.NEGATIVE_ONE_TO_ONE_EXT);
 });
+EM_JS(int, find_float_blend, (), {
+  return GLctx.getExtension('EXT_color_buffer_float') && GLctx.getExtension('EXT_float_blend') ? 1 : 0;
+});
 EM_JS(int, find_renderer_name, (), {
   return GLctx.getExtension('WEBGL_debug_renderer_info') ? 1 : 0;
 });
@@ -51,6 +54,7 @@ void shade_samples(bool) {}
 void prepare_points_and_samples() {}
 bool has_clip_control() { return find_clip_control() != 0; }
 void set_clip_depth_zero_to_one(bool on) { web_clip_control(on ? 1 : 0); }
+bool blends_floats() { return find_float_blend() != 0; }
 std::string renderer_name() {
   return text_of(find_renderer_name() != 0 ? kRendererName : GL_RENDERER);
 }
@@ -84,6 +88,8 @@ bool has_clip_control() {
 void set_clip_depth_zero_to_one(bool on) {
   glClipControl(GL_LOWER_LEFT, on ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);
 }
+
+bool blends_floats() { return !is_embedded() || has_extension("GL_EXT_float_blend"); }
 
 std::string renderer_name() { return text_of(GL_RENDERER); }
 

@@ -21,6 +21,8 @@ void prepare_points_and_samples();
 /// Whether depth can run from 0 to 1 in clip space (GL 4.5, ARB_ or EXT_clip_control); sets it.
 bool has_clip_control();
 void set_clip_depth_zero_to_one(bool on);
+/// Whether targets of 32-bit floats can be drawn to and blended.
+bool blends_floats();
 /// GL_RENDERER, as far as the context tells: browsers hide it behind an extension.
 std::string renderer_name();
 
