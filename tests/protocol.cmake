@@ -3,7 +3,7 @@ add_executable(mirage_protocol_tests
   protocol/codec/image_test.cpp protocol/codec/lossy_test.cpp protocol/codec/model_test.cpp
   protocol/codec/tile_test.cpp protocol/impostor/error_bound_test.cpp protocol/impostor/lighting_test.cpp
   protocol/impostor/probe_test.cpp protocol/impostor/shadow_test.cpp protocol/impostor/values_test.cpp
-  protocol/impostor/view_cell_test.cpp protocol/wire/hostile_test.cpp protocol/wire/message_test.cpp
+  protocol/impostor/view_cell_test.cpp protocol/wire/hostile_test.cpp protocol/wire/message_test.cpp protocol/wire/unpack_test.cpp
   protocol/wire/view_tile_test.cpp protocol/wire/wire_test.cpp)
 mirage_target(mirage_protocol_tests TEST)
 target_link_libraries(mirage_protocol_tests PRIVATE mirage_wire GTest::gtest_main)

@@ -21,6 +21,8 @@ namespace mirage {
 namespace {
 
 constexpr std::size_t kMostUnpriced = 16;  // frames that wait to be told what they took
+// Prices that went on changing where nobody moves would have pictures drawn for ever.
+constexpr int kMostOfOnePose = 20;
 constexpr int kProbeFrames = 4;
 constexpr double kMostScaled = 8;  // by the probe: what it draws is but a part of what frames have
 constexpr double kFovY = 1.0471975511965976;
@@ -147,11 +149,15 @@ void WebViewer::note_work(const FrameWork& work) {
   compiled_ = gl::programs_compiled() != programs_;  // what is compiled is compiled once
   programs_ = gl::programs_compiled();
   ++drawn_frames_;
+  const bool same = pose_.eye == priced_pose_.eye && pose_.rotation == priced_pose_.rotation;
+  seen_from_it_ = same ? seen_from_it_ + 1 : 0;
+  priced_pose_ = pose_;
   drawn_.push_back({drawn_frames_, work});
   if (drawn_.size() > kMostUnpriced) drawn_.pop_front();
 }
 
 void WebViewer::note_gpu_ms(std::uint64_t frame, double ms) {
+  if (seen_from_it_ > kMostOfOnePose) return;
   for (const Drawn& drawn : drawn_) {
     if (drawn.frame != frame || compiled_) continue;
     prices_.add(drawn.work, ms);

@@ -117,6 +117,8 @@ class WebViewer {
   DrawList list_;  // of the last frame
   std::deque<Drawn> drawn_;
   std::uint64_t drawn_frames_ = 0;
+  Pose priced_pose_;      // that the last drawn frames were seen from
+  int seen_from_it_ = 0;  // frames
   std::uint64_t programs_ = 0;
   double decode_ms_ = 0, upload_ms_ = 0;
   bool compiled_ = false;  // something was, in the last frame

@@ -24,7 +24,9 @@ export async function until(what, ask, seconds = 20) {
 }
 
 const running = new Set();
-process.on('exit', () => { for (const child of running) child.kill('SIGKILL'); });
+/// What a failed test left behind.
+export const stopAll = () => { for (const child of running) child.kill('SIGKILL'); };
+process.on('exit', stopAll);
 
 // A program that writes its port into a file once it is ready.
 async function start(program, args) {

@@ -5,7 +5,7 @@ import { brotliDecompressSync, gunzipSync } from 'node:zlib';
 import http from 'node:http';
 import { copyFileSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { figures, flip, launch, message, open, picture, pose, rested, scratch, screen, seen, serve, sleep, until, write, decode } from './harness.mjs';
+import { figures, flip, launch, message, open, picture, pose, rested, scratch, screen, seen, serve, sleep, stopAll, until, write, decode } from './harness.mjs';
 
 let browser, knot;
 const apart = (a, b) => Math.hypot(...a.map((v, i) => v - b[i]));
@@ -17,7 +17,7 @@ before(async () => {
 });
 after(async () => {
   await browser?.close();
-  await knot?.stop();
+  stopAll();
 });
 
 // As sent, not as a browser would unpack it.

@@ -78,7 +78,6 @@ export class Viewer {
     this.figures = new Figures(this);
     this.compare = new Compare(this);
     this.listen();
-    if (this.address.wrong.length) this.notice(`This link has parts that cannot be read: ${this.address.wrong.join(', ')}`);
     this.wake();
   }
 
@@ -315,7 +314,14 @@ export class Viewer {
       this.offline = undefined;
       this.pauseMs = 250;
       this.say('');
+      this.tellWrong();
     }
+  }
+
+  // Once there is a picture under it.
+  tellWrong() {
+    if (this.address.wrong.length) this.notice(`This link has parts that cannot be read: ${this.address.wrong.join(', ')}`);
+    this.address.wrong = [];
   }
 
   setLight() {
@@ -365,7 +371,7 @@ export class Viewer {
   followAddress() {
     this.address = { ...readAddress(location.hash), budget: this.address.budget };
     if (this.address.token !== undefined) { this.hideToken(); this.useToken(this.address.token); return; }
-    if (this.address.wrong.length) this.notice(`This link has parts that cannot be read: ${this.address.wrong.join(', ')}`);
+    this.tellWrong();
     this.applyAddress();
     if (!this.address.eye && this.core._page_home_known()) this.core._page_home();
     if (this.address.t !== undefined) this.startedAt = now() - 1000 * this.address.t;
@@ -484,7 +490,7 @@ export class Viewer {
   notice(text) {
     this.say(text);
     clearTimeout(this.noticeTimer);
-    this.noticeTimer = setTimeout(() => { if ($('message').textContent === text) this.say(''); }, 4000);
+    this.noticeTimer = setTimeout(() => { if ($('message').textContent === text) this.say(''); }, 6000);
   }
 }
 

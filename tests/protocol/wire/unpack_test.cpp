@@ -1,0 +1,122 @@
+// What a link does beforehand: afterwards the payload is what taking the message in would have
+// decoded.
+#include "protocol/wire/unpack.h"
+
+#include <gtest/gtest.h>
+
+#include "protocol/codec/image_codec.h"
+#include "protocol/wire/view_codec.h"
+#include "tests/support/protocol_samples.h"
+
+namespace mirage::test {
+namespace {
+
+Tile some_tile() {
+  Tile tile;
+  tile.edge = 64;
+  tile.crop = {3, 5, 40, 30};
+  for (std::size_t i = 0; i < tile.crop.area(); ++i) {
+    const auto alpha = static_cast<std::uint8_t>(i % 7 == 0 ? 0 : 255);
+    for (std::size_t c = 0; c < 3; ++c) {
+      tile.rgba.push_back(alpha == 0 ? std::uint8_t{0}
+                                     : static_cast<std::uint8_t>(i / 40 + 60 * c));
+    }
+    tile.rgba.push_back(alpha);
+    tile.depth.push_back(static_cast<std::uint8_t>(i % 251));
+  }
+  return tile;
+}
+
+template <typename BodyT>
+Message message_of(BodyT body, Bytes payload) {
+  Message message;
+  message.body.Set(std::move(body));
+  message.payload_bytes = payload.size();
+  message.payload = std::move(payload);
+  return message;
+}
+
+Message tile_reply(const Tile& tile, TileCodec codec) {
+  wire::TileReplyT reply;
+  set_tile_fields(tile, reply);
+  reply.codec = static_cast<std::uint8_t>(codec);
+  return message_of(std::move(reply), encode_tile_planes(tile, codec));
+}
+
+TEST(ProtocolUnpack, TilesBecomeTheRawPlanesTheirCodecDecodesTo) {
+  const Tile tile = some_tile();
+  for (const TileCodec codec : kTileCodecs) {
+    Message message = tile_reply(tile, codec);
+    const Bytes packed = message.payload;
+    ASSERT_TRUE(unpack(message)) << codec_name(codec);
+    EXPECT_TRUE(message.unpacked);
+    EXPECT_EQ(message.payload_bytes, packed.size()) << "as it came";
+    Tile direct = *tile_from_fields(*message.body.AsTileReply());
+    ASSERT_TRUE(decode_tile_planes(packed.data(), packed.size(), codec, direct));
+    Tile back = *tile_from_fields(*message.body.AsTileReply());
+    ASSERT_TRUE(
+        decode_tile_planes(message.payload.data(), message.payload.size(), TileCodec::kRaw, back));
+    EXPECT_EQ(back.rgba, direct.rgba) << codec_name(codec);
+    EXPECT_EQ(back.depth, direct.depth) << codec_name(codec);
+  }
+}
+
+TEST(ProtocolUnpack, ImagesBecomeTexels) {
+  Image image{24, 16, true, Bytes(24 * 16 * 4)};
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) {
+    image.rgba[i] = static_cast<std::uint8_t>(i * 37);
+  }
+  Message message = message_of(wire::ImageReplyT(), *encode_image(image));
+  ASSERT_TRUE(unpack(message));
+  EXPECT_EQ(message.payload, image.rgba) << "small ones come without loss";
+}
+
+TEST(ProtocolUnpack, ViewsBecomeWhatDecodingGives) {
+  ViewTile view;
+  view.camera.width = 64;
+  view.camera.height = 36;
+  view.rgba.assign(64 * 36 * 4, 90);
+  view.instances = {3, 7};
+  for (std::uint32_t i = 0; i < view.columns() * view.rows(); ++i) {
+    view.depth.push_back(static_cast<std::uint8_t>(1 + i % 200));
+    view.owners.push_back(static_cast<std::uint16_t>(i % 3));
+  }
+  EncodedView encoded = encode_view(view);
+  const ViewTile direct = *decode_view(encoded.reply, encoded.payload);
+  Message message = message_of(std::move(encoded.reply), encoded.payload);
+  ASSERT_TRUE(unpack(message));
+  const ViewTile back = *view_of_planes(*message.body.AsViewReply(), message.payload);
+  EXPECT_EQ(back.rgba, direct.rgba);
+  EXPECT_EQ(back.depth, view.depth);
+  EXPECT_EQ(back.owners, view.owners);
+  message.payload.pop_back();
+  EXPECT_FALSE(view_of_planes(*message.body.AsViewReply(), message.payload)) << "a byte is missing";
+}
+
+TEST(ProtocolUnpack, BlocksAreDecompressedWithinLimits) {
+  const Bytes raw(5000, 7);
+  wire::MeshReplyT mesh;
+  mesh.raw_bytes = 5000;
+  Message message = message_of(wire::MeshReplyT(mesh), compress_block(raw.data(), raw.size()));
+  ASSERT_TRUE(unpack(message));
+  EXPECT_EQ(message.payload, raw);
+  mesh.raw_bytes = 4'000'000'000;
+  Message bomb = message_of(wire::MeshReplyT(mesh), compress_block(raw.data(), raw.size()));
+  EXPECT_FALSE(unpack(bomb)) << "refused by what it declares";
+}
+
+TEST(ProtocolUnpack, DamageIsAnErrorAndOthersStayAsTheyAre) {
+  for (const TileCodec codec : kTileCodecs) {
+    Message cut = tile_reply(some_tile(), codec);
+    cut.payload.resize(cut.payload.size() / 2);
+    EXPECT_FALSE(unpack(cut)) << codec_name(codec);
+  }
+  Message image = message_of(wire::ImageReplyT(), Bytes(40, 1));
+  EXPECT_FALSE(unpack(image));
+  Message welcome = message_of(sample_welcome(), Bytes{1, 2, 3});
+  ASSERT_TRUE(unpack(welcome));
+  EXPECT_EQ(welcome.payload, (Bytes{1, 2, 3}));
+}
+
+}  // namespace
+}  // namespace mirage::test

@@ -1,0 +1,78 @@
+// The page for browsers as files: which form is sent, and what goes with it.
+#include "server/net/web_pages.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temp_folder.h"
+
+namespace mirage::test {
+namespace {
+
+TEST(WebPages, EncodingsAreThoseABrowserNames) {
+  EXPECT_TRUE(accepts_encoding("gzip, deflate, br", "br"));
+  EXPECT_TRUE(accepts_encoding("gzip;q=0.5,br;q=1.0", "gzip"));
+  EXPECT_FALSE(accepts_encoding("gzip, br;q=0", "br"));
+  EXPECT_FALSE(accepts_encoding("gzip, br; q=0.000", "br"));
+  EXPECT_FALSE(accepts_encoding("brotli, xbr", "br"));
+  EXPECT_FALSE(accepts_encoding("", "gzip"));
+}
+
+TEST(WebPages, TheSmallestFormThatIsTaken) {
+  const TempFolder folder;
+  std::filesystem::create_directory(folder.path() / "w-1");
+  for (const char* name : {"index.html", "w-1/a.js"}) {
+    folder.write(name, "plain");
+    folder.write(std::string(name) + ".gz", "zipped");
+    folder.write(std::string(name) + ".br", "small");
+  }
+  folder.write("w-1/secret.txt", "of no type that is served");
+  const Result<WebPages> pages = WebPages::read(folder.path().string());
+  ASSERT_TRUE(pages);
+  EXPECT_EQ(*pages->find("/", "gzip, br")->body, "small");
+  EXPECT_EQ(*pages->find("/w-1/a.js", "gzip")->body, "zipped");
+  EXPECT_EQ(*pages->find("/w-1/a.js", "")->body, "plain");
+  EXPECT_EQ(pages->find("/w-1/a.js", "")->type, "text/javascript; charset=utf-8");
+  for (const char* none : {"/w-1", "/w-1/", "/w-1/b.js", "/../index.html", "/w-1/secret.txt", "",
+                           "/w-1/a.js.gz", "/index.html/"}) {
+    EXPECT_EQ(pages->find(none, "br"), nullptr) << none;
+  }
+}
+
+TEST(WebPages, ThePageIsNeverCachedItsPartsForEver) {
+  WebFile page, part;
+  page.page = true;
+  part.encoding = "br";
+  const std::string of_page = WebPages::headers(page, "host.example:9870");
+  EXPECT_NE(of_page.find("Cache-Control: no-cache\r\n"), std::string::npos);
+  EXPECT_NE(of_page.find("default-src 'none'"), std::string::npos);
+  EXPECT_NE(of_page.find("ws://host.example:9870 wss://host.example:9870;"), std::string::npos);
+  const std::string of_part = WebPages::headers(part, "host");
+  EXPECT_NE(of_part.find("immutable"), std::string::npos);
+  EXPECT_NE(of_part.find("Content-Encoding: br\r\n"), std::string::npos);
+  for (const std::string& both : {of_page, of_part}) {
+    EXPECT_NE(both.find("X-Content-Type-Options: nosniff"), std::string::npos);
+  }
+}
+
+TEST(WebPages, AHostCannotAddToThePolicy) {
+  WebFile page;
+  page.page = true;
+  for (const char* host :
+       {"x; script-src *", "a b", "x\r\nSet-Cookie: a=b", "'unsafe-inline'", ""}) {
+    const std::string headers = WebPages::headers(page, host);
+    EXPECT_EQ(headers.find("ws://"), std::string::npos) << host;
+    EXPECT_EQ(headers.find("Cookie"), std::string::npos) << host;
+  }
+}
+
+TEST(WebPages, AFolderWithoutAPageIsSaidSo) {
+  const TempFolder folder;
+  folder.write("a.js", "alone");
+  const Result<WebPages> pages = WebPages::read(folder.path().string());
+  ASSERT_FALSE(pages);
+  EXPECT_EQ(pages.error().id, ErrorId::kIo);
+  EXPECT_FALSE(WebPages::read("/nowhere/at/all"));
+}
+
+}  // namespace
+}  // namespace mirage::test
