@@ -97,7 +97,7 @@ std::string outcome(const WebSocket& peer) {
 }
 
 TEST(Handshake, BecomesAWebSocketOnlyAsTheStandardSays) {
-  const Server server("builtin:knot?tubular=60&radial=12", {"--no-view"});
+  const Server server("builtin:knot?tubular=60&radial=12", {"--no-view", "--no-web"});
   ASSERT_TRUE(server.ready()) << server.log();
   int deviations = 0;
   const std::vector<Case> all = handshakes();
