@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "protocol/impostor/view_tile.h"
+#include "protocol/wire/view_codec.h"
 
 namespace mirage {
 namespace {
@@ -128,6 +129,7 @@ void ModelledLink::ask_view(const wire::ViewRequestT& view, std::int64_t arrives
   entry.arrives_us = arrives_us;
   entry.error_px = std::numeric_limits<float>::infinity();  // between tiles, but before them
   entry.view = true;
+  entry.made_ahead = is_home_view(view);
   asks_[view.request_id] = std::move(entry);
 }
 
@@ -145,13 +147,27 @@ void ModelledLink::collect_replies() {
   } while (blocking_ && owed() && inner_.connected() && inner_.generation() == greeted_ && wait_());
 }
 
+// What the client is told must be the model's times, in as many bytes: what this server took, and
+// what it has from others who were here, is none of them.
+void ModelledLink::tell_model_times(Message& message) const {
+  wire::WelcomeT* welcome = message.body.AsWelcome();
+  if (welcome && model_.server_ms >= 0) {
+    welcome->tile_us = static_cast<std::uint32_t>(std::llround(1000 * model_.server_ms));
+  }
+  if (wire::ViewReplyT* view = message.body.AsViewReply()) {
+    view->kept = false;
+    view->server_us = 0;
+  }
+}
+
 void ModelledLink::take_reply(Message message) {
   if (is_out_of_band(message)) {
     owed_reference_ = false;
     out_of_band_.push_back(std::move(message));
     return;
   }
-  const std::size_t bytes = bytes_of(message);  // as it came
+  if (blocking_) tell_model_times(message);
+  const std::size_t bytes = bytes_of(message);
   const std::int64_t sent_us = note_description(message);
   const std::uint32_t request = request_of(message);
   const bool welcome = message.body.type == wire::Body::Welcome;
@@ -173,15 +189,11 @@ void ModelledLink::take_reply(Message message) {
   ready_.emplace(std::make_pair(ready.at_us, order), std::move(ready));
 }
 
-std::int64_t ModelledLink::note_description(Message& message) {
-  if (wire::WelcomeT* welcome = message.body.AsWelcome()) {
+std::int64_t ModelledLink::note_description(const Message& message) {
+  if (const wire::WelcomeT* welcome = message.body.AsWelcome()) {
     owed_welcome_ = false;
     owed_images_ = welcome->images;
     owed_objects_ = welcome->objects;
-    // What the client is told must be the model's time.
-    if (blocking_ && model_.server_ms >= 0) {
-      welcome->tile_us = static_cast<std::uint32_t>(std::llround(1000 * model_.server_ms));
-    }
     if (welcome->instances > 0) opens_us_[0] = 0;  // what comes unasked
   } else if (const wire::ImagePageT* images = message.body.AsImagePage()) {
     owed_images_ -= std::min(owed_images_, images->images.size());
@@ -223,13 +235,14 @@ void ModelledLink::run_server(std::int64_t now) {
     double cost_ms = model_.server_ms;
     const wire::TileReplyT* tile = ask.reply.message.body.AsTileReply();
     if (cost_ms < 0) cost_ms = tile ? 0.001 * (tile->render_us + tile->encode_us) : 0.0;
-    const wire::ViewReplyT* view = ask.reply.message.body.AsViewReply();
-    if (view) cost_ms = view->kept ? 0 : kViewTiles * std::max(cost_ms, 0.0);
+    // Not what this server has kept: whoever was here before would change the model's time.
+    const bool view = ask.reply.message.body.AsViewReply();
+    if (view) cost_ms = ask.made_ahead ? 0 : kViewTiles * std::max(cost_ms, 0.0);
     // In real time the server has really spent it already.
     const std::int64_t cost = blocking_ ? std::llround(cost_ms * 1000.0) : 0;
     server_free_us_ = start + cost;
     working_.add(start, server_free_us_);
-    // What the client is told must be the model's time, too.
+    // What the client is told must be the model's time (tell_model_times()).
     if (blocking_ && tile) {
       ask.reply.message.body.AsTileReply()->server_us =
           static_cast<std::uint32_t>(server_free_us_ - ask.arrives_us);

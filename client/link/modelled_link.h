@@ -64,6 +64,7 @@ class ModelledLink final : public Link {
     std::int64_t cancelled_us = INT64_MAX;
     float error_px = 0;
     bool view = false;
+    bool made_ahead = false;  ///< a view that any server has
     bool answered = false;
     Item reply;
   };
@@ -79,9 +80,10 @@ class ModelledLink final : public Link {
   void ask_view(const wire::ViewRequestT& view, std::int64_t arrives_us);
   void collect_replies();
   void take_reply(Message message);
-  /// Notes what of the scene's description has come, and has the welcome tell the model's times.
-  /// When the server sent what is neither a tile nor asked-for geometry.
-  std::int64_t note_description(Message& message);
+  void tell_model_times(Message& message) const;
+  /// Notes what of the scene's description has come. When the server sent what is neither a tile
+  /// nor asked-for geometry.
+  std::int64_t note_description(const Message& message);
   bool owed() const;
   void run_server(std::int64_t now_us);
   void run_downlink(std::int64_t now_us);

@@ -30,6 +30,9 @@ function put(name, bytes) {
   brotli += smaller.length;
 }
 for (const [name, bytes] of parts) put(join(folder, name), bytes);
-put('index.html', Buffer.from(page.replaceAll('@wasm-bytes', String(parts.get('mirage.wasm').length)).replaceAll('@/', `${folder}/`)));
+// All of them are asked for at once, not as one finds the next.
+const modules = [...parts.keys()].filter((name) => name.endsWith('.js') && name !== 'viewer.js' && name !== 'socket_worker.js')
+  .map((name) => `<link rel="modulepreload" href="@/${name}">`).join('\n');
+put('index.html', Buffer.from(page.replace('@modules', modules).replaceAll('@wasm-bytes', String(parts.get('mirage.wasm').length)).replaceAll('@/', `${folder}/`)));
 const kb = (bytes) => `${(bytes / 1000).toFixed(0)} KB`;
 console.log(`${target}: ${parts.size + 1} files, ${kb(raw)}, gzip ${kb(gzip)}, brotli ${kb(brotli)}`);

@@ -69,6 +69,19 @@ wire::ViewRequestT view_request(const Camera& screen, double time_s) {
   return m;
 }
 
+wire::ViewRequestT home_view_request() {
+  wire::ViewRequestT m = view_request(Camera{}, 0);
+  m.home = true;
+  return m;
+}
+
+bool is_home_view(const wire::ViewRequestT& request) {
+  const wire::ViewRequestT home = home_view_request();
+  return request.home && request.lighting_id == 0 && request.time_s == home.time_s &&
+         request.fov_y == home.fov_y && request.width == home.width &&
+         request.height == home.height;
+}
+
 EncodedView encode_view(const ViewTile& view) {
   EncodedView out;
   const Camera& c = view.camera;

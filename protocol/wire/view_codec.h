@@ -11,6 +11,10 @@ ViewPose view_pose(const wire::ViewRequestT& request);
 /// A request for what `screen` shows and somewhat around it, with no more texels than a view needs.
 /// Without an id and lighting.
 wire::ViewRequestT view_request(const Camera& screen, double time_s);
+/// The view of the scene's home that a server makes before anybody asks for it.
+wire::ViewRequestT home_view_request();
+/// Whether a request is for that one, by what it says: under the scene's own light.
+bool is_home_view(const wire::ViewRequestT& request);
 
 /// Colours with loss, the planes without. The reply lacks a request id.
 struct EncodedView {

@@ -25,9 +25,7 @@ ViewJob SessionHub::view_job(const wire::ViewRequestT& m, const Lighting& lighti
 
 void SessionHub::make_home_view() {
   if (!options_.view) return;
-  wire::ViewRequestT m = view_request(Camera{}, 0);
-  m.home = true;
-  views_.keep_ready(view_job(m, scene_->scene.lighting));
+  views_.keep_ready(view_job(home_view_request(), scene_->scene.lighting));
 }
 
 void SessionHub::view(SessionId id, Session& s, const wire::ViewRequestT& m) {

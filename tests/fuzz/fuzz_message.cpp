@@ -8,13 +8,36 @@
 #include "protocol/impostor/view_tile.h"
 #include "protocol/wire/light_probe_codec.h"
 #include "protocol/wire/message.h"
+#include "protocol/wire/unpack.h"
 #include "protocol/wire/view_codec.h"
 
 namespace mirage::fuzz {
 namespace {
 
+// What a link unpacks beforehand is taken, or not, as what comes packed is.
+void unpack_ahead(Message message) {
+  const wire::BodyUnion& body = message.body;
+  bool whole = true;
+  if (const auto* m = body.AsViewReply()) {
+    whole = static_cast<bool>(decode_view(*m, message.payload));
+  } else if (const auto* m = body.AsTileReply()) {
+    Result<Tile> tile = tile_from_fields(*m);
+    whole = tile && decode_tile_planes(message.payload.data(), message.payload.size(),
+                                       static_cast<TileCodec>(m->codec), *tile);
+  }
+  const bool ahead = static_cast<bool>(unpack(message));
+  if (!ahead && (body.AsTileReply() || body.AsViewReply()) && whole) fail("whole, and not unpacked");
+  if (const auto* m = body.AsViewReply(); ahead && m) {
+    if (static_cast<bool>(view_of_planes(*m, message.payload)) != whole) {
+      fail("unpacked, a view is taken otherwise than packed");
+    }
+  } else if (body.AsTileReply() && ahead && !whole) {
+    fail("damaged, and unpacked");
+  }
+}
+
 void use_message(const std::uint8_t* bytes, std::size_t size) {
-  const Result<Message> message = decode_message(bytes, size);
+  Result<Message> message = decode_message(bytes, size);
   if (!message) return;
   const wire::BodyUnion& body = message->body;
   if (const auto* m = body.AsWelcome()) (void)from_wire(*m->lighting);
@@ -31,6 +54,7 @@ void use_message(const std::uint8_t* bytes, std::size_t size) {
   // What was accepted can be sent again, and is accepted again.
   const Bytes again = encode_body(body, message->payload);
   if (!decode_message(again.data(), again.size())) fail("a decoded message does not decode again");
+  unpack_ahead(message.take());
 }
 
 }  // namespace

@@ -70,10 +70,10 @@ export async function open(browser, url, { width = 640, height = 360, scale = 1,
 
 /// The core's figures, with what the page knows; null before there are any.
 export const figures = (page) => page.evaluate(() => (globalThis.mirage?.figures && mirage.viewerThere()
-  ? { ...mirage.figures.now(), seen: Boolean(mirage.seen), asleep: mirage.next === 0, connected: mirage.connected } : null));
+  ? { ...mirage.figures.now(), seen: Boolean(mirage.seen), asleep: mirage.next === 0, connected: mirage.link.connected } : null));
 export const message = (page) => page.evaluate(() =>
   (document.getElementById('status').hidden ? '' : document.getElementById('message').textContent));
-export const pose = (page) => page.evaluate(() => mirage.view());
+export const pose = (page) => page.evaluate(() => mirage.place.view());
 
 export const seen = (page, seconds) => until('a picture', async () => (await figures(page))?.seen, seconds);
 /// Everything is there, refined, and the page sleeps.
@@ -84,8 +84,9 @@ export const rested = (page, seconds = 60) => until('rest', async () => {
 
 /// RGBA of the picture as the core has it.
 export async function picture(page) {
-  const { width, height, text } = await page.evaluate(() => {
-    const { width: w, height: h, rgba } = mirage.pixels();
+  const { width, height, text } = await page.evaluate(async () => {
+    const { pixels } = await import(new URL('core.js', document.querySelector('script[data-wasm-bytes]').src));
+    const { width: w, height: h, rgba } = pixels(mirage.core);
     let binary = '';
     for (let i = 0; i < rgba.length; i += 32768) binary += String.fromCharCode(...rgba.subarray(i, i + 32768));
     return { width: w, height: h, text: btoa(binary) };
@@ -124,13 +125,13 @@ export const flip = (page, a, b) => page.evaluate(async ({ reference, test, widt
   const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const id = `test-${Math.random()}`;
   const answer = new Promise((done) => {
-    mirage.worker.addEventListener('message', function once({ data }) {
+    mirage.link.worker.addEventListener('message', function once({ data }) {
       if (data.flip?.id !== id) return;
-      mirage.worker.removeEventListener('message', once);
+      mirage.link.worker.removeEventListener('message', once);
       done(data.flip.mean);
     });
   });
-  mirage.worker.postMessage({ flip: { id, reference: bytes(reference), test: bytes(test), width, height } });
+  mirage.link.worker.postMessage({ flip: { id, reference: bytes(reference), test: bytes(test), width, height } });
   return answer;
 }, { reference: a.rgba.toString('base64'), test: b.rgba.toString('base64'), width: a.width, height: a.height });
 

@@ -435,13 +435,13 @@ test('no server, another version, a small device: a sentence each, or less memor
   const page = await open(browser, at(view), { before: () => Object.defineProperty(navigator, 'deviceMemory', { value: 1 }) });
   await rested(page);
   assert.ok((await figures(page)).gpuBytes < 54e6);
-  await page.evaluate(() => mirage.closed({ code: 4001, reason: 'speak 9', opened: true }));
+  await page.evaluate(() => mirage.link.closed({ code: 4001, reason: 'speak 9', opened: true }));
   assert.match(await message(page), /another version.*Reload/);
   await page.context().close();
 
   const refused = await open(browser, at(view));
-  await refused.waitForFunction(() => globalThis.mirage?.worker);
-  await refused.evaluate(() => mirage.closed({ code: 1006, reason: '', opened: false }));
+  await refused.waitForFunction(() => globalThis.mirage?.link);
+  await refused.evaluate(() => mirage.link.closed({ code: 1006, reason: '', opened: false }));
   assert.match(await message(refused), /No server answers here, or it does not let this page in|server is gone/);
   await refused.context().close();
 });

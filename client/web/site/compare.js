@@ -1,5 +1,8 @@
 // At rest: Mirage on one side, the server's full render of the same view on the other, and FLIP of the two.
 
+import { pixels } from './core.js';
+import { notice, say } from './status.js';
+
 const $ = (id) => document.getElementById(id);
 const samplesAnAxis = 4;
 const mostSamples = 33e6;  // that a server draws
@@ -19,12 +22,12 @@ export class Compare {
     if (this.state !== 'off') { this.end(); return; }
     const { viewer } = this;
     const f = viewer.figures.now();
-    if (!f.references) { viewer.notice('This server makes no full renders for who comes from elsewhere: it was started without --references.'); return; }
-    if (!viewer.connected) { viewer.notice('The server is gone: there is nothing to compare with.'); return; }
+    if (!f.references) { notice('This server makes no full renders for who comes from elsewhere: it was started without --references.'); return; }
+    if (!viewer.link.connected) { notice('The server is gone: there is nothing to compare with.'); return; }
     this.state = 'asked';
     this.asked = false;
     $('compare').setAttribute('aria-pressed', 'true');
-    viewer.say('Waiting for the picture to be at rest, and the server to draw it');
+    say('Waiting for the picture to be at rest, and the server to draw it');
     viewer.wake();
   }
 
@@ -39,7 +42,7 @@ export class Compare {
     if (this.state !== 'asked') return;
     const { viewer } = this;
     const { core } = viewer;
-    if (!viewer.connected) { this.end(); viewer.notice('The server is gone: there is nothing to compare with.'); return; }
+    if (!viewer.link.connected) { this.end(); notice('The server is gone: there is nothing to compare with.'); return; }
     if (!this.asked) {
       const f = viewer.figures.now();
       if (!f.atRest || !f.refined) return;
@@ -49,7 +52,7 @@ export class Compare {
       return;
     }
     const there = core._page_reference();
-    if (there < 0) { this.end(); viewer.notice('The server does not draw this view in full: it may be too large, or not allowed.'); }
+    if (there < 0) { this.end(); notice('The server does not draw this view in full: it may be too large, or not allowed.'); }
     if (there > 0) this.show();
   }
 
@@ -66,11 +69,11 @@ export class Compare {
     $('slider').hidden = false;
     this.state = 'shown';
     this.split();
-    viewer.say('');
+    say('');
     $('flip').textContent = 'FLIP …';
     $('split').focus();
-    const { rgba: test } = viewer.pixels();
-    viewer.worker.postMessage({ flip: { id: ++this.id, reference, test, width, height } }, [reference.buffer, test.buffer]);
+    const { rgba: test } = pixels(core);
+    viewer.link.worker.postMessage({ flip: { id: ++this.id, reference, test, width, height } }, [reference.buffer, test.buffer]);
   }
 
   measured({ id, mean }) {
@@ -92,7 +95,7 @@ export class Compare {
     $('compare').setAttribute('aria-pressed', 'false');
     $('truth').hidden = true;
     $('slider').hidden = true;
-    this.viewer.say('');
+    say('');
     if (this.viewer.viewerThere()) this.viewer.core._page_reference();  // one that comes late is not the next one's
   }
 }

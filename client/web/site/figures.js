@@ -1,5 +1,7 @@
 // The strip of figures, what is shown beside the picture itself, and the sun.
 
+import { textAt } from './core.js';
+
 const $ = (id) => document.getElementById(id);
 const everyMs = 250;
 const layers = ['The picture', 'Tile borders', 'Bound over tau', 'Age', 'What is geometry'];
@@ -18,16 +20,16 @@ export class Figures {
       label.append(choice, ` ${name} (${i + 1})`);
       $('layers').append(label);
     });
-    const turned = () => viewer.changeLight([Number($('azimuth').value), Number($('elevation').value)]);
+    const turned = () => viewer.place.changeLight([Number($('azimuth').value), Number($('elevation').value)]);
     $('azimuth').addEventListener('input', turned);
     $('elevation').addEventListener('input', turned);
-    $('own-light').addEventListener('click', () => viewer.changeLight(null));
+    $('own-light').addEventListener('click', () => viewer.place.changeLight(null));
     this.showLight();
   }
 
   showLight() {
-    if (!this.viewer.light) return;
-    [$('azimuth').value, $('elevation').value] = this.viewer.light;
+    const { light } = this.viewer.place;
+    if (light) [$('azimuth').value, $('elevation').value] = light;
   }
 
   showLayer(layer) {
@@ -48,7 +50,7 @@ export class Figures {
   /// All of them, for the strip and for who looks from outside.
   now() {
     const { viewer } = this;
-    const figures = JSON.parse(viewer.text(viewer.core._page_figures(viewer.sessionMs())));
+    const figures = JSON.parse(textAt(viewer.core, viewer.core._page_figures(viewer.place.sessionMs())));
     const recent = viewer.frames.slice(-30);
     figures.frameMs = recent.length ? recent.reduce((a, b) => a + b) / recent.length : 0;
     return figures;

@@ -1,6 +1,8 @@
 // What frames take here: by the graphics card's clock where the browser has one, else by the display's pace. Kept for the
 // next visit; on the first one a short probe says how fast this device is.
 
+import { textAt } from './core.js';
+
 const keepEveryMs = 10000;
 const mostPending = 4;
 
@@ -13,7 +15,7 @@ export class Prices {
 
   key() {
     const { viewer } = this;
-    return `mirage-prices-1 ${viewer.text(viewer.core._page_renderer())}`;
+    return `mirage-prices-1 ${textAt(viewer.core, viewer.core._page_renderer())}`;
   }
 
   recall() {

@@ -1,0 +1,53 @@
+// The core (client/web/page.cpp), as the page's other parts call it.
+import createMirage from './mirage.js';
+
+const wasmBytes = Number(document.querySelector('script[data-wasm-bytes]')?.dataset.wasmBytes) || 1e6;
+
+/// Compiles while it comes; `progress` is told how much of it is here, 0 to 1.
+export async function loadModule(progress) {
+  const response = await fetch(new URL('./mirage.wasm', import.meta.url));
+  if (!response.ok) throw new Error(`the server answered ${response.status}`);
+  let got = 0;
+  const counted = response.body.pipeThrough(new TransformStream({
+    transform: (chunk, out) => {
+      got += chunk.length;
+      progress(Math.min(1, got / wasmBytes));
+      out.enqueue(chunk);
+    } }));
+  return WebAssembly.compileStreaming(new Response(counted, { headers: { 'Content-Type': 'application/wasm' } }));
+}
+
+/// `write` takes what the core says to the server.
+export const startCore = (module, write) => createMirage({
+  instantiateWasm(imports, done) {
+    WebAssembly.instantiate(module, imports).then((instance) => done(instance));
+    return {};
+  },
+  write,
+});
+
+/// What `use` makes of a pointer to the text.
+export function withText(core, text, use) {
+  const bytes = new TextEncoder().encode(`${text}\0`);
+  const at = core._malloc(bytes.length);
+  core.HEAPU8.set(bytes, at);
+  const out = use(at);
+  core._free(at);
+  return out;
+}
+
+export const textAt = (core, pointer) => core.UTF8ToString(pointer);
+
+/// The picture: RGBA, rows from the top.
+export function pixels(core) {
+  const [width, height] = [core._page_width(), core._page_height()];
+  const at = core._page_pixels();
+  return { width, height, rgba: core.HEAPU8.slice(at, at + 4 * width * height) };
+}
+
+/// Where the eye is, m, and the unit vector it looks along.
+export function pose(core) {
+  const at = core._page_pose() >> 3;
+  const [ex, ey, ez, ax, ay, az] = core.HEAPF64.subarray(at, at + 6);
+  return { eye: [ex, ey, ez], ahead: [ax, ay, az] };
+}

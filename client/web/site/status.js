@@ -1,0 +1,21 @@
+// What the page says over the picture, or in its place.
+
+const $ = (id) => document.getElementById(id);
+const noticeMs = 6000;
+let timer = 0;
+
+/// '' says nothing. `progress`: 0 to 1. `aside`: there is a picture under it.
+export function say(text, { progress = null, aside = true } = {}) {
+  $('status').hidden = text === '';
+  $('status').classList.toggle('aside', aside);
+  $('message').textContent = text;
+  $('progress').hidden = progress === null;
+  if (progress !== null) $('progress').value = progress;
+}
+
+/// For a while.
+export function notice(text) {
+  say(text);
+  clearTimeout(timer);
+  timer = setTimeout(() => { if ($('message').textContent === text) say(''); }, noticeMs);
+}

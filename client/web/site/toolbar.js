@@ -1,0 +1,69 @@
+// The buttons and their keys.
+import { pixels, textAt } from './core.js';
+import { notice } from './status.js';
+
+const $ = (id) => document.getElementById(id);
+const keys = { KeyH: 'home', KeyL: 'share', KeyP: 'screenshot', KeyC: 'compare', KeyO: 'figures-button', KeyF: 'fullscreen' };
+
+export class Toolbar {
+  constructor(viewer) {
+    this.viewer = viewer;
+    const actions = {
+      home: () => viewer.place.goHome(),
+      share: () => this.share(),
+      screenshot: () => this.screenshot(),
+      compare: () => viewer.compare.toggle(),
+      'figures-button': () => viewer.figures.toggle(),
+      fullscreen: () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.())?.catch?.(() => {}),
+    };
+    for (const [id, action] of Object.entries(actions)) {
+      $(id).addEventListener('click', action);
+      $(id).disabled = true;  // until there is a picture
+    }
+    if (!document.documentElement.requestFullscreen) $('fullscreen').hidden = true;
+    $('link-close').addEventListener('click', () => { $('link-box').hidden = true; });
+    addEventListener('keydown', (e) => this.press(e));
+  }
+
+  enable() {
+    for (const id of Object.values(keys)) $(id).disabled = false;
+    if (matchMedia('(pointer: coarse)').matches) $('stick').hidden = false;
+  }
+
+  press(e) {
+    const typing = e.target instanceof HTMLInputElement && e.target.type !== 'range' && e.target.type !== 'radio';
+    if (typing || e.ctrlKey || e.metaKey || e.altKey || e.repeat) return;
+    if (e.code === 'Escape') { this.viewer.compare.end(); $('link-box').hidden = true; }
+    const layer = /^Digit([1-5])$/.exec(e.code);
+    if (layer) this.viewer.figures.showLayer(Number(layer[1]) - 1);
+    if (keys[e.code] && !$(keys[e.code]).disabled) $(keys[e.code]).click();
+  }
+
+  async share() {
+    const link = this.viewer.place.link();
+    try {
+      await navigator.clipboard.writeText(link);
+      notice('The link to this view is copied.');
+    } catch {  // pages without TLS have no clipboard
+      $('link-box').hidden = false;
+      $('link').value = link;
+      $('link').select();
+    }
+  }
+
+  screenshot() {
+    const { core } = this.viewer;
+    const { width, height, rgba } = pixels(core);
+    for (let i = 3; i < rgba.length; i += 4) rgba[i] = 255;
+    const sheet = document.createElement('canvas');
+    [sheet.width, sheet.height] = [width, height];
+    sheet.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(rgba.buffer), width, height), 0, 0);
+    sheet.toBlob((blob) => {
+      const link = document.createElement('a');
+      link.href = URL.createObjectURL(blob);
+      link.download = `mirage-${textAt(core, core._page_scene_name()).replace(/[^a-z0-9]+/gi, '-')}.png`;
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+    }, 'image/png');
+  }
+}
