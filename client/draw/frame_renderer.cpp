@@ -227,7 +227,7 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& shown, const S
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   p.draw_meshes(camera, scene, list, lighting, false, view_depth.mapping());
-  p.sky.draw_behind(camera, scene.environment, view_depth.farthest());
+  p.sky.draw_behind(camera, scene.environment, view_depth);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(gl::nearer_or_equal(view_depth.mapping()));
   if (list.view) p.view.draw(camera, view_depth.mapping(), *list.view);

@@ -68,7 +68,21 @@ Result<void> FrameTarget::make(GLenum drawn_format) {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, resolved_color_.id(),
                          0);
-  if (ok && complete()) return {};
+  ok = ok && complete();
+  if (enlarges()) {
+    small_ = gl::Framebuffer::create();
+    glBindFramebuffer(GL_FRAMEBUFFER, small_.id());
+    small_color_ = gl::Texture::create();
+    glBindTexture(GL_TEXTURE_2D, small_color_.id());
+    glTexStorage2D(GL_TEXTURE_2D, 1, GL_SRGB8_ALPHA8, drawn_width_, drawn_height_);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, small_color_.id(),
+                           0);
+    ok = ok && complete();
+  }
+  if (ok) return {};
   return make_error(ErrorId::kGraphicsGl, "no framebuffer of " + std::to_string(width_) + "x" +
                                               std::to_string(height_) + " can be made");
 }
@@ -114,8 +128,15 @@ std::vector<std::uint8_t> FrameTarget::read() const {
 }
 
 GLuint FrameTarget::resolved_texture() const {
-  resolve();
-  return resolved_color_.id();
+  if (!enlarges()) {
+    resolve();
+    return resolved_color_.id();
+  }
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, draw_.id());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, small_.id());
+  glBlitFramebuffer(0, 0, drawn_width_, drawn_height_, 0, 0, drawn_width_, drawn_height_,
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  return small_color_.id();
 }
 
 std::size_t FrameTarget::gpu_bytes() const {
@@ -124,7 +145,8 @@ std::size_t FrameTarget::gpu_bytes() const {
       static_cast<std::size_t>(drawn_width_) * static_cast<std::size_t>(drawn_height_);
   const std::size_t averaged = averaged_ ? 8 : 0;
   const std::size_t sample = format_ == GL_SRGB8_ALPHA8 ? 8 : 12;  // colour and depth
-  return drawn * sample * static_cast<std::size_t>(std::max(samples_, 1)) + pixels * (averaged + 4);
+  return drawn * sample * static_cast<std::size_t>(std::max(samples_, 1)) +
+         pixels * (averaged + 4) + (enlarges() ? 4 * drawn : 0);
 }
 
 }  // namespace mirage

@@ -25,7 +25,8 @@ class FrameTarget {
   void copy_to(const gl::Framebuffer& to) const;
   /// Of what is drawn.
   GLenum format() const { return format_; }
-  /// Resolves, and the texture (sRGB, 8 bits) that has the picture then.
+  /// Resolves, and the texture (sRGB, 8 bits) that has the picture then: as it is drawn, to be
+  /// enlarged by who shows it.
   GLuint resolved_texture() const;
   /// The same for reading, GL_READ_FRAMEBUFFER bound to it.
   void resolve() const;
@@ -48,8 +49,9 @@ class FrameTarget {
   gl::Framebuffer averaged_;  ///< of more than 8 bits: they are averaged before they are encoded
   gl::Renderbuffer averaged_color_;
   gl::Framebuffer resolved_;
+  gl::Framebuffer small_;  ///< as drawn, where that is enlarged
   gl::Renderbuffer color_, depth_;
-  gl::Texture resolved_color_;
+  gl::Texture resolved_color_, small_color_;
   int width_ = 0, height_ = 0, samples_ = 0;
   int drawn_width_ = 0, drawn_height_ = 0;
   GLenum format_ = 0;

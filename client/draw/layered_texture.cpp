@@ -37,6 +37,19 @@ std::vector<std::uint8_t> read_layers(GLuint texture, const LayeredTexture::Form
   return out;
 }
 
+// The first `layers` of a texture into another one of the same format.
+void copy_layers(GLuint from, GLuint to, int edge, int layers) {
+  const gl::Framebuffer framebuffer = gl::Framebuffer::create();
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.id());
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, to);
+  for (int i = 0; i < layers; ++i) {
+    glFramebufferTextureLayer(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, from, 0, i);
+    glCopyTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, i, 0, 0, edge, edge);
+  }
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+}
+
 }  // namespace
 
 Result<void> LayeredTexture::upload(int layer, int x, int y, int w, int h,
@@ -52,9 +65,7 @@ Result<void> LayeredTexture::upload(int layer, int x, int y, int w, int h,
   return {};
 }
 
-Result<void> LayeredTexture::grow(int layers) {
-  std::vector<std::uint8_t> kept;
-  if (layers_ > 0) kept = read_layers(texture_.id(), format_, edge_, layers_);
+Result<void> LayeredTexture::make(int layers) {
   while (glGetError() != GL_NO_ERROR) {
   }
   texture_ = gl::Texture();
@@ -74,13 +85,26 @@ Result<void> LayeredTexture::grow(int layers) {
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) {
     glTexParameteri(GL_TEXTURE_2D_ARRAY, wrap, GL_CLAMP_TO_EDGE);
   }
-  if (!kept.empty()) {
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, edge_, edge_, layers_, layout_of(format_),
-                    GL_UNSIGNED_BYTE, kept.data());
-  }
   layers_ = layers;
   return {};
+}
+
+Result<void> LayeredTexture::grow(int layers) {
+  const int kept = layers_;
+  if (kept + layers <= max_layers_) {
+    const gl::Texture before = std::move(texture_);
+    Result<void> made = make(layers);
+    if (made) copy_layers(before.id(), texture_.id(), edge_, kept);
+    return made;
+  }
+  std::vector<std::uint8_t> texels;
+  if (kept > 0) texels = read_layers(texture_.id(), format_, edge_, kept);
+  Result<void> made = make(layers);
+  if (!made || texels.empty()) return made;
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, edge_, edge_, kept, layout_of(format_),
+                  GL_UNSIGNED_BYTE, texels.data());
+  return made;
 }
 
 }  // namespace mirage

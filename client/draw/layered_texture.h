@@ -1,7 +1,8 @@
 #pragma once
 // A texture array that has only the layers that have been needed so far. GLES 3.0 subset, which
-// cannot add layers to a texture: what is there is read back, and put into a larger one. Never the
-// old and the new one at a time, so that a budget of layers is one of graphics memory, too.
+// cannot add layers to a texture: what is there is copied into a larger one. Where both at a time
+// were more layers than there may be, it is read back instead, which waits for all that was drawn:
+// so a budget of layers is one of graphics memory, too.
 
 #include <cstdint>
 
@@ -35,6 +36,8 @@ class LayeredTexture {
     return static_cast<std::size_t>(edge_) * static_cast<std::size_t>(edge_ * format_.channels());
   }
   Result<void> grow(int layers);
+  /// A new one of so many layers in place of what there is.
+  Result<void> make(int layers);
 
   Format format_;
   int edge_ = 0, max_layers_ = 0, layers_ = 0;

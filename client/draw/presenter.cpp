@@ -17,21 +17,24 @@ Result<Presenter> Presenter::create() {
 }
 
 void Presenter::show(const FrameTarget& picture) {
-  const GLuint texture = picture.resolved_texture();
   const int w = picture.width(), h = picture.height();
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   if (!encode_) {
+    picture.resolve();
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
     gl::encode_srgb(false);  // copy the encoded bytes as they are
     glBlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     gl::encode_srgb(true);
     return;
   }
+  const GLuint texture = picture.resolved_texture();
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   glViewport(0, 0, w, h);
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
   encode_.use();
   encode_.set("u_color", 0);
+  encode_.set("u_size", glm::vec2(w, h));
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, texture);
   glBindVertexArray(vao_.id());

@@ -34,7 +34,8 @@ struct Alternatives {
     double error_px = 0;  ///< lod_excess at tau 1
   };
   std::uint32_t instance = 0;
-  double area_px = 0;  ///< of its disc, as far as it is in view (shown_area_px)
+  std::uint32_t object = 0;  ///< whose geometry it is drawn from
+  double area_px = 0;        ///< of its disc, as far as it is in view (shown_area_px)
   bool alpha_tested = false;
   bool mesh_only = false;  ///< it is what one stands in, or no picture can stand for it
   std::vector<Level> levels;

@@ -9,7 +9,7 @@ namespace mirage {
 namespace {
 
 constexpr int kMostSamples = 4;
-constexpr double kScales[] = {1, 0.75, 0.625, 0.5};
+constexpr double kScales[] = {1, 0.75, 0.625, 0.5, 0.375, 0.25};
 // A frame is planned to take so much of the budget: what it takes is known to a few per cent.
 constexpr double kPlannedShare = 0.95;
 // Another setting must promise so much less error, and the present one have lasted so long.
@@ -148,13 +148,12 @@ double FramePlan::planned_ms() const {
 }
 
 double FramePlan::frame_ms(const Camera& camera, const std::vector<Alternatives>& things,
-                           std::size_t levels, const FrameSetting& setting) const {
+                           const FrameSetting& setting) const {
   if (!prices_) return 0;
   Camera drawn = camera;
   drawn.width = static_cast<std::uint32_t>(std::lround(camera.width * setting.scale));
   drawn.height = static_cast<std::uint32_t>(std::lround(camera.height * setting.scale));
   FrameWork frame = target_work(drawn, setting.samples);
-  frame[Work::kMesh] = static_cast<double>(levels);
   const bool views = std::any_of(things.begin(), things.end(), [](const Alternatives& thing) {
     return thing.viewed && !thing.flat && thing.levels.empty();
   });
@@ -188,7 +187,7 @@ void FramePlan::add_steps(std::uint32_t index, const Alternatives& thing,
   }
   out.choices.push_back(points[at].choice);
   out.error += points[at].choice.error;
-  out.ms += points[at].ms;
+  out.ms += points[at].ms + out.levels.add(thing, points[at].choice);
   if (goes_on(thing, points[at].choice.look)) {
     out.ms += beneath_ms(thing, points[at].choice.look, setting);
   }
@@ -215,37 +214,47 @@ void FramePlan::add_steps(std::uint32_t index, const Alternatives& thing,
 }
 
 FramePlan::Outcome FramePlan::solve(const Camera& camera, const std::vector<Alternatives>& things,
-                                    std::size_t levels, const FrameSetting& setting) const {
+                                    const FrameSetting& setting) const {
   Outcome out;
   std::vector<Step> steps;
-  out.ms = frame_ms(camera, things, levels, setting);
+  if (prices_) out.levels = PaidLevels((*prices_)[Work::kMesh]);
+  out.ms = frame_ms(camera, things, setting);
   out.choices.reserve(things.size());
   for (std::uint32_t i = 0; i < things.size(); ++i) add_steps(i, things[i], setting, out, steps);
-  const double most = planned_ms();
   // What fades in is shown at once where there is no time for what is beneath.
-  for (std::size_t i = 0; i < things.size() && out.ms > most; ++i) {
+  for (std::size_t i = 0; i < things.size() && out.ms > planned_ms(); ++i) {
     if (!goes_on(things[i], out.choices[i].look)) continue;
     out.choices[i].fades = false;
     out.ms -= beneath_ms(things[i], out.choices[i].look, setting);
   }
+  take_steps(things, setting, steps, out);
+  return out;
+}
+
+void FramePlan::take_steps(const std::vector<Alternatives>& things, const FrameSetting& setting,
+                           std::vector<Step>& steps, Outcome& out) const {
+  const double most = planned_ms();
   std::stable_sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) {
     return a.gain * std::max(b.ms, 0.0) > b.gain * std::max(a.ms, 0.0);
   });
   std::vector<bool> stopped(things.size(), false);
   for (const Step& step : steps) {
     if (stopped[step.thing]) continue;
-    if (out.ms + step.ms > most) {
+    const Alternatives& thing = things[step.thing];
+    Choice& choice = out.choices[step.thing];
+    const Choice to = way(thing, step.look, step.level, setting);
+    const double ms = step.ms + out.levels.change_ms(thing, choice, to);
+    if (out.ms + ms > most) {
       // What comes later and takes less time may still fit; the dearer ways of this thing do not.
       stopped[step.thing] = true;
-      out.lambda = std::max(out.lambda, step.gain / std::max(step.ms, kShortestMs));
+      out.lambda = std::max(out.lambda, step.gain / std::max(ms, kShortestMs));
       continue;
     }
-    out.ms += step.ms;
-    const Choice to = way(things[step.thing], step.look, step.level, setting);
-    out.error += to.error - out.choices[step.thing].error;
-    out.choices[step.thing] = to;
+    out.ms += ms;
+    out.error += to.error - choice.error;
+    out.levels.change(thing, choice, to);
+    choice = to;
   }
-  return out;
 }
 
 // What becomes cheaper fades as far as there is time left.
@@ -261,13 +270,13 @@ void FramePlan::fade(const std::vector<Alternatives>& things, Outcome& out) cons
 
 const std::vector<Choice>& FramePlan::decide(const Camera& camera,
                                              const std::vector<Alternatives>& things,
-                                             std::size_t levels, std::int64_t now_us) {
-  Outcome present = solve(camera, things, levels, setting_);
+                                             std::int64_t now_us) {
+  Outcome present = solve(camera, things, setting_);
   const auto fits = [&](const Outcome& o) { return o.ms <= planned_ms(); };
   if (limited() && (now_us - changed_us_ >= kSettingLastsUs || !fits(present))) {
     for (const FrameSetting& setting : settings_) {
       if (setting == setting_) continue;
-      Outcome other = solve(camera, things, levels, setting);
+      Outcome other = solve(camera, things, setting);
       // What fits comes before what does not; of what does not, the quicker.
       const bool better = fits(other) != fits(present) ? fits(other)
                           : fits(other) ? other.error < kBetterSetting * present.error

@@ -11,6 +11,7 @@
 // does not fit is lambda: what a millisecond has to take away. Without a budget lambda is 0.
 
 #include "client/plan/alternatives.h"
+#include "client/plan/paid_levels.h"
 #include "client/price/cost_model.h"
 
 namespace mirage {
@@ -32,10 +33,9 @@ class FramePlan {
   /// There is a budget, and prices are known.
   bool limited() const { return budget_ms_ > 0 && prices_.has_value(); }
 
-  /// Decides how the things of a frame are drawn, one choice a thing. `levels`: of geometry in the
-  /// last frame.
+  /// Decides how the things of a frame are drawn, one choice a thing.
   const std::vector<Choice>& decide(const Camera& camera, const std::vector<Alternatives>& things,
-                                    std::size_t levels, std::int64_t now_us);
+                                    std::int64_t now_us);
   /// The same for one thing that is not there yet, at the present lambda: whether as geometry of
   /// this level it would be better drawn than as any of its other ways.
   bool mesh_pays(const Alternatives& thing) const;
@@ -67,6 +67,7 @@ class FramePlan {
   struct Outcome {
     double error = 0, ms = 0, lambda = 0;
     std::vector<Choice> choices;
+    PaidLevels levels{0};  ///< of geometry, that the choices draw
   };
   double planned_ms() const;
   double ms_of(Work pixel, Work sample, double pixels, const FrameSetting& setting) const;
@@ -74,12 +75,15 @@ class FramePlan {
              const FrameSetting& setting) const;
   /// What goes on beneath, ms: 0 where nothing does.
   double beneath_ms(const Alternatives& thing, Look look, const FrameSetting& setting) const;
-  double frame_ms(const Camera& camera, const std::vector<Alternatives>& things, std::size_t levels,
+  double frame_ms(const Camera& camera, const std::vector<Alternatives>& things,
                   const FrameSetting& setting) const;
   void add_steps(std::uint32_t index, const Alternatives& thing, const FrameSetting& setting,
                  Outcome& out, std::vector<Step>& steps) const;
-  Outcome solve(const Camera& camera, const std::vector<Alternatives>& things, std::size_t levels,
+  Outcome solve(const Camera& camera, const std::vector<Alternatives>& things,
                 const FrameSetting& setting) const;
+  /// Takes the steps that fit, those first that gain most a millisecond.
+  void take_steps(const std::vector<Alternatives>& things, const FrameSetting& setting,
+                  std::vector<Step>& steps, Outcome& out) const;
   void fade(const std::vector<Alternatives>& things, Outcome& out) const;
 
   double budget_ms_;

@@ -102,6 +102,7 @@ Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c)
   const InstanceView& view_of = in.scene->instances[c.instance];
   Alternatives out;
   out.instance = c.instance;
+  out.object = view_of.object;
   out.area_px = shown_area_px(in.camera, view_of.center - in.camera.pose.eye, view_of.radius);
   out.alpha_tested = c.object->needs & kNeedAlphaMask;
   const auto tile_of = [&](const TileFit& fit) {
@@ -349,7 +350,7 @@ DrawList Selector::select(const SelectorInput& in) {
   Walk w{in, out, Frustum(in.camera), in.march_budget_px, {}};
   in.scene->for_visible_roots(in.camera, 0, [&](std::uint32_t root) { walk(w, root, 1); });
   FramePlan& plan = in.plan ? *in.plan : whatever_;
-  chosen_ = plan.decide(in.camera, considered_, levels_, in.now_us);
+  chosen_ = plan.decide(in.camera, considered_, in.now_us);
   // Back to front by the far side, so that blending is right and what stands on or in another thing
   // comes after it; equals keep the order of instances.
   using Ranked = std::pair<double, Candidate*>;
@@ -365,7 +366,6 @@ DrawList Selector::select(const SelectorInput& in) {
                    [](const Ranked& a, const Ranked& b) { return a.first > b.first; });
   for (const auto& [far_side, candidate] : by_far_side) draw_candidate(in, *candidate, out);
   sort_for_blending(out.impostors, *in.scene, in.camera.pose.eye);
-  levels_ = levels_drawn(*in.scene, out.meshes);
   return out;
 }
 

@@ -131,6 +131,7 @@ class Selector {
   static double bytes_of(const SelectorInput& in, const TileNeed& need);
   bool members_are_geometry(const SelectorInput& in, std::uint32_t group) const;
   bool comes_soon(const SelectorInput& in, const TileNeed& need) const;
+  bool shows_nothing(const SelectorInput& in, std::uint32_t instance) const;
   void add_need(const SelectorInput& in, std::uint32_t instance, bool in_view,
                 std::vector<TileNeed>& out);
 
@@ -138,7 +139,6 @@ class Selector {
   std::vector<Alternatives> considered_;
   std::vector<Choice> chosen_;
   RentOrBuy geometry_;
-  std::size_t levels_ = 0;    ///< of geometry in the last frame
   FramePlan whatever_{0, 1};  ///< where there is no other
   Basis basis_;
 };

@@ -171,6 +171,13 @@ void Selector::forget_settled(const SelectorInput& in) {
   for (Shown& shown : shown_) shown.settled_until_us = INT64_MIN / 2;
 }
 
+// It was in the last frame, which had no time for its geometry, and there was no tile.
+bool Selector::shows_nothing(const SelectorInput& in, std::uint32_t instance) const {
+  const Shown& shown = shown_[instance];
+  return shown.frame == in.frame && !shown.as_mesh && !shown.tile &&
+         in.cache->group_to_draw(instance)->tiles.empty();
+}
+
 void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in_view,
                         std::vector<TileNeed>& out) {
   const InstanceView& view_of = in.scene->instances[instance];
@@ -181,8 +188,9 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   const double distance = glm::length(view.eye) / view.radius;
   if (in.scene->geometry && object.surrounds) return;
   const double tau = allowed_px(in, in.predicted, view_of);
-  const bool stand_in = (*in.mesh_ready)[view_of.object] && distance < swap_radii(in, object) &&
-                        !too_dear(in, in.predicted, instance, tau);
+  const bool ready = (*in.mesh_ready)[view_of.object] && distance < swap_radii(in, object);
+  const bool no_time = ready && shows_nothing(in, instance);
+  const bool stand_in = ready && !no_time && !too_dear(in, in.predicted, instance, tau);
   if (stand_in && mesh_pays(in, in.predicted, instance, kGoodTileTau * tau)) return;
   const TileCache::LitGroup lit = in.cache->lit_group(instance);
   const TileGroup& group = *lit.tiles;
@@ -213,7 +221,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
       in.view && group.tiles.empty() ? in.view->error_px(view_of, in.predicted) : std::nullopt;
   const bool unseen = group.tiles.empty() && !(view_px && *view_px <= kFirstImagePx * tau);
   // Something quick first: a quarter of the edge is a sixteenth of the bytes.
-  if (unseen && in_view && !stand_in) need.size_class = coarse_class(need.size_class);
+  if (unseen && in_view && !stand_in && !no_time) need.size_class = coarse_class(need.size_class);
   need.channels = wanted_channels(in, instance, object, plan, size, fit);
   need.first = in_view && group.tiles.empty() && !stand_in;
   need.light = in.cache->light();

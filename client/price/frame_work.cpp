@@ -15,6 +15,15 @@
 namespace mirage {
 namespace {
 constexpr double kDiscShare = 0.785398;  // of the square around it
+// However often each is drawn.
+std::size_t levels_drawn(const SceneView& scene, const std::vector<DrawnMesh>& meshes) {
+  std::set<std::pair<std::uint32_t, std::uint8_t>> levels;
+  for (const DrawnMesh& mesh : meshes) {
+    levels.emplace(scene.instances[mesh.instance].object, mesh.lod);
+  }
+  return levels.size();
+}
+
 }  // namespace
 
 const char* work_name(Work kind) {
@@ -114,14 +123,6 @@ FrameWork impostor_work(const SceneView& scene, const Camera& camera, std::uint3
   work[method == DrawMethod::kDepth ? Work::kReliefPixel : Work::kFlatPixel] = area;
   work[Work::kImpostorSample] = area * (samples - 1);
   return work;
-}
-
-std::size_t levels_drawn(const SceneView& scene, const std::vector<DrawnMesh>& meshes) {
-  std::set<std::pair<std::uint32_t, std::uint8_t>> levels;
-  for (const DrawnMesh& mesh : meshes) {
-    levels.emplace(scene.instances[mesh.instance].object, mesh.lod);
-  }
-  return levels.size();
 }
 
 FrameWork work_of(const SceneView& scene, const Camera& camera, const DrawList& list, int samples) {

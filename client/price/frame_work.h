@@ -62,8 +62,6 @@ FrameWork mesh_work(const SceneView& scene, const Camera& camera, std::uint32_t 
 /// Of an instance drawn from a tile.
 FrameWork impostor_work(const SceneView& scene, const Camera& camera, std::uint32_t instance,
                         const TileRecord& tile, DrawMethod method, int samples);
-/// How many levels of geometry are drawn, however often each.
-std::size_t levels_drawn(const SceneView& scene, const std::vector<DrawnMesh>& meshes);
 /// Of all that the list draws.
 FrameWork work_of(const SceneView& scene, const Camera& camera, const DrawList& list, int samples);
 

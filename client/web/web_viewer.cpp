@@ -23,10 +23,14 @@ namespace {
 constexpr std::size_t kMostUnpriced = 16;  // frames that wait to be told what they took
 // Prices that went on changing where nobody moves would have pictures drawn for ever.
 constexpr int kMostOfOnePose = 20;
+constexpr int kPacedFrames = 4;
 constexpr int kProbeFrames = 4;
 constexpr double kMostScaled = 8;  // by the probe: what it draws is but a part of what frames have
 constexpr double kFovY = 1.0471975511965976;
 constexpr double kSameDisplay = 1.25;  // intervals up to so many of the display's are the display's
+// A picture that is ready a little after the display has shown one waits for the next time: frames
+// are planned to take so much of the budget.
+constexpr double kInTime = 0.85;
 
 double budget_ms(const WebOptions& o) {
   if (o.frame_ms >= 0) return o.frame_ms;
@@ -46,7 +50,7 @@ void time(std::function<void(Args...)>& of, double& ms) {
 ClientOptions session_options(const WebOptions& o) {
   ClientOptions s;
   s.name = "mirage-web";
-  s.frame_ms = budget_ms(o);
+  s.frame_ms = kInTime * budget_ms(o);
   s.token = o.token;
   s.atlas_edge = kAtlasEdge;
   s.atlas_layers = atlas_layers(o.atlas_mb);
@@ -156,24 +160,40 @@ void WebViewer::note_work(const FrameWork& work) {
   if (drawn_.size() > kMostUnpriced) drawn_.pop_front();
 }
 
+bool WebViewer::prices_rest() const { return seen_from_it_ > kMostOfOnePose || compiled_; }
+
 void WebViewer::note_gpu_ms(std::uint64_t frame, double ms) {
-  if (seen_from_it_ > kMostOfOnePose) return;
+  timed_ = true;
+  if (prices_rest()) return;
   for (const Drawn& drawn : drawn_) {
-    if (drawn.frame != frame || compiled_) continue;
+    if (drawn.frame != frame) continue;
     prices_.add(drawn.work, ms);
-    session_->note_frame_ms(ms);
     session_->set_prices(prices_.model());
   }
 }
 
-// Within the display's pace it only says that the frame took no longer; beyond, that it took some
-// of the last period.
+// Frames are handed to the graphics card ahead of it: one interval is that of another frame, or of
+// several, and only a few of them together are theirs. Within the display's pace they say that
+// frames took no longer; beyond, that they took some of the last period, whatever took it.
 void WebViewer::note_interval_ms(double ms) {
-  if (drawn_.empty() || compiled_) return;
-  const bool paced = ms <= kSameDisplay * options_.display_ms;
-  const double took = paced ? ms : ms - 0.5 * options_.display_ms;
-  if (paced && prices_.model().ms_of(drawn_.back().work) <= ms) return;
-  note_gpu_ms(drawn_.back().frame, took);
+  if (drawn_.empty() || prices_rest()) {
+    paced_ = {};
+    return;
+  }
+  paced_.work += drawn_.back().work;
+  paced_.ms += ms;
+  if (++paced_.frames < kPacedFrames) return;
+  FrameWork work = paced_.work;
+  for (double& amount : work.amount) amount /= kPacedFrames;
+  const double mean = paced_.ms / kPacedFrames;
+  paced_ = {};
+  const bool in_pace = mean <= kSameDisplay * options_.display_ms;
+  const double took = in_pace ? mean : mean - 0.5 * options_.display_ms;
+  session_->note_frame_ms(took);
+  // The graphics card's own clock knows better.
+  if (timed_ || (in_pace && prices_.model().ms_of(work) <= mean)) return;
+  prices_.add(work, took);
+  session_->set_prices(prices_.model());
 }
 
 void WebViewer::set_prices(const CostModel& prices) {
@@ -260,7 +280,7 @@ std::string WebViewer::figures(std::int64_t now_us) const {
       session_->scene().complete() ? "true" : "false", session_->at_rest() ? "true" : "false",
       screen_.refined() ? "true" : "false", session_->awaits_new_scene() ? "true" : "false",
       session_->scene().reference ? "true" : "false", session_->scene().geometry ? "true" : "false",
-      plan.limited() ? plan.budget_ms() : 0.0, plan.expected_ms(), plan.lambda(),
+      plan.limited() ? budget_ms(options_) : 0.0, plan.expected_ms(), plan.lambda(),
       plan.setting().scale, plan.setting().samples, renderer_->draw_calls(), list_.impostors.size(),
       list_.meshes.size(), list_.placeholders.size(), list_.view ? "true" : "false", bound,
       session_->tau_px(), list_.over_tau, list_.visible,

@@ -65,7 +65,7 @@ class WebViewer {
   /// to the right, elevation. The strengths stay the scene's. nullopt: the scene's own light.
   void set_sun(std::optional<std::array<double, 2>> azimuth_elevation, std::int64_t now_us);
 
-  /// The graphics card took `ms` for the frame drawn `frames_ago` drawn frames before the last.
+  /// The graphics card took `ms` for this one of the last drawn frames.
   void note_gpu_ms(std::uint64_t drawn_frame, double ms);
   /// The display shows a picture `ms` after the one before; both were drawn.
   void note_interval_ms(double ms);
@@ -96,12 +96,19 @@ class WebViewer {
  private:
   WebViewer(const WebOptions& options, std::function<void(const Bytes&)> write);
   Camera camera() const;
-  void note_work(const FrameWork& work);
 
   struct Drawn {
     std::uint64_t frame = 0;
     FrameWork work;
   };
+  /// Drawn one after the other.
+  struct Paced {
+    int frames = 0;
+    FrameWork work;
+    double ms = 0;
+  };
+  void note_work(const FrameWork& work);
+  bool prices_rest() const;
 
   const WebOptions options_;
   BrowserLink link_;
@@ -116,6 +123,8 @@ class WebViewer {
   bool posed_ = false;
   DrawList list_;  // of the last frame
   std::deque<Drawn> drawn_;
+  Paced paced_;
+  bool timed_ = false;  ///< the graphics card's clock can be read here
   std::uint64_t drawn_frames_ = 0;
   Pose priced_pose_;      // that the last drawn frames were seen from
   int seen_from_it_ = 0;  // frames

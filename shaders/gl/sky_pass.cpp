@@ -19,15 +19,14 @@ void SkyPass::draw(const Camera& camera, const Environment& environment) {
   glEnable(GL_DEPTH_TEST);
 }
 
-void SkyPass::draw_behind(const Camera& camera, const Environment& environment, float farthest) {
-  GLint func = GL_LESS;
-  glGetIntegerv(GL_DEPTH_FUNC, &func);
-  glDepthRangef(farthest, farthest);
+void SkyPass::draw_behind(const Camera& camera, const Environment& environment,
+                          const ViewDepth& view_depth) {
+  glDepthRangef(view_depth.farthest(), view_depth.farthest());
   glDepthFunc(GL_EQUAL);
   glDepthMask(GL_FALSE);
   fill(camera, environment);
   glDepthMask(GL_TRUE);
-  glDepthFunc(static_cast<GLenum>(func));
+  glDepthFunc(nearer(view_depth.mapping()));
   glDepthRangef(0, 1);
 }
 

@@ -4,6 +4,7 @@
 #include "protocol/model/scene_types.h"
 #include "shaders/gl/gl_object.h"
 #include "shaders/gl/program.h"
+#include "shaders/gl/view_depth.h"
 
 namespace mirage::gl {
 
@@ -12,8 +13,11 @@ class SkyPass {
  public:
   static Result<SkyPass> create();
   void draw(const Camera& camera, const Environment& environment);
-  /// The same where nothing has been drawn yet: depth is what it was cleared to, `farthest`.
-  void draw_behind(const Camera& camera, const Environment& environment, float farthest);
+  /// The same where nothing has been drawn yet: depth is what it was cleared to. Afterwards what is
+  /// nearer passes. What the depth function was before is not asked: in a browser the answer comes
+  /// when all that was drawn before is done.
+  void draw_behind(const Camera& camera, const Environment& environment,
+                   const ViewDepth& view_depth);
 
  private:
   void fill(const Camera& camera, const Environment& environment);

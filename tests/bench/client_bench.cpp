@@ -89,7 +89,7 @@ class FullGeometry {
                  instances.size(), false);
     }
     pass_.end();
-    sky_.draw_behind(camera, prepared.scene.environment, view_depth.farthest());
+    sky_.draw_behind(camera, prepared.scene.environment, view_depth);
   }
 
  private:

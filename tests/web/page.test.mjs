@@ -81,6 +81,34 @@ test('at rest nothing is drawn and the page sleeps', async () => {
   await page.context().close();
 });
 
+// What is asked of the graphics is answered once all that was drawn before is done: the page would stand still for it.
+test('frames ask the graphics card nothing', async () => {
+  const page = await open(browser, at(view), { before: () => {
+    globalThis.waited = {};
+    for (const name of ['getParameter', 'getError', 'readPixels', 'checkFramebufferStatus', 'isEnabled', 'finish', 'getBufferSubData',
+      'getProgramParameter', 'getShaderParameter', 'getUniform', 'getFramebufferAttachmentParameter', 'getTexParameter', 'clientWaitSync']) {
+      const real = WebGL2RenderingContext.prototype[name];
+      WebGL2RenderingContext.prototype[name] = function ask(...args) {
+        const disjoint = name === 'getParameter' && args[0] === 0x8FBB;  // known without asking
+        if (!disjoint) waited[name] = (waited[name] ?? 0) + 1;
+        return real.apply(this, args);
+      };
+    }
+  } });
+  await rested(page);
+  assert.ok(await page.evaluate(() => waited.getParameter > 0), 'it is counted');
+  const { drawnFrames } = await figures(page);
+  await page.evaluate(() => { for (const name in waited) delete waited[name]; });
+  await page.locator('#view').focus();
+  await page.keyboard.down('ArrowLeft');
+  await sleep(1000);
+  const asked = await page.evaluate(() => ({ ...waited }));
+  await page.keyboard.up('ArrowLeft');
+  assert.ok((await figures(page)).drawnFrames > drawnFrames + 5);
+  assert.deepEqual(asked, {});
+  await page.context().close();
+});
+
 test('keys move, the mouse looks, the wheel goes ahead', async () => {
   const page = await open(browser, at(view));
   await rested(page);

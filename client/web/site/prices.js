@@ -18,10 +18,10 @@ export class Prices {
     return `mirage-prices-1 ${textAt(viewer.core, viewer.core._page_renderer())}`;
   }
 
-  recall() {
+  recall(gl) {
     const { core } = this.viewer;
-    this.gl = document.getElementById('view').getContext('webgl2');
-    this.timer = this.gl?.getExtension('EXT_disjoint_timer_query_webgl2') ?? null;
+    this.gl = gl;
+    this.timer = gl.getExtension('EXT_disjoint_timer_query_webgl2');
     this.pending = [];
     const count = core._page_price_count();
     let kept = null;

@@ -3,6 +3,7 @@ import { loadModule, startCore, textAt, withText } from './core.js';
 import { Compare } from './compare.js';
 import { Controls } from './controls.js';
 import { Figures } from './figures.js';
+import { Pace } from './pace.js';
 import { Place } from './place.js';
 import { Prices } from './prices.js';
 import { ServerLink } from './server_link.js';
@@ -32,6 +33,7 @@ export class Viewer {
     this.failed = false;
     this.marks = { start: performance.now() };
     this.place = new Place(this);
+    this.pace = new Pace();
   }
 
   fail(text) {
@@ -98,7 +100,9 @@ export class Viewer {
       return false;
     }
     this.marks.graphics = performance.now();
-    this.prices.recall();
+    const gl = canvas.getContext('webgl2');
+    this.pace.begin(gl);
+    this.prices.recall(gl);
     if (this.link.connected) core._page_connected(1);
     this.place.apply();
     return true;
@@ -160,6 +164,10 @@ export class Viewer {
   tick(at) {
     this.next = 0;
     if (!this.viewerThere()) return;
+    if (!this.pace.ready()) {
+      this.next = requestAnimationFrame((then) => this.tick(then));
+      return;
+    }
     const { core } = this;
     const seconds = this.lastAt ? Math.min(0.1, (at - this.lastAt) / 1000) : 1 / 60;
     if (this.lastAt && this.lastDrawn) core._page_interval_ms(at - this.lastAt);
@@ -176,6 +184,7 @@ export class Viewer {
     const bits = core._page_frame(this.place.sessionMs(), width, height);
     if (bits < 0) { this.fail(`The scene cannot be drawn: ${textAt(core, core._page_text())}`); return; }
     this.prices.endFrame((bits & drawn) !== 0);
+    if (bits & drawn) this.pace.drawn();
     this.measure(at, bits, deliveredMs);
     this.show(bits);
     this.compare.look();

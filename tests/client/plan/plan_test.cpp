@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "client/plan/frame_plan.h"
 #include "protocol/impostor/camera.h"
@@ -58,7 +59,7 @@ struct Session {
 
   void frames(int count) {
     for (int i = 0; i < count; ++i) {
-      const std::vector<Choice> choices = plan.decide(screen(), things, 1, now_us += kFrameUs);
+      const std::vector<Choice> choices = plan.decide(screen(), things, now_us += kFrameUs);
       ms = work_ms(choices);
       error = 0;
       for (const Choice& choice : choices) error += choice.error;
@@ -74,7 +75,6 @@ struct Session {
     drawn.width = static_cast<std::uint32_t>(drawn.width * setting.scale);
     drawn.height = static_cast<std::uint32_t>(drawn.height * setting.scale);
     FrameWork work = target_work(drawn, setting.samples);
-    work[Work::kMesh] = 1;
     const double shrunk = setting.scale * setting.scale;
     const int more = setting.samples - 1;
     const auto add = [&](const Alternatives& thing, bool mesh) {
@@ -88,12 +88,15 @@ struct Session {
         work[Work::kImpostorSample] += shrunk * thing.area_px * thing.flat->share * more;
       }
     };
+    std::set<std::uint32_t> levels;
     for (std::size_t i = 0; i < things.size(); ++i) {
       const bool mesh = choices[i].look == Look::kMesh;
+      if (mesh) levels.insert(things[i].object);  // each has one
       add(things[i], mesh);
       const bool swaps = things[i].shown && (*things[i].shown == Look::kMesh) != mesh;
       if (swaps && choices[i].fades) add(things[i], !mesh);
     }
+    work[Work::kMesh] = static_cast<double>(levels.size());
     return prices().ms_of(work);
   }
   std::size_t meshes() const {
@@ -146,7 +149,7 @@ TEST(CorePlan, ACoarserLevelIsDrawnWhereTheFineOneIsTooDear) {
   both.flat = Alternatives::Tile{8, 3, 0.6};
   for (const double budget : {40.0, 200.0}) {
     FramePlan plan = plan_of(budget, 2);
-    const Choice choice = plan.decide(screen(), {both}, 1, 0)[0];
+    const Choice choice = plan.decide(screen(), {both}, 0)[0];
     EXPECT_EQ(choice.look, Look::kMesh);
     EXPECT_EQ(choice.lod, budget < 100 ? 3 : 0) << budget;
   }
@@ -156,13 +159,13 @@ TEST(CorePlan, WhatErrsLeastIsDrawnWithoutABudgetOrPrices) {
   FramePlan none(0, -1), unpriced(50, -1);
   none.set_prices(prices());
   for (FramePlan* plan : {&none, &unpriced}) {
-    for (const Choice& choice : plan->decide(screen(), forest(1000), 1, 0)) {
+    for (const Choice& choice : plan->decide(screen(), forest(1000), 0)) {
       EXPECT_EQ(choice.look, Look::kMesh);
     }
     Alternatives better = tree(10);
     better.flat = Alternatives::Tile{0, 1, 1};
     better.levels[0].error_px = 8;
-    EXPECT_EQ(plan->decide(screen(), {better}, 1, 0)[0].look, Look::kFlat);
+    EXPECT_EQ(plan->decide(screen(), {better}, 0)[0].look, Look::kFlat);
     plan->note_drawn(500);
     EXPECT_FALSE(plan->limited());
     EXPECT_EQ(plan->setting().samples, 4);
@@ -188,7 +191,7 @@ TEST(CorePlan, NonsenseIsHarmless) {
     things[7].area_px = things[8].levels[0].error_px = things[9].flat->error_px = nan;
     things[10].flat->error_px = things[11].levels[0].error_px = HUGE_VAL;
     for (int i = 0; i < 50; ++i) {
-      EXPECT_EQ(plan.decide(screen(), things, 1, i % 2 ? i * kFrameUs : 0).size(), 300u);
+      EXPECT_EQ(plan.decide(screen(), things, i % 2 ? i * kFrameUs : 0).size(), 300u);
       for (const double ms : {nan, -1.0, 0.0, HUGE_VAL, 1e300}) plan.note_drawn(ms);
       EXPECT_FALSE(std::isnan(plan.lambda()));
       EXPECT_TRUE(std::isfinite(plan.expected_ms()));
@@ -196,13 +199,34 @@ TEST(CorePlan, NonsenseIsHarmless) {
         EXPECT_LE(plan.expected_ms(), budget);
       }
     }
-    EXPECT_TRUE(plan.decide(screen(), {}, 0, 0).empty());
+    EXPECT_TRUE(plan.decide(screen(), {}, 0).empty());
   }
   Session tiny{plan_of(0.01, -1), forest(20)};
   tiny.frames(50);
   EXPECT_EQ(tiny.plan.setting().samples, 1);
-  EXPECT_EQ(tiny.plan.setting().scale, 0.5) << "as near as there is";
+  EXPECT_EQ(tiny.plan.setting().scale, 0.25) << "as near as there is";
   EXPECT_EQ(tiny.meshes(), 0u);
+}
+
+// A level of geometry takes draw calls, however little is drawn from it: all levels would fit if
+// they took none, and do not.
+TEST(CorePlan, LevelsArePaidForInTheFrameThatDrawsThem) {
+  constexpr std::uint32_t kThings = 40;
+  std::vector<Alternatives> things(kThings, tree(10));
+  Session alike{plan_of(200, 2), things};
+  alike.frames(10);
+  EXPECT_EQ(alike.meshes(), kThings) << "one level, paid once";
+  for (std::uint32_t i = 0; i < kThings; ++i) things[i].object = i;
+  // Without levels there is time for all of them, with them for half.
+  const double levels_ms = kThings * prices()[Work::kMesh];
+  Session apart{plan_of(alike.ms / 0.95 + 0.5 * levels_ms, 2), things};
+  apart.frames(10);
+  EXPECT_GT(apart.meshes(), kThings / 4);
+  EXPECT_LT(apart.meshes(), kThings);
+  EXPECT_LE(apart.ms, apart.plan.budget_ms());
+  apart.changed = 0;
+  apart.frames(40);
+  EXPECT_EQ(apart.changed, 0) << "nothing comes and goes";
 }
 
 TEST(CorePlan, WhatOneStandsInIsDrawnWhateverItCosts) {
@@ -221,7 +245,7 @@ TEST(CorePlan, AStrainThatPassesIsForgotten) {
   std::int64_t now = 0;
   const auto settle = [&](double times, int frames) {
     for (int i = 0; i < frames; ++i) {
-      plan.decide(screen(), things, 1, now += kFrameUs);
+      plan.decide(screen(), things, now += kFrameUs);
       plan.note_drawn(times * plan.expected_ms());
     }
     return plan.expected_ms();
@@ -237,12 +261,12 @@ TEST(CorePlan, ThePriceOfErrorDoesNotCollapseForAFrame) {
   std::vector<Alternatives> few = all;
   for (Alternatives& thing : few) thing.levels.clear();
   FramePlan plan = plan_of(40);
-  for (int i = 0; i < 40; ++i) plan.decide(screen(), all, 1, i * kFrameUs);
+  for (int i = 0; i < 40; ++i) plan.decide(screen(), all, i * kFrameUs);
   const double before = plan.lambda();
   ASSERT_GT(before, 0);
-  plan.decide(screen(), few, 1, 40 * kFrameUs);
+  plan.decide(screen(), few, 40 * kFrameUs);
   EXPECT_GE(plan.lambda(), 0.7 * before);
-  for (int i = 41; i < 200; ++i) plan.decide(screen(), few, 1, i * kFrameUs);
+  for (int i = 41; i < 200; ++i) plan.decide(screen(), few, i * kFrameUs);
   EXPECT_EQ(plan.lambda(), 0) << "in time it does";
 }
 
@@ -269,25 +293,25 @@ TEST(CorePlan, WhatIsDrawnStaysUnlessAnotherIsClearlyBetter) {
 TEST(CorePlan, WhatBecomesDearerFadesInAndWhatIsTooDearGoesAtOnce) {
   Session session{plan_of(60), {tree(30'000)}};
   session.things[0].shown = Look::kFlat;
-  EXPECT_TRUE(session.plan.decide(screen(), session.things, 1, 0)[0].fades);
+  EXPECT_TRUE(session.plan.decide(screen(), session.things, 0)[0].fades);
   session.things[0].shown = Look::kMesh;
   session.things[0].levels[0].triangles = 3'000'000;
-  const Choice choice = session.plan.decide(screen(), session.things, 1, kFrameUs)[0];
+  const Choice choice = session.plan.decide(screen(), session.things, kFrameUs)[0];
   EXPECT_EQ(choice.look, Look::kFlat);
   EXPECT_FALSE(choice.fades);
   // A fade under way ends where there is no time for both.
   session.things[0] = tree(10'000);
   session.things[0].shown = Look::kFlat;
   session.things[0].leaving = Look::kMesh;
-  EXPECT_TRUE(session.plan.decide(screen(), session.things, 1, 2 * kFrameUs)[0].fades);
+  EXPECT_TRUE(session.plan.decide(screen(), session.things, 2 * kFrameUs)[0].fades);
   session.things[0].levels[0].triangles = 3'000'000;
-  EXPECT_FALSE(session.plan.decide(screen(), session.things, 1, 3 * kFrameUs)[0].fades);
+  EXPECT_FALSE(session.plan.decide(screen(), session.things, 3 * kFrameUs)[0].fades);
 }
 
 TEST(CorePlan, AMillionThingsArePlanned) {
   FramePlan plan = plan_of(50);
   const std::vector<Alternatives> things(1'000'000, tree(100, 10));
-  EXPECT_EQ(plan.decide(screen(), things, 1, 0).size(), things.size());
+  EXPECT_EQ(plan.decide(screen(), things, 0).size(), things.size());
   EXPECT_TRUE(std::isfinite(plan.lambda()));
 }
 

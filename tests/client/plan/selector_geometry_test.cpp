@@ -130,6 +130,27 @@ TEST(CoreSelectorGeometry, TilesStandInForGeometryThatTheBudgetDoesNotHold) {
   EXPECT_EQ(world.select(any_time).meshes.size(), 1u) << "it errs less";
 }
 
+// Where what every frame takes is all there is time for, nothing is drawn as geometry, however
+// little it costs: a tile is asked for.
+TEST(CoreSelectorGeometry, WhatThereIsNoTimeForIsAskedForAsATile) {
+  SelectorWorld world = one_ball(true);
+  world.mesh_ready[0] = true;
+  world.scene.objects[0].lods = {LodInfo{100, 40'000, 0, 0}};
+  world.look({0, 0, 5}, {0, 0, 0});
+  for (const double budget_ms : {100.0, 0.001}) {
+    FramePlan plan(budget_ms, 1);
+    plan.set_prices(*device_model("software"));
+    world.frame += 2;
+    SelectorInput in = world.input();
+    in.plan = &plan;
+    in.now_us = world.now_us += 1'000'000;
+    const bool drawn = !world.select(in).meshes.empty();
+    EXPECT_EQ(drawn, budget_ms > 1);
+    const std::vector<TileNeed> needs = world.selector.needs(in);
+    ASSERT_EQ(needs.size(), drawn ? 0u : 1u);
+  }
+}
+
 TEST(CoreSelectorGeometry, SurroundingsAreGeometry) {
   std::vector<Placed> placed{{{0, 0, 0}, 50, 1}};  // a hall
   for (int i = 0; i < 20; ++i) placed.push_back({{i - 10.0, 0, -4}, 0.5f, 0});
