@@ -94,6 +94,23 @@ export async function picture(page) {
   return { width, height, rgba: Buffer.from(text, 'base64') };
 }
 
+/// The server's full render of what the page looks at.
+export async function truth(page) {
+  await page.evaluate(() => { mirage.core._page_ask_reference(4); mirage.wake(); });
+  const at = await until('a full render', () => page.evaluate(() => {
+    mirage.wake();
+    return mirage.core._page_reference() > 0 && mirage.core._page_reference_pixels();
+  }), 60);
+  const { width, height, text } = await page.evaluate((pointer) => {
+    const [w, h] = [mirage.core._page_width(), mirage.core._page_height()];
+    const bytes = mirage.core.HEAPU8.slice(pointer, pointer + 4 * w * h);
+    let binary = '';
+    for (let i = 0; i < bytes.length; i += 32768) binary += String.fromCharCode(...bytes.subarray(i, i + 32768));
+    return { width: w, height: h, text: btoa(binary) };
+  }, at);
+  return { width, height, rgba: Buffer.from(text, 'base64') };
+}
+
 /// Of a PNG, as the browser decodes it.
 export async function decode(page, png) {
   const { width, height, text } = await page.evaluate(async (base64) => {
