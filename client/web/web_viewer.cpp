@@ -24,7 +24,7 @@ constexpr std::size_t kMostUnpriced = 16;  // frames that wait to be told what t
 // Prices that went on changing where nobody moves would have pictures drawn for ever.
 constexpr int kMostOfOnePose = 20;
 constexpr int kPacedFrames = 4;
-constexpr int kProbeFrames = 4;
+constexpr int kProbeFrames = 2;
 constexpr double kMostScaled = 8;  // by the probe: what it draws is but a part of what frames have
 constexpr double kFovY = 1.0471975511965976;
 constexpr double kSameDisplay = 1.25;  // intervals up to so many of the display's are the display's

@@ -46,6 +46,8 @@ std::string info_log(GLuint id, bool program) {
   return std::string(text, static_cast<std::size_t>(length));
 }
 
+// Begins it: whether it compiles is asked once the program is linked. A device compiles beside what
+// comes next, and a browser answers once it has.
 Result<GLuint> compile(GLenum stage, std::string_view name, const std::string& defines) {
   const std::string_view source = shader_source(name);
   if (source.empty()) {
@@ -56,15 +58,14 @@ Result<GLuint> compile(GLenum stage, std::string_view name, const std::string& d
   const char* pointer = text.c_str();
   glShaderSource(shader, 1, &pointer, nullptr);
   glCompileShader(shader);
+  return shader;
+}
+
+// "" if it compiled.
+std::string compile_problem(GLuint shader, std::string_view name) {
   GLint ok = 0;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
-  if (!ok) {
-    Error error =
-        make_error(ErrorId::kGraphicsShader, std::string(name) + ": " + info_log(shader, false));
-    glDeleteShader(shader);
-    return error;
-  }
-  return shader;
+  return ok ? std::string() : std::string(name) + ": " + info_log(shader, false);
 }
 
 }  // namespace
@@ -103,14 +104,15 @@ Result<Program> Program::create(std::string_view vertex, std::string_view fragme
   glAttachShader(program.id_, *vs);
   glAttachShader(program.id_, *fs);
   glLinkProgram(program.id_);
-  glDeleteShader(*vs);
-  glDeleteShader(*fs);
   GLint ok = 0;
   glGetProgramiv(program.id_, GL_LINK_STATUS, &ok);
-  if (!ok) {
-    return make_error(ErrorId::kGraphicsShader,
-                      std::string(fragment) + ": " + info_log(program.id_, true));
-  }
+  std::string problem;
+  if (!ok) problem = compile_problem(*vs, vertex);
+  if (!ok && problem.empty()) problem = compile_problem(*fs, fragment);
+  if (!ok && problem.empty()) problem = std::string(fragment) + ": " + info_log(program.id_, true);
+  glDeleteShader(*vs);
+  glDeleteShader(*fs);
+  if (!ok) return make_error(ErrorId::kGraphicsShader, problem);
   ++compiled_so_far;
   return program;
 }

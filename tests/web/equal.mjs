@@ -8,7 +8,7 @@ import { bin, decode, flip, launch, open, picture, pose, rested, scratch, seen, 
 
 const scenes = process.argv.slice(2);
 if (!scenes.length) scenes.push('builtin:knot', 'builtin:forest', 'builtin:clutter', 'builtin:city');
-const frames = 150;
+const frames = 150;  // 15 s: everything has come, and is refined
 
 // Five views around the scene's own: home, turned to both sides, nearer, higher.
 function views({ eye, ahead }, reach) {
@@ -34,7 +34,7 @@ for (const scene of scenes) {
     const ours = await picture(page);
     const out = scratch();
     execFileSync(join(bin, 'mirage-view'), [`ws://127.0.0.1:${server.port}`, '--offscreen', '640x360', '--gles', '--path', hash,
-      '--frames', String(frames), '--virtual-time', '--frame-ms', '0', '--out', out], { stdio: 'ignore' });
+      '--frames', String(frames), '--fps', '10', '--virtual-time', '--frame-ms', '0', '--out', out], { stdio: 'ignore' });
     const native = await decode(page, readFileSync(join(out, readdirSync(out).filter((name) => name.endsWith('.png')).sort().at(-1))));
     const mean = await flip(page, native, ours);
     console.log(`${scene} ${index} FLIP ${mean.toFixed(5)} ${hash} ${out}`);
