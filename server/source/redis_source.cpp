@@ -4,7 +4,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <random>
+#include <thread>
 
 namespace mirage {
 namespace {
@@ -15,6 +17,8 @@ constexpr int kFailures = 2;  // one is the machine's, which had other things to
 constexpr std::int64_t kFirstPauseUs = 250'000, kLongestPauseUs = 5'000'000;
 constexpr std::int64_t kShortestLeaseMs = 100, kFirstLeaseMs = 2'000, kLongestLeaseMs = 10'000;
 constexpr std::size_t kMostClaims = 4096;
+constexpr int kWriteTries = 5;
+constexpr std::chrono::milliseconds kWritePause{100};
 
 std::string hex(const TileId& id) { return fmt::format("{:016x}{:016x}", id.high, id.low); }
 
@@ -83,8 +87,17 @@ std::optional<Bytes> RedisSource::fetch(const FormId& id) {
   return record.take();
 }
 
+// Only the writer waits for it, and what is not kept is rendered again elsewhere.
 bool RedisSource::offer(const FormId& id, const Bytes& record) {
   note_made(id.id);
+  for (int tries = 0; tries < kWriteTries; ++tries) {
+    if (tries > 0) std::this_thread::sleep_for(kWritePause);
+    if (write(id, record)) return true;
+  }
+  return false;
+}
+
+bool RedisSource::write(const FormId& id, const Bytes& record) {
   std::unique_ptr<RedisLink> link = take();
   if (!link) return false;
   const Result<void> kept = link->set(record_key(id), record);

@@ -33,6 +33,7 @@ class RedisSource final : public TileSource {
   bool claim(const TileId& id) override;
 
  private:
+  bool write(const FormId& id, const Bytes& record);
   /// A connection that nobody uses, or a new one; nullptr while the server is left alone.
   std::unique_ptr<RedisLink> take();
   void give_back(std::unique_ptr<RedisLink> link);
