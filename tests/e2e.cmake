@@ -35,7 +35,7 @@ target_link_libraries(mirage_e2e_parts PRIVATE mirage_gltf)
 mirage_e2e(shared_store)
 target_link_libraries(mirage_e2e_shared_store PRIVATE mirage_source)
 # A store that takes longer than 10 ms is done without, as it does on a machine with too much to do: alone, please.
-set_tests_properties(e2e_shared_store PROPERTIES RUN_SERIAL ON)
+set_tests_properties(e2e_cache e2e_shared_store PROPERTIES RUN_SERIAL ON)
 mirage_e2e(relay)
 add_dependencies(mirage_e2e_relay mirage-relay mirage-link)
 mirage_e2e(operations)

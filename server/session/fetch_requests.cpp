@@ -8,8 +8,9 @@ namespace {
 
 // More than a server may take to render what others wait for (RedisSource).
 constexpr std::int64_t kPatienceWithOthersUs = 12'000'000;
-// How long sources that were slow are left alone.
-constexpr std::int64_t kAvoidUs = 10'000'000;
+// How long sources that were slow are left alone, at first and at last: a disk that paused once is
+// back soon, one that hangs is asked once in ten seconds.
+constexpr std::int64_t kFirstAvoidUs = 250'000, kLongestAvoidUs = 10'000'000;
 
 }  // namespace
 
@@ -39,6 +40,7 @@ std::vector<TileAsk> FetchRequests::take(const TileId& id, TileCodec codec) {
   auto node = looked_for_.extract(FormId{id, codec});
   if (node.empty()) return {};  // given up before
   on_trial_ = false;
+  avoid_us_ = 0;
   std::vector<TileAsk> out = std::move(node.mapped().asks);
   for (const TileAsk& ask : out) requests_.erase({ask.waiter.session, ask.waiter.request_id});
   return out;
@@ -56,7 +58,8 @@ std::vector<TileAsk> FetchRequests::take_overdue() {
   const bool late = std::any_of(looked_for_.begin(), looked_for_.end(),
                                 [&](const auto& entry) { return now > entry.second.until_us; });
   if (!late) return {};
-  avoid_until_us_ = now + kAvoidUs;
+  avoid_us_ = avoid_us_ > 0 ? std::min(2 * avoid_us_, kLongestAvoidUs) : kFirstAvoidUs;
+  avoid_until_us_ = now + avoid_us_;
   on_trial_ = true;
   while (jobs_.try_pop()) {
   }

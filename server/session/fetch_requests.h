@@ -26,7 +26,8 @@ class FetchRequests {
   bool wait(const TileAsk& ask);
   /// It was looked for; they wait no longer.
   std::vector<TileAsk> take(const TileId& id, TileCodec codec);
-  /// Those for whom it takes too long; from now on asks go past the sources for a while.
+  /// Those for whom it takes too long; from now on asks go past the sources for a while, which
+  /// doubles until a tile comes in time.
   std::vector<TileAsk> take_overdue();
   /// Another server renders it: who waits for it waits longer.
   void be_patient(const TileId& id, TileCodec codec);
@@ -49,7 +50,7 @@ class FetchRequests {
   const std::int64_t patience_us_;
   std::map<FormId, LookedFor> looked_for_;
   std::map<std::pair<SessionId, std::uint32_t>, FormId> requests_;
-  std::int64_t avoid_until_us_ = INT64_MIN;
+  std::int64_t avoid_until_us_ = INT64_MIN, avoid_us_ = 0;
   bool on_trial_ = false;  ///< it was slow: one tile at a time, until one comes in time
 };
 

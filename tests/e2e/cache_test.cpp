@@ -43,6 +43,7 @@ TEST(CacheDirectory, OutlivesTheServerAndMayBeDamaged) {
   const std::string folder = scratch_folder() + "/cache";
   std::string revision;
   std::map<std::string, int> tiles;
+  std::map<std::string, std::size_t> kept;
   for (const char* round : {"made", "found", "damaged"}) {
     if (std::string(round) == "damaged") {
       for (const char* kind : {".lods", ".tile"}) {
@@ -57,11 +58,13 @@ TEST(CacheDirectory, OutlivesTheServerAndMayBeDamaged) {
     EXPECT_EQ(asked.exit_code, 0) << round << ": " << asked.output;
     EXPECT_EQ(server.stop(15), 0);
     tiles[round] = rendered(server);
+    kept[round] = files_in(folder, ".tile").size();
     const std::string log = server.log();
     EXPECT_EQ(log.find("is damaged") != std::string::npos, std::string(round) == "damaged") << log;
   }
   EXPECT_GT(tiles["made"], 20);
   EXPECT_LT(tiles["found"], tiles["made"] / 4) << "when an ask is sent is up to the clock";
+  EXPECT_LT(kept["found"] - kept["made"], kept["made"] / 4) << "what is rendered has the same name";
   EXPECT_GT(tiles["damaged"], tiles["made"] / 2);
   EXPECT_EQ(files_in(folder, ".lods").size(), 1u);
   EXPECT_FALSE(files_in(folder, ".tile").empty());

@@ -35,8 +35,10 @@ nlohmann::json load(const std::string& url, int seconds) {
 class GlFault : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(GlFault, EndsTheServerWithFourAndNoWrongTileGoesOut) {
-  // Errors are asked for as the server starts, too, once for each target.
-  const std::string kind = GetParam(), after = kind == "error" ? "40" : "12";
+  // After twelve pages. Errors are asked for as the server starts, too, once for each target;
+  // errors and resets as a page is drawn and as it is read back.
+  const std::string kind = GetParam();
+  const std::string after = kind == "error" ? "40" : kind == "reset" ? "24" : "12";
   Server server(kScene, {"--no-view"}, {preload(), "FAULT_GL=" + kind, "FAULT_AFTER=" + after});
   ASSERT_TRUE(server.ready()) << server.log();
   const nlohmann::json clients = load(server.url(), 3);

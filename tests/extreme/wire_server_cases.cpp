@@ -163,7 +163,8 @@ Outcome slow_loris(const Conditions& conditions) {
 }  // namespace
 
 void websocket_lengths(Checks& checks) {
-  const test::Server server(kScene);
+  // A thread's first arena takes 128 MB of addresses, whenever that thread first has work.
+  const test::Server server(kScene, {}, {"MALLOC_ARENA_MAX=1"});
   if (!server.ready()) return checks.failed("no server: " + server.log());
   first_tile_ms(server.port());
   const std::size_t before = peak_bytes_of(server.pid());

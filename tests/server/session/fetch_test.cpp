@@ -164,6 +164,33 @@ TEST_F(ServerFetch, AfterwardsItIsTriedWithOneTileAtATime) {
   EXPECT_EQ(fetch_all(), 2) << "it came in time: all is as before";
 }
 
+// A disk that paused once is asked again soon; one that hangs ever more seldom.
+TEST_F(ServerFetch, TheMoreOftenItIsSlowTheLongerItIsLeftAlone) {
+  constexpr int kStepMs = 125;
+  const SessionId id = client();
+  std::uint16_t asks = 0;
+  std::optional<FetchJob> job;  // taken by a reader that hangs
+  const auto is_asked = [&] {
+    ++asks;
+    EXPECT_TRUE(send_ask(id, ask(asks, asks)).ok());
+    job = server->fetches.try_pop();
+    return job.has_value();
+  };
+  const auto left_alone_ms = [&] {
+    wait_for(kTooLateUs);
+    int ms = 0;
+    for (; !is_asked(); ms += kStepMs) clock.advance_to_us(clock.now_us() + 1000 * kStepMs);
+    return ms;
+  };
+  ASSERT_TRUE(is_asked());
+  for (const int ms : {250, 500, 1000, 2000, 4000, 8000, 10'000, 10'000}) {
+    EXPECT_EQ(left_alone_ms(), ms);
+  }
+  finish(*job);
+  ASSERT_TRUE(is_asked());
+  EXPECT_EQ(left_alone_ms(), 250) << "one came in time in between";
+}
+
 TEST_F(ServerFetch, WhoIsGoneOrCancelsGetsNothingAndHasNothingRendered) {
   const SessionId a = client(), b = client(), c = client();
   ASSERT_TRUE(send_ask(a, ask(1, 1)).ok());
