@@ -25,8 +25,7 @@ class FrameTarget {
   void copy_to(const gl::Framebuffer& to) const;
   /// Of what is drawn.
   GLenum format() const { return format_; }
-  /// Resolves, and the texture (sRGB, 8 bits) that has the picture then: as it is drawn, to be
-  /// enlarged by who shows it.
+  /// Resolves, and the texture (sRGB, 8 bits) that has the picture then, texel for drawn pixel.
   GLuint resolved_texture() const;
   /// The same for reading, GL_READ_FRAMEBUFFER bound to it.
   void resolve() const;
@@ -36,6 +35,9 @@ class FrameTarget {
   /// Of the shown picture.
   int width() const { return width_; }
   int height() const { return height_; }
+  /// As it is drawn.
+  int drawn_width() const { return drawn_width_; }
+  int drawn_height() const { return drawn_height_; }
   /// Of a pixel, as the device has them; 0: one, and no multisampling.
   int samples() const { return samples_; }
   std::size_t gpu_bytes() const;

@@ -1,40 +1,12 @@
 #include "client/draw/layered_texture.h"
 
 #include <algorithm>
-#include <vector>
 
 namespace mirage {
 namespace {
 
-constexpr int kRgba = 4;  // the one layout every format can be read in
-
 GLenum layout_of(const LayeredTexture::Format& format) {
   return format.channels() == 1 ? GL_RED : GL_RGBA;
-}
-
-// The first `layers` of a texture, one after the other.
-std::vector<std::uint8_t> read_layers(GLuint texture, const LayeredTexture::Format& format,
-                                      int edge, int layers) {
-  const std::size_t texels = static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge);
-  const auto channels = static_cast<std::size_t>(format.channels());
-  std::vector<std::uint8_t> out(texels * channels * static_cast<std::size_t>(layers));
-  std::vector<std::uint8_t> layer(texels * kRgba);
-  const gl::Framebuffer framebuffer = gl::Framebuffer::create();
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.id());
-  glReadBuffer(GL_COLOR_ATTACHMENT0);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  for (int i = 0; i < layers; ++i) {
-    glFramebufferTextureLayer(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture, 0, i);
-    glReadPixels(0, 0, edge, edge, GL_RGBA, GL_UNSIGNED_BYTE, layer.data());
-    std::uint8_t* to = &out[texels * channels * static_cast<std::size_t>(i)];
-    if (channels == kRgba) {
-      std::copy(layer.begin(), layer.end(), to);
-    } else {
-      for (std::size_t t = 0; t < texels; ++t) to[t] = layer[t * kRgba];
-    }
-  }
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
-  return out;
 }
 
 // The first `layers` of a texture into another one of the same format.
@@ -91,19 +63,9 @@ Result<void> LayeredTexture::make(int layers) {
 
 Result<void> LayeredTexture::grow(int layers) {
   const int kept = layers_;
-  if (kept + layers <= max_layers_) {
-    const gl::Texture before = std::move(texture_);
-    Result<void> made = make(layers);
-    if (made) copy_layers(before.id(), texture_.id(), edge_, kept);
-    return made;
-  }
-  std::vector<std::uint8_t> texels;
-  if (kept > 0) texels = read_layers(texture_.id(), format_, edge_, kept);
+  const gl::Texture before = std::move(texture_);
   Result<void> made = make(layers);
-  if (!made || texels.empty()) return made;
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, edge_, edge_, kept, layout_of(format_),
-                  GL_UNSIGNED_BYTE, texels.data());
+  if (made) copy_layers(before.id(), texture_.id(), edge_, kept);
   return made;
 }
 

@@ -1,8 +1,7 @@
 #pragma once
 // A texture array that has only the layers that have been needed so far. GLES 3.0 subset, which
-// cannot add layers to a texture: what is there is copied into a larger one. Where both at a time
-// were more layers than there may be, it is read back instead, which waits for all that was drawn:
-// so a budget of layers is one of graphics memory, too.
+// cannot add layers to a texture: what is there is copied into a larger one by the graphics card,
+// and both are there until it has been.
 
 #include <cstdint>
 

@@ -17,7 +17,10 @@ constexpr double kBetterSetting = 0.9;
 constexpr std::int64_t kSettingLastsUs = 500'000;
 // Of the error of what is shown: less is no reason to change it. Ways differ by a tenth or two.
 constexpr double kStays = 0.95;
-constexpr double kExcessRises = 0.3, kExcessFalls = 0.15, kMostExcess = 1.5;  // a frame
+// One frame in forty may be late, by more than a tenth of the budget: one that is takes so much of
+// what is planned away, and one in time gives a 39th of it back (a quantile followed by stochastic
+// approximation, Robbins and Monro 1951).
+constexpr double kLate = 1.1, kLateTakes = 0.06, kInTimeGives = kLateTakes / 39, kMostExcess = 3;
 // A frame, at most: what has just become affordable may not stay, and is not asked for yet.
 constexpr double kLambdaFalls = 0.8;
 constexpr double kShortestMs = 1e-9;  // of a step: what costs nothing comes first
@@ -139,8 +142,8 @@ bool FramePlan::mesh_pays(const Alternatives& thing) const {
 
 void FramePlan::note_drawn(double ms) {
   if (!limited() || !std::isfinite(ms) || ms <= 0 || expected_ms_ <= 0) return;
-  const double excess = std::clamp(ms / expected_ms_, 1.0, kMostExcess);
-  excess_ += (excess > excess_ ? kExcessRises : kExcessFalls) * (excess - excess_);
+  const bool late = ms > kLate * budget_ms_;
+  excess_ = std::clamp(excess_ * (late ? 1 + kLateTakes : 1 - kInTimeGives), 1.0, kMostExcess);
 }
 
 double FramePlan::planned_ms() const {

@@ -46,7 +46,8 @@ class FramePlan {
   /// All ways there are.
   std::vector<Choice> ways(const Alternatives& thing, const FrameSetting& setting) const;
 
-  /// The frame planned last has taken so long, or would have: what nobody foresaw is kept room for.
+  /// A frame has taken so long, or would have: room is kept for what nobody foresaw, so that one in
+  /// forty takes longer than 1.1 times the budget.
   void note_drawn(double ms);
 
   const FrameSetting& setting() const { return setting_; }
@@ -93,7 +94,7 @@ class FramePlan {
   std::vector<Choice> choices_;
   double lambda_ = 0;
   double expected_ms_ = 0;
-  double excess_ = 1;  ///< what frames take lately, over what was expected, >= 1
+  double excess_ = 1;  ///< room for what nobody foresaw: the budget over what is planned, >= 1
   std::int64_t changed_us_ = INT64_MIN / 2;  ///< when the setting last changed
 };
 

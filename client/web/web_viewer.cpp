@@ -1,6 +1,7 @@
 #include "client/web/web_viewer.h"
 
 #include <emscripten.h>
+#include <emscripten/html5.h>
 
 #include <algorithm>
 #include <cmath>
@@ -28,9 +29,6 @@ constexpr int kProbeFrames = 2;
 constexpr double kMostScaled = 8;  // by the probe: what it draws is but a part of what frames have
 constexpr double kFovY = 1.0471975511965976;
 constexpr double kSameDisplay = 1.25;  // intervals up to so many of the display's are the display's
-// A picture that is ready a little after the display has shown one waits for the next time: frames
-// are planned to take so much of the budget.
-constexpr double kInTime = 0.85;
 
 double budget_ms(const WebOptions& o) {
   if (o.frame_ms >= 0) return o.frame_ms;
@@ -50,7 +48,7 @@ void time(std::function<void(Args...)>& of, double& ms) {
 ClientOptions session_options(const WebOptions& o) {
   ClientOptions s;
   s.name = "mirage-web";
-  s.frame_ms = kInTime * budget_ms(o);
+  s.frame_ms = budget_ms(o);
   s.token = o.token;
   s.atlas_edge = kAtlasEdge;
   s.atlas_layers = atlas_layers(o.atlas_mb);
@@ -140,13 +138,24 @@ Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int he
   }
   if (step == Screen::Step::kRefine) screen_.refine(*renderer_, seen, list_, *session_);
   if (out.drawn || layer_ != InsightLayer::kNone) {
-    presenter_.show(screen_.shown());
-    insight_.draw(layer_, seen, session_->scene(), list_, session_->tau_px(), now_us);
+    const FrameTarget& shown = screen_.shown();
+    fit_canvas(shown.drawn_width(), shown.drawn_height());
+    presenter_.show_as_drawn(shown);
+    insight_.draw(layer_, shown.drawn_camera(seen), session_->scene(), list_, session_->tau_px(),
+                  now_us);
   }
   if (out.drawn) {
     session_->note_drawn(now_us);
   }
   return out;
+}
+
+// Its size on the page is the page's.
+void WebViewer::fit_canvas(int width, int height) {
+  if (width == canvas_width_ && height == canvas_height_) return;
+  emscripten_set_canvas_element_size("#view", width, height);
+  canvas_width_ = width;
+  canvas_height_ = height;
 }
 
 void WebViewer::note_work(const FrameWork& work) {
@@ -174,12 +183,15 @@ void WebViewer::note_gpu_ms(std::uint64_t frame, double ms) {
 
 // Frames are handed to the graphics card ahead of it: one interval is that of another frame, or of
 // several, and only a few of them together are theirs. Within the display's pace they say that
-// frames took no longer; beyond, that they took some of the last period, whatever took it.
+// frames took no longer; beyond, that they took it all, since the next one waited already.
 void WebViewer::note_interval_ms(double ms) {
   if (drawn_.empty() || prices_rest()) {
     paced_ = {};
     return;
   }
+  // A picture is shown by the display's next time after it is ready, half a period later on
+  // average.
+  session_->note_frame_ms(ms - 0.5 * options_.display_ms);
   paced_.work += drawn_.back().work;
   paced_.ms += ms;
   if (++paced_.frames < kPacedFrames) return;
@@ -188,11 +200,9 @@ void WebViewer::note_interval_ms(double ms) {
   const double mean = paced_.ms / kPacedFrames;
   paced_ = {};
   const bool in_pace = mean <= kSameDisplay * options_.display_ms;
-  const double took = in_pace ? mean : mean - 0.5 * options_.display_ms;
-  session_->note_frame_ms(took);
   // The graphics card's own clock knows better.
   if (timed_ || (in_pace && prices_.model().ms_of(work) <= mean)) return;
-  prices_.add(work, took);
+  prices_.add(work, mean);
   session_->set_prices(prices_.model());
 }
 

@@ -107,6 +107,7 @@ class WebViewer {
     FrameWork work;
     double ms = 0;
   };
+  void fit_canvas(int width, int height);
   void note_work(const FrameWork& work);
   bool prices_rest() const;
 
@@ -121,6 +122,7 @@ class WebViewer {
   CostFit prices_;
   Pose pose_;
   bool posed_ = false;
+  int canvas_width_ = 0, canvas_height_ = 0;
   DrawList list_;  // of the last frame
   std::deque<Drawn> drawn_;
   Paced paced_;

@@ -1,8 +1,9 @@
 // Browser beside native, at rest, the same view, size and budget (none): FLIP of the two. Run by hand:
 //   WEB_BIN=build/release/bin WEB_MODULES=build/web-tests node tests/web/equal.mjs [SCENE…]
-// Prints a line a view, and leaves the worst pair as PNG in the folder it names.
+// Prints a line a view, and leaves the pair in the folder it names (browser.ppm, and native as the last PNG).
+// WEB_ANGLE=gl-egl has both drawn by the same rasterizer: what is left is Mirage's.
 import { execFileSync } from 'node:child_process';
-import { readFileSync, readdirSync } from 'node:fs';
+import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { bin, decode, flip, launch, open, picture, pose, rested, scratch, seen, serve } from './harness.mjs';
 
@@ -36,6 +37,8 @@ for (const scene of scenes) {
     execFileSync(join(bin, 'mirage-view'), [`ws://127.0.0.1:${server.port}`, '--offscreen', '640x360', '--gles', '--path', hash,
       '--frames', String(frames), '--fps', '10', '--virtual-time', '--frame-ms', '0', '--out', out], { stdio: 'ignore' });
     const native = await decode(page, readFileSync(join(out, readdirSync(out).filter((name) => name.endsWith('.png')).sort().at(-1))));
+    writeFileSync(join(out, 'browser.ppm'), Buffer.concat([Buffer.from(`P6 ${ours.width} ${ours.height} 255\n`),
+      Buffer.from(ours.rgba.filter((_, i) => i % 4 !== 3))]));
     const mean = await flip(page, native, ours);
     console.log(`${scene} ${index} FLIP ${mean.toFixed(5)} ${hash} ${out}`);
     worst = Math.max(worst, mean);

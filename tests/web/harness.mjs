@@ -1,5 +1,6 @@
 // A shipped server, a shaped link before it, a real browser, and what tests ask of the page.
-// Environment: WEB_BIN (folder of the programs), WEB_MODULES (folder with node_modules/playwright-core), WEB_CHROMIUM.
+// Environment: WEB_BIN (folder of the programs), WEB_MODULES (folder with node_modules/playwright-core), WEB_CHROMIUM,
+// WEB_ANGLE (what draws: swiftshader; gl-egl: the system's own OpenGL, as the native programs do).
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -8,7 +9,7 @@ import { join } from 'node:path';
 
 export const bin = process.env.WEB_BIN;
 const { chromium } = createRequire(join(process.env.WEB_MODULES, 'x.js'))('playwright-core');
-const software = ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
+const software = ['--no-sandbox', '--use-gl=angle', `--use-angle=${process.env.WEB_ANGLE ?? 'swiftshader'}`, '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 
 export const sleep = (ms) => new Promise((done) => { setTimeout(done, ms); });
 export const scratch = () => mkdtempSync(join(tmpdir(), 'mirage-web-'));

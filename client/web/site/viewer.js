@@ -179,7 +179,6 @@ export class Viewer {
     }
     this.place.setLight();
     const [width, height] = this.size();
-    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     this.prices.beginFrame();
     const bits = core._page_frame(this.place.sessionMs(), width, height);
     if (bits < 0) { this.fail(`The scene cannot be drawn: ${textAt(core, core._page_text())}`); return; }
