@@ -102,7 +102,9 @@ TEST(ProtocolUnpack, BlocksAreDecompressedWithinLimits) {
   EXPECT_EQ(message.payload, raw);
   mesh.raw_bytes = 4'000'000'000;
   Message bomb = message_of(wire::MeshReplyT(mesh), compress_block(raw.data(), raw.size()));
-  EXPECT_FALSE(unpack(bomb)) << "refused by what it declares";
+  const Result<void> taken = unpack(bomb);
+  ASSERT_FALSE(taken);
+  EXPECT_EQ(taken.error().id, ErrorId::kWireLimit) << "refused before it is looked into";
 }
 
 TEST(ProtocolUnpack, DamageIsAnErrorAndOthersStayAsTheyAre) {
