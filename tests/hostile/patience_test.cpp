@@ -1,5 +1,6 @@
 // What is closed for nothing being done: ten seconds without a handshake or a hello, thirty without
-// reading. All are waited for at once, on servers where nothing else happens.
+// reading, twenty for a browser that does not read the page. All are waited for at once, on servers
+// where nothing else happens.
 
 #include <gtest/gtest.h>
 
@@ -10,6 +11,7 @@
 
 #include "tests/hostile/beside.h"
 #include "tests/hostile/client.h"
+#include "tests/hostile/page_folder.h"
 
 namespace mirage::test {
 namespace {
@@ -25,11 +27,13 @@ constexpr double kLongestS = 40;
 struct Waited {
   double hello_s = 1e9, reading_s = 1e9;
   bool half_closed = false, odd_closed = false, dripping_stays = false, contented_stays = false;
+  bool browser_closed = false;
 };
 
 Waited wait_for_all() {
   Waited out;
-  const Server quiet("builtin:knot?tubular=60&radial=12", {"--no-view"});
+  const Server quiet("builtin:knot?tubular=60&radial=12",
+                     {"--no-view", "--web", page_folder(8u << 20)});
   const Server busy("builtin:knot?tubular=400&radial=64", {"--no-view"});
   Client deaf(busy.port(), "", PeerFrom{"127.0.0.1", 4096});
   Client dripping(busy.port(), "", PeerFrom{"127.0.0.1", 4096});
@@ -40,6 +44,8 @@ Waited wait_for_all() {
   RawPeer half(quiet.port()), odd(quiet.port());
   half.say("GET / HTTP/1.1\r\nHost: x\r\n");
   odd.say("GET / HTTP/1.1\r\nHost: x\r\nnonsense\r\n\r\n");
+  RawPeer browser(quiet.port(), PeerFrom{"127.0.0.1", 4096});
+  browser.say(kAskForPart);
   for (Client* client : {&deaf, &dripping}) {
     wire::RequestBatchT batch;
     for (std::uint32_t i = 1; i <= 1000; ++i) batch.mesh_asks.emplace_back(i, 0u, 0);
@@ -56,6 +62,7 @@ Waited wait_for_all() {
   }
   out.half_closed = half.closed();
   out.odd_closed = odd.closed();
+  out.browser_closed = browser.closed();
   out.dripping_stays = !dripping.socket().ended();
   out.contented_stays = contented.tile_ms(kSmall) >= 0;
   return out;
@@ -86,6 +93,7 @@ TEST(Patience, EndsForThoseWhoSayNothingAndThoseWhoReadNothing) {
   EXPECT_NEAR(waited.hello_s, 10.5, 1);
   EXPECT_NEAR(waited.reading_s, 31, 2);
   EXPECT_TRUE(waited.half_closed && waited.odd_closed) << "after ten seconds";
+  EXPECT_TRUE(waited.browser_closed) << "after twenty seconds";
   EXPECT_TRUE(waited.contented_stays) << "he has nothing to read";
   EXPECT_TRUE(waited.dripping_stays) << "he reads";
 }
