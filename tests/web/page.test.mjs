@@ -111,6 +111,32 @@ test('frames ask the graphics card nothing', async () => {
   await page.context().close();
 });
 
+// One that saves power calls for pictures seldom; frames are not late for that, and their plan keeps what it has.
+test('a display that calls seldom takes nothing away', async () => {
+  const forest = await serve('builtin:forest?trees=60');
+  const page = await open(browser, `${forest.url}#budget=60`, { before: () => {
+    globalThis.every = 1;
+    const real = globalThis.requestAnimationFrame.bind(globalThis);
+    globalThis.requestAnimationFrame = (f) => {
+      let left = globalThis.every;
+      const step = (at) => { --left > 0 ? real(step) : f(at); };
+      return real(step);
+    };
+  } });
+  await seen(page, 60);
+  await page.locator('#view').focus();
+  await page.keyboard.down('ArrowLeft');
+  await sleep(4000);
+  const before = (await figures(page)).plannedMs;
+  await page.evaluate(() => { globalThis.every = 12; });
+  await sleep(8000);
+  const after = (await figures(page)).plannedMs;
+  await page.keyboard.up('ArrowLeft');
+  assert.ok(after > 0.8 * before, `${before} ms of a frame, then ${after}`);
+  await page.context().close();
+  await forest.stop();
+});
+
 test('keys move, the mouse looks, the wheel goes ahead', async () => {
   const page = await open(browser, at(view));
   await rested(page);

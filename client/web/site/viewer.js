@@ -31,6 +31,8 @@ export class Viewer {
     this.next = 0;         // of requestAnimationFrame; 0: the page sleeps
     this.lost = false;     // the context is
     this.failed = false;
+    this.waited = false;   // for the graphics card, since the last frame
+    this.tickMs = 0;       // that the last frame took here
     this.marks = { start: performance.now() };
     this.place = new Place(this);
     this.pace = new Pace();
@@ -165,12 +167,14 @@ export class Viewer {
     this.next = 0;
     if (!this.viewerThere()) return;
     if (!this.pace.ready()) {
+      this.waited = true;
       this.next = requestAnimationFrame((then) => this.tick(then));
       return;
     }
     const { core } = this;
+    const began = performance.now();
     const seconds = this.lastAt ? Math.min(0.1, (at - this.lastAt) / 1000) : 1 / 60;
-    if (this.lastAt && this.lastDrawn) core._page_interval_ms(at - this.lastAt);
+    if (this.lastAt && this.lastDrawn) core._page_interval_ms(this.ownInterval(at - this.lastAt));
     const deliveredMs = this.link.deliver();
     const motion = this.controls.take(seconds);
     if (motion.moved) {
@@ -190,9 +194,17 @@ export class Viewer {
     this.figures.look(at);
     this.place.remember(motion, at);
     this.lastAt = at;
+    this.waited = false;
+    this.tickMs = performance.now() - began;
     const sleeps = (bits & resting) && !motion.held && !this.link.arrivals.length && !this.compare.waits();
     if (!sleeps) this.next = requestAnimationFrame((then) => this.tick(then));
     else this.sleep();
+  }
+
+  // What frames make of the time from one to the next: a display that calls seldom, such as one that saves power, is not their doing.
+  ownInterval(ms) {
+    const display = this.displayMs();
+    return this.waited || this.tickMs > display ? ms : Math.min(ms, display);
   }
 
   // At rest nothing is drawn; a gamepad tells of itself by being asked only.
