@@ -19,8 +19,10 @@ constexpr std::int64_t kSettingLastsUs = 500'000;
 constexpr double kStays = 0.95;
 // One frame in forty may be late, by more than a tenth of the budget: one that is takes so much of
 // what is planned away, and one in time gives a 39th of it back (a quantile followed by stochastic
-// approximation, Robbins and Monro 1951).
+// approximation, Robbins and Monro 1951); after a strain that has passed, so many in a row, more.
 constexpr double kLate = 1.1, kLateTakes = 0.06, kInTimeGives = kLateTakes / 39, kMostExcess = 3;
+constexpr int kPassed = 80;
+constexpr double kPassedGives = 0.01;
 // A frame, at most: what has just become affordable may not stay, and is not asked for yet.
 constexpr double kLambdaFalls = 0.8;
 constexpr double kShortestMs = 1e-9;  // of a step: what costs nothing comes first
@@ -143,7 +145,9 @@ bool FramePlan::mesh_pays(const Alternatives& thing) const {
 void FramePlan::note_drawn(double ms) {
   if (!limited() || !std::isfinite(ms) || ms <= 0 || expected_ms_ <= 0) return;
   const bool late = ms > kLate * budget_ms_;
-  excess_ = std::clamp(excess_ * (late ? 1 + kLateTakes : 1 - kInTimeGives), 1.0, kMostExcess);
+  in_time_ = late ? 0 : in_time_ + 1;
+  const double gives = in_time_ > kPassed ? kPassedGives : kInTimeGives;
+  excess_ = std::clamp(excess_ * (late ? 1 + kLateTakes : 1 - gives), 1.0, kMostExcess);
 }
 
 double FramePlan::planned_ms() const {

@@ -94,6 +94,7 @@ class FramePlan {
   std::vector<Choice> choices_;
   double lambda_ = 0;
   double expected_ms_ = 0;
+  int in_time_ = 0;    ///< frames since the last one that was late
   double excess_ = 1;  ///< room for what nobody foresaw: the budget over what is planned, >= 1
   std::int64_t changed_us_ = INT64_MIN / 2;  ///< when the setting last changed
 };
