@@ -54,6 +54,8 @@ class FramePlan {
   double budget_ms() const { return budget_ms_; }
   /// FLIP times pixels that a millisecond has to take away.
   double lambda() const { return lambda_; }
+  /// What is planned at most, ms: the budget without the room that is kept; +inf without one.
+  double planned_ms() const;
   /// What the frame is expected to take, ms; 0 without prices.
   double expected_ms() const { return expected_ms_; }
 
@@ -70,7 +72,6 @@ class FramePlan {
     std::vector<Choice> choices;
     PaidLevels levels{0};  ///< of geometry, that the choices draw
   };
-  double planned_ms() const;
   double ms_of(Work pixel, Work sample, double pixels, const FrameSetting& setting) const;
   Choice way(const Alternatives& thing, Look look, std::size_t level,
              const FrameSetting& setting) const;

@@ -281,7 +281,8 @@ std::string WebViewer::figures(std::int64_t now_us) const {
       text, sizeof(text),
       "{\"complete\":%s,\"atRest\":%s,\"refined\":%s,\"awaitsNewScene\":%s,\"references\":%s,"
       "\"geometry\":%s,"
-      "\"budgetMs\":%g,\"plannedMs\":%g,\"lambda\":%g,\"scale\":%g,\"samples\":%d,\"drawCalls\":%d,"
+      "\"budgetMs\":%g,\"plannedMs\":%g,\"mostMs\":%g,\"lambda\":%g,\"scale\":%g,\"samples\":%d,"
+      "\"drawCalls\":%d,"
       "\"impostors\":%zu,\"meshes\":%zu,\"placeholders\":%zu,\"view\":%s,\"boundPx\":%g,"
       "\"tauPx\":%g,\"overTau\":%zu,\"visible\":%zu,\"tileAgeS\":%g,\"bytesDown\":%llu,"
       "\"bytesUp\":%llu,\"roundTripMs\":%lld,\"inFlight\":%zu,\"tilesReceived\":%llu,"
@@ -290,11 +291,11 @@ std::string WebViewer::figures(std::int64_t now_us) const {
       session_->scene().complete() ? "true" : "false", session_->at_rest() ? "true" : "false",
       screen_.refined() ? "true" : "false", session_->awaits_new_scene() ? "true" : "false",
       session_->scene().reference ? "true" : "false", session_->scene().geometry ? "true" : "false",
-      plan.limited() ? budget_ms(options_) : 0.0, plan.expected_ms(), plan.lambda(),
-      plan.setting().scale, plan.setting().samples, renderer_->draw_calls(), list_.impostors.size(),
-      list_.meshes.size(), list_.placeholders.size(), list_.view ? "true" : "false", bound,
-      session_->tau_px(), list_.over_tau, list_.visible,
-      static_cast<double>(quantile(ages_ms, 0.5)) / 1000,
+      plan.limited() ? budget_ms(options_) : 0.0, plan.expected_ms(),
+      plan.limited() ? plan.planned_ms() : 0.0, plan.lambda(), plan.setting().scale,
+      plan.setting().samples, renderer_->draw_calls(), list_.impostors.size(), list_.meshes.size(),
+      list_.placeholders.size(), list_.view ? "true" : "false", bound, session_->tau_px(),
+      list_.over_tau, list_.visible, static_cast<double>(quantile(ages_ms, 0.5)) / 1000,
       static_cast<unsigned long long>(traffic.bytes_down),
       static_cast<unsigned long long>(traffic.bytes_up),
       static_cast<long long>(session_->round_trip_us() / 1000), session_->in_flight(),
