@@ -13,6 +13,8 @@ namespace {
 constexpr double kMissingShare = 0.05;
 constexpr double kEmptyShare = 0.25;  // whatever it costs: there is next to nothing to be seen
 constexpr std::int64_t kPauseUs = 2'000'000;  // after a refusal
+constexpr double kSamePlace = 1e-5;           // of the scene's radius
+constexpr float kSameDirection = 1 - 1e-6f;   // cosine of half the angle
 
 /// Of the screen, by the bounding sphere: at most all of it.
 double screen_share(const Camera& camera, const InstanceView& instance) {
@@ -20,6 +22,12 @@ double screen_share(const Camera& camera, const InstanceView& instance) {
   if (distance <= instance.radius) return 1;
   const double px = camera.focal_px() * instance.radius / distance;
   return std::min(1.0, 3.14159 * px * px / (static_cast<double>(camera.width) * camera.height));
+}
+
+bool same_view(const Camera& a, const Camera& b, double scene_radius) {
+  return a.width == b.width && a.height == b.height && a.fov_y == b.fov_y &&
+         glm::length(a.pose.eye - b.pose.eye) <= kSamePlace * scene_radius &&
+         std::abs(glm::dot(a.pose.rotation, b.pose.rotation)) >= kSameDirection;
 }
 
 }  // namespace
@@ -42,6 +50,7 @@ Result<std::shared_ptr<const ViewTile>> ViewStage::take(const Message& message) 
 bool ViewStage::refused(const wire::RefusedT& refused, std::int64_t now_us) {
   if (refused.request_id == 0 || refused.request_id != pending_) return false;
   pending_ = 0;
+  planned_from_.reset();
   not_before_us_ = now_us + kPauseUs;
   if (refused.reason == wire::RefusalReason::NoView) enabled_ = false;
   return true;
@@ -113,6 +122,10 @@ std::optional<wire::ViewRequestT> ViewStage::plan(const SceneView& scene, const 
   // A few of them have tiles of their own sooner.
   const bool pays = tiles >= kViewTiles || missing >= kEmptyShare;
   if (missing < kMissingShare || !pays) return std::nullopt;
+  if (planned_from_ && same_view(*planned_from_, predicted, scene.bounds_radius)) {
+    return std::nullopt;
+  }
+  planned_from_ = predicted;
   return view_request(predicted, time_s);
 }
 

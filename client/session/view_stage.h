@@ -12,6 +12,7 @@
 #include "client/price/view_fit.h"
 #include "client/session/counts.h"
 #include "protocol/base/result.h"
+#include "protocol/impostor/camera.h"
 
 namespace mirage {
 
@@ -31,11 +32,15 @@ class ViewStage {
   explicit ViewStage(bool enabled) : enabled_(enabled) {}
 
   /// A new connection: what was asked for will not come. What is here stays.
-  void reset() { pending_ = 0; }
+  void reset() {
+    pending_ = 0;
+    planned_from_.reset();
+  }
   /// Another scene.
   void forget() {
     view_.reset();
     fit_.reset();
+    planned_from_.reset();
   }
 
   /// A reply; nullptr: it was not asked for. Error kWireValue, kCodec: it is damaged.
@@ -47,7 +52,8 @@ class ViewStage {
   void show_all(DrawList& list);
   /// The part that shows what `list` has no image for; placeholders that it shows are covered.
   void show_missing(const SceneView& scene, const Camera& camera, DrawList& list);
-  /// What to ask for. `predicted`: where the eye will be when the reply comes.
+  /// What to ask for. `predicted`: where the eye will be when the reply comes. From one place once:
+  /// what the view from there does not show, another will not.
   std::optional<wire::ViewRequestT> plan(const SceneView& scene, const Camera& predicted,
                                          double time_s, const DrawList& list, std::int64_t now_us);
   /// A request is sent by this number.
@@ -70,9 +76,10 @@ class ViewStage {
 
   bool enabled_;
   std::shared_ptr<const ViewTile> view_;
-  std::optional<ViewFit> fit_;  ///< of it
-  bool drawn_ = false;          ///< view_ was
-  std::uint32_t pending_ = 0;   ///< request; 0: none
+  std::optional<ViewFit> fit_;          ///< of it
+  bool drawn_ = false;                  ///< view_ was
+  std::uint32_t pending_ = 0;           ///< request; 0: none
+  std::optional<Camera> planned_from_;  ///< the last one
   std::int64_t not_before_us_ = INT64_MIN;
   ViewCounts counts_;
 };

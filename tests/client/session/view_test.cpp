@@ -134,6 +134,21 @@ TEST_F(CoreView, IsNotDrawnOnceAllHaveImages) {
   EXPECT_EQ(stage.counts().drawn, 0u);
 }
 
+// What it does not show from there, hidden or too small for it, another one would not: who stands
+// still with such things was sent views for ever, and never came to rest.
+TEST_F(CoreView, FromOnePlaceOneIsAskedFor) {
+  const DrawList list = all_missing();
+  ASSERT_TRUE(stage.plan(scene, camera, 0, list, 1));
+  stage.asked(1);
+  arrive(1);
+  EXPECT_FALSE(stage.plan(scene, camera, 1, list, 2));
+  Camera moved = camera;
+  moved.pose.eye.x += 0.01 * scene.bounds_radius;
+  EXPECT_TRUE(stage.plan(scene, moved, 1, list, 3));
+  stage.forget();
+  EXPECT_TRUE(stage.plan(scene, moved, 1, list, 4)) << "of another scene";
+}
+
 TEST_F(CoreView, AnotherIsAskedForWhereNothingShows) {
   DrawList list = all_missing();
   stage.show_missing(scene, camera, list);
