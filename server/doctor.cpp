@@ -107,7 +107,8 @@ void look_at_store(const ServerOptions& options, const Clock& clock, Findings& f
   if (!options.store) return found.ok("store", "none is shared (--store)");
   Result<std::unique_ptr<TileSource>> store = open_shared_store(*options.store, clock);
   if (!store) return found.fail("store", store.error());
-  // A claim that is held is seen: of a store that does not answer nobody holds any.
+  // The probe relies on a held claim being visible to others. A store that does not answer holds
+  // none.
   const TileId probe{1, static_cast<std::uint64_t>(clock.now_us())};
   Result<std::unique_ptr<TileSource>> other = open_shared_store(*options.store, clock);
   const bool answers = (*store)->claim(probe) && other && !(*other)->claim(probe);
@@ -116,7 +117,7 @@ void look_at_store(const ServerOptions& options, const Clock& clock, Findings& f
       : found.warn("store", options.store->name() + " does not answer: tiles are rendered here");
 }
 
-/// One tile on the way that a client's takes.
+/// Renders one tile through the same stages as a client's tile.
 void render_one(const ServerOptions& options, const std::shared_ptr<const PreparedScene>& scene,
                 Findings& found) {
   const SteadyClock clock;
@@ -161,7 +162,7 @@ void render_one(const ServerOptions& options, const std::shared_ptr<const Prepar
 }  // namespace
 
 int run_doctor(const ServerOptions& options) {
-  spdlog::set_level(spdlog::level::off);  // it says so itself
+  spdlog::set_level(spdlog::level::off);  // the doctor prints its own lines
   Findings found;
   const SteadyClock clock;
   look_at_devices(found);

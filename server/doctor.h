@@ -4,8 +4,8 @@ namespace mirage {
 
 struct ServerOptions;
 
-/// Looks whether this machine can serve with these options, prints a line a check (ok, warn, FAIL),
-/// and gives the exit code: of the first that fails.
+/// Checks whether this machine can serve with these options. Prints a line per check (ok, warn,
+/// FAIL), and returns the exit code of the first failed check.
 int run_doctor(const ServerOptions& options);
 
 }  // namespace mirage

@@ -36,13 +36,13 @@
 namespace mirage {
 namespace {
 
-// The graphics thread is taken for stuck when it is at one thing for longer, and the watchdog is no
-// longer fed.
+// Longest time of the graphics thread on one piece of work, µs. Beyond it the thread counts as
+// stuck, and the watchdog is no longer fed.
 constexpr std::int64_t kLongestRenderUs = 30'000'000;
 
-// Pictures are made on one thread and let go on another: from this size on, bytes, memory is the
-// system's again at once. By default the allocator comes to keep blocks of up to 32 MiB, of each
-// thread.
+// Allocation size, bytes, from which freed memory returns to the system at once. Pictures are
+// allocated on one thread and freed on another; by default the allocator would keep blocks of up to
+// 32 MiB for each thread.
 constexpr int kGivenBack = 1 << 20;
 
 std::atomic<Endpoint*> running_endpoint{nullptr};
@@ -55,7 +55,7 @@ void on_hangup(int) {
   if (Endpoint* endpoint = running_endpoint.load()) endpoint->reload();
 }
 
-// A token file that is wrong changes nothing: who may come in stays as it is.
+// Reads the token file again. A wrong file changes nothing: the present tokens stay valid.
 void read_tokens_anew(const std::string& path, SessionHub& hub) {
   if (path.empty()) return;
   Result<Access> access = Access::read(path);
@@ -92,7 +92,7 @@ void raise_descriptor_limit() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-// In the ready line values end at the next space; but for the last.
+// Values in the ready line end at the next space, except for the last.
 std::string without_spaces(std::string text) {
   for (std::size_t at = text.find(' '); at != std::string::npos; at = text.find(' ', at)) {
     text.replace(at, 1, "%20");
@@ -122,7 +122,7 @@ void announce(const ServerOptions& options, const PreparedScene& scene, const Se
   std::fflush(stdout);
 }
 
-/// A server's life, from the ready line to the last goodbye.
+/// A running server, from the ready line to the last goodbye.
 class Service {
  public:
   Service(const ServerOptions& options, CacheDirectory* cache)
@@ -134,7 +134,7 @@ class Service {
   ~Service() {
     running_endpoint = nullptr;
     awake_ = nullptr;
-    // However run() ended: the stages end before the endpoint they wake.
+    // The stages end before the endpoint they wake, however run() ended.
     reload_.end();
     if (served_) served_->stop();
   }
@@ -145,7 +145,7 @@ class Service {
   EndpointHooks hooks();
   void hangup();
   void tick();
-  /// In place of what is served.
+  /// Replaces the served scene.
   void serve(std::unique_ptr<ServedScene> next);
 
   const ServerOptions& options_;

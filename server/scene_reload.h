@@ -1,7 +1,7 @@
 #pragma once
-// A scene whose file is replaced while it is served: it is said, and on a hangup it is loaded
-// beside what is served, which then gives way to it.
-// Thread: the network loop's; loading has one of its own.
+// Replacement of the scene while it is served. A changed file is reported in the log. A hangup
+// signal loads it beside the served scene, which it then replaces.
+// Thread: the network loop's; loading has a thread of its own.
 
 #include <atomic>
 #include <functional>
@@ -19,25 +19,26 @@ class ServedScene;
 class SceneReload {
  public:
   using Load = std::function<Result<std::unique_ptr<ServedScene>>()>;
-  /// `path`: the scene's file, when it was loaded; what is no file is never another.
+  /// `path`: the scene's file, compared with its state when it was loaded. A built-in scene never
+  /// changes.
   SceneReload(std::string path, Load load);
   ~SceneReload() { end(); }
-  /// Waits for what is under way, and lets go of it.
+  /// Waits for a load under way and drops its scene.
   void end();
 
-  /// Loads it here and now.
+  /// Loads the scene on the calling thread.
   Result<std::unique_ptr<ServedScene>> load() const { return load_(); }
-  /// Says once that the file is another than the one that is served. Several times a second.
+  /// Logs once that the file differs from the served one. Called several times a second.
   void look();
-  /// Loads the file, if it is another; while one is being loaded, after that.
+  /// Loads the file if it changed; if a load is under way, loads again after it.
   void hangup();
-  /// What is loaded and ready to be served, once.
+  /// Returns a loaded scene, ready to be served, once; nullptr: none.
   std::unique_ptr<ServedScene> take();
-  /// Ends `old` without holding up the caller.
+  /// Ends `old` without blocking the caller.
   void retire(std::unique_ptr<ServedScene> old);
 
  private:
-  /// What tells one file from another that takes its place.
+  /// Distinguishes a file from another that takes its place.
   struct Stamp {
     std::uint64_t inode = 0, bytes = 0;
     std::int64_t changed_ns = 0;

@@ -1,6 +1,5 @@
 #pragma once
-// A scene that is served: what is loaded of it, the stages that draw it, and the sessions that look
-// at it.
+// A served scene: the loaded data, the stages that draw it, and the sessions of its viewers.
 
 #include <functional>
 #include <memory>
@@ -18,13 +17,14 @@ struct StageQueues;
 
 class ServedScene {
  public:
-  /// Loads, prepares and uploads it; `cache` may be null. `wake` is called from any thread while
-  /// this lives. Errors as load_scene(), RenderStage::start() and open_shared_store().
+  /// Loads, prepares and uploads the scene; `cache` may be null. Any thread may call `wake` during
+  /// the lifetime of this object. Errors as load_scene(), RenderStage::start() and
+  /// open_shared_store().
   static Result<std::unique_ptr<ServedScene>> start(const ServerOptions& options,
                                                     CacheDirectory* cache, const Clock& clock,
                                                     std::function<void()> wake);
   ~ServedScene();
-  /// Ends the stages: what is asked for from now on does not come.
+  /// Ends the stages: later asks get no answer.
   void stop();
 
   const PreparedScene& scene() const;
@@ -38,7 +38,8 @@ class ServedScene {
   std::unique_ptr<Parts> parts_;
 };
 
-/// The options' scene, prepared as `keep_imported` asks; warnings and times go to the log.
+/// Loads the options' scene and prepares it as `keep_imported` requires. Warnings and times go to
+/// the log.
 Result<std::shared_ptr<const PreparedScene>> load_served(const ServerOptions& options,
                                                          CacheDirectory* cache);
 

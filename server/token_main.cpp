@@ -1,4 +1,5 @@
-// mirage-token: makes a token that a server takes for a while, signed with a key of its token file.
+// mirage-token: makes a token that a server accepts for some hours, signed with a key of its token
+// file.
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -14,21 +15,29 @@ namespace {
 int run(int argc, char** argv) {
   std::string key_file, name, path, scope = "view,geometry";
   double hours = 24;
-  CLI::App app("Makes a token for a while, signed with a key of the server's token file.",
-               "mirage-token");
+  CLI::App app(
+      "Makes a token that a server accepts for some hours, signed with a key of its token file.",
+      "mirage-token");
   app.footer(
       "Example: mirage-token --key-file tokens --name anna --hours 8 > anna.token\n"
       "         mirage-view ws://box:9870 --token-file anna.token");
-  app.add_option("--key-file", key_file, "the server's token file: its first line key=SECRET signs")
+  app.option_defaults()->group("Token");
+  app.add_option("--key-file", key_file,
+                 "token file of the server; its first line key=SECRET signs")
+      ->type_name("FILE")
       ->required();
-  app.add_option("--name", name, "who it is for: letters, digits, - and _");
-  app.add_option("--path", path,
-                 "instead of a token: the query that lets whoever has it get what lies there, as "
-                 "/v1/tile/REVISION/");
-  app.add_option("--hours", hours, "for how long it is taken")
+  app.add_option("--name", name, "name of the person or machine: letters, digits, - and _")
+      ->type_name("NAME");
+  app.add_option("--hours", hours, "hours for which the token is valid")
       ->check(CLI::Range(0.01, 24.0 * 3660))
       ->capture_default_str();
-  app.add_option("--scope", scope, "view[,geometry][,reference]")->capture_default_str();
+  app.add_option("--scope", scope, "what the token allows: view[,geometry][,reference]")
+      ->type_name("SCOPE")
+      ->capture_default_str();
+  app.add_option("--path", path,
+                 "instead of a token, print a URL query that allows to get what lies below this "
+                 "path, such as /v1/tile/REVISION/")
+      ->type_name("PATH");
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
   if (name.empty() == path.empty()) {

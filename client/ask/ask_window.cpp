@@ -11,31 +11,35 @@
 namespace mirage {
 namespace {
 
-constexpr double kInitialBytes = 256 * 1024;  // where the opening told no rate
+constexpr double kInitialBytes = 256 * 1024;  // used if the opening told no rate
 constexpr double kLeastInitialBytes = 64 * 1024;
-constexpr double kMostInitialBytes = 2 << 20;  // and more than comes at the rate of the opening
+constexpr double kMostInitialBytes = 2 << 20;  // upper limit of the first window
 constexpr double kLeastBytes = 16 * 1024;
-constexpr std::int64_t kSlackUs = 25'000;  // at least, and 25 for a tile's own time on the link
+// Least slack; a tile's own time on the link counts as another 25 ms.
+constexpr std::int64_t kSlackUs = 25'000;
 constexpr std::int64_t kMostSlackUs = 500'000;
-constexpr std::size_t kFrames = 8;         // of the last ones the shortest counts
-constexpr std::int64_t kQueueUs = 12'500;  // longer than the shortest by less is no queue
+constexpr std::size_t kFrames = 8;         // last frames; the shortest sets the slack
+constexpr std::int64_t kQueueUs = 12'500;  // a trip longer than the shortest by less shows no queue
 constexpr std::int64_t kSecondUs = 1'000'000;
 constexpr std::int64_t kShortestSpanUs = 200'000;
-constexpr int kSpanTrips = 4;  // rates are measured over so many, or fewer within a second
+constexpr int kSpanTrips = 4;  // trips that a rate is measured over, or fewer within a second
 constexpr std::size_t kLeastArrivals = 4;
-constexpr std::size_t kFirstArrivals = 8;  // before them nothing is known
+constexpr std::size_t kFirstArrivals = 8;  // fewer tell nothing
 constexpr std::size_t kTrips = 33;
-constexpr int kQueueTrips = 8;                     // all of them long: they have waited in a queue
-constexpr int kClearTrips = 2;                     // of these long, at most: the link is not full
-constexpr std::int64_t kLongestBurstUs = 100'000;  // that no queue need stand for
+// Trips that have waited in a queue if all of them are long.
+constexpr int kQueueTrips = 8;
+// Most long trips among them on a link that is not full.
+constexpr int kClearTrips = 2;
+// Slow replies for a longer time are no burst but a queue.
+constexpr std::int64_t kLongestBurstUs = 100'000;
 constexpr std::int64_t kPeriodUs = 5'000'000;
 constexpr int kPeriodTrips = 20;
 constexpr int kDrainTrips = 3;
-constexpr int kFarSlacks = 2;  // the window lets no queue be that long, but for a moment
-constexpr int kFarTrips = 2;   // that moment, or a second
+constexpr int kFarSlacks = 2;  // the window allows a longer queue only for a moment
+constexpr int kFarTrips = 2;   // that moment in trips, at least a second
 constexpr double kLargestGain = 2;
-constexpr double kCertainShare = 0.95;    // of the rate: what tiles will weigh is known to a few %
-constexpr double kShortestBusyUs = 1000;  // less tells no rate
+constexpr double kCertainShare = 0.95;    // of the rate: the bytes of tiles are known to a few %
+constexpr double kShortestBusyUs = 1000;  // a shorter busy time tells no rate
 
 }  // namespace
 
@@ -47,8 +51,8 @@ void AskWindow::reset() {
 
 void AskWindow::arrived(std::int64_t sent_us, std::int64_t now_us, std::size_t bytes,
                         double expected) {
-  // A large reply arrives at once, but its bytes took their time: since the one before it, or,
-  // after a gap, since the time at which the tile of the shortest trip would have been here.
+  // A large reply arrives at once, but its bytes took time on the link. They began when the former
+  // reply arrived or, after a gap, when the tile of the shortest trip would have arrived.
   const Trip shortest = shortest_trip();
   const std::int64_t before = arrivals_.empty() ? INT64_MIN : arrivals_.back().at_us;
   const std::int64_t alone = std::min(sent_us + shortest.us, now_us);
@@ -73,7 +77,8 @@ void AskWindow::tile_arrived(const TileTrip& tile) {
   const std::int64_t now_us = tile.came_us;
   trips_us_.push_back(std::max<std::int64_t>(now_us - tile.sent_us, 0));
   if (trips_us_.size() > kTrips) trips_us_.pop_front();
-  // As if it had been asked for so much later: what waits at the server tells nothing of the link.
+  // The server's time is taken off the trip, because waiting at the server tells nothing of the
+  // link.
   const std::int64_t sent_us =
       tile.sent_us + std::clamp<std::int64_t>(tile.server_us, 0, trips_us_.back());
   server_us_.push_back(trips_us_.back() - (now_us - sent_us));
@@ -187,7 +192,8 @@ double AskWindow::whole_rate(std::int64_t now_us) const {
   return received / static_cast<double>(now_us - since);
 }
 
-// A queue all the time, or a longer way: without the one it shows whether it is the other.
+// Lets everything arrive. Either there was a queue all the time, or the way has become longer; the
+// first trip after it shows which.
 void AskWindow::drain(std::int64_t now_us, const Trip& shortest) {
   drain_until_us_ = now_us + kDrainTrips * (shortest.us + kSlackUs);
   far_ = {};
@@ -220,7 +226,7 @@ double AskWindow::update(std::int64_t now_us, std::int64_t held_back_us, bool id
     drained_us_ = now_us;
     best_rates_ = {};
   }
-  // Little came because little was asked for: that says nothing about the link.
+  // If little arrived because little was asked for, that says nothing about the link.
   if (window_ == 0) window_ = initial_ = initial_bytes(now_us);
   const bool unknown = std::min(arrivals_.size(), trips_us_.size()) < kFirstArrivals;
   if (unknown && (idle || held_back_us < kSecondUs)) return window_ = std::min(window_, initial_);
@@ -230,11 +236,11 @@ double AskWindow::update(std::int64_t now_us, std::int64_t held_back_us, bool id
   const auto trip = static_cast<double>(usual_trip_us());
   const double best = std::max(best_rates_[0], best_rates_[1]);
   const double grown = std::max(window_, kLargestGain * best * trip);
-  // The shortest trip holds its own tile's time on the link.
+  // The shortest trip includes the time of its own tile on the link, so its bytes are subtracted.
   double wanted = kCertainShare * rate_ * trip - shortest_trip().bytes;
-  // Without a queue more than what has come may be under way, or it would never be.
+  // Without a queue, more may be under way than has arrived; otherwise the window could never grow.
   if (!queued()) wanted = std::max(wanted, whole_rate(now_us) * trip);
-  // Where most replies come without any the link is not full, however little has come through it.
+  // If most replies arrive without waiting, the link is not full, however little came through it.
   if (clear()) wanted = std::max(wanted, window_);
   window_ = std::max(kLeastBytes, std::min(wanted, grown));
   return window_ + at_server(now_us);

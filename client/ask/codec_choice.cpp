@@ -11,9 +11,9 @@ constexpr std::size_t kTrips = 33;
 constexpr std::size_t kLeastTrips = 9;
 constexpr double kThinMbps = 4;
 constexpr double kHeldBackS = 1;
-constexpr std::int64_t kQueueUs = 10'000;  // of the link's way beyond the shortest
+constexpr std::int64_t kQueueUs = 10'000;  // wait on the link beyond its shortest trip
 constexpr double kThickMbps = 2 * kThinMbps;
-constexpr double kLossyGain = 2;  // bytes of a tile, zstd over WebP: 1.6 small ones, 2.3 large ones
+constexpr double kLossyGain = 2;  // bytes of zstd over WebP: small tiles 1.6, large ones 2.3
 constexpr std::int64_t kRoomyUs = 5'000'000;
 
 }  // namespace

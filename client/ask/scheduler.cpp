@@ -10,15 +10,17 @@
 namespace mirage {
 namespace {
 
-constexpr std::int64_t kPatienceUs = 100'000;  // or a trip
+constexpr std::int64_t kPatienceUs = 100'000;  // or a trip, if that is longer
 constexpr std::int64_t kRefusalPauseUs = 250'000;
 constexpr std::int64_t kAssetPauseUs = 5'000'000;
-// An ask without an answer is given up after so long, then after twice as long: a link may be slow.
+// An ask without an answer is given up after this time, then after twice as long: a link may be
+// slow.
 constexpr std::int64_t kLostUs = 5'000'000;
 constexpr std::int64_t kLostAtMostUs = 120'000'000;
 constexpr int kLostTrips = 4;
-constexpr std::size_t kMaxAsksPerFrame = 256;  // the rest queue
-// Credit far ahead of the window: the window limits, credit only protects the client's memory.
+constexpr std::size_t kMaxAsksPerFrame = 256;  // the rest waits
+// The credit is far ahead of the window: the window limits, credit only protects the client's
+// memory.
 constexpr std::uint64_t kCreditAhead = 64u << 20;
 
 }  // namespace
@@ -58,7 +60,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
                  std::any_of(asset_needs.begin(), asset_needs.end(), waits);
   if (!held_back) held_since_us_ = -1;
   if (held_back && held_since_us_ < 0) held_since_us_ = now_us;
-  // Asks wait for a link that is not full, too: what came through it lately was little.
+  // Asks may also wait for a link that is not full, if little came through it lately.
   const bool saturated = held_back && window_.queued();
   if (!saturated) saturated_since_us_ = -1;
   if (saturated && saturated_since_us_ < 0) saturated_since_us_ = now_us;
@@ -80,7 +82,8 @@ void Scheduler::give_up(const std::vector<TileNeed>& needs, std::int64_t now_us,
     leaving_bytes_ = std::max(0.0, leaving_bytes_ - it->second.bytes);
     it = leaving_.erase(it);
   }
-  std::set<std::uint32_t> needed;  // a phase that has passed comes again with the next loop
+  // Needed instances: a phase that has passed returns with the next loop.
+  std::set<std::uint32_t> needed;
   for (const TileNeed& need : needs) needed.insert(need.instance);
   bool lost_any = false;
   const std::int64_t patience_us = std::max(kPatienceUs, window_.trip_us(0, 0) + pace_.server_us());
@@ -88,7 +91,7 @@ void Scheduler::give_up(const std::vector<TileNeed>& needs, std::int64_t now_us,
     if (batch.cancels.size() >= limits::kMaxCancelsPerBatch) break;
     PendingAsk& ask = it->second;
     if (needed.count(ask.need.instance) != 0) ask.needed_us = now_us;
-    // What is on its way is cheaper than what is asked for again a frame later.
+    // A reply that is under way is cheaper than asking again a frame later.
     const bool useless = now_us - ask.needed_us > patience_us;
     const bool lost = now_us - ask.sent_us > lost_us_;
     lost_any = lost_any || lost;
@@ -99,8 +102,8 @@ void Scheduler::give_up(const std::vector<TileNeed>& needs, std::int64_t now_us,
     batch.cancels.push_back(it->first);
     in_flight_bytes_ -= ask.expected_bytes;
     if (!lost) {
-      // What the server had sent before it heard of it is here in a trip, or half as long again: a
-      // way may just have become longer.
+      // Replies that the server sent before it got the cancel arrive within a trip. Half a trip is
+      // added, because the way may just have become longer.
       const std::int64_t trip =
           window_.trip_us(ask.expected_bytes, in_flight_bytes_ + leaving_bytes_ + asset_bytes_);
       leaving_[it->first] = {ask.sent_us, now_us + trip + trip / 2, ask.expected_bytes};
@@ -113,8 +116,8 @@ void Scheduler::give_up(const std::vector<TileNeed>& needs, std::int64_t now_us,
   if (lost_any) lost_us_ = std::min(2 * lost_us_, kLostAtMostUs);
 }
 
-// What is large is off the books only when all of it is here: the link would run dry before. No one
-// mesh counts for more than half of the window.
+// A large reply is under way until all of it is here. It counts for at most half of the window, or
+// the link would run dry before that.
 double Scheduler::under_way(double window) const {
   double bytes = in_flight_bytes_ + leaving_bytes_;
   for (const auto& [id, asset] : assets_pending_) {
@@ -127,7 +130,7 @@ std::vector<Scheduler::Offer> Scheduler::offers(const std::vector<TileNeed>& nee
                                                 const std::vector<AssetNeed>& asset_needs,
                                                 std::int64_t now_us) const {
   std::vector<Offer> out;
-  // A server at its limit is a second price: as many bytes as come while it makes a tile.
+  // A server at its limit has a price as well: the bytes that arrive while it makes a tile.
   const double server_bytes = pace_.tile_us() * window_.rate_mbps() / 8;
   for (const TileNeed& need : needs) {
     if (!may_ask(need, now_us)) continue;
@@ -148,7 +151,7 @@ bool Scheduler::ask(const SceneView& scene, const std::vector<TileNeed>& needs,
   const std::size_t most = pace_.limit(window_.way_us(), 2 * window_.slack_us());
   bool held_back = false;
   for (const Offer& offer : offers(needs, asset_needs, now_us)) {
-    // Another phase, or another instance's, may be under way by now.
+    // Another phase or instance of the same object may have been asked for by now.
     if (offer.tile ? !may_ask(*offer.tile, now_us) : !may_ask(*offer.asset, now_us)) continue;
     const bool room =
         offer.tile ? batch.asks.size() < kMaxAsksPerFrame && pending_.size() < most
@@ -226,7 +229,7 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
                                             std::int64_t server_us, std::int64_t now_us) {
   received_bytes_ += bytes;
   const auto at = pending_.find(request_id);
-  if (at == pending_.end()) {  // cancelled, and sent all the same
+  if (at == pending_.end()) {  // cancelled, but sent nevertheless
     const auto left = leaving_.find(request_id);
     if (left == leaving_.end()) {
       window_.stray_arrived(now_us, bytes);
@@ -242,7 +245,7 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
   pending_wanted_.erase(wanted(ask.need));
   in_flight_bytes_ = std::max(0.0, in_flight_bytes_ - ask.expected_bytes);
   tile_bytes_[ask.lossy].arrived(ask.need.size_class, ask.need.channels, bytes);
-  // Older than what is given up: this machine has slept meanwhile, and it is no trip.
+  // This machine was suspended if the reply took longer than asks are kept, so it tells no trip.
   const std::int64_t trip = now_us - ask.sent_us;
   if (trip > lost_us_) {
     window_.asset_arrived(now_us, now_us, bytes, ask.expected_bytes);

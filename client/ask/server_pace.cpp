@@ -9,8 +9,8 @@ namespace mirage {
 namespace {
 
 constexpr std::size_t kReplies = 17;
-constexpr std::size_t kFirstReplies = 9;    // before them nothing is known
-constexpr std::int64_t kUnknownUs = 5000;   // a tile, where the server has made none
+constexpr std::size_t kFirstReplies = 9;    // fewer tell nothing
+constexpr std::int64_t kUnknownUs = 5000;   // for a tile, if the server has made none
 constexpr double kLeast = 4, kMost = 4096;  // a server refuses more
 
 std::size_t bounded(double n) { return static_cast<std::size_t>(std::clamp(n, kLeast, kMost)); }
@@ -63,7 +63,8 @@ std::size_t ServerPace::limit(std::int64_t way_us, std::int64_t slack_us) {
   }
   std::size_t most = 0;
   for (const Reply& reply : last_) most = std::max(most, reply.under_way);
-  // One after the other, each as long as it had the last ones: it may well make several at a time.
+  // The rate if the server made one tile after the other, each in the time it had the last ones. It
+  // may make several at a time.
   const double in_turn = while_us / static_cast<double>(std::max<std::int64_t>(server_us(), 1));
   const double known = per_us_ > 0 ? per_us_ * while_us : unknown;
   return bounded(std::max({known, in_turn, 2.0 * static_cast<double>(most)}));

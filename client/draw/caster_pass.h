@@ -1,5 +1,5 @@
 #pragma once
-// Draws caster tiles into a shadow map: one instanced call. GLES 3.0 subset.
+// Caster pass: draws caster tiles into a shadow map, in one instanced call. GLES 3.0 subset.
 
 #include "client/frame/caster_list.h"
 #include "client/scene/scene_view.h"
@@ -11,10 +11,10 @@ namespace mirage {
 
 class CasterPass {
  public:
-  /// Error kGraphicsShader.
+  /// Creates the pass. Error kGraphicsShader.
   static Result<CasterPass> create();
 
-  /// Into the bound map; `atlas` is the texture of ShadowAtlas.
+  /// Draws into the bound map. `atlas` is the texture of ShadowAtlas.
   void draw(const SceneView& scene, const CasterList& list, GLuint atlas);
 
  private:

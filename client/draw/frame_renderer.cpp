@@ -22,11 +22,13 @@
 
 namespace mirage {
 namespace {
-// A pixel's mip level is half a level blurrier than the mean of samples that each chose their own.
+// The mip level of a pixel is half a level blurrier than the mean of samples that each choose their
+// own level.
 constexpr float kSharpenLevels = 0.75f;
-constexpr float kSharpenTestedLevels = 1.5f;  // they are tested for every sample
+constexpr float kSharpenTestedLevels = 1.5f;  // alpha tests run for every sample
 
-// Near ones first, as they hide what is drawn later; blended ones last, over what is behind them.
+// Sorts opaque meshes near to far, because near ones hide those drawn later. Blended meshes are
+// sorted far to near, because they are drawn over what is behind them.
 std::vector<DrawnMesh> in_drawing_order(std::vector<DrawnMesh> meshes, const Camera& camera,
                                         const SceneView& scene, bool blended) {
   const auto distance = [&](const DrawnMesh& drawn) {
@@ -44,7 +46,7 @@ struct FrameRenderer::Parts {
   struct ClientMesh {
     gl::GpuMesh mesh;
     std::vector<Material> materials;
-    std::vector<Vertex> bind;  ///< of a moving object
+    std::vector<Vertex> bind;  ///< bind pose of a moving object
     std::shared_ptr<const Animation> animation;
     double posed_at_s = -1;  ///< clip time of the vertices uploaded last
   };
@@ -60,14 +62,14 @@ struct FrameRenderer::Parts {
   std::optional<gl::ProbeMap> probe;
   std::unique_ptr<gl::MeshPass> mesh_pass = std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);
   std::map<std::pair<std::uint32_t, std::uint8_t>, ClientMesh> meshes;  ///< by object and level
-  gl::GpuImages images;                                                 ///< of the scene
-  std::vector<Vertex> posed;                                            ///< scratch
+  gl::GpuImages images;                                                 ///< images of the scene
+  std::vector<Vertex> posed;  ///< scratch for posed vertices
   ShadowAtlas shadow_atlas;
   CasterPass caster_pass;
   std::unique_ptr<gl::MeshPass> caster_meshes =
       std::make_unique<gl::MeshPass>(gl::MeshOutput::kDepth);
   gl::ShadowMap shadow_map;  ///< made when first needed
-  CasterListPtr in_map;      ///< what the map shows
+  CasterListPtr in_map;      ///< casters that the map shows
   int draw_calls = 0;
 };
 

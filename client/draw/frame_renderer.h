@@ -1,6 +1,9 @@
 #pragma once
-// Frame renderer: sky, geometry, impostors, with the true camera.
-// Thread: the GL one (the frame loop's).
+// Frame renderer: draws sky, geometry and impostors with the true camera.
+// Input:  the draw list of a frame; pixels and meshes that arrive.
+// Output: the picture, in the frame target.
+// Thread: the GL thread (the frame loop's).
+// Full:   an upload without room in graphics memory fails with kGraphicsGl.
 
 #include <cstdint>
 #include <memory>
@@ -29,18 +32,18 @@ class FrameRenderer {
   FrameRenderer(FrameRenderer&& other) noexcept;
   FrameRenderer& operator=(FrameRenderer&& other) noexcept;
   ~FrameRenderer();
-  /// `flat`: as of ImpostorPass::create.
+  /// Creates the renderer. `flat` as in ImpostorPass::create.
   static Result<FrameRenderer> create(int atlas_edge, int atlas_layers,
                                       const std::set<DrawMethod>& flat = kAutoFlatMethods);
 
-  /// Learns a new scene. Error kGraphicsShader: it is drawn, without its fog.
+  /// Learns a new scene. Error kGraphicsShader: the scene is drawn without its fog.
   Result<void> reset(const SceneView& scene);
-  /// These three: error kGraphicsGl, no graphics memory is left.
+  /// The three uploads fail with kGraphicsGl if no graphics memory is left.
   Result<void> upload(const TileRecord& record, const TilePixels& pixels);
   Result<void> upload_shadow(const ShadowRecord& record, const std::vector<std::uint8_t>& shares);
   Result<void> upload_caster(const ShadowRecord& record, const std::vector<std::uint8_t>& codes);
   void upload_view(const ViewTile& view);
-  /// Error kGraphicsShader: it cannot be drawn as it should.
+  /// Adds a level of geometry. Error kGraphicsShader: it cannot be drawn as it should.
   Result<void> add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model);
   void add_image(const SceneView& scene, std::uint32_t index, const Image& image);
   void drop(const SceneView& scene, const AssetId& id);
@@ -48,11 +51,11 @@ class FrameRenderer {
   void draw(const FrameTarget& target, const Camera& shown, const SceneView& scene,
             const DrawList& list, const Lighting& lighting);
 
-  /// Reads textures so many levels sharper from now on, and those of alpha tests.
+  /// Reads textures `levels` mip levels sharper from now on, those of alpha tests `tested_levels`.
   void sharpen(float levels, float tested_levels);
   void sharpen_as_usual();
 
-  /// Draw calls of the last frame.
+  /// Returns the draw calls of the last frame.
   int draw_calls() const;
   GpuBytes gpu_bytes() const;
 

@@ -28,7 +28,7 @@ Result<FrameTarget> FrameTarget::create(int width, int height, int samples, bool
   glGetIntegerv(GL_MAX_SAMPLES, &most);
   t.width_ = width;
   t.height_ = height;
-  // Some devices make four of one.
+  // Some devices give four samples if asked for one.
   t.samples_ = samples > 1 ? std::min(samples, static_cast<int>(most)) : 0;
   const auto scaled = [&](int edge) {
     return t.samples_ > 0 ? edge : std::max(1, static_cast<int>(std::lround(edge * scale)));
@@ -104,7 +104,7 @@ Camera FrameTarget::drawn_camera(const Camera& camera) const {
 void FrameTarget::copy_to(const gl::Framebuffer& to) const { copy(draw_, to); }
 
 void FrameTarget::resolve() const {
-  // A multisampled source must not change format while it is resolved.
+  // A multisampled source must not change its format while it is resolved.
   if (averaged_) copy(draw_, averaged_);
   copy(averaged_ ? averaged_ : draw_, resolved_);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.id());
@@ -144,7 +144,7 @@ std::size_t FrameTarget::gpu_bytes() const {
   const std::size_t drawn =
       static_cast<std::size_t>(drawn_width_) * static_cast<std::size_t>(drawn_height_);
   const std::size_t averaged = averaged_ ? 8 : 0;
-  const std::size_t sample = format_ == GL_SRGB8_ALPHA8 ? 8 : 12;  // colour and depth
+  const std::size_t sample = format_ == GL_SRGB8_ALPHA8 ? 8 : 12;  // bytes of colour and depth
   return drawn * sample * static_cast<std::size_t>(std::max(samples_, 1)) +
          pixels * (averaged + 4) + (enlarges() ? 4 * drawn : 0);
 }

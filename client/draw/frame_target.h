@@ -1,5 +1,6 @@
 #pragma once
-// The client's framebuffer: multisampled sRGB colour and depth, resolved for reading or display.
+// Frame target: the client's framebuffer, with multisampled sRGB colour and depth. It is resolved
+// for reading or display.
 
 #include <cstdint>
 #include <vector>
@@ -12,33 +13,35 @@ namespace mirage {
 
 class FrameTarget {
  public:
-  /// `samples` of a pixel: 0 and 1 are one, without multisampling. `blends`: many surfaces may be
-  /// laid over each other (gl::color_format, where the device can). `scale` of the drawn picture,
-  /// over the shown one, which it is enlarged to: below 1 with one sample only. Error kGraphicsGl.
+  /// Creates a target of `width` x `height` pixels. `samples` of a pixel: 0 and 1 mean one sample,
+  /// without multisampling. `blends`: many surfaces may lie over each other (gl::color_format, if
+  /// the device supports it). `scale` is the edge of the drawn picture over that of the shown one;
+  /// below 1 the picture is enlarged, with one sample only. Error kGraphicsGl.
   static Result<FrameTarget> create(int width, int height, int samples, bool blends = false,
                                     double scale = 1);
 
   void bind() const;
-  /// Resolves and reads RGBA8, top row first; alpha is the coverage by objects.
+  /// Resolves, and returns RGBA8 pixels, top row first; alpha is the coverage by objects.
   std::vector<std::uint8_t> read() const;
-  /// Copies the means of the samples to a framebuffer of one sample and format().
+  /// Copies the means of the samples to a framebuffer with one sample and this format().
   void copy_to(const gl::Framebuffer& to) const;
-  /// Of what is drawn.
+  /// Returns the format of the drawn picture.
   GLenum format() const { return format_; }
-  /// Resolves, and the texture (sRGB, 8 bits) that has the picture then, texel for drawn pixel.
+  /// Resolves, and returns the texture (sRGB, 8 bits) with the picture, a texel for each drawn
+  /// pixel.
   GLuint resolved_texture() const;
-  /// The same for reading, GL_READ_FRAMEBUFFER bound to it.
+  /// Resolves, and binds the result to GL_READ_FRAMEBUFFER.
   void resolve() const;
-  /// The camera of a picture, as it is drawn: of another size where it is enlarged.
+  /// Returns the camera at the size of the drawn picture, which differs if that is enlarged.
   Camera drawn_camera(const Camera& camera) const;
   bool enlarges() const { return drawn_width_ != width_ || drawn_height_ != height_; }
-  /// Of the shown picture.
+  /// Size of the shown picture, pixels.
   int width() const { return width_; }
   int height() const { return height_; }
-  /// As it is drawn.
+  /// Size of the drawn picture, pixels.
   int drawn_width() const { return drawn_width_; }
   int drawn_height() const { return drawn_height_; }
-  /// Of a pixel, as the device has them; 0: one, and no multisampling.
+  /// Returns the samples of a pixel, as the device has them; 0: one, without multisampling.
   int samples() const { return samples_; }
   std::size_t gpu_bytes() const;
 
@@ -48,10 +51,10 @@ class FrameTarget {
   Result<void> make(GLenum drawn_format);
   void copy(const gl::Framebuffer& from, const gl::Framebuffer& to) const;
   gl::Framebuffer draw_;
-  gl::Framebuffer averaged_;  ///< of more than 8 bits: they are averaged before they are encoded
+  gl::Framebuffer averaged_;  ///< with more than 8 bits: samples are averaged before encoding
   gl::Renderbuffer averaged_color_;
   gl::Framebuffer resolved_;
-  gl::Framebuffer small_;  ///< as drawn, where that is enlarged
+  gl::Framebuffer small_;  ///< the drawn picture, if that is enlarged
   gl::Renderbuffer color_, depth_;
   gl::Texture resolved_color_, small_color_;
   int width_ = 0, height_ = 0, samples_ = 0;

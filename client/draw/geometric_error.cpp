@@ -9,10 +9,11 @@
 namespace mirage {
 namespace {
 
-// float depth of the reference frame: 24 bits of a hyperbolic buffer, magnified at the far end.
+// The reference frame's depth is a float of 24 bits of a hyperbolic buffer: its rounding grows
+// towards the far end.
 constexpr double kReferenceSlackPx = 1e-3;
 constexpr double kHalfDiagonal = 0.7072;
-constexpr double kSearchTexels = 24;  // to each side, for a moving object's point
+constexpr double kSearchTexels = 24;  // to each side, for a point of a moving object
 
 constexpr double kOneSurfaceCodes = 12;  // relief.glsl: 2 kWall
 
@@ -23,8 +24,8 @@ struct Shown {
   double worst_px = 0;
 };
 
-// Depth the relief shader draws at tile coordinates `texel`: interpolated between texel centres,
-// at most half a code from the nearest one's (relief.glsl, refine).
+// Returns the depth that the relief shader draws at the tile coordinates `texel`: interpolated
+// between texel centres, at most half a code from the nearest one's (relief.glsl, refine).
 double relief_depth(const TileRecord& tile, const glm::dvec2& texel, std::uint8_t nearest) {
   const glm::dvec2 at = texel - glm::dvec2(tile.crop.x + 0.5, tile.crop.y + 0.5);
   const double x0 = std::floor(at.x), y0 = std::floor(at.y);
@@ -46,14 +47,15 @@ double relief_depth(const TileRecord& tile, const glm::dvec2& texel, std::uint8_
   return d.near_depth * d.far_depth / (d.far_depth - u * (d.far_depth - d.near_depth));
 }
 
-// Capture depth at which the tile's method draws the ray through p; 0 where it draws nothing.
+// Returns the capture depth at which the tile's method draws the ray through p; 0 if it draws
+// nothing.
 double drawn_capture_depth(const DrawnImpostor& drawn, const ObjectDescription& object,
                            const glm::dvec3& p, double stored) {
   const TileRecord& tile = *drawn.tile;
   const Capture& capture = tile.capture;
   const glm::dvec3 eye = capture.eye();
   const double z = capture.depth(p);
-  const glm::dvec3 direction = (p - eye) / z;  // length 1 along the capture axis
+  const glm::dvec3 direction = (p - eye) / z;  // of length 1 along the capture axis
   const glm::dvec3 origin = glm::dvec3(object.center) + eye;
   switch (drawn.method) {
     case DrawMethod::kCuboid:
@@ -63,7 +65,7 @@ double drawn_capture_depth(const DrawnImpostor& drawn, const ObjectDescription& 
     case DrawMethod::kDepth:
       return stored;
     case DrawMethod::kWarp: {
-      // Where in the tile's range depends on the eye: the worse end stands for it.
+      // The place within the tile's range depends on the eye, so the worse end is taken.
       const double low = tile.measure.depth_min, high = tile.measure.depth_max;
       return 1 / low - 1 / z > 1 / z - 1 / high ? low : high;
     }
@@ -75,12 +77,12 @@ double drawn_capture_depth(const DrawnImpostor& drawn, const ObjectDescription& 
 }
 
 struct PixelError {
-  bool seen = false;  ///< the tile saw this point
+  bool seen = false;  ///< true if the tile saw this point
   double error_px = 0;
-  double slack_px = 0;  ///< of the measurement
+  double slack_px = 0;  ///< uncertainty of the measurement
 };
 
-/// A point of the reference frame in the frame of the tile that stands for it.
+/// A point of the reference frame in the coordinates of the tile that shows it.
 struct TilePoint {
   TilePoint(const DrawnImpostor& drawn, const InstanceView& view, const Camera& camera,
             const glm::dvec3& relative)
@@ -89,19 +91,20 @@ struct TilePoint {
         center(view.center - camera.pose.eye),
         p(glm::conjugate(rotation) * (relative - center) / scale),
         z(drawn.tile->capture.depth(p)) {}
-  /// Relative to the eye, world axes.
+  /// Returns a point relative to the eye, on world axes.
   glm::dvec3 relative_of(const glm::dvec3& q) const { return center + rotation * (q * scale); }
 
   double scale;
   glm::dquat rotation;
-  glm::dvec3 center;  ///< of the object, relative to the eye, world axes
-  glm::dvec3 p;       ///< the point, object units, relative to the object's centre
-  double z;           ///< its capture depth
+  glm::dvec3 center;  ///< the object's centre, relative to the eye, world axes
+  glm::dvec3 p;       ///< the point relative to the object's centre, object units
+  double z;           ///< capture depth of the point
 };
 
-// Where this point of a moving object was at the tile's pose is not known, only that it was within
-// what the clip can move it: of all surface points the tile saw in that reach, the one drawn
-// nearest. The true error is no less, so what exceeds the bound here does exceed it.
+// Measures a point of a moving object. It is unknown where that point was at the tile's pose, only
+// that it was within the distance that the clip can move it. Of all surface points that the tile
+// saw within that distance, this takes the one drawn nearest. The true error is no less, so an
+// error beyond the bound here really exceeds it.
 PixelError moving_error(const DrawnImpostor& drawn, const InstanceView& view,
                         const ObjectDescription& object, const Camera& camera,
                         const glm::dvec3& relative, double time_s) {
@@ -116,7 +119,7 @@ PixelError moving_error(const DrawnImpostor& drawn, const InstanceView& view,
   const double travel = object.motion.travel(phase_time(tile.phase, clip_s), now);
   const double match = travel + tile.depth_code.quantum() + 2.0 * texel_width;
   const glm::dvec2 middle = capture.texel_from_point(at.p) - glm::dvec2(tile.crop.x, tile.crop.y);
-  // Half a texel's diagonal more: the point may lie anywhere in the texel.
+  // Half a texel's diagonal is added because the point may lie anywhere in the texel.
   const double texels = travel / capture.texel_width(std::max(z - travel, 0.5 * z)) + kHalfDiagonal;
   const int stride = std::max(1, static_cast<int>(std::ceil(texels / kSearchTexels)));
   const auto low = [&](double v) { return std::max(0, static_cast<int>(v - texels)); };
@@ -143,7 +146,7 @@ PixelError moving_error(const DrawnImpostor& drawn, const InstanceView& view,
       best = {true, error, 0};
     }
   }
-  // Between the texels looked at.
+  // The best point may lie between the texels that were looked at.
   const double depth = glm::dot(relative, camera.forward());
   best.slack_px = kHalfDiagonal * stride * texel_width * at.scale * camera.focal_px() / depth;
   return best;
@@ -164,12 +167,13 @@ PixelError pixel_error(const DrawnImpostor& drawn, const InstanceView& view,
       tile.depth[static_cast<std::size_t>(y) * tile.crop.w + static_cast<std::size_t>(x)];
   if (code == 0) return {};
   const double stored = tile.depth_code.decode(code);
-  // As TileRecord::drawn_depth promises: half a step, and two texels of slope.
+  // The tolerance that TileRecord::drawn_depth promises: half a step, and two texels of slope.
   const double match = tile.depth_code.inverse_quantum() +
                        2.0 * capture.texel_width(1.0) / tile.measure.depth_min +
                        tile.measure.lod_error / (z * stored);
   if (std::abs(1.0 / z - 1.0 / stored) > match) return {};
-  // A flat proxy's dz covers the tile's whole depth range, marched depth what a texel may hold.
+  // The dz of a flat proxy covers the tile's whole depth range; that of marched depth covers what a
+  // texel may hold.
   if (drawn.method != DrawMethod::kDepth &&
       (z < tile.measure.depth_min || z > tile.measure.depth_max)) {
     return {};
@@ -185,7 +189,8 @@ PixelError pixel_error(const DrawnImpostor& drawn, const InstanceView& view,
 
 using ShownMap = std::unordered_map<std::uint32_t, Shown>;  // by instance
 
-// What stands for the instance of this id: itself, parts of it, or a group it is in.
+// Returns the instances that stand for the one with this id: itself, its parts, or a group it is
+// in.
 std::vector<std::uint32_t> standing_for(std::uint32_t id, const SceneView& scene,
                                         const ShownMap& shown) {
   std::vector<std::uint32_t> out;
@@ -209,8 +214,8 @@ std::vector<std::uint32_t> standing_for(std::uint32_t id, const SceneView& scene
   return out;
 }
 
-// Compares one pixel's point, relative to the eye, with all that stands for its instance: a part's
-// picture overlaps its neighbours', so that several may show the point.
+// Compares the point of one pixel, relative to the eye, with everything that stands for its
+// instance. Pictures of neighbouring parts overlap, so several may show the point.
 void compare(const std::vector<std::uint32_t>& standing, const glm::dvec3& relative,
              const Camera& camera, const SceneView& scene, double time_s, ShownMap& shown,
              GeometricError& out) {
@@ -260,7 +265,7 @@ void add_geometric_error(const ReferenceFrame& reference, double offset_px, cons
       }
       const std::vector<std::uint32_t>& standing = at->second;
       if (standing.empty()) {
-        const bool viewed = drawn.view && drawn.view->shows(id);  // no bound is claimed for it
+        const bool viewed = drawn.view && drawn.view->shows(id);  // the view tile claims no bound
         ++(viewed ? out.viewed : out.holes);
         continue;
       }
@@ -269,7 +274,7 @@ void add_geometric_error(const ReferenceFrame& reference, double offset_px, cons
       if (mesh) continue;
       const double z = reference.depth[i];
       const double px = x + offset_px - 0.5 * camera.width;
-      // Rows are counted from the top, the reference sampled them from the bottom.
+      // Rows count from the top here; the reference sampled them from the bottom.
       const double py = 0.5 * camera.height - (y + 1.0 - offset_px);
       const glm::dvec3 relative = (right * (px / f) + up * (py / f) + forward) * z;
       compare(standing, relative, camera, scene, drawn.time_s, shown, out);

@@ -8,8 +8,8 @@
 namespace mirage {
 namespace {
 
-// Empty texels beside covered ones get the nearest neighbour's depth: bilinear colour reaches half
-// a texel past the covered ones, and needs a depth there.
+// Gives empty texels beside covered ones the nearest neighbour's depth. Bilinear colour reaches
+// half a texel beyond the covered ones, and needs a depth there.
 std::vector<std::uint8_t> grown_depth(const std::vector<std::uint8_t>& depth, std::size_t w,
                                       std::size_t h) {
   std::vector<std::uint8_t> out = depth;
@@ -28,7 +28,7 @@ std::vector<std::uint8_t> grown_depth(const std::vector<std::uint8_t>& depth, st
   return out;
 }
 
-// `plane` with a texel of nothing around it.
+// Returns `plane` with an empty texel around it.
 std::vector<std::uint8_t> with_gutter(const std::vector<std::uint8_t>& plane, std::size_t w,
                                       std::size_t h, std::size_t bytes) {
   std::vector<std::uint8_t> out((w + 2) * (h + 2) * bytes, 0);
@@ -38,12 +38,13 @@ std::vector<std::uint8_t> with_gutter(const std::vector<std::uint8_t>& plane, st
   return out;
 }
 
-// The surface with a gutter; empty texels beside covered ones get the mean normal and roughness of
-// those and the material of one, for the same reason.
+// Returns the surface with a gutter. Empty texels beside covered ones get the mean normal and
+// roughness of those and the material of one, because bilinear colour reaches them, too.
 std::vector<std::uint8_t> grown_surface(const TilePixels& pixels, std::size_t w, std::size_t h) {
   const std::size_t pw = w + 2, ph = h + 2;
   std::vector<std::uint8_t> out(pw * ph * 4, 0);
-  const auto covered = [&](std::size_t x, std::size_t y) {  // in the gutter's coordinates
+  // Takes coordinates of the plane with its gutter.
+  const auto covered = [&](std::size_t x, std::size_t y) {
     return x >= 1 && y >= 1 && x <= w && y <= h && pixels.rgba[((y - 1) * w + x - 1) * 4 + 3] != 0;
   };
   for (std::size_t y = 0; y < ph; ++y) {
@@ -101,7 +102,7 @@ Result<void> ImpostorAtlas::upload(const TileRecord& record, const TilePixels& p
   const auto put_depth = [&](const AtlasSlot& slot, const std::vector<std::uint8_t>& codes) {
     return put(depth_, slot, with_gutter(codes, w, h, 1));
   };
-  // What is drawn flat is both layers in one.
+  // Flat methods draw both layers as one picture.
   const bool both = !pixels.behind.empty();
   Result<void> done =
       put_color(record.slot, both ? front_over_behind(pixels.rgba, pixels.behind) : pixels.rgba);

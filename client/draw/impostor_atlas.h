@@ -1,6 +1,7 @@
 #pragma once
-// The atlas on the graphics card: layers of colour (sRGB, premultiplied), depth code and, for relit
-// tiles, surface (normal, material); each has as many as tiles have needed. GLES 3.0 subset.
+// Impostor atlas: the tiles on the graphics card. It has layers of colour (sRGB, premultiplied),
+// depth code and, for relit tiles, surface (normal, material). Each kind has as many layers as
+// tiles have needed so far. GLES 3.0 subset.
 
 #include <cstdint>
 #include <vector>
@@ -11,19 +12,20 @@
 
 namespace mirage {
 
-/// Bytes of graphics memory a texel of the atlas takes: colour, depth code, surface.
+/// Bytes of graphics memory for a texel of the atlas: colour, depth code, surface.
 inline constexpr int kAtlasTexelBytes = 9;
 
 class ImpostorAtlas {
  public:
   ImpostorAtlas() = default;
-  /// Edge in texels; takes no graphics memory yet. Error kGraphicsGl: more than the device can.
+  /// Creates an atlas with layers of `edge` texels square; takes no graphics memory yet. Error
+  /// kGraphicsGl: more than the device supports.
   static Result<ImpostorAtlas> create(int edge, int layers);
 
-  /// Puts a tile's planes, with a gutter of nothing, where its record says. Error kGraphicsGl: no
-  /// graphics memory is left; the tile shows nothing.
+  /// Uploads a tile's planes, with an empty gutter, to the place in its record. Error kGraphicsGl:
+  /// no graphics memory is left, and the tile shows nothing.
   Result<void> upload(const TileRecord& record, const TilePixels& pixels);
-  /// Colour, depth and, for relit tiles, surface as texture units 0, 1 and 3.
+  /// Binds colour, depth and, for relit tiles, surface to the texture units 0, 1 and 3.
   void bind(bool relit) const;
   std::size_t gpu_bytes() const {
     return color_.gpu_bytes() + depth_.gpu_bytes() + surface_.gpu_bytes();

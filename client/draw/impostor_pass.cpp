@@ -18,9 +18,10 @@ struct ImpostorInstance {
   WornShadow shadow;
 };
 static_assert(sizeof(ImpostorInstance) == 208);
-constexpr GLuint kParallaxLocation = 12;  // of the proxy's vertices, among those of instances
+// Attribute of the proxy's vertices, among those of instances.
+constexpr GLuint kParallaxLocation = 12;
 
-/// A tile fading in lies on top of the one it replaces.
+/// A tile that fades in lies on top of the one it replaces.
 constexpr float kFadeBias = 0.002f;
 
 glm::vec4 rotation_of(const InstanceView& view) {
@@ -57,7 +58,7 @@ ImpostorInstance instance_data(const DrawnImpostor& drawn, const Camera& camera,
   return out;
 }
 
-/// Whether one instanced call draws both.
+/// True if one instanced call can draw both.
 bool drawn_alike(const DrawnImpostor& a, const DrawnImpostor& b) {
   const bool own_proxy = a.method == DrawMethod::kHull || a.method == DrawMethod::kWarp;
   return a.method == b.method && a.tile->relit == b.tile->relit &&
@@ -85,7 +86,7 @@ Result<gl::Program> ImpostorPass::make_program(const char* name, std::vector<std
 }
 
 Result<void> ImpostorPass::make_programs(const Variant& v) {
-  std::vector<std::string> worn;  // of what has a tile, and shadows on it
+  std::vector<std::string> worn;  // defines for shadows on tiles
   if (v.shadows) worn.emplace_back("SHADOW");
   const auto relit_from = [&](std::vector<std::string> defines) {
     defines.emplace_back("RELIT");
@@ -256,7 +257,7 @@ void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene,
   }
   gl::Program& program = tile.relit ? relit_relief_ : tile.layered() ? layered_relief_ : relief_;
   use_atlas(program, camera, tile.relit);
-  glCullFace(GL_FRONT);  // the proxies' far faces: each pixel once, also with the eye inside
+  glCullFace(GL_FRONT);  // far faces of the proxies: each pixel once, even with the eye inside
   draw_instances(cube_, instances, true);
   glCullFace(GL_BACK);
 }
@@ -332,8 +333,8 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
   placeholder_.set("u_fog_color", fog_color_);
   placeholder_.set("u_fog_density", fog_density_);
   for (const auto& [object, instances] : by_object) {
-    // Of a part of what one is in, such as ground, the far sides: the near ones of its box stand
-    // before what is on it.
+    // A part of something that surrounds the eye, such as ground, is drawn by its far sides. The
+    // near sides of its box would hide the things that stand on it.
     if (scene.objects[object].part) glCullFace(GL_FRONT);
     draw_instances(hull(scene, object), instances, true);
     glCullFace(GL_BACK);
@@ -344,7 +345,7 @@ void ImpostorPass::draw(const Camera& camera, DepthMapping mapping, const SceneV
                         const DrawList& list, const Lighting& lighting, GLuint shadow_atlas,
                         const gl::ProbeMap* probe) {
   probe_ = probe;
-  // Where one colour has to do, the probe is what it sends on the mean.
+  // Placeholders and shadows use one colour for the light, so the probe counts as its mean.
   Lighting mean = lighting;
   if (scene.probe) mean.ambient += scene.probe->irradiance[0] * lighting.probe.strength;
   mapping_ = mapping;

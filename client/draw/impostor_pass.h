@@ -1,6 +1,6 @@
 #pragma once
-// Draws impostors from the atlas, back to front: one instanced call per run of one method, for
-// convex hulls and warps of one object. Keeps to the GLES 3.0 subset.
+// Impostor pass: draws impostors from the atlas, back to front. It makes one instanced call for
+// each run with the same method; convex hulls and warps also need the same object. GLES 3.0 subset.
 
 #include <map>
 #include <set>
@@ -20,17 +20,18 @@ namespace mirage {
 
 class ImpostorPass {
  public:
-  /// `flat`: which flat methods will be drawn; their programs are made now, and no others. Error
-  /// kGraphicsShader, kGraphicsGl (atlas too large).
+  /// Creates the pass. `flat` are the flat methods that will be drawn; only their programs are
+  /// made. Errors kGraphicsShader, kGraphicsGl (atlas too large).
   static Result<ImpostorPass> create(int atlas_edge, int atlas_layers, std::set<DrawMethod> flat);
 
-  /// Proxies of a new scene, and programs with or without its fog, shadows and probe. Error
-  /// kGraphicsShader: those there were stay.
+  /// Learns a new scene: its proxies, and programs with or without its fog, shadows and probe.
+  /// Error kGraphicsShader: the former programs stay.
   Result<void> reset(const SceneView& scene);
-  /// The first tile in layers brings its program. Errors kGraphicsGl, kGraphicsShader.
+  /// Uploads a tile. The first layered tile makes its program. Errors kGraphicsGl, kGraphicsShader.
   Result<void> upload(const TileRecord& record, const TilePixels& pixels);
-  /// `shadow_atlas`: of ShadowAtlas, 0 when no impostor wears a shadow.
-  /// `mapping`: of the target's depth. `probe`: the scene's, nullptr for none.
+  /// Draws the impostors and placeholders of the list. `mapping` is that of the target's depth.
+  /// `shadow_atlas` is the texture of ShadowAtlas; 0: no impostor wears a shadow. `probe` is the
+  /// scene's; nullptr: none.
   void draw(const Camera& camera, DepthMapping mapping, const SceneView& scene,
             const DrawList& list, const Lighting& lighting, GLuint shadow_atlas,
             const gl::ProbeMap* probe);
@@ -45,7 +46,7 @@ class ImpostorPass {
     gl::Buffer vertices;
     int vertex_count = 0;
   };
-  /// What a scene has, beyond what every scene may: defines of its programs.
+  /// Features of a scene that not every scene has: defines of its programs.
   struct Variant {
     bool fog = false, shadows = false, probe = false;
   };
@@ -55,16 +56,17 @@ class ImpostorPass {
   static Proxy make_proxy(const std::vector<ProxyVertex>& triangles);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
-  /// Which fragments of an impostor are drawn at once. kAll: all of them, and all write depth:
-  /// behind a soft edge only what comes later, though it is farther, is missing. Flat groups and
-  /// what is seen through are soft within, and parts of one thing meet at soft edges: their solid
-  /// fragments come first, the soft ones write no depth.
+  /// Fragments of an impostor that are drawn at once. With kAll all fragments are drawn and write
+  /// depth; behind a soft edge only farther things that are drawn later are missing. Groups and
+  /// blended objects drawn flat are soft within, and parts of one object meet at soft edges. Their
+  /// solid fragments are drawn first; the soft ones write no depth.
   enum class Fragments { kAll, kSolid, kSoft };
   using DrawnImpostors = std::vector<const DrawnImpostor*>;
   static Fragments fragments_of(const DrawnImpostor& drawn, const SceneView& scene, bool solid);
-  /// `solid`: the solid fragments that come first, else all others, in the order of the list.
+  /// Draws the list in its order: with `solid` the solid fragments that come first, otherwise all
+  /// others.
   void draw_runs(const Camera& camera, const SceneView& scene, const DrawList& list, bool solid);
-  /// A run of impostors that are drawn alike; not empty.
+  /// Draws a run of impostors that are drawn alike; it is not empty.
   void draw_flat(const Camera& camera, const SceneView& scene, const DrawnImpostors& run,
                  Fragments fragments);
   void draw_relief(const Camera& camera, const SceneView& scene, const DrawnImpostors& run);
@@ -76,18 +78,19 @@ class ImpostorPass {
   const Proxy& warp_proxy(const SceneView& scene, std::uint32_t object);
 
   ImpostorAtlas atlas_;
-  std::set<DrawMethod> flat_;                                    ///< methods with programs
-  std::map<std::pair<DrawMethod, bool>, gl::Program> programs_;  ///< and whether for relit tiles
+  std::set<DrawMethod> flat_;  ///< methods with programs
+  /// Programs by method, and for relit tiles or not.
+  std::map<std::pair<DrawMethod, bool>, gl::Program> programs_;
   gl::Program relief_;
   gl::Program relit_relief_;
-  gl::Program layered_relief_;  ///< of tiles in two layers; none before the first
+  gl::Program layered_relief_;  ///< for layered tiles; made with the first of them
   gl::Program placeholder_;
   gl::Buffer instances_;
   Proxy quad_;
   Proxy cube_;
   std::map<std::uint32_t, Proxy> hulls_, warp_proxies_;  ///< by object, made when first drawn
-  gl::LightBlock lights_;                                ///< of the frame
-  Variant variant_;                                      ///< of the programs
+  gl::LightBlock lights_;                                ///< lights of the frame
+  Variant variant_;                                      ///< variant of the programs
   GLuint shadow_atlas_ = 0;
   const gl::ProbeMap* probe_ = nullptr;
   DepthMapping mapping_ = DepthMapping::kForward;

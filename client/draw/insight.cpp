@@ -19,7 +19,7 @@ constexpr Color kFlat = {0.35f, 0.65f, 1, 0.9f}, kRelief = {0.3f, 0.95f, 0.4f, 0
 constexpr float kTint = 0.4f;  // opacity of a filled shape
 constexpr double kOldUs = 60e6;
 constexpr float kLinePx = 1.5f;
-constexpr std::size_t kCorners = 24;  // of a disc
+constexpr std::size_t kCorners = 24;  // corners of a disc
 
 struct InsightVertex {
   float x, y;
@@ -31,7 +31,7 @@ struct Disc {
   glm::dvec2 radius{0};
 };
 
-// The square around a sphere as the view shows it; nullopt: behind the eye, or around it.
+// Returns the square around a sphere in the view; nullopt: it is behind the eye, or around it.
 std::optional<Disc> disc_of(const Camera& camera, const InstanceView& instance) {
   const glm::dvec3 to = instance.center - camera.pose.eye;
   const double z = glm::dot(to, camera.forward());

@@ -1,6 +1,10 @@
 #pragma once
-// Insight: over the picture, how it came about. Each thing in view gets an outline, or a tint, of
-// what it is drawn from. Thread: the GL one.
+// Insight: shows over the picture how it was made. Each visible thing gets an outline or a tint
+// that tells what it is drawn from.
+// Input:  the draw list of a frame, and a layer to show.
+// Output: shapes over the picture in the bound framebuffer.
+// Thread: the GL thread.
+// Full:   never; it keeps nothing between frames.
 
 #include <array>
 #include <cstdint>
@@ -18,18 +22,18 @@ class SceneView;
 
 enum class InsightLayer : std::uint8_t {
   kNone,
-  kBorders,   ///< of tiles: blue flat, green relief, yellow geometry, red without an image
+  kBorders,   ///< tiles: blue flat, green relief, yellow geometry, red no image
   kBound,     ///< bound over tau: green 0, yellow 1, red 2 and more
-  kAge,       ///< of tiles: green new, red a minute and older
-  kGeometry,  ///< what is drawn from geometry
+  kAge,       ///< age of tiles: green new, red a minute and older
+  kGeometry,  ///< things drawn from geometry
 };
 inline constexpr std::size_t kInsightLayers = 4;
 
 class Insight {
  public:
-  /// Error kGraphicsShader.
+  /// Creates the programs. Error kGraphicsShader.
   static Result<Insight> create();
-  /// Into the bound framebuffer, whose size the camera has. `tau_px` as allowed now.
+  /// Draws into the bound framebuffer, which has the camera's size. `tau_px` is the present tau.
   void draw(InsightLayer layer, const Camera& camera, const SceneView& scene, const DrawList& list,
             double tau_px, std::int64_t now_us);
 
@@ -39,7 +43,7 @@ class Insight {
   gl::Buffer vertices_;
 };
 
-/// The colour of a share of what is tolerable, RGBA: green 0, yellow 1/2, red 1 and more.
+/// Returns the RGBA colour for a share of what is tolerated: green 0, yellow 1/2, red 1 and more.
 std::array<float, 4> heat(double share);
 
 }  // namespace mirage

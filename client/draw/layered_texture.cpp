@@ -9,7 +9,7 @@ GLenum layout_of(const LayeredTexture::Format& format) {
   return format.channels() == 1 ? GL_RED : GL_RGBA;
 }
 
-// The first `layers` of a texture into another one of the same format.
+// Copies the first `layers` of a texture to another one of the same format.
 void copy_layers(GLuint from, GLuint to, int edge, int layers) {
   const gl::Framebuffer framebuffer = gl::Framebuffer::create();
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.id());

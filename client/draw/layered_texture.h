@@ -1,7 +1,7 @@
 #pragma once
-// A texture array that has only the layers that have been needed so far. GLES 3.0 subset, which
-// cannot add layers to a texture: what is there is copied into a larger one by the graphics card,
-// and both are there until it has been.
+// Layered texture: a texture array with only the layers that were needed so far. The GLES 3.0
+// subset cannot add layers to a texture. So the graphics card copies the content to a larger
+// texture; both exist until the copy is done.
 
 #include <cstdint>
 
@@ -18,14 +18,15 @@ class LayeredTexture {
     int channels() const { return stored == GL_R8 ? 1 : 4; }
   };
   LayeredTexture() = default;
-  /// `edge` texels square, at most `max_layers` deep; none is made yet.
+  /// Layers are `edge` texels square, at most `max_layers` of them; none is made yet.
   LayeredTexture(Format format, int edge, int max_layers)
       : format_(format), edge_(edge), max_layers_(max_layers) {}
 
-  /// Puts `w` x `h` texels, as many bytes each as the format has channels, at (x, y) of a layer
-  /// below `max_layers`. Error kGraphicsGl: no graphics memory for so many layers.
+  /// Uploads `w` x `h` texels to (x, y) of a layer below `max_layers`. A texel has as many bytes as
+  /// the format has channels. Error kGraphicsGl: no graphics memory for so many layers.
   Result<void> upload(int layer, int x, int y, int w, int h, const std::uint8_t* texels);
-  /// 0 before the first upload; another one after each that needed more layers.
+  /// Returns the texture; 0 before the first upload. It changes with each upload that needs more
+  /// layers.
   GLuint id() const { return texture_.id(); }
   int layers() const { return layers_; }
   std::size_t gpu_bytes() const { return layer_bytes() * static_cast<std::size_t>(layers_); }
@@ -35,7 +36,7 @@ class LayeredTexture {
     return static_cast<std::size_t>(edge_) * static_cast<std::size_t>(edge_ * format_.channels());
   }
   Result<void> grow(int layers);
-  /// A new one of so many layers in place of what there is.
+  /// Replaces the texture by a new one with this many layers.
   Result<void> make(int layers);
 
   Format format_;

@@ -21,7 +21,7 @@ void Presenter::show(const FrameTarget& picture) {
   if (!encode_) {
     picture.resolve();
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-    gl::encode_srgb(false);  // copy the encoded bytes as they are
+    gl::encode_srgb(false);  // the encoded bytes are copied as they are
     glBlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     gl::encode_srgb(true);
     return;

@@ -1,5 +1,9 @@
 #pragma once
-// Shows a picture in the window's framebuffer (0), the bytes as they are. Thread: the GL one.
+// Presenter: shows a picture in the window's framebuffer (0), with unchanged bytes.
+// Input:  a drawn picture.
+// Output: its bytes in the window's framebuffer.
+// Thread: the GL thread.
+// Full:   never; it keeps no queue.
 
 #include "protocol/base/result.h"
 #include "shaders/gl/gl_object.h"
@@ -11,21 +15,21 @@ class FrameTarget;
 
 class Presenter {
  public:
-  /// Error kGraphicsShader.
+  /// Creates the presenter. Error kGraphicsShader.
   static Result<Presenter> create();
-  /// Enlarged, where it is drawn smaller.
+  /// Shows the picture, enlarged if it was drawn smaller.
   void show(const FrameTarget& picture);
-  /// The framebuffer is as large as what is drawn: a browser enlarges it as it puts the page
-  /// together, which it does in any case.
+  /// Shows the picture at its drawn size, which the framebuffer must have. A browser enlarges it
+  /// when it puts the page together, which it does in any case.
   void show_as_drawn(const FrameTarget& picture);
 
  private:
   void encode(GLuint texture, int width, int height);
   void enlarge(const FrameTarget& picture);
 
-  gl::Program encode_;  // OpenGL ES decodes what it copies: there a program encodes again
+  gl::Program encode_;  // for OpenGL ES, which decodes what it copies; encodes it again
   gl::VertexArray vao_;
-  gl::Framebuffer small_;  ///< sRGB bytes of a picture that is to be enlarged
+  gl::Framebuffer small_;  ///< sRGB bytes of a picture that is enlarged
   gl::Texture small_color_;
   int small_width_ = 0, small_height_ = 0;
 };

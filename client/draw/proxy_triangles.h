@@ -1,5 +1,5 @@
 #pragma once
-// Triangles of the proxies impostors are drawn on.
+// Proxy triangles: the triangles of the proxies that impostors are drawn on.
 
 #include <glm/glm.hpp>
 #include <vector>
@@ -13,11 +13,12 @@ struct ProxyVertex {
   float parallax;  ///< object units, see ConvexHull
 };
 
-/// The unit cube from (0, 0, 0) to (1, 1, 1).
+/// Returns the unit cube from (0, 0, 0) to (1, 1, 1).
 std::vector<ProxyVertex> cube_triangles(float parallax);
-/// Object space; triangles without area are left out.
+/// Returns the hull in object space, without triangles that have no area.
 std::vector<ProxyVertex> hull_triangles(const ConvexHull& hull);
-/// For drawing with parallax, object space: the hull, or without one the bounding box.
+/// Returns the proxy for drawing with parallax, object space: the hull, or without one the bounding
+/// box.
 std::vector<ProxyVertex> warp_triangles(const ObjectDescription& object);
 
 }  // namespace mirage

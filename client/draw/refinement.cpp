@@ -11,10 +11,10 @@
 namespace mirage {
 namespace {
 
-// As sharp as each of four by four samples of a pixel would read its textures.
+// Textures are read as sharply as by each of four by four samples of a pixel.
 constexpr float kSharpenLevels = 2;
 
-// The n-th number of the sequence in this base (J. H. Halton, 1960), 0 to 1.
+// Returns the n-th number of the Halton sequence in this base (J. H. Halton, 1960), 0 to 1.
 double halton(int n, int base) {
   double out = 0, share = 1;
   for (; n > 0; n /= base) {
@@ -24,8 +24,8 @@ double halton(int n, int base) {
   return out;
 }
 
-// Of the n-th further drawing, pixels: every second one is opposite to the one before, so that the
-// mean of a few is where the picture was.
+// Returns the offset of the n-th further drawing, pixels. Every second one is opposite to the one
+// before, so that the mean of a few drawings stays where the picture was.
 glm::dvec2 offset_px(int n) {
   const int pair = (n + 1) / 2;
   const glm::dvec2 offset = glm::dvec2(halton(pair, 2), halton(pair, 3)) - 0.5;
@@ -45,10 +45,11 @@ Refinement::Plane Refinement::make_plane(int width, int height, GLenum format) {
   return out;
 }
 
-// Half floats cut off what they cannot hold on some devices, and a mean of 32 gets darker by it.
+// Some devices truncate half floats, which makes a mean of 32 drawings darker.
 GLenum Refinement::mean_format() { return gl::blends_floats() ? GL_RGBA32F : GL_RGBA16F; }
 
-// False where the device cannot: the picture stays as it was drawn.
+// Makes the targets and the program. Returns false if the device cannot; the picture then stays as
+// it was drawn.
 bool Refinement::make(const FrameTarget& target) {
   const bool same = one_sample_ && one_sample_->width() == target.width() &&
                     one_sample_->height() == target.height() &&
@@ -106,7 +107,7 @@ void Refinement::draw_more(FrameRenderer& renderer, const FrameTarget& target, c
     drawings_ = kDrawings;
     return;
   }
-  // An enlarged picture is none to go on from.
+  // An enlarged picture does not count as a first drawing.
   const int before = target.enlarges() ? 0 : std::max(target.samples(), 1);
   if (drawings_ == 0 && before > 0) add(target, 1);
   ++drawings_;

@@ -1,9 +1,11 @@
 #pragma once
-// Refinement: a picture at rest becomes the mean of many drawings of the same view with one sample
-// a pixel, each moved by a part of one. Several samples would be the mean over a pixel already, and
-// the mean of such means over two.
-// Input:  what the frame renderer drew last, with nothing under way that would change it.
-// Output: a better picture of the same, at full scale. Thread: the GL one.
+// Refinement: a picture at rest becomes the mean of many drawings of the same view. Each drawing
+// has one sample a pixel and is moved by a part of a pixel. With several samples each drawing would
+// already be a mean over a pixel, and the mean of these would blur over two.
+// Input:  what the frame renderer drew last, if nothing under way would change it.
+// Output: a better picture of the same view, at full scale.
+// Thread: the GL thread.
+// Full:   never; it stops after kDrawings drawings.
 
 #include "client/draw/frame_renderer.h"
 #include "client/draw/frame_target.h"
@@ -14,19 +16,19 @@ namespace mirage {
 
 class Refinement {
  public:
-  /// Further drawings of a picture.
+  /// Further drawings of a picture, at most.
   static constexpr int kDrawings = 32;
 
-  /// Another picture has been drawn: picture() is that one, until draw_more().
+  /// Notes that another picture has been drawn. picture() returns that one until draw_more().
   void restart() { drawings_ = 0; }
-  /// Nothing would get better any more.
+  /// True if the picture would not get any better.
   bool done() const { return drawings_ >= kDrawings; }
-  /// Makes its targets and program when it is first called; where the device cannot, the picture
-  /// stays as it was. Draws the picture once more and leaves the mean of all its drawings in
-  /// picture(). The inputs are those of the drawing before.
+  /// Draws the picture once more, and leaves the mean of all its drawings in picture(). The inputs
+  /// must be those of the drawing before. The first call makes targets and program; if the device
+  /// cannot, the picture stays as it was.
   void draw_more(FrameRenderer& renderer, const FrameTarget& target, const Camera& camera,
                  const SceneView& scene, const DrawList& list, const Lighting& lighting);
-  /// Where the picture is: in `drawn`, until there are further drawings of it.
+  /// Returns the target that has the picture: `drawn`, until there are further drawings of it.
   const FrameTarget& picture(const FrameTarget& drawn) const {
     return drawings_ > 0 && one_sample_ ? *one_sample_ : drawn;
   }
@@ -41,7 +43,7 @@ class Refinement {
   static Plane make_plane(int width, int height, GLenum format);
   static GLenum mean_format();
   bool make(const FrameTarget& target);
-  /// Lays what `drawn` shows over the mean with this weight.
+  /// Blends what `drawn` shows into the mean with this weight.
   void add(const FrameTarget& drawn, float weight);
   void fill(const gl::Texture& from);
 

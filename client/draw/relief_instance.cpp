@@ -8,12 +8,12 @@ namespace mirage {
 namespace {
 
 constexpr double kCodes = 254;
-// A tile fading in lies on top of the one it replaces.
+// A tile that fades in lies on top of the one it replaces.
 constexpr float kFadeBias = 0.002f;
 
 struct TileWindow {
   double left = 0, top = 0, right = 0, bottom = 0;  // tangents
-  double texels = 0;                                // per tangent
+  double texels = 0;                                // texels per tangent
 };
 
 TileWindow window_of(const TileRecord& tile) {
@@ -27,14 +27,15 @@ TileWindow window_of(const TileRecord& tile) {
   return w;
 }
 
-// Code of a depth, unrounded.
+// Returns the unrounded code of a depth.
 double code_of(const DepthCode& code, double z) {
   const double u =
       code.far_depth * (z - code.near_depth) / (z * (code.far_depth - code.near_depth));
   return std::clamp(u, 0.0, 1.0) * kCodes;
 }
 
-// Least and largest code of the content, a step of rounding apart so that no ray starts on it.
+// Returns the least and the largest code of the content. They are widened by a step of rounding so
+// that no ray starts on the content.
 glm::dvec2 code_range(const TileRecord& tile) {
   return {std::max(code_of(tile.depth_code, tile.measure.depth_min) - 1.0, -1.0),
           std::min(code_of(tile.depth_code, tile.measure.depth_max) + 1.0, kCodes + 1.0)};

@@ -1,5 +1,5 @@
 #pragma once
-// What relief.vert is told of an impostor: per-instance attributes.
+// Relief instance: the per-instance attributes of relief.vert for an impostor.
 
 #include <glm/glm.hpp>
 
@@ -12,7 +12,7 @@ namespace mirage {
 /// Attributes 2 to 11 and 13 to 15 of relief.vert.
 struct ReliefInstance {
   glm::vec4 rotation, center_scale, right_distance, up_texels, window, place, range, slack;
-  glm::vec4 front, behind;  ///< of layered tiles
+  glm::vec4 front, behind;  ///< for layered tiles
   WornShadow shadow;
 };
 static_assert(sizeof(ReliefInstance) == 208);

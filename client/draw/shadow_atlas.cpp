@@ -6,9 +6,9 @@
 namespace mirage {
 namespace {
 
-constexpr int kRings = 3;  // texels by which shadows are continued beyond the content
+constexpr int kRings = 3;  // texels by which shadows continue beyond the content
 
-// The plane with a gutter of one texel, 0 in it.
+// Returns the plane with a gutter of one texel, which is 0.
 std::vector<std::uint8_t> with_gutter(const TileCrop& crop,
                                       const std::vector<std::uint8_t>& plane) {
   const std::size_t w = crop.w, h = crop.h, pw = w + 2;
@@ -19,7 +19,7 @@ std::vector<std::uint8_t> with_gutter(const TileCrop& crop,
   return out;
 }
 
-// Texels of 0 beside others get the mean of those.
+// Gives texels of 0 beside others the mean of those.
 std::vector<std::uint8_t> grown(const std::vector<std::uint8_t>& in, std::size_t w, std::size_t h) {
   std::vector<std::uint8_t> out = in;
   for (std::size_t y = 0; y < h; ++y) {
@@ -51,7 +51,7 @@ Result<void> ShadowAtlas::upload_shadow(const ShadowRecord& record,
   if (record.crop.area() == 0) return {};
   std::vector<std::uint8_t> texels = with_gutter(record.crop, shares);
   for (int i = 0; i < kRings; ++i) texels = grown(texels, record.crop.w + 2, record.crop.h + 2);
-  // 1..255 becomes 0..255; what is still empty lies far from any surface.
+  // Maps 1..255 to 0..255. Texels that are still empty lie far from any surface.
   for (std::uint8_t& t : texels) {
     t = static_cast<std::uint8_t>(t == 0 ? 255 : ((t - 1) * 255 + 127) / 254);
   }

@@ -1,5 +1,6 @@
 #pragma once
-// The atlas of shadow and caster tiles on the graphics card: one channel. GLES 3.0 subset.
+// Shadow atlas: the shadow and caster tiles on the graphics card, with one channel. GLES 3.0
+// subset.
 
 #include <cstdint>
 #include <vector>
@@ -11,11 +12,12 @@ namespace mirage {
 
 class ShadowAtlas {
  public:
-  /// Puts a tile's plane where its record says: a caster's depth codes, or a shadow tile's shares
-  /// as 0..1, continued into what is empty around them. Error kGraphicsGl.
+  /// Upload a tile's plane to the place in its record. A caster's plane has depth codes. A shadow
+  /// tile's has shares as 0..1, which are continued into the empty texels around them. Error
+  /// kGraphicsGl.
   Result<void> upload_caster(const ShadowRecord& record, const std::vector<std::uint8_t>& codes);
   Result<void> upload_shadow(const ShadowRecord& record, const std::vector<std::uint8_t>& shares);
-  /// 0 before the first tile.
+  /// Returns the texture; 0 before the first tile.
   GLuint texture() const { return layers_.id(); }
   std::size_t gpu_bytes() const { return layers_.gpu_bytes(); }
 

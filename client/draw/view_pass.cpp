@@ -14,7 +14,8 @@ struct CellVertex {
   glm::vec2 texture;
 };
 
-// Sky beside a surface has the surface's depth: its outline keeps what is mixed into it.
+// Sky beside a surface gets the surface's depth, so that an outline keeps the colours mixed into
+// it.
 std::uint8_t code_at(const ViewTile& view, std::uint32_t x, std::uint32_t y) {
   const std::uint8_t own = view.depth[std::size_t{y} * view.columns() + x];
   if (own != 0) return own;

@@ -1,5 +1,5 @@
 #pragma once
-// Draws a view tile by its depth: a grid of cells, each where it was seen. Keeps to the GLES 3.0
+// View pass: draws a view tile by its depth, as a grid of cells, each where it was seen. GLES 3.0
 // subset. GL thread only.
 
 #include <glm/glm.hpp>
@@ -15,12 +15,12 @@ namespace mirage {
 
 class ViewPass {
  public:
-  /// Error kGraphicsShader.
+  /// Creates the pass. Error kGraphicsShader.
   static Result<ViewPass> create();
 
-  /// The view there is from now on.
+  /// Replaces the view.
   void upload(const ViewTile& view);
-  /// Cells of the owners that `drawn` shows. The depth test is the caller's.
+  /// Draws the cells of the owners that `drawn` shows. The caller sets the depth test.
   void draw(const Camera& camera, DepthMapping mapping, const DrawnView& drawn);
 
   int draw_calls() const { return draw_calls_; }
@@ -34,10 +34,10 @@ class ViewPass {
   gl::Buffer vertices_, indices_;
   gl::Texture color_;
   std::uint32_t columns_ = 0, rows_ = 0;
-  std::vector<std::uint8_t> depth_;    ///< of ViewTile
-  std::vector<std::uint16_t> owners_;  ///< the same
+  std::vector<std::uint8_t> depth_;    ///< depth codes of the view tile
+  std::vector<std::uint16_t> owners_;  ///< owners of the view tile
   glm::dvec3 eye_{0};
-  std::vector<bool> shown_;  ///< owners that the indices are for
+  std::vector<bool> shown_;  ///< owners that the indices are made for
   std::size_t index_count_ = 0;
   std::size_t gpu_bytes_ = 0;
   int draw_calls_ = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// What worn_shadow.glsl is told of the shadow tile an impostor wears.
+// Worn shadow: the attributes of worn_shadow.glsl for the shadow tile that an impostor wears.
 
 #include <glm/glm.hpp>
 
@@ -14,12 +14,13 @@ struct WornShadow {
 };
 static_assert(sizeof(WornShadow) == 48);
 
-/// For points in the object's axes or, with its rotation as `space`, in those of the world.
+/// Returns the attributes for points on the object's axes; with its rotation as `space`, on those
+/// of the world.
 WornShadow worn_shadow(const DrawnImpostor& drawn, const glm::quat& space = {1, 0, 0, 0});
 
-/// By how much more than luminance full shadow takes from each colour: the sun's share of the light
-/// differs between them. Exact on a surface that the sun meets at 60 degrees, near enough
-/// elsewhere.
+/// Returns how much more full shadow takes from each colour than from luminance, because the sun's
+/// share of the light differs between colours. It is exact on a surface that the sun meets at 60
+/// degrees, and near enough elsewhere.
 glm::vec3 shadow_tint(const Lighting& lighting);
 
 }  // namespace mirage

@@ -110,7 +110,7 @@ Result<std::vector<CameraPath::Key>> CameraPath::read_trace(const std::string& p
 }
 
 Pose CameraPath::walk(double seconds) const {
-  // The loop every scene keeps free: a circle through the home eye, turning right.
+  // The loop that every built-in scene keeps free: a circle through the home eye, turning right.
   const glm::dvec3 forward = horizontal(home_.target - home_.eye);
   const glm::dvec3 right(-forward.z, 0, forward.x);
   const double angle = seconds * home_.walk_speed_mps / home_.walk_radius_m;

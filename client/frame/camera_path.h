@@ -12,9 +12,11 @@ namespace mirage {
 
 class CameraPath {
  public:
-  /// `spec`: "builtin:still|orbit|walk|fly|shake|strafe|teleport", or a file of lines
-  /// `x y z rx ry rz t_ms` (metres, degrees XYZ, milliseconds, t not falling), or a view as the
-  /// page of browsers puts it into its address: `#eye=X,Y,Z&look=X,Y,Z`, with what is before it.
+  /// Creates a path from `spec`, which is one of:
+  /// - "builtin:still|orbit|walk|fly|shake|strafe|teleport";
+  /// - a file of lines `x y z rx ry rz t_ms` (metres, degrees XYZ, milliseconds; t never falls);
+  /// - a view as the browser page writes it into its address, `#eye=X,Y,Z&look=X,Y,Z`, with or
+  ///   without the address before it.
   /// Errors: kUsage for an unknown name or a bad line (with its number), kIo for the file.
   static Result<CameraPath> create(const std::string& spec, const HomeView& home,
                                    const glm::dvec3& scene_center, double scene_radius);

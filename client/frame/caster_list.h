@@ -1,5 +1,5 @@
 #pragma once
-// What the client's shadow map is drawn from.
+// The objects that the client draws its shadow map from.
 
 #include <cstdint>
 #include <memory>
@@ -17,12 +17,12 @@ struct DrawnCaster {
   ShadowRecordPtr tile;
 };
 
-/// All casters under one sun. A list never changes: another one means another map.
+/// All casters under one sun. A list never changes: a new list means a new map.
 struct CasterList {
   SunFrame frame;
   std::vector<DrawnCaster> tiles;
   std::vector<DrawnMesh> meshes;
-  std::uint64_t assets = 0;  ///< count of meshes and images that had come by then
+  std::uint64_t assets = 0;  ///< number of meshes and images that had arrived by then
 };
 using CasterListPtr = std::shared_ptr<const CasterList>;
 

@@ -7,8 +7,8 @@ namespace mirage {
 struct DrawnMesh {
   std::uint32_t instance = 0;
   std::uint8_t lod = 0;
-  float fade = 1;      ///< opacity
-  bool plain = false;  ///< an image of it shows its mean colour only
+  float fade = 1;      ///< opacity, 0..1
+  bool plain = false;  ///< true if one of its images shows only its mean colour
 };
 
 }  // namespace mirage

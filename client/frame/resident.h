@@ -1,5 +1,5 @@
 #pragma once
-// Handles of what is resident, for lists of what is drawn: whoever looks into one includes
+// Handles of resident tiles, for draw lists. Code that looks into a handle includes
 // hold/tile_cache.h or hold/shadow_cache.h.
 
 #include <cstdint>
@@ -11,7 +11,7 @@ enum class DrawMethod : std::uint8_t { kQuad, kCuboid, kHull, kWarp, kDepth, kMe
 
 struct TileRecord;
 struct ShadowRecord;
-/// Only the cache changes what it holds.
+/// Tiles are const, because only the cache changes them.
 using TileRecordPtr = std::shared_ptr<const TileRecord>;
 using ShadowRecordPtr = std::shared_ptr<ShadowRecord>;
 

@@ -9,7 +9,7 @@ constexpr int kGranularity = 8;
 
 int round_up(int v, int step) { return (v + step - 1) / step * step; }
 
-// Few heights, so that shelves are reused: steps of about 1.25.
+// Rounds up to one of a few heights, in steps of about 1.25, so that shelves can be reused.
 int shelf_height(int h) {
   int height = 16;
   while (height < h) height = round_up(height + height / 4, kGranularity);

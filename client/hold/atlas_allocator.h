@@ -1,5 +1,6 @@
 #pragma once
-// Rectangles in the layers of the atlas: shelves of a few heights, each a list of free intervals.
+// Atlas allocator: hands out rectangles in the layers of the atlas. A layer has shelves of a few
+// heights, and each shelf a list of free intervals.
 
 #include <cstdint>
 #include <map>
@@ -10,19 +11,19 @@ namespace mirage {
 
 struct AtlasSlot {
   int layer = 0, x = 0, y = 0;
-  int w = 0, h = 0;  ///< as asked for; the slot itself is rounded up
+  int w = 0, h = 0;  ///< size asked for; the slot itself is rounded up
 };
 
 class AtlasAllocator {
  public:
-  /// `edge` texels square, `layers` deep.
+  /// Makes `layers` layers of `edge` x `edge` texels.
   AtlasAllocator(int edge, int layers);
 
-  /// nullopt when no room is left (or w or h exceeds the layer).
+  /// Returns a free slot; nullopt if there is no room, or if w or h exceeds the layer.
   std::optional<AtlasSlot> allocate(int w, int h);
   void release(const AtlasSlot& slot);
 
-  /// Texels a slot of this size takes, rounded up as it is.
+  /// Returns the texels that a slot of this size takes, with rounding.
   std::size_t footprint(int w, int h) const;
   int edge() const { return edge_; }
   int layers() const { return static_cast<int>(layers_.size()); }

@@ -15,8 +15,9 @@ namespace {
 
 using Cardinal = std::array<glm::vec3, 6>;
 
-// Light arriving at the centre and the direction towards it, as lighting.glsl has it. The surface
-// is about a radius from the centre: a lamp inside the object is taken to be that far away.
+// Returns the light that arrives at the centre, and sets the direction towards it, as lighting.glsl
+// does. The surface is about a radius from the centre, so a lamp inside the object counts as that
+// far away.
 glm::vec3 arriving(const ObjectLight& light, const glm::vec3& center, float radius,
                    glm::vec3& to_light) {
   if (light.kind == LightKind::kDirectional) {
@@ -123,14 +124,14 @@ std::uint64_t LightHistory::key(std::uint32_t instance, const State& state) cons
 
 namespace {
 
-// The most that a change of the probe can change, with a white surface at strength 1 taken as 1:
-// the difference in strength, and the angle it has turned by (0 to 1).
+// Returns the most that a change of the probe can change. A white surface at strength 1 counts as
+// 1. It adds the difference in strength and the angle that the probe turned by (0 to 1).
 float probe_change(const ProbeLight& a, const ProbeLight& b) {
   const float before = a.shines() ? a.strength : 0, after = b.shines() ? b.strength : 0;
   if (before == 0 || after == 0) return std::max(before, after);
   if (a.id != b.id) return before + after;
   const float sine2 = 1 - std::min(std::abs(glm::dot(a.rotation, b.rotation)), 1.0f);
-  const float turned = std::min(2 * std::sqrt(2 * sine2), 1.0f);  // the angle, of small ones
+  const float turned = std::min(2 * std::sqrt(2 * sine2), 1.0f);  // the angle, for small ones
   return std::abs(before - after) + turned * std::min(before, after);
 }
 

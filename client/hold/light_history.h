@@ -1,5 +1,6 @@
 #pragma once
-// The lightings a session has had: which of them a tile was lit for, and since when that is past.
+// Light history: the lightings that a session has had. It tells which one a tile was lit for, and
+// since when that lighting has been past.
 
 #include <cstdint>
 #include <vector>
@@ -13,31 +14,33 @@ class SceneView;
 
 class LightHistory {
  public:
-  /// A lighting, kept under one serial however often it returns.
+  /// A lighting. It keeps one serial, however often it returns.
   struct State {
     std::uint32_t serial = 0;
-    std::uint64_t turn = 0;     ///< when it last became current, counted in changes
-    std::int64_t ended_us = 0;  ///< when it last ceased to be
+    std::uint64_t turn = 0;     ///< number of the change by which it last became current
+    std::int64_t ended_us = 0;  ///< when it last stopped being current
     Lighting lighting;
-    std::vector<std::uint64_t> keys;  ///< by instance: object and light on it; 0: not yet asked for
+    /// Hashes by instance, of object and light on it; 0: not computed yet.
+    std::vector<std::uint64_t> keys;
   };
 
-  /// Learns the scene's instances; `lighting` is current.
+  /// Forgets everything and learns the scene's instances. `lighting` becomes current.
   void reset(const SceneView& scene, const Lighting& lighting);
-  /// Learns the instances that have come since.
+  /// Learns the instances that have arrived since.
   void grow(const SceneView& scene);
-  /// Makes `lighting` current; a former one when it returns is the same state again. At most
-  /// limits::kMaxLightingStatesPerClient are kept, the one shown longest ago goes first.
+  /// Makes `lighting` current. A lighting that returns is the same state again. At most
+  /// limits::kMaxLightingStatesPerClient are kept; the one that was current longest ago goes first.
   void set(const Lighting& lighting, std::int64_t now_us);
 
-  /// Newest last; never empty after reset().
+  /// Returns the states, the newest last; never empty after reset().
   const std::vector<State>& states() const { return states_; }
   const State& current() const { return states_.back(); }
-  /// Serial of the newest state: grows with every lighting not known before.
+  /// Returns the serial of the newest state. It grows with every lighting not known before.
   std::uint32_t latest_serial() const { return next_serial_ - 1; }
-  /// nullptr when it is kept no longer.
+  /// Returns the state; nullptr if it is no longer kept.
   const State* find(std::uint32_t serial) const;
-  /// Equal for instances that look the same under the state: same object, same light on it.
+  /// Returns a key that is equal for instances that look the same under the state: same object,
+  /// same light on it.
   std::uint64_t key(std::uint32_t instance, const State& state) const;
 
   std::uint32_t object_of(std::uint32_t instance) const { return instances_[instance].object; }
@@ -57,15 +60,15 @@ class LightHistory {
   };
   std::vector<Object> objects_;
   std::vector<Placed> instances_;
-  mutable std::vector<State> states_;  // their keys are computed when first asked for
+  mutable std::vector<State> states_;  // mutable: keys are computed on demand
   std::uint32_t next_serial_ = 1;
   std::uint64_t turn_ = 0;
 };
 
-/// What a change of light is worth in px (TECHNIQUES row 19): the centre of the object as a white
-/// surface, facing along each axis of its space, under both lightings; the largest difference of a
-/// colour (0..1, as displays clamp) times `radius_px`. A change of the whole range over the object
-/// counts as much as showing it displaced by its radius.
+/// Returns the error, px, that a change of light amounts to (TECHNIQUES row 19). The centre of the
+/// object counts as a white surface, facing along each axis of its space. The error is the largest
+/// difference of a colour (0..1, as displays clamp) between both lightings, times `radius_px`. A
+/// change over the whole range counts as much as showing the object displaced by its radius.
 double light_error_px(const Lighting& then, const Lighting& now, const InstanceView& instance,
                       const ObjectDescription& object, double radius_px);
 

@@ -16,24 +16,26 @@ namespace mirage {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::int64_t kMeshKeptUs = 10'000'000;   // after it was last needed
-constexpr std::int64_t kImageKeptUs = 30'000'000;  // images are smaller, and shared
+constexpr std::int64_t kMeshKeptUs = 10'000'000;   // time since it was last needed
+constexpr std::int64_t kImageKeptUs = 30'000'000;  // longer: images are smaller, and shared
 constexpr std::int64_t kPinnedUs = 500'000;        // needed this recently: still in use
-// The first level of an object may be this far beyond tau; one of thinned foliage, which would show
-// slabs for leaves, less.
+// The first level of an object may have an error of this many times tau. Thinned foliage, which
+// would show slabs for leaves, may have less.
 constexpr double kCoarseExcess = 16, kCoarseThinnedExcess = 4;
-constexpr double kCoarseShare = 0.5;  // of the needed level's bytes: otherwise it is not worth it
-constexpr double kTexelsPerPixel = 1.5;  // a level is sharp enough down to this
-constexpr double kNearest = 0.01;        // of the radius: nothing is seen from nearer than this
-// FLIP of a surface that shows its mean colour in place of its images: about that of a view.
+// Share of the needed level's bytes; a larger coarse level is not worth it.
+constexpr double kCoarseShare = 0.5;
+constexpr double kTexelsPerPixel = 1.5;  // down to this many texels a pixel a level is sharp enough
+constexpr double kNearest = 0.01;        // share of the radius; distances count as at least this
+// FLIP of a surface that shows its mean colour instead of its images: about that of a view tile.
 constexpr double kNoImageFlip = 0.1;
-constexpr std::size_t kReplyBytes = 64;  // around any payload
+constexpr std::size_t kReplyBytes = 64;  // of a reply, beside its payload
 
 constexpr NeedMask kMapNeeds[] = {kNeedBaseColorMap, kNeedMetalRoughMap, kNeedNormalMap,
                                   kNeedOcclusionMap, kNeedEmissiveMap};
-constexpr double kLargestGuess = 1024;  // texels of an edge
+constexpr double kLargestGuess = 1024;  // texels along an edge
 
-// The coarsest level with a texel for each pixel, the whole image lying over 1 / uv_per_unit units.
+// Returns the coarsest level with a texel for each pixel, if the whole image lies over 1 /
+// uv_per_unit object units.
 int needed_level(const ImageDescription& image, const ImageUse& use, double px_per_unit) {
   const double edge = std::max(image.width, image.height);
   const double needed_edge =
@@ -78,7 +80,7 @@ std::vector<ImageUse> image_uses(const ObjectModel& model) {
       const auto image = static_cast<std::uint32_t>(map.image);
       ImageUse& use = uses[image];
       use.image = image;
-      // The least stretched use asks for the most texels.
+      // The use that spreads the image over the largest surface needs the most texels.
       const double density = median_uv_per_unit(model.mesh, p, map);
       if (density > 0) {
         use.uv_per_unit = use.uv_per_unit > 0 ? std::min(use.uv_per_unit, density) : density;
@@ -93,7 +95,7 @@ std::vector<ImageUse> image_uses(const ObjectModel& model) {
 }
 
 std::size_t expected_gpu_bytes(const LodInfo& lod) {
-  // Three indices, and some 0.7 vertices, a triangle.
+  // A triangle takes three indices and about 0.7 vertices.
   return lod.triangles * (3 * sizeof(std::uint32_t) + 7 * sizeof(Vertex) / 10);
 }
 
@@ -113,7 +115,7 @@ double px_per_unit(const SceneView& scene, const Camera& camera, std::uint32_t i
   const glm::dvec3 eye =
       glm::dvec3(object.center) +
       glm::conjugate(glm::dquat(view.world_from_object.rotation)) * to_eye / scale;
-  // The box lies closer around flat things (a terrain) than the sphere.
+  // The box lies closer around flat things (a terrain) than the sphere does.
   const glm::dvec3 outside = glm::max(
       glm::max(glm::dvec3(object.box_min) - eye, eye - glm::dvec3(object.box_max)), glm::dvec3(0));
   const double to_sphere = glm::length(to_eye) / scale - double{object.radius};
@@ -167,7 +169,8 @@ std::optional<std::size_t> MeshCache::level(const SceneView& scene, const Camera
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < lods.size(); ++i) {
     if (!lods[i].resident) continue;
-    // Finer ones show the same; of coarser ones the finest.
+    // All levels at least as fine as needed look the same, so take the coarsest of them. If all are
+    // coarser than needed, take the finest.
     if (i <= fit || !best) best = i;
   }
   return best;
@@ -217,7 +220,7 @@ double MeshCache::price_bytes(const SceneView& scene, const Camera& camera, doub
     }
     return bytes;
   }
-  // Each map once around the object, some three times its diameter in pixels.
+  // The estimate: each map goes once around the object, about three times its diameter in pixels.
   const double edge = std::min(3 * 2 * density * description.radius, kLargestGuess);
   for (const NeedMask map : kMapNeeds) {
     if (description.needs & map) bytes += image_bytes_per_texel_ * edge * edge;
@@ -254,11 +257,11 @@ void MeshCache::need_mesh(const SceneView& scene, const MeshWant& want, double t
   const auto here = std::find_if(object.lods.begin(), object.lods.end(),
                                  [](const Level& level) { return level.resident; });
   const bool none = here == object.lods.end();
-  if (!none) here->needed_us = now_us;  // until the better one is there
+  if (!none) here->needed_us = now_us;  // kept until the better one arrives
   if (!none && here - object.lods.begin() <= static_cast<std::ptrdiff_t>(lod)) return;
   std::size_t first = lod;
   if (none && want.unseen) {
-    // Something quick first.
+    // A coarser level comes first because it comes quickly.
     for (std::size_t i = lods.size(); i-- > lod + 1;) {
       const double most = lods[i].spread > 0 ? kCoarseThinnedExcess : kCoarseExcess;
       const bool fit = lod_excess(lods[i], want.px_per_unit, tau_px) <= most;
@@ -289,7 +292,7 @@ void MeshCache::need_images(const SceneView& scene, const MeshWant& want, std::i
       return image_bytes_per_texel_ * texels(l) > static_cast<double>(max_reply_bytes_) ||
              !fits(image_gpu_bytes(image_level_size(image, static_cast<std::uint8_t>(l))), now_us);
     };
-    // The first level comes quickly and is some image at least.
+    // The first image is a small one, so that it comes quickly.
     if (state.level < 0) level = std::min(level, 1);
     while (level > state.level && too_large(level)) --level;
     if (level <= state.level) continue;

@@ -1,10 +1,11 @@
 #pragma once
 // Mesh cache: which levels of geometry and images the client holds, and which it should ask for.
-// Input:  what is drawn as geometry, and will be; what arrives. Output: the level each instance is
-//         drawn from, needs for the scheduler, what to drop from graphics memory.
+// Input:  what is drawn as geometry, now and soon; geometry and images that arrive.
+// Output: the level each instance is drawn from, needs for the scheduler, what to drop from
+//         graphics memory.
 // Thread: the frame loop's.
-// Full:   beyond the budget what was needed longest ago goes first, never what is drawn in this
-//         frame; what does not fit is not asked for.
+// Full:   it drops what was needed longest ago, never what is drawn in this frame. The client does
+//         not ask for what would not fit.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -22,15 +23,15 @@ struct Mesh;
 struct ObjectModel;
 class SceneView;
 
-/// A texture as a mesh uses it.
+/// A texture of a mesh, with its use.
 struct ImageUse {
   std::uint32_t image = 0;
   double uv_per_unit = 0;  ///< texture coordinates an object unit, median over the surface
-  bool masks = false;      ///< an alpha test reads it: without it the mesh is not fit to be drawn
+  bool masks = false;      ///< an alpha test reads it; the mesh cannot be drawn without it
 };
 std::vector<ImageUse> image_uses(const ObjectModel& model);
 
-/// Bytes of graphics memory: of a level that is not here yet, of a mesh, of an image with its mips.
+/// Return bytes of graphics memory: of a level not here yet, of a mesh, of an image with its mips.
 std::size_t expected_gpu_bytes(const LodInfo& lod);
 std::size_t mesh_gpu_bytes(const Mesh& mesh);
 std::size_t image_gpu_bytes(const glm::uvec2& size);
@@ -38,29 +39,29 @@ std::size_t image_gpu_bytes(const glm::uvec2& size);
 class MeshCache {
  public:
   void reset(const SceneView& scene, std::size_t budget_bytes, std::size_t max_reply_bytes);
-  /// Learns the objects that have come since: groups, which have no geometry.
+  /// Learns the objects that have arrived since. They are groups, which have no geometry.
   void grow(const SceneView& scene);
 
-  /// Per object: something of it can be drawn.
+  /// Returns for each object whether it can be drawn as geometry: a level and its masks are here.
   const std::vector<bool>& ready() const { return ready_; }
 
-  /// Gives each of `meshes` its level, and marks it as drawn in this frame.
+  /// Sets the level of each of `meshes`, and marks it as drawn in this frame.
   void choose(const SceneView& scene, const Camera& camera, double tau_px, std::uint64_t frame,
               std::int64_t now_us, std::vector<DrawnMesh>& meshes);
-  /// Levels of geometry that are drawn in this frame: with their images they are in use.
+  /// Marks the levels of `meshes`, and their images, as drawn in this frame.
   void mark_drawn(const SceneView& scene, std::uint64_t frame, std::int64_t now_us,
                   std::vector<DrawnMesh>& meshes);
 
-  /// The level to draw the instance from: the coarsest within tau, or what comes nearest of those
-  /// that are here; nullopt: none is here.
+  /// Returns the level to draw the instance from: the coarsest within tau, or else the resident one
+  /// that comes nearest to it; nullopt: none is resident.
   std::optional<std::size_t> level(const SceneView& scene, const Camera& camera, double tau_px,
                                    std::uint32_t instance) const;
 
-  /// Bytes on the wire that drawing the instance within tau still takes: its level of geometry, and
-  /// images (an estimate, until it is known which they are).
+  /// Returns the bytes on the wire that are still missing to draw the instance within tau: its
+  /// level of geometry, and images. The images are an estimate until their names are known.
   double price_bytes(const SceneView& scene, const Camera& camera, double tau_px,
                      std::uint32_t instance) const;
-  /// What to ask for so that `wants` can be drawn.
+  /// Returns what to ask for so that `wants` can be drawn.
   std::vector<AssetNeed> needs(const SceneView& scene, double tau_px, std::int64_t now_us,
                                const std::vector<MeshWant>& wants);
 
@@ -69,8 +70,8 @@ class MeshCache {
   void add_image(const SceneView& scene, std::uint32_t image, std::uint8_t level,
                  std::size_t reply_bytes, std::int64_t now_us);
 
-  /// What has left the cache, to be freed: not needed for a while, or over the budget. An image
-  /// that goes is replaced by its mean colour.
+  /// Drops what was not needed for a while, and what is over the budget. Returns it, to be freed. A
+  /// dropped image is replaced by its mean colour.
   std::vector<AssetId> drop(std::uint64_t frame, std::int64_t now_us);
 
   std::size_t bytes() const { return bytes_; }
@@ -79,7 +80,7 @@ class MeshCache {
  private:
   struct Level {
     bool resident = false;
-    std::size_t bytes = 0;  ///< of graphics memory
+    std::size_t bytes = 0;  ///< bytes of graphics memory
     std::int64_t needed_us = 0;
     std::uint64_t drawn_frame = 0;
   };
@@ -106,12 +107,12 @@ class MeshCache {
   std::size_t budget_ = 0;
   std::size_t max_reply_bytes_ = 0;
   std::size_t bytes_ = 0;
-  double image_bytes_per_texel_ = 0.3;  ///< on the wire, learnt
+  double image_bytes_per_texel_ = 0.3;  ///< bytes on the wire, learnt from replies
 };
 
-/// Pixels one object unit covers at the point of `instance` nearest to the eye, at most: the bound
-/// of what an error there can be seen as. Over the instance's tolerance, so that it can be held
-/// against tau.
+/// Returns the pixels that one object unit covers, at most: at the point of `instance` nearest to
+/// the eye. An error there cannot look larger. The value is divided by the instance's tolerance, so
+/// that it can be compared with tau.
 double px_per_unit(const SceneView& scene, const Camera& camera, std::uint32_t instance);
 
 }  // namespace mirage

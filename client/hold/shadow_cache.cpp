@@ -7,7 +7,7 @@
 namespace mirage {
 namespace {
 
-constexpr std::size_t kMaxShadowsPerInstance = 6;  // lights that return, and views
+constexpr std::size_t kMaxShadowsPerInstance = 6;  // enough for lights that return, and for views
 constexpr int kGutter = 1;                         // texels
 
 ShadowRecordPtr nearest(const std::vector<ShadowRecordPtr>& owned, std::uint32_t light,
@@ -16,7 +16,7 @@ ShadowRecordPtr nearest(const std::vector<ShadowRecordPtr>& owned, std::uint32_t
   for (const ShadowRecordPtr& record : owned) {
     if (record->light != light) continue;
     const double off = angle_between(record->capture.eye(), eye);
-    // Of equally near ones the later: it may be the sharper.
+    // Two tiles may be equally near; the later one may be sharper.
     if (best && off > angle) continue;
     best = record;
     angle = off;
@@ -99,7 +99,8 @@ bool ShadowCache::evict_oldest(std::uint64_t frame) {
       for (std::size_t i = 0; i < owned.size(); ++i) {
         const ShadowRecord& record = *owned[i];
         if (record.crop.area() == 0 || record.last_used + 1 >= frame) continue;
-        // Equally old: the earlier one, whatever the order of the owners.
+        // Equally old tiles: the one that arrived earlier goes first, whatever the order of the
+        // owners.
         const ShadowRecord* oldest = from ? (*from)[index].get() : nullptr;
         if (oldest && (record.last_used > oldest->last_used ||
                        (record.last_used == oldest->last_used && record.serial > oldest->serial))) {

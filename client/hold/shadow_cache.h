@@ -1,9 +1,11 @@
 #pragma once
 // Shadow cache: resident shadow tiles (by instance and light) and caster tiles (by object), in an
 // atlas of their own with one channel (TECHNIQUES row 7).
+// Input:  shadow and caster tiles that arrive.
+// Output: the tile captured nearest to a direction.
 // Thread: the frame loop's.
-// Full:   what was used longest ago goes first; what was used in the last two frames is never
-//         evicted, a new tile is then left out.
+// Full:   the tile used longest ago goes first. A tile used in the last two frames is never
+//         evicted; a new tile is then left out.
 
 #include <cstdint>
 #include <memory>
@@ -17,9 +19,9 @@
 
 namespace mirage {
 
-/// A resident tile of one channel.
+/// A resident tile with one channel.
 struct ShadowRecord {
-  std::uint32_t light = 0;   ///< of a shadow tile: serial of its lighting (LightHistory); else 0
+  std::uint32_t light = 0;   ///< shadow tiles: serial of the lighting (LightHistory); else 0
   std::uint64_t serial = 0;  ///< order of arrival, unique
   Capture capture;
   TileCrop crop;  ///< empty: nothing shows from there
@@ -35,18 +37,18 @@ class ShadowCache {
  public:
   void reset();
 
-  /// Places a shadow tile of an instance, or a caster tile of an object; nullptr when no room can
-  /// be made. An empty one is kept, too, and takes no room.
+  /// Place a shadow tile of an instance, or a caster tile of an object. Return nullptr if no room
+  /// can be made. An empty tile is kept as well, and takes no room.
   ShadowRecordPtr add_shadow(std::uint32_t instance, std::uint32_t light, const Capture& capture,
                              const TileCrop& crop, std::uint64_t frame);
   ShadowRecordPtr add_caster(std::uint32_t object, const Capture& capture, const TileCrop& crop,
                              std::uint64_t frame);
 
-  /// The shadow tile captured nearest to the direction `eye` (from the centre, object space) under
-  /// this light; nullptr: none. `angle` is set to how far off it is, radians.
+  /// Returns the shadow tile captured nearest to the direction `eye` (from the centre, object
+  /// space) under this light; nullptr: none. Sets `angle` to the angle between both, radians.
   ShadowRecordPtr shadow(std::uint32_t instance, std::uint32_t light, const glm::dvec3& eye,
                          double& angle) const;
-  /// The same for caster tiles.
+  /// Returns the caster tile captured nearest to `eye`, as shadow() does.
   ShadowRecordPtr caster(std::uint32_t object, const glm::dvec3& eye, double& angle) const;
 
   std::size_t resident() const { return resident_; }

@@ -14,16 +14,16 @@ namespace mirage {
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMaxTilesPerGroup = 8;
-constexpr std::size_t kMaxMovingTilesPerGroup = 512;  // loops of a clip are drawn from them again
+constexpr std::size_t kMaxMovingTilesPerGroup = 512;  // a clip that loops is drawn from them again
 constexpr std::size_t kMaxEmptyViews = 64;
 constexpr double kEmptyAngle = 0.02;  // radians around an empty view that count as empty, at least
-constexpr std::size_t kReservedShare = 8;  // of the atlas, when it is full, for first images
-constexpr int kGutter = 1;  // texels of nothing around a tile, so that filtering never bleeds
+constexpr std::size_t kReservedShare = 8;  // share 1/8 of a full atlas, kept for first images
+constexpr int kGutter = 1;  // empty texels around a tile, so that filtering never bleeds
 
-// Apart from those of LightHistory, which are small numbers or well mixed.
+// Keys of relit tiles. They differ from those of LightHistory, which are small or well mixed.
 std::uint64_t relit_key(std::uint32_t object) { return ~std::uint64_t{object}; }
 
-// Of one object.
+// True if two captures of one object give the same picture.
 bool same_picture(const Capture& a, const Capture& b) {
   return a.basis.forward == b.basis.forward && a.distance == b.distance && a.edge == b.edge;
 }
@@ -38,7 +38,8 @@ void TileRecord::seal(const ObjectDescription& description) {
 }
 
 DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& description) const {
-  // What was drawn lies within the level's error of the surface, and is drawn as if it were it.
+  // The captured level lies within its error of the surface, and is drawn as if it were the
+  // surface.
   DrawnDepth drawn = drawn_depth_of_lod(method, description);
   const double error = measure.lod_error, dc = capture.distance;
   if (error <= 0) return drawn;
@@ -52,8 +53,8 @@ DrawnDepth TileRecord::drawn_depth(DrawMethod method, const ObjectDescription& d
 DrawnDepth TileRecord::drawn_depth_of_lod(DrawMethod method,
                                           const ObjectDescription& description) const {
   const double r = capture.radius, dc = capture.distance, cone = tangent_length(dc, r);
-  // Between texel centres a surface may lie two texels of slope off the stored depth; what is
-  // steeper belongs to the disocclusions.
+  // Between texel centres a surface may lie two texels of slope off the stored depth. Steeper
+  // surfaces belong to the disocclusions.
   const double slope = 2.0 * capture.texel_width(1.0) * dc * dc / measure.depth_min;
   DrawnDepth out;
   out.surface_min = measure.depth_min;
@@ -64,7 +65,7 @@ DrawnDepth TileRecord::drawn_depth_of_lod(DrawMethod method,
       out.q = box_extent(description);
       return out;
     case DrawMethod::kHull:
-      // Without a hull there is nothing to draw on: no bound.
+      // An object without a hull has nothing to draw on, so the bound is infinite.
       out.dz = measure.dz_hull + slope;
       out.q = description.hull.indices.empty() ? kInfinity : hull_extent(description);
       return out;
@@ -109,7 +110,8 @@ double TileRecord::motion_px(const ObjectDescription& description, const ViewGeo
 
 double TileRecord::bound_px(DrawMethod method, const ObjectDescription& description,
                             const ViewGeometry& view) const {
-  // From behind nothing that shows was captured: any of it may be off by the object's own size.
+  // An eye behind the object sees nothing that was captured: all of it may be off by the object's
+  // size.
   const bool behind = glm::dot(view.eye, content_.axis) < 0;
   const double unseen = behind ? lod_error_px(view, 2 * view.radius) : 0.0;
   return unseen + position_bound_px(view, content_, drawn_[static_cast<std::size_t>(method)]) +
@@ -168,7 +170,7 @@ TileCache::LitGroup TileCache::lit_group(std::uint32_t instance) const {
 
 void TileCache::relight(const Lighting& lighting, std::int64_t now_us) {
   lights_.set(lighting, now_us);
-  // States that return carry their groups along.
+  // A state that returns brings its groups back with it.
   const std::uint64_t turn = lights_.current().turn;
   for (const std::uint64_t key : lights_.current().keys) {
     const auto at = groups_.find(key);
@@ -177,7 +179,8 @@ void TileCache::relight(const Lighting& lighting, std::int64_t now_us) {
   drop_past_groups();
 }
 
-// Under a light that never returns groups would pile up, most of them without tiles.
+// Drops groups of lightings that are no longer kept. Under a light that never returns, groups would
+// pile up, most of them without tiles.
 void TileCache::drop_past_groups() {
   if (lights_.states().size() < limits::kMaxLightingStatesPerClient) return;
   const std::uint64_t oldest = lights_.states().front().turn;
@@ -201,7 +204,7 @@ TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
   TileGroup& group =
       groups_[relit ? relit_key(lights_.object_of(instance)) : lights_.key(instance, *state)];
   group.turn = relit || !lights_.lit(instance) ? UINT64_MAX : std::max(group.turn, state->turn);
-  if (tile.crop.area() == 0 && phase != kStaticPhase) return nullptr;  // other poses may show
+  if (tile.crop.area() == 0 && phase != kStaticPhase) return nullptr;  // another pose may show
   if (tile.crop.area() == 0) {
     const double angle = std::max(view_cell_angle(capture.view_level), kEmptyAngle);
     if (group.empty_views.size() >= kMaxEmptyViews)
@@ -217,7 +220,8 @@ TileRecordPtr TileCache::insert(std::uint32_t instance, const SceneView& scene,
     refused_at_texels_ = texels_in_view(frame);
     return nullptr;
   }
-  // Without room for its layers, or with nothing in the second, it is as good as a lit tile.
+  // A layered tile without room for its layers, or with nothing in the second, serves as a lit
+  // tile.
   if (std::any_of(tile.behind_depth.begin(), tile.behind_depth.end(), [](auto c) { return c; }) &&
       make_room_for_layers(w, h, frame, *record)) {
     record->behind_depth = std::move(tile.behind_depth);
@@ -282,12 +286,13 @@ TileCache::Room TileCache::room(std::uint64_t frame) const {
   const auto edge = static_cast<std::size_t>(allocator_.edge());
   const std::size_t all = edge * edge * static_cast<std::size_t>(allocator_.layers());
   Room out;
-  out.edge = static_cast<std::uint32_t>(edge) + 1;  // a tile's own guard makes up for the gutter
+  // A tile as large as a layer fits: its guard makes up for the gutter.
+  out.edge = static_cast<std::uint32_t>(edge) + 1;
   if (refused_edge_ == UINT32_MAX && allocator_.used_texels() < all / 2) return out;
   const std::size_t in_view = texels_in_view(frame);
   out.texels = all > in_view ? all - in_view : 0;
   out.reserved = all / kReservedShare;
-  // What found no place before will find none now, unless much has left the view.
+  // A tile of an edge that found no place before will find none now, unless much has left the view.
   if (4 * in_view >= 3 * refused_at_texels_) out.edge = std::min(out.edge, refused_edge_);
   return out;
 }
@@ -302,7 +307,8 @@ bool TileCache::make_room(int w, int h, std::uint64_t frame, AtlasSlot& slot) {
   }
 }
 
-// In a list made at most once a frame: tiles drawn since are younger than all that is left of it.
+// Evicts from a list that is made at most once a frame. Tiles drawn since then are younger than
+// everything left in the list.
 bool TileCache::evict_oldest(std::uint64_t frame) {
   for (;;) {
     while (!oldest_last_.empty() && oldest_last_.back().last_drawn + 1 < frame) {
@@ -331,7 +337,7 @@ void TileCache::list_by_age() {
       oldest_last_.push_back({tile->last_drawn, tile->serial, key});
     }
   }
-  // Equally old: the earlier one, whatever the order of the groups.
+  // Equally old tiles: the one that arrived earlier goes first, whatever the order of the groups.
   std::sort(oldest_last_.begin(), oldest_last_.end(), [](const Aged& a, const Aged& b) {
     return std::tie(a.last_drawn, a.serial) > std::tie(b.last_drawn, b.serial);
   });
@@ -362,7 +368,7 @@ void TileCache::trim(TileGroup& group, std::uint64_t frame) {
                                          [](const TileRecordPtr& a, const TileRecordPtr& b) {
                                            return a->last_drawn < b->last_drawn;
                                          });
-    if ((*oldest)->last_drawn + 1 >= frame) return;  // shared by many instances, all in view
+    if ((*oldest)->last_drawn + 1 >= frame) return;  // many instances in view share them
     forget(group, static_cast<std::size_t>(oldest - group.tiles.begin()));
   }
 }

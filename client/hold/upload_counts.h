@@ -4,12 +4,12 @@
 
 namespace mirage {
 
-/// What went to the graphics card: tiles with their gutters and all planes, geometry, images.
+/// Counts of uploads to the graphics card: tiles with gutters and all planes, geometry, images.
 struct UploadCounts {
   std::uint64_t tiles = 0;
   std::uint64_t bytes = 0;
   std::uint64_t largest_frame_bytes = 0;
-  std::uint64_t frames_over_budget = 0;  ///< in which something had to wait
+  std::uint64_t frames_over_budget = 0;  ///< frames in which something had to wait
 };
 
 }  // namespace mirage

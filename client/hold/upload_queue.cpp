@@ -29,7 +29,8 @@ std::vector<Message> UploadQueue::take(std::vector<Message> arrived, std::int64_
   const auto free =
       std::stable_partition(all.begin(), all.end(), [&](const Message& m) { return cost(m) == 0; });
   std::stable_partition(free, all.end(), first);
-  // What is overtaken counts as come when that came: arrivals are timed, and never go back.
+  // A message that was overtaken keeps the arrival time of the one that overtook it. Arrival times
+  // are used for timing, so they never run backwards.
   std::int64_t waited_us = INT64_MAX;
   for (auto m = free; m != all.end(); ++m)
     waited_us = m->waited_us = std::min(waited_us, m->waited_us);

@@ -1,11 +1,12 @@
 #pragma once
-// Upload queue.
-// Input:  messages as the link brings them. Output: those to take in now, so that what goes to the
-//         graphics card in one frame stays within a budget, and no frame waits for a burst.
+// Upload queue: spreads what goes to the graphics card over frames, so that no frame waits for a
+// burst.
+// Input:  messages as the link brings them.
+// Output: the messages to take in now, within the budget of a frame.
 // Thread: the frame loop's.
-// Full:   tiles, geometry and images beyond the budget wait, as they came, for the next frames:
-//         first images of instances before others, then in order; one a frame is always taken. When
-//         kMostWaiting wait, the rest is taken at once.
+// Full:   tiles, geometry and images beyond the budget wait, undecoded, for the next frames. First
+//         images of instances go before others, then the order of arrival counts. At least one is
+//         taken each frame. When kMostWaiting wait, the rest is taken at once.
 
 #include <cstdint>
 #include <functional>
@@ -15,7 +16,8 @@
 #include "protocol/wire/message.h"
 namespace mirage {
 
-/// Bytes a tile's window of w x h texels takes there; `channels` as of its key.
+/// Returns the bytes that a tile's window of w x h texels takes in graphics memory; `channels` as
+/// in its key.
 std::size_t tile_upload_bytes(std::size_t w, std::size_t h, std::uint8_t channels);
 
 class UploadQueue {
@@ -24,19 +26,19 @@ class UploadQueue {
 
   explicit UploadQueue(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// Of a message, as far as it tells: what it brings to the graphics card; 0: nothing.
+  /// Returns the bytes that a message brings to the graphics card, as far as it tells; 0: none.
   using Cost = std::function<std::size_t(const Message&)>;
-  /// It is a tile of an instance that shows nothing yet.
+  /// Returns true if the message is a tile of an instance that shows nothing yet.
   using First = std::function<bool(const Message&)>;
-  /// What is to be taken in now, of what has waited and what has just come, at `now_us`. Within the
-  /// budget that is all, in order.
+  /// Returns the messages to take in at `now_us`, from those that waited and those that just
+  /// arrived. If they are within the budget, it returns all of them in order.
   std::vector<Message> take(std::vector<Message> arrived, std::int64_t now_us, const Cost& cost,
                             const First& first);
-  /// What came over a connection that is gone.
+  /// Drops what waits, because its connection is gone.
   void clear() { waiting_.clear(); }
   bool empty() const { return waiting_.empty(); }
 
-  /// Something has gone to the graphics card since the last take().
+  /// Counts an upload to the graphics card since the last take().
   void uploaded(std::size_t bytes, bool tile);
   const UploadCounts& counts() const { return counts_; }
 

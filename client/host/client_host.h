@@ -1,6 +1,10 @@
 #pragma once
-// A client of one server, whole but for its frame loop: the link, modelled if asked for, the
-// session on it, and the renderer that takes what arrives. Thread: the GL one.
+// Client host: a whole client of one server except for its frame loop. It owns the link, modelled
+// if asked for, and the session on it. The renderer takes what arrives.
+// Input:  a server's address and options.
+// Output: the session, and pixels and meshes in the renderer.
+// Thread: the GL thread.
+// Full:   as link and session (native_link.h, client_session.h).
 
 #include <functional>
 #include <memory>
@@ -25,45 +29,47 @@ struct TileSink;
 
 struct HostOptions {
   std::string url;
-  bool virtual_time = false;  ///< time passes only as it is told to; the link is modelled
+  bool virtual_time = false;  ///< time advances only when told to; the link is modelled
   std::optional<NetModel> net;
   double connect_timeout_s = 10;
   ClientOptions session;
-  std::function<void()> wake;  ///< called by the network thread when something came; may be empty
-  std::function<void()> content_changed;  ///< texels, geometry or a scene came; may be empty
+  /// The network thread calls it when something arrived; may be empty.
+  std::function<void()> wake;
+  std::function<void()> content_changed;  ///< texels, geometry or a scene arrived; may be empty
 };
 
 class ClientHost {
  public:
-  /// A GL context is current; `renderer` outlives the host.
+  /// Needs a current GL context. `renderer` must outlive the host.
   ClientHost(HostOptions options, FrameRenderer& renderer);
   ~ClientHost();
 
   /// Connects. Errors kUsage, kNetworkConnect.
   Result<void> open();
-  /// Takes in what comes until the scene is known, letting virtual time pass. Errors kAuth,
-  /// kNetworkClosed, and what the scene was refused for.
+  /// Takes in what arrives until the scene is known, and lets virtual time pass. Errors kAuth,
+  /// kNetworkClosed, and the error for which the scene was refused.
   Result<void> wait_for_scene();
-  /// The same until the scene or a view of it can be drawn.
+  /// Takes in what arrives until the scene, or a view of it, can be drawn. Errors as
+  /// wait_for_scene().
   Result<void> wait_for_picture();
-  /// The server's full render of a camera at the time of the session's last frame, out of band:
-  /// neither bytes nor virtual time. Errors kComparison, kNetworkTimeout.
+  /// Returns the server's full render for a camera, at the time of the session's last frame. It is
+  /// out of band: it takes neither bytes nor virtual time. Errors kComparison, kNetworkTimeout.
   Result<ReferenceFrame> reference(const Camera& camera, std::uint32_t supersample);
 
   ClientSession& session() { return *session_; }
   const ClientSession& session() const { return *session_; }
   const NativeLink& native() const { return *native_; }
   LinkTraffic traffic() const;
-  /// Session time in µs: the clock's, without what was left out.
+  /// Returns the session's time, µs: the clock's without what was left out.
   std::int64_t now_us() const { return clock_->now_us() - left_out_us_; }
   const Clock& clock() const { return *clock_; }
-  /// Whether a network is modelled between the session and the socket.
+  /// True if a network is modelled between the session and the socket.
   bool modelled() const { return modelled_ != nullptr; }
-  /// Of the last moments; nullopt in real time.
+  /// Returns the recent use of link and server; nullopt on real time.
   std::optional<LinkUse> link_use();
-  /// Null in real time.
+  /// Returns the virtual clock; nullptr on real time.
   VirtualClock* virtual_clock() { return virtual_clock_; }
-  /// Leaves the time since `clock_us` (of clock()) out of the session's.
+  /// Leaves the time since `clock_us` (of clock()) out of the session's time.
   void leave_out_since(std::int64_t clock_us) { left_out_us_ += clock_->now_us() - clock_us; }
 
  private:

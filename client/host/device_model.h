@@ -1,5 +1,5 @@
 #pragma once
-// Device models by name or from a file.
+// Device models: read by name, or from a file.
 
 #include <string>
 
@@ -8,9 +8,9 @@
 
 namespace mirage {
 
-/// One of device_model_names(), or a JSON file {"ms": {KIND: NUMBER, …}} with the price of each
-/// kind of work (work_name) in ms, finite and >= 0, not all 0. Error kUsage: it is neither; says
-/// what is wrong with the file.
+/// Returns the model with a name of device_model_names(), or from a JSON file {"ms": {KIND: NUMBER,
+/// …}}. The file has the price in ms of each kind of work (work_name), finite and >= 0, not all 0.
+/// Error kUsage: it is neither; it says what is wrong with the file.
 Result<CostModel> read_device_model(const std::string& name_or_file);
 
 }  // namespace mirage

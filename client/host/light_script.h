@@ -1,5 +1,5 @@
 #pragma once
-// Lighting over time: fixed, a sweeping sun, a toggled lamp, or a file.
+// Light script: lighting over time: fixed, a sweeping sun, a toggled lamp, or from a file.
 
 #include <optional>
 #include <string>
@@ -12,14 +12,14 @@ namespace mirage {
 
 class LightScript {
  public:
-  /// `spec`: builtin:fixed|sun-sweep|lamp-toggle, or a file of lines
-  /// `t_ms ar ag ab sr sg sb dx dy dz` (ambient, sun colour, direction the light travels).
-  /// Errors: kUsage, kIo.
+  /// Creates a script from `spec`: builtin:fixed|sun-sweep|lamp-toggle, or a file of lines `t_ms ar
+  /// ag ab sr sg sb dx dy dz` (ambient, sun colour, direction the light travels). Errors: kUsage,
+  /// kIo.
   static Result<LightScript> create(const std::string& spec);
 
-  /// The lighting at a time; nullopt when it is the scene's own, unchanged.
+  /// Returns the lighting at a time; nullopt: the scene's own, unchanged.
   std::optional<Lighting> at(double seconds, const Lighting& scene) const;
-  /// Whether it is the scene's own for ever.
+  /// True if the lighting is always the scene's own.
   bool fixed() const { return kind_ == Kind::kFixed; }
 
  private:

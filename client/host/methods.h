@@ -1,5 +1,5 @@
 #pragma once
-// The names methods of drawing have on command lines and in reports.
+// Names of the methods of drawing, on command lines and in reports.
 
 #include <optional>
 #include <string>
@@ -9,9 +9,10 @@
 
 namespace mirage {
 
-/// All names, the cheapest drawing first; `fixed8` is a baseline (MethodChoice::eight_views).
+/// Returns all names, the cheapest method first. `fixed8` is a baseline
+/// (MethodChoice::eight_views).
 const std::vector<std::string>& method_names();
-/// nullopt for a name that is none.
+/// Returns the method with this name; nullopt: there is none.
 std::optional<MethodChoice> method_from_name(const std::string& name);
 
 }  // namespace mirage

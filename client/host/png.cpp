@@ -6,7 +6,7 @@ namespace mirage {
 
 Result<void> write_png(const std::string& path, int width, int height,
                        const std::vector<std::uint8_t>& rgba) {
-  // Alpha is the coverage by objects, not transparency: left out.
+  // Alpha is left out, because it is the coverage by objects, not transparency.
   std::vector<std::uint8_t> rgb;
   rgb.reserve(rgba.size() / 4 * 3);
   for (std::size_t i = 0; i + 3 < rgba.size(); i += 4) {

@@ -1,6 +1,9 @@
 #pragma once
-// When something was busy, for the share of the last moments in which it was.
-// Thread: its owner's. Never full: forgets what is older than it is asked about.
+// Busy time: remembers when something was busy, and gives the share of a recent span.
+// Input:  spans in which it was busy.
+// Output: the busy share of a span.
+// Thread: its owner's.
+// Full:   never; it forgets spans that are older than the last share asked for.
 
 #include <algorithm>
 #include <cstdint>
@@ -11,12 +14,12 @@ namespace mirage {
 
 class BusyTime {
  public:
-  /// Busy from `since_us` to `until_us`; in order of time, without overlaps.
+  /// Adds a busy span from `since_us` to `until_us`. Spans come in order of time, without overlaps.
   void add(std::int64_t since_us, std::int64_t until_us) {
     if (until_us > since_us) spans_.emplace_back(since_us, until_us);
   }
-  /// Of the time from `since_us` to `until_us`, 0 to 1; nothing before `since_us` is asked for
-  /// later.
+  /// Returns the busy share, 0 to 1, of the time from `since_us` to `until_us`. Forgets what ended
+  /// before `since_us`, so later calls may not ask about earlier times.
   double share(std::int64_t since_us, std::int64_t until_us) {
     while (!spans_.empty() && spans_.front().second <= since_us) spans_.pop_front();
     std::int64_t busy = 0;

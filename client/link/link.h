@@ -1,6 +1,6 @@
 #pragma once
-// Link: whole messages to and from a server. Client logic sees no sockets: a native link, a browser
-// link and a modelled link all look the same.
+// Link: carries whole messages to and from a server. Client logic sees no sockets: a native link, a
+// browser link and a modelled link all look the same.
 
 #include <cstdint>
 #include <vector>
@@ -10,20 +10,22 @@
 namespace mirage {
 
 struct LinkTraffic {
-  std::uint64_t bytes_up = 0;    ///< framing included
-  std::uint64_t bytes_down = 0;  ///< without reference frames, which are no part of the product
+  std::uint64_t bytes_up = 0;  ///< with headers
+  /// Bytes with headers, without full renders, which are not part of the product.
+  std::uint64_t bytes_down = 0;
 };
 
 class Link {
  public:
   virtual ~Link() = default;
-  /// Takes a message to send; never blocks.
+  /// Sends a message; never blocks.
   virtual void send(Bytes message) = 0;
-  /// Messages that have arrived by now, in order, with how long ago that was.
+  /// Returns the messages that have arrived by now, in order, each with the time since it arrived.
   virtual std::vector<Message> receive() = 0;
-  /// False while the connection is down; messages sent meanwhile are lost.
+  /// Returns false while the connection is down; messages sent meanwhile are lost.
   virtual bool connected() const = 0;
-  /// Rises with every new connection: what was asked on an older one will not be answered.
+  /// Returns a number that rises with every new connection. Requests sent on an older connection
+  /// get no reply.
   virtual std::uint32_t generation() const = 0;
   virtual LinkTraffic traffic() const = 0;
 };

@@ -13,9 +13,9 @@ namespace {
 constexpr std::int64_t kUseUs = 500'000;
 constexpr double kConnectingTrips = 2;
 constexpr std::size_t kFrameOverhead = kWireHeaderBytes + 8;  // our header and WebSocket's
-constexpr std::size_t kControlBytes = 144;                    // a tile reply's control part
-// Among what is ready at one time: the welcome and tiles, then the scene's description, then by
-// request what comes in bulk.
+constexpr std::size_t kControlBytes = 144;                    // control part of a tile reply
+// Order of replies that are ready at one time: first the welcome and tiles, then the description of
+// the scene, then geometry and images by request id.
 constexpr std::uint32_t kAtOnce = 0, kDescription = 1, kFirstBulk = 2;
 
 std::size_t control_estimate(const Message& m) {
@@ -24,7 +24,7 @@ std::size_t control_estimate(const Message& m) {
   return builder.GetSize();
 }
 
-// 0: it answers nothing.
+// Returns the id of the request that the message answers; 0: none.
 std::uint32_t request_of(const Message& message) {
   const wire::BodyUnion& body = message.body;
   if (const wire::TileReplyT* tile = body.AsTileReply()) return tile->request_id;
@@ -36,7 +36,7 @@ std::uint32_t request_of(const Message& message) {
   return 0;
 }
 
-// A full render, or its refusal: neither bytes nor time of the model.
+// True for a full render or its refusal: the model charges neither bytes nor time for them.
 bool is_out_of_band(const Message& message) {
   const wire::RefusedT* refused = message.body.AsRefused();
   return message.body.type == wire::Body::ReferenceReply || (refused && refused->request_id == 0);
@@ -67,7 +67,7 @@ bool ModelledLink::connected() const {
 void ModelledLink::note_connection(std::int64_t now_us) {
   if (inner_.generation() == reached_) return;
   reached_ = inner_.generation();
-  // TCP, then the upgrade.
+  // One trip for TCP, one for the upgrade to WebSocket.
   connected_us_ = now_us + std::llround(kConnectingTrips * 1000.0 * model_.rtt_ms);
 }
 
@@ -92,7 +92,7 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
   if (message->body.type == wire::Body::Hello) {
     owed_welcome_ = true;
     greeted_ = inner_.generation();
-    // What the former connection owed will not come any more.
+    // Replies that the former connection owed will not come any more.
     asks_.clear();
     assets_asked_us_.clear();
     owed_images_ = owed_objects_ = 0;
@@ -118,7 +118,8 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
     const auto at = asks_.find(id);
     if (at != asks_.end()) at->second.cancelled_us = arrives;
   }
-  // Encoded ahead or by a worker of its own: no tile waits for it, and it waits for none.
+  // The server encodes them ahead or with a worker of their own, so they and tiles do not wait for
+  // each other.
   const std::int64_t ready = arrives + std::llround(std::max(model_.server_ms, 0.0) * 1000.0);
   for (const wire::MeshAsk& ask : batch->mesh_asks) assets_asked_us_[ask.request_id()] = ready;
   for (const wire::ImageAsk& ask : batch->image_asks) assets_asked_us_[ask.request_id()] = ready;
@@ -127,7 +128,7 @@ void ModelledLink::note_sent(const Bytes& bytes, std::int64_t now) {
 void ModelledLink::ask_view(const wire::ViewRequestT& view, std::int64_t arrives_us) {
   Ask entry;
   entry.arrives_us = arrives_us;
-  entry.error_px = std::numeric_limits<float>::infinity();  // between tiles, but before them
+  entry.error_px = std::numeric_limits<float>::infinity();  // ranks before every tile
   entry.view = true;
   entry.made_ahead = is_home_view(view);
   asks_[view.request_id] = std::move(entry);
@@ -147,8 +148,8 @@ void ModelledLink::collect_replies() {
   } while (blocking_ && owed() && inner_.connected() && inner_.generation() == greeted_ && wait_());
 }
 
-// What the client is told must be the model's times, in as many bytes: what this server took, and
-// what it has from others who were here, is none of them.
+// Replaces the server's times by the model's, without changing the number of bytes. The real times
+// vary, and so does what the server has cached for earlier clients.
 void ModelledLink::tell_model_times(Message& message) const {
   wire::WelcomeT* welcome = message.body.AsWelcome();
   if (welcome && model_.server_ms >= 0) {
@@ -194,7 +195,7 @@ std::int64_t ModelledLink::note_description(const Message& message) {
     owed_welcome_ = false;
     owed_images_ = welcome->images;
     owed_objects_ = welcome->objects;
-    if (welcome->instances > 0) opens_us_[0] = 0;  // what comes unasked
+    if (welcome->instances > 0) opens_us_[0] = 0;  // pages that come unasked
   } else if (const wire::ImagePageT* images = message.body.AsImagePage()) {
     owed_images_ -= std::min(owed_images_, images->images.size());
   } else if (const wire::ObjectPageT* page = message.body.AsObjectPage()) {
@@ -216,7 +217,7 @@ void ModelledLink::run_server(std::int64_t now) {
     it = gone && settled && ask.cancelled_us <= now ? asks_.erase(it) : std::next(it);
   }
   for (;;) {
-    // The server turns to the worst of what has arrived by the time it is free.
+    // A free server takes the ask with the largest error among those that have arrived.
     std::int64_t earliest = INT64_MAX;
     for (const auto& [id, ask] : asks_) {
       if (ask.answered) earliest = std::min(earliest, ask.arrives_us);
@@ -235,19 +236,20 @@ void ModelledLink::run_server(std::int64_t now) {
     double cost_ms = model_.server_ms;
     const wire::TileReplyT* tile = ask.reply.message.body.AsTileReply();
     if (cost_ms < 0) cost_ms = tile ? 0.001 * (tile->render_us + tile->encode_us) : 0.0;
-    // Not what this server has kept: whoever was here before would change the model's time.
+    // A view costs its full time even if the server has it cached: otherwise earlier clients would
+    // change the model's time.
     const bool view = ask.reply.message.body.AsViewReply();
     if (view) cost_ms = ask.made_ahead ? 0 : kViewTiles * std::max(cost_ms, 0.0);
-    // In real time the server has really spent it already.
+    // Real time: the reply already includes the server's time.
     const std::int64_t cost = blocking_ ? std::llround(cost_ms * 1000.0) : 0;
     server_free_us_ = start + cost;
     working_.add(start, server_free_us_);
-    // What the client is told must be the model's time (tell_model_times()).
+    // The client must read the model's time in the reply, too (tell_model_times()).
     if (blocking_ && tile) {
       ask.reply.message.body.AsTileReply()->server_us =
           static_cast<std::uint32_t>(server_free_us_ - ask.arrives_us);
     }
-    // A refusal of a view takes no time either.
+    // A refused view costs no time either.
     ready_.emplace(std::make_pair(server_free_us_, kAtOnce),
                    Ready{server_free_us_, false, ask.view, std::move(ask.reply)});
   }
@@ -261,7 +263,7 @@ void ModelledLink::transmit(std::deque<Item>& lane, std::int64_t start) {
   item.left -= n;
   if (item.left > 0) return;
   bytes_down_ += item.bytes;
-  // TCP delivers in order: what is late delays all behind it.
+  // TCP delivers in order: a late message delays all that follow.
   last_arrival_us_ = std::max(last_arrival_us_, downlink_free_us_ + delays_.one_way_us());
   arrived_.emplace_back(last_arrival_us_, std::move(item.message));
   lane.pop_front();
@@ -282,7 +284,7 @@ void ModelledLink::run_downlink(std::int64_t now) {
       lane.insert(ahead ? std::next(lane.begin()) : lane.end(), std::move(ready.item));
       ready_.erase(ready_.begin());
     }
-    // As the server does: tiles and bulk share the link by bytes.
+    // Tiles and bulk share the link by bytes, as on the server.
     const bool both = !tiles_lane_.empty() && !bulk_lane_.empty();
     if (!both) tile_lead_bytes_ = 0;
     const bool tile = both ? tile_lead_bytes_ <= 0 : bulk_lane_.empty();

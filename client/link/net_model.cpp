@@ -59,7 +59,7 @@ double NetDelays::uniform() {  // splitmix64
 
 std::int64_t NetDelays::one_way_us() {
   double ms = 0.5 * model_.rtt_ms;
-  if (model_.jitter_ms > 0) {  // the sum of four uniforms is normal enough
+  if (model_.jitter_ms > 0) {  // the sum of four uniform values is close enough to a normal one
     const double z = (uniform() + uniform() + uniform() + uniform() - 2.0) * 1.7320508;
     ms = std::max(0.0, ms + z * model_.jitter_ms);
   }

@@ -1,5 +1,5 @@
 #pragma once
-// An ask and its reply, as window and pace learn from them.
+// Tile trip: the timing of an ask and its reply, from which window and pace learn.
 
 #include <cstddef>
 #include <cstdint>
@@ -8,11 +8,11 @@ namespace mirage {
 
 struct TileTrip {
   std::int64_t sent_us = 0, came_us = 0;
-  std::int64_t server_us = 0;  ///< for which the server had it
-  std::size_t bytes = 0;       ///< as they came
-  /// Bytes as counted when it was asked for: the window is compared with these.
+  std::int64_t server_us = 0;  ///< time between the ask's arrival at the server and its reply
+  std::size_t bytes = 0;       ///< bytes of the reply
+  /// Bytes expected when it was asked for; the window is compared with these.
   double expected = 0;
-  std::size_t under_way = 0;  ///< asks without a reply when it was sent, itself among them
+  std::size_t under_way = 0;  ///< unanswered asks when this one was sent, including itself
 };
 
 }  // namespace mirage

@@ -15,7 +15,7 @@ namespace {
 
 constexpr rlim_t kSpareFiles = 64;
 constexpr unsigned int kReadBytes = 64 * 1024;
-constexpr std::size_t kKeptCapacity = 64 * 1024;              // per client
+constexpr std::size_t kKeptCapacity = 64 * 1024;              // bytes kept per client
 constexpr std::size_t kMaxTransferBytes = 32u * 1024 * 1024;  // the largest tile takes 20
 constexpr int kMaxWritesPerCallback = 16;
 
@@ -34,19 +34,20 @@ struct Connection {
   LinkState state = LinkState::kIdle;
   lws* socket = nullptr;
   std::vector<Bytes> outbound;
-  std::size_t sent = 0;  // of outbound
+  std::size_t sent = 0;  // bytes of `outbound` that were sent
   Bytes inbound;         // fragments of the message under way
-  FrameAssembler assembler{kMaxTransferBytes};
+  PacketAssembler assembler{kMaxTransferBytes};
   std::string down_id, down_text;
 };
 
-// A timer that knows its context: libwebsockets hands its callback the list node alone.
+// A timer that knows its context, because libwebsockets passes only the list node to its callback.
 struct WakeTimer {
   lws_sorted_usec_list_t node{};
   lws_context* context = nullptr;
 };
 
-// libwebsockets sizes its tables by this limit: no more than what is needed keeps them small.
+// Raises the limit on open files only as far as needed, because libwebsockets sizes its tables by
+// it.
 Result<void> allow_open_files(rlim_t wanted) {
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);
@@ -61,7 +62,7 @@ Result<void> allow_open_files(rlim_t wanted) {
   return {};
 }
 
-// Codes of one meaning keep its id; the others say themselves.
+// Returns the error id of a close code with one meaning; other codes name themselves.
 std::string id_from_close_code(int code) {
   for (const ErrorId id : {ErrorId::kAuth, ErrorId::kBusy, ErrorId::kWireVersion}) {
     if (code == close_code(id)) return std::string(error_name(id));
@@ -100,26 +101,26 @@ struct LoadClients::Impl {
     c.outbound = {};
     c.sent = 0;
     c.inbound = {};
-    c.assembler = FrameAssembler(kMaxTransferBytes);
+    c.assembler = PacketAssembler(kMaxTransferBytes);
     --live;
     if (!closing) sink.on_down(c.index, c.down_id, c.down_text);
   }
 
-  // These return what the libwebsockets callback is to return.
+  // The functions below return the value for the libwebsockets callback to return.
   int refuse(Connection& c, const Error& error) {
     c.down_id = error_name(error.id);
     c.down_text = error.text;
     return -1;
   }
 
-  int handle(Connection& c, const std::uint8_t* frame, std::size_t size) {
+  int handle(Connection& c, const std::uint8_t* packet, std::size_t size) {
     bytes += size;
-    const bool chunk = size > 3 && frame[3] == static_cast<std::uint8_t>(FrameKind::kChunk);
-    if (!chunk) {  // the ordinary case, without a copy
-      const Result<void> taken = sink.on_message(c.index, frame, size);
+    const bool chunk = size > 3 && packet[3] == static_cast<std::uint8_t>(PacketKind::kChunk);
+    if (!chunk) {  // the usual case, without a copy
+      const Result<void> taken = sink.on_message(c.index, packet, size);
       return taken ? 0 : refuse(c, taken.error());
     }
-    Result<std::optional<Bytes>> whole = c.assembler.accept(frame, size);
+    Result<std::optional<Bytes>> whole = c.assembler.accept(packet, size);
     if (!whole) return refuse(c, whole.error());
     if (!whole->has_value()) return 0;
     const Result<void> taken = sink.on_message(c.index, (*whole)->data(), (*whole)->size());
@@ -173,8 +174,8 @@ struct LoadClients::Impl {
 
 namespace {
 
-// A timer that is due before the wait begins would be served and forgotten, and the wait would
-// last until the next one: the cancel ends that wait, too.
+// A timer that is due before the wait begins would be served and forgotten, and the wait would last
+// until the next timer. The cancel ends that wait as well.
 void wake(lws_sorted_usec_list_t* node) {
   lws_cancel_service(reinterpret_cast<WakeTimer*>(node)->context);
 }
@@ -190,7 +191,7 @@ void note_close_code(Connection& c, const void* in, std::size_t length) {
 
 int on_client(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length) {
   auto* c = static_cast<Connection*>(user);
-  if (!c) return 0;  // events of the context, not of a connection
+  if (!c) return 0;  // an event of the context, not of a connection
   switch (reason) {
     case LWS_CALLBACK_CLIENT_ESTABLISHED:
       c->socket = wsi;
@@ -267,7 +268,7 @@ void LoadClients::connect(std::uint32_t client) {
   if (!lws_client_connect_via_info(&info)) {
     c.down_id = error_name(ErrorId::kNetworkConnect);
     c.down_text = "cannot connect";
-    impl_->down(c);  // nothing when the callback has said so already
+    impl_->down(c);  // no effect if the callback has reported it already
   }
 }
 

@@ -1,4 +1,4 @@
-// What a load run does with what arrives; load_run.cpp has the phases.
+// Replies of a load run: how it handles what arrives. load_run.cpp has the phases.
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@
 namespace mirage {
 namespace {
 
-constexpr std::uint64_t kVerifyDraw = 3;  // stream of random numbers; the plan has 1, 2, 4
+constexpr std::uint64_t kVerifyDraw = 3;  // stream of random numbers; the plan has 1, 2 and 4
 
 const char* refusal_name(wire::RefusalReason reason) {
   switch (reason) {
@@ -56,6 +56,8 @@ Result<void> LoadRun::on_message(std::uint32_t client, const std::uint8_t* bytes
     case wire::Body::ObjectPage:
     case wire::Body::InstancePage:
       return take_page(c, client, *message);
+    case wire::Body::LightProbePage:
+      return {};  // the surroundings of a scene without lights: nothing is shaded here
     case wire::Body::TileReply:
       return take_tile(client, *message);
     case wire::Body::Refused:
@@ -68,7 +70,7 @@ Result<void> LoadRun::on_message(std::uint32_t client, const std::uint8_t* bytes
       return {};
     }
     case wire::Body::Bye:
-      return {};  // the close that follows is what counts
+      return {};  // the close that follows counts
     default:
       return make_error(ErrorId::kWireState, "this message was not asked for");
   }
@@ -186,7 +188,7 @@ Result<void> LoadRun::take_tile(std::uint32_t client, const MessageView& message
   return {};
 }
 
-// Equal key and codec, equal content: for every tile and across all clients.
+// Checks that equal key and codec mean equal content, for every tile and across all clients.
 bool LoadRun::same_content(const wire::TileReply& reply) {
   const TileId key{reply.key_low() + reply.codec(), reply.key_high()};
   return contents_.try_emplace(key, reply.content_hash()).first->second == reply.content_hash();

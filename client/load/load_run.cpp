@@ -11,7 +11,8 @@
 namespace mirage {
 namespace {
 
-constexpr std::uint64_t kCreditBytes = std::uint64_t{1} << 40;  // never what holds a tile back
+// Credit that never holds back a tile.
+constexpr std::uint64_t kCreditBytes = std::uint64_t{1} << 40;
 constexpr std::size_t kWarmWindow = 64;
 constexpr std::int64_t kAnswerPatienceUs = 5'000'000;
 constexpr std::int64_t kClosePatienceUs = 2'000'000;
@@ -65,7 +66,7 @@ Result<void> LoadRun::meet_server() {
   const Client& scout = clients_[kScout];
   const auto over = [&] { return scout.stage == Stage::kDescribed || scout.stage == Stage::kDown; };
   std::uint32_t pages = 0;
-  do {  // a large scene takes its time: patience starts anew with every page
+  do {  // a large scene takes time: the wait restarts with every page
     pages = scout.pages;
     serve_until(over, clock_.now_us() + us(options_.connect_timeout_s));
   } while (!over() && scout.pages > pages);
@@ -207,7 +208,7 @@ void LoadRun::ask_at_intended_times() {
         next < plan_.asks.size() ? std::min(end, start_us_ + plan_.asks[next].intended_us) : end;
     serve(std::min(due - clock_.now_us(), kLongestWaitUs));
   }
-  // Due in the last instant, or never to be sent as nobody is left.
+  // These are due in the last instant, or will never be sent because no client is left.
   while (next < plan_.asks.size()) ask(next++, clock_.now_us());
   results_.bytes = bytes_before;  // wait_for_answers() takes the difference
 }
@@ -225,7 +226,7 @@ void LoadRun::wait_for_answers() {
 void LoadRun::count_unanswered() {
   for (AskState& state : asks_) {
     if (state == AskState::kWaiting) ++results_.errors["no-answer"];
-    state = AskState::kDone;  // what comes later is not counted twice
+    state = AskState::kDone;  // later answers do not count again
   }
 }
 
@@ -250,7 +251,7 @@ void LoadRun::ask(std::size_t index, std::int64_t now_us) {
     return;
   }
   const auto id = static_cast<std::uint32_t>(index + 1);
-  if (c.stage == Stage::kDescribed) {  // else it is asked for once the client is back
+  if (c.stage == Stage::kDescribed) {  // otherwise it asks once it is back
     link_->send(planned.client, ask_message(id, plan_.needs[planned.need]));
   }
   const std::int64_t lag_us = now_us - start_us_ - planned.intended_us;

@@ -1,11 +1,12 @@
 #pragma once
-// One load run, phase by phase:
+// Load run: one run, phase by phase.
+// Input:  options.
+// Output: results; replies go to the tile verifier on their way.
+// Thread: the caller's, which is also the network's.
+// Full:   never; open loop: asks are sent at their times, whether earlier ones were answered or
+//         not.
 //
 //   meet the server -> plan -> warm -> connect -> ask -> wait for answers -> close
-//
-// Input:  options. Output: results; replies go to the tile verifier on their way.
-// Thread: the caller's, which is the network's, too. Open loop: asks go out at their times whether
-//         or not earlier ones were answered.
 
 #include <memory>
 #include <unordered_map>
@@ -27,22 +28,23 @@ class LoadRun final : private LoadSink {
  public:
   explicit LoadRun(const LoadOptions& options) : options_(options) {}
 
-  /// Errors: kUsage, kNetworkConnect, kNetworkClosed, kNetworkTimeout, kAuth, kBusy, kWireVersion;
-  /// all of them from before asking began. What fails later is counted in the results.
+  /// Runs all phases. Errors: kUsage, kNetworkConnect, kNetworkClosed, kNetworkTimeout, kAuth,
+  /// kBusy, kWireVersion; all of them occur before asking begins. Later failures are counted in the
+  /// results.
   Result<LoadResults> run();
 
  private:
-  /// The client that meets the server and warms it up; then one like the others.
+  /// Index of the client that meets the server and warms it up. Afterwards it is like the others.
   static constexpr std::uint32_t kScout = 0;
   enum class Stage : std::uint8_t { kAway, kGreeting, kDescribed, kDown };
   struct Client {
     Stage stage = Stage::kAway;
-    std::uint32_t pages = 0;    // of the scene's description
-    std::uint32_t waiting = 0;  // asks without an answer
+    std::uint32_t pages = 0;    // pages of the scene's description
+    std::uint32_t waiting = 0;  // unanswered asks
   };
   enum class AskState : std::uint8_t { kPlanned, kWaiting, kDone };
 
-  // The phases.
+  // The phases of a run.
   Result<void> meet_server();
   Result<void> make_plan();
   Result<void> warm_up();
@@ -52,7 +54,7 @@ class LoadRun final : private LoadSink {
   void count_unanswered();
   std::optional<wire::StatsT> server_stats();
 
-  // LoadSink.
+  // Implements LoadSink.
   void on_open(std::uint32_t client) override;
   Result<void> on_message(std::uint32_t client, const std::uint8_t* bytes,
                           std::size_t size) override;
@@ -62,7 +64,7 @@ class LoadRun final : private LoadSink {
   Result<void> take_page(Client& c, std::uint32_t client, const MessageView& message);
   Result<void> take_tile(std::uint32_t client, const MessageView& message);
   void take_refusal(std::uint32_t client, const wire::Refused& refused);
-  /// The planned ask of this id when `client` waits for it; then it no longer does.
+  /// Returns the planned ask with this id if `client` waits for it, and ends that wait.
   const PlannedAsk* answered(std::uint32_t client, std::uint32_t request_id);
   bool same_content(const wire::TileReply& reply);
   void described(Client& c, std::uint32_t client);
@@ -71,14 +73,14 @@ class LoadRun final : private LoadSink {
   Result<void> write_urls() const;
   Bytes ask_message(std::uint32_t request_id, const TileNeed& need) const;
   Error why_down() const;
-  /// Serves the network until `done` or the deadline; true when done.
+  /// Serves the network until `done` or the deadline. Returns true if done.
   template <typename Done>
   bool serve_until(Done done, std::int64_t deadline_us);
   void serve(std::int64_t wait_us);
   void show_progress(std::int64_t now_us);
 
   void try_again();
-  /// Asks once more for what the client still waits for.
+  /// Repeats the asks that the client still waits for.
   void ask_again(std::uint32_t client);
 
   const LoadOptions& options_;
@@ -86,9 +88,9 @@ class LoadRun final : private LoadSink {
   std::unique_ptr<LoadClients> link_;
   TileVerifier verifier_;
   std::vector<Client> clients_;
-  std::uint32_t described_ = 0;  // clients that are up and know the scene
+  std::uint32_t described_ = 0;  // connected clients that know the scene
   std::uint32_t down_ = 0;
-  std::string down_id_, down_text_;  // the last one's
+  std::string down_id_, down_text_;  // of the client that went down last
   SceneView scene_;
   std::uint32_t scene_pages_ = 0;
   std::vector<std::uint64_t> scratch_;

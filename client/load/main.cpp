@@ -25,7 +25,7 @@ Result<void> write_report(const LoadResults& results, const std::string& json_fi
 }
 
 Result<void> run_load(const LoadOptions& options) {
-  // Known now rather than after the run; nothing is written yet.
+  // Checks now, not after the run, that the file can be written; nothing is written yet.
   if (!options.json_file.empty() && !std::ofstream(options.json_file, std::ios::app)) {
     return make_error(ErrorId::kIo, "cannot write '" + options.json_file + "'");
   }

@@ -8,9 +8,9 @@ namespace mirage {
 
 Result<MessageView> MessageView::create(const std::uint8_t* bytes, std::size_t size,
                                         std::vector<std::uint64_t>& scratch) {
-  Result<FrameHeader> header = read_frame_header(bytes, size);
+  Result<PacketHeader> header = read_packet_header(bytes, size);
   if (!header) return header.error();
-  if (header->kind != FrameKind::kMessage || header->control_bytes == 0) {
+  if (header->kind != PacketKind::kMessage || header->control_bytes == 0) {
     return make_error(ErrorId::kWireMalformed, "message has no control part");
   }
   const std::size_t control_bytes = header->control_bytes;

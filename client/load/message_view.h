@@ -1,5 +1,6 @@
 #pragma once
-// A message read in place: what decode_message() checks, without copying payload or tables.
+// Message view: a message read in place. It makes the checks of decode_message() without copying
+// payload or tables.
 
 #include "protocol/wire/message.h"
 
@@ -7,8 +8,9 @@ namespace mirage {
 
 class MessageView {
  public:
-  /// `bytes` must outlive the view; the control part is copied into `scratch` (alignment), which
-  /// must outlive it, too. Errors: kWireMalformed, kWireVersion, kWireLimit, kWireValue.
+  /// Reads a message. `bytes` must outlive the view. The control part is copied into `scratch` for
+  /// its alignment; that must outlive the view as well. Errors: kWireMalformed, kWireVersion,
+  /// kWireLimit, kWireValue.
   static Result<MessageView> create(const std::uint8_t* bytes, std::size_t size,
                                     std::vector<std::uint64_t>& scratch);
 

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "client/frame/camera_path.h"
+#include "client/load/report.h"
 #include "protocol/base/cli.h"
 #include "protocol/base/limits.h"
 
@@ -67,68 +68,94 @@ Result<LoadOptions::Shard> parse_shard(const std::string& text) {
                     "0/8 to 7/8 are the shards of eight machines");
 }
 
-}  // namespace
-
-int parse_options(int argc, char** argv, LoadOptions& o) {
-  CLI::App app("Loads a mirage-server with scripted clients and reports latency.", "mirage-load");
-  app.footer(
-      "Requests go out at times fixed beforehand; latency counts from those times, so a stalled\n"
-      "client still counts. Exit code 6 when a tile fails verification.\n"
-      "Example: mirage-load ws://127.0.0.1:9870 --clients 100 --duration 10 --rate 5 --warm "
-      "--json load.json");
-  std::string size = "640x360", token_file, shard;
-  app.add_option("URL", o.url_text, "server address, ws://HOST:PORT")->required();
+void add_load_options(CLI::App& app, LoadOptions& o) {
+  app.option_defaults()->group("Load");
+  app.add_option("URL", o.url_text, "address of the server, such as ws://127.0.0.1:9870")
+      ->required();
   app.add_option("--clients", o.clients, "connections at a time")
       ->check(CLI::Range(1, 60'000))
       ->capture_default_str();
-  app.add_option("--duration", o.duration_s, "seconds to ask for")
+  app.add_option("--duration", o.duration_s, "seconds during which clients ask")
       ->check(CLI::Range(0.1, 86'400.0))
       ->capture_default_str();
-  app.add_option("--rate", o.rate_hz, "tiles asked for per client and second")
+  app.add_option("--rate", o.rate_hz, "tiles that each client asks for per second")
       ->check(CLI::Range(0.001, 10'000.0))
       ->capture_default_str();
+  app.add_flag("--reconnect", o.reconnect,
+               "clients that lose the server connect again and repeat what they waited for");
+  app.add_option("--connect-rate", o.connects_per_s, "connections opened per second")
+      ->check(CLI::Range(1.0, 100'000.0))
+      ->capture_default_str();
+  app.add_option("--connect-timeout", o.connect_timeout_s,
+                 "give up connecting or warming after so many seconds without progress")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  app.add_option("--seed", o.seed, "seed of the clients' starting points and times")
+      ->capture_default_str();
+}
+
+void add_view_options(CLI::App& app, LoadOptions& o, std::string& size) {
+  app.option_defaults()->group("What clients look at");
   app.add_option("--path", o.path,
-                 "file of `x y z rx ry rz t_ms` lines, or builtin:still|orbit|walk|fly|shake|"
-                 "strafe|teleport")
+                 "camera path: a file of `x y z rx ry rz t_ms` lines, or "
+                 "builtin:still|orbit|walk|fly|shake|strafe|teleport")
+      ->type_name("PATH")
       ->capture_default_str();
   app.add_option("--spread", o.spread_s,
-                 "clients start at points within this many seconds of the path; 0: all at one")
+                 "clients start within so many seconds of the path; 0: all at one point")
       ->check(CLI::Range(0.0, 86'400.0))
       ->capture_default_str();
   app.add_option("--fps", o.fps, "camera steps per second")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
-  app.add_option("--size", size, "WxH of the clients' views")->capture_default_str();
-  app.add_option("--fov", o.fov_degrees, "vertical field of view in degrees")
+  app.add_option("--size", size, "size of the clients' pictures, WxH pixels")
+      ->type_name("WxH")
+      ->capture_default_str();
+  app.add_option("--fov", o.fov_degrees, "vertical field of view, degrees")
       ->check(CLI::Range(limits::kMinFovDegrees, limits::kMaxFovDegrees))
       ->capture_default_str();
-  app.add_option("--tau", o.tau_px, "error target in pixels")
+  app.add_option("--tau", o.tau_px, "error that an impostor may show, pixels")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
-  app.add_option("--verify", o.verify_share, "share of tiles that is decoded and checked")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  app.add_option("--seed", o.seed, "of the clients' offsets and phases")->capture_default_str();
+}
+
+void add_result_options(CLI::App& app, LoadOptions& o, std::string& token_file,
+                        std::string& shard) {
+  app.option_defaults()->group("Warming, results");
   CLI::Option* warm =
-      app.add_flag("--warm", o.warm, "first ask for every tile of the run once, unmeasured");
+      app.add_flag("--warm", o.warm, "first ask for every tile of the run once, without measuring");
   app.add_option(
          "--warm-shard", shard,
-         "I/N: ask once for every Nth tile of the run from the Ith on (0 to N-1), then end: "
-         "N machines warm the store that servers share, as an array of jobs")
+         "I/N: ask once for every Nth tile of the run from the Ith on, then end; N machines "
+         "fill a shared store in this way")
+      ->type_name("I/N")
       ->excludes(warm);
-  app.add_option("--urls", o.urls_file,
-                 "write the paths by which the run's tiles are got with HTTP, a line each");
-  app.add_flag("--reconnect", o.reconnect,
-               "clients that lose the server come back, and ask again for what they waited for");
-  app.add_option("--connect-rate", o.connects_per_s, "connections opened per second")
-      ->check(CLI::Range(1.0, 100'000.0))
+  app.add_option("--verify", o.verify_share, "share of the tiles that are decoded and checked")
+      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--connect-timeout", o.connect_timeout_s,
-                 "seconds without any progress before connecting or warming is given up")
-      ->check(CLI::Range(0.1, 3600.0))
-      ->capture_default_str();
-  app.add_option("--json", o.json_file, "write the results here as JSON");
-  app.add_option("--token-file", token_file, "the server's token");
+  app.add_option("--json", o.json_file, "write the results to this file as JSON")
+      ->type_name("FILE");
+  app.add_option("--urls", o.urls_file, "write the HTTP paths of the run's tiles to this file")
+      ->type_name("FILE");
+  app.add_option("--token-file", token_file, "file whose first line is the server's token")
+      ->type_name("FILE");
+}
+
+}  // namespace
+
+int parse_options(int argc, char** argv, LoadOptions& o) {
+  CLI::App app("Loads a mirage-server with scripted clients and reports latency.", "mirage-load");
+  app.footer(
+      "Requests leave at times that are fixed beforehand. Latency counts from those times, so that "
+      "a stalled client still counts. The exit code is 6 if a tile fails verification.\n\n"
+      "Example: mirage-load ws://127.0.0.1:9870 --clients 100 --duration 10 --rate 5 --warm "
+      "--json load.json");
+  std::string size = "640x360", token_file, shard;
+  add_load_options(app, o);
+  add_view_options(app, o, size);
+  add_result_options(app, o, token_file, shard);
+  add_page(app, "--help-statistics", "print every figure of --json with its meaning and exit",
+           load_statistics_page);
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
   if (!shard.empty()) {

@@ -12,7 +12,7 @@ struct LoadOptions {
   std::string url_text;
   std::uint32_t clients = 10;
   double duration_s = 10;
-  double rate_hz = 10;  ///< tiles asked for per client and second
+  double rate_hz = 10;  ///< tiles asked for, per client and second
   std::string path = "builtin:walk";
   double spread_s = 60;  ///< clients start within this stretch of the path
   double fps = 30;       ///< steps of a client's camera per second
@@ -23,7 +23,7 @@ struct LoadOptions {
   std::uint64_t seed = 1;
   bool warm = false;
   bool reconnect = false;
-  /// Of the run's tiles those to ask for once, and nothing else: every `of`th from `index` on.
+  /// A share of the run's tiles, each asked for once: every `of`th tile from `index` on.
   struct Shard {
     std::uint32_t index = 0, of = 1;
   };
@@ -35,7 +35,7 @@ struct LoadOptions {
   std::string token;
 };
 
-/// Reads the command line; returns an exit code when the program is to end at once, else -1.
+/// Reads the command line. Returns an exit code if the program should end at once, otherwise -1.
 int parse_options(int argc, char** argv, LoadOptions& options);
 
 }  // namespace mirage

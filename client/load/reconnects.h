@@ -1,6 +1,9 @@
 #pragma once
-// Clients that have lost their server: when each tries again, and how long it was away.
-// Thread: the caller's; time is what it is told.
+// Reconnects: clients that have lost their server, when each tries again, and how long it was away.
+// Input:  losses and returns of clients.
+// Output: the clients that try now.
+// Thread: the caller's; the time comes with every call.
+// Full:   never; one entry a client.
 
 #include <cstdint>
 #include <map>
@@ -14,14 +17,14 @@ class Reconnects {
  public:
   explicit Reconnects(std::uint64_t seed) : seed_(seed) {}
 
-  /// It tries again after 10 to 20 ms, at each further loss before it is back after twice as long,
-  /// a second at most.
+  /// Notes a loss. The client tries again after 10 to 20 ms. Each further loss before it is back
+  /// doubles that, up to a second.
   void lost(std::uint32_t client, std::int64_t now_us);
-  /// Those who try now.
+  /// Returns the clients that try now.
   std::vector<std::uint32_t> take_due(std::int64_t now_us);
-  /// It is as it was before; how long it was away, ms. nullopt: it was not.
+  /// Notes that the client is back. Returns how long it was away, ms; nullopt: it was not away.
   std::optional<double> back(std::uint32_t client, std::int64_t now_us);
-  /// Those who are not back.
+  /// Returns the number of clients that are not back.
   std::size_t away() const { return away_.size(); }
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// Microseconds are all that was measured; more digits would be noise.
+// Rounds to microseconds: that is the precision measured, and more digits would be noise.
 ordered_json rounded(double v) { return std::round(v * 1000) / 1000; }
 
 ordered_json at_quantile(const std::vector<float>& values, double q) {

@@ -10,17 +10,19 @@
 namespace mirage {
 namespace {
 
-constexpr double kMinRadiusPx = 0.5;       // as the viewer: smaller ones are not asked for
-constexpr std::size_t kMaxPerStep = 1024;  // in view; bounds memory in scenes of a million
+constexpr double kMinRadiusPx = 0.5;  // smaller ones are not asked for, as in the viewer
+// Instances in view; limits memory in scenes of a million.
+constexpr std::size_t kMaxPerStep = 1024;
 constexpr std::uint64_t kOffsets = 1, kPhases = 2, kStarts = 4;
 
-/// What is in view at the steps of the path, made when first needed; clients share them.
+/// Instances in view at the steps of the path. A step is computed when first needed; clients share
+/// it.
 class Steps {
  public:
   Steps(const SceneView& scene, const CameraPath& path, const PlanOptions& options)
       : scene_(scene), path_(path), options_(options) {}
 
-  /// Instances worth a tile, largest first.
+  /// Returns the instances worth a tile, largest first.
   const std::vector<std::uint32_t>& in_view(std::int64_t step) {
     const auto [at, fresh] = steps_.try_emplace(step);
     if (fresh) at->second = look(camera(step));
@@ -33,7 +35,7 @@ class Steps {
     plan.tau_px = options_.tau_px;
     TileNeed need = need_for_view(v, plan);
     need.instance = instance;
-    need.error_px = 2 * radius_px(v);  // as for an instance that shows nothing yet
+    need.error_px = 2 * radius_px(v);  // as if the instance showed nothing yet
     return need;
   }
 
@@ -85,7 +87,7 @@ class Planner {
                                                   (spread_steps + 1));
     const double phase = seeded_share(options_.seed, kPhases, client);
     const double start = seeded_share(options_.seed, kStarts, client);
-    std::unordered_set<std::uint32_t> had;  // their turn
+    std::unordered_set<std::uint32_t> had;  // instances asked for in this turn
     for (std::uint64_t k = 0;; ++k) {
       const double t = (static_cast<double>(k) + phase) / options_.rate_hz;
       if (t >= options_.duration_s) break;
@@ -117,7 +119,7 @@ class Planner {
   }
 
   std::uint32_t index_of(const TileNeed& need) {
-    TileKey key;  // stands for the ask only: lit objects differ by instance, so it takes its place
+    TileKey key;  // stands for the ask only; the instance is included because its light matters
     key.object = need.instance;
     key.cell = need.cell;
     key.distance = need.distance;

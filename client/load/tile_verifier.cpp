@@ -4,7 +4,7 @@
 
 namespace mirage {
 namespace {
-constexpr std::size_t kMaxWaiting = 8192;  // some 15 KB each
+constexpr std::size_t kMaxWaiting = 8192;  // tiles of some 15 KB
 }
 
 Result<void> verify_tile(const VerifyTask& task) {
@@ -29,7 +29,7 @@ Result<void> verify_tile(const VerifyTask& task) {
 TileVerifier::TileVerifier() : tasks_(kMaxWaiting), thread_([this] { run(); }) {}
 
 void TileVerifier::run() {
-  // On Linux this is the calling thread's own niceness. If it fails, checking is merely dearer.
+  // Linux sets the niceness of the calling thread alone. If this fails, checking only costs more.
   [[maybe_unused]] const int niceness = nice(19);
   while (const std::optional<VerifyTask> task = tasks_.pop()) {
     const Result<void> good = verify_tile(*task);

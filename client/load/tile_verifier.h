@@ -1,8 +1,9 @@
 #pragma once
-// Tile verifier.
-// Input:  copies of tile replies. Output: how many were decoded in full, how many failed, and why.
+// Tile verifier: decodes tiles in full beside the run.
+// Input:  copies of tile replies.
+// Output: how many were decoded in full, how many failed, and why.
 // Thread: its own, at the lowest priority, so that checking does not slow what is measured.
-// Full:   the tile is not verified; `verified` counts only what was.
+// Full:   the tile is not verified; `verified` counts only those that were.
 
 #include <atomic>
 #include <string>
@@ -18,8 +19,9 @@ struct VerifyTask {
   Bytes planes;
 };
 
-/// Decodes in full: planes fit the crop within the window, their hash is the announced one, and
-/// texels without coverage have no colour. Errors: kCodec, kWireValue, kComparison.
+/// Decodes the tile in full and checks it: planes fit the crop within the window, their hash is the
+/// announced one, and texels without coverage have no colour. Errors: kCodec, kWireValue,
+/// kComparison.
 Result<void> verify_tile(const VerifyTask& task);
 
 class TileVerifier {
@@ -28,12 +30,12 @@ class TileVerifier {
   ~TileVerifier() { finish(); }
 
   void submit(VerifyTask task) { tasks_.try_push(task); }
-  /// Checks what is still waiting; the results below are final then.
+  /// Checks what is still waiting; the results below are final afterwards.
   void finish();
 
   std::uint64_t verified() const { return verified_; }
   std::uint64_t failures() const { return failures_; }
-  /// The first failure's error line; after finish().
+  /// Returns the first failure's error line; valid after finish().
   const std::string& first_failure() const { return first_failure_; }
 
  private:

@@ -18,8 +18,9 @@ constexpr std::size_t kMaxOutbound = 1024;
 constexpr std::size_t kMaxInbound = 4096;
 constexpr int kFirstPauseMs = 100;
 constexpr int kLongestPauseMs = 5000;
-constexpr int kMostChancePercent = 15;           // of a pause: it still grows from one to the next
-constexpr std::uint64_t kWebSocketOverhead = 8;  // frame header, roughly: 2 to 14 bytes
+constexpr int kMostChancePercent = 15;  // of a pause; small enough that pauses still grow
+// Header of a WebSocket packet, roughly: 2 to 14 bytes.
+constexpr std::uint64_t kWebSocketOverhead = 8;
 
 using SteadyTime = std::chrono::steady_clock;
 
@@ -49,13 +50,13 @@ struct NativeLink::Impl {
   std::deque<std::pair<SteadyTime::time_point, Message>> inbound;
   std::string problem;
   std::optional<Error> refusal;
-  // Network thread only.
+  // The network thread alone uses these.
   Bytes fragments;
-  FrameAssembler assembler{limits::kMaxTransferBytes};
+  PacketAssembler assembler{limits::kMaxTransferBytes};
   std::uint32_t next_transfer = 1;
   int pause_ms = kFirstPauseMs;
   std::minstd_rand chance{std::random_device{}()};
-  // libwebsockets sleeps until it has something to do: the next try is a timer of its own.
+  // A timer for the next try, because libwebsockets sleeps until it has something to do.
   struct RetryTimer {
     lws_sorted_usec_list_t timer{};  // first member: the callback gets its address
     Impl* impl = nullptr;
@@ -96,7 +97,7 @@ struct NativeLink::Impl {
   static void on_retry(lws_sorted_usec_list_t* timer) {
     Impl* impl = reinterpret_cast<RetryTimer*>(timer)->impl;
     if (!impl->stopping && !impl->socket) impl->connect();
-    // A timer served before the poll does not end the poll: make it look again.
+    // A timer that runs before the poll does not end the poll, so wake it.
     lws_cancel_service(impl->context);
   }
 
@@ -104,13 +105,13 @@ struct NativeLink::Impl {
     if (stopping) return;
     socket = nullptr;
     fragments.clear();
-    assembler = FrameAssembler(limits::kMaxTransferBytes);
+    assembler = PacketAssembler(limits::kMaxTransferBytes);
     const std::lock_guard<std::mutex> lock(mutex);
     connected = false;
     outbound.clear();
     if (problem.empty() || !why.empty()) problem = why;
     tell();
-    // Some more by chance: the clients of a server that is back do not come all at once.
+    // A random part is added, so that clients do not all return at once when their server is back.
     const int more_ms = pause_ms * kMostChancePercent / 100;
     connect_later(pause_ms + std::uniform_int_distribution<int>(0, more_ms)(chance));
     pause_ms = std::min(pause_ms * 2, kLongestPauseMs);
@@ -126,24 +127,24 @@ struct NativeLink::Impl {
     tell();
   }
 
-  // Returns what the libwebsockets callback is to return.
+  // Takes bytes of a packet. Returns the value for the libwebsockets callback to return.
   int receive(lws* wsi, const std::uint8_t* bytes, std::size_t n) {
     if (fragments.size() + n > limits::kMaxMessageBytes) return -1;
     fragments.insert(fragments.end(), bytes, bytes + n);
     if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi) > 0) return 0;
-    const Bytes frame = std::exchange(fragments, {});
-    Result<std::optional<Bytes>> whole = assembler.accept(frame.data(), frame.size());
+    const Bytes packet = std::exchange(fragments, {});
+    Result<std::optional<Bytes>> whole = assembler.accept(packet.data(), packet.size());
     if (!whole) return refuse(whole.error());
     if (!whole->has_value()) {
-      pending_bytes += frame.size() + kWebSocketOverhead;
+      pending_bytes += packet.size() + kWebSocketOverhead;
       return 0;
     }
     Result<Message> message = decode_message((*whole)->data(), (*whole)->size());
     if (!message) return refuse(message.error());
-    // One who is turned away at every hello comes more and more seldom.
+    // A client that is turned away at every hello keeps its growing pauses; a welcome ends them.
     if (message->body.type == wire::Body::Welcome) pause_ms = kFirstPauseMs;
-    pending_bytes += frame.size() + kWebSocketOverhead;
-    // Reference frames serve the comparison, not the product: they are not counted.
+    pending_bytes += packet.size() + kWebSocketOverhead;
+    // Full renders are not counted, because they serve comparison, not the product.
     if (message->body.type != wire::Body::ReferenceReply) bytes_down += pending_bytes;
     pending_bytes = 0;
     const std::lock_guard<std::mutex> lock(mutex);
@@ -170,12 +171,12 @@ struct NativeLink::Impl {
       outbound.pop_front();
       more = !outbound.empty();
     }
-    for (const Bytes& frame : split_into_frames(std::move(message), next_transfer++)) {
-      std::vector<std::uint8_t> buffer(LWS_PRE + frame.size());
-      std::memcpy(buffer.data() + LWS_PRE, frame.data(), frame.size());
-      bytes_up += frame.size() + kWebSocketOverhead + 4;  // clients mask
-      const int n = lws_write(wsi, buffer.data() + LWS_PRE, frame.size(), LWS_WRITE_BINARY);
-      if (n < static_cast<int>(frame.size())) return -1;
+    for (const Bytes& packet : split_into_packets(std::move(message), next_transfer++)) {
+      std::vector<std::uint8_t> buffer(LWS_PRE + packet.size());
+      std::memcpy(buffer.data() + LWS_PRE, packet.data(), packet.size());
+      bytes_up += packet.size() + kWebSocketOverhead + 4;  // 4 bytes: clients mask
+      const int n = lws_write(wsi, buffer.data() + LWS_PRE, packet.size(), LWS_WRITE_BINARY);
+      if (n < static_cast<int>(packet.size())) return -1;
     }
     if (more) lws_callback_on_writable(wsi);
     return 0;

@@ -1,8 +1,10 @@
 #pragma once
 // Native link: a WebSocket client on its own thread (libwebsockets).
-// Input:  messages to send. Output: decoded messages. Thread: its own.
-// Full:   the inbound queue stops reading (back-pressure through TCP); outbound messages beyond the
-//         queue are dropped and counted as a broken link.
+// Input:  messages to send.
+// Output: decoded messages.
+// Thread: its own.
+// Full:   it stops reading when the inbound queue is full (back-pressure through TCP). Outbound
+//         messages beyond the queue are dropped, and count as a broken link.
 
 #include <functional>
 #include <memory>
@@ -16,8 +18,8 @@ namespace mirage {
 
 class NativeLink final : public Link {
  public:
-  /// Starts connecting, and reconnects with growing pauses until destroyed. `arrived` is called on
-  /// the network's thread when a message is there to receive, or the link goes up or down.
+  /// Starts connecting, and reconnects with growing pauses until it is destroyed. The network
+  /// thread calls `arrived` when a message can be received, or when the link goes up or down.
   explicit NativeLink(const ServerUrl& url, std::function<void()> arrived = nullptr);
   ~NativeLink() override;
 
@@ -27,15 +29,16 @@ class NativeLink final : public Link {
   std::uint32_t generation() const override;
   LinkTraffic traffic() const override;
 
-  /// Waits until connected or the time is over.
+  /// Waits until connected or until the time is over. Returns true if connected.
   bool wait_connected(int timeout_ms) const;
   /// Waits until something has arrived, the link has gone down, or the time is over.
   void wait_message(int timeout_ms) const;
-  /// Why the last connection failed or was closed; empty while all is well.
+  /// Returns why the last connection failed or was closed; empty: all is well.
   std::string last_problem() const;
-  /// The last message of the server that this client refused (and closed the connection for).
+  /// Returns the error of the last message that this client refused; it closed the connection for
+  /// it.
   std::optional<Error> refusal() const;
-  /// The server closed with this code (4003: token refused …); 0: none.
+  /// Returns the code with which the server closed (4003: token refused …); 0: none.
   int last_close_code() const;
 
   struct Impl;

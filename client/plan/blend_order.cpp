@@ -24,7 +24,7 @@ void sort_for_blending(std::vector<DrawnImpostor>& impostors, const SceneView& s
       std::any_of(impostors.begin(), impostors.end(), [&](const DrawnImpostor& drawn) {
         return scene.objects[scene.instances[drawn.instance].object].needs & kNeedBlend;
       });
-  if (!through) return;  // as they come: by far sides
+  if (!through) return;  // they already are in the order of their far sides
   std::vector<std::pair<double, std::size_t>> order(impostors.size());
   for (std::size_t i = impostors.size(); i-- > 0;) {
     const bool fades = i + 1 < order.size() && impostors[i].instance == impostors[i + 1].instance;

@@ -1,6 +1,5 @@
 #pragma once
-// In which order impostors are drawn: back to front, so that soft fragments lie over what is
-// behind.
+// Blend order: impostors are drawn back to front, so that soft fragments lie over what is behind.
 
 #include <vector>
 
@@ -9,13 +8,13 @@
 
 namespace mirage {
 
-/// Where an impostor comes among what is blended, m from the eye; the larger, the sooner it is
-/// drawn. The far side of an object's sphere, so that what stands on or in another thing comes
-/// after it; of what is seen through the nearest content of its tile: what it contains comes before
-/// it.
+/// Returns the distance, m from the eye, by which an impostor is sorted; farther ones are drawn
+/// first. It is the far side of the object's sphere, so that a thing standing on or in another one
+/// is drawn after it. For an object with blended surfaces it is the nearest content of its tile, so
+/// that the things inside are drawn before it.
 double blend_distance(const DrawnImpostor& drawn, const SceneView& scene, const glm::dvec3& eye);
-/// Sorts by it, farthest first; equals keep their order, and tiles that fade into one another stay
-/// together.
+/// Sorts by blend_distance(), farthest first. Equals keep their order, and tiles that fade into one
+/// another stay together.
 void sort_for_blending(std::vector<DrawnImpostor>& impostors, const SceneView& scene,
                        const glm::dvec3& eye);
 

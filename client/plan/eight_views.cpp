@@ -11,11 +11,11 @@
 namespace mirage {
 namespace {
 
-constexpr double kEighth = 0.78539816339744831;  // of a turn
-// Nearly orthographic, as such views are baked: they serve any distance.
+constexpr double kEighth = 0.78539816339744831;  // an eighth of a turn
+// Such views are baked nearly orthographic, so that they serve any distance.
 constexpr double kBakedRadii = 64;
 constexpr double kTexelsPerPixel = 1.5;
-constexpr double kFineEnough = 0.7;  // of the edge wanted: a class and a half
+constexpr double kFineEnough = 0.7;  // of the wanted edge: a class and a half less will do
 constexpr double kSameDirection = 0.9999;
 
 glm::dvec3 axis_of(const TileRecord& tile) { return -tile.capture.basis.forward; }
@@ -55,7 +55,7 @@ std::optional<TileNeed> eight_view_need(const TileGroup& group, const ViewGeomet
   });
   if (held) return std::nullopt;
   if (group.tiles.empty()) need.size_class = coarse_class(need.size_class);
-  // Any image beats none; among wrong ones the largest on the screen.
+  // Any image beats none; of wrong images the largest on the screen matters most.
   need.error_px = (group.tiles.empty() ? 2 : 0.5) * std::min(radius_px, 1e4);
   need.life_s = kLongestLife;
   return need;

@@ -1,6 +1,7 @@
 #pragma once
-// The classic baseline, for comparison only: an object is shown by the nearest of eight views baked
-// around its horizon, flat, whatever the error is (Intel's forest of 2001, most engines since).
+// Eight views: the classic baseline, for comparison only. An object is shown by the nearest of
+// eight views baked around its horizon, flat, however large the error is (Intel's forest of 2001,
+// most engines since).
 
 #include <optional>
 
@@ -9,12 +10,14 @@
 
 namespace mirage {
 
-/// The tile captured nearest in direction, as a quad; of equally near ones the finest, then newest.
+/// Returns the tile captured nearest in direction, drawn as a quad. Of equally near tiles it takes
+/// the finest, then the newest.
 TileFit nearest_view(const TileGroup& group, const ObjectDescription& object,
                      const ViewGeometry& view);
 
-/// The one of the eight views that is nearest, at 1.5 texels per pixel; nullopt when `group` has it
-/// about as fine. `instance`, `light` and `gain` are left to the caller. `radius_px`: projected.
+/// Returns the need for the nearest of the eight views, at 1.5 texels per pixel; nullopt if `group`
+/// has it about as fine. The caller sets `instance`, `light` and `gain`. `radius_px` is the
+/// projected radius.
 std::optional<TileNeed> eight_view_need(const TileGroup& group, const ViewGeometry& view,
                                         double radius_px);
 

@@ -10,32 +10,36 @@ namespace {
 
 constexpr int kMostSamples = 4;
 constexpr double kScales[] = {1, 0.75, 0.625, 0.5, 0.375, 0.25};
-// A frame is planned to take so much of the budget: what it takes is known to a few per cent.
+// Share of the budget that a frame is planned to take: its time is predictable to a few per cent.
 constexpr double kPlannedShare = 0.95;
-// Another setting must promise so much less error, and the present one have lasted so long.
+// Another setting must promise an error of at most this share, and the present one must have lasted
+// this long.
 constexpr double kBetterSetting = 0.9;
 constexpr std::int64_t kSettingLastsUs = 500'000;
-// Of the error of what is shown: less is no reason to change it. Ways differ by a tenth or two.
+// Factor on the error of the way shown now, so that small gains do not change it. Ways differ by a
+// tenth or two.
 constexpr double kStays = 0.95;
-// One frame in forty may be late, by more than a tenth of the budget: one that is takes so much of
-// what is planned away, and one in time gives a 39th of it back (a quantile followed by stochastic
-// approximation, Robbins and Monro 1951); after a strain that has passed, so many in a row, more.
+// One frame in forty may take more than 1.1 times the budget. A late frame takes 6 % from what is
+// planned, and one in time gives a 39th of that back (a quantile followed by stochastic
+// approximation, Robbins and Monro 1951). After kPassed frames in time the strain has passed, and
+// each frame gives back more.
 constexpr double kLate = 1.1, kLateTakes = 0.06, kInTimeGives = kLateTakes / 39, kMostExcess = 3;
 constexpr int kPassed = 80;
 constexpr double kPassedGives = 0.01;
-// A frame, at most: what has just become affordable may not stay, and is not asked for yet.
+// Lambda falls by at most this factor a frame: what has just become affordable may not stay so, and
+// is not asked for yet.
 constexpr double kLambdaFalls = 0.8;
-constexpr double kShortestMs = 1e-9;  // of a step: what costs nothing comes first
+constexpr double kShortestMs = 1e-9;  // of a step, so that free steps come first
 constexpr double kLeastLambda = 1;    // FLIP px a ms: as good as nothing
 
 bool is_tile(Look look) { return look == Look::kFlat || look == Look::kDeep; }
 
-// Whether one is drawn beneath the other while that fades in: geometry and tiles are.
+// True if a change from one way to the other fades: between geometry and tiles.
 bool crosses(Look from, Look to) {
   return (from == Look::kMesh && is_tile(to)) || (to == Look::kMesh && is_tile(from));
 }
 
-// Whether a fade under way goes on when the thing is drawn so.
+// True if a fade under way goes on when the thing is drawn this way.
 bool goes_on(const Alternatives& thing, Look look) {
   return thing.leaving && thing.shown && !crosses(*thing.shown, look);
 }
@@ -115,7 +119,8 @@ std::vector<Choice> FramePlan::ways(const Alternatives& thing, const FrameSettin
   };
   const bool only_mesh = thing.mesh_only && !thing.levels.empty();
   if (!only_mesh) {
-    // A tile is drawn wherever there is one; a view, where it shows more than a placeholder.
+    // A tile is used wherever there is one; without a tile, the view tile if it errs less than a
+    // placeholder.
     const Choice flat = way(thing, Look::kFlat, 0, setting);
     const Choice view = way(thing, Look::kView, 0, setting);
     const Choice nothing = way(thing, Look::kNothing, 0, setting);
@@ -123,7 +128,7 @@ std::vector<Choice> FramePlan::ways(const Alternatives& thing, const FrameSettin
     add(way(thing, Look::kDeep, 0, setting));
   }
   for (std::size_t i = 0; i < thing.levels.size(); ++i) add(way(thing, Look::kMesh, i, setting));
-  if (out.empty()) out.push_back({});  // of no finite size
+  if (out.empty()) out.push_back({});  // its area is not finite
   return out;
 }
 
@@ -168,8 +173,8 @@ double FramePlan::frame_ms(const Camera& camera, const std::vector<Alternatives>
   return prices_->ms_of(frame);
 }
 
-// The cheapest way of a thing, and its steps to dearer ones, each with less gain a millisecond than
-// the one before it.
+// Adds the cheapest way of a thing, and the steps to more expensive ones. Each step gains less a
+// millisecond than the one before it.
 void FramePlan::add_steps(std::uint32_t index, const Alternatives& thing,
                           const FrameSetting& setting, Outcome& out,
                           std::vector<Step>& steps) const {
@@ -180,7 +185,7 @@ void FramePlan::add_steps(std::uint32_t index, const Alternatives& thing,
   std::vector<Point> points;
   for (const Choice& choice : ways(thing, setting)) {
     const bool stays = thing.shown == choice.look;
-    // To fade to what is cheaper is no reason to go on with what is dear.
+    // A fade to a cheaper way is not charged: its cost would keep the expensive way alive.
     const bool dearer =
         choice.look == Look::kMesh && thing.shown && crosses(*thing.shown, choice.look);
     points.push_back({choice, (stays ? kStays : 1) * choice.error,
@@ -228,7 +233,7 @@ FramePlan::Outcome FramePlan::solve(const Camera& camera, const std::vector<Alte
   out.ms = frame_ms(camera, things, setting);
   out.choices.reserve(things.size());
   for (std::uint32_t i = 0; i < things.size(); ++i) add_steps(i, things[i], setting, out, steps);
-  // What fades in is shown at once where there is no time for what is beneath.
+  // The new way is shown at once where there is no time to draw the way beneath.
   for (std::size_t i = 0; i < things.size() && out.ms > planned_ms(); ++i) {
     if (!goes_on(things[i], out.choices[i].look)) continue;
     out.choices[i].fades = false;
@@ -252,7 +257,7 @@ void FramePlan::take_steps(const std::vector<Alternatives>& things, const FrameS
     const Choice to = way(thing, step.look, step.level, setting);
     const double ms = step.ms + out.levels.change_ms(thing, choice, to);
     if (out.ms + ms > most) {
-      // What comes later and takes less time may still fit; the dearer ways of this thing do not.
+      // A later step may still fit; more expensive ways of this thing will not.
       stopped[step.thing] = true;
       out.lambda = std::max(out.lambda, step.gain / std::max(ms, kShortestMs));
       continue;
@@ -264,7 +269,7 @@ void FramePlan::take_steps(const std::vector<Alternatives>& things, const FrameS
   }
 }
 
-// What becomes cheaper fades as far as there is time left.
+// Lets changes from geometry to tiles fade as far as there is time left.
 void FramePlan::fade(const std::vector<Alternatives>& things, Outcome& out) const {
   for (std::size_t i = 0; i < things.size(); ++i) {
     Choice& choice = out.choices[i];
@@ -284,7 +289,8 @@ const std::vector<Choice>& FramePlan::decide(const Camera& camera,
     for (const FrameSetting& setting : settings_) {
       if (setting == setting_) continue;
       Outcome other = solve(camera, things, setting);
-      // What fits comes before what does not; of what does not, the quicker.
+      // A setting that fits is better than one that does not. If neither fits, the quicker one is
+      // better.
       const bool better = fits(other) != fits(present) ? fits(other)
                           : fits(other) ? other.error < kBetterSetting * present.error
                                         : other.ms < present.ms;

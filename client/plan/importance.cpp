@@ -23,7 +23,7 @@ double nearness(const glm::dvec2& at_px, const glm::dvec2& center_px, double rad
 double attention(const Camera& camera, const InstanceView& instance) {
   const glm::dvec3 to_center = instance.center - camera.pose.eye;
   const double depth = glm::dot(to_center, camera.forward());
-  if (glm::length(to_center) <= instance.radius) return 2;  // all around
+  if (glm::length(to_center) <= instance.radius) return 2;  // the eye is inside it
   if (depth <= 0) return 1;
   const double scale = camera.focal_px() / depth;
   const glm::dvec2 middle(0.5 * camera.width, 0.5 * camera.height);

@@ -19,7 +19,7 @@ std::vector<MeshWant> mesh_wants(const SceneView& scene, const Camera& camera, d
   struct Seen {
     MeshWant want;
     double size_px = 0;
-    double view_px = 0;  ///< what the view shows wrongly of them; infinite where it does not
+    double view_px = 0;  ///< largest error of the view tile; infinite: not shown
   };
   std::map<std::uint32_t, Seen> by_object;
   for (const std::uint32_t i : wants.instances) {

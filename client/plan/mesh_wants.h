@@ -1,5 +1,6 @@
 #pragma once
-// What geometry planning wants, object by object, for the mesh cache to say what of it is missing.
+// Mesh wants: the geometry that planning wants, object by object. The mesh cache finds out which of
+// it is missing.
 
 #include <cstdint>
 #include <map>
@@ -12,14 +13,14 @@ struct MeshWant;
 class SceneView;
 class ViewFit;
 
-/// What should be geometry.
+/// The instances that should be drawn as geometry.
 struct MeshWants {
   std::vector<std::uint32_t> instances;
-  std::map<std::uint32_t, double> gain;  ///< of each object of them (ask_gain.h)
+  std::map<std::uint32_t, double> gain;  ///< gain of each object (ask_gain.h)
 };
 
-/// The same by object, each as its nearest instance takes it at `camera`. `view`: of the view tile,
-/// which shows some of them meanwhile; nullptr: there is none.
+/// Returns the wants by object, each for its nearest instance at `camera`. `view` tells how well
+/// the view tile shows them meanwhile; nullptr: there is none.
 std::vector<MeshWant> mesh_wants(const SceneView& scene, const Camera& camera, double tau_px,
                                  const MeshWants& wants, const ViewFit* view);
 

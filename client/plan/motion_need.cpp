@@ -16,11 +16,11 @@ namespace mirage {
 namespace {
 
 constexpr double kMotionShare = 0.5;  // of tau, for the motion within a phase
-constexpr int kFirstPhaseLevel = 2;   // quarters of the clip, until there is any tile
-constexpr int kMaxPhasesAhead = 32;   // asked for at a time per instance
+constexpr int kFirstPhaseLevel = 2;   // quarters of the clip, until there is a tile
+constexpr int kMaxPhasesAhead = 32;   // asked for at a time, per instance
 
-// Tiles of other phases are not looked at: coarse phases are among the fine ones, so that what was
-// asked for at another distance is found all the same.
+// Looks at tiles of this phase only. Coarse phases are among the fine ones, so a tile asked for at
+// another distance is found as well.
 TileFit best_of_phase(const TileGroup& group, Phase phase, const ObjectDescription& object,
                       const ViewGeometry& view, const MethodChoice& method, double tau_px) {
   TileGroup same;
@@ -40,7 +40,7 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
   const bool first = group.tiles.empty();
   if (glm::length(view.eye) < limits::kMinCaptureRadii * view.radius && !first) return;
   ViewPlan plan;
-  // Half of tau is for the motion within the phase.
+  // The other half of tau is for the motion within the phase.
   plan.tau_px = (1 - kMotionShare) * tau_px;
   const double allowed = kMotionShare * tau_px / motion_bound_px(view, 1.0);
   const double clip_s = object.motion.clip_s;

@@ -1,5 +1,5 @@
 #pragma once
-// Which poses of a moving object to ask for ahead of time (TECHNIQUES row 31).
+// Motion needs: which poses of a moving object to ask for ahead of time (TECHNIQUES row 31).
 
 #include <vector>
 
@@ -8,9 +8,9 @@
 
 namespace mirage {
 
-/// Appends a need for each phase `instance` will show from the time a tile asked for now is here to
-/// the horizon, unless a resident tile of that phase will do. `view` is the predicted one, at the
-/// animation time of now; `tau_px` what the instance may be off.
+/// Appends a need for each phase that `instance` will show between the arrival of a tile asked for
+/// now and the horizon, unless a resident tile of that phase will do. `view` is the predicted view
+/// at the present animation time; `tau_px` is the error that the instance may show.
 void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
                       const TileCache::LitGroup& lit, double tau_px, std::vector<TileNeed>& out);
 

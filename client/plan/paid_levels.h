@@ -1,6 +1,6 @@
 #pragma once
-// Which levels of geometry a frame draws: each takes time once, however many things are drawn from
-// it, and is paid for by the first.
+// Paid levels: which levels of geometry a frame draws. A level takes time once, however many things
+// are drawn from it; the first of them pays.
 
 #include <cstdint>
 #include <unordered_map>
@@ -11,15 +11,15 @@ namespace mirage {
 
 class PaidLevels {
  public:
-  /// Each takes `ms`.
+  /// Each level takes `ms`.
   explicit PaidLevels(double ms) : ms_(ms) {}
 
-  /// ms that a thing takes beside its own work by being drawn so, too.
+  /// Adds a thing drawn this way. Returns the ms that it takes beside its own work.
   double add(const Alternatives& thing, const Choice& choice) {
     if (choice.look != Look::kMesh) return 0;
     return ++users_[key(thing, choice)] == 1 ? ms_ : 0;
   }
-  /// ms more, or fewer, if a thing were drawn in this other way.
+  /// Returns the ms that are added (negative: saved) if a thing were drawn the other way.
   double change_ms(const Alternatives& thing, const Choice& from, const Choice& to) const {
     const bool same = from.look == to.look && from.lod == to.lod;
     if (same) return 0;
@@ -41,7 +41,8 @@ class PaidLevels {
     return std::uint64_t{thing.object} << 8 | choice.lod;
   }
   double ms_;
-  std::unordered_map<std::uint64_t, std::uint32_t> users_;  ///< things, by object and level
+  /// Number of things, by object and level.
+  std::unordered_map<std::uint64_t, std::uint32_t> users_;
 };
 
 }  // namespace mirage

@@ -23,7 +23,8 @@ bool usable(const Pose& pose) {
   return is_finite(pose.eye) && std::isfinite(n) && n > 1e-12;
 }
 
-// Rotation vector of a unit quaternion; series near zero, the shorter way round (q and -q agree).
+// Returns the rotation vector of a unit quaternion, the shorter way round (q and -q agree). Near
+// zero it uses the series.
 glm::dvec3 log_rotation(glm::dquat q) {
   if (q.w < 0) q = -q;
   const glm::dvec3 v(q.x, q.y, q.z);

@@ -6,10 +6,11 @@
 
 namespace mirage {
 namespace {
-// What has been seen for a moment only may be looked at for so long, s; nobody plans farther.
+// An object seen for a moment only counts as being seen for at least this long, s. Nobody plans
+// farther than the second value.
 constexpr double kLeastHorizonS = 4, kFarthestHorizonS = 60;
 constexpr double kShortestLifeS = 0.05;
-// What was not seen, or not used, for so long is forgotten.
+// Time without being seen or used after which an object is forgotten.
 constexpr std::int64_t kForgottenUs = 10'000'000;
 }  // namespace
 

@@ -1,14 +1,16 @@
 #pragma once
-// Rent or buy: of which objects geometry is asked for, rather than tile after tile.
-// Input:  the tiles that instances want now, with what they weigh and how long they last; tiles
-//         that came. Output: the objects whose geometry is bought.
-// Thread: the frame loop's. Never full: one account an object.
+// Rent or buy: decides for which objects geometry is asked for, instead of tile after tile.
+// Input:  the tiles that instances want now, with their bytes and life; tiles that arrived.
+// Output: the objects whose geometry is bought.
+// Thread: the frame loop's.
+// Full:   never; one account an object.
 //
-// Tiles are rent: bytes again whenever the view has moved on, for each instance. Geometry is
-// bought: bytes once, for all instances. Who buys as soon as the rent paid has reached the price
-// pays at most twice the least (the ski-rental problem; A. R. Karlin et al., "Competitive snoopy
-// caching", Algorithmica 1988). What is wanted now is counted for as long as the object will be
-// seen, taken to be as long as it has been seen so far: who knows more buys sooner.
+// Tiles are rent: they cost bytes again whenever the view has moved on, for each instance. Geometry
+// is bought: it costs bytes once, for all instances. Buying as soon as the rent paid has reached
+// the price costs at most twice the least (the ski-rental problem; A. R. Karlin et al.,
+// "Competitive snoopy caching", Algorithmica 1988). This class buys sooner, because it also counts
+// the rent to come: the present rent for as long as the object will be seen. It expects that to be
+// as long as the object has been seen so far.
 
 #include <cstdint>
 #include <vector>
@@ -17,39 +19,39 @@ namespace mirage {
 
 class RentOrBuy {
  public:
-  /// Forgets all accounts; `objects` of the scene.
+  /// Forgets all accounts. `objects` is the number of objects in the scene.
   void reset(std::size_t objects) { accounts_.assign(objects, {}); }
   void grow(std::size_t objects) { accounts_.resize(objects); }
 
-  /// A tile of the object has come.
+  /// Notes that a tile of the object has arrived.
   void paid(std::uint32_t object, double bytes);
-  /// An instance of the object wants a tile of `bytes` that will serve for `life_s`, where geometry
-  /// fit for it would take `price_bytes`; `gain`: of the tile (ask_gain.h).
+  /// Notes that an instance of the object wants a tile of `bytes` that will serve for `life_s`.
+  /// Geometry fit for it would take `price_bytes`. `gain` is that of the tile (ask_gain.h).
   void want(std::uint32_t object, double bytes, double life_s, double price_bytes, double gain,
             std::int64_t now_us);
-  /// All that is wanted in this frame has been told.
+  /// Decides what to buy, once all wants of the frame have been noted.
   void decide(std::int64_t now_us);
   bool bought(std::uint32_t object, std::int64_t now_us) const;
-  /// What the tiles would be worth that were wanted of the object last, and in the time to come.
+  /// Returns the gain of the tiles last wanted of the object, now and in the time to come.
   double worth(std::uint32_t object) const { return accounts_[object].worth; }
-  /// The same a byte of geometry; +inf where that takes none.
+  /// Returns that gain a byte of geometry; +inf if the geometry takes no bytes.
   double worth_a_byte(std::uint32_t object) const;
-  /// An instance of the object is in view: what was bought is kept.
+  /// Notes that an instance of the object is in view, so that bought geometry is kept.
   void used(std::uint32_t object, std::int64_t now_us);
 
  private:
   struct Account {
     double paid = 0;    ///< bytes of tiles since it was last bought or forgotten
-    double wanted = 0;  ///< of tiles, in this frame and in the time to come
-    double price = 0;   ///< of geometry, at the nearest instance that wanted a tile last
-    double worth = 0;   ///< of the tiles wanted last, and in the time to come
+    double wanted = 0;  ///< bytes of tiles wanted in this frame, now and in the time to come
+    double price = 0;   ///< bytes of geometry, at the nearest instance that last wanted a tile
+    double worth = 0;   ///< gain of the tiles last wanted, now and in the time to come
     std::int64_t since_us = 0, seen_us = INT64_MIN / 2;
-    std::int64_t bought_us = -1;  ///< when it was bought or last used; < 0: it is not
+    std::int64_t bought_us = -1;  ///< when it was bought or last used; < 0: not bought
   };
   double horizon_s(const Account& account, std::int64_t now_us) const;
 
   std::vector<Account> accounts_;
-  std::vector<std::uint32_t> told_;  ///< objects of this frame
+  std::vector<std::uint32_t> told_;  ///< objects with a want in this frame
 };
 
 }  // namespace mirage

@@ -14,8 +14,8 @@ namespace mirage {
 namespace {
 
 constexpr std::int64_t kWalkEveryUs = 100'000;
-// A group is asked for at 1.3 times the distance at which its members are needed, and then all that
-// is needed within 1.6 times theirs: an eye that moves on asks seldom.
+// A group is asked for at 1.3 times the distance at which its members are needed. The request then
+// covers all groups needed within 1.6 times their distance, so that a moving eye asks seldom.
 constexpr double kAskMargin = 1.3;
 constexpr double kGetMargin = 1.6;
 
@@ -36,7 +36,7 @@ std::optional<wire::OpenRequestT> SceneOpener::plan(const SelectorInput& in) {
   rule.tau_px = std::min(in.tau_px, in.target_px);
   rule.speed_mps = std::max(glm::length(in.velocity), kWalkingMps);
   rule.margin = kAskMargin;
-  std::vector<std::pair<double, std::uint32_t>> wanted;  // by distance in radii
+  std::vector<std::pair<double, std::uint32_t>> wanted;  // distance in radii, and the server's id
   std::vector<std::uint32_t> open = scene.roots();
   while (!open.empty()) {
     const std::uint32_t index = open.back();

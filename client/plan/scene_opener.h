@@ -1,10 +1,11 @@
 #pragma once
-// Scene opener.
-// Input:  the scene as far as it is known, the predicted camera. Output: requests for the members
-//         of groups that are, or soon will be, too near to be shown as one, and for the parts of
-//         instances that are and do not come as geometry.
-// Thread: the frame loop's. Never full: a group is asked for once; limits::kMaxOpensPerRequest at a
-//         time.
+// Scene opener: asks for the members of groups, and for the parts of instances, before they are
+// needed.
+// Input:  the scene as far as it is known, the predicted camera.
+// Output: requests for the members of groups that are, or soon will be, too near to be shown as
+//         one, and for the parts of instances that are too near and do not come as geometry.
+// Thread: the frame loop's.
+// Full:   never; a group is asked for once, limits::kMaxOpensPerRequest groups at a time.
 
 #include <cstdint>
 #include <optional>
@@ -19,13 +20,14 @@ struct OpenRequestT;
 
 class SceneOpener {
  public:
-  /// A new connection, or a new scene: what was asked for does not come.
+  /// Forgets what was asked for. Call it for a new connection or scene, where no reply will come.
   void reset();
-  /// What to ask for now, at most ten times a second, still without a number; nullopt: nothing.
+  /// Returns the request to send now, without its number; nullopt: none. It returns at most ten a
+  /// second.
   std::optional<wire::OpenRequestT> plan(const SelectorInput& in);
 
  private:
-  std::unordered_set<std::uint32_t> asked_;  ///< by the server's id
+  std::unordered_set<std::uint32_t> asked_;  ///< the server's ids
   std::int64_t walked_us_ = INT64_MIN / 2;
 };
 

@@ -17,12 +17,12 @@ namespace mirage {
 namespace {
 
 constexpr std::int64_t kFadeUs = 120'000;
-// A newer tile replaces the one shown only when it is clearly better, or the old one too bad.
+// A newer tile replaces the one shown only if it is clearly better, or if the old one is too bad.
 constexpr double kSwitchRatio = 0.6;
-// How long a choice is kept that is still good enough.
+// Time for which a choice is kept while it is good enough.
 constexpr std::int64_t kReconsiderUs = 100'000;
 
-// What the view shows more wrongly, px, is no picture of a thing any more.
+// Error of the view tile, px, beyond which it shows a torn picture of a thing.
 constexpr double kTornPx = 8;
 
 double fade_progress(std::int64_t since_us, std::int64_t now_us) {
@@ -42,14 +42,14 @@ struct Selector::Candidate {
   const ObjectDescription* object = nullptr;
   ViewGeometry view;
   double distance = 0;
-  double tau_px = 1;  ///< what is allowed
+  double tau_px = 1;  ///< the error it may show
   std::int64_t light_lag_us = 0;
   float fade = 1;
   bool pictured = false;    ///< it has tiles that may be drawn
   bool under_mesh = false;  ///< geometry already covers most of it
   TileFit flat;
   TileFit deep;
-  bool kept = false;  ///< `flat` is what was chosen before
+  bool kept = false;  ///< `flat` is the earlier choice
   Choice choice;
 };
 
@@ -70,19 +70,20 @@ bool Selector::drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) co
   return distance < slack * swap_radii(in, object) * view.radius;
 }
 
-// From where the view was taken, or near enough that it is not torn.
+// True if the view tile shows the candidate as well as a first image would: the eye is near enough
+// to where the view was taken.
 bool Selector::view_shows(const SelectorInput& in, const Candidate& c) {
   if (!in.view) return false;
   const std::optional<double> px = in.view->error_px(in.scene->instances[c.instance], in.camera);
   return px && *px <= kFirstImagePx * c.tau_px;
 }
 
-// Levels of geometry that are here: the one within tau, or nearest to it, and coarser ones.
+// Adds the resident levels of geometry: the one within tau, or the nearest to it, and coarser ones.
 void Selector::add_levels(const SelectorInput& in, std::uint32_t instance,
                           Alternatives& out) const {
   const std::uint32_t object = in.scene->instances[instance].object;
   const std::vector<LodInfo>& lods = in.scene->objects[object].lods;
-  if (!in.meshes) {  // what is ready is taken to be exact
+  if (!in.meshes) {  // resident geometry counts as exact
     out.levels.push_back({0, lods.empty() ? 0 : lods[0].triangles, 0});
     return;
   }
@@ -97,7 +98,7 @@ void Selector::add_levels(const SelectorInput& in, std::uint32_t instance,
   }
 }
 
-// What the instance could be drawn as.
+// Returns the ways in which the instance could be drawn.
 Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c) const {
   const InstanceView& view_of = in.scene->instances[c.instance];
   Alternatives out;
@@ -112,8 +113,8 @@ Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c)
   };
   if (c.pictured) out.flat = tile_of(c.flat);
   if (c.pictured && c.deep.tile) out.deep = tile_of(c.deep);
-  // What meets tau is what was promised, and nothing better is asked for: a flat tile that does not
-  // is no alternative where there is time for any.
+  // Tau is the promise, and a tile within tau is not improved. Without a time limit, a flat tile
+  // beyond tau is therefore no alternative to a deep one within tau.
   const bool any_time = !in.plan || !in.plan->limited();
   if (any_time && out.deep && c.deep.meets(c.tau_px)) out.flat.reset();
   if (in.view) {
@@ -122,7 +123,7 @@ Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c)
   }
   if (drawn_as_mesh(in, c.instance)) {
     add_levels(in, c.instance, out);
-    // Where methods are compared, all draw the same geometry.
+    // A comparison of methods draws the same geometry with all of them.
     out.mesh_only = c.object->surrounds || !in.method.automatic;
   }
   const Shown& shown = shown_[c.instance];
@@ -138,7 +139,7 @@ Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c)
   return out;
 }
 
-// Which tiles serve the candidate best.
+// Finds the tiles that serve the candidate best.
 void Selector::fit_tiles(const SelectorInput& in, Candidate& c) const {
   c.pictured = !c.group->tiles.empty() && outside(c.view) && !c.group->empty_from(c.view.eye);
   if (!c.pictured) return;
@@ -152,7 +153,7 @@ void Selector::fit_tiles(const SelectorInput& in, Candidate& c) const {
   if (!c.flat.meets(c.tau_px)) c.deep = best_deep(*c.group, *c.object, c.view, c.tau_px);
 }
 
-// Adds the instance to the candidates, if it is drawn at all.
+// Adds the instance to the candidates, unless it is too small to be drawn.
 void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   const SelectorInput& in = w.in;
   const InstanceView& view_of = in.scene->instances[instance];
@@ -179,7 +180,8 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   w.candidates.push_back(std::move(c));
 }
 
-// Geometry of the candidate, where it is drawn so or fades; true: nothing else is drawn of it.
+// Draws the candidate's geometry if it was chosen or is fading out. Returns true if no tile of it
+// is drawn.
 bool Selector::draw_geometry(Walk& w, Candidate& c) {
   const SelectorInput& in = w.in;
   Shown& shown = shown_[c.instance];
@@ -191,7 +193,7 @@ bool Selector::draw_geometry(Walk& w, Candidate& c) {
   }
   if (in.scene->members(c.instance).empty()) shown.frame = in.frame;
   if (!c.choice.fades) shown.swapped_us = INT64_MIN / 2;
-  // What takes over fades in over what was there: geometry dithered, a tile blended.
+  // The new way fades in over the former one: geometry is dithered, a tile is blended.
   auto progress = static_cast<float>(fade_progress(shown.swapped_us, in.now_us));
   if (progress < 1 && c.group->tiles.empty() && !view_shows(in, c)) progress = 1;
   const std::uint32_t object = in.scene->instances[c.instance].object;
@@ -213,14 +215,14 @@ bool Selector::draw_geometry(Walk& w, Candidate& c) {
   if (c.group->empty_from(c.view.eye)) return true;
   if (c.pictured) return false;
   if (as_mesh || swapping) return true;
-  // The hull of what moves is where it ever is: a ghost.
+  // The hull of a moving object covers all places it ever takes, so it would show a ghost.
   const bool stands = !c.object->group && !c.object->motion.moving();
   if (stands) w.out.placeholders.push_back({c.instance, c.distance});
   ++w.out.over_tau;
   return true;
 }
 
-// A flat tile that was chosen a moment ago and still meets tau is drawn on, if none has come since.
+// Keeps the flat tile chosen a moment ago if it still meets tau and no tile has arrived since.
 bool Selector::keep_chosen(const SelectorInput& in, Candidate& c) const {
   const Shown& shown = shown_[c.instance];
   if (in.now_us >= shown.chosen_until_us || c.group->tiles.back()->serial != shown.newest) {
@@ -262,7 +264,7 @@ bool Selector::members_have_images(const SelectorInput& in, std::uint32_t group)
   return true;
 }
 
-// A group takes over from its members, or they from it, by fading in over what was there.
+// Fades between a group and its members: the new picture fades in over the old.
 void Selector::walk_group(Walk& w, std::uint32_t group, float fade) {
   const SelectorInput& in = w.in;
   const InstanceView& view_of = in.scene->instances[group];
@@ -309,13 +311,13 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
     }
   }
   if (shown.tile != best.tile) {
-    // Two poses over one another would be a ghost, and a phase is shorter than a fade.
+    // Two poses over one another would look like a ghost, and a phase is shorter than a fade.
     const bool same_pose = still_held && shown.tile->phase == best.tile->phase;
     shown.former = same_pose ? shown.tile : nullptr;
     shown.tile = best.tile;
     shown.since_us = in.now_us;
   }
-  // A former tile that left the cache meanwhile has no texels of its own any more.
+  // A former tile that has left the cache no longer has texels.
   if (std::find(held.begin(), held.end(), shown.former) == held.end()) shown.former.reset();
   double fade = c.fade;
   if (shown.former) {
@@ -351,8 +353,8 @@ DrawList Selector::select(const SelectorInput& in) {
   in.scene->for_visible_roots(in.camera, 0, [&](std::uint32_t root) { walk(w, root, 1); });
   FramePlan& plan = in.plan ? *in.plan : whatever_;
   chosen_ = plan.decide(in.camera, considered_, in.now_us);
-  // Back to front by the far side, so that blending is right and what stands on or in another thing
-  // comes after it; equals keep the order of instances.
+  // Sorts back to front by the far side, so that blending is right and a thing standing on or in
+  // another one comes after it. Equals keep the order of instances.
   using Ranked = std::pair<double, Candidate*>;
   std::vector<Ranked> by_far_side;
   for (std::size_t i = 0; i < w.candidates.size(); ++i) {

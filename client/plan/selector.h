@@ -1,11 +1,12 @@
 #pragma once
-// Selector.
-// Input:  scene, resident tiles, the true and the predicted camera. Output: what to draw now, and
-//         what to ask for, by the error bound.
-// Thread: the frame loop's. Never full: one decision per visible instance and frame.
+// Selector: decides what is drawn, and what to ask for, by the error bound.
+// Input:  scene, resident tiles, the true and the predicted camera.
+// Output: what to draw now, and what to ask for.
+// Thread: the frame loop's.
+// Full:   never; one decision per visible instance and frame.
 //
-// Impostor groups (all instances of a spatial cell) form trees over the instances. Both walks go
-// down from the roots and stop where a group will do.
+// Impostor groups (all instances of a spatial cell) form trees over the instances. Drawing and
+// asking both walk down from the roots, and stop where a group will do.
 
 #include <cstdint>
 #include <limits>
@@ -33,71 +34,72 @@ struct ViewGeometry;
 struct SelectorInput {
   const SceneView* scene = nullptr;
   const TileCache* cache = nullptr;
-  const std::vector<bool>* mesh_ready = nullptr;  ///< per object
-  const MeshCache* meshes = nullptr;              ///< nullptr: what is ready is taken to be exact
-  const TileBytes* tile_bytes = nullptr;          ///< nullptr: as many as usual
-  const ViewFit* view = nullptr;                  ///< of the view tile; nullptr: there is none
-  FramePlan* plan = nullptr;                      ///< nullptr: least error, whatever it costs
+  const std::vector<bool>* mesh_ready = nullptr;  ///< by object
+  const MeshCache* meshes = nullptr;              ///< nullptr: resident geometry counts as exact
+  const TileBytes* tile_bytes = nullptr;          ///< nullptr: a usual number of bytes
+  const ViewFit* view = nullptr;                  ///< fit of the view tile; nullptr: there is none
+  FramePlan* plan = nullptr;                      ///< nullptr: least error, at any cost
   Camera camera;
   Camera predicted;
-  glm::dvec3 velocity{0};  ///< of the eye, world, m/s
+  glm::dvec3 velocity{0};  ///< velocity of the eye, world space, m/s
   double tau_px = 1;
-  double mesh_tau_px = 1;  ///< by which levels of geometry are chosen
-  /// What tau was steered up from; it rises last where the viewer looks.
+  double mesh_tau_px = 1;  ///< tau for choosing levels of geometry
+  /// Value that tau was steered up from. Tau rises last where the viewer looks.
   double target_px = std::numeric_limits<double>::infinity();
   MethodChoice method;
   double march_budget_px = 1e9;   ///< screen area that may be drawn by marching depth
-  double mesh_radii = kAnyRadii;  ///< farther than this, only what is cheap is geometry
+  double mesh_radii = kAnyRadii;  ///< farther than this, only cheap objects are geometry
   std::uint64_t frame = 0;
   std::int64_t now_us = 0;
-  double time_s = 0;     ///< animation time now
-  double lead_s = 0;     ///< until a tile asked for now is here; 0: the animation stands still
-  double horizon_s = 0;  ///< how far ahead phases are asked for, >= lead_s
+  double time_s = 0;     ///< present time of the animation
+  double lead_s = 0;     ///< time until an asked tile is here; 0: the animation stands still
+  double horizon_s = 0;  ///< time that phases are asked for ahead, >= lead_s
 };
 
 class Selector {
  public:
   /// Forgets which tile each instance showed.
   void reset(const SceneView& scene);
-  /// Learns the instances that have come since.
+  /// Learns the instances that have arrived since.
   void grow(const SceneView& scene) {
     shown_.resize(scene.instances.size());
     geometry_.grow(scene.objects.size());
   }
 
-  /// Decides what is drawn this frame. Its tiles are to be marked in the cache before needs().
+  /// Decides what is drawn this frame. Its tiles must be marked in the cache before needs() is
+  /// called.
   DrawList select(const SelectorInput& input);
-  /// What each thing in view could have been drawn as, of the last select().
+  /// Returns the alternatives of each visible thing in the last select().
   const std::vector<Alternatives>& considered() const { return considered_; }
-  /// And what it was, one a thing.
+  /// Returns the choices of the last select(), in the order of considered().
   const std::vector<Choice>& chosen() const { return chosen_; }
-  /// What to ask for, largest gain first; instances without any acceptable tile at the predicted
-  /// view.
+  /// Returns what to ask for, largest gain first: tiles of instances that have none that will do at
+  /// the predicted view.
   std::vector<TileNeed> needs(const SelectorInput& input);
-  /// Instances that should be geometry, there or not: too near for any impostor, or bought. After
-  /// needs() of the frame.
+  /// Returns instances that should be geometry, whether it is here or not: too near for any
+  /// impostor, or bought. Call it after needs() of the frame.
   MeshWants mesh_needs(const SelectorInput& input);
-  /// A tile of the object has come.
+  /// Notes that a tile of the object has arrived.
   void note_tile(std::uint32_t object, double bytes) { geometry_.paid(object, bytes); }
 
  private:
-  /// What an instance or group showed last, for transitions.
+  /// The last picture of an instance or group; transitions need it.
   struct Shown {
     TileRecordPtr tile;
     TileRecordPtr former;  ///< still drawn underneath while `tile` fades in
     std::int64_t since_us = 0;
     std::uint64_t frame = 0;               ///< last frame in which it was drawn
-    std::int64_t appeared_us = 0;          ///< groups: when it took over from its members
-    std::int64_t left_us = INT64_MIN / 2;  ///< groups: when its members took over
+    std::int64_t appeared_us = 0;          ///< groups: when it replaced its members
+    std::int64_t left_us = INT64_MIN / 2;  ///< groups: when its members replaced it
     bool as_mesh = false;
-    Wrongs wrongs{};                          ///< of what it showed last
-    std::int64_t swapped_us = INT64_MIN / 2;  ///< when geometry took over, or tiles from it
-    DrawMethod method = DrawMethod::kQuad;    ///< of `tile`
+    Wrongs wrongs{};                          ///< error of what it showed last
+    std::int64_t swapped_us = INT64_MIN / 2;  ///< when geometry replaced tiles, or tiles geometry
+    DrawMethod method = DrawMethod::kQuad;    ///< method of `tile`
     std::uint64_t newest = 0;  ///< serial of the group's newest tile when it was chosen
     std::int64_t chosen_until_us = INT64_MIN / 2;   ///< no better flat tile is looked for before
-    std::int64_t settled_until_us = INT64_MIN / 2;  ///< nothing needs to be asked for before
+    std::int64_t settled_until_us = INT64_MIN / 2;  ///< nothing is asked for before
   };
-  /// What an instance's being settled rests on, beside its tiles and time.
+  /// Values that settled instances depend on, beside their tiles and time.
   struct Basis {
     double tau_px = 0, target_px = 0, focal_px = 0, mesh_radii = 0;
     std::uint32_t light = 0;
@@ -107,7 +109,7 @@ class Selector {
     bool moving = false;
     std::int64_t now_us = 0;
   };
-  /// An instance that has tiles, before it is settled how it is drawn.
+  /// A visible instance before it is decided how it is drawn.
   struct Candidate;
   struct Walk;
 
@@ -139,7 +141,7 @@ class Selector {
   std::vector<Alternatives> considered_;
   std::vector<Choice> chosen_;
   RentOrBuy geometry_;
-  FramePlan whatever_{0, 1};  ///< where there is no other
+  FramePlan whatever_{0, 1};  ///< used if the input has no plan
   Basis basis_;
 };
 

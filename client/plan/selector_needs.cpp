@@ -1,4 +1,4 @@
-// The selector's second half: what to ask for.
+// The part of the selector that decides what to ask for.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -20,16 +20,19 @@
 namespace mirage {
 namespace {
 
-constexpr double kViewGuard = 0.0873;       // 5 degrees around the predicted view
-constexpr double kGuardGain = 0.25;         // of what only the guard shows: it may never be seen
-constexpr double kUsualTileBytes = 0.15;    // a texel, before any has come
-constexpr double kQuantumShare = 0.01;      // 8-bit depth and the slope within a texel, in radii
-constexpr double kGoodTileTau = 0.5;        // of tau: what a tile shows wrongly in its middle age
-constexpr double kStandInLifeS = 3;         // a tile is asked for in place of geometry if it lasts
-constexpr std::ptrdiff_t kFewMembers = 64;  // of a group: so many are drawn one by one
+constexpr double kViewGuard = 0.0873;  // 5 degrees around the predicted view
+// Factor for what only the guard shows: it may never be seen.
+constexpr double kGuardGain = 0.25;
+constexpr double kUsualTileBytes = 0.15;  // bytes a texel, if nothing is known
+constexpr double kQuantumShare = 0.01;    // 8-bit depth and the slope within a texel, in radii
+// Share of tau that a tile errs by in the middle of its life.
+constexpr double kGoodTileTau = 0.5;
+// A tile replaces missing geometry if it lasts this long.
+constexpr double kStandInLifeS = 3;
+constexpr std::ptrdiff_t kFewMembers = 64;  // a group with as many members may be drawn one by one
 constexpr double kStandsM = 1e-4;
-constexpr double kJumpM = 0.05;            // beyond what the speed explains
-constexpr long long kSettledUs = 100'000;  // what is settled is looked at again after so long
+constexpr double kJumpM = 0.05;            // distance beyond what the speed explains
+constexpr long long kSettledUs = 100'000;  // a settled instance is looked at again after this time
 
 ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileGroup& tiles,
                   double radius, double tau_px, double size_px) {
@@ -39,7 +42,7 @@ ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileG
   plan.velocity = inverse * in.velocity / double{view.world_from_object.scale};
   const bool flat = !in.method.automatic && in.method.method != DrawMethod::kDepth;
   const bool still = glm::length(in.velocity) < 0.02;
-  if (flat || still) return plan;  // a still eye is served best, and cheapest, by a quad
+  if (flat || still) return plan;  // a quad serves a still eye best, and is cheapest
   double gap = kTypicalGap;
   if (!tiles.tiles.empty()) gap = tiles.tiles.back()->measure.depth_gap / radius;
   plan.depth_share = std::max(gap / hole_tolerance(tau_px, size_px), kQuantumShare);
@@ -61,11 +64,13 @@ void add_eight_view_need(const SelectorInput& in, std::uint32_t instance, const 
   out.push_back(*need);
 }
 
-// Two layers in place of one, which comes sooner, where relief is all there is and the eye moves
-// on: a choice of methods replaces tiles before they are seen from so far aside that it pays.
+// True if a tile with two layers is wanted. That holds only with a fixed method of relief and a
+// moving eye, and once a sharp tile of one layer is here, which arrives sooner. With the automatic
+// choice of methods layers do not pay, because tiles are replaced before they are seen from far
+// aside.
 bool wants_layers(const SelectorInput& in, const ObjectDescription& object, const ViewPlan& plan,
                   double size_px, const TileFit& fit) {
-  constexpr double kLeastPx = 64;  // smaller ones take 1.8 times the bytes
+  constexpr double kLeastPx = 64;  // smaller tiles take 1.8 times the bytes
   return !in.method.automatic && plan.depth_share != kFlatDepthShare && layered(object.needs) &&
          !object.group && size_px >= kLeastPx && fit.sharp(plan.tau_px);
 }
@@ -74,8 +79,8 @@ double walking_speed(const SelectorInput& in) {
   return std::max(glm::length(in.velocity), kWalkingMps);
 }
 
-// Until when a tile that is good enough is taken to be so: a tenth of the way that is left to tau
-// at this speed, or at a walk, and no longer than is unseen.
+// Returns until when a tile that is good enough counts as settled. The eye may go a tenth of the
+// way that is left to tau, at its speed or at least at a walk, within kSettledUs.
 std::int64_t settled_until(const SelectorInput& in, const TileFit& fit, const ViewGeometry& view,
                            const ViewPlan& plan) {
   const double left = 1 - fit.error_px(plan.tau_px) / plan.tau_px;
@@ -83,7 +88,8 @@ std::int64_t settled_until(const SelectorInput& in, const TileFit& fit, const Vi
   return in.now_us + std::min(std::llround(1e6 * std::clamp(seconds, 0.0, 1.0)), kSettledUs);
 }
 
-// Makes the need as coarse as what is left of the atlas asks for; false: it is none.
+// Makes the need as coarse as the room in the atlas requires. Returns false if it is not to be
+// asked for.
 bool fit_to_atlas(const SelectorInput& in, TileCache::Room& room, TileNeed& need) {
   if (!is_picture(need.channels)) return true;
   const TileGroup& group = *in.cache->group_to_draw(need.instance);
@@ -112,7 +118,7 @@ bool fit_to_atlas(const SelectorInput& in, TileCache::Room& room, TileNeed& need
   return true;
 }
 
-// What is best of what is here, drawn as it is planned to be.
+// Returns the best resident tile, drawn with the methods that the plan is made for.
 TileFit planned_fit(const SelectorInput& in, const TileGroup& group,
                     const ObjectDescription& object, const ViewGeometry& view, const ViewPlan& plan,
                     double tau) {
@@ -129,12 +135,12 @@ std::uint8_t wanted_channels(const SelectorInput& in, std::uint32_t instance,
   return wants_layers(in, object, plan, size, fit) ? kLayeredTile : kLitTile;
 }
 
-// Of what has no image of its own.
+// Returns the error of a thing without an image of its own.
 Wrongs wrongs_without(double area, bool viewed) {
   return viewed ? view_wrongs(area) : nothing_wrongs(area);
 }
 
-// A tile's that has just come.
+// Returns the error of a tile that has just arrived.
 Wrongs good_tile_wrongs(double area, bool tested, double tau, double size,
                         std::uint8_t size_class) {
   const double texel_px = std::max(1.0, 2 * size / tile_edge(size_class));
@@ -143,7 +149,7 @@ Wrongs good_tile_wrongs(double area, bool tested, double tau, double size,
 
 }  // namespace
 
-// Forgets what was settled when it may have changed by anything but time and an even walk.
+// Forgets what was settled if anything has changed beside time and an even walk.
 void Selector::forget_settled(const SelectorInput& in) {
   Basis now;
   now.tau_px = in.tau_px;
@@ -159,7 +165,7 @@ void Selector::forget_settled(const SelectorInput& in) {
   const double seconds = 1e-6 * static_cast<double>(now.now_us - basis_.now_us);
   const double way = glm::length(now.eye - basis_.eye);
   const bool jumped = !(way <= 2 * walking_speed(in) * seconds + kJumpM) || seconds < 0;
-  // When a walk ends there may be no other frame to look again.
+  // There may be no later frame to look again when a walk ends.
   now.moving = way > kStandsM;
   const bool stopped = basis_.moving && !now.moving;
   const bool same = now.tau_px == basis_.tau_px && now.target_px == basis_.target_px &&
@@ -171,7 +177,7 @@ void Selector::forget_settled(const SelectorInput& in) {
   for (Shown& shown : shown_) shown.settled_until_us = INT64_MIN / 2;
 }
 
-// It was in the last frame, which had no time for its geometry, and there was no tile.
+// True if the last frame had no time for the instance's geometry, and there was no tile either.
 bool Selector::shows_nothing(const SelectorInput& in, std::uint32_t instance) const {
   const Shown& shown = shown_[instance];
   return shown.frame == in.frame && !shown.as_mesh && !shown.tile &&
@@ -194,8 +200,8 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   if (stand_in && mesh_pays(in, in.predicted, instance, kGoodTileTau * tau)) return;
   const TileCache::LitGroup lit = in.cache->lit_group(instance);
   const TileGroup& group = *lit.tiles;
-  if (group.empty_from(view.eye)) return;  // under any light
-  // At the edge of the view the eye depth falls; ask as if the object were looked at.
+  if (group.empty_from(view.eye)) return;  // empty under any light
+  // The eye depth falls towards the edge of the view; ask as if the eye looked at the object.
   view.center_depth = glm::length(view.eye);
   if (in.method.eight_views) return add_eight_view_need(in, instance, view, lit, out);
   if (object.motion.moving()) return add_moving_needs(in, instance, view, lit, tau, out);
@@ -204,23 +210,23 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   if (stand_in && expected_life_s(view, plan) < kStandInLifeS) return;
   const TileFit fit = planned_fit(in, group, object, view, plan, tau);
   const double light_px = light_change_px(in, lit, instance, size);
-  // Shaded here it is right, and yet not as good as shaded by the server: when there is time.
+  // A tile shaded by the client is right; the server's is better, and asked for in spare time.
   const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
   if (fit.settled(tau) && !is_stale(light_px, tau) && !shaded_here) {
     if (lit.wanted) shown_[instance].settled_until_us = settled_until(in, fit, view, plan);
     return;
   }
-  // Inside the swap distance a tile is no use but as a stopgap: one, until geometry comes.
+  // Inside the swap distance one tile serves as a stopgap until geometry arrives.
   if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
   TileNeed need = need_for_view(view, plan);
-  // It would be coarser than geometry.
+  // Such a tile would be coarser than geometry.
   if (stand_in && need.size_class >= kMaxAskedSizeClass) return;
   need.instance = instance;
-  // What has no image of its own may be in the view.
+  // The view tile may show an object without an image of its own.
   const std::optional<double> view_px =
       in.view && group.tiles.empty() ? in.view->error_px(view_of, in.predicted) : std::nullopt;
   const bool unseen = group.tiles.empty() && !(view_px && *view_px <= kFirstImagePx * tau);
-  // Something quick first: a quarter of the edge is a sixteenth of the bytes.
+  // The first image is coarse and quick: a quarter of the edge takes a sixteenth of the bytes.
   if (unseen && in_view && !stand_in && !no_time) need.size_class = coarse_class(need.size_class);
   need.channels = wanted_channels(in, instance, object, plan, size, fit);
   need.first = in_view && group.tiles.empty() && !stand_in;
@@ -245,7 +251,7 @@ double Selector::bytes_of(const SelectorInput& in, const TileNeed& need) {
                        : kUsualTileBytes * edge * edge;
 }
 
-// What the tiles of an instance cost beside its geometry.
+// Notes the bytes that the tiles of an instance cost, beside the price of its geometry.
 void Selector::note_rent(const SelectorInput& in, const TileNeed& need) {
   const InstanceView& view_of = in.scene->instances[need.instance];
   const ObjectDescription& object = in.scene->objects[view_of.object];
@@ -258,7 +264,8 @@ void Selector::note_rent(const SelectorInput& in, const TileNeed& need) {
   geometry_.want(view_of.object, bytes_of(in, need), need.life_s, price, need.gain, in.now_us);
 }
 
-// Geometry comes instead of the tile: something is shown meanwhile, or it comes first anyway.
+// True if bought geometry comes instead of the tile. Something is shown meanwhile, or the geometry
+// is worth more a byte and so comes first.
 bool Selector::comes_soon(const SelectorInput& in, const TileNeed& need) const {
   const InstanceView& view_of = in.scene->instances[need.instance];
   const double radii = glm::length(view_of.center - in.predicted.pose.eye) / view_of.radius;
@@ -269,8 +276,8 @@ bool Selector::comes_soon(const SelectorInput& in, const TileNeed& need) const {
          !too_dear(in, in.predicted, need.instance, in.tau_px);
 }
 
-// Whether all members are drawn as geometry or will be, and are few: a tile of the group would only
-// cost bytes.
+// True if the members are few, and all are drawn as geometry or will be: a tile of the group would
+// only cost bytes.
 bool Selector::members_are_geometry(const SelectorInput& in, std::uint32_t group) const {
   const SceneView::Members members = in.scene->members(group);
   if (members.empty() || members.end() - members.begin() > kFewMembers || !in.method.automatic)
@@ -287,12 +294,12 @@ bool Selector::members_are_geometry(const SelectorInput& in, std::uint32_t group
   });
 }
 
-// Of a group, or of an instance that is cut; false where there are none.
+// True if the members of a group, or the parts of a cut instance, are wanted; false if it has none.
 bool Selector::wants_members(const SelectorInput& in, std::uint32_t instance) const {
   const InstanceView& view_of = in.scene->instances[instance];
   const ObjectDescription& object = in.scene->objects[view_of.object];
   const ViewGeometry view = view_geometry(in.predicted, view_of, object);
-  // By the same rule as what is drawn: members of a group that goes on would never be seen.
+  // This is the rule for drawing: members of a group that stays would never be seen.
   const double slack = shown_[instance].frame == in.frame ? kMeshHysteresis : 1.0;
   if (object.cut) {
     const double radii = glm::length(view.eye) / view.radius;
@@ -341,7 +348,7 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
   return out;
 }
 
-// What geometry of the instance is worth, beside what it shows now.
+// Returns the gain of the instance's geometry over what it shows now.
 double Selector::geometry_gain(const SelectorInput& in, std::uint32_t instance) const {
   const InstanceView& view_of = in.scene->instances[instance];
   const ObjectDescription& object = in.scene->objects[view_of.object];
@@ -367,7 +374,7 @@ MeshWants Selector::mesh_needs(const SelectorInput& in) {
     out.instances.push_back(instance);
     out.gain[view_of.object] += geometry_gain(in, instance);
   });
-  // What is bought is worth the tiles it stands for.
+  // Bought geometry is worth at least the tiles that it replaces.
   for (auto& [object, gain] : out.gain) {
     if (geometry_.bought(object, in.now_us)) gain = std::max(gain, geometry_.worth(object));
   }

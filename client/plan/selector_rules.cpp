@@ -16,18 +16,19 @@
 namespace mirage {
 namespace {
 
-// Nearer, in radii, no picture of the object can stand for it: the eye is in its sphere.
+// Nearer than this, in radii, no picture can stand for the object: the eye is in its sphere.
 constexpr double kInsideRadii = 1 + 1e-6;
-// Geometry that is to be drawn is asked for from so many times its distance.
+// Geometry is asked for from this many times the distance at which it is drawn.
 constexpr double kMeshPrefetch = 1.3;
-// So near a tile lasts for a step only: geometry is asked for whatever it weighs.
+// Nearer than this a tile lasts for one step only, so geometry is asked for whatever its bytes.
 constexpr double kNearRadii = 2;
-constexpr std::uint32_t kTileBytes = 1500;  // of a middling tile, as it travels
-// What a tile that is asked for shows wrongly towards the end of its life, over tau, and its share
-// of its frame.
+constexpr std::uint32_t kTileBytes = 1500;  // of a middling tile on the wire
+// Error of an asked tile towards the end of its life, over tau; and the share of the captured
+// square that its content fills.
 constexpr double kAgedTilePx = 2, kTileShare = 0.6;
 
-// Sent once, such geometry costs less than any one tile, and is right from everywhere.
+// True for geometry that takes fewer bytes than any one tile. It is sent once, and right from
+// everywhere.
 bool cheaper_than_tiles(const ObjectDescription& object) {
   constexpr NeedMask kImages = kNeedBaseColorMap | kNeedMetalRoughMap | kNeedNormalMap |
                                kNeedOcclusionMap | kNeedEmissiveMap;
@@ -41,7 +42,7 @@ bool outside(const ViewGeometry& view) {
 }
 
 double allowed_px(const SelectorInput& in, const Camera& camera, const InstanceView& view) {
-  // Where the viewer looks matters to a tau that was steered up only.
+  // Attention matters only when tau has been steered up.
   const bool steered = in.tau_px > in.target_px;
   const double looked_at = steered ? attention(camera, view) : 1;
   return allowed_error_px(in.tau_px, in.target_px, looked_at, view.importance);

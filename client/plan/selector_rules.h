@@ -1,5 +1,5 @@
 #pragma once
-// What deciding what to draw and what to ask for have in common.
+// Rules that are the same for deciding what to draw and what to ask for.
 
 #include "client/hold/tile_cache.h"
 #include "client/plan/selector.h"
@@ -8,30 +8,31 @@
 namespace mirage {
 
 inline constexpr double kMinRadiusPx = 0.5;  ///< smaller objects are neither drawn nor asked for
-inline constexpr double kMeshHysteresis = 1.15;  ///< what is drawn goes on for so much of the way
-inline constexpr double kWalkingMps = 1.4;       ///< what may be expected of an eye that stands
+inline constexpr double kMeshHysteresis = 1.15;  ///< slack for going on with what is drawn
+inline constexpr double kWalkingMps = 1.4;       ///< speed that a still eye may take up
 
-/// Whether any picture of the object can stand for it: the eye is out of its sphere. False for NaN.
+/// True if a picture can stand for the object: the eye is outside its sphere. False for NaN.
 bool outside(const ViewGeometry& view);
-/// The error in px this instance may show now.
+/// Returns the error, px, that this instance may show now.
 double allowed_px(const SelectorInput& in, const Camera& camera, const InstanceView& view);
-/// Whether the group stands for its members, if it has an image: it is far, and one lasts, even at
-/// a walk. `slack` above 1 keeps one that does.
+/// True if an image of the group may stand for its members: the group is far, and a tile lasts,
+/// even at a walk. `slack` above 1 keeps a group that already stands for them.
 bool group_wanted(const SelectorInput& in, const InstanceView& view_of, const ViewGeometry& view,
                   double tau_px, double slack);
-/// What the light of the instance's tiles costs by being past, px; 0 when it is not.
+/// Returns the error, px, by which the light of the instance's tiles is out of date; 0: it is not.
 double light_change_px(const SelectorInput& in, const TileCache::LitGroup& lit,
                        std::uint32_t instance, double radius_px);
-/// Nearer than this, in radii, the object may be geometry, if it is there; +inf: everywhere.
+/// Returns the distance, in radii, within which the object may be drawn as geometry, if that is
+/// here; +inf: everywhere.
 double swap_radii(const SelectorInput& in, const ObjectDescription& object);
-/// Whether geometry of the object is asked for at this distance in radii, whatever it weighs beside
-/// tiles of it.
+/// True if geometry of the object is asked for at this distance in radii, however its bytes compare
+/// with those of tiles.
 bool comes_as_mesh(const SelectorInput& in, const ObjectDescription& object, double radii);
-/// Whether, at the present lambda, geometry of the instance is better than a tile of it that shows
-/// so much wrongly, px. True without geometry to compare.
+/// True if, at the present lambda, geometry of the instance is better than a tile of it with an
+/// error of `tile_px`. True without geometry to compare.
 bool mesh_pays(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
                double tile_px);
-/// Whether geometry is too dear even beside a tile that has aged, so that tiles are asked for.
+/// True if geometry is too expensive even beside a tile that has aged, so that tiles are asked for.
 bool too_dear(const SelectorInput& in, const Camera& camera, std::uint32_t instance, double tau_px);
 
 }  // namespace mirage

@@ -1,11 +1,15 @@
 #pragma once
-// Steers the global tolerance tau to what the link can do. What a frame may take is the frame
-// plan's.
+// Tau controller: steers the global tolerance tau to what the link can do. The frame plan handles
+// the time of a frame.
+// Input:  the load of the link, measured lately.
+// Output: tau.
+// Thread: the frame loop's.
+// Full:   never; it keeps a fixed state.
 //
-// Stable under delay (numerics.md section 4): at most one step a round trip, steps of x1.25 and
-// x0.8 in log tau, a dead band of 10 % around the target, and coming back needs several calm
-// rounds. A full link has no such band: asks vanish as tau rises and are back as it falls. So a
-// rise soon after tau came down doubles how long the next coming down waits.
+// It is stable under delay (numerics.md section 4): at most one step a round trip, steps of x1.25
+// and x0.8 in log tau, a dead band of 10 % around the target, and several calm rounds before tau
+// comes down. A full link has no such band: asks vanish as tau rises and return as it falls. So a
+// rise soon after tau came down doubles the wait before it comes down again.
 
 #include <cstdint>
 
@@ -15,19 +19,19 @@ struct TauTargets {
   double rate_mbps = 0;  ///< wanted rate down; 0: any
 };
 
-/// What was measured lately; NaN where nothing was.
+/// Load measured lately; NaN: not measured.
 struct TauLoad {
   double rate_mbps = 0;
-  double saturated_s = 0;  ///< how long asks have been held back by the window
+  double saturated_s = 0;  ///< time for which the window has held back asks
 };
 
 class TauController {
  public:
-  /// tau never falls below `base_px` and never rises above 16 times it.
+  /// Tau stays within `base_px` and 16 times `base_px`.
   TauController(double base_px, const TauTargets& targets)
       : base_px_(base_px), tau_px_(base_px), targets_(targets) {}
 
-  /// tau to use from now on. A measure that is not a number holds tau where it is.
+  /// Returns the tau to use from now on. A load that is not a number leaves tau unchanged.
   double update(const TauLoad& load, std::int64_t now_us, std::int64_t round_trip_us);
   double tau_px() const { return tau_px_; }
 
@@ -38,7 +42,7 @@ class TauController {
   std::int64_t next_action_us_ = 0;
   int calm_rounds_ = 0;
   std::int64_t eased_us_ = INT64_MIN / 2;  ///< when tau last came down
-  std::int64_t patience_us_ = 0;           ///< it comes down no sooner than so long after a rise
+  std::int64_t patience_us_ = 0;           ///< least time between a rise and coming down
   std::int64_t rose_us_ = INT64_MIN / 2;   ///< when it last rose
 };
 

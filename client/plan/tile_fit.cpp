@@ -13,12 +13,12 @@ namespace mirage {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A texel may cover this much more than a pixel (or tau) before a sharper tile is worth asking for.
+// A texel may cover this many pixels (or taus) before a sharper tile is worth asking for.
 constexpr double kSharpTexel = 1.15;
 
-// What meets tau and is sharp, then what errs least: a first tile as coarse as a quarter of its
-// edge may be the truer one. Inside the swap distance every bound is infinite: the newest tile is
-// the best guess.
+// True if `a` is the better fit: a settled one before others, then the one with less error. A
+// coarse first tile may have less error than a finer one. Inside the swap distance every bound is
+// infinite; the newest tile is then the best guess.
 bool better(const TileFit& a, const TileFit& b, double tau) {
   if (!b.tile) return true;
   const bool settled = a.settled(tau);
@@ -27,7 +27,7 @@ bool better(const TileFit& a, const TileFit& b, double tau) {
   return ea < eb || (ea == eb && a.tile->serial > b.tile->serial);
 }
 
-// The cheapest method of a tile that meets tau, else its best.
+// Returns the cheapest method of a tile that meets tau, or else its best one.
 TileFit cheapest(const TileRecordPtr& tile, std::initializer_list<DrawMethod> methods,
                  const ObjectDescription& object, const ViewGeometry& view, double tau) {
   TileFit best;
@@ -43,7 +43,7 @@ TileFit best_of(const TileGroup& group, std::initializer_list<DrawMethod> method
                 const ObjectDescription& object, const ViewGeometry& view, double tau) {
   TileFit best;
   for (const TileRecordPtr& tile : group.tiles) {
-    // Most tiles of a moving object show another pose: told apart before anything dearer is.
+    // Most tiles of a moving object show another pose; reject them before anything more expensive.
     if (best.tile && tile->motion_px(object, view) > best.bound_px) continue;
     const TileFit fit = cheapest(tile, methods, object, view, tau);
     if (better(fit, best, tau)) best = fit;

@@ -15,7 +15,7 @@ namespace mirage {
 namespace {
 
 constexpr double kTexelsPerPixel = 1.5;  // measured: worth more than any filter
-// Of the allowed baseline: how far a cell may reach.
+// Share of the allowed baseline that a cell may reach.
 constexpr double kCellShare = 0.2;
 constexpr double kLongestLead = 2;    // s
 constexpr double kStillSpeed = 1e-3;  // radii/s
@@ -53,7 +53,7 @@ double radius_px(const ViewGeometry& view) {
 }
 
 double allowed_baseline(const ViewGeometry& view, const ViewPlan& plan) {
-  // Depth as if the object were looked at: turning the head must not change the key.
+  // Depth as if the eye looked at the object: turning the head must not change the key.
   const double r = view.radius;
   const double d = std::max(glm::length(view.eye), limits::kMinCaptureRadii * r * 1.001);
   return plan.tau_px * (d - r) * (d - r) / (view.focal_px * plan.depth_share * r);
@@ -81,12 +81,12 @@ TileNeed need_for_view(const ViewGeometry& view, const ViewPlan& plan) {
       *view_cell_from_direction(eye, view_level_for_angle(std::asin(std::min(1.0, reach / d))));
   const double along = std::min(reach * tangent_length(d, r) / r, 0.3 * d);
   int level = 0;
-  // Half a bucket of 1/2^level octaves is the farthest a distance can be from its middle.
+  // A distance is at most half a bucket of 1/2^level octaves from its middle.
   while (level < limits::kMaxDistanceLevel && d * std::expm1(0.34657 / (1 << level)) > along) {
     ++level;
   }
   need.distance = *distance_bucket_from_radii(d / r, level);
-  // Sharp where it is drawn: at the nearer of the two distances.
+  // The tile is sharp at the nearer of the two distances.
   const double dc = radii_from_distance_bucket(need.distance) * r;
   const double nearest = std::min(d, std::max(glm::length(view.eye), least));
   const double half = r / tangent_length(dc, r) * dc;

@@ -1,7 +1,7 @@
 #pragma once
-// Running fit of a cost model to frames that were measured, by relative error. A frame that took
-// many times what was expected (a stall, a suspended machine) weighs little; what is no time weighs
-// nothing.
+// Cost fit: fits a cost model to measured frames while they are drawn, by relative error. A frame
+// that took many times the expected time (a stall, a suspended machine) weighs little. Times under
+// a microsecond are ignored.
 
 #include "client/price/cost_model.h"
 #include "client/price/running_fit.h"
@@ -12,7 +12,7 @@ class CostFit {
  public:
   explicit CostFit(const CostModel& first, const RunningFitOptions& options = {});
 
-  /// A frame took `ms`.
+  /// Learns that a frame with this work took `ms` milliseconds.
   void add(const FrameWork& work, double ms);
   const CostModel& model() const { return model_; }
 

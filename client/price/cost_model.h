@@ -1,5 +1,5 @@
 #pragma once
-// What work costs on a device: milliseconds for each kind of it (frame_work.h).
+// Cost model: what work costs on a device, in milliseconds for each kind of work (frame_work.h).
 
 #include <optional>
 #include <string>
@@ -10,15 +10,15 @@
 namespace mirage {
 
 struct CostModel {
-  std::array<double, kWorks> ms{};  ///< for one of each kind, finite and >= 0
+  std::array<double, kWorks> ms{};  ///< ms for one unit of each kind; finite and >= 0
 
   double& operator[](Work kind) { return ms[static_cast<std::size_t>(kind)]; }
   double operator[](Work kind) const { return ms[static_cast<std::size_t>(kind)]; }
-  /// Of a frame, or a part of it.
+  /// Returns the milliseconds of the work of a frame, or of a part of it.
   double ms_of(const FrameWork& work) const;
 };
 
-/// software, laptop or phone; nullopt for any other name.
+/// Returns the model of a device: software, laptop or phone; nullopt for any other name.
 std::optional<CostModel> device_model(const std::string& name);
 std::vector<std::string> device_model_names();
 

@@ -24,8 +24,9 @@ CostModel software() {
   return m;
 }
 
-// Estimates, as none was at hand: an integrated graphics part of 2020 with 20 Gpx/s and 0.5 Gtri/s
-// at a tenth of their peaks for shaded and alpha-tested surfaces, some 10 us a draw call.
+// Estimates, because no such device was at hand: an integrated graphics part of 2020 with 20 Gpx/s
+// and 0.5 Gtri/s, at a tenth of these peaks for shaded and alpha-tested surfaces. A draw call costs
+// about 10 us.
 CostModel laptop() {
   CostModel m;
   m[Work::kFrame] = 0.5;
@@ -45,7 +46,7 @@ CostModel laptop() {
   return m;
 }
 
-// An estimate: a telephone of the middle class, six times the laptop's prices.
+// An estimate: a mid-range phone, at six times the laptop's prices.
 CostModel phone() {
   CostModel m = laptop();
   for (double& ms : m.ms) ms *= 6;

@@ -14,10 +14,10 @@ struct Coefficient {
   Wrong kind;
   double flip;
 };
-// Fitted by `mirage-report calibrate` of 2026-11-24 to 10,538 things of forest and clutter, seen in
-// ten manners of drawing; judged on 11,911 of city, museum and another forest. Levels off by more
-// than a pixel were too few to be fitted: slabs for leaves, FLIP .14 over a view of .08, are by
-// hand.
+// Fitted by `mirage-report calibrate` of 2026-11-24 to 10,538 objects of forest and clutter, drawn
+// in ten ways; tested on 11,911 objects of city, museum and another forest. Levels that are off by
+// more than a pixel were too few to fit, so their number is set by hand: slabs for leaves, with a
+// FLIP of .14 over a view's .08.
 constexpr Coefficient kCoefficients[] = {
     {Wrong::kMesh, 0.018},       {Wrong::kMeshEdge, 0.485},     {Wrong::kTested, 0.034},
     {Wrong::kMeshAlias, 0.0134}, {Wrong::kTestedAlias, 0.0264}, {Wrong::kMeshError, 0.04},
@@ -50,7 +50,7 @@ Wrongs mesh_wrongs(double area_px, bool alpha_tested, double error_px, int sampl
   at(out, Wrong::kMeshEdge) = edge_share(area_px);
   at(out, Wrong::kTested) = alpha_tested;
   if (samples <= 1) at(out, alpha_tested ? Wrong::kTestedAlias : Wrong::kMeshAlias) = 1;
-  // Within a pixel nothing is seen of it.
+  // An error within a pixel does not show.
   at(out, Wrong::kMeshError) = std::sqrt(capped(error_px - 1));
   at(out, Wrong::kUpscaled) = 1 / scale - 1;
   return out;
@@ -64,7 +64,7 @@ Wrongs tile_wrongs(double area_px, bool alpha_tested, double error_px, double te
   at(out, Wrong::kTestedTile) = alpha_tested;
   at(out, Wrong::kTileAlias) = samples <= 1;
   at(out, Wrong::kTileError) = std::sqrt(capped(error_px));
-  // The coarser of both is what blurs.
+  // The blur is that of a texel or that of an upscaled pixel, whichever is coarser.
   at(out, Wrong::kTileBlur) = std::sqrt(capped(texel_px - 1 / scale));
   at(out, Wrong::kUpscaled) = 1 / scale - 1;
   return out;

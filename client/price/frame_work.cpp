@@ -14,8 +14,8 @@
 
 namespace mirage {
 namespace {
-constexpr double kDiscShare = 0.785398;  // of the square around it
-// However often each is drawn.
+constexpr double kDiscShare = 0.785398;  // area of a disc over that of the square around it
+// Returns the number of different levels of geometry, however often each is drawn.
 std::size_t levels_drawn(const SceneView& scene, const std::vector<DrawnMesh>& meshes) {
   std::set<std::pair<std::uint32_t, std::uint8_t>> levels;
   for (const DrawnMesh& mesh : meshes) {
@@ -73,7 +73,8 @@ double shown_area_px(const Camera& camera, const glm::dvec3& center, double radi
   if (!(radius > 0) || depth < -radius) return 0;
   if (!(distance2 > radius * radius) || depth <= radius) return w * h;
   const double focal = camera.focal_px();
-  // It is seen as an ellipse; half a side of the square with as much area around its disc.
+  // The sphere is seen as an ellipse. `half` is half the edge of the square around a disc of the
+  // same area.
   const double half = focal * radius * std::pow(distance2 - radius * radius, 0.25) /
                       std::pow(depth * depth - radius * radius, 0.75);
   const double x = 0.5 * w + focal * glm::dot(center, camera.right()) / depth;
@@ -115,7 +116,7 @@ FrameWork impostor_work(const SceneView& scene, const Camera& camera, std::uint3
                         const TileRecord& tile, DrawMethod method, int samples) {
   const InstanceView& view = scene.instances[instance];
   const double edge = tile.capture.edge;
-  // Of the square that the tile's frame is on the screen.
+  // Share of the captured square that the crop fills on the screen.
   const double share = tile.crop.w * tile.crop.h / (edge * edge) / kDiscShare;
   const double area =
       std::min(share, 1.0) * shown_area_px(camera, view.center - camera.pose.eye, view.radius);

@@ -1,7 +1,7 @@
 #pragma once
-// What drawing a frame amounts to, counted in the kinds of work that have a price (cost_model.h):
-// the form of Wimmer & Wonka, "Rendering time estimation for real-time rendering", 2003.
-// All of it is known before anything is drawn.
+// Frame work: what drawing a frame takes, counted in the kinds of work that have a price
+// (cost_model.h). The form is that of Wimmer & Wonka, "Rendering time estimation for real-time
+// rendering", 2003. All of it is known before anything is drawn.
 
 #include <array>
 #include <cstddef>
@@ -22,26 +22,26 @@ class SceneView;
 enum class Work : std::uint8_t {
   kFrame,                 ///< 1 a frame
   kPixel,                 ///< px of the target
-  kSample,                ///< px times the samples after a pixel's first
-  kMesh,                  ///< levels of geometry in the frame, each a few draw calls
-  kTriangle,              ///< of opaque geometry
-  kTestedTriangle,        ///< of geometry with an alpha test
-  kTestedTriangleSample,  ///< the same times the samples after a pixel's first
+  kSample,                ///< px of the target, times the samples after a pixel's first
+  kMesh,                  ///< levels of geometry in the frame, a few draw calls each
+  kTriangle,              ///< triangles of opaque geometry
+  kTestedTriangle,        ///< triangles of geometry with an alpha test
+  kTestedTriangleSample,  ///< the same triangles, times the samples after a pixel's first
   kMeshPixel,             ///< px covered by opaque geometry
   kTestedPixel,           ///< px covered by geometry with an alpha test
-  kTestedSample,          ///< the same times the samples after the first
+  kTestedSample,          ///< the same pixels, times the samples after the first
   kFlatPixel,             ///< px of impostors on quads and hulls
   kReliefPixel,           ///< px of impostors by marched depth
-  kImpostorSample,        ///< px of impostors times the samples after the first
+  kImpostorSample,        ///< px of impostors, times the samples after the first
   kViewPixel,             ///< px shown from the view tile
   kCount
 };
 inline constexpr std::size_t kWorks = static_cast<std::size_t>(Work::kCount);
 
-/// As files and tables name it.
+/// Returns the name that files and tables use for the kind.
 const char* work_name(Work kind);
 
-/// Amounts of each kind, all finite and >= 0.
+/// An amount of each kind of work, finite and >= 0.
 struct FrameWork {
   std::array<double, kWorks> amount{};
 
@@ -50,19 +50,22 @@ struct FrameWork {
   FrameWork& operator+=(const FrameWork& other);
 };
 
-/// Screen area, px, of a sphere (centre relative to the eye, m) as far as the view shows it, at
-/// most all of it: that of the square around it, cut to the view, times pi / 4.
+/// Returns the screen area, px, of a sphere (centre relative to the eye, m) as far as it is in the
+/// view, at most the whole view. It is the area of the square around the sphere, cut to the view,
+/// times pi / 4.
 double shown_area_px(const Camera& camera, const glm::dvec3& center, double radius);
 
-/// Of all frames of this size. `samples` of a pixel, >= 1, here and below.
+/// Returns the work that every frame of this size takes. `samples` of a pixel is >= 1, here and
+/// below.
 FrameWork target_work(const Camera& camera, int samples);
-/// Of an instance drawn from this level of its geometry, without what its level takes once a frame.
+/// Returns the work of an instance drawn from this level of its geometry. It leaves out what the
+/// level takes once a frame.
 FrameWork mesh_work(const SceneView& scene, const Camera& camera, std::uint32_t instance,
                     std::size_t lod, int samples);
-/// Of an instance drawn from a tile.
+/// Returns the work of an instance drawn from a tile.
 FrameWork impostor_work(const SceneView& scene, const Camera& camera, std::uint32_t instance,
                         const TileRecord& tile, DrawMethod method, int samples);
-/// Of all that the list draws.
+/// Returns the work of everything in the list.
 FrameWork work_of(const SceneView& scene, const Camera& camera, const DrawList& list, int samples);
 
 }  // namespace mirage

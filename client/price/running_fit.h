@@ -1,8 +1,8 @@
 #pragma once
-// Running least squares with limits: factors x, each within [1 / range, range], so that row . x is
-// near the target for rows seen lately. Factors that the rows do not tell apart stay near 1.
-// Coordinate descent on the normal equations: the problem is convex, its limits are a box, and the
-// last answer is near the next.
+// Running fit: least squares with limits, over rows seen lately. It finds factors x, each within [1
+// / range, range], so that row . x is near the row's target. Factors that the rows do not tell
+// apart stay near 1. It uses coordinate descent on the normal equations: the problem is convex, its
+// limits are a box, and the next answer is near the last.
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 namespace mirage {
 
 struct RunningFitOptions {
-  double kept = 0.95;   ///< weight of a row one row later; 1: none is forgotten
+  double kept = 0.95;   ///< weight that a row keeps with each later row; 1: forgets none
   double prior = 1e-3;  ///< weight of 1 for each factor, in squared units of the target
   double range = 16;
 };
@@ -25,7 +25,7 @@ class RunningFit {
     factors_.fill(1);
   }
 
-  /// Finite numbers; weight >= 0.
+  /// Adds a row. All numbers are finite; weight >= 0.
   void add(const Row& row, double target, double weight) {
     for (std::size_t i = 0; i < N; ++i) {
       for (std::size_t k = 0; k < N; ++k) {

@@ -1,6 +1,6 @@
 #pragma once
-// How well the view tile shows an object: one of the ways it may be drawn, and what others are
-// asked for against.
+// View fit: how well the view tile shows an object. The view tile is one way to draw an object, and
+// what asks are worth is measured against it.
 
 #include <optional>
 
@@ -10,25 +10,25 @@ namespace mirage {
 struct InstanceView;
 struct ViewTile;
 
-/// A first image of an object, which has to be quick, is as coarse as this, px per tau: it is left
-/// out where the view shows more.
+/// Error of the first image of an object, px per tau. It is coarse because it has to be quick; it
+/// is left out where the view tile shows more.
 inline constexpr double kFirstImagePx = 4;
 
 class ViewFit {
  public:
   explicit ViewFit(const ViewTile& view);
 
-  /// What it shows wrongly of an object, px on the screen of `camera`: the size of its texels, what
-  /// a step of its depth moves, and how much comes out from behind the object's own front, from
-  /// where the eye is now. An estimate, no bound: what hid the object from the view is not known.
-  /// nullopt: it was not in the view, or is seen from too far aside.
-  /// Of what comes out from behind, a seam here and there, `behind_share` counts.
+  /// Estimates the error, px on the screen of `camera`, with which the view tile shows an object
+  /// now. It adds the size of its texels, the shift by a step of its depth, and how much comes out
+  /// from behind the object's own front. Only the share `behind_share` of the last term counts, for
+  /// seams are rare. It is no bound: what hid the object in the view is not known. Returns nullopt
+  /// if the object was not in the view, or is seen from too far aside.
   std::optional<double> error_px(const InstanceView& instance, const Camera& camera,
                                  double behind_share = 1) const;
 
  private:
   Camera camera_;
-  double step_ = 0;  ///< of depth, a share of it
+  double step_ = 0;  ///< step of depth, as a share of it
 };
 
 }  // namespace mirage

@@ -13,7 +13,7 @@ using flip::CsfFilter;
 using flip::FeatureKernels;
 using flip::Plane;
 
-// Names of the paper in brackets.
+// The letters behind these constants are the paper's names.
 constexpr float kColorExponent = 0.7f;    // q_c
 constexpr float kColorKnee = 0.4f;        // p_c
 constexpr float kColorKneeValue = 0.95f;  // p_t
@@ -23,7 +23,7 @@ constexpr float kInverseSqrt2 = 0.70710678f;
 struct Rgb {
   float r, g, b;
 };
-/// XYZ over the white point D65: white is (1, 1, 1).
+/// XYZ divided by the white point D65, so that white is (1, 1, 1).
 struct Xyz {
   float x, y, z;
 };
@@ -31,7 +31,7 @@ struct Lab {
   float l, a, b;
 };
 
-// Rows of XYZ from linear sRGB, divided by their sum (the white point).
+// Converts linear sRGB to XYZ; the rows of the matrix are divided by their sum (the white point).
 Xyz xyz_from_linear(const Rgb& c) {
   constexpr double kX = 10135552.0 + 8788810.0 + 4435075.0;
   constexpr double kY = 2613072.0 + 8788810.0 + 887015.0;
@@ -46,7 +46,7 @@ Xyz xyz_from_linear(const Rgb& c) {
           kZr * c.r + kZg * c.g + kZb * c.b};
 }
 
-// Inverse of the matrix above: the reference's XYZ to linear sRGB times the white point.
+// Inverts the matrix above: the reference's XYZ to linear sRGB times the white point.
 Rgb linear_from_xyz(const Xyz& c) {
   constexpr float kWx = 0.950428545f, kWz = 1.088900371f;
   const float x = c.x * kWx, y = c.y, z = c.z * kWz;
@@ -73,7 +73,8 @@ float hyab(const Lab& p, const Lab& q) {
   return std::abs(p.l - q.l) + std::sqrt(da * da + db * db);
 }
 
-/// HyAB distance to 0..1: compressed by q_c, then a knee that leaves 5 % for the largest errors.
+/// Maps a HyAB distance to 0..1: compressed by q_c, then a knee that leaves 5 % for the largest
+/// errors.
 float color_error(float distance, float largest) {
   const float p = std::pow(distance, kColorExponent);
   const float knee = kColorKnee * largest;
@@ -90,7 +91,7 @@ std::array<float, 256> linear_from_srgb_table() {
   return table;
 }
 
-/// The opponent space YCxCz.
+/// A picture in the opponent space YCxCz.
 struct Opponent {
   Plane y, cx, cz;
 };
@@ -119,7 +120,7 @@ CsfFilters csf_filters(double pixels_per_degree) {
           flip::csf_filter({{34.1, 0.04}, {13.5, 0.025}}, pixels_per_degree)};
 }
 
-/// What is left of the colours at this viewing distance.
+/// Returns the colours that can be seen at this viewing distance.
 std::vector<Lab> perceived_colors(const Opponent& image, const CsfFilters& filters) {
   const Plane y = flip::apply(filters.y, image.y);
   const Plane cx = flip::apply(filters.cx, image.cx);

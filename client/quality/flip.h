@@ -1,7 +1,7 @@
 #pragma once
-// LDR-FLIP: the difference between two images as seen when they alternate.
-// Source: P. Andersson, J. Nilsson, T. Akenine-Moller, M. Oskarsson, K. Astrom, M. D. Fairchild,
-// "FLIP: A Difference Evaluator for Alternating Images", HPG 2020; constants of version 1.6.
+// LDR-FLIP: the difference between two images as seen when they alternate. Source: P. Andersson, J.
+// Nilsson, T. Akenine-Moller, M. Oskarsson, K. Astrom, M. D. Fairchild, "FLIP: A Difference
+// Evaluator for Alternating Images", HPG 2020; constants of version 1.6.
 
 #include <optional>
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace mirage {
 
-/// A 0.7 m wide monitor of 3840 px seen from 0.7 m: 0.7 * 3840 / 0.7 * pi / 180. Printed next to
-/// every FLIP figure.
+/// Pixels per degree of a 0.7 m wide monitor of 3840 px seen from 0.7 m: 0.7 * 3840 / 0.7 * pi /
+/// 180. Printed next to every FLIP figure.
 inline constexpr double kFlipPixelsPerDegree = 67.0206432;
 
 struct FlipMap {
@@ -20,23 +20,24 @@ struct FlipMap {
   std::vector<float> error;  ///< per pixel, 0 (no difference) to 1
 };
 
-/// Per-pixel FLIP of the RGB parts; alpha is ignored. nullopt when the sizes differ, an image is
-/// empty or `pixels_per_degree` is not positive and finite.
+/// Returns the FLIP of each pixel's RGB; alpha is ignored. nullopt if the sizes differ, if an image
+/// is empty, or if `pixels_per_degree` is not positive and finite.
 std::optional<FlipMap> flip_map(const ImageView& reference, const ImageView& test,
                                 double pixels_per_degree = kFlipPixelsPerDegree);
 
-/// Mean over all pixels or over a mask; nullopt ("n/a") when there is none, or sizes differ.
+/// Return the mean over all pixels or over a mask; nullopt ("n/a") if it is empty or the sizes
+/// differ.
 std::optional<double> flip_mean(const FlipMap& map);
 std::optional<double> flip_mean(const FlipMap& map, const Mask& mask);
-/// Largest value over a mask; nullopt as above.
+/// Returns the largest value over a mask; nullopt as above.
 std::optional<double> flip_max(const FlipMap& map, const Mask& mask);
 
-/// Weighted quartiles as FLIP's tools print them: each pixel counts with its own error, so half of
+/// Weighted quartiles, as FLIP's tools print them. Each pixel counts with its own error, so half of
 /// the total error lies in pixels with an error of at most `median`.
 struct FlipQuartiles {
   double first = 0, median = 0, third = 0;
 };
-/// nullopt when the mask is empty; all zero when there is no error.
+/// Returns the quartiles; nullopt if the mask is empty, all zero if there is no error.
 std::optional<FlipQuartiles> flip_quartiles(const FlipMap& map, const Mask& mask);
 
 }  // namespace mirage

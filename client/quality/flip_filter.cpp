@@ -7,13 +7,14 @@ namespace mirage::flip {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-// The reference takes 3 standard deviations of the widest term of all three channels for every one.
+// The reference uses 3 standard deviations of the widest term of all three channels for each
+// channel.
 constexpr double kWidestB = 0.04;
 constexpr double kFeatureWidthDegrees = 0.082;
-// Taps this much below the largest one are beyond float's digits in the sum: left out.
+// Taps this much below the largest one are beyond float's digits in the sum, so they are left out.
 constexpr double kNegligibleTap = 1e-9;
 
-/// Drops negligible taps at both ends alike.
+/// Drops negligible taps equally at both ends.
 Kernel trimmed(const std::vector<double>& taps) {
   const double largest = *std::max_element(taps.begin(), taps.end());
   std::size_t cut = 0;

@@ -1,13 +1,14 @@
 #pragma once
-// The separable filters of FLIP. Two-dimensional kernels of the paper are products (colour: sums of
-// two products) of the one-dimensional ones here, so two passes of ~20 taps replace ~400.
+// FLIP filter: the separable filters of FLIP. The paper's two-dimensional kernels are products
+// (colour: sums of two products) of the one-dimensional ones here, so two passes of ~20 taps
+// replace ~400.
 
 #include <cstddef>
 #include <vector>
 
 namespace mirage::flip {
 
-/// One float per pixel, rows top to bottom.
+/// A float for each pixel, rows top to bottom.
 struct Plane {
   std::size_t width = 0;
   std::size_t height = 0;
@@ -20,22 +21,22 @@ struct Plane {
 /// Taps from -radius to +radius, radius = size / 2.
 using Kernel = std::vector<float>;
 
-/// a sqrt(pi/b) exp(-pi^2 x^2 / b), x in degrees: one term of a contrast sensitivity function in
-/// the spatial domain.
+/// One term of a contrast sensitivity function in the spatial domain: a sqrt(pi/b) exp(-pi^2 x^2 /
+/// b), x in degrees.
 struct CsfTerm {
   double a = 0;
   double b = 0;
 };
 
-/// A CSF filter: weights[i] times the separable kernels[i]; the weights of a filter sum to 1.
+/// A contrast sensitivity filter: weights[i] times the separable kernels[i]. The weights sum to 1.
 struct CsfFilter {
   std::vector<Kernel> kernels;
   std::vector<float> weights;
 };
 CsfFilter csf_filter(const std::vector<CsfTerm>& terms, double pixels_per_degree);
 
-/// Smoothing, first and second derivative of the Gaussian that detects features. Positive taps of a
-/// derivative sum to 1, negative ones to -1.
+/// Smoothing, and first and second derivative of the Gaussian that detects features. Positive taps
+/// of a derivative sum to 1, negative ones to -1.
 struct FeatureKernels {
   Kernel smooth;
   Kernel edge;
@@ -43,7 +44,7 @@ struct FeatureKernels {
 };
 FeatureKernels feature_kernels(double pixels_per_degree);
 
-/// Rows with `horizontal`, then columns with `vertical`; the border pixel repeats outside.
+/// Filters rows with `horizontal`, then columns with `vertical`; the border pixel repeats outside.
 Plane convolve(const Plane& in, const Kernel& horizontal, const Kernel& vertical);
 Plane convolve_rows(const Plane& in, const Kernel& kernel);
 Plane convolve_columns(const Plane& in, const Kernel& kernel);

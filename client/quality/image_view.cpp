@@ -5,7 +5,7 @@
 namespace mirage {
 namespace {
 
-// One axis of the growth: a set pixel reaches `grow` pixels to both sides along its line.
+// Grows along one axis: a set pixel reaches `grow` pixels to both sides along its line.
 void grow_lines(const std::vector<std::uint8_t>& in, std::vector<std::uint8_t>& out,
                 std::size_t lines, std::size_t line_step, std::size_t length, std::size_t step,
                 std::size_t grow) {

@@ -1,5 +1,5 @@
 #pragma once
-// Images as the measures see them, and the masks the measures run over (numerics.md section 1).
+// Image view: images and masks for the measures of numerics.md section 1.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,8 +9,8 @@
 namespace mirage {
 
 /// Non-owning view of an image: 8-bit RGBA, rows top to bottom without padding. RGB is what the
-/// viewer shows, sRGB-encoded and already composited over its background; alpha is the coverage
-/// the object had before compositing and serves masks and coverage measures only.
+/// viewer shows, sRGB-encoded and already composited over its background. Alpha is the coverage
+/// that the object had before compositing; only masks and coverage measures use it.
 struct ImageView {
   std::uint32_t width = 0;   ///< px
   std::uint32_t height = 0;  ///< px
@@ -22,7 +22,7 @@ struct ImageView {
   }
 };
 
-/// Whether two views can be compared: same size, pixels present.
+/// True if two views can be compared: same size, pixels present.
 bool comparable(const ImageView& reference, const ImageView& test);
 
 /// Half-open box in px.
@@ -30,34 +30,34 @@ struct PixelBox {
   std::uint32_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
-/// Set of pixels of an image.
+/// A set of pixels of an image.
 struct Mask {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::vector<std::uint8_t> inside;  ///< width * height; 1 inside, 0 outside
 
   bool at(std::size_t x, std::size_t y) const { return inside[y * width + x] != 0; }
-  /// Size of the mask in px, to be printed next to every figure measured on it.
+  /// Returns the size of the mask in px, to be printed next to every figure measured on it.
   std::size_t count() const;
   bool fits(const ImageView& image) const {
     return width == image.width && height == image.height && inside.size() == image.pixels();
   }
 };
 
-/// Every pixel of an image of this size.
+/// Returns a mask of every pixel of an image of this size.
 Mask full_mask(std::uint32_t width, std::uint32_t height);
 
-/// Pixels where either image has alpha >= `min_alpha`, grown by `grow_px` in the maximum norm (a
-/// square of edge 2 grow_px + 1). The defaults are the mask of every measure of numerics.md section
-/// 1: (alpha of reference > 0) union (alpha of test > 0), grown by 2 px. Empty (0 x 0) when the
-/// images cannot be compared.
+/// Returns the pixels where either image has alpha >= `min_alpha`, grown by `grow_px` in the
+/// maximum norm (a square of edge 2 grow_px + 1). The defaults give the mask of every measure of
+/// numerics.md section 1: (alpha of reference > 0) union (alpha of test > 0), grown by 2 px. It is
+/// empty (0 x 0) if the images cannot be compared.
 Mask union_mask(const ImageView& reference, const ImageView& test, int min_alpha = 1,
                 int grow_px = 2);
 
-/// Smallest box around the mask; nullopt when it is empty.
+/// Returns the smallest box around the mask; nullopt if it is empty.
 std::optional<PixelBox> bounding_box(const Mask& mask);
 
-/// The pixels of a box.
+/// Returns a mask of the pixels of a box.
 Mask box_mask(std::uint32_t width, std::uint32_t height, const PixelBox& box);
 
 }  // namespace mirage

@@ -34,7 +34,7 @@ double index_from(const Moments& m) {
          ((m[0] * m[0] + m[1] * m[1] + kC1) * (variance_a + variance_b + kC2));
 }
 
-/// Gaussian means along one line of moments; weights outside the line are left out.
+/// Returns Gaussian means along one line of moments; weights outside the line are left out.
 Moments blurred(const Moments* line, std::size_t step, int at, int length,
                 const std::array<double, 2 * kRadius + 1>& taps) {
   Moments sum{};
@@ -57,7 +57,7 @@ std::array<double, 2 * kRadius + 1> gaussian_taps() {
   return taps;
 }
 
-/// Flat window [x0, x1) x [y0, y1).
+/// Returns the index of the flat window [x0, x1) x [y0, y1).
 double window_index(const ImageView& a, const ImageView& b, const PixelBox& w) {
   Moments sum{};
   const double weight = 1.0 / (static_cast<double>(w.x1 - w.x0) * (w.y1 - w.y0));
@@ -77,7 +77,7 @@ std::optional<double> ssim(const ImageView& reference, const ImageView& test, co
   if (!box) return std::nullopt;
   static const std::array<double, 2 * kRadius + 1> kTaps = gaussian_taps();
   const int width = static_cast<int>(reference.width), height = static_cast<int>(reference.height);
-  // Only the rows and columns that windows of the mask's box touch are worked on.
+  // Works only on rows and columns that windows of the mask's box touch.
   const int top = std::max(static_cast<int>(box->y0) - kRadius, 0);
   const int bottom = std::min(static_cast<int>(box->y1) + kRadius, height);
   std::vector<Moments> line(reference.width);
@@ -98,8 +98,8 @@ std::optional<double> ssim(const ImageView& reference, const ImageView& test, co
   for (std::uint32_t y = box->y0; y < box->y1; ++y) {
     for (std::uint32_t x = box->x0; x < box->x1; ++x) {
       if (!mask.at(x, y)) continue;
-      // `rows` starts at `top`: cut there exactly where the image is cut, as it reaches kRadius
-      // out.
+      // `rows` starts at `top`. It reaches kRadius beyond the box, so it is cut exactly where the
+      // image is.
       sum += index_from(blurred(rows.data() + x, reference.width, static_cast<int>(y) - top,
                                 bottom - top, kTaps));
       ++n;

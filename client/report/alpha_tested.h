@@ -6,8 +6,9 @@
 
 namespace mirage {
 
-/// A GLB file (glTF 2.0, section 4) with every blended material alpha-tested at one half instead:
-/// what the field's fidelity protocol calls an alpha-tested model. Error kSceneFormat.
+/// Returns a GLB file (glTF 2.0, section 4) in which every blended material is alpha-tested at one
+/// half instead. The field's fidelity protocol calls this an alpha-tested model. Error
+/// kSceneFormat.
 Result<std::vector<std::uint8_t>> alpha_tested(const std::vector<std::uint8_t>& glb);
 
 }  // namespace mirage

@@ -17,7 +17,7 @@ namespace mirage {
 namespace {
 
 constexpr const char* kPart = "bytes";
-constexpr int kAfterS = 5;  // FLIP after so long has a column
+constexpr int kAfterS = 5;  // seconds after which FLIP has a column
 
 RunSpec spec_of(const BytesPlan& plan, const OpenScene& scene, const Delivery& delivery) {
   RunSpec spec;
@@ -49,7 +49,7 @@ double flip_at(const RunResult& result, int frame) {
   return NAN;
 }
 
-// The beginning of a run.
+// Returns the figures of the beginning of a run: a walk of `walk_s` seconds.
 BytesRun run_of(const BytesPlan& plan, const RunResult& result, int walk_s) {
   const auto frame_at = [&](int s) { return static_cast<int>(std::lround(s * plan.fps)); };
   BytesRun run;
@@ -109,22 +109,41 @@ void explain(Context& context, const BytesPlan& plan) {
   Page& page = context.page;
   page.section(kPart, "Bytes of a walk");
   page.command(context.options.command_line);
-  page.paragraph(fmt::format(
-      "How it was measured: a walk of {} s from the moment of connecting, of which the first {} s "
-      "have rows of their own; {:g} frames a second on virtual time, {}x{} pixels, {:g} ms round "
-      "trip, {:g} Mbit/s, 5 ms of server time a tile. FLIP: mean against the full render at 4x4 "
-      "samples, every {} s of the short walk and every {} s of the long one. Client ms: by "
-      "the device model 'software', from the second second on.",
+  page.method(fmt::format(
+      "A walk of {} s from the moment of connecting; its first {} s have rows of their own. {:g} "
+      "frames a second on virtual time, {}x{} pixels, a round trip of {:g} ms, {:g} Mbit/s, 5 ms "
+      "of server time a tile. FLIP is the mean against the full render at 4x4 samples, every {} s "
+      "of the short walk and every {} s of the long one. Client time is that of the device model "
+      "'software', from the second second on.",
       plan.walks_s.back(), plan.walks_s.front(), plan.fps, plan.width, plan.height, plan.net.rtt_ms,
       plan.net.rate_mbps, compared_seconds(plan.walks_s.front()).front(),
       compared_seconds(plan.walks_s.back()).front()));
-  page.paragraph(
+  page.method(
       "auto: as mirage-view has it, without a budget (4 samples a pixel) and with 50 ms a frame. "
-      "geometry: nothing but meshes, each asked for when it comes into view, in the level its size "
-      "on the screen needs; 4 samples. tiles: auto with --mesh-radii 0, which leaves as geometry "
-      "only what surrounds the viewer (ground, walls, sky): no picture can stand for that; 4 "
-      "samples. over_better: bytes of auto over those of geometry or tiles, whichever takes fewer "
-      "of those whose FLIP is no more than .01 above auto's.");
+      "geometry: nothing but meshes, each asked for when it comes into view, in the level that its "
+      "size on the screen needs; 4 samples. tiles: auto with --mesh-radii 0, where only ground, "
+      "walls and sky stay geometry, because no picture can stand for them; 4 samples. Bytes over "
+      "best other: bytes of auto over those of geometry or tiles, whichever takes fewer with a "
+      "FLIP at most .01 above auto's.");
+}
+
+void say_found(Page& page, const std::vector<BytesRun>& runs) {
+  for (const auto& [mirage, better] : bytes_beside(runs)) {
+    const std::string walk =
+        fmt::format("{}, {} s, {}", mirage->scene, mirage->walk_s, mirage->delivery);
+    if (mirage->delivery == "auto") {
+      page.finding({fmt::format("{:.1f} MB", mirage->mb),
+                    fmt::format("FLIP {:.3f}: {}", mirage->flip_mean, walk),
+                    better && mirage->mb > better->mb});
+    }
+    if (better && mirage->mb > better->mb) {
+      page.falls_short(
+          fmt::format("{}: {:.2f} MB, {:.2f} times those of {} (FLIP {:.3f} beside "
+                      "{:.3f}).",
+                      walk, mirage->mb, mirage->mb / better->mb, better->delivery,
+                      mirage->flip_mean, better->flip_mean));
+    }
+  }
 }
 
 }  // namespace
@@ -144,6 +163,7 @@ Result<void> report_bytes(Context& context) {
   for (const std::string& line : words) std::printf("%s\n", line.c_str());
   const Table table = bytes_table(runs);
   if (!runs.empty()) {
+    say_found(context.page, runs);
     context.page.list(words);
     context.page.table(table);
   }

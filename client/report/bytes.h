@@ -3,8 +3,8 @@
 
 namespace mirage {
 
-/// What a walk costs in bytes: Mirage, all geometry, tiles only. Writes bytes.csv and its section
-/// of the page.
+/// Measures what a walk costs in bytes: Mirage, all geometry, tiles only. Writes bytes.csv and its
+/// section of the page.
 Result<void> report_bytes(Context& context);
 
 }  // namespace mirage

@@ -13,7 +13,7 @@ constexpr const char* kPart = "calibrate";
 constexpr int kWidth = 480, kHeight = 270;
 constexpr double kFps = 10;
 
-// A way to have things drawn so that each of their ways occurs.
+// A manner of drawing. The manners are chosen so that every way to draw a thing occurs.
 struct Manner {
   double frame_ms = 0;
   int samples = -1;
@@ -55,7 +55,7 @@ RunSpec spec_of(const OpenScene& scene, const Manner& manner, int frames) {
   spec.fps = kFps;
   spec.frames = frames;
   spec.from_scene = true;
-  // The first moments, too: views and what is not there yet.
+  // The first moments are compared as well, for views and for things that are not there yet.
   for (const int frame : {2, 5, 15}) spec.compared.push_back(frame);
   for (int frame = 30; frame < frames; frame += 10) spec.compared.push_back(frame);
   return spec;
@@ -85,7 +85,7 @@ Result<std::vector<ErrorSample>> observe(Context& context, const std::vector<std
   return out;
 }
 
-// Rows for each way of drawing and for all, by the model in use and by the one fitted now.
+// Adds rows for each way of drawing and for all of them, by the model in use and by the new one.
 void judge(Table& table, const std::string& what, const std::vector<ErrorSample>& samples,
            const ErrorModel& fitted) {
   const auto row = [&](const std::string& look, const std::vector<ErrorSample>& part) {
@@ -133,17 +133,26 @@ Result<void> report_calibrate(Context& context) {
   Page& page = context.page;
   page.section(kPart, "Predicted error beside measured");
   page.command(context.options.command_line);
-  page.paragraph(fmt::format(
-      "How it was measured: walks of {:g} s at {}x{} over RTT 100 ms and 20 Mbit/s in {} manners "
-      "(budgets of {:g} to {:g} ms and none, one sample and four, tiles only, tau 1/2 to 4). Of "
-      "each "
-      "thing that is drawn in one way and covers {} pixels and more: the FLIP of its pixels "
-      "against the full render, beside what client/price/error_model.cpp says of it. Rank: "
-      "Spearman's correlation, of the error that is planned by (FLIP times pixels, those of the "
-      "prediction being its disc) and of FLIP a pixel. Off: measured less predicted FLIP, the mean "
-      "over pixels. Coefficients are fitted to the first scenes by least squares and judged on the "
-      "others.",
+  const RankCorrelation rank = rank_correlation(*far, error_model());
+  page.finding({fmt::format("{:.2f}", rank.error),
+                "rank correlation of predicted and measured error, scenes held out"});
+  page.finding({fmt::format("{:+.3f}", mean_excess(*far, error_model())),
+                "measured less predicted FLIP, mean, scenes held out"});
+  page.method(fmt::format(
+      "Walks of {:g} s at {}x{} over a round trip of 100 ms and 20 Mbit/s in {} manners: budgets "
+      "of "
+      "{:g} to {:g} ms and none, one sample and four, tiles only, tau 1/2 to 4. Each object that "
+      "is "
+      "drawn in one way and covers at least {} pixels counts: the FLIP of its pixels against the "
+      "full render beside the prediction of client/price/error_model.cpp.",
       (what.frames - 1) / kFps, kWidth, kHeight, std::size(kManners), 15.0, 150.0, 64));
+  page.method(
+      "Rank is Spearman's correlation, of the error that is planned by (FLIP times pixels; the "
+      "prediction takes the pixels of the disc) and of FLIP a pixel. Off is measured less "
+      "predicted "
+      "FLIP, the mean over pixels. Coefficients are fitted to the first scenes by least squares "
+      "and "
+      "judged on the others.");
   page.table(table);
   page.table(coefficients);
   std::printf("%s\n%s", table.csv().c_str(), coefficients.csv().c_str());

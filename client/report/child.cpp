@@ -31,8 +31,8 @@ int status_to_code(int status) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-// Standard output and error into files: a pipe nobody reads would stop the child. It gets SIGTERM
-// when this process ends, however that happens.
+// Starts a program with its standard output and error in files, because a full pipe that nobody
+// reads would stop it. It gets SIGTERM when this process ends, however that happens.
 Result<int> spawn(const std::vector<std::string>& command, const std::string& out,
                   const std::string& err) {
   std::vector<char*> argv;
@@ -44,7 +44,7 @@ Result<int> spawn(const std::vector<std::string>& command, const std::string& ou
                        open(err.c_str(), write_new, 0600)};
   const int parent = getpid();
   const int pid = fork();
-  if (pid == 0) {  // only what is allowed between fork and exec
+  if (pid == 0) {  // only calls that are allowed between fork and exec
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) _exit(kCannotRun);
     for (int i = 0; i < 3; ++i) dup2(files[i], i);
@@ -74,7 +74,7 @@ Result<std::string> scratch_folder() {
   return name;
 }
 
-// The whole lines a file has gained since the last call.
+// Passes on the whole lines that a file has gained since the last call.
 void pass_lines(std::ifstream& file, const std::function<void(const std::string&)>& on_line) {
   std::string line;
   while (true) {
@@ -88,7 +88,7 @@ void pass_lines(std::ifstream& file, const std::function<void(const std::string&
   }
 }
 
-// The `error <id>: <text>` line of a program of ours, as the error it was.
+// Returns the error in the `error <id>: <text>` line of one of our programs.
 std::optional<Error> error_said(const std::string& text) {
   std::istringstream lines(text);
   std::string line;
@@ -97,8 +97,8 @@ std::optional<Error> error_said(const std::string& text) {
     const std::size_t colon = line.find(": ");
     if (colon == std::string::npos) continue;
     const std::string id = line.substr(6, colon - 6);
-#define MIRAGE_X(e, name, exit, close) \
-  if (id == (name)) return make_error(ErrorId::e, line.substr(colon + 2));
+#define MIRAGE_X(e, text_id, exit, close, cause, cure) \
+  if (id == (text_id)) return make_error(ErrorId::e, line.substr(colon + 2));
     MIRAGE_ERRORS(MIRAGE_X)
 #undef MIRAGE_X
   }
@@ -208,7 +208,7 @@ std::vector<std::string> ServerProcess::scene_warnings() const {
 Result<void> ServerProcess::wait_ready(const std::string& scene) {
   for (int waited = 0; waited < kServerPatienceMs; waited += 20) {
     const std::string port = read_file(folder_ + "/port");
-    if (!port.empty() && port.back() == '\n') {  // all of it
+    if (!port.empty() && port.back() == '\n') {  // the whole line
       port_ = std::atoi(port.c_str());
       return {};
     }

@@ -22,10 +22,10 @@ constexpr int kPasses = 3;  // the quickest counts
 
 struct CodecRow {
   TileCodec codec = TileCodec::kRaw;
-  double bytes = 0;                     ///< of a tile, mean
-  double rms = 0, psnr_db = 0;          ///< of covered colours; rms in 1/255
-  int worst = 0;                        ///< of any texel, 1/255
-  double encode_us = 0, decode_us = 0;  ///< of a tile, mean CPU time
+  double bytes = 0;                     ///< mean bytes of a tile
+  double rms = 0, psnr_db = 0;          ///< error of covered colours; rms in 1/255
+  int worst = 0;                        ///< largest error of a texel, 1/255
+  double encode_us = 0, decode_us = 0;  ///< mean CPU time of a tile
 };
 
 double cpu_us() {
@@ -67,8 +67,8 @@ Result<CodecRow> measure(const std::vector<Tile>& tiles, TileCodec codec) {
   return row;
 }
 
-// A tile of every object in sight, as large as a picture of 640 x 360 from the scene's own first
-// view wants it.
+// Returns a tile of every visible object, of the size that a picture of 640 x 360 from the scene's
+// home view needs.
 Result<std::vector<Tile>> tiles_in_sight(Context& context, const OpenScene& scene) {
   Result<std::unique_ptr<TileProbe>> probe =
       TileProbe::open(scene.url, scene.truth->scene().lighting, context.runner->renderer());
@@ -106,11 +106,12 @@ Panel panel_of(const std::string& scene, const std::vector<CodecRow>& rows) {
 Result<void> report_codecs(Context& context) {
   Page& page = context.page;
   page.heading("Codecs: bytes against error");
-  page.paragraph(fmt::format(
-      "How it was measured: a tile of every object, as large as a picture of 640 x 360 from the "
-      "scene's first view wants it; mean over tiles; PSNR of the colours of covered texels "
-      "(coverage, depth and normals are exact in all); CPU time of one thread, the quickest of {} "
-      "passes. Decoding is what a client does before it uploads the tile.",
+  page.method(fmt::format(
+      "Codecs: a tile of every object, as large as a picture of 640 x 360 from the scene's first "
+      "view wants it; the mean over tiles. PSNR of the colours of covered texels; coverage, depth "
+      "and normals are exact in all. CPU time of one thread, the quickest of {} passes. Decoding "
+      "is "
+      "what a client does before it uploads the tile.",
       kPasses));
   Table table({"scene", "tiles", "codec", "bytes_a_tile", "color_psnr_db", "color_rms", "color_max",
                "encode_us", "decode_us"});
@@ -139,10 +140,10 @@ Result<void> report_codecs(Context& context) {
     }
     panels.push_back(panel_of(name, rows));
   }
-  page.table(table);
   if (!panels.empty()) {
     context.plot("codecs", panels, 2, "Bytes of a tile against the error of its colours.");
   }
+  page.table(table);
   return write_file(context.path("codecs.csv"), table.csv());
 }
 

@@ -3,8 +3,8 @@
 
 namespace mirage {
 
-/// What every tile codec makes of real tiles: bytes against the error of their colours, time to
-/// encode and decode. A heading of the fidelity part; rows in codecs.csv.
+/// Measures every tile codec on real tiles: bytes against the error of their colours, and the time
+/// to encode and decode. Adds a heading to the fidelity part, and writes codecs.csv.
 Result<void> report_codecs(Context& context);
 
 }  // namespace mirage

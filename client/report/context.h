@@ -1,5 +1,6 @@
 #pragma once
-// What all parts of the report share: the renderer, the scenes with their servers, the page.
+// Context: what all parts of the report share: the renderer, the scenes with their servers, the
+// page.
 
 #include <map>
 #include <memory>
@@ -17,12 +18,13 @@ class ServerProcess;
 class SessionRunner;
 class TruthSource;
 
-/// What was meant to be measured and was not: told, never dropped (numerics.md section 1).
+/// Something that was to be measured and was not. It is reported, never dropped (numerics.md
+/// section 1).
 struct Omission {
   std::string part, what, why;
 };
 
-/// A scene, its server if it is one of ours, and its truth.
+/// A scene, its server if the report started it, and its truth.
 struct OpenScene {
   std::string name;
   std::string url;
@@ -31,7 +33,7 @@ struct OpenScene {
 
   ~OpenScene();
 
-  /// A walk, or once around what is a single thing to look at.
+  /// Returns the path: a walk, or once around a scene that is a single thing to look at.
   std::string path() const;
 };
 
@@ -42,22 +44,22 @@ struct Context {
   Progress progress{};
   Page page{};
   std::vector<Omission> omissions{};
-  std::vector<std::string> failed_checks{};  ///< of what must hold
+  std::vector<std::string> failed_checks{};  ///< checks that did not hold
   std::map<std::string, std::unique_ptr<OpenScene>> scenes{};
 
-  /// The GL context and its renderer. Errors kGraphics….
+  /// Returns the GL context with its renderer; makes them first. Errors kGraphics….
   Result<SessionRunner*> graphics();
-  /// Starts the scene's server, unless it runs, and learns the scene. With --url: that server's,
-  /// whatever `name` says. Errors as ServerProcess and TruthSource.
+  /// Starts the scene's server unless it runs, and learns the scene. With --url it uses that server
+  /// for any `name`. Errors as ServerProcess and TruthSource.
   Result<OpenScene*> open(const std::string& name);
-  /// The same of one of the part's own scenes: nullptr and an omission if it cannot be had. That of
-  /// the command line is an error then.
+  /// Opens one of the part's own scenes. Returns nullptr, and notes an omission, if it cannot be
+  /// opened. For a scene of the command line that is an error.
   Result<OpenScene*> open_own(const std::string& part, const std::string& name);
-  /// Ends its server, if it is one of ours, and forgets its truth.
+  /// Ends the scene's server, if the report started it, and forgets its truth.
   void close(const std::string& name);
-  /// The scenes to measure: the user's one, or the part's own.
+  /// Returns the scenes to measure: the user's scene, or the part's own.
   std::vector<std::string> scenes_or(const std::vector<std::string>& own) const;
-  /// Puts a plot on the page, or says why it is not there.
+  /// Puts a plot on the page, or says why it is missing.
   void plot(const std::string& name, const std::vector<Panel>& panels, int columns,
             const std::string& caption);
   std::string path(const std::string& file) const { return options.out_dir + "/" + file; }
@@ -66,13 +68,13 @@ struct Context {
   }
 
  private:
-  /// With --url all names are of one scene.
+  /// Returns the key of a scene. With --url all names mean one scene.
   std::string key_of(const std::string& name) const {
     return options.url.empty() ? name : options.url;
   }
 };
 
-/// `git describe` of the source this was built from.
+/// Returns `git describe` of the source that this was built from.
 std::string source_commit();
 std::string hex64(std::uint64_t value);
 

@@ -32,10 +32,10 @@ constexpr double kDegree = 0.017453292519943295;
 struct Model {
   std::string name, spec, light;  // light: lit or albedo
   bool published;
-  bool alpha_test = false;  // blended materials too, as the protocol has it
+  bool alpha_test = false;  // tests alpha of blended materials, too, as the protocol does
 };
 
-// One line of the table: captured `offset_deg` beside the eye, drawn with a method.
+// A line of the table: captured `offset_deg` beside the eye, drawn with a method.
 struct Setting {
   double radii, offset_deg;
   std::string method;
@@ -48,7 +48,7 @@ struct Row {
   std::size_t texture_bytes = 0;
 };
 
-// What the field reaches, grids of 12 x 12 views in 2048 x 2048 texels (FIELD.md).
+// Published figures of the field, for grids of 12 x 12 views in 2048 x 2048 texels (FIELD.md).
 struct Published {
   const char *model, *grid;
   double radii, psnr_db, ssim, iou, mib;
@@ -63,8 +63,8 @@ const Published kPublished[] = {{"knot", "12 x 12", 2.5, 15.5, .694, .80, kSmall
                                 {"tree", "12 x 12", 4, 16.1, .44, .77, kSmallGridMiB},
                                 {"tree", "12 x 12", 40, 17.4, .49, .82, kSmallGridMiB}};
 
-// three.js divides both kinds by pi (BRDF_Lambert); a light's colour here is already irradiance
-// per pi, and ambient the radiance of a white surface.
+// Returns the light of the protocol. three.js divides both kinds by pi (BRDF_Lambert). Here a
+// light's colour is irradiance per pi already, and ambient is the radiance of a white surface.
 Lighting field_light(const std::string& light) {
   constexpr float kPi = 3.14159265f;
   Lighting lighting;
@@ -77,7 +77,7 @@ Lighting field_light(const std::string& light) {
   return lighting;
 }
 
-// Direction i of 24: elevations from 5 degrees up, evenly over the sphere.
+// Returns direction i of 24: elevations from 5 degrees up, evenly over the sphere.
 glm::dvec3 field_direction(int i) {
   const double s = std::sin(5.0 * kDegree);
   const double y = s + (1.0 - s) * (i + 0.5) / kDirections;
@@ -105,18 +105,19 @@ Camera field_camera(const SceneView& scene, double radii, const glm::dvec3& dire
 }
 
 std::vector<Setting> settings(const Model& model, bool quick) {
-  // The quick form keeps to the distances for which there is a published figure.
+  // The quick form uses only distances for which there is a published figure.
   std::vector<double> distances = {2.5, 4.0, 12.0, 40.0};
   if (quick && model.name == "monkey") distances = {4.0};
   if (quick && model.name == "tree") distances = {4.0, 40.0};
   std::vector<Setting> out;
   out.reserve(16);
   for (const double radii : distances) out.push_back({radii, 0, "quad"});
-  out.push_back({4, 0, "at rest"});  // the same quad, refined as a viewer's picture is
+  out.push_back({4, 0, "at rest"});  // the same quad, refined like a viewer's picture at rest
   for (const double degrees : {5.0, 10.0}) {
     for (const char* method : {"quad", "warp", "depth"}) out.push_back({4, degrees, method});
   }
-  if (model.published) out.push_back({4, NAN, "fixed8"});  // as far aside as it happens to be
+  // Eight views: the offset is the nearest view's.
+  if (model.published) out.push_back({4, NAN, "fixed8"});
   return out;
 }
 
@@ -126,7 +127,7 @@ DrawMethod method_of(const std::string& name) {
                           : DrawMethod::kQuad;
 }
 
-// The shared models beside the checkout; empty when they are not there.
+// Returns the path of a shared model beside the checkout; empty: it is not there.
 std::string shared_model(const std::string& file) {
   const char* set = std::getenv("MIRAGE_SHARED");
   const std::string path = std::string(set ? set : "../shared") + "/assets/reference/" + file;
@@ -153,7 +154,7 @@ std::vector<Model> models(Context& context) {
   return out;
 }
 
-// Opens the model; one that is to be alpha-tested by way of a changed copy.
+// Opens the model. A model that is to be alpha-tested is opened from a changed copy.
 Result<OpenScene*> open_model(Context& context, const Model& model) {
   if (!model.alpha_test) return context.open(model.spec);
   std::ifstream file(model.spec, std::ios::binary);
@@ -233,7 +234,7 @@ Result<void> one_model(Context& context, const Model& model, std::vector<Row>& r
   Result<FrameTarget> target = FrameTarget::create(kEdge, kEdge, 4);
   if (!target) return target.error();
   Bench bench{runner, target.take(), probe.take(), truth};
-  // Of the protocol's 24 directions every n-th: a tree's truth takes seconds on a CPU.
+  // Every n-th of the protocol's 24 directions is used: a tree's truth takes seconds on a CPU.
   const bool slow = model.name != "knot" && model.name != "monkey";
   const int step = !context.options.quick ? 1 : slow ? 12 : 6;
   context.page.heading(fmt::format("{}, {}, {} directions", model.name, model.light,
@@ -251,9 +252,8 @@ Result<void> one_model(Context& context, const Model& model, std::vector<Row>& r
     rows.push_back(*row);
     if (!picture || !worth_a_picture(setting)) continue;
     const Result<void> shown = context.page.pictures(
-        fmt::format("{}, {:g} radii, captured {} degrees aside, {}: as drawn, full render, "
-                    "difference times 2",
-                    model.name, setting.radii, figure(setting.offset_deg), setting.method),
+        fmt::format("{}, {:g} radii, captured {} degrees aside, {}.", model.name, setting.radii,
+                    figure(setting.offset_deg), setting.method),
         *picture);
     if (!shown) return shown;
   }
@@ -282,6 +282,37 @@ std::string json_of(const std::vector<Row>& rows) {
          "\n";
 }
 
+/// Returns the published figures for a row's model and distance; nullptr: there are none.
+const Published* published_for(const Row& row) {
+  for (const Published& p : kPublished) {
+    if (row.model.published && row.model.name == p.model && row.setting.radii == p.radii) return &p;
+  }
+  return nullptr;
+}
+
+void say_found(Page& page, const std::vector<Row>& rows) {
+  for (const Row& row : rows) {
+    const Published* beside = published_for(row);
+    const bool shown = row.setting.method != "fixed8" && row.setting.radii == 4 &&
+                       (row.setting.offset_deg == 0 || row.setting.offset_deg == 5) &&
+                       (row.setting.method == "at rest" || row.setting.method == "depth");
+    if (!row.psnr_db || !(shown || beside)) continue;
+    const bool lower = beside && *row.psnr_db < beside->psnr_db;
+    const std::string what =
+        fmt::format("{} at {:g} radii, {} degrees aside, {}", row.model.name, row.setting.radii,
+                    figure(row.setting.offset_deg), row.setting.method);
+    if (shown) {
+      page.finding({fmt::format("{:.1f} dB", *row.psnr_db),
+                    what + (beside ? fmt::format("; published {:g} dB", beside->psnr_db) : ""),
+                    lower});
+    }
+    if (lower && row.setting.method != "fixed8") {
+      page.falls_short(
+          fmt::format("{}: {:.1f} dB, published {:g} dB.", what, *row.psnr_db, beside->psnr_db));
+    }
+  }
+}
+
 Table table_of(const std::vector<Row>& rows) {
   Table table({"model", "light", "distance, r", "captured aside, degrees", "drawn as", "PSNR, dB",
                "SSIM", "IoU", "textures, MiB", "published: grid", "PSNR, dB", "SSIM", "IoU",
@@ -297,12 +328,7 @@ Table table_of(const std::vector<Row>& rows) {
         row.ssim ? fmt::format("{:.3f}", *row.ssim) : "n/a",
         row.iou ? fmt::format("{:.3f}", *row.iou) : "n/a",
         fmt::format("{:.2f}", static_cast<double>(row.texture_bytes) / (1 << 20))};
-    const Published* beside = nullptr;
-    for (const Published& p : kPublished) {
-      const bool same =
-          row.model.published && row.model.name == p.model && row.setting.radii == p.radii;
-      if (same && !beside) beside = &p;
-    }
+    const Published* beside = published_for(row);
     for (const std::string& cell :
          beside
              ? std::vector<std::string>{beside->grid, figure(beside->psnr_db), figure(beside->ssim),
@@ -323,18 +349,19 @@ Result<void> report_fidelity(Context& context) {
   Page& page = context.page;
   page.section(kPart, "Fidelity of tiles");
   page.command(context.options.command_line);
-  page.paragraph(
-      "How it was measured: the field's protocol for octahedral impostors. 512 x 512 pixels, the "
-      "model's sphere filling the picture, directions over the upper half of the sphere, grey "
-      "background; PSNR over the box of the union of both masks, SSIM in 8 x 8 windows, IoU of the "
-      "masks (alpha above 127). lit: ambient 0.6 and a sun of 2.5 from (2,3,1); albedo: ambient "
-      "only; the tree's blended leaves are alpha-tested, as the protocol has it. Tiles come over "
-      "the "
-      "wire, by key, one per object; the reference is the server's full "
-      "render at 4x4 samples. captured aside: how far from the eye's direction the tile was taken; "
-      "0 is what an eye that rests gets, at rest: refined as its picture then is. The published "
-      "figures are those of the three.js package "
-      "octahedral-impostor, whose error is the same whether the eye rests or not.");
+  page.method(
+      "The field's protocol for octahedral impostors: 512 x 512 pixels, the model's sphere fills "
+      "the picture, directions over the upper half of the sphere, grey background. PSNR is taken "
+      "over the box around both masks, SSIM in 8 x 8 windows, IoU of the masks (alpha above 127). "
+      "lit: ambient 0.6 and a sun of 2.5 from (2,3,1); albedo: ambient only. The tree's blended "
+      "leaves are alpha-tested, as the protocol has it.");
+  page.method(
+      "Tiles come over the wire, by key, one for each object. The truth is the server's full "
+      "render "
+      "at 4x4 samples. Captured aside is the angle between the eye and the view of the tile; at 0 "
+      "the eye rests, and the picture is refined as it then is. The published figures are those of "
+      "the three.js package octahedral-impostor, whose error is the same whether the eye rests or "
+      "not.");
   std::vector<Row> rows;
   const std::vector<Model> todo = models(context);
   std::size_t steps = 0;
@@ -343,12 +370,13 @@ Result<void> report_fidelity(Context& context) {
   for (const Model& model : todo) {
     if (Result<void> done = one_model(context, model, rows); !done) return done;
   }
+  say_found(page, rows);
   page.heading("All rows");
   page.table(table_of(rows));
   const Published& large = kPublished[4];
   page.paragraph(
-      fmt::format("A grid of {} views of the knot at {:g} radii reaches {:g} dB in {:g} "
-                  "MiB: more views hardly help, perspective and depth do.",
+      fmt::format("A published grid of {} views of the knot at {:g} radii reaches {:g} dB in {:g} "
+                  "MiB. More views hardly help; perspective and depth do.",
                   large.grid, large.radii, large.psnr_db, large.mib));
   if (const Result<void> done = report_codecs(context); !done) return done;
   return write_file(context.path("fidelity.json"), json_of(rows));

@@ -1,13 +1,13 @@
 #pragma once
-// The first seconds of a session, from the beginning of the connection: Mirage, video with
-// timewarp and the download of all geometry over three links. Writes first_seconds.csv,
+// First: the first seconds of a session, from the beginning of the connection. It compares Mirage,
+// video with timewarp and the download of all geometry over three links. Writes first_seconds.csv,
 // first_seconds_frames.csv and its section of the page.
 
 #include "client/report/context.h"
 
 namespace mirage {
 
-/// Runs that fail become omissions. Errors as Context::open.
+/// Runs the part. Runs that fail become omissions. Errors as Context::open.
 Result<void> report_first(Context& context);
 
 }  // namespace mirage

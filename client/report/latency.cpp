@@ -28,7 +28,7 @@ RunSpec spec_of(const LatencyPlan& plan, const OpenScene& scene, const Condition
   return spec;
 }
 
-// All methods under one condition.
+// Runs all methods under one condition.
 void run_condition(Context& context, const LatencyPlan& plan, OpenScene& scene,
                    const Condition& condition, std::vector<LatencyRun>& out) {
   const RunSpec spec = spec_of(plan, scene, condition);
@@ -38,7 +38,8 @@ void run_condition(Context& context, const LatencyPlan& plan, OpenScene& scene,
   }
 }
 
-// FLIP of the full render at 2x2 samples against that at 4x4, over the compared frames of the walk.
+// Returns the FLIP of the full render with 2x2 samples against that with 4x4, over the compared
+// frames.
 Result<double> floor_of(const RunSpec& spec, TruthSource& truth) {
   const SceneView& scene = truth.scene();
   const Result<CameraPath> path =
@@ -62,23 +63,27 @@ void explain(Context& context, const LatencyPlan& plan) {
   Page& page = context.page;
   page.section(kPart, "Against video and geometry, by latency");
   page.command(context.options.command_line);
-  page.paragraph(fmt::format(
-      "How it was measured: {:g} s of each path at {:g} frames a second, {}x{} pixels, all methods "
-      "over the same modelled link (round trip, jitter, rate both ways, loss, in-order delivery), "
-      "every {}th frame compared with the full render at the displayed pose, 4x4 samples a pixel. "
-      "Everything starts at time 0 with the connection, which costs everyone two round trips; the "
-      "table and the plots have what comes after the first {:g} s, a second table all frames.",
+  page.method(fmt::format(
+      "All methods play {:g} s of each path at {:g} frames a second and {}x{} pixels over the same "
+      "modelled link: round trip, jitter, rate both ways, loss, delivery in order. Every {}th "
+      "frame "
+      "is compared with the full render at the pose that is shown, 4x4 samples a pixel. Everything "
+      "starts with the connection, which costs everyone two round trips. The figures count what "
+      "comes after the first {:g} s; a second table counts all frames.",
       plan.seconds, plan.fps, plan.width, plan.height, plan.compare_every, kStartSeconds));
-  page.paragraph(
-      "video: frames rendered by the server (2x2 samples) at the pose that was sent up, really "
-      "encoded by x264 (veryfast, zerolatency, one-frame buffer, at the link's rate) and decoded; "
-      "10 ms of server time are granted to render one, whatever this machine takes, and the time "
-      "to encode and decode is as measured; the newest frame that has arrived is shown. "
-      "video+timewarp: the same, turned to the present orientation, black where it has nothing. "
-      "geometry: every object as the mesh the server sends. mirage: as shipped (auto, tau 1 px, "
-      "geometry inside 8 radii); 5 ms of server time are granted per tile. pose to display: how "
-      "old the eye position of what is shown is; where the client draws, what planning and drawing "
-      "took on this machine.");
+  page.method(
+      "video: the server renders frames (2x2 samples) at the pose that was sent up. They are "
+      "really "
+      "encoded by x264 (veryfast, zerolatency, one-frame buffer, at the link's rate) and decoded. "
+      "Rendering one is granted 10 ms of server time, whatever this machine takes; encoding and "
+      "decoding take what was measured. The newest frame that has arrived is shown. "
+      "video+timewarp: the same, turned to the present orientation, black where the video has "
+      "nothing. geometry: every object as the mesh that the server sends. mirage: as shipped "
+      "(auto, "
+      "tau 1 px, geometry inside 8 radii), with 5 ms of server time a tile.");
+  page.method(
+      "Pose to display is the age of the eye position that the picture shows. Where the client "
+      "draws, it is the time of planning and drawing on this machine.");
 }
 
 }  // namespace

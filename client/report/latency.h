@@ -1,12 +1,12 @@
 #pragma once
-// Mirage, all geometry, video and video with timewarp on the same modelled link, over round trips
-// and rates (FIELD.md). Writes latency.csv and its section of the page.
+// Latency: compares Mirage, all geometry, video and video with timewarp on the same modelled link,
+// over round trips and rates (FIELD.md). Writes latency.csv and its section of the page.
 
 #include "client/report/context.h"
 
 namespace mirage {
 
-/// An error only where nothing can be measured at all; runs that fail become omissions.
+/// Runs the part. It fails only if nothing can be measured at all; runs that fail become omissions.
 Result<void> report_latency(Context& context);
 
 }  // namespace mirage

@@ -1,5 +1,5 @@
 #pragma once
-// What one method showed of one path over one link.
+// Latency run: what one method showed of one path over one link.
 
 #include <string>
 #include <vector>
@@ -9,9 +9,9 @@
 
 namespace mirage {
 
-/// One link and path under which all methods are run.
+/// A link and a path under which all methods are run.
 struct Condition {
-  std::string path;  ///< empty: the scene's own (OpenScene::path), of which the plots are
+  std::string path;  ///< empty: the scene's own (OpenScene::path), used by the plots
   NetModel net;
 };
 
@@ -25,7 +25,7 @@ struct LatencyRun {
   bool own_path = true;
   std::vector<LatencySample> samples;
   double mbps = 0, first_image_ms = -1;
-  std::vector<Picture> pictures;  ///< of RunSpec::pictured; none of a video
+  std::vector<Picture> pictures;  ///< of RunSpec::pictured; none for video
 };
 
 }  // namespace mirage

@@ -13,7 +13,8 @@ namespace {
 constexpr double kLongTripMs = 100;
 constexpr double kAim = 0.7;  // p95 FLIP of Mirage over that of video with timewarp, FIELD.md
 
-// Runs on the scene's own path without loss and with the first seed: the grid the plots show.
+// True for runs on the scene's own path without loss and with the first seed: the grid of the
+// plots.
 bool in_grid(const LatencyRun& run, const std::string& scene) {
   const NetModel& net = run.condition.net;
   return run.scene == scene && run.own_path && net.loss_percent == 0 && net.seed == 1;
@@ -21,7 +22,7 @@ bool in_grid(const LatencyRun& run, const std::string& scene) {
 
 struct Grid {
   std::set<double> trips, rates;
-  std::map<std::tuple<std::string, double, double>, LatencyFigures> at;  // method, RTT, rate
+  std::map<std::tuple<std::string, double, double>, LatencyFigures> at;  // by method, RTT and rate
 
   const LatencyFigures* find(const std::string& method, double rtt, double rate) const {
     const auto found = at.find({method, rtt, rate});
@@ -85,7 +86,8 @@ std::vector<Panel> panels(const Grid& grid, const LatencyPlan& plan, Pick pick,
   return out;
 }
 
-// Least squares of the pose's age over the round trip, ms per ms, all rates together.
+// Returns the slope of the pose's age over the round trip, ms per ms, by least squares over all
+// rates.
 double slope(const Grid& grid, const std::string& method) {
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
   for (const double rtt : grid.trips) {
@@ -102,18 +104,22 @@ double slope(const Grid& grid, const std::string& method) {
   return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
-void say_slopes(Page& page, const Grid& grid, const LatencyPlan& plan) {
+void say_slopes(Page& page, const std::string& scene, const Grid& grid, const LatencyPlan& plan) {
   std::vector<std::string> lines;
   for (const std::string& method : plan.methods) {
     const double s = slope(grid, method);
     if (!std::isfinite(s)) continue;
+    if (method == "mirage") {
+      page.finding({fmt::format("{:.3f} ms", s),
+                    scene + ": more delay from pose to display for each ms of round trip"});
+    }
     lines.push_back(
         fmt::format("{}: pose to display grows by {:.3f} ms per ms of round trip", method, s));
   }
   page.list(lines);
 }
 
-// On which links of the grid another method is better at something, and by how much.
+// Says on which links of the grid another method is better at something, and by how much.
 std::string where_better(const Grid& grid, const std::string& method, Pick pick, const char* what) {
   std::size_t links = 0;
   std::vector<std::string> where;
@@ -154,8 +160,8 @@ void say_where_others_win(Page& page, const Grid& grid, const LatencyPlan& plan)
   page.list(lines);
 }
 
-// The aim of FIELD.md, and where it is missed, what the error is made of.
-void say_aim(Page& page, const Grid& grid, double error_floor) {
+// Says where the aim of FIELD.md is met, and where it is missed, what the error consists of.
+void say_aim(Page& page, const std::string& scene, const Grid& grid, double error_floor) {
   std::vector<std::string> met, missed;
   for (const double rtt : grid.trips) {
     for (const double rate : grid.rates) {
@@ -182,15 +188,15 @@ void say_aim(Page& page, const Grid& grid, double error_floor) {
     }
   }
   if (met.empty() && missed.empty()) return;
-  page.paragraph(
-      fmt::format("p95 FLIP of Mirage against video with timewarp from a round trip of {:g} ms on; "
-                  "the aim, 30 % "
-                  "under it, is met on {} of {} links.",
-                  kLongTripMs, met.size(), met.size() + missed.size()));
+  page.finding({fmt::format("{} of {} links", met.size(), met.size() + missed.size()),
+                fmt::format("{}: p95 FLIP at least 30 % under video with timewarp, from a round "
+                            "trip of {:g} ms on",
+                            scene, kLongTripMs),
+                !missed.empty()});
+  for (const std::string& line : missed) page.falls_short(scene + ": " + line);
+  if (met.empty()) return;
+  page.paragraph("p95 FLIP of Mirage beside video with timewarp, where the aim is met:");
   page.list(met);
-  if (missed.empty()) return;
-  page.paragraph("Missed, and what the error is made of:");
-  page.list(missed);
 }
 
 }  // namespace
@@ -214,10 +220,10 @@ void show_latency(Context& context, const LatencyPlan& plan, const std::vector<L
                         "pose to display, ms p99", std::nullopt),
                  3, walk + "age of the viewpoint shown, against round trip and rate.");
     ++index;
-    say_slopes(page, grid, plan);
-    page.paragraph("Where a baseline wins:");
+    say_slopes(page, scene, grid, plan);
+    page.paragraph("Where another method is better than Mirage:");
     say_where_others_win(page, grid, plan);
-    say_aim(page, grid, error_floor);
+    say_aim(page, scene, grid, error_floor);
   }
 }
 

@@ -1,5 +1,5 @@
-// mirage-report: options -> the parts, each of which measures, writes its file and its section of
-// the page -> the page -> exit code.
+// mirage-report: options -> parts -> page -> exit code. Each part measures, and writes its file and
+// its section of the page.
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -26,7 +26,7 @@ namespace {
 Result<void> measure(Context& context) {
   using Step = Result<void> (*)(Context&);
   const auto wanted = [&](ReportPart part) { return context.options.parts.contains(part); };
-  // Times are measured here: nothing beside it.
+  // This part measures times, so nothing runs beside it.
   if (wanted(ReportPart::kWorkPrecision)) {
     if (Result<void> done = report_work_precision(context); !done) return done;
   }
@@ -47,20 +47,20 @@ Result<void> measure(Context& context) {
 
 Result<void> write_page(Context& context) {
   Page& page = context.page;
-  page.section("omissions", "Omissions");
-  if (context.omissions.empty())
-    page.paragraph("None: everything that was asked for was measured.");
+  page.section("omissions", "What was not measured");
+  if (context.omissions.empty()) page.paragraph("Everything that was asked for was measured.");
   Table table({"part", "what", "why"});
   for (const Omission& omission : context.omissions) {
     table.add({omission.part, omission.what, omission.why});
   }
   if (!context.omissions.empty()) page.table(table);
-  std::vector<std::string> summary = {"Written by: " + context.options.command_line + " (commit " +
-                                      source_commit() + ")."};
-  if (context.runner)
-    summary.push_back("Client renderer: " + context.runner->renderer_name() + ".");
-  for (const std::string& failed : context.failed_checks) summary.push_back("FAILED: " + failed);
-  return write_file(context.path("index.html"), page.html("Mirage: measured", summary));
+  std::vector<std::string> origin = {"Written by: " + context.options.command_line + " (commit " +
+                                     source_commit() + ")."};
+  if (context.runner) {
+    origin.push_back("Renderer of the client: " + context.runner->renderer_name() + ".");
+  }
+  return write_file(context.path("index.html"),
+                    page.html("Mirage: measured", context.failed_checks, origin));
 }
 
 Result<void> run_report(const ReportOptions& options) {

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kPart = "models";
 constexpr double kFps = 8;
-constexpr int kRestFrames = 64;  // 8 s: by then all has come that is to come
+constexpr int kRestFrames = 64;  // 8 s: everything has arrived by then
 constexpr int kOrbitFrames = 48, kOrbitEvery = 12;
 constexpr std::uint32_t kTruthSamples = 4;
 constexpr double kWorsePerGeometry = 0.01;  // FLIP of rounding and of other samples
@@ -27,7 +27,7 @@ struct Row {
   std::string file;
   std::string status;  // "ok", or the line of the error
   std::optional<double> ready_s, rss_mb, flip_default, flip_impostors;
-  std::optional<double> hue;  // as a viewer draws it, median over the model's pixels, 1/255
+  std::optional<double> hue;  // with a viewer's drawing; median over the model's pixels, 1/255
   std::string triangles;
   std::uint64_t violations = 0, compared = 0;
   std::vector<std::string> warnings;
@@ -90,7 +90,7 @@ struct Look {
   Picture picture;
 };
 
-// Of the drawn picture against the truth, where that shows something.
+// Returns the hue error of the drawn picture against the truth, where that shows something.
 double hue_median(const Picture& picture) {
   const auto image = [&picture](const std::vector<std::uint8_t>& rgba) {
     Image out;
@@ -102,7 +102,7 @@ double hue_median(const Picture& picture) {
   return double{hue_error(image(picture.truth), image(picture.drawn)).median};
 }
 
-// The model at rest and, in the full form, around it.
+// Looks at the model at rest and, in the full form, around it.
 Result<Look> look_at_model(Context& context, const std::string& url, TruthSource& truth, Row& row) {
   const auto count = [&row](const RunResult& run) {
     row.violations += run.geometric.violations;
@@ -142,10 +142,7 @@ Result<void> measure_model(Context& context, const std::string& file, Row& row) 
   row.flip_impostors = impostors->flip;
   for (const auto& [how, look] :
        {std::pair("as a viewer draws it", &*all), std::pair("impostors only", &*impostors)}) {
-    const std::string caption = fmt::format(
-        "{}, {}: FLIP {}. Drawn, full render, difference "
-        "times 2.",
-        row.file, how, cell(look->flip));
+    const std::string caption = fmt::format("{}, {}: FLIP {}.", row.file, how, cell(look->flip));
     if (Result<void> shown = context.page.pictures(caption, look->picture); !shown) return shown;
   }
   return {};
@@ -164,7 +161,7 @@ Table table_of(const std::vector<Row>& rows) {
   return table;
 }
 
-// Value below which a share of the values lies; nullopt of none.
+// Returns the value below which a share of the values lies; nullopt: there are none.
 std::optional<double> quantile_of(std::vector<double> values, double share) {
   if (values.empty()) return std::nullopt;
   std::sort(values.begin(), values.end());
@@ -207,8 +204,25 @@ void summarise(Context& context, const std::vector<Row>& rows) {
                                     kWorsePerGeometry)
                       : fmt::format("Drawn worse than impostors alone by more than {}: {}.",
                                     kWorsePerGeometry, joined(worse)));
-  context.page.heading("All files");
-  context.page.list(lines);
+  Page& page = context.page;
+  const auto median = [&](std::optional<double> Row::*value) {
+    std::vector<double> values;
+    for (const Row& row : rows) {
+      if (row.*value) values.push_back(*(row.*value));
+    }
+    return cell(quantile_of(values, 0.5), "{:.3f}");
+  };
+  page.finding({fmt::format("{} of {}", opened, rows.size()), "files opened and were drawn",
+                opened < rows.size()});
+  page.finding({median(&Row::flip_default), "FLIP at rest, median"});
+  page.finding({median(&Row::flip_impostors), "FLIP at rest with impostors only, median"});
+  page.finding({std::to_string(violations), "pixels beyond their bound", violations > 0});
+  for (const Row& row : rows) {
+    if (row.status != "ok") page.falls_short(row.file + ": " + row.status);
+  }
+  if (!worse.empty()) page.falls_short(lines.back());
+  page.heading("All files");
+  page.list(lines);
   for (const std::string& line : lines) std::puts(line.c_str());
   if (violations > 0) context.failed_checks.push_back(lines[3]);
 }
@@ -224,16 +238,13 @@ Result<void> report_models(Context& context) {
   Page& page = context.page;
   page.section(kPart, "Models of " + folder);
   page.command(context.options.command_line);
-  page.paragraph(
-      "Each file is served by a server of its own on an ideal link and looked at from its home "
-      "view "
-      "for eight seconds at rest, then once around it: as a viewer draws it by default, and with "
-      "impostors only (mirage-server --no-geometry --references). Truth is the server's full "
-      "render of the same "
-      "camera with 4 x 4 samples; FLIP is its mean where either picture shows something. Hue is "
-      "the "
-      "larger change of red - green and of blue - green, by mean over 2 x 2 pixels. Every "
-      "pixel of an impostor that the truth shows is held against the bound it was drawn with.");
+  page.method(
+      "A server of its own serves each file on an ideal link. The viewer looks at it from its home "
+      "view for eight seconds at rest, then goes once around it: as it draws by default, and with "
+      "impostors only (mirage-server --no-geometry --references). The truth is the server's full "
+      "render of the same camera with 4 x 4 samples. FLIP is the mean where either picture shows "
+      "something. Hue is the larger change of red - green and of blue - green, by mean over 2 x 2 "
+      "pixels. Every pixel of an impostor that the truth shows is compared with its bound.");
   std::vector<Row> rows;
   context.progress.begin(kPart, files->size());
   for (const std::string& file : *files) {
@@ -243,7 +254,7 @@ Result<void> report_models(Context& context) {
     const Result<void> measured = measure_model(context, file, row);
     row.status = measured ? "ok" : measured.error().line();
     rows.push_back(std::move(row));
-    // As it goes: a long run that is broken off has not been for nothing.
+    // Written after each file, so that a long run that is broken off leaves its rows.
     const Result<void> kept = write_file(context.path("models.csv"), table_of(rows).csv());
     if (!kept) return kept;
   }

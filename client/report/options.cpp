@@ -62,32 +62,41 @@ Result<void> check(const ReportOptions& o) {
 int parse_options(int argc, char** argv, ReportOptions& o) {
   CLI::App app("Measures error against run time and writes a page about it.", "mirage-report");
   app.footer(
-      "Writes DIR/index.html, to be opened in any browser, and CSV and JSON beside it.\n"
+      "Parts:\n"
+      "  fidelity        tiles beside the mesh, by the field's protocol\n"
+      "  work-precision  error against run time, for each way of drawing\n"
+      "  latency         Mirage, video and geometry on the same modelled link\n"
+      "  first           the same from the moment of connecting\n"
+      "  bytes           bytes of walks, beside all geometry and beside tiles only\n"
+      "  weather         ten links, scenes and paths, with several seeds\n"
+      "  calibrate       predicted beside measured error, and the coefficients that follow\n"
+      "  extreme         stiff and extreme cases\n"
+      "  needs           what each scene was found not to need\n"
+      "  models          each glTF file of a folder: drawn, true, difference\n\n"
+      "DIR/index.html opens in any browser, offline; CSV and JSON lie beside it.\n\n"
       "Example: mirage-report all --quick --out out/report");
-  app.add_option(
-         "WHAT", o.what,
-         "fidelity: tiles against the mesh, by the field's protocol; work-precision: "
-         "error against run time; latency: against video on the same link; first: the same "
-         "from the moment of connecting; bytes: of walks, against all geometry and tiles only; "
-         "calibrate: predicted error beside measured, and the coefficients that follow; "
-         "weather: ten links, scenes and paths, several "
-         "seeds (of them those on --scene); extreme: the extreme cases; needs: what was left "
-         "out; all of these; models: each glTF file of a folder")
+  app.option_defaults()->group("What is measured");
+  app.add_option("WHAT", o.what,
+                 "a part of the report, listed below; all: every part but calibrate and models")
       ->required()
       ->check(CLI::IsMember(names()));
-  app.add_option("DIR", o.models_dir, "with models: the folder, searched with all below it");
+  app.add_option("DIR", o.models_dir, "models: the folder of glTF files, searched recursively");
   app.add_option("--scene", o.scene,
-                 "measure this file or builtin:NAME instead of the report's own scenes");
-  app.add_option("--url", o.url, "measure the scene of a running server");
-  app.add_option("--model", o.model, "fidelity of your own glTF file");
+                 "measure this file or builtin:NAME instead of the report's own scenes")
+      ->type_name("SCENE");
+  app.add_option("--url", o.url, "measure the scene of a running server")->type_name("URL");
+  app.add_option("--model", o.model, "fidelity: measure this glTF file")->type_name("FILE");
   app.add_option("--frame-ms", o.frame_ms,
-                 "weather within this budget of a frame, ms, too, beside none; by the device model "
+                 "weather: measure also within this frame budget, ms, by the device model "
                  "'software'")
       ->check(number_within(0.0, 10'000.0));
-  app.add_option("--out", o.out_dir, "folder to write into")->capture_default_str();
+  app.option_defaults()->group("How");
   app.add_flag("--quick", o.quick,
                "small pictures, small scenes, few frames: minutes instead of hours");
-  app.add_option("--device", o.device, "EGL device")->capture_default_str();
+  app.add_option("--out", o.out_dir, "folder to write into")
+      ->type_name("DIR")
+      ->capture_default_str();
+  app.add_option("--device", o.device, "EGL device")->type_name("NAME")->capture_default_str();
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
   if (const Result<void> good = check(o); !good) return fail(good.error());

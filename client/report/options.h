@@ -22,17 +22,17 @@ struct ReportOptions {
   std::set<ReportPart> parts;
   std::string what;        ///< as typed: "all", "latency", …
   std::string scene;       ///< empty: the report's own scenes
-  std::string url;         ///< empty: servers of its own
-  std::string model;       ///< of the user's, for fidelity
-  std::string models_dir;  ///< for models
+  std::string url;         ///< empty: the report starts servers
+  std::string model;       ///< the user's model, for fidelity
+  std::string models_dir;  ///< folder for the part "models"
   std::string out_dir = "out/report";
   double frame_ms = 0;  ///< budget of a frame, for weather; 0: none
   bool quick = false;
   std::string device = "auto";
-  std::string command_line;  ///< to be repeated by hand
+  std::string command_line;  ///< command to repeat the run by hand
 };
 
-/// Reads the command line; returns an exit code when the program is to end at once, else -1.
+/// Reads the command line. Returns an exit code if the program should end at once, otherwise -1.
 int parse_options(int argc, char** argv, ReportOptions& options);
 
 }  // namespace mirage

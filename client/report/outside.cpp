@@ -25,7 +25,7 @@ std::string cell(const ordered_json& row, const std::string& key) {
   return at->dump();
 }
 
-// The "rows" of a program's output; nullopt when it is not what it should be.
+// Returns the "rows" of a program's output; nullopt: the output is not as expected.
 std::optional<std::vector<ordered_json>> rows_of(const std::string& text) {
   const ordered_json parsed = ordered_json::parse(text, nullptr, false);
   if (!parsed.is_object() || !parsed.contains("rows") || !parsed["rows"].is_array()) {
@@ -87,7 +87,7 @@ ExtremeRun start_extreme(const Context& context) {
     if (!listed) return listed;
     progress.begin("extreme", lines_of(listed->out));
     return run_child(command, [&](const std::string& line) {
-      // "ID pass" or "ID FAIL", before what was measured.
+      // A verdict is "ID pass" or "ID FAIL", before what was measured.
       constexpr std::size_t kVerdict = 9;
       if (line.find(" pass ") < kVerdict || line.find(" FAIL ") < kVerdict)
         progress.step(line.substr(0, kVerdict));
@@ -127,7 +127,10 @@ Result<void> report_extreme(Context& context, ExtremeRun run) {
   }
   page.command("mirage-extreme --json extreme.json" +
                std::string(context.options.quick ? " --quick" : ""));
-  page.paragraph(fmt::format("{} of {} cases hold.", passed, rows.size()));
+  page.finding({fmt::format("{} of {}", passed, rows.size()), "cases hold", passed < rows.size()});
+  for (const ordered_json& row : rows) {
+    if (!row.value("pass", false)) page.falls_short(cell(row, "id") + ": " + cell(row, "case"));
+  }
   page.table(table_of(rows, {"id", "case", "must_hold", "measured", "limit", "pass"}), failed);
   return write_rows(context, "extreme.json", rows);
 }
@@ -163,10 +166,9 @@ Result<void> report_needs(Context& context) {
     }
     rows.insert(rows.end(), found->begin(), found->end());
     const ordered_json whole = ordered_json::parse(ran->out, nullptr, false);
-    page.heading(scene);
     page.command("mirage-server '" + scene + "' --explain --prove" +
                  (context.options.quick ? " --prove-cells 2 --prove-objects 1" : ""));
-    if (whole.contains("total")) page.paragraph("In all: " + whole["total"].dump());
+    if (whole.contains("total")) page.method("In all: " + whole["total"].dump());
   }
   std::vector<bool> differing;
   for (const ordered_json& row : rows) {
@@ -178,6 +180,10 @@ Result<void> report_needs(Context& context) {
                     cell(row, "object"), cell(row, "rule"), cell(row, "differing_components")));
   }
   if (!rows.empty()) {
+    const auto wrong = std::count(differing.begin(), differing.end(), true);
+    page.finding({std::to_string(rows.size()), "features left out of an object"});
+    page.finding({std::to_string(wrong), "of them change a byte of a tile", wrong > 0});
+    page.method("Each object is drawn with and without what is left out; every byte is compared.");
     page.table(
         table_of(rows, {"scene", "object", "rule", "left_out", "differing_components", "saved"}),
         differing);

@@ -1,6 +1,6 @@
 #pragma once
-// What other programs of Mirage find out: the extreme cases, and what scenes do not need. Each is
-// run, its rows are kept as a file of the report and shown on the page.
+// Outside: results of other programs of Mirage: the extreme cases, and what scenes do not need.
+// Each program is run; its rows are kept as a file of the report, and shown on the page.
 
 #include <future>
 
@@ -9,16 +9,16 @@
 
 namespace mirage {
 
-/// A mirage-extreme at work; not valid when there is none beside this program.
+/// A running mirage-extreme; not valid if there is none beside this program.
 using ExtremeRun = std::future<Result<ChildResult>>;
 
-/// Starts mirage-extreme beside whatever follows: its cases measure no time, or run alone among
+/// Starts mirage-extreme while other parts run. Its cases measure no time, or they run alone among
 /// themselves and compare with themselves.
 ExtremeRun start_extreme(const Context& context);
-/// Waits for it; extreme.json. Cases that do not pass are failed checks.
+/// Waits for it, and writes extreme.json. Cases that do not pass are failed checks.
 Result<void> report_extreme(Context& context, ExtremeRun run);
-/// Runs mirage-server SCENE --explain --prove --json; needs.json. Components that differ between
-/// FULL and LEAN are failed checks.
+/// Runs mirage-server SCENE --explain --prove --json, and writes needs.json. Components that differ
+/// between FULL and LEAN are failed checks.
 Result<void> report_needs(Context& context);
 
 }  // namespace mirage

@@ -1,37 +1,15 @@
 #include "client/report/page.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <cstdlib>
 
+#include "client/report/column_words.h"
+#include "client/report/page_style.h"
+
 namespace mirage {
 namespace {
-
-constexpr const char* kStyle = R"css(
-:root { color-scheme: light dark; --ink: #1b1f24; --paper: #ffffff; --faint: #6a737d;
-  --line: #d0d7de; --mark: #fff3c4; --code: #f3f4f6; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e6e6e6; --paper: #15181c; --faint: #9aa4ae;
-  --line: #3a414a; --mark: #4a4014; --code: #23272e; } }
-body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper);
-  max-width: 1180px; margin: 2rem auto; padding: 0 1rem; }
-h1, h2, h3 { line-height: 1.2; } h2 { margin-top: 3rem; border-bottom: 1px solid var(--line); }
-p, li { max-width: 80ch; } nav { border: 1px solid var(--line); padding: .5rem 1.5rem; }
-code, pre { background: var(--code); font-size: 90%; } pre { padding: .5rem; overflow-x: auto; }
-figure { margin: 1rem 0; } figcaption { color: var(--faint); font-size: 90%; }
-figure.plot > div { background: #fff; padding: .5rem; overflow-x: auto; }
-figure.plot svg { max-width: 100%; height: auto; }
-.wide { overflow-x: auto; } table { border-collapse: collapse; font-size: 85%; }
-th, td { border-bottom: 1px solid var(--line); padding: .15rem .6rem; text-align: left; }
-td.number { text-align: right; font-variant-numeric: tabular-nums; }
-tr.marked td { background: var(--mark); }
-.three { display: grid; grid-template-columns: repeat(3, 1fr); gap: 4px; }
-.three img { width: 100%; image-rendering: auto; }
-.strip { display: grid; grid-auto-flow: column; grid-auto-columns: 240px; gap: 4px;
-  overflow-x: auto; font-size: 85%; } .strip img { width: 100%; display: block; }
-)css";
 
 bool is_number(const std::string& text) {
   if (text == "n/a" || text == "inf") return true;
@@ -40,29 +18,78 @@ bool is_number(const std::string& text) {
   return !text.empty() && *end == '\0';
 }
 
-Result<std::string> data_uri(const Picture& p, const std::vector<std::uint8_t>& rgba) {
-  std::vector<std::uint8_t> rgb, file;
-  for (std::size_t i = 0; i + 3 < rgba.size(); i += 4) {
-    rgb.insert(rgb.end(), &rgba[i], &rgba[i] + 3);
-  }
-  OIIO::Filesystem::IOVecOutput proxy(file);
-  const auto out = OIIO::ImageOutput::create("x.jpg", &proxy);
-  OIIO::ImageSpec spec(p.width, p.height, 3, OIIO::TypeDesc::UINT8);
-  spec.attribute("Compression", "jpeg:93");
-  if (!out || !out->open("x.jpg", spec) || !out->write_image(OIIO::TypeDesc::UINT8, rgb.data()) ||
-      !out->close()) {
-    return make_error(ErrorId::kIo, "cannot encode a picture", out ? out->geterror() : "");
-  }
-  return "data:image/jpeg;base64," + base64(file);
+/// A number with at most four digits that mean something; the CSV has them all.
+std::string shortened(const std::string& cell) {
+  const bool fraction = is_number(cell) && cell.find_first_of(".e") != std::string::npos;
+  return fraction ? fmt::format("{:.4g}", std::strtod(cell.c_str(), nullptr)) : cell;
 }
 
-std::vector<std::uint8_t> difference(const Picture& p) {
-  std::vector<std::uint8_t> out(p.drawn.size(), 255);
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    if (i % 4 == 3) continue;
-    out[i] = static_cast<std::uint8_t>(std::min(255, 2 * std::abs(p.drawn[i] - p.truth[i])));
+std::string paragraph_of(const std::string& text) { return "<p>" + escape_html(text) + "</p>\n"; }
+
+std::string list_of(const std::vector<std::string>& items) {
+  std::string out = "<ul>\n";
+  for (const std::string& item : items) out += "<li>" + escape_html(item) + "</li>\n";
+  return out + "</ul>\n";
+}
+
+std::string card(const Finding& finding, const std::string& anchor) {
+  std::string inside =
+      "<b>" + escape_html(finding.figure) + "</b><span>" + escape_html(finding.what) + "</span>";
+  if (!anchor.empty()) inside = "<a href=\"#" + escape_html(anchor) + "\">" + inside + "</a>";
+  return (finding.short_of_aim ? "<li class=\"short\">" : "<li>") + inside + "</li>\n";
+}
+
+std::string shortfalls_of(const std::string& title, const std::vector<std::string>& lines) {
+  if (lines.empty()) return "";
+  return "<div class=\"shortfalls\"><b>" + escape_html(title) + "</b>\n" + list_of(lines) +
+         "</div>\n";
+}
+
+/// True for the columns whose cell is the same in all rows; the first column names the rows and
+/// is kept.
+std::vector<bool> constant_columns(const Table& table) {
+  std::vector<bool> out(table.columns().size(), false);
+  if (table.rows().size() < 2) return out;
+  for (std::size_t c = 1; c < out.size(); ++c) {
+    out[c] = true;
+    for (const std::vector<std::string>& row : table.rows()) {
+      if (row[c] != table.rows().front()[c]) out[c] = false;
+    }
   }
   return out;
+}
+
+std::string head_of(const std::string& column) {
+  const ColumnWords words = words_of_column(column);
+  const std::string tip =
+      words.tooltip.empty() ? "" : " title=\"" + escape_html(words.tooltip) + "\"";
+  return "<th scope=\"col\"" + tip + ">" + escape_html(words.head) + "</th>";
+}
+
+std::string table_of(const Table& table, const std::vector<bool>& marked) {
+  const std::vector<bool> constant = constant_columns(table);
+  std::string same, head;
+  for (std::size_t c = 0; c < constant.size(); ++c) {
+    if (!constant[c]) {
+      head += head_of(table.columns()[c]);
+    } else if (!table.rows().front()[c].empty()) {
+      same += (same.empty() ? "" : "; ") + words_of_column(table.columns()[c]).head + " " +
+              table.rows().front()[c];
+    }
+  }
+  std::string out = same.empty() ? "" : paragraph_of("In all rows: " + same + ".");
+  out += "<div class=\"wide\"><table>\n<thead><tr>" + head + "</tr></thead>\n<tbody>\n";
+  for (std::size_t i = 0; i < table.rows().size(); ++i) {
+    out += i < marked.size() && marked[i] ? "<tr class=\"marked\">" : "<tr>";
+    for (std::size_t c = 0; c < constant.size(); ++c) {
+      if (constant[c]) continue;
+      const std::string& cell = table.rows()[i][c];
+      out += (is_number(cell) ? "<td class=\"number\">" : "<td>") + escape_html(shortened(cell)) +
+             "</td>";
+    }
+    out += "</tr>\n";
+  }
+  return out + "</tbody></table></div>\n";
 }
 
 }  // namespace
@@ -93,103 +120,77 @@ std::string escape_html(const std::string& text) {
   return out;
 }
 
-std::string base64(const std::vector<std::uint8_t>& bytes) {
-  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (k < n ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k) out += k <= n ? digits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return out;
+Page::Section& Page::current() {
+  if (sections_.empty()) section("found", "Found");
+  return sections_.back();
 }
 
 void Page::section(const std::string& id, const std::string& title) {
-  body_ += fmt::format("<h2 id=\"{}\">{}</h2>\n", escape_html(id), escape_html(title));
-  contents_ +=
-      fmt::format("<li><a href=\"#{}\">{}</a></li>\n", escape_html(id), escape_html(title));
+  sections_.emplace_back().id = id;
+  sections_.back().title = title;
 }
 
-void Page::heading(const std::string& title) { body_ += "<h3>" + escape_html(title) + "</h3>\n"; }
-void Page::paragraph(const std::string& text) { body_ += "<p>" + escape_html(text) + "</p>\n"; }
-
-void Page::list(const std::vector<std::string>& items) {
-  body_ += "<ul>\n";
-  for (const std::string& item : items) body_ += "<li>" + escape_html(item) + "</li>\n";
-  body_ += "</ul>\n";
+void Page::finding(Finding finding) { current().findings.push_back(std::move(finding)); }
+void Page::falls_short(const std::string& text) { current().shortfalls.push_back(text); }
+void Page::method(const std::string& text) { current().method += paragraph_of(text); }
+void Page::command(const std::string& line) {
+  current().method += "<pre>" + escape_html(line) + "</pre>\n";
 }
 
-void Page::command(const std::string& line) { body_ += "<pre>" + escape_html(line) + "</pre>\n"; }
+void Page::heading(const std::string& title) {
+  current().body += "<h3>" + escape_html(title) + "</h3>\n";
+}
+void Page::paragraph(const std::string& text) { current().body += paragraph_of(text); }
+void Page::list(const std::vector<std::string>& items) { current().body += list_of(items); }
 
 void Page::figure(const std::string& svg, const std::string& caption) {
-  body_ += "<figure class=\"plot\"><div>" + svg + "</div><figcaption>" + escape_html(caption) +
-           "</figcaption></figure>\n";
+  current().body += "<figure class=\"plot\"><div>" + svg + "</div><figcaption>" +
+                    escape_html(caption) + "</figcaption></figure>\n";
 }
 
 void Page::table(const Table& table, const std::vector<bool>& marked) {
-  body_ += "<div class=\"wide\"><table>\n<tr>";
-  for (const std::string& name : table.columns()) body_ += "<th>" + escape_html(name) + "</th>";
-  body_ += "</tr>\n";
-  for (std::size_t i = 0; i < table.rows().size(); ++i) {
-    body_ += i < marked.size() && marked[i] ? "<tr class=\"marked\">" : "<tr>";
-    for (const std::string& cell : table.rows()[i]) {
-      body_ += (is_number(cell) ? "<td class=\"number\">" : "<td>") + escape_html(cell) + "</td>";
+  current().body += table_of(table, marked);
+}
+
+void Page::folded(const std::string& summary, const Table& table) {
+  current().body += "<details><summary>" + escape_html(summary) + "</summary>\n" +
+                    table_of(table, {}) + "</details>\n";
+}
+
+std::string Page::html(const std::string& title, const std::vector<std::string>& failed,
+                       const std::vector<std::string>& origin) const {
+  const auto answers = [](const Section& section) { return !section.findings.empty(); };
+  // The figures of a page with one part stand at its head only.
+  const bool one_part = std::count_if(sections_.begin(), sections_.end(), answers) == 1;
+  std::string found, contents, body;
+  for (const Section& section : sections_) {
+    const std::string id = escape_html(section.id), name = escape_html(section.title);
+    contents += "<li><a href=\"#" + id + "\">" + name + "</a></li>\n";
+    body += "<section><h2 id=\"" + id + "\">" + name + "</h2>\n";
+    std::string figures;
+    for (const Finding& finding : section.findings) figures += card(finding, "");
+    if (one_part) {
+      found += figures;
+    } else if (!section.findings.empty()) {
+      found += card(section.findings.front(), section.id);
+      body += "<ul class=\"findings\">\n" + figures + "</ul>\n";
     }
-    body_ += "</tr>\n";
+    body += shortfalls_of("Falls short", section.shortfalls) + section.body;
+    if (!section.method.empty()) {
+      body += "<details><summary>How it was measured</summary>\n" + section.method + "</details>\n";
+    }
+    body += "</section>\n";
   }
-  body_ += "</table></div>\n";
-}
-
-void Page::folded(const std::string& summary, const Table& what) {
-  body_ += "<details><summary>" + escape_html(summary) + "</summary>\n";
-  table(what);
-  body_ += "</details>\n";
-}
-
-Result<void> Page::pictures(const std::string& caption, const Picture& picture) {
-  std::string images;
-  const std::pair<const char*, std::vector<std::uint8_t>> three[] = {
-      {"as drawn", picture.drawn},
-      {"full render", picture.truth},
-      {"difference", difference(picture)}};
-  for (const auto& [what, rgba] : three) {
-    const Result<std::string> uri = data_uri(picture, rgba);
-    if (!uri) return uri.error();
-    images += fmt::format("<img alt=\"{}: {}\" src=\"{}\">", escape_html(caption), what, *uri);
-  }
-  body_ += "<figure><div class=\"three\">" + images + "</div><figcaption>" + escape_html(caption) +
-           "</figcaption></figure>\n";
-  return {};
-}
-
-Result<void> Page::strip(const std::string& caption,
-                         const std::vector<std::pair<std::string, Picture>>& pictures) {
-  std::string columns;
-  for (const auto& [label, picture] : pictures) {
-    const Result<std::string> drawn = data_uri(picture, picture.drawn);
-    if (!drawn) return drawn.error();
-    const Result<std::string> truth = data_uri(picture, picture.truth);
-    if (!truth) return truth.error();
-    const std::string name = escape_html(label);
-    columns += fmt::format(
-        "<div>{0}<img alt=\"{0}, as drawn\" src=\"{1}\"><img alt=\"{0}, full render\" "
-        "src=\"{2}\"></div>",
-        name, *drawn, *truth);
-  }
-  body_ += "<figure><div class=\"strip\">" + columns + "</div><figcaption>" + escape_html(caption) +
-           "</figcaption></figure>\n";
-  return {};
-}
-
-std::string Page::html(const std::string& title, const std::vector<std::string>& summary) const {
-  std::string top;
-  for (const std::string& line : summary) top += "<p>" + escape_html(line) + "</p>\n";
+  std::string top = shortfalls_of("What must hold and does not", failed);
+  if (!found.empty()) top += "<ul class=\"findings\">\n" + found + "</ul>\n";
+  std::string end;
+  for (const std::string& line : origin) end += paragraph_of(line);
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-         escape_html(title) + "</title><style>" + kStyle + "</style></head><body>\n<h1>" +
-         escape_html(title) + "</h1>\n" + top + "<nav><ul>\n" + contents_ + "</ul></nav>\n" +
-         body_ + "</body></html>\n";
+         escape_html(title) + "</title><style>" + kPageStyle + "</style></head><body>\n<h1>" +
+         escape_html(title) + "</h1>\n" + top + "<nav><ul>\n" + contents + "</ul></nav>\n" + body +
+         "<footer class=\"origin\">\n" + end + "</footer>\n<script>" + kPageScript +
+         "</script></body></html>\n";
 }
 
 }  // namespace mirage

@@ -19,10 +19,11 @@ constexpr int kPanelWidth = 470, kPanelHeight = 330, kLegendHeight = 90;
 
 struct Look {
   const char* color;
-  int point, variant;  // of the name alone, and with more after a comma
+  int point, variant;  // for the name alone, and for a variant (after a comma)
 };
 
-// Of Okabe and Ito, told apart by colour-blind people as well; points differ, too.
+// Returns a colour of Okabe and Ito, which colour-blind people can tell apart, too; points differ
+// as well.
 Look look_of(const std::string& name, std::size_t index) {
   static const std::map<std::string, Look> known = {
       {"auto", {"#000000", 7, 6}},     {"mirage", {"#000000", 7, 6}},
@@ -42,7 +43,7 @@ Look look_of(const std::string& name, std::size_t index) {
   return look;
 }
 
-// gnuplot's own markup characters and quotes.
+// Quotes text: escapes quotes and gnuplot's own markup characters.
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -57,7 +58,8 @@ bool drawable(const Panel& panel, const std::pair<double, double>& p) {
          (!panel.log_y || p.second > 0);
 }
 
-// 1, 2, 5 times powers of ten over the data: gnuplot alone labels whole decades only.
+// Labels an axis with 1, 2, 5 times powers of ten over the data: gnuplot alone labels whole decades
+// only.
 std::string log_axis(char axis, std::vector<double> values) {
   if (values.empty()) return {};
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
@@ -92,7 +94,8 @@ void add_block(std::string& script, const std::string& name, const Panel& panel,
   script += "EOD\n";
 }
 
-// In the order in which they first come: a name looks the same in all panels and in the legend.
+// Returns the names in order of appearance, so that a name looks the same in all panels and the
+// legend.
 std::vector<std::string> names_of(const std::vector<Panel>& panels) {
   std::vector<std::string> names;
   for (const Panel& panel : panels) {
@@ -107,7 +110,7 @@ std::vector<std::string> names_of(const std::vector<Panel>& panels) {
 
 void add_panel(std::string& script, Panel panel, std::size_t index,
                const std::vector<std::string>& names) {
-  // Where nothing is wrong there is nothing a logarithm could show.
+  // A logarithmic axis has nothing to show if no value is above 0.
   panel.log_y =
       panel.log_y && std::any_of(panel.series.begin(), panel.series.end(), [](const Series& s) {
         return std::any_of(s.points.begin(), s.points.end(),
@@ -154,7 +157,7 @@ void add_panel(std::string& script, Panel panel, std::size_t index,
   script += "plot " + plots.substr(2) + "\n";
 }
 
-// One legend for all panels: an empty plot with nothing but its key.
+// Draws one legend for all panels, as an empty plot that has only its key.
 std::string legend(const std::vector<Panel>& panels, const std::vector<std::string>& names) {
   bool floor = false, front = false;
   for (const Panel& panel : panels) {
@@ -164,7 +167,7 @@ std::string legend(const std::vector<Panel>& panels, const std::vector<std::stri
   std::string plots;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Look look = look_of(names[i], i);
-    // A variant has the colour of the name it belongs to, and no entry beside it.
+    // A variant has the colour of its name, and no entry beside it.
     const std::size_t comma = names[i].find(',');
     const bool variant =
         comma != std::string::npos &&
@@ -211,7 +214,7 @@ std::string plot_script(const std::vector<Panel>& panels, int columns,
 std::string inline_svg(std::string svg, const std::string& prefix) {
   const std::size_t start = svg.find("<svg");
   svg.erase(0, start == std::string::npos ? svg.size() : start);
-  // Several pictures share a page: gnuplot gives each the same ids.
+  // Ids are made unique, because several pictures share a page and gnuplot gives each the same ids.
   for (const std::string& id : {std::string("gp"), std::string("gnuplot_")}) {
     for (const std::string& before :
          {std::string("id=\""), std::string("id='"), std::string("href=\"#"),

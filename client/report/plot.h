@@ -1,5 +1,5 @@
 #pragma once
-// Plots: data into a gnuplot script, the script into SVG.
+// Plot: turns data into a gnuplot script, and the script into SVG.
 
 #include <optional>
 #include <string>
@@ -11,14 +11,15 @@
 namespace mirage {
 
 struct Series {
-  /// Methods of drawing keep their colour in all plots; with more after a comma, too, and other
-  /// points.
+  /// Methods of drawing keep their colour in all plots. A variant, with more after a comma, keeps
+  /// it as well, with other points.
   std::string name;
-  std::vector<std::pair<double, double>> points;  ///< drawn as given; not finite ones are left out
+  /// Drawn as given; values that are not finite are left out.
+  std::vector<std::pair<double, double>> points;
 };
 
 struct Panel {
-  std::string title, x_label, y_label;  ///< labels with their units
+  std::string title, x_label, y_label;  ///< labels have their units
   bool log_x = false, log_y = false;    ///< points not above 0 are then left out
   std::vector<Series> series;
   std::optional<double> floor;                   ///< a horizontal line: the error floor
@@ -27,12 +28,12 @@ struct Panel {
 
 class Plotter {
  public:
-  /// Scripts and pictures go into `folder`, which exists.
+  /// Writes scripts and pictures into `folder`, which must exist.
   explicit Plotter(std::string folder);
 
   bool available() const { return gnuplot_.has_value(); }
-  /// The panels in rows of `columns`, under them one legend; an SVG element to be put into a page,
-  /// its ids made unique by `name`. Errors: kIo with what gnuplot said.
+  /// Returns the panels in rows of `columns`, with one legend below, as an SVG element for a page.
+  /// `name` makes its ids unique. Errors: kIo with the message of gnuplot.
   Result<std::string> draw(const std::string& name, const std::vector<Panel>& panels, int columns);
 
  private:
@@ -40,9 +41,9 @@ class Plotter {
   std::optional<std::string> gnuplot_;
 };
 
-/// The script for `draw`, writing to `svg_file`.
+/// Returns the script for `draw`; it writes to `svg_file`.
 std::string plot_script(const std::vector<Panel>& panels, int columns, const std::string& svg_file);
-/// The svg element of a file of gnuplot's, without prolog, ids prefixed.
+/// Returns the svg element of a gnuplot file, without prolog, with prefixed ids.
 std::string inline_svg(std::string svg, const std::string& prefix);
 
 }  // namespace mirage

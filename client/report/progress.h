@@ -5,12 +5,12 @@
 
 namespace mirage {
 
-/// Says what is being done, how far it is, and how long the rest of the part may take.
+/// Prints what is being done, how far it is, and how long the rest of the part may take.
 class Progress {
  public:
-  /// A part of `steps` steps begins.
+  /// Begins a part of `steps` steps.
   void begin(const std::string& part, std::size_t steps);
-  /// A step begins: one line on standard error.
+  /// Begins a step: prints a line on standard error.
   void step(const std::string& what);
   double elapsed_s() const { return static_cast<double>(clock_.now_us()) * 1e-6; }
 

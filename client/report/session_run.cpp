@@ -65,9 +65,9 @@ struct SessionRunner::Loop {
   Stillness& still;
   std::int64_t start_us = 0;
   DrawList list{};
-  int rested = 0;         // frames a viewer would have refined the picture in
+  int rested = 0;         // frames in which a viewer would have refined the picture
   double planned_ms = 0;  // of this frame
-  int before = -2;        // the frame compared last
+  int before = -2;        // last compared frame
   std::vector<std::uint8_t> drawn_before{};
   ReferencePtr truth_before{};
 };
@@ -77,7 +77,7 @@ struct SessionRunner::Screen {
   std::string renderer_name;
   std::optional<FrameRenderer> renderer;
   std::optional<FrameTarget> target;
-  FrameSetting setting;  ///< of the target, as planned: the device may not have as many samples
+  FrameSetting setting;  ///< as planned; the device may not have as many samples
   Refinement refinement;
 };
 
@@ -124,7 +124,7 @@ double SessionRunner::add_geometric(Loop& loop, const Camera& camera, const Refe
   if (scene.complete()) {
     add_geometric_error(truth, (std::floor(s / 2) + 0.5) / s, camera, scene, loop.list,
                         loop.out.geometric);
-  } else if (!loop.list.view) {  // nothing is known yet: all of it is missing
+  } else if (!loop.list.view) {  // nothing is known yet: everything is missing
     const auto& ids = truth.ids;
     const auto missing =
         ids.size() - static_cast<std::size_t>(std::count(ids.begin(), ids.end(), 0u));
@@ -148,7 +148,7 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
     glFinish();
     return loop.planned_ms + now_ms() - began;
   };
-  // First use compiles: apart (numerics.md section 1).
+  // The first use compiles, so it is left out of the times (numerics.md section 1).
   if (loop.out.frames.empty() && spec.draws_each > 1) draw();
   compared.client_ms = INFINITY;
   for (int i = 0; i < spec.draws_each; ++i) {
@@ -200,7 +200,7 @@ Result<void> SessionRunner::fit_target(const RunSpec& spec, const FrameSetting& 
   return {};
 }
 
-// A viewer's frame (client/view/viewer.cpp), drawn only where it is compared.
+// Runs a viewer's frame (client/view/viewer.cpp), but draws it only if it is compared.
 Result<void> SessionRunner::one_frame(Loop& loop, int frame) {
   const RunSpec& spec = loop.spec;
   ClientSession& session = loop.host.session();

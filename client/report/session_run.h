@@ -1,6 +1,7 @@
 #pragma once
-// One scripted session in this process, on virtual time and a modelled link: what a viewer would
-// have shown at every frame of a path, what that cost, and how far it was from the truth.
+// Session run: one scripted session in this process, on virtual time and a modelled link. It tells
+// what a viewer would have shown at every frame of a path, what that cost, and how far it was from
+// the truth.
 
 #include <functional>
 #include <optional>
@@ -26,11 +27,11 @@ class SceneView;
 class Selector;
 struct ReferenceFrame;
 
-/// A compared frame, while it lasts.
+/// A compared frame; valid only while it is observed.
 struct ObservedFrame {
   const SceneView& scene;
   const DrawList& list;
-  const Selector& selector;  ///< what was considered, and chosen
+  const Selector& selector;  ///< the selector, with what it considered and chose
   const ReferenceFrame& truth;
   ImageView seen, due;
 };
@@ -43,49 +44,50 @@ struct RunSpec {
   double mesh_radii = kAnyRadii;
   NetModel net;
   int width = 240, height = 135;
-  int samples = 4;      ///< of a drawn pixel; < 0: as many as pay within frame_ms, without it 4
-  double frame_ms = 0;  ///< budget of a frame, by `device`; 0: none
-  std::optional<CostModel> device;  ///< what frames take, in none of the virtual time
+  int samples = 4;                  ///< of a drawn pixel; < 0: as many as pay within frame_ms, or 4
+  double frame_ms = 0;              ///< budget of a frame, by `device`; 0: none
+  std::optional<CostModel> device;  ///< prices of frames; frames take no virtual time
   double fps = 12;
-  int frames = 36;          ///< the first at time 0
-  bool from_scene = false;  ///< time 0: the first picture, as in a viewer; else: connecting begins
+  int frames = 36;            ///< the first is at time 0
+  bool from_scene = false;    ///< time 0: the first picture, as in a viewer; else: connecting
   std::vector<int> compared;  ///< rising; only these are drawn
-  int draws_each = 1;         ///< of a compared frame, for its time; above 1: once more at first
+  int draws_each = 1;         ///< draws of a compared frame, for its time; > 1: one more at first
   std::uint32_t truth_samples = 4;
-  std::function<void(const ObservedFrame&)> observe;  ///< told each compared frame; may be empty
-  std::vector<int> pictured;  ///< rising, of those compared: the frames whose pictures are kept
+  /// Gets each compared frame; may be empty.
+  std::function<void(const ObservedFrame&)> observe;
+  std::vector<int> pictured;  ///< compared frames whose pictures are kept; rising
 };
 
 struct ComparedFrame {
   int frame = 0;
   ImageMeasures image;
-  std::optional<double> flicker;  ///< when the frame before it was compared, too
-  double client_ms = 0;           ///< of its quickest draw
-  double hole_fraction = 0;       ///< of the pixels that show an object: nothing drawn for it
+  std::optional<double> flicker;  ///< if the frame before it was compared as well
+  double client_ms = 0;           ///< time of its quickest draw
+  double hole_fraction = 0;       ///< share of object pixels where nothing is drawn
 };
 
-/// How a frame is drawn, or would be: of all of them, not only of those that are compared.
+/// The plan of a frame, for all frames, not only for the compared ones.
 struct PlannedFrame {
   FrameSetting setting;
-  double model_ms = 0;  ///< by RunSpec::device; 0: without one, and where the picture stays
-  std::uint64_t bytes_down = 0;  ///< until then
+  double model_ms = 0;           ///< by RunSpec::device; 0: without one, or if the picture stays
+  std::uint64_t bytes_down = 0;  ///< bytes until then
 };
 
 struct RunResult {
   std::vector<ComparedFrame> frames;
   GeometricError geometric;
-  /// Planning and drawing, a value per draw (not the extra one). CPU time of all threads on a
-  /// software renderer, else wall time.
+  /// Planning and drawing, a value per draw without the extra one: CPU time of all threads on a
+  /// software renderer, otherwise wall time.
   std::vector<double> client_ms;
   std::vector<PlannedFrame> planned;
   LinkTraffic traffic;
   double seconds = 0;
   std::vector<TileLife> lives;
   double first_image_ms = -1;  ///< < 0: none
-  /// Instances and groups in view, and those of them without an image, summed over all frames.
+  /// Instances and groups in view, and those without an image, summed over all frames.
   std::uint64_t visible = 0, placeholders = 0;
   std::uint64_t starved =
-      0;  ///< frames in which a first image waited for a link and server not busy
+      0;  ///< frames in which a first image waited while link and server were not busy
   std::vector<Picture> pictures;  ///< of the frames `pictured`
 };
 
@@ -93,16 +95,16 @@ class SessionRunner {
  public:
   SessionRunner();
   ~SessionRunner();
-  /// Makes the GL context and all that is shared by runs. Errors kGraphics….
+  /// Makes the GL context and all that runs share. Errors kGraphics….
   static Result<std::unique_ptr<SessionRunner>> create(const std::string& device);
 
-  /// `truth` is of the server at spec.url. Errors as ClientHost's.
+  /// Runs a session. `truth` is of the server at spec.url. Errors as ClientHost's.
   Result<RunResult> run(const RunSpec& spec, TruthSource& truth);
 
   FrameRenderer& renderer();
   const std::string& renderer_name() const;
   bool software() const;
-  /// The camera of a path at a time, as runs use it: to a microsecond, as clocks go.
+  /// Returns the camera of a path at a time, rounded to a microsecond like the clocks of runs.
   static Camera camera_at(const CameraPath& path, double seconds, const SceneView& scene, int width,
                           int height);
 
@@ -111,8 +113,8 @@ class SessionRunner {
   Result<void> fit_target(const RunSpec& spec, const FrameSetting& setting, bool blends);
   Result<void> one_frame(Loop& loop, int frame);
   Result<void> compare(Loop& loop, const Camera& camera, int frame);
-  /// Adds the frame drawn last to the geometric error; the share of its object pixels that are
-  /// holes.
+  /// Adds the last drawn frame to the geometric error. Returns the share of its object pixels that
+  /// are holes.
   static double add_geometric(Loop& loop, const Camera& camera, const ReferenceFrame& truth);
   double now_ms() const;
 

@@ -1,5 +1,5 @@
 #pragma once
-// A table of figures, as it goes into CSV files and onto the page.
+// Table: figures that go into a CSV file and onto the page.
 
 #include <optional>
 #include <string>
@@ -9,7 +9,8 @@
 
 namespace mirage {
 
-/// Six significant digits; "n/a" for what was not measured, "inf" for what has no limit.
+/// Formats a figure with six significant digits. Writes "n/a" if it was not measured and "inf" if
+/// it has no limit.
 std::string figure(const std::optional<double>& value);
 std::string figure(double value);
 
@@ -17,14 +18,15 @@ class Table {
  public:
   explicit Table(std::vector<std::string> columns) : columns_(std::move(columns)) {}
 
-  /// One cell per column; another number of them is a bug and ends the program.
+  /// Adds a row with one cell per column. Another number of cells is a bug and ends the program.
   void add(std::vector<std::string> row);
   const std::vector<std::string>& columns() const { return columns_; }
   const std::vector<std::vector<std::string>>& rows() const { return rows_; }
-  /// Index of a column that exists.
+  /// Returns the index of a column, which must exist.
   std::size_t column(const std::string& name) const;
 
-  /// RFC 4180, with a header line; cells with separators, quotes or line ends are quoted.
+  /// Returns the table as RFC 4180 with a header line. Cells with separators, quotes or line ends
+  /// are quoted.
   std::string csv() const;
 
  private:
@@ -32,7 +34,7 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// Error kIo.
+/// Writes a file. Error kIo.
 Result<void> write_file(const std::string& path, const std::string& text);
 
 }  // namespace mirage

@@ -125,7 +125,7 @@ Result<DrawList> TileProbe::draw_list(const std::vector<TileNeed>& needs, const 
   if (Result<void> asked = send_asks(needs); !asked) return asked.error();
   DrawList list;
   for (std::size_t i = 0; i < needs.size(); ++i) {
-    if (!records_[i]) continue;  // nothing of it shows from there
+    if (!records_[i]) continue;  // empty: nothing shows from there
     const glm::dvec3 center = scene_.instances[needs[i].instance].center;
     DrawnImpostor drawn;
     drawn.instance = needs[i].instance;
@@ -153,7 +153,7 @@ Result<DrawList> TileProbe::capture(const Camera& captured, const Camera& camera
     need.instance = i;
     need.cell = *view_cell_from_direction(view.eye, limits::kMaxViewLevel);
     need.distance = *distance_bucket_from_radii(radii, limits::kMaxDistanceLevel);
-    need.phase = object.motion.moving() ? Phase{1} : kStaticPhase;  // the clip's beginning
+    need.phase = object.motion.moving() ? Phase{1} : kStaticPhase;  // beginning of the clip
     if (method == DrawMethod::kDepth && layered(object.needs)) need.channels = kLayeredTile;
     needs.push_back(need);
   }

@@ -1,6 +1,10 @@
 #pragma once
-// Full renders of a scene by its server: each is asked for once, however many runs are held
-// against it. Thread: the GL one.
+// Truth source: full renders of a scene by its server. Each is asked for once, however many runs
+// are compared with it.
+// Input:  cameras, samples and light.
+// Output: full renders.
+// Thread: the GL thread.
+// Full:   never; it keeps all renders until forget().
 
 #include <map>
 #include <memory>
@@ -20,18 +24,19 @@ using ReferencePtr = std::shared_ptr<const ReferenceFrame>;
 
 class TruthSource {
  public:
-  /// Connects and learns the scene; objects that move stand at the beginning of their clips.
-  /// `renderer` takes what a client is sent and outlives this. Errors as ClientHost's.
+  /// Connects and learns the scene; moving objects stay at the beginning of their clips. `renderer`
+  /// takes what a client is sent, and must outlive this. Errors as ClientHost's.
   static Result<std::unique_ptr<TruthSource>> open(const std::string& url, FrameRenderer& renderer);
 
   TruthSource();
   ~TruthSource();
   const SceneView& scene() const;
-  /// Light of all renders from now on.
+  /// Sets the light of later renders.
   void set_lighting(const Lighting& lighting);
-  /// The full render with `samples` per axis of a pixel. Errors as ClientHost::reference.
+  /// Returns the full render with `samples` along each axis of a pixel. Errors as
+  /// ClientHost::reference.
   Result<ReferencePtr> at(const Camera& camera, std::uint32_t samples);
-  /// Forgets what is kept; what was handed out stays.
+  /// Forgets the kept renders; those handed out stay valid.
   void forget() { kept_.clear(); }
 
  private:

@@ -8,10 +8,10 @@
 namespace mirage {
 namespace {
 
-constexpr std::uint32_t kVideoSamples = 2;  // an axis
+constexpr std::uint32_t kVideoSamples = 2;  // along each axis of a pixel
 constexpr double kGrantedRenderMs = 10;
 
-// What a viewer sees before the first frame: the grey that a session shows, and no object.
+// Returns the picture before the first frame: the grey that a session shows, and no object.
 std::vector<std::uint8_t> nothing_yet(std::size_t pixels) {
   std::vector<std::uint8_t> out(pixels * 4, 128);
   for (std::size_t i = 3; i < out.size(); i += 4) out[i] = 0;
@@ -71,7 +71,7 @@ Result<VideoRuns> run_video(const RunSpec& spec, TruthSource& truth) {
   VideoRuns out;
   out.plain.mbps = out.warped.mbps = s.mbps;
   if (!s.arrivals.empty()) {
-    // Shown with the first display frame after its arrival.
+    // The first image is shown with the first display frame after its arrival.
     out.plain.first_image_ms = out.warped.first_image_ms =
         std::ceil(1e-6 * static_cast<double>(s.arrivals[0]) * spec.fps) / spec.fps * 1e3;
   }
@@ -91,7 +91,7 @@ Result<VideoRuns> run_video(const RunSpec& spec, TruthSource& truth) {
     for (std::size_t i = 0; i < s.arrivals.size(); ++i) {
       if (s.arrivals[i] <= std::llround(seconds * 1e6)) shown = i;
     }
-    if (shown == s.arrivals.size()) {  // nothing has come; the pose shown is as old as the session
+    if (shown == s.arrivals.size()) {  // nothing has arrived; its pose is as old as the session
       const LatencySample blank{seconds, flip(nothing), seconds * 1e3, 1};
       out.plain.samples.push_back(blank);
       out.warped.samples.push_back(blank);

@@ -1,5 +1,5 @@
 #pragma once
-// The video baselines of the latency part, plain and with rotational timewarp.
+// Video baseline: the video baselines of the latency part, plain and with rotational timewarp.
 
 #include "client/report/latency_run.h"
 #include "client/report/session_run.h"
@@ -7,10 +7,10 @@
 namespace mirage {
 
 struct VideoRuns {
-  LatencyRun plain, warped;  ///< samples, mbps and first image; the rest is the caller's
+  LatencyRun plain, warped;  ///< samples, mbps and first image are set; the caller sets the rest
 };
 
-/// Streams the path of `spec` over its link and compares the same frames as a session would.
+/// Streams the path of `spec` over its link, and compares the frames that a session would compare.
 /// Errors as TruthSource::at, and kCodec.
 Result<VideoRuns> run_video(const RunSpec& spec, TruthSource& truth);
 

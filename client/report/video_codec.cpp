@@ -29,7 +29,7 @@ using FramePtr = std::unique_ptr<AVFrame, Free>;
 using PacketPtr = std::unique_ptr<AVPacket, Free>;
 using ScalerPtr = std::unique_ptr<SwsContext, Free>;
 
-constexpr const char* kQuality = "4";  // constant rate factor: beyond what an eye sees
+constexpr const char* kQuality = "4";  // constant rate factor: better than the eye can see
 constexpr double kRateShare = 0.95;    // the rest is headers and what the buffer overshoots
 
 double since_ms(std::chrono::steady_clock::time_point began) {
@@ -37,7 +37,7 @@ double since_ms(std::chrono::steady_clock::time_point began) {
       .count();
 }
 
-int even(int size) { return size + size % 2; }  // 4:2:0 halves both
+int even(int size) { return size + size % 2; }  // 4:2:0 halves both sides
 
 Error codec_error(const char* what, int code) {
   char text[AV_ERROR_MAX_STRING_SIZE] = {};
@@ -56,7 +56,7 @@ Result<ContextPtr> open_encoder(int width, int height, double fps, double rate_m
   c->framerate = {static_cast<int>(std::lround(fps * 1000)), 1000};
   c->colorspace = AVCOL_SPC_BT709;
   c->color_range = AVCOL_RANGE_MPEG;
-  // As good as it gets below the link's rate: a mean rate alone is approached too slowly.
+  // The best quality below the link's rate; a mean rate alone is approached too slowly.
   c->rc_max_rate = std::llround(kRateShare * rate_mbps * 1e6);
   c->rc_buffer_size = static_cast<int>(std::lround(static_cast<double>(c->rc_max_rate) / fps));
   c->gop_size = 1 << 20;  // one key frame: the link delivers everything

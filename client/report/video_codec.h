@@ -1,5 +1,5 @@
 #pragma once
-// The video of the baseline: really encoded (x264 veryfast, zerolatency) and decoded.
+// Video codec: the video of the baseline, really encoded (x264 veryfast, zerolatency) and decoded.
 
 #include <cstdint>
 #include <vector>
@@ -18,8 +18,8 @@ struct CodedVideo {
   double encode_ms = 0, decode_ms = 0;  ///< medians per frame, wall time
 };
 
-/// Encodes frames (RGBA8, rows from the top) at a constant rate with a buffer of one frame, so that
-/// no frame waits for another, and decodes them. Error kCodec.
+/// Encodes frames (RGBA8, rows from the top) at a constant rate and decodes them. The buffer holds
+/// one frame, so that no frame waits for another. Error kCodec.
 Result<CodedVideo> code_video(const std::vector<const std::uint8_t*>& frames, int width, int height,
                               double fps, double rate_mbps);
 

@@ -20,7 +20,7 @@ std::vector<std::int64_t> video_arrivals(const std::vector<std::size_t>& bytes, 
     const std::int64_t asked = up_free + delays.one_way_us();
     const std::int64_t ready = asked + std::llround(1e3 * (timing.render_ms + timing.encode_ms));
     down_free = std::max(ready, down_free) + delays.transmission_us(bytes[i] + kVideoFraming);
-    last = std::max(last, down_free + delays.one_way_us());  // in order
+    last = std::max(last, down_free + delays.one_way_us());  // frames arrive in order
     out.push_back(last + std::llround(1e3 * timing.decode_ms));
   }
   return out;

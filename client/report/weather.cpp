@@ -20,17 +20,17 @@ constexpr int kWidth = 480, kHeight = 270;
 constexpr double kFps = 8;
 constexpr int kCompareEvery = 8;  // frames
 
-// How much of the table is run.
+// Size of the table that is run.
 struct Extent {
   std::uint64_t seeds;
   int frames;
 };
 Extent extent(bool quick) { return quick ? Extent{1, 33} : Extent{3, 65}; }
 
-// What is the same for all runs.
+// Settings that are the same for all runs.
 struct Settings {
   Extent extent;
-  std::vector<double> budgets_ms;  // 0: none
+  std::vector<double> budgets_ms;  // 0: no budget
   int samples;                     // of a drawn pixel; < 0: as many as pay, 4 without a budget
 };
 
@@ -113,7 +113,7 @@ void say(const WeatherRun& run) {
   std::fflush(stdout);
 }
 
-// One weather with one seed, by every budget.
+// Runs one weather with one seed, by every budget.
 Result<void> run_weather(Context& context, const Weather& weather, std::uint64_t seed,
                          const Settings& settings, std::vector<WeatherRun>& out) {
   const std::string name = seeded(weather.scene, seed);
@@ -135,7 +135,7 @@ Result<void> run_weather(Context& context, const Weather& weather, std::uint64_t
   return {};
 }
 
-// All weathers with one seed. What is on one scene and path shares its full renders.
+// Runs all weathers with one seed. Weathers on one scene and path share its full renders.
 Result<void> run_seed(Context& context, const std::vector<Weather>& weathers, std::uint64_t seed,
                       const Settings& settings, std::vector<WeatherRun>& out) {
   std::set<std::string> opened;
@@ -152,33 +152,43 @@ void explain(Context& context, const Settings& settings) {
   Page& page = context.page;
   page.section(kPart, "Ten kinds of weather");
   page.command(context.options.command_line);
-  page.paragraph(fmt::format(
-      "How it was measured: a session as mirage-view has it (auto, tau 1 px) for each weather and "
-      "each of {} seed{}, of the scene and of the link's chances, on virtual time over a modelled "
-      "link; {:g} s at {:g} frames a second, {}x{} pixels, {}, every {}th "
-      "frame compared with the full render at 4x4 samples. Time 0 is when the scene is known: what "
-      "comes before has a section of its own. A figure of one seed and one steady link says "
-      "little; a claim about pictures or traffic is a median and a worst over this table.",
+  page.method(fmt::format(
+      "A session as mirage-view has it (auto, tau 1 px) for each weather and each of {} seed{}, of "
+      "the scene and of the link's chances. It runs on virtual time over a modelled link for {:g} "
+      "s at {:g} frames a second and {}x{} pixels, {}. Every {}th frame is compared with the full "
+      "render at 4x4 samples. Time 0 is when the scene is known; what comes before has a section "
+      "of its own. Where nothing else is said, a figure is the median over seeds.",
       extent.seeds, extent.seeds > 1 ? "s" : "", (extent.frames - 1) / kFps, kFps, kWidth, kHeight,
-      settings.samples > 0 ? "one sample a pixel drawn"
-                           : "as many samples a pixel as pay within the budget, without one 4",
+      settings.samples > 0 ? "one sample a pixel"
+                           : "as many samples a pixel as pay within the budget, 4 without one",
       kCompareEvery));
-  page.paragraph(
-      "FLIP: mean over the compared frames. holes: share of the pixels showing an object where "
-      "nothing was drawn for it. no image: share of the instances in view that no tile and no "
-      "geometry was there for, over all frames. starved: share of the frames in which a first "
-      "image "
-      "waited to be asked for while neither the link (80 %) nor the server (90 %) was busy. MB: "
-      "down. link used: both ways, of the rate. client ms p95: by the "
-      "device model 'software', from the second second on. over "
-      "bound: pixels of impostors whose true error exceeds what it was said to be at most. Where "
-      "nothing else is said, the median over seeds.");
+  page.method(
+      "Starved counts the frames in which a first image waited to be asked for while neither the "
+      "link (80 %) nor the server (90 %) was busy. Client time is that of the device model "
+      "'software', from the second second on. Over bound counts pixels of impostors whose true "
+      "error exceeds the bound that they were drawn with.");
 }
 
 void show_table(Context& context, const Table& table) {
   std::vector<bool> marked(table.rows().size(), false);
   marked[marked.size() - 2] = marked[marked.size() - 1] = true;
   context.page.table(table, marked);
+}
+
+void say_found(Page& page, const std::vector<WeatherRun>& runs, std::uint64_t violations) {
+  std::vector<double> flip, starved;
+  const WeatherRun* worst = &runs.front();
+  for (const WeatherRun& run : runs) {
+    flip.push_back(run.flip_mean);
+    starved.push_back(run.starved_fraction);
+    if (run.flip_mean > worst->flip_mean) worst = &run;
+  }
+  page.finding({fmt::format("{:.3f}", quantile(flip, 0.5)), "FLIP, median of all runs"});
+  page.finding({fmt::format("{:.3f}", worst->flip_mean),
+                fmt::format("FLIP, worst run: {}, seed {}", worst->weather.name, worst->seed)});
+  page.finding({std::to_string(violations), "pixels beyond their bound", violations > 0});
+  page.finding({fmt::format("{:.2f}", quantile(starved, 0.5)),
+                "of the frames first images waited while link and server were idle, median"});
 }
 
 void show(Context& context, const Settings& settings, const std::vector<WeatherRun>& runs) {
@@ -193,12 +203,13 @@ void show(Context& context, const Settings& settings, const std::vector<WeatherR
     }
     if (of_budget.empty()) continue;
     context.page.heading(budget > 0 ? fmt::format("Within {:g} ms", budget) : "No budget");
-    show_table(context, weather_table(of_budget));
     context.plot(fmt::format("weather_{:g}", budget), weather_panels(of_budget), 2,
                  "FLIP over time, a line for each weather: the median over seeds.");
+    show_table(context, weather_table(of_budget));
   }
   std::uint64_t violations = 0;
   for (const WeatherRun& run : runs) violations += run.bound_violations;
+  say_found(context.page, runs, violations);
   if (violations == 0) return;
   context.failed_checks.push_back(
       fmt::format("weather: {} pixels of impostors exceed their bound", violations));

@@ -27,7 +27,7 @@ NetModel link(double rtt, double jitter, double rate, double loss = 0, double se
 // Without its options.
 std::string base_of(const std::string& scene) { return scene.substr(0, scene.find('?')); }
 
-// Of the finite ones; between the two in the middle of an even number.
+// Median of the finite values; the mean of the two in the middle for an even number of them.
 double median(std::vector<double> values) {
   values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),
                values.end());

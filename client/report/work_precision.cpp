@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "client/frame/camera_path.h"
 #include "client/host/methods.h"
@@ -23,15 +24,15 @@ namespace mirage {
 namespace {
 
 constexpr const char* kPart = "work-precision";
-constexpr const char* kDevice = "software";  // whose prices budgets are held by
+constexpr const char* kDevice = "software";  // budgets are judged by its prices
 constexpr int kDrawsEach = 2;
-// Fixed methods: nearer than this many radii they all draw geometry, so that what differs is the
-// drawing of impostors. auto decides by itself within what a viewer's default is.
+// Nearer than this many radii all fixed methods draw geometry, so that only the drawing of
+// impostors differs. auto decides by itself, within the viewer's default.
 constexpr double kMeshRadii = 4;
-constexpr double kFromS = 1;  // frames before have no part in the 95th percentile
+constexpr double kFromS = 1;  // earlier frames do not count for the 95th percentile
 
-// 20 Mbit/s for 640x360 pixels, and as much per pixel for a smaller picture: what is asked for
-// grows with the picture, so a link of one rate would be no limit for a small one.
+// Returns a link of 20 Mbit/s for 640x360 pixels, and as much per pixel for a smaller picture.
+// Needs grow with the picture, so a link of one rate would be no limit for a small one.
 NetModel link_for(const Sweep& sweep) {
   NetModel model;
   model.rtt_ms = 100;
@@ -62,7 +63,7 @@ RunSpec spec_of(const Sweep& sweep, const OpenScene& scene, const Setting& setti
 }
 
 void add_times(const Sweep& sweep, const RunResult& run, Figures& f) {
-  // The machine's load only ever adds: of each frame its quickest draw.
+  // The machine's load can only add time, so each frame counts with its quickest draw.
   std::vector<double> quickest;
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
     quickest.push_back(run.frames[i].client_ms);
@@ -120,7 +121,8 @@ Figures figures_of(const Sweep& sweep, const Setting& setting, const RunResult& 
   return f;
 }
 
-// The full render with 2x2 samples against that with 4x4: what no method can be expected to beat.
+// Returns the error of the full render with 2x2 samples against that with 4x4. No method can be
+// expected to be better.
 Result<Floor> error_floor(const RunSpec& spec, TruthSource& truth) {
   const SceneView& scene = truth.scene();
   const Result<CameraPath> path =
@@ -153,24 +155,60 @@ Result<Floor> error_floor(const RunSpec& spec, TruthSource& truth) {
   return floor;
 }
 
-void say_who_wins(Page& page, const std::vector<Figures>& all) {
+/// Returns the best of auto's settings that `chosen` accepts, by FLIP; nullptr: there is none.
+const Figures* best_auto(const std::vector<Figures>& all,
+                         const std::function<bool(const Setting&)>& chosen) {
+  const Figures* best = nullptr;
+  for (const Figures& f : all) {
+    if (!f.setting.automatic() || !f.flip || !chosen(f.setting)) continue;
+    if (!best || *f.flip < *best->flip) best = &f;
+  }
+  return best;
+}
+
+void say_who_wins(Page& page, const std::string& scene, const std::vector<Figures>& all) {
+  const double spread = spread_of(all);
+  if (const Figures* f = best_auto(all, [](const Setting& s) { return s.budget_ms == 0; })) {
+    page.finding({fmt::format("{:.3f}", *f->flip), "FLIP of " + scene + ", no budget"});
+  }
+  double budget = 0;
+  for (const Figures& f : all) {
+    if (f.setting.automatic()) budget = std::max(budget, f.setting.budget_ms);
+  }
+  const Figures* held = best_auto(all, [&](const Setting& s) { return s.budget_ms == budget; });
+  if (held && budget > 0) {
+    page.finding({fmt::format("{:.3f}", *held->flip),
+                  fmt::format("FLIP of {} within {:g} ms a frame", scene, budget)});
+  }
+  const std::pair<Cost, double> costs[] = {
+      {Cost::kClientMs, spread}, {Cost::kModelMs, 0}, {Cost::kBytesPerS, 0}};
+  for (const auto& [cost, slack] : costs) {
+    const std::string said = say_of_auto(all, cost, slack);
+    if (left_of_auto(all, cost, slack).empty()) {
+      page.paragraph(said);
+    } else {
+      page.falls_short(scene + ": " + said);
+    }
+  }
+}
+
+void show_settings(Page& page, const std::vector<Figures>& all) {
   const std::vector<bool> front = front_by(all, Cost::kClientMs);
   std::string on;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (front[i]) on += (on.empty() ? "" : ", ") + all[i].setting.name();
   }
-  const double spread = spread_of(all);
-  page.paragraph(say_of_auto(all, Cost::kClientMs, spread));
-  // Of no machine's load.
-  page.paragraph(say_of_auto(all, Cost::kModelMs, 0));
-  page.paragraph(say_of_auto(all, Cost::kBytesPerS, 0));
-  page.paragraph("On the Pareto front of client ms against mean FLIP: " + on + ".");
   page.paragraph(
-      fmt::format("The slowest of {} draws of one frame takes {:.0f} % longer than the quickest, "
-                  "in the median: smaller differences of client ms say little.",
-                  kDrawsEach, 100 * spread));
+      "No other setting is both quicker and better than these (the Pareto front of "
+      "client time against FLIP): " +
+      on + ".");
+  page.paragraph(
+      fmt::format("Each frame is drawn {} times. The slowest draw takes {:.0f} % longer than the "
+                  "quickest, in the median: smaller differences of client time say little.",
+                  kDrawsEach, 100 * spread_of(all)));
   const Table dominated = dominated_settings(all);
-  page.folded(fmt::format("{} dominated settings", dominated.rows().size()), dominated);
+  page.folded(fmt::format("{} settings that another one beats", dominated.rows().size()),
+              dominated);
 }
 
 Result<void> show(Context& context, const OpenScene& scene, const std::vector<Figures>& all,
@@ -178,25 +216,24 @@ Result<void> show(Context& context, const OpenScene& scene, const std::vector<Fi
                   const std::vector<std::pair<Setting, Picture>>& pictures) {
   Page& page = context.page;
   page.heading(scene.name);
-  say_who_wins(page, all);
+  say_who_wins(page, scene.name, all);
   for (const ErrorPlot& plot : error_plots(all, floor)) {
     context.plot(fmt::format("work_precision_{}_{}", plot.id, index), plot.panels, 2,
-                 fmt::format("{}: {} against four costs. Filled points: 4 samples, and auto "
-                             "without a budget, a point for each tau; open points: 1 sample, and "
-                             "auto by budget.",
+                 fmt::format("{}: {} against four costs; lower left is better. Filled points: 4 "
+                             "samples a pixel, and auto without a budget, one point for each tau. "
+                             "Open points: 1 sample a pixel, and auto by budget.",
                              scene.name, plot.label));
   }
+  show_settings(page, all);
   for (const auto& [setting, picture] : pictures) {
     const Result<void> shown =
-        page.pictures(fmt::format("{}, {}: as drawn, full render, difference times 2", scene.name,
-                                  setting.name()),
-                      picture);
+        page.pictures(fmt::format("{}, {}.", scene.name, setting.name()), picture);
     if (!shown) return shown;
   }
   return {};
 }
 
-// The server renders the view from home once for all: no run is to be the first.
+// Lets the server render the home view once for all, so that no run is the first.
 Result<void> keep_home_view(Context& context, const Sweep& sweep, OpenScene& scene) {
   RunSpec spec = spec_of(sweep, scene, {"auto"});
   spec.frames = 1;
@@ -238,38 +275,38 @@ void explain(Context& context, const Sweep& sweep) {
   Page& page = context.page;
   page.section(kPart, "Error against run time");
   page.command(context.options.command_line);
-  page.paragraph(fmt::format(
-      "How it was measured: a walk (around a single object: an orbit) of {:.1f} s at {:g} frames a "
-      "second, {}x{} pixels, 100 ms round trip, {:g} Mbit/s, 5 ms of server time granted per tile "
-      "on virtual time; {} frames compared with the full render at 4x4 samples per pixel. Every "
-      "method, tau and budget runs the same session. Fixed methods draw geometry nearer than {:g} "
-      "radii and for what surrounds the viewer, so they differ in how they draw impostors; mesh "
-      "draws nothing but geometry and has no tiles, hence no server or display time; fixed8 is the "
-      "classic baseline, eight views around the horizon on flat quads.",
+  page.method(fmt::format(
+      "Each method, tau and budget runs the same session: a walk, or an orbit around a single "
+      "object, of {:.1f} s at {:g} frames a second and {}x{} pixels. The modelled link has a round "
+      "trip of 100 ms and {:g} Mbit/s; the server is granted 5 ms of virtual time for a tile. {} "
+      "frames are compared with the full render at 4x4 samples a pixel.",
       sweep.frames / sweep.fps, sweep.fps, sweep.width, sweep.height, link_for(sweep).rate_mbps,
-      sweep.compared.size(), kMeshRadii));
-  page.paragraph(fmt::format(
-      "auto is as mirage-view has it: within a budget of ms a frame (--frame-ms, held by the "
-      "device model '{}') it chooses for each frame what is drawn as geometry, what is marched, 1 "
-      "or 4 samples a pixel and the scale; without a budget it draws 4 samples and geometry within "
-      "{:g} radii. A fixed method has nothing that could choose, and samples are the largest part "
-      "of its price: so that neither side has them for nothing, each is run with 1 and, at tau 1 "
-      "px, with "
-      "4, and auto has to be as good as the better of the two. Left of auto: at the same FLIP a "
-      "fixed "
-      "setting costs less than auto does on the line between its settings.",
+      sweep.compared.size()));
+  page.method(fmt::format(
+      "Fixed methods differ in how they draw impostors. All of them draw geometry nearer than {:g} "
+      "radii and for what surrounds the viewer. The method mesh draws geometry only and has no "
+      "tiles. The method fixed8 is the classic baseline: eight views around the horizon on flat "
+      "quads.",
+      kMeshRadii));
+  page.method(fmt::format(
+      "auto is what mirage-view does by default. Within a budget of ms a frame (--frame-ms, held "
+      "by the device model '{}') it chooses geometry, marching, 1 or 4 samples a pixel and the "
+      "scale for each frame. Without a budget it draws 4 samples and geometry within {:g} radii. A "
+      "fixed method cannot choose samples, which are the largest part of its price. So each is run "
+      "with 1 sample and, at tau 1 px, with 4, and auto has to be as good as the better of the "
+      "two. A fixed setting is left of auto if it shows the same FLIP at a lower cost than auto.",
       kDevice, kSwapRadii));
-  page.paragraph(fmt::format(
-      "client ms: planning, drawing and finishing one frame, {}; each compared frame is drawn {} "
-      "times and counts with its quickest draw, of which the median is given; the first draw of a "
-      "run is apart (compilation). client_ms_p95: by the device model, of all frames from the "
-      "second second on; scale and samples: what most of these frames were drawn with. server ms "
-      "per tile: rendering and encoding, median. bytes: both ways, framing and the scene's "
-      "description included. request to display: median, on the modelled link. E1: by reprojecting "
-      "the reference's depth. FLIP at 67.02 pixels per degree, on the pixels that show an object "
-      "in either picture, grown by 2. The error floor is the full render at 2x2 samples against "
-      "that at 4x4: what sampling alone does.",
-      context.runner->software() ? "CPU time over all threads (a software renderer)" : "wall time",
+  page.method(fmt::format(
+      "Client time: planning, drawing and finishing one frame, {}. Each compared frame is drawn {} "
+      "times and counts with its quickest draw; the table has the median. The first draw of a run "
+      "is left out, because it compiles shaders. Client p95, scale and samples count all frames "
+      "from the second second on. Server time: rendering and encoding. Bytes: both ways, with "
+      "framing and the description of the scene. Position error (E1): from the depth of the full "
+      "render. FLIP: at 67.02 pixels a degree, on the pixels that show an object in either "
+      "picture, grown by 2. The error floor is the full render at 2x2 samples beside that at 4x4, "
+      "so what sampling alone does.",
+      context.runner->software() ? "as CPU time over all threads (a software renderer)"
+                                 : "as wall time",
       kDrawsEach));
 }
 
@@ -288,7 +325,7 @@ Result<void> report_work_precision(Context& context) {
   }
   std::vector<bool> marked;
   for (const auto& row : csv.rows()) marked.push_back(row[csv.column("pareto")] == "1");
-  context.page.heading("All settings (on the front: set off)");
+  context.page.heading("All settings (those on the front are set off)");
   context.page.table(csv, marked);
   return write_file(context.path("work_precision.csv"), csv.csv());
 }

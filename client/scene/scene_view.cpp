@@ -116,8 +116,8 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
   return {};
 }
 
-// A page is taken as a whole or not at all. Members come with the group they are told to be of, so
-// every parent is known, or not known yet; that groups cannot nest in a circle follows.
+// Takes a page as a whole or not at all. Members come together with their group, so the page either
+// knows a parent or rejects it. It follows that groups cannot nest in a circle.
 Result<void> SceneView::check_page(const wire::InstancePageT& page) const {
   if (!welcomed_ || images.size() != expected_images_ || objects.size() < expected_objects_) {
     return make_error(ErrorId::kWireState, "instance page out of order");
@@ -129,7 +129,8 @@ Result<void> SceneView::check_page(const wire::InstancePageT& page) const {
     const ObjectDescription& object = objects[instances[index].object];
     return object.group || object.cut;
   };
-  // Parents first: a group of this page may be opened in it, once it has a parent itself.
+  // Parents first: a page may list members of a group that it introduces itself, provided that the
+  // group has a valid parent.
   for (const wire::GroupRecord& record : page.groups) {
     const std::size_t number = record.id() - std::size_t{all_instances};
     const bool leaves =
@@ -149,7 +150,7 @@ Result<void> SceneView::check_page(const wire::InstancePageT& page) const {
     return parent == InstanceView::kNoParent || opened.count(parent) != 0;
   };
   for (const wire::GroupRecord& record : page.groups) {
-    // A group comes before those nested in it: its number is smaller.
+    // A group comes before the groups nested in it: its number is smaller.
     const bool after = record.parent() == InstanceView::kNoParent || record.parent() < record.id();
     if (!may_belong(record.parent()) || !after) {
       return make_error(ErrorId::kWireValue, "group in a group that is not there");
@@ -168,14 +169,15 @@ Result<void> SceneView::check_page(const wire::InstancePageT& page) const {
 
 void SceneView::add(InstanceView view, std::uint32_t parent_id) {
   const auto index = static_cast<std::uint32_t>(instances.size());
-  if (!index_by_id_.emplace(view.id, index).second) return;  // known already
-  view.parent = parent_id;                                   // made an index in link_members
+  if (!index_by_id_.emplace(view.id, index).second) return;  // already known
+  // The parent is an id until link_members() makes it an index.
+  view.parent = parent_id;
   instances.push_back(view);
 }
 
-// Whoever walks the groups goes down by recursion: a peer does not choose how far.
+// Limits how deeply groups nest. Walking the groups recurses, so a peer must not choose the depth.
 Result<void> SceneView::note_depths(const wire::InstancePageT& page) {
-  std::map<std::uint32_t, std::uint32_t> parents;  // by group: those outside come first
+  std::map<std::uint32_t, std::uint32_t> parents;  // by group; outer ones first
   for (const wire::GroupRecord& record : page.groups) parents[record.id()] = record.parent();
   for (const auto& [id, parent] : parents) {
     const auto above = group_depth_.find(parent);
@@ -206,7 +208,7 @@ Result<void> SceneView::accept(const wire::InstancePageT& page) {
     if (index_by_id_.count(record.id()) != 0) continue;
     const GroupBounds bounds = bounds_of(record);
     objects.push_back(group_description(bounds));
-    // A part of an instance: nothing is nested in it, so it is drawn as an object of its own.
+    // Nothing is nested in a part of an instance, so it is drawn as an object of its own.
     objects.back().part = record.parent() < all_instances;
     objects.back().group = !objects.back().part;
     Similarity m;
@@ -225,7 +227,7 @@ Result<void> SceneView::accept(const wire::InstancePageT& page) {
   return {};
 }
 
-// New members of a group all come in one page: they are one run.
+// All members of a group come in one page, so they form one run.
 void SceneView::link_members(std::size_t first_new) {
   members_of_.resize(instances.size());
   std::map<std::uint32_t, std::vector<std::uint32_t>> by_parent;
@@ -241,7 +243,7 @@ void SceneView::link_members(std::size_t first_new) {
   }
   for (const auto& [parent, members] : by_parent) {
     Run& run = members_of_[parent];
-    if (run.known) continue;  // told twice, and not the same: the first time counts
+    if (run.known) continue;  // told twice and differently: the first time counts
     run.first = static_cast<std::uint32_t>(members_.size());
     members_.insert(members_.end(), members.begin(), members.end());
     run.last = static_cast<std::uint32_t>(members_.size());

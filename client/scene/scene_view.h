@@ -1,7 +1,7 @@
 #pragma once
-// The scene as far as the client knows it: objects, light, sky, the instances and groups it has
-// been told of; and a grid to cull by. Instances have indices of this client's, in the order in
-// which they came, and ids of the server's.
+// Scene view: the scene as far as the client knows it. It holds objects, light, sky, the instances
+// and groups that the server has told, and a grid for culling. Instances have indices of this
+// client, in order of arrival, and ids of the server.
 
 #include <functional>
 #include <memory>
@@ -26,17 +26,18 @@ struct ObjectPageT;
 struct WelcomeT;
 }  // namespace wire
 
-/// An instance with what every frame needs of it precomputed.
+/// An instance with precomputed values that every frame needs.
 struct InstanceView {
-  std::uint32_t id = 0;      ///< the server's
+  std::uint32_t id = 0;      ///< the server's id
   std::uint32_t object = 0;  ///< index into SceneView::objects
   Similarity world_from_object;
-  glm::dvec3 center{0};  ///< of the bounding sphere, world
-  double radius = 0;     ///< world, m
+  glm::dvec3 center{0};  ///< centre of the bounding sphere, world space
+  double radius = 0;     ///< radius of the bounding sphere, world space, m
   double clip_offset_s = 0;
   Importance importance = Importance::kNormal;
-  std::uint32_t parent = kNoParent;  ///< index of the group it belongs to, or is a part of
-  /// Groups and parts: ids of the instances in it.
+  /// Index of the group it belongs to, or of the instance it is a part of.
+  std::uint32_t parent = kNoParent;
+  /// Groups and parts: range of the server's ids of the instances in it.
   std::uint32_t first_leaf = 0, leaves = 0;
 
   static constexpr std::uint32_t kNoParent = 0xffffffffu;
@@ -53,9 +54,9 @@ class SceneView {
     bool empty() const { return first == last; }
   };
 
-  /// Takes Welcome, LightProbePage, ImagePage, ObjectPage and InstancePage. Instance pages go on
-  /// coming once the scene is complete; what is known already changes nothing. Errors: kWireState
-  /// when pages do not follow on, kWireValue when they refer to what is not there.
+  /// Take the pages of the scene. Instance pages keep coming once the scene is complete; known
+  /// instances stay unchanged. Errors: kWireState if pages come out of order, kWireValue if they
+  /// refer to something that does not exist.
   Result<void> accept(const wire::WelcomeT& welcome);
   Result<void> accept(const wire::LightProbePageT& page, const Bytes& payload);
   Result<void> accept(const wire::ImagePageT& page);
@@ -63,12 +64,12 @@ class SceneView {
   Result<void> accept(const wire::InstancePageT& page);
 
   bool welcomed() const { return welcomed_; }
-  /// Some object has blended surfaces.
+  /// True if some object has blended surfaces.
   bool blends() const;
-  /// The probe, all images and objects are there, and all that has no parent: there is a scene to
-  /// draw.
+  /// True if there is a scene to draw: the probe, all images and objects, and everything without a
+  /// parent have arrived.
   bool complete() const;
-  /// All that comes unasked is there.
+  /// True once everything that the server sends unasked has arrived.
   bool described() const { return described_; }
 
   std::uint64_t revision = 0;
@@ -76,42 +77,44 @@ class SceneView {
   std::string renderer;
   std::uint64_t triangles = 0;
   Lighting lighting;
-  std::shared_ptr<const LightProbe> probe;  ///< that lighting.probe names; nullptr: none
+  std::shared_ptr<const LightProbe> probe;  ///< the probe that lighting.probe names; nullptr: none
   Environment environment;
   HomeView home;
   bool geometry = false;
   bool reference = false;
-  bool shadows = false;  ///< the sun's are in references, and their tiles may be asked for
+  bool shadows = false;  ///< full renders have the sun's shadows, and shadow tiles may be asked for
   std::vector<ImageDescription> images;
-  std::vector<ObjectDescription> objects;  ///< the server's, then those of groups as they come
-  std::vector<InstanceView> instances;     ///< grows
-  std::size_t all_instances = 0;           ///< of the scene, known here or not; without groups
+  /// The server's objects, then those of groups in order of arrival.
+  std::vector<ObjectDescription> objects;
+  std::vector<InstanceView> instances;  ///< grows as pages arrive
+  /// Number of instances in the scene, without groups, whether known here or not.
+  std::size_t all_instances = 0;
   glm::dvec3 bounds_center{0};
   double bounds_radius = 1;
 
-  /// Instances (and nested groups) of a group, or the parts of an instance; empty for any other,
-  /// and until they are known.
+  /// Returns the instances (and nested groups) of a group, or the parts of an instance. Empty for
+  /// anything else, and until they are known.
   Members members(std::uint32_t group) const {
     const Run& run = members_of_[group];
     return {members_.data() + run.first, members_.data() + run.last};
   }
-  /// Whether members() are known. True for an instance that is neither a group nor cut.
+  /// True if members() are known. Always true for an instance that is neither a group nor cut.
   bool opened(std::uint32_t instance) const {
     const ObjectDescription& object = objects[instances[instance].object];
     return !(object.group || object.cut) || members_of_[instance].known;
   }
-  /// What has no parent, by index.
+  /// Returns the indices of all instances and groups without a parent.
   const std::vector<std::uint32_t>& roots() const { return roots_; }
-  /// Index of an instance or group by the server's id; kNoParent: not known.
+  /// Returns the index of an instance or group from the server's id; kNoParent: not known.
   std::uint32_t index_of(std::uint32_t id) const;
-  /// Its object's number at the server.
+  /// Returns the server's number of the instance's object.
   std::uint32_t object_id(std::uint32_t instance) const;
 
-  /// Calls `visit` for every instance and group without a parent that may be in the view grown by
-  /// `guard` radians.
+  /// Calls `visit` for every instance and group without a parent that may be in the view, widened
+  /// by `guard` radians.
   void for_visible_roots(const Camera& camera, double guard,
                          const std::function<void(std::uint32_t)>& visit) const;
-  /// The same for every instance that is no group.
+  /// Calls `visit` for every instance that may be in that view and is not a group.
   void for_visible(const Camera& camera, double guard,
                    const std::function<void(std::uint32_t)>& visit) const;
 
@@ -121,19 +124,20 @@ class SceneView {
     double radius = 0;
     std::vector<std::uint32_t> instances;
   };
-  /// The members of a group, in members_.
+  /// The members of a group: a range of members_.
   struct Run {
     std::uint32_t first = 0, last = 0;
     bool known = false;
   };
   Result<void> check_page(const wire::InstancePageT& page) const;
-  /// Error kWireLimit.
+  /// Notes how deeply the groups of the page nest. Error kWireLimit if too deeply.
   Result<void> note_depths(const wire::InstancePageT& page);
   void add(InstanceView view, std::uint32_t parent_id);
   void link_members(std::size_t first_new);
   void build_grid();
 
-  std::unordered_map<std::uint32_t, std::uint32_t> group_depth_;  ///< by the server's id
+  /// Depths by the server's id of the group.
+  std::unordered_map<std::uint32_t, std::uint32_t> group_depth_;
   bool welcomed_ = false;
   bool described_ = false;
   std::size_t expected_images_ = 0;
@@ -143,7 +147,7 @@ class SceneView {
   std::unordered_map<std::uint32_t, std::uint32_t> index_by_id_;
   std::vector<Cell> cells_;
   std::vector<std::uint32_t> roots_;
-  std::vector<Run> members_of_;  ///< by instance
+  std::vector<Run> members_of_;  ///< by instance index
   std::vector<std::uint32_t> members_;
 };
 

@@ -35,7 +35,7 @@ TileSink renderer_sink(FrameRenderer& renderer, SinkHooks hooks) {
     changed();
     renderer.add_image(scene(), index, image);
   };
-  // What the frame draws is never dropped: the picture stays.
+  // No picture changes here: what a frame draws is never dropped.
   sink.drop = [&renderer, scene](const AssetId& id) { renderer.drop(scene(), id); };
   sink.view = [&renderer, changed](const ViewTile& view) {
     changed();

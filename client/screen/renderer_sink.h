@@ -1,5 +1,5 @@
 #pragma once
-// Where a session's pixels and meshes go: the frame renderer.
+// Renderer sink: hands a session's pixels and meshes to the frame renderer.
 
 #include <functional>
 
@@ -11,12 +11,12 @@ namespace mirage {
 class FrameRenderer;
 
 struct SinkHooks {
-  std::function<const SceneView&()> scene;   ///< the session's
-  std::function<void()> changed;             ///< texels, geometry or a scene came
-  std::function<void(const Error&)> failed;  ///< it is not drawn, or not as it should be
+  std::function<const SceneView&()> scene;   ///< returns the session's scene
+  std::function<void()> changed;             ///< texels, geometry or a scene arrived
+  std::function<void(const Error&)> failed;  ///< something is not drawn, or not as it should be
 };
 
-/// `renderer` outlives the sink; a GL context is current when it is used.
+/// Returns the sink. `renderer` must outlive it, and a GL context must be current when it is used.
 TileSink renderer_sink(FrameRenderer& renderer, SinkHooks hooks);
 
 }  // namespace mirage

@@ -35,7 +35,7 @@ Result<void> Screen::fit(int width, int height, const ClientSession& session) {
 Screen::Step Screen::next(const Camera& camera, const DrawList& list,
                           const ClientSession& session) {
   if (session.awaits_new_scene()) {
-    still_.content_changed();  // once it is there
+    still_.content_changed();  // redraws once the new scene is there
     return Step::kKeep;
   }
   if (!still_.unchanged(camera, session.scene(), list, session.lighting())) return Step::kDraw;

@@ -1,7 +1,10 @@
 #pragma once
-// The picture a client shows, from frame to frame: kept while it would not change, finer and finer
-// at rest, of the samples and the scale that are planned.
-// Input:  what a frame lists. Output: a picture to show. Thread: the GL one.
+// Screen: the picture that a client shows, from frame to frame. It keeps the picture while that
+// would not change, and refines it at rest. It uses the planned samples and scale.
+// Input:  the draw list of a frame.
+// Output: a picture to show.
+// Thread: the GL thread.
+// Full:   never; it holds one picture.
 
 #include <cstddef>
 #include <optional>
@@ -18,31 +21,31 @@ struct FrameWork;
 
 class Screen {
  public:
-  /// Error kGraphicsGl.
+  /// Creates the target. Error kGraphicsGl.
   Result<void> create(int width, int height);
 
-  /// For a window of this size and what the session plans. Error kGraphicsGl.
+  /// Fits the target to a window of this size and to the session's plan. Error kGraphicsGl.
   Result<void> fit(int width, int height, const ClientSession& session);
-  /// Texels, geometry or a scene came or went.
+  /// Notes that texels, geometry or a scene came or went.
   void content_changed() { still_.content_changed(); }
 
   enum class Step {
-    kKeep,    ///< it would be the picture that is there
-    kDraw,    ///< another one
-    kRefine,  ///< the same, finer
+    kKeep,    ///< the picture would not change
+    kDraw,    ///< draw a new picture
+    kRefine,  ///< refine the same picture
   };
-  /// What is to be done for a frame; draw() or refine() does it.
+  /// Returns the step for a frame; draw() or refine() takes it.
   Step next(const Camera& camera, const DrawList& list, const ClientSession& session);
   void draw(FrameRenderer& renderer, const Camera& camera, const DrawList& list,
             const ClientSession& session);
   void refine(FrameRenderer& renderer, const Camera& camera, const DrawList& list,
               const ClientSession& session);
-  /// Of draw() with this list.
+  /// Returns the work of draw() with this list.
   FrameWork work(const Camera& camera, const DrawList& list, const ClientSession& session) const;
 
-  /// What is to be seen.
+  /// Returns the picture to show.
   const FrameTarget& shown() const { return refinement_.picture(*target_); }
-  /// Nothing would get better any more.
+  /// True if the picture would not get any better.
   bool refined() const { return refinement_.done(); }
   int width() const { return target_->width(); }
   int height() const { return target_->height(); }
@@ -53,7 +56,7 @@ class Screen {
   Result<void> make(int width, int height, bool blends, int samples, double scale);
 
   std::optional<FrameTarget> target_;
-  // Of the target, as planned: the device may not have as many samples.
+  // Planned for the target; the device may not have as many samples.
   int samples_ = 1;
   double scale_ = 1;
   Stillness still_;

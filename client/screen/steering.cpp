@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSteepest = 1.5;  // radians
 
-// Turned about the world's vertical, then raised or lowered.
+// Turns the direction about the world's vertical, then raises or lowers it.
 glm::dvec3 turned(const glm::dvec3& forward, double yaw, double pitch) {
   const double c = std::cos(yaw), s = std::sin(yaw);
   const glm::dvec3 flat =

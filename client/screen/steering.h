@@ -1,5 +1,6 @@
 #pragma once
-// How a person moves the eye: looking turns it without tilting, moving goes where it looks.
+// Steering: how a person moves the eye. Looking turns it without tilting; moving goes where it
+// looks.
 
 #include <glm/glm.hpp>
 
@@ -13,7 +14,7 @@ struct Steering {
   glm::dvec3 move{0};  ///< m: right, up (of the world), ahead (where the eye looks)
 };
 
-/// Numbers that are not finite leave the pose as it is.
+/// Moves the pose. Numbers that are not finite leave it as it is.
 void steer(Pose& pose, const Steering& by);
 
 }  // namespace mirage

@@ -1,5 +1,5 @@
 #pragma once
-// What a viewer is given where nobody says otherwise.
+// Viewer defaults: values that a viewer uses unless options say otherwise.
 
 #include <algorithm>
 
@@ -9,7 +9,8 @@ namespace mirage {
 
 inline constexpr double kSoftwareFrameMs = 50;  ///< budget of a frame on a software renderer
 inline constexpr int kAtlasEdge = 1024;
-/// Layers of the atlas that fit into this much graphics memory with all planes; at least one.
+/// Returns the layers of the atlas that fit into this many MB of graphics memory with all planes;
+/// at least one.
 inline int atlas_layers(int megabytes) {
   return std::max(1, megabytes / (kAtlasEdge * kAtlasEdge * kAtlasTexelBytes >> 20));
 }

@@ -16,9 +16,10 @@ namespace mirage {
 namespace {
 
 constexpr std::size_t kMaxEarlyPages = 64;
-constexpr std::size_t kReplyBytes = 64;  // control part and header of a geometry reply
+constexpr std::size_t kReplyBytes = 64;  // control part and header of a reply with geometry
 
-// Also what the server can do: it may have been started anew with other options.
+// True if the welcome announces the known scene with the same abilities of the server. The server
+// may have been restarted with other options.
 bool announces(const wire::WelcomeT& welcome, const SceneView& scene) {
   return welcome.revision == scene.revision && welcome.instances == scene.all_instances &&
          welcome.geometry == scene.geometry && welcome.reference == scene.reference &&
@@ -26,7 +27,7 @@ bool announces(const wire::WelcomeT& welcome, const SceneView& scene) {
          (welcome.lighting->probe ? welcome.lighting->probe->id() : 0) == scene.lighting.probe.id;
 }
 
-// The server's own choice first.
+// Returns the codecs on offer, the server's own choice first.
 std::vector<TileCodec> offered_codecs(const wire::WelcomeT& welcome) {
   std::vector<TileCodec> out = {static_cast<TileCodec>(welcome.codec)};
   for (const std::uint8_t codec : welcome.codecs) {
@@ -107,7 +108,7 @@ Result<void> Arrivals::handle(Message message, std::int64_t now_us) {
 Result<void> Arrivals::take_welcome(const wire::WelcomeT& welcome, std::int64_t came_us) {
   s_.asking.codec_choice.reset(offered_codecs(welcome));
   s_.asking.scheduler.note_welcome(came_us, came_us - s_.connection.greeted_us, welcome.tile_us);
-  // The same scene after a reconnect: everything held stays valid, keys and all.
+  // A reconnect to the same scene keeps everything held valid, including its keys.
   if (s_.scene.complete() && announces(welcome, s_.scene)) {
     if (s_.light.own) s_.send_lighting();
     return {};
@@ -122,7 +123,8 @@ Result<void> Arrivals::take_welcome(const wire::WelcomeT& welcome, std::int64_t 
   return {};
 }
 
-// From where the eye is: what the camera path goes by need not be there any more.
+// Asks for a view of the new scene from where the eye is. Things that the camera path leads past
+// may not exist any more.
 void Arrivals::await_new_scene(std::int64_t now_us) {
   s_.new_scene = {true, now_us};
   if (!s_.held.views.enabled() || s_.light.own) return;
@@ -162,7 +164,7 @@ Result<void> Arrivals::take_page(Message page) {
     early_pages_.push_back(std::move(page));
     return {};
   }
-  // What came too early may follow on now, and others on it.
+  // Pages that came too early may follow on now, and others on them.
   auto early = early_pages_.begin();
   while (early != early_pages_.end()) {
     taken = accept_page(s_.scene, *early);
@@ -200,7 +202,7 @@ Result<void> Arrivals::take_tile(const Message& message, std::int64_t came_us,
   }
   const ObjectDescription& object = s_.scene.objects[ask->object];
   const Capture capture(ask->need.cell, ask->need.distance, object.radius, tile->edge);
-  // Another instance of the object got it meanwhile.
+  // Another instance of the object has received this tile meanwhile.
   if (is_picture(tile->channels) && s_.held.tiles.holds(ask->need.instance, capture, tile->relit(),
                                                         ask->need.phase, ask->need.light)) {
     return {};
@@ -276,7 +278,7 @@ bool Arrivals::first_image(const Message& message) const {
          !s_.held.tiles.group_to_draw(ask->need.instance)->known();
 }
 
-// The reply is what was asked for by this id, and the scene is still the one it was asked for.
+// Succeeds if the reply is what was asked for under this id, and the scene is still the same.
 Result<void> Arrivals::finish_asset(std::uint32_t request_id, const AssetId& id, std::size_t bytes,
                                     std::int64_t came_us) {
   const std::optional<AssetNeed> need =

@@ -1,8 +1,10 @@
 #pragma once
-// Takes in what the link brings.
-// Input:  messages. Output: scene, tiles, geometry, images, views and references as they are held;
-//         their pixels for the sink.
-// Thread: the frame loop's. What comes is bounded by what was asked for, and by the upload budget.
+// Arrivals: takes in what the link brings.
+// Input:  messages.
+// Output: scene, tiles, geometry, images, views and references, in the session; their pixels, for
+//         the sink.
+// Thread: the frame loop's.
+// Full:   never; replies are limited by the asks, and by the upload budget of a frame.
 
 #include <cstddef>
 #include <cstdint>
@@ -24,22 +26,22 @@ class Arrivals {
  public:
   explicit Arrivals(SessionParts& parts) : s_(parts) {}
 
-  /// Everything that has arrived, as far as it may be taken in within a frame; the first error.
+  /// Takes in everything that has arrived, as far as a frame allows. Returns the first error.
   Result<void> take(std::int64_t now_us);
 
  private:
   Result<void> handle(Message message, std::int64_t now_us);
-  /// Bytes of graphics memory a reply will fill, as far as it tells.
+  /// Returns the bytes of graphics memory that a reply will fill, as far as it tells.
   std::size_t upload_cost(const Message& message) const;
-  /// It is a picture of what shows none yet.
+  /// True if it is the first picture of an instance.
   bool first_image(const Message& message) const;
   Result<void> take_welcome(const wire::WelcomeT& welcome, std::int64_t came_us);
   void await_new_scene(std::int64_t now_us);
-  /// Of the scene; one that comes before its turn waits for it.
+  /// Takes a page of the scene. A page that comes before its turn waits for it.
   Result<void> take_page(Message page);
-  /// The scene is there, or has grown.
+  /// Tells the other parts that the scene is complete, or has grown.
   void take_scene(bool was_complete);
-  /// `came_us`: when the link had it.
+  /// `came_us` is when the link received it.
   Result<void> take_tile(const Message& message, std::int64_t came_us, std::int64_t now_us);
   Result<void> finish_asset(std::uint32_t request_id, const AssetId& id, std::size_t bytes,
                             std::int64_t came_us);
@@ -51,7 +53,7 @@ class Arrivals {
   void take_refusal(const wire::RefusedT& refused, std::int64_t now_us);
 
   SessionParts& s_;
-  std::vector<Message> early_pages_;  ///< of the scene, before their turn
+  std::vector<Message> early_pages_;  ///< pages of the scene that came before their turn
 };
 
 }  // namespace mirage

@@ -12,7 +12,7 @@
 namespace mirage {
 namespace {
 
-// For a picture of a new scene, while one of the last is shown.
+// Longest wait for a picture of a new scene, while one of the former scene is shown.
 constexpr std::int64_t kLongestAwaitedUs = 3'000'000;
 
 void note_new_scene(SessionParts& s, const DrawList& list, std::int64_t now_us) {
@@ -37,7 +37,8 @@ void greet(SessionParts& s, std::int64_t now_us) {
   hello.name = s.options.name;
   hello.codecs = every_codec();
   s.held.views.reset();
-  // Under a light of its own this client has to say first which it is.
+  // A client with a light of its own has to tell the server about it first, so it asks for no view
+  // yet.
   if (s.held.views.enabled() && !s.light.own && !s.scene.complete()) {
     hello.view = std::make_unique<wire::ViewRequestT>(view_request(s.options.screen, 0));
     hello.view->home = true;

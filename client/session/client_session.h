@@ -1,9 +1,13 @@
 #pragma once
-// One client's session: the client stages in flow order, driven frame by frame.
+// Client session: the client stages in flow order, driven frame by frame.
+// Input:  the camera and the time, frame by frame; messages from the link.
+// Output: the draw list of each frame; asks, on the link.
+// Thread: the frame loop's.
+// Full:   never; the parts behind it have their own limits.
 //
 //   link -> scene, tiles, meshes -> predictor -> selector -> scheduler, opener -> link
 //
-// No sockets, no windows, no clock of its own: time comes with every call.
+// It has no sockets, no windows and no clock of its own: the time comes with every call.
 
 #include <cstddef>
 #include <cstdint>
@@ -38,27 +42,27 @@ class ClientSession {
   ClientSession(Link& link, ClientOptions options, TileSink sink);
   ~ClientSession();
 
-  /// Takes in what has arrived. Says hello on every new connection. An error is for the log: the
-  /// session goes on with what it has.
+  /// Takes in what has arrived, and sends a hello on every new connection. An error is for the log:
+  /// the session goes on with what it has.
   Result<void> receive(std::int64_t now_us);
-  /// Plans one frame: what to draw, with the true camera; sends what is to be asked for. The
-  /// session's clock is the animation's.
+  /// Plans a frame: returns what to draw with the true camera, and sends asks. The session's clock
+  /// is the animation's, too.
   DrawList frame(const Camera& camera, std::int64_t now_us);
 
-  /// What this device takes for what, for the plan of the frames to come.
+  /// Sets the prices of this device, for planning later frames.
   void set_prices(const CostModel& prices);
-  /// The frame planned last took so long to draw, by the clock or by those prices.
+  /// Notes how long the last planned frame took to draw, by the clock or by those prices.
   void note_frame_ms(double ms);
-  /// How the frame is to be drawn that was planned last, and what it is expected to take.
+  /// Returns how the last planned frame is to be drawn, and its expected time.
   const FramePlan& plan() const;
-  /// What was considered for it, and chosen.
+  /// Returns the selector, with what it considered and chose for that frame.
   const Selector& selector() const;
   double tau_px() const;
 
   void set_lighting(const Lighting& lighting, std::int64_t now_us);
-  /// Whether the light has ever been another than the first.
+  /// True if the light has ever differed from the first.
   bool light_changed() const;
-  /// Asks for a full render of this camera; it arrives as reference().
+  /// Asks for a full render from this camera; take_reference() returns it once it has arrived.
   void ask_reference(const Camera& camera, std::uint32_t supersample);
   std::optional<ReferenceFrame> take_reference();
   bool reference_refused() const;
@@ -67,27 +71,27 @@ class ClientSession {
   const Lighting& lighting() const;
   const Predictor& predictor() const;
   TileCounts tiles() const;
-  /// By codec, of all tiles that were decoded.
+  /// Returns counts by codec, of all tiles that were decoded.
   const CodecUses& codecs() const;
-  /// That tiles are asked for in now.
+  /// Returns the codec that tiles are asked for in now.
   TileCodec codec() const;
   const UploadCounts& uploads() const;
   const std::vector<TileLife>& lives() const;
-  /// The frame planned last is drawn. For the trace.
+  /// Notes that the last planned frame is drawn; for the trace.
   void note_drawn(std::int64_t now_us);
   const ViewCounts& views() const;
-  /// There is something to draw: the scene, or a view of it.
+  /// True if there is something to draw: the scene, or a view of it.
   bool drawable() const;
-  /// The server has another scene now, and there is nothing to show of it yet: what was drawn last
-  /// is better than what frame() lists.
+  /// True if the server has another scene and there is nothing of it to show yet. The last picture
+  /// is then better than what frame() lists.
   bool awaits_new_scene() const;
   std::int64_t round_trip_us() const;
-  /// Something in view lacks an image of its own, and asking for it waits for the link or the
-  /// server.
+  /// True if something in view lacks an image of its own, and asking for it waits for the link or
+  /// the server.
   bool first_waits() const;
   std::size_t in_flight() const;
-  /// Nothing was left to ask for in the last frame, nothing is under way, nothing moves: until the
-  /// camera, the light or the link brings something new, further frames would do nothing.
+  /// True if the last frame left nothing to ask for, nothing is under way and nothing moves.
+  /// Further frames would do nothing until the camera, the light or the link brings something new.
   bool at_rest() const;
   std::uint64_t frame_number() const;
   const std::string& goodbye() const;

@@ -1,5 +1,5 @@
 #pragma once
-// What a session counts of what it was sent.
+// Counts of what a session received.
 
 #include <array>
 #include <cstddef>
@@ -14,18 +14,18 @@ struct TileCounts {
   std::uint64_t asked = 0, received = 0, drawn = 0, wasted = 0, cancelled = 0, refused = 0;
 };
 
-/// Of the tiles that came in one codec.
+/// Counts of the tiles that came in one codec.
 struct CodecUse {
   std::uint64_t tiles = 0;
-  std::uint64_t bytes = 0;       ///< of their planes
-  std::vector<float> color_rms;  ///< of lossy ones, each tile's, 1/255
-  std::uint8_t color_max = 0;    ///< of any texel, 1/255
+  std::uint64_t bytes = 0;       ///< bytes of their planes
+  std::vector<float> color_rms;  ///< error of each lossy tile, 1/255
+  std::uint8_t color_max = 0;    ///< largest error of a texel, 1/255
 };
 using CodecUses = std::array<CodecUse, kCodecNumbers>;
 
 struct ViewCounts {
   std::uint64_t asked = 0;
-  std::uint64_t drawn = 0;  ///< that some frame showed
+  std::uint64_t drawn = 0;  ///< those shown in some frame
 };
 
 }  // namespace mirage

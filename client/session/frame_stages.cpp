@@ -8,13 +8,13 @@
 
 namespace mirage {
 namespace {
-// What a tile is asked for lies this far beyond the round trip: half of its expected life.
+// Asks look this far beyond the round trip: half of a tile's expected life.
 constexpr std::int64_t kHorizonSlackUs = 150'000;
 constexpr std::int64_t kMaxHorizonUs = 1'000'000;
-constexpr double kStandsM = 1e-6;  // from where the eye is expected to be
-// At rest geometry is drawn as if tau were so much less: nothing else is left to be asked for.
+constexpr double kStandsM = 1e-6;  // between the eye and where it is expected to be
+// Geometry at rest is drawn for this share of tau, because nothing else is left to ask for.
 constexpr double kRestTauShare = 0.25;
-constexpr float kFacesSame = 0.999999f;  // half the angle's cosine: 0.16 degrees
+constexpr float kFacesSame = 0.999999f;  // cosine of half the angle: 0.16 degrees
 }  // namespace
 
 Predicted predict(SessionParts& s, const Camera& camera, std::int64_t now_us) {
@@ -50,7 +50,7 @@ Predicted predict(SessionParts& s, const Camera& camera, std::int64_t now_us) {
   input.horizon_s = s.options.animation ? static_cast<double>(horizon) * 1e-6 : 0;
   input.frame = s.frame;
   input.now_us = now_us;
-  // In time relit tiles give way to better ones, and tau comes down again.
+  // Relit tiles of the automatic choice give way to better ones in time, and tau comes down again.
   out.passing = relit && s.options.relight == RelightChoice::kAuto;
   out.stands = glm::length(input.predicted.pose.eye - camera.pose.eye) < kStandsM &&
                glm::dot(input.predicted.pose.rotation, camera.pose.rotation) > kFacesSame;

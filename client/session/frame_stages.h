@@ -1,6 +1,6 @@
 #pragma once
-// The stages of a frame, in their order; shading is ShadowStage's, between planning and asking.
-// Each has one input and one output; what they share is the session's parts.
+// Frame stages: the stages of a frame, in their order; shading is ShadowStage's, between planning
+// and asking. Each stage has one input and one output. They share the session's parts.
 
 #include <cstdint>
 #include <vector>
@@ -12,10 +12,10 @@ namespace mirage {
 
 struct SessionParts;
 
-/// Where the eye is and will be when what is asked for now is here, and by which tau.
+/// The eye now, and where it will be when what is asked for arrives; and the tau to use.
 struct Predicted {
   SelectorInput input;
-  bool stands = false;   ///< the eye stays, here and ahead
+  bool stands = false;   ///< the eye stays where it is
   bool passing = false;  ///< relit tiles are shown for now
 };
 struct Needs {
@@ -24,11 +24,11 @@ struct Needs {
 };
 
 Predicted predict(SessionParts& s, const Camera& camera, std::int64_t now_us);
-/// What is drawn. What was touched is in use.
+/// Decides what is drawn, and marks it as in use.
 DrawList plan(SessionParts& s, const SelectorInput& input);
-/// What is missing.
+/// Returns what is missing.
 Needs ask(SessionParts& s, const SelectorInput& input);
-/// As much of it as link and server take now.
+/// Sends as many of the needs as link and server take now.
 void send(SessionParts& s, const Predicted& at, const DrawList& list, Needs needs);
 
 }  // namespace mirage

@@ -20,7 +20,7 @@ struct ClientOptions {
   double frame_ms = 0;            ///< budget of a frame; 0: any time
   int samples = -1;               ///< of a pixel; < 0: as many as pay within the budget
   double march_budget_px = 1e9;   ///< screen area per frame drawn by marching depth
-  double mesh_radii = kAnyRadii;  ///< nothing farther is drawn as geometry but what is cheap
+  double mesh_radii = kAnyRadii;  ///< farther than this, only cheap objects are geometry
   RelightChoice relight = RelightChoice::kAuto;
   int atlas_edge = 1024;
   int atlas_layers = 24;
@@ -30,14 +30,15 @@ struct ClientOptions {
   std::size_t mesh_budget_bytes = 256u << 20;  ///< graphics memory for geometry and its images
   std::size_t upload_budget_bytes = 8u << 20;  ///< to graphics memory in a frame
   bool trace = false;                          ///< keep every tile's life
-  /// The session's clock, for the trace, where time passes within a frame; empty: it does not.
+  /// The session's clock, for the trace. Needed only where time passes within a frame.
   std::function<std::int64_t()> trace_clock = nullptr;
-  bool shadows = true;             ///< the sun's, if the server has them
+  bool shadows = true;             ///< draw the sun's shadows, if the server has them
   bool animation = true;           ///< false: every clip stands at its beginning
-  std::optional<TileCodec> codec;  ///< of tiles; none: by link and cost
-  bool views = true;  ///< a view tile shows what has no image yet (automatic methods, with
-                      ///< what shadows the server draws)
-  Camera screen;      ///< of the first frames: size and field of view
+  std::optional<TileCodec> codec;  ///< codec of tiles; none: by link and cost
+  /// Show a view tile where an object has no image yet. Needs automatic methods, and shadows as the
+  /// server draws them.
+  bool views = true;
+  Camera screen;  ///< size and field of view of the first frames
 };
 
 }  // namespace mirage

@@ -1,5 +1,6 @@
 #pragma once
-// What a session consists of. ClientSession hands it from stage to stage; nobody else sees it.
+// Session parts: what a session consists of. ClientSession hands it from stage to stage; nobody
+// else sees it.
 
 #include <cstdint>
 #include <optional>
@@ -25,8 +26,8 @@
 
 namespace mirage {
 
-/// Time that never goes back, whatever the caller's clock does: pauses would never end, and no view
-/// sample would be newer than the last.
+/// Time that never runs backwards, even if the caller's clock does. Otherwise pauses would never
+/// end, and no view sample would be newer than the last.
 class RisingTime {
  public:
   std::int64_t at(std::int64_t told_us) {
@@ -36,8 +37,8 @@ class RisingTime {
   }
 
  private:
-  std::int64_t told_us_ = INT64_MIN;  ///< when last asked
-  std::int64_t set_back_us_ = 0;      ///< by how much it has been set back in all
+  std::int64_t told_us_ = INT64_MIN;  ///< time that was last passed in
+  std::int64_t set_back_us_ = 0;      ///< sum of all steps back
 };
 
 struct SessionParts {
@@ -51,19 +52,19 @@ struct SessionParts {
 
   struct Connection {
     std::uint32_t generation = 0;
-    std::int64_t greeted_us = 0;  ///< when the hello left
+    std::int64_t greeted_us = 0;  ///< when the hello was sent
     std::string goodbye;
   };
-  /// The server's scene is another than the one that is drawn.
+  /// The server's scene differs from the one that is drawn.
   struct NewScene {
-    bool awaited = false;       ///< nothing of it can be shown yet
-    std::int64_t since_us = 0;  ///< while it is
+    bool awaited = false;       ///< nothing of the new scene can be shown yet
+    std::int64_t since_us = 0;  ///< when the wait began
   };
   struct Light {
     Lighting now;
-    bool own = false;      ///< set here; otherwise the scene's
-    bool changed = false;  ///< has ever been another than the first
-    std::uint32_t id = 0;  ///< that the server knows it by
+    bool own = false;      ///< set by this client; otherwise the scene's
+    bool changed = false;  ///< it has ever differed from the first
+    std::uint32_t id = 0;  ///< number by which the server knows it
   };
   struct Held {
     explicit Held(const ClientOptions& o)
@@ -86,7 +87,7 @@ struct SessionParts {
     TauController tau;
     FramePlan plan;
     bool at_rest = false;
-    bool rested = false;  ///< all that tau asks for has come, and the eye stands
+    bool rested = false;  ///< all that tau requires has arrived, and the eye is still
   };
   struct Asking {
     explicit Asking(const ClientOptions& o) : codec_choice(o.codec) {}
@@ -115,12 +116,12 @@ struct SessionParts {
   Reference reference;
   TileTally tally;
   std::uint64_t frame = 0;
-  Camera camera;       ///< of the last frame
-  double time_s = 0;   ///< of the animation, at the last frame
-  bool moves = false;  ///< something of the scene is animated
+  Camera camera;       ///< camera of the last frame
+  double time_s = 0;   ///< time of the animation in the last frame
+  bool moves = false;  ///< some object of the scene is animated
 
   bool shadowed() const { return scene.shadows && options.shadows; }
-  /// Tells the server of a light of this client's own.
+  /// Tells the server about this client's own light.
   void send_lighting();
 };
 

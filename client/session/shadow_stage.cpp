@@ -16,23 +16,25 @@
 namespace mirage {
 namespace {
 
-constexpr std::int64_t kWalkEveryUs = 500'000;  // casters are looked for anew, at most
-constexpr std::int64_t kSunRestsUs = 400'000;   // before shadow tiles are asked for
+constexpr std::int64_t kWalkEveryUs = 500'000;  // least time between two searches for casters
+constexpr std::int64_t kSunRestsUs = 400'000;   // time at rest before shadow tiles are asked for
 constexpr int kShadowViewLevel = 7;             // cells of 1.9 degrees at most
 constexpr double kShadowAngle = 0.1;            // radians from which another view is worth a tile
 constexpr int kHalfEdge = 2;                    // size classes below the colour tile's
-constexpr double kCoarsestTexelPx = 2.7;        // twice what is asked for
-constexpr double kShadowShare = 0.5;            // of its contrast: colour goes first
-constexpr double kCasterRadii = 64;             // capture distance: light as good as parallel
-constexpr double kCasterAngle = 0.35;           // radians beyond which a silhouette is another
-constexpr double kCasterTexels = 2;             // of the map, in one of a caster tile
-constexpr double kCasterTexelPx = 1.5;          // and at least this much of the screen
-constexpr int kMaxCasterClass = 8;              // 256 texels
-constexpr double kFinestCasterAngle = 0.02;     // radians; finer cells would not show
-constexpr double kCasterDepth = 0.5;            // of the radius, about the plane it is drawn on
-constexpr double kSmallestCasterPx = 4;         // radius on the screen
-constexpr double kGroupCasterRadii = 6;         // a group casts as one from this far
-constexpr double kMeshCasterRadii = 3;          // nearer than this, a mesh casts itself
+constexpr double kCoarsestTexelPx = 2.7;        // twice the size asked for
+constexpr double kShadowShare = 0.5;            // share of its contrast: colour goes first
+// Capture distance: the light is as good as parallel.
+constexpr double kCasterRadii = 64;
+constexpr double kCasterAngle = 0.35;        // radians beyond which a silhouette differs
+constexpr double kCasterTexels = 2;          // texels of the map in one texel of a caster tile
+constexpr double kCasterTexelPx = 1.5;       // least screen size of that texel
+constexpr int kMaxCasterClass = 8;           // 256 texels
+constexpr double kFinestCasterAngle = 0.02;  // radians; finer cells would not show
+// Share of the radius, about the plane it is drawn on.
+constexpr double kCasterDepth = 0.5;
+constexpr double kSmallestCasterPx = 4;  // radius on the screen
+constexpr double kGroupCasterRadii = 6;  // a group casts as one from this far
+constexpr double kMeshCasterRadii = 3;   // nearer than this, a mesh casts itself
 
 glm::dvec3 to_object(const InstanceView& view, const glm::dvec3& direction) {
   return glm::conjugate(glm::dquat(view.world_from_object.rotation)) * direction;
@@ -63,7 +65,7 @@ struct ShadowStage::CasterWalk {
   const SelectorInput& in;
   CasterList& list;
   std::vector<TileNeed>& needs;
-  /// By object and view cell: which of `needs`.
+  /// Index into `needs`, by object and view cell.
   std::map<std::tuple<std::uint32_t, std::uint8_t, std::uint16_t, std::uint16_t>, std::size_t>
       asked;
 };
@@ -79,7 +81,7 @@ ShadowRecordPtr ShadowStage::insert(const TileNeed& need, std::uint32_t object,
                                     const Capture& capture, const TileCrop& crop,
                                     std::uint64_t frame) {
   if (need.channels == kCasterTile) {
-    // Answered; the next walk tells whether there is more to ask for.
+    // The need is answered; the next walk tells whether more is needed.
     const auto same = [&](const TileNeed& n) { return n.instance == need.instance; };
     caster_needs_.erase(std::remove_if(caster_needs_.begin(), caster_needs_.end(), same),
                         caster_needs_.end());
@@ -88,8 +90,8 @@ ShadowRecordPtr ShadowStage::insert(const TileNeed& need, std::uint32_t object,
   return cache_.add_shadow(need.instance, need.light, capture, crop, frame);
 }
 
-// Every caster that may matter, from its mesh where that is near and here, else from a tile as the
-// sun sees it; far groups as one.
+// Adds every caster that may matter: its mesh if that is near and resident, otherwise a tile as the
+// sun sees it. A far group casts as one.
 void ShadowStage::walk_casters(CasterWalk& w, std::uint32_t instance) const {
   const SelectorInput& in = w.in;
   const InstanceView& view_of = in.scene->instances[instance];
@@ -116,7 +118,7 @@ void ShadowStage::walk_casters(CasterWalk& w, std::uint32_t instance) const {
     held->last_used = in.frame;
     w.list.tiles.push_back({instance, held});
   }
-  // As fine as the map would show it, and no finer than the screen does.
+  // Texels as fine as the map can show, and no finer than the screen does.
   const double nearest = std::max(distance - view_of.radius, 0.0);
   const double texel_m = std::max(kCasterTexels * w.list.frame.texel_m(),
                                   kCasterTexelPx * nearest / in.camera.focal_px());
@@ -130,7 +132,7 @@ void ShadowStage::walk_casters(CasterWalk& w, std::uint32_t instance) const {
   if (sharp && angle <= view_cell_angle(need.cell.level)) return;
   const auto [known, first] = w.asked.emplace(
       std::tuple(view_of.object, need.cell.level, need.cell.x, need.cell.y), w.needs.size());
-  if (!first) {  // by another instance: one tile for both, sharp enough for the nearer
+  if (!first) {  // another instance: one tile for both, sharp enough for the nearer
     std::uint8_t& size_class = w.needs[known->second].size_class;
     size_class = std::max(size_class, need.size_class);
     return;

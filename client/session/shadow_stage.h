@@ -1,13 +1,14 @@
 #pragma once
-// Shadow stage.
-// Input:  what is drawn, the light, shadow and caster tiles as they come. Output: the shadow tile
-//         of each drawn impostor, the casters of the shadow map, and what to ask for.
-// Thread: the frame loop's. Never full: the cache behind it is (shadow_cache.h).
+// Shadow stage: the sun's shadows on impostors and geometry.
+// Input:  the draw list, the light, shadow and caster tiles that arrive.
+// Output: the shadow tile of each drawn impostor, the casters of the shadow map, and what to ask
+//         for.
+// Thread: the frame loop's.
+// Full:   never; the cache behind it may be (shadow_cache.h).
 //
-// Impostors wear the shadow tile of their instance; geometry is shadowed by a map, drawn from
-// meshes and from tiles captured along the light. Only the sun casts (sun_of), and only at rest:
-// while it turns, the map follows and impostors go without, for a tile would be late whenever it
-// came.
+// Impostors wear the shadow tile of their instance. Geometry is shadowed by a map, drawn from
+// meshes and from tiles captured along the light. Only the sun casts (sun_of). While it turns, the
+// map follows, and impostors are drawn without shadows, because their tiles would always come late.
 
 #include <map>
 #include <tuple>
@@ -27,18 +28,18 @@ struct SelectorInput;
 class ShadowStage {
  public:
   void reset();
-  /// The light has become another.
+  /// Notes a change of the light.
   void relight(std::int64_t now_us) { light_since_us_ = now_us; }
-  /// A mesh or image has come: the next map is drawn with it.
+  /// Notes that a mesh or image has arrived: the next map is drawn with it.
   void assets_changed() { ++assets_; }
-  /// nullptr when there is no room for it.
+  /// Keeps a shadow or caster tile; nullptr if there is no room for it.
   ShadowRecordPtr insert(const TileNeed& need, std::uint32_t object, const Capture& capture,
                          const TileCrop& crop, std::uint64_t frame);
 
-  /// Completes the draw list under `lighting`: shadow tiles and casters. `meshes` chooses the
-  /// levels of casters.
+  /// Adds shadow tiles and casters under `lighting` to the draw list. `meshes` chooses the levels
+  /// of casters.
   void shade(const SelectorInput& in, const Lighting& lighting, MeshCache& meshes, DrawList& list);
-  /// Adds what is worth asking for, `list` being drawn.
+  /// Adds what is worth asking for when `list` is drawn.
   void add_needs(const SelectorInput& in, const Lighting& lighting, const DrawList& list,
                  std::vector<TileNeed>& needs) const;
 
@@ -50,7 +51,7 @@ class ShadowStage {
 
   ShadowCache cache_;
   CasterListPtr casters_;
-  std::vector<TileNeed> caster_needs_;  ///< as of the last walk
+  std::vector<TileNeed> caster_needs_;  ///< needs of the last walk
   std::int64_t walked_us_ = INT64_MIN / 2;
   std::int64_t light_since_us_ = INT64_MIN / 2;
   std::uint64_t assets_ = 0;

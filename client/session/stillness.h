@@ -1,6 +1,6 @@
 #pragma once
-// Whether a frame would be the picture that is already there (numerics.md section 5, rule 20): all
-// that drawing reads is compared with what it read last.
+// Stillness: tells whether a frame would be the picture that is already there (numerics.md section
+// 5, rule 20). It compares everything that drawing reads with the last time.
 
 #include <vector>
 
@@ -13,10 +13,10 @@ namespace mirage {
 
 class Stillness {
  public:
-  /// Texels, geometry or a scene came or went, or the target's content is lost.
+  /// Notes that texels, geometry or a scene came or went, or that the target's content is lost.
   void content_changed() { known_ = false; }
-  /// Whether these inputs draw what the last ones did; remembers them. What holds the target must
-  /// still have that picture.
+  /// True if these inputs draw the same picture as the last ones; remembers them. The target must
+  /// still hold that picture.
   bool unchanged(const Camera& camera, const SceneView& scene, const DrawList& list,
                  const Lighting& lighting);
 

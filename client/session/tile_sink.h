@@ -16,13 +16,13 @@ struct TilePixels;
 struct TileRecord;
 struct ViewTile;
 
-/// Where decoded pixels and meshes go; the frame renderer implements it.
+/// Tile sink: receives decoded pixels and meshes; the frame renderer implements it.
 struct TileSink {
   std::function<void(const TileRecord&, const TilePixels&)> tile;
   std::function<void(const ShadowRecord&, const std::vector<std::uint8_t>&)> shadow, caster;
   std::function<void(std::uint32_t object, std::uint8_t lod, ObjectModel)> mesh;
   std::function<void(std::uint32_t index, const Image&)> image;
-  std::function<void(const AssetId&)> drop;  ///< an image that goes shows its mean colour again
+  std::function<void(const AssetId&)> drop;  ///< a dropped image shows its mean colour again
   std::function<void(const SceneView&)> scene;
   std::function<void(const ViewTile&)> view;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// What came of tiles, counted: received, in which codec, drawn at last or never.
+// Tile tally: counts tiles by fate: received, in which codec, drawn or never drawn.
 
 #include <cstdint>
 #include <vector>
@@ -22,9 +22,9 @@ class TileTally {
   TileTrace trace;
 
   void note_decoded(const wire::TileReplyT& reply, std::size_t bytes);
-  /// It is held, and not drawn yet; `life`: its place in the trace, if one is kept.
+  /// Notes a tile that is held and not drawn yet. `life` is its place in the trace, if one is kept.
   void note_held(const TileRecordPtr& tile, std::size_t life) { undrawn_.push_back({tile, life}); }
-  /// Tiles that the frame of now draws for the first time.
+  /// Counts the tiles that the present frame draws for the first time.
   void note_first_drawn(std::int64_t now_us);
   const CodecUses& codecs() const { return codecs_; }
 

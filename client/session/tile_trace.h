@@ -1,5 +1,5 @@
 #pragma once
-// The life of every tile, for `--trace` and for measuring.
+// Tile trace: the life of every tile, for `--trace` and for measuring.
 
 #include <cstddef>
 #include <cstdint>
@@ -7,12 +7,12 @@
 
 namespace mirage {
 
-/// A tile's life, from request to first draw. Times are of the session's clock.
+/// A tile's life, from request to first draw. Times are those of the session's clock.
 struct TileLife {
   std::uint32_t request_id = 0, object = 0, instance = 0, edge = 0;
   std::int64_t asked_us = 0;
-  std::int64_t received_us = 0;      ///< by the link: what the server took and the way lie before
-  std::int64_t uploaded_us = 0;      ///< decoded, too
+  std::int64_t received_us = 0;      ///< when the link had it: after the server's time and the way
+  std::int64_t uploaded_us = 0;      ///< when it was decoded and uploaded
   std::int64_t first_drawn_us = -1;  ///< -1: never
   std::uint32_t server_queue_us = 0, server_render_us = 0, server_encode_us = 0;
   std::size_t bytes = 0;
@@ -20,7 +20,7 @@ struct TileLife {
 
 class TileTrace {
  public:
-  /// Place of the life that begins.
+  /// Adds a life. Returns its place.
   std::size_t begin(const TileLife& life) {
     lives_.push_back(life);
     return lives_.size() - 1;
@@ -28,13 +28,13 @@ class TileTrace {
   void uploaded(std::size_t place, std::int64_t now_us) {
     if (place < lives_.size()) lives_[place].uploaded_us = now_us;
   }
-  /// In the frame that begins now.
+  /// Notes that the frame that begins now draws it for the first time.
   void first_in_frame(std::size_t place, std::int64_t now_us) {
     if (place >= lives_.size()) return;
     lives_[place].first_drawn_us = now_us;
     in_frame_.push_back(place);
   }
-  /// That frame is drawn.
+  /// Notes that the frame is drawn.
   void frame_drawn(std::int64_t now_us) {
     for (const std::size_t place : in_frame_) lives_[place].first_drawn_us = now_us;
     in_frame_.clear();

@@ -9,14 +9,14 @@
 namespace mirage {
 namespace {
 
-// Asked for from so much of the screen on that shows nothing of what is there.
+// Share of the screen without any picture from which a view is asked for.
 constexpr double kMissingShare = 0.05;
-constexpr double kEmptyShare = 0.25;  // whatever it costs: there is next to nothing to be seen
+constexpr double kEmptyShare = 0.25;          // from here at any cost: next to nothing is shown
 constexpr std::int64_t kPauseUs = 2'000'000;  // after a refusal
 constexpr double kSamePlace = 1e-5;           // of the scene's radius
 constexpr float kSameDirection = 1 - 1e-6f;   // cosine of half the angle
 
-/// Of the screen, by the bounding sphere: at most all of it.
+/// Returns the share of the screen that the bounding sphere covers, at most 1.
 double screen_share(const Camera& camera, const InstanceView& instance) {
   const double distance = glm::length(instance.center - camera.pose.eye);
   if (distance <= instance.radius) return 1;
@@ -84,7 +84,7 @@ void ViewStage::show_missing(const SceneView& scene, const Camera& camera, DrawL
   const Frustum frustum(camera);
   for (std::size_t i = 0; i < view_->instances.size(); ++i) {
     const std::uint32_t index = scene.index_of(view_->instances[i]);
-    // Not told of yet: nothing else can show it.
+    // Nothing else can show an instance that the server has not told yet.
     view.owners[i] = index == InstanceView::kNoParent && !scene.described();
     if (index == InstanceView::kNoParent) continue;
     const InstanceView& instance = scene.instances[index];
@@ -119,7 +119,7 @@ std::optional<wire::ViewRequestT> ViewStage::plan(const SceneView& scene, const 
     missing += screen_share(predicted, scene.instances[placeholder.instance]);
     ++tiles;
   }
-  // A few of them have tiles of their own sooner.
+  // A few placeholders get tiles of their own sooner than a view.
   const bool pays = tiles >= kViewTiles || missing >= kEmptyShare;
   if (missing < kMissingShare || !pays) return std::nullopt;
   if (planned_from_ && same_view(*planned_from_, predicted, scene.bounds_radius)) {

@@ -12,7 +12,7 @@ namespace mirage {
 namespace {
 
 constexpr float kQuality = 75;  // 640 x 360 on a walk through a wood: 18 KB a frame
-constexpr int kKeyEvery = 24;   // frames: what is between is held against the last
+constexpr int kKeyEvery = 24;   // frames; those between are coded as differences
 
 using Encoder = std::unique_ptr<WebPAnimEncoder, decltype(&WebPAnimEncoderDelete)>;
 
@@ -72,7 +72,7 @@ Result<void> write_animation(const std::vector<std::string>& images, double fram
     if (Result<void> added = add_frame(*encoder, image, at_ms(i)); !added) return added;
   }
   WebPAnimEncoderAdd(encoder.get(), nullptr, at_ms(images.size()),
-                     nullptr);  // how long the last is
+                     nullptr);  // sets the duration of the last frame
   WebPData data;
   WebPDataInit(&data);
   const bool assembled = WebPAnimEncoderAssemble(encoder.get(), &data) != 0;

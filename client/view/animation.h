@@ -1,5 +1,5 @@
 #pragma once
-// Frames as one moving picture, for looking at in a browser.
+// Animation: writes frames as one moving picture that a browser can show.
 
 #include <string>
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace mirage {
 
-/// Writes the images, all of one size, as an animated WebP that repeats. Errors: kIo, kUsage (sizes
-/// that differ, none at all).
+/// Writes the images as an animated WebP that repeats. All images have one size. Errors: kIo,
+/// kUsage (sizes differ, or no image).
 Result<void> write_animation(const std::vector<std::string>& images, double frames_per_second,
                              const std::string& target);
 

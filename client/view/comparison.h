@@ -1,5 +1,5 @@
 #pragma once
-// What was drawn against the server's full render of the same camera.
+// Comparison: compares what was drawn with the server's full render of the same camera.
 
 #include <cstdint>
 #include <string>
@@ -26,8 +26,8 @@ class Comparison {
     std::uint64_t number;
     int supersample;  ///< of the reference, samples a side of a pixel
   };
-  /// Measures the frame into `stats`, its flicker too when the frame before it was compared, and
-  /// writes reference and difference (times 2) into `out_dir` unless that is empty. Error kIo.
+  /// Measures the frame into `stats`, and its flicker if the frame before it was compared. Writes
+  /// reference and difference (times 2) into `out_dir` unless that is empty. Error kIo.
   Result<void> add(const Frame& frame, SessionStats& stats, const std::string& out_dir);
 
  private:

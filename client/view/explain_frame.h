@@ -1,6 +1,6 @@
 #pragma once
-// Why a frame is drawn as it is: of each thing in view what was chosen, what else there was, and
-// what each costs in error and time (the file of --explain-frame).
+// Explain frame: why a frame is drawn as it is. It lists for each visible thing what was chosen,
+// the alternatives, and their costs in error and time (the file of --explain-frame).
 
 #include <string>
 
@@ -8,9 +8,9 @@
 
 namespace mirage {
 
-/// The frame planned last, as JSON: its budget, lambda, setting; `things` with `instance` and
-/// `object` (the server's ids), `area_px`, `chosen` and `alternatives`, each a way with `error`
-/// (FLIP times px), `ms`, and `cost` = error + lambda ms.
+/// Returns the last planned frame as JSON: its budget, lambda and setting, and `things` with
+/// `instance` and `object` (the server's ids), `area_px`, `chosen` and `alternatives`. Each
+/// alternative has `error` (FLIP times px), `ms`, and `cost` = error + lambda ms.
 std::string explain_frame(const ClientSession& session);
 
 }  // namespace mirage

@@ -1,5 +1,5 @@
 // mirage-view: link -> scene, tiles -> predictor -> selector -> scheduler -> link, and drawing with
-// the true pose; viewer.cpp drives the stages frame by frame.
+// the true pose. viewer.cpp drives the stages frame by frame.
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>

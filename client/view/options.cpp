@@ -5,6 +5,7 @@
 
 #include "client/host/device_model.h"
 #include "client/host/methods.h"
+#include "client/view/statistics_page.h"
 #include "protocol/base/cli.h"
 #include "protocol/base/limits.h"
 
@@ -76,122 +77,174 @@ Result<void> check(ViewOptions& o, const std::string& offscreen, const std::stri
   return {};
 }
 
+/// Sizes and the network as they are written.
+struct Texts {
+  std::string offscreen, size, net;
+};
+
+void add_picture_options(CLI::App& app, ViewOptions& o, Texts& t) {
+  app.option_defaults()->group("Picture");
+  app.add_option("URL", o.url, "address of the server, such as ws://127.0.0.1:9870")->required();
+  app.add_option("--offscreen", t.offscreen, "draw WxH pixels without a display")->type_name("WxH");
+  app.add_option("--size", t.size, "size of the window, WxH pixels")->type_name("WxH");
+  app.add_option("--fov", o.fov_degrees, "vertical field of view, degrees")
+      ->check(number_within(limits::kMinFovDegrees, limits::kMaxFovDegrees))
+      ->capture_default_str();
+  app.add_option("--tau", o.tau_px, "error that an impostor may show, pixels")
+      ->check(number_within(0.01, 1000.0))
+      ->capture_default_str();
+  app.add_option("--frame-ms", o.frame_ms,
+                 "time budget of a frame, ms; 0: none; default: the display's interval, 50 on a "
+                 "software renderer, none on virtual time")
+      ->check(number_within(0.0, 10'000.0));
+  app.add_option("--msaa", o.msaa_name,
+                 "samples per pixel, 0 to 16; auto: 4, or 1 where that pays within --frame-ms")
+      ->type_name("N|auto")
+      ->check(CLI::Range(0, 16) | CLI::IsMember({"auto"}))
+      ->capture_default_str();
+  app.add_option("--shadows", o.shadows, "off: draw without shadows even if the server has them")
+      ->type_name("on|off")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  app.add_option("--animation", o.animation, "off: moving objects stay at the start of their clip")
+      ->type_name("on|off")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+}
+
+void add_motion_options(CLI::App& app, ViewOptions& o) {
+  app.option_defaults()->group("Camera and light");
+  app.add_option("--path", o.path,
+                 "camera path: a file of `x y z rx ry rz t_ms` lines, "
+                 "builtin:still|orbit|walk|fly|shake|strafe|teleport, or a browser's "
+                 "'#eye=X,Y,Z&look=X,Y,Z'")
+      ->type_name("PATH");
+  app.add_option("--frames", o.frames,
+                 "end after so many frames; default: 300 offscreen, else when the window closes")
+      ->check(CLI::Range(1, 10'000'000));
+  app.add_option("--fps", o.fps, "frames per second of the path")
+      ->check(number_within(1.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--light", o.light,
+                 "file of `t_ms ambient_rgb sun_rgb sun_dir_xyz` lines, or "
+                 "builtin:fixed|sun-sweep|lamp-toggle")
+      ->type_name("FILE")
+      ->capture_default_str();
+}
+
+void add_connection_options(CLI::App& app, ViewOptions& o) {
+  app.option_defaults()->group("Connection and memory");
+  app.add_option("--token-file", o.token_file, "file whose first line is the server's token")
+      ->type_name("FILE");
+  app.add_option("--connect-timeout", o.connect_timeout_s, "seconds to wait for the server")
+      ->check(number_within(0.1, 3600.0))
+      ->capture_default_str();
+  app.add_option("--rate-mbps", o.targets.rate_mbps,
+                 "hold the download to so many Mbit/s by raising tau; 0: no limit")
+      ->check(number_within(0.0, 100'000.0))
+      ->capture_default_str();
+  app.add_option("--codec", o.codec_name,
+                 "compression of tiles; auto: lossy colours on a thin, full link, else zstd")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"auto", "raw", "zstd", "webp"}))
+      ->capture_default_str();
+  app.add_option("--atlas-mb", o.atlas_mb, "most graphics memory for tiles, MB")
+      ->check(CLI::Range(9, 8192))
+      ->capture_default_str();
+  app.add_option("--mesh-mb", o.mesh_mb, "most graphics memory for geometry and its images, MB")
+      ->check(CLI::Range(1, 65536))
+      ->capture_default_str();
+  app.add_option("--upload-kb", o.upload_kb,
+                 "most bytes to the graphics card per frame, KB; one tile, mesh or image may "
+                 "be larger")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+}
+
+void add_output_options(CLI::App& app, ViewOptions& o) {
+  app.option_defaults()->group("Output and comparison");
+  app.add_option("--out", o.out_dir, "write every frame into this folder as PNG")->type_name("DIR");
+  app.add_option("--stats", o.stats_file, "write statistics to this file as JSON")
+      ->type_name("FILE");
+  app.add_option("--reference", o.reference_every,
+                 "compare every Nth frame with the server's full render; 0: none")
+      ->check(CLI::Range(0, 1'000'000));
+  app.add_option("--reference-samples", o.reference_supersample,
+                 "samples per pixel along each axis of the full render")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  app.add_option("--explain-frame", o.explain_file,
+                 "write why the last frame is drawn as it is, as JSON: for each object the choice "
+                 "and its alternatives, with error and ms")
+      ->type_name("FILE");
+  app.add_option("--trace", o.trace_file,
+                 "write the life of every tile, from request to first draw, as JSON")
+      ->type_name("FILE");
+}
+
+void add_reproducible_options(CLI::App& app, ViewOptions& o, Texts& t) {
+  app.option_defaults()->group("Reproducible runs");
+  app.add_flag("--virtual-time", o.virtual_time,
+               "advance time by whole frames and the network by its model: every run is the same "
+               "to the byte; needs --offscreen");
+  app.add_option("--net", t.net,
+                 "modelled network, for example rtt=100,jitter=20,rate=20,loss=0.5,server-ms=5,"
+                 "seed=1 (ms, ms, Mbit/s, %, ms)")
+      ->type_name("MODEL");
+  app.add_option("--device-model", o.device_model_name,
+                 "time that frames take on virtual time: software, laptop, phone or a JSON file "
+                 "of prices; default: none")
+      ->type_name("NAME");
+}
+
+void add_experiment_options(CLI::App& app, ViewOptions& o) {
+  app.option_defaults()->group("Experiments");
+  app.add_option("--method", o.method_name,
+                 "draw all impostors in one way; auto: the cheapest within tau; fixed8: the "
+                 "classic eight flat views")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(method_names()))
+      ->capture_default_str();
+  app.add_option("--relight", o.relight_name,
+                 "shade impostors in the viewer; auto: while the light keeps changing")
+      ->type_name("WHEN")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
+      ->capture_default_str();
+  app.add_flag("--no-view{false}", o.views,
+               "do not use the picture of the whole scene where objects have no image yet");
+  app.add_option("--march-kpx", o.march_kpx,
+                 "most pixels per frame drawn by marching through depth, thousands; default: any")
+      ->check(number_within(0.0, 1e5));
+  app.add_option("--mesh-radii", o.mesh_radii,
+                 "farthest geometry, radii of the object; default: any, or 8 with a fixed --method")
+      ->check(number_within(0.0, 1000.0));
+  app.add_flag("--gles", o.graphics.gles, "offscreen: draw with OpenGL ES 3, as a browser does");
+  app.add_option("--device", o.graphics.device, "offscreen: EGL device")
+      ->type_name("NAME")
+      ->capture_default_str();
+}
+
 }  // namespace
 
 int parse_options(int argc, char** argv, ViewOptions& o) {
   CLI::App app("Shows a scene from a mirage-server by impostors.", "mirage-view");
   app.footer(
-      "Window: W A S D or arrows move, Q E down and up, drag looks, Shift is fast, O the overlay, "
-      "1 to 5 what "
-      "is drawn from what (tile borders, bound, age, geometry), "
-      "Esc ends.\nExample: mirage-view ws://127.0.0.1:9870 --offscreen 640x360 --path builtin:walk "
+      "In the window: W A S D or arrows move, Q and E go down and up, dragging looks, Shift is "
+      "fast, O shows figures, 1 to 5 show how the picture is made, Esc ends.\n\n"
+      "Example: mirage-view ws://127.0.0.1:9870 --offscreen 640x360 --path builtin:walk "
       "--frames 300 --virtual-time --net rtt=100,rate=20 --reference 10 --stats stats.json");
-  std::string offscreen, size, net;
-  app.add_option("URL", o.url, "server address, ws://HOST:PORT")->required();
-  app.add_option("--offscreen", offscreen, "WxH: render without a display");
-  app.add_option("--size", size, "WxH of the window");
-  app.add_option("--path", o.path,
-                 "file of `x y z rx ry rz t_ms` lines, builtin:still|orbit|walk|fly|shake|strafe|"
-                 "teleport, or a view as in a browser's address: '#eye=X,Y,Z&look=X,Y,Z'");
-  app.add_option("--light", o.light,
-                 "file of `t_ms ambient_rgb sun_rgb sun_dir_xyz` lines, or builtin:fixed|sun-sweep|"
-                 "lamp-toggle")
-      ->capture_default_str();
-  app.add_option(
-         "--relight", o.relight_name,
-         "shade impostors here, from albedo and normals; auto: while the light keeps changing")
-      ->check(CLI::IsMember({"auto", "always", "never"}))
-      ->capture_default_str();
-  app.add_option("--frames", o.frames, "stop after this many")->check(CLI::Range(1, 10'000'000));
-  app.add_option("--fps", o.fps, "frame rate of the path")
-      ->check(number_within(1.0, 1000.0))
-      ->capture_default_str();
-  app.add_option("--fov", o.fov_degrees, "vertical field of view in degrees")
-      ->check(number_within(limits::kMinFovDegrees, limits::kMaxFovDegrees))
-      ->capture_default_str();
-  app.add_flag("--virtual-time", o.virtual_time,
-               "time advances by whole frames, the network by its model: reproducible");
-  app.add_option(
-      "--device-model", o.device_model_name,
-      "what frames take on virtual time: software, laptop, phone or a JSON file of prices; "
-      "default: nothing");
-  app.add_option("--net", net,
-                 "network model: rtt=100,jitter=20,rate=20,loss=0.5,server-ms=5,seed=1");
-  app.add_option("--tau", o.tau_px, "error target in pixels")
-      ->check(number_within(0.01, 1000.0))
-      ->capture_default_str();
-  app.add_option(
-         "--frame-ms", o.frame_ms,
-         "budget of a frame in ms, spent where it takes away most error; 0: none; default: the "
-         "display's pace, 50 on a software renderer, none on virtual time")
-      ->check(number_within(0.0, 10'000.0));
-  app.add_option("--rate-mbps", o.targets.rate_mbps,
-                 "rate down to hold by raising tau, Mbit/s; 0: none")
-      ->check(number_within(0.0, 100'000.0))
-      ->capture_default_str();
-  app.add_option("--method", o.method_name,
-                 "how impostors are drawn; fixed8 is a baseline: eight "
-                 "baked views around the horizon, the nearest on a flat quad")
-      ->check(CLI::IsMember(method_names()))
-      ->capture_default_str();
-  app.add_option("--reference", o.reference_every, "compare every Nth frame with a full render")
-      ->check(CLI::Range(0, 1'000'000));
-  app.add_option("--reference-samples", o.reference_supersample, "samples per pixel and axis in it")
-      ->check(CLI::Range(1, 4))
-      ->capture_default_str();
-  app.add_option("--msaa", o.msaa_name,
-                 "samples per pixel, 0 to 16 (0 and 1: one); auto: 4, or 1 where that pays within "
-                 "--frame-ms")
-      ->check(CLI::Range(0, 16) | CLI::IsMember({"auto"}))
-      ->capture_default_str();
-  app.add_flag("--no-view{false}", o.views,
-               "no picture of the whole scene where objects have none of their own yet");
-  app.add_option("--march-kpx", o.march_kpx,
-                 "limit, for experiments: thousand pixels a frame that may be drawn by marching "
-                 "depth; default: none")
-      ->check(number_within(0.0, 1e5));
-  app.add_option("--atlas-mb", o.atlas_mb,
-                 "graphics memory for tiles at most; it is taken as they need it")
-      ->check(CLI::Range(9, 8192))
-      ->capture_default_str();
-  app.add_option("--animation", o.animation, "off: everything stands at the start of its clip")
-      ->check(CLI::IsMember({"on", "off"}))
-      ->capture_default_str();
-  app.add_option("--shadows", o.shadows, "off: without shadows, also when the server has them")
-      ->check(CLI::IsMember({"on", "off"}))
-      ->capture_default_str();
-  app.add_option(
-         "--mesh-radii", o.mesh_radii,
-         "limit, for experiments: nothing farther than this many radii is geometry, but what "
-         "is smaller than a tile; default: none, or 8 with a fixed --method")
-      ->check(number_within(0.0, 1000.0));
-  app.add_option("--mesh-mb", o.mesh_mb, "graphics memory for geometry and its images")
-      ->check(CLI::Range(1, 65536))
-      ->capture_default_str();
-  app.add_option("--upload-kb", o.upload_kb,
-                 "to the graphics card in a frame at most, but for a single tile, mesh or image")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
-  app.add_option("--out", o.out_dir, "write every frame here as PNG");
-  app.add_option("--stats", o.stats_file, "write statistics here as JSON");
-  app.add_option(
-      "--explain-frame", o.explain_file,
-      "write here, as JSON, why the last frame is drawn as it is: of each thing what was "
-      "chosen and what else there was, with error and ms");
-  app.add_option("--trace", o.trace_file, "write the life of every tile here as JSON");
-  app.add_option("--codec", o.codec_name,
-                 "tiles' codec; auto: lossy colours on a thin link that is full, else zstd")
-      ->check(CLI::IsMember({"auto", "raw", "zstd", "webp"}))
-      ->capture_default_str();
-  app.add_option("--token-file", o.token_file, "the server's token");
-  app.add_flag("--gles", o.graphics.gles, "offscreen: draw with OpenGL ES 3, as in a browser");
-  app.add_option("--device", o.graphics.device, "EGL device when offscreen")->capture_default_str();
-  app.add_option("--connect-timeout", o.connect_timeout_s, "seconds to wait for the server")
-      ->check(number_within(0.1, 3600.0))
-      ->capture_default_str();
+  Texts t;
+  add_picture_options(app, o, t);
+  add_motion_options(app, o);
+  add_connection_options(app, o);
+  add_output_options(app, o);
+  add_reproducible_options(app, o, t);
+  add_experiment_options(app, o);
+  add_page(app, "--help-statistics", "print every figure of --stats with its meaning and exit",
+           statistics_page);
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
-  if (const Result<void> checked = check(o, offscreen, size, net); !checked) {
+  if (const Result<void> checked = check(o, t.offscreen, t.size, t.net); !checked) {
     return fail(checked.error());
   }
   return -1;

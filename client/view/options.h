@@ -10,18 +10,18 @@
 
 namespace mirage {
 
-/// What draws without a display.
+/// Settings for drawing without a display.
 struct Offscreen {
-  std::string device = "auto";  ///< of EGL
-  bool gles = false;            ///< OpenGL ES 3, as a browser draws
+  std::string device = "auto";  ///< EGL device
+  bool gles = false;            ///< OpenGL ES 3, as in a browser
 };
 
 struct ViewOptions {
   std::string url;
   bool offscreen = false;
-  bool views = true;  ///< the whole scene as one tile, where objects have no image yet
+  bool views = true;  ///< view tiles where objects have no image yet
   int width = 1280, height = 720;
-  std::string path;  ///< empty: mouse and keyboard (window) or the walk (offscreen)
+  std::string path;  ///< empty: mouse and keyboard (window), or the walk (offscreen)
   std::string light = "builtin:fixed";
   std::string relight_name = "auto";
   RelightChoice relight = RelightChoice::kAuto;
@@ -40,12 +40,12 @@ struct ViewOptions {
   int reference_every = 0;
   int reference_supersample = 2;
   std::string msaa_name = "auto";
-  int msaa = -1;  ///< samples a pixel; < 0: as many as pay in the budget
+  int msaa = -1;  ///< samples of a pixel; < 0: as many as pay within the budget
   int atlas_mb = 216;
   int mesh_mb = 256;
   int upload_kb = 8192;
   double mesh_radii = kAnyRadii;
-  double march_kpx = -1;  ///< thousand px a frame drawn by marching at most; < 0: any
+  double march_kpx = -1;  ///< thousand px a frame drawn by marching, at most; < 0: any
   std::string out_dir;
   std::string explain_file;
   std::string stats_file;
@@ -59,7 +59,7 @@ struct ViewOptions {
   double connect_timeout_s = 10;
 };
 
-/// Reads the command line; returns an exit code when the program is to end at once, else -1.
+/// Reads the command line. Returns an exit code if the program should end at once, otherwise -1.
 int parse_options(int argc, char** argv, ViewOptions& options);
 
 }  // namespace mirage

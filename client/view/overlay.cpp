@@ -16,12 +16,12 @@ namespace {
 constexpr float kScale = 2.0f;
 constexpr float kMargin = 8.0f;
 
-struct FontVertex {  // as stb_easy_font writes it
+struct FontVertex {  // layout that stb_easy_font writes
   float x, y, z;
   unsigned char color[4];
 };
 
-// Quads of the text as triangles, in pixels.
+// Returns the quads of the text as triangles, in pixels.
 std::vector<glm::vec2> text_triangles(std::string text) {
   std::vector<FontVertex> quads(text.size() * 68);
   const int count = stb_easy_font_print(0, 0, text.data(), nullptr, quads.data(),
@@ -62,7 +62,7 @@ void Overlay::draw(const std::string& text, int width, int height) {
   glDisable(GL_BLEND);
   program_.use();
   const auto size = glm::vec2(width, height);
-  // A dark copy underneath keeps it readable on any picture.
+  // A dark copy underneath keeps the text readable on any picture.
   program_.set("u_size", size);
   program_.set("u_color", glm::vec4(0, 0, 0, 1));
   glViewport(1, -1, width, height);

@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// JSON has no infinity: what cannot be measured or bounded is null.
+// JSON has no infinity, so a value that cannot be measured or bounded is null.
 ordered_json number(double v) { return std::isfinite(v) ? ordered_json(v) : ordered_json(nullptr); }
 
 ordered_json quantiles(const std::vector<float>& values, bool with_max) {
@@ -34,7 +34,8 @@ double ratio(std::uint64_t part, std::uint64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
 }
 
-// Identical images have an infinite PSNR: left out of the mean, as numerics.md section 1 asks.
+// Identical images have an infinite PSNR. It is left out of the mean, as numerics.md section 1
+// requires.
 ordered_json mean_min(const std::vector<float>& values) {
   double sum = 0, least = INFINITY;
   std::size_t n = 0;
@@ -50,8 +51,8 @@ ordered_json mean_min(const std::vector<float>& values) {
   return out;
 }
 
-// What came in each codec that was used, and what the lossy ones did to covered colours (1/255):
-// the RMS over a tile, its quantiles over tiles, and the largest of any texel.
+// Returns the tiles that came in each codec used, and the errors of the lossy ones on covered
+// colours (1/255): the RMS over a tile, as quantiles over tiles, and the largest of any texel.
 ordered_json codecs_json(const CodecUses& uses) {
   ordered_json out = ordered_json::object();
   for (const TileCodec codec : kTileCodecs) {
@@ -125,7 +126,7 @@ std::string SessionStats::json(const Final& end) const {
   ordered_json j;
   const double seconds = static_cast<double>(end.duration_us) * 1e-6;
   j["frames"] = frames_;
-  j["frames_drawn"] = drawn_;  // the others were the picture that was there
+  j["frames_drawn"] = drawn_;  // other frames kept the picture
   j["frame_ms"] = quantiles(frame_ms_, true);
   if (planned_ > 0) {
     const auto frames = static_cast<double>(planned_);
@@ -233,7 +234,7 @@ std::string SessionStats::json(const Final& end) const {
 std::string SessionStats::real_time_json(const Final& end) const {
   ordered_json j;
   j["frame_ms"] = quantiles(real_ms_, true);
-  // Relative: of what each frame was expected to take before the prices followed it.
+  // Relative error of the time expected for a frame, before the prices were fitted to it.
   if (!price_errors_.empty()) {
     j["price_error"] = {{"p50", quantile(price_errors_, 0.5)},
                         {"p90", quantile(price_errors_, 0.9)}};

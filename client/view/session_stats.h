@@ -1,5 +1,5 @@
 #pragma once
-// What a viewing session measured, and its JSON (the contract of `--stats`).
+// Session stats: what a viewing session measured, and its JSON (the contract of `--stats`).
 
 #include <algorithm>
 #include <cmath>
@@ -26,34 +26,38 @@ struct TileLife;
 class SessionStats {
  public:
   void add_frame(const DrawList& list, int draw_calls, double frame_ms, std::int64_t now_us);
-  /// How the frame was planned.
+  /// Notes how the frame was planned.
   void note_plan(const FramePlan& plan);
-  /// The last frame added was drawn, not kept as it was: it took `real_ms`.
+  /// Notes that the last added frame was drawn, not kept, and took `real_ms`.
   void note_drawn(double real_ms) {
     ++drawn_;
     real_ms_.push_back(static_cast<float>(real_ms));
   }
-  /// A frame was expected to take `expected_ms` before it was fitted, and took `ms`.
+  /// Notes that a frame was expected to take `expected_ms` before it was fitted, and took `ms`.
   void note_price(double expected_ms, double ms) {
     price_errors_.push_back(static_cast<float>(std::abs(expected_ms / ms - 1)));
   }
-  /// Of a frame in a session whose light has changed: how long each lit impostor's has been past.
+  /// Adds the light lag of a frame, if the light has ever changed: for each lit impostor, how long
+  /// its light has been past.
   void add_light_lag(const DrawList& list, const SceneView& scene);
   void add_comparison(const ImageMeasures& measures);
-  /// E6 of a compared frame whose predecessor was compared as well.
+  /// Adds the E6 flicker of a compared frame whose predecessor was compared as well.
   void add_flicker(std::optional<double> flicker) {
     if (flicker) flicker_.push_back(static_cast<float>(*flicker));
   }
   GeometricError& geometric() { return geometric_; }
-  /// Bytes so far, both ways, at a time since the start: the rate once the first seconds are over.
+  /// Notes the bytes so far, both ways, at a time since the start. The rate counts once the first
+  /// seconds are over.
   void note_traffic(const LinkTraffic& traffic, std::int64_t since_start_us) {
     if (since_start_us < kSettleUs || settled_us_ >= 0) return;
     settled_us_ = since_start_us;
     settled_bytes_ = traffic.bytes_down + traffic.bytes_up;
   }
-  /// A first image waited to be asked for while neither the link nor the server was busy.
+  /// Counts frames in which a first image waited to be asked for while neither link nor server was
+  /// busy.
   void note_use(bool first_waits, const LinkUse& use);
-  /// The first frame that showed anything of the scene, and the first with an image of an object.
+  /// Note the first frame that showed anything of the scene, and the first with an image of an
+  /// object.
   void first_picture(std::int64_t now_us) {
     if (first_picture_us_ < 0) first_picture_us_ = now_us;
   }
@@ -61,7 +65,7 @@ class SessionStats {
     if (first_image_us_ < 0) first_image_us_ = now_us;
   }
 
-  /// What there is of graphics memory after a frame.
+  /// Notes the graphics memory in use after a frame.
   void note_gpu(const GpuBytes& bytes, std::size_t target) {
     gpu_ = bytes;
     gpu_target_ = target;
@@ -75,8 +79,9 @@ class SessionStats {
     PredictionError prediction;
     UploadCounts uploads;
     ViewCounts views;
-    std::size_t atlas_budget = 0, geometry_budget = 0, upload_budget = 0;  ///< bytes; a frame's
-    /// Shader programs: compiled in all, since the scene is known, and of those within a draw.
+    std::size_t atlas_budget = 0, geometry_budget = 0,
+                upload_budget = 0;  ///< bytes; upload_budget: a frame
+    /// Shader programs compiled: in all, since the scene is known, and within draws.
     std::uint64_t programs = 0, programs_after_scene = 0, programs_in_draws = 0;
     std::int64_t duration_us = 0;
     HomeView home;
@@ -85,11 +90,12 @@ class SessionStats {
     double wall_s = 0;
     int samples = 0;  ///< of a pixel, at the end
   };
-  /// All keys of the contract; with virtual time nothing in it depends on the machine.
+  /// Returns all keys of the contract. On virtual time nothing in it depends on the machine.
   std::string json(const Final& end) const;
-  /// What the wall clock said: frame times and duration. Apart, so that the rest is reproducible.
+  /// Returns the figures of the wall clock: frame times and duration. They are separate, so that
+  /// the rest is reproducible.
   std::string real_time_json(const Final& end) const;
-  /// A short table for people.
+  /// Returns a short table for people.
   std::string table(const Final& end) const;
 
  private:
@@ -97,10 +103,10 @@ class SessionStats {
   std::int64_t settled_us_ = -1;
   std::uint64_t settled_bytes_ = 0;
   std::size_t frames_ = 0, drawn_ = 0;
-  std::size_t known_use_ = 0, starved_ = 0;  ///< frames
+  std::size_t known_use_ = 0, starved_ = 0;  ///< numbers of frames
   std::int64_t first_image_us_ = -1, first_picture_us_ = -1;
   std::uint64_t planned_ = 0;
-  double budget_ms_ = 0, scale_ = 0, samples_ = 0, lambda_ = 0;  ///< sums, but for the budget
+  double budget_ms_ = 0, scale_ = 0, samples_ = 0, lambda_ = 0;  ///< sums, except for the budget
   std::vector<float> frame_ms_, real_ms_, price_errors_, bounds_, ages_ms_, light_lag_ms_;
   std::uint64_t relit_ = 0;
   std::uint64_t visible_ = 0, over_tau_ = 0, stale_ = 0, placeholders_ = 0, impostors_ = 0,
@@ -113,7 +119,7 @@ class SessionStats {
   GeometricError geometric_;
 };
 
-/// The life of every tile, for `--trace`.
+/// Returns the life of every tile as JSON, for `--trace`.
 std::string trace_json(const std::vector<TileLife>& lives);
 
 }  // namespace mirage

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What follows `kind` in the names of the images of that kind, in order.
+/// Returns the part after `kind` of the names of all images of that kind, sorted.
 std::vector<std::string> frames_of(const std::string& directory, const std::string& kind) {
   std::vector<std::string> out;
   std::error_code failed;
@@ -78,7 +78,7 @@ Result<void> animate(const std::string& directory, double frames_per_second,
   return write_animation(images, frames_per_second, target);
 }
 
-// Opaque RGBA bytes. Error kIo.
+// Returns the image as opaque RGBA bytes. Error kIo.
 Result<std::vector<std::uint8_t>> read_image(const std::string& path, const OIIO::ImageBuf& image) {
   const int w = image.spec().width, h = image.spec().height, channels = image.nchannels();
   if (!image.initialized() || w < 1 || h < 1 || channels < 3) {
@@ -125,28 +125,33 @@ Result<void> compare_images(const std::vector<std::string>& paths, const std::st
 
 int main(int argc, char** argv) {
   CLI::App app("Puts compared frames beside each other.", "mirage-sheet");
+  app.footer(
+      "Example: mirage-sheet frames sheet.png\n         mirage-sheet truth.png drawn.png "
+      "beside.png");
+  app.option_defaults()->group("Pictures");
   std::vector<std::string> paths;
-  app.add_option("PATHS", paths,
-                 "frames of mirage-view --out, or images to compare with the first of them; then "
-                 "the image to write")
+  app.add_option(
+         "PATHS", paths,
+         "a folder of mirage-view --out, or images to compare with the first of them; then the "
+         "image to write")
       ->required()
       ->expected(2, 64);
   double animated = 0;
   app.add_option("--animate", animated,
-                 "write all frames as an animated WebP of so many frames a second instead")
+                 "write an animated WebP of all frames instead, at so many frames per second")
       ->check(CLI::Range(1.0, 100.0));
   mirage::add_conventions(app);
   if (const int code = mirage::parse_command_line(app, argc, argv); code >= 0) return code;
   const std::string target = paths.back();
   paths.pop_back();
-  OIIO::attribute("try_all_readers", 0);  // a file is what its name says
+  OIIO::attribute("try_all_readers", 0);  // the file's name tells its format
   try {
     const mirage::Result<void> made =
         animated > 0        ? mirage::animate(paths.front(), animated, target)
         : paths.size() == 1 ? mirage::make_sheet(paths.front(), target)
                             : mirage::compare_images(paths, target);
     return made.ok() ? 0 : mirage::fail(made.error());
-  } catch (const std::exception& exception) {  // a reader's
+  } catch (const std::exception& exception) {  // thrown by a reader
     return mirage::fail(mirage::make_error(mirage::ErrorId::kIo, exception.what()));
   }
 }

@@ -76,9 +76,9 @@ class Viewer {
   std::optional<Window> window_;
   gl::EglContext egl_;
   Screen screen_;
-  std::optional<Presenter> presenter_;  // of the window
-  std::optional<Insight> insight_;      // the same
-  std::optional<CostFit> prices_;       // in real time
+  std::optional<Presenter> presenter_;  // for the window
+  std::optional<Insight> insight_;      // for the window
+  std::optional<CostFit> prices_;       // on real time
   std::optional<FrameRenderer> renderer_;
   std::unique_ptr<ClientHost> host_;
   std::optional<CameraPath> path_;
@@ -88,15 +88,15 @@ class Viewer {
   std::optional<Lighting> last_light_;
   bool link_was_up_ = true;
   bool resting_ = false;     // the last frame changed nothing, and no further one would
-  bool frame_kept_ = false;  // the last frame was the picture that was there
+  bool frame_kept_ = false;  // the last frame kept the picture
   std::optional<Overlay> overlay_;
   double smooth_ms_ = 0;
-  double model_ms_ = 0;  // of the last drawn frame, by the device model
+  double model_ms_ = 0;  // time of the last drawn frame, by the device model
   std::uint64_t programs_at_scene_ = 0, programs_in_draws_ = 0;
   Comparison comparison_;
 };
 
-constexpr double kKeptFrameS = 1.0 / 60;  // instead of the display's pace, which only a swap brings
+constexpr double kKeptFrameS = 1.0 / 60;  // replaces the display's pace, which needs a swap
 constexpr double kRestS = 60;             // an event comes sooner or not at all
 
 Result<void> Viewer::open_graphics() {
@@ -160,7 +160,7 @@ void Viewer::make_host() {
   host_ = std::make_unique<ClientHost>(host, *renderer_);
 }
 
-// From now on frames have prices: those of the device model, or what they are measured to take.
+// Gives frames prices from now on: those of the device model, or measured ones.
 void Viewer::price_frames() {
   if (o_.device_model) session().set_prices(*o_.device_model);
   if (o_.virtual_time) return;
@@ -168,8 +168,8 @@ void Viewer::price_frames() {
   session().set_prices(prices_->model());
 }
 
-// What is not said: the display's pace, 20 frames a second on a software renderer; on virtual time
-// frames take none.
+// Returns the budget of a frame. By default it is the display's pace, or 20 frames a second on a
+// software renderer. On virtual time frames take no time.
 double Viewer::frame_budget_ms() const {
   if (o_.frame_ms >= 0) return o_.frame_ms;
   if (o_.virtual_time) return 0;
@@ -193,7 +193,7 @@ Result<void> Viewer::meet_scene() {
   return {};
 }
 
-// What can be drawn before is a view of it.
+// Notes the scene once it is complete; until then only a view of it can be drawn.
 void Viewer::note_scene() {
   const SceneView& scene = session().scene();
   if (programs_at_scene_ != 0 || !scene.complete()) return;
@@ -229,7 +229,7 @@ void Viewer::draw(const Camera& camera, const DrawList& list) {
     model_ms_ = o_.device_model->ms_of(work);
     session().note_frame_ms(model_ms_);
   }
-  if (!prices_ || compiled > 0) return;  // what is compiled is compiled once
+  if (!prices_ || compiled > 0) return;  // a compilation happens only once
   const double ms = static_cast<double>(real_clock_.now_us() - began) * 1e-3;
   stats_.note_price(prices_->model().ms_of(work), ms);
   prices_->add(work, ms);
@@ -298,7 +298,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   camera.height = static_cast<std::uint32_t>(screen_.height());
   camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
   const DrawList list = session().frame(camera, now);
-  // With as many samples and at the scale that were planned with it.
+  // The target gets the samples and the scale that were planned with this frame.
   if (Result<void> fitted = fit_target(); !fitted) return fitted;
   const Screen::Step step = screen_.next(camera, list, session());
   const bool drawn = step != Screen::Step::kKeep;
@@ -370,8 +370,8 @@ std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {
       native().connected() ? "" : "\nOFFLINE: showing what is here, reconnecting");
 }
 
-// At rest the window sleeps until somebody touches it or something arrives. A path, a light that
-// goes by itself and a modelled link need the clock.
+// A window at rest sleeps until somebody touches it or something arrives. A path, a light that
+// moves by itself and a modelled link need the clock.
 bool Viewer::next_events() {
   if (resting_ && !path_ && !host_->modelled() && light_->fixed()) return window_->wait(kRestS);
   return frame_kept_ ? window_->wait(kKeptFrameS) : window_->poll();
@@ -455,7 +455,7 @@ Result<void> Viewer::run() {
     if (failed) return make_error(ErrorId::kIo, "cannot make directory '" + o_.out_dir + "'");
   }
   if (Result<ServerUrl> url = parse_url(o_.url); !url) return url.error();
-  // Shaders first: a server waits only so long for the hello of a client that has connected.
+  // Shaders are made first, because a server waits for a limited time for the hello of a client.
   if (Result<void> graphics = open_graphics(); !graphics) return graphics;
   make_host();
   if (Result<void> link = host_->open(); !link) return link;

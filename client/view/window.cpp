@@ -48,7 +48,7 @@ Result<Window> Window::create(int width, int height) {
   }
   glfwMakeContextCurrent(out.impl_->window);
   glfwSwapInterval(1);
-  // The implementation stays where it is when the window moves.
+  // The implementation keeps its address when the window is moved.
   glfwSetWindowUserPointer(out.impl_->window, out.impl_.get());
   glfwSetWindowRefreshCallback(out.impl_->window, [](GLFWwindow* window) {
     static_cast<Impl*>(glfwGetWindowUserPointer(window))->refresh = true;

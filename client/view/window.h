@@ -1,5 +1,5 @@
 #pragma once
-// A window with a GL context, and the camera a person steers in it.
+// Window: a window with a GL context, and the camera that a person steers in it.
 
 #include <memory>
 #include <string>
@@ -16,26 +16,26 @@ class Window {
   Window(Window&&) noexcept;
   Window& operator=(Window&&) noexcept;
 
-  /// Error kGraphicsDevice when there is no display, with the way out as a hint.
+  /// Opens a window. Error kGraphicsDevice if there is no display; its hint tells what to do.
   static Result<Window> create(int width, int height);
 
-  /// Handles events; false when the window was closed.
+  /// Handles events. Returns false if the window was closed.
   bool poll();
-  /// The same after sleeping until there is an event, a wake() or the time is over.
+  /// Sleeps until there is an event, a wake() or the time is over, then does the work of poll().
   bool wait(double seconds);
-  /// From any thread: ends wait().
+  /// Ends wait(); may be called from any thread.
   static void wake();
-  /// Whether the window system wants the picture drawn again, since the last call.
+  /// True if the window system has asked for the picture to be drawn again since the last call.
   bool take_refresh();
   void present();
   void framebuffer_size(int& width, int& height) const;
-  /// Time between two pictures of the display.
+  /// Returns the time between two pictures of the display, ms.
   double refresh_ms() const;
   bool overlay() const;
-  /// Of InsightLayer, by the keys 1 to 5: 0 is the picture alone.
+  /// Returns the InsightLayer chosen by the keys 1 to 5; 0: the picture alone.
   int layer() const;
 
-  /// Moves the camera by what was pressed since the last call.
+  /// Moves the camera by the keys pressed and the mouse since the last call.
   void steer(Pose& pose, double seconds, double speed_mps);
 
  private:

@@ -2,8 +2,9 @@
 
 namespace mirage {
 namespace {
-constexpr std::uint64_t kWebSocketOverhead = 8;  // frame header, roughly: 2 to 14 bytes
-constexpr std::uint64_t kMask = 4;               // clients mask
+// Header of a WebSocket packet, roughly: 2 to 14 bytes.
+constexpr std::uint64_t kWebSocketOverhead = 8;
+constexpr std::uint64_t kMask = 4;  // clients mask
 }  // namespace
 
 void BrowserLink::send(Bytes message) {
@@ -26,7 +27,7 @@ Result<void> BrowserLink::arrived(const Arrival& arrival) {
   message->wire_bytes = arrival.wire_bytes;
   message->waited_us = arrival.waited_us;
   message->unpacked = true;
-  // Reference frames serve the comparison, not the product: they are not counted.
+  // Full renders are not counted, because they serve comparison, not the product.
   if (message->body.type != wire::Body::ReferenceReply) {
     traffic_.bytes_down += arrival.wire_bytes + kWebSocketOverhead;
   }

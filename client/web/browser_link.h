@@ -1,7 +1,11 @@
 #pragma once
-// Link over the browser's WebSocket. The socket is a worker's (socket_worker.cpp), which puts
-// chunks together, unpacks what takes long and stamps what came; the page hands both ways through.
-// Thread: the page's. Never full: what comes is bounded by what was asked for.
+// Browser link: a link over the browser's WebSocket. A worker (socket_worker.cpp) owns the socket;
+// it joins chunks, unpacks what takes long, and stamps arrivals. The page passes both directions
+// through.
+// Input:  messages to send; messages from the worker.
+// Output: messages for the worker; received messages.
+// Thread: the page's.
+// Full:   never; arrivals are limited by what was asked for.
 
 #include <functional>
 #include <utility>
@@ -13,7 +17,7 @@ namespace mirage {
 
 class BrowserLink final : public Link {
  public:
-  /// `write` hands a whole message to the socket.
+  /// `write` passes a whole message to the socket.
   explicit BrowserLink(std::function<void(const Bytes&)> write) : write_(std::move(write)) {}
 
   void send(Bytes message) override;
@@ -22,17 +26,17 @@ class BrowserLink final : public Link {
   std::uint32_t generation() const override { return generation_; }
   LinkTraffic traffic() const override { return traffic_; }
 
-  /// The socket is open, or closed: what came over the old one is dropped.
+  /// Notes that the socket has opened or closed. Messages of the old connection are dropped.
   void set_connected(bool connected);
-  /// A message as the worker hands it on: `control` is a message without its payload, `payload` as
-  /// unpack() left it. Error: the control part is damaged.
+  /// A message as the worker passes it on. `control` is the message without its payload; `payload`
+  /// is as unpack() left it. Error: the control part is damaged.
   struct Arrival {
     const std::uint8_t* control = nullptr;
     std::size_t control_bytes = 0;
     const std::uint8_t* payload = nullptr;
     std::size_t payload_bytes = 0;
-    std::size_t packed_bytes = 0;  ///< of the payload, as it came
-    std::size_t wire_bytes = 0;    ///< of the message, as it came
+    std::size_t packed_bytes = 0;  ///< bytes of the payload on the wire
+    std::size_t wire_bytes = 0;    ///< bytes of the message on the wire
     std::int64_t waited_us = 0;
   };
   Result<void> arrived(const Arrival& arrival);

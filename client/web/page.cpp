@@ -1,5 +1,5 @@
-// What the page calls (viewer.js). Texts are UTF-8, memory that is returned is ours until the next
-// call.
+// Page exports: the functions that the page calls (viewer.js). Texts are UTF-8. Returned memory
+// belongs to this side, and is valid until the next call.
 
 #include <emscripten.h>
 #include <emscripten/html5.h>
@@ -27,8 +27,8 @@ namespace {
 struct Page {
   std::unique_ptr<WebViewer> viewer;
   EMSCRIPTEN_WEBGL_CONTEXT_HANDLE context = 0;
-  std::string text;                // returned last
-  std::vector<std::uint8_t> rgba;  // the same
+  std::string text;                // text returned last
+  std::vector<std::uint8_t> rgba;  // pixels returned last
 };
 
 Page& page() {
@@ -61,7 +61,8 @@ using mirage::page;
 
 extern "C" {
 
-/// 0, or < 0: page_text() says why not. Again after page_stop(), with a context that is new.
+/// Starts the viewer. Returns 0, or < 0 if it failed: page_text() says why. Call it again after
+/// page_stop(), with a new context.
 EMSCRIPTEN_KEEPALIVE int page_start(int width, int height, double frame_ms, double display_ms,
                                     int atlas_mb, int mesh_mb, const char* token) {
   mirage::Page& p = page();
@@ -78,7 +79,7 @@ EMSCRIPTEN_KEEPALIVE int page_start(int width, int height, double frame_ms, doub
   return 0;
 }
 
-/// Lets everything of the graphics card go; what was drawn on is lost.
+/// Releases everything on the graphics card; the canvas is lost.
 EMSCRIPTEN_KEEPALIVE void page_stop() {
   mirage::Page& p = page();
   p.viewer.reset();
@@ -92,7 +93,7 @@ EMSCRIPTEN_KEEPALIVE void page_connected(int connected) {
   page().viewer->link().set_connected(connected != 0);
 }
 
-/// What the worker hands on. 0, or < 0: it is damaged.
+/// Takes a message from the worker. Returns 0, or < 0 if it is damaged.
 EMSCRIPTEN_KEEPALIVE int page_arrived(const std::uint8_t* control, std::size_t control_bytes,
                                       const std::uint8_t* payload, std::size_t payload_bytes,
                                       std::size_t packed_bytes, std::size_t wire_bytes,
@@ -103,7 +104,8 @@ EMSCRIPTEN_KEEPALIVE int page_arrived(const std::uint8_t* control, std::size_t c
   return taken ? 0 : mirage::fail(taken.error().text);
 }
 
-/// Bits: 1 drawn, 2 resting, 4 something of the scene is there; < 0: page_text() says what failed.
+/// Draws a frame. Returns bits: 1 drawn, 2 resting, 4 some of the scene is there; < 0: page_text()
+/// says what failed.
 EMSCRIPTEN_KEEPALIVE int page_frame(double now_ms, int width, int height) {
   const mirage::Result<mirage::WebViewer::Frame> frame =
       page().viewer->frame(mirage::us(now_ms), width, height);
@@ -111,13 +113,13 @@ EMSCRIPTEN_KEEPALIVE int page_frame(double now_ms, int width, int height) {
   return (frame->drawn ? 1 : 0) | (frame->resting ? 2 : 0) | (frame->drawable ? 4 : 0);
 }
 
-/// Radians, and seconds at full speed.
+/// Turns the eye by radians, and moves it by seconds at full speed.
 EMSCRIPTEN_KEEPALIVE void page_steer(double yaw, double pitch, double right, double up,
                                      double ahead) {
   page().viewer->steer({yaw, pitch, {right, up, ahead}});
 }
 
-/// Eye and a point it looks at, m. Ignored unless finite and apart.
+/// Sets the eye and a point that it looks at, m. Ignored unless both are finite and differ.
 EMSCRIPTEN_KEEPALIVE void page_look(double ex, double ey, double ez, double tx, double ty,
                                     double tz) {
   const glm::dvec3 eye(ex, ey, ez), target(tx, ty, tz);
@@ -125,7 +127,7 @@ EMSCRIPTEN_KEEPALIVE void page_look(double ex, double ey, double ez, double tx, 
   if (std::isfinite(apart) && apart > 0) page().viewer->set_pose(mirage::look_at(eye, target));
 }
 
-/// Eye, and the direction it looks in: six numbers.
+/// Returns the eye and the direction it looks in: six numbers.
 EMSCRIPTEN_KEEPALIVE const double* page_pose() {
   static std::array<double, 6> out;
   const mirage::Pose& pose = page().viewer->pose();
@@ -135,14 +137,14 @@ EMSCRIPTEN_KEEPALIVE const double* page_pose() {
 }
 
 EMSCRIPTEN_KEEPALIVE int page_home_known() { return page().viewer->home_known() ? 1 : 0; }
-/// From the home eye to what it looks at, m.
+/// Returns the distance from the home eye to the point it looks at, m.
 EMSCRIPTEN_KEEPALIVE double page_home_distance() {
   const mirage::HomeView& home = page().viewer->session().scene().home;
   return glm::length(home.target - home.eye);
 }
 EMSCRIPTEN_KEEPALIVE void page_home() { page().viewer->go_home(); }
 
-/// Degrees; not finite: the scene's own light.
+/// Sets the sun's direction, degrees; not finite: the scene's own light.
 EMSCRIPTEN_KEEPALIVE void page_sun(double azimuth, double elevation, double now_ms) {
   std::optional<std::array<double, 2>> at;
   if (std::isfinite(azimuth + elevation)) at = {azimuth, elevation};
@@ -159,7 +161,7 @@ EMSCRIPTEN_KEEPALIVE double page_decode_ms() { return page().viewer->decode_ms()
 EMSCRIPTEN_KEEPALIVE double page_upload_ms() { return page().viewer->upload_ms(); }
 EMSCRIPTEN_KEEPALIVE void page_interval_ms(double ms) { page().viewer->note_interval_ms(ms); }
 
-/// As many numbers as there are kinds of work.
+/// Returns the number of prices: one for each kind of work.
 EMSCRIPTEN_KEEPALIVE int page_price_count() { return static_cast<int>(mirage::kWorks); }
 EMSCRIPTEN_KEEPALIVE const double* page_prices() { return page().viewer->prices().ms.data(); }
 EMSCRIPTEN_KEEPALIVE void page_set_prices(const double* ms) {
@@ -190,7 +192,7 @@ EMSCRIPTEN_KEEPALIVE const char* page_scene_name() {
   return page().text.c_str();
 }
 
-/// InsightLayer; another number shows the picture alone.
+/// Shows an InsightLayer; another number shows the picture alone.
 EMSCRIPTEN_KEEPALIVE void page_layer(int layer) {
   const bool known = layer > 0 && layer <= static_cast<int>(mirage::kInsightLayers);
   page().viewer->show_layer(known ? static_cast<mirage::InsightLayer>(layer)
@@ -199,7 +201,7 @@ EMSCRIPTEN_KEEPALIVE void page_layer(int layer) {
 
 EMSCRIPTEN_KEEPALIVE int page_width() { return page().viewer->width(); }
 EMSCRIPTEN_KEEPALIVE int page_height() { return page().viewer->height(); }
-/// RGBA of page_width() x page_height(), rows from the top.
+/// Returns the RGBA pixels of page_width() x page_height(), rows from the top.
 EMSCRIPTEN_KEEPALIVE const std::uint8_t* page_pixels() {
   page().rgba = page().viewer->pixels();
   return page().rgba.data();
@@ -208,7 +210,8 @@ EMSCRIPTEN_KEEPALIVE const std::uint8_t* page_pixels() {
 EMSCRIPTEN_KEEPALIVE void page_ask_reference(int supersample) {
   page().viewer->ask_reference(static_cast<std::uint32_t>(supersample));
 }
-/// 1: it is there, as page_reference_pixels(); 0: not yet; < 0: the server renders none.
+/// Returns 1 if the full render is there (page_reference_pixels()), 0 if not yet, < 0 if the server
+/// renders none.
 EMSCRIPTEN_KEEPALIVE int page_reference() {
   mirage::Page& p = page();
   if (std::optional<mirage::ReferenceFrame> frame = p.viewer->take_reference()) {

@@ -1,6 +1,6 @@
-// What the worker runs that owns the socket: WebSocket messages in, whole messages out, unpacked;
-// and FLIP, which takes long. Its exports are called by socket_worker.js; memory they return is
-// theirs until the next call.
+// Socket worker: the code of the worker that owns the socket. It takes WebSocket packets and
+// returns whole, unpacked messages; it also computes FLIP, which takes long. socket_worker.js calls
+// the exports; returned memory belongs to this side, and is valid until the next call.
 
 #include <emscripten.h>
 
@@ -14,11 +14,11 @@ namespace mirage {
 namespace {
 
 struct Socket {
-  FrameAssembler assembler{limits::kMaxTransferBytes};
+  PacketAssembler assembler{limits::kMaxTransferBytes};
   std::uint32_t next_transfer = 1;
   std::size_t wire_bytes = 0;  // of the message under way
   Bytes control, payload;      // of the message accepted last
-  std::vector<Bytes> frames;   // of the message split last
+  std::vector<Bytes> packets;  // of the message split last
   std::string problem;
 };
 
@@ -27,16 +27,16 @@ Socket& socket() {
   return one;
 }
 
-// The control part alone, as a message.
+// Keeps the control part alone, as a message, and the payload.
 Result<void> take(const Bytes& whole, Socket& s) {
   Result<Message> message = decode_message(whole.data(), whole.size());
   if (!message) return message.error();
   if (Result<void> done = unpack(*message); !done) return done.error();
   const std::size_t control = whole.size() - message->payload_bytes;
   s.control.assign(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(control));
-  FrameHeader header;
+  PacketHeader header;
   header.control_bytes = static_cast<std::uint32_t>(control - kWireHeaderBytes);
-  write_frame_header(header, s.control.data());
+  write_packet_header(header, s.control.data());
   s.payload = std::move(message->payload);
   return {};
 }
@@ -49,11 +49,12 @@ using mirage::socket;
 
 extern "C" {
 
-/// A new connection.
+/// Restarts for a new connection.
 EMSCRIPTEN_KEEPALIVE void socket_reset() { socket() = {}; }
 
-/// What came. Seven words: 1: a message is there, 0: not whole yet, -1: refused; where its control
-/// part and its payload are, with their sizes; the payload's as it came, and the whole message's.
+/// Takes a packet. Returns seven words. The first: 1 if a message is there, 0 if it is not whole
+/// yet, -1 if it was refused. Then address and size of its control part and of its payload, the
+/// payload's bytes on the wire, and those of the whole message.
 EMSCRIPTEN_KEEPALIVE const std::int32_t* socket_accept(const std::uint8_t* bytes,
                                                        std::size_t size) {
   static std::array<std::int32_t, 7> out;
@@ -82,20 +83,20 @@ EMSCRIPTEN_KEEPALIVE const std::int32_t* socket_accept(const std::uint8_t* bytes
 
 EMSCRIPTEN_KEEPALIVE const char* socket_problem() { return socket().problem.c_str(); }
 
-/// How many WebSocket messages a message is sent as.
+/// Splits a message. Returns the number of WebSocket packets it is sent as.
 EMSCRIPTEN_KEEPALIVE std::size_t socket_split(const std::uint8_t* bytes, std::size_t size) {
   mirage::Socket& s = socket();
-  s.frames = mirage::split_into_frames(Bytes(bytes, bytes + size), s.next_transfer++);
-  return s.frames.size();
+  s.packets = mirage::split_into_packets(Bytes(bytes, bytes + size), s.next_transfer++);
+  return s.packets.size();
 }
-EMSCRIPTEN_KEEPALIVE const std::uint8_t* socket_frame(std::size_t index) {
-  return socket().frames[index].data();
+EMSCRIPTEN_KEEPALIVE const std::uint8_t* socket_packet(std::size_t index) {
+  return socket().packets[index].data();
 }
-EMSCRIPTEN_KEEPALIVE std::size_t socket_frame_bytes(std::size_t index) {
-  return socket().frames[index].size();
+EMSCRIPTEN_KEEPALIVE std::size_t socket_packet_bytes(std::size_t index) {
+  return socket().packets[index].size();
 }
 
-/// Mean FLIP of two RGBA pictures; < 0: they cannot be compared.
+/// Returns the mean FLIP of two RGBA pictures; < 0: they cannot be compared.
 EMSCRIPTEN_KEEPALIVE double picture_flip(const std::uint8_t* reference, const std::uint8_t* test,
                                          std::uint32_t width, std::uint32_t height) {
   const std::optional<mirage::FlipMap> map =

@@ -1,5 +1,5 @@
-// Puts the page together, as a server hands it out: index.html, and everything else under a name that changes with any of it;
-// all of it compressed beforehand as well.
+// Stages the page as a server serves it: index.html, and everything else under a name that changes
+// with any of it. Everything is also compressed in advance.
 //   node stage.mjs SITE_FOLDER BUILT_FOLDER TARGET_FOLDER
 import { createHash } from 'node:crypto';
 import { mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
@@ -30,7 +30,7 @@ function put(name, bytes) {
   brotli += smaller.length;
 }
 for (const [name, bytes] of parts) put(join(folder, name), bytes);
-// All of them are asked for at once, not as one finds the next.
+// The page asks for all modules at once, not as one finds the next.
 const modules = [...parts.keys()].filter((name) => name.endsWith('.js') && name !== 'viewer.js' && name !== 'socket_worker.js')
   .map((name) => `<link rel="modulepreload" href="@/${name}">`).join('\n');
 put('index.html', Buffer.from(page.replace('@modules', modules).replaceAll('@wasm-bytes', String(parts.get('mirage.wasm').length)).replaceAll('@/', `${folder}/`)));

@@ -21,21 +21,23 @@
 namespace mirage {
 namespace {
 
-constexpr std::size_t kMostUnpriced = 16;  // frames that wait to be told what they took
-// Prices that went on changing where nobody moves would have pictures drawn for ever.
+constexpr std::size_t kMostUnpriced = 16;  // frames whose time is not known yet
+// Prices rest after this many frames from one pose; if they went on changing, a page at rest would
+// draw for ever.
 constexpr int kMostOfOnePose = 20;
 constexpr int kPacedFrames = 4;
 constexpr int kProbeFrames = 2;
-constexpr double kMostScaled = 8;  // by the probe: what it draws is but a part of what frames have
+constexpr double kMostScaled = 8;  // limit of the probe, which draws only part of what frames have
 constexpr double kFovY = 1.0471975511965976;
-constexpr double kSameDisplay = 1.25;  // intervals up to so many of the display's are the display's
+// Intervals up to this many display periods are the display's.
+constexpr double kSameDisplay = 1.25;
 
 double budget_ms(const WebOptions& o) {
   if (o.frame_ms >= 0) return o.frame_ms;
   return gl::is_software() ? kSoftwareFrameMs : o.display_ms;
 }
 
-// Adds what a function of the sink takes to `ms`.
+// Adds the time that a function of the sink takes to `ms`.
 template <typename... Args>
 void time(std::function<void(Args...)>& of, double& ms) {
   of = [inner = std::move(of), &ms](Args... args) {
@@ -125,7 +127,7 @@ Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int he
   if (Result<void> fitted = screen_.fit(width, height, *session_); !fitted) return fitted.error();
   Camera seen = camera();
   list_ = session_->frame(seen, now_us);
-  // With as many samples and at the scale that were planned with it.
+  // The target gets the samples and the scale that were planned with this frame.
   if (Result<void> fitted = screen_.fit(width, height, *session_); !fitted) return fitted.error();
   const Screen::Step step = screen_.next(seen, list_, *session_);
   Frame out;
@@ -150,7 +152,7 @@ Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int he
   return out;
 }
 
-// Its size on the page is the page's.
+// Sets the canvas's pixels; the page decides how large it is shown.
 void WebViewer::fit_canvas(int width, int height) {
   if (width == canvas_width_ && height == canvas_height_) return;
   emscripten_set_canvas_element_size("#view", width, height);
@@ -159,7 +161,7 @@ void WebViewer::fit_canvas(int width, int height) {
 }
 
 void WebViewer::note_work(const FrameWork& work) {
-  compiled_ = gl::programs_compiled() != programs_;  // what is compiled is compiled once
+  compiled_ = gl::programs_compiled() != programs_;  // a compilation happens only once
   programs_ = gl::programs_compiled();
   ++drawn_frames_;
   const bool same = pose_.eye == priced_pose_.eye && pose_.rotation == priced_pose_.rotation;
@@ -181,15 +183,16 @@ void WebViewer::note_gpu_ms(std::uint64_t frame, double ms) {
   }
 }
 
-// Frames are handed to the graphics card ahead of it: one interval is that of another frame, or of
-// several, and only a few of them together are theirs. Within the display's pace they say that
-// frames took no longer; beyond, that they took it all, since the next one waited already.
+// Frames are given to the graphics card ahead of time, so one interval belongs to another frame, or
+// to several. Only a few intervals together belong to their frames. Within the display's pace they
+// say that frames took no longer. Beyond it they say that frames took all of it, because the next
+// one was already waiting.
 void WebViewer::note_interval_ms(double ms) {
   if (drawn_.empty() || prices_rest()) {
     paced_ = {};
     return;
   }
-  // A picture is shown by the display's next time after it is ready, half a period later on
+  // The display shows a picture at its next refresh after it is ready, half a period later on
   // average.
   session_->note_frame_ms(ms - 0.5 * options_.display_ms);
   paced_.work += drawn_.back().work;
@@ -200,7 +203,7 @@ void WebViewer::note_interval_ms(double ms) {
   const double mean = paced_.ms / kPacedFrames;
   paced_ = {};
   const bool in_pace = mean <= kSameDisplay * options_.display_ms;
-  // The graphics card's own clock knows better.
+  // The graphics card's own clock is more exact.
   if (timed_ || (in_pace && prices_.model().ms_of(work) <= mean)) return;
   prices_.add(work, mean);
   session_->set_prices(prices_.model());
@@ -216,7 +219,7 @@ void WebViewer::probe() {
   const DrawList nothing;
   const auto draw = [&] {
     screen_.draw(*renderer_, seen, nothing, *session_);
-    screen_.shown().read();  // nothing else waits for the graphics card here
+    screen_.shown().read();  // only reading waits for the graphics card here
   };
   draw();  // programs are finished at their first use
   const double began = emscripten_get_now();

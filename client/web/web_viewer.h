@@ -1,7 +1,9 @@
 #pragma once
-// The viewer of a browser tab: one frame a call, as the native one draws them.
-// Input:  what the link brings, where a person steers, the time. Output: the picture on the canvas,
-// messages for the link. Thread: the page's. Nothing waits: what is not there is stood in for.
+// Web viewer: the viewer of a browser tab. Each call draws a frame, as in the native viewer.
+// Input:  messages from the link, a person's steering, the time.
+// Output: the picture on the canvas, messages for the link.
+// Thread: the page's.
+// Full:   never; nothing waits, and something else is drawn in the place of what is missing.
 
 #include <array>
 #include <cstdint>
@@ -28,14 +30,14 @@ struct Steering;
 struct WebOptions {
   int width = 640, height = 360;
   double frame_ms = -1;    ///< budget of a frame; 0: none; < 0: by renderer and display
-  double display_ms = 17;  ///< between two pictures of the display
+  double display_ms = 17;  ///< time between two pictures of the display
   int atlas_mb = 216, mesh_mb = 256;
   std::string token;
 };
 
 class WebViewer {
  public:
-  /// A WebGL 2 context is current. Errors kGraphicsShader, kGraphicsGl.
+  /// Creates the viewer. Needs a current WebGL 2 context. Errors kGraphicsShader, kGraphicsGl.
   static Result<std::unique_ptr<WebViewer>> create(const WebOptions& options,
                                                    std::function<void(const Bytes&)> write);
   ~WebViewer();
@@ -45,52 +47,53 @@ class WebViewer {
 
   struct Frame {
     bool drawn = false;     ///< another picture is on the canvas
-    bool resting = false;   ///< nothing changes until somebody steers or something comes
-    bool drawable = false;  ///< there is something of the scene to be seen
+    bool resting = false;   ///< nothing changes until somebody steers or something arrives
+    bool drawable = false;  ///< some of the scene can be seen
   };
-  /// Takes in what came, plans, asks, draws, at `now_us` of the session. The canvas has this size.
+  /// Takes in what has arrived, plans, asks and draws, at `now_us` of the session. The canvas has
+  /// this size.
   Result<Frame> frame(std::int64_t now_us, int width, int height);
 
-  /// By what a person did: moves in seconds at twice the scene's walking speed.
+  /// Moves the eye by what a person did; moves are in seconds at twice the scene's walking speed.
   void steer(const Steering& by);
   void set_pose(const Pose& pose) {
     pose_ = pose;
     posed_ = true;
   }
   const Pose& pose() const { return pose_; }
-  /// Where the scene wants to be seen from.
+  /// Moves the eye to the scene's home view.
   void go_home();
   bool home_known() const { return session_->scene().welcomed(); }
-  /// The sun's direction by where it stands, degrees: azimuth from -z (the eye's usual direction)
-  /// to the right, elevation. The strengths stay the scene's. nullopt: the scene's own light.
+  /// Sets the direction of the sun by its place in the sky, degrees: azimuth from -z (the eye's
+  /// usual direction) to the right, and elevation. The strengths stay the scene's. nullopt: the
+  /// scene's own light.
   void set_sun(std::optional<std::array<double, 2>> azimuth_elevation, std::int64_t now_us);
 
-  /// The graphics card took `ms` for this one of the last drawn frames.
+  /// Notes that the graphics card took `ms` for this one of the last drawn frames.
   void note_gpu_ms(std::uint64_t drawn_frame, double ms);
-  /// The display shows a picture `ms` after the one before; both were drawn.
+  /// Notes that the display showed a picture `ms` after the one before; both were drawn.
   void note_interval_ms(double ms);
-  /// What came in the last frame took so long to be taken in, and so long to go to the graphics
-  /// card.
+  /// Return the time, ms, of the last frame for taking in messages, and for uploading to the
+  /// graphics card.
   double decode_ms() const { return decode_ms_; }
   double upload_ms() const { return upload_ms_; }
   std::uint64_t drawn_frames() const { return drawn_frames_; }
   const CostModel& prices() const { return prices_.model(); }
   void set_prices(const CostModel& prices);
-  /// Draws nothing but a background a few times, waits for it, and scales all prices by what it
-  /// took.
+  /// Scales all prices: draws only a background a few times, waits for it, and compares the time.
   void probe();
 
-  /// Beside the picture itself, how it came about.
+  /// Shows over the picture how it was made.
   void show_layer(InsightLayer layer);
 
   void ask_reference(std::uint32_t supersample);
   std::optional<ReferenceFrame> take_reference() { return session_->take_reference(); }
-  /// RGBA as shown, rows from the top.
+  /// Returns the shown picture: RGBA, rows from the top.
   std::vector<std::uint8_t> pixels() const { return screen_.shown().read(); }
   int width() const { return screen_.width(); }
   int height() const { return screen_.height(); }
 
-  /// For the page's strip of figures, as JSON.
+  /// Returns the figures for the page's strip, as JSON.
   std::string figures(std::int64_t now_us) const;
 
  private:
@@ -101,7 +104,7 @@ class WebViewer {
     std::uint64_t frame = 0;
     FrameWork work;
   };
-  /// Drawn one after the other.
+  /// Frames drawn one after the other.
   struct Paced {
     int frames = 0;
     FrameWork work;
@@ -126,14 +129,14 @@ class WebViewer {
   DrawList list_;  // of the last frame
   std::deque<Drawn> drawn_;
   Paced paced_;
-  bool timed_ = false;  ///< the graphics card's clock can be read here
+  bool timed_ = false;  ///< the graphics card's clock can be read
   std::uint64_t drawn_frames_ = 0;
-  Pose priced_pose_;      // that the last drawn frames were seen from
-  int seen_from_it_ = 0;  // frames
+  Pose priced_pose_;      // pose of the last drawn frames
+  int seen_from_it_ = 0;  // number of frames from that pose
   std::uint64_t programs_ = 0;
   double decode_ms_ = 0, upload_ms_ = 0;
-  bool compiled_ = false;  // something was, in the last frame
-  std::string problem_;    // of drawing, the last
+  bool compiled_ = false;  // the last frame compiled a program
+  std::string problem_;    // last problem of drawing
 };
 
 }  // namespace mirage

@@ -1,5 +1,5 @@
-// What nearly every file includes, read once: a convenience of the build alone. Every file still
-// includes what it uses; the linter's build, with -DMIRAGE_PCH=OFF, sees to it for what is shipped.
+// Headers that nearly every file includes, compiled once to make builds quicker. Every file still
+// includes what it uses: the linter builds with -DMIRAGE_PCH=OFF.
 #include <algorithm>
 #include <array>
 #include <cmath>

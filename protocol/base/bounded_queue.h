@@ -1,5 +1,5 @@
 #pragma once
-// The only thing (besides immutable bytes) that crosses threads.
+// The only object, besides immutable bytes, that crosses threads.
 
 #include <condition_variable>
 #include <cstddef>
@@ -12,12 +12,12 @@
 
 namespace mirage {
 
-/// Blocking multi-producer multi-consumer queue. What happens when it is full is the producer's
-/// choice: try_push refuses, push waits.
+/// Blocking queue for several producers and consumers. Producers choose what happens when it is
+/// full: try_push() refuses, push() waits.
 template <typename T>
 class BoundedQueue {
  public:
-  /// What an item weighs, and what all may weigh together; one is taken whatever it weighs.
+  /// Weight of an item, and the largest sum of weights. An empty queue takes an item of any weight.
   struct Weight {
     std::function<std::size_t(const T&)> of;
     std::size_t most = SIZE_MAX;
@@ -26,7 +26,7 @@ class BoundedQueue {
   explicit BoundedQueue(std::size_t capacity, Weight weight = {})
       : capacity_(capacity), weight_(std::move(weight)) {}
 
-  /// False when full or closed; `item` is then untouched.
+  /// Adds an item; false if the queue is full or closed, and `item` is then untouched.
   bool try_push(T& item) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (closed_ || !has_room(item)) return false;
@@ -36,7 +36,7 @@ class BoundedQueue {
     return true;
   }
 
-  /// Waits while full; false when closed.
+  /// Adds an item, waiting while the queue is full; false if it is closed.
   bool push(T item) {
     std::unique_lock<std::mutex> lock(mutex_);
     not_full_.wait(lock, [&] { return closed_ || has_room(item); });
@@ -47,7 +47,8 @@ class BoundedQueue {
     return true;
   }
 
-  /// Waits while empty; nullopt once closed and drained.
+  /// Takes the oldest item, waiting while the queue is empty; nullopt once it is closed and
+  /// drained.
   std::optional<T> pop() {
     std::unique_lock<std::mutex> lock(mutex_);
     not_empty_.wait(lock, [this] { return closed_ || !items_.empty(); });
@@ -59,7 +60,7 @@ class BoundedQueue {
     return take_front();
   }
 
-  /// No more pushes; pops drain what is left.
+  /// Refuses further pushes; pops drain the rest.
   void close() {
     const std::lock_guard<std::mutex> lock(mutex_);
     closed_ = true;
@@ -67,7 +68,7 @@ class BoundedQueue {
     not_full_.notify_all();
   }
 
-  /// Of all that is in it.
+  /// Returns the weight of all items in the queue.
   std::size_t weighs() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return weighs_;
@@ -88,7 +89,7 @@ class BoundedQueue {
     std::optional<T> item(std::move(items_.front()));
     items_.pop_front();
     weighs_ -= weight_of(*item);
-    not_full_.notify_all();  // what does not fit yet lets another pass
+    not_full_.notify_all();  // an item that does not fit may let a lighter one pass
     return item;
   }
 

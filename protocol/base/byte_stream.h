@@ -1,5 +1,5 @@
 #pragma once
-// Writing and reading plain little-endian values.
+// Writes and reads plain little-endian values.
 
 #include <cstdint>
 #include <cstring>
@@ -28,7 +28,7 @@ class ByteWriter {
   std::vector<std::uint8_t> bytes;
 };
 
-/// Reading past the end gives zeros and marks the reader as failed.
+/// Reads values in order. A read past the end gives zeros and marks the reader as failed.
 class ByteReader {
  public:
   ByteReader(const std::uint8_t* bytes, std::size_t size) : at_(bytes), left_(size) {}
@@ -40,7 +40,7 @@ class ByteReader {
     if (const std::uint8_t* p = take(sizeof(T))) std::memcpy(&v, p, sizeof(T));
     return v;
   }
-  /// The next `n` bytes where they are; nullptr when there are not that many.
+  /// Returns the next `n` bytes in place; nullptr if fewer are left.
   const std::uint8_t* take(std::size_t n) {
     if (failed_ || n > left_) {
       failed_ = true;
@@ -51,11 +51,11 @@ class ByteReader {
     left_ -= n;
     return p;
   }
-  /// Counts are of 64 bits: sums of what a peer declares do not fit into the sizes of a small
-  /// machine.
+  /// True if `n` items of `each` bytes are left. Counts have 64 bits, because sums that a peer
+  /// declares may overflow the size type of a 32-bit machine.
   bool has(std::uint64_t n, std::size_t each) const { return !failed_ && n <= left_ / each; }
   bool failed() const { return failed_; }
-  /// What has not been read yet.
+  /// The bytes that have not been read yet.
   const std::uint8_t* at() const { return at_; }
   std::size_t left() const { return left_; }
   bool at_end() const { return !failed_ && left_ == 0; }

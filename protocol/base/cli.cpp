@@ -4,21 +4,24 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <cstdlib>
 #include <numeric>
 #include <optional>
 #include <sstream>
 
+#include "protocol/base/cli_help.h"
+
 namespace mirage {
 namespace {
 
 constexpr char kPrefix[] = "MIRAGE_";
-// Of scripts, tests and `mirage-report fidelity`; no options.
+// Variables of scripts, tests and `mirage-report fidelity`, which are no options.
 const char* const kOtherVariables[] = {"MIRAGE_DEMO_BIN",          "MIRAGE_DEMO_FRAMES",
                                        "MIRAGE_DEMO_OUT",          "MIRAGE_SHARED",
                                        "MIRAGE_FIDELITY_PICTURES", "MIRAGE_SWEEP_VERBOSE"};
 
-/// How many letters must change for one text to become the other (Levenshtein's distance).
+/// Number of letters to change to turn one text into the other (Levenshtein's distance).
 std::size_t edits_between(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -34,7 +37,7 @@ std::size_t edits_between(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-/// "did you mean …?" for a name that is nearly one of `known`; else `otherwise`.
+/// Returns "did you mean …?" if `name` is nearly one of `known`, else `otherwise`.
 std::string nearest_or(const std::string& name, const std::vector<std::string>& known,
                        const std::string& otherwise) {
   const auto distance = [&](const std::string& one) { return edits_between(name, one); };
@@ -56,7 +59,7 @@ std::vector<std::string> long_names(const CLI::App& app) {
   return out;
 }
 
-/// The first MIRAGE_… variable that no program reads.
+/// Returns an error for the first MIRAGE_… variable that no program reads.
 std::optional<Error> unknown_variable() {
   for (char** at = environ; at && *at; ++at) {
     const std::string entry = *at;
@@ -74,7 +77,7 @@ std::optional<Error> unknown_variable() {
 }
 
 Error in_config_file(const CLI::App& app, const std::string& key) {
-  const std::size_t section = key.rfind(".++");  // how CLI11 names the beginning of one
+  const std::size_t section = key.rfind(".++");  // CLI11's name for the start of a section
   if (section != std::string::npos) {
     return make_error(ErrorId::kUsage,
                       "the --config file has a section [" + key.substr(0, section) + "]",
@@ -85,7 +88,7 @@ Error in_config_file(const CLI::App& app, const std::string& key) {
                     nearest_or(key, long_names(app), app.get_name() + " --help lists the options"));
 }
 
-/// What CLI11 says of a key it does not know: "INI was not able to parse KEY".
+/// Returns the key of CLI11's error for an unknown key: "INI was not able to parse KEY".
 std::optional<std::string> unknown_key(const CLI::ParseError& error) {
   const std::string text = error.what(), before = "INI was not able to parse ";
   if (error.get_name() != "ConfigError" || text.rfind(before, 0) != 0) return std::nullopt;
@@ -95,39 +98,103 @@ std::optional<std::string> unknown_key(const CLI::ParseError& error) {
 }  // namespace
 
 const std::vector<std::string>& options_of_all_programs() {
-  static const std::vector<std::string> names = {
-      "admin",        "allow-origin", "animate",
-      "animation",    "atlas-mb",     "cache-dir",
-      "cache-dir-mb", "cache-mb",     "cache-read-only",
-      "check-config", "child",        "clients",
-      "codec",        "connect-rate", "connect-timeout",
-      "device",       "device-model", "doctor",
-      "drain-s",      "duration",     "encoders",
-      "environment",  "explain",      "explain-frame",
-      "folder",       "fov",          "fps",
-      "frame-ms",     "frames",       "gles",
-      "gpu-mb",       "hours",        "jobs",
-      "json",         "key-file",     "light",
-      "list",         "list-devices", "listen",
-      "log-format",   "march-kpx",    "max-clients",
-      "mesh-mb",      "mesh-radii",   "method",
-      "metrics",      "model",        "msaa",
-      "name",         "net",          "no-geometry",
-      "no-reference", "no-view",      "no-web",
-      "offscreen",    "only",         "out",
-      "page",         "path",         "port-file",
-      "prove",        "prove-cells",  "prove-objects",
-      "quick",        "rate",         "rate-mbps",
-      "reconnect",    "reference",    "reference-samples",
-      "references",   "relight",      "scene",
-      "scope",        "seed",         "shadows",
-      "size",         "spread",       "stand-in-ms",
-      "stats",        "store",        "strict",
-      "supersample",  "tau",          "tls-cert",
-      "tls-key",      "token-file",   "trace",
-      "upload-kb",    "url",          "urls",
-      "verify",       "virtual-time", "warm",
-      "warm-shard",   "web",          "write-environment"};
+  static const std::vector<std::string> names = {"admin",
+                                                 "allow-origin",
+                                                 "animate",
+                                                 "animation",
+                                                 "atlas-mb",
+                                                 "cache-dir",
+                                                 "cache-dir-mb",
+                                                 "cache-mb",
+                                                 "cache-read-only",
+                                                 "check-config",
+                                                 "child",
+                                                 "clients",
+                                                 "codec",
+                                                 "connect-rate",
+                                                 "connect-timeout",
+                                                 "device",
+                                                 "device-model",
+                                                 "doctor",
+                                                 "drain-s",
+                                                 "duration",
+                                                 "encoders",
+                                                 "environment",
+                                                 "explain",
+                                                 "explain-frame",
+                                                 "folder",
+                                                 "fov",
+                                                 "fps",
+                                                 "frame-ms",
+                                                 "frames",
+                                                 "gles",
+                                                 "gpu-mb",
+                                                 "hours",
+                                                 "jobs",
+                                                 "json",
+                                                 "key-file",
+                                                 "light",
+                                                 "list",
+                                                 "list-devices",
+                                                 "listen",
+                                                 "log-format",
+                                                 "march-kpx",
+                                                 "max-clients",
+                                                 "mesh-mb",
+                                                 "mesh-radii",
+                                                 "method",
+                                                 "metrics",
+                                                 "model",
+                                                 "msaa",
+                                                 "name",
+                                                 "net",
+                                                 "no-geometry",
+                                                 "no-reference",
+                                                 "no-view",
+                                                 "no-web",
+                                                 "offscreen",
+                                                 "only",
+                                                 "out",
+                                                 "page",
+                                                 "path",
+                                                 "port-file",
+                                                 "prove",
+                                                 "prove-cells",
+                                                 "prove-objects",
+                                                 "quick",
+                                                 "rate",
+                                                 "rate-mbps",
+                                                 "reconnect",
+                                                 "reference",
+                                                 "reference-samples",
+                                                 "references",
+                                                 "relight",
+                                                 "scene",
+                                                 "scope",
+                                                 "seed",
+                                                 "shadows",
+                                                 "size",
+                                                 "software",
+                                                 "spread",
+                                                 "stand-in-ms",
+                                                 "stats",
+                                                 "store",
+                                                 "strict",
+                                                 "supersample",
+                                                 "tau",
+                                                 "tls-cert",
+                                                 "tls-key",
+                                                 "token-file",
+                                                 "trace",
+                                                 "upload-kb",
+                                                 "url",
+                                                 "urls",
+                                                 "verify",
+                                                 "virtual-time",
+                                                 "warm",
+                                                 "warm-shard",
+                                                 "web",
+                                                 "write-environment"};
   return names;
 }
 
@@ -152,16 +219,34 @@ CLI::Validator number_within(double low, double high) {
       "NUMBER from " + range.str());
 }
 
+void add_page(CLI::App& app, const std::string& flag, const std::string& description,
+              std::function<std::string()> page) {
+  const auto print = [page = std::move(page)](std::int64_t) {
+    std::fputs(page().c_str(), stdout);
+    throw CLI::Success();
+  };
+  app.add_flag_function(flag, print, description)->group(kCommonGroup);
+}
+
 void add_conventions(CLI::App& app) {
-  app.set_version_flag("--version", "mirage " MIRAGE_VERSION);
-  app.set_config("--config", "", "TOML file with option values");
-  app.allow_config_extras(CLI::config_extras_mode::error);
   for (CLI::Option* option : app.get_options()) {
-    if (option->get_lnames().empty()) continue;
-    const std::string& name = option->get_lnames().front();
-    const bool special = name == "help" || name == "version" || name == "config";
-    if (!special) option->envname(environment_name(name));
+    const bool named = !option->get_lnames().empty() && option->get_group() != kCommonGroup;
+    if (!named || option == app.get_help_ptr()) continue;
+    option->envname(environment_name(option->get_lnames().front()));
   }
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.set_help_flag("-h,--help", "print this help and exit")->group(kCommonGroup);
+  app.set_version_flag("--version", "mirage " MIRAGE_VERSION, "print the version and exit")
+      ->group(kCommonGroup);
+  app.set_config("--config", "", "TOML file with option values, such as cache-mb = 512")
+      ->type_name("FILE")
+      ->group(kCommonGroup);
+  app.allow_config_extras(CLI::config_extras_mode::error);
+  add_page(app, "--help-markdown", "print the options as a page of the reference and exit",
+           [&app] { return options_page(app); });
+  add_page(app, "--help-errors", "print every error id with cause and cure and exit", errors_text);
+  add_page(app, "--help-exit-codes", "print exit and close code of every error id and exit",
+           exit_codes_page);
 }
 
 int parse_command_line(CLI::App& app, int argc, char** argv) {

@@ -6,7 +6,7 @@
 
 namespace mirage {
 
-/// Microseconds since the clock's own start.
+/// Source of time in µs since its own start.
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -25,7 +25,7 @@ class SteadyClock final : public Clock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Advanced by hand: a session on it is reproducible to the bit.
+/// A clock that is advanced by hand. A session that uses it is reproducible to the bit.
 class VirtualClock final : public Clock {
  public:
   std::int64_t now_us() const override { return now_us_; }

@@ -10,7 +10,7 @@ struct Row {
 };
 
 constexpr Row kRows[] = {
-#define MIRAGE_X(e, id, exit, close) {id, ExitCode::exit, close},
+#define MIRAGE_X(e, id, exit, close, cause, cure) {id, ExitCode::exit, close},
     MIRAGE_ERRORS(MIRAGE_X)
 #undef MIRAGE_X
 };

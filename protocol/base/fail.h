@@ -1,11 +1,11 @@
 #pragma once
-// How a program ends with an error: one line on standard error, the exit code of error.h.
+// The end of a program with an error: one line on standard error, and an exit code of error.h.
 
 #include "protocol/base/error.h"
 
 namespace mirage {
 
-/// Prints the error; its exit code.
+/// Prints the error and returns its exit code.
 int fail(const Error& error);
 
 }  // namespace mirage

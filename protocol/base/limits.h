@@ -1,6 +1,6 @@
 #pragma once
-// All bounds on what a peer may send or ask for, in one place. Decoders check them before they
-// allocate. Units are in the names.
+// All bounds on what a peer may send or ask for. Decoders check them before they allocate. Units
+// are in the names.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,18 +13,20 @@ inline constexpr std::uint32_t kProtocolVersion = 4;
 inline constexpr std::size_t kMaxMessageBytes = 256 * 1024;           ///< one WebSocket message
 inline constexpr std::size_t kMaxControlBytes = 224 * 1024;           ///< its FlatBuffer part
 inline constexpr std::size_t kMaxTransferBytes = 256u * 1024 * 1024;  ///< a chunked message, whole
-inline constexpr std::size_t kMaxInboundTransferBytes = 1024 * 1024;  ///< client -> server, whole
+inline constexpr std::size_t kMaxInboundTransferBytes =
+    1024 * 1024;  ///< from client to server, whole
 inline constexpr std::size_t kMaxOpenTransfers = 4;
 inline constexpr std::size_t kChunkBytes = 128 * 1024;
 inline constexpr std::size_t kMaxTextBytes = 4096;
-inline constexpr std::size_t kMaxCodecs = 32;  ///< in a list of them
+inline constexpr std::size_t kMaxCodecs = 32;  ///< in one list of codecs
 
 // Requests.
 inline constexpr std::size_t kMaxAsksPerBatch = 1024;
 inline constexpr std::size_t kMaxCancelsPerBatch = 4096;
 inline constexpr std::size_t kMaxQueuedAsksPerClient = 4096;
 inline constexpr std::size_t kMaxLightingStatesPerClient = 64;
-/// Full renders of all clients, under way and not read yet; one of the largest fits.
+/// Memory for the full renders of all clients that are rendering or waiting to be sent. One of the
+/// largest size fits.
 inline constexpr std::size_t kMaxFullRenderBytes = 512u << 20;
 inline constexpr std::size_t reference_bytes(std::uint32_t width, std::uint32_t height) {
   return std::size_t{12} * width * height;  // colour, depth, id
@@ -32,7 +34,7 @@ inline constexpr std::size_t reference_bytes(std::uint32_t width, std::uint32_t 
 inline constexpr std::size_t kMaxReferencePixels = 4096u * 4096u;
 inline constexpr std::uint32_t kMaxReferenceEdge = 8192;
 inline constexpr std::uint32_t kMaxReferenceSupersample = 4;  ///< per axis
-/// Whether a full render may be asked for; `supersample` is per axis.
+/// True if a full render of this size is allowed; `supersample` is per axis.
 inline constexpr bool reference_within_limits(std::uint32_t width, std::uint32_t height,
                                               std::uint32_t supersample) {
   const bool edges =
@@ -44,15 +46,15 @@ inline constexpr bool reference_within_limits(std::uint32_t width, std::uint32_t
 inline constexpr std::uint32_t kMinViewEdge = 16;
 inline constexpr std::uint32_t kMaxViewEdge = 1024;
 inline constexpr std::size_t kMaxViewTexels = 640u * 360u;
-inline constexpr std::size_t kMaxViewInstances = 4096;  ///< that are told apart in one
+inline constexpr std::size_t kMaxViewInstances = 4096;  ///< told apart by id in one view
 
 // Scene description.
 inline constexpr std::size_t kMaxObjects = 1u << 20;
 inline constexpr std::size_t kMaxInstances = 1u << 21;
-inline constexpr std::size_t kInstancesPerPage = 1536;  ///< instances and groups, each
+inline constexpr std::size_t kInstancesPerPage = 1536;  ///< of instances, and of groups
 inline constexpr std::size_t kMaxOpensPerRequest = 8192;
 inline constexpr std::uint32_t kMaxGroupDepth =
-    64;  ///< of groups in groups; a few million leaves take 10
+    64;  ///< depth of nested groups; a few million leaves take 10
 inline constexpr std::size_t kObjectsPerPage = 48;
 inline constexpr std::size_t kMaxImages = 1u << 16;
 inline constexpr std::size_t kImagesPerPage = 4096;
@@ -73,7 +75,7 @@ inline constexpr double kMaxCaptureRadii = 1.0e6;
 inline constexpr std::size_t kMaxMeshVertices = 4u << 20;
 inline constexpr std::size_t kMaxMeshIndices = 24u << 20;
 inline constexpr std::size_t kMaxMeshPrimitives = 4096;
-inline constexpr std::size_t kMaxLods = 8;  ///< the whole mesh included
+inline constexpr std::size_t kMaxLods = 8;  ///< including the full mesh
 inline constexpr std::size_t kMaxImageEdge = 16384;
 
 // Animation of an object.
@@ -84,7 +86,7 @@ inline constexpr std::size_t kMaxJoints = 1024;
 inline constexpr std::size_t kMaxBindings = 8192;
 inline constexpr std::size_t kMaxChannels = 4096;
 inline constexpr std::size_t kMaxMorphSets = 1024;
-inline constexpr std::size_t kMaxMorphTargets = 1024;         ///< of one set
+inline constexpr std::size_t kMaxMorphTargets = 1024;         ///< of one set of targets
 inline constexpr std::size_t kMaxMorphDeltas = 8u << 20;      ///< over all targets
 inline constexpr std::size_t kMaxAnimationFloats = 4u << 20;  ///< times and values, all channels
 inline constexpr std::size_t kMaxAnimatedVertices = 1u << 18;

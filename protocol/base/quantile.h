@@ -5,7 +5,7 @@
 
 namespace mirage {
 
-/// Nearest-rank quantile, q in [0, 1]; 0 for no values.
+/// Returns the nearest-rank quantile for q in [0, 1]; 0 if there are no values.
 template <typename T>
 T quantile(std::vector<T> values, double q) {
   if (values.empty()) return T{};

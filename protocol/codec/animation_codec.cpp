@@ -23,7 +23,7 @@ class Writer {
     put(static_cast<std::uint32_t>(v.size()));
     put_values(v);
   }
-  /// Their count, then what `put_one` puts of each.
+  /// Writes the count of `v`, then each element with `put_one`.
   template <typename T, typename Put>
   void put_each(const std::vector<T>& v, const Put& put_one) {
     put(static_cast<std::uint32_t>(v.size()));
@@ -37,7 +37,7 @@ class Writer {
   Bytes bytes;
 };
 
-/// Reads until the first thing that is wrong, then only zeros.
+/// Reads values up to the first error, then only zeros.
 class Reader {
  public:
   Reader(const std::uint8_t* bytes, std::size_t size) : at_(bytes), left_(size) {}
@@ -65,7 +65,7 @@ class Reader {
     at_ += n * sizeof(T);
     left_ -= n * sizeof(T);
   }
-  /// A count of things of at least `each` bytes; 0, and failed, when they are not there.
+  /// Reads a count of things of at least `each` bytes. Fails and returns 0 if fewer bytes are left.
   std::size_t count(std::size_t limit, std::size_t each) {
     const auto n = get<std::uint32_t>();
     if (!failed_ && n <= limit && n <= left_ / each) return n;

@@ -1,5 +1,5 @@
 #pragma once
-// Bytes of an object's animation, behind those of its mesh (model_codec.h).
+// Bytes of an object's animation; they follow those of its mesh (model_codec.h).
 
 #include <memory>
 
@@ -9,14 +9,14 @@
 
 namespace mirage {
 
-/// Raw little-endian bytes; one zero byte for an object without animation.
+/// Returns raw little-endian bytes; one zero byte for an object without animation.
 Bytes encode_animation(const Animation* animation);
 std::size_t encoded_animation_bytes(const Animation* animation);
 
-/// Reads what encode_animation() wrote, all of it; null for an object without animation. Every
-/// count is held against the bytes that are left and limits.h before it is allocated, every index
-/// against its list (`mesh_vertices` vertices), every number for being finite, every list of times
-/// for rising. Errors: kWireMalformed, kWireLimit, kWireValue.
+/// Decodes all bytes that encode_animation() wrote; null for an object without animation. Every
+/// count is checked against the bytes left and limits.h before anything is allocated. Every index
+/// must be inside its list (`mesh_vertices` vertices), every number finite, and every list of times
+/// rising. Errors: kWireMalformed, kWireLimit, kWireValue.
 Result<std::shared_ptr<const Animation>> decode_animation(const std::uint8_t* bytes,
                                                           std::size_t size,
                                                           std::size_t mesh_vertices);

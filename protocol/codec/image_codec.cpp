@@ -14,9 +14,10 @@ namespace {
 
 constexpr std::array<float, 2> kColorQualities = {90, 97};
 constexpr float kLosslessEffort = 70;  // 0..100
-// As many colours are drawn, not photographed: without loss they take 0.2 to 1.4 times the bytes.
+// Images with at most this many colours are usually drawn, not photographed. Lossless coding then
+// takes 0.2 to 1.4 times the bytes of lossy coding.
 constexpr std::size_t kFewColors = 4096;
-constexpr std::size_t kSmallTexels = 64 * 64;  // without loss 16 KB at most
+constexpr std::size_t kSmallTexels = 64 * 64;  // 16 KB at most without loss
 constexpr int kMethod = 4;  // 0 fast .. 6 small; 6 takes three times as long for 3 %
 
 }  // namespace
@@ -38,7 +39,7 @@ glm::uvec2 image_level_size(const ImageDescription& image, std::uint8_t level) {
 
 namespace {
 
-// `quality` 0..100; nullopt: without loss.
+// `quality`: 0..100; nullopt: lossless.
 Result<Bytes> encode_webp(const Image& image, std::optional<float> quality) {
   WebPConfig config;
   WebPPicture picture;
@@ -47,7 +48,7 @@ Result<Bytes> encode_webp(const Image& image, std::optional<float> quality) {
     return make_error(ErrorId::kCodec, "libwebp is not the version this was built with");
   }
   config.method = kMethod;
-  config.exact = 1;  // what is transparent still bleeds into its neighbours when filtered
+  config.exact = 1;  // keeps colours under alpha 0, which filtering mixes into neighbours
   config.use_sharp_yuv = 1;
   config.lossless = quality ? 0 : 1;
   picture.width = static_cast<int>(image.width);

@@ -1,6 +1,6 @@
 #pragma once
-// Images on the wire: WebP, in levels of growing size, once per client however many objects use
-// them.
+// Images on the wire: WebP in levels of growing size. A client gets each image once, however many
+// objects use it.
 
 #include <array>
 #include <optional>
@@ -11,11 +11,11 @@
 
 namespace mirage {
 
-/// Largest edge of each level; an image has as many as it takes to reach its own size. What exceeds
-/// the last one comes reduced to it.
+/// Largest edge of each level, texels. An image has as many levels as it takes to reach its own
+/// size; a larger image is reduced to the last level.
 inline constexpr std::array<std::uint32_t, 4> kImageLevelEdges = {64, 256, 1024, 4096};
 
-/// What a client knows of an image before any of it has come.
+/// Facts of an image that a client knows before any level arrives.
 struct ImageDescription {
   std::uint32_t width = 1;  ///< of the full image
   std::uint32_t height = 1;
@@ -28,26 +28,29 @@ std::uint8_t image_levels(const ImageDescription& image);
 /// Size of a level: the full one halved until its larger edge fits.
 glm::uvec2 image_level_size(const ImageDescription& image, std::uint8_t level);
 
-/// What a lossy form of a colour image does to its hue, in 1/255: by mean over 2 x 2 texels, as a
-/// filter shows them, weighted by alpha; the larger change of R - G and of B - G.
+/// Hue error of a lossy form of a colour image, in 1/255. It is the larger change of R - G and of B
+/// - G, measured on means over 2 x 2 texels (as a filter shows them), weighted by alpha.
 struct HueError {
   float median = 0;
   float p95 = 0;
 };
-/// Of two images of one size.
+/// Compares two images of the same size.
 HueError hue_error(const Image& image, const Image& shown);
-/// The most that a lossy form may do: a share of what the eye tells apart in large patches, and, at
-/// the few texels where colours meet, of what it does not see beside an edge.
+/// Largest hue error that a lossy form may have. The median limit is a fraction of what the eye
+/// distinguishes in large patches. The p95 limit covers the few texels where colours meet; beside
+/// an edge the eye misses such an error.
 inline constexpr HueError kHueLimit{2, 10};
 
-/// Colour in the smallest of few lossy forms that keeps to kHueLimit, alpha exact; without loss
-/// where none does, where colours are few (palettes, masks, signs) and for images of at most 64 x
-/// 64. Data maps (normals, roughness) without loss. A pure function of its input. Error kCodec.
+/// Encodes an image. A colour image takes the smallest of a few lossy forms within kHueLimit, with
+/// exact alpha. It is lossless if no form is within, if colours are few (palettes, masks, signs),
+/// or up to 64 x 64 texels. Data maps (normals, roughness) are lossless. A pure function. Error
+/// kCodec.
 Result<Bytes> encode_image(const Image& image);
-/// The size must be as expected, which is checked before allocating. Error kCodec.
+/// Decodes an image. The size must be the expected one, which is checked before allocating. Error
+/// kCodec.
 Result<Image> decode_image(const std::uint8_t* bytes, std::size_t size, const glm::uvec2& expected,
                            bool srgb);
-/// As its bytes say; nullopt: they are no image, or one larger than any level.
+/// Returns the size that the bytes state; nullopt if they are no image or exceed the largest level.
 std::optional<glm::uvec2> encoded_image_size(const std::uint8_t* bytes, std::size_t size);
 
 }  // namespace mirage

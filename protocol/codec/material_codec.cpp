@@ -34,9 +34,11 @@ bool get_texture(ByteReader& r, TextureRef& t, std::size_t images) {
   return finite;
 }
 
-// What follows a material, in this order. Anisotropy apart: lobes without are what they were.
+// Bits for the optional parts that follow a material, in this order. Anisotropy has its own bit, so
+// lobes without it keep their earlier layout.
 constexpr std::uint8_t kHasLobes = 1, kHasAnisotropy = 2;
-constexpr std::size_t kFirstMaps = static_cast<std::size_t>(LobeMap::kAnisotropy);  // of lobes
+// number of lobe maps before anisotropy's
+constexpr std::size_t kFirstMaps = static_cast<std::size_t>(LobeMap::kAnisotropy);
 constexpr std::size_t kLobeBytes = 15 * 4 + kFirstMaps * kTextureBytes;
 constexpr std::size_t kAnisotropyBytes = 2 * 4 + kTextureBytes;
 

@@ -1,5 +1,6 @@
 #pragma once
-// Materials in a fixed layout without padding; lobes and anisotropy follow those that have any.
+// Materials in a fixed layout without padding. Lobes and anisotropy follow where a material has
+// them.
 
 #include "protocol/base/byte_stream.h"
 #include "protocol/model/model.h"
@@ -7,11 +8,12 @@
 namespace mirage {
 
 inline constexpr std::size_t kTextureBytes = 4 + 4 + 5 * 4;
-/// Without lobes, which is the least a material takes.
+/// Bytes of a material without lobes, the smallest.
 inline constexpr std::size_t kMaterialBytes = 4 * 4 + 3 * 4 + 5 * 4 + 4 + 5 * kTextureBytes;
 
 void put_material(ByteWriter& w, const Material& m);
-/// False when a value is out of range, not finite, or an image not one of `images`.
+/// Reads a material; false if a value is out of range or not finite, or an image is not below
+/// `images`.
 bool get_material(ByteReader& r, Material& m, std::size_t images);
 
 }  // namespace mirage

@@ -17,7 +17,7 @@ namespace mirage {
 namespace {
 
 constexpr std::size_t kPrimitiveBytes = 12;
-// meshoptimizer spends at least this much on any block: more elements than that cannot be there.
+// Most elements that meshoptimizer packs into a byte: larger counts cannot be genuine.
 constexpr std::size_t kVerticesPerByte = 6;
 constexpr std::size_t kIndicesPerByte = 3;
 
@@ -65,7 +65,7 @@ Ordered in_wire_order(const ModelView& model) {
   const auto take = [&](const Primitive& p) {
     const auto at = out.indices.size();
     const auto from = model.mesh.indices.begin() + p.first_index;
-    // Whole triangles and lines only: a rest draws nothing.
+    // Only whole triangles and lines are kept: leftover indices draw nothing.
     const std::uint32_t corners = p.kind == PrimitiveKind::kTriangles ? 3
                                   : p.kind == PrimitiveKind::kLines   ? 2
                                                                       : 1;
@@ -83,19 +83,21 @@ Ordered in_wire_order(const ModelView& model) {
   return out;
 }
 
-/// Quantised vertices without doubles, in order of first use; `order.indices` then refer to them.
+/// Quantised vertices without duplicates, in order of first use; `order.indices` then refer to
+/// them.
 Bytes unique_vertices(const ModelView& model, const VertexLayout& layout, Ordered& order,
                       std::size_t& count) {
   const std::size_t stride = layout.stride();
   ByteWriter all;
   all.bytes.reserve(model.mesh.vertices.size() * stride);
   for (const Vertex& v : model.mesh.vertices) put_vertex(all, v, layout);
-  if (model.animation) {  // which refers to vertices by their index
+  if (model.animation) {  // it refers to vertices by index
     count = model.mesh.vertices.size();
     return std::move(all.bytes);
   }
   std::vector<std::uint32_t> remap(model.mesh.vertices.size());
-  // Without indices: those of lines and points need not come in threes.
+  // The remap works on vertices without indices, because those of lines and points need not come in
+  // threes.
   if (!remap.empty()) {
     count = meshopt_generateVertexRemap(remap.data(), nullptr, remap.size(), all.bytes.data(),
                                         remap.size(), stride);
@@ -117,7 +119,7 @@ Bytes unique_vertices(const ModelView& model, const VertexLayout& layout, Ordere
   Bytes out;
   out.reserve(joined.size());
   std::uint32_t next = 0;
-  for (std::uint32_t& i : order.indices) {  // what no index uses is left out here
+  for (std::uint32_t& i : order.indices) {  // drops vertices that no index uses
     if (place[i] == UINT32_MAX) {
       place[i] = next++;
       const auto from = joined.begin() + static_cast<std::ptrdiff_t>(i * stride);
@@ -241,7 +243,7 @@ Result<void> read_indices(ByteReader& r, const Header& h, Mesh& mesh) {
 }  // namespace
 
 double quantisation_error(const glm::vec3& box_min, const glm::vec3& box_max) {
-  // The float arithmetic on the way adds a few of its own last places.
+  // Float arithmetic on the way adds a few units in the last place.
   const double extent = glm::length(glm::dvec3(box_max) - glm::dvec3(box_min));
   const double reach = std::max(glm::length(glm::dvec3(box_min)), glm::length(glm::dvec3(box_max)));
   return 0.5 * extent / 65535.0 + 4e-7 * reach;

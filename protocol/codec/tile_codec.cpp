@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kLevel = 1;  // higher levels cost 3x the time for under 5 % of the bytes
 
-// Red and blue as differences from green: of a gray tile they are 0. `sign` -1 takes it away, 1
-// puts it back.
+// Replaces red and blue by their differences from green (`sign` -1) or restores them (1). In a gray
+// tile the differences are 0.
 void add_green(std::uint8_t* plane, std::size_t texels, int sign) {
   for (std::uint8_t* p = plane; p != plane + texels * 4; p += 4) {
     p[0] = static_cast<std::uint8_t>(p[0] + sign * p[1]);
@@ -47,7 +47,7 @@ void unpredict(std::uint8_t* plane, std::size_t width, std::size_t height, std::
 
 namespace {
 
-// Making a context takes longer than compressing a small tile with it.
+// Contexts are kept: making one takes longer than compressing a small tile with it.
 struct FreeContext {
   void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
   void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
@@ -84,10 +84,10 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// The planes of a tile in their order on the wire.
+// A plane of a tile; kPlanes lists all in wire order.
 struct PlaneShape {
   Bytes Tile::*plane;
-  std::uint8_t channel;  // the tile has it with this channel
+  std::uint8_t channel;  // the plane exists if the tile has this channel
   std::size_t bytes;     // per texel
 };
 constexpr PlaneShape kPlanes[] = {
@@ -95,14 +95,15 @@ constexpr PlaneShape kPlanes[] = {
     {&Tile::depth, kChannelDepth, 1},   {&Tile::shadow, kChannelShadow, 1},
     {&Tile::behind, kChannelBehind, 4}, {&Tile::behind_depth, kChannelBehind, 1},
 };
-constexpr std::size_t kLengthBytes = 4;  // of the colour image before it
+constexpr std::size_t kLengthBytes = 4;  // length of the colour image, which precedes it
 
-// What is sent of a plane without loss; of colours beside a lossy image the coverage alone.
+// Bytes per texel of a plane in the lossless part. Beside a lossy image, the colour plane is only
+// coverage.
 std::size_t bytes_per_texel(const PlaneShape& shape, TileCodec codec) {
   return shape.plane == &Tile::rgba && is_lossy(codec) ? 1 : shape.bytes;
 }
 
-// Colours as they are, which are differences from green on the wire.
+// True if the plane holds colours; on the wire they are differences from green.
 bool holds_colors(const PlaneShape& shape, TileCodec codec) {
   return shape.plane == &Tile::behind || (shape.plane == &Tile::rgba && !is_lossy(codec));
 }
@@ -123,7 +124,7 @@ Bytes coverage_of(const Bytes& rgba) {
   return alpha;
 }
 
-// The planes one after the other, made ready for a compressor unless `codec` has none.
+// Joins all planes, prepared for a compressor unless `codec` has none.
 Bytes lossless_planes(const Tile& tile, TileCodec codec) {
   Bytes planes;
   planes.reserve(all_plane_bytes(tile, codec));
@@ -142,7 +143,7 @@ Bytes lossless_planes(const Tile& tile, TileCodec codec) {
   return planes;
 }
 
-// Back, into the tile; of colours beside a lossy image the coverage.
+// The inverse of lossless_planes(): fills the tile. Beside a lossy image it fills only coverage.
 void take_planes(Bytes planes, TileCodec codec, Tile& tile) {
   auto at = planes.begin();
   for (const PlaneShape& shape : kPlanes) {

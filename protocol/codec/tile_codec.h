@@ -1,5 +1,5 @@
 #pragma once
-// Tile bytes. The codec is no part of the key: it is one form of the same tile.
+// Tiles as bytes. The codec is not part of the key: each codec gives another form of the same tile.
 
 #include <array>
 #include <cstdint>
@@ -13,46 +13,51 @@
 
 namespace mirage {
 
-/// The numbers are those on the wire (README.md of this folder).
+/// The values are those on the wire (README.md of this folder).
 enum class TileCodec : std::uint8_t { kRaw = 0, kZstd = 1, kWebp = 3 };
 inline constexpr std::array<TileCodec, 3> kTileCodecs = {TileCodec::kRaw, TileCodec::kZstd,
                                                          TileCodec::kWebp};
-inline constexpr std::size_t kCodecNumbers = 4;  ///< what is indexed by number has so many places
+inline constexpr std::size_t kCodecNumbers = 4;  ///< size of arrays indexed by codec
 
-/// A tile in the form that is made for a codec.
+/// Names the form of a tile in one codec.
 struct FormId {
   TileId id;
   TileCodec codec = TileCodec::kZstd;
   bool operator<(const FormId& o) const { return id == o.id ? codec < o.codec : id < o.id; }
 };
 
-/// In lower case, as on command lines; "unknown" for what is none.
+/// Returns the name in lower case, as on command lines; "unknown" for an invalid codec.
 const char* codec_name(TileCodec codec);
 std::optional<TileCodec> codec_from_name(const std::string& name);
-/// All of them, as a Hello lists them.
+/// Returns all codecs, as a Hello lists them.
 std::vector<std::uint8_t> every_codec();
-/// Colours come back within an error; coverage, depth, normals and shadows always as they were.
+/// True if colours come back with an error. Coverage, depth, normals and shadows are always exact.
 inline bool is_lossy(TileCodec codec) { return codec == TileCodec::kWebp; }
 
-/// Of colour, surface, depth and shadow the planes its channels name.
-/// `kZstd` takes green from red and blue, so that gray costs one channel (of the forest's colours
-/// 9 % of a tile), and predicts each byte from its left neighbour's channel, which makes smooth
-/// images smaller at almost no time.
-/// A lossy codec needs a tile with colour: an image of the colours divided by coverage, continued
-/// into what is empty (tile_color.h, color_codec.h), then alpha and the other planes as `kZstd`.
+/// Encodes the planes of colour, surface, depth and shadow that the tile's channels name.
+///
+/// `kZstd` subtracts green from red and blue, so that gray costs one channel (in the forest 9 % of
+/// a tile less). It then predicts each byte from the same channel of its left neighbour, which
+/// makes smooth images smaller at almost no time.
+///
+/// A lossy codec needs a tile with colour. It writes an image of the colours divided by coverage
+/// and continued into empty texels (tile_color.h, color_codec.h), then alpha and the other planes
+/// as `kZstd`.
 std::vector<std::uint8_t> encode_tile_planes(const Tile& tile, TileCodec codec);
-/// As `kRaw`, for who has no encoders.
+/// Returns the planes as `kRaw`, for programs without encoders.
 std::vector<std::uint8_t> raw_tile_planes(const Tile& tile);
 
-/// Fills the planes of `tile`, whose crop and channels say the exact size. Nothing is allocated
-/// before the sizes agree; a bomb cannot grow past the crop. Errors: kCodec.
+/// Fills the planes of `tile`, whose crop and channels give the exact size. Nothing is allocated
+/// before the sizes agree, so a decompression bomb cannot grow past the crop. Error kCodec.
 Result<void> decode_tile_planes(const std::uint8_t* bytes, std::size_t size, TileCodec codec,
                                 Tile& tile);
 
-/// 64-bit hash of all planes, for verification: of a lossy form, of what it decodes to.
+/// Returns a 64-bit hash of all planes, for verification. The hash of a lossy form is that of its
+/// decoded planes.
 std::uint64_t tile_content_hash(const Tile& tile);
 
-/// zstd of any block, for meshes and reference frames; decode is bounded by `expected_size`.
+/// Compresses any block with zstd, for meshes and reference frames. Decompression is bounded by
+/// `expected_size`.
 std::vector<std::uint8_t> compress_block(const std::uint8_t* bytes, std::size_t size);
 Result<std::vector<std::uint8_t>> decompress_block(const std::uint8_t* bytes, std::size_t size,
                                                    std::size_t expected_size);

@@ -7,7 +7,7 @@
 namespace mirage {
 namespace {
 
-constexpr int kEncodeSteps = 4096;  // finer than 1/255 of sRGB everywhere but in the darkest three
+constexpr int kEncodeSteps = 4096;  // finer than 1/255 of sRGB except in its darkest three values
 
 double linear_from_srgb(double s) {
   return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
@@ -26,9 +26,9 @@ struct Curves {
       srgb[i] = static_cast<std::uint8_t>(std::lround(255 * s));
     }
   }
-  // The byte whose light is `factor` times that of `byte`, at most white.
+  // The byte of `factor` times the light of `byte`, at most white.
   std::uint8_t scaled(std::uint8_t byte, float factor) const { return sum(0, byte, factor); }
-  // That of `byte` and `factor` times that of `other`.
+  // The byte of the light of `byte` plus `factor` times the light of `other`, at most white.
   std::uint8_t sum(std::uint8_t byte, std::uint8_t other, float factor) const {
     const float v = std::min(linear[byte] + linear[other] * factor, 1.0f);
     return srgb[static_cast<std::size_t>(v * kEncodeSteps + 0.5f)];
@@ -40,10 +40,10 @@ const Curves& curves() {
   return all;
 }
 
-// One level of the pyramid: mean colours of what is covered.
+// One level of the pyramid: mean colours of covered texels.
 struct Level {
   std::uint32_t w = 0, h = 0;
-  std::vector<std::uint8_t> texels;  // w x h x 4; the fourth byte 0: nothing there yet
+  std::vector<std::uint8_t> texels;  // w x h x 4; fourth byte 0: not filled yet
   std::uint8_t* at(std::uint32_t x, std::uint32_t y) {
     return &texels[(std::size_t{y} * w + x) * 4];
   }

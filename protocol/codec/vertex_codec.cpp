@@ -37,7 +37,7 @@ glm::vec3 from_octahedral(const glm::vec2& e) {
   return glm::normalize(v);
 }
 
-// The nearest of the four codes around the exact place: rounding alone is up to twice as far off.
+// Tries the four codes around the exact place, because plain rounding can be twice as far off.
 std::array<std::uint16_t, 2> encode_direction(const glm::vec3& v) {
   const glm::vec2 exact = (octahedral(v) * 0.5f + 0.5f) * kSteps10;
   std::array<std::uint16_t, 2> best{};
@@ -45,7 +45,8 @@ std::array<std::uint16_t, 2> encode_direction(const glm::vec3& v) {
   for (int k = 0; k < 4; ++k) {
     const glm::vec2 code =
         glm::clamp(glm::floor(exact) + glm::vec2(k & 1, k >> 1), glm::vec2(0), glm::vec2(kSteps10));
-    // By the difference: near 1 a float's cosine does not tell a thousandth of a radian.
+    // The difference vector is compared: near 1, a float's cosine cannot resolve a thousandth of a
+    // radian.
     const glm::vec3 off = from_octahedral(code / kSteps10 * 2.0f - 1.0f) - v;
     const float off2 = glm::dot(off, off);
     if (off2 >= least) continue;
@@ -67,7 +68,7 @@ void put_vertex(ByteWriter& w, const Vertex& v, const VertexLayout& layout) {
     w.put(quantise(v.position[c], layout.position.low[c], layout.position.size[c]));
   }
   for (const std::uint16_t part : encode_direction(v.normal)) w.put(part);
-  w.put(std::uint16_t{0});  // meshoptimizer takes vertices of a multiple of 4 bytes
+  w.put(std::uint16_t{0});  // meshoptimizer needs a vertex size that is a multiple of 4 bytes
   if (layout.streams & kTangent) {
     const auto t = encode_direction(glm::vec3(v.tangent));
     w.put(t[0]);

@@ -1,6 +1,6 @@
 #pragma once
-// Vertices as they travel: positions and texture coordinates in 16 bits over their range, normals
-// and tangents octahedral, colours as square roots in 8 bits.
+// Vertices on the wire: positions and texture coordinates in 16 bits over their range, normals and
+// tangents octahedral, colours as square roots in 8 bits.
 
 #include <cstdint>
 
@@ -9,13 +9,13 @@
 
 namespace mirage {
 
-// Streams beyond position and normal.
+// Bits of the streams beyond position and normal.
 enum StreamBit : std::uint32_t { kTangent = 1, kUv0 = 2, kUv1 = 4, kColor = 8, kAllStreams = 15 };
 
-/// Steps of a 16-bit value over its range.
+/// Number of steps of a 16-bit value over its range.
 constexpr float kVertexSteps = 65535.0f;
 
-/// What 16-bit values span.
+/// Range that 16-bit values span.
 template <typename V>
 struct Range {
   V low{0};
@@ -41,7 +41,7 @@ struct VertexLayout {
 
 /// Appends `layout.stride()` bytes.
 void put_vertex(ByteWriter& w, const Vertex& v, const VertexLayout& layout);
-/// Reads `layout.stride()` bytes; what is missing reads as zeros (see ByteReader).
+/// Reads `layout.stride()` bytes; missing ones read as zeros (see ByteReader).
 Vertex get_vertex(ByteReader& r, const VertexLayout& layout);
 
 }  // namespace mirage

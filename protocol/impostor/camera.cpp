@@ -11,7 +11,7 @@ namespace mirage {
 void Camera::fit_depth_range(const glm::dvec3& scene_center, double scene_radius) {
   const double reach = glm::length(scene_center - pose.eye) + scene_radius;
   far_m = (reach > 0 ? reach : 1e-6) * 1.01;
-  // Not below what float holds, however small the scene is.
+  // The near plane stays within the range of float for any scene size.
   near_m = std::max(far_m * 2e-13, std::min(far_m * 2e-4, 1e-36));
 }
 
@@ -38,7 +38,7 @@ glm::mat4 Camera::clip_from_relative(DepthMapping mapping) const {
     clip_from_view[2][2] = 0;
     clip_from_view[3][2] = near_m;
   }
-  // Added to x / w and y / w: w is minus the view's z.
+  // The shift adds to x / w and y / w, and w is minus the view's z.
   clip_from_view[2][0] -= 2 * shift_px.x / width;
   clip_from_view[2][1] -= 2 * shift_px.y / height;
   const glm::dmat4 view_from_relative =

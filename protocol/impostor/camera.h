@@ -13,9 +13,9 @@ struct Pose {
   glm::quat rotation{1, 0, 0, 0};  ///< world_from_camera; the camera looks along its -z
 };
 
-/// How eye depth z becomes window depth. Reversed: near / z, without a far end, whose rounding in a
-/// float is the same share of z everywhere (numerics.md section 3); it takes glClipControl. Forward
-/// is what GLES has.
+/// Mapping of eye depth z to window depth. Reversed is near / z without a far plane: in a float its
+/// rounding is the same fraction of z everywhere (numerics.md section 3). It needs glClipControl.
+/// Forward is the mapping of GLES.
 enum class DepthMapping : std::uint8_t { kForward, kReversed };
 
 struct Camera {
@@ -25,33 +25,35 @@ struct Camera {
   std::uint32_t height = 360;         ///< px
   double near_m = 0.05;
   double far_m = 4000;
-  glm::dvec2 shift_px{0};  ///< of all that is drawn, right and up; planning knows nothing of it
+  glm::dvec2 shift_px{0};  ///< shifts the whole picture right and up; planning ignores it
 
-  /// Near and far around a scene's bounding sphere, the same on both ends: 5e12 apart.
+  /// Sets near and far around a scene's bounding sphere, a ratio of 5e12; both ends do the same.
   void fit_depth_range(const glm::dvec3& scene_center, double scene_radius);
   double focal_px() const;
   glm::dvec3 forward() const;
   glm::dvec3 right() const;
   glm::dvec3 up() const;
-  /// clip_from_view * view_from_eye-relative world: multiply with (world - eye).
+  /// Returns clip_from_view * view_from_relative: multiply it with (world - eye).
   glm::mat4 clip_from_relative(DepthMapping mapping = DepthMapping::kForward) const;
-  /// Where the near plane is: forward depth cannot have it nearer than far / 5,000.
+  /// Returns the near distance, m. Forward depth allows none below far / 5,000.
   double near_for(DepthMapping mapping) const;
-  /// (x, y) so that window depth = x + y / eye depth.
+  /// Returns (x, y) such that window depth = x + y / eye depth.
   glm::dvec2 window_depth(DepthMapping mapping) const;
-  /// Pixel of a point given relative to the eye (y down, pixel centres at +0.5); depth in z.
+  /// Returns the pixel of a point relative to the eye (y down, pixel centres at +0.5), and its eye
+  /// depth in z.
   glm::dvec3 pixel_from_relative(const glm::dvec3& relative) const;
 };
 
-/// The side planes of a camera's view grown by `guard` radians, to be asked many times.
+/// Side planes of a camera's view, widened by `guard` radians; computed once for many tests.
 class Frustum {
  public:
   explicit Frustum(const Camera& camera, double guard = 0);
-  /// Whether a sphere (centre relative to the eye) can touch it.
+  /// True if a sphere (centre relative to the eye) may touch the view.
   bool may_see(const glm::dvec3& center, double radius) const;
 
  private:
-  /// A pair of planes whose normals lean from the axis; no plane from a right angle on.
+  /// A pair of planes whose normals lean away from the axis. There is no plane at half angles of 90
+  /// degrees and more.
   struct Side {
     bool open = false;
     double cosine = 1, sine = 0;
@@ -62,7 +64,7 @@ class Frustum {
   Side across_, along_;
 };
 
-/// Looks from `eye` at `target`, world up +Y where that is possible.
+/// Returns the pose at `eye` that looks at `target`, with world +Y up where possible.
 Pose look_at(const glm::dvec3& eye, const glm::dvec3& target);
 
 }  // namespace mirage

@@ -1,7 +1,7 @@
 #pragma once
-// The capture camera of a tile (TECHNIQUES row 17): at the key's distance on the view cell's axis,
-// looking at the object's centre, its window around the bounding sphere. Both ends derive it from
-// the key, so it never travels.
+// The capture camera of a tile (TECHNIQUES row 17). It stands at the key's distance on the view
+// cell's axis and looks at the object's centre; its window encloses the bounding sphere. Both ends
+// derive it from the key, so it never travels.
 
 #include <glm/glm.hpp>
 
@@ -19,7 +19,7 @@ struct Capture {
   double distance = 0;      ///< Dc
   double half_tangent = 0;  ///< half the window, at depth 1
   std::uint32_t edge = 0;
-  int view_level = 0;  ///< of the view cell: how far the eye may be from the axis
+  int view_level = 0;  ///< level of the view cell: how far the eye may be off axis
 
   Capture() = default;
   Capture(const ViewCell& cell, const DistanceBucket& bucket, double radius_in,
@@ -32,7 +32,8 @@ struct Capture {
         view_level(cell.level) {}
 
   glm::dvec3 eye() const { return basis.forward * -distance; }
-  /// With the window of `crop`, grown by half a texel: bilinear filtering reaches that far.
+  /// Returns the geometry with the window of `crop`, grown by half a texel because bilinear
+  /// filtering reaches that far.
   CaptureGeometry geometry(const TileCrop& crop) const {
     const double step = 2.0 * half_tangent / edge;
     const glm::dvec2 low(crop.x - 0.5, edge - (crop.y + crop.h + 0.5));
@@ -45,21 +46,21 @@ struct Capture {
             (low + size) * step - half_tangent};
   }
   CaptureGeometry geometry() const { return {-basis.forward, distance, {}, {}, {}, {}}; }
-  /// Depth of `p` along the capture axis.
+  /// Returns the depth of `p` along the capture axis.
   double depth(const glm::dvec3& p) const { return distance + glm::dot(p, basis.forward); }
-  /// Tile coordinates in texels, (0,0) the outer corner of the top left texel.
+  /// Returns tile coordinates in texels; (0,0) is the outer corner of the top left texel.
   glm::dvec2 texel_from_point(const glm::dvec3& p) const {
     const double scale = 0.5 * edge / (depth(p) * half_tangent);
     return {0.5 * edge + glm::dot(p, basis.right) * scale,
             0.5 * edge - glm::dot(p, basis.up) * scale};
   }
-  /// Point at capture depth `z` on the ray through tile coordinate `t`.
+  /// Returns the point at capture depth `z` on the ray through tile coordinate `t`.
   glm::dvec3 point_from_texel(const glm::dvec2& t, double z) const {
     const double x = (t.x / edge * 2.0 - 1.0) * half_tangent * z;
     const double y = (1.0 - t.y / edge * 2.0) * half_tangent * z;
     return basis.right * x + basis.up * y + basis.forward * (z - distance);
   }
-  /// Width of one texel at depth z.
+  /// Returns the width of a texel at depth z, object units.
   double texel_width(double z) const { return 2.0 * half_tangent * z / edge; }
 };
 

@@ -37,7 +37,7 @@ struct Corners {
   double sideways = 0;     // |n x (u x B)|
 };
 
-// Extremes over the content's window; an unknown n takes nothing away from |u x B|.
+// Extremes over the window of the content. Without a known n, the whole |u x B| counts.
 Corners window_corners(const ViewGeometry& view, const CaptureGeometry& capture,
                        const glm::dvec3& baseline) {
   glm::dvec3 right = capture.right, up = capture.up;
@@ -64,8 +64,8 @@ Corners window_corners(const ViewGeometry& view, const CaptureGeometry& capture,
   return out;
 }
 
-// Least eye depth over capture depth of points in the range: from the window, or from the sphere
-// whose nearest point has eye depth `nearest`.
+// Least ratio of eye depth to capture depth over points of the range. It comes from the window, or
+// from the sphere, whose nearest point has eye depth `nearest`.
 double least_ratio(double g, double least_ahead, double low, double high, double nearest) {
   return std::max(std::min(g / low, g / high) + least_ahead, nearest / high);
 }
@@ -79,7 +79,7 @@ double position_bound_px(const ViewGeometry& view, const CaptureGeometry& captur
   const double near_drawn = view.center_depth - drawn.q;
   const bool outside = distance >= limits::kMinCaptureRadii * view.radius &&
                        dc >= limits::kMinCaptureRadii * view.radius * (1 - 1e-9);
-  // Where the drawn points are known to lie, the window tells how near the eye they come.
+  // If the depth range of the drawn points is known, the window tells how near the eye they come.
   const bool placed = drawn.drawn_max > 0;
   if (!outside || !(near_surface > 0) || !(placed || near_drawn > 0)) return kInfinity;
   if (!std::isfinite(near_surface) || !std::isfinite(near_drawn)) return kInfinity;
@@ -93,7 +93,7 @@ double position_bound_px(const ViewGeometry& view, const CaptureGeometry& captur
     return kInfinity;  // min and max below would swallow a NaN
   }
   const Corners corners = window_corners(view, capture, baseline);
-  // An unknown n leaves only the spheres.
+  // Without a known n, only the spheres bound the depths.
   const bool known = view.forward != glm::dvec3(0);
   const double g = known ? -glm::dot(view.forward, baseline) : 0.0;
   const double ahead = known ? corners.least_ahead : -kInfinity;
@@ -109,7 +109,7 @@ double motion_bound_px(const ViewGeometry& view, double travel) {
   const double distance = glm::length(view.eye);
   const double near_surface = view.center_depth - view.radius;
   if (!(near_surface > 0) || !(distance > view.radius)) return kInfinity;
-  // Angles by atan2 of both sides: acos and asin lose half their digits near the axis and the rim.
+  // Both angles use atan2: acos and asin lose half their digits near the axis and the rim.
   const double aside = tangent_length(distance, std::clamp(view.center_depth, -distance, distance));
   const double off_axis = std::atan2(aside, view.center_depth) +
                           std::atan2(view.radius, tangent_length(distance, view.radius));
@@ -122,7 +122,7 @@ double point_error_px(double focal_px, const glm::dvec3& p, const glm::dvec3& q,
                       const glm::dvec3& forward, const glm::dvec3& right, const glm::dvec3& up) {
   const double zp = glm::dot(p, forward), zq = glm::dot(q, forward);
   if (!(zp > 0) || !(zq > 0)) return kInfinity;
-  // The difference is formed before the projection: p and q are close, their images closer.
+  // Subtracting before projecting keeps digits: p and q are close, and their images are closer.
   const glm::dvec3 d = q - p;
   const double dz = zq - zp;
   const double dx = (glm::dot(d, right) * zp - glm::dot(p, right) * dz) / (zp * zq);
@@ -133,8 +133,8 @@ double point_error_px(double focal_px, const glm::dvec3& p, const glm::dvec3& q,
 double texel_size_px(const ViewGeometry& view, const CaptureGeometry& capture, double texels) {
   const double near_surface = view.center_depth - view.radius;
   if (!(near_surface > 0) || !(texels > 0)) return kInfinity;
-  // A texel's width at the object's centre, seen at the depth of the centre: content sits around
-  // it.
+  // The width of a texel at the object's centre, seen at the depth of the centre, because the
+  // content lies around it.
   const double width = 2.0 * tan_cone(view.radius, capture.distance) * capture.distance / texels;
   return view.focal_px * width / view.center_depth;
 }

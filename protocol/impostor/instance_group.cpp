@@ -44,16 +44,17 @@ ObjectDescription group_description(const GroupBounds& bounds) {
     out.hull.vertices.push_back(
         bounds.half * glm::vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1));
   }
-  // Counter-clockwise from outside; corner bits are x, y, z.
+  // Triangles are counter-clockwise from outside; the bits of a corner's index are x, y, z.
   out.hull.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
                       2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
   out.hull.parallax.assign(out.hull.vertices.size(), 0.0f);
   return out;
 }
 
-// An image lasts while the eye stays within path = 1.6 tau (d - r)^2 / (f s r), where the depth
-// share s is gap / clamp(hole share * f r / d, 1, 8) for tau up to 1 px and larger tau only make it
-// last longer. Solved for d with s taken at its two ends and, between them, as it is.
+// An image lasts while the eye stays within path = 1.6 tau (d - r)^2 / (f s r). The depth share s
+// is gap / clamp(hole share * f r / d, 1, 8) for tau up to 1 px; a larger tau only makes it last
+// longer. The result solves this for d with s at both ends of the clamp, and with s as it is
+// between them.
 double open_distance(const OpenRule& rule, double radius) {
   const double r = radius;
   const double k =

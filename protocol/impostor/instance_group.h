@@ -1,6 +1,6 @@
 #pragma once
-// Impostor groups: all instances of a spatial cell as one object, for far views. Groups nest; a
-// scene is told to clients group by group, as their views need the members.
+// Impostor groups: all instances of a spatial cell drawn as one object in far views. Groups nest.
+// Clients are told a scene group by group, as their views need the members.
 
 #include <cstdint>
 
@@ -10,57 +10,58 @@
 namespace mirage {
 
 inline constexpr std::uint32_t kNoGroup = 0xffffffffu;
-/// A group never stands for its members nearer than this many of its radii.
+/// A group is never drawn in place of its members nearer than this many of its radii.
 inline constexpr double kGroupRadii = 4;
-/// Nearer than this many of its radii, an instance that is cut is shown as its parts, unless it is
+/// Nearer than this many of its radii, a cut instance is shown as its parts, unless it is drawn as
 /// geometry.
 inline constexpr double kPartRadii = 1.5;
-/// A group stands for its members where its image is expected to last this long.
+/// A group is drawn in place of its members if its image is expected to last this long, seconds.
 inline constexpr double kGroupLifeS = 3;
 
-/// What either end needs to know of a group to draw it, ask for it and bound its error. As an
-/// instance it sits at `center` without rotation or scale; its object space is the world around
-/// that point.
+/// The facts that both ends need to draw a group, ask for it and bound its error. As an instance it
+/// sits at `center` without rotation or scale; its object space is the world around that point.
 struct GroupBounds {
   glm::dvec3 center{0};     ///< world, m
-  glm::vec3 half{0};        ///< of the box around its members, m
+  glm::vec3 half{0};        ///< half extents of the box around its members, m
   glm::vec3 mean_color{0};  ///< linear, in steps of 1/255
-  NeedMask needs = 0;       ///< of all members
+  NeedMask needs = 0;       ///< union over all members
 
-  /// Of a box in the world, m; rounded up, so that what is in it is inside in float as well.
+  /// Returns the bounds of a world box (m), rounded up so that its content stays inside in float
+  /// arithmetic.
   static GroupBounds around(const glm::dvec3& low, const glm::dvec3& high);
-  /// Clamps to 0..1 and rounds to what travels.
+  /// Clamps to 0..1 and rounds to the steps sent on the wire.
   void set_mean_color(const glm::vec3& linear);
 };
 
-/// The group as an object: its box is its hull. A pure function, so that both ends have the same.
+/// Returns the group as an object; its box is its hull. A pure function, so both ends get the same.
 ObjectDescription group_description(const GroupBounds& bounds);
 
-// The planning defaults that decide how long an image lasts before a tile has told.
+// Planning defaults for how long an image lasts, used before a tile has been measured.
 inline constexpr double kTypicalGap = 0.6;  ///< deepest step in an object's depth, radii
-/// A disocclusion may be as wide as this share of the projected radius; less below a tau of 1 px.
+/// Width that a disocclusion may have, as a share of the projected radius; less below a tau of 1
+/// px.
 inline constexpr double kHoleShare = 0.15;
-/// Disocclusions may be at most this many times as wide as a position error (numerics.md: the real
-/// knob once there is depth).
+/// Largest allowed ratio of disocclusion width to position error (numerics.md: the knob that counts
+/// once tiles have depth).
 inline constexpr double kHoleTolerance = 8;
 inline constexpr double kLeadShare =
-    0.6;  ///< of the allowed baseline: how far a capture lies ahead
+    0.6;  ///< how far ahead a capture lies, as a share of the allowed baseline
 
-/// How near a viewer has to be to need the members of a group.
+/// Inputs of the rule for how near a viewer must be to need the members of a group.
 struct OpenRule {
   double focal_px = 1000;
   double tau_px = 1;
   double speed_mps = 1.4;
-  double margin = 1;  ///< factor on the distance, >= 1, for what comes next
+  double margin = 1;  ///< factor >= 1 on the distance, to open groups ahead of need
 };
-/// Distance from the eye to the centre of a group of this radius below which its members are
-/// needed, m: where no image of it lasts kGroupLifeS (the selector's test, solved for the distance
-/// and rounded up).
+/// Returns the distance in m from the eye to a group's centre below which its members are needed:
+/// there no image of the group lasts kGroupLifeS. It is the selector's test, solved for the
+/// distance and rounded up.
 double open_distance(const OpenRule& rule, double radius);
 
-/// Factor on the error an instance may show: 2 for scenery, 1/2 for what is important, else 1. No
-/// more than that: the baseline a tile allows grows with its error, so either way the tiles
-/// an object needs change by a factor of two along a path, and a bound stays one of a few pixels.
+/// Returns the factor on the error an instance may show: 2 for scenery, 1/2 for important
+/// instances, else 1. The allowed baseline grows with the error, so these factors change the tiles
+/// an object needs along a path by two at most. Bounds stay within a few pixels.
 double tolerance(Importance importance);
 
 }  // namespace mirage

@@ -27,7 +27,7 @@ glm::vec3 irradiance_over_pi(const LightProbe& probe, const glm::vec3& n) {
 }
 
 glm::dvec3 probe_direction(double u, double v) {
-  // Past an edge the map goes on at the mirrored place of the same edge.
+  // Beyond an edge, the map continues at the mirrored place of the same edge.
   if (u < 0 || u > 1) {
     u = u < 0 ? -u : 2 - u;
     v = 1 - v;

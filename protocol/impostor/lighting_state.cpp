@@ -12,7 +12,7 @@
 namespace mirage {
 namespace {
 
-// -0 and 0 are one key.
+// -0 becomes 0, so that both give one key.
 float positive_zero(float v) { return v == 0.0f ? 0.0f : v; }
 
 float quantise(double v, double step) {
@@ -41,7 +41,8 @@ LightWords words(const ObjectLight& l) {
           l.cos_outer};
 }
 
-// A rotation has two quaternions: the one with w >= 0, or where that is 0 the first of the others.
+// Two quaternions give the same rotation. This picks the one with w >= 0; if w is 0, the sign of
+// the next non-zero component decides.
 glm::dquat canonical(const glm::dquat& q) {
   for (const double v : {q.w, q.x, q.y, q.z}) {
     if (v != 0) return v < 0 ? -q : q;
@@ -49,7 +50,8 @@ glm::dquat canonical(const glm::dquat& q) {
   return {1, 0, 0, 0};
 }
 
-// The probe as an object turned by `rotation` sees it; one that adds nothing is none.
+// Turns the probe into an object's space, by the object's `rotation`. A probe that adds nothing
+// becomes empty.
 ProbeLight to_object_space(const ProbeLight& probe, const glm::quat& rotation) {
   if (!probe.shines()) return {};
   const glm::dquat seen =
@@ -86,7 +88,7 @@ ObjectLight to_object_space(const Light& light, const Similarity& m, double radi
     const double scale = m.scale;
     const glm::dvec3 position = inverse * (light.position - m.position) / scale;
     out.position = quantise(position, radius > 0 ? radius / 256.0 : 1e-6);
-    // Falloff is with the squared world distance: the object unit is `scale` metres.
+    // Light falls off with the squared world distance, and an object unit is `scale` metres.
     out.color = glm::vec3(glm::dvec3(light.color) / (scale * scale));
     out.range = static_cast<float>(light.range / scale);
   }
@@ -102,9 +104,8 @@ bool out_of_range(const ObjectLight& light, const glm::vec3& center, float radiu
   return glm::length(light.position - center) > light.range + radius;
 }
 
-// Whether no point of the sphere lies inside the outer cone: the sphere is seen from the light
-// under the half angle asin(r / d) about its centre. The margin is for rounding, here and in the
-// shader.
+// True if no point of the sphere lies inside the outer cone. From the light, the sphere covers the
+// half angle asin(r / d) about its centre. The margin allows for rounding here and in the shader.
 bool out_of_cone(const ObjectLight& light, const glm::vec3& center, float radius) {
   if (light.kind != LightKind::kSpot) return false;
   const glm::dvec3 to_center = glm::dvec3(center) - glm::dvec3(light.position);
@@ -125,7 +126,7 @@ std::vector<float> ObjectLighting::canonical() const {
     for (const float word : words(light)) bytes.push_back(positive_zero(word));
   }
   if (probe.shines()) {
-    for (int i = 0; i < 64; i += 16) {  // a float holds 16 bits of it exactly
+    for (int i = 0; i < 64; i += 16) {  // a float holds 16 bits of the id exactly
       bytes.push_back(static_cast<float>((probe.id >> i) & 0xffffu));
     }
     const glm::quat& q = probe.rotation;
@@ -229,7 +230,7 @@ ObjectLighting whole_object_lighting(const Lighting& lighting, const Similarity&
   out.probe = to_object_space(lighting.probe, world_from_object.rotation);
   for (const Light& light : lighting.lights) {
     const ObjectLight object_light = to_object_space(light, world_from_object, radius);
-    // A tiny scale can carry a light beyond float: it is then as good as absent.
+    // A tiny scale can move a light beyond the range of float. Such a light is dropped.
     const LightWords w = words(object_light);
     const bool finite = std::all_of(w.begin(), w.end(), [](float v) { return std::isfinite(v); });
     if (finite) out.lights.push_back(object_light);

@@ -1,6 +1,6 @@
 #pragma once
-// Lighting state of one object: the scene's lights in object space, made canonical so that equal
-// light gives an equal key and an equal picture.
+// Lighting state of one object: the scene's lights in object space, in canonical form, so that
+// equal light gives an equal key and an equal picture.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -23,43 +23,43 @@ struct ObjectLight {
   float cos_outer = 0;
 };
 
-/// What a tile's shading depends on. `lights` is sorted, quantised, free of lights that add
-/// nothing.
+/// The light that a tile's shading depends on. `lights` is sorted, quantised, and free of lights
+/// that add nothing.
 struct ObjectLighting {
   glm::vec3 ambient{0};
   std::vector<ObjectLight> lights;
-  ProbeLight probe;  ///< turned as the object sees it
+  ProbeLight probe;  ///< turned into object space
 
-  /// What it is, as values in a fixed order: equal for lightings that shade equally.
+  /// Returns the values in a fixed order. Lightings that shade equally give equal values.
   std::vector<float> canonical() const;
-  /// 64-bit hash of these.
+  /// Returns a 64-bit hash of canonical().
   std::uint64_t hash() const;
 };
 
-/// Checks a lighting state from outside: finite, non-negative colours, unit directions (made unit),
-/// at most limits::kMaxLights lights, a probe that is turned and not stretched. Error kWireValue
+/// Checks a lighting state from outside: colours finite and non-negative, directions unit (they are
+/// normalised), at most limits::kMaxLights lights, a probe with a pure rotation. Error kWireValue
 /// names the light.
 Result<Lighting> checked_lighting(Lighting lighting);
 
-/// Equal in every value.
+/// True if all values are equal.
 bool same_lighting(const Lighting& a, const Lighting& b);
 
-/// A lighting as it stands in the world, as values in a fixed order, without its black lights.
+/// Returns a lighting in world space as values in a fixed order, without its black lights.
 std::vector<double> canonical_values(const Lighting& lighting);
 
-/// 64-bit hash of these; of a lighting as it stands in the world: a shadow tile is
-/// made for one place, where what the object sees is not enough.
+/// Returns a 64-bit hash of canonical_values(). Shadow tiles use it: each is made for one place in
+/// the world, so light in object space is not enough.
 std::uint64_t lighting_hash(const Lighting& lighting);
 
-/// The scene's lighting as the object of `instance` sees it. Black lights and lights whose range
-/// or cone does not reach the bounding sphere (centre, radius in object space) are left out;
-/// directions and the probe's rotation are quantised to 1/4096, positions to radius/256, so small
-/// motions keep the key; the values used for shading are the quantised ones.
+/// Returns the scene's lighting as the object of `instance` sees it. Black lights, and lights whose
+/// range or cone misses the bounding sphere (centre, radius in object space), are left out.
+/// Directions and the probe's rotation are quantised to 1/4096, positions to radius/256, so that
+/// small motions keep the key. Shading uses the quantised values.
 ObjectLighting object_lighting(const Lighting& lighting, const Similarity& world_from_object,
                                const glm::vec3& center, float radius);
 
-/// The same with every light of it, also those that add nothing: what object_lighting() leaves out
-/// is what the two differ in.
+/// Returns the lighting with every light, including those that add nothing. Comparing it with
+/// object_lighting() shows what that leaves out.
 ObjectLighting whole_object_lighting(const Lighting& lighting, const Similarity& world_from_object,
                                      float radius);
 

@@ -47,7 +47,7 @@ double ray_entry(const std::vector<Plane>& planes, const glm::dvec3& origin,
 }
 
 float box_parallax(const ObjectDescription& object) {
-  // Towards a corner the ellipsoid reaches 1 / sqrt(3) of the half diagonal.
+  // The ellipsoid reaches, towards a corner, 1 / sqrt(3) of the half diagonal.
   constexpr float kLeft = 1.0f - 0.57735027f;
   return kLeft * 0.5f * glm::length(object.box_max - object.box_min);
 }

@@ -1,5 +1,6 @@
 #pragma once
-// An object as the client knows it before any tile: bounds and the proxies tiles are drawn on.
+// An object as the client knows it before any tile: its bounds, and the proxies that tiles are
+// drawn on.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -19,7 +20,7 @@ struct Plane {
 struct ConvexHull {
   std::vector<glm::vec3> vertices;    ///< object space
   std::vector<std::uint8_t> indices;  ///< triangles, counter-clockwise from outside
-  /// Per vertex, object units: how far behind it the mesh begins (TECHNIQUES row 15).
+  /// Per vertex, object units: distance from the vertex back to the mesh (TECHNIQUES row 15).
   std::vector<float> parallax;
   std::vector<Plane> planes() const;
 };
@@ -35,27 +36,27 @@ struct ObjectDescription {
   std::uint32_t triangles = 0;
   std::vector<LodInfo> lods;  ///< finest first; at least one when there is geometry
   MotionProfile motion;       ///< bounds and hull enclose every pose
-  bool surrounds = false;     ///< large scenery that exists once: geometry from the start
-  bool group = false;         ///< all instances of a spatial cell, for far views
-  bool part = false;          ///< such a part; it is no group
-  bool cut = false;           ///< its one instance may be shown as parts, to an eye close to it
+  bool surrounds = false;     ///< large scenery that exists once: drawn as geometry from the start
+  bool group = false;         ///< stands for all instances of a spatial cell, for far views
+  bool part = false;          ///< one part of a cut instance; it is no group
+  bool cut = false;           ///< its only instance may be shown as parts to a close eye
 
-  /// It throws a shadow. What moves does not: where it is when, no key says.
+  /// True if it casts a shadow. Moving objects do not: no key says where they are at which time.
   bool casts() const { return (needs & kNeedShadowPass) && radius > 0 && !motion.moving(); }
 };
 
-/// How far behind a corner of the box the ellipsoid that touches all its faces begins: the parallax
-/// factor of an object without a hull.
+/// Returns the distance from a corner of the box back to the ellipsoid that touches all its faces.
+/// It is the parallax factor of an object without a hull.
 float box_parallax(const ObjectDescription& object);
 
-/// The six planes of a box.
+/// Returns the six planes of a box.
 std::vector<Plane> box_planes(const glm::vec3& box_min, const glm::vec3& box_max);
 
-/// Where the ray origin + t * direction enters the convex body; negative when it misses.
+/// Returns t where the ray origin + t * direction enters the convex body; negative if it misses.
 double ray_entry(const std::vector<Plane>& planes, const glm::dvec3& origin,
                  const glm::dvec3& direction);
 
-/// Largest distance of a hull vertex or box corner from the centre: the q of the bound.
+/// Returns the largest distance of a hull vertex or box corner from the centre: the q of the bound.
 double hull_extent(const ObjectDescription& object);
 double box_extent(const ObjectDescription& object);
 

@@ -25,7 +25,7 @@ SunFrame::SunFrame(const glm::vec3& direction, const glm::dvec3& center_in, doub
       center(center_in),
       radius(radius_in),
       edge(edge_in) {
-  // Duff et al. 2017: a basis without a pole.
+  // Duff et al. 2017: a basis without a singular direction.
   const glm::dvec3 n = -forward;
   const double sign = std::copysign(1.0, n.z);
   const double a = -1.0 / (sign + n.z), b = n.x * n.y * a;

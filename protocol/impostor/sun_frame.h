@@ -1,5 +1,5 @@
 #pragma once
-// The sun's own view of a scene: what a shadow map is drawn and read with. Both ends use it.
+// The sun's view of a scene. Shadow maps are drawn and read with it, at both ends.
 
 #include <glm/glm.hpp>
 
@@ -7,15 +7,15 @@
 
 namespace mirage {
 
-/// The light that casts shadows: the strongest directional one (luminance), of equals the first;
-/// nullptr when there is none.
+/// Returns the light that casts shadows: the directional light with the largest luminance, the
+/// first of equals; nullptr if there is none.
 const Light* sun_of(const Lighting& lighting);
 
-/// Orthographic view along the light of a sphere, `edge` texels a side. It depends on nothing else,
-/// so a map of it is the same for every camera.
+/// Orthographic view of a sphere along the light, `edge` texels a side. It depends on nothing else,
+/// so every camera uses the same map.
 struct SunFrame {
   glm::dvec3 right{1, 0, 0}, up{0, 1, 0};  ///< world, unit
-  glm::dvec3 forward{0, 0, -1};            ///< the way the light travels
+  glm::dvec3 forward{0, 0, -1};            ///< direction in which the light travels
   glm::dvec3 center{0};                    ///< world, m
   double radius = 1;                       ///< m
   int edge = 1;
@@ -24,13 +24,15 @@ struct SunFrame {
   SunFrame(const glm::vec3& direction, const glm::dvec3& center, double radius, int edge);
 
   double texel_m() const { return 2 * radius / edge; }
-  /// From positions relative to `eye` (world axes, m) to clip space, for drawing casters.
+  /// Returns the matrix from positions relative to `eye` (world axes, m) to clip space, for drawing
+  /// casters.
   glm::mat4 clip_from_relative(const glm::dvec3& eye) const;
-  /// The same to 0..1 in all three axes, for reading the map.
+  /// Returns the matrix from such positions to 0..1 in all three axes, for reading the map.
   glm::mat4 map_from_relative(const glm::dvec3& eye) const;
 };
 
-/// Texels a side of a shadow map. Its depth is 16 bits: a sixteenth of a texel, whatever the scene.
+/// Texels a side of a shadow map. Its depth has 16 bits, which is a sixteenth of a texel in any
+/// scene.
 inline constexpr int kShadowMapEdge = 4096;
 
 }  // namespace mirage

@@ -9,7 +9,7 @@
 
 namespace mirage {
 
-/// Channels of a tile, as bits.
+/// Bits that name the channels of a tile.
 enum TileChannel : std::uint8_t {
   kChannelColor = 1,
   kChannelDepth = 2,
@@ -19,14 +19,16 @@ enum TileChannel : std::uint8_t {
   kChannelBehind = 32,
 };
 
-/// The two kinds of picture: shaded by the server for one lighting, or by the client for any.
+/// The two kinds of picture: shaded by the server for one lighting, or by the client for any
+/// lighting.
 inline constexpr std::uint8_t kLitTile = kChannelColor | kChannelDepth;
 inline constexpr std::uint8_t kRelitTile = kLitTile | kChannelNormal | kChannelMaterial;
-/// A lit tile in two layers: its front, and what that hides. For objects that are layered().
+/// A lit tile in two layers: its front, and the surface hidden behind it. For objects that are
+/// layered().
 inline constexpr std::uint8_t kLayeredTile = kLitTile | kChannelBehind;
-/// What the sun's shadows take away from one instance under one light (TECHNIQUES row 7).
+/// The light that the sun's shadows leave on one instance under one lighting (TECHNIQUES row 7).
 inline constexpr std::uint8_t kShadowTile = kChannelShadow;
-/// The shape of an object alone, to be drawn into a shadow map.
+/// The shape of an object alone, for drawing into a shadow map.
 inline constexpr std::uint8_t kCasterTile = kChannelDepth;
 inline bool is_lit(std::uint8_t c) { return c == kLitTile || c == kLayeredTile; }
 inline bool is_picture(std::uint8_t c) { return is_lit(c) || c == kRelitTile; }
@@ -40,12 +42,12 @@ struct TileKey {
   ViewCell cell;
   DistanceBucket distance;
   std::uint8_t size_class = 0;
-  /// ObjectLighting::hash(), of a shadow tile lighting_hash(); 0: unlit object, relit or caster
-  /// tile.
+  /// ObjectLighting::hash(); for a shadow tile lighting_hash(); 0: an unlit object, a relit or a
+  /// caster tile.
   std::uint64_t lighting = 0;
-  std::uint32_t phase = 0;  ///< quantised animation time; 0 when static
+  std::uint32_t phase = 0;  ///< Phase (motion.h); 0 when static
   std::uint8_t channels = kLitTile;
-  std::uint32_t instance = 0;  ///< of a shadow tile, counted from 1; else 0
+  std::uint32_t instance = 0;  ///< for a shadow tile: the instance, counted from 1; else 0
 };
 
 /// 128-bit hash of the key's canonical bytes (xxHash, little-endian).
@@ -60,12 +62,12 @@ struct TileId {
   }
 };
 TileId tile_id(const TileKey& key);
-/// The key byte by byte, so that neither padding nor the machine's byte order is in it.
+/// Returns the key byte by byte, independent of padding and of the machine's byte order.
 std::vector<std::uint8_t> canonical_bytes(const TileKey& key);
 
-/// Tile edge in texels, in steps of sqrt 2 from 16 (class 0) to 2048 (class 14).
+/// Returns the tile edge in texels, in steps of sqrt 2 from 16 (class 0) to 2048 (class 14).
 std::uint32_t tile_edge(int size_class);
-/// Smallest class with an edge of at least `texels`; the largest class when none is.
+/// Returns the smallest class with an edge of at least `texels`; the largest class if none has.
 int size_class_for(double texels);
 
 }  // namespace mirage

@@ -57,7 +57,7 @@ glm::dvec3 direction_from_view_cell(const ViewCell& cell) {
   return glm::normalize(glm::dvec3(px, y, py));
 }
 
-// 3 sqrt 2 / n: half a cell's diagonal, sqrt 6 / n on the octahedron, seen from sqrt 3 at most.
+// 3 sqrt 2 / n: half a cell's diagonal, sqrt 6 / n on the octahedron, is seen from sqrt 3 at most.
 double view_cell_angle(int level) { return 4.2426407 / static_cast<double>(1u << level); }
 
 int view_level_for_angle(double angle) {
@@ -81,7 +81,8 @@ std::optional<DistanceBucket> distance_bucket_from_radii(double distance_radii, 
   const double radii =
       std::clamp(distance_radii, limits::kMinCaptureRadii, limits::kMaxCaptureRadii);
   bucket.index = static_cast<std::int32_t>(std::floor(std::log2(radii) * per_octave));
-  // Close to the swap distance the bucket's middle may lie inside it: take the next one outwards.
+  // Close to the swap distance, the bucket's middle may lie inside it; the next bucket outwards is
+  // taken then.
   while (radii_from_distance_bucket(bucket) < limits::kMinCaptureRadii) ++bucket.index;
   while (radii_from_distance_bucket(bucket) > limits::kMaxCaptureRadii) --bucket.index;
   return bucket;

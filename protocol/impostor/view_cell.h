@@ -27,26 +27,27 @@ struct DistanceBucket {
   }
 };
 
-/// Cell that holds the direction `v` (any finite non-zero length); nullopt for zero or NaN.
+/// Returns the cell that holds the direction `v` (any finite non-zero length); nullopt for zero or
+/// NaN.
 std::optional<ViewCell> view_cell_from_direction(const glm::dvec3& v, int level);
-/// Unit direction of the cell's centre.
+/// Returns the unit direction of the cell's centre.
 glm::dvec3 direction_from_view_cell(const ViewCell& cell);
-/// Largest angle in radians between a direction in a cell of this level and its centre
+/// Returns the largest angle in radians between a direction in a cell of this level and its centre
 /// (3 sqrt 2 / n, reached at the middle of an octahedron face).
 double view_cell_angle(int level);
-/// Coarsest level whose cells keep within `angle` radians of their centre.
+/// Returns the coarsest level whose cells stay within `angle` radians of their centre.
 int view_level_for_angle(double angle);
 bool valid(const ViewCell& cell);
 
-/// Bucket of `distance_radii` = D/r, clamped to the capture range; nullopt when not finite or not
-/// positive.
+/// Returns the bucket of `distance_radii` = D/r, clamped to the capture range; nullopt if it is not
+/// finite or not positive.
 std::optional<DistanceBucket> distance_bucket_from_radii(double distance_radii, int level);
-/// D/r at the bucket's (geometric) middle, where it is captured.
+/// Returns D/r at the bucket's (geometric) middle, where tiles are captured.
 double radii_from_distance_bucket(const DistanceBucket& bucket);
 bool valid(const DistanceBucket& bucket);
 
-/// Orthonormal capture frame of a cell: `forward` looks from the capture eye at the centre. Roll
-/// comes from the cell alone (world-up only chooses it away from the poles), never from a viewer.
+/// Orthonormal capture frame of a cell: `forward` looks from the capture eye at the centre. The
+/// roll depends on the cell alone, never on a viewer; world-up chooses it away from the poles.
 struct CaptureBasis {
   glm::dvec3 right{1, 0, 0};
   glm::dvec3 up{0, 1, 0};

@@ -11,8 +11,8 @@ namespace {
 
 struct KeySpan {
   std::size_t key = 0;  ///< at or before t
-  double share = 0;     ///< of the way to the next key, 0..1
-  double length_s = 0;  ///< between the two; 0 outside the keys
+  double share = 0;     ///< fraction of the way to the next key, 0..1
+  double length_s = 0;  ///< time between the two keys; 0 outside the keys
 };
 
 KeySpan find_span(const std::vector<float>& times, double t) {
@@ -78,7 +78,7 @@ glm::mat3 cofactors(const glm::mat3& m) {
 }
 
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& fallback) {
-  // Scaled first: the squares of tiny and of huge vectors leave the range of float.
+  // Scaling comes first: squares of tiny and of huge vectors leave the range of float.
   const float most = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   if (!(most > 0) || !std::isfinite(most)) return fallback;
   return glm::normalize(v / most);
@@ -184,7 +184,7 @@ AnimationState evaluate(const Animation& animation, double t) {
 
 namespace {
 
-// Large matrices, each finite, may overflow together: such a vertex stays where it is bound.
+// Large finite matrices may overflow when multiplied. Such a vertex stays at its bind position.
 glm::vec3 placed_or(const glm::vec3& posed, const glm::vec3& bound) {
   const bool finite = std::isfinite(posed.x) && std::isfinite(posed.y) && std::isfinite(posed.z);
   return finite ? posed : bound;

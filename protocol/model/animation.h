@@ -13,18 +13,18 @@
 
 namespace mirage {
 
-/// A node of the hierarchy; parents come before their children. The first ones hang in object
-/// space.
+/// A node of the hierarchy. Parents come before their children; nodes without a parent hang in
+/// object space.
 struct Joint {
   std::int32_t parent = -1;
-  bool moves = false;  ///< local transform from translation, rotation, scale; else from `matrix`
+  bool moves = false;  ///< uses translation, rotation, scale; else `matrix`
   glm::mat4 matrix{1};
-  glm::vec3 translation{0};  ///< at rest: what no channel moves
+  glm::vec3 translation{0};  ///< at rest; channels replace some of these values
   glm::quat rotation{1, 0, 0, 0};
   glm::vec3 scale{1};
 };
 
-/// What a vertex refers to: a joint, and the way from bind space into it.
+/// The target of a vertex: a joint, and the matrix from bind space into it.
 struct JointBinding {
   std::uint16_t joint = 0;
   glm::mat4 joint_from_bind{1};
@@ -39,7 +39,7 @@ struct VertexBinding {
 /// Displacements of some vertices at weight 1, bind space.
 struct MorphTarget {
   std::vector<std::uint32_t> vertex;  ///< index into the whole mesh, increasing
-  std::vector<glm::vec3> position;    ///< these as long as `vertex`
+  std::vector<glm::vec3> position;    ///< this and the next have the length of `vertex`
   std::vector<glm::vec3> normal;
   std::vector<glm::vec3> tangent;
 };
@@ -72,24 +72,25 @@ struct Animation {
   std::vector<Channel> channels;
 };
 
-/// Everything of an animation that changes with time.
+/// The time-dependent state of an animation.
 struct AnimationState {
   std::vector<glm::mat4> object_from_bind;  ///< per binding
   std::vector<std::vector<float>> weights;  ///< per morph set
 };
 
-/// The value of a channel at clip time `t`, `width` numbers: clamped to its keys, rotations by
-/// shortest-arc slerp (unit length, the identity where the keys have none).
+/// Writes the value of a channel at clip time `t`, `width` numbers. Times are clamped to the keys.
+/// Rotations use shortest-arc slerp and have unit length; keys without length give the identity.
 void sample_channel(const Channel& channel, double t, std::size_t width, double* out);
-/// Shortest-arc interpolation of unit quaternions, exact at small angles and at both ends.
+/// Returns the shortest-arc interpolation of unit quaternions, exact at small angles and at both
+/// ends.
 glm::dquat slerp_shortest(const glm::dquat& a, const glm::dquat& b, double s);
 
 AnimationState evaluate(const Animation& animation, double clip_time_s);
-/// Poses `bind` (as many vertices as animation.vertices) into `out`; normals by the cofactor
-/// matrix, so that they stay right under uneven scale and mirroring.
+/// Poses `bind` (as many vertices as animation.vertices) into `out`. Normals use the cofactor
+/// matrix, so they stay right under uneven scale and mirroring.
 void pose_vertices(const std::vector<Vertex>& bind, const Animation& animation, double clip_time_s,
                    std::vector<Vertex>& out);
-/// Positions only, for measuring.
+/// Poses positions only, for measuring.
 void pose_positions(const std::vector<Vertex>& bind, const Animation& animation, double clip_time_s,
                     std::vector<glm::vec3>& out);
 

@@ -55,7 +55,7 @@ struct TextureRef {
 
 enum class AlphaMode : std::uint8_t { kOpaque, kMask, kBlend };
 
-/// Maps of lobes: what of a texel is read.
+/// Texture maps of lobes, each with the components that are read.
 enum class LobeMap : std::uint8_t {
   kSpecular,            ///< A
   kSpecularColor,       ///< sRGB
@@ -67,22 +67,24 @@ enum class LobeMap : std::uint8_t {
   kAnisotropy,          ///< RG: direction in tangent space, -1 to 1; B: share of the strength
 };
 inline constexpr std::size_t kLobeMaps = 8;
-/// Radians; turned by more the grain is what it is again.
+/// Radians. A larger rotation repeats: the grain has no sign.
 inline constexpr float kMaxGrainRotation = 3.1415927f;
 
-/// What KHR_materials_* add to metal-rough; by default nothing. Factors are linear.
+/// Lobes that KHR_materials_* extensions add to metal-rough; the defaults add nothing. Factors are
+/// linear.
 struct Lobes {
   float specular = 1;           ///< strength of a dielectric's reflection, 0 to 1
-  glm::vec3 specular_color{1};  ///< of it, seen head on
+  glm::vec3 specular_color{1};  ///< colour of that reflection at normal incidence
   float ior = 1.5f;             ///< >= 1
   float clearcoat = 0;          ///< share covered, 0 to 1
   float clearcoat_roughness = 0;
   glm::vec3 sheen_color{0};
   float sheen_roughness = 0;
-  float transmission = 0;    ///< share of the light not reflected that goes through, 0 to 1
-  glm::vec3 volume_tint{1};  ///< what a volume leaves of it on the way
-  /// KHR_materials_anisotropy: how much rougher along the tangent than across, 0 to 1, and how far
-  /// that direction is turned from the tangent to the bitangent, 0 to kMaxGrainRotation.
+  float transmission = 0;    ///< share of the unreflected light that passes through, 0 to 1
+  glm::vec3 volume_tint{1};  ///< share of it left after the way through the volume
+  /// KHR_materials_anisotropy: the strength, 0 to 1, by which the surface is rougher along the
+  /// tangent than across. The rotation turns that direction from the tangent towards the bitangent,
+  /// 0 to kMaxGrainRotation.
   float anisotropy = 0;
   float anisotropy_rotation = 0;
   std::array<TextureRef, kLobeMaps> maps;
@@ -110,7 +112,7 @@ struct Material {
   TextureRef emissive_map;
   Lobes lobes;
 
-  /// Whether it is drawn with the tangents of its vertices.
+  /// True if it is drawn with the tangents of its vertices.
   bool reads_tangents() const {
     return normal_map.present() || lobes.map(LobeMap::kClearcoatNormal).present() ||
            lobes.anisotropy > 0;

@@ -61,7 +61,7 @@ NeedMask material_needs(const Material& m, bool vertex_color) {
   if (vertex_color) needs |= kNeedVertexColor;
   if (!m.unlit) {
     needs |= kNeedLighting;
-    // A dielectric of roughness 1 keeps its (faint) lobe in glTF's model; it is never neutral.
+    // Specular is never neutral: in glTF's model a dielectric of roughness 1 keeps a faint lobe.
     needs |= kNeedSpecular;
     if (m.metal_rough_map.present()) needs |= kNeedMetalRoughMap;
     if (m.normal_map.present() && m.normal_scale != 0.0f) needs |= kNeedNormalMap;

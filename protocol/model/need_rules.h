@@ -1,7 +1,7 @@
 #pragma once
-// The rules of leaving out (numerics.md section 5) as one table: what is detected, what is then
-// left out, how that is proven, and what became of the rule. Explain, proof, report and documents
-// read it.
+// The rules of leaving out (numerics.md section 5) as one table: the condition detected, the
+// content then left out, its proof, and the state of the rule. The `--explain` output, proofs, the
+// report and the documents read it.
 
 #include <array>
 #include <cstdint>
@@ -45,16 +45,16 @@ enum class RuleState : std::uint8_t { kApplied, kDropped };
 struct NeedRuleInfo {
   NeedRule rule;
   std::string_view name;
-  std::string_view detection;  ///< what must be found
-  std::string_view left_out;   ///< and what then is not there
+  std::string_view detection;  ///< condition that must be found
+  std::string_view left_out;   ///< content then left out
   RuleState state;
-  std::string_view where;   ///< the file that applies it; of a dropped rule empty
-  std::string_view proof;   ///< the test; of a dropped rule where its figure is from
-  std::string_view saving;  ///< measured, with its conditions; of a dropped rule why it is not kept
+  std::string_view where;   ///< file that applies it; empty for a dropped rule
+  std::string_view proof;   ///< the test; for a dropped rule, the source of its figure
+  std::string_view saving;  ///< measured, with conditions; for a dropped rule, the reason
 };
 
 inline constexpr std::size_t kNeedRules = 28;
-/// In the order of their numbers.
+/// Returns all rules in the order of their numbers.
 const std::array<NeedRuleInfo, kNeedRules>& need_rules();
 const NeedRuleInfo& need_rule(NeedRule rule);
 

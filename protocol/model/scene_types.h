@@ -1,5 +1,5 @@
 #pragma once
-// What client and server both know of a scene: instances, lights, environment, home view.
+// Scene data that client and server share: instances, lights, environment, home view.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -17,14 +17,14 @@ struct Similarity {
   float scale = 1;                 ///< > 0
 };
 
-/// What a scene says of an instance: scenery may show more error, what is important less. What is
-/// drawn as one has the largest of its parts.
+/// Importance of an instance in its scene: scenery may show more error, important instances less.
+/// Things drawn as one have the largest importance of their parts.
 enum class Importance : std::uint8_t { kScenery, kNormal, kImportant };
 
 struct Instance {
   std::uint32_t object = 0;
   Similarity world_from_object;
-  float clip_offset_s = 0;  ///< added to the animation time; no meaning for a static object
+  float clip_offset_s = 0;  ///< added to the animation time; ignored for a static object
   Importance importance = Importance::kNormal;
 };
 
@@ -36,7 +36,7 @@ struct Light {
   LightKind kind = LightKind::kDirectional;
   glm::vec3 color{1};             ///< linear RGB times intensity, >= 0
   glm::dvec3 position{0};         ///< world; unused for directional
-  glm::vec3 direction{0, -1, 0};  ///< world, unit, the way the light travels
+  glm::vec3 direction{0, -1, 0};  ///< world, unit, the direction in which light travels
   float range = 0;                ///< metres; 0: unlimited
   float cos_inner = 1;
   float cos_outer = 0;
@@ -45,7 +45,7 @@ struct Light {
 /// Light from all around, as the scene's light probe holds it (light_probe.h).
 struct ProbeLight {
   std::uint64_t id = 0;            ///< of the probe, a hash of its content; 0: none
-  glm::quat rotation{1, 0, 0, 0};  ///< from the probe's axes, unit
+  glm::quat rotation{1, 0, 0, 0};  ///< turns the probe's axes into the world, unit
   float strength = 1;              ///< factor on its radiance, >= 0
 
   bool shines() const { return id != 0 && strength > 0; }
@@ -58,17 +58,17 @@ struct Lighting {
   ProbeLight probe;
 };
 
-/// What is seen where no object is: a vertical gradient, linear RGB.
+/// Background where no object is: a vertical gradient, linear RGB.
 struct Environment {
   glm::vec3 zenith{0.216f};
   glm::vec3 horizon{0.216f};
   glm::vec3 nadir{0.216f};
-  float fog_density = 0;  ///< per metre, of the horizon's colour; 0: none
+  float fog_density = 0;  ///< per metre, with the horizon's colour; 0: none
 };
 
-/// Where a viewer starts, and the loop that `builtin:walk` follows: a circle of radius
-/// `walk_radius_m` through `eye`, tangent there to the viewing direction, turning right, kept free
-/// of objects and level by the scenes that ship.
+/// Start of a viewer, and the loop that `builtin:walk` follows. The loop is a circle of radius
+/// `walk_radius_m` through `eye`, tangent there to the viewing direction, turning right. The
+/// shipped scenes keep it level and free of objects.
 struct HomeView {
   glm::dvec3 eye{0, 1.7, 0};
   glm::dvec3 target{0, 1.7, -1};

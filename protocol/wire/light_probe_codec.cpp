@@ -7,10 +7,10 @@ namespace {
 
 constexpr std::size_t kTexelBytes = 4 * kProbeTexels;
 
-// Red, green, blue, exponent. On the wire each is the difference from the texel on its left, green
-// and blue less red's, small ones of either sign being small numbers: reflections are smooth, and
-// many are gray. A plane of the low 8 bits for each colour, one of the three ninth bits above the
-// exponent.
+// Fields of a texel: red, green, blue, exponent. On the wire each is the difference from the texel
+// on its left, and green and blue are then taken relative to red, because reflections are smooth
+// and often gray. Small differences of either sign become small numbers. Each colour has a plane of
+// its low 8 bits; the three ninth bits share a plane with the exponent.
 using Fields = std::array<std::uint32_t, 4>;
 
 Fields fields(std::uint32_t texel) {

@@ -1,5 +1,5 @@
 #pragma once
-// A light probe on the wire: a page of its own, reflections as differences of neighbours.
+// A light probe on the wire: a page of its own, with reflections as differences of neighbours.
 
 #include "protocol/base/result.h"
 #include "protocol/impostor/light_probe.h"
@@ -7,9 +7,10 @@
 
 namespace mirage {
 
-/// The page a client is sent, as a whole message.
+/// Returns the page that a client is sent, as a whole message.
 Bytes encode_probe(const LightProbe& probe);
-/// Error kWireMalformed, kWireValue: the payload is no map, or not the one of this id.
+/// Decodes a page. Errors kWireMalformed, kWireValue: the payload is no map, or not the map of this
+/// id.
 Result<LightProbe> decode_probe(const wire::LightProbePageT& page, const Bytes& payload);
 
 }  // namespace mirage

@@ -12,11 +12,11 @@ Bytes encode_body(const wire::BodyUnion& body, const Bytes& payload) {
   flatbuffers::FlatBufferBuilder builder(256);
   const flatbuffers::Offset<void> packed = body.Pack(builder);
   builder.Finish(wire::CreateControl(builder, body.type, packed));
-  FrameHeader header;
+  PacketHeader header;
   header.control_bytes = builder.GetSize();
   header.payload_bytes = static_cast<std::uint32_t>(payload.size());
   Bytes out(kWireHeaderBytes + builder.GetSize() + payload.size());
-  write_frame_header(header, out.data());
+  write_packet_header(header, out.data());
   std::memcpy(out.data() + kWireHeaderBytes, builder.GetBufferPointer(), builder.GetSize());
   if (!payload.empty()) {
     std::memcpy(out.data() + kWireHeaderBytes + builder.GetSize(), payload.data(), payload.size());
@@ -25,15 +25,16 @@ Bytes encode_body(const wire::BodyUnion& body, const Bytes& payload) {
 }
 
 Result<Message> decode_message(const std::uint8_t* bytes, std::size_t size) {
-  Result<FrameHeader> header = read_frame_header(bytes, size);
+  Result<PacketHeader> header = read_packet_header(bytes, size);
   if (!header) return header.error();
-  if (header->kind != FrameKind::kMessage || header->control_bytes == 0) {
+  if (header->kind != PacketKind::kMessage || header->control_bytes == 0) {
     return make_error(ErrorId::kWireMalformed, "message has no control part");
   }
   if (header->control_bytes > limits::kMaxControlBytes) {
     return make_error(ErrorId::kWireLimit, "control part is larger than allowed");
   }
-  // FlatBuffers needs its buffer aligned; the header's 16 bytes keep whatever the caller had.
+  // FlatBuffers needs an aligned buffer; after the 16-byte header the control part has the caller's
+  // alignment.
   const Bytes aligned(bytes + kWireHeaderBytes, bytes + kWireHeaderBytes + header->control_bytes);
   flatbuffers::Verifier verifier(aligned.data(), aligned.size(), 8, 4096);
   if (!wire::VerifyControlBuffer(verifier)) {

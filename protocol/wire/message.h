@@ -12,17 +12,17 @@ namespace mirage {
 struct Message {
   wire::BodyUnion body;
   Bytes payload;
-  std::size_t wire_bytes = 0;     ///< of all of it, as it was encoded
-  std::size_t payload_bytes = 0;  ///< of the payload, as it came
-  bool unpacked = false;          ///< the payload is as unpack() leaves it
-  /// Set by a link: how long it had been here when it was fetched, µs. Frames fetch, and may be
-  /// farther apart than a trip takes.
+  std::size_t wire_bytes = 0;     ///< bytes of the whole message as encoded
+  std::size_t payload_bytes = 0;  ///< bytes of the payload as it arrived
+  bool unpacked = false;          ///< the payload is in the form that unpack() makes
+  /// Set by a link: time the message waited before it was fetched, µs. Fetching happens once a
+  /// frame, and frames may be farther apart than a round trip takes.
   std::int64_t waited_us = 0;
 };
 
-/// Header + control + payload.
+/// Returns header, control part and payload of a message.
 Bytes encode_body(const wire::BodyUnion& body, const Bytes& payload);
-/// The body is one of the tables of wire.fbs (object API, e.g. HelloT).
+/// Encodes a body, which is one of the tables of wire.fbs (object API, e.g. HelloT).
 template <typename BodyT>
 Bytes encode_message(BodyT&& body, const Bytes& payload = {}) {
   wire::BodyUnion value;
@@ -35,7 +35,7 @@ Bytes encode_message(BodyT&& body, const Bytes& payload = {}) {
 /// Errors: kWireMalformed, kWireVersion, kWireLimit, kWireValue.
 Result<Message> decode_message(const std::uint8_t* bytes, std::size_t size);
 
-// Between wire structs and the types of the programs.
+// Convert between wire structs and the types of the programs.
 wire::Vec3f to_wire(const glm::vec3& v);
 wire::Vec3d to_wire(const glm::dvec3& v);
 wire::Quat to_wire(const glm::quat& q);
@@ -43,16 +43,16 @@ glm::vec3 from_wire(const wire::Vec3f& v);
 glm::dvec3 from_wire(const wire::Vec3d& v);
 glm::quat from_wire(const wire::Quat& q);
 std::unique_ptr<wire::LightingT> to_wire(const Lighting& lighting);
-/// Checked by checked_lighting(). Error kWireValue.
+/// Converts and checks by checked_lighting(). Error kWireValue.
 Result<Lighting> from_wire(const wire::LightingT& lighting);
 
-/// Tile header fields <-> Tile (without planes).
+/// Writes the fields of a tile, without its planes, into a reply.
 void set_tile_fields(const Tile& tile, wire::TileReplyT& reply);
-/// Error kWireValue when the crop leaves the window or a measure is not finite.
+/// Reads them back. Error kWireValue: the crop leaves the window, or a measure is not finite.
 Result<Tile> tile_from_fields(const wire::TileReplyT& reply);
 
-/// Bytes that a tile takes of a client's credit, at most, with so many bytes of planes: beside them
-/// its control part, headers, and those of chunks.
+/// Returns the most bytes of credit that a tile with so many bytes of planes takes. It adds the
+/// control part, the headers, and the headers of chunks.
 constexpr std::size_t tile_credit_bytes(std::size_t planes) { return planes + 224 + planes / 4096; }
 
 }  // namespace mirage

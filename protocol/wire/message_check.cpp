@@ -22,8 +22,8 @@ template <typename T>
 std::size_t count(const flatbuffers::Vector<T>* v) {
   return v ? v->size() : 0;
 }
-// FlatBuffers' verifier looks at the offset of a vector of structs, not at where their first lies:
-// those with 8 bytes in one are to lie so.
+// FlatBuffers' verifier checks the offset of a vector of structs, but not where the first struct
+// lies. Structs with 8-byte members must be aligned to 8.
 template <typename T>
 bool misaligned(const flatbuffers::Vector<const T*>* v) {
   return v && reinterpret_cast<std::uintptr_t>(v->Data()) % alignof(T) != 0;
@@ -282,7 +282,7 @@ Result<void> check(const wire::Bye& m) {
 }  // namespace
 
 Result<void> check_body(const wire::Control& control) {
-  // The verifier lets a body pass whose tag is set and whose table is absent.
+  // The verifier accepts a body whose tag is set and whose table is absent.
   if (!control.body()) return make_error(ErrorId::kWireMalformed, "message has no body");
   switch (control.body_type()) {
     case wire::Body::Hello:

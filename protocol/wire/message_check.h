@@ -6,9 +6,9 @@
 
 namespace mirage {
 
-/// Counts against limits.h, floats finite, required parts present. A FlatBuffer may point to one
-/// vector many times, so counts are checked before unpacking copies them.
-/// Errors: kWireMalformed, kWireLimit, kWireValue.
+/// Checks counts against limits.h, that floats are finite and that required parts are present. A
+/// FlatBuffer may point to one vector many times, so counts are checked before unpacking copies
+/// them. Errors: kWireMalformed, kWireLimit, kWireValue.
 Result<void> check_body(const wire::Control& control);
 
 }  // namespace mirage

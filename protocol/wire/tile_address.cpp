@@ -57,7 +57,7 @@ std::optional<TileAddress> parse_tile_address(const std::string& text) {
   const std::optional<TileCodec> codec = codec_from_name(parts.back());
   if (!right || !codec) return std::nullopt;
   out.codec = *codec;
-  if (out.text() != text) return std::nullopt;  // 007, -0, a phase of 0
+  if (out.text() != text) return std::nullopt;  // rejects 007, -0 and an explicit phase 0
   return out;
 }
 

@@ -1,12 +1,12 @@
 #pragma once
-// A tile as one word, by which it is got with HTTP: GET /v1/tile/REVISION/ADDRESS, the revision in
-// sixteen hexadecimal digits. Eight numbers and a codec, by dots:
+// The address of a tile as one word, for HTTP: GET /v1/tile/REVISION/ADDRESS, with the revision in
+// sixteen hexadecimal digits. An address is eight numbers and a codec, separated by dots:
 //
 //   INSTANCE.LEVEL.X.Y.DISTANCE_LEVEL.DISTANCE.SIZE_CLASS.CHANNELS[.PHASE].CODEC
 //
-// for example 12.3.5.4.0.0.8.3.zstd. It is of the object that the instance shows, under the scene's
-// own lighting. One tile has one address but for its instance: where that makes no difference, it
-// is the first that shows the object.
+// for example 12.3.5.4.0.0.8.3.zstd. It names a tile of the object that the instance shows, under
+// the scene's own lighting. A tile has one address for each instance of its object. If the instance
+// makes no difference, the first one that shows the object is used.
 
 #include <cstdint>
 #include <optional>
@@ -23,13 +23,14 @@ struct TileAddress {
   DistanceBucket distance;
   std::uint8_t size_class = 0;
   std::uint8_t channels = 0;
-  std::uint16_t phase = 0;  ///< left out when 0
+  std::uint16_t phase = 0;  ///< omitted from the text when 0
   TileCodec codec = TileCodec::kZstd;
 
   std::string text() const;
 };
 
-/// nullopt: it is none, or not spelled as text() does, so that there are no two for one.
+/// Parses an address; nullopt if it is invalid or not spelled as text() does, so that no tile has
+/// two spellings.
 std::optional<TileAddress> parse_tile_address(const std::string& text);
 
 }  // namespace mirage

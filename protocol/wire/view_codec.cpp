@@ -9,20 +9,21 @@
 namespace mirage {
 namespace {
 
-// Around the screen, so that a turn of the head finds something: tangents of half its angles.
+// Factor on the tangents of half the field of view: the margin has content ready when the head
+// turns.
 constexpr double kGuard = 1.15;
-// WebP. It stands for a second at most and is seen at about its size: 75 has half the bytes of the
-// 90 that tiles have.
+// WebP quality. A view is shown for a second at most, at about its own size; 75 takes half the
+// bytes of the 90 that tiles have.
 constexpr float kColorQuality = 75;
-// Poses are told apart by so much of a radian, and of a metre.
+// Steps per radian, and per metre, to which poses are rounded.
 constexpr double kStepsPerUnit = 1024;
-constexpr std::size_t kPlaneBytes = 3;  // of a cell: a code and an owner
+constexpr std::size_t kPlaneBytes = 3;  // per cell: a depth code and an owner
 
-// Zero has one sign.
+// Adding 0.0 turns -0 into 0.
 double in_steps(double v) { return std::round(v * kStepsPerUnit) / kStepsPerUnit + 0.0; }
 
 glm::quat in_steps(const glm::quat& q) {
-  // One of the two that turn alike.
+  // Two quaternions give the same rotation; the one with w >= 0 is used.
   const float sign = q.w < 0 ? -1.0f : 1.0f;
   const auto step = [&](float v) { return static_cast<float>(in_steps(double{v * sign})); };
   return glm::normalize(glm::quat(step(q.w), step(q.x), step(q.y), step(q.z)));
@@ -86,7 +87,8 @@ EncodedView encode_view(const ViewTile& view) {
   EncodedView out;
   const Camera& c = view.camera;
   const ColorBytes colors = encode_webp_colors(view.rgba, c.width, c.height, kColorQuality);
-  // Codes, then the low bytes of all owners, then the high ones: like beside like.
+  // Codes, then the low bytes of all owners, then the high ones: similar bytes compress better
+  // together.
   Bytes planes(view.depth.begin(), view.depth.end());
   for (const int shift : {0, 8}) {
     for (const std::uint16_t owner : view.owners) {

@@ -1,30 +1,31 @@
 #pragma once
-// View tiles on the wire: what is asked for, and what comes.
+// View tiles on the wire: requests and replies.
 
 #include "protocol/impostor/view_tile.h"
 #include "protocol/wire/message.h"
 
 namespace mirage {
 
-/// Of a request that check_body() let pass.
+/// Returns the pose of a request that passed check_body().
 ViewPose view_pose(const wire::ViewRequestT& request);
-/// A request for what `screen` shows and somewhat around it, with no more texels than a view needs.
-/// Without an id and lighting.
+/// Returns a request for the content of `screen` and some margin around it, with no more texels
+/// than a view needs. Id and lighting are left unset.
 wire::ViewRequestT view_request(const Camera& screen, double time_s);
-/// The view of the scene's home that a server makes before anybody asks for it.
+/// Returns the request for the scene's home view, which a server makes before any client asks.
 wire::ViewRequestT home_view_request();
-/// Whether a request is for that one, by what it says: under the scene's own light.
+/// True if a request asks for the home view, under the scene's own light.
 bool is_home_view(const wire::ViewRequestT& request);
 
-/// Colours with loss, the planes without. The reply lacks a request id.
+/// A view as bytes: lossy colours and lossless planes. The reply has no request id yet.
 struct EncodedView {
   wire::ViewReplyT reply;
   Bytes payload;
 };
 EncodedView encode_view(const ViewTile& view);
-/// Takes hostile bytes: sizes are checked before allocating. Errors kWireValue, kCodec.
+/// Decodes a view from hostile bytes: sizes are checked before allocating. Errors kWireValue,
+/// kCodec.
 Result<ViewTile> decode_view(const wire::ViewReplyT& reply, const Bytes& payload);
-/// The same in two steps: RGBA and planes one after the other, then the view of them.
+/// decode_view() in two steps: RGBA and planes one after the other, then the view made of them.
 Result<Bytes> view_planes(const wire::ViewReplyT& reply, const Bytes& payload);
 Result<ViewTile> view_of_planes(const wire::ViewReplyT& reply, const Bytes& planes);
 

@@ -18,7 +18,7 @@ std::uint32_t get_u32(const std::uint8_t* in) {
 
 }  // namespace
 
-void write_frame_header(const FrameHeader& header, std::uint8_t* out) {
+void write_packet_header(const PacketHeader& header, std::uint8_t* out) {
   out[0] = kWireMagic & 0xff;
   out[1] = kWireMagic >> 8;
   out[2] = header.version;
@@ -28,14 +28,14 @@ void write_frame_header(const FrameHeader& header, std::uint8_t* out) {
   put_u32(out + 12, 0);
 }
 
-Result<FrameHeader> read_frame_header(const std::uint8_t* bytes, std::size_t size) {
+Result<PacketHeader> read_packet_header(const std::uint8_t* bytes, std::size_t size) {
   if (size < kWireHeaderBytes) {
     return make_error(ErrorId::kWireMalformed, "message is shorter than its header");
   }
   if (bytes[0] != (kWireMagic & 0xff) || bytes[1] != (kWireMagic >> 8)) {
     return make_error(ErrorId::kWireMalformed, "message does not start with the Mirage magic");
   }
-  FrameHeader header;
+  PacketHeader header;
   header.version = bytes[2];
   if (header.version != limits::kProtocolVersion) {
     return make_error(ErrorId::kWireVersion,
@@ -45,7 +45,7 @@ Result<FrameHeader> read_frame_header(const std::uint8_t* bytes, std::size_t siz
   if (bytes[3] != 1 && bytes[3] != 2) {
     return make_error(ErrorId::kWireMalformed, "unknown frame kind");
   }
-  header.kind = static_cast<FrameKind>(bytes[3]);
+  header.kind = static_cast<PacketKind>(bytes[3]);
   header.control_bytes = get_u32(bytes + 4);
   header.payload_bytes = get_u32(bytes + 8);
   const std::uint64_t whole =
@@ -56,41 +56,41 @@ Result<FrameHeader> read_frame_header(const std::uint8_t* bytes, std::size_t siz
   return header;
 }
 
-std::vector<Bytes> split_into_frames(Bytes message, std::uint32_t transfer_id) {
-  std::vector<Bytes> frames;
+std::vector<Bytes> split_into_packets(Bytes message, std::uint32_t transfer_id) {
+  std::vector<Bytes> packets;
   if (message.size() <= limits::kMaxMessageBytes) {
-    frames.push_back(std::move(message));
-    return frames;
+    packets.push_back(std::move(message));
+    return packets;
   }
   for (std::size_t offset = 0; offset < message.size(); offset += limits::kChunkBytes) {
     const std::size_t n = std::min(limits::kChunkBytes, message.size() - offset);
-    Bytes frame(kWireHeaderBytes + kChunkPrefixBytes + n);
-    FrameHeader header;
-    header.kind = FrameKind::kChunk;
+    Bytes packet(kWireHeaderBytes + kChunkPrefixBytes + n);
+    PacketHeader header;
+    header.kind = PacketKind::kChunk;
     header.payload_bytes = static_cast<std::uint32_t>(kChunkPrefixBytes + n);
-    write_frame_header(header, frame.data());
-    put_u32(frame.data() + kWireHeaderBytes, transfer_id);
-    put_u32(frame.data() + kWireHeaderBytes + 4, static_cast<std::uint32_t>(message.size()));
-    put_u32(frame.data() + kWireHeaderBytes + 8, static_cast<std::uint32_t>(offset));
+    write_packet_header(header, packet.data());
+    put_u32(packet.data() + kWireHeaderBytes, transfer_id);
+    put_u32(packet.data() + kWireHeaderBytes + 4, static_cast<std::uint32_t>(message.size()));
+    put_u32(packet.data() + kWireHeaderBytes + 8, static_cast<std::uint32_t>(offset));
     std::copy_n(message.begin() + static_cast<std::ptrdiff_t>(offset), n,
-                frame.begin() + kWireHeaderBytes + kChunkPrefixBytes);
-    frames.push_back(std::move(frame));
+                packet.begin() + kWireHeaderBytes + kChunkPrefixBytes);
+    packets.push_back(std::move(packet));
   }
-  return frames;
+  return packets;
 }
 
-Result<std::optional<Bytes>> FrameAssembler::accept(const std::uint8_t* bytes, std::size_t size) {
+Result<std::optional<Bytes>> PacketAssembler::accept(const std::uint8_t* bytes, std::size_t size) {
   if (size > limits::kMaxMessageBytes) {
     return make_error(ErrorId::kWireLimit, "message is larger than allowed");
   }
-  Result<FrameHeader> header = read_frame_header(bytes, size);
+  Result<PacketHeader> header = read_packet_header(bytes, size);
   if (!header) return header.error();
-  if (header->kind == FrameKind::kChunk) return accept_chunk(bytes, size);
+  if (header->kind == PacketKind::kChunk) return accept_chunk(bytes, size);
   return std::optional<Bytes>(Bytes(bytes, bytes + size));
 }
 
-Result<std::optional<Bytes>> FrameAssembler::accept_chunk(const std::uint8_t* bytes,
-                                                          std::size_t size) {
+Result<std::optional<Bytes>> PacketAssembler::accept_chunk(const std::uint8_t* bytes,
+                                                           std::size_t size) {
   if (size < kWireHeaderBytes + kChunkPrefixBytes + 1 || get_u32(bytes + 4) != 0) {
     return make_error(ErrorId::kWireMalformed, "chunk without content");
   }
@@ -120,9 +120,9 @@ Result<std::optional<Bytes>> FrameAssembler::accept_chunk(const std::uint8_t* by
   std::optional<Bytes> whole(std::move(transfer.bytes));
   held_bytes_ -= total;
   transfers_.erase(id);
-  Result<FrameHeader> inner = read_frame_header(whole->data(), whole->size());
+  Result<PacketHeader> inner = read_packet_header(whole->data(), whole->size());
   if (!inner) return inner.error();
-  if (inner->kind != FrameKind::kMessage) {
+  if (inner->kind != PacketKind::kMessage) {
     return make_error(ErrorId::kWireMalformed, "chunks within chunks");
   }
   return whole;

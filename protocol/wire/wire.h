@@ -17,32 +17,32 @@ inline constexpr std::uint16_t kWireMagic = 0x524d;  // "MR"
 inline constexpr std::size_t kWireHeaderBytes = 16;
 inline constexpr std::size_t kChunkPrefixBytes = 12;
 
-enum class FrameKind : std::uint8_t { kMessage = 1, kChunk = 2 };
+enum class PacketKind : std::uint8_t { kMessage = 1, kChunk = 2 };
 
-struct FrameHeader {
+struct PacketHeader {
   std::uint8_t version = limits::kProtocolVersion;
-  FrameKind kind = FrameKind::kMessage;
+  PacketKind kind = PacketKind::kMessage;
   std::uint32_t control_bytes = 0;
   std::uint32_t payload_bytes = 0;
 };
 
 /// Writes the header into `out[0..16)`.
-void write_frame_header(const FrameHeader& header, std::uint8_t* out);
-/// Reads and checks a header against the number of bytes that are there. Errors: kWireMalformed,
+void write_packet_header(const PacketHeader& header, std::uint8_t* out);
+/// Reads a header and checks it against the number of bytes present. Errors: kWireMalformed,
 /// kWireVersion.
-Result<FrameHeader> read_frame_header(const std::uint8_t* bytes, std::size_t size);
+Result<PacketHeader> read_packet_header(const std::uint8_t* bytes, std::size_t size);
 
-/// A whole message's bytes -> the WebSocket messages to send: itself, or chunks of it.
-std::vector<Bytes> split_into_frames(Bytes message, std::uint32_t transfer_id);
+/// Splits a whole message's bytes into WebSocket packets: the message itself, or chunks of it.
+std::vector<Bytes> split_into_packets(Bytes message, std::uint32_t transfer_id);
 
-/// Puts chunks together again; one per connection and direction.
-class FrameAssembler {
+/// Joins chunks into messages; one assembler per connection and direction.
+class PacketAssembler {
  public:
-  /// Of one transfer, and of all that are under way together.
-  explicit FrameAssembler(std::size_t max_transfer_bytes) : max_bytes_(max_transfer_bytes) {}
+  /// The limit holds for one transfer, and for all transfers under way together.
+  explicit PacketAssembler(std::size_t max_transfer_bytes) : max_bytes_(max_transfer_bytes) {}
 
-  /// Takes one WebSocket message; gives a whole message when one is complete. Memory is taken as
-  /// chunks arrive, never on the word of a header. Errors: kWireMalformed, kWireLimit.
+  /// Takes one packet and returns a whole message when one is complete. Memory grows as chunks
+  /// arrive, never on the word of a header. Errors: kWireMalformed, kWireLimit.
   Result<std::optional<Bytes>> accept(const std::uint8_t* bytes, std::size_t size);
 
  private:
@@ -53,7 +53,7 @@ class FrameAssembler {
   Result<std::optional<Bytes>> accept_chunk(const std::uint8_t* bytes, std::size_t size);
 
   std::size_t max_bytes_;
-  std::size_t held_bytes_ = 0;  ///< of all transfers
+  std::size_t held_bytes_ = 0;  ///< bytes held for all transfers
   std::map<std::uint32_t, Transfer> transfers_;
 };
 

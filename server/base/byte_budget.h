@@ -1,6 +1,6 @@
 #pragma once
-// What is kept under a budget of bytes, by when it was used: who keeps it holds its place, and
-// lets go what take_excess() names.
+// A list of things kept under a budget of bytes, ordered by their last use. The owner of a thing
+// remembers its place in the list, and drops the things that take_excess() names.
 
 #include <cstddef>
 #include <list>
@@ -21,7 +21,7 @@ class ByteBudget {
 
   explicit ByteBudget(std::size_t budget) : budget_(budget) {}
 
-  /// As what was used last.
+  /// Adds a thing of this size as the one used last.
   Place add(Key key, std::size_t bytes) {
     bytes_ += bytes;
     entries_.push_front({std::move(key), bytes});
@@ -32,7 +32,8 @@ class ByteBudget {
     place->bytes += bytes;
     bytes_ += bytes;
   }
-  /// While there is too much: what was used longest ago, which counts no more. One always stays.
+  /// Returns the key used longest ago while the sum is over budget, and stops counting it. One
+  /// entry always stays.
   std::optional<Key> take_excess() {
     if (bytes_ <= budget_ || entries_.size() <= 1) return std::nullopt;
     Entry oldest = std::move(entries_.back());

@@ -19,8 +19,10 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kPart = ".part";
-constexpr auto kPartLife = std::chrono::minutes(10);  // of one whose writer is gone
-constexpr std::uint64_t kLookShare = 16;  // another server may write, too: looked again by then
+// age at which a file whose writer is gone is removed
+constexpr auto kPartLife = std::chrono::minutes(10);
+// looks again after writing 1/16 of the budget: other servers may write, too
+constexpr std::uint64_t kLookShare = 16;
 
 std::string name_of(const CacheKey& key) {
   return fmt::format("{:016x}{:016x}.{}", key.high, key.low, key.kind);
@@ -30,7 +32,7 @@ std::uint64_t hash_of(const std::string& name, const void* bytes, std::size_t si
   return XXH3_64bits_withSeed(bytes, size, XXH3_64bits(name.data(), name.size()));
 }
 
-// Whether a file is one of ours: nothing else in the directory is touched.
+// True if a file is one of ours. Nothing else in the directory is touched.
 bool is_ours(const fs::path& file) {
   const std::string name = file.filename().string();
   const std::string folder = file.parent_path().filename().string();
@@ -49,7 +51,7 @@ std::vector<Found> files_in(const std::string& directory) {
   std::error_code failed;
   fs::recursive_directory_iterator at(directory, failed), end;
   for (; !failed && at != end; at.increment(failed)) {
-    std::error_code gone;  // another server may look after it at the same time
+    std::error_code gone;  // another server may trim the directory at the same time
     if (at.depth() > 1 || !at->is_regular_file(gone) || !is_ours(at->path())) continue;
     const std::uint64_t bytes = at->file_size(gone);
     const fs::file_time_type used = at->last_write_time(gone);
@@ -58,8 +60,9 @@ std::vector<Found> files_in(const std::string& directory) {
   return out;
 }
 
-// Nothing when there is none, or something else: opening a pipe nobody writes to would wait for
-// ever. Empty when it is larger than `most` or ends early.
+// Reads a whole regular file. Returns nullopt if it is missing or no regular file, because opening
+// a pipe without a writer would block for ever. Returns empty bytes if it is larger than `most` or
+// ends early.
 std::optional<Bytes> read_regular_file(const std::string& path, std::uint64_t most) {
   const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) return std::nullopt;
@@ -132,7 +135,7 @@ std::optional<Bytes> CacheDirectory::read(const CacheKey& key) const {
     if (use_ == Use::kReadAndWrite) fs::remove(path, ignored);
     return std::nullopt;
   }
-  // Used now: it stays longer.
+  // The new time of use keeps the file longer.
   if (use_ == Use::kReadAndWrite) utimensat(AT_FDCWD, path.c_str(), nullptr, 0);
   bytes.resize(own);
   return whole_file;
@@ -232,7 +235,7 @@ void CacheDirectory::sweep() {
   if (total > budget_) {
     std::sort(files.begin(), files.end(),
               [](const Found& a, const Found& b) { return a.used < b.used; });
-    // Somewhat below, or the next file would begin it all again.
+    // The target is somewhat below the budget, or the next file would start another sweep.
     const std::uint64_t wanted = budget_ - budget_ / kLookShare;
     for (const Found& file : files) {
       if (total <= wanted) break;

@@ -1,13 +1,15 @@
 #pragma once
-// A directory of files that can be made again: finished tiles, and what was derived from meshes
-// and images when a scene was loaded.
+// A directory of files that can be made again: finished tiles, and data derived from meshes and
+// images when a scene was loaded.
 //
-// A file is written aside and renamed, so that a reader never sees half of one, and ends with a
-// hash of its name and its bytes: what is damaged is as good as not there. Several servers may
-// share a directory. Beyond the budget the files that were used longest ago go; a thread of its
-// own looks after that, so nobody who reads or writes waits for it. Of servers that share it the
-// one that has locked the folder does so for all; the others let go of what they wrote themselves
-// only, or the smallest budget would be everybody's.
+// A file is written aside and renamed, so a reader never sees half of one. It ends with a hash of
+// its name and its bytes, and a damaged file counts as missing. Several servers may share a
+// directory.
+//
+// Over budget, the files used longest ago are removed. A separate thread does that, so no reader or
+// writer waits for it. Among servers that share the directory, the one that holds its lock trims
+// all files. The others remove only files they wrote themselves, or the smallest budget would apply
+// to everybody.
 
 #include <atomic>
 #include <condition_variable>
@@ -22,7 +24,7 @@
 
 namespace mirage {
 
-/// What a file is made from, as a hash, and what kind of thing it is: "tile" for AB….tile.
+/// Names a file: a hash of what it is made from, and its kind ("tile" for AB….tile).
 struct CacheKey {
   std::uint64_t high = 0, low = 0;
   const char* kind = "";
@@ -31,43 +33,44 @@ struct CacheKey {
 class CacheDirectory {
  public:
   enum class Use : std::uint8_t { kReadAndWrite, kReadOnly };
-  /// `path` is made when something is first written. Any thread may use it.
+  /// Uses the directory `path`, which is created at the first write. Any thread may use it.
   CacheDirectory(std::string path, std::uint64_t budget_bytes, Use use = Use::kReadAndWrite);
   ~CacheDirectory();
   CacheDirectory(const CacheDirectory&) = delete;
   CacheDirectory& operator=(const CacheDirectory&) = delete;
 
-  /// Nothing when it is not there, or damaged: then it goes, with a warning.
+  /// Returns the file's bytes; nullopt if it is missing or damaged. A damaged file is removed with
+  /// a warning.
   std::optional<Bytes> read(const CacheKey& key) const;
-  /// False: it is not kept. A directory that cannot be written, or is full, is no error: it is said
-  /// once, and once more when it can be again.
+  /// Writes a file; false if it was not kept. A full or unwritable directory is no error: it is
+  /// logged once, and once more when writing works again.
   bool write(const CacheKey& key, Bytes bytes);
 
-  /// Waits until the directory has been looked through and is within its budget.
+  /// Waits until the directory has been listed and is within its budget.
   void settle();
-  /// Of all files, as of the last look and what was written since.
+  /// Bytes of all files: as last listed, plus later writes.
   std::uint64_t bytes() const { return bytes_; }
 
  private:
   std::string path_of(const CacheKey& key) const;
   void look_after();
   void sweep();
-  /// Writes aside and renames. Empty: it is there; else why not.
+  /// Writes aside and renames. Returns an empty text, or why it failed.
   std::string put(const std::string& path, const Bytes& bytes);
   void note_write(const std::string& path, std::size_t bytes, const std::string& failure);
-  /// Nobody else trims the directory.
+  /// Takes the lock of the directory; its holder alone trims files of other servers.
   bool take_lock();
 
   const std::string directory_;
   const Use use_;
   const std::uint64_t budget_;
-  const std::uint32_t writer_;  ///< by chance: process ids are the same in two containers
+  const std::uint32_t writer_;  ///< random: process ids repeat among containers
   std::atomic<std::uint64_t> bytes_{0};
-  std::atomic<std::uint64_t> unseen_{0};  ///< written since the last look
+  std::atomic<std::uint64_t> unseen_{0};  ///< bytes written since the last listing
   std::atomic<std::uint32_t> parts_{0};   ///< files written aside so far
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::set<std::string> written_;  ///< by this server, as far as it does not hold the lock
+  std::set<std::string> written_;  ///< by this server while it did not hold the lock
   bool failing_ = false;
   int lock_ = -1;
   bool due_ = true;

@@ -6,10 +6,10 @@ namespace mirage {
 
 class CacheDirectory;
 
-/// What whoever makes a scene may use.
+/// Tools that every maker of a scene may use.
 struct LoadTools {
   const Workers& workers;
-  CacheDirectory* cache = nullptr;  ///< nullptr: all is made
+  CacheDirectory* cache = nullptr;  ///< nullptr: everything is computed anew
   StageProgress::Tell progress = {};
 };
 

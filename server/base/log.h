@@ -1,7 +1,7 @@
 #pragma once
-// The server's log on standard error: text, or an object of JSON a line. What peers can cause as
-// often as they like may not fill a disk: of a second's lines those beyond the 50th are left out
-// and counted; errors never.
+// The server's log on standard error: text, or one JSON object per line. Peers can cause some
+// messages at will and must not fill a disk with them. Lines beyond the 50th of a second are left
+// out and counted; errors are always written.
 
 #include <cstdint>
 #include <string>
@@ -12,7 +12,8 @@ enum class LogFormat : std::uint8_t { kText, kJson };
 
 void set_up_log(LogFormat format);
 
-/// While there is one, lines of this thread are about this connection: JSON has its id and address.
+/// While it exists, log lines of this thread belong to this connection: JSON lines carry its id and
+/// address.
 class LogAbout {
  public:
   LogAbout(std::uint64_t connection, const std::string& address);

@@ -7,8 +7,8 @@
 
 namespace mirage {
 
-/// Says how far a long stage of loading is, every few seconds: "levels of detail: 12 of 77". A
-/// stage that is done sooner is not mentioned. Any thread.
+/// Reports the progress of a long loading stage every few seconds: "levels of detail: 12 of 77". A
+/// stage that ends sooner is not mentioned. Any thread.
 class StageProgress {
  public:
   using Tell = std::function<void(const std::string&)>;

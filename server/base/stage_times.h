@@ -7,16 +7,16 @@
 
 namespace mirage {
 
-/// How long the stages of a start took, one after the other.
+/// Durations of the stages of a start, one after the other.
 class StageTimes {
  public:
-  /// What was done since the last call, or since this was made.
+  /// Ends a stage named `what`: its time runs from the last call, or from the constructor.
   void done(std::string what) {
     const auto now = std::chrono::steady_clock::now();
     seconds_.emplace_back(std::move(what), std::chrono::duration<double>(now - last_).count());
     last_ = now;
   }
-  /// "1.52 s: file 0.31, levels of detail 1.21".
+  /// Returns a summary such as "1.52 s: file 0.31, levels of detail 1.21".
   std::string words() const {
     double sum = 0;
     std::string each;

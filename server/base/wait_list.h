@@ -1,5 +1,5 @@
 #pragma once
-// Who waits for what is being made: it is made once, and all of them are served.
+// List of waiters for things that are being made. A thing is made once for all who wait for it.
 
 #include <algorithm>
 #include <cstddef>
@@ -13,17 +13,17 @@ namespace mirage {
 template <typename Key, typename Waiter>
 class WaitList {
  public:
-  /// True: nobody waited for it before.
+  /// Adds a waiter; true if the thing was not under way before.
   bool add(const Key& key, Waiter waiter) {
     const auto [at, is_new] = waiting_.try_emplace(key);
     at->second.push_back(std::move(waiter));
     ++count_;
     return is_new;
   }
-  /// It is made for nobody yet. False: it is under way.
+  /// Starts a thing that nobody waits for yet; false if it is under way already.
   bool begin(const Key& key) { return waiting_.try_emplace(key).second; }
   bool under_way(const Key& key) const { return waiting_.count(key) != 0; }
-  /// It is made, or will not be: who waited for it.
+  /// Ends a thing, made or failed, and returns its waiters.
   std::vector<Waiter> take(const Key& key) {
     auto node = waiting_.extract(key);
     if (node.empty()) return {};
@@ -49,8 +49,8 @@ class WaitList {
     }
     return static_cast<std::size_t>(all);
   }
-  /// They wait no longer. Has `unwanted(key)` decide whether what nobody waits for any more is
-  /// forgotten, too; else it goes on being made.
+  /// Removes the waiters that `which` selects. `unwanted(key)` decides whether a thing without any
+  /// waiter left is dropped; otherwise it is still made.
   template <typename Which, typename Unwanted>
   void remove(Which which, Unwanted unwanted) {
     for (auto at = waiting_.begin(); at != waiting_.end();) {
@@ -62,9 +62,9 @@ class WaitList {
       at = waited && all.empty() && unwanted(at->first) ? waiting_.erase(at) : std::next(at);
     }
   }
-  /// Things that are being made.
+  /// Number of things being made.
   std::size_t under_way() const { return waiting_.size(); }
-  /// Of all who wait.
+  /// Number of all waiters.
   std::size_t size() const { return count_; }
 
  private:

@@ -15,7 +15,7 @@ struct Workers::Pool {
     const std::function<void(std::size_t)>& work;
     const std::size_t count;
     std::atomic<std::size_t> next{0};
-    std::size_t helpers = 0;  ///< at work on it, without the caller
+    std::size_t helpers = 0;  ///< threads at work on it, besides the caller
   };
 
   explicit Pool(std::size_t helpers) {
@@ -58,7 +58,7 @@ struct Workers::Pool {
     }
   }
 
-  // In the youngest job: it is the innermost, and somebody waits for it.
+  // Works on the youngest job: it is the innermost one, and its caller is waiting.
   void take_part(std::unique_lock<std::mutex>& lock) {
     Job& job = *open.back();
     ++job.helpers;
@@ -78,7 +78,7 @@ struct Workers::Pool {
 
   std::mutex mutex;
   std::condition_variable changed;
-  std::vector<Job*> open;  ///< with indices left, as far as is known; youngest last
+  std::vector<Job*> open;  ///< jobs that may have indices left; youngest last
   bool stopping = false;
   std::vector<std::thread> threads;
 };

@@ -7,22 +7,23 @@
 
 namespace mirage {
 
-/// Whoever waits works, so calls may nest: a loop over objects, in each of them loops over
-/// vertices. What is written must depend on the index alone, not on who works or when.
+/// Runs loops on several threads. A caller works while it waits, so calls may nest: a loop over
+/// objects may run loops over vertices. Results must depend on the index alone, not on the thread
+/// or the time.
 class Workers {
  public:
-  /// Nobody but the caller.
+  /// Makes a pool without threads: the caller does all the work.
   Workers();
-  /// `threads` counts the caller; 0: as many as the machine has cores.
+  /// Starts a pool of `threads` threads, the caller included; 0: one per core of the machine.
   explicit Workers(std::size_t threads);
   ~Workers();
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;
 
-  /// Calls `work` for each index below `count`, any of them at the same time, and comes back when
-  /// all are done. `work` must not throw. Any thread.
+  /// Calls `work` for each index below `count`, in parallel and in any order, and returns when all
+  /// calls are done. `work` must not throw. Any thread.
   void each(std::size_t count, const std::function<void(std::size_t)>& work) const;
-  /// The same of two pieces of work.
+  /// Runs two pieces of work in parallel and returns when both are done.
   void both(const std::function<void()>& one, const std::function<void()>& other) const;
 
  private:

@@ -38,8 +38,8 @@ glm::vec3 closest_on_triangle(const glm::vec3& p, const glm::vec3& a, const glm:
   return a + ab * (vb / sum) + ac * (vc / sum);
 }
 
-// The cases of closest_on_triangle(), all reckoned for all four; from the last to the first, so
-// that the first that holds is what stays.
+// Computes the cases of closest_on_triangle() for all four triangles, from the last case to the
+// first, so that the first case that holds wins.
 FourTriangles::Nearest FourTriangles::nearest(const glm::vec3& p) const {
   const Point& a = corners_[0];
   const Point &b = corners_[1], &c = corners_[2];

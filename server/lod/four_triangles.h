@@ -1,5 +1,5 @@
 #pragma once
-// The nearest point of four triangles at once.
+// The nearest point of four triangles, computed at once.
 
 #include <array>
 #include <cstddef>
@@ -7,7 +7,8 @@
 
 namespace mirage {
 
-/// Corners by axis, a lane for each triangle: compilers take one instruction for four numbers.
+/// Four triangles, corners by axis with a lane for each triangle: compilers use one instruction for
+/// four numbers.
 class FourTriangles {
  public:
   typedef float Lanes __attribute__((vector_size(16)));
@@ -19,7 +20,7 @@ class FourTriangles {
       corners_[2][axis][lane] = c[axis];
     }
   }
-  /// `number`: 0 to 2.
+  /// Returns corner `number`, 0 to 2, of a triangle.
   glm::vec3 corner(std::size_t lane, std::size_t number) const {
     const std::array<Lanes, 3>& at = corners_[number];
     return {at[0][lane], at[1][lane], at[2][lane]};
@@ -29,14 +30,15 @@ class FourTriangles {
     Lanes distance2;
     std::array<Lanes, 3> point;
   };
-  /// By triangle, the same to the bit as closest_on_triangle() gives.
+  /// Returns the nearest point of each triangle, identical to closest_on_triangle() to the bit.
   Nearest nearest(const glm::vec3& p) const;
 
  private:
   std::array<std::array<Lanes, 3>, 3> corners_;  ///< by corner and axis
 };
 
-/// Closest point of triangle abc to p (C. Ericson, Real-Time Collision Detection, 5.1.5).
+/// Returns the point of triangle abc closest to p (C. Ericson, Real-Time Collision Detection,
+/// 5.1.5).
 glm::vec3 closest_on_triangle(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b,
                               const glm::vec3& c);
 

@@ -17,17 +17,18 @@
 namespace mirage {
 namespace {
 
-constexpr double kShare = 1.0 / 3.0;          // of the triangles, from level to level
-constexpr double kWorthAnother = 0.85;        // a level that keeps more than this share is no gain
-constexpr std::size_t kFewTriangles = 64;     // small enough: the chain ends
-constexpr double kFirstError = 0.002;         // of the extent: what the first level may be off
-constexpr double kErrorGrowth = 2.5;          // from level to level
-constexpr double kMostError = 0.1;            // of the extent: beyond, the shape is gone
-constexpr int kSteps = 12;                    // towards fewer triangles; some give no level
-constexpr std::size_t kFoliagePieces = 8;     // fewer pieces are seen one by one
-constexpr std::size_t kPieceTriangles = 64;   // larger pieces on average are surfaces
+constexpr double kShare = 1.0 / 3.0;       // triangles of a level relative to the level before
+constexpr double kWorthAnother = 0.85;     // a level that keeps more than this share is no gain
+constexpr std::size_t kFewTriangles = 64;  // the chain ends at this size
+// allowed error of the first level, share of the extent
+constexpr double kFirstError = 0.002;
+constexpr double kErrorGrowth = 2.5;          // of the allowed error, from level to level
+constexpr double kMostError = 0.1;            // share of the extent beyond which the shape is lost
+constexpr int kSteps = 12;                    // tries at fewer triangles; some give no level
+constexpr std::size_t kFoliagePieces = 8;     // fewer pieces are visible one by one
+constexpr std::size_t kPieceTriangles = 64;   // pieces with a larger mean are surfaces
 constexpr double kLeastFoliage = 1.0 / 16.0;  // pieces are then four times as large
-constexpr int kFruitless = 3;                 // steps without a level: the chain ends
+constexpr int kFruitless = 3;                 // steps without a level after which the chain ends
 constexpr std::size_t kSampledPieces = 2'000;
 
 /// A connected component of foliage.
@@ -37,7 +38,7 @@ struct Piece {
   double rank = 0;  ///< in [0, 1); pieces of the lowest ranks stay longest
 };
 
-// `places`: where the vertices are once seams are closed.
+// Extracts a primitive on its own vertices. `places`: positions of the vertices with seams closed.
 Part extract(const Mesh& mesh, const std::vector<glm::vec3>& places, const Primitive& primitive) {
   Part part{primitive.kind, primitive.material, {}, {}};
   std::vector<std::uint32_t> place(mesh.vertices.size(), UINT32_MAX);
@@ -93,7 +94,7 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
   return i;
 }
 
-// Connected through equal positions, in the order of their first triangle.
+// Returns the components connected through equal positions, in the order of their first triangle.
 std::vector<Piece> pieces_of(const Part& part) {
   std::vector<std::uint32_t> welded(part.indices.size());
   meshopt_generateShadowIndexBuffer(welded.data(), part.indices.data(), part.indices.size(),
@@ -133,7 +134,7 @@ bool is_foliage(const Part& part, const std::vector<Piece>& pieces) {
   return pieces.size() >= kFoliagePieces && part.triangles() <= pieces.size() * kPieceTriangles;
 }
 
-/// How far 95 % of the dropped pieces are from a kept one.
+/// Returns the distance within which 95 % of the dropped pieces have a kept one.
 float spread_of(const std::vector<Piece>& pieces, double share) {
   std::vector<glm::vec3> kept;
   for (const Piece& piece : pieces) {
@@ -157,7 +158,7 @@ float spread_of(const std::vector<Piece>& pieces, double share) {
   return distances[at];
 }
 
-/// One primitive through all levels.
+/// The chain of levels of one primitive.
 class Chain {
  public:
   Chain(Part part, const Material& material, const Workers& workers)
@@ -174,7 +175,8 @@ class Chain {
 
   bool foliage() const { return !pieces_.empty(); }
 
-  /// Foliage first: what it gives up (`out.spread`) the surfaces may give up as well.
+  /// Adds this primitive to a level. Foliage comes first: surfaces may then have the error that it
+  /// gave up (`out.spread`).
   void add_level(double share, double allowed, MeshLod& out) {
     if (part_.kind != PrimitiveKind::kTriangles) {
       append(out.mesh, part_, part_.vertices, part_.indices);
@@ -193,7 +195,7 @@ class Chain {
     }
   }
 
-  // At most `allowed` away from the full surface, object units.
+  // Simplifies; the result is at most `allowed` object units from the full surface.
   void simplify(double share, double allowed, MeshLod& out) {
     const auto target =
         static_cast<std::size_t>(std::ceil(share * static_cast<double>(full_triangles_)));
@@ -237,12 +239,12 @@ class Chain {
   }
 
   const Workers& workers_;
-  Part part_;  ///< the full primitive; of a large one what its last chunks left
+  Part part_;  ///< the full primitive; for a large one, the result of its last chunks
   std::size_t full_triangles_;
   std::vector<Piece> pieces_;  ///< of foliage only
   bool soup_ = false;
   double base_error_ = 0;              ///< of part_, object units
-  std::optional<LodSurface> surface_;  ///< of part_; empty for foliage and while part_ is large
+  std::optional<LodSurface> surface_;  ///< of part_; empty for foliage, and while part_ is large
 };
 
 double extent_of(const Mesh& mesh) {
@@ -283,7 +285,7 @@ std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& m
   std::stable_partition(chains.begin(), chains.end(),
                         [](const std::unique_ptr<Chain>& chain) { return chain->foliage(); });
   const MeshPictures::Frame frame = MeshPictures::frame_around(full);
-  std::optional<MeshPictures> pictures;  // of the full mesh, where a level is held against it
+  std::optional<MeshPictures> pictures;  // of the full mesh, if a level is compared with it
   double share = 1, allowed = kFirstError * extent_of(full);
   const double most = kMostError * extent_of(full);
   int fruitless = 0;

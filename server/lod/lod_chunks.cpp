@@ -16,12 +16,12 @@ struct Center {
   std::uint32_t triangle;
 };
 
-/// A run of Centers.
+/// A range of Centers.
 struct Run {
   std::size_t first, count;
 };
 
-// Halves `run` across its longest side, and the halves again, down to `most` triangles.
+// Halves `run` across its longest side, and each half again, down to `most` triangles.
 void cut(Center* centers, std::size_t count, std::size_t most, const Workers& workers) {
   if (count <= most) return;
   glm::vec3 low = centers->at, high = low;
@@ -40,7 +40,7 @@ void cut(Center* centers, std::size_t count, std::size_t most, const Workers& wo
                [&] { cut(centers + half, count - half, most, workers); });
 }
 
-// Where cut() leaves the parts.
+// Adds the ranges that cut() makes.
 void add_runs(const Run& whole, std::size_t most, std::vector<Run>& out) {
   if (whole.count <= most) return out.push_back(whole);
   const std::size_t half = whole.count / 2;
@@ -66,11 +66,11 @@ std::vector<Center> centers_of(const Part& part, const Workers& workers) {
 /// One chunk on its own vertices.
 struct Chunk {
   Part part;
-  std::vector<std::uint32_t> whole;  ///< by vertex: its index in the whole
+  std::vector<std::uint32_t> whole;  ///< by vertex: its index in the whole part
 };
 
 Chunk chunk_of(const Part& part, std::vector<std::uint32_t> triangles) {
-  std::sort(triangles.begin(), triangles.end());  // neighbours in memory, too
+  std::sort(triangles.begin(), triangles.end());  // keeps neighbours together in memory
   Chunk out;
   out.part.material = part.material;
   out.part.indices.reserve(3 * triangles.size());
@@ -91,18 +91,19 @@ Chunk chunk_of(const Part& part, std::vector<std::uint32_t> triangles) {
   return out;
 }
 
-/// What is left of a chunk.
+/// The result of simplifying a chunk.
 struct Simplified {
-  std::vector<std::uint32_t> indices;  ///< of vertices of the whole
-  std::vector<std::uint32_t> shown;    ///< the same; `copies` where it is at least kCopies
+  std::vector<std::uint32_t> indices;  ///< into the vertices of the whole part
+  /// the same triangles; from kCopies on, indices into `copies`
+  std::vector<std::uint32_t> shown;
   std::vector<Vertex> copies;
   double error = 0;
 };
 constexpr std::uint32_t kCopies = 1u << 31;
 
-// Of the chunk's triangles those of `inner` are simplified. What lies around them stays as it is:
-// were both sides of a border simplified up to it, each could bridge the same of its corners, and
-// an edge of four triangles never goes away.
+// Simplifies the triangles `inner` of a chunk and keeps its rim unchanged. If both sides of a
+// border were simplified up to it, each side could bridge the same corners, and an edge shared by
+// four triangles would stay for ever.
 Simplified simplified(const Part& part, const std::vector<std::uint32_t>& rim,
                       std::vector<std::uint32_t> inner, double share, double allowed, bool soup) {
   Simplified out;
@@ -132,7 +133,7 @@ Simplified simplified(const Part& part, const std::vector<std::uint32_t>& rim,
   return out;
 }
 
-/// Which vertices lie where chunks meet.
+/// Finds the vertices at which chunks meet.
 class Borders {
  public:
   explicit Borders(const Part& part) : place_(part.vertices.size()) {

@@ -7,13 +7,13 @@
 namespace mirage {
 namespace {
 
-// Always as many, however many threads there are: where a search begins depends on the one before.
+// Constant for any number of threads, because a search begins where the one before ended.
 constexpr std::size_t kChunks = 8;
-constexpr std::size_t kAhead = 16;     // one of so many points goes ahead
-constexpr float kColorStep = 0.04f;    // of square roots: ten of 255
-constexpr double kWrongColors = 0.02;  // of the vertices
+constexpr std::size_t kAhead = 16;     // one of this many points is measured first
+constexpr float kColorStep = 0.04f;    // in square roots of linear colour: ten of 255
+constexpr double kWrongColors = 0.02;  // share of the vertices
 
-// Every `step`-th of `count` things, in runs of neighbours.
+// Selects every `step`-th of `count` things, in runs of neighbours.
 struct Sampled {
   std::size_t step = 1, count = 0;
 
@@ -22,9 +22,9 @@ struct Sampled {
   std::size_t begin(std::size_t chunk) const { return count * chunk / kChunks; }
 };
 
-// The largest distance to the tree of sampled points, beginning with `floor`; it ends once that is
-// above `allowed`. Some of the points are tried before the others: what they find spares most of
-// the searches of these.
+// Returns the largest distance from the sampled points to the tree, at least `floor`. It stops
+// above `allowed`. Some points are measured first: the distance they find spares most searches of
+// the others.
 template <typename PointAt>
 double largest_distance(const SurfaceTree& tree, const Sampled& sampled, const PointAt& point_at,
                         double floor, double allowed, double at_most, const Workers& workers) {

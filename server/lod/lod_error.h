@@ -1,16 +1,16 @@
 #pragma once
-// What a coarser surface shows wrongly of the full one.
+// The visible error of a coarser surface against the full one.
 
 #include "server/lod/surface_distance.h"
 
 namespace mirage {
 
-/// How many of a surface's things distances are taken from, at most.
+/// Most vertices and triangles from which distances are measured.
 struct DistanceSamples {
   std::size_t vertices = 20'000, triangles = 5'000;
 };
 
-/// One surface and its tree, to measure coarser ones of the same vertices against.
+/// A surface and its tree; coarser surfaces on the same vertices are measured against it.
 class FullSurface {
  public:
   /// `vertices` and `indices` must outlive it. `radius`: of the surface, object units.
@@ -18,17 +18,17 @@ class FullSurface {
               double radius, const DistanceSamples& samples, const Workers& workers);
 
   const SurfaceTree& tree() const { return tree_; }
-  /// By vertex: where in the tree it is.
+  /// Returns, for each vertex, its place in the tree.
   const std::vector<std::uint32_t>& places() const { return places_; }
-  /// Vertices differ in colour.
+  /// True if the vertices differ in colour.
   bool colored() const { return colored_; }
 
-  /// Largest distance found between this surface and `coarse`, both ways (MeshLod::error), object
-  /// units, not less than `estimate` where vertices are sampled. Above `allowed`: anything above
-  /// it, as it then does not matter how much.
+  /// Returns the largest distance found between this surface and `coarse`, both ways
+  /// (MeshLod::error), object units. If vertices are sampled, it is at least `estimate`. Above
+  /// `allowed`, any larger value may be returned.
   double distance_to(const std::vector<std::uint32_t>& coarse, double estimate, double allowed,
                      const Workers& workers) const;
-  /// Colours of vertices, such as baked light, go with the vertices: whether too many would show.
+  /// True if too many vertex colours, such as baked light, would be lost with their vertices.
   bool loses_colors(const std::vector<std::uint32_t>& coarse, const Workers& workers) const;
 
  private:

@@ -10,11 +10,11 @@
 namespace mirage {
 namespace {
 
-constexpr std::size_t kFewMembers = 4;         // fewer have levels of their own
-constexpr std::size_t kMostIndices = 300'000;  // more are worth all workers, one by one
+constexpr std::size_t kFewMembers = 4;         // smaller families make levels per object
+constexpr std::size_t kMostIndices = 300'000;  // larger meshes use all workers, one mesh at a time
 constexpr double kFlattest = 1.0 / 16;         // least stretch that can be undone
-// Of the base's reach: what undoing a shape (floats' last places times 16) and baking another may
-// move a vertex by.
+// Largest move of a vertex, relative to the base's reach, from undoing a shape (last places of
+// floats times 16) and baking another.
 constexpr double kRounding = 4e-6;
 
 bool can_share(const SceneObject& object) {
@@ -43,7 +43,8 @@ struct LodFamilies::Family {
 };
 
 double longest_stretch(const glm::dmat3& shape) {
-  // The norm of a power is at least that of the largest eigenvalue's, and at most sqrt(3) times.
+  // The norm of a matrix power is at least the power of the largest eigenvalue, and at most sqrt(3)
+  // times that.
   glm::dmat3 power = glm::transpose(shape) * shape;
   constexpr int kSquarings = 6;
   for (int i = 0; i < kSquarings; ++i) power = power * power;
@@ -79,7 +80,7 @@ const SceneObject* LodFamilies::first_of(const SceneObject& object) const {
 std::vector<MeshLod> LodFamilies::lods_of(const SceneObject& object, const Workers& workers) const {
   Family& family = *families_.at(object.baked->base);
   std::call_once(family.once, [&] {
-    // By one thread alone: a wait for others could come round to this family again.
+    // This runs on one thread: a worker waiting for others could meet this family again.
     const Mesh base = bake(family.first->mesh, glm::inverse(family.first->baked->shape));
     family.rounding = kRounding * reach_of(base);
     family.lods = build_lods(base, scene_.materials, scene_.images);

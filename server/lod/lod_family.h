@@ -1,6 +1,6 @@
 #pragma once
-// Levels of detail that objects of one shape share: copies of a mesh that differ by an uneven scale
-// or a shear alone.
+// Levels of detail shared by objects of one shape: copies of a mesh that differ only by an uneven
+// scale or a shear.
 
 #include <map>
 #include <memory>
@@ -10,22 +10,23 @@
 
 namespace mirage {
 
-/// The most that `shape` lengthens anything; at most 1 % more.
+/// Returns the largest factor by which `shape` lengthens anything, at most 1 % too high.
 double longest_stretch(const glm::dmat3& shape);
 
-/// Scenes in which many objects are baked from one mesh. Its levels are made once, before any shape
-/// is baked, and a member's are those in its shape. A pure function of the scene.
+/// Families of objects that are baked from one mesh. The levels of the base mesh are made once;
+/// those of a member are these in its shape. A pure function of the scene.
 class LodFamilies {
  public:
-  /// Objects that move, large ones, and those so flat that their base cannot be had back are of no
-  /// family. `scene` must outlive it.
+  /// Objects that move, large ones, and those too flat for undoing their shape have no family.
+  /// `scene` must outlive this object.
   explicit LodFamilies(const Scene& scene);
 
-  /// An object of the scene that `object` shares its levels with, maybe itself; nullptr: none.
+  /// Returns the object with which `object` shares its levels, maybe itself; nullptr: none.
   const SceneObject* first_of(const SceneObject& object) const;
 
-  /// Levels of an object that has a family, as build_lods() tells of them: errors and spreads are
-  /// the base's times longest_stretch(), and a rounding more; shading is measured. Any thread.
+  /// Returns the levels of an object that has a family, in the form of build_lods(). Errors and
+  /// spreads are those of the base times longest_stretch(), plus rounding; shading is measured. Any
+  /// thread.
   std::vector<MeshLod> lods_of(const SceneObject& object, const Workers& workers) const;
 
  private:

@@ -6,7 +6,7 @@
 namespace mirage {
 namespace {
 
-constexpr float kNearCorner = 0.75f;    // where a corner's normal is judged
+constexpr float kNearCorner = 0.75f;    // place near a corner where its normal is judged
 constexpr float kSameShading = 0.985f;  // cosine of 10 degrees
 
 constexpr std::size_t kChunkTriangles = 2'000;
@@ -15,7 +15,7 @@ glm::vec3 near_corner(const glm::vec3 (&v)[3], std::size_t k) {
   return kNearCorner * v[k] + 0.5f * (1 - kNearCorner) * (v[(k + 1) % 3] + v[(k + 2) % 3]);
 }
 
-// All corners face the way the triangle does: nothing of another side shades it.
+// True if all corner normals agree with the face of the triangle, so no other side shades it.
 bool shades_as_it_lies(const glm::vec3 (&normals)[3], const glm::vec3& face) {
   const float enough = kSameShading * glm::length(face);
   return std::all_of(normals, normals + 3, [&](const glm::vec3& n) {
@@ -23,7 +23,7 @@ bool shades_as_it_lies(const glm::vec3 (&normals)[3], const glm::vec3& face) {
   });
 }
 
-/// By corner: the full surface's normal where the corner shades wrongly, else zero.
+/// Returns, for each corner, the full surface's normal if the corner shades wrongly, else zero.
 std::vector<glm::vec3> missing_normals(const FullSurface& full, const Level& level,
                                        const Workers& workers) {
   const std::vector<std::uint32_t>& indices = level.indices;
@@ -39,7 +39,7 @@ std::vector<glm::vec3> missing_normals(const FullSurface& full, const Level& lev
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint32_t near = full.places()[level.origin[indices[t + k]]];
       const glm::vec3 right = full.tree().shading_at(near_corner(p, k), near).normal;
-      if (glm::dot(right, face) <= 0) continue;  // of another side
+      if (glm::dot(right, face) <= 0) continue;  // the normal belongs to another side
       const glm::vec3 shown = near_corner(n, k);
       if (glm::dot(shown, right) < kSameShading * glm::length(shown)) out[t + k] = right;
     }
@@ -72,7 +72,8 @@ Level level_of(const std::vector<Vertex>& vertices, const std::vector<std::uint3
 void restore_normals(const FullSurface& full, Level& level, const Workers& workers) {
   const std::vector<glm::vec3> missing = missing_normals(full, level, workers);
   auto& [vertices, indices, origin, count] = level;
-  std::map<std::uint32_t, std::vector<std::uint32_t>> copies;  // of a vertex, with other normals
+  // copies of a vertex with other normals
+  std::map<std::uint32_t, std::vector<std::uint32_t>> copies;
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const glm::vec3& right = missing[i];
     if (right == glm::vec3(0)) continue;

@@ -8,13 +8,14 @@ namespace mirage {
 namespace {
 
 constexpr std::uint32_t kLeastEdge = 32, kMostEdge = 256;
-constexpr double kPixelsPerTriangle = 4;  // of a side
+constexpr double kPixelsPerTriangle = 4;  // per side of a picture
 constexpr std::uint32_t kCoarsestEdge = 8;
-constexpr float kNormalWeight = 0.5f;  // a mean light shows half of what a normal or grain turns
-constexpr float kWhole = 0.99f;        // less cover is an edge, which MeshLod::error answers for
+// in mean light, a turn of a normal or grain shows at half its size
+constexpr float kNormalWeight = 0.5f;
+constexpr float kWhole = 0.99f;  // less cover is an edge, which MeshLod::error covers
 constexpr float kMargin = 1.02f;
 
-// Looks along the axes of a frame that lies askew: few faces are seen from their very side.
+// Returns views along the axes of a tilted frame, so that few faces are seen exactly edge-on.
 std::array<glm::mat3, MeshPictures::kSides> view_rotations() {
   const glm::mat3 askew = glm::mat3_cast(glm::normalize(glm::quat(0.93f, 0.21f, 0.27f, 0.13f)));
   std::array<glm::mat3, MeshPictures::kSides> out;
@@ -78,7 +79,7 @@ struct Canvas {
   std::vector<float> nearest;  // larger is nearer
 };
 
-// What lies in a triangle on the canvas, `at` its corners in pixels and their nearness.
+// Fills a triangle on the canvas; `at`: its corners in pixels, and their nearness.
 template <typename Shade>
 void fill(Canvas& canvas, const glm::vec3 (&at)[3], const Shade& shade) {
   const auto low = [&](int axis) {
@@ -154,7 +155,7 @@ void draw(const Mesh& mesh, const std::vector<Material>& materials,
   }
 }
 
-// Four pixels in one: their sums.
+// Sums each 2 x 2 pixels into one.
 MeshPictures::Picture halved(const MeshPictures::Picture& in, std::uint32_t edge) {
   const std::uint32_t half = edge / 2;
   MeshPictures::Picture out(std::size_t{half} * half);

@@ -1,6 +1,6 @@
 #pragma once
-// How a mesh is shaded, seen from around: what a coarser one must look like, not only where its
-// surfaces must lie.
+// The shading of a mesh from all sides. A coarser mesh must look like it, besides having its
+// surfaces in the right place.
 
 #include <array>
 #include <vector>
@@ -10,21 +10,21 @@
 
 namespace mirage {
 
-/// Six orthographic pictures of a mesh, of its normals, base colours and the grain of what is
-/// anisotropic, made without a GPU.
+/// Six orthographic pictures of a mesh, made without a GPU: normals, base colours, and the grain of
+/// anisotropic surfaces.
 class MeshPictures {
  public:
-  /// What pictures that are compared have in common.
+  /// The placement shared by pictures that are compared.
   struct Frame {
     glm::vec3 center{0};
     float extent = 0;         ///< width and height of a picture, object units
-    std::uint32_t edge = 32;  ///< of a picture, pixels; a power of two
+    std::uint32_t edge = 32;  ///< of a picture, px; a power of two
   };
-  /// Around the vertices in use, as fine as the mesh has triangles to show. Extent 0: nothing to
-  /// see.
+  /// Returns a frame around the vertices in use, with a resolution that fits the number of
+  /// triangles. Extent 0: nothing is visible.
   static Frame frame_around(const Mesh& mesh);
 
-  /// Lines and points are left out, as they are the same in every level.
+  /// Draws triangles only, because lines and points are the same in every level.
   MeshPictures(const Mesh& mesh, const std::vector<Material>& materials,
                const std::vector<Image>& images, const Frame& frame, const Workers& workers);
 
@@ -33,8 +33,8 @@ class MeshPictures {
   struct Pixel {
     glm::vec3 normal{0};  ///< unit, towards the viewer
     glm::vec3 color{0};   ///< base colour, square root of linear
-    glm::vec3 grain{0};   ///< the tangent, unit; zero where nothing is drawn along it
-    float cover = 0;      ///< share that shows anything; the others are sums over it
+    glm::vec3 grain{0};   ///< tangent, unit; zero if nothing is drawn along it
+    float cover = 0;      ///< covered share; the other members are sums over it
   };
   using Picture = std::vector<Pixel>;
   static constexpr std::size_t kSides = 6;
@@ -45,12 +45,13 @@ class MeshPictures {
   std::array<Picture, kSides> sides_;
 };
 
-/// Root of the mean squared difference of normals and grain (half) and colours that passes for
-/// equal.
+/// Root mean square difference of normals, grain (half weight) and colours up to which two pictures
+/// count as equal.
 inline constexpr double kSameShading = 0.03;
 
-/// Object units: the smallest pixels at which both look the same, within kSameShading; 0 when they
-/// do at the pictures' own. Larger pixels show means of what lies in them. Both are of one frame.
+/// Returns the smallest pixel size, object units, at which both look the same within kSameShading;
+/// 0 if they do at the resolution of the pictures. Larger pixels show means of their content. Both
+/// must have the same frame.
 float shading_size(const MeshPictures& full, const MeshPictures& level);
 
 }  // namespace mirage

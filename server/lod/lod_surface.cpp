@@ -5,16 +5,17 @@
 namespace mirage {
 namespace {
 
-constexpr int kTries = 4;                    // to keep to it: the simplifier only estimates
-constexpr std::size_t kSoupIndices = 3'000;  // below, hard edges may well be meant
-constexpr double kSoupShare = 0.8;           // vertices an index; a box of quads has 0.67
+// tries to keep the limit, because the simplifier only estimates
+constexpr int kTries = 4;
+constexpr std::size_t kSoupIndices = 3'000;  // smaller parts may have hard edges on purpose
+constexpr double kSoupShare = 0.8;           // vertices per index; a box of quads has 0.67
 
-// Vertices joined that differ in normal and tangent only. Only where they are counts: each level
-// has its normals from the full surface.
+// A part with vertices joined that differ only in normal and tangent. Only positions matter here:
+// each level takes its normals from the full surface.
 struct Welded {
   std::vector<Vertex> vertices;
   std::vector<std::uint32_t> indices;
-  std::vector<std::uint32_t> origin;  // by vertex: one of the part's that became it
+  std::vector<std::uint32_t> origin;  // by vertex: one of the part's vertices joined in it
 };
 
 Welded welded(const Part& part) {
@@ -58,7 +59,7 @@ bool LodSurface::reduce(std::size_t triangles, double allowed, const Workers& wo
   double aim = allowed;
   for (int i = 0; i < kTries && coarse_.size() > target; ++i, aim *= 0.4) {
     SurfaceSimplifier::Step step = simplifier_->simplified(target, aim);
-    // Nothing left is no level of detail but a hole.
+    // An empty result would be a hole, not a level of detail.
     if (step.indices.empty() || step.indices.size() >= coarse_.size()) break;
     std::vector<std::uint32_t> next = simplifier_->full_indices(step.indices);
     if (!origin_.empty()) {

@@ -1,5 +1,5 @@
 #pragma once
-// One primitive's surface on its way to fewer triangles.
+// The surface of one primitive as it loses triangles.
 
 #include <optional>
 
@@ -18,39 +18,43 @@ struct Part {
   std::size_t triangles() const { return indices.size() / 3; }
 };
 
-/// Every triangle has vertices of its own: flat-shaded scans come so. Nothing would collapse.
+/// True if almost every triangle has its own vertices, as in flat-shaded scans. Such a part would
+/// not simplify.
 bool is_soup(const Part& part);
 
-/// How one is simplified and measured.
+/// Rules for simplifying and measuring a part.
 struct LodRules {
-  bool soup = false;  ///< is_soup(): vertices that differ in normal and tangent only are one
+  bool soup = false;  ///< is_soup(): joins vertices that differ only in normal and tangent
   bool lock_border =
-      false;  ///< vertices at an edge of one triangle stay: the surface goes on there
+      false;  ///< keeps vertices at edges of one triangle: the surface continues there
   DistanceSamples samples;
 };
 
-/// A surface of triangles that loses some step by step; each step is held against all of it.
+/// A surface of triangles that is reduced step by step. Each step is measured against the full
+/// surface.
 class LodSurface {
  public:
   /// `part` must outlive it.
   LodSurface(const Part& part, const LodRules& rules, const Workers& workers);
   LodSurface(LodSurface&&) = delete;
 
-  /// Goes on to about `triangles`, at most `allowed` (object units) from the whole. False where it
-  /// finds no such step and all stays as it is.
+  /// Reduces to about `triangles`, at most `allowed` object units from the full surface. False: no
+  /// such step was found, and nothing changed.
   bool reduce(std::size_t triangles, double allowed, const Workers& workers);
 
-  /// Present triangles, as indices of the part's vertices.
+  /// Returns the present triangles, as indices of the part's vertices.
   const std::vector<std::uint32_t>& indices() const { return coarse_; }
-  /// Of the present triangles (MeshLod::error), object units.
+  /// Returns the error of the present triangles (MeshLod::error), object units.
   double error() const { return error_; }
-  /// Present triangles with normals of the whole surface where their own would shade wrongly.
+  /// Returns the present triangles, with normals of the full surface where their own would shade
+  /// wrongly.
   Level level(const Workers& workers) const;
 
  private:
   const Part& part_;
   std::vector<std::uint32_t> coarse_;
-  std::vector<std::uint32_t> origin_;  ///< of soup only, by joined vertex: one that became it
+  /// soup only, by joined vertex: one of the vertices it replaces
+  std::vector<std::uint32_t> origin_;
   std::optional<SurfaceSimplifier> simplifier_;
   std::optional<FullSurface> surface_;
   double estimate_ = 0;  ///< sum of the simplifier's errors, object units

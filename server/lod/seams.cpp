@@ -7,10 +7,11 @@ namespace mirage {
 namespace {
 
 constexpr double kRounding = 1.0 / (1 << 22);  // of the largest coordinate
-constexpr double kCell = 8;                    // edge in roundings: most look into one cell only
-constexpr int kCellBits = 21;                  // of an axis: 2^22 / 8 cells either side of 0
+// edge in roundings: most searches look into one cell
+constexpr double kCell = 8;
+constexpr int kCellBits = 21;  // bits per axis: 2^22 / 8 cells on either side of 0
 
-/// Positions no two of which are one, found by the cell of a grid they lie in.
+/// A set of distinct positions, found through the cells of a grid.
 class Places {
  public:
   explicit Places(const std::vector<Vertex>& vertices) {
@@ -23,7 +24,7 @@ class Places {
     places_.reserve(vertices.size());
   }
 
-  /// The place that `p` is one with; where there is none, `p` is a new one.
+  /// Returns the place that `p` coincides with; if there is none, adds `p` as a new one.
   glm::vec3 place_of(const glm::vec3& p) {
     const glm::dvec3 at(p);
     const glm::i64vec3 low = cell(at - reach_), high = cell(at + reach_);
@@ -48,7 +49,7 @@ class Places {
   static constexpr std::uint32_t kNone = UINT32_MAX;
   struct Place {
     glm::vec3 position;
-    std::uint32_t older;  ///< in the same bucket
+    std::uint32_t older;  ///< next older place in the same bucket
   };
 
   std::size_t bucket(std::uint64_t key) const {

@@ -1,5 +1,5 @@
 #pragma once
-// Seams: places where a surface is one, but has a vertex for either side of them.
+// Seams: places where a surface is continuous, but has a vertex for either side.
 
 #include <vector>
 
@@ -7,12 +7,15 @@
 
 namespace mirage {
 
-/// By vertex its position; of those that are one but for rounding that of the first, bit for bit:
-/// sin and cos of a whole turn leave a ball's first meridian beside its last by 1e-16, and such a
-/// gap widens to the whole allowed error where either side is simplified on its own. One are those
-/// within 2^-22 of the largest coordinate of all, in each axis by itself: a float's rounding of
-/// that coordinate four times over, and a hundredth of what the wire's 16 bits of position leave.
-/// Positions are finite.
+/// Returns the position of each vertex. Positions that differ only by rounding become equal, bit
+/// for bit, to the first of them.
+///
+/// Example: sin and cos of a whole turn leave a ball's first meridian 1e-16 beside its last. Such a
+/// gap would widen to the whole allowed error once either side is simplified on its own.
+///
+/// Positions count as equal within 2^-22 of the largest coordinate of all, on each axis. That is
+/// four times a float's rounding of that coordinate, and a hundredth of the error of the wire's
+/// 16-bit positions. Positions must be finite.
 std::vector<glm::vec3> closed_positions(const std::vector<Vertex>& vertices);
 
 }  // namespace mirage

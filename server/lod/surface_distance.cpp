@@ -7,14 +7,15 @@
 namespace mirage {
 namespace {
 
-constexpr std::uint32_t kLeafTriangles = 4;         // a place each, used or not
+// a leaf always has this many places, used or not
+constexpr std::uint32_t kLeafTriangles = 4;
 constexpr std::uint32_t kSharedTriangles = 20'000;  // fewer are not worth another thread
-constexpr std::size_t kDeepest = 64;  // halved until 4 are left: 30 for all of 32 bits
+constexpr std::size_t kDeepest = 64;  // halving down to 4 takes 30 steps for 32-bit counts
 
 constexpr std::uint32_t kLeaf = 1u << 31;  // a child with this bit is a leaf, else an inner node
 
-// Inner nodes of a tree over so many triangles. Level by level: halving leaves `a` parts of `size`
-// triangles and `b` of one more.
+// Returns the number of inner nodes of a tree over so many triangles. On each level, halving leaves
+// `a` parts of `size` triangles and `b` parts of one more.
 std::uint32_t inner_nodes(std::uint32_t triangles) {
   std::uint32_t size = triangles, a = 1, b = 0, count = 0;
   while (size > kLeafTriangles) {
@@ -56,7 +57,7 @@ SurfaceTree::Box SurfaceTree::make_leaf(std::uint32_t leaf, const Center* center
   Box box{glm::vec3(std::numeric_limits<float>::infinity()),
           glm::vec3(-std::numeric_limits<float>::infinity())};
   for (std::uint32_t lane = 0; lane < kLeafTriangles; ++lane) {
-    // What is left over repeats the first, and is never nearer than that.
+    // Unused lanes repeat the first triangle and are never nearer than it.
     const std::uint32_t triangle = centers[lane < count ? lane : 0].triangle;
     order_[leaf * kLeafTriangles + lane] = triangle;
     const std::uint32_t* t = &indices_[3 * std::size_t{triangle}];
@@ -83,7 +84,7 @@ SurfaceTree::Box SurfaceTree::build(std::uint32_t at, std::uint32_t leaf, Center
   const std::uint32_t half = count / 2;
   std::nth_element(centers, centers + half, centers + count,
                    [axis](const Center& a, const Center& b) { return a.at[axis] < b.at[axis]; });
-  const std::uint32_t inner = inner_nodes(half);  // and a leaf more
+  const std::uint32_t inner = inner_nodes(half);  // the leaves are one more
   const std::uint32_t counts[2] = {half, count - half}, nodes[2] = {at + 1, at + 1 + inner},
                       leaves[2] = {leaf, leaf + inner + 1};
   Node& node = nodes_[at];
@@ -145,7 +146,7 @@ void SurfaceTree::search(const glm::vec3& p, float enough2, Nearest& best) const
   while (waiting > 0 && best.distance2 > enough2) {
     auto [at, distance2] = stack[--waiting];
     while (distance2 < best.distance2 &&
-           !(at & kLeaf)) {  // to the nearer leaf, the other sides wait
+           !(at & kLeaf)) {  // descends to the nearer leaf; the other children wait
       const Node& node = nodes_[at];
       Lanes outside2{};  // by child
       for (int c = 0; c < 3; ++c) {
@@ -198,7 +199,7 @@ SurfaceTree::Shading SurfaceTree::shading_at(const glm::vec3& p, std::uint32_t& 
   near = best.place;
   const std::uint32_t* t = &indices_[3 * std::size_t{order_[best.place]}];
   const glm::vec3 a = corner(best.place, 0), b = corner(best.place, 1), c = corner(best.place, 2);
-  // Shares of the triangle's area opposite to each corner.
+  // Areas opposite to each corner give the corners' weights.
   const glm::vec3 areas(glm::length(glm::cross(b - best.point, c - best.point)),
                         glm::length(glm::cross(c - best.point, a - best.point)),
                         glm::length(glm::cross(a - best.point, b - best.point)));
@@ -217,7 +218,8 @@ std::vector<std::uint32_t> SurfaceTree::places_of_vertices() const {
   std::vector<std::uint32_t> out(vertices_.size(), 0);
   for (std::uint32_t place = 0; place < order_.size(); ++place) {
     const std::uint32_t lane = place % kLeafTriangles;
-    if (lane > 0 && order_[place] == order_[place - lane]) continue;  // the first again
+    // skips repeats of the first triangle
+    if (lane > 0 && order_[place] == order_[place - lane]) continue;
     for (std::size_t k = 0; k < 3; ++k) out[indices_[3 * std::size_t{order_[place]} + k]] = place;
   }
   return out;

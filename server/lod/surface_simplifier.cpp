@@ -49,7 +49,7 @@ void SurfaceSimplifier::take(Step step) {
   for (const std::uint32_t i : step.indices) stays[place_[i]] = true;
   for (const std::uint32_t place : span_) stays[place] = true;
   std::vector<std::uint32_t> now(positions_.size());
-  std::uint32_t left = 0;  // in their order: where several choices are as good, the first counts
+  std::uint32_t left = 0;  // keeps their order: among equally good choices, the first counts
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     if (!stays[place_[i]]) continue;
     positions_[left] = positions_[i];

@@ -1,5 +1,5 @@
 #pragma once
-// Who may connect: an address whose hellos were wrong too often waits.
+// Admission of connections: an address with too many wrong hellos must wait.
 
 #include <cstdint>
 #include <deque>
@@ -10,12 +10,12 @@ namespace mirage {
 
 class Admission {
  public:
-  /// Wrong hellos of an address within a second, before it is sent away.
+  /// Wrong hellos within a second after which an address is refused.
   static constexpr std::size_t kMostFailures = 10;
   static constexpr std::int64_t kWindowUs = 1'000'000;
 
   bool may_connect(const std::string& address, std::int64_t now_us);
-  /// It said a wrong token, or something that is no hello.
+  /// Notes a wrong token, or a first message that is no hello.
   void note_failure(const std::string& address, std::int64_t now_us);
 
  private:
@@ -24,8 +24,8 @@ class Admission {
   std::map<std::string, std::deque<std::int64_t>> failures_us_;
 };
 
-/// Whether a browser's Origin is the host that it asks: `origin` scheme://HOST[:PORT], `host` as in
-/// the Host header. What is no Origin of that form is not.
+/// True if a browser's Origin is the host that it connects to. `origin`: scheme://HOST[:PORT];
+/// `host`: as in the Host header. A malformed Origin gives false.
 bool same_origin(const std::string& origin, const std::string& host, bool tls);
 
 }  // namespace mirage

@@ -31,15 +31,15 @@ namespace mirage {
 namespace {
 
 constexpr int kMaxWritesPerCallback = 8;
-// What a client says comes in pieces of this size at most; each connection has room for one.
+// Largest piece in which libwebsockets delivers data; each connection has a buffer of this size.
 constexpr std::size_t kReceiveBytes = 2048;
-constexpr std::int64_t kFarewellUs = 1'000'000;  // for goodbyes, once all is sent
+constexpr std::int64_t kFarewellUs = 1'000'000;  // time for goodbyes, once all is sent
 constexpr lws_usec_t kSweepUs = 250'000;
-// Descriptors that are kept for files, whoever connects.
+// Descriptors reserved for files.
 constexpr std::size_t kSpareDescriptors = 16;
 
-// How many sockets there may be. libwebsockets stops accepting in time, if it is told: at the
-// process' limit accept() fails, again and again.
+// Limit of sockets. libwebsockets then stops accepting in time; at the process' own limit, accept()
+// would fail again and again.
 unsigned int most_sockets() {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
@@ -51,13 +51,13 @@ unsigned int most_sockets() {
   const auto all = static_cast<std::size_t>(std::min(limit.rlim_cur, kMost));
   return static_cast<unsigned int>(std::max<std::size_t>(all > taken ? all - taken : 0, 8));
 }
-constexpr lws_usec_t kFetchCheckUs = 5'000;  // how often it is looked whether a disk is too slow
+constexpr lws_usec_t kFetchCheckUs = 5'000;  // interval of checks for slow sources
 
 struct Connection {
   SessionId session = 0;
   std::string* address = nullptr;
-  Bytes* inbound = nullptr;  // fragments of the message under way
-  // Session 0: there is none, the connection is closed when it can be written to.
+  Bytes* inbound = nullptr;  // fragments of the message being received
+  // Session 0 means no session: the connection is closed when it is next writable.
 };
 
 int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
@@ -106,13 +106,13 @@ struct Endpoint::Impl {
   Admission admission;
   HttpPages http;
   const SteadyClock clock;
-  std::size_t connections = 0;  // accepted and still open, whatever they speak
-  std::size_t most = 0;         // of them, before no more are accepted
-  bool crowded = false;         // said so
-  bool farewell = false;        // goodbyes are said: who has read all is closed
+  std::size_t connections = 0;  // open connections of any protocol
+  std::size_t most = 0;         // limit of connections
+  bool crowded = false;         // the log has said so
+  bool farewell = false;        // goodbyes are sent: a client that read everything is closed
 
   struct Timer {
-    lws_sorted_usec_list_t timer{};  // first member: the callback gets its address
+    lws_sorted_usec_list_t timer{};  // must be the first member: the callback gets its address
     Impl* impl = nullptr;
     bool set = false;
   };
@@ -121,7 +121,8 @@ struct Endpoint::Impl {
   Result<lws_vhost*> listen_at(const ListenAddress& at, const char* name,
                                const lws_protocols* protocols, bool tls);
 
-  /// A pair that is wrong changes nothing. Connections that are there go on as they are.
+  /// Reads certificate and key again. A wrong pair changes nothing; open connections are
+  /// unaffected.
   void read_certificate_anew() const {
     if (options.tls_cert.empty()) return;
     Result<void> right = check_certificate(options.tls_cert, options.tls_key);
@@ -133,7 +134,7 @@ struct Endpoint::Impl {
     spdlog::error("{}; the certificate stays as it is", right.error().line());
   }
 
-  /// Clients that say nothing or take nothing are closed however quiet it is.
+  /// A timer closes clients that say or read nothing, even if there is no traffic.
   void sweep_later() {
     sweep_timer.impl = this;
     lws_sul_schedule(context, 0, &sweep_timer.timer, on_sweep_timer, kSweepUs);
@@ -161,11 +162,11 @@ struct Endpoint::Impl {
     impl->note_crowd();
     if (impl->hooks.tick) impl->hooks.tick();
     impl->sweep_later();
-    // A timer served before the poll does not end the poll: make it look again.
+    // A timer that runs before poll() does not end poll(), so this wakes the loop to look again.
     lws_cancel_service(impl->context);
   }
 
-  /// While somebody waits for the tile cache's directory.
+  /// Checks the tile sources as long as an ask waits for them.
   void watch_fetches() {
     if (fetch_timer.set || !hub->waits_for_sources()) return;
     fetch_timer.impl = this;
@@ -179,7 +180,7 @@ struct Endpoint::Impl {
     fetch->impl->hub->give_up_fetches();
     fetch->impl->ask_to_write();
     fetch->impl->watch_fetches();
-    // A timer served before the poll does not end the poll: make it look again.
+    // A timer that runs before poll() does not end poll(), so this wakes the loop to look again.
     lws_cancel_service(fetch->impl->context);
   }
 
@@ -197,7 +198,8 @@ struct Endpoint::Impl {
     }
   }
 
-  /// Logs why, tells the peer, and makes libwebsockets close (the return value of a callback).
+  /// Logs the error, tells the peer, and returns the value that makes a libwebsockets callback
+  /// close.
   int close_with(lws* wsi, SessionId id, const Error& error) {
     if (error.id != ErrorId::kNetworkClosed) {
       ++counters->clients_closed_for_error;
@@ -219,13 +221,13 @@ struct Endpoint::Impl {
   int write_some(lws* wsi, Connection& connection) {
     static thread_local std::vector<std::uint8_t> buffer;
     for (int i = 0; i < kMaxWritesPerCallback; ++i) {
-      const FramePtr frame = hub->next_frame(connection.session);
-      if (!frame && farewell) return say_goodbye(wsi);
-      if (!frame) return 0;
-      buffer.resize(LWS_PRE + frame->size());
-      std::memcpy(buffer.data() + LWS_PRE, frame->data(), frame->size());
-      const int n = lws_write(wsi, buffer.data() + LWS_PRE, frame->size(), LWS_WRITE_BINARY);
-      if (n < static_cast<int>(frame->size())) return -1;
+      const PacketPtr packet = hub->next_packet(connection.session);
+      if (!packet && farewell) return say_goodbye(wsi);
+      if (!packet) return 0;
+      buffer.resize(LWS_PRE + packet->size());
+      std::memcpy(buffer.data() + LWS_PRE, packet->data(), packet->size());
+      const int n = lws_write(wsi, buffer.data() + LWS_PRE, packet->size(), LWS_WRITE_BINARY);
+      if (n < static_cast<int>(packet->size())) return -1;
       if (lws_send_pipe_choked(wsi)) break;
     }
     lws_callback_on_writable(wsi);
@@ -238,7 +240,7 @@ struct Endpoint::Impl {
                         make_error(ErrorId::kWireMalformed, "text frames are not spoken here"));
     }
     Bytes& inbound = *connection.inbound;
-    // What a frame declares counts before it is there.
+    // The length that a packet declares counts before its bytes arrive.
     const std::size_t to_come = lws_remaining_packet_payload(wsi);
     if (to_come > limits::kMaxMessageBytes ||
         inbound.size() + n + to_come > limits::kMaxMessageBytes) {
@@ -271,15 +273,14 @@ Endpoint::Impl* impl_of(lws* wsi) {
   return static_cast<Endpoint::Impl*>(lws_context_user(lws_get_context(wsi)));
 }
 
-// libwebsockets accepts POST, HTTP/1.0, other versions and keys of any kind here: check for
-// ourselves.
+// libwebsockets accepts POST, HTTP/1.0, other versions and any key here, so this checks them.
 bool acceptable_upgrade(lws* wsi, const EndpointOptions& options) {
   if (header(wsi, WSI_TOKEN_HTTP).text != "HTTP/1.1") return false;
   if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) return false;
   if (header(wsi, WSI_TOKEN_VERSION).text != "13") return false;
   if (!is_upgrade_key(header(wsi, WSI_TOKEN_KEY).text)) return false;
   const HeaderText origin = header(wsi, WSI_TOKEN_ORIGIN);
-  if (!origin.there) return true;  // no browser
+  if (!origin.there) return true;  // not a browser
   if (!origin.whole) return false;
   const bool tls = !options.tls_cert.empty();
   return (!options.allow_origin.empty() && origin.text == options.allow_origin) ||
@@ -362,7 +363,7 @@ int on_http(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t 
       if (Endpoint::Impl* impl = impl_of(wsi); impl->connections > 0) --impl->connections;
       return 0;
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
-      return -1;  // an upgrade that names no protocol of ours lands here
+      return -1;  // an upgrade without a known protocol arrives here
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
       return 0;
     default:
@@ -392,7 +393,7 @@ Endpoint::~Endpoint() {
 Result<lws_vhost*> Endpoint::Impl::listen_at(const ListenAddress& at, const char* name,
                                              const lws_protocols* protocols, bool tls) {
   lws_context_creation_info info{};
-  info.options = LWS_SERVER_OPTION_VALIDATE_UTF8 |  // of a close frame's reason
+  info.options = LWS_SERVER_OPTION_VALIDATE_UTF8 |  // checks the reason of a close packet
                  LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
   std::string interface = at.socket_path;
   if (at.socket_path.empty()) {
@@ -418,7 +419,8 @@ Result<lws_vhost*> Endpoint::Impl::listen_at(const ListenAddress& at, const char
     info.ssl_cert_filepath = options.tls_cert.c_str();
     info.ssl_private_key_filepath = options.tls_key.c_str();
     info.alpn = "http/1.1";
-    info.ssl_cipher_list = "ECDHE+AESGCM:ECDHE+CHACHA20";  // of TLS 1.2; those of 1.3 are all AEAD
+    // for TLS 1.2; the suites of 1.3 are all AEAD
+    info.ssl_cipher_list = "ECDHE+AESGCM:ECDHE+CHACHA20";
   }
   lws_vhost* const made = lws_create_vhost(context, &info);
   if (made) return made;
@@ -504,7 +506,7 @@ void Endpoint::serve(SessionHub& hub, StageQueues& queues) {
     std::string why = "the scene is loaded anew";
     lws_close_reason(wsi, LWS_CLOSE_STATUS_GOINGAWAY, reinterpret_cast<unsigned char*>(why.data()),
                      why.size());
-    lws_callback_on_writable(wsi);  // closes who has no session
+    lws_callback_on_writable(wsi);  // closes connections without a session
   }
   impl.serve(hub, queues);
 }

@@ -1,8 +1,9 @@
 #pragma once
-// Endpoint: the libwebsockets loop; bytes to messages and back. The only server file that knows
-// libwebsockets.
-// Input:  sockets. Output: calls into the SessionHub. Thread: the caller's of run() (main).
-// Full:   writes only when a socket can take it; a slow reader fills its own outbox.
+// Endpoint: the libwebsockets loop; it turns bytes into messages and back.
+// Input:  sockets
+// Output: calls into the SessionHub
+// Thread: the caller's of run() (main)
+// Full:   writes only when a socket accepts data; a slow reader fills its own outbox
 
 #include <functional>
 #include <memory>
@@ -16,11 +17,12 @@ struct EndpointOptions;
 class SessionHub;
 struct StageQueues;
 
-/// Called by run().
+/// Functions that run() calls.
 struct EndpointHooks {
-  std::function<void()> reload;  ///< after Endpoint::reload(); the certificate is read anew by then
-  std::function<void()> tick;    ///< four times a second
-  std::function<void()> stopping;  ///< once, as it begins to drain
+  /// after Endpoint::reload(), with the certificate already read again
+  std::function<void()> reload;
+  std::function<void()> tick;      ///< four times a second
+  std::function<void()> stopping;  ///< once, when draining begins
 };
 
 class Endpoint {
@@ -32,19 +34,19 @@ class Endpoint {
 
   /// Binds and listens. Error kNetworkListen.
   Result<void> listen(const EndpointOptions& options);
-  /// The one taken; of a unix socket 0.
+  /// Returns the port in use; 0 for a unix socket.
   int port() const;
-  /// Another scene's from now on, on the thread of run(): clients are closed, with 1001, and
-  /// come back to these. What was served before is not used any more.
+  /// Switches to the hub of another scene, on the thread of run(). Clients are closed with 1001 and
+  /// come back to the new hub. The old hub is not used any more.
   void serve(SessionHub& hub, StageQueues& queues);
-  /// Serves until stop(); then says goodbye to the clients and returns. So it does when the
-  /// renderer fails, with its error.
+  /// Serves until stop() or until the renderer fails, then says goodbye to the clients. Returns the
+  /// renderer's error, if any.
   Result<void> run(EndpointHooks hooks = {});
-  /// Any thread, also from a signal handler.
+  /// Ends run(). Any thread, also a signal handler.
   void stop();
-  /// Any thread and signal handlers: has the hook called in run().
+  /// Makes run() call the reload hook. Any thread, also a signal handler.
   void reload();
-  /// Any thread: there are completions.
+  /// Tells run() that there are completions. Any thread.
   void wake();
 
   struct Impl;

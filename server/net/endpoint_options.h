@@ -11,12 +11,12 @@ struct EndpointOptions {
   ListenAddress address;
   std::string tls_cert;  ///< PEM files; both or none
   std::string tls_key;
-  /// The only Origin a browser may come from beside this server's own.
+  /// An additional Origin that browsers may come from, besides this server's own.
   std::string allow_origin;
-  double drain_s = 10;   ///< for which what was asked for is still served once told to stop
-  std::string web;       ///< folder of the page for browsers; empty: none
-  bool metrics = false;  ///< GET /metrics
-  /// A second one, for who operates the server: health and metrics only. nullopt: none.
+  double drain_s = 10;   ///< seconds in which earlier asks are still served after stop()
+  std::string web;       ///< folder of the browser page; empty: none
+  bool metrics = false;  ///< serves GET /metrics
+  /// A second address for operators, with health and metrics only; nullopt: none.
   std::optional<ListenAddress> admin;
 };
 

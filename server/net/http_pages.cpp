@@ -21,13 +21,13 @@ namespace {
 constexpr std::size_t kMostHeaderBytes = 1024;
 const char* const kMetricsType = "text/plain; version=0.0.4";
 constexpr std::size_t kFileChunkBytes = 16 * 1024;
-constexpr int kFilePatienceS = 20;  // for a chunk to be taken
+constexpr int kFilePatienceS = 20;  // seconds for a client to take a chunk
 const char* const kNoPage =
     "this is a Mirage server, without its page for browsers (scripts/web makes it, --web DIR names "
     "it): connect with mirage-view\n";
-constexpr int kTilePatienceS = 15;  // longer than the hub's
+constexpr int kTilePatienceS = 15;  // seconds; longer than the hub's deadline
 
-// One line each, `Name: value`.
+// Adds header lines of the form `Name: value`.
 bool add_headers(lws* wsi, const std::string& lines, unsigned char** at, unsigned char* end) {
   for (std::size_t from = 0; from < lines.size();) {
     const std::size_t colon = lines.find(": ", from), line = lines.find("\r\n", from);
@@ -102,7 +102,7 @@ int HttpPages::get_file(lws* wsi, HttpPeer& peer, const WebFile& file) const {
   return 0;
 }
 
-// As much as the socket takes: who reads slowly holds a pointer, no copy.
+// Writes as much as the socket takes. A slow reader holds a pointer to the file, not a copy.
 int HttpPages::write_file(lws* wsi, HttpPeer& peer) {
   std::array<std::uint8_t, LWS_PRE + kFileChunkBytes> buffer;
   const std::size_t n = std::min(kFileChunkBytes, peer.file->size() - peer.sent);

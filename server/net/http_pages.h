@@ -1,8 +1,9 @@
 #pragma once
-// What is answered over HTTP: health, metrics, tiles.
-// Input:  requests as libwebsockets reads them; tiles as the hub has them. Output: answers.
-// Thread: the network loop's.
-// Full:   tiles wait in the tile queue as a client's do, and are refused as busy (503).
+// Answers over HTTP: health, metrics, tiles and the browser page.
+// Input:  requests as libwebsockets reads them; tiles from the hub
+// Output: answers
+// Thread: the network loop's
+// Full:   tiles wait in the tile queue like those of a client, and are refused as busy (503)
 
 #include <cstdint>
 #include <map>
@@ -21,12 +22,12 @@ struct Counters;
 struct EndpointOptions;
 class SessionHub;
 
-/// What belongs to one HTTP connection; libwebsockets fills it with zeros and frees it.
+/// State of one HTTP connection; libwebsockets fills it with zeros and frees it.
 struct HttpPeer {
   std::uint32_t request;    ///< of the tile it waits for; 0: none
-  HttpAnswer* answer;       ///< to be written
-  const std::string* file;  ///< under way: of the page for browsers
-  std::size_t sent;         ///< of it, bytes
+  HttpAnswer* answer;       ///< answer to be written; null: none
+  const std::string* file;  ///< file of the browser page being sent; null: none
+  std::size_t sent;         ///< bytes of the file sent so far
 };
 
 class HttpPages {
@@ -34,21 +35,21 @@ class HttpPages {
   HttpPages(const EndpointOptions& options, Admission& admission)
       : options_(options), admission_(admission) {}
 
-  /// What is asked from now on is answered by these; who waits for a tile of others is told to come
-  /// back.
+  /// Answers later requests from this hub. Requests that wait for a tile of the old hub are told to
+  /// come back.
   void serve(SessionHub& hub, Counters& counters);
 
-  /// From now on browsers get this page.
+  /// Serves this page to browsers.
   void serve(WebPages web) { web_ = std::move(web); }
 
-  // These return what the libwebsockets callback is to return.
+  // These return the value that the libwebsockets callback must return.
   int answer(lws* wsi, HttpPeer& peer, const std::string& path, bool stopping);
-  /// At the address of --admin: metrics always, tiles not.
+  /// Answers at the address of --admin: always metrics, never tiles.
   int answer_operator(lws* wsi, const std::string& path, bool stopping) const;
   int write(lws* wsi, HttpPeer& peer);
   void gone(HttpPeer& peer);
 
-  /// Has written what the hub has for those who wait.
+  /// Passes the tiles that the hub has finished to the connections that wait for them.
   void hand_out();
   bool waiting() const { return !waiting_.empty(); }
 
@@ -71,7 +72,7 @@ class HttpPages {
   Admission& admission_;
   const SteadyClock clock_;
   WebPages web_;
-  std::map<std::uint32_t, Waiting> waiting_;  ///< by the hub's number
+  std::map<std::uint32_t, Waiting> waiting_;  ///< by the hub's request number
 };
 
 }  // namespace mirage

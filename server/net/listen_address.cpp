@@ -18,7 +18,7 @@ Error no_address(const std::string& text) {
                     "for example 127.0.0.1:9870, or :0 for any free port after a host");
 }
 
-// The first address of this family; empty: the name has none.
+// Returns the first address of this family; empty: the name has none.
 std::string first_address(const std::string& host, int family) {
   addrinfo hints{};
   hints.ai_family = family;

@@ -1,5 +1,5 @@
 #pragma once
-// Where a server listens.
+// The address a server listens at.
 
 #include <string>
 
@@ -10,24 +10,25 @@ namespace mirage {
 struct ListenAddress {
   std::string host = "127.0.0.1";  ///< a name or an address; IPv6 without brackets
   int port = 9870;                 ///< 0: any free port
-  std::string socket_path;         ///< not empty: a unix socket instead
+  std::string socket_path;         ///< if not empty, a unix socket is used instead
 
-  /// `ws://HOST:PORT` with the port that was taken, or `unix:PATH`, as clients take it.
+  /// Returns `ws://HOST:PORT` with the port in use, or `unix:PATH`, in the form that clients
+  /// accept.
   std::string url(bool tls, int taken_port) const;
 };
 
-/// HOST:PORT, [IPv6]:PORT or unix:PATH; error kUsage.
+/// Parses HOST:PORT, [IPv6]:PORT or unix:PATH. Error kUsage.
 Result<ListenAddress> parse_listen(const std::string& text);
 
-/// The numeric address of a host's name, IPv4 before IPv6; what is numeric stays as it is. Error
-/// kNetworkListen when nobody knows the name.
+/// Returns the numeric address of a host's name, IPv4 before IPv6; a numeric address is returned as
+/// it is. Error kNetworkListen: the name is unknown.
 Result<std::string> numeric_address(const std::string& host);
 
-/// Only this machine reaches it.
+/// True if only this machine can reach the address.
 bool is_loopback(const ListenAddress& address);
 
-/// Makes the path free for a socket: the socket of a server that is gone is removed. Errors
-/// kNetworkListen: a server answers there, or the path is something else than a socket.
+/// Frees the path for a socket by removing the socket of a server that is gone. Error
+/// kNetworkListen: a server answers there, or the path is not a socket.
 Result<void> free_socket_path(const std::string& path);
 
 }  // namespace mirage

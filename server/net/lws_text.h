@@ -1,5 +1,5 @@
 #pragma once
-// What libwebsockets knows of a connection, as text.
+// Facts that libwebsockets knows about a connection, as text.
 
 #include <libwebsockets.h>
 
@@ -7,14 +7,15 @@
 
 namespace mirage {
 
-/// What does not fit is given as such, never cut: what is read as none would be let pass.
+/// A header's text. A text too long for the buffer sets `whole` to false and is not cut. It still
+/// counts as present, because a missing header could pass checks.
 struct HeaderText {
   std::string text;
   bool there = false, whole = true;
 };
 HeaderText header(lws* wsi, lws_token_indexes token);
 
-/// The peer's address, or `unix`.
+/// Returns the peer's address, or `unix`.
 std::string peer_of(lws* wsi);
 
 }  // namespace mirage

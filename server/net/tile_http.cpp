@@ -11,7 +11,7 @@ HttpAnswer refusal(unsigned int status, const std::string& text, const std::stri
   return {status, "text/plain", headers, text + "\n"};
 }
 
-// The value of `name` in `a=1&b=2`; empty: it is not there.
+// Returns the value of `name` in `a=1&b=2`; empty: it is absent.
 std::string value_of(const std::string& query, const std::string& name) {
   std::size_t from = 0;
   while (from <= query.size()) {

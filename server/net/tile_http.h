@@ -1,10 +1,11 @@
 #pragma once
-// Tiles by HTTP, without sockets: what a request is for, and what it is answered.
+// Tiles by HTTP, without sockets: parses requests and builds answers.
 //
 //   GET /v1/tile/REVISION/ADDRESS[?until=SECONDS&signature=HEX]
 //
-// A tile never changes, so an answer may be kept for ever; where tokens are needed, by who asked
-// only. With tokens a request has one (Authorization: Bearer TOKEN), or its address is signed.
+// A tile never changes, so an answer may be cached for ever; if tokens are needed, only by the
+// client that asked. A request then carries a token (Authorization: Bearer TOKEN), or its address
+// is signed.
 
 #include <cstdint>
 #include <string>
@@ -20,23 +21,23 @@ inline constexpr const char* kTilePath = "/v1/tile/";
 
 struct TileRequest {
   std::string path;           ///< from its first slash, without the query
-  std::string query;          ///< what is behind the question mark
+  std::string query;          ///< part after the question mark
   std::string authorization;  ///< the header's value
 };
 
 struct HttpAnswer {
   unsigned int status = 200;
   std::string type = "text/plain";
-  std::string headers;  ///< whole lines
+  std::string headers;  ///< whole header lines
   std::string body;
 };
 
-/// The tile that is asked for, or the answer that refuses: 404 for what there is not, 401 without
-/// a right token or signature.
+/// Returns the address of the requested tile, or the answer that refuses: 404 for an unknown one,
+/// 401 without a valid token or signature.
 std::variant<TileAddress, HttpAnswer> read_tile_request(const TileRequest& request,
                                                         std::uint64_t revision,
                                                         const Access& access, std::int64_t now_s);
-/// `open`: no token is needed. `if_none_match`: the header's value.
+/// Returns the answer for a tile. `open`: no token is needed. `if_none_match`: the header's value.
 HttpAnswer tile_answer(GotTile tile, TileCodec codec, bool open, const std::string& if_none_match);
 
 }  // namespace mirage

@@ -25,7 +25,8 @@ const char* type_of(const std::string& name) {
   return at != types.end() ? at->second : nullptr;
 }
 
-// What a policy may name: a host as browsers send it, nothing that would end the directive.
+// True if a policy may name this host: it has the form that browsers send, and nothing that would
+// end the directive.
 bool plain_host(const std::string& host) {
   return !host.empty() && std::all_of(host.begin(), host.end(), [](unsigned char c) {
     return std::isalnum(c) || c == '.' || c == '-' || c == ':' || c == '[' || c == ']' || c == '_';
@@ -98,7 +99,7 @@ std::string WebPages::headers(const WebFile& file, const std::string& host) {
                    : "Cache-Control: public, max-age=31536000, immutable\r\n";
   if (!file.encoding.empty()) out += "Content-Encoding: " + file.encoding + "\r\n";
   if (!file.page) return out;
-  // Some browsers' 'self' is no WebSocket of the same host.
+  // Some browsers do not count a WebSocket of the same host as 'self'.
   const std::string sockets = plain_host(host) ? " ws://" + host + " wss://" + host : "";
   out +=
       "Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; "
@@ -113,7 +114,7 @@ std::string web_folder_beside_program() {
   const fs::path self = fs::read_symlink("/proc/self/exe", failed);
   if (failed) return {};
   const fs::path above = self.parent_path().parent_path();
-  // Installed or in a bundle, and in a build folder.
+  // The first folder is that of an installation or a bundle, the second that of a build.
   for (const fs::path& folder : {above / "share/mirage/web", above.parent_path() / "web/site"}) {
     if (fs::exists(folder / "index.html", failed)) return folder.string();
   }

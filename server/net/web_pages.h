@@ -1,6 +1,7 @@
 #pragma once
-// The viewer's page for browsers: the files of a folder that scripts/web staged, held in memory as
-// they are sent. Thread: read when the server starts, then by the network loop alone.
+// The viewer page for browsers: the files of a folder made by scripts/web, held in memory in the
+// form they are sent.
+// Thread: read when the server starts, then by the network loop alone.
 
 #include <map>
 #include <memory>
@@ -11,34 +12,35 @@
 namespace mirage {
 
 struct WebFile {
-  std::string type;      ///< of the content
+  std::string type;      ///< MIME type of the content
   std::string encoding;  ///< br, gzip or none
-  bool page = false;     ///< index.html: never cached, for it names the others
+  bool page = false;     ///< index.html: never cached, as it names the other files
   std::shared_ptr<const std::string> body;
 };
 
 class WebPages {
  public:
-  /// `folder` has index.html, folders of parts whose names change with their content, and beside
-  /// each file NAME.gz and NAME.br where there are any. Error kIo: there is no index.html, or a
+  /// Reads a page. `folder` has index.html, and folders of parts whose names change with their
+  /// content; a file may have NAME.gz and NAME.br beside it. Error kIo: index.html is missing, or a
   /// file cannot be read.
   static Result<WebPages> read(const std::string& folder);
 
   bool empty() const { return files_.empty(); }
-  /// `path` as it was asked for, "/" for index.html; `accepted`: the Accept-Encoding header.
-  /// nullptr: there is no such file.
+  /// Returns a file; nullptr: there is none. `path` is the requested path, "/" for index.html;
+  /// `accepted` is the Accept-Encoding header.
   const WebFile* find(const std::string& path, const std::string& accepted) const;
-  /// What goes with a file, a line each; `host`: the Host header.
+  /// Returns the header lines of a file, one a line; `host`: the Host header.
   static std::string headers(const WebFile& file, const std::string& host);
 
  private:
-  std::map<std::string, std::map<std::string, WebFile>> files_;  ///< by path, by encoding
+  std::map<std::string, std::map<std::string, WebFile>> files_;  ///< by path, then by encoding
 };
 
-/// Whether an Accept-Encoding header takes this encoding: it is named, without q=0.
+/// True if an Accept-Encoding header accepts this encoding: it names it, without q=0.
 bool accepts_encoding(const std::string& accepted, const std::string& encoding);
 
-/// Where scripts/web or an installation put the page, as seen from this program; empty: nowhere.
+/// Returns the folder where scripts/web or an installation put the page, relative to this program;
+/// empty: none.
 std::string web_folder_beside_program();
 
 }  // namespace mirage

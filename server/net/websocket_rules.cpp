@@ -6,7 +6,7 @@
 namespace mirage {
 
 bool is_upgrade_key(const std::string& key) {
-  constexpr std::size_t kDigits = 22;  // 16 bytes; two signs of padding follow
+  constexpr std::size_t kDigits = 22;  // 16 bytes; two padding signs follow
   if (key.size() != kDigits + 2 || key.compare(kDigits, 2, "==") != 0) return false;
   return std::all_of(key.begin(), key.begin() + kDigits,
                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '+' || c == '/'; });

@@ -1,5 +1,5 @@
 #pragma once
-// What RFC 6455 says and the library leaves to us.
+// Rules of RFC 6455 that the library leaves to its user.
 
 #include <cstddef>
 #include <cstdint>
@@ -7,10 +7,10 @@
 
 namespace mirage {
 
-/// A handshake's key: 16 bytes as base64 (4.2.1).
+/// True if `key` is a handshake's key: 16 bytes as base64 (4.2.1).
 bool is_upgrade_key(const std::string& key);
 
-/// Body of a close frame: nothing, or a code that may be sent (7.4) and a reason.
+/// True for a valid body of a close packet: empty, or a sendable code (7.4) and a reason.
 bool is_close_body(const std::uint8_t* body, std::size_t bytes);
 
 }  // namespace mirage

@@ -21,12 +21,13 @@ std::vector<glm::dvec3> support_directions() {
   return out;
 }
 
-/// A convex polygon, counter-clockwise seen from outside.
+/// A convex polygon, counter-clockwise from outside.
 using Polygon = std::vector<glm::dvec3>;
 
-constexpr double kSame = 1e-6;  // corners nearer than that are one
+constexpr double kSame = 1e-6;  // corners nearer than this are one
 
-// A square around the middle of the plane, larger than all that planes of such offsets enclose.
+// Returns a square around the middle of the plane, larger than any body that planes of such offsets
+// enclose.
 Polygon square_on(const glm::dvec3& normal, double offset) {
   constexpr double kHalf = 4;
   const glm::dvec3 aside = std::abs(normal.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
@@ -36,7 +37,8 @@ Polygon square_on(const glm::dvec3& normal, double offset) {
   return {middle - u - v, middle + u - v, middle + u + v, middle - u + v};
 }
 
-// What of `in` lies within the plane (Sutherland and Hodgman, "Reentrant polygon clipping", 1974).
+// Clips a polygon to the inner side of a plane (Sutherland and Hodgman, "Reentrant polygon
+// clipping", 1974).
 void clip(const Polygon& in, const glm::dvec3& normal, double offset, Polygon& out) {
   out.clear();
   for (std::size_t i = 0; i < in.size(); ++i) {
@@ -58,7 +60,7 @@ std::size_t index_of(const glm::dvec3& corner, std::vector<glm::dvec3>& vertices
   return index;
 }
 
-// Each plane's face is what the others leave of it.
+// The face of each plane is its square, clipped by all other planes.
 ConvexHull intersect_half_spaces(const std::vector<glm::dvec3>& normals,
                                  const std::vector<double>& offsets) {
   std::vector<glm::dvec3> vertices;

@@ -11,9 +11,9 @@
 namespace mirage {
 namespace {
 
-constexpr float kPartShare = 0.125f;     // radius of a part, of the mesh's
-constexpr float kEdgeShare = 0.25f;      // longest edge, of a part's radius
-constexpr std::size_t kMostDivided = 4;  // times the triangles, and then as many as a part may be
+constexpr float kPartShare = 0.125f;     // radius of a part relative to the mesh's
+constexpr float kEdgeShare = 0.25f;      // longest edge relative to a part's radius
+constexpr std::size_t kMostDivided = 4;  // most triangles after dividing, relative to those before
 constexpr std::size_t kFewElements = 8;  // not worth cutting
 
 struct Box {
@@ -36,7 +36,7 @@ Box box_of(const Mesh& mesh) {
   return out;
 }
 
-// Attributes go along a triangle's edge as the rasteriser takes them: linearly, normals too.
+// Attributes are interpolated linearly along an edge, normals included, as the rasteriser does.
 Vertex middle(const Vertex& a, const Vertex& b) {
   Vertex out;
   out.position = 0.5f * (a.position + b.position);
@@ -74,8 +74,8 @@ class Divider {
   Mesh take() { return std::move(out_); }
 
  private:
-  // At the middle of the longest edge: in the end every edge that is too long has been divided at
-  // its middle, whichever triangle it was met from.
+  // Divides at the middle of the longest edge. In the end every edge that is too long is divided at
+  // its middle, whichever of its triangles came first.
   void divide(std::array<std::uint32_t, 3> t) {
     std::vector<std::array<std::uint32_t, 3>> left{t};
     while (!left.empty()) {
@@ -140,7 +140,7 @@ std::vector<Element> elements_of(const Mesh& mesh) {
   return out;
 }
 
-// A run of elements.
+// A range of elements.
 struct Run {
   float radius;
   std::size_t first, last;
@@ -174,7 +174,7 @@ class Cutter {
   std::vector<Mesh> parts(const Workers& workers) {
     std::vector<Mesh> out;
     if (runs_.size() < 2) return out;
-    // By place: which elements are there.
+    // Lists the elements at each place.
     std::vector<std::uint32_t> first(places_ + 1, 0), at_place;
     each_corner([&](std::size_t, std::uint32_t place) { ++first[place + 1]; });
     std::partial_sum(first.begin(), first.end(), first.begin());
@@ -204,7 +204,7 @@ class Cutter {
   }
 
  private:
-  // Vertices at the same place are neighbours, whatever else they differ in.
+  // Vertices at the same position are neighbours, whatever else they differ in.
   void weld() {
     std::vector<std::pair<std::array<float, 3>, std::uint32_t>> order(mesh_.vertices.size());
     for (std::uint32_t v = 0; v < order.size(); ++v) {
@@ -250,10 +250,10 @@ class Cutter {
     const auto middle = std::partition(at(run.first), at(run.last),
                                        [&](const Element& e) { return e.middle(axis) < half; });
     const auto found = static_cast<std::size_t>(middle - elements_.begin());
-    // All in one place: by number.
+    // All elements are at one place: split by number.
     return found > run.first && found < run.last ? found : (run.first + run.last) / 2;
   }
-  // In the mesh's order, so that what lies on one another keeps its order.
+  // Members are sorted in the mesh's order, so that coincident surfaces keep their order.
   Mesh extract(std::vector<std::uint32_t>& members) const {
     std::sort(members.begin(), members.end(), [&](std::uint32_t a, std::uint32_t b) {
       return elements_[a].first < elements_[b].first;

@@ -1,6 +1,6 @@
 #pragma once
-// Parts of a large mesh, for an eye that is inside of it or close to it, where no picture of the
-// whole can stand for what is around.
+// Parts of a large mesh, for an eye inside it or close to it. No picture of the whole mesh can show
+// its surroundings there.
 
 #include <vector>
 
@@ -9,15 +9,17 @@
 
 namespace mirage {
 
-/// At most this many parts a mesh.
+/// Largest number of parts of a mesh.
 inline constexpr std::size_t kMostParts = 512;
 
-/// Cuts `mesh` by halving it where it is widest, the largest part first, until none has more than
-/// an eighth of the mesh's radius or there are kMostParts. Triangles with longer edges than a
-/// quarter of that are divided first: at the middles of their edges, by the same rule on both
-/// sides, so that no gaps open. A part has the triangles next to it as well, so that its
-/// neighbours' pictures overlap its own. Together the parts show what the mesh shows, and each is
-/// of the same vertex data. A pure function. Fewer than two parts: there is nothing to cut.
+/// Cuts `mesh` by halving the largest part where it is widest, until no part has more than an
+/// eighth of the mesh's radius, or there are kMostParts. Before that, triangles with edges longer
+/// than a quarter of a part's radius are divided at the middles of their edges, by the same rule on
+/// both sides, so no gaps open.
+///
+/// A part also has the triangles next to it, so that its pictures overlap those of its neighbours.
+/// Together the parts show what the mesh shows, with the same vertex data. A pure function. Returns
+/// fewer than two parts if there is nothing to cut.
 std::vector<Mesh> cut_mesh(const Mesh& mesh, const Workers& workers = Workers());
 
 }  // namespace mirage

@@ -100,7 +100,8 @@ void put_mesh(ByteWriter& w, const Mesh& mesh) {
   put_array(w, mesh.primitives);
 }
 
-// The hash says that the bytes are those that were written; what is drawn is checked all the same.
+// The file's hash proves that the bytes are those written. The mesh is still checked, because it is
+// drawn.
 bool get_mesh(ByteReader& r, std::size_t materials, Mesh& mesh) {
   if (!get_array(r, mesh.vertices) || !get_array(r, mesh.indices) ||
       !get_array(r, mesh.primitives)) {

@@ -10,21 +10,23 @@
 namespace mirage {
 namespace {
 
-constexpr float kHidesAll = 0.99f;  // alpha from which a surface is drawn as a solid one
+constexpr float kHidesAll = 0.99f;  // alpha from which a surface hides everything behind it
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kFewInstances = 32;  // not worth a group
-// Nested groups are a factor of four apart in size, from few enough instances to be told apart from
-// nearby to the largest whose image a server draws in a fraction of a second. There are
-// at least as many of the largest as a view from the ground shows, so that no scene is one of them.
+constexpr std::size_t kFewInstances = 32;  // fewer are not worth a group
+// Nested groups differ in size by a factor of four. The smallest have few enough instances to be
+// told apart from near by; the largest are those whose image a server draws in a fraction of a
+// second. There are at least as many of the largest as a view from the ground shows, so no scene is
+// a single group.
 constexpr std::size_t kSmallestGroup = 4;
 constexpr std::size_t kLargestGroup = 256;
 constexpr std::size_t kLargestOfAll = 4096;
 constexpr std::size_t kManyGroups = 256;
-constexpr double kLargeShare = 0.1;  // of the scene's radius: too large to be one of many
+// relative to the scene's radius; larger objects are not grouped
+constexpr double kLargeShare = 0.1;
 constexpr std::size_t kSurroundedInstances = 16;
 constexpr std::uint32_t kMaxSurroundingTriangles = 100'000;
 
-// What an instance adds to the groups it is in; lengths in world space.
+// The contribution of an instance to its groups; lengths in world space.
 struct Extent {
   glm::dvec3 center{0};  // of its sphere
   glm::dvec3 low{kInfinity}, high{-kInfinity};
@@ -96,7 +98,7 @@ class Grouper {
   }
 
  private:
-  // Fills order_ with what may be grouped; returns the rest.
+  // Fills order_ with the instances that may be grouped; returns the rest.
   std::vector<std::uint32_t> collect() {
     Extent whole;
     for (const Extent& e : extents_) {
@@ -117,7 +119,8 @@ class Grouper {
     return loose;
   }
 
-  // Halves [first, last) at the median of its longest side; a cell of at most `size` is a group.
+  // Halves [first, last) at the median of its longest side. A cell of at most `size` becomes a
+  // group.
   Sum split(std::size_t first, std::size_t last, std::uint32_t parent, std::size_t size) {
     const std::size_t count = last - first;
     std::uint32_t group = kNoGroup;
@@ -165,7 +168,8 @@ class Grouper {
     };
     std::nth_element(at(first), at(middle), at(last), [&](std::uint32_t a, std::uint32_t b) {
       const double ca = extents_[a].center[axis], cb = extents_[b].center[axis];
-      return ca != cb ? ca < cb : a < b;  // the same tree wherever it is built
+      // ties are broken by index, so every machine builds the same tree
+      return ca != cb ? ca < cb : a < b;
     });
   }
 
@@ -242,7 +246,7 @@ Grouping group_instances(Scene& scene, const std::vector<ObjectDescription>& obj
 
 namespace {
 
-// In the world, of the object's bounding box.
+// Returns the centre of the object's bounding sphere in the world.
 glm::dvec3 middle_of(const Instance& instance, const ObjectDescription& object) {
   const Similarity& m = instance.world_from_object;
   return m.position + glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale});
@@ -256,7 +260,8 @@ bool in_box(const glm::dvec3& world, const Instance& instance, const ObjectDescr
          glm::all(glm::lessThan(p, glm::dvec3(object.box_max)));
 }
 
-// Glass, not foliage whose textures have soft edges: no part of such a surface hides all behind it.
+// True for glass: no part of the surface hides everything behind it. Foliage with soft-edged
+// textures gives false.
 bool seen_through(const Scene& scene, const SceneObject& object) {
   const std::vector<Primitive>& primitives = object.mesh.primitives;
   return std::any_of(primitives.begin(), primitives.end(), [&](const Primitive& p) {
@@ -265,7 +270,7 @@ bool seen_through(const Scene& scene, const SceneObject& object) {
   });
 }
 
-// Objects that are seen through and have the middle of another in their box.
+// Marks see-through objects whose box contains the middle of another object.
 void find_vitrines(const Scene& scene, std::vector<ObjectDescription>& objects) {
   std::vector<std::pair<double, glm::dvec3>> middles;  // by x
   for (const Instance& i : scene.instances) {
@@ -295,7 +300,7 @@ void find_shells(const Scene& scene, double bounds_radius,
   if (scene.instances.size() < kSurroundedInstances) return;
   std::vector<std::uint32_t> uses(objects.size(), 0);
   for (const Instance& i : scene.instances) ++uses[i.object];
-  // An object of this share of the scene's radius, in a scene of several, is what one stands in.
+  // An object this large, in a scene of several, surrounds the viewer.
   for (const Instance& i : scene.instances) {
     ObjectDescription& object = objects[i.object];
     const double radius = double{object.radius} * i.world_from_object.scale;

@@ -8,9 +8,9 @@
 namespace mirage {
 namespace {
 
-constexpr double kLargeShare = 0.1;  // of the scene's radius
+constexpr double kLargeShare = 0.1;  // relative to the scene's radius
 constexpr std::uint32_t kFewestTriangles = 2;
-// Beyond, parts would cost more memory and time to load than they are worth.
+// Above these limits, parts cost more memory and loading time than they are worth.
 constexpr std::uint32_t kMostTriangles = 1'000'000;
 constexpr std::size_t kMostCuts = 16;
 

@@ -73,7 +73,7 @@ class MaterialAnalysis {
   }
 
   void check_alpha(Material& m, bool vertices_solid) {
-    if (m.lobes.transmission > 0) return;  // it takes from alpha
+    if (m.lobes.transmission > 0) return;  // transmission changes alpha
     if (m.alpha_mode == AlphaMode::kOpaque || !vertices_solid || !alpha_is_one(m)) return;
     const bool blend = m.alpha_mode == AlphaMode::kBlend;
     if (blend ? m.base_color.a != 1.0f : m.base_color.a < m.alpha_cutoff) return;
@@ -115,7 +115,7 @@ class MaterialAnalysis {
     }
   }
 
-  // They are in the revision and in every byte of geometry.
+  // Unread factors are reset, because they are part of the revision and of every byte of geometry.
   void reset_unread_factors(Material& m) {
     const Material plain;
     if (!m.normal_map.present()) m.normal_scale = plain.normal_scale;
@@ -129,11 +129,11 @@ class MaterialAnalysis {
 
   Scene& scene_;
   std::vector<std::optional<TexelRange>> ranges_;
-  std::vector<bool> vertex_alpha_;  ///< by material: 1 on every vertex drawn with it
+  std::vector<bool> vertex_alpha_;  ///< by material: alpha is 1 on every vertex drawn with it
   std::vector<LeftOut> out_;
 };
 
-// What the materials of a mesh read of its vertices.
+// Vertex attributes that the materials of a mesh read.
 struct Reads {
   bool uv0 = false, uv1 = false, tangent = false, normal = false;
 };
@@ -151,8 +151,8 @@ Reads reads_of(const Mesh& mesh, const std::vector<Material>& materials) {
   return out;
 }
 
-// Attributes that are not read become what a vertex has by default: equal vertices then are equal,
-// and so are the revision and every key.
+// Resets an unread attribute to its default. Equal vertices then become equal, and so do the
+// revision and every key.
 template <typename Member>
 void reset_attribute(Mesh& mesh, Member Vertex::*member, const char* what, const char* why,
                      std::vector<LeftOut>& out) {
@@ -198,7 +198,7 @@ bool same_mesh(const Mesh& a, const Mesh& b) {
                     same_vertex);
 }
 
-// Equal for equal meshes; -0 and 0 are equal, so that they count as one here, too.
+// Returns a hash that is equal for equal meshes; -0 counts as 0.
 std::uint64_t hash_of(const Mesh& mesh) {
   std::vector<glm::vec3> places;
   places.reserve(mesh.vertices.size());
@@ -207,7 +207,8 @@ std::uint64_t hash_of(const Mesh& mesh) {
                               XXH3_64bits(mesh.indices.data(), mesh.indices.size() * 4));
 }
 
-// Instances of an object that equals an earlier one become that one's: equal tiles get equal keys.
+// Instances of an object that equals an earlier one switch to that one, so equal tiles get equal
+// keys.
 std::size_t merge_equal_objects(Scene& scene) {
   std::unordered_multimap<std::uint64_t, std::uint32_t> kept;  // by hash
   std::vector<std::uint32_t> place;

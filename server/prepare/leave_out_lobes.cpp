@@ -5,7 +5,7 @@
 namespace mirage {
 
 TexelRange texel_range(const Image& image) {
-  constexpr std::size_t kAtOnce = 16;  // bytes: the compiler takes one instruction for them
+  constexpr std::size_t kAtOnce = 16;  // bytes: the compiler uses one instruction for them
   std::array<std::uint8_t, kAtOnce> low, high;
   low.fill(255);
   high.fill(0);
@@ -61,7 +61,7 @@ class LobeAnalysis {
       lobes_.transmission = plain.transmission;
       lobes_.volume_tint = plain.volume_tint;
     }
-    // Its map holds directions, of which no texel of 8 bits says nothing; only strengths of 0 do.
+    // The map holds directions, and no 8-bit texel means "none". Only a strength of 0 is neutral.
     if (lobes_.anisotropy == 0 || black(LobeMap::kAnisotropy, {2})) {
       gone("anisotropy", lobes_.anisotropy > 0, {LobeMap::kAnisotropy});
       lobes_.anisotropy = plain.anisotropy;

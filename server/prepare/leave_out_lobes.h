@@ -1,5 +1,5 @@
 #pragma once
-// Leaving out lobes (rule 13), and what rules ask of a texture.
+// Leaving out lobes (rule 13), and the questions that rules ask about a texture.
 
 #include <array>
 #include <functional>
@@ -20,8 +20,8 @@ struct TexelRange {
 
 TexelRange texel_range(const Image& image);
 
-/// Lobes whose factor is 0 or whose map is black become those a material has by default; maps that
-/// are white are dropped. An unlit material has none.
+/// Resets lobes whose factor is 0 or whose map is black to a material's defaults, and drops maps
+/// that are white. An unlit material has no lobes.
 void leave_out_lobes(Material& material,
                      const std::function<TexelRange(const TextureRef&)>& range_of,
                      std::vector<LeftOut>& out);

@@ -11,17 +11,18 @@ namespace mirage {
 namespace {
 
 constexpr std::size_t kSegments = limits::kMotionSegments;
-constexpr std::size_t kVertexPoses = 16u << 20;  // what one object may cost, about a second
+// vertices times poses of one object, at most; about a second
+constexpr std::size_t kVertexPoses = 16u << 20;
 constexpr std::size_t kMaxStepsPerSegment = 4;
 constexpr std::size_t kMaxKeyPoses = 1024;
-constexpr double kJumpGap = 1e-9;      // s before a STEP key that shows the pose it ends
-constexpr double kEven = 0.02;         // halves of a step that differ by less are one speed
-constexpr double kSpeedMargin = 1.05;  // for what lies between two poses of even speed
-constexpr double kUnevenMargin = 2;    // and where halving has ended before it got even
+constexpr double kJumpGap = 1e-9;      // s before a STEP key; shows the pose that the key ends
+constexpr double kEven = 0.02;         // halves of a step that differ by less have one speed
+constexpr double kSpeedMargin = 1.05;  // for the motion between two poses of even speed
+constexpr double kUnevenMargin = 2;    // for steps that are still uneven after all halvings
 constexpr int kMaxHalvings = 8;
 constexpr int kCenterPoses = 16;
-constexpr double kMatters = 1e-5;  // of the extent: smaller steps are not halved again
-constexpr double kStill = 1e-6;    // of the extent: rounding of the poses, no motion
+constexpr double kMatters = 1e-5;  // of the extent: smaller steps are not halved
+constexpr double kStill = 1e-6;    // of the extent: smaller motion is rounding of the poses
 
 std::vector<double> pose_times(const Animation& animation, std::size_t vertices) {
   const double clip = animation.clip_s;
@@ -53,7 +54,7 @@ std::vector<double> pose_times(const Animation& animation, std::size_t vertices)
   return times;
 }
 
-/// Bind-space vertices that anything draws, with an animation of their own.
+/// Returns the indices of the vertices that primitives use.
 std::vector<std::uint32_t> used_vertices(const Mesh& mesh) {
   std::vector<bool> used(mesh.vertices.size(), false);
   for (const std::uint32_t i : mesh.indices) used[i] = true;
@@ -64,7 +65,7 @@ std::vector<std::uint32_t> used_vertices(const Mesh& mesh) {
   return out;
 }
 
-/// One part of the clip over which the largest speed is even.
+/// A part of the clip with an even largest speed.
 struct Step {
   double from = 0, to = 0;
   double distance = 0;
@@ -74,7 +75,7 @@ struct Step {
 
 using Points = std::vector<glm::vec3>;
 
-/// Walks the clip pose by pose. A part whose halves differ in speed is halved again.
+/// Walks the clip pose by pose and halves each part whose halves differ in speed.
 class Walk {
  public:
   Walk(const Mesh& mesh, const Animation& animation)
@@ -102,11 +103,12 @@ class Walk {
   double wrap_jump() const { return wrap_jump_; }
 
  private:
-  // Of the vertices that anything draws.
+  // Returns the positions of the used vertices at a clip time.
   Points posed(double t) const {
     Points out;
     pose_positions(mesh_.vertices, animation_, t, out);
-    for (std::size_t i = 0; i < used_.size(); ++i) out[i] = out[used_[i]];  // they increase
+    for (std::size_t i = 0; i < used_.size(); ++i)
+      out[i] = out[used_[i]];  // in place: used_ is increasing
     out.resize(used_.size());
     return out;
   }

@@ -84,7 +84,8 @@ ObjectDescription describe_object(const SceneObject& object, const Scene& scene,
   for (const glm::vec3& p : points) {
     radius = std::max(radius, glm::length(glm::dvec3(p) - glm::dvec3(out.center)));
   }
-  // Rounded up, so that every vertex is inside in float as well; a single point gets some extent.
+  // The radius is rounded up, so that every vertex is inside in float arithmetic too; a single
+  // point gets some extent.
   const double floor_radius = 1e-6 * std::max(1.0, glm::length(glm::dvec3(out.center)));
   out.radius = static_cast<float>(std::max(radius * 1.00001, std::min(floor_radius, 1e-3)));
   if (Result<ConvexHull> hull = enclosing_hull(points); hull.ok()) out.hull = hull.take();

@@ -1,5 +1,5 @@
 #pragma once
-// What clients are told of objects and images.
+// The descriptions of objects and images that are sent to clients.
 
 #include <map>
 
@@ -12,18 +12,19 @@ namespace mirage {
 
 struct MeasuredMotion;
 
-/// By the materials of `mesh`: base colour x texture mean, plus emission; linear.
+/// Returns the colour of each material of `mesh`: base colour x texture mean, plus emission;
+/// linear.
 std::map<std::uint32_t, glm::vec3> material_colors(const Mesh& mesh, const Scene& scene);
-/// Area-weighted mean of these x vertex colours, 0 to 1.
+/// Returns the area-weighted mean of these x vertex colours, 0 to 1.
 glm::vec3 mean_color(const Mesh& mesh, const std::map<std::uint32_t, glm::vec3>& of_material);
 
-/// Bounds, hull, mean colour and needs of one object.
+/// Returns bounds, hull, mean colour and needs of one object.
 ObjectDescription describe_object(const SceneObject& object, const Scene& scene,
                                   const Workers& workers = Workers());
-/// Puts the bounds of all poses in place of those of the bind pose.
+/// Replaces the bounds of the bind pose by those of all poses.
 void use_motion(const MeasuredMotion& measured, ObjectDescription& description);
 
-/// Size, mean colour and alpha test of one of the scene's images.
+/// Returns size, mean colour and alpha test of one of the scene's images.
 ImageDescription describe_image(const Scene& scene, std::size_t index);
 
 }  // namespace mirage

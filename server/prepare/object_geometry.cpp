@@ -12,9 +12,9 @@
 namespace mirage {
 namespace {
 
-/// What a mesh draws, with only the materials it uses.
+/// The primitives of a mesh, with only the materials they use.
 struct UsedMaterials {
-  std::vector<Primitive> primitives;  ///< `material` into `materials`
+  std::vector<Primitive> primitives;  ///< their `material` indexes `materials`
   std::vector<Material> materials;
 };
 

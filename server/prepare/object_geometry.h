@@ -1,5 +1,5 @@
 #pragma once
-// Levels of detail of an object, as tiles are drawn from them and as replies carry them.
+// Levels of detail of an object, in the forms for drawing tiles and for replies.
 
 #include "protocol/base/bytes.h"
 #include "protocol/codec/model_codec.h"
@@ -16,22 +16,22 @@ struct SceneObject;
 /// One level of an object as a reply carries it.
 struct EncodedLod {
   Bytes payload;
-  std::uint32_t raw_bytes = 0;  ///< once decompressed; the payload's size when it is not compressed
+  std::uint32_t raw_bytes = 0;  ///< decompressed size; equal to the payload's if uncompressed
 };
 
-/// Geometry of one object below the whole mesh, and all of it encoded.
+/// The coarser levels of one object, and all its levels encoded.
 struct ObjectGeometry {
-  /// By level; level 0, which is the object's own mesh, is empty. Tiles are never drawn from
-  /// thinned foliage, as it has no bound; views are.
+  /// Coarser meshes, indexed by level. Level 0 is empty, as it is the object's own mesh. Tiles are
+  /// never drawn from thinned foliage, because that has no bound; views are.
   std::vector<Mesh> tile_lods;
   std::vector<EncodedLod> encoded;
 };
 
-/// `mesh` with only the materials it uses.
+/// Returns `mesh` with only the materials it uses.
 ObjectModel object_model(const Scene& scene, const Mesh& mesh);
 
-/// Levels of detail of `object`, made and encoded; `description.lods` is filled in. `families`: of
-/// the scene; nullptr: none shares levels.
+/// Makes and encodes the levels of detail of `object`, and fills in `description.lods`. `families`:
+/// those of the scene; nullptr: no levels are shared.
 ObjectGeometry make_geometry(const Scene& scene, const SceneObject& object,
                              ObjectDescription& description, const LodFamilies* families = nullptr,
                              const Workers& workers = Workers());

@@ -8,11 +8,11 @@ namespace mirage {
 namespace {
 
 constexpr std::size_t kBlock = 64;
-constexpr double kRounding = 1e-6;  // of single precision, over a few operations
+constexpr double kRounding = 1e-6;  // relative rounding of floats over a few operations
 
 typedef float Lanes __attribute__((vector_size(16)));
 
-/// One instruction for four numbers: a lane for each point.
+/// Four points, one lane each: one instruction for four numbers.
 struct FourPoints {
   Lanes at[3];
 
@@ -36,7 +36,7 @@ Lanes smaller(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
 float largest(const Lanes& v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
 float smallest(const Lanes& v) { return std::min(std::min(v[0], v[1]), std::min(v[2], v[3])); }
 
-/// At most kBlock points in fours; the last one again where there are too few.
+/// A block of at most kBlock points in fours; the last point fills unused lanes.
 struct Block {
   FourPoints fours[kBlock / 4];
   std::size_t count;
@@ -122,7 +122,7 @@ void PosedExtent::add_block(const glm::vec3* points, std::size_t count) {
   const glm::dvec3 low(box.low), high(box.high), middle(center_);
   const glm::dvec3 reach = glm::max(glm::abs(low), glm::abs(high)) + glm::abs(middle);
   const double rounding = kRounding * (reach.x + reach.y + reach.z);
-  // Written so that numbers beyond single precision are looked at.
+  // The negated comparison also catches numbers beyond the range of float.
   if (!(std::sqrt(double{block.farthest2(center_)}) + rounding <= std::sqrt(radius2_))) {
     for (const glm::vec3* p = points; p != points + count; ++p) {
       const glm::dvec3 off = glm::dvec3(*p) - middle;

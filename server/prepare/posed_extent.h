@@ -1,5 +1,5 @@
 #pragma once
-// How far the vertices of an object reach over many poses, and how far they go from one to another.
+// The reach of an object's vertices over many poses, and their way from pose to pose.
 
 #include <array>
 #include <glm/glm.hpp>
@@ -15,25 +15,26 @@ struct PointBox {
   void add(const std::vector<glm::vec3>& points);
 };
 
-/// The extremes of everything that is added.
+/// The extremes of all points that are added.
 class PosedExtent {
  public:
-  /// Across the faces, edges and corners of a cube, as enclosing_hull() has its planes.
+  /// Directions through the faces, edges and corners of a cube, like the planes of
+  /// enclosing_hull().
   static constexpr std::size_t kDirections = 26;
 
-  /// `center`: any point; where the bounding sphere is to be.
+  /// `center`: middle of the bounding sphere; any point.
   explicit PosedExtent(const glm::vec3& center);
 
-  /// Finite ones. Few poses reach farther than those before: where single precision shows that 64
-  /// points do not, they are not looked at one by one.
+  /// Adds finite points. Few poses reach farther than earlier ones. If float arithmetic shows that
+  /// 64 points do not, they are not examined one by one.
   void add(const std::vector<glm::vec3>& points);
 
   const glm::vec3& center() const { return center_; }
   const PointBox& box() const { return box_; }
-  /// Squared, of the sphere around `center`.
+  /// Squared radius of the sphere around `center`.
   double radius2() const { return radius2_; }
   const std::array<glm::dvec3, kDirections>& directions() const { return directions_; }
-  /// By direction: the point that is farthest in it, the first where there are several.
+  /// Returns, for each direction, the point farthest in it, the first of several.
   const std::array<glm::dvec3, kDirections>& points() const { return points_; }
 
  private:
@@ -47,7 +48,7 @@ class PosedExtent {
   std::array<glm::dvec3, kDirections> points_{};
 };
 
-/// The largest distance between a point of `a` and that of `b` with the same index.
+/// Returns the largest distance between points of `a` and `b` with the same index.
 double largest_step(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b);
 
 }  // namespace mirage

@@ -90,7 +90,8 @@ Result<void> check_limits(const Scene& scene) {
   return {};
 }
 
-// Rule 19 of numerics.md section 5: what does not move is a static object, and costs what one does.
+// Rule 19 of numerics.md section 5: an animated object that does not move becomes a static one,
+// with its costs.
 std::map<std::size_t, MeasuredMotion> settle_motion(Scene& scene, const Workers& workers) {
   std::vector<std::size_t> animated;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
@@ -113,7 +114,7 @@ std::map<std::size_t, MeasuredMotion> settle_motion(Scene& scene, const Workers&
   return moving;
 }
 
-// The strongest lights win where a scene has more than a shader takes.
+// A scene with more lights than a shader takes keeps the strongest.
 void cap_lights(Scene& scene) {
   std::vector<Light>& lights = scene.lighting.lights;
   if (lights.size() <= limits::kMaxLights) return;
@@ -212,7 +213,7 @@ Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const SceneLoa
   times.done("levels of detail");
   prepared->mips = make_mips(prepared->scene, options.cache, workers);
   times.done("mips");
-  // A scene without extent still needs a loop to walk.
+  // A scene without extent still needs a walk loop.
   if (!(prepared->scene.home.walk_radius_m > 0)) prepared->scene.home.walk_radius_m = 1;
   bound_world(*prepared);
   find_surroundings(prepared->scene, prepared->bounds_radius, prepared->objects);

@@ -27,8 +27,8 @@ class ContentHash {
   XXH3_state_t* state_;
 };
 
-// Stored tiles outlive a build: raise it when equal content gives other ones, by build_lods() or by
-// how groups are formed. What draws and encodes them is in the profile (render_profile.h).
+// Raise it when equal content gives other tiles, by build_lods() or by the grouping: stored tiles
+// outlive a build. The renderer and encoders are covered by the profile (render_profile.h).
 constexpr std::uint32_t kTileVersion = 6;
 
 }  // namespace
@@ -57,7 +57,7 @@ std::uint64_t scene_revision(const Scene& scene) {
     hash.add(size, sizeof(size));
     hash.add_array(image.rgba);
   }
-  // Groups show where their members are, and neighbours throw shadows.
+  // Poses count: groups show where their members are, and neighbours cast shadows.
   for (const Instance& instance : scene.instances) {
     const Similarity& m = instance.world_from_object;
     const double place[] = {m.position.x, m.position.y, m.position.z, m.rotation.w,

@@ -94,7 +94,7 @@ Json rules_json() {
   return out;
 }
 
-// `saved` is the larger of the two relative gains, in its own unit, so that one number ranks rows.
+// `saved` is the larger of both relative gains, in its own unit, so that one number ranks rows.
 Json row_json(const std::string& scene, const ProofRow& row) {
   const bool bytes = ratio(row.full_bytes, row.lean_bytes) > ratio(row.full_ms, row.lean_ms);
   return {{"scene", scene},

@@ -7,10 +7,10 @@ struct Proof;
 
 struct PreparedScene;
 
-/// The need analysis: what is left out of the scene and of its objects, by which rule, why, and
-/// with a `proof` (else nullptr) what it saves. `shadows`: they were asked for.
+/// Returns the need analysis as text: what is left out of the scene and of its objects, by which
+/// rule and why. With a `proof` (else nullptr) it also says what that saves. `shadows`: enabled.
 std::string explain_text(const PreparedScene& scene, bool shadows, const Proof* proof);
-/// The same for tools, one document.
+/// Returns the need analysis as one JSON document, for tools.
 std::string explain_json(const PreparedScene& scene, bool shadows, const Proof* proof);
 
 }  // namespace mirage

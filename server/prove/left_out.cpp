@@ -23,7 +23,7 @@ struct AbsentNeed {
   const char* what;
   const char* why;
 };
-// Where material findings say nothing more exact.
+// Texts for needs about which no material finding says something more exact.
 constexpr AbsentNeed kAbsent[] = {
     {kNeedBlend, NeedRule::kBlending, "blending", "no material blends"},
     {kNeedAlphaMask, NeedRule::kBlending, "alpha test", "no material tests alpha"},
@@ -54,7 +54,7 @@ std::set<std::uint32_t> materials_of(const PreparedScene& scene, std::size_t obj
   return out;
 }
 
-// The findings of its materials, equal ones once.
+// Adds the findings of the object's materials, equal ones once.
 void add_material_findings(const PreparedScene& scene, std::size_t object,
                            std::vector<LeftOut>& out) {
   const auto add = [&](const std::vector<LeftOut>& found) {
@@ -110,7 +110,7 @@ std::vector<LeftOut> left_out_of_object(const PreparedScene& scene, std::size_t 
     if (o.needs & absent.need) continue;
     const bool known = std::any_of(out.begin(), out.end(),
                                    [&](const LeftOut& one) { return one.what == absent.what; });
-    // An unlit object has no lighting: that says it all.
+    // An unlit object needs no such lines: "no lighting" covers them.
     const bool of_light = absent.rule == NeedRule::kMaps || absent.rule == NeedRule::kEmission;
     if (!known && (lit || !of_light)) out.push_back({absent.rule, absent.what, absent.why});
   }

@@ -1,6 +1,6 @@
 #pragma once
-// What is left out of each object under a light, by rule, with the fact it rests on: the need
-// analysis as explain, proof and report tell it.
+// The need analysis: everything left out of each object under a light, by rule, with the fact that
+// allows it. Explain, proof and report all use it.
 
 #include <string>
 #include <vector>
@@ -12,25 +12,26 @@ namespace mirage {
 
 struct PreparedScene;
 
-/// In the order of the rules. `object` may be a group.
+/// Returns everything left out of an object, in the order of the rules. `object` may be a group.
 std::vector<LeftOut> left_out_of_object(const PreparedScene& scene, std::size_t object,
                                         const Lighting& lighting);
 
-/// What is left out of every object alike, and of the scene as a whole. `shadows`: asked for.
+/// Returns everything left out of every object alike, and of the scene as a whole. `shadows`:
+/// enabled.
 std::vector<LeftOut> left_out_of_scene(const PreparedScene& scene, bool shadows);
 
-/// Objects that have the same left out, in the order of the first of each.
+/// Objects with the same content left out; classes are in the order of their first objects.
 struct ObjectClass {
   std::vector<std::size_t> objects;
   std::vector<LeftOut> left_out;
 };
 std::vector<ObjectClass> object_classes(const PreparedScene& scene, const Lighting& lighting);
 
-/// Index of the first instance of every object; instance_count() where there is none.
+/// Returns the index of the first instance of every object; instance_count() if there is none.
 std::vector<std::size_t> first_instances(const PreparedScene& scene);
-/// The object's name; a group's is made of its size.
+/// Returns the object's name; a group's name is made from its size.
 std::string object_name(const PreparedScene& scene, std::size_t object);
-/// "beech", "beech and 3 more".
+/// Returns "beech" or "beech and 3 more".
 std::string class_name(const PreparedScene& scene, const ObjectClass& one);
 
 }  // namespace mirage

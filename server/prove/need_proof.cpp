@@ -72,7 +72,7 @@ class Prover {
   std::unique_ptr<Pair> bytes_, floats_;
   std::map<std::pair<NeedMask, bool>, std::unique_ptr<TileShooter>> forced_;
   TileCensus census_;
-  std::map<NeedRule, std::pair<std::string, std::string>> texts_;  ///< of the object at hand
+  std::map<NeedRule, std::pair<std::string, std::string>> texts_;  ///< of the present object
   Proof proof_;
 };
 
@@ -133,7 +133,7 @@ struct Samples {
 
 Error no_target() { return make_error(ErrorId::kGraphicsGl, "no target for a tile can be made"); }
 
-// All rules at once: bytes and floats, all cells, lights and sizes.
+// Proves all rules at once: bytes and floats, all cells, lights and sizes.
 Result<ProofRow> Prover::prove_whole(std::size_t object) {
   ProofRow row;
   row.object = object_name(*scene_, object);
@@ -188,7 +188,7 @@ Result<ProofRow> Prover::prove_whole(std::size_t object) {
   return row;
 }
 
-// What undoing one rule on top of the product takes.
+// The changes that undo one rule in the product.
 struct Undone {
   NeedMask forced = 0;
   bool whole_light = false, surface = false;
@@ -225,7 +225,7 @@ std::optional<Undone> undo(NeedRule rule, NeedMask needs) {
     case NeedRule::kGray:
       return Undone{0, false, false, {false, false, true}};
     default:
-      return std::nullopt;  // not in the tile
+      return std::nullopt;  // the rule does not affect the tile
   }
 }
 
@@ -240,7 +240,7 @@ Result<ProofRow> Prover::prove_rule(std::size_t object, NeedRule rule) {
   Samples samples;
   const std::size_t cells = std::min(cells_.size(), kRuleCells);
   const std::size_t light = rule == NeedRule::kLights ? 1 : 0;
-  // The first of each compiles and is not counted.
+  // The first draw of each kind compiles shaders and is not counted.
   for (std::size_t i = 0; i <= 2 * cells; ++i) {
     const glm::dvec3& direction = cells_[i % cells];
     TileJob full = job(object, direction, kRuleSizeClass, light, undone.whole_light);
@@ -266,7 +266,7 @@ Result<ProofRow> Prover::prove_rule(std::size_t object, NeedRule rule) {
   return row;
 }
 
-// One row for each rule, its findings joined.
+// Returns one row for each rule, with its findings joined.
 std::map<NeedRule, std::pair<std::string, std::string>> by_rule(const std::vector<LeftOut>& found) {
   std::map<NeedRule, std::pair<std::string, std::string>> out;
   for (const LeftOut& one : found) {

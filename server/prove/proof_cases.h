@@ -1,5 +1,5 @@
 #pragma once
-// What the proof of leaving out (need_proof.h) draws: from where, in which light, which scene.
+// Cases for the proof of leaving out (need_proof.h): directions, lights, scenes.
 
 #include <memory>
 #include <vector>
@@ -10,7 +10,8 @@ namespace mirage {
 
 struct PreparedScene;
 
-/// Faces, corners, edges of a cube, 1 to 26: any first few of them are spread.
+/// Returns directions through faces, corners, edges of a cube, 1 to 26. Any first few of them are
+/// spread.
 std::vector<glm::dvec3> proof_directions(int count);
 
 struct ProofLighting {
@@ -18,11 +19,11 @@ struct ProofLighting {
   Lighting lighting;
 };
 
-/// As the scene has it; with three lamps that are off; turned, with a lamp out of reach.
+/// Returns three lightings: the scene's; with three black lamps; turned, with a lamp out of reach.
 std::vector<ProofLighting> proof_lighting(const PreparedScene& scene);
 
-/// The scene as it was imported. What blends with an alpha of 1 everywhere is what a renderer that
-/// sorts shows: the depth buffer sorts it, with blending on.
+/// Returns the scene as imported. A blended material with an alpha of 1 everywhere is drawn as a
+/// sorting renderer shows it: sorted by the depth buffer, with blending on.
 std::shared_ptr<const PreparedScene> as_imported(const PreparedScene& scene);
 
 }  // namespace mirage

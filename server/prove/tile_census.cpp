@@ -16,7 +16,7 @@ namespace {
 
 std::size_t coded(const Tile& tile) { return encode_tile_planes(tile, TileCodec::kZstd).size(); }
 
-// Every edge of its triangles borders two of them, once in each direction.
+// True if every edge borders two triangles, once in each direction.
 bool is_closed(const Mesh& mesh) {
   const auto less = [](const glm::vec3& a, const glm::vec3& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
@@ -42,7 +42,8 @@ bool is_closed(const Mesh& mesh) {
   });
 }
 
-// Texels of the box that lie outside the octagon of the content's extents along the diagonals.
+// Counts the texels of the box that lie outside the octagon of the content's extents along the
+// diagonals.
 std::size_t outside_octagon(const Tile& tile) {
   const auto w = static_cast<int>(tile.crop.w), h = static_cast<int>(tile.crop.h);
   constexpr int kFar = std::numeric_limits<int>::max();
@@ -63,7 +64,7 @@ std::size_t outside_octagon(const Tile& tile) {
   return out;
 }
 
-// Texels whose eight neighbours show the same: one sample would do.
+// Counts the texels whose eight neighbours are equal: one sample would do.
 std::size_t flat_texels(const Tile& tile) {
   const std::size_t w = tile.crop.w, h = tile.crop.h;
   std::size_t out = 0;
@@ -127,7 +128,7 @@ void TileCensus::add(const TileShot& shot, const TileJob& job, const ObjectDescr
   depth_bytes_ += static_cast<double>(cost.bytes) - static_cast<double>(coded(no_depth));
   for (std::size_t i = 3; i < tile.rgba.size(); i += 4) tile.rgba[i] = 255;
   const double saved = static_cast<double>(cost.bytes) - static_cast<double>(coded(tile));
-  // A bit a texel is the least that a mask takes before it is compressed.
+  // An uncompressed mask takes at least one bit a texel.
   if (colors.two_alphas) mask_bytes_ += saved - static_cast<double>(tile.crop.area()) / 8;
   if (colors.opaque) alpha_bytes_ += saved;
 }

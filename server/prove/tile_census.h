@@ -1,6 +1,6 @@
 #pragma once
-// Counts what rules of need analysis that are not kept would find on the tiles that are drawn:
-// their figures are measured in every proof, not remembered.
+// Counts what dropped rules of need analysis would find on the drawn tiles. Every proof measures
+// their figures anew.
 
 #include <map>
 #include <set>
@@ -19,16 +19,16 @@ struct TileCost;
 struct TileJob;
 struct TileShot;
 
-/// What a rule that is not kept would save here.
+/// The saving that a dropped rule would have here.
 struct DroppedFigure {
   NeedRule rule = NeedRule::kMaskBits;
   std::string measured;
-  double saved_bytes = 0;  ///< per tile, mean; 0 where it is not bytes
+  double saved_bytes = 0;  ///< per tile, mean; 0 if it is not in bytes
 };
 
 class TileCensus {
  public:
-  /// A lit tile as the product draws it, and what encoding it took; the first of each key counts.
+  /// Adds a lit tile of the product with its encoding cost; the first of each key counts.
   void add(const TileShot& shot, const TileJob& job, const ObjectDescription& object,
            const TileCost& cost);
   void add_object(const SceneObject& object, const std::vector<Material>& materials);
@@ -42,8 +42,8 @@ class TileCensus {
   double bytes_ = 0, mask_bytes_ = 0, alpha_bytes_ = 0, depth_bytes_ = 0;
   double draw_ms_ = 0, encode_ms_ = 0;
   std::set<std::tuple<std::uint32_t, std::uint64_t>> pictures_;  ///< object, content
-  /// Object, cell, size, light: lighting states that differ in nothing that reaches the object have
-  /// one key.
+  /// Object, cell, size, light. Lighting states that do not differ in light reaching the object
+  /// share a key.
   std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint8_t, std::uint64_t>> keys_;
 };
 

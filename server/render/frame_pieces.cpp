@@ -11,20 +11,20 @@
 namespace mirage {
 namespace {
 
-// Of views, so that no scene makes them take too long: what is smaller in radius is left out, and
-// what comes after the largest.
+// Limits of views, so that every scene's view is fast: instances with a smaller radius in px are
+// left out, and all beyond the largest kMostInstances.
 constexpr double kLeastPx = 0.5;
 constexpr std::ptrdiff_t kMostInstances = 20'000;
 
 constexpr double kPieceSamples = 64 * 1024;
-// Lines and points are wider than what they stand for.
+// Margin for lines and points, which are drawn wider than their geometry.
 constexpr double kStrokeRows = 2;
 
 bool touches(double low, double high, const RowBand& band) {
   return high >= static_cast<double>(band.low) && low <= static_cast<double>(band.high);
 }
 
-// Rows from the bottom that a sphere may touch; `center` is relative to the eye.
+// Returns the rows from the bottom that a sphere may touch; `center` is relative to the eye.
 std::pair<double, double> rows_of(const Camera& camera, const glm::dvec3& center, double radius) {
   constexpr double kAll = 1e9, kRightAngle = 0.5 * glm::pi<double>();
   const double ahead = glm::dot(center, camera.forward()), above = glm::dot(center, camera.up());
@@ -106,7 +106,7 @@ std::uint32_t FramePieces::rows_of_band(double samples) const {
       all += kSamplesPerTriangle * scene_->level(one.object, one.level).triangles();
     }
   }
-  // To average a pixel's samples and read it back takes as long as to shade one.
+  // Averaging a pixel's samples and reading it back takes as long as shading one sample.
   const double pixels_a_row = samples_a_row_ / samples_a_pixel_;
   const double rows = std::max(samples, all) / (samples_a_row_ + pixels_a_row);
   return static_cast<std::uint32_t>(std::clamp(rows, 1.0, double{1} * rows_));
@@ -114,7 +114,7 @@ std::uint32_t FramePieces::rows_of_band(double samples) const {
 
 std::vector<FramePiece> FramePieces::opaque(const RowBand& band) const {
   std::vector<FramePiece> out;
-  const Visible* last = nullptr;  // of the piece that is being filled
+  const Visible* last = nullptr;  // instance added last to the present piece
   for (const Visible& one : opaque_) {
     if (!touches(one.low, one.high, band)) continue;
     const bool moves = scene_->prepared->objects[one.object].motion.moving();

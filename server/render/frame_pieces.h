@@ -1,6 +1,6 @@
 #pragma once
-// What a picture of the whole scene is drawn of: pieces small enough that tiles can be drawn
-// between two of them, in an order that depends on the picture alone.
+// The pieces of a picture of the whole scene. They are small enough that tiles can be drawn between
+// two of them, and their order depends on the picture alone.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +16,7 @@ struct GpuScene;
 /// Instances of one mesh, drawn together.
 struct FramePiece {
   std::uint32_t object = 0;
-  std::size_t level = 0;  ///< of detail
+  std::size_t level = 0;  ///< level of detail
   std::vector<std::uint32_t> instances;
   double work = 0;  ///< in samples shaded
 };
@@ -25,13 +25,14 @@ class FramePieces {
  public:
   FramePieces(const GpuScene& scene, const SceneShot& shot);
 
-  /// How many rows a band may have for about `samples` of work: the triangles behind it, all of
-  /// which may have to be drawn for each band, are worth no more.
+  /// Returns the rows of a band for about `samples` of work. The work is raised to that of all
+  /// triangles, which may have to be drawn again for each band.
   std::uint32_t rows_of_band(double samples) const;
 
-  /// Opaque surfaces that a band may show: by object, level and instance.
+  /// Returns the opaque surfaces that a band may show, by object, level and instance.
   std::vector<FramePiece> opaque(const RowBand& band) const;
-  /// Instances with blended surfaces that it may show, each a piece: farthest first.
+  /// Returns the instances with blended surfaces that a band may show, each a piece, farthest
+  /// first.
   std::vector<FramePiece> blended(const RowBand& band) const;
 
  private:

@@ -15,11 +15,11 @@ class PagePacker {
 
   int page_edge() const { return page_edge_; }
   const std::vector<Place>& places() const { return places_; }
-  /// How far the tiles reach, texels.
+  /// Returns the extent of the placed tiles, texels.
   const Place& used() const { return used_; }
 
-  /// Places a tile; false when the page is full. A tile larger than the page gets a page of its
-  /// own, which grows to its edge.
+  /// Places a tile; false if the page is full. A tile larger than the page gets a page of its own,
+  /// which grows to its edge.
   bool add(std::uint32_t tile_edge) {
     const int edge = static_cast<int>(tile_edge);
     if (edge > page_edge_) {

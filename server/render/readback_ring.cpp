@@ -20,7 +20,7 @@ gl::Buffer read_into_buffer(GLenum attachment, const PendingPage& info, GLenum f
   return buffer;
 }
 
-// False: the buffer's bytes cannot be had.
+// Copies a buffer; false if it cannot be mapped.
 bool copy_out(const gl::Buffer& buffer, std::vector<std::uint8_t>& out) {
   glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer.id());
   const void* mapped = glMapBufferRange(GL_PIXEL_PACK_BUFFER, 0,

@@ -1,5 +1,5 @@
 #pragma once
-// Asynchronous read-back: a page is copied into a pixel-pack buffer behind a fence and collected
+// Asynchronous read-back. A page is copied into a pixel-pack buffer behind a fence and collected
 // later, so drawing the next page never waits for the copy. GL thread only.
 
 #include <deque>
@@ -17,11 +17,11 @@ struct PendingPage {
   std::vector<TileJob> jobs;
   std::vector<std::pair<int, int>> places;
   std::int64_t started_us = 0;
-  int width = 0, height = 0;  ///< texels that the tiles take up, from the lower left
-  bool surface = false;       ///< read the third attachment, too
+  int width = 0, height = 0;  ///< texels in use, from the lower left
+  bool surface = false;       ///< also reads the third attachment
 };
 
-/// Graphics memory of a page on its way back, bytes.
+/// Returns the graphics memory of a page in read-back, bytes.
 inline std::size_t readback_bytes(int width, int height, bool surface) {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * (surface ? 9 : 5);
 }
@@ -44,11 +44,10 @@ class ReadbackRing {
 
   struct Collected {
     PendingPage info;
-    /// Error kGraphicsGl: they did not arrive, or the context failed meanwhile; what was read of
-    /// them is worth nothing.
+    /// Error kGraphicsGl: the pixels did not arrive, or the context failed and they are unusable.
     Result<std::shared_ptr<const PagePixels>> pixels;
   };
-  /// The oldest page: waits for its fence if `wait`, else gives nothing while it is under way.
+  /// Returns the oldest page. If `wait`, waits for its fence; else nullopt while it is under way.
   std::optional<Collected> collect(bool wait);
 
  private:
@@ -56,7 +55,7 @@ class ReadbackRing {
     PendingPage info;
     gl::Buffer color;
     gl::Buffer depth;
-    gl::Buffer surface;  ///< where info.surface says so
+    gl::Buffer surface;  ///< if info.surface
     GLsync fence = nullptr;
   };
   static Result<std::shared_ptr<const PagePixels>> read(const Slot& slot);

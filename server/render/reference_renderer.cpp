@@ -19,19 +19,19 @@ constexpr GLenum kColorOnly[] = {GL_COLOR_ATTACHMENT0, GL_NONE};
 constexpr GLenum kIdOnly[] = {GL_NONE, GL_COLOR_ATTACHMENT1};
 constexpr GLenum kColorAndId[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
 
-// Targets hold this many samples, whatever the picture has: to make larger ones takes longer than
-// a slice.
+// Samples of a target, independent of the picture: making a larger one would take longer than a
+// slice.
 constexpr std::uint32_t kTargetSamples = 1u << 20;
 
-// Rows of a picture that a target holds.
+// Returns the rows of a picture that a target holds.
 std::uint32_t rows_of_target(const SceneShot& shot) {
   const std::uint32_t row = shot.camera.width * shot.supersample * shot.supersample;
   return std::clamp(kTargetSamples / row, 1u, shot.camera.height);
 }
 
-/// A band, `low` rows up in the framebuffer that is bound, below the rows of the plane that are
-/// there, which go down; `components` elements a pixel. Memory is touched as it is filled: that of
-/// a large picture at once would take longer than a slice.
+/// Appends a band to a plane whose rows go down; `low` is the band's row in the bound framebuffer,
+/// `components` the elements of a pixel. Memory grows with the rows, because touching that of a
+/// large picture at once would take longer than a slice.
 template <typename T>
 void append_rows(std::vector<T>& plane, GLenum attachment, GLenum format, GLenum type,
                  const RowBand& band, int low, int width, int components) {
@@ -48,7 +48,7 @@ void append_rows(std::vector<T>& plane, GLenum attachment, GLenum format, GLenum
 
 }  // namespace
 
-/// What a picture that is under way has come to.
+/// The state of a picture under way.
 struct ReferenceRenderer::Progress {
   Progress(const GpuScene& scene, const SceneShot& of, double slice)
       : shot(of),
@@ -63,7 +63,7 @@ struct ReferenceRenderer::Progress {
     band.low = of.camera.height;
     next_band();
   }
-  /// The rows below the last band; they do not go beyond a target's.
+  /// Selects the rows below the last band, within one target.
   void next_band() {
     band.high = band.low;
     if (done()) return;
@@ -77,7 +77,7 @@ struct ReferenceRenderer::Progress {
   bool done() const { return band.high == 0; }
   int samples() const { return static_cast<int>(shot.supersample); }
   int width() const { return static_cast<int>(shot.camera.width); }
-  /// Of the band, in the targets.
+  /// Lowest row of the band in the targets.
   int low() const { return static_cast<int>(band.low - first_row); }
   int rows() const { return static_cast<int>(band.high - band.low); }
   double band_samples() const { return double{1} * width() * rows() * samples() * samples(); }
@@ -87,13 +87,13 @@ struct ReferenceRenderer::Progress {
   const gl::LightBlock lights;
   const FramePieces pieces;
   const std::uint32_t target_rows;
-  std::uint32_t first_row = 0;  ///< of the picture, in the targets
+  std::uint32_t first_row = 0;  ///< picture row at the targets' first row
   RowBand band;
   struct Step {
     enum class Kind : std::uint8_t { kOpaque, kBlended, kFront } kind;
     FramePiece piece;
   };
-  std::vector<Step> steps;  ///< of the band, once it is begun
+  std::vector<Step> steps;  ///< of the band, filled when it begins
   std::size_t steps_done = 0;
   bool begun = false;
   SceneFrame frame;
@@ -154,7 +154,7 @@ Result<void> ReferenceRenderer::begin(const SceneShot& shot, double slice_sample
   auto next = std::make_unique<Progress>(*scene_, shot, slice_samples);
   const int w = static_cast<int>(shot.camera.width), rows = static_cast<int>(next->target_rows);
   const int s = next->samples();
-  GLint most[2] = {};  // beyond, a viewport is made smaller without a word
+  GLint most[2] = {};  // a larger viewport is clipped silently
   glGetIntegerv(GL_MAX_VIEWPORT_DIMS, most);
   if (w * s > most[0] || static_cast<int>(shot.camera.height) * s > most[1]) {
     return make_error(ErrorId::kGraphicsGl, "a full render is too large for this device");
@@ -162,7 +162,7 @@ Result<void> ReferenceRenderer::begin(const SceneShot& shot, double slice_sample
   const bool fits = drawn_.ok() && kept_.ok() && drawn_.width() == w * s &&
                     drawn_.height() == rows * s && kept_.width() == w;
   if (!fits) {
-    drawn_ = gl::RenderTarget();  // never both
+    drawn_ = gl::RenderTarget();  // frees the old one first: never both in memory
     drawn_ = gl::RenderTarget(w * s, rows * s, drawn_formats(), GL_DEPTH_COMPONENT32F);
     kept_ = gl::RenderTarget();
     kept_ = gl::RenderTarget(w, rows, kKeptFormats, 0);
@@ -197,7 +197,7 @@ void ReferenceRenderer::begin_band(float far_depth) {
   for (FramePiece& piece : p.pieces.opaque(p.band)) {
     p.steps.push_back({Kind::kOpaque, std::move(piece)});
   }
-  // Depth and id are of what is nearest, blended or not: the last to be written.
+  // Depth and id are those of the nearest surface, blended or not, which is written last.
   for (const Kind kind : {Kind::kBlended, Kind::kFront}) {
     for (FramePiece& piece : p.pieces.blended(p.band)) p.steps.push_back({kind, std::move(piece)});
   }

@@ -1,8 +1,8 @@
 #pragma once
-// The full scene for a camera: the truth the client's picture is compared with, and, from levels of
-// detail, views. A picture is drawn a slice at a time, so that tiles can be drawn between two of
-// them; how it is cut changes none of its bytes, but where surfaces of two instances coincide. GL
-// thread only.
+// Renders the full scene for a camera: the truth that the client's picture is compared with, and
+// views, from levels of detail. A picture is drawn slice by slice, so tiles can be drawn in
+// between. The slicing changes no byte, except where surfaces of two instances coincide. GL thread
+// only.
 
 #include <memory>
 #include <optional>
@@ -20,32 +20,34 @@ class SceneShadow;
 
 class ReferenceRenderer {
  public:
-  /// Work, in samples shaded, beyond any picture's.
+  /// A work limit, in samples shaded, above that of any picture.
   static constexpr double kWholeSlice = 1e18;
 
   ReferenceRenderer(ReferenceRenderer&& other) noexcept;
   ReferenceRenderer& operator=(ReferenceRenderer&& other) noexcept;
   ~ReferenceRenderer();
-  /// `shadow`, which must live as long, gives the sun's shadows; nullptr: there are none.
+  /// `shadow`, which must outlive this object, adds the sun's shadows; nullptr: no shadows.
   static Result<ReferenceRenderer> create(const GpuScene& scene, SceneShadow* shadow = nullptr);
 
-  /// Compiles what draws the scene. Error kGraphicsShader.
+  /// Compiles the shaders of the scene. Error kGraphicsShader.
   Result<void> warm_up();
 
-  /// A picture to draw, in place of one that may be under way, in slices of about so much work.
-  /// Error kGraphicsGl when its targets cannot be made.
+  /// Begins a picture, in slices of about the given work; a picture under way is dropped. Error
+  /// kGraphicsGl: its targets cannot be made.
   Result<void> begin(const SceneShot& shot, double slice_samples = kWholeSlice);
   bool under_way() const { return progress_ != nullptr; }
-  /// Draws a slice and waits for it. The picture, once it is whole. One must be under way.
+  /// Draws a slice and waits for it. Returns the picture once it is complete. One must be under
+  /// way.
   std::optional<SceneFrame> draw_slice();
-  /// The picture that is under way is not wanted.
+  /// Abandons the picture under way.
   void drop();
 
-  /// A picture in one go. Errors as begin().
+  /// Draws a whole picture. Errors as begin().
   Result<SceneFrame> draw(const SceneShot& shot);
-  /// Graphics memory of a picture's targets, bytes.
+  /// Returns the graphics memory of a picture's targets, bytes.
   std::size_t gpu_bytes(const SceneShot& shot) const;
-  /// Of those there are: they stay for the next of the same size.
+  /// Bytes of graphics memory that the present targets hold; they stay for the next picture of the
+  /// same size.
   std::size_t gpu_bytes() const { return drawn_.gpu_bytes() + kept_.gpu_bytes(); }
 
  private:
@@ -54,12 +56,13 @@ class ReferenceRenderer {
   explicit ReferenceRenderer(const GpuScene& scene);
   std::vector<GLenum> drawn_formats() const;
   void aim_at_band() const;
-  /// Clears it, draws the sky, lists what there is to draw.
+  /// Clears the band, draws the sky, and lists the pieces.
   void begin_band(float far_depth);
-  /// Until there is none left, or `most` samples' work is done; what was done, in samples.
+  /// Draws pieces until none is left or `most` samples of work are done. Returns the work done, in
+  /// samples.
   double draw_pieces(double most, DepthMapping mapping);
   void draw_piece(gl::MeshPass& pass, const FramePiece& piece, bool blended);
-  /// Averages its samples and reads it back.
+  /// Averages the band's samples and reads it back.
   void finish_band(const gl::ViewDepth& view_depth);
 
   const GpuScene* scene_;

@@ -9,7 +9,7 @@ struct RowBand {
   std::uint32_t rows() const { return high - low; }
 };
 
-/// Samples shaded that are about as much work as a triangle, on a software renderer.
+/// Samples whose shading costs about as much as a triangle, on a software renderer.
 inline constexpr double kSamplesPerTriangle = 10;
 
 }  // namespace mirage

@@ -1,5 +1,5 @@
 #pragma once
-// The scene's shadow map: all casters as the sun of a lighting sees them, around the whole scene,
+// The scene's shadow map: all casters as seen from the sun of a lighting, around the whole scene,
 // so that a tile's shadows depend on its key alone. GL thread only.
 
 #include <memory>
@@ -11,11 +11,11 @@ namespace mirage {
 
 class SceneShadow {
  public:
-  /// Error kGraphicsShader, kGraphicsGl.
+  /// Errors kGraphicsShader, kGraphicsGl.
   static Result<SceneShadow> create(const GpuScene& scene);
 
-  /// Drawn anew when the sun has turned since the last call, which binds another framebuffer.
-  /// nullptr: the lighting has no sun.
+  /// Returns the map; nullptr: the lighting has no sun. If the sun turned since the last call, the
+  /// map is drawn again, which binds another framebuffer.
   const gl::ShadowMap* map_for(const Lighting& lighting);
   std::size_t gpu_bytes() const { return map_.gpu_bytes(); }
 

@@ -1,6 +1,6 @@
 #pragma once
-// The second layer of tiles of foliage: what lies behind the front of each texel, peeled off by
-// drawing the object again without all that is nearer. GL thread only.
+// The second layer of foliage tiles: the surfaces behind the front of each texel. The object is
+// drawn again without everything nearer. GL thread only.
 
 #include <map>
 
@@ -14,22 +14,22 @@ namespace mirage {
 class TileLayers {
  public:
   TileLayers() : meshes_(gl::MeshOutput::kBehind) {}
-  /// For tiles of so many samples an axis, once. Error kGraphicsShader.
+  /// Compiles the programs for so many samples per axis, once. Error kGraphicsShader.
   Result<void> compile(int samples);
 
-  /// Draws what lies behind: between begin() and end().
+  /// Returns the pass that draws the layer behind, between begin() and end().
   gl::MeshPass& meshes() { return meshes_; }
 
-  /// Formats of the peeled target's colours; its depth is GL_DEPTH_COMPONENT32F. And of the
-  /// floor's.
+  /// The targets of the peeled layer (depth GL_DEPTH_COMPONENT32F) and of the floor. The caller
+  /// makes them.
   gl::RenderTarget& peeled() { return peeled_; }
   gl::RenderTarget& floor() { return floor_; }
   std::size_t gpu_bytes() const { return peeled_.gpu_bytes() + floor_.gpu_bytes(); }
 
-  /// Binds the peeled target, cleared, for what lies behind `first`: rows of a tile of `edge`
+  /// Binds and clears the peeled target, for the layer behind `first`: rows of a tile of `edge`
   /// texels.
   void begin(const gl::RenderTarget& first, int edge, const RowBand& rows, int samples);
-  /// Both layers into the page that is bound, where its viewport is: `x`, `y` from its corner.
+  /// Resolves both layers into the bound page at its viewport; `x`, `y`: from its corner.
   void resolve(const gl::RenderTarget& first, int x, int y, int samples);
 
  private:

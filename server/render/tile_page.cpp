@@ -17,12 +17,13 @@
 namespace mirage {
 namespace {
 
-// The edge of an alpha test is a texture's, not a triangle's, and foliage has one in every pixel:
-// settled, 3 samples an axis are worth 1.1 dB over 2 on the reference tree, 4 no more than 3.
+// The edge of an alpha test comes from a texture, not a triangle, and foliage has one in every
+// pixel. On the reference tree, settled, 3 samples an axis gain 1.1 dB over 2, and 4 no more than
+// 3.
 constexpr int kAlphaTestSupersample = 3;
-constexpr std::uint32_t kLargestFineTile = 1024;  // larger ones would take a target of 300 MB
+constexpr std::uint32_t kLargestFineTile = 1024;  // a larger tile would need a target of 300 MB
 
-// What is drawn to of a target that has ranges of blended depths beside its colour.
+// Draw buffers of a target that has ranges of blended depths besides its colour.
 constexpr GLenum kColorOnly[] = {GL_COLOR_ATTACHMENT0};
 constexpr GLenum kRangeOnly[] = {GL_NONE, GL_COLOR_ATTACHMENT1};
 constexpr GLenum kColorAndRange[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
@@ -30,7 +31,7 @@ constexpr GLenum kColorAndRange[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1}
 }  // namespace
 
 glm::mat4 capture_projection(const Capture& capture) {
-  // Near and far hug the bounding sphere: the depth buffer then holds the tile's depth code.
+  // Near and far planes touch the bounding sphere, so the depth buffer holds the tile's depth code.
   const double n = capture.distance - capture.radius, f = capture.distance + capture.radius;
   const double half = capture.half_tangent * n;
   const glm::dmat4 clip_from_view = glm::frustum(-half, half, -half, half, n, f);
@@ -165,7 +166,7 @@ bool TilePageRenderer::prepare_layers(int big, int page_edge) {
       !remake(peeled, big, {color}, GL_DEPTH_COMPONENT32F, page_edge)) {
     return false;
   }
-  // Of a texel for each sample at most.
+  // The floor has one texel for each texel of the tile.
   return (floor.ok() && floor.width() >= big / supersample_) ||
          remake(floor, big / supersample_, {GL_R32F}, 0, page_edge);
 }
@@ -174,11 +175,11 @@ bool TilePageRenderer::remake(gl::RenderTarget& target, int edge, const std::vec
                               GLenum depth, int page_edge) const {
   const std::size_t others = gpu_bytes() - target.gpu_bytes();
   const std::size_t on_their_way =
-      ring_ * readback_bytes(page_edge, page_edge, true);  // at worst: all with a surface
+      ring_ * readback_bytes(page_edge, page_edge, true);  // worst case: all with a surface
   if (others + on_their_way + gl::target_bytes(edge, edge, colors, depth) > most_bytes_) {
     return false;
   }
-  target = gl::RenderTarget();  // never both
+  target = gl::RenderTarget();  // frees the old one first: never both in memory
   target = gl::RenderTarget(edge, edge, colors, depth);
   return target.ok();
 }
@@ -298,7 +299,7 @@ void TilePageRenderer::draw_ranges(const TileJob& job, const Stage& at, const gl
 std::vector<TilePageRenderer::GroupBatch> TilePageRenderer::group_batches(
     const InstanceGroup& group, const Capture& capture, const glm::dvec3& eye) const {
   const std::vector<Instance>& instances = scene_->prepared->scene.instances;
-  std::vector<GroupBatch> batches;  // in the order of the instances: the same every time
+  std::vector<GroupBatch> batches;  // in the order of the instances, so that it never varies
   for (std::uint32_t i = group.first_leaf; i < group.first_leaf + group.leaves; ++i) {
     const Similarity& m = instances[i].world_from_object;
     const gl::GpuMesh* mesh = group.part != kNoGroup
@@ -355,7 +356,7 @@ void TilePageRenderer::resolve(const TileJob& job, const gl::RenderTarget& page,
 
 const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& jobs,
                                                  const PagePacker& packer) {
-  const auto largest = [&](const Path& path) {  // supersampled, 0: none of this kind
+  const auto largest = [&](const Path& path) {  // largest edge in samples; 0: no tile of this kind
     int edge = 0;
     for (const TileJob& job : jobs) {
       if (&path_of(job) != &path) continue;
@@ -363,13 +364,13 @@ const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& job
     }
     return edge;
   };
-  int behind = 0;  // as above, of layered tiles
+  int behind = 0;  // the same for layered tiles
   for (const TileJob& job : jobs) {
     if (job.key.channels != kLayeredTile) continue;
     behind = std::max(behind, static_cast<int>(tile_edge(job.key.size_class)) * samples(job));
   }
   const int edge = packer.page_edge(), relit = largest(relit_), darkened = largest(shadow_);
-  // Shadow tiles have no page of their own.
+  // Shadow tiles have no page of their own, so the lit page is needed.
   const int lit = relit > 0 ? largest(lit_) : std::max(largest(lit_), 1);
   if (lit > 0 && !prepare_targets(lit_, edge, lit)) return nullptr;
   if (behind > 0 && !prepare_layers(behind, edge)) return nullptr;
@@ -378,14 +379,15 @@ const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& job
   const gl::RenderTarget& page = relit > 0 ? relit_.page : lit_.page;
   glEnable(GL_FRAMEBUFFER_SRGB);
   glEnable(GL_DEPTH_CLAMP);
-  // Same object and light together: fewer state changes between tiles.
+  // Tiles of the same object and light are drawn together: fewer state changes.
   std::vector<std::size_t> order(jobs.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     const TileKey &ka = jobs[a].key, &kb = jobs[b].key;
     const bool da = ka.channels == kShadowTile, db = kb.channels == kShadowTile;
     if (da != db) return db;
-    if (da && ka.lighting != kb.lighting) return ka.lighting < kb.lighting;  // a map for each
+    // each lighting has its own shadow map
+    if (da && ka.lighting != kb.lighting) return ka.lighting < kb.lighting;
     return std::tie(ka.object, ka.phase, ka.lighting, a) <
            std::tie(kb.object, kb.phase, kb.lighting, b);
   });

@@ -1,4 +1,4 @@
-// What a driver would do with the first tile of a kind, done before there is anybody to wait.
+// Work that a driver would do with the first tile of a kind, done before any client waits.
 #include <algorithm>
 #include <set>
 
@@ -12,9 +12,9 @@
 namespace mirage {
 namespace {
 
-constexpr int kUsualTile = 128;  // texels: targets for it are there from the start
+constexpr int kUsualTile = 128;  // texels; its targets are made in advance
 
-// All of a mesh that decides which shaders draw it, and with what state.
+// Returns everything about a mesh that decides its shaders and their state.
 std::vector<NeedMask> look_of(const gl::GpuMesh& mesh, const std::vector<Material>& materials) {
   std::vector<NeedMask> out = {mesh.vertex_color()};
   for (const Primitive& p : mesh.primitives()) {
@@ -53,7 +53,8 @@ Result<void> TilePageRenderer::warm_up(int page_edge) {
     }
   }
   const std::vector<Instance>& instances = scene_->prepared->scene.instances;
-  std::vector<std::optional<std::uint32_t>> shown(scene_->meshes.size());  // an instance of each
+  std::vector<std::optional<std::uint32_t>> shown(
+      scene_->meshes.size());  // one instance of each object
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
     if (!shown[instances[i].object]) shown[instances[i].object] = i;
   }
@@ -63,8 +64,8 @@ Result<void> TilePageRenderer::warm_up(int page_edge) {
                         "--gpu-mb takes more");
     }
   }
-  // Drawn, too: a driver finishes a shader with its first draw, by all that is bound. Tiles in
-  // layers bring their shaders with the first of them: few clients ask for any.
+  // Tiles are drawn as well, because a driver finishes a shader with its first draw, from all bound
+  // state. Layered tiles compile their shaders with the first of them: few clients ask for any.
   for (const std::uint8_t channels : {kLitTile, kRelitTile, kShadowTile, kCasterTile}) {
     std::set<std::vector<NeedMask>> drawn;
     for (std::uint32_t i = 0; i < scene_->meshes.size(); ++i) {

@@ -11,8 +11,8 @@
 namespace mirage {
 namespace {
 
-// A software rasteriser takes the processor, with threads of its own: others who use the machine
-// would be in a figure of the wall clock.
+// A software rasteriser uses the processor with its own threads. Wall-clock time would also include
+// other users of the machine, so processor time is measured.
 double now_ms(bool software) {
   timespec t{};
   clock_gettime(software ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &t);
@@ -36,7 +36,7 @@ RenderedTile as_rendered(const TileShot& shot, const TileJob& job) {
   return {job, std::move(page), 0, 0, 0, 0};
 }
 
-// The part of a plane inside the crop, whose rows go down.
+// Returns the part of a plane inside the crop, with rows going down.
 std::vector<std::uint8_t> cut(const std::vector<std::uint8_t>& plane, std::size_t texel_bytes,
                               std::uint32_t edge, const TileCrop& crop) {
   std::vector<std::uint8_t> out;
@@ -48,7 +48,7 @@ std::vector<std::uint8_t> cut(const std::vector<std::uint8_t>& plane, std::size_
   return out;
 }
 
-// Each byte of the depth as a plane of its own, which compresses best.
+// Each byte of the depth forms its own plane, which compresses best.
 std::size_t fine_depth_bytes(const TileShot& shot, const TileCrop& crop) {
   std::size_t bytes = 0;
   const std::vector<std::uint8_t> texels = cut(shot.fine, 4, shot.edge, crop);
@@ -62,7 +62,7 @@ std::size_t fine_depth_bytes(const TileShot& shot, const TileCrop& crop) {
   return bytes;
 }
 
-// Takes back what the codec is about to do: what it then compresses is the colour as it is.
+// Undoes in advance what the codec will do, so that it compresses the plain colour.
 void add_green(std::vector<std::uint8_t>& rgba) {
   for (std::size_t i = 0; i + 3 < rgba.size(); i += 4) {
     rgba[i] = static_cast<std::uint8_t>(rgba[i] + rgba[i + 1]);

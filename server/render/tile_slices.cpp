@@ -1,4 +1,4 @@
-// Tiles that take long, a slice at a time.
+// Slow tiles, drawn slice by slice.
 #include <algorithm>
 
 #include "protocol/impostor/tile_key.h"
@@ -8,8 +8,8 @@
 namespace mirage {
 namespace {
 
-/// After those that are there. Memory is touched as it is filled: that of a large tile at once
-/// would take longer than a slice.
+/// Appends rows to a plane. Memory grows with the rows, because touching that of a large tile at
+/// once would take longer than a slice.
 void append_rows(std::vector<std::uint8_t>& plane, GLenum attachment, GLenum format,
                  const RowBand& rows, int edge, std::size_t components) {
   const std::size_t from = plane.size();
@@ -31,9 +31,9 @@ bool TilePageRenderer::begin_slow(const TileJob& job, double slice_samples) {
   if (job.key.channels == kLayeredTile && !prepare_layers(big, page_edge)) return false;
   auto next = std::make_unique<Slow>();
   next->job = job;
-  // All its triangles are drawn for each slice: they are worth no more than its samples.
+  // Each slice draws all triangles, so a slice is at least as much work as they are.
   const double work = std::max(slice_samples, kSamplesPerTriangle * triangles(job));
-  // To average a texel's samples and read it back takes as long as to shade one.
+  // Averaging a texel's samples and reading it back takes as long as shading one sample.
   const double rows = work / (double{1} * big * samples(job) + edge);
   next->slice_rows = static_cast<int>(std::clamp(rows, 1.0, double{1} * edge));
   if (gpu_bytes() + gl::target_bytes(edge, next->slice_rows, page_formats(page_path), 0) >

@@ -1,5 +1,5 @@
 #pragma once
-// A loaded scene: immutable after loading, shared by all server stages.
+// A loaded scene: immutable after loading, shared by all stages of the server.
 
 #include <cstdint>
 #include <memory>
@@ -15,17 +15,17 @@
 
 namespace mirage {
 
-/// What an object's mesh was made of: objects of the same base differ by their shapes alone.
+/// Origin of an object's mesh. Objects with the same base differ only by their shapes.
 struct BakedShape {
   std::uint32_t base = 0;
-  glm::dmat3 shape{1};  ///< that the base's vertices were multiplied by
+  glm::dmat3 shape{1};  ///< multiplies the base's vertices
 };
 
 /// An impostor object: one mesh with its materials, in its own space.
 struct SceneObject {
   std::string name;
   Mesh mesh;
-  /// Set: the mesh is in bind space, and pose_vertices() takes it to object space.
+  /// If set, the mesh is in bind space, and pose_vertices() takes it to object space.
   std::shared_ptr<const Animation> animation = nullptr;
   std::optional<BakedShape> baked = std::nullopt;
 };
@@ -33,12 +33,12 @@ struct SceneObject {
 struct Scene {
   std::string name;
   std::vector<SceneObject> objects;
-  std::vector<Material> materials;  ///< at least one when any object exists
+  std::vector<Material> materials;  ///< at least one if any object exists
   std::vector<Image> images;
   std::vector<Instance> instances;
   Lighting lighting;
-  bool own_lights = true;  ///< false: `lighting` is what is taken where a file says nothing
-  std::shared_ptr<const LightProbe> probe;  ///< that lighting.probe names; nullptr: none
+  bool own_lights = true;  ///< false: the file has no lights, and `lighting` is the default
+  std::shared_ptr<const LightProbe> probe;  ///< the probe of lighting.probe; nullptr: none
   Environment environment;
   HomeView home;
   /// One line per kind of recoverable defect, with its count ("3 triangles with NaN dropped").

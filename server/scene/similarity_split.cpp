@@ -31,7 +31,8 @@ glm::dmat3 cofactors(const glm::dmat3& m) {
   return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
 }
 
-/// The orthogonal factor of a non-singular matrix (Higham 1986, Newton with determinant scaling).
+/// Returns the orthogonal factor of a non-singular matrix (Higham 1986, Newton with determinant
+/// scaling).
 glm::dmat3 orthogonal_factor(glm::dmat3 q) {
   for (int step = 0; step < kPolarSteps; ++step) {
     const double determinant = glm::determinant(q);
@@ -45,7 +46,7 @@ glm::dmat3 orthogonal_factor(glm::dmat3 q) {
   return q;
 }
 
-/// A normal under a singular map: that of the plane everything falls into.
+/// Returns the normal of the plane that a singular map flattens everything into.
 glm::dvec3 plane_normal(const glm::dmat3& cofactor) {
   glm::dvec3 longest = cofactor[0];
   for (int c = 1; c < 3; ++c) {
@@ -72,7 +73,7 @@ SplitTransform split_transform(const glm::dmat4& matrix) {
   const glm::dmat3 linear(matrix);
   const double scale = longest_column(linear);
   if (!(scale >= kSmallestScale) || scale > kLargestScale) {
-    // No scale (or none that a float holds): everything falls into one point.
+    // The scale is 0 or too small for a float: everything falls into one point.
     out.residual = scale > kLargestScale ? linear / scale : glm::dmat3(0);
     out.similarity.scale = scale > kLargestScale ? kLargestScale : 1.0f;
     out.has_residual = true;

@@ -1,6 +1,6 @@
 #pragma once
-// world_from_object as a similarity times a residual that is baked into the mesh, so that the
-// error bound only ever meets rotations, translations and one scale.
+// Splits world_from_object into a similarity and a residual that is baked into the mesh. The error
+// bound then only meets rotations, translations and one scale.
 
 #include <glm/glm.hpp>
 
@@ -16,15 +16,16 @@ struct SplitTransform {
   bool has_residual = false;
 };
 
-/// Polar decomposition of a finite matrix: rotation, largest column length as scale, and what is
-/// left (shear, non-uniform scale, mirroring; a flattening keeps all of its linear part here).
+/// Polar decomposition of a finite matrix into a rotation, a scale (the largest column length) and
+/// a residual: shear, non-uniform scale, mirroring. The residual of a flattening keeps its whole
+/// linear part.
 SplitTransform split_transform(const glm::dmat4& matrix);
 
-/// Applies a residual to a mesh: normals by the cofactor matrix, winding and bitangents turned
-/// where it mirrors. Singular residuals give finite, flat meshes.
+/// Applies a residual to a mesh. Normals use the cofactor matrix; winding and bitangents turn if it
+/// mirrors. Singular residuals give finite, flat meshes.
 Mesh bake(const Mesh& mesh, const glm::dmat3& residual);
 
-/// Turns every triangle round.
+/// Reverses the winding of every triangle.
 void swap_winding(Mesh& mesh);
 
 }  // namespace mirage

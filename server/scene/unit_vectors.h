@@ -1,18 +1,18 @@
 #pragma once
-// Directions of vertices, whatever a file holds.
+// Directions of vertices, made safe for any content of a file.
 
 #include <cmath>
 #include <glm/glm.hpp>
 
 namespace mirage {
 
-/// Neither zero, NaN nor infinite.
+/// True if `v` is neither zero, NaN nor infinite.
 inline bool has_direction(const glm::vec3& v) {
   const double length2 = glm::dot(glm::dvec3(v), glm::dvec3(v));
   return length2 > 0 && std::isfinite(length2);
 }
 
-/// Any unit vector perpendicular to the unit vector `normal`.
+/// Returns a unit vector perpendicular to the unit vector `normal`.
 inline glm::vec3 perpendicular(const glm::vec3& normal) {
   // The axis least aligned with the normal keeps the cross product long.
   const glm::vec3 size = glm::abs(normal);
@@ -22,7 +22,7 @@ inline glm::vec3 perpendicular(const glm::vec3& normal) {
   return glm::normalize(axis - normal * glm::dot(normal, axis));
 }
 
-/// `v` at unit length, or `fallback` where it has no direction (zero, NaN, infinite).
+/// Returns `v` at unit length, or `fallback` if it has no direction (zero, NaN, infinite).
 inline glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& fallback) {
   if (!has_direction(v)) return fallback;
   return glm::vec3(glm::normalize(glm::dvec3(v)));

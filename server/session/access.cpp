@@ -53,7 +53,7 @@ bool valid_name(const std::string& name) {
                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; });
 }
 
-// False: there is no such scope.
+// Sets the scopes of a grant; false if a scope is unknown.
 bool set_scope(const std::vector<std::string>& scopes, Grant& grant) {
   grant.geometry = grant.reference = false;
   bool view = false;
@@ -144,7 +144,7 @@ Result<Grant> Access::check(const std::string& token, std::int64_t now_s) const 
   if (open()) return Grant{};
   const std::string digest = digest_of(token);
   const Grant* known = nullptr;
-  for (const Token& one : tokens_) {  // all of them, whichever is right
+  for (const Token& one : tokens_) {  // checks all of them, so that the time tells nothing
     if (same(one.digest, digest)) known = &one.grant;
   }
   Grant grant;

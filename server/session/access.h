@@ -1,13 +1,13 @@
 #pragma once
-// Who may be a client, and what for: tokens of a file, each with a name, a time it ends and a
-// scope; and tokens that are signed with a key of that file, so that whoever has the key can make
-// one for a while without the server being told.
+// Access rights of clients. A token file lists tokens, each with a name, an expiry time and a
+// scope. It may also hold keys: whoever has a key can sign a token of limited duration without
+// changing the file.
 //
-// The file, a line each; # begins a comment:
+// The file has one entry a line; # begins a comment:
 //   TOKEN [name=NAME] [expires=2027-01-31T12:00:00Z] [scope=view,geometry,reference]
 //   key=SECRET
 // A signed token is m1.NAME.EXPIRES.SCOPE.SIGNATURE: seconds since 1970, scopes joined by +, and
-// HMAC-SHA-256 in hexadecimal of what is before it (RFC 2104).
+// the HMAC-SHA-256 of the text before the signature, in hexadecimal (RFC 2104).
 
 #include <cstdint>
 #include <string>
@@ -17,29 +17,29 @@
 
 namespace mirage {
 
-/// What a client may ask for beside tiles and views.
+/// Rights of a client beyond tiles and views.
 struct Grant {
   std::string name;
-  std::int64_t expires_s = INT64_MAX;  ///< since 1970
+  std::int64_t expires_s = INT64_MAX;  ///< seconds since 1970
   bool geometry = true;
   bool reference = true;
 };
 
 class Access {
  public:
-  /// Without tokens everybody may do everything.
+  /// Access without tokens: everybody may do everything.
   Access() = default;
-  /// Error kUsage: the file cannot be read, has no token, or a line that is none; it names the
-  /// line.
+  /// Reads a token file. Error kUsage: it cannot be read, has no token, or has an invalid line,
+  /// which the error names.
   static Result<Access> read(const std::string& path);
-  /// The same of such a file's text. Error kUsage.
+  /// Parses the text of such a file. Error kUsage.
   static Result<Access> parse(const std::string& text);
 
   bool open() const { return tokens_.empty() && keys_.empty(); }
-  /// Takes as long whatever the token is. Error kAuth, the same for every wrong token but one
-  /// that was right once.
+  /// Checks a token in constant time. Error kAuth, with the same text for every wrong token except
+  /// for an expired one.
   Result<Grant> check(const std::string& token, std::int64_t now_s) const;
-  /// Of a path that is signed until then, as path_signature() does. Error kAuth.
+  /// Checks a path signed by path_signature() and its expiry time. Error kAuth.
   Result<void> check_path(const std::string& path, std::int64_t until_s,
                           const std::string& signature, std::int64_t now_s) const;
 
@@ -53,13 +53,14 @@ class Access {
   std::vector<std::string> keys_;
 };
 
-/// A token that is signed. `scope` as in the file, joined by commas. Errors kUsage: a name with
-/// other characters than letters, digits, - and _, or no such scope.
+/// Returns a signed token. `scope` is written as in the file, joined by commas. Error kUsage: the
+/// name has other characters than letters, digits, - and _, or a scope is unknown.
 Result<std::string> signed_token(const std::string& key, const std::string& name,
                                  std::int64_t expires_s, const std::string& scope);
-/// HMAC-SHA-256 in hexadecimal of `PATH?until=SECONDS`: whoever has it may get what lies there.
+/// Returns the HMAC-SHA-256 in hexadecimal of `PATH?until=SECONDS`. Its holder may get the resource
+/// at that path.
 std::string path_signature(const std::string& key, const std::string& path, std::int64_t until_s);
-/// `2027-01-31T12:00:00Z` as seconds since 1970. Error kUsage.
+/// Converts `2027-01-31T12:00:00Z` into seconds since 1970. Error kUsage.
 Result<std::int64_t> parse_time(const std::string& text);
 
 }  // namespace mirage

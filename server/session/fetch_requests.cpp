@@ -6,10 +6,10 @@
 namespace mirage {
 namespace {
 
-// More than a server may take to render what others wait for (RedisSource).
+// Longer than the time a server may take to render a tile that others wait for (RedisSource).
 constexpr std::int64_t kPatienceWithOthersUs = 12'000'000;
-// How long sources that were slow are left alone, at first and at last: a disk that paused once is
-// back soon, one that hangs is asked once in ten seconds.
+// First and last duration for which slow sources are left alone. A disk that paused once is soon
+// asked again; one that hangs is asked once in ten seconds.
 constexpr std::int64_t kFirstAvoidUs = 250'000, kLongestAvoidUs = 10'000'000;
 
 }  // namespace
@@ -38,7 +38,7 @@ bool FetchRequests::wait(const TileAsk& ask) {
 
 std::vector<TileAsk> FetchRequests::take(const TileId& id, TileCodec codec) {
   auto node = looked_for_.extract(FormId{id, codec});
-  if (node.empty()) return {};  // given up before
+  if (node.empty()) return {};  // these asks were given up before
   on_trial_ = false;
   avoid_us_ = 0;
   std::vector<TileAsk> out = std::move(node.mapped().asks);

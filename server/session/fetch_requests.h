@@ -1,8 +1,9 @@
 #pragma once
-// Who waits for tiles that are looked for in the sources, and how long.
-// Input:  asks that memory could not answer. Output: jobs of the fetch stage.
-// Thread: the network loop's.
-// Full:   an ask goes past the sources, as it does while they are slow.
+// Asks that wait for the tile sources, and the time they wait.
+// Input:  asks that memory could not answer
+// Output: jobs of the fetch stage
+// Thread: the network loop's
+// Full:   an ask skips the sources, as it does while they are slow
 
 #include <cstdint>
 #include <map>
@@ -21,21 +22,21 @@ class FetchRequests {
   FetchRequests(BoundedQueue<FetchJob>& jobs, const Clock& clock, std::int64_t patience_us)
       : jobs_(jobs), clock_(clock), patience_us_(patience_us) {}
 
-  /// Has the tile looked for, once for all who wait for it in the waiter's codec. False: it is to
-  /// be rendered without looking.
+  /// Requests a look into the sources, once for all asks that wait for the same codec. False: the
+  /// tile must be rendered without looking.
   bool wait(const TileAsk& ask);
-  /// It was looked for; they wait no longer.
+  /// Ends a look and returns the asks that waited for it.
   std::vector<TileAsk> take(const TileId& id, TileCodec codec);
-  /// Those for whom it takes too long; from now on asks go past the sources for a while, which
-  /// doubles until a tile comes in time.
+  /// Returns the asks that waited too long. Later asks then skip the sources for a while, which
+  /// doubles until a tile arrives in time.
   std::vector<TileAsk> take_overdue();
-  /// Another server renders it: who waits for it waits longer.
+  /// Lets the waiting asks wait longer, because another server renders the tile.
   void be_patient(const TileId& id, TileCodec codec);
-  /// False: it does not wait here.
+  /// Cancels an ask; false if it does not wait here.
   bool cancel(SessionId session, std::uint32_t request_id);
   void remove_session(SessionId session);
   bool waiting() const { return !looked_for_.empty(); }
-  /// Asks of a session that wait.
+  /// Number of waiting asks of a session.
   std::size_t asks_of(SessionId session) const;
 
  private:
@@ -51,7 +52,7 @@ class FetchRequests {
   std::map<FormId, LookedFor> looked_for_;
   std::map<std::pair<SessionId, std::uint32_t>, FormId> requests_;
   std::int64_t avoid_until_us_ = INT64_MIN, avoid_us_ = 0;
-  bool on_trial_ = false;  ///< it was slow: one tile at a time, until one comes in time
+  bool on_trial_ = false;  ///< the sources were slow: one tile at a time, until one arrives in time
 };
 
 }  // namespace mirage

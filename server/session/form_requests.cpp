@@ -31,7 +31,7 @@ std::vector<Waiter> FormRequests::take_waiting(const TileId& id, TileCodec codec
 
 void FormRequests::remove_session(SessionId session) {
   if (asks_.erase(session) == 0) return;
-  // What is being made is kept for whoever asks next.
+  // A form under way is still made and kept for later asks.
   waiting_.remove([&](const Waiter& waiter) { return waiter.session == session; },
                   [](const FormId&) { return false; });
 }

@@ -1,9 +1,10 @@
 #pragma once
-// Who waits for a form of a tile that is being made from another.
-// Input:  asks for forms, forms as they are made. Output: jobs of the encode stage.
-// Thread: the network loop's.
-// Full:   nothing more is taken on, in all or of a session; rendered tiles fill the same queue and
-//         go on.
+// Asks that wait for a form of a tile, which is made from another form.
+// Input:  asks for forms; forms as they are made
+// Output: jobs of the encode stage
+// Thread: the network loop's
+// Full:   refuses more forms, in all or of one session; rendered tiles use the same queue and
+//         still pass
 
 #include <cstdint>
 #include <map>
@@ -19,19 +20,19 @@ class FormRequests {
  public:
   explicit FormRequests(BoundedQueue<EncodeJob>& jobs) : jobs_(jobs) {}
 
-  /// Has the waiter's form made of `lossless`, once for all who wait for it. False: there is
-  /// enough to do.
+  /// Requests the waiter's form to be made from `lossless`, once for all its waiters. False: too
+  /// much is under way.
   bool wait(const TileId& id, const StoredTilePtr& lossless, const Waiter& waiter);
-  /// Who waited for a form that is now made; they wait no longer.
+  /// Ends the making of a form and returns its waiters.
   std::vector<Waiter> take_waiting(const TileId& id, TileCodec codec);
   void remove_session(SessionId session);
   bool waiting() const { return waiting_.size() > 0; }
-  /// Asks of a session that wait.
+  /// Number of waiting asks of a session.
   std::size_t asks_of(SessionId session) const;
 
  private:
   WaitList<FormId, Waiter> waiting_;
-  std::map<SessionId, std::size_t> asks_;  ///< of each session, in waiting_
+  std::map<SessionId, std::size_t> asks_;  ///< number of asks of each session in waiting_
   BoundedQueue<EncodeJob>& jobs_;
 };
 

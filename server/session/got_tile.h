@@ -1,5 +1,5 @@
 #pragma once
-// What became of a tile that was asked for by HTTP.
+// The result of a tile request by HTTP.
 
 #include <cstdint>
 
@@ -10,7 +10,7 @@ namespace mirage {
 
 struct GotTile {
   std::uint32_t request = 0;
-  Bytes message;  ///< a TileReply's, without times and request id; empty: refused
+  Bytes message;  ///< a TileReply without times and request id; empty: refused
   std::uint64_t content_hash = 0;
   wire::RefusalReason reason = wire::RefusalReason::None;
 };

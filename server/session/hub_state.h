@@ -1,5 +1,5 @@
 #pragma once
-// How much there is at the sessions, for who watches a server.
+// Load of the sessions, for monitoring a server.
 
 #include <cstddef>
 
@@ -7,11 +7,11 @@ namespace mirage {
 
 struct HubState {
   std::size_t clients = 0;
-  std::size_t strangers = 0;     ///< have not said a right hello
-  std::size_t outbox_bytes = 0;  ///< wait to be sent, of all
+  std::size_t strangers = 0;     ///< connections without a valid hello
+  std::size_t outbox_bytes = 0;  ///< bytes waiting to be sent, over all sessions
   std::size_t largest_outbox_bytes = 0;
-  std::size_t tiles_queued = 0;  ///< to be rendered
-  std::size_t pixels_bytes = 0;  ///< rendered, to be encoded
+  std::size_t tiles_queued = 0;  ///< waiting to be rendered
+  std::size_t pixels_bytes = 0;  ///< rendered pixels waiting to be encoded
   bool draining = false;
 };
 

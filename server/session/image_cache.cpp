@@ -18,7 +18,7 @@ bool ImageCache::wait(const ImageLevel& level, Waiting waiting) {
 }
 
 void ImageCache::remove_session(SessionId session) {
-  // What is being encoded is kept for whoever asks next.
+  // A level under way is still encoded and kept for later asks.
   waiting_.remove([&](const Waiting& waiting) { return waiting.first == session; },
                   [](const ImageLevel&) { return false; });
 }

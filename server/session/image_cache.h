@@ -1,8 +1,9 @@
 #pragma once
-// Images as they are sent: who waits for a level that is being encoded, and the encoded ones.
-// Input:  asks for levels, encoded levels. Output: jobs of the image stage.
-// Thread: the network loop's.
-// Full:   what was encoded longest ago goes first.
+// Encoded images, and the asks that wait for a level under way.
+// Input:  asks for levels; encoded levels
+// Output: jobs of the image stage
+// Thread: the network loop's
+// Full:   the level encoded longest ago is dropped first
 
 #include <cstdint>
 #include <map>
@@ -23,16 +24,16 @@ class ImageCache {
 
   explicit ImageCache(BoundedQueue<ImageLevel>& jobs) : jobs_(jobs) {}
 
-  /// An encoded level, empty if it could not be; nullptr: not here.
+  /// Returns an encoded level, empty if encoding failed; nullptr: not here.
   const Bytes* find(const ImageLevel& level) const;
-  /// Has the level encoded, once for all who wait. False: the stage has enough to do, or this
-  /// session waits for it already.
+  /// Requests a level, encoded once for all its waiters. False: the stage is full, or this session
+  /// waits for the level already.
   bool wait(const ImageLevel& level, Waiting waiting);
-  /// Who waited for a level that is now encoded; they wait no longer.
+  /// Ends the encoding of a level and returns its waiters.
   std::vector<Waiting> take_waiting(const ImageLevel& level) { return waiting_.take(level); }
   void keep(const ImageLevel& level, Bytes bytes);
   void remove_session(SessionId session);
-  /// Levels that a session waits for.
+  /// Number of levels that a session waits for.
   std::size_t asks_of(SessionId session) const;
 
  private:

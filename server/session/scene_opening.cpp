@@ -6,7 +6,7 @@
 namespace mirage {
 namespace {
 
-// Behind the eye counts as so much farther.
+// Groups behind the eye count as this many times farther away.
 constexpr double kBehind = 4;
 
 }  // namespace
@@ -17,8 +17,8 @@ GroupOpening::GroupOpening(const PreparedScene& scene, const std::vector<std::ui
   for (const std::uint32_t id : groups) add(id);
 }
 
-// Needed ones by how far inside their distance the eye is, first those before it; then, while
-// fewer than `least` have been told of, the others.
+// Needed groups are ranked by how far inside their opening distance the eye is, those ahead of the
+// eye first. The other groups follow while fewer than `least` have been sent.
 void GroupOpening::add(std::uint32_t id) {
   if (id >= scene_.instance_count()) return;
   const InstanceGroup* group = scene_.group_of_instance(id);

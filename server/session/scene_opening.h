@@ -1,5 +1,6 @@
 #pragma once
-// Which groups a viewer needs the members of, nearest need first: what is told of a scene's tree.
+// The order in which a scene's tree is sent: groups whose members a viewer needs, nearest need
+// first.
 
 #include <cstdint>
 #include <optional>
@@ -14,29 +15,30 @@ namespace mirage {
 
 struct PreparedScene;
 
-/// Who looks, and how much is told.
+/// A viewer's pose and rule, and limits on how much is sent.
 struct Opening {
   glm::dvec3 eye{0};
-  glm::dvec3 forward{0, 0, -1};  ///< what lies before the eye comes first
+  glm::dvec3 forward{0, 0, -1};  ///< groups ahead of the eye come first
   OpenRule rule;
-  std::size_t least = 0;  ///< instances and groups that are told of beyond the rule, if there are
-  std::size_t most = 1u << 16;  ///< told of at once; what is left over is asked for again
+  /// instances and groups to send even beyond the rule, if there are so many
+  std::size_t least = 0;
+  std::size_t most = 1u << 16;  ///< sent at once; the client asks again for the rest
 };
 
-/// Of some groups (numbered as instances) and what is nested in them, those whose members are
-/// needed, one after the other: the nearest need first, a group before the ones in it, none twice.
-/// Each costs as much as its members; 10 µs for 64.
+/// Yields the groups whose members are needed, out of some groups (numbered as instances) and the
+/// groups nested in them. The nearest need comes first, a group precedes its nested groups, and
+/// none comes twice. A step costs as much as the group has members; 10 µs for 64.
 class GroupOpening {
  public:
-  /// What is no group is passed over.
+  /// Ids that are no groups are ignored.
   GroupOpening(const PreparedScene& scene, const std::vector<std::uint32_t>& groups,
                const Opening& opening);
-  /// nullopt: no more are needed, or `most` have been told of.
+  /// Returns the next group; nullopt: no more are needed, or `most` have been sent.
   std::optional<std::uint32_t> next();
 
  private:
   struct Ranked {
-    double urgency = 0;  ///< above 1: the rule asks for it
+    double urgency = 0;  ///< above 1: the rule requires it
     std::uint32_t id = 0;
     bool operator<(const Ranked& other) const {
       return urgency != other.urgency ? urgency < other.urgency : id > other.id;

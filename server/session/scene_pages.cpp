@@ -12,15 +12,16 @@
 namespace mirage {
 namespace {
 
-// Told after the welcome: all of a scene of a few thousand instances (a tenth of a second at
-// 20 Mbit/s); of a larger one what is needed from the home view, and somewhat around it.
+// Number of instances and groups sent after the welcome. It covers a whole scene of a few thousand
+// instances (a tenth of a second at 20 Mbit/s). A larger scene begins with those that the home view
+// needs, plus a margin.
 constexpr std::size_t kToldAtOnce = 3000;
 constexpr double kHomeMargin = 1.5;
-// Instances and groups on a page, but for a group with more members: 20 KB, so that what lies
-// nearest can be asked for while the rest is still coming.
+// Instances and groups per page, unless a group has more members. A page has 20 KB, so the nearest
+// groups can be asked for while the rest is still arriving.
 constexpr std::size_t kRecordsPerPage = 256;
 
-void add_image_pages(const PreparedScene& scene, std::vector<FramePtr>& pages) {
+void add_image_pages(const PreparedScene& scene, std::vector<PacketPtr>& pages) {
   const std::vector<ImageDescription>& images = scene.images;
   for (std::size_t first = 0; first < images.size(); first += limits::kImagesPerPage) {
     wire::ImagePageT page;
@@ -62,7 +63,7 @@ std::unique_ptr<wire::ObjectInfoT> object_info(const ObjectDescription& o) {
   return info;
 }
 
-void add_object_pages(const PreparedScene& scene, std::vector<FramePtr>& pages) {
+void add_object_pages(const PreparedScene& scene, std::vector<PacketPtr>& pages) {
   const std::vector<ObjectDescription>& objects = scene.objects;
   for (std::size_t first = 0; first < objects.size(); first += limits::kObjectsPerPage) {
     wire::ObjectPageT page;
@@ -75,7 +76,7 @@ void add_object_pages(const PreparedScene& scene, std::vector<FramePtr>& pages) 
   }
 }
 
-// What the home view needs, and somewhat around it.
+// Returns the opening for the home view, with a margin around it.
 Opening home_opening(const PreparedScene& scene) {
   Opening opening;
   opening.eye = scene.scene.home.eye;
@@ -93,7 +94,7 @@ Opening opening_of(const wire::OpenRequestT& request) {
   return opening;
 }
 
-// A client that asks for the parts of instances needs them, each once.
+// Returns the cut instances among `asked`, each once. A client that asks for parts needs them.
 std::deque<std::uint32_t> cut_instances(const PreparedScene& scene,
                                         const std::vector<std::uint32_t>& asked) {
   std::set<std::uint32_t> seen;
@@ -118,7 +119,7 @@ TreeTelling::TreeTelling(const PreparedScene& scene)
       roots_(scene.grouping.roots.begin(), scene.grouping.roots.end()),
       opening_(scene, scene.grouping.roots, home_opening(scene)) {}
 
-FramePtr TreeTelling::next_page() {
+PacketPtr TreeTelling::next_page() {
   if (done_) return nullptr;
   while (!roots_.empty()) {
     if (!has_room(1)) return finish_page(false);
@@ -147,10 +148,10 @@ bool TreeTelling::has_room(std::size_t records) const {
   return here == 0 || (here + records <= kRecordsPerPage && page_.opened.size() < kRecordsPerPage);
 }
 
-FramePtr TreeTelling::finish_page(bool last) {
+PacketPtr TreeTelling::finish_page(bool last) {
   const std::uint32_t request = page_.request_id;
   page_.last = last;
-  FramePtr out = std::make_shared<const Bytes>(encode_message(std::move(page_)));
+  PacketPtr out = std::make_shared<const Bytes>(encode_message(std::move(page_)));
   page_ = {};
   page_.request_id = request;
   return out;
@@ -176,12 +177,12 @@ void TreeTelling::add_record(std::uint32_t id) {
                                static_cast<std::uint8_t>(instance.importance));
 }
 
-std::vector<FramePtr> make_scene_pages(const PreparedScene& scene) {
-  std::vector<FramePtr> pages;
+std::vector<PacketPtr> make_scene_pages(const PreparedScene& scene) {
+  std::vector<PacketPtr> pages;
   add_image_pages(scene, pages);
   add_object_pages(scene, pages);
   TreeTelling tree(scene);
-  while (FramePtr page = tree.next_page()) pages.push_back(std::move(page));
+  while (PacketPtr page = tree.next_page()) pages.push_back(std::move(page));
   return pages;
 }
 

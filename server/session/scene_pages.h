@@ -1,6 +1,6 @@
 #pragma once
-// The description of the scene as clients get it: after the welcome its images, objects and what of
-// its tree of groups the home view needs; the rest as it is asked for.
+// The scene's description as clients receive it. After the welcome come images, objects, and the
+// part of the group tree that the home view needs. The rest follows on request.
 
 #include <deque>
 #include <memory>
@@ -14,34 +14,34 @@ namespace mirage {
 
 struct PreparedScene;
 
-/// Encoded pages, in the order they are sent; each within the limits of `protocol/base/limits.h`.
-/// Of a small scene it is everything.
-std::vector<FramePtr> make_scene_pages(const PreparedScene& scene);
+/// Returns the encoded pages in order of sending; each respects the limits of
+/// `protocol/base/limits.h`. A small scene is complete with them.
+std::vector<PacketPtr> make_scene_pages(const PreparedScene& scene);
 
-/// What is told of the tree, page by page: nothing is made before it can be sent, so that a client
-/// who asks for much, or does not read, neither stops the others nor takes memory.
+/// Sends the tree page by page. No page is made before it can be sent. A client that asks for much,
+/// or does not read, therefore neither blocks the others nor takes memory.
 class TreeTelling {
  public:
-  /// The answer to `request`; at least one page, the last is marked. Groups that are not there, or
-  /// more than a scene has, are passed over. The scene outlives it.
+  /// Answers `request` with at least one page; the last is marked. Unknown groups, and more groups
+  /// than a scene has, are ignored. The scene must outlive this object.
   TreeTelling(const PreparedScene& scene, const wire::OpenRequestT& request);
-  /// Unasked, after the welcome: the roots, and what the home view needs.
+  /// Sends, unasked after the welcome, the roots and the groups that the home view needs.
   explicit TreeTelling(const PreparedScene& scene);
 
-  /// nullptr: that was all. A page costs some tens of microseconds.
-  FramePtr next_page();
+  /// Returns the next page; nullptr: no more. A page costs some tens of microseconds.
+  PacketPtr next_page();
 
  private:
   bool has_room(std::size_t records) const;
   void add_record(std::uint32_t id);
-  FramePtr finish_page(bool last);
+  PacketPtr finish_page(bool last);
 
   const PreparedScene& scene_;
   wire::InstancePageT page_;
-  std::deque<std::uint32_t> roots_;  ///< still to be told of
+  std::deque<std::uint32_t> roots_;  ///< roots not sent yet
   GroupOpening opening_;
-  std::deque<std::uint32_t> cut_;        ///< instances whose parts are still to be told of
-  std::optional<std::uint32_t> opened_;  ///< whose members come next
+  std::deque<std::uint32_t> cut_;        ///< instances whose parts are not sent yet
+  std::optional<std::uint32_t> opened_;  ///< group whose members come next
   bool done_ = false;
 };
 

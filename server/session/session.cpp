@@ -17,15 +17,15 @@ namespace {
 
 constexpr std::int64_t kHelloTimeoutUs = 10'000'000;
 constexpr std::size_t kMaxHelloBytes = 4096;
-// Connections that have not said who they are: beyond, the one that came first goes.
+// Most connections without a hello. One more closes the oldest of them.
 constexpr std::size_t kMaxStrangers = 256;
-// For which a client may take nothing of what waits for it.
+// Time in which a client must read some of its waiting data.
 constexpr std::int64_t kNoProgressUs = 30'000'000;
-// Of a client; ours waits for one at a time.
+// Per client; Mirage's own client has one open at a time.
 constexpr std::size_t kMaxWaitingOpenRequests = 64;
 
-// Of what this server has, what the client takes. Tiles without colours come without loss, too:
-// who does not take zstd has no use for the lossy ones.
+// Returns the codecs of this server that a client accepts. A client without zstd gets no lossy
+// codecs, because tiles without colours are sent lossless.
 std::vector<TileCodec> common_codecs(const std::vector<TileCodec>& ours,
                                      const std::vector<std::uint8_t>& theirs) {
   const auto taken = [&](TileCodec codec) {
@@ -215,7 +215,7 @@ void SessionHub::open_groups(SessionId id, Session& s, const wire::OpenRequestT&
 Result<void> SessionHub::set_lighting(Session& s, const wire::SetLightingT& m) {
   if (m.id == 0) return make_error(ErrorId::kWireValue, "lighting 0 is the scene's own");
   if (s.lighting.count(m.id) == 0 && s.lighting.size() >= limits::kMaxLightingStatesPerClient) {
-    s.lighting.erase(s.lighting.begin());  // oldest first: ids only grow
+    s.lighting.erase(s.lighting.begin());  // the lowest id is the oldest: ids only grow
   }
   Result<Lighting> lighting = from_wire(*m.lighting);
   if (!lighting) return lighting.error();
@@ -253,7 +253,7 @@ void SessionHub::batch(SessionId id, Session& s, const wire::RequestBatchT& batc
   }
   for (const wire::MeshAsk& one : batch.mesh_asks) mesh_ask(id, s, one);
   for (const wire::ImageAsk& one : batch.image_asks) image_ask(id, s, one);
-  writable_.insert(id);  // new credit may free tiles that wait
+  writable_.insert(id);  // new credit may release waiting tiles
 }
 
 void SessionHub::refuse(SessionId id, std::uint32_t request, wire::RefusalReason reason) {
@@ -308,28 +308,28 @@ void SessionHub::finish(FinishedReference done) {
   push(done.session, Outbox::Lane::kLarge, std::move(done.message));
 }
 
-FramePtr SessionHub::next_tree_page(Session& s) {
+PacketPtr SessionHub::next_tree_page(Session& s) {
   while (!s.tree.empty()) {
-    if (FramePtr page = s.tree.front().next_page()) return page;
+    if (PacketPtr page = s.tree.front().next_page()) return page;
     s.tree.pop_front();
   }
   return nullptr;
 }
 
-FramePtr SessionHub::next_frame(SessionId id) {
+PacketPtr SessionHub::next_packet(SessionId id) {
   Session& s = sessions_.at(id);
-  FramePtr frame = s.outbox.next_control();
-  if (!frame && s.greeted && s.next_page < pages_.size()) frame = pages_[s.next_page++];
-  if (!frame) frame = next_tree_page(s);
-  if (!frame && !s.outbox.large_waits() && !s.meshes.empty()) push_mesh(id, s);
-  if (!frame) frame = s.outbox.next_tile_or_bulk();
-  if (!frame) return nullptr;
+  PacketPtr packet = s.outbox.next_control();
+  if (!packet && s.greeted && s.next_page < pages_.size()) packet = pages_[s.next_page++];
+  if (!packet) packet = next_tree_page(s);
+  if (!packet && !s.outbox.large_waits() && !s.meshes.empty()) push_mesh(id, s);
+  if (!packet) packet = s.outbox.next_tile_or_bulk();
+  if (!packet) return nullptr;
   if (s.full_render == Session::FullRender::kSending && !s.outbox.large_waits()) {
     s.full_render = Session::FullRender::kNone;
   }
   s.progress_us = clock_.now_us();
-  counters_.bytes_sent += frame->size();
-  return frame;
+  counters_.bytes_sent += packet->size();
+  return packet;
 }
 
 std::set<SessionId> SessionHub::take_writable() { return std::exchange(writable_, {}); }
@@ -338,7 +338,7 @@ std::vector<std::pair<SessionId, Error>> SessionHub::overdue() {
   std::vector<std::pair<SessionId, Error>> out;
   const std::int64_t now = clock_.now_us();
   std::size_t strangers = sessions_.size() - clients_;
-  for (const auto& [id, s] : sessions_) {  // in the order in which they came
+  for (const auto& [id, s] : sessions_) {  // in order of arrival
     const bool crowded = !s.greeted && strangers > kMaxStrangers;
     if (crowded) --strangers;
     if (crowded || (!s.greeted && now - s.opened_us > kHelloTimeoutUs)) {
@@ -358,11 +358,6 @@ void SessionHub::say_goodbye_to_all(const std::string& text) {
     bye.text = text;
     push(id, Outbox::Lane::kControl, encode_message(std::move(bye)));
   }
-}
-
-bool SessionHub::all_written() const {
-  return std::all_of(sessions_.begin(), sessions_.end(),
-                     [](const auto& entry) { return !entry.second.outbox.control_waits(); });
 }
 
 bool SessionHub::drained() const {

@@ -1,11 +1,11 @@
 #pragma once
 // Sessions: everything between the socket and the stages, without any socket.
-// Input:  whole messages of clients; completions of the stages. Output: frames to write, in order
-//         of priority (control first, then the scene's description; tiles under credit and bulk
-//         share the rest by bytes).
-// Thread: the network loop's.
-// Full:   asks beyond kMaxQueuedAsksPerClient are refused as busy; a client that does not read
-//         until max_outbox_bytes have piled up gets nothing more and is closed.
+// Input:  whole messages of clients; completions of the stages
+// Output: packets to write, in order of priority (control first, then the scene's description;
+//         tiles under credit and bulk share the rest by bytes)
+// Thread: the network loop's
+// Full:   asks beyond kMaxQueuedAsksPerClient are refused as busy; a client with
+//         max_outbox_bytes unread gets no more, and is closed if it reads nothing
 
 #include <list>
 #include <map>
@@ -34,53 +34,54 @@ class SessionHub {
   SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
              StageQueues& queues);
 
-  /// Equal for servers whose tiles of equal keys are equal: of the scene and of what draws it.
+  /// Returns the hash of the scene and of what draws it. Servers with equal revisions have equal
+  /// tiles for equal keys.
   std::uint64_t revision() const { return revision_; }
   /// Has the home view made, which most clients ask for first.
   void make_home_view();
-  /// A connection; it is a client once its hello was right.
+  /// Opens a session for a connection. It becomes a client with a valid hello.
   SessionId open();
   bool greeted(SessionId id) const { return sessions_.at(id).greeted; }
-  /// One WebSocket message. An error means: say goodbye and close with its close code.
+  /// Takes one packet. An error means: say goodbye and close with its close code.
   Result<void> receive(SessionId id, const std::uint8_t* bytes, std::size_t size);
   void close(SessionId id);
 
   void complete(Completion completion);
-  /// Refuses asks whose deadline passed while they were queued.
+  /// Refuses asks whose deadline passed in the queue.
   void refuse_late();
-  /// Whether somebody waits for the sources: then give_up_fetches() is due every few ms.
+  /// True if an ask waits for the sources; give_up_fetches() is then due every few ms.
   bool waits_for_sources() const { return fetches_.waiting(); }
-  /// Has rendered what the sources do not bring in time.
+  /// Has tiles rendered that the sources do not bring in time.
   void give_up_fetches();
 
-  /// A tile for who asks by HTTP; the number it is answered under, by take_got(), maybe at once.
+  /// Asks for a tile on behalf of HTTP. Returns the number that take_got() uses for the answer,
+  /// which may be there at once.
   std::uint32_t get(const TileAddress& address);
-  /// Nobody waits for it any more.
+  /// Cancels a request that nobody waits for any more.
   void cancel_get(std::uint32_t request);
   std::vector<GotTile> take_got();
 
-  /// Next frame to write; nullptr when there is nothing the client may be sent now.
-  FramePtr next_frame(SessionId id);
-  /// Sessions that got something to write since the last call.
+  /// Returns the next packet to write; nullptr: the client may be sent nothing now.
+  PacketPtr next_packet(SessionId id);
+  /// Returns the sessions that got something to write since the last call.
   std::set<SessionId> take_writable();
-  /// Sessions to close: never said hello, or do not read.
+  /// Returns the sessions to close: without a hello in time, or not reading.
   std::vector<std::pair<SessionId, Error>> overdue();
   void say_goodbye_to_all(const std::string& text);
-  bool all_written() const;
-  /// Who may be a client from now on; those that are stay.
+  /// Sets the rights of new clients; present clients stay.
   void set_access(Access access) { access_ = std::move(access); }
   const Access& access() const { return access_; }
-  /// Nothing more is taken on; what was asked for is answered still.
+  /// Refuses new asks; earlier ones are still answered.
   void drain() { draining_ = true; }
-  /// Everything that was asked for is answered and sent, as far as it is taken.
+  /// True if every answer is made and sent, as far as clients read.
   bool drained() const;
-  /// Why the server must end: the renderer has failed.
+  /// The renderer's failure, which must end the server.
   const std::optional<Error>& failure() const { return failure_; }
   HubState state() const;
-  /// Asks of a session that are waited for, wherever; of one that is closed there are none.
+  /// Returns the pending asks of a session in all stages; 0 for a closed session.
   std::size_t asks_of(SessionId id) const;
   const SessionOptions& options() const { return options_; }
-  /// Revision and profile as JSON, for whoever compares servers.
+  /// Returns revision and profile as JSON, for comparing servers.
   std::string identity(bool draining) const;
 
  private:
@@ -88,34 +89,35 @@ class SessionHub {
     std::int64_t opened_us = 0;
     bool greeted = false;
     Grant grant;
-    FrameAssembler assembler{limits::kMaxInboundTransferBytes};
-    std::vector<TileCodec> codecs;  ///< that both ends have; the first is used unless asked
+    PacketAssembler assembler{limits::kMaxInboundTransferBytes};
+    std::vector<TileCodec> codecs;  ///< common to both ends; the first is the default
     std::map<std::uint32_t, Lighting> lighting;
-    std::list<TreeTelling> tree;      ///< answers to what was asked of it, made as they are sent
-    std::list<wire::MeshAsk> meshes;  ///< asked for, and made as they are sent
-    std::size_t next_page = 0;        ///< of the scene description
+    std::list<TreeTelling> tree;      ///< answers to open requests, made as they are sent
+    std::list<wire::MeshAsk> meshes;  ///< asked for; made as they are sent
+    std::size_t next_page = 0;        ///< next page of the scene description
     Outbox outbox;
-    /// One at a time, from the request until its reply is on its way.
+    /// One at a time, from the request until its reply is being sent.
     enum class FullRender { kNone, kUnderWay, kSending } full_render = FullRender::kNone;
-    std::size_t full_render_bytes = 0;  ///< it takes at most, while there is one
-    bool hopeless = false;              ///< does not read what it is answered: is closed
-    std::int64_t progress_us = 0;       ///< when something was last sent, or nothing waited
+    std::size_t full_render_bytes = 0;  ///< upper limit of its bytes, while there is one
+    bool hopeless = false;              ///< reads no answers: is closed
+    std::int64_t progress_us = 0;       ///< last time of sending, or of having nothing to send
     explicit Session(std::size_t most_bytes) : outbox(most_bytes) {}
   };
 
-  /// As a waiter for tiles, all who ask by HTTP.
+  /// Session id that stands for all requests by HTTP.
   static constexpr SessionId kGetters = 0;
 
   Result<void> handle(SessionId id, Session& s, Message message);
-  /// Who says this may be a client.
+  /// Returns the rights of a client, from its hello.
   Result<Grant> admit(const wire::HelloT& hello);
   Result<void> hello(SessionId id, Session& s, const wire::HelloT& hello);
   void batch(SessionId id, Session& s, const wire::RequestBatchT& batch);
   void ask(SessionId id, const wire::Ask& ask, const Lighting& lighting, TileCodec codec);
-  /// Answers from memory, or has it made from what is there; false: the tile is not in memory.
+  /// Answers from memory, or has the form made from one in memory; false: the tile is not in
+  /// memory.
   bool answer_from_memory(const TileAsk& ask);
   void have_rendered(const TileAsk& ask);
-  /// Whether the object has tiles of this kind under this lighting.
+  /// True if the object has tiles of this kind under this lighting.
   bool can_be(std::uint8_t channels, const ObjectDescription& object,
               const Lighting& lighting) const;
   void mesh_ask(SessionId id, Session& s, const wire::MeshAsk& ask);
@@ -124,27 +126,27 @@ class SessionHub {
   void open_groups(SessionId id, Session& s, const wire::OpenRequestT& m);
   Result<void> set_lighting(Session& s, const wire::SetLightingT& m);
   void reference(SessionId id, Session& s, const wire::ReferenceRequestT& m);
-  /// Of all clients, that one of `more` bytes may be added.
+  /// True if the full renders of all clients leave room for one of `more` bytes.
   bool full_render_fits(std::size_t more) const;
   ViewJob view_job(const wire::ViewRequestT& m, const Lighting& lighting) const;
   void view(SessionId id, Session& s, const wire::ViewRequestT& m);
   void push_view(const ViewCache::Waiting& waiting, const EncodedView& view);
   void stats(SessionId id, const wire::StatsRequestT& m);
 
-  /// There is something that it may be sent now, made already or not.
+  /// True if something may be sent to the client now, made already or not.
   bool waits(const Session& s) const;
-  /// Before something more is to be sent: until now it owed us no reading if nothing waited.
+  /// Restarts the no-progress clock if the client had nothing to read. Called before more is added.
   void begin_waiting(Session& s) const;
   void push(SessionId id, Outbox::Lane lane, Bytes message);
-  /// The next of the meshes it asked for.
+  /// Makes the next mesh that the client asked for, and queues it.
   void push_mesh(SessionId id, Session& s);
-  /// The next page of what was asked of the tree.
-  static FramePtr next_tree_page(Session& s);
-  /// The lane whose turn it is; nullptr when neither may send.
+  /// Makes the next page of the tree that the client asked for.
+  static PacketPtr next_tree_page(Session& s);
+  /// Queues a tile for the client that waits for it; got() does so for HTTP.
   void push_tile(const Waiter& waiter, const StoredTile& tile);
   void got(const Waiter& waiter, const StoredTile& tile);
   bool waits_still(SessionId id) const { return id == kGetters || sessions_.count(id) != 0; }
-  // What the stages have done.
+  // Completions of the stages.
   void finish(FinishedTile done);
   void finish(TooLargeTile done);
   void finish(FinishedFetch done);
@@ -153,7 +155,7 @@ class SessionHub {
   void finish(FinishedView done);
   void finish(FinishedReference done);
   void finish(RendererFailure done) { failure_ = std::move(done.error); }
-  /// Has the waiter's form made; while there is too much to do, it is sent this one.
+  /// Has the waiter's form made. If too much is under way, the waiter gets `lossless` instead.
   void convert(const Waiter& waiter, const TileId& id, const StoredTilePtr& lossless);
   void refuse(SessionId id, std::uint32_t request, wire::RefusalReason reason);
 
@@ -165,8 +167,8 @@ class SessionHub {
   Counters& counters_;
   TileQueue& queue_;
   TileStore& store_;
-  const std::vector<FramePtr> pages_;  ///< scene description, made once
-  const Bytes probe_page_;             ///< whole message; empty: the scene has no probe
+  const std::vector<PacketPtr> pages_;  ///< scene description, made once
+  const Bytes probe_page_;              ///< a whole message; empty: the scene has no probe
   const BoundedQueue<EncodeJob>& pixels_;
   ImageCache images_;
   FetchRequests fetches_;
@@ -177,10 +179,10 @@ class SessionHub {
   SessionId next_id_ = 1;
   std::vector<GotTile> got_;
   std::uint32_t next_get_ = 1;
-  std::size_t clients_ = 0;  ///< sessions that are greeted
+  std::size_t clients_ = 0;  ///< sessions with a valid hello
   bool draining_ = false;
   std::optional<Error> failure_;
-  double tile_us_ = 0;  ///< what a tile takes, mean of the last ones; 0: none was rendered
+  double tile_us_ = 0;  ///< mean time of recent tiles, µs; 0: none rendered yet
 };
 
 }  // namespace mirage

@@ -1,4 +1,4 @@
-// Sessions: what is no tile. Geometry, images, full renders and statistics.
+// Sessions: everything except tiles and views. Geometry, images, full renders and statistics.
 #include "protocol/impostor/tile_key.h"
 #include "server/prepare/object_geometry.h"
 #include "server/prepare/prepared_scene.h"

@@ -1,12 +1,11 @@
-// Sessions: tiles that are got one by one by HTTP. All who get them are one client to the tile
-// queue.
+// Sessions: single tiles by HTTP. To the tile queue, all HTTP requests together are one client.
 #include "protocol/wire/tile_address.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/session/session.h"
 
 namespace mirage {
 namespace {
-// A cache in front of the server comes back by then.
+// A cache in front of the server asks again after this time.
 constexpr std::uint32_t kDeadlineMs = 5'000;
 }  // namespace
 
@@ -36,7 +35,7 @@ void SessionHub::cancel_get(std::uint32_t request) {
 
 std::vector<GotTile> SessionHub::take_got() { return std::exchange(got_, {}); }
 
-// The same bytes whoever rendered it, and when.
+// Request id and times are cleared, so that equal tiles give equal bytes from any server.
 void SessionHub::got(const Waiter& waiter, const StoredTile& tile) {
   wire::TileReplyT reply = tile.reply;
   reply.request_id = reply.server_us = 0;

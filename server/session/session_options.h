@@ -11,16 +11,17 @@
 namespace mirage {
 
 struct SessionOptions {
-  Access access;              ///< who may be a client
+  Access access;              ///< rights of clients
   std::string renderer;       ///< told to clients
-  std::uint64_t profile = 0;  ///< of what draws and encodes (RenderProfile)
+  std::uint64_t profile = 0;  ///< hash of the renderer and encoders (RenderProfile)
   bool geometry = true;
   bool reference = true;
-  bool view = true;  ///< the whole scene as one tile is sent to who asks for it
+  bool view = true;  ///< clients may ask for views: the whole scene as one tile
   bool shadows = false;
-  std::size_t max_clients = 4096;            ///< with a right hello
-  std::size_t max_outbox_bytes = 16u << 20;  ///< that wait for a client: beyond, it is refused more
-  /// That clients may ask for, the first that a client takes is its own.
+  std::size_t max_clients = 4096;  ///< sessions with a valid hello
+  /// unread bytes of a client above which its asks are refused
+  std::size_t max_outbox_bytes = 16u << 20;
+  /// Codecs that clients may ask for. The first one that a client accepts is its default.
   std::vector<TileCodec> codecs = {TileCodec::kZstd, TileCodec::kRaw, TileCodec::kWebp};
 };
 

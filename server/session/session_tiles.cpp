@@ -9,7 +9,7 @@
 
 namespace mirage {
 namespace {
-constexpr double kNewTileShare = 1.0 / 16;  // in the mean of what tiles take
+constexpr double kNewTileShare = 1.0 / 16;  // weight of a new tile in the mean time of tiles
 }  // namespace
 
 bool SessionHub::can_be(std::uint8_t channels, const ObjectDescription& object,
@@ -87,7 +87,7 @@ bool SessionHub::answer_from_memory(const TileAsk& asked) {
 }
 
 void SessionHub::have_rendered(const TileAsk& asked) {
-  // What would be late is refused now: the client may ask for something else.
+  // An ask that would be late is refused now, so the client may ask for something else.
   const std::int64_t deadline_us = asked.waiter.deadline_us;
   const double left_us = static_cast<double>(deadline_us - clock_.now_us());
   if (deadline_us != 0 && queue_.wait_us(asked.waiter.session, tile_us_) > left_us) {

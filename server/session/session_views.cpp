@@ -6,7 +6,7 @@
 
 namespace mirage {
 namespace {
-// It is seen at about its size, for a second.
+// A view is shown at about its size, for a second, so moderate quality is enough.
 constexpr std::uint32_t kViewSupersample = 2;
 constexpr double kViewLevelPx = 1;
 }  // namespace
@@ -54,7 +54,7 @@ void SessionHub::push_view(const ViewCache::Waiting& waiting, const EncodedView&
   reply.kept = waiting.kept;
   reply.server_us = static_cast<std::uint32_t>(clock_.now_us() - waiting.asked_us);
   ++counters_.views_sent;
-  // Before the scene's description: it is the first picture.
+  // The control lane puts the view before the scene's description: it is the first picture.
   push(waiting.session, Outbox::Lane::kControl, encode_message(std::move(reply), view.payload));
 }
 

@@ -2,7 +2,7 @@
 
 namespace mirage {
 namespace {
-// Views that are being made: a view takes as long as twenty tiles.
+// Most views under way. A view takes as long as twenty tiles.
 constexpr std::size_t kMostWaiting = 16;
 }  // namespace
 
@@ -47,7 +47,7 @@ std::size_t ViewCache::asks_of(SessionId session) const {
 }
 
 void ViewCache::remove_session(SessionId session) {
-  // Who comes, asks and goes must not leave work behind.
+  // Clients that come, ask and go must not leave work behind.
   making_.remove(
       [&](const Waiting& waiting) { return waiting.session == session; },
       [&](const TileId& id) { return !(home_ && id == *home_) && queue_.drop_view(id); });

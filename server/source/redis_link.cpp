@@ -76,7 +76,7 @@ Result<std::string> RedisLink::hold(const std::string& key, const std::string& h
   if ((*taken)->type != REDIS_REPLY_NIL) return holder;
   const Result<std::optional<Bytes>> other = get(key);
   if (!other) return other.error();
-  // It ended between the two: whoever is first is.
+  // The lease ended between the two calls. The first server that sets it holds it.
   if (!*other) return std::string();
   return std::string((*other)->begin(), (*other)->end());
 }

@@ -1,6 +1,6 @@
 #pragma once
-// One connection to a Redis server, whose every call ends within a time limit. The only header
-// whose source knows hiredis.
+// One connection to a Redis server; every call ends within a time limit. Only redis_link.cpp
+// includes hiredis.
 // Thread: one at a time.
 
 #include <cstdint>
@@ -19,17 +19,18 @@ namespace mirage {
 
 class RedisLink {
  public:
-  /// Every call, this one too, may take `limit_us`. Error kNetworkConnect.
+  /// Connects. This and every later call may take `limit_us`. Error kNetworkConnect.
   static Result<std::unique_ptr<RedisLink>> connect(const StoreAddress& address,
                                                     std::int64_t limit_us);
   ~RedisLink();
 
-  // After an error, kNetworkTimeout or kNetworkClosed, the connection is of no more use.
+  // Any error of these calls, kNetworkTimeout or kNetworkClosed, makes the connection unusable.
 
-  /// nullopt: there is none.
+  /// Returns the value of a key; nullopt if there is none.
   Result<std::optional<Bytes>> get(const std::string& key);
   Result<void> set(const std::string& key, const Bytes& value);
-  /// Sets it for `life_ms` if it is not there; who holds it then: `holder`, or another.
+  /// Sets the key to `holder` for `life_ms` unless it is set. Returns its holder: `holder` or
+  /// another.
   Result<std::string> hold(const std::string& key, const std::string& holder, std::int64_t life_ms);
 
  private:

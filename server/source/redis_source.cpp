@@ -11,9 +11,9 @@
 namespace mirage {
 namespace {
 
-// Less than those are patient who wait for the fetch stage.
+// Limit of one call, µs. Asks wait longer than this in the fetch stage (patience_us()).
 constexpr std::int64_t kLimitUs = 10'000;
-constexpr int kFailures = 2;  // one is the machine's, which had other things to do
+constexpr int kFailures = 2;  // a single failure may come from this machine being busy
 constexpr std::int64_t kFirstPauseUs = 250'000, kLongestPauseUs = 5'000'000;
 constexpr std::int64_t kShortestLeaseMs = 100, kFirstLeaseMs = 2'000, kLongestLeaseMs = 10'000;
 constexpr std::size_t kMostClaims = 4096;
@@ -41,7 +41,8 @@ std::unique_ptr<RedisLink> RedisSource::take() {
     const std::lock_guard<std::mutex> lock(mutex_);
     const std::int64_t now = clock_.now_us();
     if (now < alone_until_us_) return nullptr;
-    // It did not answer: one tries, the others leave it alone still.
+    // The server did not answer lately. This caller tries it again; the others still leave it
+    // alone.
     if (pause_us_ > 0) alone_until_us_ = now + pause_us_;
     if (!idle_.empty()) {
       std::unique_ptr<RedisLink> link = std::move(idle_.back());
@@ -65,7 +66,7 @@ void RedisSource::give_back(std::unique_ptr<RedisLink> link) {
 
 void RedisSource::failed(const Error& error) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  idle_.clear();  // of the same server, and as old
+  idle_.clear();  // these reach the same server and are as old
   if (++failures_ < kFailures) return;
   if (pause_us_ == 0) {
     spdlog::warn("store: {} does not answer ({}): tiles are rendered here until it does",
@@ -87,7 +88,8 @@ std::optional<Bytes> RedisSource::fetch(const FormId& id) {
   return record.take();
 }
 
-// Only the writer waits for it, and what is not kept is rendered again elsewhere.
+// Retries are affordable: only the writer thread waits, and a lost tile is rendered again
+// elsewhere.
 bool RedisSource::offer(const FormId& id, const Bytes& record) {
   note_made(id.id);
   for (int tries = 0; tries < kWriteTries; ++tries) {
@@ -120,7 +122,8 @@ bool RedisSource::claim(const TileId& id) {
   give_back(std::move(link));
   if (*holder != name_) return false;
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (claimed_us_.size() >= kMostClaims) claimed_us_.clear();  // of tiles nobody wanted any more
+  // claims whose tile was no longer wanted
+  if (claimed_us_.size() >= kMostClaims) claimed_us_.clear();
   claimed_us_.try_emplace(id, clock_.now_us());
   return true;
 }
@@ -132,7 +135,7 @@ void RedisSource::note_made(const TileId& id) {
   made_us_[made_++ % made_us_.size()] = clock_.now_us() - claimed.mapped();
 }
 
-// Twice what 99 of 100 of the last tiles took.
+// Twice the time that 99 of 100 of the last tiles stayed below.
 std::int64_t RedisSource::lease_ms() {
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::size_t known = std::min(made_, made_us_.size());

@@ -10,7 +10,7 @@ Result<std::unique_ptr<TileSource>> open_shared_store([[maybe_unused]] const Sto
                                                       [[maybe_unused]] const Clock& clock) {
 #ifdef MIRAGE_REDIS
   auto source = std::make_unique<RedisSource>(address, clock);
-  for (int i = 0; i < 2; ++i) source->fetch({});  // says so, if it does not answer
+  for (int i = 0; i < 2; ++i) source->fetch({});  // logs a warning if it does not answer
   return std::unique_ptr<TileSource>(std::move(source));
 #else
   return make_error(ErrorId::kUsage, "--store: this build has no Redis",

@@ -1,5 +1,5 @@
 #pragma once
-// The store that servers share, where there is one.
+// The store that servers share, if one is configured.
 
 #include <memory>
 
@@ -10,8 +10,8 @@
 
 namespace mirage {
 
-/// One that does not answer is left alone until it does, with a warning. Error kUsage: this build
-/// has no Redis. The clock outlives it.
+/// Opens the store. One that does not answer is left alone until it does, with a warning. Error
+/// kUsage: this build has no Redis. The clock must outlive the source.
 Result<std::unique_ptr<TileSource>> open_shared_store(const StoreAddress& address,
                                                       const Clock& clock);
 

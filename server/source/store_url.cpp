@@ -37,7 +37,7 @@ Result<StoreAddress> parse_store_url(const std::string& url) {
     out.database = *database;
     rest.erase(slash);
   }
-  const std::size_t bracket = rest.find(']');  // [IPv6]:PORT
+  const std::size_t bracket = rest.find(']');  // an address as [IPv6]:PORT
   const std::size_t colon = rest.find(':', bracket == std::string::npos ? 0 : bracket);
   if (colon != std::string::npos) {
     const std::optional<int> port = number(rest.substr(colon + 1), 1, 65535);

@@ -8,18 +8,18 @@
 
 namespace mirage {
 
-/// Of a Redis server.
+/// Address of a Redis server.
 struct StoreAddress {
   std::string host;
   int port = 6379;
   std::string password;  ///< empty: none
   int database = 0;
 
-  /// For messages: without the password.
+  /// Returns the address for messages, without the password.
   std::string name() const { return host + ":" + std::to_string(port); }
 };
 
-/// `redis://[:PASSWORD@]HOST[:PORT][/DATABASE]`. Error kUsage.
+/// Parses `redis://[:PASSWORD@]HOST[:PORT][/DATABASE]`. Error kUsage.
 Result<StoreAddress> parse_store_url(const std::string& url);
 
 }  // namespace mirage

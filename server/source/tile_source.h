@@ -1,8 +1,8 @@
 #pragma once
-// Tile source: where finished tiles lie beyond a server's memory, slower than that and faster than
-// rendering. Tiles are pure functions of their keys: a source that is lost, slow or full costs
-// time, never a picture, so nothing here reports an error to who asks.
-// Thread: any; calls take as long as the source does and are the fetch stage's.
+// Tile source: a place where finished tiles are kept beyond a server's memory. It is slower than
+// memory and faster than rendering. Tiles are pure functions of their keys, so a source that is
+// lost, slow or full costs time, never a picture. Therefore no call reports an error.
+// Thread: any; calls are blocking and belong to the fetch stage.
 
 #include <optional>
 
@@ -18,14 +18,15 @@ class TileSource {
 
   virtual ~TileSource() = default;
   virtual Tier tier() const = 0;
-  /// For so long an ask waits for it, before the tile is rendered instead.
+  /// Returns how long an ask waits for this source before the tile is rendered instead, µs.
   virtual std::int64_t patience_us() const = 0;
-  /// The record that was offered under this id, unchecked; all forms without loss are one record.
+  /// Returns the record that was offered under this id, unchecked. All lossless forms share one
+  /// record.
   virtual std::optional<Bytes> fetch(const FormId& id) = 0;
-  /// To be kept, in place of what lies there. False: it is not.
+  /// Stores a record in place of the one there; false if it was not kept.
   virtual bool offer(const FormId& id, const Bytes& record) = 0;
-  /// Before a tile is rendered that no source has. False: another server that shares this source
-  /// has said so of the same tile a short while ago and is about to offer it.
+  /// Announces that this server renders a tile that no source has. False: another server that
+  /// shares this source announced the same tile a short while ago and is about to offer it.
   virtual bool claim(const TileId&) { return true; }
 };
 

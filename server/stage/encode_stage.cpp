@@ -19,9 +19,9 @@
 namespace mirage {
 namespace {
 
-constexpr int kGivesWay = 10;  // nice
+constexpr int kGivesWay = 10;  // increase of the nice value
 
-/// This thread is run when the others of the process leave a core free.
+/// Lowers the priority of this thread: it runs when the others of the process leave a core free.
 void give_way() { setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kGivesWay); }
 
 }  // namespace
@@ -31,7 +31,7 @@ void EncodeStage::announce(Completion done) {
   wake_();
 }
 
-// The form without loss is kept whatever was asked for: others are made from it.
+// The lossless form is always kept, whatever codec was asked for: others are made from it.
 void EncodeStage::finish(const RenderedTile& rendered, const ObjectDescription& object) {
   const SteadyClock clock;
   const TileJob& job = rendered.job;
@@ -54,7 +54,7 @@ void EncodeStage::finish(const FormJob& job) {
   queues_.store.put(job.id, job.codec, form);
   ++queues_.counters.forms_made;
   announce(FinishedTile{job.id, job.codec, form});
-  if (is_lossy(job.codec)) save(job.id, job.codec, form);  // the others share a file
+  if (is_lossy(job.codec)) save(job.id, job.codec, form);  // all lossless forms share one file
 }
 
 void EncodeStage::save(const TileId& id, TileCodec codec, StoredTilePtr tile) {
@@ -116,7 +116,7 @@ void EncodeStage::start(std::shared_ptr<const PreparedScene> scene, int workers)
   workers_.emplace_back([this, scene] {
     give_way();
     while (std::optional<EncodeJob> job = queues_.slow.pop()) {
-      queues_.tiles.look_again();  // there is room for the next
+      queues_.tiles.look_again();  // there is room for the next slow job
       work(*job, *scene);
     }
   });

@@ -1,9 +1,10 @@
 #pragma once
-// Encode stage.
+// Encode stage: rendered pixels become encoded tiles, views and replies.
 // Input:  rendered tiles (pixels of a page), tiles wanted in another form, drawn views and full
-//         renders. Output: stored tiles, encoded views and replies, announced to the network loop.
-// Thread: N workers of its own, and one for what takes long, which gives way to them.
-// Full:   the queue in front makes the render stage wait.
+//         renders
+// Output: stored tiles, encoded views and replies, announced to the network loop
+// Thread: N workers of its own, and one for slow work, which runs at lower priority
+// Full:   the queue in front makes the render stage wait
 
 #include <functional>
 #include <memory>
@@ -26,11 +27,11 @@ class EncodeStage {
   ~EncodeStage() { join(); }
 
   void start(std::shared_ptr<const PreparedScene> scene, int workers);
-  /// Ends the workers; the input must have been closed.
+  /// Ends the workers; the input must be closed before.
   void join();
 
  private:
-  /// Finishes it, or refuses it where memory lacks.
+  /// Finishes a job, or refuses it if memory is short.
   void work(EncodeJob& job, const PreparedScene& scene);
   void refuse(const EncodeJob& job);
   void finish(const RenderedTile& rendered, const ObjectDescription& object);
@@ -40,7 +41,8 @@ class EncodeStage {
   void finish(EncodeJob& job, const PreparedScene& scene);
   void announce(Completion done);
 
-  /// Into the directory, unless there is none or too much to be written already.
+  /// Passes a tile to the fetch stage to be kept, unless there are no sources or too many writes
+  /// wait.
   void save(const TileId& id, TileCodec codec, StoredTilePtr tile);
 
   StageQueues& queues_;

@@ -10,7 +10,8 @@ namespace mirage {
 namespace {
 
 constexpr int kReaders = 2;
-constexpr std::int64_t kLastWritesUs = 2'000'000;  // after the server was told to stop
+// time for writing after the server was told to stop
+constexpr std::int64_t kLastWritesUs = 2'000'000;
 constexpr std::size_t kMostAgain = 4096;
 constexpr std::chrono::milliseconds kFirstPause{4}, kLongestPause{64};
 

@@ -1,10 +1,10 @@
 #pragma once
-// Fetch stage: whatever has to do with the sources of finished tiles.
-// Input:  tiles to look for; tiles to be kept. Output: what was found, announced to the network
-//         loop.
-// Thread: readers, one that looks again for what another server renders, and a writer: a source
-//         that takes seconds holds up nobody else.
-// Full:   an ask goes past the sources and is rendered; a finished tile is not kept.
+// Fetch stage: all access to the sources of finished tiles.
+// Input:  tiles to look for; tiles to be kept
+// Output: found tiles, announced to the network loop
+// Thread: readers, one that looks again for tiles that another server renders, and a writer, so
+//         a source that takes seconds blocks no other thread
+// Full:   an ask skips the sources and is rendered; a finished tile is not kept
 
 #include <atomic>
 #include <chrono>
@@ -27,26 +27,26 @@ class FetchStage {
       : queues_(queues), wake_(std::move(wake)) {}
   ~FetchStage() { join(); }
 
-  /// Without sources there is nothing to do, and no thread.
+  /// Starts the threads; none if there are no sources.
   void start();
-  /// Ends the threads; both inputs must have been closed. What is not written within two seconds
-  /// is not kept.
+  /// Ends the threads; both inputs must be closed before. Writes that take longer than two seconds
+  /// in all are dropped.
   void join();
 
  private:
   using Time = std::chrono::steady_clock::time_point;
   struct Again {
     FetchJob job;
-    std::chrono::milliseconds pause;  ///< before the look after the next
+    std::chrono::milliseconds pause;  ///< wait after the next look, if that fails, too
   };
 
   void read_all();
   void look_again();
   void write_all();
-  /// Announces what was found, or that nothing was and it is this server's to render. False:
-  /// another server is at it.
+  /// Announces the result of a look; an empty result means that this server must render the tile.
+  /// False: another server is rendering it.
   bool look(const FetchJob& job);
-  /// False: too many are.
+  /// Schedules another look; false: too many are scheduled.
   bool look_later(const FetchJob& job, std::chrono::milliseconds pause);
   void announce(Completion done);
 
@@ -55,7 +55,7 @@ class FetchStage {
   std::atomic<std::int64_t> write_until_us_{INT64_MAX};
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::multimap<Time, Again> again_;  ///< by when
+  std::multimap<Time, Again> again_;  ///< by due time
   bool ending_ = false;
   std::vector<std::thread> threads_;
 };

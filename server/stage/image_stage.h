@@ -1,8 +1,9 @@
 #pragma once
-// Image stage.
-// Input:  images asked for, by level. Output: encoded images, announced to the network loop.
-// Thread: one worker of its own (an image takes from a millisecond to a second).
-// Full:   the network loop refuses the ask as busy.
+// Image stage: reduces and encodes the scene's images.
+// Input:  images asked for, by level
+// Output: encoded images, announced to the network loop
+// Thread: one worker of its own (an image takes from a millisecond to a second)
+// Full:   the network loop refuses the ask as busy
 
 #include <functional>
 #include <memory>
@@ -24,10 +25,10 @@ class ImageStage {
   ~ImageStage() { join(); }
 
   void start(std::shared_ptr<const PreparedScene> scene);
-  /// Ends the worker; the input must have been closed.
+  /// Ends the worker; the input must be closed before.
   void join();
 
-  /// Reduces and encodes one level; empty when it cannot be. A pure function of its input.
+  /// Reduces and encodes one level; empty if that fails. A pure function.
   static Bytes encode(const PreparedScene& scene, const ImageLevel& level);
 
  private:

@@ -20,7 +20,7 @@ struct Pipeline::Stages {
         images(queues, wake) {}
   FetchStage fetch;
   RenderStage render;
-  StandInStage stand_in;  ///< one of the two draws
+  StandInStage stand_in;  ///< only one of the two is started
   EncodeStage encode;
   ImageStage images;
 };
@@ -42,7 +42,7 @@ Result<std::string> Pipeline::start(std::shared_ptr<const PreparedScene> scene,
 }
 
 void Pipeline::stop() {
-  queues.completions.close();  // nobody takes them any more: nobody waits to hand one over
+  queues.completions.close();  // nobody takes them any more, so no stage waits to hand one over
   queues.fetches.close();
   queues.tiles.close();
   stages_->render.join();

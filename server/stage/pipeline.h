@@ -1,10 +1,10 @@
 #pragma once
-// The server's stages and what lies between them: everything behind the sessions.
+// The server's stages and the queues between them: everything behind the sessions.
 //
 //   sessions -> fetch stage -> sessions -> tile queue -> render stage -> encode stage -> sessions
 //                                          image stage -> sessions
 //
-// Thread: start() and stop() are the owner's; the stages have threads of their own.
+// Thread: the owner calls start() and stop(); the stages have threads of their own.
 
 #include <functional>
 #include <memory>
@@ -20,16 +20,18 @@ struct RenderOptions;
 
 class Pipeline {
  public:
-  /// `wake` is called by any thread when there is a completion. Clock and sources outlive it.
+  /// Any thread calls `wake` when there is a completion. Clock and sources must outlive the
+  /// pipeline.
   Pipeline(
       const Clock& clock, std::size_t cache_bytes, TileSources sources,
       std::function<void()> wake = [] {});
   ~Pipeline();
 
-  /// Starts all threads and compiles every shader; the renderer's name. Errors: RenderStage's.
+  /// Starts all threads and compiles every shader. Returns the renderer's name. Errors:
+  /// RenderStage's.
   Result<std::string> start(std::shared_ptr<const PreparedScene> scene,
                             const RenderOptions& options, int encoders);
-  /// The queues close in flow order, then the threads end.
+  /// Closes the queues in flow order, then ends the threads.
   void stop();
 
   StageQueues queues;

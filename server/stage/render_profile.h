@@ -1,5 +1,5 @@
 #pragma once
-// What a tile's bytes depend on beside the scene and the key: what draws and encodes it.
+// The renderer and encoders, on which a tile's bytes depend besides scene and key.
 
 #include <cstdint>
 #include <string>
@@ -9,19 +9,19 @@ namespace mirage {
 
 struct RenderProfile {
   int supersample = 0;              ///< per axis
-  std::string renderer;             ///< GL_RENDERER and version, the driver's own among it
-  std::uint64_t shaders = 0;        ///< of the text of all
+  std::string renderer;             ///< GL_RENDERER and GL_VERSION, which name the driver
+  std::uint64_t shaders = 0;        ///< hash of all shader texts
   std::vector<std::string> codecs;  ///< each with the version of its library
 
-  /// Equal profiles give equal tiles. Never 0.
+  /// Returns a hash, never 0. Equal profiles give equal tiles.
   std::uint64_t hash() const;
 };
 
-/// Of this build on this renderer.
+/// Returns the profile of this build on this renderer.
 RenderProfile render_profile(const std::string& renderer, int supersample);
 
-/// What keys and clients call the revision: of a scene as a profile draws it. Tiles in a cache's
-/// directory, and at a client that reconnects, are taken for the same only under the same one.
+/// Returns the revision of keys and clients: that of a scene as drawn by a profile. Tiles in a
+/// cache directory, or kept by a reconnecting client, are reused only under an equal revision.
 std::uint64_t profiled_revision(std::uint64_t scene_revision, std::uint64_t profile);
 
 }  // namespace mirage

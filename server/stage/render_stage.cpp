@@ -21,7 +21,7 @@
 namespace mirage {
 namespace {
 
-/// Draws what the tile queue holds until it is closed, or GL fails.
+/// Draws the content of the tile queue until it is closed or GL fails.
 class RenderLoop {
  public:
   RenderLoop(StageQueues& queues, const std::function<void()>& wake, GlWorld world,
@@ -36,8 +36,8 @@ class RenderLoop {
     note_memory();
   }
 
-  /// Errors: kGraphicsGl, what was under way is not handed on; kInternal: there was no memory left
-  /// for a page of small tiles.
+  /// Runs the loop. Errors: kGraphicsGl, work under way is lost; kInternal: no memory for a page of
+  /// small tiles.
   Result<void> run_within_memory() {
     try {
       return run();
@@ -50,7 +50,7 @@ class RenderLoop {
   Result<void> run();
   Result<void> draw(TileQueue::Work work, const PagePacker& packer);
   Result<void> draw(std::vector<TileJob> jobs, const PagePacker& packer);
-  /// What is done; waits for one page if `wait`.
+  /// Hands over finished pages; if `wait`, waits for one.
   Result<void> collect(bool wait);
   void hand_over(const PendingPage& page, const std::shared_ptr<const PagePixels>& pixels);
   void note_memory();
@@ -84,8 +84,8 @@ Result<void> RenderLoop::run() {
       if (Result<void> drawn = draw(std::move(*work), packer); !drawn) return drawn;
     }
     counters.shader_programs_after_ready = gl::programs_compiled() - counters.shader_programs;
-    // Collect what is done; wait only when the ring is full or nothing else is there to do, or
-    // before a slice, behind which it would wait longer.
+    // The loop waits for a page only if the ring is full, if there is no other work, or before a
+    // slice, which would delay the page further.
     if (Result<void> got = collect(!any || slow_.under_way()); !got) return got;
     if (slow_.under_way()) {
       if (Result<void> drawn = slow_.draw_slice(); !drawn) return drawn;

@@ -1,9 +1,9 @@
 #pragma once
-// Render stage.
-// Input:  batches and reference jobs from the tile queue. Output: rendered tiles to the encode
-//         stage, whole reference replies to the network loop.
-// Thread: its own, the only one with the GL context.
-// Full:   waits (the encode queue is bounded), so the tile queue in front fills and refuses.
+// Render stage: draws tiles, views and full renders.
+// Input:  batches of tiles, views and full renders from the tile queue
+// Output: rendered tiles and pictures to the encode stage; refusals to the network loop
+// Thread: its own, the only one with the GL context
+// Full:   waits (the encode queue is bounded), so the tile queue in front fills and refuses
 
 #include <functional>
 #include <memory>
@@ -24,11 +24,11 @@ class RenderStage {
   RenderStage(StageQueues& queues, std::function<void()> wake);
   ~RenderStage();
 
-  /// Starts the thread, uploads the scene and compiles every shader; returns the renderer's name.
-  /// Errors: kGraphicsDevice, kGraphicsShader, kGraphicsGl (also: over the budget).
+  /// Starts the thread, uploads the scene and compiles every shader. Returns the renderer's name.
+  /// Errors: kGraphicsDevice, kGraphicsShader, kGraphicsGl (also: over the memory budget).
   Result<std::string> start(std::shared_ptr<const PreparedScene> scene,
                             const RenderOptions& options);
-  /// Ends the thread; the tile queue must have been closed.
+  /// Ends the thread; the tile queue must be closed before.
   void join();
 
  private:

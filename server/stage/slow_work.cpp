@@ -17,11 +17,11 @@
 namespace mirage {
 namespace {
 
-// A slice, in samples shaded: 2 to 4 ms of a software renderer on two cores. That of a GPU is not
-// measured yet; it should be long beside the wait for its end.
+// Samples shaded per slice. The software value takes 2 to 4 ms on two cores. The GPU value is not
+// measured yet; a slice should take long compared with the wait for its end.
 constexpr double kSoftwareSlice = 64 * 1024, kGpuSlice = 8 * 1024 * 1024;
 
-/// The smallest edge of tiles that are more than two slices.
+/// Returns the smallest edge, texels, of tiles that need more than two slices.
 std::uint32_t smallest_slow_edge(double slice_samples, int supersample) {
   std::uint32_t edge = 1;
   while (std::pow(double{1} * edge * supersample, 2) <= 2 * slice_samples) edge *= 2;

@@ -1,8 +1,10 @@
 #pragma once
-// What takes long: full renders, views and large tiles, one at a time and a slice at a time, so
-// that small tiles are drawn between two slices. GL thread only. Input:  jobs of the render stage.
-// Output: pictures and tiles to the encode stage's slow queue. Full:   has_room() says so; the tile
-// queue then keeps what is slow.
+// Slow work: full renders, views and large tiles, one at a time and slice by slice, so that small
+// tiles are drawn between two slices.
+// Input:  jobs of the render stage
+// Output: pictures and tiles to the encode stage's slow queue
+// Thread: the GL thread only
+// Full:   has_room() is false, and the tile queue keeps slow jobs
 
 #include <cstdint>
 #include <functional>
@@ -19,30 +21,31 @@ struct StageQueues;
 
 class SlowWork {
  public:
-  /// All but the options outlive it.
+  /// All arguments except the options must outlive this object.
   SlowWork(StageQueues& queues, const std::function<void()>& wake, GlWorld& world,
            const RenderOptions& options, bool software);
 
-  /// Tiles from this edge on, texels, are slow.
+  /// Returns the edge, texels, from which tiles are slow work.
   std::uint32_t slow_edge() const { return slow_edge_; }
-  /// For something new.
+  /// True if a new job may begin.
   bool has_room() const;
   bool under_way() const { return !std::holds_alternative<std::monostate>(job_); }
 
   using Job = std::variant<std::monostate, ViewJob, ReferenceJob, TileJob>;
-  /// What there is no room for, within --gpu-mb or at all, is refused. Error kGraphicsGl: the
-  /// device has failed.
+  /// Begins a job. A job that does not fit, into --gpu-mb or at all, is refused. Error kGraphicsGl:
+  /// the device has failed.
   Result<void> begin(Job job);
-  /// Draws a slice; hands over what is whole. Something must be under way. Errors as begin().
+  /// Draws a slice of the job under way, and hands over the result after the last. Errors as
+  /// begin().
   Result<void> draw_slice();
-  /// What is under way is not wanted.
+  /// Abandons the job under way.
   void drop();
 
  private:
-  // Error kGraphicsGl: there is no room for it.
+  // Error kGraphicsGl: there is no room for the job.
   Result<void> begin_picture(const SceneShot& shot);
   Result<void> begin_tile(const TileJob& job);
-  /// What is under way, which is dropped.
+  /// Refuses the job under way and drops it.
   void refuse(const Error& why);
   void hand_over(SceneFrame frame);
   void hand_over(std::shared_ptr<const PagePixels> pixels);

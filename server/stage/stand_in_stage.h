@@ -1,8 +1,11 @@
 #pragma once
-// In the render stage's place, for trying many servers on a machine that could not render for all
-// of them: it draws nothing, sleeps as long as a tile is to take, and hands on grey ones. Views and
-// full renders there are none.
-// Input, output, thread, full: as of the render stage, without GL.
+// Stands in for the render stage in tests of many servers on a machine that could not render for
+// all of them. It draws nothing: it sleeps for the time of a tile and hands on grey tiles. It
+// refuses views and full renders.
+// Input:  as of the render stage
+// Output: grey tiles to the encode stage; refusals to the network loop
+// Thread: its own, without GL
+// Full:   as of the render stage
 
 #include <functional>
 #include <string>
@@ -18,9 +21,10 @@ class StandInStage {
   StandInStage(StageQueues& queues, std::function<void()> wake);
   ~StandInStage();
 
-  /// Its name, as a renderer's: other than any that draws, so that no cache mixes their tiles.
+  /// Starts the thread and returns a renderer name. No real renderer has this name, so no cache
+  /// mixes their tiles.
   std::string start(const RenderOptions& options);
-  /// Ends the thread; the tile queue must have been closed.
+  /// Ends the thread; the tile queue must be closed before.
   void join();
 
  private:

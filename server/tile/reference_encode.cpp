@@ -6,8 +6,8 @@
 namespace mirage {
 namespace {
 
-/// Moves a plane to the end: a frame may have hundreds of megabytes, which should not be there
-/// twice.
+/// Moves a plane to the end. A frame may have hundreds of megabytes, and two copies would be too
+/// much.
 template <typename T>
 void append(Bytes& out, std::vector<T>& plane) {
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(plane.data());

@@ -4,10 +4,10 @@
 
 namespace mirage {
 
-/// Whole reply message: the planes of the frame, one after the other, zstd.
+/// Returns the whole reply message: the planes of the frame, one after the other, as zstd.
 Bytes encode_reference(RenderedReference&& drawn);
 
-/// The answer that there is none, since there is no room for it.
+/// Returns the answer that refuses a full render for lack of room.
 FinishedReference refused_reference(SessionId session, std::uint32_t request_id);
 
 }  // namespace mirage

@@ -1,5 +1,5 @@
 #pragma once
-// What lies between the server's stages and is shared by them: queues, the tile store, counters.
+// Shared state between the server's stages: queues, the tile store, counters.
 
 #include <atomic>
 
@@ -13,13 +13,13 @@
 namespace mirage {
 
 struct StageQueues {
-  /// Clock and sources outlive it.
+  /// Clock and sources must outlive the queues.
   StageQueues(const Clock& used_clock, std::size_t cache_bytes, TileSources sources)
       : clock(used_clock),
         store(cache_bytes, std::move(sources), counters),
         tiles(used_clock, counters) {}
 
-  /// Nothing more is drawn: the encode stage ends.
+  /// Ends the encode stage: no more is drawn.
   void close_drawn() {
     rendered.close();
     slow.close();
@@ -28,13 +28,14 @@ struct StageQueues {
   const Clock& clock;
   Counters counters;
   TileStore store;
-  /// Since when the render stage is at what it does; 0: it waits for work.
+  /// Start of the render stage's present work, µs; 0: it waits for work.
   std::atomic<std::int64_t> rendering_since_us{0};
   BoundedQueue<FetchJob> fetches{4096};  ///< sessions -> fetch stage
   TileQueue tiles;                       ///< sessions -> render stage
-  /// Render stage, sessions -> encode stage. Few enough that what is small waits behind little.
+  /// Render stage, sessions -> encode stage. It is short, so that small jobs wait behind few
+  /// others.
   BoundedQueue<EncodeJob> rendered{512, {pixel_bytes, 32u << 20}};
-  BoundedQueue<EncodeJob> slow{1};             ///< the same of what takes long
+  BoundedQueue<EncodeJob> slow{1};             ///< render stage -> encode stage, slow work
   BoundedQueue<SaveJob> saves{256};            ///< encode stage -> fetch stage
   BoundedQueue<ImageLevel> images{4096};       ///< sessions -> image stage
   BoundedQueue<Completion> completions{8192};  ///< all stages -> sessions

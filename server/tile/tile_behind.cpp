@@ -7,7 +7,7 @@
 namespace mirage {
 namespace {
 
-// Of the texels that show something: a third of a tree's and more have something behind them.
+// Share of a tile's visible texels that must hide something. In trees, a third and more do.
 constexpr double kWorthShare = 0.1;
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// The second layer of a layered tile, as it comes from its page.
+// The second layer of a layered tile, as rendered on its page.
 
 #include <cstdint>
 #include <vector>
@@ -8,12 +8,12 @@
 
 namespace mirage {
 
-/// Into Tile::behind and behind_depth; `packed` as resolve_layers.frag writes it, 4 bytes a texel
-/// of the crop.
+/// Fills Tile::behind and behind_depth from `packed`: 4 bytes a texel of the crop, as
+/// resolve_layers.frag writes them.
 void unpack_behind(const std::vector<std::uint8_t>& packed, Tile& tile);
 
-/// Puts what the layer adds to the view from the capture into the front and empties it, unless it
-/// is worth its bytes: of what shows, a share hides something.
+/// Drops a second layer that is not worth its bytes, because too few visible texels hide something.
+/// Its contribution to the view from the capture eye is merged into the front.
 void drop_poor_layer(Tile& tile);
 
 }  // namespace mirage

@@ -15,7 +15,7 @@ Tile cut_and_measure(const RenderedTile& rendered, const ObjectDescription& obje
   const PageTexels page{&rendered.page->rgba[offset * 4], &rendered.page->depth[offset],
                         surface.empty() ? nullptr : &surface[offset * 4], rendered.page->width};
   Tile tile = cut_tile(page, key.channels, capture, object);
-  // The members of a group have levels of their own, each within what is allowed.
+  // The members of a group have their own levels, each within the allowed error.
   tile.measure.lod_error = object.group ? static_cast<float>(allowed_tile_error(capture))
                                         : tile_lod_error(object.lods, capture);
   return tile;

@@ -1,16 +1,17 @@
 #pragma once
-// A rendered tile becomes a stored one: cut out of its page, measured, encoded. Pure functions.
+// Turns a rendered tile into a stored one: cuts it out of its page, measures it, encodes it. Pure
+// functions.
 
 #include "protocol/impostor/object_proxy.h"
 #include "server/tile/tile_job.h"
 
 namespace mirage {
 
-/// What the tile shows of the object, cut to its content, with its measured bounds.
+/// Returns the tile's content, cropped, with its measured bounds.
 Tile cut_and_measure(const RenderedTile& rendered, const ObjectDescription& object);
-/// Of its header what is known before it is encoded: key and times.
+/// Returns the header fields known before encoding: key and times.
 wire::TileReplyT tile_fields(const RenderedTile& rendered);
-/// All of it.
+/// Does all steps and returns the stored tile.
 StoredTilePtr encode_tile(const RenderedTile& rendered, const ObjectDescription& object,
                           TileCodec codec);
 

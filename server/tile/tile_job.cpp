@@ -2,7 +2,7 @@
 
 namespace mirage {
 namespace {
-constexpr std::size_t kTexelBytes = 9;  // of a page: colour, a depth code, a surface
+constexpr std::size_t kTexelBytes = 9;  // of a page: colour (4), depth code (1), surface (4)
 }
 
 std::size_t pixel_bytes(const EncodeJob& job) {
@@ -15,7 +15,7 @@ std::size_t pixel_bytes(const EncodeJob& job) {
   };
   if (const auto* view = std::get_if<RenderedView>(&job)) return of_frame(view->frame);
   if (const auto* full = std::get_if<RenderedReference>(&job)) return of_frame(full->frame);
-  return 0;  // what is made from what is kept
+  return 0;  // made from a form that is kept anyway
 }
 
 }  // namespace mirage

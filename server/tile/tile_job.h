@@ -1,5 +1,5 @@
 #pragma once
-// What travels between the server's stages.
+// Jobs and results that travel between the server's stages.
 
 #include <cstdint>
 #include <memory>
@@ -17,7 +17,7 @@ namespace mirage {
 
 using SessionId = std::uint64_t;
 
-/// Who is waiting for a tile.
+/// A request that waits for a tile.
 struct Waiter {
   SessionId session = 0;
   std::uint32_t request_id = 0;
@@ -27,23 +27,23 @@ struct Waiter {
   std::int64_t asked_us = 0;
 };
 
-/// A tile that somebody waits for.
+/// A tile with one request that waits for it.
 struct TileAsk {
   TileKey key;
   TileId id;
   ObjectLighting lighting;
-  Lighting world;  ///< of a shadow tile
+  Lighting world;  ///< for a shadow tile
   Waiter waiter;
 };
 
-/// One tile to render, for everybody who asked for it.
+/// One tile to render, for all requests.
 struct TileJob {
   TileKey key;
   TileId id;
   ObjectLighting lighting;
   std::int64_t queued_us = 0;
-  Lighting world;                      ///< of a shadow tile
-  TileCodec codec = TileCodec::kZstd;  ///< of the first who asked
+  Lighting world;                      ///< for a shadow tile
+  TileCodec codec = TileCodec::kZstd;  ///< of the first request
 };
 
 /// Pixels of one rendered page, shared by the encoders working on its tiles.
@@ -52,14 +52,14 @@ struct PagePixels {
   int height = 0;
   std::vector<std::uint8_t> rgba;     ///< bottom row first, as GL reads it
   std::vector<std::uint8_t> depth;    ///< one code per texel
-  std::vector<std::uint8_t> surface;  ///< empty when no tile of the page is relit or blended
+  std::vector<std::uint8_t> surface;  ///< empty if no tile of the page is relit or blended
 };
 
 /// A rendered tile on its way to an encoder.
 struct RenderedTile {
   TileJob job;
   std::shared_ptr<const PagePixels> page;
-  int x = 0, y = 0;  ///< of the tile's lower left texel in the page
+  int x = 0, y = 0;  ///< lower left texel of the tile in the page
   std::uint32_t queue_us = 0;
   std::uint32_t render_us = 0;
 };
@@ -77,10 +77,10 @@ struct FetchJob {
   TileId id;
   TileCodec codec = TileCodec::kZstd;
 };
-/// What lay there; nothing, if both are null.
+/// Result of a look into the sources; nothing if both are null.
 struct FetchedTile {
-  StoredTilePtr form;      ///< as it was asked for
-  StoredTilePtr lossless;  ///< else what that can be made of
+  StoredTilePtr form;      ///< in the codec asked for
+  StoredTilePtr lossless;  ///< else a form to make that from
 };
 /// A tile to be kept in the sources.
 struct SaveJob {
@@ -89,7 +89,7 @@ struct SaveJob {
   StoredTilePtr tile;
 };
 
-/// A form to be made of a tile that is there without loss.
+/// A form to be made from a lossless one.
 struct FormJob {
   TileId id;
   StoredTilePtr lossless;
@@ -104,16 +104,16 @@ struct ImageLevel {
   }
 };
 
-/// The whole scene from one camera.
+/// A picture of the whole scene from one camera.
 struct SceneShot {
   Camera camera;
   std::uint32_t supersample = 2;
   Lighting lighting;
   double time_s = 0;    ///< of the animation
-  double level_px = 0;  ///< what levels of detail may show wrongly; 0: whole meshes
+  double level_px = 0;  ///< allowed error of levels of detail, px; 0: whole meshes
 };
 
-/// Rows from the top.
+/// A drawn picture of the scene; rows from the top.
 struct SceneFrame {
   std::vector<std::uint8_t> rgba;  ///< sRGB, alpha = coverage by objects
   std::vector<float> depth;        ///< eye depth, m; 0: none
@@ -127,12 +127,12 @@ struct ReferenceJob {
   SceneShot shot;
 };
 
-/// A view tile to draw, for everybody who asked for it.
+/// A view tile to draw, for all requests.
 struct ViewJob {
   TileId id;
   SceneShot shot;
-  bool home = false;   ///< it is made ahead and kept: it may take longer
-  bool wanted = true;  ///< somebody waits for it; else it is made when there is nothing else to do
+  bool home = false;   ///< made ahead and kept, so it may take longer
+  bool wanted = true;  ///< a request waits for it; else it is drawn when idle
 };
 /// A drawn view on its way to an encoder.
 struct RenderedView {
@@ -141,7 +141,7 @@ struct RenderedView {
   SceneFrame frame;
 };
 
-/// A drawn full render on its way to whoever asked.
+/// A drawn full render on its way to its client.
 struct RenderedReference {
   SessionId session = 0;
   std::uint32_t request_id = 0;
@@ -151,39 +151,39 @@ struct RenderedReference {
 };
 
 using EncodeJob = std::variant<RenderedTile, FormJob, RenderedView, RenderedReference>;
-/// Of the pixels it holds, or its part of a page.
+/// Returns the bytes of the job's pixels, or of its part of a page.
 std::size_t pixel_bytes(const EncodeJob& job);
 
-// What the stages hand back to the network loop.
+// Completions: results that the stages hand to the network loop.
 
-/// A tile, or another form of one, for everybody who waits for it in `codec`.
+/// A tile, or another form of one, for all requests that wait for it in `codec`.
 struct FinishedTile {
   TileId id;
   TileCodec codec = TileCodec::kZstd;
   StoredTilePtr tile;
-  StoredTilePtr lossless = nullptr;  ///< of one just rendered: to make other forms from
+  StoredTilePtr lossless = nullptr;  ///< of a tile just rendered, for making other forms
 };
-/// There is none: it takes too much graphics memory.
+/// A tile refused because it takes too much graphics memory.
 struct TooLargeTile {
   TileId id;
 };
-/// What was looked for in the sources, for everybody who waits for it in `codec`.
+/// Result of a look into the sources, for all requests that wait for the tile in `codec`.
 struct FinishedFetch {
   TileId id;
   TileCodec codec = TileCodec::kZstd;
   FetchedTile found;
 };
-/// Another server is about to have it: it is looked for again until then.
+/// A tile that another server is rendering; the fetch stage keeps looking for it.
 struct PendingFetch {
   TileId id;
   TileCodec codec = TileCodec::kZstd;
 };
-/// An encoded image, for everybody who waits for it.
+/// An encoded image, for all requests that wait for it.
 struct FinishedImage {
   ImageLevel level;
   Bytes bytes;  ///< empty: it failed
 };
-/// An encoded view, for everybody who waits for it.
+/// An encoded view, for all requests that wait for it.
 struct FinishedView {
   TileId id;
   std::shared_ptr<const EncodedView> view;  ///< null: it failed

@@ -25,7 +25,8 @@ struct Source {
 TileCrop content_crop(const Source& source) {
   std::uint32_t x0 = source.edge, y0 = source.edge, x1 = 0, y1 = 0;
   for (std::uint32_t y = 0; y < source.edge; ++y) {
-    // From either end, as far as rows before did not reach: what lies between is not looked at.
+    // The scan runs inwards from both ends and stops at the extent of earlier rows; texels between
+    // are not read.
     std::uint32_t left = 0, right = source.edge;
     while (left < source.edge && !source.covered(left, y)) ++left;
     if (left == source.edge) continue;
@@ -43,21 +44,21 @@ TileCrop content_crop(const Source& source) {
   return {x0, y0, x1 - x0, y1 - y0};
 }
 
-// Largest dc^2 |1/z - 1/entry| with the entry depth taken over the 3x3 neighbourhood as well, which
-// covers what happens between texel centres; `unusable` when content lies where the proxy is
-// missed. Of a neighbourhood, the nearest or the farthest entry differs most.
+// Returns the largest dc^2 |1/z - 1/entry| over the content. The entry depth also takes the 3x3
+// neighbourhood, which covers what happens between texel centres; in it, the nearest or the
+// farthest entry differs most. Returns `unusable` if content lies where rays miss the proxy.
 float entry_difference(const std::vector<float>& z, const std::vector<float>& entry,
                        const TileCrop& crop, float dc, float unusable) {
   constexpr float kNone = std::numeric_limits<float>::infinity();
   const std::size_t w = crop.w;
-  // Of three rows, by column; a column more on both sides.
+  // Per column over three rows; one more column on both sides.
   std::vector<float> low(w + 2, kNone), high(w + 2, 0.0f), worst(w, 0.0f), missed(w, 0.0f);
   for (std::uint32_t y = 0; y < crop.h; ++y) {
     std::fill(low.begin(), low.end(), kNone);
     std::fill(high.begin(), high.end(), 0.0f);
     for (std::uint32_t ny = y > 0 ? y - 1 : 0; ny <= std::min(y + 1, crop.h - 1); ++ny) {
       const float* const row = &entry[ny * w];
-      for (std::size_t x = 0; x < w; ++x) {  // never true of what is no number
+      for (std::size_t x = 0; x < w; ++x) {  // comparisons with NaN are false
         low[x + 1] = row[x] < low[x + 1] ? row[x] : low[x + 1];
         high[x + 1] = row[x] > high[x + 1] ? row[x] : high[x + 1];
       }
@@ -79,7 +80,7 @@ float entry_difference(const std::vector<float>& z, const std::vector<float>& en
   return *std::max_element(worst.begin(), worst.end());
 }
 
-// Between `count` texels and those `ahead` of them.
+// Raises `gap` by the depth steps between `count` texels and those `ahead` of them.
 void grow_gap(const float* z, std::size_t ahead, std::size_t count, std::vector<float>& gap) {
   for (std::size_t x = 0; x < count; ++x) {
     const float a = z[x], b = z[x + ahead], differs = std::abs(a - b);
@@ -97,7 +98,7 @@ float largest_gap(const std::vector<float>& z, const TileCrop& crop) {
   return *std::max_element(gap.begin(), gap.end());
 }
 
-/// Capture depth of each texel, 0: nothing there; least and greatest of what is there.
+/// Capture depth of each texel, 0: nothing there; and the least and greatest of these depths.
 struct Depths {
   std::vector<float> z;
   float least = 0, greatest = 0;
@@ -110,7 +111,8 @@ Depths depths_of(const std::vector<std::uint8_t>& codes, const DepthCode& code) 
   }
   Depths out;
   out.z.resize(codes.size());
-  std::uint8_t last = 0, before_first = 255;  // codes grow with depth; less 1, nothing is 255
+  // codes grow with depth; less 1, the code of nothing is 255
+  std::uint8_t last = 0, before_first = 255;
   for (const std::uint8_t c : codes) {
     last = std::max(last, c);
     before_first = std::min(before_first, static_cast<std::uint8_t>(c - 1));
@@ -123,7 +125,7 @@ Depths depths_of(const std::vector<std::uint8_t>& codes, const DepthCode& code) 
   return out;
 }
 
-/// 1 / depth of a plane, linear in the texel.
+/// 1 / depth of a plane, which is linear in the texel.
 struct Line {
   double at_corner, along_x, along_y;
   double at(double x, double y) const { return at_corner + along_y * y + along_x * x; }
@@ -132,10 +134,10 @@ struct Line {
 constexpr std::uint32_t kBlock = 16;  // texels
 
 struct Block {
-  std::uint32_t x, y, w, h;  // of the crop
+  std::uint32_t x, y, w, h;  // position and size in the crop
 };
 
-// Those of `lines` that are not above another one on all of the block, in their order.
+// Picks the lines that no other line is below over the whole block, in their order.
 void pick_least(const std::vector<Line>& lines, const Block& block, std::vector<Line>& picked) {
   const double across = block.w - 1, down = block.h - 1;
   double most = std::numeric_limits<double>::infinity();
@@ -148,26 +150,26 @@ void pick_least(const std::vector<Line>& lines, const Block& block, std::vector<
   for (const Line& line : lines) most = std::min(most, middle(line) + swing(line));
   picked.clear();
   for (const Line& line : lines) {
-    // By more than roundings, and never true of what is no number.
+    // The margin exceeds rounding errors, and the comparison is false for NaN.
     const double least = middle(line) - swing(line);
     const bool above = least - 1e-12 * std::abs(least) > most + 1e-12 * std::abs(most);
     if (!above) picked.push_back(line);
   }
 }
 
-// Least of `least` and of all lines at each texel of a row.
+// Lowers `least` to the minimum of all lines at each texel of a row.
 void take_least(const std::vector<Line>& lines, const Block& block, std::uint32_t y,
                 std::array<double, kBlock>& least) {
   for (const Line& line : lines) {
     const double start = line.at_corner + line.along_y * y, left = block.x;
-    for (int x = 0; x < static_cast<int>(kBlock); ++x) {  // all of it: as cheap as a part
+    for (int x = 0; x < static_cast<int>(kBlock); ++x) {  // the whole block is as cheap as a part
       const auto i = static_cast<std::size_t>(x);
       least[i] = std::min(least[i], start + line.along_x * (left + x));
     }
   }
 }
 
-/// `behind`: codes of the farthest that each texel shows; empty: nothing is seen through.
+/// `behind`: per texel the code of the farthest surface it shows; empty: nothing shows through.
 void measure(Tile& tile, const std::vector<std::uint8_t>& behind, const Capture& capture,
              const ObjectDescription& object) {
   const DepthCode code(capture.radius, capture.distance);
@@ -185,7 +187,7 @@ void measure(Tile& tile, const std::vector<std::uint8_t>& behind, const Capture&
   m.dz_quad = 0.5f * dc * dc * (m.depth_max - m.depth_min) / (m.depth_min * m.depth_max) * 1.00001f;
   m.depth_gap = largest_gap(z, tile.crop);
   for (std::size_t i = 0; i < farthest.z.size(); ++i) {
-    if (z[i] == 0 || tile.layered()) continue;  // what is behind has a depth of its own
+    if (z[i] == 0 || tile.layered()) continue;  // a layer behind has its own depth
     const float off = dc / z[i] - dc / farthest.z[i];
     m.dz_behind = std::max(m.dz_behind, off * dc * 1.00001f);
   }
@@ -196,7 +198,7 @@ void measure(Tile& tile, const std::vector<std::uint8_t>& behind, const Capture&
   const auto step =
       static_cast<float>(code.inverse_quantum() * capture.distance * capture.distance);
   const auto unusable = static_cast<float>(100.0 * capture.distance);
-  // Of what lies behind blended surfaces as of these.
+  // The surfaces behind blended ones count as well.
   const auto off_proxy = [&](const std::vector<float>& entry) {
     float off = entry_difference(z, entry, tile.crop, dc, unusable);
     if (!farthest.z.empty()) {
@@ -213,7 +215,8 @@ void measure(Tile& tile, const std::vector<std::uint8_t>& behind, const Capture&
   }
 }
 
-// Of each texel of the crop the code of the farthest it shows; empty where that is its own depth.
+// Returns the code of the farthest surface that each texel of the crop shows; empty if that is the
+// texel's own depth everywhere.
 std::vector<std::uint8_t> codes_behind(const PageTexels& page, const Source& source,
                                        const Tile& tile, const ObjectDescription& object) {
   if (tile.layered()) {
@@ -242,14 +245,14 @@ std::vector<std::uint8_t> codes_behind(const PageTexels& page, const Source& sou
 std::vector<float> entry_depths(const std::vector<Plane>& planes, const Capture& capture,
                                 const glm::dvec3& center, const TileCrop& crop) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  // The ray's parameter is the capture depth: its direction has length 1 along the axis. Where it
-  // meets a plane, 1 / depth is linear in the texel.
+  // The ray's direction has length 1 along the axis, so its parameter is the capture depth. 1 /
+  // depth of a plane is linear in the texel.
   const glm::dvec3 eye = capture.eye();
   const glm::dvec2 first(crop.x + 0.5, crop.y + 0.5);
   const glm::dvec3 corner = capture.point_from_texel(first, 1.0);
   const glm::dvec3 along_x = capture.point_from_texel(first + glm::dvec2(1, 0), 1.0) - corner;
   const glm::dvec3 along_y = capture.point_from_texel(first + glm::dvec2(0, 1), 1.0) - corner;
-  std::vector<Line> entering, leaving;  // of the leaving the opposite: the greatest counts
+  std::vector<Line> entering, leaving;  // `leaving` is negated: its greatest value counts
   for (const Plane& plane : planes) {
     const glm::dvec3 n(plane.normal);
     double gap = plane.offset - glm::dot(n, center + eye);

@@ -7,8 +7,8 @@
 namespace mirage {
 namespace {
 
-// What a tile takes, in texels: those it has, and what there is to do for any. Triangles are not
-// known here; of an object drawn often they cost about as much in every tile.
+// Work of a tile in texels: its own, plus a constant for any tile. Triangles are unknown here; an
+// object that is drawn often costs about the same triangles in every tile.
 constexpr double kAnyTileTexels = 64 * 64;
 double work_of(const TileJob& job) {
   const double edge = tile_edge(job.key.size_class);
@@ -23,7 +23,7 @@ TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
   const std::lock_guard<std::mutex> lock(mutex_);
   SessionQueue& session = sessions_[waiter.session];
   if (session.requests.size() >= limits::kMaxQueuedAsksPerClient) return Admission::kBusy;
-  // An id still in use: a second waiter under it would escape the bound and every removal.
+  // The id is in use: a second waiter under it would escape the bound and every removal.
   if (session.requests.count(waiter.request_id) != 0) return Admission::kBusy;
   Request& request = session.requests[waiter.request_id];
   request.id = id;
@@ -36,10 +36,10 @@ TileQueue::Admission TileQueue::submit(const TileKey& key, const TileId& id,
   } else {
     entry.job = {key, id, lighting, clock_.now_us(), world, waiter.codec};
   }
-  // A NaN error would break the ordering: it counts as the worst.
+  // A NaN error would break the order, so it counts as the worst.
   const float error = waiter.error_px >= 0 && waiter.error_px < 1e30f ? waiter.error_px : 1e30f;
   if (!entry.rendering) {
-    // Who was away has not saved up turns.
+    // An idle session does not save up turns.
     if (session.ranked.empty()) session.served = std::max(session.served, served_);
     request.rank = Rank{error, ++order_};
     session.ranked.emplace(*request.rank, id);
@@ -146,7 +146,7 @@ bool TileQueue::drop_late(Entry& entry) {
   const std::int64_t now = clock_.now_us();
   const auto is_late = [now](const Waiter& w) { return w.deadline_us != 0 && w.deadline_us < now; };
   for (const Waiter& w : entry.waiters) {
-    if (!is_late(w)) return false;  // one who still wants it is enough
+    if (!is_late(w)) return false;  // one request that is not late is enough
   }
   late_.insert(late_.end(), entry.waiters.begin(), entry.waiters.end());
   counters_.tiles_late += entry.waiters.size();
@@ -173,7 +173,7 @@ TileQueue::Entry* TileQueue::next_entry(std::uint32_t slow_edge, bool slow, Sess
     SessionQueue* next = nullptr;
     for (auto& [id, session] : sessions_) {
       if (session.ranked.empty() || (next && session.served >= next->served)) continue;
-      // Who has something slow as the next keeps the turn, and holds up nobody.
+      // A session whose next tile is slow keeps its turn and does not block the others.
       if (!slow && tile_edge(first_of(session).job.key.size_class) >= slow_edge) continue;
       next = &session;
     }

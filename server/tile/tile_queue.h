@@ -1,9 +1,12 @@
 #pragma once
 // Tile queue.
-// Input:  asks from the sessions (network thread). Output: batches for the render stage.
-// Thread: any; one lock. Bounded per session by kMaxQueuedAsksPerClient.
-// Full:   the ask is refused as busy. Equal keys merge, worst error first, sessions take turns,
-//         cancelled and late asks are dropped unrendered.
+// Input:  asks from the sessions (network thread)
+// Output: batches for the render stage
+// Thread: any; one lock
+// Full:   a session holds kMaxQueuedAsksPerClient asks at most, more are refused as busy
+//
+// Equal keys merge, the worst error comes first, and sessions take turns. Cancelled and late asks
+// are dropped unrendered.
 
 #include <condition_variable>
 #include <deque>
@@ -28,49 +31,48 @@ class TileQueue {
   enum class Admission { kQueued, kMerged, kBusy };
   Admission submit(const TileKey& key, const TileId& id, const ObjectLighting& lighting,
                    const Waiter& waiter, const Lighting& world = {});
-  /// A full render, between batches of tiles. False: the session waits for one already.
+  /// Adds a full render, drawn between batches of tiles. False: the session waits for one already.
   bool submit(ReferenceJob job);
-  /// For how long a new ask of the session would wait here, by what a tile has taken of late, µs:
-  /// sessions take turns.
+  /// Returns the expected wait of a new ask of the session, µs, from the recent time `tile_us` of a
+  /// tile. Sessions take turns.
   double wait_us(SessionId session, double tile_us) const;
-  /// Views come between tiles: one, then at least one batch of tiles where some wait; those that
-  /// nobody wants yet after all tiles.
+  /// Adds a view. After a view, at least one batch of waiting tiles is drawn before the next view.
+  /// Views without a request come after all tiles.
   void submit(ViewJob job);
-  /// Somebody wants it now.
+  /// Marks a view as requested.
   void want_view(const TileId& id);
-  /// Nobody wants it any more. False: it is being drawn already.
+  /// Drops a view without a request; false: it is being drawn already.
   bool drop_view(const TileId& id);
   void cancel(SessionId session, std::uint32_t request_id);
   void remove_session(SessionId session);
 
   using Work = std::variant<std::vector<TileJob>, ReferenceJob, ViewJob>;
-  /// What the render stage takes on.
+  /// The work that the render stage accepts.
   struct Room {
-    /// Asked for each tile's edge in turn; ends the batch with false.
+    /// Called with the edge of each tile in turn; false ends the batch.
     std::function<bool(std::uint32_t)> fits;
-    /// Tiles from this edge on come alone, as slow work.
+    /// Tiles from this edge on, texels, come alone, as slow work.
     std::uint32_t slow_edge = UINT32_MAX;
-    /// Whether it takes slow work now: full renders, views and such tiles.
+    /// True if slow work is accepted now: full renders, views and large tiles.
     std::function<bool()> slow = [] { return true; };
   };
-  /// Next work; waits while there is none if `wait`. nullopt: closed, or nothing to do and not
-  /// waiting.
+  /// Returns the next work; if `wait`, waits for some. nullopt: closed, or nothing to do.
   std::optional<Work> take(const Room& room, bool wait);
-  /// Whoever asked for the full render that was taken last is still there.
+  /// True if the session that asked for the full render taken last is still there.
   bool reference_wanted() const;
-  /// Whoever waits in take() asks again what there is room for.
+  /// Makes a thread that waits in take() check the room again.
   void look_again() { not_empty_.notify_all(); }
   bool closed() const;
 
-  /// Everybody waiting for a finished tile; the key may be queued anew afterwards.
+  /// Ends a finished tile and returns its waiters; the key may be queued again afterwards.
   std::vector<Waiter> finish(const TileId& id);
-  /// Asks that were dropped since the last call because their deadline passed.
+  /// Returns the asks that were dropped for their deadline since the last call.
   std::vector<Waiter> take_late();
 
   std::size_t length() const;
-  /// Asks of a session, tiles and full renders, that wait or are being rendered.
+  /// Number of a session's asks, tiles and full renders, that wait or are being rendered.
   std::size_t asks_of(SessionId session) const;
-  /// Places in the rankings of all sessions: one for each ask that waits to be rendered.
+  /// Number of ranked asks of all sessions: one for each ask that waits to be rendered.
   std::size_t ranks() const;
   void close();
 
@@ -93,27 +95,28 @@ class TileQueue {
     std::optional<Rank> rank;  ///< while it waits to be rendered
   };
   struct SessionQueue {
-    double served = 0;  ///< work done for it, as turns are counted
+    double served = 0;  ///< work done for it, for counting turns
     std::map<Rank, TileId> ranked;
     std::unordered_map<std::uint32_t, Request> requests;
   };
 
   void drop_waiter(SessionId session, std::uint32_t request_id, const TileId& id);
-  /// Ends requests, their ranks with them.
+  /// Ends requests and removes their ranks.
   void end_request(SessionQueue& session, std::uint32_t request_id);
   void end_requests(const std::vector<Waiter>& waiters);
-  /// It is being rendered, and ranked no longer.
+  /// Marks an entry as being rendered and removes its ranks.
   void start(Entry& entry);
   bool drop_late(Entry& entry);
-  /// The next to be rendered, of edges below `slow_edge` unless `slow`, still in its place, and
-  /// whose turn it is: of those who wait the one for whom least has been done.
+  /// Returns the next entry to render, left in its place, and the session whose turn it is: the
+  /// waiting session with the least work done for it. Without `slow`, edges of `slow_edge` and
+  /// above are skipped.
   Entry* next_entry(std::uint32_t slow_edge, bool slow, SessionQueue** turn);
   Entry& first_of(const SessionQueue& session);
   std::optional<Work> take_reference();
   std::optional<Work> take_view();
-  /// What waits and fits, marked as being rendered.
+  /// Takes the waiting tiles that fit, and marks them as being rendered.
   std::vector<TileJob> take_batch(const Room& room, bool slow);
-  /// The view to draw next: a wanted one, if there is one.
+  /// Returns the view to draw next; requested views come first.
   std::deque<ViewJob>::iterator next_view();
 
   const Clock& clock_;
@@ -123,11 +126,12 @@ class TileQueue {
   std::unordered_map<TileId, Entry> entries_;
   std::map<SessionId, SessionQueue> sessions_;
   std::deque<ReferenceJob> references_;
-  std::optional<SessionId> reference_for_;  ///< who asked for the one taken last, while there
+  /// session of the full render taken last, while it exists
+  std::optional<SessionId> reference_for_;
   std::deque<ViewJob> views_;
   bool view_was_last_ = false, reference_was_last_ = false;
   std::vector<Waiter> late_;
-  double served_ = 0;  ///< of the session whose turn it was last
+  double served_ = 0;  ///< work of the session whose turn was last
   std::uint64_t order_ = 0;
   bool closed_ = false;
 };

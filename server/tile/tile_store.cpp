@@ -7,8 +7,9 @@
 namespace mirage {
 namespace {
 
-// What a source keeps of a tile: the reply's message. It holds the id, which stands for the whole
-// key, and the hash of what it decodes to. nullptr: this is none of `id` in this form.
+// Reads the record of a source, which is the reply's message. It holds the id, which represents the
+// whole key, and the hash of the decoded tile. Returns nullptr if it is no tile of `id` in this
+// form.
 StoredTilePtr read_record(const Bytes& record, const TileId& id, TileCodec form) {
   Result<Message> message = decode_message(record.data(), record.size());
   if (!message || message->body.AsTileReply() == nullptr) return nullptr;
@@ -95,7 +96,7 @@ StoredTilePtr TileStore::load(const TileId& id, TileCodec form) const {
                                                     : counters_.directory_hits);
       return tile;
     }
-    ++counters_.records_wrong;  // it is rendered anew, and offered in its place
+    ++counters_.records_wrong;  // the tile is rendered again and replaces the record
   }
   return nullptr;
 }

@@ -1,7 +1,7 @@
 #pragma once
-// Tile store: finished tiles by id, in memory under a byte budget (least recently used go first,
-// all their forms together), and behind it the sources, asked in order. Any thread; what asks the
-// sources takes as long as they do and is the fetch stage's.
+// Tile store: finished tiles by id. Memory holds them under a byte budget; the tile used longest
+// ago is dropped first, with all its forms. Behind memory are the sources, asked in order.
+// Thread: any; calls that ask the sources take as long as they do, and belong to the fetch stage.
 
 #include <mutex>
 #include <unordered_map>
@@ -14,28 +14,28 @@ namespace mirage {
 
 class TileSource;
 
-/// From the fastest to the slowest; they outlive who is told of them.
+/// Tile sources from the fastest to the slowest; they must outlive their users.
 using TileSources = std::vector<TileSource*>;
 
 class TileStore {
  public:
   TileStore(std::size_t budget_bytes, TileSources sources, Counters& counters);
 
-  /// The form that was made for `codec`; nullptr: it is not in memory.
+  /// Returns the form made for `codec`; nullptr: not in memory.
   StoredTilePtr find(const TileId& id, TileCodec codec);
-  /// A form without loss to make others from; nullptr: it is not in memory.
+  /// Returns a lossless form to make others from; nullptr: not in memory.
   StoredTilePtr find_lossless(const TileId& id);
-  /// Into memory: the form that was made for `codec`; it may be in another, where that is smaller.
+  /// Stores in memory the form made for `codec`. It may be in another codec that is smaller.
   void put(const TileId& id, TileCodec codec, StoredTilePtr tile);
 
   bool has_sources() const { return !sources_.empty(); }
-  /// That of the most patient.
+  /// Returns the longest patience of all sources, µs.
   std::int64_t patience_us() const;
-  /// From the sources into memory.
+  /// Loads a tile from the sources into memory.
   FetchedTile fetch(const TileId& id, TileCodec codec);
-  /// Before it is rendered. False: another server is about to have it.
+  /// Claims a tile before rendering it. False: another server is rendering it.
   bool claim(const TileId& id);
-  /// Into all sources. All forms without loss share one record; lossy ones have their own.
+  /// Saves a tile to all sources. All lossless forms share one record; lossy forms have their own.
   void save(const TileId& id, TileCodec codec, const StoredTile& tile) const;
 
  private:

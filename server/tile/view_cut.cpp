@@ -25,7 +25,8 @@ std::vector<Cell> nearest_surfaces(const ViewTile& view, const SceneFrame& frame
   return cells;
 }
 
-/// Those with the most cells, as many as may be told apart; ids rising.
+/// Returns the instances with the most cells, up to the number that a view can tell apart; ids
+/// rising.
 std::vector<std::uint32_t> owners_of(const std::vector<Cell>& cells) {
   std::map<std::uint32_t, std::size_t> counts;
   for (const Cell& cell : cells) {

@@ -1,10 +1,11 @@
 // Anisotropy (KHR_materials_anisotropy): reflection that is rougher along the grain than across, as
-// of brushed metal. Reads of a Surface: normal, grain, anisotropy, roughness.
+// on brushed metal. It reads normal, grain, anisotropy and roughness of a Surface.
 
-// GGX with a roughness a way: distribution of Burley 2012 ("Physically-Based Shading at Disney"),
-// height-correlated visibility of Heitz 2014, in the form of Filament and of the extension. As
-// ggx_specular(), D * V * pi, and equal to it where both roughnesses are. The extension's example
-// also clamps V to 1: that darkens what is smooth at grazing angles, and is in no derivation.
+// GGX with two roughnesses: distribution of Burley 2012 ("Physically-Based Shading at Disney"),
+// height-correlated visibility of Heitz 2014, in the form of Filament and of the extension. It
+// returns D * V * pi like ggx_specular(), and equals that if both roughnesses are equal. The
+// extension's example also clamps V to 1. That is in no derivation, and darkens smooth surfaces at
+// grazing angles.
 float anisotropic_specular(Surface s, vec3 to_eye, vec3 to_light, vec3 h, float n_l, float n_v) {
   vec3 across = cross(s.normal, s.grain);
   float least = max(s.roughness * s.roughness, 1e-3);
@@ -18,10 +19,10 @@ float anisotropic_specular(Surface s, vec3 to_eye, vec3 to_light, vec3 h, float 
   return a2 * w2 * w2 * 0.5 / max(visibility, 1e-5);
 }
 
-// The normal whose mirror direction stands for the stretched lobe in prefiltered surroundings:
-// turned about the direction across towards the eye, the more the smoother it is across (McAuley
-// 2015, "Rendering the World of Far Cry 4", in the form of Filament; blended as the Khronos sample
-// renderer does).
+// The normal whose mirror direction represents the stretched lobe in prefiltered surroundings. It
+// turns about the direction across, towards the eye; the smoother the surface is across, the more
+// (McAuley 2015, "Rendering the World of Far Cry 4", in the form of Filament; blended as in the
+// Khronos sample renderer).
 vec3 bent_normal(Surface s, vec3 to_eye) {
   vec3 across = cross(s.normal, s.grain);
   vec3 facing = to_eye - across * dot(across, to_eye);

@@ -1,4 +1,4 @@
-// A texture, texel for pixel.
+// Copies a texture, texel for pixel.
 precision highp float;
 uniform sampler2D u_color;
 layout(location = 0) out vec4 o_color;

@@ -1,5 +1,5 @@
-// Ordered dither, 4 x 4 (Bayer): a share `fade` of the pixels is kept, the same ones every frame. What
-// is kept is drawn whole, so opaque things keep their alpha of 1 while they fade.
+// Ordered dither, 4 x 4 (Bayer): a share `fade` of the pixels is kept, the same ones every frame.
+// Kept pixels are drawn in full, so opaque things keep their alpha of 1 while they fade.
 bool dithered_away(ivec2 at, float fade) {
   ivec2 p = at & 3;
   int coarse = (((p.x ^ p.y) & 1) << 1) | (p.y & 1);

@@ -1,4 +1,4 @@
-// A texture in linear light as sRGB bytes (IEC 61966-2-1), opaque, texel for pixel.
+// Copies a texture in linear light as opaque sRGB bytes (IEC 61966-2-1), texel for pixel.
 precision highp float;
 uniform sampler2D u_color;
 layout(location = 0) out vec4 o_color;

@@ -1,5 +1,5 @@
-// Fog of even density, over what is drawn and never in a tile (TECHNIQUES row 26). `color` is
-// premultiplied, `position` relative to the eye in world axes.
+// Fog of uniform density, over drawn surfaces and never in a tile (TECHNIQUES row 26). `color` is
+// premultiplied, `position` is relative to the eye in world axes.
 uniform vec3 u_fog_color;
 uniform float u_fog_density;  // per metre
 

@@ -1,4 +1,4 @@
-// One triangle over the whole viewport, from gl_VertexID alone.
+// Makes one triangle over the whole viewport, from gl_VertexID alone.
 out vec2 v_ndc;
 void main() {
   vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);

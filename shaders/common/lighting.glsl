@@ -1,12 +1,12 @@
-// Lighting shared by tiles, the reference frame and client meshes, so that an impostor and its mesh
-// match. Metal-rough BRDF (glTF 2.0 appendix B): Lambert + GGX with Smith visibility. A light's
-// colour is irradiance / pi, so that a white Lambert surface facing it shows the colour itself.
+// Lighting shared by tiles, the reference frame and client meshes, so that an impostor matches its
+// mesh. Metal-rough BRDF (glTF 2.0 appendix B): Lambert + GGX with Smith visibility. A light's
+// colour is irradiance / pi, so a white Lambert surface facing it shows that colour.
 const int kMaxLights = 16;
 uniform vec3 u_ambient;
 uniform int u_light_count;
 uniform vec4 u_lights[kMaxLights * 4];  // color+kind, position+range, direction+cos_inner, cos_outer
 #ifdef SHADOW
-uniform int u_sun;  // which of them casts shadows; -1: none
+uniform int u_sun;  // index of the light that casts shadows; -1: none
 #endif
 
 struct Surface {
@@ -20,7 +20,7 @@ struct Surface {
   float sun;  // share of the sun's light that arrives
 #endif
 #ifdef LOBES
-  vec4 reflectance;  // of a dielectric: head on, and the greatest at grazing angles
+  vec4 reflectance;  // of a dielectric: at normal incidence, and the greatest at grazing angles
   float transmission;
   vec3 sheen_color;
   float sheen_roughness;
@@ -30,7 +30,7 @@ struct Surface {
 #endif
 #ifdef NEED_ANISOTROPY
   float anisotropy;  // 0 to 1
-  vec3 grain;        // unit, along the surface: where it is rougher
+  vec3 grain;        // unit, along the surface: the rougher direction
 #endif
 #ifdef SPREAD
   float spread;  // 0: one normal, 1: they cancel out (relit tiles: many leaves in a texel)
@@ -38,8 +38,8 @@ struct Surface {
 };
 
 #ifdef SPREAD
-// Mean of max(n.l, 0) over normals whose mean has length 1 - spread: n.l taken as Gaussian, the
-// variance that unit vectors have left shared by three axes.
+// Mean of max(n.l, 0) over normals whose mean has length 1 - spread. n.l is taken as Gaussian; the
+// variance that unit vectors have left is split evenly among three axes.
 float spread_cosine(float n_l, float spread) {
   float mean_length = 1.0 - spread;
   float m = n_l * mean_length;
@@ -55,7 +55,7 @@ float range_window(float distance, float range) {
   return clamp(1.0 - x * x * x * x, 0.0, 1.0);
 }
 
-// Light arriving at the surface (not yet times cosine) and the direction towards it.
+// Light that arrives at the surface (not yet times cosine), and the direction towards it.
 vec3 incoming(int i, Surface s, out vec3 to_light) {
   vec4 color_kind = u_lights[4 * i];
   vec4 position_range = u_lights[4 * i + 1];
@@ -78,7 +78,8 @@ vec3 incoming(int i, Surface s, out vec3 to_light) {
   return color;
 }
 
-// x to the fifth, as Schlick's Fresnel term has it; pow() would be a logarithm and an exponential.
+// x to the fifth power, for Schlick's Fresnel term; pow() would cost a logarithm and an
+// exponential.
 float fifth(float x) { return x * x * (x * x) * x; }
 
 float ggx_specular(float n_l, float n_v, float n_h, float roughness) {
@@ -89,7 +90,7 @@ float ggx_specular(float n_l, float n_v, float n_h, float roughness) {
   return a2 / (d * d) * 0.5 / max(visibility, 1e-5);  // D * V * pi
 }
 
-// normalize() of lengths whose squares a float does not hold.
+// normalize() for lengths whose squares overflow or underflow a float.
 vec3 unit(vec3 v) {
   vec3 a = abs(v);
   return normalize(v / max(max(a.x, a.y), a.z));
@@ -109,9 +110,9 @@ vec3 shade(Surface s) {
   vec3 f0 = mix(vec3(0.04), s.albedo, s.metallic);
   vec3 diffuse = s.albedo * (1.0 - s.metallic);
 #ifdef LOBES
-  // All that lobes do is added to what is there without: at a factor of 0 no bit changes.
+  // Lobes only add to the base terms, so a factor of 0 changes no bit.
   f0 += (s.reflectance.rgb - 0.04) * (1.0 - s.metallic);
-  float grazing = (s.reflectance.a - 1.0) * (1.0 - s.metallic);  // beyond 1
+  float grazing = (s.reflectance.a - 1.0) * (1.0 - s.metallic);  // difference from 1
   vec3 gone = diffuse * s.transmission;
 #endif
   vec3 to_eye = -unit(s.position);

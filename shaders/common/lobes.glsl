@@ -1,6 +1,6 @@
-// Lobes over the metal-rough base, as the KHR_materials_* extensions have them: sheen (Charlie
+// Lobes over the metal-rough base, as in the KHR_materials_* extensions: sheen (Charlie
 // distribution of Estevez and Kulla 2017, visibility of Neubelt and Pettineo 2013), and a clearcoat
-// of index 1.5 over all of it. Each is neutral to the last bit at a factor of 0.
+// of index 1.5 over everything. Each is neutral to the last bit at a factor of 0.
 
 float greatest(vec3 v) { return max(max(v.r, v.g), v.b); }
 
@@ -38,7 +38,7 @@ vec3 with_sheen(Surface s, vec3 to_eye, vec3 base) {
   light += u_probe_light[0].w * s.occlusion * probe_irradiance(probe_axes(s.normal), 1.0) *
            sheen_albedo(n_v, s.sheen_roughness);
 #endif
-  // What the fibres send back does not reach the base: 0.157, as three.js has it.
+  // Light that the fibres send back does not reach the base: 0.157, as in three.js.
   return base + (s.sheen_color * light - base * (0.157 * greatest(s.sheen_color)));
 }
 

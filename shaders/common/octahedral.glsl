@@ -1,4 +1,4 @@
-// Unit vectors on a square, folded about +z: its seams run to -z only.
+// Unit vectors on a square, folded about +z: the seams are at -z only.
 vec2 octahedral(vec3 n) {
   vec2 p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
   vec2 sides = vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0);

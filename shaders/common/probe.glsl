@@ -1,11 +1,13 @@
-// Light from all around: a prefiltered probe (protocol/impostor/light_probe.h). Split sum with the multiple
-// scattering of Fdez-Aguera 2019 ("A Multiple-Scattering Microfacet Model for Real-Time Image-based
-// Lighting"), whose BRDF integral is the fit of Karis 2014 ("Physically Based Shading on Mobile").
+// Light from all around: a prefiltered probe (protocol/impostor/light_probe.h). Split sum with the
+// multiple scattering of Fdez-Aguera 2019 ("A Multiple-Scattering Microfacet Model for Real-Time
+// Image-based Lighting"); its BRDF integral is the fit of Karis 2014 ("Physically Based Shading on
+// Mobile").
 uniform sampler2D u_probe;
-// Rows of the rotation to the probe's axes, with its strength in the first; then irradiance / pi.
+// Rows of the rotation to the probe's axes, with its strength in the first row's w; then irradiance
+// / pi.
 uniform vec4 u_probe_light[12];
 
-// x, y, edge in texels: kProbeLevels.
+// x, y, edge in texels, as in kProbeLevels.
 const vec3 kProbeLevels[6] =
     vec3[6](vec3(0.0, 0.0, 256.0), vec3(256.0, 0.0, 128.0), vec3(256.0, 128.0, 64.0),
             vec3(320.0, 128.0, 32.0), vec3(352.0, 128.0, 32.0), vec3(320.0, 160.0, 32.0));
@@ -21,7 +23,7 @@ vec3 probe_level(vec2 place, int level) {
   return textureLod(u_probe, (at.xy + 1.0 + place * (at.z - 2.0)) / kProbeSize, 0.0).rgb;
 }
 
-// Radiance from direction `d` (the probe's axes) seen with this roughness.
+// Radiance from direction `d` (in the probe's axes) at this roughness.
 vec3 probe_radiance(vec3 d, float roughness) {
   d /= abs(d.x) + abs(d.y) + abs(d.z);
   vec2 sides = vec2(d.x < 0.0 ? -1.0 : 1.0, d.z < 0.0 ? -1.0 : 1.0);
@@ -31,7 +33,7 @@ vec3 probe_radiance(vec3 d, float roughness) {
   return mix(probe_level(place, lower), probe_level(place, lower + 1), level - float(lower));
 }
 
-// Irradiance / pi for a normal in the probe's axes; of length below 1 where many differ.
+// Irradiance / pi for a normal in the probe's axes; its length is below 1 if many normals differ.
 vec3 probe_irradiance(vec3 n, float mean_length) {
   float second = mean_length * mean_length * mean_length;
   vec3 linear = u_probe_light[4].rgb * n.y + u_probe_light[5].rgb * n.z +
@@ -50,13 +52,13 @@ vec2 brdf_integral(float n_v, float roughness) {
   return vec2(-1.04, 1.04) * a + r.zw;
 }
 
-// Share of the reflected surroundings that is not hidden where `occlusion` of the diffuse light
+// Share of the reflected surroundings that is not hidden if `occlusion` of the diffuse light
 // arrives (Lagarde and de Rousiers 2014, "Moving Frostbite to PBR").
 float specular_occlusion(float n_v, float occlusion, float roughness) {
   return clamp(pow(n_v + occlusion, exp2(-16.0 * roughness - 1.0)) - 1.0 + occlusion, 0.0, 1.0);
 }
 
-// `grazing`: how far the greatest reflectance is from 1.
+// `grazing`: difference of the greatest reflectance from 1.
 vec3 probe_light(Surface s, vec3 to_eye, vec3 f0, float grazing, vec3 diffuse) {
   float n_v = clamp(dot(s.normal, to_eye), 0.0, 1.0);
   float mean_length = 1.0;

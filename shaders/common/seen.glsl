@@ -1,3 +1,3 @@
-// What a blended surface shows of itself: less is not looked for, neither by the depths that tiles state
-// nor by the full render they are held against.
+// Least alpha at which a blended surface counts as visible. Neither the depths in tiles nor the
+// full render they are compared with consider fainter surfaces.
 const float kSeenAlpha = 1.0 / 16.0;

@@ -1,20 +1,21 @@
-// Whether the sun reaches a point, from a map of the scene as the sun sees it (sun_frame.h).
+// Visibility of the sun at a point, from a map of the scene as the sun sees it (sun_frame.h).
 uniform highp sampler2DShadow u_shadow_map;
 uniform mat4 u_map_from_relative;
 uniform vec3 u_to_sun;        // world
-uniform vec2 u_shadow_texel;  // of the map: m, and as a share of its edge
+uniform vec2 u_shadow_texel;  // of the map: m, and relative to its edge
 
-// The filter reads 2 x 2 points, each between four texels: as far as 1.5 texels away along either
-// axis, 2.1 in all, where a surface at angle a to the light is 2.1 texels * tan(a) nearer to it. Moved
-// along its normal by 2.1 texels * sin(a) it lies in front of all of that; half a texel more is for
-// rounding.
+// The filter reads 2 x 2 points, each between four texels. That is up to 1.5 texels away along
+// either axis, 2.1 in all. There, a surface at angle a to the light is 2.1 texels * tan(a) nearer
+// to it. Moving the point along its normal by 2.1 texels * sin(a) puts it in front of all of that;
+// half a texel more allows for rounding.
 const float kReach = 2.1;
 const float kRounding = 0.5;
 
-// `position` relative to the eye, `normal` unit, of the geometry; both in world axes.
+// `position` is relative to the eye; `normal` is the unit normal of the geometry; both in world
+// axes.
 float sun_visibility(vec3 position, vec3 normal) {
   float cosine = dot(normal, u_to_sun);
-  if (cosine <= 0.0) return 0.0;  // it shadows itself, whatever a normal map says
+  if (cosine <= 0.0) return 0.0;  // the surface shadows itself, whatever a normal map says
   float sine = sqrt(max((1.0 - cosine) * (1.0 + cosine), 0.0));
   vec3 moved = position + normal * (kReach * u_shadow_texel.x * sine) +
                u_to_sun * (kRounding * u_shadow_texel.x);

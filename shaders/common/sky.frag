@@ -1,4 +1,4 @@
-// Vertical gradient by view direction. Alpha stays 0: the sky is no object.
+// Vertical gradient by view direction. Alpha stays 0: the sky is not an object.
 precision highp float;
 in vec2 v_ndc;
 layout(location = 0) out vec4 o_color;

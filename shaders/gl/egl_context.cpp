@@ -73,7 +73,7 @@ EGLContext make_context(EGLDisplay display) {
                                     EGL_NONE};
   const EGLContext told = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
   if (told != EGL_NO_CONTEXT) return told;
-  // A device that does not tell of its resets.
+  // This device does not report resets.
   attributes[attributes.size() - 3] = EGL_NONE;
   return eglCreateContext(display, config, EGL_NO_CONTEXT, attributes.data());
 }
@@ -103,7 +103,7 @@ EglContext::~EglContext() {
   if (!context_) return;
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);
-  // The display is shared by every context of the process on this device: it stays initialised.
+  // The display stays initialised: every context of the process on this device shares it.
 }
 
 Result<EglContext> EglContext::create(const std::string& device, bool embedded) {
@@ -140,10 +140,6 @@ Result<EglContext> EglContext::create(const std::string& device, bool embedded) 
 void EglContext::make_current() {
   eglBindAPI(embedded_ ? EGL_OPENGL_ES_API : EGL_OPENGL_API);
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
-}
-
-void EglContext::release_current() {
-  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
 }
 
 std::string EglContext::description() const {

@@ -9,12 +9,12 @@
 namespace mirage::gl {
 
 struct EglDevice {
-  std::string name;      ///< what `--device` takes: "surfaceless", "device0", …
-  std::string renderer;  ///< GL_RENDERER, or why it cannot be used
+  std::string name;      ///< for `--device`: "surfaceless", "device0", …
+  std::string renderer;  ///< GL_RENDERER, or why the device is unusable
   bool usable = false;
 };
 
-/// Every device a context could be made on, tried out.
+/// Returns every device on which a context could be made; each is tested.
 std::vector<EglDevice> list_egl_devices();
 
 class EglContext {
@@ -26,14 +26,13 @@ class EglContext {
   EglContext& operator=(EglContext&& other) noexcept;
   ~EglContext();
 
-  /// `device`: "auto" (a usable GPU, else surfaceless), or a name from list_egl_devices().
-  /// The context is current on the calling thread. `embedded`: OpenGL ES 3, as in a browser,
-  /// instead of OpenGL 3.3. Error kGraphicsDevice.
+  /// Creates a context and makes it current on the calling thread. `device`: "auto" (a usable GPU,
+  /// else surfaceless), or a name from list_egl_devices(). `embedded`: OpenGL ES 3, as in a
+  /// browser, instead of OpenGL 3.3. Error kGraphicsDevice.
   static Result<EglContext> create(const std::string& device, bool embedded = false);
 
   void make_current();
-  void release_current();
-  /// GL_RENDERER and version.
+  /// Returns GL_RENDERER and GL_VERSION.
   std::string description() const;
   bool software() const { return software_; }
 

@@ -1,6 +1,6 @@
 #pragma once
-// The one place that includes OpenGL. Entry points come from GLVND's libOpenGL; no loader. In a
-// browser it is OpenGL ES 3.0, which is WebGL 2.
+// The only file that includes OpenGL. Entry points come from GLVND's libOpenGL; there is no loader.
+// In a browser it is OpenGL ES 3.0, which is WebGL 2.
 
 #ifdef __EMSCRIPTEN__
 #include <GLES3/gl3.h>

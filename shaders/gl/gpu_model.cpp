@@ -14,7 +14,7 @@ void upload_level(const Image& image, GLint level) {
                static_cast<GLsizei>(image.height), 0, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
 }
 
-// Without `mips` the driver makes them.
+// Uploads an image. If `mips` is empty, the driver makes the mip levels.
 Texture upload_image(const Image& image, const std::vector<Image>& mips) {
   Texture texture = Texture::create();
   glBindTexture(GL_TEXTURE_2D, texture.id());
@@ -91,7 +91,7 @@ double GpuMesh::triangles() const {
 
 void GpuMesh::replace_vertices(const std::vector<Vertex>& vertices) const {
   glBindBuffer(GL_ARRAY_BUFFER, vertices_.id());
-  // A new store: what is still being drawn from the old one is not waited for.
+  // A new buffer store avoids waiting for draws that still read the old one.
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)),
                vertices.data(), GL_STREAM_DRAW);
   glBindBuffer(GL_ARRAY_BUFFER, 0);

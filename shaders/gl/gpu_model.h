@@ -1,5 +1,5 @@
 #pragma once
-// An object's mesh, materials and images on the GPU; used for tiles, references and client meshes.
+// An object's mesh, materials and images on the GPU, for tiles, references and client meshes.
 
 #include <memory>
 #include <vector>
@@ -10,13 +10,14 @@
 
 namespace mirage::gl {
 
-/// Images of a scene as textures, shared by the objects that use them; 1x1 white where decoding
-/// failed. Mip-mapped, colour images as sRGB; images of alpha-tested materials keep their coverage.
+/// Images of a scene as textures, shared by the objects that use them; 1x1 white if decoding
+/// failed. They are mip-mapped, colour images as sRGB. Images of alpha-tested materials keep their
+/// coverage.
 class GpuImages {
  public:
-  /// Replaces one image (any index: the list grows); `cutoff` as alpha_test_cutoff() gives it.
+  /// Replaces one image (any index: the list grows). `cutoff` is the value of alpha_test_cutoff().
   void put(std::size_t index, const Image& image, float cutoff);
-  /// The same with its mip levels as alpha_preserving_mips() makes them; none: the driver's.
+  /// Replaces one image with mip levels from alpha_preserving_mips(); none: the driver makes them.
   void put(std::size_t index, const Image& image, const std::vector<Image>& mips);
   GLuint texture(std::int32_t image) const;
   std::size_t gpu_bytes() const;
@@ -32,12 +33,12 @@ class GpuMesh {
   GpuMesh() = default;
   explicit GpuMesh(const Mesh& mesh);
 
-  /// Other vertices, as many as there were: a pose. The mesh's identity does not change.
+  /// Replaces the vertices by as many others: a pose. The mesh's identity does not change.
   void replace_vertices(const std::vector<Vertex>& vertices) const;
 
   GLuint vertex_array() const { return vao_.id(); }
   const std::vector<Primitive>& primitives() const { return primitives_; }
-  /// As many as there are corners for.
+  /// Returns the number of triangles, computed from all corners.
   double triangles() const;
   bool vertex_color() const { return vertex_color_; }
   std::size_t gpu_bytes() const { return bytes_; }

@@ -1,5 +1,5 @@
 #pragma once
-// Whether GL still does what it is told. GL thread only.
+// Checks whether GL still works. GL thread only.
 
 #include <string>
 
@@ -7,12 +7,12 @@
 
 namespace mirage::gl {
 
-/// What has gone wrong in the current context since the last call: it was lost (KHR_robustness), or
-/// GL notes an error. `what` was being done. Error kGraphicsGl.
+/// Reports problems of the current context since the last call: it was lost (KHR_robustness), or GL
+/// has an error. `what` names the work in progress. Error kGraphicsGl.
 Result<void> check_health(const std::string& what);
 
-/// What a program ends with: `code`, unless GL objects are left behind (gl_object.h). Then it says
-/// so, and a program that had nothing else to tell ends with kInternal.
+/// Returns the exit code of a program: `code`, unless GL objects are left (gl_object.h). Then it
+/// prints an error, and a `code` of success becomes kInternal.
 int exit_without_leaks(int code);
 
 }  // namespace mirage::gl

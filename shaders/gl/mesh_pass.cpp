@@ -11,7 +11,7 @@
 namespace mirage::gl {
 namespace {
 
-constexpr int kFloorUnit = 6;      // a free one, of those that mesh.frag can have
+constexpr int kFloorUnit = 6;      // free among the units of mesh.frag
 constexpr int kFirstLobeUnit = 9;  // after the probe
 
 GLint gl_wrap(Wrap wrap) {
@@ -109,7 +109,8 @@ void MeshPass::force(NeedMask needs) {
   };
   white_ = one_texel(GL_RGBA8, glm::vec4(1));
   black_probe_ = ProbeMap::black();
-  // In 8 bits no normal map is neutral: 127 and 128 both lean by 0.2 degrees.
+  // The map is 16-bit float because no 8-bit normal map is neutral: 127 and 128 both lean by 0.2
+  // degrees.
   flat_ = one_texel(GL_RGBA16F, {0.5f, 0.5f, 1, 1});
   along_ = one_texel(GL_RGBA16F, {1, 0.5f, 1, 1});
 }
@@ -184,9 +185,9 @@ void MeshPass::begin(const glm::mat4& clip_from_relative, const LightBlock& ligh
   glFrontFace(GL_CCW);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glBlendEquation(output_ == MeshOutput::kRange ? GL_MAX : GL_FUNC_ADD);
-  if (forced_ & kNeedVertexColor) glVertexAttrib4f(5, 1, 1, 1, 1);  // of meshes without
+  if (forced_ & kNeedVertexColor) glVertexAttrib4f(5, 1, 1, 1, 1);  // for meshes without colours
   prepare_points_and_samples();
-  glLineWidth(stroke_);  // the device takes the nearest width it can draw
+  glLineWidth(stroke_);  // the device uses the nearest width it can draw
 }
 
 void MeshPass::bind_instances(const MeshInstance* instances, std::size_t count) {
@@ -225,7 +226,7 @@ void MeshPass::bind_material(Program& p, const Material& m, NeedMask needs, cons
   for (int i = 0; i < 5; ++i) {
     if (!((needs | forced_) & bits[i])) continue;
     if (needs & bits[i]) {
-      // For a test alone one mip level is as good as two, at half the price.
+      // The alpha test needs only one mip level, at half the price of two.
       bind_texture(i, *maps[i], images,
                    stage == Stage::kDepth ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR);
     } else {
@@ -246,7 +247,7 @@ const Texture& MeshPass::neutral_map(LobeMap which) const {
 
 void MeshPass::bind_lobes(Program& p, const Lobes& l, NeedMask needs, const GpuImages& images,
                           std::vector<glm::vec4>& transforms) {
-  // Schlick's from the refractive index; 0.04 to the last bit where it is the usual one.
+  // Schlick's f0 from the refractive index; exactly 0.04 for the usual index.
   const float ratio = (l.ior - 1) / (l.ior + 1);
   const float f0 = l.ior == 1.5f ? 0.04f : ratio * ratio;
   p.set("u_reflectance",
@@ -293,7 +294,7 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
     (blends && output_ != MeshOutput::kFront ? glEnable : glDisable)(GL_BLEND);
     for (const Stage stage : stages(needs)) {
       const Result<Program*> made = program(needs, fading, stage);
-      if (!made) continue;  // warm_up has told
+      if (!made) continue;  // warm_up has reported it
       use(**made, material, needs, images, stage);
       glDrawElementsInstanced(gl_mode(primitive.kind), static_cast<GLsizei>(primitive.index_count),
                               GL_UNSIGNED_INT,
@@ -334,7 +335,7 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
   p.set("u_fog_density", fog_density_);
   bind_material(p, material, needs, images, stage);
   const bool depth = stage == Stage::kDepth, tested = stage == Stage::kTested;
-  // An alpha test decides a whole pixel: on a multisampled target it is made for every sample.
+  // An alpha test discards whole pixels, so a multisampled target runs it for every sample.
   shade_samples(depth);
   const GLboolean colors = depth && !of_blended() ? GL_FALSE : GL_TRUE;
   glColorMask(colors, colors, colors, colors);

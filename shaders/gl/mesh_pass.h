@@ -1,6 +1,6 @@
 #pragma once
 // Draws meshes with the shared shading: the server's tiles and reference frames, the client's
-// geometry. Shader variants are keyed by need mask and compiled on first use (or warmed up).
+// geometry. Shader variants are keyed by need mask, and compiled at first use or by warm_up().
 
 #include <map>
 #include <string>
@@ -24,81 +24,84 @@ struct MeshInstance {
   float fade = 1;  ///< share of the pixels drawn, by ordered dither
 };
 
-/// An instance for a pass whose positions are relative to `eye`.
+/// Returns an instance for a pass whose positions are relative to `eye`.
 MeshInstance mesh_instance(const Similarity& world_from_object, const glm::dvec3& eye,
                            std::uint32_t id);
 
-/// Lights as the shader takes them, positions relative to the eye.
+/// Lights in the shader's form, with positions relative to the eye.
 struct LightBlock {
   glm::vec3 ambient{0};
   int count = 0;
   std::vector<glm::vec4> lights;
-  ProbeLight probe;  ///< in the axes of what is drawn
-  int sun = -1;      ///< which of them casts shadows (sun_of); never one of an object's own space
+  ProbeLight probe;  ///< in the axes of the drawn space
+  /// index of the light that casts shadows (sun_of); -1 in an object's own space
+  int sun = -1;
 };
 LightBlock light_block(const ObjectLighting& lighting, const glm::vec3& eye);
 LightBlock light_block(const Lighting& lighting, const glm::dvec3& eye);
 
-/// What the pass writes besides colour.
+/// The output of the pass besides colour.
 enum class MeshOutput : std::uint8_t {
-  kColor,    ///< nothing (client geometry, lit tiles)
-  kId,       ///< the instance id, an integer (reference frames)
-  kSurface,  ///< colour is not shaded; normal, then metallic, roughness, occlusion (relit tiles)
-  kBehind,   ///< nothing, of what lies behind set_floor() (layered tiles)
-  kShadow,   ///< colour is without shadows; the same with them (shadow tiles)
+  kColor,    ///< none (client geometry, lit tiles)
+  kId,       ///< integer instance id (reference frames)
+  kSurface,  ///< unshaded colour; normal; metallic, roughness, occlusion (relit tiles)
+  kBehind,   ///< none; draws only surfaces behind set_floor() (layered tiles)
+  kShadow,   ///< colour without shadows, and colour with them (shadow tiles)
   kDepth,    ///< not even colour (shadow maps)
-  // Of blended surfaces, where more than a little of them shows (common/seen.glsl):
-  kFront,  ///< depth and id, no colour: what is nearest (reference frames)
-  kRange,  ///< nearest and farthest window depth, no colour, by GL_MAX (tiles): 1 - depth, depth
+  // The next two draw blended surfaces that are visible enough (common/seen.glsl).
+  kFront,  ///< depth and id of the nearest surface, no colour (reference frames)
+  kRange,  ///< window depths by GL_MAX: 1 - nearest, farthest; no colour (tiles)
 };
 
 class MeshPass {
  public:
   explicit MeshPass(MeshOutput output) : output_(output) {}
 
-  /// For a multisampled target, drawn beside a supersampled truth: textures are read this many
-  /// levels sharper, those of alpha tests `tested_levels`.
+  /// Makes textures read this many mip levels sharper, those of alpha tests `tested_levels`. It is
+  /// for a multisampled target that is compared with a supersampled truth.
   void sharpen(float levels, float tested_levels) {
     mip_bias_ = -levels;
     tested_mip_bias_ = -tested_levels;
   }
-  /// Lines and points are one pixel wide: `samples` of a target with so many to a pixel's side.
+  /// Sets the width of lines and points, one pixel: `samples` samples on a target with so many per
+  /// pixel side.
   void set_stroke(float samples) { stroke_ = samples; }
 
-  /// Draws every surface with these features too, those it does not have with neutral textures,
-  /// white vertices and a test that passes: a renderer without need analysis, for proofs that
-  /// leaving out changes nothing. Before the first draw.
+  /// Draws every surface with these features as well. Missing ones use neutral textures, white
+  /// vertices and an alpha test that passes. This is a renderer without need analysis, for proofs
+  /// that leaving out changes nothing. Call it before the first draw.
   void force(NeedMask needs);
 
-  /// Compiles the variant for these needs, with `fades` also the one that dithers. Error
+  /// Compiles the variant for these needs, and with `fades` also the dithering one. Error
   /// kGraphicsShader.
   Result<void> compile(NeedMask needs, bool fades);
-  /// The variants of a mesh, ahead of its first draw: what does not compile is not drawn.
+  /// Compiles the variants of a mesh ahead of its first draw. A mesh whose shader fails to compile
+  /// is not drawn.
   Result<void> warm_up(const GpuMesh& mesh, const std::vector<Material>& materials, bool fades);
 
-  /// `mapping` is that of the matrix.
+  /// Begins drawing. `mapping`: that of the matrix.
   void begin(const glm::mat4& clip_from_relative, const LightBlock& lights,
              DepthMapping mapping = DepthMapping::kForward);
-  /// Fog over what is drawn from now on; without any density variants without fog are used.
+  /// Sets the fog for later draws; a density of 0 selects variants without fog.
   void set_fog(const glm::vec3& color, float density_per_m) {
     fog_color_ = color;
     fog_density_ = density_per_m;
   }
-  /// Shadows of the sun on what is drawn from now on, relative to `eye`; nullptr: none, and
-  /// variants without shadows are used.
+  /// Sets the sun's shadows for later draws, relative to `eye`; nullptr selects variants without
+  /// shadows.
   void set_shadow(const ShadowMap* map, const glm::dvec3& eye) {
     shadow_ = map;
     eye_ = eye;
   }
-  /// Draws only what lies farther than a texture says, a texel of it for each `samples` a side.
+  /// Draws only surfaces behind the depths of a texture, which has one texel for each `samples` a
+  /// side.
   void set_floor(GLuint depths, int samples) {
     floor_ = depths;
     floor_samples_ = samples;
   }
-  /// Light from all around on what is drawn from now on; nullptr: none, and variants without it are
-  /// used.
+  /// Sets the light from all around for later draws; nullptr selects variants without it.
   void set_probe(const ProbeMap* probe) { probe_ = probe; }
-  /// What is seen where no object is, linear: of it is what shows tinted through a surface.
+  /// Sets the background colour, linear, which is seen tinted through transmissive surfaces.
   void set_backdrop(const glm::vec3& color) { backdrop_ = color; }
   /// Draws the opaque and masked primitives (`blended` false) or the blended ones (true).
   void draw(const GpuMesh& mesh, const std::vector<Material>& materials, const GpuImages& images,
@@ -107,12 +110,13 @@ class MeshPass {
 
   int draw_calls() const { return draw_calls_; }
   void reset_draw_calls() { draw_calls_ = 0; }
-  /// Names of the variants compiled so far: their defines.
+  /// Returns the names of the variants compiled so far: their defines.
   std::vector<std::string> variants() const;
 
  private:
-  /// Alpha-tested surfaces first write their depth by a shader that only tests, then are shaded
-  /// where that depth is theirs: leaves lie many deep (a third less client time in a forest).
+  /// Alpha-tested surfaces are drawn twice: a shader that only tests writes their depth, then they
+  /// are shaded where that depth is theirs. Leaves overlap many deep, so this saves a third of the
+  /// client's time in a forest.
   enum class Stage : std::uint8_t { kWhole, kDepth, kTested };
   std::vector<Stage> stages(NeedMask needs) const;
   bool of_blended() const { return output_ == MeshOutput::kFront || output_ == MeshOutput::kRange; }
@@ -128,7 +132,7 @@ class MeshPass {
 
   const MeshOutput output_;
   NeedMask forced_ = 0;
-  Texture white_, flat_, along_;  ///< neutral maps, of what is forced: 1, no slope, the tangent
+  Texture white_, flat_, along_;  ///< neutral maps of forced features: 1, no slope, the tangent
   std::map<NeedMask, Program> programs_;
   Buffer instance_buffer_;
   glm::mat4 clip_from_relative_{1};
@@ -144,8 +148,8 @@ class MeshPass {
   glm::vec3 backdrop_{0.216f};
   GLuint floor_ = 0;
   int floor_samples_ = 1;
-  ProbeMap black_probe_;  ///< of what is forced
-  glm::dvec3 eye_{0};     ///< positions are relative to it, world; for shadows only
+  ProbeMap black_probe_;  ///< for forced features
+  glm::dvec3 eye_{0};     ///< origin of positions, world; used for shadows only
   int draw_calls_ = 0;
 };
 

@@ -34,7 +34,7 @@ struct LobeMapNames {
   const char* define;
   const char* sampler;
 };
-// In the order of LobeMap.
+// Names in the order of LobeMap.
 constexpr LobeMapNames kLobeMapNames[kLobeMaps] = {
     {"NEED_SPECULAR_MAP", "u_specular_map"},
     {"NEED_SPECULAR_COLOR_MAP", "u_specular_color_map"},

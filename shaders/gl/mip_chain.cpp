@@ -55,7 +55,8 @@ LinearImage half(const LinearImage& in) {
         plain += glm::vec3(t);
         alpha += t.a;
       }
-      // Where nothing is opaque the plain mean keeps the colour that bleeds into edges sensible.
+      // The plain mean is used if all texels are transparent, because their colour bleeds into
+      // edges.
       const glm::vec3 mean = alpha > 0 ? color / alpha : plain / 4.0f;
       out.texels.emplace_back(mean, alpha / 4.0f);
     }

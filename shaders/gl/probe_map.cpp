@@ -5,7 +5,7 @@
 namespace mirage::gl {
 namespace {
 
-constexpr int kTextureUnit = 8;  // past those of materials, atlases and the shadow map
+constexpr int kTextureUnit = 8;  // after those of materials, atlases and the shadow map
 
 Texture texture_of(int width, int height, const std::uint32_t* texels) {
   Texture out = Texture::create();
@@ -44,7 +44,7 @@ void ProbeMap::use(Program& program, const ProbeLight& light) const {
   const bool shines = light.id == id_ && light.shines();
   const glm::mat3 turn = glm::mat3_cast(shines ? light.rotation : glm::quat(1, 0, 0, 0));
   std::vector<glm::vec4> values;
-  // To the probe's axes: the rows of the inverse are the columns of the rotation.
+  // The rotation to the probe's axes is the inverse: its rows are the columns of the rotation.
   for (int i = 0; i < 3; ++i) values.emplace_back(turn[i], 0);
   values[0].w = shines ? light.strength : 0.0f;
   values.insert(values.end(), irradiance_.begin(), irradiance_.end());

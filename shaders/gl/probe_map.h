@@ -12,12 +12,12 @@ namespace mirage::gl {
 
 class ProbeMap {
  public:
-  /// Of no light at all: neutral, for shaders that read one in any case.
+  /// Returns a probe without light, for shaders that always read one.
   static ProbeMap black();
   static ProbeMap create(const LightProbe& probe);
 
-  /// Hands the probe to a program that includes common/probe.glsl, turned and scaled by `light`; of
-  /// another probe's light nothing.
+  /// Passes the probe to a program that includes common/probe.glsl, turned and scaled by `light`.
+  /// If `light` names another probe, it passes no light.
   void use(Program& program, const ProbeLight& light) const;
 
   std::size_t gpu_bytes() const { return bytes_; }

@@ -46,8 +46,8 @@ std::string info_log(GLuint id, bool program) {
   return std::string(text, static_cast<std::size_t>(length));
 }
 
-// Begins it: whether it compiles is asked once the program is linked. A device compiles beside what
-// comes next, and a browser answers once it has.
+// Starts compiling a shader. The result is queried after the program is linked: a device compiles
+// in parallel, and in a browser the query blocks until it is done.
 Result<GLuint> compile(GLenum stage, std::string_view name, const std::string& defines) {
   const std::string_view source = shader_source(name);
   if (source.empty()) {
@@ -61,7 +61,7 @@ Result<GLuint> compile(GLenum stage, std::string_view name, const std::string& d
   return shader;
 }
 
-// "" if it compiled.
+// Returns the compiler's error; "" if it compiled.
 std::string compile_problem(GLuint shader, std::string_view name) {
   GLint ok = 0;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);

@@ -1,5 +1,5 @@
 #pragma once
-// GLSL programs: sources are embedded at build time, variants are #defines put in front.
+// GLSL programs. Sources are embedded at build time; variants are #defines put in front.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -13,12 +13,12 @@
 
 namespace mirage::gl {
 
-/// Text of an embedded shader file, e.g. "mesh/mesh.vert"; empty when there is none.
+/// Returns the text of an embedded shader file, e.g. "mesh/mesh.vert"; empty if there is none.
 std::string_view shader_source(std::string_view name);
-/// Of all embedded shader files.
+/// Returns the names of all embedded shader files.
 std::vector<std::string_view> shader_names();
 
-/// Programs compiled and linked in this process so far.
+/// Returns the number of programs compiled and linked in this process so far.
 std::uint64_t programs_compiled();
 
 class Program {
@@ -38,7 +38,7 @@ class Program {
   void use() const { glUseProgram(id_); }
   explicit operator bool() const { return id_ != 0; }
 
-  // Uniforms by name; unknown names are ignored (a lean variant may not have them).
+  // Set uniforms by name. Unknown names are ignored, as a lean variant may lack them.
   void set(const char* name, int value);
   void set(const char* name, float value);
   void set(const char* name, const glm::ivec2& value);

@@ -71,7 +71,7 @@ RenderTarget::RenderTarget(int width, int height, const std::vector<GLenum>& col
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_.id(), 0);
   }
   ok_ = glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
-  // There is no room for it: nothing else has failed.
+  // The error means that there is no room for it; nothing else can fail here.
   if (glGetError() != GL_NO_ERROR) ok_ = false;
 }
 

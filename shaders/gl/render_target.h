@@ -7,14 +7,14 @@
 
 namespace mirage::gl {
 
-/// Graphics memory of a target with these attachments, bytes; `depth` 0: none.
+/// Returns the graphics memory of a target with these attachments, bytes; `depth` 0: none.
 std::size_t target_bytes(int width, int height, const std::vector<GLenum>& colors, GLenum depth);
 
 class RenderTarget {
  public:
   RenderTarget() = default;
-  /// Colour attachments of the given internal formats and, if not 0, a depth texture. Textures
-  /// sample NEAREST. Check ok() afterwards.
+  /// Makes colour attachments of the given internal formats and, if not 0, a depth texture.
+  /// Textures sample NEAREST. Check ok() afterwards.
   RenderTarget(int width, int height, const std::vector<GLenum>& colors, GLenum depth);
 
   void bind() const;

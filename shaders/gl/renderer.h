@@ -1,5 +1,5 @@
 #pragma once
-// What draws: a graphics card or the CPU. Depths, sizes and sample counts are chosen by it.
+// The kind of renderer: a graphics card or the CPU. Depths, sizes and sample counts depend on it.
 
 #include <string>
 
@@ -7,14 +7,15 @@
 
 namespace mirage::gl {
 
-/// Whether a renderer of this name (GL_RENDERER) is the CPU.
+/// True if a renderer of this name (GL_RENDERER) is the CPU.
 bool is_software(const std::string& renderer);
-/// Of the current context.
+/// True if the current context's renderer is the CPU.
 bool is_software();
 
-/// Format of a target that ends up as sRGB bytes. 16-bit float where surfaces are `blended`, as 8
-/// bits would round at each, and on a software renderer: converting to sRGB and back costs it more
-/// than the bytes do (tiles 8 %, client frames 5 to 10 %). sRGB of 8 bits else.
+/// Returns the format of a target that ends up as sRGB bytes. It is 16-bit float if surfaces are
+/// `blended`, because 8 bits would round at each layer. It is also float on a software renderer,
+/// for which converting to sRGB and back costs more than the bytes do (tiles 8 %, client frames 5
+/// to 10 %). Otherwise it is sRGB with 8 bits.
 GLenum color_format(bool blended);
 
 }  // namespace mirage::gl

@@ -2,7 +2,7 @@
 
 namespace mirage::gl {
 namespace {
-constexpr int kTextureUnit = 7;  // past those of materials and atlases
+constexpr int kTextureUnit = 7;  // after those of materials and atlases
 }  // namespace
 
 Result<ShadowMap> ShadowMap::create(int edge) {

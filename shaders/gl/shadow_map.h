@@ -1,5 +1,5 @@
 #pragma once
-// A depth map of casters as the sun sees them. Keeps to the GLES 3.0 subset.
+// A depth map of casters as seen from the sun. Uses only the GLES 3.0 subset.
 
 #include "protocol/base/result.h"
 #include "protocol/impostor/sun_frame.h"
@@ -11,12 +11,12 @@ namespace mirage::gl {
 class ShadowMap {
  public:
   ShadowMap() = default;
-  /// `edge` texels a side. Error kGraphicsGl.
+  /// Creates a map of `edge` texels a side. Error kGraphicsGl.
   static Result<ShadowMap> create(int edge);
 
   /// Clears the map and binds it for drawing casters with `frame`, whose edge must be the map's.
   void begin(const SunFrame& frame);
-  /// Hands the map to a program that includes common/shadow.glsl; positions relative to `eye`.
+  /// Passes the map to a program that includes common/shadow.glsl; positions are relative to `eye`.
   void use(Program& program, const glm::dvec3& eye) const;
 
   int edge() const { return edge_; }

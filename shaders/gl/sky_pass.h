@@ -8,14 +8,14 @@
 
 namespace mirage::gl {
 
-/// Fills the target with the environment, alpha 0; the same on both ends.
+/// Fills the target with the environment, alpha 0; both ends use it.
 class SkyPass {
  public:
   static Result<SkyPass> create();
   void draw(const Camera& camera, const Environment& environment);
-  /// The same where nothing has been drawn yet: depth is what it was cleared to. Afterwards what is
-  /// nearer passes. What the depth function was before is not asked: in a browser the answer comes
-  /// when all that was drawn before is done.
+  /// Fills only pixels where nothing has been drawn, which have the cleared depth. Afterwards the
+  /// depth function keeps nearer surfaces. The earlier depth function is not queried, because in a
+  /// browser the answer waits for all earlier draws.
   void draw_behind(const Camera& camera, const Environment& environment,
                    const ViewDepth& view_depth);
 

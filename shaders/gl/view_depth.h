@@ -1,14 +1,14 @@
 #pragma once
-// Depth of pictures taken by a camera: reversed and without a far end where the context has
-// glClipControl, forward where it does not (GLES 3.0).
+// Depth of camera pictures: reversed and without a far plane if the context has glClipControl, else
+// forward (GLES 3.0).
 
 #include "protocol/impostor/camera.h"
 #include "shaders/gl/gl.h"
 
 namespace mirage::gl {
 
-/// While it lives, the context clips and clears for the best mapping it has; then as GL starts. The
-/// attachment should be a float one.
+/// While it exists, the context clips and clears for its best mapping; afterwards GL's initial
+/// state is restored. The depth attachment should be a float one.
 class ViewDepth {
  public:
   ViewDepth();
@@ -17,14 +17,14 @@ class ViewDepth {
   ViewDepth& operator=(const ViewDepth&) = delete;
 
   DepthMapping mapping() const { return mapping_; }
-  /// What glClear leaves behind: the farthest depth there is.
+  /// Returns the depth that glClear writes, which is the farthest.
   float farthest() const { return mapping_ == DepthMapping::kReversed ? 0.0f : 1.0f; }
 
  private:
   DepthMapping mapping_;
 };
 
-/// The depth function that keeps what is nearer, or also what is as near.
+/// The depth functions that keep nearer surfaces, or also equally near ones.
 GLenum nearer(DepthMapping mapping);
 GLenum nearer_or_equal(DepthMapping mapping);
 

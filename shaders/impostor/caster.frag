@@ -1,4 +1,4 @@
-// The depth a caster tile has stored, along the light of the map.
+// Writes the stored depth of a caster tile, along the light of the map.
 precision highp float;
 precision highp int;
 precision highp sampler2DArray;

@@ -1,5 +1,5 @@
-// Caster tiles, one instance each, on the plane through the object's centre: what a shadow map sees of
-// objects whose mesh is not here. Axes of the world, positions relative to the map's centre.
+// Caster tiles, one instance each, on the plane through the object's centre. They put objects whose
+// mesh is not present into a shadow map. World axes, positions relative to the map's centre.
 layout(location = 0) in vec2 a_corner;
 layout(location = 1) in vec4 i_center_scale;
 layout(location = 2) in vec4 i_right_distance;  // capture right, distance Dc in object units

@@ -1,5 +1,5 @@
-// Draws a tile on its proxy. Every fragment finds the tile coordinate it shows and the depth stored
-// there, and writes that depth, so impostors meet each other and geometry where the objects would.
+// Draws a tile on its proxy. Every fragment finds its tile coordinate and the depth stored there,
+// and writes that depth, so impostors meet each other and geometry where the objects would.
 //   METHOD_PROJECT  the capture ray through the proxy point (quad, cuboid, hull)
 //   METHOD_WARP     the capture ray through a point behind the proxy, on the eye's ray (row 15)
 precision highp float;
@@ -33,8 +33,9 @@ uniform sampler2DArray u_color;
 uniform sampler2DArray u_depth;
 uniform float u_near;         // view depth of the near plane
 uniform vec2 u_depth_window;  // window depth = x + y / view depth
-// ImpostorPass::Fragments. 0: all; or 1: the solid ones, which write depth, and then 2: the soft ones
-// over them, which do not: glass must neither hide what is behind it nor blend with less than all.
+// ImpostorPass::Fragments. 0: all fragments in one pass. 1: the solid ones, which write depth; then
+// 2: the soft ones over them, which do not. Glass must neither hide the things behind it nor blend
+// with less than all of them.
 uniform int u_fragments;
 
 #if defined(RELIT) || defined(FOG) || defined(SHADOW)
@@ -69,7 +70,7 @@ bool in_window(vec2 t) {
   return t.x >= v_window.x && t.x <= v_window.z && t.y <= v_window.y && t.y >= v_window.w;
 }
 
-// Stored capture depth at a tangent, kNothing where the tile is empty.
+// Stored capture depth at a tangent, kNothing if the tile is empty there.
 float stored_depth(vec2 t) {
   if (!in_window(t)) return kNothing;
   float code = floor(texelFetch(u_depth, ivec3(texel_from_tangent(t), v_depth.z), 0).r * 255.0 + 0.5);
@@ -85,21 +86,23 @@ void emit(vec4 color, vec3 p) {
   o_color = color * v_depth.w;
   int part = o_color.a < kSolid ? 2 : 1;
   if (o_color.a < 1.0 / 255.0 || (u_fragments != 0 && part != u_fragments)) discard;
-  // Towards the viewer by what quantising may have pushed it back: a shelf at a wall stays before it.
+  // The depth moves towards the viewer by the largest push-back of quantising, so a shelf at a wall
+  // stays in front of it.
   float view_depth = (v_capture.w + dot(v_view_depth, p) - v_depth_slack) * (1.0 - v_capture.z);
   gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, u_near), 0.0, 1.0);
 }
 
 void main() {
 #if !defined(PROXY_QUAD) && !defined(METHOD_WARP)
-  // A face turned away from the capture eye was not seen by it: what it would show is elsewhere.
+  // The capture eye did not see a face turned away from it, so the face has no content of its own.
   if (dot(v_normal, -v_ahead * v_capture.x - v_point) <= 0.0) discard;
 #endif
   vec3 point = v_point;
 #ifdef METHOD_WARP
   vec3 ray = normalize(v_point - v_eye);
   point += v_parallax * ray;
-  // Along the ray into the range of the content: the bound covers no other depth.
+  // The point moves along the ray into the depth range of the content: the bound covers no other
+  // depth.
   float off = clamp(capture_depth(point), v_range.x, v_range.y) - capture_depth(point);
   if (off != 0.0) {
     float along = dot(ray, v_ahead);

@@ -11,10 +11,11 @@ layout(location = 6) in vec4 i_window;          // crop as tangents: left, top, 
 layout(location = 7) in vec4 i_atlas;           // first texel of the crop, texels per tangent
 layout(location = 8) in vec4 i_depth;           // near, far, layer, fade
 layout(location = 9) in vec4 i_box_min;         // object space; w: depth bias
-layout(location = 10) in vec4 i_box_max;        // w: how coarse the stored depth is, object units
-layout(location = 11) in vec4 i_center;         // of the bounding sphere, object space; w: least capture depth
+layout(location = 10) in vec4 i_box_max;        // w: coarseness of the stored depth, object units
+// of the bounding sphere, object space; w: least capture depth
+layout(location = 11) in vec4 i_center;
 #ifdef METHOD_WARP
-layout(location = 12) in float a_parallax;      // from the proxy to the mesh behind it
+layout(location = 12) in float a_parallax;      // distance from the proxy to the mesh behind it
 out float v_parallax;
 flat out vec2 v_range;  // capture depths of the content
 #endif
@@ -28,7 +29,7 @@ uniform vec3 u_forward;  // camera, world
 #endif
 
 out vec3 v_point;             // on the proxy, object space relative to the centre
-flat out vec3 v_eye;          // present eye, same space
+flat out vec3 v_eye;          // present eye, in the same space
 flat out vec3 v_right;
 flat out vec3 v_up;
 flat out vec3 v_ahead;        // capture forward

@@ -1,13 +1,13 @@
-// The convex hull of an object that has no image yet, in its mean colour.
+// The convex hull of an object without an image yet, in its mean colour.
 layout(location = 0) in vec3 a_position;
 layout(location = 1) in vec3 a_normal;
 layout(location = 2) in vec4 i_rotation;
 layout(location = 3) in vec4 i_center_scale;
-layout(location = 4) in vec4 i_color;   // linear; a: -1 where the far sides are drawn, else 1
+layout(location = 4) in vec4 i_color;   // linear; a: -1 if the far sides are drawn, else 1
 layout(location = 11) in vec4 i_center;
 uniform mat4 u_clip_from_relative;
 flat out vec3 v_color;
-out vec3 v_relative;  // to the eye, world
+out vec3 v_relative;  // relative to the eye, world
 
 #include "common/rotation.glsl"
 

@@ -33,7 +33,7 @@ flat in vec4 v_center_scale;
 #endif
 #include "impostor/relief.glsl"
 
-// `along` as trace_tile() gives it.
+// `along` is the value from trace_tile().
 void emit(vec4 color, float along) {
 #ifdef SHADOW
   color = shadowed(color, (v_relative * along - v_center_scale.xyz) / v_center_scale.w);
@@ -48,14 +48,14 @@ void emit(vec4 color, float along) {
 }
 
 // Traces the ray from `eye` through `tile`, both homogeneous; `along` is 0 at the eye, 1 at the
-// proxy. False where it misses.
+// proxy. False: the ray misses.
 bool trace_tile(vec4 tile, vec4 eye, vec3 low, vec3 high, int layer, out Hit hit, out float along) {
   vec3 point = tile.xyz / tile.w;
   vec3 direction = tile.xyz * eye.w - eye.xyz * tile.w;
   Ray ray;
   if (!clip_ray(point, direction, low, high, ray)) return false;
   hit = trace(ray, layer, kFillReach * max(high.x - low.x, high.y - low.y));
-  // Along the strongest axis of the line, back to the parameter in object space.
+  // The parameter in object space is recovered along the strongest axis of the line.
   vec3 size = abs(ray.span);
   vec3 axis = size.x > size.y && size.x > size.z ? vec3(1, 0, 0)
               : size.y > size.z                  ? vec3(0, 1, 0)
@@ -72,7 +72,8 @@ void main() {
     discard;
   }
 #ifdef RELIT
-  // Once, for what was blended on the way: the nearest solid surface has most of the weight.
+  // Shades once for everything blended on the way: the nearest solid surface has most of the
+  // weight.
   if (hit.color.a > 0.0) {
     Stored s = hit.surface;
     s = Stored(s.normal / hit.color.a, s.roughness / hit.color.a, s.rest / hit.color.a);

@@ -4,27 +4,27 @@ uniform sampler2DArray u_depth;
 
 const float kMaxCells = 1024.0;
 const float kSolid = 0.99;
-const float kWall = 6.0;   // codes between neighbours that still are one surface
-const float kClear = 1.0;   // cells from an edge to texels that hold one surface only
+const float kWall = 6.0;   // largest code step between neighbours of one surface
+const float kClear = 1.0;   // cells from an edge to texels that hold only one surface
 const float kRounding = 1.0;
-const float kFillReach = 0.15;  // of the window: how far a surface is extended (0.3 r)
-const float kOneSided = 0.2;  // of that: wider occluders are filled behind from one side, too
+const float kFillReach = 0.15;  // share of the window by which a surface is extended (0.3 r)
+const float kOneSided = 0.2;  // share of that: wider occluders are also filled from one side
 
 struct Ray {
   vec3 from;  // tile space, first point inside the content's box
-  vec3 span;  // to the last one; both along the capture direction
+  vec3 span;  // to the last such point; both along the capture direction
   vec4 window;  // texels of the tile: least and greatest x, y
 };
 
 struct Hit {
-  vec4 color;   // premultiplied, as far as the ray got
-  vec3 point;   // of the first thing met, tile space
+  vec4 color;   // premultiplied, accumulated so far
+  vec3 point;   // first surface met, tile space
 #ifdef RELIT
   Stored surface;  // weighted like colour
 #endif
 };
 
-// False where the ray through `point` misses the box.
+// False: the ray through `point` misses the box.
 bool clip_ray(vec3 point, vec3 direction, vec3 low, vec3 high, out Ray ray) {
   vec3 d = direction / max(max(abs(direction.x), abs(direction.y)), abs(direction.z));
   d = mix(d, vec3(1e-9), lessThan(abs(d), vec3(1e-9)));
@@ -36,7 +36,7 @@ bool clip_ray(vec3 point, vec3 direction, vec3 low, vec3 high, out Ray ray) {
   ray.from = point + d * enter;
   ray.span = d * (leave - enter);
   ray.window = vec4(low.xy, high.xy);
-  // From behind, the surface is met from its back: taken in the order of capture all the same.
+  // A ray from behind meets the surface from its back, but is still traced in the order of capture.
   if (ray.span.z < 0.0) {
     ray.from += ray.span;
     ray.span = -ray.span;
@@ -44,7 +44,7 @@ bool clip_ray(vec3 point, vec3 direction, vec3 low, vec3 high, out Ray ray) {
   return true;
 }
 
-// Depth code 0..254, -1 where nothing is.
+// Depth code 0..254, -1: nothing there.
 float code_at(ivec2 texel, int layer) {
   return floor(texelFetch(u_depth, ivec3(texel, layer), 0).r * 255.0 + 0.5) - 1.0;
 }
@@ -54,8 +54,8 @@ vec4 color_at(vec2 at, int layer) {
   return textureLod(u_color, vec3(uv, float(layer)), 0.0);
 }
 
-// Where the ray meets the surface interpolated between texels: one Newton step from parameter s.
-// `codes`: of the four texels around it, x before y.
+// One Newton step from parameter s to where the ray meets the surface interpolated between texels.
+// `codes`: those of the four texels around it, x before y.
 float refined(Ray ray, float s, vec4 codes) {
   vec2 at = ray.from.xy + ray.span.xy * s - 0.5;
   vec2 f = at - floor(at);
@@ -65,7 +65,7 @@ float refined(Ray ray, float s, vec4 codes) {
   float dx0 = c10 - c00, dx1 = c11 - c01;
   float c0 = c00 + dx0 * f.x, c1 = c01 + dx1 * f.x;
   float c = mix(c0, c1, f.y);
-  // The bound covers half a code between stored and interpolated depth, no more.
+  // The bound covers at most half a code between stored and interpolated depth.
   float nearest = f.y < 0.5 ? (f.x < 0.5 ? c00 : c10) : (f.x < 0.5 ? c01 : c11);
   c = clamp(c, nearest - 0.5, nearest + 0.5);
   float slope = ray.span.z - dot(vec2(mix(dx0, dx1, f.y), c1 - c0), ray.span.xy);
@@ -86,8 +86,8 @@ ivec2 cell(Ray ray, float i, float n) {
 
 float cell_code(Ray ray, float i, float n, int layer) { return code_at(cell(ray, i, n), layer); }
 
-// Whether the rise from `last` to `c`, in cells i - 1 and i, is a slope, which goes on before or
-// behind it, and not an edge.
+// True if the rise from `last` to `c`, in cells i - 1 and i, is a slope that continues before or
+// behind it. False: it is an edge.
 bool one_surface(Ray ray, float i, float n, int layer, float last, float c) {
   ivec2 from = cell(ray, i - 1.0, n), to = cell(ray, i, n);
   float before = code_at(2 * from - to, layer), next = code_at(2 * to - from, layer);
@@ -95,8 +95,8 @@ bool one_surface(Ray ray, float i, float n, int layer, float last, float c) {
          (next >= 0.0 && abs(next - 2.0 * c + last) <= kWall);
 }
 
-// Whether what cell `at` shows goes on evenly for twice `step` cells, perhaps before or beyond the
-// ray: a surface, seen for longer than it is hidden. Leaves do not.
+// True if the content of cell `at` continues smoothly for twice `step` cells, perhaps before or
+// beyond the ray: a surface visible for longer than it is hidden. Leaves do not continue like that.
 bool goes_on(Ray ray, float at, float step, float n, int layer) {
   vec2 end = ray.from.xy + ray.span.xy * ((at + 2.0 * step + 0.5) / n);
   if (any(lessThan(end, ray.window.xy)) || any(greaterThanEqual(end, ray.window.zw))) return false;
@@ -106,7 +106,8 @@ bool goes_on(Ray ray, float at, float step, float n, int layer) {
 }
 
 // Parameter at which the ray meets the surface extended over a hidden stretch [from, to]: from the
-// surface it left at `from` to the one it came out behind at `to` (codes, -1: none). -1: not met.
+// surface it left at `from` to the one behind which it came out at `to` (codes, -1: none). -1: the
+// ray does not meet it.
 float extended(Ray ray, float from, float entry, float to, float leave) {
   if (entry < 0.0 && leave < 0.0) return -1.0;
   float at = ((entry < 0.0 ? leave : entry) - ray.from.z) / ray.span.z;
@@ -117,7 +118,7 @@ float extended(Ray ray, float from, float entry, float to, float leave) {
   return at >= from && at <= to ? at : -1.0;
 }
 
-// Adds what the tile holds at `at`, behind what the ray met so far.
+// Adds the tile's content at `at`, behind everything the ray met so far.
 void blend(inout Hit hit, vec2 at, int layer, vec3 point) {
   vec4 color = color_at(at, layer);
   if (hit.color.a < 0.5) hit.point = point;
@@ -144,16 +145,17 @@ Hit nothing() {
 #ifdef LAYERED
 #include "impostor/relief_layers.glsl"
 #else
-// Front to back through the cells the ray crosses, one sample a cell. Where it passes behind a
-// surface it goes on, hidden; when it comes out behind another or ends, the farther surfaces on
-// either side of the hidden stretch are extended into it. Soft texels are blended and passed.
+// Traces front to back through the cells that the ray crosses, one sample a cell. A ray that passes
+// behind a surface continues, hidden. When it comes out behind another surface, or ends, the
+// farther surfaces on either side of the hidden stretch are extended into it. Soft texels are
+// blended and passed.
 Hit trace(Ray ray, int layer, float reach) {
   Hit hit = nothing();
   float n = clamp(ceil(max(abs(ray.span.x), abs(ray.span.y))), 1.0, kMaxCells);
   float rise = ray.span.z / n;
   float i = 0.0, last = -1.0;
   while (i < n && hit.color.a < kSolid) {
-    // In front of everything so far.
+    // The ray is in front of everything so far.
     float c = -1.0;
     float deep = ray.from.z + rise * i;
     while (i < n) {
@@ -172,7 +174,7 @@ Hit trace(Ray ray, int layer, float reach) {
       blend(hit, ray.from.xy + ray.span.xy * s, layer, ray.from + ray.span * s);
       if (hit.color.a >= kSolid) break;
     }
-    // Hidden behind c.
+    // The ray is hidden behind c.
     float entry = last > c + kWall ? last : -1.0;
     float start = i;
     float under = c;
@@ -180,7 +182,7 @@ Hit trace(Ray ray, int layer, float reach) {
       i += 1.0;
       deep += rise;
       c = i < n ? cell_code(ray, i, n, layer) : -1.0;
-      if (c < 0.0 || c >= deep - kRounding) break;  // out
+      if (c < 0.0 || c >= deep - kRounding) break;  // out again
       if (c > under + 2.0 * kWall) break;       // out behind a farther surface
       under = c;
     }

@@ -1,9 +1,10 @@
 // Impostors drawn by tracing the stored depth (TECHNIQUES row 16). The proxy is the part of the
-// capture frustum that holds the tile's content, so that near the capture pose a ray crosses few
-// texels. Its far faces are drawn: each pixel once, also with the eye inside.
+// capture frustum that holds the tile's content, so near the capture pose a ray crosses few texels.
+// Its far faces are drawn: each pixel once, also with the eye inside.
 //
-// Tile space: x, y in atlas texels, third axis the depth code 0..254. The code is linear in 1 / depth,
-// so a ray is a straight line there, and a point's place is linear in homogeneous coordinates.
+// Tile space: x, y in atlas texels, third axis the depth code 0..254. The code is linear in 1 /
+// depth, so a ray is a straight line there, and a point's place is linear in homogeneous
+// coordinates.
 layout(location = 0) in vec3 a_position;        // 0..1
 layout(location = 2) in vec4 i_rotation;        // world_from_object, xyzw
 layout(location = 3) in vec4 i_center_scale;    // centre relative to the eye, uniform scale
@@ -34,7 +35,7 @@ flat out vec4 v_eye;    // the eye in it
 flat out vec4 v_low_layer;
 flat out vec4 v_high;
 #ifdef RELIT
-flat out vec3 v_right;  // capture basis
+flat out vec3 v_right;  // capture basis, also the next
 flat out vec3 v_up;
 flat out vec4 v_rotation;
 #endif
@@ -50,7 +51,7 @@ void main() {
   float scale = i_center_scale.w;
   v_slack = vec4(i_slack.x, i_slack.y * scale, i_place.w, 0.0);
   float near = i_range.x, far = i_range.y, texels = i_up_texels.w;
-  // The cube's third axis runs towards the eye: the map then keeps the winding.
+  // The cube's third axis points towards the eye, so the mapping keeps the winding.
   float code = mix(i_range.w, i_range.z, a_position.z);
   float z = near * far / (far - code / 254.0 * (far - near));
   vec2 t = mix(i_window.xw, i_window.zy, a_position.xy);

@@ -1,24 +1,25 @@
-// Tracing a ray through both layers of a tile (relief.glsl has what one layer needs). A ray that has
-// passed behind the front is seen again where it meets the layer behind, and where a texel has none,
-// nothing lies behind its front: hidden is only what lies behind both.
-flat in vec3 v_front;   // from the tile's place to that of its front: texels; layer of the atlas
-flat in vec3 v_behind;  // and to that of the layer behind
+// Traces a ray through both layers of a tile; relief.glsl has the one-layer functions. A ray behind
+// the front becomes visible again where it meets the layer behind. A texel without that layer has
+// nothing behind its front. Hidden is only the space behind both.
+flat in vec3 v_front;   // offset from the tile's place to its front: texels; atlas layer
+flat in vec3 v_behind;  // the same for the layer behind
 
-// Codes of either layer, -1 where there is none.
+// Codes of either layer, -1: none.
 float front_at(ivec2 texel) { return code_at(texel + ivec2(v_front.xy), int(v_front.z)); }
 float behind_at(ivec2 texel) { return code_at(texel + ivec2(v_behind.xy), int(v_behind.z)); }
 vec2 codes_at(ivec2 texel) { return vec2(front_at(texel), behind_at(texel)); }
 
-// Of a texel's codes the nearer one that is not in front of `deep`; -1: none.
+// The nearer of a texel's codes that is not in front of `deep`; -1: none.
 float ahead(vec2 codes, float deep) { return codes.x >= deep ? codes.x : codes.y >= deep ? codes.y : -1.0; }
 
-// The one nearest to `c`.
+// The code nearest to `c`.
 float like(vec2 codes, float c) {
   return codes.y >= 0.0 && abs(codes.y - c) < abs(codes.x - c) ? codes.y : codes.x;
 }
 float like_at(ivec2 texel, float c) { return like(codes_at(texel), c); }
 
-// As one_surface() and refine(), along the layer that is nearest to the surface in each texel.
+// Versions of one_surface() and refine() that follow, in each texel, the layer nearest to the
+// surface.
 bool layers_rise(Ray ray, float i, float n, float last, float c) {
   ivec2 from = cell(ray, i - 1.0, n), to = cell(ray, i, n);
   float before = like_at(2 * from - to, 2.0 * last - c);
@@ -39,8 +40,8 @@ void blend_layer(inout Hit hit, Ray ray, float at, float s, bool behind) {
   blend(hit, ray.from.xy + ray.span.xy * at + place.xy, int(place.z), ray.from + ray.span * s);
 }
 
-// Blends what the ray meets in cell i: code `c`, of the layer behind or of the front. `last`: of the
-// surfaces that the ray was in front of in the cell before, the one nearest to c.
+// Blends the surface that the ray meets in cell i: code `c`, of the layer behind or of the front.
+// `last`: among the surfaces that the ray was in front of in the cell before, the one nearest to c.
 void meet(inout Hit hit, Ray ray, float i, float n, float c, float last, bool behind) {
   float rise = ray.span.z / n, deep = ray.from.z + rise * i;
   bool risen = !behind && last - c > kWall && layers_rise(ray, i, n, last, c);
@@ -52,7 +53,8 @@ void meet(inout Hit hit, Ray ray, float i, float n, float c, float last, bool be
   blend_layer(hit, ray, s, s, behind);
 }
 
-// Fills the hidden cells [start, i) as trace() in relief.glsl does; `codes`: where the ray is out.
+// Fills the hidden cells [start, i) like trace() in relief.glsl. `behind`: true where `entry`,
+// `leave` are of the layer behind.
 void fill(inout Hit hit, Ray ray, float start, float i, float n, int layer, float entry, float leave,
           bvec2 behind, float reach) {
   float at = extended(ray, start / n, entry, i / n, leave);
@@ -73,7 +75,7 @@ Hit trace(Ray ray, int layer, float reach) {
   float rise = ray.span.z / n;
   bool hidden = false;
   float start = 0.0, entry = -1.0, under = 0.0;
-  bvec2 behind = bvec2(false);  // whether entry, leave are of the layer behind
+  bvec2 behind = bvec2(false);  // entry, leave are of the layer behind
   for (float i = 0.0; i <= n && hit.color.a < kSolid; i += 1.0) {
     float deep = ray.from.z + rise * i;
     vec2 codes = vec2(-1.0);

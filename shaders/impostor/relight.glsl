@@ -6,7 +6,7 @@
 
 uniform sampler2DArray u_surface;
 
-// What a tile stores of a surface, to be filtered and blended like colour.
+// The surface data of a tile, filtered and blended like colour.
 struct Stored {
   vec2 normal;     // octahedral about the axis towards the capture eye
   float roughness;
@@ -15,7 +15,7 @@ struct Stored {
 
 Stored stored_surface(vec2 texel, float layer) {
   vec4 s = textureLod(u_surface, vec3(texel / vec2(textureSize(u_surface, 0).xy), layer), 0.0);
-  // Two numbers in one byte: not to be filtered.
+  // The byte holds two numbers, so it must not be filtered.
   float both = floor(texelFetch(u_surface, ivec3(texel, layer), 0).a * 255.0 + 0.5);
   float kind = floor(both / 16.0);
   vec3 rest = vec3(max(kind - 7.0, 0.0) / 8.0, (both - 16.0 * kind) / 15.0,
@@ -23,7 +23,7 @@ Stored stored_surface(vec2 texel, float layer) {
   return Stored(s.xy * 2.0 - 1.0, s.z, rest);
 }
 
-// `color` is premultiplied base colour, `position` relative to the eye; `right` and `up` are the
+// `color` is premultiplied base colour; `position` is relative to the eye; `right` and `up` are the
 // capture basis, turned to the world by `rotation`.
 vec4 relit(vec4 color, Stored stored, vec3 position, vec3 right, vec3 up, vec4 rotation) {
   if (color.a <= 0.0) return color;

@@ -1,12 +1,14 @@
-// The shadow tile an impostor wears: any capture of the instance will do, as its texels are found by
-// the points they show.
+// The shadow tile that an impostor wears. Any capture of the instance will do, because its texels
+// are found by the points they show.
 uniform highp sampler2DArray u_shadow;
-uniform vec3 u_shadow_tint;  // what full shadow takes, per colour, against what it takes of luminance
-flat in vec4 v_shadow_rotation;  // capture axes (right, up, towards its eye) in those of the point
+// share that full shadow takes of each colour, relative to that of luminance
+uniform vec3 u_shadow_tint;
+// from the axes of the point to the capture axes (right, up, towards its eye)
+flat in vec4 v_shadow_rotation;
 flat in vec4 v_shadow_view;      // distance Dc, texels per tangent, texel of tangent 0, 0
 flat in vec4 v_shadow_place;     // first texel of the crop, its size (w + 4096 h), layer; -1: none
 
-// `color` premultiplied, without shadow; `point` relative to the centre in object units.
+// `color` is premultiplied, without shadow; `point` is relative to the centre in object units.
 vec4 shadowed(vec4 color, vec3 point) {
   if (v_shadow_place.w < 0.0) return color;
   vec3 p = rotate(vec4(-v_shadow_rotation.xyz, v_shadow_rotation.w), point);

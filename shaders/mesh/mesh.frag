@@ -6,7 +6,8 @@ in vec3 v_normal;
 in vec4 v_tangent;
 in vec2 v_uv0;
 in vec2 v_uv1;
-in vec4 v_shade;  // 1 less the vertex colour: white stays white to the last bit, as 0 is what interpolates exactly
+// 1 less the vertex colour: only 0 interpolates exactly, so white stays white to the last bit
+in vec4 v_shade;
 flat in uint v_id;
 
 #ifndef DEPTH_ONLY
@@ -16,7 +17,8 @@ layout(location = 0) out vec4 o_color;
 #include "common/seen.glsl"
 #endif
 #ifdef WRITE_RANGE
-layout(location = 1) out vec4 o_range;  // 1 less the window depth, the window depth: greatest of both
+// greatest of 1 less the window depth, and of the window depth
+layout(location = 1) out vec4 o_range;
 #endif
 #ifdef WRITE_ID
 layout(location = 1) out uint o_id;
@@ -27,7 +29,7 @@ layout(location = 2) out vec4 o_material;  // metallic, roughness, occlusion
 #endif
 
 #ifdef WRITE_DARKENED
-layout(location = 1) out vec4 o_darkened;  // o_color without shadows, this one with them
+layout(location = 1) out vec4 o_darkened;  // o_color is without shadows, this one with them
 #endif
 
 uniform vec4 u_base_color;
@@ -36,11 +38,12 @@ uniform vec4 u_factors;  // metallic, roughness, normal scale, occlusion strengt
 uniform float u_alpha_cutoff;
 uniform float u_mip_bias;
 #ifdef BEHIND
-uniform sampler2D u_floor;   // window depth of what is left out, a texel for each u_floor_samples a side
+// window depth of the part left out, one texel for each u_floor_samples a side
+uniform sampler2D u_floor;
 uniform int u_floor_samples;
 #endif
 #ifdef SWITCHES
-// One shader for all that a material may be (proofs of leaving out): 1 where it is unlit, opaque.
+// One shader for any material (proofs of leaving out): 1 if it is unlit, if it is opaque.
 uniform vec2 u_switches;
 #endif
 uniform sampler2D u_base_color_map;
@@ -56,7 +59,7 @@ uniform vec2 u_clearcoat;     // share, roughness
 uniform vec4 u_sheen;         // colour, roughness
 uniform vec4 u_transmission;  // tint of the way through, share
 uniform vec3 u_anisotropy;    // strength; direction in the tangent frame
-uniform vec3 u_backdrop;      // what is seen where no object is
+uniform vec3 u_backdrop;      // colour where no object is
 uniform sampler2D u_specular_map;
 uniform sampler2D u_specular_color_map;
 uniform sampler2D u_clearcoat_map;
@@ -87,9 +90,9 @@ vec2 map_uv(int map) {
   return vec2(dot(m0.xy, uv) + m0.z, dot(m1.xy, uv) + m1.z);
 }
 
-// `n` leant as a texel of a normal map says.
+// `n` tilted by a texel of a normal map.
 vec3 mapped_normal(vec3 n, vec3 texel) {
-  if (texel.xy == vec2(0.0)) return n;  // says nothing: not even a rounding of n
+  if (texel.xy == vec2(0.0)) return n;  // neutral: n keeps even its last bits
   vec3 t = normalize(v_tangent.xyz - n * dot(n, v_tangent.xyz));
   vec3 b = cross(n, t) * v_tangent.w;
   vec3 mapped = texel.x * t + texel.y * b + texel.z * n;
@@ -113,9 +116,9 @@ vec3 surface_normal() {
 }
 
 #if defined(NEED_ANISOTROPY) && defined(NEED_LIGHTING)
-// As KHR_materials_anisotropy has it, in the tangent frame of normal maps, but laid into the normal
-// that is shaded: along the mesh's own tangents a highlight would not see the normal map. The
-// grain is that of the front from behind, too, so its frame does not turn to face the eye.
+// KHR_materials_anisotropy, in the tangent frame of normal maps, but projected onto the shaded
+// normal: along the mesh's own tangents, a highlight would ignore the normal map. Seen from behind,
+// the grain is still that of the front, so its frame does not turn to face the eye.
 void read_grain(inout Surface s) {
   s.anisotropy = u_anisotropy.x;
   vec2 turn = u_anisotropy.yz, along = vec2(1.0, 0.0);
@@ -134,7 +137,7 @@ void read_grain(inout Surface s) {
   float l = length(grain);
   if (l > 1e-6) {
     s.grain = grain / l;
-  } else {  // the normal map leans all the way along it, or there is no tangent: no direction
+  } else {  // the normal map tilts fully along it, or there is no tangent: no direction
     s.grain = vec3(0.0);
     s.anisotropy = 0.0;
   }
@@ -179,9 +182,9 @@ void read_lobes(inout Surface s) {
 }
 
 #ifdef NEED_TRANSMISSION
-// One alpha stands for all colours: what the tint takes from white is blended, the rest of its
-// colour is the backdrop's, and so is all that a rough surface would blur. Adds that to `color`;
-// the share that is blended.
+// One alpha must serve for all colours. The grey share of the tint is blended. The rest of the
+// tint's colour is taken from the backdrop, and so is everything that a rough surface would blur.
+// Adds that to `color` and returns the blended share.
 float seen_through(Surface s, inout vec3 color) {
   float n_v = clamp(dot(s.normal, -unit(s.position)), 0.0, 1.0);
   float fresnel = s.reflectance.g + (s.reflectance.a - s.reflectance.g) * fifth(1.0 - n_v);
@@ -255,7 +258,7 @@ void main() {
   o_material = vec4(s.metallic, s.roughness, s.occlusion, 1.0);
 #endif
 #if defined(WRITE_SURFACE) && !defined(SWITCHES)
-  vec3 color = s.albedo;  // shaded where it is drawn: relight.glsl
+  vec3 color = s.albedo;  // shaded when it is drawn: relight.glsl
 #else
 #ifdef SHADOW
   s.sun = sun_visibility(v_position, gl_FrontFacing ? normalize(v_normal) : -normalize(v_normal));
@@ -284,7 +287,7 @@ void main() {
 #else
   vec3 color = base.rgb;
 #endif
-  // Clamp before blending: an 8-bit target would, and NaN must never reach it.
+  // Clamped before blending, as an 8-bit target would do; NaN must never reach the target.
   color = clamp(color, 0.0, 1.0);
 #ifdef WRITE_DARKENED
   o_darkened = vec4(color * base.a, base.a);

@@ -27,7 +27,7 @@ flat out uint v_id;
 
 #include "common/rotation.glsl"
 
-// Alpha-tested surfaces are drawn twice, by two programs, and must meet their own depth again.
+// Two programs draw alpha-tested surfaces, and the second must get exactly the depth of the first.
 invariant gl_Position;
 
 void main() {
@@ -42,7 +42,8 @@ void main() {
   gl_Position = u_clip_from_relative * vec4(v_position, 1.0);
 #ifdef FADE
   v_fade = i_fade;
-  // In front of the impostor it takes over from: 3 % nearer (the matrix turns, but does not move).
+  // A fading mesh is 3 % nearer than the impostor it replaces (the matrix turns, but does not
+  // move).
   if (i_fade < 1.0) gl_Position.z += 0.03 * u_clip_from_relative[3].z;
 #endif
 }

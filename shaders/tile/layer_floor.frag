@@ -1,10 +1,10 @@
-// What a texel's front layer does not reach: the nearest depth of its samples and a step. One texel
-// of the target each. FACTOR: samples of a texel each way.
+// Writes the floor of each texel's front layer: the nearest depth of its samples plus a step, one
+// texel of the target each. FACTOR: samples of a texel each way.
 precision highp float;
 precision highp int;
 uniform sampler2D u_depth;
 uniform float u_step;  // window depth
-layout(location = 0) out float o_floor;  // 1 and more where nothing is
+layout(location = 0) out float o_floor;  // at least 1 if there is nothing
 
 void main() {
   ivec2 base = ivec2(gl_FragCoord.xy) * FACTOR;

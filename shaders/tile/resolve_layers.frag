@@ -1,8 +1,9 @@
-// Supersampled tile and what lies behind its floor (layer_floor.frag) -> its place in the page, as two
-// layers. Front: what its samples show above the floor. Behind: where samples of the tile lie below
-// it, those, so that front over behind is what resolve_tile.frag gives; elsewhere all that the front
-// hides. Of the layer behind five bits a colour, four of coverage and the depth code share a texel.
-// FACTOR: samples of a texel each way.
+// Resolves a supersampled tile and the content behind its floor (layer_floor.frag) to its place in
+// the page, as two layers. The front shows the samples above the floor. If samples of the tile are
+// below the floor, the layer behind shows those, so that front over behind is the result of
+// resolve_tile.frag. Elsewhere it shows everything that the front hides. A texel of the layer
+// behind holds five bits a colour, four of coverage and the depth code. FACTOR: samples of a texel
+// each way.
 precision highp float;
 precision highp int;
 uniform sampler2D u_color;

@@ -1,5 +1,6 @@
-// Supersampled reference -> display size: colour averaged in linear light; depth (eye depth in
-// metres, 0 = none) and id + 1 of the sample at (factor/2, factor/2), for the geometric error.
+// Resolves a supersampled reference to display size. Colour is averaged in linear light. Depth (eye
+// depth in metres, 0 = none) and id + 1 are those of the sample at (factor/2, factor/2), for the
+// geometric error.
 precision highp float;
 precision highp int;
 precision highp usampler2D;
@@ -8,7 +9,7 @@ uniform sampler2D u_depth;
 uniform usampler2D u_id;
 uniform int u_factor;
 uniform vec2 u_window_depth;  // window depth = x + y / eye depth
-uniform float u_farthest;     // window depth of nothing
+uniform float u_farthest;     // window depth where nothing is drawn
 layout(location = 0) out vec4 o_color;
 layout(location = 1) out float o_depth;
 layout(location = 2) out uint o_id;

@@ -1,8 +1,11 @@
-// Supersampled tile -> its place in the page: colour averaged in linear light, depth of the nearest covered
-// sample as a code 1..255 (hyperbolic over the object's depth range, which is what the capture
-// projection's depth buffer holds), 0 where nothing is. RELIT: the surface as tile.h describes it, too.
-// SHADOW: in place of depth the share of the texel's light that shadows leave. CASTER: a texel is there
-// or not, ordered dither keeping the cover of what fills it in part. FACTOR: samples of a texel each way.
+// Resolves a supersampled tile to its place in the page. Colour is averaged in linear light. Depth
+// is that of the nearest covered sample as a code 1..255, 0: no content. The code is hyperbolic
+// over the object's depth range, like the capture projection's depth buffer. FACTOR: samples of a
+// texel each way.
+//
+// RELIT adds the surface as tile.h describes it. SHADOW writes the share of the texel's light that
+// shadows leave, in place of depth. CASTER makes a texel present or absent; an ordered dither keeps
+// the coverage of partly filled texels.
 precision highp float;
 precision highp int;
 uniform sampler2D u_color;
@@ -11,7 +14,7 @@ uniform ivec2 u_origin;  // of the tile in the page
 layout(location = 0) out vec4 o_color;
 layout(location = 1) out vec4 o_depth;
 #ifdef RELIT
-uniform sampler2D u_normal;    // of the object's space
+uniform sampler2D u_normal;    // in the object's space
 uniform sampler2D u_material;  // metallic, roughness, occlusion
 uniform vec3 u_right;          // capture basis
 uniform vec3 u_up;
@@ -19,7 +22,7 @@ layout(location = 2) out vec4 o_surface;
 
 #include "common/octahedral.glsl"
 
-// `normal` is the mean over the covered samples: the more they differ, the shorter it is.
+// `normal` is the mean over the covered samples; the more they differ, the shorter it is.
 vec4 surface_code(vec3 normal, vec3 material) {
   vec3 about = vec3(dot(normal, u_right), dot(normal, u_up), dot(normal, cross(u_right, u_up)));
   float l = length(about);
@@ -32,8 +35,9 @@ vec4 surface_code(vec3 normal, vec3 material) {
 #endif
 
 #ifdef BLENDED
-uniform sampler2D u_range;  // of blended surfaces: 1 less the nearest depth, the farthest; 0 where none is
-layout(location = 2) out vec4 o_behind;  // how many codes behind its depth the texel still shows something
+uniform sampler2D u_range;  // of blended surfaces: 1 less the nearest depth, the farthest; 0: none
+// number of codes behind its depth at which the texel still shows something
+layout(location = 2) out vec4 o_behind;
 #endif
 #ifdef SHADOW
 uniform sampler2D u_darkened;
@@ -47,7 +51,7 @@ void main() {
   vec4 sum = vec4(0.0);
   float nearest = 2.0;
 #ifdef BLENDED
-  float front = 2.0, back = -1.0;  // of samples that show a blended surface
+  float front = 2.0, back = -1.0;  // range of samples that show a blended surface
 #endif
 #ifdef RELIT
   vec3 normal = vec3(0.0), material = vec3(0.0);
@@ -82,19 +86,19 @@ void main() {
 #ifdef RELIT
   o_surface = sum.a > 0.0 ? surface_code(normal / sum.a, material / sum.a) : vec4(0.0);
 #endif
-  // What is blended and hardly shows has no depth: it counts as lying in the middle of the range.
+  // Faint blended texels have no depth; they count as the middle of the range.
   float d = nearest >= 1.0 ? 0.5 : nearest;
   float code = nearest > 1.5 ? 0.0 : 1.0 + floor(clamp(d, 0.0, 1.0) * 254.0 + 0.5);
 #ifdef SHADOW
   const vec3 kLuminance = vec3(0.2126, 0.7152, 0.0722);
   float whole = dot(sum.rgb, kLuminance);
   float left = whole > 1e-5 ? clamp(dot(darkened, kLuminance) / whole, 0.0, 1.0) : 1.0;
-  // In 64 steps: noise of foliage is most of what is sent.
+  // The light is rounded to 64 steps, because noise of foliage is most of the bytes sent.
   code = sum.a > 0.0 ? 1.0 + floor(floor(left * 63.0 + 0.5) / 63.0 * 254.0 + 0.5) : 0.0;
 #endif
 #ifdef CASTER
   if (dithered_away(ivec2(gl_FragCoord.xy) - u_origin, o_color.a)) code = 0.0;
-  code = min(floor(code / 4.0) * 4.0 + 2.0, 254.0) * sign(code);  // in 64 steps, for the same reason
+  code = min(floor(code / 4.0) * 4.0 + 2.0, 254.0) * sign(code);  // 64 steps, for the same reason
   o_color = vec4(code > 0.0 ? 1.0 : 0.0);
 #endif
   o_depth = vec4(code / 255.0);
@@ -102,7 +106,7 @@ void main() {
   o_behind = vec4(back < 0.0 ? 0.0 : ceil(clamp(back - d, 0.0, 1.0) * 254.0) / 255.0);
 #endif
 #ifdef FINE_DEPTH
-  // All that the depth buffer holds of it, for proofs; 0 where nothing is.
+  // Writes all bits of the depth buffer, for proofs; 0: no content.
   uint fine = code > 0.0 ? 1u + uint(clamp(d, 0.0, 1.0) * 16777213.0 + 0.5) : 0u;
   o_depth.rgb = vec3(fine >> 16u, (fine >> 8u) & 255u, fine & 255u) / 255.0;
 #endif

@@ -1,4 +1,4 @@
-// Cells of a view tile, where they stand.
+// Draws the cells of a view tile at their places in the world.
 layout(location = 0) in vec3 a_position;  // relative to the eye the view was taken from, world
 layout(location = 1) in vec2 a_texture;
 uniform mat4 u_clip_from_relative;

@@ -1,5 +1,5 @@
 #pragma once
-// A client in this process, its GL context and a target to draw into.
+// Bench client: a client in this process, its GL context and a target to draw into.
 
 #include <memory>
 #include <optional>
@@ -18,16 +18,16 @@ class BenchClient {
  public:
   struct View {
     int width = 0, height = 0;
-    int samples = 0;  ///< a pixel; 0: one
+    int samples = 0;  ///< of a pixel; 0: one
   };
-  /// Connects and waits for the scene. The atlas is as large as `host.session` says.
+  /// Connects and waits for the scene. `host.session` sets the size of the atlas.
   static Result<std::unique_ptr<BenchClient>> create(const HostOptions& host, const View& view);
 
   ClientHost& host() { return *host_; }
   ClientSession& session() { return host_->session(); }
   const SceneView& scene() const { return host_->session().scene(); }
   const FrameTarget& target() const { return *target_; }
-  /// What the session planned, with its lighting; until it is drawn.
+  /// Draws what the session planned, with its lighting, and waits until it is drawn.
   void draw(const FrameTarget& target, const Camera& camera, const DrawList& list);
 
  private:

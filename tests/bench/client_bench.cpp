@@ -1,5 +1,5 @@
-// What a client's frame costs: beside the same frame drawn from all geometry, and by the number of
-// instances there are.
+// Client benchmarks: the cost of a client's frame, beside the same frame drawn from all geometry,
+// and by the number of instances.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -33,8 +33,8 @@ constexpr int kSettleFrames = 400;
 constexpr int kAtlasMb = 216;
 constexpr std::int64_t kFrameUs = 16'667;
 
-// Every instance in view from its whole mesh, near ones first: what a client without impostors and
-// without levels of detail draws, into the same target.
+// Draws every instance in view from its whole mesh, near ones first, into the same target: what a
+// client without impostors and levels of detail draws.
 class FullGeometry {
  public:
   explicit FullGeometry(std::shared_ptr<const PreparedScene> scene) : scene_(std::move(scene)) {}
@@ -139,7 +139,7 @@ class Client {
     camera.fit_depth_range(scene().bounds_center, scene().bounds_radius);
     return camera;
   }
-  /// One frame of 1/60 s, without drawing it.
+  /// Plans a frame of 1/60 s without drawing it.
   void plan(const Camera& camera) {
     host().virtual_clock()->advance_to_us(host().now_us() + kFrameUs);
     (void)host().session().receive(host().now_us());
@@ -149,18 +149,18 @@ class Client {
     plan(camera);
     draw(target(), camera);
   }
-  /// What was planned last.
+  /// Draws what was planned last.
   void draw(const FrameTarget& target, const Camera& camera) {
     client_->draw(target, camera, list_);
   }
-  /// Until nothing more is to come.
+  /// Plans frames until nothing more is expected to arrive.
   void settle(const Camera& camera) {
     for (int frame = 0; frame < kSettleFrames; ++frame) {
       plan(camera);
       if (frame > 20 && host().session().at_rest()) return;
     }
   }
-  /// Of what was drawn last into target().
+  /// Returns the FLIP of what was last drawn into target().
   double flip(const ReferenceFrame& truth) const {
     const std::vector<std::uint8_t> drawn = target().read();
     return measure_images({truth.width, truth.height, truth.rgba.data()},
@@ -220,7 +220,7 @@ Result<Row> compare(const Compared& compared) {
   const double full_s = pair.beside_s;
   Result<ReferenceFrame> truth = client.host().reference(camera, 2);
   if (!truth) return truth.error();
-  const double full_flip = client.flip(*truth);  // drawn last
+  const double full_flip = client.flip(*truth);  // it was drawn last
   client.plan_and_draw(camera);
   Row row;
   row.what = compared.what;
@@ -254,7 +254,7 @@ Result<std::vector<Row>> against_geometry(const Conditions& conditions) {
       {balls, fmt::format("client frame, {} balls of 140,000 triangles", many.copies), 100, 1}};
   if (!conditions.quick) {
     all.push_back({"builtin:forest", "forest of 400 trees, no geometry of trees", 80, rounds, 0});
-    // FLIP may be worse by .03 (row.ours and row.beside say by how much it is).
+    // FLIP may be worse by .03 (row.ours and row.beside tell by how much it is).
     all.push_back({"builtin:forest", "forest of 400 trees, within a budget of 100 ms", 40, rounds,
                    kAnyRadii, kMsaa, 100});
   }
@@ -267,12 +267,12 @@ Result<std::vector<Row>> against_geometry(const Conditions& conditions) {
   return rows;
 }
 
-// A walk through a field, as a user with 20 Mbit/s and 100 ms has it, with as many samples a pixel
+// A walk through a field, as a user with 20 Mbit/s and 100 ms sees it, with as many samples a pixel
 // as the viewer chooses here.
 Result<std::vector<Row>> field(const Conditions& conditions) {
   constexpr double kGoalMs = 60, kFirstGoalMs = 1000;
-  constexpr double kBudgetMs = 50;  // of a viewer on a software renderer
-  constexpr int kDrawnEvery = 8;    // frames; the others are planned only
+  constexpr double kBudgetMs = 50;  // a viewer's budget on a software renderer
+  constexpr int kDrawnEvery = 8;    // frames; others are only planned
   std::vector<Row> rows;
   double before_ms = 0;
   for (const int instances : {10'000, 100'000, 1'000'000}) {
@@ -334,7 +334,7 @@ Result<std::vector<Row>> field(const Conditions& conditions) {
   return rows;
 }
 
-// The longest frames of a walk, with a link that has room and with one that never has.
+// The longest frames of a walk, with a link that has room, and with one that never has.
 Result<std::vector<Row>> saturation(const Conditions& conditions) {
   constexpr double kGoal = 1.2;
   const test::Server server("builtin:forest?trees=120", {});
@@ -350,7 +350,7 @@ Result<std::vector<Row>> saturation(const Conditions& conditions) {
     options.net.server_ms = 5;
     options.width = 320;
     options.height = 180;
-    options.mesh_radii = 0;  // else the full link's frames are the quicker for what has not come
+    options.mesh_radii = 0;  // otherwise missing geometry makes the full link's frames quicker
     Result<std::unique_ptr<Client>> made = Client::create(server.url(), options);
     if (!made) return made.error();
     Client& client = **made;

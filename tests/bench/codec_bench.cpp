@@ -1,4 +1,5 @@
-// What each tile codec costs beside zstd: bytes, encoding, decoding, and the error of its colours.
+// Codec benchmarks: the cost of each tile codec beside zstd: bytes, encoding, decoding, and the
+// error of its colours.
 #include <spdlog/fmt/fmt.h>
 
 #include "protocol/codec/tile_color.h"

@@ -1,5 +1,5 @@
-// Tiles, read-back and uploads on a graphics card, over page edge, batch and ring depth. On a
-// software renderer only to see that it runs: what it measures there is the processor.
+// GPU benchmarks: tiles, read-back and uploads on a graphics card, over page edge, batch and ring
+// depth. A software renderer only shows that they run, because there they measure the processor.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -17,14 +17,14 @@ namespace mirage::bench {
 namespace {
 
 constexpr std::uint32_t kTileEdge = 128;
-constexpr int kSupersample = 2;  // the server's
+constexpr int kSupersample = 2;  // as on the server
 
 struct Setting {
   int page_edge = 512;    ///< texels
   std::size_t batch = 0;  ///< tiles a page; 0: as many as fit
   std::size_t ring = 2;   ///< pages in flight
 };
-constexpr Setting kDefault;  // the server's, all it can put into a page
+constexpr Setting kDefault;  // the server's: as many tiles a page as fit
 
 double seconds_of(const std::function<void()>& work) {
   const auto began = std::chrono::steady_clock::now();
@@ -58,7 +58,7 @@ class PageLoop {
 
   std::string device() const { return egl_.description(); }
 
-  /// Pages of this setting until `tiles` are there; false when no target can be made.
+  /// Draws pages of this setting until `tiles` are there. Returns false if no target can be made.
   bool draw(const Setting& setting, std::size_t tiles) {
     ReadbackRing ring(setting.ring);
     std::uint32_t serial = 0;
@@ -82,7 +82,7 @@ class PageLoop {
     return true;
   }
 
-  /// Tiles a second; 0: not to be had.
+  /// Returns tiles a second; 0: not possible.
   double rate(const Setting& setting, std::size_t tiles, int rounds) {
     if (!draw(setting, 1)) return 0;  // makes the targets
     std::vector<double> rates;
@@ -92,7 +92,7 @@ class PageLoop {
     return middle(rates).median;
   }
 
-  /// Bytes a second from the card, of empty pages.
+  /// Returns bytes a second from the card, for empty pages.
   double readback_rate(int edge, std::size_t depth, int pages) {
     const gl::RenderTarget target(edge, edge, {GL_SRGB8_ALPHA8, GL_R8}, 0);
     if (!target.ok()) return 0;
@@ -109,7 +109,8 @@ class PageLoop {
     return 5.0 * edge * edge * pages / s;
   }
 
-  /// Bytes a second to the card: planes of lit tiles into the client's atlas. Error kGraphicsGl.
+  /// Returns bytes a second to the card, for planes of lit tiles into the client's atlas. Error
+  /// kGraphicsGl.
   Result<double> upload_rate(int tiles) {
     constexpr int kEdge = 1024;
     Result<ImpostorAtlas> atlas = ImpostorAtlas::create(kEdge, 1);
@@ -163,7 +164,7 @@ Result<std::vector<Row>> sweep(const Conditions& conditions) {
   std::vector<Row> rows;
   for (const Setting& s : settings(conditions.quick)) {
     const double rate = loop.rate(s, std::max(least, s.batch), rounds);
-    if (rate <= 0) continue;  // larger than the device can
+    if (rate <= 0) continue;  // larger than the device allows
     rows.push_back({fmt::format("tiles of {}: page {}, batch {}, ring {}", kTileEdge, s.page_edge,
                                 s.batch, s.ring),
                     fmt::format("{:.0f} tiles/s", rate),

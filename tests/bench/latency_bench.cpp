@@ -1,4 +1,5 @@
-// How long a tile takes beyond its drawing: a real server, a real socket, a client that draws.
+// Latency benchmarks: how long a tile takes beyond its drawing, with a real server, a real socket
+// and a client that draws.
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
@@ -20,7 +21,7 @@ constexpr std::uint32_t kTexels = 128;
 constexpr int kFrameEdge = 256;
 constexpr int kReplyTimeoutMs = 5'000;
 
-/// A client that draws whenever something has come, as a window does at rest.
+/// A client that draws whenever something has arrived, as a window does at rest.
 class EagerClient {
  public:
   static Result<std::unique_ptr<EagerClient>> create(const std::string& url) {
@@ -38,13 +39,13 @@ class EagerClient {
     return out;
   }
 
-  /// Looks at the scene's middle from `turn` (radians) around it until no better tile is to come.
+  /// Looks at the scene's middle from `turn` (radians) around it until no better tile is expected.
   Result<void> look_from(double turn) {
     const SceneView& scene = session().scene();
     Camera camera;
     camera.width = camera.height = kFrameEdge;
     camera.fov_y = 0.9;
-    // So far that a tile of kTexels is the fitting one, at 1.5 texels a pixel.
+    // The distance at which a tile of kTexels fits, at 1.5 texels a pixel.
     const double distance = 4.4 * scene.bounds_radius * kFrameEdge * 1.5 / (2.0 * kTexels);
     const glm::dvec3 eye =
         scene.bounds_center + distance * glm::dvec3(std::cos(turn), 0.2, std::sin(turn));

@@ -1,4 +1,4 @@
-// mirage-bench: prints one table of what things cost beside what they are compared with.
+// mirage-bench: prints one table with what things cost, and what they are compared with.
 
 #include <spdlog/fmt/fmt.h>
 
@@ -14,7 +14,7 @@
 namespace mirage::bench {
 namespace {
 
-constexpr int kSkipped = 77;  // as test drivers have it
+constexpr int kSkipped = 77;  // exit code for "skipped" in test drivers
 
 struct Options {
   bool list = false, quick = false, software = false;
@@ -39,7 +39,7 @@ nlohmann::ordered_json json_of(const Row& r, const std::string& command) {
   return row;
 }
 
-// The benchmarks named, or all. Error kUsage for a name that is none.
+// Returns the benchmarks with these names, or all. Error kUsage for an unknown name.
 Result<std::vector<Bench>> chosen(const std::vector<std::string>& names) {
   std::vector<Bench> all, out;
   for (const auto& some :
@@ -61,17 +61,24 @@ Result<std::vector<Bench>> chosen(const std::vector<std::string>& names) {
 
 int main_of(int argc, char** argv) {
   Options o;
-  CLI::App app{"Measures what Mirage costs beside floors and peers, in one run and in turn."};
+  CLI::App app("Measures what Mirage costs beside floors and peers, in one run and in turn.",
+               "mirage-bench");
   app.footer(
-      "Exit code 0 also when a goal is missed: the table says so; 77 when no device for any of "
-      "them is there.");
-  app.add_flag("--list", o.list, "names of the benchmarks");
+      "The exit code is 0 also when a goal is missed: the table says so. It is 77 when there is no "
+      "device for any of the benchmarks.");
+  app.option_defaults()->group("Benchmarks");
+  app.add_flag("--list", o.list, "print the names of the benchmarks and exit");
   app.add_flag("--quick", o.quick, "fewer rounds, smaller scenes");
-  app.add_option("--only", o.only, "names, with commas")->delimiter(',');
-  app.add_option("--json", o.json_file, "write the rows here");
-  app.add_option("--device", o.device, "EGL device of `gpu`: auto, surfaceless, device0, …")
+  app.add_option("--only", o.only, "run only these, names with commas between")
+      ->type_name("NAMES")
+      ->delimiter(',');
+  app.add_option("--json", o.json_file, "write the rows to this file as JSON")->type_name("FILE");
+  app.add_option("--device", o.device,
+                 "EGL device of the benchmark gpu: auto, surfaceless, device0, …")
+      ->type_name("NAME")
       ->capture_default_str();
-  app.add_flag("--software", o.software, "run `gpu` on a software renderer, too");
+  app.add_flag("--software", o.software, "run the benchmark gpu on a software renderer, too");
+  add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
   const Result<std::vector<Bench>> benches = chosen(o.only);
   if (!benches) return fail(benches.error());

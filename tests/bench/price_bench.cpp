@@ -1,5 +1,5 @@
-// What the cost model says of frames beside what they took: fitted on some walks, held against
-// others.
+// Price benchmarks: the predictions of the cost model beside the times of frames. The model is
+// fitted on some walks and tested on others.
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kFovY = 1.0471975511965976;  // 60 degrees
 constexpr std::int64_t kFrameUs = 16'667;
-constexpr int kDrawnEvery = 30;          // frames; the others are planned only
-constexpr std::size_t kFirstFrames = 2;  // before them a running fit knows nothing
+constexpr int kDrawnEvery = 30;          // frames; others are only planned
+constexpr std::size_t kFirstFrames = 2;  // a running fit knows nothing before them
 
 struct Walk {
   std::string scene;
@@ -27,12 +27,12 @@ struct Walk {
   int width = 640, height = 360;
 };
 
-// Fitted on these …
+// Walks that the model is fitted to.
 const Walk kFitted[] = {{"builtin:forest", 0},           {"builtin:forest", 3},
                         {"builtin:forest", 8},           {"builtin:clutter", 0},
                         {"builtin:clutter", 8},          {"builtin:city", 8},
                         {"builtin:forest", 4, 960, 540}, {"builtin:field?instances=3000", 8}};
-// … and held against these.
+// Walks that it is tested on.
 const Walk kHeldOut[] = {
     {"builtin:forest?seed=2", 4},         {"builtin:forest?seed=2", 8, 480, 270},
     {"builtin:clutter?seed=2", 4},        {"builtin:city?seed=2", 4},
@@ -53,7 +53,7 @@ Camera camera_at(const BenchClient& client, const Pose& pose) {
   return camera;
 }
 
-// Frames of the walk with one sample a pixel and with four, CPU time of the quicker of two
+// Measures frames of the walk with one sample a pixel and with four: CPU time of the quicker of two
 // drawings.
 Result<std::vector<Frame>> measure(const Walk& walk, int frames) {
   const test::Server server(walk.scene, {"--cache-mb", "1024"});
@@ -88,7 +88,7 @@ Result<std::vector<Frame>> measure(const Walk& walk, int frames) {
     for (const int samples : {1, 4}) {
       const FrameTarget& target = samples == 1 ? client.target() : *four;
       double s = HUGE_VAL;
-      client.draw(target, camera, list);  // what is drawn for the first time takes longer
+      client.draw(target, camera, list);  // the first drawing takes longer
       for (int k = 0; k < 2; ++k) {
         s = std::min(s, seconds(Time::kCpu, [&] { client.draw(target, camera, list); }));
       }
@@ -98,7 +98,7 @@ Result<std::vector<Frame>> measure(const Walk& walk, int frames) {
   return out;
 }
 
-// How far predictions are off, relative to what frames took.
+// Errors of predictions, relative to the measured times.
 struct Errors {
   std::vector<double> signed_by, by;
   void add(const CostModel& model, const Frame& frame) {
@@ -124,7 +124,7 @@ Row row_of(const std::string& what, const Errors& errors, const std::vector<Fram
 
 Result<std::vector<Row>> price(const Conditions& conditions) {
   constexpr double kGoal = 0.2;
-  constexpr double kKnownRange = 64;  // nothing is known of this machine's prices
+  constexpr double kKnownRange = 64;  // nothing is known about this machine's prices
   const int frames = conditions.quick ? 300 : 600;
   RunningFitOptions whole;
   whole.kept = 1;

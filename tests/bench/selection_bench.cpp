@@ -1,4 +1,5 @@
-// What deciding costs a client: selector and scheduler, by the number of instances.
+// Selection benchmarks: the time in which a client decides, with selector and scheduler, by the
+// number of instances.
 #include <spdlog/fmt/fmt.h>
 
 #include "server/prepare/prepared_scene.h"
@@ -13,8 +14,8 @@ struct Walked {
   std::size_t visible = 0, drawn = 0, without_image = 0;
 };
 
-// Walks into a field of so many instances, with pictures of nothing and a link that is no limit,
-// and takes the CPU time of deciding once the first seconds are over.
+// Walks into a field of this many instances, with empty pictures and an unlimited link. Takes the
+// CPU time of deciding once the first seconds are over.
 Result<Walked> walk_into(std::uint64_t instances, bool quick) {
   Result<std::shared_ptr<const PreparedScene>> scene =
       load_scene("builtin:field?instances=" + std::to_string(instances));
@@ -27,7 +28,7 @@ Result<Walked> walk_into(std::uint64_t instances, bool quick) {
   test::Rig rig(*scene, options);
   rig.camera.width = 1280;
   rig.camera.height = 720;
-  // Into the field at a walk, all of it ahead.
+  // Walks into the field, all of it ahead.
   const auto pose = [](double t) { return test::eye_at({0, 0, 3 - 1.4 * t}, {0, 0, -1000}); };
   rig.run(quick ? 6 : 15, pose);
   rig.deciding_ms.clear();

@@ -1,5 +1,6 @@
 #pragma once
-// What benchmarks of tiles share: the stages of the server without the network, and asks for them.
+// Stages: the server's stages without the network, and asks for them; benchmarks of tiles share
+// them.
 
 #include <cmath>
 #include <optional>
@@ -13,7 +14,7 @@
 
 namespace mirage::bench {
 
-/// Tiles of `edge` texels of every object, from directions that no two calls share.
+/// Returns tiles of `edge` texels of every object, from directions that no two calls share.
 inline std::vector<TileJob> tiles_of(const PreparedScene& scene, std::size_t count,
                                      std::uint32_t edge, std::uint32_t& serial) {
   std::vector<TileJob> jobs;
@@ -43,7 +44,7 @@ class Stages {
     const Result<std::string> renderer = pipeline_.start(std::move(scene), {}, 1);
     return renderer ? Result<void>{} : renderer.error();
   }
-  /// In the order in which they are done.
+  /// Makes the tiles. Returns them in the order in which they are done.
   std::vector<StoredTilePtr> make(const std::vector<TileJob>& jobs) {
     std::vector<StoredTilePtr> out;
     std::uint32_t request = 0;

@@ -1,4 +1,5 @@
-// How long a server takes until it is ready, and what its first tile costs beside the next ones.
+// Start-up benchmarks: how long a server takes until it is ready, and what its first tile costs
+// beside later ones.
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
@@ -38,8 +39,8 @@ class OneTileClient {
     link_.send(encode_message(std::move(hello)));
     return wait_for(wire::Body::Welcome);
   }
-  /// Seconds from the request to the reply, for 128 texels of an object from a direction that no
-  /// two calls share.
+  /// Returns the seconds from request to reply, for 128 texels of an object from a direction that
+  /// no two calls share.
   Result<double> tile(std::uint32_t instance, std::uint32_t object, std::uint8_t channels) {
     const double turn = 2.399963 * ++request_;
     const ViewCell cell =
@@ -78,7 +79,7 @@ Result<std::vector<Row>> first_tile(const Conditions& conditions) {
   constexpr double kGoal = 1.5;
   const auto scene = load_scene(kScene);
   if (!scene) return scene.error();
-  // The object with most triangles: a tree, tested for alpha.
+  // The object with the most triangles: a tree, with alpha tests.
   const std::vector<Instance>& instances = (*scene)->scene.instances;
   const auto triangles = [&](const Instance& i) { return (*scene)->objects[i.object].triangles; };
   const auto largest = std::max_element(
@@ -116,13 +117,13 @@ Result<std::vector<Row>> first_tile(const Conditions& conditions) {
 
 // ---- loading ------------------------------------------------------------------------------------
 
-/// From starting a server to its ready line.
+/// Times from starting a server to its ready line.
 struct StartUp {
   double seconds = 0;
   double cpu_s = 0;  ///< user and system, of all threads
 };
 
-// What a process has used so far, user and system.
+// Returns the user and system time that a process has used so far, s.
 double cpu_seconds_of(int pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   std::string skipped;
@@ -200,7 +201,7 @@ Result<std::vector<Row>> startup(const Conditions& conditions) {
   Result<std::vector<Row>> rows = first_tile(conditions);
   if (!rows) return rows;
   for (const LargeFile& file : files) {
-    if (conditions.quick && &file != &files[0]) continue;  // the others take minutes on full cores
+    if (conditions.quick && &file != &files[0]) continue;  // the others take minutes with all cores
     const Result<std::vector<Row>> more = load(file, conditions.quick ? 1 : 5);
     if (!more) return more;
     rows->insert(rows->end(), more->begin(), more->end());

@@ -1,4 +1,5 @@
-// What the tile store saves: the server's CPU time for clients that ask what others asked before.
+// Store benchmarks: what the tile store saves, as the server's CPU time for clients that ask what
+// others asked before.
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
@@ -14,7 +15,7 @@ namespace {
 
 constexpr const char* kScene = "builtin:forest?trees=60";
 
-// CPU seconds of a process so far, of all its threads.
+// Returns the CPU time that a process has used so far with all threads, s.
 double cpu_seconds(int pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   std::string text((std::istreambuf_iterator<char>(file)), {});
@@ -31,7 +32,7 @@ struct Loaded {
   double tiles = 0;
 };
 
-// The server's CPU time for a run of scripted clients on the same path.
+// Returns the server's CPU time for a run of scripted clients on the same path.
 Result<Loaded> load(const test::Server& server, int clients, int seconds, int rate,
                     bool warm = false) {
   const std::string json = test::scratch_folder() + "/load.json";

@@ -1,5 +1,5 @@
-// What making tiles costs: the whole server beside a bare GL loop, levels of detail beside the
-// whole mesh.
+// Tile benchmarks: the cost of making tiles. They compare the whole server with a bare GL loop, and
+// levels of detail with the whole mesh.
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
@@ -91,8 +91,8 @@ Result<std::vector<Row>> whole_server(const Conditions& conditions) {
                            "same levels of detail, shaders, samples and format; wall time"}};
 }
 
-// PSNR over covered texels, alpha included, between tiles drawn from levels and from the whole
-// mesh.
+// Returns the PSNR over covered texels, alpha included, between tiles drawn from levels and from
+// the whole mesh.
 Result<double> psnr_of_levels(const BareLoop& loop, const std::vector<TileJob>& jobs,
                               const GpuScene& whole) {
   Result<TileShooter> lean = TileShooter::create(loop.scene(), 2, {}, true);

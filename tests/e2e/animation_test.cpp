@@ -1,5 +1,5 @@
-// Moving objects end to end: the impostors move as the full render does, within their bounds, and
-// what stands still costs nothing.
+// Moving objects end to end: impostors move as in the full render, within their bounds, and objects
+// at rest cost nothing.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ class Animation : public ::testing::Test {
   static std::string asset(const std::string& name) { return shared_folder() + "/assets/" + name; }
 };
 
-// The floors lie some 4 dB under what was measured.
+// The floors are some 4 dB below the measured values.
 TEST_F(Animation, ImpostorsMoveWithinTheirBounds) {
   struct Case {
     const char* name;
@@ -61,7 +61,8 @@ TEST_F(Animation, AStandingClipAndALoopOnceSeenCostNothing) {
   EXPECT_EQ(one["tiles"]["asked"], four["tiles"]["asked"]);
   EXPECT_LE(four["tiles"]["asked"], 4);
   EXPECT_EQ(one["bytes_down"], four["bytes_down"]);
-  // The truck's clip is 1.25 s: three loops, asked for in the first and what came late after it.
+  // The truck's clip is 1.25 s. There are three loops: tiles are asked for in the first, and late
+  // ones arrive after it.
   const std::string truck = asset("features/milk_truck_animated.glb");
   const nlohmann::json two_loops = watch(truck, 180, "--mesh-radii 0");
   const nlohmann::json more = watch(truck, 300, "--mesh-radii 0");

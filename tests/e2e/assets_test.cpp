@@ -1,5 +1,5 @@
-// Every shared asset through the shipped binaries: valid files serve and draw, broken ones end as
-// their manifest says.
+// Every shared asset through the shipped binaries: valid files are served and drawn, broken ones
+// end as their manifest says.
 
 #include <gtest/gtest.h>
 

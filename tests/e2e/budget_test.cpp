@@ -1,5 +1,5 @@
-// Budgets of a frame: they hold, they buy less error the larger they are, and a frame can say why
-// it is drawn as it is. Device models are read, or refused by name.
+// Budgets of a frame: they hold, larger ones buy less error, and a frame can say why it is drawn as
+// it is. Device models are read, or refused by name.
 
 #include <gtest/gtest.h>
 

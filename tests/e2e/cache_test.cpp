@@ -1,4 +1,4 @@
-// The cache directory, seen from outside: a server that starts again finds what the last one made.
+// Cache directory, seen from outside: a restarted server finds what the former one made.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,6 +1,6 @@
-// What a short walk costs, counted: a change that draws, asks, renders, sends, uploads or compiles
-// more fails here, whatever the machine. Counts that follow from the scene and the path may move by
-// the share beside them when the selection is changed on purpose; the others are exact.
+// Counters of a short walk: a change that draws, asks, renders, sends, uploads or compiles more
+// fails here, on any machine. Counts that follow from scene and path may move by the share beside
+// them when the selection is changed on purpose. All others are exact.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -32,7 +32,7 @@ TEST(Counters, OfAShortWalk) {
   expect_about(s["draw_calls"], 19.1, 0.05, "draw calls a frame");
   EXPECT_LE(s["draw_calls_max"], 30);
 
-  // Every ask that was not taken back is one rendering, and one reply.
+  // Every ask that was not cancelled is one rendering, and one reply.
   expect_about(s["tiles"]["asked"], 29, 0.08, "tiles asked for");
   EXPECT_EQ(m["tiles_rendered_total"], m["tiles_asked_total"]);
   EXPECT_EQ(s["tiles"]["received"], m["tiles_rendered_total"]);
@@ -48,9 +48,9 @@ TEST(Counters, OfAShortWalk) {
   expect_about(uploads["largest_frame_bytes"], 1'668'360, 0.1, "bytes uploaded in one frame");
   EXPECT_EQ(uploads["frames_over_budget"], 0);
 
-  // All of the server's shaders are there before the first ask, and all of the client's that do
-  // not depend on materials before the scene; those of materials come with the geometry that has
-  // them, and none is compiled within a draw.
+  // All of the server's shaders exist before the first ask. All of the client's that do not depend
+  // on materials exist before the scene. Those of materials come with the geometry that has them,
+  // and none is compiled within a draw.
   EXPECT_EQ(m["shader_programs"], 19);
   EXPECT_EQ(m["shader_programs_after_ready_total"], 0);
   EXPECT_EQ(s["programs"]["compiled"], 16);
@@ -58,8 +58,8 @@ TEST(Counters, OfAShortWalk) {
   EXPECT_EQ(s["programs"]["in_draws"], 0);
 }
 
-// One tile of the whole scene comes before the first image of an object, unless one end will not
-// have it.
+// One tile of the whole scene arrives before the first image of an object, unless server or client
+// turn it off.
 TEST(Counters, APictureComesBeforeTheImages) {
   const Server server(kScene, {"--metrics"});
   ASSERT_TRUE(server.ready()) << server.log();
@@ -89,7 +89,7 @@ TEST(Counters, NoTileIsRenderedTwiceForManyClients) {
                             60);
   ASSERT_EQ(load.exit_code, 0) << load.output;
   std::map<std::string, double> m = metrics(server);
-  // What was under way as the clients left is still to be encoded.
+  // Tiles under way when the clients left are still being encoded.
   for (int i = 0; i < 20 && m["tiles_rendered_total"] != m["store_tiles"]; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     m = metrics(server);
@@ -101,8 +101,9 @@ TEST(Counters, NoTileIsRenderedTwiceForManyClients) {
   EXPECT_EQ(m["shader_programs_after_ready_total"], 0);
 }
 
-// The same walk with uploads spread over frames: as much is uploaded in all, and no frame takes
-// more than its budget; what is largest here is a level of a mesh or an image, alone in its frame.
+// Repeats the walk with uploads spread over frames. As much is uploaded in all, and no frame takes
+// more than its budget. The largest upload here is a level of a mesh or an image, alone in its
+// frame.
 TEST(Counters, UploadsKeepToTheirBudget) {
   const Server server(kScene);
   ASSERT_TRUE(server.ready()) << server.log();

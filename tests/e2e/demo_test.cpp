@@ -1,4 +1,4 @@
-// scripts/demo as a newcomer runs it, but for building and a display.
+// scripts/demo as a newcomer runs it, without building and a display.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -17,7 +17,7 @@ Finished demo(const std::string& scene, const std::string& out) {
              300);
 }
 
-/// The two figures of a row of its table: Mirage, all geometry.
+/// Returns the two figures of a row of its table: Mirage, all geometry.
 std::pair<double, double> row(const std::string& output, const std::string& name) {
   const std::size_t at = output.find("\n" + name);
   if (at == std::string::npos) return {-1, -1};

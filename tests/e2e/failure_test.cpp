@@ -98,7 +98,7 @@ TEST(Failure, ViewerKeepsItsFrameRateWhenTheServerVanishes) {
   const nlohmann::json s = nlohmann::json::parse(file);
   EXPECT_EQ(s["frames"], 120);
   EXPECT_LT(s["frame_ms"]["p95"], 50.0);  // a blocked frame would take seconds
-  EXPECT_GT(s["impostors_drawn"], 0.5);   // stale tiles stay on screen
+  EXPECT_GT(s["impostors_drawn"], 0.5);   // stale tiles stay on the screen
 }
 
 TEST(Failure, ViewerComesBackWithTheServer) {
@@ -145,9 +145,9 @@ TEST(Failure, HostilePeersHurtNobodyElse) {
     garbage.say(frame(2, std::string(100, 'x')));
     const std::string close = garbage.hear();
     ASSERT_GE(close.size(), 4u);
-    EXPECT_EQ(close[0] & 0x0f, 8);  // a close frame …
+    EXPECT_EQ(close[0] & 0x0f, 8);  // opcode of a close packet
     EXPECT_EQ((static_cast<unsigned char>(close[2]) << 8) | static_cast<unsigned char>(close[3]),
-              1002);  // … that says protocol error
+              1002);  // code for a protocol error
     RawPeer stalled(server.port());
     stalled.say("GET / HT");
     const Finished view = run({binary("mirage-view"), server.url(), "--offscreen", "64x64",

@@ -35,8 +35,9 @@ nlohmann::json load(const std::string& url, int seconds) {
 class GlFault : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(GlFault, EndsTheServerWithFourAndNoWrongTileGoesOut) {
-  // After twelve pages. Errors are asked for as the server starts, too, once for each target;
-  // errors and resets as a page is drawn and as it is read back.
+  // Faults begin after twelve pages. Errors are also checked at start, once for each target; errors
+  // and resets are checked both when a page is drawn and when it is read back. So their counts
+  // differ.
   const std::string kind = GetParam();
   const std::string after = kind == "error" ? "40" : kind == "reset" ? "24" : "12";
   Server server(kScene, {"--no-view"}, {preload(), "FAULT_GL=" + kind, "FAULT_AFTER=" + after});
@@ -52,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, GlFault,
                          ::testing::Values("map", "unmap", "fence", "error", "reset"),
                          [](const auto& kind) { return std::string(kind.param); });
 
-// Files of the cache that are pipes nobody writes to: opening one would wait for ever.
+// Replaces files of the cache by pipes that nobody writes to: opening one would wait for ever.
 void fill_with_pipes(const std::string& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -90,7 +91,7 @@ TEST(DiskFault, ADirectoryThatIsAPipeHoldsUpNobody) {
   EXPECT_EQ(server.stop(SIGTERM), 0) << server.log();
 }
 
-// Two servers side by side under the same load, the cache of one answering after two seconds.
+// Two servers side by side under the same load; the cache of one answers after two seconds.
 TEST(DiskFault, ASlowDirectoryChangesNobodysWaitingTime) {
   const std::string slow = scratch_folder() + "/slow", quick = scratch_folder() + "/quick";
   fs::create_directories(slow);
@@ -99,7 +100,8 @@ TEST(DiskFault, ASlowDirectoryChangesNobodysWaitingTime) {
                 {preload(), "FAULT_FOLDER=" + slow, "FAULT_MS=2000"});
   ASSERT_TRUE(plain.ready() && beside.ready()) << beside.log();
   double plain_p99 = 0, slow_p99 = 0;
-  for (int round = 0; round < 2; ++round) {  // in turn: the machine's other users meet both
+  // Rounds by turns, so that other load of the machine affects both.
+  for (int round = 0; round < 2; ++round) {
     const nlohmann::json usual = load(plain.url(), 4), slowed = load(beside.url(), 4);
     EXPECT_EQ(slowed["errors"].size(), 0u) << slowed.dump();
     plain_p99 = std::max(plain_p99, usual["latency_ms"].value("p99", 0.0));
@@ -107,12 +109,14 @@ TEST(DiskFault, ASlowDirectoryChangesNobodysWaitingTime) {
   }
   std::printf("p99 of a tile, cache answering at once: %.1f ms, after 2 s: %.1f ms (%.2f times)\n",
               plain_p99, slow_p99, slow_p99 / plain_p99);
-  // A look that takes 10 ms is given up; twice the usual and that, for the noise of two servers.
+  // A look-up is given up after 10 ms. The limit is that and twice the usual time, for two servers'
+  // noise.
   EXPECT_LT(slow_p99, 2 * plain_p99 + 20);
   EXPECT_EQ(beside.stop(SIGTERM), 0) << beside.log();
 }
 
-// An hour every two seconds. Only the ends of tokens and the log go by the wall clock.
+// The clock goes back an hour every two seconds. Only the ends of tokens and the log use the wall
+// clock.
 TEST(ClockFault, AClockThatIsSetBackChangesNobodysWaitingTime) {
   const std::string folder = scratch_folder() + "/cache";
   Server plain(kScene);
@@ -140,7 +144,7 @@ TEST(ClockFault, AClockThatIsSetBackChangesNobodysWaitingTime) {
   EXPECT_NE(log.substr(0, 2), log.substr(log.rfind('\n', end) + 1, 2)) << log;
 }
 
-// A disk of 256 KiB of its own, for who may mount one.
+// A disk of 256 KiB of its own, where the user may mount one.
 class SmallDisk {
  public:
   explicit SmallDisk(const std::string& at) : at_(at) {

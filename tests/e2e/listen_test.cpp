@@ -1,4 +1,4 @@
-// Where a server can listen, and clients that come there.
+// Listening: the addresses that a server can listen on, and clients that connect there.
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -74,7 +74,7 @@ TEST(Listen, WrongAddressesAreSaidByName) {
   }
 }
 
-// More than a server draws: said at once, not waited for.
+// A larger render than a server draws is refused at once; nobody waits for it.
 TEST(Listen, AReferenceThatNoServerDrawsIsRefusedByName) {
   Server server(kScene);
   ASSERT_TRUE(server.ready()) << server.log();

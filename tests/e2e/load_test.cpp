@@ -34,7 +34,7 @@ TEST(Load, EqualAsksCostOneRendering) {
   const Server server("builtin:knot");
   ASSERT_TRUE(server.ready()) << server.log();
   const std::string json = scratch_folder() + "/load.json";
-  // A still camera: every client asks for the same tile, again and again.
+  // The camera stands still: every client asks for the same tile again and again.
   const Finished load = run({binary("mirage-load"), server.url(), "--clients", "20", "--duration",
                              "2", "--path", "builtin:still", "--rate", "5", "--json", json});
   ASSERT_EQ(load.exit_code, 0) << load.output;
@@ -42,6 +42,15 @@ TEST(Load, EqualAsksCostOneRendering) {
   const nlohmann::json j = nlohmann::json::parse(file);
   EXPECT_GT(j["tiles"], 100);
   EXPECT_EQ(j["server"]["tiles_rendered"], 1) << j.dump(2);
+}
+
+// A file without lights stands in surroundings, which the server describes before the scene.
+TEST(Load, ASceneWithSurroundings) {
+  const Server server("builtin:knot", {"--environment", "builtin:studio"});
+  ASSERT_TRUE(server.ready()) << server.log();
+  const Finished load = run({binary("mirage-load"), server.url(), "--clients", "2", "--duration",
+                             "1", "--rate", "4", "--verify", "1"});
+  EXPECT_EQ(load.exit_code, 0) << load.output;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Memory is held to its budgets: graphics memory of tiles and of geometry, and what the viewer has
-// resident in a scene that is far larger than what it shows.
+// Memory stays within its budgets: graphics memory of tiles and of geometry, and the viewer's
+// resident memory in a scene far larger than what it shows.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -19,7 +19,7 @@ Viewed walk(const std::string& scene, int frames, const std::string& more) {
                   std::to_string(frames) + " " + more);
 }
 
-// More is to be shown than either budget holds.
+// There is more to show than either budget holds.
 TEST(Memory, GraphicsMemoryStaysWithinItsBudgets) {
   const Viewed walked = walk("builtin:field?instances=10000", 30,
                              "--atlas-mb 9 --mesh-mb 1 --tau 0.25 --mesh-radii 0 --relight always");
@@ -37,7 +37,7 @@ TEST(Memory, GraphicsMemoryStaysWithinItsBudgets) {
   EXPECT_GT(memory["geometry"], 0);
 }
 
-// The server's: what does not fit is refused, at start or when it is asked for.
+// The server's graphics memory: what does not fit is refused, at start or when it is asked for.
 TEST(Memory, TheServersGraphicsMemoryStaysWithinItsBudget) {
   const Server none("builtin:knot", {"--gpu-mb", "1"});
   EXPECT_FALSE(none.ready());
@@ -49,7 +49,7 @@ TEST(Memory, TheServersGraphicsMemoryStaysWithinItsBudget) {
                 "builtin:orbit", "--frames", "9", "--virtual-time", "--net", "rtt=20,server-ms=1",
                 "--method", "quad", "--reference", "8", "--reference-samples", samples});
   };
-  // Full renders: 14 MB, however many samples they have.
+  // Full renders take 14 MB, however many samples they have.
   for (const char* samples : {"2", "4"}) {
     const Finished seen = look(server, samples);
     EXPECT_EQ(seen.exit_code, 0) << seen.output;
@@ -65,8 +65,8 @@ TEST(Memory, TheServersGraphicsMemoryStaysWithinItsBudget) {
   EXPECT_NE(refused.output.find("the frame is too large"), std::string::npos) << refused.output;
 }
 
-// 143 MB on a software renderer, whose own code is a third of it and which holds all graphics
-// memory; a tenth of a scene's instances would not fit into the rest.
+// It takes 143 MB on a software renderer, whose own code is a third of that and which holds all
+// graphics memory. A tenth of a scene's instances would not fit into the rest.
 TEST(Memory, AMillionInstancesTakeTheViewerAQuarterOfAGigabyteAtMost) {
   const Viewed walked = walk("builtin:field?instances=1000000", 10, {});
   EXPECT_LE(walked.run.peak_mb, 256);

@@ -1,5 +1,5 @@
-// What an operator has: health and metrics at an address of their own, logs, the service manager,
-// --doctor, and that the files of packaging/ fit the programs.
+// Operations: health and metrics at an address of their own, logs, the service manager, --doctor,
+// and that the files of packaging/ match the programs.
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kPackaging = fs::path(MIRAGE_SOURCE_DIR) / "packaging";
 
-/// The answer to a GET, its head and body.
+/// Returns the answer to a GET, head and body.
 std::string get(int port, const std::string& path, const std::string& headers = "") {
   RawPeer peer(port);
   peer.say("GET " + path + " HTTP/1.1\r\nHost: x\r\n" + headers + "Connection: close\r\n\r\n");
@@ -49,7 +49,7 @@ void speak_nonsense(int port) {
   peer.hear();
 }
 
-/// Where the server says its operators may look.
+/// Returns the port that the server announces for operators.
 int admin_port(const Server& server) {
   std::smatch found;
   const std::string log = server.log();
@@ -214,7 +214,8 @@ TEST(Operations, TheExampleConfigurationIsGood) {
   EXPECT_EQ(bad.exit_code, 2) << bad.output;
 }
 
-/// Names of metrics in a text, without what Prometheus puts behind those of histograms.
+/// Returns the names of metrics in a text, without the suffixes that Prometheus adds for
+/// histograms.
 std::set<std::string> metric_names(const std::string& text) {
   std::set<std::string> out;
   const std::regex name("mirage_[a-z_]+");

@@ -1,10 +1,12 @@
-// What programs make of a configuration file and of the environment.
+// Options of programs from a configuration file and from the environment.
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <regex>
 #include <set>
+#include <sstream>
 
 #include "protocol/base/cli.h"
 #include "tests/support/process.h"
@@ -14,7 +16,7 @@ namespace {
 
 const std::vector<std::string> kPrograms = {"mirage-server", "mirage-view",    "mirage-load",
                                             "mirage-report", "mirage-extreme", "mirage-sheet",
-                                            "mirage-token"};
+                                            "mirage-token",  "mirage-bench"};
 
 std::string config(const std::string& text) {
   static int number = 0;
@@ -23,7 +25,7 @@ std::string config(const std::string& text) {
   return path;
 }
 
-/// The server with this configuration and this in the environment: it lists devices and ends.
+/// Runs the server with this configuration and environment; it lists devices and ends.
 Finished list_devices(const std::string& config_file, const std::string& variable = "X=y") {
   std::vector<std::string> command = {"/usr/bin/env", variable, binary("mirage-server"),
                                       "--list-devices"};
@@ -88,11 +90,13 @@ TEST(Options, UnknownVariablesAreErrors) {
 
 TEST(Options, TheListOfAllProgramsOptionsIsCurrent) {
   std::set<std::string> found;
-  const std::regex name("Env:(MIRAGE_[A-Z0-9_]+)");
+  const std::regex name("\\| `(?:-[a-z],)?--([a-z-]+)");
   for (const std::string& program : kPrograms) {
-    const std::string help = run({binary(program), "--help"}).output;
-    for (std::sregex_iterator at(help.begin(), help.end(), name), end; at != end; ++at) {
-      found.insert((*at)[1]);
+    const std::string page = run({binary(program), "--help-markdown"}).output;
+    for (std::sregex_iterator at(page.begin(), page.end(), name), end; at != end; ++at) {
+      const std::string option = (*at)[1];
+      const bool common = option == "version" || option == "config" || option.rfind("help", 0) == 0;
+      if (!common) found.insert(environment_name(option));
     }
   }
   const std::set<std::string> hidden = {"MIRAGE_CHILD", "MIRAGE_FOLDER"};  // of mirage-extreme
@@ -102,6 +106,41 @@ TEST(Options, TheListOfAllProgramsOptionsIsCurrent) {
     listed.insert(environment_name(option));
   }
   EXPECT_EQ(listed, found);
+}
+
+// People read --help from the top: the options used first come first, in groups, on lines that fit
+// a terminal.
+TEST(Options, HelpIsInGroupsOnLinesThatFit) {
+  for (const std::string& program : kPrograms) {
+    const Finished done = run({binary(program), "--help"});
+    EXPECT_EQ(done.exit_code, 0) << program;
+    EXPECT_NE(done.output.find("\nAll programs:\n"), std::string::npos) << program;
+    EXPECT_EQ(done.output.find("Env:"), std::string::npos) << program;
+    std::istringstream lines(done.output);
+    std::string before;
+    int options_in_group = 0, most = 0;
+    for (std::string line; std::getline(lines, line); before = line) {
+      const bool heading = !line.empty() && line.front() != ' ' && line.back() == ':';
+      if (heading) options_in_group = 0;
+      if (line.rfind("  -", 0) == 0) most = std::max(most, ++options_in_group);
+      std::size_t columns = 0;  // of UTF-8, where later bytes of a letter begin with 10
+      for (const char c : line) columns += (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+      EXPECT_LE(columns, 100u) << program << ": " << line;
+    }
+    EXPECT_LE(most, 14) << program << ": a group that is too long to be read";
+  }
+}
+
+TEST(Options, EveryErrorHasACauseAndACure) {
+  const std::string text = run({binary("mirage-server"), "--help-errors"}).output;
+  const std::string codes = run({binary("mirage-server"), "--help-exit-codes"}).output;
+#define MIRAGE_X(e, id, exit, close, cause, cure)                                 \
+  EXPECT_NE(text.find("### " id "\n**Cause.** " cause), std::string::npos) << id; \
+  EXPECT_NE(text.find(cure), std::string::npos) << id;                            \
+  EXPECT_GT(std::string(cause).size() + std::string(cure).size(), 40u) << id;     \
+  EXPECT_NE(codes.find("[" id "](../guide/troubleshooting.md#" id ")"), std::string::npos) << id;
+  MIRAGE_ERRORS(MIRAGE_X)
+#undef MIRAGE_X
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// An eye inside of a room that is one mesh, of which no geometry is sent: it sees impostors of the
+// An eye inside a room that is one mesh, whose geometry is not sent: it sees impostors of the
 // walls.
 
 #include <gtest/gtest.h>

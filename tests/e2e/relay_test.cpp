@@ -35,7 +35,7 @@ TEST(Relay, ASessionThroughItHasItsRoundTrip) {
   EXPECT_LT(far, 170);
 }
 
-// TCP over packets that are lost: all arrives, and it takes its time.
+// TCP with lost packets: everything arrives, but it takes longer.
 TEST(Link, ASessionOverALossyLinkGetsWhatItAsksFor) {
   const std::string folder = scratch_folder();
   const auto through = [&](const std::string& shape) {

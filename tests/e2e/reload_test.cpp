@@ -1,4 +1,4 @@
-// SIGHUP: another scene file and another certificate while the server serves.
+// SIGHUP: another scene file and another certificate while the server runs.
 #include <OpenImageIO/imageio.h>
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ std::string box(const std::array<double, 4>& color) {
   return make_glb(b.doc.dump(), b.bin);
 }
 
-/// As files should be replaced: at once.
+/// Replaces a file at once, as files should be replaced.
 void replace(const fs::path& path, const std::string& bytes) {
   const fs::path next = path.string() + ".next";
   std::ofstream(next, std::ios::binary) << bytes;
@@ -61,7 +61,7 @@ bool says(const Server& server, const std::string& text) {
   return soon([&] { return server.log().find(text) != std::string::npos; });
 }
 
-/// What is in the middle of a frame: 'r', 'g', or '-' for neither.
+/// Returns the colour in the middle of a frame: 'r', 'g', or '-' for neither.
 char seen(const fs::path& png) {
   const auto in = OIIO::ImageInput::open(png.string());
   if (!in) return '?';
@@ -76,7 +76,7 @@ char seen(const fs::path& png) {
   if (pixel[1] > 2 * pixel[0] && pixel[1] > 2 * pixel[2]) return 'g';
   return '-';
 }
-/// Of all frames in a folder, in their order.
+/// Returns the colours of all frames in a folder, in order.
 std::string seen_in(const fs::path& folder) {
   std::vector<fs::path> frames(fs::directory_iterator(folder), {});
   std::sort(frames.begin(), frames.end());
@@ -99,7 +99,7 @@ TEST(Reload, AnotherSceneTakesThePlaceOfTheFirstWithoutABlackFrame) {
   });
   ASSERT_TRUE(soon([&] { return fs::exists(folder / "frames" / "frame_00030.png"); }));
   kill(server.pid(), SIGHUP);
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // nothing is to be said
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // nothing may be logged
   replace(file, box({0.02, 0.8, 0.02, 1}));
   EXPECT_TRUE(says(server, "is another file than the one that is served: SIGHUP loads it"));
   EXPECT_EQ(server.log().find("anew"), std::string::npos) << "the file was the same";
@@ -125,14 +125,14 @@ TEST(Reload, ASceneThatIsBrokenTakesNobodysPlace) {
   const std::vector<std::string> look = {
       binary("mirage-view"), server.url(), "--offscreen", "160x90", "--frames", "5"};
   EXPECT_EQ(run(look).exit_code, 0);
-  // Once it is right again, it is loaded.
+  // The corrected file is loaded.
   replace(file, box({0.02, 0.8, 0.02, 1}));
   kill(server.pid(), SIGHUP);
   EXPECT_TRUE(says(server, "serves revision")) << server.log();
   EXPECT_EQ(run(look).exit_code, 0);
 }
 
-/// A connection by TLS that believes any certificate.
+/// A TLS connection that accepts any certificate.
 class TlsPeer {
  public:
   explicit TlsPeer(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
@@ -148,7 +148,7 @@ class TlsPeer {
   TlsPeer(const TlsPeer&) = delete;
   TlsPeer& operator=(const TlsPeer&) = delete;
 
-  /// The common name in the server's certificate.
+  /// Returns the common name in the server's certificate.
   std::string name() const {
     if (!met_) return "no handshake";
     const std::unique_ptr<X509, decltype(&X509_free)> certificate(
@@ -200,7 +200,7 @@ TEST(Reload, AnotherCertificateIsShownToWhoComesAndDropsNobody) {
   kill(server.pid(), SIGHUP);
   EXPECT_TRUE(soon([&] { return TlsPeer(server.port()).name() == "second"; })) << server.log();
   EXPECT_TRUE(early.healthy()) << "who was there goes on";
-  // A key that is another's changes nothing.
+  // A key that belongs to another certificate changes nothing.
   fs::rename(folder / "cert.pem", folder / "cert2.pem");
   ASSERT_TRUE(make_certificate(folder, "third"));
   fs::rename(folder / "cert2.pem", folder / "cert.pem");

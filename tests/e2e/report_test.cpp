@@ -87,7 +87,7 @@ TEST(Report, WorkPrecisionHasAllMethodsFiguresAndPlots) {
     EXPECT_GT(std::atof(rows[i][5].c_str()), 0) << "bytes_per_s of row " << i;
     EXPECT_GT(std::atof(rows[i][9].c_str()), 0) << "flip_mean of row " << i;
     EXPECT_LT(std::atof(rows[i][9].c_str()), 0.3) << "flip_mean of row " << i;
-    // The renderer has commas of its own.
+    // The renderer's name has commas of its own.
     const std::vector<std::string> end(rows[i].end() - 5, rows[i].end());
     EXPECT_EQ(end[0].size(), 16u) << "revision";
     if (rows[i][1] == "auto") budgets.insert(end[1]);
@@ -234,7 +234,7 @@ TEST(Report, FidelityIsWhatTheProtocolGives) {
   ASSERT_GE(rows.size(), 8u);
   for (const json& row : rows) {
     const double psnr = row["psnr_db"];
-    // What the tests of the renderer hold their own tiles to (tests/gl/fidelity_test.cpp).
+    // Limits that also hold for the renderer's own tiles (tests/gl/fidelity_test.cpp).
     const double degrees = row["offset_deg"].is_null() ? 90 : row["offset_deg"].get<double>();
     if (degrees == 0 && row["method"] == "quad") {
       EXPECT_GT(psnr, 44) << row;
@@ -253,7 +253,7 @@ TEST(Report, FidelityIsWhatTheProtocolGives) {
   expect_self_contained(read_file(out + "/index.html"));
 }
 
-// The report beside programs that say what a test wants to hear.
+// Runs the report beside programs that say what the test wants.
 class Outside : public testing::Test {
  protected:
   void SetUp() override {
@@ -287,7 +287,7 @@ TEST_F(Outside, ExtremeCasesThatHoldGiveZeroAndOthersSix) {
           "\"measured\":3.5,\"limit\":\"0\",\"pass\":false}]}' > \"$2\"; exit 6");
   const Finished bad = report("extreme");
   EXPECT_EQ(bad.exit_code, 6) << bad.output;
-  const std::string html = read_file(out + "/index.html");  // written all the same
+  const std::string html = read_file(out + "/index.html");  // written nevertheless
   EXPECT_NE(html.find("extreme case G1 does not hold"), std::string::npos);
   EXPECT_EQ(count(html, "<b>"), 0u);
 }

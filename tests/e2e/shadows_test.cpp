@@ -1,4 +1,4 @@
-// The sun's shadows from end to end: the viewer's picture against the full render that has them.
+// The sun's shadows end to end: the viewer's picture against the full render with shadows.
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST(ShadowsEndToEnd, TheViewerHasWhatTheFullRenderHas) {
   EXPECT_LT(flip, 0.12);
   EXPECT_EQ(with.viewed.stats["quality"]["bound_violations"], 0);
   EXPECT_EQ(with.viewed.stats["tiles"]["refused"], 0);
-  // A server that has none: the same viewer draws what it draws without.
+  // A server without shadows: the same viewer draws the same as without them.
   const Server plain(kScene);
   ASSERT_TRUE(plain.ready()) << plain.log();
   const Seen left_out = walk(plain, "on");

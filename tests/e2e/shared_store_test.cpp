@@ -1,4 +1,4 @@
-// Servers that share their tiles through Redis: found, left to one another, and missed.
+// Servers that share their tiles through Redis: tiles are found, left to another server, or missed.
 #include "server/source/shared_store.h"
 
 #include <arpa/inet.h>
@@ -33,7 +33,7 @@ int free_port() {
   return ntohs(at.sin_port);
 }
 
-/// A Redis server of this test's own.
+/// A Redis server for this test alone.
 class Redis {
  public:
   Redis() : port_(free_port()), folder_(scratch_folder()) { start(); }
@@ -95,7 +95,7 @@ class SharedStore : public ::testing::Test {
   std::unique_ptr<Redis> redis_;
 };
 
-/// A counter of the server's.
+/// Returns a counter of the server.
 double metric(const Server& server, const std::string& name) { return metrics(server)[name]; }
 
 const FormId kOne{{1, 2}, TileCodec::kZstd}, kLossy{{1, 2}, TileCodec::kWebp};
@@ -137,7 +137,7 @@ TEST_F(SharedStore, OneRendersAndTheOthersWaitUntilItsLeaseEnds) {
     while (!b->claim(kOne.id)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   });
   EXPECT_LT(waited, 2'300);
-  // Leases are as long as tiles have taken: these took next to nothing.
+  // Leases last as long as tiles have taken, and these took next to nothing.
   for (std::uint64_t n = 100; n < 120; ++n) {
     ASSERT_TRUE(a->claim({n, n}));
     a->offer({{n, n}, TileCodec::kZstd}, {1});

@@ -1,5 +1,6 @@
-// With nothing moving and everything settled nothing is rendered, sent or drawn; light, animation
-// and camera wake the client (numerics.md section 5, rule 20). And explain tells scenes apart.
+// Stillness: if nothing moves and everything is settled, nothing is rendered, sent or drawn. Light,
+// animation and camera wake the client (numerics.md section 5, rule 20). --explain tells scenes
+// apart.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The main job: server, viewer, modelled network, comparison with the full render.
+// The main use: server, viewer, modelled network, comparison with the full render.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kScene = "builtin:forest?trees=60&clutter=20";
 
-/// With its pictures in the folder.
+/// Walks and leaves its pictures in the folder.
 Viewed walk(const Server& server, const std::string& folder, int frames) {
   return view(server,
               "--offscreen 320x180 --path builtin:walk --net rtt=100,rate=20,server-ms=5,seed=1 "
@@ -83,7 +83,7 @@ TEST(Walk, TwoRunsAreTheSameToTheByte) {
   const std::string first = scratch_folder(), second = scratch_folder();
   std::string stats[2], stats_later;
   for (const int i : {0, 1}) {
-    const Server server(kScene);  // a fresh server: nothing may depend on what it holds
+    const Server server(kScene);  // a new server: nothing may depend on what it holds
     ASSERT_TRUE(server.ready()) << server.log();
     stats[i] = walk(server, i == 0 ? first : second, 61).text;
     if (i == 1) stats_later = walk(server, scratch_folder(), 61).text;
@@ -126,10 +126,10 @@ TEST(Walk, LightMoves) {
            "--net rtt=20,server-ms=2 --relight never --mesh-radii 0")
           .stats;
   ASSERT_TRUE(s.is_object());
-  EXPECT_GE(s["tiles"]["received"], 5);  // 1.5 s of a sun that moves every frame
+  EXPECT_GE(s["tiles"]["received"], 5);  // 1.5 s with a sun that moves every frame
 }
 
-// Samples a pixel at the end, after some seconds of frames that are all too slow.
+// Returns the samples a pixel at the end, after some seconds of frames that are all too slow.
 nlohmann::json after_slow_frames(const Server& server, const std::vector<std::string>& more) {
   const std::string folder = scratch_folder();
   std::vector<std::string> command = {

@@ -73,7 +73,7 @@ Camera facing(const Studio& studio, double distance, int size = kSize) {
   return camera;
 }
 
-/// Tiles of everything a tile can be of: opaque, alpha-tested, blended; lit and relit.
+/// Makes tiles of every kind of content: opaque, alpha-tested, blended; lit and relit.
 Result<std::vector<MadeTile>> all_kinds(const Conditions& conditions, TileCodec codec) {
   std::vector<MadeTile> out;
   Random random(conditions.seed);
@@ -108,7 +108,7 @@ Outcome nothing_is_black(const Conditions& conditions) {
       colored += p[0] | p[1] | p[2] ? 1 : 0;
     }
   }
-  // And one that is nothing but transparent.
+  // A card that is nothing but transparent.
   Result<std::unique_ptr<Studio>> studio = Studio::create(cards({{0, 1, {1, 0.5f, 0.2f, 0}}}));
   if (!studio) return no_studio(studio.error());
   const Camera camera = facing(**studio, 5);
@@ -121,7 +121,7 @@ Outcome nothing_is_black(const Conditions& conditions) {
   return checks.outcome();
 }
 
-/// Pixels whose neighbourhood of `reach` is solid in `truth`.
+/// Returns the pixels whose neighbourhood of `reach` is solid in `truth`.
 std::vector<bool> interior(const Pixels& truth, int reach) {
   std::vector<bool> out(truth.size() / 4, false);
   for (int y = reach; y + reach < kSize; ++y) {
@@ -144,7 +144,8 @@ int not_solid(const Pixels& drawn, const std::vector<bool>& inside) {
   return n;
 }
 
-// A2: inside an opaque object, in the truth, as geometry, in its tile, drawn by every method.
+// A2: the inside of an opaque object is solid: in the truth, as geometry, in its tile, drawn by
+// every method.
 Outcome solid_is_solid(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio =
       Studio::create(write(document(dented_ball()), conditions.folder, "ball"));
@@ -160,7 +161,7 @@ Outcome solid_is_solid(const Conditions& conditions) {
     for (const std::uint8_t channels : {kLitTile, kRelitTile}) {
       const MadeTile made = (*studio)->make_tile((*studio)->key_for(camera, 0, channels), 0);
       const Tile& t = made.tile;
-      // In each row, between its first and last solid texel, an opaque ball is solid.
+      // An opaque ball is solid in each row, between its first and last solid texel.
       for (std::uint32_t y = 0; y < t.crop.h; ++y) {
         int first = -1, last = -1;
         const auto alpha = [&](int x) {
@@ -186,8 +187,8 @@ Outcome solid_is_solid(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// A3: premultiplied colours of any alpha, put into a tile as it decodes, come out of the client's
-// drawing as they were: dividing by alpha and multiplying again would move dark ones by many steps.
+// A3: premultiplied colours of any alpha, put into a tile as if decoded, come out of the client's
+// drawing unchanged. Dividing by alpha and multiplying again would move dark ones by many steps.
 Outcome straight_through(const Conditions& conditions) {
   Scene scene = cards({{0, 1, {1, 1, 1, 1}, AlphaMode::kOpaque}});
   scene.materials[0].unlit = false;
@@ -204,7 +205,7 @@ Outcome straight_through(const Conditions& conditions) {
       const int alpha = i < 20 ? i + 1 : static_cast<int>(random.uniform(1, 256));
       std::array<int, 4> texel{0, 0, 0, alpha};
       for (std::size_t c = 0; c < 3; ++c) {
-        // Largest that premultiplying this alpha can give, encoded.
+        // Largest encoded value that premultiplying by this alpha can give.
         const int most = encoded(alpha / 255.0);
         texel[c] = std::min(most, static_cast<int>(random.uniform(0, most + 1)));
       }
@@ -229,7 +230,7 @@ Outcome straight_through(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// A4: against the same chain in double.
+// A4: a long chain of layers against the same chain in double.
 Outcome long_chain(const Conditions& conditions) {
   Random random(conditions.seed);
   Checks checks;
@@ -252,7 +253,7 @@ Outcome long_chain(const Conditions& conditions) {
       for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(at[c] - encoded(exact[c])));
       return worst;
     };
-    // Tiles hold 8 bits: their chain starts from what they hold.
+    // Tiles hold 8 bits, so their chain starts from the stored values.
     glm::dvec4 of_tiles(0);
     for (std::uint32_t i = 0; i < kDeep; ++i) {
       const Tile tile = (*studio)->make_tile((*studio)->key_for(camera, i, kLitTile), i).tile;
@@ -270,7 +271,7 @@ Outcome long_chain(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// A5: what a texel sends out is never more than it covers, before and after both codecs.
+// A5: a texel sends out no more than it covers, before and after both codecs.
 Outcome color_within_alpha(const Conditions& conditions) {
   Checks checks;
   std::vector<std::uint64_t> hashes;
@@ -298,7 +299,7 @@ Outcome color_within_alpha(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// A6: one card whose texture knows only 0 and 255, tested and blended, large enough that no mip
+// A6: one card whose texture has only 0 and 255, tested and blended. It is so large that no mip
 // level between them is read.
 Outcome mask_is_blend(const Conditions& conditions) {
   Image image;
@@ -336,7 +337,7 @@ Outcome mask_is_blend(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// A7: one tile over another of the same object, and geometry taking over from a tile.
+// A7: one tile fades in over another of the same object, and geometry replaces a tile.
 Outcome cross_fade(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio =
       Studio::create(write(document(dented_ball()), conditions.folder, "ball"));

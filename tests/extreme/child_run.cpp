@@ -35,7 +35,7 @@ double seconds_since(SteadyTime::time_point start) {
 
 json value_json(const Value& v) {
   if (const double* number = std::get_if<double>(&v)) {
-    // JSON has no infinities: in words.
+    // JSON has no infinities, so they become words.
     return *number - *number == 0 ? json(*number) : json(number_text(*number));
   }
   return std::get<std::string>(v);
@@ -56,7 +56,7 @@ void write_all(int file, const std::string& text) {
   }
 }
 
-// Starts this program anew for one case: libraries have threads by now, which a fork would lose.
+// Starts this program again for one case, because a fork would lose the threads of libraries.
 [[noreturn]] void start_child(const Case& one, const Conditions& conditions, int out) {
   setpgid(0, 0);
   dup2(out, kResultFile);
@@ -71,7 +71,7 @@ void write_all(int file, const std::string& text) {
   _exit(127);
 }
 
-// All the child writes; nothing when it is still at it at the end of its time.
+// Reads all that the child writes; false if it is still writing at the end of its time.
 bool read_until(int in, SteadyTime::time_point start, double limit_s, std::string& text) {
   char buffer[4096];
   while (true) {
@@ -151,7 +151,7 @@ ChildRun run_in_child(const Case& one, const Conditions& conditions) {
     kill(-pid, SIGKILL);
     wait4(pid, &status, 0, &usage);
   }
-  kill(-pid, SIGKILL);  // what a crashed case left behind
+  kill(-pid, SIGKILL);  // ends what a crashed case left behind
   out.seconds = seconds_since(start);
   out.peak_mb = usage.ru_maxrss / 1024;
   out.outcome = ended ? read_outcome(text, status)

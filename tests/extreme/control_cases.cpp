@@ -24,7 +24,7 @@ namespace mirage::extreme {
 using namespace test;
 namespace {
 
-/// Notes when each tile was asked for, and when it came with how many bytes.
+/// Notes when each tile was asked for, and when it arrived with how many bytes.
 class Meter final : public Around {
  public:
   Meter(Link& inner, const Clock& clock) : Around(inner), clock_(clock) {}
@@ -36,7 +36,7 @@ class Meter final : public Around {
     if (const wire::RequestBatchT* batch = message ? message->body.AsRequestBatch() : nullptr) {
       for (const wire::Ask& ask : batch->asks) lives[ask.request_id()].asked_s = now_s();
       for (const std::uint32_t id : batch->cancels)
-        lives[id].ended_s = now_s();  // or when it comes
+        lives[id].ended_s = now_s();  // or when it arrives
     }
     inner_.send(std::move(bytes));
   }
@@ -52,7 +52,7 @@ class Meter final : public Around {
     }
     return out;
   }
-  /// Bytes under way at each of the times from `from` to `to` every `step` seconds.
+  /// Returns the bytes under way at each time from `from` to `to`, every `step` seconds.
   std::vector<double> outstanding(double from, double to, double step) const {
     std::vector<double> out(static_cast<std::size_t>((to - from) / step) + 1, 0.0);
     for (const auto& [id, life] : lives) {
@@ -83,12 +83,12 @@ class Meter final : public Around {
   const Clock& clock_;
 };
 
-// To and fro before a crowd: with a tolerance that no link of these can meet, however far it is
-// raised, and with one that is met once it has been.
+// The eye sways before a crowd. The first tau cannot be met by these links, however far it is
+// raised; the second one is met once it has been raised.
 Pose swaying(double t) { return eye_at({4 * std::sin(0.7 * t), 1, 9}, {0, 0, -30}); }
 constexpr double kEndlessTau = 0.001, kStrictTau = 0.02;
 
-/// What is known of a link that changed at one moment.
+/// A link that changes at one moment.
 struct Change {
   NetModel before, after;
   double seconds_before = 6, round_trips_after = 60;
@@ -126,17 +126,17 @@ void keeps_its_window(const Change& change, double tau_px, const std::string& na
   rig.link.change(change.after);
   const double end = at + change.round_trips_after * std::max(rtt_s, 0.1);
   while (rig.now_s() < end) step();
-  // What was lawfully under way has to drain first.
+  // Bytes that were rightly under way have to drain first.
   const double drain_s = (1e-3 * change.before.rtt_ms + 0.05) *
                          std::max(0.0, change.before.rate_mbps / change.after.rate_mbps - 1);
   const double settled = at + drain_s + 10 * rtt_s;
   const double bound = change.after.rate_mbps * 125e3 * (rtt_s + 0.05) + meter->largest();
-  // What was asked for at the end has not come: its bytes are not known.
+  // Asks near the end have no reply yet, so their bytes are unknown.
   const double until = end - 2 * rtt_s - 0.2;
   const std::vector<double> under_way = meter->outstanding(settled, until, 0.01);
   const double most = *std::max_element(under_way.begin(), under_way.end());
-  // A limit cycle would show as waves of what is under way in the second half. The window drains
-  // on purpose once a period: waves are of means over one.
+  // A limit cycle would show as waves of the bytes under way in the second half. The window drains
+  // on purpose once a period, so waves are those of means over a period.
   double low = 1e18, high = 0, sum = 0;
   const std::size_t half = under_way.size() / 2,
                     trip = 1 + static_cast<std::size_t>(std::max(rtt_s, 5.0) / 0.01);
@@ -175,7 +175,8 @@ NetModel net(double rtt_ms, double rate_mbps) {
   return model;
 }
 
-// Rates that lie close together are as different as far ones: what is asked for when changes.
+// Returns factors for rates. Close rates give results as different as far ones, because the times
+// of asks change.
 std::vector<double> rates(const Conditions& conditions) {
   if (conditions.quick) return {1};
   return {0.94, 0.97, 1, 1.03, 1.06};
@@ -207,7 +208,7 @@ Outcome longer_link(const Conditions& conditions) {
   const double trips = conditions.quick ? 26 : 40;
   for (const double share : rates(conditions)) {
     for (const double tau : {kEndlessTau, kStrictTau}) {
-      // 150 objects, one ask each under way, want little more than this of so long a link.
+      // 150 objects with one ask each under way want little more than this of so long a link.
       keeps_its_window({net(20, 2 * share), net(2000, 2 * share), 6, trips}, tau,
                        "20 ms to 2 s" + named(share, tau), checks);
     }
@@ -234,7 +235,7 @@ Outcome broken_meter(const Conditions&) {
       }
     }
   }
-  // The whole client, the clock of its frames broken for a while.
+  // The whole client, while the clock of its frames is broken for a time.
   RigOptions options;
   options.client.frame_ms = 20;
   options.net.rtt_ms = 50;
@@ -242,7 +243,7 @@ Outcome broken_meter(const Conditions&) {
   const CostModel usual_prices = *device_model("software");
   CostFit fit(usual_prices);
   const auto still = [](double) { return eye_at({0, 0, 9}, {0, 0, -12}); };
-  /// What a frame is expected to take, where each takes `times` its usual time.
+  /// Returns the expected time of a frame, where each frame takes `times` its usual time.
   const auto run = [&](double seconds, double times) {
     const double end = rig.now_s() + seconds;
     FrameWork work;
@@ -263,7 +264,7 @@ Outcome broken_meter(const Conditions&) {
   return checks.outcome();
 }
 
-/// Holds all messages for half a round trip each way.
+/// Delays all messages by half a round trip each way.
 class Delay final : public Around {
  public:
   Delay(Link& inner, const Clock& clock, std::int64_t one_way_us)
@@ -323,7 +324,7 @@ struct Guest {
 
 double jain(double a, double b) { return (a + b) * (a + b) / (2 * (a * a + b * b)); }
 
-// Two clients of a server that makes fewer tiles than either wants, one every four milliseconds.
+// Two clients of a server that makes fewer tiles than either wants: one every four milliseconds.
 double fairness(double rtt_a_ms, double rtt_b_ms) {
   HandClock clock;
   RigScene scene;
@@ -342,8 +343,8 @@ double fairness(double rtt_a_ms, double rtt_b_ms) {
               static_cast<double>(b.session.tiles().received - b_before));
 }
 
-// A client beside one that asks for all it may, each time as the worst there is. `salt` makes
-// another revision of the scene.
+// A client beside one that asks for all it may, always as the most urgent. `salt` makes another
+// revision of the scene.
 double fairness_to_the_greedy(std::uint64_t salt) {
   HandClock clock;
   RigScene scene;
@@ -386,8 +387,8 @@ Outcome two_clients(const Conditions&) {
   Checks checks;
   checks.at_least("Jain, equal links", fairness(40, 40), 0.9);
   checks.at_least("Jain, round trips of 10 and 200 ms", fairness(10, 200), 0.9);
-  // Of one revision it is .89 to .94 (twelve of them), by which tiles its hashes make large: the
-  // median is what the server does.
+  // One revision gives .89 to .94 (twelve of them), depending on which tiles its hashes make large.
+  // The median shows what the server does.
   std::vector<double> greedy;
   for (const std::uint64_t salt : {0, 1, 2, 3, 4}) greedy.push_back(fairness_to_the_greedy(salt));
   std::nth_element(greedy.begin(), greedy.begin() + 2, greedy.end());

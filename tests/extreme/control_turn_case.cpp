@@ -1,5 +1,5 @@
-// C5: the link or the server gets worse for a while and then is what it was. While it is worse what
-// it still carries is used; soon afterwards the session is where it had been.
+// C5: the link or the server gets worse for a while and then recovers. While it is worse, the rest
+// of its capacity is used; soon afterwards the session is where it had been.
 
 #include "tests/extreme/control_turn_case.h"
 
@@ -28,7 +28,7 @@ NetModel usual() {
   return net;
 }
 
-/// What there is while it is worse.
+/// The weather while it is worse.
 struct Turn {
   std::string name;
   NetModel worse;
@@ -45,7 +45,7 @@ class Walk {
     rig_.camera.height = 720;
   }
   void run(double seconds) { list_ = rig_.run(seconds, swaying); }
-  /// Tiles that came a second, meanwhile.
+  /// Runs for `seconds`. Returns the tiles that arrived a second.
   double tiles_a_second(double seconds) {
     const std::uint64_t before = rig_.session.tiles().received;
     run(seconds);
@@ -80,7 +80,7 @@ class Walk {
   DrawList list_;
 };
 
-// Where more is wanted than can come: what comes.
+// More is wanted than can arrive: compares the tiles that arrive.
 void goes_on(const Turn& turn, Checks& checks) {
   Walk walk(kEndlessTau);
   walk.run(kBeforeS);
@@ -91,7 +91,7 @@ void goes_on(const Turn& turn, Checks& checks) {
   walk.as_before(turn);
   walk.run(kAgainS);
   const double after = walk.tiles_a_second(kAfterS);
-  // What link and server still carry, of as many as can be asked for: one an object at a time.
+  // Limits of link and server, and of the asks: one for each object at a time.
   const double link = before * turn.worse.rate_mbps / usual().rate_mbps;
   const double server = 1000 / turn.worse.server_ms;
   const double asks = 1000 * kObjects / (turn.worse.rtt_ms + turn.worse.server_ms);
@@ -102,7 +102,7 @@ void goes_on(const Turn& turn, Checks& checks) {
   checks.at_least(turn.name + ": tiles a second afterwards, of before", after / before, 0.8);
 }
 
-// Where all that is wanted could come: the picture.
+// Everything that is wanted can arrive: checks the picture.
 void is_well_again(const Turn& turn, Checks& checks) {
   Walk walk(kUsualTau);
   walk.run(kBeforeS);

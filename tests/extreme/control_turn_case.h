@@ -1,5 +1,5 @@
 #pragma once
-// C5: weather that turns, and turns back.
+// C5: weather that gets worse and recovers.
 
 #include "tests/extreme/extreme_case.h"
 

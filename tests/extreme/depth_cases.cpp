@@ -50,12 +50,12 @@ Shares count(const Pixels& p) {
   return out;
 }
 
-/// From 1 mm to 1e9 m in one picture: at each decade a red card just before a green one, each pair
-/// beside the others. The green one is a quarter larger and must show around the red one only.
+/// One picture from 1 mm to 1e9 m: at each decade a red card just before a green one, each pair
+/// beside the others. The green one is a quarter larger, and must show only around the red one.
 struct Decades {
   std::unique_ptr<Studio> studio;
   Camera camera;
-  double red = 0, green = 0;  ///< pixels when nothing is out of order
+  double red = 0, green = 0;  ///< pixels if all is in order
   double range = 0;
 
   static Result<Decades> create(const std::string& folder, double gap) {
@@ -105,7 +105,7 @@ Outcome far_and_near(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// D2: two cards at one place, red first; from everywhere the same one is seen, all of it.
+// D2: two cards at one place, red first; the same one is seen from everywhere, all of it.
 Outcome ties(const Conditions& conditions) {
   test::Builder builder;
   const int red = add_card(builder, {1, 0, 0, 1}), green = add_card(builder, {0, 1, 0, 1});
@@ -121,7 +121,7 @@ Outcome ties(const Conditions& conditions) {
     const glm::dvec3 direction =
         glm::normalize(glm::dvec3(random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7), 1));
     const Camera camera = (*studio)->camera(0, direction, random.uniform(2, 20), kSize);
-    // One list of tiles, drawn twice: the place of a tile in the atlas is no part of the picture.
+    // One list of tiles is drawn twice: a tile's place in the atlas must not change the picture.
     const DrawList list = (*studio)->impostor_list(camera, DrawMethod::kQuad);
     const auto take = [&](int kind) {
       return kind == 0   ? (*studio)->truth(camera).rgba
@@ -188,7 +188,7 @@ Outcome coded_depth(const Conditions& conditions) {
       const glm::dvec3 right = safe_normalize(glm::cross(view.forward, random.direction()));
       const double error = point_error_px(view.focal_px, p - view.eye, q - view.eye, view.forward,
                                           right, glm::cross(right, view.forward));
-      // Rounding of the reference itself, in px at this focal length.
+      // The rounding of the reference itself, px at this focal length, is allowed.
       violations += error <= bound * (1 + 1e-6) + 1e-9 ? 0 : 1;
       tightest = std::max(tightest, error / bound);
     }
@@ -200,9 +200,9 @@ Outcome coded_depth(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// D4: a small red card before a large green one, as one object; its tile from the front seen from
-// aside, with stored depth. A pixel that is neither card's colour, or outside what either covers,
-// is a surface stretched over the step.
+// D4: a small red card before a large green one, as one object. Its tile from the front is seen
+// from aside, with stored depth. A pixel that has neither card's colour, or is outside what either
+// covers, is a surface stretched over the step.
 Outcome no_rubber_sheet(const Conditions& conditions) {
   test::Builder builder;
   const int red = add_card(builder, {1, 0, 0, 1});
@@ -259,7 +259,7 @@ Outcome no_rubber_sheet(const Conditions& conditions) {
 // D5: the near plane cuts the object, as geometry, and through every proxy.
 Outcome cut_by_near_plane(const Conditions& conditions) {
   test::Builder builder = document(dented_ball());
-  set_material(builder, {{"doubleSided", true}});  // what is cut open shows its inside
+  set_material(builder, {{"doubleSided", true}});  // a cut object shows its inside
   Result<std::unique_ptr<Studio>> studio =
       Studio::create(write(builder, conditions.folder, "ball"));
   if (!studio) return no_studio(studio.error());

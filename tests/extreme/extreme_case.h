@@ -1,6 +1,6 @@
 #pragma once
-// A stiff or extreme case (numerics.md section 6): what is fed to the shipped code, what must hold,
-// and a function that feeds it and measures.
+// Extreme case: a stiff or extreme case (numerics.md section 6). It has the input of the shipped
+// code, what must hold, and a function that feeds the input and measures.
 
 #include <cstdint>
 #include <string>
@@ -9,22 +9,22 @@
 
 namespace mirage::extreme {
 
-/// Number where there is one, else words.
+/// A number if there is one, otherwise words.
 using Value = std::variant<double, std::string>;
 
-/// What a case came to. One check gives its number; several are told in words, by name.
+/// The outcome of a case. One check gives its number; several are told in words, by name.
 struct Outcome {
   Value measured = std::string("nothing was checked");
   Value limit = std::string("something");
   bool pass = false;
 };
 
-/// How a case is to run.
+/// Conditions that a case runs under.
 struct Conditions {
   bool quick = false;       ///< fewer random inputs, shorter scripts; the same oracles
   std::string folder;       ///< for files of its own
   std::uint64_t seed = 20;  ///< of generated inputs
-  /// `full` inputs, or a tenth of them in the quick form.
+  /// Returns `full` inputs, or a tenth of them in the quick form.
   int count(int full) const { return quick ? full / 10 : full; }
 };
 
@@ -33,9 +33,9 @@ struct Case {
   const char* input;      ///< what is fed
   const char* must_hold;  ///< the oracle, as numerics.md states it
   Outcome (*run)(const Conditions&);
-  double time_s = 120;   ///< hard limit of the case's process; ten times this under sanitizers
-  int memory_mb = 4096;  ///< of address space; not limited under AddressSanitizer
-  bool alone = false;    ///< it measures time: nothing else runs beside it
+  double time_s = 120;   ///< hard limit of the case's process; ten times that under sanitizers
+  int memory_mb = 4096;  ///< limit of address space; none under AddressSanitizer
+  bool alone = false;    ///< it measures time, so nothing else runs beside it
 };
 
 /// Collects the checks of one case. A NaN never passes.
@@ -45,7 +45,7 @@ class Checks {
   void at_least(const std::string& name, double measured, double limit);
   void equal(const std::string& name, double measured, double expected);
   void holds(const std::string& name, bool ok) { equal(name, ok ? 1 : 0, 1); }
-  /// A step the rest depends on did not work.
+  /// Notes that a step did not work on which the rest depends.
   void failed(const std::string& why);
   bool pass() const { return pass_ && !names_.empty(); }
   Outcome outcome() const;
@@ -58,7 +58,7 @@ class Checks {
   bool numeric_ = true;
 };
 
-/// `%.4g`.
+/// Formats as `%.4g`.
 std::string number_text(double v);
 
 }  // namespace mirage::extreme

@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kSize = 96;
 
-/// Pictures of the same object, in four ways it can be drawn.
+/// Pictures of the same object: the truth and four ways to draw it.
 struct Pictures {
   Pixels truth, mesh, quad, relief, relit;
 };
@@ -54,7 +54,7 @@ void compare(Checks& checks, const std::string& name, const Result<Pictures>& pl
   checks.at_most(name + "relit", largest_difference(plain->relit, other->relit), 1);
 }
 
-// G5, G6: by the node's scale, and (where a float holds its vertices) by the mesh itself.
+// G5, G6: scales by the node, and (where a float holds its vertices) by the mesh itself.
 Outcome at_scales(const Conditions& conditions, const std::vector<double>& scales, bool in_mesh) {
   Checks checks;
   const glm::dvec3 direction(0.5, 0.4, 1);
@@ -125,7 +125,7 @@ Outcome zero_area(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// G9: against the adjugate in long double.
+// G9: compares with the adjugate in long double.
 Outcome flattened(const Conditions& conditions) {
   const Shape shape = dented_ball();
   test::Builder builder = document(shape);
@@ -137,7 +137,7 @@ Outcome flattened(const Conditions& conditions) {
   const std::vector<Vertex>& vertices = scene->objects[0].mesh.vertices;
   std::size_t at = 0;
   for (std::size_t i = 0; i < shape.vertices(); ++i) {
-    // Unused vertices are left out: found again by position.
+    // Unused vertices are left out, so vertices are found by position.
     const glm::dvec3 p(shape.positions[i * 3], shape.positions[i * 3 + 1] * 1e-6,
                        shape.positions[i * 3 + 2]);
     if (at >= vertices.size()) break;
@@ -176,7 +176,7 @@ Pixels mirrored(const Pixels& image, std::size_t width) {
   return out;
 }
 
-// The same with x the other way and the triangles turned, in the file's own data.
+// Returns the shape with x reversed and the triangles turned, in the file's own data.
 Shape mirrored(Shape shape) {
   for (std::size_t i = 0; i < shape.positions.size(); i += 3) {
     shape.positions[i] = -shape.positions[i];
@@ -187,10 +187,10 @@ Shape mirrored(Shape shape) {
   return shape;
 }
 
-// G10: a scene mirrored by its node, from the mirrored eye under the mirrored light: bitwise the
-// one whose data are mirrored, and mirrored back the plain one. The latter to 1 LSB in a few
-// components: rasterisers count from one corner, and on some processors llvmpipe rounds differently
-// from left and right.
+// G10: a scene mirrored by its node, seen from the mirrored eye under the mirrored light. It is
+// bitwise the one whose data are mirrored, and mirrored back it is the plain one. The latter holds
+// to 1 LSB in a few components: rasterisers count from one corner, and on some processors llvmpipe
+// rounds differently from left and right.
 Outcome mirror(const Conditions& conditions) {
   test::Builder turned = document(dented_ball());
   turned.doc["nodes"][0]["scale"] = {-1, 1, 1};

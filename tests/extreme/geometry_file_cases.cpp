@@ -42,7 +42,7 @@ Outcome singular(const Conditions& conditions) {
     const char* name;
     json node;
     bool shows;       ///< seen from straight above
-    glm::vec3 plane;  ///< normal of the plane everything falls into; 0: none
+    glm::vec3 plane;  ///< normal of the plane that everything falls into; 0: none
   };
   // Columns: everything falls into the plane x + y + z = 0.
   const json oblique = {2, -1, -1, 0, -1, 2, -1, 0, -1, -1, 2, 0, 0, 0, 0, 1};
@@ -100,7 +100,7 @@ Outcome no_normals(const Conditions& conditions) {
   return checks.outcome();
 }
 
-/// Nodes one below the other; the last has the box and, where that is given, a child further up.
+/// Returns nodes, each below the former. The last has the box and, if given, a child further up.
 test::Builder chain(std::size_t nodes, std::optional<std::size_t> child = std::nullopt) {
   test::Builder builder = document(box({0, 0, 0}, {1, 1, 1}));
   json& list = builder.doc["nodes"];
@@ -123,7 +123,8 @@ Outcome deep_nodes(const Conditions& conditions) {
   if (!deep) return no_studio(deep.error());
   checks.equal("leaf at x", deep->instances.at(0).world_from_object.position.x, 0.25 * (kDeep - 1));
   checks.at_most("seconds", seconds_now() - start, 20);
-  // All on one loop; a loop of three beside a node that is on none; a loop with a way in.
+  // All nodes on one loop; a loop of three beside a node on none; a loop that is entered from
+  // outside.
   test::Builder beside = chain(3, 0);
   beside.doc["nodes"].push_back({{"name", "beside"}});
   const std::pair<test::Builder, const char*> loops[] = {
@@ -143,7 +144,7 @@ Outcome deep_nodes(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// G14: nothing out of range reaches the device, nothing is allocated for counts that are not there.
+// G14: nothing out of range reaches the device, and nothing is allocated for counts without data.
 Outcome counts(const Conditions& conditions) {
   Checks checks;
   Shape shape = dented_ball();
@@ -231,7 +232,7 @@ Outcome crowded(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// Singular values' ratio of the map from texels to pixels.
+// Returns the ratio of the singular values of the map from texels to pixels.
 double anisotropy(const Capture& capture, const Camera& camera, const glm::dvec2& texel, double z) {
   const auto pixel = [&](const glm::dvec2& t) {
     return glm::dvec2(camera.pixel_from_relative(capture.point_from_texel(t, z) - camera.pose.eye));
@@ -262,7 +263,8 @@ Outcome needle(const Conditions& conditions) {
   double worst = 1;
   int drawn = 0;
   for (int i = 0; i < conditions.count(2000); ++i) {
-    // From all sides, the tile of each view seen from beside it as far as the bound lets it be.
+    // Views from all sides; the tile of each view is seen from beside it, as far as the bound
+    // allows.
     const double radii = random.log_uniform(2, 100);
     const Camera at = (*studio)->camera(0, random.direction(), radii, 256);
     const TileKey key = (*studio)->key_for(at, 0, kLitTile);

@@ -18,9 +18,8 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr int kSize = 96;
 
-// G1: an object without any vertex, which no importer would let through, inside the sphere of a
-// ball: with and without a part that draws nothing, the ball's pictures and bounds are those
-// without it.
+// G1: an object without any vertex, which no importer would accept, inside the sphere of a ball.
+// With and without a part that draws nothing, the ball's pictures and bounds are those without it.
 Outcome empty_mesh(const Conditions& conditions) {
   Result<Scene> ball = import_gltf(write(document(dented_ball()), conditions.folder, "ball"));
   if (!ball) return no_studio(ball.error());
@@ -92,7 +91,7 @@ Outcome one_point(const Conditions&) {
   return checks.outcome();
 }
 
-// G3: seen in its own plane, exactly and within what is less than a pixel.
+// G3: seen in its own plane, exactly and within less than a pixel.
 Outcome edge_on(const Conditions& conditions) {
   Shape shape;
   shape.positions = {-1, 0, -1, 1, 0, -0.7f, -0.2f, 0, 1};
@@ -108,7 +107,7 @@ Outcome edge_on(const Conditions& conditions) {
       const Camera camera = (*studio)->camera(0, side + glm::dvec3(0, lean, 0), 4, kSize);
       const MadeTile made = (*studio)->make_tile((*studio)->key_for(camera, 0, kLitTile), 0);
       bad += not_finite(made.header);
-      // In texels: rows with any opaque content.
+      // Rows with any opaque content, in texels.
       std::vector<bool> rows(made.tile.crop.h, false);
       for (std::size_t i = 0; i < made.tile.crop.area(); ++i) {
         if (made.tile.rgba[i * 4 + 3] >= 128) rows[i / made.tile.crop.w] = true;

@@ -1,5 +1,5 @@
 #pragma once
-// A ball under a light of one's choice, drawn every way there is.
+// Light pictures: a ball under a given light, drawn in every way.
 
 #include <memory>
 #include <vector>
@@ -10,8 +10,8 @@ namespace mirage::extreme {
 
 constexpr int kLightPictureEdge = 96;  ///< px
 
-/// A dented ball under a black sky: whatever light is seen is the object's. Its alpha, which only
-/// the mode "BLEND" looks at, is 0.6.
+/// Returns a dented ball under a black sky, so that all light is the object's. Its alpha, which
+/// only the mode "BLEND" uses, is 0.6.
 Result<std::unique_ptr<Studio>> ball_studio(const Conditions& conditions, float metallic = 0.3f,
                                             const char* alpha_mode = "OPAQUE");
 
@@ -20,15 +20,16 @@ Light sun(float intensity, const glm::vec3& towards = {-0.4f, -0.7f, -0.6f});
 Light spot(float intensity);
 Lighting only(float ambient, std::vector<Light> lights);
 
-/// From (0.5, 0.4, 1), 4 radii off; tiles as relief.
+/// Pictures from (0.5, 0.4, 1), at a distance of 4 radii; tiles are drawn as relief.
 struct Shots {
   Pixels truth, mesh, lit, relit;
 };
 Shots shoot(Studio& studio, const Lighting& light);
 
-/// Largest colour component where alpha is 255.
+/// Returns the largest colour component where alpha is 255.
 int brightest(const Pixels& p);
-/// Components that are darker in `b` than in `a`, by more than `by`, where both are solid.
+/// Returns the components that are darker in `b` than in `a` by more than `by`, where both are
+/// solid.
 int darker(const Pixels& a, const Pixels& b, int by);
 
 }  // namespace mirage::extreme

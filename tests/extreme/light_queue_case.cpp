@@ -28,7 +28,7 @@ Outcome light_every_frame(const Conditions& conditions) {
   test::Builder builder = document(dented_ball(12, 16));
   builder.doc["nodes"] = json::array();
   for (int i = 0; i < kBalls; ++i) {
-    // Each turned by its own angle: the light is another one in each one's space.
+    // Each is turned by its own angle, so the light differs in each one's space.
     builder.doc["nodes"].push_back({{"mesh", 0},
                                     {"translation", {3.0 * i, 0, 0.5 * i}},
                                     {"rotation", {0, std::sin(0.4 * i), 0, std::cos(0.4 * i)}}});
@@ -79,7 +79,7 @@ Outcome light_every_frame(const Conditions& conditions) {
     return checks.outcome();
   }
   const json numbers = read_json(stats), lives = read_json(trace).value("tiles", json::array());
-  // Every tile: asked for, shown at last, for whom.
+  // Every tile is asked for and shown in the end; for which object.
   std::map<int, int> drawn_of;
   std::map<int, double> last_drawn, widest_gap;
   std::vector<std::pair<double, double>> under_way;

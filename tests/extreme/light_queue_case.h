@@ -3,7 +3,7 @@
 
 namespace mirage::extreme {
 
-/// L9: through the shipped server and client.
+/// L9: light that changes every frame, through the shipped server and client.
 Outcome light_every_frame(const Conditions& conditions);
 
 }  // namespace mirage::extreme

@@ -1,5 +1,5 @@
-// L1 to L9: no light, too much of it, impossible values, equal light in other words, light that
-// never rests.
+// L1 to L9: no light, too much of it, impossible values, the same light in other forms, and light
+// that always changes.
 
 #include <algorithm>
 #include <cmath>
@@ -38,8 +38,8 @@ Outcome no_light(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// L2: more of a light never makes anything darker, which a NaN or a wrapped value would, and
-// nothing that is blended brighter than white: its layers are summed in more than 8 bits.
+// L2: more light never makes anything darker, as a NaN or a wrapped value would. Nothing blended
+// becomes brighter than white: its layers are summed in more than 8 bits.
 Outcome too_bright(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio = ball_studio(conditions);
   if (!studio) return no_studio(studio.error());
@@ -76,7 +76,7 @@ Outcome too_bright(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// L3: by the check, by the server's decoder of what a client sends, by the importer.
+// L3: refused by the check, by the server's decoder of what a client sends, and by the importer.
 Outcome impossible(const Conditions& conditions) {
   int accepted = 0, tried = 0, decoded = 0;
   const auto attempt = [&](const Lighting& light) {
@@ -127,7 +127,7 @@ Outcome impossible(const Conditions& conditions) {
 }
 
 /// Points without extent, which are shaded exactly where they are: one at the origin and four
-/// around it, in the plane z = 0 that their normals are across to.
+/// around it, in the plane z = 0, which is at right angles to their normals.
 Scene points() {
   Scene scene;
   scene.environment.zenith = scene.environment.horizon = scene.environment.nadir = glm::vec3(0);
@@ -144,8 +144,8 @@ Scene points() {
   return scene;
 }
 
-// L4: where the ball's centre is, on one of its vertices, and at the eye; and on a point that is
-// drawn, which no direction leads to and which it does not light.
+// L4: a light at the ball's centre, on one of its vertices, and at the eye. Also on a drawn point:
+// no direction leads to that, so it is not lit.
 Outcome light_inside(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio = ball_studio(conditions);
   if (!studio) return no_studio(studio.error());
@@ -235,7 +235,8 @@ Outcome permuted(const Conditions& conditions) {
   return checks.outcome();
 }
 
-/// Linear radiance of the scene's first mesh, as the shaders write it to a float target.
+/// Returns the linear radiance of the scene's first mesh, as the shaders write it to a float
+/// target.
 std::vector<float> radiance(Studio& studio, const Lighting& light) {
   const Camera camera = studio.camera(0, {0.5, 0.4, 1}, 4, kSize);
   studio.make_current();
@@ -256,7 +257,7 @@ std::vector<float> radiance(Studio& studio, const Lighting& light) {
   return out;
 }
 
-// L7: in float, before any clamp.
+// L7: compares in float, before any clamp.
 Outcome twice(const Conditions& conditions) {
   Result<std::unique_ptr<Studio>> studio = ball_studio(conditions);
   if (!studio) return no_studio(studio.error());

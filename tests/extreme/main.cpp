@@ -1,5 +1,5 @@
-// mirage-extreme: runs the stiff and extreme cases of numerics.md section 6 and tells, for each,
-// what was fed, what must hold, what was measured.
+// mirage-extreme: runs the stiff and extreme cases of numerics.md section 6, and prints for each
+// one the input, what must hold, and what was measured.
 
 #include <unistd.h>
 
@@ -25,19 +25,23 @@ namespace {
 struct Options {
   bool list = false, quick = false;
   int jobs = 1;
-  std::vector<std::string> only;  ///< ids, or letters for all of theirs
+  std::vector<std::string> only;  ///< ids, or letters for all cases of that letter
   std::string json_file;
-  std::string child, folder;  ///< the one case to run for run_in_child(), and its folder
+  std::string child, folder;  ///< the case to run for run_in_child(), and its folder
 };
 
 int parse(int argc, char** argv, Options& o) {
   CLI::App app("Runs the stiff and extreme cases.", "mirage-extreme");
-  app.footer("Exit code 0: all passed; 6: some did not.");
-  app.add_flag("--list", o.list, "id, input and what must hold of each case");
-  app.add_option("--only", o.only, "ids or letters, with commas: G5,V")->delimiter(',');
-  app.add_flag("--quick", o.quick, "a tenth of the random inputs, shorter scripts");
-  app.add_option("--json", o.json_file, "write the rows here");
-  app.add_option("--jobs", o.jobs, "cases that run at a time; those that measure time run alone")
+  app.footer("The exit code is 0 if every case passed, 6 if one did not.");
+  app.option_defaults()->group("Cases");
+  app.add_flag("--list", o.list, "print id, input and what must hold of each case, and exit");
+  app.add_option("--only", o.only, "run only these ids or letters, with commas: G5,V")
+      ->type_name("NAMES")
+      ->delimiter(',');
+  app.add_flag("--quick", o.quick, "use a tenth of the random inputs and shorter scripts");
+  app.add_option("--json", o.json_file, "write the rows to this file as JSON")->type_name("FILE");
+  app.add_option("--jobs", o.jobs,
+                 "cases that run at the same time; those that measure time run alone")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   app.add_option("--child", o.child)->group("");
@@ -95,7 +99,7 @@ void tell(const Case& one, const ChildRun& r) {
   std::fflush(stdout);
 }
 
-// Runs those that may have company, `jobs` at a time, then the others one by one.
+// Runs cases that need not be alone, `jobs` at a time, then the others one by one.
 std::vector<ChildRun> run_all(const std::vector<Case>& cases, const Conditions& conditions,
                               int jobs) {
   std::vector<ChildRun> runs(cases.size());

@@ -39,7 +39,7 @@ ClockRun with_clocks(double server_off_s, double client_jump_s) {
   options.net.rtt_ms = 50;
   options.net.server_ms = 5;
   Rig rig(rig_scene({}), options);
-  // The host's clock cannot be below zero: both start late enough.
+  // The host's clock cannot be below zero, so both start late enough.
   rig.server_clock.set_us(std::llround((2 * kHour + server_off_s) * 1e6));
   rig.client_offset_us = std::llround(2 * kHour * 1e6);
   rig.run(5, walking);
@@ -83,7 +83,7 @@ Outcome round_trips(const Conditions& conditions) {
     options.net.rate_mbps = 20;
     Rig rig(rig_scene({}), options);
     rig.run(conditions.quick ? 10 : 30, walking);
-    // Long enough for three round trips: connecting takes two.
+    // The time allows three round trips; connecting takes two.
     const DrawList list = rig.run(5 + 6e-3 * rtt_ms, [](double) { return walking(30); });
     const double p99 = quantile(rig.frame_ms, 0.99);
     if (rtt_ms == 0) {
@@ -98,7 +98,7 @@ Outcome round_trips(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// A session that stands still in front of one object, and its links.
+// A session that stands still before one object, and its links.
 struct OneObject {
   explicit OneObject(const NetModel& net) : rig(rig_scene({1}), options(net)) {}
   RigOptions options(const NetModel& net) {
@@ -113,7 +113,7 @@ struct OneObject {
     };
     return out;
   }
-  /// `side`: where it is looked at from; far enough apart for nothing held to serve.
+  /// `side` is where the eye is. Sides are so far apart that no held tile serves another.
   Pose pose(int side) const {
     const double angle = 2.4 * side + 0.1;
     const glm::dvec3 there(-2.5 * 4, 0, 0);
@@ -122,11 +122,11 @@ struct OneObject {
   void stand(double seconds, int side) {
     rig.run(seconds, [&](double) { return pose(side); });
   }
-  /// Until the link stands again: how long that takes is the network's, not the session's.
+  /// Waits until the link is up again: that time is the network's, not the session's.
   void until_connected(int side) {
     while (!rig.link.connected()) stand(0.002, side);
   }
-  /// Seconds from now until the picture is well.
+  /// Returns the seconds until the picture is well.
   double until_well(int side, double limit_s = 30) {
     const double began = rig.now_s();
     while (rig.now_s() - began < limit_s) {
@@ -135,13 +135,13 @@ struct OneObject {
     }
     return limit_s;
   }
-  /// What one tile takes on its way, without the round trip.
+  /// Returns the seconds that one tile takes, without the round trip.
   double tile_s(const NetModel& net) const {
     return 1e-3 * net.server_ms + static_cast<double>(largest_tile) * 8e-6 / net.rate_mbps;
   }
   Gate* gate = nullptr;
   Rig rig;
-  std::size_t largest_tile = 60'000;  ///< bytes of 256 texels, and some
+  std::size_t largest_tile = 60'000;  ///< bytes of a tile of 256 texels, and some
 };
 
 // N3
@@ -157,12 +157,12 @@ Outcome loss_and_outage(const Conditions& conditions) {
     one.stand(5, 0);
     one.gate->close();
     one.stand(5, 0);
-    one.stand(25, 1);  // asks go out, and into nothing
+    one.stand(25, 1);  // asks are sent but lost
     one.gate->open();
     const double took = one.until_well(1);
     checks.at_most("well after 30 s of silence, s", took, 2 * rtt_s + one.tile_s(net) + frame_s);
   }
-  // What was under way is lost with the connection, and is not waited for.
+  // Messages under way are lost with the connection, and nobody waits for them.
   for (const double silence_s : {0.2, 30.0}) {
     OneObject one(net);
     one.stand(5, 0);
@@ -189,7 +189,7 @@ Outcome loss_and_outage(const Conditions& conditions) {
       unwell += took.back() < 30 ? 0 : 1;
       one.stand(0.5, side);
     }
-    // A lost message comes 1.5 round trips later: the mean round trip of such a link.
+    // A lost message arrives 1.5 round trips later; this is the mean round trip of such a link.
     const double p = percent / 100, mean_s = rtt_s * (1 + 2 * 1.5 * p / (1 - p));
     took.erase(took.begin());  // connecting
     checks.at_most("well with " + number_text(percent) + " % lost, median s", quantile(took, 0.5),
@@ -199,7 +199,7 @@ Outcome loss_and_outage(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// The pictures at the ends of three scenes of standing still.
+// Returns the pictures at the ends of three scenes of standing still.
 std::vector<Pixels> pictures(const std::function<std::unique_ptr<Link>(Link&)>& wrap,
                              Checks& checks, std::uint64_t& received) {
   std::vector<Pixels> out;
@@ -224,9 +224,8 @@ std::vector<Pixels> pictures(const std::function<std::unique_ptr<Link>(Link&)>& 
     DrawList list = rig.run(8, [&](double) { return pose; });
     if (!well(list)) checks.failed("not well after 8 s");
     if (out.empty() && !renderer->reset(rig.session.scene())) checks.failed("no scene");
-    // Where a tile lies in the atlas depends on when it came, and rounds the filter's weights: a
-    // few bytes of a picture by 1. What is drawn from which texels is compared, at places of its
-    // own.
+    // A tile's place in the atlas depends on when it arrived, and it rounds the filter's weights: a
+    // few bytes of a picture differ by 1. So the tiles are compared at places of their own.
     AtlasAllocator places(1024, 8);
     for (DrawnImpostor& d : list.impostors) {
       const auto copy = std::make_shared<TileRecord>(*d.tile);
@@ -267,13 +266,13 @@ Outcome disorder(const Conditions& conditions) {
 }
 
 struct Burst {
-  double bytes_in_trip = 0;  ///< asked for within the first round trip, as tiles came
-  double asks_later = 0;     ///< more than five seconds after
+  double bytes_in_trip = 0;  ///< asked for within the first round trip; sizes as they arrived
+  double asks_later = 0;     ///< asks more than five seconds later
   double replies = 0;
   bool well = false;
 };
 
-// A client that sleeps for `hours`, as it wakes up: it stands still, things move.
+// A client that wakes up after sleeping for `hours`; it stands still, things move.
 Burst wake_up(bool connection_lost, double clip_s) {
   RigScene scene;
   scene.clip_s = clip_s;

@@ -1,5 +1,5 @@
 #pragma once
-// Links that misbehave, around a link that does not.
+// Network links: links that misbehave, around a link that does not.
 
 #include <algorithm>
 #include <cstdint>
@@ -27,12 +27,12 @@ class Around : public Link {
   Link& inner_;
 };
 
-/// While it is closed nothing gets through either way; nothing is lost but by lose().
+/// Lets nothing through while it is closed. Nothing is lost except by lose().
 class Gate final : public Around {
  public:
   using Around::Around;
   void close() { open_ = false; }
-  /// What waits at the closed gate never arrives.
+  /// Drops the messages that wait at the closed gate.
   void lose() {
     collect();
     up_.clear();
@@ -64,8 +64,8 @@ class Gate final : public Around {
   std::vector<Message> down_;
 };
 
-/// Changes the order of messages within some calls, and gives a fifth of them twice; what greets
-/// stays first, as nothing can be said before it.
+/// Changes the order of messages within some calls, and delivers a fifth of them twice. Greetings
+/// stay first, because nothing can be said before them.
 class Scrambler final : public Around {
  public:
   Scrambler(Link& inner, std::uint64_t seed) : Around(inner), random_(seed) {}

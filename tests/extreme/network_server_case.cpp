@@ -65,7 +65,7 @@ class Client {
   }
   static ClientOptions options() {
     ClientOptions o;
-    o.mesh_radii = 0;  // tiles, all the time
+    o.mesh_radii = 0;  // always tiles
     return o;
   }
   TileSink sink() {
@@ -73,8 +73,8 @@ class Client {
     s.tile = [this](const TileRecord&, const TilePixels&) { ++tiles; };
     return s;
   }
-  /// One frame. Its cost: CPU time, or where the thread has waited for something, all of it; the
-  /// time other programs had the processor does not count.
+  /// Runs a frame. Its cost is CPU time; if the thread has waited for something, it is all of the
+  /// time. Time in which other programs had the processor does not count.
   void frame() {
     rusage before{}, after{};
     getrusage(RUSAGE_THREAD, &before);
@@ -82,7 +82,7 @@ class Client {
     const std::int64_t began = clock.now_us();
     (void)session.receive(began);
     const HomeView& home = session.scene().home;
-    // Round the middle of the room, so that there is always something to ask for.
+    // The eye goes round the middle of the room, so that there is always something to ask for.
     const double angle = 0.8e-6 * static_cast<double>(began);
     const glm::dvec3 off = home.eye - home.target;
     camera.pose =
@@ -121,7 +121,7 @@ Outcome killed_server(const Conditions& conditions) {
   client.cost_ms.clear();
   for (int i = 0; i < 60; ++i) client.frame();
   const double usual_ms = quantile(client.cost_ms, 0.99);
-  // Mid-tile: something is being made right now.
+  // Kills the server in the middle of a tile.
   for (int i = 0; i < 300 && client.session.in_flight() == 0; ++i) client.frame();
   const std::size_t under_way = client.session.in_flight();
   server->stop(SIGKILL);
@@ -141,7 +141,7 @@ Outcome killed_server(const Conditions& conditions) {
   for (std::size_t i = 2; i < doorman.came_s.size(); ++i) {
     const double pause = doorman.came_s[i] - doorman.came_s[i - 1];
     const double before = doorman.came_s[i - 1] - doorman.came_s[i - 2];
-    // Looked at once a frame; at its longest the pause stays as it is.
+    // The pause is read once a frame; at its longest it stays as it is.
     shrunk += pause > std::min(1.6 * before, 4.9) - 0.1 ? 0 : 1;
     longest = std::max(longest, pause);
   }

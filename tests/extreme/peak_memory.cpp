@@ -6,7 +6,8 @@
 #include <string>
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-// Of <sanitizer/allocator_interface.h>, which GCC 12 has in its library but not as a header.
+// Declarations of <sanitizer/allocator_interface.h>, which GCC 12 has in its library but not as a
+// header.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*taken)(const volatile void*,
                                                                        std::size_t),
                                                          void (*freed)(const volatile void*));
@@ -28,7 +29,7 @@ std::size_t read_status(const std::string& path, const std::string& key) {
 
 #ifdef MIRAGE_ALLOCATOR_HOOKS
 constexpr const char* kPeak = "VmHWM:";
-// Signed: blocks from before the first call are given back, too.
+// Signed, because blocks from before the first call are freed as well.
 std::atomic<std::ptrdiff_t> held{0}, most_held{0};
 
 void count_taken(const volatile void*, std::size_t bytes) {

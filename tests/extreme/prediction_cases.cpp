@@ -29,14 +29,16 @@ double angle(const glm::quat& a, const glm::quat& b) {
   return 2 * std::atan2(glm::length(glm::dvec3(d.x, d.y, d.z)), std::abs(d.w));
 }
 
-// How far the pose is from being one: not finite, or its rotation not of length 1.
+// Returns how far the value is from a pose: infinite if it is not finite, otherwise the rotation's
+// error in length.
 double off_pose(const Pose& p) {
   const glm::dquat q(p.rotation);
   const double off = std::abs(glm::length(q) - 1);
   return is_finite(p.eye) && std::isfinite(off) ? off : kInf;
 }
 
-/// A second of walking at `speed` along x while turning at `yaw_rate`; the time of the last sample.
+/// Walks for a second at `speed` along x while turning at `yaw_rate`. Returns the time of the last
+/// sample.
 std::int64_t walk(Predictor& predictor, double speed, double yaw_rate = 0) {
   std::int64_t t = 0;
   for (int i = 0; i < 60; ++i) {
@@ -47,8 +49,8 @@ std::int64_t walk(Predictor& predictor, double speed, double yaw_rate = 0) {
   return t;
 }
 
-// P1: dt 0 is dropped; 1e-9 s, whole microseconds apart by rounding or not, is dropped or merged
-// and makes no velocity.
+// P1: dt 0 is dropped. 1e-9 s, which rounds to the same or the next microsecond, is dropped or
+// merged, and gives no velocity.
 Outcome no_time(const Conditions& conditions) {
   Random random(conditions.seed);
   double moved_by_zero = 0, change_of_speed = 0, off = 0;
@@ -91,7 +93,7 @@ Outcome long_pause(const Conditions&) {
       }
     }
   }
-  // And the motion that follows is followed again.
+  // The motion that follows is tracked again.
   Predictor predictor(kMaxSpeed);
   const std::int64_t t = walk(predictor, 1.4);
   for (int i = 0; i < 30; ++i) {
@@ -117,7 +119,7 @@ Outcome teleport(const Conditions& conditions) {
     for (const std::int64_t h : {1'000, 100'000, 1'000'000}) {
       past = std::max(past, glm::length(predictor.predict(h).eye - there));
     }
-    // The frames after it: never more than the largest speed allows.
+    // The frames after it never move more than the largest speed allows.
     glm::dvec3 eye = there;
     for (int k = 2; k < 12; ++k) {
       eye += random.direction() * 0.03;
@@ -155,12 +157,12 @@ Outcome no_rotation(const Conditions&) {
     changed += before.eye == after.eye && before.rotation == after.rotation ? 0 : 1;
     off = std::max(off, off_pose(after));
   }
-  // First of all samples: still a pose afterwards.
+  // The first sample is bad: the result is still a pose.
   Predictor fresh(kMaxSpeed);
   fresh.add(0, {{kNan, 0, 0}, glm::quat(1, 0, 0, 0)});
   fresh.add(1, {{1, 1, 1}, glm::quat(0, 0, 0, 0)});
   off = std::max(off, off_pose(fresh.predict(100'000)));
-  // Of any length but a rotation all the same: taken, as a unit one.
+  // A rotation of any length is taken, as a unit one.
   predictor.add(now += kFrameUs, {before.eye, glm::quat(3e3f, 0, 4e3f, 0)});
   kept = angle(predictor.predict(0).rotation, glm::quat(0.6f, 0, 0.8f, 0));
   off = std::max(off, off_pose(predictor.predict(100'000)));
@@ -239,7 +241,7 @@ Outcome fast_turn(const Conditions&) {
   const Pose stopped = predictor.predict(0);
   for (int i = 1; i <= 12; ++i) predictor.add(t + i * kFrameUs, stopped);
   const double after = angle(predictor.predict(200'000).rotation, stopped.rotation) * kDegrees;
-  // An eye that only turns moves nowhere, whatever the turn.
+  // An eye that only turns does not move, however it turns.
   const double moved = glm::length(predictor.predict(400'000).eye - stopped.eye);
   Checks checks;
   checks.at_most("rotation off unit length", off, 1e-6);
@@ -249,7 +251,7 @@ Outcome fast_turn(const Conditions&) {
   return checks.outcome();
 }
 
-// P8: the whole client for an hour at 60 Hz with a head that only trembles.
+// P8: the whole client for an hour at 60 Hz, with a head that only trembles.
 Outcome still_hour(const Conditions& conditions) {
   RigScene scene;
   scene.objects = 12;
@@ -291,7 +293,7 @@ Outcome any_rate(const Conditions& conditions) {
     worst = std::max(worst, static_cast<double>(std::abs((gain - exact) / exact)));
     last = gain;
   }
-  // The eye's predicted way: grows with the horizon, never further than v T.
+  // The eye's predicted way grows with the horizon, and is never longer than v T.
   int falls = 0, too_far = 0;
   for (int i = 0; i < conditions.count(1'000); ++i) {
     Predictor predictor(kMaxSpeed);

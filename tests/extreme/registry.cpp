@@ -5,7 +5,7 @@ namespace {
 
 struct Letter {
   char letter;
-  int count;  ///< of ids in numerics.md section 6
+  int count;  ///< number of ids in numerics.md section 6
 };
 constexpr Letter kLetters[] = {{'G', 16}, {'V', 12}, {'L', 9}, {'A', 7}, {'D', 5},
                                {'T', 5},  {'N', 6},  {'P', 9}, {'C', 4}, {'R', 8}};

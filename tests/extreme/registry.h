@@ -1,6 +1,6 @@
 #pragma once
-// All cases, a list for each letter of numerics.md section 6. A letter's file defines its list; a
-// new letter is a declaration here and a line in registry.cpp.
+// Registry: all cases, a list for each letter of numerics.md section 6. A letter's file defines its
+// list; a new letter is a declaration here and a line in registry.cpp.
 
 #include <optional>
 #include <string>
@@ -21,10 +21,10 @@ std::vector<Case> prediction_cases();  ///< P
 std::vector<Case> control_cases();     ///< C
 std::vector<Case> wire_cases();        ///< R
 
-/// Every case in the order of numerics.md.
+/// Returns every case in the order of numerics.md.
 std::vector<Case> all_cases();
 
-/// Id that a letter which has any cases lacks or has twice; nothing when all is in order.
+/// Returns an id that a letter with cases lacks or has twice; nullopt if all is in order.
 std::optional<std::string> misplaced_id(const std::vector<Case>& cases);
 
 }  // namespace mirage::extreme

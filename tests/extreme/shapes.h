@@ -1,5 +1,5 @@
 #pragma once
-// Meshes for the cases, as glTF documents that go through the importer.
+// Shapes: meshes for the cases, as glTF documents that go through the importer.
 
 #include <cmath>
 #include <glm/glm.hpp>
@@ -17,21 +17,21 @@ struct Shape {
   std::size_t vertices() const { return positions.size() / 3; }
 };
 
-/// A dented ball without any symmetry, radius about 1, with smooth normals: 2 * rings * sectors
-/// triangles.
+/// Returns a dented ball without any symmetry, radius about 1, with smooth normals: 2 * rings *
+/// sectors triangles.
 Shape dented_ball(int rings = 24, int sectors = 32);
 /// An axis-aligned box.
 Shape box(const glm::dvec3& low, const glm::dvec3& high);
-/// Both, one after the other.
+/// Returns both shapes, one after the other.
 Shape joined(const Shape& a, const Shape& b);
-/// The same at `scale` times the size.
+/// Returns the shape at `scale` times its size.
 Shape scaled(Shape shape, double scale);
 
-/// A document with one mesh of one primitive drawn by one node, which may be edited further.
+/// Returns a document with one mesh of one primitive drawn by one node; it may be edited further.
 test::Builder document(const Shape& shape);
 /// Adds a material (glTF JSON) and gives it to the first primitive.
 void set_material(test::Builder& builder, const nlohmann::json& material);
-/// Writes the document into `folder`; the path.
+/// Writes the document into `folder`. Returns its path.
 std::string write(const test::Builder& builder, const std::string& folder, const std::string& name);
 
 /// Uniform numbers from a seed.

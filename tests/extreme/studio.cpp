@@ -86,7 +86,7 @@ TileKey Studio::key_for(const Camera& camera, std::uint32_t instance, std::uint8
       distance_bucket_from_radii(glm::length(view.eye) / view.radius, limits::kMaxDistanceLevel);
   if (cell) key.cell = *cell;
   if (distance) key.distance = *distance;
-  // An object without extent is nothing a client would ask for.
+  // A client asks for nothing of an object without extent.
   if (view.radius > 0) key.size_class = need_for_view(view, ViewPlan{}).size_class;
   key.channels = channels;
   return key;
@@ -114,7 +114,7 @@ MadeTile Studio::make_tile(const TileKey& key, std::uint32_t instance, TileCodec
   const StoredTilePtr stored = encode_tile({job, *page.pixels, 0, 0, 0, 0}, object, codec);
   MadeTile out;
   out.header = stored->reply;
-  // From here on as a client does with what comes.
+  // The rest does what a client does with a reply.
   out.capture = Capture(key.cell, key.distance, object.radius, tile_edge(key.size_class));
   Result<Tile> tile = tile_from_fields(stored->reply);
   if (!tile) return out;

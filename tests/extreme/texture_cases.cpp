@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::uint8_t kAllClasses = limits::kMaxSizeClass + 1;
 
-// What the server's sessions make of every size there could be.
+// Asks the server's sessions for every possible size.
 void ask_all_classes(Checks& checks) {
   Rig rig(rig_scene({1}), {});
   HostLink other(rig.host);
@@ -107,7 +107,7 @@ Outcome any_size(const Conditions&) {
   return checks.outcome();
 }
 
-// T2: an atlas far too small for all that is in view.
+// T2: an atlas far too small for everything in view.
 Outcome full_atlas(const Conditions&) {
   RigScene scene;
   scene.objects = 24;
@@ -157,7 +157,7 @@ Outcome full_atlas(const Conditions&) {
   return checks.outcome();
 }
 
-// T3: who owns each texel of an atlas, over a million allocations and releases.
+// T3: owners of each texel of an atlas, over a million allocations and releases.
 Outcome allocations(const Conditions& conditions) {
   constexpr int kEdge = 512, kLayers = 2;
   AtlasAllocator atlas(kEdge, kLayers);
@@ -222,7 +222,7 @@ std::size_t magenta_texels(const Pixels& rgba) {
   return n;
 }
 
-// T4: tiles all around it in the atlas are solid magenta, into their last texel.
+// T4: the tiles around it in the atlas are solid magenta, up to their last texel.
 Outcome neighbours(const Conditions&) {
   Checks checks;
   Result<std::unique_ptr<Studio>> made = Studio::create("builtin:knot?tubular=48&radial=12");
@@ -242,14 +242,14 @@ Outcome neighbours(const Conditions&) {
     }
     std::fill(loud.tile.depth.begin(), loud.tile.depth.end(), std::uint8_t{200});
     TileRecordPtr record, other;
-    for (int i = 0; i < 40; ++i) {  // some before it, the rest after it, in rows
+    for (int i = 0; i < 40; ++i) {  // some before it, the others after it, in rows
       MadeTile next = loud;
-      // Each of another direction: the same tile again would not be uploaded.
+      // Each has another direction, because the same tile would not be uploaded again.
       next.capture.basis = capture_basis(*view_cell_from_direction({1, 0.1 * i, 0.3}, 12));
       other = studio.hold(next, 0);
       if (i != 17) continue;
       record = studio.hold(own, 0);
-      studio.keep(record);  // whatever comes
+      studio.keep(record);  // whatever arrives later
     }
     for (const DrawMethod method : {DrawMethod::kQuad, DrawMethod::kCuboid, DrawMethod::kHull,
                                     DrawMethod::kWarp, DrawMethod::kDepth}) {
@@ -273,7 +273,7 @@ Outcome neighbours(const Conditions&) {
   return checks.outcome();
 }
 
-/// Gives every tile that comes to the session once more, under each id in turn.
+/// Delivers every arriving tile to the session once more, under each id by turns.
 class Echo final : public Link {
  public:
   explicit Echo(Link& inner) : inner_(inner) {}
@@ -300,7 +300,7 @@ class Echo final : public Link {
   Link& inner_;
 };
 
-// T5: the same tile twice: to two instances of one object, sent twice, and held already.
+// T5: the same tile twice: for two instances of one object, sent twice, and already held.
 Outcome twice(const Conditions&) {
   Checks checks;
   RigScene scene;
@@ -325,7 +325,7 @@ Outcome twice(const Conditions&) {
   int again = 0;
   for (const auto& [key, count] : uploads) again += count - 1;
   const std::uint64_t uploaded = rig.uploaded_bytes, asked = rig.session.tiles().asked;
-  // Away and back: held, so nothing at all.
+  // Away and back: the tiles are held, so nothing is asked for.
   rig.run(
       1, [&](double) { return eye_at(there + glm::dvec3(3, 0, 9), there + glm::dvec3(3, 0, 20)); });
   rig.run(3, [&](double) { return pose; });

@@ -23,7 +23,7 @@ int exit_of_view(const std::string& url, const std::vector<std::string>& options
   return test::run(command, 60).exit_code;
 }
 
-// V8: drawn right at the ends of the range, refused beyond by the shipped client.
+// V8: drawn right at the ends of the range, and refused by the shipped client beyond it.
 Outcome fields_of_view(const Conditions& conditions) {
   Checks checks;
   Result<std::unique_ptr<Studio>> studio =
@@ -34,13 +34,13 @@ Outcome fields_of_view(const Conditions& conditions) {
   }
   for (const double degrees : {0.01, 170.0}) {
     const double fov = degrees * 0.017453292519943295;
-    // As far as fills the picture; at 170 degrees as near as an impostor may be.
+    // The distance at which it fills the picture; at 170 degrees as near as an impostor may be.
     const double radii = std::max(1.0 / std::sin(0.45 * fov), 2.0);
     Camera camera = (*studio)->camera(0, {0.4, 0.3, 1}, radii, degrees > 90 ? 512 : 128);
     camera.fov_y = fov;
     const ReferenceFrame truth = (*studio)->truth(camera, 2);
     GeometricError error;
-    // Half a sample off the middle: where a 2x2 reference takes its depth.
+    // The offset is half a sample from the middle: there a 2x2 reference takes its depth.
     add_geometric_error(truth, 0.75, camera, (*studio)->scene(),
                         (*studio)->impostor_list(camera, DrawMethod::kDepth), error);
     const auto worst = std::max_element(error.errors_px.begin(), error.errors_px.end());
@@ -51,7 +51,7 @@ Outcome fields_of_view(const Conditions& conditions) {
   }
   int refused = 0;
   for (const char* fov : {"179", "180", "0", "nan"}) {
-    // Refused before any connection is tried: nobody listens there.
+    // The option is refused before a connection is tried; nobody listens there.
     refused += exit_of_view("ws://127.0.0.1:1", {"--offscreen", "16x16", "--fov", fov}) == 2;
   }
   checks.equal("of 179, 180, 0, NaN refused", refused, 4);
@@ -77,7 +77,7 @@ Outcome viewports(const Conditions& conditions) {
 }
 
 // V10: the same scene at the origin and at 1e9 m. The eye's offsets are multiples of 2^-20 m, which
-// a double at 1e9 m still holds, so that what differs is the program's doing.
+// a double at 1e9 m still holds. So any difference is the program's.
 Outcome far_from_origin(const Conditions& conditions) {
   Checks checks;
   const glm::dvec3 offset(1e9, -1e9, 1e9);
@@ -98,7 +98,7 @@ Outcome far_from_origin(const Conditions& conditions) {
     Camera there = camera;
     there.pose.eye += offset;
     const auto center = [](Studio& s, const Camera& c) {
-      // What a shader is given: relative to the eye, as float.
+      // The position that a shader gets: relative to the eye, as float.
       const InstanceView& view = s.scene().instances[0];
       const gl::MeshInstance data = gl::mesh_instance(view.world_from_object, c.pose.eye, 0);
       return c.pixel_from_relative(glm::dvec3(glm::vec3(data.position_scale)));
@@ -155,7 +155,7 @@ Outcome monotone(const Conditions& conditions) {
       const double exact = radii * (std::sin(theta) + 2 * half * half / w);
       worst_term = std::max(worst_term, std::abs(term / exact - 1));
       if (first_slope == 0) first_slope = bound / theta;
-      // For small angles the bound is proportional to the angle: no steps of rounding.
+      // The bound is proportional to small angles, without steps of rounding.
       if (theta < 1e-6) {
         worst_slope = std::max(worst_slope, std::abs(bound / theta / first_slope - 1));
       }
@@ -172,7 +172,7 @@ Outcome monotone(const Conditions& conditions) {
 }
 
 // V12: a point anywhere in the sphere, drawn anywhere on its capture ray that the tile's measure
-// allows, seen by any camera.
+// allows, and seen by any camera.
 Outcome sound(const Conditions& conditions) {
   Random random(conditions.seed);
   const int count = conditions.count(1'000'000);

@@ -23,12 +23,12 @@ double off_orthonormal(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec
   for (const glm::dvec3& v : {a, b, c}) most = std::max(most, std::abs(glm::length(v) - 1));
   most = std::max(
       {most, std::abs(glm::dot(a, b)), std::abs(glm::dot(b, c)), std::abs(glm::dot(c, a))});
-  // Right-handed with the third axis backwards: a mirrored frame is no frame.
+  // A frame of axes is right-handed with the third axis backwards; a mirrored one is wrong.
   const double side = glm::length(glm::cross(a, b) + c);
   return is_finite(a + b + c) ? std::max(most, side) : kInf;
 }
 
-// V1: camera and capture frames looking along +-up, and within 1e-7 of it.
+// V1: axes of camera and capture that look along +-up, and within 1e-7 of it.
 Outcome along_up(const Conditions& conditions) {
   Random random(conditions.seed);
   double camera_off = 0, capture_off = 0;
@@ -50,8 +50,8 @@ Outcome along_up(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// V2: vectors without a direction are refused by the key, and a client whose eye is at a centre, or
-// nowhere, asks for nothing and draws no impostor.
+// V2: the key refuses vectors without a direction. A client whose eye is at a centre, or nowhere,
+// asks for nothing and draws no impostor.
 Outcome no_direction(const Conditions&) {
   int accepted = 0, asks = 0, drawn = 0;
   for (const glm::dvec3& v : {glm::dvec3(0), glm::dvec3(-0.0), glm::dvec3(kNan, 0, 1),
@@ -87,7 +87,7 @@ Outcome any_length(const Conditions& conditions) {
       differing += view_cell_from_direction(v * length, level) == key ? 0 : 1;
     }
     for (const double length : {1e-20, 1e20}) {
-      // Decimal lengths round each component: only a vector on a border may change cells.
+      // Decimal lengths round each component, so only a vector on a border may change cells.
       const auto scaled = view_cell_from_direction(v * length, level);
       const auto again = view_cell_from_direction(direction_from_view_cell(*key) * length, level);
       differing += again == key && scaled ? 0 : 1;
@@ -116,7 +116,7 @@ Outcome opposite(const Conditions& conditions) {
     world.camera.fov_y = random.log_uniform(1e-3, 1);
     const ViewGeometry view =
         view_geometry(world.camera, world.scene.instances[0], world.scene.objects[0]);
-    if (radius_px(view) < 1) continue;  // of a pixel's size: nothing can be wrong with it
+    if (radius_px(view) < 1) continue;  // too small for an error to show
     for (const DrawMethod method : {DrawMethod::kQuad, DrawMethod::kDepth}) {
       const double bound = tile->bound_px(method, world.scene.objects[0], view);
       infinite += std::isfinite(bound) ? 0 : 1;
@@ -131,7 +131,8 @@ Outcome opposite(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// V5: the folds and corners of the octahedral map, its axes with zeros of both signs, and anywhere.
+// V5: the folds and corners of the octahedral map, its axes with zeros of both signs, and random
+// places.
 Outcome folds(const Conditions& conditions) {
   Random random(conditions.seed);
   const int count = conditions.count(1'000'000);
@@ -157,7 +158,7 @@ Outcome folds(const Conditions& conditions) {
   return checks.outcome();
 }
 
-// V6: no bound, and the client draws and asks for no impostor although it holds a tile.
+// V6: there is no bound, and the client draws and asks for no impostor although it holds a tile.
 Outcome inside(const Conditions&) {
   int finite = 0, impostors = 0, outside_finite = 0, outside_drawn = 0;
   const auto try_at = [](double distance, int& bounds, int& used) {
@@ -177,7 +178,7 @@ Outcome inside(const Conditions&) {
   for (const double distance : {0.0, 1e-30, 0.5, 1.0, 1.0 + 1e-7}) {
     try_at(distance, finite, impostors);
   }
-  try_at(4.9, outside_finite, outside_drawn);  // and from outside there are
+  try_at(4.9, outside_finite, outside_drawn);  // outside there is one
   Checks checks;
   checks.equal("finite bounds", finite, 0);
   checks.equal("impostors drawn or asked for", impostors, 0);
@@ -186,7 +187,7 @@ Outcome inside(const Conditions&) {
   return checks.outcome();
 }
 
-// V7: a million million radii off: captured at the farthest distance there is, 1e6 r.
+// V7: a million million radii away; captured at the farthest possible distance, 1e6 r.
 Outcome far_away(const Conditions& conditions) {
   Random random(conditions.seed);
   const int count = conditions.count(20'000);
@@ -211,12 +212,13 @@ Outcome far_away(const Conditions& conditions) {
     const double bound = position_bound_px(view, capture.geometry(), drawn);
     bad +=
         std::isfinite(bound) && std::isfinite(texel_size_px(view, capture.geometry(), 64)) ? 0 : 1;
-    // A point of the sphere drawn as far off along its capture ray as is allowed.
+    // A point of the sphere, drawn as far off along its capture ray as allowed.
     const glm::dvec3 p = random.direction() * r;
     const double z = capture.depth(p), dc = capture.distance;
     const double shown = 1 / (1 / z - r / (dc * dc));
     const glm::dvec3 q = capture.eye() + (p - capture.eye()) * (shown / z);
-    // Relative to the centre: at this distance the eye's place alone has more digits than a double.
+    // Relative to the centre, because at this distance the eye's place alone needs more digits than
+    // a double has.
     const glm::dvec3 right = safe_normalize(glm::cross(axis, random.direction()));
     const glm::dvec3 up = glm::cross(right, view.forward), step = q - p;
     const double zp = distance + glm::dot(p, view.forward);

@@ -1,4 +1,4 @@
-// R1 to R5, R7, R8: what decoders make of hostile bytes. R6 is in wire_server_cases.cpp.
+// R1 to R5, R7, R8: how decoders treat hostile bytes. R6 is in wire_server_cases.cpp.
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ std::vector<std::uint64_t> lengths(int bits) {
   return out;
 }
 
-/// A zstd frame that says it holds `content` bytes.
+/// A zstd frame that claims to hold `content` bytes.
 Bytes zstd_frame(std::uint64_t content, const Bytes& blocks) {
   constexpr std::uint8_t kHead[] = {0x28, 0xb5, 0x2f, 0xfd, 0xe0};  // eight bytes of size follow
   Bytes out(std::size(kHead) + 8 + blocks.size());
@@ -43,13 +43,14 @@ Bytes zstd_frame(std::uint64_t content, const Bytes& blocks) {
   return out;
 }
 
-/// An error, and not one of this program's own making.
+/// True for an error that is not one of this program's own making.
 template <typename T>
 bool refused(const Result<T>& result) {
   return !result && result.error().id != ErrorId::kInternal;
 }
 
-// Every length word of frames, chunks, compressed blocks and geometry, with every power of two.
+// R1: every length word of packets, chunks, compressed blocks and geometry, with every power of
+// two.
 Outcome any_length(const Conditions&) {
   int accepted = 0, tried = 0;
   const std::size_t before = peak_bytes();
@@ -61,21 +62,21 @@ Outcome any_length(const Conditions&) {
         if (bytes == whole) continue;
         ++tried;
         accepted += refused(decode_message(bytes.data(), bytes.size())) ? 0 : 1;
-        // In pieces: held until they are complete, which these never are.
-        FrameAssembler assembler(limits::kMaxTransferBytes);
+        // Pieces are held until they are complete, which these never are.
+        PacketAssembler assembler(limits::kMaxTransferBytes);
         const auto frame = assembler.accept(bytes.data(), bytes.size());
         accepted += !frame ? 0 : 1;
       }
     }
   }
-  for (const std::uint64_t v : lengths(32)) {  // the total of a chunked transfer, and its offset
+  for (const std::uint64_t v : lengths(32)) {  // total of a chunked transfer, and its offset
     Bytes chunk(kWireHeaderBytes + kChunkPrefixBytes + 8);
-    FrameHeader header;
-    header.kind = FrameKind::kChunk;
+    PacketHeader header;
+    header.kind = PacketKind::kChunk;
     header.payload_bytes = kChunkPrefixBytes + 8;
-    write_frame_header(header, chunk.data());
+    write_packet_header(header, chunk.data());
     put_word(chunk, kWireHeaderBytes + 4, v, 4);
-    FrameAssembler assembler(limits::kMaxTransferBytes);
+    PacketAssembler assembler(limits::kMaxTransferBytes);
     const auto first = assembler.accept(chunk.data(), chunk.size());
     ++tried;
     const bool too_long = v > limits::kMaxTransferBytes || v < 8;
@@ -83,10 +84,10 @@ Outcome any_length(const Conditions&) {
     accepted += first && first->has_value() ? 1 : 0;  // eight bytes are no message
     put_word(chunk, kWireHeaderBytes + 4, 1000, 4);
     put_word(chunk, kWireHeaderBytes + 8, v, 4);
-    FrameAssembler fresh(limits::kMaxTransferBytes);
+    PacketAssembler fresh(limits::kMaxTransferBytes);
     accepted += v != 0 && !refused(fresh.accept(chunk.data(), chunk.size())) ? 1 : 0;
   }
-  for (const std::uint64_t v : lengths(64)) {  // what a compressed block says it holds
+  for (const std::uint64_t v : lengths(64)) {  // size that a compressed block claims
     const Bytes bytes = zstd_frame(v, {1, 0, 0});
     Tile tile;
     tile.edge = 64;
@@ -102,7 +103,7 @@ Outcome any_length(const Conditions&) {
       for (const std::uint64_t v : lengths(32)) {
         Bytes bytes = whole;
         put_word(bytes, word * 4, v, 4);
-        if (bytes == whole || v == 0) continue;  // no lines, say, may be a shorter model
+        if (bytes == whole || v == 0) continue;  // no lines, for example, may be a shorter model
         ++tried;
         const auto model = decode_model(bytes.data(), bytes.size(), 4);
         const bool larger = model && (model->mesh.vertices.size() > bytes.size() * 6 ||
@@ -184,7 +185,8 @@ Outcome versions(const Conditions&) {
 Outcome bombs(const Conditions&) {
   int accepted = 0;
   const std::size_t before = peak_bytes();
-  // Honest runs of one byte, as zstd packs them best, declared right but not what was asked for.
+  // Honest runs of one byte, which zstd packs best. Their size is declared right, but not as asked
+  // for.
   const Bytes zeros(200u << 20);
   const Bytes bomb = compress_block(zeros.data(), zeros.size());
   const std::size_t with_zeros = peak_bytes();
@@ -198,7 +200,8 @@ Outcome bombs(const Conditions&) {
         return refused(decode_tile_planes(b.data(), b.size(), TileCodec::kZstd, tile));
       };
       accepted += planes(bomb) ? 0 : 1;
-      // Declared as the crop wants it, and not there: 20 bytes for up to 36 MB, 1 : 1.8e6.
+      // The declared size is that of the crop, but the data are missing: 20 bytes for up to 36 MB,
+      // 1 : 1.8e6.
       const std::uint64_t bytes = tile.crop.area() * (channels == kLitTile     ? 5u
                                                       : channels == kRelitTile ? 9u
                                                                                : 1u);
@@ -211,20 +214,20 @@ Outcome bombs(const Conditions&) {
     const Bytes b = zstd_frame(claim, {1, 0, 0});
     accepted += refused(decompress_block(b.data(), b.size(), 1000)) ? 0 : 1;
   }
-  // An image that is larger than what was asked for.
+  // An image larger than what was asked for.
   Image image;
   image.width = image.height = 4096;
   image.rgba.assign(std::size_t{4096} * 4096 * 4, 0);
   const Result<Bytes> large = encode_image(image);
   const std::size_t with_image = peak_bytes();
   accepted += large && refused(decode_image(large->data(), large->size(), {64, 64}, true)) ? 0 : 1;
-  // Many small parts that add up: transfers are held to their limits together.
-  FrameAssembler assembler(limits::kMaxInboundTransferBytes);
+  // Many small parts that add up: all transfers together have a limit.
+  PacketAssembler assembler(limits::kMaxInboundTransferBytes);
   std::uint32_t id = 0;
   bool stopped = false;
   while (!stopped && id < 100) {
     Bytes message(limits::kMaxInboundTransferBytes - 100);
-    const Bytes first = split_into_frames(std::move(message), id++)[0];
+    const Bytes first = split_into_packets(std::move(message), id++)[0];
     stopped = refused(assembler.accept(first.data(), first.size()));
   }
   accepted += stopped && id <= limits::kMaxOpenTransfers + 1 ? 0 : 1;
@@ -232,14 +235,14 @@ Outcome bombs(const Conditions&) {
   checks.equal("accepted", accepted, 0);
   checks.at_least("ratio of the honest bomb",
                   static_cast<double>(zeros.size()) / static_cast<double>(bomb.size()), 10'000);
-  // The test's own 200 MB and 64 MB apart: at most a tile of the largest size, with its planes.
+  // Apart from the test's own 200 MB and 64 MB, at most a tile of the largest size with its planes.
   const double grown = static_cast<double>(peak_bytes() - with_image) / kMegabyte +
                        std::max(0.0, static_cast<double>(with_zeros - before) / kMegabyte - 450);
   checks.at_most("memory grown by, MB", grown, 80);
   return checks.outcome();
 }
 
-// R7: NaN and infinities of both signs in place of every float and double there could be.
+// R7: NaN and infinities of both signs in the place of every float and double.
 Outcome not_numbers(const Conditions&) {
   int not_finite = 0, refused_ones = 0, tried = 0;
   const float inf = std::numeric_limits<float>::infinity();
@@ -291,7 +294,7 @@ Outcome golden_bytes(const Conditions&) {
                    static_cast<unsigned long long>(hash_of(sample.bytes)));
     }
   }
-  // The first bytes, in clear: magic, version, kind, lengths.
+  // The first bytes in clear: magic, version, kind, lengths.
   const Bytes bye = encode_message(test::sample_bye());
   const Bytes head = {'M', 'R', 4, 1, 0x4c, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   differing += Bytes(bye.begin(), bye.begin() + kWireHeaderBytes) == head ? 0 : 1;

@@ -11,7 +11,7 @@
 namespace mirage::extreme {
 namespace {
 
-constexpr std::size_t kImages = 4;  // that the corpus's geometry may refer to
+constexpr std::size_t kImages = 4;  // images that the corpus's geometry may refer to
 
 /// Counts floats that are not finite.
 class FloatCheck {
@@ -62,7 +62,7 @@ bool use_tile(const wire::TileReplyT& m, const Bytes& payload) {
              .ok();
 }
 
-// As the program that gets it does, up to where it acts on it.
+// Treats the message as its receiver does, up to where it would act on it.
 bool accepts_message(const Bytes& bytes, int& not_finite) {
   const Result<Message> message = decode_message(bytes.data(), bytes.size());
   if (!message) return false;
@@ -135,7 +135,7 @@ bool accepts_model(const Bytes& bytes, int& not_finite) {
     m.each_map([&](const TextureRef& t) { add_reference(check, t); });
   }
   if (model->animation) {
-    // What is drawn: the pose, at both ends of the clip and within it.
+    // Poses as they are drawn, at both ends of the clip and within it.
     std::vector<Vertex> posed;
     for (const double t : {0.0, 0.37, 1.0}) {
       pose_vertices(model->mesh.vertices, *model->animation, t * model->animation->clip_s, posed);

@@ -1,5 +1,6 @@
 #pragma once
-// Valid bytes of every kind a peer sends, and what decoding them as the programs do comes to.
+// Wire samples: valid bytes of every kind that a peer sends, and decoders that treat them as the
+// programs do.
 
 #include <functional>
 #include <string>
@@ -10,22 +11,22 @@
 
 namespace mirage::extreme {
 
-/// Bytes, and a decoder for them.
+/// Bytes and a decoder for them.
 struct WireSample {
   std::string name;
   Bytes bytes;
-  /// True when they are accepted. `not_finite` counts floats of the result that are NaN or
+  /// Returns true if they are accepted. `not_finite` counts floats of the result that are NaN or
   /// infinite.
   std::function<bool(const Bytes& bytes, int& not_finite)> accepts;
 };
 
-/// Every message, every kind of tile, geometry, images.
+/// Returns every message, every kind of tile, geometry, images.
 std::vector<WireSample> wire_samples();
 
-/// A file of the fuzzers' corpus, "tile/zstd_9x8".
+/// Returns a file of the fuzzers' corpus, such as "tile/zstd_9x8".
 Bytes corpus(const std::string& name);
 
-/// FNV-1a.
+/// Returns the FNV-1a hash.
 std::uint64_t hash_of(const Bytes& bytes);
 
 }  // namespace mirage::extreme

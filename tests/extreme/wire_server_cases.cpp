@@ -44,7 +44,7 @@ std::unique_ptr<RawPeer> websocket(int port) {
   return peer;
 }
 
-/// Code of the close frame among what the server says; 0: none.
+/// Returns the code of the close packet among what the server says; 0: none.
 int close_code_of(RawPeer& peer) {
   std::string heard;
   for (;;) {
@@ -61,7 +61,7 @@ int close_code_of(RawPeer& peer) {
   return 0;
 }
 
-/// Milliseconds until a new client has its first tile; negative: it got none.
+/// Returns the milliseconds until a new client has its first tile; negative: it got none.
 double first_tile_ms(int port) {
   const SteadyClock clock;
   NativeLink link({"127.0.0.1", port, false});
@@ -86,7 +86,7 @@ double first_tile_ms(int port) {
   return tiles > 0 ? static_cast<double>(clock.now_us()) * 1e-3 : -1;
 }
 
-/// Mean of three clients, one after the other; negative: one of them got none.
+/// Returns the mean of three clients, one after the other; negative: one of them got none.
 double mean_first_tile_ms(int port) {
   double sum = 0;
   for (int i = 0; i < 3; ++i) {
@@ -97,10 +97,10 @@ double mean_first_tile_ms(int port) {
   return sum / 3;
 }
 
-/// Holds on to a connection by a byte now and then.
+/// Holds a connection open by sending a byte now and then.
 struct Dribbler {
   std::unique_ptr<RawPeer> peer;
-  std::string text;  ///< what it would say
+  std::string text;  ///< bytes it sends
   std::size_t said = 0;
   void dribble() {
     if (peer) peer->say(std::string(1, text[said++ % text.size()]));
@@ -108,7 +108,8 @@ struct Dribbler {
 };
 
 Outcome slow_loris(const Conditions& conditions) {
-  // What is usual is asked of a server that is left in peace, in turn: the machine's load drifts.
+  // Usual times are measured on a server that is left in peace, by turns, because the machine's
+  // load drifts.
   const test::Server server(kScene), in_peace(kScene);
   Checks checks;
   for (const test::Server* each : {&server, &in_peace}) {
@@ -128,7 +129,7 @@ Outcome slow_loris(const Conditions& conditions) {
     // Says hello a byte at a time.
     const std::string greeting = text_of(encode_message(hello()));
     silent.push_back({websocket(server.port()), frame(2, greeting), 0});
-    // Greets like any client, and then says a message of 200 KB a byte at a time.
+    // Greets like any client, and then sends a message of 200 KB a byte at a time.
     auto peer = websocket(server.port());
     if (peer) peer->say(frame(2, greeting) + frame_head(2, 200'000));
     messages.push_back({std::move(peer), batch, 0});
@@ -176,13 +177,14 @@ void websocket_lengths(Checks& checks) {
     auto peer = websocket(server.port());
     if (!peer) continue;
     peer->say(frame_head(2, length));
-    // As much as it takes to go beyond what is allowed, and no more.
+    // Sends just enough to go beyond what is allowed.
     const std::string part(64 * 1024, 'x');
     for (int i = 0; i < 6; ++i) peer->say(part);
     peers.push_back(std::move(peer));
     ++tried;
   }
-  // Told at once; the socket follows when the peer has not answered the close for five seconds.
+  // The server says so at once; it closes the socket when the peer has not answered for five
+  // seconds.
   for (int i = 0; i < 80; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     kept = 0;

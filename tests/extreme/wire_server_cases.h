@@ -1,11 +1,11 @@
 #pragma once
-// Hostile bytes to a running server, over raw sockets.
+// Wire server cases: hostile bytes to a running server, over raw sockets.
 
 #include "tests/extreme/extreme_case.h"
 
 namespace mirage::extreme {
 
-/// R1: WebSocket frames that announce up to 2^63 bytes.
+/// R1: WebSocket packets that announce up to 2^63 bytes.
 void websocket_lengths(Checks& checks);
 /// R4: messages and greetings of other versions.
 void versions_to_server(Checks& checks);

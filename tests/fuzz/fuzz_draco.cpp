@@ -1,4 +1,4 @@
-// Draco bytes of a glTF file: what decodes has whole triangles over points that are there.
+// Draco bytes of a glTF file: decoded data have whole triangles over existing points.
 #include <cstddef>
 #include <cstdint>
 

@@ -1,4 +1,4 @@
-// Image bytes: what decodes has the size that was asked for.
+// Image bytes: a decoded image has the size that was asked for.
 #include <cstddef>
 #include <cstdint>
 

@@ -1,4 +1,4 @@
-// Compressed bufferViews of a glTF file: what decodes has the size that was declared.
+// Compressed bufferViews of a glTF file: decoded data have the declared size.
 #include <cstddef>
 #include <cstdint>
 

@@ -1,4 +1,5 @@
-// Everything a peer's bytes go through before a program acts on them: frames, messages, fields.
+// Everything that a peer's bytes go through before a program acts on them: packets, messages,
+// fields.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +15,7 @@
 namespace mirage::fuzz {
 namespace {
 
-// Whether a tile or a view is taken as it comes.
+// True if a tile or a view is accepted in the form it came in.
 bool decodes(const wire::BodyUnion& body, const Bytes& payload) {
   if (const auto* view = body.AsViewReply()) return static_cast<bool>(decode_view(*view, payload));
   const wire::TileReplyT& reply = *body.AsTileReply();
@@ -23,7 +24,7 @@ bool decodes(const wire::BodyUnion& body, const Bytes& payload) {
                                     static_cast<TileCodec>(reply.codec), *tile);
 }
 
-// What a link unpacks beforehand is taken, or not, as what comes packed is.
+// A payload that a link unpacks ahead is accepted exactly if the packed one is.
 void unpack_ahead(Message message) {
   const wire::BodyUnion& body = message.body;
   const auto* view = body.AsViewReply();
@@ -49,7 +50,7 @@ void use_message(const std::uint8_t* bytes, std::size_t size) {
                                static_cast<TileCodec>(m->codec), *tile);
     }
   }
-  // What was accepted can be sent again, and is accepted again.
+  // A message that was accepted can be sent again, and is accepted again.
   const Bytes again = encode_body(body, message->payload);
   if (!decode_message(again.data(), again.size())) fail("a decoded message does not decode again");
   unpack_ahead(message.take());
@@ -57,11 +58,11 @@ void use_message(const std::uint8_t* bytes, std::size_t size) {
 
 }  // namespace
 
-/// The input is a stream of WebSocket messages: each frame's own header gives its length, whatever
-/// is left at the end is handed over as it is.
+/// The input is a stream of WebSocket packets. The header of each one gives its length; the rest at
+/// the end is passed on as it is.
 void run_message(const std::uint8_t* data, std::size_t size) {
   use_message(data, size);
-  FrameAssembler assembler(limits::kMaxInboundTransferBytes);
+  PacketAssembler assembler(limits::kMaxInboundTransferBytes);
   while (size > 0) {
     std::size_t n = size;
     if (size >= kWireHeaderBytes) {

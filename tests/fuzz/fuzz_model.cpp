@@ -1,4 +1,4 @@
-// Geometry bytes: whatever decodes must be safe to draw from.
+// Geometry bytes: decoded geometry must be safe to draw from.
 #include <cstddef>
 #include <cstdint>
 

@@ -34,7 +34,7 @@ Bytes read_file(const fs::path& path) {
   return Bytes(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
 }
 
-/// The values that lengths and floats break at.
+/// Returns one of the values at which lengths and floats break.
 std::uint32_t telling_word(std::mt19937& random) {
   constexpr std::uint32_t kWords[] = {0,          1,          0x7f,       0xff,
                                       0x7fff,     0xffff,     0x7fffffff, 0x80000000,
@@ -71,7 +71,7 @@ Bytes mutated(const Bytes& seed, std::mt19937& random) {
   return bytes;
 }
 
-/// Number of files of this target's corpus.
+/// Replays this target's corpus. Returns the number of files.
 std::size_t replay(const Target& target, const fs::path& folder, int mutations) {
   std::vector<fs::path> files;
   if (fs::is_directory(folder)) {
@@ -105,6 +105,6 @@ int main(int argc, char** argv) {
   for (const Target& target : kTargets) {
     complete = replay(target, fs::path(argv[1]) / target.name, mutations) > 0 && complete;
   }
-  // An empty corpus would pass without a test having run.
+  // An empty corpus must fail, because no test would have run.
   return complete ? 0 : 1;
 }

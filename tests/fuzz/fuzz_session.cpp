@@ -1,5 +1,5 @@
-// A server's sessions, message after message: clients that come, ask, cancel, change the light and
-// go, in any order, and stages that answer late, in another order or not at all.
+// A server's sessions, message after message. Clients come, ask, cancel, change the light and go,
+// in any order; stages answer late, in another order or not at all.
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kMostClients = 6;
 
-/// Of tiles there are none; that there may be has asks looked for first.
+/// A source without tiles. It makes the server look for tiles before rendering.
 class Nothing final : public TileSource {
  public:
   Tier tier() const override { return Tier::kDirectory; }
@@ -27,7 +27,7 @@ class Nothing final : public TileSource {
   bool offer(const FormId&, const Bytes&) override { return true; }
 };
 
-/// What the input says, byte by byte; zeros behind its end.
+/// Reads the input byte by byte, with zeros behind its end.
 class Script {
  public:
   Script(const std::uint8_t* data, std::size_t size) : at_(data), end_(data + size) {}
@@ -121,7 +121,7 @@ class Play {
     }
   }
 
-  /// Any of those that are there; 0: there is none.
+  /// Returns one of the present clients; 0: there is none.
   SessionId client() { return clients_.empty() ? 0 : clients_[script_.byte() % clients_.size()]; }
   void close(SessionId id) {
     if (id == 0) return;
@@ -270,7 +270,7 @@ class Play {
 
   void read(int most) {
     const SessionId id = client();
-    while (id != 0 && most-- > 0 && hub_->next_frame(id)) {
+    while (id != 0 && most-- > 0 && hub_->next_packet(id)) {
     }
     (void)hub_->take_writable();
   }
@@ -300,12 +300,12 @@ class Play {
         fail("a client has too many asks");
     }
     const HubState state = hub_->state();
-    // What is answered at once, a refusal more for each ask of a message, and one large thing.
+    // An outbox holds immediate replies, a refusal for each ask of a message, and one large item.
     if (state.largest_outbox_bytes > 3 * 4096 + 100'000) fail("an outbox holds too much");
     if (state.clients > 4) fail("more clients than may be");
   }
 
-  /// Everybody goes, and what was under way ends: nothing may be left.
+  /// All clients go, and everything under way ends: nothing may be left.
   void end() {
     while (!clients_.empty()) close(clients_.back());
     for (const std::uint32_t request : gets_) hub_->cancel_get(request);

@@ -1,6 +1,6 @@
 #pragma once
-// The fuzz targets, as functions: libFuzzer calls one through LLVMFuzzerTestOneInput (compiled with
-// MIRAGE_FUZZ_ENTRY), the replay program calls all of them by name.
+// Fuzz targets as functions. libFuzzer calls one through LLVMFuzzerTestOneInput (compiled with
+// MIRAGE_FUZZ_ENTRY); the replay program calls all of them by name.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +17,7 @@ void run_draco(const std::uint8_t* data, std::size_t size);
 void run_session(const std::uint8_t* data, std::size_t size);
 void run_meshopt(const std::uint8_t* data, std::size_t size);
 
-/// A property that every input must have does not hold: ends the program, as a crash would.
+/// Ends the program, as a crash would, because a property that every input must have does not hold.
 [[noreturn]] inline void fail(const char* what) {
   std::fprintf(stderr, "fuzz target: %s\n", what);
   std::abort();

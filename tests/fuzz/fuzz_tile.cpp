@@ -42,7 +42,7 @@ void run_tile(const std::uint8_t* data, std::size_t size) {
   const std::vector<std::uint8_t> bytes = encode_tile_planes(*tile, codec);
   Tile again = *tile;
   const bool ok = decode_tile_planes(bytes.data(), bytes.size(), codec, again).ok();
-  // What a lossy codec makes of colours is its own; the rest must survive.
+  // A lossy codec may change colours; everything else must survive.
   if (is_lossy(codec)) again.rgba = tile->rgba;
   if (!ok || tile_content_hash(again) != tile_content_hash(*tile)) {
     fail("a decoded tile does not survive encoding");

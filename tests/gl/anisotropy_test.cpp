@@ -1,5 +1,5 @@
-// KHR_materials_anisotropy as it is drawn: the shader beside the specification's formula on the
-// CPU, its limits, and a brushed plate from a file to the picture.
+// KHR_materials_anisotropy in drawing: the shader beside the specification's formula on the CPU,
+// its limits, and a brushed plate from a file to the picture.
 
 #include <gtest/gtest.h>
 
@@ -20,10 +20,10 @@ namespace mirage::test {
 namespace {
 
 constexpr int kEdge = 48;
-constexpr double kDepth = 2, kHalf = 2;  // of the plate before the eye
+constexpr double kDepth = 2, kHalf = 2;  // distance of the plate from the eye, and half its edge
 constexpr double kPi = 3.14159265358979323846;
 
-/// A plate across the view along -z, whose shading frame is what it is told.
+/// A plate across the view along -z, with a given shading frame.
 struct Plate {
   glm::vec3 normal{0, 0, 1};
   glm::vec4 tangent{1, 0, 0, 1};
@@ -40,7 +40,7 @@ class Anisotropy : public ::testing::Test {
     EXPECT_TRUE(target_.ok());
   }
 
-  /// Linear colours, rows from the bottom. Lights are relative to the eye.
+  /// Returns linear colours, rows from the bottom. Lights are relative to the eye.
   std::vector<glm::vec4> draw(const Plate& plate, const ObjectLighting& light,
                               const gl::ProbeMap* probe = nullptr) {
     egl_->make_current();
@@ -77,7 +77,7 @@ class Anisotropy : public ::testing::Test {
     return out;
   }
 
-  /// Of a pixel's centre on the plate, relative to the eye.
+  /// Returns the place of a pixel's centre on the plate, relative to the eye.
   static glm::dvec3 place(std::size_t pixel) {
     const double x = static_cast<double>(pixel % kEdge), y = static_cast<double>(pixel / kEdge);
     const double half = kDepth * std::tan(kPi / 6);
@@ -90,13 +90,13 @@ class Anisotropy : public ::testing::Test {
 
 double dot(const glm::dvec3& a, const glm::dvec3& b) { return glm::dot(a, b); }
 
-/// A direction of the specification's formulas in its frame: along the grain, across, the normal.
+/// Frame of the specification's formulas: along the grain, across it, and the normal.
 struct Frame {
   glm::dvec3 t, b, n;
   glm::dvec3 in(const glm::dvec3& v) const { return {dot(t, v), dot(b, v), dot(n, v)}; }
 };
 
-// D_GGX_anisotropic and V_GGX_anisotropic of the extension, without its clamp of V.
+// The extension's D_GGX_anisotropic and V_GGX_anisotropic, without its clamp of V.
 double distribution(const glm::dvec3& h, double at, double ab) {
   const double a2 = at * ab;
   const glm::dvec3 f(ab * h.x, at * h.y, a2 * h.z);
@@ -110,7 +110,8 @@ double visibility(const glm::dvec3& v, const glm::dvec3& l, double at, double ab
   return 0.5 / (l.z * lambda(v) + v.z * lambda(l));
 }
 
-/// One directional light on the material, as the specification has it; times pi as lights are.
+/// Returns the colour of the material under one directional light by the specification, times pi as
+/// for all lights.
 glm::dvec3 expected(const Material& m, double strength, const Frame& frame, const glm::dvec3& eye,
                     const ObjectLight& light) {
   const glm::dvec3 to_light = -glm::dvec3(light.direction), to_eye = glm::normalize(eye);
@@ -141,7 +142,7 @@ struct Dice {
   }
 };
 
-/// Texels of tangent space, rounded to what 8 bits hold.
+/// Returns an image of a tangent space value, rounded to 8 bits.
 Image texel_image(const glm::dvec3& value) {
   const glm::dvec3 steps = glm::round(value * 255.0);
   return solid_image(glm::u8vec4(steps.x, steps.y, steps.z, 255), false);
@@ -150,7 +151,7 @@ glm::dvec3 texel_of(const Image& image) {
   return glm::dvec3(image.rgba[0], image.rgba[1], image.rgba[2]) / 255.0;
 }
 
-// Directions, turns, strengths, both maps and both sides at random.
+// Directions, turns, strengths, both maps and both sides are random.
 TEST_F(Anisotropy, LampsAreTheSpecificationsFormula) {
   Dice dice;
   double brightest = 0;
@@ -197,17 +198,18 @@ TEST_F(Anisotropy, LampsAreTheSpecificationsFormula) {
     const std::vector<glm::vec4> drawn = draw(plate, lighting);
     for (std::size_t i = 0; i < drawn.size(); ++i) {
       const glm::dvec3 eye = -place(i);
-      if (dot(glm::normalize(eye), shaded) < 0.01) continue;  // n.v is held off 0 there
+      if (dot(glm::normalize(eye), shaded) < 0.01) continue;  // n.v is kept away from 0 there
       const glm::dvec3 is = glm::min(expected(m, strength, frame, eye, lamp), glm::dvec3(1));
       brightest = std::max(brightest, is.g);
-      // Floats: a few thousandths where a narrow lobe is steep.
+      // Floats differ by a few thousandths where a narrow lobe is steep.
       for (int c = 0; c < 3; ++c) ASSERT_NEAR(double{drawn[i][c]}, is[c], 1e-5 + 5e-3 * is[c]) << i;
     }
   }
   EXPECT_GT(brightest, 0.5) << "no highlight was seen";
 }
 
-// What the test compares with is a distribution: the facets' projected areas add up to 1.
+// The formula that the test compares with is a distribution: the facets' projected areas add up to
+// 1.
 TEST(AnisotropyFormula, FacetsCoverTheSurfaceOnce) {
   for (const auto& [at, ab] : {std::pair{0.04, 0.04}, {1.0, 0.04}, {0.5, 0.2}, {1.0, 1.0}}) {
     constexpr int kSteps = 2000;
@@ -225,7 +227,7 @@ TEST(AnisotropyFormula, FacetsCoverTheSurfaceOnce) {
   }
 }
 
-// The less there is the more it is plain shading, and there is no step at 0.
+// The smaller the strength, the closer to plain shading, without a step at 0.
 TEST_F(Anisotropy, LittleOfItIsNextToNone) {
   ObjectLighting lighting;
   ObjectLight lamp;
@@ -257,8 +259,8 @@ TEST_F(Anisotropy, LittleOfItIsNextToNone) {
   }
 }
 
-// A mirror of full strength shows what a mirror shows across the grain, and along it what is on the
-// other side: the right half of the surroundings is white.
+// A mirror of full strength shows what a mirror shows across the grain. Along the grain it shows
+// what is on the other side: the right half of the surroundings is white.
 TEST_F(Anisotropy, SurroundingsAreSeenByTheBentNormal) {
   Equirect image{64, 32, std::vector<glm::vec3>(64 * 32)};
   for (int i = 0; i < 64 * 32; ++i) {
@@ -305,7 +307,8 @@ std::string brushed_plate(double rotation) {
   return builder.glb();
 }
 
-/// Spread of a highlight right and up, px: roots of the second moments of its brightness.
+/// Returns the spread of a highlight right and up, px: roots of the second moments of its
+/// brightness.
 glm::dvec2 spread(const std::vector<std::uint8_t>& rgba) {
   constexpr int kSize = Bench::kSize;
   double sum = 0;
@@ -324,7 +327,7 @@ glm::dvec2 spread(const std::vector<std::uint8_t>& rgba) {
   return glm::sqrt(square / sum - mean * mean);
 }
 
-// From a file to the picture, as tile and as geometry: the highlight is drawn out along the grain.
+// A highlight is stretched along the grain: from a file to the picture, as tile and as geometry.
 TEST(AnisotropyPicture, ABrushedPlatesHighlightIsStretchedAlongTheGrain) {
   const TempFolder folder;
   for (const bool turned : {false, true}) {

@@ -1,4 +1,4 @@
-// Texture layers made as they are needed: what was there before stays, byte for byte.
+// Layered textures: layers are made when needed, and former content stays, byte for byte.
 #include <gtest/gtest.h>
 
 #include "client/draw/impostor_atlas.h"
@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kEdge = 64, kLayers = 6;
 
-/// Another byte at every place of every layer.
+/// Returns another byte for every place of every layer.
 std::vector<std::uint8_t> pattern(int layer, int channels) {
   std::vector<std::uint8_t> out(static_cast<std::size_t>(kEdge * kEdge * channels));
   for (std::size_t i = 0; i < out.size(); ++i) {

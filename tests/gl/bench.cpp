@@ -35,8 +35,9 @@ namespace {
 constexpr int kAtlasEdge = 2048;
 constexpr int kAtlasLayers = 2;
 
-// three.js divides both kinds by pi (BRDF_Lambert); a light's colour here is already irradiance
-// per pi, and ambient the radiance of a white surface: 0.6 and 2.5 become 0.191 and 0.796.
+// Returns the light of the protocol. three.js divides both kinds by pi (BRDF_Lambert). Here a
+// light's colour is irradiance per pi already, and ambient the radiance of a white surface: 0.6 and
+// 2.5 become 0.191 and 0.796.
 Lighting field_light(BenchLight kind) {
   Lighting lighting;
   constexpr float kPi = 3.14159265f;
@@ -55,8 +56,8 @@ Lighting field_light(BenchLight kind) {
   return lighting;
 }
 
-// The whole model as one object, its transparent materials, if they are not kept, alpha-tested:
-// what the field's protocol calls the alpha-tested tree.
+// Returns the whole model as one object. Its transparent materials, unless they are kept, are
+// alpha-tested: the field's protocol calls this the alpha-tested tree.
 PreparedScene as_one_object(const PreparedScene& prepared, const Similarity& placed,
                             BenchBlending blending) {
   const Scene& from = prepared.scene;
@@ -137,9 +138,9 @@ std::optional<SceneView> scene_as_told(const std::shared_ptr<const PreparedScene
   const Bytes greeting = encode_message(std::move(hello));
   if (!hub.receive(id, greeting.data(), greeting.size())) return std::nullopt;
   SceneView scene;
-  FrameAssembler assembler(limits::kMaxTransferBytes);
-  while (const FramePtr frame = hub.next_frame(id)) {
-    const auto whole = assembler.accept(frame->data(), frame->size());
+  PacketAssembler assembler(limits::kMaxTransferBytes);
+  while (const PacketPtr packet = hub.next_packet(id)) {
+    const auto whole = assembler.accept(packet->data(), packet->size());
     if (!whole || !whole->has_value()) continue;
     Message m = decode_message((*whole)->data(), (*whole)->size()).take();
     bool taken = true;

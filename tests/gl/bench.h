@@ -1,6 +1,6 @@
 #pragma once
-// Server and client of one object in one GL context: tiles go through the real renderer, encoder
-// and decoder; the truth is the full render of the same build.
+// Bench: server and client of one object in one GL context. Tiles go through the real renderer,
+// encoder and decoder; the truth is the full render of the same build.
 
 #include <memory>
 #include <optional>
@@ -26,54 +26,59 @@ namespace mirage::test {
 
 /// Light of the field's protocol (FIELD.md).
 enum class BenchLight { kLit, kAlbedo, kProbe };
-/// Of blended materials: alpha-tested instead, as the protocol has it, or as they are.
+/// Blended materials: alpha-tested instead, as in the protocol, or kept.
 enum class BenchBlending { kTested, kKept };
 
-/// Direction `i` of `count` of the field's protocol: unit, elevation of at least 5 degrees.
+/// Returns direction `i` of `count` of the field's protocol: unit, elevation of at least 5 degrees.
 glm::dvec3 fibonacci_direction(int i, int count);
-/// `direction` turned by `degrees` along the great circle that leaves it at `bearing` radians.
+/// Returns `direction` turned by `degrees` along the great circle that leaves it at `bearing`
+/// radians.
 glm::dvec3 turned(const glm::dvec3& direction, double degrees, double bearing);
 
-/// The scene as a client learns it, through the protocol; nullopt when it does not get across.
+/// Returns the scene as a client learns it, through the protocol; nullopt if the protocol refuses
+/// it.
 std::optional<SceneView> scene_as_told(const std::shared_ptr<const PreparedScene>& prepared);
 
 class Bench {
  public:
-  /// Other tests of the process may have made contexts of their own since.
+  /// Makes the context current, because other tests of the process may have made their own since.
   void make_current() { egl_.make_current(); }
   static constexpr int kSize = 512;
 
-  /// nullptr without a GL context, or when `spec` does not load. The model stands at `placed`.
+  /// Creates a bench with the model at `placed`; nullptr without a GL context, or if `spec` does
+  /// not load.
   static std::unique_ptr<Bench> create(const std::string& spec, BenchLight light,
                                        const Similarity& placed = {}, float fog_density = 0,
                                        BenchBlending blending = BenchBlending::kTested);
 
-  /// The field's camera: `radii` from the centre, the sphere filling the picture.
+  /// Returns the field's camera: `radii` from the centre, the sphere filling the picture.
   Camera camera(double radii, const glm::dvec3& direction) const;
-  /// The tile for exactly this camera; nullptr when it is empty.
+  /// Returns the tile for exactly this camera; nullptr: it is empty.
   TileRecordPtr tile_for(const Camera& camera, TileCache& cache, std::uint8_t channels = kLitTile);
-  /// Bytes of the last tile's planes as they travel.
+  /// Returns the bytes of the last tile's planes on the wire.
   std::size_t tile_bytes() const { return tile_bytes_; }
   std::uint64_t tile_hash() const { return tile_hash_; }
-  /// A cache of the bench's atlas size, empty.
+  /// Returns an empty cache with the bench's atlas size.
   TileCache make_cache() const;
   /// Clears the target and draws.
   void draw(const Camera& camera, const TileRecordPtr& tile, DrawMethod method);
   std::vector<std::uint8_t> picture(const Camera& camera, const TileRecordPtr& tile,
                                     DrawMethod method);
-  /// The object and a copy of it, `behind_radii` farther from the eye, back to front.
+  /// Returns a picture of the object and a copy of it, `behind_radii` farther from the eye, back to
+  /// front.
   std::vector<std::uint8_t> picture_of_two(const Camera& camera, const TileRecordPtr& tile,
                                            double behind_radii, DrawMethod near_method,
                                            DrawMethod far_method);
-  /// The same with the object's geometry.
+  /// Returns a picture of the object's geometry.
   std::vector<std::uint8_t> mesh_picture(const Camera& camera, float fade = 1);
-  /// The same after so many further drawings (Refinement); the first at this scale.
+  /// Returns a picture of the geometry after this many further drawings (Refinement); the first is
+  /// drawn at this scale.
   std::vector<std::uint8_t> rested_mesh_picture(const Camera& camera, int drawings,
                                                 double scale = 1);
-  /// From now on the light of lit tiles, of drawing and of the truth.
+  /// Sets the light of lit tiles, of drawing and of the truth from now on.
   void set_light(const Lighting& light) { light_ = light; }
   const Lighting& light() const { return light_; }
-  /// RGBA8 of the full render, `samples` per axis.
+  /// Returns the RGBA8 pixels of the full render, `samples` per axis.
   std::vector<std::uint8_t> truth(const Camera& camera, std::uint32_t samples);
   ReferenceFrame truth_frame(const Camera& camera, std::uint32_t samples);
 

@@ -1,5 +1,5 @@
-// What is seen through: tiles state the depth of its front and how far behind it something shows,
-// the bound covers both, the full render knows the front, and every covered pixel is compared.
+// Blended objects: tiles state the depth of the front, and how far behind it something shows. The
+// bound covers both, the full render knows the front, and every covered pixel is compared.
 
 #include <gtest/gtest.h>
 
@@ -15,8 +15,8 @@ namespace {
 
 constexpr float kPaneZ = 0.5f, kBoardZ = -0.5f;
 
-/// A pane of glass of 2 x 2 before an opaque board of 1 x 1, one object, both towards +z: all of
-/// the board is seen through the pane.
+/// Returns a glass pane of 2 x 2 before an opaque board of 1 x 1, as one object, both towards +z.
+/// All of the board is seen through the pane.
 std::string pane_before_board() {
   std::vector<float> positions;
   for (const auto& [half, z] : {std::pair{0.5f, kBoardZ}, {1.0f, kPaneZ}}) {
@@ -72,13 +72,13 @@ TEST_F(Blended, TileTellsTheFrontAndWhatShowsBehindIt) {
   TileCache cache = bench->make_cache();
   const TileRecordPtr tile = bench->tile_for(camera, cache);
   ASSERT_TRUE(tile);
-  const double dc = tile->capture.distance, step = 1.5 / 254;  // of the depth code, rounded up
+  const double dc = tile->capture.distance, step = 1.5 / 254;  // step of the depth code, rounded up
   const double pane = dc - kPaneZ, board = dc - kBoardZ;
   const double range = 2 * object().radius / (dc * dc - double{object().radius} * object().radius);
   EXPECT_NEAR(tile->measure.dz_behind, dc * dc * (1 / pane - 1 / board), dc * dc * range * step);
   EXPECT_NEAR(tile->measure.depth_min, pane, 0.03);
   EXPECT_NEAR(tile->measure.depth_max, board, 0.03);
-  // From behind nothing shows through.
+  // Nothing shows through from behind.
   const TileRecordPtr back = bench->tile_for(bench->camera(4, glm::dvec3(1, 0.2, 0.02)), cache);
   ASSERT_TRUE(back);
   EXPECT_LT(back->measure.dz_behind, tile->measure.dz_behind);
@@ -89,7 +89,7 @@ TEST_F(Blended, TheBoundCoversWhatLiesBehind) {
   const TileRecordPtr tile = bench->tile_for(bench->camera(6, glm::dvec3(0, 0, 1)), cache);
   ASSERT_TRUE(tile);
   const Camera aside = bench->camera(6, turned(glm::dvec3(0, 0, 1), 2, 0.4));
-  // The board's middle, which the tile shows through the pane, and where it is drawn: on the pane.
+  // The tile shows the board's middle through the pane, and it is drawn on the pane.
   const glm::dvec3 center(object().center);
   const glm::dvec3 board = glm::dvec3(0, 0, kBoardZ) - center, eye = tile->capture.eye();
   const double to_board = tile->capture.depth(board), to_pane = to_board - (kPaneZ - kBoardZ);
@@ -103,7 +103,7 @@ TEST_F(Blended, TheBoundCoversWhatLiesBehind) {
   blind.measure.dz_behind = 0;
   blind.seal(object());
   EXPECT_LT(bound(blind, DrawMethod::kDepth, aside), error) << "nothing else would cover it";
-  // Box and hull have the pane's plane in front, the quad lies between the two.
+  // Box and hull have the pane's plane in front; the quad lies between the two.
   EXPECT_GE(bound(*tile, DrawMethod::kCuboid, aside), error);
   EXPECT_GE(bound(*tile, DrawMethod::kHull, aside), error);
   const glm::dvec3 on_quad = eye + (board - eye) * (double{tile->measure.plane_depth} / to_board);
@@ -116,7 +116,7 @@ TEST_F(Blended, TheBoundCoversWhatLiesBehind) {
 TEST_F(Blended, TheFullRenderKnowsTheFront) {
   const Camera camera = bench->camera(4, glm::dvec3(0, 0, 1));
   const ReferenceFrame truth = bench->truth_frame(camera, 1);
-  const auto at = [&](double x, double y) {  // of the plane z
+  const auto at = [&](double x, double y) {  // on the plane z
     const glm::dvec3 p = glm::dvec3(x, y, 0) - camera.pose.eye;
     const double scale = camera.focal_px() / glm::dot(p, camera.forward());
     const auto px =

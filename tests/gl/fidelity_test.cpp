@@ -24,11 +24,11 @@ namespace {
 constexpr int kDirections = 24;
 constexpr int kTreeDirections = 4;  // its truth takes seconds a picture on a CPU
 constexpr std::uint32_t kEdge = Bench::kSize;
-constexpr double kGridMiB = 42.7;  // of the 12 x 12 grid of views that is compared with
+constexpr double kGridMiB = 42.7;  // of the 12 x 12 grid of views to compare with
 
 struct Model {
   const char* name;
-  const char* spec;  // relative paths: below the shared models
+  const char* spec;  // relative paths start at the shared models
   BenchLight light;
 };
 constexpr Model kKnot{"knot", "builtin:knot", BenchLight::kLit};
@@ -39,7 +39,7 @@ struct Row {
   const char* name;
   Model model;
   double radii;
-  double degrees;  // between the tile's capture and the eye
+  double degrees;  // angle between the tile's capture and the eye
   DrawMethod method;
   double least_psnr;
   double least_iou;
@@ -48,7 +48,7 @@ struct Row {
 
 std::ostream& operator<<(std::ostream& out, const Row& row) { return out << row.name; }
 
-// The one in use, by model: it lasts as long as the tests that follow want the same.
+// The bench in use, by model. It stays as long as the following tests want the same.
 std::map<std::string, std::unique_ptr<Bench>>& shared_benches() {
   static std::map<std::string, std::unique_ptr<Bench>> benches;
   return benches;
@@ -60,7 +60,7 @@ class ReleaseBenches : public ::testing::Environment {
 [[maybe_unused]] const auto* const release_benches =
     ::testing::AddGlobalTestEnvironment(new ReleaseBenches);  // owned by gtest
 
-// nullptr when the model is not there.
+// Returns the bench of the model; nullptr: the model is missing.
 Bench* bench_for(const Model& model) {
   std::map<std::string, std::unique_ptr<Bench>>& benches = shared_benches();
   std::string spec = model.spec;
@@ -69,7 +69,7 @@ Bench* bench_for(const Model& model) {
     if (!std::ifstream(spec)) return nullptr;
   }
   std::unique_ptr<Bench>& bench = benches[model.name];
-  // One context at a time: each bench owns one, and the newest is current.
+  // One context at a time: each bench has one, and the newest is current.
   if (!bench) {
     benches.clear();
     benches[model.name] = Bench::create(spec, model.light);
@@ -79,7 +79,7 @@ Bench* bench_for(const Model& model) {
   return made;
 }
 
-// Drawn, truth, twice the difference, side by side; only when the folder is asked for.
+// Keeps the drawn picture, the truth and twice the difference side by side, if a folder is given.
 void keep_picture(const std::string& name, const std::vector<std::uint8_t>& drawn,
                   const std::vector<std::uint8_t>& truth) {
   const char* folder = std::getenv("MIRAGE_FIDELITY_PICTURES");
@@ -168,7 +168,7 @@ struct Timed {
   double degrees;
 };
 
-// Fastest of some runs, in ms: the machine's load only ever adds.
+// Returns the fastest of some runs, ms: the machine's load only adds time.
 double draw_ms(Bench& bench, const Camera& camera, const TileRecordPtr& tile, DrawMethod method) {
   double best = 1e9;
   for (int run = 0; run < 3; ++run) {
@@ -181,7 +181,7 @@ double draw_ms(Bench& bench, const Camera& camera, const TileRecordPtr& tile, Dr
   return best;
 }
 
-// Reported, not judged: times depend on the machine; ratios of one run less so.
+// Times are printed, not judged, because they depend on the machine; ratios of one run do less so.
 TEST(Cost, OfEachMethodAgainstTheQuad) {
   Bench* bench = bench_for(kKnot);
   ASSERT_TRUE(bench);
@@ -204,7 +204,7 @@ TEST(Cost, OfEachMethodAgainstTheQuad) {
   }
 }
 
-// Every method shows the same picture from the capture pose: proxies only matter away from it.
+// Every method shows the same picture from the capture pose; proxies only matter elsewhere.
 TEST(Methods, AgreeAtTheCapturePose) {
   Bench* bench = bench_for(kKnot);
   ASSERT_TRUE(bench);

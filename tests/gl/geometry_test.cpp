@@ -1,5 +1,5 @@
-// What a client draws as geometry against the same drawn from the server's own data: quantised
-// vertices, octahedral normals and compressed images must not show.
+// Geometry on the client against the same drawn from the server's own data: quantised vertices,
+// octahedral normals and compressed images must not show.
 
 #include <gtest/gtest.h>
 
@@ -95,7 +95,7 @@ class GeometryBench {
   std::unique_ptr<FrameTarget> target_;
 };
 
-/// Over the pixels that differ from the empty picture in either.
+/// Returns the PSNR over the pixels that differ from the empty picture in either.
 double masked_psnr(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b,
                    const std::vector<std::uint8_t>& empty) {
   double sum = 0, count = 0;
@@ -138,8 +138,8 @@ TEST(Geometry, TreesThroughTheWireLookTheSame) {
     const double same = masked_psnr(full, bench->through_the_wire(tree, 0, 2.5), empty);
     std::printf("[ FIGURES  ] %s through the wire, level 0: %.1f dB\n",
                 bench->prepared().scene.objects[tree].name.c_str(), same);
-    // Thousands of leaf edges, each moved by up to 1/150 px: of every 40 edge pixels one sample of
-    // four flips, which alone comes to some 43 dB on the tree with the most edges.
+    // Thousands of leaf edges move by up to 1/150 px. One sample of four flips in every 40 edge
+    // pixels, which alone gives some 43 dB on the tree with the most edges.
     EXPECT_GE(same, 42.5);
     best = std::max(best, same);
   }

@@ -1,5 +1,5 @@
-// Tiles in two layers: what the front hides is there, is drawn from aside at its own depth, and
-// the view from the capture is that of a lit tile.
+// Layered tiles: what the front hides is there, and is drawn from aside at its own depth. From the
+// capture the picture is that of a lit tile.
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ namespace {
 constexpr float kSlatsZ = 0.5f, kBoardZ = -0.5f;
 constexpr int kSlats = 8;  // as wide as the gaps between them
 
-/// Slats of red before a blue board of 2 x 2, one object that tests alpha, towards +z.
+/// Returns red slats before a blue board of 2 x 2, as one object with an alpha test, towards +z.
 std::string slats_before_board() {
   Builder b;
   std::vector<float> positions;
@@ -32,7 +32,8 @@ std::string slats_before_board() {
     positions.clear();
     return json{{"attributes", {{"POSITION", accessor}}}, {"material", material}};
   };
-  // Blended in the file: the bench makes a test of it, which importing would prove to be none.
+  // Blended in the file: the bench makes an alpha test of it, which the import would find to be
+  // none.
   const auto tested = [](float red, float blue) {
     return json{{"pbrMetallicRoughness", {{"baseColorFactor", {red, 0.1, blue, 0.9}}}},
                 {"alphaMode", "BLEND"}};
@@ -115,7 +116,7 @@ TEST_F(Layers, FromTheCaptureItIsTheLitTile) {
   EXPECT_NEAR(one, two, 0.2);
 }
 
-// Points of the board that the tile has behind its slats: drawn at the depth stored there.
+// Points of the board that the tile has behind its slats are drawn at the depth stored there.
 TEST_F(Layers, TheBoundCoversWhatTheSecondShows) {
   open_slats();
   TileCache cache = bench->make_cache();

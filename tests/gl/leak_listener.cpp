@@ -1,4 +1,4 @@
-// When all GL tests are through, every object they made has been given back.
+// Leak listener: after all GL tests, every GL object they made must have been released.
 #include <gtest/gtest.h>
 
 #include "shaders/gl/gl_object.h"

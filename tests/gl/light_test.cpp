@@ -1,6 +1,5 @@
-// Tiles shaded by the server and tiles shaded where they are drawn, against the mesh of the same
-// object and against the full render. Figures are printed; limits are what was reached, rounded
-// down.
+// Tiles shaded by the server, and tiles shaded by the client, against the mesh of the same object
+// and against the full render. Figures are printed; limits are the measured values, rounded down.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +19,7 @@ constexpr int kDirections = 8;
 
 using Picture = std::vector<std::uint8_t>;
 
-// CIE L*a*b* of an sRGB texel under D65.
+// Returns CIE L*a*b* of an sRGB texel under D65.
 glm::dvec3 lab(const std::uint8_t* rgba) {
   glm::dvec3 linear;
   for (int c = 0; c < 3; ++c) {
@@ -35,7 +34,7 @@ glm::dvec3 lab(const std::uint8_t* rgba) {
   return {116 * f(xyz.y) - 16, 500 * (f(xyz.x) - f(xyz.y)), 200 * (f(xyz.y) - f(xyz.z))};
 }
 
-// Mean CIE76 difference over the pixels that either covers.
+// Returns the mean CIE76 difference over the pixels that either covers.
 double mean_delta_e(const Picture& a, const Picture& b) {
   double sum = 0;
   std::size_t count = 0;
@@ -60,7 +59,7 @@ struct Agreement {
   }
 };
 
-// Turned and scaled: normals that stayed in the object's space would show.
+// The object is turned and scaled, so that normals left in the object's space would show.
 Similarity placed() {
   Similarity s;
   s.position = {3, -2, 5};
@@ -69,7 +68,7 @@ Similarity placed() {
   return s;
 }
 
-// A sun from elsewhere, a lamp beside the object and a spot from above.
+// Returns a sun from elsewhere, a lamp beside the object and a spot from above.
 Lighting other_light(const Bench& bench) {
   const glm::dvec3 center = bench.instance().center;
   const double r = bench.instance().radius;
@@ -108,8 +107,8 @@ void keep(const std::string& name, const std::vector<Picture>& panels) {
   }
 }
 
-// Fog is laid over what is drawn: the tile stays what it was, and with fog impostor, mesh and full
-// render still agree, near and far.
+// Fog is drawn over the picture. The tile stays the same, and impostor, mesh and full render agree
+// with fog as well, near and far.
 TEST(Fog, IsInThePictureAndNotInTheTile) {
   std::vector<std::uint64_t> bytes;
   for (const float density : {0.0f, 0.06f}) {
@@ -148,7 +147,7 @@ TEST(Fog, IsInThePictureAndNotInTheTile) {
 
 struct Model {
   const char* name;
-  const char* spec;  // relative paths: below the shared models
+  const char* spec;  // relative paths start at the shared models
   double lit_db, relit_db;
   BenchLight light = BenchLight::kLit;
 };
@@ -240,7 +239,7 @@ TEST_P(LitAndRelit, OnlyTheRelitTileFollowsTheLight) {
 INSTANTIATE_TEST_SUITE_P(Models, LitAndRelit, testing::ValuesIn(kModels),
                          [](const auto& model) { return std::string(model.param.name); });
 
-// Fastest of some runs, in ms: the machine's load only ever adds.
+// Returns the fastest of some runs, ms: the machine's load only adds time.
 double draw_ms(Bench& bench, const Camera& camera, const TileRecordPtr& tile, DrawMethod method) {
   double best = 1e9;
   for (int run = 0; run < 8; ++run) {
@@ -253,7 +252,7 @@ double draw_ms(Bench& bench, const Camera& camera, const TileRecordPtr& tile, Dr
   return best;
 }
 
-// Reported, not judged: times depend on the machine.
+// Times are printed, not judged, because they depend on the machine.
 TEST(LightCost, OfShadingWhereItIsDrawn) {
   const std::unique_ptr<Bench> bench = bench_for(kModels[0]);
   ASSERT_TRUE(bench);

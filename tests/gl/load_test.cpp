@@ -14,7 +14,7 @@
 namespace mirage::test {
 namespace {
 
-/// Content hashes of tiles of all objects, near and far, lit and relit; empty when it fails.
+/// Returns content hashes of tiles of all objects, near and far, lit and relit; empty: it failed.
 std::vector<std::uint64_t> tile_hashes(const std::string& spec, const SceneLoadOptions& options) {
   const auto scene = load_scene(spec, options);
   if (!scene) return {};
@@ -52,7 +52,7 @@ std::vector<std::uint64_t> tile_hashes(const std::string& spec, const SceneLoadO
   return out;
 }
 
-/// Meshes large enough to be shared among threads, images, and (forest) foliage with mips.
+/// Meshes so large that threads share them, images, and (forest) foliage with mips.
 class LoadedTiles : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {

@@ -1,6 +1,6 @@
 #pragma once
-// Small scenes for need analysis: a ball of 8 x 12 facets with every attribute, and what may be
-// neutral about it.
+// Need scenes: small scenes for need analysis: a ball of 8 x 12 facets with every attribute, and
+// changes that may be neutral.
 
 #include <functional>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace mirage::test {
 
-/// 2 x 2 texels of one value; `odd` replaces the last texel.
+/// Returns 2 x 2 texels of one value; `odd` replaces the last texel.
 inline Image small_image(glm::u8vec4 value, glm::u8vec4 odd, bool srgb) {
   Image image;
   image.width = image.height = 2;
@@ -49,7 +49,7 @@ inline Mesh ball() {
   return mesh;
 }
 
-/// One ball of a reddish, half rough half metal material under a sun.
+/// Returns one ball of a reddish material, half rough and half metal, under a sun.
 inline Scene ball_scene() {
   Scene scene;
   scene.name = "ball";
@@ -70,7 +70,7 @@ inline Scene ball_scene() {
 
 using Change = std::function<void(Scene&)>;
 
-/// The ball with an image as one of its maps.
+/// Returns a change that gives the ball an image as one of its maps.
 inline Change with_map(TextureRef Material::*map, Image image) {
   return [=](Scene& scene) {
     scene.images.push_back(image);
@@ -90,7 +90,7 @@ struct NamedChange {
   Change change;
 };
 
-/// What adds nothing: no pixel, no key, no byte.
+/// Changes that add nothing: no pixel, no key, no byte.
 inline std::vector<NamedChange> neutral_changes() {
   const auto white = [](bool srgb) { return solid_image({255, 255, 255, 255}, srgb); };
   return {
@@ -161,7 +161,7 @@ inline std::vector<NamedChange> neutral_changes() {
   };
 }
 
-/// What is nearly the same and yet shows: the change, and what leaving it out would make of it.
+/// A change that is nearly neutral but shows, and what leaving it out would do.
 struct NeededChange {
   const char* name;
   NeedRule rule;

@@ -1,5 +1,5 @@
-// Leaving out (numerics.md section 5), rule by rule: nothing changes where a feature is neutral, to
-// the last byte; something does where it is not; and a neutral element changes neither key nor
+// Leaving out (numerics.md section 5), rule by rule. Where a feature is neutral, nothing changes,
+// to the last byte; where it is not, something does. A neutral element changes neither key nor
 // variant.
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ TileJob job_of(const PreparedScene& scene, std::size_t object, std::uint8_t chan
   return job;
 }
 
-/// What the product draws of a scene's first object, its key, and the variants it took.
+/// The tile that the product draws of a scene's first object, its key, and the variants used.
 struct Drawn {
   TileShot shot;
   TileId id;
@@ -78,8 +78,8 @@ Proof prove(const std::shared_ptr<const PreparedScene>& scene) {
   return prove_needs(scene, options).take();
 }
 
-// All that is neutral is in FULL as it was imported, and gone in LEAN. Of the two alpha modes the
-// later change wins.
+// All neutral features are in FULL as they were imported, and gone in LEAN. Of the two alpha modes
+// the later change wins.
 TEST_F(NeedsProof, NeutralFeaturesChangeNoComponent) {
   std::vector<Change> all;
   for (const NamedChange& one : neutral_changes()) all.push_back(one.change);
@@ -106,14 +106,14 @@ TEST_F(NeedsProof, UnlitScenesAndThoseThatNeedAllAreDrawnAlike) {
   EXPECT_EQ(prove(prepared({unlit})).total.differing_components, 0u);
   std::vector<Change> all;
   for (const NeededChange& one : needed_changes()) {
-    // What is blended is not shaded where it is drawn, as FULL does with everything.
+    // Blended objects are not shaded by the client, but FULL shades everything there.
     const bool blended = one.rule == NeedRule::kBlending || one.name == std::string("transmission");
     if (!blended && one.rule != NeedRule::kLighting) {
       all.push_back(one.change);
     }
   }
   EXPECT_EQ(prove(prepared(all)).total.differing_components, 0u);
-  // A grain without a map: FULL reads one that says nothing.
+  // A grain without a map: FULL reads a map that has no effect.
   const Change brushed = [](Scene& s) {
     s.materials[0].lobes.anisotropy = 0.7f;
     s.materials[0].lobes.anisotropy_rotation = 0.4f;
@@ -121,7 +121,7 @@ TEST_F(NeedsProof, UnlitScenesAndThoseThatNeedAllAreDrawnAlike) {
   EXPECT_EQ(prove(prepared({brushed})).total.differing_components, 0u);
 }
 
-// Negative control: where a feature is needed, be it by one texel, leaving it out shows.
+// Negative control: where a feature is needed, even by one texel, leaving it out shows.
 TEST_F(Needs, WhatIsNeededShowsWhenItIsLeftOut) {
   for (const NeededChange& one : needed_changes()) {
     SCOPED_TRACE(one.name);
@@ -159,7 +159,7 @@ TEST_F(Needs, LightsThatAddNothingAreInNoKey) {
   Light black;
   black.kind = LightKind::kPoint;
   black.color = glm::vec3(0);
-  Light at_surface = black;  // where shading it would divide by nothing
+  Light at_surface = black;  // where shading it would divide by zero
   at_surface.position = {0, 0.7, 0};
   Light far_off = black;
   far_off.color = glm::vec3(1);
@@ -179,7 +179,7 @@ TEST_F(Needs, LightsThatAddNothingAreInNoKey) {
     EXPECT_TRUE(drawn.id == bytes.id);
     EXPECT_EQ(drawn.bytes, bytes.bytes);
   }
-  // And drawn all the same they change nothing.
+  // These lights change nothing if they are drawn nevertheless.
   const Change add_all = [&](Scene& s) {
     s.lighting.lights.insert(s.lighting.lights.end(), {black, at_surface, far_off, aside});
   };
@@ -190,7 +190,7 @@ TEST_F(Needs, LightsThatAddNothingAreInNoKey) {
   EXPECT_FALSE(draw(prepared({})).id == draw(prepared({dark})).id);
 }
 
-// The variants a scene may compile: another one is a feature that came in where it is not needed.
+// Returns the variants that a scene may compile; one more means a feature where it is not needed.
 std::set<std::string> variants_of(const std::shared_ptr<const PreparedScene>& scene) {
   const GpuScene gpu(scene);
   TilePageRenderer pages = TilePageRenderer::create(gpu, 2).take();

@@ -1,4 +1,4 @@
-// Light from all around, as it is drawn.
+// Light probe: light from all around, in drawing.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ class Probe : public ::testing::Test {
  protected:
   Probe() : egl_(gl::EglContext::create("auto")) { EXPECT_TRUE(egl_); }
 
-  /// Linear colours of the texels that are covered whole.
+  /// Returns the linear colours of fully covered texels.
   std::vector<glm::vec4> draw(const std::vector<Change>& changes) {
     egl_->make_current();
     const auto scene = prepared(changes);
@@ -56,8 +56,8 @@ class Probe : public ::testing::Test {
   Result<gl::EglContext> egl_;
 };
 
-// The furnace: where 0.8 comes from everywhere, what reflects all of it looks like 0.8, however
-// rough and of what kind it is; nothing is lost or made.
+// Furnace test: if 0.8 comes from everywhere, a surface that reflects all light looks like 0.8,
+// however rough it is and of whatever kind. No light is lost or added.
 TEST_F(Probe, AFurnaceHidesWhatReflectsAll) {
   const Equirect gray{2, 1, {glm::vec3(0.8f), glm::vec3(0.8f)}};
   for (const float metallic : {0.0f, 1.0f}) {
@@ -77,7 +77,8 @@ TEST_F(Probe, AFurnaceHidesWhatReflectsAll) {
   }
 }
 
-// Turning the object with the probe is turning neither: what an object sees is in its own axes.
+// Turning the object together with the probe changes nothing: an object sees the probe on its own
+// axes.
 TEST_F(Probe, TurnsWithTheObject) {
   const Equirect sky = *builtin_environment("sky");
   const glm::quat turn = glm::angleAxis(2.1f, glm::normalize(glm::vec3(1, 2, -3)));
@@ -101,7 +102,7 @@ TEST_F(Probe, ItsStrengthScalesItsLight) {
   }
 }
 
-// What does not shine changes no bit, and a scene in a probe keeps all that is proven.
+// A probe that does not shine changes no bit, and a scene in a probe keeps all that is proven.
 TEST_F(Probe, LeavingOutHolds) {
   const Equirect sky = *builtin_environment("sky");
   EXPECT_EQ(draw({in_probe(sky, 0), [](Scene& s) { s.lighting.ambient = glm::vec3(0.4f); }}),

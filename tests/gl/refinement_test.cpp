@@ -1,4 +1,5 @@
-// At rest a picture becomes the mean of many drawings: nearer the full render, and where it was.
+// Refinement: a picture at rest becomes the mean of many drawings: nearer the full render, but in
+// its place.
 
 #include <gtest/gtest.h>
 
@@ -36,7 +37,7 @@ TEST_F(RefinementTest, ComesNearerTheFullRender) {
   EXPECT_GT(all, once + 2);
 }
 
-// The mean of what is moved by parts of a pixel to all sides is where the picture was.
+// Drawings moved by parts of a pixel to all sides have their mean where the picture was.
 TEST_F(RefinementTest, MovesNothing) {
   const double here =
       psnr_beside(truth_, bench_->rested_mesh_picture(camera_, Refinement::kDrawings));
@@ -48,7 +49,7 @@ TEST_F(RefinementTest, MovesNothing) {
   }
 }
 
-// A picture that was drawn small, for want of time, rests at its full size.
+// A picture that was drawn small to save time rests at its full size.
 TEST_F(RefinementTest, AnEnlargedPictureRestsAtFullScale) {
   const double small = psnr_beside(truth_, bench_->rested_mesh_picture(camera_, 0, 0.5));
   const double rested =

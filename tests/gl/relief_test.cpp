@@ -14,7 +14,7 @@ struct Box {
   glm::vec3 low, high;
 };
 
-/// Black boxes, two triangles a side.
+/// Returns black boxes with two triangles a side.
 std::string boxes_glb(const std::vector<Box>& boxes) {
   std::vector<float> corners;
   std::vector<std::uint16_t> indices;
@@ -43,7 +43,7 @@ bool dark(const std::vector<std::uint8_t>& rgba, int x, int y) {
   return rgba[4 * (y * Bench::kSize + x)] < 64;
 }
 
-/// Pixels that the truth covers two pixels around, and of them those that the picture leaves open.
+/// Pixels that the truth covers two pixels around, and those of them that the picture leaves open.
 struct Inside {
   int pixels = 0, open = 0;
 };
@@ -67,7 +67,7 @@ Inside inside(const std::vector<std::uint8_t>& truth, const std::vector<std::uin
   return out;
 }
 
-/// The tile taken from `capture`, seen from `eye` (directions from the centre).
+/// Draws the tile taken from `capture`, seen from `eye` (directions from the centre).
 Inside relief_inside(const std::vector<Box>& boxes, const glm::dvec3& capture,
                      const glm::dvec3& eye) {
   const TempFolder folder;
@@ -103,8 +103,8 @@ TEST(Relief, WallsAreFilledBehindThinBoards) {
   }
 }
 
-// Flat impostors and relief are drawn in one order: whichever way the far one of two trees is
-// drawn, it is seen behind the soft edges of the near one.
+// Flat impostors and relief are drawn in one order. So the far one of two trees is seen behind the
+// soft edges of the near one, whichever way it is drawn.
 TEST(Relief, IsSeenBehindSoftEdgesOfFlatImpostors) {
   std::vector<Box> fence;
   for (float x = -1; x < 1; x += 0.05f) fence.push_back({{x, -1, -0.01f}, {x + 0.02f, 1, 0.01f}});
@@ -123,7 +123,7 @@ TEST(Relief, IsSeenBehindSoftEdgesOfFlatImpostors) {
   const std::vector<std::uint8_t> alone = bench->picture(camera, tile, DrawMethod::kQuad);
   const std::vector<std::uint8_t> flat = drawn(DrawMethod::kQuad, DrawMethod::kQuad);
   const std::vector<std::uint8_t> relief = drawn(DrawMethod::kQuad, DrawMethod::kDepth);
-  // Where the far fence shows through edges of the near one, its method makes little difference.
+  // The far fence shows through edges of the near one, where its method makes little difference.
   int behind = 0, missing = 0;
   for (std::size_t i = 0; i < flat.size(); i += 4) {
     const int edge = std::abs(flat[i] - alone[i]);

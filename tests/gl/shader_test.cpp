@@ -1,4 +1,4 @@
-// Every variant of the mesh shader compiles, also those that few scenes come to need.
+// Every variant of the mesh shader compiles, even those that few scenes need.
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ TEST(Shaders, EveryVariantCompiles) {
                                               {true, 0.0f, true},
                                               {true, 0.01f, false},
                                               {false, 0.0f, true}}) {
-      // A shadow tile without a map of shadows is nothing.
+      // Shadow tiles without a shadow map do not exist.
       if (output == MeshOutput::kShadow && !shadows) continue;
       gl::MeshPass pass(output);
       pass.set_fog(glm::vec3(1), fog);

@@ -1,5 +1,5 @@
-// The sun's shadows: where the truth has them, that tiles carry them, and that the client's picture
-// has them whether it is drawn from meshes or from impostors.
+// The sun's shadows: they are right in the truth, tiles carry them, and the client's picture has
+// them whether it is drawn from meshes or from impostors.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ namespace {
 
 constexpr std::uint32_t kEdge = 256;
 const glm::vec3 kSun = glm::normalize(glm::vec3(0.4f, -1, 0.2f));
-constexpr double kBoxHeight = 3;  // of its centre above the ground; its edge is 2
+constexpr double kBoxHeight = 3;  // height of its centre above the ground; its edge is 2
 
 Mesh box_mesh(const glm::vec3& half) {
   Mesh mesh;
@@ -61,7 +61,7 @@ Mesh box_mesh(const glm::vec3& half) {
   return mesh;
 }
 
-// A slab with its top at height 0, and a cube that hangs over it.
+// Returns a slab with its top at height 0, and a cube that hangs over it.
 std::shared_ptr<PreparedScene> slab_and_cube() {
   auto out = std::make_shared<PreparedScene>();
   Scene& scene = out->scene;
@@ -142,7 +142,7 @@ class Shadows : public ::testing::Test {
     return {kEdge, kEdge, std::move(drawn.rgba), std::move(drawn.depth), {}};
   }
 
-  /// World position a pixel of the truth shows.
+  /// Returns the world position that a pixel of the truth shows.
   glm::dvec3 world_at(const ReferenceFrame& frame, std::uint32_t x, std::uint32_t y) const {
     const double z = frame.depth[std::size_t{y} * kEdge + x];
     const double f = camera_.focal_px(), half = 0.5 * kEdge;
@@ -246,7 +246,7 @@ class Shadows : public ::testing::Test {
   Camera camera_;
 };
 
-// On the slab's top: how far inside (> 0) or outside of the cube's shadow a point lies, m.
+// Returns how far inside (> 0) or outside of the cube's shadow a point on the slab's top lies, m.
 double inside_shadow(const glm::dvec3& p) {
   double inside = -1e9;
   // The shadow is the union of those of the cube's slices.
@@ -271,7 +271,7 @@ TEST_F(Shadows, TruthHasThemWhereTheSunPutsThemAndNowhereElse) {
       const std::size_t i = (std::size_t{y} * kEdge + x) * 4;
       if (inside > margin) {
         ++dark;
-        // Ambient 0.2 of 0.2 + 0.8 n.l, as sRGB.
+        // The value is ambient 0.2 of 0.2 + 0.8 n.l, as sRGB.
         ASSERT_NEAR(with.rgba[i], 89, 1) << x << ", " << y;
       } else if (inside < -margin) {
         ++bright;
@@ -297,7 +297,7 @@ TEST_F(Shadows, TileCarriesThemAndIsAFunctionOfItsKey) {
       const auto tx = static_cast<std::uint32_t>(at.x) - tile.crop.x;
       const auto ty = static_cast<std::uint32_t>(at.y) - tile.crop.y;
       const std::uint8_t share = tile.shadow[std::size_t{ty} * tile.crop.w + tx];
-      // The cube is not in the slab's tile: only its shadow is.
+      // The slab's tile does not have the cube, only its shadow.
       if (inside > 0.25) {
         ++dark;
         const double left = 0.2 / (0.2 + 0.8 * -kSun.y);
@@ -310,7 +310,7 @@ TEST_F(Shadows, TileCarriesThemAndIsAFunctionOfItsKey) {
   }
   EXPECT_GT(dark, 20);
   EXPECT_GT(bright, 2000);
-  // In company, and after a map for another sun has been drawn: the same bytes.
+  // Bytes are equal beside other tiles, and after a map for another sun has been drawn.
   TileJob other = one;
   other.world.lights[0].direction = glm::normalize(glm::vec3(-1, -1, 0));
   other.key.lighting = lighting_hash(other.world);
@@ -378,7 +378,8 @@ TEST_F(Shadows, ImpostorsWearThem) {
         drawn.shadow.reset();
       }
       const double bare = psnr(picture(list), reference);
-      // Captured elsewhere than the picture: found by the points it shows.
+      // The shadows are captured from elsewhere than the picture, and are found by the points
+      // shown.
       list.impostors[0].shadow = hold(cache, job(0, kShadowTile, {0.2, 1, 0.5}, 3));
       list.impostors[1].shadow = hold(cache, job(1, kShadowTile, {0.4, 0.8, 1}, 8));
       const double worn = psnr(picture(list), reference);

@@ -1,4 +1,4 @@
-// What takes long is drawn in slices, with tiles between them: how it is cut shows nowhere.
+// Slices: slow work is drawn in slices, with tiles between them. The cuts show nowhere.
 #include <gtest/gtest.h>
 
 #include "protocol/impostor/tile_key.h"
@@ -57,7 +57,7 @@ class Slices : public ::testing::Test {
     }
     return out;
   }
-  /// As the server draws what is small.
+  /// Draws a job in the way in which the server draws small tiles.
   std::shared_ptr<const PagePixels> page_of(const TileJob& job) {
     PagePacker packer(512);
     packer.add(tile_edge(job.key.size_class));
@@ -91,8 +91,8 @@ TEST_F(Slices, APictureIsTheSameHoweverItIsCut) {
     const char* scene;
     std::uint32_t width, height;
   };
-  // In pieces, by their triangles; the last two in bands of rows, which leave out what is not in
-  // them.
+  // Scenes are drawn in pieces, by their triangles. The last two are drawn in bands of rows, which
+  // leave out what is not in them.
   for (const auto& [scene, width, height] : {Case{"builtin:clutter?objects=40", 321, 187},
                                              {"builtin:forest?trees=6&clutter=20", 321, 187},
                                              {"builtin:city?blocks=1", 321, 187},
@@ -112,7 +112,8 @@ TEST_F(Slices, APictureIsTheSameHoweverItIsCut) {
   }
 }
 
-// A picture larger than its targets: where the parts of one meet, the same moved up has none.
+// A picture larger than its targets consists of parts. Where they meet, the same picture moved up
+// has no border.
 TEST_F(Slices, ALargePictureIsMadeOfPartsThatMeet) {
   open("builtin:knot?tubular=60&radial=12");
   constexpr std::size_t kWidth = 3000, kHeight = 1600, kMoved = 400;
@@ -121,7 +122,7 @@ TEST_F(Slices, ALargePictureIsMadeOfPartsThatMeet) {
   up.camera.shift_px.y = kMoved;
   const SceneFrame a = pictures_->draw(still).take(), b = pictures_->draw(up).take();
   EXPECT_LT(pictures_->gpu_bytes(still), kWidth * kHeight * 24) << "it takes two";
-  std::size_t most = 0;  // that differ in a row
+  std::size_t most = 0;  // most differing pixels in a row
   for (std::size_t y = kMoved; y < kHeight; ++y) {
     std::size_t differing = 0;
     for (std::size_t x = 0; x < kWidth; ++x) {
@@ -133,7 +134,7 @@ TEST_F(Slices, ALargePictureIsMadeOfPartsThatMeet) {
   EXPECT_LT(most, kWidth / 500);
 }
 
-// The device would shrink its viewport without a word.
+// The device would shrink its viewport silently.
 TEST_F(Slices, APictureBeyondTheDevicesViewportIsRefused) {
   open("builtin:knot?tubular=60&radial=12");
   SceneShot tall = shot(64, 8192, 0);

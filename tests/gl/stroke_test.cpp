@@ -1,5 +1,5 @@
-// Lines and points are a pixel wide in the truth and as geometry, a texel wide in tiles, however
-// many samples a pixel or texel has.
+// Lines and points are a pixel wide in the truth and as geometry, and a texel wide in tiles, with
+// any number of samples.
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 namespace mirage::test {
 namespace {
 
-/// Eight spokes in the plane across the z axis, or the same corners as points.
+/// Returns eight spokes in the plane across the z axis, or the same corners as points.
 std::string star(int mode) {
   std::string positions;
   for (int i = 0; i < 8; ++i) {
@@ -39,7 +39,8 @@ std::string star(int mode) {
   return make_glb(document.dump(), positions);
 }
 
-/// How much darker the picture is than the grey behind, in whole black pixels of linear light.
+/// Returns how much darker the picture is than the grey behind it, in whole black pixels of linear
+/// light.
 double darkness(const std::vector<std::uint8_t>& rgba) {
   const auto linear = [](int code) { return std::pow((code / 255.0 + 0.055) / 1.055, 2.4); };
   const double grey = linear(128);
@@ -60,7 +61,8 @@ void expect_same_width(int mode) {
   TileCache cache = bench->make_cache();
   const TileRecordPtr tile = bench->tile_for(camera, cache);
   ASSERT_TRUE(tile);
-  // A texel wide in the tile, and the bench's tiles have more texels than the picture pixels.
+  // A stroke is a texel wide in the tile, and the bench's tiles have more texels than the picture
+  // has pixels.
   const double texel_px = double{Bench::kSize} / tile->capture.edge;
   EXPECT_NEAR(darkness(bench->picture(camera, tile, DrawMethod::kQuad)) / one,
               mode == 0 ? texel_px * texel_px : texel_px, 0.15);

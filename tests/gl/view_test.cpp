@@ -1,5 +1,5 @@
-// View tiles as they are drawn: at their own pose they are the picture; what has an image of its
-// own is left out.
+// View tiles in drawing: at their own pose they are the picture, and objects with an image of their
+// own are left out.
 #include <gtest/gtest.h>
 
 #include "client/draw/frame_renderer.h"

@@ -1,4 +1,4 @@
-// Who has not said who he is: what he may say, how many of them there may be, and that he takes
+// Peers that have not said hello: what they may send, how many there may be, and that they take
 // nobody's place.
 
 #include <gtest/gtest.h>
@@ -22,13 +22,13 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// A piece of a transfer of 1 MiB, which is what a client may have under way.
+/// Returns a piece of a transfer of 1 MiB, which a client may have under way.
 std::string chunk(std::uint32_t transfer, std::uint32_t offset, std::size_t bytes) {
   Bytes out(kWireHeaderBytes + kChunkPrefixBytes + bytes);
-  FrameHeader header;
-  header.kind = FrameKind::kChunk;
+  PacketHeader header;
+  header.kind = PacketKind::kChunk;
   header.payload_bytes = static_cast<std::uint32_t>(kChunkPrefixBytes + bytes);
-  write_frame_header(header, out.data());
+  write_packet_header(header, out.data());
   std::uint8_t* at = out.data() + kWireHeaderBytes;
   const std::uint32_t total = limits::kMaxInboundTransferBytes;
   for (const std::uint32_t word : {transfer, total, offset}) {
@@ -37,14 +37,14 @@ std::string chunk(std::uint32_t transfer, std::uint32_t offset, std::size_t byte
   return text_of(out);
 }
 
-// Row 6: 3.5 MB of chunks a peer, kept for as long as the peer stays.
+// Row 6: 3.5 MB of chunks a peer used to be kept for as long as the peer stayed.
 TEST(BeforeTheHello, ChunksAreKeptForNobody) {
   const Server server(kScene, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
   std::list<WebSocket> peers;
   const Cost cost = cost_of("6, chunks of 32 strangers", server, [&] {
     for (int i = 0; i < 32; ++i) {
-      // Each from an address of its own: none is sent away for another's failure.
+      // Each peer has its own address, so none is sent away for another's failure.
       WebSocket& peer =
           peers.emplace_back(server.port(), PeerFrom{"127.0.6." + std::to_string(1 + i)});
       ASSERT_TRUE(peer.open());
@@ -57,7 +57,7 @@ TEST(BeforeTheHello, ChunksAreKeptForNobody) {
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
   });
-  // A message is 256 KiB at most while it comes in, and one comes in a peer: 8 MB.
+  // A message is at most 256 KiB while it arrives, and each peer has one: 8 MB.
   EXPECT_LT(cost.more_mb(), 16);
   expect_served(cost, 300);
   for (WebSocket& peer : peers) {

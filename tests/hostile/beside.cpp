@@ -14,7 +14,7 @@ namespace mirage::test {
 namespace {
 
 constexpr int kWarmTiles = 10, kAloneTiles = 60;
-constexpr double kMegabyte = 1024.0;  // in kB, as the kernel tells
+constexpr double kMegabyte = 1024.0;  // in kB, the kernel's unit
 
 double status_mb(int pid, const std::string& name) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/status");
@@ -65,7 +65,8 @@ Cost cost_of(const std::string& row, const Server& server, const std::function<v
   over = true;
   asking.join();
   cost.most_mb = status_mb(server.pid(), "VmHWM:");
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // for what it gives back
+  // The pause lets the server free memory.
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
   cost.after_mb = resident_mb(server.pid());
   std::printf(
       "%s: server %.0f MB before, %.0f at most, %.0f after; a good client's tile, p50 / p99 / "

@@ -1,5 +1,5 @@
 #pragma once
-// What hostile peers cost a server, and a client that behaves beside them.
+// Beside: what hostile peers cost a server, and a well-behaved client beside them.
 
 #include <functional>
 #include <string>
@@ -11,22 +11,22 @@ namespace mirage::test {
 
 struct TileTimes {
   std::vector<double> ms;  ///< rising
-  int missing = 0;         ///< that did not come
+  int missing = 0;         ///< tiles that did not arrive
   double at(double share) const;
 };
 
 struct Cost {
   TileTimes alone, beside;
-  double before_mb = 0, most_mb = 0, after_mb = 0;  ///< the server's, resident
+  double before_mb = 0, most_mb = 0, after_mb = 0;  ///< resident memory of the server
   double more_mb() const { return most_mb - before_mb; }
 };
 
-/// A client asks for small tiles one after another, first alone, then while `hostile` runs; the
-/// good client has the token. Prints what it finds as the figures of `row`.
+/// A client asks for small tiles one after another, first alone, then while `hostile` runs. The
+/// good client has the token. Prints the figures of `row`.
 Cost cost_of(const std::string& row, const Server& server, const std::function<void()>& hostile,
              const std::string& token = "");
 
-/// The client was served throughout, each tile within `most_ms`.
+/// Expects that the client was always served, each tile within `most_ms`.
 void expect_served(const Cost& cost, double most_ms);
 
 double resident_mb(int pid);

@@ -1,4 +1,5 @@
-// A server that is told to stop: what was asked for comes, and it ends in time whoever is there.
+// Draining: a server that is told to stop serves what was asked for, and ends in time with any
+// clients.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +21,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// The status line of GET /readyz; empty: nobody answers.
+/// Returns the status line of GET /readyz; empty: nobody answers.
 std::string ready_status(int port) {
   RawPeer peer(port);
   peer.say("GET /readyz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
@@ -28,7 +29,7 @@ std::string ready_status(int port) {
   return said.substr(0, said.find("\r\n"));
 }
 
-// Row 11: 31 of 60 were dropped.
+// Row 11: 31 of 60 used to be dropped.
 TEST(Drain, WhatWasAskedForIsServed) {
   Server server(kScene, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
@@ -90,7 +91,7 @@ TEST(Drain, NoLongerThanItIsTold) {
   std::printf("11: --drain-s 1 with 200 of the largest tiles: %.2f s\n", end.seconds);
   EXPECT_EQ(end.exit_code, 0) << server.log();
   EXPECT_GT(end.seconds, 0.9);
-  // Another second for goodbyes, and a page of tiles that is begun.
+  // The server has another second for goodbyes, and for a page of tiles that it has begun.
   EXPECT_LT(end.seconds, 5);
 }
 

@@ -16,7 +16,7 @@ constexpr const char* kNewerCodes =
 
 using Cases = std::vector<FramingCase>;
 
-/// A request whose answer is one small message; with payload, as long as it is told to be.
+/// Returns a request whose answer is one small message; its payload makes it as long as wanted.
 std::string stats_request(std::size_t bytes = 0) {
   const std::size_t bare = encode_message(wire::StatsRequestT{}).size();
   return text_of(encode_message(wire::StatsRequestT{}, Bytes(bytes > bare ? bytes - bare : 0)));
@@ -56,7 +56,7 @@ std::vector<std::string> in_pieces(const std::string& text, std::size_t bytes) {
   return out;
 }
 
-/// A message of `parts` fragments of about equal size.
+/// Returns a message in `parts` fragments of about equal size.
 std::vector<ClientFrame> in_fragments(const std::string& message, std::size_t parts) {
   std::vector<ClientFrame> out;
   for (std::size_t i = 0; i < parts; ++i) {
@@ -68,7 +68,7 @@ std::vector<ClientFrame> in_fragments(const std::string& message, std::size_t pa
   return out;
 }
 
-/// Told at once.
+/// Returns a case whose bytes are sent at once.
 FramingCase told(const std::string& name, const std::string& bytes, const std::string& then,
                  const std::string& why = "") {
   return {name, {bytes}, then, why};

@@ -1,21 +1,22 @@
 #pragma once
-// What peers say in frames, right and wrong, and what comes of it (RFC 6455, section 5).
+// Framing table: what peers say in WebSocket packets, right and wrong, and the result (RFC 6455,
+// section 5).
 
 #include <string>
 #include <vector>
 
 namespace mirage::test {
 
-/// One conversation with a client that has said its hello.
+/// A conversation with a client that has said hello.
 struct FramingCase {
   std::string name;
-  /// What is said, each piece in a packet of its own.
+  /// Bytes that are sent, each piece in a TCP packet of its own.
   std::vector<std::string> said;
-  /// "open", after what was answered: "pong N" of N bytes, "stats" to a request. "closed CODE", or
-  /// "dropped" without a close frame, which the standard allows (7.1.7). "waits" for more.
+  /// "open", after the answers: "pong N" of N bytes, "stats" to a request. "closed CODE", or
+  /// "dropped" without a close packet, which the standard allows (7.1.7). "waits" for more.
   std::string comes_of_it;
-  std::string why = "";  ///< where that is not what the standard says
-  bool complete = true;  ///< false: more of it would have to come
+  std::string why = "";  ///< set where the standard says something else
+  bool complete = true;  ///< false: more would have to follow
 };
 
 std::vector<FramingCase> opcode_cases();

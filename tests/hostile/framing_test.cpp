@@ -1,4 +1,4 @@
-// Each case of the table to the shipped server, and a client that behaves beside them.
+// Runs each case of the table with the shipped server, beside a well-behaved client.
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@ namespace {
 constexpr const char* kProbe = "still there?";
 constexpr int kProbeEveryMs = 150, kProbes = 8, kSilenceMs = 400;
 
-/// What the server has answered until it answers two pings, closes, or keeps silent. Two: a pong
-/// may come before the answer to what was said earlier.
+/// Returns the server's answers until it answers two pings, closes, or stays silent. It takes two,
+/// because a pong may come before the answer to what was said earlier.
 std::string outcome(WebSocket& socket) {
   std::string out;
   int pongs = 0;
@@ -36,7 +36,7 @@ std::string outcome(WebSocket& socket) {
   return out + "waits";
 }
 
-/// Whether the server says or does anything at all.
+/// Returns what the server says or does at all.
 std::string silence(WebSocket& socket) {
   const std::optional<ServerFrame> frame = socket.next(kSilenceMs);
   if (frame && frame->opcode == 8) return "closed " + std::to_string(frame->close_code());

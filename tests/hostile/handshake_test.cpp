@@ -1,4 +1,4 @@
-// What becomes a WebSocket and what does not (RFC 6455, section 4).
+// Handshakes: which requests become a WebSocket, and which do not (RFC 6455, section 4).
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ struct Case {
   const char* name;
   Upgrade request;
   const char* answer;    ///< its status; "": closed without one; "waits": for more
-  const char* why = "";  ///< where that is not what the standard says
+  const char* why = "";  ///< set where the standard says something else
 };
 
 Upgrade changed(std::string Upgrade::*part, const std::string& to) {
@@ -115,12 +115,12 @@ TEST(Handshake, AnswersWithTheKeysDigest) {
   const Server server("builtin:knot?tubular=60&radial=12", {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
   const WebSocket peer(server.port());
-  // RFC 6455, section 1.3, for its sample nonce.
+  // The value for the sample nonce of RFC 6455, section 1.3.
   EXPECT_NE(peer.answer().find("s3pPLMBiTxaQ9kYGzzhZRbK+xOo="), std::string::npos);
   EXPECT_EQ(peer.answer().find("Extensions"), std::string::npos) << "none are spoken";
 }
 
-// A handshake may come in any pieces, and frames with it.
+// A handshake may come in any pieces, together with packets.
 TEST(Handshake, ComesInAnyPieces) {
   const Server server("builtin:knot?tubular=60&radial=12", {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();

@@ -1,4 +1,4 @@
-// A server that may have little more memory than it has: it refuses what there is no room for, and
+// A server whose memory is capped a little above what it uses: it refuses what has no room, and
 // goes on.
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ std::size_t address_space(int pid) {
   return pages * 4096;
 }
 
-/// Answers to what takes much memory, by what they are.
+/// Returns the answers to requests that need much memory, by their kind.
 std::map<std::string, int> answers_to_much(int port) {
   std::map<std::string, int> out;
   Client greedy(port);
@@ -52,7 +52,7 @@ TEST(MemoryCap, WhatThereIsNoRoomForIsRefusedAndTheRestServed) {
     std::map<std::string, int> answers;
     const Cost cost = cost_of(std::to_string(more_mb) + " MB left", server, [&] {
       answers = answers_to_much(server.port());
-      std::this_thread::sleep_for(std::chrono::milliseconds(300));  // refusals come at once
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));  // refusals arrive at once
     });
     int all = 0;
     for (const auto& [what, count] : answers) {

@@ -1,5 +1,5 @@
-// From which pages a browser may come, and what an upgrade must name. What no browser says is no
-// Origin: other programs are let in.
+// Origins: the pages that a browser may come from, and what an upgrade must name. A header that no
+// browser sends is no Origin; other programs are let in.
 
 #include <gtest/gtest.h>
 
@@ -44,8 +44,8 @@ std::vector<Case> common_cases() {
       {"own by number", from("http://127.0.0.1:9870", "127.0.0.1:9870"), true},
       {"own by number, 6", from("http://[::1]:9870", "[::1]:9870"), true},
       {"empty, which no browser says", with_more("Origin: \r\n"), true},
-      // The host is what the browser says that it asks: a page whose own name was made to mean this
-      // machine passes. A token stops it.
+      // The browser says which host it asks. So a page passes whose own name was made to mean this
+      // machine; a token stops it.
       {"of a name made to mean us", from("http://evil.example:1", "evil.example:1"), true},
       {"another", from("http://evil.example"), false},
       {"another port", from("http://mirage.example:9871"), false},
@@ -82,7 +82,7 @@ std::vector<Case> common_cases() {
   for (const std::size_t length : {255, 256, 257, 300, 511, 512, 513, 1000, 3000}) {
     out.push_back(
         {"of " + std::to_string(length), from("http://" + std::string(length - 7, 'e')), false});
-    // What a reader would see that cuts it.
+    // A reader that cuts the value would see an allowed one.
     out.push_back(
         {"own, then " + std::to_string(length), from(own + std::string(length, ' ') + "x"), false});
   }

@@ -1,4 +1,4 @@
-// Who asks and does not read: what waits for him is bounded, and nobody else waits.
+// Outbox: what waits for a client that asks and does not read is limited, and nobody else waits.
 
 #include <gtest/gtest.h>
 
@@ -15,11 +15,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kKnot = "builtin:knot?tubular=60&radial=12";
-/// Its mesh is 200 KB.
+/// A knot whose mesh is 200 KB.
 constexpr const char* kLargeKnot = "builtin:knot?tubular=400&radial=64";
 constexpr double kOutboxMb = 16;
 constexpr PeerFrom kReadsLittle{"127.0.0.1", 4096};
-/// What an allocator and a WebSocket's own buffers keep, whatever a client does.
+/// Memory that an allocator and a WebSocket's own buffers keep, whatever a client does.
 constexpr double kSpareMb = 24;
 
 void pause(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
@@ -30,7 +30,7 @@ wire::RequestBatchT meshes(std::uint32_t first, std::uint32_t count) {
   return batch;
 }
 
-// Row 4: 12 KB of asks made 193 MB of answers.
+// Row 4: 12 KB of asks used to make 193 MB of answers.
 TEST(Outbox, AThousandAsksForAMeshAreMadeAsTheyAreRead) {
   const Server server(kLargeKnot, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
@@ -43,13 +43,13 @@ TEST(Outbox, AThousandAsksForAMeshAreMadeAsTheyAreRead) {
   });
   EXPECT_LT(cost.more_mb(), kSpareMb) << "one mesh a client";
   expect_served(cost, 300);
-  // Who reads after all gets them, one after another.
+  // A client that reads in the end gets them, one after another.
   int got = 0;
   while (got < 20 && peers.front().next(2000)) ++got;
   EXPECT_EQ(got, 20);
 }
 
-// The same tile again and again, from memory: each answer is a copy.
+// Repeated asks for one tile are answered from memory: each answer is a copy.
 TEST(Outbox, TilesThatAreNotReadAreRefusedBeyondTheBudget) {
   const Server server(kKnot, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
@@ -86,7 +86,7 @@ TEST(Outbox, TilesThatAreNotReadAreRefusedBeyondTheBudget) {
   EXPECT_GT(refused, 100);
 }
 
-// Small answers are not asked for by credit: beyond the budget nothing helps but to close.
+// Credit does not limit small answers, so beyond the budget only closing helps.
 TEST(Outbox, WhoDoesNotEvenReadRefusalsIsClosed) {
   const Server server(kKnot, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
@@ -105,13 +105,13 @@ TEST(Outbox, WhoDoesNotEvenReadRefusalsIsClosed) {
     std::printf("   closed after %d refusals\n", said * 1000);
     EXPECT_NE(server.log().find("does not read"), std::string::npos);
   });
-  // A refusal of 80 bytes takes 250 with what holds it; and there is what was said meanwhile.
+  // A refusal of 80 bytes takes 250 with its container; and other messages were sent meanwhile.
   EXPECT_LT(cost.more_mb(), 4 * kOutboxMb + kSpareMb);
   expect_served(cost, 300);
 }
 
-// Row 5: 1.2 GB in 4 s. What is asked for and cancelled comes after large tiles, so that none of it
-// is ever drawn.
+// Row 5: it used to be 1.2 GB in 4 s. Asks that are cancelled come after large tiles, so none of
+// them is ever drawn.
 TEST(Outbox, AskingAndCancellingLeavesNothing) {
   const Server server(kKnot, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();
@@ -139,12 +139,12 @@ TEST(Outbox, AskingAndCancellingLeavesNothing) {
   });
   std::printf("   %d asks\n", asked);
   EXPECT_GT(asked, 20'000) << "few asks prove little";
-  // The asks of a batch live; the large tiles are drawn in pages and kept.
+  // The asks of a batch are kept; the large tiles are drawn in pages and kept.
   EXPECT_LT(cost.more_mb(), 36);
   expect_served(cost, 1500);
 }
 
-// A kilobyte now and then is progress: he stays, with what a client may have waiting.
+// A kilobyte now and then is progress: the client stays, with what may wait for it.
 TEST(Outbox, WhoDripsKeepsNoMoreThanTheBudget) {
   const Server server(kLargeKnot, {"--no-view"});
   ASSERT_TRUE(server.ready()) << server.log();

@@ -1,5 +1,5 @@
 #pragma once
-// A page for browsers, as a server is given it: of no use but its size.
+// Page folder: a page for browsers as a server gets it, useful only for its size.
 
 #include <filesystem>
 #include <fstream>
@@ -9,7 +9,7 @@
 
 namespace mirage::test {
 
-/// A folder for --web. Its one part is /w-1/core.wasm, of so many bytes.
+/// Returns a folder for --web. Its one part is /w-1/core.wasm, with this many bytes.
 inline std::string page_folder(std::size_t part_bytes) {
   const std::filesystem::path folder = scratch_folder() + "/page";
   std::filesystem::create_directories(folder / "w-1");

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kPartBytes = 4u << 20;
 constexpr int kReaders = 100;
 
-// A copy for each of them were 400 MB.
+// A copy for each of them would be 400 MB.
 TEST(PageReaders, WhoDoNotReadHoldNoCopyAndNobodyUp) {
   const Server server("builtin:knot?tubular=60&radial=12",
                       {"--no-view", "--web", page_folder(kPartBytes)});
@@ -30,7 +30,7 @@ TEST(PageReaders, WhoDoNotReadHoldNoCopyAndNobodyUp) {
   });
   EXPECT_LT(cost.more_mb(), 16);
   expect_served(cost, 300);
-  // Who reads gets all of it.
+  // A client that reads gets all of it.
   RawPeer reader(server.port());
   reader.say(kAskForPart);
   std::size_t heard = 0;

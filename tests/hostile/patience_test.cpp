@@ -1,6 +1,6 @@
-// What is closed for nothing being done: ten seconds without a handshake or a hello, thirty without
-// reading, twenty for a browser that does not read the page. All are waited for at once, on servers
-// where nothing else happens.
+// Patience: inactive peers are closed: after ten seconds without a handshake or a hello, thirty
+// without reading, twenty for a browser that does not read the page. All are waited for at once, on
+// servers where nothing else happens.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ Waited wait_for_all() {
   Client contented(busy.port());
   const Clock::time_point start = Clock::now();
   const WebSocket silent(quiet.port());
-  // Half a handshake, and one whose headers the library finds no end of.
+  // Half a handshake, and one whose headers have no end for the library.
   RawPeer half(quiet.port()), odd(quiet.port());
   half.say("GET / HTTP/1.1\r\nHost: x\r\n");
   odd.say("GET / HTTP/1.1\r\nHost: x\r\nnonsense\r\n\r\n");
@@ -68,7 +68,7 @@ Waited wait_for_all() {
   return out;
 }
 
-// The waiting is done beside the other tests, which begin with it.
+// The waiting starts together with the other tests, and runs beside them.
 class Waiting : public ::testing::Environment {
  public:
   void SetUp() override { waited_ = std::async(std::launch::async, wait_for_all); }
@@ -84,8 +84,8 @@ class Waiting : public ::testing::Environment {
 auto* const waiting =
     static_cast<Waiting*>(::testing::AddGlobalTestEnvironment(new Waiting));  // gtest owns it
 
-// Rows 4 and 11: a hello was waited for as long as nothing else woke the server; one who took
-// nothing held his answers for ever.
+// Rows 4 and 11: the server used to wait for a hello as long as nothing else woke it, and a client
+// that took nothing kept its answers for ever.
 TEST(Patience, EndsForThoseWhoSayNothingAndThoseWhoReadNothing) {
   const Waited waited = waiting->take();
   std::printf("11: closed without a hello after %.1f s; 4: without reading after %.1f s\n",

@@ -1,5 +1,5 @@
-// mirage-link: two network namespaces with a link between them whose packets are delayed, lost and
-// overtaken, and a program in each: what TCP makes of that is the kernel's own.
+// mirage-link: two network namespaces with a link between them that delays, loses and reorders
+// packets, and a program in each. TCP itself is the kernel's own.
 //
 //   near program -> TUN -> up (PacketDirection) -> TUN -> far program, at 10.213.0.1
 
@@ -81,7 +81,7 @@ pid_t start_in(const End& end, const std::string& command) {
   _exit(127);
 }
 
-/// Takes in what was sent, hands on what has arrived.
+/// Takes in what was sent, and passes on what has arrived.
 void carry(int from, int to, PacketDirection& way, std::int64_t now_us) {
   std::array<char, kMaxPacket> buffer;
   for (ssize_t n = 0; (n = read(from, buffer.data(), buffer.size())) > 0;) {
@@ -92,7 +92,7 @@ void carry(int from, int to, PacketDirection& way, std::int64_t now_us) {
   }
 }
 
-/// Carries packets until the near program ends; its exit code.
+/// Carries packets until the near program ends. Returns its exit code.
 int carry_until_end(const End& far, const End& near, std::array<PacketDirection, 2>& ways,
                     const Options& o) {
   const SteadyClock clock;

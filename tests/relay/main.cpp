@@ -1,5 +1,5 @@
-// mirage-relay: a real TCP connection between two programs, shaped as a link is: delay, jitter,
-// rate, an outage. What a modelled link computes is suffered here, in real time.
+// mirage-relay: a real TCP connection between two programs, shaped like a link: delay, jitter,
+// rate, an outage. What a modelled link computes happens here in real time.
 //
 //   viewer -> accept -> up (ShapedDirection) -> server;  server -> down (ShapedDirection) -> viewer
 
@@ -27,13 +27,13 @@ namespace {
 
 constexpr std::int64_t kLongestWaitUs = 100'000;
 
-/// Of one connection: two sockets, and what is under way between them.
+/// A relayed connection: two sockets, and the bytes under way between them.
 struct Relayed {
   Relayed(int viewer, int server, const LinkShape& shape)
       : sockets{viewer, server}, ways{ShapedDirection(shape), ShapedDirection(shape)} {}
   std::array<int, 2> sockets;
   std::array<ShapedDirection, 2> ways;  ///< from sockets[i] to the other
-  std::array<std::string, 2> arrived;   ///< of ways[i], not written yet
+  std::array<std::string, 2> arrived;   ///< from ways[i], not written yet
   bool over = false;
 };
 
@@ -50,7 +50,7 @@ void make_ready(int socket) {
   fcntl(socket, F_SETFL, O_NONBLOCK);
 }
 
-// Takes in what the link wants, hands on what has arrived.
+// Takes in as much as the link wants, and passes on what has arrived.
 void carry(Relayed& c, std::int64_t now_us) {
   std::array<char, 65536> buffer{};
   for (std::size_t i = 0; i < 2; ++i) {

@@ -5,7 +5,7 @@
 
 namespace mirage {
 namespace {
-constexpr double kLateMs = 5;  // several packets, at the rates that are looked at
+constexpr double kLateMs = 5;  // several packets, at the rates of the tests
 }
 
 bool PacketDirection::chance(double percent) {

@@ -1,7 +1,10 @@
 #pragma once
-// One direction of a link that carries packets: each is transmitted behind those before it,
-// delayed, and sometimes lost or overtaken. Thread: any one; time is what it is told. Full: what
-// does not fit into its buffer is dropped.
+// Packet direction: one direction of a link that carries packets. Each packet is transmitted after
+// the former ones and delayed; some are lost or overtaken.
+// Input:  packets, and the time.
+// Output: packets that have arrived.
+// Thread: any one; the time comes with every call.
+// Full:   packets that do not fit into its buffer are dropped.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,8 +19,8 @@ struct PacketShape {
   double delay_ms = 0;         ///< one way
   double rate_mbps = 0;        ///< 0: any
   double loss_percent = 0;     ///< of packets
-  double reorder_percent = 0;  ///< of packets: these come kLateMs after their time
-  double buffer_ms = 100;      ///< what may wait to be transmitted, at the rate
+  double reorder_percent = 0;  ///< of packets: these arrive kLateMs late
+  double buffer_ms = 100;      ///< what may wait to be transmitted, in ms at the rate
   std::uint32_t seed = 1;
 };
 
@@ -30,9 +33,9 @@ class PacketDirection {
   };
 
   void put(std::string packet, std::int64_t now_us);
-  /// The next that has arrived by now.
+  /// Returns the next packet that has arrived by now.
   std::optional<std::string> take(std::int64_t now_us);
-  /// When one arrives next; INT64_MAX: nothing is under way.
+  /// Returns the time of the next arrival; INT64_MAX: nothing is under way.
   std::int64_t next_us() const {
     return under_way_.empty() ? INT64_MAX : under_way_.begin()->first;
   }
@@ -43,8 +46,9 @@ class PacketDirection {
 
   const PacketShape shape_;
   std::mt19937 random_;
-  std::multimap<std::int64_t, std::string> under_way_;  ///< by when they arrive
-  std::int64_t free_us_ = 0;                            ///< all that is there is transmitted
+  std::multimap<std::int64_t, std::string> under_way_;  ///< by time of arrival
+  /// Time when everything given so far is transmitted.
+  std::int64_t free_us_ = 0;
   Counts counts_;
 };
 

@@ -10,7 +10,8 @@ namespace {
 
 constexpr int kMany = 20'000;
 
-/// Sends many packets of 1250 bytes, one a millisecond; the numbers of those that came, in order.
+/// Sends many packets of 1250 bytes, one a millisecond. Returns the numbers of those that arrived,
+/// in order.
 std::vector<int> sent_through(PacketDirection& way) {
   std::vector<int> out;
   const auto take = [&](std::int64_t now_us) {
@@ -64,7 +65,7 @@ TEST(PacketDirection, LetsSomeBeOvertaken) {
 
 TEST(PacketDirection, DropsWhatItsBufferDoesNotHold) {
   PacketShape shape;
-  shape.rate_mbps = 5;  // half of what comes
+  shape.rate_mbps = 5;  // half of what is sent
   shape.buffer_ms = 100;
   PacketDirection way(shape);
   const std::vector<int> came = sent_through(way);

@@ -7,7 +7,7 @@ namespace mirage {
 namespace {
 constexpr std::size_t kPacketBytes = 1460;
 constexpr std::size_t kAnyRateBytes = 4u << 20;
-constexpr double kHeldS = 0.25;  // in the buffer before a link, as routers have it
+constexpr double kHeldS = 0.25;  // buffered before a link, as in routers
 }  // namespace
 
 std::size_t ShapedDirection::wants() const {

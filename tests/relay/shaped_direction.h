@@ -1,7 +1,10 @@
 #pragma once
-// One direction of a shaped link: bytes go in as they come and come out when a link of this delay
-// and rate would have brought them, in order, as TCP hands them on.
-// Thread: any one; time is what it is told. Full: wants() says 0, and its sender waits.
+// Shaped direction: one direction of a shaped link. Bytes go in as they are sent, and come out when
+// a link with this delay and rate would have delivered them, in order as with TCP.
+// Input:  bytes, and the time.
+// Output: bytes that have arrived.
+// Thread: any one; the time comes with every call.
+// Full:   wants() returns 0, and the sender waits.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +19,7 @@ struct LinkShape {
   double delay_ms = 0;     ///< one way
   double jitter_ms = 0;    ///< added to it, uniformly from 0
   double rate_mbps = 0;    ///< 0: any
-  double outage_at_s = 0;  ///< after the start, for outage_for_s, nothing is transmitted
+  double outage_at_s = 0;  ///< from then on, for outage_for_s, nothing is transmitted
   double outage_for_s = 0;
   std::uint32_t seed = 1;
 };
@@ -25,12 +28,13 @@ class ShapedDirection {
  public:
   explicit ShapedDirection(const LinkShape& shape) : shape_(shape), random_(shape.seed) {}
 
-  /// How many bytes more it takes now: a link holds what is under way and a quarter of a second.
+  /// Returns how many more bytes it takes now: a link holds what is under way and a quarter of a
+  /// second.
   std::size_t wants() const;
   void put(const char* bytes, std::size_t size, std::int64_t now_us);
-  /// What has arrived by now and was not taken.
+  /// Returns the bytes that have arrived by now and were not taken.
   std::string take(std::int64_t now_us);
-  /// When something arrives next; INT64_MAX: nothing is under way.
+  /// Returns the time of the next arrival; INT64_MAX: nothing is under way.
   std::int64_t next_us() const { return packets_.empty() ? INT64_MAX : packets_.front().due_us; }
 
  private:
@@ -44,8 +48,8 @@ class ShapedDirection {
   std::mt19937 random_;
   std::deque<Packet> packets_;
   std::size_t held_ = 0;
-  std::int64_t free_us_ = 0;      ///< the link has transmitted what it was given
-  std::int64_t last_due_us_ = 0;  ///< what comes later never overtakes
+  std::int64_t free_us_ = 0;      ///< when everything given so far is transmitted
+  std::int64_t last_due_us_ = 0;  ///< later bytes never overtake
 };
 
 }  // namespace mirage

@@ -1,4 +1,4 @@
-// The relay's link: order, delay, rate, outage, and that its sender waits when it is full.
+// Shaped direction: order, delay, rate, outage, and that its sender waits when it is full.
 #include "tests/relay/shaped_direction.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ std::string bytes(std::size_t n) {
   return out;
 }
 
-/// When the last of what is under way arrives; what came is `out`.
+/// Takes everything under way into `out`. Returns the time of the last arrival.
 std::int64_t run_dry(ShapedDirection& way, std::string& out) {
   std::int64_t now = 0;
   while (way.next_us() != INT64_MAX) {

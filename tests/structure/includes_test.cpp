@@ -1,5 +1,5 @@
-// The shape of the code: who includes whom. Rooms are folders; the table says which rooms a room
-// may include. Prints it with the number of includes, and how deep and wide they go.
+// The structure of the code: which file includes which. Rooms are folders; the table says which
+// rooms a room may include. Prints it with the number of includes, and how deep and wide they go.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 using Graph = std::map<std::string, Names>;
 
-// Arrows that are there on purpose: a room may include those above it.
+// Intended arrows: a room may include those above it.
 const Graph kMayInclude = {
     {"protocol/base", {}},
     {"protocol/model", {"protocol/base"}},
@@ -113,7 +113,7 @@ const Graph kMayInclude = {
 
 std::string room_of(const std::string& file) { return fs::path(file).parent_path().string(); }
 
-/// Our own files by name, each with our own headers it includes.
+/// Returns our own files by name, each with our own headers that it includes.
 const Graph& includes() {
   static const Graph all = [] {
     Graph out;
@@ -138,7 +138,7 @@ const Graph& includes() {
   return all;
 }
 
-/// What can be reached from `from`, itself only where it is in a circle.
+/// Returns what can be reached from `from`; `from` itself only if it is in a circle.
 Names reached(const Graph& graph, const std::string& from) {
   Names seen;
   std::vector<std::string> next = {from};
@@ -153,7 +153,7 @@ Names reached(const Graph& graph, const std::string& from) {
   return seen;
 }
 
-/// The largest sets whose members all reach each other.
+/// Returns the largest sets whose members all reach each other.
 std::set<Names> circles(const Graph& graph) {
   std::set<Names> out;
   for (const auto& [node, to] : graph) {

@@ -1,5 +1,5 @@
-// How large functions and types are. The code is formatted, so lines tell: a function ends with a
-// brace in the first column, members are indented by two.
+// Sizes of functions and types. The code is formatted, so lines tell: a function ends with a brace
+// in the first column, and members are indented by two.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ Lines lines_of(const fs::path& file) {
 
 bool begins(const std::string& line, const char* text) { return line.rfind(text, 0) == 0; }
 
-/// Lines of each function, its signature's among them.
+/// Returns the lines of each function, with its signature.
 std::vector<Size> functions_in(const Lines& lines) {
   std::vector<Size> out;
   std::size_t start = 0;
@@ -55,7 +55,7 @@ std::vector<Size> functions_in(const Lines& lines) {
   return out;
 }
 
-/// Data members of each class and struct.
+/// Returns the data members of each class and struct.
 std::vector<Size> types_in(const Lines& lines) {
   static const std::regex type("^(?:class|struct) (\\w+)[^;]*\\{$");
   static const std::regex none(
@@ -80,7 +80,7 @@ std::vector<Size> types_in(const Lines& lines) {
       const std::string declared = code.substr(0, std::min(code.find('='), code.find('{')));
       const bool callable = declared.find("std::function<") != std::string::npos;
       if (declared.find('(') != std::string::npos && !callable) continue;
-      // Several in one declaration: commas outside of what a template takes.
+      // One declaration may have several members: count commas outside template arguments.
       int depth = 0;
       for (const char c : code) {
         depth += c == '<' || c == '{' || c == '(' ? 1 : c == '>' || c == '}' || c == ')' ? -1 : 0;
@@ -117,7 +117,7 @@ void print(const char* what, const std::vector<Size>& all) {
   }
 }
 
-// CONTRIBUTING asks for about 60 lines, but for tables.
+// CONTRIBUTING asks for about 60 lines, except for tables.
 TEST(Sizes, NoFunctionGrowsBeyondTheLongest) {
   static const std::regex table(
       "^.*(?:need_rules|parse_options|options_of_all_programs|finishes|SessionStats::json)  .*");
@@ -130,7 +130,7 @@ TEST(Sizes, NoFunctionGrowsBeyondTheLongest) {
   EXPECT_LE(all.front().size, 60);
 }
 
-// About 15 is the aim.
+// The aim is about 15.
 TEST(Sizes, NoTypeGrowsBeyondTheLargest) {
   const std::vector<Size> all = sizes(types_in);
   print("types by data members", all);

@@ -1,4 +1,4 @@
-// The shape of the code: each type of a namespace is defined in one header.
+// The structure of the code: each type of a namespace is defined in one header.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Types that a header's text defines at namespace level, each with its namespace before it.
+/// Returns the types that a header defines at namespace level, each with its namespace before it.
 std::vector<std::string> types_of(std::istream& text) {
   static const std::regex opens(R"(^namespace ([A-Za-z_:]+) \{)");
   static const std::regex defines(
@@ -42,7 +42,7 @@ std::map<std::string, std::vector<std::string>> headers_by_type(const fs::path& 
   return out;
 }
 
-// Two that are linked into one program are undefined behaviour, and a reader finds the wrong one.
+// Two types of one name in one program are undefined behaviour, and a reader finds the wrong one.
 TEST(Structure, EachTypeIsDefinedInOneHeader) {
   const auto headers = headers_by_type(MIRAGE_SOURCE_DIR);
   EXPECT_GT(headers.size(), 300u) << "too few types were found to say anything";

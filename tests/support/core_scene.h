@@ -1,5 +1,5 @@
 #pragma once
-// A small scene as a client gets it from the wire, and tiles to put into its cache.
+// Core scene: a small scene as a client gets it from the wire, and tiles for its cache.
 
 #include <functional>
 #include <map>
@@ -86,7 +86,7 @@ inline wire::InstanceRecord instance_record(const Placed& p, std::uint32_t id) {
           static_cast<std::uint8_t>(p.importance)};
 }
 
-/// `needs` as of the group's members.
+/// Returns the record of a group. `needs` are those of its members.
 inline wire::GroupRecord group_record(const PlacedGroup& g, std::uint32_t id, NeedMask needs) {
   const float half = 0.57735f * g.radius;
   return {to_wire(g.center),
@@ -100,7 +100,7 @@ inline wire::GroupRecord group_record(const PlacedGroup& g, std::uint32_t id, Ne
           std::uint8_t{1}};
 }
 
-/// Instances have the indices of `placed`; groups follow.
+/// Returns a scene. Instances have the indices of `placed`; groups follow.
 inline SceneView make_scene(const std::vector<Placed>& placed, const SceneOptions& options = {},
                             const std::vector<PlacedGroup>& groups = {}) {
   wire::InstancePageT page;
@@ -124,8 +124,8 @@ inline SceneView make_scene(const std::vector<Placed>& placed, const SceneOption
   return taken ? scene : SceneView{};
 }
 
-/// A tile as a server would measure it on a ball: content over the whole window, half the radius
-/// deep on either side; hull and cuboid useless, so that the flat choice is the quad.
+/// Returns a tile as a server would measure it on a ball: content over the whole window, half the
+/// radius deep on either side. Hull and cuboid are useless, so that the flat choice is the quad.
 inline Tile make_tile(const Capture& capture) {
   Tile tile;
   tile.edge = capture.edge;
@@ -162,7 +162,7 @@ struct SelectorWorld {
     return in;
   }
   void look(const glm::dvec3& eye, const glm::dvec3& target) { camera.pose = look_at(eye, target); }
-  /// The tile a server would send for the present view of `instance`.
+  /// Adds the tile that a server would send for the present view of `instance`.
   TileRecordPtr add_tile(
       std::uint32_t instance,
       const std::function<void(TileMeasure&)>& change = [](TileMeasure&) {}) {
@@ -174,7 +174,7 @@ struct SelectorWorld {
     change(tile.measure);
     return cache.insert(instance, scene, capture, std::move(tile), frame, now_us);
   }
-  /// As a session does: what is drawn is marked in the cache.
+  /// Selects as a session does, and marks what is drawn in the cache.
   DrawList select(const SelectorInput& in) {
     DrawList list = selector.select(in);
     cache.mark_drawn(list.tiles(), in.frame);
@@ -190,7 +190,7 @@ struct SelectorWorld {
   std::int64_t now_us = 0;
 };
 
-/// A ball of radius 1 in the middle, seen from 5 m.
+/// Returns a ball of radius 1 in the middle, seen from 5 m.
 inline SelectorWorld one_ball(bool geometry = false) {
   SceneOptions options;
   options.geometry = geometry;

@@ -1,13 +1,14 @@
 #pragma once
-// Where the models and pictures are that tests read.
+// Data folder: the folder with the models and pictures that tests read.
 
 #include <cstdlib>
 #include <filesystem>
 
 namespace mirage::test {
 
-/// $MIRAGE_SHARED, or `../shared` beside the checkout, which also has what is swept over (assets
-/// and assets_broken with their MANIFEST.tsv); else the choice in the repository, alike within.
+/// Returns $MIRAGE_SHARED, or `../shared` beside the checkout, which also has the files of the
+/// sweeps (assets and assets_broken with their MANIFEST.tsv). Otherwise it is the choice in the
+/// repository, with the same layout.
 inline std::filesystem::path data_folder() {
   namespace fs = std::filesystem;
   if (const char* chosen = std::getenv("MIRAGE_SHARED")) return chosen;

@@ -1,8 +1,7 @@
 // A library to be preloaded (LD_PRELOAD) into a program under test: GL and files that fail.
 //   FAULT_GL=map|unmap|fence|error|reset   what fails, from the FAULT_AFTER-th call on
-//   FAULT_FOLDER=PATH FAULT_MS=N           opening a file below it takes so long
-//   FAULT_CLOCK_S=N                        the wall clock is set back by so much after 2 s, again
-//                                          and again
+//   FAULT_FOLDER=PATH FAULT_MS=N           opening a file below it takes that long
+//   FAULT_CLOCK_S=N                        the wall clock goes back by that much every 2 s
 
 #include <GL/gl.h>
 #include <GL/glext.h>
@@ -51,7 +50,7 @@ decltype(clock_gettime)* real_clock() {
   return real;
 }
 
-/// Seconds that the wall clock is behind by now: every two seconds more.
+/// Returns the seconds by which the wall clock is behind now; they grow every two seconds.
 time_t set_back_s() {
   static const time_t step_s = std::atol(set_to("FAULT_CLOCK_S").c_str());
   static const time_t began_s = [] {

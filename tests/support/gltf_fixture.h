@@ -1,5 +1,6 @@
 #pragma once
-// Small glTF files made in memory for the importer tests, and how their failures are told.
+// glTF fixture: small glTF files made in memory for the importer tests, and the words for their
+// failures.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +23,7 @@ inline bool has_warning(const Scene& scene, const std::string& part) {
 
 }  // namespace mirage::test
 
-/// The load ends with this error, and its text holds this part.
+/// Expects that the load ends with this error, and that its text contains this part.
 #define EXPECT_REFUSED(result, expected_id, part)                                            \
   do {                                                                                       \
     const auto& refused = (result);                                                          \

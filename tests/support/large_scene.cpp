@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// How far the surface lies from the middle in the direction `d`.
+// Returns the distance of the surface from the middle in the direction `d`.
 double bumps(const glm::dvec3& d, int mesh) {
   double height = 1, size = 0.12;
   glm::dvec3 at = d * (2.0 + 0.3 * mesh);
@@ -32,7 +32,7 @@ struct Ball {
   std::vector<std::uint32_t> indices;
 };
 
-// Rows of quads from pole to pole; the first and the last column are one place with two
+// Returns rows of quads from pole to pole. The first and the last column are one place with two
 // coordinates.
 Ball make_ball(std::uint64_t triangles, int mesh) {
   const auto rows = static_cast<std::uint32_t>(std::max(4.0, std::sqrt(double(triangles) / 4)));
@@ -75,7 +75,7 @@ Ball make_ball(std::uint64_t triangles, int mesh) {
   return out;
 }
 
-// Waves of many lengths with grain over them: compresses like a photograph.
+// Returns waves of many lengths with grain over them, which compress like a photograph.
 Result<std::string> encoded_texture(int index, int edge, bool normal_map) {
   std::vector<std::uint8_t> rgb(3 * static_cast<std::size_t>(edge) * edge);
   std::uint32_t grain = 12345u + static_cast<std::uint32_t>(index);
@@ -114,7 +114,7 @@ Result<std::string> encoded_texture(int index, int edge, bool normal_map) {
 
 Result<void> add_textures(Builder& builder, const LargeScene& scene) {
   const int colors = (2 * scene.textures + 2) / 3;
-  std::map<int, std::string> encoded;  // the same few pictures again: each is decoded all the same
+  std::map<int, std::string> encoded;  // a few pictures by turns; each is decoded nevertheless
   for (int i = 0; i < scene.textures; ++i) {
     const bool normal_map = i >= colors;
     std::string& bytes = encoded[normal_map ? -1 : i % 3];

@@ -1,5 +1,5 @@
 #pragma once
-// What a server that was started with --metrics has counted.
+// Metrics: the counters of a server that was started with --metrics.
 
 #include <map>
 #include <sstream>
@@ -10,7 +10,7 @@
 
 namespace mirage::test {
 
-/// The server's counters by name, without the prefix.
+/// Returns the server's counters by name, without the prefix.
 inline std::map<std::string, double> metrics(const Server& server) {
   RawPeer peer(server.port());
   peer.say("GET /metrics HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");

@@ -43,7 +43,7 @@ int exit_code(int status) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-// -1: still running when the time was over, and killed.
+// Waits for the process. Returns its status; -1: it was still running at the end, and was killed.
 int wait_for(int pid, double timeout_s, rusage* used = nullptr) {
   const Clock::time_point start = Clock::now();
   int status = 0;
@@ -100,7 +100,7 @@ Finished run(const std::vector<std::string>& command, double timeout_s) {
   return out;
 }
 
-// Empty: it is not ready yet.
+// Returns the URL of the ready line; empty: it is not ready yet.
 std::string ready_url(const std::string& log) {
   const std::string before = "ready url=";
   const std::size_t at = log.find(before), end = log.find('\n', at);

@@ -217,7 +217,7 @@ inline wire::TileReplyT sample_tile_reply() {
   return m;
 }
 
-/// Colour, surface and depth of two texels, in a zstd frame that is stored.
+/// Returns colour, surface and depth of two texels, in a stored zstd frame.
 inline Bytes sample_tile_payload() {
   return {0x28, 0xb5, 0x2f, 0xfd, 0x20, 18, 18 << 3 | 1, 0,  0,  //
           1,    2,    3,    4,    5,    6,  7,           8,  9,  //

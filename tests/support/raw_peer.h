@@ -1,5 +1,5 @@
 #pragma once
-// A raw TCP connection to a server, for saying what no client library would.
+// Raw peer: a raw TCP connection to a server, for saying what no client library would.
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -12,9 +12,9 @@
 
 namespace mirage::test {
 
-/// How a peer connects.
+/// Options of a peer's connection.
 struct PeerFrom {
-  std::string address = "127.0.0.1";  ///< its own; all of 127.0.0.0/8 are this machine's
+  std::string address = "127.0.0.1";  ///< its own; all of 127.0.0.0/8 belong to this machine
   int receive_bytes = 0;              ///< of its receive buffer; 0: the usual
 };
 
@@ -32,7 +32,7 @@ class RawPeer {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     connected_ = connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0;
     wait_at_most(2);
-    // A server that takes nothing more holds up no test.
+    // A server that takes nothing more must not hold up a test.
     const timeval limit{1, 0};
     setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof(limit));
   }
@@ -40,7 +40,7 @@ class RawPeer {
   RawPeer(const RawPeer&) = delete;
   RawPeer& operator=(const RawPeer&) = delete;
   bool connected() const { return connected_; }
-  /// For hear(), seconds.
+  /// Sets how long hear() waits, seconds.
   void wait_at_most(int seconds) {
     timeval limit{seconds, 0};
     setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof(limit));
@@ -53,7 +53,8 @@ class RawPeer {
     const ssize_t n = recv(socket_, buffer, sizeof(buffer), 0);
     return n > 0 ? std::string(buffer, static_cast<std::size_t>(n)) : "";
   }
-  /// What has come within so many ms; empty also once the other side has closed: then ended().
+  /// Returns what has arrived within this many ms; also empty once the other side has closed: then
+  /// ended().
   std::string hear_within(int ms, std::size_t most_bytes = 65536) {
     pollfd waiting{socket_, POLLIN, 0};
     if (poll(&waiting, 1, ms) <= 0) return "";
@@ -64,7 +65,7 @@ class RawPeer {
     return buffer;
   }
   bool ended() const { return ended_; }
-  /// The other side has closed; what it says meanwhile is thrown away.
+  /// True if the other side has closed; what it says meanwhile is dropped.
   bool closed() {
     char buffer[4096];
     for (;;) {
@@ -86,7 +87,7 @@ inline std::string upgrade(const std::string& version, const std::string& key) {
 }
 inline constexpr const char* kUpgradeKey = "dGhlIHNhbXBsZSBub25jZQ==";
 
-/// The head of a masked client frame (mask 0: the payload stays readable) of any length.
+/// Returns the head of a masked client packet of any length (mask 0: the payload stays readable).
 inline std::string frame_head(int opcode, std::uint64_t length) {
   std::string out(1, static_cast<char>(0x80 | opcode));
   const int bytes = length < 126 ? 0 : length < 65536 ? 2 : 8;

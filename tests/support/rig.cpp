@@ -12,7 +12,7 @@
 namespace mirage::test {
 namespace {
 
-constexpr int kRow = 6;  // objects of a row
+constexpr int kRow = 6;  // objects in a row
 
 std::uint32_t mixed(std::uint64_t v) {
   v = (v ^ (v >> 33)) * 0xff51afd7ed558ccdull;
@@ -112,9 +112,9 @@ std::size_t Host::render(std::size_t count) {
 
 std::vector<Message> Host::messages_for(SessionId id) {
   std::vector<Message> out;
-  FrameAssembler assembler(limits::kMaxTransferBytes);
-  while (const FramePtr frame = hub_->next_frame(id)) {
-    Result<std::optional<Bytes>> whole = assembler.accept(frame->data(), frame->size());
+  PacketAssembler assembler(limits::kMaxTransferBytes);
+  while (const PacketPtr packet = hub_->next_packet(id)) {
+    Result<std::optional<Bytes>> whole = assembler.accept(packet->data(), packet->size());
     if (!whole || !whole->has_value()) continue;
     Result<Message> message = decode_message((*whole)->data(), (*whole)->size());
     if (message) out.push_back(message.take());

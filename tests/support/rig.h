@@ -1,7 +1,7 @@
 #pragma once
-// A server and a client in one process and on virtual time: the shipped sessions, queue, store,
-// codecs, modelled link and client session. Only the pixels of the tiles are made up; they are a
-// pure function of the key and compress like real ones.
+// Rig: a server and a client in one process on virtual time: the shipped sessions, queue, store,
+// codecs, modelled link and client session. Only the pixels of tiles are made up; they are a pure
+// function of the key and compress like real ones.
 
 #include <functional>
 #include <memory>
@@ -18,10 +18,10 @@
 
 namespace mirage::test {
 
-/// Seconds of CPU this thread has used: what the machine's other users do is not counted.
+/// Returns the CPU time that this thread has used, s; other load of the machine does not count.
 double thread_seconds();
 
-/// A clock set by hand, also backwards.
+/// A clock that is set by hand, even backwards.
 class HandClock final : public Clock {
  public:
   std::int64_t now_us() const override { return now_us_; }
@@ -31,13 +31,13 @@ class HandClock final : public Clock {
   std::int64_t now_us_ = 0;
 };
 
-/// What a scene of the rig consists of.
+/// Content of a rig's scene.
 struct RigScene {
   int objects = 24;      ///< each with one instance, in rows on the ground
-  double spacing_m = 4;  ///< between them; radius of each about 1 m
-  double clip_s = 0;     ///< of the animation of every object; 0: they stand still
+  double spacing_m = 4;  ///< between them; the radius of each is about 1 m
+  double clip_s = 0;     ///< length of every object's animation; 0: they do not move
 };
-/// A knot, many times: described, not drawn.
+/// Returns a scene of many knots: described, not drawn.
 std::shared_ptr<const PreparedScene> rig_scene(const RigScene& options);
 
 /// The server without sockets and without a renderer.
@@ -47,17 +47,17 @@ class Host {
 
   SessionHub& hub() { return *hub_; }
   TileQueue& queue() { return queues_.tiles; }
-  /// Renders at most `count` of the tiles that wait; how many it were.
+  /// Renders at most `count` of the waiting tiles. Returns their number.
   std::size_t render(std::size_t count = SIZE_MAX);
-  /// All that the client may be sent now.
+  /// Returns everything that the client may be sent now.
   std::vector<Message> messages_for(SessionId id);
-  /// CPU seconds spent here.
+  /// Returns the CPU time spent here, s.
   double busy_s() const { return busy_s_; }
   void add_busy(double seconds) { busy_s_ += seconds; }
 
  private:
   StoredTilePtr make(const TileJob& job) const;
-  /// Forms of tiles that are there, for those who wait for them.
+  /// Makes forms of stored tiles for the clients that wait for them.
   void make_forms();
 
   std::shared_ptr<const PreparedScene> scene_;
@@ -66,7 +66,8 @@ class Host {
   double busy_s_ = 0;
 };
 
-/// A client's connection to the host. On its own it answers at once and renders all that is asked.
+/// A client's connection to the host. By itself it answers at once and renders everything asked
+/// for.
 class HostLink final : public Link {
  public:
   explicit HostLink(Host& host, bool renders = true) : host_(host), renders_(renders) { connect(); }
@@ -76,11 +77,11 @@ class HostLink final : public Link {
   std::uint32_t generation() const override { return generation_; }
   LinkTraffic traffic() const override { return {}; }
 
-  /// A new connection.
+  /// Opens a new connection.
   void connect();
   void disconnect();
   SessionId id() const { return id_; }
-  /// What the server held against this client; empty: nothing.
+  /// Returns the server's complaint about this client; empty: none.
   const std::string& complaint() const { return complaint_; }
   std::uint64_t batches() const { return batches_; }
 
@@ -94,12 +95,12 @@ class HostLink final : public Link {
   std::uint64_t batches_ = 0;
 };
 
-/// A client and its link.
+/// Options of a client and its link.
 struct RigOptions {
   NetModel net;
   ClientOptions client;
   std::int64_t frame_us = 16'667;
-  /// Put between the session and the modelled link.
+  /// Makes a link between the session and the modelled link.
   std::function<std::unique_ptr<Link>(Link&)> wrap;
 };
 
@@ -107,16 +108,16 @@ class Rig {
  public:
   Rig(std::shared_ptr<const PreparedScene> scene, const RigOptions& options);
 
-  /// One frame of the client at the present time, then the next frame's time.
+  /// Runs one frame of the client at the present time, then advances to the next frame's time.
   DrawList frame(const Pose& pose);
-  /// Frames without end of `seconds`; `pose` by seconds since the rig began.
+  /// Runs frames for `seconds`; `pose` gets the seconds since the rig began.
   DrawList run(double seconds, const std::function<Pose(double)>& pose);
 
   double now_s() const { return static_cast<double>(clock.now_us()) * 1e-6; }
-  /// CPU milliseconds of each frame, the host's left out.
+  /// CPU time of each frame, ms, without the host's.
   std::vector<double> frame_ms;
-  std::vector<double> deciding_ms;  ///< of them, without what came: selector and scheduler
-  /// Added to the time the client is told.
+  std::vector<double> deciding_ms;  ///< part of it without arrivals: selector and scheduler
+  /// Offset that is added to the client's time.
   std::int64_t client_offset_us = 0;
   std::uint64_t uploaded_bytes = 0;
 
@@ -128,14 +129,14 @@ class Rig {
   ClientSession session;
   Camera camera;
   std::function<void(const TileRecord&, const TilePixels&)> on_tile;
-  std::vector<std::string> errors;  ///< of receive(), in words
+  std::vector<std::string> errors;  ///< errors of receive(), in words
 
  private:
   TileSink sink();
   std::int64_t frame_us_;
 };
 
-/// The eye 1.7 m up at `at`, looking at `target`.
+/// Returns the eye 1.7 m up at `at`, looking at `target`.
 Pose eye_at(const glm::dvec3& at, const glm::dvec3& target = {0, 0, 0});
 
 }  // namespace mirage::test

@@ -1,6 +1,6 @@
 #pragma once
-// One mesh that an eye can be in: the six sides of a box, seen from inside, two triangles each, and
-// a ball of many on its floor.
+// Room: one mesh that an eye can be in: the six sides of a box, seen from inside, two triangles
+// each, and a ball of many triangles on its floor.
 
 #include <cmath>
 
@@ -20,7 +20,7 @@ inline void add_room_side(const glm::vec3& normal, Mesh& mesh) {
     corner.position = kRoomHalf * (-normal + at.x * u + at.y * v);
     corner.normal = normal;
     corner.uv0 = at;
-    // Each corner has a colour of its own, so that what is drawn in the wrong place shows.
+    // Each corner has its own colour, so that anything drawn in the wrong place shows.
     corner.color = glm::u16vec4(20000 + 20000 * (at.x > 0), 20000 + 20000 * (at.y > 0),
                                 normal.y != 0 ? 50000 : 15000, 65535);
     mesh.vertices.push_back(corner);
@@ -65,7 +65,7 @@ inline Mesh room_mesh() {
   return mesh;
 }
 
-/// The room once, about the origin, with the eye in it.
+/// Returns the room once, about the origin, with the eye in it.
 inline Scene room_scene() {
   Scene scene;
   scene.name = "room";

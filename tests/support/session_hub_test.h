@@ -1,5 +1,6 @@
 #pragma once
-// A hub of sessions without sockets, on a small scene: what clients say to it and what they get.
+// Session hub test: a hub of sessions without sockets, on a small scene; what clients say to it,
+// and what they get.
 
 #include <gtest/gtest.h>
 
@@ -41,13 +42,13 @@ class SessionHubTest : public ::testing::Test {
     const Bytes bytes = encode_message(std::forward<BodyT>(body));
     return hub->receive(id, bytes.data(), bytes.size());
   }
-  /// Everything the session may be sent now.
+  /// Returns everything that the session may be sent now.
   std::vector<Message> drain(SessionId id) {
     std::vector<Message> out;
-    FrameAssembler assembler(limits::kMaxTransferBytes);
-    while (const FramePtr frame = hub->next_frame(id)) {
-      EXPECT_LE(frame->size(), limits::kMaxMessageBytes);
-      auto whole = assembler.accept(frame->data(), frame->size());
+    PacketAssembler assembler(limits::kMaxTransferBytes);
+    while (const PacketPtr packet = hub->next_packet(id)) {
+      EXPECT_LE(packet->size(), limits::kMaxMessageBytes);
+      auto whole = assembler.accept(packet->data(), packet->size());
       EXPECT_TRUE(whole);
       if (!whole || !whole->has_value()) continue;
       auto message = decode_message((*whole)->data(), (*whole)->size());
@@ -72,18 +73,18 @@ class SessionHubTest : public ::testing::Test {
     batch.credit_bytes = 1 << 30;
     return send(id, std::move(batch));
   }
-  /// Why the only message refuses; None when it is something else.
+  /// Returns the reason of the only message, a refusal; None: it is something else.
   wire::RefusalReason refusal(SessionId id) {
     const std::vector<Message> messages = drain(id);
     if (messages.size() != 1 || !messages[0].body.AsRefused()) return wire::RefusalReason::None;
     return messages[0].body.AsRefused()->reason;
   }
-  /// The tiles the GL thread would render next; empty when there are none.
+  /// Returns the tiles that the GL thread would render next; empty: none.
   std::vector<TileJob> take_tiles() {
     auto work = queue.take({[](std::uint32_t) { return true; }}, false);
     return work ? std::get<std::vector<TileJob>>(std::move(*work)) : std::vector<TileJob>{};
   }
-  /// Finishes all that is queued with tiles of `bytes` of payload.
+  /// Finishes everything that is queued, with tiles of `bytes` of payload.
   std::size_t render_all(std::size_t bytes = 100) {
     const std::vector<TileJob> jobs = take_tiles();
     for (const TileJob& job : jobs) {

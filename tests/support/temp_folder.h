@@ -1,5 +1,5 @@
 #pragma once
-// Where a test puts its files.
+// Temp folder: a folder for a test's files.
 
 #include <unistd.h>
 
@@ -10,7 +10,7 @@
 
 namespace mirage::test {
 
-/// A folder of its own, removed at the end.
+/// Makes a folder of its own, removed at the end.
 class TempFolder {
  public:
   TempFolder() {
@@ -25,7 +25,7 @@ class TempFolder {
   TempFolder& operator=(const TempFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// All regular files in it and below.
+  /// Returns all regular files in it and below.
   std::vector<std::filesystem::path> files() const {
     std::vector<std::filesystem::path> out;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(path_)) {

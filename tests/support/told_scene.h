@@ -1,5 +1,5 @@
 #pragma once
-// A prepared scene as a client is told of it, without a socket.
+// Told scene: a prepared scene as a client learns it, without a socket.
 
 #include "server/prepare/prepared_scene.h"
 #include "server/session/scene_pages.h"
@@ -7,14 +7,14 @@
 
 namespace mirage::test {
 
-inline std::vector<FramePtr> pages_of(TreeTelling telling) {
-  std::vector<FramePtr> out;
-  while (FramePtr page = telling.next_page()) out.push_back(std::move(page));
+inline std::vector<PacketPtr> pages_of(TreeTelling telling) {
+  std::vector<PacketPtr> out;
+  while (PacketPtr page = telling.next_page()) out.push_back(std::move(page));
   return out;
 }
 
-inline Result<void> take(SceneView& scene, const std::vector<FramePtr>& pages) {
-  for (const FramePtr& page : pages) {
+inline Result<void> take(SceneView& scene, const std::vector<PacketPtr>& pages) {
+  for (const PacketPtr& page : pages) {
     Message m = decode_message(page->data(), page->size()).take();
     Result<void> taken;
     if (const auto* images = m.body.AsImagePage()) taken = scene.accept(*images);
@@ -38,7 +38,7 @@ inline wire::WelcomeT welcome_of(const PreparedScene& prepared, bool geometry = 
   return welcome;
 }
 
-/// What a client knows before it asks for more.
+/// Returns what a client knows before it asks for more.
 inline SceneView as_told(const PreparedScene& prepared, bool geometry = false) {
   SceneView scene;
   EXPECT_TRUE(scene.accept(welcome_of(prepared, geometry)).ok());

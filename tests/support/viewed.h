@@ -1,5 +1,5 @@
 #pragma once
-// mirage-view without a window, on virtual time, and the statistics it leaves.
+// Viewed: runs mirage-view without a window on virtual time, and reads its statistics.
 
 #include <gtest/gtest.h>
 
@@ -14,11 +14,11 @@ namespace mirage::test {
 
 struct Viewed {
   Finished run;
-  std::string text;      ///< of the statistics, byte for byte
-  nlohmann::json stats;  ///< discarded when there are none
+  std::string text;      ///< the statistics, byte for byte
+  nlohmann::json stats;  ///< discarded if there are none
 };
 
-/// `options` are apart by blanks. Statistics go to s.json in `folder`.
+/// Runs the viewer. `options` are separated by blanks. Statistics go to s.json in `folder`.
 inline Viewed view(const Server& server, const std::string& options,
                    const std::string& folder = scratch_folder()) {
   std::vector<std::string> command = {binary("mirage-view"), server.url(), "--virtual-time",

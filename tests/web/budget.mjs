@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { bin, flip, launch, open, percentile, picture, pose, scratch, seen, serve, sleep, truth, until, figures } from './harness.mjs';
 
 const [scene = 'builtin:forest', budget = '50'] = process.argv.slice(2);
-const speed = 1.4, seconds = 12, every = 1.5;  // m/s along the level, s, s
+const speed = 1.4, seconds = 12, every = 1.5;  // m/s on the level, s, s
 
 const server = await serve(scene);
 const browser = await launch();
@@ -64,7 +64,7 @@ function nativeWalk() {
   return JSON.parse(readFileSync(stats, 'utf8'));
 }
 
-await browserWalk();  // the server renders what it has not rendered before
+await browserWalk();  // so that the server has rendered everything before
 const ours = await browserWalk();
 const native = nativeWalk();
 const mean = ours.out.reduce((a, b) => a + b) / ours.out.length;

@@ -9,9 +9,9 @@ import { bin, decode, flip, launch, open, picture, pose, rested, scratch, seen, 
 
 const scenes = process.argv.slice(2);
 if (!scenes.length) scenes.push('builtin:knot', 'builtin:forest', 'builtin:clutter', 'builtin:city');
-const frames = 150;  // 15 s: everything has come, and is refined
+const frames = 150;  // 15 s: everything has arrived, and is refined
 
-// Five views around the scene's own: home, turned to both sides, nearer, higher.
+// Returns five views around the scene's own: home, turned to both sides, nearer, higher.
 function views({ eye, ahead }, reach) {
   const turned = (angle) => [ahead[0] * Math.cos(angle) - ahead[2] * Math.sin(angle), ahead[1], ahead[0] * Math.sin(angle) + ahead[2] * Math.cos(angle)];
   const from = (e, a) => `#eye=${e.map((v) => v.toFixed(4)).join(',')}&look=${e.map((v, i) => (v + a[i]).toFixed(5)).join(',')}`;

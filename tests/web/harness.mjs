@@ -25,11 +25,11 @@ export async function until(what, ask, seconds = 20) {
 }
 
 const running = new Set();
-/// What a failed test left behind.
+/// Ends what a failed test left behind.
 export const stopAll = () => { for (const child of running) child.kill('SIGKILL'); };
 process.on('exit', stopAll);
 
-// A program that writes its port into a file once it is ready.
+// Starts a program that writes its port into a file once it is ready.
 async function start(program, args) {
   const file = join(scratch(), 'port');
   const child = spawn(join(bin, program), [...args, '--port-file', file], { stdio: ['ignore', 'pipe', 'pipe'] });
@@ -56,7 +56,7 @@ export const relay = (to, { rtt, rate }) =>
 export const launch = (args = software) =>
   chromium.launch({ executablePath: process.env.WEB_CHROMIUM ?? '/usr/bin/chromium', args });
 
-/// A page that knows what went wrong in it.
+/// Opens a page that collects what goes wrong in it.
 export async function open(browser, url, { width = 640, height = 360, scale = 1, touch = false, before, ...options } = {}) {
   const context = await browser.newContext({
     viewport: { width, height }, deviceScaleFactor: scale, hasTouch: touch, isMobile: touch, ...options });
@@ -69,7 +69,7 @@ export async function open(browser, url, { width = 640, height = 360, scale = 1,
   return page;
 }
 
-/// The core's figures, with what the page knows; null before there are any.
+/// Returns the core's figures, with what the page knows; null before there are any.
 export const figures = (page) => page.evaluate(() => (globalThis.mirage?.figures && mirage.viewerThere()
   ? { ...mirage.figures.now(), seen: Boolean(mirage.seen), asleep: mirage.next === 0, connected: mirage.link.connected } : null));
 export const message = (page) => page.evaluate(() =>
@@ -77,13 +77,13 @@ export const message = (page) => page.evaluate(() =>
 export const pose = (page) => page.evaluate(() => mirage.place.view());
 
 export const seen = (page, seconds) => until('a picture', async () => (await figures(page))?.seen, seconds);
-/// Everything is there, refined, and the page sleeps.
+/// Waits until everything is there and refined, and the page sleeps.
 export const rested = (page, seconds = 60) => until('rest', async () => {
   const f = await figures(page);
   return f && f.complete && f.connected && f.atRest && f.refined && f.asleep && f;
 }, seconds);
 
-/// RGBA of the picture as the core has it.
+/// Returns the RGBA of the picture as the core has it.
 export async function picture(page) {
   const { width, height, text } = await page.evaluate(async () => {
     const { pixels } = await import(new URL('core.js', document.querySelector('script[data-wasm-bytes]').src));
@@ -95,7 +95,7 @@ export async function picture(page) {
   return { width, height, rgba: Buffer.from(text, 'base64') };
 }
 
-/// The server's full render of what the page looks at.
+/// Returns the server's full render of what the page looks at.
 export async function truth(page) {
   await page.evaluate(() => { mirage.core._page_ask_reference(4); mirage.wake(); });
   const at = await until('a full render', () => page.evaluate(() => {
@@ -112,7 +112,7 @@ export async function truth(page) {
   return { width, height, rgba: Buffer.from(text, 'base64') };
 }
 
-/// Of a PNG, as the browser decodes it.
+/// Returns the pixels of a PNG, as the browser decodes it.
 export async function decode(page, png) {
   const { width, height, text } = await page.evaluate(async (base64) => {
     const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
@@ -128,7 +128,7 @@ export async function decode(page, png) {
   return { width, height, rgba: Buffer.from(text, 'base64') };
 }
 
-/// What is to be seen of the canvas, without what lies over it.
+/// Returns what the canvas shows, without what lies over it.
 export async function screen(page) {
   await page.addStyleTag({ content: '' }).catch(() => {});
   const hidden = await page.evaluate(() => [...document.body.children].filter((e) => e.tagName !== 'MAIN' && e.style.visibility !== 'hidden')
@@ -138,7 +138,7 @@ export async function screen(page) {
   return decode(page, png);
 }
 
-/// Mean FLIP by the core's own measure, in the page's worker.
+/// Returns the mean FLIP by the core's own measure, in the page's worker.
 export const flip = (page, a, b) => page.evaluate(async ({ reference, test, width, height }) => {
   const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const id = `test-${Math.random()}`;

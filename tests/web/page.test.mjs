@@ -11,7 +11,7 @@ let browser, knot;
 const apart = (a, b) => Math.hypot(...a.map((v, i) => v - b[i]));
 const at = (hash) => `${knot.url}${hash}`;
 const view = '#eye=0,1,6&look=0,0.5,0';
-// With any time for a frame: a picture at rest does not depend on what frames take here.
+// No budget: a picture at rest does not depend on how long frames take here.
 const settled = `${view}&budget=0`;
 
 before(async () => {
@@ -22,7 +22,7 @@ after(async () => {
   stopAll();
 });
 
-// As sent, not as a browser would unpack it.
+// Gets the answer as sent, not as a browser would unpack it.
 const get = (url, headers = {}) => new Promise((done, fail) => {
   http.get(url, { headers }, (answer) => {
     const parts = [];
@@ -83,7 +83,8 @@ test('at rest nothing is drawn and the page sleeps', async () => {
   await page.context().close();
 });
 
-// What is asked of the graphics is answered once all that was drawn before is done: the page would stand still for it.
+// The graphics card answers a query only when all earlier drawing is done; the page would stand
+// still for it.
 test('frames ask the graphics card nothing', async () => {
   const page = await open(browser, at(settled), { before: () => {
     globalThis.waited = {};
@@ -111,7 +112,8 @@ test('frames ask the graphics card nothing', async () => {
   await page.context().close();
 });
 
-// One that saves power calls for pictures seldom; frames are not late for that, and their plan keeps what it has.
+// A display that saves power asks for pictures seldom. Frames are not late for that, and their plan
+// keeps what it has.
 test('a display that calls seldom takes nothing away', async () => {
   const forest = await serve('builtin:forest?trees=60');
   const page = await open(browser, `${forest.url}#budget=60`, { before: () => {
@@ -393,7 +395,7 @@ test('tokens: asked for in a field, refused with a word, never in the address or
   await page.locator('#token').fill('wrong-token-0815');
   await page.keyboard.press('Enter');
   await until('refused', async () => /does not know this token/.test(await message(page)));
-  await sleep(1100);  // a server has one who guesses wait
+  await sleep(1100);  // a server makes clients that guess wait
   await page.locator('#token').fill('right-token-4711');
   await page.keyboard.press('Enter');
   await rested(page);
@@ -437,7 +439,7 @@ test('a hidden tab does nothing', async () => {
 });
 
 test('views of how it works: each key another picture, and the picture again', async () => {
-  // From home the knot is an impostor, from nearby geometry.
+  // The knot is an impostor from home, and geometry from nearby.
   for (const [hash, keys] of [['', ['Digit2', 'Digit3', 'Digit4']], [settled, ['Digit2', 'Digit5']]]) {
     const page = await open(browser, at(hash));
     await rested(page);

@@ -1,5 +1,5 @@
-// How fast the page is: from the click to a picture over a shaped link, frames on a walk within a budget, pauses by decoding,
-// memory. Run by hand on a machine that does nothing else:
+// Times of the page: from the click to a picture over a shaped link, frames on a walk within a
+// budget, pauses by decoding, memory. Run by hand on a machine that does nothing else:
 //   WEB_BIN=build/release/bin WEB_MODULES=build/web-tests node tests/web/times.mjs [SCENE] [SECONDS of walking]
 import { readFileSync } from 'node:fs';
 import { figures, flip, launch, open, percentile, picture, relay, seen, serve, sleep, truth } from './harness.mjs';
@@ -8,7 +8,7 @@ const [scene = 'builtin:forest', seconds = '30'] = process.argv.slice(2);
 const server = await serve(scene);
 const browser = await launch();
 
-// What the server itself draws of the view the page begins with.
+// The picture that the server itself draws of the page's first view.
 const first = await open(browser, server.url);
 await seen(first, 60);
 const wanted = await truth(first);
@@ -33,7 +33,8 @@ for (let run = 0; run < 3; ++run) {
 }
 await link.stop();
 
-// There and back, so that what the server has to render for the figures it has rendered before: it is to be idle, as one elsewhere is.
+// Walks there and back, so that the server has already rendered what is measured: it should be
+// idle, as one elsewhere is.
 const page = await open(browser, `${server.url}#budget=50`);
 await seen(page, 60);
 await page.locator('#view').focus();
@@ -47,7 +48,7 @@ async function walk(of) {
     await note(second + 10);
   }
 }
-const seconds_of = (pid) => {  // of a processor, so far
+const seconds_of = (pid) => {  // processor time so far
   const fields = readFileSync(`/proc/${pid}/stat`, 'utf8').split(') ')[1].split(' ');
   return (Number(fields[11]) + Number(fields[12])) / 100;
 };

@@ -1,5 +1,7 @@
-// The view in the URL's fragment: #eye=x,y,z&look=x,y,z&light=azimuth,elevation&t=seconds&budget=ms&token=…
-// `look` is a point that is looked at. What is wrong is left out and named in `wrong`.
+// Address: the view in the URL's fragment.
+//   #eye=x,y,z&look=x,y,z&light=azimuth,elevation&t=seconds&budget=ms&token=…
+// `look` is a point that the eye looks at. Parts that cannot be read are left out, and named in
+// `wrong`.
 
 const numbers = (text, count) => {
   const out = text.split(',').map((part) => (part.trim() === '' ? NaN : Number(part)));
@@ -34,7 +36,8 @@ export function readAddress(fragment) {
 
 const short = (n, digits) => String(Number(n.toFixed(digits)));
 
-/// As few characters as show the same picture: a tenth of a millimetre, and an arc second or so.
+/// Writes as few characters as show the same picture: a tenth of a millimetre, and about an arc
+/// second.
 export function writeAddress({ eye, ahead, light, t, budget }) {
   const parts = [
     `eye=${eye.map((n) => short(n, 4)).join(',')}`,

@@ -1,4 +1,5 @@
-// At rest: Mirage on one side, the server's full render of the same view on the other, and FLIP of the two.
+// Compare: shows a picture at rest beside the server's full render of the same view, with the FLIP
+// of both.
 
 import { pixels } from './core.js';
 import { notice, say } from './status.js';
@@ -10,7 +11,7 @@ const mostSamples = 33e6;  // that a server draws
 export class Compare {
   constructor(viewer) {
     this.viewer = viewer;
-    this.state = 'off';  // off, asked, shown
+    this.state = 'off';  // off, asked or shown
     this.id = 0;
     $('split').addEventListener('input', () => this.split());
     $('compare-end').addEventListener('click', () => this.end());
@@ -37,7 +38,7 @@ export class Compare {
     return Math.max(1, Math.min(samplesAnAxis, Math.floor(Math.sqrt(mostSamples / pixels))));
   }
 
-  // Once a frame.
+  // Called once a frame.
   look() {
     if (this.state !== 'asked') return;
     const { viewer } = this;
@@ -96,6 +97,6 @@ export class Compare {
     $('truth').hidden = true;
     $('slider').hidden = true;
     say('');
-    if (this.viewer.viewerThere()) this.viewer.core._page_reference();  // one that comes late is not the next one's
+    if (this.viewer.viewerThere()) this.viewer.core._page_reference();  // drops a late render
   }
 }

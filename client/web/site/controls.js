@@ -1,4 +1,4 @@
-// What a person does with mouse, keyboard, fingers, stick and gamepad, as one motion to be taken every frame.
+// Controls: mouse, keyboard, fingers, stick and gamepad as one motion, which is taken every frame.
 
 const radiansPerPixel = 0.003;  // as in the native window
 const metresPerPixel = 0.01;    // of two fingers, at walking speed
@@ -14,7 +14,7 @@ export class Controls {
     this.pointers = new Map();
     this.stickAt = [0, 0];
     this.turn = [0, 0];     // radians since the last take
-    this.step = [0, 0, 0];  // metres at walking speed, the same
+    this.step = [0, 0, 0];  // metres at walking speed
     this.fast = false;
     this.listen(canvas);
     this.listenStick(stick);
@@ -49,7 +49,7 @@ export class Controls {
     addEventListener('blur', () => { this.keys.clear(); this.pointers.clear(); this.stickAt = [0, 0]; });
   }
 
-  // One pointer looks; two move by where they go and by how they spread.
+  // One pointer looks; two pointers move the eye by where they go and how they spread.
   drag(e) {
     const before = this.pointers.get(e.pointerId);
     if (!before) return;
@@ -97,7 +97,8 @@ export class Controls {
 
   gamepads() { return navigator.getGamepads ? [...navigator.getGamepads()].filter((pad) => pad && pad.connected) : []; }
 
-  /// Since the last call, `seconds` ago: radians to turn, m at walking speed to go, and whether anything is held.
+  /// Returns the motion since the last call, `seconds` ago: radians to turn, m at walking speed to
+  /// move, and whether anything is held.
   take(seconds) {
     const turn = this.turn, move = this.step.map((m) => m);
     this.turn = [0, 0];

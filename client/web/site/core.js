@@ -1,9 +1,9 @@
-// The core (client/web/page.cpp), as the page's other parts call it.
+// Core: the compiled core (client/web/page.cpp) for the other parts of the page.
 import createMirage from './mirage.js';
 
 const wasmBytes = Number(document.querySelector('script[data-wasm-bytes]')?.dataset.wasmBytes) || 1e6;
 
-/// Compiles while it comes; `progress` is told how much of it is here, 0 to 1.
+/// Compiles the module while it arrives; `progress` gets the share that is here, 0 to 1.
 export async function loadModule(progress) {
   const response = await fetch(new URL('./mirage.wasm', import.meta.url));
   if (!response.ok) throw new Error(`the server answered ${response.status}`);
@@ -17,7 +17,7 @@ export async function loadModule(progress) {
   return WebAssembly.compileStreaming(new Response(counted, { headers: { 'Content-Type': 'application/wasm' } }));
 }
 
-/// `write` takes what the core says to the server.
+/// Starts the core; `write` gets what it sends to the server.
 export const startCore = (module, write) => createMirage({
   instantiateWasm(imports, done) {
     WebAssembly.instantiate(module, imports).then((instance) => done(instance));
@@ -26,7 +26,7 @@ export const startCore = (module, write) => createMirage({
   write,
 });
 
-/// What `use` makes of a pointer to the text.
+/// Calls `use` with a pointer to the text, and returns its result.
 export function withText(core, text, use) {
   const bytes = new TextEncoder().encode(`${text}\0`);
   const at = core._malloc(bytes.length);
@@ -38,14 +38,14 @@ export function withText(core, text, use) {
 
 export const textAt = (core, pointer) => core.UTF8ToString(pointer);
 
-/// The picture: RGBA, rows from the top.
+/// Returns the picture: RGBA, rows from the top.
 export function pixels(core) {
   const [width, height] = [core._page_width(), core._page_height()];
   const at = core._page_pixels();
   return { width, height, rgba: core.HEAPU8.slice(at, at + 4 * width * height) };
 }
 
-/// Where the eye is, m, and the unit vector it looks along.
+/// Returns where the eye is, m, and the unit vector that it looks along.
 export function pose(core) {
   const at = core._page_pose() >> 3;
   const [ex, ey, ez, ax, ay, az] = core.HEAPF64.subarray(at, at + 6);

@@ -1,4 +1,4 @@
-// The strip of figures, what is shown beside the picture itself, and the sun.
+// Figures: the strip of figures, the choice of layers, and the sun.
 
 import { textAt } from './core.js';
 
@@ -47,7 +47,7 @@ export class Figures {
     this.viewer.wake();
   }
 
-  /// All of them, for the strip and for who looks from outside.
+  /// Returns all figures, for the strip and for tests.
   now() {
     const { viewer } = this;
     const figures = JSON.parse(textAt(viewer.core, viewer.core._page_figures(viewer.place.sessionMs())));

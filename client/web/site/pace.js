@@ -1,16 +1,16 @@
-// Frames are handed to the graphics card no faster than it draws them: two are under way at most, so that they follow each other
-// evenly, and what a person does is seen soon.
+// Pace: gives frames to the graphics card no faster than it draws them. At most two are under way,
+// so that they follow each other evenly, and a person soon sees what they do.
 
 const mostUnderWay = 2;
 
 export class Pace {
-  /// A context that has just been made.
+  /// Starts with a new context.
   begin(gl) {
     this.gl = gl;
     this.underWay = [];
   }
 
-  /// Whether another frame may be drawn now. Asks nothing that has to be waited for.
+  /// True if another frame may be drawn now. It never waits.
   ready() {
     const { gl, underWay } = this;
     while (underWay.length && gl.getSyncParameter(underWay[0], gl.SYNC_STATUS) === gl.SIGNALED) gl.deleteSync(underWay.shift());

@@ -1,10 +1,11 @@
-// The view, light and time in the address: where a link leads to, and where one can come back to.
+// Place: the view, light and time in the address, so that a link leads to them and one can come
+// back.
 import { readAddress, writeAddress } from './address.js';
 import { pose } from './core.js';
 import { now } from './server_link.js';
 import { notice } from './status.js';
 
-const stillMs = 400;  // after the last motion a view is worth a place in the history
+const stillMs = 400;  // a view enters the history this long after the last motion
 
 export class Place {
   constructor(viewer) {
@@ -16,17 +17,17 @@ export class Place {
     addEventListener('hashchange', () => this.follow());
   }
 
-  /// Of the session, ms.
+  /// Returns the session's time, ms.
   sessionMs() { return now() - this.startedAt; }
 
-  // Never in a history, a screenshot or a link that is passed on.
+  // Keeps the token out of histories, screenshots and shared links.
   hideToken() {
     if (this.address.token === undefined) return;
     const kept = location.hash.replace(/^#/, '').split('&').filter((part) => !part.startsWith('token='));
     history.replaceState(null, '', kept.length ? `#${kept.join('&')}` : location.pathname + location.search);
   }
 
-  /// To a core that has just been started: where it was, or what the address says, as far as it says anything.
+  /// Tells a new core where the eye was, or what the address says, as far as it says anything.
   apply() {
     const { eye, look, light } = this.address;
     if (eye) this.viewer.core._page_look(...eye, ...look);
@@ -34,7 +35,7 @@ export class Place {
     this.lightIsSet = false;
   }
 
-  // A graphics context that is lost takes the core with it.
+  // Keeps the view, because a lost graphics context takes the core with it.
   keep() { this.kept = this.view(); }
   returnToKept() {
     if (!this.kept) return;
@@ -44,13 +45,13 @@ export class Place {
     this.lightIsSet = false;
   }
 
-  /// Once there is a picture under it.
+  /// Names unreadable parts of the link, once there is a picture underneath.
   tellWrong() {
     if (this.address.wrong.length) notice(`This link has parts that cannot be read: ${this.address.wrong.join(', ')}`);
     this.address.wrong = [];
   }
 
-  /// The sun, once the scene is known that it stands in.
+  /// Sets the sun once its scene is known.
   setLight() {
     const { core } = this.viewer;
     if (this.lightIsSet || !core._page_home_known()) return;
@@ -77,7 +78,7 @@ export class Place {
 
   link() { return location.href.replace(/#.*$/, '') + writeAddress({ ...this.view(), budget: this.address.budget }); }
 
-  /// A while after the last motion: a place one can come back to.
+  /// Adds the view to the history a while after the last motion.
   remember(motion, at) {
     if (motion.moved) this.changedAt = at;
     if (this.changedAt === undefined || motion.held || at - this.changedAt < stillMs) return;
@@ -97,7 +98,7 @@ export class Place {
       return;
     }
     if (this.address.t !== undefined) this.startedAt = now() - 1000 * this.address.t;
-    if (!viewer.viewerThere()) return;  // applied when it is
+    if (!viewer.viewerThere()) return;  // applied once it is there
     this.tellWrong();
     this.apply();
     if (!this.address.eye && viewer.core._page_home_known()) viewer.core._page_home();

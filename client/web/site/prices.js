@@ -1,5 +1,6 @@
-// What frames take here: by the graphics card's clock where the browser has one, else by the display's pace. Kept for the
-// next visit; on the first one a short probe says how fast this device is.
+// Prices: what frames take on this device. The graphics card's clock tells, if the browser has one,
+// otherwise the display's pace. Prices are kept for the next visit; on the first one a short probe
+// measures the device.
 
 import { textAt } from './core.js';
 

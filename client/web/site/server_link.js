@@ -1,4 +1,5 @@
-// The page's side of the worker that owns the socket: connects, tries again, says what is wrong; the token.
+// Server link: the page's side of the worker that owns the socket. It connects, tries again, says
+// what is wrong, and asks for the token.
 import { textAt } from './core.js';
 import { say } from './status.js';
 
@@ -6,7 +7,7 @@ const $ = (id) => document.getElementById(id);
 const firstPauseMs = 250, longestPauseMs = 5000;  // before the next try to connect
 const kept = 'mirage-token';
 
-/// The same clock in page and worker, ms.
+/// Returns the time, ms, by a clock that page and worker share.
 export const now = () => performance.timeOrigin + performance.now();
 
 function refusal(code, reason) {
@@ -22,7 +23,7 @@ export class ServerLink {
     this.token = token ?? sessionStorage.getItem(kept) ?? '';
     this.arrivals = [];
     this.connected = false;
-    this.told = false;     // the person, that there is no server
+    this.told = false;     // the person knows that there is no server
     this.pauseMs = firstPauseMs;
     this.worker = new Worker(new URL('./socket_worker.js', import.meta.url), { type: 'module' });
     this.worker.onmessage = ({ data }) => {
@@ -41,7 +42,7 @@ export class ServerLink {
     this.worker.postMessage({ connect: `${scheme}://${location.host}${folder}` });
   }
 
-  /// To a core that knows nothing yet: what came for the one before it is dropped.
+  /// Connects a new core; messages for the former one are dropped.
   connectAnew() {
     this.arrivals.length = 0;
     this.connected = false;
@@ -78,7 +79,7 @@ export class ServerLink {
     viewer.wake();
   }
 
-  /// What came goes to the core: no frame waits for anything else. ms it took.
+  /// Passes arrived messages to the core; no frame waits for anything else. Returns the ms it took.
   deliver() {
     if (this.arrivals.length === 0) return 0;
     const began = performance.now();
@@ -93,7 +94,7 @@ export class ServerLink {
     return performance.now() - began;
   }
 
-  /// There is a picture. True: of a server that was not there the last time.
+  /// Notes that there is a picture. Returns true if its server was not there the last time.
   noteSeen() {
     if (!this.connected || (this.greeted && !this.told)) return false;
     this.greeted = true;
@@ -115,6 +116,6 @@ export class ServerLink {
     sessionStorage.setItem(kept, token);
     $('token-form').hidden = true;
     say('Connecting', { aside: false });
-    this.viewer.restart();  // the core greets with the token it was started with
+    this.viewer.restart();  // the new core greets with this token
   }
 }

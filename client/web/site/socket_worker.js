@@ -1,4 +1,5 @@
-// Owns the socket: what comes is stamped, put together and unpacked here, so that the page's frames only copy.
+// Socket worker: owns the socket. It stamps, joins and unpacks what arrives, so that the page's
+// frames only copy.
 // From the page: {module} once, {connect: URL}, {send: bytes}, {close}, {flip: {id, reference, test, width, height}}.
 // To the page: {open}, {closed: {code, reason, opened}}, {arrival: {control, payload, packed, wire, at}}, {flip: {id, mean}}.
 import createMirage from './mirage.js';
@@ -50,10 +51,10 @@ function connect(url) {
 function send(bytes) {
   if (!socket || socket.readyState !== WebSocket.OPEN) return;
   copied(bytes, (pointer, size) => {
-    const frames = core._socket_split(pointer, size);
-    for (let i = 0; i < frames; ++i) {
-      const at = core._socket_frame(i);
-      socket.send(core.HEAPU8.slice(at, at + core._socket_frame_bytes(i)));
+    const packets = core._socket_split(pointer, size);
+    for (let i = 0; i < packets; ++i) {
+      const at = core._socket_packet(i);
+      socket.send(core.HEAPU8.slice(at, at + core._socket_packet_bytes(i)));
     }
   });
 }

@@ -1,10 +1,10 @@
-// What the page says over the picture, or in its place.
+// Status: the page's messages over the picture, or in its place.
 
 const $ = (id) => document.getElementById(id);
 const noticeMs = 6000;
 let timer = 0;
 
-/// '' says nothing. `progress`: 0 to 1. `aside`: there is a picture under it.
+/// Shows a text; '' hides it. `progress`: 0 to 1. `aside`: there is a picture underneath.
 export function say(text, { progress = null, aside = true } = {}) {
   $('status').hidden = text === '';
   $('status').classList.toggle('aside', aside);
@@ -13,7 +13,7 @@ export function say(text, { progress = null, aside = true } = {}) {
   if (progress !== null) $('progress').value = progress;
 }
 
-/// For a while.
+/// Shows a text for a while.
 export function notice(text) {
   say(text);
   clearTimeout(timer);

@@ -1,4 +1,4 @@
-// The buttons and their keys.
+// Toolbar: the buttons and their keys.
 import { pixels, textAt } from './core.js';
 import { notice } from './status.js';
 

@@ -1,4 +1,4 @@
-// The page: loads the core and runs its frames.
+// Viewer: the page itself; loads the core and runs its frames.
 import { loadModule, startCore, textAt, withText } from './core.js';
 import { Compare } from './compare.js';
 import { Controls } from './controls.js';
@@ -13,10 +13,11 @@ import { Toolbar } from './toolbar.js';
 const $ = (id) => document.getElementById(id);
 const canvas = $('view');
 const mostPixelRatio = 2;
-const resting = 2, drawn = 1, drawable = 4;  // bits of a frame
+const resting = 2, drawn = 1, drawable = 4;  // bits of page_frame()
 const mostKept = 4000;
 
-// Of the device's memory, which browsers tell up to 8 GB of, if at all: tiles and meshes, MB.
+// Returns MB for tiles and for meshes, by the device's memory; browsers tell that up to 8 GB, if at
+// all.
 function memoryBudgets() {
   const gigabytes = navigator.deviceMemory ?? 4;
   return gigabytes >= 4 ? [216, 256] : gigabytes >= 2 ? [108, 96] : [54, 48];
@@ -25,14 +26,14 @@ function memoryBudgets() {
 export class Viewer {
   constructor() {
     this.intervals = [];   // of the display, while loading
-    this.pauses = [];      // ms that taking messages in took, one number a frame
-    this.uploads = [];     // ms that handing it to the graphics card took, the same
+    this.pauses = [];      // ms for taking messages in, a number a frame
+    this.uploads = [];     // ms for uploading them, a number a frame
     this.frames = [];      // ms from one drawn picture to the next
-    this.next = 0;         // of requestAnimationFrame; 0: the page sleeps
-    this.lost = false;     // the context is
+    this.next = 0;         // requestAnimationFrame's id; 0: the page sleeps
+    this.lost = false;     // the context is lost
     this.failed = false;
     this.waited = false;   // for the graphics card, since the last frame
-    this.tickMs = 0;       // that the last frame took here
+    this.tickMs = 0;       // ms that the last frame took here
     this.marks = { start: performance.now() };
     this.place = new Place(this);
     this.pace = new Pace();
@@ -56,7 +57,7 @@ export class Viewer {
     this.core = await startCore(module, (bytes) => this.link.send(bytes));
     this.marks.loaded = performance.now();
     say('Starting the graphics', { progress: 1, aside: false });
-    await new Promise((done) => { setTimeout(done); });  // let it be seen
+    await new Promise((done) => { setTimeout(done); });  // lets the text be shown
     this.prices = new Prices(this);
     if (!this.startGraphics()) return;
     this.controls = new Controls(canvas, $('stick'), () => this.wake());
@@ -134,7 +135,7 @@ export class Viewer {
     this.marks.graphics = undefined;
   }
 
-  /// A new session on a new connection: what was held is gone with the graphics.
+  /// Starts a new session on a new connection; what was held is gone with the graphics.
   restart() {
     this.stopGraphics();
     if (!this.startGraphics()) return;
@@ -201,13 +202,14 @@ export class Viewer {
     else this.sleep();
   }
 
-  // What frames make of the time from one to the next: a display that calls seldom, such as one that saves power, is not their doing.
+  // Returns the part of the interval that frames cause. A display that is seldom refreshed, for
+  // example to save power, is not their doing.
   ownInterval(ms) {
     const display = this.displayMs();
     return this.waited || this.tickMs > display ? ms : Math.min(ms, display);
   }
 
-  // At rest nothing is drawn; a gamepad tells of itself by being asked only.
+  // Sleeps at rest, where nothing is drawn. Gamepads send no events, so they are asked.
   sleep() {
     this.lastDrawn = false;
     this.figures.look(Infinity);
@@ -226,7 +228,7 @@ export class Viewer {
     this.lastDrawn = isDrawn;
   }
 
-  // What the page says and offers once there is something to be seen.
+  // Shows messages and tools once there is a picture.
   show(bits) {
     if (!(bits & drawable)) {
       if (this.link.connected && !this.seen) say('Waiting for the scene', { aside: false });
@@ -246,7 +248,7 @@ export class Viewer {
 }
 
 const viewer = new Viewer();
-globalThis.mirage = viewer;  // for who looks into it
+globalThis.mirage = viewer;  // for tests and debugging
 viewer.start().catch((error) => {
   const missing = typeof WebAssembly !== 'object' || !WebAssembly.compileStreaming;
   viewer.fail(missing ? 'This browser has no WebAssembly, which the scene is drawn with.' : `This page did not load: ${error.message}. Reload it.`);

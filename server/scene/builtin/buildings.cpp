@@ -14,12 +14,12 @@ struct Style {
   float half;          ///< half side of the footprint
   std::uint32_t wall;  ///< sRGB
   std::uint32_t trim;
-  int windows;     ///< a floor and side
+  int windows;     ///< per floor and side
   float window_w;  ///< share of its bay
   float window_h;  ///< share of the floor
   bool sills;
   bool pitched;  ///< hipped roof; else parapet
-  int set_back;  ///< floors above this one stand back; 0: none
+  int set_back;  ///< floors above this one are set back; 0: none
 };
 
 constexpr std::array<Style, kBuildingKinds> kStyles = {{
@@ -46,7 +46,7 @@ void add_side(MeshBuilder& b, const CityMaterials& m, const Style& s, float half
       const float w = 0.5f * bay * (shop ? 0.82f : s.window_w);
       const float x = -half + bay * (static_cast<float>(i) + 0.5f);
       const float z = half + 0.03f;
-      // Rooms behind differ; higher panes mirror more sky.
+      // Rooms behind the panes differ; higher panes mirror more sky.
       const float sky = random.range(0.05f, 0.2f) + 0.012f * static_cast<float>(f);
       const bool curtain = !shop && random.chance(0.2f);
       b.use(m.glass).paint(curtain ? glm::vec3(0.45f, 0.42f, 0.36f)

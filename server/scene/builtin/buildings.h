@@ -1,5 +1,5 @@
 #pragma once
-// Buildings on a footprint of kLot x kLot metres and what stands in the streets; feet on y = 0.
+// Buildings on a footprint of kLot x kLot metres, and street furniture; the ground is y = 0.
 
 #include <cstdint>
 
@@ -19,11 +19,11 @@ CityMaterials add_city_materials(SceneParts& parts, std::uint32_t seed);
 
 inline constexpr float kLot = 16;
 inline constexpr int kBuildingKinds = 9;
-/// About 1,500 to 6,000 triangles.
+/// Makes a building of about 1,500 to 6,000 triangles.
 Mesh make_building(const CityMaterials& m, int kind, std::uint32_t seed);
 const char* building_name(int kind);
 
-Mesh make_street_lamp(const CityMaterials& m);  ///< its arm to +z
+Mesh make_street_lamp(const CityMaterials& m);  ///< its arm points to +z
 Mesh make_street_tree(const CityMaterials& m, std::uint32_t seed);
 Mesh make_car(const CityMaterials& m, glm::vec3 color, bool van);  ///< 4.3 m along z
 Mesh make_bench(const CityMaterials& m);

@@ -41,7 +41,7 @@ struct Builder {
   Scene (*build)(const builtin::OptionValues&, const LoadTools&);
 };
 
-/// Of a scene that is light enough to be built by one.
+/// Adapts a builder that needs no load tools, because its scene is cheap to build.
 template <Scene (*build)(const builtin::OptionValues&)>
 Scene alone(const builtin::OptionValues& values, const LoadTools&) {
   return build(values);

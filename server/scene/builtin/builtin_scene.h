@@ -17,8 +17,8 @@ struct BuiltinSceneInfo {
 const std::vector<BuiltinSceneInfo>& builtin_scenes();
 
 /// Builds the scene named by `spec` (without the `builtin:` prefix), e.g. "forest?trees=50&seed=7".
-/// The same spec gives the same bytes, however many work at it. Errors: kSceneBuiltin for an
-/// unknown name or option or a value out of range, naming it and the allowed ones.
+/// The same spec gives the same bytes for any number of threads. Error kSceneBuiltin: an unknown
+/// name or option, or a value out of range; it names the allowed ones.
 Result<Scene> build_builtin_scene(const std::string& spec, const LoadTools& tools = {Workers()});
 
 }  // namespace mirage

@@ -1,4 +1,4 @@
-// Blocks of buildings in a grid of streets; home stands where a street meets a plaza.
+// Blocks of buildings in a grid of streets. The home view is where a street meets a plaza.
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@ constexpr float kBlock = 40;
 constexpr float kStreet = 12;
 constexpr float kPitch = kBlock + kStreet;
 constexpr float kLoopRadius = 6;
-constexpr float kFreeRadius = 10;  // about the loop's centre, nothing stands
+constexpr float kFreeRadius = 10;  // metres about the loop's centre that stay empty
 
 struct Plan {
   int blocks;

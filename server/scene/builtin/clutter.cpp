@@ -11,13 +11,13 @@ namespace mirage::builtin {
 namespace {
 
 constexpr float kLoopRadius = 1.2f;
-constexpr float kFreeRadius = 1.75f;  // about the loop's centre, no object reaches in
+constexpr float kFreeRadius = 1.75f;  // metres about the loop's centre that no object reaches into
 constexpr float kRoomHeight = 3;
 
 struct Spot {
   glm::vec3 position;
   float yaw;
-  float room;  ///< radius that fits here, metres
+  float room;  ///< largest radius that fits here, metres
 };
 
 struct Room {
@@ -26,7 +26,7 @@ struct Room {
   std::vector<Spot> spots;            ///< for small things
 };
 
-/// Objects by how much room they take; filled in build order, so that indices are stable.
+/// Objects by size; filled in build order, so that indices are stable.
 struct Props {
   std::vector<std::uint32_t> small;  ///< up to 0.12 m radius
   std::vector<std::uint32_t> wide;   ///< up to 0.25 m radius
@@ -71,7 +71,7 @@ Props add_props(SceneParts& parts, const RoomMaterials& m, std::uint32_t seed) {
   return p;
 }
 
-/// Position in the room of a point given in a piece of furniture's space.
+/// Converts a point from a piece of furniture's space into the room's.
 glm::vec3 in_room(const Spot& at, glm::vec3 p) {
   const float c = std::cos(at.yaw);
   const float s = std::sin(at.yaw);
@@ -129,7 +129,7 @@ class Furnisher {
     }
   }
 
-  /// A thing that fits the spot; radius 0 stands for a row of books.
+  /// Places a thing that fits the spot; radius 0 means a row of books.
   void fill(const Spot& spot) {
     const float turn = random_.range(-0.4f, 0.4f);
     if (spot.room == 0) {
@@ -155,7 +155,7 @@ class Furnisher {
 constexpr float kQuarter = 1.5707963f;
 
 void furnish(Furnisher& f, const Props& props, Room& room, Random& random) {
-  // Along the far wall first: it is what home looks at.
+  // Shelves start along the far wall, which the home view looks at.
   const auto along = static_cast<int>((room.half.x - 0.8f) / 1.25f);
   for (int i = -along; i <= along; ++i) {
     const float x = 1.25f * static_cast<float>(i);
@@ -189,7 +189,7 @@ void furnish(Furnisher& f, const Props& props, Room& room, Random& random) {
     std::swap(room.spots[i - 1], room.spots[random.index(static_cast<std::uint32_t>(i))]);
   }
   for (const Spot& spot : room.spots) f.fill(spot);
-  // What is left over lies about on the floor.
+  // Remaining objects lie on the floor.
   while (!f.full()) {
     const float x = random.range(0.5f - room.half.x, room.half.x - 0.5f);
     const float z = random.range(0.5f - room.half.y, room.half.y - 0.5f);

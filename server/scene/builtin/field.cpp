@@ -1,4 +1,4 @@
-// A meadow with very many light instances: the scene for instance-count extremes.
+// A meadow with very many simple instances, for extremes of the instance count.
 
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kSpacing = 1.2f;
 constexpr float kLoopRadius = 3;
-constexpr float kMargin = 20;  // meadow around the instances
+constexpr float kMargin = 20;  // metres of meadow around the instances
 
 void add_meadow(SceneParts& parts, float half, float depth, std::uint32_t seed) {
   MeshBuilder builder;

@@ -1,4 +1,4 @@
-// A walk through a wood: a circular path, a pond, hills around.
+// A walk through a forest: a circular path, a pond, hills around.
 
 #include <algorithm>
 #include <array>
@@ -73,7 +73,7 @@ class Layout {
   void plant(int count, int species);
 
  private:
-  static constexpr float kCell = 9;  // more than any two crowns are kept apart
+  static constexpr float kCell = 9;  // larger than the distance kept between any two crowns
 
   int column(float v) const {
     return glm::clamp(static_cast<int>((v + half_) / kCell), 0, columns_ - 1);
@@ -112,7 +112,7 @@ void Layout::plant(int count, int species) {
     tree.position.x = random.range(-reach, reach);
     tree.position.y = random.range(-reach, reach);
     tree.scale = random.range(0.75f, 1.25f);
-    // Kinds grow in stands, with strangers among them.
+    // Kinds grow in stands, with some other trees among them.
     const float stand = 2.2f * fractal_noise(tree.position * 0.035f + 70.0f, seed_ + 8) - 0.6f;
     tree.species = random.chance(0.4f)
                        ? random.index(kinds)
@@ -181,7 +181,7 @@ void add_water(SceneParts& parts) {
     for (int s = 0; s < segments; ++s) {
       const float a = 6.2831853f * static_cast<float>(s) / static_cast<float>(segments);
       const glm::vec3 p(t * kPondRadii.x * std::cos(a), 0, t * kPondRadii.y * std::sin(a));
-      // Stands in for the sky's reflection: brighter where it is seen at a flatter angle.
+      // A stand-in for the sky's reflection: brighter at flatter viewing angles.
       const float far = glm::smoothstep(9.0f, -12.0f, p.z);
       builder.paint(glm::mix(glm::vec3(0.07f, 0.13f, 0.15f), glm::vec3(0.26f, 0.38f, 0.47f), far));
       builder.vertex(p, {0, 1, 0}, {p.x, p.z});

@@ -1,5 +1,5 @@
-// The torus knot that three.js draws by default in many demos (TorusKnotGeometry), vertex for
-// vertex, so that the two can be compared.
+// The torus knot of many three.js demos (TorusKnotGeometry with its defaults), vertex for vertex,
+// so that the two can be compared.
 
 #include <cmath>
 
@@ -60,7 +60,7 @@ Scene build_knot(const OptionValues& options) {
   parts.scene.lighting.ambient = glm::vec3(0.6f);
   parts.scene.lighting.lights = {sun_light({2, 3, 1}, glm::vec3(0.8f))};
   parts.scene.environment = {glm::vec3(0.216f), glm::vec3(0.216f), glm::vec3(0.216f)};
-  // The eye looks at the knot from 4 radii; the loop passes it there and swings away behind.
+  // The eye looks at the knot from 4 radii; the loop starts there and swings away behind.
   const double size = 1.5 * radius + tube;
   HomeView& home = parts.scene.home;
   home.eye = {0, 0, 4 * size};

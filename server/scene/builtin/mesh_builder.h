@@ -1,6 +1,6 @@
 #pragma once
-// Grows one object's mesh from simple solids. Every solid is wound counter-clockwise seen from
-// outside, and goes through the current transform, colour and material.
+// Builds one object's mesh from simple solids. Every solid is wound counter-clockwise from outside,
+// and takes the current transform, colour and material.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -12,41 +12,41 @@
 
 namespace mirage::builtin {
 
-/// Linear colour of an sRGB one written as 0xRRGGBB.
+/// Returns the linear colour of an sRGB one written as 0xRRGGBB.
 glm::vec3 rgb(std::uint32_t srgb_hex);
 
 class MeshBuilder {
  public:
-  // Current state, applied to what is added next.
+  // Set the state for geometry that is added next.
   MeshBuilder& use(std::uint32_t material);
   MeshBuilder& paint(glm::vec3 linear_color);
   MeshBuilder& place(const glm::mat4& object_from_part);
-  MeshBuilder& move(glm::vec3 offset) { return place(glm::translate(glm::mat4(1), offset)); }
   MeshBuilder& reset() { return place(glm::mat4(1)); }
 
-  // Raw geometry.
+  // Add raw geometry.
   std::uint32_t vertex(glm::vec3 position, glm::vec3 normal, glm::vec2 uv = glm::vec2(0));
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   void quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
-  /// Flat quad with its own normal; uv (0,0) at a, (1,0) at b, (1,1) at c, scaled by uv_scale.
+  /// Adds a flat quad with its own normal; uv (0,0) at a, (1,0) at b, (1,1) at c, scaled by
+  /// uv_scale.
   void face(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d, glm::vec2 uv_scale = {1, 1});
-  /// `face` split into nu x nv quads, so that vertex colours can vary over it.
+  /// Adds a `face` split into nu x nv quads, so that vertex colours can vary over it.
   void grid_face(glm::vec3 a, glm::vec3 b, glm::vec3 d, int nu, int nv,
                  glm::vec2 uv_scale = {1, 1});
 
-  // Solids.
+  // Add solids.
   void box(glm::vec3 low, glm::vec3 high);
-  /// Box with edges rounded by `radius` in `steps` facets.
+  /// Adds a box with edges rounded by `radius` in `steps` facets.
   void rounded_box(glm::vec3 low, glm::vec3 high, float radius, int steps = 1);
-  /// Turns the profile (radius, y) about the y axis. Outside is to the right of its direction:
-  /// start on the axis at the bottom, end on it at the top; kinks over 40 degrees stay sharp.
+  /// Turns the profile (radius, y) about the y axis. Outside is to the right of its direction: it
+  /// starts on the axis at the bottom and ends on it at the top. Kinks over 40 degrees stay sharp.
   void lathe(std::span<const glm::vec2> profile, int segments);
   void cylinder(glm::vec3 base, float radius, float height, int segments);
   void sphere(glm::vec3 center, glm::vec3 radii, int rings, int segments);
-  /// Tapered tube along a path; a radius of 0 closes an end. v runs with the length.
+  /// Adds a tapered tube along a path; a radius of 0 closes an end. v runs along the length.
   void tube(std::span<const glm::vec3> path, std::span<const float> radii, int sides,
             float v_per_m = 1);
-  /// Straight closed rod between two points.
+  /// Adds a straight closed rod between two points.
   void rod(glm::vec3 from, glm::vec3 to, float radius, int sides);
 
   std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(vertices_.size()); }
@@ -63,7 +63,8 @@ class MeshBuilder {
     }
   }
 
-  /// The finished mesh: one primitive a material, zero-area triangles dropped, tangents filled in.
+  /// Returns the finished mesh: one primitive per material, without zero-area triangles, with
+  /// tangents.
   Mesh take();
 
  private:

@@ -1,4 +1,4 @@
-// Heavy sculptures in a round hall, on rings about the circle that is walked.
+// Heavy sculptures in a round hall, on rings about the circular walk.
 
 #include <algorithm>
 #include <cmath>
@@ -12,12 +12,12 @@ namespace {
 
 constexpr float kTau = 6.28318530718f;
 constexpr float kLoopRadius = 8;
-constexpr float kApart = 2.8f;        // metres from one sculpture to the next on a ring
+constexpr float kApart = 2.8f;        // metres between neighbouring sculptures on a ring
 constexpr float kBehind = 3.1f;       // metres from the last ring to the wall
 constexpr float kNearestRing = 2.4f;  // metres from the walk
 constexpr float kBetweenRings = 3.0f;
-/// Of the mean, so that the default gives 300,000 to 1,000,000 with some room: solids come out a
-/// few per cent off.
+/// Range relative to the mean. The default then gives 300,000 to 1,000,000 triangles with some
+/// margin: solids come out a few per cent off.
 constexpr float kFewest = 0.5f, kMost = 1.5f;
 
 struct Spot {
@@ -35,7 +35,7 @@ void add_ring(std::vector<Spot>& spots, float radius, float turn) {
   }
 }
 
-/// The rings on both sides of the walk first, each filled along it.
+/// The rings on both sides of the walk come first, each filled along it.
 std::vector<Spot> spots_for(std::size_t objects) {
   std::vector<Spot> spots;
   for (int step = 0; spots.size() < objects; ++step) {
@@ -112,7 +112,7 @@ Scene build_museum(const OptionValues& options, const LoadTools& tools) {
   for (std::size_t i = 0; i < objects; ++i) {
     const glm::vec2 p = spots[i].position();
     const Plinth& plinth = plinths.under(sculptures[i].height, random.chance(0.4f));
-    // The face of a sculpture, +x, looks at the walk.
+    // The face of a sculpture, +x, is turned to the walk.
     const bool inside = spots[i].radius < kLoopRadius;
     const float yaw = -spots[i].angle + (inside ? 0.5f * kTau : 0.0f);
     parts.put(plinth.object, {p.x, 0, p.y}, -spots[i].angle);

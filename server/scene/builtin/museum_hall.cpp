@@ -16,7 +16,7 @@ constexpr float kOculus = 0.16f;      // of the hall's radius
 constexpr float kDomeHeight = 0.42f;  // of the hall's radius
 constexpr float kPillarInset = 1.1f;  // metres from the wall
 constexpr std::array<float, 3> kPlinthHeights = {0.3f, 0.6f, 0.95f};
-constexpr float kTopOfView = 2.0f;  // metres above the floor, where most sculptures should end
+constexpr float kTopOfView = 2.0f;  // metres above the floor; most sculptures end below it
 
 glm::vec3 on_circle(float radius, float y, float angle) {
   return {radius * std::cos(angle), y, radius * std::sin(angle)};
@@ -64,7 +64,8 @@ void add_floor(SceneParts& parts, const Hall& hall, std::uint32_t seed) {
   parts.put(parts.add("hall floor", b.take()), {0, 0, 0});
 }
 
-/// From the oculus down to the floor: seen from inside, outside is to the right of it.
+/// Returns the profile from the oculus down to the floor. It is seen from inside, so its outside is
+/// to the right.
 std::vector<glm::vec2> shell_profile(const Hall& hall) {
   std::vector<glm::vec2> profile;
   const float dome = hall.radius * kDomeHeight;

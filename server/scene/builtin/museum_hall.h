@@ -1,5 +1,5 @@
 #pragma once
-// The hall of the museum: floor, wall, dome, pillars, pictures, plinths. All of it is light.
+// The hall of the museum: floor, wall, dome, pillars, pictures, plinths, all with few triangles.
 
 #include <vector>
 
@@ -10,15 +10,15 @@ namespace mirage::builtin {
 struct Hall {
   float radius = 18;
   float wall_height = 6.5f;
-  float loop_radius = 8;           ///< of the walk: a carpet marks it
-  std::vector<glm::vec3> shadows;  ///< x, z, radius: what stands darkens the floor
+  float loop_radius = 8;           ///< radius of the walk, marked by a carpet
+  std::vector<glm::vec3> shadows;  ///< x, z, radius: darkens the floor around things
 };
 
 struct Plinth {
   std::uint32_t object = 0;
   float height = 0;
 };
-/// Low for what is tall, high for what is small; square and round.
+/// Plinths, low for tall sculptures and high for small ones, square and round.
 class Plinths {
  public:
   explicit Plinths(SceneParts& parts, std::uint32_t seed);
@@ -28,9 +28,9 @@ class Plinths {
   std::vector<Plinth> square_, round_;
 };
 
-inline constexpr float kPlinthRadius = 0.8f;  ///< no corner is further from its axis
+inline constexpr float kPlinthRadius = 0.8f;  ///< largest distance of a corner from the axis
 
-/// The shell of the hall with its pictures, and pillars along its wall.
+/// Adds the shell of the hall with its pictures, and pillars along its wall.
 void add_hall(SceneParts& parts, const Hall& hall, std::uint32_t seed);
 
 }  // namespace mirage::builtin

@@ -83,7 +83,7 @@ std::string describe_options(std::span<const OptionRule> rules) {
 
 std::string closest_name(const std::string& name, const std::vector<std::string>& candidates) {
   std::string best;
-  std::size_t best_distance = 3;  // three edits away is another word, not a typo
+  std::size_t best_distance = 3;  // three edits make another word, not a typo
   if (name.size() > 64) return best;
   for (const std::string& candidate : candidates) {
     std::vector<std::size_t> row(candidate.size() + 1);

@@ -1,5 +1,5 @@
 #pragma once
-// `name?key=value&key=value` -> checked numbers.
+// Parses `name?key=value&key=value` into checked numbers.
 
 #include <span>
 #include <string>
@@ -20,15 +20,16 @@ struct OptionRule {
 /// Values in the order of the rules.
 using OptionValues = std::vector<double>;
 
-/// Parses the part after '?'. Errors: kSceneBuiltin for an unknown or repeated key, or a value
-/// that is no number or out of range.
+/// Parses the part after '?'. Error kSceneBuiltin: an unknown or repeated key, or a value that is
+/// no number or out of range.
 Result<OptionValues> parse_options(const std::string& scene, const std::string& text,
                                    std::span<const OptionRule> rules);
 
-/// "trees=400 species=4 seed=1"
+/// Returns a text such as "trees=400 species=4 seed=1".
 std::string describe_options(std::span<const OptionRule> rules);
 
-/// The candidate with the smallest edit distance, if it is close enough to be a typo; else "".
+/// Returns the candidate with the smallest edit distance, if it is close enough to be a typo; else
+/// "".
 std::string closest_name(const std::string& name, const std::vector<std::string>& candidates);
 
 }  // namespace mirage::builtin

@@ -16,7 +16,7 @@ struct PlantMaterials {
 };
 PlantMaterials add_plant_materials(SceneParts& parts, std::uint32_t seed);
 
-// Each grows one object, its foot at the origin; about 100 to 1,500 triangles.
+// Each grows one object with its foot at the origin; about 100 to 1,500 triangles.
 Mesh grow_grass(const PlantMaterials& materials, std::uint32_t seed, float radius_m, int cards);
 Mesh grow_fern(const PlantMaterials& materials, std::uint32_t seed);
 Mesh grow_bush(const PlantMaterials& materials, std::uint32_t seed, int cards);

@@ -15,23 +15,23 @@ inline std::uint64_t mix_bits(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// SplitMix64 generator. Draw at most one number per full expression where the order matters:
-/// the order of evaluation of function arguments is unspecified (braced lists are ordered).
+/// SplitMix64 generator. If the order matters, draw at most one number per full expression: the
+/// order of evaluation of function arguments is unspecified (braced lists are ordered).
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t stream) : state_(mix_bits(seed) ^ mix_bits(~stream)) {}
 
   std::uint64_t bits() { return mix_bits(state_ += 0x9e3779b97f4a7c15ull); }
-  /// In [0, 1).
+  /// Returns a number in [0, 1).
   float unit() { return static_cast<float>(bits() >> 40) * 0x1p-24f; }
   float range(float low, float high) { return low + (high - low) * unit(); }
-  /// In [0, count).
+  /// Returns an integer in [0, count).
   std::uint32_t index(std::uint32_t count) {
     return static_cast<std::uint32_t>(((bits() >> 32) * count) >> 32);
   }
   bool chance(float probability) { return unit() < probability; }
   float angle() { return range(0, 6.2831853f); }
-  /// Uniform on the unit sphere.
+  /// Returns a uniformly distributed unit vector.
   glm::vec3 direction() {
     const float z = range(-1, 1);
     const float a = angle();
@@ -43,10 +43,10 @@ class Random {
   std::uint64_t state_;
 };
 
-/// Value noise in [0, 1] with smooth interpolation; `period` > 0 makes it tile.
+/// Returns value noise in [0, 1] with smooth interpolation; `period` > 0 makes it tile.
 float value_noise(glm::vec2 p, std::uint32_t seed, int period = 0);
 float value_noise(glm::vec3 p, std::uint32_t seed);
-/// Four octaves of value noise in [0, 1].
+/// Returns four octaves of value noise in [0, 1].
 float fractal_noise(glm::vec2 p, std::uint32_t seed, int period = 0);
 float fractal_noise(glm::vec3 p, std::uint32_t seed);
 

@@ -9,7 +9,7 @@ namespace {
 constexpr std::array<std::uint32_t, 8> kCovers = {0x8c2f2b, 0x2b4f7a, 0x3d6b45, 0xb98a3a,
                                                   0x5a3d6b, 0x2f2f33, 0xc7b79a, 0x1f6d73};
 
-/// An upright book, its spine to +z, from x on; returns its thickness.
+/// Adds an upright book with its spine to +z, from x on; returns its thickness.
 float add_book(MeshBuilder& b, const RoomMaterials& m, Random& random, float x) {
   const float thick = random.range(0.028f, 0.05f);
   const float high = random.range(0.2f, 0.29f);
@@ -32,7 +32,7 @@ float add_book(MeshBuilder& b, const RoomMaterials& m, Random& random, float x) 
 Mesh make_book(const RoomMaterials& m, std::uint32_t seed) {
   MeshBuilder b;
   Random random(seed, 61);
-  // Lying flat: the spine's x axis turned up.
+  // The book lies flat: its spine's x axis points up.
   b.place(glm::rotate(glm::mat4(1), 1.5707963f, glm::vec3(0, 0, 1)));
   add_book(b, m, random, 0);
   for (Vertex& v : b.vertices()) v.position.x += 0.12f;
@@ -173,7 +173,7 @@ Mesh make_monitor(const RoomMaterials& m) {
   b.use(m.screen);
   const float z = 0.0212f;
   b.face({-0.285f, 0.465f, z}, {-0.285f, 0.135f, z}, {0.285f, 0.135f, z}, {0.285f, 0.465f, z});
-  // `face` runs u along its first edge; the picture's top row belongs on top.
+  // `face` runs u along its first edge, but the picture's top row belongs at the top.
   auto& v = b.vertices();
   const std::size_t n = v.size();
   const std::array<glm::vec2, 4> uv = {{{0, 0}, {0, 1}, {1, 1}, {1, 0}}};

@@ -20,7 +20,7 @@ RoomMaterials add_room_materials(SceneParts& parts, std::uint32_t seed);
 
 inline constexpr float kDeskHeight = 0.74f;
 inline constexpr int kShelfBoards = 5;
-/// Top of a shelf's board, from the lowest.
+/// Returns the height of the top of a shelf's board, counted from the lowest.
 float shelf_board_height(int board);
 
 // Furniture.

@@ -1,5 +1,5 @@
 #pragma once
-// What every built-in scene is put together with, and the list of their builders.
+// Building blocks of all built-in scenes, and the list of their builders.
 
 #include <string>
 #include <utility>
@@ -22,19 +22,19 @@ struct SceneParts {
   void put(std::uint32_t object, glm::dvec3 position, float yaw = 0, float scale = 1);
 };
 
-/// Dielectric or metal whose colour comes from the vertices.
+/// Returns a dielectric or metal with colours from the vertices.
 Material painted_material(float roughness, float metallic = 0);
-/// Painted material multiplied by an image; `image` is an index into Scene::images.
+/// Returns a painted material multiplied by an image; `image` is an index into Scene::images.
 Material textured_material(std::int32_t image, float roughness);
-/// Alpha-masked, double-sided card.
+/// Returns an alpha-masked, double-sided card.
 Material card_material(std::int32_t image, float roughness = 0.85f);
-/// Emits `radiance` (times no vertex colour); albedo black.
+/// Returns a black material that emits `radiance`, independent of vertex colours.
 Material glowing_material(glm::vec3 radiance);
 
 glm::quat yaw_rotation(float yaw);
-/// Light travelling along -toward_sun.
+/// Returns a light that travels along -toward_sun.
 Light sun_light(glm::vec3 toward_sun, glm::vec3 color);
-/// Eye and target such that the walk loop (turning right) is the circle about `center`.
+/// Returns eye and target such that the walk loop (turning right) is the circle about `center`.
 HomeView home_on_loop(glm::dvec3 center, double radius_m, double eye_height_m, double yaw,
                       double speed_mps);
 

@@ -9,10 +9,10 @@
 namespace mirage::builtin {
 namespace {
 
-constexpr float kMaxRadius = 0.72f;  // metres about the axis, so that plinths hold it
-constexpr float kSunk = 0.004f;      // metres into the plinth: no gap shows
+constexpr float kMaxRadius = 0.72f;  // metres about the axis that a plinth can hold
+constexpr float kSunk = 0.004f;      // metres into the plinth, so that no gap shows
 
-/// Scales the mesh to its height, or less where it would be too wide, and stands it on the ground.
+/// Scales the mesh to its height, or less if it would be too wide, and puts it on the ground.
 float stand(Mesh& mesh, float height) {
   glm::vec3 low(std::numeric_limits<float>::max()), high = -low;
   for (const Vertex& v : mesh.vertices) {
@@ -49,7 +49,7 @@ Sculpture make_sculpture(std::uint32_t seed, std::uint32_t number, std::size_t t
   out.name = std::string(kind.name) + " " + std::to_string(number + 1);
   out.mesh = std::visit([&](const auto& s) { return mesh_of(s, triangles); }, shape);
   out.height = stand(out.mesh, kind.height_m * random.range(0.85f, 1.15f));
-  // Prime to the number of kinds: a kind comes in every finish.
+  // 5 is coprime to the number of kinds, so a kind comes in every finish.
   const std::uint32_t finish = (number * 5 + number / 12 + seed % kFinishKinds) % kFinishKinds;
   const std::uint32_t side = texture_side(triangles, random);
   out.finish = paint_finish(finish, own_seed + 1, side, std::holds_alternative<GridSurface>(shape));

@@ -1,5 +1,5 @@
 #pragma once
-// One sculpture of the museum: a mesh and images that no other has.
+// One sculpture of the museum, with a mesh and images of its own.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace mirage::builtin {
 
-/// Base on the ground at the origin, its face towards +x; its mesh uses one material.
+/// The base is on the ground at the origin, the face looks to +x; the mesh uses one material.
 struct Sculpture {
   std::string name;
   Mesh mesh;
@@ -17,7 +17,7 @@ struct Sculpture {
   float height = 0;  ///< metres
 };
 
-/// The sculpture of that number in the museum of that seed, of about so many triangles.
+/// Returns sculpture `number` of the museum of this seed, with about so many triangles.
 Sculpture make_sculpture(std::uint32_t seed, std::uint32_t number, std::size_t triangles);
 
 }  // namespace mirage::builtin

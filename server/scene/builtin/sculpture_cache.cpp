@@ -16,7 +16,7 @@ CacheKey key_of(std::uint32_t seed, std::uint32_t number, std::size_t triangles)
   return {mix_bits(what ^ seed), mix_bits(what + mix_bits(triangles)), "sculpture"};
 }
 
-/// What differs from vertex to vertex of a sculpture.
+/// Attributes that differ from vertex to vertex of a sculpture.
 struct StoredVertex {
   glm::vec3 position, normal;
   glm::vec4 tangent;
@@ -30,7 +30,7 @@ void put_array(ByteWriter& w, const std::vector<T>& values) {
   w.put_bytes(values.data(), values.size() * sizeof(T));
 }
 
-/// The values where they lie; nullptr when they are not all there.
+/// Returns the values in place; nullptr if they are incomplete.
 const std::uint8_t* take_array(ByteReader& r, std::size_t each, std::size_t& count) {
   count = r.get<std::uint64_t>();
   return r.has(count, each) ? r.take(count * each) : nullptr;
@@ -72,8 +72,8 @@ Bytes encode(const Sculpture& s) {
   return std::move(w.bytes);
 }
 
-// The hash of the file says that these are the bytes that were written; what is drawn is checked
-// all the same.
+// The file's hash proves that the bytes are those written. The sculpture is still checked, because
+// it is drawn.
 std::optional<Sculpture> decode(const Bytes& bytes) {
   ByteReader r(bytes.data(), bytes.size());
   Sculpture s;

@@ -1,12 +1,12 @@
 #pragma once
-// Sculptures are worked out for seconds each; once made they lie in the cache directory.
+// Keeps sculptures, each of which takes seconds to compute, in the cache directory.
 
 #include "server/base/cache_directory.h"
 #include "server/scene/builtin/sculpture.h"
 
 namespace mirage::builtin {
 
-/// make_sculpture(), from `cache` where it is there (nullptr: there is none).
+/// Returns make_sculpture(), from `cache` if it is there (nullptr: no cache).
 Sculpture find_or_make_sculpture(std::uint32_t seed, std::uint32_t number, std::size_t triangles,
                                  CacheDirectory* cache);
 

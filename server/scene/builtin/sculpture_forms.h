@@ -1,5 +1,5 @@
 #pragma once
-// What sculptures there are: each kind a family of shapes, one for every seed.
+// Kinds of sculptures. Each kind is a family of shapes, one for every seed.
 
 #include <array>
 #include <cstdint>
@@ -13,7 +13,7 @@ using SculptureShape = std::variant<GridSurface, Solid>;
 
 struct SculptureKind {
   const char* name;
-  float height_m;  ///< of most of this kind
+  float height_m;  ///< typical of this kind
   SculptureShape (*shape)(std::uint32_t seed);
 };
 
@@ -32,7 +32,7 @@ SculptureShape shape_reclining(std::uint32_t seed);
 SculptureShape shape_lattice(std::uint32_t seed);
 SculptureShape shape_totem(std::uint32_t seed);
 
-/// In an order in which neighbours differ.
+/// All kinds, ordered so that neighbours differ.
 inline constexpr std::array<SculptureKind, 12> kSculptureKinds = {{
     {"bust", 0.85f, shape_bust},
     {"torus knot", 1.15f, shape_knot},

@@ -8,9 +8,9 @@
 namespace mirage::builtin {
 namespace {
 
-constexpr float kMinTwiceArea = 2e-9f;  // thinner triangles, at the points, are dropped
+constexpr float kMinTwiceArea = 2e-9f;  // m^2; thinner triangles, at the points, are dropped
 
-/// Rows along v of `columns + 1` vertices: the last stands where the first does.
+/// Rows along v of `columns + 1` vertices; the last vertex repeats the position of the first.
 class Grid {
  public:
   Grid(const GridSurface& surface, std::size_t triangles) : surface_(surface) {
@@ -26,7 +26,7 @@ class Grid {
     return mesh_.vertices[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_ + 1) +
                           static_cast<std::size_t>(column)];
   }
-  /// Row after or before another one: round the seam, or held at the points.
+  /// Returns the row after or before another one, across the seam or clamped at the points.
   int row_beside(int row, int step) const {
     const int other = row + step;
     if (!surface_.closes_along_v) return std::clamp(other, 0, rows_);
@@ -82,7 +82,7 @@ void Grid::set_normals() {
   set_normals_of_point(rows_, rows_ - 1);
 }
 
-// A row that is one point has no direction along u: it takes the mean of its neighbours.
+// A row that is one point has no direction along u; its normal is the mean of the neighbouring row.
 void Grid::set_normals_of_point(int row, int inner_row) {
   glm::vec3 sum(0);
   for (int i = 0; i < columns_; ++i) sum += vertex(i, inner_row).normal;

@@ -1,5 +1,5 @@
 #pragma once
-// Turns the two ways a sculpture is described by into a mesh of about as many triangles as asked.
+// Meshes the two descriptions of a sculpture, with about as many triangles as asked for.
 
 #include <cstddef>
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace mirage::builtin {
 
-/// A closed surface over the unit square. It closes on itself along u; along v it does so, too, or
+/// A closed surface over the unit square. It closes on itself along u. Along v it also closes, or
 /// its first and last row are points.
 struct GridSurface {
   std::function<glm::vec3(float u, float v)> at;
@@ -18,18 +18,19 @@ struct GridSurface {
   glm::vec2 texture_repeats{1};
 };
 
-/// What is inside where `distance` is below 0. It must not change faster than the distance does by
-/// more than a half, so that empty space can be skipped.
+/// A solid: its inside is where `distance` is below 0. `distance` may change at most 1.5 times as
+/// fast as the true distance, so that empty space can be skipped.
 struct Solid {
   std::function<float(glm::vec3)> distance;
-  glm::vec3 half_extent{1};  ///< of the box about the origin that it lies in
+  glm::vec3 half_extent{1};  ///< half the box about the origin that encloses it
   glm::vec2 texture_repeats{1};
 };
 
-/// Wound and facing outward, with the tangents of its texture coordinates.
+/// Returns a mesh wound and facing outward, with tangents that follow its texture coordinates.
 Mesh mesh_of(const GridSurface& surface, std::size_t triangles);
-/// Surface nets (Gibson 1998), drawn to the surface. Texture coordinates run round the y axis and
-/// back, so that they have no seam; the tangents are not theirs.
+/// Returns a mesh by surface nets (Gibson 1998), with vertices moved onto the surface. Texture
+/// coordinates run round the y axis and back, so they have no seam; the tangents do not follow
+/// them.
 Mesh mesh_of(const Solid& solid, std::size_t triangles);
 
 }  // namespace mirage::builtin

@@ -15,7 +15,7 @@ constexpr float kTau = 6.28318530718f;
 
 struct Texel {
   glm::vec3 color{1};  // linear
-  float height = 0;    // in texels of a 512 pixels wide image
+  float height = 0;    // in texels of an image 512 pixels wide
   float roughness = 0.5f;
   float metallic = 0;
 };
@@ -31,7 +31,7 @@ float tiled(glm::vec2 uv, int cells, std::uint32_t seed) {
 float fractal(glm::vec2 uv, int cells, std::uint32_t seed) {
   return fractal_noise(uv * static_cast<float>(cells), seed, cells);
 }
-/// 1 where the noise crosses its middle.
+/// Returns 1 where the noise crosses its middle, falling off beside it.
 float line_at_half(float noise, float sharpness) {
   const float d = 2 * noise - 1;
   return std::exp(-sharpness * d * d);

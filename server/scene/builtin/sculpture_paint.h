@@ -1,5 +1,5 @@
 #pragma once
-// Stone, metal, clay and wood for sculptures: images that tile, painted for one sculpture each.
+// Stone, metal, clay and wood for sculptures: tiling images, painted for one sculpture each.
 
 #include <cstdint>
 
@@ -7,7 +7,7 @@
 
 namespace mirage::builtin {
 
-/// Maps that a finish has no use for are empty.
+/// Maps that a finish does not use are empty.
 struct SculptureFinish {
   Image color;
   Image metal_rough;
@@ -18,8 +18,8 @@ struct SculptureFinish {
 
 inline constexpr std::uint32_t kFinishKinds = 9;
 
-/// Finish number `kind` in colours of the seed's, `side` pixels wide. Relief is painted as a normal
-/// map where `with_normals`: it takes the mesh to have the tangents of its texture coordinates.
+/// Paints finish number `kind` in the seed's colours, `side` pixels wide. If `with_normals`, relief
+/// is painted as a normal map, which needs tangents that follow the texture coordinates.
 SculptureFinish paint_finish(std::uint32_t kind, std::uint32_t seed, std::uint32_t side,
                              bool with_normals);
 

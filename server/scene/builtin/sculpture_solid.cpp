@@ -1,4 +1,4 @@
-// Surface nets over a signed distance, plane by plane: two planes of samples are all it holds.
+// Surface nets over a signed distance, plane by plane: only two planes of samples are held.
 
 #include <algorithm>
 #include <array>
@@ -11,11 +11,11 @@ namespace mirage::builtin {
 namespace {
 
 constexpr int kBlock = 4;          // samples a side that are skipped together
-constexpr float kSteepest = 1.5f;  // of distances that solids give
+constexpr float kSteepest = 1.5f;  // largest slope of the distances of solids
 constexpr std::uint32_t kNone = 0xffffffff;
-constexpr int kTrialCells = 72;  // along the longest side, to see how many triangles come out
+constexpr int kTrialCells = 72;  // along the longest side, for a first count of triangles
 constexpr int kAttempts = 3;
-constexpr double kCloseEnough = 0.06;  // of the triangles asked for
+constexpr double kCloseEnough = 0.06;  // relative to the triangles asked for
 
 class Nets {
  public:
@@ -66,7 +66,7 @@ class Nets {
   glm::vec3 low_{0};
   std::array<std::vector<float>, 2> samples_;
   std::array<std::vector<std::uint32_t>, 2> vertex_of_cell_;
-  std::vector<float> middles_;  // of the blocks that the plane lies in
+  std::vector<float> middles_;  // of the blocks that contain the plane
   Mesh mesh_;
 };
 
@@ -83,7 +83,7 @@ void Nets::sample(int z) {
       }
     }
   }
-  // A block's furthest sample, and one cell more so that neighbours agree on their signs.
+  // Distance to a block's farthest sample, plus one cell so that neighbours agree on their signs.
   const float reach = kSteepest * cell_ * 1.7321f * (middle + 1);
   std::vector<float>& plane = samples_[static_cast<std::size_t>(z & 1)];
   for (int y = 0; y <= cells_.y; ++y) {
@@ -128,9 +128,9 @@ void Nets::add_vertices(int z) {
   }
 }
 
-// One step of Newton's takes the vertex to the surface; without it the grid shows.
+// One Newton step moves the vertex onto the surface; without it the grid is visible.
 void Nets::add_vertex(glm::vec3 p) {
-  // At the corners of a tetrahedron: four samples give both the gradient and the mean.
+  // The samples are at the corners of a tetrahedron: four of them give both gradient and mean.
   constexpr std::array<glm::vec3, 4> kCorners = {
       {{1, -1, -1}, {-1, -1, 1}, {-1, 1, -1}, {1, 1, 1}}};
   const float h = 0.4f * cell_;
@@ -149,7 +149,7 @@ void Nets::add_vertex(glm::vec3 p) {
   const glm::vec3 axis = std::abs(v.normal.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
   v.tangent = glm::vec4(glm::normalize(glm::cross(axis, v.normal)), 1);
   const glm::vec3 q = v.position / solid_.half_extent;
-  // The radius keeps faces that lie flat from being one streak.
+  // The radius keeps flat-lying faces from being a single streak.
   v.uv0 = glm::vec2(std::atan2(std::abs(q.z), q.x) * 0.31831f,
                     0.5f - 0.5f * q.y + 0.4f * glm::length(glm::vec2(q.x, q.z))) *
           solid_.texture_repeats;
@@ -170,7 +170,7 @@ void Nets::add_quad(std::array<std::uint32_t, 4> q, bool forward) {
   }
 }
 
-// One quad for each edge of the grid that the surface cuts, through the four cells about it.
+// Adds one quad for each grid edge that the surface cuts, through the four cells about it.
 void Nets::add_quads(int z) {
   for (int y = 1; y < cells_.y; ++y) {
     for (int x = 1; x < cells_.x; ++x) {
@@ -204,7 +204,7 @@ Mesh mesh_of(const Solid& solid, std::size_t triangles) {
     const double ratio = static_cast<double>(triangles) /
                          static_cast<double>(std::max<std::size_t>(mesh.indices.size() / 3, 1));
     if (std::abs(ratio - 1) < kCloseEnough) break;
-    // Triangles go with the square of the cells along a side.
+    // The number of triangles grows with the square of the cells along a side.
     longest *= std::sqrt(ratio);
   }
   Primitive whole;

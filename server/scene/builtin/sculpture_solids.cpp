@@ -1,5 +1,5 @@
 // Sculptures built of solids that flow into each other. Their distances follow Quilez, "Distance
-// functions" (2008): ellipsoids are approximate, smooth minima polynomial.
+// functions" (2008): ellipsoids are approximate, smooth minima are polynomial.
 
 #include <algorithm>
 #include <array>
@@ -46,10 +46,11 @@ float torus(glm::vec3 p, float radius, float tube) {
   return glm::length(glm::vec2(glm::length(glm::vec2(p.x, p.z)) - radius, p.y)) - tube;
 }
 
-/// Whether carving, which is slow to work out, can be seen: it is nowhere as deep as this.
+/// True if carving can be visible at this distance. Carving is slow to compute and nowhere this
+/// deep.
 bool near(float distance) { return std::abs(distance) < 0.07f; }
 
-/// What makes one head another's cousin.
+/// Parameters by which heads of one family differ.
 struct Face {
   float long_head, wide_head, nose, jaw, hair, curl, cheek, worn, tilt;
 };
@@ -92,7 +93,7 @@ float bust(glm::vec3 p, const Face& f, std::uint32_t seed) {
   const glm::vec3 head = p - glm::vec3(0.02f, 0.5f, 0);
   const float c = std::cos(f.tilt), s = std::sin(f.tilt);
   const glm::vec3 turned(c * head.x - s * head.z, head.y, s * head.x + c * head.z);
-  // Well away from the head a ball about it will do.
+  // Far from the head, a ball about it is accurate enough.
   float d = glm::length(head) - 0.46f;
   if (d < 0.15f) d = smooth_min(bust_head(turned, f), bust_hair(turned, f, seed), 0.015f);
   d = smooth_min(d, capsule(p, {-0.04f, 0.3f, 0}, {-0.07f, -0.1f, 0}, 0.14f), 0.08f);
@@ -225,7 +226,7 @@ SculptureShape shape_lattice(std::uint32_t seed) {
     const glm::vec3 q = glm::vec3(c * p.x - sn * p.z, p.y, sn * p.x + c * p.z) * cells;
     const glm::vec3 a = glm::sin(q), b = glm::cos(q);
     const float field = diamond ? 0.8f * (b.x + b.y + b.z) : a.x * b.y + a.y * b.z + a.z * b.x;
-    // About 1.5 is the steepest that a gyroid gets, for each radian.
+    // The slope of a gyroid is at most about 1.5 for each radian.
     const float sheet = (std::abs(field) - wall) / (1.5f * cells);
     const float core = glm::length(p / glm::vec3(0.4f, 0.55f, 0.4f)) - 1;
     return smooth_min(smooth_max(hull, sheet, 0.02f), 0.35f * core, 0.04f);

@@ -11,9 +11,9 @@ namespace mirage::builtin {
 namespace {
 
 constexpr float kTau = 6.28318530718f;
-constexpr float kStep = 1e-3f;  // of the curve, for its direction
+constexpr float kStep = 1e-3f;  // step along the curve for its direction
 
-/// Point of a superellipse: a circle at sharpness 1, a rounded box below.
+/// Returns a point of a superellipse: a circle at sharpness 1, a rounded box below.
 glm::vec2 superellipse(float angle, float sharpness) {
   const auto power = [&](float x) { return std::copysign(std::pow(std::abs(x), sharpness), x); };
   return {power(std::cos(angle)), power(std::sin(angle))};

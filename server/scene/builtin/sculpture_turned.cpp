@@ -35,13 +35,13 @@ glm::vec3 direction(float u, float v) {
   return around(v <= 0 || v >= 1 ? 0.0f : std::sin(polar), -std::cos(polar), u * kTau);
 }
 
-/// 1 between low and high, fading over `soft`.
+/// Returns 1 between low and high, fading over `soft`.
 float band(float x, float low, float high, float soft) {
   return glm::smoothstep(low - soft, low + soft, x) *
          (1 - glm::smoothstep(high - soft, high + soft, x));
 }
 
-/// Carved lines: 1 in the middle of a groove.
+/// Returns carved lines: 1 in the middle of a groove.
 float grooves(glm::vec3 p, std::uint32_t seed) {
   const float n = 2 * fractal_noise(p, seed) - 1;
   return std::exp(-60 * n * n);
@@ -57,7 +57,7 @@ SculptureShape shape_urn(std::uint32_t seed) {
   const float shoulder = belly * random.range(0.7f, 1.0f);
   const float neck = random.range(0.12f, 0.2f);
   const float lip = neck * random.range(1.3f, 1.9f);
-  // Up the outside, over the lip, down the inside.
+  // The profile goes up the outside, over the lip and down the inside.
   const std::vector<glm::vec2> profile = {{0, 0},
                                           {foot, 0},
                                           {foot, 0.05f},

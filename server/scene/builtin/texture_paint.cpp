@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kCardSide = 128;
 
-/// Linear RGB plus coverage; converted once at the end.
+/// Linear RGB plus coverage, converted once at the end.
 class Canvas {
  public:
   Canvas(int width, int height)

@@ -8,36 +8,36 @@
 
 namespace mirage::builtin {
 
-/// A linear component, clamped, as images hold it.
+/// Returns the sRGB byte of a linear component, clamped.
 std::uint8_t srgb_byte(float linear);
 
 struct LeafStyle {
   int count = 12;
-  float length = 0.3f;  ///< of the image's side
-  float width = 0.3f;   ///< of the leaf's length
+  float length = 0.3f;  ///< relative to the image's side
+  float width = 0.3f;   ///< relative to the leaf's length
   glm::vec3 dark{0.03f, 0.09f, 0.02f};
   glm::vec3 light{0.12f, 0.25f, 0.05f};
-  bool lobed = false;  ///< wavy outline, as an oak's
+  bool lobed = false;  ///< wavy outline, like an oak's
 };
 
-/// Leaves around a centre, alpha outside; transparent texels carry the mean leaf colour, so that
-/// filtering leaves no dark fringes.
+/// Paints leaves around a centre, with alpha outside. Transparent texels carry the mean leaf
+/// colour, so filtering leaves no dark fringes.
 Image paint_leaf_cluster(std::uint32_t seed, const LeafStyle& style);
-/// A conifer's frond growing from the image's bottom edge to its top.
+/// Paints a conifer's frond that grows from the image's bottom edge to its top.
 Image paint_needle_frond(std::uint32_t seed, const LeafStyle& style);
-/// Grass blades growing from the bottom edge.
+/// Paints grass blades that grow from the bottom edge.
 Image paint_grass(std::uint32_t seed, const LeafStyle& style);
-/// Vertical ridges and cracks; tiles in both directions.
+/// Paints vertical ridges and cracks; tiles in both directions.
 Image paint_bark(std::uint32_t seed, glm::vec3 ridge, glm::vec3 crack);
-/// White with dark horizontal lenticels; tiles.
+/// Paints white bark with dark horizontal lenticels; tiles.
 Image paint_birch_bark(std::uint32_t seed);
-/// Mottled detail around white, to multiply with vertex colours; tiles.
+/// Paints mottled detail around white, to multiply with vertex colours; tiles.
 Image paint_mottle(std::uint32_t seed, float contrast, float frequency);
-/// Floor boards along u; tiles.
+/// Paints floor boards along u; tiles.
 Image paint_planks(std::uint32_t seed, int boards);
-/// An abstract landscape for a picture frame.
+/// Paints an abstract landscape for a picture frame.
 Image paint_picture(std::uint32_t seed);
-/// A screen with a few windows and lines of text.
+/// Paints a screen with a few windows and lines of text.
 Image paint_screen(std::uint32_t seed);
 
 }  // namespace mirage::builtin

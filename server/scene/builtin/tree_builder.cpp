@@ -17,7 +17,7 @@ struct Node {
   int parent;
   float path_m;  ///< length from the root
   float radius = 0;
-  int heir = kNone;  ///< thickest child: the branch goes on there
+  int heir = kNone;  ///< thickest child, which continues the branch
 };
 
 struct Skeleton {
@@ -41,7 +41,7 @@ struct Crown {
   glm::vec3 radii;
   std::uint32_t seed;
 
-  /// 0 at the centre, 1 on the surface.
+  /// Returns 0 at the centre, 1 on the surface.
   float depth(glm::vec3 p) const {
     const glm::vec3 d = (p - center) / radii;
     const float lump = value_noise(d * 2.2f + 20.0f, seed);
@@ -67,8 +67,8 @@ std::vector<glm::vec3> twig_ends(const TreeSpecies& species, const Crown& crown,
   return ends;
 }
 
-/// Joins each twig end to the node that makes the shortest way to the root with the least new
-/// wood (a greedy minimum of new length + 0.4 times old length).
+/// Returns the node to which a twig end is joined: the one with the shortest way to the root and
+/// the least new wood (a greedy minimum of new length + 0.4 times old length).
 int best_joint(const Skeleton& skeleton, glm::vec3 end, float lowest) {
   int best = 0;
   float best_cost = 1e30f;
@@ -77,7 +77,7 @@ int best_joint(const Skeleton& skeleton, glm::vec3 end, float lowest) {
     if (node.position.y < lowest) continue;
     const glm::vec3 d = end - node.position;
     const float length = glm::length(d);
-    // Branches rise: joining from above costs more.
+    // Branches rise, so joining from above costs more.
     const float fall = glm::max(0.0f, -d.y) * 0.9f;
     const float cost = length + fall + 0.4f * node.path_m;
     if (cost < best_cost) {
@@ -219,7 +219,7 @@ void grow_broadleaf(MeshBuilder& builder, std::uint32_t bark, std::uint32_t leav
   add_foliage(builder, skeleton, species, crown, random);
 }
 
-/// A frond card bent along its middle: two quads, base to tip.
+/// Adds a frond card bent along its middle: two quads, base to tip.
 void add_frond(MeshBuilder& builder, glm::vec3 base, glm::vec3 along, glm::vec3 across,
                float length, float width, float bend, glm::vec3 out, glm::vec3 seen_from) {
   const glm::vec3 up = glm::normalize(glm::cross(across, along));
@@ -232,7 +232,7 @@ void add_frond(MeshBuilder& builder, glm::vec3 base, glm::vec3 along, glm::vec3 
     builder.vertex(p - side, n, {0, 1 - t});
     builder.vertex(p + side, n, {1, 1 - t});
   }
-  // The front is the face that a walker sees, whose normal a renderer does not turn over.
+  // The front is the face a walker sees; a renderer does not flip its normal.
   if (glm::dot(up, seen_from) >= 0) {
     builder.quad(i, i + 1, i + 3, i + 2);
     builder.quad(i + 2, i + 3, i + 5, i + 4);
@@ -307,7 +307,7 @@ void grow_conifer(MeshBuilder& builder, std::uint32_t bark, std::uint32_t leaves
     return 0.4f + 0.6f * glm::smoothstep(species.crown_base + 1.5f, species.crown_base * 0.4f, p.y);
   });
   for (int i = 0; i < species.tips; ++i) {
-    // Lower branches are longer and need more company.
+    // Lower branches are longer and need denser neighbours.
     const float t =
         std::pow((static_cast<float>(i) + 0.5f) / static_cast<float>(species.tips), 1.15f);
     add_conifer_branch(builder, bark, leaves, species, t, random);

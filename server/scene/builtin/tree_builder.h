@@ -34,12 +34,12 @@ struct TreeSpecies {
 inline constexpr int kTreeSpeciesCount = 8;
 const TreeSpecies& tree_species(int index);
 
-/// Adds the species' images and materials to `parts` and grows one tree, its foot at the origin.
-/// 12,000 to 20,000 triangles.
+/// Adds the species' images and materials to `parts` and grows one tree with its foot at the
+/// origin; 12,000 to 20,000 triangles.
 Mesh grow_tree(SceneParts& parts, const TreeSpecies& species, std::uint32_t seed);
 
-/// One square leaf card. Its front faces `out` and its normals lean to `out`, so that a crown is
-/// lit as the round thing it is rather than as a heap of confetti.
+/// Adds one square leaf card. Its front faces `out` and its normals lean to `out`, so that a crown
+/// is lit as a round body rather than as a heap of confetti.
 void add_leaf_card(MeshBuilder& builder, glm::vec3 center, glm::vec3 facing, glm::vec3 out,
                    float side, float spin);
 

@@ -7,7 +7,7 @@ namespace mirage {
 namespace {
 
 constexpr int kWidth = 512, kHeight = 256;
-/// Takes the brightest irradiance over pi of the studio to 0.95 (a test holds it there).
+/// Exposure that brings the brightest irradiance over pi of the studio to 0.95 (a test checks it).
 constexpr double kStudioExposure = 0.90;
 
 double smooth(double low, double high, double v) {
@@ -16,7 +16,7 @@ double smooth(double low, double high, double v) {
 }
 
 // A lamp behind a rectangular diffuser: 1 within `half` (tangents of the angles from its middle),
-// fading over `edge`. Not straight above or below.
+// fading over `edge`. Its middle must not be straight above or below.
 double soft_box(const glm::dvec3& d, const glm::dvec3& middle, const glm::dvec2& half,
                 double edge) {
   const glm::dvec3 forward = glm::normalize(middle);

@@ -11,10 +11,10 @@ namespace {
 
 constexpr int kMostEdge = 8192;  // 16k would take seconds to decode and adds nothing
 constexpr int kWidth = 1024, kHeight = 512;
-constexpr float kBrightest = 65408.0f;  // what a probe's texels hold
+constexpr float kBrightest = 65408.0f;  // largest value of a probe's texels
 constexpr int kBandRows = 64;
 
-// Sums what falls into each texel of the reduced image.
+// Sums the pixels that fall into each texel of the reduced image.
 class Reducer {
  public:
   Reducer(int width, int height)
@@ -54,7 +54,7 @@ class Reducer {
       const float v = c[i];
       if (v >= 0 && v <= kBrightest) continue;
       bad = true;
-      c[i] = v > kBrightest ? kBrightest : 0.0f;  // NaN too is black
+      c[i] = v > kBrightest ? kBrightest : 0.0f;  // NaN becomes black, too
     }
     replaced_ += bad ? 1 : 0;
     return c;
@@ -68,7 +68,7 @@ class Reducer {
 };
 
 Result<Equirect> read(const std::string& path, std::vector<std::string>& warnings) {
-  // A file is what its name says: none of the other readers is tried on it.
+  // The file name decides the format: no other readers are tried.
   OIIO::attribute("try_all_readers", 0);
   auto input = OIIO::ImageInput::open(path);
   if (!input) return make_error(ErrorId::kSceneFormat, OIIO::geterror(), "a .hdr or .exr file");

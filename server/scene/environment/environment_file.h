@@ -9,13 +9,13 @@
 
 namespace mirage {
 
-/// Reads a file and reduces it to 1024 x 512 at most, a band of rows at a time. What is no number,
-/// negative or brighter than 65408 is replaced, with a counted line in `warnings`; so is being told
-/// of a shape that is not 2:1. Errors: kSceneMissing, kSceneFormat, kSceneLimit (above 8192 x
-/// 8192).
+/// Reads a file, a band of rows at a time, and reduces it to 1024 x 512 at most. Values that are
+/// NaN, negative or brighter than 65408 are replaced, with a counted line in `warnings`. A shape
+/// other than 2:1 also gives a warning. Errors: kSceneMissing, kSceneFormat, kSceneLimit (above
+/// 8192 x 8192).
 Result<Equirect> read_environment(const std::string& path, std::vector<std::string>& warnings);
 
-/// Writes `.hdr` or `.exr`, by the name. Error kIo.
+/// Writes `.hdr` or `.exr`, chosen by the name. Error kIo.
 Result<void> write_environment(const Equirect& image, const std::string& path);
 
 }  // namespace mirage

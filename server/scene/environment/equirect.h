@@ -16,7 +16,7 @@ struct Equirect {
   }
 };
 
-/// Unit direction of a texel's centre: u = atan2(z, x) / 2 pi + 1/2, as three.js has it.
+/// Returns the unit direction of a texel's centre: u = atan2(z, x) / 2 pi + 1/2, as in three.js.
 glm::dvec3 equirect_direction(const Equirect& image, int x, int y);
 
 }  // namespace mirage

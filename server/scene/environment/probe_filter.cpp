@@ -8,11 +8,11 @@ namespace mirage {
 namespace {
 
 constexpr double kPi = glm::pi<double>();
-// Of a level's lobe; each reads as wide as its share of the lobe is, so that sharp ones, of which
-// there are most, need few.
+// Samples of each level's lobe. A sample reads an area as wide as its share of the lobe, so the
+// sharp lobes of the largest maps need few.
 constexpr std::array<std::uint32_t, kProbeLevels.size()> kSamples = {16, 32, 64, 128, 128, 128};
 
-// The image and its halvings, rows weighted by the solid angle they have.
+// The image and its halvings, with rows weighted by their solid angle.
 class Pyramid {
  public:
   explicit Pyramid(const Equirect& image) : levels_{image} {
@@ -21,7 +21,7 @@ class Pyramid {
     }
   }
 
-  /// Mean radiance around a unit direction, over about `solid_angle` steradian.
+  /// Returns the mean radiance around a unit direction, over about `solid_angle` steradian.
   glm::vec3 radiance(const glm::dvec3& d, double solid_angle) const {
     const Equirect& whole = levels_.front();
     const double texel = 4 * kPi / (double(whole.width) * whole.height);
@@ -70,10 +70,10 @@ class Pyramid {
   std::vector<Equirect> levels_;
 };
 
-// A sample of the lobe about +z that is seen along it, and its weight.
+// A sample of the lobe about +z, seen along +z, and its weight.
 struct Sample {
   glm::dvec3 direction;
-  double weight = 0;       ///< cosine, with the sum 1
+  double weight = 0;       ///< cosine, normalised to a sum of 1
   double solid_angle = 0;  ///< its share of the sphere, sr
 };
 
@@ -83,8 +83,8 @@ double radical_inverse(std::uint32_t i) {
   return out;
 }
 
-// GGX halfway vectors by importance (Karis 2013, "Real Shading in Unreal Engine 4"), each sample
-// with the solid angle of its density (Krivanek and Colbert 2008).
+// Importance-sampled GGX halfway vectors (Karis 2013, "Real Shading in Unreal Engine 4"); each
+// sample has the solid angle of its density (Krivanek and Colbert 2008).
 std::vector<Sample> lobe(double roughness, std::uint32_t samples) {
   const double a2 = std::pow(roughness, 4);
   std::vector<Sample> out;
@@ -122,10 +122,11 @@ void filter_row(const Pyramid& from, const ProbeLevel& level, const std::vector<
   }
 }
 
-// Ramamoorthi and Hanrahan 2001, "An Efficient Representation for Irradiance Environment Maps":
-// the bands of radiance times 1, 2/3 and 1/4, which is what a cosine over pi leaves of them.
+// Ramamoorthi and Hanrahan 2001, "An Efficient Representation for Irradiance Environment Maps": the
+// bands of radiance are scaled by 1, 2/3 and 1/4, the effect of a cosine lobe over pi.
 std::array<glm::vec3, kProbeTerms> irradiance_of(const Equirect& image) {
-  // An image of few texels is not a sum of few directions.
+  // An image of few texels is sampled on a finer grid, because it is more than a sum of few
+  // directions.
   const Equirect grid{std::max(image.width, 128), std::max(image.height, 64), {}};
   std::array<glm::dvec3, kProbeTerms> sum{};
   for (int y = 0; y < grid.height; ++y) {

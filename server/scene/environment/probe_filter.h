@@ -7,7 +7,7 @@
 
 namespace mirage {
 
-/// The same however many threads work. `image` has at least one texel.
+/// Returns the probe of an image with at least one texel. The number of threads changes nothing.
 LightProbe make_probe(const Equirect& image, const Workers& workers);
 
 }  // namespace mirage

@@ -14,7 +14,7 @@ namespace mirage::gltf {
 namespace {
 
 constexpr int kNone = -1;
-constexpr int kProbes = 16;  // poses that must be finite before an animation is believed
+constexpr int kProbes = 16;  // poses checked for being finite before an animation is accepted
 
 class Builder {
  public:
@@ -49,7 +49,7 @@ class Builder {
   Animation animation_;
   bool too_deep_ = false;                  ///< more joints than an object may have
   std::map<int, std::uint16_t> joints_;    ///< node -> joint; kNone: the world
-  std::map<int, std::uint16_t> bindings_;  ///< node -> binding of rigid parts
+  std::map<int, std::uint16_t> bindings_;  ///< node -> binding; for rigid parts
   std::map<int, int> skins_;               ///< skin -> its first binding
 };
 
@@ -85,7 +85,7 @@ Joint Builder::moving_joint(int node, std::uint16_t parent) const {
   joint.parent = parent;
   const auto clip = in_.clips.find(node);
   if (clip == in_.clips.end() || clip->second.channels.empty()) {
-    Tally unused;  // flatten_nodes has told about this node already
+    Tally unused;  // flatten_nodes has reported this node already
     joint.matrix = glm::mat4(local_matrix(source, unused));
     return joint;
   }
@@ -106,7 +106,7 @@ Joint Builder::moving_joint(int node, std::uint16_t parent) const {
 
 std::uint16_t Builder::joint_of(int node) {
   if (const auto known = joints_.find(node); known != joints_.end()) return known->second;
-  // Down from the highest node that is not there yet; what stands still hangs in object space.
+  // Joints are added down from the highest missing node. Still nodes hang in object space.
   std::vector<int> path;
   int at = node;
   while (at != kNone && in_.motion.moves[at] && joints_.count(at) == 0) {
@@ -147,7 +147,7 @@ std::uint16_t Builder::binding_of(int node) {
   return at->second;
 }
 
-/// The first of the skin's bindings, one per joint in order; kNone if the skin is broken.
+/// Returns the first of the skin's bindings, one per joint in order; kNone if the skin is broken.
 int Builder::skin_bindings(int index) {
   if (const auto known = skins_.find(index); known != skins_.end()) return known->second;
   const tinygltf::Skin& skin = model().skins[index];
@@ -186,7 +186,7 @@ Result<void> Builder::bind_skin(int node, int first_binding,
   const tinygltf::Node& source = model().nodes[node];
   const auto count = static_cast<std::uint32_t>(model().skins[source.skin].joints.size());
   const auto& primitives = model().meshes[source.mesh].primitives;
-  // A vertex without weights stays where the file has it in the world, as at rest.
+  // A vertex without weights keeps its place in the world, as at rest.
   const std::uint16_t world = binding_of(kNone);
   std::vector<std::vector<VertexBinding>> per_primitive(primitives.size());
   for (std::size_t p = 0; p < primitives.size(); ++p) {

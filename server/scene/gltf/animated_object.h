@@ -1,5 +1,5 @@
 #pragma once
-// One group of moving mesh nodes -> one mesh in bind space with one animation.
+// Turns a group of moving mesh nodes into one mesh in bind space with one animation.
 
 #include <memory>
 #include <optional>
@@ -17,20 +17,20 @@ struct AnimatedObject {
   Similarity world_from_object;
 };
 
-/// What a group is made from.
+/// Inputs for building a group.
 struct GroupInput {
   const Document& document;
   const NodeTree& tree;
   const MotionGroups& motion;
   const std::map<int, NodeClip>& clips;
   int group = 0;           ///< as in MotionGroups::group
-  std::vector<int> nodes;  ///< its mesh nodes
+  std::vector<int> nodes;  ///< mesh nodes of the group
 };
 
-/// Rigid parts are bound to their node with weight 1, skinned ones to up to four joints (the
-/// heaviest four of more), morph targets kept as the vertices they move. nullopt, with a warning,
-/// where the animation cannot be kept (limits.h, or poses that are not finite): the nodes are then
-/// to be imported at rest. Errors: those of import_mesh.
+/// Builds a group. Rigid parts are bound to their node with weight 1, skinned ones to up to four
+/// joints (the heaviest four of more). Morph targets are kept as the vertices they move. nullopt,
+/// with a warning: the animation exceeds limits.h or has poses that are not finite, and the nodes
+/// must be imported at rest. Errors: those of import_mesh.
 Result<std::optional<AnimatedObject>> build_animated(const GroupInput& input,
                                                      MaterialImporter& materials, Budget& budget,
                                                      Tally& tally);

@@ -17,7 +17,7 @@ std::size_t list_size(const json& root, const char* key) {
   return list != nullptr && list->is_array() ? list->size() : 0;
 }
 
-/// A whole number below `size`, else -1.
+/// Returns a whole number below `size`, else -1.
 int index_below(const json* value, std::size_t size) {
   if (value == nullptr || !value->is_number()) return -1;
   const double number = value->get<double>();

@@ -1,6 +1,6 @@
 #pragma once
-// What a file says about animation, taken from the JSON by hand and leniently: a broken animation
-// leaves its object at rest, it refuses no scene.
+// Reads a file's animations from the JSON, leniently: a broken animation leaves its object at rest
+// and never refuses the scene.
 
 #include <map>
 #include <nlohmann/json_fwd.hpp>
@@ -19,7 +19,7 @@ struct ChannelSource {
   std::string interpolation = "LINEAR";
 };
 
-/// The channels of one clip whose references hold.
+/// The channels of one clip whose references are valid.
 struct AnimationSource {
   std::string name;
   std::vector<ChannelSource> channels;

@@ -17,7 +17,7 @@ struct Bounds {
   double radius() const { return 0.5 * glm::length(high - low); }
 };
 
-/// World box of all instances; conservative where an object is turned.
+/// Returns the world box of all instances; it is larger than necessary for rotated objects.
 Bounds scene_bounds(const Scene& scene);
 
 }  // namespace mirage::gltf

@@ -67,7 +67,7 @@ bool good_values(const Channel& c, std::size_t width) {
   return true;
 }
 
-/// Accessors whose size is beyond any use are not even read.
+/// Accessors with absurd sizes are not even read.
 bool affordable(const tinygltf::Model& model, const ChannelSource& source) {
   return model.accessors[source.input].count <= limits::kMaxAnimationFloats &&
          model.accessors[source.output].count <= limits::kMaxAnimationFloats;
@@ -78,7 +78,7 @@ std::optional<Channel> read_channel(const Document& document, const ChannelSourc
   const auto path = path_of(source.path);
   const auto interpolation = interpolation_of(source.interpolation);
   if (!path || !interpolation || !affordable(document.model, source)) return std::nullopt;
-  // glTF section 3.11: a node with a matrix is not animated.
+  // glTF section 3.11 forbids animating a node that has a matrix.
   if (*path != ChannelPath::kWeights && node.matrix.size() == 16) return std::nullopt;
   const std::size_t width = width_of(*path, document.model, node);
   auto times = read_floats(document, source.input, 1);
@@ -107,7 +107,7 @@ bool equal_keys(const Channel& c, std::size_t width) {
   return true;
 }
 
-/// The value all keys share becomes what the node is at rest.
+/// Writes the value shared by all keys into the node's rest pose.
 void write_rest(const Channel& c, std::size_t width, tinygltf::Node& node) {
   std::vector<double> value(width);
   sample_channel(c, 0, width, value.data());

@@ -1,5 +1,6 @@
 #pragma once
-// The clips of a file -> keys per node, checked. Constant channels become the node's rest pose.
+// Turns the clips of a file into checked keys per node. Constant channels become the node's rest
+// pose.
 
 #include <map>
 #include <vector>
@@ -10,17 +11,17 @@
 
 namespace mirage::gltf {
 
-/// What moves one node; `target` of the channels is not set yet.
+/// The animation of one node; `target` of the channels is not set yet.
 struct NodeClip {
   float clip_s = 0;
   std::vector<Channel> channels;  ///< translation, rotation, scale, at most one each
   std::vector<Channel> weights;   ///< at most one
 };
 
-/// All clips together, as far as no earlier clip of the file moves the same property: clips of
-/// different objects all play, of several clips of one character the first does. Channels that
-/// break the rules of glTF are ignored, with a warning; those whose keys are all equal are written
-/// into the node's own transform and weights.
+/// Merges all clips; a property keeps the keys of the first clip that moves it. Clips of different
+/// objects therefore all play; of several clips of one character, only the first does. Channels
+/// that break the rules of glTF are ignored with a warning. Channels with only equal keys are
+/// written into the node's own transform and weights.
 std::map<int, NodeClip> import_clips(Document& document, Tally& tally);
 
 }  // namespace mirage::gltf

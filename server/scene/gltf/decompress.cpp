@@ -17,7 +17,7 @@ using nlohmann::json;
 using Bytes = std::span<const std::uint8_t>;
 
 constexpr char kDraco[] = "KHR_draco_mesh_compression";
-/// What decoding may hold beside its results: a triangle of three points of 96 bytes and the
+/// Memory for decoding besides the results: a triangle of three points of 96 bytes each, and the
 /// tables of the connectivity.
 constexpr std::uint64_t kDracoFaceBytes = 384;
 constexpr std::uint64_t kDracoBatchBytes = 512ull << 20;
@@ -33,7 +33,7 @@ json* extension(json& object, const char* name) {
   return found == list->end() ? nullptr : &*found;
 }
 
-/// Bytes that `place` ("buffer", "byteOffset", "byteLength") names.
+/// Returns the bytes that `place` ("buffer", "byteOffset", "byteLength") names.
 Result<Bytes> bytes_at(const json& place, const Document& document) {
   const BufferData& buffer = document.buffers[place["buffer"].get<std::size_t>()];
   const auto offset = place.value("byteOffset", std::uint64_t{0});
@@ -58,7 +58,7 @@ std::size_t add_buffer(std::vector<std::uint8_t>&& bytes, Document& document) {
   return document.buffers.size() - 1;
 }
 
-/// Together with what the file holds, decoded bytes stay below this.
+/// A limit on decoded bytes together with the bytes of the file.
 class Allowance {
  public:
   Result<void> take(std::uint64_t bytes) {
@@ -125,8 +125,8 @@ struct DracoJob {
   json* primitive = nullptr;
   std::string name;
   Bytes bytes;
-  std::uint64_t cost = 0;              ///< bytes while it is decoded, at most
-  std::vector<std::string> semantics;  ///< of each attribute wanted
+  std::uint64_t cost = 0;              ///< most bytes in memory while it is decoded
+  std::vector<std::string> semantics;  ///< of each requested attribute
   std::vector<DracoAttribute> wanted;
   DracoMesh mesh;
   std::optional<Error> error;
@@ -154,7 +154,7 @@ Result<DracoJob> draco_job(json& primitive, const json& source, const json& root
   return job;
 }
 
-/// Whether a viewer without Draco could draw this primitive.
+/// True if a viewer without Draco could draw this primitive.
 bool has_plain_data(const json& primitive, const json& root) {
   for (const auto& [semantic, accessor] : primitive["attributes"].items()) {
     if (!root["accessors"][accessor.get<std::size_t>()].contains("bufferView")) return false;
@@ -190,8 +190,8 @@ Result<std::vector<DracoJob>> find_primitives(json& root, const Document& docume
   return jobs;
 }
 
-/// An accessor like `declared` over `bytes`: in its place if it has no data of its own and nobody
-/// has filled it, else a new one.
+/// Makes an accessor like `declared` over `bytes`. It replaces `declared` if that has no data and
+/// is not filled yet, else it is a new one.
 std::size_t fill_accessor(std::size_t declared, std::uint32_t count, int component_type,
                           std::vector<std::uint8_t>&& bytes, json& root, Document& document) {
   const std::size_t length = bytes.size();
@@ -213,7 +213,7 @@ std::size_t fill_accessor(std::size_t declared, std::uint32_t count, int compone
   return place;
 }
 
-/// Forgives counts that differ from the declared ones: viewers never look at those.
+/// Forgives counts that differ from the declared ones, because viewers never check those.
 Result<void> check_counts(const DracoJob& job, const json& root, Tally& tally) {
   const auto differs = [&](const json& accessor, std::size_t count) {
     return root["accessors"][accessor.get<std::size_t>()]["count"].get<std::uint64_t>() != count;
@@ -246,7 +246,7 @@ void put_back(DracoJob& job, json& root, Document& document) {
                                          std::move(bytes), root, document);
     root["accessors"][primitive["indices"].get<std::size_t>()]["type"] = "SCALAR";
   }
-  primitive["mode"] = 4;  // what is decoded are triangles, also of a strip
+  primitive["mode"] = 4;  // decoding gives triangles, even for a strip
   for (std::size_t i = 0; i < job.semantics.size(); ++i) {
     json& accessor = primitive["attributes"][job.semantics[i]];
     accessor =
@@ -255,7 +255,7 @@ void put_back(DracoJob& job, json& root, Document& document) {
   }
 }
 
-/// The end of the jobs from `begin` that may be decoded at the same time.
+/// Returns the end of the jobs from `begin` that may be decoded at the same time.
 std::size_t batch_end(const std::vector<DracoJob>& jobs, std::size_t begin) {
   std::uint64_t cost = jobs[begin].cost;
   std::size_t end = begin + 1;

@@ -1,6 +1,6 @@
 #pragma once
-// Compressed geometry -> plain bufferViews and accessors, in the sanitised JSON: what comes after
-// does not know that it was ever compressed.
+// Turns compressed geometry into plain bufferViews and accessors in the sanitised JSON. Later
+// stages do not see that it was compressed.
 
 #include <nlohmann/json.hpp>
 
@@ -11,17 +11,18 @@
 
 namespace mirage::gltf {
 
-/// The two names of the meshopt extension; the younger one's additions are refused where met.
+/// The two names of the meshopt extension. Additions of the younger one are refused.
 inline constexpr const char* kMeshoptExtensions[] = {"EXT_meshopt_compression",
                                                      "KHR_meshopt_compression"};
 
-/// EXT_meshopt_compression: each compressed bufferView of `root` gets a buffer of its own.
-/// Errors: those of decode_meshopt, kSceneRange (bytes outside their buffer), kSceneReference (a
-/// buffer without content); the text names the bufferView.
+/// EXT_meshopt_compression: gives each compressed bufferView of `root` its own buffer. Errors:
+/// those of decode_meshopt, kSceneRange (bytes outside their buffer), kSceneReference (a buffer
+/// without content); the text names the bufferView.
 Result<void> decompress_views(nlohmann::json& root, Document& document, const Workers& workers);
 
-/// KHR_draco_mesh_compression: each compressed primitive gets accessors of its own, of the counts
-/// that were decoded. Forgiven: other counts than declared. Errors: as above, of decode_draco.
+/// KHR_draco_mesh_compression: gives each compressed primitive its own accessors, with the decoded
+/// counts. Counts that differ from the declared ones are forgiven. Errors: as above, and those of
+/// decode_draco.
 Result<void> decompress_primitives(nlohmann::json& root, Document& document, const Workers& workers,
                                    Tally& tally);
 

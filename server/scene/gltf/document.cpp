@@ -68,8 +68,8 @@ Result<json> parse_json(std::string_view text, Tally& tally) {
   }
 }
 
-/// Read before the rest of the schema: a file of another version or with an extension that we lack
-/// may well break the rules of plain glTF 2.0, and should hear the real reason.
+/// Checked before the rest of the schema. A file of another version, or with an unsupported
+/// extension, may break the rules of plain glTF 2.0, and the error should name the real reason.
 Result<void> check_version_and_extensions(const json& root, Tally& tally) {
   const auto asset = root.find("asset");
   if (asset == root.end() || !asset->is_object()) {
@@ -147,7 +147,7 @@ glm::dvec3 read_center(const json& root) {
   return center;
 }
 
-/// Content for viewers without the extension, if there is any; all that lies in it is compressed.
+/// True for the content for viewers without the extension; everything in it also exists compressed.
 bool is_fallback(const json& buffer) {
   const auto extensions = buffer.find("extensions");
   if (extensions == buffer.end()) return false;
@@ -206,7 +206,8 @@ Result<void> load_buffers(json& root, Document& document, const GltfFile& file, 
   return {};
 }
 
-/// A file that may be read. Nothing, if it is missing: viewers draw the material without it.
+/// Returns a file that may be read; an empty path if it is missing, as viewers then draw the
+/// material without it.
 Result<std::filesystem::path> image_file(const std::string& uri, const Document& document,
                                          const std::string& what, Tally& tally) {
   auto path = resolve_uri(uri, document.folder, tally);
@@ -225,7 +226,7 @@ Result<std::filesystem::path> image_file(const std::string& uri, const Document&
   return path;
 }
 
-/// Keeps where each image lies; a forbidden file is refused now, pixels come later.
+/// Records where each image is. A forbidden file is refused now; pixels are read later.
 Result<void> take_images(json& root, Document& document, Tally& tally) {
   const auto list = root.find("images");
   if (list == root.end()) return {};
@@ -248,7 +249,7 @@ Result<void> take_images(json& root, Document& document, Tally& tally) {
   return {};
 }
 
-/// tinygltf leaves the offsets of a sparse accessor uninitialised where the file omits them.
+/// tinygltf leaves omitted offsets of a sparse accessor uninitialised, so they are filled in.
 void fill_sparse_defaults(json& root) {
   const auto accessors = root.find("accessors");
   if (accessors == root.end()) return;
@@ -262,7 +263,7 @@ void fill_sparse_defaults(json& root) {
   }
 }
 
-/// tinygltf refuses indices without a bufferView, which are zeros: it never hears of them.
+/// tinygltf refuses indices without a bufferView, which are all zero, so they are hidden from it.
 std::map<std::pair<std::size_t, std::size_t>, int> take_indices_without_view(json& root) {
   std::map<std::pair<std::size_t, std::size_t>, int> taken;
   const auto meshes = root.find("meshes");

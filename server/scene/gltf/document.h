@@ -1,8 +1,8 @@
 #pragma once
-// A glTF file whose structure is checked: the typed model, and its bytes.
+// A glTF file with a checked structure: the typed model and its bytes.
 //
-// The model comes from tinygltf, which is shown only the sanitised JSON, without buffers and
-// images: it opens no file and decodes no pixel.
+// The model comes from tinygltf, which is given only the sanitised JSON, without buffers and
+// images. It opens no file and decodes no pixel.
 
 #include <tiny_gltf.h>
 
@@ -28,9 +28,9 @@ struct BufferData {
   bool absent = false;                 ///< neither uri nor BIN chunk: content undefined
 };
 
-/// One of `uri`, `file` and `buffer_view`; none of them where the file is missing.
+/// Place of an image: one of `uri`, `file` and `buffer_view`; none if the file is missing.
 struct ImageSource {
-  std::string uri;  ///< data: only
+  std::string uri;  ///< a data URI
   std::filesystem::path file;
   int buffer_view = -1;
 
@@ -38,22 +38,22 @@ struct ImageSource {
 };
 
 struct Document {
-  std::vector<std::uint8_t> file;  ///< the BIN chunk lies in here
+  std::vector<std::uint8_t> file;  ///< contains the BIN chunk
   std::filesystem::path folder;
   tinygltf::Model model;
   std::vector<BufferData> buffers;
   std::vector<ImageSource> images;
   AnimationSources animations;
   ImportanceMarks importance;
-  glm::dvec3 center{0};  ///< CESIUM_RTC: where the origin of the file lies, m
+  glm::dvec3 center{0};  ///< CESIUM_RTC: place of the file's origin, m
 
-  /// The bytes of a checked bufferView; empty when its buffer is absent.
+  /// Returns the bytes of a checked bufferView; empty if its buffer is absent.
   std::span<const std::uint8_t> view_bytes(int view) const;
 };
 
-/// Errors: kSceneMissing, kSceneFormat, kSceneRange, kSceneReference, kSceneLimit, kSceneUri,
-/// kSceneExtension. Ranges of bufferViews and accessors are checked too (model_check.h).
-/// `variant` as choose_variant() has it (kUsage).
+/// Loads a file and checks its structure, including the ranges of bufferViews and accessors
+/// (model_check.h). `variant` as in choose_variant() (kUsage). Errors: kSceneMissing, kSceneFormat,
+/// kSceneRange, kSceneReference, kSceneLimit, kSceneUri, kSceneExtension.
 Result<Document> load_document(const std::string& path, const std::string& variant,
                                const Workers& workers, Tally& tally);
 

@@ -17,8 +17,8 @@ namespace {
 
 Error broken(const std::string& why) { return make_error(ErrorId::kSceneFormat, "Draco: " + why); }
 
-/// Between connectivity and attributes, when the number of points is known and before anything is
-/// allocated by it: a bitstream of a hundred bytes can ask for gigabytes here.
+/// Checked between connectivity and attributes, once the number of points is known and before
+/// anything of that size is allocated. A bitstream of a hundred bytes can ask for gigabytes here.
 bool attributes_fit(const draco::PointCloud& cloud) {
   std::uint64_t point_bytes = 0;
   for (std::int32_t i = 0; i < cloud.num_attributes(); ++i) {

@@ -1,8 +1,8 @@
 #pragma once
-// KHR_draco_mesh_compression: one compressed mesh -> plain arrays, through libdraco.
+// KHR_draco_mesh_compression: decodes one compressed mesh into plain arrays through libdraco.
 //
-// The bytes are hostile until proven otherwise: libdraco allocates by the counts it reads, so those
-// are read and judged here first, and the size of the attributes once the connectivity is known.
+// The bytes are treated as hostile. libdraco allocates by the counts it reads, so these are read
+// and checked here first. The size of the attributes is checked once the connectivity is known.
 
 #include <cstdint>
 #include <span>
@@ -12,29 +12,29 @@
 
 namespace mirage::gltf {
 
-/// Whether this build has libdraco.
+/// True if this build has libdraco.
 bool has_draco();
 
 struct DracoAttribute {
-  std::uint32_t unique_id = 0;  ///< as the extension's `attributes` say
-  int component_type = 0;       ///< wanted: 5120..5126
-  std::size_t components = 0;   ///< wanted: 1..4
+  std::uint32_t unique_id = 0;  ///< value in the extension's `attributes`
+  int component_type = 0;       ///< requested: 5120..5126
+  std::size_t components = 0;   ///< requested: 1..4
 };
 
 struct DracoMesh {
   std::uint32_t points = 0;
   std::vector<std::uint32_t> indices;                 ///< triangles, all below `points`
-  std::vector<std::vector<std::uint8_t>> attributes;  ///< as wanted, tightly packed
+  std::vector<std::vector<std::uint8_t>> attributes;  ///< in the requested order, tightly packed
 };
 
-/// The number of triangles that a Draco bitstream of version 2.2 or later claims.
-/// Errors: kSceneFormat (no such bitstream), kSceneLimit.
+/// Returns the number of triangles that a Draco bitstream of version 2.2 or later claims. Errors:
+/// kSceneFormat (no such bitstream), kSceneLimit.
 Result<std::uint32_t> peek_draco_faces(std::span<const std::uint8_t> bytes);
 
-/// Decodes a mesh and converts its attributes to the types wanted: integers stay as they are,
-/// what becomes float is normalised where the bitstream says so. Any thread.
-/// Errors: kSceneFormat (broken, or without a wanted attribute), kSceneLimit, kSceneExtension
-/// (built without libdraco).
+/// Decodes a mesh and converts its attributes to the requested types. Integers keep their values;
+/// values that become float are normalised if the bitstream says so. Any thread. Errors:
+/// kSceneFormat (broken, or without a requested attribute), kSceneLimit, kSceneExtension (built
+/// without libdraco).
 Result<DracoMesh> decode_draco(std::span<const std::uint8_t> bytes,
                                std::span<const DracoAttribute> wanted);
 

@@ -1,5 +1,5 @@
-// Reads the front of a Draco bitstream (github.com/google/draco, docs/spec): header, metadata and
-// the counts of the connectivity, nothing else.
+// Reads only the front of a Draco bitstream (github.com/google/draco, docs/spec): header, metadata
+// and the counts of the connectivity.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,7 +14,7 @@ constexpr int kMaxMetadataDepth = 16;
 
 Error broken(const std::string& why) { return make_error(ErrorId::kSceneFormat, "Draco: " + why); }
 
-/// Reads that run off the end give nothing.
+/// Reads bytes in order; a read past the end gives nullopt.
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}

@@ -1,6 +1,6 @@
 #pragma once
-// What a file says for us alone: `extras.mirage` of its elements, read from the JSON by hand, as
-// the typed model has no extras.
+// Mirage's own data in a file: `extras.mirage` of its elements, read from the JSON because the
+// typed model has no extras.
 
 #include <map>
 #include <nlohmann/json_fwd.hpp>
@@ -10,17 +10,17 @@
 
 namespace mirage::gltf {
 
-/// The value at `key`; nullptr when `object` is no object or has none.
+/// Returns the value at `key`; nullptr if `object` is no object or lacks the key.
 const nlohmann::json* member(const nlohmann::json& object, const char* key);
-/// `extras.mirage.key` of a node, mesh or the like; nullptr when absent.
+/// Returns `extras.mirage.key` of a node, mesh or other element; nullptr if absent.
 const nlohmann::json* mirage_extra(const nlohmann::json& element, const char* key);
 
-/// Where `extras.mirage.importance` is given, by index.
+/// Elements with an `extras.mirage.importance`, by index.
 struct ImportanceMarks {
   std::map<int, Importance> of_node, of_mesh;
 };
 
-/// Takes "scenery" and "important"; anything else is ignored, with a warning.
+/// Reads "scenery" and "important"; other values are ignored with a warning.
 ImportanceMarks read_importance(const nlohmann::json& root, Tally& tally);
 
 }  // namespace mirage::gltf

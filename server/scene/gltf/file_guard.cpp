@@ -33,7 +33,7 @@ bool starts_with(const std::vector<std::uint8_t>& bytes, std::string_view magic)
   return true;
 }
 
-/// What a file that is no glTF most likely is.
+/// Guesses the kind of a file that is no glTF.
 std::string guess_kind(const std::vector<std::uint8_t>& bytes) {
   if (starts_with(bytes, "\x89PNG")) return "a PNG image";
   if (starts_with(bytes, "\xff\xd8\xff")) return "a JPEG image";
@@ -71,7 +71,7 @@ Result<void> split_chunks(GltfFile& file, std::size_t end) {
   return {};
 }
 
-/// The names of the objects that are open, by their hashes.
+/// The names in all objects that are open, as hashes.
 class NameWatch {
  public:
   void open() {
@@ -84,7 +84,7 @@ class NameWatch {
     }
   }
   void close() {
-    if (depth_ == 0) return;  // not JSON; the parser says so
+    if (depth_ == 0) return;  // not JSON; the parser reports it
     std::vector<std::size_t>& names = levels_[static_cast<std::size_t>(--depth_)];
     std::sort(names.begin(), names.end());
     if (std::adjacent_find(names.begin(), names.end()) != names.end()) ++twice_;
@@ -164,7 +164,7 @@ Result<GltfFile> split_container(std::vector<std::uint8_t> bytes) {
 
 Result<std::uint64_t> scan_json(std::string_view text) {
   std::uint64_t values = 0;
-  std::size_t last_string = 0;  // the last string: from after its quote to the closing one
+  std::size_t last_string = 0;  // start of the last string, after its quote
   std::size_t last_end = 0;
   NameWatch names;
   for (std::size_t i = 0; i < text.size(); ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-// The first look at a file, on raw bytes: container, sizes and nesting are checked before any
+// The first checks of a file, on raw bytes: container, sizes and nesting are checked before any
 // parser sees them.
 
 #include <cstdint>
@@ -26,14 +26,14 @@ struct GltfFile {
 Result<std::vector<std::uint8_t>> read_regular_file(const std::filesystem::path& path,
                                                     std::uint64_t max_bytes, ErrorId not_regular);
 
-/// Reads and splits a .glb or .gltf, whichever its bytes say it is.
+/// Reads and splits a .glb or .gltf file; its bytes decide which it is.
 Result<GltfFile> open_gltf(const std::string& path);
 
-/// Splits bytes already read. Errors: kSceneFormat.
+/// Splits bytes that are already read. Errors: kSceneFormat.
 Result<GltfFile> split_container(std::vector<std::uint8_t> bytes);
 
-/// Checks nesting depth and number of values without recursion. The number of objects that name a
-/// property twice (names told apart by their bytes). Errors: kSceneLimit.
+/// Checks nesting depth and number of values without recursion. Returns the number of objects that
+/// name a property twice (names compared by their bytes). Errors: kSceneLimit.
 Result<std::uint64_t> scan_json(std::string_view text);
 
 }  // namespace mirage::gltf

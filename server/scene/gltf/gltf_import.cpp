@@ -1,4 +1,4 @@
-// Stages, in order, each refusing what the next could not stand:
+// The stages of an import, in order. Each refuses input that the next could not handle:
 //   file_guard      bytes: container lengths, JSON nesting, size
 //   json_schema     types, required properties, references between lists
 //   document        version, extensions, URIs, buffers; tinygltf makes the typed model
@@ -25,8 +25,8 @@
 namespace mirage {
 namespace {
 
-/// CESIUM_RTC: geocentric places are too far out for floats, so that meshes are told from `center`
-/// and only instances move there, in doubles.
+/// CESIUM_RTC: geocentric positions are too large for floats. Meshes therefore stay relative to
+/// `center`, and only instances move there, in doubles.
 void move_origin(Scene& scene, gltf::NodeTree& tree, const glm::dvec3& center) {
   if (center == glm::dvec3(0)) return;
   for (Instance& instance : scene.instances) instance.world_from_object.position += center;

@@ -1,5 +1,6 @@
 #pragma once
-// glTF 2.0 (.glb, .gltf) -> Scene. Everything is validated before use; see gltf_import.cpp.
+// Imports glTF 2.0 (.glb, .gltf) as a Scene. Everything is validated before use; see
+// gltf_import.cpp.
 
 #include <string>
 
@@ -9,21 +10,22 @@
 namespace mirage {
 
 struct ImportOptions {
-  /// Refuses what viewers forgive against the specification (README, "What is forgiven").
+  /// Refuses files that violate the specification in ways that viewers forgive (README, "What is
+  /// forgiven").
   bool strict = false;
-  /// Of KHR_materials_variants; empty: the materials that the file starts with.
+  /// A variant of KHR_materials_variants; empty: the file's initial materials.
   std::string variant = {};
 };
 
-/// Loads and validates a glTF file.
-/// Errors: kSceneMissing, kSceneFormat, kSceneRange, kSceneReference, kSceneCycle, kSceneLimit,
-/// kSceneUri, kSceneExtension, kSceneEmpty, kUsage (no such variant); the text names the file and
-/// the offending element. Images are decoded by `workers`. Recoverable defects (a NaN vertex, an
-/// unreadable texture) are mended and listed in warnings, one line a kind.
+/// Loads and validates a glTF file. Errors: kSceneMissing, kSceneFormat, kSceneRange,
+/// kSceneReference, kSceneCycle, kSceneLimit, kSceneUri, kSceneExtension, kSceneEmpty, kUsage (no
+/// such variant); the text names the file and the offending element. `workers` decode images.
+/// Recoverable defects (a NaN vertex, an unreadable texture) are repaired and listed in warnings,
+/// one line a kind.
 Result<Scene> import_gltf(const std::string& path, const Workers& workers = Workers(),
                           const ImportOptions& options = {});
 
-/// The same of `FILE?variant=NAME`, unless there is a file of that very name. Errors: also kUsage.
+/// Imports `FILE?variant=NAME`, unless a file of that whole name exists. Errors: also kUsage.
 Result<Scene> import_gltf_spec(const std::string& spec, const Workers& workers = Workers(),
                                ImportOptions options = {});
 

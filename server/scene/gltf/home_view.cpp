@@ -7,14 +7,14 @@
 namespace mirage::gltf {
 namespace {
 
-constexpr double kOutside = 2.5;  // eye distance in radii: the whole sphere in view
-constexpr double kInside = 0.8;   // for a scene to walk in
+constexpr double kOutside = 2.5;  // eye distance in radii that shows the whole sphere
+constexpr double kInside = 0.8;   // the same for a scene to walk in
 constexpr std::size_t kManyInstances = 20;
 constexpr double kFlat = 0.5;        // height over width
-constexpr double kCameraReach = 10;  // radii within which a camera of the file is believed
+constexpr double kCameraReach = 10;  // radii within which a camera of the file is used
 constexpr double kWalkRadius = 1.5;  // in radii
-constexpr double kWalkSpeed = 1.4;   // m/s, a person
-constexpr double kPersonScale = 5;   // m: smaller scenes are walked in proportion
+constexpr double kWalkSpeed = 1.4;   // m/s, walking
+constexpr double kPersonScale = 5;   // m: in smaller scenes the walk shrinks in proportion
 constexpr double kSlowWalk = 0.28;   // radii per second
 
 struct EyeTarget {
@@ -48,7 +48,7 @@ HomeView import_home_view(const Document& document, const NodeTree& tree, const 
   const double radius = bounds.radius();
   if (bounds.empty || !(radius > 0) || !std::isfinite(radius)) return home;
   const glm::dvec3 size = bounds.high - bounds.low;
-  // Something flat of many parts may be a board or a sign: a place is larger than a person's room.
+  // A flat thing of many parts may be a board or a sign; a place is larger than a room.
   const bool is_ground = instances > kManyInstances && radius >= kPersonScale &&
                          size.y < kFlat * std::max(size.x, size.z);
   const glm::dvec3 direction = glm::normalize(glm::dvec3(0.6, 0.35, 1));

@@ -1,5 +1,5 @@
 #pragma once
-// Where a viewer of an imported scene starts.
+// The home view of an imported scene.
 
 #include <cstddef>
 
@@ -10,8 +10,9 @@
 
 namespace mirage::gltf {
 
-/// The first perspective camera of the file if it stands near the scene, else a view from outside
-/// that holds all of it; nearer for flat scenes of many instances (streets, forests).
+/// Returns the first perspective camera of the file if it is near the scene. Otherwise returns a
+/// view from outside that shows everything; it is nearer for flat scenes of many instances
+/// (streets, forests).
 HomeView import_home_view(const Document& document, const NodeTree& tree, const Bounds& bounds,
                           std::size_t instances);
 

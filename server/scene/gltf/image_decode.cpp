@@ -27,7 +27,7 @@ const char* file_name(ImageFormat format) {
   }
 }
 
-/// Grey, grey-alpha and RGB to RGBA.
+/// Expands grey, grey-alpha and RGB to RGBA.
 std::vector<std::uint8_t> expand(const std::vector<std::uint8_t>& in, int channels) {
   const std::size_t pixels = in.size() / static_cast<std::size_t>(channels);
   std::vector<std::uint8_t> out(pixels * 4);
@@ -43,7 +43,7 @@ std::vector<std::uint8_t> expand(const std::vector<std::uint8_t>& in, int channe
   return out;
 }
 
-/// Rows of about a megabyte at a time, so that only the result lies in memory whole.
+/// Reads rows of about a megabyte at a time, so that only the result is in memory as a whole.
 bool read_reduced(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, int halvings, bool srgb,
                   Image& image) {
   const std::size_t stride =
@@ -83,10 +83,10 @@ Result<Image> decode(std::span<const std::uint8_t> bytes, const ImageHeader& hea
   config["oiio:UnassociatedAlpha"] = 1;
   OIIO::Filesystem::IOProxy* proxy = &reader;
   config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  // The header has named the format: what its reader fails at is no matter for all the others.
+  // The header has named the format; if its reader fails, the others are not tried.
   OIIO::attribute("try_all_readers", 0);
   auto input = OIIO::ImageInput::open(file_name(header.format), &config, proxy);
-  // The message must be fetched in any case: OpenImageIO prints those nobody asked for.
+  // The message must be fetched in any case, or OpenImageIO prints it.
   if (!input) return unreadable(OIIO::geterror());
   const OIIO::ImageSpec spec = input->spec();
   const auto width = static_cast<std::uint32_t>(spec.width);

@@ -1,5 +1,5 @@
 #pragma once
-// Encoded PNG, JPEG or WebP bytes -> RGBA8, through OpenImageIO and from memory.
+// Decodes PNG, JPEG or WebP bytes into RGBA8, through OpenImageIO and from memory.
 
 #include <cstdint>
 #include <span>
@@ -11,14 +11,14 @@
 
 namespace mirage::gltf {
 
-/// Format and size, as the first bytes tell. Errors: kSceneFormat (none of the three formats, or
-/// empty), kSceneLimit (a side beyond kMaxImageSide, or more than kMaxImagePixels in a form that
-/// decoders hold whole).
+/// Returns format and size from the first bytes. Errors: kSceneFormat (none of the three formats,
+/// or empty), kSceneLimit (a side beyond kMaxImageSide, or more than kMaxImagePixels in a form that
+/// decoders hold as a whole).
 Result<ImageHeader> judge_image(std::span<const std::uint8_t> bytes);
 
-/// Alpha stays unassociated, 16-bit is reduced, grey and RGB are expanded. The sides are halved
-/// `halvings` times (image_reduce.h, by `srgb`). Errors: those of judge_image, kSceneFormat
-/// (unreadable). Any thread.
+/// Decodes an image. Alpha stays unassociated, 16-bit is reduced, grey and RGB are expanded. The
+/// sides are halved `halvings` times (image_reduce.h, by `srgb`). Errors: those of judge_image,
+/// kSceneFormat (unreadable). Any thread.
 Result<Image> decode_image(std::span<const std::uint8_t> bytes, int halvings, bool srgb);
 
 }  // namespace mirage::gltf

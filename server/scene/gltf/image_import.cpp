@@ -48,7 +48,7 @@ ImageImporter::Converted ImageImporter::converted(int diffuse, int specular_glos
   for (const std::int32_t place : {conversion.diffuse, conversion.specular}) {
     if (place < 0) continue;
     Wanted& source = wanted_[static_cast<std::size_t>(place)];
-    // A copy of the same image in the other coding counts at the first of them.
+    // An image that is decoded both ways is counted with the first of both.
     const std::size_t first = static_cast<std::size_t>(source.same >= 0 ? source.same : place);
     wanted_[first].uses += 2;
   }
@@ -136,7 +136,8 @@ Result<void> ImageImporter::judge(Wanted& wanted) {
   }
   const Error named =
       make_error(header.error().id, name_of(wanted.source) + ": " + header.error().text);
-  // Too large is no damage to paper over: the scene would look wrong without a word.
+  // An image that is too large is an error. Leaving it out would silently change the look of the
+  // scene.
   if (named.id == ErrorId::kSceneLimit) return named;
   return leave_out(wanted, named);
 }

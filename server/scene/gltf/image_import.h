@@ -1,5 +1,5 @@
 #pragma once
-// The images that a scene's materials use: numbered when they are first asked for, decoded
+// The images that a scene's materials use. They are numbered at their first use and decoded
 // together at the end.
 
 #include <cstdint>
@@ -21,21 +21,21 @@ class ImageImporter {
  public:
   ImageImporter(const Document& document, Tally& tally) : document_(document), tally_(tally) {}
 
-  /// Place in the scene's list of a glTF image. Colour and data need different decoding, so an
-  /// image used for both is there twice.
+  /// Returns the place of a glTF image in the scene's list. Colour and data are decoded
+  /// differently, so an image used for both has two places.
   std::int32_t index_of(int source, bool srgb);
-  /// Places of the two images that a pair of KHR_materials_pbrSpecularGlossiness becomes; -1: that
-  /// one is 1 everywhere.
+  /// Places of the two images made from a pair of KHR_materials_pbrSpecularGlossiness; -1: that
+  /// image would be 1 everywhere.
   struct Converted {
     std::int32_t base = -1;
     std::int32_t metal_rough = -1;
   };
   Converted converted(int diffuse, int specular_glossiness, const SpecGloss& factors);
-  /// Decodes all that were asked for; unreadable ones become white with a warning, and so many
-  /// pixels that they do not fit are reduced with another. Error kSceneLimit when one cannot be
+  /// Decodes all images in use. Unreadable ones become white, with a warning. If all together have
+  /// too many pixels, they are reduced, with another warning. Error kSceneLimit: an image cannot be
   /// reduced while it is decoded, or all together take too long.
   Result<std::vector<Image>> take(const Workers& workers);
-  /// After take(): whether the image at this place is what the file holds.
+  /// True if the image at this place could be decoded; valid after take().
   bool readable(std::int32_t place) const;
 
  private:
@@ -43,15 +43,15 @@ class ImageImporter {
     int source = 0;
     bool srgb = true;
     bool readable = false;
-    std::int32_t same = -1;  ///< the place of the same image decoded the other way
-    bool drawn = false;      ///< by itself, not only for what it is converted to
-    bool made = false;       ///< by a conversion, not from the file
+    std::int32_t same = -1;  ///< place of the same image decoded the other way
+    bool drawn = false;      ///< used itself, not only for a conversion
+    bool made = false;       ///< by a conversion; it is not in the file
     ImageHeader header = {};
-    std::uint64_t uses = 1;  ///< how often it lies in memory: `same` of it count here
+    std::uint64_t uses = 1;  ///< copies in memory, those of `same` included
     int halvings = 0;
 
     std::uint64_t pixels() const;  ///< as decoded
-    std::uint64_t cost() const;    ///< pixels in memory while it is decoded
+    std::uint64_t cost() const;    ///< pixels in memory while decoding
   };
   struct Conversion {
     std::int32_t diffuse = -1;  ///< places, -1: none
@@ -60,17 +60,17 @@ class ImageImporter {
     Converted to;
   };
   std::int32_t wanted_place(int source, bool srgb);
-  /// Makes what conversions make, and drops what was only there for them.
+  /// Makes the images of conversions, and drops those used only for them.
   void convert(const Workers& workers, std::vector<Image>& images);
-  /// Encoded bytes, in the document or read into `owned`. Errors: kSceneUri, kSceneMissing,
+  /// Returns encoded bytes, in the document or read into `owned`. Errors: kSceneUri, kSceneMissing,
   /// kSceneLimit.
   Result<std::span<const std::uint8_t>> bytes_of(int source,
                                                  std::vector<std::uint8_t>& owned) const;
   Result<void> judge(Wanted& wanted);
-  /// Halves the largest until all fit kMaxScenePixels. Error kSceneLimit: more to decode than
-  /// kMaxDecodedPixels.
+  /// Halves the largest images until all fit kMaxScenePixels. Error kSceneLimit: more to decode
+  /// than kMaxDecodedPixels.
   Result<void> fit();
-  /// Those from `begin` whose decoding fits into memory together: the end.
+  /// Returns the end of the images from `begin` whose decoding fits into memory together.
   std::size_t batch_end(std::size_t begin) const;
   Result<void> leave_out(Wanted& wanted, const Error& error);
 

@@ -5,7 +5,7 @@
 namespace mirage::gltf {
 namespace {
 
-/// First source pixel of result pixel `i`.
+/// Returns the first source pixel of result pixel `i`.
 std::uint32_t first_of(std::uint32_t i, std::uint32_t from, std::uint32_t to) {
   return static_cast<std::uint32_t>(std::uint64_t{i} * from / to);
 }

@@ -26,7 +26,7 @@ std::uint32_t little_endian(Bytes bytes, std::size_t at, int count) {
   return value;
 }
 
-/// Whether the chunks reach IEND (ISO/IEC 15948 §5). libpng prints on stderr where they do not.
+/// True if the chunks reach IEND (ISO/IEC 15948 §5). libpng prints to stderr if they do not.
 bool is_whole_png(Bytes bytes) {
   std::size_t at = 8;
   while (bytes.size() - at >= 12) {

@@ -38,7 +38,7 @@ void normalise(VertexBinding& v) {
   std::swap(v.binding[0], v.binding[heaviest]);
 }
 
-/// Finite displacements of one attribute of one primitive's target; empty when it has none.
+/// Returns finite displacements of one attribute of a primitive's target; empty if it has none.
 Result<std::vector<float>> deltas(const Document& document, const Attributes& target,
                                   const char* semantic) {
   const int accessor = find(target, semantic);

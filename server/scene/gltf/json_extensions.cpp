@@ -37,7 +37,7 @@ std::string listed(const std::vector<std::string>& names) {
   return out;
 }
 
-/// The material that a primitive maps to a variant; nullptr: it keeps its own.
+/// Returns the material of a primitive in a variant; nullptr: it keeps its own.
 const json* material_of(const json& primitive, std::size_t variant) {
   const json* source = extension(primitive, kVariants);
   if (source == nullptr) return nullptr;

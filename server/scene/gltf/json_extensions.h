@@ -1,6 +1,6 @@
 #pragma once
-// Extensions that are settled in the sanitised JSON, before tinygltf: what comes after does not
-// know of them.
+// Extensions that are resolved in the sanitised JSON, before tinygltf. Later stages do not see
+// them.
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -10,13 +10,13 @@
 
 namespace mirage::gltf {
 
-/// KHR_materials_variants: gives each primitive the material of this variant; empty: as the file
-/// has it. Of variants of one name the first is taken. Errors: kUsage (no such variant; the hint
-/// lists what there is).
+/// KHR_materials_variants: gives each primitive the material of this variant; empty: the file's
+/// initial ones. Among variants of the same name, the first is used. Errors: kUsage (no such
+/// variant; the hint lists them).
 Result<void> choose_variant(nlohmann::json& root, const std::string& variant, Tally& tally);
 
-/// KHR_texture_basisu: textures use their fallback. Errors: kSceneExtension (one has none; the hint
-/// is the command that converts the file).
+/// KHR_texture_basisu: makes textures use their fallback. Errors: kSceneExtension (a texture has
+/// none; the hint is the command that converts the file).
 Result<void> settle_basisu(nlohmann::json& root, const std::string& path, Tally& tally);
 
 }  // namespace mirage::gltf

@@ -8,7 +8,7 @@
 namespace mirage::gltf {
 
 enum class Kind {
-  kName,          ///< string; anything else is left out, names carry no meaning
+  kName,          ///< string; other types are left out, as names carry no meaning
   kText,          ///< string
   kTexts,         ///< list of strings
   kFlag,          ///< boolean
@@ -16,12 +16,12 @@ enum class Kind {
   kNumbers,       ///< list of finite numbers
   kCount,         ///< integer in 0..2^31-1
   kIndex,         ///< index into the list `target`
-  kIndexList,     ///< list of such
-  kIndexMap,      ///< object whose values are such (attributes)
-  kIndexMapList,  ///< list of those (morph targets)
+  kIndexList,     ///< list of kIndex
+  kIndexMap,      ///< object whose values are kIndex (attributes)
+  kIndexMapList,  ///< list of kIndexMap (morph targets)
   kCountMap,      ///< object whose values are kCount
   kObject,        ///< object after `schema`
-  kObjectList,    ///< list of such
+  kObjectList,    ///< list of kObject
 };
 
 struct Schema;

@@ -15,7 +15,7 @@ using nlohmann::json;
 
 constexpr double kMaxInteger = 2147483647.0;  // the parser keeps most integers in an int
 
-/// Where we are in the document; formatted only when an error needs it.
+/// The present place in the document; formatted only if an error needs it.
 struct Place {
   const Place* parent = nullptr;
   std::string_view key;

@@ -1,6 +1,6 @@
 #pragma once
 // The part of the glTF 2.0 schema that this importer reads. `sanitize` copies exactly that part,
-// checked, so that the parser behind it never meets a wrong type or a dangling reference.
+// checked, so that the next parser never meets a wrong type or a dangling reference.
 
 #include <nlohmann/json.hpp>
 

@@ -15,9 +15,9 @@ constexpr float kAmbientWithLights = 0.1f;
 constexpr float kDefaultAmbient = 0.6f;
 constexpr float kDefaultKeyLight = 0.8f;  // 2.5 over pi: our colours are irradiance over pi
 constexpr double kMaxIntensity = 1e9;
-/// The brightest plausible sum of light colors at the middle of the scene before exposure.
+/// Largest plausible sum of light colours at the middle of the scene before exposure.
 constexpr double kWellExposed = 1.5;
-/// A light nearer to the middle than this share of the radius is judged from there.
+/// A light nearer to the middle than this share of the radius is evaluated at this distance.
 constexpr double kNearestShare = 0.25;
 
 Lighting default_lighting() {
@@ -38,7 +38,7 @@ std::optional<LightKind> light_kind(const std::string& type) {
   return std::nullopt;
 }
 
-/// Nothing where a value is negative, not finite or beyond reason.
+/// Returns nullopt if a value is negative, not finite or beyond reason.
 std::optional<Light> convert(const tinygltf::Light& source, const glm::dmat4& world) {
   Light light;
   const auto kind = light_kind(source.type);
@@ -69,7 +69,7 @@ std::optional<Light> convert(const tinygltf::Light& source, const glm::dmat4& wo
   return light;
 }
 
-/// What a surface in the middle, facing the light, would receive; in units of Light::color.
+/// Returns the light on a surface in the middle that faces the light, in units of Light::color.
 double brightness_at(const Light& light, const Bounds& bounds) {
   const double color = std::max({light.color.r, light.color.g, light.color.b});
   if (light.kind == LightKind::kDirectional) return color;
@@ -89,7 +89,7 @@ void expose(Lighting& lighting, const Bounds& bounds, Tally& tally) {
   tally.note(line);
 }
 
-/// Index of the light a node carries, -1 for none.
+/// Returns the index of the light of a node, -1 for none.
 int light_of(const tinygltf::Node& node) {
   const auto found = node.extensions.find("KHR_lights_punctual");
   if (found == node.extensions.end() || !found->second.Has("light")) return -1;

@@ -45,7 +45,7 @@ double pair_element(const tinygltf::Value& object, const char* key, int i, doubl
   return list.Get(i).GetNumberAsDouble();
 }
 
-/// Strength of KHR_materials_anisotropy as it is in the file; 0 where there is none to draw.
+/// Returns the strength of KHR_materials_anisotropy in the file; 0 if there is none to draw.
 double strength_of_grain(const tinygltf::Material& material) {
   const auto found = material.extensions.find("KHR_materials_anisotropy");
   if (found == material.extensions.end()) return 0;
@@ -53,7 +53,7 @@ double strength_of_grain(const tinygltf::Material& material) {
   return number_or(found->second, "anisotropyStrength", 0);
 }
 
-/// Radians in 0..kMaxGrainRotation: what reflects one way reflects the other way alike.
+/// Returns the angle in 0..kMaxGrainRotation radians: the grain looks the same after half a turn.
 float half_turn(double radians) {
   const double pi = std::acos(-1.0);
   const double rest = std::fmod(radians, pi);
@@ -67,8 +67,8 @@ std::uint32_t MaterialImporter::index_of(int gltf_material, Without without) {
   const tinygltf::Material& source =
       gltf_material < 0 ? kDefault : document_.model.materials[gltf_material];
   without.anisotropy = without.anisotropy && strength_of_grain(source) > 0;
-  // The specification wants tangents or a normal map, which lies by texture coordinates. Any frame
-  // that we made up would have seams somewhere, and show them.
+  // The specification requires tangents, or a normal map, whose frame follows texture coordinates.
+  // Any invented frame would have visible seams.
   if (without.anisotropy) tally_.add("primitives without tangents drawn without anisotropy");
   const auto [entry, is_new] = material_index_.try_emplace({gltf_material, without}, 0u);
   if (!is_new) return entry->second;
@@ -136,7 +136,7 @@ Material MaterialImporter::convert(const tinygltf::Material& source) {
   out.occlusion_map = ref(source.occlusionTexture, false);
   out.emissive_map = ref(source.emissiveTexture, true);
   if (!out.unlit) read_lobes(source, out.lobes);
-  // What shows through is blended: nothing behind is known where a tile is made.
+  // Transmission is drawn as blending, because a tile does not know the scene behind it.
   if (out.lobes.transmission > 0) out.alpha_mode = AlphaMode::kBlend;
   return out;
 }
@@ -160,7 +160,7 @@ void MaterialImporter::read_lobes(const tinygltf::Material& source, Lobes& out) 
   out.specular_color = color(specular, "specularColorFactor", 1, 1e3);
   out.map(LobeMap::kSpecular) = lobe_map(specular, "specularTexture", false);
   out.map(LobeMap::kSpecularColor) = lobe_map(specular, "specularColorTexture", true);
-  // 0 is the specification's way to have every ray reflected.
+  // The specification uses 0 for total reflection.
   const double ior = number_or(extension("KHR_materials_ior"), "ior", 1.5);
   out.ior = ior == 0 ? static_cast<float>(kMaxIor) : factor(ior, 1, kMaxIor, 1.5);
   const tinygltf::Value& coat = extension("KHR_materials_clearcoat");
@@ -177,7 +177,7 @@ void MaterialImporter::read_lobes(const tinygltf::Material& source, Lobes& out) 
   out.transmission = share(through, "transmissionFactor", 0);
   out.map(LobeMap::kTransmission) = lobe_map(through, "transmissionTexture", false);
   const tinygltf::Value& volume = extension("KHR_materials_volume");
-  // Beer's law over the stated thickness, one for all directions.
+  // Beer's law over the stated thickness, the same for all directions.
   const double thickness = number_or(volume, "thicknessFactor", 0);
   const double distance = number_or(volume, "attenuationDistance", 0);
   if (thickness > 0 && distance > 0) {
@@ -228,7 +228,7 @@ TextureRef MaterialImporter::place(const tinygltf::ExtensionMap& extensions, int
     tally_.add("textures without a readable source left out");
     return ref;
   }
-  if (document_.images[static_cast<std::size_t>(image)].missing()) return ref;  // told already
+  if (document_.images[static_cast<std::size_t>(image)].missing()) return ref;  // already reported
   apply_sampler(source.sampler, ref);
   apply_transform(extensions, ref, uv_set);
   if (uv_set > 1) {

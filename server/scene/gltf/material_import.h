@@ -1,5 +1,5 @@
 #pragma once
-// glTF materials, textures and samplers -> Material and Image lists.
+// Turns glTF materials, textures and samplers into Material and Image lists.
 
 #include <compare>
 #include <cstdint>
@@ -15,32 +15,32 @@
 
 namespace mirage::gltf {
 
-/// What a primitive cannot be drawn with, so that it takes a copy of its material without.
+/// Features that a primitive cannot be drawn with. It uses a copy of its material without them.
 struct Without {
   bool lighting = false;    ///< points and lines without normals (glTF §3.7.2.1)
-  bool anisotropy = false;  ///< without tangents, and nothing to make them of
+  bool anisotropy = false;  ///< no tangents, and nothing to make them from
   auto operator<=>(const Without&) const = default;
 };
 
-/// Materials are converted, and their images asked for, when first used: what no drawn primitive
-/// uses costs nothing.
+/// Converts materials, and requests their images, at first use. Materials that no drawn primitive
+/// uses cost nothing.
 class MaterialImporter {
  public:
   MaterialImporter(const Document& document, Tally& tally)
       : document_(document), tally_(tally), images_(document, tally) {}
 
-  /// Index into materials() of a glTF material, -1 for the default one.
+  /// Returns the index into materials() of a glTF material, -1 for the default one.
   std::uint32_t index_of(int gltf_material, Without without);
 
   const std::vector<Material>& materials() const { return materials_; }
   std::vector<Material> take_materials() { return std::move(materials_); }
-  /// Before take_materials(): those whose images turn out unreadable lose these maps, as in other
-  /// viewers. Errors: those of ImageImporter::take().
+  /// Decodes the images; call it before take_materials(). Materials whose images are unreadable
+  /// lose these maps, as in other viewers. Errors: those of ImageImporter::take().
   Result<std::vector<Image>> take_images(const Workers& workers);
 
  private:
   Material convert(const tinygltf::Material& source);
-  /// Where a texture lies, and its image in the file: -1 if there is none to draw.
+  /// A texture's placement and its image in the file; -1: there is none to draw.
   struct PlacedTexture {
     TextureRef ref;
     int image = -1;

@@ -9,7 +9,7 @@
 namespace mirage::gltf {
 namespace {
 
-// Within these, products of a few lengths are far from the ends of float.
+// Between these extents, products of a few lengths stay far from the limits of float.
 constexpr float kSmallestExtent = 1e-6f;
 constexpr float kLargestExtent = 1e6f;
 constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
@@ -20,8 +20,8 @@ bool is_usable(const glm::vec3& p) {
          std::abs(p.z) <= kMaxPosition;
 }
 
-/// Twice the area times the face normal. In double, where the differences of floats are exact
-/// enough that a needle keeps its direction and 1e-30 m keeps its area.
+/// Returns twice the area times the face normal. In double, differences of floats are exact enough
+/// that a needle keeps its direction and 1e-30 m keeps its area.
 glm::dvec3 face_vector(const RawPrimitive& raw, const std::uint32_t* corner) {
   const glm::dvec3 a(raw.position[corner[0]]);
   const glm::dvec3 b(raw.position[corner[1]]);
@@ -39,7 +39,7 @@ const char* noun(PrimitiveKind kind) {
   return kind == PrimitiveKind::kLines ? "lines" : "points";
 }
 
-/// Keeps the elements that can be drawn: existing vertices, usable positions, some area.
+/// Keeps the elements that can be drawn: existing vertices, usable positions, a non-zero area.
 void filter_elements(RawPrimitive& raw, Tally& tally) {
   std::vector<bool> usable(raw.position.size());
   for (std::size_t i = 0; i < usable.size(); ++i) usable[i] = is_usable(raw.position[i]);
@@ -92,7 +92,7 @@ void gather_all(RawPrimitive& raw, const std::vector<std::uint32_t>& from) {
   gather(raw.source, from);
 }
 
-/// One vertex per corner, so that each face can have its own normal.
+/// Gives each corner its own vertex, so that each face can have its own normal.
 void split_faces(RawPrimitive& raw) {
   const std::vector<std::uint32_t> from = raw.indices;
   gather_all(raw, from);
@@ -105,7 +105,7 @@ void split_faces(RawPrimitive& raw) {
   }
 }
 
-/// Leaves out vertices no element uses (a NaN among them would spoil the bounds), keeping order.
+/// Removes unused vertices (a NaN among them would spoil the bounds) and keeps the order.
 void compact(RawPrimitive& raw) {
   std::vector<std::uint32_t> place(raw.position.size(), kUnused);
   for (const std::uint32_t index : raw.indices) place[index] = 0;
@@ -120,7 +120,8 @@ void compact(RawPrimitive& raw) {
   for (std::uint32_t& index : raw.indices) index = place[index];
 }
 
-/// Zero and NaN normals become the area-weighted normal of the faces around, the rest unit length.
+/// Replaces zero and NaN normals by the area-weighted normal of the faces around, and normalises
+/// the rest.
 void mend_normals(RawPrimitive& raw, Tally& tally) {
   std::uint64_t bad = 0;
   for (const glm::vec3& normal : raw.normal) bad += has_direction(normal) ? 0 : 1;
@@ -141,8 +142,8 @@ void mend_normals(RawPrimitive& raw, Tally& tally) {
   tally.add("normals without direction replaced by face normals", bad);
 }
 
-/// Tangents from texture coordinates: accumulated per vertex, orthogonalised (Lengyel, "Computing
-/// Tangent Space Basis Vectors for an Arbitrary Mesh").
+/// Makes tangents from texture coordinates: accumulated per vertex, then orthogonalised (Lengyel,
+/// "Computing Tangent Space Basis Vectors for an Arbitrary Mesh").
 void make_tangents(RawPrimitive& raw, const std::vector<glm::vec2>& uv) {
   const std::size_t count = raw.position.size();
   std::vector<glm::dvec3> along_u(count, glm::dvec3(0));
@@ -171,7 +172,7 @@ void make_tangents(RawPrimitive& raw, const std::vector<glm::vec2>& uv) {
     const double length = glm::length(flat);
     const glm::vec3 tangent = length > 0 && std::isfinite(length) ? glm::vec3(flat / length)
                                                                   : perpendicular(raw.normal[i]);
-    // The bitangent of glTF points up the image, and v runs down it.
+    // glTF's bitangent points up the image, but v runs down it.
     const double turn = glm::dot(glm::cross(normal, along_u[i]), along_v[i]);
     raw.tangent[i] = glm::vec4(tangent, turn < 0 ? 1.0f : -1.0f);
   }

@@ -1,5 +1,5 @@
 #pragma once
-// A glTF mesh in one pose -> Mesh, inside the budget of the scene.
+// Turns a glTF mesh in one pose into a Mesh, within the budget of the scene.
 
 #include <cstdint>
 
@@ -12,12 +12,12 @@
 
 namespace mirage::gltf {
 
-/// What all meshes of a scene may hold together.
+/// Limits on all meshes of a scene together.
 class Budget {
  public:
-  /// Takes the amounts, or names the limit that they would cross (kSceneLimit).
+  /// Takes the amounts. Error kSceneLimit names the limit that they would exceed.
   Result<void> take(std::uint64_t vertices, std::uint64_t indices);
-  /// One more primitive kept. Bounds scenes of very many tiny meshes.
+  /// Counts kept primitives; it limits scenes of very many tiny meshes.
   Result<void> take_primitives(std::uint64_t count);
   void give_back(std::uint64_t vertices, std::uint64_t indices);
 
@@ -27,14 +27,14 @@ class Budget {
   std::uint64_t primitives_ = 0;
 };
 
-/// Where a vertex comes from.
+/// The origin of a vertex in the file.
 struct VertexOrigin {
   std::uint32_t primitive = 0;
   std::uint32_t vertex = 0;
 };
 
-/// The mesh may come out empty. `origins` gets one entry per vertex if it is there. Errors: those
-/// of read_primitive, and kSceneLimit.
+/// Imports a mesh, which may be empty. `origins`, if given, gets one entry per vertex. Errors:
+/// those of read_primitive, and kSceneLimit.
 Result<Mesh> import_mesh(const Document& document, int mesh, const Pose& pose,
                          MaterialImporter& materials, Budget& budget, Tally& tally,
                          std::vector<VertexOrigin>* origins = nullptr);

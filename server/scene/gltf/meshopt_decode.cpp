@@ -9,16 +9,16 @@
 namespace mirage::gltf {
 namespace {
 
-// Sixteen equal bytes of a column are two bits, and so is the shortest form there is.
+// Sixteen equal bytes of a column take two bits, the shortest form there is.
 constexpr std::uint64_t kMaxVertexRatio = 64;
-// The block of the first vertex, and whatever a block leaves open at its end.
+// Allows for the block of the first vertex and the unused end of a block.
 constexpr std::uint64_t kVertexSlackBytes = 256 * 256;
 
 Error broken(const std::string& why) {
   return make_error(ErrorId::kSceneFormat, "meshopt: " + why);
 }
 
-/// Sizes as the extension demands them: the decoders assert them instead of refusing.
+/// Checks the sizes that the extension demands, because the decoders assert them.
 Result<void> check_sizes(const MeshoptView& view) {
   const std::uint32_t stride = view.stride;
   bool fits = false;
@@ -113,8 +113,8 @@ Result<std::vector<std::uint8_t>> decode_meshopt(std::span<const std::uint8_t> b
                                                  const MeshoptView& view) {
   if (auto ok = check_sizes(view); !ok) return ok.error();
   if (auto ok = check_header(bytes, view.mode); !ok) return ok.error();
-  // The index codecs refuse what is too short for its count by themselves, but only once it is
-  // allocated: a triangle, and an index, is at least a byte.
+  // The index codecs also refuse data too short for its count, but only after allocating. A
+  // triangle, and an index, takes at least a byte.
   const std::uint64_t most = view.mode == MeshoptMode::kAttributes
                                  ? bytes.size() * kMaxVertexRatio + kVertexSlackBytes
                                  : bytes.size() * 3 * view.stride;

@@ -1,5 +1,6 @@
 #pragma once
-// EXT_meshopt_compression: one compressed bufferView -> plain bytes, through meshoptimizer.
+// EXT_meshopt_compression: decodes one compressed bufferView into plain bytes, through
+// meshoptimizer.
 
 #include <cstdint>
 #include <span>
@@ -22,13 +23,14 @@ struct MeshoptView {
   std::uint64_t decoded_bytes() const { return std::uint64_t{count} * stride; }
 };
 
-/// From the names of the extension ("ATTRIBUTES", "OCTAHEDRAL"). Errors: kSceneFormat; the filters
-/// of KHR_meshopt_compression that meshoptimizer 0.18 lacks: kSceneExtension.
+/// Returns a view from the names of the extension ("ATTRIBUTES", "OCTAHEDRAL"). Errors:
+/// kSceneFormat; kSceneExtension for filters of KHR_meshopt_compression that meshoptimizer 0.18
+/// lacks.
 Result<MeshoptView> meshopt_view(std::string_view mode, std::string_view filter,
                                  std::uint32_t count, std::uint32_t stride);
 
-/// Decodes exactly decoded_bytes(); judges the sizes before it allocates. Indices may be any
-/// number. Any thread. Errors: kSceneFormat (impossible sizes, broken data), kSceneLimit,
+/// Decodes exactly decoded_bytes(), and checks the sizes before it allocates. Index values are not
+/// checked. Any thread. Errors: kSceneFormat (impossible sizes, broken data), kSceneLimit,
 /// kSceneExtension (a later version of the bitstream).
 Result<std::vector<std::uint8_t>> decode_meshopt(std::span<const std::uint8_t> bytes,
                                                  const MeshoptView& view);

@@ -22,7 +22,7 @@ Result<void> check_view(const Document& document, std::size_t index) {
   const tinygltf::BufferView& view = document.model.bufferViews[index];
   const std::uint64_t length = document.buffers[view.buffer].length;
   const std::string what = at("bufferViews", index);
-  // 64-bit sums of values below 2^31 cannot wrap.
+  // Sums of values below 2^31 cannot wrap in 64 bits.
   if (std::uint64_t{view.byteOffset} + view.byteLength > length) {
     return range_error(what, "ends at byte " + std::to_string(view.byteOffset + view.byteLength) +
                                  " of a buffer of " + std::to_string(length));
@@ -30,7 +30,8 @@ Result<void> check_view(const Document& document, std::size_t index) {
   return {};  // tinygltf has refused strides outside 4..252
 }
 
-/// `count` elements of `element` bytes, `stride` apart from `offset`, inside bufferView `view`.
+/// Checks that `count` elements of `element` bytes, `stride` apart from `offset`, are inside
+/// bufferView `view`.
 Result<void> check_span(const Document& document, int view, std::uint64_t offset,
                         std::uint64_t count, std::uint64_t stride, std::uint64_t element,
                         const std::string& what) {

@@ -29,7 +29,8 @@ MotionGroups find_motion(const Document& document, const NodeTree& tree,
     if (!skin_moves[s]) continue;
     for (const int joint : joints) marked[joint] = true;
   }
-  // The highest marked node on the way up, so that a skeleton and what hangs on it stay together.
+  // The highest marked node above is the root, so a skeleton and the things attached to it stay
+  // together.
   std::vector<int> root(model.nodes.size(), kNone);
   for (const int node : tree.order) {
     const int above = tree.parent[node];

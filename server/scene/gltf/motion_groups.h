@@ -1,6 +1,6 @@
 #pragma once
-// Which nodes move, and which of them belong together: everything below one animated subtree or
-// one skeleton becomes one object.
+// Finds the moving nodes and groups them: everything below one animated subtree or one skeleton
+// becomes one object.
 
 #include <map>
 #include <vector>
@@ -11,9 +11,10 @@
 namespace mirage::gltf {
 
 struct MotionGroups {
-  std::vector<bool> moves;  ///< per node: it, or a node above it, has keys
-  /// Per drawn mesh node that moves, is bent by moving joints, or has moving morph weights: its
-  /// group, named by a node all transforms above which stand still; -1 for everything else.
+  std::vector<bool> moves;  ///< by node: it or a node above has keys
+  /// Group of each drawn mesh node that moves, is bent by moving joints, or has moving morph
+  /// weights; -1 for other nodes. A group is named by a node above which all transforms stand
+  /// still.
   std::vector<int> group;
 };
 

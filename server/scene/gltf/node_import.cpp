@@ -36,9 +36,9 @@ Result<std::vector<int>> find_parents(const tinygltf::Model& model) {
   return parent;
 }
 
-/// The loop that `node` lies on or above, as "nodes[2] > nodes[0] > nodes[2]".
+/// Returns the loop on or below which `node` is, as "nodes[2] > nodes[0] > nodes[2]".
 std::string cycle_path(const std::vector<int>& parent, int node) {
-  // After as many steps up as there are nodes we are surely on the loop itself.
+  // The walk takes as many steps up as there are nodes, so it is surely on the loop itself.
   for (std::size_t i = 0; i < parent.size(); ++i) node = parent[node];
   std::string path = node_name(node);
   int at = parent[node];
@@ -48,7 +48,7 @@ std::string cycle_path(const std::vector<int>& parent, int node) {
   return (at == node ? node_name(at) : std::string("...")) + " > " + path;
 }
 
-/// Nodes from the roots down. With one parent each, whatever is not reached lies on a loop.
+/// Returns the nodes from the roots down. Each has one parent, so unreached nodes are on a loop.
 Result<std::vector<int>> order_nodes(const tinygltf::Model& model, const std::vector<int>& parent) {
   std::vector<int> order;
   std::vector<bool> reached(parent.size(), false);
@@ -69,10 +69,10 @@ Result<std::vector<int>> order_nodes(const tinygltf::Model& model, const std::ve
   return order;
 }
 
-/// Without the nodes that lie below another of the list: those are drawn with it.
+/// Removes the nodes below another node of the list, which are drawn with it.
 std::vector<int> topmost(const std::vector<int>& listed, const std::vector<int>& parent,
                          const std::vector<int>& order) {
-  std::vector<bool> covered(parent.size(), false);  // listed, or below one that is
+  std::vector<bool> covered(parent.size(), false);  // listed, or below a listed node
   for (const int node : listed) covered[node] = true;
   std::vector<bool> below(parent.size(), false);
   for (const int node : order) {
@@ -86,9 +86,10 @@ std::vector<int> topmost(const std::vector<int>& listed, const std::vector<int>&
   return roots;
 }
 
-/// The roots that the active scene lists: `scene`, else the first; all of them without scenes.
-/// A listed child is drawn once, where its parents put it. Viewers differ where those are moved:
-/// three.js takes it off its parent, Babylon refuses it. Files that do so have parents at rest.
+/// Returns the roots of the active scene: `scene`, else the first one; without scenes, all roots. A
+/// listed child is drawn once, at the place its parents give it. Viewers differ if those parents
+/// move: three.js removes the child from its parent, Babylon refuses the file. Files that do this
+/// have parents at rest.
 Result<std::vector<int>> scene_roots(const tinygltf::Model& model, const std::vector<int>& parent,
                                      const std::vector<int>& order, Tally& tally) {
   std::vector<int> roots;

@@ -1,5 +1,5 @@
 #pragma once
-// The node hierarchy: proven to be a forest, then flattened to world matrices in double precision.
+// The node hierarchy: checked to be a forest, then flattened to world matrices in double precision.
 
 #include <glm/glm.hpp>
 #include <vector>
@@ -17,16 +17,18 @@ struct NodeTree {
   std::vector<int> order;                   ///< every node, parents first
 };
 
-/// No recursion: a chain of 100 000 nodes is valid. Errors: kSceneCycle (a node below itself, or
-/// with two parents); when strict, kSceneReference (a scene lists a node that has a parent).
+/// Flattens without recursion: a chain of 100 000 nodes is valid. Errors: kSceneCycle (a node below
+/// itself, or with two parents); when strict, kSceneReference (a scene lists a node that has a
+/// parent).
 Result<NodeTree> flatten_nodes(const tinygltf::Model& model, Tally& tally);
 
-/// parent_from_node at rest.
+/// Returns parent_from_node at rest.
 glm::dmat4 local_matrix(const tinygltf::Node& node, Tally& tally);
 
 bool is_finite(const glm::dmat4& matrix);
 
-/// From a glTF quaternion (x, y, z, w); one without length counts as no rotation.
+/// Returns the matrix of a glTF transform. The quaternion is (x, y, z, w); one without length
+/// counts as no rotation.
 glm::dmat4 matrix_from_trs(const glm::dvec3& translation, const glm::dvec4& rotation,
                            const glm::dvec3& scale, Tally& tally);
 

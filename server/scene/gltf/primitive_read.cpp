@@ -34,7 +34,7 @@ glm::vec3 make_vec3(const float* v) { return {v[0], v[1], v[2]}; }
 glm::vec4 make_vec4(const float* v) { return {v[0], v[1], v[2], v[3]}; }
 
 std::uint16_t unorm16(float value) {
-  // NaN compares false and becomes 0.
+  // NaN compares as false and becomes 0.
   const float clamped = value > 0 ? std::min(value, 1.0f) : 0.0f;
   return static_cast<std::uint16_t>(clamped * 65535.0f + 0.5f);
 }
@@ -101,8 +101,8 @@ Result<void> apply_target(const Document& document, const Attributes& target, do
   return add("TANGENT", raw.tangent);
 }
 
-/// The summed skin matrix of each vertex, from every JOINTS_n / WEIGHTS_n pair; `broken` where a
-/// joint does not exist or a weight is impossible.
+/// The summed skin matrix of each vertex, from all JOINTS_n / WEIGHTS_n pairs; `broken` if a joint
+/// does not exist or a weight is impossible.
 struct Skinning {
   std::vector<glm::dmat4> matrix;
   std::vector<double> weight;
@@ -150,8 +150,8 @@ Result<void> apply_skin(const Document& document, const Attributes& attributes, 
     const glm::dmat4 matrix = skinning.matrix[i] / skinning.weight[i];
     const glm::dmat3 linear(matrix);
     raw.position[i] = glm::vec3(glm::dvec3(matrix * glm::dvec4(raw.position[i], 1.0)));
-    // Joints are all but rigid in practice, so their linear part serves for normals too; assembly
-    // normalises.
+    // Joints are nearly rigid in practice, so their linear part also serves for normals, which are
+    // normalised later.
     if (!raw.normal.empty()) raw.normal[i] = glm::vec3(linear * glm::dvec3(raw.normal[i]));
     if (!raw.tangent.empty()) {
       const glm::dvec3 turned = linear * glm::dvec3(raw.tangent[i]);
@@ -213,7 +213,7 @@ std::vector<std::uint32_t> expand_indices(std::vector<std::uint32_t> indices, in
       return out;
     case TINYGLTF_MODE_TRIANGLE_STRIP:
       for (std::size_t i = 0; i + 2 < count; ++i) {
-        // Every other triangle runs backwards, so two of its corners swap.
+        // Every other triangle of a strip runs backwards, so two of its corners swap.
         const std::size_t odd = i % 2;
         out.insert(out.end(), {indices[i], indices[i + 1 + odd], indices[i + 2 - odd]});
       }

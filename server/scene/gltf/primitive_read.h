@@ -1,6 +1,6 @@
 #pragma once
-// One glTF primitive as plain arrays: attributes widened to float, indices expanded to lists,
-// morph targets and skin applied at the rest pose.
+// Reads one glTF primitive into plain arrays: attributes widened to float, indices expanded to
+// lists, morph targets and skin applied at the rest pose.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -13,8 +13,8 @@
 
 namespace mirage::gltf {
 
-/// Attribute lists are either empty or as long as `position`; `indices` hold whole triangles,
-/// lines or points, and may still point beyond the vertices.
+/// Attribute lists are empty or as long as `position`. `indices` hold whole triangles, lines or
+/// points, and may still exceed the vertices.
 struct RawPrimitive {
   PrimitiveKind kind = PrimitiveKind::kTriangles;
   std::vector<glm::vec3> position;
@@ -23,20 +23,21 @@ struct RawPrimitive {
   std::vector<glm::vec2> uv0;
   std::vector<glm::vec2> uv1;
   std::vector<glm::u16vec4> color;
-  std::vector<std::uint32_t> source;  ///< index of each vertex in the file; empty: not wanted
+  std::vector<std::uint32_t> source;  ///< index of each vertex in the file; empty: not requested
   std::vector<std::uint32_t> indices;
 };
 
-/// How a mesh is posed where a node draws it.
+/// The pose of a mesh where a node draws it.
 struct Pose {
   std::vector<double> weights;             ///< morph weights; missing ones are 0
   std::vector<glm::dmat4> joint_matrices;  ///< world_from_bind per joint; empty: not skinned
 };
 
-/// Expands strips, fans and loops (glTF §3.7.2.1) so that every list element stands alone.
+/// Expands strips, fans and loops (glTF §3.7.2.1) into independent elements.
 std::vector<std::uint32_t> expand_indices(std::vector<std::uint32_t> indices, int mode);
 
-/// Errors: kSceneFormat (an attribute of the wrong type), kSceneReference (no data), kSceneLimit.
+/// Reads a primitive. Errors: kSceneFormat (an attribute of the wrong type), kSceneReference (no
+/// data), kSceneLimit.
 Result<RawPrimitive> read_primitive(const Document& document, const tinygltf::Primitive& source,
                                     const Pose& pose, Tally& tally);
 

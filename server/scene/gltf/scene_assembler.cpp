@@ -18,7 +18,7 @@
 namespace mirage::gltf {
 namespace {
 
-constexpr double kResidualGrid = 1e-5;  // residuals that agree to this share one baked mesh
+constexpr double kResidualGrid = 1e-5;  // residuals that agree this closely share one baked mesh
 constexpr char kInstancing[] = "EXT_mesh_gpu_instancing";
 
 std::array<std::int64_t, 9> grid_key(const glm::dmat3& residual) {
@@ -29,7 +29,7 @@ std::array<std::int64_t, 9> grid_key(const glm::dmat3& residual) {
   return key;
 }
 
-/// One optional attribute of EXT_mesh_gpu_instancing: its accessor, -1 if absent.
+/// Returns the accessor of an optional attribute of EXT_mesh_gpu_instancing, -1 if absent.
 int attribute(const tinygltf::Value& attributes, const char* semantic) {
   return attributes.Has(semantic) ? attributes.Get(semantic).GetNumberAsInt() : -1;
 }
@@ -68,7 +68,8 @@ Result<void> SceneAssembler::add_node(int node) {
   if (source.mesh < 0) return {};
   const int group = motion_.group[node];
   if (group < 0) return add_at_rest(node);
-  // Copies share the object if nothing but its shape moves: the pose is then theirs alone.
+  // Copies can share the object only if nothing but its shape moves; then each copy has just its
+  // own pose.
   if (source.extensions.count(kInstancing) != 0 &&
       (group != node || motion_.moves[node] || source.skin >= 0)) {
     tally_.add("instanced copies of a moving mesh left at rest");
@@ -112,7 +113,7 @@ Result<void> SceneAssembler::add_group(int group, const std::vector<int>& nodes)
   return {};
 }
 
-// Equal parts (the wheels of a truck) are one object, and so share their tiles.
+// Equal parts (the wheels of a truck) become one object, so they share their tiles.
 std::uint32_t SceneAssembler::add_animated(AnimatedObject&& object) {
   const Bytes bytes = encode_animation(object.animation.get());
   const std::uint64_t hash = XXH3_64bits(bytes.data(), bytes.size());
@@ -140,7 +141,7 @@ std::uint32_t SceneAssembler::add_animated(AnimatedObject&& object) {
   return index;
 }
 
-// A crowd in step would look like one: each copy is somewhere else in the clip.
+// Each copy starts elsewhere in the clip; a crowd in step would look unnatural.
 Result<void> SceneAssembler::place_copies(int node, std::uint32_t object,
                                           const tinygltf::Value& extension, float clip_offset_s) {
   auto copies = instance_matrices(extension);
@@ -333,7 +334,7 @@ Result<Scene> SceneAssembler::take(const Workers& workers) {
   scene_.materials = materials_.take_materials();
   scene_.images = images.take();
   if (scene_.objects.empty()) {
-    // Whatever was converted for meshes that came out empty is of no use either.
+    // Materials and images of meshes that are empty are not needed either.
     scene_.materials.clear();
     scene_.images.clear();
   }

@@ -1,6 +1,6 @@
 #pragma once
-// Nodes with meshes -> objects and instances of a Scene. Meshes are shared between instances
-// whose transforms are similarities; other transforms get baked copies, shared where equal.
+// Turns nodes with meshes into objects and instances of a Scene. Instances whose transforms are
+// similarities share a mesh. Other transforms get baked copies, shared if equal.
 
 #include <array>
 #include <cstdint>
@@ -23,21 +23,21 @@ class SceneAssembler {
   SceneAssembler(const Document& document, const NodeTree& tree,
                  const std::map<int, NodeClip>& clips, Tally& tally);
 
-  /// Adds whatever a node draws; moving ones wait for finish(). Errors: those of import_mesh,
+  /// Adds the content of a node; moving content waits for finish(). Errors: those of import_mesh,
   /// kSceneLimit.
   Result<void> add_node(int node);
-  /// Adds what moves, one object per group. Errors: as add_node.
+  /// Adds the moving content, one object per group. Errors: as add_node.
   Result<void> finish();
 
-  /// Objects, instances, materials and images; the assembler is spent. Error kSceneLimit: an image
-  /// beyond the limits.
+  /// Returns objects, instances, materials and images; the assembler is then empty. Error
+  /// kSceneLimit: an image beyond the limits.
   Result<Scene> take(const Workers& workers);
 
  private:
   /// A mesh in one pose. Its vertices move into the object that first shows it unbaked.
   struct Base {
     Mesh mesh;
-    double unit = 1;  ///< file units in one of the mesh (normalise_extent)
+    double unit = 1;  ///< file units per unit of the mesh (normalise_extent)
     std::string name;
     int object = -1;
     bool empty = false;
@@ -47,18 +47,19 @@ class SceneAssembler {
 
   Result<void> add_at_rest(int node);
   Result<void> add_group(int group, const std::vector<int>& nodes);
-  /// Index of the object, or of one that is equal.
+  /// Returns the index of the object, or of an equal one.
   std::uint32_t add_animated(AnimatedObject&& object);
-  /// EXT_mesh_gpu_instancing of a mesh whose shape moves. Errors: as instance_matrices, and
+  /// EXT_mesh_gpu_instancing for a mesh whose shape moves. Errors: as instance_matrices, and
   /// kSceneLimit.
   Result<void> place_copies(int node, std::uint32_t object, const tinygltf::Value& extension,
                             float clip_offset_s);
   Result<std::size_t> base_of(int node, Pose pose, int skin);
   Result<void> place(std::size_t base, const glm::dmat4& world, Importance importance);
   Result<std::uint32_t> object_of(std::size_t base, const glm::dmat3& residual, bool baked);
-  /// Joint matrices of a node's skin; empty, with a warning, if the skin is broken.
+  /// Returns the joint matrices of a node's skin; empty, with a warning, if the skin is broken.
   std::vector<glm::dmat4> skin_matrices(int skin);
-  /// EXT_mesh_gpu_instancing: node_from_instance of each copy. Errors: kSceneRange, kSceneFormat.
+  /// Returns node_from_instance of each copy of EXT_mesh_gpu_instancing. Errors: kSceneRange,
+  /// kSceneFormat.
   Result<std::vector<glm::dmat4>> instance_matrices(const tinygltf::Value& extension);
 
   const Document& document_;

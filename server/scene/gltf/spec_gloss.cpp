@@ -26,13 +26,13 @@ float solve_metallic(float diffuse, float specular, float left_of_specular) {
   return std::clamp((-b + root) / (2 * a), 0.0f, 1.0f);
 }
 
-/// Texels as 0..1, interpolated where another image of the pair is larger.
+/// Reads texels as 0..1, interpolated if another image of the pair is larger.
 class Sampler {
  public:
   Sampler(const Image* image, std::uint32_t width, std::uint32_t height)
       : image_(image), width_(width), height_(height) {}
 
-  /// Colour as light, alpha as it is.
+  /// Returns colour as light, and alpha unchanged.
   glm::vec4 at(std::uint32_t x, std::uint32_t y) const {
     if (image_ == nullptr) return glm::vec4(1);
     if (image_->width == width_ && image_->height == height_) return texel(x, y);
@@ -49,7 +49,7 @@ class Sampler {
   }
 
  private:
-  /// The middle of texel `i` of `of`, in texels of a side of `size`.
+  /// Returns the middle of texel `i` of `of`, in texels of a side of `size`.
   static float place(std::uint32_t i, std::uint32_t of, std::uint32_t size) {
     const float at =
         (static_cast<float>(i) + 0.5f) * static_cast<float>(size) / static_cast<float>(of) - 0.5f;

@@ -1,6 +1,6 @@
 #pragma once
-// KHR_materials_pbrSpecularGlossiness -> metallic-roughness, by the conversion of the extension's
-// own appendix: the metalness for which both describe the same diffuse and specular brightness.
+// Converts KHR_materials_pbrSpecularGlossiness to metallic-roughness, as in the extension's
+// appendix: the metalness for which both describe the same diffuse and specular brightness.
 
 #include <glm/glm.hpp>
 
@@ -23,17 +23,17 @@ struct MetalRough {
 
 MetalRough metal_rough_of(const glm::vec3& diffuse, const glm::vec3& specular, float glossiness);
 
-/// Whether no diffuse colour makes it a metal: base colour is then diffuse times a number.
+/// True if no diffuse colour makes it a metal: base colour is then diffuse times a number.
 bool never_metal(const glm::vec3& specular);
 
-/// Of a conversion texel by texel; factors are in it, but for the alpha of `diffuse`.
+/// Images of a texel-by-texel conversion. They include the factors, except the alpha of `diffuse`.
 struct MetalRoughImages {
   Image base;         ///< sRGB
   Image metal_rough;  ///< G roughness, B metallic
 };
 
-/// `diffuse` (sRGB, alpha kept) and `specular_glossiness` (sRGB, glossiness in alpha); nullptr: 1.
-/// The results have the larger size of both, the smaller one is interpolated.
+/// Converts `diffuse` (sRGB, alpha kept) and `specular_glossiness` (sRGB, glossiness in alpha);
+/// nullptr: 1. The results have the larger size of both; the smaller image is interpolated.
 MetalRoughImages convert_images(const Image* diffuse, const Image* specular_glossiness,
                                 const SpecGloss& factors);
 

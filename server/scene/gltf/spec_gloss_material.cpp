@@ -58,7 +58,8 @@ void MaterialImporter::apply_spec_gloss(const tinygltf::Value& source, Material&
   }
   const bool both = diffuse.image >= 0 && specular.image >= 0;
   if (both && !same_place(diffuse.ref, specular.ref)) {
-    // Texels do not meet: the base colour is the diffuse one, and metal where its mean is.
+    // The textures are placed differently, so texels do not correspond. Base colour is the diffuse
+    // colour, and the metalness is that of the mean.
     tally_.add("specular-glossiness textures that lie otherwise than the diffuse one approximated");
     out.base_color_map = diffuse.ref;
     out.base_color_map.image = images_.index_of(diffuse.image, true);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kMaxExample = 120;
 
-/// Names and messages come from outside; a warning is one line all the same.
+/// Names and messages come from outside, but a warning must be one line.
 std::string single_line(std::string_view text) {
   std::string out(text.substr(0, kMaxExample));
   for (char& c : out) {

@@ -12,16 +12,16 @@ namespace mirage::gltf {
 
 class Tally {
  public:
-  /// Strict: nothing is forgiven.
+  /// `strict`: nothing is forgiven.
   explicit Tally(bool strict = false) : strict_(strict) {}
 
-  /// What viewers let pass though the specification does not: counted as `what` with the text of
-  /// `defect` as its example, or, when strict, handed back as an error.
+  /// Forgives a violation of the specification that viewers accept: counts it as `what` with the
+  /// text of `defect` as its example. When strict, returns it as an error.
   Result<void> forgive(std::string_view what, const Error& defect);
-  /// Adds `count` cases of `what` ("triangles with a NaN vertex dropped"); nothing when 0. The
-  /// first non-empty `example` is kept and printed.
+  /// Adds `count` cases of `what` ("triangles with a NaN vertex dropped"); nothing if 0. The first
+  /// non-empty `example` is kept and printed.
   void add(std::string_view what, std::uint64_t count = 1, std::string_view example = {});
-  /// A line of its own, not counted.
+  /// Adds a separate line that is not counted.
   void note(std::string line);
   std::vector<std::string> lines() const;
 
@@ -32,7 +32,7 @@ class Tally {
     std::uint64_t count = 0;
   };
   bool strict_ = false;
-  std::vector<Row> rows_;  // in order of first occurrence; there are a few dozen kinds at most
+  std::vector<Row> rows_;  // in order of first occurrence; at most a few dozen kinds
 };
 
 }  // namespace mirage::gltf

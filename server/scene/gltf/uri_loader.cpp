@@ -27,7 +27,7 @@ int hex_digit(char c) {
   return -1;
 }
 
-/// RFC 3986 §2.1; false on a broken escape.
+/// Decodes RFC 3986 §2.1; false on a broken escape.
 bool percent_decode(std::string_view text, std::string& out) {
   out.reserve(text.size());
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -56,7 +56,7 @@ std::array<std::int8_t, 256> make_base64_table() {
   return table;
 }
 
-/// RFC 4648 §4, padding optional; false on any other character or an impossible length.
+/// Decodes RFC 4648 §4 with optional padding; false on any other character or an impossible length.
 bool decode_base64(std::string_view text, std::vector<std::uint8_t>& out) {
   static const std::array<std::int8_t, 256> kTable = make_base64_table();
   for (int i = 0; i < 2 && !text.empty() && text.back() == '='; ++i) text.remove_suffix(1);
@@ -82,7 +82,7 @@ bool has_scheme(std::string_view uri) {
   return colon != std::string_view::npos && colon < uri.find_first_of("/\\");
 }
 
-/// The file name in a relative URI. Errors: strict ones.
+/// Returns the file name in a relative URI. Errors: strict ones.
 Result<std::string> file_name(std::string_view uri, Tally& tally) {
   if (uri.find(' ') != std::string_view::npos) {
     auto ok = tally.forgive("URIs with spaces that are not escaped",

@@ -1,4 +1,4 @@
-// The choice of a codec: by the link's share of a trip, with hysteresis, never without an offer.
+// Codec choice: by the link's share of a trip, with hysteresis, and never a codec without an offer.
 #include "client/ask/codec_choice.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@ namespace {
 using C = TileCodec;
 const std::vector<C> kAll = {C::kZstd, C::kRaw, C::kWebp};
 
-// A client whose frames are 100 ms apart, on a link that is as told.
+// A client with frames every 100 ms, on a link as given.
 class CoreCodecChoice : public ::testing::Test {
  protected:
   CoreCodecChoice() { choice.reset(kAll); }
@@ -20,7 +20,7 @@ class CoreCodecChoice : public ::testing::Test {
     for (int i = 0; i < seconds * 10; ++i) {
       now_us += 100'000;
       for (int k = 0; k < 3; ++k) {
-        const bool first = tiles++ % 11 == 0;  // of a train: it waits for none
+        const bool first = tiles++ % 11 == 0;  // the first of a burst, which waits for no other
         const double wait = first ? 0 : queue_ms;
         const auto server = static_cast<std::int64_t>(1000 * (first ? 5 : server_ms));
         choice.tile_arrived(static_cast<std::int64_t>(1000 * (way_ms + wait)) + server, server);

@@ -17,13 +17,14 @@ namespace mirage::test {
 namespace {
 
 constexpr double kFirstWindowBytes = 256 * 1024;
-constexpr double kTileBytes = 160 + 0.6 * 128 * 128;  // expected of size class 6, before any came
+// Expected for size class 6, before any arrived.
+constexpr double kTileBytes = 160 + 0.6 * 128 * 128;
 constexpr std::uint64_t kCreditAhead = 64u << 20;
 
 class CoreScheduler : public ::testing::Test {
  protected:
   CoreScheduler() : scene(make_scene(std::vector<Placed>(2000), {})) { greet(scheduler); }
-  /// By a server that is fast enough.
+  /// Welcomes with a server that is fast enough.
   static void greet(Scheduler& scheduler) { scheduler.note_welcome(0, 0, 50); }
   static std::vector<TileNeed> needs(std::uint32_t count, std::uint8_t size_class,
                                      std::uint32_t first = 0) {
@@ -106,7 +107,7 @@ TEST_F(CoreScheduler, AQuietWhileDoesNotCloseTheWindow) {
   EXPECT_GT(burst->asks.size(), 40u);
 }
 
-// Of what is shown by nothing of its own it is told whether asking for it waits.
+// A first image counts as waiting only while asking for it waits.
 TEST_F(CoreScheduler, WhatIsUnderWayDoesNotWait) {
   std::vector<TileNeed> wanted = needs(2, 12);
   for (TileNeed& need : wanted) need.first = true;
@@ -134,7 +135,7 @@ TEST_F(CoreScheduler, GeometryUnderWayDoesNotWait) {
   EXPECT_TRUE(scheduler.first_waits());
 }
 
-// Asks wait in both cases; only in one of them for the link, and tau rises for that alone.
+// Asks wait in both cases. Only in one of them they wait for the link, and tau rises only for that.
 TEST_F(CoreScheduler, WhatWaitsAtTheServerDoesNotFillTheLink) {
   for (const bool at_server : {false, true}) {
     Scheduler fresh;
@@ -161,7 +162,7 @@ TEST_F(CoreScheduler, WhatWaitsAtTheServerDoesNotFillTheLink) {
   }
 }
 
-// Nothing came, whatever was expected: a refusal says nothing about the link.
+// Nothing arrived, whatever was expected: a refusal says nothing about the link.
 TEST_F(CoreScheduler, RefusedGeometryDoesNotOpenTheWindow) {
   std::vector<AssetNeed> wanted;
   for (std::uint32_t i = 0; i < 20; ++i) wanted.push_back(mesh(i, 10'000));
@@ -207,7 +208,7 @@ TEST_F(CoreScheduler, CancelsWhatIsNoLongerNeeded) {
   EXPECT_FALSE(scheduler.finish(12345, 1000, 0, 20'000)) << "never asked";
 }
 
-// What was sent before the server heard of a cancel still takes its place on the link.
+// A reply sent before the server heard of the cancel still takes its place on the link.
 TEST_F(CoreScheduler, CancelledCountUntilTheyAreDue) {
   std::int64_t now = 0;
   for (std::uint32_t i = 0; i < 20; ++i) {  // round trips of 1 s
@@ -228,7 +229,7 @@ TEST_F(CoreScheduler, CancelledCountUntilTheyAreDue) {
   EXPECT_GT(rest->asks.size(), full->asks.size() / 2) << "and then they do not come any more";
 }
 
-// It has sent none of what waits there, and will not: the place is free after a trip.
+// A slow server has sent nothing of what waits there, and will not: the place is free after a trip.
 TEST_F(CoreScheduler, CancelledAtASlowServerAreForgottenAfterATrip) {
   std::deque<std::uint32_t> under_way;
   std::int64_t now = 0;
@@ -254,7 +255,7 @@ TEST_F(CoreScheduler, CancelledAtASlowServerAreForgottenAfterATrip) {
   EXPECT_LE(now - cancelled, 1'000'000);
 }
 
-// Cancelled, a light that changes faster than tiles come would never show any.
+// If asks were cancelled, a light that changes faster than tiles arrive would never show any.
 TEST_F(CoreScheduler, NewLightLetsWhatIsUnderWayArrive) {
   const auto first = plan(needs(2, 2), 0, {}, 1);
   EXPECT_FALSE(plan(needs(2, 2), 10'000, {}, 2));
@@ -276,7 +277,7 @@ TEST_F(CoreScheduler, RefusedPausesThenAsksAgain) {
   const auto again = plan(needs(1, 2), 350'000);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->asks.size(), 1u);
-  scheduler.refuse(4711, 0);  // never asked
+  scheduler.refuse(4711, 0);  // never asked for
 }
 
 TEST_F(CoreScheduler, LostAsksAreGivenUp) {
@@ -293,7 +294,7 @@ TEST_F(CoreScheduler, CreditGrowsWithWhatHasArrived) {
   EXPECT_EQ(first->credit_bytes, kCreditAhead);
   scheduler.finish(first->asks[0].request_id(), 123'456, 0, 10'000);
   EXPECT_EQ(plan(needs(1, 2), 20'000)->credit_bytes, kCreditAhead + 123'456);
-  // What nobody waits for any more was sent all the same.
+  // A cancelled tile was sent nevertheless.
   scheduler.finish(999, 1'000, 0, 30'000);
   EXPECT_EQ(plan(needs(2, 2), 40'000)->credit_bytes, kCreditAhead + 124'456);
   scheduler.reset();
@@ -324,7 +325,7 @@ TEST_F(CoreScheduler, GeometryIsAskedForOnce) {
 }
 
 TEST_F(CoreScheduler, WhatIsWorthMoreAByteComesFirst) {
-  // Tiles are worth 1000 and less; meshes take .4 of their bytes, and are worth from 450 down.
+  // Tiles are worth 1000 and less. Meshes take 0.4 of their bytes, and are worth 450 and less.
   std::vector<AssetNeed> meshes;
   for (std::uint32_t i = 0; i < 10; ++i) meshes.push_back(mesh(i, 4000, 450.0 - i));
   const auto batch = plan(needs(1000, 6), 0, meshes);
@@ -357,7 +358,7 @@ TEST_F(CoreScheduler, ASlowServerLeavesTheLinkToGeometry) {
   std::vector<AssetNeed> meshes;
   for (std::uint32_t i = 0; i < 500; ++i) meshes.push_back(mesh(i, 4000, 1));
   Scheduler slow;
-  slow.note_welcome(0, 0, 100'000);  // a tile takes it so long
+  slow.note_welcome(0, 0, 100'000);  // the time it takes for a tile
   const auto batch = slow.plan(scene, needs(1000, 6), meshes, 0, 0);
   ASSERT_TRUE(batch);
   EXPECT_LE(batch->asks.size(), 4u);
@@ -372,7 +373,7 @@ TEST_F(CoreScheduler, SurroundingsComeBeforeTiles) {
   EXPECT_EQ(batch->mesh_asks.size(), 66u) << "the whole window";
 }
 
-// One reply of 8 MB a second after it was asked for is 8 MB a second, not 8 MB in an instant.
+// A reply of 8 MB that arrives a second after its ask means 8 MB a second, not 8 MB in an instant.
 TEST_F(CoreScheduler, ALargeReplyIsNoBurst) {
   std::int64_t now = 0;
   for (std::uint32_t i = 0; i < 10; ++i) {
@@ -388,7 +389,8 @@ TEST_F(CoreScheduler, ALargeReplyIsNoBurst) {
   for (std::uint32_t i = 0; i < 10; ++i) scheduler.finish(9999, 100, 0, now);
   ASSERT_TRUE(plan(needs(1500, 8), now)) << "what the first window allows; the rest waits";
   ASSERT_TRUE(plan(needs(1500, 8), now)) << "and as it waits the window grows";
-  // Ten round trips of 0.1 s are no queue: the rest of its second is its own time on the link.
+  // Ten round trips of 0.1 s are no queue: the rest of a second is the reply's own time on the
+  // link.
   const double window = 8e6 / 0.9 * (0.1 + 0.025);
   const double each = 160 + 0.384 * 256 * 256;
   EXPECT_NEAR(static_cast<double>(scheduler.in_flight()), window / each, 0.05 * window / each);
@@ -408,7 +410,7 @@ TEST_F(CoreScheduler, BatchesKeepTheProtocolsLimits) {
 }
 
 TEST_F(CoreScheduler, NothingUnderWayLeavesTheWholeWindow) {
-  // Tiles compress better and worse in turn, so that the expectation changes while asks are out.
+  // Tiles compress better and worse by turns, so the expectation changes while asks are under way.
   std::int64_t now = 0;
   for (int round = 0; round < 210; ++round) {
     const auto batch = plan(needs(20, 8), now);
@@ -420,7 +422,7 @@ TEST_F(CoreScheduler, NothingUnderWayLeavesTheWholeWindow) {
     ASSERT_EQ(scheduler.in_flight(), 0u);
     now += 1'500'000;  // the measured rate is forgotten
   }
-  // 500 bytes for 256 x 256 texels is the expectation now; the first window is free again.
+  // The expectation is now 500 bytes for 256 x 256 texels, and the first window is free again.
   now += 2'000'000;
   const auto batch = plan(needs(1024, 10), now);
   ASSERT_TRUE(batch);

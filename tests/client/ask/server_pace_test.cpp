@@ -1,4 +1,4 @@
-// How many tiles may be under way at a server that makes them one after the other.
+// Server pace: how many tiles may be under way at a server that makes one after the other.
 #include "client/ask/server_pace.h"
 
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 namespace mirage {
 namespace {
 
-/// A server that takes `tile_us` for each, a way of `way_us`, and a client that wants no end of
-/// them.
+/// A server that takes `tile_us` for a tile, at a distance of `way_us`, and a client that always
+/// wants more tiles.
 struct Shop {
   Shop(std::int64_t tile, std::int64_t way) : tile_us(tile), way_us(way) {}
   void run(std::int64_t until_us) {
@@ -96,7 +96,7 @@ TEST(CoreServerPace, BeforeTheFirstReplyTheServersWordCounts) {
   EXPECT_EQ(pace.limit(100'000, 50'000), 300u);
 }
 
-// The server takes the worst first: some overtake a queue that is there all the same.
+// The server takes the worst ask first, so some replies overtake a queue that exists nevertheless.
 TEST(CoreServerPace, WhatOvertakesTheQueueMakesTheServerNoFaster) {
   ServerPace pace;
   std::int64_t done_us = 0;

@@ -1,4 +1,4 @@
-// The window of what may be under way, on a plant: a link with a queue (numerics.md section 4).
+// Ask window: how much may be under way, on a model of a link with a queue (numerics.md section 4).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kTile = 8000;
 constexpr std::int64_t kStepUs = 5'000;
 
-/// The window of a frame.
+/// Runs a frame; returns the window.
 double frame(AskWindow& window, std::int64_t now_us, std::int64_t held_back_us, bool idle) {
   window.frame_began(now_us);
   return window.update(now_us, held_back_us, idle);
@@ -24,7 +24,7 @@ double frame(AskWindow& window, std::int64_t now_us, std::int64_t held_back_us, 
 struct Plant {
   double rate_mbps = 20;
   std::int64_t rtt_us = 50'000;
-  bool waits = true;  ///< false: there is never more to ask for than fits
+  bool waits = true;  ///< false: the client never wants more than fits
 
   void run(double seconds) {
     const std::int64_t end = now_us + std::llround(seconds * 1e6);
@@ -46,14 +46,15 @@ struct Plant {
       history.push_back(static_cast<double>(under_way.size() * kTile));
     }
   }
-  /// Most and least under way in the last `seconds`.
+  /// Returns the least and most bytes under way in the last `seconds`.
   std::pair<double, double> range(double seconds) const {
     const auto n = static_cast<std::ptrdiff_t>(seconds * 1e6 / kStepUs);
     const auto [low, high] = std::minmax_element(history.end() - n, history.end());
     return {*low, *high};
   }
   double bound() const {
-    // A tile more, as what fits is asked for whole, and one whose own time on the link is no queue.
+    // Two tiles are added: what fits is asked for whole, and a tile's own time on the link is no
+    // queue.
     return rate_mbps * 0.125 * static_cast<double>(rtt_us + 50'000) + 2.0 * kTile;
   }
 
@@ -111,7 +112,7 @@ TEST(CoreWindow, ALongerRoundTripIsFoundOut) {
   EXPECT_LE(plant.range(20).second, plant.bound());
 }
 
-// Longer than any queue the window lets be: that is not waited out for a period.
+// The trip is longer than any queue that the window allows, so this does not take a whole period.
 TEST(CoreWindow, AFarLongerRoundTripIsFoundOutInSeconds) {
   Plant plant;
   plant.rtt_us = 20'000;
@@ -136,8 +137,8 @@ TEST(CoreWindow, AHundredfoldRoundTripKeepsTheBound) {
   EXPECT_GE(static_cast<double>(plant.received - before) * 8e-6 / 60, 0.8 * 2);
 }
 
-// After a period of slow trips alone all is let arrive; the next trip tells whether they were slow
-// for a queue or for the way.
+// All replies may arrive after a period that had only slow trips. The next trip tells whether a
+// queue or a longer way made them slow.
 TEST(CoreWindow, DrainedAWayIsToldFromAQueue) {
   for (const std::int64_t found : {50'000, 150'000}) {
     AskWindow window;
@@ -148,7 +149,7 @@ TEST(CoreWindow, DrainedAWayIsToldFromAQueue) {
       window.tile_arrived({now - trip, now, 0, 2'000, 2'000});  // 1 MB/s
       last = window.update(now, now, false);
     };
-    // One that did not wait for the one before it: the others did, the link is busy.
+    // The first did not wait for the one before it. The others did, so the link is busy.
     const auto first_step = [&] {
       trip -= 2'000;
       step();
@@ -156,7 +157,8 @@ TEST(CoreWindow, DrainedAWayIsToldFromAQueue) {
     };
     first_step();
     while (now < 500'000) step();
-    for (trip = 70'000; now < 2'000'000;) step();  // the first window was more than it carries
+    // The first window was more than the link carries.
+    for (trip = 70'000; now < 2'000'000;) step();
     for (trip = 50'000; now < 7'000'000;) step();
     EXPECT_NEAR(last, 75'000, 3'000);
     for (trip = 150'000; now < 16'000'000 && last > 0;) {
@@ -164,7 +166,7 @@ TEST(CoreWindow, DrainedAWayIsToldFromAQueue) {
       step();
     }
     ASSERT_EQ(last, 0) << "drained";
-    window.update(now, 1, true);  // all is here
+    window.update(now, 1, true);  // everything has arrived
     trip = found;
     now += 200'000;
     first_step();
@@ -173,7 +175,7 @@ TEST(CoreWindow, DrainedAWayIsToldFromAQueue) {
   }
 }
 
-// Trains with gaps: the link is as fast as within a train.
+// Bursts with gaps: the link is as fast as within a burst.
 TEST(CoreWindow, GapsSayNothingAboutTheLink) {
   AskWindow window;
   std::int64_t now = 0;
@@ -188,7 +190,7 @@ TEST(CoreWindow, GapsSayNothingAboutTheLink) {
   EXPECT_NEAR(window.update(now - 750'000, 1, false), 0.95 * 75'000 - 10'000, 3'000);
 }
 
-// What comes at once may have waited together: no rate can be told from it.
+// Replies that arrive at once may have waited together, so they tell no rate.
 TEST(CoreWindow, ABurstAtMostDoublesIt) {
   AskWindow window;
   double before = 0;
@@ -211,7 +213,7 @@ TEST(CoreWindow, ASleepIsNoRate) {
   EXPECT_EQ(window.rate_mbps(), 0);
 }
 
-// 2 kB each 20 ms, as the server makes them; the link carries each at once.
+// The server makes a tile of 2 kB every 20 ms; the link carries each at once.
 TEST(CoreWindow, TimeAtTheServerIsNotTheLinks) {
   for (const bool told : {true, false}) {
     AskWindow window;
@@ -245,7 +247,7 @@ TEST(CoreWindow, TheOpeningTellsTheFirstWindow) {
   EXPECT_EQ(first(0), 256 * 1024) << "all at once: nothing is known";
 }
 
-// Asks leave with frames: what comes between two of them is under way as well.
+// Asks are sent once a frame, so what arrives between two frames is under way as well.
 TEST(CoreWindow, TheFirstWindowHoldsAWholeFrame) {
   AskWindow window;
   window.welcomed(1'000'000, 100'000);
@@ -265,7 +267,7 @@ TEST(CoreWindow, AWelcomeTellsTheWay) {
   EXPECT_EQ(window.way_us(), 50'000) << "and what tiles tell more than a greeting";
 }
 
-// What waits at a server is not on the link, and takes no place from what is.
+// Tiles that wait at a server are not on the link, and take no place from those that are.
 TEST(CoreWindow, TilesAtTheServerAreOnTop) {
   const auto after = [](std::int64_t server_us) {
     AskWindow window;

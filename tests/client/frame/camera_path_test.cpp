@@ -23,7 +23,7 @@ double angle(const glm::quat& a, const glm::quat& b) {
   return 2 * std::atan2(glm::length(glm::dvec3(d.x, d.y, d.z)), std::abs(d.w));
 }
 
-/// A trace file that goes with the test.
+/// A trace file that is deleted with the test.
 class TraceFile {
  public:
   explicit TraceFile(const std::string& text) { std::ofstream(path_) << text; }
@@ -106,9 +106,9 @@ TEST(CoreCameraPath, BadLinesAreNamed) {
     const char* text;
     int line;
   } cases[] = {
-      {"0 0 0 0 0 0 0\n0 0 0 0 0 0\n", 2},     // a column short
-      {"# comment\n\n0 0 0 0 0 0 abc\n", 3},   // no number
-      {"0 0 0 0 0 0 10\n0 0 0 0 0 0 9\n", 2},  // time falls
+      {"0 0 0 0 0 0 0\n0 0 0 0 0 0\n", 2},     // a missing column
+      {"# comment\n\n0 0 0 0 0 0 abc\n", 3},   // not a number
+      {"0 0 0 0 0 0 10\n0 0 0 0 0 0 9\n", 2},  // the time falls
       {"0 0 0 0 0 0 0\n0 0 0 0 0 0 5\n0 0 nan 0 0 0 6\n", 3},
       {"0 0 0 0 0 0 0\n1e999 0 0 0 0 0 6\n", 2},
   };
@@ -125,7 +125,7 @@ TEST(CoreCameraPath, BadLinesAreNamed) {
 }
 
 TEST(CoreCameraPath, EqualTimesAreNotFalling) {
-  // Every one of these, in whole and broken milliseconds, twice.
+  // Each of these in whole and in fractional milliseconds, twice.
   std::string text;
   for (int i = 0; i < 2000; ++i) {
     char line[64];

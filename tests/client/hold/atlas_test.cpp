@@ -1,4 +1,4 @@
-// Atlas allocator: no overlap ever, nothing lost after any order of releases (numerics.md T1-5).
+// Atlas allocator: no overlap, and nothing lost after any order of releases (numerics.md T1-5).
 #include <gtest/gtest.h>
 
 #include <random>
@@ -12,7 +12,7 @@ namespace {
 constexpr int kEdge = 256;
 constexpr int kLayers = 3;
 
-/// Who owns each texel, by slot number; 0: nobody.
+/// Owner of each texel, by slot number; 0: none.
 class Occupancy {
  public:
   bool claim(const AtlasSlot& slot, int owner) {

@@ -1,4 +1,4 @@
-// Tile cache: what is on screen is never evicted, what is not leaves nothing behind.
+// Tile cache: a tile on the screen is never evicted, and an evicted one leaves nothing behind.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ TEST(CoreTileCache, FullAtlasNeverEvictsWhatIsOnScreen) {
   EXPECT_FALSE(cache.insert(0, scene, late, make_tile(late), 5, 0));
   EXPECT_FALSE(cache.insert(0, scene, late, make_tile(late), 6, 0)) << "drawn a frame ago";
   EXPECT_EQ(cache.resident(), kFull);
-  // All but one drawn again: that one makes room.
+  // All tiles but one are drawn again; that one makes room.
   cache.mark_drawn(records, 9);
   cache.mark_drawn({records[7]}, 8);
   const TileRecordPtr placed = cache.insert(0, scene, late, make_tile(late), 10, 0);
@@ -63,7 +63,7 @@ TEST(CoreTileCache, LayersTakePlacesOfTheirOwnAndGiveThemBack) {
   const SceneView scene = four_objects();
   TileCache cache(kAtlasEdge, 1);
   cache.reset(scene, scene.lighting);
-  for (int n = 0; n < 64; ++n) {  // many times what there is room for
+  for (int n = 0; n < 64; ++n) {  // many times more than there is room for
     const Capture capture = small_capture(n);
     const TileRecordPtr tile =
         cache.insert(0, scene, capture, layered_tile(capture, 9), 10 * static_cast<unsigned>(n), 0);
@@ -111,7 +111,8 @@ TEST(CoreTileCache, WhatWasDrawnLongestAgoGoesFirst) {
     for (int k = 0; k < 2; ++k) {
       const Capture capture = small_capture(next++ % 256);
       const auto instance = static_cast<std::uint32_t>(next % 4);
-      // What should go: of those out of view the one drawn longest ago, equally old ones by age.
+      // The next to be evicted is the tile out of view that was drawn longest ago; of equally old
+      // ones the earliest.
       const auto oldest =
           std::min_element(held.begin(), held.end(), [](const auto& a, const auto& b) {
             return std::tie(a->last_drawn, a->serial) < std::tie(b->last_drawn, b->serial);
@@ -153,7 +154,7 @@ TEST(CoreTileCache, EmptyTileTakesNoRoom) {
   Tile tile = make_tile(capture);
   tile.crop = {};
   EXPECT_FALSE(cache.insert(2, scene, capture, std::move(tile), 1, 0));
-  // Empty from there, and only from there: a sheet seen from behind shows from the front.
+  // Empty from there, but only from there: a sheet seen from behind shows from the front.
   EXPECT_TRUE(cache.group_to_draw(2)->empty_from(capture.eye()));
   const Capture fine(*view_cell_from_direction({0, 0, 1}, 8), *distance_bucket_from_radii(4, 2), 1,
                      64);
@@ -197,7 +198,7 @@ TEST(CoreTileCache, NewLightShowsOldTilesUntilNewOnesCome) {
   const Capture capture = small_capture(0);
   const TileRecordPtr old_tile = cache.insert(0, scene, capture, make_tile(capture), 1, 0);
   ASSERT_TRUE(cache.lit_group(0).wanted);
-  for (int i = 1; i <= 3; ++i) {  // lights that change faster than tiles come
+  for (int i = 1; i <= 3; ++i) {  // lights that change faster than tiles arrive
     lighting.ambient = glm::vec3(0.1f * static_cast<float>(i));
     cache.relight(lighting, 1000 * i);
     ASSERT_EQ(cache.group_to_draw(0)->tiles.size(), 1u);
@@ -208,7 +209,7 @@ TEST(CoreTileCache, NewLightShowsOldTilesUntilNewOnesCome) {
   EXPECT_TRUE(cache.lit_group(0).wanted);
   ASSERT_EQ(cache.group_to_draw(0)->tiles.size(), 1u);
   EXPECT_EQ(cache.group_to_draw(0)->tiles[0], fresh);
-  // The former light once more: its tile is still there.
+  // The former light returns: its tile is still there.
   cache.relight(scene.lighting, 5000);
   EXPECT_TRUE(cache.lit_group(0).wanted);
   EXPECT_EQ(cache.group_to_draw(0)->tiles[0], old_tile);

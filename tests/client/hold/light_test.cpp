@@ -1,5 +1,5 @@
-// Light that changes: which tiles are shown meanwhile, what is asked for, and for how long a light
-// shown has been past.
+// Light that changes: which tiles are shown meanwhile, what is asked for, and how long the shown
+// light has been past.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -40,7 +40,8 @@ Tile relit_tile(const Capture& capture) {
   return tile;
 }
 
-// A sun that moves every frame, tiles ten frames late: each is shown, and the newest light wins.
+// The sun moves every frame, and tiles are ten frames late: each is shown, and the newest light
+// wins.
 TEST(CoreLight, TilesOfAPastLightAreShownWhenNewerThanWhatIs) {
   const SceneView scene = make_scene({{{0, 0, 0}}}, lit());
   TileCache cache(256, 1);
@@ -61,7 +62,7 @@ TEST(CoreLight, TilesOfAPastLightAreShownWhenNewerThanWhatIs) {
     EXPECT_EQ(shown.then->serial, light);
     EXPECT_EQ(shown.then->ended_us, (frame - 9) * 20 * kMs);
   }
-  // One for an older light than the one shown changes nothing.
+  // A tile for an older light than the one shown changes nothing.
   const TileCache::LitGroup before = cache.lit_group(0);
   ASSERT_TRUE(cache.insert(0, scene, any_capture(), make_tile(any_capture()), 50, 0, asked[20]));
   EXPECT_EQ(cache.lit_group(0).tiles, before.tiles);
@@ -82,7 +83,7 @@ TEST(CoreLight, GroupsOfLightsLongPastAreDropped) {
   EXPECT_FALSE(cache.insert(0, scene, any_capture(), make_tile(any_capture()), 1, 0, first));
 }
 
-// A lamp that goes on and off: two states, each with its tiles, however often.
+// A lamp that goes on and off has two states, each with its tiles, however often it changes.
 TEST(CoreLight, AStateThatReturnsKeepsItsTiles) {
   const SceneView scene = make_scene({{{0, 0, 0}}}, lit());
   TileCache cache(256, 1);

@@ -1,4 +1,5 @@
-// Mesh cache: the level by screen-space error, coarse first, what goes when, within the budget.
+// Mesh cache: levels by screen-space error, coarse ones first, and what is dropped within the
+// budget.
 #include "client/hold/mesh_cache.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,7 @@ ObjectModel triangles_of(std::uint32_t count, std::int32_t image = -1, bool mask
     for (std::uint32_t k = 0; k < 3; ++k) {
       Vertex& v = model.mesh.vertices[i * 3 + k];
       v.position = {k == 1, k == 2, 0};
-      v.uv0 = glm::vec2(v.position) * 0.5f;  // half a texture a unit
+      v.uv0 = glm::vec2(v.position) * 0.5f;  // half a texture for a unit
       model.mesh.indices.push_back(i * 3 + k);
     }
   }
@@ -39,7 +40,7 @@ struct World {
     for (std::uint32_t i = 0; i < objects; ++i) placed.push_back({{0, 0, 0}, 1, i});
     scene = make_scene(placed, options);
     for (ObjectDescription& object : scene.objects) {
-      object.box_min = glm::vec3(-1);  // nowhere nearer than the sphere
+      object.box_min = glm::vec3(-1);  // no closer to the eye than the sphere
       object.box_max = glm::vec3(1);
       object.lods = {{9000, 90'000, 0.0f, 0}, {3000, 30'000, 0.002f, 0}, {1000, 10'000, 0.02f, 0}};
     }
@@ -187,9 +188,9 @@ TEST(CoreMeshCache, ImagesBySize) {
   EXPECT_EQ(needs[0].id.level, 0);
   world.cache.add_image(world.scene, 0, 0, 2000, 0);
   EXPECT_TRUE(world.needs().empty()) << "sharp enough from here";
-  // Half a texture a unit: level 2 (1024 texels) is 512 texels a unit.
+  // Half a texture for a unit: level 2 (1024 texels) has 512 texels a unit.
   const double f = world.camera.focal_px();
-  world.look_from(1 + f * 0.75 / 128 * 0.9);  // too near for the 256 texels of level 1
+  world.look_from(1 + f * 0.75 / 128 * 0.9);  // too near for level 1 with its 256 texels
   needs = world.needs();
   ASSERT_EQ(needs.size(), 1u);
   EXPECT_EQ(needs[0].id.level, 2);

@@ -1,4 +1,5 @@
-// The upload queue: a budget a frame, first images first, nothing lost, times that never go back.
+// Upload queue: a budget for each frame, first images first, nothing lost, times that never run
+// backwards.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -10,7 +11,7 @@ namespace mirage::test {
 namespace {
 
 constexpr std::size_t kCost = 100;
-constexpr std::uint32_t kFirstImage = 1000;  // and above: of instances that show nothing
+constexpr std::uint32_t kFirstImage = 1000;  // ids from here on: instances that show nothing
 
 Message tile(std::uint32_t request, std::int64_t waited_us = 0) {
   wire::TileReplyT reply;

@@ -1,4 +1,4 @@
-// Modelled link: arrival times by the formula, whatever order the real replies come in.
+// Modelled link: arrival times follow the formula, in whatever order the real replies arrive.
 #include "client/link/modelled_link.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace mirage::test {
 namespace {
 
 constexpr std::size_t kPayload = 10'000;
-constexpr double kReplyBytes = kPayload + 144 + 24;  // control part, our header, WebSocket's
+constexpr double kReplyBytes = kPayload + 144 + 24;  // control part, our header, and WebSocket's
 constexpr std::int64_t kStepUs = 100;
 
 /// Answers every ask at once, in an order of its own.
@@ -66,7 +66,7 @@ class InstantServer final : public Link {
 wire::RequestBatchT batch_of(std::uint32_t first, std::uint32_t count) {
   wire::RequestBatchT batch;
   for (std::uint32_t i = 0; i < count; ++i) {
-    // The later ones are worse: the server turns the order round.
+    // Later asks are worse, so the server reverses the order.
     batch.asks.emplace_back(first + i, 0, 0, static_cast<float>(i + 1), 0, 0, std::uint16_t{0},
                             std::uint16_t{0}, std::uint8_t{0}, std::uint8_t{0}, std::uint8_t{0},
                             std::uint8_t{3}, std::uint16_t{0});
@@ -124,7 +124,7 @@ TEST(CoreModelledLink, ArrivalTimes) {
         ASSERT_EQ(session.arrivals.size(), kTiles);
         for (std::uint32_t n = 1; n <= kTiles; ++n) {
           EXPECT_EQ(session.arrivals[n - 1].first, kTiles + 1 - n) << "worst first";
-          // Whichever is the slower of server and link sets the pace; the other is passed once.
+          // The slower one of server and link sets the pace; the other one adds its time once.
           const double expected =
               up_ms + rtt + std::max(server_ms, down_ms) * n + std::min(server_ms, down_ms);
           EXPECT_NEAR(static_cast<double>(session.arrivals[n - 1].second) * 1e-3, expected, 1.0)
@@ -199,7 +199,7 @@ TEST(CoreModelledLink, CancelBeforeServiceDropsTheReply) {
   session.link.send(encode_message(batch_of(1, 3)));  // served 3, 2, 1 from 10, 60, 110 ms
   session.run_until(10'000);
   wire::RequestBatchT cancel;
-  cancel.cancels = {1, 3, 99};  // of 3, service has begun when this arrives
+  cancel.cancels = {1, 3, 99};  // the service of 3 has begun when this arrives
   session.link.send(encode_message(std::move(cancel)));
   session.run_until(1'000'000);
   ASSERT_EQ(session.arrivals.size(), 2u);
@@ -253,7 +253,8 @@ TEST(CoreModelledLink, GeometryArrivesWhateverOrderItReallyCameIn) {
     different.insert(session.arrivals);
   }
   EXPECT_EQ(different.size(), 1u);
-  // First of the geometry: half a round trip up, its preparation, its bytes, half a trip down.
+  // The first geometry takes half a round trip up, its preparation, its bytes, and half a trip
+  // down.
   const Arrivals& one = *different.begin();
   const auto first =
       std::find_if(one.begin(), one.end(), [](const auto& a) { return a.first == 20; });
@@ -286,7 +287,7 @@ TEST(CoreModelledLink, SaysHowBusyBothEndsWere) {
   EXPECT_FALSE(starves(true, {0, 0.95}));
 }
 
-// TCP, then the upgrade; the hello waits for both, on every connection.
+// One trip is for TCP, one for the upgrade. The hello waits for both, on every connection.
 TEST(CoreModelledLink, ConnectingTakesTwoRoundTrips) {
   NetModel model;
   model.rtt_ms = 40;

@@ -14,8 +14,8 @@ constexpr std::uint32_t kCup = 1;
 
 using Ids = std::vector<std::uint32_t>;
 
-// A desk, 1 m in radius, at the origin, and a cup: before and behind the desk's centre it is on the
-// desk either way. The eye is on the z axis.
+// A desk of radius 1 m at the origin, and a cup. The cup is on the desk whether it is before or
+// behind the desk's centre. The eye is on the z axis.
 TEST(CoreBlendOrder, WhatStandsOnAThingComesAfterIt) {
   const auto comes_after_desk = [](const glm::dvec3& cup) {
     const SceneView scene = make_scene({{{0, 0, 0}, 1}, {cup, 0.05f}});
@@ -29,7 +29,7 @@ TEST(CoreBlendOrder, WhatStandsOnAThingComesAfterIt) {
   EXPECT_FALSE(comes_after_desk({0, 0, -2})) << "behind it";
 }
 
-// A ball of glass, 1 m in radius, and something small in it, behind it or before it.
+// A glass ball of radius 1 m, and a small thing in it, behind it or before it.
 TEST(CoreBlendOrder, WhatIsSeenThroughGlassComesBeforeIt) {
   const auto order = [](double z) {
     SceneView scene = make_scene({{{0, 0, 0}, 1, 0}, {{0, 0, z}, 0.05f, 1}}, {.objects = 2});

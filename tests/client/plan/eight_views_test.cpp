@@ -1,4 +1,5 @@
-// The classic baseline: eight views around the horizon, the nearest of them, never asked twice.
+// Eight views, the classic baseline: eight views around the horizon, the nearest one, never asked
+// for twice.
 #include "client/plan/eight_views.h"
 
 #include <gtest/gtest.h>

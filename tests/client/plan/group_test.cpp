@@ -1,4 +1,4 @@
-// Impostor groups on the client: one image for many far instances, members again when near.
+// Impostor groups on the client: one image for many far instances, and members again when near.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ struct GroupWorld : SelectorWorld {
     std::vector<std::uint32_t> out;
     for (const DrawnImpostor& d : selector.select(input()).impostors) out.push_back(d.instance);
     std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());  // twice while a tile fades in
+    out.erase(std::unique(out.begin(), out.end()), out.end());  // two entries while a tile fades in
     return out;
   }
   std::vector<std::uint32_t> needed() {
@@ -95,8 +95,8 @@ TEST(CoreGroup, TheGroupFadesInOverItsMembersAndTheyOverIt) {
   EXPECT_EQ(world.drawn(), (Indices{0, 1, 2, 3}));
 }
 
-// Members drawn as geometry are images as good as tiles: a group's image fades in over them, it
-// does not replace them at once.
+// Geometry of members is as good as tiles: a group's image fades in over it, instead of replacing
+// it at once.
 TEST(CoreGroup, TheGroupFadesInOverGeometry) {
   GroupWorld world;
   world.mesh_ready[0] = true;
@@ -118,11 +118,11 @@ TEST(CoreGroup, TheGroupFadesInOverGeometry) {
   EXPECT_TRUE(select().meshes.empty());
 }
 
-// A group that is drawn goes on a little nearer than one that is not: so long its members are not
-// asked for.
+// A drawn group stays until a little nearer than an undrawn one would be taken. Until then its
+// members are not asked for.
 TEST(CoreGroup, MembersOfAGroupThatGoesOnAreNotAskedFor) {
   GroupWorld world;
-  double nearest = 300;  // at which the group, not its members, is asked for
+  double nearest = 300;  // nearest distance at which the group is asked for, not its members
   for (double d = 300; d > 20; d -= 1) {
     world.look_from(d);
     if (world.needed() != Indices{4}) break;

@@ -1,4 +1,4 @@
-// Importance: what an instance may be off, and who is asked for first.
+// Importance: the error that an instance may show, and which one is asked for first.
 #include "client/plan/importance.h"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ TEST(CoreImportance, AttentionIsBoundedAndFallsFromTheMiddle) {
 
 TEST(CoreImportance, HalfAttentionAQuarterOfTheHeightBeside) {
   SelectorWorld world = three_balls();
-  // The ball's edge, not its centre, lies there: its centre at the height h, the middle at 0.
+  // The ball's edge lies there, not its centre: the centre is at height h, the middle at 0.
   const double beside = 0.25 * world.camera.height + world.camera.focal_px() / 20;
   world.look({0, 20 * beside / world.camera.focal_px(), 0},
              {0, 20 * beside / world.camera.focal_px(), -1});
@@ -67,7 +67,7 @@ TEST(CoreImportance, AnyImageBeatsNoneWhereverItIs) {
 }
 
 TEST(CoreImportance, SceneryIsGoodEnoughEarlierAndWhatIsImportantLater) {
-  // Off the tile's cell by what costs between a half and two tau.
+  // The eye is off the tile's cell by an error of between a half and two tau.
   const auto needed = [](Importance importance, double aside) {
     SelectorWorld world = one_ball(importance);
     EXPECT_TRUE(world.add_tile(0));

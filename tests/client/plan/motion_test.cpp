@@ -26,7 +26,7 @@ void add_phase(SelectorWorld& world, const TileNeed& need) {
                      need.phase);
 }
 
-/// Everything the client wants until it wants no more.
+/// Returns everything the client asks for until it wants no more.
 std::vector<TileNeed> fetch_all(SelectorWorld& world, const SelectorInput& in) {
   std::vector<TileNeed> all;
   for (int round = 0; round < 20; ++round) {
@@ -52,7 +52,7 @@ TEST(CoreMotion, TheNearestPoseIsDrawnAndItsBoundGrowsWithTime) {
     last = list.impostors[0].bound_px;
     EXPECT_EQ(list.time_s, t);
   }
-  // 0.04 units at nine units' distance.
+  // 0.04 units at a distance of nine units.
   const double moved = world.camera.focal_px() * 0.04 / 9;
   EXPECT_GE(last, moved);
   EXPECT_LE(last, 1.2 * moved + 1);
@@ -108,7 +108,7 @@ TEST(CoreMotion, ALoopOnceSeenCostsNothingMore) {
 TEST(CoreMotion, AStandingAnimationIsAskedForOnceAndDrawnWithinTau) {
   SelectorWorld world = moving_world(0.3f);
   SelectorInput in = world.input();
-  in.time_s = 0.777;  // and a horizon of 0: the clock stands
+  in.time_s = 0.777;  // and a horizon of 0: the clock stands still
   fetch_all(world, in);
   for (int frame = 0; frame < 100; ++frame) {
     EXPECT_TRUE(world.selector.needs(in).empty());
@@ -154,7 +154,7 @@ TEST(CoreMotion, SeveralPhasesOfAnInstanceAreUnderWayAtOnce) {
   EXPECT_EQ(first->asks.size(), 3u);
   EXPECT_EQ(first->asks[2].phase(), 3);
   EXPECT_FALSE(scheduler.plan(world.scene, needs, {}, 0, 1000)) << "none is asked for twice";
-  // A phase that has passed comes again: nothing is cancelled while the object is wanted.
+  // A phase that has passed comes again, so nothing is cancelled while the object is wanted.
   needs.resize(1);
   EXPECT_FALSE(scheduler.plan(world.scene, needs, {}, 0, 2000));
 }

@@ -1,4 +1,4 @@
-// A scene told group by group: what a viewer needs is known, and not much more.
+// Scene opener: a scene told group by group. What a viewer needs is known, and not much more.
 #include <gtest/gtest.h>
 #include <time.h>
 
@@ -25,9 +25,9 @@ std::shared_ptr<const PreparedScene> field() {
   return scene;
 }
 
-Message decoded(const FramePtr& page) { return decode_message(page->data(), page->size()).take(); }
+Message decoded(const PacketPtr& page) { return decode_message(page->data(), page->size()).take(); }
 
-// Asks and gets until nothing more is wanted; returns how often.
+// Asks until nothing more is wanted. Returns the number of requests.
 int ask_on(SceneOpener& opener, SelectorWorld& world) {
   int requests = 0;
   for (;; ++requests) {
@@ -78,7 +78,7 @@ TEST(CoreOpener, WhereverTheEyeGoesOneRequestTellsWhatIsNeeded) {
   EXPECT_LT(world.scene.instances.size(), 9'000u) << "and not much more";
 }
 
-// Groups of a radius of 5 m that have not been opened yet, each of one leaf.
+// Returns groups with a radius of 5 m that are not opened yet, each with one leaf.
 SelectorWorld closed_groups(const std::vector<wire::GroupRecord>& groups) {
   const std::size_t count = groups.size();
   wire::InstancePageT page;
@@ -104,7 +104,7 @@ wire::GroupRecord closed_group(const glm::dvec3& center, std::uint32_t index, st
           static_cast<std::uint8_t>(importance)};
 }
 
-// From how far away a group is asked for, m; `change` is made to what the selector is told.
+// Returns the distance from which a group is asked for, m; `change` alters the selector's input.
 double asked_from(const std::function<void(SelectorInput&)>& change,
                   Importance importance = Importance::kNormal) {
   const SelectorWorld world = closed_groups({closed_group({}, 0, 1, importance)});
@@ -112,7 +112,7 @@ double asked_from(const std::function<void(SelectorInput&)>& change,
   for (int i = 0; i < 40; ++i) {
     SelectorInput in = world.input();
     const double middle = 0.5 * (near + far);
-    in.camera.pose = look_at({0, 0, 2e5}, {0, 0, 0});  // only where it will be counts
+    in.camera.pose = look_at({0, 0, 2e5}, {0, 0, 0});  // only the predicted eye counts
     in.predicted.pose = look_at({0, 0, middle}, {0, 0, 0});
     change(in);
     (SceneOpener().plan(in) ? near : far) = middle;
@@ -204,12 +204,12 @@ TEST(CoreOpener, IndicesStayAndRequestsNameTheServersNumbers) {
 TEST(CoreOpener, WhatIsToldTwiceChangesNothing) {
   SceneView scene = as_told(*field());
   const std::size_t instances = scene.instances.size(), objects = scene.objects.size();
-  std::vector<FramePtr> pages = make_scene_pages(*field());
-  const auto of_instances = [](const FramePtr& page) {
+  std::vector<PacketPtr> pages = make_scene_pages(*field());
+  const auto of_instances = [](const PacketPtr& page) {
     return decoded(page).body.AsInstancePage() != nullptr;
   };
   pages.erase(std::remove_if(pages.begin(), pages.end(),
-                             [&](const FramePtr& page) { return !of_instances(page); }),
+                             [&](const PacketPtr& page) { return !of_instances(page); }),
               pages.end());
   ASSERT_TRUE(take(scene, pages).ok());
   EXPECT_EQ(scene.instances.size(), instances);
@@ -217,7 +217,7 @@ TEST(CoreOpener, WhatIsToldTwiceChangesNothing) {
   for (const std::uint32_t root : scene.roots()) EXPECT_LT(root, instances);
 }
 
-// The distance at which members are told of is never shorter than the one at which they are drawn.
+// Members are told at no shorter distance than that at which they are drawn.
 TEST(CoreOpener, TheRuleReachesAsFarAsTheSelector) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -281,7 +281,7 @@ TEST(CoreOpener, PagesThatContradictTheSceneAreRefusedWhole) {
       << "leaves beyond the scene's instances";
 }
 
-// All groups that are opened of `groups`, in order.
+// Returns all opened groups of `groups`, in order.
 std::vector<std::uint32_t> opened(const PreparedScene& scene,
                                   const std::vector<std::uint32_t>& groups,
                                   const Opening& opening) {
@@ -309,7 +309,7 @@ TEST(ServerOpening, ALimitIsKeptAndGroupsComeBeforeTheirOwn) {
   EXPECT_LT(told, 520u);
 }
 
-// How many instances and groups are told of.
+// Returns the number of instances and groups that are told.
 std::size_t told_of(const PreparedScene& scene, const Opening& opening) {
   std::size_t told = 0;
   for (const std::uint32_t id : opened(scene, scene.grouping.roots, opening)) {
@@ -331,8 +331,8 @@ TEST(ServerOpening, TheDescriptionComesInSmallPagesOfWhichTheFirstWillDo) {
   SceneView scene;
   ASSERT_TRUE(scene.accept(welcome_of(*field())).ok());
   int pages = 0;
-  for (const FramePtr& frame : make_scene_pages(*field())) {
-    const Message page = decoded(frame);
+  for (const PacketPtr& packet : make_scene_pages(*field())) {
+    const Message page = decoded(packet);
     if (const wire::ImagePageT* images = page.body.AsImagePage()) {
       ASSERT_TRUE(scene.accept(*images).ok());
     }
@@ -342,7 +342,7 @@ TEST(ServerOpening, TheDescriptionComesInSmallPagesOfWhichTheFirstWillDo) {
     const wire::InstancePageT* tree = page.body.AsInstancePage();
     if (!tree) continue;
     ASSERT_TRUE(scene.accept(*tree).ok());
-    EXPECT_LE(frame->size(), 32u << 10);
+    EXPECT_LE(packet->size(), 32u << 10);
     if (scene.complete()) ++pages;
   }
   EXPECT_TRUE(scene.described());
@@ -395,7 +395,7 @@ double thread_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// All that a request of 60 KB can ask for: nobody else waits while it is answered.
+// The largest request, 60 KB: no other client waits while it is answered.
 TEST(ServerOpening, AnAnswerIsMadePageByPageAndTellsOfEachOnce) {
   const VirtualClock clock;
   StageQueues queues(clock, 1 << 20, {});
@@ -408,7 +408,7 @@ TEST(ServerOpening, AnAnswerIsMadePageByPageAndTellsOfEachOnce) {
   hello.version_min = hello.version_max = limits::kProtocolVersion;
   hello.codecs = {static_cast<std::uint8_t>(TileCodec::kZstd)};
   say(encode_message(std::move(hello)));
-  while (hub.next_frame(id)) {
+  while (hub.next_packet(id)) {
   }
   wire::OpenRequestT request;
   for (std::size_t i = 0; i < limits::kMaxOpensPerRequest; ++i) {
@@ -423,10 +423,10 @@ TEST(ServerOpening, AnAnswerIsMadePageByPageAndTellsOfEachOnce) {
   std::size_t records = 0, pages = 0;
   double longest = 0;
   for (double last = received;; last = thread_seconds()) {
-    const FramePtr frame = hub.next_frame(id);
+    const PacketPtr packet = hub.next_packet(id);
     longest = std::max(longest, thread_seconds() - last);
-    if (!frame) break;
-    const Message m = decoded(frame);
+    if (!packet) break;
+    const Message m = decoded(packet);
     records += m.body.AsInstancePage()->instances.size() + m.body.AsInstancePage()->groups.size();
     ++pages;
   }

@@ -1,4 +1,5 @@
-// An eye inside of a mesh that is not sent: its parts are asked for and drawn, until it leaves.
+// Parts: an eye inside a mesh that is not sent. Its parts are asked for and drawn until the eye
+// leaves.
 #include <gtest/gtest.h>
 
 #include "client/plan/scene_opener.h"
@@ -77,8 +78,8 @@ TEST(CoreParts, GiveWayToTheWholeFromFarAway) {
   EXPECT_EQ(drawn.impostors[0].instance, 0u);
 }
 
-// One of both, never neither: from the frame the eye comes near until the parts have images the
-// whole's tile goes on.
+// One of both is always drawn: the tile of the whole stays from the frame in which the eye comes
+// near until the parts have images.
 TEST(CoreParts, TheWholeStaysUntilPartsHaveImages) {
   SelectorWorld world = inside();
   ASSERT_TRUE(open_up(world));

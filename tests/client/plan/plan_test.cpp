@@ -1,4 +1,4 @@
-// Frame plan: budgets hold, error goes where it is cheapest, and nothing swings.
+// Frame plan: budgets hold, the error goes where it is cheapest, and nothing oscillates.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ Camera screen() {
   return camera;
 }
 
-/// A tree of so many triangles that a good tile could stand for.
+/// A tree with this many triangles that a good tile can stand for.
 Alternatives tree(std::uint32_t triangles, double area_px = 4000) {
   Alternatives thing;
   thing.area_px = area_px;
@@ -40,7 +40,7 @@ std::vector<Alternatives> forest(std::uint32_t count) {
   return out;
 }
 
-/// Prices under which what follows can be told by hand: each kind as on a software renderer.
+/// Prices with which the results can be computed by hand: each kind as on a software renderer.
 CostModel prices() { return *device_model("software"); }
 
 FramePlan plan_of(double budget_ms, int samples = 1) {
@@ -49,14 +49,14 @@ FramePlan plan_of(double budget_ms, int samples = 1) {
   return plan;
 }
 
-/// Frames of the same things, each drawn as the one before says; ends as the last one is drawn.
+/// Frames of the same things, each drawn as the one before says. It ends with the last one drawn.
 struct Session {
   FramePlan plan;
   std::vector<Alternatives> things;
   std::int64_t now_us = 0;
-  int changed = 0;   ///< things, from one frame to the next
-  double ms = 0;     ///< of the last frame, reckoned here from prices alone
-  double error = 0;  ///< of the last frame
+  int changed = 0;   ///< things that changed from one frame to the next
+  double ms = 0;     ///< time of the last frame, computed here from prices alone
+  double error = 0;  ///< error of the last frame
 
   void frames(int count) {
     for (int i = 0; i < count; ++i) {
@@ -92,7 +92,7 @@ struct Session {
     std::set<std::uint32_t> levels;
     for (std::size_t i = 0; i < things.size(); ++i) {
       const bool mesh = choices[i].look == Look::kMesh;
-      if (mesh) levels.insert(things[i].object);  // each has one
+      if (mesh) levels.insert(things[i].object);  // each has one level
       add(things[i], mesh);
       const bool swaps = things[i].shown && (*things[i].shown == Look::kMesh) != mesh;
       if (swaps && choices[i].fades) add(things[i], !mesh);
@@ -209,8 +209,8 @@ TEST(CorePlan, NonsenseIsHarmless) {
   EXPECT_EQ(tiny.meshes(), 0u);
 }
 
-// A level of geometry takes draw calls, however little is drawn from it: all levels would fit if
-// they took none, and do not.
+// A level of geometry takes draw calls, however little is drawn from it. Without them all levels
+// would fit; with them they do not.
 TEST(CorePlan, LevelsArePaidForInTheFrameThatDrawsThem) {
   constexpr std::uint32_t kThings = 40;
   std::vector<Alternatives> things(kThings, tree(10));
@@ -218,7 +218,7 @@ TEST(CorePlan, LevelsArePaidForInTheFrameThatDrawsThem) {
   alike.frames(10);
   EXPECT_EQ(alike.meshes(), kThings) << "one level, paid once";
   for (std::uint32_t i = 0; i < kThings; ++i) things[i].object = i;
-  // Without levels there is time for all of them, with them for half.
+  // There is time for all things without their levels, and for half of them with levels.
   const double levels_ms = kThings * prices()[Work::kMesh];
   Session apart{plan_of(alike.ms / 0.95 + 0.5 * levels_ms, 2), things};
   apart.frames(10);
@@ -256,8 +256,8 @@ TEST(CorePlan, AStrainThatPassesIsForgotten) {
   EXPECT_GT(back, 0.9 * usual);
 }
 
-// Frames that take longer than anybody foresaw, a few of them much longer, and by chance: room is
-// kept until one in forty is later than a tenth over the budget, and no more room than that.
+// Frames take longer than expected, and by chance a few of them much longer. The plan keeps as much
+// room as it takes for one frame in forty to be late by a tenth of the budget, and no more.
 TEST(CorePlan, OneFrameInFortyIsLate) {
   for (const double spread : {0.05, 0.15, 0.3}) {
     FramePlan plan = plan_of(50);
@@ -278,7 +278,7 @@ TEST(CorePlan, OneFrameInFortyIsLate) {
   }
 }
 
-// What is out of the list for a frame (not resident, turned away from) comes back.
+// A thing that is missing from the list for a frame (not resident, out of view) comes back.
 TEST(CorePlan, ThePriceOfErrorDoesNotCollapseForAFrame) {
   const std::vector<Alternatives> all = forest(60);
   std::vector<Alternatives> few = all;
@@ -293,7 +293,7 @@ TEST(CorePlan, ThePriceOfErrorDoesNotCollapseForAFrame) {
   EXPECT_EQ(plan.lambda(), 0) << "in time it does";
 }
 
-// Two trees of which one fits, and which change places by a little in every frame.
+// Two trees of which one fits. They swap places by a little in every frame.
 TEST(CorePlan, WhatIsDrawnStaysUnlessAnotherIsClearlyBetter) {
   for (const double by : {0.03, 2.0}) {
     Session session{plan_of(40), {tree(30'000), tree(30'000)}};
@@ -322,7 +322,7 @@ TEST(CorePlan, WhatBecomesDearerFadesInAndWhatIsTooDearGoesAtOnce) {
   const Choice choice = session.plan.decide(screen(), session.things, kFrameUs)[0];
   EXPECT_EQ(choice.look, Look::kFlat);
   EXPECT_FALSE(choice.fades);
-  // A fade under way ends where there is no time for both.
+  // A fade under way ends if there is no time for both.
   session.things[0] = tree(10'000);
   session.things[0].shown = Look::kFlat;
   session.things[0].leaving = Look::kMesh;

@@ -18,7 +18,7 @@ Pose pose_at(const glm::dvec3& eye, double yaw = 0) {
   return {eye, glm::angleAxis(static_cast<float>(yaw), glm::vec3(0, 1, 0))};
 }
 
-/// Sixty frames along x at `speed`, turning at `yaw_rate`; ends at the returned time.
+/// Adds sixty frames along x at `speed`, turning at `yaw_rate`. Returns the time of the last one.
 std::int64_t run_straight(Predictor& predictor, double speed, double yaw_rate = 0) {
   std::int64_t t = 0;
   for (int i = 0; i < 60; ++i) {
@@ -41,8 +41,8 @@ TEST(CorePredictor, ConstantVelocity) {
     EXPECT_NEAR(glm::length(predictor.velocity_mps()), speed, 1e-6 * speed);
     for (const double h : {0.05, 0.1, 0.2, 0.4}) {
       const Pose predicted = predictor.predict(std::llround(h * 1e6));
-      // The motion is expected to die down: T (1 - exp(-h/T)), T = 0.8 s and 0.4 s. Tolerance:
-      // rounding of the times to whole microseconds and of rotations to float.
+      // The motion is expected to die down: T (1 - exp(-h/T)), T = 0.8 s and 0.4 s. The tolerance
+      // covers the rounding of times to whole microseconds, and of rotations to float.
       const double eye = speed * (static_cast<double>(t) * 1e-6 - 0.8 * std::expm1(-h / 0.8));
       EXPECT_NEAR(predicted.eye.x, eye, 1e-6 * speed);
       EXPECT_NEAR(predicted.eye.y, 1.7, 1e-12);
@@ -68,7 +68,8 @@ TEST(CorePredictor, UselessSamplesAreDropped) {
 }
 
 TEST(CorePredictor, NearlySimultaneousSamplesAreMerged) {
-  // 1e-9 s is 0 in whole microseconds, and dropped; 1 to 99 us replace the pose, not the velocity.
+  // 1e-9 s is 0 in whole microseconds, and is dropped. 1 to 99 us replace the pose, not the
+  // velocity.
   Predictor predictor(kMaxSpeed);
   const std::int64_t t = run_straight(predictor, 1.4);
   const double speed = glm::length(predictor.velocity_mps());
@@ -98,7 +99,7 @@ TEST(CorePredictor, JumpNeverCarriesTheViewAway) {
     predictor.add(t, pose_at(eye));
     for (const std::int64_t h : {1'000, 100'000, 1'000'000}) {
       const double moved = glm::length(predictor.predict(h).eye - predictor.predict(0).eye);
-      // The sums are made around 1e6 m: double leaves 1e-9 m there.
+      // The sums are around 1e6 m, where double has a precision of 1e-9 m.
       ASSERT_LE(moved, kMaxSpeed * static_cast<double>(h) * 1e-6 + 1e-6);
     }
     if (jump) {
@@ -150,7 +151,7 @@ TEST(CorePredictor, ErrorIsMeasuredWhenTheTimeComes) {
   }
   const PredictionError error = predictor.error();
   const double h = 6e-6 * kFrameUs;
-  // On a straight line the only error is the damping.
+  // The damping is the only error on a straight line.
   EXPECT_NEAR(error.p50_m, 1.4 * (h + 0.8 * std::expm1(-h / 0.8)), 1e-4);
   EXPECT_NEAR(error.p95_degrees, 0, 1e-3);
 }

@@ -1,4 +1,4 @@
-// Rent or buy: never much more than the better of the two, whichever that turns out to be.
+// Rent or buy: never costs much more than the better choice, whichever that turns out to be.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,8 +16,8 @@ constexpr std::int64_t kFrameUs = 100'000;
 
 double seconds_of(std::int64_t us) { return 1e-6 * static_cast<double>(us); }
 
-/// Bytes that an object costs that is seen for `seconds`, with `instances` that each want a new
-/// tile every `life_s`, and geometry of `price`.
+/// Returns the bytes for an object that is seen for `seconds`. It has `instances` that each want a
+/// new tile every `life_s`, and geometry of `price` bytes.
 double bytes_of(int instances, double life_s, double price, double seconds) {
   RentOrBuy account;
   account.reset(1);

@@ -1,4 +1,4 @@
-// Selector: geometry instead of tiles, and tiles that stand in for it.
+// Selector: geometry instead of tiles, and tiles in the place of geometry.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ TEST(CoreSelectorGeometry, GeometrySmallerThanATileIsDrawnEverywhere) {
   EXPECT_TRUE(world.selector.mesh_needs(world.input()).instances.empty());
 }
 
-// As far as a limit for experiments lets it be.
+// Geometry is drawn up to the distance that the experiments' limit allows.
 TEST(CoreSelectorGeometry, NearGeometryReplacesTheImpostor) {
   SelectorWorld world = one_ball(true);
   const auto input = [&] {
@@ -50,7 +50,7 @@ TEST(CoreSelectorGeometry, NearGeometryReplacesTheImpostor) {
   world.look({0, 0, 9.1}, {0, 0, 0});
   EXPECT_EQ(world.select(input()).meshes.size(), 1u) << "hysteresis";
   world.look({0, 0, 9.3}, {0, 0, 0});
-  world.frame += 2;  // out of view in between: nothing fades
+  world.frame += 2;  // out of view in between, so that nothing fades
   EXPECT_TRUE(world.select(input()).meshes.empty());
   EXPECT_EQ(world.selector.needs(input()).size(), 1u);
   world.frame += 2;
@@ -106,7 +106,7 @@ TEST(CoreSelectorGeometry, TilesStandInForGeometryThatTheBudgetDoesNotHold) {
   FramePlan plan(100, 1);
   plan.set_prices(*device_model("software"));
   const auto input = [&] {
-    world.frame += 2;  // out of view in between: nothing fades
+    world.frame += 2;  // out of view in between, so that nothing fades
     SelectorInput in = world.input();
     in.plan = &plan;
     in.now_us = world.now_us += 1'000'000;
@@ -130,8 +130,8 @@ TEST(CoreSelectorGeometry, TilesStandInForGeometryThatTheBudgetDoesNotHold) {
   EXPECT_EQ(world.select(any_time).meshes.size(), 1u) << "it errs less";
 }
 
-// Where what every frame takes is all there is time for, nothing is drawn as geometry, however
-// little it costs: a tile is asked for.
+// A budget that the fixed work of every frame uses up leaves no time for geometry, however cheap. A
+// tile is asked for.
 TEST(CoreSelectorGeometry, WhatThereIsNoTimeForIsAskedForAsATile) {
   SelectorWorld world = one_ball(true);
   world.mesh_ready[0] = true;

@@ -1,4 +1,4 @@
-// Selector: what is drawn and what is asked for follow from the bound alone.
+// Selector: the bound alone decides what is drawn and what is asked for.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ TEST(CoreSelector, CaptureOfTheAskedKeyServesItsWholeCell) {
     const TileNeed need = need_for_view(view_from(d * random_direction(random), r, focal), plan);
     ASSERT_TRUE(valid(need.cell));
     ASSERT_TRUE(valid(need.distance));
-    // The finest keys there are may be too coarse for what is asked of them.
+    // Even the finest keys may be too coarse for the request.
     if (need.cell.level >= limits::kMaxViewLevel - 1) continue;
     if (need.distance.level >= limits::kMaxDistanceLevel) continue;
     ++tried;
@@ -80,7 +80,7 @@ TEST(CoreSelector, TexelsKeepUpWithPixels) {
     ASSERT_LE(tile_edge(need.size_class), 1024u);
     if (tile_edge(need.size_class) == 1024) continue;  // capped
     const Capture capture = capture_for(need, r);
-    // Texels over the ball's diameter against its pixels, both at the depth of the centre.
+    // Compares texels over the ball's diameter with its pixels, both at the depth of the centre.
     const double texel_px = view.focal_px * capture.texel_width(capture.distance) / d;
     const double content = static_cast<double>(capture.edge - 2) / capture.edge;
     ASSERT_GE(1 / (texel_px * content), 1.4) << "edge " << capture.edge << " d/r " << d / r;
@@ -202,7 +202,7 @@ TEST(CoreSelector, FixedMethodIsKept) {
 TEST(CoreSelector, ObjectWithoutAHullIsNotDrawnOnOne) {
   SelectorWorld world = one_ball();
   ASSERT_TRUE(world.scene.objects[0].hull.vertices.empty());
-  world.add_tile(0, [](TileMeasure& m) { m.dz_hull = 0; });  // however good it is said to be
+  world.add_tile(0, [](TileMeasure& m) { m.dz_hull = 0; });  // a perfect measure does not help
   world.look({0.6, 0, 5}, {0, 0, 0});
   SelectorInput in = world.input();
   in.march_budget_px = 0;
@@ -282,7 +282,7 @@ TEST(CoreSelector, EvictedFormerIsNotDrawnWhileFading) {
   world.frame++;
   const TileRecordPtr fresh = world.add_tile(0);
   ASSERT_EQ(world.select(world.input()).impostors.size(), 2u);
-  // Out of view for some frames, the former goes; its texels may be another tile's by now.
+  // The former tile goes after some frames out of view; its texels may be another tile's by now.
   world.frame += 5;
   world.cache.mark_drawn({fresh}, world.frame);
   for (int i = 0; i < 12; ++i) world.add_tile(0);

@@ -1,4 +1,5 @@
-// What is settled is not looked at in every frame, and is again as soon as it may have changed.
+// Settled instances are not looked at in every frame, but again as soon as something may have
+// changed.
 #include <gtest/gtest.h>
 
 #include "tests/support/core_scene.h"
@@ -12,7 +13,7 @@ struct SettledWorld : SelectorWorld {
     add_tile(0);
     stand(input());
   }
-  // Twice, as all is looked at again when a move ends.
+  // Asks twice, because everything is looked at again when a move ends.
   void stand(const SelectorInput& in) {
     for (int i = 0; i < 2; ++i) (void)selector.needs(in);
   }
@@ -50,7 +51,7 @@ TEST(CoreSettled, AnotherZoomIsSeenAtOnce) {
 }
 
 TEST(CoreSettled, AWalkIsSeenATenthOfASecondLate) {
-  // With a selector that has looked before, and with one that never has.
+  // One selector has looked before, the other never has.
   SettledWorld watched, fresh;
   constexpr double kSpeed = 3;
   int first_watched = -1, first_fresh = -1;
@@ -72,7 +73,7 @@ TEST(CoreSettled, AWalkIsSeenATenthOfASecondLate) {
 }
 
 TEST(CoreSettled, NothingIsMissedWhenAMoveEnds) {
-  // So strict that less than a jump is too far for the tile.
+  // A tau so strict that less than a jump is too far for the tile.
   constexpr double kTau = 0.05;
   SelectorWorld world(make_scene({{{0, 0, 0}}}));
   world.look({0, 0, 12}, {0, 0, 0});

@@ -1,4 +1,4 @@
-// The controller of tau: settles under delay, holds in the dead band, never on a NaN.
+// Tau controller: settles under delay, holds in the dead band, and ignores NaN.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -60,8 +60,8 @@ TEST(CoreTau, ALinkFullForLongRaisesIt) {
   EXPECT_EQ(c.update({0, 1.5}, 2 * kRoundUs, kRoundUs), 2.5);
 }
 
-// A plant whose load falls with tau and answers some rounds late, the controller knowing how long a
-// round trip takes: no limit cycle remains but one step either way.
+// A link whose load falls with tau and shows that some rounds late. The controller knows the
+// round-trip time, so no limit cycle remains but one step either way.
 TEST(CoreTau, SettlesUnderDelay) {
   for (const int delay : {0, 1, 3, 6}) {
     TauController c(0.25, {20});
@@ -80,7 +80,7 @@ TEST(CoreTau, SettlesUnderDelay) {
   }
 }
 
-// A link that is full below some tau, which shows a round trip late: on a long way, too, each
+// A link that is full below some tau, and shows that a round trip late. Even on a long way each
 // descent in vain makes the next one later.
 TEST(CoreTau, ALongWayTurnsSeldom) {
   constexpr std::int64_t kLongUs = 2'000'000;

@@ -21,8 +21,8 @@ TEST(CoreTileFit, DisocclusionsMayBeAsWideAsTheObjectIsLarge) {
   EXPECT_EQ(hole_tolerance(1, 1e-9), 1);
 }
 
-// Degrees from the captured view within which a tile with stored depth, and holes behind steps as
-// deep as 0.6 radii, meets a tau of 1 px.
+// Returns the angle from the captured view, degrees, within which a tile with stored depth meets a
+// tau of 1 px. It has holes behind steps that are 0.6 radii deep.
 double widest_angle(std::uint32_t picture_height) {
   constexpr double kDistance = 12;
   test::SelectorWorld world(test::make_scene({{}}));
@@ -53,8 +53,8 @@ TEST(CoreTileFit, ASmallReliefDoesNotServeFromFarAside) {
   }
 }
 
-// A coarse tile seen from right where it was captured errs less than a sharp one from aside: the
-// sharp one is drawn all the same, or it would be asked for again and again.
+// A coarse tile seen from where it was captured errs less than a sharp one from aside. The sharp
+// one is drawn nevertheless; otherwise it would be asked for again and again.
 TEST(CoreTileFit, WhatIsSharpComesBeforeWhatErrsLess) {
   test::SelectorWorld world(test::make_scene({{}}));
   world.look({0, 0, 12}, {0, 0, 0});

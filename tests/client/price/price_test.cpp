@@ -1,4 +1,4 @@
-// Prices: what drawing amounts to, what it costs, and the running fit.
+// Prices: the work of drawing, what it costs, and the running fit.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -85,7 +85,7 @@ TEST(CorePrice, EveryModelHasPricesAndUnknownNamesHaveNone) {
   EXPECT_FALSE(device_model("toaster"));
 }
 
-/// Frames of a machine on which everything costs `times` what `model` says.
+/// Adds frames of a machine on which everything costs `times` what `model` says.
 void frames_of(CostFit& fit, const CostModel& model, double times, int count) {
   for (int i = 0; i < count; ++i) {
     FrameWork work;
@@ -129,7 +129,7 @@ TEST(CorePrice, WhatIsNoPriceDoesNotCount) {
     fit.add(some_frame(), ms);
     EXPECT_EQ(fit.model().ms_of(some_frame()), before) << ms;
   }
-  fit.add(some_frame(), 3'600'000);  // the machine slept
+  fit.add(some_frame(), 3'600'000);  // the machine was suspended
   EXPECT_NEAR(fit.model().ms_of(some_frame()), before, 0.2 * before);
   for (int i = 0; i < 5; ++i) fit.add(some_frame(), 20 * before);
   EXPECT_LT(fit.model().ms_of(some_frame()), 2 * before) << "a few stalls";

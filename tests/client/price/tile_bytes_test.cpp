@@ -1,4 +1,4 @@
-// What a tile is expected to weigh.
+// Tile bytes: how many bytes a tile is expected to take.
 #include "client/price/tile_bytes.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ void feed(TileBytes& bytes, std::uint8_t size_class, std::uint8_t channels, std:
 
 TEST(CoreTileBytes, BeforeAnyHasCome) {
   const TileBytes bytes;
-  const double lit = 0.6 * std::sqrt(2.0) * 64 * 64;  // of 128 texels .6 a texel
+  const double lit = 0.6 * std::sqrt(2.0) * 64 * 64;  // tiles of 128 texels take .6 a texel
   EXPECT_NEAR(bytes.expected(4, kLitTile), 160 + lit, 1e-9);
   EXPECT_NEAR(bytes.expected(4, kRelitTile), 160 + 1.6 * lit, 1e-9);
   EXPECT_NEAR(bytes.expected(4, kShadowTile), 160 + 0.3 * lit, 1e-9);
@@ -29,7 +29,8 @@ TEST(CoreTileBytes, EachSizeHasItsOwn) {
   feed(bytes, 8, kLitTile, 30'000);  // 0.46
   EXPECT_NEAR(bytes.expected(4, kLitTile), 5000, 1);
   EXPECT_NEAR(bytes.expected(8, kLitTile), 30'000, 1);
-  // Of a size that never came: as the nearest that did, fewer a texel the larger it is.
+  // A size that never arrived counts like the nearest one that did, with fewer bytes a texel if
+  // larger.
   EXPECT_NEAR(bytes.expected(10, kLitTile), 160 + 30'000 * 4 / std::sqrt(2.0), 10);
   EXPECT_NEAR(bytes.expected(2, kLitTile), 160 + 5000 / 4.0 * std::sqrt(2.0), 10);
 }

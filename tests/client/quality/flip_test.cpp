@@ -1,4 +1,4 @@
-// FLIP against reference values, and what must hold without any.
+// FLIP compared with reference values, and properties that must hold without any.
 #include "client/quality/flip.h"
 
 #include <OpenImageIO/imageio.h>
@@ -33,7 +33,7 @@ TestImage read_png(const fs::path& path) {
   return image;
 }
 
-// Soft limit 1e-4 on the mean: what independent implementations agree to. 1e-3 on the maximum: one
+// Soft limit 1e-4 on the mean: independent implementations agree to that. 1e-3 on the maximum: one
 // pixel, float against float.
 TEST(QualityFlip, AgreesWithTheReferenceImplementation) {
   const fs::path folder = data_folder() / "flip_reference";

@@ -50,7 +50,7 @@ TEST(QualityPsnr, MaskedIsIndependentOfTheCanvas) {
     const double whole = *psnr_db(a.view(), b.view(), full_mask(size, size));
     if (first_masked == 0) first_masked = masked;
     EXPECT_NEAR(masked, first_masked, 1e-9);
-    EXPECT_GT(whole, last_whole + 2);  // what the mask is there to prevent
+    EXPECT_GT(whole, last_whole + 2);  // the mask prevents this
     last_whole = whole;
   }
 }
@@ -94,7 +94,7 @@ TEST(QualitySsim, ConstantImages) {
   EXPECT_NEAR(*ssim_windows(a.view(), a.view(), {3, 1, 20, 30}), 1, 1e-12);
 }
 
-/// The index at one pixel straight from the definition: 121 weights, no separation.
+/// Computes the index at one pixel straight from the definition: 121 weights, not separated.
 double direct_ssim_at(const ImageView& a, const ImageView& b, int cx, int cy) {
   double w = 0, ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;
   const auto luma = [](const std::uint8_t* p) {
@@ -130,8 +130,8 @@ TEST(QualitySsim, AgreesWithTheDefinition) {
 }
 
 TEST(QualitySsim, WindowsStepByFour) {
-  // 16 px: windows at 0, 4, 8 a side. One pixel at (4, 4) lies in the windows that start at 0
-  // and 4.
+  // A side of 16 px has windows at 0, 4 and 8. The pixel at (4, 4) lies in the windows that start
+  // at 0 and at 4.
   TestImage a(16, 16, 128, 255), b = a;
   b.set(4, 4, 255, 255);
   const double mean = *ssim_windows(a.view(), b.view(), {0, 0, 16, 16});
@@ -147,7 +147,7 @@ TEST(QualityMask, GrowsByTwo) {
   a.set(4, 4, 0, 1);
   EXPECT_EQ(union_mask(a.view(), b.view()).count(), 25u);
   EXPECT_EQ(union_mask(b.view(), a.view()).count(), 25u);
-  a.set(0, 8, 0, 1);  // cut at the corner; 3x3 there
+  a.set(0, 8, 0, 1);  // the window is cut at the corner; 3x3 there
   EXPECT_EQ(union_mask(a.view(), b.view()).count(), 25u + 9u - 1u);
   const auto box = bounding_box(union_mask(a.view(), b.view(), 1, 0));
   ASSERT_TRUE(box);
@@ -180,11 +180,12 @@ TEST(QualityMeasures, DiscPair) {
   EXPECT_LT(*m.ssim, 0.99);
   const FieldFidelity field = field_fidelity(a.view(), b.view());
   EXPECT_DOUBLE_EQ(*field.iou, *m.coverage_iou);
-  // The box of the disc at alpha > 127 holds less background than the grown mask's, none outside.
+  // The box of the disc at alpha > 127 holds less background than the grown mask, which has none
+  // outside.
   EXPECT_NEAR(*field.psnr_db, *m.psnr_db, 2.0);
 }
 
-// E6: what changes as it should is no flicker; a pop counts by its size and area.
+// E6: a change that should happen is no flicker; a pop counts by its size and area.
 TEST(QualityFlicker, OnlyChangesThatWereNotDueCount) {
   TestImage truth(8, 8, 100, 255), shown(8, 8, 90, 255);
   TestImage truth_next(8, 8, 120, 255), shown_next(8, 8, 110, 255);

@@ -1,4 +1,4 @@
-// The bytes of walks: which are beside each other, and what is said about them.
+// Bytes of walks: which deliveries are compared, and what is said about them.
 #include <gtest/gtest.h>
 
 #include <set>

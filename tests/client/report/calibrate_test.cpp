@@ -1,4 +1,5 @@
-// Calibration: coefficients come back from samples made of them, and ranks say what they should.
+// Calibrate: coefficients are recovered from samples made with them, and ranks are as they should
+// be.
 #include <gtest/gtest.h>
 
 #include "client/report/calibrate_rows.h"
@@ -62,7 +63,7 @@ TEST(ReportCalibrate, RanksAreSpearmans) {
   // 1 - 6 sum d^2 / (n (n^2 - 1)) with d = 0, 1, 1, 0.
   const auto near = rank_correlation({row(1, .1), row(2, .3), row(3, .2), row(4, .4)}, model);
   EXPECT_NEAR(near.flip, 0.8, 1e-12);
-  // Equal ones share a rank: 1.5, 1.5, 3 beside 1, 2, 3.
+  // Equal values share a rank: 1.5, 1.5, 3 beside 1, 2, 3.
   const auto tied = rank_correlation({row(1, .1), row(1, .2), row(3, .3)}, model);
   EXPECT_NEAR(tied.flip, 0.8660254, 1e-6);
   EXPECT_EQ(rank_correlation({row(1, .1), row(2, .2)}, model).flip, 0) << "too few";

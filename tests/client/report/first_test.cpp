@@ -1,4 +1,4 @@
-// The first seconds: what is taken from a run that began with nothing on the screen.
+// First seconds: the figures of a run that began with nothing on the screen.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace mirage::test {
 namespace {
 
-// Compared every 0.1 s; nothing (FLIP 0.6) until `first_ms`, then 0.2, from half a second on 0.1.
+// Compared every 0.1 s: nothing (FLIP 0.6) until `first_ms`, then 0.2, and 0.1 half a second later.
 LatencyRun run(double first_ms, double seconds, const std::string& method = "mirage") {
   LatencyRun run;
   run.scene = "forest";
@@ -27,7 +27,7 @@ LatencyRun run(double first_ms, double seconds, const std::string& method = "mir
 TEST(FirstSeconds, CountFromTheFirstPicture) {
   const FirstFigures f = first_figures(run(250, 3));
   EXPECT_EQ(f.picture_ms, 250);
-  EXPECT_EQ(f.flip, 0.2);                                        // of the frame after 300 ms
+  EXPECT_EQ(f.flip, 0.2);                                        // FLIP of the frame after 300 ms
   EXPECT_NEAR(f.second_after, (5 * 0.2 + 5 * 0.1) / 10, 1e-12);  // 0.3 to 1.2 s
 }
 
@@ -64,7 +64,7 @@ TEST(FirstSeconds, PanelsAreByLinkAndLinesByMethod) {
   EXPECT_EQ(panels[1].series[0].points.size(), 11u);
 }
 
-// What the pictures of the page show must be among what is compared.
+// Frames whose pictures the page shows must be among those compared.
 TEST(FirstSeconds, PlansCompareATenthOfASecondApart) {
   for (const bool quick : {false, true}) {
     const FirstPlan plan = first_plan(quick);

@@ -1,4 +1,4 @@
-// The report's tables, page and plots: what is written, not what was measured.
+// The report's tables, page and plots: their form, not the measured values.
 #include "client/report/table.h"
 
 #include <gtest/gtest.h>
@@ -48,26 +48,69 @@ TEST(ReportTable, RefusesARowOfAnotherWidth) {
 
 TEST(ReportPage, NothingInItIsMarkupUnlessMeant) {
   Page page;
-  page.section("a\"b", "<script>");
+  page.section("a\"b", "<i>");
+  page.finding({"<u>", "<s>", false});
+  page.falls_short("<em>");
+  page.method("<q>");
   page.paragraph("x < y & z");
   Table table({"<b>"});
   table.add({"'quoted'"});
   page.table(table, {true});
-  const std::string html = page.html("T & T", {"<i>"});
-  EXPECT_EQ(html.find("<script>"), std::string::npos);
-  EXPECT_EQ(html.find("<b>"), std::string::npos);
-  EXPECT_EQ(html.find("<i>"), std::string::npos);
+  const std::string html = page.html("T & T", {"<del>"}, {"<ins>"});
+  for (const char* tag : {"<i>", "<u>", "<s>", "<em>", "<q>", "<del>", "<ins>"}) {
+    EXPECT_EQ(html.find(tag), std::string::npos) << tag;
+  }
+  EXPECT_EQ(html.find("<b>'"), std::string::npos);
+  EXPECT_NE(html.find(">&lt;b&gt;</th>"), std::string::npos);
   EXPECT_NE(html.find("x &lt; y &amp; z"), std::string::npos);
   EXPECT_NE(html.find("&#39;quoted&#39;"), std::string::npos);
-  EXPECT_NE(html.find("<a href=\"#a&quot;b\">&lt;script&gt;</a>"), std::string::npos);
+  EXPECT_NE(html.find("<a href=\"#a&quot;b\">&lt;i&gt;</a>"), std::string::npos);
   EXPECT_NE(html.find("<tr class=\"marked\">"), std::string::npos);
+}
+
+// A reader wants the answer before the way to it.
+TEST(ReportPage, FindingsComeFirstAndTheMethodLast) {
+  Page page;
+  page.section("one", "One");
+  page.method("how one was measured");
+  page.paragraph("a plot of one");
+  page.finding({"42 ms", "of one", false});
+  page.finding({"43 ms", "more of one", false});
+  page.falls_short("one is slow");
+  page.section("two", "Two");
+  page.finding({"44 ms", "of two", true});
+  const std::string html = page.html("t", {"a check failed"}, {"written by me"});
+  std::size_t before = 0;
+  for (const char* text :
+       {"a check failed", "42 ms", "44 ms", "<nav>", "42 ms", "43 ms", "one is slow",
+        "a plot of one", "how one was measured", "44 ms", "written by me"}) {
+    const std::size_t at = html.find(text, before);
+    ASSERT_NE(at, std::string::npos) << text << " is not where it belongs";
+    before = at + 1;
+  }
+  EXPECT_NE(html.find("<li class=\"short\">"), std::string::npos) << "what falls short is marked";
+}
+
+// A column that says the same in every row takes the place of others.
+TEST(ReportPage, ColumnsHaveWordsAndOnlyTheFiguresThatDiffer) {
+  Page page;
+  Table table({"scene", "commit", "flip_mean"});
+  table.add({"forest", "abc", "0.1"});
+  table.add({"city", "abc", "0.2"});
+  page.table(table);
+  const std::string html = page.html("t", {}, {});
+  EXPECT_NE(html.find("In all rows: commit abc."), std::string::npos);
+  EXPECT_EQ(html.find(">commit</th>"), std::string::npos);
+  EXPECT_NE(html.find(">FLIP, mean</th>"), std::string::npos);
+  EXPECT_NE(html.find("title=\"Visible difference"), std::string::npos);
+  EXPECT_EQ(html.find("flip_mean"), std::string::npos);
 }
 
 TEST(ReportPage, PicturesAreInTheFileItself) {
   Page page;
   const std::vector<std::uint8_t> grey(8 * 4 * 4, 100);
-  ASSERT_TRUE(page.pictures("three", {8, 4, grey, grey}).ok());
-  const std::string html = page.html("t", {});
+  ASSERT_TRUE(page.pictures("three", {8, 4, grey, grey}).ok());  // drawn, true, map of FLIP
+  const std::string html = page.html("t", {}, {});
   std::size_t images = 0;
   for (std::size_t at = 0;
        (at = html.find("src=\"data:image/jpeg;base64,/9j/", at)) != std::string::npos; ++at) {
@@ -81,7 +124,7 @@ TEST(ReportPage, AStripHasEachPictureAboveItsTruth) {
   const std::vector<std::uint8_t> grey(8 * 4 * 4, 100), white(8 * 4 * 4, 255);
   ASSERT_TRUE(
       page.strip("two", {{"<1 s>", {8, 4, grey, white}}, {"2 s", {8, 4, white, grey}}}).ok());
-  const std::string html = page.html("t", {});
+  const std::string html = page.html("t", {}, {});
   EXPECT_EQ(html.find("<1 s>"), std::string::npos);
   const auto picture = [&](const std::string& alt) {
     const std::size_t at = html.find("src=\"", html.find("alt=\"" + alt + "\""));
@@ -93,7 +136,7 @@ TEST(ReportPage, AStripHasEachPictureAboveItsTruth) {
   EXPECT_NE(picture("2 s, as drawn"), picture("2 s, full render"));
 }
 
-// RFC 4648, section 10.
+// Values of RFC 4648, section 10.
 TEST(ReportPage, Base64) {
   const auto of = [](const std::string& text) {
     return base64(std::vector<std::uint8_t>(text.begin(), text.end()));

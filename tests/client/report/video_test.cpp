@@ -1,4 +1,4 @@
-// The video baseline: when its frames are there, how they are turned, what the codec does to them.
+// Video baseline: when its frames arrive, how they are turned, and what the codec does to them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ NetModel link(double rtt_ms, double rate_mbps) {
   return net;
 }
 
-// 10 Mbit/s: a byte takes 0.8 us.
+// A byte takes 0.8 us at 10 Mbit/s.
 constexpr std::size_t kTenMs = 12'500 - kVideoFraming;
 
 TEST(VideoLink, AFrameTakesTheTripItsServerTimeAndItsBytes) {
@@ -87,7 +87,7 @@ TEST(Timewarp, ATurnToTheRightShowsWhatWasOnTheRightAndAHoleThere) {
   ASSERT_GT(shift, 1);
   EXPECT_NEAR(turned[middle], 3 * (32 + shift), 2);
   const std::size_t right_edge = 4 * (18 * 64 + 63), left_edge = 4 * (18 * 64);
-  EXPECT_EQ(turned[right_edge], 0);  // black, and there: an error, not a gap in the mask
+  EXPECT_EQ(turned[right_edge], 0);  // black, but covered: an error, not a gap in the mask
   EXPECT_EQ(turned[right_edge + 3], 255);
   // The left edge shows what lay at its own angle plus the turn.
   const double f = camera(0).focal_px();

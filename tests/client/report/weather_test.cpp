@@ -1,4 +1,4 @@
-// The weather table: which weathers there are, and what is made of their runs.
+// Weather table: which weathers there are, and what is computed from their runs.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -57,7 +57,7 @@ TEST(Weather, TableHasMediansOverSeedsAndOverWeathers) {
   EXPECT_EQ(cell(table, 0, "FLIP"), "0.06");
   EXPECT_EQ(cell(table, 0, "FLIP, worst seed"), "0.09");
   EXPECT_EQ(cell(table, 0, "FLIP, worst frame"), "0.12");
-  EXPECT_EQ(cell(table, 0, "PSNR, dB"), "39");  // of the two that have one
+  EXPECT_EQ(cell(table, 0, "PSNR, dB"), "39");  // of the two runs that have one
   EXPECT_EQ(cell(table, 0, "over bound, px"), "6");
   EXPECT_EQ(cell(table, 2, "weather"), "median");
   EXPECT_EQ(cell(table, 2, "FLIP"), "0.105");

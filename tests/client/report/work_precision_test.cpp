@@ -23,7 +23,7 @@ Figures figures(const Setting& setting, double client_ms, double flip, double by
   return f;
 }
 
-// Its line goes from 10 ms, .1 to 100 ms, .05.
+// The line of auto runs from 10 ms, .1 to 100 ms, .05.
 std::vector<Figures> automatic() {
   return {figures({"auto", 1, -1, 16, false}, 10, 0.1),
           figures({"auto", 1, -1, 0, false}, 100, 0.05),
@@ -51,8 +51,8 @@ TEST(WorkPrecision, LeftOfAutoIsWhatCostsLessAtTheSameError) {
   std::vector<Figures> all = automatic();
   all.push_back(figures({"quad", 1, 4}, 56, 0.075));   // on the line: 55 ms
   all.push_back(figures({"quad", 1, 1}, 40, 0.075));   // left of it
-  all.push_back(figures({"mesh", 1, 4}, 500, 0.049));  // no auto errs so little
-  all.push_back(figures({"depth", 4, 1}, 9.5, 0.3));   // cheaper than the cheapest of auto, by 5 %
+  all.push_back(figures({"mesh", 1, 4}, 500, 0.049));  // no auto has so small an error
+  all.push_back(figures({"depth", 4, 1}, 9.5, 0.3));   // cheaper by 5 % than the cheapest of auto
   all.push_back(figures({"depth", 1, 1}, 1, NAN));
   all.back().flip.reset();
   const std::vector<LeftOfAuto> left = left_of_auto(all, Cost::kClientMs, 0.1);

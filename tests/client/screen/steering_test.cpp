@@ -1,4 +1,4 @@
-// How a person moves the eye.
+// Steering: how a person moves the eye.
 #include "client/screen/steering.h"
 
 #include <gtest/gtest.h>

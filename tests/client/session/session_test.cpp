@@ -1,5 +1,5 @@
-// The client's session against the server's, without sockets: reconnects, and replies nobody asked
-// for.
+// The client's session against the server's, without sockets: reconnects, and replies that nobody
+// asked for.
 #include "server/session/session.h"
 
 #include <gtest/gtest.h>
@@ -18,14 +18,14 @@ namespace {
 class HubLink final : public Link {
  public:
   HubLink() : scene_(*load_scene("builtin:knot?tubular=16&radial=8")) { restart({}); }
-  /// A server with another scene, without geometry: the connection is another one.
+  /// Restarts the server with another scene, without geometry; the connection is a new one.
   void serve(const std::string& scene) {
     scene_ = *load_scene(scene);
     SessionOptions options;
     options.geometry = false;
     restart(std::move(options));
   }
-  /// A server started anew: the connection is another one.
+  /// Restarts the server; the connection is a new one.
   void restart(SessionOptions options) {
     hub_ = std::make_unique<SessionHub>(scene_, std::move(options), queues_);
     id_ = hub_->open();
@@ -36,9 +36,9 @@ class HubLink final : public Link {
   }
   std::vector<Message> receive() override {
     std::vector<Message> out = std::exchange(unasked, {});
-    FrameAssembler assembler(limits::kMaxTransferBytes);
-    while (const FramePtr frame = hub_->next_frame(id_)) {
-      auto whole = assembler.accept(frame->data(), frame->size());
+    PacketAssembler assembler(limits::kMaxTransferBytes);
+    while (const PacketPtr packet = hub_->next_packet(id_)) {
+      auto whole = assembler.accept(packet->data(), packet->size());
       if (!whole || !whole->has_value()) continue;
       out.push_back(decode_message((*whole)->data(), (*whole)->size()).take());
     }
@@ -50,7 +50,7 @@ class HubLink final : public Link {
   LinkTraffic traffic() const override { return {}; }
 
   std::vector<Message> unasked;  ///< received next
-  bool pages_reversed = false;   ///< what follows a welcome comes last first
+  bool pages_reversed = false;   ///< pages after a welcome arrive in reverse order
 
  private:
   std::shared_ptr<const PreparedScene> scene_;
@@ -91,8 +91,8 @@ TEST(CoreSessionPages, WhatComesBeforeItsTurnWaits) {
   EXPECT_EQ(session.scene().instances.size(), 1u);
 }
 
-// Asking on for what the server no longer has would be refused for ever, and what it has now would
-// never be asked for.
+// If the client did not start afresh, it would ask for ever for what the server no longer has, and
+// never for what it has now.
 TEST_F(CoreSession, AServerWithOtherOptionsIsAnotherScene) {
   SessionOptions options;
   options.shadows = true;
@@ -107,8 +107,8 @@ TEST_F(CoreSession, AServerWithOtherOptionsIsAnotherScene) {
   EXPECT_FALSE(session.scene().geometry);
 }
 
-// What was drawn of the last scene is shown until there is something of the new one: the server
-// here draws nothing, so for 3 s.
+// The last picture of the former scene is shown until there is something of the new one. This
+// server draws nothing, so it is shown for 3 s.
 TEST_F(CoreSession, ThePictureOfTheLastSceneStaysUntilThereIsOneOfTheNext) {
   constexpr std::int64_t kSecond = 1'000'000;
   Camera camera;

@@ -1,4 +1,4 @@
-// Which shadow an impostor wears, what casts on geometry, and what is asked for.
+// Shadow stage: which shadow an impostor wears, what casts on geometry, and what is asked for.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ Capture looking_along(const glm::dvec3& eye, std::uint32_t edge = 64) {
   return Capture(*view_cell_from_direction(eye, 8), *distance_bucket_from_radii(8, 1), 1, edge);
 }
 
-// A scene under a sun, its impostors drawn, driven through the stage as the session does.
+// A scene under a sun with its impostors drawn. It is driven through the stage as the session does.
 struct ShadowWorld : SelectorWorld {
   ShadowWorld(SceneView view, const Lighting& light)
       : SelectorWorld(std::move(view)), lighting(light) {
@@ -100,7 +100,7 @@ TEST(CoreShadowCache, EvictsWhatWasUsedLongestAgoAndNothingInUse) {
   EXPECT_TRUE(cache.shadow(0, 1, {0, 0, 1}, angle));
   EXPECT_FALSE(cache.shadow(1, 1, {0, 0, 1}, angle)) << "the oldest but one had to go";
   for (const ShadowRecordPtr& record : all) record->last_used = 300;
-  cache.add_caster(7, looking_along({0, 1, 0}, 512), large, 300);  // over the one of frame 201
+  cache.add_caster(7, looking_along({0, 1, 0}, 512), large, 300);  // replaces the one of frame 201
   EXPECT_FALSE(cache.add_caster(8, looking_along({0, 0, 1}, 512), large, 301));
   EXPECT_EQ(cache.resident(), room);
   cache.reset();
@@ -132,13 +132,13 @@ TEST(CoreShadowStage, AShadowIsAskedForWhereItShowsAndWornWhileItsLightLasts) {
   const ShadowRecordPtr shadow = world.answer(needs[0]);
   EXPECT_EQ(world.draw().impostors.at(0).shadow, shadow);
   EXPECT_TRUE(world.needs(kShadowTile).empty());
-  // From a little aside the same one serves, from far aside it is worn until a better one comes.
+  // One tile serves from a little aside. From far aside it is worn until a better one arrives.
   world.look({1, 0, 20}, {0, 0, 0});
   EXPECT_TRUE(world.needs(kShadowTile).empty());
   world.look({9, 0, 17}, {0, 0, 0});
   EXPECT_EQ(world.needs(kShadowTile).size(), 1u);
   EXPECT_EQ(world.draw().impostors.at(0).shadow, shadow);
-  // Another light: never the old shadow, and a new one only once the sun rests.
+  // Another light never uses the old shadow, and asks for a new one only once the sun rests.
   const Lighting before = world.lighting;
   world.lighting = sun({1, -1, 0});
   world.cache.relight(world.lighting, world.now_us);
@@ -200,7 +200,7 @@ TEST(CoreShadowStage, WhatDoesNotCastIsLeftOut) {
   EXPECT_EQ(asked(blended), 0u);
 }
 
-// The texel a point is read from is the one the capture saw it in.
+// A point is read from the texel in which the capture saw it.
 TEST(CoreWornShadow, FindsTheTexelOfAPoint) {
   auto record = std::make_shared<ShadowRecord>();
   record->capture = looking_along({0.3, 0.5, -0.8}, 90);

@@ -1,4 +1,4 @@
-// A picture is kept exactly as long as nothing that drawing reads has changed.
+// Stillness: a picture is kept exactly as long as nothing that drawing reads has changed.
 #include "client/session/stillness.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ struct CoreStillness : ::testing::Test {
     world.look({0, 0, 0}, {0, 0, -1});
     world.add_tile(0);
   }
-  /// After `us` more.
+  /// Asks `us` microseconds later.
   bool unchanged(std::int64_t us = 16'000) {
     ++world.frame;
     world.now_us += us;

@@ -1,4 +1,4 @@
-// The view tile as one of the ways an object is drawn, and when another is asked for.
+// View stage: the view tile as a way to draw an object, and when another view is asked for.
 #include <gtest/gtest.h>
 
 #include "client/hold/mesh_cache.h"
@@ -11,7 +11,7 @@
 namespace mirage::test {
 namespace {
 
-/// What a server would send of `n` balls side by side: a column of cells for each.
+/// Returns what a server would send for `n` balls side by side: a column of cells for each.
 wire::ViewReplyT reply_for(const Camera& camera, std::uint32_t n, std::uint32_t request,
                            Bytes& payload) {
   ViewTile view;
@@ -86,7 +86,7 @@ TEST_F(CoreView, ShowsWhatHasNoImageAndNothingElse) {
     EXPECT_EQ(list.view->owners[i], i != 3 && i != 6) << i;
   }
   for (const DrawnPlaceholder& p : list.placeholders) EXPECT_TRUE(p.covered);
-  // What fades in lies over what was there.
+  // Geometry that fades in lies over the view beneath it.
   list.meshes[0].fade = 0.5f;
   stage.show_missing(scene, camera, list);
   EXPECT_TRUE(list.view->owners[6]);
@@ -97,7 +97,7 @@ TEST_F(CoreView, ShowsWhatHasNoImageAndNothingElse) {
   EXPECT_EQ(stage.counts().drawn, 1u);
 }
 
-// The scene comes in pages: nothing else can show what is on a later one.
+// The scene arrives in pages: nothing else can show what is on a later one.
 TEST_F(CoreView, ShowsWhatIsNotToldOfYet) {
   stage.asked(1);
   arrive(1);
@@ -134,8 +134,8 @@ TEST_F(CoreView, IsNotDrawnOnceAllHaveImages) {
   EXPECT_EQ(stage.counts().drawn, 0u);
 }
 
-// What it does not show from there, hidden or too small for it, another one would not: who stands
-// still with such things was sent views for ever, and never came to rest.
+// A second view from one place would not show what the first one does not, because it is hidden or
+// too small. Without this rule a viewer that stood still got views for ever and never came to rest.
 TEST_F(CoreView, FromOnePlaceOneIsAskedFor) {
   const DrawList list = all_missing();
   ASSERT_TRUE(stage.plan(scene, camera, 0, list, 1));
@@ -161,7 +161,7 @@ TEST_F(CoreView, AnotherIsAskedForWhereNothingShows) {
   EXPECT_FALSE(stage.plan(scene, camera, 0, list, 0)) << "it shows them all";
   camera.pose.eye.x += 12;  // two fifths of the distance: from too far aside
   stage.show_missing(scene, camera, list);
-  // They are in the view all the same, and nothing else is there.
+  // The balls are in the view nevertheless, and nothing else is there.
   EXPECT_TRUE(list.view);
 }
 
@@ -188,8 +188,8 @@ TEST_F(CoreView, RefusalsPauseAndOneEndsIt) {
   EXPECT_FALSE(stage.plan(scene, camera, 0, list, 60'000'000));
 }
 
-// Leaves blown up to slabs are worse than the view of the leaves; and what takes over from a view
-// that is torn has nothing to fade in over.
+// Leaves enlarged to slabs are worse than the view of the leaves. And a way that replaces a torn
+// view has nothing to fade in over.
 TEST_F(CoreView, GeometryReplacesItOnceItShowsMore) {
   Bytes payload;
   const wire::ViewReplyT reply = reply_for(camera, 24, 1, payload);
@@ -289,7 +289,7 @@ struct ViewServer final : Link {
     camera.height = 36;
     Message view;
     wire::ViewReplyT reply = reply_for(camera, 2, 3, view.payload);
-    reply.kept = kept;  // by whoever was there before: nothing the model may go by
+    reply.kept = kept;  // because of an earlier client: the model must ignore it
     view.body.Set(std::move(reply));
     replies.push_back(std::move(view));
   }
@@ -301,7 +301,7 @@ struct ViewServer final : Link {
   std::vector<Message> replies;
 };
 
-// When the view and the page come, ms, over 100 ms and 20 Mbit/s with 5 ms a tile.
+// Returns when the view and the page arrive, ms, over 100 ms and 20 Mbit/s with 5 ms a tile.
 std::pair<double, double> arrivals(bool home, bool kept) {
   ViewServer server;
   server.kept = kept;

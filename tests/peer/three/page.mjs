@@ -1,4 +1,5 @@
-// Draws one glTF file with the camera and the surroundings that render.mjs asks for, and says when.
+// Draws one glTF file with the camera and the surroundings that render.mjs asks for, and tells when
+// it is done.
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { DRACOLoader } from 'three/addons/loaders/DRACOLoader.js';

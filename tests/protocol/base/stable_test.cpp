@@ -1,5 +1,5 @@
-// The table of stable forms (numerics.md section 3), row by row where protocol/ computes it: each
-// against long double over its range, and beside the textbook form, which fails there.
+// The table of stable forms (numerics.md section 3), row by row where protocol/ computes it. Each
+// form is compared with long double over its range, beside the textbook form, which fails there.
 // Angles, 1 - cos, tangent lengths, gains and unit vectors: protocol_view_cell_test.cpp.
 #include <gtest/gtest.h>
 
@@ -33,12 +33,12 @@ class Random {
   std::mt19937_64 engine_{17};
 };
 
-// Angles off the axis and of the sphere's rim, in the bound for what has moved.
+// Angles off the axis and of the sphere's rim, in the bound for moved objects.
 TEST(ProtocolStable, MotionBoundNearAxisAndRim) {
   const auto exact = [](Exact focal, Exact travel, Exact distance, Exact depth, Exact radius) {
     const Exact aside = std::sqrt((distance - depth) * (distance + depth));
     const Exact rim = std::sqrt((distance - radius) * (distance + radius));
-    // cos(a + b) from both triangles, without any angle.
+    // Computes cos(a + b) from both triangles, without any angle.
     const Exact cosine = (depth * rim - aside * radius) / (distance * distance);
     return focal * travel / ((depth - radius) * cosine);
   };
@@ -55,11 +55,11 @@ TEST(ProtocolStable, MotionBoundNearAxisAndRim) {
       EXPECT_NEAR(static_cast<double>(bound / expected), 1, 1e-12) << lean << " " << radii;
     }
   }
-  // acos() of the ratio: nothing is left of an angle of a billionth.
+  // acos() of the ratio loses an angle of a billionth.
   EXPECT_EQ(std::acos(1 - one_minus_cos(1e-9)), 0);
 }
 
-// Rotation keys that nearly agree, and those of opposite signs.
+// Rotation keys that nearly agree, and keys of opposite signs.
 TEST(ProtocolStable, Slerp) {
   for (double angle = 1e-12; angle < 3; angle *= 7) {
     const glm::dquat a(1, 0, 0, 0);
@@ -77,7 +77,7 @@ TEST(ProtocolStable, Slerp) {
   EXPECT_TRUE(std::isnan(std::sin(0.5 * std::acos(cosine)) / std::sin(std::acos(cosine))));
 }
 
-// 10 bits a component: the best of four codes, and within what numerics.md says of it.
+// 10 bits a component: the best of four codes, within the error that numerics.md states.
 TEST(ProtocolStable, OctahedralCodes) {
   Random random;
   VertexLayout layout;
@@ -99,7 +99,7 @@ TEST(ProtocolStable, OctahedralCodes) {
   EXPECT_GT(degrees, 0.10);  // rounding to the nearest code reaches 0.24
 }
 
-// The world minus the eye, in double.
+// World minus eye, in double.
 TEST(ProtocolStable, WorldFarFromTheOrigin) {
   for (const double far : {1e6, 1e9}) {
     const glm::dvec3 eye(far, far, -far), point = eye + glm::dvec3(0.1328125, 0.2578125, -2);
@@ -114,7 +114,7 @@ TEST(ProtocolStable, WorldFarFromTheOrigin) {
   }
 }
 
-// Window depth of two surfaces a millionth apart, in float as a depth buffer holds it.
+// Window depth of two surfaces a millionth apart, in float like a depth buffer.
 TEST(ProtocolStable, ReversedDepthKeepsOrder) {
   Camera camera;
   camera.fit_depth_range({0, 0, 0}, 1e9);
@@ -138,7 +138,7 @@ TEST(ProtocolStable, ReversedDepthKeepsOrder) {
             depth(DepthMapping::kForward, 0.9e9 * (1 + 1e-6)));
 }
 
-// The sun's frame towards -z, where Frisvad's basis divides by nothing.
+// The sun's frame towards -z, where Frisvad's basis divides by zero.
 TEST(ProtocolStable, BasisWithoutAPole) {
   for (const double lean : {0.0, 1e-300, 1e-12, 1e-7, 1e-4}) {
     const SunFrame frame(glm::vec3(glm::dvec3(lean, -lean, 1)), {0, 0, 0}, 1, 64);

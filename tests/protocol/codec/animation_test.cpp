@@ -36,7 +36,7 @@ glm::dquat sample4(const Channel& c, double t) {
   return {v[3], v[0], v[1], v[2]};
 }
 
-/// A vertex at (1, 0, 0) on a joint that turns a quarter about z in a second.
+/// A vertex at (1, 0, 0) on a joint that turns by a quarter about z in a second.
 struct Turning {
   std::vector<Vertex> bind = std::vector<Vertex>(1);
   Animation animation;
@@ -60,7 +60,7 @@ struct Turning {
   }
 };
 
-/// One of everything: hierarchy, skin, morphs, all kinds of channels.
+/// Returns one of everything: hierarchy, skin, morphs, all kinds of channels.
 Animation sample_animation() {
   Animation a;
   a.clip_s = 2;
@@ -124,7 +124,7 @@ TEST(ProtocolAnimation, RotationTakesTheShorterArcAtConstantSpeed) {
         2 * std::atan2(glm::length(glm::dvec3(third.x, third.y, third.z)), std::abs(third.w)),
         kPi / 6, 1e-12);
   }
-  // 1e-9 rad: acos of the dot product would see no angle at all.
+  // 1e-9 rad: acos of the dot product would find no angle at all.
   const glm::dquat tiny = glm::angleAxis(1e-9, glm::dvec3(1, 0, 0));
   EXPECT_NEAR(slerp_shortest(a, tiny, 0.5).x, 0.25e-9, 1e-15);
   const glm::dquat half_turn = slerp_shortest(a, glm::dquat(0, 0, 0, 1), 0.5);
@@ -288,7 +288,7 @@ TEST(ProtocolMotion, PhasesOfCoarserLevelsAreASubset) {
 
 MotionProfile uneven() {
   MotionProfile m;
-  m.clip_s = 64;  // a second a segment
+  m.clip_s = 64;  // a second for each segment
   m.speed.assign(64, 0.0f);
   m.speed[10] = 2;
   m.jump.assign(256, 0.0f);
@@ -304,7 +304,7 @@ TEST(ProtocolMotion, TravelIsTheShorterWayRound) {
   EXPECT_NEAR(m.travel(10.25, 10.75), 1, 1e-6);
   EXPECT_NEAR(m.travel(10.75, 10.25), 1, 1e-6);
   EXPECT_NEAR(m.travel(9, 12), 2, 1e-6);
-  EXPECT_NEAR(m.travel(19, 22), 3, 1e-6);  // round: past the end (1) and segment 10 (2), not 5
+  EXPECT_NEAR(m.travel(19, 22), 3, 1e-6);  // across the end (1) and segment 10 (2), not 5
   EXPECT_NEAR(m.travel(60, 2), 1, 1e-6);
   EXPECT_EQ(m.travel(20, 20.4), 0) << "on this side of the jump";
   EXPECT_EQ(m.max_speed(), 2);

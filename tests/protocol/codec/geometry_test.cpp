@@ -173,7 +173,7 @@ TEST(ProtocolCamera, DepthRangeHoldsTheScene) {
   EXPECT_LT(camera.near_m, 0.1);
 }
 
-// A sphere is left out only when no point of it is in the picture.
+// A sphere is left out only if no point of it is in the picture.
 TEST(ProtocolCamera, MaySeeIsConservative) {
   Random random;
   int hidden = 0, missed_by_points = 0;
@@ -197,7 +197,7 @@ TEST(ProtocolCamera, MaySeeIsConservative) {
     }
     hidden += may ? 0 : 1;
   }
-  // And it does leave out most of what is hidden.
+  // Most hidden spheres are left out.
   EXPECT_GT(hidden, missed_by_points * 8 / 10);
 }
 

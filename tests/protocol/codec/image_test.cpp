@@ -50,7 +50,7 @@ TEST(ProtocolImage, DataIsExact) {
   EXPECT_EQ(back->rgba, image.rgba);
 }
 
-// Noise of the given strength around a gradient, brightness alone or each channel by itself.
+// Returns noise of the given strength around a gradient, in brightness alone or in each channel.
 Image photographed(std::uint32_t edge, int noise, bool gray_noise) {
   Image image{edge, edge, true, {}};
   std::mt19937 random(7);
@@ -100,7 +100,7 @@ TEST(ProtocolImage, FewColoursAndSmallImagesAreExact) {
   EXPECT_EQ(sent(palette).rgba, palette.rgba);
   Image poster{320, 200, true, {}};
   for (std::uint32_t i = 0; i < 320 * 200; ++i) {
-    // Greys: no hue is at stake, and yet they are sent as they are.
+    // Greys have no hue to lose, but they are sent as they are.
     const auto grey = static_cast<std::uint8_t>((i / 16 % 20 + i / 320 / 16) * 37 % 256);
     poster.rgba.insert(poster.rgba.end(), {grey, grey, grey, 255});
   }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr TileCodec kLossy[] = {TileCodec::kWebp};
 
-// A ball on nothing, in smooth colours, with an edge of half covered texels.
+// Returns a ball on an empty ground, in smooth colours, with an edge of half covered texels.
 Tile ball(std::uint32_t w, std::uint32_t h, std::uint8_t channels = kLitTile) {
   Tile tile;
   tile.edge = 256;
@@ -75,7 +75,7 @@ TEST(ProtocolLossy, OnlyColoursDifferAndNotByMuch) {
           if (tile.rgba[i] != 0) continue;
           ASSERT_EQ(back->rgba[i - 1] | back->rgba[i - 2] | back->rgba[i - 3], 0) << "nothing";
         }
-        // Smooth colours: found 2.6 at most; undivided edges ring by 100 and more.
+        // Smooth colours: measured 2.6 at most; undivided edges ring by 100 and more.
         const ColorError error = color_error(tile.rgba, back->rgba);
         if (w >= 47) {
           EXPECT_LT(error.rms, 4) << codec_name(codec);
@@ -103,7 +103,7 @@ TEST(ProtocolLossy, ErrorIsOfCoveredTexels) {
   const std::vector<std::uint8_t> before = {10, 20, 30, 255, 1, 2, 3, 0, 7, 7, 7, 1};
   std::vector<std::uint8_t> after = before;
   EXPECT_EQ(color_error(before, after).rms, 0);
-  after[4] = 200;  // of a texel that is not there
+  after[4] = 200;  // of a texel without coverage
   EXPECT_EQ(color_error(before, after).max, 0);
   after[1] = 26;
   after[8] = 4;
@@ -127,7 +127,7 @@ TEST(ProtocolLossy, ColoursAreDividedByCoverageAndContinued) {
   premultiply_colors(straight, back);
   for (std::size_t i = 0; i < rgba.size(); ++i) EXPECT_NEAR(back[i], rgba[i], 1) << i;
   EXPECT_EQ(back[4], 0);
-  // Nothing at all is no trouble.
+  // An empty image is allowed.
   EXPECT_EQ(straight_colors(std::vector<std::uint8_t>(3 * 5 * 4), 3, 5)[0], 0);
 }
 
@@ -166,7 +166,7 @@ TEST(ProtocolLossy, CutsAndForeignSizesAreRefused) {
       out.crop = {0, 0, w, h};
       EXPECT_FALSE(decode_tile_planes(bytes.data(), bytes.size(), codec, out)) << w << "x" << h;
     }
-    // A length of colours beyond the end.
+    // The length of the colours goes beyond the end.
     auto wrong = bytes;
     wrong[3] = 0xff;
     Tile out = without_planes(tile);
@@ -174,7 +174,7 @@ TEST(ProtocolLossy, CutsAndForeignSizesAreRefused) {
   }
 }
 
-// An image of another size behind honest planes: the image says so before anything is allocated.
+// An image of another size behind honest planes: its header tells, before anything is allocated.
 TEST(ProtocolLossy, AnotherImageInItsPlaceIsRefused) {
   const Tile tile = ball(16, 16), larger = ball(64, 64);
   for (const TileCodec codec : kLossy) {

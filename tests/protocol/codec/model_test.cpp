@@ -17,7 +17,7 @@ constexpr std::size_t kImages = 2;
 constexpr std::size_t kHeaderBytes = 9 * 4 + 6 * 4 + 4 * 4 + 4 * 4;
 constexpr std::size_t kPrimitiveBytes = 12;
 
-/// A bumpy sheet of n x n quads with every stream in use.
+/// Returns a bumpy sheet of n x n quads with every stream in use.
 ObjectModel sheet(std::uint32_t n) {
   ObjectModel model;
   for (std::uint32_t y = 0; y <= n; ++y) {
@@ -88,11 +88,11 @@ TEST(ProtocolModel, RoundTripWithinTheStatedError) {
   EXPECT_LT(step, 1e-4);
   ASSERT_EQ(back->mesh.indices.size(), model.mesh.indices.size());
   ASSERT_EQ(back->mesh.primitives.size(), 3u);
-  // The blended primitive keeps its order; compare it corner by corner.
+  // The blended primitive keeps its order, so compare it corner by corner.
   const Primitive& p = back->mesh.primitives[0];
   ASSERT_EQ(p.material, 1u);
   for (std::uint32_t t = 0; t < p.index_count; t += 3) {
-    // The index codec may turn a triangle round its corners.
+    // The index codec may rotate the corners of a triangle.
     const auto corner = [&](std::uint32_t k) -> const Vertex& {
       return back->mesh.vertices[back->mesh.indices[p.first_index + t + k % 3]];
     };
@@ -363,7 +363,7 @@ TEST(ProtocolModel, AnisotropyFollowsLobesThatAreWhatTheyWere) {
   }
 }
 
-// Texture coordinates of its map and tangents come with it.
+// The texture coordinates of its map and the tangents are sent as well.
 TEST(ProtocolModel, AnisotropyTravelsWithItsTangents) {
   ObjectModel plain = sheet(6);
   plain.materials.assign(2, Material());

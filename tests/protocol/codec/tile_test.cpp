@@ -84,7 +84,7 @@ TEST(ProtocolTileCodec, LayeredTilesCarryWhatIsBehind) {
       (other.*plane)[7] ^= 1;
       EXPECT_NE(tile_content_hash(other), tile_content_hash(tile));
     }
-    // Planes of one kind do not pass for the other.
+    // Planes of one kind are not accepted as the other.
     Tile lit = empty_like(tile);
     lit.channels = kLitTile;
     EXPECT_FALSE(decode_tile_planes(bytes.data(), bytes.size(), codec, lit));
@@ -96,7 +96,7 @@ TEST(ProtocolTileColor, FrontOverBehindAddsWhatTheFrontLeavesOpen) {
   std::vector<std::uint8_t> front = {9, 8, 7, 255, 0, 0, 0, 0, 60, 50, 40, 100};
   EXPECT_EQ(front_over_behind(front, behind),
             (std::vector<std::uint8_t>{9, 8, 7, 255, 100, 200, 50, 255, 60, 50, 40, 100}));
-  // Half of white over white: white; the two halves are added in linear light.
+  // Half of white over white gives white; both halves are added in linear light.
   front = {188, 188, 188, 128, 0, 0, 0, 128, 0, 0, 0, 0};
   const std::vector<std::uint8_t> white(12, 255);
   const std::vector<std::uint8_t> over = front_over_behind(front, white);
@@ -117,7 +117,7 @@ TEST(ProtocolTileCodec, RelitTilesCarryTheirSurface) {
     EXPECT_EQ(back.rgba, tile.rgba);
     EXPECT_EQ(back.surface, tile.surface);
     EXPECT_EQ(back.depth, tile.depth);
-    // Planes of one kind do not pass for the other.
+    // Planes of one kind are not accepted as the other.
     Tile lit = empty_like(tile);
     lit.channels = kLitTile;
     EXPECT_FALSE(decode_tile_planes(bytes.data(), bytes.size(), codec, lit));
@@ -204,7 +204,7 @@ TEST(ProtocolTileCodec, BombIsRefused) {
   EXPECT_LT(bomb.size(), 16384u);
   expect_codec_error(bomb, TileCodec::kZstd, empty_like(make_tile(8, 8, true)));
   EXPECT_FALSE(decompress_block(bomb.data(), bomb.size(), 320));
-  // One that does not say how large it gets.
+  // A stream that does not declare its size.
   std::vector<std::uint8_t> stream(ZSTD_compressBound(320));
   ZSTD_CCtx* context = ZSTD_createCCtx();
   ZSTD_CCtx_setParameter(context, ZSTD_c_contentSizeFlag, 0);

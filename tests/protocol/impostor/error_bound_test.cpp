@@ -43,13 +43,13 @@ class Cases {
     const glm::dvec3 to_capture = direction();
     const auto bucket = distance_bucket_from_radii(log_uniform(1.25, 100), 6);
     c.capture = Capture(*view_cell_from_direction(to_capture, 7), *bucket, radius, 64);
-    // From a hair beside the capture eye to anywhere.
+    // The eye is anywhere, from a hair beside the capture eye on.
     const glm::dvec3 off = direction() * log_uniform(1e-6, 1);
     const glm::dvec3 to_eye = glm::normalize(glm::normalize(c.capture.eye()) + off);
     c.view.eye = to_eye * (radius * log_uniform(1.2, 100));
     c.view.focal_px = log_uniform(10, 5000);
     c.view.radius = radius;
-    // The centre need not be in the middle of the picture: turn the view off it.
+    // The centre need not be in the middle of the picture, so the view is turned off it.
     c.forward = glm::normalize(-to_eye + direction() * uniform(0, 0.5));
     c.right = glm::normalize(glm::cross(c.forward, direction()));
     c.up = glm::cross(c.right, c.forward);
@@ -62,8 +62,8 @@ class Cases {
   std::mt19937_64 random_{5};
 };
 
-/// A random point of the sphere's inside, its drawn twin on the same capture ray at capture depth
-/// `z`, and the true error in px.
+/// Returns the true error, px, of a random point in the sphere: its drawn twin is on the same
+/// capture ray, at capture depth `z`.
 double error_px(const Case& c, const glm::dvec3& p, double z) {
   const glm::dvec3 eye = c.capture.eye();
   const glm::dvec3 q = eye + (p - eye) * (z / c.capture.depth(p));
@@ -93,7 +93,7 @@ TEST(ProtocolErrorBound, SoundForTheQuadAtTheCentrePlane) {
     }
   }
   EXPECT_GT(finite, 375'000);
-  EXPECT_GT(tightest, 0.5);  // and it is no empty promise
+  EXPECT_GT(tightest, 0.5);  // and it is not too loose
 }
 
 // (b), (c): the drawn depth is off by at most dz, and stays within the bounding sphere.
@@ -102,7 +102,7 @@ TEST(ProtocolErrorBound, SoundForAnyDrawnDepth) {
   double tightest = 0;
   for (int i = 0; i < 500'000; ++i) {
     Case c = cases.next();
-    if (i % 4 == 0) c.view.forward = glm::dvec3(0);  // not known: looser, but sound
+    if (i % 4 == 0) c.view.forward = glm::dvec3(0);  // unknown: looser, but sound
     const double r = c.view.radius;
     const double dz = r * cases.log_uniform(1e-4, 2);
     const glm::dvec3 p = cases.direction() * (r * std::cbrt(cases.uniform(0, 1)));
@@ -155,8 +155,8 @@ DrawnDepth content_depth(const Case& c, const Content& content) {
   return drawn;
 }
 
-// What a tile measures on itself makes the bound tight: the largest error over the content comes
-// near it beyond 10 radii.
+// The measures of a tile make the bound tight: beyond 10 radii the largest error over the content
+// comes near it.
 TEST(ProtocolErrorBound, SoundAndTightForMeasuredContent) {
   Cases cases;
   std::vector<double> ratios;
@@ -212,11 +212,11 @@ TEST(ProtocolErrorBound, InfiniteWhereNoImpostorHolds) {
   }
   expect_stale(plain_view(), kPlainCapture,
                {1, 4, 0, 0, 0, 0});  // drawn points reach the eye plane
-  expect_stale(plain_view(), kPlainCapture, {-1, 1, 0, 0, 0, 0});  // a negative bound is no bound
+  expect_stale(plain_view(), kPlainCapture, {-1, 1, 0, 0, 0, 0});  // a negative bound is not valid
 }
 
-// The corners of a quad captured from near reach farther than a near eye is away, but aside of it:
-// seen from behind it is far off, and by how much is known.
+// The corners of a quad captured from near lie farther out than a near eye, but aside of it. From
+// behind it is far off, by a known distance.
 TEST(ProtocolErrorBound, FiniteFromBehindHoweverWideTheQuad) {
   ViewGeometry v = plain_view();
   v.eye = {0, 0, -1.32};
@@ -225,7 +225,7 @@ TEST(ProtocolErrorBound, FiniteFromBehindHoweverWideTheQuad) {
   const Capture capture(*view_cell_from_direction({0, 0, 1}, 7),
                         *distance_bucket_from_radii(1.33, 6), 1, 64);
   const CaptureGeometry geometry = capture.geometry();
-  // On the plane through the centre, its corners 2.2 radii aside.
+  // The quad is on the plane through the centre; its corners are 2.2 radii aside.
   const DrawnDepth drawn{2, 2.2, 0, 0, geometry.distance, geometry.distance};
   const double bound = position_bound_px(v, geometry, drawn);
   EXPECT_TRUE(std::isfinite(bound));
@@ -268,7 +268,7 @@ TEST(ProtocolErrorBound, MonotoneInTheAngle) {
       EXPECT_GT(term, last) << theta;
       EXPECT_NEAR(term / (distance * theta), 1, theta + 1e-12);
       last = term;
-      // The vector form agrees where it has digits left.
+      // The vector form agrees where it still has digits.
       if (theta < 1e-6) continue;
       ViewGeometry v = plain_view();
       v.eye = glm::dvec3(std::sin(theta), 0, std::cos(theta)) * distance;
@@ -283,7 +283,7 @@ TEST(ProtocolErrorBound, ZeroAtTheCaptureEye) {
   v.center_depth = 3;
   EXPECT_EQ(position_bound_px(v, kPlainCapture, kPlainDrawn), 0);
   EXPECT_FALSE(is_stale(0, 0));
-  // On the ray of a point the true error is zero, wherever it is drawn.
+  // The true error is zero on the ray of a point, wherever it is drawn.
   const glm::dvec3 p(0.3, 0.2, -5);
   EXPECT_NEAR(point_error_px(500, p, p * 1.7, {0, 0, -1}, {1, 0, 0}, {0, 1, 0}), 0, 1e-10);
   EXPECT_EQ(point_error_px(500, p, {0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {0, 1, 0}), kInf);
@@ -310,7 +310,7 @@ TEST(ProtocolCapture, RaysAndWindow) {
     const Capture& capture = c.capture;
     const glm::dvec3 p = cases.direction() * (capture.radius * cases.uniform(0, 1));
     const glm::dvec2 t = capture.texel_from_point(p);
-    // The guard texel stays free, whatever the object is.
+    // The guard texel stays free for any object.
     ASSERT_GT(std::min(t.x, t.y), 1 - 1e-9);
     ASSERT_LT(std::max(t.x, t.y), capture.edge - 1 + 1e-9);
     const glm::dvec3 back = capture.point_from_texel(t, capture.depth(p));

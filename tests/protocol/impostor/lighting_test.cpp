@@ -247,7 +247,7 @@ TEST(ProtocolTileKey, EveryFieldCounts) {
   EXPECT_TRUE(tile_id(some_key()) == tile_id(some_key()));
 }
 
-// The wire and the store carry this value: it may change only with the protocol version.
+// Wire and store carry this value, so it may change only with the protocol version.
 TEST(ProtocolTileKey, GoldenValue) {
   EXPECT_EQ(tile_id(some_key()).low, 10587653953638276656u);
   EXPECT_EQ(tile_id(some_key()).high, 7117905157872389931u);

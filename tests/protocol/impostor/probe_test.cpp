@@ -1,4 +1,4 @@
-// Light probes: their texels, their way over the wire, and their part in a lighting state.
+// Light probes: their texels, their encoding, and their part in a lighting state.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What a message may not hold: floats that are not finite, parts that are missing, values out of
+// Values that a message may not hold: floats that are not finite, missing parts, values out of
 // range.
 #include <gtest/gtest.h>
 
@@ -11,7 +11,8 @@
 namespace mirage::test {
 namespace {
 
-/// What the programs do with a message: decode, then turn what it carries into their own types.
+/// Does with a message what the programs do: decodes it, then converts its content to their own
+/// types.
 Result<Message> received(const Bytes& bytes) {
   Result<Message> message = decode_message(bytes.data(), bytes.size());
   if (!message) return message;
@@ -41,7 +42,7 @@ TEST(ProtocolValues, SamplesAreAccepted) {
   }
 }
 
-/// Refused with NaN and with either infinity where `change` puts them.
+/// Expects a refusal for NaN and for either infinity where `change` puts them.
 template <typename BodyT, typename Change>
 void expect_finite_only(const BodyT& body, const Change& change, const char* what) {
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
@@ -51,7 +52,7 @@ void expect_finite_only(const BodyT& body, const Change& change, const char* wha
   }
 }
 
-/// Wire structs have no setters: their bytes are their layout.
+/// Writes into the bytes of a wire struct, which has no setters; its bytes are its layout.
 template <typename ScalarT, typename StructT>
 void poke(StructT& s, std::size_t index, double value) {
   const auto scalar = static_cast<ScalarT>(value);

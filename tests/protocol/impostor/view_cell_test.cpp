@@ -16,7 +16,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/// Directions that gather where an octahedral map breaks: folds, corners, poles, and anywhere.
+/// Directions where an octahedral map breaks: folds, corners, poles; and anywhere.
 class Directions {
  public:
   glm::dvec3 next() {
@@ -87,7 +87,7 @@ TEST(ProtocolViewCell, LengthDoesNotMatter) {
   for (int i = 0; i < 2000; ++i) {
     const glm::dvec3 v = glm::normalize(directions.next() + glm::dvec3(0, 1e-3, 0));
     const auto cell = view_cell_from_direction(v, 9);
-    // Powers of two scale without rounding, so also a direction on a cell's edge keeps its key.
+    // Powers of two scale without rounding, so even a direction on a cell's edge keeps its key.
     for (const double exponent : {-66.0, 66.0, -1000.0, 1000.0}) {
       ASSERT_EQ(view_cell_from_direction(v * std::exp2(exponent), 9), cell);
     }
@@ -109,8 +109,7 @@ TEST(ProtocolViewCell, NoDirectionNoCell) {
   }
 }
 
-// The angle is what the client's choice of level rests on, so it must hold at every level, coarse
-// ones included.
+// The client chooses the level by this angle, so it must hold at every level, even coarse ones.
 TEST(ProtocolViewCell, AngleToTheCenterIsBounded) {
   Directions directions;
   std::vector<double> worst(limits::kMaxViewLevel + 1, 0.0);
@@ -146,7 +145,7 @@ void expect_orthonormal(const CaptureBasis& b) {
   ASSERT_NEAR(glm::dot(b.right, b.up), 0, 1e-12);
   ASSERT_NEAR(glm::dot(b.right, b.forward), 0, 1e-12);
   ASSERT_NEAR(glm::dot(b.up, b.forward), 0, 1e-12);
-  // Right-handed, the camera looking along -z: right x up = -forward.
+  // The axes are right-handed, and the camera looks along -z: right x up = -forward.
   ASSERT_NEAR(glm::length(glm::cross(b.right, b.up) + b.forward), 0, 1e-12);
 }
 
@@ -163,7 +162,7 @@ TEST(ProtocolViewCell, BasisIsOrthonormalAlsoAtThePoles) {
       ASSERT_LT(glm::length(basis.forward + direction_from_view_cell(*cell)), 1e-12);
     }
   }
-  // Away from the poles, up leans to world up.
+  // Up leans towards world up away from the poles.
   EXPECT_GT(capture_basis(*view_cell_from_direction({1, .2, .3}, 8)).up.y, 0.9);
 }
 
@@ -179,7 +178,7 @@ TEST(ProtocolDistanceBucket, RoundTripMonotoneAndClose) {
       last = bucket->index;
       const double middle = radii_from_distance_bucket(*bucket);
       ASSERT_EQ(distance_bucket_from_radii(middle, level), bucket);
-      // Nearest the limits, the bucket may be a neighbour that lies in range.
+      // Close to the limits, the bucket may be a neighbour that lies in range.
       const double allowed =
           radii < 2.5 || radii > 4e5 ? half_step * half_step * half_step : half_step * (1 + 1e-12);
       ASSERT_LE(std::max(middle / radii, radii / middle), allowed) << radii << " level " << level;
@@ -200,8 +199,8 @@ TEST(ProtocolDistanceBucket, Limits) {
   EXPECT_FALSE(valid(DistanceBucket{limits::kMaxDistanceLevel + 1, 100}));
 }
 
-// Each stable form next to the textbook one: the first agrees with long double, the second shows
-// why it is not used.
+// Each stable form beside the textbook one: the first agrees with long double, the second shows why
+// it is not used.
 TEST(ProtocolStableMath, AngleBetween) {
   for (double theta = 1e-12; theta < 3; theta *= 3.7) {
     const glm::dvec3 a(1, 0, 0), b(std::cos(theta), std::sin(theta), 0);

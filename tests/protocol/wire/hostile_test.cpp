@@ -10,17 +10,17 @@
 namespace mirage::test {
 namespace {
 
-/// kInternal stands for "accepted".
+/// Returns the error of decoding; kInternal means "accepted".
 ErrorId decode_error(const Bytes& bytes) {
   const Result<Message> message = decode_message(bytes.data(), bytes.size());
   return message ? ErrorId::kInternal : message.error().id;
 }
 
 Bytes framed(const flatbuffers::FlatBufferBuilder& builder) {
-  FrameHeader header;
+  PacketHeader header;
   header.control_bytes = builder.GetSize();
   Bytes out(kWireHeaderBytes + builder.GetSize());
-  write_frame_header(header, out.data());
+  write_packet_header(header, out.data());
   std::copy_n(builder.GetBufferPointer(), builder.GetSize(), out.begin() + kWireHeaderBytes);
   return out;
 }
@@ -141,19 +141,19 @@ TEST(ProtocolHostile, OtherVersionsAndKindsAreNamed) {
   bytes[3] = 2;  // a chunk is no message
   EXPECT_EQ(decode_error(bytes), ErrorId::kWireMalformed);
   Bytes empty(kWireHeaderBytes);
-  write_frame_header({}, empty.data());
+  write_packet_header({}, empty.data());
   EXPECT_EQ(decode_error(empty), ErrorId::kWireMalformed);
 }
 
 TEST(ProtocolHostile, LargeControlPartIsRefused) {
   Bytes bytes(kWireHeaderBytes + limits::kMaxControlBytes + 1);
-  FrameHeader header;
+  PacketHeader header;
   header.control_bytes = limits::kMaxControlBytes + 1;
-  write_frame_header(header, bytes.data());
+  write_packet_header(header, bytes.data());
   EXPECT_EQ(decode_error(bytes), ErrorId::kWireLimit);
 }
 
-// The verifier lets a union pass whose tag is set and whose table is absent.
+// The verifier accepts a union whose tag is set and whose table is absent.
 TEST(ProtocolHostile, TagWithoutBody) {
   for (int tag = 0; tag <= static_cast<int>(wire::Body::MAX) + 1; ++tag) {
     flatbuffers::FlatBufferBuilder builder;
@@ -199,7 +199,7 @@ TEST(ProtocolHostile, AmplificationIsBounded) {
   EXPECT_EQ(page(limits::kObjectsPerPage + 1, 1), ErrorId::kWireLimit);
   EXPECT_EQ(page(1, 10'000), ErrorId::kWireLimit);
   EXPECT_EQ(page(4000, 10'000), ErrorId::kWireLimit);
-  EXPECT_EQ(page(20'000, 1'000), ErrorId::kWireMalformed);  // more tables than the verifier takes
+  EXPECT_EQ(page(20'000, 1'000), ErrorId::kWireMalformed);  // more tables than the verifier accepts
 }
 
 TEST(ProtocolHostile, CutAtEveryByte) {
@@ -208,11 +208,11 @@ TEST(ProtocolHostile, CutAtEveryByte) {
       const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(n));
       ASSERT_EQ(decode_error(cut), ErrorId::kWireMalformed);
       if (n <= kWireHeaderBytes) continue;
-      // The same with a header that agrees with what is left: the control part ends early.
+      // A header that matches the remaining bytes: the control part ends early.
       Bytes honest = cut;
-      FrameHeader header;
+      PacketHeader header;
       header.control_bytes = static_cast<std::uint32_t>(n - kWireHeaderBytes);
-      write_frame_header(header, honest.data());
+      write_packet_header(header, honest.data());
       decode_error(honest);
     }
   }

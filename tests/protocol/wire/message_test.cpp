@@ -17,8 +17,8 @@ TEST(ProtocolMessage, EveryKindComesBackAsItWas) {
     const Result<Message> message = decoded(samples[i]);
     ASSERT_TRUE(message) << i << " " << message.error().line();
     EXPECT_EQ(static_cast<std::size_t>(message->body.type), i + 1);
-    // The encoder is a function: equal bytes, equal message. Each field of the samples is set, and
-    // set to another value than its neighbours.
+    // The encoder is a function: equal messages give equal bytes. Each field of the samples is set,
+    // to a value that differs from its neighbours'.
     EXPECT_EQ(encode_body(message->body, message->payload), samples[i]) << i;
   }
 }

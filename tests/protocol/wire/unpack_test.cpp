@@ -1,5 +1,4 @@
-// What a link does beforehand: afterwards the payload is what taking the message in would have
-// decoded.
+// Unpacking by a link: afterwards the payload is what decoding the message would have given.
 #include "protocol/wire/unpack.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// View tiles: what they are asked for, their codes, and what hostile bytes can do.
+// View tiles: requests for them, their codes, and what hostile bytes can do.
 #include "protocol/impostor/view_tile.h"
 
 #include <gtest/gtest.h>

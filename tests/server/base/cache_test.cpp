@@ -1,4 +1,4 @@
-// The directory of things that can be made again: its budget, age, damage, and several writers.
+// Cache directory: things that can be made again: its budget, age, damage, and several writers.
 #include <gtest/gtest.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
@@ -29,7 +29,7 @@ Bytes thing(std::uint64_t n, std::size_t size = 1000) {
 
 class ServerCache : public ::testing::Test {
  protected:
-  /// All regular files, oldest use first.
+  /// Returns all regular files, the one used longest ago first.
   std::vector<fs::path> files() const {
     std::vector<fs::path> out = temporary_.files();
     std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) {
@@ -42,7 +42,7 @@ class ServerCache : public ::testing::Test {
     for (const fs::path& file : files()) sum += fs::file_size(file);
     return sum;
   }
-  /// As if every file had been used so long ago, in the order in which they were.
+  /// Makes every file look as if it was last used long ago, in the order in which they were used.
   void grow_old() const {
     const auto past = fs::file_time_type::clock::now() - std::chrono::hours(1);
     int i = 0;
@@ -119,7 +119,7 @@ TEST_F(ServerCache, WhatEarlierProcessesLeftCounts) {
 
 TEST_F(ServerCache, ASmallBudgetIsNotThatOfOthersWhoShareTheDirectory) {
   CacheDirectory owner(folder_, kRoomy);
-  owner.settle();  // it was here first
+  owner.settle();  // the owner was here first
   for (std::uint64_t n = 0; n < 20; ++n) EXPECT_TRUE(owner.write(key_of(n), thing(n)));
   CacheDirectory small(folder_, 4'000);
   small.settle();
@@ -190,7 +190,7 @@ TEST_F(ServerCache, HalvesThatAWriterLeftAreRemovedOnceItIsSurelyGone) {
   EXPECT_EQ(cache.read(key_of(1)), thing(1));
 }
 
-// Writers of one name: a reader sees one whole thing or none, never two halves.
+// Several writers of one name: a reader sees one whole thing or none, never two halves.
 TEST_F(ServerCache, SeveralWritersAtOnceLeaveWholeFiles) {
   constexpr std::size_t kSize = 300'000;
   CacheDirectory one(folder_, kRoomy), other(folder_, kRoomy);

@@ -1,4 +1,4 @@
-// What is kept under a budget, and who waits for what is being made.
+// Keeping things under a budget, and waiting for things that are being made.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,5 +1,5 @@
-// Large surfaces in chunks: as few triangles as asked for, no crack between
-// chunks, and an error that no vertex exceeds.
+// Large surfaces in chunks: as few triangles as requested, no crack between chunks, and an error
+// that no vertex exceeds.
 #include "server/lod/lod_chunks.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ Part ring(std::uint32_t around, std::uint32_t along) {
   return out;
 }
 
-/// Edges, by position, that do not have two triangles.
+/// Returns the number of edges, by position, that do not have two triangles.
 std::size_t torn_edges(const Part& part) {
   using Place = std::array<float, 3>;
   std::map<std::pair<Place, Place>, int> count;
@@ -84,8 +84,7 @@ TEST(ServerLodChunks, AreTheSameFromAnyNumberOfThreads) {
   }
 }
 
-// Every triangle on vertices of its own: what is left is joined where chunks
-// meet, too.
+// Every triangle has its own vertices; what remains is joined where chunks meet, too.
 TEST(ServerLodChunks, SoupCollapsesAndStaysClosed) {
   const Part smooth = ring(120, 60);
   Part soup;
@@ -100,8 +99,7 @@ TEST(ServerLodChunks, SoupCollapsesAndStaysClosed) {
   EXPECT_EQ(torn_edges(step.part), 0u);
 }
 
-// Beyond kLargeTriangles the chain goes through chunks first, and ends as any
-// other.
+// A chain of more than kLargeTriangles goes through chunks first, and then ends as any other.
 TEST(ServerLodChunks, BeginTheChainOfALargeMesh) {
   const Part part = ring(700, 720);
   ASSERT_GT(part.triangles(), kLargeTriangles);

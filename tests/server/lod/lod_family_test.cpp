@@ -23,7 +23,7 @@ glm::dmat3 any_shape(std::mt19937& random) {
   return out;
 }
 
-/// `copies` of a knot, each in a shape of its own.
+/// Returns `copies` of a knot, each with a shape of its own.
 Scene copies_of_a_knot(std::size_t copies) {
   Scene scene = load_scene("builtin:knot?tubular=64&radial=12").take()->scene;
   const Mesh knot = scene.objects[0].mesh;

@@ -1,5 +1,5 @@
-// Levels of detail: fewer triangles each, errors that brute force confirms, foliage that keeps
-// cover.
+// Levels of detail: each has fewer triangles, an error that brute force confirms, and foliage that
+// keeps its cover.
 #include "server/lod/lod.h"
 
 #include <gtest/gtest.h>
@@ -158,7 +158,7 @@ Mesh bevelled_cube() {
   return mesh;
 }
 
-/// Share of the area that is shaded as if it leaned by more than 20 degrees.
+/// Returns the share of the area that is shaded as if it leaned by more than 20 degrees.
 double leaning_share(const Mesh& mesh) {
   double wrong = 0, whole = 0;
   for (std::size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
@@ -167,7 +167,7 @@ double leaning_share(const Mesh& mesh) {
     const glm::vec3 cross =
         glm::cross(v[1]->position - v[0]->position, v[2]->position - v[0]->position);
     const double size = 0.5 * double{glm::length(cross)};
-    if (!(size > 1e-4)) continue;  // what is left of the bevels
+    if (!(size > 1e-4)) continue;  // remains of the bevels
     for (const glm::vec3& w :
          {glm::vec3(0.8f, 0.1f, 0.1f), glm::vec3(0.1f, 0.8f, 0.1f), glm::vec3(0.1f, 0.1f, 0.8f)}) {
       const glm::vec3 n =
@@ -227,7 +227,7 @@ TEST(ServerLod, PrimitivesKeepTheirMaterialAndLinesStay) {
       EXPECT_EQ(lod.mesh.vertices[lod.mesh.indices[lines.first_index + i]].position,
                 mesh.vertices[mesh.indices[i]].position);
     }
-    // Each part's vertices come from that part.
+    // The vertices of each part come from that part.
     for (std::uint32_t part = 0; part < 2; ++part) {
       const Primitive& p = lod.mesh.primitives[part];
       for (std::uint32_t i = 0; i < p.index_count; ++i) {

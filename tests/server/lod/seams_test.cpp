@@ -1,5 +1,5 @@
-// Seams: vertices that are one but for rounding are joined, others are let be, and no level of
-// detail opens what was closed.
+// Seams: vertices that differ only by rounding are joined, others stay apart, and no level of
+// detail opens a closed surface.
 #include "server/lod/seams.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ TEST(ServerSeams, JoinsWhatRoundingParted) {
 }
 
 TEST(ServerSeams, LetsBeWhatIsApart) {
-  // A plate a millionth as thick as it is wide, and steps of a millionth on it.
+  // A plate a millionth as thick as it is wide, with steps of a millionth on it.
   const std::vector<glm::vec3> apart = {{-1, 0, 0},        {1, 0, 0},      {1, 1e-6f, 0},
                                         {1, 1e-6f, 1},     {1, 0, 1},      {0, 0, 0},
                                         {1 - 1e-6f, 0, 0}, {0, 1e-12f, 0}, {0, 0, 1e-6f}};
@@ -60,7 +60,7 @@ TEST(ServerSeams, TheMirroredMeshIsJoinedLikewise) {
   }
 }
 
-/// A dented ball with a seam from pole to pole, its meridians computed from 0 to a whole turn.
+/// A dented ball with a seam from pole to pole; its meridians run from 0 to a whole turn.
 Mesh ball(std::uint32_t rings, std::uint32_t sectors) {
   Mesh mesh;
   for (std::uint32_t r = 0; r <= rings; ++r) {
@@ -86,7 +86,7 @@ Mesh ball(std::uint32_t rings, std::uint32_t sectors) {
   return mesh;
 }
 
-/// Edges between two positions that are not run along as often one way as the other.
+/// Returns the edges between two positions that are not used equally often in both directions.
 std::size_t open_edges(const Mesh& mesh) {
   using End = std::array<float, 3>;
   std::map<std::pair<End, End>, int> turns;

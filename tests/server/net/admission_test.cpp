@@ -1,4 +1,4 @@
-// Who may connect: by address, and by where a browser's page came from.
+// Admission: whether a client may connect, by its address and by the origin of a browser's page.
 #include "server/net/admission.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Tiles by HTTP: what a request is for, who may, and what it is answered.
+// Tiles by HTTP: what a request is for, who may send it, and how it is answered.
 #include "server/net/tile_http.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The page for browsers as files: which form is sent, and what goes with it.
+// Web pages: the files of the browser page, which form is sent, and with which headers.
 #include "server/net/web_pages.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Handshake keys and close frames, right and wrong.
+// Handshake keys and WebSocket close packets, right and wrong.
 #include "server/net/websocket_rules.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// Impostor groups: every eligible instance in one tree, bounds that enclose, the same every time.
+// Impostor groups: every eligible instance is in one tree, bounds enclose, and the result is always
+// the same.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -16,7 +17,7 @@ std::shared_ptr<const PreparedScene> forest() {
   return scene;
 }
 
-// Groups of instances; after them come parts of one.
+// Returns the number of groups of instances; the parts of one follow them.
 std::size_t groups_of(const PreparedScene& scene) {
   const Grouping& grouping = scene.grouping;
   return grouping.cuts.empty() ? grouping.groups.size() : grouping.cuts.front().first_group;
@@ -46,7 +47,7 @@ TEST(ServerGrouping, EveryInstanceIsInAtMostOneTree) {
   EXPECT_GT(grouped, scene.scene.instances.size() / 2);
 }
 
-// Two boxes of glass; in one of them stands something, the other only beside it.
+// Two glass boxes: something stands in one of them, and only beside the other.
 TEST(ServerGrouping, WhatIsSeenThroughAndHoldsSomethingIsGeometry) {
   Scene scene;
   std::vector<ObjectDescription> objects(3);

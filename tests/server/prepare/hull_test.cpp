@@ -1,4 +1,5 @@
-// Enclosing hulls and object descriptions: what the bound relies on must really enclose.
+// Enclosing hulls and object descriptions: they must really enclose, because the bound relies on
+// it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,20 +13,20 @@
 namespace mirage::test {
 namespace {
 
-/// How far the worst point is outside the hull, as a share of the points' extent.
+/// Returns how far the worst point is outside the hull, as a share of the points' extent.
 double worst_outside(const ConvexHull& hull, const std::vector<glm::vec3>& points) {
   glm::dvec3 low(points[0]), high(points[0]);
   for (const glm::vec3& p : points) {
     low = glm::min(low, glm::dvec3(p));
     high = glm::max(high, glm::dvec3(p));
   }
-  // In double, from the corners: float planes would round more than is to be seen.
+  // Computed in double from the corners, because float planes would round more than this measures.
   double worst = -1e30;
   for (std::size_t i = 0; i + 2 < hull.indices.size(); i += 3) {
     const glm::dvec3 a(hull.vertices[hull.indices[i]]);
     const glm::dvec3 n = glm::cross(glm::dvec3(hull.vertices[hull.indices[i + 1]]) - a,
                                     glm::dvec3(hull.vertices[hull.indices[i + 2]]) - a);
-    // Slivers between corners that should coincide have no direction to speak of.
+    // Slivers between corners that should coincide have no usable direction.
     if (!(glm::length(n) > 1e-9 * glm::dot(high - low, high - low))) continue;
     for (const glm::vec3& p : points) {
       worst = std::max(worst, glm::dot(glm::normalize(n), glm::dvec3(p) - a));
@@ -47,7 +48,7 @@ double volume(const ConvexHull& hull) {
   return sum;
 }
 
-/// Every edge must be run through once each way.
+/// True if every edge is used once in each direction.
 bool is_closed(const ConvexHull& hull) {
   std::vector<std::pair<int, int>> edges;
   for (std::size_t i = 0; i + 2 < hull.indices.size(); i += 3) {
@@ -86,7 +87,7 @@ std::vector<glm::vec3> cloud(std::mt19937& random, int n, const glm::vec3& size,
 }
 
 TEST(ServerHull,
-     HasAParallaxFactorForEveryVertex) {  // clients refuse a scene whose hulls have fewer
+     HasAParallaxFactorForEveryVertex) {  // clients refuse hulls with fewer
   const Result<ConvexHull> hull = enclosing_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
   ASSERT_TRUE(hull.ok());
   EXPECT_GT(hull->vertices.size(), 0u);
@@ -113,8 +114,8 @@ TEST(ServerHull, EnclosesNeedlesAndSheets) {
 }
 
 TEST(ServerHull, EnclosesFarFromTheOrigin) {
-  // Corners are float, and facets between rounded corners lean: a metre-sized object holds to a few
-  // hundred metres. Farther out (from 1e4 on) the rounding is no longer within the growth.
+  // Corners are float, and facets between rounded corners lean. An object of a metre is correct up
+  // to a few hundred metres. Farther out (from 1e4 on) the rounding exceeds the growth.
   std::mt19937 random(8);
   for (const float offset : {10.f, 100.f, 300.f}) {
     for (int i = 0; i < 30; ++i) {
@@ -132,7 +133,7 @@ TEST(ServerHull, FlatLineAndSinglePoint) {
   const Result<ConvexHull> empty = enclosing_hull({});
   ASSERT_TRUE(empty);
   EXPECT_TRUE(empty->vertices.empty());
-  // A point has no extent to grow by: no body, and no error either.
+  // A point has no extent to grow by: it gives no body, but no error either.
   const Result<ConvexHull> point = enclosing_hull({{1, 2, 3}, {1, 2, 3}});
   ASSERT_TRUE(point) << point.error().text;
   for (const glm::vec3& v : point->vertices) {
@@ -196,7 +197,7 @@ TEST(ServerHull, DescriptionOfNothing) {
   const ObjectDescription nothing = describe_object(scene.objects[0], scene);
   EXPECT_EQ(nothing.radius, 0);
   EXPECT_TRUE(nothing.hull.vertices.empty());
-  // All vertices in one place: a little extent, so that no division by zero follows.
+  // All vertices are in one place: a little extent avoids a division by zero later.
   SceneObject& object = scene.objects[0];
   object.mesh.vertices.resize(3);
   for (Vertex& v : object.mesh.vertices) v.position = {4, 5, 6};

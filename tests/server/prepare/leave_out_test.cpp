@@ -1,4 +1,5 @@
-// What is found to be neutral, texel by texel, and what only looks so; the table of the rules.
+// Leave out: values that are neutral, texel by texel, and others that only look so; the table of
+// rules.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -88,7 +89,7 @@ TEST(ServerLeaveOut, NearlyNeutralIsNot) {
   for (const NeededChange& one : needed_changes()) {
     EXPECT_FALSE(finds(one.change, one.rule)) << one.name;
   }
-  // One channel of an image that two maps share: each reads its own.
+  // Two maps share one channel of an image; each reads its own.
   const auto shared = [](glm::u8vec4 value) {
     return [value](Scene& s) {
       with_map(&Material::metal_rough_map, solid_image(value, false))(s);

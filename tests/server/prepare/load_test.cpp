@@ -1,4 +1,4 @@
-// What loading gives: the same however many threads work at it and wherever levels come from.
+// Loading gives the same result with any number of threads, and from wherever levels come.
 #include <gtest/gtest.h>
 #include <xxhash.h>
 
@@ -33,7 +33,8 @@ TEST(Workers, DoEachThingOnceHoweverDeepTheCallsNest) {
   EXPECT_EQ(alone, 10);
 }
 
-/// All that tiles are drawn from and clients are sent, but for the loader's own times.
+/// Returns a hash of all that tiles are drawn from and clients are sent, without the loader's
+/// times.
 std::uint64_t content_of(const PreparedScene& scene) {
   ByteWriter w;
   const auto put_mesh = [&](const Mesh& mesh) {

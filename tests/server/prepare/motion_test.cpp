@@ -1,4 +1,4 @@
-// What is measured of a clip holds for poses nobody measured.
+// Motion: measures of a clip also hold for poses that were not measured.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -103,7 +103,7 @@ TEST(ServerMotion, NoVertexTravelsFartherThanTheProfileSays) {
     std::mt19937 random(seed + 100);
     for (int k = 0; k < 3000; ++k) {
       const double a = uniform(random, 0, m.animation.clip_s);
-      // Near and far pairs alike: 1e-6 of the clip to all of it.
+      // Pairs are near and far alike: from 1e-6 of the clip to all of it.
       const double step = m.animation.clip_s * std::pow(10.0, uniform(random, -6, 0));
       const double b = wrap_clip(a + step, m.animation.clip_s);
       const double allowed = motion.travel(a, b);
@@ -154,7 +154,7 @@ TEST(ServerMotion, WhatMovesNoVertexIsStatic) {
   EXPECT_TRUE(measure_motion(random_clip(1).mesh, random_clip(1).animation).motion.moving());
 }
 
-// A million points of the ball stepping by `travel`: their images never part by more.
+// A million points of the ball move by `travel`: their images never part by more.
 TEST(ServerMotion, ImageDistanceOfAStepIsBounded) {
   std::mt19937 random(3);
   const auto ball = [&](float radius) {

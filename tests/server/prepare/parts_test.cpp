@@ -1,4 +1,5 @@
-// Parts of large meshes: together they are the mesh, small, overlapping, and the same every time.
+// Parts of large meshes: together they are the mesh, they are small and overlap, and the result is
+// always the same.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -69,12 +70,12 @@ TEST(ServerParts, TogetherAreTheMesh) {
 TEST(ServerParts, AreSmall) {
   const Mesh room = room_mesh();
   for (const Mesh& part : cut_mesh(room)) {
-    // An eighth, and the triangles next to it on either side.
+    // An eighth of the room, and the triangles next to it on either side.
     EXPECT_LT(radius_of(part), 0.2 * radius_of(room));
   }
 }
 
-// An edge that only one of its triangles has divided would gape.
+// An edge that only one of its triangles divides would leave a gap.
 TEST(ServerParts, DivideEdgesOnBothSides) {
   std::map<std::set<Corner>, int> edges;
   std::set<Triangle> all;
@@ -86,8 +87,8 @@ TEST(ServerParts, DivideEdgesOnBothSides) {
       if (t[k] != t[(k + 1) % 3]) ++edges[{t[k], t[(k + 1) % 3]}];
     }
   }
-  // Sides of the room meet at right angles, each corner twice and thrice over: every edge has two
-  // triangles.
+  // The sides of the room meet at right angles, and each corner exists two or three times. Every
+  // edge has two triangles.
   std::size_t open = 0;
   for (const auto& [edge, triangles] : edges) open += triangles < 2;
   EXPECT_EQ(open, 0u) << "of " << edges.size();

@@ -1,4 +1,4 @@
-// Extremes of many poses are those of looking at every point in double.
+// Posed extent: extremes over many poses equal those of looking at every point in double.
 #include "server/prepare/posed_extent.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Levels of detail look like the whole mesh: normals and colours seen from around.
+// Levels of detail look like the whole mesh: normals and colours, seen from all around.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,8 +19,8 @@ Mesh indexed(std::vector<Vertex> vertices, std::vector<std::uint32_t> indices) {
   return mesh;
 }
 
-// A plate of n x n squares around the z axis, each triangle with vertices of its own: as files
-// without normals are read. `bumps`: every second square leans, by normals alone.
+// A plate of n x n squares around the z axis. Each triangle has its own vertices, as in files
+// without normals. `bumps`: every second square leans, by normals alone.
 Mesh plate(std::uint32_t n, float bumps) {
   std::vector<Vertex> vertices;
   std::vector<std::uint32_t> indices;
@@ -62,7 +62,7 @@ TEST(ServerShading, WhatLeansIsEqualOnlyWhereAPixelHoldsBothWays) {
   const float size = size_of(bumpy, flat);
   EXPECT_GT(size, 1.0f / 16) << "a pixel of one square shows which way it leans";
   EXPECT_LT(size, 6.0f / 16) << "in larger ones they cancel out";
-  Mesh leaning = flat;  // all one way: no pixel is large enough
+  Mesh leaning = flat;  // all lean one way: no pixel is large enough
   for (Vertex& v : leaning.vertices) v.normal = glm::normalize(glm::vec3(0.5f, 0, 1));
   EXPECT_GT(size_of(plate(16, 0), leaning), 0.3f);
 }
@@ -83,7 +83,7 @@ TEST(ServerShading, ColoursCountAsTheyAreDrawn) {
   EXPECT_GT(size_of(full, slid), 0.3f);
 }
 
-// A disk turned on a lathe: flat and of one colour, and yet seen.
+// A disk turned on a lathe: flat and with one colour, but its grain is visible.
 TEST(ServerShading, TheGrainOfWhatIsBrushedCounts) {
   Mesh full = plate(16, 0), coarse = plate(2, 0);
   for (Mesh* mesh : {&full, &coarse}) {
@@ -112,7 +112,7 @@ TEST(ServerShading, NothingToSeeIsEqual) {
   EXPECT_EQ(size_of(broken, broken, {painted}, {image}), 0) << "no number is no place to read";
 }
 
-// A box on a plate without normals in the file: flat faces, each triangle its own vertices.
+// A box on a plate without normals in the file: flat faces, each triangle with its own vertices.
 TEST(ServerShading, LevelsOfFlatShadedMeshesStayFlat) {
   Mesh mesh = plate(24, 0);
   const Mesh side = plate(12, 0);
@@ -131,7 +131,7 @@ TEST(ServerShading, LevelsOfFlatShadedMeshesStayFlat) {
       for (std::size_t k = 0; k < 3; ++k) v[k] = &lod.mesh.vertices[lod.mesh.indices[i + k]];
       const glm::vec3 face =
           glm::cross(v[1]->position - v[0]->position, v[2]->position - v[0]->position);
-      if (glm::length(face) < 1e-9f) continue;  // nothing of it is seen
+      if (glm::length(face) < 1e-9f) continue;  // too small to be seen
       for (const Vertex* corner : v) {
         EXPECT_GT(glm::dot(corner->normal, glm::normalize(face)), 0.98f);
       }

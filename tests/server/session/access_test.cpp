@@ -1,4 +1,5 @@
-// Who may be a client: tokens of a file and signed ones, each with a time it ends and a scope.
+// Access: which clients are let in. Tokens from a file and signed ones, each with an end and a
+// scope.
 #include "server/session/access.h"
 
 #include <gtest/gtest.h>
@@ -60,7 +61,7 @@ TEST(Access, SignedTokensAreTakenForAWhile) {
   EXPECT_FALSE(anna->reference);
   EXPECT_FALSE(access.check(token, kNow + 10)) << "it has ended";
   EXPECT_FALSE(access.check(signed_token(kKey + "x", "anna", kNow + 10, "view").take(), kNow));
-  // Nothing of it may be changed.
+  // No character may be changed.
   for (std::size_t i = 0; i < token.size(); ++i) {
     std::string changed = token;
     changed[i] = changed[i] == '1' ? '2' : '1';

@@ -120,7 +120,8 @@ TEST_F(ServerAsks, CreditHoldsTilesBack) {
 }
 
 TEST_F(ServerAsks, ATileCostsNoMoreCreditThanTheClientCounts) {
-  // The client counts so many bytes a tile; were it less than here, a session would dry up one day.
+  // The client counts this many bytes a tile. If it counted less than the server, a session would
+  // dry up one day.
   const SessionId id = greeted();
   std::uint16_t n = 0;
   for (const std::size_t payload : {0, 1000, 131'072, 400'000, 3'000'000}) {
@@ -128,7 +129,7 @@ TEST_F(ServerAsks, ATileCostsNoMoreCreditThanTheClientCounts) {
     ++n;
     render_all(payload);
     std::size_t sent = 0;
-    while (const FramePtr frame = hub->next_frame(id)) sent += frame->size();
+    while (const PacketPtr packet = hub->next_packet(id)) sent += packet->size();
     EXPECT_GT(sent, payload);
     EXPECT_LE(sent, tile_credit_bytes(payload));
     EXPECT_GE(sent + 300, tile_credit_bytes(payload) - payload / 2048) << "it is no wild guess";
@@ -178,7 +179,7 @@ TEST_F(ServerAsks, AClientHasOneFullRenderUntilItHasReadIt) {
   hub->complete(FinishedReference{id, Bytes(100'000)});
   wanted(3);
   EXPECT_FALSE(drawn()) << "one waits to be read";
-  while (hub->next_frame(id)) {
+  while (hub->next_packet(id)) {
   }
   wanted(4);
   EXPECT_TRUE(drawn());
@@ -251,7 +252,7 @@ TEST_F(ServerAsks, ImagesAreEncodedOnceForAll) {
     EXPECT_EQ(messages[0].body.AsImageReply()->request_id, request);
     EXPECT_EQ(messages[0].payload, bytes);
   }
-  // Asked for again, it comes from the cache; what is not there is refused.
+  // A repeated ask is answered from the cache. An image that does not exist is refused.
   batch.image_asks = {wire::ImageAsk(7, 0, 1), wire::ImageAsk(8, 0, 9), wire::ImageAsk(9, 9999, 0)};
   ASSERT_TRUE(send(first, std::move(batch)).ok());
   EXPECT_FALSE(image_jobs.try_pop());

@@ -1,5 +1,5 @@
-// Codecs of tiles, from the hello to the reply: what both ends have, what a batch asks for, forms
-// made of what is there.
+// Codecs of tiles, from the hello to the reply: what both ends have, what a batch asks for, and
+// forms made from stored ones.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -29,7 +29,7 @@ class ServerCodec : public SessionHubTest {
     if (!codecs.empty()) options.codecs = std::move(codecs);
     restart(std::move(options));
   }
-  /// Greets with these codecs; the welcome.
+  /// Greets with these codecs. Returns the welcome.
   std::pair<SessionId, wire::WelcomeT> greet(const std::vector<TileCodec>& codecs) {
     const SessionId id = hub->open();
     EXPECT_TRUE(send(id, hello(codecs)).ok());
@@ -43,7 +43,7 @@ class ServerCodec : public SessionHubTest {
     if (codec) batch.codec = static_cast<std::uint8_t>(*codec);
     EXPECT_TRUE(send(id, std::move(batch)).ok());
   }
-  /// Draws what is queued; how many tiles it were.
+  /// Draws what is queued. Returns the number of tiles.
   std::size_t draw() {
     const std::vector<TileJob> tiles = take_tiles();
     for (const TileJob& job : tiles) {
@@ -51,7 +51,8 @@ class ServerCodec : public SessionHubTest {
       auto page = std::make_shared<PagePixels>();
       page->width = page->height = static_cast<int>(kEdge);
       for (std::uint32_t i = 0; i < kEdge * kEdge; ++i) {
-        const std::uint32_t grain = (i * 2654435761u >> 24) % 16;  // or zstd is as small as any
+        // Colours without grain: zstd would be as small as any.
+        const std::uint32_t grain = (i * 2654435761u >> 24) % 16;
         for (const std::uint32_t c : {60 + grain, 90 + i / 8 + grain / 2, 200 - grain, 255u}) {
           page->rgba.push_back(static_cast<std::uint8_t>(c));
         }
@@ -61,7 +62,7 @@ class ServerCodec : public SessionHubTest {
     }
     return tiles.size();
   }
-  /// Waits for the next of the encode stage's completions and hands it on.
+  /// Waits for the next completion of the encode stage, and hands it on.
   void complete_one() {
     for (int ms = 0; ms < 2000; ++ms) {
       if (std::optional<Completion> done = completions.try_pop()) {
@@ -71,7 +72,8 @@ class ServerCodec : public SessionHubTest {
     }
     ADD_FAILURE() << "nothing comes from the encode stage";
   }
-  /// The codec of the only message, which must be a tile; its planes must decode to its hash.
+  /// Returns the codec of the only message, which must be a tile; its planes must decode to its
+  /// hash.
   TileCodec came(SessionId id) {
     const std::vector<Message> messages = drain(id);
     EXPECT_EQ(messages.size(), 1u);
@@ -100,7 +102,7 @@ TEST_F(ServerCodec, WelcomeOffersWhatBothHave) {
   const wire::WelcomeT some = greet({C::kWebp, C::kZstd}).second;
   EXPECT_EQ(some.codecs, wire_codecs({C::kZstd, C::kWebp}));
   EXPECT_EQ(greet({C::kRaw}).second.codec, static_cast<std::uint8_t>(C::kRaw));
-  // Without zstd no lossy codec: tiles without colours come beside them.
+  // Without zstd there is no lossy codec, because tiles without colours come beside them.
   EXPECT_EQ(greet({C::kRaw, C::kWebp}).second.codecs, wire_codecs({C::kRaw}));
   restart_with({C::kWebp, C::kZstd});
   EXPECT_EQ(greet({C::kRaw, C::kZstd, C::kWebp}).second.codec, static_cast<std::uint8_t>(C::kWebp));
@@ -166,7 +168,7 @@ TEST_F(ServerCodec, TilesWithoutColoursComeInZstd) {
   EXPECT_EQ(came(id), C::kZstd) << "at once: there is no form of it to be made";
 }
 
-// The encode stage has enough to do (it does not run here): what is there is sent as it is.
+// The encode stage is busy (it does not run here), so stored tiles are sent in the form they have.
 TEST_F(ServerCodec, BusyEncodersCostNoTile) {
   const SessionId id = greet({kTileCodecs.begin(), kTileCodecs.end()}).first;
   ask_in(id, C::kZstd);
@@ -180,7 +182,7 @@ TEST_F(ServerCodec, BusyEncodersCostNoTile) {
   for (EncodeJob busy; encode_jobs.try_push(busy);) busy = {};
   ask_in(id, C::kWebp);
   EXPECT_EQ(came(id), C::kZstd);
-  // One who does not take that form is to ask again.
+  // A client that does not take that form must ask again.
   const SessionId raw = greet({C::kRaw}).first;
   ask_in(raw, {});
   const std::vector<Message> refused = drain(raw);

@@ -1,4 +1,4 @@
-// Tiles kept in a directory: looked for off the network loop, merged, given up when it is slow.
+// Tiles kept in a directory: looked for off the network loop, merged, and given up if it is slow.
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -24,7 +24,7 @@ class ServerFetch : public SessionHubTest {
     server = std::make_unique<StageQueues>(clock, 1 << 24, TileSources{&source});
     hub = std::make_unique<SessionHub>(scene_, SessionOptions{}, *server);
   }
-  /// What the fetch stage does with all that waits; how many jobs it were.
+  /// Does the fetch stage's work on everything that waits. Returns the number of jobs.
   int fetch_all() {
     int jobs = 0;
     while (const std::optional<FetchJob> job = server->fetches.try_pop()) {
@@ -36,7 +36,8 @@ class ServerFetch : public SessionHubTest {
   void finish(const FetchJob& job) {
     hub->complete(FinishedFetch{job.id, job.codec, server->store.fetch(job.id, job.codec)});
   }
-  /// What render and encode stage do with all that waits, and the directory keeps it.
+  /// Does the work of render and encode stage on everything that waits, and keeps it in the
+  /// directory.
   std::size_t render_all_and_keep() {
     auto work = server->tiles.take({[](std::uint32_t) { return true; }}, false);
     if (!work) return 0;
@@ -67,7 +68,7 @@ class ServerFetch : public SessionHubTest {
     drain(id);
     return id;
   }
-  /// The requests whose tiles came.
+  /// Returns the requests whose tiles arrived.
   std::vector<std::uint32_t> came(SessionId id) {
     std::vector<std::uint32_t> out;
     for (const Message& m : drain(id)) {
@@ -79,7 +80,7 @@ class ServerFetch : public SessionHubTest {
     clock.advance_to_us(clock.now_us() + us);
     hub->give_up_fetches();
   }
-  /// The tile of this view cell lies in the directory, and the server has begun anew.
+  /// Puts the tile of this view cell into the directory, and restarts the server.
   void keep(std::uint16_t cell) {
     ASSERT_TRUE(send_ask(client(), ask(1, cell)).ok());
     fetch_all();
@@ -143,7 +144,7 @@ TEST_F(ServerFetch, ASlowDirectoryIsGivenUpAndLeftAloneForAWhile) {
   ASSERT_TRUE(send_ask(id, ask(2, 5)).ok());
   EXPECT_EQ(fetch_all(), 0) << "it is not asked again";
   EXPECT_EQ(server->tiles.length(), 2u);
-  finish(slow);  // late: it serves who asks from now on
+  finish(slow);  // late: it serves those who ask from now on
   EXPECT_EQ(came(id), Requests{});
   ASSERT_TRUE(send_ask(id, ask(3)).ok());
   EXPECT_EQ(came(id), Requests{3});
@@ -164,7 +165,7 @@ TEST_F(ServerFetch, AfterwardsItIsTriedWithOneTileAtATime) {
   EXPECT_EQ(fetch_all(), 2) << "it came in time: all is as before";
 }
 
-// A disk that paused once is asked again soon; one that hangs ever more seldom.
+// A disk that paused once is asked again soon; one that hangs is asked less and less often.
 TEST_F(ServerFetch, TheMoreOftenItIsSlowTheLongerItIsLeftAlone) {
   constexpr int kStepMs = 125;
   const SessionId id = client();
@@ -208,7 +209,7 @@ TEST_F(ServerFetch, WhoIsGoneOrCancelsGetsNothingAndHasNothingRendered) {
   EXPECT_EQ(came(c), Requests{1});
 }
 
-/// Another server is at every tile, until it is told that that one has it.
+/// A source in which another server makes every tile, until the test says that it has it.
 class BusyElsewhere final : public TileSource {
  public:
   Tier tier() const override { return Tier::kRedis; }
@@ -251,7 +252,7 @@ TEST_F(ServerFetch, WhatAnotherServerRendersIsLookedForAgain) {
     EXPECT_EQ(server->counters.tiles_left_to_others, 1u);
     wait_for(kTooLateUs);
     EXPECT_EQ(server->tiles.length(), 0u) << "the other has longer than a disk";
-    elsewhere.gone = true;  // its lease has ended: this server's turn
+    elsewhere.gone = true;  // its lease has ended, so this server makes the tile
     ASSERT_FALSE(complete_one());
     EXPECT_EQ(render_all_and_keep(), 1u);
     EXPECT_EQ(came(id), Requests{7});
@@ -282,7 +283,7 @@ TEST_F(ServerFetch, TheStageReadsAndWritesOnThreadsOfItsOwn) {
   server->saves.push({other, TileCodec::kZstd, tile_of(other)});
   server->fetches.close();
   server->saves.close();
-  stage.join();  // what was to be written is written
+  stage.join();  // pending writes are done
   EXPECT_TRUE(server->store.fetch(other, TileCodec::kZstd).form);
 }
 

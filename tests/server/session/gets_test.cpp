@@ -1,4 +1,4 @@
-// Tiles that are got one by one by HTTP, at sessions without sockets.
+// Tiles requested one by one over HTTP, at sessions without sockets.
 #include <gtest/gtest.h>
 
 #include "protocol/wire/tile_address.h"
@@ -10,7 +10,7 @@ namespace {
 class ServerGets : public SessionHubTest {
  protected:
   static TileAddress address(std::uint16_t x = 0) {
-    TileAddress out;  // the tile of ask()
+    TileAddress out;  // address of the tile of ask()
     out.cell = {9, x, 0};
     out.distance = {2, 8};
     out.size_class = 2;

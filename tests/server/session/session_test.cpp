@@ -1,5 +1,5 @@
-// Sessions without sockets: greeting, hostile bytes, clients that are too many, silent or do not
-// read.
+// Sessions without sockets: greeting, hostile bytes, and clients that are too many, silent or do
+// not read.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -15,7 +15,7 @@ class ServerSession : public SessionHubTest {};
 
 TEST_F(ServerSession, HelloIsAnsweredWithTheScene) {
   const SessionId id = hub->open();
-  EXPECT_FALSE(hub->next_frame(id)) << "nothing before the hello";
+  EXPECT_FALSE(hub->next_packet(id)) << "nothing before the hello";
   ASSERT_TRUE(send(id, hello()).ok());
   EXPECT_EQ(hub->take_writable(), std::set<SessionId>{id});
   const std::vector<Message> messages = drain(id);
@@ -105,7 +105,7 @@ TEST_F(ServerSession, PlacesAreTakenByARightHello) {
   wire::HelloT wrong = hello(), right = hello();
   wrong.token = "wrong";
   right.token = "right";
-  for (int i = 0; i < 10; ++i) hub->open();  // who says nothing takes no place
+  for (int i = 0; i < 10; ++i) hub->open();  // silent clients take no place
   EXPECT_FALSE(send(hub->open(), wire::HelloT(wrong)));
   const SessionId first = hub->open();
   ASSERT_TRUE(send(first, wire::HelloT(right)));
@@ -125,10 +125,10 @@ TEST_F(ServerSession, BeforeTheHelloThereIsNothingButAHello) {
   wire::HelloT large = hello();
   large.name = std::string(4000, 'x');
   Bytes chunk(kWireHeaderBytes + kChunkPrefixBytes + 100);
-  FrameHeader header;
-  header.kind = FrameKind::kChunk;
+  PacketHeader header;
+  header.kind = PacketKind::kChunk;
   header.payload_bytes = kChunkPrefixBytes + 100;
-  write_frame_header(header, chunk.data());
+  write_packet_header(header, chunk.data());
   chunk[kWireHeaderBytes] = 1;
   chunk[kWireHeaderBytes + 5] = 1;  // of 256 bytes
   const Result<void> told = hub->receive(hub->open(), chunk.data(), chunk.size());
@@ -152,7 +152,7 @@ TEST_F(ServerSession, EveryByteSentIsCounted) {
   const SessionId id = hub->open();
   ASSERT_TRUE(send(id, hello()).ok());
   std::size_t sent = 0;
-  while (const FramePtr frame = hub->next_frame(id)) sent += frame->size();
+  while (const PacketPtr packet = hub->next_packet(id)) sent += packet->size();
   EXPECT_GT(sent, 0u);
   EXPECT_EQ(counters.bytes_sent, sent);
 }
@@ -208,8 +208,7 @@ TEST_F(ServerSession, CloseDuringRenderingIsHarmless) {
   EXPECT_EQ(queue.length(), 0u);
 }
 
-// A batch may ask for far more than a client could ever be allowed to leave unread: meshes are made
-// as they are sent.
+// A batch may ask for far more than a client may leave unread, so meshes are made as they are sent.
 TEST_F(ServerSession, AsksForAMeshCostNoMemoryUntilTheirTurn) {
   const SessionId id = greeted();
   drain(id);
@@ -219,7 +218,7 @@ TEST_F(ServerSession, AsksForAMeshCostNoMemoryUntilTheirTurn) {
   }
   ASSERT_TRUE(send(id, std::move(batch)).ok());
   EXPECT_EQ(counters.meshes_sent, 0u);
-  ASSERT_TRUE(hub->next_frame(id));
+  ASSERT_TRUE(hub->next_packet(id));
   EXPECT_EQ(counters.meshes_sent, 1u);
   EXPECT_TRUE(hub->overdue().empty());
   EXPECT_EQ(drain(id).size(), limits::kMaxAsksPerBatch - 1);
@@ -263,15 +262,15 @@ TEST_F(ServerSession, WhoTakesNothingForLongIsOverdue) {
   EXPECT_TRUE(hub->overdue().empty());
 }
 
-// A mesh is made as its turn comes: until then it waits in no outbox.
+// A mesh is made when its turn comes; until then it waits in no outbox.
 TEST_F(ServerSession, WhoTakesNoneOfTheMeshesItAskedForIsOverdue) {
   const SessionId id = greeted();
-  clock.advance_to_us(60'000'000);  // nothing to read: as long as it likes
+  clock.advance_to_us(60'000'000);  // nothing to read: it may take as long as it likes
   wire::RequestBatchT batch;
   batch.mesh_asks = {wire::MeshAsk(1, 0, 0), wire::MeshAsk(2, 0, 0)};
   ASSERT_TRUE(send(id, std::move(batch)).ok());
   EXPECT_TRUE(hub->overdue().empty());
-  ASSERT_TRUE(hub->next_frame(id));
+  ASSERT_TRUE(hub->next_packet(id));
   clock.advance_to_us(89'000'000);
   EXPECT_TRUE(hub->overdue().empty());
   clock.advance_to_us(91'000'000);
@@ -315,7 +314,7 @@ TEST_F(ServerSession, WhatWouldBeLateIsRefusedAtOnce) {
   const SessionId id = greeted();
   drain(id);
   ASSERT_TRUE(send_ask(id, ask(1)).ok());
-  for (const TileJob& job : take_tiles()) {  // it took a second
+  for (const TileJob& job : take_tiles()) {  // each took a second
     auto tile = std::make_shared<StoredTile>();
     tile->reply = sample_tile_reply();
     tile->reply.render_us = 1'000'000;

@@ -1,4 +1,4 @@
-// Views on the server: who gets which, when, and how they are cut.
+// Views on the server: who gets which one, when, and how they are cut.
 #include <gtest/gtest.h>
 
 #include "protocol/wire/view_codec.h"
@@ -10,7 +10,7 @@ namespace {
 
 class ServerView : public SessionHubTest {
  protected:
-  /// The views the GL thread would draw next.
+  /// Returns the views that the GL thread would draw next.
   std::vector<ViewJob> take_views() {
     std::vector<ViewJob> out;
     while (auto work = queue.take({[](std::uint32_t) { return true; }}, false)) {

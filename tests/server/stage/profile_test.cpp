@@ -1,4 +1,4 @@
-// What draws and encodes tiles is part of the revision.
+// Render profile: everything that draws and encodes tiles is part of the revision.
 #include <gtest/gtest.h>
 
 #include <set>

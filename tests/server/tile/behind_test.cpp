@@ -1,4 +1,4 @@
-// The second layer of layered tiles: unpacked, measured, dropped where it is not worth its bytes.
+// Second layer of layered tiles: unpacked, measured, and dropped if it is not worth its bytes.
 #include <gtest/gtest.h>
 
 #include "server/tile/tile_behind.h"
@@ -10,8 +10,8 @@ namespace {
 constexpr std::uint32_t kEdge = 16;
 constexpr std::uint8_t kNear = 40, kFar = 200;  // depth codes
 
-/// A page with one tile: a front over all of it but a margin of one texel, and behind the first
-/// `behind` texels of each row something blue.
+/// A page with one tile: a front over all of it except a margin of one texel, and something blue
+/// behind the first `behind` texels of each row.
 struct PageOfTwo {
   explicit PageOfTwo(std::uint32_t behind) {
     for (std::uint32_t y = 1; y + 1 < kEdge; ++y) {
@@ -20,7 +20,7 @@ struct PageOfTwo {
         std::copy_n(std::begin({200, 100, 50, 255}), 4, &rgba[i * 4]);
         depth[i] = kNear;
         if (x > behind) continue;
-        // Full cover, 15: 7 beside red, 1 beside green.
+        // Full cover is 15: 7 beside red, 1 beside green.
         std::copy_n(std::begin({0 * 8 + 7, 10 * 8 + 4, 31 * 8, int{kFar}}), 4, &surface[i * 4]);
       }
     }

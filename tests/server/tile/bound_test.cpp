@@ -1,5 +1,5 @@
-// From texels to pixels: whatever a tile shows, measured by the server and drawn by the client with
-// any method from anywhere, is within the bound. Of plain, of blended and of cut objects.
+// The bound from texels to pixels. Whatever a tile shows, measured by the server and drawn by the
+// client with any method from anywhere, is within the bound; for plain, blended and cut objects.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ class Random {
   std::mt19937_64 random_;
 };
 
-/// Depths, along the capture axis, between which a ray is in the object's box; empty: low > high.
+/// Depths along the capture axis between which a ray is in the object's box; empty: low > high.
 struct Span {
   double low = 0, high = -1;
 };
@@ -57,7 +57,7 @@ Span in_box(const ObjectDescription& object, const Capture& capture, const glm::
   return out;
 }
 
-/// Random texels within a random box: a picture that an object in that box could give.
+/// Random texels within a random box: a picture that an object in that box could have.
 struct Shot {
   ObjectDescription object;
   Capture capture;
@@ -92,7 +92,7 @@ Shot random_shot(Random& random, bool blended) {
   shot.surface.assign(4 * kTexels, 0);
   for (int y = 0; y < kEdge; ++y) {
     for (int x = 0; x < kEdge; ++x) {
-      // Pages have their rows going up, texels theirs going down.
+      // The rows of pages go up, those of texels down.
       const Span span = in_box(shot.object, shot.capture, {x + 0.5, y + 0.5});
       const auto first = static_cast<int>(shot.record.depth_code.encode(span.low)) + 1;
       const auto last = static_cast<int>(shot.record.depth_code.encode(span.high)) - 1;
@@ -129,7 +129,8 @@ ViewGeometry random_view(Random& random, const Shot& shot, glm::dvec3& right, gl
   return view;
 }
 
-/// Where the method draws the ray of a texel, along the capture axis; 0: nowhere.
+/// Returns the depth along the capture axis at which the method draws the ray of a texel; 0:
+/// nowhere.
 double drawn_at(const Shot& shot, DrawMethod method, const glm::dvec2& texel, int code) {
   const glm::dvec3 eye = shot.capture.eye() + glm::dvec3(shot.object.center);
   const glm::dvec3 u = shot.capture.point_from_texel(texel, 1.0) - shot.capture.eye();
@@ -169,7 +170,7 @@ Outcome hold_against_bound(bool blended, std::uint64_t seed) {
         const glm::dvec2 texel(record.crop.x + x + 0.5, record.crop.y + y + 0.5);
         const std::size_t page = static_cast<std::size_t>(kEdge - 1 - record.crop.y - y) * kEdge +
                                  record.crop.x + static_cast<std::size_t>(x);
-        // What lies behind a blended surface shows as well.
+        // A surface behind a blended one shows as well.
         const int behind = blended ? random.below(shot.surface[4 * page] + 1) : 0;
         const double z = shot.depth_of(code + behind + random.uniform(-0.5, 0.5));
         const glm::dvec3 p = shot.capture.point_from_texel(texel, z);

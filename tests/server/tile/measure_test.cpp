@@ -1,4 +1,4 @@
-// What the server measures on a tile's texels.
+// Tile measure: what the server measures on a tile's texels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ TEST(ServerMeasure, EntryDepthsAreThoseOfTheRays) {
         };
         const double expected = along(texel);
         const float found = entry[y * crop.w + x];
-        // At the rim of the body rounding may decide either way.
+        // Rounding may decide either way at the rim of the body.
         const double least = std::min(along(texel - 1e-6), along(texel + 1e-6));
         const double most = std::max(along(texel - 1e-6), along(texel + 1e-6));
         if ((least < 0) != (most < 0)) continue;

@@ -30,7 +30,7 @@ class ServerQueue : public ::testing::Test {
     const Waiter waiter{session, request, error, deadline_us};
     return queue.submit(key, tile_id(key), ObjectLighting{}, waiter);
   }
-  /// Objects of the next batch, at most `n` tiles, in order.
+  /// Returns the objects of the next batch, at most `n` tiles, in order.
   std::vector<std::uint32_t> take(std::size_t n = 1000) {
     std::vector<std::uint32_t> out;
     const auto work = queue.take({[&](std::uint32_t) { return n-- > 0; }}, false);
@@ -82,7 +82,7 @@ TEST_F(ServerQueue, SessionsTakeTurns) {
   for (std::uint32_t i = 0; i < 3; ++i) submit(2, i, key_of(1000 + i), 1);
   const Objects order = take();
   ASSERT_EQ(order.size(), 103u);
-  // However loud the first session is, every second place is the other's.
+  // However much the first session asks for, every second place is the other's.
   EXPECT_EQ(Objects(order.begin(), order.begin() + 6), (Objects{0, 1000, 1, 1001, 2, 1002}));
 }
 
@@ -107,7 +107,7 @@ TEST_F(ServerQueue, CancelRemovesUnlessAnotherWaits) {
   submit(2, 9, key_of(2));
   queue.cancel(1, 1);
   queue.cancel(1, 2);
-  queue.cancel(1, 77);  // never asked
+  queue.cancel(1, 77);  // never asked for
   queue.cancel(5, 1);   // never seen
   EXPECT_EQ(counters.tiles_cancelled, 2u);
   EXPECT_EQ(take(), Objects{2});
@@ -124,7 +124,7 @@ TEST_F(ServerQueue, CancelWhileRenderingDeliversToNobody) {
   EXPECT_EQ(queue.length(), 0u);
 }
 
-// A place that outlives its ask is memory a client can make grow without end.
+// A place that outlives its ask is memory that a client can make grow without end.
 TEST_F(ServerQueue, RanksEndWithTheirAsks) {
   for (std::uint32_t i = 0; i < 1000; ++i) {
     submit(1, i, key_of(i));
@@ -199,7 +199,8 @@ TEST_F(ServerQueue, ReferencesAreOneASessionAndLeaveTilesTheirTurn) {
   EXPECT_EQ(order, "rtrtrt");
 }
 
-// Turns are counted by work: one who asks for what is large waits, not those who ask for little.
+// Turns are counted by work: a client that asks for large tiles waits, not those that ask for
+// little.
 TEST_F(ServerQueue, TurnsAreCountedByTexels) {
   for (std::uint32_t i = 0; i < 20; ++i) submit(1, i, key_of(100 + i, 12), 1000);
   take(1);  // one of them is under way
@@ -250,13 +251,13 @@ TEST_F(ServerQueue, WhatDoesNotFitOpensTheNextBatch) {
     submit(3, i, key_of(300 + i), 100);
   }
   bool first = true;
-  const auto small_page = [&](std::uint32_t edge) {  // a large one fits an empty page only
+  const auto small_page = [&](std::uint32_t edge) {  // a large one fits only an empty page
     const bool fits = edge < tile_edge(14) || first;
     first = false;
     return fits;
   };
   first = false;
-  auto work = queue.take({small_page}, false);  // whatever comes before the large one
+  auto work = queue.take({small_page}, false);  // everything before the large one
   first = true;
   work = queue.take({small_page}, false);
   ASSERT_TRUE(work);

@@ -1,4 +1,4 @@
-// Tile store: budget, directory, and files that are not trusted.
+// Tile store: budget, directory, and untrusted files.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -37,13 +37,13 @@ StoredTilePtr make_stored(std::uint64_t n, std::uint32_t crop = 8) {
   return stored;
 }
 
-/// Every field, as the bytes a client would get.
+/// Returns every field, as the bytes that a client would get.
 Bytes header_of(const StoredTile& tile) { return encode_message(wire::TileReplyT(tile.reply)); }
 
 class ServerStore : public ::testing::Test {
  protected:
   std::string directory() const { return folder_.path().string(); }
-  /// The only file in the directory.
+  /// Returns the only file in the directory.
   fs::path only_file() const {
     const std::vector<fs::path> files = folder_.files();
     EXPECT_EQ(files.size(), 1u);
@@ -60,13 +60,13 @@ class ServerStore : public ::testing::Test {
   }
 
   static constexpr std::uint64_t kRoomy = 1u << 30;
-  /// What a server that has ended left behind.
+  /// Leaves a tile behind in the directory, as a server that has ended.
   void keep(const StoredTilePtr& tile, std::uint64_t n) {
     CacheDirectory cache(directory(), kRoomy);
     DirectorySource source(cache);
     TileStore(1 << 20, {&source}, counters).save(id_of(n), TileCodec::kRaw, *tile);
   }
-  /// What the next one finds.
+  /// Returns the tile that the next server finds there.
   StoredTilePtr kept(std::uint64_t n) {
     CacheDirectory cache(directory(), kRoomy);
     DirectorySource source(cache);
@@ -110,7 +110,7 @@ TEST_F(ServerStore, BudgetIsKeptThroughManySizes) {
     ASSERT_LE(counters.store_bytes, budget);
     ASSERT_TRUE(store.find(id_of(n), TileCodec::kRaw));
   }
-  // One larger than everything: kept alone, for the clients that wait for it.
+  // A tile larger than the whole budget is kept alone, for the clients that wait for it.
   TileStore tiny(10, {}, counters);
   tiny.put(id_of(1), TileCodec::kRaw, make_stored(1));
   EXPECT_TRUE(tiny.find(id_of(1), TileCodec::kRaw));
@@ -169,7 +169,7 @@ TEST_F(ServerStore, FileOfAnotherTileIsRefused) {
   EXPECT_FALSE(kept(6));
 }
 
-// Smooth colours under a margin without coverage, as a rendered tile has them.
+// A tile with smooth colours under a margin without coverage, like a rendered one.
 StoredTilePtr rendered_tile(std::uint64_t n) {
   Tile tile;
   tile.edge = 128;
@@ -225,7 +225,7 @@ TEST(ServerForm, WhereLossSavesNothingThereIsNone) {
   std::fill(flat.depth.begin(), flat.depth.end(), std::uint8_t{90});
   const StoredTilePtr zstd = make_form(flat, {}, TileCodec::kZstd);
   EXPECT_EQ(convert_form(zstd, TileCodec::kWebp), zstd);
-  // Also of what is kept raw, which not every client takes.
+  // Tiles that are kept raw are converted as well, because not every client takes them.
   const StoredTilePtr raw = make_form(flat, {}, TileCodec::kRaw);
   EXPECT_EQ(convert_form(raw, TileCodec::kWebp)->planes, zstd->planes);
 }
@@ -265,7 +265,7 @@ TEST_F(ServerStore, DirectoryKeepsLossyFormsBesideTheOneWithoutLoss) {
   ASSERT_TRUE(raw.lossless);
   EXPECT_EQ(raw.lossless->planes, zstd->planes);
   EXPECT_EQ(store.find_lossless(id_of(1)), raw.lossless);
-  // A lossy file in the other's place never passes for the tile itself.
+  // A lossy file in the place of the other never passes for the tile itself.
   for (const auto& entry : fs::recursive_directory_iterator(directory())) {
     const std::string name = entry.path().string();
     const std::size_t at = name.find(".webp-tile");
@@ -285,7 +285,7 @@ TEST_F(ServerStore, DirectoryThatCannotBeWrittenIsNoError) {
   EXPECT_FALSE(store.fetch(id_of(2), TileCodec::kRaw).form);
 }
 
-// Opening one to read waits for somebody to write: for ever.
+// Opening a pipe for reading waits for a writer, for ever.
 TEST_F(ServerStore, APipeInTheDirectoryIsNoFileAndHoldsUpNobody) {
   keep(make_stored(5), 5);
   const fs::path file = only_file();

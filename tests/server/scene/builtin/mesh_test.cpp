@@ -116,7 +116,7 @@ TEST(BuiltinKnot, FollowsTheFormula) {
   const Mesh& mesh = built->objects[0].mesh;
   ASSERT_EQ(mesh.vertices.size(), 201u * 33u);
   ASSERT_EQ(mesh.indices.size(), 200u * 32u * 6u);
-  // i = 0, j = 0: P1 = (1.5, 0, 0), and the first ring's offset is -N * tube.
+  // Place (i, j) = (0, 0): P1 = (1.5, 0, 0), and the first ring's offset is -N * tube.
   const auto curve = [](double u) {
     const double over = 1.5 * u;
     return glm::dvec3((2 + std::cos(over)) * 0.5 * std::cos(u),

@@ -26,7 +26,7 @@ Scene built(const LoadTools& tools = {Workers()},
   return scene.ok() ? scene.take() : Scene();
 }
 
-/// Sculptures are what is numbered: "bust 1", "torus knot 2".
+/// Returns the numbered objects, which are the sculptures: "bust 1", "torus knot 2".
 std::vector<std::size_t> sculptures_of(const Scene& scene) {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
@@ -75,7 +75,7 @@ TEST(BuiltinMuseum, SculpturesShareNoMeshMaterialOrImage) {
     }
     EXPECT_TRUE(shapes.insert(shape).second) << scene.objects[i].name;
   }
-  EXPECT_GT(images, kCount * 3 / 2);  // normal and metal-rough maps besides
+  EXPECT_GT(images, kCount * 3 / 2);  // normal and metal-rough maps as well
 }
 
 TEST(BuiltinMuseum, TrianglesSpreadFromThreeHundredThousandToAMillionForTheDefaultMean) {
@@ -147,7 +147,8 @@ Place place_of(const Mesh& mesh, std::uint32_t vertex) {
   return {p.x, p.y, p.z};
 }
 
-/// Edges that are not met by another in the opposite direction. Vertices are where they stand.
+/// Returns the edges that are not met by another one in the opposite direction. Vertices are
+/// compared by position.
 std::size_t open_edges(const Mesh& mesh) {
   std::map<std::pair<Place, Place>, int> balance;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -166,11 +167,11 @@ std::size_t open_edges(const Mesh& mesh) {
 }
 
 TEST(BuiltinMuseum, SculpturesAreClosedAndFaceOutward) {
-  // Of a lattice's walls a few thousand triangles show too little.
+  // A lattice needs more than a few thousand triangles to show its walls.
   const Scene scene = built({Workers(2)}, "objects=12&triangles=30000");
   for (const std::size_t i : sculptures_of(scene)) {
     const Mesh& mesh = scene.objects[i].mesh;
-    // A point's thinnest triangles are dropped.
+    // The thinnest triangles of a point are dropped.
     EXPECT_LT(open_edges(mesh), 20u) << scene.objects[i].name;
     double volume = 0;
     std::size_t against = 0;

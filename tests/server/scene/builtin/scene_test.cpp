@@ -51,7 +51,7 @@ TEST(BuiltinScene, SameSpecSameBytesOtherSeedDiffers) {
 TEST(BuiltinScene, TreesHaveTenThousandTrianglesOrMore) {
   EXPECT_EQ(built("forest?trees=30&fog=0.02").environment.fog_density, 0.02f);
   const Scene scene = built("forest?trees=400&species=8&clutter=0");
-  EXPECT_EQ(scene.instances.size(), 402u);  // terrain and pond besides
+  EXPECT_EQ(scene.instances.size(), 402u);  // and terrain and pond
   for (std::size_t i = 0; i < 8; ++i) {
     const std::size_t triangles = scene.objects[i].mesh.indices.size() / 3;
     EXPECT_GE(triangles, 10000u) << scene.objects[i].name;
@@ -61,7 +61,7 @@ TEST(BuiltinScene, TreesHaveTenThousandTrianglesOrMore) {
 }
 
 TEST(BuiltinScene, CountsFollowTheOptions) {
-  EXPECT_EQ(built("clutter").instances.size(), 304u);  // the room and three pendant lamps besides
+  EXPECT_EQ(built("clutter").instances.size(), 304u);  // and the room and three pendant lamps
   EXPECT_EQ(built("clutter?objects=1").instances.size(), 5u);
   EXPECT_EQ(built("field?instances=12345").instances.size(), 12346u);
   EXPECT_EQ(built("knot").instances.size(), 1u);
@@ -90,7 +90,8 @@ bool surrounds(const std::string& name) {
          name == "meadow" || name == "hall" || name == "hall floor";
 }
 
-/// Least horizontal distance from the walk loop of any vertex a walker could run into.
+/// Returns the least horizontal distance from the walk loop to a vertex that a walker could run
+/// into.
 double clearance(const Scene& scene) {
   const HomeView& home = scene.home;
   const glm::dvec3 f =

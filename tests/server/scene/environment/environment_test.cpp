@@ -1,4 +1,4 @@
-// Surroundings: files good and bad, the built-in ones, and what prefiltering makes of them.
+// Surroundings: good and bad files, the built-in ones, and the results of prefiltering.
 #include "server/scene/environment/environment.h"
 
 #include <OpenImageIO/imageio.h>
@@ -33,7 +33,7 @@ glm::vec3 texel(const LightProbe& probe, const ProbeLevel& level, int x, int y) 
       probe.texels[static_cast<std::size_t>((level.y + y) * kProbeWidth + level.x + x)]);
 }
 
-// Irradiance over pi by its definition.
+// Returns irradiance over pi by its definition.
 glm::dvec3 irradiance_of(const Equirect& image, const glm::dvec3& normal) {
   glm::dvec3 sum(0);
   for (int y = 0; y < image.height; ++y) {
@@ -101,8 +101,8 @@ TEST(Environment, ThreadsChangeNothing) {
   EXPECT_EQ(make_probe(image, {}).texels, make_probe(image, Workers(3)).texels);
 }
 
-// The contract of the neutral studio: white diffuse about 0.8, nothing clips; the harmonics are
-// what they stand for.
+// The neutral studio promises a white diffuse of about 0.8 without clipping. The harmonics match
+// what they represent.
 TEST(Environment, StudioIsExposedForWhite) {
   const Equirect studio = *builtin_environment("studio");
   const LightProbe probe = make_probe(studio, {});

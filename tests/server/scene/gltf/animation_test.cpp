@@ -1,4 +1,5 @@
-// Animations of files: what moves becomes one object per group, what is broken stays at rest.
+// Animations of files: moving nodes become one object per group, broken animations leave them at
+// rest.
 #include <cmath>
 #include <limits>
 
@@ -47,7 +48,7 @@ TEST(GltfAnimation, ARigidNodeMovesItsMesh) {
   ASSERT_NE(scene->objects[0].animation, nullptr);
   EXPECT_EQ(scene->objects[0].animation->clip_s, 1);
   const Similarity& world = scene->instances[0].world_from_object;
-  EXPECT_EQ(world.position, glm::dvec3(0, 5, 0));  // the part that stands still
+  EXPECT_EQ(world.position, glm::dvec3(0, 5, 0));  // the part that does not move
   EXPECT_EQ(world.scale, 2);
   EXPECT_NEAR(posed(scene->objects[0], 0.5)[0].x - posed(scene->objects[0], 0)[0].x, 1, 1e-6);
 }
@@ -146,7 +147,7 @@ TEST(GltfAnimation, SkinsBendBetweenJoints) {
   ASSERT_TRUE(scene) << failure(scene);
   const std::vector<glm::vec3> p = posed(scene->objects[0], 0.999999);
   EXPECT_NEAR(p[0].z, 0, 1e-5);
-  EXPECT_NEAR(p[1].z, 2, 1e-4);  // half and half, though the weights add up to 2
+  EXPECT_NEAR(p[1].z, 2, 1e-4);  // half and half, although the weights add up to 2
   EXPECT_NEAR(p[2].z, 4, 1e-4);
 }
 

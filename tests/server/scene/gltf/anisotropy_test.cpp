@@ -1,5 +1,5 @@
-// KHR_materials_anisotropy as it is imported: values, what is out of their range, and the tangents
-// it is drawn along.
+// KHR_materials_anisotropy on import: values, values out of range, and the tangents it is drawn
+// along.
 
 #include <cmath>
 
@@ -16,7 +16,7 @@ constexpr const char* kTexel =
     "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP43+AAAARBAc"
     "AM0e2RAAAAAElFTkSuQmCC";
 
-/// A triangle whose texture coordinates run along y and then against x, of this extension.
+/// A triangle with this extension; its texture coordinates run along y and then against x.
 Builder brushed(const json& extension) {
   Builder builder = triangle();
   builder.primitive()["attributes"]["TEXCOORD_0"] = builder.vec2({0, 0, 0, -1, 1, 0});
@@ -105,7 +105,8 @@ TEST(GltfAnisotropy, TangentsAreMadeOfTextureCoordinates) {
   }
 }
 
-// What has no direction along its surface is drawn without; the same material elsewhere is not.
+// A material without a direction along its surface is drawn without anisotropy; elsewhere it keeps
+// it.
 TEST(GltfAnisotropy, WithoutTangentsItIsLeftOutAndTold) {
   Builder builder = brushed({{"anisotropyStrength", 0.5},
                              {"anisotropyRotation", 1},
@@ -143,7 +144,7 @@ TEST(GltfAnisotropy, TangentsOfTheFileNeedNoTextureCoordinates) {
   EXPECT_EQ(scene->objects[0].mesh.vertices[0].tangent, glm::vec4(0, 1, 0, -1));
 }
 
-// No file without it comes out otherwise: one material, and nothing told.
+// A file without the extension is unchanged: one material, no warning.
 TEST(GltfAnisotropy, WhatHasNoneNeedsNoTangents) {
   for (const json& extension : {json::object(), json{{"anisotropyRotation", 1}}}) {
     Builder builder = brushed(extension);

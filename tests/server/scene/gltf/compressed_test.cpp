@@ -31,7 +31,7 @@ Blob bytes_of(const std::vector<T>& values) {
   return out;
 }
 
-/// A sheet of `n` by `n` squares in the plane z = 0, and where its corners lie.
+/// A sheet of `n` by `n` squares in the plane z = 0, and the places of its corners.
 struct Sheet {
   explicit Sheet(std::uint32_t n) {
     for (std::uint32_t y = 0; y <= n; ++y) {
@@ -52,7 +52,8 @@ struct Sheet {
   std::vector<std::uint32_t> indices;
 };
 
-/// A bufferView of `blob` as EXT_meshopt_compression has it, over a buffer without content.
+/// Adds a bufferView of `blob` in the form of EXT_meshopt_compression, over a buffer without
+/// content.
 int meshopt_view_of(Builder& builder, const Blob& blob, const char* mode, const char* filter,
                     std::size_t count, std::size_t stride,
                     const char* extension = "EXT_meshopt_compression") {
@@ -92,7 +93,7 @@ Blob encoded_sequence(const std::vector<std::uint32_t>& indices, std::size_t ver
   return out;
 }
 
-/// The sheet with positions through the vertex codec and indices through `mode`'s.
+/// Returns the sheet with positions through the vertex codec, and indices through that of `mode`.
 Builder meshopt_sheet(const Sheet& sheet, const char* mode,
                       const char* extension = "EXT_meshopt_compression") {
   Builder builder;
@@ -123,7 +124,7 @@ double area_of(const Scene& scene) {
     const glm::vec3 a = mesh.vertices[mesh.indices[i]].position;
     const glm::vec3 b = mesh.vertices[mesh.indices[i + 1]].position;
     const glm::vec3 c = mesh.vertices[mesh.indices[i + 2]].position;
-    area += glm::cross(b - a, c - a).z / 2 * scale * scale;  // signed: winding counts
+    area += glm::cross(b - a, c - a).z / 2 * scale * scale;  // signed, so that winding counts
   }
   return area;
 }
@@ -175,7 +176,7 @@ TEST(GltfMeshopt, Filters) {
   meshopt_encodeFilterOct(filtered.data(), kCount, 8, 12, normals.data());
   const Blob sides = decode(filtered.data(), MeshoptFilter::kOctahedral, 8);
   for (std::size_t i = 0; i < kCount * 4; ++i) {
-    if (i % 4 == 3) continue;  // not of the vector
+    if (i % 4 == 3) continue;  // not part of the vector
     EXPECT_NEAR(at(sides, i), normals[i], 2e-3) << i;
   }
   std::vector<std::uint32_t> exponential(kCount * 4);
@@ -212,7 +213,7 @@ TEST(GltfMeshopt, WhatDoesNotFitIsRefused) {
     EXPECT_EQ(error_name(scene.error().id), error_name(c.id)) << scene.error().line();
     EXPECT_NE(scene.error().text.find("bufferViews[0]"), std::string::npos) << scene.error().line();
   }
-  // Fewer elements than accessors use.
+  // Fewer elements than the accessors use.
   Builder fewer = meshopt_sheet(Sheet(20), "TRIANGLES");
   fewer.doc["accessors"][0]["count"] = 442;
   EXPECT_REFUSED(fewer.load(), kSceneRange, "accessors[0]");
@@ -290,7 +291,7 @@ TEST(GltfDraco, BothMethods) {
 }
 
 TEST(GltfDraco, TheTinygltfInUseIsTheRealOne) {
-  // libdraco has another of the same names; see MirageDependencies.cmake.
+  // libdraco has functions with the same names; see MirageDependencies.cmake.
   void* parser = dlsym(RTLD_DEFAULT,
                        "_ZN8tinygltf8TinyGLTF19LoadASCIIFromStringEPNS_5ModelEPNSt7__cxx1112basic_"
                        "stringIcSt11char_traitsIcESaIcEEES9_PKcjRKS8_j");
@@ -310,7 +311,7 @@ TEST(GltfDraco, PrimitivesMayShareAccessors) {
 
 TEST(GltfDraco, TrianglesOfAllPrimitivesAreCounted) {
   Builder builder = draco_sheet(Sheet(4), draco::MESH_EDGEBREAKER_ENCODING);
-  // Three times 5 million triangles of 3 vertices, claimed.
+  // The data claim three times 5 million triangles of 3 vertices.
   const Blob claim = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0, 0, 3, 0xc0, 0x96, 0xb1, 2};
   std::memcpy(builder.bin.data(), claim.data(), claim.size());
   json& primitives = builder.doc["meshes"][0]["primitives"];
@@ -371,7 +372,7 @@ TEST(GltfDraco, CountsAreJudgedBeforeAnythingIsAllocated) {
     for (const int byte : rest) out.push_back(static_cast<std::uint8_t>(byte));
     return out;
   };
-  // 2^31 triangles of 3 vertices; of a sequential mesh, 1 of 2^31.
+  // The data claim 2^31 triangles of 3 vertices, or as a sequential mesh 1 of 2^31.
   EXPECT_REFUSED(decode_draco(header(1, {0, 3, 0x80, 0x80, 0x80, 0x80, 8}), {}), kSceneLimit,
                  "2147483648 triangles");
   EXPECT_REFUSED(decode_draco(header(0, {1, 0x80, 0x80, 0x80, 0x80, 8}), {}), kSceneLimit,

@@ -1,4 +1,4 @@
-// Container, JSON, URIs, references and ranges: what is refused, with which error.
+// Container, JSON, URIs, references and ranges: what is refused, and with which error.
 #include <sys/stat.h>
 
 #include "tests/support/gltf_fixture.h"
@@ -58,7 +58,7 @@ TEST(GltfContainer, JsonNesting) {
   const std::string head = R"({"asset":{"version":"2.0"},"extras":)";
   const std::string deep = std::string(70, '[') + std::string(70, ']');
   EXPECT_REFUSED(load_text(head + deep + "}"), kSceneLimit, "64 levels");
-  // Brackets inside a string do not nest, also behind an escaped quote.
+  // Brackets inside a string do not nest, even after an escaped quote.
   EXPECT_TRUE(load_text(head + "\"\\\"" + std::string(70, '[') + "\"}").ok());
 }
 
@@ -111,7 +111,7 @@ TEST(GltfContainer, Limits) {
   zeros.mesh({{"POSITION", 0}});
   EXPECT_REFUSED(zeros.load(), kSceneLimit, "accessors[0]");
 
-  // 40 meshes that share one accessor of 300 000 vertices: 12 million once expanded.
+  // 40 meshes share one accessor of 300 000 vertices: 12 million once expanded.
   Builder many;
   std::vector<float> position(900'000);
   for (std::size_t i = 0; i < position.size(); ++i) position[i] = static_cast<float>(i % 7);
@@ -135,7 +135,7 @@ class GltfUri : public ::testing::Test {
     return import_gltf(folder_.write("scene/scene.gltf", doc_.dump()), Workers(),
                        {.strict = strict});
   }
-  /// Loads with this warning; not when strict.
+  /// Expects that it loads with this warning, but not when strict.
   void expect_forgiven(const std::string& uri, const std::string& warning) {
     auto scene = load(uri);
     ASSERT_TRUE(scene) << failure(scene);
@@ -191,7 +191,7 @@ TEST_F(GltfUri, DataUris) {
   EXPECT_REFUSED(load("data:application/octet-stream;base64,AAAA"), kSceneRange, "buffers[0]");
   EXPECT_REFUSED(load("data:nothing"), kSceneUri, "data URI");
   EXPECT_REFUSED(load("data:application/octet-stream,%zz"), kSceneUri, "percent");
-  // 36 zero bytes: loads, though all corners fall together.
+  // 36 zero bytes load, although all corners coincide.
   EXPECT_TRUE(load("data:;base64," + std::string(48, 'A')).ok());
 }
 
@@ -304,8 +304,8 @@ TEST(GltfRange, WrongTypes) {
     EXPECT_EQ(scene.error().id, ErrorId::kSceneFormat) << item.pointer << failure(scene);
   }
   Builder builder = triangle();
-  builder.doc["nodes"][0]["name"] = 7;    // names carry no meaning
-  builder.doc["nodes"][0]["mesh"] = 0.0;  // an integer in other words
+  builder.doc["nodes"][0]["name"] = 7;    // names have no meaning
+  builder.doc["nodes"][0]["mesh"] = 0.0;  // an integer written as a float
   EXPECT_TRUE(builder.load().ok());
 }
 

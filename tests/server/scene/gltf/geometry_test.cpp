@@ -99,14 +99,14 @@ TEST(GltfGeometry, DefectiveTrianglesGoAndAreCounted) {
   Builder builder;
   const int position = builder.vec3({0, 0, 0, 1, 0, 0, 0, 1, 0, kNan, 0, 0, 3e38f, 0, 0, 2, 0, 0});
   const int normal = builder.vec3(std::vector<float>(18, 1.0f));
-  // good, NaN, huge, beyond the end, restart value, repeated corner, collinear
+  // Triangles: good, NaN, huge, beyond the end, restart value, repeated corner, collinear.
   const int indices =
       builder.indices({0, 1, 2, 0, 1, 3, 0, 1, 4, 0, 1, 6, 0, 1, 65535, 0, 1, 1, 0, 1, 5});
   builder.mesh({{"POSITION", position}, {"NORMAL", normal}}, indices);
   auto scene = builder.load();
   ASSERT_TRUE(scene) << failure(scene);
   EXPECT_EQ(scene->triangles(), 1u);
-  EXPECT_EQ(scene->objects[0].mesh.vertices.size(), 3u);  // the NaN does not linger
+  EXPECT_EQ(scene->objects[0].mesh.vertices.size(), 3u);  // the NaN vertex is gone
   EXPECT_TRUE(has_warning(*scene, "2 triangles with an index beyond"));
   EXPECT_TRUE(has_warning(*scene, "2 triangles with a position"));
   EXPECT_TRUE(has_warning(*scene, "2 triangles without area"));
@@ -141,7 +141,7 @@ TEST(GltfGeometry, AttributesOfAllKinds) {
 
 TEST(GltfGeometry, QuantizedAndInterleaved) {
   Builder builder;
-  // int16 positions, not normalised, 4 bytes of padding behind each.
+  // Positions are int16, not normalised, each with 4 bytes of padding behind it.
   const std::vector<std::int16_t> raw = {0, 0, 0, 9, 9, 9, 100, 0, 0, 9, 9, 9, 0, 100, 0, 9, 9, 9};
   const int view = builder.view(raw, 12);
   builder.doc["accessors"] = {
@@ -163,7 +163,7 @@ TEST(GltfGeometry, TangentsFromTextureCoordinates) {
     builder.doc["images"] = {{{"uri", "data:image/png;base64,AAAA"}}};
     auto scene = builder.load();
     ASSERT_TRUE(scene) << failure(scene);
-    // u runs along x, v down; bitangent = cross(normal, tangent) * w points up, along +y.
+    // u runs along x, v down; the bitangent cross(normal, tangent) * w points up, along +y.
     const Vertex& vertex = scene->objects[0].mesh.vertices[0];
     const glm::vec3 tangent(vertex.tangent);
     EXPECT_NEAR(tangent.x, u, 1e-6);
@@ -217,7 +217,7 @@ TEST(GltfGeometry, BrokenSkinsLeaveTheMeshUnskinned) {
   EXPECT_EQ(bad_joint->objects[0].mesh.vertices[0].position, glm::vec3(0));
 
   Builder builder = skinned(0);
-  builder.doc["skins"][0]["inverseBindMatrices"] = 0;  // positions: no matrices
+  builder.doc["skins"][0]["inverseBindMatrices"] = 0;  // an accessor of positions, not of matrices
   auto bad_matrices = builder.load();
   ASSERT_TRUE(bad_matrices) << failure(bad_matrices);
   EXPECT_TRUE(has_warning(*bad_matrices, "broken skin"));
@@ -225,14 +225,14 @@ TEST(GltfGeometry, BrokenSkinsLeaveTheMeshUnskinned) {
 }
 
 TEST(GltfGeometry, AccessorsWithoutViewAreZeros) {
-  // Indices too: all corners fall together, and nothing is drawn.
+  // Zeros for indices as well: all corners coincide, and nothing is drawn.
   Builder builder = triangle();
   builder.doc["accessors"].push_back({{"componentType", 5123}, {"count", 3}, {"type", "SCALAR"}});
   builder.primitive()["indices"] = 1;
   auto scene = builder.load_strict();
   ASSERT_TRUE(scene) << failure(scene);
   EXPECT_TRUE(scene->instances.empty());
-  // Sparse values count on top of the zeros.
+  // Sparse values replace some of the zeros.
   const int places = builder.view(std::vector<std::uint16_t>{1, 2});
   const int values = builder.view(std::vector<std::uint16_t>{1, 2});
   builder.doc["accessors"][1]["sparse"] = {

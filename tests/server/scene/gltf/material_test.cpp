@@ -125,7 +125,7 @@ TEST(GltfMaterial, SamplerAndTransform) {
   EXPECT_EQ(ref.scale, glm::vec2(2, 3));
   EXPECT_EQ(ref.rotation, 1);
   EXPECT_EQ(ref.uv_set, 1);
-  // TEXCOORD_1 is absent: set 0 stands in, and is told.
+  // TEXCOORD_1 is absent: set 0 is used instead, with a warning.
   EXPECT_TRUE(has_warning(*scene, "lack the texture coordinates"));
   const Vertex& vertex = scene->objects[0].mesh.vertices[1];
   EXPECT_EQ(vertex.uv1, vertex.uv0);
@@ -193,7 +193,8 @@ TEST(GltfImage, PixelFormats) {
   EXPECT_EQ(pixel(8, 0, "\x40"), Pixel({64, 64, 64, 255}));
   EXPECT_EQ(pixel(8, 2, "\x10\x20\x30"), Pixel({16, 32, 48, 255}));
   EXPECT_EQ(pixel(8, 4, "\x40\x80"), Pixel({64, 64, 64, 128}));
-  // Unassociated: a half transparent pixel keeps its full colour, so does an invisible one.
+  // Alpha is not associated: a half transparent pixel keeps its full colour, and so does an
+  // invisible one.
   EXPECT_EQ(pixel(8, 6, "\x7f\x20\x30\x40"), Pixel({127, 32, 48, 64}));
   EXPECT_EQ(pixel(8, 6, std::string("\x7f\x20\x30\0", 4)), Pixel({127, 32, 48, 0}));
   EXPECT_EQ(pixel(16, 0, std::string("\x80\x80", 2)), Pixel({128, 128, 128, 255}));
@@ -221,7 +222,7 @@ TEST(GltfImage, UnreadableImagesAreWhite) {
   }
 }
 
-/// With the byte that says so; decoders hold such an image whole.
+/// A PNG with the byte for interlacing; decoders hold such an image whole.
 std::string interlaced(std::uint32_t width, std::uint32_t height) {
   std::string header = big_endian(width) + big_endian(height) + std::string("\10\2\0\0\1", 5);
   return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", header) + png_chunk("IEND", "");
@@ -234,7 +235,7 @@ TEST(GltfImage, TooLargeImagesAreRefusedByName) {
   }
 }
 
-/// `count` images of a size that is only claimed, each the colour of a material of its own.
+/// Returns `count` images of a size that is only claimed, each used by a material of its own.
 Builder many_images(std::size_t count, std::uint32_t edge) {
   Builder builder = textured(make_png(edge, edge, 8, 2, "abc"), base_color());
   const json primitive = builder.primitive();
@@ -253,7 +254,7 @@ TEST(GltfImage, MorePixelsThanFitAreReduced) {
   auto fits = many_images(2, 8192).load();
   ASSERT_TRUE(fits) << failure(fits);
   EXPECT_FALSE(has_warning(*fits, "reduced to fit"));
-  auto scene = many_images(3, 8192).load();  // 192 Mi pixels, 128 are held
+  auto scene = many_images(3, 8192).load();  // 192 Mi pixels, of which 128 Mi are held
   ASSERT_TRUE(scene) << failure(scene);
   EXPECT_TRUE(has_warning(*scene, "2 images reduced to fit"));
   EXPECT_REFUSED(many_images(3, 8192).load_strict(), kSceneLimit, "are held");
@@ -263,7 +264,7 @@ TEST(GltfImage, MorePixelsThanFitAreReduced) {
 
 TEST(GltfImage, ReducedImagesKeepTheirLight) {
   using gltf::decode_image;
-  // Black and white in turn, from 5 x 4; the last column has no partner and joins the second.
+  // Black and white by turns, 5 x 4 pixels; the last column has no partner and joins the second.
   const std::string row = {'\0', '\xff', '\0', '\xff', '\0'};
   const std::string png = make_png(5, 4, 8, 0, row + row + row + row);
   const auto bytes = std::span(reinterpret_cast<const std::uint8_t*>(png.data()), png.size());
@@ -300,7 +301,7 @@ TEST(GltfImage, WebpExtension) {
   ASSERT_TRUE(scene) << failure(scene);
   EXPECT_FALSE(has_warning(*scene, "unreadable"));
   EXPECT_EQ(first_pixel(*scene)[3], 0);
-  builder.doc["textures"][0]["source"] = 0;  // the fallback wins where there is one
+  builder.doc["textures"][0]["source"] = 0;  // a fallback wins
   auto fallback = builder.load();
   ASSERT_TRUE(fallback) << failure(fallback);
   EXPECT_EQ(first_pixel(*fallback), Pixel({'a', 'b', 'c', 255}));
@@ -340,7 +341,7 @@ TEST(GltfVariants, TheChosenOneElseTheFilesOwn) {
   };
   EXPECT_EQ(metallic(""), 0.25f);
   EXPECT_EQ(metallic("?variant=red"), 0.5f);
-  EXPECT_EQ(metallic("?variant=plain"), 0.25f);  // it maps no primitive
+  EXPECT_EQ(metallic("?variant=plain"), 0.25f);  // this variant maps no primitive
   EXPECT_EQ(metallic("?variant=dark blue"), 0.75f);
   auto unknown = import_gltf_spec(file + "?variant=green");
   EXPECT_REFUSED(unknown, kUsage, "no variant 'green'");
@@ -398,7 +399,7 @@ TEST(GltfSpecGloss, FactorsBecomeDielectricsAndMetals) {
   EXPECT_NEAR(a.base_color.y, 0.25, 1e-5);
   EXPECT_EQ(a.base_color.w, 0.5f);
 
-  // Gold: nothing diffuse, a coloured highlight.
+  // Gold: no diffuse colour, a coloured highlight.
   auto gold =
       spec_gloss(image, {{"diffuseFactor", {0, 0, 0, 1}}, {"specularFactor", {1, 0.75, 0.25}}})
           .load_strict();
@@ -411,7 +412,8 @@ TEST(GltfSpecGloss, FactorsBecomeDielectricsAndMetals) {
 }
 
 TEST(GltfSpecGloss, TexturesAreConvertedTexelByTexel) {
-  // Left a dielectric of half gloss, right a metal of full gloss; the diffuse image is black there.
+  // Left is a dielectric of half gloss, right a metal of full gloss, where the diffuse image is
+  // black.
   const std::string specular = make_png(2, 1, 8, 6, std::string("\0\0\0\x80\xff\xff\0\xff", 8));
   Builder builder = spec_gloss(specular, {{"diffuseTexture", {{"index", 1}}},
                                           {"specularGlossinessTexture", {{"index", 0}}}});
@@ -438,7 +440,7 @@ TEST(GltfSpecGloss, TexturesAreConvertedTexelByTexel) {
   EXPECT_EQ(base.rgba[6], 0);
   EXPECT_EQ(data.rgba[5], 0);
   EXPECT_EQ(data.rgba[6], 255);
-  // Elsewhere on the surface: told, and the colour stays the diffuse one.
+  // Another place on the surface: a warning, and the colour stays the diffuse one.
   builder.doc["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"]
              ["specularGlossinessTexture"]["texCoord"] = 1;
   auto other = builder.load();
@@ -454,7 +456,7 @@ TEST(GltfSpecGloss, ADiffuseTextureAloneStaysAsItIs) {
   EXPECT_EQ(scene->images.size(), 1u);
   EXPECT_EQ(first_pixel(*scene), Pixel({'a', 'b', 'c', 255}));
   EXPECT_EQ(scene->materials[0].metallic, 0);
-  // An unreadable one leaves the factors.
+  // An unreadable image leaves the factors.
   builder.doc["images"][0]["bufferView"] = 0;
   builder.doc["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"] = {
       {"diffuseFactor", {0, 0, 1, 1}},

@@ -13,7 +13,7 @@ glm::dvec3 to_world(const Scene& scene, std::size_t instance, const glm::vec3& p
   return world.position + glm::dquat(world.rotation) * (double(world.scale) * glm::dvec3(point));
 }
 
-/// The third corner of the triangle, wherever instance `i` puts it.
+/// Returns the third corner of the triangle, as instance `i` places it.
 glm::dvec3 third_corner(const Scene& scene, std::size_t i) {
   const Mesh& mesh = scene.objects[scene.instances[i].object].mesh;
   for (const Vertex& vertex : mesh.vertices) {
@@ -70,7 +70,7 @@ TEST(GltfNodes, ActiveScene) {
   builder.doc["nodes"].push_back({{"mesh", 0}, {"translation", {5, 0, 0}}});
   auto all = builder.load();
   ASSERT_TRUE(all);
-  EXPECT_EQ(all->instances.size(), 2u);  // no scenes: every root
+  EXPECT_EQ(all->instances.size(), 2u);  // without scenes: every root
 
   builder.doc["scenes"] = {{{"nodes", {0}}}, {{"nodes", {1}}}};
   auto first = builder.load();
@@ -91,7 +91,7 @@ TEST(GltfNodes, AListedChildIsDrawnOnceWhereItsParentsPutIt) {
   builder.doc["nodes"] = {{{"children", {1}}, {"translation", {1, 0, 0}}},
                           {{"children", {2}}, {"translation", {0, 2, 0}}},
                           {{"mesh", 0}, {"translation", {0, 0, 3}}}};
-  // The parent is listed, too, or before, or after, or not at all.
+  // The parent is listed as well, before or after, or not at all.
   for (const json& roots : {json{0, 2}, json{2, 0}, json{2}, json{2, 1}, json{0, 1, 2, 2}}) {
     builder.doc["scenes"] = {{{"nodes", roots}}};
     auto scene = builder.load();
@@ -143,7 +143,7 @@ TEST(GltfInstances, MirrorsAreBakedAndKeepTheirFront) {
                           {{"mesh", 0}, {"scale", {1, -1, 1}}}};
   auto scene = builder.load();
   ASSERT_TRUE(scene) << failure(scene);
-  ASSERT_EQ(scene->objects.size(), 2u);  // both plain mirrors share one
+  ASSERT_EQ(scene->objects.size(), 2u);  // both plain mirrors share one object
   EXPECT_EQ(scene->instances[0].object, scene->instances[2].object);
   EXPECT_NEAR(third_corner(*scene, 0).y, 1, 1e-6);
   EXPECT_NEAR(third_corner(*scene, 1).y, -2, 1e-6);
@@ -184,7 +184,7 @@ TEST(GltfInstances, NormalsUnderNonUniformScale) {
 
 TEST(GltfInstances, ShearIsReproduced) {
   Builder builder = marked_triangle();
-  // A turn below a non-uniform scale is a shear.
+  // A turn below a non-uniform scale makes a shear.
   builder.doc["nodes"] = {{{"scale", {1, 4, 1}}, {"children", {1}}},
                           {{"mesh", 0}, {"rotation", {0, 0, 0.6, 0.8}}}};
   auto scene = builder.load();

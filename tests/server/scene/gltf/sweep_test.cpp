@@ -1,4 +1,4 @@
-// Every file of ../shared/assets and ../shared/assets_broken, against what its manifest expects.
+// Loads every file of ../shared/assets and ../shared/assets_broken, and compares with its manifest.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 using Row = std::map<std::string, std::string>;
 
-// Generous against slow machines and sanitizers; the files themselves take milliseconds.
+// Generous for slow machines and sanitizers; the files themselves take milliseconds.
 constexpr double kMaxSeconds = 5;
 constexpr long kMaxResidentKib = 1L << 20;
 
@@ -50,7 +50,7 @@ std::vector<Row> read_manifest(const fs::path& folder) {
 
 bool is_unit(const glm::vec3& v) { return std::abs(glm::length(v) - 1.0f) < 1e-4f; }
 
-/// What every loaded scene promises to the stages behind.
+/// Checks what every loaded scene promises to later stages.
 void expect_sound(const Scene& scene) {
   for (const SceneObject& object : scene.objects) {
     const Mesh& mesh = object.mesh;
@@ -138,7 +138,7 @@ TEST(GltfSweep, AssetsLoad) {
   print_counts(counts);
 }
 
-/// Models found in public, each for what went wrong with it at first.
+/// Models found in public; each one went wrong at first in its own way.
 TEST(GltfSweep, FieldModelsLoad) {
   const fs::path folder = test::data_folder() / "assets" / "field";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is absent";
@@ -158,7 +158,7 @@ TEST(GltfSweep, FieldModelsLoad) {
   print_counts(counts);
 }
 
-/// "error", "loads" or "any", from the words of the manifest.
+/// Returns "error", "loads" or "any", from the words of the manifest.
 std::string expectation(const Row& row) {
   const std::string& words = row.at("expected");
   const bool bare_error = words == "error" || words.starts_with("error, ");
@@ -166,7 +166,7 @@ std::string expectation(const Row& row) {
   return words.starts_with("loads") && words.find(" or ") == std::string::npos ? "loads" : "any";
 }
 
-/// Of what other viewers let pass; strict loading refuses it.
+/// True for defects that other viewers accept; strict loading refuses them.
 bool is_forgiven(const std::string& warnings) {
   for (const char* part :
        {"drawn once", "image files left out", "unreadable images", "URIs with", "duplicate names",

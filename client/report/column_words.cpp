@@ -1,0 +1,97 @@
+#include "client/report/column_words.h"
+
+#include <map>
+
+namespace mirage {
+namespace {
+
+const std::map<std::string, ColumnWords> kWords = {
+    {"rtt_ms", {"round trip, ms", "Time to the server and back on the modelled link."}},
+    {"jitter_ms", {"jitter, ms", "Random change of the round trip."}},
+    {"rate_mbps", {"link rate, Mbit/s", "Rate of the modelled link in each direction."}},
+    {"loss_pct", {"loss, %", "Share of packets that the modelled link loses and sends again."}},
+    {"server_ms", {"server, ms a tile", "Time granted to the server for one tile."}},
+    {"seed", {"seed", "Seed of the scene and of the link's chances."}},
+    {"flip_mean",
+     {"FLIP, mean", "Visible difference from the full render, 0 (none) to 1; mean of frames."}},
+    {"flip_p95", {"FLIP, p95", "FLIP that 95 % of the compared frames stay below."}},
+    {"flip_worst", {"FLIP, worst frame", "Largest FLIP of a compared frame."}},
+    {"flip_after_5s", {"FLIP after 5 s", "FLIP of the frame 5 s after connecting."}},
+    {"psnr_db", {"PSNR, dB", "Peak signal-to-noise ratio against the full render."}},
+    {"ssim", {"SSIM", "Structural similarity with the full render; 1 is equal."}},
+    {"iou", {"IoU", "Overlap of the silhouettes with those of the full render; 1 is equal."}},
+    {"mbps", {"rate used, Mbit/s", "Mean rate over the whole run."}},
+    {"pose_to_display_ms_p99",
+     {"pose to display, ms p99", "Age of the eye position that the picture shows."}},
+    {"hole_fraction", {"holes", "Share of object pixels where nothing was drawn."}},
+    {"holes", {"holes", "Share of object pixels where nothing was drawn."}},
+    {"no_image_fraction", {"no image", "Share of visible objects without tile and geometry."}},
+    {"no image", {"no image", "Share of visible objects without tile and geometry."}},
+    {"starved_fraction",
+     {"starved", "Share of frames in which first images waited while link and server were idle."}},
+    {"starved",
+     {"starved", "Share of frames in which first images waited while link and server were idle."}},
+    {"link_used", {"link used", "Share of the link's rate in use, both directions."}},
+    {"link used", {"link used", "Share of the link's rate in use, both directions."}},
+    {"bound_violations", {"over bound", "Pixels whose true error exceeds the proven bound."}},
+    {"over bound", {"over bound", "Pixels whose true error exceeds the proven bound."}},
+    {"violations", {"over bound", "Pixels whose true error exceeds the proven bound."}},
+    {"mb", {"MB down", "Bytes received, in millions."}},
+    {"MB", {"MB down", "Bytes received, in millions."}},
+    {"mb_down", {"MB down", "Bytes received, in millions."}},
+    {"budget_ms", {"budget, ms", "Time that a frame may take; 0: no budget."}},
+    {"first_image_ms", {"first image, ms", "From connecting to the first tile, mesh or frame."}},
+    {"first_picture_ms",
+     {"first picture, ms", "From connecting to the first frame that shows the scene."}},
+    {"first_picture_flip", {"its FLIP", "FLIP of the first compared frame from then on."}},
+    {"second_after_flip", {"FLIP, next second", "Mean FLIP of the second that follows."}},
+    {"walk_s", {"walk, s", "Length of the walk from connecting on."}},
+    {"delivery", {"sent as", "The way in which the scene comes to the client."}},
+    {"client_ms", {"client, ms", "Time of one frame on this machine, median."}},
+    {"client_ms_p50", {"client, ms p50", "Time of a frame by the device model, median."}},
+    {"client_ms_p95", {"client, ms p95", "Time of a frame by the device model."}},
+    {"client ms p95", {"client, ms p95", "Time of a frame by the device model."}},
+    {"better", {"best other", "The cheaper of geometry and tiles with as good a picture."}},
+    {"over_better", {"bytes over best other", "Bytes beside the best other; below 1 is better."}},
+    {"tau_px", {"tau, px", "Error that an impostor may show."}},
+    {"server_ms_per_tile", {"server, ms a tile", "Rendering and encoding of a tile, median."}},
+    {"bytes_per_s", {"bytes/s", "Bytes both ways, the description of the scene included."}},
+    {"request_to_display_ms",
+     {"request to display, ms", "From asking for a tile to drawing it, median."}},
+    {"e1_px_p99", {"position error, px p99", "True displacement of impostor pixels (E1)."}},
+    {"e1_px_max", {"position error, px max", "Largest displacement of an impostor pixel (E1)."}},
+    {"flicker", {"flicker", "Change between frames that the full render does not have (E6)."}},
+    {"pareto", {"on front", "1: no other setting is both quicker and better."}},
+    {"scale", {"scale", "Scale at which most frames were drawn; 1 is every pixel."}},
+    {"samples", {"samples", "Samples a pixel of most frames."}},
+    {"commit", {"commit", "Source that the programs were built from."}},
+    {"revision", {"revision", "Hash of the scene and of what draws it."}},
+    {"ready_s", {"ready, s", "From the start of the server to its ready line."}},
+    {"rss_mb", {"memory, MB", "Largest resident memory of the server."}},
+    {"flip_default", {"FLIP", "FLIP at rest, drawn as a viewer draws by default."}},
+    {"flip_impostors", {"FLIP, impostors only", "FLIP at rest with --no-geometry."}},
+    {"hue_default", {"hue error", "Change of hue, median over the model's pixels, of 255."}},
+    {"must_hold", {"must hold", "What the case demands."}},
+    {"left_out", {"left out", "What no pixel of the object depends on."}},
+    {"differing_components",
+     {"bytes that differ", "Drawn with and without what is left out; must be 0."}},
+    {"bytes_a_tile", {"bytes a tile", "Mean size of a compressed tile."}},
+    {"color_psnr_db", {"colour PSNR, dB", "Of the decoded against the rendered colours."}},
+    {"color_rms", {"colour error, rms", "Root mean square of the colour error, of 255."}},
+    {"color_max", {"colour error, max", "Largest colour error, of 255."}},
+    {"encode_us", {"encode, µs", "Time to compress a tile."}},
+    {"decode_us", {"decode, µs", "Time to decompress a tile."}},
+    {"captured aside, degrees",
+     {"captured aside, degrees", "Angle between the eye and the view of the tile."}},
+    {"distance, r", {"distance, radii", "Distance of the eye in radii of the object."}},
+    {"textures, MiB", {"textures, MiB", "Graphics memory of the tiles drawn."}},
+    {"id", {"id", "Group and number; mirage-extreme --only ID runs it alone."}}};
+
+}  // namespace
+
+ColumnWords words_of_column(const std::string& name) {
+  const auto at = kWords.find(name);
+  return at == kWords.end() ? ColumnWords{name, ""} : at->second;
+}
+
+}  // namespace mirage

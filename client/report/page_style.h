@@ -1,0 +1,11 @@
+#pragma once
+// How the report's page looks, and the little that moves on it.
+
+namespace mirage {
+
+/// The page's style sheet: light and dark, from a phone to a wide screen.
+extern const char* const kPageStyle;
+/// The page's script: moves the border between a drawn and a true picture.
+extern const char* const kPageScript;
+
+}  // namespace mirage
