@@ -1,4 +1,4 @@
-# Run as a script: writes OUTPUT, a C++ file with the text of every file of FILES (relative to ROOT).
+# Writes OUTPUT, a C++ file with the text of every file in FILES (relative to ROOT). Run it with cmake -P.
 string(REPLACE "," ";" FILES "${FILES}")
 set(text "// Generated: the shader files, by name.\n#include \"shaders/gl/program.h\"\n\n")
 string(APPEND text "namespace mirage::gl {\nstd::string_view shader_source(std::string_view name) {\n")

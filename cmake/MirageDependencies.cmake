@@ -1,4 +1,4 @@
-# Every dependency comes from the distribution; nothing is vendored or downloaded.
+# Finds the dependencies. All come from the distribution; nothing is vendored or downloaded.
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 find_package(glm REQUIRED)
@@ -19,13 +19,13 @@ pkg_check_modules(WEBPMUX REQUIRED IMPORTED_TARGET libwebpmux)
 pkg_check_modules(PROMETHEUS REQUIRED IMPORTED_TARGET prometheus-cpp-core)
 find_package(meshoptimizer REQUIRED CONFIG)
 find_package(TinyGLTF REQUIRED)
-# KHR_draco_mesh_compression; without it such files are refused by name.
-# libdraco exports a tinygltf of its own, of another layout than the real one, and whichever comes
-# first in a program wins: link it after tinygltf, and only through mirage_gltf (a test looks).
+# Draco reads KHR_draco_mesh_compression; without it such files are refused by name.
+# libdraco exports its own tinygltf with another layout, and the first one in a program wins. So link libdraco after tinygltf,
+# and only through mirage_gltf. A test checks this.
 pkg_check_modules(DRACO IMPORTED_TARGET draco)
-# A store that servers share; without it --store is refused by name.
+# hiredis is for the store that servers share; without it --store is refused by name.
 pkg_check_modules(HIREDIS IMPORTED_TARGET hiredis)
-# The video baseline of mirage-report; without it that row of the report is left out.
+# libav is for the video baseline of mirage-report; without it the report leaves that row out.
 pkg_check_modules(LIBAV IMPORTED_TARGET libavcodec libavutil libswscale)
 if(MIRAGE_TESTS)
   find_package(GTest REQUIRED)

@@ -1,7 +1,7 @@
-# What is installed: programs, their manual pages, the service with its user and an example of its configuration, dashboard
-# and alerts, configurations of HAProxy and nginx. `cpack -G DEB` in the build folder makes a package of it.
+# Installs the programs, their manual pages, the service with its user and an example configuration, dashboard and alerts, and
+# configurations of HAProxy and nginx. `cpack -G DEB` in the build folder makes a package of them.
 include(GNUInstallDirs)
-set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # of programs alone, not of tests
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # installs programs without building the tests
 set(programs mirage-server mirage-view mirage-load mirage-token mirage-report mirage-sheet)
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
@@ -18,11 +18,11 @@ foreach(program ${programs})
   list(APPEND manuals ${manual})
 endforeach()
 add_custom_target(manuals DEPENDS ${manuals})
-# Part of `install` and `package` only: programs that sanitizers watch would be run for it.
+# Makes manual pages in `install` and `package` only, because it runs the programs, and a build may have sanitizers.
 install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${PROJECT_BINARY_DIR}\" --target manuals COMMAND_ERROR_IS_FATAL ANY)")
 install(FILES ${manuals} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 
-# The page for browsers, if scripts/web has staged it.
+# Installs the page for browsers if scripts/web has staged it.
 install(DIRECTORY build/web/site/ DESTINATION share/mirage/web OPTIONAL)
 
 install(FILES packaging/systemd/mirage-server.service DESTINATION lib/systemd/system)
@@ -38,7 +38,7 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# Drivers are found at run time, so that no library names them.
+# Names the drivers here, because programs find them at run time and no library names them.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libgl1-mesa-dri, libegl1")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "gnuplot-nox, redis-server, haproxy, nginx, prometheus")
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)

@@ -1,8 +1,9 @@
-# Helpers that give every target the same warnings, standard and sanitizers; no global flags.
+# Gives every target the same warnings, standard and sanitizers, without global flags.
 
-# mirage_target(NAME [PORTABLE] [TEST] [PCH base|wire|none]): PORTABLE keeps to C++17, for the code that also builds for a
-# browser. TEST is optimised little: compiling tests takes longer than running them. PCH: which of cmake/pch it begins with
-# (default: that of TEST, else base).
+# mirage_target(NAME [PORTABLE] [TEST] [PCH base|wire|none])
+#   PORTABLE   keeps to C++17, for code that also builds for a browser
+#   TEST       optimises little, because compiling tests takes longer than running them
+#   PCH        names the precompiled header of cmake/pch (default: tests for TEST, else base)
 function(mirage_target name)
   cmake_parse_arguments(ARG "PORTABLE;TEST" "PCH" "" ${ARGN})
   if(ARG_PORTABLE)
@@ -16,7 +17,7 @@ function(mirage_target name)
   target_compile_definitions(${name} PRIVATE MIRAGE_VERSION="${PROJECT_VERSION}")
   target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                          -Wno-sign-conversion -Werror
-                         # Loops that are to become vectors have no && and no if.
+                         # Loops that shall become vectors have no && and no if.
                          $<$<CXX_COMPILER_ID:Clang>:-Wno-bitwise-instead-of-logical>
                          $<$<CXX_COMPILER_ID:Clang>:-Wno-bitwise-conditional-parentheses>
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarms of GCC 12 on std::string
@@ -25,13 +26,13 @@ function(mirage_target name)
     target_compile_options(${name} PRIVATE -fno-exceptions -fno-rtti)
     return()
   endif()
-  # A bundle's libraries lie beside its programs (scripts/bundle); also those of its libraries, hence the old tag.
+  # Finds a bundle's libraries beside its programs (scripts/bundle). The old tag also serves libraries of libraries.
   set_target_properties(${name} PROPERTIES BUILD_RPATH "$ORIGIN/../lib")
   get_target_property(kind ${name} TYPE)
   if(kind STREQUAL "EXECUTABLE")
     target_link_options(${name} PRIVATE -Wl,--disable-new-dtags)
   endif()
-  if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT MIRAGE_SANITIZE)  # against what hostile bytes might yet find
+  if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT MIRAGE_SANITIZE)  # hardening against hostile bytes
     target_compile_options(${name} PRIVATE -fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3)
     target_link_options(${name} PRIVATE -Wl,-z,relro,-z,now)
   endif()
@@ -58,14 +59,14 @@ function(mirage_target name)
       string(APPEND pch _portable)
     endif()
     target_precompile_headers(${name} REUSE_FROM mirage_pch_${pch})
-    # More of GCC 12's false alarms on std::string, which system headers read from a precompiled one no longer silence; the
-    # builds without them still warn.
+    # Silences more false alarms of GCC 12 on std::string: GCC no longer ignores system headers that come from a precompiled
+    # header. Builds without precompiled headers still warn.
     target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>
                            $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
   endif()
 endfunction()
 
-# Each is compiled once, with the flags of the targets that take it.
+# Compiles each precompiled header once, with the flags of the targets that use it.
 function(mirage_precompiled_headers)
   if(NOT EXISTS ${PROJECT_BINARY_DIR}/pch.cpp)
     file(WRITE ${PROJECT_BINARY_DIR}/pch.cpp "")

@@ -1,5 +1,6 @@
-# The libraries of the browser's client. Emscripten sees no headers but its own and those named here; zstd, meshoptimizer and
-# libwebp are compiled from the distribution's source packages, decoders alone (scripts/web fetches them to MIRAGE_WEB_SOURCES).
+# Provides the libraries of the browser's client. Emscripten sees only its own headers and those named here. zstd,
+# meshoptimizer and libwebp are compiled from the distribution's source packages, the decoders alone. scripts/web fetches the
+# packages to MIRAGE_WEB_SOURCES.
 set(MIRAGE_WEB_SOURCES ${PROJECT_SOURCE_DIR}/build/web-sources CACHE PATH "Unpacked source packages: zstd, meshoptimizer, webp")
 foreach(source zstd/lib meshoptimizer/src webp/src)
   if(NOT EXISTS ${MIRAGE_WEB_SOURCES}/${source})
@@ -8,7 +9,7 @@ foreach(source zstd/lib meshoptimizer/src webp/src)
 endforeach()
 find_program(FLATC flatc REQUIRED NO_CMAKE_FIND_ROOT_PATH)
 
-# Of the machine's headers only those that are headers alone: its C library's must not come along.
+# Links only header-only libraries of the machine, so that the headers of its C library stay out.
 set(headers ${PROJECT_BINARY_DIR}/include)
 foreach(header glm flatbuffers xxhash.h xxh3.h)
   if(EXISTS /usr/include/${header})

@@ -1,4 +1,4 @@
-# Run as a script: OUTPUT defines MIRAGE_COMMIT as git describes ROOT; untouched when it is the same.
+# Writes OUTPUT, a header that defines MIRAGE_COMMIT as git describes ROOT. It leaves an equal file alone. Run it with cmake -P.
 execute_process(COMMAND git -C ${ROOT} describe --always --dirty --tags OUTPUT_VARIABLE commit
                 OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 if(NOT commit)

@@ -1,4 +1,4 @@
-# What things cost beside floors and peers; scripts/bench runs it.
+# Benchmarks: costs beside floors and peers. scripts/bench runs them.
 add_executable(mirage-bench
   bench/main.cpp bench/bench.cpp bench/selection_bench.cpp bench/tile_bench.cpp bench/store_bench.cpp
   bench/startup_bench.cpp bench/latency_bench.cpp bench/codec_bench.cpp bench/client_bench.cpp bench/price_bench.cpp bench/bench_client.cpp bench/gpu_bench.cpp)
@@ -8,7 +8,7 @@ target_link_libraries(mirage-bench PRIVATE mirage_test_support mirage_test_rigs 
                       OpenImageIO::OpenImageIO)
 add_dependencies(mirage-bench mirage-server mirage-load)
 
-# On a graphics card, where there is one: ctest -L gpu. Its code also runs without.
+# Runs on a graphics card if there is one: ctest -L gpu. The second test runs the same code without a card.
 add_test(NAME gpu COMMAND mirage-bench --only gpu)
 set_tests_properties(gpu PROPERTIES LABELS gpu SKIP_RETURN_CODE 77 TIMEOUT 900 RUN_SERIAL ON)
 add_test(NAME gpu_bench_without_card COMMAND mirage-bench --only gpu --quick --software)

@@ -1,4 +1,4 @@
-# End to end: the shipped binaries over real sockets on loopback.
+# End-to-end tests: the shipped programs over real sockets on loopback.
 
 function(mirage_e2e name)
   add_executable(mirage_e2e_${name} e2e/${name}_test.cpp)
@@ -29,43 +29,43 @@ mirage_e2e(listen)
 target_link_libraries(mirage_e2e_options PRIVATE mirage_cli)
 add_dependencies(mirage_e2e_demo mirage-sheet)
 target_compile_definitions(mirage_e2e_demo PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-# It writes a scene of its own.
+# The test of parts writes its own scene.
 target_link_libraries(mirage_e2e_parts PRIVATE mirage_gltf)
-# Tiles that servers share, by the shipped servers and by the source itself.
+# Tests tiles that servers share, with the shipped servers and with the source itself.
 mirage_e2e(shared_store)
 target_link_libraries(mirage_e2e_shared_store PRIVATE mirage_source)
-# A store that takes longer than 10 ms is done without, as it does on a machine with too much to do: alone, please.
+# Runs these alone: the server goes on without a store that takes longer than 10 ms, as on a busy machine.
 set_tests_properties(e2e_cache e2e_shared_store PROPERTIES RUN_SERIAL ON)
 mirage_e2e(relay)
 add_dependencies(mirage_e2e_relay mirage-relay mirage-link)
 mirage_e2e(operations)
 target_compile_definitions(mirage_e2e_operations PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-# Scenes of its own, frames, and TLS.
+# The test of reloading writes scenes, compares frames, and uses TLS.
 mirage_e2e(reload)
 target_link_libraries(mirage_e2e_reload PRIVATE mirage_gltf OpenImageIO::OpenImageIO OpenSSL::SSL)
-# It watches frame times: alone on the machine, please.
+# Runs alone, because it watches frame times.
 set_tests_properties(e2e_failure PROPERTIES RUN_SERIAL ON)
 
-# Put before the driver and the file system of a server: they fail, or are slow, when they are told.
+# A library that stands before the driver and the file system of a server. It makes them fail or slow down on command.
 add_library(mirage_test_faults MODULE support/faults.cpp)
 mirage_target(mirage_test_faults PCH none)
 target_link_libraries(mirage_test_faults PRIVATE ${CMAKE_DL_LIBS})
 mirage_e2e(faults)
 add_dependencies(mirage_e2e_faults mirage_test_faults)
 target_compile_definitions(mirage_e2e_faults PRIVATE MIRAGE_FAULTS="$<TARGET_FILE:mirage_test_faults>")
-# It compares waiting times.
+# Runs alone, because it compares waiting times.
 set_tests_properties(e2e_faults PROPERTIES RUN_SERIAL ON)
 
-# The portable bundle of all of them.
+# Tests the portable bundle of all programs.
 add_test(NAME e2e_bundle COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/bundle.sh ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 set_tests_properties(e2e_bundle PROPERTIES TIMEOUT 600)
 
-# The Debian package, where the tools to make one are.
+# Tests the Debian package if the tools to make one are installed.
 if(NOT MIRAGE_SANITIZE)
   add_test(NAME e2e_package COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/package.sh ${PROJECT_BINARY_DIR})
   set_tests_properties(e2e_package PROPERTIES TIMEOUT 300)
 endif()
 
-# An array of jobs under a real Slurm, where there is one.
+# Tests an array of jobs under a real Slurm if there is one.
 add_test(NAME e2e_slurm COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/slurm.sh ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 set_tests_properties(e2e_slurm PROPERTIES TIMEOUT 300 RUN_SERIAL ON)

@@ -1,4 +1,4 @@
-# The stiff and extreme cases of NUMERICS section 6; mirage-report runs the same binary.
+# The stiff and extreme cases of docs/numerics.md section 6. mirage-report runs the same program.
 add_executable(mirage-extreme
   extreme/main.cpp extreme/registry.cpp extreme/extreme_case.cpp extreme/child_run.cpp
   extreme/studio.cpp extreme/shapes.cpp
@@ -13,10 +13,10 @@ mirage_target(mirage-extreme TEST PCH wire)
 target_compile_definitions(mirage-extreme PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(mirage-extreme PRIVATE mirage_test_support mirage_test_rigs mirage_server_core mirage_client_core mirage_client_native
                       mirage_gltf mirage_quality mirage_cli nlohmann_json::nlohmann_json)
-# Cases that are about whole programs run them.
+# Cases about whole programs run these two.
 add_dependencies(mirage-extreme mirage-server mirage-view)
 
-# One test for each letter, in the quick form: together they use all cores.
+# Adds one test for each letter, in the quick form; together they use all cores.
 foreach(letter G V L A D T N P C R)
   add_test(NAME extreme_${letter} COMMAND mirage-extreme --quick --only ${letter})
   set_tests_properties(extreme_${letter} PROPERTIES TIMEOUT 900)

@@ -7,7 +7,7 @@ target_compile_definitions(mirage_gltf_tests PRIVATE MIRAGE_SOURCE_DIR="${PROJEC
 target_link_libraries(mirage_gltf_tests PRIVATE mirage_gltf nlohmann_json::nlohmann_json
                      
                       GTest::gtest_main ${CMAKE_DL_LIBS})
-if(DRACO_FOUND)  # comes with mirage_gltf
+if(DRACO_FOUND)  # libdraco is linked through mirage_gltf
   target_compile_definitions(mirage_gltf_tests PRIVATE MIRAGE_DRACO)
 endif()
 mirage_unit_test(gltf mirage_gltf_tests)

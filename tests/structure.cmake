@@ -1,4 +1,4 @@
-# The shape of the code itself.
+# Tests the shape of the code itself.
 add_test(NAME include_directions COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR}
          -P ${CMAKE_CURRENT_SOURCE_DIR}/structure/include_directions.cmake)
 

@@ -1,5 +1,5 @@
 cmake_minimum_required(VERSION 3.25)
-# Run as a script with -DROOT=…: dependencies point one way, and each library is known in one place.
+# Checks that dependencies point one way, and that each library is known in one place. Run it with cmake -DROOT=… -P.
 set(failures "")
 
 # check(FOLDER FORBIDDEN-REGEX WHY [EXCEPT FILE…])
