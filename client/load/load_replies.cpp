@@ -52,12 +52,11 @@ Result<void> LoadRun::on_message(std::uint32_t client, const std::uint8_t* bytes
   switch (message->type()) {
     case wire::Body::Welcome:
       return take_welcome(client, *control.body_as_Welcome());
+    case wire::Body::LightProbePage:
     case wire::Body::ImagePage:
     case wire::Body::ObjectPage:
     case wire::Body::InstancePage:
       return take_page(c, client, *message);
-    case wire::Body::LightProbePage:
-      return {};  // the surroundings of a scene without lights: nothing is shaded here
     case wire::Body::TileReply:
       return take_tile(client, *message);
     case wire::Body::Refused:
@@ -111,7 +110,12 @@ Result<void> LoadRun::take_page(Client& c, std::uint32_t client, const MessageVi
   ++c.pages;
   if (client == kScout && !scene_.described()) {
     Result<void> taken;
-    if (message.type() == wire::Body::ImagePage) {
+    if (message.type() == wire::Body::LightProbePage) {
+      const std::unique_ptr<wire::LightProbePageT> page(
+          message.control().body_as_LightProbePage()->UnPack());
+      const std::uint8_t* payload = message.payload();
+      taken = scene_.accept(*page, Bytes(payload, payload + message.payload_bytes()));
+    } else if (message.type() == wire::Body::ImagePage) {
       const std::unique_ptr<wire::ImagePageT> page(message.control().body_as_ImagePage()->UnPack());
       taken = scene_.accept(*page);
     } else if (message.type() == wire::Body::ObjectPage) {

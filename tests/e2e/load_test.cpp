@@ -49,7 +49,7 @@ TEST(Load, ASceneWithSurroundings) {
   const Server server("builtin:knot", {"--environment", "builtin:studio"});
   ASSERT_TRUE(server.ready()) << server.log();
   const Finished load = run({binary("mirage-load"), server.url(), "--clients", "2", "--duration",
-                             "1", "--rate", "4", "--verify", "1"});
+                             "1", "--rate", "4", "--verify", "1", "--path", "builtin:orbit"});
   EXPECT_EQ(load.exit_code, 0) << load.output;
 }
 

@@ -54,7 +54,7 @@ Names missing(const Names& from, const Names& in) {
 TEST(Reference, ListsTheStatisticsOfTheViewer) {
   const Server server("builtin:knot", {"--codec", "webp"});
   ASSERT_TRUE(server.ready()) << server.log();
-  const std::string file = scratch_folder() + "/stats.json";
+  const std::string folder = scratch_folder(), file = folder + "/stats.json";
   const Finished done = run({binary("mirage-view"),
                              server.url(),
                              "--offscreen",
@@ -80,8 +80,7 @@ TEST(Reference, ListsTheStatisticsOfTheViewer) {
                              file});
   ASSERT_EQ(done.exit_code, 0) << done.output;
   Names found = written(nlohmann::json::parse(read_file(file)), {{"codecs.", "NAME"}});
-  found.merge(
-      written(nlohmann::json::parse(read_file(scratch_folder() + "/stats.real_time.json")), {}));
+  found.merge(written(nlohmann::json::parse(read_file(folder + "/stats.real_time.json")), {}));
   const Names page = listed(run({binary("mirage-view"), "--help-statistics"}).output);
   EXPECT_EQ(missing(found, page), Names{}) << "written and not explained";
   // Real time measures how far prices were off; on virtual time they are the device model's.
@@ -94,7 +93,7 @@ TEST(Reference, ListsTheStatisticsOfTheLoadClient) {
   ASSERT_TRUE(server.ready()) << server.log();
   const std::string file = scratch_folder() + "/load.json";
   const Finished done = run({binary("mirage-load"), server.url(), "--clients", "2", "--duration",
-                             "1", "--rate", "2", "--json", file});
+                             "1", "--rate", "2", "--path", "builtin:orbit", "--json", file});
   ASSERT_EQ(done.exit_code, 0) << done.output;
   nlohmann::json json = nlohmann::json::parse(read_file(file));
   json["errors"]["busy"] = 1;  // none of it in a run that goes well
