@@ -1,8 +1,8 @@
 #pragma once
-// Scheduler: sends what is needed, in the order of gain a byte, as far as link and server have
+// Scheduler: sends what is needed, largest gain per byte first, as far as link and server have
 // room.
 // Input:  needs of this frame, replies as they arrive.
-// Output: request batches (asks, cancels, credit), from one list in the order of gain a byte.
+// Output: request batches (asks, cancels, credit), from one list, largest gain per byte first.
 // Thread: the frame loop's.
 // Full:   asks in flight are limited to the window (ask_window.h), and to what the server completes
 //         (server_pace.h); further needs wait.
@@ -92,8 +92,8 @@ class Scheduler {
   /// Notes a reply that is neither a tile nor part of the opening; it used the link.
   void note_other(std::size_t bytes, std::int64_t now_us) { window_.stray_arrived(now_us, bytes); }
 
-  /// Returns the time from request to reply, µs: the median of the last ones. The rest of the
-  /// horizon is added to it.
+  /// Returns the time from request to reply, µs: the median of the last ones. Callers add the rest
+  /// of the horizon to it.
   std::int64_t round_trip_us() const { return window_.round_trip_us(); }
   /// Returns the seconds for which a full link has held back asks without a break.
   double saturated_s(std::int64_t now_us) const {
@@ -110,9 +110,9 @@ class Scheduler {
   std::uint64_t cancelled() const { return cancelled_; }
 
  private:
-  /// Key under which one ask at a time is allowed: per instance for a picture, for its shadow, and
-  /// for its object as a caster. Each phase of a moving instance counts on its own, as phases are
-  /// asked for ahead.
+  /// Only one ask per key may be under way. An instance has a key for its picture, one for its
+  /// shadow and one for its object as a caster. Each phase of a moving instance has keys of its
+  /// own, because phases are asked for ahead.
   using Wanted = std::tuple<std::uint32_t, Phase, std::uint8_t>;
   static Wanted wanted(const TileNeed& need) {
     return {need.instance, need.phase, is_picture(need.channels) ? kLitTile : need.channels};
@@ -133,9 +133,9 @@ class Scheduler {
   struct Offer {
     const TileNeed* tile = nullptr;
     const AssetNeed* asset = nullptr;
-    double rank = 0;  ///< gain a byte
+    double rank = 0;  ///< gain per byte
   };
-  /// Returns everything that may be asked for, largest gain a byte first.
+  /// Returns everything that may be asked for, largest gain per byte first.
   std::vector<Offer> offers(const std::vector<TileNeed>& needs,
                             const std::vector<AssetNeed>& asset_needs, std::int64_t now_us) const;
   /// Returns the bytes under way, as they count for a window of `window` bytes.

@@ -12,9 +12,9 @@ namespace mirage {
 
 struct GeometricError {
   std::vector<float> errors_px;  ///< one per compared pixel
-  /// Bound over the largest error among an impostor's pixels. One for each drawn impostor with at
-  /// least kRatioPixels pixels and an error of 0.01 px: a bound of the largest error is compared
-  /// with the largest error.
+  /// Bound over the largest error among an impostor's pixels, because the bound limits the largest
+  /// error. One for each drawn impostor with at least kRatioPixels compared pixels and an error of
+  /// at least 0.01 px.
   std::vector<float> ratios;
   std::uint64_t violations = 0;  ///< pixels whose error exceeds their impostor's bound
   std::uint64_t compared = 0;

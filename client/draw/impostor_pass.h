@@ -30,7 +30,7 @@ class ImpostorPass {
   /// Uploads a tile. The first layered tile makes its program. Errors kGraphicsGl, kGraphicsShader.
   Result<void> upload(const TileRecord& record, const TilePixels& pixels);
   /// Draws the impostors and placeholders of the list. `mapping` is that of the target's depth.
-  /// `shadow_atlas` is the texture of ShadowAtlas; 0: no impostor wears a shadow. `probe` is the
+  /// `shadow_atlas` is the texture of ShadowAtlas; 0: impostors show no shadow. `probe` is the
   /// scene's; nullptr: none.
   void draw(const Camera& camera, DepthMapping mapping, const SceneView& scene,
             const DrawList& list, const Lighting& lighting, GLuint shadow_atlas,
@@ -57,7 +57,7 @@ class ImpostorPass {
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
   /// Fragments of an impostor that are drawn at once. With kAll all fragments are drawn and write
-  /// depth; behind a soft edge only farther things that are drawn later are missing. Groups and
+  /// depth. A farther thing that is drawn later is then missing behind a soft edge. Groups and
   /// blended objects drawn flat are soft within, and parts of one object meet at soft edges. Their
   /// solid fragments are drawn first; the soft ones write no depth.
   enum class Fragments { kAll, kSolid, kSoft };

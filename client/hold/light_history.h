@@ -17,7 +17,7 @@ class LightHistory {
   /// A lighting. It keeps one serial, however often it returns.
   struct State {
     std::uint32_t serial = 0;
-    std::uint64_t turn = 0;     ///< number of the change by which it last became current
+    std::uint64_t turn = 0;     ///< changes of light so far when it last became current
     std::int64_t ended_us = 0;  ///< when it last stopped being current
     Lighting lighting;
     /// Hashes by instance, of object and light on it; 0: not computed yet.

@@ -54,7 +54,7 @@ struct TileRecord {
   /// motion.
   double bound_px(DrawMethod method, const ObjectDescription& description,
                   const ViewGeometry& view) const;
-  /// Returns the capture of all that the tile can show, not of its content alone.
+  /// Returns the capture of the tile's whole window. Bounds use the smaller window of its content.
   const CaptureGeometry& whole() const { return whole_; }
 
  private:

@@ -9,7 +9,7 @@ struct UploadCounts {
   std::uint64_t tiles = 0;
   std::uint64_t bytes = 0;
   std::uint64_t largest_frame_bytes = 0;
-  std::uint64_t frames_over_budget = 0;  ///< frames in which something had to wait
+  std::uint64_t frames_over_budget = 0;  ///< frames in which more than the budget was there
 };
 
 }  // namespace mirage

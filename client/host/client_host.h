@@ -60,7 +60,7 @@ class ClientHost {
   const ClientSession& session() const { return *session_; }
   const NativeLink& native() const { return *native_; }
   LinkTraffic traffic() const;
-  /// Returns the session's time, µs: the clock's without what was left out.
+  /// Returns the session's time, µs: that of the clock minus what leave_out_since() has left out.
   std::int64_t now_us() const { return clock_->now_us() - left_out_us_; }
   const Clock& clock() const { return *clock_; }
   /// True if a network is modelled between the session and the socket.

@@ -1,5 +1,5 @@
 #pragma once
-// Tile trip: the timing of an ask and its reply, from which window and pace learn.
+// Tile trip: the timing of an ask and its reply, from which ask_window.h and server_pace.h learn.
 
 #include <cstddef>
 #include <cstdint>

@@ -13,7 +13,7 @@ struct InstanceView;
 double attention(const Camera& camera, const InstanceView& instance);
 
 /// Returns the error, px, that an instance may show, for a tau steered up from `target_px`. The
-/// error rises last where the viewer looks. Without steering attention changes nothing.
+/// error rises last where the viewer looks. While tau is not steered up, attention changes nothing.
 double allowed_error_px(double tau_px, double target_px, double attention, Importance importance);
 
 }  // namespace mirage

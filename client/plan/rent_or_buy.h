@@ -34,7 +34,7 @@ class RentOrBuy {
   bool bought(std::uint32_t object, std::int64_t now_us) const;
   /// Returns the gain of the tiles last wanted of the object, now and in the time to come.
   double worth(std::uint32_t object) const { return accounts_[object].worth; }
-  /// Returns that gain a byte of geometry; +inf if the geometry takes no bytes.
+  /// Returns that gain divided by the bytes of the geometry; +inf if the geometry takes no bytes.
   double worth_a_byte(std::uint32_t object) const;
   /// Notes that an instance of the object is in view, so that bought geometry is kept.
   void used(std::uint32_t object, std::int64_t now_us);

@@ -8,7 +8,7 @@
 namespace mirage {
 
 inline constexpr double kMinRadiusPx = 0.5;  ///< smaller objects are neither drawn nor asked for
-inline constexpr double kMeshHysteresis = 1.15;  ///< slack for going on with what is drawn
+inline constexpr double kMeshHysteresis = 1.15;  ///< slack that favours what is drawn now
 inline constexpr double kWalkingMps = 1.4;       ///< speed that a still eye may take up
 
 /// True if a picture can stand for the object: the eye is outside its sphere. False for NaN.

@@ -12,7 +12,8 @@ namespace mirage {
 
 struct VideoTiming {
   double fps = 60;
-  double render_ms = 0;  ///< at the server, per frame, pipelined: it delays, but does not limit
+  double render_ms =
+      0;  ///< at the server, per frame, pipelined: it delays frames, but does not limit their rate
   double encode_ms = 0, decode_ms = 0;
 };
 

@@ -72,7 +72,8 @@ class ViewStage {
   bool enabled() const { return enabled_; }
 
  private:
-  /// Sets whether the view shows the instance's owners. Returns true if the view has any of them.
+  /// Sets in `owners` whether the view stands in for the instance, or for each member of a group.
+  /// Returns true if the view shows any of them.
   bool mark(const InstanceView& instance, bool shown, std::vector<bool>& owners) const;
   void note_drawn();
 

@@ -43,7 +43,7 @@ const std::vector<Figure> kStatistics = {
     {"light_lag_ms.p95", "ms", "95th percentile."},
     {"light_lag_ms.max", "ms", "Largest."},
     {"relit_fraction", "", "Share of impostors that the viewer shaded itself."},
-    {"stale_fraction", "", "Share of visible objects drawn with a bound above tau."},
+    {"stale_fraction", "", "Share of visible objects drawn from a tile whose bound is above tau."},
     {"tile_age_ms.p50", "ms", "Age of a drawn tile, median."},
     {"tile_age_ms.p95", "ms", "95th percentile."},
     {"tile_age_ms.p99", "ms", "99th percentile."},
@@ -51,7 +51,8 @@ const std::vector<Figure> kStatistics = {
     {"bound_px.p95", "px", "95th percentile."},
     {"bound_px.p99", "px", "99th percentile."},
     {"bound_px.max", "px", "Largest."},
-    {"over_tau_fraction", "", "Share of visible objects whose bound is above tau."},
+    {"over_tau_fraction", "",
+     "Share of visible objects whose bound is above tau, or that have no tile."},
     {"hole_fraction", "",
      "Share of object pixels without any image; without --reference: of objects."},
     {"view_fraction", "", "Share of object pixels drawn from a view tile; needs --reference."},
@@ -75,8 +76,7 @@ const std::vector<Figure> kStatistics = {
     {"uploads.bytes_a_frame", "bytes", "Bytes uploaded per frame, mean."},
     {"uploads.largest_frame_bytes", "bytes", "Most bytes uploaded in a frame."},
     {"uploads.frame_budget", "bytes", "Limit per frame (--upload-kb)."},
-    {"uploads.frames_over_budget", "",
-     "Frames above the limit: a single large tile, mesh or image."},
+    {"uploads.frames_over_budget", "", "Frames in which more than the limit was there to upload."},
     {"programs.compiled", "", "Shader programs compiled."},
     {"programs.after_scene", "", "Of these, after the scene was known."},
     {"programs.in_draws", "", "Of these, while a frame was being drawn; should be 0."},
@@ -135,7 +135,7 @@ std::string statistics_page() {
                       "to say of is left out.",
                       kStatistics) +
          "\n" +
-         figures_page("Figures of the clock",
+         figures_page("Wall-clock figures",
                       "They lie beside the others in `FILE.real_time.json`, because they differ "
                       "from run to run.",
                       kRealTimeStatistics)

@@ -1,6 +1,6 @@
 #pragma once
 // The proven bound, in pixels, on where an impostor draws the points of its object (numerics.md
-// section 2). Every decision of the client uses it.
+// section 2). It tells the client when a better tile is needed.
 //
 // The bound rests on one exact identity. Oc is the capture eye, e the present eye, B = e - Oc the
 // baseline. A capture ray is u = a + t, with a the capture axis, so that z is depth along it. A

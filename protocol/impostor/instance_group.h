@@ -41,8 +41,8 @@ inline constexpr double kTypicalGap = 0.6;  ///< deepest step in an object's dep
 /// Width that a disocclusion may have, as a share of the projected radius; less below a tau of 1
 /// px.
 inline constexpr double kHoleShare = 0.15;
-/// Largest allowed ratio of disocclusion width to position error (numerics.md: the knob that counts
-/// once tiles have depth).
+/// Largest allowed ratio of disocclusion width to position error (decision 14); it decides how long
+/// a tile with depth lasts.
 inline constexpr double kHoleTolerance = 8;
 inline constexpr double kLeadShare =
     0.6;  ///< how far ahead a capture lies, as a share of the allowed baseline

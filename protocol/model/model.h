@@ -81,7 +81,7 @@ struct Lobes {
   glm::vec3 sheen_color{0};
   float sheen_roughness = 0;
   float transmission = 0;    ///< share of the unreflected light that passes through, 0 to 1
-  glm::vec3 volume_tint{1};  ///< share of it left after the way through the volume
+  glm::vec3 volume_tint{1};  ///< share of that light left after passing through the volume
   /// KHR_materials_anisotropy: the strength, 0 to 1, by which the surface is rougher along the
   /// tangent than across. The rotation turns that direction from the tangent towards the bitangent,
   /// 0 to kMaxGrainRotation.

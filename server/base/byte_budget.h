@@ -45,7 +45,7 @@ class ByteBudget {
 
  private:
   const std::size_t budget_;
-  std::list<Entry> entries_;  ///< used last first
+  std::list<Entry> entries_;  ///< most recently used first
   std::size_t bytes_ = 0;
 };
 

@@ -21,7 +21,7 @@ using SessionId = std::uint64_t;
 struct Waiter {
   SessionId session = 0;
   std::uint32_t request_id = 0;
-  float error_px = 0;
+  float error_px = 0;            ///< rank that the client gave (wire.fbs, Ask)
   std::int64_t deadline_us = 0;  ///< on the server's clock; 0: none
   TileCodec codec = TileCodec::kZstd;
   std::int64_t asked_us = 0;

@@ -6,8 +6,8 @@
 
 namespace mirage {
 
-/// Cuts a view. The nearest surface of a cell counts, so things in front keep their outline. A pure
-/// function.
+/// Makes a view tile. The nearest surface in a cell of texels counts, so things in front keep their
+/// outline. A pure function.
 ViewTile cut_view(const Camera& camera, const SceneFrame& frame);
 
 }  // namespace mirage

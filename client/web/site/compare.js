@@ -23,7 +23,7 @@ export class Compare {
     if (this.state !== 'off') { this.end(); return; }
     const { viewer } = this;
     const f = viewer.figures.now();
-    if (!f.references) { notice('This server makes no full renders for who comes from elsewhere: it was started without --references.'); return; }
+    if (!f.references) { notice('This server makes no full renders for viewers on other machines: it was started without --references.'); return; }
     if (!viewer.link.connected) { notice('The server is gone: there is nothing to compare with.'); return; }
     this.state = 'asked';
     this.asked = false;

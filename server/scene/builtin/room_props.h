@@ -12,7 +12,7 @@ struct RoomMaterials {
   std::uint32_t glossy = 0;  ///< glazed, lacquered
   std::uint32_t metal = 0;
   std::uint32_t wood = 0;    ///< planks texture
-  std::uint32_t screen = 0;  ///< unlit-looking monitor image
+  std::uint32_t screen = 0;  ///< image on a monitor, as if it shone
   std::uint32_t picture = 0;
   std::uint32_t glow = 0;  ///< lamp shades
 };

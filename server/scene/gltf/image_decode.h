@@ -17,7 +17,8 @@ namespace mirage::gltf {
 Result<ImageHeader> judge_image(std::span<const std::uint8_t> bytes);
 
 /// Decodes an image. Alpha stays unassociated, 16-bit is reduced, grey and RGB are expanded. The
-/// sides are halved `halvings` times (image_reduce.h, by `srgb`). Errors: those of judge_image,
+/// sides are halved `halvings` times (image_reduce.h); if `srgb`, the colours are averaged as
+/// linear light. Errors: those of judge_image,
 /// kSceneFormat (unreadable). Any thread.
 Result<Image> decode_image(std::span<const std::uint8_t> bytes, int halvings, bool srgb);
 

@@ -13,8 +13,8 @@ namespace mirage::gltf {
 struct MotionGroups {
   std::vector<bool> moves;  ///< by node: it or a node above has keys
   /// Group of each drawn mesh node that moves, is bent by moving joints, or has moving morph
-  /// weights; -1 for other nodes. A group is named by a node above which all transforms stand
-  /// still.
+  /// weights; -1 for other nodes. The number of a group is that of a node with no moving transform
+  /// above it.
   std::vector<int> group;
 };
 

@@ -23,7 +23,8 @@ struct MetalRough {
 
 MetalRough metal_rough_of(const glm::vec3& diffuse, const glm::vec3& specular, float glossiness);
 
-/// True if no diffuse colour makes it a metal: base colour is then diffuse times a number.
+/// True if the material is not metallic, whatever its diffuse colour. Its base colour is then the
+/// diffuse colour times a number.
 bool never_metal(const glm::vec3& specular);
 
 /// Images of a texel-by-texel conversion. They include the factors, except the alpha of `diffuse`.
@@ -33,7 +34,8 @@ struct MetalRoughImages {
 };
 
 /// Converts `diffuse` (sRGB, alpha kept) and `specular_glossiness` (sRGB, glossiness in alpha);
-/// nullptr: 1. The results have the larger size of both; the smaller image is interpolated.
+/// nullptr stands for an image of ones. The results have the larger size of both; the smaller image
+/// is interpolated.
 MetalRoughImages convert_images(const Image* diffuse, const Image* specular_glossiness,
                                 const SpecGloss& factors);
 
