@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <set>
 
@@ -127,6 +128,27 @@ void explain(Context& context, const BytesPlan& plan) {
       "FLIP at most .01 above auto's.");
 }
 
+/// FLIP against bytes: a panel for each scene, a line for each way to bring it to the client.
+std::vector<Panel> panels_of(const std::vector<BytesRun>& runs) {
+  std::vector<Panel> panels;
+  for (const BytesRun& run : runs) {
+    auto panel = std::find_if(panels.begin(), panels.end(),
+                              [&](const Panel& p) { return p.title == run.scene; });
+    if (panel == panels.end()) {
+      panels.push_back({run.scene, "MB down", "FLIP, mean", true, false, {}, {}, {}});
+      panel = panels.end() - 1;
+    }
+    auto series = std::find_if(panel->series.begin(), panel->series.end(),
+                               [&](const Series& s) { return s.name == run.delivery; });
+    if (series == panel->series.end()) {
+      panel->series.push_back({run.delivery, {}});
+      series = panel->series.end() - 1;
+    }
+    series->points.emplace_back(run.mb, run.flip_mean);
+  }
+  return panels;
+}
+
 void say_found(Page& page, const std::vector<BytesRun>& runs) {
   for (const auto& [mirage, better] : bytes_beside(runs)) {
     const std::string walk =
@@ -164,6 +186,8 @@ Result<void> report_bytes(Context& context) {
   const Table table = bytes_table(runs);
   if (!runs.empty()) {
     say_found(context.page, runs);
+    context.plot("bytes", panels_of(runs), 2,
+                 "FLIP against bytes, a point for each length of the walk; lower left is better.");
     context.page.list(words);
     context.page.table(table);
   }

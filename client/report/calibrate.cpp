@@ -108,6 +108,19 @@ void judge(Table& table, const std::string& what, const std::vector<ErrorSample>
   row("all", samples);
 }
 
+Panel predicted_beside_measured(const std::vector<ErrorSample>& samples) {
+  Panel panel{"error of an object", "predicted FLIP", "measured FLIP", true, true, {}, {}, {}};
+  for (const Look look : {Look::kView, Look::kFlat, Look::kDeep, Look::kMesh}) {
+    Series series{look_name(look), {}};
+    for (const ErrorSample& sample : samples) {
+      if (sample.look != look) continue;
+      series.points.emplace_back(error_model().flip_of(sample.wrongs), sample.flip);
+    }
+    if (!series.points.empty()) panel.series.push_back(std::move(series));
+  }
+  return panel;
+}
+
 }  // namespace
 
 Result<void> report_calibrate(Context& context) {
@@ -153,6 +166,8 @@ Result<void> report_calibrate(Context& context) {
       "FLIP, the mean over pixels. Coefficients are fitted to the first scenes by least squares "
       "and "
       "judged on the others.");
+  context.plot("calibrate", {predicted_beside_measured(*far)}, 1,
+               "Each object of the scenes held out: measured against predicted FLIP.");
   page.table(table);
   page.table(coefficients);
   std::printf("%s\n%s", table.csv().c_str(), coefficients.csv().c_str());

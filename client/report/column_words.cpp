@@ -81,8 +81,8 @@ const std::map<std::string, ColumnWords> kWords = {
     {"color_max", {"colour error, max", "Largest colour error, of 255."}},
     {"encode_us", {"encode, µs", "Time to compress a tile."}},
     {"decode_us", {"decode, µs", "Time to decompress a tile."}},
-    {"captured aside, degrees",
-     {"captured aside, degrees", "Angle between the eye and the view of the tile."}},
+    {"off the capture, degrees",
+     {"off the capture, degrees", "Angle between the eye and the view of the tile."}},
     {"distance, r", {"distance, radii", "Distance of the eye in radii of the object."}},
     {"textures, MiB", {"textures, MiB", "Graphics memory of the tiles drawn."}},
     {"id", {"id", "Group and number; mirage-extreme --only ID runs it alone."}}};

@@ -178,6 +178,27 @@ std::string spread_of(const std::vector<Row>& rows, std::optional<double> Row::*
                      cell(quantile_of(values, 1)));
 }
 
+/// FLIP against the share of the files, for both ways of drawing.
+Panel sorted_flip(const std::vector<Row>& rows) {
+  Panel panel{"FLIP at rest", "share of the files, %", "FLIP", false, false, {}, {}, {}};
+  const std::pair<const char*, std::optional<double> Row::*> ways[] = {
+      {"auto", &Row::flip_default}, {"tiles", &Row::flip_impostors}};
+  for (const auto& [name, value] : ways) {
+    std::vector<double> flips;
+    for (const Row& row : rows) {
+      if (row.*value) flips.push_back(*(row.*value));
+    }
+    std::sort(flips.begin(), flips.end());
+    Series series{name, {}};
+    for (std::size_t i = 0; i < flips.size(); ++i) {
+      series.points.emplace_back(
+          100.0 * static_cast<double>(i + 1) / static_cast<double>(flips.size()), flips[i]);
+    }
+    panel.series.push_back(std::move(series));
+  }
+  return panel;
+}
+
 void summarise(Context& context, const std::vector<Row>& rows) {
   std::size_t opened = 0;
   std::uint64_t violations = 0, compared = 0;
@@ -221,6 +242,8 @@ void summarise(Context& context, const std::vector<Row>& rows) {
     if (row.status != "ok") page.falls_short(row.file + ": " + row.status);
   }
   if (!worse.empty()) page.falls_short(lines.back());
+  context.plot("models", {sorted_flip(rows)}, 1,
+               "FLIP of each file at rest, the files in the order of their FLIP.");
   page.heading("All files");
   page.list(lines);
   for (const std::string& line : lines) std::puts(line.c_str());
