@@ -1,5 +1,5 @@
 #pragma once
-// How the report's page looks, and the little that moves on it.
+// Style sheet and script of the report's page.
 
 namespace mirage {
 

@@ -7,6 +7,7 @@ The word behind ``` says what to do with a block:
   sh           runs; it must end with exit code 0 within two minutes
   sh server    a mirage-server that stays up until the next one, or the end of the page
   sh window    a viewer in a window; it runs under a virtual display for a few frames
+  sh lines     a command a line: servers and viewers as above, others to their end
   console      does not run; a line <!-- not run: REASON --> stands before it
 Blocks run in a folder with what a clone has, a small scene.glb and a token.txt. Exit code 1 if a
 command fails; 77 without any page to run."""
@@ -111,10 +112,26 @@ def in_window(text):
     return "xvfb-run -a " + " ".join(text.replace("\\\n", " ").split()) + " --frames 5"
 
 
+def kind_of(line):
+    """How a line of a block of lines runs."""
+    if "/mirage-server " in line:
+        return "sh server"
+    return "sh window" if "/mirage-view " in line and "--offscreen" not in line else "sh"
+
+
+def parts(info, text):
+    """(info, command) of each command of a block."""
+    if info != "sh lines":
+        return [(info, text)]
+    lines = [re.sub(r"\s+#.*", "", line) for line in text.split("\n")]
+    return [(kind_of(line), line) for line in lines if line.strip()]
+
+
 def run_page(binaries, page):
     folder, server, count, skipped = make_folder(binaries), None, 0, 0
     try:
-        for line, info, text in blocks(page):
+        commands = [(line, *part) for line, info, text in blocks(page) for part in parts(info, text)]
+        for line, info, text in commands:
             try:
                 if info == "sh server":
                     if server:
@@ -137,7 +154,7 @@ def run_page(binaries, page):
         if server:
             server.stop()
         shutil.rmtree(folder, ignore_errors=True)
-    print(f"{os.path.relpath(page, ROOT)}: {count} blocks run" + (f", {skipped} need xvfb-run" if skipped else ""))
+    print(f"{os.path.relpath(page, ROOT)}: {count} commands run" + (f", {skipped} need xvfb-run" if skipped else ""))
 
 
 def main():
