@@ -1,5 +1,5 @@
 #pragma once
-// Tile verifier: decodes tiles in full beside the run.
+// Tile verifier: decodes tiles completely in a thread of its own during the run.
 // Input:  copies of tile replies.
 // Output: how many were decoded in full, how many failed, and why.
 // Thread: its own, at the lowest priority, so that checking does not slow what is measured.
@@ -30,7 +30,7 @@ class TileVerifier {
   ~TileVerifier() { finish(); }
 
   void submit(VerifyTask task) { tasks_.try_push(task); }
-  /// Checks what is still waiting; the results below are final afterwards.
+  /// Checks what is still waiting; after it, the figures below no longer change.
   void finish();
 
   std::uint64_t verified() const { return verified_; }

@@ -28,7 +28,7 @@ class ViewFit {
 
  private:
   Camera camera_;
-  double step_ = 0;  ///< step of depth, as a share of it
+  double step_ = 0;  ///< depth step divided by the depth
 };
 
 }  // namespace mirage

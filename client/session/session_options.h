@@ -18,7 +18,7 @@ struct ClientOptions {
   TauTargets targets;  ///< tau rises above tau_px while they are not met
   MethodChoice method;
   double frame_ms = 0;            ///< budget of a frame; 0: any time
-  int samples = -1;               ///< of a pixel; < 0: as many as pay within the budget
+  int samples = -1;               ///< samples per pixel; < 0: chosen by the frame plan
   double march_budget_px = 1e9;   ///< screen area per frame drawn by marching depth
   double mesh_radii = kAnyRadii;  ///< farther than this, only cheap objects are geometry
   RelightChoice relight = RelightChoice::kAuto;

@@ -148,15 +148,15 @@ void add_connection_options(CLI::App& app, ViewOptions& o) {
       ->type_name("NAME")
       ->check(CLI::IsMember({"auto", "raw", "zstd", "webp"}))
       ->capture_default_str();
-  app.add_option("--atlas-mb", o.atlas_mb, "most graphics memory for tiles, MB")
+  app.add_option("--atlas-mb", o.atlas_mb, "limit of graphics memory for tiles, MB")
       ->check(CLI::Range(9, 8192))
       ->capture_default_str();
-  app.add_option("--mesh-mb", o.mesh_mb, "most graphics memory for geometry and its images, MB")
+  app.add_option("--mesh-mb", o.mesh_mb, "limit of graphics memory for geometry and its images, MB")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();
-  app.add_option("--upload-kb", o.upload_kb,
-                 "most bytes to the graphics card per frame, KB; one tile, mesh or image may "
-                 "be larger")
+  app.add_option(
+         "--upload-kb", o.upload_kb,
+         "limit of bytes to the graphics card per frame, KB; one tile, mesh or image may be larger")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
 }
@@ -212,11 +212,14 @@ void add_experiment_options(CLI::App& app, ViewOptions& o) {
       ->capture_default_str();
   app.add_flag("--no-view{false}", o.views,
                "do not use the picture of the whole scene where objects have no image yet");
-  app.add_option("--march-kpx", o.march_kpx,
-                 "most pixels per frame drawn by marching through depth, thousands; default: any")
+  app.add_option(
+         "--march-kpx", o.march_kpx,
+         "limit of pixels per frame drawn by marching through depth, thousands; default: none")
       ->check(number_within(0.0, 1e5));
-  app.add_option("--mesh-radii", o.mesh_radii,
-                 "farthest geometry, radii of the object; default: any, or 8 with a fixed --method")
+  app.add_option(
+         "--mesh-radii", o.mesh_radii,
+         "largest distance, in radii of the object, at which geometry is drawn; default: any, or 8 "
+         "with a fixed --method")
       ->check(number_within(0.0, 1000.0));
   app.add_flag("--gles", o.graphics.gles, "offscreen: draw with OpenGL ES 3, as a browser does");
   app.add_option("--device", o.graphics.device, "offscreen: EGL device")
@@ -227,7 +230,7 @@ void add_experiment_options(CLI::App& app, ViewOptions& o) {
 }  // namespace
 
 int parse_options(int argc, char** argv, ViewOptions& o) {
-  CLI::App app("Shows a scene from a mirage-server by impostors.", "mirage-view");
+  CLI::App app("Shows the scene of a mirage-server, drawn with impostors.", "mirage-view");
   app.footer(
       "In the window: W A S D or arrows move, Q and E go down and up, dragging looks, Shift is "
       "fast, O shows figures, 1 to 5 show how the picture is made, Esc ends.\n\n"

@@ -46,7 +46,7 @@ class WebViewer {
   const ClientSession& session() const { return *session_; }
 
   struct Frame {
-    bool drawn = false;     ///< another picture is on the canvas
+    bool drawn = false;     ///< a new picture was drawn
     bool resting = false;   ///< nothing changes until somebody steers or something arrives
     bool drawable = false;  ///< some of the scene can be seen
   };

@@ -164,14 +164,15 @@ std::string options_page(const CLI::App& app) {
       << app.get_description() << "\n\n```\n"
       << usage_of(app) << "\n```\n\n";
   out << "An option is also read from the environment (`--two-words` from `MIRAGE_TWO_WORDS`) and "
-         "from the file\nof `--config` (`two-words = …`). The command line goes before the "
-         "environment, the environment before the file.\n";
+         "from the file\nof `--config` (`two-words = …`). The command line overrides the "
+         "environment, which overrides the file.\n";
   const auto table = [&out](const Options& options) {
     out << "| option | default | what it does |\n|---|---|---|\n";
     for (const CLI::Option* option : options) {
       const std::string type = option->get_positional() ? "" : type_of(*option);
       const std::string limits = limits_of(*option);
-      out << "| `" << markdown_cell(names_of(*option)) << (type.empty() ? "" : " " + type) << "` | "
+      const std::string shown = names_of(*option) + (type.empty() ? "" : " " + type);
+      out << "| `" << markdown_cell(shown) << "` | "
           << (option->get_required() ? "required" : markdown_cell(option->get_default_str()))
           << " | " << markdown_cell(option->get_description())
           << (limits.empty() ? "" : " (" + markdown_cell(limits) + ")") << " |\n";

@@ -58,8 +58,10 @@ enum class ExitCode : int {
     "Simplify or split the scene, or raise the limit that the line names, such as --gpu-mb.")      \
   X(kSceneUri, "scene-uri", kScene, 1011,                                                          \
     "The scene names a file that the server must not open: outside its folder, on another host "   \
-    "or not a regular file.",                                                                      \
-    "Put the file beside the scene and refer to it by a relative path.")                           \
+    "or not a regular file. Or the URI itself is broken: empty, with control characters, or "      \
+    "data: without valid base64.",                                                                 \
+    "Put the file beside the scene and refer to it by a relative path. Export the file again if "  \
+    "it is a data: URI.")                                                                          \
   X(kSceneExtension, "scene-extension", kScene, 1011,                                              \
     "The scene requires a glTF extension that Mirage does not read.",                              \
     "Convert the file; the hint of the line names the command where there is one.")                \
@@ -105,14 +107,19 @@ enum class ExitCode : int {
     "A message came at a moment when the protocol does not allow it.",                             \
     "Use the programs of one build on both sides; report it if it stays.")                         \
   X(kCodec, "codec", kNetwork, 1007,                                                               \
-    "An image, tile or mesh could not be compressed or decompressed, or both sides have no "       \
-    "codec in common.",                                                                            \
-    "Use --codec auto on both sides. For the report's video part install libavcodec with x264.")   \
-  X(kAuth, "auth", kNetwork, 4003, "The token is missing, wrong, expired or does not allow this.", \
-    "Give the token with --token-file, or #token=… in a browser; make a new one with "           \
+    "An image, tile or mesh could not be compressed or decompressed, or both sides have no codec " \
+    "in common.",                                                                                  \
+    "For tiles, use --codec auto on both sides. For the video part of the report, install "        \
+    "libavcodec with x264.")                                                                       \
+  X(kAuth, "auth", kNetwork, 4003,                                                                 \
+    "The token is missing, wrong or expired, or lacks the right for this request.",                \
+    "Give the token with --token-file, or #token=… in a browser. Make a new one with "           \
     "mirage-token.")                                                                               \
-  X(kBusy, "busy", kNetwork, 4013, "The server is full: clients, waiting requests or memory.",     \
-    "Wait and connect again, raise --max-clients, or run more servers (docs/guide/scaling.md).")   \
+  X(kBusy, "busy", kNetwork, 4013,                                                                 \
+    "The server has no room: too many clients, too many waiting requests, or no memory. It also "  \
+    "says so while it shuts down, and to a client that does not read what it asked for.",          \
+    "Viewers connect again by themselves. An operator raises --max-clients or adds servers, see "  \
+    "docs/guide/scaling.md.")                                                                      \
   X(kComparison, "comparison", kComparison, 1011,                                                  \
     "A comparison failed: a tile differs from its hash, or a check of the report or test does "    \
     "not hold.",                                                                                   \

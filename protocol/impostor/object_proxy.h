@@ -39,13 +39,13 @@ struct ObjectDescription {
   bool surrounds = false;     ///< large scenery that exists once: drawn as geometry from the start
   bool group = false;         ///< stands for all instances of a spatial cell, for far views
   bool part = false;          ///< one part of a cut instance; it is no group
-  bool cut = false;           ///< its only instance may be shown as parts to a close eye
+  bool cut = false;           ///< near the eye, its only instance may be drawn as parts
 
   /// True if it casts a shadow. Moving objects do not: no key says where they are at which time.
   bool casts() const { return (needs & kNeedShadowPass) && radius > 0 && !motion.moving(); }
 };
 
-/// Returns the distance from a corner of the box back to the ellipsoid that touches all its faces.
+/// Returns the distance from a corner of the box inwards to the ellipsoid inscribed in the box.
 /// It is the parallax factor of an object without a hull.
 float box_parallax(const ObjectDescription& object);
 

@@ -6,7 +6,7 @@ namespace mirage {
 
 class CacheDirectory;
 
-/// Tools that every maker of a scene may use.
+/// Tools that glTF import and built-in scenes may use.
 struct LoadTools {
   const Workers& workers;
   CacheDirectory* cache = nullptr;  ///< nullptr: everything is computed anew

@@ -7,8 +7,8 @@
 
 namespace mirage {
 
-/// Four triangles, corners by axis with a lane for each triangle: compilers use one instruction for
-/// four numbers.
+/// Four triangles, Stored by corner and axis, one lane for each triangle, so that one instruction
+/// handles all four..
 class FourTriangles {
  public:
   typedef float Lanes __attribute__((vector_size(16)));

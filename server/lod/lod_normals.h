@@ -10,7 +10,7 @@ struct Level {
   std::vector<Vertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<std::uint32_t> origin;  ///< by vertex: its index in the full surface
-  std::size_t copies = 0;             ///< number of copies at the end of `vertices`
+  std::size_t copies = 0;             ///< vertices that restore_normals() appended
 };
 
 /// Returns a level with the vertices that `indices` use, in order of first use.

@@ -28,7 +28,7 @@ struct DroppedFigure {
 
 class TileCensus {
  public:
-  /// Adds a lit tile of the product with its encoding cost; the first of each key counts.
+  /// Adds a lit tile as the server makes it with its encoding cost; the first of each key counts.
   void add(const TileShot& shot, const TileJob& job, const ObjectDescription& object,
            const TileCost& cost);
   void add_object(const SceneObject& object, const std::vector<Material>& materials);

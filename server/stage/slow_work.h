@@ -25,14 +25,14 @@ class SlowWork {
   SlowWork(StageQueues& queues, const std::function<void()>& wake, GlWorld& world,
            const RenderOptions& options, bool software);
 
-  /// Returns the edge, texels, from which tiles are slow work.
+  /// Returns the smallest edge, texels, at which a tile is slow work.
   std::uint32_t slow_edge() const { return slow_edge_; }
   /// True if a new job may begin.
   bool has_room() const;
   bool under_way() const { return !std::holds_alternative<std::monostate>(job_); }
 
   using Job = std::variant<std::monostate, ViewJob, ReferenceJob, TileJob>;
-  /// Begins a job. A job that does not fit, into --gpu-mb or at all, is refused. Error kGraphicsGl:
+  /// Begins a job. Refuses a job that exceeds --gpu-mb or the device's memory. Error kGraphicsGl:
   /// the device has failed.
   Result<void> begin(Job job);
   /// Draws a slice of the job under way, and hands over the result after the last. Errors as

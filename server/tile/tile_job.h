@@ -131,7 +131,7 @@ struct ReferenceJob {
 struct ViewJob {
   TileId id;
   SceneShot shot;
-  bool home = false;   ///< made ahead and kept, so it may take longer
+  bool home = false;   ///< the home view: made before anybody asks, so it may take longer
   bool wanted = true;  ///< a request waits for it; else it is drawn when idle
 };
 /// A drawn view on its way to an encoder.
@@ -161,7 +161,7 @@ struct FinishedTile {
   TileId id;
   TileCodec codec = TileCodec::kZstd;
   StoredTilePtr tile;
-  StoredTilePtr lossless = nullptr;  ///< of a tile just rendered, for making other forms
+  StoredTilePtr lossless = nullptr;  ///< set if just rendered: source of its other forms
 };
 /// A tile refused because it takes too much graphics memory.
 struct TooLargeTile {
