@@ -45,17 +45,18 @@ std::string shortfalls_of(const std::string& title, const std::vector<std::strin
          "</div>\n";
 }
 
-/// True for the columns whose cell is the same in all rows; the first column names the rows and
-/// is kept.
+/// True for the columns whose cell is the same in all rows, but for those of a table in which only
+/// one column differs.
 std::vector<bool> constant_columns(const Table& table) {
   std::vector<bool> out(table.columns().size(), false);
   if (table.rows().size() < 2) return out;
-  for (std::size_t c = 1; c < out.size(); ++c) {
+  for (std::size_t c = 0; c < out.size(); ++c) {
     out[c] = true;
     for (const std::vector<std::string>& row : table.rows()) {
       if (row[c] != table.rows().front()[c]) out[c] = false;
     }
   }
+  if (std::count(out.begin(), out.end(), false) < 2) out.assign(out.size(), false);
   return out;
 }
 

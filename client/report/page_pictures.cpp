@@ -85,16 +85,18 @@ Result<void> Page::pictures(const std::string& caption, const Picture& picture) 
   const std::string name = escape_html(caption);
   current().body += fmt::format(
       "<figure><div class=\"look\"><div class=\"pair\">"
-      "<img loading=\"lazy\" alt=\"{0}: full render\" src=\"{2}\">"
-      "<img loading=\"lazy\" class=\"drawn\" alt=\"{0}: as drawn\" src=\"{1}\">"
+      "<img loading=\"lazy\" width=\"{5}\" height=\"{6}\" alt=\"{0}: full render\" src=\"{2}\">"
+      "<img loading=\"lazy\" width=\"{5}\" height=\"{6}\" class=\"drawn\" alt=\"{0}: as drawn\" "
+      "src=\"{1}\">"
       "<span class=\"tag left\">drawn</span><span class=\"tag right\">full render</span>"
       "<input type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"border between the "
       "drawn and the true picture\"><span class=\"focus\"></span></div>"
-      "<div class=\"heat\"><img loading=\"lazy\" alt=\"{0}: FLIP of each pixel\" src=\"{3}\">"
+      "<div class=\"heat\"><img loading=\"lazy\" width=\"{5}\" height=\"{6}\" alt=\"{0}: FLIP of "
+      "each pixel\" src=\"{3}\">"
       "<div class=\"scale\"></div><div class=\"ends\"><span>FLIP 0</span><span>{4:g} and "
       "more</span></div></div></div><figcaption>{0} Drag in the left picture: drawn | full "
       "render.</figcaption></figure>\n",
-      name, *drawn, *truth, *heat, kMostFlip);
+      name, *drawn, *truth, *heat, kMostFlip, picture.width, picture.height);
   return {};
 }
 

@@ -37,13 +37,13 @@ table { border-collapse: collapse; font-size: 80%; line-height: 1.35; }
 th, td { border-bottom: 1px solid var(--line); padding: .2rem .5rem; text-align: left;
   vertical-align: top; }
 th { vertical-align: bottom; max-width: 8.5rem; } th[title] { text-decoration: underline dotted; cursor: help; }
-td { max-width: 26rem; overflow-wrap: anywhere; }
+td { max-width: 26rem; overflow-wrap: break-word; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; overflow-wrap: normal; }
 tr.marked td { background: var(--mark); }
 details { margin: 1rem 0; } summary { cursor: pointer; color: var(--link); }
 .look { display: grid; grid-template-columns: 1fr 1fr; gap: 6px; align-items: start; }
 .pair { position: relative; line-height: 0; --at: 50%; }
-.pair img, .heat img, .strip img { width: 100%; display: block; }
+.pair img, .heat img, .strip img { width: 100%; height: auto; display: block; }
 .pair .drawn { position: absolute; inset: 0; clip-path: inset(0 calc(100% - var(--at)) 0 0); }
 .pair::after { content: ""; position: absolute; top: 0; bottom: 0; left: var(--at); width: 2px;
   margin-left: -1px; background: #fff; box-shadow: 0 0 3px #000; pointer-events: none; }
