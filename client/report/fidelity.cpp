@@ -49,7 +49,7 @@ struct Row {
   std::size_t texture_bytes = 0;
 };
 
-// Published figures of the field, for grids of 12 x 12 views in 2048 x 2048 texels (FIELD.md).
+// Published figures of the field, for grids of 12 x 12 views in 2048 x 2048 texels.
 struct Published {
   const char *model, *grid;
   double radii, psnr_db, ssim, iou, mib;

@@ -1,5 +1,5 @@
 #pragma once
-// Fidelity: compares tiles with the mesh by the protocol of the field (FIELD.md), beside the
+// Fidelity: compares tiles with the mesh by the protocol of the field, beside the
 // figures published for it. Writes fidelity.json and its section of the page.
 
 #include "client/report/context.h"

@@ -1,6 +1,6 @@
 #pragma once
 // Latency: compares Mirage, all geometry, video and video with timewarp on the same modelled link,
-// over round trips and rates (FIELD.md). Writes latency.csv and its section of the page.
+// over round trips and rates. Writes latency.csv and its section of the page.
 
 #include "client/report/context.h"
 

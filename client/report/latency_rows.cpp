@@ -41,7 +41,7 @@ LatencyPlan latency_plan(bool quick) {
   plan.height = 360;
   plan.seconds = 10;
   plan.compare_every = 10;
-  // Round trips with their jitter, as FIELD.md has them.
+  // Round trips with their jitter, as published measurements have them.
   const std::pair<double, double> trips[] = {{0, 0},    {20, 2},   {50, 10},
                                              {100, 20}, {200, 40}, {400, 100}};
   for (const auto& [rtt, jitter] : trips) {

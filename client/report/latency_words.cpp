@@ -11,7 +11,7 @@ namespace mirage {
 namespace {
 
 constexpr double kLongTripMs = 100;
-constexpr double kAim = 0.7;  // p95 FLIP of Mirage over that of video with timewarp, FIELD.md
+constexpr double kAim = 0.7;  // p95 FLIP of Mirage over that of video with timewarp
 
 // True for runs on the scene's own path without loss and with the first seed: the grid of the
 // plots.
@@ -160,7 +160,7 @@ void say_where_others_win(Page& page, const Grid& grid, const LatencyPlan& plan)
   page.list(lines);
 }
 
-// Says where the aim of FIELD.md is met, and where it is missed, what the error consists of.
+// Says where the aim (kAim) is met, and where it is missed, what the error consists of.
 void say_aim(Page& page, const std::string& scene, const Grid& grid, double error_floor) {
   std::vector<std::string> met, missed;
   for (const double rtt : grid.trips) {

@@ -24,7 +24,7 @@
 
 namespace mirage::test {
 
-/// Light of the field's protocol (FIELD.md).
+/// Light of the field's protocol.
 enum class BenchLight { kLit, kAlbedo, kProbe };
 /// Blended materials: alpha-tested instead, as in the protocol, or kept.
 enum class BenchBlending { kTested, kKept };
