@@ -32,6 +32,26 @@ nlohmann::json load(const std::string& url, int seconds) {
   return found.is_discarded() ? nlohmann::json() : found;
 }
 
+/// Waiting times of two servers, ms: 99 % of the tiles of a round come sooner.
+struct WaitingTimes {
+  double plain = 1e9;
+  double faulty = 1e9;
+};
+
+/// Loads two servers by turns, three rounds each, and returns each one's least p99. A fault slows
+/// every round down; other load of the machine seldom lasts for all of them.
+WaitingTimes least_p99(const Server& plain, const Server& faulty) {
+  WaitingTimes least;
+  for (int round = 0; round < 3; ++round) {
+    const nlohmann::json usual = load(plain.url(), 3), slowed = load(faulty.url(), 3);
+    EXPECT_EQ(slowed["errors"].size(), 0u) << slowed.dump();
+    EXPECT_EQ(slowed.value("verify_failures", 1), 0);
+    least.plain = std::min(least.plain, usual["latency_ms"].value("p99", 1e9));
+    least.faulty = std::min(least.faulty, slowed["latency_ms"].value("p99", 1e9));
+  }
+  return least;
+}
+
 class GlFault : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(GlFault, EndsTheServerWithFourAndNoWrongTileGoesOut) {
@@ -99,14 +119,7 @@ TEST(DiskFault, ASlowDirectoryChangesNobodysWaitingTime) {
   Server beside(kScene, {"--cache-dir", slow},
                 {preload(), "FAULT_FOLDER=" + slow, "FAULT_MS=2000"});
   ASSERT_TRUE(plain.ready() && beside.ready()) << beside.log();
-  double plain_p99 = 0, slow_p99 = 0;
-  // Rounds by turns, so that other load of the machine affects both.
-  for (int round = 0; round < 2; ++round) {
-    const nlohmann::json usual = load(plain.url(), 4), slowed = load(beside.url(), 4);
-    EXPECT_EQ(slowed["errors"].size(), 0u) << slowed.dump();
-    plain_p99 = std::max(plain_p99, usual["latency_ms"].value("p99", 0.0));
-    slow_p99 = std::max(slow_p99, slowed["latency_ms"].value("p99", 1e9));
-  }
+  const auto [plain_p99, slow_p99] = least_p99(plain, beside);
   std::printf("p99 of a tile, cache answering at once: %.1f ms, after 2 s: %.1f ms (%.2f times)\n",
               plain_p99, slow_p99, slow_p99 / plain_p99);
   // A look-up is given up after 10 ms. The limit is that and twice the usual time, for two servers'
@@ -123,14 +136,7 @@ TEST(ClockFault, AClockThatIsSetBackChangesNobodysWaitingTime) {
   Server beside(kScene, {"--cache-dir", folder, "--drain-s", "2"},
                 {preload(), "FAULT_CLOCK_S=3600"});
   ASSERT_TRUE(plain.ready() && beside.ready()) << beside.log();
-  double plain_p99 = 0, set_back_p99 = 0;
-  for (int round = 0; round < 2; ++round) {
-    const nlohmann::json usual = load(plain.url(), 4), set_back = load(beside.url(), 4);
-    EXPECT_EQ(set_back["errors"].size(), 0u) << set_back.dump();
-    EXPECT_EQ(set_back.value("verify_failures", 1), 0);
-    plain_p99 = std::max(plain_p99, usual["latency_ms"].value("p99", 0.0));
-    set_back_p99 = std::max(set_back_p99, set_back["latency_ms"].value("p99", 1e9));
-  }
+  const auto [plain_p99, set_back_p99] = least_p99(plain, beside);
   std::printf("p99 of a tile: %.1f ms, beside a clock that is set back: %.1f ms\n", plain_p99,
               set_back_p99);
   EXPECT_LT(set_back_p99, 2 * plain_p99 + 20);
