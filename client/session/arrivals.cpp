@@ -147,6 +147,7 @@ void Arrivals::take_scene(bool was_complete) {
   s_.planning.selector.reset(s_.scene);
   s_.held.shadows.reset();
   s_.asking.opener.reset();
+  s_.asking.answered.reset();
   s_.held.meshes.reset(s_.scene, s_.options.mesh_budget_bytes, s_.options.max_mesh_bytes);
   s_.planning.predictor = Predictor(std::max(50.0, 0.5 * s_.scene.bounds_radius));
   s_.moves = std::any_of(s_.scene.objects.begin(), s_.scene.objects.end(),
@@ -200,6 +201,7 @@ Result<void> Arrivals::take_tile(const Message& message, std::int64_t came_us,
   if (tile->channels != ask->need.channels) {
     return make_error(ErrorId::kWireValue, "tile has other channels than asked for");
   }
+  s_.asking.answered.note(ask->need, now_us);
   const ObjectDescription& object = s_.scene.objects[ask->object];
   const Capture capture(ask->need.cell, ask->need.distance, object.radius, tile->edge);
   // Another instance of the object has received this tile meanwhile.
@@ -253,6 +255,11 @@ void Arrivals::take_refusal(const wire::RefusedT& refused, std::int64_t now_us) 
   }
   if (s_.held.views.refused(refused, now_us)) return;
   ++s_.tally.refused;
+  const PendingAsk* ask = s_.asking.scheduler.pending(refused.request_id);
+  if (ask && refused.reason != wire::RefusalReason::Busy &&
+      refused.reason != wire::RefusalReason::Late) {
+    s_.asking.answered.note(ask->need, now_us);
+  }
   s_.asking.scheduler.refuse(refused.request_id, now_us);
 }
 

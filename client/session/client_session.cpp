@@ -30,6 +30,7 @@ void greet(SessionParts& s, std::int64_t now_us) {
   s.connection.goodbye.clear();
   s.asking.scheduler.reset();
   s.asking.opener.reset();
+  s.asking.answered.reset();
   s.held.uploads.clear();
   wire::HelloT hello;
   hello.version_min = hello.version_max = limits::kProtocolVersion;

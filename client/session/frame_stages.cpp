@@ -90,6 +90,7 @@ void send(SessionParts& s, const Predicted& at, const DrawList& list, Needs need
     s.link.send(encode_message(std::move(*view)));
   }
   if (s.shadowed()) s.held.shadows.add_needs(input, s.light.now, list, needs.tiles);
+  s.asking.answered.remove_from(needs.tiles, at.stands, now_us);
   s.asking.codec = s.asking.codec_choice.update(
       {s.asking.scheduler.rate_mbps(), s.asking.scheduler.saturated_s(now_us)}, now_us);
   s.asking.scheduler.ask_lossy(is_lossy(s.asking.codec));

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "client/ask/answered_keys.h"
 #include "client/ask/codec_choice.h"
 #include "client/ask/scheduler.h"
 #include "client/frame/reference_frame.h"
@@ -92,6 +93,7 @@ struct SessionParts {
   struct Asking {
     explicit Asking(const ClientOptions& o) : codec_choice(o.codec) {}
     Scheduler scheduler;
+    AnsweredKeys answered;
     SceneOpener opener;
     CodecChoice codec_choice;
     TileCodec codec = TileCodec::kZstd;

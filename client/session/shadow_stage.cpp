@@ -198,16 +198,17 @@ void ShadowStage::add_shadow_need(const SelectorInput& in, const Lighting& dark,
   if (contrast_px <= in.tau_px) return;
   double angle = 0;
   const ShadowRecordPtr held = cache_.shadow(drawn.instance, in.cache->light(), view.eye, angle);
-  if (held && angle < kShadowAngle) {
-    if (held->crop.area() == 0) return;
-    if (texel_size_px(view, held->capture.geometry(), held->capture.edge) < kCoarsestTexelPx)
-      return;
-  }
   TileNeed need = need_for_view(view, ViewPlan{});
+  need.size_class = static_cast<std::uint8_t>(std::max(need.size_class - kHalfEdge, 0));
+  if (held && angle < kShadowAngle) {
+    // A large class is limited, so the tile that comes may be coarser than wanted.
+    const bool finest = held->capture.edge >= tile_edge(need.size_class);
+    const double texel_px = texel_size_px(view, held->capture.geometry(), held->capture.edge);
+    if (held->crop.area() == 0 || finest || texel_px < kCoarsestTexelPx) return;
+  }
   need.instance = drawn.instance;
   need.cell = *view_cell_from_direction(view.eye, kShadowViewLevel);
   need.distance = *distance_bucket_from_radii(glm::length(view.eye) / view.radius, 1);
-  need.size_class = static_cast<std::uint8_t>(std::max(need.size_class - kHalfEdge, 0));
   need.channels = kShadowTile;
   need.light = in.cache->light();
   need.error_px = contrast_px;

@@ -157,7 +157,8 @@ std::string SessionStats::json(const Final& end) const {
                            : ordered_json(nullptr);
   j["tiles"] = {{"asked", end.tiles.asked},         {"received", end.tiles.received},
                 {"drawn", end.tiles.drawn},         {"wasted", end.tiles.wasted},
-                {"cancelled", end.tiles.cancelled}, {"refused", end.tiles.refused}};
+                {"cancelled", end.tiles.cancelled}, {"refused", end.tiles.refused},
+                {"last_asked_ms", since_start_ms(last_asked_us_)}};
   const glm::dvec3 &eye = end.home.eye, &target = end.home.target;
   j["home"] = {{"eye", {eye.x, eye.y, eye.z}}, {"target", {target.x, target.y, target.z}}};
   j["codecs"] = codecs_json(end.codecs);

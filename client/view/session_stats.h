@@ -53,6 +53,11 @@ class SessionStats {
     settled_us_ = since_start_us;
     settled_bytes_ = traffic.bytes_down + traffic.bytes_up;
   }
+  /// Notes how many tiles have been asked for so far, at a time since the start.
+  void note_asked(std::uint64_t tiles, std::int64_t since_start_us) {
+    if (tiles != asked_) last_asked_us_ = since_start_us;
+    asked_ = tiles;
+  }
   /// Counts frames in which a first image waited to be asked for while neither link nor server was
   /// busy.
   void note_use(bool first_waits, const LinkUse& use);
@@ -102,6 +107,8 @@ class SessionStats {
   static constexpr std::int64_t kSettleUs = 5'000'000;
   std::int64_t settled_us_ = -1;
   std::uint64_t settled_bytes_ = 0;
+  std::uint64_t asked_ = 0;
+  std::int64_t last_asked_us_ = -1;
   std::size_t frames_ = 0, drawn_ = 0;
   std::size_t known_use_ = 0, starved_ = 0;  ///< numbers of frames
   std::int64_t first_image_us_ = -1, first_picture_us_ = -1;

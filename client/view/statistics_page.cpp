@@ -32,6 +32,7 @@ const std::vector<Figure> kStatistics = {
     {"tiles.wasted", "", "Tiles received and never drawn."},
     {"tiles.cancelled", "", "Tile requests cancelled before the reply."},
     {"tiles.refused", "", "Tile requests that the server refused."},
+    {"tiles.last_asked_ms", "ms", "From the start to the last request of a tile."},
     {"home.eye", "m", "Eye of the scene's home view: x, y, z."},
     {"home.target", "m", "Point that the home view looks at: x, y, z."},
     {"codecs.NAME.tiles", "", "Tiles that came in the codec NAME."},

@@ -278,6 +278,7 @@ void Viewer::note_frame(const DrawList& list, double frame_ms, std::int64_t now)
   stats_.add_frame(list, renderer_->draw_calls(), frame_ms, now);
   if (const auto use = host_->link_use()) stats_.note_use(session().first_waits(), *use);
   stats_.note_traffic(host_->traffic(), now - start_us_);
+  stats_.note_asked(session().tiles().asked, now - start_us_);
 }
 
 Result<void> Viewer::one_frame(std::int64_t frame) {

@@ -152,6 +152,18 @@ TEST(CoreShadowStage, AShadowIsAskedForWhereItShowsAndWornWhileItsLightLasts) {
   EXPECT_EQ(world.draw().impostors.at(0).shadow, shadow) << "back again, and still here";
 }
 
+TEST(CoreShadowStage, AShadowAsFineAsTilesGetIsNotAskedForAgain) {
+  ShadowWorld world(make_scene({{{0, 0, 0}}}, casting()), sun({0, -1, 0}));
+  world.camera.height = 4000;  // a finer picture than tiles can be
+  world.look({0, 0, 2}, {0, 0, 0});
+  ASSERT_TRUE(world.add_tile(0));
+  const std::vector<TileNeed> needs = world.needs(kShadowTile);
+  ASSERT_EQ(needs.size(), 1u);
+  EXPECT_EQ(needs[0].size_class, kMaxAskedSizeClass - 2) << "the finest";
+  ASSERT_TRUE(world.answer(needs[0]));
+  EXPECT_TRUE(world.needs(kShadowTile).empty()) << "coarse, but nothing finer would come";
+}
+
 TEST(CoreShadowStage, AFaintSunIsNotWorthATile) {
   ShadowWorld world(make_scene({{{0, 0, 0}}}, casting()), sun({0, -1, 0}, 0.01f));
   world.look({0, 0, 20}, {0, 0, 0});
