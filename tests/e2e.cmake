@@ -56,6 +56,15 @@ target_compile_definitions(mirage_e2e_faults PRIVATE MIRAGE_FAULTS="$<TARGET_FIL
 # Runs alone, because it compares waiting times.
 set_tests_properties(e2e_faults PROPERTIES RUN_SERIAL ON)
 
+# A library that stands before the driver's compiler: it keeps shaders, or sets what they have not written.
+add_library(mirage_test_shaders MODULE support/shader_source.cpp support/undefined_locals.cpp)
+mirage_target(mirage_test_shaders PCH none)
+target_link_libraries(mirage_test_shaders PRIVATE ${CMAKE_DL_LIBS})
+mirage_e2e(shaders)
+target_sources(mirage_e2e_shaders PRIVATE support/undefined_locals.cpp)
+add_dependencies(mirage_e2e_shaders mirage_test_shaders)
+target_compile_definitions(mirage_e2e_shaders PRIVATE MIRAGE_SHADERS="$<TARGET_FILE:mirage_test_shaders>")
+
 # Tests the portable bundle of all programs.
 add_test(NAME e2e_bundle COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/bundle.sh ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 set_tests_properties(e2e_bundle PROPERTIES TIMEOUT 600)

@@ -1,7 +1,7 @@
 // Copies a texture in linear light as opaque sRGB bytes (IEC 61966-2-1), texel for pixel.
 precision highp float;
 uniform sampler2D u_color;
-layout(location = 0) out vec4 o_color;
+precise layout(location = 0) out vec4 o_color;
 
 void main() {
   vec3 c = texelFetch(u_color, ivec2(gl_FragCoord.xy), 0).rgb;

@@ -1,7 +1,7 @@
 // Vertical gradient by view direction. Alpha stays 0: the sky is not an object.
 precision highp float;
 in vec2 v_ndc;
-layout(location = 0) out vec4 o_color;
+precise layout(location = 0) out vec4 o_color;
 uniform vec3 u_right;    // camera right * tan(half horizontal fov)
 uniform vec3 u_up;       // camera up * tan(half vertical fov)
 uniform vec3 u_forward;

@@ -95,12 +95,23 @@ std::string renderer_name() { return text_of(GL_RENDERER); }
 
 #endif
 
-const char* shader_header() {
-  if (!is_embedded()) return "#version 330 core\n";
-  return "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp "
-         "sampler2D;\n"
-         "precision highp sampler2DArray;\nprecision highp sampler2DShadow;\nprecision highp "
-         "samplerCube;\n";
+// `precise` keeps the compiler from contracting multiply and add differently in two variants of a
+// shader, which must draw the same to the bit. It needs OpenGL 4.0 or ARB_gpu_shader5. OpenGL
+// ES 3.0 has only `invariant`; mesh.vert declares it for positions.
+std::string shader_header() {
+  const std::string precise = "#define PRECISE_BUILT_IN(name) precise name;\n";
+  const std::string imprecise = "#define precise\n#define PRECISE_BUILT_IN(name)\n";
+  GLint major = 0;
+  glGetIntegerv(GL_MAJOR_VERSION, &major);
+  if (!is_embedded() && major >= 4) return "#version 400 core\n" + precise;
+  if (!is_embedded() && has_extension("GL_ARB_gpu_shader5")) {
+    return "#version 330 core\n#extension GL_ARB_gpu_shader5 : require\n" + precise;
+  }
+  if (!is_embedded()) return "#version 330 core\n" + imprecise;
+  return "#version 300 es\n" + imprecise +
+         "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\n"
+         "precision highp sampler2DArray;\nprecision highp sampler2DShadow;\n"
+         "precision highp samplerCube;\n";
 }
 
 }  // namespace mirage::gl

@@ -12,7 +12,7 @@ namespace mirage::gl {
 bool is_embedded();
 /// Returns the first lines of every shader: version, and precisions if the language has no
 /// defaults.
-const char* shader_header();
+std::string shader_header();
 /// Turns the encoding of writes to sRGB targets on or off; OpenGL ES always encodes.
 void encode_srgb(bool on);
 /// shade_samples() makes shaders run for every sample of a pixel; OpenGL ES 3.0 has no sample

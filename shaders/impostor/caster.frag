@@ -12,6 +12,8 @@ flat in vec2 v_far_layer;
 uniform sampler2DArray u_codes;
 uniform mat4 u_clip_from_relative;
 
+PRECISE_BUILT_IN(gl_FragDepth)
+
 void main() {
   float code = floor(texelFetch(u_codes, ivec3(v_texel, v_far_layer.y), 0).r * 255.0 + 0.5);
   if (code < 0.5) discard;

@@ -10,12 +10,14 @@ layout(location = 6) in vec4 i_far_layer;       // depth of code 255, layer
 
 uniform mat4 u_clip_from_relative;
 
-out vec2 v_texel;
-out vec2 v_tangent;
-flat out vec4 v_center_scale;
-flat out vec4 v_right_distance;
-flat out vec4 v_up_near;
-flat out vec2 v_far_layer;
+precise out vec2 v_texel;
+precise out vec2 v_tangent;
+precise flat out vec4 v_center_scale;
+precise flat out vec4 v_right_distance;
+precise flat out vec4 v_up_near;
+precise flat out vec2 v_far_layer;
+
+PRECISE_BUILT_IN(gl_Position)
 
 void main() {
   v_texel = i_atlas.xy + a_corner * i_atlas.zw;

@@ -27,7 +27,7 @@ flat in vec4 v_center_scale;
 in float v_parallax;
 flat in vec2 v_range;
 #endif
-layout(location = 0) out vec4 o_color;
+precise layout(location = 0) out vec4 o_color;
 
 uniform sampler2DArray u_color;
 uniform sampler2DArray u_depth;
@@ -54,6 +54,8 @@ uniform int u_fragments;
 const float kSolid = 0.99;
 
 const float kNothing = -1.0;
+
+PRECISE_BUILT_IN(gl_FragDepth)
 
 float capture_depth(vec3 p) { return v_capture.x + dot(p, v_ahead); }
 // Capture tangents and depth of a point relative to the centre.

@@ -16,8 +16,8 @@ layout(location = 10) in vec4 i_box_max;        // w: coarseness of the stored d
 layout(location = 11) in vec4 i_center;
 #ifdef METHOD_WARP
 layout(location = 12) in float a_parallax;      // distance from the proxy to the mesh behind it
-out float v_parallax;
-flat out vec2 v_range;  // capture depths of the content
+precise out float v_parallax;
+precise flat out vec2 v_range;  // capture depths of the content
 #endif
 
 uniform mat4 u_clip_from_relative;
@@ -28,26 +28,28 @@ uniform vec3 u_forward;  // camera, world
 #include "impostor/worn_shadow_vertex.glsl"
 #endif
 
-out vec3 v_point;             // on the proxy, object space relative to the centre
-flat out vec3 v_eye;          // present eye, in the same space
-flat out vec3 v_right;
-flat out vec3 v_up;
-flat out vec3 v_ahead;        // capture forward
-flat out vec4 v_window;
-flat out vec4 v_atlas;
-flat out vec4 v_depth;
-flat out vec4 v_capture;      // Dc, plane depth, depth bias, view depth of the centre
-flat out vec3 v_view_depth;   // view depth = v_capture.w + dot(v_view_depth, point)
-flat out vec3 v_box_min;
-flat out vec3 v_box_max;
-flat out float v_depth_slack;  // view depth by which stored depth may be too far
-flat out vec3 v_normal;
+precise out vec3 v_point;             // on the proxy, object space relative to the centre
+precise flat out vec3 v_eye;          // present eye, in the same space
+precise flat out vec3 v_right;
+precise flat out vec3 v_up;
+precise flat out vec3 v_ahead;        // capture forward
+precise flat out vec4 v_window;
+precise flat out vec4 v_atlas;
+precise flat out vec4 v_depth;
+precise flat out vec4 v_capture;      // Dc, plane depth, depth bias, view depth of the centre
+precise flat out vec3 v_view_depth;   // view depth = v_capture.w + dot(v_view_depth, point)
+precise flat out vec3 v_box_min;
+precise flat out vec3 v_box_max;
+precise flat out float v_depth_slack;  // view depth by which stored depth may be too far
+precise flat out vec3 v_normal;
 #if defined(RELIT) || defined(FOG)
-flat out vec4 v_rotation;
-flat out vec4 v_center_scale;
+precise flat out vec4 v_rotation;
+precise flat out vec4 v_center_scale;
 #endif
 
 vec4 conjugate(vec4 q) { return vec4(-q.xyz, q.w); }
+
+PRECISE_BUILT_IN(gl_Position)
 
 void main() {
 #ifdef SHADOW

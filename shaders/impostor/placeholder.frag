@@ -1,7 +1,7 @@
 precision highp float;
 flat in vec3 v_color;
 in vec3 v_relative;
-layout(location = 0) out vec4 o_color;
+precise layout(location = 0) out vec4 o_color;
 #ifdef FOG
 #include "common/fog.glsl"
 #endif

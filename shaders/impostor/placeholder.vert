@@ -6,10 +6,12 @@ layout(location = 3) in vec4 i_center_scale;
 layout(location = 4) in vec4 i_color;   // linear; a: -1 if the far sides are drawn, else 1
 layout(location = 11) in vec4 i_center;
 uniform mat4 u_clip_from_relative;
-flat out vec3 v_color;
-out vec3 v_relative;  // relative to the eye, world
+precise flat out vec3 v_color;
+precise out vec3 v_relative;  // relative to the eye, world
 
 #include "common/rotation.glsl"
+
+PRECISE_BUILT_IN(gl_Position)
 
 void main() {
   vec3 normal = rotate(i_rotation, a_normal);

@@ -13,7 +13,7 @@ flat in vec3 v_right;
 flat in vec3 v_up;
 flat in vec4 v_rotation;
 #endif
-layout(location = 0) out vec4 o_color;
+precise layout(location = 0) out vec4 o_color;
 
 uniform float u_near;         // view depth of the near plane
 uniform vec2 u_depth_window;  // window depth = x + y / view depth
@@ -32,6 +32,8 @@ flat in vec4 v_center_scale;
 #include "common/fog.glsl"
 #endif
 #include "impostor/relief.glsl"
+
+PRECISE_BUILT_IN(gl_FragDepth)
 
 // `along` is the value from trace_tile().
 void emit(vec4 color, float along) {

@@ -17,8 +17,8 @@ layout(location = 9) in vec4 i_slack;           // depth bias, coarseness of dep
 #ifdef LAYERED
 layout(location = 10) in vec4 i_front;   // from the tile's place to the front's colours: texels, layer
 layout(location = 11) in vec4 i_behind;  // and to the layer behind
-flat out vec3 v_front;
-flat out vec3 v_behind;
+precise flat out vec3 v_front;
+precise flat out vec3 v_behind;
 #endif
 
 uniform mat4 u_clip_from_relative;
@@ -26,20 +26,22 @@ uniform mat4 u_clip_from_relative;
 #include "common/rotation.glsl"
 #ifdef SHADOW
 #include "impostor/worn_shadow_vertex.glsl"
-flat out vec4 v_center_scale;
+precise flat out vec4 v_center_scale;
 #endif
 
-flat out vec4 v_slack;  // depth bias, view depth by which stored depth may be too far, fade
-out vec4 v_tile;        // the proxy's point in homogeneous tile space
-flat out vec4 v_eye;    // the eye in it
-flat out vec4 v_low_layer;
-flat out vec4 v_high;
+precise flat out vec4 v_slack;  // depth bias, view depth by which stored depth may be too far, fade
+precise out vec4 v_tile;        // the proxy's point in homogeneous tile space
+precise flat out vec4 v_eye;    // the eye in it
+precise flat out vec4 v_low_layer;
+precise flat out vec4 v_high;
 #ifdef RELIT
-flat out vec3 v_right;  // capture basis, also the next
-flat out vec3 v_up;
-flat out vec4 v_rotation;
+precise flat out vec3 v_right;  // capture basis, also the next
+precise flat out vec3 v_up;
+precise flat out vec4 v_rotation;
 #endif
-out vec3 v_relative;    // the proxy's point relative to the eye, world
+precise out vec3 v_relative;    // the proxy's point relative to the eye, world
+
+PRECISE_BUILT_IN(gl_Position)
 
 void main() {
 #ifdef SHADOW

@@ -37,5 +37,8 @@ vec4 relit(vec4 color, Stored stored, vec3 position, vec3 right, vec3 up, vec4 r
   s.roughness = stored.roughness;
   s.occlusion = stored.rest.y;
   s.spread = stored.rest.z;
+#ifdef SHADOW
+  s.sun = 1.0;  // the shadow tile that it wears darkens it (worn_shadow.glsl)
+#endif
   return vec4(clamp(shade(s), 0.0, 1.0) * color.a, color.a);
 }

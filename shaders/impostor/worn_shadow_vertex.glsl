@@ -2,9 +2,9 @@
 layout(location = 13) in vec4 i_shadow_rotation;
 layout(location = 14) in vec4 i_shadow_view;
 layout(location = 15) in vec4 i_shadow_place;
-flat out vec4 v_shadow_rotation;
-flat out vec4 v_shadow_view;
-flat out vec4 v_shadow_place;
+precise flat out vec4 v_shadow_rotation;
+precise flat out vec4 v_shadow_view;
+precise flat out vec4 v_shadow_place;
 
 void wear_shadow() {
   v_shadow_rotation = i_shadow_rotation;

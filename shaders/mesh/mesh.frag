@@ -11,25 +11,25 @@ in vec4 v_shade;
 flat in uint v_id;
 
 #ifndef DEPTH_ONLY
-layout(location = 0) out vec4 o_color;
+precise layout(location = 0) out vec4 o_color;
 #endif
 #ifdef SEEN
 #include "common/seen.glsl"
 #endif
 #ifdef WRITE_RANGE
 // greatest of 1 less the window depth, and of the window depth
-layout(location = 1) out vec4 o_range;
+precise layout(location = 1) out vec4 o_range;
 #endif
 #ifdef WRITE_ID
-layout(location = 1) out uint o_id;
+precise layout(location = 1) out uint o_id;
 #endif
 #ifdef WRITE_SURFACE
-layout(location = 1) out vec4 o_normal;
-layout(location = 2) out vec4 o_material;  // metallic, roughness, occlusion
+precise layout(location = 1) out vec4 o_normal;
+precise layout(location = 2) out vec4 o_material;  // metallic, roughness, occlusion
 #endif
 
 #ifdef WRITE_DARKENED
-layout(location = 1) out vec4 o_darkened;  // o_color is without shadows, this one with them
+precise layout(location = 1) out vec4 o_darkened;  // o_color is without shadows, this one with them
 #endif
 
 uniform vec4 u_base_color;

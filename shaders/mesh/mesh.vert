@@ -14,21 +14,22 @@ uniform float u_point_size;
 
 #ifdef FADE
 layout(location = 9) in float i_fade;
-flat out float v_fade;
+precise flat out float v_fade;
 #endif
 
-out vec3 v_position;
-out vec3 v_normal;
-out vec4 v_tangent;
-out vec2 v_uv0;
-out vec2 v_uv1;
-out vec4 v_shade;
-flat out uint v_id;
+precise out vec3 v_position;
+precise out vec3 v_normal;
+precise out vec4 v_tangent;
+precise out vec2 v_uv0;
+precise out vec2 v_uv1;
+precise out vec4 v_shade;
+precise flat out uint v_id;
 
 #include "common/rotation.glsl"
 
 // Two programs draw alpha-tested surfaces, and the second must get exactly the depth of the first.
 invariant gl_Position;
+PRECISE_BUILT_IN(gl_Position)
 
 void main() {
   v_position = i_position_scale.xyz + rotate(i_rotation, i_position_scale.w * a_position);

@@ -1,4 +1,4 @@
 precision highp float;
 uniform vec4 u_color;
-layout(location = 0) out vec4 o_color;
+precise layout(location = 0) out vec4 o_color;
 void main() { o_color = u_color; }

@@ -4,7 +4,7 @@ precision highp float;
 precision highp int;
 uniform sampler2D u_depth;
 uniform float u_step;  // window depth
-layout(location = 0) out float o_floor;  // at least 1 if there is nothing
+precise layout(location = 0) out float o_floor;  // at least 1 if there is nothing
 
 void main() {
   ivec2 base = ivec2(gl_FragCoord.xy) * FACTOR;

@@ -12,9 +12,9 @@ uniform sampler2D u_floor;
 uniform sampler2D u_behind_color;
 uniform sampler2D u_behind_depth;
 uniform ivec2 u_origin;  // of the tile in the page
-layout(location = 0) out vec4 o_color;
-layout(location = 1) out vec4 o_depth;
-layout(location = 2) out vec4 o_behind;
+precise layout(location = 0) out vec4 o_color;
+precise layout(location = 1) out vec4 o_depth;
+precise layout(location = 2) out vec4 o_behind;
 
 float code_of(float depth) { return 1.0 + floor(clamp(depth, 0.0, 1.0) * 254.0 + 0.5); }
 

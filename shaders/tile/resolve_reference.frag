@@ -10,9 +10,9 @@ uniform usampler2D u_id;
 uniform int u_factor;
 uniform vec2 u_window_depth;  // window depth = x + y / eye depth
 uniform float u_farthest;     // window depth where nothing is drawn
-layout(location = 0) out vec4 o_color;
-layout(location = 1) out float o_depth;
-layout(location = 2) out uint o_id;
+precise layout(location = 0) out vec4 o_color;
+precise layout(location = 1) out float o_depth;
+precise layout(location = 2) out uint o_id;
 
 void main() {
   ivec2 base = ivec2(gl_FragCoord.xy) * u_factor;

@@ -11,14 +11,14 @@ precision highp int;
 uniform sampler2D u_color;
 uniform sampler2D u_depth;
 uniform ivec2 u_origin;  // of the tile in the page
-layout(location = 0) out vec4 o_color;
-layout(location = 1) out vec4 o_depth;
+precise layout(location = 0) out vec4 o_color;
+precise layout(location = 1) out vec4 o_depth;
 #ifdef RELIT
 uniform sampler2D u_normal;    // in the object's space
 uniform sampler2D u_material;  // metallic, roughness, occlusion
 uniform vec3 u_right;          // capture basis
 uniform vec3 u_up;
-layout(location = 2) out vec4 o_surface;
+precise layout(location = 2) out vec4 o_surface;
 
 #include "common/octahedral.glsl"
 
@@ -37,7 +37,7 @@ vec4 surface_code(vec3 normal, vec3 material) {
 #ifdef BLENDED
 uniform sampler2D u_range;  // of blended surfaces: 1 less the nearest depth, the farthest; 0: none
 // number of codes behind its depth at which the texel still shows something
-layout(location = 2) out vec4 o_behind;
+precise layout(location = 2) out vec4 o_behind;
 #endif
 #ifdef SHADOW
 uniform sampler2D u_darkened;
