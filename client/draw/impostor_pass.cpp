@@ -220,6 +220,7 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool re
   program.use();
   program.set("u_clip_from_relative", camera.clip_from_relative(mapping_));
   program.set("u_depth_window", glm::vec2(camera.window_depth(mapping_)));
+  program.set("u_depth_of_w", static_cast<float>(camera.depth_of_w()));
   program.set("u_near", static_cast<float>(camera.near_for(mapping_)));
   program.set("u_fog_color", fog_color_);
   program.set("u_fog_density", fog_density_);

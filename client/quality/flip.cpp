@@ -213,6 +213,35 @@ std::optional<double> flip_max(const FlipMap& map, const Mask& mask) {
   return largest;
 }
 
+std::optional<double> flip_quantile(const FlipMap& map, const Mask& mask, double q) {
+  if (mask.inside.size() != map.error.size()) return std::nullopt;
+  std::vector<float> inside;
+  for (std::size_t i = 0; i < map.error.size(); ++i) {
+    if (mask.inside[i] != 0) inside.push_back(map.error[i]);
+  }
+  if (inside.empty()) return std::nullopt;
+  const auto rank = static_cast<std::ptrdiff_t>(
+      std::lround(std::clamp(q, 0.0, 1.0) * static_cast<double>(inside.size() - 1)));
+  std::nth_element(inside.begin(), inside.begin() + rank, inside.end());
+  return inside[static_cast<std::size_t>(rank)];
+}
+
+std::vector<std::uint8_t> heat_map(const FlipMap& map) {
+  static constexpr std::array<std::array<float, 3>, 5> kColors = {
+      {{0, 0, 4}, {81, 18, 124}, {183, 55, 121}, {252, 137, 97}, {252, 253, 191}}};
+  std::vector<std::uint8_t> out(4 * map.error.size(), 255);
+  for (std::size_t p = 0; p < map.error.size(); ++p) {
+    const float at = std::clamp(map.error[p] / kMostFlip, 0.0f, 1.0f) * 4;
+    const auto i = std::min<std::size_t>(3, static_cast<std::size_t>(at));
+    const float share = at - static_cast<float>(i);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float value = kColors[i][k] * (1 - share) + kColors[i + 1][k] * share;
+      out[4 * p + k] = static_cast<std::uint8_t>(std::lround(value));
+    }
+  }
+  return out;
+}
+
 std::optional<FlipQuartiles> flip_quartiles(const FlipMap& map, const Mask& mask) {
   if (mask.inside.size() != map.error.size()) return std::nullopt;
   std::vector<float> sorted;

@@ -32,6 +32,15 @@ std::optional<double> flip_mean(const FlipMap& map, const Mask& mask);
 /// Returns the largest value over a mask; nullopt as above.
 std::optional<double> flip_max(const FlipMap& map, const Mask& mask);
 
+/// Returns the value that a share `q` (0 to 1) of the mask's pixels stays within; nullopt as above.
+/// A mean hides a small thing that looks wrong, the 99th percentile shows it.
+std::optional<double> flip_quantile(const FlipMap& map, const Mask& mask, double q);
+
+/// Returns the map as RGBA8 in five colours of "magma" (matplotlib), black for 0 to light yellow
+/// for kMostFlip and more.
+std::vector<std::uint8_t> heat_map(const FlipMap& map);
+inline constexpr float kMostFlip = 0.5f;  ///< larger errors look alike
+
 /// Weighted quartiles, as FLIP's tools print them. Each pixel counts with its own error, so half of
 /// the total error lies in pixels with an error of at most `median`.
 struct FlipQuartiles {

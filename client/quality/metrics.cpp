@@ -68,6 +68,7 @@ ImageMeasures measure_images(const ImageView& reference, const ImageView& test) 
   out.mask_pixels = mask.count();
   if (const std::optional<FlipMap> map = flip_map(reference, test)) {
     out.flip_mean = flip_mean(*map, mask);
+    out.flip_p99 = flip_quantile(*map, mask, 0.99);
   }
   out.psnr_db = psnr_db(reference, test, mask);
   out.ssim = ssim(reference, test, mask);

@@ -37,6 +37,7 @@ std::optional<double> mean_alpha_difference(const ImageView& reference, const Im
 struct ImageMeasures {
   std::size_t mask_pixels = 0;
   std::optional<double> flip_mean;
+  std::optional<double> flip_p99;  ///< 99 % of the pixels stay within it
   std::optional<double> psnr_db;
   std::optional<double> ssim;
   std::optional<double> coverage_iou;

@@ -5,16 +5,12 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "client/quality/flip.h"
 #include "client/report/page.h"
 
 namespace mirage {
 namespace {
-
-constexpr float kMostFlip = 0.5f;  // the end of the colour scale; larger errors look alike
 
 Result<std::string> data_uri(int width, int height, const std::vector<std::uint8_t>& rgba) {
   std::vector<std::uint8_t> rgb, file;
@@ -33,32 +29,11 @@ Result<std::string> data_uri(int width, int height, const std::vector<std::uint8
   return "data:image/jpeg;base64," + base64(file);
 }
 
-/// The colour of an error, 0 to 1: five colours of the map "magma" (matplotlib), as the page's
-/// scale has them.
-std::array<std::uint8_t, 3> magma(float value) {
-  static constexpr std::array<std::array<float, 3>, 5> kColors = {
-      {{0, 0, 4}, {81, 18, 124}, {183, 55, 121}, {252, 137, 97}, {252, 253, 191}}};
-  const float at = std::clamp(value, 0.0f, 1.0f) * 4;
-  const auto i = std::min<std::size_t>(3, static_cast<std::size_t>(at));
-  std::array<std::uint8_t, 3> out{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const float share = at - static_cast<float>(i);
-    out[k] = static_cast<std::uint8_t>(
-        std::lround(kColors[i][k] * (1 - share) + kColors[i + 1][k] * share));
-  }
-  return out;
-}
-
 /// FLIP of each pixel as RGBA8; grey where it cannot be told.
-std::vector<std::uint8_t> heat_map(const Picture& p) {
+std::vector<std::uint8_t> heat_map_of(const Picture& p) {
   const auto w = static_cast<std::uint32_t>(p.width), h = static_cast<std::uint32_t>(p.height);
   const std::optional<FlipMap> map = flip_map({w, h, p.truth.data()}, {w, h, p.drawn.data()});
-  std::vector<std::uint8_t> out(p.drawn.size(), 128);
-  for (std::size_t i = 0; map && i < map->error.size(); ++i) {
-    const std::array<std::uint8_t, 3> color = magma(map->error[i] / kMostFlip);
-    std::copy(color.begin(), color.end(), out.begin() + static_cast<std::ptrdiff_t>(4 * i));
-  }
-  return out;
+  return map ? heat_map(*map) : std::vector<std::uint8_t>(p.drawn.size(), 128);
 }
 
 }  // namespace
@@ -80,7 +55,7 @@ Result<void> Page::pictures(const std::string& caption, const Picture& picture) 
   if (!drawn) return drawn.error();
   const Result<std::string> truth = data_uri(picture.width, picture.height, picture.truth);
   if (!truth) return truth.error();
-  const Result<std::string> heat = data_uri(picture.width, picture.height, heat_map(picture));
+  const Result<std::string> heat = data_uri(picture.width, picture.height, heat_map_of(picture));
   if (!heat) return heat.error();
   const std::string name = escape_html(caption);
   current().body += fmt::format(

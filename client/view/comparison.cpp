@@ -7,6 +7,7 @@
 
 #include "client/draw/geometric_error.h"
 #include "client/host/png.h"
+#include "client/quality/flip.h"
 #include "client/quality/metrics.h"
 #include "client/view/session_stats.h"
 
@@ -26,7 +27,10 @@ Result<void> write_pictures(const Comparison::Frame& frame, const std::string& o
   };
   const int w = static_cast<int>(frame.camera.width), h = static_cast<int>(frame.camera.height);
   if (Result<void> r = write_png(name("reference"), w, h, truth); !r) return r;
-  return write_png(name("difference"), w, h, difference);
+  if (Result<void> r = write_png(name("difference"), w, h, difference); !r) return r;
+  const ImageView test{frame.camera.width, frame.camera.height, frame.drawn.data()};
+  const std::optional<FlipMap> map = flip_map({test.width, test.height, truth.data()}, test);
+  return map ? write_png(name("flip"), w, h, heat_map(*map)) : Result<void>{};
 }
 
 }  // namespace

@@ -27,7 +27,8 @@ class Comparison {
     int supersample;  ///< of the reference, samples a side of a pixel
   };
   /// Measures the frame into `stats`, and its flicker if the frame before it was compared. Writes
-  /// reference and difference (times 2) into `out_dir` unless that is empty. Error kIo.
+  /// reference, difference (times 2) and a heat map of FLIP into `out_dir` unless that is empty.
+  /// Error kIo.
   Result<void> add(const Frame& frame, SessionStats& stats, const std::string& out_dir);
 
  private:

@@ -117,6 +117,7 @@ void SessionStats::add_light_lag(const DrawList& list, const SceneView& scene) {
 
 void SessionStats::add_comparison(const ImageMeasures& m) {
   if (m.flip_mean) flip_.push_back(static_cast<float>(*m.flip_mean));
+  if (m.flip_p99) flip_p99_.push_back(static_cast<float>(*m.flip_p99));
   if (m.psnr_db) psnr_all_.push_back(static_cast<float>(*m.psnr_db));
   if (m.ssim) ssim_all_.push_back(static_cast<float>(*m.ssim));
   if (m.coverage_iou) iou_all_.push_back(static_cast<float>(*m.coverage_iou));
@@ -155,9 +156,12 @@ std::string SessionStats::json(const Final& end) const {
                                                         end.traffic.bytes_up - settled_bytes_) /
                                     rest_s)
                            : ordered_json(nullptr);
-  j["tiles"] = {{"asked", end.tiles.asked},         {"received", end.tiles.received},
-                {"drawn", end.tiles.drawn},         {"wasted", end.tiles.wasted},
-                {"cancelled", end.tiles.cancelled}, {"refused", end.tiles.refused},
+  j["tiles"] = {{"asked", end.tiles.asked},
+                {"received", end.tiles.received},
+                {"drawn", end.tiles.drawn},
+                {"wasted", end.tiles.wasted},
+                {"cancelled", end.tiles.cancelled},
+                {"refused", end.tiles.refused},
                 {"last_asked_ms", since_start_ms(last_asked_us_)}};
   const glm::dvec3 &eye = end.home.eye, &target = end.home.target;
   j["home"] = {{"eye", {eye.x, eye.y, eye.z}}, {"target", {target.x, target.y, target.z}}};
@@ -203,6 +207,8 @@ std::string SessionStats::json(const Final& end) const {
   quality["flip"] = {{"mean", flip_.empty() ? ordered_json(nullptr) : ordered_json(mean(flip_))},
                      {"p95", flip_.empty() ? ordered_json(nullptr) : number(quantile(flip_, 0.95))},
                      {"worst", flip_.empty() ? ordered_json(nullptr) : number(quantile(flip_, 1))},
+                     {"pixels_p99", number(quantile(flip_p99_, 0.5))},
+                     {"pixels_p99_worst", number(quantile(flip_p99_, 1))},
                      {"each", flip_}};
   quality["psnr"] = mean_min(psnr_all_);
   quality["ssim"] = mean_min(ssim_all_);

@@ -121,7 +121,7 @@ class SessionStats {
   int most_draw_calls_ = 0;
   GpuBytes gpu_;
   std::size_t gpu_target_ = 0, gpu_most_ = 0;
-  std::vector<float> flip_, flicker_;
+  std::vector<float> flip_, flip_p99_, flicker_;
   std::vector<float> psnr_all_, ssim_all_, iou_all_;
   GeometricError geometric_;
 };

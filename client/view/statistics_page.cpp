@@ -84,6 +84,10 @@ const std::vector<Figure> kStatistics = {
     {"quality.flip.mean", "", "FLIP of the compared frames against the full render; 0: equal."},
     {"quality.flip.p95", "", "95th percentile."},
     {"quality.flip.worst", "", "Worst frame."},
+    {"quality.flip.pixels_p99", "",
+     "FLIP that 99 % of the pixels of objects stay within, median frame; a mean hides small "
+     "things."},
+    {"quality.flip.pixels_p99_worst", "", "Worst frame."},
     {"quality.flip.each", "", "FLIP of each compared frame."},
     {"quality.psnr.mean", "dB", "Peak signal-to-noise ratio, mean."},
     {"quality.psnr.min", "dB", "Worst frame."},

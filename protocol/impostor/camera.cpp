@@ -8,6 +8,8 @@
 
 namespace mirage {
 
+double clip_scale(double z) { return std::scalbn(1.0, -std::ilogb(z)); }
+
 void Camera::fit_depth_range(const glm::dvec3& scene_center, double scene_radius) {
   const double reach = glm::length(scene_center - pose.eye) + scene_radius;
   far_m = (reach > 0 ? reach : 1e-6) * 1.01;
@@ -43,7 +45,7 @@ glm::mat4 Camera::clip_from_relative(DepthMapping mapping) const {
   clip_from_view[2][1] -= 2 * shift_px.y / height;
   const glm::dmat4 view_from_relative =
       glm::transpose(glm::dmat4(glm::mat4_cast(glm::dquat(pose.rotation))));
-  return glm::mat4(clip_from_view * view_from_relative);
+  return glm::mat4(clip_scale(far_m) * clip_from_view * view_from_relative);
 }
 
 glm::dvec3 Camera::pixel_from_relative(const glm::dvec3& relative) const {

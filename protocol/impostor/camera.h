@@ -18,6 +18,11 @@ struct Pose {
 /// Forward is the mapping of GLES.
 enum class DepthMapping : std::uint8_t { kForward, kReversed };
 
+/// Returns the factor for clip coordinates that brings w at depth `z` (above 0) to [1, 2). It is a
+/// power of two, so it changes no bit of what is drawn. Graphics cards drop triangles whose w is
+/// tiny: a scene of 1e-20 m was not drawn at all.
+double clip_scale(double z);
+
 struct Camera {
   Pose pose;
   double fov_y = 1.0471975511965976;  ///< radians
@@ -33,12 +38,15 @@ struct Camera {
   glm::dvec3 forward() const;
   glm::dvec3 right() const;
   glm::dvec3 up() const;
-  /// Returns clip_from_view * view_from_relative: multiply it with (world - eye).
+  /// Returns clip_from_view * view_from_relative: multiply it with (world - eye). It is scaled so
+  /// that w is 1 to 2 at far_m.
   glm::mat4 clip_from_relative(DepthMapping mapping = DepthMapping::kForward) const;
   /// Returns the near distance, m. Forward depth allows none below far / 5,000.
   double near_for(DepthMapping mapping) const;
   /// Returns (x, y) such that window depth = x + y / eye depth.
   glm::dvec2 window_depth(DepthMapping mapping) const;
+  /// Returns the eye depth of a point whose clip-space w is 1, m.
+  double depth_of_w() const { return 1 / clip_scale(far_m); }
   /// Returns the pixel of a point relative to the eye (y down, pixel centres at +0.5), and its eye
   /// depth in z.
   glm::dvec3 pixel_from_relative(const glm::dvec3& relative) const;

@@ -38,7 +38,7 @@ glm::mat4 capture_projection(const Capture& capture) {
   const CaptureBasis& b = capture.basis;
   const glm::dmat4 view_from_relative =
       glm::transpose(glm::dmat4(glm::dmat3(b.right, b.up, -b.forward)));
-  return glm::mat4(clip_from_view * view_from_relative);
+  return glm::mat4(clip_scale(capture.distance) * clip_from_view * view_from_relative);
 }
 
 TilePageRenderer::TilePageRenderer(const GpuScene& scene, int supersample)

@@ -16,6 +16,7 @@ flat in vec4 v_rotation;
 precise layout(location = 0) out vec4 o_color;
 
 uniform float u_near;         // view depth of the near plane
+uniform float u_depth_of_w;   // view depth where clip-space w is 1
 uniform vec2 u_depth_window;  // window depth = x + y / view depth
 
 #if defined(RELIT) || defined(SHADOW)
@@ -45,7 +46,7 @@ void emit(vec4 color, float along) {
 #endif
   o_color = color * v_slack.z;
   if (o_color.a < 1.0 / 255.0) discard;
-  float view_depth = (along / gl_FragCoord.w - v_slack.y) * (1.0 - v_slack.x);
+  float view_depth = (u_depth_of_w * (along / gl_FragCoord.w) - v_slack.y) * (1.0 - v_slack.x);
   gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, u_near), 0.0, 1.0);
 }
 

@@ -34,6 +34,20 @@ TEST(Stillness, NothingIsAskedSentOrDrawnOnceAllIsSettled) {
   EXPECT_EQ(later["bytes_down"], settled["bytes_down"]);
 }
 
+// Trees so large that a shadow tile of the largest size is still coarse for them.
+TEST(Stillness, LargeThingsInShadowComeToRest) {
+  const Server server("builtin:forest?trees=80&clutter=10", {"--shadows", "on", "--no-geometry"});
+  ASSERT_TRUE(server.ready()) << server.log();
+  const nlohmann::json seen =
+      view(server,
+           "--offscreen 1280x720 --frames 240 --fps 20 --net rtt=40,rate=40,server-ms=3,seed=1 "
+           "--device-model software --frame-ms 50 --path #eye=-20,1.7,0&look=-20,1.7,-1")
+          .stats;
+  EXPECT_GT(seen["tiles"]["received"], 200);
+  EXPECT_LT(seen["tiles"]["last_asked_ms"], 10'000) << "nothing is asked for after 10 s";
+  EXPECT_LT(drawn(seen), 200);
+}
+
 TEST(Stillness, CameraAndLightWakeIt) {
   const Server server(kScene);
   ASSERT_TRUE(server.ready()) << server.log();

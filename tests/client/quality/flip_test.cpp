@@ -94,12 +94,27 @@ TEST(QualityFlip, LargerDensityForgivesMore) {
   EXPECT_GT(*flip_mean(*near), 1.5 * *flip_mean(*far));
 }
 
+// A plate of 1 % of the object that is striped: the mean hardly tells, the 99th percentile does.
+TEST(QualityFlip, ThePercentileShowsWhatTheMeanHides) {
+  FlipMap map{100, 10, std::vector<float>(1000, 0.001f)};
+  std::fill_n(map.error.begin(), 15, 0.8f);
+  EXPECT_LT(*flip_mean(map), 0.015);
+  EXPECT_NEAR(*flip_quantile(map, full_mask(100, 10), 0.99), 0.8, 1e-6);
+  const std::vector<std::uint8_t> heat = heat_map(map);
+  ASSERT_EQ(heat.size(), 4000u);
+  EXPECT_GT(heat[0] + heat[1] + heat[2], 600) << "bright where it is wrong";
+  EXPECT_LT(heat[4 * 500] + heat[4 * 500 + 1] + heat[4 * 500 + 2], 20);
+}
+
 TEST(QualityFlip, MaskAndQuartiles) {
   FlipMap map{4, 1, {0.1f, 0.2f, 0.3f, 0.4f}};
   Mask mask{4, 1, {0, 1, 1, 0}};
   EXPECT_NEAR(*flip_mean(map), 0.25, 1e-7);
   EXPECT_NEAR(*flip_mean(map, mask), 0.25, 1e-7);
   EXPECT_NEAR(*flip_max(map, mask), 0.3, 1e-7);
+  EXPECT_NEAR(*flip_quantile(map, mask, 0), 0.2, 1e-7);
+  EXPECT_NEAR(*flip_quantile(map, mask, 0.99), 0.3, 1e-7);
+  EXPECT_FALSE(flip_quantile(map, Mask{4, 1, {0, 0, 0, 0}}, 0.99)) << "nothing inside";
   mask.inside = {1, 0, 0, 1};
   EXPECT_NEAR(*flip_max(map, mask), 0.4, 1e-7);
   // Cumulative error .1 .3 .6 1: a quarter is reached at .2, a half at .3, three quarters at .4.

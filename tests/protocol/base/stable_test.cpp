@@ -114,6 +114,28 @@ TEST(ProtocolStable, WorldFarFromTheOrigin) {
   }
 }
 
+// Graphics cards drop triangles whose w is far below 1.
+TEST(ProtocolStable, ClipSpaceIsNearOneForScenesOfAnySize) {
+  for (const double size : {1e-30, 1e-20, 1e-3, 1.0, 40.0, 1e9, 1e20, 1e30}) {
+    Camera camera;
+    camera.fit_depth_range({0, 0, -3 * size}, size);
+    for (const DepthMapping mapping : {DepthMapping::kForward, DepthMapping::kReversed}) {
+      for (const double z : {2 * size, 3 * size, 4 * size}) {
+        const glm::vec4 clip = camera.clip_from_relative(mapping) * glm::vec4(0.2 * size, 0, -z, 1);
+        EXPECT_GT(clip.w, 0.4) << size;
+        EXPECT_LT(clip.w, 2) << size;
+        EXPECT_NEAR(clip.w * camera.depth_of_w() / z, 1, 1e-6) << size;
+        const glm::dvec3 pixel = camera.pixel_from_relative({0.2 * size, 0, -z});
+        EXPECT_NEAR(0.5 * camera.width * (1 + clip.x / clip.w), pixel.x, 1e-3) << size;
+        const float depth = clip.z / clip.w;
+        EXPECT_TRUE(depth > -1 && depth < 1) << size;
+      }
+    }
+  }
+  EXPECT_EQ(clip_scale(1), 1);
+  EXPECT_EQ(clip_scale(7), 0.25);
+}
+
 // Window depth of two surfaces a millionth apart, in float like a depth buffer.
 TEST(ProtocolStable, ReversedDepthKeepsOrder) {
   Camera camera;

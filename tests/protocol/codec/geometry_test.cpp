@@ -121,7 +121,7 @@ TEST(ProtocolCamera, PixelsAgreeWithTheMatrix) {
     const double tolerance = 1e-5 * (std::abs(x) + std::abs(y) + camera.width + camera.height);
     ASSERT_NEAR(pixel.x, x, tolerance);
     ASSERT_NEAR(pixel.y, y, tolerance);
-    ASSERT_NEAR(pixel.z, clip.w, 1e-4 * pixel.z);
+    ASSERT_NEAR(pixel.z, clip.w * camera.depth_of_w(), 1e-4 * pixel.z);
   }
 }
 
