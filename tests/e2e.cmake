@@ -59,8 +59,14 @@ target_compile_definitions(mirage_e2e_faults PRIVATE MIRAGE_FAULTS="$<TARGET_FIL
 set_tests_properties(e2e_faults PROPERTIES RUN_SERIAL ON)
 
 # Tests the portable bundle of all programs.
-add_test(NAME e2e_bundle COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/bundle.sh ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
-set_tests_properties(e2e_bundle PROPERTIES TIMEOUT 600)
+set(unpacked ${PROJECT_BINARY_DIR}/unpacked_bundle)
+add_test(NAME e2e_bundle COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/bundle.sh ${CMAKE_RUNTIME_OUTPUT_DIRECTORY} ${unpacked})
+set_tests_properties(e2e_bundle PROPERTIES TIMEOUT 600 FIXTURES_SETUP bundle)
+# Runs it in a root without libraries. It is skipped where users may not make namespaces.
+add_test(NAME e2e_bare_root COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/bare_root.sh ${unpacked})
+set_tests_properties(e2e_bare_root PROPERTIES TIMEOUT 120 SKIP_RETURN_CODE 77 FIXTURES_REQUIRED bundle)
+add_test(NAME e2e_bundle_removed COMMAND ${CMAKE_COMMAND} -E rm -rf ${unpacked})
+set_tests_properties(e2e_bundle_removed PROPERTIES FIXTURES_CLEANUP bundle)
 
 # Tests the Debian package if the tools to make one are installed.
 if(NOT MIRAGE_SANITIZE)
