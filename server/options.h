@@ -29,7 +29,7 @@ struct ServerOptions {
   bool shadows = false;  ///< asked for; a scene without casters has none all the same
   bool list_devices = false;
   bool require_gpu = false;  ///< refuse to draw on the CPU
-  bool doctor = false;  ///< only look whether this machine can serve
+  bool doctor = false;       ///< only look whether this machine can serve
   LogFormat log_format = LogFormat::kText;
   bool explain = false;
   bool prove = false;  ///< with explain: draw both ways and compare

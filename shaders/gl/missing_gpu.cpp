@@ -101,9 +101,11 @@ void add_nvidia(const GpuFacts& facts, std::vector<Error>& out) {
   }
   const auto vendor = std::find_if(facts.vendors.begin(), facts.vendors.end(), of_nvidia);
   if (vendor == facts.vendors.end()) {
-    out.push_back(missing("/dev/nvidia* is there, but no EGL vendor file of NVIDIA (found: " +
-                              vendor_list(facts.vendors) + ")",
-                          "install NVIDIA's driver with its OpenGL and EGL libraries"));
+    out.push_back(missing(
+        "/dev/nvidia* is there, but no EGL vendor file of NVIDIA (found: " +
+            vendor_list(facts.vendors) + ")",
+        "install the OpenGL and EGL libraries of NVIDIA's driver; a container gets them with "
+        "NVIDIA_DRIVER_CAPABILITIES=graphics,utility"));
   }
 }
 

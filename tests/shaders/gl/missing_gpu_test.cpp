@@ -1,4 +1,4 @@
-// What keeps a card from drawing: each fault is named, with its cure.
+// Reasons why no card draws: each fault is named, with its cure.
 #include "shaders/gl/missing_gpu.h"
 
 #include <gtest/gtest.h>
