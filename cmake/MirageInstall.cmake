@@ -4,6 +4,10 @@ include(GNUInstallDirs)
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # installs programs without building the tests
 set(programs mirage-server mirage-view mirage-load mirage-token mirage-report mirage-sheet)
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS mirage_images LIBRARY DESTINATION lib/mirage)
+if(TARGET mirage_video)
+  install(TARGETS mirage_video LIBRARY DESTINATION lib/mirage)
+endif()
 
 set(manuals)
 foreach(program ${programs})

@@ -29,7 +29,7 @@ function(mirage_target name)
   # Finds a bundle's libraries beside its programs (scripts/bundle). The old tag also serves libraries of libraries.
   set_target_properties(${name} PROPERTIES BUILD_RPATH "$ORIGIN/../lib")
   get_target_property(kind ${name} TYPE)
-  if(kind STREQUAL "EXECUTABLE")
+  if(kind MATCHES "EXECUTABLE|MODULE")
     target_link_options(${name} PRIVATE -Wl,--disable-new-dtags)
   endif()
   if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT MIRAGE_SANITIZE)  # hardening against hostile bytes
@@ -64,6 +64,14 @@ function(mirage_target name)
     target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>
                            $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
   endif()
+endfunction()
+
+# Adds a module: a library that programs load at first need (modules/module.h). It lies beside them and needs headers of ours only.
+function(mirage_module name)
+  add_library(${name} MODULE ${ARGN})
+  mirage_target(${name} PCH none)
+  set_target_properties(${name} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}
+                        CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 endfunction()
 
 # Compiles each precompiled header once, with the flags of the targets that use it.

@@ -20,6 +20,8 @@
 #include "server/source/shared_store.h"
 #include "server/stage/pipeline.h"
 #include "shaders/gl/egl_context.h"
+#include "shaders/gl/missing_gpu.h"
+#include "shaders/gl/renderer.h"
 
 namespace mirage {
 namespace {
@@ -47,13 +49,25 @@ class Findings {
   int code_ = 0;
 };
 
-void look_at_devices(Findings& found) {
+/// Says why the CPU draws, if it does. Without --require-gpu that is only slow.
+void look_for_card(const ServerOptions& options, bool card, Findings& found) {
+  if (card) return found.ok("card", "a graphics card draws");
+  for (const Error& why : gl::why_no_gpu(gl::gpu_facts())) {
+    options.require_gpu ? found.fail("card", why)
+                        : found.warn("card", "the CPU draws: " + why.text + " (" + why.hint + ")");
+  }
+}
+
+void look_at_devices(const ServerOptions& options, Findings& found) {
   int usable = 0;
+  bool card = false;
   for (const gl::EglDevice& device : gl::list_egl_devices()) {
     usable += device.usable ? 1 : 0;
+    card = card || (device.usable && !gl::is_software(device.renderer));
     const std::string text = device.name + ": " + device.renderer;
     device.usable ? found.ok("device", text) : found.warn("device", text);
   }
+  look_for_card(options, card, found);
   if (usable > 0) return;
   found.fail("device", make_error(ErrorId::kGraphicsDevice, "no EGL device draws",
                                   "apt install libgl1-mesa-dri libegl1"));
@@ -165,7 +179,7 @@ int run_doctor(const ServerOptions& options) {
   spdlog::set_level(spdlog::level::off);  // the doctor prints its own lines
   Findings found;
   const SteadyClock clock;
-  look_at_devices(found);
+  look_at_devices(options, found);
   look_at_descriptors(found);
   look_at_cache(options, found);
   look_at_certificate(options, found);

@@ -32,6 +32,7 @@
 #include "server/stage/pipeline.h"
 #include "shaders/gl/egl_context.h"
 #include "shaders/gl/health.h"
+#include "shaders/gl/missing_gpu.h"
 
 namespace mirage {
 namespace {
@@ -73,6 +74,17 @@ int list_devices() {
                 device.renderer.c_str());
   }
   return 0;
+}
+
+// Error kGraphicsDevice: the CPU draws. It names what keeps the card from drawing.
+Result<void> require_gpu(const std::string& device) {
+  const Result<gl::EglContext> context = gl::EglContext::create(device);
+  if (!context) return context.error();
+  if (!context->software()) return {};
+  const Error why = gl::why_no_gpu(gl::gpu_facts()).front();
+  return make_error(why.id,
+                    "--require-gpu: " + context->description() + " draws on the CPU; " + why.text,
+                    why.hint + "; --doctor tells more");
 }
 
 int write_surroundings(const ServerOptions& options) {
@@ -248,6 +260,9 @@ int run(int argc, char** argv) {
   if (options.list_devices) return list_devices();
   if (options.doctor) return run_doctor(options);
   set_up_log(options.log_format);
+  if (options.require_gpu) {
+    if (const Result<void> gpu = require_gpu(options.render.device); !gpu) return fail(gpu.error());
+  }
   if (!options.write_environment.empty()) return write_surroundings(options);
   mallopt(M_MMAP_THRESHOLD, kGivenBack);
   raise_descriptor_limit();

@@ -124,6 +124,8 @@ void add_graphics_options(CLI::App& app, ServerOptions& o, Texts& t) {
       ->type_name("NAME")
       ->capture_default_str();
   app.add_flag("--list-devices", o.list_devices, "print the EGL devices and exit");
+  app.add_flag("--require-gpu", o.require_gpu,
+               "end with exit code 4 and say what is missing if no graphics card draws");
   app.add_option("--gpu-mb", o.render.gpu_mb,
                  "graphics memory for the scene, tile pages and full renders, MB")
       ->check(CLI::Range(1, 1 << 20))

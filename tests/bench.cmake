@@ -4,8 +4,7 @@ add_executable(mirage-bench
   bench/startup_bench.cpp bench/latency_bench.cpp bench/codec_bench.cpp bench/client_bench.cpp bench/price_bench.cpp bench/bench_client.cpp bench/gpu_bench.cpp)
 mirage_target(mirage-bench PCH wire)
 target_link_libraries(mirage-bench PRIVATE mirage_test_support mirage_test_rigs mirage_report_core mirage_server_core mirage_client_core
-                      mirage_client_native mirage_client_host mirage_quality mirage_gltf mirage_cli nlohmann_json::nlohmann_json
-                      OpenImageIO::OpenImageIO)
+                      mirage_client_native mirage_client_host mirage_quality mirage_gltf mirage_cli nlohmann_json::nlohmann_json)
 add_dependencies(mirage-bench mirage-server mirage-load)
 
 # Runs on a graphics card if there is one: ctest -L gpu. The second test runs the same code without a card.

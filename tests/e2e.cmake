@@ -24,6 +24,8 @@ mirage_e2e(counters)
 mirage_e2e(memory)
 mirage_e2e(parts)
 mirage_e2e(demo)
+mirage_e2e(modules)
+add_dependencies(mirage_e2e_modules mirage-token mirage-sheet mirage-bench)
 mirage_e2e(options)
 mirage_e2e(listen)
 target_link_libraries(mirage_e2e_options PRIVATE mirage_cli)
@@ -66,8 +68,14 @@ add_dependencies(mirage_e2e_shaders mirage_test_shaders)
 target_compile_definitions(mirage_e2e_shaders PRIVATE MIRAGE_SHADERS="$<TARGET_FILE:mirage_test_shaders>")
 
 # Tests the portable bundle of all programs.
-add_test(NAME e2e_bundle COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/bundle.sh ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
-set_tests_properties(e2e_bundle PROPERTIES TIMEOUT 600)
+set(unpacked ${PROJECT_BINARY_DIR}/unpacked_bundle)
+add_test(NAME e2e_bundle COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/bundle.sh ${CMAKE_RUNTIME_OUTPUT_DIRECTORY} ${unpacked})
+set_tests_properties(e2e_bundle PROPERTIES TIMEOUT 600 FIXTURES_SETUP bundle)
+# Runs it in a root without libraries. It is skipped where users may not make namespaces.
+add_test(NAME e2e_bare_root COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/bare_root.sh ${unpacked})
+set_tests_properties(e2e_bare_root PROPERTIES TIMEOUT 120 SKIP_RETURN_CODE 77 FIXTURES_REQUIRED bundle)
+add_test(NAME e2e_bundle_removed COMMAND ${CMAKE_COMMAND} -E rm -rf ${unpacked})
+set_tests_properties(e2e_bundle_removed PROPERTIES FIXTURES_CLEANUP bundle)
 
 # Tests the Debian package if the tools to make one are installed.
 if(NOT MIRAGE_SANITIZE)

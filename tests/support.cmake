@@ -6,8 +6,8 @@ target_compile_definitions(mirage_test_support PRIVATE MIRAGE_SOURCE_DIR="${PROJ
 add_library(mirage_test_rigs STATIC gl/bench.cpp support/rig.cpp support/large_scene.cpp)
 mirage_target(mirage_test_rigs PCH wire)
 target_compile_definitions(mirage_test_rigs PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-target_link_libraries(mirage_test_rigs PUBLIC mirage_server_core mirage_client_core mirage_gltf mirage_builtin mirage_quality
-                      mirage_egl OpenImageIO::OpenImageIO nlohmann_json::nlohmann_json)
+target_link_libraries(mirage_test_rigs PRIVATE mirage_modules PUBLIC mirage_server_core mirage_client_core mirage_gltf mirage_builtin mirage_quality
+                      mirage_egl nlohmann_json::nlohmann_json)
 
 # mirage-relay shapes a real TCP connection as a link.
 add_executable(mirage-relay relay/main.cpp relay/shaped_direction.cpp)

@@ -15,7 +15,8 @@ add_executable(mirage_core_tests
   server/render/shading_test.cpp server/scene/environment/environment_test.cpp server/session/access_test.cpp server/session/asks_test.cpp
   server/session/codec_test.cpp server/session/fetch_test.cpp server/session/gets_test.cpp server/session/session_test.cpp
   server/session/view_test.cpp server/stage/profile_test.cpp server/tile/behind_test.cpp server/tile/bound_test.cpp
-  relay/packet_direction.cpp relay/packet_direction_test.cpp relay/shaped_direction.cpp relay/shaped_direction_test.cpp server/tile/measure_test.cpp server/tile/queue_test.cpp server/tile/store_test.cpp)
+  relay/packet_direction.cpp relay/packet_direction_test.cpp relay/shaped_direction.cpp relay/shaped_direction_test.cpp server/tile/measure_test.cpp server/tile/queue_test.cpp server/tile/store_test.cpp
+  shaders/gl/missing_gpu_test.cpp)
 mirage_target(mirage_core_tests TEST)
 target_compile_definitions(mirage_core_tests PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(mirage_core_tests PRIVATE mirage_test_rigs mirage_net mirage_client_screen mirage_server_core mirage_gltf mirage_hull mirage_lod OpenImageIO::OpenImageIO nlohmann_json::nlohmann_json

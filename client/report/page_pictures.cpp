@@ -1,32 +1,28 @@
 // The pictures of the report's page: drawn over true with a slider, and a map of FLIP.
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 
 #include "client/quality/flip.h"
 #include "client/report/page.h"
+#include "modules/image_library.h"
 
 namespace mirage {
 namespace {
 
 Result<std::string> data_uri(int width, int height, const std::vector<std::uint8_t>& rgba) {
-  std::vector<std::uint8_t> rgb, file;
+  const Result<const ImageLibrary*> library = image_library();
+  if (!library) return library.error();
+  std::vector<std::uint8_t> rgb;
   rgb.reserve(rgba.size() / 4 * 3);
   for (std::size_t i = 0; i + 3 < rgba.size(); i += 4) {
     rgb.insert(rgb.end(), &rgba[i], &rgba[i] + 3);
   }
-  OIIO::Filesystem::IOVecOutput proxy(file);
-  const auto out = OIIO::ImageOutput::create("x.jpg", &proxy);
-  OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
-  spec.attribute("Compression", "jpeg:93");
-  if (!out || !out->open("x.jpg", spec) || !out->write_image(OIIO::TypeDesc::UINT8, rgb.data()) ||
-      !out->close()) {
-    return make_error(ErrorId::kIo, "cannot encode a picture", out ? out->geterror() : "");
-  }
-  return "data:image/jpeg;base64," + base64(file);
+  const Result<std::vector<std::uint8_t>> file =
+      (*library)->encode("x.jpg", {width, height, 3, rgb.data()}, "jpeg:93");
+  if (!file) return make_error(ErrorId::kIo, "cannot encode a picture: " + file.error().text);
+  return "data:image/jpeg;base64," + base64(*file);
 }
 
 /// FLIP of each pixel as RGBA8; grey where it cannot be told.

@@ -1,12 +1,13 @@
 #include "client/view/animation.h"
 
-#include <OpenImageIO/imagebuf.h>
 #include <webp/encode.h>
 #include <webp/mux.h>
 
 #include <cmath>
 #include <fstream>
 #include <memory>
+
+#include "client/view/sheet_image.h"
 
 namespace mirage {
 namespace {
@@ -28,19 +29,16 @@ Result<Encoder> make_encoder(int width, int height) {
   return encoder;
 }
 
-Result<void> add_frame(WebPAnimEncoder& encoder, const OIIO::ImageBuf& image, int at_ms) {
-  const int w = image.spec().width, h = image.spec().height;
-  std::vector<std::uint8_t> rgb(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * 3);
-  image.get_pixels(OIIO::ROI(0, w, 0, h, 0, 1, 0, 3), OIIO::TypeDesc::UINT8, rgb.data());
+Result<void> add_frame(WebPAnimEncoder& encoder, const SheetImage& image, int at_ms) {
   WebPConfig config;
   WebPPicture picture;
   if (!WebPConfigPreset(&config, WEBP_PRESET_PHOTO, kQuality) || !WebPPictureInit(&picture)) {
     return cannot("use this libwebp");
   }
   picture.use_argb = 1;
-  picture.width = w;
-  picture.height = h;
-  const bool added = WebPPictureImportRGB(&picture, rgb.data(), 3 * w) &&
+  picture.width = image.width;
+  picture.height = image.height;
+  const bool added = WebPPictureImportRGBX(&picture, image.rgba.data(), 4 * image.width) &&
                      WebPAnimEncoderAdd(&encoder, &picture, at_ms, &config);
   WebPPictureFree(&picture);
   if (!added) return cannot(std::string("animate: ") + WebPAnimEncoderGetError(&encoder));
@@ -58,18 +56,18 @@ Result<void> write_animation(const std::vector<std::string>& images, double fram
     return static_cast<int>(std::lround(1000.0 * static_cast<double>(frame) / frames_per_second));
   };
   for (std::size_t i = 0; i < images.size(); ++i) {
-    const OIIO::ImageBuf image(images[i]);
-    if (!image.initialized() || image.nchannels() < 3) return cannot("read '" + images[i] + "'");
+    const Result<SheetImage> image = read_sheet_image(images[i]);
+    if (!image) return image.error();
     if (i == 0) {
-      w = image.spec().width;
-      h = image.spec().height;
+      w = image->width;
+      h = image->height;
       Result<Encoder> made = make_encoder(w, h);
       if (!made) return made.error();
       encoder = made.take();
-    } else if (image.spec().width != w || image.spec().height != h) {
+    } else if (image->width != w || image->height != h) {
       return make_error(ErrorId::kUsage, "'" + images[i] + "' has another size than the first");
     }
-    if (Result<void> added = add_frame(*encoder, image, at_ms(i)); !added) return added;
+    if (Result<void> added = add_frame(*encoder, *image, at_ms(i)); !added) return added;
   }
   WebPAnimEncoderAdd(encoder.get(), nullptr, at_ms(images.size()),
                      nullptr);  // sets the duration of the last frame

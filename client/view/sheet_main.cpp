@@ -4,12 +4,8 @@
 // against the first.
 // mirage-sheet --animate FPS DIR OUT.webp: all frames as a moving picture.
 
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
-
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -17,6 +13,7 @@
 
 #include "client/quality/flip.h"
 #include "client/view/animation.h"
+#include "client/view/sheet_image.h"
 #include "protocol/base/cli.h"
 #include "protocol/base/result.h"
 
@@ -24,6 +21,10 @@ namespace mirage {
 namespace {
 
 namespace fs = std::filesystem;
+
+Error other_size(const std::string& path) {
+  return make_error(ErrorId::kUsage, "'" + path + "' has another size than the first");
+}
 
 /// Returns the part after `kind` of the names of all images of that kind, sorted.
 std::vector<std::string> frames_of(const std::string& directory, const std::string& kind) {
@@ -37,32 +38,35 @@ std::vector<std::string> frames_of(const std::string& directory, const std::stri
   return out;
 }
 
+// Gap between images of a sheet, pixels.
+constexpr int kGap = 4;
+
 Result<void> make_sheet(const std::string& directory, const std::string& target) {
   const std::vector<std::string> frames = frames_of(directory, "reference_");
   if (frames.empty()) {
     return make_error(ErrorId::kUsage, "no compared frames in '" + directory + "'",
                       "mirage-view --reference N --out DIR writes them");
   }
-  constexpr int kGap = 4;
-  OIIO::ImageBuf sheet;
+  SheetImage sheet;
+  int w = 0, h = 0;
   for (std::size_t row = 0; row < frames.size(); ++row) {
     int column = 0;
     for (const char* kind : {"frame_", "reference_", "difference_"}) {
-      const OIIO::ImageBuf image(directory + "/" + kind + frames[row]);
-      const int w = image.spec().width, h = image.spec().height;
+      const std::string path = directory + "/" + kind + frames[row];
+      const Result<SheetImage> image = read_sheet_image(path);
+      if (!image) return image.error();
       if (row == 0 && column == 0) {
         const int rows = static_cast<int>(frames.size());
-        sheet.reset(OIIO::ImageSpec(3 * w + 2 * kGap, rows * h + (rows - 1) * kGap, 3,
-                                    OIIO::TypeDesc::UINT8));
-        OIIO::ImageBufAlgo::fill(sheet, {1.0f, 1.0f, 1.0f});
+        w = image->width;
+        h = image->height;
+        sheet = white_sheet(3 * w + 2 * kGap, rows * h + (rows - 1) * kGap);
       }
-      OIIO::ImageBufAlgo::paste(sheet, column * (w + kGap), static_cast<int>(row) * (h + kGap), 0,
-                                0, image);
+      if (image->width != w || image->height != h) return other_size(path);
+      paste(*image, column * (w + kGap), static_cast<int>(row) * (h + kGap), sheet);
       ++column;
     }
   }
-  if (!sheet.write(target)) return make_error(ErrorId::kIo, "cannot write '" + target + "'");
-  return {};
+  return write_sheet_image(sheet, target);
 }
 
 Result<void> animate(const std::string& directory, double frames_per_second,
@@ -78,46 +82,25 @@ Result<void> animate(const std::string& directory, double frames_per_second,
   return write_animation(images, frames_per_second, target);
 }
 
-// Returns the image as opaque RGBA bytes. Error kIo.
-Result<std::vector<std::uint8_t>> read_image(const std::string& path, const OIIO::ImageBuf& image) {
-  const int w = image.spec().width, h = image.spec().height, channels = image.nchannels();
-  if (!image.initialized() || w < 1 || h < 1 || channels < 3) {
-    return make_error(ErrorId::kIo, "cannot read '" + path + "' as a colour image");
-  }
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * 4, 255);
-  const OIIO::ROI colors(0, w, 0, h, 0, 1, 0, 3);
-  image.get_pixels(colors, OIIO::TypeDesc::UINT8, out.data(), 4);
-  return out;
-}
-
 Result<void> compare_images(const std::vector<std::string>& paths, const std::string& target) {
-  constexpr int kGap = 4;
-  OIIO::ImageBuf sheet;
-  std::vector<std::uint8_t> first;
-  int w = 0, h = 0;
+  SheetImage sheet, first;
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    const OIIO::ImageBuf image(paths[i]);
-    Result<std::vector<std::uint8_t>> pixels = read_image(paths[i], image);
-    if (!pixels) return pixels.error();
-    const int count = static_cast<int>(paths.size());
+    Result<SheetImage> image = read_sheet_image(paths[i]);
+    if (!image) return image.error();
+    const int w = image->width, h = image->height, count = static_cast<int>(paths.size());
     if (i == 0) {
-      w = image.spec().width;
-      h = image.spec().height;
-      first = *pixels;
-      sheet.reset(OIIO::ImageSpec(count * w + (count - 1) * kGap, h, 3, OIIO::TypeDesc::UINT8));
-      OIIO::ImageBufAlgo::fill(sheet, {1.0f, 1.0f, 1.0f});
-    } else if (image.spec().width != w || image.spec().height != h) {
-      return make_error(ErrorId::kUsage, "'" + paths[i] + "' has another size than the first");
+      first = *image;
+      sheet = white_sheet(count * w + (count - 1) * kGap, h);
     }
-    OIIO::ImageBufAlgo::paste(sheet, static_cast<int>(i) * (w + kGap), 0, 0, 0, image);
+    if (w != first.width || h != first.height) return other_size(paths[i]);
+    paste(*image, static_cast<int>(i) * (w + kGap), 0, sheet);
     const auto size = [](int v) { return static_cast<std::uint32_t>(v); };
     const std::optional<FlipMap> map =
-        flip_map({size(w), size(h), first.data()}, {size(w), size(h), pixels->data()});
+        flip_map({size(w), size(h), first.rgba.data()}, {size(w), size(h), image->rgba.data()});
     const std::optional<double> flip = map ? flip_mean(*map) : std::nullopt;
     if (i > 0) std::printf("%s flip=%.4f\n", paths[i].c_str(), flip.value_or(0.0));
   }
-  if (!sheet.write(target)) return make_error(ErrorId::kIo, "cannot write '" + target + "'");
-  return {};
+  return write_sheet_image(sheet, target);
 }
 
 }  // namespace
@@ -144,14 +127,8 @@ int main(int argc, char** argv) {
   if (const int code = mirage::parse_command_line(app, argc, argv); code >= 0) return code;
   const std::string target = paths.back();
   paths.pop_back();
-  OIIO::attribute("try_all_readers", 0);  // the file's name tells its format
-  try {
-    const mirage::Result<void> made =
-        animated > 0        ? mirage::animate(paths.front(), animated, target)
-        : paths.size() == 1 ? mirage::make_sheet(paths.front(), target)
-                            : mirage::compare_images(paths, target);
-    return made.ok() ? 0 : mirage::fail(made.error());
-  } catch (const std::exception& exception) {  // thrown by a reader
-    return mirage::fail(mirage::make_error(mirage::ErrorId::kIo, exception.what()));
-  }
+  const mirage::Result<void> made = animated > 0 ? mirage::animate(paths.front(), animated, target)
+                                    : paths.size() == 1 ? mirage::make_sheet(paths.front(), target)
+                                                        : mirage::compare_images(paths, target);
+  return made.ok() ? 0 : mirage::fail(made.error());
 }

@@ -35,6 +35,11 @@ enum class ExitCode : int {
     "A file of yours could not be read or written, or a helper program such as gnuplot is "        \
     "missing.",                                                                                    \
     "Check the path, the permissions and the free space of the disk.")                             \
+  X(kModule, "module", kInternal, 1011,                                                            \
+    "A library that Mirage loads at first need is missing, does not load or is of another build: " \
+    "libmirage_images for images, libmirage_video for the report's video.",                        \
+    "Keep the modules where the installation or the bundle put them. If one does not load, "       \
+    "install the library that the line names.")                                                    \
   X(kSceneMissing, "scene-missing", kScene, 1011,                                                  \
     "The scene file, or a file that it needs to be drawn, does not exist or cannot be read.",      \
     "Check the spelling and the permissions. Keep a .gltf together with its .bin and images.")     \

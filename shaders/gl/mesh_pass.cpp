@@ -7,6 +7,7 @@
 #include "protocol/base/limits.h"
 #include "shaders/gl/dialect.h"
 #include "shaders/gl/mesh_variants.h"
+#include "shaders/gl/renderer.h"
 
 namespace mirage::gl {
 namespace {
@@ -186,7 +187,8 @@ void MeshPass::begin(const glm::mat4& clip_from_relative, const LightBlock& ligh
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glBlendEquation(output_ == MeshOutput::kRange ? GL_MAX : GL_FUNC_ADD);
   if (forced_ & kNeedVertexColor) glVertexAttrib4f(5, 1, 1, 1, 1);  // for meshes without colours
-  prepare_points_and_samples();
+  if (!samples_) samples_ = has_sample_shading();
+  *samples_ ? prepare_points_and_samples() : let_shaders_size_points();
   glLineWidth(stroke_);  // the device uses the nearest width it can draw
 }
 
@@ -336,7 +338,7 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
   bind_material(p, material, needs, images, stage);
   const bool depth = stage == Stage::kDepth, tested = stage == Stage::kTested;
   // An alpha test discards whole pixels, so a multisampled target runs it for every sample.
-  shade_samples(depth);
+  if (*samples_) shade_samples(depth);
   const GLboolean colors = depth && !of_blended() ? GL_FALSE : GL_TRUE;
   glColorMask(colors, colors, colors, colors);
   glDepthFunc(tested ? GL_EQUAL : nearer_);
@@ -349,7 +351,7 @@ void MeshPass::end() {
   glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
   glBlendEquation(GL_FUNC_ADD);
-  shade_samples(false);
+  if (*samples_) shade_samples(false);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthFunc(nearer_);
   glLineWidth(1.0f);

@@ -3,6 +3,7 @@
 // geometry. Shader variants are keyed by need mask, and compiled at first use or by warm_up().
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -140,6 +141,7 @@ class MeshPass {
   LightBlock lights_;
   float mip_bias_ = 0;
   float tested_mip_bias_ = 0;
+  std::optional<bool> samples_;  ///< the context shades samples; asked at the first begin()
   float stroke_ = 1;
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;

@@ -18,4 +18,10 @@ bool is_software();
 /// to 10 %). Otherwise it is sRGB with 8 bits.
 GLenum color_format(bool blended);
 
+/// True if shaders can run for every sample of a multisampled target: OpenGL 4.0 or
+/// ARB_sample_shading. softpipe and OpenGL ES 3.0 cannot; they test alpha once a pixel.
+bool has_sample_shading();
+/// Lets shaders set the size of points, as OpenGL ES always does.
+void let_shaders_size_points();
+
 }  // namespace mirage::gl

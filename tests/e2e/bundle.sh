@@ -1,24 +1,31 @@
 #!/usr/bin/env bash
 # The bundle, unpacked somewhere else and run without the build's libraries: what the loader takes comes from the bundle, but
-# for what is the machine's, and a viewer of it shows a scene of its server.   bundle.sh FOLDER-OF-PROGRAMS
+# for what is the machine's, and a viewer of it shows a scene of its server. It is left in FOLDER for bare_root.sh.
+#   bundle.sh FOLDER-OF-PROGRAMS FOLDER
 set -euo pipefail
 programs="$(realpath "$1")"
 source="$(realpath "$(dirname "$0")/../..")"
 work="$(mktemp -d)"
 trap 'kill $(jobs -p) 2> /dev/null || true; rm -rf "$work"' EXIT
 "$source/scripts/bundle" --level 1 --bin "$programs" --out "$work"
-tar -C "$work" --zstd -xf "$work"/mirage-*.tar.zst
-cd "$work"/mirage-*-x86_64
+rm -rf "$2"
+mkdir "$2"
+tar -C "$2" --strip-components=1 --zstd -xf "$work"/mirage-*.tar.zst
+cd "$2"
 machine='/(ld-linux-x86-64|libc|libm|libmvec|libdl|librt|libpthread|libresolv|libanl|libnsl|libutil|libstdc\+\+|libgcc_s|libz|libzstd'
 machine+='|libGL|libEGL|libOpenGL|libGLX|libGLdispatch|libglapi|libgbm|libdrm[a-z_]*|libX[-a-z0-9]*|libxcb[-a-z0-9]*|libexpat|libelf|libbsd|libmd)\.so'
-for program in bin/*; do
+for program in libexec/* lib/libmirage_*.so; do
   foreign="$(env -i ldd "$program" | awk '/=> \// { print $3 } /not found/ { print $1 }' |
-    grep -vE "^$PWD/(bin/\.\./)?lib/|$machine" || true)"
+    grep -vE "^$PWD/((libexec|lib)/\.\./)?lib/|$machine" || true)"
   [ -z "$foreign" ] || { echo "$program takes from outside: $foreign" >&2; exit 1; }
-  env -i HOME="$work" "./$program" --help > /dev/null
 done
+for program in bin/*; do env -i HOME="$work" "./$program" --help > /dev/null; done
 [ "$(ls licences | wc -l)" -gt 10 ] || { echo "licences are missing" >&2; exit 1; }
-[ "$(du -sm . | cut -f1)" -le 120 ] || { echo "unpacked it is $(du -sm . | cut -f1) MiB; what has come in?" >&2; du -k lib/* | sort -n | tail; exit 1; }
+# Programs with their libraries; then Mesa, of which half is LLVM.
+for limit in "libexec 30" "lib 80" "fallback 170"; do
+  read -r folder most <<< "$limit"
+  [ "$(du -sm "$folder" | cut -f1)" -le "$most" ] || { echo "$folder takes more than $most MiB; what has come in?" >&2; du -k "$folder"/* | sort -n | tail; exit 1; }
+done
 # What is stood in for changes nothing of what Mirage reads and writes: images of glTF and environments, the report's video. All
 # of lib/, found before what the tests were linked to.
 for tests in "mirage_gltf_tests GltfImage.*" "mirage_core_tests EnvironmentFiles.*" "mirage_report_tests *Video*:ReportPage.*" ; do

@@ -158,6 +158,48 @@ TEST(Operations, TheDoctorLooksAtAll) {
   EXPECT_NE(port.output.find("FAIL  address"), std::string::npos) << port.output;
 }
 
+/// Runs the server on a software renderer of Mesa, even on a machine with a card.
+Finished on_the_cpu(const std::vector<std::string>& options,
+                    const std::string& renderer = "llvmpipe") {
+  const char* const vendor = "/usr/share/glvnd/egl_vendor.d/50_mesa.json";
+  std::vector<std::string> command = {"/usr/bin/env",
+                                      "LIBGL_ALWAYS_SOFTWARE=1",
+                                      "GALLIUM_DRIVER=" + renderer,
+                                      std::string("__EGL_VENDOR_LIBRARY_FILENAMES=") + vendor,
+                                      binary("mirage-server"),
+                                      "--listen",
+                                      "127.0.0.1:0"};
+  command.insert(command.end(), options.begin(), options.end());
+  return run(command);
+}
+
+TEST(Operations, AServerThatRequiresACardEndsWithoutOne) {
+  const Finished refused = on_the_cpu({"builtin:knot", "--require-gpu"});
+  EXPECT_EQ(refused.exit_code, 4) << refused.output;
+  EXPECT_NE(refused.output.find("error graphics-device: --require-gpu: llvmpipe"),
+            std::string::npos)
+      << refused.output;
+  EXPECT_NE(refused.output.find("(hint: "), std::string::npos) << refused.output;
+}
+
+TEST(Operations, TheDoctorSaysWhyNoCardDraws) {
+  const Finished told = on_the_cpu({"--doctor"});
+  EXPECT_EQ(told.exit_code, 0) << told.output;
+  EXPECT_NE(told.output.find("warn  card         the CPU draws: "), std::string::npos)
+      << told.output;
+  const Finished failed = on_the_cpu({"--doctor", "--require-gpu"});
+  EXPECT_EQ(failed.exit_code, 4) << failed.output;
+  EXPECT_NE(failed.output.find("FAIL  card"), std::string::npos) << failed.output;
+}
+
+// softpipe has OpenGL 3.3 without sample shading.
+TEST(Operations, ADeviceWithoutSampleShadingServes) {
+  const Finished drawn = on_the_cpu({"--doctor"}, "softpipe");
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.output;
+  EXPECT_NE(drawn.output.find("ok    renderer     softpipe"), std::string::npos) << drawn.output;
+  EXPECT_NE(drawn.output.find("ok    tile"), std::string::npos) << drawn.output;
+}
+
 TEST(Operations, TilesAreGotByHttp) {
   const Server server("builtin:knot", {"--metrics"});
   ASSERT_TRUE(server.ready()) << server.log();

@@ -13,6 +13,11 @@ for file in bin/mirage-server bin/mirage-view bin/mirage-load bin/mirage-token l
     lib/sysusers.d/mirage.conf share/doc/mirage/examples/server.toml share/doc/mirage/examples/haproxy/haproxy.cfg; do
   [ -s "$work/root/usr/$file" ] || { echo "the package lacks $file"; exit 1; }
 done
+for module in "$build"/bin/libmirage_*.so; do
+  [ -s "$work/root/usr/lib/mirage/${module##*/}" ] || { echo "the package lacks ${module##*/}"; exit 1; }
+done
+# The server finds its module where the package puts it.
+"$work/root/usr/bin/mirage-server" --strict --explain "$(dirname "$0")/../data/assets/objects/flight_helmet.glb" > /dev/null
 for program in server view load token report sheet; do
   "$work/root/usr/bin/mirage-$program" --version > /dev/null
   page="$work/root/usr/share/man/man1/mirage-$program.1"
@@ -21,7 +26,7 @@ for program in server view load token report sheet; do
   done
 done
 depends="$(dpkg-deb -f "${deb[0]}" Depends)"
-for library in libwebsockets libhiredis libegl1 libgl1-mesa-dri; do
+for library in libwebsockets libhiredis libopenimageio libegl1 libgl1-mesa-dri; do
   case "$depends" in *"$library"*) ;; *) echo "the package does not depend on $library"; exit 1 ;; esac
 done
 echo "$(stat -c %s "${deb[0]}") bytes"

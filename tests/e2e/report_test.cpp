@@ -306,6 +306,15 @@ TEST(Report, ExtremeCasesWriteWhatItReads) {
   }
 }
 
+// The program is also copied to machines without the sources.
+TEST(Report, ExtremeCasesSayWhichFileIsMissing) {
+  const Finished cases = run({binary("mirage-extreme"), "--quick", "--jobs", "2", "--data",
+                              scratch_folder() + "/nowhere", "--only", "R1,R2,R3,R7,R8"});
+  EXPECT_EQ(cases.exit_code, 6) << cases.output;
+  EXPECT_EQ(count(cases.output, "is missing; --data names"), 5u) << cases.output;
+  EXPECT_EQ(cases.output.find("crashed"), std::string::npos) << cases.output;
+}
+
 TEST_F(Outside, WhatIsLeftOutMustNotChangeAPixel) {
   const std::string row =
       "{\"scene\":\"some.glb\",\"object\":0,\"rule\":1,\"left_out\":\"sort\","

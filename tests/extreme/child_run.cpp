@@ -67,7 +67,7 @@ void write_all(int file, const std::string& text) {
   }
   const char* form = conditions.quick ? "--quick" : nullptr;
   execl("/proc/self/exe", "mirage-extreme", "--child", one.id, "--folder",
-        conditions.folder.c_str(), form, nullptr);
+        conditions.folder.c_str(), "--data", conditions.data.c_str(), form, nullptr);
   _exit(127);
 }
 

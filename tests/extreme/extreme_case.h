@@ -23,6 +23,7 @@ struct Outcome {
 struct Conditions {
   bool quick = false;       ///< fewer random inputs, shorter scripts; the same oracles
   std::string folder;       ///< for files of its own
+  std::string data;         ///< folder of the fuzzers' corpus
   std::uint64_t seed = 20;  ///< of generated inputs
   /// Returns `full` inputs, or a tenth of them in the quick form.
   int count(int full) const { return quick ? full / 10 : full; }

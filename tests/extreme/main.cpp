@@ -22,11 +22,21 @@
 namespace mirage::extreme {
 namespace {
 
+// Returns `corpus` beside the program, for one that was copied elsewhere, or the sources' own.
+std::string corpus_folder() {
+  std::error_code failed;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", failed);
+  const std::filesystem::path beside = self.parent_path() / "corpus";
+  return std::filesystem::is_directory(beside, failed) ? beside.string()
+                                                       : MIRAGE_SOURCE_DIR "/tests/fuzz/corpus";
+}
+
 struct Options {
   bool list = false, quick = false;
   int jobs = 1;
   std::vector<std::string> only;  ///< ids, or letters for all cases of that letter
   std::string json_file;
+  std::string data = corpus_folder();
   std::string child, folder;  ///< the case to run for run_in_child(), and its folder
 };
 
@@ -40,6 +50,10 @@ int parse(int argc, char** argv, Options& o) {
       ->delimiter(',');
   app.add_flag("--quick", o.quick, "use a tenth of the random inputs and shorter scripts");
   app.add_option("--json", o.json_file, "write the rows to this file as JSON")->type_name("FILE");
+  app.add_option("--data", o.data,
+                 "folder of the fuzzers' corpus; default: corpus beside this program, else "
+                 "tests/fuzz/corpus of the sources")
+      ->type_name("DIR");
   app.add_option("--jobs", o.jobs,
                  "cases that run at the same time; those that measure time run alone")
       ->check(CLI::Range(1, 64))
@@ -127,6 +141,7 @@ int run(const std::vector<Case>& cases, const Options& o) {
   Conditions conditions;
   conditions.quick = o.quick;
   conditions.folder = scratch.path();
+  conditions.data = o.data;
   nlohmann::json rows = nlohmann::json::array();
   int failed = 0;
   const std::vector<ChildRun> runs = run_all(cases, conditions, o.jobs);
@@ -155,6 +170,7 @@ int run_child(const std::vector<Case>& cases, const Options& o) {
   Conditions conditions;
   conditions.quick = o.quick;
   conditions.folder = o.folder;
+  conditions.data = o.data;
   for (const Case& one : cases) {
     if (o.child == one.id) run_as_child(one, conditions);
   }

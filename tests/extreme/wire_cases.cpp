@@ -51,7 +51,7 @@ bool refused(const Result<T>& result) {
 
 // R1: every length word of packets, chunks, compressed blocks and geometry, with every power of
 // two.
-Outcome any_length(const Conditions&) {
+Outcome any_length(const Conditions& conditions) {
   int accepted = 0, tried = 0;
   const std::size_t before = peak_bytes();
   for (const Bytes& whole : test::sample_messages()) {
@@ -98,7 +98,7 @@ Outcome any_length(const Conditions&) {
     accepted += refused(decompress_block(bytes.data(), bytes.size(), 1000)) ? 0 : 1;
   }
   for (const char* file : {"model/everything", "model/sheet"}) {
-    const Bytes whole = corpus(file);
+    const Bytes whole = corpus(conditions.data, file);
     for (std::size_t word = 0; word < 9; ++word) {
       for (const std::uint64_t v : lengths(32)) {
         Bytes bytes = whole;
@@ -122,10 +122,10 @@ Outcome any_length(const Conditions&) {
 }
 
 // R2
-Outcome cuts(const Conditions&) {
+Outcome cuts(const Conditions& conditions) {
   Checks checks;
   int accepted = 0, count = 0, not_finite = 0;
-  for (const WireSample& sample : wire_samples()) {
+  for (const WireSample& sample : wire_samples(conditions.data)) {
     if (!sample.accepts(sample.bytes, not_finite)) checks.failed("whole refused: " + sample.name);
     for (std::size_t n = 0; n < sample.bytes.size(); ++n) {
       const Bytes cut(sample.bytes.begin(), sample.bytes.begin() + static_cast<std::ptrdiff_t>(n));
@@ -141,7 +141,7 @@ Outcome cuts(const Conditions&) {
 // R3
 Outcome flips(const Conditions& conditions) {
   std::mt19937_64 random(conditions.seed);
-  const std::vector<WireSample> samples = wire_samples();
+  const std::vector<WireSample> samples = wire_samples(conditions.data);
   const int count = conditions.count(1'000'000);
   int not_finite = 0, refused_ones = 0;
   const std::size_t before = peak_bytes();
@@ -243,11 +243,11 @@ Outcome bombs(const Conditions&) {
 }
 
 // R7: NaN and infinities of both signs in the place of every float and double.
-Outcome not_numbers(const Conditions&) {
+Outcome not_numbers(const Conditions& conditions) {
   int not_finite = 0, refused_ones = 0, tried = 0;
   const float inf = std::numeric_limits<float>::infinity();
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  for (const WireSample& sample : wire_samples()) {
+  for (const WireSample& sample : wire_samples(conditions.data)) {
     const auto feed = [&](std::size_t at, const void* value, std::size_t n) {
       Bytes bytes = sample.bytes;
       if (at + n > bytes.size()) return;
@@ -277,9 +277,9 @@ struct Golden {
 };
 #include "tests/extreme/golden_bytes.inc"
 
-Outcome golden_bytes(const Conditions&) {
+Outcome golden_bytes(const Conditions& conditions) {
   int differing = 0, unreadable = 0, missing = 0;
-  for (const WireSample& sample : wire_samples()) {
+  for (const WireSample& sample : wire_samples(conditions.data)) {
     int not_finite = 0;
     unreadable += sample.accepts(sample.bytes, not_finite) ? 0 : 1;
     const Golden* golden = nullptr;

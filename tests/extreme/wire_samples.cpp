@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <stdexcept>
 
 #include "protocol/codec/image_codec.h"
 #include "tests/support/protocol_samples.h"
@@ -170,7 +171,7 @@ bool accepts_image(const Bytes& bytes, int&) {
 
 }  // namespace
 
-std::vector<WireSample> wire_samples() {
+std::vector<WireSample> wire_samples(const std::string& data) {
   std::vector<WireSample> out;
   for (const Bytes& bytes : test::sample_messages()) {
     const wire::Body type = decode_message(bytes.data(), bytes.size())->body.type;
@@ -179,19 +180,23 @@ std::vector<WireSample> wire_samples() {
   for (const char* name :
        {"raw_9x8", "zstd_9x8", "relit_raw", "relit_zstd", "shadow_raw", "caster_raw"}) {
     const std::string file = std::string("tile/") + name;
-    out.push_back({file, corpus(file), accepts_tile});
+    out.push_back({file, corpus(data, file), accepts_tile});
   }
   for (const char* file : {"model/everything", "model/sheet", "model/animated"}) {
-    out.push_back({file, corpus(file), accepts_model});
+    out.push_back({file, corpus(data, file), accepts_model});
   }
   for (const char* file : {"image/lossless_8x4", "image/lossy_8x4"}) {
-    out.push_back({file, corpus(file), accepts_image});
+    out.push_back({file, corpus(data, file), accepts_image});
   }
   return out;
 }
 
-Bytes corpus(const std::string& name) {
-  std::ifstream in(std::string(MIRAGE_SOURCE_DIR) + "/tests/fuzz/corpus/" + name, std::ios::binary);
+Bytes corpus(const std::string& data, const std::string& name) {
+  std::ifstream in(data + "/" + name, std::ios::binary);
+  if (!in) {
+    throw std::runtime_error("'" + data + "/" + name +
+                             "' is missing; --data names the folder of the fuzzers' corpus");
+  }
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 

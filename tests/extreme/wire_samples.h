@@ -20,11 +20,13 @@ struct WireSample {
   std::function<bool(const Bytes& bytes, int& not_finite)> accepts;
 };
 
-/// Returns every message, every kind of tile, geometry, images.
-std::vector<WireSample> wire_samples();
+/// Returns every message, every kind of tile, geometry, images. `data` is the folder of the
+/// fuzzers' corpus. Throws std::runtime_error if a file is missing there.
+std::vector<WireSample> wire_samples(const std::string& data);
 
-/// Returns a file of the fuzzers' corpus, such as "tile/zstd_9x8".
-Bytes corpus(const std::string& name);
+/// Returns a file of the fuzzers' corpus, such as "tile/zstd_9x8". Throws std::runtime_error, which
+/// becomes the outcome of the case, if it is missing.
+Bytes corpus(const std::string& data, const std::string& name);
 
 /// Returns the FNV-1a hash.
 std::uint64_t hash_of(const Bytes& bytes);

@@ -26,6 +26,7 @@ const Graph kMayInclude = {
     {"protocol/impostor", {"protocol/base", "protocol/model"}},
     {"protocol/codec", {"protocol/base", "protocol/model", "protocol/impostor"}},
     {"protocol/wire", {"protocol/base", "protocol/model", "protocol/impostor", "protocol/codec"}},
+    {"modules", {"protocol/base"}},
     {"shaders/gl", {"protocol/base", "protocol/model", "protocol/impostor"}},
     {"client/frame", {"protocol/base", "protocol/model", "protocol/impostor"}},
     {"client/link", {"protocol/base", "protocol/impostor", "protocol/wire"}},
@@ -66,22 +67,24 @@ const Graph kMayInclude = {
      {"protocol/base", "protocol/wire", "client/frame", "client/scene", "client/plan",
       "client/native"}},
     {"client/view",
-     {"protocol/base", "protocol/model", "protocol/impostor", "shaders/gl", "client/frame",
-      "client/link", "client/scene", "client/hold", "client/price", "client/plan", "client/draw",
-      "client/session", "client/screen", "client/quality", "client/native", "client/host"}},
+     {"modules", "protocol/base", "protocol/model", "protocol/impostor", "shaders/gl",
+      "client/frame", "client/link", "client/scene", "client/hold", "client/price", "client/plan",
+      "client/draw", "client/session", "client/screen", "client/quality", "client/native",
+      "client/host"}},
     {"client/report",
-     {"protocol/base", "protocol/impostor", "protocol/codec", "shaders/gl", "client/frame",
-      "client/link", "client/scene", "client/hold", "client/price", "client/plan", "client/draw",
-      "client/session", "client/screen", "client/quality", "client/native", "client/host"}},
+     {"modules", "protocol/base", "protocol/impostor", "protocol/codec", "shaders/gl",
+      "client/frame", "client/link", "client/scene", "client/hold", "client/price", "client/plan",
+      "client/draw", "client/session", "client/screen", "client/quality", "client/native",
+      "client/host"}},
     {"server/base", {"protocol/base"}},
     {"server/source", {"protocol/base", "protocol/impostor", "protocol/codec", "server/base"}},
     {"server/scene", {"protocol/base", "protocol/model", "protocol/impostor"}},
     {"server/scene/builtin", {"protocol/base", "protocol/model", "server/base", "server/scene"}},
     {"server/scene/environment",
-     {"protocol/base", "protocol/impostor", "server/base", "server/scene"}},
+     {"modules", "protocol/base", "protocol/impostor", "server/base", "server/scene"}},
     {"server/scene/gltf",
-     {"protocol/base", "protocol/model", "protocol/impostor", "protocol/codec", "server/base",
-      "server/scene"}},
+     {"modules", "protocol/base", "protocol/model", "protocol/impostor", "protocol/codec",
+      "server/base", "server/scene"}},
     {"server/lod",
      {"protocol/base", "protocol/model", "protocol/impostor", "server/base", "server/scene"}},
     {"server/prepare",
@@ -119,7 +122,7 @@ const Graph& includes() {
     Graph out;
     const fs::path root = MIRAGE_SOURCE_DIR;
     const std::regex own("^#include \"([^\"]+)\"");
-    for (const char* part : {"protocol", "shaders", "server", "client"}) {
+    for (const char* part : {"protocol", "modules", "shaders", "server", "client"}) {
       for (const auto& entry : fs::recursive_directory_iterator(root / part)) {
         const std::string kind = entry.path().extension().string();
         if (kind != ".h" && kind != ".cpp") continue;

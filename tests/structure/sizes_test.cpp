@@ -96,7 +96,7 @@ std::vector<Size> types_in(const Lines& lines) {
 template <typename Measure>
 std::vector<Size> sizes(const Measure& measure) {
   std::vector<Size> out;
-  for (const char* part : {"protocol", "shaders", "server", "client"}) {
+  for (const char* part : {"protocol", "modules", "shaders", "server", "client"}) {
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(MIRAGE_SOURCE_DIR) / part)) {
       const std::string kind = entry.path().extension().string();
       if (kind != ".h" && kind != ".cpp") continue;

@@ -30,7 +30,7 @@ std::vector<std::string> types_of(std::istream& text) {
 
 std::map<std::string, std::vector<std::string>> headers_by_type(const fs::path& root) {
   std::map<std::string, std::vector<std::string>> out;
-  for (const char* part : {"protocol", "shaders", "server", "client", "tests"}) {
+  for (const char* part : {"protocol", "modules", "shaders", "server", "client", "tests"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / part)) {
       if (entry.path().extension() != ".h") continue;
       std::ifstream text(entry.path());

@@ -1,7 +1,5 @@
 #include "tests/support/large_scene.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +7,7 @@
 #include <iterator>
 #include <map>
 
+#include "modules/image_library.h"
 #include "tests/support/gltf_builder.h"
 
 namespace mirage::test {
@@ -99,17 +98,12 @@ Result<std::string> encoded_texture(int index, int edge, bool normal_map) {
       }
     }
   }
-  const TempFolder folder;
-  const std::string path = (folder.path() / (normal_map ? "map.png" : "map.jpg")).string();
-  const auto file = OIIO::ImageOutput::create(path);
-  OIIO::ImageSpec spec(edge, edge, 3, OIIO::TypeDesc::UINT8);
-  spec.attribute("Compression", "jpeg:90");
-  if (!file || !file->open(path, spec) || !file->write_image(OIIO::TypeDesc::UINT8, rgb.data()) ||
-      !file->close()) {
-    return make_error(ErrorId::kIo, "cannot write '" + path + "'");
-  }
-  std::ifstream in(path, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(in), {});
+  const Result<const ImageLibrary*> library = image_library();
+  if (!library) return library.error();
+  const Result<std::vector<std::uint8_t>> file = (*library)->encode(
+      normal_map ? "map.png" : "map.jpg", {edge, edge, 3, rgb.data()}, "jpeg:90");
+  if (!file) return file.error();
+  return std::string(file->begin(), file->end());
 }
 
 Result<void> add_textures(Builder& builder, const LargeScene& scene) {

@@ -1,10 +1,10 @@
 #include "server/scene/environment/environment_file.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+
+#include "modules/image_library.h"
 
 namespace mirage {
 namespace {
@@ -68,13 +68,15 @@ class Reducer {
 };
 
 Result<Equirect> read(const std::string& path, std::vector<std::string>& warnings) {
-  // The file name decides the format: no other readers are tried.
-  OIIO::attribute("try_all_readers", 0);
-  auto input = OIIO::ImageInput::open(path);
-  if (!input) return make_error(ErrorId::kSceneFormat, OIIO::geterror(), "a .hdr or .exr file");
-  const OIIO::ImageSpec spec = input->spec();
-  const int w = spec.width, h = spec.height, channels = spec.nchannels;
-  if (w < 1 || h < 1 || spec.depth > 1 || channels < 1) {
+  const Result<const ImageLibrary*> library = image_library();
+  if (!library) return library.error();
+  const ImageLibrary::Opened input = (*library)->open_file(path);
+  if (!input) {
+    return make_error(ErrorId::kSceneFormat, input.error().text, "a .hdr or .exr file");
+  }
+  const ImageShape shape = (*input)->shape();
+  const int w = shape.width, h = shape.height, channels = shape.channels;
+  if (w < 1 || h < 1 || shape.depth > 1 || channels < 1) {
     return make_error(ErrorId::kSceneFormat, "an image without pixels");
   }
   if (w > kMostEdge || h > kMostEdge) {
@@ -83,21 +85,17 @@ Result<Equirect> read(const std::string& path, std::vector<std::string>& warning
                       "oiiotool FILE --resize 4096x2048 -o SMALLER");
   }
   const int taken = std::min(channels, 3);
-  const int rows = spec.tile_height > 0 ? spec.tile_height : kBandRows;
-  if (rows > kMostEdge || spec.tile_width > 2 * kMostEdge) {
+  const int rows = shape.tile_height > 0 ? shape.tile_height : kBandRows;
+  if (rows > kMostEdge || shape.tile_width > 2 * kMostEdge) {
     return make_error(ErrorId::kSceneLimit, "its tiles are too large");
   }
   std::vector<float> band(static_cast<std::size_t>(w) * static_cast<std::size_t>(rows * taken));
   Reducer reducer(w, h);
   for (int y = 0; y < h; y += rows) {
     const int end = std::min(y + rows, h);
-    const int y0 = spec.y + y, y1 = spec.y + end;
-    const bool read =
-        spec.tile_width > 0
-            ? input->read_tiles(0, 0, spec.x, spec.x + w, y0, y1, 0, 1, 0, taken,
-                                OIIO::TypeDesc::FLOAT, band.data())
-            : input->read_scanlines(0, 0, y0, y1, 0, 0, taken, OIIO::TypeDesc::FLOAT, band.data());
-    if (!read) return make_error(ErrorId::kSceneFormat, input->geterror());
+    if (const Result<void> read = (*input)->read_rows(y, end, taken, band.data()); !read) {
+      return make_error(ErrorId::kSceneFormat, read.error().text);
+    }
     for (int i = y; i < end; ++i) {
       reducer.add_row(i, band.data() + static_cast<std::ptrdiff_t>(i - y) * w * taken, taken);
     }
@@ -117,25 +115,19 @@ Result<Equirect> read_environment(const std::string& path, std::vector<std::stri
     return make_error(ErrorId::kSceneMissing, "no environment file '" + path + "'",
                       "--environment FILE.hdr, FILE.exr, builtin:studio, builtin:sky or none");
   }
-  try {
-    Result<Equirect> image = read(path, warnings);
-    if (image) return image;
-    const Error& error = image.error();
-    return make_error(error.id, "environment " + path + ": " + error.text, error.hint);
-  } catch (const std::exception& exception) {
-    return make_error(ErrorId::kSceneFormat, "environment " + path + ": " + exception.what());
-  }
+  Result<Equirect> image = read(path, warnings);
+  if (image) return image;
+  const Error& error = image.error();
+  return make_error(error.id, "environment " + path + ": " + error.text, error.hint);
 }
 
 Result<void> write_environment(const Equirect& image, const std::string& path) {
-  auto output = OIIO::ImageOutput::create(path);
-  const OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::FLOAT);
-  if (output && output->open(path, spec) &&
-      output->write_image(OIIO::TypeDesc::FLOAT, image.texels.data()) && output->close()) {
-    return {};
-  }
-  return make_error(ErrorId::kIo, "cannot write '" + path +
-                                      "': " + (output ? output->geterror() : OIIO::geterror()));
+  const Result<const ImageLibrary*> library = image_library();
+  if (!library) return library.error();
+  const ImagePixels<float> pixels{image.width, image.height, 3, &image.texels.data()->x};
+  const Result<void> written = (*library)->write_file(path, pixels);
+  if (written) return {};
+  return make_error(ErrorId::kIo, "cannot write '" + path + "': " + written.error().text);
 }
 
 }  // namespace mirage

@@ -1,11 +1,9 @@
 #include "server/scene/gltf/image_decode.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-
 #include <memory>
 #include <vector>
 
+#include "modules/image_library.h"
 #include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/image_reduce.h"
 
@@ -44,63 +42,48 @@ std::vector<std::uint8_t> expand(const std::vector<std::uint8_t>& in, int channe
 }
 
 /// Reads rows of about a megabyte at a time, so that only the result is in memory as a whole.
-bool read_reduced(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, int halvings, bool srgb,
-                  Image& image) {
+Result<Image> read_reduced(ImageReader& input, int halvings, bool srgb) {
+  const ImageShape shape = input.shape();
   const std::size_t stride =
-      static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels);
+      static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.channels);
   const int step = std::max(1, static_cast<int>((std::size_t{1} << 20) / stride));
   std::vector<std::uint8_t> rows(static_cast<std::size_t>(step) * stride);
-  ImageReducer reducer(static_cast<std::uint32_t>(spec.width),
-                       static_cast<std::uint32_t>(spec.height), spec.nchannels, halvings, srgb);
-  for (int y = 0; y < spec.height; y += step) {
-    const int end = std::min(y + step, spec.height);
-    if (!input.read_scanlines(0, 0, y, end, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8,
-                              rows.data())) {
-      return false;
-    }
+  ImageReducer reducer(static_cast<std::uint32_t>(shape.width),
+                       static_cast<std::uint32_t>(shape.height), shape.channels, halvings, srgb);
+  for (int y = 0; y < shape.height; y += step) {
+    const int end = std::min(y + step, shape.height);
+    const Result<void> read = input.read_rows(y, end, shape.channels, rows.data());
+    if (!read) return unreadable(read.error().text);
     reducer.add_rows(std::span(rows).first(static_cast<std::size_t>(end - y) * stride));
   }
-  image = reducer.take();
-  return true;
+  return reducer.take();
 }
 
-bool read_whole(OIIO::ImageInput& input, const OIIO::ImageSpec& spec, Image& image) {
-  image.width = static_cast<std::uint32_t>(spec.width);
-  image.height = static_cast<std::uint32_t>(spec.height);
+Result<Image> read_whole(ImageReader& input) {
+  const ImageShape shape = input.shape();
+  Image image;
+  image.width = static_cast<std::uint32_t>(shape.width);
+  image.height = static_cast<std::uint32_t>(shape.height);
   std::vector<std::uint8_t> pixels(std::size_t{image.width} * image.height *
-                                   static_cast<std::size_t>(spec.nchannels));
-  if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, pixels.data())) {
-    return false;
-  }
-  image.rgba = spec.nchannels == 4 ? std::move(pixels) : expand(pixels, spec.nchannels);
-  return true;
+                                   static_cast<std::size_t>(shape.channels));
+  const Result<void> read = input.read_rows(0, shape.height, shape.channels, pixels.data());
+  if (!read) return unreadable(read.error().text);
+  image.rgba = shape.channels == 4 ? std::move(pixels) : expand(pixels, shape.channels);
+  return image;
 }
 
 Result<Image> decode(std::span<const std::uint8_t> bytes, const ImageHeader& header, int halvings,
                      bool srgb) {
-  OIIO::Filesystem::IOMemReader reader(bytes.data(), bytes.size());
-  OIIO::ImageSpec config;
-  config["oiio:UnassociatedAlpha"] = 1;
-  OIIO::Filesystem::IOProxy* proxy = &reader;
-  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  // The header has named the format; if its reader fails, the others are not tried.
-  OIIO::attribute("try_all_readers", 0);
-  auto input = OIIO::ImageInput::open(file_name(header.format), &config, proxy);
-  // The message must be fetched in any case, or OpenImageIO prints it.
-  if (!input) return unreadable(OIIO::geterror());
-  const OIIO::ImageSpec spec = input->spec();
-  const auto width = static_cast<std::uint32_t>(spec.width);
-  const auto height = static_cast<std::uint32_t>(spec.height);
+  const Result<const ImageLibrary*> library = image_library();
+  if (!library) return library.error();
+  const ImageLibrary::Opened input = (*library)->open_bytes(bytes, file_name(header.format));
+  if (!input) return unreadable(input.error().text);
+  const ImageShape shape = (*input)->shape();
+  const auto width = static_cast<std::uint32_t>(shape.width);
+  const auto height = static_cast<std::uint32_t>(shape.height);
   if (width != header.width || height != header.height) return unreadable("contradictory size");
-  if (spec.nchannels < 1 || spec.nchannels > kMaxChannels) return unreadable("odd channel count");
-
-  Image image;
-  const bool complete = halvings > 0 ? read_reduced(*input, spec, halvings, srgb, image)
-                                     : read_whole(*input, spec, image);
-  const std::string message = input->geterror();
-  input->close();
-  if (!complete) return unreadable(message);
-  return image;
+  if (shape.channels < 1 || shape.channels > kMaxChannels) return unreadable("odd channel count");
+  return halvings > 0 ? read_reduced(**input, halvings, srgb) : read_whole(**input);
 }
 
 }  // namespace
@@ -121,11 +104,7 @@ Result<ImageHeader> judge_image(std::span<const std::uint8_t> bytes) {
 Result<Image> decode_image(std::span<const std::uint8_t> bytes, int halvings, bool srgb) {
   const auto header = judge_image(bytes);
   if (!header) return header.error();
-  try {
-    return decode(bytes, *header, halvings, srgb);
-  } catch (const std::exception& exception) {
-    return unreadable(exception.what());
-  }
+  return decode(bytes, *header, halvings, srgb);
 }
 
 }  // namespace mirage::gltf

@@ -1,5 +1,5 @@
 #pragma once
-// Decodes PNG, JPEG or WebP bytes into RGBA8, through OpenImageIO and from memory.
+// Decodes PNG, JPEG or WebP bytes into RGBA8, through the image library and from memory.
 
 #include <cstdint>
 #include <span>
@@ -19,7 +19,7 @@ Result<ImageHeader> judge_image(std::span<const std::uint8_t> bytes);
 /// Decodes an image. Alpha stays unassociated, 16-bit is reduced, grey and RGB are expanded. The
 /// sides are halved `halvings` times (image_reduce.h); if `srgb`, the colours are averaged as
 /// linear light. Errors: those of judge_image,
-/// kSceneFormat (unreadable). Any thread.
+/// kSceneFormat (unreadable), kModule (no image library). Any thread.
 Result<Image> decode_image(std::span<const std::uint8_t> bytes, int halvings, bool srgb);
 
 }  // namespace mirage::gltf

@@ -213,7 +213,8 @@ Result<std::vector<Image>> ImageImporter::take(const Workers& workers) {
     if (image) {
       images[i] = image.take();
     } else {
-      damage[i] = make_error(image.error().id, name_of(wanted.source) + ": " + image.error().text);
+      damage[i] = make_error(image.error().id, name_of(wanted.source) + ": " + image.error().text,
+                             image.error().hint);
     }
   };
   for (std::size_t begin = 0; begin < wanted_.size();) {
@@ -223,6 +224,8 @@ Result<std::vector<Image>> ImageImporter::take(const Workers& workers) {
   }
   for (std::size_t i = 0; i < wanted_.size(); ++i) {
     if (damage[i]) {
+      // The file is sound, so that leaving its images out would hide a fault of the installation.
+      if (damage[i]->id == ErrorId::kModule) return *damage[i];
       if (auto ok = leave_out(wanted_[i], *damage[i]); !ok) return ok.error();
     }
     if (wanted_[i].same >= 0) images[i] = images[static_cast<std::size_t>(wanted_[i].same)];

@@ -33,7 +33,8 @@ class ImageImporter {
   Converted converted(int diffuse, int specular_glossiness, const SpecGloss& factors);
   /// Decodes all images in use. Unreadable ones become white, with a warning. If all together have
   /// too many pixels, they are reduced, with another warning. Error kSceneLimit: an image cannot be
-  /// reduced while it is decoded, or all together take too long.
+  /// reduced while it is decoded, or all together take too long. Error kModule: nothing can be
+  /// decoded here.
   Result<std::vector<Image>> take(const Workers& workers);
   /// True if the image at this place could be decoded; valid after take().
   bool readable(std::int32_t place) const;
