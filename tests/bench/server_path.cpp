@@ -198,14 +198,19 @@ void time_encoding(const PreparedScene& scene, const std::vector<RenderedTile>& 
     std::vector<Tile> tiles;
     tiles.reserve(drawn.size());
     const auto count = static_cast<double>(drawn.size());
-    cut.push_back(seconds(Time::kCpu, [&] {
-      for (const RenderedTile& tile : drawn) {
-        tiles.push_back(cut_and_measure(tile, *scene.description(tile.job.key.object)));
-      }
-    }) / count);
-    code.push_back(seconds(Time::kCpu, [&] {
-      for (const Tile& tile : tiles) make_form(tile, {}, TileCodec::kZstd);
-    }) / count);
+    cut.push_back(seconds(Time::kCpu,
+                          [&] {
+                            for (const RenderedTile& tile : drawn) {
+                              tiles.push_back(
+                                  cut_and_measure(tile, *scene.description(tile.job.key.object)));
+                            }
+                          }) /
+                  count);
+    code.push_back(seconds(Time::kCpu,
+                           [&] {
+                             for (const Tile& tile : tiles) make_form(tile, {}, TileCodec::kZstd);
+                           }) /
+                   count);
   }
   costs.cut = 1e6 * middle(cut).median;
   costs.code = 1e6 * middle(code).median;

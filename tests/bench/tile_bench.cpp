@@ -88,10 +88,10 @@ Result<std::vector<Row>> whole_server(const Conditions& conditions) {
   };
   Result<std::vector<Row>> rows = server_path(conditions);
   if (!rows) return rows.error();
-  rows->insert(rows->begin(), {"server, asks in, encoded 128-texel tiles out (forest)",
-                               rate(pair.ours_s), "bare GL loop: " + rate(pair.beside_s),
-                               pair.ratio, ">= 0.9", pair.ratio >= 0.9, pair.spread_pct,
-                               "same levels of detail, shaders, samples and format; wall time"});
+  rows->insert(rows->begin(),
+               {"server, asks in, encoded 128-texel tiles out (forest)", rate(pair.ours_s),
+                "bare GL loop: " + rate(pair.beside_s), pair.ratio, ">= 0.9", pair.ratio >= 0.9,
+                pair.spread_pct, "same levels of detail, shaders, samples and format; wall time"});
   return rows;
 }
 
@@ -149,7 +149,8 @@ Result<std::vector<Row>> levels(const Conditions& conditions) {
 }  // namespace
 
 std::vector<Bench> tile_benches() {
-  return {{"server", "throughput beside a bare GL loop; CPU time of a tile besides drawing", whole_server},
+  return {{"server", "throughput beside a bare GL loop; CPU time of a tile besides drawing",
+           whole_server},
           {"levels", "tiles from levels of detail beside the whole mesh", levels}};
 }
 
