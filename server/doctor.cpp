@@ -18,6 +18,7 @@
 #include "server/prepare/prepared_scene.h"
 #include "server/session/session.h"
 #include "server/source/shared_store.h"
+#include "server/stage/machine_share.h"
 #include "server/stage/pipeline.h"
 #include "shaders/gl/egl_context.h"
 #include "shaders/gl/missing_gpu.h"
@@ -139,6 +140,8 @@ void render_one(const ServerOptions& options, const std::shared_ptr<const Prepar
   const Result<std::string> renderer = pipeline.start(scene, options.render, options.encoders);
   if (!renderer) return found.fail("renderer", renderer.error());
   found.ok("renderer", *renderer);
+  found.ok("encoders",
+           fmt::format("{} on {} cores (--encoders)", pipeline.encoders(), usable_cores()));
   SessionHub hub(scene, options.session, pipeline.queues);
   Endpoint endpoint(hub, pipeline.queues);
   const Result<void> listening = endpoint.listen(options.endpoint);

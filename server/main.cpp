@@ -121,15 +121,16 @@ Result<void> write_port(const std::string& path, int port) {
   return {};
 }
 
-void announce(const ServerOptions& options, const PreparedScene& scene, const SessionHub& hub,
-              int port) {
+void announce(const ServerOptions& options, ServedScene& served, int port) {
+  const PreparedScene& scene = served.scene();
+  const SessionHub& hub = served.hub();
   const std::string url = options.endpoint.address.url(!options.endpoint.tls_cert.empty(), port);
   std::printf("%s\n",
               fmt::format("ready url={} scene={} revision={:016x} profile={:016x} objects={} "
-                          "instances={} triangles={} gl={}",
+                          "instances={} triangles={} encoders={} gl={}",
                           without_spaces(url), without_spaces(options.scene), hub.revision(),
                           hub.options().profile, scene.objects.size(), scene.scene.instances.size(),
-                          scene.scene.triangles(), hub.options().renderer)
+                          scene.scene.triangles(), served.encoders(), hub.options().renderer)
                   .c_str());
   std::fflush(stdout);
 }
@@ -224,7 +225,7 @@ int Service::run() {
   if (const Result<void> written = write_port(options_.port_file, endpoint_->port()); !written) {
     return fail(written.error());
   }
-  announce(options_, served_->scene(), served_->hub(), endpoint_->port());
+  announce(options_, *served_, endpoint_->port());
   manager_.ready("serves " + options_.scene);
   const Result<void> ended = endpoint_->run(hooks());
   awake_ = nullptr;

@@ -141,9 +141,10 @@ void add_graphics_options(CLI::App& app, ServerOptions& o, Texts& t) {
       ->type_name("NAME")
       ->check(CLI::IsMember({"auto", "raw", "zstd", "webp"}))
       ->capture_default_str();
-  app.add_option("--encoders", o.encoders, "threads that compress tiles")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  app.add_option("--encoders", o.encoders,
+                 "threads that measure and compress tiles; default: with a graphics card 2 less "
+                 "than there are cores, at most 14, else 1")
+      ->check(CLI::Range(1, 64));
   app.add_option("--stand-in-ms", o.render.stand_in_ms,
                  "for load tests of many servers on one machine: send grey tiles, each after so "
                  "many ms asleep")

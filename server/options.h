@@ -24,9 +24,9 @@ struct ServerOptions {
   bool cache_read_only = false;
   std::size_t cache_mb = 512;
   std::optional<StoreAddress> store;  ///< that servers share
-  int encoders = 1;
-  bool strict = false;   ///< refuse what viewers forgive
-  bool shadows = false;  ///< asked for; a scene without casters has none all the same
+  int encoders = 0;                   ///< 0: as many as suit the machine
+  bool strict = false;                ///< refuse what viewers forgive
+  bool shadows = false;               ///< asked for; a scene without casters has none all the same
   bool list_devices = false;
   bool require_gpu = false;  ///< refuse to draw on the CPU
   bool doctor = false;       ///< only look whether this machine can serve

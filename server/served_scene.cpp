@@ -73,5 +73,6 @@ void ServedScene::stop() {
 const PreparedScene& ServedScene::scene() const { return *parts_->scene; }
 SessionHub& ServedScene::hub() { return *parts_->hub; }
 StageQueues& ServedScene::queues() { return parts_->pipeline->queues; }
+int ServedScene::encoders() const { return parts_->pipeline->encoders(); }
 
 }  // namespace mirage

@@ -30,6 +30,7 @@ class ServedScene {
   const PreparedScene& scene() const;
   SessionHub& hub();
   StageQueues& queues();
+  int encoders() const;
 
  private:
   struct Parts;

@@ -40,6 +40,7 @@ target_link_libraries(mirage_e2e_shared_store PRIVATE mirage_source)
 set_tests_properties(e2e_cache e2e_shared_store PROPERTIES RUN_SERIAL ON)
 mirage_e2e(relay)
 add_dependencies(mirage_e2e_relay mirage-relay mirage-link)
+add_dependencies(mirage_e2e_load mirage-relay)
 mirage_e2e(operations)
 target_compile_definitions(mirage_e2e_operations PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 # The test of reloading writes scenes, compares frames, and uses TLS.

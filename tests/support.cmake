@@ -3,7 +3,7 @@ add_library(mirage_test_support STATIC support/process.cpp)
 mirage_target(mirage_test_support TEST PCH none)
 target_compile_definitions(mirage_test_support PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
-add_library(mirage_test_rigs STATIC gl/bench.cpp support/rig.cpp support/large_scene.cpp)
+add_library(mirage_test_rigs STATIC gl/bench.cpp support/rig.cpp support/large_scene.cpp support/measure_reference.cpp)
 mirage_target(mirage_test_rigs PCH wire)
 target_compile_definitions(mirage_test_rigs PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(mirage_test_rigs PRIVATE mirage_modules PUBLIC mirage_server_core mirage_client_core mirage_gltf mirage_builtin mirage_quality

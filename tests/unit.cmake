@@ -14,7 +14,7 @@ add_executable(mirage_core_tests
   server/prepare/motion_test.cpp server/prepare/parts_test.cpp server/prepare/posed_extent_test.cpp
   server/render/shading_test.cpp server/scene/environment/environment_test.cpp server/session/access_test.cpp server/session/asks_test.cpp
   server/session/codec_test.cpp server/session/fetch_test.cpp server/session/gets_test.cpp server/session/session_test.cpp
-  server/session/view_test.cpp server/stage/profile_test.cpp server/tile/behind_test.cpp server/tile/bound_test.cpp
+  server/session/view_test.cpp server/stage/machine_share_test.cpp server/stage/profile_test.cpp server/tile/behind_test.cpp server/tile/bound_test.cpp
   relay/packet_direction.cpp relay/packet_direction_test.cpp relay/shaped_direction.cpp relay/shaped_direction_test.cpp server/tile/measure_test.cpp server/tile/queue_test.cpp server/tile/store_test.cpp
   shaders/gl/missing_gpu_test.cpp)
 mirage_target(mirage_core_tests TEST)

@@ -167,7 +167,7 @@ Result<void> LoadRun::take_tile(std::uint32_t client, const MessageView& message
   }
   const PlannedAsk* ask = answered(client, id);
   if (!ask) {
-    ++results_.errors["unexpected-tile"];
+    take_late_tile(client, id, now);
     return {};
   }
   ++results_.tiles;
@@ -190,6 +190,18 @@ Result<void> LoadRun::take_tile(std::uint32_t client, const MessageView& message
     verifier_.submit(std::move(task));
   }
   return {};
+}
+
+void LoadRun::take_late_tile(std::uint32_t client, std::uint32_t request_id, std::int64_t now_us) {
+  const std::size_t index = std::size_t{request_id} - 1;
+  const bool planned = request_id != 0 && index < plan_.asks.size();
+  if (!planned || asks_[index] != AskState::kGivenUp || plan_.asks[index].client != client) {
+    ++results_.errors["unexpected-tile"];
+    return;
+  }
+  asks_[index] = AskState::kDone;
+  const std::int64_t latency_us = now_us - start_us_ - plan_.asks[index].intended_us;
+  results_.late_ms.push_back(static_cast<float>(latency_us) * 1e-3f);
 }
 
 // Checks that equal key and codec mean equal content, for every tile and across all clients.

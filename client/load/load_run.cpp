@@ -225,8 +225,9 @@ void LoadRun::wait_for_answers() {
 
 void LoadRun::count_unanswered() {
   for (AskState& state : asks_) {
-    if (state == AskState::kWaiting) ++results_.errors["no-answer"];
-    state = AskState::kDone;  // later answers do not count again
+    if (state != AskState::kWaiting) continue;
+    ++results_.errors["no-answer"];
+    state = AskState::kGivenUp;
   }
 }
 

@@ -42,7 +42,7 @@ class LoadRun final : private LoadSink {
     std::uint32_t pages = 0;    // pages of the scene's description
     std::uint32_t waiting = 0;  // unanswered asks
   };
-  enum class AskState : std::uint8_t { kPlanned, kWaiting, kDone };
+  enum class AskState : std::uint8_t { kPlanned, kWaiting, kDone, kGivenUp };
 
   // The phases of a run.
   Result<void> meet_server();
@@ -66,6 +66,8 @@ class LoadRun final : private LoadSink {
   void take_refusal(std::uint32_t client, const wire::Refused& refused);
   /// Returns the planned ask with this id if `client` waits for it, and ends that wait.
   const PlannedAsk* answered(std::uint32_t client, std::uint32_t request_id);
+  /// Counts a tile for which nobody waits any more: late, or never asked for.
+  void take_late_tile(std::uint32_t client, std::uint32_t request_id, std::int64_t now_us);
   bool same_content(const wire::TileReply& reply);
   void described(Client& c, std::uint32_t client);
   void ask(std::size_t index, std::int64_t now_us);

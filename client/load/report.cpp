@@ -38,6 +38,8 @@ std::string to_json(const LoadResults& r) {
                      {"p95", at_quantile(r.latency_ms, 0.95)},
                      {"p99", at_quantile(r.latency_ms, 0.99)},
                      {"max", at_quantile(r.latency_ms, 1.0)}};
+  j["late"] = r.late_ms.size();
+  j["late_ms"] = {{"p50", at_quantile(r.late_ms, 0.5)}, {"max", at_quantile(r.late_ms, 1.0)}};
   j["errors"] = ordered_json::object();
   for (const auto& [id, count] : r.errors) j["errors"][id] = count;
   j["verified"] = r.verified;
@@ -82,6 +84,11 @@ std::string to_table(const LoadResults& r) {
                        quantile(r.latency_ms, 0.99), quantile(r.latency_ms, 1.0));
     out += fmt::format("own send lag     {:.1f} ms p99, {:.1f} max (part of the latency)\n",
                        quantile(r.send_lag_ms, 0.99), quantile(r.send_lag_ms, 1.0));
+  }
+  if (!r.late_ms.empty()) {
+    out += fmt::format(
+        "late             {} tiles after they were given up, {:.0f} ms p50, {:.0f} max\n",
+        r.late_ms.size(), quantile(r.late_ms, 0.5), quantile(r.late_ms, 1.0));
   }
   if (!r.away_ms.empty()) {
     out += fmt::format("reconnects       {}, away {:.0f} ms p50, {:.0f} p99, {:.0f} max\n",

@@ -26,7 +26,9 @@ struct LoadResults {
   std::uint64_t tiles = 0;
   std::uint64_t bytes = 0;
   std::vector<float> latency_ms;  ///< answer - intended time, one per tile
-  std::vector<float> server_ms;   ///< server's share of the latency, as the server says
+  /// the same of tiles that came after the run had given them up, which are not in `tiles`
+  std::vector<float> late_ms;
+  std::vector<float> server_ms;  ///< server's share of the latency, as the server says
   /// handed to the socket - intended time: the load client's own delay
   std::vector<float> send_lag_ms;
   /// per reconnect: from the lost connection until the scene is known again

@@ -15,6 +15,11 @@ const std::vector<Figure> kStatistics = {
     {"latency_ms.p95", "ms", "95th percentile."},
     {"latency_ms.p99", "ms", "99th percentile."},
     {"latency_ms.max", "ms", "Longest."},
+    {"late", "",
+     "Tiles that came more than 5 s after the asking ended. They count as `no-answer`, too, and "
+     "not as received."},
+    {"late_ms.p50", "ms", "From the intended time of their request to the reply, median."},
+    {"late_ms.max", "ms", "Longest."},
     {"errors.ID", "", "Errors with the id ID (docs/reference/errors.md)."},
     {"verified", "", "Tiles that were decoded and checked."},
     {"verify_failures", "", "Tiles that failed the check; must be 0."},

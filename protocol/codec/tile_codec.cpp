@@ -4,6 +4,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <cstring>
 #include <memory>
 
 #include "protocol/base/limits.h"
@@ -15,21 +16,51 @@ namespace {
 
 constexpr int kLevel = 1;  // higher levels cost 3x the time for under 5 % of the bytes
 
-// Replaces red and blue by their differences from green (`sign` -1) or restores them (1). In a gray
-// tile the differences are 0.
-void add_green(std::uint8_t* plane, std::size_t texels, int sign) {
+// Restores red and blue from their differences from green.
+void add_green(std::uint8_t* plane, std::size_t texels) {
   for (std::uint8_t* p = plane; p != plane + texels * 4; p += 4) {
-    p[0] = static_cast<std::uint8_t>(p[0] + sign * p[1]);
-    p[2] = static_cast<std::uint8_t>(p[2] + sign * p[1]);
+    p[0] = static_cast<std::uint8_t>(p[0] + p[1]);
+    p[2] = static_cast<std::uint8_t>(p[2] + p[1]);
   }
 }
 
 // Left prediction per channel, restarted on every row so that rows stay independent.
-void predict(std::uint8_t* plane, std::size_t width, std::size_t height, std::size_t channels) {
-  for (std::size_t y = 0; y < height; ++y) {
-    std::uint8_t* row = plane + y * width * channels;
-    for (std::size_t i = width * channels; i-- > channels;) {
-      row[i] = static_cast<std::uint8_t>(row[i] - row[i - channels]);
+void predict(const std::uint8_t* plane, std::size_t width, std::size_t height, std::size_t channels,
+             std::uint8_t* out) {
+  const std::size_t row = width * channels;
+  for (std::size_t y = 0; y < height; ++y, plane += row, out += row) {
+    std::copy_n(plane, channels, out);
+    for (std::size_t i = channels; i < row; ++i) {
+      out[i] = static_cast<std::uint8_t>(plane[i] - plane[i - channels]);
+    }
+  }
+}
+
+// Returns the differences of the four bytes, each on its own.
+std::uint32_t bytes_less(std::uint32_t a, std::uint32_t b) {
+  constexpr std::uint32_t kTop = 0x80808080;
+  return ((a | kTop) - (b & ~kTop)) ^ ((a ^ ~b) & kTop);
+}
+
+// Does the same for colours, whose red and blue become differences from green: in a gray tile they
+// are 0. Whole texels as integers become vectors, single bytes do not.
+void predict_colors(const std::uint8_t* plane, std::size_t width, std::size_t height,
+                    std::uint8_t* out) {
+  const auto less_green = [](std::uint32_t texel) {
+    const std::uint32_t green = texel >> 8 & 0xff;  // bytes from low to high
+    return bytes_less(texel, green | green << 16);
+  };
+  for (std::size_t y = 0; y < height; ++y, plane += width * 4, out += width * 4) {
+    std::uint32_t first = 0;
+    std::memcpy(&first, plane, 4);
+    first = less_green(first);
+    std::memcpy(out, &first, 4);
+    for (std::size_t i = 4; i < width * 4; i += 4) {
+      std::uint32_t texel = 0, left = 0;
+      std::memcpy(&texel, plane + i, 4);
+      std::memcpy(&left, plane + i - 4, 4);
+      const std::uint32_t differs = less_green(bytes_less(texel, left));
+      std::memcpy(out + i, &differs, 4);
     }
   }
 }
@@ -57,11 +88,10 @@ struct FreeContext {
 
 std::vector<std::uint8_t> compress_block(const std::uint8_t* bytes, std::size_t size) {
   static thread_local const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
-  std::vector<std::uint8_t> out(ZSTD_compressBound(size));
-  const std::size_t n =
-      ZSTD_compressCCtx(context.get(), out.data(), out.size(), bytes, size, kLevel);
-  out.resize(ZSTD_isError(n) ? 0 : n);
-  return out;
+  const std::size_t most = ZSTD_compressBound(size);
+  const std::unique_ptr<std::uint8_t[]> out(new std::uint8_t[most]);  // not filled with zeros
+  const std::size_t n = ZSTD_compressCCtx(context.get(), out.get(), most, bytes, size, kLevel);
+  return {out.get(), out.get() + (ZSTD_isError(n) ? 0 : n)};
 }
 
 Result<std::vector<std::uint8_t>> decompress_block(const std::uint8_t* bytes, std::size_t size,
@@ -124,23 +154,24 @@ Bytes coverage_of(const Bytes& rgba) {
   return alpha;
 }
 
-// Joins all planes, prepared for a compressor unless `codec` has none.
-Bytes lossless_planes(const Tile& tile, TileCodec codec) {
-  Bytes planes;
-  planes.reserve(all_plane_bytes(tile, codec));
+// Writes all planes one behind another, prepared for a compressor unless `codec` has none.
+void lossless_planes(const Tile& tile, TileCodec codec, std::uint8_t* out) {
   for (const PlaneShape& shape : kPlanes) {
-    if (!(tile.channels & shape.channel)) continue;
+    const std::size_t bytes = plane_bytes(tile, shape, codec);
+    if (bytes == 0) continue;
     const std::size_t channels = bytes_per_texel(shape, codec);
     const bool coverage = channels != shape.bytes;
     const Bytes alpha = coverage ? coverage_of(tile.rgba) : Bytes{};
-    const Bytes& plane = coverage ? alpha : tile.*shape.plane;
-    planes.insert(planes.end(), plane.begin(), plane.end());
-    if (codec == TileCodec::kRaw) continue;
-    std::uint8_t* put = planes.data() + (planes.size() - plane.size());
-    if (holds_colors(shape, codec)) add_green(put, tile.crop.area(), -1);
-    predict(put, tile.crop.w, tile.crop.h, channels);
+    const std::uint8_t* const plane = (coverage ? alpha : tile.*shape.plane).data();
+    if (codec == TileCodec::kRaw) {
+      std::copy_n(plane, bytes, out);
+    } else if (holds_colors(shape, codec)) {
+      predict_colors(plane, tile.crop.w, tile.crop.h, out);
+    } else {
+      predict(plane, tile.crop.w, tile.crop.h, channels, out);
+    }
+    out += bytes;
   }
-  return planes;
 }
 
 // The inverse of lossless_planes(): fills the tile. Beside a lossy image it fills only coverage.
@@ -152,7 +183,7 @@ void take_planes(Bytes planes, TileCodec codec, Tile& tile) {
     const bool coverage = channels != shape.bytes;
     if (codec != TileCodec::kRaw && at != end) {
       unpredict(&*at, tile.crop.w, tile.crop.h, channels);
-      if (holds_colors(shape, codec)) add_green(&*at, tile.crop.area(), 1);
+      if (holds_colors(shape, codec)) add_green(&*at, tile.crop.area());
     }
     if (coverage) {
       tile.rgba.resize(tile.crop.area() * 4);
@@ -213,9 +244,11 @@ std::vector<std::uint8_t> every_codec() {
 }
 
 std::vector<std::uint8_t> encode_tile_planes(const Tile& tile, TileCodec codec) {
-  Bytes planes = lossless_planes(tile, codec);
-  if (codec == TileCodec::kRaw || planes.empty()) return planes;
-  const Bytes rest = compress_block(planes.data(), planes.size());
+  const std::size_t size = all_plane_bytes(tile, codec);
+  if (codec == TileCodec::kRaw || size == 0) return raw_tile_planes(tile);
+  const std::unique_ptr<std::uint8_t[]> planes(new std::uint8_t[size]);  // not filled with zeros
+  lossless_planes(tile, codec, planes.get());
+  Bytes rest = compress_block(planes.get(), size);
   if (!is_lossy(codec)) return rest;
   const std::uint32_t w = tile.crop.w, h = tile.crop.h;
   const Bytes colors = encode_webp_colors(straight_colors(tile.rgba, w, h), w, h);
@@ -228,7 +261,11 @@ std::vector<std::uint8_t> encode_tile_planes(const Tile& tile, TileCodec codec) 
   return out;
 }
 
-Bytes raw_tile_planes(const Tile& tile) { return lossless_planes(tile, TileCodec::kRaw); }
+Bytes raw_tile_planes(const Tile& tile) {
+  Bytes out(all_plane_bytes(tile, TileCodec::kRaw));
+  lossless_planes(tile, TileCodec::kRaw, out.data());
+  return out;
+}
 
 Result<void> decode_tile_planes(const std::uint8_t* bytes, std::size_t size, TileCodec codec,
                                 Tile& tile) {

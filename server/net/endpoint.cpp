@@ -33,6 +33,9 @@ namespace {
 constexpr int kMaxWritesPerCallback = 8;
 // Largest piece in which libwebsockets delivers data; each connection has a buffer of this size.
 constexpr std::size_t kReceiveBytes = 2048;
+// Largest piece that libwebsockets passes to the system at a time. Its default is kReceiveBytes: a
+// tile would take six calls, each with a copy of all that is left.
+constexpr std::size_t kSendBytes = 256 * 1024;
 constexpr std::int64_t kFarewellUs = 1'000'000;  // time for goodbyes, once all is sent
 constexpr lws_usec_t kSweepUs = 250'000;
 // Descriptors reserved for files.
@@ -66,7 +69,7 @@ int on_operator(lws* wsi, lws_callback_reasons reason, void* user, void* in, siz
 
 const lws_protocols kProtocols[] = {
     {"http", on_http, sizeof(HttpPeer), 4096, 0, nullptr, 0},
-    {"mirage", on_websocket, sizeof(Connection), kReceiveBytes, 0, nullptr, 0},
+    {"mirage", on_websocket, sizeof(Connection), kReceiveBytes, 0, nullptr, kSendBytes},
     {nullptr, nullptr, 0, 0, 0, nullptr, 0},
 };
 

@@ -5,6 +5,7 @@
 #include "server/stage/encode_stage.h"
 #include "server/stage/fetch_stage.h"
 #include "server/stage/image_stage.h"
+#include "server/stage/machine_share.h"
 #include "server/stage/render_options.h"
 #include "server/stage/render_stage.h"
 #include "server/stage/stand_in_stage.h"
@@ -36,9 +37,17 @@ Result<std::string> Pipeline::start(std::shared_ptr<const PreparedScene> scene,
                                     const RenderOptions& options, int encoders) {
   stages_->fetch.start();
   stages_->images.start(scene);
-  stages_->encode.start(scene, encoders);
-  if (options.stand_in_ms > 0) return stages_->stand_in.start(options);
-  return stages_->render.start(std::move(scene), options);
+  Renderer renderer;
+  if (options.stand_in_ms > 0) {
+    renderer.name = stages_->stand_in.start(options);
+  } else {
+    Result<Renderer> started = stages_->render.start(scene, options);
+    if (!started) return started.error();
+    renderer = started.take();
+  }
+  encoders_ = encoders > 0 ? encoders : encoders_for(usable_cores(), renderer.software);
+  stages_->encode.start(std::move(scene), encoders_);
+  return renderer.name;
 }
 
 void Pipeline::stop() {

@@ -27,10 +27,11 @@ class Pipeline {
       std::function<void()> wake = [] {});
   ~Pipeline();
 
-  /// Starts all threads and compiles every shader. Returns the renderer's name. Errors:
-  /// RenderStage's.
+  /// Starts all threads and compiles every shader. `encoders`: 0 for as many as suit the machine.
+  /// Returns the renderer's name. Errors: RenderStage's.
   Result<std::string> start(std::shared_ptr<const PreparedScene> scene,
                             const RenderOptions& options, int encoders);
+  int encoders() const { return encoders_; }  ///< of a started pipeline
   /// Closes the queues in flow order, then ends the threads.
   void stop();
 
@@ -39,6 +40,7 @@ class Pipeline {
  private:
   struct Stages;
   std::unique_ptr<Stages> stages_;
+  int encoders_ = 0;
 };
 
 }  // namespace mirage

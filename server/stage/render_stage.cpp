@@ -169,25 +169,25 @@ void RenderStage::join() {
   if (thread_.joinable()) thread_.join();
 }
 
-Result<std::string> RenderStage::start(std::shared_ptr<const PreparedScene> scene,
-                                       const RenderOptions& options) {
-  auto promise = std::make_shared<std::promise<Result<std::string>>>();
-  std::future<Result<std::string>> ready = promise->get_future();
+Result<Renderer> RenderStage::start(std::shared_ptr<const PreparedScene> scene,
+                                    const RenderOptions& options) {
+  auto promise = std::make_shared<std::promise<Result<Renderer>>>();
+  std::future<Result<Renderer>> ready = promise->get_future();
   thread_ = std::thread([this, scene, options, promise] {
-    run(scene, options, [promise](Result<std::string> r) { promise->set_value(std::move(r)); });
+    run(scene, options, [promise](Result<Renderer> r) { promise->set_value(std::move(r)); });
   });
   return ready.get();
 }
 
 void RenderStage::run(std::shared_ptr<const PreparedScene> scene, RenderOptions options,
-                      std::function<void(Result<std::string>)> ready) {
+                      std::function<void(Result<Renderer>)> ready) {
   Result<gl::EglContext> context = gl::EglContext::create(options.device);
   if (!context) return ready(context.error());
   Result<GlWorld> world = make_world(std::move(scene), options);
   if (!world) return ready(world.error());
   queues_.counters.shader_programs = gl::programs_compiled();
   RenderLoop loop(queues_, wake_, world.take(), options, context->software());
-  ready(context->description());
+  ready(Renderer{context->description(), context->software()});
   const Result<void> ended = loop.run_within_memory();
   if (ended) return;
   spdlog::error("{}", ended.error().line());

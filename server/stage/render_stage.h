@@ -19,21 +19,26 @@ struct StageQueues;
 
 struct PreparedScene;
 
+/// The renderer in use.
+struct Renderer {
+  std::string name;      ///< with its driver
+  bool software = true;  ///< it draws on the processor
+};
+
 class RenderStage {
  public:
   RenderStage(StageQueues& queues, std::function<void()> wake);
   ~RenderStage();
 
-  /// Starts the thread, uploads the scene and compiles every shader. Returns the renderer's name.
-  /// Errors: kGraphicsDevice, kGraphicsShader, kGraphicsGl (also: over the memory budget).
-  Result<std::string> start(std::shared_ptr<const PreparedScene> scene,
-                            const RenderOptions& options);
+  /// Starts the thread, uploads the scene and compiles every shader. Errors: kGraphicsDevice,
+  /// kGraphicsShader, kGraphicsGl (also: over the memory budget).
+  Result<Renderer> start(std::shared_ptr<const PreparedScene> scene, const RenderOptions& options);
   /// Ends the thread; the tile queue must be closed before.
   void join();
 
  private:
   void run(std::shared_ptr<const PreparedScene> scene, RenderOptions options,
-           std::function<void(Result<std::string>)> ready);
+           std::function<void(Result<Renderer>)> ready);
 
   StageQueues& queues_;
   std::function<void()> wake_;

@@ -21,10 +21,4 @@ struct PageTexels {
 Tile cut_tile(const PageTexels& page, std::uint8_t channels, const Capture& capture,
               const ObjectDescription& object);
 
-/// Returns the capture depth at which the ray of each texel of `crop` enters the convex body of
-/// `planes` (object space, normals outwards, the eye outside); NaN if it misses. `center` is the
-/// object's.
-std::vector<float> entry_depths(const std::vector<Plane>& planes, const Capture& capture,
-                                const glm::dvec3& center, const TileCrop& crop);
-
 }  // namespace mirage

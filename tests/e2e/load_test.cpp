@@ -44,6 +44,28 @@ TEST(Load, EqualAsksCostOneRendering) {
   EXPECT_EQ(j["server"]["tiles_rendered"], 1) << j.dump(2);
 }
 
+// The link fails while clients ask, and is back only after mirage-load has given up.
+TEST(Load, TilesThatComeTooLateAreCountedAsLate) {
+  const Server server("builtin:knot");
+  ASSERT_TRUE(server.ready()) << server.log();
+  const std::string folder = scratch_folder();
+  const std::string script =
+      binary("mirage-relay") + " --to " + std::to_string(server.port()) + " --port-file " + folder +
+      "/port --outage-at 4 --outage-for 11 & relay=$!; until [ -s " + folder +
+      "/port ]; do sleep .05; done; " + binary("mirage-load") + " ws://127.0.0.1:$(cat " + folder +
+      "/port) --duration 6 --rate 4 --path builtin:orbit --json " + folder +
+      "/load.json; code=$?; kill $relay; exit $code";
+  const Finished load = run({"/bin/sh", "-c", script});
+  ASSERT_EQ(load.exit_code, 0) << load.output;
+  const nlohmann::json j = nlohmann::json::parse(read_file(folder + "/load.json"));
+  const int unanswered = j["errors"].value("no-answer", 0);
+  EXPECT_GT(j["late"], 0) << j.dump(2);
+  EXPECT_LE(j["late"], unanswered) << j.dump(2);  // mirage-load does not stay for all of them
+  EXPECT_EQ(j["tiles"].get<int>() + unanswered, j["asked"]) << j.dump(2);
+  EXPECT_FALSE(j["errors"].contains("unexpected-tile")) << j.dump(2);
+  EXPECT_GT(j["late_ms"]["p50"], 5000) << j.dump(2);
+}
+
 // A file without lights stands in surroundings, which the server describes before the scene.
 TEST(Load, ASceneWithSurroundings) {
   const Server server("builtin:knot", {"--environment", "builtin:studio"});

@@ -142,7 +142,7 @@ TEST(Operations, TheDoctorLooksAtAll) {
   EXPECT_EQ(well.exit_code, 0) << well.output;
   for (const char* line :
        {"ok    device", "descriptors", "ok    cache", "certificate", "store", "warn  tokens",
-        "ok    scene", "ok    renderer", "ok    address", "ok    tile"}) {
+        "ok    scene", "ok    renderer", "ok    encoders", "ok    address", "ok    tile"}) {
     EXPECT_NE(well.output.find(line), std::string::npos) << line << "\n" << well.output;
   }
   const Server taken("builtin:knot");
@@ -198,6 +198,15 @@ TEST(Operations, ADeviceWithoutSampleShadingServes) {
   EXPECT_EQ(drawn.exit_code, 0) << drawn.output;
   EXPECT_NE(drawn.output.find("ok    renderer     softpipe"), std::string::npos) << drawn.output;
   EXPECT_NE(drawn.output.find("ok    tile"), std::string::npos) << drawn.output;
+}
+
+TEST(Operations, TheReadyLineNamesTheEncoders) {
+  const Server chosen("builtin:knot", {"--encoders", "3"});
+  ASSERT_TRUE(chosen.ready()) << chosen.log();
+  EXPECT_NE(chosen.log().find(" encoders=3 "), std::string::npos) << chosen.log();
+  const Server unasked("builtin:knot", {"--device", "surfaceless"});  // a software renderer
+  ASSERT_TRUE(unasked.ready()) << unasked.log();
+  EXPECT_NE(unasked.log().find(" encoders=1 "), std::string::npos) << unasked.log();
 }
 
 TEST(Operations, TilesAreGotByHttp) {
