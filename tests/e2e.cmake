@@ -36,6 +36,7 @@ mirage_e2e(counters)
 mirage_e2e(memory)
 mirage_e2e(parts)
 mirage_e2e(demo)
+mirage_e2e(touching)
 mirage_e2e(modules)
 add_dependencies(mirage_e2e_modules mirage-token mirage-sheet mirage-bench)
 mirage_e2e(options)
@@ -43,8 +44,9 @@ mirage_e2e(listen)
 target_link_libraries(mirage_e2e_options PRIVATE mirage_cli)
 add_dependencies(mirage_e2e_demo mirage-sheet)
 target_compile_definitions(mirage_e2e_demo PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-# The test of parts writes its own scene.
+# These tests write their own scenes.
 target_link_libraries(mirage_e2e_parts PRIVATE mirage_gltf)
+target_link_libraries(mirage_e2e_touching PRIVATE mirage_gltf)
 # Tests tiles that servers share, with the shipped servers and with the source itself.
 mirage_e2e(shared_store)
 target_link_libraries(mirage_e2e_shared_store PRIVATE mirage_source)

@@ -1,6 +1,6 @@
 add_executable(mirage_core_tests
   client/ask/codec_choice_test.cpp client/ask/scheduler_test.cpp client/ask/server_pace_test.cpp
-  client/ask/answered_keys_test.cpp client/ask/window_test.cpp client/frame/camera_path_test.cpp client/hold/atlas_test.cpp client/hold/cache_test.cpp
+  client/ask/answered_keys_test.cpp client/ask/window_test.cpp client/draw/entangled_test.cpp client/frame/camera_path_test.cpp client/hold/atlas_test.cpp client/hold/cache_test.cpp
   client/hold/light_test.cpp client/hold/mesh_cache_test.cpp client/hold/upload_test.cpp
   client/link/modelled_link_test.cpp client/plan/blend_order_test.cpp client/plan/eight_views_test.cpp
   client/plan/group_test.cpp client/plan/importance_test.cpp client/plan/motion_test.cpp client/plan/opener_test.cpp
@@ -11,7 +11,7 @@ add_executable(mirage_core_tests
   client/session/view_test.cpp server/base/cache_test.cpp server/base/keeping_test.cpp server/lod/lod_chunks_test.cpp
   server/lod/lod_family_test.cpp server/lod/lod_test.cpp server/lod/seams_test.cpp server/net/admission_test.cpp server/net/tile_http_test.cpp server/net/web_pages_test.cpp server/net/websocket_rules_test.cpp server/prepare/grouping_test.cpp
   server/prepare/hull_test.cpp server/prepare/leave_out_test.cpp server/prepare/load_test.cpp
-  server/prepare/motion_test.cpp server/prepare/parts_test.cpp server/prepare/posed_extent_test.cpp
+  server/prepare/motion_test.cpp server/prepare/parts_test.cpp server/prepare/posed_extent_test.cpp server/prepare/touching_test.cpp
   server/render/shading_test.cpp server/scene/environment/environment_test.cpp server/session/access_test.cpp server/session/asks_test.cpp
   server/session/codec_test.cpp server/session/fetch_test.cpp server/session/gets_test.cpp server/session/session_test.cpp
   server/session/view_test.cpp server/stage/machine_share_test.cpp server/stage/profile_test.cpp server/tile/behind_test.cpp server/tile/bound_test.cpp

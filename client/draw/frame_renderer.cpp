@@ -271,6 +271,8 @@ void FrameRenderer::sharpen(float levels, float tested_levels) {
   parts_->mesh_pass->sharpen(levels, tested_levels);
 }
 
+void FrameRenderer::draw_edges_last(bool on) { parts_->impostors.draw_edges_last(on); }
+
 int FrameRenderer::draw_calls() const { return parts_->draw_calls; }
 
 }  // namespace mirage

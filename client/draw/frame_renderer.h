@@ -54,6 +54,8 @@ class FrameRenderer {
   /// Reads textures `levels` mip levels sharper from now on, those of alpha tests `tested_levels`.
   void sharpen(float levels, float tested_levels);
   void sharpen_as_usual();
+  /// ImpostorPass::draw_edges_last()
+  void draw_edges_last(bool on);
 
   /// Returns the draw calls of the last frame.
   int draw_calls() const;

@@ -51,7 +51,7 @@ ImpostorInstance instance_data(const DrawnImpostor& drawn, const Camera& camera,
   out.atlas = {tile.slot.x + 1, tile.slot.y + 1, 1.0 / per_texel, -1.0 / per_texel};
   out.depth = {tile.depth_code.near_depth, tile.depth_code.far_depth, tile.slot.layer, drawn.fade};
   out.box_min = glm::vec4(object.box_min, drawn.fade < 1 ? kFadeBias : 0.0f);
-  const double slack = tile.depth_code.quantum() + capture.texel_width(tile.measure.depth_max);
+  const double slack = capture.depth_slack(tile.measure.depth_max);
   out.box_max = glm::vec4(object.box_max, slack);
   out.center = glm::vec4(object.center, tile.measure.depth_min);
   out.shadow = worn_shadow(drawn);
@@ -242,15 +242,17 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool re
 }
 
 ImpostorPass::Fragments ImpostorPass::fragments_of(const DrawnImpostor& drawn,
-                                                   const SceneView& scene, bool solid) {
+                                                   const SceneView& scene, bool solid) const {
   const ObjectDescription& object = scene.objects[scene.instances[drawn.instance].object];
   const bool soft_within = object.group || object.part || (object.needs & kNeedBlend);
-  if (drawn.method == DrawMethod::kDepth || !soft_within) return Fragments::kAll;
+  const bool apart = std::binary_search(entangled_.begin(), entangled_.end(), drawn.instance) ||
+                     (soft_within && drawn.method != DrawMethod::kDepth);
+  if (!apart) return Fragments::kAll;
   return solid ? Fragments::kSolid : Fragments::kSoft;
 }
 
 void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene,
-                               const DrawnImpostors& run) {
+                               const DrawnImpostors& run, Fragments fragments) {
   const TileRecord& tile = *run[0]->tile;
   std::vector<ReliefInstance> instances;
   for (const DrawnImpostor* drawn : run) {
@@ -258,6 +260,7 @@ void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene,
   }
   gl::Program& program = tile.relit ? relit_relief_ : tile.layered() ? layered_relief_ : relief_;
   use_atlas(program, camera, tile.relit);
+  program.set("u_fragments", static_cast<int>(fragments));
   glCullFace(GL_FRONT);  // far faces of the proxies: each pixel once, even with the eye inside
   draw_instances(cube_, instances, true);
   glCullFace(GL_BACK);
@@ -290,7 +293,7 @@ void ImpostorPass::draw_runs(const Camera& camera, const SceneView& scene, const
     const Fragments fragments = fragments_of(*run[0], scene, solid);
     glDepthMask(fragments != Fragments::kSoft);
     if (run[0]->method == DrawMethod::kDepth) {
-      draw_relief(camera, scene, run);
+      draw_relief(camera, scene, run, fragments);
     } else {
       draw_flat(camera, scene, run, fragments);
     }
@@ -356,6 +359,7 @@ void ImpostorPass::draw(const Camera& camera, DepthMapping mapping, const SceneV
   glDepthFunc(gl::nearer_or_equal(mapping_));
   glDisable(GL_BLEND);
   lights_ = gl::light_block(lighting, camera.pose.eye);
+  if (edges_last_) entangled_ = entangled(list.impostors, scene);
   draw_placeholders(camera, scene, list, mean);
   draw_runs(camera, scene, list, true);
   glEnable(GL_BLEND);

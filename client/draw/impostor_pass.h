@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "client/draw/entangled.h"
 #include "client/draw/impostor_atlas.h"
 #include "client/draw/proxy_triangles.h"
 #include "client/frame/draw_list.h"
@@ -36,6 +37,13 @@ class ImpostorPass {
             const DrawList& list, const Lighting& lighting, GLuint shadow_atlas,
             const gl::ProbeMap* probe);
 
+  /// Chooses whether the soft edges of entangled things are drawn after everything solid. That is
+  /// right, and draws these things twice.
+  void draw_edges_last(bool on) {
+    edges_last_ = on;
+    entangled_.clear();
+  }
+
   int draw_calls() const { return draw_calls_; }
   void reset_draw_calls() { draw_calls_ = 0; }
   std::size_t gpu_bytes() const { return atlas_.gpu_bytes(); }
@@ -59,17 +67,19 @@ class ImpostorPass {
   /// Fragments of an impostor that are drawn at once. With kAll all fragments are drawn and write
   /// depth. A farther thing that is drawn later is then missing behind a soft edge. Groups and
   /// blended objects drawn flat are soft within, and parts of one object meet at soft edges. Their
-  /// solid fragments are drawn first; the soft ones write no depth.
+  /// solid fragments are drawn first; the soft ones write no depth. With draw_edges_last() this is
+  /// so for entangled things, too.
   enum class Fragments { kAll, kSolid, kSoft };
   using DrawnImpostors = std::vector<const DrawnImpostor*>;
-  static Fragments fragments_of(const DrawnImpostor& drawn, const SceneView& scene, bool solid);
+  Fragments fragments_of(const DrawnImpostor& drawn, const SceneView& scene, bool solid) const;
   /// Draws the list in its order: with `solid` the solid fragments that come first, otherwise all
   /// others.
   void draw_runs(const Camera& camera, const SceneView& scene, const DrawList& list, bool solid);
   /// Draws a run of impostors that are drawn alike; it is not empty.
   void draw_flat(const Camera& camera, const SceneView& scene, const DrawnImpostors& run,
                  Fragments fragments);
-  void draw_relief(const Camera& camera, const SceneView& scene, const DrawnImpostors& run);
+  void draw_relief(const Camera& camera, const SceneView& scene, const DrawnImpostors& run,
+                   Fragments fragments);
   void use_atlas(gl::Program& program, const Camera& camera, bool relit);
   void draw_placeholders(const Camera& camera, const SceneView& scene, const DrawList& list,
                          const Lighting& lighting);
@@ -98,6 +108,8 @@ class ImpostorPass {
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;
   int draw_calls_ = 0;
+  bool edges_last_ = false;
+  std::vector<std::uint32_t> entangled_;  ///< instances of the frame with their edges drawn last
 };
 
 }  // namespace mirage

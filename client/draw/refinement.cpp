@@ -114,7 +114,9 @@ void Refinement::draw_more(FrameRenderer& renderer, const FrameTarget& target, c
   Camera moved = camera;
   moved.shift_px += offset_px(drawings_);
   renderer.sharpen(kSharpenLevels, kSharpenLevels);
+  renderer.draw_edges_last(true);
   renderer.draw(*one_sample_, moved, scene, list, lighting);
+  renderer.draw_edges_last(false);
   renderer.sharpen_as_usual();
   add(*one_sample_, 1.0f / static_cast<float>(before + drawings_));
   one_sample_->bind();

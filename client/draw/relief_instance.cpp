@@ -59,7 +59,7 @@ ReliefInstance relief_instance(const DrawnImpostor& drawn, const Camera& camera,
   out.place = {tile.slot.x + 1, tile.slot.y + 1, tile.slot.layer, drawn.fade};
   const glm::dvec2 range = code_range(tile);
   out.range = {tile.depth_code.near_depth, tile.depth_code.far_depth, range.x, range.y};
-  const double slack = tile.depth_code.quantum() + capture.texel_width(tile.measure.depth_max);
+  const double slack = capture.depth_slack(tile.measure.depth_max);
   out.slack = {drawn.fade < 1 ? kFadeBias : 0.0f, slack, 0, 0};
   if (tile.layered()) {
     const auto from = [&](const AtlasSlot& s) {

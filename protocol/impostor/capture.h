@@ -62,6 +62,11 @@ struct Capture {
   }
   /// Returns the width of a texel at depth z, object units.
   double texel_width(double z) const { return 2.0 * half_tangent * z / edge; }
+  /// Returns by how much the stored depth of a surface at depth z may be too large, object units.
+  /// Clients draw the tile nearer by it, so that geometry it stands on does not cover it.
+  double depth_slack(double z) const {
+    return DepthCode(radius, distance).quantum() + texel_width(z);
+  }
 };
 
 }  // namespace mirage

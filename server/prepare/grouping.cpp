@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "protocol/model/need_mask.h"
+#include "server/prepare/world_box.h"
 
 namespace mirage {
 namespace {
@@ -41,13 +42,9 @@ Extent extent_of(const Instance& instance, const ObjectDescription& object) {
   const glm::dmat3 turn = glm::mat3_cast(glm::dquat(m.rotation)) * double{m.scale};
   Extent out;
   out.center = m.position + turn * glm::dvec3(object.center);
-  const glm::dvec3 middle = 0.5 * (glm::dvec3(object.box_min) + glm::dvec3(object.box_max));
-  const glm::dvec3 half = 0.5 * (glm::dvec3(object.box_max) - glm::dvec3(object.box_min));
-  const glm::dvec3 at = m.position + turn * middle;
-  const glm::dvec3 reach =
-      glm::abs(turn[0]) * half.x + glm::abs(turn[1]) * half.y + glm::abs(turn[2]) * half.z;
-  out.low = at - reach;
-  out.high = at + reach;
+  const WorldBox box = world_box(instance, object);
+  out.low = box.low;
+  out.high = box.high;
   return out;
 }
 

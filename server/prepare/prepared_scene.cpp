@@ -220,6 +220,7 @@ Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const SceneLoa
   prepared->grouping = group_instances(prepared->scene, prepared->objects);
   prepared->parts = cut_instances(prepared->scene, prepared->bounds_radius, prepared->objects,
                                   prepared->grouping, workers);
+  prepared->touching = find_touching(prepared->scene, prepared->objects, prepared->grouping);
   prepared->revision = scene_revision(prepared->scene);
   times.done("revision and groups");
   prepared->load_times = std::move(times);

@@ -10,6 +10,7 @@
 #include "server/prepare/leave_out.h"
 #include "server/prepare/object_description.h"
 #include "server/prepare/object_geometry.h"
+#include "server/prepare/touching.h"
 
 namespace mirage {
 
@@ -31,6 +32,7 @@ struct PreparedScene {
   /// Mip levels by image (make_mips).
   std::vector<std::vector<Image>> mips;
   Grouping grouping;
+  std::vector<Touching> touching;  ///< by object of the scene
   std::vector<Mesh> parts;      ///< of InstanceGroup::part, in their object's space
   glm::dvec3 bounds_center{0};  ///< sphere around all instances, world
   double bounds_radius = 1;

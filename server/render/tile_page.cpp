@@ -12,6 +12,7 @@
 #include "server/render/readback_ring.h"
 #include "server/render/scene_shadow.h"
 #include "server/render/tile_layers.h"
+#include "server/render/touching_depth.h"
 #include "shaders/gl/renderer.h"
 
 namespace mirage {
@@ -82,6 +83,11 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
     out.layers_ = std::make_unique<TileLayers>();
     out.layers_->meshes().set_probe(scene.probe_map());
     out.layers_->meshes().set_backdrop(scene.prepared->scene.environment.horizon);
+  }
+  const std::vector<Touching>& touching = scene.prepared->touching;
+  if (std::any_of(touching.begin(), touching.end(),
+                  [](const Touching& of) { return !of.others.empty(); })) {
+    out.touching_ = std::make_unique<TouchingDepth>(scene);
   }
   out.lit_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);
   if (blends) out.lit_.ranges = std::make_unique<gl::MeshPass>(gl::MeshOutput::kRange);
@@ -171,6 +177,11 @@ bool TilePageRenderer::prepare_layers(int big, int page_edge) {
          remake(floor, big / supersample_, {GL_R32F}, 0, page_edge);
 }
 
+bool TilePageRenderer::prepare_touching(int big, int page_edge) {
+  gl::RenderTarget& own = touching_->own();
+  return (own.ok() && own.width() >= big) || remake(own, big, {}, GL_DEPTH_COMPONENT32F, page_edge);
+}
+
 bool TilePageRenderer::remake(gl::RenderTarget& target, int edge, const std::vector<GLenum>& colors,
                               GLenum depth, int page_edge) const {
   const std::size_t others = gpu_bytes() - target.gpu_bytes();
@@ -186,6 +197,7 @@ bool TilePageRenderer::remake(gl::RenderTarget& target, int edge, const std::vec
 
 std::size_t TilePageRenderer::gpu_bytes() const {
   std::size_t bytes = 0;
+  if (touching_) bytes += touching_->gpu_bytes();
   if (layers_) bytes += layers_->gpu_bytes();
   for (const Path* path : {&lit_, &relit_, &shadow_}) {
     bytes += path->supersampled.gpu_bytes() + path->page.gpu_bytes();
@@ -271,6 +283,7 @@ void TilePageRenderer::draw_tile(const TileJob& job, const RowBand& rows) {
     if (job.key.channels == kLayeredTile) draw_behind(job, rows, at, mesh, instance);
   }
   path.meshes->end();
+  keep_clear(job, rows, at, capture);
   if (path.ranges) glDrawBuffers(2, kColorAndRange);
 }
 
@@ -284,6 +297,32 @@ void TilePageRenderer::draw_behind(const TileJob& job, const RowBand& rows, cons
   meshes.draw(mesh, scene_->materials(), scene_->images, &instance, 1, false);
   meshes.end();
   lit_.supersampled.bind();
+}
+
+const Touching* TilePageRenderer::touching(const TileJob& job) const {
+  const bool stores_depth = job.key.channels == kLitTile || job.key.channels == kRelitTile;
+  if (!touching_ || !stores_depth) return nullptr;
+  const PreparedScene& scene = *scene_->prepared;
+  const InstanceGroup* const group = scene.group(job.key.object);
+  if (group && group->part == kNoGroup) return nullptr;
+  const Touching& found =
+      scene.touching[group ? scene.scene.instances[group->first_leaf].object : job.key.object];
+  return found.others.empty() ? nullptr : &found;
+}
+
+void TilePageRenderer::keep_clear(const TileJob& job, const RowBand& rows, const Stage& at,
+                                  const Capture& capture) {
+  const Touching* const found = touching(job);
+  if (!found) return;
+  TouchingDepth::View view{capture, at.clip_from_relative, at.eye, {}};
+  if (const InstanceGroup* const part = scene_->prepared->group(job.key.object)) {
+    view.eye += part->bounds.center;
+  } else {
+    view.world_from_space = scene_->prepared->instance(found->instance).world_from_object;
+  }
+  const auto n = static_cast<std::uint32_t>(samples(job));
+  touching_->push(path_of(job).supersampled, static_cast<int>(capture.edge * n),
+                  {rows.low * n, rows.high * n}, view, found->others);
 }
 
 void TilePageRenderer::draw_ranges(const TileJob& job, const Stage& at, const gl::GpuMesh& mesh,
@@ -364,16 +403,18 @@ const gl::RenderTarget* TilePageRenderer::render(const std::vector<TileJob>& job
     }
     return edge;
   };
-  int behind = 0;  // the same for layered tiles
+  int behind = 0, clear = 0;  // the same for layered tiles, and for those that keep clear
   for (const TileJob& job : jobs) {
-    if (job.key.channels != kLayeredTile) continue;
-    behind = std::max(behind, static_cast<int>(tile_edge(job.key.size_class)) * samples(job));
+    const int big = static_cast<int>(tile_edge(job.key.size_class)) * samples(job);
+    if (job.key.channels == kLayeredTile) behind = std::max(behind, big);
+    if (touching(job)) clear = std::max(clear, big);
   }
   const int edge = packer.page_edge(), relit = largest(relit_), darkened = largest(shadow_);
   // Shadow tiles have no page of their own, so the lit page is needed.
   const int lit = relit > 0 ? largest(lit_) : std::max(largest(lit_), 1);
   if (lit > 0 && !prepare_targets(lit_, edge, lit)) return nullptr;
   if (behind > 0 && !prepare_layers(behind, edge)) return nullptr;
+  if (clear > 0 && !prepare_touching(clear, edge)) return nullptr;
   if (relit > 0 && !prepare_targets(relit_, edge, relit)) return nullptr;
   if (darkened > 0 && !prepare_targets(shadow_, edge, darkened)) return nullptr;
   const gl::RenderTarget& page = relit > 0 ? relit_.page : lit_.page;

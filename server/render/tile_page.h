@@ -22,8 +22,10 @@
 namespace mirage {
 
 struct GpuScene;
+struct Touching;
 class SceneShadow;
 class TileLayers;
+class TouchingDepth;
 
 /// Extra output for proofs of need analysis (need_proof.h).
 struct TileExtras {
@@ -132,6 +134,8 @@ class TilePageRenderer {
   bool prepare_targets(Path& path, int page_edge, int supersampled_edge);
   /// Makes the extra targets that layered tiles need.
   bool prepare_layers(int supersampled_edge, int page_edge);
+  /// Makes the target that tiles of objects which touch others need, if there are such objects.
+  bool prepare_touching(int big, int page_edge);
   /// Replaces a target; false, leaving it unchanged, if the new one would exceed the limit.
   bool remake(gl::RenderTarget& target, int edge, const std::vector<GLenum>& colors, GLenum depth,
               int page_edge) const;
@@ -144,6 +148,10 @@ class TilePageRenderer {
   /// Draws the nearest and farthest depth of the blended surfaces of the tile on the target.
   void draw_ranges(const TileJob& job, const Stage& at, const gl::GpuMesh& mesh,
                    const gl::MeshInstance& instance);
+  /// Returns what touches the object of the tile; nullptr: nothing, or the tile stores no depth.
+  const Touching* touching(const TileJob& job) const;
+  /// Pushes the depths of the tile on the target clear of what touches its object.
+  void keep_clear(const TileJob& job, const RowBand& rows, const Stage& at, const Capture& capture);
   struct GroupBatch {
     const gl::GpuMesh* mesh;
     std::vector<gl::MeshInstance> members;
@@ -164,8 +172,9 @@ class TilePageRenderer {
   Path lit_;
   Path relit_;   ///< its page has the surface as third attachment; made at first use
   Path shadow_;  ///< has no page of its own
-  std::unique_ptr<TileLayers> layers_;  ///< for layered tiles; null: the scene has none
-  Resolve caster_;                      ///< drawn by the lit path; it keeps only depth
+  std::unique_ptr<TileLayers> layers_;       ///< for layered tiles; null: the scene has none
+  std::unique_ptr<TouchingDepth> touching_;  ///< null: no objects touch
+  Resolve caster_;                           ///< drawn by the lit path; it keeps only depth
   gl::VertexArray empty_vao_;
   std::size_t most_bytes_ = SIZE_MAX;
   std::size_t ring_ = 0;        ///< pages in read-back at a time

@@ -8,6 +8,7 @@
 #include "server/render/gpu_scene.h"
 #include "server/render/scene_shadow.h"
 #include "server/render/tile_page.h"
+#include "server/render/touching_depth.h"
 
 namespace mirage {
 namespace {
@@ -51,6 +52,9 @@ Result<void> TilePageRenderer::warm_up(int page_edge) {
         if (!compiled) return compiled;
       }
     }
+  }
+  if (touching_) {
+    if (Result<void> compiled = touching_->warm_up(); !compiled) return compiled;
   }
   const std::vector<Instance>& instances = scene_->prepared->scene.instances;
   std::vector<std::optional<std::uint32_t>> shown(

@@ -29,6 +29,7 @@ bool TilePageRenderer::begin_slow(const TileJob& job, double slice_samples) {
   const int page_edge = lit_.page.width();
   if (!prepare_drawn(path, big, page_edge)) return false;
   if (job.key.channels == kLayeredTile && !prepare_layers(big, page_edge)) return false;
+  if (touching(job) && !prepare_touching(big, page_edge)) return false;
   auto next = std::make_unique<Slow>();
   next->job = job;
   // Each slice draws all triangles, so a slice is at least as much work as they are.

@@ -151,6 +151,7 @@ Result<Program*> MeshPass::program(NeedMask needs, bool fade, Stage stage) {
   if (output_ == MeshOutput::kRange) defines.emplace_back("WRITE_RANGE");
   if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
   if (output_ == MeshOutput::kBehind) defines.emplace_back("BEHIND");
+  if (output_ == MeshOutput::kClear) defines.emplace_back("CLEAR");
   Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
   if (!made) return made.error();
   return &programs_.emplace(needs, made.take()).first->second;
@@ -178,7 +179,7 @@ Result<void> MeshPass::warm_up(const GpuMesh& mesh, const std::vector<Material>&
 void MeshPass::begin(const glm::mat4& clip_from_relative, const LightBlock& lights,
                      DepthMapping mapping) {
   clip_from_relative_ = clip_from_relative;
-  nearer_ = nearer(mapping);
+  nearer_ = output_ == MeshOutput::kClear ? GL_GREATER : nearer(mapping);
   lights_ = lights;
   if (!instance_buffer_) instance_buffer_ = Buffer::create();
   glEnable(GL_DEPTH_TEST);
@@ -308,7 +309,8 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
 }
 
 std::vector<MeshPass::Stage> MeshPass::stages(NeedMask needs) const {
-  if (output_ == MeshOutput::kDepth || of_blended()) return {Stage::kDepth};
+  const bool depth_only = output_ == MeshOutput::kDepth || output_ == MeshOutput::kClear;
+  if (depth_only || of_blended()) return {Stage::kDepth};
   if (needs & kNeedAlphaMask) return {Stage::kDepth, Stage::kTested};
   return {Stage::kWhole};
 }
@@ -325,9 +327,10 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
     shadow_->use(p, eye_);
   }
   if (probe_ || forced_) (probe_ ? *probe_ : black_probe_).use(p, lights_.probe);
-  if (output_ == MeshOutput::kBehind) {
+  if (output_ == MeshOutput::kBehind || output_ == MeshOutput::kClear) {
     p.set("u_floor", kFloorUnit);
     p.set("u_floor_samples", floor_samples_);
+    p.set("u_clear_of", clear_of_);
     glActiveTexture(GL_TEXTURE0 + kFloorUnit);
     glBindTexture(GL_TEXTURE_2D, floor_);
   }

@@ -49,6 +49,7 @@ enum class MeshOutput : std::uint8_t {
   kBehind,   ///< none; draws only surfaces behind set_floor() (layered tiles)
   kShadow,   ///< colour without shadows, and colour with them (shadow tiles)
   kDepth,    ///< not even colour (shadow maps)
+  kClear,    ///< no colour; pushes the depths of set_clear_of() behind the surfaces drawn (tiles)
   // The next two draw blended surfaces that are visible enough (common/seen.glsl).
   kFront,  ///< depth and id of the nearest surface, no colour (reference frames)
   kRange,  ///< window depths by GL_MAX: 1 - nearest, farthest; no colour (tiles)
@@ -100,6 +101,13 @@ class MeshPass {
     floor_ = depths;
     floor_samples_ = samples;
   }
+  /// Pushes depths of the target that lie less than `reach` behind the drawn surface to `reach`
+  /// behind it. `depths` is a copy of these depths at the same size, between planes `near` and
+  /// `far`. All but the texture in units of view depth.
+  void set_clear_of(GLuint depths, float near, float far, float reach) {
+    floor_ = depths;
+    clear_of_ = {near, far, reach};
+  }
   /// Sets the light from all around for later draws; nullptr selects variants without it.
   void set_probe(const ProbeMap* probe) { probe_ = probe; }
   /// Sets the background colour, linear, which is seen tinted through transmissive surfaces.
@@ -150,6 +158,7 @@ class MeshPass {
   glm::vec3 backdrop_{0.216f};
   GLuint floor_ = 0;
   int floor_samples_ = 1;
+  glm::vec3 clear_of_{0};
   ProbeMap black_probe_;  ///< for forced features
   glm::dvec3 eye_{0};     ///< origin of positions, world; used for shadows only
   int draw_calls_ = 0;

@@ -42,6 +42,22 @@ uniform float u_mip_bias;
 uniform sampler2D u_floor;
 uniform int u_floor_samples;
 #endif
+#ifdef CLEAR
+uniform sampler2D u_floor;  // window depths to push away
+uniform vec3 u_clear_of;    // view depths of near and far plane; view depth to keep clear
+
+PRECISE_BUILT_IN(gl_FragDepth)
+
+// Keeps the pushed depth, by GL_GREATER, where the target's lies less than the reach behind.
+void push_away() {
+  float near = u_clear_of.x, far = u_clear_of.y;
+  float own = texelFetch(u_floor, ivec2(gl_FragCoord.xy), 0).r;
+  float view = near * far / (far - gl_FragCoord.z * (far - near)) + u_clear_of.z;
+  float pushed = far * (view - near) / (view * (far - near));
+  if (own <= gl_FragCoord.z || own >= pushed) discard;
+  gl_FragDepth = min(pushed, 0.9999999);  // 1 is the depth of nothing
+}
+#endif
 #ifdef SWITCHES
 // One shader for any material (proofs of leaving out): 1 if it is unlit, if it is opaque.
 uniform vec2 u_switches;
@@ -221,6 +237,9 @@ void main() {
 #endif
 #ifdef SEEN
   if (base.a < kSeenAlpha) discard;
+#endif
+#ifdef CLEAR
+  push_away();
 #endif
 #ifdef WRITE_RANGE
   o_range = vec4(1.0 - gl_FragCoord.z, gl_FragCoord.z, 0.0, 0.0);

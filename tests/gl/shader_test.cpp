@@ -25,9 +25,9 @@ TEST(Shaders, EveryVariantCompiles) {
   const gl::ShadowMap map = gl::ShadowMap::create(16).take();
   const gl::ProbeMap probe = gl::ProbeMap::black();
   using gl::MeshOutput;
-  for (const MeshOutput output :
-       {MeshOutput::kColor, MeshOutput::kId, MeshOutput::kSurface, MeshOutput::kShadow,
-        MeshOutput::kDepth, MeshOutput::kFront, MeshOutput::kRange}) {
+  for (const MeshOutput output : {MeshOutput::kColor, MeshOutput::kId, MeshOutput::kSurface,
+                                  MeshOutput::kShadow, MeshOutput::kDepth, MeshOutput::kFront,
+                                  MeshOutput::kRange, MeshOutput::kBehind, MeshOutput::kClear}) {
     for (const auto& [shadows, fog, light] : {std::tuple{false, 0.0f, false},
                                               {false, 0.01f, false},
                                               {true, 0.0f, true},

@@ -1,0 +1,29 @@
+#pragma once
+// Objects whose surfaces lie against one another, such as a plate on a helmet. The stored depth of
+// an impostor is coarse, so the farther of two such surfaces would cover the nearer one in stripes.
+// The tiles of an object keep clear of the instances found here (touching_depth.h).
+
+#include <cstdint>
+#include <vector>
+
+#include "protocol/impostor/object_proxy.h"
+#include "server/prepare/grouping.h"
+#include "server/scene/scene.h"
+
+namespace mirage {
+
+/// The neighbours of an object.
+struct Touching {
+  std::uint32_t instance = 0;         ///< the object's only one
+  std::vector<std::uint32_t> others;  ///< instances of the scene, ascending; empty: nothing does
+};
+
+/// Finds by object the instances that its tiles keep clear of. Such an object exists once and is
+/// neither moving, grouped, layered nor large scenery. Another instance counts if it is not moving,
+/// if its box meets that of the object, and if it is at most twice as large: the depth of a larger
+/// one is coarser yet, so the larger one's own tiles keep clear.
+std::vector<Touching> find_touching(const Scene& scene,
+                                    const std::vector<ObjectDescription>& objects,
+                                    const Grouping& grouping);
+
+}  // namespace mirage

@@ -1,0 +1,68 @@
+#include "server/render/touching_depth.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "server/prepare/prepared_scene.h"
+#include "server/render/gpu_scene.h"
+
+namespace mirage {
+namespace {
+
+// Returns the placement in a space of what `world_from_object` places in the world.
+Similarity seen_from(const Similarity& world_from_space, const Similarity& world_from_object) {
+  const glm::dquat back = glm::conjugate(glm::dquat(world_from_space.rotation));
+  const double scale = world_from_space.scale;
+  Similarity out;
+  out.position = back * (world_from_object.position - world_from_space.position) / scale;
+  out.rotation = glm::quat(back * glm::dquat(world_from_object.rotation));
+  out.scale = static_cast<float>(world_from_object.scale / scale);
+  return out;
+}
+
+}  // namespace
+
+Result<void> TouchingDepth::warm_up() {
+  for (const Touching& of_object : scene_->prepared->touching) {
+    for (const std::uint32_t i : of_object.others) {
+      const gl::GpuMesh& mesh = scene_->meshes[scene_->prepared->scene.instances[i].object];
+      if (Result<void> made = meshes_.warm_up(mesh, scene_->materials(), false); !made) return made;
+    }
+  }
+  return {};
+}
+
+void TouchingDepth::push(const gl::RenderTarget& drawn, int width, const RowBand& rows,
+                         const View& view, const std::vector<std::uint32_t>& instances) {
+  const int low = static_cast<int>(rows.low), high = static_cast<int>(rows.high);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, drawn.framebuffer());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, own_.framebuffer());
+  glBlitFramebuffer(0, low, width, high, 0, low, width, high, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  drawn.bind();
+  glViewport(0, 0, width, width);
+  const DepthCode code(view.capture.radius, view.capture.distance);
+  // Rounding to a code may bring the pushed depth half a step nearer.
+  const double reach = view.capture.depth_slack(code.far_depth) + code.quantum();
+  meshes_.set_clear_of(own_.depth(), static_cast<float>(code.near_depth),
+                       static_cast<float>(code.far_depth), static_cast<float>(reach));
+  // A texel takes its nearest sample's depth. Pushing half a texel more to each side covers texels
+  // that the edge of the other crosses.
+  const float aside = 1.0f / static_cast<float>(view.capture.edge);
+  for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {-1, 1}, {1, 1}}) {
+    const glm::vec3 moved(aside * static_cast<float>(x), aside * static_cast<float>(y), 0);
+    meshes_.begin(glm::translate(glm::mat4(1), moved) * view.clip_from_relative, {});
+    draw(view, instances);
+  }
+  meshes_.end();
+}
+
+void TouchingDepth::draw(const View& view, const std::vector<std::uint32_t>& instances) {
+  for (const std::uint32_t i : instances) {
+    const Instance& other = scene_->prepared->scene.instances[i];
+    const Similarity at = seen_from(view.world_from_space, other.world_from_object);
+    const gl::MeshInstance instance = gl::mesh_instance(at, view.eye, i);
+    meshes_.draw(scene_->mesh_for_group(other.object, at.scale, view.capture), scene_->materials(),
+                 scene_->images, &instance, 1, false);
+  }
+}
+
+}  // namespace mirage
