@@ -1,7 +1,5 @@
 #include "server/render/touching_depth.h"
 
-#include <glm/gtc/matrix_transform.hpp>
-
 #include "server/prepare/prepared_scene.h"
 #include "server/render/gpu_scene.h"
 
@@ -44,18 +42,7 @@ void TouchingDepth::push(const gl::RenderTarget& drawn, int width, const RowBand
   const double reach = view.capture.depth_slack(code.far_depth) + code.quantum();
   meshes_.set_clear_of(own_.depth(), static_cast<float>(code.near_depth),
                        static_cast<float>(code.far_depth), static_cast<float>(reach));
-  // A texel takes its nearest sample's depth. Pushing half a texel more to each side covers texels
-  // that the edge of the other crosses.
-  const float aside = 1.0f / static_cast<float>(view.capture.edge);
-  for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {-1, 1}, {1, 1}}) {
-    const glm::vec3 moved(aside * static_cast<float>(x), aside * static_cast<float>(y), 0);
-    meshes_.begin(glm::translate(glm::mat4(1), moved) * view.clip_from_relative, {});
-    draw(view, instances);
-  }
-  meshes_.end();
-}
-
-void TouchingDepth::draw(const View& view, const std::vector<std::uint32_t>& instances) {
+  meshes_.begin(view.clip_from_relative, {});
   for (const std::uint32_t i : instances) {
     const Instance& other = scene_->prepared->scene.instances[i];
     const Similarity at = seen_from(view.world_from_space, other.world_from_object);
@@ -63,6 +50,7 @@ void TouchingDepth::draw(const View& view, const std::vector<std::uint32_t>& ins
     meshes_.draw(scene_->mesh_for_group(other.object, at.scale, view.capture), scene_->materials(),
                  scene_->images, &instance, 1, false);
   }
+  meshes_.end();
 }
 
 }  // namespace mirage

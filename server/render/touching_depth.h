@@ -40,8 +40,6 @@ class TouchingDepth {
             const std::vector<std::uint32_t>& instances);
 
  private:
-  void draw(const View& view, const std::vector<std::uint32_t>& instances);
-
   const GpuScene* scene_;
   gl::MeshPass meshes_{gl::MeshOutput::kClear};
   gl::RenderTarget own_;
