@@ -93,7 +93,8 @@ void Refinement::fill(const gl::Texture& from) {
 void Refinement::add(const FrameTarget& drawn, float weight) {
   drawn.copy_to(drawing_.framebuffer);
   glBindFramebuffer(GL_FRAMEBUFFER, mean_.framebuffer.id());
-  glEnable(GL_BLEND);
+  // The first drawing replaces what the new texture holds, because 0 times NaN is NaN.
+  if (weight < 1) glEnable(GL_BLEND);
   glBlendColor(0, 0, 0, weight);
   glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA);
   fill(drawing_.color);

@@ -270,8 +270,10 @@ void WebViewer::ask_reference(std::uint32_t supersample) {
 
 std::string WebViewer::figures(std::int64_t now_us) const {
   double bound = 0;
+  std::size_t relit = 0;
   std::vector<float> ages_ms;
   for (const DrawnImpostor& drawn : list_.impostors) {
+    relit += drawn.tile->relit ? 1 : 0;
     if (std::isfinite(drawn.bound_px)) bound = std::max(bound, drawn.bound_px);
     ages_ms.push_back(static_cast<float>(now_us - drawn.tile->received_us) / 1000.0f);
   }
@@ -286,9 +288,11 @@ std::string WebViewer::figures(std::int64_t now_us) const {
       "\"geometry\":%s,"
       "\"budgetMs\":%g,\"plannedMs\":%g,\"mostMs\":%g,\"lambda\":%g,\"scale\":%g,\"samples\":%d,"
       "\"drawCalls\":%d,"
-      "\"impostors\":%zu,\"meshes\":%zu,\"placeholders\":%zu,\"view\":%s,\"boundPx\":%g,"
+      "\"impostors\":%zu,\"relit\":%zu,\"meshes\":%zu,\"placeholders\":%zu,\"view\":%s,\"boundPx\":"
+      "%g,"
       "\"tauPx\":%g,\"overTau\":%zu,\"visible\":%zu,\"tileAgeS\":%g,\"bytesDown\":%llu,"
-      "\"bytesUp\":%llu,\"roundTripMs\":%lld,\"inFlight\":%zu,\"tilesReceived\":%llu,"
+      "\"bytesUp\":%llu,\"roundTripMs\":%lld,\"inFlight\":%zu,\"tilesAsked\":%llu,"
+      "\"tilesReceived\":%llu,"
       "\"codec\":\"%s\",\"gpuBytes\":%zu,\"targetBytes\":%zu,\"drawnFrames\":%llu,"
       "\"software\":%s}",
       session_->scene().complete() ? "true" : "false", session_->at_rest() ? "true" : "false",
@@ -296,15 +300,16 @@ std::string WebViewer::figures(std::int64_t now_us) const {
       session_->scene().reference ? "true" : "false", session_->scene().geometry ? "true" : "false",
       plan.limited() ? budget_ms(options_) : 0.0, plan.expected_ms(),
       plan.limited() ? plan.planned_ms() : 0.0, plan.lambda(), plan.setting().scale,
-      plan.setting().samples, renderer_->draw_calls(), list_.impostors.size(), list_.meshes.size(),
-      list_.placeholders.size(), list_.view ? "true" : "false", bound, session_->tau_px(),
-      list_.over_tau, list_.visible, static_cast<double>(quantile(ages_ms, 0.5)) / 1000,
+      plan.setting().samples, renderer_->draw_calls(), list_.impostors.size(), relit,
+      list_.meshes.size(), list_.placeholders.size(), list_.view ? "true" : "false", bound,
+      session_->tau_px(), list_.over_tau, list_.visible,
+      static_cast<double>(quantile(ages_ms, 0.5)) / 1000,
       static_cast<unsigned long long>(traffic.bytes_down),
       static_cast<unsigned long long>(traffic.bytes_up),
       static_cast<long long>(session_->round_trip_us() / 1000), session_->in_flight(),
-      static_cast<unsigned long long>(tiles.received), codec_name(session_->codec()), gpu.all(),
-      screen_.gpu_bytes(), static_cast<unsigned long long>(drawn_frames_),
-      gl::is_software() ? "true" : "false");
+      static_cast<unsigned long long>(tiles.asked), static_cast<unsigned long long>(tiles.received),
+      codec_name(session_->codec()), gpu.all(), screen_.gpu_bytes(),
+      static_cast<unsigned long long>(drawn_frames_), gl::is_software() ? "true" : "false");
   return text;
 }
 

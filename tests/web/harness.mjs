@@ -100,7 +100,9 @@ export async function truth(page) {
   await page.evaluate(() => { mirage.core._page_ask_reference(4); mirage.wake(); });
   const at = await until('a full render', () => page.evaluate(() => {
     mirage.wake();
-    return mirage.core._page_reference() > 0 && mirage.core._page_reference_pixels();
+    const there = mirage.core._page_reference();
+    if (there < 0) throw new Error('the server renders nothing in full');
+    return there > 0 && mirage.core._page_reference_pixels();
   }), 60);
   const { width, height, text } = await page.evaluate((pointer) => {
     const [w, h] = [mirage.core._page_width(), mirage.core._page_height()];
