@@ -1,11 +1,12 @@
 # Gives every target the same warnings, standard and sanitizers, without global flags.
 
-# mirage_target(NAME [PORTABLE] [TEST] [PCH base|wire|none])
+# mirage_target(NAME [PORTABLE] [TEST] [ALONE] [PCH base|wire|none])
 #   PORTABLE   keeps to C++17, for code that also builds for a browser
 #   TEST       optimises little, because compiling tests takes longer than running them
+#   ALONE      compiles no files in batches, because names in them clash
 #   PCH        names the precompiled header of cmake/pch (default: tests for TEST, else base)
 function(mirage_target name)
-  cmake_parse_arguments(ARG "PORTABLE;TEST" "PCH" "" ${ARGN})
+  cmake_parse_arguments(ARG "PORTABLE;TEST;ALONE" "PCH" "" ${ARGN})
   if(ARG_PORTABLE)
     target_compile_features(${name} PUBLIC cxx_std_17)
     set_target_properties(${name} PROPERTIES CXX_STANDARD 17)
@@ -47,6 +48,13 @@ function(mirage_target name)
   endif()
   if(ARG_TEST)
     target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
+  # A batch reads headers and instantiates templates once for its files. Shipped code outside of sanitizers stays file by file.
+  if(MIRAGE_BATCHES AND NOT ARG_ALONE AND (ARG_TEST OR MIRAGE_SANITIZE))
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    if(MIRAGE_SANITIZE)  # These warn of neighbours in a batch; the release build looks at each shipped file alone.
+      target_compile_options(${name} PRIVATE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+    endif()
   endif()
   if(MIRAGE_PCH AND NOT ARG_PCH STREQUAL "none")
     set(pch base)

@@ -7,11 +7,11 @@
 namespace mirage {
 namespace {
 
-constexpr std::size_t kTrips = 33;
+constexpr std::size_t kCodecTrips = 33;
 constexpr std::size_t kLeastTrips = 9;
 constexpr double kThinMbps = 4;
 constexpr double kHeldBackS = 1;
-constexpr std::int64_t kQueueUs = 10'000;  // wait on the link beyond its shortest trip
+constexpr std::int64_t kCodecQueueUs = 10'000;  // wait on the link beyond its shortest trip
 constexpr double kThickMbps = 2 * kThinMbps;
 constexpr double kLossyGain = 2;  // bytes of zstd over WebP: small tiles 1.6, large ones 2.3
 constexpr std::int64_t kRoomyUs = 5'000'000;
@@ -29,7 +29,7 @@ bool CodecChoice::has(TileCodec codec) const {
 
 void CodecChoice::tile_arrived(std::int64_t trip_us, std::int64_t server_us) {
   link_us_.push_back(std::max<std::int64_t>(trip_us - server_us, 0));
-  if (link_us_.size() > kTrips) link_us_.pop_front();
+  if (link_us_.size() > kCodecTrips) link_us_.pop_front();
 }
 
 bool CodecChoice::is_thin(const LinkLoad& load, std::int64_t now_us) {
@@ -37,7 +37,7 @@ bool CodecChoice::is_thin(const LinkLoad& load, std::int64_t now_us) {
   const std::vector<std::int64_t> trips(link_us_.begin(), link_us_.end());
   const std::int64_t shortest = *std::min_element(trips.begin(), trips.end());
   const std::int64_t waits = quantile(trips, 0.5) - shortest;
-  const bool full = load.held_back_s >= kHeldBackS && waits > kQueueUs;
+  const bool full = load.held_back_s >= kHeldBackS && waits > kCodecQueueUs;
   if (full) link_mbps_ = load.down_mbps;
   if (thin_) {
     const bool roomy = !full && load.down_mbps * kLossyGain < 0.5 * link_mbps_;

@@ -12,7 +12,7 @@ namespace mirage {
 namespace {
 
 // Textures are read as sharply as by each of four by four samples of a pixel.
-constexpr float kSharpenLevels = 2;
+constexpr float kRefinedSharpenLevels = 2;
 
 // Returns the n-th number of the Halton sequence in this base (J. H. Halton, 1960), 0 to 1.
 double halton(int n, int base) {
@@ -114,7 +114,7 @@ void Refinement::draw_more(FrameRenderer& renderer, const FrameTarget& target, c
   ++drawings_;
   Camera moved = camera;
   moved.shift_px += offset_px(drawings_);
-  renderer.sharpen(kSharpenLevels, kSharpenLevels);
+  renderer.sharpen(kRefinedSharpenLevels, kRefinedSharpenLevels);
   renderer.draw_edges_last(true);
   renderer.draw(*one_sample_, moved, scene, list, lighting);
   renderer.draw_edges_last(false);

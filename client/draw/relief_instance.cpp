@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kCodes = 254;
 // A tile that fades in lies on top of the one it replaces.
-constexpr float kFadeBias = 0.002f;
+constexpr float kReliefFadeBias = 0.002f;
 
 struct TileWindow {
   double left = 0, top = 0, right = 0, bottom = 0;  // tangents
@@ -60,7 +60,7 @@ ReliefInstance relief_instance(const DrawnImpostor& drawn, const Camera& camera,
   const glm::dvec2 range = code_range(tile);
   out.range = {tile.depth_code.near_depth, tile.depth_code.far_depth, range.x, range.y};
   const double slack = capture.depth_slack(tile.measure.depth_max);
-  out.slack = {drawn.fade < 1 ? kFadeBias : 0.0f, slack, 0, 0};
+  out.slack = {drawn.fade < 1 ? kReliefFadeBias : 0.0f, slack, 0, 0};
   if (tile.layered()) {
     const auto from = [&](const AtlasSlot& s) {
       return glm::vec4(s.x - tile.slot.x, s.y - tile.slot.y, s.layer, 0);

@@ -8,7 +8,7 @@ namespace mirage {
 namespace {
 
 constexpr std::size_t kMaxShadowsPerInstance = 6;  // enough for lights that return, and for views
-constexpr int kGutter = 1;                         // texels
+constexpr int kShadowGutter = 1;                   // texels
 
 ShadowRecordPtr nearest(const std::vector<ShadowRecordPtr>& owned, std::uint32_t light,
                         const glm::dvec3& eye, double& angle) {
@@ -72,7 +72,8 @@ ShadowRecordPtr ShadowCache::caster(std::uint32_t object, const glm::dvec3& eye,
 ShadowRecordPtr ShadowCache::place(std::vector<ShadowRecordPtr>& owned, const Capture& capture,
                                    const TileCrop& crop, std::uint64_t frame) {
   auto record = std::make_shared<ShadowRecord>();
-  const int w = static_cast<int>(crop.w) + 2 * kGutter, h = static_cast<int>(crop.h) + 2 * kGutter;
+  const int w = static_cast<int>(crop.w) + 2 * kShadowGutter,
+            h = static_cast<int>(crop.h) + 2 * kShadowGutter;
   if (w > kShadowAtlasEdge || h > kShadowAtlasEdge) return nullptr;
   while (crop.area() > 0) {
     if (const std::optional<AtlasSlot> found = allocator_.allocate(w, h)) {

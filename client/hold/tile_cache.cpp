@@ -12,7 +12,7 @@
 
 namespace mirage {
 namespace {
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMaxTilesPerGroup = 8;
 constexpr std::size_t kMaxMovingTilesPerGroup = 512;  // a clip that loops is drawn from them again
 constexpr std::size_t kMaxEmptyViews = 64;
@@ -67,7 +67,7 @@ DrawnDepth TileRecord::drawn_depth_of_lod(DrawMethod method,
     case DrawMethod::kHull:
       // An object without a hull has nothing to draw on, so the bound is infinite.
       out.dz = measure.dz_hull + slope;
-      out.q = description.hull.indices.empty() ? kInfinity : hull_extent(description);
+      out.q = description.hull.indices.empty() ? kEndless : hull_extent(description);
       return out;
     case DrawMethod::kDepth: {
       // Interpolated depth stays within half a code of the stored one (relief.glsl).

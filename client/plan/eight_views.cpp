@@ -14,7 +14,7 @@ namespace {
 constexpr double kEighth = 0.78539816339744831;  // an eighth of a turn
 // Such views are baked nearly orthographic, so that they serve any distance.
 constexpr double kBakedRadii = 64;
-constexpr double kTexelsPerPixel = 1.5;
+constexpr double kViewTexelsPerPixel = 1.5;
 constexpr double kFineEnough = 0.7;  // of the wanted edge: a class and a half less will do
 constexpr double kSameDirection = 0.9999;
 
@@ -47,7 +47,7 @@ std::optional<TileNeed> eight_view_need(const TileGroup& group, const ViewGeomet
   need.cell = *view_cell_from_direction(direction, limits::kMaxViewLevel);
   need.distance = *distance_bucket_from_radii(kBakedRadii, 0);
   need.size_class = static_cast<std::uint8_t>(
-      std::min(size_class_for(kTexelsPerPixel * 2 * radius_px * 0.95), kMaxAskedSizeClass));
+      std::min(size_class_for(kViewTexelsPerPixel * 2 * radius_px * 0.95), kMaxAskedSizeClass));
   const double fine_enough = kFineEnough * tile_edge(need.size_class);
   const bool held = std::any_of(group.tiles.begin(), group.tiles.end(), [&](const auto& tile) {
     return glm::dot(axis_of(*tile), direction) > kSameDirection &&

@@ -17,7 +17,7 @@
 namespace mirage {
 namespace {
 
-constexpr const char* kPart = "bytes";
+constexpr const char* kBytesPart = "bytes";
 constexpr int kAfterS = 5;  // seconds after which FLIP has a column
 
 RunSpec spec_of(const BytesPlan& plan, const OpenScene& scene, const Delivery& delivery) {
@@ -80,7 +80,7 @@ void say(const BytesRun& run) {
 
 Result<void> one_scene(Context& context, const BytesPlan& plan, const std::string& name,
                        std::vector<BytesRun>& out) {
-  const Result<OpenScene*> scene = context.open_own(kPart, name);
+  const Result<OpenScene*> scene = context.open_own(kBytesPart, name);
   if (!scene) return scene.error();
   if (!*scene) return {};
   std::vector<std::vector<BytesRun>> by_walk(plan.walks_s.size());
@@ -90,7 +90,7 @@ Result<void> one_scene(Context& context, const BytesPlan& plan, const std::strin
     const Result<RunResult> result =
         context.runner->run(spec_of(plan, **scene, delivery), *(*scene)->truth);
     if (!result) {
-      context.omit(kPart, what, result.error().line());
+      context.omit(kBytesPart, what, result.error().line());
       continue;
     }
     for (std::size_t i = 0; i < plan.walks_s.size(); ++i) {
@@ -108,7 +108,7 @@ Result<void> one_scene(Context& context, const BytesPlan& plan, const std::strin
 
 void explain(Context& context, const BytesPlan& plan) {
   Page& page = context.page;
-  page.section(kPart, "Bytes of a walk");
+  page.section(kBytesPart, "Bytes of a walk");
   page.command(context.options.command_line);
   page.method(fmt::format(
       "A walk of {} s from the moment of connecting; its first {} s have rows of their own. {:g} "
@@ -176,7 +176,7 @@ Result<void> report_bytes(Context& context) {
   const BytesPlan plan = bytes_plan(context.options.quick);
   explain(context, plan);
   const std::vector<std::string> scenes = context.scenes_or(plan.scenes);
-  context.progress.begin(kPart, scenes.size() * plan.deliveries.size());
+  context.progress.begin(kBytesPart, scenes.size() * plan.deliveries.size());
   std::vector<BytesRun> runs;
   for (const std::string& scene : scenes) {
     if (Result<void> done = one_scene(context, plan, scene, runs); !done) return done;

@@ -9,9 +9,9 @@
 namespace mirage {
 namespace {
 
-constexpr const char* kPart = "calibrate";
-constexpr int kWidth = 480, kHeight = 270;
-constexpr double kFps = 10;
+constexpr const char* kCalibratePart = "calibrate";
+constexpr int kCalibrateWidth = 480, kCalibrateHeight = 270;
+constexpr double kCalibrateFps = 10;
 
 // A manner of drawing. The manners are chosen so that every way to draw a thing occurs.
 struct Manner {
@@ -50,9 +50,9 @@ RunSpec spec_of(const OpenScene& scene, const Manner& manner, int frames) {
   spec.net.rtt_ms = 100;
   spec.net.rate_mbps = 20;
   spec.net.server_ms = 5;
-  spec.width = kWidth;
-  spec.height = kHeight;
-  spec.fps = kFps;
+  spec.width = kCalibrateWidth;
+  spec.height = kCalibrateHeight;
+  spec.fps = kCalibrateFps;
   spec.frames = frames;
   spec.from_scene = true;
   // The first moments are compared as well, for views and for things that are not there yet.
@@ -67,7 +67,7 @@ Result<std::vector<ErrorSample>> observe(Context& context, const std::vector<std
   for (const std::string& name : names) {
     const Result<OpenScene*> scene = context.open(name);
     if (!scene) {
-      context.omit(kPart, name, scene.error().line());
+      context.omit(kCalibratePart, name, scene.error().line());
       continue;
     }
     for (const Manner& manner : kManners) {
@@ -127,7 +127,8 @@ Result<void> report_calibrate(Context& context) {
   const Result<SessionRunner*> gl = context.graphics();
   if (!gl) return gl.error();
   const Scenes what = scenes(context.options.quick);
-  context.progress.begin(kPart, std::size(kManners) * (what.fitted.size() + what.held_out.size()));
+  context.progress.begin(kCalibratePart,
+                         std::size(kManners) * (what.fitted.size() + what.held_out.size()));
   Result<std::vector<ErrorSample>> near = observe(context, what.fitted, what.frames);
   if (!near) return near.error();
   Result<std::vector<ErrorSample>> far = observe(context, what.held_out, what.frames);
@@ -144,7 +145,7 @@ Result<void> report_calibrate(Context& context) {
                       fmt::format("{:.4f}", fitted.flip[k])});
   }
   Page& page = context.page;
-  page.section(kPart, "Predicted error beside measured");
+  page.section(kCalibratePart, "Predicted error beside measured");
   page.command(context.options.command_line);
   const RankCorrelation rank = rank_correlation(*far, error_model());
   page.finding({fmt::format("{:.2f}", rank.error),
@@ -158,7 +159,8 @@ Result<void> report_calibrate(Context& context) {
       "is "
       "drawn in one way and covers at least {} pixels counts: the FLIP of its pixels against the "
       "full render beside the prediction of client/price/error_model.cpp.",
-      (what.frames - 1) / kFps, kWidth, kHeight, std::size(kManners), 15.0, 150.0, 64));
+      (what.frames - 1) / kCalibrateFps, kCalibrateWidth, kCalibrateHeight, std::size(kManners),
+      15.0, 150.0, 64));
   page.method(
       "Rank is Spearman's correlation, of the error that is planned by (FLIP times pixels; the "
       "prediction takes the pixels of the disc) and of FLIP a pixel. Off is measured less "

@@ -17,7 +17,7 @@
 namespace mirage {
 namespace {
 
-constexpr const char* kPart = "fidelity";
+constexpr const char* kCodecsPart = "fidelity";
 constexpr int kPasses = 3;  // the quickest counts
 
 struct CodecRow {
@@ -125,7 +125,7 @@ Result<void> report_codecs(Context& context) {
     const Result<std::vector<Tile>> tiles = tiles_in_sight(context, **scene);
     if (!tiles) return tiles.error();
     if (tiles->empty()) {
-      context.omit(kPart, "codecs, " + name, "no object has a tile from its first view");
+      context.omit(kCodecsPart, "codecs, " + name, "no object has a tile from its first view");
       continue;
     }
     std::vector<CodecRow> rows;

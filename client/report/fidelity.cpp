@@ -25,7 +25,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr const char* kPart = "fidelity";
+constexpr const char* kFidelityPart = "fidelity";
 constexpr int kEdge = 512;
 constexpr int kDirections = 24;
 constexpr double kDegree = 0.017453292519943295;
@@ -146,7 +146,8 @@ std::vector<Model> models(Context& context) {
   for (Model model : shared) {
     const std::string path = shared_model(model.spec);
     if (path.empty()) {
-      context.omit(kPart, model.name, model.spec + " is not beside the checkout (MIRAGE_SHARED)");
+      context.omit(kFidelityPart, model.name,
+                   model.spec + " is not beside the checkout (MIRAGE_SHARED)");
       continue;
     }
     model.spec = path;
@@ -246,7 +247,8 @@ Result<void> one_model(Context& context, const Model& model, std::vector<Row>& r
     std::optional<Picture> picture;
     const Result<Row> row = measure(bench, model, setting, step, picture);
     if (!row) {
-      context.omit(kPart, fmt::format("{}, {:g} r, {}", model.name, setting.radii, setting.method),
+      context.omit(kFidelityPart,
+                   fmt::format("{}, {:g} r, {}", model.name, setting.radii, setting.method),
                    row.error().line());
       continue;
     }
@@ -373,7 +375,7 @@ Result<void> report_fidelity(Context& context) {
   const Result<SessionRunner*> gl = context.graphics();
   if (!gl) return gl.error();
   Page& page = context.page;
-  page.section(kPart, "Fidelity of tiles");
+  page.section(kFidelityPart, "Fidelity of tiles");
   page.command(context.options.command_line);
   page.method(
       "The field's protocol for octahedral impostors: 512 x 512 pixels, the model's sphere fills "
@@ -392,7 +394,7 @@ Result<void> report_fidelity(Context& context) {
   const std::vector<Model> todo = models(context);
   std::size_t steps = 0;
   for (const Model& model : todo) steps += settings(model, context.options.quick).size();
-  context.progress.begin(kPart, steps);
+  context.progress.begin(kFidelityPart, steps);
   for (const Model& model : todo) {
     if (Result<void> done = one_model(context, model, rows); !done) return done;
   }

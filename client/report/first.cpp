@@ -12,7 +12,7 @@
 namespace mirage {
 namespace {
 
-constexpr const char* kPart = "first";
+constexpr const char* kFirstPart = "first";
 
 RunSpec spec_of(const FirstPlan& plan, const OpenScene& scene, std::size_t link) {
   RunSpec spec;
@@ -35,7 +35,7 @@ RunSpec spec_of(const FirstPlan& plan, const OpenScene& scene, std::size_t link)
 
 void explain(Context& context, const FirstPlan& plan) {
   Page& page = context.page;
-  page.section(kPart, "The first seconds");
+  page.section(kFirstPart, "The first seconds");
   page.command(context.options.command_line);
   page.method(fmt::format(
       "As for latency: {:g} s from the beginning of the connection at {:g} frames a second and "
@@ -65,7 +65,7 @@ Result<void> run_scene(Context& context, const FirstPlan& plan, OpenScene& scene
                        std::vector<LatencyRun>& out) {
   for (std::size_t link = 0; link < plan.links.size(); ++link) {
     const RunSpec spec = spec_of(plan, scene, link);
-    for (LatencyRun& run : run_methods(context, kPart, spec, plan.methods, scene)) {
+    for (LatencyRun& run : run_methods(context, kFirstPart, spec, plan.methods, scene)) {
       if (run.method == "mirage" && !run.pictures.empty()) {
         if (Result<void> shown = show_pictures(context.page, spec, run); !shown) return shown;
       }
@@ -108,9 +108,9 @@ Result<void> report_first(Context& context) {
   if (!gl) return gl.error();
   const FirstPlan plan = first_plan(context.options.quick);
   explain(context, plan);
-  omit_missing_video(context, kPart);
+  omit_missing_video(context, kFirstPart);
   const std::vector<std::string> scenes = context.scenes_or(plan.scenes);
-  context.progress.begin(kPart, scenes.size() * plan.links.size());
+  context.progress.begin(kFirstPart, scenes.size() * plan.links.size());
   std::vector<LatencyRun> runs;
   for (const std::string& name : scenes) {
     const Result<OpenScene*> scene = context.open(name);

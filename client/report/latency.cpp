@@ -11,7 +11,7 @@
 namespace mirage {
 namespace {
 
-constexpr const char* kPart = "latency";
+constexpr const char* kLatencyPart = "latency";
 
 RunSpec spec_of(const LatencyPlan& plan, const OpenScene& scene, const Condition& condition) {
   RunSpec spec;
@@ -32,7 +32,7 @@ RunSpec spec_of(const LatencyPlan& plan, const OpenScene& scene, const Condition
 void run_condition(Context& context, const LatencyPlan& plan, OpenScene& scene,
                    const Condition& condition, std::vector<LatencyRun>& out) {
   const RunSpec spec = spec_of(plan, scene, condition);
-  for (LatencyRun& run : run_methods(context, kPart, spec, plan.methods, scene)) {
+  for (LatencyRun& run : run_methods(context, kLatencyPart, spec, plan.methods, scene)) {
     run.own_path = condition.path.empty();
     out.push_back(std::move(run));
   }
@@ -61,7 +61,7 @@ Result<double> floor_of(const RunSpec& spec, TruthSource& truth) {
 
 void explain(Context& context, const LatencyPlan& plan) {
   Page& page = context.page;
-  page.section(kPart, "Against video and geometry, by latency");
+  page.section(kLatencyPart, "Against video and geometry, by latency");
   page.command(context.options.command_line);
   page.method(fmt::format(
       "All methods play {:g} s of each path at {:g} frames a second and {}x{} pixels over the same "
@@ -93,9 +93,9 @@ Result<void> report_latency(Context& context) {
   if (!gl) return gl.error();
   const LatencyPlan plan = latency_plan(context.options.quick);
   explain(context, plan);
-  omit_missing_video(context, kPart);
+  omit_missing_video(context, kLatencyPart);
   const std::vector<std::string> scenes = context.scenes_or(plan.scenes);
-  context.progress.begin(kPart, scenes.size() * plan.conditions.size());
+  context.progress.begin(kLatencyPart, scenes.size() * plan.conditions.size());
   std::vector<LatencyRun> runs;
   double floor = 0;
   for (const std::string& name : scenes) {

@@ -16,14 +16,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPart = "models";
-constexpr double kFps = 8;
+constexpr const char* kModelsPart = "models";
+constexpr double kModelsFps = 8;
 constexpr int kRestFrames = 64;  // 8 s: everything has arrived by then
 constexpr int kOrbitFrames = 48, kOrbitEvery = 12;
 constexpr std::uint32_t kTruthSamples = 4;
 constexpr double kWorsePerGeometry = 0.01;  // FLIP of rounding and of other samples
 
-struct Row {
+struct ModelRow {
   std::string file;
   std::string status;  // "ok", or the line of the error
   std::optional<double> ready_s, rss_mb, flip_default, flip_impostors;
@@ -67,7 +67,7 @@ RunSpec at_rest(const Context& context, const std::string& url) {
   spec.path = "builtin:still";
   spec.width = context.options.quick ? 320 : 480;
   spec.height = context.options.quick ? 180 : 270;
-  spec.fps = kFps;
+  spec.fps = kModelsFps;
   spec.frames = kRestFrames;
   spec.compared = {kRestFrames - 1};
   spec.truth_samples = kTruthSamples;
@@ -85,7 +85,7 @@ RunSpec around(const Context& context, const std::string& url) {
   return spec;
 }
 
-struct Look {
+struct ModelLook {
   std::optional<double> flip;  // at rest
   Picture picture;
 };
@@ -103,7 +103,8 @@ double hue_median(const Picture& picture) {
 }
 
 // Looks at the model at rest and, in the full form, around it.
-Result<Look> look_at_model(Context& context, const std::string& url, TruthSource& truth, Row& row) {
+Result<ModelLook> look_at_model(Context& context, const std::string& url, TruthSource& truth,
+                                ModelRow& row) {
   const auto count = [&row](const RunResult& run) {
     row.violations += run.geometric.violations;
     row.compared += run.geometric.compared;
@@ -116,10 +117,10 @@ Result<Look> look_at_model(Context& context, const std::string& url, TruthSource
     if (!moved) return moved.error();
     count(*moved);
   }
-  return Look{rest->frames.back().image.flip_mean, std::move(rest->pictures.back())};
+  return ModelLook{rest->frames.back().image.flip_mean, std::move(rest->pictures.back())};
 }
 
-Result<void> measure_model(Context& context, const std::string& file, Row& row) {
+Result<void> measure_model(Context& context, const std::string& file, ModelRow& row) {
   const std::string& device = context.options.device;
   Result<std::unique_ptr<ServerProcess>> server = ServerProcess::start(file, device);
   if (!server) return server.error();
@@ -130,14 +131,14 @@ Result<void> measure_model(Context& context, const std::string& file, Row& row) 
   const Result<std::unique_ptr<TruthSource>> truth =
       TruthSource::open((*server)->url(), context.runner->renderer());
   if (!truth) return truth.error();
-  const Result<Look> all = look_at_model(context, (*server)->url(), **truth, row);
+  const Result<ModelLook> all = look_at_model(context, (*server)->url(), **truth, row);
   if (!all) return all.error();
   row.flip_default = all->flip;
   row.hue = hue_median(all->picture);
   const Result<std::unique_ptr<ServerProcess>> bare =
       ServerProcess::start(file, device, {"--no-geometry", "--references"});
   if (!bare) return bare.error();
-  const Result<Look> impostors = look_at_model(context, (*bare)->url(), **truth, row);
+  const Result<ModelLook> impostors = look_at_model(context, (*bare)->url(), **truth, row);
   if (!impostors) return impostors.error();
   row.flip_impostors = impostors->flip;
   for (const auto& [how, look] :
@@ -148,10 +149,10 @@ Result<void> measure_model(Context& context, const std::string& file, Row& row) 
   return {};
 }
 
-Table table_of(const std::vector<Row>& rows) {
+Table table_of(const std::vector<ModelRow>& rows) {
   Table table({"file", "status", "ready_s", "rss_mb", "triangles", "flip_default", "flip_impostors",
                "hue_default", "violations", "warnings"});
-  for (const Row& row : rows) {
+  for (const ModelRow& row : rows) {
     const bool drawn = row.status == "ok";
     table.add({row.file, row.status, cell(row.ready_s, "{:.2f}"), cell(row.rss_mb, "{:.0f}"),
                row.triangles.empty() ? "n/a" : row.triangles, cell(row.flip_default),
@@ -168,9 +169,9 @@ std::optional<double> quantile_of(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-std::string spread_of(const std::vector<Row>& rows, std::optional<double> Row::*value) {
+std::string spread_of(const std::vector<ModelRow>& rows, std::optional<double> ModelRow::*value) {
   std::vector<double> values;
-  for (const Row& row : rows) {
+  for (const ModelRow& row : rows) {
     if (row.*value) values.push_back(*(row.*value));
   }
   return fmt::format("{} median, {} at the ninetieth percentile, {} at worst",
@@ -179,13 +180,13 @@ std::string spread_of(const std::vector<Row>& rows, std::optional<double> Row::*
 }
 
 /// FLIP against the share of the files, for both ways of drawing.
-Panel sorted_flip(const std::vector<Row>& rows) {
+Panel sorted_flip(const std::vector<ModelRow>& rows) {
   Panel panel{"FLIP at rest", "share of the files, %", "FLIP", false, false, {}, {}, {}};
-  const std::pair<const char*, std::optional<double> Row::*> ways[] = {
-      {"auto", &Row::flip_default}, {"tiles", &Row::flip_impostors}};
+  const std::pair<const char*, std::optional<double> ModelRow::*> ways[] = {
+      {"auto", &ModelRow::flip_default}, {"tiles", &ModelRow::flip_impostors}};
   for (const auto& [name, value] : ways) {
     std::vector<double> flips;
-    for (const Row& row : rows) {
+    for (const ModelRow& row : rows) {
       if (row.*value) flips.push_back(*(row.*value));
     }
     std::sort(flips.begin(), flips.end());
@@ -199,11 +200,11 @@ Panel sorted_flip(const std::vector<Row>& rows) {
   return panel;
 }
 
-void summarise(Context& context, const std::vector<Row>& rows) {
+void summarise(Context& context, const std::vector<ModelRow>& rows) {
   std::size_t opened = 0;
   std::uint64_t violations = 0, compared = 0;
   std::vector<std::string> worse;
-  for (const Row& row : rows) {
+  for (const ModelRow& row : rows) {
     opened += row.status == "ok";
     violations += row.violations;
     compared += row.compared;
@@ -214,31 +215,31 @@ void summarise(Context& context, const std::vector<Row>& rows) {
   }
   std::vector<std::string> lines = {
       fmt::format("{} of {} files opened and were drawn.", opened, rows.size()),
-      "FLIP at rest, as a viewer draws it: " + spread_of(rows, &Row::flip_default) + ".",
-      "FLIP at rest, impostors only: " + spread_of(rows, &Row::flip_impostors) + ".",
+      "FLIP at rest, as a viewer draws it: " + spread_of(rows, &ModelRow::flip_default) + ".",
+      "FLIP at rest, impostors only: " + spread_of(rows, &ModelRow::flip_impostors) + ".",
       fmt::format("{} of {} compared pixels of impostors exceed their bound.", violations,
                   compared)};
   lines.push_back("Hue as a viewer draws it, median over a model's pixels, of 255: " +
-                  spread_of(rows, &Row::hue) + ".");
+                  spread_of(rows, &ModelRow::hue) + ".");
   lines.push_back(worse.empty()
                       ? fmt::format("None is drawn worse than impostors alone (by more than {}).",
                                     kWorsePerGeometry)
                       : fmt::format("Drawn worse than impostors alone by more than {}: {}.",
                                     kWorsePerGeometry, joined(worse)));
   Page& page = context.page;
-  const auto median = [&](std::optional<double> Row::*value) {
+  const auto median = [&](std::optional<double> ModelRow::*value) {
     std::vector<double> values;
-    for (const Row& row : rows) {
+    for (const ModelRow& row : rows) {
       if (row.*value) values.push_back(*(row.*value));
     }
     return cell(quantile_of(values, 0.5), "{:.3f}");
   };
   page.finding({fmt::format("{} of {}", opened, rows.size()), "files opened and were drawn",
                 opened < rows.size()});
-  page.finding({median(&Row::flip_default), "FLIP at rest, median"});
-  page.finding({median(&Row::flip_impostors), "FLIP at rest with impostors only, median"});
+  page.finding({median(&ModelRow::flip_default), "FLIP at rest, median"});
+  page.finding({median(&ModelRow::flip_impostors), "FLIP at rest with impostors only, median"});
   page.finding({std::to_string(violations), "pixels beyond their bound", violations > 0});
-  for (const Row& row : rows) {
+  for (const ModelRow& row : rows) {
     if (row.status != "ok") page.falls_short(row.file + ": " + row.status);
   }
   if (!worse.empty()) page.falls_short(lines.back());
@@ -259,7 +260,7 @@ Result<void> report_models(Context& context) {
   const Result<std::vector<std::string>> files = model_files(folder);
   if (!files) return files.error();
   Page& page = context.page;
-  page.section(kPart, "Models of " + folder);
+  page.section(kModelsPart, "Models of " + folder);
   page.command(context.options.command_line);
   page.method(
       "A server of its own serves each file on an ideal link. The viewer looks at it from its home "
@@ -268,10 +269,10 @@ Result<void> report_models(Context& context) {
       "render of the same camera with 4 x 4 samples. FLIP is the mean where either picture shows "
       "something. Hue is the larger change of red - green and of blue - green, by mean over 2 x 2 "
       "pixels. Every pixel of an impostor that the truth shows is compared with its bound.");
-  std::vector<Row> rows;
-  context.progress.begin(kPart, files->size());
+  std::vector<ModelRow> rows;
+  context.progress.begin(kModelsPart, files->size());
   for (const std::string& file : *files) {
-    Row row;
+    ModelRow row;
     row.file = fs::path(file).lexically_relative(folder).string();
     context.progress.step(row.file);
     const Result<void> measured = measure_model(context, file, row);

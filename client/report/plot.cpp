@@ -17,28 +17,28 @@ namespace {
 
 constexpr int kPanelWidth = 470, kPanelHeight = 330, kLegendHeight = 90;
 
-struct Look {
+struct LineLook {
   const char* color;
   int point, variant;  // for the name alone, and for a variant (after a comma)
 };
 
 // Returns a colour of Okabe and Ito, which colour-blind people can tell apart, too; points differ
 // as well.
-Look look_of(const std::string& name, std::size_t index) {
-  static const std::map<std::string, Look> known = {
+LineLook look_of(const std::string& name, std::size_t index) {
+  static const std::map<std::string, LineLook> known = {
       {"auto", {"#000000", 7, 6}},     {"mirage", {"#000000", 7, 6}},
       {"quad", {"#e69f00", 5, 4}},     {"cuboid", {"#56b4e9", 9, 8}},
       {"hull", {"#009e73", 11, 10}},   {"warp", {"#cc79a7", 13, 12}},
       {"depth", {"#0072b2", 15, 14}},  {"mesh", {"#999999", 7, 6}},
       {"geometry", {"#999999", 7, 6}}, {"fixed8", {"#d55e00", 2, 1}},
       {"video", {"#e69f00", 5, 4}},    {"video+timewarp", {"#0072b2", 15, 14}}};
-  static const Look other[] = {{"#009e73", 9, 8},   {"#cc79a7", 11, 10}, {"#56b4e9", 13, 12},
-                               {"#d55e00", 2, 1},   {"#e69f00", 5, 4},   {"#999999", 6, 7},
-                               {"#0072b2", 15, 14}, {"#000000", 7, 6},   {"#cc79a7", 1, 2},
-                               {"#009e73", 3, 1}};
+  static const LineLook other[] = {{"#009e73", 9, 8},   {"#cc79a7", 11, 10}, {"#56b4e9", 13, 12},
+                                   {"#d55e00", 2, 1},   {"#e69f00", 5, 4},   {"#999999", 6, 7},
+                                   {"#0072b2", 15, 14}, {"#000000", 7, 6},   {"#cc79a7", 1, 2},
+                                   {"#009e73", 3, 1}};
   const std::size_t comma = name.find(',');
   const auto at = known.find(name.substr(0, comma));
-  Look look = at != known.end() ? at->second : other[index % std::size(other)];
+  LineLook look = at != known.end() ? at->second : other[index % std::size(other)];
   if (comma != std::string::npos) look.point = look.variant;
   return look;
 }
@@ -149,7 +149,7 @@ void add_panel(std::string& script, Panel panel, std::size_t index,
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     const std::string& name = panel.series[i].name;
     const auto at = std::find(names.begin(), names.end(), name) - names.begin();
-    const Look look = look_of(name, static_cast<std::size_t>(at));
+    const LineLook look = look_of(name, static_cast<std::size_t>(at));
     plots += fmt::format(
         ", $d{}_{} using 1:2 with linespoints lw 1.4 pt {} ps 0.8 lc rgb \"{}\" notitle", index, i,
         look.point, look.color);
@@ -166,7 +166,7 @@ std::string legend(const std::vector<Panel>& panels, const std::vector<std::stri
   }
   std::string plots;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const Look look = look_of(names[i], i);
+    const LineLook look = look_of(names[i], i);
     // A variant has the colour of its name, and no entry beside it.
     const std::size_t comma = names[i].find(',');
     const bool variant =

@@ -15,7 +15,7 @@
 namespace mirage {
 namespace {
 
-constexpr const char* kPart = "weather";
+constexpr const char* kWeatherPart = "weather";
 constexpr int kWidth = 480, kHeight = 270;
 constexpr double kFps = 8;
 constexpr int kCompareEvery = 8;  // frames
@@ -126,7 +126,7 @@ Result<void> run_weather(Context& context, const Weather& weather, std::uint64_t
     const Result<RunResult> result = context.runner->run(
         spec_of(weather, (*scene)->url, seed, budget, settings), *(*scene)->truth);
     if (!result) {
-      context.omit(kPart, what, result.error().line());
+      context.omit(kWeatherPart, what, result.error().line());
       continue;
     }
     out.push_back(run_of(weather, seed, budget, *result));
@@ -150,7 +150,7 @@ Result<void> run_seed(Context& context, const std::vector<Weather>& weathers, st
 void explain(Context& context, const Settings& settings) {
   const Extent& extent = settings.extent;
   Page& page = context.page;
-  page.section(kPart, "Ten kinds of weather");
+  page.section(kWeatherPart, "Ten kinds of weather");
   page.command(context.options.command_line);
   page.method(fmt::format(
       "A session as mirage-view has it (auto, tau 1 px) for each weather and each of {} seed{}, of "
@@ -225,9 +225,10 @@ Result<void> report_weather(Context& context) {
   const std::string scene = context.scenes_or({""}).front();
   const std::vector<Weather> weathers = weathers_on(scene);
   if (weathers.empty()) {
-    context.omit(kPart, scene, "no weather of the table is on this scene");
+    context.omit(kWeatherPart, scene, "no weather of the table is on this scene");
   }
-  context.progress.begin(kPart, weathers.size() * what.extent.seeds * what.budgets_ms.size());
+  context.progress.begin(kWeatherPart,
+                         weathers.size() * what.extent.seeds * what.budgets_ms.size());
   std::vector<WeatherRun> runs;
   for (std::uint64_t seed = 1; seed <= what.extent.seeds; ++seed) {
     const Result<void> done = run_seed(context, weathers, seed, what, runs);

@@ -24,7 +24,7 @@
 namespace mirage {
 namespace {
 
-constexpr const char* kPart = "work-precision";
+constexpr const char* kWorkPrecisionPart = "work-precision";
 constexpr const char* kDevice = "software";  // budgets are judged by its prices
 constexpr int kDrawsEach = 2;
 // Nearer than this many radii all fixed methods draw geometry, so that only the drawing of
@@ -255,7 +255,7 @@ Result<void> keep_home_view(Context& context, const Sweep& sweep, OpenScene& sce
 }
 
 Result<void> one_scene(Context& context, const Sweep& sweep, const std::string& name, Table& csv) {
-  const Result<OpenScene*> opened = context.open_own(kPart, name);
+  const Result<OpenScene*> opened = context.open_own(kWorkPrecisionPart, name);
   if (!opened) return opened.error();
   if (!*opened) return {};
   OpenScene& scene = **opened;
@@ -268,7 +268,7 @@ Result<void> one_scene(Context& context, const Sweep& sweep, const std::string& 
     context.progress.step(fmt::format("{}, {}", scene.name, setting.name()));
     Result<RunResult> run = context.runner->run(spec_of(sweep, scene, setting), *scene.truth);
     if (!run) {
-      context.omit(kPart, scene.name + ", " + setting.name(), run.error().line());
+      context.omit(kWorkPrecisionPart, scene.name + ", " + setting.name(), run.error().line());
       continue;
     }
     all.push_back(figures_of(sweep, setting, *run));
@@ -284,7 +284,7 @@ Result<void> one_scene(Context& context, const Sweep& sweep, const std::string& 
 
 void explain(Context& context, const Sweep& sweep) {
   Page& page = context.page;
-  page.section(kPart, "Error against run time");
+  page.section(kWorkPrecisionPart, "Error against run time");
   page.command(context.options.command_line);
   page.method(fmt::format(
       "Each method, tau and budget runs the same session: a walk, or an orbit around a single "
@@ -330,7 +330,7 @@ Result<void> report_work_precision(Context& context) {
   explain(context, what);
   Table csv = work_precision_table();
   const std::vector<std::string> scenes = context.scenes_or(what.scenes);
-  context.progress.begin(kPart, scenes.size() * what.settings.size());
+  context.progress.begin(kWorkPrecisionPart, scenes.size() * what.settings.size());
   for (const std::string& scene : scenes) {
     if (Result<void> done = one_scene(context, what, scene, csv); !done) return done;
   }

@@ -97,7 +97,7 @@ bool all_finite(const std::vector<T>& values) {
 
 bool finite(const glm::mat4& m) { return all_finite(std::vector<glm::mat4>{m}); }
 
-Error value_error(const char* what) {
+Error track_error(const char* what) {
   return make_error(ErrorId::kWireValue, std::string("animation has a bad ") + what);
 }
 
@@ -117,14 +117,14 @@ Result<void> read_joints(Reader& r, Animation& a) {
                       j.scale.z;
     const bool parent = j.parent >= -1 && j.parent < static_cast<std::int64_t>(i);
     if (moves > 1 || !parent || !finite(j.matrix) || !std::isfinite(sum)) {
-      return value_error("joint");
+      return track_error("joint");
     }
   }
   a.bindings.resize(r.count(limits::kMaxBindings, kBindingBytes));
   for (JointBinding& b : a.bindings) {
     const auto joint = r.get<std::uint32_t>();
     b.joint_from_bind = r.get<glm::mat4>();
-    if (joint >= a.joints.size() || !finite(b.joint_from_bind)) return value_error("binding");
+    if (joint >= a.joints.size() || !finite(b.joint_from_bind)) return track_error("binding");
     b.joint = static_cast<std::uint16_t>(joint);
   }
   return {};
@@ -132,16 +132,16 @@ Result<void> read_joints(Reader& r, Animation& a) {
 
 Result<void> read_vertices(Reader& r, Animation& a, std::size_t mesh_vertices) {
   const std::size_t n = r.count(limits::kMaxAnimatedVertices, 8 + 16);
-  if (n != mesh_vertices) return value_error("count of vertices");
+  if (n != mesh_vertices) return track_error("count of vertices");
   std::vector<glm::u16vec4> bindings;
   std::vector<glm::vec4> weights;
   r.get_values(bindings, n);
   r.get_values(weights, n);
-  if (r.failed() || !all_finite(weights)) return value_error("vertex");
+  if (r.failed() || !all_finite(weights)) return track_error("vertex");
   a.vertices.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     for (int k = 0; k < 4; ++k) {
-      if (bindings[i][k] >= a.bindings.size()) return value_error("vertex");
+      if (bindings[i][k] >= a.bindings.size()) return track_error("vertex");
     }
     a.vertices[i] = {bindings[i], weights[i]};
   }
@@ -156,10 +156,10 @@ Result<void> read_target(Reader& r, MorphTarget& t, std::size_t vertices, std::s
   r.get_values(t.normal, n);
   r.get_values(t.tangent, n);
   if (r.failed() || !all_finite(t.position) || !all_finite(t.normal) || !all_finite(t.tangent)) {
-    return value_error("morph target");
+    return track_error("morph target");
   }
   for (const std::uint32_t v : t.vertex) {
-    if (v >= vertices) return value_error("morph target");
+    if (v >= vertices) return track_error("morph target");
   }
   return {};
 }
@@ -170,7 +170,7 @@ Result<void> read_morphs(Reader& r, Animation& a) {
   for (MorphSet& set : a.morphs) {
     const std::size_t targets = r.count(limits::kMaxMorphTargets, 8);
     r.get_values(set.rest_weights, targets);
-    if (!all_finite(set.rest_weights)) return value_error("morph weight");
+    if (!all_finite(set.rest_weights)) return track_error("morph weight");
     set.targets.resize(targets);
     for (MorphTarget& t : set.targets) {
       if (auto ok = read_target(r, t, a.vertices.size(), deltas); !ok) return ok;
@@ -197,7 +197,7 @@ Result<void> read_channel(Reader& r, const Animation& a, Channel& c) {
   c.interpolation = static_cast<Interpolation>(interpolation);
   const bool weights = kinds && c.path == ChannelPath::kWeights;
   const bool there = weights ? target < a.morphs.size() : target < a.joints.size();
-  if (!kinds || !there) return value_error("channel");
+  if (!kinds || !there) return track_error("channel");
   std::size_t width = c.path == ChannelPath::kRotation ? 4 : 3;
   if (weights) width = a.morphs[target].targets.size();
   if (c.interpolation == Interpolation::kCubicSpline) width *= 3;
@@ -205,7 +205,7 @@ Result<void> read_channel(Reader& r, const Animation& a, Channel& c) {
   // Products of two checked counts stay far below 2^64.
   r.get_values(c.values, r.failed() ? 0 : c.times.size() * width);
   if (r.failed() || width == 0 || !rising(c.times) || !all_finite(c.values)) {
-    return value_error("channel");
+    return track_error("channel");
   }
   return {};
 }
@@ -271,11 +271,11 @@ Result<std::shared_ptr<const Animation>> decode_animation(const std::uint8_t* by
                                                           std::size_t mesh_vertices) {
   Reader r(bytes, size);
   const auto present = r.get<std::uint8_t>();
-  if (present > 1) return value_error("mark");
+  if (present > 1) return track_error("mark");
   auto a = std::make_shared<Animation>();
   if (present == 1) {
     a->clip_s = r.get<float>();
-    if (!(a->clip_s > 0) || a->clip_s > limits::kMaxClipSeconds) return value_error("duration");
+    if (!(a->clip_s > 0) || a->clip_s > limits::kMaxClipSeconds) return track_error("duration");
     if (auto ok = read_joints(r, *a); !ok) return ok.error();
     if (auto ok = read_vertices(r, *a, mesh_vertices); !ok) return ok.error();
     if (auto ok = read_morphs(r, *a); !ok) return ok.error();

@@ -6,7 +6,7 @@
 namespace mirage {
 namespace {
 
-constexpr int kMethod = 2;  // 0 fast .. 6 small
+constexpr int kColorMethod = 2;  // 0 fast .. 6 small
 
 }  // namespace
 
@@ -17,7 +17,7 @@ ColorBytes encode_webp_colors(const ColorBytes& colors, std::uint32_t w, std::ui
   if (!WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, quality) || !WebPPictureInit(&picture)) {
     return {};
   }
-  config.method = kMethod;
+  config.method = kColorMethod;
   picture.width = static_cast<int>(w);
   picture.height = static_cast<int>(h);
   WebPMemoryWriter writer;

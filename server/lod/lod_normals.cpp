@@ -6,8 +6,8 @@
 namespace mirage {
 namespace {
 
-constexpr float kNearCorner = 0.75f;    // place near a corner where its normal is judged
-constexpr float kSameShading = 0.985f;  // cosine of 10 degrees
+constexpr float kNearCorner = 0.75f;   // place near a corner where its normal is judged
+constexpr float kSameNormal = 0.985f;  // cosine of 10 degrees
 
 constexpr std::size_t kChunkTriangles = 2'000;
 
@@ -17,7 +17,7 @@ glm::vec3 near_corner(const glm::vec3 (&v)[3], std::size_t k) {
 
 // True if all corner normals agree with the face of the triangle, so no other side shades it.
 bool shades_as_it_lies(const glm::vec3 (&normals)[3], const glm::vec3& face) {
-  const float enough = kSameShading * glm::length(face);
+  const float enough = kSameNormal * glm::length(face);
   return std::all_of(normals, normals + 3, [&](const glm::vec3& n) {
     return glm::dot(n, face) >= enough * glm::length(n);
   });
@@ -41,7 +41,7 @@ std::vector<glm::vec3> missing_normals(const FullSurface& full, const Level& lev
       const glm::vec3 right = full.tree().shading_at(near_corner(p, k), near).normal;
       if (glm::dot(right, face) <= 0) continue;  // the normal belongs to another side
       const glm::vec3 shown = near_corner(n, k);
-      if (glm::dot(shown, right) < kSameShading * glm::length(shown)) out[t + k] = right;
+      if (glm::dot(shown, right) < kSameNormal * glm::length(shown)) out[t + k] = right;
     }
   };
   const std::size_t triangles = indices.size() / 3;
@@ -79,7 +79,7 @@ void restore_normals(const FullSurface& full, Level& level, const Workers& worke
     if (right == glm::vec3(0)) continue;
     std::vector<std::uint32_t>& made = copies[indices[i]];
     auto at = std::find_if(made.begin(), made.end(), [&](std::uint32_t c) {
-      return glm::dot(level.vertices[c].normal, right) >= kSameShading;
+      return glm::dot(level.vertices[c].normal, right) >= kSameNormal;
     });
     if (at == made.end()) {
       Vertex copy = vertices[indices[i]];

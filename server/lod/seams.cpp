@@ -6,7 +6,7 @@
 namespace mirage {
 namespace {
 
-constexpr double kRounding = 1.0 / (1 << 22);  // of the largest coordinate
+constexpr double kSeamRounding = 1.0 / (1 << 22);  // of the largest coordinate
 // edge in roundings: most searches look into one cell
 constexpr double kCell = 8;
 constexpr int kCellBits = 21;  // bits per axis: 2^22 / 8 cells on either side of 0
@@ -17,7 +17,7 @@ class Places {
   explicit Places(const std::vector<Vertex>& vertices) {
     glm::dvec3 largest(0);
     for (const Vertex& v : vertices) largest = glm::max(largest, glm::abs(glm::dvec3(v.position)));
-    reach_ = kRounding * largest;
+    reach_ = kSeamRounding * largest;
     std::size_t buckets = 2;
     while (buckets < vertices.size()) buckets *= 2;
     youngest_.assign(buckets, kNone);

@@ -8,7 +8,7 @@
 namespace mirage {
 namespace {
 
-constexpr double kLargeShare = 0.1;  // relative to the scene's radius
+constexpr double kLargePart = 0.1;  // relative to the scene's radius
 constexpr std::uint32_t kFewestTriangles = 2;
 // Above these limits, parts cost more memory and loading time than they are worth.
 constexpr std::uint32_t kMostTriangles = 1'000'000;
@@ -29,7 +29,7 @@ GroupBounds bounds_of(const Mesh& part, const Similarity& world_from_object) {
 bool worth_cutting(const Instance& instance, const ObjectDescription& object,
                    double bounds_radius) {
   const double radius = double{object.radius} * instance.world_from_object.scale;
-  return radius > kLargeShare * bounds_radius && object.triangles >= kFewestTriangles &&
+  return radius > kLargePart * bounds_radius && object.triangles >= kFewestTriangles &&
          object.triangles <= kMostTriangles && !object.motion.moving() &&
          !(object.needs & kNeedBlend);
 }

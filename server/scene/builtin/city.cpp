@@ -13,8 +13,8 @@ namespace {
 constexpr float kBlock = 40;
 constexpr float kStreet = 12;
 constexpr float kPitch = kBlock + kStreet;
-constexpr float kLoopRadius = 6;
-constexpr float kFreeRadius = 10;  // metres about the loop's centre that stay empty
+constexpr float kCityLoopRadius = 6;
+constexpr float kCityFreeRadius = 10;  // metres about the loop's centre that stay empty
 
 struct Plan {
   int blocks;
@@ -26,7 +26,7 @@ struct Plan {
     plaza_column = count / 2;
     // Most of the city lies ahead (-z); a single block gets the plaza before it.
     plaza_row = count == 1 ? 1 : (2 * count) / 3;
-    loop = center(plaza_column, plaza_row) + glm::vec2(kLoopRadius - 0.5f * kPitch, 0);
+    loop = center(plaza_column, plaza_row) + glm::vec2(kCityLoopRadius - 0.5f * kPitch, 0);
   }
   glm::vec2 center(int column, int row) const {
     const float middle = 0.5f * static_cast<float>(blocks - 1);
@@ -34,7 +34,7 @@ struct Plan {
            kPitch;
   }
   bool plaza(int column, int row) const { return column == plaza_column && row == plaza_row; }
-  bool free(glm::vec2 p) const { return glm::length(p - loop) > kFreeRadius; }
+  bool free(glm::vec2 p) const { return glm::length(p - loop) > kCityFreeRadius; }
 };
 
 struct Kit {
@@ -175,7 +175,7 @@ Scene build_city(const OptionValues& options) {
   parts.scene.lighting.lights = {sun_light({0.6f, 0.75f, 0.55f}, {1.8f, 1.68f, 1.42f})};
   parts.scene.environment = {{0.14f, 0.30f, 0.64f}, {0.62f, 0.74f, 0.86f}, {0.12f, 0.12f, 0.12f}};
   parts.scene.environment.fog_density = static_cast<float>(options[2]);
-  parts.scene.home = home_on_loop({plan.loop.x, 0, plan.loop.y}, kLoopRadius, 1.7, 0, 1.4);
+  parts.scene.home = home_on_loop({plan.loop.x, 0, plan.loop.y}, kCityLoopRadius, 1.7, 0, 1.4);
   return std::move(parts.scene);
 }
 

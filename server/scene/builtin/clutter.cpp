@@ -10,7 +10,7 @@
 namespace mirage::builtin {
 namespace {
 
-constexpr float kLoopRadius = 1.2f;
+constexpr float kClutterLoopRadius = 1.2f;
 constexpr float kFreeRadius = 1.75f;  // metres about the loop's centre that no object reaches into
 constexpr float kRoomHeight = 3;
 
@@ -292,7 +292,7 @@ Scene build_clutter(const OptionValues& options) {
     parts.scene.lighting.lights.push_back(light);
   }
   parts.scene.environment = {glm::vec3(0.5f), glm::vec3(0.6f), glm::vec3(0.2f)};
-  parts.scene.home = home_on_loop({0, 0, 0}, kLoopRadius, 1.65, 0, 0.8);
+  parts.scene.home = home_on_loop({0, 0, 0}, kClutterLoopRadius, 1.65, 0, 0.8);
   parts.scene.home.target.y -= 0.2;
   return std::move(parts.scene);
 }

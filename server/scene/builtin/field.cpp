@@ -12,7 +12,7 @@ namespace mirage::builtin {
 namespace {
 
 constexpr float kSpacing = 1.2f;
-constexpr float kLoopRadius = 3;
+constexpr float kFieldLoopRadius = 3;
 constexpr float kMargin = 20;  // metres of meadow around the instances
 
 void add_meadow(SceneParts& parts, float half, float depth, std::uint32_t seed) {
@@ -64,7 +64,8 @@ Scene build_field(const OptionValues& options) {
   parts.scene.lighting.lights = {sun_light({0.7f, 0.9f, 0.5f}, {1.9f, 1.75f, 1.45f})};
   parts.scene.environment = {{0.14f, 0.30f, 0.64f}, {0.62f, 0.74f, 0.86f}, {0.13f, 0.15f, 0.07f}};
   // The loop's far point keeps 1.5 m from the first row.
-  parts.scene.home = home_on_loop({kLoopRadius, 0, kLoopRadius + 1.5}, kLoopRadius, 1.7, 0, 1.4);
+  parts.scene.home =
+      home_on_loop({kFieldLoopRadius, 0, kFieldLoopRadius + 1.5}, kFieldLoopRadius, 1.7, 0, 1.4);
   return std::move(parts.scene);
 }
 

@@ -13,8 +13,8 @@
 namespace mirage::builtin {
 namespace {
 
-constexpr float kLoopRadius = 20;  // the walk loop is the circle about the origin
-constexpr float kPlainHalf = 80;   // half side of the terrain for up to 400 trees
+constexpr float kForestLoopRadius = 20;  // the walk loop is the circle about the origin
+constexpr float kPlainHalf = 80;         // half side of the terrain for up to 400 trees
 constexpr float kWaterLevel = -0.55f;
 constexpr glm::vec2 kPondCenter{-19, -33};
 constexpr glm::vec2 kPondRadii{13, 10};
@@ -39,7 +39,9 @@ class Layout {
   float half() const { return half_; }
   const std::vector<Tree>& trees() const { return trees_; }
 
-  static float distance_to_loop(glm::vec2 p) { return std::abs(glm::length(p) - kLoopRadius); }
+  static float distance_to_loop(glm::vec2 p) {
+    return std::abs(glm::length(p) - kForestLoopRadius);
+  }
 
   /// 1 on the shore, less in the pond.
   float pond_depth(glm::vec2 p) const {
@@ -92,7 +94,7 @@ bool Layout::free_for(const Tree& tree, float closeness) const {
   if (distance_to_loop(p) < tree.clearance || pond_depth(p) < 1.4f) return false;
   // The view from home to the pond stays open.
   const float along = -p.y / 33.0f;
-  if (along > 0 && along < 1 && std::abs(p.x + kLoopRadius) < 3 + 6 * along) return false;
+  if (along > 0 && along < 1 && std::abs(p.x + kForestLoopRadius) < 3 + 6 * along) return false;
   bool free = true;
   each_near(p, [&](const Tree& other) {
     const float apart = closeness * (tree.crown_radius + other.crown_radius);
@@ -228,7 +230,7 @@ void scatter_undergrowth(SceneParts& parts, const Layout& layout, int count, std
       const float angle = i % 3 != 0 ? 3.14159f + 0.2f * a - 0.05f : a;
       const float gap = 1.3f + kinds[kind].radius * scale;
       const float off = gap + 11 * spread * random.unit() * random.unit();
-      const float r = kLoopRadius + (random.chance(0.5f) && off < 18 ? -off : off);
+      const float r = kForestLoopRadius + (random.chance(0.5f) && off < 18 ? -off : off);
       const glm::vec2 p(r * std::cos(angle), r * std::sin(angle));
       const bool inside = std::max(std::abs(p.x), std::abs(p.y)) < layout.half() - 1;
       if (attempt < 20 && (!inside || layout.pond_depth(p) < 1.1f)) continue;
@@ -267,7 +269,7 @@ Scene build_forest(const OptionValues& options) {
   parts.scene.lighting.lights = {sun_light({0.75f, 0.8f, 0.3f}, {1.9f, 1.75f, 1.45f})};
   parts.scene.environment = {{0.14f, 0.30f, 0.64f}, {0.62f, 0.74f, 0.86f}, {0.10f, 0.10f, 0.07f}};
   parts.scene.environment.fog_density = static_cast<float>(options[4]);
-  parts.scene.home = home_on_loop({0, 0, 0}, kLoopRadius, 1.7, 0, 1.4);
+  parts.scene.home = home_on_loop({0, 0, 0}, kForestLoopRadius, 1.7, 0, 1.4);
   return std::move(parts.scene);
 }
 

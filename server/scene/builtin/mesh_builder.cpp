@@ -3,10 +3,11 @@
 #include <array>
 #include <cmath>
 
+#include "server/scene/builtin/tau.h"
+
 namespace mirage::builtin {
 namespace {
 
-constexpr float kTwoPi = 6.28318530718f;
 constexpr float kKinkCosine = 0.766f;   // 40 degrees
 constexpr float kMinTwiceArea = 2e-9f;  // m^2; thinner triangles are dropped
 
@@ -170,8 +171,8 @@ void MeshBuilder::lathe(std::span<const glm::vec2> profile, int segments) {
       const float v = static_cast<float>(i + e) / static_cast<float>(spans);
       for (int s = 0; s <= segments; ++s) {
         const float t = static_cast<float>(s % segments) / static_cast<float>(segments);
-        const float c = std::cos(t * kTwoPi);
-        const float w = std::sin(t * kTwoPi);
+        const float c = std::cos(t * kTau);
+        const float w = std::sin(t * kTau);
         vertex({p.x * c, p.y, p.x * w}, {ends[e].x * c, ends[e].y, ends[e].x * w},
                {static_cast<float>(s) / static_cast<float>(segments), v});
       }
@@ -197,10 +198,10 @@ void MeshBuilder::sphere(glm::vec3 center, glm::vec3 radii, int rings, int segme
   const auto row = static_cast<std::uint32_t>(segments + 1);
   for (int j = 0; j <= rings; ++j) {
     const float v = static_cast<float>(j) / static_cast<float>(rings);
-    const float y = j == rings ? 1.0f : -std::cos(v * kTwoPi * 0.5f);
-    const float r = j == 0 || j == rings ? 0.0f : std::sin(v * kTwoPi * 0.5f);
+    const float y = j == rings ? 1.0f : -std::cos(v * kTau * 0.5f);
+    const float r = j == 0 || j == rings ? 0.0f : std::sin(v * kTau * 0.5f);
     for (int s = 0; s <= segments; ++s) {
-      const float a = static_cast<float>(s % segments) / static_cast<float>(segments) * kTwoPi;
+      const float a = static_cast<float>(s % segments) / static_cast<float>(segments) * kTau;
       const glm::vec3 p(r * std::cos(a), y, r * std::sin(a));
       vertex(p, p, {static_cast<float>(s) / static_cast<float>(segments), v});
     }
@@ -229,7 +230,7 @@ void MeshBuilder::tube(std::span<const glm::vec3> path, std::span<const float> r
     const glm::vec3 other = glm::cross(side, along);
     if (i > 0) length += glm::length(path[i] - path[i - 1]);
     for (int s = 0; s <= sides; ++s) {
-      const float a = static_cast<float>(s % sides) / static_cast<float>(sides) * kTwoPi;
+      const float a = static_cast<float>(s % sides) / static_cast<float>(sides) * kTau;
       const glm::vec3 out = side * std::cos(a) + other * std::sin(a);
       vertex(path[i] + out * radii[i], out,
              {static_cast<float>(s) / static_cast<float>(sides), length * v_per_m});

@@ -6,12 +6,12 @@
 
 #include "server/scene/builtin/museum_hall.h"
 #include "server/scene/builtin/sculpture_cache.h"
+#include "server/scene/builtin/tau.h"
 
 namespace mirage::builtin {
 namespace {
 
-constexpr float kTau = 6.28318530718f;
-constexpr float kLoopRadius = 8;
+constexpr float kMuseumLoopRadius = 8;
 constexpr float kApart = 2.8f;        // metres between neighbouring sculptures on a ring
 constexpr float kBehind = 3.1f;       // metres from the last ring to the wall
 constexpr float kNearestRing = 2.4f;  // metres from the walk
@@ -20,7 +20,7 @@ constexpr float kBetweenRings = 3.0f;
 /// margin: solids come out a few per cent off.
 constexpr float kFewest = 0.5f, kMost = 1.5f;
 
-struct Spot {
+struct Stand {
   float angle;   ///< along the walk, from its start
   float radius;  ///< from the hall's axis
 
@@ -28,7 +28,7 @@ struct Spot {
   glm::vec2 position() const { return {-radius * std::cos(angle), -radius * std::sin(angle)}; }
 };
 
-void add_ring(std::vector<Spot>& spots, float radius, float turn) {
+void add_ring(std::vector<Stand>& spots, float radius, float turn) {
   const int count = static_cast<int>(kTau * radius / kApart);
   for (int i = 0; i < count; ++i) {
     spots.push_back({kTau * (static_cast<float>(i) + turn) / static_cast<float>(count), radius});
@@ -36,16 +36,16 @@ void add_ring(std::vector<Spot>& spots, float radius, float turn) {
 }
 
 /// The rings on both sides of the walk come first, each filled along it.
-std::vector<Spot> spots_for(std::size_t objects) {
-  std::vector<Spot> spots;
+std::vector<Stand> spots_for(std::size_t objects) {
+  std::vector<Stand> spots;
   for (int step = 0; spots.size() < objects; ++step) {
     const std::size_t first = spots.size();
     const float off = kNearestRing + kBetweenRings * static_cast<float>(step);
     const float turn = 0.5f * static_cast<float>(step % 2);
-    add_ring(spots, kLoopRadius + off, 0.5f + turn);
-    if (off + 1 < kLoopRadius) add_ring(spots, kLoopRadius - off, turn);
+    add_ring(spots, kMuseumLoopRadius + off, 0.5f + turn);
+    if (off + 1 < kMuseumLoopRadius) add_ring(spots, kMuseumLoopRadius - off, turn);
     std::sort(spots.begin() + static_cast<std::ptrdiff_t>(first), spots.end(),
-              [](const Spot& a, const Spot& b) {
+              [](const Stand& a, const Stand& b) {
                 return a.angle < b.angle || (a.angle == b.angle && a.radius < b.radius);
               });
   }
@@ -102,10 +102,10 @@ Scene build_museum(const OptionValues& options, const LoadTools& tools) {
   const auto objects = static_cast<std::size_t>(options[0]);
   const auto seed = static_cast<std::uint32_t>(mix_bits(static_cast<std::uint64_t>(options[1])));
   std::vector<Sculpture> sculptures = make_sculptures(objects, options[2], seed, tools);
-  const std::vector<Spot> spots = spots_for(objects);
+  const std::vector<Stand> spots = spots_for(objects);
   Hall hall;
-  hall.loop_radius = kLoopRadius;
-  hall.radius = kLoopRadius + kNearestRing + kBehind;
+  hall.loop_radius = kMuseumLoopRadius;
+  hall.radius = kMuseumLoopRadius + kNearestRing + kBehind;
   SceneParts parts;
   const Plinths plinths(parts, seed);
   Random random(seed, 122);
@@ -113,7 +113,7 @@ Scene build_museum(const OptionValues& options, const LoadTools& tools) {
     const glm::vec2 p = spots[i].position();
     const Plinth& plinth = plinths.under(sculptures[i].height, random.chance(0.4f));
     // The face of a sculpture, +x, is turned to the walk.
-    const bool inside = spots[i].radius < kLoopRadius;
+    const bool inside = spots[i].radius < kMuseumLoopRadius;
     const float yaw = -spots[i].angle + (inside ? 0.5f * kTau : 0.0f);
     parts.put(plinth.object, {p.x, 0, p.y}, -spots[i].angle);
     parts.put(add_sculpture(parts, std::move(sculptures[i])), {p.x, plinth.height, p.y},
@@ -123,7 +123,7 @@ Scene build_museum(const OptionValues& options, const LoadTools& tools) {
   }
   add_hall(parts, hall, seed);
   light_hall(parts.scene, hall);
-  parts.scene.home = home_on_loop({0, 0, 0}, kLoopRadius, 1.65, 0, 1.2);
+  parts.scene.home = home_on_loop({0, 0, 0}, kMuseumLoopRadius, 1.65, 0, 1.2);
   return std::move(parts.scene);
 }
 

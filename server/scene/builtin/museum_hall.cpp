@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 
+#include "server/scene/builtin/tau.h"
 #include "server/scene/builtin/texture_paint.h"
 
 namespace mirage::builtin {
 namespace {
 
-constexpr float kTau = 6.28318530718f;
 constexpr int kSegments = 160;  // of the hall's circle
 constexpr float kCornice = 0.35f;
 constexpr float kOculus = 0.16f;      // of the hall's radius

@@ -8,7 +8,7 @@
 namespace mirage::builtin {
 namespace {
 
-constexpr float kMinTwiceArea = 2e-9f;  // m^2; thinner triangles, at the points, are dropped
+constexpr float kMinGridTwiceArea = 2e-9f;  // m^2; thinner triangles, at the points, are dropped
 
 /// Rows along v of `columns + 1` vertices; the last vertex repeats the position of the first.
 class Grid {
@@ -99,7 +99,7 @@ void Grid::set_triangles() {
   const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const glm::vec3 p = mesh_.vertices[a].position;
     const glm::vec3 n = glm::cross(mesh_.vertices[b].position - p, mesh_.vertices[c].position - p);
-    if (glm::length(n) < kMinTwiceArea) return;
+    if (glm::length(n) < kMinGridTwiceArea) return;
     mesh_.indices.insert(mesh_.indices.end(), {a, b, c});
   };
   mesh_.indices.reserve(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) * 6);

@@ -6,12 +6,11 @@
 
 #include "server/scene/builtin/mesh_builder.h"
 #include "server/scene/builtin/random.h"
+#include "server/scene/builtin/tau.h"
 #include "server/scene/builtin/texture_paint.h"
 
 namespace mirage::builtin {
 namespace {
-
-constexpr float kTau = 6.28318530718f;
 
 struct Texel {
   glm::vec3 color{1};  // linear

@@ -10,9 +10,9 @@
 namespace mirage::builtin {
 namespace {
 
-constexpr int kBlock = 4;          // samples a side that are skipped together
+constexpr int kSolidBlock = 4;     // samples a side that are skipped together
 constexpr float kSteepest = 1.5f;  // largest slope of the distances of solids
-constexpr std::uint32_t kNone = 0xffffffff;
+constexpr std::uint32_t kNoVertex = 0xffffffff;
 constexpr int kTrialCells = 72;  // along the longest side, for a first count of triangles
 constexpr int kAttempts = 3;
 constexpr double kCloseEnough = 0.06;  // relative to the triangles asked for
@@ -25,7 +25,7 @@ class Nets {
     cells_ = glm::ivec3(glm::ceil(size / cell_)) + 2;
     low_ = -0.5f * cell_ * glm::vec3(cells_);
     for (auto& plane : samples_) plane.resize(plane_size());
-    for (auto& plane : vertex_of_cell_) plane.assign(plane_size(), kNone);
+    for (auto& plane : vertex_of_cell_) plane.assign(plane_size(), kNoVertex);
   }
 
   Mesh take() {
@@ -71,15 +71,15 @@ class Nets {
 };
 
 void Nets::sample(int z) {
-  const int across = cells_.x / kBlock + 1;
-  const int down = cells_.y / kBlock + 1;
-  const float middle = 0.5f * static_cast<float>(kBlock - 1);
-  if (z % kBlock == 0) {
+  const int across = cells_.x / kSolidBlock + 1;
+  const int down = cells_.y / kSolidBlock + 1;
+  const float middle = 0.5f * static_cast<float>(kSolidBlock - 1);
+  if (z % kSolidBlock == 0) {
     middles_.clear();
     for (int by = 0; by < down; ++by) {
       for (int bx = 0; bx < across; ++bx) {
-        middles_.push_back(
-            solid_.distance(low_ + cell_ * (glm::vec3(bx * kBlock, by * kBlock, z) + middle)));
+        middles_.push_back(solid_.distance(
+            low_ + cell_ * (glm::vec3(bx * kSolidBlock, by * kSolidBlock, z) + middle)));
       }
     }
   }
@@ -88,7 +88,8 @@ void Nets::sample(int z) {
   std::vector<float>& plane = samples_[static_cast<std::size_t>(z & 1)];
   for (int y = 0; y <= cells_.y; ++y) {
     for (int x = 0; x <= cells_.x; ++x) {
-      const float d = middles_[static_cast<std::size_t>((y / kBlock) * across + x / kBlock)];
+      const float d =
+          middles_[static_cast<std::size_t>((y / kSolidBlock) * across + x / kSolidBlock)];
       const bool border =
           x == 0 || y == 0 || z == 0 || x == cells_.x || y == cells_.y || z == cells_.z;
       plane[at(x, y)] = border ? cell_ : std::abs(d) > reach ? d : solid_.distance(point(x, y, z));
@@ -105,7 +106,7 @@ void Nets::add_vertices(int z) {
         d[static_cast<std::size_t>(k)] = value(x + (k & 1), y + (k >> 1 & 1), z + (k >> 2));
         inside += d[static_cast<std::size_t>(k)] < 0;
       }
-      vertex(x, y, z) = kNone;
+      vertex(x, y, z) = kNoVertex;
       if (inside == 0 || inside == 8) continue;
       glm::vec3 sum(0);
       float crossings = 0;

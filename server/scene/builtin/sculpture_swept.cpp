@@ -6,11 +6,11 @@
 
 #include "server/scene/builtin/random.h"
 #include "server/scene/builtin/sculpture_forms.h"
+#include "server/scene/builtin/tau.h"
 
 namespace mirage::builtin {
 namespace {
 
-constexpr float kTau = 6.28318530718f;
 constexpr float kStep = 1e-3f;  // step along the curve for its direction
 
 /// Returns a point of a superellipse: a circle at sharpness 1, a rounded box below.

@@ -7,11 +7,10 @@
 
 #include "server/scene/builtin/random.h"
 #include "server/scene/builtin/sculpture_forms.h"
+#include "server/scene/builtin/tau.h"
 
 namespace mirage::builtin {
 namespace {
-
-constexpr float kTau = 6.28318530718f;
 
 template <typename Point>
 Point catmull_rom(const std::vector<Point>& points, float t) {

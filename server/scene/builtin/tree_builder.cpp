@@ -10,14 +10,14 @@
 namespace mirage::builtin {
 namespace {
 
-constexpr int kNone = -1;
+constexpr int kNoParent = -1;
 
 struct Node {
   glm::vec3 position;
   int parent;
   float path_m;  ///< length from the root
   float radius = 0;
-  int heir = kNone;  ///< thickest child, which continues the branch
+  int heir = kNoParent;  ///< thickest child, which continues the branch
 };
 
 struct Skeleton {
@@ -26,7 +26,7 @@ struct Skeleton {
 
   int add(glm::vec3 position, int parent) {
     const float path =
-        parent == kNone
+        parent == kNoParent
             ? 0
             : nodes[static_cast<std::size_t>(parent)].path_m +
                   glm::length(position - nodes[static_cast<std::size_t>(parent)].position);
@@ -109,7 +109,7 @@ Skeleton grow_skeleton(const TreeSpecies& species, const Crown& crown, Random& r
   const float top = species.height * species.trunk_top;
   const glm::vec3 lean(random.range(-0.04f, 0.04f), 0, random.range(-0.04f, 0.04f));
   const float phase = random.angle();
-  int node = skeleton.add({0, -0.4f, 0}, kNone);
+  int node = skeleton.add({0, -0.4f, 0}, kNoParent);
   const int steps = static_cast<int>(top / 0.45f);
   for (int i = 1; i <= steps; ++i) {
     const float y = top * static_cast<float>(i) / static_cast<float>(steps);
@@ -133,7 +133,7 @@ void thicken(Skeleton& skeleton, float trunk_radius) {
     const auto parent = static_cast<std::size_t>(nodes[i].parent);
     load[parent] += load[i];
     const int heir = nodes[parent].heir;
-    if (heir == kNone || load[static_cast<std::size_t>(heir)] < load[i]) {
+    if (heir == kNoParent || load[static_cast<std::size_t>(heir)] < load[i]) {
       nodes[parent].heir = static_cast<int>(i);
     }
   }
@@ -141,7 +141,7 @@ void thicken(Skeleton& skeleton, float trunk_radius) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     nodes[i].radius = glm::max(0.008f, scale * std::pow(load[i], 1 / 2.2f));
     const float y = nodes[i].position.y;
-    if (nodes[i].parent == kNone || y < 0.8f) {
+    if (nodes[i].parent == kNoParent || y < 0.8f) {
       nodes[i].radius *= 1 + 0.7f * glm::smoothstep(0.9f, 0.0f, y);  // root flare
     }
   }
@@ -154,16 +154,16 @@ void add_branches(MeshBuilder& builder, const Skeleton& skeleton) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const int parent = nodes[i].parent;
     const bool starts =
-        parent == kNone || nodes[static_cast<std::size_t>(parent)].heir != static_cast<int>(i);
+        parent == kNoParent || nodes[static_cast<std::size_t>(parent)].heir != static_cast<int>(i);
     if (!starts) continue;
     path.clear();
     radii.clear();
-    if (parent != kNone) {
+    if (parent != kNoParent) {
       path.push_back(nodes[static_cast<std::size_t>(parent)].position);
       radii.push_back(
           glm::min(nodes[i].radius * 1.15f, nodes[static_cast<std::size_t>(parent)].radius));
     }
-    for (int k = static_cast<int>(i); k != kNone; k = nodes[static_cast<std::size_t>(k)].heir) {
+    for (int k = static_cast<int>(i); k != kNoParent; k = nodes[static_cast<std::size_t>(k)].heir) {
       path.push_back(nodes[static_cast<std::size_t>(k)].position);
       radii.push_back(nodes[static_cast<std::size_t>(k)].radius);
     }

@@ -6,7 +6,7 @@
 namespace mirage {
 namespace {
 
-constexpr int kWidth = 512, kHeight = 256;
+constexpr int kSkyWidth = 512, kSkyHeight = 256;
 /// Exposure that brings the brightest irradiance over pi of the studio to 0.95 (a test checks it).
 constexpr double kStudioExposure = 0.90;
 
@@ -48,9 +48,9 @@ glm::dvec3 sky(const glm::dvec3& d) {
 }
 
 Equirect drawn(const std::function<glm::dvec3(const glm::dvec3&)>& radiance) {
-  Equirect out{kWidth, kHeight, {}};
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  Equirect out{kSkyWidth, kSkyHeight, {}};
+  for (int y = 0; y < kSkyHeight; ++y) {
+    for (int x = 0; x < kSkyWidth; ++x) {
       out.texels.emplace_back(radiance(equirect_direction(out, x, y)));
     }
   }

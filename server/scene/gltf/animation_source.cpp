@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-std::size_t list_size(const json& root, const char* key) {
+std::size_t entry_count(const json& root, const char* key) {
   const json* list = member(root, key);
   return list != nullptr && list->is_array() ? list->size() : 0;
 }
@@ -34,10 +34,10 @@ bool read_channel(const json& channel, const json& samplers, const json& root, C
   const json* target = member(channel, "target");
   if (sampler < 0 || target == nullptr) return false;
   const json& source = samplers[static_cast<std::size_t>(sampler)];
-  out.node = index_below(member(*target, "node"), list_size(root, "nodes"));
+  out.node = index_below(member(*target, "node"), entry_count(root, "nodes"));
   out.path = text(member(*target, "path"), "");
-  out.input = index_below(member(source, "input"), list_size(root, "accessors"));
-  out.output = index_below(member(source, "output"), list_size(root, "accessors"));
+  out.input = index_below(member(source, "input"), entry_count(root, "accessors"));
+  out.output = index_below(member(source, "output"), entry_count(root, "accessors"));
   out.interpolation = text(member(source, "interpolation"), "LINEAR");
   return out.node >= 0 && out.input >= 0 && out.output >= 0;
 }

@@ -14,7 +14,7 @@ namespace mirage::gltf {
 namespace {
 
 using nlohmann::json;
-using Bytes = std::span<const std::uint8_t>;
+using ByteSpan = std::span<const std::uint8_t>;
 
 constexpr char kDraco[] = "KHR_draco_mesh_compression";
 /// Memory for decoding besides the results: a triangle of three points of 96 bytes each, and the
@@ -34,7 +34,7 @@ json* extension(json& object, const char* name) {
 }
 
 /// Returns the bytes that `place` ("buffer", "byteOffset", "byteLength") names.
-Result<Bytes> bytes_at(const json& place, const Document& document) {
+Result<ByteSpan> bytes_at(const json& place, const Document& document) {
   const BufferData& buffer = document.buffers[place["buffer"].get<std::size_t>()];
   const auto offset = place.value("byteOffset", std::uint64_t{0});
   const auto length = place["byteLength"].get<std::uint64_t>();
@@ -74,7 +74,7 @@ class Allowance {
 
 struct ViewJob {
   std::size_t view = 0;
-  Bytes bytes;
+  ByteSpan bytes;
   MeshoptView how;
   std::vector<std::uint8_t> decoded;
   std::optional<Error> error;
@@ -124,7 +124,7 @@ std::size_t components_of(const std::string& type) {
 struct DracoJob {
   json* primitive = nullptr;
   std::string name;
-  Bytes bytes;
+  ByteSpan bytes;
   std::uint64_t cost = 0;              ///< most bytes in memory while it is decoded
   std::vector<std::string> semantics;  ///< of each requested attribute
   std::vector<DracoAttribute> wanted;

@@ -12,7 +12,9 @@ namespace {
 
 constexpr int kMaxMetadataDepth = 16;
 
-Error broken(const std::string& why) { return make_error(ErrorId::kSceneFormat, "Draco: " + why); }
+Error broken_header(const std::string& why) {
+  return make_error(ErrorId::kSceneFormat, "Draco: " + why);
+}
 
 /// Reads bytes in order; a read past the end gives nullopt.
 class Reader {
@@ -85,25 +87,26 @@ bool skip_geometry_metadata(Reader& in) {
 Result<std::uint32_t> peek_draco_faces(std::span<const std::uint8_t> bytes) {
   constexpr std::string_view kMagic = "DRACO";
   constexpr std::size_t kHeaderBytes = 11;
-  if (bytes.size() < kHeaderBytes) return broken("too short");
+  if (bytes.size() < kHeaderBytes) return broken_header("too short");
   for (std::size_t i = 0; i < kMagic.size(); ++i) {
-    if (bytes[i] != static_cast<std::uint8_t>(kMagic[i])) return broken("no DRACO header");
+    if (bytes[i] != static_cast<std::uint8_t>(kMagic[i])) return broken_header("no DRACO header");
   }
   const int major = bytes[5];
   const int minor = bytes[6];
   if (major != 2 || minor < 2) {
-    return broken("bitstream " + std::to_string(major) + "." + std::to_string(minor) +
-                  ", glTF needs 2.2");
+    return broken_header("bitstream " + std::to_string(major) + "." + std::to_string(minor) +
+                         ", glTF needs 2.2");
   }
-  if (bytes[7] != 1) return broken("a point cloud, not a mesh");
+  if (bytes[7] != 1) return broken_header("a point cloud, not a mesh");
   const bool edgebreaker = bytes[8] == 1;
-  if (bytes[8] > 1) return broken("unknown method " + std::to_string(bytes[8]));
+  if (bytes[8] > 1) return broken_header("unknown method " + std::to_string(bytes[8]));
   Reader in(bytes.subspan(kHeaderBytes));
-  if ((bytes[10] & 0x80) != 0 && !skip_geometry_metadata(in)) return broken("broken metadata");
-  if (edgebreaker && !in.skip(1)) return broken("ends before its counts");
+  if ((bytes[10] & 0x80) != 0 && !skip_geometry_metadata(in))
+    return broken_header("broken metadata");
+  if (edgebreaker && !in.skip(1)) return broken_header("ends before its counts");
   const auto first = in.varint();
   const auto second = in.varint();
-  if (!first || !second) return broken("ends before its counts");
+  if (!first || !second) return broken_header("ends before its counts");
   const std::uint32_t faces = edgebreaker ? *second : *first;
   const std::uint32_t vertices = edgebreaker ? *first : *second;
   if (faces > kMaxDracoFaces || vertices > kMaxVertices) {

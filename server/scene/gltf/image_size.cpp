@@ -6,28 +6,28 @@
 namespace mirage::gltf {
 namespace {
 
-using Bytes = std::span<const std::uint8_t>;
+using ByteSpan = std::span<const std::uint8_t>;
 
-bool has_tag(Bytes bytes, std::size_t at, std::string_view tag) {
+bool has_tag(ByteSpan bytes, std::size_t at, std::string_view tag) {
   if (bytes.size() < at + tag.size()) return false;
   return std::equal(tag.begin(), tag.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at),
                     [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
 }
 
-std::uint32_t big_endian(Bytes bytes, std::size_t at, int count) {
+std::uint32_t big_endian(ByteSpan bytes, std::size_t at, int count) {
   std::uint32_t value = 0;
   for (int i = 0; i < count; ++i) value = value << 8 | bytes[at + i];
   return value;
 }
 
-std::uint32_t little_endian(Bytes bytes, std::size_t at, int count) {
+std::uint32_t little_endian(ByteSpan bytes, std::size_t at, int count) {
   std::uint32_t value = 0;
   for (int i = count - 1; i >= 0; --i) value = value << 8 | bytes[at + i];
   return value;
 }
 
 /// True if the chunks reach IEND (ISO/IEC 15948 §5). libpng prints to stderr if they do not.
-bool is_whole_png(Bytes bytes) {
+bool is_whole_png(ByteSpan bytes) {
   std::size_t at = 8;
   while (bytes.size() - at >= 12) {
     if (has_tag(bytes, at + 4, "IEND")) return true;
@@ -39,7 +39,7 @@ bool is_whole_png(Bytes bytes) {
 }
 
 /// Walks the JPEG segments to the start of frame (ITU T.81 §B.2).
-std::optional<ImageHeader> peek_jpeg(Bytes bytes) {
+std::optional<ImageHeader> peek_jpeg(ByteSpan bytes) {
   std::size_t at = 2;
   while (at + 9 <= bytes.size()) {
     if (bytes[at] != 0xff) return std::nullopt;
@@ -60,7 +60,7 @@ std::optional<ImageHeader> peek_jpeg(Bytes bytes) {
 }
 
 /// WebP container: lossy (RFC 6386), lossless and extended first chunks.
-std::optional<ImageHeader> peek_webp(Bytes bytes) {
+std::optional<ImageHeader> peek_webp(ByteSpan bytes) {
   if (bytes.size() < 30) return std::nullopt;
   if (has_tag(bytes, 12, "VP8 ")) {
     return ImageHeader{ImageFormat::kWebp, little_endian(bytes, 26, 2) & 0x3fff,
@@ -79,7 +79,7 @@ std::optional<ImageHeader> peek_webp(Bytes bytes) {
 
 }  // namespace
 
-std::optional<ImageHeader> peek_image_header(Bytes bytes) {
+std::optional<ImageHeader> peek_image_header(ByteSpan bytes) {
   if (has_tag(bytes, 0, "\x89PNG\r\n\x1a\n")) {
     if (bytes.size() < 29 || !has_tag(bytes, 12, "IHDR")) return std::nullopt;
     if (!is_whole_png(bytes)) return std::nullopt;

@@ -5,7 +5,7 @@
 namespace mirage::gltf {
 namespace {
 
-constexpr int kNone = -1;
+constexpr int kNoGroup = -1;
 
 }  // namespace
 
@@ -14,13 +14,13 @@ MotionGroups find_motion(const Document& document, const NodeTree& tree,
   const tinygltf::Model& model = document.model;
   MotionGroups out;
   out.moves.assign(model.nodes.size(), false);
-  out.group.assign(model.nodes.size(), kNone);
+  out.group.assign(model.nodes.size(), kNoGroup);
   if (clips.empty()) return out;
   std::vector<bool> marked(model.nodes.size(), false);
   for (const auto& [node, clip] : clips) marked[node] = !clip.channels.empty();
   for (const int node : tree.order) {
     const int above = tree.parent[node];
-    out.moves[node] = marked[node] || (above != kNone && out.moves[above]);
+    out.moves[node] = marked[node] || (above != kNoGroup && out.moves[above]);
   }
   std::vector<bool> skin_moves(model.skins.size(), false);
   for (std::size_t s = 0; s < model.skins.size(); ++s) {
@@ -31,10 +31,12 @@ MotionGroups find_motion(const Document& document, const NodeTree& tree,
   }
   // The highest marked node above is the root, so a skeleton and the things attached to it stay
   // together.
-  std::vector<int> root(model.nodes.size(), kNone);
+  std::vector<int> root(model.nodes.size(), kNoGroup);
   for (const int node : tree.order) {
     const int above = tree.parent[node];
-    root[node] = above != kNone && root[above] != kNone ? root[above] : marked[node] ? node : kNone;
+    root[node] = above != kNoGroup && root[above] != kNoGroup ? root[above]
+                 : marked[node]                               ? node
+                                                              : kNoGroup;
   }
   for (const int node : tree.drawn) {
     const tinygltf::Node& source = model.nodes[node];
@@ -45,7 +47,7 @@ MotionGroups find_motion(const Document& document, const NodeTree& tree,
     if (bends) {
       out.group[node] = root[model.skins[source.skin].joints.front()];
     } else if (out.moves[node] || morphs) {
-      out.group[node] = root[node] != kNone ? root[node] : node;
+      out.group[node] = root[node] != kNoGroup ? root[node] : node;
     }
   }
   return out;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kTile = 2000;
 constexpr double kWorth = 100;  // of a tile
-constexpr std::int64_t kFrameUs = 100'000;
+constexpr std::int64_t kRentFrameUs = 100'000;
 
 double seconds_of(std::int64_t us) { return 1e-6 * static_cast<double>(us); }
 
@@ -23,7 +23,7 @@ double bytes_of(int instances, double life_s, double price, double seconds) {
   account.reset(1);
   double bytes = 0;
   std::vector<double> due(instances, 0);
-  for (std::int64_t now = 0; seconds_of(now) < seconds; now += kFrameUs) {
+  for (std::int64_t now = 0; seconds_of(now) < seconds; now += kRentFrameUs) {
     int wanted = 0;
     for (double& at : due) {
       if (at > seconds_of(now)) continue;

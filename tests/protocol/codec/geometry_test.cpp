@@ -11,7 +11,7 @@
 namespace mirage::test {
 namespace {
 
-class Random {
+class RandomPoints {
  public:
   double uniform(double low, double high) {
     return low + (high - low) * std::uniform_real_distribution<double>(0, 1)(engine_);
@@ -47,7 +47,7 @@ TEST(ProtocolProxy, RayEntersABox) {
 }
 
 TEST(ProtocolProxy, EntryIsOnTheSurface) {
-  Random random;
+  RandomPoints random;
   for (const auto& planes :
        {box_planes({-1, -0.5, -0.25}, {1, 0.5, 0.25}), tetrahedron().planes()}) {
     const auto depth_inside = [&](const glm::dvec3& p) {  // negative outside
@@ -99,7 +99,7 @@ TEST(ProtocolProxy, Extents) {
   EXPECT_NEAR(hull_extent(object), std::sqrt(1.25), 1e-12);
 }
 
-Camera some_camera(Random& random) {
+Camera some_camera(RandomPoints& random) {
   Camera camera;
   camera.pose = look_at(random.in_box(100), random.in_box(100));
   camera.fov_y = random.uniform(0.1, 2.5);
@@ -109,7 +109,7 @@ Camera some_camera(Random& random) {
 }
 
 TEST(ProtocolCamera, PixelsAgreeWithTheMatrix) {
-  Random random;
+  RandomPoints random;
   for (int i = 0; i < 5000; ++i) {
     const Camera camera = some_camera(random);
     const glm::dvec3 p = camera.forward() * random.uniform(1, 100) + random.in_box(0.9);
@@ -126,7 +126,7 @@ TEST(ProtocolCamera, PixelsAgreeWithTheMatrix) {
 }
 
 TEST(ProtocolCamera, AShiftMovesThePictureByPixels) {
-  Random random;
+  RandomPoints random;
   for (int i = 0; i < 1000; ++i) {
     Camera camera = some_camera(random);
     const glm::dvec3 p = camera.forward() * random.uniform(1, 100) + random.in_box(0.3);
@@ -143,7 +143,7 @@ TEST(ProtocolCamera, AShiftMovesThePictureByPixels) {
 }
 
 TEST(ProtocolCamera, LooksAtItsTarget) {
-  Random random;
+  RandomPoints random;
   for (int i = 0; i < 2000; ++i) {
     const glm::dvec3 eye = random.in_box(10), target = eye + random.direction() * 3.0;
     Camera camera;
@@ -175,7 +175,7 @@ TEST(ProtocolCamera, DepthRangeHoldsTheScene) {
 
 // A sphere is left out only if no point of it is in the picture.
 TEST(ProtocolCamera, MaySeeIsConservative) {
-  Random random;
+  RandomPoints random;
   int hidden = 0, missed_by_points = 0;
   for (int i = 0; i < 20'000; ++i) {
     const Camera camera = some_camera(random);

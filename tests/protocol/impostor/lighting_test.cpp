@@ -13,8 +13,8 @@
 namespace mirage::test {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kFloatNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kFloatInf = std::numeric_limits<float>::infinity();
 
 Lighting some_lights() {
   Lighting lighting;
@@ -163,7 +163,7 @@ void expect_refused(const Lighting& lighting) {
 
 TEST(ProtocolLighting, BadValuesAreRefused) {
   ASSERT_TRUE(checked_lighting(some_lights()));
-  for (const float bad : {kNan, kInf, -kInf, -1.0f}) {
+  for (const float bad : {kFloatNan, kFloatInf, -kFloatInf, -1.0f}) {
     for (int i = 0; i < 3; ++i) {
       Lighting lighting = some_lights();
       lighting.ambient[i] = bad;

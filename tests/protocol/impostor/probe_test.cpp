@@ -37,7 +37,7 @@ Lighting probe_light(std::uint64_t id) {
   return lighting;
 }
 
-std::uint64_t hash_of(const Lighting& lighting, const glm::quat& turned = {1, 0, 0, 0}) {
+std::uint64_t probe_hash(const Lighting& lighting, const glm::quat& turned = {1, 0, 0, 0}) {
   Similarity m;
   m.rotation = turned;
   return object_lighting(lighting, m, glm::vec3(0), 1).hash();
@@ -85,27 +85,27 @@ TEST(ProtocolProbe, WhatIsNotItsContentIsRefused) {
 
 TEST(ProtocolProbe, IsInTheKeyAsTheObjectSeesIt) {
   const Lighting lighting = probe_light(0x123456789abcdefull);
-  EXPECT_NE(hash_of(lighting), hash_of(probe_light(0)));
-  EXPECT_NE(hash_of(lighting), hash_of(probe_light(0x123456789abcdeeull)));
-  EXPECT_NE(hash_of(lighting), hash_of(probe_light(0x023456789abcdefull)));
+  EXPECT_NE(probe_hash(lighting), probe_hash(probe_light(0)));
+  EXPECT_NE(probe_hash(lighting), probe_hash(probe_light(0x123456789abcdeeull)));
+  EXPECT_NE(probe_hash(lighting), probe_hash(probe_light(0x023456789abcdefull)));
   Lighting brighter = lighting;
   brighter.probe.strength = 1.5f;
-  EXPECT_NE(hash_of(brighter), hash_of(lighting));
+  EXPECT_NE(probe_hash(brighter), probe_hash(lighting));
   EXPECT_FALSE(same_lighting(brighter, lighting));
 
   const glm::quat turn = glm::normalize(glm::quat(0.8f, 0.1f, 0.5f, -0.3f));
-  EXPECT_NE(hash_of(lighting, turn), hash_of(lighting));
+  EXPECT_NE(probe_hash(lighting, turn), probe_hash(lighting));
   Lighting turned = lighting;
   turned.probe.rotation = turn;
-  EXPECT_EQ(hash_of(turned, turn), hash_of(lighting)) << "turned together";
-  EXPECT_EQ(hash_of(turned, -turn), hash_of(lighting)) << "the same rotation";
+  EXPECT_EQ(probe_hash(turned, turn), probe_hash(lighting)) << "turned together";
+  EXPECT_EQ(probe_hash(turned, -turn), probe_hash(lighting)) << "the same rotation";
 }
 
 TEST(ProtocolProbe, OneThatDoesNotShineIsNone) {
   Lighting dark = probe_light(17);
   dark.probe.strength = 0;
   dark.probe.rotation = glm::normalize(glm::quat(1, 2, 3, 4));
-  EXPECT_EQ(hash_of(dark), hash_of(probe_light(0)));
+  EXPECT_EQ(probe_hash(dark), probe_hash(probe_light(0)));
   EXPECT_TRUE(same_lighting(dark, probe_light(0)));
   EXPECT_EQ(lighting_hash(dark), lighting_hash(probe_light(0)));
   EXPECT_NE(lighting_hash(probe_light(17)), lighting_hash(probe_light(0)));

@@ -13,8 +13,8 @@
 namespace mirage::test {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kCellNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kCellInf = std::numeric_limits<double>::infinity();
 
 /// Directions where an octahedral map breaks: folds, corners, poles; and anywhere.
 class Directions {
@@ -101,7 +101,7 @@ TEST(ProtocolViewCell, LengthDoesNotMatter) {
 TEST(ProtocolViewCell, NoDirectionNoCell) {
   EXPECT_FALSE(view_cell_from_direction({0, 0, 0}, 4));
   for (int i = 0; i < 3; ++i) {
-    for (const double bad : {kNan, kInf, -kInf}) {
+    for (const double bad : {kCellNan, kCellInf, -kCellInf}) {
       glm::dvec3 v(1, 2, 3);
       v[i] = bad;
       EXPECT_FALSE(view_cell_from_direction(v, 4)) << i << " " << bad;
@@ -134,7 +134,7 @@ TEST(ProtocolViewCell, LevelForAngleIsTheCoarsestThatKeepsIt) {
     }
   }
   EXPECT_EQ(view_level_for_angle(0), limits::kMaxViewLevel);
-  EXPECT_EQ(view_level_for_angle(kNan), limits::kMaxViewLevel);
+  EXPECT_EQ(view_level_for_angle(kCellNan), limits::kMaxViewLevel);
   EXPECT_EQ(view_level_for_angle(1e-300), limits::kMaxViewLevel);
 }
 
@@ -187,7 +187,7 @@ TEST(ProtocolDistanceBucket, RoundTripMonotoneAndClose) {
 }
 
 TEST(ProtocolDistanceBucket, Limits) {
-  for (const double bad : {0.0, -1.0, kNan, kInf, -kInf}) {
+  for (const double bad : {0.0, -1.0, kCellNan, kCellInf, -kCellInf}) {
     EXPECT_FALSE(distance_bucket_from_radii(bad, 4)) << bad;
   }
   EXPECT_TRUE(valid(*distance_bucket_from_radii(1e-3, 4)));
@@ -247,9 +247,9 @@ TEST(ProtocolStableMath, SafeNormalize) {
   }
   EXPECT_FALSE(glm::length(glm::normalize(glm::dvec3(1, -2, 2) * 1e-200)) < 2);
   EXPECT_EQ(safe_normalize(glm::dvec3(0)), glm::dvec3(0));
-  EXPECT_EQ(safe_normalize({kNan, 1, 1}), glm::dvec3(0));
-  EXPECT_EQ(safe_normalize({1, kNan, 1}), glm::dvec3(0));
-  EXPECT_EQ(safe_normalize({1, 1, kInf}), glm::dvec3(0));
+  EXPECT_EQ(safe_normalize({kCellNan, 1, 1}), glm::dvec3(0));
+  EXPECT_EQ(safe_normalize({1, kCellNan, 1}), glm::dvec3(0));
+  EXPECT_EQ(safe_normalize({1, 1, kCellInf}), glm::dvec3(0));
 }
 
 }  // namespace

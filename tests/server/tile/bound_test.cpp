@@ -14,7 +14,7 @@
 namespace mirage::test {
 namespace {
 
-constexpr int kEdge = 16;
+constexpr int kBoundEdge = 16;
 constexpr int kTiles = 10'000;
 constexpr int kViews = 10;
 constexpr int kPoints = 10;
@@ -84,20 +84,20 @@ Shot random_shot(Random& random, bool blended) {
   shot.object.group = false;
   const auto radii = distance_bucket_from_radii(random.log_uniform(1.25, 60), 6);
   shot.capture = Capture(*view_cell_from_direction(random.direction(), 7), *radii,
-                         double{shot.object.radius}, kEdge);
+                         double{shot.object.radius}, kBoundEdge);
   shot.record.depth_code = DepthCode(shot.capture.radius, shot.capture.distance);
-  constexpr std::size_t kTexels = kEdge * kEdge;
+  constexpr std::size_t kTexels = kBoundEdge * kBoundEdge;
   shot.rgba.assign(4 * kTexels, 0);
   shot.depth.assign(kTexels, 0);
   shot.surface.assign(4 * kTexels, 0);
-  for (int y = 0; y < kEdge; ++y) {
-    for (int x = 0; x < kEdge; ++x) {
+  for (int y = 0; y < kBoundEdge; ++y) {
+    for (int x = 0; x < kBoundEdge; ++x) {
       // The rows of pages go up, those of texels down.
       const Span span = in_box(shot.object, shot.capture, {x + 0.5, y + 0.5});
       const auto first = static_cast<int>(shot.record.depth_code.encode(span.low)) + 1;
       const auto last = static_cast<int>(shot.record.depth_code.encode(span.high)) - 1;
       if (!(span.low < span.high) || first > last || random.uniform(0, 1) < 0.3) continue;
-      const std::size_t i = static_cast<std::size_t>((kEdge - 1 - y) * kEdge + x);
+      const std::size_t i = static_cast<std::size_t>((kBoundEdge - 1 - y) * kBoundEdge + x);
       const int code = first + random.below(last - first + 1);
       shot.depth[i] = static_cast<std::uint8_t>(code);
       shot.rgba[4 * i + 3] = 255;
@@ -105,7 +105,7 @@ Shot random_shot(Random& random, bool blended) {
     }
   }
   const PageTexels page{shot.rgba.data(), shot.depth.data(),
-                        blended ? shot.surface.data() : nullptr, kEdge};
+                        blended ? shot.surface.data() : nullptr, kBoundEdge};
   const Tile tile = cut_tile(page, kLitTile, shot.capture, shot.object);
   shot.record.capture = shot.capture;
   shot.record.crop = tile.crop;
@@ -168,8 +168,9 @@ Outcome hold_against_bound(bool blended, std::uint64_t seed) {
             record.depth[static_cast<std::size_t>(y) * record.crop.w + static_cast<std::size_t>(x)];
         if (code == 0) continue;
         const glm::dvec2 texel(record.crop.x + x + 0.5, record.crop.y + y + 0.5);
-        const std::size_t page = static_cast<std::size_t>(kEdge - 1 - record.crop.y - y) * kEdge +
-                                 record.crop.x + static_cast<std::size_t>(x);
+        const std::size_t page =
+            static_cast<std::size_t>(kBoundEdge - 1 - record.crop.y - y) * kBoundEdge +
+            record.crop.x + static_cast<std::size_t>(x);
         // A surface behind a blended one shows as well.
         const int behind = blended ? random.below(shot.surface[4 * page] + 1) : 0;
         const double z = shot.depth_of(code + behind + random.uniform(-0.5, 0.5));

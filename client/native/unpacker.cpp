@@ -1,0 +1,30 @@
+#include "client/native/unpacker.h"
+
+#include <utility>
+
+#include "protocol/wire/unpack.h"
+
+namespace mirage {
+
+Unpacker::Unpacker(Hooks hooks)
+    : hooks_(std::move(hooks)), queue_(SIZE_MAX), thread_([this] { run(); }) {}
+
+Unpacker::~Unpacker() {
+  queue_.close();
+  while (queue_.try_pop()) continue;  // nobody takes them any more
+  thread_.join();
+}
+
+void Unpacker::add(Received received) { queue_.push(std::move(received)); }
+
+void Unpacker::run() {
+  while (std::optional<Received> next = queue_.pop()) {
+    if (const Result<void> done = unpack(next->message); !done) {
+      hooks_.damaged(next->generation, done.error());
+    } else {
+      hooks_.unpacked(std::move(*next));
+    }
+  }
+}
+
+}  // namespace mirage
