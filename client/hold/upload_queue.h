@@ -4,9 +4,9 @@
 // Input:  messages as the link brings them.
 // Output: the messages to take in now, within the budget of a frame.
 // Thread: the frame loop's.
-// Full:   tiles, geometry and images beyond the budget wait, undecoded, for the next frames. First
-//         images of instances go before others, then the order of arrival counts. At least one is
-//         taken each frame. When kMostWaiting wait, the rest is taken at once.
+// Full:   tiles, geometry and images beyond the budget wait for the next frames. First images of
+//         instances go before others, then the order of arrival counts. At least one is taken each
+//         frame. When kMostWaiting wait, the rest is taken at once.
 
 #include <cstdint>
 #include <functional>

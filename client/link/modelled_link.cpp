@@ -45,7 +45,7 @@ bool is_out_of_band(const Message& message) {
 std::size_t bytes_of(const Message& m) {
   const std::size_t control =
       m.body.type == wire::Body::TileReply ? kControlBytes : control_estimate(m);
-  return m.payload.size() + control + kFrameOverhead;
+  return m.payload_bytes + control + kFrameOverhead;
 }
 
 }  // namespace

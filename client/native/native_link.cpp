@@ -11,6 +11,8 @@
 #include <random>
 #include <thread>
 
+#include "client/native/unpacker.h"
+
 namespace mirage {
 namespace {
 
@@ -50,6 +52,7 @@ struct NativeLink::Impl {
   std::deque<std::pair<SteadyTime::time_point, Message>> inbound;
   std::string problem;
   std::optional<Error> refusal;
+  std::atomic<bool> damaged{false};  // the connection brought something that cannot be unpacked
   // The network thread alone uses these.
   Bytes fragments;
   PacketAssembler assembler{limits::kMaxTransferBytes};
@@ -122,6 +125,7 @@ struct NativeLink::Impl {
     const std::lock_guard<std::mutex> lock(mutex);
     problem.clear();
     inbound.clear();
+    damaged = paused = false;
     ++generation;
     connected = true;
     tell();
@@ -147,11 +151,28 @@ struct NativeLink::Impl {
     // Full renders are not counted, because they serve comparison, not the product.
     if (message->body.type != wire::Body::ReferenceReply) bytes_down += pending_bytes;
     pending_bytes = 0;
+    unpacker->add({SteadyTime::now(), generation, message.take()});
     const std::lock_guard<std::mutex> lock(mutex);
-    inbound.emplace_back(SteadyTime::now(), message.take());
-    tell();
-    if (inbound.size() >= kMaxInbound) lws_rx_flow_control(wsi, 0);
+    if (inbound.size() + unpacker->waiting() >= kMaxInbound) {
+      paused = true;
+      lws_rx_flow_control(wsi, 0);
+    }
     return 0;
+  }
+
+  // The unpacker's thread calls this, and the next.
+  void take_unpacked(Unpacker::Received received) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (received.generation != generation) return;
+    inbound.emplace_back(received.came, std::move(received.message));
+    tell();
+  }
+
+  void take_damaged(std::uint32_t of, const Error& error) {
+    if (of != generation) return;
+    refuse(error);
+    damaged = true;
+    lws_cancel_service(context);
   }
 
   int refuse(const Error& error) {
@@ -162,6 +183,7 @@ struct NativeLink::Impl {
   }
 
   int write_one(lws* wsi) {
+    if (damaged) return -1;
     Bytes message;
     bool more = false;
     {
@@ -186,7 +208,10 @@ struct NativeLink::Impl {
     if (!socket || !connected) return;
     {
       const std::lock_guard<std::mutex> lock(mutex);
-      if (inbound.size() < kMaxInbound / 2) lws_rx_flow_control(socket, 1);
+      if (paused && inbound.size() + unpacker->waiting() < kMaxInbound / 2) {
+        paused = false;
+        lws_rx_flow_control(socket, 1);
+      }
     }
     lws_callback_on_writable(socket);
   }
@@ -199,6 +224,8 @@ struct NativeLink::Impl {
   }
 
   std::uint64_t pending_bytes = 0;
+  std::atomic<bool> paused{false};  // reading has stopped until messages are taken
+  std::unique_ptr<Unpacker> unpacker;
 };
 
 namespace {
@@ -245,6 +272,9 @@ NativeLink::NativeLink(const ServerUrl& url, std::function<void()> arrived)
     : impl_(std::make_unique<Impl>()) {
   impl_->url = url;
   impl_->arrived = std::move(arrived);
+  impl_->unpacker = std::make_unique<Unpacker>(Unpacker::Hooks{
+      [impl = impl_.get()](Unpacker::Received r) { impl->take_unpacked(std::move(r)); },
+      [impl = impl_.get()](std::uint32_t of, const Error& e) { impl->take_damaged(of, e); }});
   lws_set_log_level(0, silent_log);
   lws_context_creation_info info{};
   info.port = CONTEXT_PORT_NO_LISTEN;
@@ -265,6 +295,7 @@ NativeLink::~NativeLink() {
   impl_->stopping = true;
   if (impl_->context) lws_cancel_service(impl_->context);
   if (impl_->thread.joinable()) impl_->thread.join();
+  impl_->unpacker.reset();  // it wakes the context
   if (impl_->context) lws_context_destroy(impl_->context);
 }
 
@@ -279,10 +310,8 @@ void NativeLink::send(Bytes message) {
 
 std::vector<Message> NativeLink::receive() {
   std::vector<Message> out;
-  bool was_full = false;
   {
     const std::lock_guard<std::mutex> lock(impl_->mutex);
-    was_full = impl_->inbound.size() >= kMaxInbound / 2;
     const auto now = SteadyTime::now();
     for (auto& [came, message] : impl_->inbound) {
       out.push_back(std::move(message));
@@ -291,7 +320,7 @@ std::vector<Message> NativeLink::receive() {
     }
     impl_->inbound.clear();
   }
-  if (was_full) lws_cancel_service(impl_->context);
+  if (impl_->paused) lws_cancel_service(impl_->context);
   return out;
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 // Native link: a WebSocket client on its own thread (libwebsockets).
 // Input:  messages to send.
-// Output: decoded messages.
-// Thread: its own.
-// Full:   it stops reading when the inbound queue is full (back-pressure through TCP). Outbound
+// Output: decoded and unpacked messages.
+// Thread: its own; a second one unpacks (unpacker.h).
+// Full:   it stops reading when too many messages are not taken (back-pressure through TCP). Outbound
 //         messages beyond the queue are dropped, and count as a broken link.
 
 #include <functional>

@@ -101,14 +101,14 @@ Result<void> TileProbe::take(const Message& message, const std::vector<TileNeed>
   const std::size_t index = reply->request_id - first_request_;
   if (index >= needs.size()) return make_error(ErrorId::kWireValue, "a tile nobody asked for");
   ++answered_;
-  received_bytes_ += message.payload.size();
+  received_bytes_ += message.payload_bytes;
   const TileNeed& need = needs[index];
   Result<Tile> tile = tile_from_fields(*reply);
   if (!tile) return tile.error();
   if (tile->edge != tile_edge(need.size_class) || tile->channels != need.channels) {
     return make_error(ErrorId::kWireValue, "a tile other than asked for");
   }
-  const auto codec = static_cast<TileCodec>(reply->codec);
+  const auto codec = message.unpacked ? TileCodec::kRaw : static_cast<TileCodec>(reply->codec);
   const Result<void> decoded =
       decode_tile_planes(message.payload.data(), message.payload.size(), codec, *tile);
   if (!decoded) return decoded;

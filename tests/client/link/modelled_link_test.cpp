@@ -43,6 +43,7 @@ class InstantServer final : public Link {
       Message message;
       message.body.Set(std::move(reply));
       message.payload.resize(payload);
+      message.payload_bytes = payload;
       ready_.push_back(std::move(message));
     }
   }

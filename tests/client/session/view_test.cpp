@@ -283,12 +283,14 @@ struct ViewServer final : Link {
     page.body.Set(wire::ObjectPageT{});
     page.body.AsObjectPage()->objects.push_back(std::make_unique<wire::ObjectInfoT>());
     page.payload.resize(200'000);
+    page.payload_bytes = page.payload.size();
     replies.push_back(std::move(page));
     Camera camera;
     camera.width = 64;
     camera.height = 36;
     Message view;
     wire::ViewReplyT reply = reply_for(camera, 2, 3, view.payload);
+    view.payload_bytes = view.payload.size();
     reply.kept = kept;  // because of an earlier client: the model must ignore it
     view.body.Set(std::move(reply));
     replies.push_back(std::move(view));
