@@ -33,8 +33,8 @@ struct PreparedScene {
   std::vector<std::vector<Image>> mips;
   Grouping grouping;
   std::vector<Touching> touching;  ///< by object of the scene
-  std::vector<Mesh> parts;      ///< of InstanceGroup::part, in their object's space
-  glm::dvec3 bounds_center{0};  ///< sphere around all instances, world
+  std::vector<Mesh> parts;         ///< of InstanceGroup::part, in their object's space
+  glm::dvec3 bounds_center{0};     ///< sphere around all instances, world
   double bounds_radius = 1;
   StageTimes load_times;
 
