@@ -52,9 +52,8 @@ function(mirage_target name)
   # A batch reads headers and instantiates templates once for its files. Shipped code outside of sanitizers stays file by file.
   if(MIRAGE_BATCHES AND NOT ARG_ALONE AND (ARG_TEST OR MIRAGE_SANITIZE))
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
-    if(MIRAGE_SANITIZE)  # These warn of neighbours in a batch; the release build looks at each shipped file alone.
-      target_compile_options(${name} PRIVATE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
-    endif()
+    # These warn of neighbours in a batch. The release build and the linter look at each shipped file alone.
+    target_compile_options(${name} PRIVATE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
   if(MIRAGE_PCH AND NOT ARG_PCH STREQUAL "none")
     set(pch base)
