@@ -51,7 +51,14 @@ function(mirage_target name)
   endif()
   # A batch reads headers and instantiates templates once for its files. Shipped code outside of sanitizers stays file by file.
   if(MIRAGE_BATCHES AND NOT ARG_ALONE AND (ARG_TEST OR MIRAGE_SANITIZE))
-    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # The files of one folder are a batch, so a new file never brings other files together.
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+    get_target_property(sources ${name} SOURCES)
+    foreach(source IN LISTS sources)
+      get_filename_component(folder ${source} DIRECTORY)
+      string(MAKE_C_IDENTIFIER "batch_${folder}" batch)
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${batch})
+    endforeach()
     # These warn of neighbours in a batch. The release build and the linter look at each shipped file alone.
     target_compile_options(${name} PRIVATE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()

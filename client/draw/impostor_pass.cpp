@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <tuple>
 
+#include "client/draw/entangled.h"
+#include "client/draw/entangled.h"
 #include "client/draw/relief_instance.h"
 #include "protocol/model/need_mask.h"
 #include "shaders/gl/view_depth.h"

@@ -6,7 +6,6 @@
 #include <set>
 #include <vector>
 
-#include "client/draw/entangled.h"
 #include "client/draw/impostor_atlas.h"
 #include "client/draw/proxy_triangles.h"
 #include "client/frame/draw_list.h"

@@ -83,7 +83,8 @@ Needs ask(SessionParts& s, const SelectorInput& input) {
 void send(SessionParts& s, const Predicted& at, const DrawList& list, Needs needs) {
   const SelectorInput& input = at.input;
   const std::int64_t now_us = input.now_us;
-  if (auto view = s.held.views.plan(s.scene, input.predicted, s.time_s, list, now_us)) {
+  const std::uint32_t light = s.held.tiles.lights().current().serial;
+  if (auto view = s.held.views.plan(s.scene, input.predicted, s.time_s, light, list, now_us)) {
     view->request_id = s.asking.scheduler.next_number();
     view->lighting_id = s.light.id;
     s.held.views.asked(view->request_id);

@@ -11,10 +11,12 @@ namespace {
 
 // Share of the screen without any picture from which a view is asked for.
 constexpr double kMissingShare = 0.05;
-constexpr double kEmptyShare = 0.25;          // from here at any cost: next to nothing is shown
-constexpr std::int64_t kPauseUs = 2'000'000;  // after a refusal
-constexpr double kSamePlace = 1e-5;           // of the scene's radius
-constexpr float kSameDirection = 1 - 1e-6f;   // cosine of half the angle
+constexpr double kEmptyShare = 0.25;             // from here at any cost: next to nothing is shown
+constexpr std::int64_t kPauseUs = 2'000'000;     // after a refusal
+constexpr std::int64_t kLightRestsUs = 250'000;  // a light that stays so long has come to rest
+constexpr std::int64_t kLightPauseUs = 1'000'000;  // between views while the light changes
+constexpr double kSamePlace = 1e-5;                // of the scene's radius
+constexpr float kSameDirection = 1 - 1e-6f;        // cosine of half the angle
 
 /// Returns the share of the screen that the bounding sphere covers, at most 1.
 double screen_share(const Camera& camera, const InstanceView& instance) {
@@ -43,6 +45,7 @@ Result<std::shared_ptr<const ViewTile>> ViewStage::take(const Message& message) 
   if (!view) return view.error();
   view_ = std::make_shared<const ViewTile>(view.take());
   fit_.emplace(*view_);
+  light_ = std::exchange(asked_light_, std::nullopt);
   drawn_ = false;
   return view_;
 }
@@ -109,9 +112,25 @@ void ViewStage::show_missing(const SceneView& scene, const Camera& camera, DrawL
   note_drawn();
 }
 
+bool ViewStage::outdated(const SceneView& scene, const Camera& camera, std::uint32_t light,
+                         const DrawList& list, std::int64_t now_us) {
+  if (seen_light_ != light || !light_) seen_light_since_us_ = now_us;
+  seen_light_ = light;
+  if (!light_) light_ = light;
+  const bool rests = now_us - seen_light_since_us_ >= kLightRestsUs;
+  const bool due = rests || now_us - kLightPauseUs >= asked_us_;
+  if (*light_ == light || !due) return false;
+  double shown = 0;
+  for (const DrawnPlaceholder& placeholder : list.placeholders) {
+    if (placeholder.covered) shown += screen_share(camera, scene.instances[placeholder.instance]);
+  }
+  return shown >= kMissingShare;
+}
+
 std::optional<wire::ViewRequestT> ViewStage::plan(const SceneView& scene, const Camera& predicted,
-                                                  double time_s, const DrawList& list,
-                                                  std::int64_t now_us) {
+                                                  double time_s, std::uint32_t light,
+                                                  const DrawList& list, std::int64_t now_us) {
+  const bool relight = outdated(scene, predicted, light, list, now_us);
   if (!enabled_ || pending_ != 0 || now_us < not_before_us_) return std::nullopt;
   double missing = 0, tiles = 0;
   for (const DrawnPlaceholder& placeholder : list.placeholders) {
@@ -121,11 +140,12 @@ std::optional<wire::ViewRequestT> ViewStage::plan(const SceneView& scene, const 
   }
   // A few placeholders get tiles of their own sooner than a view.
   const bool pays = tiles >= kViewTiles || missing >= kEmptyShare;
-  if (missing < kMissingShare || !pays) return std::nullopt;
-  if (planned_from_ && same_view(*planned_from_, predicted, scene.bounds_radius)) {
-    return std::nullopt;
-  }
+  const bool fills = missing >= kMissingShare && pays;
+  const bool again = planned_from_ && same_view(*planned_from_, predicted, scene.bounds_radius);
+  if (!relight && (!fills || again)) return std::nullopt;
   planned_from_ = predicted;
+  asked_light_ = light;
+  asked_us_ = now_us;
   return view_request(predicted, time_s);
 }
 

@@ -40,6 +40,7 @@ class ViewStage {
   }
   /// Forgets the view, because the scene is another.
   void forget() {
+    light_.reset();
     view_.reset();
     fit_.reset();
     planned_from_.reset();
@@ -55,10 +56,12 @@ class ViewStage {
   void show_all(DrawList& list);
   /// Shows the part of the view for which `list` has no image, and marks placeholders as covered.
   void show_missing(const SceneView& scene, const Camera& camera, DrawList& list);
-  /// Returns the view to ask for. `predicted` is the eye when the reply arrives. It asks for one
-  /// view per place, because a second view from there would show nothing more.
+  /// Returns the view to ask for. `predicted` is the eye when the reply arrives, `light` the serial
+  /// of the present lighting. It asks for one view per place and light, because a second view from
+  /// there would show nothing more. While the light changes, it asks once a second.
   std::optional<wire::ViewRequestT> plan(const SceneView& scene, const Camera& predicted,
-                                         double time_s, const DrawList& list, std::int64_t now_us);
+                                         double time_s, std::uint32_t light, const DrawList& list,
+                                         std::int64_t now_us);
   /// Notes that a request with this number is sent.
   void asked(std::uint32_t request_id) {
     pending_ = request_id;
@@ -76,13 +79,22 @@ class ViewStage {
   /// Returns true if the view shows any of them.
   bool mark(const InstanceView& instance, bool shown, std::vector<bool>& owners) const;
   void note_drawn();
+  /// True if the view shows much of the picture in another light, and it is time to ask for one in
+  /// this light.
+  bool outdated(const SceneView& scene, const Camera& camera, std::uint32_t light,
+                const DrawList& list, std::int64_t now_us);
 
   bool enabled_;
   std::shared_ptr<const ViewTile> view_;
-  std::optional<ViewFit> fit_;          ///< fit of the view
-  bool drawn_ = false;                  ///< some frame has shown the view
-  std::uint32_t pending_ = 0;           ///< number of the request; 0: none
-  std::optional<Camera> planned_from_;  ///< camera of the last request
+  std::optional<ViewFit> fit_;                ///< fit of the view
+  bool drawn_ = false;                        ///< some frame has shown the view
+  std::uint32_t pending_ = 0;                 ///< number of the request; 0: none
+  std::optional<Camera> planned_from_;        ///< camera of the last request
+  std::optional<std::uint32_t> light_;        ///< serial of the view's lighting
+  std::optional<std::uint32_t> asked_light_;  ///< that of the request under way
+  std::uint32_t seen_light_ = 0;              ///< lighting of the last frame
+  std::int64_t seen_light_since_us_ = 0;      ///< when it became that
+  std::int64_t asked_us_ = INT64_MIN;         ///< when the last view was asked for
   std::int64_t not_before_us_ = INT64_MIN;
   ViewCounts counts_;
 };

@@ -36,6 +36,12 @@ struct Grouping {
   std::vector<Cut> cuts;             ///< by instance, ascending; their parts are the last groups
 };
 
+/// The neighbours of an object whose surfaces may lie against its own (touching.h).
+struct Touching {
+  std::uint32_t instance = 0;         ///< the object's only one
+  std::vector<std::uint32_t> others;  ///< instances of the scene, ascending; empty: nothing does
+};
+
 /// Groups the instances of `scene` and sorts them in the groups' order. Ungrouped instances come
 /// first, in their earlier order. Not grouped: surroundings, blended objects (one alpha cannot
 /// order them), moving ones, and those large relative to the scene. Scenes with few instances get

@@ -12,6 +12,7 @@
 #include "server/prepare/instance_parts.h"
 #include "server/prepare/motion_measure.h"
 #include "server/prepare/scene_revision.h"
+#include "server/prepare/touching.h"
 #include "server/scene/builtin/builtin_scene.h"
 #include "server/scene/environment/environment.h"
 #include "server/scene/gltf/gltf_import.h"

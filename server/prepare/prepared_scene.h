@@ -10,7 +10,6 @@
 #include "server/prepare/leave_out.h"
 #include "server/prepare/object_description.h"
 #include "server/prepare/object_geometry.h"
-#include "server/prepare/touching.h"
 
 namespace mirage {
 

@@ -12,12 +12,6 @@
 
 namespace mirage {
 
-/// The neighbours of an object.
-struct Touching {
-  std::uint32_t instance = 0;         ///< the object's only one
-  std::vector<std::uint32_t> others;  ///< instances of the scene, ascending; empty: nothing does
-};
-
 /// Finds by object the instances that its tiles keep clear of. Such an object exists once and is
 /// neither moving, grouped, layered nor large scenery. Another instance counts if it is not moving,
 /// if its box meets that of the object, and if it is at most twice as large: the depth of a larger

@@ -22,7 +22,6 @@
 namespace mirage {
 
 struct GpuScene;
-struct Touching;
 class SceneShadow;
 class TileLayers;
 class TouchingDepth;

@@ -58,7 +58,7 @@ const Graph kMayInclude = {
       "client/link", "client/scene", "client/hold", "client/price", "client/plan", "client/draw",
       "client/session", "client/screen", "client/quality"}},
     {"client/quality", {}},
-    {"client/native", {"protocol/base", "client/link"}},
+    {"client/native", {"protocol/base", "protocol/wire", "client/link"}},
     {"client/host",
      {"protocol/base", "protocol/model", "protocol/impostor", "protocol/codec", "client/frame",
       "client/link", "client/scene", "client/hold", "client/price", "client/plan", "client/draw",

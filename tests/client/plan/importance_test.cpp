@@ -11,7 +11,7 @@
 namespace mirage::test {
 namespace {
 
-SelectorWorld one_ball(Importance importance) {
+SelectorWorld ball_of(Importance importance) {
   SelectorWorld world(make_scene({{{0, 0, 0}, 1, 0, InstanceView::kNoParent, importance}}));
   world.look({0, 0, 5}, {0, 0, 0});
   return world;
@@ -69,7 +69,7 @@ TEST(CoreImportance, AnyImageBeatsNoneWhereverItIs) {
 TEST(CoreImportance, SceneryIsGoodEnoughEarlierAndWhatIsImportantLater) {
   // The eye is off the tile's cell by an error of between a half and two tau.
   const auto needed = [](Importance importance, double aside) {
-    SelectorWorld world = one_ball(importance);
+    SelectorWorld world = ball_of(importance);
     EXPECT_TRUE(world.add_tile(0));
     world.look({aside, 0, 5}, {0, 0, 0});
     SelectorInput in = world.input();

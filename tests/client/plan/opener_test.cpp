@@ -17,7 +17,7 @@
 namespace mirage::test {
 namespace {
 
-constexpr std::uint32_t kNone = InstanceView::kNoParent;
+constexpr std::uint32_t kNobody = InstanceView::kNoParent;
 
 std::shared_ptr<const PreparedScene> field() {
   static const std::shared_ptr<const PreparedScene> scene =
@@ -98,7 +98,7 @@ wire::GroupRecord closed_group(const glm::dvec3& center, std::uint32_t index, st
           0u,
           0u,
           count + index,
-          kNone,
+          kNobody,
           index,
           1u,
           static_cast<std::uint8_t>(importance)};
@@ -194,7 +194,7 @@ TEST(CoreOpener, IndicesStayAndRequestsNameTheServersNumbers) {
     ASSERT_EQ(world.scene.object_id(i), at_server.object);
     ASSERT_EQ(view.world_from_object.position, at_server.world_from_object.position);
     const std::uint32_t parent = field()->parent(view.id);
-    ASSERT_EQ(view.parent == kNone, parent == kNoGroup);
+    ASSERT_EQ(view.parent == kNobody, parent == kNoGroup);
     if (parent != kNoGroup) {
       ASSERT_EQ(world.scene.instances[view.parent].id, parent);
     }
@@ -227,7 +227,7 @@ TEST(CoreOpener, TheRuleReachesAsFarAsTheSelector) {
   for (int round = 0; round < 3000; ++round) {
     const double radius = log_range(0.05, 500);
     SelectorWorld world(make_scene(std::vector<Placed>(1, Placed{{0, 0, 0}, 1, 0, 1}), {},
-                                   {{{0, 0, 0}, static_cast<float>(radius), kNone, 0, 1}}));
+                                   {{{0, 0, 0}, static_cast<float>(radius), kNobody, 0, 1}}));
     SelectorInput in = world.input();
     in.tau_px = log_range(0.2, 8);
     in.target_px = in.tau_px;
@@ -248,7 +248,7 @@ TEST(CoreOpener, TheRuleReachesAsFarAsTheSelector) {
 }
 
 TEST(CoreOpener, PagesThatContradictTheSceneAreRefusedWhole) {
-  const SceneView good = make_scene({{{0, 0, 0}, 1, 0, 1}}, {}, {{{0, 0, 0}, 5, kNone, 0, 1}});
+  const SceneView good = make_scene({{{0, 0, 0}, 1, 0, 1}}, {}, {{{0, 0, 0}, 5, kNobody, 0, 1}});
   ASSERT_EQ(good.instances.size(), 2u);
   const auto refusal = [&](const std::function<void(wire::InstancePageT&)>& change) {
     SceneView scene = good;
@@ -263,19 +263,19 @@ TEST(CoreOpener, PagesThatContradictTheSceneAreRefusedWhole) {
             ErrorId::kWireValue)
       << "a member of a group that is not opened in this page";
   EXPECT_EQ(refusal([&](auto& p) {
-              p.instances = {instance_record({{}, 1, 0, kNone}, 9)};
+              p.instances = {instance_record({{}, 1, 0, kNobody}, 9)};
             }),
             ErrorId::kWireValue)
       << "more instances than the scene has";
   EXPECT_EQ(refusal([&](auto& p) {
-              p.groups = {group_record({{}, 1, kNone, 0, 1}, 2, 0)};
+              p.groups = {group_record({{}, 1, kNobody, 0, 1}, 2, 0)};
             }),
             ErrorId::kWireValue)
       << "more groups than the scene has";
   EXPECT_EQ(refusal([&](auto& p) { p.opened = {77}; }), ErrorId::kWireState)
       << "of a group that is not known yet";
   EXPECT_EQ(refusal([&](auto& p) {
-              p.groups = {group_record({{}, 1, kNone, 1, 1}, 1, 0)};
+              p.groups = {group_record({{}, 1, kNobody, 1, 1}, 1, 0)};
             }),
             ErrorId::kWireValue)
       << "leaves beyond the scene's instances";

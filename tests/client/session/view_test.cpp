@@ -40,6 +40,8 @@ Message message_of(const wire::ViewReplyT& reply, const Bytes& payload) {
   return message;
 }
 
+constexpr std::uint32_t kLight = 1;  // serial
+
 struct CoreView : ::testing::Test {
   /// Balls of radius 1 in a row, seen from 20 m.
   explicit CoreView(std::uint32_t n = 24) {
@@ -124,6 +126,51 @@ TEST_F(CoreView, ShowsWhatIsNotToldOfYet) {
   EXPECT_FALSE(list.view) << "told of all: what is not known is in no view from here";
 }
 
+// The eye stands, and all that the view shows is lit by a sun that has moved on.
+TEST_F(CoreView, AsksAgainOnceTheLightHasChanged) {
+  constexpr std::int64_t kMs = 1'000;
+  DrawList list = all_missing();
+  std::uint32_t request = 0;
+  const auto asks = [&](std::uint32_t light, std::int64_t at_ms) {
+    const bool asked = stage.plan(scene, camera, 0, light, list, at_ms * kMs).has_value();
+    if (asked) stage.asked(++request);
+    return asked;
+  };
+  ASSERT_TRUE(asks(kLight, 0));
+  arrive(request);
+  stage.show_missing(scene, camera, list);
+  EXPECT_FALSE(asks(kLight, 5'000)) << "it is the light of the view";
+  ASSERT_TRUE(asks(2, 5'100));
+  arrive(request);
+  EXPECT_FALSE(asks(2, 9'000)) << "it has this light";
+  ASSERT_TRUE(asks(3, 9'100));
+  arrive(request);
+  EXPECT_FALSE(asks(4, 9'200)) << "the light moves on";
+  EXPECT_FALSE(asks(4, 9'400));
+  ASSERT_TRUE(asks(4, 9'500)) << "it has come to rest";
+  wire::RefusedT busy;
+  busy.request_id = request;
+  ASSERT_TRUE(stage.refused(busy, 9'500 * kMs));
+  EXPECT_FALSE(asks(4, 10'500)) << "the server is busy";
+  ASSERT_TRUE(asks(4, 12'500)) << "the view still has another light";
+  arrive(request);
+  // A light that never rests gets a view a second.
+  const std::uint32_t before = request;
+  for (std::uint32_t frame = 0; frame < 100; ++frame) {
+    if (asks(5 + frame, 20'000 + frame * 50)) arrive(request);
+  }
+  EXPECT_EQ(request - before, 5u);
+}
+
+TEST_F(CoreView, AsksForNoOtherLightWhereItShowsLittle) {
+  stage.asked(1);
+  arrive(1);
+  DrawList list;
+  EXPECT_FALSE(stage.plan(scene, camera, 0, kLight, list, 0));
+  EXPECT_FALSE(stage.plan(scene, camera, 0, 2, list, 1));
+  EXPECT_FALSE(stage.plan(scene, camera, 0, 2, list, 60'000'000));
+}
+
 TEST_F(CoreView, IsNotDrawnOnceAllHaveImages) {
   stage.asked(1);
   arrive(1);
@@ -138,27 +185,27 @@ TEST_F(CoreView, IsNotDrawnOnceAllHaveImages) {
 // too small. Without this rule a viewer that stood still got views for ever and never came to rest.
 TEST_F(CoreView, FromOnePlaceOneIsAskedFor) {
   const DrawList list = all_missing();
-  ASSERT_TRUE(stage.plan(scene, camera, 0, list, 1));
+  ASSERT_TRUE(stage.plan(scene, camera, 0, kLight, list, 1));
   stage.asked(1);
   arrive(1);
-  EXPECT_FALSE(stage.plan(scene, camera, 1, list, 2));
+  EXPECT_FALSE(stage.plan(scene, camera, 1, kLight, list, 2));
   Camera moved = camera;
   moved.pose.eye.x += 0.01 * scene.bounds_radius;
-  EXPECT_TRUE(stage.plan(scene, moved, 1, list, 3));
+  EXPECT_TRUE(stage.plan(scene, moved, 1, kLight, list, 3));
   stage.forget();
-  EXPECT_TRUE(stage.plan(scene, moved, 1, list, 4)) << "of another scene";
+  EXPECT_TRUE(stage.plan(scene, moved, 1, kLight, list, 4)) << "of another scene";
 }
 
 TEST_F(CoreView, AnotherIsAskedForWhereNothingShows) {
   DrawList list = all_missing();
   stage.show_missing(scene, camera, list);
   EXPECT_FALSE(list.view);
-  ASSERT_TRUE(stage.plan(scene, camera, 0, list, 0));
+  ASSERT_TRUE(stage.plan(scene, camera, 0, kLight, list, 0));
   stage.asked(7);
-  EXPECT_FALSE(stage.plan(scene, camera, 0, list, 0)) << "one at a time";
+  EXPECT_FALSE(stage.plan(scene, camera, 0, kLight, list, 0)) << "one at a time";
   arrive(7);
   stage.show_missing(scene, camera, list);
-  EXPECT_FALSE(stage.plan(scene, camera, 0, list, 0)) << "it shows them all";
+  EXPECT_FALSE(stage.plan(scene, camera, 0, kLight, list, 0)) << "it shows them all";
   camera.pose.eye.x += 12;  // two fifths of the distance: from too far aside
   stage.show_missing(scene, camera, list);
   // The balls are in the view nevertheless, and nothing else is there.
@@ -168,7 +215,7 @@ TEST_F(CoreView, AnotherIsAskedForWhereNothingShows) {
 TEST_F(CoreView, AFewHaveTilesOfTheirOwnSooner) {
   DrawList list = all_missing();
   list.placeholders.resize(5);
-  EXPECT_FALSE(stage.plan(scene, camera, 0, list, 0));
+  EXPECT_FALSE(stage.plan(scene, camera, 0, kLight, list, 0));
 }
 
 TEST_F(CoreView, RefusalsPauseAndOneEndsIt) {
@@ -179,13 +226,13 @@ TEST_F(CoreView, RefusalsPauseAndOneEndsIt) {
   EXPECT_FALSE(stage.refused(refused, 0)) << "of something else";
   stage.asked(4);
   EXPECT_TRUE(stage.refused(refused, 0));
-  EXPECT_FALSE(stage.plan(scene, camera, 0, list, 1'000'000));
-  EXPECT_TRUE(stage.plan(scene, camera, 0, list, 3'000'000));
+  EXPECT_FALSE(stage.plan(scene, camera, 0, kLight, list, 1'000'000));
+  EXPECT_TRUE(stage.plan(scene, camera, 0, kLight, list, 3'000'000));
   stage.asked(5);
   refused.request_id = 5;
   refused.reason = wire::RefusalReason::NoView;
   EXPECT_TRUE(stage.refused(refused, 3'000'000));
-  EXPECT_FALSE(stage.plan(scene, camera, 0, list, 60'000'000));
+  EXPECT_FALSE(stage.plan(scene, camera, 0, kLight, list, 60'000'000));
 }
 
 // Leaves enlarged to slabs are worse than the view of the leaves. And a way that replaces a torn
