@@ -5,7 +5,6 @@
 #include <tuple>
 
 #include "client/draw/entangled.h"
-#include "client/draw/entangled.h"
 #include "client/draw/relief_instance.h"
 #include "protocol/model/need_mask.h"
 #include "shaders/gl/view_depth.h"
