@@ -149,6 +149,19 @@ TEST_F(SharedStore, OneRendersAndTheOthersWaitUntilItsLeaseEnds) {
             200);
 }
 
+TEST_F(SharedStore, AWriteOutlastsAStoreThatIsSlowForASecond) {
+  const auto a = source(), b = source();
+  redis_->send(SIGSTOP);
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(a->fetch(kOne));
+  std::thread later([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(900));
+    redis_->send(SIGCONT);
+  });
+  EXPECT_TRUE(a->offer(kOne, {1, 2, 3}));
+  later.join();
+  EXPECT_EQ(b->fetch(kOne), (Bytes{1, 2, 3}));
+}
+
 TEST_F(SharedStore, OneThatDoesNotAnswerIsLeftAlone) {
   const auto a = source();
   a->offer(kOne, {1, 2, 3});

@@ -203,10 +203,12 @@ export class Viewer {
   }
 
   // Returns the part of the interval that frames cause. A display that is seldom refreshed, for
-  // example to save power, is not their doing.
+  // example to save power, is not their doing: a frame that misses one refresh is shown by the next
+  // one of a display that does not save.
   ownInterval(ms) {
+    if (this.waited) return ms;
     const display = this.displayMs();
-    return this.waited || this.tickMs > display ? ms : Math.min(ms, display);
+    return Math.min(ms, this.tickMs > display ? this.tickMs + display : display);
   }
 
   // Sleeps at rest, where nothing is drawn. Gamepads send no events, so they are asked.
