@@ -128,15 +128,17 @@ std::vector<std::uint8_t> FrameTarget::read() const {
 }
 
 GLuint FrameTarget::resolved_texture() const {
-  if (!enlarges()) {
-    resolve();
-    return resolved_color_.id();
-  }
+  resolve_drawn();
+  return enlarges() ? small_color_.id() : resolved_color_.id();
+}
+
+void FrameTarget::resolve_drawn() const {
+  if (!enlarges()) return resolve();
   glBindFramebuffer(GL_READ_FRAMEBUFFER, draw_.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, small_.id());
   glBlitFramebuffer(0, 0, drawn_width_, drawn_height_, 0, 0, drawn_width_, drawn_height_,
                     GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  return small_color_.id();
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, small_.id());
 }
 
 std::size_t FrameTarget::gpu_bytes() const {

@@ -32,6 +32,8 @@ class FrameTarget {
   GLuint resolved_texture() const;
   /// Resolves, and binds the result to GL_READ_FRAMEBUFFER.
   void resolve() const;
+  /// As resolve(), but the result has a pixel for each drawn pixel.
+  void resolve_drawn() const;
   /// Returns the camera at the size of the drawn picture, which differs if that is enlarged.
   Camera drawn_camera(const Camera& camera) const;
   bool enlarges() const { return drawn_width_ != width_ || drawn_height_ != height_; }

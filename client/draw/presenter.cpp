@@ -19,10 +19,13 @@ Result<Presenter> Presenter::create() {
 void Presenter::show(const FrameTarget& picture) {
   const int w = picture.width(), h = picture.height();
   if (!encode_) {
-    picture.resolve();
+    // Only the drawn pixels are encoded. The encoded bytes are copied, or enlarged, as they are:
+    // encoding all pixels of the window takes a software renderer 4 ms more at 1280x720.
+    picture.resolve_drawn();
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-    gl::encode_srgb(false);  // the encoded bytes are copied as they are
-    glBlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    gl::encode_srgb(false);
+    glBlitFramebuffer(0, 0, picture.drawn_width(), picture.drawn_height(), 0, 0, w, h,
+                      GL_COLOR_BUFFER_BIT, picture.enlarges() ? GL_LINEAR : GL_NEAREST);
     gl::encode_srgb(true);
     return;
   }

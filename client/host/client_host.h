@@ -69,6 +69,8 @@ class ClientHost {
   std::optional<LinkUse> link_use();
   /// Returns the virtual clock; nullptr on real time.
   VirtualClock* virtual_clock() { return virtual_clock_; }
+  /// Returns the real time that uploads have taken so far, ms.
+  double upload_ms() const { return upload_ms_; }
   /// Leaves the time since `clock_us` (of clock()) out of the session's time.
   void leave_out_since(std::int64_t clock_us) { left_out_us_ += clock_->now_us() - clock_us; }
 
@@ -81,6 +83,7 @@ class ClientHost {
   std::unique_ptr<Clock> clock_;
   VirtualClock* virtual_clock_ = nullptr;
   std::int64_t left_out_us_ = 0;
+  double upload_ms_ = 0;
   std::unique_ptr<NativeLink> native_;
   std::unique_ptr<ModelledLink> modelled_;
   std::unique_ptr<ClientSession> session_;

@@ -5,6 +5,29 @@
 #include "client/draw/frame_renderer.h"
 
 namespace mirage {
+namespace {
+
+template <typename... Args>
+void time(std::function<void(Args...)>& of, const std::function<double()>& now_ms, double& ms) {
+  of = [inner = std::move(of), now_ms, &ms](Args... args) {
+    const double began = now_ms();
+    inner(std::forward<Args>(args)...);
+    ms += now_ms() - began;
+  };
+}
+
+}  // namespace
+
+TileSink timed(TileSink sink, std::function<double()> now_ms, double& ms) {
+  time(sink.tile, now_ms, ms);
+  time(sink.shadow, now_ms, ms);
+  time(sink.caster, now_ms, ms);
+  time(sink.mesh, now_ms, ms);
+  time(sink.image, now_ms, ms);
+  time(sink.scene, now_ms, ms);
+  time(sink.view, now_ms, ms);
+  return sink;
+}
 
 TileSink renderer_sink(FrameRenderer& renderer, SinkHooks hooks) {
   const auto say = [failed = std::move(hooks.failed)](const Result<void>& done) {

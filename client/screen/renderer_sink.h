@@ -16,6 +16,9 @@ struct SinkHooks {
   std::function<void(const Error&)> failed;  ///< something is not drawn, or not as it should be
 };
 
+/// Returns a sink that adds the time which this one takes to `ms`, by a clock in ms.
+TileSink timed(TileSink sink, std::function<double()> now_ms, double& ms);
+
 /// Returns the sink. `renderer` must outlive it, and a GL context must be current when it is used.
 TileSink renderer_sink(FrameRenderer& renderer, SinkHooks hooks);
 

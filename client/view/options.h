@@ -25,7 +25,8 @@ struct ViewOptions {
   std::string light = "builtin:fixed";
   std::string relight_name = "auto";
   RelightChoice relight = RelightChoice::kAuto;
-  int frames = 0;  ///< 0: until closed (window) or 300 (offscreen)
+  int frames = 0;      ///< 0: until closed (window) or 300 (offscreen)
+  double seconds = 0;  ///< of the session's time; 0: no limit
   double fps = 60;
   double fov_degrees = 60;
   bool virtual_time = false;

@@ -10,6 +10,7 @@
 #include "client/link/modelled_link.h"
 #include "client/plan/frame_plan.h"
 #include "client/session/tile_trace.h"
+#include "client/host/frame_recorder.h"
 #include "protocol/base/quantile.h"
 #include "protocol/impostor/tile_key.h"
 
@@ -238,7 +239,7 @@ std::string SessionStats::json(const Final& end) const {
   return j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
-std::string SessionStats::real_time_json(const Final& end) const {
+std::string SessionStats::real_time_json(const Final& end, const FrameRecorder& frames) const {
   ordered_json j;
   j["frame_ms"] = quantiles(real_ms_, true);
   // Relative error of the time expected for a frame, before the prices were fitted to it.
@@ -246,6 +247,7 @@ std::string SessionStats::real_time_json(const Final& end) const {
     j["price_error"] = {{"p50", quantile(price_errors_, 0.5)},
                         {"p90", quantile(price_errors_, 0.9)}};
   }
+  j["drawn"] = frames.summary();
   j["wall_s"] = end.wall_s;
   j["samples_at_end"] = end.samples;
   j["client_renderer"] = end.renderer;
@@ -276,7 +278,7 @@ std::string SessionStats::table(const Final& end) const {
   return out;
 }
 
-std::string trace_json(const std::vector<TileLife>& lives) {
+std::string trace_json(const std::vector<TileLife>& lives, const FrameRecorder& frames) {
   ordered_json tiles = ordered_json::array();
   for (const TileLife& life : lives) {
     const bool drawn = life.first_drawn_us >= 0;
@@ -294,7 +296,7 @@ std::string trace_json(const std::vector<TileLife>& lives) {
          {"uploaded_us", life.uploaded_us},
          {"first_drawn_us", drawn ? ordered_json(life.first_drawn_us) : ordered_json(nullptr)}});
   }
-  return ordered_json{{"tiles", tiles}}.dump(1) + "\n";
+  return ordered_json{{"tiles", tiles}, {"frames", frames.json()}}.dump(1) + "\n";
 }
 
 }  // namespace mirage

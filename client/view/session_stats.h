@@ -19,6 +19,7 @@ namespace mirage {
 
 struct DrawList;
 class FramePlan;
+class FrameRecorder;
 struct LinkUse;
 class SceneView;
 struct TileLife;
@@ -99,7 +100,7 @@ class SessionStats {
   std::string json(const Final& end) const;
   /// Returns the figures of the wall clock: frame times and duration. They are separate, so that
   /// the rest is reproducible.
-  std::string real_time_json(const Final& end) const;
+  std::string real_time_json(const Final& end, const FrameRecorder& frames) const;
   /// Returns a short table for people.
   std::string table(const Final& end) const;
 
@@ -126,7 +127,7 @@ class SessionStats {
   GeometricError geometric_;
 };
 
-/// Returns the life of every tile as JSON, for `--trace`.
-std::string trace_json(const std::vector<TileLife>& lives);
+/// Returns the life of every tile and the stages of every frame as JSON, for `--trace`.
+std::string trace_json(const std::vector<TileLife>& lives, const FrameRecorder& frames);
 
 }  // namespace mirage

@@ -15,6 +15,7 @@
 #include "client/host/client_host.h"
 #include "client/host/light_script.h"
 #include "client/host/png.h"
+#include "client/host/stop_signal.h"
 #include "client/native/native_link.h"
 #include "client/native/server_url.h"
 #include "client/price/cost_fit.h"
@@ -22,6 +23,7 @@
 #include "client/screen/viewer_defaults.h"
 #include "client/view/comparison.h"
 #include "client/view/explain_frame.h"
+#include "client/host/frame_recorder.h"
 #include "client/view/overlay.h"
 #include "client/view/session_stats.h"
 #include "client/view/window.h"
@@ -37,7 +39,7 @@ namespace {
 
 class Viewer {
  public:
-  explicit Viewer(const ViewOptions& options) : o_(options) {}
+  Viewer(const ViewOptions& options, const StopSignal& stop) : o_(options), stop_(stop) {}
   Result<void> run();
 
  private:
@@ -57,6 +59,9 @@ class Viewer {
   void set_light(std::int64_t now);
   void note_drawn(const DrawList& list);
   void note_frame(const DrawList& list, double frame_ms, std::int64_t now);
+  void receive(std::int64_t now);
+  void record_frame(const DrawList& list);
+  bool over(std::int64_t frame) const;
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
   bool next_events();
@@ -71,7 +76,9 @@ class Viewer {
   }
 
   const ViewOptions& o_;
+  const StopSignal& stop_;
   SteadyClock real_clock_;
+  FrameRecorder recorder_{real_clock_};
   std::int64_t start_us_ = 0;
   std::optional<Window> window_;
   gl::EglContext egl_;
@@ -223,6 +230,7 @@ void Viewer::draw(const Camera& camera, const DrawList& list) {
   screen_.draw(*renderer_, camera, list, session());
   glFinish();
   const std::uint64_t compiled = gl::programs_compiled() - programs;
+  recorder_.lap(compiled > 0 ? FrameStage::kCompile : FrameStage::kDraw);
   programs_in_draws_ += compiled;
   const FrameWork work = screen_.work(camera, list, session());
   if (o_.device_model) {
@@ -281,12 +289,29 @@ void Viewer::note_frame(const DrawList& list, double frame_ms, std::int64_t now)
   stats_.note_asked(session().tiles().asked, now - start_us_);
 }
 
-Result<void> Viewer::one_frame(std::int64_t frame) {
-  const std::int64_t began = real_clock_.now_us();
-  const std::int64_t now = now_us();
+void Viewer::receive(std::int64_t now) {
+  recorder_.begin();
+  const double uploaded_ms = host_->upload_ms();
   if (Result<void> received = session().receive(now); !received) {
     spdlog::warn("{}", received.error().line());
   }
+  recorder_.lap(FrameStage::kReceive, host_->upload_ms() - uploaded_ms);
+}
+
+void Viewer::record_frame(const DrawList& list) {
+  RecordedFrame frame;
+  const FramePlan& plan = session().plan();
+  frame.budget_ms = static_cast<float>(plan.budget_ms());
+  frame.scale = static_cast<float>(plan.setting().scale);
+  frame.visible = static_cast<std::uint32_t>(list.visible);
+  frame.placeholders = static_cast<std::uint32_t>(list.placeholders.size());
+  recorder_.end(frame);
+}
+
+Result<void> Viewer::one_frame(std::int64_t frame) {
+  const std::int64_t began = real_clock_.now_us();
+  const std::int64_t now = now_us();
+  receive(now);
   note_scene();
   note_link();
   if (Result<void> resized = fit_target(); !resized) return resized;
@@ -301,6 +326,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   const DrawList list = session().frame(camera, now);
   // The target gets the samples and the scale that were planned with this frame.
   if (Result<void> fitted = fit_target(); !fitted) return fitted;
+  recorder_.lap(FrameStage::kPlan);
   const Screen::Step step = screen_.next(camera, list, session());
   const bool drawn = step != Screen::Step::kKeep;
   frame_kept_ = !drawn;
@@ -309,10 +335,12 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (step == Screen::Step::kRefine) {
     screen_.refine(*renderer_, camera, list, session());
     if (o_.device_model) model_ms_ = o_.device_model->ms_of(work_of(scene, camera, list, 1));
+    recorder_.lap(FrameStage::kDraw);
   }
   stats_.note_gpu(renderer_->gpu_bytes(), screen_.gpu_bytes());
   if (window_ && (window_->take_refresh() || drawn)) show(camera, list, now);
   glFinish();
+  recorder_.lap(FrameStage::kShow);
   note_drawn(list);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
   const double frame_ms = !host_->virtual_clock() ? real_ms
@@ -320,6 +348,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
                                                   : 1000.0 / o_.fps;
   note_frame(list, frame_ms, now);
   if (drawn) stats_.note_drawn(real_ms);
+  if (drawn) record_frame(list);
   if (drawn) smooth_ms_ += 0.1 * (frame_ms - smooth_ms_);
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
@@ -388,9 +417,16 @@ void Viewer::pace(std::int64_t frame) {
   if (o_.offscreen && left > 0) std::this_thread::sleep_for(std::chrono::microseconds(left));
 }
 
+bool Viewer::over(std::int64_t frame) const {
+  const double seconds = static_cast<double>(now_us() - start_us_) * 1e-6;
+  return stop_.stopped() || (o_.frames > 0 && frame >= o_.frames) ||
+         (o_.seconds > 0 && seconds >= o_.seconds);
+}
+
 Result<void> Viewer::frame_loop() {
   start_us_ = now_us();
-  for (std::int64_t frame = 0; o_.frames == 0 || frame < o_.frames; ++frame) {
+  stop_.begin_frames();
+  for (std::int64_t frame = 0; !over(frame); ++frame) {
     if (window_ && !next_events()) break;
     if (Result<void> done = one_frame(frame); !done) return done;
     if (o_.offscreen && o_.frames >= 100 && frame % 60 == 59) {
@@ -437,7 +473,7 @@ Result<void> Viewer::finish() {
     return make_error(ErrorId::kGraphicsGl, "GL error " + std::to_string(error));
   }
   if (!o_.trace_file.empty()) {
-    if (Result<void> r = write_text(o_.trace_file, trace_json(session().lives())); !r) return r;
+    if (Result<void> r = write_text(o_.trace_file, trace_json(session().lives(), recorder_)); !r) return r;
   }
   if (!o_.explain_file.empty()) {
     if (Result<void> r = write_text(o_.explain_file, explain_frame(session())); !r) return r;
@@ -446,7 +482,7 @@ Result<void> Viewer::finish() {
   if (Result<void> r = write_text(o_.stats_file, stats_.json(end)); !r) return r;
   std::filesystem::path apart(o_.stats_file);
   apart.replace_extension(".real_time.json");
-  return write_text(apart.string(), stats_.real_time_json(end));
+  return write_text(apart.string(), stats_.real_time_json(end, recorder_));
 }
 
 Result<void> Viewer::run() {
@@ -469,7 +505,9 @@ Result<void> Viewer::run() {
 }  // namespace
 
 Result<void> run_viewer(const ViewOptions& options) {
-  Viewer viewer(options);
+  // A window that sleeps wakes up. Without one there is nothing to wake.
+  const StopSignal stop(options.offscreen ? std::function<void()>() : &Window::wake);
+  Viewer viewer(options, stop);
   return viewer.run();
 }
 

@@ -37,16 +37,6 @@ double budget_ms(const WebOptions& o) {
   return gl::is_software() ? kSoftwareFrameMs : o.display_ms;
 }
 
-// Adds the time that a function of the sink takes to `ms`.
-template <typename... Args>
-void time(std::function<void(Args...)>& of, double& ms) {
-  of = [inner = std::move(of), &ms](Args... args) {
-    const double began = emscripten_get_now();
-    inner(std::forward<Args>(args)...);
-    ms += emscripten_get_now() - began;
-  };
-}
-
 ClientOptions session_options(const WebOptions& o) {
   ClientOptions s;
   s.name = "mirage-web";
@@ -91,14 +81,8 @@ Result<std::unique_ptr<WebViewer>> WebViewer::create(const WebOptions& options,
   hooks.scene = [self]() -> const SceneView& { return self->session_->scene(); };
   hooks.changed = [self] { self->screen_.content_changed(); };
   hooks.failed = [self](const Error& error) { self->problem_ = error.text; };
-  TileSink sink = renderer_sink(*out->renderer_, hooks);
-  time(sink.tile, self->upload_ms_);
-  time(sink.shadow, self->upload_ms_);
-  time(sink.caster, self->upload_ms_);
-  time(sink.mesh, self->upload_ms_);
-  time(sink.image, self->upload_ms_);
-  time(sink.scene, self->upload_ms_);
-  time(sink.view, self->upload_ms_);
+  TileSink sink = timed(renderer_sink(*out->renderer_, hooks),
+                        [] { return emscripten_get_now(); }, self->upload_ms_);
   out->session_ =
       std::make_unique<ClientSession>(out->link_, session_options(options), std::move(sink));
   out->session_->set_prices(out->prices_.model());
