@@ -42,6 +42,7 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
   ViewPlan plan;
   // The other half of tau is for the motion within the phase.
   plan.tau_px = (1 - kMotionShare) * tau_px;
+  plan.pixel_px = in.pixel_px;
   const double allowed = kMotionShare * tau_px / motion_bound_px(view, 1.0);
   const double clip_s = object.motion.clip_s;
   const double step_s = clip_s / (1 << limits::kMaxPhaseLevel);
@@ -58,7 +59,7 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
       last = phase;
       then.clip_time_s = phase_time(phase, clip_s);
       const TileFit fit = best_of_phase(group, phase, object, then, in.method, tau_px);
-      if (!fit.settled(plan.tau_px) || !lit.wanted) {
+      if (!fit.settled(plan.tau_px, in.pixel_px) || !lit.wanted) {
         TileNeed need = need_for_view(then, plan);
         need.instance = instance;
         need.phase = phase;

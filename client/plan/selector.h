@@ -44,6 +44,7 @@ struct SelectorInput {
   glm::dvec3 velocity{0};  ///< velocity of the eye, world space, m/s
   double tau_px = 1;
   double mesh_tau_px = 1;  ///< tau for choosing levels of geometry
+  double pixel_px = 1;     ///< size of a drawn pixel on the shown picture (drawn_pixel.h)
   /// Value that tau was steered up from. Tau rises last where the viewer looks.
   double target_px = std::numeric_limits<double>::infinity();
   MethodChoice method;
@@ -101,7 +102,7 @@ class Selector {
   };
   /// Values that settled instances depend on, beside their tiles and time.
   struct Basis {
-    double tau_px = 0, target_px = 0, focal_px = 0, mesh_radii = 0;
+    double tau_px = 0, target_px = 0, pixel_px = 0, focal_px = 0, mesh_radii = 0;
     std::uint32_t light = 0;
     bool automatic = true, eight_views = false;
     DrawMethod method = DrawMethod::kQuad;

@@ -38,6 +38,7 @@ ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileG
                   double radius, double tau_px, double size_px) {
   ViewPlan plan;
   plan.tau_px = tau_px;
+  plan.pixel_px = in.pixel_px;
   const glm::dquat inverse = glm::conjugate(glm::dquat(view.world_from_object.rotation));
   plan.velocity = inverse * in.velocity / double{view.world_from_object.scale};
   const bool flat = !in.method.automatic && in.method.method != DrawMethod::kDepth;
@@ -72,7 +73,7 @@ bool wants_layers(const SelectorInput& in, const ObjectDescription& object, cons
                   double size_px, const TileFit& fit) {
   constexpr double kLeastPx = 64;  // smaller tiles take 1.8 times the bytes
   return !in.method.automatic && plan.depth_share != kFlatDepthShare && layered(object.needs) &&
-         !object.group && size_px >= kLeastPx && fit.sharp(plan.tau_px);
+         !object.group && size_px >= kLeastPx && fit.sharp(plan.tau_px, plan.pixel_px);
 }
 
 double walking_speed(const SelectorInput& in) {
@@ -154,6 +155,7 @@ void Selector::forget_settled(const SelectorInput& in) {
   Basis now;
   now.tau_px = in.tau_px;
   now.target_px = in.target_px;
+  now.pixel_px = in.pixel_px;
   now.focal_px = in.predicted.focal_px();
   now.mesh_radii = in.mesh_radii;
   now.light = in.cache->light();
@@ -168,7 +170,7 @@ void Selector::forget_settled(const SelectorInput& in) {
   // There may be no later frame to look again when a walk ends.
   now.moving = way > kStandsM;
   const bool stopped = basis_.moving && !now.moving;
-  const bool same = now.tau_px == basis_.tau_px && now.target_px == basis_.target_px &&
+  const bool same = now.tau_px == basis_.tau_px && now.target_px == basis_.target_px && now.pixel_px == basis_.pixel_px &&
                     now.focal_px == basis_.focal_px && now.mesh_radii == basis_.mesh_radii &&
                     now.light == basis_.light && now.automatic == basis_.automatic &&
                     now.eight_views == basis_.eight_views && now.method == basis_.method;
@@ -212,7 +214,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   const double light_px = light_change_px(in, lit, instance, size);
   // A tile shaded by the client is right; the server's is better, and asked for in spare time.
   const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
-  if (fit.settled(tau) && !is_stale(light_px, tau) && !shaded_here) {
+  if (fit.settled(tau, in.pixel_px) && !is_stale(light_px, tau) && !shaded_here) {
     if (lit.wanted) shown_[instance].settled_until_us = settled_until(in, fit, view, plan);
     return;
   }

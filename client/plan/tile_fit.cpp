@@ -59,13 +59,13 @@ double TileFit::error_px(double tau_px) const {
 
 bool TileFit::meets(double tau_px) const { return tile && !is_stale(error_px(tau_px), tau_px); }
 
-bool TileFit::sharp(double tau_px) const {
-  return tile && texel_px <= kSharpTexel * std::max(1.0, tau_px);
+bool TileFit::sharp(double tau_px, double pixel_px) const {
+  return tile && texel_px <= kSharpTexel * std::max(pixel_px, tau_px);
 }
 
-bool TileFit::settled(double tau_px) const {
+bool TileFit::settled(double tau_px, double pixel_px) const {
   const bool finest = tile && tile->capture.edge >= tile_edge(kMaxAskedSizeClass);
-  return meets(tau_px) && (finest || sharp(tau_px));
+  return meets(tau_px) && (finest || sharp(tau_px, pixel_px));
 }
 
 double displayed_error_px(const TileFit& fit, double size_px, double tau_px) {

@@ -26,10 +26,10 @@ struct TileFit {
   double error_px(double tau_px) const;
   /// True if the error is within tau.
   bool meets(double tau_px) const;
-  /// True if a texel covers hardly more than a pixel, or than tau.
-  bool sharp(double tau_px) const;
+  /// True if a texel covers hardly more than a drawn pixel of `pixel_px`, or than tau.
+  bool sharp(double tau_px, double pixel_px = 1) const;
   /// True if it meets tau and is sharp, or as fine as any: nothing better needs to be asked for.
-  bool settled(double tau_px) const;
+  bool settled(double tau_px, double pixel_px = 1) const;
 };
 
 /// Return the best of the group's tiles with flat methods, or with stored depth. `tile` is null if

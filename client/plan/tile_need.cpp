@@ -90,7 +90,7 @@ TileNeed need_for_view(const ViewGeometry& view, const ViewPlan& plan) {
   const double dc = radii_from_distance_bucket(need.distance) * r;
   const double nearest = std::min(d, std::max(glm::length(view.eye), least));
   const double half = r / tangent_length(dc, r) * dc;
-  const double texels = kTexelsPerPixel * 2.0 * view.focal_px * half / nearest;
+  const double texels = kTexelsPerPixel * 2.0 * view.focal_px * half / (nearest * plan.pixel_px);
   need.size_class =
       static_cast<std::uint8_t>(std::min(size_class_for(texels * 0.95), kMaxAskedSizeClass));
   return need;

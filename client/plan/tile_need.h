@@ -31,6 +31,7 @@ struct TileNeed {
 /// Values that a view is planned with. Lengths are in object units.
 struct ViewPlan {
   double tau_px = 1;
+  double pixel_px = 1;     ///< size of a drawn pixel on the shown picture, px, >= 1
   glm::dvec3 velocity{0};  ///< velocity of the eye relative to the object, units/s
   /// Largest depth difference between surface and drawn point, in radii. For a flat proxy it is the
   /// object's depth; with stored depth it is the part of the object's depth steps that tau allows
@@ -60,7 +61,7 @@ double allowed_baseline(const ViewGeometry& view, const ViewPlan& plan);
 double expected_life_s(const ViewGeometry& view, const ViewPlan& plan);
 
 /// Returns the key to ask for. It is captured ahead on the eye's path, as far as it is already
-/// valid here. Its cell lies within a fifth of the allowed baseline, at 1.5 texels per pixel. The
+/// valid here. Its cell lies within a fifth of the allowed baseline, at 1.5 texels per drawn pixel. The
 /// radius must be above 0.
 TileNeed need_for_view(const ViewGeometry& view, const ViewPlan& plan);
 

@@ -55,6 +55,8 @@ Predicted predict(SessionParts& s, const Camera& camera, std::int64_t now_us) {
   out.stands = glm::length(input.predicted.pose.eye - camera.pose.eye) < kStandsM &&
                glm::dot(input.predicted.pose.rotation, camera.pose.rotation) > kFacesSame;
   s.planning.rested = out.stands && (s.planning.rested || was_at_rest);
+  input.pixel_px =
+      s.planning.drawn_pixel.update(s.planning.plan.setting().scale, out.stands, now_us);
   input.mesh_tau_px = input.tau_px * (s.planning.rested ? kRestTauShare : 1);
   return out;
 }

@@ -15,6 +15,7 @@
 #include "client/hold/tile_cache.h"
 #include "client/hold/upload_queue.h"
 #include "client/link/link.h"
+#include "client/plan/drawn_pixel.h"
 #include "client/plan/predictor.h"
 #include "client/plan/scene_opener.h"
 #include "client/plan/selector.h"
@@ -87,6 +88,7 @@ struct SessionParts {
     Selector selector;
     TauController tau;
     FramePlan plan;
+    DrawnPixel drawn_pixel;
     bool at_rest = false;
     bool rested = false;  ///< all that tau requires has arrived, and the eye is still
   };
