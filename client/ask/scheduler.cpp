@@ -36,6 +36,7 @@ void Scheduler::reset() {
   assets_not_before_us_.clear();
   window_.reset();
   pace_ = ServerPace();
+  work_ = ServerWork();
   leaving_.clear();
   in_flight_bytes_ = leaving_bytes_ = asset_bytes_ = 0;
   received_bytes_ = 0;
@@ -131,11 +132,12 @@ std::vector<Scheduler::Offer> Scheduler::offers(const std::vector<TileNeed>& nee
                                                 std::int64_t now_us) const {
   std::vector<Offer> out;
   // A server at its limit has a price as well: the bytes that arrive while it makes a tile.
-  const double server_bytes = pace_.tile_us() * window_.rate_mbps() / 8;
+  const double bytes_a_us = pace_.at_limit() ? window_.rate_mbps() / 8 : 0;
   for (const TileNeed& need : needs) {
     if (!may_ask(need, now_us)) continue;
     const double bytes = tile_bytes_[lossy_].expected(need.size_class, need.channels);
-    out.push_back({&need, nullptr, need.gain / (bytes + server_bytes)});
+    out.push_back(
+        {&need, nullptr, need.gain / (bytes + bytes_a_us * work_.expected_us(need.size_class))});
   }
   for (const AssetNeed& need : asset_needs) {
     if (may_ask(need, now_us)) out.push_back({nullptr, &need, need.gain / need.expected_bytes});
@@ -226,7 +228,7 @@ std::optional<AssetNeed> Scheduler::finish_asset(std::uint32_t request_id, std::
 }
 
 std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_t bytes,
-                                            std::int64_t server_us, std::int64_t now_us) {
+                                            const ServerTimes& server, std::int64_t now_us) {
   received_bytes_ += bytes;
   const auto at = pending_.find(request_id);
   if (at == pending_.end()) {  // cancelled, but sent nevertheless
@@ -251,7 +253,8 @@ std::optional<PendingAsk> Scheduler::finish(std::uint32_t request_id, std::size_
     window_.asset_arrived(now_us, now_us, bytes, ask.expected_bytes);
     return ask;
   }
-  const TileTrip tile{ask.sent_us, now_us, server_us, bytes, ask.expected_bytes, ask.under_way};
+  const TileTrip tile{ask.sent_us, now_us, server.had_us, bytes, ask.expected_bytes, ask.under_way};
+  work_.arrived(ask.need.size_class, server.worked_us);
   pace_.tile_arrived(tile);
   window_.tile_arrived(tile);
   lost_us_ = std::clamp(kLostTrips * trip, kLostUs, kLostAtMostUs);

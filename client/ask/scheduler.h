@@ -19,6 +19,7 @@
 
 #include "client/ask/ask_window.h"
 #include "client/ask/server_pace.h"
+#include "client/ask/server_work.h"
 #include "client/hold/asset_need.h"
 #include "client/plan/tile_need.h"
 #include "client/price/tile_bytes.h"
@@ -28,6 +29,12 @@ class SceneView;
 namespace wire {
 struct RequestBatchT;
 }
+
+/// Times that a reply tells, us.
+struct ServerTimes {
+  std::int64_t had_us = 0;     ///< for which the server had the ask
+  std::int64_t worked_us = 0;  ///< for which it rendered and encoded the tile
+};
 
 /// An ask for a tile that is under way.
 struct PendingAsk {
@@ -69,10 +76,9 @@ class Scheduler {
     const auto at = pending_.find(request_id);
     return at != pending_.end() ? &at->second : nullptr;
   }
-  /// Returns the ask that a reply answers; nullopt if it was cancelled or never sent. `server_us`
-  /// is the time for which the server had it.
+  /// Returns the ask that a reply answers; nullopt if it was cancelled or never sent.
   std::optional<PendingAsk> finish(std::uint32_t request_id, std::size_t bytes,
-                                   std::int64_t server_us, std::int64_t now_us);
+                                   const ServerTimes& server, std::int64_t now_us);
   /// Notes a refusal: its instance may ask again after a pause.
   void refuse(std::uint32_t request_id, std::int64_t now_us);
   /// Returns the need that a reply with geometry or an image answers; nullopt as for finish().
@@ -160,6 +166,7 @@ class Scheduler {
   std::map<AssetId, std::int64_t> assets_not_before_us_;  ///< assets that were refused
   AskWindow window_;
   ServerPace pace_;
+  ServerWork work_;
   std::int64_t lost_us_;                  ///< age at which an ask is given up
   std::int64_t held_since_us_ = -1;       ///< since when asks wait for the window; -1: none wait
   std::int64_t saturated_since_us_ = -1;  ///< since when the link is also full; -1: it is not

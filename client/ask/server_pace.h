@@ -33,8 +33,8 @@ class ServerPace {
   void tile_arrived(const TileTrip& trip);
   /// Returns the time for which the server had the last tiles: their median, µs.
   std::int64_t server_us() const;
-  /// Returns the time in which it makes a tile at its limit, µs; 0: it never was at its limit.
-  double tile_us() const { return per_us_ > 0 ? 1 / per_us_ : 0; }
+  /// True if it ever was at its limit.
+  bool at_limit() const { return per_us_ > 0; }
   /// Returns the most tiles to have under way. `way_us` is the way there and back, as far as known
   /// before a tile has arrived; `slack_us` is the time that asks may wait at the server.
   std::size_t limit(std::int64_t way_us, std::int64_t slack_us);

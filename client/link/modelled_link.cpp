@@ -246,8 +246,11 @@ void ModelledLink::run_server(std::int64_t now) {
     working_.add(start, server_free_us_);
     // The client must read the model's time in the reply, too (tell_model_times()).
     if (blocking_ && tile) {
-      ask.reply.message.body.AsTileReply()->server_us =
-          static_cast<std::uint32_t>(server_free_us_ - ask.arrives_us);
+      wire::TileReplyT& told = *ask.reply.message.body.AsTileReply();
+      told.server_us = static_cast<std::uint32_t>(server_free_us_ - ask.arrives_us);
+      told.queue_us = static_cast<std::uint32_t>(start - ask.arrives_us);
+      told.render_us = static_cast<std::uint32_t>(cost);
+      told.encode_us = 0;
     }
     // A refused view costs no time either.
     ready_.emplace(std::make_pair(server_free_us_, kAtOnce),

@@ -186,8 +186,9 @@ Result<void> Arrivals::take_tile(const Message& message, std::int64_t came_us,
   const wire::TileReplyT& reply = *message.body.AsTileReply();
   ++s_.tally.received;
   const std::size_t bytes = tile_credit_bytes(message.payload_bytes);
-  const std::optional<PendingAsk> ask =
-      s_.asking.scheduler.finish(reply.request_id, bytes, reply.server_us, came_us);
+  const std::optional<PendingAsk> ask = s_.asking.scheduler.finish(
+      reply.request_id, bytes, {reply.server_us, std::int64_t{reply.render_us} + reply.encode_us},
+      came_us);
   if (!ask || !s_.scene.complete()) return {};
   s_.asking.codec_choice.tile_arrived(came_us - ask->sent_us, reply.server_us);
   if (is_picture(ask->need.channels)) {

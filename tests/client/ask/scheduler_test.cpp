@@ -74,7 +74,7 @@ TEST_F(CoreScheduler, WindowFollowsTheRateAndLastsFromFrameToFrame) {
     std::int64_t link_free = 0;
     for (std::int64_t now = 0; now < 100 * frame_us; now += frame_us) {
       while (!coming.empty() && coming.front().second <= now) {
-        ASSERT_TRUE(fresh.finish(coming.front().first, 8000, 0, coming.front().second));
+        ASSERT_TRUE(fresh.finish(coming.front().first, 8000, {}, coming.front().second));
         coming.pop_front();
       }
       fresh.note_frame(now);
@@ -95,12 +95,12 @@ TEST_F(CoreScheduler, WindowFollowsTheRateAndLastsFromFrameToFrame) {
 TEST_F(CoreScheduler, AQuietWhileDoesNotCloseTheWindow) {
   const auto first = plan(needs(1, 4), 0);
   std::int64_t now = 100'000;
-  ASSERT_TRUE(scheduler.finish(first->asks[0].request_id(), 300, 0, now));
+  ASSERT_TRUE(scheduler.finish(first->asks[0].request_id(), 300, {}, now));
   for (std::uint32_t i = 1; i < 20; ++i) {  // small tiles, few of them, ten a second
     const auto batch = plan(needs(1, 4, i), now);
     ASSERT_TRUE(batch);
     now += 100'000;
-    ASSERT_TRUE(scheduler.finish(batch->asks[0].request_id(), 300, 0, now));
+    ASSERT_TRUE(scheduler.finish(batch->asks[0].request_id(), 300, {}, now));
   }
   const auto burst = plan(needs(100, 4, 100), now);
   ASSERT_TRUE(burst);
@@ -146,7 +146,7 @@ TEST_F(CoreScheduler, WhatWaitsAtTheServerDoesNotFillTheLink) {
         const auto [id, sent] = under_way.front();
         const std::int64_t server = at_server ? now - sent - 10'000 : 0;
         under_way.pop_front();
-        fresh.finish(id, 10'000, std::max<std::int64_t>(server, 0), now);
+        fresh.finish(id, 10'000, {std::max<std::int64_t>(server, 0), 5000}, now);
       }
       const auto batch = fresh.plan(scene, needs(2000, 6), {}, 0, now);
       for (std::size_t i = 0; batch && i < batch->asks.size(); ++i) {
@@ -185,7 +185,7 @@ TEST_F(CoreScheduler, OneAskPerInstance) {
   std::set<std::uint32_t> instances;
   for (const wire::Ask& a : more->asks) instances.insert(a.instance());
   EXPECT_EQ(instances, (std::set<std::uint32_t>{5, 6}));
-  ASSERT_TRUE(scheduler.finish(first->asks[3].request_id(), 1000, 0, 30'000));
+  ASSERT_TRUE(scheduler.finish(first->asks[3].request_id(), 1000, {}, 30'000));
   const auto again = plan(needs(7, 2), 40'000);
   ASSERT_TRUE(again);
   ASSERT_EQ(again->asks.size(), 1u);
@@ -202,10 +202,10 @@ TEST_F(CoreScheduler, CancelsWhatIsNoLongerNeeded) {
   EXPECT_EQ(second->cancels,
             (std::vector<std::uint32_t>{first->asks[2].request_id(), first->asks[3].request_id()}));
   EXPECT_EQ(scheduler.in_flight(), 2u);
-  EXPECT_FALSE(scheduler.finish(first->asks[2].request_id(), 1000, 0, 20'000)) << "cancelled";
-  EXPECT_TRUE(scheduler.finish(first->asks[0].request_id(), 1000, 0, 20'000));
-  EXPECT_FALSE(scheduler.finish(first->asks[0].request_id(), 1000, 0, 20'000)) << "answered twice";
-  EXPECT_FALSE(scheduler.finish(12345, 1000, 0, 20'000)) << "never asked";
+  EXPECT_FALSE(scheduler.finish(first->asks[2].request_id(), 1000, {}, 20'000)) << "cancelled";
+  EXPECT_TRUE(scheduler.finish(first->asks[0].request_id(), 1000, {}, 20'000));
+  EXPECT_FALSE(scheduler.finish(first->asks[0].request_id(), 1000, {}, 20'000)) << "answered twice";
+  EXPECT_FALSE(scheduler.finish(12345, 1000, {}, 20'000)) << "never asked";
 }
 
 // A reply sent before the server heard of the cancel still takes its place on the link.
@@ -214,7 +214,7 @@ TEST_F(CoreScheduler, CancelledCountUntilTheyAreDue) {
   for (std::uint32_t i = 0; i < 20; ++i) {  // round trips of 1 s
     const auto batch = plan(needs(1, 4, i), now);
     for (int frame = 0; frame < 100; ++frame) plan(needs(1, 4, i), now += 10'000);
-    scheduler.finish(batch->asks[0].request_id(), 3000, 0, now);
+    scheduler.finish(batch->asks[0].request_id(), 3000, {}, now);
   }
   const auto full = plan(needs(1000, 6), now);
   ASSERT_TRUE(full);
@@ -238,11 +238,11 @@ TEST_F(CoreScheduler, CancelledAtASlowServerAreForgottenAfterATrip) {
       for (const wire::Ask& ask : batch->asks) under_way.push_back(ask.request_id());
     }
     if (i < 100 || under_way.empty()) continue;
-    scheduler.finish(under_way.front(), 1000, 900'000, now);
+    scheduler.finish(under_way.front(), 1000, {900'000, 5000}, now);
     under_way.pop_front();
   }
   now += 3'000'000;
-  for (const std::uint32_t id : under_way) scheduler.finish(id, 1000, 900'000, now);
+  for (const std::uint32_t id : under_way) scheduler.finish(id, 1000, {900'000, 5000}, now);
   const auto full = plan(needs(1000, 10), now);
   ASSERT_TRUE(full);
   const auto others = needs(1000, 4, 1000);
@@ -259,7 +259,7 @@ TEST_F(CoreScheduler, CancelledAtASlowServerAreForgottenAfterATrip) {
 TEST_F(CoreScheduler, NewLightLetsWhatIsUnderWayArrive) {
   const auto first = plan(needs(2, 2), 0, {}, 1);
   EXPECT_FALSE(plan(needs(2, 2), 10'000, {}, 2));
-  const auto ask = scheduler.finish(first->asks[1].request_id(), 1000, 0, 20'000);
+  const auto ask = scheduler.finish(first->asks[1].request_id(), 1000, {}, 20'000);
   ASSERT_TRUE(ask);
   const auto second = plan(needs(2, 2), 20'000, {}, 2);
   ASSERT_TRUE(second);
@@ -292,10 +292,10 @@ TEST_F(CoreScheduler, LostAsksAreGivenUp) {
 TEST_F(CoreScheduler, CreditGrowsWithWhatHasArrived) {
   const auto first = plan(needs(1, 2), 0);
   EXPECT_EQ(first->credit_bytes, kCreditAhead);
-  scheduler.finish(first->asks[0].request_id(), 123'456, 0, 10'000);
+  scheduler.finish(first->asks[0].request_id(), 123'456, {}, 10'000);
   EXPECT_EQ(plan(needs(1, 2), 20'000)->credit_bytes, kCreditAhead + 123'456);
   // A cancelled tile was sent nevertheless.
-  scheduler.finish(999, 1'000, 0, 30'000);
+  scheduler.finish(999, 1'000, {}, 30'000);
   EXPECT_EQ(plan(needs(2, 2), 40'000)->credit_bytes, kCreditAhead + 124'456);
   scheduler.reset();
   EXPECT_EQ(plan(needs(3, 2), 50'000)->credit_bytes, kCreditAhead) << "a new connection";
@@ -379,14 +379,14 @@ TEST_F(CoreScheduler, ALargeReplyIsNoBurst) {
   for (std::uint32_t i = 0; i < 10; ++i) {
     const auto batch = plan(needs(1, 4, i), now);
     ASSERT_TRUE(batch);
-    scheduler.finish(batch->asks[0].request_id(), 3000, 0, now + 100'000);
+    scheduler.finish(batch->asks[0].request_id(), 3000, {}, now + 100'000);
     now += 100'000;
   }
   const auto asked = plan({}, now, {mesh(0, 8e6)});
   ASSERT_TRUE(asked);
   now += 1'000'000;
   ASSERT_TRUE(scheduler.finish_asset(asked->mesh_asks[0].request_id(), 8'000'000, now));
-  for (std::uint32_t i = 0; i < 10; ++i) scheduler.finish(9999, 100, 0, now);
+  for (std::uint32_t i = 0; i < 10; ++i) scheduler.finish(9999, 100, {}, now);
   ASSERT_TRUE(plan(needs(1500, 8), now)) << "what the first window allows; the rest waits";
   ASSERT_TRUE(plan(needs(1500, 8), now)) << "and as it waits the window grows";
   // Ten round trips of 0.1 s are no queue: the rest of a second is the reply's own time on the
@@ -417,7 +417,7 @@ TEST_F(CoreScheduler, NothingUnderWayLeavesTheWholeWindow) {
     ASSERT_TRUE(batch) << "round " << round;
     now += 50'000;
     for (const wire::Ask& a : batch->asks) {
-      scheduler.finish(a.request_id(), (round / 10) % 2 == 0 ? 5000 : 60'000, 0, now);
+      scheduler.finish(a.request_id(), (round / 10) % 2 == 0 ? 5000 : 60'000, {}, now);
     }
     ASSERT_EQ(scheduler.in_flight(), 0u);
     now += 1'500'000;  // the measured rate is forgotten
@@ -436,7 +436,7 @@ TEST_F(CoreScheduler, RoundTripIsTheMedian) {
   for (int i = 0; i < 33; ++i) {
     const auto batch = plan(needs(1, 2), now);
     const std::int64_t trip = i % 8 == 0 ? 900'000 : 100'000 + i;
-    scheduler.finish(batch->asks[0].request_id(), 500, 0, now + trip);
+    scheduler.finish(batch->asks[0].request_id(), 500, {}, now + trip);
     now += 1'000'000;
   }
   EXPECT_NEAR(static_cast<double>(scheduler.round_trip_us()), 100'016, 20);
