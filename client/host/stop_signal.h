@@ -1,7 +1,7 @@
 #pragma once
 // Stop signal: Ctrl-C and SIGTERM end a program at its next frame, so that it still writes what it
 // was asked for. Before its first frame there is nothing to write, and a signal ends it at once. So
-// does a second signal.
+// does a second signal, a second later or more.
 // Thread: its own, which waits for the signals; the others never see them.
 
 #include <atomic>

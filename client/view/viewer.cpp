@@ -65,7 +65,8 @@ class Viewer {
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
   bool next_events();
-  void show(const Camera& camera, const DrawList& list, std::int64_t now);
+  std::int64_t show(const Camera& camera, const DrawList& list, std::int64_t now);
+  void price(std::int64_t draw_began_us, std::int64_t shown_us);
   std::string overlay_text(const DrawList& list, std::int64_t now) const;
   std::int64_t now_us() const { return host_->now_us(); }
   ClientSession& session() { return host_->session(); }
@@ -98,6 +99,7 @@ class Viewer {
   bool frame_kept_ = false;  // the last frame kept the picture
   std::optional<Overlay> overlay_;
   double smooth_ms_ = 0;
+  std::optional<FrameWork> drawn_work_;  // of the frame under way, if its time tells prices
   double model_ms_ = 0;  // time of the last drawn frame, by the device model
   std::uint64_t programs_at_scene_ = 0, programs_in_draws_ = 0;
   Comparison comparison_;
@@ -226,7 +228,6 @@ Result<void> Viewer::fit_target() {
 
 void Viewer::draw(const Camera& camera, const DrawList& list) {
   const std::uint64_t programs = gl::programs_compiled();
-  const std::int64_t began = real_clock_.now_us();
   screen_.draw(*renderer_, camera, list, session());
   glFinish();
   const std::uint64_t compiled = gl::programs_compiled() - programs;
@@ -237,15 +238,25 @@ void Viewer::draw(const Camera& camera, const DrawList& list) {
     model_ms_ = o_.device_model->ms_of(work);
     session().note_frame_ms(model_ms_);
   }
-  if (!prices_ || compiled > 0) return;  // a compilation happens only once
-  const double ms = static_cast<double>(real_clock_.now_us() - began) * 1e-3;
+  // A compilation happens only once, so it is no price.
+  drawn_work_ = prices_ && compiled == 0 ? std::optional(work) : std::nullopt;
+}
+
+// Learns what the last frame took. A software renderer copies the picture to the window itself;
+// elsewhere presenting only waits for the display.
+void Viewer::price(std::int64_t draw_began_us, std::int64_t shown_us) {
+  if (!drawn_work_) return;
+  const FrameWork work = *std::exchange(drawn_work_, std::nullopt);
+  const std::int64_t end_us = gl::is_software() ? real_clock_.now_us() : shown_us;
+  const double ms = static_cast<double>(end_us - draw_began_us) * 1e-3;
   stats_.note_price(prices_->model().ms_of(work), ms);
   prices_->add(work, ms);
   session().note_frame_ms(ms);
   session().set_prices(prices_->model());
 }
 
-void Viewer::show(const Camera& camera, const DrawList& list, std::int64_t now) {
+// Returns when the picture was ready to be presented.
+std::int64_t Viewer::show(const Camera& camera, const DrawList& list, std::int64_t now) {
   presenter_->show(screen_.shown());
   gl::encode_srgb(false);
   insight_->draw(static_cast<InsightLayer>(window_->layer()), camera, session().scene(), list,
@@ -254,7 +265,10 @@ void Viewer::show(const Camera& camera, const DrawList& list, std::int64_t now) 
   if (window_->overlay()) {
     overlay_->draw(overlay_text(list, now), screen_.width(), screen_.height());
   }
+  glFinish();
+  const std::int64_t shown_us = real_clock_.now_us();
   window_->present();
+  return shown_us;
 }
 
 void Viewer::note_link() {
@@ -331,6 +345,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   const bool drawn = step != Screen::Step::kKeep;
   frame_kept_ = !drawn;
   resting_ = !drawn && session().at_rest();
+  const std::int64_t draw_began_us = real_clock_.now_us();
   if (step == Screen::Step::kDraw) draw(camera, list);
   if (step == Screen::Step::kRefine) {
     screen_.refine(*renderer_, camera, list, session());
@@ -338,8 +353,10 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
     recorder_.lap(FrameStage::kDraw);
   }
   stats_.note_gpu(renderer_->gpu_bytes(), screen_.gpu_bytes());
-  if (window_ && (window_->take_refresh() || drawn)) show(camera, list, now);
+  std::int64_t shown_us = real_clock_.now_us();
+  if (window_ && (window_->take_refresh() || drawn)) shown_us = show(camera, list, now);
   glFinish();
+  price(draw_began_us, shown_us);
   recorder_.lap(FrameStage::kShow);
   note_drawn(list);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;
