@@ -48,7 +48,9 @@ TileSink ClientHost::sink() {
   hooks.scene = [this]() -> const SceneView& { return session_->scene(); };
   hooks.changed = options_.content_changed;
   hooks.failed = [](const Error& error) { spdlog::error("{}", error.line()); };
-  const auto now_ms = [clock = SteadyClock()] { return static_cast<double>(clock.now_us()) * 1e-3; };
+  const auto now_ms = [clock = SteadyClock()] {
+    return static_cast<double>(clock.now_us()) * 1e-3;
+  };
   return timed(renderer_sink(renderer_, std::move(hooks)), now_ms, upload_ms_);
 }
 

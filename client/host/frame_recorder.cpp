@@ -11,8 +11,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kLate = 1.1;         // budgets; as FramePlan counts
-constexpr double kVeryLate = 3;       // budgets
+constexpr double kLate = 1.1;    // budgets; as FramePlan counts
+constexpr double kVeryLate = 3;  // budgets
 constexpr std::int64_t kSettledUs = 5'000'000;
 
 std::size_t index(FrameStage stage) { return static_cast<std::size_t>(stage); }
@@ -25,11 +25,10 @@ std::vector<float> times_of(const std::vector<RecordedFrame>& frames, std::size_
 }
 
 ordered_json quantiles_of(const std::vector<float>& ms) {
-  if (ms.empty()) return nullptr;
-  return {{"p50", quantile(ms, 0.5)},
-          {"p95", quantile(ms, 0.95)},
-          {"p99", quantile(ms, 0.99)},
-          {"max", quantile(ms, 1)}};
+  const auto at = [&](double q) {
+    return ms.empty() ? ordered_json(nullptr) : ordered_json(quantile(ms, q));
+  };
+  return {{"p50", at(0.5)}, {"p95", at(0.95)}, {"p99", at(0.99)}, {"max", at(1)}};
 }
 
 ordered_json missing_share(const std::vector<RecordedFrame>& frames, std::int64_t from_us) {
@@ -94,10 +93,11 @@ FrameRecorder::StageTimes FrameRecorder::medians() const {
 }
 
 ordered_json FrameRecorder::summary() const {
-  ordered_json out, stages, causes = ordered_json::object();
+  ordered_json out, stages, causes;
   for (std::size_t stage = 0; stage < kFrameStages; ++stage) {
     stages[frame_stage_name(static_cast<FrameStage>(stage))] =
         quantiles_of(times_of(frames_, stage));
+    causes[frame_stage_name(static_cast<FrameStage>(stage))] = 0;
   }
   const StageTimes usual = medians();
   std::vector<float> all, settled;
@@ -109,7 +109,7 @@ ordered_json FrameRecorder::summary() const {
     ++late;
     if (&frame != &frames_.front() && frame.all_ms() > kVeryLate * frame.budget_ms) ++very_late;
     ordered_json& count = causes[frame_stage_name(cause(frame, usual))];
-    count = count.is_null() ? 1 : count.get<int>() + 1;
+    count = count.get<int>() + 1;
   }
   out["frames"] = frames_.size();
   out["ms"] = quantiles_of(all);

@@ -179,9 +179,10 @@ void add_output_options(CLI::App& app, ViewOptions& o) {
                  "write why the last frame is drawn as it is, as JSON: for each object the choice "
                  "and its alternatives, with error and ms")
       ->type_name("FILE");
-  app.add_option("--trace", o.trace_file,
-                 "write the life of every tile, from request to first draw, and the stages of every "
-                 "frame, as JSON")
+  app.add_option(
+         "--trace", o.trace_file,
+         "write the life of every tile, from request to first draw, and the stages of every "
+         "frame, as JSON")
       ->type_name("FILE");
 }
 

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "client/hold/tile_cache.h"
+#include "client/host/frame_recorder.h"
 #include "client/link/modelled_link.h"
 #include "client/plan/frame_plan.h"
 #include "client/session/tile_trace.h"
-#include "client/host/frame_recorder.h"
 #include "protocol/base/quantile.h"
 #include "protocol/impostor/tile_key.h"
 

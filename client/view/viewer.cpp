@@ -13,6 +13,7 @@
 #include "client/frame/camera_path.h"
 #include "client/hold/tile_cache.h"
 #include "client/host/client_host.h"
+#include "client/host/frame_recorder.h"
 #include "client/host/light_script.h"
 #include "client/host/png.h"
 #include "client/host/stop_signal.h"
@@ -23,7 +24,6 @@
 #include "client/screen/viewer_defaults.h"
 #include "client/view/comparison.h"
 #include "client/view/explain_frame.h"
-#include "client/host/frame_recorder.h"
 #include "client/view/overlay.h"
 #include "client/view/session_stats.h"
 #include "client/view/window.h"
@@ -100,7 +100,7 @@ class Viewer {
   std::optional<Overlay> overlay_;
   double smooth_ms_ = 0;
   std::optional<FrameWork> drawn_work_;  // of the frame under way, if its time tells prices
-  double model_ms_ = 0;  // time of the last drawn frame, by the device model
+  double model_ms_ = 0;                  // time of the last drawn frame, by the device model
   std::uint64_t programs_at_scene_ = 0, programs_in_draws_ = 0;
   Comparison comparison_;
 };
@@ -490,7 +490,8 @@ Result<void> Viewer::finish() {
     return make_error(ErrorId::kGraphicsGl, "GL error " + std::to_string(error));
   }
   if (!o_.trace_file.empty()) {
-    if (Result<void> r = write_text(o_.trace_file, trace_json(session().lives(), recorder_)); !r) return r;
+    if (Result<void> r = write_text(o_.trace_file, trace_json(session().lives(), recorder_)); !r)
+      return r;
   }
   if (!o_.explain_file.empty()) {
     if (Result<void> r = write_text(o_.explain_file, explain_frame(session())); !r) return r;

@@ -153,6 +153,42 @@ TEST(Walk, SamplesFollowWhatFramesTake) {
   EXPECT_EQ(chosen["samples_at_end"], 0);
 }
 
+// timeout(1) sends the signal twice, to the program and to its group.
+TEST(Walk, CtrlCEndsItWithItsFiguresWritten) {
+  const Server server("builtin:knot");
+  ASSERT_TRUE(server.ready()) << server.log();
+  const std::string folder = scratch_folder();
+  const Finished done =
+      run({"/usr/bin/timeout", "--preserve-status", "-s", "INT", "6", binary("mirage-view"),
+           server.url(), "--offscreen", "64x64", "--path", "builtin:orbit", "--frames", "1000000",
+           "--stats", folder + "/s.json", "--trace", folder + "/t.json"},
+          60);
+  EXPECT_EQ(done.exit_code, 0) << done.output;
+  const auto json = [&](const char* name) {
+    return nlohmann::json::parse(read_file(folder + name), nullptr, false);
+  };
+  EXPECT_GT(json("/s.json").value("frames", 0), 1);
+  const nlohmann::json frames = json("/t.json").value("frames", nlohmann::json::array());
+  ASSERT_GT(frames.size(), 1u);
+  double stages = 0;
+  for (const auto& [key, value] : frames[1].items()) {
+    const bool stage = key.size() > 3 && key.compare(key.size() - 3, 3, "_ms") == 0;
+    if (stage && key != "budget_ms") stages += value.get<double>();
+  }
+  EXPECT_NEAR(stages, frames[1]["ms"].get<double>(), 0.01);
+  EXPECT_EQ(json("/s.real_time.json")["drawn"]["frames"], frames.size());
+}
+
+TEST(Walk, ASessionEndsAfterItsSeconds) {
+  const Server server("builtin:knot");
+  ASSERT_TRUE(server.ready()) << server.log();
+  const nlohmann::json s =
+      view(server, "--offscreen 64x64 --path builtin:orbit --virtual-time --fps 10 --seconds 2",
+           scratch_folder())
+          .stats;
+  EXPECT_EQ(s["frames"], 20);
+}
+
 TEST(Walk, ServerDrainsOnTerm) {
   Server server("builtin:knot");
   ASSERT_TRUE(server.ready()) << server.log();
