@@ -170,10 +170,11 @@ void Selector::forget_settled(const SelectorInput& in) {
   // There may be no later frame to look again when a walk ends.
   now.moving = way > kStandsM;
   const bool stopped = basis_.moving && !now.moving;
-  const bool same = now.tau_px == basis_.tau_px && now.target_px == basis_.target_px && now.pixel_px == basis_.pixel_px &&
-                    now.focal_px == basis_.focal_px && now.mesh_radii == basis_.mesh_radii &&
-                    now.light == basis_.light && now.automatic == basis_.automatic &&
-                    now.eight_views == basis_.eight_views && now.method == basis_.method;
+  const bool same = now.tau_px == basis_.tau_px && now.target_px == basis_.target_px &&
+                    now.pixel_px == basis_.pixel_px && now.focal_px == basis_.focal_px &&
+                    now.mesh_radii == basis_.mesh_radii && now.light == basis_.light &&
+                    now.automatic == basis_.automatic && now.eight_views == basis_.eight_views &&
+                    now.method == basis_.method;
   basis_ = now;
   if (same && !jumped && !stopped) return;
   for (Shown& shown : shown_) shown.settled_until_us = INT64_MIN / 2;

@@ -61,8 +61,8 @@ double allowed_baseline(const ViewGeometry& view, const ViewPlan& plan);
 double expected_life_s(const ViewGeometry& view, const ViewPlan& plan);
 
 /// Returns the key to ask for. It is captured ahead on the eye's path, as far as it is already
-/// valid here. Its cell lies within a fifth of the allowed baseline, at 1.5 texels per drawn pixel. The
-/// radius must be above 0.
+/// valid here. Its cell lies within a fifth of the allowed baseline, at 1.5 texels per drawn pixel.
+/// The radius must be above 0.
 TileNeed need_for_view(const ViewGeometry& view, const ViewPlan& plan);
 
 inline constexpr int kMaxAskedSizeClass = 12;  ///< 1024 texels

@@ -66,7 +66,7 @@ Result<void> check(ViewOptions& o, const std::string& offscreen, const std::stri
   o.method = *method_from_name(o.method_name);
   o.relight = kRelight.at(o.relight_name);
   if (o.msaa_name != "auto") o.msaa = std::stoi(o.msaa_name);
-  if (o.offscreen && o.frames == 0 && o.seconds == 0) o.frames = 300;
+  if (o.offscreen && o.length.frames == 0 && o.length.seconds == 0) o.length.frames = 300;
   if (o.offscreen && o.path.empty()) o.path = "builtin:walk";
   if (!o.token_file.empty()) {
     std::ifstream file(o.token_file);
@@ -119,10 +119,10 @@ void add_motion_options(CLI::App& app, ViewOptions& o) {
                  "builtin:still|orbit|walk|fly|shake|strafe|teleport, or a browser's "
                  "'#eye=X,Y,Z&look=X,Y,Z'")
       ->type_name("PATH");
-  app.add_option("--frames", o.frames,
+  app.add_option("--frames", o.length.frames,
                  "end after so many frames; default: 300 offscreen, else when the window closes")
       ->check(CLI::Range(1, 10'000'000));
-  app.add_option("--seconds", o.seconds, "end after so many seconds of the path")
+  app.add_option("--seconds", o.length.seconds, "end after so many seconds of the path")
       ->check(number_within(0.01, 1e6));
   app.add_option("--fps", o.fps, "frames per second of the path")
       ->check(number_within(1.0, 1000.0))

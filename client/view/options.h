@@ -16,6 +16,12 @@ struct Offscreen {
   bool gles = false;            ///< OpenGL ES 3, as in a browser
 };
 
+/// When a run ends.
+struct RunLength {
+  int frames = 0;      ///< 0: until closed (window) or 300 (offscreen)
+  double seconds = 0;  ///< of the session's time; 0: no limit
+};
+
 struct ViewOptions {
   std::string url;
   bool offscreen = false;
@@ -25,8 +31,7 @@ struct ViewOptions {
   std::string light = "builtin:fixed";
   std::string relight_name = "auto";
   RelightChoice relight = RelightChoice::kAuto;
-  int frames = 0;      ///< 0: until closed (window) or 300 (offscreen)
-  double seconds = 0;  ///< of the session's time; 0: no limit
+  RunLength length;
   double fps = 60;
   double fov_degrees = 60;
   bool virtual_time = false;

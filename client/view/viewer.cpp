@@ -436,8 +436,8 @@ void Viewer::pace(std::int64_t frame) {
 
 bool Viewer::over(std::int64_t frame) const {
   const double seconds = static_cast<double>(now_us() - start_us_) * 1e-6;
-  return stop_.stopped() || (o_.frames > 0 && frame >= o_.frames) ||
-         (o_.seconds > 0 && seconds >= o_.seconds);
+  return stop_.stopped() || (o_.length.frames > 0 && frame >= o_.length.frames) ||
+         (o_.length.seconds > 0 && seconds >= o_.length.seconds);
 }
 
 Result<void> Viewer::frame_loop() {
@@ -446,8 +446,8 @@ Result<void> Viewer::frame_loop() {
   for (std::int64_t frame = 0; !over(frame); ++frame) {
     if (window_ && !next_events()) break;
     if (Result<void> done = one_frame(frame); !done) return done;
-    if (o_.offscreen && o_.frames >= 100 && frame % 60 == 59) {
-      spdlog::info("frame {} of {}", frame + 1, o_.frames);
+    if (o_.offscreen && o_.length.frames >= 100 && frame % 60 == 59) {
+      spdlog::info("frame {} of {}", frame + 1, o_.length.frames);
     }
     pace(frame);
   }

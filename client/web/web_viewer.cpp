@@ -81,8 +81,8 @@ Result<std::unique_ptr<WebViewer>> WebViewer::create(const WebOptions& options,
   hooks.scene = [self]() -> const SceneView& { return self->session_->scene(); };
   hooks.changed = [self] { self->screen_.content_changed(); };
   hooks.failed = [self](const Error& error) { self->problem_ = error.text; };
-  TileSink sink = timed(renderer_sink(*out->renderer_, hooks),
-                        [] { return emscripten_get_now(); }, self->upload_ms_);
+  TileSink sink = timed(
+      renderer_sink(*out->renderer_, hooks), [] { return emscripten_get_now(); }, self->upload_ms_);
   out->session_ =
       std::make_unique<ClientSession>(out->link_, session_options(options), std::move(sink));
   out->session_->set_prices(out->prices_.model());

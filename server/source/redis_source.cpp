@@ -17,8 +17,8 @@ constexpr int kFailures = 2;  // a single failure may come from this machine bei
 constexpr std::int64_t kFirstPauseUs = 250'000, kLongestPauseUs = 5'000'000;
 constexpr std::int64_t kShortestLeaseMs = 100, kFirstLeaseMs = 2'000, kLongestLeaseMs = 10'000;
 constexpr std::size_t kMostClaims = 4096;
-// A write goes on for 2 s, so it outlasts the first pauses: a store that was slow for a moment still
-// gets the tile.
+// A write goes on for 2 s, so it outlasts the first pauses: a store that was slow for a moment
+// still gets the tile.
 constexpr int kWriteTries = 20;
 constexpr std::chrono::milliseconds kWritePause{100};
 
