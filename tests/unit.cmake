@@ -1,12 +1,12 @@
 add_executable(mirage_core_tests
-  client/ask/codec_choice_test.cpp client/ask/scheduler_test.cpp client/ask/server_pace_test.cpp client/ask/server_work_test.cpp
+  client/ask/codec_choice_test.cpp client/ask/scheduler_test.cpp client/ask/server_pace_test.cpp
   client/ask/answered_keys_test.cpp client/ask/window_test.cpp client/draw/entangled_test.cpp client/frame/camera_path_test.cpp client/hold/atlas_test.cpp client/hold/cache_test.cpp
   client/hold/light_test.cpp client/hold/mesh_cache_test.cpp client/hold/patches_test.cpp client/hold/upload_test.cpp
   client/link/modelled_link_test.cpp client/native/unpacker_test.cpp client/plan/blend_order_test.cpp client/plan/drawn_pixel_test.cpp client/plan/eight_views_test.cpp
   client/plan/group_test.cpp client/plan/importance_test.cpp client/plan/motion_test.cpp client/plan/opener_test.cpp
   client/plan/parts_test.cpp client/plan/plan_test.cpp client/plan/predictor_test.cpp client/plan/rent_test.cpp
   client/plan/selector_geometry_test.cpp client/plan/selector_test.cpp client/plan/settled_test.cpp
-  client/plan/tau_test.cpp client/plan/tile_fit_test.cpp client/price/price_test.cpp client/price/tile_bytes_test.cpp
+  client/plan/tau_test.cpp client/plan/tile_fit_test.cpp client/price/price_test.cpp client/price/server_work_test.cpp client/price/tile_bytes_test.cpp
   client/host/frame_recorder_test.cpp client/screen/steering_test.cpp client/session/session_test.cpp client/session/shadow_test.cpp client/session/stillness_test.cpp
   client/session/view_test.cpp server/base/cache_test.cpp server/base/keeping_test.cpp server/lod/lod_chunks_test.cpp
   server/lod/lod_family_test.cpp server/lod/lod_test.cpp server/lod/seams_test.cpp server/net/admission_test.cpp server/net/tile_http_test.cpp server/net/web_pages_test.cpp server/net/websocket_rules_test.cpp server/prepare/grouping_test.cpp

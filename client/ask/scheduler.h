@@ -19,9 +19,9 @@
 
 #include "client/ask/ask_window.h"
 #include "client/ask/server_pace.h"
-#include "client/ask/server_work.h"
 #include "client/hold/asset_need.h"
 #include "client/plan/tile_need.h"
+#include "client/price/server_work.h"
 #include "client/price/tile_bytes.h"
 namespace mirage {
 

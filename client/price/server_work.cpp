@@ -1,4 +1,4 @@
-#include "client/ask/server_work.h"
+#include "client/price/server_work.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // The time that a tile of some size takes a server.
-#include "client/ask/server_work.h"
+#include "client/price/server_work.h"
 
 #include <gtest/gtest.h>
 
