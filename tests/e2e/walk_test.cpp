@@ -159,7 +159,7 @@ TEST(Walk, CtrlCEndsItWithItsFiguresWritten) {
   ASSERT_TRUE(server.ready()) << server.log();
   const std::string folder = scratch_folder();
   const Finished done =
-      run({"/usr/bin/timeout", "--preserve-status", "-s", "INT", "6", binary("mirage-view"),
+      run({"/usr/bin/timeout", "--preserve-status", "-s", "INT", "12", binary("mirage-view"),
            server.url(), "--offscreen", "64x64", "--path", "builtin:orbit", "--frames", "1000000",
            "--stats", folder + "/s.json", "--trace", folder + "/t.json"},
           60);
