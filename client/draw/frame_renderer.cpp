@@ -43,7 +43,6 @@ std::vector<DrawnMesh> in_drawing_order(std::vector<DrawnMesh> meshes, const Cam
 }  // namespace
 
 struct FrameRenderer::Parts {
-  using MeshId = std::pair<std::uint32_t, std::uint8_t>;  ///< object and level
   struct ClientMesh {
     gl::GpuMesh mesh;
     std::vector<Material> materials;
@@ -56,16 +55,14 @@ struct FrameRenderer::Parts {
   void draw_shadow_map(const SceneView& scene, const CasterListPtr& casters);
   void draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
                    const Lighting& lighting, bool blended, DepthMapping mapping);
-  void draw_runs(const MeshId& id, const gl::MeshInstance& instance,
-                 const std::vector<IndexRun>& runs, bool blended);
 
   ImpostorPass impostors;
   ViewPass view;
   gl::SkyPass sky;
   std::optional<gl::ProbeMap> probe;
   std::unique_ptr<gl::MeshPass> mesh_pass = std::make_unique<gl::MeshPass>(gl::MeshOutput::kColor);
-  std::map<MeshId, ClientMesh> meshes;
-  gl::GpuImages images;       ///< images of the scene
+  std::map<std::pair<std::uint32_t, std::uint8_t>, ClientMesh> meshes;  ///< by object and level
+  gl::GpuImages images;                                                 ///< images of the scene
   std::vector<Vertex> posed;  ///< scratch for posed vertices
   ShadowAtlas shadow_atlas;
   CasterPass caster_pass;
@@ -100,17 +97,13 @@ void FrameRenderer::Parts::draw_meshes(const Camera& camera, const SceneView& sc
   mesh_pass->begin(camera.clip_from_relative(mapping), gl::light_block(lighting, camera.pose.eye),
                    mapping);
   mesh_pass->set_shadow(list.casters && in_map ? &shadow_map : nullptr, camera.pose.eye);
-  std::map<MeshId, std::vector<gl::MeshInstance>> by_mesh;
-  std::vector<MeshId> order;
+  std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<gl::MeshInstance>> by_mesh;
+  std::vector<std::pair<std::uint32_t, std::uint8_t>> order;
   for (const DrawnMesh& drawn : in_drawing_order(list.meshes, camera, scene, blended)) {
     const InstanceView& instance = scene.instances[drawn.instance];
     gl::MeshInstance data =
         gl::mesh_instance(instance.world_from_object, camera.pose.eye, drawn.instance);
     data.fade = drawn.fade;
-    if (drawn.runs) {
-      draw_runs({instance.object, drawn.lod}, data, *drawn.runs, blended);
-      continue;
-    }
     std::vector<gl::MeshInstance>& instances = by_mesh[{instance.object, drawn.lod}];
     if (instances.empty()) order.emplace_back(instance.object, drawn.lod);
     instances.push_back(data);
@@ -130,14 +123,6 @@ void FrameRenderer::Parts::draw_meshes(const Camera& camera, const SceneView& sc
                     instances.size(), blended);
   }
   mesh_pass->end();
-}
-
-void FrameRenderer::Parts::draw_runs(const MeshId& id, const gl::MeshInstance& instance,
-                                     const std::vector<IndexRun>& runs, bool blended) {
-  const auto found = meshes.find(id);
-  if (found == meshes.end()) return;
-  mesh_pass->draw(found->second.mesh, found->second.materials, images, &instance, 1, blended,
-                  &runs);
 }
 
 void FrameRenderer::Parts::draw_shadow_map(const SceneView& scene, const CasterListPtr& casters) {

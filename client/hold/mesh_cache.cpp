@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <utility>
 
 #include "client/scene/scene_view.h"
 #include "protocol/codec/image_codec.h"
@@ -326,14 +325,13 @@ std::vector<AssetNeed> MeshCache::needs(const SceneView& scene, double tau_px, s
 }
 
 void MeshCache::add_mesh(std::uint32_t index, std::uint8_t lod, const ObjectModel& model,
-                         std::int64_t now_us, std::vector<Patch> patches) {
+                         std::int64_t now_us) {
   Object& object = objects_[index];
   Level& level = object.lods[lod];
   bytes_ -= level.bytes;
   level.resident = true;
   level.bytes = mesh_gpu_bytes(model.mesh);
   level.needed_us = now_us;
-  level.patches = std::move(patches);
   bytes_ += level.bytes;
   if (!object.known_uses) {
     object.uses = image_uses(model);

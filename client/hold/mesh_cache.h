@@ -14,7 +14,6 @@
 
 #include "client/frame/drawn_mesh.h"
 #include "client/hold/asset_need.h"
-#include "client/hold/patches.h"
 
 namespace mirage {
 
@@ -66,9 +65,8 @@ class MeshCache {
   std::vector<AssetNeed> needs(const SceneView& scene, double tau_px, std::int64_t now_us,
                                const std::vector<MeshWant>& wants);
 
-  /// `patches`: those of the model's mesh; none: it is drawn whole.
   void add_mesh(std::uint32_t object, std::uint8_t lod, const ObjectModel& model,
-                std::int64_t now_us, std::vector<Patch> patches = {});
+                std::int64_t now_us);
   void add_image(const SceneView& scene, std::uint32_t image, std::uint8_t level,
                  std::size_t reply_bytes, std::int64_t now_us);
 
@@ -78,10 +76,6 @@ class MeshCache {
 
   std::size_t bytes() const { return bytes_; }
   bool resident(const AssetId& id) const;
-  /// Returns the patches of a resident level of an object; none: it is drawn whole.
-  const std::vector<Patch>& patches(std::uint32_t object, std::uint8_t lod) const {
-    return objects_[object].lods[lod].patches;
-  }
 
  private:
   struct Level {
@@ -89,7 +83,6 @@ class MeshCache {
     std::size_t bytes = 0;  ///< bytes of graphics memory
     std::int64_t needed_us = 0;
     std::uint64_t drawn_frame = 0;
-    std::vector<Patch> patches;  ///< of geometry only
   };
   struct Object {
     std::vector<Level> lods;

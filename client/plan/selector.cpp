@@ -25,16 +25,6 @@ constexpr std::int64_t kReconsiderUs = 100'000;
 // Error of the view tile, px, beyond which it shows a torn picture of a thing.
 constexpr double kTornPx = 8;
 
-// Returns what is drawn of a level of the instance's geometry; nullopt: all of it.
-std::optional<std::vector<IndexRun>> runs_of(const SelectorInput& in, std::uint32_t instance,
-                                             std::uint8_t lod) {
-  if (!in.meshes) return std::nullopt;
-  const InstanceView& view = in.scene->instances[instance];
-  const std::vector<Patch>& patches = in.meshes->patches(view.object, lod);
-  if (patches.empty()) return std::nullopt;
-  return runs_in_view(patches, view, in.camera);
-}
-
 double fade_progress(std::int64_t since_us, std::int64_t now_us) {
   return std::clamp(static_cast<double>(now_us - since_us) / kFadeUs, 0.0, 1.0);
 }
@@ -104,10 +94,7 @@ void Selector::add_levels(const SelectorInput& in, std::uint32_t instance,
   for (std::size_t i = *best; i < lods.size(); ++i) {
     const auto level = static_cast<std::uint8_t>(i);
     if (!in.meshes->resident({AssetId::Kind::kMesh, object, level})) continue;
-    const auto runs = runs_of(in, instance, level);
-    const double triangles = runs ? triangles_in(*runs) : lods[i].triangles;
-    out.levels.push_back(
-        {level, static_cast<std::uint32_t>(triangles), lod_excess(lods[i], density, 1)});
+    out.levels.push_back({level, lods[i].triangles, lod_excess(lods[i], density, 1)});
   }
 }
 
@@ -211,11 +198,8 @@ bool Selector::draw_geometry(Walk& w, Candidate& c) {
   if (progress < 1 && c.group->tiles.empty() && !view_shows(in, c)) progress = 1;
   const std::uint32_t object = in.scene->instances[c.instance].object;
   const bool swapping = progress < 1 && (*in.mesh_ready)[object];
-  const auto draw = [&](std::uint8_t lod, float fade) {
-    w.out.meshes.push_back({c.instance, lod, fade, false, runs_of(in, c.instance, lod)});
-  };
   if (as_mesh) {
-    draw(c.choice.lod, std::min(c.fade, progress));
+    w.out.meshes.push_back({c.instance, c.choice.lod, std::min(c.fade, progress)});
     if (!swapping) {
       shown.tile.reset();
       shown.former.reset();
@@ -224,7 +208,7 @@ bool Selector::draw_geometry(Walk& w, Candidate& c) {
   } else if (swapping) {
     Alternatives here;
     add_levels(in, c.instance, here);
-    if (!here.levels.empty()) draw(here.levels[0].lod, c.fade);
+    if (!here.levels.empty()) w.out.meshes.push_back({c.instance, here.levels[0].lod, c.fade});
     c.fade = std::min(c.fade, progress);
   }
   c.under_mesh = as_mesh && progress >= 0.5f;

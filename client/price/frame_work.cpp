@@ -93,13 +93,12 @@ FrameWork target_work(const Camera& camera, int samples) {
   return work;
 }
 
-FrameWork mesh_work(const SceneView& scene, const Camera& camera, const DrawnMesh& drawn,
-                    int samples) {
-  const InstanceView& view = scene.instances[drawn.instance];
+FrameWork mesh_work(const SceneView& scene, const Camera& camera, std::uint32_t instance,
+                    std::size_t lod, int samples) {
+  const InstanceView& view = scene.instances[instance];
   const ObjectDescription& object = scene.objects[view.object];
   const double area = shown_area_px(camera, view.center - camera.pose.eye, view.radius);
-  double triangles = drawn.lod < object.lods.size() ? object.lods[drawn.lod].triangles : 0;
-  if (drawn.runs) triangles = triangles_in(*drawn.runs);
+  const double triangles = lod < object.lods.size() ? object.lods[lod].triangles : 0;
   FrameWork work;
   if (object.needs & kNeedAlphaMask) {
     work[Work::kTestedTriangle] = triangles;
@@ -130,7 +129,7 @@ FrameWork impostor_work(const SceneView& scene, const Camera& camera, std::uint3
 FrameWork work_of(const SceneView& scene, const Camera& camera, const DrawList& list, int samples) {
   FrameWork work = target_work(camera, samples);
   for (const DrawnMesh& mesh : list.meshes) {
-    work += mesh_work(scene, camera, mesh, samples);
+    work += mesh_work(scene, camera, mesh.instance, mesh.lod, samples);
   }
   work[Work::kMesh] = static_cast<double>(levels_drawn(scene, list.meshes));
   for (const DrawnImpostor& drawn : list.impostors) {

@@ -58,10 +58,10 @@ double shown_area_px(const Camera& camera, const glm::dvec3& center, double radi
 /// Returns the work that every frame of this size takes. `samples` of a pixel is >= 1, here and
 /// below.
 FrameWork target_work(const Camera& camera, int samples);
-/// Returns the work of an instance drawn as geometry. It leaves out what the level takes once a
-/// frame.
-FrameWork mesh_work(const SceneView& scene, const Camera& camera, const DrawnMesh& drawn,
-                    int samples);
+/// Returns the work of an instance drawn from this level of its geometry. It leaves out what the
+/// level takes once a frame.
+FrameWork mesh_work(const SceneView& scene, const Camera& camera, std::uint32_t instance,
+                    std::size_t lod, int samples);
 /// Returns the work of an instance drawn from a tile.
 FrameWork impostor_work(const SceneView& scene, const Camera& camera, std::uint32_t instance,
                         const TileRecord& tile, DrawMethod method, int samples);

@@ -311,12 +311,8 @@ Result<void> Arrivals::take_mesh(const Message& message, std::int64_t came_us,
   if (!raw) return raw.error();
   Result<ObjectModel> model = decode_model(raw->data(), raw->size(), s_.scene.images.size());
   if (!model) return model.error();
-  std::vector<Patch> patches;
-  if (s_.scene.objects[reply.object].surrounds && !model->animation) {
-    patches = cut_into_patches(model->mesh, model->materials);
-  }
   s_.held.shadows.assets_changed();
-  s_.held.meshes.add_mesh(reply.object, reply.lod, *model, now_us, std::move(patches));
+  s_.held.meshes.add_mesh(reply.object, reply.lod, *model, now_us);
   s_.held.uploads.uploaded(mesh_gpu_bytes(model->mesh), false);
   if (s_.sink.mesh) s_.sink.mesh(reply.object, reply.lod, model.take());
   return {};

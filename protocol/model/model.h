@@ -31,12 +31,6 @@ struct Primitive {
   std::uint32_t material = 0;
 };
 
-/// A run of Mesh::indices.
-struct IndexRun {
-  std::uint32_t first = 0;
-  std::uint32_t count = 0;
-};
-
 struct Mesh {
   std::vector<Vertex> vertices;
   std::vector<std::uint32_t> indices;

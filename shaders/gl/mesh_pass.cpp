@@ -65,19 +65,6 @@ GLenum gl_mode(PrimitiveKind kind) {
   return GL_TRIANGLES;
 }
 
-// Returns the indices of a primitive that are drawn. A run may go on into the next primitive.
-std::vector<IndexRun> parts_of(const Primitive& primitive, const std::vector<IndexRun>* runs) {
-  const std::uint32_t begin = primitive.first_index, end = begin + primitive.index_count;
-  if (!runs) return {{begin, primitive.index_count}};
-  std::vector<IndexRun> out;
-  for (const IndexRun& run : *runs) {
-    const std::uint32_t first = std::max(begin, run.first);
-    const std::uint32_t last = std::min(end, run.first + run.count);
-    if (first < last) out.push_back({first, last - first});
-  }
-  return out;
-}
-
 }  // namespace
 
 MeshInstance mesh_instance(const Similarity& m, const glm::dvec3& eye, std::uint32_t id) {
@@ -290,7 +277,7 @@ void MeshPass::bind_lobes(Program& p, const Lobes& l, NeedMask needs, const GpuI
 
 void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
                     const GpuImages& images, const MeshInstance* instances, std::size_t count,
-                    bool blended, const std::vector<IndexRun>* runs) {
+                    bool blended) {
   bool bound = false;
   const bool fading = std::any_of(instances, instances + count,
                                   [](const MeshInstance& one) { return one.fade < 1; });
@@ -299,8 +286,6 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
     if ((material.alpha_mode == AlphaMode::kBlend) != blended || primitive.index_count == 0) {
       continue;
     }
-    const std::vector<IndexRun> parts = parts_of(primitive, runs);
-    if (parts.empty()) continue;
     if (!bound) {
       glBindVertexArray(mesh.vertex_array());
       bind_instances(instances, count);
@@ -314,12 +299,11 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
       const Result<Program*> made = program(needs, fading, stage);
       if (!made) continue;  // warm_up has reported it
       use(**made, material, needs, images, stage);
-      for (const IndexRun& run : parts) {
-        glDrawElementsInstanced(
-            gl_mode(primitive.kind), static_cast<GLsizei>(run.count), GL_UNSIGNED_INT,
-            reinterpret_cast<const void*>(std::size_t{run.first} * 4), static_cast<GLsizei>(count));
-        ++draw_calls_;
-      }
+      glDrawElementsInstanced(gl_mode(primitive.kind), static_cast<GLsizei>(primitive.index_count),
+                              GL_UNSIGNED_INT,
+                              reinterpret_cast<const void*>(std::size_t{primitive.first_index} * 4),
+                              static_cast<GLsizei>(count));
+      ++draw_calls_;
     }
   }
 }

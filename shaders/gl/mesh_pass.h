@@ -112,11 +112,9 @@ class MeshPass {
   void set_probe(const ProbeMap* probe) { probe_ = probe; }
   /// Sets the background colour, linear, which is seen tinted through transmissive surfaces.
   void set_backdrop(const glm::vec3& color) { backdrop_ = color; }
-  /// Draws the opaque and masked primitives (`blended` false) or the blended ones (true). `runs`:
-  /// the indices that are drawn; nullptr: all.
+  /// Draws the opaque and masked primitives (`blended` false) or the blended ones (true).
   void draw(const GpuMesh& mesh, const std::vector<Material>& materials, const GpuImages& images,
-            const MeshInstance* instances, std::size_t count, bool blended,
-            const std::vector<IndexRun>* runs = nullptr);
+            const MeshInstance* instances, std::size_t count, bool blended);
   void end();
 
   int draw_calls() const { return draw_calls_; }

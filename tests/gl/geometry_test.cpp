@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "client/draw/frame_renderer.h"
-#include "client/hold/patches.h"
 #include "server/stage/image_stage.h"
 #include "tests/gl/bench.h"
 
@@ -67,44 +66,15 @@ class GeometryBench {
     return draw(object, radii);
   }
 
-  /// Returns the picture from `eye` metres above the middle of an object: whole, or its patches in
-  /// view.
-  std::vector<std::uint8_t> from_within(std::uint32_t object, double eye, bool in_patches) {
-    ObjectModel model = object_model(prepared_->scene, prepared_->scene.objects[object].mesh);
-    std::vector<Patch> patches;
-    if (in_patches) patches = cut_into_patches(model.mesh, model.materials);
-    EXPECT_TRUE(renderer_->reset(scene_));
-    EXPECT_TRUE(renderer_->add_mesh(object, 0, std::move(model)));
-    const std::uint32_t instance = instance_of(object);
-    Camera c;
-    c.width = c.height = kSize;
-    const glm::dvec3 at = scene_.instances[instance].center + glm::dvec3(0, eye, 0);
-    c.pose = look_at(at, at + glm::dvec3(1, -0.2, 0.5));
-    c.fit_depth_range(scene_.bounds_center, scene_.bounds_radius);
-    DrawList list;
-    list.meshes = {{instance, 0, 1.0f}};
-    if (in_patches) {
-      list.meshes[0].runs = runs_in_view(patches, scene_.instances[instance], c);
-      EXPECT_LT(triangles_in(*list.meshes[0].runs), 0.5 * scene_.objects[object].triangles);
-    }
-    renderer_->draw(*target_, c, scene_, list, scene_.lighting);
-    return target_->read();
-  }
-
   std::vector<std::uint8_t> nothing(std::uint32_t object, double radii) {
     EXPECT_TRUE(renderer_->reset(scene_));
     return draw(object, radii);
   }
 
  private:
-  std::uint32_t instance_of(std::uint32_t object) const {
+  std::vector<std::uint8_t> draw(std::uint32_t object, double radii) {
     std::uint32_t instance = 0;
     while (scene_.instances.at(instance).object != object) ++instance;
-    return instance;
-  }
-
-  std::vector<std::uint8_t> draw(std::uint32_t object, double radii) {
-    const std::uint32_t instance = instance_of(object);
     const InstanceView& view = scene_.instances[instance];
     Camera c;
     c.width = c.height = kSize;
@@ -174,18 +144,6 @@ TEST(Geometry, TreesThroughTheWireLookTheSame) {
     best = std::max(best, same);
   }
   EXPECT_GE(best, 45.0);
-}
-
-TEST(Geometry, PatchesInViewGiveThePictureOfTheWhole) {
-  const auto bench = GeometryBench::create("builtin:forest?trees=1");
-  ASSERT_TRUE(bench);
-  const auto& objects = bench->prepared().objects;
-  std::uint32_t ground = 0;
-  while (objects.at(ground).triangles != 32'768) ++ground;
-  EXPECT_TRUE(objects[ground].surrounds);
-  const auto whole = bench->from_within(ground, 3, false);
-  EXPECT_NE(whole, bench->nothing(ground, 2.5));
-  EXPECT_TRUE(whole == bench->from_within(ground, 3, true));
 }
 
 }  // namespace

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "client/hold/mesh_cache.h"
-#include "protocol/codec/model_codec.h"
 #include "protocol/model/need_mask.h"
 #include "tests/support/core_scene.h"
 
@@ -171,28 +169,6 @@ TEST(CoreSelectorGeometry, SurroundingsAreGeometry) {
   const DrawList list = world.select(world.input());
   ASSERT_EQ(list.meshes.size(), 1u);
   EXPECT_EQ(list.meshes[0].instance, 0u);
-  EXPECT_FALSE(list.meshes[0].runs) << "it is not in patches";
-}
-
-TEST(CoreSelectorGeometry, OfAMeshInPatchesOnlyThoseInViewAreDrawnAndCount) {
-  SelectorWorld world = one_ball(true);
-  world.scene.objects[0].lods = {LodInfo{1000, 40'000, 0, 0}};
-  world.mesh_ready[0] = true;
-  MeshCache meshes;
-  meshes.reset(world.scene, 1 << 20, 1 << 20);
-  const std::vector<Patch> patches{{{0, 300}, {-1, 0, 0}, 0.5f}, {{300, 2700}, {1, 0, 0}, 0.5f}};
-  meshes.add_mesh(0, 0, {}, 0, patches);
-  SelectorInput in = world.input();
-  in.meshes = &meshes;
-  in.camera.pose = look_at({-1, 0, 1}, {-1, 0, 0});
-  in.camera.fov_y = 0.5;
-  const DrawList list = world.select(in);
-  ASSERT_EQ(list.meshes.size(), 1u);
-  ASSERT_TRUE(list.meshes[0].runs);
-  ASSERT_EQ(list.meshes[0].runs->size(), 1u);
-  EXPECT_EQ(list.meshes[0].runs->at(0).first, 0u);
-  EXPECT_EQ(list.meshes[0].runs->at(0).count, 300u);
-  EXPECT_EQ(world.selector.considered().at(0).levels.at(0).triangles, 100u);
 }
 
 }  // namespace

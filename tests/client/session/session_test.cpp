@@ -138,29 +138,6 @@ TEST_F(CoreSession, ThePictureOfTheLastSceneStaysUntilThereIsOneOfTheNext) {
   EXPECT_FALSE(session.awaits_new_scene()) << "there is nothing in view to wait for";
 }
 
-TEST_F(CoreSession, OnlyWhatSurroundsTheViewerIsDrawnInPatches) {
-  link.serve("builtin:forest?trees=1");
-  link.restart({});
-  Camera camera;
-  DrawList list;
-  for (std::int64_t now_us = 0; now_us < 500'000; now_us += 20'000) {
-    ASSERT_TRUE(session.receive(now_us).ok());
-    const HomeView& home = session.scene().home;
-    camera.pose = look_at(home.eye, home.target);
-    list = session.frame(camera, now_us);
-  }
-  ASSERT_GT(list.meshes.size(), 2u);
-  std::size_t in_patches = 0;
-  for (const DrawnMesh& drawn : list.meshes) {
-    if (!drawn.runs) continue;
-    ++in_patches;
-    const auto& object = session.scene().objects[session.scene().instances[drawn.instance].object];
-    EXPECT_TRUE(object.surrounds);
-    EXPECT_LT(triangles_in(*drawn.runs), 0.5 * object.lods[drawn.lod].triangles);
-  }
-  EXPECT_EQ(in_patches, 1u) << "the ground; the pond has few triangles";
-}
-
 TEST_F(CoreSession, GeometryAndImagesNobodyAskedForAreErrors) {
   wire::MeshReplyT mesh;
   mesh.request_id = 7;
