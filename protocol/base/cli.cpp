@@ -173,6 +173,7 @@ const std::vector<std::string>& options_of_all_programs() {
                                                  "require-gpu",
                                                  "scene",
                                                  "scope",
+                                                 "seconds",
                                                  "seed",
                                                  "shadows",
                                                  "size",
