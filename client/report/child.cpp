@@ -88,7 +88,8 @@ void pass_lines(std::ifstream& file, const std::function<void(const std::string&
   }
 }
 
-// Returns the error in the `error <id>: <text>` line of one of our programs.
+}  // namespace
+
 std::optional<Error> error_said(const std::string& text) {
   std::istringstream lines(text);
   std::string line;
@@ -104,8 +105,6 @@ std::optional<Error> error_said(const std::string& text) {
   }
   return std::nullopt;
 }
-
-}  // namespace
 
 Result<ChildResult> run_child(const std::vector<std::string>& command,
                               const std::function<void(const std::string&)>& on_line) {

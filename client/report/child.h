@@ -22,6 +22,10 @@ struct ChildResult {
 Result<ChildResult> run_child(const std::vector<std::string>& command,
                               const std::function<void(const std::string&)>& on_line = {});
 
+/// Returns the error in the `error <id>: <text>` line of what one of our programs wrote; nullopt:
+/// there is none.
+std::optional<Error> error_said(const std::string& text);
+
 /// Returns the first executable of that name in PATH; nullopt: there is none.
 std::optional<std::string> find_program(const std::string& name);
 /// Returns the path of a program in this program's folder; nullopt: it is not there.

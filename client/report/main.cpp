@@ -14,6 +14,7 @@
 #include "client/report/latency.h"
 #include "client/report/models.h"
 #include "client/report/outside.h"
+#include "client/report/real.h"
 #include "client/report/session_run.h"
 #include "client/report/weather.h"
 #include "client/report/work_precision.h"
@@ -24,23 +25,27 @@ namespace mirage {
 namespace {
 
 Result<void> measure(Context& context) {
-  using Step = Result<void> (*)(Context&);
+  using Step = std::pair<ReportPart, Result<void> (*)(Context&)>;
   const auto wanted = [&](ReportPart part) { return context.options.parts.contains(part); };
-  // This part measures times, so nothing runs beside it.
-  if (wanted(ReportPart::kWorkPrecision)) {
-    if (Result<void> done = report_work_precision(context); !done) return done;
-  }
+  const auto take = [&](const std::vector<Step>& steps) -> Result<void> {
+    for (const auto& [part, step] : steps) {
+      if (!wanted(part)) continue;
+      if (Result<void> done = step(context); !done) return done;
+    }
+    return {};
+  };
+  // These parts measure times, so nothing runs beside them.
+  const std::vector<Step> alone = {{ReportPart::kReal, report_real},
+                                   {ReportPart::kWorkPrecision, report_work_precision}};
+  if (Result<void> done = take(alone); !done) return done;
   ExtremeRun extreme;
   if (wanted(ReportPart::kExtreme)) extreme = start_extreme(context);
-  const std::pair<ReportPart, Step> steps[] = {
+  const std::vector<Step> beside = {
       {ReportPart::kLatency, report_latency},   {ReportPart::kFirst, report_first},
       {ReportPart::kBytes, report_bytes},       {ReportPart::kWeather, report_weather},
       {ReportPart::kFidelity, report_fidelity}, {ReportPart::kNeeds, report_needs},
       {ReportPart::kModels, report_models},     {ReportPart::kCalibrate, report_calibrate}};
-  for (const auto& [part, step] : steps) {
-    if (!wanted(part)) continue;
-    if (Result<void> done = step(context); !done) return done;
-  }
+  if (Result<void> done = take(beside); !done) return done;
   if (!wanted(ReportPart::kExtreme)) return {};
   return report_extreme(context, std::move(extreme));
 }

@@ -10,6 +10,7 @@ namespace {
 
 const std::map<std::string, std::set<ReportPart>>& parts() {
   static const std::map<std::string, std::set<ReportPart>> list = {
+      {"real", {ReportPart::kReal}},
       {"fidelity", {ReportPart::kFidelity}},
       {"work-precision", {ReportPart::kWorkPrecision}},
       {"latency", {ReportPart::kLatency}},
@@ -21,8 +22,9 @@ const std::map<std::string, std::set<ReportPart>>& parts() {
       {"needs", {ReportPart::kNeeds}},
       {"models", {ReportPart::kModels}},
       {"all",
-       {ReportPart::kFidelity, ReportPart::kWorkPrecision, ReportPart::kLatency, ReportPart::kFirst,
-        ReportPart::kBytes, ReportPart::kWeather, ReportPart::kExtreme, ReportPart::kNeeds}}};
+       {ReportPart::kReal, ReportPart::kFidelity, ReportPart::kWorkPrecision, ReportPart::kLatency,
+        ReportPart::kFirst, ReportPart::kBytes, ReportPart::kWeather, ReportPart::kExtreme,
+        ReportPart::kNeeds}}};
   return list;
 }
 
@@ -63,6 +65,7 @@ int parse_options(int argc, char** argv, ReportOptions& o) {
   CLI::App app("Measures error against run time and writes a page about it.", "mirage-report");
   app.footer(
       "Parts:\n"
+      "  real            frames by the clock of this machine, within several budgets\n"
       "  fidelity        tiles beside the mesh, by the field's protocol\n"
       "  work-precision  error against run time, for each way of drawing\n"
       "  latency         Mirage, video and geometry on the same modelled link\n"

@@ -6,6 +6,7 @@
 namespace mirage {
 
 enum class ReportPart {
+  kReal,
   kWorkPrecision,
   kFidelity,
   kLatency,

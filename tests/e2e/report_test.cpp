@@ -214,6 +214,48 @@ TEST(Report, FirstSecondsBeginWithNothingForEveryone) {
   EXPECT_EQ(count(html, "<svg"), gnuplot() ? 1u : 0u);
 }
 
+TEST(Report, RealHasARowForEachBudgetByTheClock) {
+  const std::string out = scratch_folder();
+  const Finished report = run({binary("mirage-report"), "real", "--quick", "--scene",
+                               "builtin:clutter?objects=60", "--out", out},
+                              300);
+  ASSERT_EQ(report.exit_code, 0) << report.output;
+  EXPECT_NE(report.output.find("real 2 of 2"), std::string::npos) << report.output;
+  const auto rows = csv(out + "/real.csv"), stages = csv(out + "/real_stages.csv");
+  const json found = json::parse(read_file(out + "/real.json"))["rows"];
+  ASSERT_EQ(rows.size(), 3u);
+  ASSERT_EQ(found.size(), 2u);
+  const auto value = [&](std::size_t row, const std::string& column) {
+    const auto at = std::find(rows[0].begin(), rows[0].end(), column) - rows[0].begin();
+    return std::atof(rows[row].at(static_cast<std::size_t>(at)).c_str());
+  };
+  for (const std::size_t row : {1u, 2u}) {
+    const json& drawn = found[row - 1]["real_time"]["drawn"];
+    EXPECT_EQ(value(row, "budget_ms"), row == 1 ? 16 : 50);
+    EXPECT_EQ(found[row - 1]["commands"].size(), 2u) << "server and viewer, by hand";
+    EXPECT_EQ(value(row, "frames"), drawn["frames"]);
+    EXPECT_GT(value(row, "frame_ms_p50"), 0);
+    EXPECT_GE(value(row, "frame_ms_p95"), value(row, "frame_ms_p50"));
+    EXPECT_GE(value(row, "frame_ms_max"), value(row, "settled_ms_max"));
+    EXPECT_GT(value(row, "settled_ms_p50"), 0) << "the walk goes on beyond the fifth second";
+    EXPECT_GT(value(row, "scale_mean"), 0);
+    double caused = 0;
+    for (const auto& stage : stages) {
+      if (stage[1] == rows[row][1]) caused += std::atof(stage.back().c_str());
+    }
+    EXPECT_EQ(value(row, "late"), caused) << "each late frame has one cause";
+    const json trace = json::parse(
+        read_file(out + "/real/builtin_clutter_objects_60_" + rows[row][1] + "ms.trace.json"));
+    EXPECT_EQ(value(row, "frames"), trace["frames"].size());
+  }
+  const std::string html = read_file(out + "/index.html");
+  expect_self_contained(html);
+  EXPECT_EQ(count(html, "<svg"), gnuplot() ? 3u : 0u);
+  EXPECT_NE(html.find("smallest budget that 95 of 100 frames keep"), std::string::npos);
+  EXPECT_NE(html.find("--frame-ms 50 --path builtin:walk --seconds 6"), std::string::npos)
+      << "the command of a row";
+}
+
 TEST(Report, WeatherOnASceneOfNoWeatherIsAnOmission) {
   const std::string out = scratch_folder();
   const Finished report =
@@ -352,6 +394,8 @@ TEST(Report, FailsWithTheExitCodeOfTheReason) {
   EXPECT_EQ(code({"latency", "--frame-ms", "50"}), 2);
   EXPECT_EQ(code({"fidelity", "--scene", "builtin:knot", "--url", "ws://127.0.0.1:1"}), 2);
   EXPECT_EQ(code({"work-precision", "--quick", "--scene", "no_such_file.glb"}), 3);
+  EXPECT_EQ(code({"real", "--quick", "--scene", "no_such_file.glb"}), 3);
+  EXPECT_EQ(code({"real", "--quick", "--url", "ws://127.0.0.1:1"}), 5);
   EXPECT_EQ(code({"fidelity", "--url", "ws://127.0.0.1:1"}), 5);
 }
 
