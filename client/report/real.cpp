@@ -3,7 +3,9 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cctype>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -18,6 +20,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
+constexpr double kBusy = 0.5;  // load average of a core; above it the page says so
 constexpr const char *kRealPart = "real", *kFolder = "real";
 
 /// A run with what the viewer wrote about it.
@@ -31,14 +34,26 @@ std::string read_file(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-// Returns the name of the processor, if the system tells.
-std::string processor() {
+/// The machine, before the first walk.
+struct Machine {
+  std::string processor = "of unknown kind";
+  unsigned cores = std::thread::hardware_concurrency();
+  double load = NAN;  ///< processes that ran or waited for a core, mean of the last minute
+
+  static Machine now();
+};
+
+Machine Machine::now() {
+  Machine machine;
+  if (getloadavg(&machine.load, 1) != 1) machine.load = NAN;
   std::ifstream file("/proc/cpuinfo");
   std::string line;
   while (std::getline(file, line)) {
-    if (line.rfind("model name", 0) == 0) return line.substr(line.find(": ") + 2);
+    if (line.rfind("model name", 0) != 0) continue;
+    machine.processor = line.substr(line.find(": ") + 2);
+    break;
   }
-  return "of unknown kind";
+  return machine;
 }
 
 std::string file_name(const std::string& scene, double budget_ms) {
@@ -143,18 +158,19 @@ Result<std::vector<Walk>> walk_all(Context& context, const RealPlan& plan) {
   return out;
 }
 
-void explain(Context& context, const RealPlan& plan, const std::string& renderer) {
+void explain(Context& context, const RealPlan& plan, const Machine& machine,
+             const std::string& renderer) {
   Page& page = context.page;
   page.command(context.options.command_line);
   page.method(fmt::format(
       "mirage-view walks {:g} s through each scene within each budget, in real time, at {}x{} "
-      "pixels without a display. {} The renderer of the viewer is {}; the machine has {} cores "
-      "({}).",
+      "pixels without a display. {} The renderer of the viewer is {}. The machine has {} cores "
+      "({}); its load average before the first walk was {:.1f}.",
       plan.seconds, plan.width, plan.height,
       context.options.url.empty()
           ? "Each walk has a mirage-server of its own on the same machine, started for it."
           : "The server was running before, so later walks meet tiles that it holds.",
-      renderer, std::thread::hardware_concurrency(), processor()));
+      renderer, machine.cores, machine.processor, machine.load));
   page.method(
       "A frame's time is what the viewer works on it: receiving, uploads, planning, drawing until "
       "the renderer has finished. Waiting for the next frame is not part of it. A late frame takes "
@@ -171,8 +187,14 @@ void explain(Context& context, const RealPlan& plan, const std::string& renderer
   }
 }
 
-void show(Context& context, const std::vector<RealRun>& runs) {
+void show(Context& context, const Machine& machine, const std::vector<RealRun>& runs) {
   Page& page = context.page;
+  if (machine.load > kBusy * machine.cores) {
+    page.paragraph(fmt::format(
+        "The machine was busy before the first walk: load average {:.1f} on {} cores. On an idle "
+        "one frames are shorter.",
+        machine.load, machine.cores));
+  }
   std::vector<bool> marked;
   for (const Finding& finding : real_findings(runs)) page.finding(finding);
   for (const RealRun& run : runs) {
@@ -180,13 +202,16 @@ void show(Context& context, const std::vector<RealRun>& runs) {
     if (!shortfall.empty()) page.falls_short(shortfall);
     marked.push_back(!run.held());
   }
-  context.plot("real_frames", frame_panels(runs), 2,
-               "Time of a frame against its budget. On the line a frame takes its budget.");
-  context.plot("real_late", late_panels(runs), 2,
-               "Share of late frames, and of those that each stage made late.");
-  context.plot("real_picture", picture_panels(runs), 2,
-               "What the budget costs: scale of the picture, and share of the objects in view "
-               "without an image.");
+  const auto plot = [&](const char* name, const std::vector<Panel>& panels, const char* caption) {
+    context.plot(name, panels, panels.size() > 1 ? 2 : 1, caption);
+  };
+  plot("real_frames", frame_panels(runs),
+       "Time of a frame against its budget. On the line a frame takes its budget.");
+  plot("real_late", late_panels(runs),
+       "Share of late frames, and of those that each stage made late.");
+  plot("real_picture", picture_panels(runs),
+       "What the budget costs: scale of the picture, and share of the objects in view without an "
+       "image.");
   page.table(real_table(runs), marked);
   page.folded("Stages of these frames", real_stages(runs));
 }
@@ -200,6 +225,7 @@ Result<void> report_real(Context& context) {
   if (failed)
     return make_error(ErrorId::kIo, "cannot make directory '" + context.path(kFolder) + "'");
   context.page.section(kRealPart, "Frames by the clock");
+  const Machine machine = Machine::now();
   Result<std::vector<Walk>> walks = walk_all(context, plan);
   if (!walks) return walks.error();
   std::vector<RealRun> runs;
@@ -209,13 +235,19 @@ Result<void> report_real(Context& context) {
     rows.push_back(walk.json);
   }
   if (!runs.empty()) {
-    show(context, runs);
-    explain(context, plan, runs.front().renderer);
+    show(context, machine, runs);
+    explain(context, plan, machine, runs.front().renderer);
   }
   const std::pair<const char*, std::string> files[] = {
       {"real.csv", real_table(runs).csv()},
       {"real_stages.csv", real_stages(runs).csv()},
-      {"real.json", ordered_json{{"rows", rows}}.dump(1) + "\n"}};
+      {"real.json", ordered_json{{"machine",
+                                  {{"processor", machine.processor},
+                                   {"cores", machine.cores},
+                                   {"load_average", machine.load}}},
+                                 {"rows", rows}}
+                            .dump(1) +
+                        "\n"}};
   for (const auto& [name, text] : files) {
     if (Result<void> written = write_file(context.path(name), text); !written) return written;
   }

@@ -121,8 +121,8 @@ std::string real_shortfall(const RealRun& run) {
                                 run.worst_stage()));
   }
   if (run.very_late > 0) {
-    parts.push_back(fmt::format("{} of {} frames take longer than 3 budgets, up to {:.0f} ms",
-                                run.very_late, run.frames, run.ms.longest));
+    parts.push_back(fmt::format("{} of {} frames take longer than 3 budgets, the first one apart",
+                                run.very_late, run.frames));
   }
   if (run.settled_placeholders > kMostPlaceholders) {
     parts.push_back(
