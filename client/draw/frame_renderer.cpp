@@ -79,7 +79,7 @@ void FrameRenderer::Parts::show_mean(const SceneView& scene, std::uint32_t index
   mean.width = mean.height = 1;
   mean.srgb = description.srgb;
   mean.rgba.assign(description.mean.begin(), description.mean.end());
-  images.put(index, mean, 0);
+  images.put(index, mean, {});
 }
 
 void FrameRenderer::Parts::pose(ClientMesh& mesh, const InstanceView& instance, double time_s) {
@@ -201,9 +201,9 @@ Result<void> FrameRenderer::add_mesh(std::uint32_t object, std::uint8_t lod, Obj
   return compiled;
 }
 
-void FrameRenderer::add_image(const SceneView& scene, std::uint32_t index, const Image& image) {
-  Parts& p = *parts_;
-  p.images.put(index, image, scene.images[index].alpha_cutoff);
+void FrameRenderer::add_image(std::uint32_t index, const Image& image,
+                              const std::vector<Image>& mips) {
+  parts_->images.put(index, image, mips);
 }
 
 void FrameRenderer::drop(const SceneView& scene, const AssetId& id) {
@@ -251,18 +251,13 @@ GpuBytes FrameRenderer::gpu_bytes() const {
   return bytes;
 }
 
-Result<void> FrameRenderer::upload(const TileRecord& record, const TilePixels& pixels) {
-  return parts_->impostors.upload(record, pixels);
+Result<void> FrameRenderer::upload(const TileRecord& record, const AtlasPlanes& planes) {
+  return parts_->impostors.upload(record, planes);
 }
 
 Result<void> FrameRenderer::upload_shadow(const ShadowRecord& record,
-                                          const std::vector<std::uint8_t>& shares) {
-  return parts_->shadow_atlas.upload_shadow(record, shares);
-}
-
-Result<void> FrameRenderer::upload_caster(const ShadowRecord& record,
-                                          const std::vector<std::uint8_t>& codes) {
-  return parts_->shadow_atlas.upload_caster(record, codes);
+                                          const std::vector<std::uint8_t>& plane) {
+  return parts_->shadow_atlas.upload(record, plane);
 }
 
 void FrameRenderer::upload_view(const ViewTile& view) { parts_->view.upload(view); }

@@ -17,6 +17,7 @@
 namespace mirage {
 
 struct AssetId;
+struct AtlasPlanes;
 struct Camera;
 struct DrawList;
 class FrameTarget;
@@ -24,7 +25,6 @@ struct Image;
 struct Lighting;
 struct ObjectModel;
 class SceneView;
-struct TilePixels;
 struct ViewTile;
 
 class FrameRenderer {
@@ -38,14 +38,15 @@ class FrameRenderer {
 
   /// Learns a new scene. Error kGraphicsShader: the scene is drawn without its fog.
   Result<void> reset(const SceneView& scene);
-  /// The three uploads fail with kGraphicsGl if no graphics memory is left.
-  Result<void> upload(const TileRecord& record, const TilePixels& pixels);
-  Result<void> upload_shadow(const ShadowRecord& record, const std::vector<std::uint8_t>& shares);
-  Result<void> upload_caster(const ShadowRecord& record, const std::vector<std::uint8_t>& codes);
+  /// Both uploads fail with kGraphicsGl if no graphics memory is left. `plane` as in
+  /// ShadowAtlas::upload().
+  Result<void> upload(const TileRecord& record, const AtlasPlanes& planes);
+  Result<void> upload_shadow(const ShadowRecord& record, const std::vector<std::uint8_t>& plane);
   void upload_view(const ViewTile& view);
   /// Adds a level of geometry. Error kGraphicsShader: it cannot be drawn as it should.
   Result<void> add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model);
-  void add_image(const SceneView& scene, std::uint32_t index, const Image& image);
+  /// Adds a level of an image with its mip levels; none: the driver makes them.
+  void add_image(std::uint32_t index, const Image& image, const std::vector<Image>& mips);
   void drop(const SceneView& scene, const AssetId& id);
 
   void draw(const FrameTarget& target, const Camera& shown, const SceneView& scene,

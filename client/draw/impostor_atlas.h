@@ -9,6 +9,7 @@
 #include "client/draw/layered_texture.h"
 #include "client/hold/tile_cache.h"
 #include "protocol/base/result.h"
+#include "protocol/codec/atlas_planes.h"
 
 namespace mirage {
 
@@ -22,9 +23,9 @@ class ImpostorAtlas {
   /// kGraphicsGl: more than the device supports.
   static Result<ImpostorAtlas> create(int edge, int layers);
 
-  /// Uploads a tile's planes, with an empty gutter, to the place in its record. Error kGraphicsGl:
-  /// no graphics memory is left, and the tile shows nothing.
-  Result<void> upload(const TileRecord& record, const TilePixels& pixels);
+  /// Uploads a tile's planes to the place in its record. Error kGraphicsGl: no graphics memory is
+  /// left, and the tile shows nothing.
+  Result<void> upload(const TileRecord& record, const AtlasPlanes& planes);
   /// Binds colour, depth and, for relit tiles, surface to the texture units 0, 1 and 3.
   void bind(bool relit) const;
   std::size_t gpu_bytes() const {

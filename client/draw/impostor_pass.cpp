@@ -163,7 +163,7 @@ ImpostorPass::Proxy ImpostorPass::make_proxy(const std::vector<ProxyVertex>& dat
   return proxy;
 }
 
-Result<void> ImpostorPass::upload(const TileRecord& record, const TilePixels& pixels) {
+Result<void> ImpostorPass::upload(const TileRecord& record, const AtlasPlanes& planes) {
   if (record.layered() && !layered_relief_) {
     std::vector<std::string> defines = {"LAYERED"};
     if (variant_.shadows) defines.emplace_back("SHADOW");
@@ -171,7 +171,7 @@ Result<void> ImpostorPass::upload(const TileRecord& record, const TilePixels& pi
     if (!made) return made.error();
     layered_relief_ = made.take();
   }
-  return atlas_.upload(record, pixels);
+  return atlas_.upload(record, planes);
 }
 
 Result<void> ImpostorPass::reset(const SceneView& scene) {

@@ -28,7 +28,7 @@ class ImpostorPass {
   /// Error kGraphicsShader: the former programs stay.
   Result<void> reset(const SceneView& scene);
   /// Uploads a tile. The first layered tile makes its program. Errors kGraphicsGl, kGraphicsShader.
-  Result<void> upload(const TileRecord& record, const TilePixels& pixels);
+  Result<void> upload(const TileRecord& record, const AtlasPlanes& planes);
   /// Draws the impostors and placeholders of the list. `mapping` is that of the target's depth.
   /// `shadow_atlas` is the texture of ShadowAtlas; 0: impostors show no shadow. `probe` is the
   /// scene's; nullptr: none.

@@ -12,18 +12,14 @@ namespace mirage {
 
 class ShadowAtlas {
  public:
-  /// Upload a tile's plane to the place in its record. A caster's plane has depth codes. A shadow
-  /// tile's has shares as 0..1, which are continued into the empty texels around them. Error
-  /// kGraphicsGl.
-  Result<void> upload_caster(const ShadowRecord& record, const std::vector<std::uint8_t>& codes);
-  Result<void> upload_shadow(const ShadowRecord& record, const std::vector<std::uint8_t>& shares);
+  /// Uploads a tile to the place in its record: AtlasPlanes::depth of a caster, or
+  /// AtlasPlanes::shadow. Error kGraphicsGl.
+  Result<void> upload(const ShadowRecord& record, const std::vector<std::uint8_t>& plane);
   /// Returns the texture; 0 before the first tile.
   GLuint texture() const { return layers_.id(); }
   std::size_t gpu_bytes() const { return layers_.gpu_bytes(); }
 
  private:
-  Result<void> upload(const AtlasSlot& slot, const std::vector<std::uint8_t>& texels);
-
   LayeredTexture layers_{{GL_R8, GL_LINEAR}, kShadowAtlasEdge, kShadowAtlasLayers};
 };
 

@@ -66,10 +66,6 @@ struct TileRecord {
   CaptureGeometry whole_, content_;
   std::array<DrawnDepth, static_cast<std::size_t>(DrawMethod::kMesh)> drawn_;  // by method
 };
-/// Pixels of a tile that only drawing needs: Tile::rgba, Tile::surface and Tile::behind.
-struct TilePixels {
-  std::vector<std::uint8_t> rgba, surface, behind;
-};
 
 /// Tiles that look the same on all instances that share them: same object, same light on it.
 struct TileGroup {

@@ -18,8 +18,9 @@ Unpacker::~Unpacker() {
 void Unpacker::add(Received received) { queue_.push(std::move(received)); }
 
 void Unpacker::run() {
+  MessageUnpacker unpacker;
   while (std::optional<Received> next = queue_.pop()) {
-    if (const Result<void> done = unpack(next->message); !done) {
+    if (const Result<void> done = unpacker.unpack(next->message); !done) {
       hooks_.damaged(next->generation, done.error());
     } else {
       hooks_.unpacked(std::move(*next));

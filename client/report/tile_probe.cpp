@@ -7,6 +7,7 @@
 #include "client/plan/eight_views.h"
 #include "client/screen/viewer_defaults.h"
 #include "protocol/base/limits.h"
+#include "protocol/wire/unpack.h"
 
 namespace mirage {
 namespace {
@@ -103,21 +104,17 @@ Result<void> TileProbe::take(const Message& message, const std::vector<TileNeed>
   ++answered_;
   received_bytes_ += message.payload_bytes;
   const TileNeed& need = needs[index];
-  Result<Tile> tile = tile_from_fields(*reply);
-  if (!tile) return tile.error();
-  if (tile->edge != tile_edge(need.size_class) || tile->channels != need.channels) {
+  if (reply->edge != tile_edge(need.size_class) || reply->channels != need.channels) {
     return make_error(ErrorId::kWireValue, "a tile other than asked for");
   }
-  const auto codec = message.unpacked ? TileCodec::kRaw : static_cast<TileCodec>(reply->codec);
-  const Result<void> decoded =
-      decode_tile_planes(message.payload.data(), message.payload.size(), codec, *tile);
-  if (!decoded) return decoded;
-  if (on_tile) on_tile(*tile);
+  Result<UnpackedTile> taken = read_unpacked_tile(message);
+  if (!taken) return taken.error();
+  if (on_tile) on_tile(taken->tile);
   const ObjectDescription& object = scene_.objects[scene_.instances[need.instance].object];
-  const Capture capture(need.cell, need.distance, object.radius, tile->edge);
-  const TilePixels pixels{std::move(tile->rgba), std::move(tile->surface), std::move(tile->behind)};
-  records_[index] = cache_.insert(need.instance, scene_, capture, tile.take(), 1, 0, 0, need.phase);
-  return records_[index] ? renderer_.upload(*records_[index], pixels) : Result<void>{};
+  const Capture capture(need.cell, need.distance, object.radius, reply->edge);
+  records_[index] =
+      cache_.insert(need.instance, scene_, capture, std::move(taken->tile), 1, 0, 0, need.phase);
+  return records_[index] ? renderer_.upload(*records_[index], taken->planes) : Result<void>{};
 }
 
 Result<DrawList> TileProbe::draw_list(const std::vector<TileNeed>& needs, const Camera& camera,

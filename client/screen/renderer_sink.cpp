@@ -21,7 +21,6 @@ void time(std::function<void(Args...)>& of, const std::function<double()>& now_m
 TileSink timed(TileSink sink, std::function<double()> now_ms, double& ms) {
   time(sink.tile, now_ms, ms);
   time(sink.shadow, now_ms, ms);
-  time(sink.caster, now_ms, ms);
   time(sink.mesh, now_ms, ms);
   time(sink.image, now_ms, ms);
   time(sink.scene, now_ms, ms);
@@ -36,27 +35,23 @@ TileSink renderer_sink(FrameRenderer& renderer, SinkHooks hooks) {
   const auto scene = std::move(hooks.scene);
   const auto changed = std::move(hooks.changed);
   TileSink sink;
-  sink.tile = [&renderer, say, changed](const TileRecord& record, const TilePixels& pixels) {
+  sink.tile = [&renderer, say, changed](const TileRecord& record, const AtlasPlanes& planes) {
     changed();
-    say(renderer.upload(record, pixels));
+    say(renderer.upload(record, planes));
   };
   sink.shadow = [&renderer, say, changed](const ShadowRecord& record,
-                                          const std::vector<std::uint8_t>& shares) {
+                                          const std::vector<std::uint8_t>& plane) {
     changed();
-    say(renderer.upload_shadow(record, shares));
-  };
-  sink.caster = [&renderer, say, changed](const ShadowRecord& record,
-                                          const std::vector<std::uint8_t>& codes) {
-    changed();
-    say(renderer.upload_caster(record, codes));
+    say(renderer.upload_shadow(record, plane));
   };
   sink.mesh = [&renderer, say, changed](std::uint32_t object, std::uint8_t lod, ObjectModel model) {
     changed();
     say(renderer.add_mesh(object, lod, std::move(model)));
   };
-  sink.image = [&renderer, scene, changed](std::uint32_t index, const Image& image) {
+  sink.image = [&renderer, changed](std::uint32_t index, const Image& image,
+                                    const std::vector<Image>& mips) {
     changed();
-    renderer.add_image(scene(), index, image);
+    renderer.add_image(index, image, mips);
   };
   // No picture changes here: what a frame draws is never dropped.
   sink.drop = [&renderer, scene](const AssetId& id) { renderer.drop(scene(), id); };

@@ -6,7 +6,6 @@
 
 #include "client/hold/tile_cache.h"
 #include "client/session/session_parts.h"
-#include "protocol/codec/image_codec.h"
 #include "protocol/codec/model_codec.h"
 #include "protocol/codec/tile_codec.h"
 #include "protocol/impostor/tile_key.h"
@@ -36,13 +35,6 @@ std::vector<TileCodec> offered_codecs(const wire::WelcomeT& welcome) {
   return out;
 }
 
-Result<Image> image_of_texels(const Bytes& texels, const glm::uvec2& size, bool srgb) {
-  if (texels.size() != std::size_t{size.x} * size.y * 4) {
-    return make_error(ErrorId::kCodec, "an image is not of the size it was asked for");
-  }
-  return Image{size.x, size.y, srgb, texels};
-}
-
 Result<void> accept_page(SceneView& scene, const Message& page) {
   const wire::BodyUnion& body = page.body;
   if (const wire::LightProbePageT* probe = body.AsLightProbePage()) {
@@ -67,6 +59,9 @@ Result<void> Arrivals::take(std::int64_t now_us) {
 }
 
 Result<void> Arrivals::handle(Message message, std::int64_t now_us) {
+  if (!message.unpacked) {
+    if (Result<void> done = unpacker_.unpack(message); !done) return done;
+  }
   wire::BodyUnion& body = message.body;
   const std::int64_t came_us = now_us - message.waited_us;
   const bool was_complete = s_.scene.complete();
@@ -194,35 +189,31 @@ Result<void> Arrivals::take_tile(const Message& message, std::int64_t came_us,
   if (is_picture(ask->need.channels)) {
     s_.planning.selector.note_tile(ask->object, static_cast<double>(bytes));
   }
-  Result<Tile> tile = tile_from_fields(reply);
-  if (!tile) return tile.error();
-  if (tile->edge != tile_edge(ask->need.size_class)) {
+  if (reply.edge != tile_edge(ask->need.size_class)) {
     return make_error(ErrorId::kWireValue, "tile has another size than asked for");
   }
-  if (tile->channels != ask->need.channels) {
+  if (reply.channels != ask->need.channels) {
     return make_error(ErrorId::kWireValue, "tile has other channels than asked for");
   }
   s_.asking.answered.note(ask->need, now_us);
   const ObjectDescription& object = s_.scene.objects[ask->object];
-  const Capture capture(ask->need.cell, ask->need.distance, object.radius, tile->edge);
+  const Capture capture(ask->need.cell, ask->need.distance, object.radius, reply.edge);
   // Another instance of the object has received this tile meanwhile.
-  if (is_picture(tile->channels) && s_.held.tiles.holds(ask->need.instance, capture, tile->relit(),
-                                                        ask->need.phase, ask->need.light)) {
+  if (is_picture(reply.channels) &&
+      s_.held.tiles.holds(ask->need.instance, capture, reply.channels == kRelitTile,
+                          ask->need.phase, ask->need.light)) {
     return {};
   }
-  const auto codec = message.unpacked ? TileCodec::kRaw : static_cast<TileCodec>(reply.codec);
-  const Bytes& planes = message.payload;
-  const Result<void> decoded = decode_tile_planes(planes.data(), planes.size(), codec, *tile);
-  if (!decoded) return decoded;
+  Result<UnpackedTile> taken = read_unpacked_tile(message);
+  if (!taken) return taken.error();
   s_.tally.note_decoded(reply, message.payload_bytes);
-  if (!is_picture(tile->channels)) {
-    take_shadow(*ask, capture, tile.take());
+  if (!is_picture(reply.channels)) {
+    take_shadow(*ask, capture, *taken);
     return {};
   }
-  const TilePixels pixels{std::move(tile->rgba), std::move(tile->surface), std::move(tile->behind)};
   const TileRecordPtr record =
-      s_.held.tiles.insert(ask->need.instance, s_.scene, capture, tile.take(), s_.frame, now_us,
-                           ask->need.light, ask->need.phase);
+      s_.held.tiles.insert(ask->need.instance, s_.scene, capture, std::move(taken->tile), s_.frame,
+                           now_us, ask->need.light, ask->need.phase);
   if (!record) return {};
   std::size_t life = SIZE_MAX;
   if (s_.options.trace) {
@@ -233,20 +224,21 @@ Result<void> Arrivals::take_tile(const Message& message, std::int64_t came_us,
   }
   s_.tally.note_held(record, life);
   s_.held.uploads.uploaded(tile_upload_bytes(record->crop.w, record->crop.h, reply.channels), true);
-  if (s_.sink.tile) s_.sink.tile(*record, pixels);
+  if (s_.sink.tile) s_.sink.tile(*record, taken->planes);
   if (s_.options.trace_clock) s_.tally.trace.uploaded(life, s_.options.trace_clock());
   return {};
 }
 
-void Arrivals::take_shadow(const PendingAsk& ask, const Capture& capture, const Tile& tile) {
+void Arrivals::take_shadow(const PendingAsk& ask, const Capture& capture,
+                           const UnpackedTile& taken) {
+  const Tile& tile = taken.tile;
   const ShadowRecordPtr record =
       s_.held.shadows.insert(ask.need, ask.object, capture, tile.crop, s_.frame);
   if (!record) return;
   ++s_.tally.drawn;
   const bool caster = tile.channels == kCasterTile;
   s_.held.uploads.uploaded(tile_upload_bytes(tile.crop.w, tile.crop.h, tile.channels), true);
-  const auto& sink = caster ? s_.sink.caster : s_.sink.shadow;
-  if (sink) sink(*record, caster ? tile.depth : tile.shadow);
+  if (s_.sink.shadow) s_.sink.shadow(*record, caster ? taken.planes.depth : taken.planes.shadow);
 }
 
 void Arrivals::take_refusal(const wire::RefusedT& refused, std::int64_t now_us) {
@@ -305,11 +297,7 @@ Result<void> Arrivals::take_mesh(const Message& message, std::int64_t came_us,
   if (reply.raw_bytes > s_.options.max_mesh_bytes) {
     return make_error(ErrorId::kWireLimit, "geometry is larger than asked for");
   }
-  Result<Bytes> raw = reply.raw_bytes == bytes.size()
-                          ? Result<Bytes>(bytes)
-                          : decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
-  if (!raw) return raw.error();
-  Result<ObjectModel> model = decode_model(raw->data(), raw->size(), s_.scene.images.size());
+  Result<ObjectModel> model = decode_model(bytes.data(), bytes.size(), s_.scene.images.size());
   if (!model) return model.error();
   s_.held.shadows.assets_changed();
   s_.held.meshes.add_mesh(reply.object, reply.lod, *model, now_us);
@@ -326,15 +314,15 @@ Result<void> Arrivals::take_image(const Message& message, std::int64_t came_us,
   if (!asked) return asked.error();
   const ImageDescription& description = s_.scene.images[reply.image];
   const glm::uvec2 size = image_level_size(description, reply.level);
-  Result<Image> image =
-      message.unpacked
-          ? image_of_texels(message.payload, size, description.srgb)
-          : decode_image(message.payload.data(), message.payload.size(), size, description.srgb);
-  if (!image) return image.error();
+  Result<std::vector<Image>> levels =
+      read_unpacked_image(message.payload, size, description.srgb, description.alpha_cutoff > 0);
+  if (!levels) return levels.error();
+  const Image image = std::move(levels->front());
+  levels->erase(levels->begin());
   s_.held.shadows.assets_changed();
   s_.held.meshes.add_image(s_.scene, reply.image, reply.level, message.payload_bytes, now_us);
-  s_.held.uploads.uploaded(image_gpu_bytes({image->width, image->height}), false);
-  if (s_.sink.image) s_.sink.image(reply.image, *image);
+  s_.held.uploads.uploaded(image_gpu_bytes(size), false);
+  if (s_.sink.image) s_.sink.image(reply.image, image, *levels);
   return {};
 }
 
@@ -357,18 +345,17 @@ Result<void> Arrivals::take_reference(const wire::ReferenceReplyT& reply, const 
   if (!asked || reply.raw_bytes != pixels * 12) {
     return make_error(ErrorId::kWireValue, "reference frame that was not asked for");
   }
-  Result<Bytes> raw = reply.raw_bytes == bytes.size()
-                          ? Result<Bytes>(bytes)
-                          : decompress_block(bytes.data(), bytes.size(), reply.raw_bytes);
-  if (!raw) return raw.error();
+  if (bytes.size() != reply.raw_bytes) {
+    return make_error(ErrorId::kWireValue, "a reference frame of another size than it says");
+  }
   ReferenceFrame frame{reply.width,
                        reply.height,
                        {},
                        std::vector<float>(pixels),
                        std::vector<std::uint32_t>(pixels)};
-  frame.rgba.assign(raw->begin(), raw->begin() + static_cast<std::ptrdiff_t>(pixels * 4));
-  std::memcpy(frame.depth.data(), raw->data() + pixels * 4, pixels * 4);
-  std::memcpy(frame.ids.data(), raw->data() + pixels * 8, pixels * 4);
+  frame.rgba.assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(pixels * 4));
+  std::memcpy(frame.depth.data(), bytes.data() + pixels * 4, pixels * 4);
+  std::memcpy(frame.ids.data(), bytes.data() + pixels * 8, pixels * 4);
   s_.reference.frame = std::move(frame);
   return {};
 }

@@ -13,6 +13,7 @@
 #include "protocol/base/bytes.h"
 #include "protocol/base/result.h"
 #include "protocol/wire/message.h"
+#include "protocol/wire/unpack.h"
 
 namespace mirage {
 
@@ -20,7 +21,6 @@ struct AssetId;
 struct Capture;
 struct PendingAsk;
 struct SessionParts;
-struct Tile;
 
 class Arrivals {
  public:
@@ -45,7 +45,7 @@ class Arrivals {
   Result<void> take_tile(const Message& message, std::int64_t came_us, std::int64_t now_us);
   Result<void> finish_asset(std::uint32_t request_id, const AssetId& id, std::size_t bytes,
                             std::int64_t came_us);
-  void take_shadow(const PendingAsk& ask, const Capture& capture, const Tile& tile);
+  void take_shadow(const PendingAsk& ask, const Capture& capture, const UnpackedTile& taken);
   Result<void> take_mesh(const Message& message, std::int64_t came_us, std::int64_t now_us);
   Result<void> take_image(const Message& message, std::int64_t came_us, std::int64_t now_us);
   Result<void> take_view(const Message& message, std::int64_t came_us);
@@ -53,6 +53,7 @@ class Arrivals {
   void take_refusal(const wire::RefusedT& refused, std::int64_t now_us);
 
   SessionParts& s_;
+  MessageUnpacker unpacker_;          ///< for links without a thread that unpacks
   std::vector<Message> early_pages_;  ///< pages of the scene that came before their turn
 };
 

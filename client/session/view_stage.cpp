@@ -40,8 +40,7 @@ Result<std::shared_ptr<const ViewTile>> ViewStage::take(const Message& message) 
     return std::shared_ptr<const ViewTile>();
   }
   pending_ = 0;
-  Result<ViewTile> view = message.unpacked ? view_of_planes(reply, message.payload)
-                                           : decode_view(reply, message.payload);
+  Result<ViewTile> view = view_of_planes(reply, message.payload);
   if (!view) return view.error();
   view_ = std::make_shared<const ViewTile>(view.take());
   fit_.emplace(*view_);

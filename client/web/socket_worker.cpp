@@ -15,6 +15,7 @@ namespace {
 
 struct Socket {
   PacketAssembler assembler{limits::kMaxTransferBytes};
+  MessageUnpacker unpacker;
   std::uint32_t next_transfer = 1;
   std::size_t wire_bytes = 0;  // of the message under way
   Bytes control, payload;      // of the message accepted last
@@ -31,7 +32,7 @@ Socket& socket() {
 Result<void> take(const Bytes& whole, Socket& s) {
   Result<Message> message = decode_message(whole.data(), whole.size());
   if (!message) return message.error();
-  if (Result<void> done = unpack(*message); !done) return done.error();
+  if (Result<void> done = s.unpacker.unpack(*message); !done) return done.error();
   const std::size_t control = whole.size() - message->payload_bytes;
   s.control.assign(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(control));
   PacketHeader header;

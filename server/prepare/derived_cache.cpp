@@ -7,12 +7,12 @@
 
 #include "protocol/base/byte_stream.h"
 #include "protocol/codec/animation_codec.h"
+#include "protocol/codec/mip_chain.h"
 #include "protocol/impostor/lod.h"
 #include "protocol/impostor/object_proxy.h"
 #include "protocol/model/need_mask.h"
 #include "server/lod/lod_family.h"
 #include "server/scene/scene.h"
-#include "shaders/gl/mip_chain.h"
 
 namespace mirage {
 namespace {
@@ -163,7 +163,7 @@ std::optional<std::vector<Image>> decode_mips(const Bytes& bytes, const Image& i
 }
 
 std::vector<Image> find_or_make_mips(const Image& image, float cutoff, CacheDirectory* cache) {
-  if (!cache) return gl::alpha_preserving_mips(image, cutoff);
+  if (!cache) return alpha_preserving_mips(image, cutoff);
   Hash128 hash("mips");
   hash.add(image.width);
   hash.add(image.height);
@@ -173,7 +173,7 @@ std::vector<Image> find_or_make_mips(const Image& image, float cutoff, CacheDire
   if (const std::optional<Bytes> bytes = cache->read(hash.key())) {
     if (auto found = decode_mips(*bytes, image)) return std::move(*found);
   }
-  std::vector<Image> made = gl::alpha_preserving_mips(image, cutoff);
+  std::vector<Image> made = alpha_preserving_mips(image, cutoff);
   ByteWriter w;
   w.put(static_cast<std::uint32_t>(made.size()));
   for (const Image& mip : made) {

@@ -18,7 +18,7 @@ ObjectGeometry find_or_make_geometry(const Scene& scene, const SceneObject& obje
                                      const LodFamilies& families, const Workers& workers);
 
 /// Returns the mip levels of the scene's images, cached in the same way. Alpha-tested images get
-/// gl::alpha_preserving_mips(); the others get none, as the driver's will do.
+/// alpha_preserving_mips(); the others get none, as the driver's will do.
 std::vector<std::vector<Image>> make_mips(const Scene& scene, CacheDirectory* cache = nullptr,
                                           const Workers& workers = Workers());
 

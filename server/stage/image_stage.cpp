@@ -6,11 +6,11 @@
 
 #include "protocol/base/result.h"
 #include "protocol/codec/image_codec.h"
+#include "protocol/codec/mip_chain.h"
 #include "protocol/impostor/tile.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/tile/stage_queues.h"
 #include "server/tile/tile_job.h"
-#include "shaders/gl/mip_chain.h"
 
 namespace mirage {
 
@@ -18,8 +18,8 @@ Bytes ImageStage::encode(const PreparedScene& scene, const ImageLevel& level) {
   const ImageDescription& description = scene.images[level.image];
   try {
     const Image reduced =
-        gl::reduced_image(scene.scene.images[level.image],
-                          image_level_size(description, level.level), description.alpha_cutoff);
+        reduced_image(scene.scene.images[level.image], image_level_size(description, level.level),
+                      description.alpha_cutoff);
     Result<Bytes> encoded = encode_image(reduced);
     if (encoded) return encoded.take();
   } catch (const std::bad_alloc&) {

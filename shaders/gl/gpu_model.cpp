@@ -3,8 +3,6 @@
 #include <cstddef>
 #include <numeric>
 
-#include "shaders/gl/mip_chain.h"
-
 namespace mirage::gl {
 namespace {
 
@@ -33,10 +31,6 @@ void attribute(GLuint index, GLint size, GLenum type, GLboolean normalised, std:
 }
 
 }  // namespace
-
-void GpuImages::put(std::size_t index, const Image& image, float cutoff) {
-  put(index, image, cutoff > 0 ? alpha_preserving_mips(image, cutoff) : std::vector<Image>{});
-}
 
 void GpuImages::put(std::size_t index, const Image& image, const std::vector<Image>& mips) {
   if (index >= textures_.size()) {

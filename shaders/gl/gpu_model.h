@@ -15,9 +15,8 @@ namespace mirage::gl {
 /// coverage.
 class GpuImages {
  public:
-  /// Replaces one image (any index: the list grows). `cutoff` is the value of alpha_test_cutoff().
-  void put(std::size_t index, const Image& image, float cutoff);
-  /// Replaces one image with mip levels from alpha_preserving_mips(); none: the driver makes them.
+  /// Replaces one image (any index: the list grows) with mip levels from alpha_preserving_mips();
+  /// none: the driver makes them.
   void put(std::size_t index, const Image& image, const std::vector<Image>& mips);
   GLuint texture(std::int32_t image) const;
   std::size_t gpu_bytes() const;

@@ -117,15 +117,16 @@ class PageLoop {
     if (!atlas) return atlas.error();
     TileRecord record;
     record.crop = {0, 0, kTileEdge - 2, kTileEdge - 2};
-    record.depth.assign(record.crop.area(), 128);
-    const TilePixels pixels{std::vector<std::uint8_t>(record.crop.area() * 4, 128), {}, {}};
+    AtlasPlanes planes;
+    planes.color.assign(std::size_t{kTileEdge} * kTileEdge * 4, 128);
+    planes.depth.assign(std::size_t{kTileEdge} * kTileEdge, 128);
     const int row = kEdge / static_cast<int>(kTileEdge);
     Result<void> done;
     const double s = seconds_of([&] {
       for (int i = 0; i < tiles && done.ok(); ++i) {
         record.slot = {0, i % row * static_cast<int>(kTileEdge),
                        i / row % row * static_cast<int>(kTileEdge), kTileEdge, kTileEdge};
-        done = atlas->upload(record, pixels);
+        done = atlas->upload(record, planes);
       }
       glFinish();
     });

@@ -7,6 +7,7 @@
 
 #include "client/draw/frame_target.h"
 #include "protocol/base/quantile.h"
+#include "protocol/codec/atlas_planes.h"
 #include "tests/extreme/network_links.h"
 #include "tests/extreme/network_server_case.h"
 #include "tests/extreme/registry.h"
@@ -217,8 +218,8 @@ std::vector<Pixels> pictures(const std::function<std::unique_ptr<Link>(Link&)>& 
   options.client.atlas_layers = 8;
   options.wrap = wrap;
   Rig rig(rig_scene({}), options);
-  std::map<std::uint64_t, TilePixels> texels;
-  rig.on_tile = [&](const TileRecord& t, const TilePixels& p) { texels[t.serial] = p; };
+  std::map<std::uint64_t, AtlasPlanes> texels;
+  rig.on_tile = [&](const TileRecord& t, const AtlasPlanes& p) { texels[t.serial] = p; };
   for (const double angle : {0.0, 2.0, 4.2}) {
     const Pose pose = eye_at({12 * std::sin(angle), 1, 12 * std::cos(angle) - 6}, {0, 0, -6});
     DrawList list = rig.run(8, [&](double) { return pose; });

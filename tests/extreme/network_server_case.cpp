@@ -70,7 +70,7 @@ class Client {
   }
   TileSink sink() {
     TileSink s;
-    s.tile = [this](const TileRecord&, const TilePixels&) { ++tiles; };
+    s.tile = [this](const TileRecord&, const AtlasPlanes&) { ++tiles; };
     return s;
   }
   /// Runs a frame. Its cost is CPU time; if the thread has waited for something, it is all of the

@@ -8,6 +8,7 @@
 #include "client/draw/frame_target.h"
 #include "client/plan/tile_need.h"
 #include "protocol/base/stable_math.h"
+#include "protocol/codec/atlas_planes.h"
 #include "protocol/codec/model_codec.h"
 #include "protocol/impostor/error_bound.h"
 #include "protocol/impostor/lighting_state.h"
@@ -127,10 +128,10 @@ MadeTile Studio::make_tile(const TileKey& key, std::uint32_t instance, TileCodec
 
 TileRecordPtr Studio::hold(const MadeTile& made, std::uint32_t instance) {
   make_current();
-  const TilePixels pixels{made.tile.rgba, made.tile.surface, made.tile.behind};
+  const AtlasPlanes planes = atlas_planes(made.tile);
   cache_->relight(light_, 0);
   TileRecordPtr record = cache_->insert(instance, scene_, made.capture, made.tile, ++frame_, 0);
-  if (record && !renderer_->upload(*record, pixels)) return nullptr;
+  if (record && !renderer_->upload(*record, planes)) return nullptr;
   return record;
 }
 
@@ -172,7 +173,7 @@ Pixels Studio::meshes(const Camera& camera) {
     if (!model || !renderer_->add_mesh(i, 0, model.take())) return {};
   }
   for (std::uint32_t i = 0; i < own.images.size(); ++i) {
-    renderer_->add_image(scene_, i, own.images[i]);
+    renderer_->add_image(i, own.images[i], prepared_->mips[i]);
   }
   DrawList list;
   for (std::uint32_t i = 0; i < own.instances.size(); ++i) list.meshes.push_back({i, 0, 1});

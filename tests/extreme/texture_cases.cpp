@@ -315,7 +315,7 @@ Outcome twice(const Conditions&) {
   options.wrap = [](Link& inner) { return std::make_unique<Echo>(inner); };
   Rig rig(shared, options);
   std::map<std::vector<double>, int> uploads;
-  rig.on_tile = [&](const TileRecord& t, const TilePixels&) {
+  rig.on_tile = [&](const TileRecord& t, const AtlasPlanes&) {
     const glm::dvec3& f = t.capture.basis.forward;
     ++uploads[{f.x, f.y, f.z, t.capture.distance, double(t.capture.edge), double(t.relit)}];
   };

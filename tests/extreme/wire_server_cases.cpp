@@ -68,7 +68,7 @@ double first_tile_ms(int port) {
   if (!link.wait_connected(10'000)) return -1;
   int tiles = 0;
   TileSink sink;
-  sink.tile = [&](const TileRecord&, const TilePixels&) { ++tiles; };
+  sink.tile = [&](const TileRecord&, const AtlasPlanes&) { ++tiles; };
   ClientOptions options;
   options.mesh_radii = 0;
   ClientSession session(link, options, sink);

@@ -30,7 +30,8 @@ void unpack_ahead(Message message) {
   const auto* view = body.AsViewReply();
   const bool compared = view || body.AsTileReply();
   const bool whole = compared && decodes(body, message.payload);
-  bool taken = static_cast<bool>(unpack(message));
+  bool taken = static_cast<bool>(MessageUnpacker().unpack(message));
+  if (body.AsTileReply() && taken) taken = static_cast<bool>(read_unpacked_tile(message));
   if (view && taken) taken = static_cast<bool>(view_of_planes(*view, message.payload));
   if (compared && taken != whole) fail("unpacked, a message is taken otherwise than packed");
 }

@@ -57,7 +57,7 @@ class Anisotropy : public ::testing::Test {
     if (plate.from_behind) std::swap(mesh.indices[4], mesh.indices[5]);
     mesh.primitives = {{PrimitiveKind::kTriangles, 0, 6, 0}};
     gl::GpuImages images;
-    for (std::size_t i = 0; i < plate.images.size(); ++i) images.put(i, plate.images[i], 0);
+    for (std::size_t i = 0; i < plate.images.size(); ++i) images.put(i, plate.images[i], {});
     const gl::GpuMesh gpu(mesh);
     gl::MeshPass pass(gl::MeshOutput::kColor);
     pass.set_probe(probe);

@@ -9,6 +9,7 @@
 #include "client/scene/scene_view.h"
 #include "client/session/shadow_stage.h"
 #include "protocol/base/stable_math.h"
+#include "protocol/codec/atlas_planes.h"
 #include "protocol/codec/image_codec.h"
 #include "protocol/codec/model_codec.h"
 #include "protocol/impostor/capture.h"
@@ -241,10 +242,10 @@ TileRecordPtr Bench::tile_for(const Camera& c, TileCache& cache, std::uint8_t ch
   }
   tile_bytes_ = stored->planes.size();
   tile_hash_ = stored->reply.content_hash;
-  const TilePixels pixels{tile.rgba, tile.surface, tile.behind};
+  const AtlasPlanes planes = atlas_planes(tile);
   const Capture capture(job.key.cell, job.key.distance, object.radius, tile.edge);
   TileRecordPtr record = cache.insert(0, scene_, capture, std::move(tile), 1, 0);
-  if (record && !renderer_->upload(*record, pixels)) return nullptr;
+  if (record && !renderer_->upload(*record, planes)) return nullptr;
   return record;
 }
 
@@ -276,7 +277,7 @@ std::vector<std::uint8_t> Bench::mesh_picture(const Camera& c, float fade) {
   const Scene& scene = prepared_->scene;
   if (!renderer_->add_mesh(0, 0, object_model(scene, scene.objects[0].mesh))) return {};
   for (std::uint32_t i = 0; i < prepared_->scene.images.size(); ++i) {
-    renderer_->add_image(scene_, i, prepared_->scene.images[i]);
+    renderer_->add_image(i, prepared_->scene.images[i], prepared_->mips[i]);
   }
   DrawList list;
   list.meshes.push_back({0, 0, fade});

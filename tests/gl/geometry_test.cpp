@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "client/draw/frame_renderer.h"
+#include "protocol/codec/mip_chain.h"
 #include "server/stage/image_stage.h"
 #include "tests/gl/bench.h"
 
@@ -37,7 +38,7 @@ class GeometryBench {
   std::vector<std::uint8_t> from_server_data(std::uint32_t object, double radii) {
     EXPECT_TRUE(renderer_->reset(scene_));
     for (std::uint32_t i = 0; i < scene_.images.size(); ++i) {
-      renderer_->add_image(scene_, i, prepared_->scene.images[i]);
+      renderer_->add_image(i, prepared_->scene.images[i], prepared_->mips[i]);
     }
     const Scene& scene = prepared_->scene;
     EXPECT_TRUE(renderer_->add_mesh(object, 0, object_model(scene, scene.objects[object].mesh)));
@@ -49,11 +50,12 @@ class GeometryBench {
     for (std::uint32_t i = 0; i < scene_.images.size(); ++i) {
       const auto level = static_cast<std::uint8_t>(image_levels(scene_.images[i]) - 1);
       const Bytes bytes = ImageStage::encode(*prepared_, {i, level});
+      const ImageDescription& described = scene_.images[i];
+      const Result<Image> image = decode_image(bytes.data(), bytes.size(),
+                                               image_level_size(described, level), described.srgb);
+      const float cutoff = described.alpha_cutoff;
       renderer_->add_image(
-          scene_, i,
-          decode_image(bytes.data(), bytes.size(), image_level_size(scene_.images[i], level),
-                       scene_.images[i].srgb)
-              .take());
+          i, *image, cutoff > 0 ? alpha_preserving_mips(*image, cutoff) : std::vector<Image>{});
     }
     const EncodedLod& encoded = prepared_->geometry[object].encoded[lod];
     const Bytes raw =

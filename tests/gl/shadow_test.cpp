@@ -15,6 +15,7 @@
 #include "client/quality/metrics.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
+#include "protocol/codec/atlas_planes.h"
 #include "protocol/impostor/capture.h"
 #include "protocol/impostor/error_bound.h"
 #include "protocol/impostor/lighting_state.h"
@@ -211,11 +212,11 @@ class Shadows : public ::testing::Test {
     const Capture capture = capture_of(one);
     if (one.key.channels == kCasterTile) {
       const ShadowRecordPtr record = cache.add_caster(one.key.object, capture, tile.crop, 1);
-      EXPECT_TRUE(renderer_->upload_caster(*record, tile.depth));
+      EXPECT_TRUE(renderer_->upload_shadow(*record, atlas_planes(tile).depth));
       return record;
     }
     const ShadowRecordPtr record = cache.add_shadow(one.key.instance - 1, 1, capture, tile.crop, 1);
-    EXPECT_TRUE(renderer_->upload_shadow(*record, tile.shadow));
+    EXPECT_TRUE(renderer_->upload_shadow(*record, atlas_planes(tile).shadow));
     return record;
   }
 
@@ -365,11 +366,11 @@ TEST_F(Shadows, ImpostorsWearThem) {
       TileJob one = job(instance, kind, view.eye, glm::length(view.eye) / view.radius);
       one.key.size_class = static_cast<std::uint8_t>(size_class_for(512));
       Tile tile = decoded(*render({one})[0]);
-      const TilePixels pixels{tile.rgba, tile.surface, {}};
+      const AtlasPlanes planes = atlas_planes(tile);
       const TileRecordPtr record =
           tiles.insert(instance, scene_, capture_of(one), std::move(tile), 1, 0);
       ASSERT_TRUE(record);
-      ASSERT_TRUE(renderer_->upload(*record, pixels));
+      ASSERT_TRUE(renderer_->upload(*record, planes));
       list.impostors.push_back({instance, record, DrawMethod::kQuad, 0, 10, 1});
     }
     for (const DrawMethod method : {DrawMethod::kQuad, DrawMethod::kDepth}) {

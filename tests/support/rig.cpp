@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "protocol/codec/atlas_planes.h"
 #include "protocol/impostor/capture.h"
 #include "server/stage/image_stage.h"
 #include "server/tile/tile_form.h"
@@ -166,9 +167,9 @@ Rig::Rig(std::shared_ptr<const PreparedScene> scene, const RigOptions& options)
 
 TileSink Rig::sink() {
   TileSink sink;
-  sink.tile = [this](const TileRecord& record, const TilePixels& pixels) {
-    uploaded_bytes += pixels.rgba.size() + record.depth.size() + pixels.surface.size();
-    if (on_tile) on_tile(record, pixels);
+  sink.tile = [this](const TileRecord& record, const AtlasPlanes& planes) {
+    uploaded_bytes += planes.color.size() + planes.depth.size() + planes.surface.size();
+    if (on_tile) on_tile(record, planes);
   };
   return sink;
 }

@@ -128,7 +128,7 @@ class Rig {
   std::unique_ptr<Link> wrapped;
   ClientSession session;
   Camera camera;
-  std::function<void(const TileRecord&, const TilePixels&)> on_tile;
+  std::function<void(const TileRecord&, const AtlasPlanes&)> on_tile;
   std::vector<std::string> errors;  ///< errors of receive(), in words
 
  private:

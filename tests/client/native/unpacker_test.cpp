@@ -71,7 +71,9 @@ TEST(NativeUnpacker, MessagesComeOutRawAndInOrder) {
   }
   ASSERT_TRUE(told.wait(kCount));
   EXPECT_EQ(told.ids, expected);
-  EXPECT_EQ(told.unpacked_bytes, kCount * std::size_t{kEdge} * kEdge * 5) << "colour and depth";
+  constexpr std::size_t kPlain = std::size_t{kEdge} * kEdge * 5;  // colour and depth
+  constexpr std::size_t kPlanes = std::size_t{kEdge + 2} * (kEdge + 2) * 5;
+  EXPECT_EQ(told.unpacked_bytes, kCount * (kPlain + kPlanes));
 }
 
 TEST(NativeUnpacker, DamageIsToldWithItsConnectionAndTheRestGoesOn) {

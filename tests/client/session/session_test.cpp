@@ -150,6 +150,7 @@ TEST_F(CoreSession, GeometryAndImagesNobodyAskedForAreErrors) {
   wire::ImageReplyT image;
   image.request_id = 8;
   message.body.Set(std::move(image));
+  message.unpacked = true;
   link.unasked.push_back(std::move(message));
   received = session.receive(2);
   ASSERT_FALSE(received.ok());

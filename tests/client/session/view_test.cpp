@@ -5,6 +5,7 @@
 #include "client/link/modelled_link.h"
 #include "client/session/view_stage.h"
 #include "protocol/codec/model_codec.h"
+#include "protocol/wire/unpack.h"
 #include "protocol/wire/view_codec.h"
 #include "tests/support/core_scene.h"
 
@@ -37,6 +38,7 @@ Message message_of(const wire::ViewReplyT& reply, const Bytes& payload) {
   message.body.Set(wire::ViewReplyT(reply));
   message.payload = payload;
   message.payload_bytes = payload.size();
+  EXPECT_TRUE(MessageUnpacker().unpack(message));
   return message;
 }
 
@@ -288,8 +290,9 @@ TEST_F(CoreView, WhatWasNotAskedForIsNotTaken) {
   ASSERT_TRUE(taken);
   EXPECT_FALSE(*taken);
   stage.asked(9);
-  payload.resize(payload.size() / 2);
-  EXPECT_FALSE(stage.take(message_of(reply, payload))) << "damaged";
+  Message damaged = message_of(reply, payload);
+  damaged.payload.pop_back();
+  EXPECT_FALSE(stage.take(damaged));
   EXPECT_FALSE(stage.here());
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "protocol/codec/image_codec.h"
+#include "protocol/codec/mip_chain.h"
 #include "protocol/wire/view_codec.h"
 #include "tests/support/protocol_samples.h"
 
@@ -47,16 +48,19 @@ TEST(ProtocolUnpack, TilesBecomeTheRawPlanesTheirCodecDecodesTo) {
   for (const TileCodec codec : kTileCodecs) {
     Message message = tile_reply(tile, codec);
     const Bytes packed = message.payload;
-    ASSERT_TRUE(unpack(message)) << codec_name(codec);
+    ASSERT_TRUE(MessageUnpacker().unpack(message)) << codec_name(codec);
     EXPECT_TRUE(message.unpacked);
     EXPECT_EQ(message.payload_bytes, packed.size()) << "as it came";
     Tile direct = *tile_from_fields(*message.body.AsTileReply());
     ASSERT_TRUE(decode_tile_planes(packed.data(), packed.size(), codec, direct));
-    Tile back = *tile_from_fields(*message.body.AsTileReply());
-    ASSERT_TRUE(
-        decode_tile_planes(message.payload.data(), message.payload.size(), TileCodec::kRaw, back));
-    EXPECT_EQ(back.rgba, direct.rgba) << codec_name(codec);
-    EXPECT_EQ(back.depth, direct.depth) << codec_name(codec);
+    Result<UnpackedTile> back = read_unpacked_tile(message);
+    ASSERT_TRUE(back) << codec_name(codec);
+    EXPECT_EQ(back->tile.rgba, direct.rgba) << codec_name(codec);
+    EXPECT_EQ(back->tile.depth, direct.depth) << codec_name(codec);
+    EXPECT_EQ(back->planes.color, atlas_planes(direct).color) << codec_name(codec);
+    EXPECT_EQ(back->planes.depth, atlas_planes(direct).depth) << codec_name(codec);
+    message.payload.pop_back();
+    EXPECT_FALSE(read_unpacked_tile(message)) << "a byte is missing";
   }
 }
 
@@ -66,8 +70,35 @@ TEST(ProtocolUnpack, ImagesBecomeTexels) {
     image.rgba[i] = static_cast<std::uint8_t>(i * 37);
   }
   Message message = message_of(wire::ImageReplyT(), *encode_image(image));
-  ASSERT_TRUE(unpack(message));
+  ASSERT_TRUE(MessageUnpacker().unpack(message));
   EXPECT_EQ(message.payload, image.rgba) << "small ones come without loss";
+}
+
+TEST(ProtocolUnpack, ImagesOfAlphaTestsBringMipsThatKeepCoverage) {
+  Image image{24, 16, false, Bytes(24 * 16 * 4)};
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) {
+    image.rgba[i] = static_cast<std::uint8_t>(i * 37);
+  }
+  wire::ImagePageT page;
+  page.first = 3;
+  page.images.emplace_back(24, 16, 0, 0.5f, false);
+  wire::ImageReplyT reply;
+  reply.image = 3;
+  MessageUnpacker unpacker;
+  Message told = message_of(std::move(page), {});
+  Message message = message_of(std::move(reply), *encode_image(image));
+  ASSERT_TRUE(unpacker.unpack(told));
+  ASSERT_TRUE(unpacker.unpack(message));
+  const glm::uvec2 size(24, 16);
+  const Result<std::vector<Image>> levels = read_unpacked_image(message.payload, size, false, true);
+  ASSERT_TRUE(levels);
+  const std::vector<Image> mips = alpha_preserving_mips(image, 0.5f);
+  ASSERT_EQ(levels->size(), 1 + mips.size());
+  EXPECT_EQ((*levels)[0].rgba, image.rgba);
+  for (std::size_t i = 0; i < mips.size(); ++i) EXPECT_EQ((*levels)[i + 1].rgba, mips[i].rgba);
+  EXPECT_FALSE(read_unpacked_image(message.payload, size, false, false)) << "more than one level";
+  EXPECT_FALSE(read_unpacked_image(image.rgba, size, false, true)) << "the mip levels are missing";
+  EXPECT_FALSE(read_unpacked_image({}, size, false, false));
 }
 
 TEST(ProtocolUnpack, ViewsBecomeWhatDecodingGives) {
@@ -83,7 +114,7 @@ TEST(ProtocolUnpack, ViewsBecomeWhatDecodingGives) {
   EncodedView encoded = encode_view(view);
   const ViewTile direct = *decode_view(encoded.reply, encoded.payload);
   Message message = message_of(std::move(encoded.reply), encoded.payload);
-  ASSERT_TRUE(unpack(message));
+  ASSERT_TRUE(MessageUnpacker().unpack(message));
   const ViewTile back = *view_of_planes(*message.body.AsViewReply(), message.payload);
   EXPECT_EQ(back.rgba, direct.rgba);
   EXPECT_EQ(back.depth, view.depth);
@@ -97,11 +128,11 @@ TEST(ProtocolUnpack, BlocksAreDecompressedWithinLimits) {
   wire::MeshReplyT mesh;
   mesh.raw_bytes = 5000;
   Message message = message_of(wire::MeshReplyT(mesh), compress_block(raw.data(), raw.size()));
-  ASSERT_TRUE(unpack(message));
+  ASSERT_TRUE(MessageUnpacker().unpack(message));
   EXPECT_EQ(message.payload, raw);
   mesh.raw_bytes = 4'000'000'000;
   Message bomb = message_of(wire::MeshReplyT(mesh), compress_block(raw.data(), raw.size()));
-  const Result<void> taken = unpack(bomb);
+  const Result<void> taken = MessageUnpacker().unpack(bomb);
   ASSERT_FALSE(taken);
   EXPECT_EQ(taken.error().id, ErrorId::kWireLimit) << "refused before it is looked into";
 }
@@ -110,12 +141,12 @@ TEST(ProtocolUnpack, DamageIsAnErrorAndOthersStayAsTheyAre) {
   for (const TileCodec codec : kTileCodecs) {
     Message cut = tile_reply(some_tile(), codec);
     cut.payload.resize(cut.payload.size() / 2);
-    EXPECT_FALSE(unpack(cut)) << codec_name(codec);
+    EXPECT_FALSE(MessageUnpacker().unpack(cut)) << codec_name(codec);
   }
   Message image = message_of(wire::ImageReplyT(), Bytes(40, 1));
-  EXPECT_FALSE(unpack(image));
+  EXPECT_FALSE(MessageUnpacker().unpack(image));
   Message welcome = message_of(sample_welcome(), Bytes{1, 2, 3});
-  ASSERT_TRUE(unpack(welcome));
+  ASSERT_TRUE(MessageUnpacker().unpack(welcome));
   EXPECT_EQ(welcome.payload, (Bytes{1, 2, 3}));
 }
 

@@ -1,10 +1,10 @@
-#include "shaders/gl/mip_chain.h"
+#include "protocol/codec/mip_chain.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-namespace mirage::gl {
+namespace mirage {
 namespace {
 
 struct LinearImage {
@@ -64,17 +64,27 @@ LinearImage half(const LinearImage& in) {
   return out;
 }
 
-double coverage(const LinearImage& image, float cutoff, float scale) {
-  std::size_t covered = 0;
-  for (const glm::vec4& t : image.texels) covered += t.a * scale >= cutoff;
-  return static_cast<double>(covered) / static_cast<double>(image.texels.size());
+std::vector<float> rising_alphas(const LinearImage& image) {
+  std::vector<float> out;
+  out.reserve(image.texels.size());
+  for (const glm::vec4& t : image.texels) out.push_back(t.a);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+// Returns the share of texels that reach the cutoff when their alpha is scaled.
+double coverage(const std::vector<float>& rising, float cutoff, float scale) {
+  const auto first = std::partition_point(rising.begin(), rising.end(),
+                                          [&](float alpha) { return alpha * scale < cutoff; });
+  return static_cast<double>(rising.end() - first) / static_cast<double>(rising.size());
 }
 
 float scale_for_coverage(const LinearImage& image, float cutoff, double target) {
+  const std::vector<float> rising = rising_alphas(image);
   float low = 0.25f, high = 8.0f;
   for (int i = 0; i < 16; ++i) {
     const float middle = 0.5f * (low + high);
-    (coverage(image, cutoff, middle) < target ? low : high) = middle;
+    (coverage(rising, cutoff, middle) < target ? low : high) = middle;
   }
   return high;
 }
@@ -100,7 +110,7 @@ Image to_bytes(const LinearImage& in, bool srgb, float alpha_scale) {
 std::vector<Image> alpha_preserving_mips(const Image& image, float cutoff) {
   std::vector<Image> out;
   LinearImage level = to_linear(image);
-  const double target = coverage(level, cutoff, 1.0f);
+  const double target = coverage(rising_alphas(level), cutoff, 1.0f);
   while (level.width > 1 || level.height > 1) {
     level = half(level);
     out.push_back(to_bytes(level, image.srgb, scale_for_coverage(level, cutoff, target)));
@@ -142,4 +152,4 @@ Image reduced_image(const Image& image, const glm::uvec2& size, float cutoff) {
   return to_bytes(out, image.srgb, scale_for_coverage(out, cutoff, target));
 }
 
-}  // namespace mirage::gl
+}  // namespace mirage

@@ -5,7 +5,7 @@
 
 #include "protocol/model/model.h"
 
-namespace mirage::gl {
+namespace mirage {
 
 /// Returns levels 1 … of `image` (level 0 is the image itself), box-filtered in linear light with
 /// colour weighted by alpha. With `cutoff` in (0, 1), each level's alpha is scaled so that the
@@ -17,4 +17,4 @@ std::vector<Image> alpha_preserving_mips(const Image& image, float cutoff);
 /// linear light, with colour weighted by alpha, and coverage kept if `cutoff` is above 0.
 Image reduced_image(const Image& image, const glm::uvec2& size, float cutoff);
 
-}  // namespace mirage::gl
+}  // namespace mirage
