@@ -23,9 +23,10 @@ constexpr double kMeshPrefetch = 1.3;
 // Nearer than this a tile lasts for one step only, so geometry is asked for whatever its bytes.
 constexpr double kNearRadii = 2;
 constexpr std::uint32_t kTileBytes = 1500;  // of a middling tile on the wire
-// Error of an asked tile towards the end of its life, over tau; and the share of the captured
-// square that its content fills.
-constexpr double kAgedTilePx = 2, kTileShare = 0.6;
+// Error of an asked tile towards the end of its life, over tau: at least and at most.
+constexpr double kAgedTilePx = 2, kOldestTilePx = 8;
+constexpr double kReplyS = 0.25;    // from the wish for a tile to the tile, on a usual link
+constexpr double kTileShare = 0.6;  // of the captured square that its content fills
 
 // True for geometry that takes fewer bytes than any one tile. It is sent once, and right from
 // everywhere.
@@ -33,6 +34,19 @@ bool cheaper_than_tiles(const ObjectDescription& object) {
   constexpr NeedMask kImages = kNeedBaseColorMap | kNeedMetalRoughMap | kNeedNormalMap |
                                kNeedOcclusionMap | kNeedEmissiveMap;
   return !object.lods.empty() && object.lods[0].bytes <= kTileBytes && !(object.needs & kImages);
+}
+
+// Returns the error of an asked tile towards the end of its life, px. While the next one is on its
+// way, the eye moves on, and a near tile lives no longer than that takes.
+double aged_tile_px(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
+                    double tau_px) {
+  const InstanceView& view_of = in.scene->instances[instance];
+  const ViewGeometry view = view_geometry(camera, view_of, in.scene->objects[view_of.object]);
+  ViewPlan plan;
+  plan.tau_px = tau_px;
+  plan.velocity = glm::dvec3(glm::length(in.velocity) / view_of.world_from_object.scale, 0, 0);
+  const double lives = kReplyS / expected_life_s(view, plan);
+  return tau_px * std::clamp(1 + lives, kAgedTilePx, kOldestTilePx);
 }
 
 }  // namespace
@@ -103,7 +117,8 @@ bool mesh_pays(const SelectorInput& in, const Camera& camera, std::uint32_t inst
 
 bool too_dear(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
               double tau_px) {
-  return in.plan && in.plan->limited() && !mesh_pays(in, camera, instance, kAgedTilePx * tau_px);
+  if (!in.plan || !in.plan->limited()) return false;
+  return !mesh_pays(in, camera, instance, aged_tile_px(in, camera, instance, tau_px));
 }
 
 }  // namespace mirage
