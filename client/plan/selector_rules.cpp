@@ -36,17 +36,14 @@ bool cheaper_than_tiles(const ObjectDescription& object) {
   return !object.lods.empty() && object.lods[0].bytes <= kTileBytes && !(object.needs & kImages);
 }
 
-// Returns the error of an asked tile towards the end of its life, px. While the next one is on its
-// way, the eye moves on, and a near tile lives no longer than that takes.
-double aged_tile_px(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
-                    double tau_px) {
+// Returns the seconds for which a tile asked for now would serve.
+double tile_life_s(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
+                   double tau_px) {
   const InstanceView& view_of = in.scene->instances[instance];
-  const ViewGeometry view = view_geometry(camera, view_of, in.scene->objects[view_of.object]);
   ViewPlan plan;
   plan.tau_px = tau_px;
   plan.velocity = glm::dvec3(glm::length(in.velocity) / view_of.world_from_object.scale, 0, 0);
-  const double lives = kReplyS / expected_life_s(view, plan);
-  return tau_px * std::clamp(1 + lives, kAgedTilePx, kOldestTilePx);
+  return expected_life_s(view_geometry(camera, view_of, in.scene->objects[view_of.object]), plan);
 }
 
 }  // namespace
@@ -115,10 +112,15 @@ bool mesh_pays(const SelectorInput& in, const Camera& camera, std::uint32_t inst
   return in.plan->mesh_pays(thing);
 }
 
+double aged_tile_px(double tau_px, double life_s) {
+  return tau_px * std::clamp(1 + kReplyS / life_s, kAgedTilePx, kOldestTilePx);
+}
+
 bool too_dear(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
               double tau_px) {
   if (!in.plan || !in.plan->limited()) return false;
-  return !mesh_pays(in, camera, instance, aged_tile_px(in, camera, instance, tau_px));
+  const double life_s = tile_life_s(in, camera, instance, tau_px);
+  return !mesh_pays(in, camera, instance, aged_tile_px(tau_px, life_s));
 }
 
 }  // namespace mirage

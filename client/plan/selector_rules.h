@@ -32,6 +32,10 @@ bool comes_as_mesh(const SelectorInput& in, const ObjectDescription& object, dou
 /// error of `tile_px`. True without geometry to compare.
 bool mesh_pays(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
                double tile_px);
+/// Returns the error, px, of a tile towards the end of its life: 2 to 8 tau. `life_s` is the life
+/// of a fresh one. While the next one is on its way, the eye moves on, so a near tile is many lives
+/// old.
+double aged_tile_px(double tau_px, double life_s);
 /// True if geometry is too expensive even beside a tile that has aged, so that tiles are asked for.
 bool too_dear(const SelectorInput& in, const Camera& camera, std::uint32_t instance, double tau_px);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "client/plan/selector_rules.h"
 #include "protocol/model/need_mask.h"
 #include "tests/support/core_scene.h"
 
@@ -128,6 +129,14 @@ TEST(CoreSelectorGeometry, TilesStandInForGeometryThatTheBudgetDoesNotHold) {
   SelectorInput any_time = input();
   any_time.plan = nullptr;
   EXPECT_EQ(world.select(any_time).meshes.size(), 1u) << "it errs less";
+}
+
+// Geometry is compared with the tile that would be shown, not with a fresh one.
+TEST(CoreSelectorGeometry, ATileAgesWhileTheNextIsOnItsWay) {
+  EXPECT_DOUBLE_EQ(aged_tile_px(1, 4), 2) << "it lives longer than that takes";
+  EXPECT_DOUBLE_EQ(aged_tile_px(1, 0.0625), 5) << "four lives";
+  EXPECT_DOUBLE_EQ(aged_tile_px(3, 0.0625), 15);
+  EXPECT_DOUBLE_EQ(aged_tile_px(1, 0.001), 8) << "then a placeholder is as good";
 }
 
 // A budget that the fixed work of every frame uses up leaves no time for geometry, however cheap. A
