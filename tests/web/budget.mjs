@@ -23,13 +23,15 @@ async function browserWalk() {
   await page.evaluate(({ from, to, metres }) => {
     const tick = mirage.tick.bind(mirage);
     let began = 0;
-    globalThis.walked = 0;
+    globalThis.walked = globalThis.drawnAt = 0;
     mirage.tick = (now) => {
       began ||= now;
       globalThis.walked = metres * (now - began) / 1000;
       const here = from.map((v, i) => v + to[i] * walked);
       mirage.core._page_look(...here, ...here.map((v, i) => v + to[i]));
+      const before = mirage.core._page_drawn_frames();
       tick(now);
+      if (mirage.core._page_drawn_frames() !== before) globalThis.drawnAt = walked;
     };
     mirage.wake();
   }, { from: eye, to: ahead, metres: speed });
@@ -37,7 +39,7 @@ async function browserWalk() {
   for (let t = every; t < seconds; t += every) {
     await until('the next place', () => page.evaluate((metres) => walked >= metres, speed * t), 60);
     const drawn = await picture(page);
-    seenThen.push({ drawn, from: (await pose(page)).eye, scale: (await figures(page)).scale });
+    seenThen.push({ drawn, from: at(drawn.walked / speed), scale: (await figures(page)).scale });
   }
   await page.evaluate(() => { mirage.frames.splice(0, mirage.frames.length >> 2); });
   const frames = await page.evaluate(() => mirage.frames);

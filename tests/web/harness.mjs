@@ -5,10 +5,10 @@ import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { join, resolve } from 'node:path';
 
 export const bin = process.env.WEB_BIN;
-const { chromium } = createRequire(join(process.env.WEB_MODULES, 'x.js'))('playwright-core');
+const { chromium } = createRequire(resolve(process.env.WEB_MODULES, 'x.js'))('playwright-core');
 const software = ['--no-sandbox', '--use-gl=angle', `--use-angle=${process.env.WEB_ANGLE ?? 'swiftshader'}`, '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 
 export const sleep = (ms) => new Promise((done) => { setTimeout(done, ms); });
@@ -83,16 +83,18 @@ export const rested = (page, seconds = 60) => until('rest', async () => {
   return f && f.complete && f.connected && f.atRest && f.refined && f.asleep && f;
 }, seconds);
 
-/// Returns the RGBA of the picture as the core has it.
+/// Returns the RGBA of the picture as the core has it. `walked` is how far a walk had come when it was
+/// drawn (globalThis.drawnAt): the eye itself is already ahead of it.
 export async function picture(page) {
-  const { width, height, text } = await page.evaluate(async () => {
+  const { width, height, text, walked } = await page.evaluate(async () => {
     const { pixels } = await import(new URL('core.js', document.querySelector('script[data-wasm-bytes]').src));
     const { width: w, height: h, rgba } = pixels(mirage.core);
+    const walked = globalThis.drawnAt;
     let binary = '';
     for (let i = 0; i < rgba.length; i += 32768) binary += String.fromCharCode(...rgba.subarray(i, i + 32768));
-    return { width: w, height: h, text: btoa(binary) };
+    return { width: w, height: h, text: btoa(binary), walked };
   });
-  return { width, height, rgba: Buffer.from(text, 'base64') };
+  return { width, height, rgba: Buffer.from(text, 'base64'), walked };
 }
 
 /// Returns the server's full render of what the page looks at.
