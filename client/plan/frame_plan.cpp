@@ -29,6 +29,10 @@ constexpr double kPassedGives = 0.01;
 // Lambda falls by at most this factor a frame: what has just become affordable may not stay so, and
 // is not asked for yet.
 constexpr double kLambdaFalls = 0.8;
+// A frame of an eye that has stood this long may take this many budgets. On a software renderer
+// that is 150 ms, by which the first step may come late.
+constexpr std::int64_t kStandsLongUs = 250'000;
+constexpr double kStandingBudgets = 3;
 constexpr double kShortestMs = 1e-9;  // of a step, so that free steps come first
 constexpr double kLeastLambda = 1;    // FLIP px a ms: as good as nothing
 
@@ -57,7 +61,7 @@ FramePlan::FramePlan(double budget_ms, int samples) : budget_ms_(budget_ms) {
   if (samples < 0 || most == 1) {
     for (const double scale : kScales) settings_.push_back({1, scale});
   }
-  setting_ = settings_.front();
+  setting_ = drawn_ = settings_.front();
 }
 
 double FramePlan::ms_of(Work pixel, Work sample, double pixels, const FrameSetting& setting) const {
@@ -147,9 +151,21 @@ bool FramePlan::mesh_pays(const Alternatives& thing) const {
   return std::isfinite(mesh.error) && cost(mesh) <= cost(way(thing, Look::kFlat));
 }
 
+void FramePlan::stand(bool stands, std::int64_t now_us) {
+  if (!stands) stands_since_us_.reset();
+  if (stands && !stands_since_us_) stands_since_us_ = now_us;
+  stands_long_ = stands && now_us - *stands_since_us_ >= kStandsLongUs;
+}
+
 void FramePlan::note_drawn(double ms) {
+  if (since_standing_ < kUnderWay) return;  // it may be the time of a standing eye's frame
   if (!limited() || !std::isfinite(ms) || ms <= 0 || expected_ms_ <= 0) return;
   const bool late = ms > kLate * budget_ms_;
+  // The quickest frame there is does not get quicker by planning less.
+  if (late && expected_ms_ > planned_ms()) {
+    in_time_ = 0;
+    return;
+  }
   in_time_ = late ? 0 : in_time_ + 1;
   const double gives = in_time_ > kPassed ? kPassedGives : kInTimeGives;
   excess_ = std::clamp(excess_ * (late ? 1 + kLateTakes : 1 - gives), 1.0, kMostExcess);
@@ -280,6 +296,27 @@ void FramePlan::fade(const std::vector<Alternatives>& things, Outcome& out) cons
   }
 }
 
+double FramePlan::ms_in(const FrameSetting& setting, const Camera& camera,
+                        const std::vector<Alternatives>& things, const Outcome& planned) const {
+  double ms = planned.ms + frame_ms(camera, things, setting) - frame_ms(camera, things, setting_);
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    const Choice& choice = planned.choices[i];
+    std::size_t level = 0;
+    while (choice.look == Look::kMesh && things[i].levels[level].lod != choice.lod) ++level;
+    ms += way(things[i], choice.look, level, setting).ms - choice.ms;
+  }
+  return ms;
+}
+
+FrameSetting FramePlan::enlarged(const Camera& camera, const std::vector<Alternatives>& things,
+                                 const Outcome& planned) const {
+  for (const FrameSetting& setting : settings_) {
+    if (setting == setting_) break;
+    if (ms_in(setting, camera, things, planned) <= kStandingBudgets * budget_ms_) return setting;
+  }
+  return setting_;
+}
+
 const std::vector<Choice>& FramePlan::decide(const Camera& camera,
                                              const std::vector<Alternatives>& things,
                                              std::int64_t now_us) {
@@ -302,7 +339,10 @@ const std::vector<Choice>& FramePlan::decide(const Camera& camera,
   }
   fade(things, present);
   lambda_ = std::max(present.lambda, lambda_ > kLeastLambda ? kLambdaFalls * lambda_ : 0);
-  expected_ms_ = present.ms;
+  const bool enlarges = limited() && stands_long_;
+  drawn_ = enlarges ? enlarged(camera, things, present) : setting_;
+  since_standing_ = enlarges ? 0 : std::min(since_standing_ + 1, kUnderWay);
+  expected_ms_ = enlarges ? ms_in(drawn_, camera, things, present) : present.ms;
   choices_ = std::move(present.choices);
   return choices_;
 }

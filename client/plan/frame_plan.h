@@ -49,11 +49,16 @@ class FramePlan {
   /// Returns all possible ways to draw a thing.
   std::vector<Choice> ways(const Alternatives& thing, const FrameSetting& setting) const;
 
+  /// Notes whether the eye stands and nothing in view moves. A picture of it may take several
+  /// budgets, because nobody sees it late: it is drawn at a larger scale. Things are drawn in the
+  /// ways that fit one budget, so that the first step changes the scale alone.
+  void stand(bool stands, std::int64_t now_us);
+
   /// Learns that a frame took `ms`, or would have taken it. The plan keeps room for surprises, so
   /// that one frame in forty takes longer than 1.1 times the budget.
   void note_drawn(double ms);
 
-  const FrameSetting& setting() const { return setting_; }
+  const FrameSetting& setting() const { return drawn_; }
   double budget_ms() const { return budget_ms_; }
   /// Returns the error, FLIP times pixels, that a millisecond has to take away.
   double lambda() const { return lambda_; }
@@ -63,6 +68,8 @@ class FramePlan {
   double expected_ms() const { return expected_ms_; }
 
  private:
+  static constexpr int kUnderWay = 2;  ///< frames drawn whose time is not known yet
+
   /// A step of a thing to a more expensive way.
   struct Step {
     double gain = 0, ms = 0;
@@ -90,17 +97,27 @@ class FramePlan {
   void take_steps(const std::vector<Alternatives>& things, const FrameSetting& setting,
                   std::vector<Step>& steps, Outcome& out) const;
   void fade(const std::vector<Alternatives>& things, Outcome& out) const;
+  /// Returns the time of a planned frame in another setting, ms.
+  double ms_in(const FrameSetting& setting, const Camera& camera,
+               const std::vector<Alternatives>& things, const Outcome& planned) const;
+  /// Returns the best setting in which the planned frame fits the budgets of a standing eye.
+  FrameSetting enlarged(const Camera& camera, const std::vector<Alternatives>& things,
+                        const Outcome& planned) const;
 
   double budget_ms_;
   std::vector<FrameSetting> settings_;
   std::optional<CostModel> prices_;
-  FrameSetting setting_;
+  FrameSetting setting_;  ///< that fits one budget
+  FrameSetting drawn_;    ///< that frames are drawn in
   std::vector<Choice> choices_;
   double lambda_ = 0;
   double expected_ms_ = 0;
   int in_time_ = 0;    ///< frames since the last late one
   double excess_ = 1;  ///< room for surprises: the budget over what is planned, >= 1
   std::int64_t changed_us_ = INT64_MIN / 2;  ///< when the setting last changed
+  std::optional<std::int64_t> stands_since_us_;
+  bool stands_long_ = false;
+  int since_standing_ = kUnderWay;  ///< frames planned since the eye stood, at most kUnderWay
 };
 
 }  // namespace mirage

@@ -54,6 +54,7 @@ Predicted predict(SessionParts& s, const Camera& camera, std::int64_t now_us) {
   out.passing = relit && s.options.relight == RelightChoice::kAuto;
   out.stands = glm::length(input.predicted.pose.eye - camera.pose.eye) < kStandsM &&
                glm::dot(input.predicted.pose.rotation, camera.pose.rotation) > kFacesSame;
+  s.planning.plan.stand(out.stands && !(s.moves && s.options.animation), now_us);
   s.planning.rested = out.stands && (s.planning.rested || was_at_rest);
   input.pixel_px =
       s.planning.drawn_pixel.update(s.planning.plan.setting().scale, out.stands, now_us);

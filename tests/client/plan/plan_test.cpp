@@ -256,6 +256,67 @@ TEST(CorePlan, AStrainThatPassesIsForgotten) {
   EXPECT_GT(back, 0.9 * usual);
 }
 
+TEST(CorePlan, NoStrainIsKeptThatPlanningLessCannotRelieve) {
+  FramePlan plan = plan_of(1, -1);
+  for (int i = 0; i < 50; ++i) {
+    plan.decide(screen(), forest(40), i * kFrameUs);
+    plan.note_drawn(4);
+  }
+  EXPECT_GT(plan.expected_ms(), 1.0) << "even the quickest frame takes longer";
+  EXPECT_GT(plan.planned_ms(), 0.9);
+}
+
+TEST(CorePlan, AStandingEyeIsDrawnLargerAndTheSameThings) {
+  constexpr double kBudget = 20;
+  FramePlan plan = plan_of(kBudget, -1);
+  const std::vector<Alternatives> things = forest(200);
+  std::int64_t now = 0;
+  const auto frames = [&](bool stands, int count) {
+    std::vector<Choice> choices;
+    for (int i = 0; i < count; ++i) {
+      plan.stand(stands, now += kFrameUs);
+      choices = plan.decide(screen(), things, now);
+    }
+    return choices;
+  };
+  const std::vector<Choice> moving = frames(false, 40);
+  const double scale = plan.setting().scale, lambda = plan.lambda();
+  ASSERT_LT(scale, 1);
+  frames(true, 2);
+  EXPECT_EQ(plan.setting().scale, scale) << "it may be a moment's pause";
+  const std::vector<Choice> standing = frames(true, 40);
+  EXPECT_GT(plan.setting().scale, scale);
+  EXPECT_GT(plan.expected_ms(), kBudget);
+  EXPECT_LE(plan.expected_ms(), 3 * kBudget);
+  EXPECT_EQ(plan.lambda(), lambda);
+  ASSERT_EQ(standing.size(), moving.size());
+  for (std::size_t i = 0; i < moving.size(); ++i) {
+    EXPECT_EQ(standing[i].look, moving[i].look);
+    EXPECT_EQ(standing[i].lod, moving[i].lod);
+  }
+  frames(false, 1);
+  EXPECT_EQ(plan.setting().scale, scale);
+  EXPECT_LE(plan.expected_ms(), kBudget);
+}
+
+TEST(CorePlan, AStandingEyesFramesAreNotLate) {
+  FramePlan plan = plan_of(50, -1);
+  std::int64_t now = 0;
+  const auto frame = [&](bool stands) {
+    plan.stand(stands, now += kFrameUs);
+    plan.decide(screen(), forest(200), now);
+    plan.note_drawn(140);
+    return plan.planned_ms();
+  };
+  plan.stand(true, now);
+  now += 1'000'000;
+  const double most = frame(true);
+  EXPECT_EQ(frame(true), most);
+  EXPECT_EQ(frame(false), most) << "the time may be that of a frame before";
+  frame(false);
+  EXPECT_LT(frame(false), most);
+}
+
 // Frames take longer than expected, and by chance a few of them much longer. The plan keeps as much
 // room as it takes for one frame in forty to be late by a tenth of the budget, and no more.
 TEST(CorePlan, OneFrameInFortyIsLate) {
