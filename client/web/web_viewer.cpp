@@ -145,23 +145,23 @@ void WebViewer::fit_canvas(int width, int height) {
 }
 
 void WebViewer::note_work(const FrameWork& work) {
-  compiled_ = gl::programs_compiled() != programs_;  // a compilation happens only once
+  const bool compiled = gl::programs_compiled() != programs_;  // a compilation happens only once
   programs_ = gl::programs_compiled();
   ++drawn_frames_;
   const bool same = pose_.eye == priced_pose_.eye && pose_.rotation == priced_pose_.rotation;
   seen_from_it_ = same ? seen_from_it_ + 1 : 0;
   priced_pose_ = pose_;
-  drawn_.push_back({drawn_frames_, work});
+  drawn_.push_back({drawn_frames_, work, compiled});
   if (drawn_.size() > kMostUnpriced) drawn_.pop_front();
 }
 
-bool WebViewer::prices_rest() const { return seen_from_it_ > kMostOfOnePose || compiled_; }
+bool WebViewer::prices_rest() const { return seen_from_it_ > kMostOfOnePose; }
 
 void WebViewer::note_gpu_ms(std::uint64_t frame, double ms) {
   timed_ = true;
   if (prices_rest()) return;
   for (const Drawn& drawn : drawn_) {
-    if (drawn.frame != frame) continue;
+    if (drawn.frame != frame || drawn.compiled) continue;
     prices_.add(drawn.work, ms);
     session_->set_prices(prices_.model());
   }
@@ -172,7 +172,9 @@ void WebViewer::note_gpu_ms(std::uint64_t frame, double ms) {
 // say that frames took no longer. Beyond it they say that frames took all of it, because the next
 // one was already waiting.
 void WebViewer::note_interval_ms(double ms) {
-  if (drawn_.empty() || prices_rest()) {
+  const bool compiles =
+      std::any_of(drawn_.begin(), drawn_.end(), [](const Drawn& drawn) { return drawn.compiled; });
+  if (drawn_.empty() || compiles || prices_rest()) {
     paced_ = {};
     return;
   }

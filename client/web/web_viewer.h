@@ -103,6 +103,7 @@ class WebViewer {
   struct Drawn {
     std::uint64_t frame = 0;
     FrameWork work;
+    bool compiled = false;  ///< it compiled a program
   };
   /// Frames drawn one after the other.
   struct Paced {
@@ -135,8 +136,7 @@ class WebViewer {
   int seen_from_it_ = 0;  // number of frames from that pose
   std::uint64_t programs_ = 0;
   double decode_ms_ = 0, upload_ms_ = 0;
-  bool compiled_ = false;  // the last frame compiled a program
-  std::string problem_;    // last problem of drawing
+  std::string problem_;  // last problem of drawing
 };
 
 }  // namespace mirage
