@@ -29,10 +29,10 @@ constexpr double kPassedGives = 0.01;
 // Lambda falls by at most this factor a frame: what has just become affordable may not stay so, and
 // is not asked for yet.
 constexpr double kLambdaFalls = 0.8;
-// A frame of an eye that has stood this long may take this many budgets. On a software renderer
-// that is 150 ms, by which the first step may come late.
+// A frame of an eye that has stood this long may take this many budgets, and at most this time, by
+// which the first step may come late. Three budgets would be a frame that everybody sees stall.
 constexpr std::int64_t kStandsLongUs = 250'000;
-constexpr double kStandingBudgets = 3;
+constexpr double kStandingBudgets = 2.5, kStandingMs = 120;
 constexpr double kShortestMs = 1e-9;  // of a step, so that free steps come first
 constexpr double kLeastLambda = 1;    // FLIP px a ms: as good as nothing
 
@@ -310,9 +310,10 @@ double FramePlan::ms_in(const FrameSetting& setting, const Camera& camera,
 
 FrameSetting FramePlan::enlarged(const Camera& camera, const std::vector<Alternatives>& things,
                                  const Outcome& planned) const {
+  const double most_ms = std::min(kStandingBudgets * budget_ms_, std::max(kStandingMs, budget_ms_));
   for (const FrameSetting& setting : settings_) {
     if (setting == setting_) break;
-    if (ms_in(setting, camera, things, planned) <= kStandingBudgets * budget_ms_) return setting;
+    if (ms_in(setting, camera, things, planned) <= most_ms) return setting;
   }
   return setting_;
 }

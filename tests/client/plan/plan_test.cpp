@@ -287,7 +287,7 @@ TEST(CorePlan, AStandingEyeIsDrawnLargerAndTheSameThings) {
   const std::vector<Choice> standing = frames(true, 40);
   EXPECT_GT(plan.setting().scale, scale);
   EXPECT_GT(plan.expected_ms(), kBudget);
-  EXPECT_LE(plan.expected_ms(), 3 * kBudget);
+  EXPECT_LE(plan.expected_ms(), 2.5 * kBudget);
   EXPECT_EQ(plan.lambda(), lambda);
   ASSERT_EQ(standing.size(), moving.size());
   for (std::size_t i = 0; i < moving.size(); ++i) {
