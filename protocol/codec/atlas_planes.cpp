@@ -13,13 +13,13 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr int kShadowRings = 3;  // texels by which shadows continue beyond the content
 
-// A plane; kPlanes lists all in the order of their bytes.
-struct PlaneShape {
+// A plane; kAtlasShapes lists all in the order of their bytes.
+struct AtlasShape {
   Bytes AtlasPlanes::*plane;
   std::uint8_t channel;  // the plane exists if the tile has this channel
   std::size_t bytes;     // per texel
 };
-constexpr PlaneShape kPlanes[] = {
+constexpr AtlasShape kAtlasShapes[] = {
     {&AtlasPlanes::color, kChannelColor, 4},
     {&AtlasPlanes::depth, kChannelDepth, 1},
     {&AtlasPlanes::surface, kChannelNormal, 4},
@@ -30,7 +30,7 @@ constexpr PlaneShape kPlanes[] = {
     {&AtlasPlanes::shadow, kChannelShadow, 1},
 };
 
-std::size_t plane_bytes(const PlaneShape& shape, const TileCrop& crop, std::uint8_t channels) {
+std::size_t shape_bytes(const AtlasShape& shape, const TileCrop& crop, std::uint8_t channels) {
   if (!(channels & shape.channel) || crop.area() == 0) return 0;
   return (std::size_t{crop.w} + 2) * (crop.h + 2) * shape.bytes;
 }
@@ -153,12 +153,12 @@ AtlasPlanes atlas_planes(const Tile& tile) {
 
 std::size_t atlas_plane_bytes(const TileCrop& crop, std::uint8_t channels) {
   std::size_t bytes = 0;
-  for (const PlaneShape& shape : kPlanes) bytes += plane_bytes(shape, crop, channels);
+  for (const AtlasShape& shape : kAtlasShapes) bytes += shape_bytes(shape, crop, channels);
   return bytes;
 }
 
 void append_atlas_planes(const AtlasPlanes& planes, std::vector<std::uint8_t>& out) {
-  for (const PlaneShape& shape : kPlanes) {
+  for (const AtlasShape& shape : kAtlasShapes) {
     const Bytes& plane = planes.*shape.plane;
     out.insert(out.end(), plane.begin(), plane.end());
   }
@@ -170,8 +170,8 @@ Result<AtlasPlanes> read_atlas_planes(const std::uint8_t* bytes, std::size_t siz
     return make_error(ErrorId::kCodec, "the planes of a tile are not of its size");
   }
   AtlasPlanes out;
-  for (const PlaneShape& shape : kPlanes) {
-    const std::size_t count = plane_bytes(shape, crop, channels);
+  for (const AtlasShape& shape : kAtlasShapes) {
+    const std::size_t count = shape_bytes(shape, crop, channels);
     (out.*shape.plane).assign(bytes, bytes + count);
     bytes += count;
   }
