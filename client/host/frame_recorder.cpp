@@ -55,7 +55,7 @@ FrameStage cause(const RecordedFrame& frame, const std::array<float, kFrameStage
 
 const char* frame_stage_name(FrameStage stage) {
   constexpr const char* kNames[] = {"receive", "upload", "plan", "compile",
-                                    "draw",    "show",   "other"};
+                                    "draw",    "finish", "show", "other"};
   static_assert(std::size(kNames) == kFrameStages);
   return kNames[index(stage)];
 }

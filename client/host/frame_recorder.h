@@ -20,11 +20,12 @@ enum class FrameStage {
   kUpload,   ///< texels and geometry go to the graphics card
   kPlan,     ///< what to draw is decided, and asks are sent
   kCompile,  ///< a frame is drawn that had shader programs compiled
-  kDraw,     ///< any other frame is drawn
+  kDraw,     ///< draw calls of any other frame are issued
+  kFinish,   ///< the graphics card, or the software renderer, carries the draw calls out
   kShow,     ///< the picture goes to the window, including the wait for the display
   kOther,    ///< what is left, for example files written
 };
-inline constexpr std::size_t kFrameStages = 7;
+inline constexpr std::size_t kFrameStages = 8;
 const char* frame_stage_name(FrameStage stage);
 
 /// A frame that was drawn, by the wall clock.

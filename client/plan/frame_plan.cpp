@@ -26,6 +26,9 @@ constexpr double kStays = 0.95;
 constexpr double kLate = 1.1, kLateTakes = 0.06, kInTimeGives = kLateTakes / 39, kMostExcess = 3;
 constexpr int kPassed = 80;
 constexpr double kPassedGives = 0.01;
+// Share of the last frame in the mean of the time that frames take beside drawing, and the largest
+// share of the budget that the plan gives up for it.
+constexpr double kBesideWeight = 1.0 / 16, kMostBeside = 0.5;
 // Lambda falls by at most this factor a frame: what has just become affordable may not stay so, and
 // is not asked for yet.
 constexpr double kLambdaFalls = 0.8;
@@ -116,8 +119,9 @@ Choice FramePlan::way(const Alternatives& thing, Look look, std::size_t index,
   return out;
 }
 
-std::vector<Choice> FramePlan::ways(const Alternatives& thing, const FrameSetting& setting) const {
-  std::vector<Choice> out;
+void FramePlan::ways_into(const Alternatives& thing, const FrameSetting& setting,
+                          std::vector<Choice>& out) const {
+  out.clear();
   const auto add = [&](const Choice& choice) {
     if (std::isfinite(choice.error)) out.push_back(choice);
   };
@@ -133,6 +137,11 @@ std::vector<Choice> FramePlan::ways(const Alternatives& thing, const FrameSettin
   }
   for (std::size_t i = 0; i < thing.levels.size(); ++i) add(way(thing, Look::kMesh, i, setting));
   if (out.empty()) out.push_back({});  // its area is not finite
+}
+
+std::vector<Choice> FramePlan::ways(const Alternatives& thing, const FrameSetting& setting) const {
+  std::vector<Choice> out;
+  ways_into(thing, setting, out);
   return out;
 }
 
@@ -157,10 +166,12 @@ void FramePlan::stand(bool stands, std::int64_t now_us) {
   stands_long_ = stands && now_us - *stands_since_us_ >= kStandsLongUs;
 }
 
-void FramePlan::note_drawn(double ms) {
+void FramePlan::note_drawn(double ms, double beside_ms) {
   if (since_standing_ < kUnderWay) return;  // it may be the time of a standing eye's frame
   if (!limited() || !std::isfinite(ms) || ms <= 0 || expected_ms_ <= 0) return;
-  const bool late = ms > kLate * budget_ms_;
+  if (!std::isfinite(beside_ms) || beside_ms < 0) return;
+  beside_ms_ += kBesideWeight * (std::min(beside_ms, kMostBeside * budget_ms_) - beside_ms_);
+  const bool late = ms + beside_ms > kLate * budget_ms_;
   // The quickest frame there is does not get quicker by planning less.
   if (late && expected_ms_ > planned_ms()) {
     in_time_ = 0;
@@ -172,7 +183,8 @@ void FramePlan::note_drawn(double ms) {
 }
 
 double FramePlan::planned_ms() const {
-  return limited() ? kPlannedShare * budget_ms_ / excess_ : std::numeric_limits<double>::infinity();
+  return limited() ? kPlannedShare * (budget_ms_ - beside_ms_) / excess_
+                   : std::numeric_limits<double>::infinity();
 }
 
 double FramePlan::frame_ms(const Camera& camera, const std::vector<Alternatives>& things,
@@ -192,19 +204,17 @@ double FramePlan::frame_ms(const Camera& camera, const std::vector<Alternatives>
 // Adds the cheapest way of a thing, and the steps to more expensive ones. Each step gains less a
 // millisecond than the one before it.
 void FramePlan::add_steps(std::uint32_t index, const Alternatives& thing,
-                          const FrameSetting& setting, Outcome& out,
-                          std::vector<Step>& steps) const {
-  struct Point {
-    Choice choice;
-    double error, ms;
-  };
-  std::vector<Point> points;
-  for (const Choice& choice : ways(thing, setting)) {
+                          const FrameSetting& setting, Outcome& out, Scratch& scratch) const {
+  const std::vector<Choice>& ways = scratch.ways;
+  std::vector<Scratch::Point>& points = scratch.points;
+  ways_into(thing, setting, scratch.ways);
+  points.clear();
+  for (const Choice& choice : ways) {
     const bool stays = thing.shown == choice.look;
     // A fade to a cheaper way is not charged: its cost would keep the expensive way alive.
     const bool dearer =
         choice.look == Look::kMesh && thing.shown && crosses(*thing.shown, choice.look);
-    points.push_back({choice, (stays ? kStays : 1) * choice.error,
+    points.push_back({(stays ? kStays : 1) * choice.error,
                       choice.ms + (dearer ? beneath_ms(thing, choice.look, setting) : 0)});
   }
   std::size_t at = 0;
@@ -213,12 +223,10 @@ void FramePlan::add_steps(std::uint32_t index, const Alternatives& thing,
     const bool free = points[i].ms <= points[at].ms && points[i].error < points[at].error;
     if (better || free) at = i;
   }
-  out.choices.push_back(points[at].choice);
-  out.error += points[at].choice.error;
-  out.ms += points[at].ms + out.levels.add(thing, points[at].choice);
-  if (goes_on(thing, points[at].choice.look)) {
-    out.ms += beneath_ms(thing, points[at].choice.look, setting);
-  }
+  out.choices.push_back(ways[at]);
+  out.error += ways[at].error;
+  out.ms += points[at].ms + out.levels.add(thing, ways[at]);
+  if (goes_on(thing, ways[at].look)) out.ms += beneath_ms(thing, ways[at].look, setting);
   for (;;) {
     std::size_t next = at;
     double steepest = 0;
@@ -232,11 +240,11 @@ void FramePlan::add_steps(std::uint32_t index, const Alternatives& thing,
       }
     }
     if (next == at) return;
-    const Choice& to = points[next].choice;
+    const Choice& to = ways[next];
     std::uint8_t level = 0;
     while (to.look == Look::kMesh && thing.levels[level].lod != to.lod) ++level;
-    steps.push_back({points[at].error - points[next].error, points[next].ms - points[at].ms, index,
-                     to.look, level});
+    scratch.steps.push_back({points[at].error - points[next].error, points[next].ms - points[at].ms,
+                             index, to.look, level});
     at = next;
   }
 }
@@ -244,18 +252,18 @@ void FramePlan::add_steps(std::uint32_t index, const Alternatives& thing,
 FramePlan::Outcome FramePlan::solve(const Camera& camera, const std::vector<Alternatives>& things,
                                     const FrameSetting& setting) const {
   Outcome out;
-  std::vector<Step> steps;
+  Scratch scratch;
   if (prices_) out.levels = PaidLevels((*prices_)[Work::kMesh]);
   out.ms = frame_ms(camera, things, setting);
   out.choices.reserve(things.size());
-  for (std::uint32_t i = 0; i < things.size(); ++i) add_steps(i, things[i], setting, out, steps);
+  for (std::uint32_t i = 0; i < things.size(); ++i) add_steps(i, things[i], setting, out, scratch);
   // The new way is shown at once where there is no time to draw the way beneath.
   for (std::size_t i = 0; i < things.size() && out.ms > planned_ms(); ++i) {
     if (!goes_on(things[i], out.choices[i].look)) continue;
     out.choices[i].fades = false;
     out.ms -= beneath_ms(things[i], out.choices[i].look, setting);
   }
-  take_steps(things, setting, steps, out);
+  take_steps(things, setting, scratch.steps, out);
   return out;
 }
 

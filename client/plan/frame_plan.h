@@ -54,15 +54,17 @@ class FramePlan {
   /// ways that fit one budget, so that the first step changes the scale alone.
   void stand(bool stands, std::int64_t now_us);
 
-  /// Learns that a frame took `ms`, or would have taken it. The plan keeps room for surprises, so
-  /// that one frame in forty takes longer than 1.1 times the budget.
-  void note_drawn(double ms);
+  /// Learns that a frame took `ms` to draw, or would have taken it, and `beside_ms` for everything
+  /// else, such as taking tiles in and planning. That is taken from the budget first. The plan
+  /// keeps room for surprises, so that one frame in forty takes longer than 1.1 times the budget.
+  void note_drawn(double ms, double beside_ms = 0);
 
   const FrameSetting& setting() const { return drawn_; }
   double budget_ms() const { return budget_ms_; }
   /// Returns the error, FLIP times pixels, that a millisecond has to take away.
   double lambda() const { return lambda_; }
-  /// Returns the most that is planned, ms: the budget without the room kept; +inf without a budget.
+  /// Returns the most that is planned for drawing, ms: the budget without what is beside it and
+  /// without the room kept; +inf without a budget.
   double planned_ms() const;
   /// Returns the expected time of the frame, ms; 0 without prices.
   double expected_ms() const { return expected_ms_; }
@@ -82,15 +84,27 @@ class FramePlan {
     std::vector<Choice> choices;
     PaidLevels levels{0};  ///< levels of geometry that the choices draw
   };
+  /// What solve() works with, so that it takes memory once and not for each thing.
+  struct Scratch {
+    struct Point {
+      double error, ms;
+    };
+    std::vector<Choice> ways;   ///< of one thing
+    std::vector<Point> points;  ///< of its ways
+    std::vector<Step> steps;    ///< of all things
+  };
   double ms_of(Work pixel, Work sample, double pixels, const FrameSetting& setting) const;
   Choice way(const Alternatives& thing, Look look, std::size_t level,
              const FrameSetting& setting) const;
+  /// Replaces `out` by all possible ways to draw a thing.
+  void ways_into(const Alternatives& thing, const FrameSetting& setting,
+                 std::vector<Choice>& out) const;
   /// Returns the time of what is drawn beneath a fade, ms; 0 if nothing is.
   double beneath_ms(const Alternatives& thing, Look look, const FrameSetting& setting) const;
   double frame_ms(const Camera& camera, const std::vector<Alternatives>& things,
                   const FrameSetting& setting) const;
   void add_steps(std::uint32_t index, const Alternatives& thing, const FrameSetting& setting,
-                 Outcome& out, std::vector<Step>& steps) const;
+                 Outcome& out, Scratch& scratch) const;
   Outcome solve(const Camera& camera, const std::vector<Alternatives>& things,
                 const FrameSetting& setting) const;
   /// Takes the steps that fit, in the order of their gain a millisecond.
@@ -112,8 +126,9 @@ class FramePlan {
   std::vector<Choice> choices_;
   double lambda_ = 0;
   double expected_ms_ = 0;
-  int in_time_ = 0;    ///< frames since the last late one
-  double excess_ = 1;  ///< room for surprises: the budget over what is planned, >= 1
+  int in_time_ = 0;       ///< frames since the last late one
+  double excess_ = 1;     ///< room for surprises: the budget over what is planned, >= 1
+  double beside_ms_ = 0;  ///< of a frame, for all but drawing: mean of late, at most half a budget
   std::int64_t changed_us_ = INT64_MIN / 2;  ///< when the setting last changed
   std::optional<std::int64_t> stands_since_us_;
   bool stands_long_ = false;

@@ -143,7 +143,9 @@ TileCounts ClientSession::tiles() const {
 void ClientSession::set_prices(const CostModel& prices) {
   parts_->planning.plan.set_prices(prices);
 }
-void ClientSession::note_frame_ms(double ms) { parts_->planning.plan.note_drawn(ms); }
+void ClientSession::note_frame_ms(double ms, double beside_ms) {
+  parts_->planning.plan.note_drawn(ms, beside_ms);
+}
 const FramePlan& ClientSession::plan() const { return parts_->planning.plan; }
 const Selector& ClientSession::selector() const { return parts_->planning.selector; }
 double ClientSession::tau_px() const { return parts_->planning.tau.tau_px(); }

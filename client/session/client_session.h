@@ -51,8 +51,9 @@ class ClientSession {
 
   /// Sets the prices of this device, for planning later frames.
   void set_prices(const CostModel& prices);
-  /// Notes how long the last planned frame took to draw, by the clock or by those prices.
-  void note_frame_ms(double ms);
+  /// Notes how long the last planned frame took to draw, by the clock or by those prices, and how
+  /// long all else of it took.
+  void note_frame_ms(double ms, double beside_ms = 0);
   /// Returns how the last planned frame is to be drawn, and its expected time.
   const FramePlan& plan() const;
   /// Returns the selector, with what it considered and chose for that frame.

@@ -66,7 +66,7 @@ class Viewer {
   void pace(std::int64_t frame);
   bool next_events();
   std::int64_t show(const Camera& camera, const DrawList& list, std::int64_t now);
-  void price(std::int64_t draw_began_us, std::int64_t shown_us);
+  void price(std::int64_t began_us, std::int64_t draw_began_us, std::int64_t shown_us);
   std::string overlay_text(const DrawList& list, std::int64_t now) const;
   std::int64_t now_us() const { return host_->now_us(); }
   ClientSession& session() { return host_->session(); }
@@ -229,9 +229,10 @@ Result<void> Viewer::fit_target() {
 void Viewer::draw(const Camera& camera, const DrawList& list) {
   const std::uint64_t programs = gl::programs_compiled();
   screen_.draw(*renderer_, camera, list, session());
-  glFinish();
   const std::uint64_t compiled = gl::programs_compiled() - programs;
-  recorder_.lap(compiled > 0 ? FrameStage::kCompile : FrameStage::kDraw);
+  if (compiled == 0) recorder_.lap(FrameStage::kDraw);
+  glFinish();
+  recorder_.lap(compiled > 0 ? FrameStage::kCompile : FrameStage::kFinish);
   programs_in_draws_ += compiled;
   const FrameWork work = screen_.work(camera, list, session());
   if (o_.device_model) {
@@ -244,14 +245,14 @@ void Viewer::draw(const Camera& camera, const DrawList& list) {
 
 // Learns what the last frame took. A software renderer copies the picture to the window itself;
 // elsewhere presenting only waits for the display.
-void Viewer::price(std::int64_t draw_began_us, std::int64_t shown_us) {
+void Viewer::price(std::int64_t began_us, std::int64_t draw_began_us, std::int64_t shown_us) {
   if (!drawn_work_) return;
   const FrameWork work = *std::exchange(drawn_work_, std::nullopt);
   const std::int64_t end_us = gl::is_software() ? real_clock_.now_us() : shown_us;
   const double ms = static_cast<double>(end_us - draw_began_us) * 1e-3;
   stats_.note_price(prices_->model().ms_of(work), ms);
   prices_->add(work, ms);
-  session().note_frame_ms(ms);
+  session().note_frame_ms(ms, static_cast<double>(draw_began_us - began_us) * 1e-3);
   session().set_prices(prices_->model());
 }
 
@@ -356,7 +357,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   std::int64_t shown_us = real_clock_.now_us();
   if (window_ && (window_->take_refresh() || drawn)) shown_us = show(camera, list, now);
   glFinish();
-  price(draw_began_us, shown_us);
+  price(began, draw_began_us, shown_us);
   recorder_.lap(FrameStage::kShow);
   note_drawn(list);
   const double real_ms = static_cast<double>(real_clock_.now_us() - began) / 1000.0;

@@ -162,11 +162,15 @@ std::unique_ptr<Bench> Bench::create(const std::string& spec, BenchLight light,
                                      const Similarity& placed, float fog_density,
                                      BenchBlending blending) {
   auto bench = std::make_unique<Bench>();
+  const auto refuse = [](const Error& error) {
+    std::fprintf(stderr, "%s\n", error.line().c_str());
+    return nullptr;
+  };
   Result<gl::EglContext> egl = gl::EglContext::create("auto");
-  if (!egl) return nullptr;
+  if (!egl) return refuse(egl.error());
   bench->egl_ = std::move(*egl);
   Result<std::shared_ptr<const PreparedScene>> scene = load_scene(spec);
-  if (!scene) return nullptr;
+  if (!scene) return refuse(scene.error());
   auto prepared = std::make_shared<PreparedScene>(as_one_object(**scene, placed, blending));
   bench->light_ = field_light(light);
   if (light == BenchLight::kProbe) {
@@ -184,14 +188,15 @@ std::unique_ptr<Bench> Bench::create(const std::string& spec, BenchLight light,
   bench->references_ =
       std::make_unique<ReferenceRenderer>(ReferenceRenderer::create(*bench->gpu_).take());
   Result<FrameRenderer> renderer = FrameRenderer::create(kAtlasEdge, kAtlasLayers, kFlatMethods);
-  if (!renderer) {
-    std::fprintf(stderr, "%s\n", renderer.error().text.c_str());
-    return nullptr;
-  }
+  if (!renderer) return refuse(renderer.error());
   bench->renderer_ = std::make_unique<FrameRenderer>(renderer.take());
   bench->target_ = std::make_unique<FrameTarget>(FrameTarget::create(kSize, kSize, 4).take());
   std::optional<SceneView> told = scene_as_told(bench->prepared_);
-  if (!told || !bench->renderer_->reset(*told)) return nullptr;
+  if (!told) {
+    std::fprintf(stderr, "the scene is not told whole\n");
+    return nullptr;
+  }
+  if (Result<void> reset = bench->renderer_->reset(*told); !reset) return refuse(reset.error());
   bench->scene_ = std::move(*told);
   return bench;
 }

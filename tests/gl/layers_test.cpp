@@ -78,7 +78,7 @@ class Layers : public testing::Test {
 const glm::dvec3 kAhead(0, 0, 1);
 
 TEST_F(Layers, TheSecondHoldsWhatTheFirstHides) {
-  open_slats();
+  ASSERT_NO_FATAL_FAILURE(open_slats());
   const Camera camera = bench->camera(4, kAhead);
   TileCache cache = bench->make_cache();
   const TileRecordPtr tile = bench->tile_for(camera, cache, kLayeredTile);
@@ -96,7 +96,7 @@ TEST_F(Layers, TheSecondHoldsWhatTheFirstHides) {
 }
 
 TEST_F(Layers, SlatsFromAsideShowTheBoardBehindThem) {
-  open_slats();
+  ASSERT_NO_FATAL_FAILURE(open_slats());
   for (const double degrees : {4.0, 10.0}) {
     const Camera camera = bench->camera(4, kAhead);
     const Camera from = bench->camera(4, turned(kAhead, degrees, 0.2));
@@ -109,7 +109,7 @@ TEST_F(Layers, SlatsFromAsideShowTheBoardBehindThem) {
 }
 
 TEST_F(Layers, FromTheCaptureItIsTheLitTile) {
-  open_slats();
+  ASSERT_NO_FATAL_FAILURE(open_slats());
   const Camera camera = bench->camera(4, glm::normalize(glm::dvec3(0.3, 0.2, 1)));
   const double one = psnr(camera, camera, kLitTile, DrawMethod::kQuad);
   const double two = psnr(camera, camera, kLayeredTile, DrawMethod::kQuad);
@@ -118,7 +118,7 @@ TEST_F(Layers, FromTheCaptureItIsTheLitTile) {
 
 // Points of the board that the tile has behind its slats are drawn at the depth stored there.
 TEST_F(Layers, TheBoundCoversWhatTheSecondShows) {
-  open_slats();
+  ASSERT_NO_FATAL_FAILURE(open_slats());
   TileCache cache = bench->make_cache();
   const TileRecordPtr tile = bench->tile_for(bench->camera(6, kAhead), cache, kLayeredTile);
   ASSERT_TRUE(tile && tile->layered());
@@ -153,7 +153,7 @@ TEST_F(Layers, TheBoundCoversWhatTheSecondShows) {
 TEST_F(Layers, TheTreeFromAside) {
   const std::string tree = (data_folder() / "assets/reference/tree.glb").string();
   ASSERT_TRUE(std::ifstream(tree)) << tree;
-  open(tree);
+  ASSERT_NO_FATAL_FAILURE(open(tree));
   const glm::dvec3 direction = fibonacci_direction(0, 4);
   const Camera camera = bench->camera(4, direction);
   for (const double degrees : {5.0, 10.0}) {

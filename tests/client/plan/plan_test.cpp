@@ -266,6 +266,26 @@ TEST(CorePlan, NoStrainIsKeptThatPlanningLessCannotRelieve) {
   EXPECT_GT(plan.planned_ms(), 0.9);
 }
 
+// On a card, taking tiles in and planning take as long as a third of 8 ms.
+TEST(CorePlan, WhatAFrameTakesBesideDrawingIsLeftFree) {
+  constexpr double kBudget = 50, kBeside = 15;
+  FramePlan plan = plan_of(kBudget);
+  const std::vector<Alternatives> things = forest(200);
+  int late = 0;
+  for (int i = 0; i < 400; ++i) {
+    plan.decide(screen(), things, i * kFrameUs);
+    plan.note_drawn(plan.expected_ms(), kBeside);
+    late += i >= 100 && plan.expected_ms() + kBeside > 1.1 * kBudget ? 1 : 0;
+  }
+  EXPECT_EQ(late, 0);
+  EXPECT_GT(plan.planned_ms(), 0.9 * (kBudget - kBeside)) << "and the rest is used";
+  for (int i = 0; i < 100; ++i) {
+    plan.decide(screen(), things, i * kFrameUs);
+    plan.note_drawn(plan.expected_ms(), 1e9);
+  }
+  EXPECT_GT(plan.planned_ms(), 0) << "drawing is left some of it in any case";
+}
+
 TEST(CorePlan, AStandingEyeIsDrawnLargerAndTheSameThings) {
   constexpr double kBudget = 20;
   FramePlan plan = plan_of(kBudget, -1);
