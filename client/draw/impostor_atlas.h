@@ -1,7 +1,7 @@
 #pragma once
 // Impostor atlas: the tiles on the graphics card. It has layers of colour (sRGB, premultiplied),
-// depth code and, for relit tiles, surface (normal, material). Each kind has as many layers as
-// tiles have needed so far. GLES 3.0 subset.
+// depth code and, for relit tiles, surface (normal, material). layered_texture.h
+// says when layers are made. GLES 3.0 subset.
 
 #include <cstdint>
 #include <vector>

@@ -12,63 +12,37 @@ GLenum layout_of(const LayeredTexture::Format& format) {
   return format.channels() == 1 ? GL_RED : GL_RGBA;
 }
 
-// Two framebuffers, to copy from one texture to another. Copies leave texels as they are.
-class Blit {
- public:
-  Blit(gl::Framebuffer& from, gl::Framebuffer& to) {
-    if (!from) from = gl::Framebuffer::create();
-    if (!to) to = gl::Framebuffer::create();
-    gl::encode_srgb(false);
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, from.id());
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to.id());
+// Copies the first `layers` of a texture to another one of the same format.
+void copy_layers(GLuint from, GLuint to, int edge, int layers) {
+  const gl::Framebuffer framebuffer = gl::Framebuffer::create();
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.id());
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, to);
+  for (int i = 0; i < layers; ++i) {
+    glFramebufferTextureLayer(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, from, 0, i);
+    glCopyTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, i, 0, 0, edge, edge);
   }
-  Blit(const Blit&) = delete;
-  Blit& operator=(const Blit&) = delete;
-  ~Blit() {
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    gl::encode_srgb(true);
-  }
-};
-
-constexpr int kSmallStep = 256;  // texels; edges of the small texture are multiples of it
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+}
 
 }  // namespace
 
-// In a browser the page's process does not draw, and how drivers keep textures is hidden from it.
-TexelWay usual_texel_way() {
-  return gl::is_embedded() || gl::is_software() ? TexelWay::kStraight : TexelWay::kBlitted;
+LayerSupply usual_supply() {
+  return gl::is_embedded() || gl::is_software() ? LayerSupply::kByNeed : LayerSupply::kAtOnce;
 }
 
 Result<void> LayeredTexture::upload(int layer, int x, int y, int w, int h,
                                     const std::uint8_t* texels) {
   if (layer >= layers_) {
-    const int wanted = std::min(max_layers_, std::max(layer + 1, 2 * layers_));
-    if (Result<void> grown = grow(wanted); !grown) return grown;
+    const int wanted =
+        std::max(layer + 1, supply_ == LayerSupply::kAtOnce ? max_layers_ : 2 * layers_);
+    if (Result<void> grown = grow(std::min(max_layers_, wanted)); !grown) return grown;
   }
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  if (way_ == TexelWay::kStraight) {
-    glBindTexture(GL_TEXTURE_2D_ARRAY, texture_.id());
-    glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, x, y, layer, w, h, 1, layout_of(format_),
-                    GL_UNSIGNED_BYTE, texels);
-    return {};
-  }
-  bind_small(std::max(w, h));
-  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, w, h, layout_of(format_), GL_UNSIGNED_BYTE, texels);
-  const Blit blit(from_, to_);
-  glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, small_.id(), 0);
-  glFramebufferTextureLayer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture_.id(), 0, layer);
-  glBlitFramebuffer(0, 0, w, h, x, y, x + w, y + h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, texture_.id());
+  glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, x, y, layer, w, h, 1, layout_of(format_),
+                  GL_UNSIGNED_BYTE, texels);
   return {};
-}
-
-void LayeredTexture::bind_small(int edge) {
-  if (!small_) small_ = gl::Texture::create();
-  glBindTexture(GL_TEXTURE_2D, small_.id());
-  if (edge <= small_edge_) return;
-  small_edge_ = (edge + kSmallStep - 1) / kSmallStep * kSmallStep;
-  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format_.stored), small_edge_, small_edge_, 0,
-               layout_of(format_), GL_UNSIGNED_BYTE, nullptr);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
 }
 
 Result<void> LayeredTexture::make(int layers) {
@@ -99,22 +73,8 @@ Result<void> LayeredTexture::grow(int layers) {
   const int kept = layers_;
   const gl::Texture before = std::move(texture_);
   Result<void> made = make(layers);
-  if (made) copy_layers(before, kept);
+  if (made) copy_layers(before.id(), texture_.id(), edge_, kept);
   return made;
-}
-
-void LayeredTexture::copy_layers(const gl::Texture& from, int layers) {
-  const Blit blit(from_, to_);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, texture_.id());
-  for (int i = 0; i < layers; ++i) {
-    glFramebufferTextureLayer(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, from.id(), 0, i);
-    if (way_ == TexelWay::kStraight) {
-      glCopyTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, i, 0, 0, edge_, edge_);
-      continue;
-    }
-    glFramebufferTextureLayer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, texture_.id(), 0, i);
-    glBlitFramebuffer(0, 0, edge_, edge_, 0, 0, edge_, edge_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  }
 }
 
 }  // namespace mirage

@@ -1,12 +1,7 @@
 #pragma once
-// Layered texture: a texture array with only the layers that were needed so far. The GLES 3.0
-// subset cannot add layers to a texture. So the graphics card copies the content to a larger
-// texture; both exist until the copy is done.
-//
-// Texels reach it in one of two ways (TexelWay). A driver may keep a texture that texels were
-// written to in the memory of the processor, and move all of it when a layer is attached to a
-// framebuffer: 110 ms for 8 layers on an NVIDIA card. A texture that only framebuffers are used
-// for stays on the card.
+// Layered texture: a texture array that takes in pieces. The GLES 3.0 subset cannot add layers to a
+// texture. So its content is copied to a larger one when it grows; both exist until the copy is
+// done.
 
 #include <cstdint>
 
@@ -15,13 +10,17 @@
 
 namespace mirage {
 
-/// How texels reach the texture.
-enum class TexelWay {
-  kStraight,  ///< written to the texture: quickest for a software renderer
-  kBlitted,   ///< written to a small texture, and copied through framebuffers: for cards
+/// When layers are made.
+enum class LayerSupply {
+  kByNeed,  ///< as many as were needed so far, doubled each time: takes the least memory
+  /// All of them with the first upload. A driver may keep what was uploaded in the processor's
+  /// memory, too. After a copy on the card it reads all of that back before the next upload. With 8
+  /// layers this takes 110 ms on an NVIDIA card (decision 67).
+  kAtOnce,
 };
-/// Returns the way that suits the current context.
-TexelWay usual_texel_way();
+/// Returns kAtOnce for a graphics card, and kByNeed for a software renderer, where making layers
+/// takes long, and for a browser, where memory is scarce.
+LayerSupply usual_supply();
 
 class LayeredTexture {
  public:
@@ -32,8 +31,8 @@ class LayeredTexture {
   };
   LayeredTexture() = default;
   /// Layers are `edge` texels square, at most `max_layers` of them; none is made yet.
-  LayeredTexture(Format format, int edge, int max_layers, TexelWay way = usual_texel_way())
-      : format_(format), way_(way), edge_(edge), max_layers_(max_layers) {}
+  LayeredTexture(Format format, int edge, int max_layers, LayerSupply supply = usual_supply())
+      : format_(format), supply_(supply), edge_(edge), max_layers_(max_layers) {}
 
   /// Uploads `w` x `h` texels to (x, y) of a layer below `max_layers`. A texel has as many bytes as
   /// the format has channels. Error kGraphicsGl: no graphics memory for so many layers.
@@ -51,18 +50,11 @@ class LayeredTexture {
   Result<void> grow(int layers);
   /// Replaces the texture by a new one with this many layers.
   Result<void> make(int layers);
-  /// Copies the first `layers` of another texture to this one.
-  void copy_layers(const gl::Texture& from, int layers);
-  /// Makes the small texture at least `edge` texels square, and binds it.
-  void bind_small(int edge);
 
   Format format_;
-  TexelWay way_ = TexelWay::kStraight;
+  LayerSupply supply_ = LayerSupply::kByNeed;
   int edge_ = 0, max_layers_ = 0, layers_ = 0;
   gl::Texture texture_;
-  gl::Texture small_;  ///< what is blitted
-  int small_edge_ = 0;
-  gl::Framebuffer from_, to_;  ///< made for the first copy
 };
 
 }  // namespace mirage

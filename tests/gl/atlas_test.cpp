@@ -1,8 +1,6 @@
 // Layered textures: layers are made when needed, and former content stays, byte for byte.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "client/draw/impostor_atlas.h"
 #include "client/draw/layered_texture.h"
 #include "shaders/gl/egl_context.h"
@@ -31,18 +29,11 @@ std::vector<std::uint8_t> read(const LayeredTexture& texture, int layer, int cha
   return out;
 }
 
-class Layered : public testing::TestWithParam<TexelWay> {};
-
-INSTANTIATE_TEST_SUITE_P(Ways, Layered, testing::Values(TexelWay::kStraight, TexelWay::kBlitted),
-                         [](const auto& way) {
-                           return way.param == TexelWay::kStraight ? "straight" : "blitted";
-                         });
-
-TEST_P(Layered, GrowsByNeedAndKeepsWhatIsThere) {
+TEST(LayeredTexture, GrowsByNeedAndKeepsWhatIsThere) {
   Result<gl::EglContext> egl = gl::EglContext::create("auto");
   ASSERT_TRUE(egl);
   for (const GLenum format : {GL_SRGB8_ALPHA8, GL_RGBA8, GL_R8}) {
-    LayeredTexture texture({format, GL_NEAREST}, kEdge, kLayers, GetParam());
+    LayeredTexture texture({format, GL_NEAREST}, kEdge, kLayers, LayerSupply::kByNeed);
     EXPECT_EQ(texture.gpu_bytes(), 0u);
     EXPECT_EQ(texture.id(), 0u);
     const int channels = format == GL_R8 ? 1 : 4;
@@ -64,24 +55,16 @@ TEST_P(Layered, GrowsByNeedAndKeepsWhatIsThere) {
   EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
 
-TEST_P(Layered, ATileGoesToItsPlaceAlone) {
+TEST(LayeredTexture, HasAllItsLayersAtOnceOnACard) {
   Result<gl::EglContext> egl = gl::EglContext::create("auto");
   ASSERT_TRUE(egl);
-  for (const GLenum format : {GL_SRGB8_ALPHA8, GL_RGBA8, GL_R8}) {
-    const int channels = format == GL_R8 ? 1 : 4;
-    LayeredTexture texture({format, GL_NEAREST}, kEdge, kLayers, GetParam());
-    std::vector<std::uint8_t> expected = pattern(0, channels);
-    ASSERT_TRUE(texture.upload(0, 0, 0, kEdge, kEdge, expected.data()));
-    constexpr int kX = 13, kY = 5, kW = 17, kH = 42;
-    std::vector<std::uint8_t> tile = pattern(3, channels);
-    tile.resize(static_cast<std::size_t>(kW * kH * channels));
-    ASSERT_TRUE(texture.upload(0, kX, kY, kW, kH, tile.data()));
-    for (int row = 0; row < kH; ++row) {
-      std::copy_n(tile.begin() + row * kW * channels, kW * channels,
-                  expected.begin() + ((kY + row) * kEdge + kX) * channels);
-    }
-    EXPECT_EQ(read(texture, 0, channels), expected) << format;
+  LayeredTexture texture({GL_R8, GL_NEAREST}, kEdge, kLayers, LayerSupply::kAtOnce);
+  EXPECT_EQ(texture.gpu_bytes(), 0u);
+  for (const int layer : {0, kLayers - 1}) {
+    ASSERT_TRUE(texture.upload(layer, 0, 0, kEdge, kEdge, pattern(layer, 1).data()));
+    EXPECT_EQ(texture.layers(), kLayers);
   }
+  for (const int layer : {0, kLayers - 1}) EXPECT_EQ(read(texture, layer, 1), pattern(layer, 1));
 }
 
 TEST(ImpostorAtlas, TakesNoMemoryBeforeTheFirstTile) {
