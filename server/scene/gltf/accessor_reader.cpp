@@ -76,8 +76,17 @@ Result<void> for_each_element(const Document& document, int index, Put put) {
   return {};
 }
 
+/// Checks the type, and, before memory is taken, that there is content.
 Result<void> check_components(const Document& document, int index, std::size_t components) {
-  const std::size_t have = component_count(document.model.accessors[index].type);
+  const tinygltf::Accessor& accessor = document.model.accessors[index];
+  const std::size_t have = component_count(accessor.type);
+  if (have == 0) {
+    return make_error(ErrorId::kSceneReference,
+                      "accessors[" + std::to_string(index) + "] cannot be used");
+  }
+  if (accessor.bufferView >= 0 && document.view_bytes(accessor.bufferView).empty()) {
+    return absent_error(index);
+  }
   if (have == components) return {};
   return make_error(ErrorId::kSceneFormat,
                     "accessors[" + std::to_string(index) + "] has " + std::to_string(have) +

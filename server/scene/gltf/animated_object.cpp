@@ -217,7 +217,7 @@ Result<void> Builder::add_targets(int node, std::size_t first_vertex,
   const std::vector<double>& rest = source.weights.empty() ? mesh.weights : source.weights;
   for (std::size_t t = 0; t < count; ++t) {
     set.rest_weights.push_back(t < rest.size() ? static_cast<float>(rest[t]) : 0.0f);
-    auto target = read_target(in_.document, mesh, t, origins, first_vertex);
+    auto target = read_target(in_.document, mesh, t, origins, first_vertex, tally_);
     if (!target) return target.error();
     set.targets.push_back(target.take());
   }

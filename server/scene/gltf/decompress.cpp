@@ -35,7 +35,11 @@ json* extension(json& object, const char* name) {
 
 /// Returns the bytes that `place` ("buffer", "byteOffset", "byteLength") names.
 Result<ByteSpan> bytes_at(const json& place, const Document& document) {
-  const BufferData& buffer = document.buffers[place["buffer"].get<std::size_t>()];
+  const auto index = place["buffer"].get<std::size_t>();
+  if (index >= document.buffers.size()) {
+    return make_error(ErrorId::kSceneReference, "compressed data without a buffer");
+  }
+  const BufferData& buffer = document.buffers[index];
   const auto offset = place.value("byteOffset", std::uint64_t{0});
   const auto length = place["byteLength"].get<std::uint64_t>();
   if (buffer.absent) {
@@ -96,7 +100,30 @@ Result<ViewJob> view_job(const json& source, std::size_t view, const Document& d
   return job;
 }
 
-Result<std::vector<ViewJob>> find_views(json& root, const Document& document) {
+/// Forgives damaged data. What is too large, or what this build cannot decode, is an error: leaving
+/// it out would hide what the user can mend.
+Result<void> forgive_damage(const Error& error, std::string_view what, Tally& tally) {
+  const bool damage = error.id == ErrorId::kSceneFormat || error.id == ErrorId::kSceneRange ||
+                      error.id == ErrorId::kSceneReference;
+  if (!damage) return error;
+  return tally.lose(what, error);
+}
+
+constexpr std::string_view kBrokenViews = "compressed bufferViews that cannot be decoded left out";
+constexpr std::string_view kBrokenMeshes = "compressed primitives that cannot be decoded left out";
+
+/// Replaces a compressed bufferView by one without content.
+void empty_view(json& view) { view = json{{"buffer", 0}, {"byteLength", 0}}; }
+
+/// Leaves a compressed primitive nothing to draw.
+void empty_primitive(json& primitive) {
+  primitive["attributes"] = json::object();
+  primitive.erase("indices");
+  primitive.erase("targets");
+  primitive["extensions"].erase(kDraco);
+}
+
+Result<std::vector<ViewJob>> find_views(json& root, const Document& document, Tally& tally) {
   std::vector<ViewJob> jobs;
   Allowance allowance;
   const auto views = root.find("bufferViews");
@@ -108,7 +135,12 @@ Result<std::vector<ViewJob>> find_views(json& root, const Document& document) {
     }
     if (source == nullptr) continue;
     auto job = view_job(*source, i, document);
-    if (!job) return job.error();
+    if (!job) {
+      auto forgiven = forgive_damage(job.error(), kBrokenViews, tally);
+      if (!forgiven) return forgiven.error();
+      empty_view((*views)[i]);
+      continue;
+    }
     auto ok = allowance.take(job->how.decoded_bytes());
     if (!ok) return named(view_name(i), ok.error());
     jobs.push_back(job.take());
@@ -162,7 +194,7 @@ bool has_plain_data(const json& primitive, const json& root) {
   return true;
 }
 
-Result<std::vector<DracoJob>> find_primitives(json& root, const Document& document) {
+Result<std::vector<DracoJob>> find_primitives(json& root, const Document& document, Tally& tally) {
   std::vector<DracoJob> jobs;
   std::uint64_t faces = 0;
   const auto meshes = root.find("meshes");
@@ -176,7 +208,12 @@ Result<std::vector<DracoJob>> find_primitives(json& root, const Document& docume
       const std::string name =
           "meshes[" + std::to_string(m) + "].primitives[" + std::to_string(p) + "]";
       auto job = draco_job(primitives[p], *source, root, document);
-      if (!job) return named(name, job.error());
+      if (!job) {
+        auto ok = forgive_damage(named(name, job.error()), kBrokenMeshes, tally);
+        if (!ok) return ok.error();
+        empty_primitive(primitives[p]);
+        continue;
+      }
       faces += job->cost / kDracoFaceBytes;
       if (faces > kMaxDracoFacesInFile) {
         return make_error(
@@ -265,8 +302,9 @@ std::size_t batch_end(const std::vector<DracoJob>& jobs, std::size_t begin) {
 
 }  // namespace
 
-Result<void> decompress_views(json& root, Document& document, const Workers& workers) {
-  auto jobs = find_views(root, document);
+Result<void> decompress_views(json& root, Document& document, const Workers& workers,
+                              Tally& tally) {
+  auto jobs = find_views(root, document, tally);
   if (!jobs) return jobs.error();
   workers.each(jobs->size(), [&](std::size_t i) {
     ViewJob& job = (*jobs)[i];
@@ -278,8 +316,13 @@ Result<void> decompress_views(json& root, Document& document, const Workers& wor
     }
   });
   for (ViewJob& job : *jobs) {
-    if (job.error) return named(view_name(job.view), *job.error);
     json& view = root["bufferViews"][job.view];
+    if (job.error) {
+      auto ok = forgive_damage(named(view_name(job.view), *job.error), kBrokenViews, tally);
+      if (!ok) return ok;
+      empty_view(view);
+      continue;
+    }
     view["byteOffset"] = 0;
     view["byteLength"] = job.decoded.size();
     view["buffer"] = add_buffer(std::move(job.decoded), document);
@@ -290,7 +333,7 @@ Result<void> decompress_views(json& root, Document& document, const Workers& wor
 
 Result<void> decompress_primitives(json& root, Document& document, const Workers& workers,
                                    Tally& tally) {
-  auto jobs = find_primitives(root, document);
+  auto jobs = find_primitives(root, document, tally);
   if (!jobs) return jobs.error();
   Allowance allowance;
   for (std::size_t begin = 0; begin < jobs->size();) {
@@ -306,7 +349,12 @@ Result<void> decompress_primitives(json& root, Document& document, const Workers
     });
     for (; begin < end; ++begin) {
       DracoJob& job = (*jobs)[begin];
-      if (job.error) return named(job.name, *job.error);
+      if (job.error) {
+        auto ok = forgive_damage(named(job.name, *job.error), kBrokenMeshes, tally);
+        if (!ok) return ok;
+        empty_primitive(*job.primitive);
+        continue;
+      }
       std::uint64_t bytes = job.mesh.indices.size() * 4;
       for (const auto& attribute : job.mesh.attributes) bytes += attribute.size();
       if (auto ok = allowance.take(bytes); !ok) return ok.error();

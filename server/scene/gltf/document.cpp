@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "server/scene/gltf/decompress.h"
 #include "server/scene/gltf/file_guard.h"
 #include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/json_extensions.h"
+#include "server/scene/gltf/json_mend.h"
 #include "server/scene/gltf/json_schema.h"
 #include "server/scene/gltf/model_check.h"
 #include "server/scene/gltf/uri_loader.h"
@@ -46,16 +48,7 @@ bool is_supported(std::string_view extension) {
          std::end(kSupportedExtensions);
 }
 
-Result<json> parse_json(std::string_view text, Tally& tally) {
-  auto twice = scan_json(text);
-  if (!twice) return twice.error();
-  if (*twice > 0) {  // glTF §2.7 forbids it; parsers take the last
-    auto ok =
-        tally.forgive("files with duplicate names in JSON, the last of each counts",
-                      make_error(ErrorId::kSceneFormat,
-                                 std::to_string(*twice) + " JSON objects name a property twice"));
-    if (!ok) return ok.error();
-  }
+Result<json> parse_strictly(std::string_view text) {
   try {
     return json::parse(text.begin(), text.end());
   } catch (const json::parse_error& error) {
@@ -66,6 +59,28 @@ Result<json> parse_json(std::string_view text, Tally& tally) {
   } catch (const std::exception& error) {
     return make_error(ErrorId::kSceneFormat, std::string("JSON: ") + error.what());
   }
+}
+
+Result<json> parse_json(std::string_view text, Tally& tally) {
+  auto twice = scan_json(text);
+  if (!twice) return twice.error();
+  if (*twice > 0) {  // glTF §2.7 forbids it; parsers take the last
+    auto ok =
+        tally.forgive("files with duplicate names in JSON, the last of each counts",
+                      make_error(ErrorId::kSceneFormat,
+                                 std::to_string(*twice) + " JSON objects name a property twice"));
+    if (!ok) return ok.error();
+  }
+  auto root = parse_strictly(text);
+  if (root) return root;
+  const std::string mended = mend_json(text);
+  if (mended == text) return root;
+  auto second = parse_strictly(mended);
+  if (!second) return root;
+  auto ok = tally.forgive(
+      "files with text that is not UTF-8, or numbers that are not finite, in JSON", root.error());
+  if (!ok) return ok.error();
+  return second;
 }
 
 /// Checked before the rest of the schema. A file of another version, or with an unsupported
@@ -163,7 +178,6 @@ Result<BufferData> load_buffer(json& entry, std::size_t index, const Document& d
                                const GltfFile& file, std::uint64_t bytes_left, Tally& tally) {
   const std::string what = "buffers[" + std::to_string(index) + "]";
   BufferData buffer;
-  buffer.length = entry["byteLength"].get<std::uint64_t>();
   if (is_fallback(entry)) {
     buffer.absent = true;
     return buffer;
@@ -179,21 +193,46 @@ Result<BufferData> load_buffer(json& entry, std::size_t index, const Document& d
     buffer.absent = true;
     return buffer;
   }
-  if (buffer.data.size() < buffer.length) {
-    return make_error(ErrorId::kSceneRange,
-                      what + ".byteLength = " + std::to_string(buffer.length) + ", only " +
-                          std::to_string(buffer.data.size()) + " bytes are there");
+  const std::uint64_t there = buffer.data.size();
+  buffer.length = entry.value("byteLength", there);
+  if (there < buffer.length) {
+    auto ok = tally.lose("buffers shorter than they say",
+                         make_error(ErrorId::kSceneRange,
+                                    what + ".byteLength = " + std::to_string(buffer.length) +
+                                        ", only " + std::to_string(there) + " bytes are there"));
+    if (!ok) return ok.error();
+    buffer.length = there;
   }
   return buffer;
+}
+
+/// A buffer that cannot be had counts as absent, if another one can be had.
+Result<void> leave_out_buffers(const std::vector<std::optional<Error>>& errors, Document& document,
+                               Tally& tally) {
+  const auto had = [](const BufferData& buffer) { return !buffer.absent; };
+  for (const std::optional<Error>& error : errors) {
+    if (!error) continue;
+    if (std::none_of(document.buffers.begin(), document.buffers.end(), had)) return *error;
+    auto ok = tally.lose("buffers that cannot be had left out", *error);
+    if (!ok) return ok;
+  }
+  return {};
 }
 
 Result<void> load_buffers(json& root, Document& document, const GltfFile& file, Tally& tally) {
   const auto list = root.find("buffers");
   if (list == root.end()) return {};
   std::uint64_t bytes_left = kMaxFileBytes;
+  std::vector<std::optional<Error>> errors(list->size());
   for (std::size_t i = 0; i < list->size(); ++i) {
     auto buffer = load_buffer((*list)[i], i, document, file, bytes_left, tally);
-    if (!buffer) return buffer.error();
+    if (!buffer) {
+      if (buffer.error().id == ErrorId::kSceneLimit) return buffer.error();
+      errors[i] = buffer.error();
+      document.buffers.push_back({});
+      document.buffers.back().absent = true;
+      continue;
+    }
     const std::uint64_t used = buffer->owned.size();
     if (used > bytes_left) {
       return make_error(ErrorId::kSceneLimit,
@@ -203,22 +242,17 @@ Result<void> load_buffers(json& root, Document& document, const GltfFile& file, 
     document.buffers.push_back(buffer.take());
   }
   root.erase("buffers");
-  return {};
+  return leave_out_buffers(errors, document, tally);
 }
 
-/// Returns a file that may be read; an empty path if it is missing, as viewers then draw the
-/// material without it.
+/// Returns a file that may be read. Errors: no such file, or one that is not read.
 Result<std::filesystem::path> image_file(const std::string& uri, const Document& document,
                                          const std::string& what, Tally& tally) {
   auto path = resolve_uri(uri, document.folder, tally);
   if (!path) return make_error(path.error().id, what + ": " + path.error().text);
   std::error_code code;
   if (!std::filesystem::exists(*path, code)) {
-    auto ok =
-        tally.forgive("missing image files left out",
-                      make_error(ErrorId::kSceneMissing, what + ": '" + uri + "': no such file"));
-    if (!ok) return ok.error();
-    return std::filesystem::path();
+    return make_error(ErrorId::kSceneMissing, what + ": '" + uri + "': no such file");
   }
   if (!std::filesystem::is_regular_file(*path, code)) {
     return make_error(ErrorId::kSceneUri, what + ": '" + uri + "': not a regular file");
@@ -226,7 +260,16 @@ Result<std::filesystem::path> image_file(const std::string& uri, const Document&
   return path;
 }
 
-/// Records where each image is. A forbidden file is refused now; pixels are read later.
+/// Forgives an image that cannot be had: viewers draw the material without it.
+Result<void> leave_out_image(const Error& error, Tally& tally) {
+  const std::string_view what = error.id == ErrorId::kSceneMissing ? "missing image files left out"
+                                : error.id == ErrorId::kSceneUri
+                                    ? "images elsewhere than beside the file left out"
+                                    : "images without a place left out";
+  return tally.forgive(what, error);
+}
+
+/// Records where each image is. Whether a file may be read is decided now; pixels are read later.
 Result<void> take_images(json& root, Document& document, Tally& tally) {
   const auto list = root.find("images");
   if (list == root.end()) return {};
@@ -235,13 +278,19 @@ Result<void> take_images(json& root, Document& document, Tally& tally) {
     const std::string what = "images[" + std::to_string(i) + "]";
     ImageSource image{take_text(entry, "uri"), {}, entry.value("bufferView", -1)};
     if (image.uri.empty() == (image.buffer_view < 0)) {
-      return make_error(ErrorId::kSceneFormat, what + " needs either uri or bufferView");
+      auto ok = leave_out_image(
+          make_error(ErrorId::kSceneFormat, what + " needs either uri or bufferView"), tally);
+      if (!ok) return ok;
+      if (image.buffer_view >= 0) image.uri.clear();
     }
     if (!image.uri.empty() && !image.uri.starts_with("data:")) {
       auto path = image_file(image.uri, document, what, tally);
-      if (!path) return path.error();
-      image.file = path.take();
       image.uri.clear();
+      if (path) {
+        image.file = path.take();
+      } else if (auto ok = leave_out_image(path.error(), tally); !ok) {
+        return ok;
+      }
     }
     document.images.push_back(std::move(image));
   }
@@ -260,6 +309,45 @@ void fill_sparse_defaults(json& root) {
       json& where = (*sparse)[part];
       if (!where.contains("byteOffset")) where["byteOffset"] = 0;
     }
+  }
+}
+
+/// tinygltf refuses strides that are no multiples of 4, or above 252, so they are hidden from it. A
+/// stride of 0 is none.
+Result<std::vector<std::size_t>> take_strides(json& root, Tally& tally) {
+  std::vector<std::size_t> taken;
+  const auto views = root.find("bufferViews");
+  if (views == root.end()) return taken;
+  for (json& view : *views) {
+    const auto stride = view.value("byteStride", std::size_t{0});
+    if (stride % 4 != 0 || stride > 252) {
+      auto ok = tally.forgive(
+          "bufferViews of a stride that glTF forbids",
+          make_error(ErrorId::kSceneFormat, "bufferViews[" + std::to_string(taken.size()) +
+                                                "].byteStride = " + std::to_string(stride) +
+                                                " is no multiple of 4 up to 252"));
+      if (!ok) return ok.error();
+    }
+    taken.push_back(stride);
+    view.erase("byteStride");
+  }
+  return taken;
+}
+
+/// tinygltf refuses cameras and spot lights without the numbers that it needs.
+void fill_defaults(json& root) {
+  if (const auto cameras = root.find("cameras"); cameras != root.end()) {
+    for (json& camera : *cameras) {
+      json& lens = camera[camera["type"].get<std::string>()];
+      for (const char* key : {"yfov", "znear", "zfar", "xmag", "ymag"}) {
+        if (!lens.contains(key)) lens[key] = key == std::string_view("yfov") ? 0.8 : 1.0;
+      }
+    }
+  }
+  const json::json_pointer lights("/extensions/KHR_lights_punctual/lights");
+  if (!root.contains(lights)) return;
+  for (json& light : root[lights]) {
+    if (light["type"] == "spot" && !light.contains("spot")) light["spot"] = json::object();
   }
 }
 
@@ -282,8 +370,11 @@ std::map<std::pair<std::size_t, std::size_t>, int> take_indices_without_view(jso
   return taken;
 }
 
-Result<void> parse_model(json& root, Document& document) {
+Result<void> parse_model(json& root, Document& document, Tally& tally) {
   const auto without_view = take_indices_without_view(root);
+  const auto strides = take_strides(root, tally);
+  if (!strides) return strides.error();
+  fill_defaults(root);
   tinygltf::TinyGLTF loader;
   std::string error;
   std::string warning;
@@ -299,6 +390,9 @@ Result<void> parse_model(json& root, Document& document) {
   for (const auto& [place, accessor] : without_view) {
     document.model.meshes[place.first].primitives[place.second].indices = accessor;
   }
+  for (std::size_t i = 0; i < strides->size(); ++i) {
+    document.model.bufferViews[i].byteStride = (*strides)[i];
+  }
   return {};
 }
 
@@ -306,6 +400,7 @@ Result<void> parse_model(json& root, Document& document) {
 
 std::span<const std::uint8_t> Document::view_bytes(int view) const {
   const tinygltf::BufferView& place = model.bufferViews[view];
+  if (place.byteLength == 0) return {};
   const BufferData& buffer = buffers[place.buffer];
   if (buffer.absent) return {};
   return buffer.data.subspan(place.byteOffset, place.byteLength);
@@ -313,7 +408,7 @@ std::span<const std::uint8_t> Document::view_bytes(int view) const {
 
 Result<Document> load_document(const std::string& path, const std::string& variant,
                                const Workers& workers, Tally& tally) {
-  auto file = open_gltf(path);
+  auto file = open_gltf(path, tally);
   if (!file) return file.error();
   Document document;
   document.folder = std::filesystem::path(path).parent_path();
@@ -325,19 +420,20 @@ Result<Document> load_document(const std::string& path, const std::string& varia
   if (auto ok = check_sizes(*raw); !ok) return ok.error();
   document.animations = read_animations(*raw, tally);
   document.importance = read_importance(*raw, tally);
-  auto clean = sanitize(raw.take());
+  auto clean = sanitize(raw.take(), tally);
   if (!clean) return clean.error();
   if (auto ok = choose_variant(*clean, variant, tally); !ok) return ok.error();
   if (auto ok = settle_basisu(*clean, path, tally); !ok) return ok.error();
   document.center = read_center(*clean);
   if (auto ok = load_buffers(*clean, document, *file, tally); !ok) return ok.error();
   if (auto ok = take_images(*clean, document, tally); !ok) return ok.error();
-  if (auto ok = decompress_views(*clean, document, workers); !ok) return ok.error();
+  if (auto ok = decompress_views(*clean, document, workers, tally); !ok) return ok.error();
   if (auto ok = decompress_primitives(*clean, document, workers, tally); !ok) return ok.error();
   fill_sparse_defaults(*clean);
-  if (auto ok = parse_model(*clean, document); !ok) return ok.error();
+  if (auto ok = parse_model(*clean, document, tally); !ok) return ok.error();
   document.file = std::move(file->bytes);
-  if (auto ok = check_model(document); !ok) return ok.error();
+  if (auto ok = check_model(document, tally); !ok) return ok.error();
+  if (file->lengths_off && tally.first_loss()) return *file->lengths_off;  // bytes are missing
   return document;
 }
 

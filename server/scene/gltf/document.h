@@ -24,7 +24,7 @@ namespace mirage::gltf {
 struct BufferData {
   std::vector<std::uint8_t> owned;     ///< empty for the BIN chunk
   std::span<const std::uint8_t> data;  ///< at least `length` bytes, unless absent
-  std::uint64_t length = 0;            ///< byteLength as declared
+  std::uint64_t length = 0;            ///< byteLength as declared, as far as there are bytes
   bool absent = false;                 ///< neither uri nor BIN chunk: content undefined
 };
 
@@ -47,7 +47,7 @@ struct Document {
   ImportanceMarks importance;
   glm::dvec3 center{0};  ///< CESIUM_RTC: place of the file's origin, m
 
-  /// Returns the bytes of a checked bufferView; empty if its buffer is absent.
+  /// Returns the bytes of a checked bufferView; empty if it cannot be used or its buffer is absent.
   std::span<const std::uint8_t> view_bytes(int view) const;
 };
 

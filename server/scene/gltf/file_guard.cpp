@@ -43,33 +43,132 @@ std::string guess_kind(const std::vector<std::uint8_t>& bytes) {
   return "neither GLB nor JSON";
 }
 
-/// Walks the chunks of a GLB whose header is already checked; `end` is its declared length.
-Result<void> split_chunks(GltfFile& file, std::size_t end) {
-  std::size_t at = kHeaderBytes;
-  for (int chunk = 0; end - at >= kChunkHeaderBytes; ++chunk) {
-    const std::size_t length = read_u32(file.bytes, at);
-    const std::uint32_t type = read_u32(file.bytes, at + 4);
-    at += kChunkHeaderBytes;
-    if (length > end - at) {
-      return format_error("GLB chunk " + std::to_string(chunk) + " claims " +
-                          std::to_string(length) + " bytes, " + std::to_string(end - at) +
-                          " are left");
+/// Returns the length of the JSON object at the front of the text; 0 if it does not end.
+std::size_t object_length(std::string_view text) {
+  int depth = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') {
+      for (++i; i < text.size() && text[i] != '"'; ++i) i += text[i] == '\\' ? 1 : 0;
+    } else if (c == '{' || c == '[') {
+      ++depth;
+    } else if ((c == '}' || c == ']') && --depth == 0) {
+      return i + 1;
     }
-    if (chunk == 0) {
-      if (type != kChunkJson) return format_error("the first GLB chunk is not JSON");
-      file.json = {reinterpret_cast<const char*>(file.bytes.data()) + at, length};
-    } else if (type == kChunkJson) {
-      return format_error("GLB has two JSON chunks");
-    } else if (type == kChunkBin) {
-      if (file.has_bin) return format_error("GLB has two BIN chunks");
-      file.bin = {file.bytes.data() + at, length};
-      file.has_bin = true;
-    }  // other chunk types: to be ignored, glTF 2.0 §4.4
-    at += length;
   }
-  if (at != end) return format_error("GLB ends inside a chunk header");
-  return {};
+  return 0;
 }
+
+/// Splits a GLB into its chunks. Lengths that are off are forgiven, as far as the bytes tell where
+/// the chunks are.
+class ChunkSplitter {
+ public:
+  ChunkSplitter(GltfFile& file, Tally& tally) : file_(file), tally_(tally) {}
+
+  Result<void> split() {
+    const std::size_t size = file_.bytes.size();
+    const std::size_t length = read_u32(file_.bytes, 8);
+    if (length < kHeaderBytes + kChunkHeaderBytes || length > size) {
+      auto ok = forgive(length, size,
+                        "GLB header says " + std::to_string(length) + " bytes, the file has " +
+                            std::to_string(size));
+      if (!ok) return ok;
+      end_ = size;
+    } else {
+      end_ = length;
+    }
+    while (end_ - at_ >= kChunkHeaderBytes) {
+      if (auto ok = take_chunk(); !ok) return ok;
+    }
+    return at_ == end_ ? Result<void>{} : forgive(at_, end_, "GLB ends inside a chunk header");
+  }
+
+ private:
+  /// Forgives lengths that are off by a few bytes.
+  Result<void> forgive(std::uint64_t said, std::uint64_t there, const std::string& text) {
+    constexpr std::uint64_t kFewBytes = 64;
+    const Error error = format_error(text);
+    if (std::max(said, there) - std::min(said, there) > kFewBytes) return error;
+    if (!file_.lengths_off) file_.lengths_off = error;
+    return tally_.forgive("GLB lengths a few bytes off", error);
+  }
+
+  Result<void> take_chunk() {
+    std::size_t length = read_u32(file_.bytes, at_);
+    const std::uint32_t type = read_u32(file_.bytes, at_ + 4);
+    at_ += kChunkHeaderBytes;
+    if (length > end_ - at_) {
+      auto ok =
+          forgive(length, end_ - at_,
+                  "GLB chunk " + std::to_string(chunks_) + " claims " + std::to_string(length) +
+                      " bytes, " + std::to_string(end_ - at_) + " are left");
+      if (!ok) return ok;
+      end_ = file_.bytes.size();
+      length = std::min(length, end_ - at_);
+    }
+    if (chunks_++ == 0) return take_json(length, type);
+    if (type == kChunkJson) return format_error("GLB has two JSON chunks");
+    if (type == kChunkBin) return take_bin(length);
+    at_ += length;  // other chunk types: to be ignored, glTF 2.0 §4.4
+    return {};
+  }
+
+  Result<void> take_json(std::size_t length, std::uint32_t type) {
+    const std::string_view rest(reinterpret_cast<const char*>(file_.bytes.data()) + at_,
+                                end_ - at_);
+    if (type != kChunkJson) return format_error("the first GLB chunk is not JSON");
+    const std::size_t object = object_length(rest);
+    file_.json = rest.substr(0, object > 0 ? object : length);
+    if (object == 0 || (object <= length && only_padding(rest.substr(object, length - object)) &&
+                        chunk_at(at_ + length))) {
+      at_ += length;
+      return {};
+    }
+    auto ok = forgive(length, object,
+                      "the JSON chunk has " + std::to_string(length) + " bytes, its object " +
+                          std::to_string(object));
+    if (!ok) return ok;
+    // The next chunk begins behind a few bytes of padding.
+    constexpr std::size_t kMostPadding = 64;
+    const std::size_t mark = rest.find(std::string_view("BIN\0", 4), object);
+    const bool near =
+        mark != std::string_view::npos && mark >= object + 4 && mark <= object + 4 + kMostPadding;
+    at_ = near ? at_ + mark - 4 : end_;
+    return {};
+  }
+
+  static bool only_padding(std::string_view text) {
+    return text.find_first_not_of(std::string_view(" \t\r\n\0", 5)) == std::string_view::npos;
+  }
+
+  /// True if the GLB ends there, or a chunk begins that fits.
+  bool chunk_at(std::size_t place) const {
+    if (place == end_) return true;
+    return place + kChunkHeaderBytes <= end_ &&
+           read_u32(file_.bytes, place) <= end_ - place - kChunkHeaderBytes;
+  }
+
+  Result<void> take_bin(std::size_t length) {
+    if (file_.has_bin) return format_error("GLB has two BIN chunks");
+    file_.has_bin = true;
+    const std::size_t left = end_ - at_ - length;
+    if (!chunk_at(at_ + length)) {
+      auto ok = forgive(length, length + left,
+                        "the BIN chunk has " + std::to_string(length) + " bytes, " +
+                            std::to_string(length + left) + " are left");
+      if (!ok) return ok;
+      length += left;
+    }
+    file_.bin = {file_.bytes.data() + at_, length};
+    at_ += length;
+    return {};
+  }
+
+  GltfFile& file_;
+  Tally& tally_;
+  std::size_t at_ = kHeaderBytes, end_ = 0;
+  int chunks_ = 0;
+};
 
 /// The names in all objects that are open, as hashes.
 class NameWatch {
@@ -121,17 +220,17 @@ Result<std::vector<std::uint8_t>> read_regular_file(const fs::path& path, std::u
   return bytes;
 }
 
-Result<GltfFile> open_gltf(const std::string& path) {
+Result<GltfFile> open_gltf(const std::string& path, Tally& tally) {
   auto bytes = read_regular_file(path, kMaxFileBytes, ErrorId::kSceneMissing);
   if (!bytes && bytes.error().id == ErrorId::kSceneMissing) {
     return make_error(ErrorId::kSceneMissing, bytes.error().text,
                       "a .glb or .gltf file, or a built-in scene as in builtin:forest");
   }
   if (!bytes) return bytes.error();
-  return split_container(bytes.take());
+  return split_container(bytes.take(), tally);
 }
 
-Result<GltfFile> split_container(std::vector<std::uint8_t> bytes) {
+Result<GltfFile> split_container(std::vector<std::uint8_t> bytes, Tally& tally) {
   GltfFile file;
   file.bytes = std::move(bytes);
   if (file.bytes.empty()) return format_error("the file is empty");
@@ -141,12 +240,8 @@ Result<GltfFile> split_container(std::vector<std::uint8_t> bytes) {
     }
     const std::uint32_t version = read_u32(file.bytes, 4);
     if (version != 2) return format_error("GLB version " + std::to_string(version) + ", need 2");
-    const std::size_t length = read_u32(file.bytes, 8);
-    if (length < kHeaderBytes + kChunkHeaderBytes || length > file.bytes.size()) {
-      return format_error("GLB header says " + std::to_string(length) + " bytes, the file has " +
-                          std::to_string(file.bytes.size()));
-    }
-    if (auto chunks = split_chunks(file, length); !chunks) return chunks.error();
+    ChunkSplitter splitter(file, tally);
+    if (auto ok = splitter.split(); !ok) return ok.error();
   } else {
     file.json = {reinterpret_cast<const char*>(file.bytes.data()), file.bytes.size()};
     if (file.json.starts_with("\xef\xbb\xbf")) file.json.remove_prefix(3);

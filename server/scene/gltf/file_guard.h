@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "protocol/base/result.h"
+#include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {
 
@@ -19,6 +21,7 @@ struct GltfFile {
   std::string_view json;
   std::span<const std::uint8_t> bin;
   bool has_bin = false;
+  std::optional<Error> lengths_off;  ///< forgiven, as long as all that the JSON names is there
 };
 
 /// Reads a whole regular file. Errors: kSceneMissing (absent or unreadable), `not_regular` for a
@@ -27,10 +30,11 @@ Result<std::vector<std::uint8_t>> read_regular_file(const std::filesystem::path&
                                                     std::uint64_t max_bytes, ErrorId not_regular);
 
 /// Reads and splits a .glb or .gltf file; its bytes decide which it is.
-Result<GltfFile> open_gltf(const std::string& path);
+Result<GltfFile> open_gltf(const std::string& path, Tally& tally);
 
-/// Splits bytes that are already read. Errors: kSceneFormat.
-Result<GltfFile> split_container(std::vector<std::uint8_t> bytes);
+/// Splits bytes that are already read. Lengths in a GLB that are off are forgiven. Errors:
+/// kSceneFormat.
+Result<GltfFile> split_container(std::vector<std::uint8_t> bytes, Tally& tally);
 
 /// Checks nesting depth and number of values without recursion. Returns the number of objects that
 /// name a property twice (names compared by their bytes). Errors: kSceneLimit.

@@ -52,7 +52,10 @@ Result<Scene> import_stages(const std::string& path, const Workers& workers,
   Scene scene = taken.take();
   move_origin(scene, *tree, document->center);
   scene.name = std::filesystem::path(path).stem().string();
-  if (scene.instances.empty()) tally.note("nothing to draw");
+  if (scene.instances.empty()) {
+    if (tally.first_loss()) return *tally.first_loss();  // nobody can draw what is left
+    tally.note("nothing to draw");
+  }
 
   const gltf::Bounds bounds = gltf::scene_bounds(scene);
   scene.lighting = gltf::import_lighting(*document, *tree, bounds, tally, scene.own_lights);

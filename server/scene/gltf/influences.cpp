@@ -40,11 +40,15 @@ void normalise(VertexBinding& v) {
 
 /// Returns finite displacements of one attribute of a primitive's target; empty if it has none.
 Result<std::vector<float>> deltas(const Document& document, const Attributes& target,
-                                  const char* semantic) {
+                                  const char* semantic, Tally& tally) {
   const int accessor = find(target, semantic);
   if (accessor < 0) return std::vector<float>{};
   auto values = read_floats(document, accessor, 3);
-  if (!values) return values.error();
+  if (!values) {
+    auto ok = tally.forgive("morph targets that cannot be used left out", values.error());
+    if (!ok) return ok.error();
+    return std::vector<float>{};
+  }
   for (float& v : *values) {
     if (!(std::abs(v) <= kMaxCoordinate)) v = 0;  // also for NaN
   }
@@ -67,9 +71,13 @@ Result<std::vector<VertexBinding>> read_influences(const Document& document,
     const int weight_accessor = find(attributes, std::string("WEIGHTS") + set);
     if (joint_accessor < 0 || weight_accessor < 0) continue;
     auto index = read_unsigned(document, joint_accessor, 4);
-    if (!index) return index.error();
     auto weight = read_floats(document, weight_accessor, 4);
-    if (!weight) return weight.error();
+    if (!index || !weight) {
+      auto ok = tally.forgive("primitives with broken joints or weights left unskinned",
+                              index ? weight.error() : index.error());
+      if (!ok) return ok.error();
+      return std::vector<VertexBinding>{};
+    }
     const std::size_t count = std::min(index->size(), weight->size());
     VertexBinding none;
     none.weight = glm::vec4(0);
@@ -90,7 +98,7 @@ Result<std::vector<VertexBinding>> read_influences(const Document& document,
 
 Result<MorphTarget> read_target(const Document& document, const tinygltf::Mesh& mesh,
                                 std::size_t target, const std::vector<VertexOrigin>& origins,
-                                std::size_t first_vertex) {
+                                std::size_t first_vertex, Tally& tally) {
   struct Deltas {
     std::vector<float> position, normal, tangent;
   };
@@ -102,7 +110,7 @@ Result<MorphTarget> read_target(const Document& document, const tinygltf::Mesh& 
                                     &per_primitive[p].tangent};
     const char* names[3] = {"POSITION", "NORMAL", "TANGENT"};
     for (int i = 0; i < 3; ++i) {
-      auto values = deltas(document, attributes, names[i]);
+      auto values = deltas(document, attributes, names[i], tally);
       if (!values) return values.error();
       *lists[i] = values.take();
     }

@@ -16,6 +16,15 @@ Rule number(std::string_view key) { return {key, Kind::kNumber}; }
 Rule numbers(std::string_view key, std::size_t size) {
   return {key, Kind::kNumbers, kOptional, {}, nullptr, size};
 }
+Rule vital(Rule rule) {
+  rule.flaw = Flaw::kObject;
+  return rule;
+}
+/// A list whose elements others refer to by index.
+Rule indexed(Rule rule, std::string_view stand_in) {
+  rule.stand_in = stand_in;
+  return rule;
+}
 Rule object(std::string_view key, const Schema& schema, bool required = kOptional) {
   return {key, Kind::kObject, required, {}, &schema};
 }
@@ -30,18 +39,20 @@ const Schema& empty_schema() {
 }
 
 const Schema& accessor_schema() {
-  static const Schema kIndices{{index("bufferView", "bufferViews", kRequired), count("byteOffset"),
-                                count("componentType", kRequired)}};
-  static const Schema kValues{{index("bufferView", "bufferViews", kRequired), count("byteOffset")}};
+  static const Schema kIndices{{index("bufferView", "bufferViews", kRequired),
+                                vital(count("byteOffset")), count("componentType", kRequired)}};
+  static const Schema kValues{
+      {index("bufferView", "bufferViews", kRequired), vital(count("byteOffset"))}};
   static const Schema kSparse{{count("count", kRequired), object("indices", kIndices, kRequired),
                                object("values", kValues, kRequired)}};
-  static const Schema kSchema{{index("bufferView", "bufferViews"),
-                               count("byteOffset"),
-                               count("componentType", kRequired),
-                               {"normalized", Kind::kFlag},
-                               count("count", kRequired),
-                               {"type", Kind::kText, kRequired},
-                               object("sparse", kSparse)}};
+  static const Schema kSchema{
+      {vital(index("bufferView", "bufferViews")),
+       vital(count("byteOffset")),
+       {"componentType", Kind::kComponent, kRequired},
+       {"normalized", Kind::kFlag},
+       count("count", kRequired),
+       {"type", Kind::kChoice, kRequired, "SCALAR VEC2 VEC3 VEC4 MAT2 MAT3 MAT4"},
+       vital(object("sparse", kSparse))}};
   return kSchema;
 }
 
@@ -124,11 +135,11 @@ const Schema& view_schema() {
                                 count("count", kRequired),
                                 {"mode", Kind::kText, kRequired},
                                 {"filter", Kind::kText}}};
-  static const Schema kExtensions{
-      {object("EXT_meshopt_compression", kMeshopt), object("KHR_meshopt_compression", kMeshopt)}};
-  static const Schema kSchema{{index("buffer", "buffers", kRequired), count("byteOffset"),
-                               count("byteLength", kRequired), count("byteStride"),
-                               object("extensions", kExtensions)}};
+  static const Schema kExtensions{{vital(object("EXT_meshopt_compression", kMeshopt)),
+                                   vital(object("KHR_meshopt_compression", kMeshopt))}};
+  static const Schema kSchema{{index("buffer", "buffers", kRequired), vital(count("byteOffset")),
+                               count("byteLength", kRequired), vital(count("byteStride")),
+                               vital(object("extensions", kExtensions))}};
   return kSchema;
 }
 
@@ -137,7 +148,7 @@ const Schema& buffer_schema() {
   static const Schema kExtensions{
       {object("EXT_meshopt_compression", kFallback), object("KHR_meshopt_compression", kFallback)}};
   static const Schema kSchema{
-      {{"uri", Kind::kText}, count("byteLength", kRequired), object("extensions", kExtensions)}};
+      {{"uri", Kind::kText}, count("byteLength"), object("extensions", kExtensions)}};
   return kSchema;
 }
 
@@ -150,13 +161,12 @@ const Schema& mesh_schema() {
   static const Schema kExtensions{
       {object("KHR_draco_mesh_compression", kDraco), object("KHR_materials_variants", kVariants)}};
   static const Schema kPrimitive{{{"attributes", Kind::kIndexMap, kRequired, "accessors"},
-                                  index("indices", "accessors"),
+                                  vital(index("indices", "accessors")),
                                   index("material", "materials"),
-                                  count("mode"),
+                                  vital(count("mode")),
                                   {"targets", Kind::kIndexMapList, kOptional, "accessors"},
                                   object("extensions", kExtensions)}};
-  static const Schema kSchema{
-      {name(), objects("primitives", kPrimitive, kRequired), numbers("weights", 0)}};
+  static const Schema kSchema{{name(), objects("primitives", kPrimitive), numbers("weights", 0)}};
   return kSchema;
 }
 
@@ -184,7 +194,7 @@ const Schema& camera_schema() {
       {number("aspectRatio"), number("yfov"), number("zfar"), number("znear")}};
   static const Schema kOrthographic{
       {number("xmag"), number("ymag"), number("zfar"), number("znear")}};
-  static const Schema kSchema{{{"type", Kind::kText, kRequired},
+  static const Schema kSchema{{{"type", Kind::kChoice, kRequired, "perspective orthographic"},
                                object("perspective", kPerspective),
                                object("orthographic", kOrthographic)}};
   return kSchema;
@@ -197,9 +207,14 @@ const Schema& lights_schema() {
                               number("intensity"),
                               number("range"),
                               object("spot", kSpot)}};
-  static const Schema kSchema{{objects("lights", kLight, kRequired)}};
+  static const Schema kSchema{{indexed(objects("lights", kLight, kRequired), R"({"type":""})")}};
   return kSchema;
 }
+
+constexpr std::string_view kNoAccessor = R"({"componentType":5120,"count":0,"type":"SCALAR"})";
+constexpr std::string_view kNoView = R"({"buffer":0,"byteLength":0})";
+constexpr std::string_view kNoCamera =
+    R"({"type":"perspective","perspective":{"yfov":0.8,"znear":0.1}})";
 
 }  // namespace
 
@@ -209,13 +224,13 @@ const Schema& root_schema() {
       {{"uri", Kind::kText}, {"mimeType", Kind::kText}, index("bufferView", "bufferViews")}};
   static const Schema kSampler{
       {count("magFilter"), count("minFilter"), count("wrapS"), count("wrapT")}};
-  static const Schema kScene{{name(), {"nodes", Kind::kIndexList, kOptional, "nodes"}}};
+  static const Schema kScene{{name(), vital({"nodes", Kind::kIndexList, kOptional, "nodes"})}};
   static const Schema kSkin{{name(),
-                             index("inverseBindMatrices", "accessors"),
+                             vital(index("inverseBindMatrices", "accessors")),
                              index("skeleton", "nodes"),
                              {"joints", Kind::kIndexList, kRequired, "nodes"}}};
   static const Schema kVariant{{name()}};
-  static const Schema kVariants{{objects("variants", kVariant, kRequired)}};
+  static const Schema kVariants{{indexed(objects("variants", kVariant, kRequired), "{}")}};
   static const Schema kCenter{{numbers("center", 3)}};
   static const Schema kExtensions{{object("KHR_lights_punctual", lights_schema()),
                                    object("KHR_materials_variants", kVariants),
@@ -223,19 +238,19 @@ const Schema& root_schema() {
   static const Schema kSchema{{object("asset", kAsset, kRequired),
                                {"extensionsUsed", Kind::kTexts},
                                {"extensionsRequired", Kind::kTexts},
-                               objects("accessors", accessor_schema()),
-                               objects("bufferViews", view_schema()),
-                               objects("buffers", buffer_schema()),
-                               objects("cameras", camera_schema()),
-                               objects("images", kImage),
-                               objects("materials", material_schema()),
-                               objects("meshes", mesh_schema()),
-                               objects("nodes", node_schema()),
-                               objects("samplers", kSampler),
+                               indexed(objects("accessors", accessor_schema()), kNoAccessor),
+                               indexed(objects("bufferViews", view_schema()), kNoView),
+                               indexed(objects("buffers", buffer_schema()), "{}"),
+                               indexed(objects("cameras", camera_schema()), kNoCamera),
+                               indexed(objects("images", kImage), "{}"),
+                               indexed(objects("materials", material_schema()), "{}"),
+                               indexed(objects("meshes", mesh_schema()), "{}"),
+                               indexed(objects("nodes", node_schema()), "{}"),
+                               indexed(objects("samplers", kSampler), "{}"),
                                index("scene", "scenes"),
-                               objects("scenes", kScene),
-                               objects("skins", kSkin),
-                               objects("textures", texture_schema()),
+                               indexed(objects("scenes", kScene), kWholeList),
+                               indexed(objects("skins", kSkin), R"({"joints":[]})"),
+                               indexed(objects("textures", texture_schema()), "{}"),
                                object("extensions", kExtensions)}};
   return kSchema;
 }

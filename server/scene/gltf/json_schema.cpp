@@ -1,5 +1,6 @@
 #include "server/scene/gltf/json_schema.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
@@ -29,13 +30,23 @@ struct Place {
   }
 };
 
+/// True if `word` is one of `words`, which have spaces between them.
+bool is_among(std::string_view word, std::string_view words) {
+  for (std::size_t at = 0; at < words.size();) {
+    const std::size_t end = std::min(words.find(' ', at), words.size());
+    if (words.substr(at, end - at) == word) return true;
+    at = end + 1;
+  }
+  return false;
+}
+
 Error type_error(const Place& place, const char* expected) {
   return make_error(ErrorId::kSceneFormat, place.text() + " is not " + expected);
 }
 
 class Sanitizer {
  public:
-  explicit Sanitizer(const json& root) {
+  Sanitizer(const json& root, Tally& tally) : tally_(tally) {
     for (const auto& [key, value] : root.items()) {
       if (value.is_array()) sizes_[key] = value.size();
     }
@@ -58,14 +69,25 @@ class Sanitizer {
         if (found->is_string()) out[key] = std::move(*found);
         continue;
       }
+      const bool unset = is_unset(*found, rule);
       auto value = any(*found, rule, here);
-      if (!value) return value.error();
-      out[key] = value.take();
+      if (value) {
+        out[key] = value.take();
+        continue;
+      }
+      if (rule.required || (rule.flaw == Flaw::kObject && !unset)) return value.error();
+      auto ok = tally_.lose(unset ? "unset properties written as null or -1"
+                                  : "properties that cannot be used left out",
+                            value.error());
+      if (!ok) return ok.error();
     }
     return out;
   }
 
  private:
+  static bool is_unset(const json& value, const Rule& rule) {
+    return value.is_null() || (rule.kind == Kind::kIndex && value == -1);
+  }
   void take_size(const json& root, const char* name, const char* pointer) {
     const json::json_pointer place(pointer);
     if (root.contains(place) && root.at(place).is_array()) sizes_[name] = root.at(place).size();
@@ -116,10 +138,32 @@ class Sanitizer {
     json out = json::array();
     for (std::size_t i = 0; i < in.size(); ++i) {
       auto value = any(in[i], element, Place{&place, {}, static_cast<std::ptrdiff_t>(i)});
-      if (!value) return value.error();
-      out.push_back(value.take());
+      if (value) {
+        out.push_back(value.take());
+        continue;
+      }
+      if (!forgivable(rule)) return value.error();
+      auto ok = tally_.lose("elements that cannot be used left out", value.error());
+      if (!ok) return ok.error();
+      if (rule.kind == Kind::kIndexMapList) out.push_back(json::object());
+      if (!rule.stand_in.empty()) out.push_back(json::parse(rule.stand_in));
     }
     return out;
+  }
+
+  /// True if one element of a list can be left out without changing what the others mean.
+  static bool forgivable(const Rule& rule) {
+    switch (rule.kind) {
+      case Kind::kObjectList:
+        return rule.stand_in != kWholeList;
+      case Kind::kIndexList:
+        return !rule.required;
+      case Kind::kIndexMapList:
+      case Kind::kTexts:
+        return true;
+      default:
+        return false;
+    }
   }
 
   Result<json> index_map(json& in, const Rule& rule, const Place& place) const {
@@ -129,8 +173,12 @@ class Sanitizer {
     json out = json::object();
     for (auto it = in.begin(); it != in.end(); ++it) {
       auto value = scalar(it.value(), element, Place{&place, it.key()});
-      if (!value) return value.error();
-      out[it.key()] = value.take();
+      if (value) {
+        out[it.key()] = value.take();
+        continue;
+      }
+      auto ok = tally_.lose("properties that cannot be used left out", value.error());
+      if (!ok) return ok.error();
     }
     return out;
   }
@@ -139,6 +187,11 @@ class Sanitizer {
     switch (rule.kind) {
       case Kind::kText:
         if (!in.is_string()) return type_error(place, "a string");
+        return json(std::move(in));
+      case Kind::kChoice:
+        if (!in.is_string() || !is_among(in.get_ref<const std::string&>(), rule.target)) {
+          return type_error(place, ("one of " + std::string(rule.target)).c_str());
+        }
         return json(std::move(in));
       case Kind::kFlag:
         if (!in.is_boolean()) return type_error(place, "true or false");
@@ -157,6 +210,11 @@ class Sanitizer {
     if (!in.is_number()) return type_error(place, "an integer");
     const double value = in.get<double>();
     if (value != std::floor(value)) return type_error(place, "an integer");
+    if (rule.kind == Kind::kComponent) {
+      if (value >= 5120 && value <= 5126) return json(static_cast<std::int64_t>(value));
+      return make_error(ErrorId::kSceneFormat,
+                        place.text() + " = " + in.dump() + " is no type of components");
+    }
     if (rule.kind == Kind::kCount) {
       if (value < 0 || value > kMaxInteger) {
         return make_error(ErrorId::kSceneRange,
@@ -174,13 +232,14 @@ class Sanitizer {
     return json(static_cast<std::int64_t>(value));
   }
 
+  Tally& tally_;
   std::map<std::string, std::size_t, std::less<>> sizes_;
 };
 
 }  // namespace
 
-Result<json> sanitize(json&& document) {
-  const Sanitizer sanitizer(document);
+Result<json> sanitize(json&& document, Tally& tally) {
+  const Sanitizer sanitizer(document, tally);
   return sanitizer.object(document, root_schema(), Place{});
 }
 

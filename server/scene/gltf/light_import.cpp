@@ -19,6 +19,9 @@ constexpr double kMaxIntensity = 1e9;
 constexpr double kWellExposed = 1.5;
 /// A light nearer to the middle than this share of the radius is evaluated at this distance.
 constexpr double kNearestShare = 0.25;
+constexpr double kSmallestCone = 0.02;  // rad
+/// Least difference of the cosines of a spot's cones, so that the light between them is defined.
+constexpr float kHardEdge = 1e-4f;
 
 Lighting default_lighting() {
   Lighting lighting;
@@ -58,13 +61,12 @@ std::optional<Light> convert(const tinygltf::Light& source, const glm::dmat4& wo
   }
   light.range = static_cast<float>(std::min(source.range, 1e18));
   if (light.kind == LightKind::kSpot) {
-    const double inner = source.spot.innerConeAngle;
-    const double outer = source.spot.outerConeAngle;
-    if (!(inner >= 0 && inner < outer && outer <= glm::half_pi<double>() + 1e-6)) {
-      return std::nullopt;
-    }
-    light.cos_inner = static_cast<float>(std::cos(inner));
+    // Viewers clamp angles. Equal ones are a cone with a hard edge.
+    const double outer =
+        std::clamp(source.spot.outerConeAngle, kSmallestCone, glm::half_pi<double>());
+    const double inner = std::clamp(source.spot.innerConeAngle, 0.0, outer);
     light.cos_outer = static_cast<float>(std::max(0.0, std::cos(outer)));
+    light.cos_inner = std::max(static_cast<float>(std::cos(inner)), light.cos_outer + kHardEdge);
   }
   return light;
 }

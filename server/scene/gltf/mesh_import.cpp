@@ -51,8 +51,14 @@ Result<Mesh> import_mesh(const Document& document, int mesh, const Pose& pose,
     const std::uint32_t primitive = number++;
     auto raw = read_primitive(document, source, pose, tally);
     if (!raw) {
-      return make_error(raw.error().id,
-                        "meshes[" + std::to_string(mesh) + "]: " + raw.error().text);
+      const Error named = make_error(raw.error().id,
+                                     "meshes[" + std::to_string(mesh) + "].primitives[" +
+                                         std::to_string(primitive) + "]: " + raw.error().text,
+                                     raw.error().hint);
+      if (named.id == ErrorId::kSceneLimit) return named;
+      auto ok = tally.lose("primitives that cannot be used left out", named);
+      if (!ok) return ok.error();
+      continue;
     }
     if (raw->indices.empty()) continue;
     const std::uint64_t vertices = vertices_needed(*raw);

@@ -20,14 +20,19 @@ Error range_error(const std::string& what, const std::string& why) {
 
 Result<void> check_view(const Document& document, std::size_t index) {
   const tinygltf::BufferView& view = document.model.bufferViews[index];
-  const std::uint64_t length = document.buffers[view.buffer].length;
   const std::string what = at("bufferViews", index);
+  if (static_cast<std::size_t>(view.buffer) >= document.buffers.size()) {
+    return range_error(what, "has no buffer");
+  }
+  const BufferData& buffer = document.buffers[view.buffer];
+  if (buffer.absent) return {};  // whoever reads it finds nothing
+  const std::uint64_t length = buffer.length;
   // Sums of values below 2^31 cannot wrap in 64 bits.
   if (std::uint64_t{view.byteOffset} + view.byteLength > length) {
     return range_error(what, "ends at byte " + std::to_string(view.byteOffset + view.byteLength) +
                                  " of a buffer of " + std::to_string(length));
   }
-  return {};  // tinygltf has refused strides outside 4..252
+  return {};
 }
 
 /// Checks that `count` elements of `element` bytes, `stride` apart from `offset`, are inside
@@ -117,33 +122,15 @@ Result<void> check_accessor(const Document& document, std::size_t index) {
   return {};
 }
 
-Result<void> check_primitive(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
-                             const std::string& what) {
-  if (primitive.mode < -1 || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
-    return make_error(ErrorId::kSceneFormat, what + ".mode = " + std::to_string(primitive.mode));
-  }
-  if (primitive.indices >= 0) {
-    const tinygltf::Accessor& indices = model.accessors[primitive.indices];
-    if (indices.type != TINYGLTF_TYPE_SCALAR || !is_unsigned_type(indices.componentType)) {
-      return make_error(ErrorId::kSceneFormat, what + ".indices are no unsigned scalars");
-    }
-  }
-  if (primitive.attributes.empty()) return {};
-  const std::size_t count = model.accessors[primitive.attributes.begin()->second].count;
-  auto same_count = [&](const std::map<std::string, int>& attributes) -> Result<void> {
-    for (const auto& [semantic, accessor] : attributes) {
-      if (model.accessors[accessor].count == count) continue;
-      return range_error(what, "has " + semantic + " of " +
-                                   std::to_string(model.accessors[accessor].count) +
-                                   " elements beside " + std::to_string(count));
-    }
-    return {};
-  };
-  if (auto ok = same_count(primitive.attributes); !ok) return ok;
-  for (const auto& target : primitive.targets) {
-    if (auto ok = same_count(target); !ok) return ok;
-  }
-  return {};
+/// Makes every use of the bufferView find nothing.
+void empty_view(tinygltf::BufferView& view) { view.byteLength = 0; }
+
+/// Makes every use of the accessor an error (check_components() of accessor_reader.cpp).
+void empty_accessor(tinygltf::Accessor& accessor) {
+  accessor.type = -1;
+  accessor.count = 0;
+  accessor.bufferView = -1;
+  accessor.sparse.isSparse = false;
 }
 
 }  // namespace
@@ -184,19 +171,19 @@ std::size_t component_count(int type) {
   }
 }
 
-Result<void> check_model(const Document& document) {
-  const tinygltf::Model& model = document.model;
+Result<void> check_model(Document& document, Tally& tally) {
+  tinygltf::Model& model = document.model;
   for (std::size_t i = 0; i < model.bufferViews.size(); ++i) {
-    if (auto ok = check_view(document, i); !ok) return ok;
+    const auto checked = check_view(document, i);
+    if (checked) continue;
+    if (auto ok = tally.lose("bufferViews that cannot be used", checked.error()); !ok) return ok;
+    empty_view(model.bufferViews[i]);
   }
   for (std::size_t i = 0; i < model.accessors.size(); ++i) {
-    if (auto ok = check_accessor(document, i); !ok) return ok;
-  }
-  for (std::size_t m = 0; m < model.meshes.size(); ++m) {
-    for (std::size_t p = 0; p < model.meshes[m].primitives.size(); ++p) {
-      const std::string what = at("meshes", m) + "." + at("primitives", p);
-      if (auto ok = check_primitive(model, model.meshes[m].primitives[p], what); !ok) return ok;
-    }
+    const auto checked = check_accessor(document, i);
+    if (checked) continue;
+    if (auto ok = tally.lose("accessors that cannot be used", checked.error()); !ok) return ok;
+    empty_accessor(model.accessors[i]);
   }
   return {};
 }

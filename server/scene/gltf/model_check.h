@@ -3,13 +3,16 @@
 // sparse indices increase. Afterwards accessors can be read without further checks.
 
 #include "protocol/base/result.h"
+#include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {
 
 struct Document;
 
-/// Errors: kSceneRange, kSceneFormat, kSceneLimit; the text names the element.
-Result<void> check_model(const Document& document);
+/// Empties each bufferView and accessor that cannot be used, so that whoever reads it gets an
+/// error. Errors, of a strict tally: kSceneRange, kSceneFormat, kSceneLimit; the text names the
+/// element.
+Result<void> check_model(Document& document, Tally& tally);
 
 /// Returns the bytes of one component (5120…5126), 0 for a type unknown to glTF.
 std::size_t component_bytes(int component_type);

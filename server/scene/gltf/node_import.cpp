@@ -1,5 +1,6 @@
 #include "server/scene/gltf/node_import.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -10,28 +11,37 @@ namespace {
 
 constexpr int kNoParent = -1;
 constexpr std::size_t kShownPath = 8;
+constexpr int kMostListedAgain = 16;
 
 std::string node_name(int node) { return "nodes[" + std::to_string(node) + "]"; }
 
-Result<std::vector<int>> find_parents(const tinygltf::Model& model) {
+/// Returns the parent of each node. A child that is listed again, or by itself, stays where it is
+/// listed first. A file with many of them means copies, which glTF does not know.
+Result<std::vector<int>> find_parents(tinygltf::Model& model, Tally& tally) {
   std::vector<int> parent(model.nodes.size(), kNoParent);
+  int again = 0;
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     const int self = static_cast<int>(i);
+    std::vector<int> kept;
     for (const int child : model.nodes[i].children) {
+      std::string why;
       if (child == self) {
-        return make_error(ErrorId::kSceneCycle, node_name(self) + " is its own child");
+        why = node_name(self) + " is its own child";
+      } else if (parent[child] == self) {
+        why = node_name(self) + " lists its child " + node_name(child) + " twice";
+      } else if (parent[child] != kNoParent) {
+        why = node_name(child) + " has two parents, " + node_name(parent[child]) + " and " +
+              node_name(self);
+      } else {
+        parent[child] = self;
+        kept.push_back(child);
+        continue;
       }
-      if (parent[child] == self) {
-        return make_error(ErrorId::kSceneCycle,
-                          node_name(self) + " lists its child " + node_name(child) + " twice");
-      }
-      if (parent[child] != kNoParent) {
-        return make_error(ErrorId::kSceneCycle, node_name(child) + " has two parents, " +
-                                                    node_name(parent[child]) + " and " +
-                                                    node_name(self));
-      }
-      parent[child] = self;
+      const Error error = make_error(ErrorId::kSceneCycle, why);
+      if (++again > kMostListedAgain) return error;
+      if (auto ok = tally.lose("children listed again left out", error); !ok) return ok.error();
     }
+    model.nodes[i].children = std::move(kept);
   }
   return parent;
 }
@@ -48,8 +58,29 @@ std::string cycle_path(const std::vector<int>& parent, int node) {
   return (at == node ? node_name(at) : std::string("...")) + " > " + path;
 }
 
-/// Returns the nodes from the roots down. Each has one parent, so unreached nodes are on a loop.
-Result<std::vector<int>> order_nodes(const tinygltf::Model& model, const std::vector<int>& parent) {
+/// Leaves out nodes below themselves: no root leads to them.
+Result<void> leave_out_loops(tinygltf::Model& model, const std::vector<bool>& reached,
+                             std::vector<int>& parent, Tally& tally) {
+  const auto first = std::find(reached.begin(), reached.end(), false);
+  if (first == reached.end()) return {};
+  const auto node = static_cast<int>(first - reached.begin());
+  auto ok = tally.lose(
+      "loops of nodes left out",
+      make_error(ErrorId::kSceneCycle, "a node lies below itself: " + cycle_path(parent, node)));
+  if (!ok) return ok;
+  for (std::size_t i = 0; i < parent.size(); ++i) {
+    if (reached[i]) continue;
+    parent[i] = kNoParent;
+    model.nodes[i].children.clear();
+    model.nodes[i].mesh = -1;
+  }
+  return {};
+}
+
+/// Returns the nodes from the roots down. Each has one parent, so unreached nodes are on a loop or
+/// below one.
+Result<std::vector<int>> order_nodes(tinygltf::Model& model, std::vector<int>& parent,
+                                     Tally& tally) {
   std::vector<int> order;
   std::vector<bool> reached(parent.size(), false);
   order.reserve(parent.size());
@@ -61,10 +92,9 @@ Result<std::vector<int>> order_nodes(const tinygltf::Model& model, const std::ve
     const auto& children = model.nodes[order[at]].children;
     order.insert(order.end(), children.begin(), children.end());
   }
+  if (auto ok = leave_out_loops(model, reached, parent, tally); !ok) return ok.error();
   for (std::size_t i = 0; i < parent.size(); ++i) {
-    if (reached[i]) continue;
-    return make_error(ErrorId::kSceneCycle,
-                      "a node lies below itself: " + cycle_path(parent, static_cast<int>(i)));
+    if (!reached[i]) order.push_back(static_cast<int>(i));
   }
   return order;
 }
@@ -126,10 +156,10 @@ Result<std::vector<int>> scene_roots(const tinygltf::Model& model, const std::ve
 
 }  // namespace
 
-Result<NodeTree> flatten_nodes(const tinygltf::Model& model, Tally& tally) {
-  auto parent = find_parents(model);
+Result<NodeTree> flatten_nodes(tinygltf::Model& model, Tally& tally) {
+  auto parent = find_parents(model, tally);
   if (!parent) return parent.error();
-  auto order = order_nodes(model, *parent);
+  auto order = order_nodes(model, *parent, tally);
   if (!order) return order.error();
   auto roots = scene_roots(model, *parent, *order, tally);
   if (!roots) return roots.error();

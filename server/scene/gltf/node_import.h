@@ -17,10 +17,11 @@ struct NodeTree {
   std::vector<int> order;                   ///< every node, parents first
 };
 
-/// Flattens without recursion: a chain of 100 000 nodes is valid. Errors: kSceneCycle (a node below
-/// itself, or with two parents); when strict, kSceneReference (a scene lists a node that has a
+/// Flattens without recursion: a chain of 100 000 nodes is valid. Makes the children of the model a
+/// forest: each node stays below the parent that lists it first. Errors when strict: kSceneCycle (a
+/// node below itself, or with two parents), kSceneReference (a scene lists a node that has a
 /// parent).
-Result<NodeTree> flatten_nodes(const tinygltf::Model& model, Tally& tally);
+Result<NodeTree> flatten_nodes(tinygltf::Model& model, Tally& tally);
 
 /// Returns parent_from_node at rest.
 glm::dmat4 local_matrix(const tinygltf::Node& node, Tally& tally);

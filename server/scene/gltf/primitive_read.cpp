@@ -12,6 +12,8 @@ namespace {
 
 using Attributes = std::map<std::string, int>;
 
+constexpr std::string_view kUnskinned = "primitives with broken joints or weights left unskinned";
+
 int find(const Attributes& attributes, const char* semantic) {
   const auto found = attributes.find(semantic);
   return found == attributes.end() ? -1 : found->second;
@@ -67,19 +69,38 @@ Result<void> read_uv(const Document& document, int accessor, Tally& tally,
   return ok;
 }
 
+/// Leaves out an attribute that could not be read, or has not one element for each vertex.
+template <typename T>
+Result<void> keep_usable(const Result<void>& read, const char* semantic, const RawPrimitive& raw,
+                         Tally& tally, std::vector<T>& values) {
+  if (read && (values.empty() || values.size() == raw.position.size())) return {};
+  const Error why =
+      read ? make_error(ErrorId::kSceneRange,
+                        std::string("has ") + semantic + " of " + std::to_string(values.size()) +
+                            " elements beside " + std::to_string(raw.position.size()))
+           : make_error(read.error().id, std::string(semantic) + ": " + read.error().text);
+  values.clear();
+  return tally.lose("vertex attributes that cannot be used left out", why);
+}
+
 Result<void> read_attributes(const Document& document, const Attributes& attributes, Tally& tally,
                              RawPrimitive& raw) {
   auto ok = read_into(document, find(attributes, "POSITION"), 3, make_vec3, raw.position);
   if (!ok) return ok;
-  ok = read_into(document, find(attributes, "NORMAL"), 3, make_vec3, raw.normal);
+  const auto keep = [&](const Result<void>& read, const char* semantic, auto& values) {
+    return keep_usable(read, semantic, raw, tally, values);
+  };
+  const auto place = [&](const char* semantic) { return find(attributes, semantic); };
+  ok = keep(read_into(document, place("NORMAL"), 3, make_vec3, raw.normal), "NORMAL", raw.normal);
   if (!ok) return ok;
-  ok = read_into(document, find(attributes, "TANGENT"), 4, make_vec4, raw.tangent);
+  ok = keep(read_into(document, place("TANGENT"), 4, make_vec4, raw.tangent), "TANGENT",
+            raw.tangent);
   if (!ok) return ok;
-  ok = read_uv(document, find(attributes, "TEXCOORD_0"), tally, raw.uv0);
+  ok = keep(read_uv(document, place("TEXCOORD_0"), tally, raw.uv0), "TEXCOORD_0", raw.uv0);
   if (!ok) return ok;
-  ok = read_uv(document, find(attributes, "TEXCOORD_1"), tally, raw.uv1);
+  ok = keep(read_uv(document, place("TEXCOORD_1"), tally, raw.uv1), "TEXCOORD_1", raw.uv1);
   if (!ok) return ok;
-  return read_color(document, find(attributes, "COLOR_0"), raw.color);
+  return keep(read_color(document, place("COLOR_0"), raw.color), "COLOR_0", raw.color);
 }
 
 /// Adds weight * delta of one morph target to positions, normals and tangents.
@@ -91,6 +112,11 @@ Result<void> apply_target(const Document& document, const Attributes& target, do
     delta.clear();
     auto ok = read_into(document, find(target, semantic), 3, make_vec3, delta);
     if (!ok) return ok;
+    if (!delta.empty() && delta.size() != raw.position.size()) {
+      return make_error(ErrorId::kSceneRange,
+                        std::string("has ") + semantic + " of " + std::to_string(delta.size()) +
+                            " elements beside " + std::to_string(raw.position.size()));
+    }
     for (std::size_t i = 0; i < std::min(delta.size(), base.size()); ++i) {
       for (int c = 0; c < 3; ++c) base[i][c] += scale * delta[i][c];
     }
@@ -115,6 +141,10 @@ Result<void> add_influences(const Document& document, int joints_accessor, int w
   if (!joints) return joints.error();
   auto weights = read_floats(document, weights_accessor, 4);
   if (!weights) return weights.error();
+  const std::size_t needed = 4 * skinning.matrix.size();
+  if (joints->size() != needed || weights->size() != needed) {
+    return make_error(ErrorId::kSceneRange, "has joints or weights of other counts than POSITION");
+  }
   for (std::size_t i = 0; i < std::min(joints->size(), weights->size()); ++i) {
     const double weight = (*weights)[i];
     if (weight == 0) continue;
@@ -138,11 +168,13 @@ Result<void> apply_skin(const Document& document, const Attributes& attributes, 
     const int joints = find(attributes, (std::string("JOINTS") + set).c_str());
     const int weights = find(attributes, (std::string("WEIGHTS") + set).c_str());
     if (joints < 0 || weights < 0) continue;
-    auto ok = add_influences(document, joints, weights, pose, skinning);
-    if (!ok) return ok;
+    const auto added = add_influences(document, joints, weights, pose, skinning);
+    if (added) continue;
+    if (auto ok = tally.forgive(kUnskinned, added.error()); !ok) return ok;
+    return {};
   }
   if (skinning.broken) {
-    tally.add("primitives with broken joints or weights left unskinned");
+    tally.add(kUnskinned);
     return {};
   }
   for (std::size_t i = 0; i < raw.position.size(); ++i) {
@@ -232,6 +264,9 @@ Result<RawPrimitive> read_primitive(const Document& document, const tinygltf::Pr
                                     const Pose& pose, Tally& tally) {
   RawPrimitive raw;
   const int mode = source.mode < 0 ? TINYGLTF_MODE_TRIANGLES : source.mode;
+  if (mode > TINYGLTF_MODE_TRIANGLE_FAN) {
+    return make_error(ErrorId::kSceneFormat, "mode = " + std::to_string(mode));
+  }
   raw.kind = kind_of(mode);
   const int position = find(source.attributes, "POSITION");
   if (position < 0) {
@@ -245,7 +280,9 @@ Result<RawPrimitive> read_primitive(const Document& document, const tinygltf::Pr
   if (auto ok = read_attributes(document, source.attributes, tally, raw); !ok) return ok.error();
   for (std::size_t i = 0; i < std::min(pose.weights.size(), source.targets.size()); ++i) {
     if (pose.weights[i] == 0) continue;
-    auto ok = apply_target(document, source.targets[i], pose.weights[i], raw);
+    const auto applied = apply_target(document, source.targets[i], pose.weights[i], raw);
+    if (applied) continue;
+    auto ok = tally.forgive("morph targets that cannot be used left out", applied.error());
     if (!ok) return ok.error();
   }
   if (!pose.joint_matrices.empty()) {

@@ -36,8 +36,9 @@ struct Pose {
 /// Expands strips, fans and loops (glTF §3.7.2.1) into independent elements.
 std::vector<std::uint32_t> expand_indices(std::vector<std::uint32_t> indices, int mode);
 
-/// Reads a primitive. Errors: kSceneFormat (an attribute of the wrong type), kSceneReference (no
-/// data), kSceneLimit.
+/// Reads a primitive. An attribute that cannot be used is left out and counted. Errors: those of
+/// positions, indices and the mode, and all of a strict tally: kSceneFormat (wrong type),
+/// kSceneReference (no data), kSceneRange (another count than that of positions), kSceneLimit.
 Result<RawPrimitive> read_primitive(const Document& document, const tinygltf::Primitive& source,
                                     const Pose& pose, Tally& tally);
 

@@ -299,16 +299,22 @@ Result<std::vector<glm::dmat4>> SceneAssembler::instance_matrices(
                         "more than " + std::to_string(kMaxInstances) + " instances");
     }
     auto values = read_floats(document_, accessor, column.components);
-    if (!values) return values.error();
-    const std::size_t here = values->size() / column.components;
-    if (count != 0 && here != count) {
-      return make_error(ErrorId::kSceneRange, std::string(kInstancing) + " has " + column.semantic +
-                                                  " of " + std::to_string(here) +
-                                                  " elements beside " + std::to_string(count));
+    if (values && count != 0 && values->size() / column.components != count) {
+      values = make_error(ErrorId::kSceneRange,
+                          std::string(kInstancing) + " has " + column.semantic + " of " +
+                              std::to_string(values->size() / column.components) +
+                              " elements beside " + std::to_string(count));
     }
-    count = here;
+    if (!values) {
+      auto ok = tally_.forgive("attributes of instanced copies that cannot be used left out",
+                               values.error());
+      if (!ok) return ok.error();
+      continue;
+    }
+    count = values->size() / column.components;
     column.values = values.take();
   }
+  if (count == 0) return std::vector<glm::dmat4>{glm::dmat4(1)};  // the mesh alone
   std::vector<glm::dmat4> matrices(count);
   for (std::size_t i = 0; i < count; ++i) {
     auto vector = [i](const Column& column, int c, double fallback) {

@@ -32,6 +32,11 @@ Result<void> Tally::forgive(std::string_view what, const Error& defect) {
   return {};
 }
 
+Result<void> Tally::lose(std::string_view what, const Error& defect) {
+  if (!first_loss_) first_loss_ = defect;
+  return forgive(what, defect);
+}
+
 void Tally::note(std::string line) {
   for (const Row& row : rows_) {
     if (row.what == line) return;

@@ -53,18 +53,25 @@ std::array<std::int8_t, 256> make_base64_table() {
   for (std::size_t i = 0; i < kAlphabet.size(); ++i) {
     table[static_cast<unsigned char>(kAlphabet[i])] = static_cast<std::int8_t>(i);
   }
+  table['-'] = 62;  // the alphabet of URLs, RFC 4648 §5
+  table['_'] = 63;
   return table;
 }
 
-/// Decodes RFC 4648 §4 with optional padding; false on any other character or an impossible length.
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+/// Decodes RFC 4648 §4 and §5, in lines or in one, with optional padding; false on any other
+/// character or an impossible length.
 bool decode_base64(std::string_view text, std::vector<std::uint8_t>& out) {
   static const std::array<std::int8_t, 256> kTable = make_base64_table();
-  for (int i = 0; i < 2 && !text.empty() && text.back() == '='; ++i) text.remove_suffix(1);
-  if (text.size() % 4 == 1) return false;
+  while (!text.empty() && (text.back() == '=' || is_space(text.back()))) text.remove_suffix(1);
   out.reserve(text.size() / 4 * 3 + 2);
   std::uint32_t bits = 0;
   int held = 0;
+  std::size_t digits = 0;
   for (const char c : text) {
+    if (is_space(c)) continue;
+    ++digits;
     const auto value = kTable[static_cast<unsigned char>(c)];
     if (value < 0) return false;
     bits = (bits << 6 | static_cast<std::uint32_t>(value)) & 0xffffff;
@@ -74,7 +81,7 @@ bool decode_base64(std::string_view text, std::vector<std::uint8_t>& out) {
       out.push_back(static_cast<std::uint8_t>(bits >> held));
     }
   }
-  return true;
+  return digits % 4 != 1;
 }
 
 bool has_scheme(std::string_view uri) {

@@ -8,9 +8,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<Scene> load_text(const std::string& bytes, const std::string& name = "scene.gltf") {
+Result<Scene> load_text(const std::string& bytes, const std::string& name = "scene.gltf",
+                        bool strict = false) {
   const TempFolder folder;
-  return import_gltf(folder.write(name, bytes));
+  return import_gltf(folder.write(name, bytes), Workers(), {.strict = strict});
 }
 
 TEST(GltfContainer, PlainTriangleLoads) {
@@ -48,6 +49,29 @@ TEST(GltfContainer, GlbHeaderAndChunks) {
   EXPECT_REFUSED(load_text(other_first), kSceneFormat, "not JSON");
 }
 
+// Exporters write lengths without padding, or count their own header.
+TEST(GltfContainer, LengthsAFewBytesOffAreForgiven) {
+  const std::string good = triangle().glb();
+  const std::uint32_t json =
+      static_cast<unsigned char>(good[12]) + 256u * static_cast<unsigned char>(good[13]);
+  const std::size_t bin = 20 + json;
+  for (const auto& [place, value] : {std::pair<std::size_t, std::size_t>{8, good.size() - 3},
+                                     {8, good.size() + 8},
+                                     {12, json - 2},
+                                     {12, json + 8},
+                                     {bin, 36 + 4},
+                                     {bin, 36 - 4}}) {
+    std::string off = good;
+    off.replace(place, 4, u32_bytes(static_cast<std::uint32_t>(value)));
+    const Result<Scene> scene = load_text(off);
+    ASSERT_TRUE(scene) << place << " " << failure(scene);
+    EXPECT_EQ(scene->triangles(), 1u);
+    EXPECT_TRUE(has_warning(*scene, "GLB lengths a few bytes off")) << place;
+    EXPECT_FALSE(load_text(off, "a.glb", true)) << place;
+  }
+  EXPECT_REFUSED(load_text(good.substr(0, good.size() - 1)), kSceneFormat, "header says");
+}
+
 TEST(GltfContainer, BytesAfterTheGlbAreIgnored) {
   const Result<Scene> scene = load_text(triangle().glb() + "more");
   ASSERT_TRUE(scene) << failure(scene);
@@ -64,9 +88,26 @@ TEST(GltfContainer, JsonNesting) {
 
 TEST(GltfContainer, JsonSyntax) {
   EXPECT_REFUSED(load_text(R"({"asset":)"), kSceneFormat, "syntax error");
-  EXPECT_REFUSED(load_text("{\"asset\":{\"version\":\"2.0\"},\"x\":\"\xff\xfe\"}"), kSceneFormat,
-                 "syntax error");
-  EXPECT_REFUSED(load_text(R"({"asset":{"version":"2.0"},"x":1e999})"), kSceneFormat, "number");
+  EXPECT_REFUSED(load_text("{\"asset\":{\"version\":\"2.0\"},\"x\":\"\xff\xfe\"}", "a.gltf", true),
+                 kSceneFormat, "syntax error");
+  EXPECT_REFUSED(load_text(R"({"asset":{"version":"2.0"},"x":1e999})", "a.gltf", true),
+                 kSceneFormat, "number");
+}
+
+TEST(GltfContainer, NamesThatAreNotUtf8AndNumbersThatAreNotFiniteAreForgiven) {
+  Builder builder = triangle();
+  builder.doc["buffers"] = json::array({{{"byteLength", builder.bin.size()}}});
+  const std::string text = builder.doc.dump();
+  for (const std::string extra :
+       {"\"x\":\"M\xfcller \\\" \xc3\xa4 \xed\xa0\x80\"", "\"x\":[NaN,-Infinity,Infinity,true]",
+        "\"x\":{\"y\":1e999,\"z\":-2.5e3}"}) {
+    const std::string glb = make_glb("{" + extra + "," + text.substr(1), builder.bin);
+    const Result<Scene> scene = load_text(glb);
+    ASSERT_TRUE(scene) << failure(scene);
+    EXPECT_EQ(scene->triangles(), 1u);
+    EXPECT_TRUE(has_warning(*scene, "not UTF-8")) << extra;
+    EXPECT_FALSE(load_text(glb, "a.glb", true)) << extra;
+  }
 }
 
 TEST(GltfContainer, AssetVersion) {
@@ -191,6 +232,11 @@ TEST_F(GltfUri, DataUris) {
   EXPECT_REFUSED(load("data:application/octet-stream;base64,AAAA"), kSceneRange, "buffers[0]");
   EXPECT_REFUSED(load("data:nothing"), kSceneUri, "data URI");
   EXPECT_REFUSED(load("data:application/octet-stream,%zz"), kSceneUri, "percent");
+  // Base64 in lines, or with the alphabet of URLs.
+  for (const std::string& good :
+       {std::string(20, 'A') + "\r\n" + std::string(28, 'A') + "\n", std::string(46, 'A') + "-_"}) {
+    EXPECT_TRUE(load("data:;base64," + good).ok()) << failure(load("data:;base64," + good));
+  }
   // 36 zero bytes load, although all corners coincide.
   EXPECT_TRUE(load("data:;base64," + std::string(48, 'A')).ok());
 }
@@ -218,7 +264,7 @@ TEST(GltfReference, DanglingIndicesAreNamed) {
   for (const Case& item : cases) {
     Builder builder = triangle();
     builder.doc[json::json_pointer(item.pointer)] = item.value;
-    EXPECT_REFUSED(builder.load(), kSceneReference, item.part);
+    EXPECT_REFUSED(builder.load_strict(), kSceneReference, item.part);
   }
 }
 
@@ -257,7 +303,8 @@ TEST(GltfRange, StridesOutside4To252) {
   for (const int stride : {2, 13, 256}) {
     Builder builder = triangle();
     builder.doc["bufferViews"][0]["byteStride"] = stride;
-    EXPECT_REFUSED(builder.load(), kSceneFormat, "byteStride");
+    EXPECT_REFUSED(builder.load_strict(), kSceneFormat, "byteStride");
+    EXPECT_REFUSED(builder.load(), kSceneRange, "accessors[0]");
   }
 }
 
@@ -299,7 +346,7 @@ TEST(GltfRange, WrongTypes) {
   for (const Case& item : cases) {
     Builder builder = triangle();
     builder.doc[json::json_pointer(item.pointer)] = item.value;
-    auto scene = builder.load();
+    auto scene = builder.load_strict();
     ASSERT_FALSE(scene.ok()) << item.pointer;
     EXPECT_EQ(scene.error().id, ErrorId::kSceneFormat) << item.pointer << failure(scene);
   }

@@ -35,19 +35,19 @@ Builder marked_triangle() {
 TEST(GltfNodes, CyclesAreNamed) {
   Builder self = triangle();
   self.doc["nodes"][0]["children"] = {0};
-  EXPECT_REFUSED(self.load(), kSceneCycle, "nodes[0] is its own child");
+  EXPECT_REFUSED(self.load_strict(), kSceneCycle, "nodes[0] is its own child");
 
   Builder loop = triangle();
   loop.doc["nodes"] = {{{"children", {1}}}, {{"children", {2}}}, {{"children", {0}}}};
-  EXPECT_REFUSED(loop.load(), kSceneCycle, "nodes[0] > nodes[1] > nodes[2] > nodes[0]");
+  EXPECT_REFUSED(loop.load_strict(), kSceneCycle, "nodes[0] > nodes[1] > nodes[2] > nodes[0]");
 
   Builder parents = triangle();
   parents.doc["nodes"] = {{{"children", {2}}}, {{"children", {2}}}, {{"mesh", 0}}};
-  EXPECT_REFUSED(parents.load(), kSceneCycle, "nodes[2] has two parents");
+  EXPECT_REFUSED(parents.load_strict(), kSceneCycle, "nodes[2] has two parents");
 
   Builder twice = triangle();
   twice.doc["nodes"] = {{{"children", {1, 1}}}, {{"mesh", 0}}};
-  EXPECT_REFUSED(twice.load(), kSceneCycle, "twice");
+  EXPECT_REFUSED(twice.load_strict(), kSceneCycle, "twice");
 }
 
 TEST(GltfNodes, DeepChainsLoad) {
@@ -224,7 +224,11 @@ TEST(GltfInstances, GpuInstancing) {
   EXPECT_NEAR(third_corner(*scene, 1).y, 9, 1e-6);
 
   extension["attributes"]["SCALE"] = builder.vec3({1, 1, 1});
-  EXPECT_REFUSED(builder.load(), kSceneRange, "SCALE");
+  EXPECT_REFUSED(builder.load_strict(), kSceneRange, "SCALE");
+  auto unscaled = builder.load();
+  ASSERT_TRUE(unscaled) << failure(unscaled);
+  EXPECT_EQ(unscaled->instances.size(), 3u);
+  EXPECT_TRUE(has_warning(*unscaled, "1 attributes of instanced copies"));
 }
 
 Builder lit(const json& lights) {
@@ -297,7 +301,7 @@ TEST(GltfLights, ImpossibleAndTooMany) {
       [] {
         Builder builder = lit({{{"type", "point"}}});
         builder.doc["nodes"][1]["extensions"]["KHR_lights_punctual"]["light"] = 9;
-        return builder.load();
+        return builder.load_strict();
       }(),
       kSceneReference, "light = 9");
 }
@@ -398,7 +402,7 @@ TEST(GltfScene, CesiumRtcMovesEverything) {
   EXPECT_LT(glm::distance(scene->home.eye, before->home.eye + center), 1e-6);
   EXPECT_LT(glm::distance(scene->home.target, before->home.target + center), 1e-3);
   builder.doc["extensions"]["CESIUM_RTC"]["center"] = {4e6, -5e6};
-  EXPECT_REFUSED(builder.load(), kSceneFormat, "extensions.CESIUM_RTC.center");
+  EXPECT_REFUSED(builder.load_strict(), kSceneFormat, "extensions.CESIUM_RTC.center");
 }
 
 }  // namespace
