@@ -84,7 +84,7 @@ class FramePlan {
     std::vector<Choice> choices;
     PaidLevels levels{0};  ///< levels of geometry that the choices draw
   };
-  /// What solve() works with, so that it takes memory once and not for each thing.
+  /// Scratch of solve(), which takes memory once and not for each thing.
   struct Scratch {
     struct Point {
       double error, ms;

@@ -85,7 +85,11 @@ Result<json> parse_json(std::string_view text, Tally& tally) {
 
 /// Checked before the rest of the schema. A file of another version, or with an unsupported
 /// extension, may break the rules of plain glTF 2.0, and the error should name the real reason.
-Result<void> check_version_and_extensions(const json& root, Tally& tally) {
+Result<void> check_version_and_extensions(json& root, Tally& tally) {
+  if (root.contains("geometricError") && root.contains("root")) {
+    return make_error(ErrorId::kSceneFormat, "not a glTF file: a tileset of 3D Tiles",
+                      "open one of the .glb files that it names");
+  }
   const auto asset = root.find("asset");
   if (asset == root.end() || !asset->is_object()) {
     return make_error(ErrorId::kSceneFormat, "asset is missing or no object");
@@ -93,6 +97,14 @@ Result<void> check_version_and_extensions(const json& root, Tally& tally) {
   for (const char* key : {"version", "minVersion"}) {
     const auto version = asset->find(key);
     if (version == asset->end()) continue;
+    if (version->is_number() && *version == 2.0) {
+      auto ok =
+          tally.forgive("versions written as a number",
+                        make_error(ErrorId::kSceneFormat, std::string("asset.") + key + " is " +
+                                                              version->dump() + ", need \"2.0\""));
+      if (!ok) return ok;
+      *version = "2.0";
+    }
     const bool is_two =
         version->is_string() && version->get_ref<const std::string&>().starts_with("2.");
     const bool is_newer = std::string_view(key) == "minVersion" && is_two && *version != "2.0";

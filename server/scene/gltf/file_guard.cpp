@@ -5,6 +5,7 @@
 #include <functional>
 #include <system_error>
 
+#include "server/scene/gltf/file_kind.h"
 #include "server/scene/gltf/gltf_limits.h"
 
 namespace mirage::gltf {
@@ -24,24 +25,6 @@ std::uint32_t read_u32(const std::vector<std::uint8_t>& bytes, std::size_t at) {
 }
 
 Error format_error(const std::string& text) { return make_error(ErrorId::kSceneFormat, text); }
-
-bool starts_with(const std::vector<std::uint8_t>& bytes, std::string_view magic) {
-  if (bytes.size() < magic.size()) return false;
-  for (std::size_t i = 0; i < magic.size(); ++i) {
-    if (bytes[i] != static_cast<std::uint8_t>(magic[i])) return false;
-  }
-  return true;
-}
-
-/// Guesses the kind of a file that is no glTF.
-std::string guess_kind(const std::vector<std::uint8_t>& bytes) {
-  if (starts_with(bytes, "\x89PNG")) return "a PNG image";
-  if (starts_with(bytes, "\xff\xd8\xff")) return "a JPEG image";
-  if (starts_with(bytes, "<")) return "an HTML or XML page";
-  if (starts_with(bytes, "PK\x03\x04")) return "a ZIP archive";
-  if (starts_with(bytes, "\x1f\x8b")) return "a gzip archive";
-  return "neither GLB nor JSON";
-}
 
 /// Returns the length of the JSON object at the front of the text; 0 if it does not end.
 std::size_t object_length(std::string_view text) {
@@ -234,7 +217,8 @@ Result<GltfFile> split_container(std::vector<std::uint8_t> bytes, Tally& tally) 
   GltfFile file;
   file.bytes = std::move(bytes);
   if (file.bytes.empty()) return format_error("the file is empty");
-  if (starts_with(file.bytes, "glTF")) {
+  const std::string_view text(reinterpret_cast<const char*>(file.bytes.data()), file.bytes.size());
+  if (text.starts_with("glTF")) {
     if (file.bytes.size() < kHeaderBytes + kChunkHeaderBytes) {
       return format_error("GLB of " + std::to_string(file.bytes.size()) + " bytes is too short");
     }
@@ -248,7 +232,8 @@ Result<GltfFile> split_container(std::vector<std::uint8_t> bytes, Tally& tally) 
   }
   const std::size_t first = file.json.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos || file.json[first] != '{') {
-    return format_error("not a glTF file: " + guess_kind(file.bytes));
+    const FileKind kind = kind_of_file(text);
+    return make_error(ErrorId::kSceneFormat, "not a glTF file: " + kind.name, kind.hint);
   }
   if (file.json.size() > kMaxJsonBytes) {
     return make_error(ErrorId::kSceneLimit,

@@ -28,7 +28,7 @@ enum class Kind {
 
 struct Schema;
 
-/// What a property that cannot be used costs.
+/// Flaw: what a property that cannot be used costs.
 enum class Flaw {
   kItself,  ///< it counts as not given
   kObject,  ///< the object around it cannot be used either: without it, it would mean another thing

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <set>
 
 namespace mirage::gltf {
 namespace {
@@ -79,8 +81,22 @@ std::uint32_t MaterialImporter::index_of(int gltf_material, Without without) {
     material.lobes.map(LobeMap::kAnisotropy) = {};
   }
   entry->second = static_cast<std::uint32_t>(materials_.size());
+  uv_sets_.push_back(settle_uv_sets(material));
   materials_.push_back(material);
   return entry->second;
+}
+
+MaterialImporter::UvSets MaterialImporter::settle_uv_sets(Material& material) {
+  std::set<std::uint8_t> used;
+  material.each_map([&](const TextureRef& ref) {
+    if (ref.present()) used.insert(ref.uv_set);
+  });
+  if (used.empty() || *used.rbegin() <= 1) return kFirstTwo;
+  const int first = *used.begin(), second = used.size() > 1 ? *std::next(used.begin()) : first;
+  if (used.size() > 2) tally_.add("textures of a third set of texture coordinates use the first");
+  material.each_map(
+      [&](TextureRef& ref) { ref.uv_set = ref.uv_set == second && second != first ? 1 : 0; });
+  return {first, second};
 }
 
 Result<std::vector<Image>> MaterialImporter::take_images(const Workers& workers) {
@@ -231,11 +247,7 @@ TextureRef MaterialImporter::place(const tinygltf::ExtensionMap& extensions, int
   if (document_.images[static_cast<std::size_t>(image)].missing()) return ref;  // already reported
   apply_sampler(source.sampler, ref);
   apply_transform(extensions, ref, uv_set);
-  if (uv_set > 1) {
-    tally_.add("textures with TEXCOORD_2 or higher use TEXCOORD_0");
-    uv_set = 0;
-  }
-  ref.uv_set = static_cast<std::uint8_t>(uv_set);
+  ref.uv_set = static_cast<std::uint8_t>(std::clamp(uv_set, 0, 255));
   found = image;
   return ref;
 }

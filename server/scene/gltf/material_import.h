@@ -1,6 +1,7 @@
 #pragma once
 // Turns glTF materials, textures and samplers into Material and Image lists.
 
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <map>
@@ -32,6 +33,12 @@ class MaterialImporter {
   /// Returns the index into materials() of a glTF material, -1 for the default one.
   std::uint32_t index_of(int gltf_material, Without without);
 
+  /// The sets of texture coordinates in the file (TEXCOORD_n) that a material reads as its first
+  /// and second: vertices have two.
+  using UvSets = std::array<int, 2>;
+  static constexpr UvSets kFirstTwo{0, 1};
+  const UvSets& uv_sets(std::uint32_t material) const { return uv_sets_[material]; }
+
   const std::vector<Material>& materials() const { return materials_; }
   std::vector<Material> take_materials() { return std::move(materials_); }
   /// Decodes the images; call it before take_materials(). Materials whose images are unreadable
@@ -40,6 +47,9 @@ class MaterialImporter {
 
  private:
   Material convert(const tinygltf::Material& source);
+  /// Returns the two sets that the material's textures use, and makes the textures name them 0 and
+  /// 1. Textures of a third set use the first.
+  UvSets settle_uv_sets(Material& material);
   /// A texture's placement and its image in the file; -1: there is none to draw.
   struct PlacedTexture {
     TextureRef ref;
@@ -58,6 +68,7 @@ class MaterialImporter {
   const Document& document_;
   Tally& tally_;
   std::vector<Material> materials_;
+  std::vector<UvSets> uv_sets_;  ///< of each material
   ImageImporter images_;
   std::map<std::pair<int, Without>, std::uint32_t> material_index_;
 };

@@ -71,6 +71,9 @@ Result<Mesh> import_mesh(const Document& document, int mesh, const Pose& pose,
     without.anisotropy = !has_tangents(*raw);
     const std::uint32_t material = materials.index_of(source.material, without);
     const Material& used = materials.materials()[material];
+    if (const auto& sets = materials.uv_sets(material); sets != MaterialImporter::kFirstTwo) {
+      if (auto ok = take_uv_sets(document, source, sets, tally, *raw); !ok) return ok.error();
+    }
     if (uses_missing_uv(used, *raw)) {
       tally.add("primitives lack the texture coordinates of their material");
     }

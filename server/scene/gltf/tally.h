@@ -19,7 +19,7 @@ class Tally {
   /// Forgives a violation of the specification that viewers accept: counts it as `what` with the
   /// text of `defect` as its example. When strict, returns it as an error.
   Result<void> forgive(std::string_view what, const Error& defect);
-  /// The same for a defect that may cost something to draw.
+  /// Forgives a defect that may cost something to draw.
   Result<void> lose(std::string_view what, const Error& defect);
   /// Returns the first defect that may have cost something to draw: the reason if nothing is left.
   const std::optional<Error>& first_loss() const { return first_loss_; }

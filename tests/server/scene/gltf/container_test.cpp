@@ -33,6 +33,28 @@ TEST(GltfContainer, WhatIsNoGltf) {
   EXPECT_REFUSED(load_text("\x89PNG\r\n\x1a\n1234", "a.glb"), kSceneFormat, "PNG");
   EXPECT_REFUSED(load_text("<html></html>"), kSceneFormat, "HTML");
   EXPECT_REFUSED(load_text("Just some words.", "a.glb"), kSceneFormat, "neither GLB nor JSON");
+  std::string stl(84 + 2 * 50, ' ');
+  stl.replace(80, 4, u32_bytes(2));
+  const std::vector<std::pair<std::string, std::string>> kinds = {
+      {"version https://git-lfs.github.com/spec/v1\noid sha256:5e\nsize 1\n", "Git LFS"},
+      {R"({"asset":{"version":"1.1"},"geometricError":5,"root":{}})", "3D Tiles"},
+      {"# made by hand\nmtllib a.mtl\nv 0 0 0\n", "OBJ"},
+      {"solid cube\n facet normal 0 0 1\n", "STL"},
+      {stl, "STL"},
+      {"Kaydara FBX Binary  ", "FBX"},
+      {"#usda 1.0\n", "USD"},
+      {"PXR-USDC", "USD"},
+      {"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AUTOMOTIVE_DESIGN'));", "STEP"},
+      {"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));", "IFC"},
+      {"PK\x03\x04zip", "ZIP"},
+      {"\r\n<!DOCTYPE html><title>404</title>", "HTML"},
+      {"<?xml version='1.0'?><COLLADA>", "COLLADA"},
+  };
+  for (const auto& [content, name] : kinds) {
+    const Result<Scene> other = load_text(content, "a.glb");
+    EXPECT_REFUSED(other, kSceneFormat, name);
+    EXPECT_FALSE(other.error().hint.empty()) << name;
+  }
 }
 
 TEST(GltfContainer, GlbHeaderAndChunks) {
@@ -114,7 +136,9 @@ TEST(GltfContainer, AssetVersion) {
   EXPECT_REFUSED(load_text(R"({"scenes":[]})"), kSceneFormat, "asset");
   EXPECT_REFUSED(load_text(R"({"asset":[]})"), kSceneFormat, "asset");
   EXPECT_REFUSED(load_text(R"({"asset":{"version":"1.0"}})"), kSceneFormat, "1.0");
-  EXPECT_REFUSED(load_text(R"({"asset":{"version":2}})"), kSceneFormat, "version");
+  EXPECT_REFUSED(load_text(R"({"asset":{"version":3}})"), kSceneFormat, "version");
+  EXPECT_REFUSED(load_text(R"({"asset":{"version":2}})", "a.gltf", true), kSceneFormat, "version");
+  EXPECT_TRUE(load_text(R"({"asset":{"version":2}})").ok());
   EXPECT_TRUE(load_text(R"({"asset":{"version":"2.0"}})").ok());
 }
 

@@ -89,13 +89,33 @@ TEST(GltfMaterial, SamplerAndTransform) {
   EXPECT_EQ(vertex.uv1, vertex.uv0);
 }
 
-TEST(GltfMaterial, HighTextureCoordinateSetsFallBack) {
+// Vertices have two sets of texture coordinates; a material may use any two of the file's.
+TEST(GltfMaterial, AnyTwoSetsOfTextureCoordinatesAreRead) {
   json material = base_color();
-  material["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 6;
-  auto scene = textured(make_png(1, 1, 8, 2, "abc"), material).load();
-  ASSERT_TRUE(scene) << failure(scene);
-  EXPECT_EQ(scene->materials[0].base_color_map.uv_set, 0);
-  EXPECT_TRUE(has_warning(*scene, "TEXCOORD_2 or higher"));
+  material["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 3;
+  Builder builder = textured(make_png(1, 1, 8, 2, "abc"), material);
+  json& attributes = builder.primitive()["attributes"];
+  attributes["TEXCOORD_1"] = builder.vec2({9, 9, 9, 9, 9, 9});
+  attributes["TEXCOORD_2"] = builder.vec2({2, 0, 2, 1, 2, 2});
+  attributes["TEXCOORD_3"] = builder.vec2({3, 0, 3, 1, 3, 2});
+  auto alone = builder.load_strict();
+  ASSERT_TRUE(alone) << failure(alone);
+  EXPECT_EQ(alone->materials[0].base_color_map.uv_set, 0);
+  EXPECT_EQ(alone->objects[0].mesh.vertices[1].uv0, glm::vec2(3, 1));
+
+  builder.doc["materials"][0]["emissiveTexture"] = {{"index", 0}, {"texCoord", 2}};
+  auto two = builder.load_strict();
+  ASSERT_TRUE(two) << failure(two);
+  EXPECT_EQ(two->materials[0].emissive_map.uv_set, 0);
+  EXPECT_EQ(two->materials[0].base_color_map.uv_set, 1);
+  EXPECT_EQ(two->objects[0].mesh.vertices[2].uv0, glm::vec2(2, 2));
+  EXPECT_EQ(two->objects[0].mesh.vertices[2].uv1, glm::vec2(3, 2));
+  EXPECT_TRUE(two->warnings.empty());
+
+  builder.doc["materials"][0]["occlusionTexture"] = {{"index", 0}};
+  auto three = builder.load_strict();
+  ASSERT_TRUE(three) << failure(three);
+  EXPECT_TRUE(has_warning(*three, "a third set of texture coordinates"));
 }
 
 TEST(GltfMaterial, LobesAreRead) {
