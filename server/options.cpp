@@ -30,7 +30,7 @@ struct Texts {
 void add_scene_options(CLI::App& app, ServerOptions& o, Texts& t) {
   app.option_defaults()->group("Scene");
   app.add_option("SCENE", o.scene,
-                 "a .glb or .gltf file[?variant=NAME], or builtin:NAME[?key=value&…]");
+                 "a .glb or .gltf file[?variant=NAME&clip=NAME|N], or builtin:NAME[?key=value&…]");
   app.add_option("--environment", o.environment,
                  "light from all around: FILE.hdr or FILE.exr (equirectangular), builtin:studio, "
                  "builtin:sky or none; default: the studio for a file without lights")

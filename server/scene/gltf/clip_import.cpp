@@ -8,6 +8,7 @@
 #include "protocol/base/limits.h"
 #include "server/scene/gltf/accessor_reader.h"
 #include "server/scene/gltf/gltf_limits.h"
+#include "server/scene/gltf/name_list.h"
 
 namespace mirage::gltf {
 namespace {
@@ -127,14 +128,26 @@ void write_rest(const Channel& c, std::size_t width, tinygltf::Node& node) {
   }
 }
 
+/// The channels of a clip that can be read, with their nodes.
+using NodeChannels = std::vector<std::pair<int, Channel>>;
+
+/// True if no channel of the clip changes anything.
+bool is_pose(const NodeChannels& channels, float clip_s, const tinygltf::Model& model) {
+  return !(clip_s > 0) || std::all_of(channels.begin(), channels.end(), [&](const auto& entry) {
+    const auto& [node, channel] = entry;
+    return equal_keys(channel, width_of(channel.path, model, model.nodes[node]));
+  });
+}
+
 }  // namespace
 
 std::map<int, NodeClip> import_clips(Document& document, Tally& tally) {
   std::map<int, NodeClip> out;
   std::set<std::pair<int, ChannelPath>> taken;
+  std::vector<NodeChannels> poses;
   std::size_t floats = 0;
   for (const AnimationSource& clip : document.animations.clips) {
-    std::vector<std::pair<int, Channel>> channels;
+    NodeChannels channels;
     float clip_s = 0;
     for (const ChannelSource& source : clip.channels) {
       auto channel = read_channel(document, source);
@@ -150,6 +163,11 @@ std::map<int, NodeClip> import_clips(Document& document, Tally& tally) {
       clip_s = std::max(clip_s, channel->times.back());
       channels.emplace_back(source.node, std::move(*channel));
     }
+    // A pose is for what no clip moves, whichever comes first in the file.
+    if (is_pose(channels, clip_s, document.model)) {
+      poses.push_back(std::move(channels));
+      continue;
+    }
     const bool seen = std::any_of(channels.begin(), channels.end(), [&](const auto& entry) {
       return taken.count({entry.first, entry.second.path}) != 0;
     });
@@ -163,7 +181,7 @@ std::map<int, NodeClip> import_clips(Document& document, Tally& tally) {
         continue;
       }
       const std::size_t width = width_of(channel.path, document.model, document.model.nodes[node]);
-      if (equal_keys(channel, width) || !(clip_s > 0)) {
+      if (equal_keys(channel, width)) {
         write_rest(channel, width, document.model.nodes[node]);
         continue;
       }
@@ -173,7 +191,34 @@ std::map<int, NodeClip> import_clips(Document& document, Tally& tally) {
       list.push_back(std::move(channel));
     }
   }
+  for (const NodeChannels& pose : poses) {
+    for (const auto& [node, channel] : pose) {
+      if (!taken.insert({node, channel.path}).second) continue;
+      tinygltf::Node& target = document.model.nodes[node];
+      write_rest(channel, width_of(channel.path, document.model, target), target);
+    }
+  }
   return out;
+}
+
+Result<void> choose_clip(const std::string& clip, Document& document) {
+  if (clip.empty()) return {};
+  std::vector<AnimationSource>& clips = document.animations.clips;
+  auto found = std::find_if(clips.begin(), clips.end(),
+                            [&](const AnimationSource& source) { return source.name == clip; });
+  const bool digits = clip.size() < 6 && clip.find_first_not_of("0123456789") == std::string::npos;
+  if (found == clips.end() && digits) {
+    const auto place = static_cast<std::size_t>(std::stoi(clip));
+    if (place < clips.size()) found = clips.begin() + static_cast<std::ptrdiff_t>(place);
+  }
+  if (found == clips.end()) {
+    std::vector<std::string> names;
+    for (const AnimationSource& source : clips) names.push_back(source.name);
+    return make_error(ErrorId::kUsage, "no clip '" + shown_name(clip) + "'",
+                      listed_names("clips", names));
+  }
+  clips = {std::move(*found)};
+  return {};
 }
 
 }  // namespace mirage::gltf

@@ -24,4 +24,8 @@ struct NodeClip {
 /// written into the node's own transform and weights.
 std::map<int, NodeClip> import_clips(Document& document, Tally& tally);
 
+/// Keeps one clip of the file, by name or by its place from 0; all of them if `clip` is empty.
+/// Error kUsage: no such clip; the hint lists them.
+Result<void> choose_clip(const std::string& clip, Document& document);
+
 }  // namespace mirage::gltf

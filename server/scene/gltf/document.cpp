@@ -41,6 +41,7 @@ constexpr std::string_view kSupportedExtensions[] = {
     "KHR_materials_transmission",
     "KHR_materials_volume",
     "KHR_materials_anisotropy",
+    "KHR_node_visibility",
 };
 
 bool is_supported(std::string_view extension) {

@@ -9,6 +9,7 @@
 //   light_import, home_view
 #include "server/scene/gltf/gltf_import.h"
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -33,11 +34,31 @@ void move_origin(Scene& scene, gltf::NodeTree& tree, const glm::dvec3& center) {
   for (glm::dmat4& world : tree.world_from_node) world[3] += glm::dvec4(center, 0);
 }
 
+/// Reads "variant=NAME&clip=NAME" in any order; false if it is something else. A name may have '&'.
+bool read_query(std::string_view query, ImportOptions& options) {
+  constexpr std::string_view kVariant = "variant=", kClip = "clip=";
+  while (!query.empty()) {
+    const bool variant = query.starts_with(kVariant);
+    if (!variant && !query.starts_with(kClip)) return false;
+    query.remove_prefix((variant ? kVariant : kClip).size());
+    const std::size_t end =
+        std::min(query.find("&" + std::string(kVariant)), query.find("&" + std::string(kClip)));
+    const std::string_view value = query.substr(0, end);
+    if (value.empty()) return false;
+    (variant ? options.variant : options.clip) = value;
+    query.remove_prefix(end == std::string_view::npos ? query.size() : end + 1);
+  }
+  return !options.variant.empty() || !options.clip.empty();
+}
+
 Result<Scene> import_stages(const std::string& path, const Workers& workers,
                             const ImportOptions& options) {
   gltf::Tally tally(options.strict);
   auto document = gltf::load_document(path, options.variant, workers, tally);
   if (!document) return document.error();
+  if (Result<void> chosen = gltf::choose_clip(options.clip, *document); !chosen) {
+    return chosen.error();
+  }
   const std::map<int, gltf::NodeClip> clips = gltf::import_clips(*document, tally);
   auto tree = gltf::flatten_nodes(document->model, tally);
   if (!tree) return tree.error();
@@ -68,17 +89,14 @@ Result<Scene> import_stages(const std::string& path, const Workers& workers,
 
 Result<Scene> import_gltf_spec(const std::string& spec, const Workers& workers,
                                ImportOptions options) {
-  constexpr std::string_view kVariant = "variant=";
   const std::size_t mark = spec.rfind('?');
   std::error_code code;
   if (mark == std::string::npos || std::filesystem::exists(spec, code)) {
     return import_gltf(spec, workers, options);
   }
-  const std::string_view query = std::string_view(spec).substr(mark + 1);
-  if (!query.starts_with(kVariant) || query.size() == kVariant.size()) {
-    return make_error(ErrorId::kUsage, "'" + spec + "': a file takes ?variant=NAME alone");
+  if (!read_query(std::string_view(spec).substr(mark + 1), options)) {
+    return make_error(ErrorId::kUsage, "'" + spec + "': a file takes ?variant=NAME and ?clip=NAME");
   }
-  options.variant = query.substr(kVariant.size());
   return import_gltf(spec.substr(0, mark), workers, options);
 }
 

@@ -15,17 +15,20 @@ struct ImportOptions {
   bool strict = false;
   /// A variant of KHR_materials_variants; empty: the file's initial materials.
   std::string variant = {};
+  /// The one clip that plays, by name or by its place from 0; empty: all clips play.
+  std::string clip = {};
 };
 
 /// Loads and validates a glTF file. Errors: kSceneMissing, kSceneFormat, kSceneRange,
 /// kSceneReference, kSceneCycle, kSceneLimit, kSceneUri, kSceneExtension, kSceneEmpty, kUsage (no
-/// such variant); the text names the file and the offending element. `workers` decode images.
-/// Recoverable defects (a NaN vertex, an unreadable texture) are repaired and listed in warnings,
-/// one line a kind.
+/// such variant or clip); the text names the file and the offending element. `workers` decode
+/// images. Recoverable defects (a NaN vertex, an unreadable texture) are repaired and listed in
+/// warnings, one line a kind.
 Result<Scene> import_gltf(const std::string& path, const Workers& workers = Workers(),
                           const ImportOptions& options = {});
 
-/// Imports `FILE?variant=NAME`, unless a file of that whole name exists. Errors: also kUsage.
+/// Imports `FILE?variant=NAME`, `FILE?clip=NAME` or `FILE?clip=N`, or both with '&' between, unless
+/// a file of that whole name exists. Errors: also kUsage.
 Result<Scene> import_gltf_spec(const std::string& spec, const Workers& workers = Workers(),
                                ImportOptions options = {});
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "server/scene/gltf/name_list.h"
+
 namespace mirage::gltf {
 namespace {
 
@@ -10,31 +12,12 @@ using nlohmann::json;
 
 constexpr char kVariants[] = "KHR_materials_variants";
 constexpr char kBasisu[] = "KHR_texture_basisu";
-constexpr std::size_t kShownVariants = 20;
-constexpr std::size_t kShownNameBytes = 60;
 
 const json* extension(const json& object, const char* name) {
   const auto list = object.find("extensions");
   if (list == object.end()) return nullptr;
   const auto found = list->find(name);
   return found == list->end() ? nullptr : &*found;
-}
-
-std::string shown(const std::string& name) {
-  std::string out = name.substr(0, kShownNameBytes);
-  std::replace_if(
-      out.begin(), out.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
-  return out;
-}
-
-std::string listed(const std::vector<std::string>& names) {
-  if (names.empty()) return "the file has no variants";
-  std::string out = "its variants:";
-  for (std::size_t i = 0; i < std::min(names.size(), kShownVariants); ++i) {
-    out += (i == 0 ? " " : ", ") + shown(names[i]);
-  }
-  if (names.size() > kShownVariants) out += ", …";
-  return out;
 }
 
 /// Returns the material of a primitive in a variant; nullptr: it keeps its own.
@@ -58,7 +41,7 @@ Result<std::vector<std::string>> variant_names(const json& root, Tally& tally) {
     if (std::find(names.begin(), names.end(), name) != names.end()) {
       auto ok = tally.forgive(
           "variants of one name, the first is taken",
-          make_error(ErrorId::kSceneFormat, "two variants named '" + shown(name) + "'"));
+          make_error(ErrorId::kSceneFormat, "two variants named '" + shown_name(name) + "'"));
       if (!ok) return ok.error();
     }
     names.push_back(std::move(name));
@@ -74,7 +57,8 @@ Result<void> choose_variant(json& root, const std::string& variant, Tally& tally
   if (variant.empty()) return {};
   const auto found = std::find(names->begin(), names->end(), variant);
   if (found == names->end()) {
-    return make_error(ErrorId::kUsage, "no variant '" + shown(variant) + "'", listed(*names));
+    return make_error(ErrorId::kUsage, "no variant '" + shown_name(variant) + "'",
+                      listed_names("variants", *names));
   }
   const auto index = static_cast<std::size_t>(found - names->begin());
   const auto meshes = root.find("meshes");

@@ -173,8 +173,10 @@ const Schema& mesh_schema() {
 const Schema& node_schema() {
   static const Schema kLight{{index("light", "lights", kRequired)}};
   static const Schema kInstancing{{{"attributes", Kind::kIndexMap, kRequired, "accessors"}}};
-  static const Schema kExtensions{
-      {object("KHR_lights_punctual", kLight), object("EXT_mesh_gpu_instancing", kInstancing)}};
+  static const Schema kVisibility{{{"visible", Kind::kFlag}}};
+  static const Schema kExtensions{{object("KHR_lights_punctual", kLight),
+                                   object("EXT_mesh_gpu_instancing", kInstancing),
+                                   object("KHR_node_visibility", kVisibility)}};
   static const Schema kSchema{{name(),
                                index("camera", "cameras"),
                                {"children", Kind::kIndexList, kOptional, "nodes"},

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
+#include <iterator>
 #include <string>
 
 namespace mirage::gltf {
@@ -154,6 +155,14 @@ Result<std::vector<int>> scene_roots(const tinygltf::Model& model, const std::ve
   return topmost(roots, parent, order);
 }
 
+/// True unless KHR_node_visibility hides the node.
+bool is_visible(const tinygltf::Node& node) {
+  const auto found = node.extensions.find("KHR_node_visibility");
+  if (found == node.extensions.end() || !found->second.Has("visible")) return true;
+  const tinygltf::Value& visible = found->second.Get("visible");
+  return !visible.IsBool() || visible.Get<bool>();
+}
+
 }  // namespace
 
 Result<NodeTree> flatten_nodes(tinygltf::Model& model, Tally& tally) {
@@ -171,10 +180,14 @@ Result<NodeTree> flatten_nodes(tinygltf::Model& model, Tally& tally) {
     const int above = (*parent)[node];
     tree.world_from_node[node] = above == kNoParent ? local : tree.world_from_node[above] * local;
   }
-  tree.drawn = roots.take();
+  // A hidden node hides all below it.
+  const auto add_visible = [&](const std::vector<int>& nodes) {
+    std::copy_if(nodes.begin(), nodes.end(), std::back_inserter(tree.drawn),
+                 [&](int node) { return is_visible(model.nodes[node]); });
+  };
+  add_visible(*roots);
   for (std::size_t at = 0; at < tree.drawn.size(); ++at) {
-    const auto& children = model.nodes[tree.drawn[at]].children;
-    tree.drawn.insert(tree.drawn.end(), children.begin(), children.end());
+    add_visible(model.nodes[tree.drawn[at]].children);
   }
   tree.parent = parent.take();
   tree.order = order.take();

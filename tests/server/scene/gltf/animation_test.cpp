@@ -109,6 +109,46 @@ TEST(GltfAnimation, OfTwoClipsForOneNodeTheFirstPlays) {
   EXPECT_TRUE(has_warning(*scene, "animations of what an earlier one moves ignored"));
 }
 
+// Exporters write a bind pose as the first clip.
+TEST(GltfAnimation, AFirstClipThatIsAPoseEndsNoOther) {
+  for (const std::vector<float>& times : {std::vector<float>{0}, std::vector<float>{0, 1}}) {
+    Builder b = triangle();
+    const std::vector<float> still(3 * times.size(), 7.0f);
+    animate(b, 0, "translation", times, b.vec3(still));
+    animate(b, 0, "translation", {0, 1}, b.vec3({0, 0, 0, 2, 0, 0}));
+    const Result<Scene> scene = b.load();
+    ASSERT_TRUE(scene) << failure(scene);
+    ASSERT_NE(scene->objects[0].animation, nullptr);
+    EXPECT_NEAR(posed(scene->objects[0], 0.5)[0].x - posed(scene->objects[0], 0)[0].x, 1, 1e-6);
+    EXPECT_TRUE(scene->warnings.empty());
+  }
+}
+
+TEST(GltfAnimation, AClipCanBeChosen) {
+  Builder b = sliding();
+  animate(b, 0, "translation", {0, 1}, b.vec3({0, 0, 0, 0, 4, 0}));
+  b.doc["animations"][0]["name"] = "slide & stop";
+  b.doc["animations"][1]["name"] = "rise";
+  const TempFolder folder;
+  const std::string file = folder.write("scene.glb", b.glb());
+  const auto moved = [&](const std::string& query) {
+    const Result<Scene> scene = import_gltf_spec(file + query);
+    EXPECT_TRUE(scene) << failure(scene);
+    if (!scene) return glm::vec3(0);
+    return posed(scene->objects[0], 0.5)[0] - posed(scene->objects[0], 0)[0];
+  };
+  EXPECT_NEAR(moved("").x, 1, 1e-6);
+  EXPECT_NEAR(moved("?clip=slide & stop").x, 1, 1e-6);
+  EXPECT_NEAR(moved("?clip=rise").y, 2, 1e-6);
+  EXPECT_NEAR(moved("?clip=1").y, 2, 1e-6);
+  const Result<Scene> unknown = import_gltf_spec(file + "?clip=fall");
+  EXPECT_REFUSED(unknown, kUsage, "no clip 'fall'");
+  EXPECT_EQ(unknown.error().hint, "its clips: slide & stop, rise");
+  EXPECT_REFUSED(import_gltf_spec(file + "?clip=2"), kUsage, "no clip '2'");
+  EXPECT_REFUSED(import_gltf_spec(file + "?clip=rise&variant=red"), kUsage, "no variant 'red'");
+  EXPECT_REFUSED(import_gltf_spec(file + "?clip="), kUsage, "?clip=NAME");
+}
+
 TEST(GltfAnimation, MorphsOfCopiesAreOffset) {
   Builder b = triangle();
   b.primitive()["targets"] = json::array({{{"POSITION", b.vec3({0, 0, 1, 0, 0, 0, 0, 0, 1})}}});

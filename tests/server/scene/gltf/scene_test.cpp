@@ -109,6 +109,21 @@ TEST(GltfNodes, AListedChildIsDrawnOnceWhereItsParentsPutIt) {
   EXPECT_REFUSED(builder.load_strict(), kSceneReference, "lists nodes[0] twice");
 }
 
+TEST(GltfNodes, AHiddenNodeHidesAllBelowIt) {
+  Builder builder = triangle();
+  const json hidden = {{"KHR_node_visibility", {{"visible", false}}}};
+  builder.doc["nodes"] = {
+      {{"mesh", 0}},
+      {{"mesh", 0}, {"children", {2}}, {"extensions", hidden}},
+      {{"mesh", 0}},
+      {{"mesh", 0}, {"extensions", {{"KHR_node_visibility", {{"visible", true}}}}}}};
+  builder.doc["extensionsUsed"] = builder.doc["extensionsRequired"] = {"KHR_node_visibility"};
+  auto scene = builder.load_strict();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_EQ(scene->instances.size(), 2u);
+  EXPECT_TRUE(scene->warnings.empty());
+}
+
 TEST(GltfNodes, NothingToDrawIsAValidScene) {
   Builder builder;
   builder.doc["nodes"] = {json::object()};
