@@ -35,6 +35,8 @@ class Builder {
   Result<void> bind_skin(int node, int first_binding, const std::vector<VertexOrigin>& origins);
   Result<void> add_targets(int node, std::size_t first_vertex,
                            const std::vector<VertexOrigin>& origins);
+  void turn_flat_faces(const tinygltf::Mesh& mesh, std::size_t first_vertex,
+                       const std::vector<VertexOrigin>& origins, MorphTarget& target) const;
   void append(Mesh&& part, bool mirrored);
   bool within_limits() const;
   bool poses_are_finite() const;
@@ -207,6 +209,54 @@ Result<void> Builder::bind_skin(int node, int first_binding,
   return {};
 }
 
+// A face without normals in the file has its own (mesh_assemble.h), and turns with its corners: the
+// target gets the change of its face vector, in units of the face vector at rest. This is exact at
+// weight 1, and between for faces that fold along a line.
+void Builder::turn_flat_faces(const tinygltf::Mesh& mesh, std::size_t first_vertex,
+                              const std::vector<VertexOrigin>& origins, MorphTarget& target) const {
+  std::vector<glm::vec3> move(origins.size(), glm::vec3(0));
+  std::vector<glm::vec3> turn(origins.size(), glm::vec3(0));
+  std::vector<glm::vec3> tangent(origins.size(), glm::vec3(0));
+  for (std::size_t i = 0; i < target.vertex.size(); ++i) {
+    move[target.vertex[i] - first_vertex] = target.position[i];
+    turn[target.vertex[i] - first_vertex] = target.normal[i];
+    tangent[target.vertex[i] - first_vertex] = target.tangent[i];
+  }
+  const std::vector<Vertex>& vertices = out_.mesh.vertices;
+  const auto corner = [&](std::uint32_t vertex, float weight) {
+    return glm::dvec3(vertices[vertex].position) + glm::dvec3(weight * move[vertex - first_vertex]);
+  };
+  const auto face = [&](const std::uint32_t* at, float weight) {
+    const glm::dvec3 origin = corner(at[0], weight);
+    return glm::cross(corner(at[1], weight) - origin, corner(at[2], weight) - origin);
+  };
+  for (const Primitive& primitive : out_.mesh.primitives) {
+    const std::uint32_t* at = &out_.mesh.indices[primitive.first_index];
+    if (primitive.kind != PrimitiveKind::kTriangles || at[0] < first_vertex) continue;
+    const VertexOrigin& origin = origins[at[0] - first_vertex];
+    if (mesh.primitives[origin.primitive].attributes.count("NORMAL") != 0) continue;
+    for (const std::uint32_t* end = at + primitive.index_count; at < end; at += 3) {
+      const glm::dvec3 rest = face(at, 0);
+      const double side = glm::dot(rest, glm::dvec3(vertices[at[0]].normal)) < 0 ? -1 : 1;
+      const double area = glm::length(rest);
+      if (!(area > 0)) continue;
+      for (int c = 0; c < 3; ++c) {
+        turn[at[c] - first_vertex] = glm::vec3(side / area * (face(at, 1) - rest));
+      }
+    }
+  }
+  MorphTarget turned;
+  for (std::size_t i = 0; i < origins.size(); ++i) {
+    constexpr glm::vec3 kStill(0);
+    if (move[i] == kStill && turn[i] == kStill && tangent[i] == kStill) continue;
+    turned.vertex.push_back(static_cast<std::uint32_t>(first_vertex + i));
+    turned.position.push_back(move[i]);
+    turned.normal.push_back(turn[i]);
+    turned.tangent.push_back(tangent[i]);
+  }
+  target = std::move(turned);
+}
+
 Result<void> Builder::add_targets(int node, std::size_t first_vertex,
                                   const std::vector<VertexOrigin>& origins) {
   const tinygltf::Node& source = model().nodes[node];
@@ -219,6 +269,7 @@ Result<void> Builder::add_targets(int node, std::size_t first_vertex,
     set.rest_weights.push_back(t < rest.size() ? static_cast<float>(rest[t]) : 0.0f);
     auto target = read_target(in_.document, mesh, t, origins, first_vertex, tally_);
     if (!target) return target.error();
+    turn_flat_faces(mesh, first_vertex, origins, *target);
     set.targets.push_back(target.take());
   }
   const NodeClip& clip = in_.clips.at(node);

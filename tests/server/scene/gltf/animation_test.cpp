@@ -149,6 +149,36 @@ TEST(GltfAnimation, AClipCanBeChosen) {
   EXPECT_REFUSED(import_gltf_spec(file + "?clip="), kUsage, "?clip=NAME");
 }
 
+// A square of two triangles without normals becomes a roof: each face turns.
+TEST(GltfAnimation, MorphedFacesWithoutNormalsTurn) {
+  for (const bool mirrored : {false, true}) {
+    Builder b;
+    b.mesh({{"POSITION", b.vec3({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0})}},
+           b.indices({0, 1, 2, 0, 2, 3}));
+    b.primitive()["targets"] = {{{"POSITION", b.vec3({0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 2})}}};
+    if (mirrored) b.doc["nodes"][0]["scale"] = {-1, 1, 1};
+    animate(b, 0, "weights", {0, 1}, scalars(b, {0, 1}));
+    const Result<Scene> scene = b.load();
+    ASSERT_TRUE(scene) << failure(scene);
+    const SceneObject& object = scene->objects[0];
+    ASSERT_NE(object.animation, nullptr);
+    for (const double t : {0.0, 0.5, 0.999999}) {
+      std::vector<Vertex> out;
+      pose_vertices(object.mesh.vertices, *object.animation, t, out);
+      for (std::size_t at = 0; at < object.mesh.indices.size(); at += 3) {
+        const Vertex* v[3];
+        for (std::size_t c = 0; c < 3; ++c) v[c] = &out[object.mesh.indices[at + c]];
+        const glm::vec3 face = glm::normalize(
+            glm::cross(v[1]->position - v[0]->position, v[2]->position - v[0]->position));
+        for (const Vertex* corner : v) {
+          EXPECT_NEAR(std::abs(glm::dot(face, corner->normal)), 1, 1e-4) << t << mirrored;
+          EXPECT_GT(corner->normal.z, 0) << "the side that showed at rest";
+        }
+      }
+    }
+  }
+}
+
 TEST(GltfAnimation, MorphsOfCopiesAreOffset) {
   Builder b = triangle();
   b.primitive()["targets"] = json::array({{{"POSITION", b.vec3({0, 0, 1, 0, 0, 0, 0, 0, 1})}}});
