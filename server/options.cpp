@@ -23,9 +23,18 @@ std::string footer() {
 struct Texts {
   std::string listen = "127.0.0.1:9870", codec = "auto", shadows = "off", log_format = "text";
   std::string store, admin;
+  std::vector<std::string> trust_proxies;
   bool no_geometry = false, no_reference = false, references = false;
   bool no_view = false, no_web = false, check_config = false;
 };
+
+/// Checks an origin: scheme, host and port, without a path.
+std::string is_origin(const std::string& text) {
+  const std::size_t begin = text.find("://");
+  const bool right = begin != std::string::npos && begin > 0 && begin + 3 < text.size() &&
+                     text.find_first_of("/ ,;'\"", begin + 3) == std::string::npos;
+  return right ? "" : "'" + text + "' is no origin, such as https://viewer.example:8443";
+}
 
 void add_scene_options(CLI::App& app, ServerOptions& o, Texts& t) {
   app.option_defaults()->group("Scene");
@@ -85,9 +94,25 @@ void add_trust_options(CLI::App& app, ServerOptions& o, Texts& t) {
           ->type_name("FILE");
   cert->needs(key);
   key->needs(cert);
-  app.add_option("--allow-origin", o.endpoint.allow_origin,
-                 "accept pages of this origin, besides those of the server's own host")
+  app.add_option(
+         "--allow-origin", o.endpoint.allow_origins,
+         "accept pages of this origin, besides those of the server's own host; several times "
+         "for several")
+      ->allow_extra_args(false)
+      ->check(is_origin, "ORIGIN")
       ->type_name("ORIGIN");
+  app.add_option("--embed-origin", o.endpoint.embed_origins,
+                 "let pages of this origin show the browser page in a frame; several times for "
+                 "several")
+      ->allow_extra_args(false)
+      ->check(is_origin, "ORIGIN")
+      ->type_name("ORIGIN");
+  app.add_option("--trust-proxy", t.trust_proxies,
+                 "believe proxies of this network what they forward (Forwarded, X-Forwarded-For, "
+                 "-Host, -Proto), besides those of this machine; several times for several; none: "
+                 "believe no proxy")
+      ->allow_extra_args(false)
+      ->type_name("ADDRESS[/LEN]");
   app.add_flag("--no-geometry", t.no_geometry,
                "never send meshes, so that nobody can copy the model; clients draw impostors only");
   app.add_flag("--references", t.references,
@@ -192,6 +217,9 @@ void add_analysis_options(CLI::App& app, ServerOptions& o) {
 
 /// Addresses and files that texts name. Errors kUsage.
 Result<void> read_addresses(ServerOptions& o, const Texts& t) {
+  for (const std::string& network : t.trust_proxies) {
+    if (Result<void> added = o.endpoint.proxies.add(network); !added) return added.error();
+  }
   Result<ListenAddress> address = parse_listen(t.listen);
   if (!address) return address.error();
   o.endpoint.address = address.take();

@@ -259,7 +259,7 @@ void LoadClients::connect(std::uint32_t client) {
   info.context = impl_->context;
   info.address = address.c_str();
   info.port = impl_->url.port;
-  info.path = "/";
+  info.path = impl_->url.path.c_str();
   info.host = host.c_str();
   info.protocol = "mirage";
   info.local_protocol_name = "mirage";

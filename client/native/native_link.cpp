@@ -83,7 +83,7 @@ struct NativeLink::Impl {
     info.context = context;
     info.address = address.c_str();
     info.port = url.port;
-    info.path = "/";
+    info.path = url.path.c_str();
     info.host = host.c_str();
     info.origin = nullptr;
     info.protocol = "mirage";

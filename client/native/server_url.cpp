@@ -11,14 +11,26 @@ bool starts_with(const std::string& text, const std::string& head) {
 
 Error no_address(const std::string& url) {
   return make_error(ErrorId::kUsage, "'" + url + "' is no server address",
-                    "ws://HOST:PORT or unix:PATH, as the server's ready line prints it");
+                    "ws://HOST:PORT or unix:PATH, as the server's ready line prints it, or an "
+                    "address as a browser shows it");
 }
+
+struct Scheme {
+  const char* head;
+  bool tls;
+  int port;
+};
+constexpr Scheme kSchemes[] = {{"ws://", false, 9870},
+                               {"wss://", true, 9870},
+                               {"http://", false, 80},
+                               {"https://", true, 443}};
 
 }  // namespace
 
 std::string ServerUrl::host_header() const {
   if (unix_socket) return "localhost";
-  return host.find(':') == std::string::npos ? host : "[" + host + "]";
+  const std::string name = host.find(':') == std::string::npos ? host : "[" + host + "]";
+  return port == (tls ? 443 : 80) ? name : name + ":" + std::to_string(port);
 }
 
 Result<ServerUrl> parse_url(const std::string& url) {
@@ -30,15 +42,18 @@ Result<ServerUrl> parse_url(const std::string& url) {
     if (out.host.empty() || out.host.size() > kMaxSocketPath) return no_address(url);
     return out;
   }
-  if (starts_with(rest, "ws://")) {
-    rest = rest.substr(5);
-  } else if (starts_with(rest, "wss://")) {
-    rest = rest.substr(6);
-    out.tls = true;
-  } else if (rest.find("://") != std::string::npos) {
-    return no_address(url);
+  for (const Scheme& scheme : kSchemes) {
+    if (!starts_with(url, scheme.head)) continue;
+    rest = url.substr(std::string(scheme.head).size());
+    out.tls = scheme.tls;
+    out.port = scheme.port;
   }
-  if (!rest.empty() && rest.back() == '/') rest.pop_back();
+  rest = rest.substr(0, rest.find_first_of("?#"));
+  if (rest.find("://") != std::string::npos) return no_address(url);
+  if (const std::size_t slash = rest.find('/'); slash != std::string::npos) {
+    out.path = rest.substr(slash);
+    rest.resize(slash);
+  }
   const bool bracketed = starts_with(rest, "[");
   const std::size_t end = bracketed ? rest.find(']') : rest.find(':');
   if (bracketed && end == std::string::npos) return no_address(url);
@@ -50,10 +65,7 @@ Result<ServerUrl> parse_url(const std::string& url) {
                         port.find_first_not_of("0123456789") == std::string::npos;
     out.port = digits ? std::stoi(port) : 0;
   }
-  if (out.host.empty() || out.port < 1 || out.port > 65535 ||
-      out.host.find('/') != std::string::npos) {
-    return no_address(url);
-  }
+  if (out.host.empty() || out.port < 1 || out.port > 65535) return no_address(url);
   return out;
 }
 

@@ -12,6 +12,7 @@ struct ServerUrl {
   int port = 9870;
   bool tls = false;
   bool unix_socket = false;
+  std::string path = "/";
 
   /// Returns the address in the form that libwebsockets takes.
   std::string address() const { return unix_socket ? "+" + host : host; }
@@ -19,7 +20,9 @@ struct ServerUrl {
   std::string host_header() const;
 };
 
-/// Parses ws://HOST[:PORT], ws://[IPv6][:PORT], wss://… or unix:PATH; error kUsage.
+/// Parses ws://HOST[:PORT][/PATH/], ws://[IPv6]…, wss://…, an address as a browser shows it
+/// (http://… or https://…; port 80 or 443 if it has none), or unix:PATH; error kUsage. What follows
+/// a '?' or '#' is left out.
 Result<ServerUrl> parse_url(const std::string& url);
 
 }  // namespace mirage

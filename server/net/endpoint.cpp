@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -55,6 +56,15 @@ unsigned int most_sockets() {
   return static_cast<unsigned int>(std::max<std::size_t>(all > taken ? all - taken : 0, 8));
 }
 constexpr lws_usec_t kFetchCheckUs = 5'000;  // interval of checks for slow sources
+
+// Proxies close connections that are silent, some after a few seconds. A peer that answers no ping
+// for a minute is gone.
+const lws_retry_bo_t kPings = {.retry_ms_table = nullptr,
+                               .retry_ms_table_count = 0,
+                               .conceal_count = 0,
+                               .secs_since_valid_ping = 5,
+                               .secs_since_valid_hangup = 60,
+                               .jitter_percent = 0};
 
 struct Connection {
   SessionId session = 0;
@@ -137,6 +147,11 @@ struct Endpoint::Impl {
     spdlog::error("{}; the certificate stays as it is", right.error().line());
   }
 
+  /// Returns what a connection called, while its headers are there.
+  Called called(lws* wsi) const {
+    return called_of(wsi, !options.tls_cert.empty(), options.proxies);
+  }
+
   /// A timer closes clients that say or read nothing, even if there is no traffic.
   void sweep_later() {
     sweep_timer.impl = this;
@@ -206,7 +221,9 @@ struct Endpoint::Impl {
   int close_with(lws* wsi, SessionId id, const Error& error) {
     if (error.id != ErrorId::kNetworkClosed) {
       ++counters->clients_closed_for_error;
-      const std::string address = peer_of(wsi);
+      const auto* connection = static_cast<const Connection*>(lws_wsi_user(wsi));
+      const bool known = connection != nullptr && connection->address != nullptr;
+      const std::string address = known ? *connection->address : peer_of(wsi);
       const LogAbout about(id, address);
       spdlog::warn("client {} ({}): closed: {}", id, address, error.line());
     }
@@ -277,17 +294,65 @@ Endpoint::Impl* impl_of(lws* wsi) {
 }
 
 // libwebsockets accepts POST, HTTP/1.0, other versions and any key here, so this checks them.
-bool acceptable_upgrade(lws* wsi, const EndpointOptions& options) {
+bool acceptable_upgrade(lws* wsi) {
   if (header(wsi, WSI_TOKEN_HTTP).text != "HTTP/1.1") return false;
   if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) return false;
   if (header(wsi, WSI_TOKEN_VERSION).text != "13") return false;
-  if (!is_upgrade_key(header(wsi, WSI_TOKEN_KEY).text)) return false;
-  const HeaderText origin = header(wsi, WSI_TOKEN_ORIGIN);
+  return is_upgrade_key(header(wsi, WSI_TOKEN_KEY).text);
+}
+
+// True if the page that a browser shows may connect.
+bool acceptable_origin(const HeaderText& origin, const Called& called,
+                       const EndpointOptions& options) {
   if (!origin.there) return true;  // not a browser
   if (!origin.whole) return false;
-  const bool tls = !options.tls_cert.empty();
-  return (!options.allow_origin.empty() && origin.text == options.allow_origin) ||
-         same_origin(origin.text, header(wsi, WSI_TOKEN_HOST).text, tls);
+  const std::vector<std::string>& allowed = options.allow_origins;
+  return std::find(allowed.begin(), allowed.end(), origin.text) != allowed.end() ||
+         same_origin(origin.text, called.host, called.tls);
+}
+
+// Text of a peer, in one line and cut, for the log and an answer.
+std::string shown(const std::string& text) {
+  std::string out = text.substr(0, 100);
+  std::replace_if(
+      out.begin(), out.end(), [](unsigned char c) { return c < 0x20 || c > 0x7e; }, '?');
+  return out;
+}
+
+// Answers an upgrade that is refused. Returns the value for the callback to return.
+int refuse_upgrade(lws* wsi, unsigned int status, const std::string& text) {
+  std::vector<unsigned char> buffer(LWS_PRE + 1024 + text.size());
+  unsigned char* at = buffer.data() + LWS_PRE;
+  unsigned char* const begin = at;
+  unsigned char* const end = buffer.data() + buffer.size();
+  if (lws_add_http_common_headers(wsi, status, "text/plain", text.size(), &at, end) != 0 ||
+      lws_finalize_http_header(wsi, &at, end) != 0) {
+    return -1;
+  }
+  at = std::copy(text.begin(), text.end(), at);
+  lws_write(wsi, begin, static_cast<std::size_t>(at - begin), LWS_WRITE_HTTP_HEADERS);
+  return -1;
+}
+
+// Decides on an upgrade while its headers are there.
+int confirm_upgrade(lws* wsi) {
+  Endpoint::Impl* impl = impl_of(wsi);
+  const Called called = impl->called(wsi);
+  if (!impl->admission.may_connect(called.address, impl->clock.now_us())) {
+    ++impl->counters->addresses_refused;
+    return refuse_upgrade(wsi, 429, "too many wrong tokens from this address\n");
+  }
+  const HeaderText origin = header(wsi, WSI_TOKEN_ORIGIN);
+  if (acceptable_origin(origin, called, impl->options)) return 0;
+  ++impl->counters->upgrades_refused;
+  const std::string from = shown(origin.text), to = shown(called.host);
+  const std::string text =
+      "a page of " + from + " may not connect to " + (called.tls ? "https://" : "http://") + to;
+  spdlog::warn(
+      "{} refused: {} (hint: --allow-origin {} lets it in; behind a proxy that rewrites "
+      "Host, let it send X-Forwarded-Host and -Proto)",
+      called.address, text, from);
+  return refuse_upgrade(wsi, 403, text + "\n");
 }
 
 int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length) {
@@ -296,11 +361,7 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: {
       Endpoint::Impl* impl = impl_of(wsi);
       if (impl->stopping) return -1;
-      if (!impl->admission.may_connect(peer_of(wsi), impl->clock.now_us())) {
-        ++impl->counters->addresses_refused;
-        return -1;
-      }
-      if (acceptable_upgrade(wsi, impl->options)) return 0;
+      if (acceptable_upgrade(wsi)) return 0;
       ++impl->counters->upgrades_refused;
       return -1;
     }
@@ -308,7 +369,7 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
       Endpoint::Impl* impl = impl_of(wsi);
       *connection = Connection{};
       connection->inbound = new Bytes;  // freed on CLOSED: lws zero-fills and frees `user` itself
-      connection->address = new std::string(peer_of(wsi));
+      connection->address = new std::string(impl->called(wsi).address);
       connection->session = impl->hub->open();
       impl->sockets[connection->session] = wsi;
       return 0;
@@ -365,6 +426,8 @@ int on_http(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t 
     case LWS_CALLBACK_WSI_DESTROY:
       if (Endpoint::Impl* impl = impl_of(wsi); impl->connections > 0) --impl->connections;
       return 0;
+    case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
+      return confirm_upgrade(wsi);
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
       return -1;  // an upgrade without a known protocol arrives here
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
@@ -416,6 +479,7 @@ Result<lws_vhost*> Endpoint::Impl::listen_at(const ListenAddress& at, const char
   info.ka_time = 30;
   info.ka_probes = 3;
   info.ka_interval = 10;
+  info.retry_and_idle_policy = &kPings;
   info.vhost_name = name;
   if (tls) {
     info.options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;

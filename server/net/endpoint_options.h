@@ -2,7 +2,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "server/net/forwarded.h"
 #include "server/net/listen_address.h"
 
 namespace mirage {
@@ -11,8 +13,11 @@ struct EndpointOptions {
   ListenAddress address;
   std::string tls_cert;  ///< PEM files; both or none
   std::string tls_key;
-  /// An additional Origin that browsers may come from, besides this server's own.
-  std::string allow_origin;
+  /// Origins that browsers may come from, besides this server's own.
+  std::vector<std::string> allow_origins;
+  /// Origins of pages that may show the browser page in a frame, besides this server's own.
+  std::vector<std::string> embed_origins;
+  TrustedProxies proxies;
   double drain_s = 10;   ///< seconds in which earlier asks are still served after stop()
   std::string web;       ///< folder of the browser page; empty: none
   bool metrics = false;  ///< serves GET /metrics

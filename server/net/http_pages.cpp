@@ -89,7 +89,8 @@ int HttpPages::get_file(lws* wsi, HttpPeer& peer, const WebFile& file) const {
   unsigned char* const start = buffer.data() + LWS_PRE;
   unsigned char* at = start;
   unsigned char* const end = start + kMostHeaderBytes;
-  const std::string headers = WebPages::headers(file, header(wsi, WSI_TOKEN_HOST).text);
+  const Called called = called_of(wsi, !options_.tls_cert.empty(), options_.proxies);
+  const std::string headers = WebPages::headers(file, called.host, options_.embed_origins);
   if (lws_add_http_common_headers(wsi, 200, file.type.c_str(), file.body->size(), &at, end) ||
       !add_headers(wsi, headers, &at, end) ||
       lws_finalize_write_http_header(wsi, start, &at, end)) {
@@ -146,7 +147,7 @@ int HttpPages::answer_operator(lws* wsi, const std::string& path, bool stopping)
 
 int HttpPages::get_tile(lws* wsi, HttpPeer& peer, const std::string& path) {
   const std::int64_t now_us = clock_.now_us();
-  const std::string address = peer_of(wsi);
+  const std::string address = called_of(wsi, !options_.tls_cert.empty(), options_.proxies).address;
   if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) {
     return send(wsi, {405, "text/plain", "Allow: GET\r\n", "tiles are got\n"});
   }

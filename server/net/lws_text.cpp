@@ -14,6 +14,34 @@ HeaderText header(lws* wsi, lws_token_indexes token) {
   return out;
 }
 
+namespace {
+
+/// Returns the value of a header that libwebsockets has no token for; `name` in small letters, with
+/// its colon. Empty: there is none, or it is too long.
+std::string other_header(lws* wsi, const std::string& name) {
+  char text[512] = {};
+  const int n =
+      lws_hdr_custom_copy(wsi, text, sizeof(text), name.c_str(), static_cast<int>(name.size()));
+  return n > 0 ? std::string(text, static_cast<std::size_t>(n)) : "";
+}
+
+std::string whole_header(lws* wsi, lws_token_indexes token) {
+  const HeaderText found = header(wsi, token);
+  return found.whole ? found.text : "";
+}
+
+}  // namespace
+
+Called called_of(lws* wsi, bool tls, const TrustedProxies& proxies) {
+  ForwardingHeaders headers;
+  headers.host = whole_header(wsi, WSI_TOKEN_HOST);
+  headers.for_ = whole_header(wsi, WSI_TOKEN_X_FORWARDED_FOR);
+  headers.forwarded = other_header(wsi, "forwarded:");
+  headers.proto = other_header(wsi, "x-forwarded-proto:");
+  headers.forwarded_host = other_header(wsi, "x-forwarded-host:");
+  return called_by(peer_of(wsi), tls, headers, proxies);
+}
+
 std::string peer_of(lws* wsi) {
   char name[64] = {};
   lws_get_peer_simple(wsi, name, sizeof(name));

@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "server/net/forwarded.h"
+
 namespace mirage {
 
 /// A header's text. A text too long for the buffer sets `whole` to false and is not cut. It still
@@ -17,5 +19,9 @@ HeaderText header(lws* wsi, lws_token_indexes token);
 
 /// Returns the peer's address, or `unix`.
 std::string peer_of(lws* wsi);
+
+/// Returns what a request called, and who called, as far as trusted proxies tell. `tls`: this
+/// server's own.
+Called called_of(lws* wsi, bool tls, const TrustedProxies& proxies);
 
 }  // namespace mirage

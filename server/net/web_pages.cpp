@@ -93,7 +93,8 @@ const WebFile* WebPages::find(const std::string& path, const std::string& accept
   return plain != at->second.end() ? &plain->second : nullptr;
 }
 
-std::string WebPages::headers(const WebFile& file, const std::string& host) {
+std::string WebPages::headers(const WebFile& file, const std::string& host,
+                              const std::vector<std::string>& embed_origins) {
   std::string out = "Vary: Accept-Encoding\r\nX-Content-Type-Options: nosniff\r\n";
   out += file.page ? "Cache-Control: no-cache\r\n"
                    : "Cache-Control: public, max-age=31536000, immutable\r\n";
@@ -104,7 +105,9 @@ std::string WebPages::headers(const WebFile& file, const std::string& host) {
   out +=
       "Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; "
       "worker-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'" +
-      sockets + "; base-uri 'none'; form-action 'none'; frame-ancestors 'self'\r\n";
+      sockets + "; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
+  for (const std::string& origin : embed_origins) out += " " + origin;
+  out += "\r\n";
   out += "Referrer-Policy: no-referrer\r\nCross-Origin-Opener-Policy: same-origin\r\n";
   return out;
 }

@@ -29,8 +29,10 @@ class WebPages {
   /// Returns a file; nullptr: there is none. `path` is the requested path, "/" for index.html;
   /// `accepted` is the Accept-Encoding header.
   const WebFile* find(const std::string& path, const std::string& accepted) const;
-  /// Returns the header lines of a file, one a line; `host`: the Host header.
-  static std::string headers(const WebFile& file, const std::string& host);
+  /// Returns the header lines of a file, one a line. `host`: what the browser called;
+  /// `embed_origins`: pages that may show this one in a frame, besides its own.
+  static std::string headers(const WebFile& file, const std::string& host,
+                             const std::vector<std::string>& embed_origins);
 
  private:
   std::map<std::string, std::map<std::string, WebFile>> files_;  ///< by path, then by encoding

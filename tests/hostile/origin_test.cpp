@@ -105,13 +105,51 @@ TEST(Origin, IsTheServersOwnOrNone) {
 
 TEST(Origin, IsAlsoTheOneThatIsAllowed) {
   const Server server("builtin:knot?tubular=60&radial=12",
-                      {"--no-view", "--allow-origin", "https://viewer.example"});
+                      {"--no-view", "--allow-origin", "https://viewer.example", "--allow-origin",
+                       "https://second.example:8443"});
   ASSERT_TRUE(server.ready()) << server.log();
   expect_cases(server, common_cases());
   expect_cases(server, {{"allowed", from("https://viewer.example"), true},
+                        {"the second", from("https://second.example:8443"), true},
                         {"its name in http", from("http://viewer.example"), false},
                         {"allowed and more", from("https://viewer.example.evil.example"), false},
                         {"allowed, a port", from("https://viewer.example:443"), false}});
+}
+
+Upgrade forwarded(const std::string& headers, const std::string& origin) {
+  Upgrade out;
+  out.host = "Host: mirage\r\n";  // as a proxy writes it that tells where the server is
+  out.more = "Origin: " + origin + "\r\n" + headers;
+  return out;
+}
+
+TEST(Origin, IsWhatTheBrowserCalledIfAProxyOfThisMachineSaysSo) {
+  const std::string page = "https://viewer.example";
+  const std::string tells = "X-Forwarded-Host: viewer.example\r\nX-Forwarded-Proto: https\r\n";
+  const Server server("builtin:knot?tubular=60&radial=12", {"--no-view"});
+  ASSERT_TRUE(server.ready()) << server.log();
+  expect_cases(
+      server,
+      {{"told", forwarded(tells, page), true},
+       {"told by the standard",
+        forwarded("Forwarded: for=192.0.2.1;host=viewer.example;proto=https\r\n", page), true},
+       {"not told", forwarded("", page), false},
+       {"told of another", forwarded(tells, "https://evil.example"), false},
+       {"told of http", forwarded("X-Forwarded-Host: viewer.example\r\n", page), false}});
+  const Server careful("builtin:knot?tubular=60&radial=12", {"--no-view", "--trust-proxy", "none"});
+  ASSERT_TRUE(careful.ready()) << careful.log();
+  expect_cases(careful, {{"told, and not believed", forwarded(tells, page), false}});
+}
+
+TEST(Origin, ARefusedPageIsToldAndLogged) {
+  const Server server("builtin:knot?tubular=60&radial=12", {"--no-view"});
+  ASSERT_TRUE(server.ready()) << server.log();
+  const WebSocket peer(server.port(), {}, from("http://evil.example"));
+  EXPECT_FALSE(peer.open());
+  EXPECT_NE(peer.answer().find(" 403 "), std::string::npos) << peer.answer();
+  const std::string log = server.log();
+  EXPECT_NE(log.find("a page of http://evil.example may not connect"), std::string::npos) << log;
+  EXPECT_NE(log.find("--allow-origin http://evil.example"), std::string::npos) << log;
 }
 
 }  // namespace

@@ -42,11 +42,11 @@ TEST(WebPages, ThePageIsNeverCachedItsPartsForEver) {
   WebFile page, part;
   page.page = true;
   part.encoding = "br";
-  const std::string of_page = WebPages::headers(page, "host.example:9870");
+  const std::string of_page = WebPages::headers(page, "host.example:9870", {});
   EXPECT_NE(of_page.find("Cache-Control: no-cache\r\n"), std::string::npos);
   EXPECT_NE(of_page.find("default-src 'none'"), std::string::npos);
   EXPECT_NE(of_page.find("ws://host.example:9870 wss://host.example:9870;"), std::string::npos);
-  const std::string of_part = WebPages::headers(part, "host");
+  const std::string of_part = WebPages::headers(part, "host", {});
   EXPECT_NE(of_part.find("immutable"), std::string::npos);
   EXPECT_NE(of_part.find("Content-Encoding: br\r\n"), std::string::npos);
   for (const std::string& both : {of_page, of_part}) {
@@ -59,7 +59,7 @@ TEST(WebPages, AHostCannotAddToThePolicy) {
   page.page = true;
   for (const char* host :
        {"x; script-src *", "a b", "x\r\nSet-Cookie: a=b", "'unsafe-inline'", ""}) {
-    const std::string headers = WebPages::headers(page, host);
+    const std::string headers = WebPages::headers(page, host, {});
     EXPECT_EQ(headers.find("ws://"), std::string::npos) << host;
     EXPECT_EQ(headers.find("Cookie"), std::string::npos) << host;
   }
