@@ -1,9 +1,11 @@
 #include "server/scene/gltf/document.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "server/scene/gltf/decompress.h"
 #include "server/scene/gltf/file_guard.h"
@@ -49,9 +51,42 @@ bool is_supported(std::string_view extension) {
          std::end(kSupportedExtensions);
 }
 
+/// Leaves out extras while a text is parsed, except extras.mirage: files of buildings have millions
+/// of properties that nothing needs.
+class ExtrasFilter {
+ public:
+  /// As json::parser_callback_t: false leaves the value out.
+  bool operator()(int depth, json::parse_event_t event, const json& parsed) {
+    using Event = json::parse_event_t;
+    const auto inside = static_cast<std::size_t>(depth) + 1;
+    switch (event) {
+      case Event::object_start:
+        is_extras_.resize(std::max(is_extras_.size(), inside + 1));
+        is_extras_[inside] = std::exchange(next_is_extras_, false);
+        return true;
+      case Event::key:
+        if (is_extras_[inside - 1]) return parsed == "mirage";
+        next_is_extras_ = parsed == "extras";
+        return true;
+      case Event::array_start:
+        is_extras_.resize(std::max(is_extras_.size(), inside + 1));
+        is_extras_[inside] = false;
+        return !std::exchange(next_is_extras_, false);
+      default:
+        next_is_extras_ = false;
+        return true;
+    }
+  }
+
+ private:
+  std::vector<bool> is_extras_;  ///< of the open objects, by their depth
+  bool next_is_extras_ = false;  ///< of the value that comes next
+};
+
 Result<json> parse_strictly(std::string_view text) {
   try {
-    return json::parse(text.begin(), text.end());
+    ExtrasFilter filter;
+    return json::parse(text.begin(), text.end(), std::ref(filter));
   } catch (const json::parse_error& error) {
     return make_error(ErrorId::kSceneFormat,
                       "JSON syntax error at byte " + std::to_string(error.byte));

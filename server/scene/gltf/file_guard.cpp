@@ -246,6 +246,8 @@ Result<std::uint64_t> scan_json(std::string_view text) {
   std::uint64_t values = 0;
   std::size_t last_string = 0;  // start of the last string, after its quote
   std::size_t last_end = 0;
+  bool extras_next = false;  // the value that comes belongs to "extras"
+  int extras_depth = 0;      // of the value of "extras" around this place; 0: none is
   NameWatch names;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -254,23 +256,31 @@ Result<std::uint64_t> scan_json(std::string_view text) {
       for (++i; i < text.size() && text[i] != '"'; ++i) i += text[i] == '\\' ? 1 : 0;
       last_end = std::min(i, text.size());
     } else if (c == ':') {
-      names.name(text.substr(last_string, last_end - last_string));
+      const std::string_view name = text.substr(last_string, last_end - last_string);
+      extras_next = name == "extras";
+      if (extras_depth == 0) names.name(name);
     } else if (c == '{' || c == '[') {
-      ++values;
+      values += extras_depth == 0 ? 1 : 0;
       names.open();
+      if (extras_next && extras_depth == 0) extras_depth = names.depth();
+      extras_next = false;
       if (names.depth() > kMaxJsonDepth) {
         return make_error(ErrorId::kSceneLimit,
                           "JSON nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
       }
     } else if (c == '}' || c == ']') {
+      if (names.depth() == extras_depth) extras_depth = 0;
       names.close();
+      extras_next = false;
     } else if (c == ',') {
-      ++values;
+      values += extras_depth == 0 ? 1 : 0;
+      extras_next = false;
     }
   }
   if (values > kMaxJsonValues) {
     return make_error(ErrorId::kSceneLimit,
-                      "JSON with more than " + std::to_string(kMaxJsonValues) + " values");
+                      "JSON with more than " + std::to_string(kMaxJsonValues) + " values",
+                      "npx @gltf-transform/cli join IN.glb OUT.glb makes fewer, larger meshes");
   }
   return names.twice();
 }

@@ -36,7 +36,8 @@ Result<GltfFile> open_gltf(const std::string& path, Tally& tally);
 /// kSceneFormat.
 Result<GltfFile> split_container(std::vector<std::uint8_t> bytes, Tally& tally);
 
-/// Checks nesting depth and number of values without recursion. Returns the number of objects that
+/// Checks nesting depth and number of values without recursion; those in extras, which are not
+/// kept, do not count. Returns the number of objects that
 /// name a property twice (names compared by their bytes). Errors: kSceneLimit.
 Result<std::uint64_t> scan_json(std::string_view text);
 

@@ -14,6 +14,16 @@ constexpr float kSmallestExtent = 1e-6f;
 constexpr float kLargestExtent = 1e6f;
 constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
 
+/// A primitive without normals has flat faces (glTF §3.7.2.1), each with its own corners: up to six
+/// times the vertices. In one with more corners than this, faces are so small that smooth normals
+/// look the same.
+constexpr std::size_t kMostFlatCorners = 3'000'000;
+
+bool splits_faces(const RawPrimitive& raw) {
+  return raw.kind == PrimitiveKind::kTriangles && raw.normal.empty() &&
+         raw.indices.size() <= kMostFlatCorners;
+}
+
 bool is_usable(const glm::vec3& p) {
   // Each comparison is false for NaN.
   return std::abs(p.x) <= kMaxPosition && std::abs(p.y) <= kMaxPosition &&
@@ -122,7 +132,7 @@ void compact(RawPrimitive& raw) {
 
 /// Replaces zero and NaN normals by the area-weighted normal of the faces around, and normalises
 /// the rest.
-void mend_normals(RawPrimitive& raw, Tally& tally) {
+void mend_normals(RawPrimitive& raw, std::string_view what, Tally& tally) {
   std::uint64_t bad = 0;
   for (const glm::vec3& normal : raw.normal) bad += has_direction(normal) ? 0 : 1;
   std::vector<glm::dvec3> sum;
@@ -139,7 +149,7 @@ void mend_normals(RawPrimitive& raw, Tally& tally) {
     if (length > 0) fallback = glm::vec3(sum[i] / length);
     raw.normal[i] = unit_or(raw.normal[i], fallback);
   }
-  tally.add("normals without direction replaced by face normals", bad);
+  tally.add(what, bad);
 }
 
 /// Makes tangents from texture coordinates: accumulated per vertex, then orthogonalised (Lengyel,
@@ -199,8 +209,7 @@ Vertex vertex_of(const RawPrimitive& raw, std::size_t i) {
 }  // namespace
 
 std::size_t vertices_needed(const RawPrimitive& raw) {
-  const bool splits = raw.kind == PrimitiveKind::kTriangles && raw.normal.empty();
-  return splits ? raw.indices.size() : raw.position.size();
+  return splits_faces(raw) ? raw.indices.size() : raw.position.size();
 }
 
 bool has_tangents(const RawPrimitive& raw) {
@@ -226,11 +235,15 @@ void append_primitive(RawPrimitive& raw, std::uint32_t material, bool needs_tang
                       Mesh& mesh) {
   filter_elements(raw, tally);
   if (raw.indices.empty()) return;
-  if (raw.kind == PrimitiveKind::kTriangles && raw.normal.empty()) {
+  if (splits_faces(raw)) {
     split_faces(raw);
   } else {
     compact(raw);
-    if (!raw.normal.empty()) mend_normals(raw, tally);
+    const bool none = raw.kind == PrimitiveKind::kTriangles && raw.normal.empty();
+    if (none) raw.normal.assign(raw.position.size(), glm::vec3(0));
+    const std::string_view what = none ? "vertices of large meshes without normals shaded smoothly"
+                                       : "normals without direction replaced by face normals";
+    if (!raw.normal.empty()) mend_normals(raw, what, tally);
   }
   if (!raw.tangent.empty() && !raw.normal.empty()) {
     mend_tangents(raw);

@@ -1,6 +1,7 @@
 // Container, JSON, URIs, references and ranges: what is refused, and with which error.
 #include <sys/stat.h>
 
+#include "server/scene/gltf/file_guard.h"
 #include "tests/support/gltf_fixture.h"
 
 namespace mirage::test {
@@ -150,6 +151,29 @@ TEST(GltfContainer, DuplicateNames) {
   const TempFolder folder;
   EXPECT_REFUSED(import_gltf(folder.write("scene.gltf", twice), Workers(), {.strict = true}),
                  kSceneFormat, "1 JSON objects name a property twice");
+}
+
+// Files of buildings have dozens of properties in each element.
+TEST(GltfContainer, ExtrasCountAsNothing) {
+  Builder builder = triangle();
+  json many = json::array();
+  for (int i = 0; i < 1000; ++i) many.push_back({{"deep", {1, 2, {{"extras", {3}}}}}});
+  builder.doc["nodes"][0]["extras"] = {{"properties", many}, {"mirage", {{"phase", 0.5}}}};
+  builder.doc["extras"] = many;
+  builder.doc["meshes"][0]["extras"] = "text";
+  std::string text = builder.doc.dump();
+  const Result<std::uint64_t> twice = gltf::scan_json(text);
+  ASSERT_TRUE(twice);
+  EXPECT_EQ(*twice, 0u);
+  auto scene = builder.load_strict();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_EQ(scene->triangles(), 1u);
+  // Seven million values outside of extras are too many; inside, they are not looked at.
+  std::string values = "[0";
+  for (int i = 0; i < 7'000'000; ++i) values += ",0";
+  const std::string head = R"({"asset":{"version":"2.0"},)";
+  EXPECT_REFUSED(load_text(head + "\"other\":" + values + "]}"), kSceneLimit, "values");
+  EXPECT_TRUE(load_text(head + "\"extras\":{\"a\":" + values + "]},\"nodes\":[{}]}").ok());
 }
 
 TEST(GltfContainer, RequiredExtensions) {
