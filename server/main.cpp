@@ -14,6 +14,7 @@
 #include <fstream>
 
 #include "protocol/base/fail.h"
+#include "protocol/base/resources.h"
 #include "protocol/impostor/tile_key.h"
 #include "server/base/cache_directory.h"
 #include "server/base/log.h"
@@ -258,6 +259,9 @@ int explain(const ServerOptions& options, const std::shared_ptr<const PreparedSc
 int run(int argc, char** argv) {
   ServerOptions options;
   if (const int code = parse_options(argc, argv, options); code >= 0) return code;
+  Result<void> enough = require_addresses(kRendererMb);
+  if (enough) enough = require_threads();
+  if (!enough) return fail(enough.error());
   if (options.list_devices) return list_devices();
   if (options.doctor) return run_doctor(options);
   set_up_log(options.log_format);
@@ -287,6 +291,6 @@ int main(int argc, char** argv) {
   try {
     return mirage::gl::exit_without_leaks(mirage::run(argc, argv));
   } catch (const std::exception& e) {
-    return mirage::fail(mirage::make_error(mirage::ErrorId::kInternal, e.what()));
+    return mirage::fail(mirage::error_of(e));
   }
 }

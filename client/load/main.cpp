@@ -9,6 +9,7 @@
 #include "client/load/options.h"
 #include "client/load/report.h"
 #include "protocol/base/fail.h"
+#include "protocol/base/resources.h"
 
 namespace mirage {
 namespace {
@@ -52,9 +53,10 @@ int main(int argc, char** argv) {
     if (const int code = mirage::parse_options(argc, argv, options); code >= 0) return code;
     spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
     spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
-    const mirage::Result<void> done = mirage::run_load(options);
+    mirage::Result<void> done = mirage::require_threads();
+    if (done) done = mirage::run_load(options);
     return done.ok() ? 0 : mirage::fail(done.error());
   } catch (const std::exception& e) {
-    return mirage::fail(mirage::make_error(mirage::ErrorId::kInternal, e.what()));
+    return mirage::fail(mirage::error_of(e));
   }
 }

@@ -7,6 +7,7 @@
 #include "client/view/options.h"
 #include "client/view/viewer.h"
 #include "protocol/base/fail.h"
+#include "protocol/base/resources.h"
 #include "shaders/gl/health.h"
 
 int main(int argc, char** argv) {
@@ -15,9 +16,11 @@ int main(int argc, char** argv) {
     if (const int code = mirage::parse_options(argc, argv, options); code >= 0) return code;
     spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
     spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
-    const mirage::Result<void> done = mirage::run_viewer(options);
+    mirage::Result<void> done = mirage::require_addresses(mirage::kRendererMb);
+    if (done) done = mirage::require_threads();
+    if (done) done = mirage::run_viewer(options);
     return mirage::gl::exit_without_leaks(done.ok() ? 0 : mirage::fail(done.error()));
   } catch (const std::exception& e) {
-    return mirage::fail(mirage::make_error(mirage::ErrorId::kInternal, e.what()));
+    return mirage::fail(mirage::error_of(e));
   }
 }

@@ -224,7 +224,8 @@ std::string exit_codes_page() {
          "| exit code | meaning |\n|---|---|\n"
          "| 0 | All went well. |\n| 1 | An internal error, or a file that could not be read or "
          "written. |\n| 2 | Wrong use: options, configuration file, environment. |\n"
-         "| 3 | The scene cannot be opened. |\n| 4 | Graphics: there is no device, or it failed. "
+         "| 3 | The scene cannot be opened. |\n| 4 | Graphics: there is no device, or it failed; "
+         "or a limit left too few threads or too little memory. "
          "|\n| 5 | Network: no connection, or it was refused or ended. |\n"
          "| 6 | A comparison or check failed. |\n\n"
          "| error id | exit code | close code of the WebSocket |\n|---|---|---|\n";

@@ -23,9 +23,13 @@ enum class ExitCode : int {
 // X(enumerator, "stable-id", exit code, WebSocket close code, "cause", "cure")
 #define MIRAGE_ERRORS(X)                                                                           \
   X(kInternal, "internal", kInternal, 1011,                                                        \
-    "The program met a state that it should never meet, or memory ran out.",                       \
-    "Repeat it with the newest build. If memory ran out, lower --cache-mb or --gpu-mb. Otherwise " \
-    "report it with the command and the whole line.")                                              \
+    "The program met a state that it should never meet.",                                          \
+    "Repeat it with the newest build. If it comes again, report it with the command and the "      \
+    "whole line.")                                                                                 \
+  X(kResources, "resources", kGraphics, 1011,                                                      \
+    "The machine, or a limit of it, gives this program too few threads or too little memory.",     \
+    "Raise the limit that the line names: ulimit -u and -v, or a container's --pids-limit and "    \
+    "--memory.")                                                                                   \
   X(kUsage, "usage", kUsage, 1008,                                                                 \
     "An option, a line of the configuration file, a MIRAGE_… variable or a file that an option " \
     "names is wrong.",                                                                             \

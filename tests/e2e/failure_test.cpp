@@ -24,11 +24,23 @@ TEST(Failure, WrongUseEndsWithTwo) {
   expect_error(run({binary("mirage-server"), "builtin:knot", "--nonsense"}), 2, "usage");
   expect_error(run({binary("mirage-server"), "builtin:knot", "--listen", "nowhere"}), 2, "usage");
   expect_error(run({binary("mirage-view")}), 2, "usage");
-  expect_error(run({binary("mirage-view"), "http://x"}), 2, "usage");
+  expect_error(run({binary("mirage-view"), "ftp://x"}), 2, "usage");
   expect_error(run({binary("mirage-view"), "ws://x:1", "--offscreen", "0x5"}), 2, "usage");
   expect_error(run({binary("mirage-view"), "ws://x:1", "--fov", "180"}), 2, "usage");
   expect_error(run({binary("mirage-view"), "ws://x:1", "--fov", "nan"}), 2, "usage");
   expect_error(run({binary("mirage-view"), "ws://x:1", "--net", "rtt=banana"}), 2, "usage");
+}
+
+// A server names the limit that it hits, and ends; it neither aborts nor hangs.
+TEST(Failure, TooLittleMemoryEndsWithFour) {
+  for (const int kilobytes : {300'000, 400'000}) {
+    const std::string command = "ulimit -v " + std::to_string(kilobytes) + "; exec " +
+                                binary("mirage-server") + " builtin:knot --listen 127.0.0.1:0";
+    const Finished done = run({"/bin/sh", "-c", command}, 30);
+    EXPECT_EQ(done.exit_code, 4) << kilobytes << ": " << done.output;
+    EXPECT_NE(done.output.find("ulimit -v is " + std::to_string(kilobytes)), std::string::npos)
+        << done.output;
+  }
 }
 
 TEST(Failure, UnusableScenesEndWithThreeQuickly) {
