@@ -22,8 +22,7 @@ enum class ExitCode : int {
 // docs/guide/troubleshooting.md and docs/reference/errors.md are written from this table.
 // X(enumerator, "stable-id", exit code, WebSocket close code, "cause", "cure")
 #define MIRAGE_ERRORS(X)                                                                           \
-  X(kInternal, "internal", kInternal, 1011,                                                        \
-    "The program met a state that it should never meet.",                                          \
+  X(kInternal, "internal", kInternal, 1011, "The program met a state that it should never meet.",  \
     "Repeat it with the newest build. If it comes again, report it with the command and the "      \
     "whole line.")                                                                                 \
   X(kResources, "resources", kGraphics, 1011,                                                      \
