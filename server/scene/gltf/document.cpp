@@ -1,7 +1,6 @@
 #include "server/scene/gltf/document.h"
 
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -11,7 +10,7 @@
 #include "server/scene/gltf/file_guard.h"
 #include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/json_extensions.h"
-#include "server/scene/gltf/json_mend.h"
+#include "server/scene/gltf/json_read.h"
 #include "server/scene/gltf/json_schema.h"
 #include "server/scene/gltf/model_check.h"
 #include "server/scene/gltf/uri_loader.h"
@@ -49,74 +48,6 @@ constexpr std::string_view kSupportedExtensions[] = {
 bool is_supported(std::string_view extension) {
   return std::find(std::begin(kSupportedExtensions), std::end(kSupportedExtensions), extension) !=
          std::end(kSupportedExtensions);
-}
-
-/// Leaves out extras while a text is parsed, except extras.mirage: files of buildings have millions
-/// of properties that nothing needs.
-class ExtrasFilter {
- public:
-  /// As json::parser_callback_t: false leaves the value out.
-  bool operator()(int depth, json::parse_event_t event, const json& parsed) {
-    using Event = json::parse_event_t;
-    const auto inside = static_cast<std::size_t>(depth) + 1;
-    switch (event) {
-      case Event::object_start:
-        is_extras_.resize(std::max(is_extras_.size(), inside + 1));
-        is_extras_[inside] = std::exchange(next_is_extras_, false);
-        return true;
-      case Event::key:
-        if (is_extras_[inside - 1]) return parsed == "mirage";
-        next_is_extras_ = parsed == "extras";
-        return true;
-      case Event::array_start:
-        is_extras_.resize(std::max(is_extras_.size(), inside + 1));
-        is_extras_[inside] = false;
-        return !std::exchange(next_is_extras_, false);
-      default:
-        next_is_extras_ = false;
-        return true;
-    }
-  }
-
- private:
-  std::vector<bool> is_extras_;  ///< of the open objects, by their depth
-  bool next_is_extras_ = false;  ///< of the value that comes next
-};
-
-Result<json> parse_strictly(std::string_view text) {
-  try {
-    ExtrasFilter filter;
-    return json::parse(text.begin(), text.end(), std::ref(filter));
-  } catch (const json::parse_error& error) {
-    return make_error(ErrorId::kSceneFormat,
-                      "JSON syntax error at byte " + std::to_string(error.byte));
-  } catch (const json::out_of_range&) {
-    return make_error(ErrorId::kSceneFormat, "JSON holds a number beyond double precision");
-  } catch (const std::exception& error) {
-    return make_error(ErrorId::kSceneFormat, std::string("JSON: ") + error.what());
-  }
-}
-
-Result<json> parse_json(std::string_view text, Tally& tally) {
-  auto twice = scan_json(text);
-  if (!twice) return twice.error();
-  if (*twice > 0) {  // glTF §2.7 forbids it; parsers take the last
-    auto ok =
-        tally.forgive("files with duplicate names in JSON, the last of each counts",
-                      make_error(ErrorId::kSceneFormat,
-                                 std::to_string(*twice) + " JSON objects name a property twice"));
-    if (!ok) return ok.error();
-  }
-  auto root = parse_strictly(text);
-  if (root) return root;
-  const std::string mended = mend_json(text);
-  if (mended == text) return root;
-  auto second = parse_strictly(mended);
-  if (!second) return root;
-  auto ok = tally.forgive(
-      "files with text that is not UTF-8, or numbers that are not finite, in JSON", root.error());
-  if (!ok) return ok.error();
-  return second;
 }
 
 /// Checked before the rest of the schema. A file of another version, or with an unsupported
@@ -462,7 +393,7 @@ Result<Document> load_document(const std::string& path, const std::string& varia
   document.folder = std::filesystem::path(path).parent_path();
   if (document.folder.empty()) document.folder = ".";
 
-  auto raw = parse_json(file->json, tally);
+  auto raw = read_json(file->json, kMaxJsonValues, tally);
   if (!raw) return raw.error();
   if (auto ok = check_version_and_extensions(*raw, tally); !ok) return ok.error();
   if (auto ok = check_sizes(*raw); !ok) return ok.error();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <functional>
 #include <system_error>
 
 #include "server/scene/gltf/file_kind.h"
@@ -153,33 +152,6 @@ class ChunkSplitter {
   int chunks_ = 0;
 };
 
-/// The names in all objects that are open, as hashes.
-class NameWatch {
- public:
-  void open() {
-    if (++depth_ > static_cast<int>(levels_.size())) levels_.emplace_back();
-    levels_[static_cast<std::size_t>(depth_ - 1)].clear();
-  }
-  void name(std::string_view name) {
-    if (depth_ > 0) {
-      levels_[static_cast<std::size_t>(depth_ - 1)].push_back(std::hash<std::string_view>{}(name));
-    }
-  }
-  void close() {
-    if (depth_ == 0) return;  // not JSON; the parser reports it
-    std::vector<std::size_t>& names = levels_[static_cast<std::size_t>(--depth_)];
-    std::sort(names.begin(), names.end());
-    if (std::adjacent_find(names.begin(), names.end()) != names.end()) ++twice_;
-  }
-  int depth() const { return depth_; }
-  std::uint64_t twice() const { return twice_; }
-
- private:
-  std::vector<std::vector<std::size_t>> levels_;
-  int depth_ = 0;
-  std::uint64_t twice_ = 0;
-};
-
 }  // namespace
 
 Result<std::vector<std::uint8_t>> read_regular_file(const fs::path& path, std::uint64_t max_bytes,
@@ -240,49 +212,6 @@ Result<GltfFile> split_container(std::vector<std::uint8_t> bytes, Tally& tally) 
                       "JSON of more than " + std::to_string(kMaxJsonBytes) + " bytes");
   }
   return file;
-}
-
-Result<std::uint64_t> scan_json(std::string_view text) {
-  std::uint64_t values = 0;
-  std::size_t last_string = 0;  // start of the last string, after its quote
-  std::size_t last_end = 0;
-  bool extras_next = false;  // the value that comes belongs to "extras"
-  int extras_depth = 0;      // of the value of "extras" around this place; 0: none is
-  NameWatch names;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '"') {
-      last_string = i + 1;
-      for (++i; i < text.size() && text[i] != '"'; ++i) i += text[i] == '\\' ? 1 : 0;
-      last_end = std::min(i, text.size());
-    } else if (c == ':') {
-      const std::string_view name = text.substr(last_string, last_end - last_string);
-      extras_next = name == "extras";
-      if (extras_depth == 0) names.name(name);
-    } else if (c == '{' || c == '[') {
-      values += extras_depth == 0 ? 1 : 0;
-      names.open();
-      if (extras_next && extras_depth == 0) extras_depth = names.depth();
-      extras_next = false;
-      if (names.depth() > kMaxJsonDepth) {
-        return make_error(ErrorId::kSceneLimit,
-                          "JSON nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
-      }
-    } else if (c == '}' || c == ']') {
-      if (names.depth() == extras_depth) extras_depth = 0;
-      names.close();
-      extras_next = false;
-    } else if (c == ',') {
-      values += extras_depth == 0 ? 1 : 0;
-      extras_next = false;
-    }
-  }
-  if (values > kMaxJsonValues) {
-    return make_error(ErrorId::kSceneLimit,
-                      "JSON with more than " + std::to_string(kMaxJsonValues) + " values",
-                      "npx @gltf-transform/cli join IN.glb OUT.glb makes fewer, larger meshes");
-  }
-  return names.twice();
 }
 
 }  // namespace mirage::gltf

@@ -1,5 +1,5 @@
 #pragma once
-// The first checks of a file, on raw bytes: container, sizes and nesting are checked before any
+// The first checks of a file, on raw bytes: container and sizes are checked before any
 // parser sees them.
 
 #include <cstdint>
@@ -35,10 +35,5 @@ Result<GltfFile> open_gltf(const std::string& path, Tally& tally);
 /// Splits bytes that are already read. Lengths in a GLB that are off are forgiven. Errors:
 /// kSceneFormat.
 Result<GltfFile> split_container(std::vector<std::uint8_t> bytes, Tally& tally);
-
-/// Checks nesting depth and number of values without recursion; those in extras, which are not
-/// kept, do not count. Returns the number of objects that
-/// name a property twice (names compared by their bytes). Errors: kSceneLimit.
-Result<std::uint64_t> scan_json(std::string_view text);
 
 }  // namespace mirage::gltf

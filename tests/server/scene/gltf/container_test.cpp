@@ -1,7 +1,8 @@
 // Container, JSON, URIs, references and ranges: what is refused, and with which error.
 #include <sys/stat.h>
 
-#include "server/scene/gltf/file_guard.h"
+#include <chrono>
+
 #include "tests/support/gltf_fixture.h"
 
 namespace mirage::test {
@@ -161,10 +162,6 @@ TEST(GltfContainer, ExtrasCountAsNothing) {
   builder.doc["nodes"][0]["extras"] = {{"properties", many}, {"mirage", {{"phase", 0.5}}}};
   builder.doc["extras"] = many;
   builder.doc["meshes"][0]["extras"] = "text";
-  std::string text = builder.doc.dump();
-  const Result<std::uint64_t> twice = gltf::scan_json(text);
-  ASSERT_TRUE(twice);
-  EXPECT_EQ(*twice, 0u);
   auto scene = builder.load_strict();
   ASSERT_TRUE(scene) << failure(scene);
   EXPECT_EQ(scene->triangles(), 1u);
@@ -193,7 +190,10 @@ TEST(GltfContainer, RequiredExtensions) {
 TEST(GltfContainer, Limits) {
   std::string nodes = R"({"asset":{"version":"2.0"},"nodes":[{})";
   for (int i = 0; i < 500'000; ++i) nodes += ",{}";
+  // The time to read a list grows with its length, not with its square: that took a minute.
+  const auto start = std::chrono::steady_clock::now();
   EXPECT_REFUSED(load_text(nodes + "]}"), kSceneLimit, "nodes");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(15));
 
   Builder zeros;
   zeros.doc["accessors"] = {{{"componentType", 5126}, {"count", 2'000'000'000}, {"type", "VEC3"}}};
