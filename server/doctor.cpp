@@ -190,7 +190,9 @@ int run_doctor(const ServerOptions& options) {
   options.session.access.open() ? found.warn("tokens", "none: everybody who reaches it is a client")
                                 : found.ok("tokens", "'" + options.token_file + "'");
   Result<std::shared_ptr<const PreparedScene>> scene =
-      load_scene(options.scene, {.strict = options.strict, .environment = options.environment});
+      load_scene(options.scene, {.strict = options.strict,
+                                 .megabytes = options.scene_mb,
+                                 .environment = options.environment});
   if (!scene) {
     found.fail("scene", scene.error());
   } else {

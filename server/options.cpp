@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "protocol/base/cli.h"
+#include "protocol/base/resources.h"
 #include "server/net/metrics.h"
 #include "server/net/web_pages.h"
 #include "server/scene/builtin/builtin_scene.h"
@@ -127,6 +128,10 @@ void add_trust_options(CLI::App& app, ServerOptions& o, Texts& t) {
 
 void add_storage_options(CLI::App& app, ServerOptions& o, Texts& t) {
   app.option_defaults()->group("Memory and storage");
+  app.add_option("--scene-mb", o.scene_mb,
+                 "memory that the scene may take, MB: files that need more are refused; default: "
+                 "half of what the machine has")
+      ->check(CLI::Range(1, 1 << 24));
   app.add_option("--cache-mb", o.cache_mb, "memory for finished tiles, MB")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
@@ -270,6 +275,7 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   }
   if (const Result<void> read = read_addresses(o, t); !read) return fail(read.error());
   if (!t.no_web && o.endpoint.web.empty()) o.endpoint.web = web_folder_beside_program();
+  if (o.scene_mb == 0) o.scene_mb = memory_bytes() / 2 >> 20;
   o.session.geometry = !t.no_geometry;
   // A full render has depth from anywhere, which is geometry. It also keeps the renderer busy.
   const bool unasked = !t.no_geometry && is_loopback(o.endpoint.address);

@@ -23,6 +23,7 @@ struct ServerOptions {
   std::uint64_t cache_dir_mb = 4096;
   bool cache_read_only = false;
   std::size_t cache_mb = 512;
+  std::uint64_t scene_mb = 0;         ///< memory that the scene may take
   std::optional<StoreAddress> store;  ///< that servers share
   int encoders = 0;                   ///< 0: as many as suit the machine
   bool strict = false;                ///< refuse what viewers forgive

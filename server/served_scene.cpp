@@ -29,6 +29,7 @@ Result<std::shared_ptr<const PreparedScene>> load_served(const ServerOptions& op
   Result<std::shared_ptr<const PreparedScene>> scene =
       load_scene(options.scene, {.keep_imported = options.prove,
                                  .strict = options.strict,
+                                 .megabytes = options.scene_mb,
                                  .environment = options.environment,
                                  .cache = cache,
                                  .progress = tell});

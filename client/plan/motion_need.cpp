@@ -30,6 +30,17 @@ TileFit best_of_phase(const TileGroup& group, Phase phase, const ObjectDescripti
   return best_fit(same, object, view, method, tau_px);
 }
 
+Phase needed_phase(const MotionProfile& motion, double t, double distance) {
+  return nearest_phase(t, motion.clip_s, phase_level_for(motion, t, distance));
+}
+
+/// Returns a coarse phase if its pose resembles that of time `t`, so that copies share it.
+Phase first_phase(const MotionProfile& motion, double t, double radius, double distance) {
+  const Phase coarse = nearest_phase(t, motion.clip_s, kFirstPhaseLevel);
+  const double away = motion.travel(phase_time(coarse, motion.clip_s), t);
+  return away <= radius && !motion.hides(coarse) ? coarse : needed_phase(motion, t, distance);
+}
+
 }  // namespace
 
 void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
@@ -46,16 +57,18 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
   const double allowed = kMotionShare * tau_px / motion_bound_px(view, 1.0);
   const double clip_s = object.motion.clip_s;
   const double step_s = clip_s / (1 << limits::kMaxPhaseLevel);
-  const double end_s = std::min(in.horizon_s, in.lead_s + clip_s - step_s);
+  // Before there is a tile, the first pose that shows something is asked for, however far ahead.
+  const double end_s =
+      first ? in.lead_s + clip_s : std::min(in.horizon_s, in.lead_s + clip_s - step_s);
   Phase last = kStaticPhase;
   int asked = 0;
   for (double ahead = in.lead_s; asked < kMaxPhasesAhead; ahead += step_s) {
     ViewGeometry then = view;
     then.clip_time_s = wrap_clip(view.clip_time_s + ahead, clip_s);
-    int level = phase_level_for(object.motion, then.clip_time_s, allowed);
-    if (first) level = std::min(level, kFirstPhaseLevel);
-    const Phase phase = nearest_phase(then.clip_time_s, clip_s, level);
-    if (phase != last) {
+    if (object.motion.hidden_at(then.clip_time_s) && ahead <= end_s) continue;
+    const Phase phase = first ? first_phase(object.motion, then.clip_time_s, view.radius, allowed)
+                              : needed_phase(object.motion, then.clip_time_s, allowed);
+    if (phase != last && !object.motion.hides(phase)) {
       last = phase;
       then.clip_time_s = phase_time(phase, clip_s);
       const TileFit fit = best_of_phase(group, phase, object, then, in.method, tau_px);
@@ -68,7 +81,9 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
         need.light = in.cache->light();
         if (first) need.size_class = coarse_class(need.size_class);
         need.error_px = displayed_error_px(fit, size, tau_px);
-        const double life = first ? kLongestLife : clip_s / (1 << level);
+        const double life =
+            first ? kLongestLife
+                  : clip_s / (1 << phase_level_for(object.motion, then.clip_time_s, allowed));
         need.life_s = std::min(life, kLongestLife);
         const double area = disc_px(in.predicted, size);
         const Wrongs now =
@@ -78,7 +93,7 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
         ++asked;
       }
     }
-    if (ahead > end_s || first) return;
+    if (ahead > end_s || (first && asked > 0)) return;
   }
 }
 

@@ -164,6 +164,7 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
   c.fade = fade;
   const double size = radius_px(c.view);
   if (c.object->radius <= 0 || size < kMinRadiusPx) return;
+  if (c.object->motion.hidden_at(c.view.clip_time_s)) return;
   ++w.out.visible;
   c.tau_px = allowed_px(in, in.camera, view_of);
   c.distance = glm::length(view_of.center - in.camera.pose.eye);

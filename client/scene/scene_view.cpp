@@ -108,7 +108,7 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
     for (const wire::Vec3f& v : info->hull_vertices) o.hull.vertices.push_back(from_wire(v));
     o.hull.indices = info->hull_indices;
     o.surrounds = info->surrounds;
-    o.motion = {info->clip_s, info->speed, info->jump, info->wrap_jump};
+    o.motion = {info->clip_s, info->speed, info->jump, info->wrap_jump, info->hidden};
     o.hull.parallax = info->hull_parallax;
     o.cut = info->cut;
     objects.push_back(std::move(o));

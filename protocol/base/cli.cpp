@@ -173,6 +173,7 @@ const std::vector<std::string>& options_of_all_programs() {
                                                  "relight",
                                                  "require-gpu",
                                                  "scene",
+                                                 "scene-mb",
                                                  "scope",
                                                  "seconds",
                                                  "seed",

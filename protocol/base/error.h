@@ -63,7 +63,8 @@ enum class ExitCode : int {
   X(kSceneLimit, "scene-limit", kScene, 1011,                                                      \
     "The scene is larger than the server takes: vertices, instances, pixels, file size or "        \
     "graphics memory.",                                                                            \
-    "Simplify or split the scene, or raise the limit that the line names, such as --gpu-mb.")      \
+    "Simplify or split the scene, or raise the limit that the line names: --scene-mb or "          \
+    "--gpu-mb.")                                                                                   \
   X(kSceneUri, "scene-uri", kScene, 1011,                                                          \
     "The scene names a file that the server must not open: outside its folder, on another host "   \
     "or not a regular file. Or the URI itself is broken: empty, with control characters, or "      \

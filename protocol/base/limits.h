@@ -81,7 +81,7 @@ inline constexpr std::size_t kMaxImageEdge = 16384;
 // Animation of an object.
 inline constexpr int kMaxPhaseLevel = 8;  ///< 2^8 phases a clip
 inline constexpr std::size_t kMotionSegments = 64;
-inline constexpr double kMaxClipSeconds = 3600;
+inline constexpr double kMaxClipSeconds = 1e6;  ///< keys are floats: steps of 0.06 s there
 inline constexpr std::size_t kMaxJoints = 1024;
 inline constexpr std::size_t kMaxBindings = 8192;
 inline constexpr std::size_t kMaxChannels = 4096;
@@ -89,7 +89,8 @@ inline constexpr std::size_t kMaxMorphSets = 1024;
 inline constexpr std::size_t kMaxMorphTargets = 1024;         ///< of one set of targets
 inline constexpr std::size_t kMaxMorphDeltas = 8u << 20;      ///< over all targets
 inline constexpr std::size_t kMaxAnimationFloats = 4u << 20;  ///< times and values, all channels
-inline constexpr std::size_t kMaxAnimatedVertices = 1u << 18;
+inline constexpr std::size_t kMaxBentVertices = 1u
+                                                << 18;  ///< of several joints, or in morph targets
 
 // View parameters.
 inline constexpr double kMinFovDegrees = 0.01;

@@ -1,10 +1,13 @@
 #include "protocol/base/resources.h"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <future>
 #include <new>
+#include <sstream>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -83,6 +86,17 @@ Result<void> require_addresses(unsigned megabytes) {
       ErrorId::kResources,
       "at least " + std::to_string(megabytes) + " MB of addresses are needed" + memory_limits(),
       "raise ulimit -v, or lift it");
+}
+
+std::uint64_t memory_bytes() {
+  std::uint64_t bytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
+                        static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  std::uint64_t container = 0;
+  std::istringstream line(first_line("/sys/fs/cgroup/memory.max"));
+  if (line >> container) bytes = std::min(bytes, container);
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) == 0) bytes = std::min<std::uint64_t>(bytes, limit.rlim_cur);
+  return std::max<std::uint64_t>(bytes, 1 << 20);
 }
 
 Error error_of(const std::exception& exception) {

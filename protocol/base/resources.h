@@ -1,6 +1,7 @@
 #pragma once
 // Resources: threads and memory that the machine, or a limit, gives this process.
 
+#include <cstdint>
 #include <exception>
 
 #include "protocol/base/result.h"
@@ -21,6 +22,10 @@ Result<void> require_threads();
 inline constexpr unsigned kRendererMb = 512;
 /// Error kResources: the limit of addresses is lower than this.
 Result<void> require_addresses(unsigned megabytes);
+
+/// Returns the memory that this process may take: that of the machine, of its container (cgroup v2)
+/// and of `ulimit -v`, whichever is least; bytes, at least 1 MB.
+std::uint64_t memory_bytes();
 
 /// Returns the error that an exception means, for the last line of a program: kResources if memory
 /// or threads ran out, else kInternal.

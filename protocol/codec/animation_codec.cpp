@@ -131,7 +131,7 @@ Result<void> read_joints(Reader& r, Animation& a) {
 }
 
 Result<void> read_vertices(Reader& r, Animation& a, std::size_t mesh_vertices) {
-  const std::size_t n = r.count(limits::kMaxAnimatedVertices, 8 + 16);
+  const std::size_t n = r.count(limits::kMaxMeshVertices, 8 + 16);
   if (n != mesh_vertices) return track_error("count of vertices");
   std::vector<glm::u16vec4> bindings;
   std::vector<glm::vec4> weights;

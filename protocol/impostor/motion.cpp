@@ -16,6 +16,16 @@ double MotionProfile::max_speed() const {
   return speed.empty() ? 0.0 : double{*std::max_element(speed.begin(), speed.end())};
 }
 
+bool MotionProfile::hides(Phase phase) const {
+  if (hidden.empty() || phase == kStaticPhase) return false;
+  const std::size_t pose = std::size_t{phase} - 1;
+  return pose / 8 < hidden.size() && (hidden[pose / 8] >> pose % 8 & 1) != 0;
+}
+
+bool MotionProfile::hidden_at(double t) const {
+  return !hidden.empty() && hides(nearest_phase(t, clip_s, limits::kMaxPhaseLevel));
+}
+
 double MotionProfile::travel_forward(double from, double to) const {
   const auto n = static_cast<double>(speed.size());
   const double part = clip_s / n;

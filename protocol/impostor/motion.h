@@ -7,6 +7,12 @@
 
 namespace mirage {
 
+/// Pose of a tile: 0 for static objects, else 1 + k for clip time k/256 of the clip. Phases of
+/// coarser levels are a subset of the finer ones, so a tile asked for from far away also serves
+/// near by.
+using Phase = std::uint16_t;
+inline constexpr Phase kStaticPhase = 0;
+
 /// Speed profile of an object: for each of 64 equal parts of the clip, the largest speed any of its
 /// vertices has there. A profile instead of one number lets still parts cost nothing. Jumps are
 /// kept separately, because they have no speed: STEP keys, and a clip whose end differs from its
@@ -16,9 +22,15 @@ struct MotionProfile {
   std::vector<float> speed;  ///< limits::kMotionSegments when moving; object units per second
   std::vector<float> jump;   ///< summed per 1/256 of the clip, object units; empty: none
   float wrap_jump = 0;       ///< from the clip's end to its start, object units
+  /// One bit for each of 256 poses, lowest first: 1: the pose has no extent, so that nothing shows.
+  /// Empty: each has some. Meshes that are shown in turn are scaled to 0 in between.
+  std::vector<std::uint8_t> hidden = {};
 
   bool moving() const { return clip_s > 0; }
   double max_speed() const;
+  /// True if nothing shows at the pose of this phase, or at that nearest to clip time `t`.
+  bool hides(Phase phase) const;
+  bool hidden_at(double t) const;
   /// Returns an upper bound of the distance between any vertex at clip time `a` and at clip time
   /// `b`, the shorter way round the loop. It is 0 for static objects. A jump counts in full as soon
   /// as its part of the clip is touched.
@@ -31,12 +43,6 @@ struct MotionProfile {
 /// Returns `time_s` wrapped into [0, clip_s), negative times included; 0 without a clip or a finite
 /// time.
 double wrap_clip(double time_s, double clip_s);
-
-/// Pose of a tile: 0 for static objects, else 1 + k for clip time k/256 of the clip. Phases of
-/// coarser levels are a subset of the finer ones, so a tile asked for from far away also serves
-/// near by.
-using Phase = std::uint16_t;
-inline constexpr Phase kStaticPhase = 0;
 
 /// True if the phase fits the object: kStaticPhase for a static one, 1..256 for a moving one.
 bool valid_phase(Phase phase, bool moving);

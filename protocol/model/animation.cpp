@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include "protocol/base/stable_math.h"
 
@@ -142,6 +143,12 @@ void sample_channel(const Channel& c, double t, std::size_t width, double* out) 
   }
 }
 
+bool moves_rigidly(const Animation& animation) {
+  return animation.morphs.empty() &&
+         std::all_of(animation.vertices.begin(), animation.vertices.end(),
+                     [](const VertexBinding& vertex) { return vertex.weight.x == 1.0f; });
+}
+
 AnimationState evaluate(const Animation& animation, double t) {
   std::vector<Transform> local;
   local.reserve(animation.joints.size());
@@ -190,6 +197,25 @@ glm::vec3 placed_or(const glm::vec3& posed, const glm::vec3& bound) {
   return finite ? posed : bound;
 }
 
+/// What moves a vertex.
+struct Turn {
+  int binding = -1;  ///< the only one; -1: several
+  glm::mat4 matrix{1};
+  glm::mat3 linear{1};
+  glm::mat3 cofactor{1};
+  float side = 1;  ///< -1: mirrored
+};
+
+Turn turn_of(const VertexBinding& vertex, const std::vector<glm::mat4>& matrices) {
+  Turn turn;
+  if (vertex.weight.x == 1.0f) turn.binding = vertex.binding.x;
+  turn.matrix = blended_matrix(vertex, matrices);
+  turn.linear = glm::mat3(turn.matrix);
+  turn.cofactor = cofactors(turn.linear);
+  turn.side = glm::determinant(turn.linear) < 0 ? -1.0f : 1.0f;
+  return turn;
+}
+
 }  // namespace
 
 void pose_vertices(const std::vector<Vertex>& bind, const Animation& animation, double clip_time_s,
@@ -202,13 +228,16 @@ void pose_vertices(const std::vector<Vertex>& bind, const Animation& animation, 
     v.normal += weight * target.normal[k];
     v.tangent += glm::vec4(weight * target.tangent[k], 0);
   });
+  std::optional<Turn> turn;
   for (std::size_t i = 0; i < out.size(); ++i) {
     Vertex& v = out[i];
-    const glm::mat4 m = blended_matrix(animation.vertices[i], state.object_from_bind);
-    const glm::mat3 linear(m);
-    const float side = glm::determinant(linear) < 0 ? -1.0f : 1.0f;
+    const VertexBinding& bound = animation.vertices[i];
+    // Neighbours of rigid parts share their joint, and all that is made of its matrix.
+    const bool same = turn && bound.weight.x == 1.0f && turn->binding == bound.binding.x;
+    if (!same) turn = turn_of(bound, state.object_from_bind);
+    const auto& [binding, m, linear, cofactor, side] = *turn;
     v.position = placed_or(glm::vec3(m * glm::vec4(v.position, 1)), bind[i].position);
-    v.normal = unit_or(side * (cofactors(linear) * v.normal), bind[i].normal);
+    v.normal = unit_or(side * (cofactor * v.normal), bind[i].normal);
     const glm::vec3 along = linear * glm::vec3(v.tangent);
     const glm::vec3 flat = along - v.normal * glm::dot(v.normal, along);
     v.tangent = glm::vec4(unit_or(flat, glm::vec3(bind[i].tangent)), side * v.tangent.w);

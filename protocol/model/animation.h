@@ -85,6 +85,9 @@ void sample_channel(const Channel& channel, double t, std::size_t width, double*
 /// ends.
 glm::dquat slerp_shortest(const glm::dquat& a, const glm::dquat& b, double s);
 
+/// True if each vertex follows one joint, and nothing morphs.
+bool moves_rigidly(const Animation& animation);
+
 AnimationState evaluate(const Animation& animation, double clip_time_s);
 /// Poses `bind` (as many vertices as animation.vertices) into `out`. Normals use the cofactor
 /// matrix, so they stay right under uneven scale and mirroring.

@@ -163,8 +163,9 @@ Result<void> check_motion(const wire::ObjectInfo& o) {
   const bool moves = o.clip_s() > 0;
   const std::size_t segments = moves ? limits::kMotionSegments : 0;
   const std::size_t jumps = moves ? std::size_t{1} << limits::kMaxPhaseLevel : 0;
-  const bool counts =
-      count(o.speed()) == segments && (count(o.jump()) == jumps || count(o.jump()) == 0);
+  const bool counts = count(o.speed()) == segments &&
+                      (count(o.jump()) == jumps || count(o.jump()) == 0) &&
+                      (count(o.hidden()) == jumps / 8 || count(o.hidden()) == 0);
   const bool clip = o.clip_s() >= 0 && o.clip_s() <= limits::kMaxClipSeconds;
   const bool wrap = o.wrap_jump() >= 0 && std::isfinite(o.wrap_jump());
   if (!counts || !clip || !wrap || !moderate(o.speed()) || !moderate(o.jump())) {

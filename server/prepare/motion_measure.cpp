@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "protocol/base/limits.h"
+#include "server/prepare/convex_hull.h"
 #include "server/prepare/posed_extent.h"
 
 namespace mirage {
@@ -13,6 +15,8 @@ namespace {
 constexpr std::size_t kSegments = limits::kMotionSegments;
 // vertices times poses of one object, at most; about a second
 constexpr std::size_t kVertexPoses = 16u << 20;
+// Above it, rigid parts are measured by a body around each, a few per cent larger.
+constexpr std::size_t kManyVertices = 1u << 17;
 constexpr std::size_t kMaxStepsPerSegment = 4;
 constexpr std::size_t kMaxKeyPoses = 1024;
 constexpr double kJumpGap = 1e-9;      // s before a STEP key; shows the pose that the key ends
@@ -72,6 +76,47 @@ struct Step {
   double margin = kSpeedMargin;
   bool is_jump() const { return to - from < 2 * kJumpGap; }
 };
+
+/// Returns the corners of a convex body around some points: those of its hull in 26 directions, or
+/// of its box.
+std::vector<glm::vec3> corners_around(const std::vector<glm::vec3>& points) {
+  if (const Result<ConvexHull> hull = enclosing_hull(points)) return hull->vertices;
+  PointBox box;
+  box.add(points);
+  std::vector<glm::vec3> corners;
+  for (int i = 0; i < 8; ++i) {
+    corners.emplace_back((i & 1 ? box.high : box.low).x, (i & 2 ? box.high : box.low).y,
+                         (i & 4 ? box.high : box.low).z);
+  }
+  return corners;
+}
+
+/// A mesh and its animation, as far as they are measured.
+struct Measured {
+  Mesh mesh;
+  Animation animation;
+};
+
+/// Returns the corners around the vertices of each joint. How far a pose moves a point away from
+/// another pose of it is a convex function of the point, so that a body moves farthest at corners.
+Measured corners_of_rigid_parts(const Mesh& mesh, const Animation& animation,
+                                const std::vector<std::uint32_t>& used) {
+  std::map<std::uint16_t, std::vector<glm::vec3>> parts;
+  for (const std::uint32_t i : used) {
+    parts[animation.vertices[i].binding.x].push_back(mesh.vertices[i].position);
+  }
+  Measured out;
+  out.animation = animation;
+  out.animation.vertices.clear();
+  for (const auto& [binding, points] : parts) {
+    for (const glm::vec3& corner : corners_around(points)) {
+      out.mesh.indices.push_back(static_cast<std::uint32_t>(out.mesh.vertices.size()));
+      out.mesh.vertices.emplace_back().position = corner;
+      out.animation.vertices.emplace_back().binding.x = binding;
+    }
+  }
+  return out;
+}
 
 using Points = std::vector<glm::vec3>;
 
@@ -172,9 +217,49 @@ MotionProfile profile(const std::vector<Step>& steps, double clip_s, double wrap
   return motion;
 }
 
+/// Returns the longest image of an axis.
+float size_of(const glm::mat4& m) {
+  return std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
+}
+
+/// True if the pose draws nothing: no joint leaves its vertices any extent. Something that is
+/// hidden by a scale of 0.0001 counts, too.
+bool has_no_extent(const AnimationState& state, const std::vector<float>& largest) {
+  constexpr float kTiny = 1e-4f;
+  for (std::size_t i = 0; i < largest.size(); ++i) {
+    if (size_of(state.object_from_bind[i]) > kTiny * largest[i]) return false;
+  }
+  return true;
+}
+
+/// Returns MotionProfile::hidden.
+std::vector<std::uint8_t> hidden_poses(const Animation& animation) {
+  constexpr std::size_t kPoses = std::size_t{1} << limits::kMaxPhaseLevel;
+  std::vector<AnimationState> poses;
+  std::vector<float> largest(animation.bindings.size(), 0.0f);
+  for (std::size_t p = 0; p < kPoses; ++p) {
+    poses.push_back(evaluate(animation, phase_time(static_cast<Phase>(p + 1), animation.clip_s)));
+    for (std::size_t i = 0; i < largest.size(); ++i) {
+      largest[i] = std::max(largest[i], size_of(poses[p].object_from_bind[i]));
+    }
+  }
+  std::vector<std::uint8_t> hidden(kPoses / 8, 0);
+  bool any = false;
+  for (std::size_t p = 0; p < kPoses; ++p) {
+    if (!has_no_extent(poses[p], largest)) continue;
+    hidden[p / 8] = static_cast<std::uint8_t>(hidden[p / 8] | 1 << p % 8);
+    any = true;
+  }
+  return any ? hidden : std::vector<std::uint8_t>();
+}
+
 }  // namespace
 
 MeasuredMotion measure_motion(const Mesh& mesh, const Animation& animation) {
+  if (mesh.vertices.size() > kManyVertices && moves_rigidly(animation)) {
+    const Measured few = corners_of_rigid_parts(mesh, animation, used_vertices(mesh));
+    return measure_motion(few.mesh, few.animation);
+  }
   MeasuredMotion out;
   Walk walk(mesh, animation);
   if (walk.used().empty()) return out;
@@ -197,6 +282,7 @@ MeasuredMotion measure_motion(const Mesh& mesh, const Animation& animation) {
   const double size = glm::length(glm::dvec3(box.high) - glm::dvec3(box.low));
   if (largest > kStill * size) {
     out.motion = profile(walk.steps(), animation.clip_s, walk.wrap_jump());
+    out.motion.hidden = hidden_poses(animation);
   }
   return out;
 }

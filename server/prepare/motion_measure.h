@@ -24,7 +24,8 @@ struct MeasuredMotion {
 /// 256 equal steps of the clip and at every key, and halves each step until its halves agree in
 /// speed. Between neighbouring poses, a path is assumed to be at most twice as long as the straight
 /// way. That holds while nothing turns by more than 217 degrees between them. Bounds grow by half
-/// of that, speeds by a margin.
+/// of that, speeds by a margin. Of more than 131,072 vertices that move rigidly, a body around the
+/// vertices of each joint is measured.
 MeasuredMotion measure_motion(const Mesh& mesh, const Animation& animation);
 
 }  // namespace mirage

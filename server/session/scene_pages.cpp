@@ -58,6 +58,7 @@ std::unique_ptr<wire::ObjectInfoT> object_info(const ObjectDescription& o) {
   info->speed = o.motion.speed;
   info->jump = o.motion.jump;
   info->wrap_jump = o.motion.wrap_jump;
+  info->hidden = o.motion.hidden;
   info->hull_parallax = o.hull.parallax;
   info->cut = o.cut;
   return info;

@@ -109,6 +109,7 @@ inline std::unique_ptr<wire::ObjectInfoT> sample_object() {
   o->speed.assign(limits::kMotionSegments, 0.75f);
   o->jump.assign(std::size_t{1} << limits::kMaxPhaseLevel, 0.625f);
   o->wrap_jump = 0.375f;
+  o->hidden.assign(32, 0x18);
   return o;
 }
 

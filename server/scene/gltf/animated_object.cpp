@@ -312,17 +312,23 @@ Result<void> Builder::add_node(int node) {
 }
 
 bool Builder::within_limits() const {
-  std::size_t deltas = 0, widest = 0;
+  std::size_t deltas = 0, widest = 0, bent = 0;
+  for (const VertexBinding& vertex : animation_.vertices) bent += vertex.weight.x < 1 ? 1 : 0;
   for (const MorphSet& set : animation_.morphs) {
     widest = std::max(widest, set.targets.size());
-    for (const MorphTarget& target : set.targets) deltas += target.vertex.size();
+    std::size_t moved = 0;
+    for (const MorphTarget& target : set.targets) {
+      deltas += target.vertex.size();
+      moved = std::max(moved, target.vertex.size());
+    }
+    bent += moved;
   }
   return !too_deep_ && animation_.clip_s > 0 && animation_.joints.size() <= limits::kMaxJoints &&
          animation_.bindings.size() <= limits::kMaxBindings &&
          animation_.channels.size() <= limits::kMaxChannels &&
          animation_.morphs.size() <= limits::kMaxMorphSets && widest <= limits::kMaxMorphTargets &&
-         deltas <= limits::kMaxMorphDeltas &&
-         out_.mesh.vertices.size() <= limits::kMaxAnimatedVertices;
+         deltas <= limits::kMaxMorphDeltas && bent <= limits::kMaxBentVertices &&
+         out_.mesh.vertices.size() <= limits::kMaxMeshVertices;
 }
 
 bool Builder::poses_are_finite() const {

@@ -1,8 +1,10 @@
 #include "server/scene/gltf/animation_source.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "server/scene/gltf/extras.h"
 #include "server/scene/gltf/gltf_limits.h"
@@ -29,6 +31,29 @@ std::string text(const json* value, std::string fallback) {
   return value != nullptr && value->is_string() ? value->get<std::string>() : fallback;
 }
 
+/// Reads a target by KHR_animation_pointer, as far as it is a property of a node. Returns false for
+/// others.
+bool read_pointer(const json& target, std::size_t nodes, ChannelSource& out) {
+  const json* extensions = member(target, "extensions");
+  const json* extension =
+      extensions != nullptr ? member(*extensions, "KHR_animation_pointer") : nullptr;
+  const std::string pointer =
+      text(extension != nullptr ? member(*extension, "pointer") : nullptr, "");
+  constexpr std::string_view kNodes = "/nodes/";
+  if (!pointer.starts_with(kNodes)) return false;
+  const std::string_view rest = std::string_view(pointer).substr(kNodes.size());
+  const std::size_t slash = std::min(rest.find('/'), rest.size());
+  std::size_t node = 0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + slash, node);
+  if (error != std::errc() || end != rest.data() + slash || node >= nodes) return false;
+  const std::string_view property = rest.substr(slash);
+  out.node = static_cast<int>(node);
+  out.path = property == "/extensions/KHR_node_visibility/visible"
+                 ? kVisiblePath
+                 : std::string(property.substr(std::min<std::size_t>(1, property.size())));
+  return true;
+}
+
 bool read_channel(const json& channel, const json& samplers, const json& root, ChannelSource& out) {
   const int sampler = index_below(member(channel, "sampler"), samplers.size());
   const json* target = member(channel, "target");
@@ -36,6 +61,7 @@ bool read_channel(const json& channel, const json& samplers, const json& root, C
   const json& source = samplers[static_cast<std::size_t>(sampler)];
   out.node = index_below(member(*target, "node"), entry_count(root, "nodes"));
   out.path = text(member(*target, "path"), "");
+  if (out.path == "pointer") read_pointer(*target, entry_count(root, "nodes"), out);
   out.input = index_below(member(source, "input"), entry_count(root, "accessors"));
   out.output = index_below(member(source, "output"), entry_count(root, "accessors"));
   out.interpolation = text(member(source, "interpolation"), "LINEAR");

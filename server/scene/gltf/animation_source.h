@@ -11,11 +11,15 @@
 
 namespace mirage::gltf {
 
+/// Path of a channel that shows and hides a node with its children: KHR_animation_pointer to the
+/// `visible` of KHR_node_visibility.
+inline constexpr const char* kVisiblePath = "visible";
+
 struct ChannelSource {
   int node = -1;   ///< exists
   int input = -1;  ///< accessors, exist
   int output = -1;
-  std::string path;
+  std::string path;  ///< as glTF names it, or kVisiblePath
   std::string interpolation = "LINEAR";
 };
 

@@ -1,5 +1,6 @@
 #include "server/scene/gltf/bounds.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace mirage::gltf {
@@ -10,15 +11,25 @@ void Bounds::add(const glm::dvec3& point) {
   empty = false;
 }
 
+std::vector<glm::vec3> shown_positions(const SceneObject& object) {
+  constexpr int kPoses = 16;
+  std::vector<glm::vec3> out;
+  for (int i = 0; object.animation && i < kPoses; ++i) {
+    const double time = object.animation->clip_s * static_cast<double>(i) / kPoses;
+    pose_positions(object.mesh.vertices, *object.animation, time, out);
+    const bool point =
+        std::all_of(out.begin(), out.end(), [&](const glm::vec3& p) { return p == out.front(); });
+    if (!point) return out;
+  }
+  out.clear();
+  for (const Vertex& vertex : object.mesh.vertices) out.push_back(vertex.position);
+  return out;
+}
+
 Bounds scene_bounds(const Scene& scene) {
   std::vector<Bounds> boxes(scene.objects.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const SceneObject& object = scene.objects[i];
-    std::vector<Vertex> posed;
-    if (object.animation) pose_vertices(object.mesh.vertices, *object.animation, 0, posed);
-    for (const Vertex& vertex : object.animation ? posed : object.mesh.vertices) {
-      boxes[i].add(glm::dvec3(vertex.position));
-    }
+    for (const glm::vec3& at : shown_positions(scene.objects[i])) boxes[i].add(glm::dvec3(at));
   }
   Bounds all;
   for (const Instance& instance : scene.instances) {

@@ -2,6 +2,7 @@
 // The box around a scene, from the boxes of its objects.
 
 #include <glm/glm.hpp>
+#include <vector>
 
 #include "server/scene/scene.h"
 
@@ -16,6 +17,10 @@ struct Bounds {
   glm::dvec3 center() const { return 0.5 * (low + high); }
   double radius() const { return 0.5 * glm::length(high - low); }
 };
+
+/// Returns the positions of an object as it is first seen: at rest, at the start of its clip, or at
+/// the first of 16 poses that has an extent. Space of the object.
+std::vector<glm::vec3> shown_positions(const SceneObject& object);
 
 /// Returns the world box of all instances; it is larger than necessary for rotated objects.
 Bounds scene_bounds(const Scene& scene);

@@ -20,6 +20,7 @@ std::optional<ChannelPath> path_of(const std::string& name) {
   if (name == "rotation") return ChannelPath::kRotation;
   if (name == "scale") return ChannelPath::kScale;
   if (name == "weights") return ChannelPath::kWeights;
+  if (name == kVisiblePath) return ChannelPath::kScale;
   return std::nullopt;
 }
 
@@ -74,6 +75,18 @@ bool affordable(const tinygltf::Model& model, const ChannelSource& source) {
          model.accessors[source.output].count <= limits::kMaxAnimationFloats;
 }
 
+/// Returns what shows and hides a node: its scale, and 0.
+std::vector<float> scales_of(const std::vector<float>& visible, const tinygltf::Node& node) {
+  std::vector<float> scales;
+  for (const float shown : visible) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double scale = node.scale.size() == 3 ? node.scale[c] : 1.0;
+      scales.push_back(shown != 0 ? static_cast<float>(scale) : 0.0f);
+    }
+  }
+  return scales;
+}
+
 std::optional<Channel> read_channel(const Document& document, const ChannelSource& source) {
   const tinygltf::Node& node = document.model.nodes[source.node];
   const auto path = path_of(source.path);
@@ -81,7 +94,8 @@ std::optional<Channel> read_channel(const Document& document, const ChannelSourc
   if (!path || !interpolation || !affordable(document.model, source)) return std::nullopt;
   // glTF section 3.11 forbids animating a node that has a matrix.
   if (*path != ChannelPath::kWeights && node.matrix.size() == 16) return std::nullopt;
-  const std::size_t width = width_of(*path, document.model, node);
+  const bool shows = source.path == kVisiblePath;
+  const std::size_t width = shows ? 1 : width_of(*path, document.model, node);
   auto times = read_floats(document, source.input, 1);
   auto values = read_floats(document, source.output, *path == ChannelPath::kWeights ? 1 : width);
   if (!times || !values) return std::nullopt;
@@ -89,8 +103,9 @@ std::optional<Channel> read_channel(const Document& document, const ChannelSourc
   channel.path = *path;
   channel.interpolation = *interpolation;
   channel.times = times.take();
-  channel.values = values.take();
-  if (!good_times(channel.times) || !good_values(channel, width)) return std::nullopt;
+  channel.values = shows ? scales_of(values.take(), node) : values.take();
+  if (shows) channel.interpolation = Interpolation::kStep;
+  if (!good_times(channel.times) || !good_values(channel, shows ? 3 : width)) return std::nullopt;
   return channel;
 }
 
@@ -159,6 +174,10 @@ std::map<int, NodeClip> import_clips(Document& document, Tally& tally) {
       if (floats > limits::kMaxAnimationFloats) {
         tally.add("animation channels beyond the limit of keys ignored");
         continue;
+      }
+      // Its scale shows and hides it, so that the node itself counts as shown.
+      if (source.path == kVisiblePath) {
+        document.model.nodes[source.node].extensions.erase("KHR_node_visibility");
       }
       clip_s = std::max(clip_s, channel->times.back());
       channels.emplace_back(source.node, std::move(*channel));

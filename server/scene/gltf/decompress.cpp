@@ -65,14 +65,15 @@ std::size_t add_buffer(std::vector<std::uint8_t>&& bytes, Document& document) {
 /// A limit on decoded bytes together with the bytes of the file.
 class Allowance {
  public:
+  explicit Allowance(const SceneLimits& limits) : limits_(limits) {}
   Result<void> take(std::uint64_t bytes) {
     used_ += bytes;
-    if (used_ <= kMaxFileBytes) return {};
-    return make_error(ErrorId::kSceneLimit, "decompressed geometry of more than " +
-                                                std::to_string(kMaxFileBytes) + " bytes");
+    if (used_ <= limits_.file_bytes) return {};
+    return limits_.exceeded_at_least(used_, limits_.file_bytes, "bytes of decompressed geometry");
   }
 
  private:
+  const SceneLimits& limits_;
   std::uint64_t used_ = 0;
 };
 
@@ -125,7 +126,7 @@ void empty_primitive(json& primitive) {
 
 Result<std::vector<ViewJob>> find_views(json& root, const Document& document, Tally& tally) {
   std::vector<ViewJob> jobs;
-  Allowance allowance;
+  Allowance allowance(document.limits);
   const auto views = root.find("bufferViews");
   if (views == root.end()) return jobs;
   for (std::size_t i = 0; i < views->size(); ++i) {
@@ -169,7 +170,7 @@ Result<DracoJob> draco_job(json& primitive, const json& source, const json& root
   const json& view = root["bufferViews"][source["bufferView"].get<std::size_t>()];
   auto bytes = bytes_at(view, document);
   if (!bytes) return bytes.error();
-  auto faces = peek_draco_faces(*bytes);
+  auto faces = peek_draco_faces(*bytes, document.limits);
   if (!faces) return faces.error();
   DracoJob job;
   job.primitive = &primitive;
@@ -215,10 +216,8 @@ Result<std::vector<DracoJob>> find_primitives(json& root, const Document& docume
         continue;
       }
       faces += job->cost / kDracoFaceBytes;
-      if (faces > kMaxDracoFacesInFile) {
-        return make_error(
-            ErrorId::kSceneLimit,
-            "Draco: more than " + std::to_string(kMaxDracoFacesInFile) + " triangles in all");
+      if (const std::uint64_t most = document.limits.draco_faces_in_file; faces > most) {
+        return document.limits.exceeded_at_least(faces, most, "triangles of Draco");
       }
       job->name = name;
       jobs.push_back(job.take());
@@ -335,12 +334,12 @@ Result<void> decompress_primitives(json& root, Document& document, const Workers
                                    Tally& tally) {
   auto jobs = find_primitives(root, document, tally);
   if (!jobs) return jobs.error();
-  Allowance allowance;
+  Allowance allowance(document.limits);
   for (std::size_t begin = 0; begin < jobs->size();) {
     const std::size_t end = batch_end(*jobs, begin);
     workers.each(end - begin, [&](std::size_t i) {
       DracoJob& job = (*jobs)[begin + i];
-      auto mesh = decode_draco(job.bytes, job.wanted);
+      auto mesh = decode_draco(job.bytes, job.wanted, document.limits);
       if (mesh) {
         job.mesh = mesh.take();
       } else {

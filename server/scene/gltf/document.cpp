@@ -43,6 +43,7 @@ constexpr std::string_view kSupportedExtensions[] = {
     "KHR_materials_volume",
     "KHR_materials_anisotropy",
     "KHR_node_visibility",
+    "KHR_animation_pointer",
 };
 
 bool is_supported(std::string_view extension) {
@@ -109,21 +110,18 @@ std::size_t list_size(const json& root, const char* key) {
   return list != root.end() && list->is_array() ? list->size() : 0;
 }
 
-Result<void> check_sizes(const json& root) {
+Result<void> check_sizes(const json& root, const SceneLimits& limits) {
   for (const char* key : {"nodes", "accessors", "bufferViews", "materials", "meshes", "images",
                           "textures", "buffers", "skins", "samplers", "cameras"}) {
-    if (list_size(root, key) > kMaxNodes) {
-      return make_error(ErrorId::kSceneLimit, std::to_string(list_size(root, key)) + " " + key +
-                                                  ", at most " + std::to_string(kMaxNodes));
-    }
+    const std::size_t count = list_size(root, key);
+    if (count > limits.elements) return limits.exceeded(count, limits.elements, key, "join IN OUT");
   }
   std::size_t primitives = 0;
   if (const auto meshes = root.find("meshes"); meshes != root.end()) {
     for (const json& mesh : *meshes) primitives += list_size(mesh, "primitives");
   }
-  if (primitives > kMaxPrimitives) {
-    return make_error(ErrorId::kSceneLimit, std::to_string(primitives) + " primitives, at most " +
-                                                std::to_string(kMaxPrimitives));
+  if (primitives > limits.primitives) {
+    return limits.exceeded(primitives, limits.primitives, "primitives", "join IN OUT");
   }
   return {};
 }
@@ -201,7 +199,7 @@ Result<void> leave_out_buffers(const std::vector<std::optional<Error>>& errors, 
 Result<void> load_buffers(json& root, Document& document, const GltfFile& file, Tally& tally) {
   const auto list = root.find("buffers");
   if (list == root.end()) return {};
-  std::uint64_t bytes_left = kMaxFileBytes;
+  std::uint64_t bytes_left = document.limits.file_bytes;
   std::vector<std::optional<Error>> errors(list->size());
   for (std::size_t i = 0; i < list->size(); ++i) {
     auto buffer = load_buffer((*list)[i], i, document, file, bytes_left, tally);
@@ -214,8 +212,9 @@ Result<void> load_buffers(json& root, Document& document, const GltfFile& file, 
     }
     const std::uint64_t used = buffer->owned.size();
     if (used > bytes_left) {
-      return make_error(ErrorId::kSceneLimit,
-                        "the buffers hold more than " + std::to_string(kMaxFileBytes) + " bytes");
+      const std::uint64_t limit = document.limits.file_bytes;
+      return document.limits.exceeded_at_least(limit - bytes_left + used, limit,
+                                               "bytes in buffers");
     }
     bytes_left -= used;
     document.buffers.push_back(buffer.take());
@@ -386,17 +385,18 @@ std::span<const std::uint8_t> Document::view_bytes(int view) const {
 }
 
 Result<Document> load_document(const std::string& path, const std::string& variant,
-                               const Workers& workers, Tally& tally) {
-  auto file = open_gltf(path, tally);
+                               const SceneLimits& limits, const Workers& workers, Tally& tally) {
+  auto file = open_gltf(path, limits, tally);
   if (!file) return file.error();
   Document document;
+  document.limits = limits;
   document.folder = std::filesystem::path(path).parent_path();
   if (document.folder.empty()) document.folder = ".";
 
-  auto raw = read_json(file->json, kMaxJsonValues, tally);
+  auto raw = read_json(file->json, limits, tally);
   if (!raw) return raw.error();
   if (auto ok = check_version_and_extensions(*raw, tally); !ok) return ok.error();
-  if (auto ok = check_sizes(*raw); !ok) return ok.error();
+  if (auto ok = check_sizes(*raw, limits); !ok) return ok.error();
   document.animations = read_animations(*raw, tally);
   document.importance = read_importance(*raw, tally);
   auto clean = sanitize(raw.take(), tally);

@@ -17,6 +17,7 @@
 #include "server/base/workers.h"
 #include "server/scene/gltf/animation_source.h"
 #include "server/scene/gltf/extras.h"
+#include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {
@@ -38,6 +39,7 @@ struct ImageSource {
 };
 
 struct Document {
+  SceneLimits limits;
   std::vector<std::uint8_t> file;  ///< contains the BIN chunk
   std::filesystem::path folder;
   tinygltf::Model model;
@@ -55,6 +57,6 @@ struct Document {
 /// (model_check.h). `variant` as in choose_variant() (kUsage). Errors: kSceneMissing, kSceneFormat,
 /// kSceneRange, kSceneReference, kSceneLimit, kSceneUri, kSceneExtension.
 Result<Document> load_document(const std::string& path, const std::string& variant,
-                               const Workers& workers, Tally& tally);
+                               const SceneLimits& limits, const Workers& workers, Tally& tally);
 
 }  // namespace mirage::gltf

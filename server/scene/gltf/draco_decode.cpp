@@ -17,9 +17,7 @@ namespace {
 
 Error broken(const std::string& why) { return make_error(ErrorId::kSceneFormat, "Draco: " + why); }
 
-/// Checked between connectivity and attributes, once the number of points is known and before
-/// anything of that size is allocated. A bitstream of a hundred bytes can ask for gigabytes here.
-bool attributes_fit(const draco::PointCloud& cloud) {
+std::uint64_t attribute_bytes(const draco::PointCloud& cloud) {
   std::uint64_t point_bytes = 0;
   for (std::int32_t i = 0; i < cloud.num_attributes(); ++i) {
     const draco::PointAttribute* attribute = cloud.attribute(i);
@@ -27,37 +25,44 @@ bool attributes_fit(const draco::PointCloud& cloud) {
     point_bytes += components * static_cast<std::uint64_t>(
                                     std::max(4, draco::DataTypeLength(attribute->data_type())));
   }
-  return cloud.num_points() <= kMaxVertices &&
-         point_bytes * cloud.num_points() <= kMaxDracoAttributeBytes;
+  return point_bytes * cloud.num_points();
 }
 
+/// Checks between connectivity and attributes, once the number of points is known and before
+/// anything of that size is allocated. A bitstream of a hundred bytes can ask for gigabytes here.
 template <typename Base>
 class GuardedDecoder : public Base {
  public:
-  bool too_large() const { return too_large_; }
+  explicit GuardedDecoder(const SceneLimits& limits) : limits_(limits) {}
+  const std::optional<Error>& too_large() const { return too_large_; }
 
  protected:
   bool DecodeAllAttributes() override {
-    too_large_ = !attributes_fit(*this->point_cloud());
+    const draco::PointCloud& cloud = *this->point_cloud();
+    const std::uint64_t bytes = attribute_bytes(cloud);
+    if (cloud.num_points() > limits_.vertices) {
+      too_large_ = limits_.exceeded(cloud.num_points(), limits_.vertices, "vertices");
+    } else if (bytes > limits_.draco_bytes) {
+      too_large_ =
+          limits_.exceeded(bytes, limits_.draco_bytes, "bytes of attributes in one mesh of Draco");
+    }
     return !too_large_ && Base::DecodeAllAttributes();
   }
 
  private:
-  bool too_large_ = false;
+  const SceneLimits& limits_;
+  std::optional<Error> too_large_;
 };
 
 template <typename Base>
-Result<void> decode_with(std::span<const std::uint8_t> bytes, draco::Mesh& mesh) {
+Result<void> decode_with(std::span<const std::uint8_t> bytes, const SceneLimits& limits,
+                         draco::Mesh& mesh) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const draco::DecoderOptions options;
-  GuardedDecoder<Base> decoder;
+  GuardedDecoder<Base> decoder(limits);
   const draco::Status status = decoder.Decode(options, &buffer, &mesh);
-  if (decoder.too_large()) {
-    return make_error(ErrorId::kSceneLimit, "Draco: attributes of more than " +
-                                                std::to_string(kMaxDracoAttributeBytes) +
-                                                " bytes in one mesh");
-  }
+  if (decoder.too_large()) return *decoder.too_large();
   if (!status.ok()) return broken(status.error_msg_string());
   return {};
 }
@@ -126,13 +131,13 @@ Result<DracoMesh> unpack(const draco::Mesh& mesh, std::span<const DracoAttribute
 bool has_draco() { return true; }
 
 Result<DracoMesh> decode_draco(std::span<const std::uint8_t> bytes,
-                               std::span<const DracoAttribute> wanted) {
-  if (const auto faces = peek_draco_faces(bytes); !faces) return faces.error();
+                               std::span<const DracoAttribute> wanted, const SceneLimits& limits) {
+  if (const auto faces = peek_draco_faces(bytes, limits); !faces) return faces.error();
   try {
     draco::Mesh mesh;
     const bool edgebreaker = bytes[8] == 1;
-    auto decoded = edgebreaker ? decode_with<draco::MeshEdgebreakerDecoder>(bytes, mesh)
-                               : decode_with<draco::MeshSequentialDecoder>(bytes, mesh);
+    auto decoded = edgebreaker ? decode_with<draco::MeshEdgebreakerDecoder>(bytes, limits, mesh)
+                               : decode_with<draco::MeshSequentialDecoder>(bytes, limits, mesh);
     if (!decoded) return decoded.error();
     return unpack(mesh, wanted);
   } catch (const std::bad_alloc&) {
@@ -150,7 +155,8 @@ namespace mirage::gltf {
 
 bool has_draco() { return false; }
 
-Result<DracoMesh> decode_draco(std::span<const std::uint8_t>, std::span<const DracoAttribute>) {
+Result<DracoMesh> decode_draco(std::span<const std::uint8_t>, std::span<const DracoAttribute>,
+                               const SceneLimits&) {
   return make_error(ErrorId::kSceneExtension,
                     "KHR_draco_mesh_compression: this build has no libdraco");
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "protocol/base/result.h"
+#include "server/scene/gltf/gltf_limits.h"
 
 namespace mirage::gltf {
 
@@ -29,13 +30,14 @@ struct DracoMesh {
 
 /// Returns the number of triangles that a Draco bitstream of version 2.2 or later claims. Errors:
 /// kSceneFormat (no such bitstream), kSceneLimit.
-Result<std::uint32_t> peek_draco_faces(std::span<const std::uint8_t> bytes);
+Result<std::uint32_t> peek_draco_faces(std::span<const std::uint8_t> bytes,
+                                       const SceneLimits& limits);
 
 /// Decodes a mesh and converts its attributes to the requested types. Integers keep their values;
 /// values that become float are normalised if the bitstream says so. Any thread. Errors:
 /// kSceneFormat (broken, or without a requested attribute), kSceneLimit, kSceneExtension (built
 /// without libdraco).
 Result<DracoMesh> decode_draco(std::span<const std::uint8_t> bytes,
-                               std::span<const DracoAttribute> wanted);
+                               std::span<const DracoAttribute> wanted, const SceneLimits& limits);
 
 }  // namespace mirage::gltf

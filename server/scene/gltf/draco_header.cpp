@@ -84,7 +84,8 @@ bool skip_geometry_metadata(Reader& in) {
 
 }  // namespace
 
-Result<std::uint32_t> peek_draco_faces(std::span<const std::uint8_t> bytes) {
+Result<std::uint32_t> peek_draco_faces(std::span<const std::uint8_t> bytes,
+                                       const SceneLimits& limits) {
   constexpr std::string_view kMagic = "DRACO";
   constexpr std::size_t kHeaderBytes = 11;
   if (bytes.size() < kHeaderBytes) return broken_header("too short");
@@ -109,12 +110,10 @@ Result<std::uint32_t> peek_draco_faces(std::span<const std::uint8_t> bytes) {
   if (!first || !second) return broken_header("ends before its counts");
   const std::uint32_t faces = edgebreaker ? *second : *first;
   const std::uint32_t vertices = edgebreaker ? *first : *second;
-  if (faces > kMaxDracoFaces || vertices > kMaxVertices) {
-    return make_error(ErrorId::kSceneLimit, "Draco: " + std::to_string(faces) + " triangles of " +
-                                                std::to_string(vertices) + " vertices, at most " +
-                                                std::to_string(kMaxDracoFaces) + " of " +
-                                                std::to_string(kMaxVertices));
+  if (faces > limits.draco_faces) {
+    return limits.exceeded(faces, limits.draco_faces, "triangles in one mesh of Draco");
   }
+  if (vertices > limits.vertices) return limits.exceeded(vertices, limits.vertices, "vertices");
   return faces;
 }
 

@@ -175,11 +175,15 @@ Result<std::vector<std::uint8_t>> read_regular_file(const fs::path& path, std::u
   return bytes;
 }
 
-Result<GltfFile> open_gltf(const std::string& path, Tally& tally) {
-  auto bytes = read_regular_file(path, kMaxFileBytes, ErrorId::kSceneMissing);
+Result<GltfFile> open_gltf(const std::string& path, const SceneLimits& limits, Tally& tally) {
+  auto bytes = read_regular_file(path, limits.file_bytes, ErrorId::kSceneMissing);
   if (!bytes && bytes.error().id == ErrorId::kSceneMissing) {
     return make_error(ErrorId::kSceneMissing, bytes.error().text,
                       "a .glb or .gltf file, or a built-in scene as in builtin:forest");
+  }
+  if (!bytes && bytes.error().id == ErrorId::kSceneLimit) {
+    std::error_code code;
+    return limits.exceeded(fs::file_size(path, code), limits.file_bytes, "bytes");
   }
   if (!bytes) return bytes.error();
   return split_container(bytes.take(), tally);
@@ -206,10 +210,6 @@ Result<GltfFile> split_container(std::vector<std::uint8_t> bytes, Tally& tally) 
   if (first == std::string_view::npos || file.json[first] != '{') {
     const FileKind kind = kind_of_file(text);
     return make_error(ErrorId::kSceneFormat, "not a glTF file: " + kind.name, kind.hint);
-  }
-  if (file.json.size() > kMaxJsonBytes) {
-    return make_error(ErrorId::kSceneLimit,
-                      "JSON of more than " + std::to_string(kMaxJsonBytes) + " bytes");
   }
   return file;
 }

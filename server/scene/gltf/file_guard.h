@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "protocol/base/result.h"
+#include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {
@@ -29,8 +30,9 @@ struct GltfFile {
 Result<std::vector<std::uint8_t>> read_regular_file(const std::filesystem::path& path,
                                                     std::uint64_t max_bytes, ErrorId not_regular);
 
-/// Reads and splits a .glb or .gltf file; its bytes decide which it is.
-Result<GltfFile> open_gltf(const std::string& path, Tally& tally);
+/// Reads and splits a .glb or .gltf file; its bytes decide which it is. Error kSceneLimit: larger
+/// than `limits` allow.
+Result<GltfFile> open_gltf(const std::string& path, const SceneLimits& limits, Tally& tally);
 
 /// Splits bytes that are already read. Lengths in a GLB that are off are forgiven. Errors:
 /// kSceneFormat.

@@ -16,6 +16,7 @@
 
 #include "server/scene/gltf/bounds.h"
 #include "server/scene/gltf/clip_import.h"
+#include "server/scene/gltf/detail_frame.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/home_view.h"
 #include "server/scene/gltf/light_import.h"
@@ -54,7 +55,8 @@ bool read_query(std::string_view query, ImportOptions& options) {
 Result<Scene> import_stages(const std::string& path, const Workers& workers,
                             const ImportOptions& options) {
   gltf::Tally tally(options.strict);
-  auto document = gltf::load_document(path, options.variant, workers, tally);
+  auto document = gltf::load_document(path, options.variant, gltf::limits_within(options.megabytes),
+                                      workers, tally);
   if (!document) return document.error();
   if (Result<void> chosen = gltf::choose_clip(options.clip, *document); !chosen) {
     return chosen.error();
@@ -80,7 +82,9 @@ Result<Scene> import_stages(const std::string& path, const Workers& workers,
 
   const gltf::Bounds bounds = gltf::scene_bounds(scene);
   scene.lighting = gltf::import_lighting(*document, *tree, bounds, tally, scene.own_lights);
-  scene.home = gltf::import_home_view(*document, *tree, bounds, scene.instances.size());
+  const gltf::DetailFrame frame = gltf::frame_detail(scene, bounds);
+  if (frame.leaves_out()) tally.note(frame.told());
+  scene.home = gltf::import_home_view(*document, *tree, frame.bounds, scene.instances.size());
   scene.warnings = tally.lines();
   return scene;
 }

@@ -2,6 +2,7 @@
 // Imports glTF 2.0 (.glb, .gltf) as a Scene. Everything is validated before use; see
 // gltf_import.cpp.
 
+#include <cstdint>
 #include <string>
 
 #include "server/base/workers.h"
@@ -17,6 +18,8 @@ struct ImportOptions {
   std::string variant = {};
   /// The one clip that plays, by name or by its place from 0; empty: all clips play.
   std::string clip = {};
+  /// Memory that the scene may take, MB; files that need more are refused.
+  std::uint64_t megabytes = 3072;
 };
 
 /// Loads and validates a glTF file. Errors: kSceneMissing, kSceneFormat, kSceneRange,

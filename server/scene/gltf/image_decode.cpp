@@ -86,23 +86,33 @@ Result<Image> decode(std::span<const std::uint8_t> bytes, const ImageHeader& hea
   return halvings > 0 ? read_reduced(**input, halvings, srgb) : read_whole(**input);
 }
 
-}  // namespace
-
-Result<ImageHeader> judge_image(std::span<const std::uint8_t> bytes) {
+Result<ImageHeader> read_header(std::span<const std::uint8_t> bytes) {
   const auto header = peek_image_header(bytes);
   if (!header) return unreadable("neither a whole PNG, nor JPEG, nor WebP");
   if (header->width == 0 || header->height == 0) return unreadable("an image without pixels");
-  const bool large = header->pixels() > kMaxImagePixels && !header->streams;
-  if (header->width > kMaxImageSide || header->height > kMaxImageSide || large) {
-    return make_error(ErrorId::kSceneLimit, std::to_string(header->width) + " x " +
-                                                std::to_string(header->height) +
-                                                " pixels are too many");
-  }
   return *header;
 }
 
+}  // namespace
+
+Result<ImageHeader> judge_image(std::span<const std::uint8_t> bytes, const SceneLimits& limits) {
+  const auto header = read_header(bytes);
+  if (!header) return header;
+  if (header->width > kMaxImageSide || header->height > kMaxImageSide) {
+    return make_error(ErrorId::kSceneLimit,
+                      std::to_string(header->width) + " x " + std::to_string(header->height) +
+                          " pixels, at most " + std::to_string(kMaxImageSide) + " a side");
+  }
+  if (!header->streams && header->pixels() > limits.whole_pixels) {
+    return limits.exceeded(header->pixels(), limits.whole_pixels,
+                           "pixels in one progressive or interlaced image",
+                           "resize IN OUT --width 2048 --height 2048");
+  }
+  return header;
+}
+
 Result<Image> decode_image(std::span<const std::uint8_t> bytes, int halvings, bool srgb) {
-  const auto header = judge_image(bytes);
+  const auto header = read_header(bytes);
   if (!header) return header.error();
   return decode(bytes, *header, halvings, srgb);
 }

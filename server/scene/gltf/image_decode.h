@@ -7,19 +7,19 @@
 
 #include "protocol/base/result.h"
 #include "protocol/model/model.h"
+#include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/image_size.h"
 
 namespace mirage::gltf {
 
 /// Returns format and size from the first bytes. Errors: kSceneFormat (none of the three formats,
-/// or empty), kSceneLimit (a side beyond kMaxImageSide, or more than kMaxImagePixels in a form that
-/// decoders hold as a whole).
-Result<ImageHeader> judge_image(std::span<const std::uint8_t> bytes);
+/// or empty), kSceneLimit (a side beyond kMaxImageSide, or more pixels than `limits` allow in a
+/// form that decoders hold as a whole).
+Result<ImageHeader> judge_image(std::span<const std::uint8_t> bytes, const SceneLimits& limits);
 
 /// Decodes an image. Alpha stays unassociated, 16-bit is reduced, grey and RGB are expanded. The
 /// sides are halved `halvings` times (image_reduce.h); if `srgb`, the colours are averaged as
-/// linear light. Errors: those of judge_image,
-/// kSceneFormat (unreadable), kModule (no image library). Any thread.
+/// linear light. Errors: kSceneFormat (unreadable), kModule (no image library). Any thread.
 Result<Image> decode_image(std::span<const std::uint8_t> bytes, int halvings, bool srgb);
 
 }  // namespace mirage::gltf

@@ -97,7 +97,7 @@ Result<std::span<const std::uint8_t>> ImageImporter::bytes_of(
   if (place.buffer_view >= 0) return document_.view_bytes(place.buffer_view);
   auto loaded = place.file.empty()
                     ? decode_data_uri(place.uri)
-                    : read_regular_file(place.file, kMaxFileBytes, ErrorId::kSceneUri);
+                    : read_regular_file(place.file, kMaxImageFileBytes, ErrorId::kSceneUri);
   if (!loaded) {
     return make_error(loaded.error().id, name_of(source) + ": " + loaded.error().text);
   }
@@ -128,7 +128,7 @@ Result<void> ImageImporter::judge(Wanted& wanted) {
   std::vector<std::uint8_t> owned;
   const auto bytes = bytes_of(wanted.source, owned);
   if (!bytes) return leave_out(wanted, bytes.error());
-  const auto header = judge_image(*bytes);
+  const auto header = judge_image(*bytes, document_.limits);
   if (header) {
     wanted.readable = true;
     wanted.header = *header;
@@ -153,11 +153,10 @@ Result<void> ImageImporter::fit() {
     held += wanted.pixels() * wanted.uses;
     largest.push({wanted.pixels(), i});
   }
-  if (decoded > kMaxDecodedPixels) {
-    return make_error(ErrorId::kSceneLimit,
-                      "images of " + std::to_string(decoded) + " pixels in all, at most " +
-                          std::to_string(kMaxDecodedPixels) + " are decoded",
-                      "npx @gltf-transform/cli resize IN.glb OUT.glb --width 2048 --height 2048");
+  const SceneLimits& limits = document_.limits;
+  if (decoded > limits.decoded_pixels) {
+    return limits.exceeded(decoded, limits.decoded_pixels, "pixels in images",
+                           "resize IN OUT --width 2048 --height 2048");
   }
   const std::uint64_t in_file = held;
   while (!largest.empty() && (held > kMaxScenePixels || largest.top().first > kMaxImagePixels)) {
@@ -176,7 +175,8 @@ Result<void> ImageImporter::fit() {
         make_error(ErrorId::kSceneLimit, name_of(wanted.source) + ": " +
                                              std::to_string(wanted.header.width) + " x " +
                                              std::to_string(wanted.header.height) + " pixels, " +
-                                             std::to_string(in_file) + " in all, " +
+                                             std::to_string(in_file) + " in all, at most " +
+                                             std::to_string(kMaxImagePixels) + " and " +
                                              std::to_string(kMaxScenePixels) + " are held"));
     if (!ok) return ok;
   }

@@ -69,7 +69,7 @@ class ImageImporter {
                                                  std::vector<std::uint8_t>& owned) const;
   Result<void> judge(Wanted& wanted);
   /// Halves the largest images until all fit kMaxScenePixels. Error kSceneLimit: more to decode
-  /// than kMaxDecodedPixels.
+  /// than the budget allows.
   Result<void> fit();
   /// Returns the end of the images from `begin` whose decoding fits into memory together.
   std::size_t batch_end(std::size_t begin) const;

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/json_mend.h"
 
 namespace mirage::gltf {
@@ -18,7 +17,7 @@ using nlohmann::json;
 /// parser with a filter is not used: it walks the whole list after each element.
 class TreeBuilder {
  public:
-  explicit TreeBuilder(std::uint64_t max_values) : max_values_(max_values) {}
+  explicit TreeBuilder(const SceneLimits& limits) : limits_(limits) {}
 
   bool null() { return scalar(nullptr); }
   bool boolean(bool value) { return scalar(value); }
@@ -122,14 +121,12 @@ class TreeBuilder {
   }
 
   bool fits() {
-    if (values_ <= max_values_) return true;
-    return fail(make_error(ErrorId::kSceneLimit,
-                           "JSON with more than " + std::to_string(max_values_) + " values",
-                           "npx @gltf-transform/cli join IN.glb OUT.glb makes fewer, larger "
-                           "meshes"));
+    if (values_ <= limits_.json_values) return true;
+    return fail(
+        limits_.exceeded_at_least(values_, limits_.json_values, "values in JSON", "join IN OUT"));
   }
 
-  std::uint64_t max_values_;
+  const SceneLimits& limits_;
   json root_;
   std::vector<Level> levels_;       ///< the open values that are kept
   json* place_ = nullptr;           ///< of the value that comes, in an object
@@ -141,8 +138,8 @@ class TreeBuilder {
   std::optional<Error> error_;
 };
 
-Result<json> build_tree(std::string_view text, std::uint64_t max_values, std::uint64_t& twice) {
-  TreeBuilder builder(max_values);
+Result<json> build_tree(std::string_view text, const SceneLimits& limits, std::uint64_t& twice) {
+  TreeBuilder builder(limits);
   json::sax_parse(text.begin(), text.end(), &builder);
   if (builder.error()) return *builder.error();
   twice = builder.twice();
@@ -151,12 +148,15 @@ Result<json> build_tree(std::string_view text, std::uint64_t max_values, std::ui
 
 }  // namespace
 
-Result<json> read_json(std::string_view text, std::uint64_t max_values, Tally& tally) {
+Result<json> read_json(std::string_view text, const SceneLimits& limits, Tally& tally) {
+  if (text.size() > limits.json_bytes) {
+    return limits.exceeded(text.size(), limits.json_bytes, "bytes of JSON");
+  }
   std::uint64_t twice = 0;
-  auto root = build_tree(text, max_values, twice);
+  auto root = build_tree(text, limits, twice);
   if (!root && root.error().id == ErrorId::kSceneFormat) {
     const std::string mended = mend_json(text);
-    auto second = mended == text ? root : build_tree(mended, max_values, twice);
+    auto second = mended == text ? root : build_tree(mended, limits, twice);
     if (second) {
       auto ok = tally.forgive(
           "files with text that is not UTF-8, or numbers that are not finite, in JSON",

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "protocol/base/result.h"
+#include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {
@@ -13,8 +14,8 @@ namespace mirage::gltf {
 /// Reads a text as a tree without its extras, of which only `extras.mirage` is kept: files of
 /// buildings have millions of properties that nothing needs. Forgives objects that name a property
 /// twice (the last counts), text that is not UTF-8, and numbers that are not finite. Errors:
-/// kSceneFormat; kSceneLimit for a text nested deeper than kMaxJsonDepth, or with more than
-/// `max_values` values outside of extras.
-Result<nlohmann::json> read_json(std::string_view text, std::uint64_t max_values, Tally& tally);
+/// kSceneFormat; kSceneLimit for a text nested deeper than kMaxJsonDepth, or with more values
+/// than `limits` allow outside of extras.
+Result<nlohmann::json> read_json(std::string_view text, const SceneLimits& limits, Tally& tally);
 
 }  // namespace mirage::gltf

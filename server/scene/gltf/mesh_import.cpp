@@ -2,16 +2,10 @@
 
 #include <numeric>
 
-#include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/mesh_assemble.h"
 
 namespace mirage::gltf {
 namespace {
-
-Error limit_error(const char* what, std::uint64_t limit) {
-  return make_error(ErrorId::kSceneLimit,
-                    "the scene needs more than " + std::to_string(limit) + " " + what);
-}
 
 bool uses_missing_uv(const Material& material, const RawPrimitive& raw) {
   bool missing = false;
@@ -26,15 +20,19 @@ bool uses_missing_uv(const Material& material, const RawPrimitive& raw) {
 Result<void> Budget::take(std::uint64_t vertices, std::uint64_t indices) {
   vertices_ += vertices;
   indices_ += indices;
-  if (vertices_ > kMaxVertices) return limit_error("vertices", kMaxVertices);
-  if (indices_ > kMaxIndices) return limit_error("indices", kMaxIndices);
+  if (vertices_ > limits_.vertices) {
+    return limits_.exceeded_at_least(vertices_, limits_.vertices, "vertices");
+  }
+  if (indices_ > limits_.indices) {
+    return limits_.exceeded_at_least(indices_, limits_.indices, "indices");
+  }
   return {};
 }
 
 Result<void> Budget::take_primitives(std::uint64_t count) {
   primitives_ += count;
-  if (primitives_ > kMaxPrimitives) return limit_error("primitives", kMaxPrimitives);
-  return {};
+  if (primitives_ <= limits_.primitives) return {};
+  return limits_.exceeded_at_least(primitives_, limits_.primitives, "primitives", "join IN OUT");
 }
 
 void Budget::give_back(std::uint64_t vertices, std::uint64_t indices) {

@@ -15,6 +15,7 @@ namespace mirage::gltf {
 /// Limits on all meshes of a scene together.
 class Budget {
  public:
+  explicit Budget(const SceneLimits& limits) : limits_(limits) {}
   /// Takes the amounts. Error kSceneLimit names the limit that they would exceed.
   Result<void> take(std::uint64_t vertices, std::uint64_t indices);
   /// Counts kept primitives; it limits scenes of very many tiny meshes.
@@ -22,6 +23,7 @@ class Budget {
   void give_back(std::uint64_t vertices, std::uint64_t indices);
 
  private:
+  const SceneLimits& limits_;
   std::uint64_t vertices_ = 0;
   std::uint64_t indices_ = 0;
   std::uint64_t primitives_ = 0;

@@ -40,7 +40,7 @@ Result<void> check_sizes(const MeshoptView& view) {
     return broken("a filter on indices");
   }
   if (!fits) return broken("byteStride " + std::to_string(stride) + " does not fit its mode");
-  if (view.decoded_bytes() > kMaxFileBytes) {
+  if (view.decoded_bytes() > kMaxMeshoptBytes) {
     return make_error(ErrorId::kSceneLimit,
                       "meshopt: " + std::to_string(view.decoded_bytes()) + " bytes are too many");
   }

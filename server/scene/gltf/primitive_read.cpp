@@ -213,10 +213,8 @@ Result<void> read_indices(const Document& document, const tinygltf::Primitive& s
     indices.resize(raw.position.size());
     std::iota(indices.begin(), indices.end(), 0u);
   }
-  if (indices.size() > kMaxIndices / 3) {
-    return make_error(ErrorId::kSceneLimit, std::to_string(indices.size()) +
-                                                " indices in one primitive, at most " +
-                                                std::to_string(kMaxIndices / 3));
+  if (const std::uint64_t most = document.limits.indices / 3; indices.size() > most) {
+    return document.limits.exceeded(indices.size(), most, "indices in one primitive");
   }
   raw.indices = expand_indices(std::move(indices), mode);
   return {};
@@ -273,9 +271,9 @@ Result<RawPrimitive> read_primitive(const Document& document, const tinygltf::Pr
     tally.add("primitives without POSITION left out");
     return raw;
   }
-  if (document.model.accessors[position].count > kMaxVertices) {
-    return make_error(ErrorId::kSceneLimit,
-                      "a primitive of more than " + std::to_string(kMaxVertices) + " vertices");
+  const std::size_t vertices = document.model.accessors[position].count;
+  if (vertices > document.limits.vertices) {
+    return document.limits.exceeded(vertices, document.limits.vertices, "vertices");
   }
   if (auto ok = read_attributes(document, source.attributes, tally, raw); !ok) return ok.error();
   for (std::size_t i = 0; i < std::min(pose.weights.size(), source.targets.size()); ++i) {

@@ -61,7 +61,8 @@ SceneAssembler::SceneAssembler(const Document& document, const NodeTree& tree,
       motion_(find_motion(document, tree, clips)),
       importance_(importance_of_nodes(document, tree)),
       tally_(tally),
-      materials_(document, tally) {}
+      materials_(document, tally),
+      budget_(document.limits) {}
 
 Result<void> SceneAssembler::add_node(int node) {
   const tinygltf::Node& source = document_.model.nodes[node];

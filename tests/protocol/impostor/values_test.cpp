@@ -176,12 +176,15 @@ TEST(ProtocolValues, MotionOfAnObjectIsWholeOrAbsent) {
   EXPECT_FALSE(broken([](wire::ObjectInfoT& o) { o.jump.clear(); }));
   EXPECT_TRUE(broken([](wire::ObjectInfoT& o) { o.clip_s = 0; }));
   EXPECT_TRUE(broken([&](wire::ObjectInfoT& o) { o.clip_s = nan; }));
-  EXPECT_TRUE(broken([](wire::ObjectInfoT& o) { o.clip_s = 1e6f; }));
+  EXPECT_TRUE(broken([](wire::ObjectInfoT& o) { o.clip_s = 2e6f; }));
   EXPECT_TRUE(broken([](wire::ObjectInfoT& o) { o.speed.pop_back(); }));
   EXPECT_TRUE(broken([](wire::ObjectInfoT& o) { o.jump.push_back(0); }));
   EXPECT_TRUE(broken([&](wire::ObjectInfoT& o) { o.speed[3] = nan; }));
   EXPECT_TRUE(broken([](wire::ObjectInfoT& o) { o.jump[3] = -1; }));
   EXPECT_TRUE(broken([&](wire::ObjectInfoT& o) { o.wrap_jump = nan; }));
+  EXPECT_FALSE(broken([](wire::ObjectInfoT& o) { o.hidden.assign(32, 0xf0); }));
+  EXPECT_TRUE(broken([](wire::ObjectInfoT& o) { o.hidden.assign(31, 0xf0); }));
+  EXPECT_TRUE(broken([&](wire::ObjectInfoT& o) { still(o), o.hidden.assign(32, 0); }));
 }
 
 TEST(ProtocolValues, NoFloatOfAnInstanceMayBeNotFinite) {

@@ -146,6 +146,63 @@ TEST(ServerMotion, ATurningArmHasItsSpeed) {
   EXPECT_NEAR(measured.radius, 2, 0.1);
 }
 
+// A scan on a turntable has no limit of vertices: it is measured by a body around it.
+TEST(ServerMotion, ManyVerticesThatTurnRigidlyAreMeasuredByABodyAroundThem) {
+  Moving m = random_clip(3);
+  std::mt19937 random(3);
+  m.mesh = Mesh();
+  m.animation.vertices.clear();
+  for (std::uint32_t i = 0; i < 200'000; ++i) {
+    const glm::vec3 ball(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+    m.mesh.vertices.emplace_back().position = glm::normalize(ball) + glm::vec3(static_cast<float>(i % 3));
+    m.mesh.indices.push_back(i);
+    m.animation.vertices.emplace_back().binding.x = static_cast<std::uint16_t>(i % 3);
+  }
+  ASSERT_TRUE(moves_rigidly(m.animation));
+  const MeasuredMotion measured = measure_motion(m.mesh, m.animation);
+  double farthest = 0, tightest = 0;
+  for (int k = 0; k < 40; ++k) {
+    const double a = uniform(random, 0, m.animation.clip_s);
+    const double b = wrap_clip(a + 0.01 * m.animation.clip_s, m.animation.clip_s);
+    const double allowed = measured.motion.travel(a, b);
+    const std::vector<glm::vec3> from = m.at(a), to = m.at(b);
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const double moved = glm::distance(from[i], to[i]);
+      ASSERT_LE(moved, allowed + 2e-6);
+      if (allowed > 1e-3) tightest = std::max(tightest, moved / allowed);
+      farthest = std::max(farthest, double{glm::distance(from[i], measured.center)});
+    }
+  }
+  EXPECT_LE(farthest, measured.radius);
+  EXPECT_GT(farthest, 0.7 * measured.radius) << "the body is too large";
+  EXPECT_GT(tightest, 0.6) << "the profile is too far above the truth";
+}
+
+// Meshes that are shown in turn, each scaled to 0 in between.
+TEST(ServerMotion, PosesWithoutExtentAreHidden) {
+  Moving m = random_clip(1);
+  for (int parent = -1; Joint & joint : m.animation.joints) joint = {.parent = parent++};
+  m.animation.joints[0].moves = true;
+  m.animation.clip_s = 4;
+  Channel scale;
+  scale.path = ChannelPath::kScale;
+  scale.interpolation = Interpolation::kStep;
+  scale.times = {0, 1, 2, 4};
+  scale.values = {0, 0, 0, 1, 1, 1, 0, 0, 0, 0, 0, 0};
+  m.animation.channels = {scale};
+  const MotionProfile motion = measure_motion(m.mesh, m.animation).motion;
+  ASSERT_EQ(motion.hidden.size(), 32u);
+  for (int pose = 0; pose < 256; ++pose) {
+    const bool shown = pose >= 64 && pose < 128;
+    EXPECT_EQ(motion.hides(static_cast<Phase>(pose + 1)), !shown) << pose;
+  }
+  EXPECT_TRUE(motion.hidden_at(0.9));
+  EXPECT_FALSE(motion.hidden_at(1.1));
+  EXPECT_FALSE(motion.hides(kStaticPhase));
+  m.animation.channels[0].values = {1, 1, 1, 2, 2, 2, 1, 1, 1, 1, 1, 1};
+  EXPECT_TRUE(measure_motion(m.mesh, m.animation).motion.hidden.empty());
+}
+
 TEST(ServerMotion, WhatMovesNoVertexIsStatic) {
   Moving m = random_clip(1);
   for (VertexBinding& v : m.animation.vertices) v.binding = glm::u16vec4(0);

@@ -150,6 +150,50 @@ TEST(GltfAnimation, AClipCanBeChosen) {
 }
 
 // A square of two triangles without normals becomes a roof: each face turns.
+/// A channel to a pointer instead of a node and path.
+void point_at(Builder& b, const std::string& pointer) {
+  b.doc["animations"].back()["channels"][0]["target"] = {
+      {"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}};
+}
+
+TEST(GltfAnimation, VisibilityIsAnimatedThroughAPointer) {
+  Builder b = triangle();
+  b.doc["extensionsUsed"] = {"KHR_animation_pointer", "KHR_node_visibility"};
+  b.doc["nodes"][0]["extensions"] = {{"KHR_node_visibility", {{"visible", false}}}};
+  b.doc["nodes"][0]["scale"] = {2, 2, 2};
+  const std::vector<std::uint8_t> shown = {0, 1, 0};
+  animate(b, 0, "", {0, 1, 2}, b.accessor(shown, "SCALAR", 5121, 1));
+  point_at(b, "/nodes/0/extensions/KHR_node_visibility/visible");
+  const Result<Scene> scene = b.load();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_TRUE(scene->warnings.empty());
+  ASSERT_EQ(scene->objects.size(), 1u);
+  ASSERT_NE(scene->objects[0].animation, nullptr);
+  const auto width = [&](double t) {
+    const std::vector<glm::vec3> corners = posed(scene->objects[0], t);
+    return glm::distance(corners[0], corners[1]);
+  };
+  EXPECT_EQ(width(0.5), 0);
+  EXPECT_EQ(width(1.5), 2);
+}
+
+TEST(GltfAnimation, PointersToOtherPropertiesOfNodesWork) {
+  Builder b = sliding();
+  point_at(b, "/nodes/0/translation");
+  const Result<Scene> scene = b.load();
+  ASSERT_TRUE(scene) << failure(scene);
+  ASSERT_NE(scene->objects[0].animation, nullptr);
+  EXPECT_NEAR(posed(scene->objects[0], 0.5)[0].x - posed(scene->objects[0], 0)[0].x, 1, 1e-6);
+  for (const char* pointer : {"/materials/0/pbrMetallicRoughness/baseColorFactor", "/nodes/7/scale",
+                              "/nodes/-1/scale", "/nodes/", "/nodes/0x/scale", ""}) {
+    point_at(b, pointer);
+    const Result<Scene> still = b.load();
+    ASSERT_TRUE(still) << pointer << failure(still);
+    EXPECT_EQ(still->objects[0].animation, nullptr) << pointer;
+    EXPECT_EQ(still->warnings.size(), 1u) << pointer;
+  }
+}
+
 TEST(GltfAnimation, MorphedFacesWithoutNormalsTurn) {
   for (const bool mirrored : {false, true}) {
     Builder b;

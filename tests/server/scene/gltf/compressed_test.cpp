@@ -22,6 +22,8 @@ using gltf::MeshoptFilter;
 using gltf::MeshoptMode;
 using gltf::MeshoptView;
 
+const gltf::SceneLimits kLimits = gltf::limits_within(3072);
+
 using Blob = std::vector<std::uint8_t>;
 
 template <typename T>
@@ -318,7 +320,7 @@ TEST(GltfDraco, TrianglesOfAllPrimitivesAreCounted) {
   EXPECT_REFUSED(builder.load(), kSceneFormat, "Draco");
   primitives.push_back(primitives[0]);
   primitives.push_back(primitives[0]);
-  EXPECT_REFUSED(builder.load(), kSceneLimit, "triangles in all");
+  EXPECT_REFUSED(builder.load(), kSceneLimit, "triangles of Draco");
 }
 
 TEST(GltfDraco, OtherCountsThanDeclaredAreForgiven) {
@@ -351,14 +353,14 @@ TEST(GltfDraco, CutAndChangedBytesEndCleanly) {
   for (const int method : kMethods) {
     const Encoded whole = encoded_sheet(Sheet(6), method);
     const DracoAttribute wanted[] = {{whole.position, 5126, 3}, {whole.color, 5121, 4}};
-    ASSERT_TRUE(decode_draco(whole.bytes, wanted).ok());
+    ASSERT_TRUE(decode_draco(whole.bytes, wanted, kLimits).ok());
     for (std::size_t size = 0; size < whole.bytes.size(); ++size) {
       const Blob cut(whole.bytes.begin(), whole.bytes.begin() + static_cast<std::ptrdiff_t>(size));
-      const auto mesh = decode_draco(cut, wanted);
+      const auto mesh = decode_draco(cut, wanted, kLimits);
       EXPECT_FALSE(mesh.ok() && size + 16 < whole.bytes.size()) << size;
       Blob changed = whole.bytes;
       changed[size] ^= 0xff;
-      const auto other = decode_draco(changed, wanted);
+      const auto other = decode_draco(changed, wanted, kLimits);
       if (!other) continue;
       for (const std::uint32_t index : other->indices) ASSERT_LT(index, other->points);
       EXPECT_EQ(other->attributes[0].size(), other->points * 12u);
@@ -373,15 +375,15 @@ TEST(GltfDraco, CountsAreJudgedBeforeAnythingIsAllocated) {
     return out;
   };
   // The data claim 2^31 triangles of 3 vertices, or as a sequential mesh 1 of 2^31.
-  EXPECT_REFUSED(decode_draco(header(1, {0, 3, 0x80, 0x80, 0x80, 0x80, 8}), {}), kSceneLimit,
-                 "2147483648 triangles");
-  EXPECT_REFUSED(decode_draco(header(0, {1, 0x80, 0x80, 0x80, 0x80, 8}), {}), kSceneLimit,
-                 "of 2147483648 vertices");
-  EXPECT_REFUSED(decode_draco(header(1, {0, 3}), {}), kSceneFormat, "ends before");
-  EXPECT_REFUSED(decode_draco(header(2, {0, 3, 1}), {}), kSceneFormat, "method");
+  EXPECT_REFUSED(decode_draco(header(1, {0, 3, 0x80, 0x80, 0x80, 0x80, 8}), {}, kLimits),
+                 kSceneLimit, "2147483648 triangles");
+  EXPECT_REFUSED(decode_draco(header(0, {1, 0x80, 0x80, 0x80, 0x80, 8}), {}, kLimits), kSceneLimit,
+                 "2147483648 vertices");
+  EXPECT_REFUSED(decode_draco(header(1, {0, 3}), {}, kLimits), kSceneFormat, "ends before");
+  EXPECT_REFUSED(decode_draco(header(2, {0, 3, 1}), {}, kLimits), kSceneFormat, "method");
   Blob old = header(1, {0, 3, 1});
   old[6] = 1;
-  EXPECT_REFUSED(decode_draco(old, {}), kSceneFormat, "bitstream 2.1");
+  EXPECT_REFUSED(decode_draco(old, {}, kLimits), kSceneFormat, "bitstream 2.1");
 }
 
 #endif
