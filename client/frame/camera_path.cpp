@@ -66,6 +66,12 @@ Result<CameraPath> CameraPath::create(const std::string& spec, const HomeView& h
   return path;
 }
 
+std::optional<Pose> CameraPath::start_of(const std::string& spec) {
+  if (spec.empty() || spec.rfind("builtin:", 0) == 0) return std::nullopt;
+  const Result<CameraPath> path = create(spec, {}, glm::dvec3(0), 1);
+  return path ? std::optional<Pose>(path->at(0)) : std::nullopt;
+}
+
 Result<CameraPath::Key> CameraPath::read_view(const std::string& fragment) {
   std::istringstream parts(fragment);
   std::optional<glm::dvec3> eye, look;

@@ -1,6 +1,7 @@
 #pragma once
 // Camera paths: built-in motions and recorded traces.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ class CameraPath {
                                    const glm::dvec3& scene_center, double scene_radius);
 
   Pose at(double seconds) const;
+  /// Returns the pose at which a path of this `spec` starts, if it does not depend on the scene.
+  static std::optional<Pose> start_of(const std::string& spec);
 
  private:
   enum class Kind { kStill, kOrbit, kWalk, kFly, kShake, kStrafe, kTeleport, kTrace };

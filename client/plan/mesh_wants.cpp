@@ -14,7 +14,7 @@
 namespace mirage {
 
 std::vector<MeshWant> mesh_wants(const SceneView& scene, const Camera& camera, double tau_px,
-                                 const MeshWants& wants, const ViewFit* view) {
+                                 const MeshWants& wants, const ViewFit* view, double time_s) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   struct Seen {
     MeshWant want;
@@ -31,7 +31,8 @@ std::vector<MeshWant> mesh_wants(const SceneView& scene, const Camera& camera, d
     const double most = std::hypot(camera.width, camera.height);
     seen.size_px = std::max(seen.size_px, std::min(density * scene.objects[object].radius, most));
     const std::optional<double> in_view =
-        view ? view->error_px(scene.instances[i], camera) : std::nullopt;
+        view ? view->error_px(scene.instances[i], scene.objects[object], camera, time_s)
+             : std::nullopt;
     seen.view_px = std::max(seen.view_px, in_view.value_or(kInfinity));
     seen.want.surrounds = seen.want.surrounds || scene.objects[object].surrounds;
   }

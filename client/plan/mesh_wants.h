@@ -22,6 +22,6 @@ struct MeshWants {
 /// Returns the wants by object, each for its nearest instance at `camera`. `view` tells how well
 /// the view tile shows them meanwhile; nullptr: there is none.
 std::vector<MeshWant> mesh_wants(const SceneView& scene, const Camera& camera, double tau_px,
-                                 const MeshWants& wants, const ViewFit* view);
+                                 const MeshWants& wants, const ViewFit* view, double time_s);
 
 }  // namespace mirage

@@ -22,9 +22,6 @@ constexpr double kSwitchRatio = 0.6;
 // Time for which a choice is kept while it is good enough.
 constexpr std::int64_t kReconsiderUs = 100'000;
 
-// Error of the view tile, px, beyond which it shows a torn picture of a thing.
-constexpr double kTornPx = 8;
-
 double fade_progress(std::int64_t since_us, std::int64_t now_us) {
   return std::clamp(static_cast<double>(now_us - since_us) / kFadeUs, 0.0, 1.0);
 }
@@ -74,7 +71,8 @@ bool Selector::drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) co
 // to where the view was taken.
 bool Selector::view_shows(const SelectorInput& in, const Candidate& c) {
   if (!in.view) return false;
-  const std::optional<double> px = in.view->error_px(in.scene->instances[c.instance], in.camera);
+  const std::optional<double> px =
+      in.view->error_px(in.scene->instances[c.instance], *c.object, in.camera, in.time_s);
   return px && *px <= kFirstImagePx * c.tau_px;
 }
 
@@ -118,7 +116,8 @@ Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c)
   const bool any_time = !in.plan || !in.plan->limited();
   if (any_time && out.deep && c.deep.meets(c.tau_px)) out.flat.reset();
   if (in.view) {
-    const std::optional<double> view_px = in.view->error_px(view_of, in.camera);
+    const std::optional<double> view_px =
+        in.view->error_px(view_of, *c.object, in.camera, in.time_s);
     out.viewed = view_px && *view_px <= kTornPx;
   }
   if (drawn_as_mesh(in, c.instance)) {

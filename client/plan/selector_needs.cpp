@@ -227,7 +227,8 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   need.instance = instance;
   // The view tile may show an object without an image of its own.
   const std::optional<double> view_px =
-      in.view && group.tiles.empty() ? in.view->error_px(view_of, in.predicted) : std::nullopt;
+      in.view && group.tiles.empty() ? in.view->error_px(view_of, object, in.predicted, in.time_s)
+                                     : std::nullopt;
   const bool unseen = group.tiles.empty() && !(view_px && *view_px <= kFirstImagePx * tau);
   // The first image is coarse and quick: a quarter of the edge takes a sixteenth of the bytes.
   if (unseen && in_view && !stand_in && !no_time) need.size_class = coarse_class(need.size_class);

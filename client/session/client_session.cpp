@@ -41,8 +41,10 @@ void greet(SessionParts& s, std::int64_t now_us) {
   // A client with a light of its own has to tell the server about it first, so it asks for no view
   // yet.
   if (s.held.views.enabled() && !s.light.own && !s.scene.complete()) {
-    hello.view = std::make_unique<wire::ViewRequestT>(view_request(s.options.screen, 0));
-    hello.view->home = true;
+    Camera first = s.options.screen;
+    if (s.options.start) first.pose = *s.options.start;
+    hello.view = std::make_unique<wire::ViewRequestT>(view_request(first, 0));
+    hello.view->home = !s.options.start;
     hello.view->request_id = s.asking.scheduler.next_number();
     s.held.views.asked(hello.view->request_id);
   }
@@ -89,11 +91,13 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us) {
   if (s.shadowed()) s.held.shadows.shade(at.input, s.light.now, s.held.meshes, list);
   s.tally.note_first_drawn(now_us);
   Needs needs = ask(s, at.input);
-  s.held.views.show_missing(s.scene, camera, list);
+  s.held.views.show_missing(s.scene, camera, s.time_s, list);
   if (s.link.connected()) send(s, at, list, std::move(needs));
   note_new_scene(s, list, now_us);
   return list;
 }
+
+void ClientSession::start_at(const Pose& pose) { parts_->options.start = pose; }
 
 void ClientSession::set_lighting(const Lighting& lighting, std::int64_t told_us) {
   SessionParts& s = *parts_;

@@ -73,9 +73,10 @@ Needs ask(SessionParts& s, const SelectorInput& input) {
   Needs out;
   out.tiles = s.planning.selector.needs(input);
   if (s.scene.geometry) {
-    out.meshes = s.held.meshes.needs(s.scene, input.mesh_tau_px, input.now_us,
-                                     mesh_wants(s.scene, input.predicted, input.mesh_tau_px,
-                                                s.planning.selector.mesh_needs(input), input.view));
+    out.meshes = s.held.meshes.needs(
+        s.scene, input.mesh_tau_px, input.now_us,
+        mesh_wants(s.scene, input.predicted, input.mesh_tau_px,
+                   s.planning.selector.mesh_needs(input), input.view, input.time_s));
   }
   for (const AssetId& gone : s.held.meshes.drop(s.frame, input.now_us)) {
     if (s.sink.drop) s.sink.drop(gone);

@@ -11,9 +11,11 @@ namespace {
 
 // Share of the screen without any picture from which a view is asked for.
 constexpr double kMissingShare = 0.05;
-constexpr double kEmptyShare = 0.25;             // from here at any cost: next to nothing is shown
-constexpr std::int64_t kPauseUs = 2'000'000;     // after a refusal
-constexpr std::int64_t kLightRestsUs = 250'000;  // a light that stays so long has come to rest
+constexpr double kEmptyShare = 0.25;   // from here at any cost: next to nothing is shown
+constexpr double kLeastShare = 0.001;  // the same, once the eye rests
+constexpr std::int64_t kRestsUs = 1'000'000;
+constexpr std::int64_t kPauseUs = 2'000'000;       // after a refusal
+constexpr std::int64_t kLightRestsUs = 250'000;    // a light that stays so long has come to rest
 constexpr std::int64_t kLightPauseUs = 1'000'000;  // between views while the light changes
 constexpr double kSamePlace = 1e-5;                // of the scene's radius
 constexpr float kSameDirection = 1 - 1e-6f;        // cosine of half the angle
@@ -80,8 +82,12 @@ bool ViewStage::mark(const InstanceView& instance, bool shown, std::vector<bool>
   return at != begin;
 }
 
-void ViewStage::show_missing(const SceneView& scene, const Camera& camera, DrawList& list) {
+void ViewStage::show_missing(const SceneView& scene, const Camera& camera, double time_s,
+                             DrawList& list) {
   if (!view_) return;
+  const auto shows = [&](const InstanceView& instance) {
+    return fit_->shows(instance, scene.objects[instance.object], camera, time_s);
+  };
   DrawnView view{view_, std::vector<bool>(view_->instances.size(), false)};
   const Frustum frustum(camera);
   for (std::size_t i = 0; i < view_->instances.size(); ++i) {
@@ -92,7 +98,7 @@ void ViewStage::show_missing(const SceneView& scene, const Camera& camera, DrawL
     const InstanceView& instance = scene.instances[index];
     const glm::dvec3 to = instance.center - camera.pose.eye;
     const bool large = camera.focal_px() * instance.radius > kMinRadiusPx * glm::length(to);
-    view.owners[i] = large && frustum.may_see(to, instance.radius);
+    view.owners[i] = large && frustum.may_see(to, instance.radius) && shows(instance);
   }
   for (const DrawnImpostor& drawn : list.impostors) {
     if (drawn.fade >= 1) mark(scene.instances[drawn.instance], false, view.owners);
@@ -103,8 +109,10 @@ void ViewStage::show_missing(const SceneView& scene, const Camera& camera, DrawL
   }
   for (DrawnPlaceholder& placeholder : list.placeholders) {
     const InstanceView& instance = scene.instances[placeholder.instance];
-    const bool in_view = mark(instance, true, view.owners);
-    placeholder.covered = in_view || fit_->error_px(instance, camera);
+    const bool here = shows(instance);
+    const bool in_view = mark(instance, here, view.owners);
+    const ObjectDescription& object = scene.objects[instance.object];
+    placeholder.covered = here && (in_view || fit_->error_px(instance, object, camera, time_s));
   }
   if (std::find(view.owners.begin(), view.owners.end(), true) == view.owners.end()) return;
   list.view = std::move(view);
@@ -137,9 +145,14 @@ std::optional<wire::ViewRequestT> ViewStage::plan(const SceneView& scene, const 
     missing += screen_share(predicted, scene.instances[placeholder.instance]);
     ++tiles;
   }
+  if (!stands_at_ || !same_view(*stands_at_, predicted, scene.bounds_radius)) {
+    stands_at_ = predicted;
+    stands_since_us_ = now_us;
+  }
   // A few placeholders get tiles of their own sooner than a view.
   const bool pays = tiles >= kViewTiles || missing >= kEmptyShare;
-  const bool fills = missing >= kMissingShare && pays;
+  const bool rests = now_us - stands_since_us_ >= kRestsUs && missing >= kLeastShare;
+  const bool fills = rests || (missing >= kMissingShare && pays);
   const bool again = planned_from_ && same_view(*planned_from_, predicted, scene.bounds_radius);
   if (!relight && (!fills || again)) return std::nullopt;
   planned_from_ = predicted;

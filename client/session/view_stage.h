@@ -55,10 +55,13 @@ class ViewStage {
   /// Shows all of the view, while the scene is not there yet.
   void show_all(DrawList& list);
   /// Shows the part of the view for which `list` has no image, and marks placeholders as covered.
-  void show_missing(const SceneView& scene, const Camera& camera, DrawList& list);
+  /// What is seen from elsewhere than in the view, or has moved since, is neither shown nor
+  /// covered.
+  void show_missing(const SceneView& scene, const Camera& camera, double time_s, DrawList& list);
   /// Returns the view to ask for. `predicted` is the eye when the reply arrives, `light` the serial
   /// of the present lighting. It asks for one view per place and light, because a second view from
-  /// there would show nothing more. While the light changes, it asks once a second.
+  /// there would show nothing more. While the light changes, it asks once a second. If the eye has
+  /// stood for a second, it asks for whatever still lacks a picture.
   std::optional<wire::ViewRequestT> plan(const SceneView& scene, const Camera& predicted,
                                          double time_s, std::uint32_t light, const DrawList& list,
                                          std::int64_t now_us);
@@ -90,6 +93,8 @@ class ViewStage {
   bool drawn_ = false;                        ///< some frame has shown the view
   std::uint32_t pending_ = 0;                 ///< number of the request; 0: none
   std::optional<Camera> planned_from_;        ///< camera of the last request
+  std::optional<Camera> stands_at_;           ///< camera of the last frame
+  std::int64_t stands_since_us_ = 0;          ///< since when
   std::optional<std::uint32_t> light_;        ///< serial of the view's lighting
   std::optional<std::uint32_t> asked_light_;  ///< that of the request under way
   std::uint32_t seen_light_ = 0;              ///< lighting of the last frame

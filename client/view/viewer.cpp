@@ -165,6 +165,7 @@ void Viewer::make_host() {
   options.screen.fov_y = o_.fov_degrees * 0.017453292519943295;
   options.screen.width = static_cast<std::uint32_t>(screen_.width());
   options.screen.height = static_cast<std::uint32_t>(screen_.height());
+  options.start = CameraPath::start_of(o_.path);
   options.trace = !o_.trace_file.empty();
   host_ = std::make_unique<ClientHost>(host, *renderer_);
 }

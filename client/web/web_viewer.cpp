@@ -225,6 +225,12 @@ void WebViewer::steer(const Steering& by) {
   mirage::steer(pose_, scaled);
 }
 
+void WebViewer::set_pose(const Pose& pose) {
+  pose_ = pose;
+  posed_ = true;
+  if (!home_known()) session_->start_at(pose);  // the first picture is of the place of the link
+}
+
 void WebViewer::go_home() {
   const HomeView& home = session_->scene().home;
   pose_ = look_at(home.eye, home.target);

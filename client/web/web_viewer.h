@@ -56,10 +56,7 @@ class WebViewer {
 
   /// Moves the eye by what a person did; moves are in seconds at twice the scene's walking speed.
   void steer(const Steering& by);
-  void set_pose(const Pose& pose) {
-    pose_ = pose;
-    posed_ = true;
-  }
+  void set_pose(const Pose& pose);
   const Pose& pose() const { return pose_; }
   /// Moves the eye to the scene's home view.
   void go_home();

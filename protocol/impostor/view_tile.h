@@ -17,7 +17,8 @@ inline constexpr std::uint32_t kViewCellTexels = 2;
 inline constexpr double kViewTiles = 20;
 
 struct ViewTile {
-  Camera camera;  ///< pose, field of view and size in texels; even edges
+  Camera camera;      ///< pose, field of view and size in texels; even edges
+  double time_s = 0;  ///< of the animation, as it is shown
   /// width x height x 4, top row first: the displayed colours, sRGB; the fourth byte is 255.
   std::vector<std::uint8_t> rgba;
   /// Eye depth of the nearest and farthest surface, m; 0 < near <= far.

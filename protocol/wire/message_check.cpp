@@ -74,6 +74,7 @@ Result<void> check(const wire::ViewReply& m) {
   if (!(m.near_m() > 0) || !(m.far_m() >= m.near_m()) || !std::isfinite(m.far_m())) {
     return value_error("depth of a view");
   }
+  if (!std::isfinite(m.time_s())) return value_error("animation time");
   if (count(m.instances()) > limits::kMaxViewInstances) return limit_error("instances in a view");
   return {};
 }

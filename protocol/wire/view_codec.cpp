@@ -101,6 +101,7 @@ EncodedView encode_view(const ViewTile& view) {
   out.reply.fov_y = c.fov_y;
   out.reply.width = static_cast<std::uint16_t>(c.width);
   out.reply.height = static_cast<std::uint16_t>(c.height);
+  out.reply.time_s = view.time_s;
   out.reply.near_m = view.near_m;
   out.reply.far_m = view.far_m;
   out.reply.color_bytes = static_cast<std::uint32_t>(colors.size());
@@ -131,6 +132,7 @@ Result<ViewTile> view_of_planes(const wire::ViewReplyT& reply, const Bytes& plan
   out.camera.fov_y = reply.fov_y;
   out.camera.width = reply.width;
   out.camera.height = reply.height;
+  out.time_s = reply.time_s;
   out.near_m = reply.near_m;
   out.far_m = reply.far_m;
   out.instances = reply.instances;

@@ -64,8 +64,9 @@ void EncodeStage::save(const TileId& id, TileCodec codec, StoredTilePtr tile) {
 }
 
 void EncodeStage::finish(const RenderedView& drawn) {
-  announce(FinishedView{drawn.id, std::make_shared<const EncodedView>(
-                                      encode_view(cut_view(drawn.camera, drawn.frame)))});
+  ViewTile view = cut_view(drawn.camera, drawn.frame);
+  view.time_s = drawn.time_s;
+  announce(FinishedView{drawn.id, std::make_shared<const EncodedView>(encode_view(view))});
 }
 
 void EncodeStage::finish(RenderedReference& drawn) {

@@ -136,7 +136,7 @@ void SlowWork::hand_over(std::shared_ptr<const PagePixels> pixels) {
 void SlowWork::hand_over(SceneFrame frame) {
   if (auto* view = std::get_if<ViewJob>(&job_)) {
     ++queues_.counters.views_rendered;
-    RenderedView done{view->id, view->shot.camera, std::move(frame)};
+    RenderedView done{view->id, view->shot.camera, view->shot.time_s, std::move(frame)};
     drop();
     queues_.slow.push(std::move(done));
     return;

@@ -138,6 +138,7 @@ struct ViewJob {
 struct RenderedView {
   TileId id;
   Camera camera;
+  double time_s = 0;  ///< of the animation
   SceneFrame frame;
 };
 

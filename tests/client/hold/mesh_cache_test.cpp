@@ -56,7 +56,7 @@ struct World {
       all.instances.push_back(i);
       all.gain[scene.instances[i].object] += 1;
     }
-    return cache.needs(scene, 1, now_us, mesh_wants(scene, camera, 1, all, nullptr));
+    return cache.needs(scene, 1, now_us, mesh_wants(scene, camera, 1, all, nullptr, 0));
   }
   std::uint8_t drawn_lod(std::uint64_t frame = 1, std::int64_t now_us = 0) {
     std::vector<DrawnMesh> meshes{{0}};

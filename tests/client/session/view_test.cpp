@@ -84,7 +84,7 @@ TEST_F(CoreView, ShowsWhatHasNoImageAndNothingElse) {
   list.impostors.push_back(own);
   list.placeholders.erase(list.placeholders.begin() + 5);
   list.meshes.push_back({6, 0, 1});
-  stage.show_missing(scene, camera, list);
+  stage.show_missing(scene, camera, 0, list);
   ASSERT_TRUE(list.view);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     EXPECT_EQ(list.view->owners[i], i != 3 && i != 6) << i;
@@ -92,11 +92,11 @@ TEST_F(CoreView, ShowsWhatHasNoImageAndNothingElse) {
   for (const DrawnPlaceholder& p : list.placeholders) EXPECT_TRUE(p.covered);
   // Geometry that fades in lies over the view beneath it.
   list.meshes[0].fade = 0.5f;
-  stage.show_missing(scene, camera, list);
+  stage.show_missing(scene, camera, 0, list);
   EXPECT_TRUE(list.view->owners[6]);
   list.meshes[0].fade = 1;
   list.meshes[0].plain = true;
-  stage.show_missing(scene, camera, list);
+  stage.show_missing(scene, camera, 0, list);
   EXPECT_TRUE(list.view->owners[6]) << "geometry without its image";
   EXPECT_EQ(stage.counts().drawn, 1u);
 }
@@ -117,14 +117,14 @@ TEST_F(CoreView, ShowsWhatIsNotToldOfYet) {
   ASSERT_TRUE(early.complete());
   DrawList list;
   for (std::uint32_t i = 0; i < 4; ++i) list.meshes.push_back({i, 0, 1});
-  stage.show_missing(early, camera, list);
+  stage.show_missing(early, camera, 0, list);
   ASSERT_TRUE(list.view);
   for (std::size_t i = 0; i < 24; ++i) EXPECT_EQ(list.view->owners[i], i >= 4) << i;
   wire::InstancePageT last;
   last.last = true;
   ASSERT_TRUE(early.accept(last).ok());
   list.view.reset();
-  stage.show_missing(early, camera, list);
+  stage.show_missing(early, camera, 0, list);
   EXPECT_FALSE(list.view) << "told of all: what is not known is in no view from here";
 }
 
@@ -140,7 +140,7 @@ TEST_F(CoreView, AsksAgainOnceTheLightHasChanged) {
   };
   ASSERT_TRUE(asks(kLight, 0));
   arrive(request);
-  stage.show_missing(scene, camera, list);
+  stage.show_missing(scene, camera, 0, list);
   EXPECT_FALSE(asks(kLight, 5'000)) << "it is the light of the view";
   ASSERT_TRUE(asks(2, 5'100));
   arrive(request);
@@ -178,7 +178,7 @@ TEST_F(CoreView, IsNotDrawnOnceAllHaveImages) {
   arrive(1);
   DrawList list;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) list.meshes.push_back({i, 0, 1});
-  stage.show_missing(scene, camera, list);
+  stage.show_missing(scene, camera, 0, list);
   EXPECT_FALSE(list.view);
   EXPECT_EQ(stage.counts().drawn, 0u);
 }
@@ -200,18 +200,19 @@ TEST_F(CoreView, FromOnePlaceOneIsAskedFor) {
 
 TEST_F(CoreView, AnotherIsAskedForWhereNothingShows) {
   DrawList list = all_missing();
-  stage.show_missing(scene, camera, list);
+  stage.show_missing(scene, camera, 0, list);
   EXPECT_FALSE(list.view);
   ASSERT_TRUE(stage.plan(scene, camera, 0, kLight, list, 0));
   stage.asked(7);
   EXPECT_FALSE(stage.plan(scene, camera, 0, kLight, list, 0)) << "one at a time";
   arrive(7);
-  stage.show_missing(scene, camera, list);
+  stage.show_missing(scene, camera, 0, list);
   EXPECT_FALSE(stage.plan(scene, camera, 0, kLight, list, 0)) << "it shows them all";
   camera.pose.eye.x += 12;  // two fifths of the distance: from too far aside
-  stage.show_missing(scene, camera, list);
-  // The balls are in the view nevertheless, and nothing else is there.
-  EXPECT_TRUE(list.view);
+  stage.show_missing(scene, camera, 0, list);
+  EXPECT_FALSE(list.view) << "shards of another place";
+  EXPECT_FALSE(list.placeholders[0].covered);
+  EXPECT_TRUE(stage.plan(scene, camera, 0, kLight, list, 0));
 }
 
 TEST_F(CoreView, AFewHaveTilesOfTheirOwnSooner) {
@@ -301,23 +302,50 @@ TEST_F(CoreView, TheErrorIsATexelAndGrowsAside) {
   const wire::ViewReplyT reply = reply_for(camera, 24, 1, payload);
   const ViewFit fit(decode_view(reply, payload).take());
   const InstanceView& middle = scene.instances[12];
-  EXPECT_NEAR(*fit.error_px(middle, camera), 1, 1e-6);
+  const ObjectDescription& still = scene.objects[middle.object];
+  EXPECT_NEAR(*fit.error_px(middle, still, camera, 0), 1, 1e-6);
   double before = 1;
   for (const double x : {0.5, 1.0, 2.0, 4.0}) {
     Camera aside = camera;
     aside.pose.eye.x += x;
-    const double error = *fit.error_px(middle, aside);
+    const double error = *fit.error_px(middle, still, aside, 0);
     EXPECT_GT(error, before);
     before = error;
   }
   Camera little = camera;
   little.pose.eye.x += 1;
-  EXPECT_LT(*fit.error_px(middle, little, 0.25), *fit.error_px(middle, little));
-  EXPECT_EQ(*fit.error_px(middle, camera, 0.25), *fit.error_px(middle, camera));
+  EXPECT_LT(*fit.error_px(middle, still, little, 0, 0.25), *fit.error_px(middle, still, little, 0));
+  EXPECT_EQ(*fit.error_px(middle, still, camera, 0, 0.25), *fit.error_px(middle, still, camera, 0));
   Camera far = camera;
   far.pose.eye.x += 10;
-  EXPECT_FALSE(fit.error_px(middle, far));
-  EXPECT_FALSE(fit.error_px(scene.instances[0], camera)) << "outside of the view";
+  EXPECT_FALSE(fit.error_px(middle, still, far, 0));
+  EXPECT_FALSE(fit.error_px(scene.instances[0], still, camera, 0)) << "outside of the view";
+}
+
+TEST_F(CoreView, WhatHasMovedSinceIsNotShown) {
+  Bytes payload;
+  const wire::ViewReplyT reply = reply_for(camera, 24, 1, payload);
+  const ViewFit fit(decode_view(reply, payload).take());
+  const InstanceView& ball = scene.instances[12];
+  ObjectDescription moving = scene.objects[ball.object];
+  moving.motion.clip_s = 10;
+  moving.motion.speed.assign(limits::kMotionSegments, moving.radius);
+  EXPECT_TRUE(fit.shows(ball, moving, camera, 0));
+  EXPECT_TRUE(fit.shows(ball, moving, camera, 0.001));
+  EXPECT_LT(*fit.error_px(ball, moving, camera, 0), *fit.error_px(ball, moving, camera, 1));
+  EXPECT_FALSE(fit.shows(ball, moving, camera, 5));
+  moving.motion.hidden.assign(32, 0xff);
+  EXPECT_FALSE(fit.shows(ball, moving, camera, 0)) << "it had no extent";
+  EXPECT_FALSE(fit.error_px(ball, moving, camera, 0));
+}
+
+// Once the eye rests, whatever still lacks a picture gets one, however little it is.
+TEST_F(CoreView, AtRestLittleIsEnoughToAsk) {
+  DrawList list;
+  list.placeholders.push_back({12, 20});
+  EXPECT_FALSE(stage.plan(scene, camera, 0, kLight, list, 0));
+  EXPECT_FALSE(stage.plan(scene, camera, 0, kLight, list, 900'000));
+  EXPECT_TRUE(stage.plan(scene, camera, 0, kLight, list, 1'000'000));
 }
 
 /// Answers a hello with a welcome, a page and a view, in this order.
