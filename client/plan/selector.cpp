@@ -333,7 +333,7 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
     }
   }
   if (!c.kept) {
-    const bool keeps = in.method.automatic && !c.object->motion.moving() &&
+    const bool keeps = in.method.automatic && !c.object->moves() &&
                        best.method != DrawMethod::kDepth && best.meets(c.tau_px);
     shown.chosen_until_us = keeps ? in.now_us + kReconsiderUs : INT64_MIN / 2;
     shown.method = best.method;

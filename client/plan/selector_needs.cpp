@@ -40,9 +40,9 @@ ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileG
   plan.tau_px = tau_px;
   plan.pixel_px = in.pixel_px;
   const glm::dquat inverse = glm::conjugate(glm::dquat(view.world_from_object.rotation));
-  plan.velocity = inverse * in.velocity / double{view.world_from_object.scale};
+  plan.velocity = inverse * (in.velocity - view.velocity) / double{view.world_from_object.scale};
   const bool flat = !in.method.automatic && in.method.method != DrawMethod::kDepth;
-  const bool still = glm::length(in.velocity) < 0.02;
+  const bool still = glm::length(in.velocity - view.velocity) < 0.02;
   if (flat || still) return plan;  // a quad serves a still eye best, and is cheapest
   double gap = kTypicalGap;
   if (!tiles.tiles.empty()) gap = tiles.tiles.back()->measure.depth_gap / radius;
@@ -216,7 +216,8 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   // A tile shaded by the client is right; the server's is better, and asked for in spare time.
   const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
   if (fit.settled(tau, in.pixel_px) && !is_stale(light_px, tau) && !shaded_here) {
-    if (lit.wanted) shown_[instance].settled_until_us = settled_until(in, fit, view, plan);
+    if (lit.wanted && !object.track.moves())
+      shown_[instance].settled_until_us = settled_until(in, fit, view, plan);
     return;
   }
   // Inside the swap distance one tile serves as a stopgap until geometry arrives.

@@ -7,6 +7,7 @@
 #include "protocol/impostor/motion.h"
 #include "protocol/impostor/object_proxy.h"
 #include "protocol/impostor/view_tile.h"
+#include "protocol/model/track.h"
 
 namespace mirage {
 namespace {
@@ -20,14 +21,19 @@ std::optional<double> ViewFit::moved_px(const InstanceView& instance,
                                         const ObjectDescription& object, const Camera& camera,
                                         double time_s) const {
   const MotionProfile& motion = object.motion;
-  if (!motion.moving()) return 0;
+  double way = 0;
+  if (const Track& track = object.track; track.moves()) {
+    way = glm::distance(track.at(wrap_clip(time_s_ + instance.clip_offset_s, track.clip_s)),
+                        track.at(wrap_clip(time_s + instance.clip_offset_s, track.clip_s)));
+  }
+  if (!object.moves()) return 0;
   const double then = wrap_clip(time_s_ + instance.clip_offset_s, motion.clip_s);
   if (motion.hidden_at(then)) return std::nullopt;
   const double at = wrap_clip(time_s + instance.clip_offset_s, motion.clip_s);
   const double scale = instance.radius / std::max(double{object.radius}, 1e-30);
   const double distance = glm::length(instance.center - camera.pose.eye) - instance.radius;
   const double nearest = std::max({distance, 0.1 * instance.radius, 1e-9});
-  return camera.focal_px() * scale * motion.travel(then, at) / nearest;
+  return camera.focal_px() * scale * (way + motion.travel(then, at)) / nearest;
 }
 
 bool ViewFit::shows(const InstanceView& instance, const ObjectDescription& object,

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <unordered_set>
 
 #include "protocol/impostor/instance_group.h"
+#include "protocol/impostor/motion.h"
+#include "protocol/model/track.h"
 #include "protocol/wire/light_probe_codec.h"
 
 namespace mirage {
@@ -109,6 +112,8 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
     o.hull.indices = info->hull_indices;
     o.surrounds = info->surrounds;
     o.motion = {info->clip_s, info->speed, info->jump, info->wrap_jump, info->hidden};
+    o.track.clip_s = info->track_clip_s;
+    for (const wire::Vec3f& place : info->track) o.track.places.push_back(from_wire(place));
     o.hull.parallax = info->hull_parallax;
     o.cut = info->cut;
     objects.push_back(std::move(o));
@@ -172,6 +177,7 @@ void SceneView::add(InstanceView view, std::uint32_t parent_id) {
   if (!index_by_id_.emplace(view.id, index).second) return;  // already known
   // The parent is an id until link_members() makes it an index.
   view.parent = parent_id;
+  if (objects[view.object].track.moves()) tracked_.push_back({index, view.world_from_object});
   instances.push_back(view);
 }
 
@@ -272,6 +278,24 @@ bool SceneView::complete() const {
          objects.size() >= expected_objects_ && roots_.size() >= expected_roots_;
 }
 
+void SceneView::move_to(double time_s) {
+  constexpr double kStep = 1e-3;  // s, between the two places that give a velocity
+  for (const Tracked& tracked : tracked_) {
+    InstanceView& view = instances[tracked.instance];
+    const ObjectDescription& object = objects[view.object];
+    const double clip_s = object.track.clip_s;
+    const double time = wrap_clip(time_s + view.clip_offset_s, clip_s);
+    const double earlier = std::max(0.0, time - kStep), later = std::min(clip_s, time + kStep);
+    const InstanceView now =
+        placed(on_track(tracked.start, object.track, time), view.object, object);
+    view.world_from_object = now.world_from_object;
+    view.center = now.center;
+    view.velocity = (on_track(tracked.start, object.track, later).position -
+                     on_track(tracked.start, object.track, earlier).position) /
+                    (later - earlier);
+  }
+}
+
 void SceneView::build_grid() {
   const int n = std::max(
       1, static_cast<int>(std::sqrt(static_cast<double>(roots_.size()) / kInstancesPerCell)));
@@ -280,7 +304,14 @@ void SceneView::build_grid() {
     return std::clamp(static_cast<int>(t * n), 0, n - 1);
   };
   cells_.assign(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), Cell{});
+  Cell anywhere;  // what goes from cell to cell
+  anywhere.center = bounds_center;
+  anywhere.radius = std::numeric_limits<double>::max();
   for (const std::uint32_t i : roots_) {
+    if (objects[instances[i].object].track.moves()) {
+      anywhere.instances.push_back(i);
+      continue;
+    }
     const glm::dvec3& c = instances[i].center;
     const int x = index(c.x, bounds_center.x), z = index(c.z, bounds_center.z);
     cells_[static_cast<std::size_t>(z) * static_cast<std::size_t>(n) + static_cast<std::size_t>(x)]
@@ -295,6 +326,7 @@ void SceneView::build_grid() {
                              glm::length(instances[i].center - cell.center) + instances[i].radius);
     }
   }
+  cells_.push_back(std::move(anywhere));
 }
 
 void SceneView::for_visible_roots(const Camera& camera, double guard,

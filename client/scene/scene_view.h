@@ -34,6 +34,7 @@ struct InstanceView {
   glm::dvec3 center{0};  ///< centre of the bounding sphere, world space
   double radius = 0;     ///< radius of the bounding sphere, world space, m
   double clip_offset_s = 0;
+  glm::dvec3 velocity{0};  ///< on its way (Track), world space, m/s
   Importance importance = Importance::kNormal;
   /// Index of the group it belongs to, or of the instance it is a part of.
   std::uint32_t parent = kNoParent;
@@ -62,6 +63,9 @@ class SceneView {
   Result<void> accept(const wire::ImagePageT& page);
   Result<void> accept(const wire::ObjectPageT& page);
   Result<void> accept(const wire::InstancePageT& page);
+
+  /// Moves what goes a way (Track) to where it is at a time, s.
+  void move_to(double time_s);
 
   bool welcomed() const { return welcomed_; }
   /// True if some object has blended surfaces.
@@ -124,6 +128,11 @@ class SceneView {
     double radius = 0;
     std::vector<std::uint32_t> instances;
   };
+  /// An instance that goes a way, and its place at the start.
+  struct Tracked {
+    std::uint32_t instance = 0;
+    Similarity start;
+  };
   /// The members of a group: a range of members_.
   struct Run {
     std::uint32_t first = 0, last = 0;
@@ -136,6 +145,7 @@ class SceneView {
   void link_members(std::size_t first_new);
   void build_grid();
 
+  std::vector<Tracked> tracked_;
   /// Depths by the server's id of the group.
   std::unordered_map<std::uint32_t, std::uint32_t> group_depth_;
   bool welcomed_ = false;

@@ -146,7 +146,7 @@ void Arrivals::take_scene(bool was_complete) {
   s_.held.meshes.reset(s_.scene, s_.options.mesh_budget_bytes, s_.options.max_mesh_bytes);
   s_.planning.predictor = Predictor(std::max(50.0, 0.5 * s_.scene.bounds_radius));
   s_.moves = std::any_of(s_.scene.objects.begin(), s_.scene.objects.end(),
-                         [](const ObjectDescription& o) { return o.motion.moving(); });
+                         [](const ObjectDescription& o) { return o.moves(); });
   if (s_.sink.scene) s_.sink.scene(s_.scene);
   if (s_.light.own) s_.send_lighting();
 }

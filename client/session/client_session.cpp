@@ -42,9 +42,9 @@ void greet(SessionParts& s, std::int64_t now_us) {
   // yet.
   if (s.held.views.enabled() && !s.light.own && !s.scene.complete()) {
     Camera first = s.options.screen;
-    if (s.options.start) first.pose = *s.options.start;
+    if (s.start) first.pose = *s.start;
     hello.view = std::make_unique<wire::ViewRequestT>(view_request(first, 0));
-    hello.view->home = !s.options.start;
+    hello.view->home = !s.start;
     hello.view->request_id = s.asking.scheduler.next_number();
     s.held.views.asked(hello.view->request_id);
   }
@@ -87,17 +87,21 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us) {
     return first;
   }
   const Predicted at = predict(s, camera, now_us);
+  s.scene.move_to(s.time_s);
   DrawList list = mirage::plan(s, at.input);
   if (s.shadowed()) s.held.shadows.shade(at.input, s.light.now, s.held.meshes, list);
   s.tally.note_first_drawn(now_us);
+  // What is asked for now arrives a round trip later.
+  s.scene.move_to(s.time_s + at.input.lead_s);
   Needs needs = ask(s, at.input);
+  s.scene.move_to(s.time_s);
   s.held.views.show_missing(s.scene, camera, s.time_s, list);
   if (s.link.connected()) send(s, at, list, std::move(needs));
   note_new_scene(s, list, now_us);
   return list;
 }
 
-void ClientSession::start_at(const Pose& pose) { parts_->options.start = pose; }
+void ClientSession::start_at(const Pose& pose) { parts_->start = pose; }
 
 void ClientSession::set_lighting(const Lighting& lighting, std::int64_t told_us) {
   SessionParts& s = *parts_;

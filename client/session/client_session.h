@@ -60,7 +60,8 @@ class ClientSession {
   const Selector& selector() const;
   double tau_px() const;
 
-  /// Tells where the eye starts, before the session connects: the first picture is seen from there.
+  /// Tells where the eye starts, before the session connects, for whoever comes by a link to a
+  /// place: the first picture is seen from there, and not from the scene's home.
   void start_at(const Pose& pose);
   void set_lighting(const Lighting& lighting, std::int64_t now_us);
   /// True if the light has ever differed from the first.

@@ -39,8 +39,6 @@ struct ClientOptions {
   /// server draws them.
   bool views = true;
   Camera screen;  ///< size and field of view of the first frames
-  /// Pose of the first frames, for whoever comes by a link to a place; none: the scene's home view.
-  std::optional<Pose> start;
 };
 
 }  // namespace mirage

@@ -120,9 +120,10 @@ struct SessionParts {
   Reference reference;
   TileTally tally;
   std::uint64_t frame = 0;
-  Camera camera;       ///< camera of the last frame
-  double time_s = 0;   ///< time of the animation in the last frame
-  bool moves = false;  ///< some object of the scene is animated
+  std::optional<Pose> start;  ///< pose of the first frames; none: the scene's home view
+  Camera camera;              ///< camera of the last frame
+  double time_s = 0;          ///< time of the animation in the last frame
+  bool moves = false;         ///< some object of the scene is animated
 
   bool shadowed() const { return scene.shadows && options.shadows; }
   /// Tells the server about this client's own light.

@@ -190,7 +190,7 @@ void ShadowStage::add_shadow_need(const SelectorInput& in, const Lighting& dark,
                                   const DrawnImpostor& drawn, std::vector<TileNeed>& needs) const {
   const InstanceView& view_of = in.scene->instances[drawn.instance];
   const ObjectDescription& object = in.scene->objects[view_of.object];
-  if (!(object.needs & kNeedLighting) || object.motion.moving()) return;
+  if (!(object.needs & kNeedLighting) || object.moves()) return;
   const ViewGeometry view = view_geometry(in.predicted, view_of, object);
   const double size = radius_px(view);
   const double contrast_px = light_error_px(in.cache->lights().current().lighting, dark, view_of,

@@ -34,11 +34,16 @@ std::vector<double> numbers(const Camera& camera, const SceneView& scene, const 
   put(list.placeholders.size());
   for (const DrawnPlaceholder& drawn : list.placeholders) put(drawn.instance);
   bool moves = false;
+  const auto goes = [&](std::uint32_t instance) {
+    return scene.objects[scene.instances[instance].object].track.moves();
+  };
+  for (const DrawnImpostor& drawn : list.impostors) moves = moves || goes(drawn.instance);
+  for (const DrawnPlaceholder& drawn : list.placeholders) moves = moves || goes(drawn.instance);
   for (const DrawnMesh& drawn : list.meshes) {
     put(drawn.instance);
     put(drawn.lod);
     put(drawn.fade);
-    moves = moves || scene.objects[scene.instances[drawn.instance].object].motion.moving();
+    moves = moves || scene.objects[scene.instances[drawn.instance].object].moves();
   }
   put(moves ? list.time_s : 0.0);
   return out;

@@ -165,7 +165,6 @@ void Viewer::make_host() {
   options.screen.fov_y = o_.fov_degrees * 0.017453292519943295;
   options.screen.width = static_cast<std::uint32_t>(screen_.width());
   options.screen.height = static_cast<std::uint32_t>(screen_.height());
-  options.start = CameraPath::start_of(o_.path);
   options.trace = !o_.trace_file.empty();
   host_ = std::make_unique<ClientHost>(host, *renderer_);
 }
@@ -516,6 +515,7 @@ Result<void> Viewer::run() {
   if (Result<void> graphics = open_graphics(); !graphics) return graphics;
   make_host();
   if (Result<void> link = host_->open(); !link) return link;
+  if (const std::optional<Pose> start = CameraPath::start_of(o_.path)) session().start_at(*start);
   price_frames();
   if (Result<void> scene = meet_scene(); !scene) return scene;
   if (Result<void> looped = frame_loop(); !looped) return looped;

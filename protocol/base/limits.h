@@ -81,7 +81,8 @@ inline constexpr std::size_t kMaxImageEdge = 16384;
 // Animation of an object.
 inline constexpr int kMaxPhaseLevel = 8;  ///< 2^8 phases a clip
 inline constexpr std::size_t kMotionSegments = 64;
-inline constexpr double kMaxClipSeconds = 1e6;  ///< keys are floats: steps of 0.06 s there
+inline constexpr std::size_t kTrackSteps = 256;  ///< straight parts of the way of an object
+inline constexpr double kMaxClipSeconds = 1e6;   ///< keys are floats: steps of 0.06 s there
 inline constexpr std::size_t kMaxJoints = 1024;
 inline constexpr std::size_t kMaxBindings = 8192;
 inline constexpr std::size_t kMaxChannels = 4096;

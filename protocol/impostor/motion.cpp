@@ -50,10 +50,13 @@ double MotionProfile::travel_forward(double from, double to) const {
 
 double MotionProfile::travel(double a, double b) const {
   if (!moving() || speed.empty() || a == b) return 0;
-  const double low = std::min(a, b), high = std::max(a, b);
-  const double direct = travel_forward(low, high);
-  const double round = travel_forward(high, clip_s) + wrap_jump + travel_forward(0, low);
-  return std::min(direct, round);
+  return std::min(travel_onward(a, b), travel_onward(b, a));
+}
+
+double MotionProfile::travel_onward(double from, double to) const {
+  if (!moving() || speed.empty()) return 0;
+  if (from <= to) return travel_forward(from, to);
+  return travel_forward(from, clip_s) + wrap_jump + travel_forward(0, to);
 }
 
 double wrap_clip(double time_s, double clip_s) {
@@ -81,8 +84,9 @@ int phase_level_for(const MotionProfile& motion, double t, double distance) {
   for (int level = 0; level < limits::kMaxPhaseLevel; ++level) {
     const double half = 0.5 * motion.clip_s / (1 << level);
     const double pose = phase_time(nearest_phase(t, motion.clip_s, level), motion.clip_s);
-    const double before = motion.travel(wrap_clip(pose - half, motion.clip_s), pose);
-    const double after = motion.travel(pose, wrap_clip(pose + half, motion.clip_s));
+    // All the way, for a pose in between may differ from both of its ends.
+    const double before = motion.travel_onward(wrap_clip(pose - half, motion.clip_s), pose);
+    const double after = motion.travel_onward(pose, wrap_clip(pose + half, motion.clip_s));
     if (std::max(before, after) <= distance) return level;
   }
   return limits::kMaxPhaseLevel;

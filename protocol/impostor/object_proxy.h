@@ -9,6 +9,7 @@
 #include "protocol/impostor/lod.h"
 #include "protocol/impostor/motion.h"
 #include "protocol/model/need_mask.h"
+#include "protocol/model/track.h"
 
 namespace mirage {
 
@@ -36,13 +37,16 @@ struct ObjectDescription {
   std::uint32_t triangles = 0;
   std::vector<LodInfo> lods;  ///< finest first; at least one when there is geometry
   MotionProfile motion;       ///< bounds and hull enclose every pose
+  Track track;                ///< where all of this is at a time; at rest: at its instance
   bool surrounds = false;     ///< large scenery that exists once: drawn as geometry from the start
   bool group = false;         ///< stands for all instances of a spatial cell, for far views
   bool part = false;          ///< one part of a cut instance; it is no group
   bool cut = false;           ///< near the eye, its only instance may be drawn as parts
 
   /// True if it casts a shadow. Moving objects do not: no key says where they are at which time.
-  bool casts() const { return (needs & kNeedShadowPass) && radius > 0 && !motion.moving(); }
+  bool casts() const { return (needs & kNeedShadowPass) && radius > 0 && !moves(); }
+  /// True if its picture changes by itself.
+  bool moves() const { return motion.moving() || track.moves(); }
 };
 
 /// Returns the distance from a corner of the box inwards to the ellipsoid inscribed in the box.

@@ -160,6 +160,13 @@ bool moderate(const flatbuffers::Vector<float>* list) {
   return true;
 }
 
+bool finite(const flatbuffers::Vector<const wire::Vec3f*>* list) {
+  for (std::size_t i = 0; i < count(list); ++i) {
+    if (!finite(list->Get(static_cast<flatbuffers::uoffset_t>(i)))) return false;
+  }
+  return true;
+}
+
 Result<void> check_motion(const wire::ObjectInfo& o) {
   const bool moves = o.clip_s() > 0;
   const std::size_t segments = moves ? limits::kMotionSegments : 0;
@@ -171,6 +178,12 @@ Result<void> check_motion(const wire::ObjectInfo& o) {
   const bool wrap = o.wrap_jump() >= 0 && std::isfinite(o.wrap_jump());
   if (!counts || !clip || !wrap || !moderate(o.speed()) || !moderate(o.jump())) {
     return value_error("motion of an object");
+  }
+  const float track_s = o.track_clip_s();
+  const std::size_t places = track_s > 0 ? limits::kTrackSteps + 1 : 0;
+  const bool timed = track_s >= 0 && track_s <= limits::kMaxClipSeconds;
+  if (!timed || count(o.track()) != places || !finite(o.track())) {
+    return value_error("way of an object");
   }
   return {};
 }

@@ -109,7 +109,7 @@ class Grouper {
       const ObjectDescription& object = objects_[instance.object];
       const double radius = double{object.radius} * instance.world_from_object.scale;
       const bool one_of_many = radius > 0 && radius <= kLargeShare * scene_radius;
-      const bool one_picture = !(object.needs & kNeedBlend) && !object.motion.moving();
+      const bool one_picture = !(object.needs & kNeedBlend) && !object.moves();
       const bool grouped = one_of_many && !object.surrounds && one_picture;
       (grouped ? order_ : loose).push_back(i);
     }
@@ -301,7 +301,9 @@ void find_shells(const Scene& scene, double bounds_radius,
   for (const Instance& i : scene.instances) {
     ObjectDescription& object = objects[i.object];
     const double radius = double{object.radius} * i.world_from_object.scale;
-    object.surrounds = uses[i.object] == 1 && radius > kLargeShare * bounds_radius &&
+    // What goes away, or is hidden at times, is no place.
+    const bool stays = !object.track.moves() && object.motion.hidden.empty();
+    object.surrounds = uses[i.object] == 1 && stays && radius > kLargeShare * bounds_radius &&
                        object.triangles <= kMaxSurroundingTriangles;
   }
 }

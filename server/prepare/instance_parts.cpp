@@ -30,8 +30,7 @@ bool worth_cutting(const Instance& instance, const ObjectDescription& object,
                    double bounds_radius) {
   const double radius = double{object.radius} * instance.world_from_object.scale;
   return radius > kLargePart * bounds_radius && object.triangles >= kFewestTriangles &&
-         object.triangles <= kMostTriangles && !object.motion.moving() &&
-         !(object.needs & kNeedBlend);
+         object.triangles <= kMostTriangles && !object.moves() && !(object.needs & kNeedBlend);
 }
 
 }  // namespace

@@ -255,10 +255,10 @@ std::vector<std::uint8_t> hidden_poses(const Animation& animation) {
 
 }  // namespace
 
-MeasuredMotion measure_motion(const Mesh& mesh, const Animation& animation) {
+MeasuredMotion measure_motion(const Mesh& mesh, const Animation& animation, double way) {
   if (mesh.vertices.size() > kManyVertices && moves_rigidly(animation)) {
     const Measured few = corners_of_rigid_parts(mesh, animation, used_vertices(mesh));
-    return measure_motion(few.mesh, few.animation);
+    return measure_motion(few.mesh, few.animation, way);
   }
   MeasuredMotion out;
   Walk walk(mesh, animation);
@@ -280,7 +280,7 @@ MeasuredMotion measure_motion(const Mesh& mesh, const Animation& animation) {
   }
   out.radius = std::sqrt(extent.radius2()) + growth;
   const double size = glm::length(glm::dvec3(box.high) - glm::dvec3(box.low));
-  if (largest > kStill * size) {
+  if (largest > kStill * (size + way)) {
     out.motion = profile(walk.steps(), animation.clip_s, walk.wrap_jump());
     out.motion.hidden = hidden_poses(animation);
   }

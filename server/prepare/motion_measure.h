@@ -26,6 +26,8 @@ struct MeasuredMotion {
 /// way. That holds while nothing turns by more than 217 degrees between them. Bounds grow by half
 /// of that, speeds by a margin. Of more than 131,072 vertices that move rigidly, a body around the
 /// vertices of each joint is measured.
-MeasuredMotion measure_motion(const Mesh& mesh, const Animation& animation);
+/// `way`: length of the way that the poses are relative to (find_track.h); differences that are
+/// rounding at that distance are no motion.
+MeasuredMotion measure_motion(const Mesh& mesh, const Animation& animation, double way = 0);
 
 }  // namespace mirage

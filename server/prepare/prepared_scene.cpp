@@ -1,6 +1,7 @@
 #include "server/prepare/prepared_scene.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -9,6 +10,7 @@
 #include "protocol/impostor/lighting_state.h"
 #include "server/lod/lod_family.h"
 #include "server/prepare/derived_cache.h"
+#include "server/prepare/find_track.h"
 #include "server/prepare/instance_parts.h"
 #include "server/prepare/motion_measure.h"
 #include "server/prepare/scene_revision.h"
@@ -26,6 +28,7 @@ void describe(PreparedScene& prepared, const std::map<std::size_t, MeasuredMotio
   prepared.objects.resize(scene.objects.size());
   workers.each(scene.objects.size(), [&](std::size_t i) {
     prepared.objects[i] = describe_object(scene.objects[i], scene, workers);
+    prepared.objects[i].track = scene.objects[i].track;
     if (const auto at = moving.find(i); at != moving.end()) {
       use_motion(at->second, prepared.objects[i]);
     }
@@ -50,28 +53,36 @@ void make_all_geometry(PreparedScene& prepared, const SceneLoadOptions& options,
   });
 }
 
+/// Calls `visit` with the bounding sphere of each instance, at each place of its way.
+void each_sphere(const PreparedScene& prepared,
+                 const std::function<void(const glm::dvec3& center, double radius)>& visit) {
+  for (const Instance& instance : prepared.scene.instances) {
+    const ObjectDescription& object = prepared.objects[instance.object];
+    const std::size_t places = std::max<std::size_t>(1, object.track.places.size());
+    for (std::size_t i = 0; i < places; ++i) {
+      const double time = places > 1 ? object.track.clip_s * static_cast<double>(i) /
+                                           static_cast<double>(places - 1)
+                                     : 0;
+      const Similarity m = on_track(instance.world_from_object, object.track, time);
+      visit(m.position + glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale}),
+            double{object.radius} * m.scale);
+    }
+  }
+}
+
 void bound_world(PreparedScene& prepared) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
-  const auto sphere = [&](const Instance& instance, double& radius) {
-    const ObjectDescription& object = prepared.objects[instance.object];
-    const Similarity& m = instance.world_from_object;
-    radius = double{object.radius} * m.scale;
-    return m.position + glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale});
-  };
-  double radius = 0;
-  for (const Instance& instance : prepared.scene.instances) {
-    const glm::dvec3 center = sphere(instance, radius);
+  each_sphere(prepared, [&](const glm::dvec3& center, double radius) {
     low = glm::min(low, center - radius);
     high = glm::max(high, center + radius);
-  }
+  });
   if (!(low.x <= high.x)) return;
   prepared.bounds_center = 0.5 * (low + high);
   prepared.bounds_radius = 0;
-  for (const Instance& instance : prepared.scene.instances) {
-    const glm::dvec3 center = sphere(instance, radius);
+  each_sphere(prepared, [&](const glm::dvec3& center, double radius) {
     prepared.bounds_radius =
         std::max(prepared.bounds_radius, glm::length(center - prepared.bounds_center) + radius);
-  }
+  });
 }
 
 Result<void> check_limits(const Scene& scene) {
@@ -101,7 +112,8 @@ std::map<std::size_t, MeasuredMotion> settle_motion(Scene& scene, const Workers&
   std::vector<MeasuredMotion> measured(animated.size());
   workers.each(animated.size(), [&](std::size_t k) {
     SceneObject& object = scene.objects[animated[k]];
-    measured[k] = measure_motion(object.mesh, *object.animation);
+    const double way = take_track(object);
+    measured[k] = measure_motion(object.mesh, *object.animation, way);
     if (measured[k].motion.moving()) return;
     std::vector<Vertex> posed;
     pose_vertices(object.mesh.vertices, *object.animation, 0, posed);
@@ -177,7 +189,7 @@ std::shared_ptr<const ObjectDescription> PreparedScene::description(std::size_t 
 
 bool PreparedScene::animated() const {
   return std::any_of(objects.begin(), objects.end(),
-                     [](const ObjectDescription& o) { return o.motion.moving(); });
+                     [](const ObjectDescription& o) { return o.moves(); });
 }
 
 bool PreparedScene::blends() const {

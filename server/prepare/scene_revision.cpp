@@ -40,6 +40,7 @@ std::uint64_t scene_revision(const Scene& scene) {
     hash.add_array(object.mesh.vertices);
     hash.add_array(object.mesh.indices);
     hash.add_array(encode_animation(object.animation.get()));
+    hash.add_array(object.track.places);
     // Objects of one base may share its levels of detail.
     if (object.baked) {
       hash.add(&object.baked->base, sizeof(object.baked->base));

@@ -31,7 +31,7 @@ std::vector<Candidate> candidates(const Scene& scene,
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     const ObjectDescription& object = objects[instance.object];
-    if (object.motion.moving() || object.surrounds || !(object.radius > 0)) continue;
+    if (object.moves() || object.surrounds || !(object.radius > 0)) continue;
     out.push_back(
         {i, double{object.radius} * instance.world_from_object.scale, world_box(instance, object)});
   }

@@ -5,6 +5,8 @@
 #include <glm/gtc/constants.hpp>
 #include <tuple>
 
+#include "protocol/impostor/motion.h"
+#include "protocol/model/track.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/render/gpu_scene.h"
 
@@ -52,7 +54,8 @@ FramePieces::Visible FramePieces::look_at(const SceneShot& shot, std::uint32_t i
                                           const Frustum& frustum) const {
   const Instance& instance = scene_->prepared->scene.instances[index];
   const ObjectDescription& object = scene_->prepared->objects[instance.object];
-  const Similarity& m = instance.world_from_object;
+  const double time = wrap_clip(shot.time_s + double{instance.clip_offset_s}, object.track.clip_s);
+  const Similarity m = on_track(instance.world_from_object, object.track, time);
   const glm::dvec3 offset = glm::dquat(m.rotation) * (glm::dvec3(object.center) * double{m.scale});
   const glm::dvec3 center = m.position - shot.camera.pose.eye + offset;
   const double radius = double{object.radius} * m.scale;

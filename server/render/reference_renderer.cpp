@@ -4,6 +4,7 @@
 
 #include "protocol/impostor/motion.h"
 #include "protocol/impostor/object_proxy.h"
+#include "protocol/model/track.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/render/frame_pieces.h"
 #include "server/render/gpu_scene.h"
@@ -231,10 +232,14 @@ double ReferenceRenderer::draw_pieces(double most, DepthMapping mapping) {
 void ReferenceRenderer::draw_piece(gl::MeshPass& pass, const FramePiece& piece, bool blended) {
   const SceneShot& shot = progress_->shot;
   const PreparedScene& prepared = *scene_->prepared;
-  const MotionProfile& motion = prepared.objects[piece.object].motion;
+  const ObjectDescription& object = prepared.objects[piece.object];
+  const MotionProfile& motion = object.motion;
   std::vector<gl::MeshInstance> instances;
   for (const std::uint32_t i : piece.instances) {
-    const Similarity& placed = prepared.scene.instances[i].world_from_object;
+    const Instance& instance = prepared.scene.instances[i];
+    const double time =
+        wrap_clip(shot.time_s + double{instance.clip_offset_s}, object.track.clip_s);
+    const Similarity placed = on_track(instance.world_from_object, object.track, time);
     instances.push_back(gl::mesh_instance(placed, shot.camera.pose.eye, i));
   }
   const float offset_s = prepared.scene.instances[piece.instances.front()].clip_offset_s;

@@ -12,6 +12,7 @@
 #include "protocol/model/animation.h"
 #include "protocol/model/model.h"
 #include "protocol/model/scene_types.h"
+#include "protocol/model/track.h"
 
 namespace mirage {
 
@@ -28,6 +29,7 @@ struct SceneObject {
   /// If set, the mesh is in bind space, and pose_vertices() takes it to object space.
   std::shared_ptr<const Animation> animation = nullptr;
   std::optional<BakedShape> baked = std::nullopt;
+  Track track = {};  ///< what the poses are relative to
 };
 
 struct Scene {

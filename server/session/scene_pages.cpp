@@ -59,6 +59,8 @@ std::unique_ptr<wire::ObjectInfoT> object_info(const ObjectDescription& o) {
   info->jump = o.motion.jump;
   info->wrap_jump = o.motion.wrap_jump;
   info->hidden = o.motion.hidden;
+  info->track_clip_s = o.track.clip_s;
+  for (const glm::vec3& place : o.track.places) info->track.push_back(to_wire(place));
   info->hull_parallax = o.hull.parallax;
   info->cut = o.cut;
   return info;

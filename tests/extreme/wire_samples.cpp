@@ -45,7 +45,8 @@ class FloatCheck {
     }
     for (const wire::Vec3f& v : o.hull_vertices) add(v);
     add(o.hull_parallax), add(o.speed), add(o.jump);
-    add(double{o.clip_s}), add(double{o.wrap_jump});
+    for (const wire::Vec3f& v : o.track) add(v);
+    add(double{o.clip_s}), add(double{o.wrap_jump}), add(double{o.track_clip_s});
   }
   int bad = 0;
 };

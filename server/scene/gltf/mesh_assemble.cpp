@@ -195,6 +195,14 @@ void mend_tangents(RawPrimitive& raw) {
   }
 }
 
+/// Makes room for more values. The first of a mesh get as much as they need, so that a large
+/// primitive is never in memory twice.
+template <typename T>
+void make_room(std::vector<T>& values, std::size_t more) {
+  const std::size_t needed = values.size() + more;
+  if (needed > values.capacity()) values.reserve(std::max(needed, 2 * values.size()));
+}
+
 Vertex vertex_of(const RawPrimitive& raw, std::size_t i) {
   Vertex out;
   out.position = raw.position[i];
@@ -260,6 +268,8 @@ void append_primitive(RawPrimitive& raw, std::uint32_t material, bool needs_tang
   primitive.index_count = static_cast<std::uint32_t>(raw.indices.size());
   primitive.material = material;
   const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
+  make_room(mesh.vertices, raw.position.size());
+  make_room(mesh.indices, raw.indices.size());
   for (std::size_t i = 0; i < raw.position.size(); ++i) mesh.vertices.push_back(vertex_of(raw, i));
   for (const std::uint32_t index : raw.indices) mesh.indices.push_back(base + index);
   mesh.primitives.push_back(primitive);

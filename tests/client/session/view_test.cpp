@@ -209,6 +209,7 @@ TEST_F(CoreView, AnotherIsAskedForWhereNothingShows) {
   stage.show_missing(scene, camera, 0, list);
   EXPECT_FALSE(stage.plan(scene, camera, 0, kLight, list, 0)) << "it shows them all";
   camera.pose.eye.x += 12;  // two fifths of the distance: from too far aside
+  list.view.reset();
   stage.show_missing(scene, camera, 0, list);
   EXPECT_FALSE(list.view) << "shards of another place";
   EXPECT_FALSE(list.placeholders[0].covered);

@@ -311,6 +311,23 @@ TEST(ProtocolMotion, TravelIsTheShorterWayRound) {
   EXPECT_EQ(MotionProfile{}.travel(0, 1), 0);
 }
 
+// A mesh that is shown for a twelfth of the clip only. Both ends of half a clip look the same.
+TEST(ProtocolMotion, APoseBetweenEqualOnesHasAPhaseOfItsOwn) {
+  MotionProfile shown;
+  shown.clip_s = 6;
+  shown.speed.assign(limits::kMotionSegments, 0.0f);
+  shown.jump.assign(256, 0.0f);
+  shown.jump[21] = shown.jump[42] = 1;  // at 0.5 and 1 s
+  EXPECT_EQ(shown.travel(0, 3), 0);
+  EXPECT_EQ(shown.travel_onward(0, 3), 2);
+  EXPECT_EQ(shown.travel_onward(3, 0), 0);
+  for (const double t : {0.53, 0.6, 0.75, 0.9, 0.95}) {
+    const Phase phase = nearest_phase(t, 6, phase_level_for(shown, t, 0.01));
+    EXPECT_GT(phase_time(phase, 6), 0.5) << t;
+    EXPECT_LT(phase_time(phase, 6), 1) << t;
+  }
+}
+
 TEST(ProtocolMotion, PhaseLevelsFollowTheErrorPerSecond) {
   MotionProfile steady;
   steady.clip_s = 1;

@@ -158,9 +158,13 @@ TEST(ProtocolValues, MotionOfAnObjectIsWholeOrAbsent) {
     o.speed.assign(limits::kMotionSegments, 1.0f);
     o.jump.assign(256, 0.5f);
     o.wrap_jump = 0.25f;
+    o.track_clip_s = 2;
+    o.track.assign(limits::kTrackSteps + 1, wire::Vec3f(1, 2, 3));
   };
   const auto still = [](wire::ObjectInfoT& o) {
-    o.clip_s = o.wrap_jump = 0;
+    o.clip_s = o.wrap_jump = o.track_clip_s = 0;
+    o.hidden.clear();
+    o.track.clear();
     o.speed.clear();
     o.jump.clear();
   };
@@ -185,6 +189,12 @@ TEST(ProtocolValues, MotionOfAnObjectIsWholeOrAbsent) {
   EXPECT_FALSE(broken([](wire::ObjectInfoT& o) { o.hidden.assign(32, 0xf0); }));
   EXPECT_TRUE(broken([](wire::ObjectInfoT& o) { o.hidden.assign(31, 0xf0); }));
   EXPECT_TRUE(broken([&](wire::ObjectInfoT& o) { still(o), o.hidden.assign(32, 0); }));
+  EXPECT_FALSE(broken([](wire::ObjectInfoT& o) { o.track_clip_s = 0, o.track.clear(); }));
+  EXPECT_TRUE(broken([](wire::ObjectInfoT& o) { o.track.pop_back(); }));
+  EXPECT_TRUE(broken([](wire::ObjectInfoT& o) { o.track.clear(); }));
+  EXPECT_TRUE(broken([](wire::ObjectInfoT& o) { o.track_clip_s = 0; }));
+  EXPECT_TRUE(broken([&](wire::ObjectInfoT& o) { o.track_clip_s = nan; }));
+  EXPECT_TRUE(broken([&](wire::ObjectInfoT& o) { o.track[7] = wire::Vec3f(0, nan, 0); }));
 }
 
 TEST(ProtocolValues, NoFloatOfAnInstanceMayBeNotFinite) {

@@ -6,6 +6,7 @@
 
 #include "protocol/impostor/error_bound.h"
 #include "server/prepare/convex_hull.h"
+#include "server/prepare/find_track.h"
 #include "server/prepare/motion_measure.h"
 
 namespace mirage {
@@ -154,7 +155,8 @@ TEST(ServerMotion, ManyVerticesThatTurnRigidlyAreMeasuredByABodyAroundThem) {
   m.animation.vertices.clear();
   for (std::uint32_t i = 0; i < 200'000; ++i) {
     const glm::vec3 ball(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
-    m.mesh.vertices.emplace_back().position = glm::normalize(ball) + glm::vec3(static_cast<float>(i % 3));
+    m.mesh.vertices.emplace_back().position =
+        glm::normalize(ball) + glm::vec3(static_cast<float>(i % 3));
     m.mesh.indices.push_back(i);
     m.animation.vertices.emplace_back().binding.x = static_cast<std::uint16_t>(i % 3);
   }
@@ -201,6 +203,70 @@ TEST(ServerMotion, PosesWithoutExtentAreHidden) {
   EXPECT_FALSE(motion.hides(kStaticPhase));
   m.animation.channels[0].values = {1, 1, 1, 2, 2, 2, 1, 1, 1, 1, 1, 1};
   EXPECT_TRUE(measure_motion(m.mesh, m.animation).motion.hidden.empty());
+}
+
+/// A box of 4 m that drives 200 m in 20 s along x, and turns its wheel, a vertex, if `turns`.
+SceneObject driving(bool turns) {
+  SceneObject car;
+  for (int i = 0; i < 8; ++i) {
+    car.mesh.vertices.emplace_back().position = {i & 1 ? 2 : -2, i & 2 ? 1 : 0, i & 4 ? 1 : -1};
+    car.mesh.indices.push_back(static_cast<std::uint32_t>(i));
+  }
+  Animation animation;
+  animation.clip_s = 20;
+  animation.joints.resize(2);
+  animation.joints[0].moves = animation.joints[1].moves = true;
+  animation.joints[1].parent = 0;
+  animation.bindings = {{0, glm::mat4(1)}, {1, glm::mat4(1)}};
+  animation.vertices.resize(8);
+  if (turns) animation.vertices[7].binding.x = 1;
+  Channel way;
+  way.times = {0, 20};
+  way.values = {-100, 0, 0, 100, 0, 0};
+  Channel turn;
+  turn.target = 1;
+  turn.path = ChannelPath::kRotation;
+  turn.times = {0, 10, 20};
+  turn.values = {0, 0, 0, 1, 0, 0.1f, 0, 0.995f, 0, 0, 0, 1};
+  animation.channels = {way, turn};
+  car.animation = std::make_shared<const Animation>(animation);
+  return car;
+}
+
+TEST(ServerMotion, AWayIsTakenOutOfThePoses) {
+  for (const bool turns : {false, true}) {
+    const SceneObject before = driving(turns);
+    SceneObject car = before;
+    EXPECT_NEAR(take_track(car), 200, 1e-3);
+    ASSERT_TRUE(car.track.moves());
+    const MeasuredMotion measured = measure_motion(car.mesh, *car.animation, 200);
+    EXPECT_EQ(measured.motion.moving(), turns) << "a rigid car is static on its way";
+    EXPECT_LT(measured.radius, 4);
+    for (double t = 0; t < 20; t += 0.37) {
+      std::vector<glm::vec3> whole, rest;
+      pose_positions(before.mesh.vertices, *before.animation, t, whole);
+      pose_positions(car.mesh.vertices, *car.animation, t, rest);
+      const Similarity at = on_track({{7, 0, 0}, {1, 0, 0, 0}, 2}, car.track, t);
+      for (std::size_t i = 0; i < whole.size(); ++i) {
+        const glm::dvec3 world = at.position + 2.0 * glm::dvec3(rest[i]);
+        EXPECT_LT(glm::distance(world, glm::dvec3(7, 0, 0) + 2.0 * glm::dvec3(whole[i])), 1e-4);
+      }
+    }
+  }
+}
+
+TEST(ServerMotion, WhatStaysOrJumpsHasNoWay) {
+  SceneObject near = driving(true);
+  Animation animation = *near.animation;
+  animation.channels[0].values = {-1, 0, 0, 1, 0, 0};
+  near.animation = std::make_shared<const Animation>(animation);
+  EXPECT_EQ(take_track(near), 0);
+  EXPECT_FALSE(near.track.moves());
+  animation.channels[0].values = {-100, 0, 0, 100, 0, 0};
+  animation.channels[0].times = {0, 10.03f};
+  animation.channels[0].interpolation = Interpolation::kStep;
+  near.animation = std::make_shared<const Animation>(animation);
+  EXPECT_EQ(take_track(near), 0);
 }
 
 TEST(ServerMotion, WhatMovesNoVertexIsStatic) {
