@@ -91,7 +91,7 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us) {
   DrawList list = mirage::plan(s, at.input);
   if (s.shadowed()) s.held.shadows.shade(at.input, s.light.now, s.held.meshes, list);
   s.tally.note_first_drawn(now_us);
-  // What is asked for now arrives a round trip later.
+  // Answers to this frame's asks arrive a round trip later.
   s.scene.move_to(s.time_s + at.input.lead_s);
   Needs needs = ask(s, at.input);
   s.scene.move_to(s.time_s);

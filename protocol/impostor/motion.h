@@ -35,8 +35,8 @@ struct MotionProfile {
   /// `b`, the shorter way round the loop. It is 0 for static objects. A jump counts in full as soon
   /// as its part of the clip is touched.
   double travel(double a, double b) const;
-  /// The same for all that lies on the way onward from clip time `from` to `to`, round the loop if
-  /// `to` comes first.
+  /// Returns the bound for all that lies on the way onward from clip time `from` to `to`, round the
+  /// loop if `to` comes first.
   double travel_onward(double from, double to) const;
 
  private:

@@ -197,7 +197,7 @@ glm::vec3 placed_or(const glm::vec3& posed, const glm::vec3& bound) {
   return finite ? posed : bound;
 }
 
-/// What moves a vertex.
+/// The transform of a vertex.
 struct Turn {
   int binding = -1;  ///< the only one; -1: several
   glm::mat4 matrix{1};

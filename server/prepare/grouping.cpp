@@ -301,7 +301,7 @@ void find_shells(const Scene& scene, double bounds_radius,
   for (const Instance& i : scene.instances) {
     ObjectDescription& object = objects[i.object];
     const double radius = double{object.radius} * i.world_from_object.scale;
-    // What goes away, or is hidden at times, is no place.
+    // An object that goes away, or is hidden at times, is no place.
     const bool stays = !object.track.moves() && object.motion.hidden.empty();
     object.surrounds = uses[i.object] == 1 && stays && radius > kLargeShare * bounds_radius &&
                        object.triangles <= kMaxSurroundingTriangles;

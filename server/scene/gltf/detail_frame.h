@@ -1,6 +1,6 @@
 #pragma once
-// What a home view frames: the part of a scene that carries most of its detail. A sky ball around a
-// model, or a stray triangle far away, would make everything else a dot.
+// The frame of a home view: the part of a scene that carries most of its detail. A sky ball around
+// a model, or a stray triangle far away, would make everything else a dot.
 
 #include <cstddef>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-// What a file may hold. Counts are judged before memory for them is taken.
+// Limits of a file. Counts are judged before memory for them is taken.
 
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +30,7 @@ struct SceneLimits {
   /// file.
   Error exceeded(std::uint64_t count, std::uint64_t limit, std::string_view what,
                  std::string_view helps = "simplify IN OUT") const;
-  /// The same for counting that stopped at the limit.
+  /// Returns the error where counting stopped at the limit.
   Error exceeded_at_least(std::uint64_t count, std::uint64_t limit, std::string_view what,
                           std::string_view helps = "simplify IN OUT") const;
 };

@@ -82,7 +82,7 @@ TEST(GltfDetailFrame, StrayTrianglesAreLeftOut) {
   EXPECT_NEAR(place.frame().bounds.radius(), std::sqrt(3.0), 0.1);
   EXPECT_NE(place.frame().told().find("of the triangles, far from the rest"), std::string::npos);
 
-  // The same within one mesh.
+  // A stray triangle within the mesh itself.
   Place one;
   Mesh mesh = ball(30, 1);
   for (Vertex vertex : quad(0.01f).vertices) {
