@@ -80,10 +80,18 @@ double walking_speed(const SelectorInput& in) {
   return std::max(glm::length(in.velocity), kWalkingMps);
 }
 
+// Returns the error with which the view tile shows the instance; nullopt: it does not.
+std::optional<double> view_error_px(const SelectorInput& in, const InstanceView& instance,
+                                    const ObjectDescription& object) {
+  if (!in.view) return std::nullopt;
+  return in.view->error_px(instance, object, in.predicted, in.time_s);
+}
+
 // Returns until when a tile that is good enough counts as settled. The eye may go a tenth of the
 // way that is left to tau, at its speed or at least at a walk, within kSettledUs.
-std::int64_t settled_until(const SelectorInput& in, const TileFit& fit, const ViewGeometry& view,
-                           const ViewPlan& plan) {
+std::int64_t settled_until(const SelectorInput& in, const ObjectDescription& object,
+                           const TileFit& fit, const ViewGeometry& view, const ViewPlan& plan) {
+  if (object.track.moves()) return in.now_us;
   const double left = 1 - fit.error_px(plan.tau_px) / plan.tau_px;
   const double seconds = 0.1 * left * allowed_baseline(view, plan) / walking_speed(in);
   return in.now_us + std::min(std::llround(1e6 * std::clamp(seconds, 0.0, 1.0)), kSettledUs);
@@ -216,8 +224,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   // A tile shaded by the client is right; the server's is better, and asked for in spare time.
   const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
   if (fit.settled(tau, in.pixel_px) && !is_stale(light_px, tau) && !shaded_here) {
-    if (lit.wanted && !object.track.moves())
-      shown_[instance].settled_until_us = settled_until(in, fit, view, plan);
+    if (lit.wanted) shown_[instance].settled_until_us = settled_until(in, object, fit, view, plan);
     return;
   }
   // Inside the swap distance one tile serves as a stopgap until geometry arrives.
@@ -228,8 +235,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   need.instance = instance;
   // The view tile may show an object without an image of its own.
   const std::optional<double> view_px =
-      in.view && group.tiles.empty() ? in.view->error_px(view_of, object, in.predicted, in.time_s)
-                                     : std::nullopt;
+      group.tiles.empty() ? view_error_px(in, view_of, object) : std::nullopt;
   const bool unseen = group.tiles.empty() && !(view_px && *view_px <= kFirstImagePx * tau);
   // The first image is coarse and quick: a quarter of the edge takes a sixteenth of the bytes.
   if (unseen && in_view && !stand_in && !no_time) need.size_class = coarse_class(need.size_class);

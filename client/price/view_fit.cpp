@@ -7,7 +7,6 @@
 #include "protocol/impostor/motion.h"
 #include "protocol/impostor/object_proxy.h"
 #include "protocol/impostor/view_tile.h"
-#include "protocol/model/track.h"
 
 namespace mirage {
 namespace {

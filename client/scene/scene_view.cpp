@@ -8,7 +8,6 @@
 
 #include "protocol/impostor/instance_group.h"
 #include "protocol/impostor/motion.h"
-#include "protocol/model/track.h"
 #include "protocol/wire/light_probe_codec.h"
 
 namespace mirage {

@@ -1,11 +1,14 @@
 #pragma once
-// Speed of an animated object, and the phases at which its tiles are made (TECHNIQUES rows 18, 31).
-// Times are in seconds; clip times lie in [0, clip_s), and the clip repeats.
+// Speed and way of an animated object, and the phases at which its tiles are made (TECHNIQUES rows
+// 18, 31). Times are in seconds; clip times lie in [0, clip_s), and the clip repeats.
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <vector>
 
 namespace mirage {
+
+struct Similarity;
 
 /// Pose of a tile: 0 for static objects, else 1 + k for clip time k/256 of the clip. Phases of
 /// coarser levels are a subset of the finer ones, so a tile asked for from far away also serves
@@ -42,6 +45,22 @@ struct MotionProfile {
  private:
   double travel_forward(double from, double to) const;
 };
+
+/// The way of an object as a whole. Its poses, extents and images are relative to its place on the
+/// way, so that a car that drives 200 m is as large as a car.
+struct Track {
+  float clip_s = 0;  ///< of the object's clip; 0: the object stays with its instance
+  /// Places at equal times from the beginning of the clip to its end, limits::kTrackSteps + 1;
+  /// object units. Straight lines in between.
+  std::vector<glm::vec3> places = {};
+
+  bool moves() const { return clip_s > 0; }
+  /// Returns the place at a clip time from 0 to clip_s; 0 without a way.
+  glm::dvec3 at(double clip_time_s) const;
+};
+
+/// Returns where an instance is at a clip time.
+Similarity on_track(const Similarity& world_from_object, const Track& track, double clip_time_s);
 
 /// Returns `time_s` wrapped into [0, clip_s), negative times included; 0 without a clip or a finite
 /// time.

@@ -9,7 +9,6 @@
 #include "protocol/impostor/lod.h"
 #include "protocol/impostor/motion.h"
 #include "protocol/model/need_mask.h"
-#include "protocol/model/track.h"
 
 namespace mirage {
 

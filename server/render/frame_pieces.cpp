@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "protocol/impostor/motion.h"
-#include "protocol/model/track.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/render/gpu_scene.h"
 

@@ -4,7 +4,6 @@
 
 #include "protocol/impostor/motion.h"
 #include "protocol/impostor/object_proxy.h"
-#include "protocol/model/track.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/render/frame_pieces.h"
 #include "server/render/gpu_scene.h"

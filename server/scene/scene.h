@@ -9,10 +9,10 @@
 
 #include "protocol/base/result.h"
 #include "protocol/impostor/light_probe.h"
+#include "protocol/impostor/motion.h"
 #include "protocol/model/animation.h"
 #include "protocol/model/model.h"
 #include "protocol/model/scene_types.h"
-#include "protocol/model/track.h"
 
 namespace mirage {
 

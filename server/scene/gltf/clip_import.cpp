@@ -154,6 +154,9 @@ bool is_pose(const NodeChannels& channels, float clip_s, const tinygltf::Model& 
   });
 }
 
+/// A node whose scale shows and hides it counts as shown itself.
+void show(tinygltf::Node& node) { node.extensions.erase("KHR_node_visibility"); }
+
 }  // namespace
 
 std::map<int, NodeClip> import_clips(Document& document, Tally& tally) {
@@ -175,10 +178,7 @@ std::map<int, NodeClip> import_clips(Document& document, Tally& tally) {
         tally.add("animation channels beyond the limit of keys ignored");
         continue;
       }
-      // Its scale shows and hides it, so that the node itself counts as shown.
-      if (source.path == kVisiblePath) {
-        document.model.nodes[source.node].extensions.erase("KHR_node_visibility");
-      }
+      if (source.path == kVisiblePath) show(document.model.nodes[source.node]);
       clip_s = std::max(clip_s, channel->times.back());
       channels.emplace_back(source.node, std::move(*channel));
     }

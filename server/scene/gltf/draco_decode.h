@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "protocol/base/result.h"
-#include "server/scene/gltf/gltf_limits.h"
 
 namespace mirage::gltf {
+
+struct SceneLimits;
 
 /// True if this build has libdraco.
 bool has_draco();

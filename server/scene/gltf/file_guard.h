@@ -11,10 +11,11 @@
 #include <vector>
 
 #include "protocol/base/result.h"
-#include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {
+
+struct SceneLimits;
 
 /// A glTF container split into its parts; the views point into `bytes`.
 struct GltfFile {

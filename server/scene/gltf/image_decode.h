@@ -7,10 +7,11 @@
 
 #include "protocol/base/result.h"
 #include "protocol/model/model.h"
-#include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/image_size.h"
 
 namespace mirage::gltf {
+
+struct SceneLimits;
 
 /// Returns format and size from the first bytes. Errors: kSceneFormat (none of the three formats,
 /// or empty), kSceneLimit (a side beyond kMaxImageSide, or more pixels than `limits` allow in a

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/json_mend.h"
 
 namespace mirage::gltf {

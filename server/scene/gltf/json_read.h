@@ -6,10 +6,11 @@
 #include <string_view>
 
 #include "protocol/base/result.h"
-#include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/tally.h"
 
 namespace mirage::gltf {
+
+struct SceneLimits;
 
 /// Reads a text as a tree without its extras, of which only `extras.mirage` is kept: files of
 /// buildings have millions of properties that nothing needs. Forgives objects that name a property
