@@ -32,7 +32,7 @@ install(DIRECTORY build/web/site/ DESTINATION share/mirage/web OPTIONAL)
 install(FILES packaging/systemd/mirage-server.service DESTINATION lib/systemd/system)
 install(FILES packaging/systemd/mirage.sysusers.conf DESTINATION lib/sysusers.d RENAME mirage.conf)
 install(FILES packaging/server.toml DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
-install(DIRECTORY packaging/haproxy packaging/nginx packaging/prometheus packaging/grafana
+install(DIRECTORY packaging/caddy packaging/haproxy packaging/nginx packaging/prometheus packaging/grafana
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 
 set(CPACK_PACKAGE_NAME mirage)

@@ -103,6 +103,14 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us) {
 
 void ClientSession::start_at(const Pose& pose) { parts_->start = pose; }
 
+void ClientSession::play(bool playing, std::int64_t told_us) {
+  parts_->playback.play(playing, parts_->clock.at(told_us));
+}
+
+bool ClientSession::playing() const { return parts_->playback.playing(); }
+
+bool ClientSession::animated() const { return parts_->moves && parts_->options.animation; }
+
 void ClientSession::set_lighting(const Lighting& lighting, std::int64_t told_us) {
   SessionParts& s = *parts_;
   const std::int64_t now_us = s.clock.at(told_us);

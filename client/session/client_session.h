@@ -63,6 +63,11 @@ class ClientSession {
   /// Tells where the eye starts, before the session connects, for whoever comes by a link to a
   /// place: the first picture is seen from there, and not from the scene's home.
   void start_at(const Pose& pose);
+  /// Stops the animation, or lets it go on.
+  void play(bool playing, std::int64_t now_us);
+  bool playing() const;
+  /// True if something in the scene moves by itself, unless it is stopped.
+  bool animated() const;
   void set_lighting(const Lighting& lighting, std::int64_t now_us);
   /// True if the light has ever differed from the first.
   bool light_changed() const;

@@ -43,18 +43,18 @@ Predicted predict(SessionParts& s, const Camera& camera, std::int64_t now_us) {
   input.method = s.options.method;
   input.march_budget_px = s.options.march_budget_px;
   input.mesh_radii = s.options.mesh_radii;
-  if (s.options.animation) s.time_s = static_cast<double>(now_us) * 1e-6;
+  if (s.options.animation) s.time_s = s.playback.at(now_us);
   input.time_s = s.time_s;
-  input.lead_s =
-      s.options.animation ? static_cast<double>(s.asking.scheduler.round_trip_us()) * 1e-6 : 0;
-  input.horizon_s = s.options.animation ? static_cast<double>(horizon) * 1e-6 : 0;
+  const bool plays = s.options.animation && s.playback.playing();
+  input.lead_s = plays ? static_cast<double>(s.asking.scheduler.round_trip_us()) * 1e-6 : 0;
+  input.horizon_s = plays ? static_cast<double>(horizon) * 1e-6 : 0;
   input.frame = s.frame;
   input.now_us = now_us;
   // Relit tiles of the automatic choice give way to better ones in time, and tau comes down again.
   out.passing = relit && s.options.relight == RelightChoice::kAuto;
   out.stands = glm::length(input.predicted.pose.eye - camera.pose.eye) < kStandsM &&
                glm::dot(input.predicted.pose.rotation, camera.pose.rotation) > kFacesSame;
-  s.planning.plan.stand(out.stands && !(s.moves && s.options.animation), now_us);
+  s.planning.plan.stand(out.stands && !s.animates(), now_us);
   s.planning.rested = out.stands && (s.planning.rested || was_at_rest);
   input.pixel_px =
       s.planning.drawn_pixel.update(s.planning.plan.setting().scale, out.stands, now_us);
@@ -101,10 +101,9 @@ void send(SessionParts& s, const Predicted& at, const DrawList& list, Needs need
   s.asking.scheduler.ask_lossy(is_lossy(s.asking.codec));
   std::optional<wire::RequestBatchT> batch =
       s.asking.scheduler.plan(s.scene, needs.tiles, needs.meshes, s.light.id, now_us);
-  s.planning.at_rest = at.stands && !at.passing && !(s.moves && s.options.animation) &&
-                       needs.tiles.empty() && needs.meshes.empty() && !batch &&
-                       s.asking.scheduler.in_flight() == 0 && s.held.uploads.empty() &&
-                       input.tau_px <= s.options.tau_px;
+  s.planning.at_rest = at.stands && !at.passing && !s.animates() && needs.tiles.empty() &&
+                       needs.meshes.empty() && !batch && s.asking.scheduler.in_flight() == 0 &&
+                       s.held.uploads.empty() && input.tau_px <= s.options.tau_px;
   if (batch && s.asking.codec != s.asking.codec_choice.unasked())
     batch->codec = static_cast<std::uint8_t>(s.asking.codec);
   if (batch) s.link.send(encode_message(std::move(*batch)));

@@ -20,6 +20,7 @@
 #include "client/plan/scene_opener.h"
 #include "client/plan/selector.h"
 #include "client/scene/scene_view.h"
+#include "client/session/playback.h"
 #include "client/session/session_options.h"
 #include "client/session/shadow_stage.h"
 #include "client/session/tile_sink.h"
@@ -122,9 +123,12 @@ struct SessionParts {
   std::uint64_t frame = 0;
   std::optional<Pose> start;  ///< pose of the first frames; none: the scene's home view
   Camera camera;              ///< camera of the last frame
-  double time_s = 0;          ///< time of the animation in the last frame
-  bool moves = false;         ///< some object of the scene is animated
+  Playback playback;
+  double time_s = 0;   ///< time of the animation in the last frame
+  bool moves = false;  ///< some object of the scene is animated
 
+  /// True if the picture changes by itself.
+  bool animates() const { return moves && options.animation && playback.playing(); }
   bool shadowed() const { return scene.shadows && options.shadows; }
   /// Tells the server about this client's own light.
   void send_lighting();

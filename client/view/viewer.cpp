@@ -212,6 +212,7 @@ void Viewer::note_scene() {
 }
 
 Pose Viewer::next_pose(std::int64_t now, double real_seconds) {
+  if (window_) session().play(!window_->stopped(), now);
   if (path_) {
     pose_ = path_->at(static_cast<double>(now - start_us_) * 1e-6);
   } else if (window_) {

@@ -14,6 +14,8 @@ struct Window::Impl {
   GLFWwindow* window = nullptr;
   bool overlay = true;
   bool overlay_key_down = false;
+  bool stopped = false;
+  bool space_down = false;
   int layer = 0;
   bool dragging = false;
   double last_x = 0, last_y = 0;
@@ -84,6 +86,9 @@ bool Window::after_events() {
     impl_->refresh = true;
   }
   impl_->overlay_key_down = key;
+  const bool space = impl_->down(GLFW_KEY_SPACE);
+  if (space && !impl_->space_down) impl_->stopped = !impl_->stopped;
+  impl_->space_down = space;
   for (int i = 0; i <= static_cast<int>(kInsightLayers); ++i) {
     if (!impl_->down(GLFW_KEY_1 + i) || impl_->layer == i) continue;
     impl_->layer = i;
@@ -98,6 +103,7 @@ void Window::framebuffer_size(int& width, int& height) const {
 }
 int Window::layer() const { return impl_->layer; }
 bool Window::overlay() const { return impl_->overlay; }
+bool Window::stopped() const { return impl_->stopped; }
 
 void Window::steer(Pose& pose, double seconds, double speed_mps) {
   Steering by;

@@ -32,6 +32,8 @@ class Window {
   /// Returns the time between two pictures of the display, ms.
   double refresh_ms() const;
   bool overlay() const;
+  /// True if the space bar has stopped the animation.
+  bool stopped() const;
   /// Returns the InsightLayer chosen by the keys 1 to 5; 0: the picture alone.
   int layer() const;
 

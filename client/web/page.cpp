@@ -142,6 +142,12 @@ EMSCRIPTEN_KEEPALIVE double page_home_distance() {
   const mirage::HomeView& home = page().viewer->session().scene().home;
   return glm::length(home.target - home.eye);
 }
+/// Stops the animation, or lets it go on.
+EMSCRIPTEN_KEEPALIVE void page_play(int playing, double now_ms) {
+  page().viewer->play(playing != 0, mirage::us(now_ms));
+}
+EMSCRIPTEN_KEEPALIVE int page_animated() { return page().viewer->session().animated() ? 1 : 0; }
+
 EMSCRIPTEN_KEEPALIVE void page_home() { page().viewer->go_home(); }
 
 /// Sets the sun's direction, degrees; not finite: the scene's own light.

@@ -60,6 +60,7 @@ class WebViewer {
   const Pose& pose() const { return pose_; }
   /// Moves the eye to the scene's home view.
   void go_home();
+  void play(bool playing, std::int64_t now_us) { session_->play(playing, now_us); }
   bool home_known() const { return session_->scene().welcomed(); }
   /// Sets the direction of the sun by its place in the sky, degrees: azimuth from -z (the eye's
   /// usual direction) to the right, and elevation. The strengths stay the scene's. nullopt: the

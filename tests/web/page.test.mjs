@@ -518,3 +518,33 @@ test('what the server calls its scene never becomes markup', async () => {
   await page.context().close();
   await server.stop();
 });
+
+test('what moves can be stopped, and goes on from there', async () => {
+  const server = await serve(process.env.WEB_MODEL);
+  const page = await open(browser, server.url);
+  await seen(page);
+  const shot = async () => (await page.locator('#view').screenshot()).toString('base64');
+  const waits = (ms) => page.waitForTimeout(ms);
+  const pause = page.locator('#pause');
+  assert.equal(await pause.textContent(), 'Pause');
+  await page.keyboard.press('Space');
+  assert.equal(await pause.textContent(), 'Play');
+  assert.equal(await pause.getAttribute('aria-pressed'), 'true');
+  await waits(3000);  // what was under way arrives, and the picture comes to rest
+  const stopped = await shot();
+  await waits(700);
+  assert.equal(await shot(), stopped, 'it stands');
+  await pause.click();
+  assert.equal(await pause.textContent(), 'Pause');
+  await waits(700);
+  assert.notEqual(await shot(), stopped, 'it goes on');
+  await page.context().close();
+  await server.stop();
+
+  const still = await serve('builtin:knot');
+  const other = await open(browser, still.url);
+  await seen(other);
+  assert.equal(await other.locator('#pause').isVisible(), false, 'nothing moves');
+  await other.context().close();
+  await still.stop();
+});

@@ -1,17 +1,19 @@
 // The page behind proxies, under a path, and in frames of other sites.
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
-import { readFileSync } from 'node:fs';
+import { execFileSync, spawn } from 'node:child_process';
+import { readFileSync, writeFileSync } from 'node:fs';
 import http from 'node:http';
 import https from 'node:https';
 import net from 'node:net';
 import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
 import { after, before, test } from 'node:test';
 import { launch, message, open, scratch, seen, serve, stopAll, until } from './harness.mjs';
 
 let browser, server;
 const open_servers = [];
 const scene = 'builtin:knot?tubular=60&radial=12';
+const packaging = fileURLToPath(new URL('../../packaging', import.meta.url));
 
 before(async () => {
   browser = await launch();
@@ -100,3 +102,43 @@ test('a page of another site shows this one in a frame only if it is named', asy
   await blocked.page.context().close();
   await named.stop();
 });
+
+// The files that the package has for the usual proxies, with the ports of this test.
+const proxies = [
+  { program: 'nginx', file: 'nginx/viewer.conf', args: (folder, file) => ['-p', folder, '-c', file, '-g', 'daemon off;'] },
+  { program: 'haproxy', file: 'haproxy/viewer.cfg', args: (folder, file) => ['-f', file] },
+  { program: 'caddy', file: 'caddy/Caddyfile', args: (folder, file) => ['run', '--config', file, '--adapter', 'caddyfile'] },
+];
+const there = (program) => {
+  try { execFileSync('sh', ['-c', `PATH=$PATH:/usr/sbin command -v ${program}`]); return true; } catch { return false; }
+};
+
+for (const { program, file, args } of proxies) {
+  test(`${program} with the file of the package ends TLS and serves the page under a path`, { skip: !there(program) && `no ${program}` }, async () => {
+    const folder = scratch();
+    const { key, cert } = certificate();
+    writeFileSync(join(folder, 'mirage.pem'), Buffer.concat([cert, key]));
+    const free = net.createServer().listen(0, '127.0.0.1');
+    await until('a free port', () => free.address());
+    const { port } = free.address();
+    await new Promise((done) => { free.close(done); });
+    const text = readFileSync(join(packaging, file), 'utf8').replaceAll('9870', server.port).replaceAll('8443', port);
+    const config = join(folder, 'config');
+    writeFileSync(config, text);
+    const child = spawn(program, args(folder, config),
+      { cwd: folder, env: { ...process.env, PATH: `${process.env.PATH}:/usr/sbin`, HOME: folder }, stdio: ['ignore', 'pipe', 'pipe'] });
+    const log = [];
+    for (const stream of [child.stdout, child.stderr]) stream.on('data', (line) => log.push(String(line)));
+    try {
+      await until(`${program}: ${log.join('')}`, () => new Promise((done) => {
+        const probe = net.connect(port, '127.0.0.1', () => { probe.destroy(); done(true); });
+        probe.on('error', () => done(false));
+      }));
+      const page = await open(browser, `https://127.0.0.1:${port}/render/`, { ignoreHTTPSErrors: true });
+      await seen(page);
+      await page.context().close();
+    } finally {
+      child.kill('SIGKILL');
+    }
+  });
+}

@@ -3,7 +3,7 @@ import { pixels, textAt } from './core.js';
 import { notice } from './status.js';
 
 const $ = (id) => document.getElementById(id);
-const keys = { KeyH: 'home', KeyL: 'share', KeyP: 'screenshot', KeyC: 'compare', KeyO: 'figures-button', KeyF: 'fullscreen' };
+const keys = { KeyH: 'home', KeyL: 'share', KeyP: 'screenshot', KeyC: 'compare', KeyO: 'figures-button', KeyF: 'fullscreen', Space: 'pause' };
 
 export class Toolbar {
   constructor(viewer) {
@@ -13,6 +13,7 @@ export class Toolbar {
       share: () => this.share(),
       screenshot: () => this.screenshot(),
       compare: () => viewer.compare.toggle(),
+      pause: () => this.pause(),
       'figures-button': () => viewer.figures.toggle(),
       fullscreen: () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.())?.catch?.(() => {}),
     };
@@ -27,6 +28,8 @@ export class Toolbar {
 
   enable() {
     for (const id of Object.values(keys)) $(id).disabled = false;
+    $('pause').hidden = this.viewer.core._page_animated() === 0;
+    this.play(!this.stopped);
     if (matchMedia('(pointer: coarse)').matches) $('stick').hidden = false;
   }
 
@@ -36,7 +39,18 @@ export class Toolbar {
     if (e.code === 'Escape') { this.viewer.compare.end(); $('link-box').hidden = true; }
     const layer = /^Digit([1-5])$/.exec(e.code);
     if (layer) this.viewer.figures.showLayer(Number(layer[1]) - 1);
+    if (e.code === 'Space' && e.target instanceof HTMLButtonElement) return;  // it presses that button
     if (keys[e.code] && !$(keys[e.code]).disabled) $(keys[e.code]).click();
+  }
+
+  pause() { this.play(Boolean(this.stopped)); }
+
+  play(playing) {
+    this.stopped = !playing;
+    $('pause').textContent = playing ? 'Pause' : 'Play';
+    $('pause').setAttribute('aria-pressed', String(!playing));
+    this.viewer.core._page_play(playing ? 1 : 0, this.viewer.place.sessionMs());
+    this.viewer.wake();
   }
 
   async share() {
