@@ -4,6 +4,7 @@
 
 #include "fuzz_targets.h"
 #include "server/scene/gltf/draco_decode.h"
+#include "server/scene/gltf/gltf_limits.h"
 
 namespace mirage::fuzz {
 

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "server/scene/gltf/draco_decode.h"
+#include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/meshopt_decode.h"
 #include "tests/support/gltf_fixture.h"
 
