@@ -108,7 +108,7 @@ export class Viewer {
     this.prices.recall(gl);
     if (this.link.connected) core._page_connected(1);
     this.place.apply();
-    if (this.toolbar.stopped) core._page_play(0, this.place.sessionMs());
+    if (this.toolbar?.stopped) core._page_play(0, this.place.sessionMs());
     return true;
   }
 

@@ -6,29 +6,29 @@
 namespace mirage::test {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000;
+constexpr std::int64_t kOneSecond = 1'000'000;
 
 TEST(CorePlayback, RunsWithTheSessionAtFirst) {
   const Playback playback;
   EXPECT_TRUE(playback.playing());
-  EXPECT_EQ(playback.at(5 * kSecond), 5);
+  EXPECT_EQ(playback.at(5 * kOneSecond), 5);
 }
 
 TEST(CorePlayback, StandsWhileStoppedAndGoesOnFromThere) {
   Playback playback;
-  playback.play(false, 3 * kSecond);
+  playback.play(false, 3 * kOneSecond);
   EXPECT_FALSE(playback.playing());
-  EXPECT_EQ(playback.at(10 * kSecond), 3);
-  playback.play(false, 11 * kSecond);
-  EXPECT_EQ(playback.at(12 * kSecond), 3) << "stopped twice";
-  playback.play(true, 13 * kSecond);
-  EXPECT_EQ(playback.at(13 * kSecond), 3);
-  EXPECT_EQ(playback.at(15 * kSecond), 5);
-  playback.play(true, 16 * kSecond);
-  EXPECT_EQ(playback.at(16 * kSecond), 6) << "started twice";
-  playback.play(false, 17 * kSecond);
-  playback.play(true, 27 * kSecond);
-  EXPECT_EQ(playback.at(28 * kSecond), 8);
+  EXPECT_EQ(playback.at(10 * kOneSecond), 3);
+  playback.play(false, 11 * kOneSecond);
+  EXPECT_EQ(playback.at(12 * kOneSecond), 3) << "stopped twice";
+  playback.play(true, 13 * kOneSecond);
+  EXPECT_EQ(playback.at(13 * kOneSecond), 3);
+  EXPECT_EQ(playback.at(15 * kOneSecond), 5);
+  playback.play(true, 16 * kOneSecond);
+  EXPECT_EQ(playback.at(16 * kOneSecond), 6) << "started twice";
+  playback.play(false, 17 * kOneSecond);
+  playback.play(true, 27 * kOneSecond);
+  EXPECT_EQ(playback.at(28 * kOneSecond), 8);
 }
 
 }  // namespace
