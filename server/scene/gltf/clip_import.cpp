@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <string_view>
 
 #include "protocol/base/limits.h"
 #include "server/scene/gltf/accessor_reader.h"
@@ -13,6 +14,8 @@
 namespace mirage::gltf {
 namespace {
 
+constexpr std::string_view kLaterClips =
+    "clips that ?clip=NAME plays left out, since an earlier one moves the same parts";
 constexpr float kEqualKeys = 1e-7f;  // relative: rounding of one value written many times
 
 std::optional<ChannelPath> path_of(const std::string& name) {
@@ -191,7 +194,7 @@ std::map<int, NodeClip> import_clips(Document& document, Tally& tally) {
       return taken.count({entry.first, entry.second.path}) != 0;
     });
     if (seen) {
-      tally.add("animations of what an earlier one moves ignored", 1, clip.name);
+      tally.add(kLaterClips, 1, clip.name);
       continue;
     }
     for (auto& [node, channel] : channels) {

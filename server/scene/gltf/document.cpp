@@ -46,6 +46,16 @@ constexpr std::string_view kSupportedExtensions[] = {
     "KHR_animation_pointer",
 };
 
+/// Extensions that say nothing about the picture: properties, copyrights, features to select.
+constexpr std::string_view kMetadata[] = {
+    "KHR_xmp",           "KHR_xmp_json_ld",      "EXT_structural_metadata",
+    "EXT_mesh_features", "EXT_feature_metadata", "EXT_instance_features",
+};
+
+bool is_metadata(std::string_view extension) {
+  return std::find(std::begin(kMetadata), std::end(kMetadata), extension) != std::end(kMetadata);
+}
+
 bool is_supported(std::string_view extension) {
   return std::find(std::begin(kSupportedExtensions), std::end(kSupportedExtensions), extension) !=
          std::end(kSupportedExtensions);
@@ -86,11 +96,17 @@ Result<void> check_version_and_extensions(json& root, Tally& tally) {
     const auto names = root.find(list);
     if (names == root.end() || !names->is_array()) continue;
     for (const json& entry : *names) {
-      if (!entry.is_string() || is_supported(entry.get_ref<const std::string&>())) continue;
+      if (!entry.is_string()) continue;
       const auto& extension = entry.get_ref<const std::string&>();
+      if (is_supported(extension) || is_metadata(extension)) continue;
       if (std::string_view(list) == "extensionsRequired") {
-        return make_error(ErrorId::kSceneExtension,
-                          "requires the unsupported extension " + extension.substr(0, 80));
+        // Most say how surfaces look. If nothing is left to draw, this is the reason.
+        auto ok =
+            tally.lose("required extensions that are not supported ignored",
+                       make_error(ErrorId::kSceneExtension,
+                                  "requires the unsupported extension " + extension.substr(0, 80)));
+        if (!ok) return ok;
+        continue;
       }
       ignored.push_back(extension.substr(0, 80));
     }

@@ -178,6 +178,13 @@ TEST(GltfContainer, RequiredExtensions) {
   for (const char* name : {"KHR_materials_of_tomorrow", "VENDOR_thing"}) {
     Builder builder = triangle();
     builder.doc["extensionsRequired"] = json::array({name});
+    EXPECT_REFUSED(builder.load_strict(), kSceneExtension, name);
+    auto scene = builder.load();
+    ASSERT_TRUE(scene) << failure(scene);
+    EXPECT_TRUE(has_warning(*scene, "1 required extensions that are not supported ignored"));
+    EXPECT_EQ(scene->triangles(), 1u);
+    // It is the reason if nothing can be drawn.
+    builder.doc["meshes"][0]["primitives"][0]["attributes"] = json::object();
     EXPECT_REFUSED(builder.load(), kSceneExtension, name);
   }
   Builder builder = triangle();
