@@ -7,7 +7,7 @@
 
 namespace mirage::limits {
 
-inline constexpr std::uint32_t kProtocolVersion = 4;
+inline constexpr std::uint32_t kProtocolVersion = 5;
 
 // Wire.
 inline constexpr std::size_t kMaxMessageBytes = 256 * 1024;           ///< one WebSocket message

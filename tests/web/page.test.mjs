@@ -526,6 +526,7 @@ test('what moves can be stopped, and goes on from there', async () => {
   const shot = async () => (await page.locator('#view').screenshot()).toString('base64');
   const waits = (ms) => page.waitForTimeout(ms);
   const pause = page.locator('#pause');
+  await pause.waitFor();  // it is known what moves
   assert.equal(await pause.textContent(), 'Pause');
   await page.keyboard.press('Space');
   assert.equal(await pause.textContent(), 'Play');
@@ -543,7 +544,7 @@ test('what moves can be stopped, and goes on from there', async () => {
 
   const still = await serve('builtin:knot');
   const other = await open(browser, still.url);
-  await seen(other);
+  await rested(other);
   assert.equal(await other.locator('#pause').isVisible(), false, 'nothing moves');
   await other.context().close();
   await still.stop();

@@ -28,9 +28,14 @@ export class Toolbar {
 
   enable() {
     for (const id of Object.values(keys)) $(id).disabled = false;
-    $('pause').hidden = this.viewer.core._page_animated() === 0;
     this.play(!this.stopped);
     if (matchMedia('(pointer: coarse)').matches) $('stick').hidden = false;
+  }
+
+  // The first picture may be drawn before the last objects are described: only then is it known what moves.
+  offerPause() {
+    const still = this.viewer.core._page_animated() === 0;
+    if ($('pause').hidden !== still) $('pause').hidden = still;
   }
 
   press(e) {

@@ -243,6 +243,7 @@ export class Viewer {
       document.title = `Mirage: ${textAt(this.core, this.core._page_scene_name())}`;
       this.toolbar.enable();
     }
+    if (this.seen) this.toolbar.offerPause();
     if (this.seen && this.link.noteSeen()) {
       say('');
       this.place.tellWrong();
