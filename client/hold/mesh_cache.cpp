@@ -49,18 +49,37 @@ int needed_level(const ImageDescription& image, const ImageUse& use, double px_p
   return level;
 }
 
-double median_uv_per_unit(const Mesh& mesh, const Primitive& p, const TextureRef& map) {
+// Returns places of the vertices at which the surface is drawn, object units, a list for each of a
+// few poses. Bind space may have another unit than object space.
+std::vector<std::vector<glm::vec3>> drawn_positions(const ObjectModel& model) {
+  std::vector<std::vector<glm::vec3>> out;
+  if (model.animation) {
+    for (const double part : {0.0, 0.5}) {
+      pose_positions(model.mesh.vertices, *model.animation, part * double{model.animation->clip_s},
+                     out.emplace_back());
+    }
+    return out;
+  }
+  out.emplace_back().reserve(model.mesh.vertices.size());
+  for (const Vertex& v : model.mesh.vertices) out.back().push_back(v.position);
+  return out;
+}
+
+// Returns 0 without a surface.
+double median_uv_per_unit(const Mesh& mesh, const std::vector<glm::vec3>& positions,
+                          const Primitive& p, const TextureRef& map) {
   std::vector<double> ratios;
   const std::uint32_t step = 3 * std::max(1u, p.index_count / 3 / 512);
   for (std::uint32_t i = 0; i + 2 < p.index_count; i += step) {
-    const Vertex* v[3];
-    for (std::uint32_t k = 0; k < 3; ++k)
-      v[k] = &mesh.vertices[mesh.indices[p.first_index + i + k]];
-    const auto uv = [&](int k) { return (map.uv_set == 1 ? v[k]->uv1 : v[k]->uv0) * map.scale; };
+    const std::uint32_t* corner = &mesh.indices[p.first_index + i];
+    const auto uv = [&](int k) {
+      const Vertex& v = mesh.vertices[corner[k]];
+      return (map.uv_set == 1 ? v.uv1 : v.uv0) * map.scale;
+    };
+    const auto side = [&](int k) { return positions[corner[k]] - positions[corner[0]]; };
     const glm::vec2 a = uv(1) - uv(0), b = uv(2) - uv(0);
     const double uv_area = std::abs(double{a.x} * b.y - double{a.y} * b.x);
-    const double area = double{
-        glm::length(glm::cross(v[1]->position - v[0]->position, v[2]->position - v[0]->position))};
+    const double area = double{glm::length(glm::cross(side(1), side(2)))};
     if (area > 0) ratios.push_back(std::sqrt(uv_area / area));
   }
   if (ratios.empty()) return 0;
@@ -73,6 +92,7 @@ double median_uv_per_unit(const Mesh& mesh, const Primitive& p, const TextureRef
 
 std::vector<ImageUse> image_uses(const ObjectModel& model) {
   std::map<std::uint32_t, ImageUse> uses;
+  const std::vector<std::vector<glm::vec3>> poses = drawn_positions(model);
   for (const Primitive& p : model.mesh.primitives) {
     const Material& m = model.materials[p.material];
     m.each_map([&](const TextureRef& map) {
@@ -81,8 +101,9 @@ std::vector<ImageUse> image_uses(const ObjectModel& model) {
       ImageUse& use = uses[image];
       use.image = image;
       // The use that spreads the image over the largest surface needs the most texels.
-      const double density = median_uv_per_unit(model.mesh, p, map);
-      if (density > 0) {
+      for (const std::vector<glm::vec3>& positions : poses) {
+        const double density = median_uv_per_unit(model.mesh, positions, p, map);
+        if (!(density > 0)) continue;
         use.uv_per_unit = use.uv_per_unit > 0 ? std::min(use.uv_per_unit, density) : density;
       }
       use.masks = use.masks || (&map == &m.base_color_map && m.alpha_mode == AlphaMode::kMask);

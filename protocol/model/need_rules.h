@@ -38,6 +38,7 @@ enum class NeedRule : std::uint8_t {
   kCodec,
   kMips,
   kAntiAliasing,
+  kCovered,
 };
 
 enum class RuleState : std::uint8_t { kApplied, kDropped };
@@ -53,7 +54,7 @@ struct NeedRuleInfo {
   std::string_view saving;  ///< measured, with conditions; for a dropped rule, the reason
 };
 
-inline constexpr std::size_t kNeedRules = 28;
+inline constexpr std::size_t kNeedRules = 29;
 /// Returns all rules in the order of their numbers.
 const std::array<NeedRuleInfo, kNeedRules>& need_rules();
 const NeedRuleInfo& need_rule(NeedRule rule);

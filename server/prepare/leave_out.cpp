@@ -264,6 +264,10 @@ LeftOutOfScene leave_out_unneeded(Scene& scene) {
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     out.materials.push_back(analysis.apply(i));
   }
+  out.covered = leave_out_covered(scene);
+  for (const std::uint32_t material : out.covered.materials) {
+    out.materials.push_back(out.materials[material]);
+  }
   for (SceneObject& object : scene.objects) {
     out.objects.push_back(reset_unread(object, scene.materials));
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "protocol/model/need_rules.h"
+#include "server/prepare/leave_out_covered.h"
 #include "server/scene/scene.h"
 
 namespace mirage {
@@ -24,11 +25,13 @@ struct LeftOutOfScene {
   std::vector<std::vector<LeftOut>> materials;
   std::vector<std::vector<LeftOut>> objects;
   std::size_t equal_objects = 0;  ///< objects that repeated another one
+  Covered covered;
 };
 
 /// Leaves out maps that are neutral in every texel, alpha that is 1 everywhere, vertex attributes
-/// that no material reads, unused images, and objects that equal an earlier one. Exact: no pixel
-/// changes. A texture that is nearly white does not count as white.
+/// that no material reads, unused images, surfaces that a later one covers exactly, and objects that
+/// equal an earlier one. Exact: no pixel changes, but for those of surfaces that would tie in depth.
+/// A texture that is nearly white does not count as white.
 LeftOutOfScene leave_out_unneeded(Scene& scene);
 
 }  // namespace mirage

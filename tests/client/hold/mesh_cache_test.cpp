@@ -178,6 +178,20 @@ TEST(CoreMeshCache, WhatDoesNotFitIsNotAskedFor) {
   EXPECT_GE(first[0].id.level, 1);
 }
 
+TEST(CoreMeshCache, ImagesOfASkinAreAsFineAsItsPosesAreLarge) {
+  ObjectModel model = triangles_of(1, 0);
+  const double bind = image_uses(model)[0].uv_per_unit;
+  auto animation = std::make_shared<Animation>();
+  animation->clip_s = 1;
+  animation->joints.resize(1);
+  animation->joints[0].moves = true;
+  animation->joints[0].scale = glm::vec3(20);  // an armature in another unit than its mesh
+  animation->bindings.resize(1);
+  animation->vertices.resize(model.mesh.vertices.size());
+  model.animation = animation;
+  EXPECT_NEAR(image_uses(model)[0].uv_per_unit, bind / 20, 1e-6);
+}
+
 TEST(CoreMeshCache, ImagesBySize) {
   World world;
   world.cache.add_mesh(0, 0, triangles_of(100, 0), 0);
