@@ -147,6 +147,12 @@ std::int64_t AskWindow::trip_us(double bytes, double under_way) const {
   return usual_trip_us() + std::llround(std::max(bytes / rate_, under_way / rate_ - way));
 }
 
+double AskWindow::spare_bytes(double seconds) const {
+  double rate = window_ / static_cast<double>(usual_trip_us());
+  if (std::isfinite(rate_) && rate_ > 0) rate = std::min(rate, rate_);
+  return 1e6 * seconds * rate;
+}
+
 bool AskWindow::clear() const {
   return long_.size() == kQueueTrips && std::count(long_.begin(), long_.end(), true) <= kClearTrips;
 }

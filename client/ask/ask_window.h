@@ -64,6 +64,9 @@ class AskWindow {
   std::int64_t slack_us() const;
   /// Returns the shortest recent trip there and back, µs, in which nothing waited; 0: unknown.
   std::int64_t way_us() const { return shortest_trip().us; }
+  /// Returns the bytes that would arrive within `seconds` if nothing else were under way. Before
+  /// the link has told its rate, it is what the window takes.
+  double spare_bytes(double seconds) const;
   /// Returns the time from request to reply, µs: the median of the last ones.
   std::int64_t round_trip_us() const;
   /// Returns the bytes received in the last second, as Mbit/s.

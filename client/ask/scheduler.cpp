@@ -18,6 +18,7 @@ constexpr std::int64_t kAssetPauseUs = 5'000'000;
 constexpr std::int64_t kLostUs = 5'000'000;
 constexpr std::int64_t kLostAtMostUs = 120'000'000;
 constexpr int kLostTrips = 4;
+constexpr double kSpareS = 0.5;                // of an idle link
 constexpr std::size_t kMaxAsksPerFrame = 256;  // the rest waits
 // The credit is far ahead of the window: the window limits, credit only protects the client's
 // memory.
@@ -115,6 +116,11 @@ void Scheduler::give_up(const std::vector<TileNeed>& needs, std::int64_t now_us,
     ++cancelled_;
   }
   if (lost_any) lost_us_ = std::min(2 * lost_us_, kLostAtMostUs);
+}
+
+double Scheduler::spare_bytes() const {
+  if (held_since_us_ >= 0 || first_waits_ || window_.queued()) return 0;
+  return std::max(0.0, window_.spare_bytes(kSpareS) - in_flight_bytes_ - asset_bytes_);
 }
 
 // A large reply is under way until all of it is here. It counts for at most half of the window, or

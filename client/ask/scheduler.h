@@ -105,6 +105,9 @@ class Scheduler {
   double saturated_s(std::int64_t now_us) const {
     return saturated_since_us_ < 0 ? 0 : static_cast<double>(now_us - saturated_since_us_) * 1e-6;
   }
+  /// Returns the bytes that the link would bring in a moment beside what is under way; 0: asks wait
+  /// for it.
+  double spare_bytes() const;
   /// True if the last plan left unasked a first image of something in view.
   bool first_waits() const { return first_waits_; }
   /// Returns the bytes received in the last second, as Mbit/s.

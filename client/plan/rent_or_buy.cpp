@@ -57,10 +57,15 @@ void RentOrBuy::used(std::uint32_t object, std::int64_t now_us) {
   if (bought(object, now_us)) accounts_[object].bought_us = now_us;
 }
 
-void RentOrBuy::decide(std::int64_t now_us) {
+void RentOrBuy::decide(std::int64_t now_us, double spare_bytes) {
+  std::stable_sort(told_.begin(), told_.end(), [this](std::uint32_t a, std::uint32_t b) {
+    return worth_a_byte(a) > worth_a_byte(b);
+  });
   for (const std::uint32_t object : told_) {
     Account& account = accounts_[object];
-    if (account.wanted > 0 && account.paid + account.wanted >= account.price) {
+    const bool due = account.paid + account.wanted >= account.price;
+    if (account.wanted > 0 && (due || account.price <= spare_bytes)) {
+      if (!bought(object, now_us)) spare_bytes -= account.price;
       account.bought_us = now_us;
       account.paid = 0;
     }

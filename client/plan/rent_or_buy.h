@@ -11,6 +11,9 @@
 // "Competitive snoopy caching", Algorithmica 1988). This class buys sooner, because it also counts
 // the rent to come: the present rent for as long as the object will be seen. It expects that to be
 // as long as the object has been seen so far.
+//
+// A link that would otherwise idle makes the price small: what it brings in a moment is bought for
+// whatever wants a tile, largest gain per byte first, since geometry is right from everywhere.
 
 #include <cstdint>
 #include <vector>
@@ -29,13 +32,16 @@ class RentOrBuy {
   /// Geometry fit for it would take `price_bytes`. `gain` is that of the tile (ask_gain.h).
   void want(std::uint32_t object, double bytes, double life_s, double price_bytes, double gain,
             std::int64_t now_us);
-  /// Decides what to buy, once all wants of the frame have been noted.
-  void decide(std::int64_t now_us);
+  /// Decides what to buy, once all wants of the frame have been noted. `spare_bytes` the link would
+  /// bring in a moment, beside all that is asked for.
+  void decide(std::int64_t now_us, double spare_bytes = 0);
   bool bought(std::uint32_t object, std::int64_t now_us) const;
   /// Returns the gain of the tiles last wanted of the object, now and in the time to come.
   double worth(std::uint32_t object) const { return accounts_[object].worth; }
   /// Returns that gain divided by the bytes of the geometry; +inf if the geometry takes no bytes.
   double worth_a_byte(std::uint32_t object) const;
+  /// Returns the bytes of the geometry when a tile of it was last wanted.
+  double price(std::uint32_t object) const { return accounts_[object].price; }
   /// Notes that an instance of the object is in view, so that bought geometry is kept.
   void used(std::uint32_t object, std::int64_t now_us);
 

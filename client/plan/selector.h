@@ -52,6 +52,8 @@ struct SelectorInput {
   double mesh_radii = kAnyRadii;  ///< farther than this, only cheap objects are geometry
   std::uint64_t frame = 0;
   std::int64_t now_us = 0;
+  double spare_bytes =
+      0;                 ///< bytes that the link would bring in a moment, beside what is asked for
   double time_s = 0;     ///< present time of the animation
   double lead_s = 0;     ///< time until an asked tile is here; 0: the animation stands still
   double horizon_s = 0;  ///< time that phases are asked for ahead, >= lead_s

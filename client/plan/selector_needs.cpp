@@ -27,6 +27,8 @@ constexpr double kUsualTileBytes = 0.15;  // bytes a texel, if nothing is known
 constexpr double kQuantumShare = 0.01;    // 8-bit depth and the slope within a texel, in radii
 // Share of tau that a tile errs by in the middle of its life.
 constexpr double kGoodTileTau = 0.5;
+// A tile of this part of the bytes of awaited geometry is asked for all the same.
+constexpr double kHardlyDelays = 0.1;
 // A tile replaces missing geometry if it lasts this long.
 constexpr double kStandInLifeS = 3;
 constexpr std::ptrdiff_t kFewMembers = 64;  // a group with as many members may be drawn one by one
@@ -205,7 +207,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   const double distance = glm::length(view.eye) / view.radius;
   if (in.scene->geometry && object.surrounds) return;
   const double tau = allowed_px(in, in.predicted, view_of);
-  const bool ready = (*in.mesh_ready)[view_of.object] && distance < swap_radii(in, object);
+  const bool ready = dressed(in, view_of.object) && distance < swap_radii(in, object);
   const bool no_time = ready && shows_nothing(in, instance);
   const bool stand_in = ready && !no_time && !too_dear(in, in.predicted, instance, tau);
   if (stand_in && mesh_pays(in, in.predicted, instance, kGoodTileTau * tau)) return;
@@ -281,7 +283,10 @@ bool Selector::comes_soon(const SelectorInput& in, const TileNeed& need) const {
   const InstanceView& view_of = in.scene->instances[need.instance];
   const double radii = glm::length(view_of.center - in.predicted.pose.eye) / view_of.radius;
   if (!geometry_.bought(view_of.object, in.now_us)) return false;
-  const double rank = need.gain / bytes_of(in, need);
+  // While much is awaited, tiles are renewed: they hardly delay it.
+  const double bytes = bytes_of(in, need);
+  if (bytes < kHardlyDelays * geometry_.price(view_of.object)) return false;
+  const double rank = need.gain / bytes;
   if (need.first && geometry_.worth_a_byte(view_of.object) < rank) return false;
   return radii < swap_radii(in, in.scene->objects[view_of.object]) &&
          !too_dear(in, in.predicted, need.instance, in.tau_px);
@@ -346,7 +351,7 @@ std::vector<TileNeed> Selector::needs(const SelectorInput& in) {
     }
   };
   in.scene->for_visible_roots(in.predicted, kViewGuard, visit);
-  geometry_.decide(in.now_us);
+  geometry_.decide(in.now_us, in.spare_bytes);
   out.erase(std::remove_if(out.begin(), out.end(),
                            [&](const TileNeed& need) { return comes_soon(in, need); }),
             out.end());

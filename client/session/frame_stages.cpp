@@ -33,6 +33,7 @@ Predicted predict(SessionParts& s, const Camera& camera, std::int64_t now_us) {
   input.meshes = &s.held.meshes;
   input.view = s.held.views.fit();
   input.tile_bytes = &s.asking.scheduler.tile_bytes();
+  input.spare_bytes = s.asking.scheduler.spare_bytes();
   input.camera = input.predicted = camera;
   input.predicted.pose = s.planning.predictor.predict(horizon);
   input.velocity = s.planning.predictor.velocity_mps();

@@ -121,6 +121,7 @@ std::vector<Image> alpha_preserving_mips(const Image& image, float cutoff) {
 Image reduced_image(const Image& image, const glm::uvec2& size, float cutoff) {
   if (size == glm::uvec2(image.width, image.height)) return image;
   const std::array<float, 256> table = linear_table(image.srgb);
+  const bool weighted = cutoff > 0;
   LinearImage out{size.x, size.y, {}};
   out.texels.reserve(std::size_t{size.x} * size.y);
   for (std::uint32_t y = 0; y < size.y; ++y) {
@@ -134,16 +135,16 @@ Image reduced_image(const Image& image, const glm::uvec2& size, float cutoff) {
           const std::uint8_t* t = &image.rgba[(std::size_t{sy} * image.width + sx) * 4];
           const glm::vec3 c(table[t[0]], table[t[1]], table[t[2]]);
           const float a = static_cast<float>(t[3]) / 255.0f;
-          color += c * a;
+          if (weighted) color += c * a;
           plain += c;
           alpha += a;
         }
       }
       const auto n = static_cast<float>((x1 - x0) * (y1 - y0));
-      out.texels.emplace_back(alpha > 0 ? color / alpha : plain / n, alpha / n);
+      out.texels.emplace_back(weighted && alpha > 0 ? color / alpha : plain / n, alpha / n);
     }
   }
-  if (cutoff <= 0) return to_bytes(out, image.srgb, 1.0f);
+  if (!weighted) return to_bytes(out, image.srgb, 1.0f);
   std::size_t covered = 0;
   for (std::size_t i = 3; i < image.rgba.size(); i += 4) {
     covered += static_cast<float>(image.rgba[i]) / 255.0f >= cutoff;

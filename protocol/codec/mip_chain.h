@@ -13,8 +13,10 @@ namespace mirage {
 /// distance (I. Castaño, "Computing alpha mipmaps", 2010).
 std::vector<Image> alpha_preserving_mips(const Image& image, float cutoff);
 
-/// Returns `image` box-filtered to `size` (each side at most the image's) in the same way: in
-/// linear light, with colour weighted by alpha, and coverage kept if `cutoff` is above 0.
+/// Returns `image` box-filtered in linear light to `size` (each side at most the image's). With a
+/// cutoff above 0, colour is weighted by alpha and coverage kept, as above. Otherwise each channel
+/// is averaged on its own, as a driver does for the mips of a full image: alpha may then hold
+/// anything, and both ends must show the same.
 Image reduced_image(const Image& image, const glm::uvec2& size, float cutoff);
 
 }  // namespace mirage

@@ -246,6 +246,12 @@ std::optional<TileQueue::Work> TileQueue::take(const Room& room, bool wait) {
   }
 }
 
+void TileQueue::look_again() {
+  // A thread in take() that has checked the room, but does not wait yet, would miss the call.
+  { const std::lock_guard<std::mutex> lock(mutex_); }
+  not_empty_.notify_all();
+}
+
 double TileQueue::wait_us(SessionId session, double tile_us) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto own = sessions_.find(session);

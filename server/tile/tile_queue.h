@@ -60,8 +60,9 @@ class TileQueue {
   std::optional<Work> take(const Room& room, bool wait);
   /// True if the session that asked for the full render taken last is still there.
   bool reference_wanted() const;
-  /// Makes a thread that waits in take() check the room again.
-  void look_again() { not_empty_.notify_all(); }
+  /// Makes a thread that waits in take() check the room again. Call it without any lock that the
+  /// room takes.
+  void look_again();
   bool closed() const;
 
   /// Ends a finished tile and returns its waiters; the key may be queued again afterwards.

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "modules/image_library.h"
+#include "modules/ktx2_header.h"
+#include "modules/ktx2_library.h"
 #include "server/scene/gltf/gltf_limits.h"
 #include "server/scene/gltf/image_reduce.h"
 
@@ -72,6 +74,28 @@ Result<Image> read_whole(ImageReader& input) {
   return image;
 }
 
+// Decodes the level of a KTX2 texture that comes nearest, and halves that further.
+Result<Image> decode_ktx2(std::span<const std::uint8_t> bytes, int halvings, bool srgb) {
+  const Result<const Ktx2Library*> library = ktx2_library();
+  if (!library) return library.error();
+  const Result<Ktx2Header> header = read_ktx2_header(bytes);
+  if (!header) return header.error();
+  const auto level = std::min(static_cast<std::uint32_t>(halvings), header->levels - 1);
+  Result<Ktx2Pixels> pixels = (*library)->decode(bytes, level);
+  if (!pixels) return pixels.error();
+  const int left = halvings - static_cast<int>(level);
+  if (left == 0) {
+    Image image;
+    image.width = pixels->width;
+    image.height = pixels->height;
+    image.rgba = std::move(pixels->rgba);
+    return image;
+  }
+  ImageReducer reducer(pixels->width, pixels->height, kMaxChannels, left, srgb);
+  reducer.add_rows(pixels->rgba);
+  return reducer.take();
+}
+
 Result<Image> decode(std::span<const std::uint8_t> bytes, const ImageHeader& header, int halvings,
                      bool srgb) {
   const Result<const ImageLibrary*> library = image_library();
@@ -88,7 +112,7 @@ Result<Image> decode(std::span<const std::uint8_t> bytes, const ImageHeader& hea
 
 Result<ImageHeader> read_header(std::span<const std::uint8_t> bytes) {
   const auto header = peek_image_header(bytes);
-  if (!header) return unreadable("neither a whole PNG, nor JPEG, nor WebP");
+  if (!header) return unreadable("neither a whole PNG, nor JPEG, nor WebP, nor KTX2");
   if (header->width == 0 || header->height == 0) return unreadable("an image without pixels");
   return *header;
 }
@@ -114,6 +138,7 @@ Result<ImageHeader> judge_image(std::span<const std::uint8_t> bytes, const Scene
 Result<Image> decode_image(std::span<const std::uint8_t> bytes, int halvings, bool srgb) {
   const auto header = read_header(bytes);
   if (!header) return header.error();
+  if (header->format == ImageFormat::kKtx2) return decode_ktx2(bytes, halvings, srgb);
   return decode(bytes, *header, halvings, srgb);
 }
 

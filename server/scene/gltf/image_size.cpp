@@ -87,6 +87,10 @@ std::optional<ImageHeader> peek_image_header(ByteSpan bytes) {
                        bytes[28] == 0};
   }
   if (has_tag(bytes, 0, "\xff\xd8\xff")) return peek_jpeg(bytes);
+  if (has_tag(bytes, 0, "\xabKTX 20\xbb\r\n\x1a\n") && bytes.size() >= 28) {
+    return ImageHeader{ImageFormat::kKtx2, little_endian(bytes, 20, 4), little_endian(bytes, 24, 4),
+                       false};
+  }
   if (has_tag(bytes, 0, "RIFF") && has_tag(bytes, 8, "WEBP")) return peek_webp(bytes);
   return std::nullopt;
 }

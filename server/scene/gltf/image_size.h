@@ -8,7 +8,7 @@
 
 namespace mirage::gltf {
 
-enum class ImageFormat { kPng, kJpeg, kWebp };
+enum class ImageFormat { kPng, kJpeg, kWebp, kKtx2 };
 
 struct ImageHeader {
   ImageFormat format = ImageFormat::kPng;
@@ -21,7 +21,7 @@ struct ImageHeader {
   std::uint64_t pixels() const { return std::uint64_t{width} * height; }
 };
 
-/// Returns the header; nullopt if the bytes are none of the three formats, end before the size, or
+/// Returns the header; nullopt if the bytes are none of the four formats, end before the size, or
 /// are a truncated PNG.
 std::optional<ImageHeader> peek_image_header(std::span<const std::uint8_t> bytes);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "modules/ktx2_library.h"
 #include "server/scene/gltf/name_list.h"
 
 namespace mirage::gltf {
@@ -76,15 +77,21 @@ Result<void> settle_basisu(json& root, const std::string& path, Tally& tally) {
   const auto textures = root.find("textures");
   if (textures == root.end()) return {};
   for (std::size_t i = 0; i < textures->size(); ++i) {
-    const json& texture = (*textures)[i];
-    if (extension(texture, kBasisu) == nullptr) continue;
+    json& texture = (*textures)[i];
+    const json* basisu = extension(texture, kBasisu);
+    if (basisu == nullptr) continue;
     const std::string name = "textures[" + std::to_string(i) + "]";
-    if (!texture.contains("source") && extension(texture, "EXT_texture_webp") == nullptr) {
+    if (texture.contains("source") || extension(texture, "EXT_texture_webp") != nullptr) {
+      tally.add("textures of KHR_texture_basisu use their fallback", 1, name);
+    } else if (!ktx2_library()) {
       return make_error(ErrorId::kSceneExtension,
-                        name + " is of KHR_texture_basisu, which is not read, without a fallback",
+                        name +
+                            " is of KHR_texture_basisu, which this build does not read, without "
+                            "a fallback",
                         "npx @gltf-transform/cli ktxdecompress '" + path + "' OUT.glb");
+    } else if (basisu->contains("source")) {
+      texture["source"] = json(basisu->at("source"));
     }
-    tally.add("textures of KHR_texture_basisu use their fallback", 1, name);
   }
   return {};
 }

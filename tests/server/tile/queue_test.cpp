@@ -2,11 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <future>
 #include <limits>
 #include <map>
 #include <random>
 #include <set>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include "protocol/base/limits.h"
 #include "server/tile/tile_queue.h"
@@ -59,6 +63,29 @@ TEST_F(ServerQueue, EqualKeysMergeIntoOneJobForBoth) {
   EXPECT_EQ(counters.tiles_merged, 2u);
   EXPECT_EQ(queue.length(), 0u);
   EXPECT_EQ(submit(1, 11, key_of(7)), Admission::kQueued) << "a finished key starts anew";
+}
+
+// A call between looking and waiting was missed; the tile then came with the next ask, or never.
+TEST_F(ServerQueue, ACallToLookAgainIsNeverMissed) {
+  submit(1, 1, key_of(1));
+  std::thread caller;
+  bool looked = false;
+  TileQueue::Room room{[](std::uint32_t) { return true; }};
+  room.slow_edge = 1;  // the tile is slow work
+  room.slow = [&] {
+    if (std::exchange(looked, true)) return true;
+    caller = std::thread([&] { queue.look_again(); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return false;  // there was no room yet
+  };
+  std::promise<bool> took;
+  std::future<bool> done = took.get_future();
+  std::thread taker([&] { took.set_value(queue.take(room, true).has_value()); });
+  const bool in_time = done.wait_for(std::chrono::seconds(5)) == std::future_status::ready;
+  if (!in_time) queue.close();
+  taker.join();
+  caller.join();
+  EXPECT_TRUE(in_time);
 }
 
 TEST_F(ServerQueue, WorstErrorFirstEqualOnesInOrder) {
