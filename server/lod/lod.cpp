@@ -35,7 +35,8 @@ constexpr std::size_t kSampledPieces = 2'000;
 struct Piece {
   std::vector<std::uint32_t> triangles;
   glm::vec3 middle{0};
-  double rank = 0;  ///< in [0, 1); pieces of the lowest ranks stay longest
+  float radius = 0;  ///< from the middle to the farthest corner
+  double rank = 0;   ///< in [0, 1); pieces of the lowest ranks stay longest
 };
 
 // Extracts a primitive on its own vertices. `places`: positions of the vertices with seams closed.
@@ -125,6 +126,12 @@ std::vector<Piece> pieces_of(const Part& part) {
       }
     }
     piece.middle = glm::vec3(sum / (3.0 * static_cast<double>(piece.triangles.size())));
+    for (const std::uint32_t t : piece.triangles) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vertex& v = part.vertices[part.indices[3 * std::size_t{t} + k]];
+        piece.radius = std::max(piece.radius, glm::length(v.position - piece.middle));
+      }
+    }
   }
   rank_by_hash(pieces);
   return pieces;
@@ -156,6 +163,16 @@ float spread_of(const std::vector<Piece>& pieces, double share) {
   std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(at),
                    distances.end());
   return distances[at];
+}
+
+/// Returns the distance within which 95 % of the pieces end that are enlarged by `scale`, from
+/// where they ended before.
+float growth_of(const std::vector<Piece>& pieces, double scale) {
+  std::vector<float> radii;
+  for (const Piece& piece : pieces) radii.push_back(piece.radius);
+  const auto at = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() * 95 / 100);
+  std::nth_element(radii.begin(), at, radii.end());
+  return static_cast<float>((scale - 1) * double{*at});
 }
 
 /// The chain of levels of one primitive.
@@ -234,7 +251,7 @@ class Chain {
         }
       }
     }
-    out.spread = std::max(out.spread, spread_of(pieces_, share));
+    out.spread = std::max({out.spread, spread_of(pieces_, share), growth_of(pieces_, scale)});
     append(out.mesh, part_, vertices, indices);
   }
 

@@ -29,9 +29,9 @@ struct LeftOutOfScene {
 };
 
 /// Leaves out maps that are neutral in every texel, alpha that is 1 everywhere, vertex attributes
-/// that no material reads, unused images, surfaces that a later one covers exactly, and objects that
-/// equal an earlier one. Exact: no pixel changes, but for those of surfaces that would tie in depth.
-/// A texture that is nearly white does not count as white.
+/// that no material reads, unused images, surfaces that a later one covers exactly, and objects
+/// that equal an earlier one. Exact: no pixel changes, but for those of surfaces that would tie in
+/// depth. A texture that is nearly white does not count as white.
 LeftOutOfScene leave_out_unneeded(Scene& scene);
 
 }  // namespace mirage

@@ -19,7 +19,7 @@ namespace {
 // Two places are the same if they are this part of their object's extent apart: objects have
 // places of 24 bits, and each transform rounds.
 constexpr double kSame = 2e-6;
-// Of larger meshes, a part of the places is looked at to find pairs that share any.
+// To find pairs that share places, only a part of the places of larger meshes is looked at.
 constexpr std::size_t kWholeMesh = 2048;
 constexpr std::uint64_t kOneIn = 16;
 // A pair is compared triangle by triangle if the smaller one shares this part of its places.

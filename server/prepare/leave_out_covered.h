@@ -11,11 +11,11 @@ namespace mirage {
 
 struct Scene;
 
-/// What was left out, because later triangles of the scene lie on the same three corners.
+/// Count of what was left out because later triangles of the scene lie on the same three corners.
 struct Covered {
   std::size_t triangles = 0;  ///< not seen from one side or either, over instances that are drawn
   std::size_t instances = 0;  ///< nothing of them is seen
-  /// For each material appended to the scene, the one whose single-sided form it is.
+  /// The source of each material appended to the scene, which is its single-sided form.
   std::vector<std::uint32_t> materials = {};
 };
 

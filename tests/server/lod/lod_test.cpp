@@ -121,6 +121,24 @@ TEST(ServerLod, FoliageKeepsItsArea) {
   }
 }
 
+TEST(ServerLod, BladesAreNotEnlargedUnseen) {
+  Mesh mesh;  // 400 upright blades, 2 high, 0.1 apart
+  for (std::uint32_t i = 0; i < 400; ++i) {
+    const glm::vec3 foot(0.1f * static_cast<float>(i % 20), 0, 0.1f * static_cast<float>(i / 20));
+    for (const glm::vec3& corner :
+         {glm::vec3(0, 0, 0), glm::vec3(0.02f, 0, 0), glm::vec3(0, 2, 0)}) {
+      mesh.indices.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
+      mesh.vertices.emplace_back().position = foot + corner;
+    }
+  }
+  mesh.primitives = {{PrimitiveKind::kTriangles, 0, 1200, 0}};
+  std::vector<Material> materials(1);
+  materials[0].double_sided = true;
+  const std::vector<MeshLod> lods = build_lods(mesh, materials, {});
+  ASSERT_FALSE(lods.empty());
+  EXPECT_GT(lods[0].spread, 0.7) << "a third of the blades, each 1.7 times as long";
+}
+
 /// A cube of edge 2 whose edges are rounded with a radius of 0.02.
 Mesh bevelled_cube() {
   std::vector<float> grid;
