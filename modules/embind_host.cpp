@@ -37,7 +37,7 @@ EmbindHost::EmbindHost() : Z_a_instance_t{} {
   }
 }
 
-EmbindHost::EmbindHost(const Image& image) : Z_a_instance_t{}, notes_(image.notes_) {
+EmbindHost::EmbindHost(const EmbindImage& image) : Z_a_instance_t{}, notes_(image.notes_) {
   instantiate();
   std::copy(image.memory_.begin(), image.memory_.end(), memory().data);
 }
@@ -55,8 +55,8 @@ void EmbindHost::instantiate() {
 
 EmbindHost::~EmbindHost() { Z_basis_transcoder_free(&instance_); }
 
-EmbindHost::Image EmbindHost::image() {
-  Image image;
+EmbindImage EmbindHost::image() {
+  EmbindImage image;
   image.notes_ = notes_;
   std::uint32_t used = memory().size;
   while (used > 0 && memory().data[used - 1] == 0) --used;

@@ -17,13 +17,14 @@ namespace mirage {
 /// Type of an argument or a result, as embind announces it.
 enum class WireType : std::uint8_t { kOther, kVoid, kUnsigned32, kEmval };
 
+class EmbindImage;
+
 class EmbindHost : public Z_a_instance_t {
  public:
-  class Image;
   /// Starts an instance. Throws WasmTrap, std::bad_alloc.
   EmbindHost();
   /// Makes an instance in the state that `image` keeps, which is much faster. Throws as above.
-  explicit EmbindHost(const Image& image);
+  explicit EmbindHost(const EmbindImage& image);
   ~EmbindHost();
   EmbindHost(const EmbindHost&) = delete;
   EmbindHost& operator=(const EmbindHost&) = delete;
@@ -44,7 +45,7 @@ class EmbindHost : public Z_a_instance_t {
   }
 
   /// Keeps the state between two calls. There are no values then.
-  Image image();
+  EmbindImage image();
   EmvalTable& values() { return values_; }
   wasm_rt_memory_t& memory();
   /// True once the transcoder has asked for more than 1 GiB.
@@ -68,6 +69,7 @@ class EmbindHost : public Z_a_instance_t {
                     std::uint32_t arguments);
 
  private:
+  friend class EmbindImage;
   struct Announced {
     std::vector<std::uint32_t> types;  // the result first; they may be announced later
     std::uint32_t invoker = 0, context = 0;
@@ -99,9 +101,9 @@ class EmbindHost : public Z_a_instance_t {
 };
 
 /// State of an instance: its notes, and its memory up to the last byte that is not zero.
-class EmbindHost::Image {
+class EmbindImage {
   friend class EmbindHost;
-  Notes notes_;
+  EmbindHost::Notes notes_;
   std::vector<std::uint8_t> memory_;
 };
 

@@ -20,8 +20,8 @@ constexpr std::uint32_t kLayer = 0, kFace = 0;
 Error unreadable(std::string why) { return make_error(ErrorId::kSceneFormat, std::move(why)); }
 
 /// State of an instance that is ready to decode. Its start takes longer than most pictures.
-const EmbindHost::Image& ready() {
-  static const EmbindHost::Image image = [] {
+const EmbindImage& ready() {
+  static const EmbindImage image = [] {
     EmbindHost host;
     host.call("initializeBasis");
     return host.image();

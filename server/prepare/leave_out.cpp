@@ -8,6 +8,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "server/prepare/leave_out_covered.h"
 #include "server/prepare/leave_out_lobes.h"
 
 namespace mirage {
@@ -264,8 +265,10 @@ LeftOutOfScene leave_out_unneeded(Scene& scene) {
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     out.materials.push_back(analysis.apply(i));
   }
-  out.covered = leave_out_covered(scene);
-  for (const std::uint32_t material : out.covered.materials) {
+  const Covered covered = leave_out_covered(scene);
+  out.covered_instances = covered.instances;
+  out.covered_triangles = covered.triangles;
+  for (const std::uint32_t material : covered.materials) {
     out.materials.push_back(out.materials[material]);
   }
   for (SceneObject& object : scene.objects) {

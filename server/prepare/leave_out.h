@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "protocol/model/need_rules.h"
-#include "server/prepare/leave_out_covered.h"
 #include "server/scene/scene.h"
 
 namespace mirage {
@@ -24,8 +23,9 @@ struct LeftOut {
 struct LeftOutOfScene {
   std::vector<std::vector<LeftOut>> materials;
   std::vector<std::vector<LeftOut>> objects;
-  std::size_t equal_objects = 0;  ///< objects that repeated another one
-  Covered covered;
+  std::size_t equal_objects = 0;      ///< objects that repeated another one
+  std::size_t covered_instances = 0;  ///< nothing of them is seen (leave_out_covered.h)
+  std::size_t covered_triangles = 0;  ///< not seen from one side or either
 };
 
 /// Leaves out maps that are neutral in every texel, alpha that is 1 everywhere, vertex attributes

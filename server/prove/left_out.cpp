@@ -144,10 +144,11 @@ std::vector<LeftOut> left_out_of_scene(const PreparedScene& scene, bool shadows)
     out.push_back({NeedRule::kInstances, fmt::format("{} objects", equal),
                    "they are others over again, to the last vertex"});
   }
-  if (const Covered& covered = scene.left_out.covered; covered.instances + covered.triangles > 0) {
+  const LeftOutOfScene& left = scene.left_out;
+  if (left.covered_instances + left.covered_triangles > 0) {
     out.push_back({NeedRule::kCovered,
                    fmt::format("{} instances, and sides of {} triangles of others",
-                               covered.instances, covered.triangles),
+                               left.covered_instances, left.covered_triangles),
                    "a later opaque surface lies exactly on them"});
   }
   std::size_t shared = 0;

@@ -296,7 +296,7 @@ Outcome golden_bytes(const Conditions& conditions) {
   }
   // The first bytes in clear: magic, version, kind, lengths.
   const Bytes bye = encode_message(test::sample_bye());
-  const Bytes head = {'M', 'R', 4, 1, 0x4c, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  const Bytes head = {'M', 'R', 5, 1, 0x4c, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   differing += Bytes(bye.begin(), bye.begin() + kWireHeaderBytes) == head ? 0 : 1;
   Checks checks;
   checks.equal("that differ", differing, 0);

@@ -51,7 +51,7 @@ TEST(ProtocolWire, HeaderGoldenBytes) {
   header.payload_bytes = 0xa1b2c3d4;
   std::uint8_t out[16];
   write_packet_header(header, out);
-  const std::uint8_t expected[16] = {'M',  'R',  4,    1,    0x04, 0x03, 0x02, 0x01,
+  const std::uint8_t expected[16] = {'M',  'R',  5,    1,    0x04, 0x03, 0x02, 0x01,
                                      0xd4, 0xc3, 0xb2, 0xa1, 0,    0,    0,    0};
   EXPECT_TRUE(std::equal(out, out + 16, expected));
 }
@@ -80,7 +80,8 @@ TEST(ProtocolWire, HeaderIsChecked) {
   EXPECT_EQ(changed(2, 1), ErrorId::kWireVersion);
   EXPECT_EQ(changed(2, 2), ErrorId::kWireVersion);
   EXPECT_EQ(changed(2, 3), ErrorId::kWireVersion);
-  EXPECT_EQ(changed(2, 5), ErrorId::kWireVersion);
+  EXPECT_EQ(changed(2, 4), ErrorId::kWireVersion);
+  EXPECT_EQ(changed(2, 6), ErrorId::kWireVersion);
   EXPECT_EQ(changed(3, 0), ErrorId::kWireMalformed);
   EXPECT_EQ(changed(3, 3), ErrorId::kWireMalformed);
   EXPECT_EQ(changed(12, 1), ErrorId::kWireMalformed);
