@@ -78,7 +78,7 @@ TEST(Explain, NamesDifferentThingsOfDifferentScenes) {
     const Finished done = run({binary("mirage-server"), scene, "--explain", "--json"}, 60);
     ASSERT_EQ(done.exit_code, 0) << done.output;
     const nlohmann::json all = nlohmann::json::parse(done.output);
-    EXPECT_EQ(all["rules"].size(), 28u);
+    EXPECT_EQ(all["rules"].size(), 29u);
     std::set<std::string> things;
     for (const nlohmann::json& object : all["objects"]) {
       for (const nlohmann::json& one : object["left_out"]) {
