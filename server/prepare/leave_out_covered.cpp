@@ -199,8 +199,13 @@ glm::dvec3 placed(const Instance& one, const Vertex& v) {
   return s.position + glm::dquat(s.rotation) * (double{s.scale} * glm::dvec3(v.position));
 }
 
-bool stays(const SceneObject& object) {
-  return !object.animation && !object.track.moves() && !object.mesh.indices.empty();
+// True if an object has triangles and does not move.
+bool takes_part(const SceneObject& object) {
+  const std::vector<Primitive>& all = object.mesh.primitives;
+  return !object.animation && !object.track.moves() &&
+         std::any_of(all.begin(), all.end(), [](const Primitive& p) {
+           return p.kind == PrimitiveKind::kTriangles && p.index_count > 0;
+         });
 }
 
 // Returns the cells of an instance's places, each once; of a large mesh, a part of them. The part
@@ -268,7 +273,7 @@ class SetFinder {
     std::vector<std::int8_t> repeats(scene_.objects.size(), -1);
     for (auto& [first, set] : by_root) {
       const std::uint32_t object = scene_.instances[first].object;
-      if (!stays(scene_.objects[object])) continue;
+      if (!takes_part(scene_.objects[object])) continue;
       if (set.size() == 1) {
         std::int8_t& known = repeats[object];
         if (known < 0) known = repeats_itself(scene_.objects[object].mesh) ? 1 : 0;
@@ -290,7 +295,7 @@ class SetFinder {
     std::vector<std::size_t> places(scene_.instances.size());
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
       const SceneObject& object = scene_.objects[scene_.instances[i].object];
-      if (!stays(object)) continue;
+      if (!takes_part(object)) continue;
       const std::vector<std::uint64_t> cells =
           cells_of(scene_.instances[i], object.mesh.vertices, cell_);
       places[i] = cells.size();
