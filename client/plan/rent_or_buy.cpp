@@ -12,6 +12,7 @@ constexpr double kLeastHorizonS = 4, kFarthestHorizonS = 60;
 constexpr double kShortestLifeS = 0.05;
 // Time without being seen or used after which an object is forgotten.
 constexpr std::int64_t kForgottenUs = 10'000'000;
+constexpr std::int64_t kRecentUs = 1'000'000;
 }  // namespace
 
 void RentOrBuy::paid(std::uint32_t object, double bytes) {
@@ -28,7 +29,9 @@ void RentOrBuy::want(std::uint32_t object, double bytes, double life_s, double p
   if (object >= accounts_.size() || !std::isfinite(bytes) || !std::isfinite(life_s)) return;
   Account& account = accounts_[object];
   if (now_us - account.seen_us > kForgottenUs) {
+    const bool recent = account.recent;
     account = Account{};
+    account.recent = recent;
     account.since_us = now_us;
   }
   account.seen_us = now_us;
@@ -57,15 +60,30 @@ void RentOrBuy::used(std::uint32_t object, std::int64_t now_us) {
   if (bought(object, now_us)) accounts_[object].bought_us = now_us;
 }
 
+double RentOrBuy::price_of_recent(std::int64_t now_us) {
+  const auto is_old = [&](std::uint32_t object) {
+    const bool old = now_us - accounts_[object].seen_us > kRecentUs;
+    if (old) accounts_[object].recent = false;
+    return old;
+  };
+  recent_.erase(std::remove_if(recent_.begin(), recent_.end(), is_old), recent_.end());
+  for (const std::uint32_t object : told_) {
+    if (!accounts_[object].recent) recent_.push_back(object);
+    accounts_[object].recent = true;
+  }
+  double bytes = 0;
+  for (const std::uint32_t object : recent_) {
+    if (!bought(object, now_us)) bytes += accounts_[object].price;
+  }
+  return bytes;
+}
+
 void RentOrBuy::decide(std::int64_t now_us, double spare_bytes) {
-  std::stable_sort(told_.begin(), told_.end(), [this](std::uint32_t a, std::uint32_t b) {
-    return worth_a_byte(a) > worth_a_byte(b);
-  });
+  const bool spare = price_of_recent(now_us) <= spare_bytes;
   for (const std::uint32_t object : told_) {
     Account& account = accounts_[object];
     const bool due = account.paid + account.wanted >= account.price;
-    if (account.wanted > 0 && (due || account.price <= spare_bytes)) {
-      if (!bought(object, now_us)) spare_bytes -= account.price;
+    if (account.wanted > 0 && (due || spare)) {
       account.bought_us = now_us;
       account.paid = 0;
     }

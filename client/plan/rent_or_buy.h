@@ -12,8 +12,8 @@
 // the rent to come: the present rent for as long as the object will be seen. It expects that to be
 // as long as the object has been seen so far.
 //
-// A link that would otherwise idle makes the price small: what it brings in a moment is bought for
-// whatever wants a tile, largest gain per byte first, since geometry is right from everywhere.
+// A link that would otherwise idle makes the price small. If it brings in a moment the geometry of
+// everything that wanted a tile lately, all of that is bought: geometry is right from everywhere.
 
 #include <cstdint>
 #include <vector>
@@ -23,7 +23,11 @@ namespace mirage {
 class RentOrBuy {
  public:
   /// Forgets all accounts. `objects` is the number of objects in the scene.
-  void reset(std::size_t objects) { accounts_.assign(objects, {}); }
+  void reset(std::size_t objects) {
+    accounts_.assign(objects, {});
+    told_.clear();
+    recent_.clear();
+  }
   void grow(std::size_t objects) { accounts_.resize(objects); }
 
   /// Notes that a tile of the object has arrived.
@@ -47,17 +51,21 @@ class RentOrBuy {
 
  private:
   struct Account {
-    double paid = 0;    ///< bytes of tiles since it was last bought or forgotten
-    double wanted = 0;  ///< bytes of tiles wanted in this frame, now and in the time to come
-    double price = 0;   ///< bytes of geometry, at the nearest instance that last wanted a tile
-    double worth = 0;   ///< gain of the tiles last wanted, now and in the time to come
+    double paid = 0;      ///< bytes of tiles since it was last bought or forgotten
+    double wanted = 0;    ///< bytes of tiles wanted in this frame, now and in the time to come
+    double price = 0;     ///< bytes of geometry, at the nearest instance that last wanted a tile
+    double worth = 0;     ///< gain of the tiles last wanted, now and in the time to come
+    bool recent = false;  ///< it is in `recent_`
     std::int64_t since_us = 0, seen_us = INT64_MIN / 2;
     std::int64_t bought_us = -1;  ///< when it was bought or last used; < 0: not bought
   };
+  /// Returns the bytes of the geometry of all objects that wanted a tile lately and have none.
+  double price_of_recent(std::int64_t now_us);
   double horizon_s(const Account& account, std::int64_t now_us) const;
 
   std::vector<Account> accounts_;
-  std::vector<std::uint32_t> told_;  ///< objects with a want in this frame
+  std::vector<std::uint32_t> told_;    ///< objects with a want in this frame
+  std::vector<std::uint32_t> recent_;  ///< objects with a want in the last second, each once
 };
 
 }  // namespace mirage

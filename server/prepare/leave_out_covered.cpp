@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -25,6 +26,8 @@ constexpr std::uint64_t kOneIn = 16;
 // A pair is compared triangle by triangle if the smaller one shares this part of its places.
 constexpr double kShared = 0.1;
 constexpr std::size_t kMostAtOnePlace = 16;
+// Places looked at for pairs: of all instances of one mesh, and in all. A crowd has no copies.
+constexpr std::size_t kMostPlacesOfOne = 2'000'000, kMostPlaces = 16'000'000;
 constexpr std::size_t kMostTriangles = 20'000'000;  // compared in all
 // Some of an object's instances get an object of their own only if this times the hidden triangles
 // are at least all of the mesh.
@@ -104,7 +107,7 @@ struct Hidden {
   std::uint32_t triangle = 0;  // of the mesh: first index / 3
   std::uint8_t sides = 0;
 
-  bool operator==(const Hidden&) const = default;
+  auto operator<=>(const Hidden&) const = default;
 };
 
 // Returns the vertex as a triangle turned round needs it: its front is shaded as its back was.
@@ -291,11 +294,18 @@ class SetFinder {
   }
 
   void join_copies() {
+    std::vector<std::size_t> instances_of(scene_.objects.size());
+    for (const Instance& one : scene_.instances) ++instances_of[one.object];
     std::vector<std::pair<std::uint64_t, std::uint32_t>> seen;  // cell, instance
     std::vector<std::size_t> places(scene_.instances.size());
+    std::size_t looked_at = 0;
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-      const SceneObject& object = scene_.objects[scene_.instances[i].object];
-      if (!takes_part(object)) continue;
+      const std::uint32_t index = scene_.instances[i].object;
+      const SceneObject& object = scene_.objects[index];
+      const std::size_t count = object.mesh.vertices.size();
+      if (!takes_part(object) || count * instances_of[index] > kMostPlacesOfOne) continue;
+      looked_at += count;
+      if (looked_at > kMostPlaces) return;
       const std::vector<std::uint64_t> cells =
           cells_of(scene_.instances[i], object.mesh.vertices, cell_);
       places[i] = cells.size();
@@ -346,6 +356,7 @@ class CoveredSurfaces {
   void lay_out(std::uint32_t instance, const glm::dvec3& origin, Places& places,
                std::vector<Laid>& out);
   void mark(std::vector<Laid>::const_iterator first, std::vector<Laid>::const_iterator last);
+  std::uint32_t base_without(std::uint32_t base, const std::vector<Hidden>& hidden);
   void cut_meshes();
   bool all_hidden(std::uint32_t instance) const;
   std::uint32_t single_sided(std::uint32_t material);
@@ -357,6 +368,8 @@ class CoveredSurfaces {
   std::vector<std::size_t> without_area_;                // by instance: triangles that show nothing
   std::vector<bool> used_before_;                        // by object, of those in the file
   std::map<std::uint32_t, std::uint32_t> single_sided_;  // by material
+  std::map<std::pair<std::uint32_t, std::vector<Hidden>>, std::uint32_t> bases_;
+  std::uint32_t next_base_ = 0;
   std::size_t compared_ = 0;
   Covered out_;
 };
@@ -456,6 +469,19 @@ std::uint32_t CoveredSurfaces::single_sided(std::uint32_t material) {
   return at->second;
 }
 
+// Returns the base of meshes that are baked from `base` without what is hidden. Those of which the
+// same is hidden still differ by their shapes only.
+std::uint32_t CoveredSurfaces::base_without(std::uint32_t base, const std::vector<Hidden>& hidden) {
+  if (next_base_ == 0) {
+    for (const SceneObject& object : scene_.objects) {
+      if (object.baked) next_base_ = std::max(next_base_, object.baked->base + 1);
+    }
+  }
+  const auto [at, is_new] = bases_.try_emplace(std::pair{base, hidden}, next_base_);
+  if (is_new) ++next_base_;
+  return at->second;
+}
+
 // Gives instances of which the same is hidden an object without it.
 void CoveredSurfaces::cut_meshes() {
   std::map<std::uint32_t, std::vector<std::uint32_t>> instances;  // by object
@@ -479,7 +505,7 @@ void CoveredSurfaces::cut_meshes() {
       SceneObject form = scene_.objects[object];
       form.mesh =
           MeshCut(form.mesh, [this](std::uint32_t m) { return single_sided(m); }).without(hidden);
-      form.baked.reset();  // its shape is its own now
+      if (form.baked) form.baked->base = base_without(form.baked->base, hidden);
       for (auto it = left.begin(); it != rest; ++it) {
         scene_.instances[*it].object = static_cast<std::uint32_t>(scene_.objects.size());
         out_.triangles += hidden.size();

@@ -143,6 +143,25 @@ TEST(ServerLeaveOutCovered, WithinOneMeshTheLastTriangleIsSeen) {
   EXPECT_EQ(left.indices.size(), 2 + 2 * count - 3 * found);
 }
 
+TEST(ServerLeaveOutCovered, ShapesOfOneMeshStayAFamily) {
+  Scene scene = ball_scene();
+  Mesh& mesh = scene.objects[0].mesh;
+  const std::vector<std::uint32_t> again = mesh.indices;
+  mesh.indices.insert(mesh.indices.end(), again.begin(), again.end());
+  mesh.primitives[0].index_count *= 2;
+  scene.objects[0].baked = BakedShape{3};
+  scene.objects.push_back(scene.objects[0]);
+  for (Vertex& v : scene.objects[1].mesh.vertices) v.position.x *= 2;
+  scene.instances.resize(2);
+  scene.instances[1].object = 1;
+  scene.instances[1].world_from_object.position.x = 50;
+  EXPECT_GT(leave_out_covered(scene).triangles, 0u);
+  ASSERT_EQ(scene.objects.size(), 2u);
+  ASSERT_TRUE(scene.objects[0].baked && scene.objects[1].baked);
+  EXPECT_EQ(scene.objects[0].baked->base, scene.objects[1].baked->base);
+  EXPECT_NE(scene.objects[0].baked->base, 3u) << "that is the whole mesh";
+}
+
 TEST(ServerLeaveOutCovered, NeighboursThatShareAnEdgeStay) {
   Scene scene = ball_scene();
   Mesh quad;
