@@ -30,6 +30,9 @@ constexpr std::size_t kPieceTriangles = 64;   // pieces with a larger mean are s
 constexpr double kLeastFoliage = 1.0 / 16.0;  // pieces are then four times as large
 constexpr int kFruitless = 3;                 // steps without a level after which the chain ends
 constexpr std::size_t kSampledPieces = 2'000;
+// An enlarged piece stays hidden among others unless it grows by this many times the way to the
+// next.
+constexpr float kSeenGrowth = 3;
 
 /// A connected component of foliage.
 struct Piece {
@@ -251,7 +254,8 @@ class Chain {
         }
       }
     }
-    out.spread = std::max({out.spread, spread_of(pieces_, share), growth_of(pieces_, scale)});
+    const float spread = spread_of(pieces_, share), growth = growth_of(pieces_, scale);
+    out.spread = std::max(out.spread, growth > kSeenGrowth * spread ? growth : spread);
     append(out.mesh, part_, vertices, indices);
   }
 

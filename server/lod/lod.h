@@ -21,9 +21,9 @@ struct MeshLod {
   /// (lod_chunks.h), each measured against the surface before it, and that of this step.
   float error = 0;
   /// Object units. Above 0, foliage was thinned, and 95 % of the dropped pieces have a kept one
-  /// within this distance (between middles), and 95 % of the enlarged ones end within it from where
-  /// they ended: a blade is longer than the way to the next one. It is no bound: tiles are never
-  /// drawn from such a level.
+  /// within this distance (between middles). Where pieces are much longer than the way to the next,
+  /// as blades are, 95 % of the enlarged ones end within it from where they ended. It is no bound:
+  /// tiles are never drawn from such a level.
   float spread = 0;
   /// Object units: shading_size() against the full mesh; 0 if foliage was thinned.
   float shading = 0;

@@ -112,7 +112,7 @@ TEST(ServerLod, FoliageKeepsItsArea) {
   ASSERT_GE(lods.size(), 2u);
   for (const MeshLod& lod : lods) {
     EXPECT_GT(lod.spread, 0);
-    EXPECT_LT(lod.spread, 0.3f * scene->objects[0].radius) << "its leaves, four times as large";
+    EXPECT_LT(lod.spread, 0.25f * scene->objects[0].radius);
     for (const Primitive& p : lod.mesh.primitives) {
       const Material& m = scene->scene.materials[p.material];
       if (m.alpha_mode != AlphaMode::kMask) continue;
