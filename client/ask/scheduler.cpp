@@ -18,7 +18,7 @@ constexpr std::int64_t kAssetPauseUs = 5'000'000;
 constexpr std::int64_t kLostUs = 5'000'000;
 constexpr std::int64_t kLostAtMostUs = 120'000'000;
 constexpr int kLostTrips = 4;
-constexpr double kSpareS = 0.25;                // of an idle link
+constexpr double kSpareS = 0.25;               // of an idle link
 constexpr std::size_t kMaxAsksPerFrame = 256;  // the rest waits
 // The credit is far ahead of the window: the window limits, credit only protects the client's
 // memory.
