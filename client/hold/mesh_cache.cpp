@@ -377,13 +377,6 @@ void MeshCache::add_image(const SceneView& scene, std::uint32_t index, std::uint
   for (std::uint32_t i = 0; i < objects_.size(); ++i) update_ready(i);
 }
 
-bool MeshCache::dressed(std::uint32_t index) const {
-  const Object& object = objects_[index];
-  return object.known_uses &&
-         std::all_of(object.uses.begin(), object.uses.end(),
-                     [this](const ImageUse& use) { return images_[use.image].level >= 0; });
-}
-
 void MeshCache::forget(Level& level, const AssetId& id, std::vector<AssetId>& out) {
   bytes_ -= level.bytes;
   level = Level{};

@@ -45,9 +45,6 @@ class MeshCache {
   /// Returns for each object whether it can be drawn as geometry: a level and its masks are here.
   const std::vector<bool>& ready() const { return ready_; }
 
-  /// True if some level of each of the object's images is here. False before its geometry is.
-  bool dressed(std::uint32_t object) const;
-
   /// Sets the level of each of `meshes`, and marks it as drawn in this frame.
   void choose(const SceneView& scene, const Camera& camera, double tau_px, std::uint64_t frame,
               std::int64_t now_us, std::vector<DrawnMesh>& meshes);

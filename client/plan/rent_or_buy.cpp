@@ -12,7 +12,9 @@ constexpr double kLeastHorizonS = 4, kFarthestHorizonS = 60;
 constexpr double kShortestLifeS = 0.05;
 // Time without being seen or used after which an object is forgotten.
 constexpr std::int64_t kForgottenUs = 10'000'000;
-constexpr std::int64_t kRecentUs = 1'000'000;
+constexpr std::int64_t kRecentUs = kForgottenUs;
+// With more objects, each of which is small, geometry would mostly add draws.
+constexpr std::size_t kFewObjects = 8;
 }  // namespace
 
 void RentOrBuy::paid(std::uint32_t object, double bytes) {
@@ -79,7 +81,7 @@ double RentOrBuy::price_of_recent(std::int64_t now_us) {
 }
 
 void RentOrBuy::decide(std::int64_t now_us, double spare_bytes) {
-  const bool spare = price_of_recent(now_us) <= spare_bytes;
+  const bool spare = price_of_recent(now_us) <= spare_bytes && recent_.size() <= kFewObjects;
   for (const std::uint32_t object : told_) {
     Account& account = accounts_[object];
     const bool due = account.paid + account.wanted >= account.price;

@@ -12,8 +12,9 @@
 // the rent to come: the present rent for as long as the object will be seen. It expects that to be
 // as long as the object has been seen so far.
 //
-// A link that would otherwise idle makes the price small. If it brings in a moment the geometry of
-// everything that wanted a tile lately, all of that is bought: geometry is right from everywhere.
+// A link that would otherwise idle makes the price small. If few objects wanted tiles lately, and
+// it brings the geometry of all of them in a moment, all is bought: geometry is right from
+// everywhere.
 
 #include <cstdint>
 #include <vector>
@@ -65,7 +66,7 @@ class RentOrBuy {
 
   std::vector<Account> accounts_;
   std::vector<std::uint32_t> told_;    ///< objects with a want in this frame
-  std::vector<std::uint32_t> recent_;  ///< objects with a want in the last second, each once
+  std::vector<std::uint32_t> recent_;  ///< objects with a want in the last 10 s, each once
 };
 
 }  // namespace mirage

@@ -120,7 +120,7 @@ Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c)
         in.view->error_px(view_of, *c.object, in.camera, in.time_s);
     out.viewed = view_px && *view_px <= kTornPx;
   }
-  if (drawn_as_mesh(in, c.instance) && (!c.pictured || dressed(in, out.object))) {
+  if (drawn_as_mesh(in, c.instance)) {
     add_levels(in, c.instance, out);
     // A comparison of methods draws the same geometry with all of them.
     out.mesh_only = c.object->surrounds || !in.method.automatic;

@@ -27,8 +27,8 @@ constexpr double kUsualTileBytes = 0.15;  // bytes a texel, if nothing is known
 constexpr double kQuantumShare = 0.01;    // 8-bit depth and the slope within a texel, in radii
 // Share of tau that a tile errs by in the middle of its life.
 constexpr double kGoodTileTau = 0.5;
-// A tile of this part of the bytes of awaited geometry is asked for all the same.
-constexpr double kHardlyDelays = 0.1;
+// A tile of less than this part of the bytes of awaited geometry is asked for all the same.
+constexpr double kHardlyDelays = 0.02;
 // A tile replaces missing geometry if it lasts this long.
 constexpr double kStandInLifeS = 3;
 constexpr std::ptrdiff_t kFewMembers = 64;  // a group with as many members may be drawn one by one
@@ -207,7 +207,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   const double distance = glm::length(view.eye) / view.radius;
   if (in.scene->geometry && object.surrounds) return;
   const double tau = allowed_px(in, in.predicted, view_of);
-  const bool ready = dressed(in, view_of.object) && distance < swap_radii(in, object);
+  const bool ready = (*in.mesh_ready)[view_of.object] && distance < swap_radii(in, object);
   const bool no_time = ready && shows_nothing(in, instance);
   const bool stand_in = ready && !no_time && !too_dear(in, in.predicted, instance, tau);
   if (stand_in && mesh_pays(in, in.predicted, instance, kGoodTileTau * tau)) return;

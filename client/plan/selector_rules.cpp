@@ -87,10 +87,6 @@ double swap_radii(const SelectorInput& in, const ObjectDescription& object) {
   return in.method.automatic ? in.mesh_radii : std::min(in.mesh_radii, kSwapRadii);
 }
 
-bool dressed(const SelectorInput& in, std::uint32_t object) {
-  return (*in.mesh_ready)[object] && (!in.meshes || in.meshes->dressed(object));
-}
-
 bool comes_as_mesh(const SelectorInput& in, const ObjectDescription& object, double radii) {
   if (!in.scene->geometry) return false;
   const double swap = swap_radii(in, object);

@@ -25,9 +25,6 @@ double light_change_px(const SelectorInput& in, const TileCache::LitGroup& lit,
 /// Returns the distance, in radii, within which the object may be drawn as geometry, if that is
 /// here; +inf: everywhere.
 double swap_radii(const SelectorInput& in, const ObjectDescription& object);
-/// True if geometry of the object is here with a form of each of its images. Without, a tile of it
-/// looks better.
-bool dressed(const SelectorInput& in, std::uint32_t object);
 /// True if geometry of the object is asked for at this distance in radii, however its bytes compare
 /// with those of tiles.
 bool comes_as_mesh(const SelectorInput& in, const ObjectDescription& object, double radii);
