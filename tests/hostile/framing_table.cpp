@@ -311,7 +311,8 @@ Cases message_cases() {
   };
   add("magic", 0, 0, kProtocolError);
   add("magic's second byte", 1, 0, kProtocolError);
-  for (const int version : {0, 1, 3, 5, 255}) {
+  constexpr int kSpoken = limits::kProtocolVersion;
+  for (const int version : {0, 1, kSpoken - 1, kSpoken + 1, 255}) {
     add("version " + std::to_string(version), 2, version, "closed 4001");
   }
   for (const int kind : {0, 3, 255}) add("kind " + std::to_string(kind), 3, kind, kProtocolError);
