@@ -28,7 +28,7 @@ constexpr double kShared = 0.1;
 constexpr std::size_t kMostAtOnePlace = 16;
 // Places looked at for pairs: of all instances of one mesh, and in all. A crowd has no copies.
 constexpr std::size_t kMostPlacesOfOne = 2'000'000, kMostPlaces = 16'000'000;
-constexpr std::size_t kMostTriangles = 20'000'000;  // compared in all
+constexpr std::size_t kMostCompared = 20'000'000;  // compared in all
 // Some of an object's instances get an object of their own only if this times the hidden triangles
 // are at least all of the mesh.
 constexpr std::size_t kWorthACopy = 4;
@@ -384,7 +384,7 @@ void CoveredSurfaces::compare(const std::vector<std::uint32_t>& set) {
                      4e-16 * std::max({at.x, at.y, at.z})});
     compared_ += scene_.objects[one.object].mesh.indices.size() / 3;
   }
-  if (!(same > 0) || !std::isfinite(same) || compared_ > kMostTriangles) return;
+  if (!(same > 0) || !std::isfinite(same) || compared_ > kMostCompared) return;
   // Places are relative to the first instance, so that they count few cells.
   const glm::dvec3 origin = scene_.instances[set.front()].world_from_object.position;
   Places places(same);
