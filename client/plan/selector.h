@@ -132,6 +132,7 @@ class Selector {
   void forget_settled(const SelectorInput& in);
   bool wants_members(const SelectorInput& in, std::uint32_t instance) const;
   void note_rent(const SelectorInput& in, const TileNeed& need);
+  void note_strokes(const SelectorInput& in, std::uint32_t instance, TileNeed tile);
   double geometry_gain(const SelectorInput& in, std::uint32_t instance) const;
   static double bytes_of(const SelectorInput& in, const TileNeed& need);
   bool members_are_geometry(const SelectorInput& in, std::uint32_t group) const;

@@ -225,7 +225,9 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   const double light_px = light_change_px(in, lit, instance, size);
   // A tile shaded by the client is right; the server's is better, and asked for in spare time.
   const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
-  if (fit.settled(tau, in.pixel_px) && !is_stale(light_px, tau) && !shaded_here) {
+  const bool settled = fit.settled(tau, in.pixel_px) && !is_stale(light_px, tau) && !shaded_here;
+  if (settled) {
+    if (object.triangles == 0 && !ready) note_strokes(in, instance, need_for_view(view, plan));
     if (lit.wanted) shown_[instance].settled_until_us = settled_until(in, object, fit, view, plan);
     return;
   }
@@ -275,6 +277,14 @@ void Selector::note_rent(const SelectorInput& in, const TileNeed& need) {
   const double price =
       in.meshes->price_bytes(*in.scene, in.predicted, in.mesh_tau_px, need.instance);
   geometry_.want(view_of.object, bytes_of(in, need), need.life_s, price, need.gain, in.now_us);
+}
+
+// Notes the rent of an object of points and lines although its tile will do. Tiles show strokes of
+// about a pixel's width; geometry shows them as they are, at little cost.
+void Selector::note_strokes(const SelectorInput& in, std::uint32_t instance, TileNeed tile) {
+  tile.instance = instance;
+  tile.gain = geometry_gain(in, instance);
+  note_rent(in, tile);
 }
 
 // True if bought geometry comes instead of the tile. Something is shown meanwhile, or the geometry

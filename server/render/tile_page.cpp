@@ -24,6 +24,10 @@ namespace {
 constexpr int kAlphaTestSupersample = 3;
 constexpr std::uint32_t kLargestFineTile = 1024;  // a larger tile would need a target of 300 MB
 
+// Width of points and lines, texels: one pixel of the frame. Clients ask for 1.5 to 2.1 texels a
+// pixel (need_for_view); this is the middle.
+constexpr float kStroke = 1.78f;
+
 // Draw buffers of a target that has ranges of blended depths besides its colour.
 constexpr GLenum kColorOnly[] = {GL_COLOR_ATTACHMENT0};
 constexpr GLenum kRangeOnly[] = {GL_NONE, GL_COLOR_ATTACHMENT1};
@@ -263,7 +267,7 @@ void TilePageRenderer::draw_tile(const TileJob& job, const RowBand& rows) {
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   if (path.ranges) glDrawBuffers(1, kColorOnly);
-  path.meshes->set_stroke(static_cast<float>(samples(job)));
+  path.meshes->set_stroke(kStroke * static_cast<float>(samples(job)));
   path.meshes->begin(at.clip_from_relative, at.lights);
   const InstanceGroup* const group = scene_->prepared->group(job.key.object);
   if (group) {
@@ -292,7 +296,7 @@ void TilePageRenderer::draw_behind(const TileJob& job, const RowBand& rows, cons
   layers_->begin(lit_.supersampled, static_cast<int>(tile_edge(job.key.size_class)), rows,
                  samples(job));
   gl::MeshPass& meshes = layers_->meshes();
-  meshes.set_stroke(static_cast<float>(samples(job)));
+  meshes.set_stroke(kStroke * static_cast<float>(samples(job)));
   meshes.begin(at.clip_from_relative, at.lights);
   meshes.draw(mesh, scene_->materials(), scene_->images, &instance, 1, false);
   meshes.end();
@@ -329,7 +333,7 @@ void TilePageRenderer::draw_ranges(const TileJob& job, const Stage& at, const gl
                                    const gl::MeshInstance& instance) {
   glDrawBuffers(2, kRangeOnly);
   gl::MeshPass& ranges = *lit_.ranges;
-  ranges.set_stroke(static_cast<float>(samples(job)));
+  ranges.set_stroke(kStroke * static_cast<float>(samples(job)));
   ranges.begin(at.clip_from_relative, at.lights);
   ranges.draw(mesh, scene_->materials(), scene_->images, &instance, 1, true);
   ranges.end();
