@@ -30,6 +30,7 @@ class TileBytes;
 class TileCache;
 class ViewFit;
 struct ViewGeometry;
+struct ViewPlan;
 
 struct SelectorInput {
   const SceneView* scene = nullptr;
@@ -132,7 +133,8 @@ class Selector {
   void forget_settled(const SelectorInput& in);
   bool wants_members(const SelectorInput& in, std::uint32_t instance) const;
   void note_rent(const SelectorInput& in, const TileNeed& need);
-  void note_strokes(const SelectorInput& in, std::uint32_t instance, TileNeed tile);
+  void note_strokes(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
+                    const ViewPlan& plan);
   double geometry_gain(const SelectorInput& in, std::uint32_t instance) const;
   static double bytes_of(const SelectorInput& in, const TileNeed& need);
   bool members_are_geometry(const SelectorInput& in, std::uint32_t group) const;

@@ -225,9 +225,8 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   const double light_px = light_change_px(in, lit, instance, size);
   // A tile shaded by the client is right; the server's is better, and asked for in spare time.
   const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
-  const bool settled = fit.settled(tau, in.pixel_px) && !is_stale(light_px, tau) && !shaded_here;
-  if (settled) {
-    if (object.triangles == 0 && !ready) note_strokes(in, instance, need_for_view(view, plan));
+  if (fit.settled(tau, in.pixel_px) && !is_stale(light_px, tau) && !shaded_here) {
+    if (!ready) note_strokes(in, instance, view, plan);
     if (lit.wanted) shown_[instance].settled_until_us = settled_until(in, object, fit, view, plan);
     return;
   }
@@ -238,8 +237,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   if (stand_in && need.size_class >= kMaxAskedSizeClass) return;
   need.instance = instance;
   // The view tile may show an object without an image of its own.
-  const std::optional<double> view_px =
-      group.tiles.empty() ? view_error_px(in, view_of, object) : std::nullopt;
+  const auto view_px = group.tiles.empty() ? view_error_px(in, view_of, object) : std::nullopt;
   const bool unseen = group.tiles.empty() && !(view_px && *view_px <= kFirstImagePx * tau);
   // The first image is coarse and quick: a quarter of the edge takes a sixteenth of the bytes.
   if (unseen && in_view && !stand_in && !no_time) need.size_class = coarse_class(need.size_class);
@@ -279,9 +277,12 @@ void Selector::note_rent(const SelectorInput& in, const TileNeed& need) {
   geometry_.want(view_of.object, bytes_of(in, need), need.life_s, price, need.gain, in.now_us);
 }
 
-// Notes the rent of an object of points and lines although its tile will do. Tiles show strokes of
-// about a pixel's width; geometry shows them as they are, at little cost.
-void Selector::note_strokes(const SelectorInput& in, std::uint32_t instance, TileNeed tile) {
+// If the object consists of points and lines, notes its rent although its tile will do. Tiles show
+// strokes about as wide as a pixel; geometry shows them as they are, at little cost.
+void Selector::note_strokes(const SelectorInput& in, std::uint32_t instance,
+                            const ViewGeometry& view, const ViewPlan& plan) {
+  if (in.scene->objects[in.scene->instances[instance].object].triangles > 0) return;
+  TileNeed tile = need_for_view(view, plan);
   tile.instance = instance;
   tile.gain = geometry_gain(in, instance);
   note_rent(in, tile);

@@ -305,8 +305,7 @@ std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& m
   chains.erase(std::remove(chains.begin(), chains.end(), nullptr), chains.end());
   std::stable_partition(chains.begin(), chains.end(),
                         [](const std::unique_ptr<Chain>& chain) { return chain->foliage(); });
-  const MeshPictures::Frame frame = MeshPictures::frame_around(full);
-  std::optional<MeshPictures> pictures;  // of the full mesh, if a level is compared with it
+  std::optional<MeshShading> shading;  // of the full mesh, if a level is compared with it
   double share = 1, allowed = kFirstError * extent_of(full);
   const double most = kMostError * extent_of(full);
   int fruitless = 0;
@@ -323,9 +322,8 @@ std::vector<MeshLod> build_lods(const Mesh& full, const std::vector<Material>& m
     fruitless = 0;
     triangles = left;
     if (lod.spread == 0) {
-      if (!pictures) pictures.emplace(full, materials, images, frame, workers);
-      const MeshPictures level(lod.mesh, materials, images, frame, workers);
-      lod.shading = shading_size(*pictures, level);
+      if (!shading) shading.emplace(full, materials, images, workers);
+      lod.shading = shading->size_of(lod.mesh);
     }
     lods.push_back(std::move(lod));
     if (triangles <= kFewTriangles) break;

@@ -25,7 +25,7 @@ struct MeshLod {
   /// as blades are, 95 % of the enlarged ones end within it from where they ended. It is no bound:
   /// tiles are never drawn from such a level.
   float spread = 0;
-  /// Object units: shading_size() against the full mesh; 0 if foliage was thinned.
+  /// Object units: MeshShading::size_of() against the full mesh; 0 if foliage was thinned.
   float shading = 0;
 };
 

@@ -87,8 +87,7 @@ std::vector<MeshLod> LodFamilies::lods_of(const SceneObject& object, const Worke
   });
   const glm::dmat3& shape = object.baked->shape;
   const double stretch = longest_stretch(shape);
-  const MeshPictures::Frame frame = MeshPictures::frame_around(object.mesh);
-  const MeshPictures full(object.mesh, scene_.materials, scene_.images, frame, workers);
+  MeshShading shading(object.mesh, scene_.materials, scene_.images, workers);
   std::vector<MeshLod> out;
   for (const MeshLod& lod : family.lods) {
     MeshLod& own = out.emplace_back();
@@ -96,8 +95,7 @@ std::vector<MeshLod> LodFamilies::lods_of(const SceneObject& object, const Worke
     own.error = static_cast<float>(stretch * (double{lod.error} + family.rounding) * (1 + 1e-6));
     own.spread = static_cast<float>(stretch * double{lod.spread});
     if (lod.spread > 0) continue;
-    own.shading =
-        shading_size(full, MeshPictures(own.mesh, scene_.materials, scene_.images, frame, workers));
+    own.shading = shading.size_of(own.mesh);
   }
   return out;
 }

@@ -5,53 +5,42 @@
 #include <array>
 #include <vector>
 
-#include "protocol/model/model.h"
 #include "server/base/workers.h"
+#include "server/lod/mesh_picture.h"
 
 namespace mirage {
-
-/// Six orthographic pictures of a mesh, made without a GPU: normals, base colours, and the grain of
-/// anisotropic surfaces.
-class MeshPictures {
- public:
-  /// The placement shared by pictures that are compared.
-  struct Frame {
-    glm::vec3 center{0};
-    float extent = 0;         ///< width and height of a picture, object units
-    std::uint32_t edge = 32;  ///< of a picture, px; a power of two
-  };
-  /// Returns a frame around the vertices in use, with a resolution that fits the number of
-  /// triangles. Extent 0: nothing is visible.
-  static Frame frame_around(const Mesh& mesh);
-
-  /// Draws triangles only, because lines and points are the same in every level.
-  MeshPictures(const Mesh& mesh, const std::vector<Material>& materials,
-               const std::vector<Image>& images, const Frame& frame, const Workers& workers);
-
-  const Frame& frame() const { return frame_; }
-
-  struct Pixel {
-    glm::vec3 normal{0};  ///< unit, towards the viewer
-    glm::vec3 color{0};   ///< base colour, square root of linear
-    glm::vec3 grain{0};   ///< tangent, unit; zero if nothing is drawn along it
-    float cover = 0;      ///< covered share; the other members are sums over it
-  };
-  using Picture = std::vector<Pixel>;
-  static constexpr std::size_t kSides = 6;
-  const std::array<Picture, kSides>& sides() const { return sides_; }
-
- private:
-  Frame frame_;
-  std::array<Picture, kSides> sides_;
-};
 
 /// Root mean square difference of normals, grain (half weight) and colours up to which two pictures
 /// count as equal.
 inline constexpr double kSameShading = 0.03;
 
-/// Returns the smallest pixel size, object units, at which both look the same within kSameShading;
-/// 0 if they do at the resolution of the pictures. Larger pixels show means of their content. Both
-/// must have the same frame.
-float shading_size(const MeshPictures& full, const MeshPictures& level);
+/// Six pictures of a full mesh, which coarser meshes are compared with. It compares triangles only,
+/// because lines and points are the same in every level.
+class MeshShading {
+ public:
+  /// All of them must outlive it.
+  MeshShading(const Mesh& full, const std::vector<Material>& materials,
+              const std::vector<Image>& images, const Workers& workers);
+
+  /// Returns the smallest pixel size, object units, at which `level` looks the same within
+  /// kSameShading; 0 if it does at the resolution of the pictures. Larger pixels show means of
+  /// their content.
+  float size_of(const Mesh& level);
+
+ private:
+  static constexpr std::size_t kSides = 6;
+  struct Side {
+    std::vector<MeshPicture> full;       ///< finest first; halved once a comparison needs it
+    std::array<MeshPicture, 2> level{};  ///< the compared picture, and room for the next
+  };
+  void draw(const Mesh& mesh, std::size_t side, MeshPicture& out) const;
+
+  const std::vector<Material>& materials_;
+  const std::vector<Image>& images_;
+  const Workers& workers_;
+  const PictureFrame frame_;
+  const bool grained_;
+  std::array<Side, kSides> sides_;
+};
 
 }  // namespace mirage

@@ -46,10 +46,8 @@ Mesh plate(std::uint32_t n, float bumps) {
 
 float size_of(const Mesh& full, const Mesh& level, const std::vector<Material>& materials = {{}},
               const std::vector<Image>& images = {}) {
-  const MeshPictures::Frame frame = MeshPictures::frame_around(full);
   const Workers workers(1);
-  return shading_size(MeshPictures(full, materials, images, frame, workers),
-                      MeshPictures(level, materials, images, frame, workers));
+  return MeshShading(full, materials, images, workers).size_of(level);
 }
 
 TEST(ServerShading, EqualMeshesAreEqualAtEveryPixel) {
