@@ -10,4 +10,4 @@ target_link_libraries(mirage_gltf_tests PRIVATE mirage_gltf nlohmann_json::nlohm
 if(DRACO_FOUND)  # libdraco is linked through mirage_gltf
   target_compile_definitions(mirage_gltf_tests PRIVATE MIRAGE_DRACO)
 endif()
-mirage_unit_test(gltf mirage_gltf_tests)
+mirage_long_unit_test(gltf mirage_gltf_tests)

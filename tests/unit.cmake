@@ -21,10 +21,4 @@ mirage_target(mirage_core_tests TEST)
 target_compile_definitions(mirage_core_tests PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(mirage_core_tests PRIVATE mirage_test_rigs mirage_cli mirage_net mirage_client_native mirage_client_screen mirage_frame_recorder mirage_server_core mirage_gltf mirage_hull mirage_lod OpenImageIO::OpenImageIO nlohmann_json::nlohmann_json
                       GTest::gtest_main)
-mirage_unit_test(core mirage_core_tests)
-# Deals the tests out to two programs under sanitizers: there they take minutes, and all other unit tests end before them.
-if(MIRAGE_SANITIZE)
-  mirage_unit_test(core_1 mirage_core_tests)
-  set_tests_properties(core PROPERTIES ENVIRONMENT "GTEST_TOTAL_SHARDS=2;GTEST_SHARD_INDEX=0")
-  set_tests_properties(core_1 PROPERTIES ENVIRONMENT "GTEST_TOTAL_SHARDS=2;GTEST_SHARD_INDEX=1")
-endif()
+mirage_long_unit_test(core mirage_core_tests)
