@@ -46,8 +46,8 @@ constexpr std::int64_t kLongestRenderUs = 30'000'000;
 // allocated on one thread and freed on another; by default the allocator would keep blocks of up to
 // 32 MiB for each thread.
 constexpr int kGivenBack = 1 << 20;
-// Free bytes at the end of a heap that stay there while a scene is loaded. Pictures and trees of one
-// mesh after another take that memory again; to get it anew took half of the time of loading.
+// Free bytes at the end of a heap that stay there while a scene is loaded. Pictures and trees of
+// one mesh after another take that memory again; to get it anew took half of the time of loading.
 constexpr int kGivenBackLoading = 64 << 20;
 
 std::atomic<Endpoint*> running_endpoint{nullptr};
