@@ -99,7 +99,8 @@ float MeshShading::size_of(const Mesh& level) {
       all.pixels += one.pixels;
     }
     if (all.sum <= kSameShading * kSameShading * static_cast<double>(all.pixels)) return size;
-    size = frame_.extent / static_cast<float>(edge / 2);
+    const std::uint32_t half = edge / 2;
+    size = frame_.extent / static_cast<float>(half);
   }
   return size;
 }
