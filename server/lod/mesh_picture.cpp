@@ -150,7 +150,8 @@ PictureFrame frame_around(const Mesh& mesh) {
   if (corners == 0) return frame;
   frame.center = 0.5f * (low + high);
   frame.extent = kMargin * glm::length(high - low);
-  const double wanted = std::sqrt(kPixelsPerTriangle * static_cast<double>(corners / 3));
+  const std::size_t triangles = corners / 3;
+  const double wanted = std::sqrt(kPixelsPerTriangle * static_cast<double>(triangles));
   frame.edge = kLeastEdge;
   while (frame.edge < kMostEdge && frame.edge < wanted) frame.edge *= 2;
   return frame;
