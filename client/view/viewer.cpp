@@ -20,6 +20,7 @@
 #include "client/native/native_link.h"
 #include "client/native/server_url.h"
 #include "client/price/cost_fit.h"
+#include "client/screen/pilot.h"
 #include "client/screen/screen.h"
 #include "client/screen/viewer_defaults.h"
 #include "client/view/comparison.h"
@@ -62,6 +63,8 @@ class Viewer {
   void receive(std::int64_t now);
   void record_frame(const DrawList& list);
   bool over(std::int64_t frame) const;
+  Camera camera_at(const Pose& pose) const;
+  void steer(double seconds);
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
   bool next_events();
@@ -91,6 +94,7 @@ class Viewer {
   std::unique_ptr<ClientHost> host_;
   std::optional<CameraPath> path_;
   std::optional<LightScript> light_;
+  Pilot pilot_;
   Pose pose_;
   SessionStats stats_;
   std::optional<Lighting> last_light_;
@@ -199,6 +203,7 @@ Result<void> Viewer::meet_scene() {
   if (!light) return light.error();
   light_.emplace(light.take());
   pose_ = look_at(scene.home.eye, scene.home.target);
+  pilot_.meet(scene);
   return {};
 }
 
@@ -211,12 +216,37 @@ void Viewer::note_scene() {
                scene.objects.size(), scene.instances.size(), scene.triangles);
 }
 
+Camera Viewer::camera_at(const Pose& pose) const {
+  Camera camera;
+  camera.pose = pose;
+  camera.fov_y = o_.fov_degrees * 0.017453292519943295;
+  camera.width = static_cast<std::uint32_t>(screen_.width());
+  camera.height = static_cast<std::uint32_t>(screen_.height());
+  const SceneView& scene = session().scene();
+  camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
+  return camera;
+}
+
+// Moves the eye by what a person did at the window.
+void Viewer::steer(double seconds) {
+  if (window_->take_mode_change()) {
+    const bool orbits = pilot_.mode() == SteerMode::kOrbit;
+    pilot_.set_mode(orbits ? SteerMode::kWalk : SteerMode::kOrbit);
+  }
+  const Steering by = window_->take_steering(seconds);
+  const Camera camera = camera_at(pose_);
+  if (const std::optional<glm::dvec2> place = window_->take_aim()) {
+    if (const auto point = seen_at(session().scene(), camera, *place)) pilot_.aim(*point);
+  }
+  pilot_.steer(by, camera.fov_y, pose_);
+}
+
 Pose Viewer::next_pose(std::int64_t now, double real_seconds) {
   if (window_) session().play(!window_->stopped(), now);
   if (path_) {
     pose_ = path_->at(static_cast<double>(now - start_us_) * 1e-6);
   } else if (window_) {
-    window_->steer(pose_, real_seconds, session().scene().home.walk_speed_mps * 2);
+    steer(real_seconds);
   }
   return pose_;
 }
@@ -333,12 +363,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (Result<void> resized = fit_target(); !resized) return resized;
   set_light(now);
   const SceneView& scene = session().scene();
-  Camera camera;
-  camera.pose = next_pose(now, smooth_ms_ * 1e-3);
-  camera.fov_y = o_.fov_degrees * 0.017453292519943295;
-  camera.width = static_cast<std::uint32_t>(screen_.width());
-  camera.height = static_cast<std::uint32_t>(screen_.height());
-  camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
+  const Camera camera = camera_at(next_pose(now, smooth_ms_ * 1e-3));
   const DrawList list = session().frame(camera, now);
   // The target gets the samples and the scale that were planned with this frame.
   if (Result<void> fitted = fit_target(); !fitted) return fitted;

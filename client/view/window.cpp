@@ -3,10 +3,10 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "client/draw/insight.h"
-#include "client/screen/steering.h"
 
 namespace mirage {
 
@@ -19,8 +19,23 @@ struct Window::Impl {
   int layer = 0;
   bool dragging = false;
   double last_x = 0, last_y = 0;
+  double scrolled = 0;  ///< steps
+  std::optional<glm::dvec2> aim_at;
+  bool mode_changes = false, mode_key_down = false;
   bool refresh = true;
   bool down(int key) const { return glfwGetKey(window, key) == GLFW_PRESS; }
+  /// Returns a place of the window as 0 to 1, right and down.
+  glm::dvec2 place(double x, double y) const {
+    int width = 0, height = 0;
+    glfwGetWindowSize(window, &width, &height);
+    return {x / std::max(1, width), y / std::max(1, height)};
+  }
+  void scroll(double steps) {
+    double x = 0, y = 0;
+    glfwGetCursorPos(window, &x, &y);
+    scrolled += steps;
+    aim_at = place(x, y);
+  }
 };
 
 Window::Window() : impl_(std::make_unique<Impl>()) {}
@@ -54,6 +69,9 @@ Result<Window> Window::create(int width, int height) {
   glfwSetWindowUserPointer(out.impl_->window, out.impl_.get());
   glfwSetWindowRefreshCallback(out.impl_->window, [](GLFWwindow* window) {
     static_cast<Impl*>(glfwGetWindowUserPointer(window))->refresh = true;
+  });
+  glfwSetScrollCallback(out.impl_->window, [](GLFWwindow* window, double, double steps) {
+    static_cast<Impl*>(glfwGetWindowUserPointer(window))->scroll(steps);
   });
   return out;
 }
@@ -89,6 +107,9 @@ bool Window::after_events() {
   const bool space = impl_->down(GLFW_KEY_SPACE);
   if (space && !impl_->space_down) impl_->stopped = !impl_->stopped;
   impl_->space_down = space;
+  const bool mode = impl_->down(GLFW_KEY_M);
+  if (mode && !impl_->mode_key_down) impl_->mode_changes = true;
+  impl_->mode_key_down = mode;
   for (int i = 0; i <= static_cast<int>(kInsightLayers); ++i) {
     if (!impl_->down(GLFW_KEY_1 + i) || impl_->layer == i) continue;
     impl_->layer = i;
@@ -105,28 +126,38 @@ int Window::layer() const { return impl_->layer; }
 bool Window::overlay() const { return impl_->overlay; }
 bool Window::stopped() const { return impl_->stopped; }
 
-void Window::steer(Pose& pose, double seconds, double speed_mps) {
+Steering Window::take_steering(double seconds) {
   Steering by;
+  int width = 0, height = 0;
+  glfwGetWindowSize(impl_->window, &width, &height);
   double x = 0, y = 0;
   glfwGetCursorPos(impl_->window, &x, &y);
-  const bool drag = glfwGetMouseButton(impl_->window, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
-  if (drag && impl_->dragging) {
-    constexpr double kRadiansPerPixel = 0.003;
-    by.yaw = (x - impl_->last_x) * kRadiansPerPixel;
-    by.pitch = (y - impl_->last_y) * kRadiansPerPixel;
-  }
-  impl_->dragging = drag;
+  const auto pressed = [&](int button) {
+    return glfwGetMouseButton(impl_->window, button) == GLFW_PRESS;
+  };
+  const bool turns = pressed(GLFW_MOUSE_BUTTON_LEFT);
+  const bool pans = pressed(GLFW_MOUSE_BUTTON_RIGHT) || pressed(GLFW_MOUSE_BUTTON_MIDDLE);
+  const glm::dvec2 way =
+      glm::dvec2(x - impl_->last_x, y - impl_->last_y) / std::max(1.0, 1.0 * height);
+  if (impl_->dragging && (turns || pans)) (pans ? by.pan : by.drag) = way;
+  if ((turns || pans) && !impl_->dragging) impl_->aim_at = impl_->place(x, y);
+  impl_->dragging = turns || pans;
   impl_->last_x = x;
   impl_->last_y = y;
+  by.zoom = std::exchange(impl_->scrolled, 0);
   const auto axis = [&](int plus, int minus) {
     return static_cast<double>(impl_->down(plus)) - static_cast<double>(impl_->down(minus));
   };
   const double ahead = axis(GLFW_KEY_W, GLFW_KEY_S) + axis(GLFW_KEY_UP, GLFW_KEY_DOWN);
   const double side = axis(GLFW_KEY_D, GLFW_KEY_A) + axis(GLFW_KEY_RIGHT, GLFW_KEY_LEFT);
   const double rise = axis(GLFW_KEY_E, GLFW_KEY_Q);
-  const double speed = speed_mps * (impl_->down(GLFW_KEY_LEFT_SHIFT) ? 5.0 : 1.0);
-  by.move = glm::dvec3(side, rise, ahead) * (speed * seconds);
-  mirage::steer(pose, by);
+  constexpr double kFast = 5;  // with Shift
+  const double fast = impl_->down(GLFW_KEY_LEFT_SHIFT) ? kFast : 1;
+  by.move = glm::dvec3(side, rise, ahead) * (fast * seconds);
+  return by;
 }
+
+std::optional<glm::dvec2> Window::take_aim() { return std::exchange(impl_->aim_at, std::nullopt); }
+bool Window::take_mode_change() { return std::exchange(impl_->mode_changes, false); }
 
 }  // namespace mirage

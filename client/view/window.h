@@ -2,11 +2,11 @@
 // Window: a window with a GL context, and the camera that a person steers in it.
 
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "client/screen/pilot.h"
 #include "protocol/base/result.h"
-#include "protocol/impostor/camera.h"
-#include "protocol/model/scene_types.h"
 
 namespace mirage {
 
@@ -37,8 +37,13 @@ class Window {
   /// Returns the InsightLayer chosen by the keys 1 to 5; 0: the picture alone.
   int layer() const;
 
-  /// Moves the camera by the keys pressed and the mouse since the last call.
-  void steer(Pose& pose, double seconds, double speed_mps);
+  /// Returns what keys and mouse have done since the last call, `seconds` ago.
+  Steering take_steering(double seconds);
+  /// Returns the place of the picture (0 to 1, right and down) that the mouse has begun to drag or
+  /// scroll at since the last call.
+  std::optional<glm::dvec2> take_aim();
+  /// True if the key M has been pressed since the last call.
+  bool take_mode_change();
 
  private:
   Window();

@@ -11,7 +11,7 @@
 
 #include "client/frame/reference_frame.h"
 #include "client/scene/scene_view.h"
-#include "client/screen/steering.h"
+#include "client/screen/pilot.h"
 #include "client/web/web_viewer.h"
 #include "shaders/gl/dialect.h"
 
@@ -113,10 +113,24 @@ EMSCRIPTEN_KEEPALIVE int page_frame(double now_ms, int width, int height) {
   return (frame->drawn ? 1 : 0) | (frame->resting ? 2 : 0) | (frame->drawable ? 4 : 0);
 }
 
-/// Turns the eye by radians, and moves it by seconds at full speed.
-EMSCRIPTEN_KEEPALIVE void page_steer(double yaw, double pitch, double right, double up,
-                                     double ahead) {
-  page().viewer->steer({yaw, pitch, {right, up, ahead}});
+/// Moves the eye by what a person did: ten numbers in the order of Steering.
+EMSCRIPTEN_KEEPALIVE void page_steer(double drag_x, double drag_y, double turn_x, double turn_y,
+                                     double right, double up, double ahead, double pan_x,
+                                     double pan_y, double zoom) {
+  page().viewer->steer(
+      {{drag_x, drag_y}, {turn_x, turn_y}, {right, up, ahead}, {pan_x, pan_y}, zoom});
+}
+/// Turns about what is at a place of the picture (0 to 1, right and down). Returns 1, or 0 if
+/// nothing is there.
+EMSCRIPTEN_KEEPALIVE int page_aim(double x, double y) {
+  return std::isfinite(x + y) && page().viewer->aim({x, y}) ? 1 : 0;
+}
+/// Returns 1 where one orbits, 0 where one walks.
+EMSCRIPTEN_KEEPALIVE int page_orbits() {
+  return page().viewer->steer_mode() == mirage::SteerMode::kOrbit ? 1 : 0;
+}
+EMSCRIPTEN_KEEPALIVE void page_set_orbits(int orbits) {
+  page().viewer->set_steer_mode(orbits ? mirage::SteerMode::kOrbit : mirage::SteerMode::kWalk);
 }
 
 /// Sets the eye and a point that it looks at, m. Ignored unless both are finite and differ.

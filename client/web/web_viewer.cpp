@@ -11,7 +11,6 @@
 #include "client/plan/frame_plan.h"
 #include "client/scene/scene_view.h"
 #include "client/screen/renderer_sink.h"
-#include "client/screen/steering.h"
 #include "client/screen/viewer_defaults.h"
 #include "protocol/base/quantile.h"
 #include "protocol/base/stable_math.h"
@@ -107,6 +106,10 @@ Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int he
   Result<void> received = session_->receive(now_us);
   decode_ms_ = emscripten_get_now() - began - upload_ms_;
   if (!received) problem_ = received.error().text;
+  if (!met_ && home_known()) {
+    pilot_.meet(session_->scene());
+    met_ = true;
+  }
   if (!posed_ && home_known()) go_home();
   if (Result<void> fitted = screen_.fit(width, height, *session_); !fitted) return fitted.error();
   Camera seen = camera();
@@ -219,10 +222,10 @@ void WebViewer::probe() {
   screen_.content_changed();
 }
 
-void WebViewer::steer(const Steering& by) {
-  Steering scaled = by;
-  scaled.move *= session_->scene().home.walk_speed_mps * 2;
-  mirage::steer(pose_, scaled);
+bool WebViewer::aim(const glm::dvec2& place) {
+  const std::optional<glm::dvec3> point = seen_at(session_->scene(), camera(), place);
+  if (point) pilot_.aim(*point);
+  return point.has_value();
 }
 
 void WebViewer::set_pose(const Pose& pose) {
@@ -234,6 +237,7 @@ void WebViewer::set_pose(const Pose& pose) {
 void WebViewer::go_home() {
   const HomeView& home = session_->scene().home;
   pose_ = look_at(home.eye, home.target);
+  pilot_.aim(home.target);
   posed_ = true;
 }
 

@@ -18,14 +18,13 @@
 #include "client/draw/presenter.h"
 #include "client/frame/draw_list.h"
 #include "client/price/cost_fit.h"
+#include "client/screen/pilot.h"
 #include "client/screen/screen.h"
 #include "client/session/client_session.h"
 #include "client/web/browser_link.h"
 #include "protocol/impostor/camera.h"
 
 namespace mirage {
-
-struct Steering;
 
 struct WebOptions {
   int width = 640, height = 360;
@@ -54,8 +53,13 @@ class WebViewer {
   /// this size.
   Result<Frame> frame(std::int64_t now_us, int width, int height);
 
-  /// Moves the eye by what a person did; moves are in seconds at twice the scene's walking speed.
-  void steer(const Steering& by);
+  /// Moves the eye by what a person did.
+  void steer(const Steering& by) { pilot_.steer(by, camera().fov_y, pose_); }
+  SteerMode steer_mode() const { return pilot_.mode(); }
+  void set_steer_mode(SteerMode mode) { pilot_.set_mode(mode); }
+  /// Makes what is seen at a place of the picture (0 to 1, right and down) the pivot. False:
+  /// nothing is there, and the pivot stays.
+  bool aim(const glm::dvec2& place);
   void set_pose(const Pose& pose);
   const Pose& pose() const { return pose_; }
   /// Moves the eye to the scene's home view.
@@ -122,6 +126,8 @@ class WebViewer {
   InsightLayer layer_ = InsightLayer::kNone;
   std::unique_ptr<ClientSession> session_;
   CostFit prices_;
+  Pilot pilot_;
+  bool met_ = false;  ///< the pilot knows the scene
   Pose pose_;
   bool posed_ = false;
   int canvas_width_ = 0, canvas_height_ = 0;

@@ -139,7 +139,7 @@ test('a display that calls seldom takes nothing away', async () => {
   await forest.stop();
 });
 
-test('keys move, the mouse looks, the wheel goes ahead', async () => {
+test('keys move, the mouse turns about what is under it, pans and flies, the wheel goes nearer', async () => {
   const page = await open(browser, at(view));
   await rested(page);
   const start = await pose(page);
@@ -156,24 +156,57 @@ test('keys move, the mouse looks, the wheel goes ahead', async () => {
   await page.keyboard.up('KeyQ');
   assert.ok((await pose(page)).eye[1] < ahead.eye[1], 'Q goes down');
 
+  await page.keyboard.down('KeyX');
+  await sleep(200);
+  await page.keyboard.up('KeyX');
+  await page.keyboard.press('KeyH');
   const before = await pose(page);
-  await page.mouse.move(300, 200);
-  await page.mouse.down();
-  await page.mouse.move(400, 200, { steps: 5 });
-  await page.mouse.up();
-  await until('turned', async () => apart((await pose(page)).ahead, before.ahead) > 0.2);
+  const yawOf = ({ ahead: way }) => Math.atan2(way[0], -way[2]);
+  const drag = async (button, to) => {
+    await page.mouse.move(320, 180);
+    await page.mouse.down({ button });
+    await page.mouse.move(...to, { steps: 5 });
+    await page.mouse.up({ button });
+  };
+  await drag('left', [420, 180]);
+  await until('turned', async () => apart((await pose(page)).ahead, before.ahead) > 0.8);
   const turned = await pose(page);
-  const yaw = Math.atan2(turned.ahead[0], -turned.ahead[2]) - Math.atan2(before.ahead[0], -before.ahead[2]);
-  assert.ok(Math.abs(yaw - 0.3) < 0.01, `100 px are 0.3 radians to the right, here ${yaw}`);
+  const yaw = yawOf(turned) - yawOf(before);
+  assert.ok(Math.abs(yaw - 3.14 * 100 / 360) < 0.01, `a drag over the height turns by half a circle, here ${yaw}`);
   assert.ok(Math.abs(turned.ahead[1] - before.ahead[1]) < 0.01, 'level');
+  assert.ok(apart(turned.eye, before.eye) > 1, 'the eye goes around');
 
+  await drag('right', [320, 120]);
+  await until('shifted', async () => apart((await pose(page)).eye, turned.eye) > 0.05);
+  const shifted = await pose(page);
+  assert.ok(shifted.eye[1] < turned.eye[1], 'what is dragged up is looked at from below');
+  assert.ok(apart(shifted.ahead, turned.ahead) < 1e-6, 'a pan does not turn');
+
+  await page.keyboard.press('KeyH');
+  const home = await pose(page);
+  await page.mouse.move(320, 180);
   await page.mouse.wheel(0, -100);
-  await until('a step', async () => apart((await pose(page)).eye, turned.eye) > 0.05);
+  await until('a step', async () => apart((await pose(page)).eye, home.eye) > 0.05);
+  await sleep(600);
+  const nearer = await pose(page);
+  await page.mouse.dblclick(320, 180);
+  await until('flown', async () => apart((await pose(page)).eye, nearer.eye) > 0.3);
+
+  assert.equal(await page.textContent('#mode'), 'Walk', 'one object is orbited');
+  await page.keyboard.press('KeyM');
+  assert.equal(await page.textContent('#mode'), 'Orbit');
+  await sleep(800);
+  const still = await pose(page);
+  await drag('left', [420, 180]);
+  await until('looked', async () => apart((await pose(page)).ahead, still.ahead) > 0.25);
+  const looked = await pose(page);
+  assert.ok(Math.abs(yawOf(looked) - yawOf(still) + Math.PI / 3 * 100 / 360) < 0.01, 'the picture goes with the hand');
+  assert.ok(apart(looked.eye, still.eye) < 1e-9, 'who walks turns in place');
   assert.deepEqual(page.problems, []);
   await page.context().close();
 });
 
-test('fingers: one looks, two move and pinch, the stick moves', async () => {
+test('fingers: one turns, two shift and pinch, the stick moves', async () => {
   const page = await open(browser, at(view), { width: 360, height: 640, touch: true });
   await rested(page);
   const session = await page.context().newCDPSession(page);
@@ -186,7 +219,7 @@ test('fingers: one looks, two move and pinch, the stick moves', async () => {
   await touch('touchEnd', []);
   await until('turned', async () => apart((await pose(page)).ahead, start.ahead) > 0.1);
   const turned = await pose(page);
-  assert.ok(apart(turned.eye, start.eye) < 1e-6, 'one finger does not move');
+  assert.ok(apart(turned.eye, start.eye) > 0.1, 'one finger goes around');
 
   await touch('touchStart', [[150, 300], [210, 300]]);
   await touch('touchMove', [[110, 300], [250, 300]]);

@@ -1,20 +1,29 @@
-// Controls: mouse, keyboard, fingers, stick and gamepad as one motion, which is taken every frame.
+// Controls: mouse, keyboard, fingers, stick and gamepad as one motion, which is taken every frame. The
+// core turns it into a way of the eye (client/screen/pilot.h).
 
-const radiansPerPixel = 0.003;  // as in the native window
-const metresPerPixel = 0.01;    // of two fingers, at walking speed
+const wheelStep = 100;        // of a wheel's delta
+const mostWheelSteps = 3;     // of one event
+const pinchSteps = 12;        // for fingers that spread by the picture's height
+const flySteps = 5;           // of a double click
+const glideS = 0.08;          // in which most of a step is gone
+const looks = { KeyZ: [-1, 0], KeyX: [1, 0], KeyR: [0, -1], KeyV: [0, 1] };
+const lookRate = 1.2;         // radians a second
 const keyMoves = {
   KeyW: [0, 0, 1], ArrowUp: [0, 0, 1], KeyS: [0, 0, -1], ArrowDown: [0, 0, -1], KeyD: [1, 0, 0], ArrowRight: [1, 0, 0],
   KeyA: [-1, 0, 0], ArrowLeft: [-1, 0, 0], KeyE: [0, 1, 0], KeyQ: [0, -1, 0] };
 const dead = 0.15;  // of a gamepad's axes
 
 export class Controls {
-  constructor(canvas, stick, wake) {
+  /// `aim` gets the place of the picture, 0 to 1, where a hand takes hold.
+  constructor(canvas, stick, wake, aim) {
     this.wake = wake;
+    this.aim = aim;
     this.keys = new Set();
     this.pointers = new Map();
     this.stickAt = [0, 0];
-    this.turn = [0, 0];     // radians since the last take
-    this.step = [0, 0, 0];  // metres at walking speed
+    this.dragged = [0, 0];  // shares of the picture's height, since the last take
+    this.panned = [0, 0];
+    this.zoom = 0;          // steps that are not taken yet
     this.fast = false;
     this.listen(canvas);
     this.listenStick(stick);
@@ -26,6 +35,14 @@ export class Controls {
       canvas.focus({ preventScroll: true });
       try { canvas.setPointerCapture(e.pointerId); } catch { /* a pointer that is gone already */ }
       this.pointers.set(e.pointerId, [e.clientX, e.clientY]);
+      this.pans = e.button === 1 || e.button === 2;
+      this.aimAt(e);
+      this.wake();
+    });
+    canvas.addEventListener('contextmenu', (e) => e.preventDefault());  // the right button pans
+    canvas.addEventListener('dblclick', (e) => {
+      this.aimAt(e);
+      this.zoom += flySteps;
       this.wake();
     });
     canvas.addEventListener('pointermove', (e) => this.drag(e));
@@ -34,12 +51,14 @@ export class Controls {
     }
     canvas.addEventListener('wheel', (e) => {
       e.preventDefault();
-      this.step[2] -= Math.sign(e.deltaY) * 0.5;
+      this.aimAt(e);
+      const steps = e.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? e.deltaY / wheelStep : Math.sign(e.deltaY);
+      this.zoom -= Math.max(-mostWheelSteps, Math.min(mostWheelSteps, steps));
       this.wake();
     }, { passive: false });
     addEventListener('keydown', (e) => {
-      const typing = e.target instanceof HTMLInputElement || e.ctrlKey || e.metaKey || e.altKey;
-      if (!keyMoves[e.code] || typing) return;
+      const typing = (e.target instanceof HTMLInputElement && e.target.type !== 'radio') || e.ctrlKey || e.metaKey || e.altKey;
+      if (!(keyMoves[e.code] || looks[e.code]) || typing) return;
       e.preventDefault();
       this.keys.add(e.code);
       this.fast = e.shiftKey;
@@ -49,21 +68,26 @@ export class Controls {
     addEventListener('blur', () => { this.keys.clear(); this.pointers.clear(); this.stickAt = [0, 0]; });
   }
 
-  // One pointer looks; two pointers move the eye by where they go and how they spread.
+  aimAt(e) {
+    const box = e.target.getBoundingClientRect();
+    this.aim((e.clientX - box.left) / box.width, (e.clientY - box.top) / box.height);
+  }
+
+  // One pointer turns, or pans with its right button; two pan by where they go, and zoom by how they spread.
   drag(e) {
     const before = this.pointers.get(e.pointerId);
     if (!before) return;
-    const dx = e.clientX - before[0], dy = e.clientY - before[1];
+    const height = e.target.clientHeight || 1;
+    const way = [(e.clientX - before[0]) / height, (e.clientY - before[1]) / height];
     if (this.pointers.size === 1) {
-      this.turn[0] += dx * radiansPerPixel;
-      this.turn[1] += dy * radiansPerPixel;
+      const to = this.pans ? this.panned : this.dragged;
+      way.forEach((share, i) => { to[i] += share; });
     } else {
       const [, other] = [...this.pointers].find(([id]) => id !== e.pointerId);
       const spread = Math.hypot(e.clientX - other[0], e.clientY - other[1]) -
         Math.hypot(before[0] - other[0], before[1] - other[1]);
-      this.step[0] -= dx * metresPerPixel / 2;
-      this.step[1] += dy * metresPerPixel / 2;
-      this.step[2] += spread * metresPerPixel;
+      way.forEach((share, i) => { this.panned[i] += share / 2; });  // each of the two tells its half
+      this.zoom += pinchSteps * spread / height;
     }
     this.pointers.set(e.pointerId, [e.clientX, e.clientY]);
     this.wake();
@@ -97,14 +121,20 @@ export class Controls {
 
   gamepads() { return navigator.getGamepads ? [...navigator.getGamepads()].filter((pad) => pad && pad.connected) : []; }
 
-  /// Returns the motion since the last call, `seconds` ago: radians to turn, m at walking speed to
-  /// move, and whether anything is held.
+  /// Returns the motion since the last call, `seconds` ago: the numbers of page_steer(), and whether
+  /// anything is held.
   take(seconds) {
-    const turn = this.turn, move = this.step.map((m) => m);
-    this.turn = [0, 0];
-    this.step = [0, 0, 0];
-    let held = this.keys.size > 0 || this.stickAt.some((v) => v !== 0);
-    for (const key of this.keys) keyMoves[key].forEach((m, i) => { move[i] += m * seconds; });
+    const drag = this.dragged, pan = this.panned, turn = [0, 0], move = [0, 0, 0];
+    this.dragged = [0, 0];
+    this.panned = [0, 0];
+    const whole = Math.abs(this.zoom) < 0.02;
+    const zoom = whole ? this.zoom : this.zoom * (1 - Math.exp(-seconds / glideS));
+    this.zoom -= zoom;
+    let held = this.keys.size > 0 || this.stickAt.some((v) => v !== 0) || this.zoom !== 0;
+    for (const key of this.keys) {
+      keyMoves[key]?.forEach((m, i) => { move[i] += m * seconds; });
+      looks[key]?.forEach((share, i) => { turn[i] += share * lookRate * seconds; });
+    }
     move[0] += this.stickAt[0] * seconds;
     move[2] -= this.stickAt[1] * seconds;
     for (const pad of this.gamepads()) {
@@ -118,7 +148,8 @@ export class Controls {
       turn[0] += values[2] * seconds * 2;
       turn[1] += values[3] * seconds * 2;
     }
-    return { turn, move, boost: this.fast ? 5 : 1, held: held || this.pointers.size > 0,
-      moved: turn.some((v) => v !== 0) || move.some((v) => v !== 0) };
+    const boost = this.fast ? 5 : 1;
+    const steering = [...drag, ...turn, ...move.map((m) => m * boost), ...pan, zoom];
+    return { steering, held: held || this.pointers.size > 0, moved: steering.some((v) => v !== 0) };
   }
 }

@@ -3,7 +3,7 @@ import { pixels, textAt } from './core.js';
 import { notice } from './status.js';
 
 const $ = (id) => document.getElementById(id);
-const keys = { KeyH: 'home', KeyL: 'share', KeyP: 'screenshot', KeyC: 'compare', KeyO: 'figures-button', KeyF: 'fullscreen', Space: 'pause' };
+const keys = { KeyH: 'home', KeyL: 'share', KeyP: 'screenshot', KeyC: 'compare', KeyO: 'figures-button', KeyM: 'mode', KeyF: 'fullscreen', Space: 'pause' };
 
 export class Toolbar {
   constructor(viewer) {
@@ -13,6 +13,7 @@ export class Toolbar {
       share: () => this.share(),
       screenshot: () => this.screenshot(),
       compare: () => viewer.compare.toggle(),
+      mode: () => this.changeMode(),
       pause: () => this.pause(),
       'figures-button': () => viewer.figures.toggle(),
       fullscreen: () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.())?.catch?.(() => {}),
@@ -36,6 +37,21 @@ export class Toolbar {
   offerPause() {
     const still = this.viewer.core._page_animated() === 0;
     if ($('pause').hidden !== still) $('pause').hidden = still;
+  }
+
+  changeMode() {
+    const { core } = this.viewer;
+    core._page_set_orbits(core._page_orbits() ? 0 : 1);
+    this.showMode();
+  }
+
+  /// Names the button by what it would change to.
+  showMode() {
+    const orbits = this.viewer.core._page_orbits() !== 0;
+    if (this.orbits === orbits) return;
+    this.orbits = orbits;
+    $('mode').textContent = orbits ? 'Walk' : 'Orbit';
+    $('mode').title = orbits ? 'Walk: turn in place, go where one looks (M)' : 'Orbit: turn about what is under the cursor (M)';
   }
 
   press(e) {

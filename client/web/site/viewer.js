@@ -60,7 +60,7 @@ export class Viewer {
     await new Promise((done) => { setTimeout(done); });  // lets the text be shown
     this.prices = new Prices(this);
     if (!this.startGraphics()) return;
-    this.controls = new Controls(canvas, $('stick'), () => this.wake());
+    this.controls = new Controls(canvas, $('stick'), () => this.wake(), (x, y) => this.viewerThere() && this.core._page_aim(x, y));
     this.figures = new Figures(this);
     this.compare = new Compare(this);
     this.toolbar = new Toolbar(this);
@@ -181,7 +181,7 @@ export class Viewer {
     const motion = this.controls.take(seconds);
     if (motion.moved) {
       this.compare.end();
-      core._page_steer(...motion.turn, ...motion.move.map((m) => m * motion.boost));
+      core._page_steer(...motion.steering);
     }
     this.place.setLight();
     const [width, height] = this.size();
@@ -244,6 +244,7 @@ export class Viewer {
       this.toolbar.enable();
     }
     if (this.seen) this.toolbar.offerPause();
+    this.toolbar.showMode();
     if (this.seen && this.link.noteSeen()) {
       say('');
       this.place.tellWrong();

@@ -1,0 +1,63 @@
+#pragma once
+// Pilot: moves the eye as a person steers it. Who walks turns in place and goes where they look;
+// who orbits turns about a point of the scene, the pivot.
+// Input:  the scene; what hand, keys and sticks have done since the last frame.
+// Output: the pose.
+// Thread: the frame loop's.
+// Full:   never.
+
+#include <glm/glm.hpp>
+#include <optional>
+
+#include "protocol/impostor/camera.h"
+
+namespace mirage {
+
+class SceneView;
+
+enum class SteerMode : std::uint8_t { kWalk, kOrbit };
+
+/// A person's motions since the last frame. Numbers that are not finite do nothing.
+struct Steering {
+  glm::dvec2 drag{0};  ///< shares of the picture's height, right and down: what is seen goes along
+  glm::dvec2 turn{0};  ///< radians, right and down: the eye turns
+  glm::dvec3 move{0};  ///< seconds at full speed: right, up (of the world), ahead
+  glm::dvec2 pan{0};   ///< shares of the picture's height, right and down: the scene goes along
+  double zoom = 0;     ///< steps, > 0: nearer
+};
+
+class Pilot {
+ public:
+  /// Learns the scene: a home view from outside of it is for orbiting about what it looks at, one
+  /// from inside for walking.
+  void meet(const SceneView& scene);
+
+  SteerMode mode() const { return mode_; }
+  void set_mode(SteerMode mode) { mode_ = mode; }
+  const glm::dvec3& pivot() const { return pivot_; }
+  /// Returns the full speed, m/s. It crosses a scene that is orbited, or one of an unusual size for
+  /// walking, within ten seconds, whatever the unit of its file.
+  double speed_mps() const { return speed_mps_; }
+
+  /// Turns about `point` from now on.
+  void aim(const glm::dvec3& point) { pivot_ = point; }
+  /// Moves the pose. The eye never looks steeper than 1.5 radians. `fov_y`: of the picture,
+  /// radians.
+  void steer(const Steering& by, double fov_y, Pose& pose) const;
+
+ private:
+  void turn(const glm::dvec2& angles, Pose& pose) const;
+  void approach(double steps, Pose& pose) const;
+
+  SteerMode mode_ = SteerMode::kWalk;
+  glm::dvec3 pivot_{0, 0, -1};
+  double radius_ = 1;  ///< of the scene, m
+  double speed_mps_ = 1;
+};
+
+/// Returns the point that is seen at a place of the picture (0 to 1, right and down), on the hull
+/// of the nearest instance that the eye is outside of; nullopt: there is none.
+std::optional<glm::dvec3> seen_at(const SceneView& scene, const Camera& camera,
+                                  const glm::dvec2& place);
+
+}  // namespace mirage
