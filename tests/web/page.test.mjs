@@ -564,7 +564,7 @@ test('what moves can be stopped, and goes on from there', async () => {
   await page.keyboard.press('Space');
   assert.equal(await pause.textContent(), 'Play');
   assert.equal(await pause.getAttribute('aria-pressed'), 'true');
-  await waits(3000);  // what was under way arrives, and the picture comes to rest
+  await rested(page);  // what was under way has arrived
   const stopped = await shot();
   await waits(700);
   assert.equal(await shot(), stopped, 'it stands');
