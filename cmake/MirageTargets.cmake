@@ -49,8 +49,9 @@ function(mirage_target name)
   if(ARG_TEST)
     target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
-  # A batch reads headers and instantiates templates once for its files. Shipped code outside of sanitizers stays file by file.
-  if(MIRAGE_BATCHES AND NOT ARG_ALONE AND (ARG_TEST OR MIRAGE_SANITIZE))
+  # A batch reads headers and instantiates templates once for its files. Shipped code is compiled file by file, unless
+  # sanitizers make that slow, or MIRAGE_ALL_BATCHES is on.
+  if(MIRAGE_BATCHES AND NOT ARG_ALONE AND (ARG_TEST OR MIRAGE_SANITIZE OR MIRAGE_ALL_BATCHES))
     # The files of one folder are a batch, so a new file never brings other files together.
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
     get_target_property(sources ${name} SOURCES)
@@ -59,7 +60,7 @@ function(mirage_target name)
       string(MAKE_C_IDENTIFIER "batch_${folder}" batch)
       set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${batch})
     endforeach()
-    # These warn of neighbours in a batch. The release build and the linter look at each shipped file alone.
+    # These warn of neighbours in a batch. The linter looks at each shipped file alone.
     target_compile_options(${name} PRIVATE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
   if(MIRAGE_PCH AND NOT ARG_PCH STREQUAL "none")

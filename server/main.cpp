@@ -18,6 +18,7 @@
 #include "protocol/impostor/tile_key.h"
 #include "server/base/cache_directory.h"
 #include "server/base/log.h"
+#include "server/chosen_scenes.h"
 #include "server/doctor.h"
 #include "server/net/endpoint.h"
 #include "server/options.h"
@@ -139,19 +140,28 @@ void announce(const ServerOptions& options, ServedScene& served, int port) {
   std::fflush(stdout);
 }
 
+/// Returns the options for a scene that some viewers have chosen. Its tiles get a share of memory.
+ServerOptions with_choice(ServerOptions options, const SceneChoice& choice) {
+  options.choice = choice;
+  options.cache_mb = std::max<std::size_t>(options.cache_mb / (options.choices + 1), 1);
+  return options;
+}
+
 /// A running server, from the ready line to the last goodbye.
 class Service {
  public:
   Service(const ServerOptions& options, CacheDirectory* cache)
-      : options_(options), reload_(options.scene, [this, cache] {
-          return ServedScene::start(options_, cache, clock_, [this] {
-            if (Endpoint* endpoint = awake_.load()) endpoint->wake();
-          });
-        }) {}
+      : options_(options),
+        cache_(cache),
+        reload_(options.scene, [this] { return load(options_); }),
+        chosen_(options.choices, clock_,
+                {[this](const SceneChoice& choice) { return load(with_choice(options_, choice)); },
+                 [this](std::unique_ptr<ServedScene> old) { reload_.retire(std::move(old)); }}) {}
   ~Service() {
     running_endpoint = nullptr;
     awake_ = nullptr;
     // The stages end before the endpoint they wake, however run() ended.
+    chosen_.end();
     reload_.end();
     if (served_) served_->stop();
   }
@@ -160,31 +170,42 @@ class Service {
 
  private:
   EndpointHooks hooks();
+  Result<std::unique_ptr<ServedScene>> load(const ServerOptions& options);
   void hangup();
   void tick();
   /// Replaces the served scene.
   void serve(std::unique_ptr<ServedScene> next);
 
   const ServerOptions& options_;
+  CacheDirectory* const cache_;
   const SteadyClock clock_;
   std::atomic<Endpoint*> awake_{nullptr};
   const ServiceManager manager_;
   std::unique_ptr<ServedScene> served_;
   SceneReload reload_;
+  ChosenScenes chosen_;
   std::optional<Endpoint> endpoint_;
 };
+
+Result<std::unique_ptr<ServedScene>> Service::load(const ServerOptions& options) {
+  return ServedScene::start(options, cache_, clock_, [this] {
+    if (Endpoint* endpoint = awake_.load()) endpoint->wake();
+  });
+}
 
 EndpointHooks Service::hooks() {
   EndpointHooks out;
   out.reload = [this] { hangup(); };
   out.tick = [this] { tick(); };
   out.stopping = [this] { manager_.stopping(); };
+  out.choose = [this](const SceneChoice& choice) { return chosen_.find(choice); };
   return out;
 }
 
 void Service::hangup() {
   manager_.reloading();
   read_tokens_anew(options_.token_file, served_->hub());
+  chosen_.set_access(served_->hub().access());
   reload_.hangup();
   manager_.ready("serves " + options_.scene);
 }
@@ -194,6 +215,7 @@ void Service::tick() {
   const std::int64_t since_us = queues.rendering_since_us;
   if (since_us == 0 || clock_.now_us() - since_us < kLongestRenderUs) manager_.alive();
   reload_.look();
+  chosen_.look(*endpoint_, served_->hub().access());
   if (std::unique_ptr<ServedScene> next = reload_.take()) serve(std::move(next));
 }
 
@@ -205,6 +227,7 @@ void Service::serve(std::unique_ptr<ServedScene> next) {
   read_tokens_anew(options_.token_file, next->hub());
   next->hub().make_home_view();
   endpoint_->serve(next->hub(), next->queues());
+  chosen_.clear();
   served_.swap(next);
   spdlog::info("serves revision {:016x} now, in place of {:016x}", served_->hub().revision(),
                next->hub().revision());
@@ -294,9 +317,6 @@ int run(int argc, char** argv) {
 }  // namespace mirage
 
 int main(int argc, char** argv) {
-  try {
-    return mirage::gl::exit_without_leaks(mirage::run(argc, argv));
-  } catch (const std::exception& e) {
-    return mirage::fail(mirage::error_of(e));
-  }
+  return mirage::run_program(
+      [&] { return mirage::gl::exit_without_leaks(mirage::run(argc, argv)); });
 }

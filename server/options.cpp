@@ -132,6 +132,11 @@ void add_storage_options(CLI::App& app, ServerOptions& o, Texts& t) {
                  "memory that the scene may take, MB: files that need more are refused; default: "
                  "half of what the machine has")
       ->check(CLI::Range(1, 1 << 24));
+  app.add_option("--choices", o.choices,
+                 "clips and variants of a file that viewers may choose at a time; each is a scene "
+                 "of its own, loaded when it is chosen; 0: all see what is served")
+      ->check(CLI::Range(0, 64))
+      ->capture_default_str();
   app.add_option("--cache-mb", o.cache_mb, "memory for finished tiles, MB")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();

@@ -2,6 +2,7 @@
 #include <optional>
 #include <string>
 
+#include "protocol/model/scene_types.h"
 #include "server/base/log.h"
 #include "server/net/endpoint_options.h"
 #include "server/session/session_options.h"
@@ -12,6 +13,8 @@ namespace mirage {
 
 struct ServerOptions {
   std::string scene;
+  SceneChoice choice;             ///< instead of what `scene` names
+  std::size_t choices = 4;        ///< scenes with another choice, beside that one
   std::string environment;        ///< empty: what suits the scene
   std::string write_environment;  ///< set: only write it to this file
   EndpointOptions endpoint;

@@ -29,6 +29,7 @@ Result<std::shared_ptr<const PreparedScene>> load_served(const ServerOptions& op
   Result<std::shared_ptr<const PreparedScene>> scene =
       load_scene(options.scene, {.keep_imported = options.prove,
                                  .strict = options.strict,
+                                 .choice = options.choice,
                                  .megabytes = options.scene_mb,
                                  .environment = options.environment,
                                  .cache = cache,
@@ -57,6 +58,7 @@ Result<std::unique_ptr<ServedScene>> ServedScene::start(const ServerOptions& opt
   }
   RenderOptions render = options.render;
   SessionOptions session = options.session;
+  session.choices = options.choices > 0;
   session.shadows = render.shadows = options.shadows && parts.scene->has_casters();
   parts.pipeline.emplace(clock, options.cache_mb << 20, std::move(sources), std::move(wake));
   const Result<std::string> renderer = parts.pipeline->start(parts.scene, render, options.encoders);

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "protocol/base/cli.h"
+#include "protocol/base/resources.h"
 #include "server/session/access.h"
 
 namespace mirage {
@@ -69,4 +70,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace mirage
 
-int main(int argc, char** argv) { return mirage::run(argc, argv); }
+int main(int argc, char** argv) {
+  return mirage::run_program([&] { return mirage::run(argc, argv); });
+}

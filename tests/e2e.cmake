@@ -60,6 +60,8 @@ target_compile_definitions(mirage_e2e_operations PRIVATE MIRAGE_SOURCE_DIR="${PR
 # The test of reloading writes scenes, compares frames, and uses TLS.
 mirage_e2e(reload)
 target_link_libraries(mirage_e2e_reload PRIVATE mirage_gltf OpenImageIO::OpenImageIO OpenSSL::SSL)
+mirage_e2e(choices)
+target_link_libraries(mirage_e2e_choices PRIVATE mirage_gltf OpenImageIO::OpenImageIO)
 mirage_e2e(softpipe)
 target_link_libraries(mirage_e2e_softpipe PRIVATE mirage_quality OpenImageIO::OpenImageIO)
 # Runs alone, because it watches frame times.

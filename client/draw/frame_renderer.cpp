@@ -192,7 +192,7 @@ Result<void> FrameRenderer::reset(const SceneView& scene) {
 Result<void> FrameRenderer::add_mesh(std::uint32_t object, std::uint8_t lod, ObjectModel model) {
   Parts& p = *parts_;
   Parts::ClientMesh mesh;
-  mesh.mesh = gl::GpuMesh(model.mesh);
+  mesh.mesh = gl::GpuMesh(model.mesh, model.animation != nullptr);
   mesh.materials = std::move(model.materials);
   if (model.animation) mesh.bind = std::move(model.mesh.vertices);
   mesh.animation = std::move(model.animation);

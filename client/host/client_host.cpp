@@ -141,6 +141,8 @@ LinkTraffic ClientHost::traffic() const {
   return modelled_ ? modelled_->traffic() : native_->traffic();
 }
 
+void ClientHost::reconnect() { native_->reconnect(); }
+
 std::optional<LinkUse> ClientHost::link_use() {
   return virtual_clock_ ? std::optional(modelled_->use()) : std::nullopt;
 }

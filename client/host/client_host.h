@@ -60,6 +60,8 @@ class ClientHost {
   const ClientSession& session() const { return *session_; }
   const NativeLink& native() const { return *native_; }
   LinkTraffic traffic() const;
+  /// Closes the connection and opens another one; the session goes on.
+  void reconnect();
   /// Returns the session's time, µs: that of the clock minus what leave_out_since() has left out.
   std::int64_t now_us() const { return clock_->now_us() - left_out_us_; }
   const Clock& clock() const { return *clock_; }

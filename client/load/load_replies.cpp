@@ -40,6 +40,8 @@ void LoadRun::on_open(std::uint32_t client) {
   hello.token = options_.token;
   hello.name = "mirage-load";
   hello.codecs = every_codec();
+  hello.clip = options_.url.choice.clip;
+  hello.variant = options_.url.choice.variant;
   link_->send(client, encode_message(std::move(hello)));
 }
 

@@ -48,7 +48,7 @@ Result<void> run_load(const LoadOptions& options) {
 }  // namespace mirage
 
 int main(int argc, char** argv) {
-  try {
+  return mirage::run_program([&] {
     mirage::LoadOptions options;
     if (const int code = mirage::parse_options(argc, argv, options); code >= 0) return code;
     spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
@@ -56,7 +56,5 @@ int main(int argc, char** argv) {
     mirage::Result<void> done = mirage::require_threads();
     if (done) done = mirage::run_load(options);
     return done.ok() ? 0 : mirage::fail(done.error());
-  } catch (const std::exception& e) {
-    return mirage::fail(mirage::error_of(e));
-  }
+  });
 }

@@ -41,6 +41,7 @@ struct NativeLink::Impl {
   lws* socket = nullptr;
   std::thread thread;
   std::atomic<bool> stopping{false};
+  std::atomic<bool> leaving{false};  // the connection is to be closed and another one opened
   std::atomic<bool> connected{false};
   std::atomic<std::uint32_t> generation{0};
   std::atomic<std::uint64_t> bytes_up{0}, bytes_down{0};
@@ -114,6 +115,7 @@ struct NativeLink::Impl {
     outbound.clear();
     if (problem.empty() || !why.empty()) problem = why;
     tell();
+    if (leaving.exchange(false)) return connect_later(0);
     // A random part is added, so that clients do not all return at once when their server is back.
     const int more_ms = pause_ms * kMostChancePercent / 100;
     connect_later(pause_ms + std::uniform_int_distribution<int>(0, more_ms)(chance));
@@ -122,6 +124,7 @@ struct NativeLink::Impl {
 
   void up() {
     close_code = 0;
+    leaving = false;
     const std::lock_guard<std::mutex> lock(mutex);
     problem.clear();
     inbound.clear();
@@ -183,7 +186,7 @@ struct NativeLink::Impl {
   }
 
   int write_one(lws* wsi) {
-    if (damaged) return -1;
+    if (damaged || leaving) return -1;
     Bytes message;
     bool more = false;
     {
@@ -305,6 +308,11 @@ void NativeLink::send(Bytes message) {
     if (!impl_->connected || impl_->outbound.size() >= kMaxOutbound) return;
     impl_->outbound.push_back(std::move(message));
   }
+  lws_cancel_service(impl_->context);
+}
+
+void NativeLink::reconnect() {
+  impl_->leaving = true;
   lws_cancel_service(impl_->context);
 }
 

@@ -29,6 +29,8 @@ class NativeLink final : public Link {
   std::uint32_t generation() const override;
   LinkTraffic traffic() const override;
 
+  /// Closes the connection and opens another one.
+  void reconnect();
   /// Waits until connected or until the time is over. Returns true if connected.
   bool wait_connected(int timeout_ms) const;
   /// Waits until something has arrived, the link has gone down, or the time is over.

@@ -1,5 +1,10 @@
 #include "client/native/server_url.h"
 
+#include <charconv>
+#include <sstream>
+
+#include "protocol/base/limits.h"
+
 namespace mirage {
 namespace {
 
@@ -13,6 +18,33 @@ Error no_address(const std::string& url) {
   return make_error(ErrorId::kUsage, "'" + url + "' is no server address",
                     "ws://HOST:PORT or unix:PATH, as the server's ready line prints it, or an "
                     "address as a browser shows it");
+}
+
+/// Decodes %XX and '+'. An escape that is none stays as it is.
+std::string decoded(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned int byte = 0;
+    const char* const digits = text.data() + i + 1;
+    const bool escape = text[i] == '%' && i + 2 < text.size() &&
+                        std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
+    if (escape) i += 2;
+    out += escape ? static_cast<char>(byte) : text[i] == '+' ? ' ' : text[i];
+  }
+  return out;
+}
+
+SceneChoice read_choice(const std::string& query) {
+  SceneChoice out;
+  std::istringstream parts(query);
+  for (std::string part; std::getline(parts, part, '&');) {
+    if (starts_with(part, "clip=")) out.clip = decoded(part.substr(5));
+    if (starts_with(part, "variant=")) out.variant = decoded(part.substr(8));
+  }
+  for (std::string* const name : {&out.clip, &out.variant}) {
+    if (name->size() > limits::kMaxChoiceBytes) name->clear();  // no scene has it
+  }
+  return out;
 }
 
 struct Scheme {
@@ -48,7 +80,11 @@ Result<ServerUrl> parse_url(const std::string& url) {
     out.tls = scheme.tls;
     out.port = scheme.port;
   }
-  rest = rest.substr(0, rest.find_first_of("?#"));
+  rest = rest.substr(0, rest.find('#'));
+  if (const std::size_t mark = rest.find('?'); mark != std::string::npos) {
+    out.choice = read_choice(rest.substr(mark + 1));
+    rest.resize(mark);
+  }
   if (rest.find("://") != std::string::npos) return no_address(url);
   if (const std::size_t slash = rest.find('/'); slash != std::string::npos) {
     out.path = rest.substr(slash);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "protocol/base/result.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
 
@@ -13,6 +14,7 @@ struct ServerUrl {
   bool tls = false;
   bool unix_socket = false;
   std::string path = "/";
+  SceneChoice choice = {};  ///< from ?clip=NAME&variant=NAME
 
   /// Returns the address in the form that libwebsockets takes.
   std::string address() const { return unix_socket ? "+" + host : host; }
@@ -21,8 +23,9 @@ struct ServerUrl {
 };
 
 /// Parses ws://HOST[:PORT][/PATH/], ws://[IPv6]…, wss://…, an address as a browser shows it
-/// (http://… or https://…; port 80 or 443 if it has none), or unix:PATH; error kUsage. What follows
-/// a '?' or '#' is left out.
+/// (http://… or https://…; port 80 or 443 if it has none), or unix:PATH; error kUsage. Of what
+/// follows a '?', the choice is read, with percent-encoded bytes; the rest, and what follows a '#',
+/// is left out.
 Result<ServerUrl> parse_url(const std::string& url);
 
 }  // namespace mirage

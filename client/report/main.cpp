@@ -89,7 +89,7 @@ Result<void> run_report(const ReportOptions& options) {
 }  // namespace mirage
 
 int main(int argc, char** argv) {
-  try {
+  return mirage::run_program([&] {
     mirage::ReportOptions options;
     if (const int code = mirage::parse_options(argc, argv, options); code >= 0) return code;
     spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
@@ -97,7 +97,5 @@ int main(int argc, char** argv) {
     mirage::Result<void> done = mirage::require_threads();
     if (done) done = mirage::run_report(options);
     return mirage::gl::exit_without_leaks(done.ok() ? 0 : mirage::fail(done.error()));
-  } catch (const std::exception& e) {
-    return mirage::fail(mirage::error_of(e));
-  }
+  });
 }

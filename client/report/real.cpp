@@ -29,7 +29,7 @@ struct Walk {
   ordered_json json;
 };
 
-std::string read_file(const std::string& path) {
+std::string read_real_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
@@ -119,8 +119,8 @@ Result<Walk> walk(const Context& context, const RealPlan& plan, const std::strin
     return error_said(ran->err).value_or(make_error(
         ErrorId::kInternal, fmt::format("mirage-view ended with exit code {}", ran->exit_code)));
   }
-  const std::string statistics = read_file(file + ".json");
-  const std::string real_time = read_file(file + ".real_time.json");
+  const std::string statistics = read_real_file(file + ".json");
+  const std::string real_time = read_real_file(file + ".real_time.json");
   const std::optional<RealRun> run = read_real_run(statistics, real_time);
   if (!run) return make_error(ErrorId::kInternal, "mirage-view wrote no figures to " + file);
   return Walk{*run,

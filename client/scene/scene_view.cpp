@@ -55,10 +55,15 @@ Result<void> SceneView::accept(const wire::WelcomeT& w) {
   environment = {from_wire(*w.sky_zenith), from_wire(*w.sky_horizon), from_wire(*w.sky_nadir),
                  w.fog_density};
   home = {from_wire(*w.home_eye), from_wire(*w.home_target), w.walk_radius_m, w.walk_speed_mps};
+  note_choices(w);
   geometry = w.geometry;
   reference = w.reference;
   shadows = w.shadows;
   return {};
+}
+
+void SceneView::note_choices(const wire::WelcomeT& w) {
+  choices = {w.clips, w.variants, {w.clip, w.variant}};
 }
 
 Result<void> SceneView::accept(const wire::LightProbePageT& page, const Bytes& payload) {

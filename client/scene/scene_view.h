@@ -63,6 +63,8 @@ class SceneView {
   Result<void> accept(const wire::ImagePageT& page);
   Result<void> accept(const wire::ObjectPageT& page);
   Result<void> accept(const wire::InstancePageT& page);
+  /// Takes from a welcome what may be chosen; two choices may show the same scene.
+  void note_choices(const wire::WelcomeT& welcome);
 
   /// Moves what goes a way (Track) to where it is at a time, s.
   void move_to(double time_s);
@@ -84,6 +86,7 @@ class SceneView {
   std::shared_ptr<const LightProbe> probe;  ///< the probe that lighting.probe names; nullptr: none
   Environment environment;
   HomeView home;
+  SceneChoices choices;
   bool geometry = false;
   bool reference = false;
   bool shadows = false;  ///< full renders have the sun's shadows, and shadow tiles may be asked for

@@ -103,6 +103,8 @@ Result<void> Arrivals::handle(Message message, std::int64_t now_us) {
 Result<void> Arrivals::take_welcome(const wire::WelcomeT& welcome, std::int64_t came_us) {
   s_.asking.codec_choice.reset(offered_codecs(welcome));
   s_.asking.scheduler.note_welcome(came_us, came_us - s_.connection.greeted_us, welcome.tile_us);
+  ++s_.connection.welcomes;
+  s_.scene.note_choices(welcome);
   // A reconnect to the same scene keeps everything held valid, including its keys.
   if (s_.scene.complete() && announces(welcome, s_.scene)) {
     if (s_.light.own) s_.send_lighting();

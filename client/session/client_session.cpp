@@ -36,6 +36,8 @@ void greet(SessionParts& s, std::int64_t now_us) {
   hello.version_min = hello.version_max = limits::kProtocolVersion;
   hello.token = s.options.token;
   hello.name = s.options.name;
+  hello.clip = s.choice.clip;
+  hello.variant = s.choice.variant;
   hello.codecs = every_codec();
   s.held.views.reset();
   // A client with a light of its own has to tell the server about it first, so it asks for no view
@@ -100,6 +102,10 @@ DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us) {
   note_new_scene(s, list, now_us);
   return list;
 }
+
+void ClientSession::choose(SceneChoice choice) { parts_->choice = std::move(choice); }
+
+std::uint32_t ClientSession::welcomes() const { return parts_->connection.welcomes; }
 
 void ClientSession::start_at(const Pose& pose) { parts_->start = pose; }
 

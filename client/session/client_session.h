@@ -63,6 +63,11 @@ class ClientSession {
   /// Tells where the eye starts, before the session connects, for whoever comes by a link to a
   /// place: the first picture is seen from there, and not from the scene's home.
   void start_at(const Pose& pose);
+  /// Sets the clip and the variant to ask for on the next connection. What is shown stays until
+  /// there is a picture of them.
+  void choose(SceneChoice choice);
+  /// Returns how often a server has welcomed this client.
+  std::uint32_t welcomes() const;
   /// Stops the animation, or lets it go on.
   void play(bool playing, std::int64_t now_us);
   bool playing() const;

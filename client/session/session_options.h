@@ -10,6 +10,7 @@
 #include "client/plan/tau_controller.h"
 #include "protocol/codec/tile_codec.h"
 #include "protocol/impostor/camera.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
 
@@ -26,6 +27,7 @@ struct ClientOptions {
   int atlas_layers = 24;
   std::string token;
   std::string name = "mirage-view";
+  SceneChoice choice;                          ///< to ask for at first
   std::size_t max_mesh_bytes = 64u << 20;      ///< of one reply, decompressed
   std::size_t mesh_budget_bytes = 256u << 20;  ///< graphics memory for geometry and its images
   std::size_t upload_budget_bytes = 8u << 20;  ///< to graphics memory in a frame

@@ -55,6 +55,7 @@ struct SessionParts {
 
   struct Connection {
     std::uint32_t generation = 0;
+    std::uint32_t welcomes = 0;   ///< taken in so far, of all connections
     std::int64_t greeted_us = 0;  ///< when the hello was sent
     std::string goodbye;
   };
@@ -109,6 +110,7 @@ struct SessionParts {
 
   Link& link;
   const ClientOptions options;
+  SceneChoice choice = options.choice;  ///< of the next hello
   TileSink sink;
   RisingTime clock;
   Connection connection;

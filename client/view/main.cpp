@@ -11,7 +11,7 @@
 #include "shaders/gl/health.h"
 
 int main(int argc, char** argv) {
-  try {
+  return mirage::run_program([&] {
     mirage::ViewOptions options;
     if (const int code = mirage::parse_options(argc, argv, options); code >= 0) return code;
     spdlog::set_default_logger(spdlog::stderr_color_mt("mirage"));
@@ -20,7 +20,5 @@ int main(int argc, char** argv) {
     if (done) done = mirage::require_threads();
     if (done) done = mirage::run_viewer(options);
     return mirage::gl::exit_without_leaks(done.ok() ? 0 : mirage::fail(done.error()));
-  } catch (const std::exception& e) {
-    return mirage::fail(mirage::error_of(e));
-  }
+  });
 }

@@ -5,6 +5,7 @@
 
 #include "client/host/device_model.h"
 #include "client/host/methods.h"
+#include "client/native/server_url.h"
 #include "client/view/statistics_page.h"
 #include "protocol/base/cli.h"
 #include "protocol/base/limits.h"
@@ -15,6 +16,15 @@ namespace {
 const std::map<std::string, RelightChoice> kRelight = {{"auto", RelightChoice::kAuto},
                                                        {"always", RelightChoice::kAlways},
                                                        {"never", RelightChoice::kNever}};
+
+CLI::Validator no_longer_than(std::size_t bytes) {
+  return CLI::Validator(
+      [bytes](const std::string& text) {
+        return text.size() <= bytes ? std::string()
+                                    : "longer than " + std::to_string(bytes) + " bytes";
+      },
+      "");
+}
 
 Result<void> parse_size(const std::string& text, ViewOptions& o) {
   int w = 0, h = 0;
@@ -63,6 +73,10 @@ Result<void> check(ViewOptions& o, const std::string& offscreen, const std::stri
     if (!model) return model.error();
     o.device_model = *model;
   }
+  const Result<ServerUrl> url = parse_url(o.url);
+  if (!url) return url.error();
+  if (o.scene.choice.clip.empty()) o.scene.choice.clip = url->choice.clip;
+  if (o.scene.choice.variant.empty()) o.scene.choice.variant = url->choice.variant;
   o.method = *method_from_name(o.method_name);
   o.relight = kRelight.at(o.relight_name);
   if (o.msaa_name != "auto") o.msaa = std::stoi(o.msaa_name);
@@ -102,11 +116,22 @@ void add_picture_options(CLI::App& app, ViewOptions& o, Texts& t) {
       ->type_name("N|auto")
       ->check(CLI::Range(0, 16) | CLI::IsMember({"auto"}))
       ->capture_default_str();
-  app.add_option("--shadows", o.shadows, "off: draw without shadows even if the server has them")
+  app.add_option("--shadows", o.scene.shadows,
+                 "off: draw without shadows even if the server has them")
       ->type_name("on|off")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
-  app.add_option("--animation", o.animation, "off: moving objects stay at the start of their clip")
+  app.add_option("--clip", o.scene.choice.clip,
+                 "play this clip of the scene alone, by its name as the log lists it; as "
+                 "?clip=NAME in the URL")
+      ->type_name("NAME")
+      ->check(no_longer_than(limits::kMaxChoiceBytes));
+  app.add_option("--variant", o.scene.choice.variant,
+                 "show this variant of the materials; as ?variant=NAME in the URL")
+      ->type_name("NAME")
+      ->check(no_longer_than(limits::kMaxChoiceBytes));
+  app.add_option("--animation", o.scene.animation,
+                 "off: moving objects stay at the start of their clip")
       ->type_name("on|off")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
@@ -237,7 +262,9 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   CLI::App app("Shows the scene of a mirage-server, drawn with impostors.", "mirage-view");
   app.footer(
       "In the window: W A S D or arrows move, Q and E go down and up, dragging looks, Shift is "
-      "fast, O shows figures, 1 to 5 show how the picture is made, Esc ends.\n\n"
+      "fast, M changes between orbit and walk, space stops what moves, N shows the next clip and B "
+      "the "
+      "next variant, O shows figures, 1 to 5 show how the picture is made, Esc ends.\n\n"
       "Example: mirage-view ws://127.0.0.1:9870 --offscreen 640x360 --path builtin:walk "
       "--frames 300 --virtual-time --net rtt=100,rate=20 --reference 10 --stats stats.json");
   Texts t;

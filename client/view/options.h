@@ -7,6 +7,7 @@
 #include "client/plan/selector.h"
 #include "client/plan/tau_controller.h"
 #include "client/price/cost_model.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
 
@@ -20,6 +21,13 @@ struct Offscreen {
 struct RunLength {
   int frames = 0;      ///< 0: until closed (window) or 300 (offscreen)
   double seconds = 0;  ///< of the session's time; 0: no limit
+};
+
+/// Settings of the scene that is shown.
+struct SceneOptions {
+  SceneChoice choice;  ///< clip and variant
+  std::string animation = "on";
+  std::string shadows = "on";
 };
 
 struct ViewOptions {
@@ -56,8 +64,7 @@ struct ViewOptions {
   std::string explain_file;
   std::string stats_file;
   std::string trace_file;
-  std::string animation = "on";
-  std::string shadows = "on";
+  SceneOptions scene;
   std::string codec_name = "auto";
   std::string token_file;
   std::string token;

@@ -15,6 +15,7 @@
 #include "client/view/animation.h"
 #include "client/view/sheet_image.h"
 #include "protocol/base/cli.h"
+#include "protocol/base/resources.h"
 #include "protocol/base/result.h"
 
 namespace mirage {
@@ -103,10 +104,7 @@ Result<void> compare_images(const std::vector<std::string>& paths, const std::st
   return write_sheet_image(sheet, target);
 }
 
-}  // namespace
-}  // namespace mirage
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app("Puts compared frames beside each other.", "mirage-sheet");
   app.footer(
       "Example: mirage-sheet frames sheet.png\n         mirage-sheet truth.png drawn.png "
@@ -123,12 +121,19 @@ int main(int argc, char** argv) {
   app.add_option("--animate", animated,
                  "write an animated WebP of all frames instead, at so many frames per second")
       ->check(CLI::Range(1.0, 100.0));
-  mirage::add_conventions(app);
-  if (const int code = mirage::parse_command_line(app, argc, argv); code >= 0) return code;
+  add_conventions(app);
+  if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
   const std::string target = paths.back();
   paths.pop_back();
-  const mirage::Result<void> made = animated > 0 ? mirage::animate(paths.front(), animated, target)
-                                    : paths.size() == 1 ? mirage::make_sheet(paths.front(), target)
-                                                        : mirage::compare_images(paths, target);
-  return made.ok() ? 0 : mirage::fail(made.error());
+  const Result<void> made = animated > 0        ? animate(paths.front(), animated, target)
+                            : paths.size() == 1 ? make_sheet(paths.front(), target)
+                                                : compare_images(paths, target);
+  return made.ok() ? 0 : fail(made.error());
+}
+
+}  // namespace
+}  // namespace mirage
+
+int main(int argc, char** argv) {
+  return mirage::run_program([&] { return mirage::run(argc, argv); });
 }

@@ -18,7 +18,6 @@
 #include "client/host/png.h"
 #include "client/host/stop_signal.h"
 #include "client/native/native_link.h"
-#include "client/native/server_url.h"
 #include "client/price/cost_fit.h"
 #include "client/screen/pilot.h"
 #include "client/screen/screen.h"
@@ -65,6 +64,8 @@ class Viewer {
   bool over(std::int64_t frame) const;
   Camera camera_at(const Pose& pose) const;
   void steer(double seconds);
+  void choose();
+  void note_choice();
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
   bool next_events();
@@ -95,6 +96,8 @@ class Viewer {
   std::optional<CameraPath> path_;
   std::optional<LightScript> light_;
   Pilot pilot_;
+  SceneChoice choice_ = o_.scene.choice;  // asked for last
+  std::optional<SceneChoice> shown_;      // told in the log last
   Pose pose_;
   SessionStats stats_;
   std::optional<Lighting> last_light_;
@@ -108,6 +111,19 @@ class Viewer {
   std::uint64_t programs_at_scene_ = 0, programs_in_draws_ = 0;
   Comparison comparison_;
 };
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
+// Returns the name after `name`; the first after the last, and after one that is not listed.
+std::string next_of(const std::vector<std::string>& names, const std::string& name) {
+  if (names.empty()) return name;
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() || found + 1 == names.end() ? names.front() : *(found + 1);
+}
 
 constexpr double kKeptFrameS = 1.0 / 60;  // replaces the display's pace, which needs a swap
 constexpr double kRestS = 60;             // an event comes sooner or not at all
@@ -163,8 +179,9 @@ void Viewer::make_host() {
   options.relight = o_.relight;
   options.token = o_.token;
   options.codec = codec_from_name(o_.codec_name);
-  options.shadows = o_.shadows == "on";
-  options.animation = o_.animation == "on";
+  options.shadows = o_.scene.shadows == "on";
+  options.animation = o_.scene.animation == "on";
+  options.choice = choice_;
   options.views = o_.views;
   options.screen.fov_y = o_.fov_degrees * 0.017453292519943295;
   options.screen.width = static_cast<std::uint32_t>(screen_.width());
@@ -227,9 +244,39 @@ Camera Viewer::camera_at(const Pose& pose) const {
   return camera;
 }
 
+// Asks for the next clip or variant, if a key said so.
+void Viewer::choose() {
+  const SceneChoices& offered = session().scene().choices;
+  SceneChoice next = offered.shown;
+  if (window_->take(WindowCommand::kNextClip)) next.clip = next_of(offered.clips, next.clip);
+  if (window_->take(WindowCommand::kNextVariant)) {
+    next.variant = next_of(offered.variants, next.variant);
+  }
+  if (next == offered.shown) return;
+  choice_ = next;
+  session().choose(next);
+  host_->reconnect();
+}
+
+// Tells which clip and variant are shown, if the scene has some, and what was asked for in vain.
+void Viewer::note_choice() {
+  const SceneChoices& offered = session().scene().choices;
+  if (shown_ == offered.shown) return;
+  shown_ = offered.shown;
+  const auto tell = [](const char* kind, const std::vector<std::string>& names,
+                       const std::string& shown, const std::string& asked) {
+    if (!asked.empty() && asked != shown) spdlog::warn("the scene has no {} '{}'", kind, asked);
+    if (names.empty()) return;
+    spdlog::info("{}s: {}; shown: {}", kind, listed(names),
+                 shown.empty() ? "as the file is" : shown);
+  };
+  tell("clip", offered.clips, shown_->clip, choice_.clip);
+  tell("variant", offered.variants, shown_->variant, choice_.variant);
+}
+
 // Moves the eye by what a person did at the window.
 void Viewer::steer(double seconds) {
-  if (window_->take_mode_change()) {
+  if (window_->take(WindowCommand::kSteerMode)) {
     const bool orbits = pilot_.mode() == SteerMode::kOrbit;
     pilot_.set_mode(orbits ? SteerMode::kWalk : SteerMode::kOrbit);
   }
@@ -246,6 +293,7 @@ Pose Viewer::next_pose(std::int64_t now, double real_seconds) {
   if (path_) {
     pose_ = path_->at(static_cast<double>(now - start_us_) * 1e-6);
   } else if (window_) {
+    choose();
     steer(real_seconds);
   }
   return pose_;
@@ -359,6 +407,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   const std::int64_t now = now_us();
   receive(now);
   note_scene();
+  note_choice();
   note_link();
   if (Result<void> resized = fit_target(); !resized) return resized;
   set_light(now);
@@ -536,7 +585,6 @@ Result<void> Viewer::run() {
     std::filesystem::create_directories(o_.out_dir, failed);
     if (failed) return make_error(ErrorId::kIo, "cannot make directory '" + o_.out_dir + "'");
   }
-  if (Result<ServerUrl> url = parse_url(o_.url); !url) return url.error();
   // Shaders are made first, because a server waits for a limited time for the hello of a client.
   if (Result<void> graphics = open_graphics(); !graphics) return graphics;
   make_host();

@@ -4,6 +4,7 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "client/draw/insight.h"
@@ -13,16 +14,20 @@ namespace mirage {
 struct Window::Impl {
   GLFWwindow* window = nullptr;
   bool overlay = true;
-  bool overlay_key_down = false;
   bool stopped = false;
-  bool space_down = false;
   int layer = 0;
   bool dragging = false;
   double last_x = 0, last_y = 0;
   double scrolled = 0;  ///< steps
   std::optional<glm::dvec2> aim_at;
-  bool mode_changes = false, mode_key_down = false;
+  std::set<int> held;                ///< keys that were down after the last events
+  std::set<WindowCommand> commands;  ///< commands that are not taken yet
   bool refresh = true;
+  /// True once for each time that a key goes down.
+  bool pressed(int key) {
+    if (!down(key)) return held.erase(key), false;
+    return held.insert(key).second;
+  }
   bool down(int key) const { return glfwGetKey(window, key) == GLFW_PRESS; }
   /// Returns a place of the window as 0 to 1, right and down.
   glm::dvec2 place(double x, double y) const {
@@ -98,18 +103,17 @@ double Window::refresh_ms() const {
 bool Window::take_refresh() { return std::exchange(impl_->refresh, false); }
 
 bool Window::after_events() {
-  const bool key = impl_->down(GLFW_KEY_O);
-  if (key && !impl_->overlay_key_down) {
+  if (impl_->pressed(GLFW_KEY_O)) {
     impl_->overlay = !impl_->overlay;
     impl_->refresh = true;
   }
-  impl_->overlay_key_down = key;
-  const bool space = impl_->down(GLFW_KEY_SPACE);
-  if (space && !impl_->space_down) impl_->stopped = !impl_->stopped;
-  impl_->space_down = space;
-  const bool mode = impl_->down(GLFW_KEY_M);
-  if (mode && !impl_->mode_key_down) impl_->mode_changes = true;
-  impl_->mode_key_down = mode;
+  if (impl_->pressed(GLFW_KEY_SPACE)) impl_->stopped = !impl_->stopped;
+  constexpr std::pair<int, WindowCommand> kCommands[] = {{GLFW_KEY_M, WindowCommand::kSteerMode},
+                                                         {GLFW_KEY_N, WindowCommand::kNextClip},
+                                                         {GLFW_KEY_B, WindowCommand::kNextVariant}};
+  for (const auto& [key, command] : kCommands) {
+    if (impl_->pressed(key)) impl_->commands.insert(command);
+  }
   for (int i = 0; i <= static_cast<int>(kInsightLayers); ++i) {
     if (!impl_->down(GLFW_KEY_1 + i) || impl_->layer == i) continue;
     impl_->layer = i;
@@ -158,6 +162,6 @@ Steering Window::take_steering(double seconds) {
 }
 
 std::optional<glm::dvec2> Window::take_aim() { return std::exchange(impl_->aim_at, std::nullopt); }
-bool Window::take_mode_change() { return std::exchange(impl_->mode_changes, false); }
+bool Window::take(WindowCommand command) { return impl_->commands.erase(command) > 0; }
 
 }  // namespace mirage

@@ -10,6 +10,9 @@
 
 namespace mirage {
 
+/// Commands of the keys M, N and B.
+enum class WindowCommand : std::uint8_t { kSteerMode, kNextClip, kNextVariant };
+
 class Window {
  public:
   ~Window();
@@ -42,8 +45,8 @@ class Window {
   /// Returns the place of the picture (0 to 1, right and down) that the mouse has begun to drag or
   /// scroll at since the last call.
   std::optional<glm::dvec2> take_aim();
-  /// True if the key M has been pressed since the last call.
-  bool take_mode_change();
+  /// True if the command's key has been pressed since the last call.
+  bool take(WindowCommand command);
 
  private:
   Window();

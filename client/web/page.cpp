@@ -49,6 +49,11 @@ bool make_context(Page& p) {
 
 std::int64_t us(double ms) { return std::llround(ms * 1000); }
 
+const std::vector<std::string>& choices(int kind) {
+  const SceneChoices& offered = page().viewer->session().scene().choices;
+  return kind == 0 ? offered.clips : offered.variants;
+}
+
 int fail(const std::string& why) {
   page().text = why;
   return -1;
@@ -64,11 +69,13 @@ extern "C" {
 /// Starts the viewer. Returns 0, or < 0 if it failed: page_text() says why. Call it again after
 /// page_stop(), with a new context.
 EMSCRIPTEN_KEEPALIVE int page_start(int width, int height, double frame_ms, double display_ms,
-                                    int atlas_mb, int mesh_mb, const char* token) {
+                                    int atlas_mb, int mesh_mb, const char* token, const char* clip,
+                                    const char* variant) {
   mirage::Page& p = page();
   p.viewer.reset();
   if (!mirage::make_context(p)) return mirage::fail("there is no WebGL 2");
-  mirage::WebOptions options{width, height, frame_ms, display_ms, atlas_mb, mesh_mb, token};
+  mirage::WebOptions options{width,    height,  frame_ms, display_ms,
+                             atlas_mb, mesh_mb, token,    {clip, variant}};
   const auto write = [](const mirage::Bytes& bytes) {
     page_write(bytes.data(), static_cast<int>(bytes.size()));
   };
@@ -148,6 +155,27 @@ EMSCRIPTEN_KEEPALIVE const double* page_pose() {
   const glm::dvec3 ahead = glm::dquat(pose.rotation) * glm::dvec3(0, 0, -1);
   out = {pose.eye.x, pose.eye.y, pose.eye.z, ahead.x, ahead.y, ahead.z};
   return out.data();
+}
+
+/// Returns how often a server has welcomed this page; what it offers may then be another.
+EMSCRIPTEN_KEEPALIVE int page_welcomes() {
+  return static_cast<int>(page().viewer->session().welcomes());
+}
+/// Returns the number of clips (kind 0) or variants (kind 1) that the scene offers.
+EMSCRIPTEN_KEEPALIVE int page_choice_count(int kind) {
+  return static_cast<int>(mirage::choices(kind).size());
+}
+EMSCRIPTEN_KEEPALIVE const char* page_choice(int kind, int index) {
+  return mirage::choices(kind).at(static_cast<std::size_t>(index)).c_str();
+}
+/// Returns the clip or the variant that is shown; empty: as the file is.
+EMSCRIPTEN_KEEPALIVE const char* page_shown_choice(int kind) {
+  const mirage::SceneChoice& shown = page().viewer->session().scene().choices.shown;
+  return (kind == 0 ? shown.clip : shown.variant).c_str();
+}
+/// Sets the clip and the variant that the next connection asks for.
+EMSCRIPTEN_KEEPALIVE void page_choose(const char* clip, const char* variant) {
+  page().viewer->choose({clip, variant});
 }
 
 EMSCRIPTEN_KEEPALIVE int page_home_known() { return page().viewer->home_known() ? 1 : 0; }

@@ -41,6 +41,7 @@ ClientOptions session_options(const WebOptions& o) {
   s.name = "mirage-web";
   s.frame_ms = budget_ms(o);
   s.token = o.token;
+  s.choice = o.choice;
   s.atlas_edge = kAtlasEdge;
   s.atlas_layers = atlas_layers(o.atlas_mb);
   s.mesh_budget_bytes = std::size_t{static_cast<unsigned>(o.mesh_mb)} << 20;

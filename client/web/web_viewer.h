@@ -23,6 +23,7 @@
 #include "client/session/client_session.h"
 #include "client/web/browser_link.h"
 #include "protocol/impostor/camera.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
 
@@ -32,6 +33,7 @@ struct WebOptions {
   double display_ms = 17;  ///< time between two pictures of the display
   int atlas_mb = 216, mesh_mb = 256;
   std::string token;
+  SceneChoice choice;  ///< to ask for at first
 };
 
 class WebViewer {
@@ -64,6 +66,8 @@ class WebViewer {
   const Pose& pose() const { return pose_; }
   /// Moves the eye to the scene's home view.
   void go_home();
+  /// Sets the clip and the variant to ask for on the next connection.
+  void choose(SceneChoice choice) { session_->choose(std::move(choice)); }
   void play(bool playing, std::int64_t now_us) { session_->play(playing, now_us); }
   bool home_known() const { return session_->scene().welcomed(); }
   /// Sets the direction of the sun by its place in the sky, degrees: azimuth from -z (the eye's

@@ -12,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "protocol/base/fail.h"
+
 namespace mirage {
 namespace {
 
@@ -97,6 +99,14 @@ std::uint64_t memory_bytes() {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) == 0) bytes = std::min<std::uint64_t>(bytes, limit.rlim_cur);
   return std::max<std::uint64_t>(bytes, 1 << 20);
+}
+
+int run_program(const std::function<int()>& main_part) {
+  try {
+    return main_part();
+  } catch (const std::exception& exception) {
+    return fail(error_of(exception));
+  }
 }
 
 Error error_of(const std::exception& exception) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <exception>
+#include <functional>
 
 #include "protocol/base/result.h"
 
@@ -26,6 +27,10 @@ Result<void> require_addresses(unsigned megabytes);
 /// Returns the memory that this process may take: that of the machine, of its container (cgroup v2)
 /// and of `ulimit -v`, whichever is least; bytes, at least 1 MB.
 std::uint64_t memory_bytes();
+
+/// Runs a program's main part and returns its exit code. An exception becomes the program's last
+/// line, as error_of() says.
+int run_program(const std::function<int()>& main_part);
 
 /// Returns the error that an exception means, for the last line of a program: kResources if memory
 /// or threads ran out, else kInternal.

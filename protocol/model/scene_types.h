@@ -1,9 +1,11 @@
 #pragma once
-// Scene data that client and server share: instances, lights, environment, home view.
+// Scene data that client and server share: instances, lights, environment, home view, choices.
 
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace mirage {
@@ -75,5 +77,27 @@ struct HomeView {
   double walk_radius_m = 20;
   double walk_speed_mps = 1.4;
 };
+
+/// A viewer's choice in a scene: the clip that plays, and the variant of its materials.
+struct SceneChoice {
+  std::string clip;     ///< empty: as the scene is served
+  std::string variant;  ///< empty: as the scene is served
+
+  friend bool operator==(const SceneChoice& a, const SceneChoice& b) {
+    return a.clip == b.clip && a.variant == b.variant;
+  }
+  friend bool operator!=(const SceneChoice& a, const SceneChoice& b) { return !(a == b); }
+};
+
+/// The choices that a scene offers, and the one that is shown. A clip without a name of its own is
+/// called by its place in the file, from 0.
+struct SceneChoices {
+  std::vector<std::string> clips, variants;
+  SceneChoice shown;  ///< empty parts: all clips play; the file's initial materials
+};
+
+/// Returns what has to be shown instead of the shown choice; nullopt: nothing, because it is shown
+/// already, or not offered. Empty parts of `wanted` stay as they are shown.
+std::optional<SceneChoice> other_choice(const SceneChoices& offered, SceneChoice wanted);
 
 }  // namespace mirage

@@ -79,11 +79,23 @@ Result<void> check(const wire::ViewReply& m) {
   return {};
 }
 
+bool long_choice(const flatbuffers::String* s) { return s && s->size() > limits::kMaxChoiceBytes; }
+
+using Texts = flatbuffers::Vector<flatbuffers::Offset<flatbuffers::String>>;
+bool too_many_choices(const Texts* names) {
+  if (count(names) > limits::kMaxChoices) return true;
+  for (flatbuffers::uoffset_t i = 0; i < count(names); ++i) {
+    if (long_choice(names->Get(i))) return true;
+  }
+  return false;
+}
+
 Result<void> check(const wire::Hello& m) {
   if (m.view()) {
     if (Result<void> view = check(*m.view()); !view) return view;
   }
   if (long_text(m.token()) || long_text(m.name())) return limit_error("characters in a text");
+  if (long_choice(m.clip()) || long_choice(m.variant())) return limit_error("bytes in a choice");
   if (count(m.codecs()) > limits::kMaxCodecs) return limit_error("codecs");
   return {};
 }
@@ -109,6 +121,8 @@ Result<void> check(const wire::LightProbePage& m) {
 
 Result<void> check(const wire::Welcome& m) {
   if (long_text(m.scene()) || long_text(m.renderer())) return limit_error("characters in a text");
+  if (too_many_choices(m.clips()) || too_many_choices(m.variants())) return limit_error("choices");
+  if (long_choice(m.clip()) || long_choice(m.variant())) return limit_error("bytes in a choice");
   if (m.objects() > limits::kMaxObjects) return limit_error("objects");
   if (m.instances() > limits::kMaxInstances) return limit_error("instances");
   if (m.groups() > limits::kMaxInstances) return limit_error("groups");

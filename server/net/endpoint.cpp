@@ -23,6 +23,7 @@
 #include "server/net/lws_text.h"
 #include "server/net/web_pages.h"
 #include "server/net/websocket_rules.h"
+#include "server/session/hub_state.h"
 #include "server/session/scene_pages.h"
 #include "server/session/session.h"
 #include "server/tile/stage_queues.h"
@@ -67,9 +68,11 @@ const lws_retry_bo_t kPings = {.retry_ms_table = nullptr,
                                .jitter_percent = 0};
 
 struct Connection {
+  SessionHub* hub = nullptr;
   SessionId session = 0;
   std::string* address = nullptr;
   Bytes* inbound = nullptr;  // fragments of the message being received
+  Bytes* hello = nullptr;    // of a client that waits for another hub
   // Session 0 means no session: the connection is closed when it is next writable.
 };
 
@@ -99,22 +102,28 @@ void forward_log(int level, const char* line) {
 struct Endpoint::Impl {
   Impl(SessionHub& h, StageQueues& q) : http(options, admission) { serve(h, q); }
 
+  /// The sessions of one choice of the scene, and where its stages put what they have done.
+  struct Served {
+    SessionHub* hub;
+    BoundedQueue<Completion>* completions;
+  };
+
   void serve(SessionHub& h, StageQueues& q) {
     hub = &h;
-    completions = &q.completions;
+    served = {{&h, &q.completions}};
     counters = &q.counters;
     http.serve(h, q.counters);
   }
 
-  SessionHub* hub = nullptr;
-  BoundedQueue<Completion>* completions = nullptr;
+  SessionHub* hub = nullptr;   // of the scene as it is served: it takes every hello
+  std::vector<Served> served;  // that one, and those of other choices
   Counters* counters = nullptr;
   EndpointOptions options;
   EndpointHooks hooks;
   lws_context* context = nullptr;
   lws_vhost* vhost = nullptr;
   std::atomic<bool> stopping{false}, reloading{false};
-  std::map<SessionId, lws*> sockets;
+  std::map<std::pair<SessionHub*, SessionId>, lws*> sockets;
 
   Admission admission;
   HttpPages http;
@@ -171,12 +180,17 @@ struct Endpoint::Impl {
 
   static void on_sweep_timer(lws_sorted_usec_list_t* timer) {
     Impl* const impl = reinterpret_cast<Timer*>(timer)->impl;
-    for (const auto& [id, error] : impl->hub->overdue()) {
-      const auto at = impl->sockets.find(id);
-      if (at == impl->sockets.end()) continue;
-      impl->close_with(at->second, id, error);
-      lws_set_timeout(at->second, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+    std::size_t elsewhere = 0;
+    for (const Served& one : impl->served) {
+      for (const auto& [id, error] : one.hub->overdue()) {
+        const auto at = impl->sockets.find({one.hub, id});
+        if (at == impl->sockets.end()) continue;
+        impl->close_with(at->second, id, error);
+        lws_set_timeout(at->second, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+      }
+      if (one.hub != impl->hub) elsewhere += one.hub->state().clients;
     }
+    impl->hub->set_clients_elsewhere(elsewhere);
     impl->note_crowd();
     if (impl->hooks.tick) impl->hooks.tick();
     impl->sweep_later();
@@ -186,7 +200,9 @@ struct Endpoint::Impl {
 
   /// Checks the tile sources as long as an ask waits for them.
   void watch_fetches() {
-    if (fetch_timer.set || !hub->waits_for_sources()) return;
+    const bool waits = std::any_of(served.begin(), served.end(),
+                                   [](const Served& one) { return one.hub->waits_for_sources(); });
+    if (fetch_timer.set || !waits) return;
     fetch_timer.impl = this;
     fetch_timer.set = true;
     lws_sul_schedule(context, 0, &fetch_timer.timer, on_fetch_timer, kFetchCheckUs);
@@ -195,7 +211,7 @@ struct Endpoint::Impl {
   static void on_fetch_timer(lws_sorted_usec_list_t* timer) {
     auto* const fetch = reinterpret_cast<Timer*>(timer);
     fetch->set = false;
-    fetch->impl->hub->give_up_fetches();
+    for (const Served& one : fetch->impl->served) one.hub->give_up_fetches();
     fetch->impl->ask_to_write();
     fetch->impl->watch_fetches();
     // A timer that runs before poll() does not end poll(), so this wakes the loop to look again.
@@ -203,17 +219,81 @@ struct Endpoint::Impl {
   }
 
   void drain_completions() {
-    while (std::optional<Completion> c = completions->try_pop()) hub->complete(std::move(*c));
-    hub->refuse_late();
+    for (const Served& one : served) {
+      while (std::optional<Completion> c = one.completions->try_pop()) {
+        one.hub->complete(std::move(*c));
+      }
+      one.hub->refuse_late();
+    }
     ask_to_write();
   }
 
   void ask_to_write() {
     http.hand_out();
-    for (const SessionId id : hub->take_writable()) {
-      const auto at = sockets.find(id);
-      if (at != sockets.end()) lws_callback_on_writable(at->second);
+    for (const Served& one : served) {
+      for (const SessionId id : one.hub->take_writable()) {
+        const auto at = sockets.find({one.hub, id});
+        if (at != sockets.end()) lws_callback_on_writable(at->second);
+      }
     }
+  }
+
+  /// Gives a connection a session of this hub, in place of the one it has.
+  void enter(lws* wsi, Connection& connection, SessionHub& into) {
+    leave(connection);
+    connection.hub = &into;
+    connection.session = into.open();
+    sockets[{&into, connection.session}] = wsi;
+  }
+
+  void leave(Connection& connection) {
+    if (connection.session == 0) return;
+    sockets.erase({connection.hub, connection.session});
+    connection.hub->close(connection.session);
+    connection.session = 0;
+  }
+
+  /// Hands an admitted client to the hub that shows the choice of its hello, or has it wait.
+  Result<void> send_elsewhere(lws* wsi, Connection& connection, const Bytes& hello) {
+    const SceneChoice choice = *connection.hub->wants_elsewhere(connection.session);
+    Result<SessionHub*> there = hooks.choose(choice);
+    if (!there) return there.error();
+    if (*there == nullptr) {
+      *connection.hello = hello;
+      return {};
+    }
+    enter(wsi, connection, **there);
+    return connection.hub->receive(connection.session, hello.data(), hello.size());
+  }
+
+  /// Returns the connections that wait for a choice.
+  std::vector<lws*> waiting_for(const SceneChoice& choice) const {
+    std::vector<lws*> out;
+    for (const auto& [of, wsi] : sockets) {
+      const auto& wanted = of.first->wants_elsewhere(of.second);
+      if (wanted && *wanted == choice) out.push_back(wsi);
+    }
+    return out;
+  }
+
+  /// Closes a connection, outside of its callbacks.
+  void close_soon(lws* wsi, const Error& error) {
+    auto& connection = *static_cast<Connection*>(lws_wsi_user(wsi));
+    close_with(wsi, connection.session, error);
+    leave(connection);
+    lws_callback_on_writable(wsi);  // closes connections without a session
+  }
+
+  std::optional<Error> failure() const {
+    for (const Served& one : served) {
+      if (one.hub->failure()) return one.hub->failure();
+    }
+    return std::nullopt;
+  }
+
+  bool drained() const {
+    return !http.waiting() && std::all_of(served.begin(), served.end(),
+                                          [](const Served& one) { return one.hub->drained(); });
   }
 
   /// Logs the error, tells the peer, and returns the value that makes a libwebsockets callback
@@ -241,7 +321,7 @@ struct Endpoint::Impl {
   int write_some(lws* wsi, Connection& connection) {
     static thread_local std::vector<std::uint8_t> buffer;
     for (int i = 0; i < kMaxWritesPerCallback; ++i) {
-      const PacketPtr packet = hub->next_packet(connection.session);
+      const PacketPtr packet = connection.hub->next_packet(connection.session);
       if (!packet && farewell) return say_goodbye(wsi);
       if (!packet) return 0;
       buffer.resize(LWS_PRE + packet->size());
@@ -272,12 +352,16 @@ struct Endpoint::Impl {
     const Bytes whole = std::exchange(inbound, {});
     Result<void> done;
     try {
-      done = hub->receive(connection.session, whole.data(), whole.size());
+      done = connection.hub->receive(connection.session, whole.data(), whole.size());
+      if (done && connection.hub->wants_elsewhere(connection.session)) {
+        done = send_elsewhere(wsi, connection, whole);
+      }
     } catch (const std::bad_alloc&) {
       done = make_error(ErrorId::kBusy, "there is no memory for what is asked");
     }
     if (!done) {
-      const bool stranger = !hub->greeted(connection.session);
+      const bool stranger = !connection.hub->greeted(connection.session) &&
+                            !connection.hub->wants_elsewhere(connection.session);
       if (stranger) admission.note_failure(*connection.address, clock.now_us());
       return close_with(wsi, connection.session, done.error());
     }
@@ -369,9 +453,9 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
       Endpoint::Impl* impl = impl_of(wsi);
       *connection = Connection{};
       connection->inbound = new Bytes;  // freed on CLOSED: lws zero-fills and frees `user` itself
+      connection->hello = new Bytes;
       connection->address = new std::string(impl->called(wsi).address);
-      connection->session = impl->hub->open();
-      impl->sockets[connection->session] = wsi;
+      impl->enter(wsi, *connection, *impl->hub);
       return 0;
     }
     case LWS_CALLBACK_RECEIVE:
@@ -386,15 +470,10 @@ int on_websocket(lws* wsi, lws_callback_reasons reason, void* user, void* in, si
       if (connection->session == 0) return -1;
       return impl_of(wsi)->write_some(wsi, *connection);
     case LWS_CALLBACK_CLOSED: {
-      Endpoint::Impl* impl = impl_of(wsi);
-      if (connection->session != 0) {
-        impl->sockets.erase(connection->session);
-        impl->hub->close(connection->session);
-      }
-      delete connection->inbound;
-      delete connection->address;
-      connection->inbound = nullptr;
-      connection->address = nullptr;
+      impl_of(wsi)->leave(*connection);
+      delete std::exchange(connection->inbound, nullptr);
+      delete std::exchange(connection->hello, nullptr);
+      delete std::exchange(connection->address, nullptr);
       return 0;
     }
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
@@ -542,40 +621,65 @@ Result<void> Endpoint::run(EndpointHooks hooks) {
       impl.read_certificate_anew();
       if (impl.hooks.reload) impl.hooks.reload();
     }
-    const std::optional<Error>& failure = impl.hub->failure();
+    const std::optional<Error> failure = impl.failure();
     if (failure) impl.stopping = true;
     if (!impl.stopping) continue;
     const std::int64_t now = impl.clock.now_us();
     if (drain_until_us == 0) {
       if (impl.hooks.stopping) impl.hooks.stopping();
-      impl.hub->drain();
+      for (const Impl::Served& one : impl.served) one.hub->drain();
       drain_until_us = now + (failure ? 0 : std::llround(impl.options.drain_s * 1e6));
     }
-    if (!impl.farewell &&
-        ((impl.hub->drained() && !impl.http.waiting()) || now >= drain_until_us)) {
+    if (!impl.farewell && (impl.drained() || now >= drain_until_us)) {
       impl.farewell = true;
       gone_by_us = now + kFarewellUs;
-      impl.hub->say_goodbye_to_all(failure ? "the server's graphics have failed"
-                                           : "server is shutting down");
+      for (const Impl::Served& one : impl.served) {
+        one.hub->say_goodbye_to_all(failure ? "the server's graphics have failed"
+                                            : "server is shutting down");
+      }
       impl.ask_to_write();
     }
     if (impl.farewell && (impl.sockets.empty() || now >= gone_by_us)) break;
   }
-  if (impl.hub->failure()) return *impl.hub->failure();
+  if (const std::optional<Error> failure = impl.failure()) return *failure;
   return {};
 }
 
 void Endpoint::serve(SessionHub& hub, StageQueues& queues) {
   Impl& impl = *impl_;
-  for (const auto& [id, wsi] : std::exchange(impl.sockets, {})) {
-    impl.hub->close(id);
-    static_cast<Connection*>(lws_wsi_user(wsi))->session = 0;
+  const auto sockets = impl.sockets;
+  for (const auto& [of, wsi] : sockets) {
+    impl.leave(*static_cast<Connection*>(lws_wsi_user(wsi)));
     std::string why = "the scene is loaded anew";
     lws_close_reason(wsi, LWS_CLOSE_STATUS_GOINGAWAY, reinterpret_cast<unsigned char*>(why.data()),
                      why.size());
     lws_callback_on_writable(wsi);  // closes connections without a session
   }
   impl.serve(hub, queues);
+}
+
+void Endpoint::add(const SceneChoice& choice, SessionHub& hub, StageQueues& queues) {
+  Impl& impl = *impl_;
+  impl.served.push_back({&hub, &queues.completions});
+  for (lws* const wsi : impl.waiting_for(choice)) {
+    auto& connection = *static_cast<Connection*>(lws_wsi_user(wsi));
+    impl.enter(wsi, connection, hub);
+    const Bytes hello = std::exchange(*connection.hello, {});
+    const Result<void> done = hub.receive(connection.session, hello.data(), hello.size());
+    if (!done) impl.close_soon(wsi, done.error());
+  }
+  impl.ask_to_write();
+}
+
+void Endpoint::give_up(const SceneChoice& choice, const Error& error) {
+  for (lws* const wsi : impl_->waiting_for(choice)) impl_->close_soon(wsi, error);
+}
+
+void Endpoint::remove(const SessionHub& hub) {
+  auto& served = impl_->served;
+  served.erase(std::remove_if(served.begin(), served.end(),
+                              [&](const Impl::Served& one) { return one.hub == &hub; }),
+               served.end());
 }
 
 void Endpoint::stop() {

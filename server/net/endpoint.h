@@ -14,6 +14,7 @@
 namespace mirage {
 
 struct EndpointOptions;
+struct SceneChoice;
 class SessionHub;
 struct StageQueues;
 
@@ -23,6 +24,9 @@ struct EndpointHooks {
   std::function<void()> reload;
   std::function<void()> tick;      ///< four times a second
   std::function<void()> stopping;  ///< once, when draining begins
+  /// when a client asks for another choice of the scene. It returns the hub that shows it; nullptr:
+  /// it is being loaded, and add() or give_up() follows. An error is told to the client.
+  std::function<Result<SessionHub*>(const SceneChoice&)> choose;
 };
 
 class Endpoint {
@@ -39,6 +43,13 @@ class Endpoint {
   /// Switches to the hub of another scene, on the thread of run(). Clients are closed with 1001 and
   /// come back to the new hub. The old hub is not used any more.
   void serve(SessionHub& hub, StageQueues& queues);
+  /// Adds the hub of another choice of the scene, on the thread of run(). The clients that wait for
+  /// it go there.
+  void add(const SceneChoice& choice, SessionHub& hub, StageQueues& queues);
+  /// Closes the clients that wait for a choice, with an error, on the thread of run().
+  void give_up(const SceneChoice& choice, const Error& error);
+  /// Removes a hub that add() added and that has no client. It is not used any more.
+  void remove(const SessionHub& hub);
   /// Serves until stop() or until the renderer fails, then says goodbye to the clients. Returns the
   /// renderer's error, if any.
   Result<void> run(EndpointHooks hooks = {});

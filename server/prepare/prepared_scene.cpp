@@ -248,11 +248,12 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
   const bool builtin = spec.rfind(kBuiltin, 0) == 0;
   const Workers workers(options.threads);
   StageTimes times;
-  Result<Scene> loaded =
-      builtin ? build_builtin_scene(spec.substr(std::string(kBuiltin).size()),
-                                    {workers, options.cache, options.progress})
-              : import_gltf_spec(spec, workers,
-                                 {.strict = options.strict, .megabytes = options.megabytes});
+  Result<Scene> loaded = builtin ? build_builtin_scene(spec.substr(std::string(kBuiltin).size()),
+                                                       {workers, options.cache, options.progress})
+                                 : import_gltf_spec(spec, workers,
+                                                    {.strict = options.strict,
+                                                     .choice = options.choice,
+                                                     .megabytes = options.megabytes});
   if (!loaded) return loaded.error();
   times.done("scene");
   Scene scene = loaded.take();

@@ -75,6 +75,7 @@ struct SceneLoadOptions {
   std::size_t threads = 0;     ///< threads that work at it; 0: as many as there are cores
   /// refuses files with defects that viewers forgive (ImportOptions)
   bool strict = false;
+  SceneChoice choice = {};            ///< of clip and variant (ImportOptions)
   std::uint64_t megabytes = 3072;     ///< memory that the scene may take (ImportOptions)
   std::string environment = "none";   ///< `--environment`; empty: chosen by the scene
   CacheDirectory* cache = nullptr;    ///< for levels of detail and mips; nullptr: all are made

@@ -16,7 +16,9 @@ GpuScene::GpuScene(std::shared_ptr<const PreparedScene> scene)
     images.put(i, prepared->scene.images[i], prepared->mips[i]);
   }
   if (prepared->scene.probe) probe = gl::ProbeMap::create(*prepared->scene.probe);
-  for (const SceneObject& object : prepared->scene.objects) meshes.emplace_back(object.mesh);
+  for (const SceneObject& object : prepared->scene.objects) {
+    meshes.emplace_back(object.mesh, object.animation != nullptr);
+  }
   for (const ObjectGeometry& geometry : prepared->geometry) {
     std::vector<gl::GpuMesh>& lods = tile_lods.emplace_back();
     for (const Mesh& mesh : geometry.tile_lods) {

@@ -43,6 +43,7 @@ struct Scene {
   std::shared_ptr<const LightProbe> probe;  ///< the probe of lighting.probe; nullptr: none
   Environment environment;
   HomeView home;
+  SceneChoices choices;
   /// One line per kind of recoverable defect, with its count ("3 triangles with NaN dropped").
   std::vector<std::string> warnings;
 

@@ -145,7 +145,7 @@ Result<Grant> SessionHub::admit(const wire::HelloT& hello) {
     ++counters_.authentication_failures;
     return grant.error();
   }
-  if (clients_ >= options_.max_clients || draining_) {
+  if (clients_ + clients_elsewhere_ >= options_.max_clients || draining_) {
     return make_error(ErrorId::kBusy,
                       draining_
                           ? "server is shutting down"
@@ -161,6 +161,10 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   s.codecs = common_codecs(options_.codecs, hello.codecs);
   if (s.codecs.empty()) {
     return make_error(ErrorId::kCodec, "client does not decode this server's tile codecs");
+  }
+  if (options_.choices) {
+    s.elsewhere = other_choice(scene_->scene.choices, {hello.clip, hello.variant});
+    if (s.elsewhere) return {};
   }
   s.grant = grant.take();
   s.greeted = true;
@@ -196,6 +200,12 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.reference = options_.reference && s.grant.reference;
   welcome.shadows = options_.shadows;
   welcome.images = static_cast<std::uint32_t>(scene.images.size());
+  if (options_.choices) {
+    welcome.clips = scene.choices.clips;
+    welcome.variants = scene.choices.variants;
+  }
+  welcome.clip = scene.choices.shown.clip;
+  welcome.variant = scene.choices.shown.variant;
   push(id, Outbox::Lane::kControl, encode_message(std::move(welcome)));
   if (!probe_page_.empty()) push(id, Outbox::Lane::kControl, probe_page_);
   if (hello.view) view(id, s, *hello.view);
@@ -339,9 +349,10 @@ std::vector<std::pair<SessionId, Error>> SessionHub::overdue() {
   const std::int64_t now = clock_.now_us();
   std::size_t strangers = sessions_.size() - clients_;
   for (const auto& [id, s] : sessions_) {  // in order of arrival
-    const bool crowded = !s.greeted && strangers > kMaxStrangers;
+    const bool stranger = !s.greeted && !s.elsewhere;
+    const bool crowded = stranger && strangers > kMaxStrangers;
     if (crowded) --strangers;
-    if (crowded || (!s.greeted && now - s.opened_us > kHelloTimeoutUs)) {
+    if (crowded || (stranger && now - s.opened_us > kHelloTimeoutUs)) {
       out.emplace_back(id, make_error(ErrorId::kNetworkTimeout,
                                       crowded ? "no hello yet, and many wait to say theirs"
                                               : "no hello within 10 s"));

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/model/scene_types.h"
 #include "server/session/fetch_requests.h"
 #include "server/session/form_requests.h"
 #include "server/session/got_tile.h"
@@ -42,6 +43,14 @@ class SessionHub {
   /// Opens a session for a connection. It becomes a client with a valid hello.
   SessionId open();
   bool greeted(SessionId id) const { return sessions_.at(id).greeted; }
+  /// Returns the choice that an admitted hello asks for and that this hub does not show. The
+  /// session is not greeted; the hub that shows it is to be given the hello.
+  const std::optional<SceneChoice>& wants_elsewhere(SessionId id) const {
+    return sessions_.at(id).elsewhere;
+  }
+  /// Sets the number of clients that were admitted here and went to other hubs. They count for
+  /// max_clients.
+  void set_clients_elsewhere(std::size_t clients) { clients_elsewhere_ = clients; }
   /// Takes one packet. An error means: say goodbye and close with its close code.
   Result<void> receive(SessionId id, const std::uint8_t* bytes, std::size_t size);
   void close(SessionId id);
@@ -88,6 +97,7 @@ class SessionHub {
   struct Session {
     std::int64_t opened_us = 0;
     bool greeted = false;
+    std::optional<SceneChoice> elsewhere;  ///< set: it waits for the hub that shows this
     Grant grant;
     PacketAssembler assembler{limits::kMaxInboundTransferBytes};
     std::vector<TileCodec> codecs;  ///< common to both ends; the first is the default
@@ -180,6 +190,7 @@ class SessionHub {
   std::vector<GotTile> got_;
   std::uint32_t next_get_ = 1;
   std::size_t clients_ = 0;  ///< sessions with a valid hello
+  std::size_t clients_elsewhere_ = 0;
   bool draining_ = false;
   std::optional<Error> failure_;
   double tile_us_ = 0;  ///< mean time of recent tiles, µs; 0: none rendered yet

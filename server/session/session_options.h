@@ -18,6 +18,7 @@ struct SessionOptions {
   bool reference = true;
   bool view = true;  ///< clients may ask for views: the whole scene as one tile
   bool shadows = false;
+  bool choices = false;            ///< clients may ask for other clips and variants of the scene
   std::size_t max_clients = 4096;  ///< sessions with a valid hello
   /// unread bytes of a client above which its asks are refused
   std::size_t max_outbox_bytes = 16u << 20;

@@ -30,9 +30,11 @@ class GpuImages {
 class GpuMesh {
  public:
   GpuMesh() = default;
-  explicit GpuMesh(const Mesh& mesh);
+  /// Uploads a mesh. What is the same at all of its vertices takes the room of one, unless it is
+  /// `posed`: then each vertex has all attributes, since poses change them.
+  explicit GpuMesh(const Mesh& mesh, bool posed = false);
 
-  /// Replaces the vertices by as many others: a pose. The mesh's identity does not change.
+  /// Replaces the vertices of a posed mesh by as many others. The mesh's identity does not change.
   void replace_vertices(const std::vector<Vertex>& vertices) const;
 
   GLuint vertex_array() const { return vao_.id(); }
@@ -43,6 +45,8 @@ class GpuMesh {
   std::size_t gpu_bytes() const { return bytes_; }
 
  private:
+  void upload_vertices(const std::vector<Vertex>& vertices, bool posed);
+
   VertexArray vao_;
   Buffer vertices_;
   Buffer indices_;

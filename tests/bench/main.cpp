@@ -8,6 +8,7 @@
 
 #include "client/report/table.h"
 #include "protocol/base/cli.h"
+#include "protocol/base/resources.h"
 #include "shaders/gl/health.h"
 #include "tests/bench/bench.h"
 
@@ -86,6 +87,7 @@ int main_of(int argc, char** argv) {
     for (const Bench& bench : *benches) std::printf("%-12s %s\n", bench.id, bench.what);
     return 0;
   }
+  if (const Result<void> enough = require_threads(); !enough) return fail(enough.error());
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   int missed = 0;
   std::size_t skipped = 0;
@@ -129,5 +131,6 @@ int main_of(int argc, char** argv) {
 }  // namespace mirage::bench
 
 int main(int argc, char** argv) {
-  return mirage::gl::exit_without_leaks(mirage::bench::main_of(argc, argv));
+  return mirage::run_program(
+      [&] { return mirage::gl::exit_without_leaks(mirage::bench::main_of(argc, argv)); });
 }

@@ -1,46 +1,22 @@
 // SIGHUP: another scene file and another certificate while the server runs.
-#include <OpenImageIO/imageio.h>
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 #include <unistd.h>
 
-#include <array>
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <thread>
 
-#include "tests/support/gltf_builder.h"
+#include "tests/support/colored_box.h"
 #include "tests/support/process.h"
 
 namespace mirage::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A box of 2 x 2 x 2 in one colour.
-std::string box(const std::array<double, 4>& color) {
-  Builder b;
-  const std::vector<float> corners = {-1, -1, -1, 1, -1, -1, -1, 1, -1, 1, 1, -1,
-                                      -1, -1, 1,  1, -1, 1,  -1, 1, 1,  1, 1, 1};
-  const std::vector<std::uint16_t> faces = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
-                                            2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
-  const int positions = b.accessor(corners, "VEC3", 5126, 3);
-  const int indices = b.accessor(faces, "SCALAR", 5123, 1);
-  b.doc["scene"] = 0;
-  b.doc["scenes"] = {{{"nodes", {0}}}};
-  b.doc["nodes"] = {{{"mesh", 0}}};
-  b.doc["materials"] = {
-      {{"pbrMetallicRoughness", {{"baseColorFactor", color}}}, {"doubleSided", true}}};
-  b.doc["meshes"] = {
-      {{"primitives",
-        {{{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"material", 0}}}}}};
-  b.doc["buffers"] = {{{"byteLength", b.bin.size()}}};
-  return make_glb(b.doc.dump(), b.bin);
-}
 
 /// Replaces a file at once, as files should be replaced.
 void replace(const fs::path& path, const std::string& bytes) {
@@ -49,46 +25,14 @@ void replace(const fs::path& path, const std::string& bytes) {
   fs::rename(next, path);
 }
 
-bool soon(const std::function<bool()>& what, double seconds = 20) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  while (!what()) {
-    if (std::chrono::steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-  return true;
-}
 bool says(const Server& server, const std::string& text) {
   return soon([&] { return server.log().find(text) != std::string::npos; });
-}
-
-/// Returns the colour in the middle of a frame: 'r', 'g', or '-' for neither.
-char seen(const fs::path& png) {
-  const auto in = OIIO::ImageInput::open(png.string());
-  if (!in) return '?';
-  const OIIO::ImageSpec& spec = in->spec();
-  std::vector<std::uint8_t> pixels(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
-  if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, pixels.data())) return '?';
-  const std::size_t middle = (pixels.size() / static_cast<std::size_t>(spec.nchannels) +
-                              static_cast<std::size_t>(spec.width)) /
-                             2;
-  const std::uint8_t* pixel = &pixels[middle * static_cast<std::size_t>(spec.nchannels)];
-  if (pixel[0] > 2 * pixel[1] && pixel[0] > 2 * pixel[2]) return 'r';
-  if (pixel[1] > 2 * pixel[0] && pixel[1] > 2 * pixel[2]) return 'g';
-  return '-';
-}
-/// Returns the colours of all frames in a folder, in order.
-std::string seen_in(const fs::path& folder) {
-  std::vector<fs::path> frames(fs::directory_iterator(folder), {});
-  std::sort(frames.begin(), frames.end());
-  std::string out;
-  for (const fs::path& frame : frames) out += seen(frame);
-  return out;
 }
 
 TEST(Reload, AnotherSceneTakesThePlaceOfTheFirstWithoutABlackFrame) {
   const fs::path folder = scratch_folder();
   const fs::path file = folder / "scene.glb";
-  replace(file, box({0.8, 0.02, 0.02, 1}));
+  replace(file, box(kRed));
   const Server server(file.string(), {});
   ASSERT_TRUE(server.ready()) << server.log();
   Finished viewer;
@@ -100,7 +44,7 @@ TEST(Reload, AnotherSceneTakesThePlaceOfTheFirstWithoutABlackFrame) {
   ASSERT_TRUE(soon([&] { return fs::exists(folder / "frames" / "frame_00030.png"); }));
   kill(server.pid(), SIGHUP);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));  // nothing may be logged
-  replace(file, box({0.02, 0.8, 0.02, 1}));
+  replace(file, box(kGreen));
   EXPECT_TRUE(says(server, "is another file than the one that is served: SIGHUP loads it"));
   EXPECT_EQ(server.log().find("anew"), std::string::npos) << "the file was the same";
   kill(server.pid(), SIGHUP);
@@ -116,7 +60,7 @@ TEST(Reload, AnotherSceneTakesThePlaceOfTheFirstWithoutABlackFrame) {
 
 TEST(Reload, ASceneThatIsBrokenTakesNobodysPlace) {
   const fs::path file = fs::path(scratch_folder()) / "scene.glb";
-  replace(file, box({0.8, 0.02, 0.02, 1}));
+  replace(file, box(kRed));
   const Server server(file.string(), {});
   ASSERT_TRUE(server.ready()) << server.log();
   replace(file, "glTF, or so it says");
@@ -126,7 +70,7 @@ TEST(Reload, ASceneThatIsBrokenTakesNobodysPlace) {
       binary("mirage-view"), server.url(), "--offscreen", "160x90", "--frames", "5"};
   EXPECT_EQ(run(look).exit_code, 0);
   // The corrected file is loaded.
-  replace(file, box({0.02, 0.8, 0.02, 1}));
+  replace(file, box(kGreen));
   kill(server.pid(), SIGHUP);
   EXPECT_TRUE(says(server, "serves revision")) << server.log();
   EXPECT_EQ(run(look).exit_code, 0);

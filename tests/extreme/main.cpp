@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "protocol/base/cli.h"
+#include "protocol/base/resources.h"
 #include "shaders/gl/health.h"
 #include "tests/extreme/child_run.h"
 #include "tests/extreme/registry.h"
@@ -189,12 +190,15 @@ int main_of(int argc, char** argv) {
   std::copy_if(all.begin(), all.end(), std::back_inserter(cases),
                [&](const Case& one) { return chosen(one, o.only); });
   if (cases.empty()) return fail(make_error(ErrorId::kUsage, "no case has these ids"));
-  return o.list ? list(cases) : run(cases, o);
+  if (o.list) return list(cases);
+  const Result<void> enough = require_threads();
+  return enough ? run(cases, o) : fail(enough.error());
 }
 
 }  // namespace
 }  // namespace mirage::extreme
 
 int main(int argc, char** argv) {
-  return mirage::gl::exit_without_leaks(mirage::extreme::main_of(argc, argv));
+  return mirage::run_program(
+      [&] { return mirage::gl::exit_without_leaks(mirage::extreme::main_of(argc, argv)); });
 }

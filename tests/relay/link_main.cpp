@@ -25,6 +25,7 @@
 
 #include "protocol/base/cli.h"
 #include "protocol/base/clock.h"
+#include "protocol/base/resources.h"
 #include "protocol/base/result.h"
 #include "tests/relay/packet_direction.h"
 
@@ -166,4 +167,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace mirage
 
-int main(int argc, char** argv) { return mirage::run(argc, argv); }
+int main(int argc, char** argv) {
+  return mirage::run_program([&] { return mirage::run(argc, argv); });
+}

@@ -20,6 +20,7 @@
 
 #include "protocol/base/cli.h"
 #include "protocol/base/clock.h"
+#include "protocol/base/resources.h"
 #include "tests/relay/shaped_direction.h"
 
 namespace mirage {
@@ -157,4 +158,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace mirage
 
-int main(int argc, char** argv) { return mirage::run(argc, argv); }
+int main(int argc, char** argv) {
+  return mirage::run_program([&] { return mirage::run(argc, argv); });
+}

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { brotliDecompressSync, gunzipSync } from 'node:zlib';
 import http from 'node:http';
-import { copyFileSync, readFileSync } from 'node:fs';
+import { copyFileSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { figures, flip, launch, message, open, picture, pose, rested, scratch, screen, seen, serve, sleep, stopAll, until, write, decode } from './harness.mjs';
 
@@ -581,4 +581,78 @@ test('what moves can be stopped, and goes on from there', async () => {
   assert.equal(await other.locator('#pause').isVisible(), false, 'nothing moves');
   await other.context().close();
   await still.stop();
+});
+
+// Writes a red square with a green variant, and two clips: in one it stays, in the other it is far away.
+function squareOfChoices() {
+  const floats = new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0, 0, 1000, 0, 0, 0, 0.01, 0, 0, 0, -1000, 0, 0, -1001, 0]);
+  const bytes = Buffer.from(floats.buffer);
+  const accessor = (first, count, type, bounds = {}) => ({ bufferView: 0, byteOffset: 4 * first, count, type, componentType: 5126, ...bounds });
+  const clip = (name, output) => ({ name, samplers: [{ input: 1, output }], channels: [{ sampler: 0, target: { node: 0, path: 'translation' } }] });
+  const color = (baseColorFactor) => ({ doubleSided: true, pbrMetallicRoughness: { baseColorFactor, metallicFactor: 0 } });
+  const file = join(scratch(), 'square.gltf');
+  writeFileSync(file, JSON.stringify({
+    asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], extensionsUsed: ['KHR_materials_variants'],
+    extensions: { KHR_materials_variants: { variants: [{ name: 'leaf & <b>green</b>' }] } },
+    materials: [color([0.8, 0.02, 0.02, 1]), color([0.02, 0.8, 0.02, 1])],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, material: 0,
+      extensions: { KHR_materials_variants: { mappings: [{ material: 1, variants: [0] }] } } }] }],
+    accessors: [accessor(0, 6, 'VEC3', { min: [-1, -1, 0], max: [1, 1, 0] }), accessor(18, 2, 'SCALAR', { min: [0], max: [1000] }),
+      accessor(20, 2, 'VEC3'), accessor(26, 2, 'VEC3')],
+    animations: [clip('stays', 2), clip('gone', 3)],
+    bufferViews: [{ buffer: 0, byteLength: bytes.length }],
+    buffers: [{ byteLength: bytes.length, uri: `data:application/octet-stream;base64,${bytes.toString('base64')}` }],
+  }));
+  return file;
+}
+
+test('clips and variants: chosen in a list, kept in the address, refused with a word', async () => {
+  const server = await serve(squareOfChoices(), ['--choices', '1']);
+  const front = '#eye=0,0,4&look=0,0,0';
+  const color = async (page) => {
+    const { width, height, rgba } = await picture(page);
+    const [r, g, b] = rgba.subarray(4 * (width * (height >> 1) + (width >> 1)));
+    return r > 2 * g && r > 2 * b ? 'red' : g > 2 * r && g > 2 * b ? 'green' : 'else';
+  };
+  const becomes = (page, wanted) => until(wanted, async () => (await figures(page))?.seen && (await color(page)) === wanted);
+  const page = await open(browser, `${server.url}${front}`);
+  await becomes(page, 'red');
+  const variant = page.getByLabel('Variant'), clip = page.getByLabel('Clip');
+  assert.deepEqual(await variant.locator('option').allTextContents(), ['As it is', 'leaf & <b>green</b>']);
+  assert.deepEqual(await clip.locator('option').allTextContents(), ['All clips', 'stays', 'gone']);
+  await variant.selectOption('leaf & <b>green</b>');
+  await becomes(page, 'green');
+  await until('no more message', async () => (await message(page)) === '');
+  assert.equal(new URL(page.url()).searchParams.get('variant'), 'leaf & <b>green</b>');
+  assert.match(page.url(), /#eye=0,0,4/, 'the view stays');
+  assert.equal(await variant.inputValue(), 'leaf & <b>green</b>');
+
+  // An equal address shows the same. Beyond --choices, the server says so, and the page stays with what it shows.
+  const other = await open(browser, page.url());
+  await becomes(other, 'green');
+  await other.getByLabel('Clip').selectOption('gone');
+  await until('a word', async () => /does not show “gone”.*as many clips and variants/.test(await message(other)));
+  await becomes(other, 'green');
+  assert.equal(await other.getByLabel('Clip').inputValue(), '');
+  await other.context().close();
+
+  await variant.selectOption('');
+  await becomes(page, 'red');
+  assert.equal(new URL(page.url()).search, '');
+  await clip.selectOption('gone');
+  await becomes(page, 'else');
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+
+  const wrong = await open(browser, `${server.url}?clip=jump${front}`);
+  await becomes(wrong, 'red');
+  await until('a word', async () => /no clip “jump”/.test(await message(wrong)));
+  assert.equal(new URL(wrong.url()).search, '');
+  await wrong.context().close();
+  await server.stop();
+
+  const plain = await open(browser, at(view));
+  await seen(plain);
+  assert.equal(await plain.getByLabel('Clip').isVisible(), false);
+  await plain.context().close();
 });

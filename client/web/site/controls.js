@@ -57,7 +57,7 @@ export class Controls {
       this.wake();
     }, { passive: false });
     addEventListener('keydown', (e) => {
-      const typing = (e.target instanceof HTMLInputElement && e.target.type !== 'radio') || e.ctrlKey || e.metaKey || e.altKey;
+      const typing = e.target instanceof HTMLSelectElement || (e.target instanceof HTMLInputElement && e.target.type !== 'radio') || e.ctrlKey || e.metaKey || e.altKey;
       if (!(keyMoves[e.code] || looks[e.code]) || typing) return;
       e.preventDefault();
       this.keys.add(e.code);

@@ -55,6 +55,7 @@ export class ServerLink {
   opened() {
     this.viewer.marks.connected ??= performance.now();
     this.connected = true;
+    this.welcomes = this.viewer.viewerThere() ? this.viewer.core._page_welcomes() : 0;
     if (this.viewer.viewerThere()) this.viewer.core._page_connected(1);
     this.viewer.wake();
   }
@@ -65,6 +66,7 @@ export class ServerLink {
     this.arrivals.length = 0;
     if (viewer.viewerThere()) viewer.core._page_connected(0);
     if (code === 4003) { this.askToken(this.token !== ''); return; }
+    if (code !== 1006 && viewer.viewerThere() && viewer.choices.refused(reason)) return;
     const refused = refusal(code, reason);
     if (refused) { viewer.fail(refused); return; }
     const goodbye = viewer.viewerThere() ? textAt(viewer.core, viewer.core._page_goodbye()) : '';
@@ -94,9 +96,10 @@ export class ServerLink {
     return performance.now() - began;
   }
 
-  /// Notes that there is a picture. Returns true if its server was not there the last time.
+  /// Notes that there is a picture. Returns true if its server was not there the last time. A server that loads the scene for
+  /// this page first welcomes it only then.
   noteSeen() {
-    if (!this.connected || (this.greeted && !this.told)) return false;
+    if (!this.connected || this.viewer.core._page_welcomes() === this.welcomes || (this.greeted && !this.told)) return false;
     this.greeted = true;
     this.told = false;
     this.pauseMs = firstPauseMs;

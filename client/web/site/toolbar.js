@@ -55,7 +55,7 @@ export class Toolbar {
   }
 
   press(e) {
-    const typing = e.target instanceof HTMLInputElement && e.target.type !== 'range' && e.target.type !== 'radio';
+    const typing = e.target instanceof HTMLSelectElement || e.target instanceof HTMLInputElement && e.target.type !== 'range' && e.target.type !== 'radio';
     if (typing || e.ctrlKey || e.metaKey || e.altKey || e.repeat) return;
     if (e.code === 'Escape') { this.viewer.compare.end(); $('link-box').hidden = true; }
     const layer = /^Digit([1-5])$/.exec(e.code);

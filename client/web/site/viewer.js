@@ -1,5 +1,6 @@
 // Viewer: the page itself; loads the core and runs its frames.
 import { loadModule, startCore, textAt, withText } from './core.js';
+import { Choices } from './choices.js';
 import { Compare } from './compare.js';
 import { Controls } from './controls.js';
 import { Figures } from './figures.js';
@@ -36,6 +37,7 @@ export class Viewer {
     this.tickMs = 0;       // ms that the last frame took here
     this.marks = { start: performance.now() };
     this.place = new Place(this);
+    this.choices = new Choices(this);
     this.pace = new Pace();
   }
 
@@ -93,8 +95,9 @@ export class Viewer {
     const { core } = this;
     const [width, height] = this.size();
     const [atlasMb, meshMb] = memoryBudgets();
-    const begun = withText(core, this.link.token, (token) => core._page_start(
-      width, height, this.place.address.budget ?? -1, this.displayMs(), atlasMb, meshMb, token));
+    const { clip, variant } = this.choices.wanted;
+    const begun = withText(core, this.link.token, (token) => withText(core, clip, (clipAt) => withText(core, variant, (variantAt) =>
+      core._page_start(width, height, this.place.address.budget ?? -1, this.displayMs(), atlasMb, meshMb, token, clipAt, variantAt))));
     if (begun < 0) {
       const why = textAt(core, core._page_text());
       this.fail(why.includes('WebGL 2')
@@ -249,6 +252,7 @@ export class Viewer {
       say('');
       this.place.tellWrong();
     }
+    if (this.seen) this.choices.look();
   }
 }
 

@@ -160,6 +160,22 @@ bool is_pose(const NodeChannels& channels, float clip_s, const tinygltf::Model& 
 /// A node whose scale shows and hides it counts as shown itself.
 void show(tinygltf::Node& node) { node.extensions.erase("KHR_node_visibility"); }
 
+/// Returns the place of the first clip of this name; the number of clips: there is none.
+std::size_t place_of(const std::string& name, const std::vector<AnimationSource>& clips) {
+  const auto found = std::find_if(clips.begin(), clips.end(), [&](const AnimationSource& source) {
+    return source.name == name;
+  });
+  return static_cast<std::size_t>(found - clips.begin());
+}
+
+/// Returns what a clip is called: by its name, or by its place from 0.
+std::string called(const std::vector<AnimationSource>& clips, std::size_t place) {
+  const std::string& name = clips[place].name;
+  const bool its_own =
+      !name.empty() && name.size() <= limits::kMaxChoiceBytes && place_of(name, clips) == place;
+  return its_own ? name : std::to_string(place);
+}
+
 }  // namespace
 
 std::map<int, NodeClip> import_clips(Document& document, Tally& tally) {
@@ -223,24 +239,32 @@ std::map<int, NodeClip> import_clips(Document& document, Tally& tally) {
   return out;
 }
 
-Result<void> choose_clip(const std::string& clip, Document& document) {
-  if (clip.empty()) return {};
-  std::vector<AnimationSource>& clips = document.animations.clips;
-  auto found = std::find_if(clips.begin(), clips.end(),
-                            [&](const AnimationSource& source) { return source.name == clip; });
-  const bool digits = clip.size() < 6 && clip.find_first_not_of("0123456789") == std::string::npos;
-  if (found == clips.end() && digits) {
-    const auto place = static_cast<std::size_t>(std::stoi(clip));
-    if (place < clips.size()) found = clips.begin() + static_cast<std::ptrdiff_t>(place);
+std::vector<std::string> clip_names(const Document& document) {
+  std::vector<std::string> out;
+  const std::vector<AnimationSource>& clips = document.animations.clips;
+  for (std::size_t i = 0; i < clips.size() && out.size() < limits::kMaxChoices; ++i) {
+    if (!clips[i].channels.empty()) out.push_back(called(clips, i));
   }
-  if (found == clips.end()) {
+  return out;
+}
+
+Result<std::string> choose_clip(const std::string& clip, Document& document) {
+  if (clip.empty()) return std::string();
+  std::vector<AnimationSource>& clips = document.animations.clips;
+  std::size_t found = place_of(clip, clips);
+  const bool digits = clip.size() < 6 && clip.find_first_not_of("0123456789") == std::string::npos;
+  if (found == clips.size() && digits) {
+    found = std::min(clips.size(), static_cast<std::size_t>(std::stoi(clip)));
+  }
+  if (found == clips.size()) {
     std::vector<std::string> names;
     for (const AnimationSource& source : clips) names.push_back(source.name);
     return make_error(ErrorId::kUsage, "no clip '" + shown_name(clip) + "'",
                       listed_names("clips", names));
   }
-  clips = {std::move(*found)};
-  return {};
+  const std::string name = called(clips, found);
+  clips = {std::move(clips[found])};
+  return name;
 }
 
 }  // namespace mirage::gltf

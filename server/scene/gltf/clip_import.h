@@ -24,8 +24,12 @@ struct NodeClip {
 /// written into the node's own transform and weights.
 std::map<int, NodeClip> import_clips(Document& document, Tally& tally);
 
+/// Returns what the clips of the file are called: by their names, or by their places from 0 where a
+/// name is missing, too long or taken. Clips that move nothing that can be read are left out.
+std::vector<std::string> clip_names(const Document& document);
+
 /// Keeps one clip of the file, by name or by its place from 0; all of them if `clip` is empty.
-/// Error kUsage: no such clip; the hint lists them.
-Result<void> choose_clip(const std::string& clip, Document& document);
+/// Returns what it is called. Error kUsage: no such clip; the hint lists them.
+Result<std::string> choose_clip(const std::string& clip, Document& document);
 
 }  // namespace mirage::gltf

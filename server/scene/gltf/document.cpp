@@ -417,7 +417,9 @@ Result<Document> load_document(const std::string& path, const std::string& varia
   document.importance = read_importance(*raw, tally);
   auto clean = sanitize(raw.take(), tally);
   if (!clean) return clean.error();
-  if (auto ok = choose_variant(*clean, variant, tally); !ok) return ok.error();
+  auto variants = choose_variant(*clean, variant, tally);
+  if (!variants) return variants.error();
+  document.variants = variants.take();
   if (auto ok = settle_basisu(*clean, path, tally); !ok) return ok.error();
   document.center = read_center(*clean);
   if (auto ok = load_buffers(*clean, document, *file, tally); !ok) return ok.error();

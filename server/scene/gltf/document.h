@@ -46,6 +46,7 @@ struct Document {
   std::vector<BufferData> buffers;
   std::vector<ImageSource> images;
   AnimationSources animations;
+  std::vector<std::string> variants;  ///< names, in the order of the file
   ImportanceMarks importance;
   glm::dvec3 center{0};  ///< CESIUM_RTC: place of the file's origin, m
 

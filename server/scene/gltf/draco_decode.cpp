@@ -15,7 +15,9 @@
 namespace mirage::gltf {
 namespace {
 
-Error broken(const std::string& why) { return make_error(ErrorId::kSceneFormat, "Draco: " + why); }
+Error bad_draco(const std::string& why) {
+  return make_error(ErrorId::kSceneFormat, "Draco: " + why);
+}
 
 std::uint64_t attribute_bytes(const draco::PointCloud& cloud) {
   std::uint64_t point_bytes = 0;
@@ -63,7 +65,7 @@ Result<void> decode_with(std::span<const std::uint8_t> bytes, const SceneLimits&
   GuardedDecoder<Base> decoder(limits);
   const draco::Status status = decoder.Decode(options, &buffer, &mesh);
   if (decoder.too_large()) return *decoder.too_large();
-  if (!status.ok()) return broken(status.error_msg_string());
+  if (!status.ok()) return bad_draco(status.error_msg_string());
   return {};
 }
 
@@ -106,20 +108,20 @@ Result<DracoMesh> unpack(const draco::Mesh& mesh, std::span<const DracoAttribute
   out.indices.reserve(std::size_t{mesh.num_faces()} * 3);
   for (std::uint32_t f = 0; f < mesh.num_faces(); ++f) {
     for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(f))) {
-      if (corner.value() >= out.points) return broken("an index beyond its points");
+      if (corner.value() >= out.points) return bad_draco("an index beyond its points");
       out.indices.push_back(corner.value());
     }
   }
   for (const DracoAttribute& want : wanted) {
     const std::string name = "attribute " + std::to_string(want.unique_id);
     const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(want.unique_id);
-    if (attribute == nullptr) return broken("no " + name);
+    if (attribute == nullptr) return bad_draco("no " + name);
     if (want.components < 1 || want.components > 4 || component_bytes(want.component_type) == 0) {
-      return broken(name + " of an impossible type");
+      return bad_draco(name + " of an impossible type");
     }
     std::vector<std::uint8_t> values;
     if (!convert_to(want.component_type, *attribute, out.points, want.components, values)) {
-      return broken(name + " does not convert to its accessor's type");
+      return bad_draco(name + " does not convert to its accessor's type");
     }
     out.attributes.push_back(std::move(values));
   }
@@ -143,7 +145,7 @@ Result<DracoMesh> decode_draco(std::span<const std::uint8_t> bytes,
   } catch (const std::bad_alloc&) {
     return make_error(ErrorId::kSceneLimit, "Draco: not enough memory");
   } catch (const std::exception& exception) {
-    return broken(exception.what());
+    return bad_draco(exception.what());
   }
 }
 

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <new>
 
+#include "protocol/base/limits.h"
 #include "server/scene/gltf/bounds.h"
 #include "server/scene/gltf/clip_import.h"
 #include "server/scene/gltf/detail_frame.h"
@@ -36,7 +37,7 @@ void move_origin(Scene& scene, gltf::NodeTree& tree, const glm::dvec3& center) {
 }
 
 /// Reads "variant=NAME&clip=NAME" in any order; false if it is something else. A name may have '&'.
-bool read_query(std::string_view query, ImportOptions& options) {
+bool read_query(std::string_view query, SceneChoice& choice) {
   constexpr std::string_view kVariant = "variant=", kClip = "clip=";
   while (!query.empty()) {
     const bool variant = query.starts_with(kVariant);
@@ -46,21 +47,34 @@ bool read_query(std::string_view query, ImportOptions& options) {
         std::min(query.find("&" + std::string(kVariant)), query.find("&" + std::string(kClip)));
     const std::string_view value = query.substr(0, end);
     if (value.empty()) return false;
-    (variant ? options.variant : options.clip) = value;
+    (variant ? choice.variant : choice.clip) = value;
     query.remove_prefix(end == std::string_view::npos ? query.size() : end + 1);
   }
-  return !options.variant.empty() || !options.clip.empty();
+  return choice != SceneChoice{};
+}
+
+/// Returns the names that a viewer can ask for, each once.
+std::vector<std::string> offered(const std::vector<std::string>& names) {
+  std::vector<std::string> out;
+  for (const std::string& name : names) {
+    const bool told = std::find(out.begin(), out.end(), name) != out.end();
+    if (name.empty() || told || name.size() > limits::kMaxChoiceBytes) continue;
+    if (out.size() < limits::kMaxChoices) out.push_back(name);
+  }
+  return out;
 }
 
 Result<Scene> import_stages(const std::string& path, const Workers& workers,
                             const ImportOptions& options) {
   gltf::Tally tally(options.strict);
-  auto document = gltf::load_document(path, options.variant, gltf::limits_within(options.megabytes),
-                                      workers, tally);
+  auto document = gltf::load_document(path, options.choice.variant,
+                                      gltf::limits_within(options.megabytes), workers, tally);
   if (!document) return document.error();
-  if (Result<void> chosen = gltf::choose_clip(options.clip, *document); !chosen) {
-    return chosen.error();
-  }
+  SceneChoices choices{gltf::clip_names(*document), offered(document->variants), {}};
+  choices.shown.variant = options.choice.variant;
+  Result<std::string> clip = gltf::choose_clip(options.choice.clip, *document);
+  if (!clip) return clip.error();
+  choices.shown.clip = clip.take();
   const std::map<int, gltf::NodeClip> clips = gltf::import_clips(*document, tally);
   auto tree = gltf::flatten_nodes(document->model, tally);
   if (!tree) return tree.error();
@@ -75,6 +89,7 @@ Result<Scene> import_stages(const std::string& path, const Workers& workers,
   Scene scene = taken.take();
   move_origin(scene, *tree, document->center);
   scene.name = std::filesystem::path(path).stem().string();
+  scene.choices = std::move(choices);
   if (scene.instances.empty()) {
     if (tally.first_loss()) return *tally.first_loss();  // nobody can draw what is left
     tally.note("nothing to draw");
@@ -98,9 +113,13 @@ Result<Scene> import_gltf_spec(const std::string& spec, const Workers& workers,
   if (mark == std::string::npos || std::filesystem::exists(spec, code)) {
     return import_gltf(spec, workers, options);
   }
-  if (!read_query(std::string_view(spec).substr(mark + 1), options)) {
+  SceneChoice named;
+  if (!read_query(std::string_view(spec).substr(mark + 1), named)) {
     return make_error(ErrorId::kUsage, "'" + spec + "': a file takes ?variant=NAME and ?clip=NAME");
   }
+  SceneChoice& choice = options.choice;
+  if (choice.variant.empty()) choice.variant = named.variant;
+  if (choice.clip.empty()) choice.clip = named.clip;
   return import_gltf(spec.substr(0, mark), workers, options);
 }
 

@@ -14,10 +14,9 @@ struct ImportOptions {
   /// Refuses files that violate the specification in ways that viewers forgive (README, "What is
   /// forgiven").
   bool strict = false;
-  /// A variant of KHR_materials_variants; empty: the file's initial materials.
-  std::string variant = {};
-  /// The one clip that plays, by name or by its place from 0; empty: all clips play.
-  std::string clip = {};
+  /// The one clip that plays, by name or by its place from 0, and the variant of
+  /// KHR_materials_variants. Empty: all clips play, and the file's initial materials.
+  SceneChoice choice = {};
   /// Memory that the scene may take, MB; files that need more are refused.
   std::uint64_t megabytes = 3072;
 };
@@ -31,7 +30,7 @@ Result<Scene> import_gltf(const std::string& path, const Workers& workers = Work
                           const ImportOptions& options = {});
 
 /// Imports `FILE?variant=NAME`, `FILE?clip=NAME` or `FILE?clip=N`, or both with '&' between, unless
-/// a file of that whole name exists. Errors: also kUsage.
+/// a file of that whole name exists. What `options` choose counts before that. Errors: also kUsage.
 Result<Scene> import_gltf_spec(const std::string& spec, const Workers& workers = Workers(),
                                ImportOptions options = {});
 

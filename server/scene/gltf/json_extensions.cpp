@@ -52,10 +52,10 @@ Result<std::vector<std::string>> variant_names(const json& root, Tally& tally) {
 
 }  // namespace
 
-Result<void> choose_variant(json& root, const std::string& variant, Tally& tally) {
-  const auto names = variant_names(root, tally);
-  if (!names) return names.error();
-  if (variant.empty()) return {};
+Result<std::vector<std::string>> choose_variant(json& root, const std::string& variant,
+                                                Tally& tally) {
+  auto names = variant_names(root, tally);
+  if (!names || variant.empty()) return names;
   const auto found = std::find(names->begin(), names->end(), variant);
   if (found == names->end()) {
     return make_error(ErrorId::kUsage, "no variant '" + shown_name(variant) + "'",
@@ -63,14 +63,14 @@ Result<void> choose_variant(json& root, const std::string& variant, Tally& tally
   }
   const auto index = static_cast<std::size_t>(found - names->begin());
   const auto meshes = root.find("meshes");
-  if (meshes == root.end()) return {};
+  if (meshes == root.end()) return names;
   for (json& mesh : *meshes) {
     for (json& primitive : mesh["primitives"]) {
       const json* material = material_of(primitive, index);
       if (material != nullptr) primitive["material"] = json(*material);
     }
   }
-  return {};
+  return names;
 }
 
 Result<void> settle_basisu(json& root, const std::string& path, Tally& tally) {

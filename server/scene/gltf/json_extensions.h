@@ -11,9 +11,10 @@
 namespace mirage::gltf {
 
 /// KHR_materials_variants: gives each primitive the material of this variant; empty: the file's
-/// initial ones. Among variants of the same name, the first is used. Errors: kUsage (no such
-/// variant; the hint lists them).
-Result<void> choose_variant(nlohmann::json& root, const std::string& variant, Tally& tally);
+/// initial ones. Among variants of the same name, the first is used. Returns the names of all
+/// variants. Errors: kUsage (no such variant; the hint lists them).
+Result<std::vector<std::string>> choose_variant(nlohmann::json& root, const std::string& variant,
+                                                Tally& tally);
 
 /// KHR_texture_basisu: makes textures use their fallback. Errors: kSceneExtension (a texture has
 /// none; the hint is the command that converts the file).

@@ -14,7 +14,7 @@ constexpr std::uint64_t kMaxVertexRatio = 64;
 // Allows for the block of the first vertex and the unused end of a block.
 constexpr std::uint64_t kVertexSlackBytes = 256 * 256;
 
-Error broken(const std::string& why) {
+Error bad_meshopt(const std::string& why) {
   return make_error(ErrorId::kSceneFormat, "meshopt: " + why);
 }
 
@@ -27,7 +27,7 @@ Result<void> check_sizes(const MeshoptView& view) {
       fits = stride > 0 && stride <= 256 && stride % 4 == 0;
       break;
     case MeshoptMode::kTriangles:
-      if (view.count % 3 != 0) return broken("TRIANGLES of no whole triangles");
+      if (view.count % 3 != 0) return bad_meshopt("TRIANGLES of no whole triangles");
       fits = stride == 2 || stride == 4;
       break;
     case MeshoptMode::kIndices:
@@ -37,9 +37,9 @@ Result<void> check_sizes(const MeshoptView& view) {
   if (view.filter == MeshoptFilter::kOctahedral) fits = fits && (stride == 4 || stride == 8);
   if (view.filter == MeshoptFilter::kQuaternion) fits = fits && stride == 8;
   if (view.filter != MeshoptFilter::kNone && view.mode != MeshoptMode::kAttributes) {
-    return broken("a filter on indices");
+    return bad_meshopt("a filter on indices");
   }
-  if (!fits) return broken("byteStride " + std::to_string(stride) + " does not fit its mode");
+  if (!fits) return bad_meshopt("byteStride " + std::to_string(stride) + " does not fit its mode");
   if (view.decoded_bytes() > kMaxMeshoptBytes) {
     return make_error(ErrorId::kSceneLimit,
                       "meshopt: " + std::to_string(view.decoded_bytes()) + " bytes are too many");
@@ -49,13 +49,13 @@ Result<void> check_sizes(const MeshoptView& view) {
 
 /// The first byte is codec and version: 0xa0 vertices, 0xe0/0xe1 triangles, 0xd0/0xd1 indices.
 Result<void> check_header(std::span<const std::uint8_t> bytes, MeshoptMode mode) {
-  if (bytes.empty()) return broken("no data");
+  if (bytes.empty()) return bad_meshopt("no data");
   const int codec = bytes[0] & 0xf0;
   const int version = bytes[0] & 0x0f;
   const int wanted = mode == MeshoptMode::kAttributes  ? 0xa0
                      : mode == MeshoptMode::kTriangles ? 0xe0
                                                        : 0xd0;
-  if (codec != wanted) return broken("the data are of another mode");
+  if (codec != wanted) return bad_meshopt("the data are of another mode");
   if (version > (mode == MeshoptMode::kAttributes ? 0 : 1)) {
     return make_error(ErrorId::kSceneExtension,
                       "meshopt: bitstream version " + std::to_string(version) + " is not read",
@@ -92,7 +92,7 @@ Result<MeshoptView> meshopt_view(std::string_view mode, std::string_view filter,
   } else if (mode == "INDICES") {
     view.mode = MeshoptMode::kIndices;
   } else if (mode != "ATTRIBUTES") {
-    return broken("unknown mode '" + std::string(mode.substr(0, 40)) + "'");
+    return bad_meshopt("unknown mode '" + std::string(mode.substr(0, 40)) + "'");
   }
   if (filter == "OCTAHEDRAL") {
     view.filter = MeshoptFilter::kOctahedral;
@@ -104,7 +104,7 @@ Result<MeshoptView> meshopt_view(std::string_view mode, std::string_view filter,
     return make_error(ErrorId::kSceneExtension, "meshopt: the filter COLOR is not read",
                       "npx @gltf-transform/cli copy IN.glb OUT.glb writes it uncompressed");
   } else if (!filter.empty() && filter != "NONE") {
-    return broken("unknown filter '" + std::string(filter.substr(0, 40)) + "'");
+    return bad_meshopt("unknown filter '" + std::string(filter.substr(0, 40)) + "'");
   }
   return view;
 }
@@ -118,7 +118,7 @@ Result<std::vector<std::uint8_t>> decode_meshopt(std::span<const std::uint8_t> b
   const std::uint64_t most = view.mode == MeshoptMode::kAttributes
                                  ? bytes.size() * kMaxVertexRatio + kVertexSlackBytes
                                  : bytes.size() * 3 * view.stride;
-  if (view.decoded_bytes() > most) return broken("fewer bytes than its count needs");
+  if (view.decoded_bytes() > most) return bad_meshopt("fewer bytes than its count needs");
   std::vector<std::uint8_t> out(static_cast<std::size_t>(view.decoded_bytes()));
   if (view.count == 0) return out;
   int status = 0;
@@ -136,7 +136,7 @@ Result<std::vector<std::uint8_t>> decode_meshopt(std::span<const std::uint8_t> b
                                            bytes.size());
       break;
   }
-  if (status != 0) return broken("damaged data (" + std::to_string(status) + ")");
+  if (status != 0) return bad_meshopt("damaged data (" + std::to_string(status) + ")");
   apply_filter(view, out.data());
   return out;
 }

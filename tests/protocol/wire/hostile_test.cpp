@@ -116,6 +116,18 @@ TEST(ProtocolHostile, TextsAndTotalsAreHeldAgainstTheLimits) {
   hello.token.clear();
   hello.codecs.resize(33);
   EXPECT_EQ(decode_error(encode_message(wire::HelloT(hello))), ErrorId::kWireLimit);
+  hello.codecs.clear();
+  hello.clip = std::string(limits::kMaxChoiceBytes, 'x');
+  EXPECT_EQ(decode_error(encode_message(wire::HelloT(hello))), ErrorId::kInternal);
+  hello.clip += "x";
+  EXPECT_EQ(decode_error(encode_message(wire::HelloT(hello))), ErrorId::kWireLimit);
+  wire::WelcomeT choices = sample_welcome();
+  choices.variants.resize(limits::kMaxChoices);
+  EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(choices))), ErrorId::kInternal);
+  choices.variants.emplace_back();
+  EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(choices))), ErrorId::kWireLimit);
+  choices.variants = {hello.clip};
+  EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(choices))), ErrorId::kWireLimit);
   wire::ByeT bye;
   bye.text = long_text;
   EXPECT_EQ(decode_error(encode_message(std::move(bye))), ErrorId::kWireLimit);

@@ -118,6 +118,50 @@ TEST_F(ServerSession, PlacesAreTakenByARightHello) {
   EXPECT_TRUE(send(hub->open(), wire::HelloT(right)));
 }
 
+TEST_F(ServerSession, AnotherChoiceWaitsForItsOwnHub) {
+  auto scene = std::make_shared<PreparedScene>(*scene_);
+  scene->scene.choices = {{"walk", "run"}, {"red"}, {"walk", ""}};
+  SessionOptions options;
+  options.choices = true;
+  options.max_clients = 2;
+  restart(options, scene);
+  const auto greet = [&](const std::string& clip, const std::string& variant) {
+    const SessionId id = hub->open();
+    wire::HelloT choosing = hello();
+    choosing.clip = clip;
+    choosing.variant = variant;
+    EXPECT_TRUE(send(id, std::move(choosing)).ok());
+    return id;
+  };
+  // Empty, shown or unknown: this hub's own.
+  for (const char* clip : {"", "walk", "sleep"}) {
+    const SessionId id = greet(clip, "");
+    EXPECT_FALSE(hub->wants_elsewhere(id)) << clip;
+    const wire::WelcomeT welcome = *drain(id).at(0).body.AsWelcome();
+    EXPECT_EQ(welcome.clips, scene->scene.choices.clips);
+    EXPECT_EQ(welcome.clip, "walk");
+    hub->close(id);
+  }
+  const SessionId elsewhere = greet("run", "red");
+  ASSERT_TRUE(hub->wants_elsewhere(elsewhere));
+  EXPECT_EQ(*hub->wants_elsewhere(elsewhere), (SceneChoice{"run", "red"}));
+  EXPECT_EQ(*hub->wants_elsewhere(greet("", "red")), (SceneChoice{"walk", "red"}));
+  EXPECT_TRUE(drain(elsewhere).empty());
+  EXPECT_FALSE(hub->greeted(elsewhere));
+  clock.advance_to_us(60'000'000);
+  EXPECT_TRUE(hub->overdue().empty()) << "loading may take long";
+  EXPECT_FALSE(send(elsewhere, sample_open_request()).ok());
+  // A client that went elsewhere takes a place here.
+  greeted();
+  hub->set_clients_elsewhere(1);
+  EXPECT_EQ(send(hub->open(), hello()).error().id, ErrorId::kBusy);
+  // A hub without choices shows everybody the same, and offers nothing.
+  restart({}, scene);
+  const SessionId same = greet("run", "");
+  EXPECT_FALSE(hub->wants_elsewhere(same));
+  EXPECT_TRUE(drain(same).at(0).body.AsWelcome()->clips.empty());
+}
+
 TEST_F(ServerSession, BeforeTheHelloThereIsNothingButAHello) {
   const Bytes much(4097, 0);
   EXPECT_EQ(hub->receive(hub->open(), much.data(), much.size()).error().id, ErrorId::kWireLimit);

@@ -124,6 +124,17 @@ TEST(GltfAnimation, AFirstClipThatIsAPoseEndsNoOther) {
   }
 }
 
+TEST(GltfAnimation, AClipWithoutANameOfItsOwnIsCalledByItsPlace) {
+  Builder b = sliding();
+  for (const char* name : {"walk", "walk", ""}) {
+    animate(b, 0, "translation", {0, 1}, b.vec3({0, 0, 0, 0, 4, 0}));
+    b.doc["animations"].back()["name"] = name;
+  }
+  const Result<Scene> scene = b.load();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_EQ(scene->choices.clips, (std::vector<std::string>{"0", "walk", "2", "3"}));
+}
+
 TEST(GltfAnimation, AClipCanBeChosen) {
   Builder b = sliding();
   animate(b, 0, "translation", {0, 1}, b.vec3({0, 0, 0, 0, 4, 0}));
@@ -137,6 +148,13 @@ TEST(GltfAnimation, AClipCanBeChosen) {
     if (!scene) return glm::vec3(0);
     return posed(scene->objects[0], 0.5)[0] - posed(scene->objects[0], 0)[0];
   };
+  const auto choices = [&](const std::string& query) {
+    return import_gltf_spec(file + query).take().choices;
+  };
+  EXPECT_EQ(choices("").clips, (std::vector<std::string>{"slide & stop", "rise"}));
+  EXPECT_EQ(choices("").shown, SceneChoice{});
+  EXPECT_EQ(choices("?clip=1").clips.size(), 2u) << "all of the file";
+  EXPECT_EQ(choices("?clip=1").shown.clip, "rise") << "by its name";
   EXPECT_NEAR(moved("").x, 1, 1e-6);
   EXPECT_NEAR(moved("?clip=slide & stop").x, 1, 1e-6);
   EXPECT_NEAR(moved("?clip=rise").y, 2, 1e-6);

@@ -323,6 +323,9 @@ TEST(GltfVariants, TheChosenOneElseTheFilesOwn) {
   EXPECT_EQ(metallic("?variant=red"), 0.5f);
   EXPECT_EQ(metallic("?variant=plain"), 0.25f);  // this variant maps no primitive
   EXPECT_EQ(metallic("?variant=dark blue"), 0.75f);
+  const SceneChoices choices = import_gltf_spec(file + "?variant=red").take().choices;
+  EXPECT_EQ(choices.variants, (std::vector<std::string>{"red", "plain", "dark blue"}));
+  EXPECT_EQ(choices.shown.variant, "red");
   auto unknown = import_gltf_spec(file + "?variant=green");
   EXPECT_REFUSED(unknown, kUsage, "no variant 'green'");
   EXPECT_EQ(unknown.error().hint, "its variants: red, plain, dark blue");
@@ -331,7 +334,7 @@ TEST(GltfVariants, TheChosenOneElseTheFilesOwn) {
   EXPECT_TRUE(import_gltf_spec(folder.write("a?b.glb", builder.glb())).ok());
 
   builder.doc["extensions"]["KHR_materials_variants"]["variants"][2]["name"] = "red";
-  auto twice = builder.load({.variant = "red"});
+  auto twice = builder.load({.choice = {.clip = "", .variant = "red"}});
   ASSERT_TRUE(twice) << failure(twice);
   EXPECT_EQ(twice->materials[0].metallic, 0.5f);
   EXPECT_TRUE(has_warning(*twice, "1 variants of one name"));
