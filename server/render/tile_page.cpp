@@ -308,9 +308,9 @@ const Touching* TilePageRenderer::touching(const TileJob& job) const {
   if (!touching_ || !stores_depth) return nullptr;
   const PreparedScene& scene = *scene_->prepared;
   const InstanceGroup* const group = scene.group(job.key.object);
-  const bool part = group && group->part != kNoGroup;
+  if (group && group->part == kNoGroup) return nullptr;
   const Touching& found =
-      scene.touching[part ? scene.scene.instances[group->first_leaf].object : job.key.object];
+      scene.touching[group ? scene.scene.instances[group->first_leaf].object : job.key.object];
   return found.others.empty() ? nullptr : &found;
 }
 
@@ -319,8 +319,8 @@ void TilePageRenderer::keep_clear(const TileJob& job, const RowBand& rows, const
   const Touching* const found = touching(job);
   if (!found) return;
   TouchingDepth::View view{capture, at.clip_from_relative, at.eye, {}};
-  if (const InstanceGroup* const group = scene_->prepared->group(job.key.object)) {
-    view.eye += group->bounds.center;
+  if (const InstanceGroup* const part = scene_->prepared->group(job.key.object)) {
+    view.eye += part->bounds.center;
   } else {
     view.world_from_space = scene_->prepared->instance(found->instance).world_from_object;
   }
