@@ -192,7 +192,8 @@ int run_doctor(const ServerOptions& options) {
   Result<std::shared_ptr<const PreparedScene>> scene =
       load_scene(options.scene, {.strict = options.strict,
                                  .megabytes = options.scene_mb,
-                                 .environment = options.environment});
+                                 .environment = options.environment,
+                                 .studio = options.look == "studio"});
   if (!scene) {
     found.fail("scene", scene.error());
   } else {

@@ -51,6 +51,12 @@ void add_scene_options(CLI::App& app, ServerOptions& o, Texts& t) {
       ->capture_default_str();
   app.add_flag("--strict", o.strict,
                "refuse what is otherwise repaired with a warning: missing images, odd URIs, …");
+  app.add_option("--look", o.look,
+                 "studio: show models without lights of their own before a backdrop, with their "
+                 "shadow on a floor and highlights compressed; plain: on grey, as they are")
+      ->type_name("LOOK")
+      ->check(CLI::IsMember({"studio", "plain"}))
+      ->capture_default_str();
   app.add_option("--write-environment", o.write_environment,
                  "write the surroundings to FILE.hdr or FILE.exr and exit")
       ->type_name("FILE");

@@ -16,6 +16,7 @@ struct ServerOptions {
   SceneChoice choice;             ///< instead of what `scene` names
   std::size_t choices = 4;        ///< scenes with another choice, beside that one
   std::string environment;        ///< empty: what suits the scene
+  std::string look = "studio";    ///< or "plain"
   std::string write_environment;  ///< set: only write it to this file
   EndpointOptions endpoint;
   RenderOptions render;

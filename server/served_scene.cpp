@@ -32,6 +32,7 @@ Result<std::shared_ptr<const PreparedScene>> load_served(const ServerOptions& op
                                  .choice = options.choice,
                                  .megabytes = options.scene_mb,
                                  .environment = options.environment,
+                                 .studio = options.look == "studio",
                                  .cache = cache,
                                  .progress = tell});
   if (!scene) return scene;

@@ -185,7 +185,8 @@ Result<void> FrameRenderer::reset(const SceneView& scene) {
   p.probe.reset();
   if (scene.probe) p.probe = gl::ProbeMap::create(*scene.probe);
   p.mesh_pass->set_probe(p.probe ? &*p.probe : nullptr);
-  p.mesh_pass->set_backdrop(scene.environment.horizon);
+  p.mesh_pass->set_surroundings(scene.environment);
+  if (Result<void> sky = p.sky.prepare(scene.environment); !sky) return sky;
   return p.impostors.reset(scene);
 }
 

@@ -179,6 +179,7 @@ Result<void> ImpostorPass::reset(const SceneView& scene) {
   warp_proxies_.clear();
   fog_color_ = scene.environment.horizon;
   fog_density_ = scene.environment.fog_density;
+  neutral_ = scene.environment.tone == ToneCurve::kNeutral;
   const Variant wanted{fog_density_ > 0, scene.shadows, scene.probe != nullptr};
   const auto bits = [](const Variant& v) { return std::tie(v.fog, v.shadows, v.probe); };
   return bits(wanted) == bits(variant_) ? Result<void>{} : make_programs(wanted);
@@ -237,6 +238,7 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool re
   if (!relit) return;
   program.set("u_surface", 3);
   program.set("u_ambient", lights_.ambient);
+  program.set("u_neutral", neutral_ ? 1 : 0);
   program.set("u_light_count", lights_.count);
   program.set("u_lights", lights_.lights);
   if (probe_) probe_->use(program, lights_.probe);

@@ -106,6 +106,7 @@ class ImpostorPass {
   glm::vec3 shadow_tint_{1};
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;
+  bool neutral_ = false;  ///< ToneCurve::kNeutral
   int draw_calls_ = 0;
   bool edges_last_ = false;
   std::vector<std::uint32_t> entangled_;  ///< instances of the frame with their edges drawn last

@@ -52,9 +52,16 @@ Result<void> SceneView::accept(const wire::WelcomeT& w) {
   Result<Lighting> light = from_wire(*w.lighting);
   if (!light) return light.error();
   lighting = light.take();
-  environment = {from_wire(*w.sky_zenith), from_wire(*w.sky_horizon), from_wire(*w.sky_nadir),
-                 w.fog_density};
-  home = {from_wire(*w.home_eye), from_wire(*w.home_target), w.walk_radius_m, w.walk_speed_mps};
+  environment = {from_wire(*w.sky_zenith), from_wire(*w.sky_horizon),
+                 from_wire(*w.sky_nadir),  w.fog_density,
+                 ToneCurve::kClip,         {}};
+  environment.tone = static_cast<ToneCurve>(w.tone);
+  if (w.floor) {
+    environment.floor = {from_wire(*w.floor->center), w.floor->half, from_wire(*w.floor->color),
+                         w.floor->shadow};
+  }
+  home = {from_wire(*w.home_eye), from_wire(*w.home_target), w.walk_radius_m, w.walk_speed_mps, {}};
+  for (const wire::Vec3f& point : w.home_fit) home.fit.push_back(from_wire(point));
   note_choices(w);
   geometry = w.geometry;
   reference = w.reference;

@@ -57,7 +57,8 @@ void Pilot::meet(const SceneView& scene) {
   pivot_ = home.target;
   radius_ = scene.bounds_radius > 0 ? scene.bounds_radius : 1;
   const double away = glm::length(home.eye - scene.bounds_center);
-  mode_ = away > radius_ ? SteerMode::kOrbit : SteerMode::kWalk;
+  const bool outside = !home.fit.empty() || away > radius_;
+  mode_ = outside ? SteerMode::kOrbit : SteerMode::kWalk;
   speed_mps_ = kSprint * home.walk_speed_mps;
   const double seconds = 2 * radius_ / speed_mps_;
   const bool walked = seconds >= kShortestWalkS && seconds <= kLongestWalkS;

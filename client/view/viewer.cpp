@@ -219,7 +219,7 @@ Result<void> Viewer::meet_scene() {
   Result<LightScript> light = LightScript::create(o_.light);
   if (!light) return light.error();
   light_.emplace(light.take());
-  pose_ = look_at(scene.home.eye, scene.home.target);
+  pose_ = home_pose(scene.home, camera_at({}));
   pilot_.meet(scene);
   return {};
 }

@@ -199,6 +199,12 @@ EMSCRIPTEN_KEEPALIVE void page_sun(double azimuth, double elevation, double now_
   page().viewer->set_sun(at, mirage::us(now_ms));
 }
 
+/// Returns azimuth (`part` 0) or elevation (1) of the scene's own sun, degrees; NaN: it has none.
+EMSCRIPTEN_KEEPALIVE double page_own_sun(int part) {
+  const auto at = page().viewer->own_sun();
+  return at ? (*at)[part == 0 ? 0 : 1] : std::nan("");
+}
+
 EMSCRIPTEN_KEEPALIVE double page_drawn_frames() {
   return static_cast<double>(page().viewer->drawn_frames());
 }

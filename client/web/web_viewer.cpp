@@ -51,6 +51,8 @@ ClientOptions session_options(const WebOptions& o) {
   return s;
 }
 
+constexpr double kRadians = 0.017453292519943295;  // of a degree
+
 }  // namespace
 
 WebViewer::WebViewer(const WebOptions& options, std::function<void(const Bytes&)> write)
@@ -237,15 +239,24 @@ void WebViewer::set_pose(const Pose& pose) {
 
 void WebViewer::go_home() {
   const HomeView& home = session_->scene().home;
-  pose_ = look_at(home.eye, home.target);
+  pose_ = home_pose(home, camera());
   pilot_.aim(home.target);
   posed_ = true;
+}
+
+std::optional<std::array<double, 2>> WebViewer::own_sun() const {
+  for (const Light& one : session_->scene().lighting.lights) {
+    if (one.kind != LightKind::kDirectional) continue;
+    const glm::dvec3 to_sun = -glm::dvec3(one.direction);
+    return std::array<double, 2>{std::atan2(to_sun.x, -to_sun.z) / kRadians,
+                                 std::asin(glm::clamp(to_sun.y, -1.0, 1.0)) / kRadians};
+  }
+  return std::nullopt;
 }
 
 void WebViewer::set_sun(std::optional<std::array<double, 2>> at, std::int64_t now_us) {
   Lighting light = session_->scene().lighting;
   if (at) {
-    constexpr double kRadians = 0.017453292519943295;
     const double azimuth = (*at)[0] * kRadians, elevation = (*at)[1] * kRadians;
     const glm::dvec3 to_sun(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
                             -std::cos(azimuth) * std::cos(elevation));

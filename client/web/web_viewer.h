@@ -74,6 +74,8 @@ class WebViewer {
   /// usual direction) to the right, and elevation. The strengths stay the scene's. nullopt: the
   /// scene's own light.
   void set_sun(std::optional<std::array<double, 2>> azimuth_elevation, std::int64_t now_us);
+  /// Returns where the scene's own sun stands, as above; nullopt: it has no directional light.
+  std::optional<std::array<double, 2>> own_sun() const;
 
   /// Notes that the graphics card took `ms` for this one of the last drawn frames.
   void note_gpu_ms(std::uint64_t drawn_frame, double ms);

@@ -142,6 +142,7 @@ const std::vector<std::string>& options_of_all_programs() {
                                                  "list-devices",
                                                  "listen",
                                                  "log-format",
+                                                 "look",
                                                  "march-kpx",
                                                  "max-clients",
                                                  "mesh-mb",

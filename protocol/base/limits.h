@@ -18,6 +18,7 @@ inline constexpr std::size_t kMaxInboundTransferBytes =
 inline constexpr std::size_t kMaxOpenTransfers = 4;
 inline constexpr std::size_t kChunkBytes = 128 * 1024;
 inline constexpr std::size_t kMaxTextBytes = 4096;
+inline constexpr std::size_t kMaxFitPoints = 64;     ///< of a home view
 inline constexpr std::size_t kMaxChoices = 256;      ///< clips, and variants, that a scene offers
 inline constexpr std::size_t kMaxChoiceBytes = 256;  ///< of the name of one
 inline constexpr std::size_t kMaxCodecs = 32;        ///< in one list of codecs

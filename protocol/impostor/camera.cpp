@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
 
 #include "protocol/base/stable_math.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
 
@@ -84,6 +86,28 @@ Pose look_at(const glm::dvec3& eye, const glm::dvec3& target) {
   const glm::dvec3 right = glm::normalize(glm::cross(forward, hint));
   const glm::dmat3 world_from_camera(right, glm::cross(right, forward), -forward);
   return {eye, glm::quat(glm::normalize(glm::quat_cast(world_from_camera)))};
+}
+
+Pose home_pose(const HomeView& home, const Camera& camera) {
+  constexpr double kFill = 0.8;  // share of the picture's width or height
+  Pose pose = look_at(home.eye, home.target);
+  if (home.fit.empty()) return pose;
+  const double high = kFill * std::tan(0.5 * camera.fov_y);
+  const glm::dvec2 half(high * camera.width / camera.height, high);
+  // A point (x, z) of the view, z towards the eye, is within the picture's right edge if
+  // x + half z <= middle + half distance, and likewise at the other edges.
+  const glm::dquat view_from_world = glm::conjugate(glm::dquat(pose.rotation));
+  glm::dvec2 right(-std::numeric_limits<double>::infinity()), left = right;
+  for (const glm::vec3& point : home.fit) {
+    const glm::dvec3 p = view_from_world * glm::dvec3(point);
+    right = glm::max(right, glm::dvec2(p) + half * p.z);
+    left = glm::max(left, half * p.z - glm::dvec2(p));
+  }
+  const glm::dvec2 middle = 0.5 * (right - left), distances = 0.5 * (right + left) / half;
+  const double distance = std::max(distances.x, distances.y);
+  if (!(distance > 0) || !std::isfinite(distance + middle.x + middle.y)) return pose;
+  pose.eye = home.target + glm::dquat(pose.rotation) * glm::dvec3(middle, distance);
+  return pose;
 }
 
 }  // namespace mirage

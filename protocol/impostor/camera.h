@@ -8,6 +8,8 @@
 
 namespace mirage {
 
+struct HomeView;
+
 struct Pose {
   glm::dvec3 eye{0};
   glm::quat rotation{1, 0, 0, 0};  ///< world_from_camera; the camera looks along its -z
@@ -74,5 +76,10 @@ class Frustum {
 
 /// Returns the pose at `eye` that looks at `target`, with world +Y up where possible.
 Pose look_at(const glm::dvec3& eye, const glm::dvec3& target);
+
+/// Returns the pose of a home view for a picture with the camera's shape and field of view. The eye
+/// keeps its direction and goes where the points to fit lie in the middle and fill four fifths of
+/// the picture's width or height.
+Pose home_pose(const HomeView& home, const Camera& camera);
 
 }  // namespace mirage

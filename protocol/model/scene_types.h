@@ -60,12 +60,32 @@ struct Lighting {
   ProbeLight probe;
 };
 
-/// Background where no object is: a vertical gradient, linear RGB.
+/// Curve that brings shaded colours into the range of a screen.
+enum class ToneCurve : std::uint8_t {
+  kClip,     ///< what is above 1 is cut off
+  kNeutral,  ///< Khronos PBR Neutral: highlights keep their shape and hue
+};
+
+/// Floor under a scene that stands in a studio. It belongs to the background: objects cover it, and
+/// it covers nothing.
+struct StudioFloor {
+  static constexpr int kEdge = 64;  ///< cells of the shadow along a side
+
+  glm::dvec3 center{0};  ///< a point of the floor, under the middle of the scene, m
+  float half = 0;        ///< half the side of the shadow's square, m; 0: there is no floor
+  glm::vec3 color{0};    ///< linear RGB, where no shadow is
+  /// Share of the light that the scene takes from each cell, 255: all; kEdge rows along +z.
+  std::vector<std::uint8_t> shadow;
+};
+
+/// Background where no object is: a vertical gradient, linear RGB, and how colours are shown.
 struct Environment {
   glm::vec3 zenith{0.216f};
   glm::vec3 horizon{0.216f};
   glm::vec3 nadir{0.216f};
   float fog_density = 0;  ///< per metre, with the horizon's colour; 0: none
+  ToneCurve tone = ToneCurve::kClip;
+  StudioFloor floor = {};
 };
 
 /// Start of a viewer, and the loop that `builtin:walk` follows. The loop is a circle of radius
@@ -76,6 +96,9 @@ struct HomeView {
   glm::dvec3 target{0, 1.7, -1};
   double walk_radius_m = 20;
   double walk_speed_mps = 1.4;
+  /// Points of the scene, relative to `target`, that fill the picture (home_pose()); empty: the eye
+  /// stays where it is, whatever the picture's shape.
+  std::vector<glm::vec3> fit = {};
 };
 
 /// A viewer's choice in a scene: the clip that plays, and the variant of its materials.

@@ -119,6 +119,23 @@ Result<void> check(const wire::LightProbePage& m) {
   return {};
 }
 
+Result<void> check_look(const wire::Welcome& m) {
+  if (m.tone() > static_cast<std::uint8_t>(ToneCurve::kNeutral)) return value_error("tone curve");
+  if (count(m.home_fit()) > limits::kMaxFitPoints) return limit_error("points of the home view");
+  if (misaligned(m.home_fit())) return alignment_error();
+  for (std::size_t i = 0; i < count(m.home_fit()); ++i) {
+    if (!finite(m.home_fit()->Get(static_cast<flatbuffers::uoffset_t>(i)))) {
+      return value_error("points of the home view");
+    }
+  }
+  const wire::StudioFloor* const floor = m.floor();
+  if (!floor) return {};
+  const bool good = finite(floor->center()) && finite(floor->color()) &&
+                    std::isfinite(floor->half()) && floor->half() > 0 &&
+                    count(floor->shadow()) == std::size_t{StudioFloor::kEdge} * StudioFloor::kEdge;
+  return good ? Result<void>() : value_error("floor");
+}
+
 Result<void> check(const wire::Welcome& m) {
   if (long_text(m.scene()) || long_text(m.renderer())) return limit_error("characters in a text");
   if (too_many_choices(m.clips()) || too_many_choices(m.variants())) return limit_error("choices");
@@ -138,6 +155,7 @@ Result<void> check(const wire::Welcome& m) {
   const bool sky = finite(m.sky_zenith()) && finite(m.sky_horizon()) && finite(m.sky_nadir());
   const bool fog = std::isfinite(m.fog_density()) && m.fog_density() >= 0;
   if (!home || !sky || !fog) return value_error("home view or environment");
+  if (Result<void> look = check_look(m); !look) return look;
   return check_lighting(m.lighting());
 }
 

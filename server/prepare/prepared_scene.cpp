@@ -259,6 +259,7 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
   Scene scene = loaded.take();
   Result<void> lit = set_environment(options.environment, scene, workers);
   if (!lit) return lit.error();
+  set_look(options.studio, options.environment, scene);
   times.done("environment");
   auto prepared = prepare(std::move(scene), options, workers, std::move(times));
   const bool range = !prepared && prepared.error().id == ErrorId::kSceneRange;

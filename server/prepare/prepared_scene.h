@@ -78,6 +78,7 @@ struct SceneLoadOptions {
   SceneChoice choice = {};            ///< of clip and variant (ImportOptions)
   std::uint64_t megabytes = 3072;     ///< memory that the scene may take (ImportOptions)
   std::string environment = "none";   ///< `--environment`; empty: chosen by the scene
+  bool studio = true;                 ///< `--look studio` (set_look)
   CacheDirectory* cache = nullptr;    ///< for levels of detail and mips; nullptr: all are made
   StageProgress::Tell progress = {};  ///< receives the progress of long stages
 };

@@ -66,6 +66,9 @@ std::uint64_t scene_revision(const Scene& scene) {
     hash.add(&instance.object, sizeof(instance.object));
     hash.add(place, sizeof(place));
   }
+  if (scene.environment.tone != ToneCurve::kClip) {
+    hash.add(&scene.environment.tone, sizeof(scene.environment.tone));
+  }
   return hash.value();
 }
 

@@ -112,10 +112,12 @@ Result<ReferenceRenderer> ReferenceRenderer::create(const GpuScene& scene, Scene
   ReferenceRenderer out(scene);
   out.shadow_ = shadow;
   out.meshes_->set_probe(scene.probe_map());
-  out.meshes_->set_backdrop(scene.prepared->scene.environment.horizon);
+  out.meshes_->set_surroundings(scene.prepared->scene.environment);
   Result<gl::SkyPass> sky = gl::SkyPass::create();
   if (!sky) return sky.error();
   out.sky_ = std::move(*sky);
+  Result<void> prepared = out.sky_.prepare(scene.prepared->scene.environment);
+  if (!prepared) return prepared.error();
   Result<gl::Program> resolve =
       gl::Program::create("common/fullscreen.vert", "tile/resolve_reference.frag", {});
   if (!resolve) return resolve.error();

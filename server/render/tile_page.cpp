@@ -86,7 +86,7 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
   if (layers) {
     out.layers_ = std::make_unique<TileLayers>();
     out.layers_->meshes().set_probe(scene.probe_map());
-    out.layers_->meshes().set_backdrop(scene.prepared->scene.environment.horizon);
+    out.layers_->meshes().set_surroundings(scene.prepared->scene.environment);
   }
   const std::vector<Touching>& touching = scene.prepared->touching;
   if (std::any_of(touching.begin(), touching.end(),
@@ -99,7 +99,7 @@ Result<TilePageRenderer> TilePageRenderer::create(const GpuScene& scene, int sup
   out.shadow_.meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kShadow);
   for (const Path* path : {&out.lit_, &out.relit_, &out.shadow_}) {
     path->meshes->set_probe(scene.probe_map());
-    path->meshes->set_backdrop(scene.prepared->scene.environment.horizon);
+    path->meshes->set_surroundings(scene.prepared->scene.environment);
   }
   out.empty_vao_ = gl::VertexArray::create();
   if (extras.forced) {

@@ -40,6 +40,16 @@ std::vector<TileCodec> common_codecs(const std::vector<TileCodec>& ours,
   return out;
 }
 
+std::unique_ptr<wire::StudioFloorT> floor_to_wire(const StudioFloor& floor) {
+  if (!(floor.half > 0)) return nullptr;
+  auto out = std::make_unique<wire::StudioFloorT>();
+  out->center = std::make_unique<wire::Vec3d>(to_wire(floor.center));
+  out->half = floor.half;
+  out->color = std::make_unique<wire::Vec3f>(to_wire(floor.color));
+  out->shadow = floor.shadow;
+  return out;
+}
+
 }  // namespace
 
 SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
@@ -194,6 +204,9 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.fog_density = scene.environment.fog_density;
   welcome.home_eye = std::make_unique<wire::Vec3d>(to_wire(scene.home.eye));
   welcome.home_target = std::make_unique<wire::Vec3d>(to_wire(scene.home.target));
+  for (const glm::vec3& point : scene.home.fit) welcome.home_fit.push_back(to_wire(point));
+  welcome.tone = static_cast<std::uint8_t>(scene.environment.tone);
+  welcome.floor = floor_to_wire(scene.environment.floor);
   welcome.walk_radius_m = scene.home.walk_radius_m;
   welcome.walk_speed_mps = scene.home.walk_speed_mps;
   welcome.geometry = options_.geometry && s.grant.geometry;

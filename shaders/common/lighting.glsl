@@ -78,6 +78,23 @@ vec3 incoming(int i, Surface s, out vec3 to_light) {
   return color;
 }
 
+uniform int u_neutral;  // 1: shaded colours go through Khronos PBR Neutral
+
+// Returns a shaded colour as it is shown, 0 to 1: https://github.com/KhronosGroup/ToneMapping
+vec3 shown(vec3 color) {
+  if (u_neutral == 0) return clamp(color, 0.0, 1.0);
+  const float kStart = 0.8 - 0.04, kDesaturation = 0.15;
+  vec3 c = clamp(color, 0.0, 65504.0);
+  float least = min(c.r, min(c.g, c.b));
+  c -= least < 0.08 ? least - 6.25 * least * least : 0.04;
+  float peak = max(c.r, max(c.g, c.b));
+  if (peak < kStart) return c;
+  const float kRoom = 1.0 - kStart;
+  float lower = 1.0 - kRoom * kRoom / (peak + kRoom - kStart);
+  float share = 1.0 - 1.0 / (kDesaturation * (peak - lower) + 1.0);
+  return clamp(mix(c * (lower / peak), vec3(lower), share), 0.0, 1.0);
+}
+
 // x to the fifth power, for Schlick's Fresnel term; pow() would cost a logarithm and an
 // exponential.
 float fifth(float x) { return x * x * (x * x) * x; }

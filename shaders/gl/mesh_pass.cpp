@@ -320,6 +320,7 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
   p.use();
   p.set("u_clip_from_relative", clip_from_relative_);
   p.set("u_ambient", lights_.ambient);
+  p.set("u_neutral", neutral_ ? 1 : 0);
   p.set("u_light_count", lights_.count);
   p.set("u_lights", lights_.lights);
   if (shadow_) {

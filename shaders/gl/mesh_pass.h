@@ -110,8 +110,12 @@ class MeshPass {
   }
   /// Sets the light from all around for later draws; nullptr selects variants without it.
   void set_probe(const ProbeMap* probe) { probe_ = probe; }
-  /// Sets the background colour, linear, which is seen tinted through transmissive surfaces.
-  void set_backdrop(const glm::vec3& color) { backdrop_ = color; }
+  /// Sets how colours are shown in later draws, and the background colour, which is seen tinted
+  /// through transmissive surfaces: the horizon's.
+  void set_surroundings(const Environment& environment) {
+    backdrop_ = environment.horizon;
+    neutral_ = environment.tone == ToneCurve::kNeutral;
+  }
   /// Draws the opaque and masked primitives (`blended` false) or the blended ones (true).
   void draw(const GpuMesh& mesh, const std::vector<Material>& materials, const GpuImages& images,
             const MeshInstance* instances, std::size_t count, bool blended);
@@ -155,6 +159,7 @@ class MeshPass {
   float fog_density_ = 0;
   const ShadowMap* shadow_ = nullptr;
   const ProbeMap* probe_ = nullptr;
+  bool neutral_ = false;  ///< ToneCurve::kNeutral
   glm::vec3 backdrop_{0.216f};
   GLuint floor_ = 0;
   int floor_samples_ = 1;

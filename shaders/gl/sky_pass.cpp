@@ -13,6 +13,29 @@ Result<SkyPass> SkyPass::create() {
   return pass;
 }
 
+Result<void> SkyPass::prepare(const Environment& environment) {
+  const StudioFloor& floor = environment.floor;
+  if (!(floor.half > 0) || floor.shadow == uploaded_) return {};
+  Result<Program> program = Program::create("common/fullscreen.vert", "common/sky.frag", {"FLOOR"});
+  if (!program) return program.error();
+  over_floor_ = program.take();
+  uploaded_ = floor.shadow;
+  shadow_ = Texture::create();
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, shadow_.id());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, StudioFloor::kEdge, StudioFloor::kEdge, 0, GL_RED,
+               GL_UNSIGNED_BYTE, floor.shadow.data());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) {
+    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  }
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  }
+  return {};
+}
+
 void SkyPass::draw(const Camera& camera, const Environment& environment) {
   glDisable(GL_DEPTH_TEST);
   fill(camera, environment);
@@ -33,13 +56,24 @@ void SkyPass::draw_behind(const Camera& camera, const Environment& environment,
 void SkyPass::fill(const Camera& camera, const Environment& environment) {
   const double tan_y = std::tan(0.5 * camera.fov_y);
   const double tan_x = tan_y * camera.width / camera.height;
-  program_.use();
-  program_.set("u_right", glm::vec3(camera.right() * tan_x));
-  program_.set("u_up", glm::vec3(camera.up() * tan_y));
-  program_.set("u_forward", glm::vec3(camera.forward()));
-  program_.set("u_zenith", environment.zenith);
-  program_.set("u_horizon", environment.horizon);
-  program_.set("u_nadir", environment.nadir);
+  const StudioFloor& floor = environment.floor;
+  // A view of the scene is drawn before all of the scene is there, and prepared for.
+  const bool has_floor = floor.half > 0 && prepare(environment).ok();
+  Program& program = has_floor ? over_floor_ : program_;
+  program.use();
+  program.set("u_right", glm::vec3(camera.right() * tan_x));
+  program.set("u_up", glm::vec3(camera.up() * tan_y));
+  program.set("u_forward", glm::vec3(camera.forward()));
+  program.set("u_zenith", environment.zenith);
+  program.set("u_horizon", environment.horizon);
+  program.set("u_nadir", environment.nadir);
+  if (has_floor) {
+    program.set("u_floor", glm::vec4(glm::vec3(floor.center - camera.pose.eye), floor.half));
+    program.set("u_floor_color", floor.color);
+    program.set("u_floor_shadow", 0);
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D, shadow_.id());
+  }
   glDisable(GL_BLEND);
   glBindVertexArray(vao_.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);

@@ -1,4 +1,7 @@
 #pragma once
+#include <cstdint>
+#include <vector>
+
 #include "protocol/base/result.h"
 #include "protocol/impostor/camera.h"
 #include "protocol/model/scene_types.h"
@@ -12,6 +15,9 @@ namespace mirage::gl {
 class SkyPass {
  public:
   static Result<SkyPass> create();
+  /// Makes ready for an environment with a floor, so that its first draw need not. Error
+  /// kGraphicsShader.
+  Result<void> prepare(const Environment& environment);
   void draw(const Camera& camera, const Environment& environment);
   /// Fills only pixels where nothing has been drawn, which have the cleared depth. Afterwards the
   /// depth function keeps nearer surfaces. The earlier depth function is not queried, because in a
@@ -23,6 +29,9 @@ class SkyPass {
   void fill(const Camera& camera, const Environment& environment);
 
   Program program_;
+  Program over_floor_;
+  Texture shadow_;                      ///< of the floor
+  std::vector<std::uint8_t> uploaded_;  ///< what the texture holds
   VertexArray vao_;
 };
 

@@ -40,5 +40,5 @@ vec4 relit(vec4 color, Stored stored, vec3 position, vec3 right, vec3 up, vec4 r
 #ifdef SHADOW
   s.sun = 1.0;  // the shadow tile that it wears darkens it (worn_shadow.glsl)
 #endif
-  return vec4(clamp(shade(s), 0.0, 1.0) * color.a, color.a);
+  return vec4(shown(shade(s)) * color.a, color.a);
 }

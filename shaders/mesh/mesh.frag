@@ -306,12 +306,19 @@ void main() {
 #else
   vec3 color = base.rgb;
 #endif
-  // Clamped before blending, as an 8-bit target would do; NaN must never reach the target.
+  // Brought to 0 to 1 before blending, as an 8-bit target would do; NaN must never reach the
+  // target.
+#if defined(NEED_LIGHTING) && defined(SWITCHES)
+  color = u_switches.x > 0.5 ? clamp(color, 0.0, 1.0) : shown(color);
+#elif defined(NEED_LIGHTING) && !defined(WRITE_SURFACE)
+  color = shown(color);
+#else
   color = clamp(color, 0.0, 1.0);
+#endif
 #ifdef WRITE_DARKENED
   o_darkened = vec4(color * base.a, base.a);
 #ifdef NEED_LIGHTING
-  color = clamp(without + emissive, 0.0, 1.0);
+  color = shown(without + emissive);
 #endif
 #endif
   o_color = vec4(color * base.a, base.a);

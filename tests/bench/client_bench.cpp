@@ -43,6 +43,8 @@ class FullGeometry {
     Result<gl::SkyPass> sky = gl::SkyPass::create();
     if (!sky) return sky.error();
     sky_ = std::move(*sky);
+    pass_.set_surroundings(scene_.prepared->scene.environment);
+    if (Result<void> ready = sky_.prepare(scene_.prepared->scene.environment); !ready) return ready;
     for (const gl::GpuMesh& mesh : scene_.meshes) {
       Result<void> compiled = pass_.warm_up(mesh, scene_.materials(), true);
       if (!compiled) return compiled;

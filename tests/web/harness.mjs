@@ -63,7 +63,9 @@ export async function open(browser, url, { width = 640, height = 360, scale = 1,
   const page = await context.newPage();
   page.problems = [];
   page.on('pageerror', (error) => page.problems.push(error.message));
-  page.on('console', (message) => { if (message.type() === 'error') page.problems.push(message.text()); });
+  page.on('console', (message) => {
+    if (message.type() === 'error' || message.text().startsWith('WebGL: INVALID')) page.problems.push(message.text());
+  });
   if (before) await page.addInitScript(before);
   await page.goto(url);
   return page;

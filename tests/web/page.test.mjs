@@ -5,7 +5,7 @@ import { brotliDecompressSync, gunzipSync } from 'node:zlib';
 import http from 'node:http';
 import { copyFileSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { figures, flip, launch, message, open, picture, pose, rested, scratch, screen, seen, serve, sleep, stopAll, until, write, decode } from './harness.mjs';
+import { figures, flip, launch, message, open, picture, pose, relay, rested, scratch, screen, seen, serve, sleep, stopAll, until, write, decode } from './harness.mjs';
 
 let browser, knot;
 const apart = (a, b) => Math.hypot(...a.map((v, i) => v - b[i]));
@@ -494,6 +494,10 @@ test('small, sharp and turned screens; everything by keyboard, with a name', asy
   await rested(page);
   const { width } = await picture(page);
   assert.equal(width, 640, 'in the pixels of the screen');
+  const rows = await page.evaluate(() => new Set([...document.querySelectorAll('#bar button')].filter((e) => e.offsetParent !== null)
+    .map((e) => e.getBoundingClientRect().top)).size);
+  assert.equal(rows, 1, 'the buttons take one row');
+  await page.locator('#more').click();
   await page.locator('#figures-button').click();
   const wide = await page.evaluate(() => [...document.querySelectorAll('button, input, section, dl')].filter((e) => e.offsetParent !== null)
     .filter((e) => { const box = e.getBoundingClientRect(); return box.right > innerWidth + 1 || box.left < -1; }).map((e) => e.id || e.outerHTML.slice(0, 60)));
@@ -506,11 +510,67 @@ test('small, sharp and turned screens; everything by keyboard, with a name', asy
     await page.keyboard.press('Tab');
     reached.add(await page.evaluate(() => document.activeElement.id));
   }
-  for (const id of ['view', 'home', 'share', 'screenshot', 'compare', 'figures-button', 'azimuth', 'own-light']) assert.ok(reached.has(id), id);
+  for (const id of ['view', 'home', 'share', 'more', 'screenshot', 'compare', 'keys', 'figures-button', 'azimuth', 'own-light']) assert.ok(reached.has(id), id);
+  await page.locator('#figures-close').click();
+  assert.equal(await page.locator('#figures').isVisible(), false, 'the panel covers no button that closes it');
   await page.setViewportSize({ width: 568, height: 320 });
   await until('turned', async () => (await picture(page)).width === 1136);
   await rested(page);
   await page.context().close();
+});
+
+test('figures, layers and keys explain themselves', async () => {
+  const page = await open(browser, at(view));
+  await rested(page);
+  await page.keyboard.press('o');
+  await until('status', async () => /sharp/.test(await page.locator('#status-list').textContent()));
+  await page.locator('#figures summary').click();
+  const unexplained = await page.evaluate(() => [...document.querySelectorAll('#figures dt')]
+    .filter((name) => !/^[A-Z].{20,}\.$/.test(name.nextElementSibling.nextElementSibling?.textContent ?? '')).map((name) => name.textContent));
+  assert.deepEqual(unexplained, []);
+  assert.ok(await page.locator('#details-list dt').count() >= 10);
+  assert.equal(await page.locator('#legend').isVisible(), false);
+  for (const key of ['2', '3', '4', '5']) {
+    await page.keyboard.press(key);
+    const items = await page.locator('#legend li').allTextContents();
+    assert.ok(items.length > 0 && items.every((text) => text.length > 0), key);
+    assert.ok(await page.locator('#legend').isVisible());
+  }
+  await page.keyboard.press('1');
+  assert.equal(await page.locator('#legend').isVisible(), false);
+
+  await page.keyboard.press('Shift+?');
+  const keys = await page.locator('#keys-list').textContent();
+  for (const key of ['W A S D', 'wheel', 'double click', 'Shift', 'Esc']) assert.ok(keys.includes(key), key);
+  await page.keyboard.press('Escape');
+  assert.equal(await page.locator('#keys-list').isVisible(), false);
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+});
+
+test('the sliders of the light begin where the sun is', async () => {
+  const city = await serve('builtin:city?blocks=2');
+  const page = await open(browser, `${city.url}`);
+  await seen(page);
+  await page.locator('#figures-button').click();
+  const sun = await page.evaluate(() => [0, 1].map((part) => mirage.core._page_own_sun(part)));
+  assert.ok(sun.every(Number.isFinite));
+  const shown = [await page.locator('#azimuth').inputValue(), await page.locator('#elevation').inputValue()].map(Number);
+  sun.forEach((degrees, i) => assert.ok(Math.abs(shown[i] - degrees) <= 0.5, `${shown} for ${sun}`));
+  await page.context().close();
+  await city.stop();
+});
+
+test('a line tells how much of what is in view has an image, and goes', async () => {
+  const city = await serve('builtin:city?blocks=2');
+  const slow = await relay(city.port, { rtt: 100, rate: 3 });
+  const page = await open(browser, slow.url);
+  const line = page.locator('#arriving');
+  await line.waitFor({ state: 'visible' });
+  await line.waitFor({ state: 'hidden', timeout: 120000 });
+  await page.context().close();
+  await slow.stop();
+  await city.stop();
 });
 
 test('no WebGL 2: a sentence', async () => {
@@ -608,14 +668,14 @@ function squareOfChoices() {
 
 test('clips and variants: chosen in a list, kept in the address, refused with a word', async () => {
   const server = await serve(squareOfChoices(), ['--choices', '1']);
-  const front = '#eye=0,0,4&look=0,0,0';
+  const front = '#eye=0,0,4&look=0,0,0', wide = { width: 900 };  // the lists need no further button
   const color = async (page) => {
     const { width, height, rgba } = await picture(page);
     const [r, g, b] = rgba.subarray(4 * (width * (height >> 1) + (width >> 1)));
     return r > 2 * g && r > 2 * b ? 'red' : g > 2 * r && g > 2 * b ? 'green' : 'else';
   };
   const becomes = (page, wanted) => until(wanted, async () => (await figures(page))?.seen && (await color(page)) === wanted);
-  const page = await open(browser, `${server.url}${front}`);
+  const page = await open(browser, `${server.url}${front}`, wide);
   await becomes(page, 'red');
   const variant = page.getByLabel('Variant'), clip = page.getByLabel('Clip');
   assert.deepEqual(await variant.locator('option').allTextContents(), ['As it is', 'leaf & <b>green</b>']);
@@ -628,7 +688,7 @@ test('clips and variants: chosen in a list, kept in the address, refused with a 
   assert.equal(await variant.inputValue(), 'leaf & <b>green</b>');
 
   // An equal address shows the same. Beyond --choices, the server says so, and the page stays with what it shows.
-  const other = await open(browser, page.url());
+  const other = await open(browser, page.url(), wide);
   await becomes(other, 'green');
   await other.getByLabel('Clip').selectOption('gone');
   await until('a word', async () => /does not show “gone”.*as many clips and variants/.test(await message(other)));

@@ -59,6 +59,7 @@ export class Place {
     if (this.light) core._page_sun(...this.light, this.sessionMs());
     else if (this.lightWasSet) core._page_sun(NaN, NaN, this.sessionMs());
     this.lightWasSet = Boolean(this.light);
+    this.viewer.figures.showLight();
   }
 
   changeLight(light) {

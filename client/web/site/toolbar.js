@@ -4,6 +4,7 @@ import { notice } from './status.js';
 
 const $ = (id) => document.getElementById(id);
 const keys = { KeyH: 'home', KeyL: 'share', KeyP: 'screenshot', KeyC: 'compare', KeyO: 'figures-button', KeyM: 'mode', KeyF: 'fullscreen', Space: 'pause' };
+const withoutKey = ['keys', 'more'];
 
 export class Toolbar {
   constructor(viewer) {
@@ -16,6 +17,8 @@ export class Toolbar {
       mode: () => this.changeMode(),
       pause: () => this.pause(),
       'figures-button': () => viewer.figures.toggle(),
+      keys: () => this.showKeys($('keys-list').hidden),
+      more: () => this.showMore($('more').getAttribute('aria-expanded') !== 'true'),
       fullscreen: () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.())?.catch?.(() => {}),
     };
     for (const [id, action] of Object.entries(actions)) {
@@ -23,12 +26,14 @@ export class Toolbar {
       $(id).disabled = true;  // until there is a picture
     }
     if (!document.documentElement.requestFullscreen) $('fullscreen').hidden = true;
+    $('keys-close').addEventListener('click', () => this.showKeys(false));
+    $('figures-close').addEventListener('click', () => viewer.figures.toggle());
     $('link-close').addEventListener('click', () => { $('link-box').hidden = true; });
     addEventListener('keydown', (e) => this.press(e));
   }
 
   enable() {
-    for (const id of Object.values(keys)) $(id).disabled = false;
+    for (const id of [...Object.values(keys), ...withoutKey]) $(id).disabled = false;
     this.play(!this.stopped);
     if (matchMedia('(pointer: coarse)').matches) $('stick').hidden = false;
   }
@@ -37,6 +42,18 @@ export class Toolbar {
   offerPause() {
     const still = this.viewer.core._page_animated() === 0;
     if ($('pause').hidden !== still) $('pause').hidden = still;
+  }
+
+  showKeys(shown) {
+    $('keys-list').hidden = !shown;
+    $('keys').setAttribute('aria-pressed', String(shown));
+    if (shown) $('keys-close').focus();
+  }
+
+  /// Shows the buttons that a narrow page hides (style.css).
+  showMore(shown) {
+    $('more').setAttribute('aria-expanded', String(shown));
+    $('bar').classList.toggle('open', shown);
   }
 
   changeMode() {
@@ -57,7 +74,8 @@ export class Toolbar {
   press(e) {
     const typing = e.target instanceof HTMLSelectElement || e.target instanceof HTMLInputElement && e.target.type !== 'range' && e.target.type !== 'radio';
     if (typing || e.ctrlKey || e.metaKey || e.altKey || e.repeat) return;
-    if (e.code === 'Escape') { this.viewer.compare.end(); $('link-box').hidden = true; }
+    if (e.code === 'Escape') { this.viewer.compare.end(); $('link-box').hidden = true; this.showKeys(false); }
+    if (e.key === '?' && !$('keys').disabled) this.showKeys($('keys-list').hidden);
     const layer = /^Digit([1-5])$/.exec(e.code);
     if (layer) this.viewer.figures.showLayer(Number(layer[1]) - 1);
     if (e.code === 'Space' && e.target instanceof HTMLButtonElement) return;  // it presses that button

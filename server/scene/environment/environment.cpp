@@ -7,6 +7,16 @@
 #include "server/scene/environment/probe_filter.h"
 
 namespace mirage {
+namespace {
+
+// Backdrop, linear: light enough for dark models and dark enough for white ones.
+const glm::vec3 kStudioZenith{0.13f, 0.135f, 0.145f};
+const glm::vec3 kStudioHorizon{0.42f, 0.425f, 0.435f};
+const glm::vec3 kStudioNadir{0.20f, 0.205f, 0.215f};
+const glm::vec3 kStudioFloor{0.36f, 0.365f, 0.375f};
+
+}  // namespace
+
 Result<Equirect> surroundings(const std::string& spec, std::vector<std::string>& warnings) {
   const std::string builtin = "builtin:";
   if (!spec.empty() && spec.rfind(builtin, 0) != 0) return read_environment(spec, warnings);
@@ -30,6 +40,20 @@ Result<void> set_environment(const std::string& spec, Scene& scene, const Worker
   scene.lighting.probe = {};
   scene.lighting.probe.id = scene.probe->id;
   return {};
+}
+
+void set_look(bool studio, const std::string& spec, Scene& scene) {
+  Environment& environment = scene.environment;
+  const bool in_studio = spec.empty() || spec == "builtin:studio";
+  if (!studio || !in_studio || scene.own_lights) {
+    environment.floor = {};
+    return;
+  }
+  environment.zenith = kStudioZenith;
+  environment.horizon = kStudioHorizon;
+  environment.nadir = kStudioNadir;
+  environment.floor.color = kStudioFloor;
+  environment.tone = ToneCurve::kNeutral;
 }
 
 }  // namespace mirage

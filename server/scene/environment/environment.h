@@ -20,4 +20,9 @@ Result<Equirect> surroundings(const std::string& spec, std::vector<std::string>&
 /// those of surroundings().
 Result<void> set_environment(const std::string& spec, Scene& scene, const Workers& workers);
 
+/// Shows a scene as one shows a model in a studio, if it is lit by the studio and has no lights of
+/// its own: before a soft backdrop, on its floor (Environment::floor), highlights compressed.
+/// Otherwise, and if `studio` is false, it has no floor. `spec` as above.
+void set_look(bool studio, const std::string& spec, Scene& scene);
+
 }  // namespace mirage

@@ -15,6 +15,7 @@
 #include <new>
 
 #include "protocol/base/limits.h"
+#include "protocol/impostor/camera.h"
 #include "server/scene/gltf/bounds.h"
 #include "server/scene/gltf/clip_import.h"
 #include "server/scene/gltf/detail_frame.h"
@@ -23,6 +24,7 @@
 #include "server/scene/gltf/light_import.h"
 #include "server/scene/gltf/node_import.h"
 #include "server/scene/gltf/scene_assembler.h"
+#include "server/scene/gltf/staging.h"
 #include "server/scene/gltf/tally.h"
 
 namespace mirage {
@@ -64,6 +66,16 @@ std::vector<std::string> offered(const std::vector<std::string>& names) {
   return out;
 }
 
+/// Moves eye and target so that a camera with the default shape sees the fitting view.
+void fit_usual_picture(HomeView& home) {
+  Camera camera;
+  camera.pose = home_pose(home, camera);
+  const glm::dvec3 before = home.target;
+  home.eye = camera.pose.eye;
+  home.target = home.eye + glm::dot(before - home.eye, camera.forward()) * camera.forward();
+  for (glm::vec3& point : home.fit) point += glm::vec3(before - home.target);
+}
+
 Result<Scene> import_stages(const std::string& path, const Workers& workers,
                             const ImportOptions& options) {
   gltf::Tally tally(options.strict);
@@ -100,6 +112,11 @@ Result<Scene> import_stages(const std::string& path, const Workers& workers,
   const gltf::DetailFrame frame = gltf::frame_detail(scene, bounds);
   if (frame.leaves_out()) tally.note(frame.told());
   scene.home = gltf::import_home_view(*document, *tree, frame.bounds, scene.instances.size());
+  if (gltf::is_seen_from_outside(*document, *tree, frame.bounds, scene.instances.size())) {
+    scene.home.fit = gltf::outermost_points(scene, frame.bounds);
+    fit_usual_picture(scene.home);
+    if (frame.surrounding.empty()) scene.environment.floor = gltf::floor_under(scene, frame.bounds);
+  }
   scene.warnings = tally.lines();
   return scene;
 }

@@ -40,20 +40,32 @@ std::optional<EyeTarget> camera_view(const Document& document, const NodeTree& t
   return std::nullopt;
 }
 
+bool is_place(const Bounds& bounds, std::size_t instances) {
+  const glm::dvec3 size = bounds.high - bounds.low;
+  // A flat thing of many parts may be a board or a sign; a place is larger than a room.
+  return instances > kManyInstances && bounds.radius() >= kPersonScale &&
+         size.y < kFlat * std::max(size.x, size.z);
+}
+
+bool has_extent(const Bounds& bounds) {
+  return !bounds.empty && bounds.radius() > 0 && std::isfinite(bounds.radius());
+}
+
 }  // namespace
+
+bool is_seen_from_outside(const Document& document, const NodeTree& tree, const Bounds& bounds,
+                          std::size_t instances) {
+  return has_extent(bounds) && !is_place(bounds, instances) && !camera_view(document, tree, bounds);
+}
 
 HomeView import_home_view(const Document& document, const NodeTree& tree, const Bounds& bounds,
                           std::size_t instances) {
   HomeView home;
   const double radius = bounds.radius();
-  if (bounds.empty || !(radius > 0) || !std::isfinite(radius)) return home;
-  const glm::dvec3 size = bounds.high - bounds.low;
-  // A flat thing of many parts may be a board or a sign; a place is larger than a room.
-  const bool is_ground = instances > kManyInstances && radius >= kPersonScale &&
-                         size.y < kFlat * std::max(size.x, size.z);
+  if (!has_extent(bounds)) return home;
   const glm::dvec3 direction = glm::normalize(glm::dvec3(0.6, 0.35, 1));
   home.target = bounds.center();
-  home.eye = home.target + (is_ground ? kInside : kOutside) * radius * direction;
+  home.eye = home.target + (is_place(bounds, instances) ? kInside : kOutside) * radius * direction;
   if (const auto camera = camera_view(document, tree, bounds)) {
     home.eye = camera->eye;
     home.target = camera->target;

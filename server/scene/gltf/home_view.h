@@ -16,4 +16,8 @@ namespace mirage::gltf {
 HomeView import_home_view(const Document& document, const NodeTree& tree, const Bounds& bounds,
                           std::size_t instances);
 
+/// True if that view is one from outside, for which the file has no camera.
+bool is_seen_from_outside(const Document& document, const NodeTree& tree, const Bounds& bounds,
+                          std::size_t instances);
+
 }  // namespace mirage::gltf

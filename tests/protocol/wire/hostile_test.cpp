@@ -128,6 +128,26 @@ TEST(ProtocolHostile, TextsAndTotalsAreHeldAgainstTheLimits) {
   EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(choices))), ErrorId::kWireLimit);
   choices.variants = {hello.clip};
   EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(choices))), ErrorId::kWireLimit);
+  wire::WelcomeT look = sample_welcome();
+  look.tone = 2;
+  EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(look))), ErrorId::kWireValue);
+  look.tone = 1;
+  look.home_fit.resize(limits::kMaxFitPoints + 1);
+  EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(look))), ErrorId::kWireLimit);
+  look.home_fit.resize(limits::kMaxFitPoints);
+  look.floor = std::make_unique<wire::StudioFloorT>();
+  look.floor->center = std::make_unique<wire::Vec3d>(1, 2, 3);
+  look.floor->color = std::make_unique<wire::Vec3f>(1, 1, 1);
+  look.floor->half = 1;
+  look.floor->shadow.resize(4096);
+  EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(look))), ErrorId::kInternal);
+  for (const float half : {0.0f, -1.0f, std::nanf("")}) {
+    look.floor->half = half;
+    EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(look))), ErrorId::kWireValue);
+  }
+  look.floor->half = 1;
+  look.floor->shadow.resize(4095);
+  EXPECT_EQ(decode_error(encode_message(wire::WelcomeT(look))), ErrorId::kWireValue);
   wire::ByeT bye;
   bye.text = long_text;
   EXPECT_EQ(decode_error(encode_message(std::move(bye))), ErrorId::kWireLimit);

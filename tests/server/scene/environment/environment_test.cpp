@@ -246,5 +246,29 @@ TEST(EnvironmentOfAScene, TakesThePlaceOfWhatNobodySaid) {
   EXPECT_EQ(set_environment("builtin:nowhere", wrong, {}).error().id, ErrorId::kUsage);
 }
 
+TEST(Environment, OnlyWhatTheStudioLightsIsShownInOne) {
+  const auto shown = [](bool studio, const std::string& spec, bool own_lights) {
+    Scene scene;
+    scene.own_lights = own_lights;
+    scene.environment.floor.half = 1;
+    set_look(studio, spec, scene);
+    return scene.environment;
+  };
+  for (const char* spec : {"", "builtin:studio"}) {
+    const mirage::Environment look = shown(true, spec, false);
+    EXPECT_EQ(look.tone, ToneCurve::kNeutral);
+    EXPECT_EQ(look.floor.half, 1);
+    EXPECT_GT(look.floor.color.r, 0);
+    EXPECT_NE(look.horizon, look.zenith);
+  }
+  for (const mirage::Environment& plain :
+       {shown(false, "", false), shown(true, "builtin:sky", false), shown(true, "none", false),
+        shown(true, "", true)}) {
+    EXPECT_EQ(plain.tone, ToneCurve::kClip);
+    EXPECT_EQ(plain.floor.half, 0);
+    EXPECT_EQ(plain.horizon, mirage::Environment().horizon);
+  }
+}
+
 }  // namespace
 }  // namespace mirage::test

@@ -1,6 +1,7 @@
 // Nodes, instances, baked transforms, lights and the home view.
 #include <cmath>
 
+#include "protocol/impostor/camera.h"
 #include "tests/support/gltf_fixture.h"
 
 namespace mirage::test {
@@ -325,8 +326,11 @@ TEST(GltfHome, SeesTheScene) {
   auto scene = triangle().load();
   ASSERT_TRUE(scene);
   const double radius = std::sqrt(2.0) / 2;
-  EXPECT_NEAR(glm::length(scene->home.target - glm::dvec3(0.5, 0.5, 0)), 0, 1e-9);
-  EXPECT_NEAR(glm::length(scene->home.eye - scene->home.target), 2.5 * radius, 1e-9);
+  EXPECT_LT(glm::length(scene->home.target - glm::dvec3(0.5, 0.5, 0)), 0.3);
+  EXPECT_EQ(scene->home.fit.size(), 3u);
+  const glm::dvec3 fitting = home_pose(scene->home, Camera()).eye;
+  EXPECT_NEAR(glm::length(scene->home.eye - fitting), 0, 1e-3) << "fits a usual picture";
+  EXPECT_GT(scene->environment.floor.half, 0);
   EXPECT_GT(scene->home.eye.y, scene->home.target.y);
   EXPECT_NEAR(scene->home.walk_radius_m, 1.5 * radius, 1e-9);
   EXPECT_NEAR(scene->home.walk_speed_mps, 0.28 * radius, 1e-9);
@@ -343,6 +347,8 @@ TEST(GltfHome, NearerInFlatScenesOfManyInstances) {
   const double radius = 0.5 * std::sqrt(291.0 * 291 + 1);
   EXPECT_NEAR(glm::length(scene->home.eye - scene->home.target), 0.8 * radius, 1e-6);
   EXPECT_EQ(scene->home.walk_speed_mps, 1.4);
+  EXPECT_TRUE(scene->home.fit.empty()) << "a place";
+  EXPECT_EQ(scene->environment.floor.half, 0);
 }
 
 TEST(GltfHome, CameraOfTheFile) {
