@@ -61,6 +61,10 @@ void on_hangup(int) {
   if (Endpoint* endpoint = running_endpoint.load()) endpoint->reload();
 }
 
+void warn_of(const Access& access) {
+  for (const std::string& warning : access.warnings()) spdlog::warn("{}", warning);
+}
+
 // Reads the token file again. A wrong file changes nothing: the present tokens stay valid.
 void read_tokens_anew(const std::string& path, SessionHub& hub) {
   if (path.empty()) return;
@@ -69,6 +73,7 @@ void read_tokens_anew(const std::string& path, SessionHub& hub) {
     spdlog::error("{}; the tokens stay as they are", access.error().line());
     return;
   }
+  warn_of(*access);
   hub.set_access(access.take());
   spdlog::info("tokens are read anew from '{}'", path);
 }
@@ -137,6 +142,12 @@ void announce(const ServerOptions& options, ServedScene& served, int port) {
                           hub.options().profile, scene.objects.size(), scene.scene.instances.size(),
                           scene.scene.triangles(), served.encoders(), hub.options().renderer)
                   .c_str());
+  if (!options.endpoint.web.empty() && options.log_format == LogFormat::kText) {
+    const bool tls = !options.endpoint.tls_cert.empty();
+    for (const std::string& page : page_urls(options.endpoint.address, tls, port)) {
+      std::printf("open %s\n", page.c_str());
+    }
+  }
   std::fflush(stdout);
 }
 
@@ -284,6 +295,17 @@ int explain(const ServerOptions& options, const std::shared_ptr<const PreparedSc
   return static_cast<int>(holds ? ExitCode::kOk : ExitCode::kComparison);
 }
 
+// Reads the scene as far as it can be wrong, and serves nothing. Warnings go to the log.
+int check_scene(const ServerOptions& options) {
+  const Result<Scene> scene = import_scene(options.scene, {.strict = options.strict,
+                                                           .megabytes = options.scene_mb,
+                                                           .environment = options.environment});
+  if (!scene) return fail(scene.error());
+  for (const std::string& warning : scene->warnings) spdlog::warn("scene: {}", warning);
+  std::puts("the configuration is good");
+  return 0;
+}
+
 int run(int argc, char** argv) {
   ServerOptions options;
   if (const int code = parse_options(argc, argv, options); code >= 0) return code;
@@ -293,6 +315,7 @@ int run(int argc, char** argv) {
   if (options.list_devices) return list_devices();
   if (options.doctor) return run_doctor(options);
   set_up_log(options.log_format);
+  warn_of(options.session.access);
   if (options.require_gpu) {
     if (const Result<void> gpu = require_gpu(options.render.device); !gpu) return fail(gpu.error());
   }
@@ -307,6 +330,7 @@ int run(int argc, char** argv) {
                                               : CacheDirectory::Use::kReadAndWrite);
   }
   CacheDirectory* const cache = directory ? &*directory : nullptr;
+  if (options.check_config) return check_scene(options);
   if (!options.explain) return Service(options, cache).run();
   Result<std::shared_ptr<const PreparedScene>> scene = load_served(options, cache);
   if (!scene) return fail(scene.error());

@@ -26,7 +26,7 @@ struct Texts {
   std::string store, admin;
   std::vector<std::string> trust_proxies;
   bool no_geometry = false, no_reference = false, references = false;
-  bool no_view = false, no_web = false, check_config = false;
+  bool no_view = false, no_web = false;
 };
 
 /// Checks an origin: scheme, host and port, without a path.
@@ -194,8 +194,8 @@ void add_graphics_options(CLI::App& app, ServerOptions& o, Texts& t) {
 
 void add_operation_options(CLI::App& app, ServerOptions& o, Texts& t) {
   app.option_defaults()->group("Operation");
-  app.add_flag("--check-config", t.check_config,
-               "check options, configuration and token file, and exit");
+  app.add_flag("--check-config", o.check_config,
+               "check options, configuration, token file and scene file, and exit");
   app.add_flag("--doctor", o.doctor,
                "check whether this machine can serve with these options: devices, limits, port, "
                "cache, certificate, store, one tile; exit");
@@ -296,10 +296,6 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   if (const std::optional<TileCodec> only = codec_from_name(t.codec)) {
     o.session.codecs = {*only};
     if (is_lossy(*only)) o.session.codecs.push_back(TileCodec::kZstd);
-  }
-  if (t.check_config) {
-    std::puts("the configuration is good");
-    return 0;
   }
   return -1;
 }

@@ -33,8 +33,9 @@ struct ServerOptions {
   bool strict = false;                ///< refuse what viewers forgive
   bool shadows = false;               ///< asked for; a scene without casters has none all the same
   bool list_devices = false;
-  bool require_gpu = false;  ///< refuse to draw on the CPU
-  bool doctor = false;       ///< only look whether this machine can serve
+  bool require_gpu = false;   ///< refuse to draw on the CPU
+  bool check_config = false;  ///< only read the configuration and the scene
+  bool doctor = false;        ///< only look whether this machine can serve
   LogFormat log_format = LogFormat::kText;
   bool explain = false;
   bool prove = false;  ///< with explain: draw both ways and compare

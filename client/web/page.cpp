@@ -42,7 +42,7 @@ bool make_context(Page& p) {
   attributes.alpha = attributes.depth = attributes.stencil = attributes.antialias = 0;
   attributes.majorVersion = 2;
   attributes.powerPreference = EM_WEBGL_POWER_PREFERENCE_HIGH_PERFORMANCE;
-  p.context = emscripten_webgl_create_context("#view", &attributes);
+  p.context = emscripten_webgl_create_context("#mirage", &attributes);
   return p.context > 0 &&
          emscripten_webgl_make_context_current(p.context) == EMSCRIPTEN_RESULT_SUCCESS;
 }

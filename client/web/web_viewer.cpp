@@ -145,7 +145,7 @@ Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int he
 // Sets the canvas's pixels; the page decides how large it is shown.
 void WebViewer::fit_canvas(int width, int height) {
   if (width == canvas_width_ && height == canvas_height_) return;
-  emscripten_set_canvas_element_size("#view", width, height);
+  emscripten_set_canvas_element_size("#mirage", width, height);
   canvas_width_ = width;
   canvas_height_ = height;
 }

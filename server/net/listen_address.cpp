@@ -1,6 +1,9 @@
 #include "server/net/listen_address.h"
 
+#include <ifaddrs.h>
+#include <net/if.h>
 #include <netdb.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -32,6 +35,29 @@ std::string first_address(const std::string& host, int family) {
   return failed ? "" : text;
 }
 
+constexpr std::size_t kMostShown = 8;  // addresses of a machine
+
+// Returns the numeric addresses of the interfaces that are up, without loopback and link-local
+// ones, which other machines cannot open.
+std::vector<std::string> interface_addresses(int family) {
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return {};
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(all, freeifaddrs);
+  std::vector<std::string> out;
+  for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next) {
+    const bool up = (one->ifa_flags & IFF_UP) != 0 && (one->ifa_flags & IFF_LOOPBACK) == 0;
+    if (!up || one->ifa_addr == nullptr || one->ifa_addr->sa_family != family) continue;
+    const socklen_t size = family == AF_INET ? sizeof(sockaddr_in) : sizeof(sockaddr_in6);
+    char text[NI_MAXHOST] = {};
+    if (getnameinfo(one->ifa_addr, size, text, sizeof(text), nullptr, 0, NI_NUMERICHOST) != 0) {
+      continue;
+    }
+    const std::string host = text;
+    if (host.rfind("fe80:", 0) != 0 && host.rfind("169.254.", 0) != 0) out.push_back(host);
+  }
+  return out;
+}
+
 bool somebody_answers(const sockaddr_un& address) {
   const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const bool answers =
@@ -47,6 +73,29 @@ std::string ListenAddress::url(bool tls, int taken_port) const {
   const bool v6 = host.find(':') != std::string::npos;
   return std::string(tls ? "wss://" : "ws://") + (v6 ? "[" + host + "]" : host) + ":" +
          std::to_string(taken_port);
+}
+
+std::vector<std::string> page_urls(const ListenAddress& address, bool tls, int taken_port) {
+  if (!address.socket_path.empty()) return {};
+  std::vector<std::string> hosts;
+  const bool v4 = address.host == "0.0.0.0", both = address.host == "::";
+  if (v4 || both) {
+    hosts = interface_addresses(AF_INET);
+    if (both) {
+      for (std::string& host : interface_addresses(AF_INET6)) hosts.push_back(std::move(host));
+    }
+    if (hosts.empty()) hosts = {"127.0.0.1"};
+  } else {
+    hosts = {address.host};
+  }
+  std::vector<std::string> out;
+  for (const std::string& host : hosts) {
+    if (out.size() == kMostShown) break;
+    const std::string name = host.find(':') == std::string::npos ? host : "[" + host + "]";
+    out.push_back(std::string(tls ? "https://" : "http://") + name + ":" +
+                  std::to_string(taken_port) + "/");
+  }
+  return out;
 }
 
 Result<ListenAddress> parse_listen(const std::string& text) {

@@ -2,6 +2,7 @@
 // The address a server listens at.
 
 #include <string>
+#include <vector>
 
 #include "protocol/base/result.h"
 
@@ -16,6 +17,10 @@ struct ListenAddress {
   /// accept.
   std::string url(bool tls, int taken_port) const;
 };
+
+/// Returns the addresses at which a browser finds the page: for 0.0.0.0 and [::] those of this
+/// machine's interfaces, at most eight, IPv4 first. None for a unix socket.
+std::vector<std::string> page_urls(const ListenAddress& address, bool tls, int taken_port);
 
 /// Parses HOST:PORT, [IPv6]:PORT or unix:PATH. Error kUsage.
 Result<ListenAddress> parse_listen(const std::string& text);

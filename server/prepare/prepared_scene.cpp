@@ -240,28 +240,39 @@ Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const SceneLoa
   return std::shared_ptr<const PreparedScene>(std::move(prepared));
 }
 
-}  // namespace
-
-Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
-                                                        const SceneLoadOptions& options) {
+Result<Scene> import_timed(const std::string& spec, const SceneLoadOptions& options,
+                           const Workers& workers, StageTimes& times) {
   constexpr const char* kBuiltin = "builtin:";
   const bool builtin = spec.rfind(kBuiltin, 0) == 0;
-  const Workers workers(options.threads);
-  StageTimes times;
   Result<Scene> loaded = builtin ? build_builtin_scene(spec.substr(std::string(kBuiltin).size()),
                                                        {workers, options.cache, options.progress})
                                  : import_gltf_spec(spec, workers,
                                                     {.strict = options.strict,
                                                      .choice = options.choice,
                                                      .megabytes = options.megabytes});
-  if (!loaded) return loaded.error();
+  if (!loaded) return loaded;
   times.done("scene");
-  Scene scene = loaded.take();
-  Result<void> lit = set_environment(options.environment, scene, workers);
+  Result<void> lit = set_environment(options.environment, *loaded, workers);
   if (!lit) return lit.error();
-  set_look(options.studio, options.environment, scene);
+  set_look(options.studio, options.environment, *loaded);
   times.done("environment");
-  auto prepared = prepare(std::move(scene), options, workers, std::move(times));
+  return loaded;
+}
+
+}  // namespace
+
+Result<Scene> import_scene(const std::string& spec, const SceneLoadOptions& options) {
+  StageTimes times;
+  return import_timed(spec, options, Workers(options.threads), times);
+}
+
+Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
+                                                        const SceneLoadOptions& options) {
+  const Workers workers(options.threads);
+  StageTimes times;
+  Result<Scene> scene = import_timed(spec, options, workers, times);
+  if (!scene) return scene.error();
+  auto prepared = prepare(scene.take(), options, workers, std::move(times));
   const bool range = !prepared && prepared.error().id == ErrorId::kSceneRange;
   if (range) return make_error(ErrorId::kSceneRange, spec + ": " + prepared.error().text);
   return prepared;

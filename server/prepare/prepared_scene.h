@@ -83,6 +83,10 @@ struct SceneLoadOptions {
   StageProgress::Tell progress = {};  ///< receives the progress of long stages
 };
 
+/// Imports `spec` as load_scene() does, with its light, and prepares nothing. Errors: those of the
+/// importers and of set_environment().
+Result<Scene> import_scene(const std::string& spec, const SceneLoadOptions& options);
+
 /// Loads `spec` (a path or `builtin:NAME?…`) and prepares it. The number of threads and the cache
 /// change nothing. Errors: those of the importers; kSceneLimit if it exceeds limits.h.
 Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,

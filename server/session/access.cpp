@@ -13,6 +13,8 @@
 namespace mirage {
 namespace {
 
+constexpr std::size_t kUnguessable = 16;  // characters
+
 constexpr std::size_t kMostNameBytes = 64;
 const char* const kSignedPrefix = "m1.";
 
@@ -90,7 +92,7 @@ Result<void> Access::add_line(const std::string& line) {
   std::string secret;
   if (!(words >> secret)) return {};
   if (secret.rfind("key=", 0) == 0) {
-    if (secret.size() < 4 + 16) return wrong("a key has at least 16 characters");
+    if (secret.size() < 4 + kUnguessable) return wrong("a key has at least 16 characters");
     keys_.emplace_back(secret, 4);
     return {};
   }
@@ -110,6 +112,12 @@ Result<void> Access::add_line(const std::string& line) {
     } else if (key != "scope" || !set_scope(split(value, ','), token.grant)) {
       return wrong("'" + word + "' is no name=, expires= or scope=view[,geometry][,reference]");
     }
+  }
+  if (secret.size() < kUnguessable) {
+    warnings_.push_back("the token of '" + token.grant.name + "' has " +
+                        std::to_string(secret.size()) + " characters: fewer than " +
+                        std::to_string(kUnguessable) +
+                        " can be guessed ('openssl rand -hex 16' makes one)");
   }
   tokens_.push_back(std::move(token));
   return {};

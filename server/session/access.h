@@ -35,6 +35,8 @@ class Access {
   /// Parses the text of such a file. Error kUsage.
   static Result<Access> parse(const std::string& text);
 
+  /// One line for each token that is short enough to be guessed.
+  const std::vector<std::string>& warnings() const { return warnings_; }
   bool open() const { return tokens_.empty() && keys_.empty(); }
   /// Checks a token in constant time. Error kAuth, with the same text for every wrong token except
   /// for an expired one.
@@ -51,6 +53,7 @@ class Access {
   Result<void> add_line(const std::string& line);
   std::vector<Token> tokens_;
   std::vector<std::string> keys_;
+  std::vector<std::string> warnings_;
 };
 
 /// Returns a signed token. `scope` is written as in the file, joined by commas. Error kUsage: the

@@ -68,9 +68,19 @@ TEST(Options, AConfigurationCanBeCheckedWithoutServing) {
     return run({binary("mirage-server"), "builtin:knot", "--check-config", "--token-file", tokens},
                5);
   };
-  const Finished good = check("secret name=anna\n");
+  const Finished good = check("a-secret-of-many-bytes name=anna\n");
   EXPECT_EQ(good.exit_code, 0) << good.output;
   EXPECT_NE(good.output.find("the configuration is good"), std::string::npos);
+  EXPECT_EQ(good.output.find("can be guessed"), std::string::npos) << good.output;
+  EXPECT_NE(check("secret name=anna\n")
+                .output.find("the token of 'anna' has 6 characters: fewer than 16 can be guessed"),
+            std::string::npos);
+  const std::string scene = scratch_folder() + "/scene.gltf";
+  std::ofstream(scene) << "{\"asset\": {\"version\": \"2.0\"},\n \"nodes\": [,]}\n";
+  const Finished broken = run({binary("mirage-server"), scene, "--check-config"}, 5);
+  EXPECT_EQ(broken.exit_code, 3) << broken.output;
+  EXPECT_NE(broken.output.find("JSON syntax error in line 2, column 12"), std::string::npos)
+      << broken.output;
   expect_usage_error(check("secret nam=anna\n"), "line 1");
   expect_usage_error(check(""), "no token");
 }

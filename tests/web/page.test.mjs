@@ -102,7 +102,7 @@ test('frames ask the graphics card nothing', async () => {
   assert.ok(await page.evaluate(() => waited.getParameter > 0), 'it is counted');
   const { drawnFrames } = await figures(page);
   await page.evaluate(() => { for (const name in waited) delete waited[name]; });
-  await page.locator('#view').focus();
+  await page.locator('#mirage').focus();
   await page.keyboard.down('ArrowLeft');
   await sleep(1000);
   const asked = await page.evaluate(() => ({ ...waited }));
@@ -126,7 +126,7 @@ test('a display that calls seldom takes nothing away', async () => {
     };
   } });
   await seen(page, 60);
-  await page.locator('#view').focus();
+  await page.locator('#mirage').focus();
   await page.keyboard.down('ArrowLeft');
   await sleep(4000);
   const before = (await figures(page)).mostMs;
@@ -143,7 +143,7 @@ test('keys move, the mouse turns about what is under it, pans and flies, the whe
   const page = await open(browser, at(view));
   await rested(page);
   const start = await pose(page);
-  await page.locator('#view').focus();
+  await page.locator('#mirage').focus();
   await page.keyboard.down('KeyW');
   await sleep(400);
   await page.keyboard.up('KeyW');
@@ -271,7 +271,7 @@ test('the address holds the view: a link shows the same, back and forward work',
   await rested(page);
   const first = await pose(page);
   assert.ok(apart(first.eye, [0, 1, 6]) < 1e-6);
-  await page.locator('#view').focus();
+  await page.locator('#mirage').focus();
   await page.keyboard.down('KeyD');
   await sleep(500);
   await page.keyboard.up('KeyD');
@@ -383,7 +383,7 @@ test('the graphics are lost and come back', async () => {
   await rested(page);
   const before_loss = await picture(page), stood = await pose(page);
   await page.evaluate(() => {
-    globalThis.loss = document.getElementById('view').getContext('webgl2').getExtension('WEBGL_lose_context');
+    globalThis.loss = document.getElementById('mirage').getContext('webgl2').getExtension('WEBGL_lose_context');
     loss.loseContext();
   });
   await until('a word', async () => /graphics were reset/.test(await message(page)));
@@ -403,7 +403,7 @@ test('the server is killed and comes back: the picture stays, frames go on', asy
   await server.stop('SIGKILL');
   await until('a word', async () => /server is gone.*trying again/.test(await message(page)));
   const { drawnFrames } = await figures(page);
-  await page.locator('#view').focus();
+  await page.locator('#mirage').focus();
   await page.keyboard.down('ArrowLeft');
   await sleep(500);
   await page.keyboard.up('ArrowLeft');
@@ -460,7 +460,7 @@ test('a hidden tab does nothing', async () => {
   }, hidden);
   await hide(true);
   const { drawnFrames } = await figures(page);
-  await page.locator('#view').focus();
+  await page.locator('#mirage').focus();
   await page.keyboard.down('KeyW');
   await sleep(500);
   assert.equal((await figures(page)).drawnFrames, drawnFrames);
@@ -510,7 +510,7 @@ test('small, sharp and turned screens; everything by keyboard, with a name', asy
     await page.keyboard.press('Tab');
     reached.add(await page.evaluate(() => document.activeElement.id));
   }
-  for (const id of ['view', 'home', 'share', 'more', 'screenshot', 'compare', 'keys', 'figures-button', 'azimuth', 'own-light']) assert.ok(reached.has(id), id);
+  for (const id of ['mirage', 'home', 'share', 'more', 'screenshot', 'compare', 'keys', 'figures-button', 'azimuth', 'own-light']) assert.ok(reached.has(id), id);
   await page.locator('#figures-close').click();
   assert.equal(await page.locator('#figures').isVisible(), false, 'the panel covers no button that closes it');
   await page.setViewportSize({ width: 568, height: 320 });
@@ -573,6 +573,25 @@ test('a line tells how much of what is in view has an image, and goes', async ()
   await city.stop();
 });
 
+test('other scripts read and set the view', async () => {
+  const page = await open(browser, at(settled));
+  await until('at rest', () => page.evaluate(() => mirage.atRest()), 60);
+  assert.equal(await page.evaluate(() => mirage.connected()), true);
+  const { eye, look } = await page.evaluate(() => mirage.camera());
+  assert.ok(apart(eye, [0, 1, 6]) < 1e-3 && look[2] < eye[2], `${eye} ${look}`);
+  assert.equal(await page.evaluate(() => mirage.setCamera([3, 1, 4], [0, 0, 0])), true);
+  assert.ok(apart((await page.evaluate(() => mirage.camera())).eye, [3, 1, 4]) < 1e-6);
+  await until('in the address', async () => page.url().includes('#eye=3,1,4&'));
+  for (const [from, to] of [[[0, 0, 0], [0, 0, 0]], [[NaN, 0, 0], [1, 0, 0]], [[1, 2], [3, 4, 5]]]) {
+    assert.equal(await page.evaluate(([a, b]) => mirage.setCamera(a, b), [from, to]), false);
+  }
+  const stats = await page.evaluate(() => mirage.stats());
+  assert.ok(stats.visible > 0 && Number.isFinite(stats.boundPx));
+  assert.equal(await page.locator('canvas#mirage').count(), 1);
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+});
+
 test('no WebGL 2: a sentence', async () => {
   const page = await open(browser, knot.url, { before: () => {
     const real = HTMLCanvasElement.prototype.getContext;
@@ -616,7 +635,7 @@ test('what moves can be stopped, and goes on from there', async () => {
   const server = await serve(process.env.WEB_MODEL);
   const page = await open(browser, server.url);
   await seen(page);
-  const shot = async () => (await page.locator('#view').screenshot()).toString('base64');
+  const shot = async () => (await page.locator('#mirage').screenshot()).toString('base64');
   const waits = (ms) => page.waitForTimeout(ms);
   const pause = page.locator('#pause');
   await pause.waitFor();  // it is known what moves

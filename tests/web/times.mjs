@@ -52,7 +52,7 @@ await link.stop();
 // idle, as one elsewhere is.
 const page = await open(browser, `${server.url}#budget=50`);
 await seen(page, 60);
-await page.locator('#view').focus();
+await page.locator('#mirage').focus();
 async function walk(of) {
   for (let second = 0; second < of; second += 10) {
     for (const key of ['KeyW', 'KeyS']) {

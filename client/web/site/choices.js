@@ -21,7 +21,7 @@ export class Choices {
     this.wanted = { clip: asked('clip'), variant: asked('variant') };
     for (const kind of kinds) {
       $(kind).addEventListener('change', () => {
-        $('view').focus({ preventScroll: true });  // keys move again
+        $('mirage').focus({ preventScroll: true });  // keys move again
         this.choose({ ...this.shown(), [kind]: $(kind).value });
       });
     }

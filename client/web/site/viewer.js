@@ -1,5 +1,5 @@
 // Viewer: the page itself; loads the core and runs its frames.
-import { loadModule, startCore, textAt, withText } from './core.js';
+import { loadModule, pose, startCore, textAt, withText } from './core.js';
 import { Choices } from './choices.js';
 import { Compare } from './compare.js';
 import { Controls } from './controls.js';
@@ -12,7 +12,7 @@ import { say } from './status.js';
 import { Toolbar } from './toolbar.js';
 
 const $ = (id) => document.getElementById(id);
-const canvas = $('view');
+const canvas = $('mirage');
 const mostPixelRatio = 2;
 const resting = 2, drawn = 1, drawable = 4;  // bits of page_frame()
 const mostKept = 4000;
@@ -149,6 +149,32 @@ export class Viewer {
     this.wake();
   }
 
+  // --- for other scripts, as `window.mirage`: answers before there is a scene are empty -----------------------------------
+  /// Returns the figures of the picture (WebViewer::figures); {}: there is none yet.
+  stats() { return this.viewerThere() ? this.figures.now() : {}; }
+  /// Returns the eye, and a point that it looks at, m.
+  camera() {
+    if (!this.viewerThere()) return null;
+    const { eye, ahead } = pose(this.core);
+    return { eye, look: eye.map((v, i) => v + ahead[i]) };
+  }
+  /// Puts the eye somewhere else; three numbers each, m. Returns false if it cannot look from there.
+  setCamera(eye, look) {
+    const numbers = [...eye, ...look];
+    const good = numbers.length === 6 && numbers.every(Number.isFinite) && eye.some((v, i) => v !== look[i]);
+    if (!this.viewerThere() || !good) return false;
+    this.core._page_look(...numbers);
+    this.place.changedAt = performance.now();
+    this.wake();
+    return true;
+  }
+  /// True if everything in view is there, and the picture would not get any better.
+  atRest() {
+    const { complete, atRest, refined } = this.stats();
+    return Boolean(this.seen && complete && atRest && refined);
+  }
+  connected() { return Boolean(this.link?.connected); }
+
   // --- frames -------------------------------------------------------------------------------------------------------------
   size() {
     const ratio = Math.min(mostPixelRatio, devicePixelRatio || 1);
@@ -257,7 +283,7 @@ export class Viewer {
 }
 
 const viewer = new Viewer();
-globalThis.mirage = viewer;  // for tests and debugging
+globalThis.mirage = viewer;
 viewer.start().catch((error) => {
   const missing = typeof WebAssembly !== 'object' || !WebAssembly.compileStreaming;
   viewer.fail(missing ? 'This browser has no WebAssembly, which the scene is drawn with.' : `This page did not load: ${error.message}. Reload it.`);

@@ -28,8 +28,10 @@ std::vector<glm::vec3> shown_positions(const SceneObject& object) {
 
 Bounds scene_bounds(const Scene& scene) {
   std::vector<Bounds> boxes(scene.objects.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    for (const glm::vec3& at : shown_positions(scene.objects[i])) boxes[i].add(glm::dvec3(at));
+  ShownPositions shown(scene);
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+    const auto vertices = static_cast<std::uint32_t>(scene.objects[i].mesh.vertices.size());
+    for (std::uint32_t v = 0; v < vertices; ++v) boxes[i].add(glm::dvec3(shown.at(i, v)));
   }
   Bounds all;
   for (const Instance& instance : scene.instances) {

@@ -38,12 +38,10 @@ std::vector<Sample> sample_scene(const Scene& scene) {
   const std::size_t step = std::max<std::size_t>(1, scene.instances.size() / kSamples);
   const std::size_t used = scene.instances.size() / step;
   const std::size_t most = std::clamp<std::size_t>(kSamples / used, 1, kMostPerObject);
-  std::vector<std::vector<glm::vec3>> shown(scene.objects.size());
+  ShownPositions shown(scene);
   for (std::size_t i = 0; i < scene.instances.size(); i += step) {
     const Instance& instance = scene.instances[i];
     const SceneObject& object = scene.objects[instance.object];
-    std::vector<glm::vec3>& positions = shown[instance.object];
-    if (positions.empty()) positions = shown_positions(object);
     const std::vector<std::uint32_t>& indices = object.mesh.indices;
     const std::size_t triangles = indices.size() / 3;
     const std::size_t stride = std::max<std::size_t>(1, triangles / most);
@@ -53,7 +51,7 @@ std::vector<Sample> sample_scene(const Scene& scene) {
       sample.instance = i;
       sample.weight = static_cast<double>(stride * step);
       for (std::size_t c = 0; c < 3; ++c) {
-        const glm::dvec3 point(positions[indices[3 * t + c]]);
+        const glm::dvec3 point(shown.at(instance.object, indices[3 * t + c]));
         sample.corner[c] =
             world.position + glm::dquat(world.rotation) * (double{world.scale} * point);
       }

@@ -1,8 +1,10 @@
 #include "server/scene/gltf/json_read.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,11 +16,20 @@ namespace {
 
 using nlohmann::json;
 
+/// Returns where a byte, counted from 1, lies in a text: "in line 3, column 7".
+std::string place_in(std::string_view text, std::size_t byte) {
+  const std::string_view before = text.substr(0, byte > 0 ? byte - 1 : 0);
+  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  const std::size_t begin = before.rfind('\n');
+  const std::size_t column = before.size() - (begin == std::string_view::npos ? 0 : begin + 1) + 1;
+  return "in line " + std::to_string(line) + ", column " + std::to_string(column);
+}
+
 /// Builds a tree from the events of nlohmann's parser (the interface of json::json_sax_t). Its own
 /// parser with a filter is not used: it walks the whole list after each element.
 class TreeBuilder {
  public:
-  explicit TreeBuilder(const SceneLimits& limits) : limits_(limits) {}
+  TreeBuilder(std::string_view text, const SceneLimits& limits) : text_(text), limits_(limits) {}
 
   bool null() { return scalar(nullptr); }
   bool boolean(bool value) { return scalar(value); }
@@ -49,10 +60,10 @@ class TreeBuilder {
 
   bool parse_error(std::size_t byte, const std::string& /*token*/, const json::exception& error) {
     constexpr int kNumberOutOfRange = 406;  // as nlohmann numbers its errors
-    return fail(make_error(ErrorId::kSceneFormat,
-                           error.id == kNumberOutOfRange
-                               ? "JSON holds a number beyond double precision"
-                               : "JSON syntax error at byte " + std::to_string(byte)));
+    return fail(
+        make_error(ErrorId::kSceneFormat, error.id == kNumberOutOfRange
+                                              ? "JSON holds a number beyond double precision"
+                                              : "JSON syntax error " + place_in(text_, byte)));
   }
 
   json take_root() { return std::move(root_); }
@@ -127,6 +138,7 @@ class TreeBuilder {
         limits_.exceeded_at_least(values_, limits_.json_values, "values in JSON", "join IN OUT"));
   }
 
+  const std::string_view text_;  ///< for telling where it is wrong
   const SceneLimits& limits_;
   json root_;
   std::vector<Level> levels_;       ///< the open values that are kept
@@ -140,7 +152,7 @@ class TreeBuilder {
 };
 
 Result<json> build_tree(std::string_view text, const SceneLimits& limits, std::uint64_t& twice) {
-  TreeBuilder builder(limits);
+  TreeBuilder builder(text, limits);
   json::sax_parse(text.begin(), text.end(), &builder);
   if (builder.error()) return *builder.error();
   twice = builder.twice();

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kMostPoints = 300'000;         // looked at for the home view
 constexpr std::size_t kMostTriangles = 2'000'000;    // looked at for the shadow
+constexpr std::int64_t kMostPlaces = 60'000'000;     // under all triangles: a second at most
 constexpr double kShadowReach = 2;                   // half of the shadow's square, in half extents
 constexpr double kNear = 0.08, kFar = 0.4;           // heights in which shadows fade, the same
 constexpr float kNearDark = 0.55f, kFarDark = 0.3f;  // share of the light that they take
@@ -21,7 +22,8 @@ constexpr int kNearBlur = 1, kFarBlur = 4;           // cells
 
 using Triangle = std::array<glm::dvec3, 3>;
 
-/// Calls `visit` for triangles of the scene, about `most` at most, in world space.
+/// Calls `visit` for triangles of the scene, about `most` at most, in world space. Ends of lines,
+/// and points, are triangles without size.
 void for_triangles(const Scene& scene, std::size_t most,
                    const std::function<void(const Triangle&)>& visit) {
   std::size_t all = 0;
@@ -29,23 +31,26 @@ void for_triangles(const Scene& scene, std::size_t most,
     all += scene.objects[instance.object].mesh.indices.size() / 3;
   }
   const std::size_t stride = std::max<std::size_t>(1, all / most);
-  std::vector<std::vector<glm::vec3>> shown(scene.objects.size());
-  std::size_t next = 0;  // counts over all instances, so that none is left out as a whole
+  ShownPositions shown(scene);
+  std::size_t next = 0;  // counts on from primitive to primitive, so that none is left out for ever
   for (const Instance& instance : scene.instances) {
-    const std::vector<std::uint32_t>& indices = scene.objects[instance.object].mesh.indices;
-    std::vector<glm::vec3>& positions = shown[instance.object];
-    if (positions.empty()) positions = shown_positions(scene.objects[instance.object]);
+    const Mesh& mesh = scene.objects[instance.object].mesh;
     const Similarity& world = instance.world_from_object;
     const glm::dmat3 turn = glm::mat3_cast(glm::dquat(world.rotation)) * double{world.scale};
-    const std::size_t triangles = indices.size() / 3;
-    for (; next < triangles; next += stride) {
-      Triangle corners;
-      for (std::size_t c = 0; c < 3; ++c) {
-        corners[c] = world.position + turn * glm::dvec3(positions[indices[3 * next + c]]);
+    for (const Primitive& primitive : mesh.primitives) {
+      const bool filled = primitive.kind == PrimitiveKind::kTriangles;
+      const std::size_t triangles = primitive.index_count / 3;
+      for (; next < triangles; next += stride) {
+        const std::uint32_t* const corner = &mesh.indices[primitive.first_index + 3 * next];
+        Triangle corners;
+        for (std::size_t c = 0; c < 3; ++c) {
+          corners[c] =
+              world.position + turn * glm::dvec3(shown.at(instance.object, corner[filled ? c : 0]));
+        }
+        visit(corners);
       }
-      visit(corners);
+      next -= std::min(next, triangles);
     }
-    next -= triangles;
   }
 }
 
@@ -85,18 +90,22 @@ Cells blurred(Cells cells, int reach) {
   return cells;
 }
 
-/// Lowers the heights of the cells that a triangle lies over.
-void add_triangle(const Triangle& t, const StudioFloor& floor, Cells& heights) {
+/// Lowers the heights of the cells that a triangle lies over. Takes the places that it looks at
+/// from `left`, and does nothing once they are used up.
+void add_triangle(const Triangle& t, const StudioFloor& floor, std::int64_t& left, Cells& heights) {
   const double cell = 2.0 * floor.half / kEdge;
   double longest = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     const glm::dvec3 side = t[(c + 1) % 3] - t[c];
     longest = std::max({longest, std::abs(side.x), std::abs(side.z)});
   }
-  const int steps = std::clamp(static_cast<int>(std::ceil(2 * longest / cell)), 1, 4 * kEdge);
+  const int steps = static_cast<int>(std::clamp(std::ceil(2 * longest / cell), 0.0, 4.0 * kEdge));
+  left -= (steps + 1) * (steps + 2) / 2;
+  if (left < 0) return;
   for (int i = 0; i <= steps; ++i) {
     for (int k = 0; k <= steps - i; ++k) {
-      const double u = static_cast<double>(i) / steps, v = static_cast<double>(k) / steps;
+      const double u = static_cast<double>(i) / std::max(steps, 1);
+      const double v = static_cast<double>(k) / std::max(steps, 1);
       const glm::dvec3 p = t[0] + u * (t[1] - t[0]) + v * (t[2] - t[0]) - floor.center;
       const double x = (p.x + floor.half) / cell, z = (p.z + floor.half) / cell;
       if (!(x >= 0 && z >= 0 && x < kEdge && z < kEdge)) continue;
@@ -143,8 +152,9 @@ StudioFloor floor_under(const Scene& scene, const Bounds& frame) {
   floor.half = static_cast<float>(kShadowReach * std::max({half.x, half.z, 0.25 * half.y}));
   if (!(floor.half > 0) || !std::isfinite(floor.half)) return {};
   Cells heights(static_cast<std::size_t>(kEdge) * kEdge, std::numeric_limits<float>::infinity());
+  std::int64_t left = kMostPlaces;
   for_triangles(scene, kMostTriangles,
-                [&](const Triangle& triangle) { add_triangle(triangle, floor, heights); });
+                [&](const Triangle& triangle) { add_triangle(triangle, floor, left, heights); });
   Cells near, far;
   for (const float height : heights) {
     near.push_back(std::exp(-height / static_cast<float>(kNear * extent)));

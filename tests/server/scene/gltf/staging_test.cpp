@@ -16,6 +16,7 @@ Scene quad(float low) {
     object.mesh.vertices.push_back(v);
   }
   object.mesh.indices = {0, 1, 2, 0, 2, 3};
+  object.mesh.primitives = {{PrimitiveKind::kTriangles, 0, 6, 0}};
   scene.objects = {object};
   Instance instance;
   instance.world_from_object.position = {100, low, -50};
