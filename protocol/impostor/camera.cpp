@@ -89,7 +89,8 @@ Pose look_at(const glm::dvec3& eye, const glm::dvec3& target) {
 }
 
 Pose home_pose(const HomeView& home, const Camera& camera) {
-  constexpr double kFill = 0.8;  // share of the picture's width or height
+  constexpr double kFill = 0.8;     // share of the picture's width or height
+  constexpr double kNearest = 1.8;  // half diagonals: nearer, perspective distorts what is long
   Pose pose = look_at(home.eye, home.target);
   if (home.fit.empty()) return pose;
   const double high = kFill * std::tan(0.5 * camera.fov_y);
@@ -98,13 +99,17 @@ Pose home_pose(const HomeView& home, const Camera& camera) {
   // x + half z <= middle + half distance, and likewise at the other edges.
   const glm::dquat view_from_world = glm::conjugate(glm::dquat(pose.rotation));
   glm::dvec2 right(-std::numeric_limits<double>::infinity()), left = right;
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), top = -low;
   for (const glm::vec3& point : home.fit) {
     const glm::dvec3 p = view_from_world * glm::dvec3(point);
     right = glm::max(right, glm::dvec2(p) + half * p.z);
     left = glm::max(left, half * p.z - glm::dvec2(p));
+    low = glm::min(low, p);
+    top = glm::max(top, p);
   }
   const glm::dvec2 middle = 0.5 * (right - left), distances = 0.5 * (right + left) / half;
-  const double distance = std::max(distances.x, distances.y);
+  const double distance =
+      std::max({distances.x, distances.y, kNearest * 0.5 * glm::length(top - low)});
   if (!(distance > 0) || !std::isfinite(distance + middle.x + middle.y)) return pose;
   pose.eye = home.target + glm::dquat(pose.rotation) * glm::dvec3(middle, distance);
   return pose;

@@ -79,7 +79,8 @@ Pose look_at(const glm::dvec3& eye, const glm::dvec3& target);
 
 /// Returns the pose of a home view for a picture with the camera's shape and field of view. The eye
 /// keeps its direction and goes where the points to fit lie in the middle and fill four fifths of
-/// the picture's width or height.
+/// the picture's width or height, but no nearer than 1.8 times half the diagonal of
+/// their box.
 Pose home_pose(const HomeView& home, const Camera& camera);
 
 }  // namespace mirage

@@ -40,6 +40,7 @@ Seen seen(const HomeView& home, Camera camera) {
 }
 
 TEST(ImpostorHomePose, PointsFillFourFifthsOfEveryPictureAroundItsMiddle) {
+  int full = 0;
   for (const auto& [width, height] : {std::pair{1280u, 720u}, {390u, 844u}, {500u, 500u}}) {
     for (const double degrees : {20.0, 60.0, 110.0}) {
       Camera camera;
@@ -49,11 +50,21 @@ TEST(ImpostorHomePose, PointsFillFourFifthsOfEveryPictureAroundItsMiddle) {
       const Seen at = seen(long_thing(), camera);
       const glm::dvec2 filled = 0.5 * (at.high - at.low), off = glm::abs(at.low + at.high);
       const int across = filled.x > filled.y ? 0 : 1;  // the way in which the picture is full
+      const glm::dvec3 way = home_pose(long_thing(), camera).eye - long_thing().target;
+      const glm::dvec3 back = glm::normalize(long_thing().eye - long_thing().target);
+      const double halves = glm::dot(way, back) / glm::length(long_thing().fit.front());
+      EXPECT_GT(halves, 1.79) << "half diagonals; its box in the view is larger";
+      if (filled[across] < 0.799) {
+        EXPECT_LT(halves, 2.5) << "the eye goes no nearer";
+        continue;
+      }
+      ++full;
       EXPECT_NEAR(filled[across], 0.8, 1e-3) << width << " at " << degrees;
       EXPECT_NEAR(off[across], 0, 1e-3);
       EXPECT_LT(off[1 - across], 0.6) << "about in the middle";
     }
   }
+  EXPECT_GE(full, 4);
 }
 
 TEST(ImpostorHomePose, WithoutPointsTheEyeStays) {
