@@ -104,7 +104,7 @@ void ChosenScenes::end_unused(Endpoint& endpoint) {
 
 void ChosenScenes::load_next() {
   if (load_ || wanted_.empty() || scenes_.size() >= most_) return;
-  load_.emplace();
+  load_ = std::make_unique<Load>();
   load_->choice = wanted_.front();
   wanted_.pop_front();
   spdlog::info("loading {}, beside what is served", name_of(load_->choice));

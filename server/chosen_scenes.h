@@ -69,7 +69,7 @@ class ChosenScenes {
   const Hooks hooks_;
   std::vector<Chosen> scenes_;
   std::deque<SceneChoice> wanted_;  ///< to be loaded
-  std::optional<Load> load_;        ///< under way
+  std::unique_ptr<Load> load_;      ///< under way
   std::atomic<bool> loaded_{false};
   std::thread loading_;
 };
