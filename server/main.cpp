@@ -17,6 +17,7 @@
 #include "protocol/base/resources.h"
 #include "protocol/impostor/tile_key.h"
 #include "server/base/cache_directory.h"
+#include "server/base/huge_pages.h"
 #include "server/base/log.h"
 #include "server/chosen_scenes.h"
 #include "server/doctor.h"
@@ -47,9 +48,6 @@ constexpr std::int64_t kLongestRenderUs = 30'000'000;
 // allocated on one thread and freed on another; by default the allocator would keep blocks of up to
 // 32 MiB for each thread.
 constexpr int kGivenBack = 1 << 20;
-// Free bytes at the end of a heap that stay there while a scene is loaded. Pictures and trees of
-// one mesh after another take that memory again; to get it anew took half of the time of loading.
-constexpr int kGivenBackLoading = 64 << 20;
 
 std::atomic<Endpoint*> running_endpoint{nullptr};
 
@@ -164,7 +162,7 @@ class Service {
   Service(const ServerOptions& options, CacheDirectory* cache)
       : options_(options),
         cache_(cache),
-        reload_(options.scene, [this] { return load(options_); }),
+        reload_(options.scene, [this] { return load_whole(); }),
         chosen_(options.choices, clock_,
                 {[this](const SceneChoice& choice) { return load(with_choice(options_, choice)); },
                  [this](std::unique_ptr<ServedScene> old) { reload_.retire(std::move(old)); }}) {}
@@ -182,6 +180,9 @@ class Service {
  private:
   EndpointHooks hooks();
   Result<std::unique_ptr<ServedScene>> load(const ServerOptions& options);
+  /// Loads the options' scene. Viewers who have a picture already keep it until its levels of
+  /// detail are made.
+  Result<std::unique_ptr<ServedScene>> load_whole();
   void hangup();
   void tick();
   /// Replaces the served scene.
@@ -202,6 +203,12 @@ Result<std::unique_ptr<ServedScene>> Service::load(const ServerOptions& options)
   return ServedScene::start(options, cache_, clock_, [this] {
     if (Endpoint* endpoint = awake_.load()) endpoint->wake();
   });
+}
+
+Result<std::unique_ptr<ServedScene>> Service::load_whole() {
+  Result<std::unique_ptr<ServedScene>> scene = load(options_);
+  if (scene && awake_.load()) (*scene)->wait_for_levels();
+  return scene;
 }
 
 EndpointHooks Service::hooks() {
@@ -249,14 +256,13 @@ int Service::run() {
   Result<std::unique_ptr<ServedScene>> first = reload_.load();
   if (!first) return fail(first.error());
   served_ = first.take();
-  mallopt(M_TRIM_THRESHOLD, kGivenBack);
-  malloc_trim(0);
   endpoint_.emplace(served_->hub(), served_->queues());
   if (const Result<void> listening = endpoint_->listen(options_.endpoint); !listening) {
     return fail(listening.error());
   }
   served_->hub().make_home_view();
   awake_ = &*endpoint_;
+  endpoint_->wake();  // for what came before
   running_endpoint = &*endpoint_;
   std::signal(SIGTERM, on_terminate);
   std::signal(SIGINT, on_terminate);
@@ -321,7 +327,6 @@ int run(int argc, char** argv) {
   }
   if (!options.write_environment.empty()) return write_surroundings(options);
   mallopt(M_MMAP_THRESHOLD, kGivenBack);
-  mallopt(M_TRIM_THRESHOLD, kGivenBackLoading);
   raise_descriptor_limit();
   std::optional<CacheDirectory> directory;
   if (!options.cache_dir.empty()) {
@@ -341,6 +346,7 @@ int run(int argc, char** argv) {
 }  // namespace mirage
 
 int main(int argc, char** argv) {
+  mirage::use_huge_pages(argv);
   return mirage::run_program(
       [&] { return mirage::gl::exit_without_leaks(mirage::run(argc, argv)); });
 }

@@ -26,6 +26,8 @@ namespace {
 constexpr int kReferenceTimeoutMs = 120'000;
 constexpr int kReplyTimeoutMs = 30'000;
 constexpr std::int64_t kScenePatienceUs = 20'000'000;
+// A server that has said welcome may still be making levels of detail.
+constexpr std::int64_t kLevelsPatienceUs = 900'000'000;
 
 }  // namespace
 
@@ -101,7 +103,7 @@ Result<void> ClientHost::wait_until(const std::function<bool()>& there) {
       return make_error(refused->id, "the server's scene was refused: " + refused->text,
                         "are server and viewer of one version?");
     }
-    const bool late = patience.now_us() > limit;
+    const bool late = patience.now_us() > (session_->welcomes() > 0 ? kLevelsPatienceUs : limit);
     if (late || (!native_->connected() && native_->last_close_code() != 0)) {
       return make_error(ErrorId::kNetworkClosed,
                         "the server did not describe its scene: " + native_->last_problem());

@@ -17,6 +17,7 @@ namespace mirage {
 namespace {
 
 constexpr std::size_t kPrimitiveBytes = 12;
+constexpr std::size_t kHeaderBytes = 128;  // at most: counts and ranges
 // Most elements that meshoptimizer packs into a byte: larger counts cannot be genuine.
 constexpr std::size_t kVerticesPerByte = 6;
 constexpr std::size_t kIndicesPerByte = 3;
@@ -83,6 +84,16 @@ Ordered in_wire_order(const ModelView& model) {
   return out;
 }
 
+// True if each vertex below `count` is used, and none before those of lower numbers.
+bool in_order_of_use(const std::vector<std::uint32_t>& indices, std::size_t count) {
+  std::size_t next = 0;
+  for (const std::uint32_t i : indices) {
+    if (i > next) return false;
+    next += i == next;
+  }
+  return next == count;
+}
+
 /// Quantised vertices without duplicates, in order of first use; `order.indices` then refer to
 /// them.
 Bytes unique_vertices(const ModelView& model, const VertexLayout& layout, Ordered& order,
@@ -102,12 +113,15 @@ Bytes unique_vertices(const ModelView& model, const VertexLayout& layout, Ordere
     count = meshopt_generateVertexRemap(remap.data(), nullptr, remap.size(), all.bytes.data(),
                                         remap.size(), stride);
   }
-  Bytes joined(count * stride);
-  for (std::size_t i = 0; i < remap.size(); ++i) {
-    std::copy_n(all.bytes.begin() + static_cast<std::ptrdiff_t>(i * stride), stride,
+  Bytes joined = std::move(all.bytes);
+  for (std::size_t i = 0; i < remap.size(); ++i) {  // numbers rise: a vertex moves to the front
+    if (remap[i] == i) continue;
+    std::copy_n(joined.begin() + static_cast<std::ptrdiff_t>(i * stride), stride,
                 joined.begin() + static_cast<std::ptrdiff_t>(remap[i] * stride));
   }
+  joined.resize(count * stride);
   for (std::uint32_t& i : order.indices) i = remap[i];
+  remap = {};
   for (const Primitive& p : order.primitives) {
     const bool sorted = model.materials[p.material].alpha_mode == AlphaMode::kBlend;
     if (p.kind != PrimitiveKind::kTriangles || sorted || p.index_count == 0) continue;
@@ -115,6 +129,7 @@ Bytes unique_vertices(const ModelView& model, const VertexLayout& layout, Ordere
     meshopt_optimizeVertexCache(at, std::vector<std::uint32_t>(at, at + p.index_count).data(),
                                 p.index_count, count);
   }
+  if (in_order_of_use(order.indices, count)) return joined;  // most point clouds: no second copy
   std::vector<std::uint32_t> place(count, UINT32_MAX);
   Bytes out;
   out.reserve(joined.size());
@@ -259,7 +274,7 @@ Bytes encode_model(const ModelView& model) {
   Ordered order = in_wire_order(model);
   const VertexLayout layout = layout_of(model, order.indices);
   std::size_t vertices = 0;
-  const Bytes packed = unique_vertices(model, layout, order, vertices);
+  Bytes packed = unique_vertices(model, layout, order, vertices);
   const std::size_t triangles = order.triangle_indices;
   const std::size_t others = order.indices.size() - triangles;
 
@@ -268,6 +283,7 @@ Bytes encode_model(const ModelView& model) {
                          ? 0
                          : meshopt_encodeVertexBuffer(vertex_code.data(), vertex_code.size(),
                                                       packed.data(), vertices, layout.stride()));
+  packed = {};  // may be 100 MB, like those below
   Bytes triangle_code(meshopt_encodeIndexBufferBound(triangles, vertices));
   triangle_code.resize(triangles == 0
                            ? 0
@@ -280,6 +296,9 @@ Bytes encode_model(const ModelView& model) {
                                                       order.indices.data() + triangles, others));
 
   ByteWriter w;
+  w.bytes.reserve(vertex_code.size() + triangle_code.size() + other_code.size() +
+                  kPrimitiveBytes * order.primitives.size() +
+                  kMaterialBytes * model.materials.size() + kHeaderBytes);
   for (const std::size_t word :
        {vertices, triangles, others, order.primitives.size(), model.materials.size(),
         vertex_code.size(), triangle_code.size(), other_code.size(), std::size_t{layout.streams}}) {

@@ -656,6 +656,7 @@ void Endpoint::serve(SessionHub& hub, StageQueues& queues) {
     lws_callback_on_writable(wsi);  // closes connections without a session
   }
   impl.serve(hub, queues);
+  impl.drain_completions();  // what came before woke nobody
 }
 
 void Endpoint::add(const SceneChoice& choice, SessionHub& hub, StageQueues& queues) {
@@ -668,7 +669,7 @@ void Endpoint::add(const SceneChoice& choice, SessionHub& hub, StageQueues& queu
     const Result<void> done = hub.receive(connection.session, hello.data(), hello.size());
     if (!done) impl.close_soon(wsi, done.error());
   }
-  impl.ask_to_write();
+  impl.drain_completions();  // what came before woke nobody
 }
 
 void Endpoint::give_up(const SceneChoice& choice, const Error& error) {

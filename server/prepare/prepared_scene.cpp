@@ -38,21 +38,6 @@ void describe(PreparedScene& prepared, const std::map<std::size_t, MeasuredMotio
                [&](std::size_t i) { prepared.images[i] = describe_image(scene, i); });
 }
 
-void make_all_geometry(PreparedScene& prepared, const SceneLoadOptions& options,
-                       const Workers& workers) {
-  const std::vector<SceneObject>& objects = prepared.scene.objects;
-  prepared.geometry.resize(objects.size());
-  const std::vector<std::uint64_t> images =
-      options.cache ? hash_images(prepared.scene, workers) : std::vector<std::uint64_t>{};
-  const LodFamilies families(prepared.scene);
-  StageProgress progress(options.progress, "levels of detail", objects.size());
-  workers.each(objects.size(), [&](std::size_t i) {
-    prepared.geometry[i] = find_or_make_geometry(prepared.scene, objects[i], prepared.objects[i],
-                                                 options.cache, images, families, workers);
-    progress.one_done();
-  });
-}
-
 /// Calls `visit` with the bounding sphere of each instance, at each place of its way.
 void each_sphere(const PreparedScene& prepared,
                  const std::function<void(const glm::dvec3& center, double radius)>& visit) {
@@ -204,8 +189,10 @@ bool PreparedScene::has_casters() const {
 
 namespace {
 
-Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const SceneLoadOptions& options,
-                                                     const Workers& workers, StageTimes times) {
+using PreparedPtr = std::shared_ptr<PreparedScene>;
+
+Result<PreparedPtr> prepare(Scene scene, const SceneLoadOptions& options, const Workers& workers,
+                            StageTimes times) {
   auto prepared = std::make_shared<PreparedScene>();
   prepared->scene = std::move(scene);
   if (Result<void> checked = check_limits(prepared->scene); !checked) return checked.error();
@@ -221,9 +208,8 @@ Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const SceneLoa
   const std::map<std::size_t, MeasuredMotion> moving = settle_motion(prepared->scene, workers);
   times.done("needs");
   describe(*prepared, moving, workers);
+  prepared->geometry.resize(prepared->objects.size());
   times.done("descriptions");
-  make_all_geometry(*prepared, options, workers);
-  times.done("levels of detail");
   prepared->mips = make_mips(prepared->scene, options.cache, workers);
   times.done("mips");
   // A scene without extent still needs a walk loop.
@@ -237,7 +223,16 @@ Result<std::shared_ptr<const PreparedScene>> prepare(Scene scene, const SceneLoa
   prepared->revision = scene_revision(prepared->scene);
   times.done("revision and groups");
   prepared->load_times = std::move(times);
-  return std::shared_ptr<const PreparedScene>(std::move(prepared));
+  return prepared;
+}
+
+// Adds the levels of detail, and their time.
+Result<std::shared_ptr<const PreparedScene>> with_levels(Result<PreparedPtr> prepared,
+                                                         const SceneLoadOptions& options) {
+  if (!prepared) return prepared.error();
+  make_levels(**prepared, options);
+  (*prepared)->load_times.done("levels of detail");
+  return std::shared_ptr<const PreparedScene>(prepared.take());
 }
 
 Result<Scene> import_timed(const std::string& spec, const SceneLoadOptions& options,
@@ -266,21 +261,41 @@ Result<Scene> import_scene(const std::string& spec, const SceneLoadOptions& opti
   return import_timed(spec, options, Workers(options.threads), times);
 }
 
-Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
-                                                        const SceneLoadOptions& options) {
+void make_levels(PreparedScene& prepared, const SceneLoadOptions& options,
+                 const std::atomic<bool>* stopped) {
+  const Workers workers(options.threads);
+  const std::vector<SceneObject>& objects = prepared.scene.objects;
+  const std::vector<std::uint64_t> images =
+      options.cache ? hash_images(prepared.scene, workers) : std::vector<std::uint64_t>{};
+  const LodFamilies families(prepared.scene);
+  StageProgress progress(options.progress, "levels of detail", objects.size());
+  workers.each(objects.size(), [&](std::size_t i) {
+    if (stopped && *stopped) return;
+    prepared.geometry[i] = find_or_make_geometry(prepared.scene, objects[i], prepared.objects[i],
+                                                 options.cache, images, families, workers);
+    progress.one_done();
+  });
+}
+
+Result<PreparedPtr> load_without_levels(const std::string& spec, const SceneLoadOptions& options) {
   const Workers workers(options.threads);
   StageTimes times;
   Result<Scene> scene = import_timed(spec, options, workers, times);
   if (!scene) return scene.error();
-  auto prepared = prepare(scene.take(), options, workers, std::move(times));
+  Result<PreparedPtr> prepared = prepare(scene.take(), options, workers, std::move(times));
   const bool range = !prepared && prepared.error().id == ErrorId::kSceneRange;
   if (range) return make_error(ErrorId::kSceneRange, spec + ": " + prepared.error().text);
   return prepared;
 }
 
+Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
+                                                        const SceneLoadOptions& options) {
+  return with_levels(load_without_levels(spec, options), options);
+}
+
 Result<std::shared_ptr<const PreparedScene>> prepare_scene(Scene scene,
                                                            const SceneLoadOptions& options) {
-  return prepare(std::move(scene), options, Workers(options.threads), {});
+  return with_levels(prepare(std::move(scene), options, Workers(options.threads), {}), options);
 }
 
 }  // namespace mirage

@@ -1,6 +1,7 @@
 #pragma once
 // A scene ready to serve: content hash, the descriptions of its objects, geometry on request.
 
+#include <atomic>
 #include <memory>
 
 #include "protocol/base/result.h"
@@ -26,7 +27,8 @@ struct PreparedScene {
   std::shared_ptr<const Imported> imported;
   std::uint64_t revision = 0;              ///< hash of all content that pixels depend on
   std::vector<ObjectDescription> objects;  ///< by object of the scene
-  std::vector<ObjectGeometry> geometry;    ///< by object of the scene
+  /// Levels by object of the scene. Like ObjectDescription::lods, empty until make_levels() ends.
+  std::vector<ObjectGeometry> geometry;
   std::vector<ImageDescription> images;
   /// Mip levels by image (make_mips).
   std::vector<std::vector<Image>> mips;
@@ -94,5 +96,14 @@ Result<std::shared_ptr<const PreparedScene>> load_scene(const std::string& spec,
 /// Prepares a scene that is loaded already.
 Result<std::shared_ptr<const PreparedScene>> prepare_scene(Scene scene,
                                                            const SceneLoadOptions& options = {});
+
+/// Loads as load_scene() does, without levels of detail: make_levels() makes them.
+Result<std::shared_ptr<PreparedScene>> load_without_levels(const std::string& spec,
+                                                           const SceneLoadOptions& options);
+/// Makes the levels of detail of all objects. Meanwhile, other threads may read all of the scene
+/// but the levels. Once `stopped` is true (nullptr: never), it ends early: some levels are then
+/// missing.
+void make_levels(PreparedScene& prepared, const SceneLoadOptions& options,
+                 const std::atomic<bool>* stopped = nullptr);
 
 }  // namespace mirage

@@ -43,7 +43,8 @@ std::pair<double, double> rows_of(const Camera& camera, const glm::dvec3& center
 
 std::size_t FramePieces::level_of(const SceneShot& shot, const Visible& one) const {
   const ObjectDescription& object = scene_->prepared->objects[one.object];
-  if (shot.level_px <= 0 || object.lods.empty() || object.motion.moving()) return 0;
+  if (shot.whole || shot.level_px <= 0) return 0;  // before levels are made, nobody looks at them
+  if (object.lods.empty() || object.motion.moving()) return 0;
   const double scale = scene_->prepared->scene.instances[one.instance].world_from_object.scale;
   const double nearest = std::max(one.distance - object.radius * scale, shot.camera.near_m);
   return lod_for_view(object.lods, shot.camera.focal_px() * scale / nearest, shot.level_px);

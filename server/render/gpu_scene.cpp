@@ -19,6 +19,11 @@ GpuScene::GpuScene(std::shared_ptr<const PreparedScene> scene)
   for (const SceneObject& object : prepared->scene.objects) {
     meshes.emplace_back(object.mesh, object.animation != nullptr);
   }
+  upload_levels();
+}
+
+void GpuScene::upload_levels() {
+  tile_lods.clear();
   for (const ObjectGeometry& geometry : prepared->geometry) {
     std::vector<gl::GpuMesh>& lods = tile_lods.emplace_back();
     for (const Mesh& mesh : geometry.tile_lods) {

@@ -21,6 +21,8 @@ struct GpuScene {
   std::vector<std::vector<gl::GpuMesh>> tile_lods;  ///< by object and level; level 0 is empty
 
   explicit GpuScene(std::shared_ptr<const PreparedScene> scene);
+  /// Uploads the scene's levels of detail, those that are made. The constructor does so, too.
+  void upload_levels();
   /// Returns the map for a mesh pass; nullptr: the scene has none.
   const gl::ProbeMap* probe_map() const { return probe ? &*probe : nullptr; }
   /// Returns the bytes of images, meshes at all levels, and the probe.

@@ -51,6 +51,8 @@ class TilePageRenderer {
   /// client waits for a first use. Also makes the targets for pages of `page_edge` texels. Errors
   /// kGraphicsShader, kGraphicsGl.
   Result<void> warm_up(int page_edge);
+  /// Compiles the variants of the uploaded levels of detail, as far as whole meshes have others.
+  Result<void> warm_up_levels();
 
   /// Draws `jobs` at the packer's places. Returns the page, bound for reading and valid until the
   /// next call; the surface of relit tiles is its third attachment. nullptr: a target cannot be

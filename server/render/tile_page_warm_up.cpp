@@ -29,6 +29,19 @@ std::vector<NeedMask> look_of(const gl::GpuMesh& mesh, const std::vector<Materia
 
 }  // namespace
 
+Result<void> TilePageRenderer::warm_up_levels() {
+  for (std::uint32_t i = 0; i < scene_->tile_lods.size(); ++i) {
+    for (Path* path : {&lit_, &relit_}) {
+      if (path == &relit_ && !can_relight(scene_->prepared->objects[i].needs)) continue;
+      for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
+        Result<void> compiled = path->meshes->warm_up(lod, scene_->materials(), false);
+        if (!compiled) return compiled;
+      }
+    }
+  }
+  return {};
+}
+
 Result<void> TilePageRenderer::warm_up(int page_edge) {
   const Lighting& light = scene_->prepared->scene.lighting;
   if (const gl::ShadowMap* map = shadow_map_ ? shadow_map_->map_for(light) : nullptr) {
@@ -47,12 +60,9 @@ Result<void> TilePageRenderer::warm_up(int page_edge) {
         compiled = path->ranges->warm_up(scene_->meshes[i], scene_->materials(), false);
         if (!compiled) return compiled;
       }
-      for (const gl::GpuMesh& lod : scene_->tile_lods[i]) {
-        compiled = path->meshes->warm_up(lod, scene_->materials(), false);
-        if (!compiled) return compiled;
-      }
     }
   }
+  if (Result<void> compiled = warm_up_levels(); !compiled) return compiled;
   if (touching_) {
     if (Result<void> compiled = touching_->warm_up(); !compiled) return compiled;
   }

@@ -62,7 +62,7 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
       counters_(queues.counters),
       queue_(queues.tiles),
       store_(queues.store),
-      pages_(make_scene_pages(*scene_)),
+      pages_(queue_.waits_for_levels() ? std::vector<PacketPtr>{} : make_scene_pages(*scene_)),
       probe_page_(scene_->scene.probe ? encode_probe(*scene_->scene.probe) : Bytes{}),
       pixels_(queues.rendered),
       images_(queues.images),
@@ -329,6 +329,14 @@ void SessionHub::finish(FinishedReference done) {
   if (at == sessions_.end()) return;
   at->second.full_render = Session::FullRender::kSending;
   push(done.session, Outbox::Lane::kLarge, std::move(done.message));
+}
+
+void SessionHub::finish(LevelsMade) {
+  for (auto& [id, s] : sessions_) {
+    begin_waiting(s);
+    if (s.greeted) writable_.insert(id);
+  }
+  pages_ = make_scene_pages(*scene_);
 }
 
 PacketPtr SessionHub::next_tree_page(Session& s) {

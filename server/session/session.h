@@ -164,6 +164,7 @@ class SessionHub {
   void finish(FinishedImage done);
   void finish(FinishedView done);
   void finish(FinishedReference done);
+  void finish(LevelsMade done);
   void finish(RendererFailure done) { failure_ = std::move(done.error); }
   /// Has the waiter's form made. If too much is under way, the waiter gets `lossless` instead.
   void convert(const Waiter& waiter, const TileId& id, const StoredTilePtr& lossless);
@@ -177,8 +178,10 @@ class SessionHub {
   Counters& counters_;
   TileQueue& queue_;
   TileStore& store_;
-  const std::vector<PacketPtr> pages_;  ///< scene description, made once
-  const Bytes probe_page_;              ///< a whole message; empty: the scene has no probe
+  /// Scene description, made once. Empty while the scene waits for its levels of detail, which are
+  /// described in it.
+  std::vector<PacketPtr> pages_;
+  const Bytes probe_page_;  ///< a whole message; empty: the scene has no probe
   const BoundedQueue<EncodeJob>& pixels_;
   ImageCache images_;
   FetchRequests fetches_;

@@ -8,6 +8,8 @@
 namespace mirage {
 
 void SessionHub::mesh_ask(SessionId id, Session& s, const wire::MeshAsk& ask) {
+  // No client knows an object before, except from a server that ended.
+  if (pages_.empty()) return refuse(id, ask.request_id(), wire::RefusalReason::Busy);
   const bool known = ask.object() < scene_->geometry.size() &&
                      ask.lod() < scene_->geometry[ask.object()].encoded.size();
   if (!known) return refuse(id, ask.request_id(), wire::RefusalReason::UnknownObject);

@@ -9,6 +9,9 @@ namespace {
 // A view is shown at about its size, for a second, so moderate quality is enough.
 constexpr std::uint32_t kViewSupersample = 2;
 constexpr double kViewLevelPx = 1;
+// Most triangles of a scene whose home view is drawn from whole meshes. That takes a second or two,
+// and the first picture then needs no levels of detail.
+constexpr std::uint64_t kDrawnWhole = 4'000'000;
 }  // namespace
 
 ViewJob SessionHub::view_job(const wire::ViewRequestT& m, const Lighting& lighting) const {
@@ -20,6 +23,7 @@ ViewJob SessionHub::view_job(const wire::ViewRequestT& m, const Lighting& lighti
   job.id = view_id(revision_, lighting_hash(lighting), pose);
   job.shot = {pose.camera, kViewSupersample, lighting, pose.time_s, kViewLevelPx};
   job.home = m.home;
+  job.shot.whole = m.home && scene_->scene.triangles() <= kDrawnWhole;
   return job;
 }
 

@@ -25,6 +25,11 @@ struct GlWorld {
   ~GlWorld();
   /// Returns the graphics memory in bytes that is in use whatever is drawn.
   std::size_t scene_bytes() const;
+  /// Leaves the memory that the scene does not take to pages. Error kGraphicsGl: the scene takes
+  /// more than there is.
+  Result<void> share_memory(const RenderOptions& options);
+  /// Uploads the scene's levels of detail. Errors as make_world().
+  Result<void> upload_levels(const RenderOptions& options);
 };
 
 /// Uploads the scene and compiles every shader. Errors kGraphicsShader, kGraphicsGl (also: over the

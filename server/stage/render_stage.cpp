@@ -32,8 +32,7 @@ class RenderLoop {
         options_(options),
         slow_(queues, wake, world_, options, software),
         ring_(options.ring) {
-    queues_.counters.gpu_scene_bytes = world_.scene_bytes();
-    note_memory();
+    note_scene();
   }
 
   /// Runs the loop. Errors: kGraphicsGl, work under way is lost; kInternal: no memory for a page of
@@ -53,6 +52,7 @@ class RenderLoop {
   /// Hands over finished pages; if `wait`, waits for one.
   Result<void> collect(bool wait);
   void hand_over(const PendingPage& page, const std::shared_ptr<const PagePixels>& pixels);
+  void note_scene();
   void note_memory();
 
   StageQueues& queues_;
@@ -98,6 +98,11 @@ Result<void> RenderLoop::run() {
 Result<void> RenderLoop::draw(TileQueue::Work work, const PagePacker& packer) {
   if (auto* view = std::get_if<ViewJob>(&work)) return slow_.begin(std::move(*view));
   if (auto* full = std::get_if<ReferenceJob>(&work)) return slow_.begin(std::move(*full));
+  if (std::holds_alternative<TileQueue::UploadLevels>(work)) {
+    Result<void> uploaded = world_.upload_levels(options_);
+    note_scene();
+    return uploaded;
+  }
   auto& jobs = std::get<std::vector<TileJob>>(work);
   if (tile_edge(jobs.front().key.size_class) >= slow_.slow_edge()) {
     return slow_.begin(std::move(jobs.front()));
@@ -148,6 +153,11 @@ Result<void> RenderLoop::draw(std::vector<TileJob> jobs, const PagePacker& packe
   queues_.counters.tiles_rendered += page.jobs.size();
   ring_.start(*target, std::move(page));
   return {};
+}
+
+void RenderLoop::note_scene() {
+  queues_.counters.gpu_scene_bytes = world_.scene_bytes();
+  note_memory();
 }
 
 void RenderLoop::note_memory() {

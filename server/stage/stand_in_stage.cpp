@@ -51,8 +51,8 @@ void StandInStage::run(double tile_ms) {
     } else if (const auto* full = std::get_if<ReferenceJob>(&*work)) {
       queues_.completions.push(refused_reference(full->session, full->request_id));
       wake_();
-    } else {
-      for (TileJob& job : std::get<std::vector<TileJob>>(*work)) {
+    } else if (auto* batch = std::get_if<std::vector<TileJob>>(&*work)) {
+      for (TileJob& job : *batch) {
         const std::int64_t start = queues_.clock.now_us();
         std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(tile_ms));
         ++queues_.counters.tiles_rendered;

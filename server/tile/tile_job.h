@@ -111,6 +111,9 @@ struct SceneShot {
   Lighting lighting;
   double time_s = 0;    ///< of the animation
   double level_px = 0;  ///< allowed error of levels of detail, px; 0: whole meshes
+  /// True: whole meshes whatever `level_px` is. Such a picture can be drawn before there are
+  /// levels.
+  bool whole = false;
 };
 
 /// A drawn picture of the scene; rows from the top.
@@ -194,11 +197,14 @@ struct FinishedReference {
   SessionId session = 0;
   Bytes message;
 };
+/// The scene's levels of detail are made, and its tiles can be drawn.
+struct LevelsMade {};
 /// The renderer has failed, and the server must end with this error.
 struct RendererFailure {
   Error error;
 };
-using Completion = std::variant<FinishedTile, TooLargeTile, FinishedFetch, PendingFetch,
-                                FinishedImage, FinishedView, FinishedReference, RendererFailure>;
+using Completion =
+    std::variant<FinishedTile, TooLargeTile, FinishedFetch, PendingFetch, FinishedImage,
+                 FinishedView, FinishedReference, LevelsMade, RendererFailure>;
 
 }  // namespace mirage

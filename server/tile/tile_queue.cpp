@@ -1,6 +1,7 @@
 #include "server/tile/tile_queue.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "protocol/base/limits.h"
 
@@ -78,10 +79,31 @@ bool TileQueue::drop_view(const TileId& id) {
   return true;
 }
 
+void TileQueue::wait_for_levels() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  waits_for_levels_ = true;
+}
+
+void TileQueue::levels_made() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  waits_for_levels_ = false;
+  upload_levels_ = true;
+  not_empty_.notify_one();
+}
+
+bool TileQueue::waits_for_levels() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return waits_for_levels_;
+}
+
 std::deque<ViewJob>::iterator TileQueue::next_view() {
-  const auto wanted =
-      std::find_if(views_.begin(), views_.end(), [](const ViewJob& job) { return job.wanted; });
-  return wanted != views_.end() ? wanted : views_.begin();
+  const auto next = [this](bool wanted) {
+    return std::find_if(views_.begin(), views_.end(), [&](const ViewJob& job) {
+      return (job.wanted || !wanted) && (job.shot.whole || !waits_for_levels_);
+    });
+  };
+  const auto wanted = next(true);
+  return wanted != views_.end() ? wanted : next(false);
 }
 
 void TileQueue::drop_waiter(SessionId session, std::uint32_t request_id, const TileId& id) {
@@ -224,6 +246,7 @@ std::optional<TileQueue::Work> TileQueue::take(const Room& room, bool wait) {
   std::unique_lock<std::mutex> lock(mutex_);
   for (;;) {
     if (closed_) return std::nullopt;
+    if (std::exchange(upload_levels_, false)) return Work(UploadLevels{});
     const bool slow = room.slow();
     if (slow && !reference_was_last_) {
       if (std::optional<Work> reference = take_reference()) return reference;
@@ -231,7 +254,7 @@ std::optional<TileQueue::Work> TileQueue::take(const Room& room, bool wait) {
     const auto view = next_view();
     const bool view_first = slow && view != views_.end() && view->wanted && !view_was_last_;
     std::vector<TileJob> batch;
-    if (!view_first) batch = take_batch(room, slow);
+    if (!view_first && !waits_for_levels_) batch = take_batch(room, slow);
     if (slow) view_was_last_ = false;
     if (!batch.empty()) {
       if (slow) reference_was_last_ = false;

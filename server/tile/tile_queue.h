@@ -46,7 +46,15 @@ class TileQueue {
   void cancel(SessionId session, std::uint32_t request_id);
   void remove_session(SessionId session);
 
-  using Work = std::variant<std::vector<TileJob>, ReferenceJob, ViewJob>;
+  /// Holds tiles and views back, except views from whole meshes, until levels_made().
+  void wait_for_levels();
+  /// Gives UploadLevels out as the next work, and after it what was held back.
+  void levels_made();
+  bool waits_for_levels() const;
+
+  /// Work before the first tile of a scene: its levels of detail go to the graphics card.
+  struct UploadLevels {};
+  using Work = std::variant<std::vector<TileJob>, ReferenceJob, ViewJob, UploadLevels>;
   /// The work that the render stage accepts.
   struct Room {
     /// Called with the edge of each tile in turn; false ends the batch.
@@ -117,7 +125,7 @@ class TileQueue {
   std::optional<Work> take_view();
   /// Takes the waiting tiles that fit, and marks them as being rendered.
   std::vector<TileJob> take_batch(const Room& room, bool slow);
-  /// Returns the view to draw next; requested views come first.
+  /// Returns the view to draw next; requested views come first. End: none may be drawn now.
   std::deque<ViewJob>::iterator next_view();
 
   const Clock& clock_;
@@ -131,6 +139,7 @@ class TileQueue {
   std::optional<SessionId> reference_for_;
   std::deque<ViewJob> views_;
   bool view_was_last_ = false, reference_was_last_ = false;
+  bool waits_for_levels_ = false, upload_levels_ = false;
   std::vector<Waiter> late_;
   double served_ = 0;  ///< work of the session whose turn was last
   std::uint64_t order_ = 0;

@@ -24,6 +24,13 @@ function fill(list, rows) {
   })));
 }
 
+// Returns how sharp the picture is, in words. `images`: number of things in view that have one.
+function sharpness(f, images) {
+  if (!f.complete) return 'first view; the server prepares the rest';
+  if (f.atRest && f.refined && f.overTau === 0) return 'sharp';
+  return `sharpening: ${images - Math.min(images, f.overTau)} of ${f.visible}`;
+}
+
 export class Figures {
   constructor(viewer) {
     this.viewer = viewer;
@@ -102,17 +109,19 @@ export class Figures {
     if (panel) this.showPanel(f, rests, time);
   }
 
-  // A line at the top: the share of what is in view that has an image. It goes once all of it has.
+  // A line at the top: the share of what is in view that has an image. It goes once all of it has. While the server still
+  // prepares the scene, that share is not known.
   showArriving(f, rests) {
     const there = f.visible > 0 ? (f.visible - f.placeholders) / f.visible : 1;
-    $('arriving').hidden = rests || f.atRest || there >= 1;
-    $('arriving').value = there;
+    $('arriving').hidden = f.complete && (rests || f.atRest || there >= 1);
+    if (f.complete) $('arriving').value = there;
+    else $('arriving').removeAttribute('value');
   }
 
   showPanel(f, rests, time) {
     const images = f.visible - f.placeholders;
     fill($('status-list'), [
-      ['Picture', f.atRest && f.refined && f.overTau === 0 ? 'sharp' : `sharpening: ${images - Math.min(images, f.overTau)} of ${f.visible}`,
+      ['Picture', sharpness(f, images),
         'How many of the things in view are as sharp as the server makes them.'],
       ['Frames', f.frameMs > 0 && !rests ? `${(1000 / f.frameMs).toFixed(0)} a second` : 'at rest', 'Pictures a second. At rest nothing is drawn.'],
       ['Network', `${this.rate(f.bytesDown, time).toFixed(1)} Mbit/s`, 'What arrives from the server now.'],

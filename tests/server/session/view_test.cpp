@@ -61,6 +61,48 @@ TEST_F(ServerView, TheHomeViewComesBeforeTheDescription) {
   EXPECT_TRUE(take_views().empty());
 }
 
+// Before its levels of detail are made, a scene's welcome and home view are sent, and no more.
+TEST_F(ServerView, BeforeLevelsTheHomeViewIsSentAlone) {
+  queue.wait_for_levels();
+  restart({});
+  hub->make_home_view();
+  const SessionId id = hub->open();
+  ASSERT_TRUE(send(id, hello_with_view()).ok());
+  const std::vector<ViewJob> home = take_views();
+  ASSERT_EQ(home.size(), 1u);
+  EXPECT_TRUE(home[0].shot.whole) << "there are no levels to draw it from";
+  finish(home[0]);
+  std::vector<Message> messages = drain(id);
+  ASSERT_EQ(messages.size(), 2u);
+  EXPECT_TRUE(messages[0].body.AsWelcome());
+  EXPECT_TRUE(messages[1].body.AsViewReply());
+
+  ASSERT_TRUE(send_ask(id, ask(1)).ok());
+  ASSERT_TRUE(send(id, request(7, 3)).ok());
+  wire::RequestBatchT batch;
+  batch.mesh_asks = {wire::MeshAsk(2, 0, 0)};
+  ASSERT_TRUE(send(id, std::move(batch)).ok());
+  EXPECT_EQ(refusal(id), wire::RefusalReason::Busy) << "geometry of an object not yet described";
+  EXPECT_TRUE(take_views().empty()) << "views from elsewhere may use levels";
+  EXPECT_TRUE(take_tiles().empty());
+
+  hub->take_writable();
+  queue.levels_made();
+  hub->complete(LevelsMade{});
+  EXPECT_EQ(hub->take_writable(), std::set<SessionId>{id});
+  messages = drain(id);
+  ASSERT_EQ(messages.size(), 2u);
+  EXPECT_TRUE(messages[0].body.AsObjectPage());
+  EXPECT_TRUE(messages[1].body.AsInstancePage());
+  const auto first = queue.take({[](std::uint32_t) { return true; }}, false);
+  ASSERT_TRUE(first);
+  EXPECT_TRUE(std::holds_alternative<TileQueue::UploadLevels>(*first)) << "before any tile";
+  const auto next = queue.take({[](std::uint32_t) { return true; }}, false);
+  ASSERT_TRUE(next);
+  EXPECT_TRUE(std::holds_alternative<ViewJob>(*next));
+  EXPECT_EQ(take_tiles().size(), 1u);
+}
+
 TEST_F(ServerView, OneIsDrawnForAllWhoWait) {
   const SessionId a = greeted(), b = greeted();
   ASSERT_TRUE(send(a, request(1, 3)).ok());
