@@ -2,7 +2,7 @@
 
 #include <malloc.h>
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <optional>
@@ -24,7 +24,7 @@ namespace {
 // pictures and trees of one mesh after another take that memory again; to get it anew took half of
 // the time of loading.
 constexpr int kKept = 1 << 20, kKeptLoading = 64 << 20;
-constexpr int kBehindPictures = 10;  // niceness: pictures that viewers wait for go first
+constexpr int kBehindPictures = 10;  // niceness added: pictures that viewers wait for go first
 
 SceneLoadOptions load_options(const ServerOptions& options, CacheDirectory* cache) {
   return {.keep_imported = options.prove,
@@ -57,7 +57,8 @@ struct ServedScene::Parts {
 
 void ServedScene::Parts::make_levels(const SceneLoadOptions& options,
                                      const std::function<void()>& wake) {
-  setpriority(PRIO_PROCESS, 0, kBehindPictures);  // on Linux, of this thread and those it starts
+  // On Linux, of this thread and those it starts. An error changes nothing.
+  [[maybe_unused]] const int niceness = nice(kBehindPictures);
   StageTimes times;
   mirage::make_levels(*scene, options, &stopped);
   if (stopped) return;

@@ -8,7 +8,9 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 
 export const bin = process.env.WEB_BIN;
-const { chromium } = createRequire(resolve(process.env.WEB_MODULES, 'x.js'))('playwright-core');
+const required = createRequire(resolve(process.env.WEB_MODULES, 'x.js'));
+const { chromium } = required('playwright-core');
+const axe = readFileSync(required.resolve('axe-core/axe.min.js'), 'utf8');
 const software = ['--no-sandbox', '--use-gl=angle', `--use-angle=${process.env.WEB_ANGLE ?? 'swiftshader'}`, '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 
 export const sleep = (ms) => new Promise((done) => { setTimeout(done, ms); });
@@ -69,6 +71,13 @@ export async function open(browser, url, { width = 640, height = 360, scale = 1,
   if (before) await page.addInitScript(before);
   await page.goto(url);
   return page;
+}
+
+/// Returns what axe-core, the accessibility checker, finds wrong with the page as it stands.
+export async function barriers(page) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
+  return violations.map(({ impact, id, nodes }) => `${impact} ${id}: ${nodes.map((node) => node.target.join(' ')).join(', ')}`);
 }
 
 /// Returns the core's figures, with what the page knows; null before there are any.

@@ -5,7 +5,7 @@ import { brotliDecompressSync, gunzipSync } from 'node:zlib';
 import http from 'node:http';
 import { copyFileSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { figures, flip, launch, message, open, picture, pose, relay, rested, scratch, screen, seen, serve, sleep, stopAll, until, write, decode } from './harness.mjs';
+import { barriers, figures, flip, launch, message, open, picture, pose, relay, rested, scratch, screen, seen, serve, sleep, stopAll, until, write, decode } from './harness.mjs';
 
 let browser, knot;
 const apart = (a, b) => Math.hypot(...a.map((v, i) => v - b[i]));
@@ -518,6 +518,36 @@ test('small, sharp and turned screens; everything by keyboard, with a name', asy
   await rested(page);
   await page.context().close();
 });
+
+for (const [width, height, colorScheme] of [[1280, 720, 'dark'], [1280, 720, 'light'], [320, 568, 'light']]) {
+  test(`an accessibility checker finds nothing in any state of the page: ${width} x ${height}, ${colorScheme}`, async () => {
+    const page = await open(browser, at(view), { width, height, colorScheme });
+    const found = {};
+    const look = async (state) => { const all = await barriers(page); if (all.length) found[state] = all; };
+    const press = (id) => page.evaluate((of) => document.getElementById(of).click(), id);
+    await look('loading');
+    await rested(page);
+    await look('home');
+    await press('figures-button');
+    await page.locator('#figures summary').click();
+    await page.keyboard.press('3');
+    await until('status', async () => (await page.locator('#details-list dt').count()) > 0);
+    await look('status, details, a view with its legend');
+    await page.keyboard.press('1');
+    await press('figures-button');
+    await press('keys');
+    await look('keys');
+    await press('keys');
+    await press('compare');
+    await until('compared', async () => /FLIP/.test(await page.locator('#flip').textContent()));
+    await look('comparison');
+    await press('compare-end');
+    await page.evaluate(() => { document.getElementById('link-box').hidden = false; document.getElementById('token-form').hidden = false; });
+    await look('forms');
+    assert.deepEqual(found, {});
+    await page.context().close();
+  });
+}
 
 test('figures, layers and keys explain themselves', async () => {
   const page = await open(browser, at(view));
