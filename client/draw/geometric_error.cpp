@@ -146,9 +146,12 @@ PixelError moving_error(const DrawnImpostor& drawn, const InstanceView& view,
       best = {true, error, 0};
     }
   }
-  // The best point may lie between the texels that were looked at.
+  // The best point may lie between the texels that were looked at, in any direction from them. Away
+  // from the middle of the picture, perspective lengthens a step by up to 1 / cos of its angle.
   const double depth = glm::dot(relative, camera.forward());
-  best.slack_px = kHalfDiagonal * stride * texel_width * at.scale * camera.focal_px() / depth;
+  const double lengthened = glm::length(relative) / depth;
+  best.slack_px =
+      kHalfDiagonal * stride * texel_width * at.scale * camera.focal_px() / depth * lengthened;
   return best;
 }
 
