@@ -23,6 +23,24 @@ struct Socket {
   std::string problem;
 };
 
+/// The last measurement of picture_flip().
+struct Compared {
+  std::array<double, 3> flip{-1, -1, -1};
+  std::vector<std::uint8_t> heat;  // RGBA
+};
+
+Compared& compared() {
+  static Compared one;
+  return one;
+}
+
+// Returns the pixels that objects cover by half or more.
+Mask covered(const ImageView& picture) {
+  Mask out{picture.width, picture.height, std::vector<std::uint8_t>(picture.pixels())};
+  for (std::size_t i = 0; i < picture.pixels(); ++i) out.inside[i] = picture.rgba[4 * i + 3] >= 128;
+  return out;
+}
+
 Socket& socket() {
   static Socket one;
   return one;
@@ -97,12 +115,26 @@ EMSCRIPTEN_KEEPALIVE std::size_t socket_packet_bytes(std::size_t index) {
   return socket().packets[index].size();
 }
 
-/// Returns the mean FLIP of two RGBA pictures; < 0: they cannot be compared.
-EMSCRIPTEN_KEEPALIVE double picture_flip(const std::uint8_t* reference, const std::uint8_t* test,
-                                         std::uint32_t width, std::uint32_t height) {
-  const std::optional<mirage::FlipMap> map =
-      mirage::flip_map({width, height, reference}, {width, height, test});
-  return map ? mirage::flip_mean(*map).value_or(-1) : -1;
+/// Measures two RGBA pictures; the reference's alpha is its coverage by objects. Returns three FLIP
+/// values: the mean of the picture, the mean where objects are, and what 99 % of the pixels there
+/// stay within; < 0: there is none.
+EMSCRIPTEN_KEEPALIVE const double* picture_flip(const std::uint8_t* reference,
+                                                const std::uint8_t* test, std::uint32_t width,
+                                                std::uint32_t height) {
+  mirage::Compared& out = mirage::compared() = {};
+  const mirage::ImageView truth{width, height, reference};
+  const std::optional<mirage::FlipMap> map = mirage::flip_map(truth, {width, height, test});
+  if (!map) return out.flip.data();
+  const mirage::Mask mask = mirage::covered(truth);
+  out.flip = {mirage::flip_mean(*map).value_or(-1), mirage::flip_mean(*map, mask).value_or(-1),
+              mirage::flip_quantile(*map, mask, 0.99).value_or(-1)};
+  out.heat = mirage::heat_map(*map);
+  return out.flip.data();
+}
+/// Returns the map of the last measurement as RGBA; nullptr: there is none.
+EMSCRIPTEN_KEEPALIVE const std::uint8_t* picture_heat() {
+  const mirage::Compared& last = mirage::compared();
+  return last.heat.empty() ? nullptr : last.heat.data();
 }
 
 }  // extern "C"

@@ -362,6 +362,26 @@ test('compare: the full render beside it, FLIP under it', async () => {
   const measured = await flip(page, truth, ours);
   assert.ok(Math.abs(measured - mean) < 0.003, `what is told is what is seen: ${measured}, ${mean}`);
   assert.ok(measured > 0, 'the full render is another picture');
+  assert.match(await page.locator('#flip').textContent(), /on objects 0\.\d{4}, and within 0\.\d{3}/);
+
+  // The line stands in the picture, and is dragged there.
+  await page.locator('#split').fill('500');
+  await page.mouse.move(320, 180);
+  await page.mouse.down();
+  await page.mouse.move(480, 200, { steps: 4 });
+  await page.mouse.up();
+  const line = await page.evaluate(() => parseFloat(document.getElementById('truth').style.clipPath.split(' ').at(-1)));
+  assert.ok(Math.abs(line - 480) < 8, `the line is at ${line} px`);
+  const half = await screen(page);
+  const column = (image, x) => Buffer.concat(Array.from({ length: 60 }, (_, y) => Buffer.from(image.rgba.subarray(4 * ((y + 100) * image.width + x), 4 * ((y + 100) * image.width + x) + 3))));
+  assert.deepEqual(column(half, 300), column(ours, 300), 'Mirage on its left');
+  assert.deepEqual(column(half, 560), column(truth, 560), 'the full render on its right');
+  await page.locator('#difference').click();
+  await page.locator('#split').fill('0');
+  const heat = await screen(page);
+  let light = 0;
+  for (let i = 0; i < heat.rgba.length; i += 4) light += heat.rgba[i] > 8 ? 1 : 0;
+  assert.ok(light > 100 && light < 0.4 * heat.rgba.length / 4, `a difference at edges: ${light} px`);
   await page.keyboard.press('Escape');
   assert.ok(await page.locator('#slider').isHidden());
   assert.deepEqual(page.problems, []);

@@ -1,5 +1,5 @@
-// Compare: shows a picture at rest beside the server's full render of the same view, with the FLIP
-// of both.
+// Compare: shows a picture at rest beside the server's full render of the same view, or beside their difference, with the
+// FLIP of both. A line divides the picture; it is dragged, or moved by the arrow keys.
 
 import { pixels } from './core.js';
 import { notice, say } from './status.js';
@@ -7,6 +7,13 @@ import { notice, say } from './status.js';
 const $ = (id) => document.getElementById(id);
 const samplesAnAxis = 4;
 const mostSamples = 33e6;  // that a server draws
+const handlePx = 44;       // width of the line's handle, as in style.css
+
+function opaque(rgba, width, height) {
+  const out = new ImageData(new Uint8ClampedArray(rgba), width, height);
+  for (let i = 3; i < out.data.length; i += 4) out.data[i] = 255;
+  return out;
+}
 
 export class Compare {
   constructor(viewer) {
@@ -15,6 +22,8 @@ export class Compare {
     this.id = 0;
     $('split').addEventListener('input', () => this.split());
     $('compare-end').addEventListener('click', () => this.end());
+    $('difference').addEventListener('click', () => { if (this.state === 'shown') this.showDifference(!this.difference); });
+    window.addEventListener('resize', () => { if (this.state === 'shown') this.split(); });
   }
 
   waits() { return this.state === 'asked'; }
@@ -62,13 +71,13 @@ export class Compare {
     const { core } = viewer;
     const at = core._page_reference_pixels();
     const reference = core.HEAPU8.slice(at, at + 4 * width * height);
-    for (let i = 3; i < reference.length; i += 4) reference[i] = 255;
-    const truth = $('truth');
-    [truth.width, truth.height] = [width, height];
-    truth.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(reference), width, height), 0, 0);
-    truth.hidden = false;
-    $('slider').hidden = false;
+    this.truth = opaque(reference, width, height);
+    this.heat = null;
+    [$('truth').width, $('truth').height] = [width, height];
+    for (const id of ['truth', 'slider', 'split']) $(id).hidden = false;
+    $('difference').disabled = true;
     this.state = 'shown';
+    this.showDifference(false);
     this.split();
     say('');
     $('flip').textContent = 'FLIP …';
@@ -77,25 +86,41 @@ export class Compare {
     viewer.link.worker.postMessage({ flip: { id: ++this.id, reference, test, width, height } }, [reference.buffer, test.buffer]);
   }
 
-  measured({ id, mean }) {
+  // Called with the measurement of a comparison.
+  measured({ id, mean, objects, most, heat }) {
     if (id !== this.id || this.state !== 'shown') return;
     this.mean = mean;
-    const n = this.samples();
-    $('flip').textContent = mean < 0 ? 'cannot be compared' : `FLIP ${mean.toFixed(4)} (0 is equal, 1 most different; ${n} x ${n} samples)`;
+    const { size: [width, height] } = this, n = this.samples();
+    const told = [`FLIP ${mean.toFixed(4)} (0 is equal, 1 most different; ${n} x ${n} samples)`];
+    if (objects >= 0) told.push(`on objects ${objects.toFixed(4)}, and within ${most.toFixed(3)} in 99 of 100 of their pixels`);
+    $('flip').textContent = mean < 0 ? 'cannot be compared' : told.join('; ');
+    this.heat = heat && opaque(heat, width, height);
+    $('difference').disabled = !heat;
   }
 
+  // Shows the difference, or the full render, on the right of the line.
+  showDifference(on) {
+    this.difference = Boolean(on && this.heat);
+    $('difference').setAttribute('aria-pressed', String(this.difference));
+    $('right-side').textContent = this.difference ? 'Difference: black none, light yellow .5 and more' : 'Full render';
+    $('truth').getContext('2d').putImageData(this.difference ? this.heat : this.truth, 0, 0);
+  }
+
+  // Moves the line. The middle of the handle goes from half a handle to that far from the other edge; at the ends, the line
+  // leaves the picture.
   split() {
-    const share = $('split').value / 10;
-    $('truth').style.clipPath = `inset(0 0 0 ${share}%)`;
-    $('split').setAttribute('aria-valuetext', `${share.toFixed(0)} % Mirage`);
+    const share = $('split').value / 1000, width = $('split').clientWidth;
+    const line = share <= 0 ? 0 : share >= 1 ? width : handlePx / 2 + share * (width - handlePx);
+    $('split').classList.toggle('outside', share <= 0 || share >= 1);
+    $('truth').style.clipPath = `inset(0 0 0 ${line}px)`;
+    $('split').setAttribute('aria-valuetext', `${(100 * share).toFixed(0)} % Mirage`);
   }
 
   end() {
     if (this.state === 'off') return;
     this.state = 'off';
     $('compare').setAttribute('aria-pressed', 'false');
-    $('truth').hidden = true;
-    $('slider').hidden = true;
+    for (const id of ['truth', 'slider', 'split']) $(id).hidden = true;
     say('');
     if (this.viewer.viewerThere()) this.viewer.core._page_reference();  // drops a late render
   }

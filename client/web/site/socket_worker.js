@@ -1,7 +1,8 @@
 // Socket worker: owns the socket. It stamps, joins and unpacks what arrives, so that the page's
 // frames only copy.
 // From the page: {module} once, {connect: URL}, {send: bytes}, {close}, {flip: {id, reference, test, width, height}}.
-// To the page: {open}, {closed: {code, reason, opened}}, {arrival: {control, payload, packed, wire, at}}, {flip: {id, mean}}.
+// To the page: {open}, {closed: {code, reason, opened}}, {arrival: {control, payload, packed, wire, at}}, {flip: {id, mean,
+// objects, most, heat}}.
 import createMirage from './mirage.js';
 
 let core = null;
@@ -60,8 +61,11 @@ function send(bytes) {
 }
 
 function flip({ id, reference, test, width, height }) {
-  const mean = copied(reference, (a) => copied(test, (b) => core._picture_flip(a, b, width, height)));
-  postMessage({ flip: { id, mean } });
+  const at = copied(reference, (a) => copied(test, (b) => core._picture_flip(a, b, width, height))) >> 3;
+  const [mean, objects, most] = core.HEAPF64.subarray(at, at + 3);
+  const map = core._picture_heat();
+  const heat = map ? core.HEAPU8.slice(map, map + 4 * width * height) : null;
+  postMessage({ flip: { id, mean, objects, most, heat } }, heat ? [heat.buffer] : []);
 }
 
 function handle(message) {
