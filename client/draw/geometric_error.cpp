@@ -101,6 +101,15 @@ struct TilePoint {
   double z;           ///< capture depth of the point
 };
 
+// True if the dz of the tile's method says nothing of a point at capture depth z: that of a flat
+// proxy covers the depth range of what the tile saw, that of marched depth covers what a texel may
+// hold. A point that moved by up to `travel` since the tile's pose lay within `travel` of z then.
+bool beyond_depth_range(const DrawnImpostor& drawn, double z, double travel) {
+  const TileMeasure& measure = drawn.tile->measure;
+  return drawn.method != DrawMethod::kDepth &&
+         (z < measure.depth_min - travel || z > measure.depth_max + travel);
+}
+
 // Measures a point of a moving object. It is unknown where that point was at the tile's pose, only
 // that it was within the distance that the clip can move it. Of all surface points that the tile
 // saw within that distance, this takes the one drawn nearest. The true error is no less, so an
@@ -117,6 +126,7 @@ PixelError moving_error(const DrawnImpostor& drawn, const InstanceView& view,
   const double clip_s = object.motion.clip_s;
   const double now = wrap_clip(time_s + view.clip_offset_s, clip_s);
   const double travel = object.motion.travel(phase_time(tile.phase, clip_s), now);
+  if (beyond_depth_range(drawn, z, travel)) return {};
   const double match = travel + tile.depth_code.quantum() + 2.0 * texel_width;
   const glm::dvec2 middle = capture.texel_from_point(at.p) - glm::dvec2(tile.crop.x, tile.crop.y);
   // Half a texel's diagonal is added because the point may lie anywhere in the texel.
@@ -175,12 +185,7 @@ PixelError pixel_error(const DrawnImpostor& drawn, const InstanceView& view,
                        2.0 * capture.texel_width(1.0) / tile.measure.depth_min +
                        tile.measure.lod_error / (z * stored);
   if (std::abs(1.0 / z - 1.0 / stored) > match) return {};
-  // The dz of a flat proxy covers the tile's whole depth range; that of marched depth covers what a
-  // texel may hold.
-  if (drawn.method != DrawMethod::kDepth &&
-      (z < tile.measure.depth_min || z > tile.measure.depth_max)) {
-    return {};
-  }
+  if (beyond_depth_range(drawn, z, 0)) return {};
   const double zq = drawn_capture_depth(drawn, object, p, relief_depth(tile, texel, code));
   if (!(zq > 0)) return {};
   const glm::dvec3 q = capture.eye() + (p - capture.eye()) * (zq / z);
