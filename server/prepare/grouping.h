@@ -36,9 +36,9 @@ struct Grouping {
   std::vector<Cut> cuts;             ///< by instance, ascending; their parts are the last groups
 };
 
-/// The neighbours of an object whose surfaces may lie against its own (touching.h).
+/// The neighbours of an object or a group whose surfaces may lie against its own (touching.h).
 struct Touching {
-  std::uint32_t instance = 0;         ///< the object's only one
+  std::uint32_t instance = 0;         ///< the object's only one; 0 for a group
   std::vector<std::uint32_t> others;  ///< instances of the scene, ascending; empty: nothing does
 };
 

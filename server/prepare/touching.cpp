@@ -41,6 +41,32 @@ std::vector<Candidate> candidates(const Scene& scene,
   return out;
 }
 
+std::uint64_t triangles(const Scene& scene, std::uint32_t instance) {
+  return scene.objects[scene.instances[instance].object].mesh.indices.size() / 3;
+}
+
+// Returns the ungrouped instances that hide a part of a group: ground under grass.
+std::vector<std::uint32_t> ground_of(const Scene& scene,
+                                     const std::vector<ObjectDescription>& objects,
+                                     const std::vector<std::uint32_t>& ungrouped,
+                                     const InstanceGroup& group) {
+  const glm::dvec3 half(group.bounds.half);
+  const WorldBox own{group.bounds.center - half, group.bounds.center + half};
+  std::uint64_t left = 0;  // triangles: the depth of the others is to be as cheap as the group
+  for (std::uint32_t i = 0; i < group.leaves; ++i) left += triangles(scene, group.first_leaf + i);
+  std::vector<std::uint32_t> out;
+  for (const std::uint32_t other : ungrouped) {
+    const Instance& instance = scene.instances[other];
+    if (!meet(own, world_box(instance, objects[instance.object]), 0) ||
+        triangles(scene, other) > left || out.size() == kMostOthers) {
+      continue;
+    }
+    left -= triangles(scene, other);
+    out.push_back(other);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<Touching> find_touching(const Scene& scene,
@@ -68,6 +94,16 @@ std::vector<Touching> find_touching(const Scene& scene,
       }
     }
     std::sort(others.begin(), others.end());
+  }
+  std::vector<std::uint32_t> ungrouped;  // that hide what is behind them
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const ObjectDescription& object = objects[scene.instances[i].object];
+    const bool hides = !object.moves() && !(object.needs & kNeedBlend);
+    if (hides && grouping.group_of[i] == kNoGroup) ungrouped.push_back(i);
+  }
+  for (const InstanceGroup& group : grouping.groups) {
+    Touching& of_group = out.emplace_back();
+    if (group.part == kNoGroup) of_group.others = ground_of(scene, objects, ungrouped, group);
   }
   return out;
 }

@@ -267,9 +267,10 @@ void TilePageRenderer::draw_tile(const TileJob& job, const RowBand& rows) {
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   if (path.ranges) glDrawBuffers(1, kColorOnly);
+  const InstanceGroup* const group = scene_->prepared->group(job.key.object);
+  if (group) draw_ground(job, at, capture);
   path.meshes->set_stroke(kStroke * static_cast<float>(samples(job)));
   path.meshes->begin(at.clip_from_relative, at.lights);
-  const InstanceGroup* const group = scene_->prepared->group(job.key.object);
   if (group) {
     const bool world = &path == &shadow_;
     const glm::dvec3 eye = world ? at.eye : group->bounds.center + at.eye;
@@ -289,6 +290,14 @@ void TilePageRenderer::draw_tile(const TileJob& job, const RowBand& rows) {
   path.meshes->end();
   keep_clear(job, rows, at, capture);
   if (path.ranges) glDrawBuffers(2, kColorAndRange);
+}
+
+void TilePageRenderer::draw_ground(const TileJob& job, const Stage& at, const Capture& capture) {
+  const std::vector<std::uint32_t>& ground = scene_->prepared->touching[job.key.object].others;
+  if (!touching_ || job.key.channels == kShadowTile || ground.empty()) return;
+  TouchingDepth::View view{capture, at.clip_from_relative, at.eye, {}};
+  view.eye += scene_->prepared->group(job.key.object)->bounds.center;
+  touching_->draw_ground(view, ground);
 }
 
 void TilePageRenderer::draw_behind(const TileJob& job, const RowBand& rows, const Stage& at,

@@ -143,6 +143,8 @@ class TilePageRenderer {
   Capture capture_of(const TileJob& job) const;
   /// Draws rows of a tile, in texels.
   void draw_tile(const TileJob& job, const RowBand& rows);
+  /// Draws the depth of the ground that hides a part of the group's members, and no colour.
+  void draw_ground(const TileJob& job, const Stage& at, const Capture& capture);
   /// Draws the layer behind the front of the tile on its target.
   void draw_behind(const TileJob& job, const RowBand& rows, const Stage& at,
                    const gl::GpuMesh& mesh, const gl::MeshInstance& instance);

@@ -20,10 +20,12 @@ Similarity seen_from(const Similarity& world_from_space, const Similarity& world
 }  // namespace
 
 Result<void> TouchingDepth::warm_up() {
-  for (const Touching& of_object : scene_->prepared->touching) {
-    for (const std::uint32_t i : of_object.others) {
+  const std::vector<Touching>& touching = scene_->prepared->touching;
+  for (std::size_t object = 0; object < touching.size(); ++object) {
+    gl::MeshPass& meshes = object < scene_->prepared->objects.size() ? pushed_ : ground_;
+    for (const std::uint32_t i : touching[object].others) {
       const gl::GpuMesh& mesh = scene_->meshes[scene_->prepared->scene.instances[i].object];
-      if (Result<void> made = meshes_.warm_up(mesh, scene_->materials(), false); !made) return made;
+      if (Result<void> made = meshes.warm_up(mesh, scene_->materials(), false); !made) return made;
     }
   }
   return {};
@@ -40,17 +42,30 @@ void TouchingDepth::push(const gl::RenderTarget& drawn, int width, const RowBand
   const DepthCode code(view.capture.radius, view.capture.distance);
   // Rounding to a code may bring the pushed depth half a step nearer.
   const double reach = view.capture.depth_slack(code.far_depth) + code.quantum();
-  meshes_.set_clear_of(own_.depth(), static_cast<float>(code.near_depth),
+  pushed_.set_clear_of(own_.depth(), static_cast<float>(code.near_depth),
                        static_cast<float>(code.far_depth), static_cast<float>(reach));
-  meshes_.begin(view.clip_from_relative, {});
+  draw_with(pushed_, view, instances);
+}
+
+void TouchingDepth::draw_ground(const View& view, const std::vector<std::uint32_t>& instances) {
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  glDisable(GL_DEPTH_CLAMP);  // what is before the capture's near plane hides nothing
+  draw_with(ground_, view, instances);
+  glEnable(GL_DEPTH_CLAMP);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void TouchingDepth::draw_with(gl::MeshPass& meshes, const View& view,
+                              const std::vector<std::uint32_t>& instances) {
+  meshes.begin(view.clip_from_relative, {});
   for (const std::uint32_t i : instances) {
     const Instance& other = scene_->prepared->scene.instances[i];
     const Similarity at = seen_from(view.world_from_space, other.world_from_object);
     const gl::MeshInstance instance = gl::mesh_instance(at, view.eye, i);
-    meshes_.draw(scene_->mesh_for_group(other.object, at.scale, view.capture), scene_->materials(),
-                 scene_->images, &instance, 1, false);
+    meshes.draw(scene_->mesh_for_group(other.object, at.scale, view.capture), scene_->materials(),
+                scene_->images, &instance, 1, false);
   }
-  meshes_.end();
+  meshes.end();
 }
 
 }  // namespace mirage

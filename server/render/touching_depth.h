@@ -1,7 +1,8 @@
 #pragma once
 // Keeps the tiles of an object clear of what touches it (touching.h). Where a surface of another
 // instance lies just in front of the tile's own, the stored depth is pushed back so far that, drawn
-// from the tile, it never covers the other. GL thread only.
+// from the tile, it never covers the other. The tiles of a group show nothing of what the ground
+// hides. GL thread only.
 //
 // The pushed texels are hidden in the tile's own view. The bound holds for them as for all: a point
 // counts as seen by the tile only if it lies within a tolerance of the stored depth.
@@ -38,10 +39,17 @@ class TouchingDepth {
   /// scene touch its object.
   void push(const gl::RenderTarget& drawn, int width, const RowBand& rows, const View& view,
             const std::vector<std::uint32_t>& instances);
+  /// Draws the depth of instances of the scene on the bound target, between the capture's planes.
+  /// Colours of the target stay as they are.
+  void draw_ground(const View& view, const std::vector<std::uint32_t>& instances);
 
  private:
+  void draw_with(gl::MeshPass& meshes, const View& view,
+                 const std::vector<std::uint32_t>& instances);
+
   const GpuScene* scene_;
-  gl::MeshPass meshes_{gl::MeshOutput::kClear};
+  gl::MeshPass pushed_{gl::MeshOutput::kClear};
+  gl::MeshPass ground_{gl::MeshOutput::kDepth};
   gl::RenderTarget own_;
 };
 

@@ -35,8 +35,13 @@ std::vector<TileJob> jobs_of(const PreparedScene& scene, std::size_t count, std:
 Result<std::vector<RenderedTile>> draw_tiles(const std::shared_ptr<const PreparedScene>& scene,
                                              std::size_t count, std::uint32_t edge,
                                              std::uint8_t channels) {
-  std::vector<TileJob> jobs = jobs_of(*scene, count, edge, channels);
+  const std::vector<TileJob> jobs = jobs_of(*scene, count, edge, channels);
   if (jobs.empty()) return make_error(ErrorId::kUsage, "no object of the scene has such tiles");
+  return draw_jobs(scene, jobs, edge);
+}
+
+Result<std::vector<RenderedTile>> draw_jobs(const std::shared_ptr<const PreparedScene>& scene,
+                                            const std::vector<TileJob>& jobs, std::uint32_t edge) {
   Result<gl::EglContext> egl = gl::EglContext::create("auto");
   if (!egl) return egl.error();
   const RenderOptions options;

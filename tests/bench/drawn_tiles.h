@@ -20,4 +20,8 @@ Result<std::vector<RenderedTile>> draw_tiles(const std::shared_ptr<const Prepare
                                              std::size_t count, std::uint32_t edge,
                                              std::uint8_t channels);
 
+/// Draws these tiles, each of the given edge. Errors as above.
+Result<std::vector<RenderedTile>> draw_jobs(const std::shared_ptr<const PreparedScene>& scene,
+                                            const std::vector<TileJob>& jobs, std::uint32_t edge);
+
 }  // namespace mirage::bench

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/prepare/prepared_scene.h"
+#include "tests/support/boxes.h"
 
 namespace mirage {
 namespace {
@@ -12,38 +13,13 @@ using Ids = std::vector<std::uint32_t>;
 
 constexpr std::uint32_t kBlock = 0, kPlate = 1;  // objects
 
-// Returns a box around its origin.
-SceneObject box(const glm::vec3& half) {
-  SceneObject out;
-  for (const float x : {-1.0f, 1.0f}) {
-    for (const float y : {-1.0f, 1.0f}) {
-      for (const float z : {-1.0f, 1.0f}) {
-        Vertex v;
-        v.position = half * glm::vec3(x, y, z);
-        out.mesh.vertices.push_back(v);
-      }
-    }
-  }
-  Primitive faces;
-  out.mesh.indices = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
-                      2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
-  faces.index_count = static_cast<std::uint32_t>(out.mesh.indices.size());
-  out.mesh.primitives = {faces};
-  return out;
+Scene plates_and_blocks(const test::PlacedObjects& placed) {
+  return test::placed_scene({test::box(glm::vec3(0.5f)), test::box({0.15f, 0.1f, 0.001f})}, placed);
 }
 
 // Returns what touches the block and the plate, for instances of them at these places.
-std::vector<Touching> touching(const std::vector<std::pair<std::uint32_t, glm::dvec3>>& placed) {
-  Scene scene;
-  scene.materials.resize(1);
-  scene.objects = {box(glm::vec3(0.5f)), box({0.15f, 0.1f, 0.001f})};
-  for (const auto& [object, position] : placed) {
-    Instance one;
-    one.object = object;
-    one.world_from_object.position = position;
-    scene.instances.push_back(one);
-  }
-  return (*prepare_scene(std::move(scene)))->touching;
+std::vector<Touching> touching(const test::PlacedObjects& placed) {
+  return (*prepare_scene(plates_and_blocks(placed)))->touching;
 }
 
 TEST(ServerTouching, ABlockKeepsClearOfThePlateOnIt) {
@@ -71,6 +47,25 @@ TEST(ServerTouching, AnObjectUsedTwiceKeepsClearOfNothing) {
   EXPECT_EQ(
       touching({{kBlock, {0, 0, 0}}, {kPlate, {0, 0, 0.502}}, {kBlock, {9, 0, 0}}})[kBlock].others,
       Ids{});
+}
+
+TEST(ServerTouching, AGroupIsHiddenByTheGroundUnderIt) {
+  test::PlacedObjects placed;
+  for (int i = 0; i < 64; ++i) placed.push_back({kPlate, {1.0 * (i % 8), 1.0 * (i / 8), 0}});
+  Scene scene = plates_and_blocks(placed);
+  scene.objects.push_back(test::box({20, 20, 0.01f}));  // of 12 triangles, as each plate
+  Instance ground;
+  ground.object = 2;
+  scene.instances.push_back(ground);
+  const std::shared_ptr<const PreparedScene> prepared = *prepare_scene(std::move(scene));
+  ASSERT_FALSE(prepared->grouping.groups.empty());
+  ASSERT_EQ(prepared->touching.size(), 3 + prepared->grouping.groups.size());
+  for (std::size_t g = 0; g < prepared->grouping.groups.size(); ++g) {
+    const Ids& others = prepared->touching[3 + g].others;
+    // A part of the ground keeps clear of what its object does.
+    ASSERT_EQ(others.empty(), prepared->grouping.groups[g].part != kNoGroup) << g;
+    for (const std::uint32_t i : others) EXPECT_EQ(prepared->scene.instances[i].object, 2u) << g;
+  }
 }
 
 }  // namespace
