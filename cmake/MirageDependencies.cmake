@@ -23,6 +23,8 @@ find_package(TinyGLTF REQUIRED)
 # libdraco exports its own tinygltf with another layout, and the first one in a program wins. So link libdraco after tinygltf,
 # and only through mirage_gltf. A test checks this.
 pkg_check_modules(DRACO IMPORTED_TARGET draco)
+# Recast finds the ground that people walk on.
+find_library(RECAST_LIBRARY Recast REQUIRED)
 # hiredis is for the store that servers share; without it --store is refused by name.
 pkg_check_modules(HIREDIS IMPORTED_TARGET hiredis)
 # libav is for the video baseline of mirage-report; without it the report leaves that row out.

@@ -60,7 +60,10 @@ Result<void> SceneView::accept(const wire::WelcomeT& w) {
     environment.floor = {from_wire(*w.floor->center), w.floor->half, from_wire(*w.floor->color),
                          w.floor->shadow};
   }
-  home = {from_wire(*w.home_eye), from_wire(*w.home_target), w.walk_radius_m, w.walk_speed_mps, {}};
+  home = {from_wire(*w.home_eye), from_wire(*w.home_target),
+          w.walk_radius_m,        w.walk_speed_mps,
+          w.walk_eye_m,           {}};
+  ground.reset({w.walk_eye_m});
   for (const wire::Vec3f& point : w.home_fit) home.fit.push_back(from_wire(point));
   note_choices(w);
   geometry = w.geometry;

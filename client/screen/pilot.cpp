@@ -31,6 +31,12 @@ glm::dvec3 turned(const glm::dvec3& forward, const glm::dvec2& angles) {
   return flat * std::cos(up) + glm::dvec3(0, std::sin(up), 0);
 }
 
+/// Returns where the eye goes: where it looks, or the same along the ground.
+glm::dvec3 ahead_of(const Pose& pose, bool along_ground) {
+  const glm::dvec3 ahead = glm::dquat(pose.rotation) * glm::dvec3(0, 0, -1);
+  return along_ground ? safe_normalize({ahead.x, 0, ahead.z}) : ahead;
+}
+
 bool finite(const Steering& by) {
   const double all = by.drag.x + by.drag.y + by.turn.x + by.turn.y + by.move.x + by.move.y +
                      by.move.z + by.pan.x + by.pan.y + by.zoom;
@@ -59,6 +65,7 @@ void Pilot::meet(const SceneView& scene) {
   const double away = glm::length(home.eye - scene.bounds_center);
   const bool outside = !home.fit.empty() || away > radius_;
   mode_ = outside ? SteerMode::kOrbit : SteerMode::kWalk;
+  ground_here_ = scene.ground.body().walks();
   speed_mps_ = kSprint * home.walk_speed_mps;
   const double seconds = 2 * radius_ / speed_mps_;
   const bool walked = seconds >= kShortestWalkS && seconds <= kLongestWalkS;
@@ -78,7 +85,7 @@ void Pilot::turn(const glm::dvec2& angles, Pose& pose) const {
 void Pilot::approach(double steps, Pose& pose) const {
   if (steps == 0) return;
   if (mode_ == SteerMode::kWalk) {
-    pose.eye += glm::dquat(pose.rotation) * glm::dvec3(0, 0, -steps * kWalkedStepS * speed_mps_);
+    pose.eye += steps * kWalkedStepS * speed_mps_ * ahead_of(pose, on_foot());
     return;
   }
   const double distance = glm::length(pose.eye - pivot_);
@@ -88,19 +95,26 @@ void Pilot::approach(double steps, Pose& pose) const {
   pose.eye = pivot_ + (pose.eye - pivot_) * (wanted / distance);
 }
 
-void Pilot::steer(const Steering& by, double fov_y, Pose& pose) const {
-  if (!finite(by)) return;
+void Pilot::go(const Steering& by, double fov_y, Pose& pose) const {
   const bool orbits = mode_ == SteerMode::kOrbit;
-  turn(by.turn + (orbits ? kOrbitAHeight : -fov_y) * by.drag, pose);
-  approach(by.zoom, pose);
   const glm::dquat q(pose.rotation);
   const glm::dvec3 right = q * glm::dvec3(1, 0, 0), up = q * glm::dvec3(0, 1, 0),
-                   ahead = q * glm::dvec3(0, 0, -1);
+                   ahead = ahead_of(pose, on_foot());
   const double depth = orbits ? std::max(glm::dot(pivot_ - pose.eye, ahead), kNearest * radius_)
                               : kPannedS * speed_mps_;
   const double height = 2 * depth * std::tan(fov_y / 2);
   pose.eye += height * (by.pan.y * up - by.pan.x * right);
   pose.eye += speed_mps_ * (by.move.z * ahead + by.move.x * right + glm::dvec3(0, by.move.y, 0));
+}
+
+void Pilot::steer(const Steering& by, double fov_y, const GroundMap& ground, Pose& pose) {
+  if (!finite(by)) return;
+  const bool orbits = mode_ == SteerMode::kOrbit;
+  turn(by.turn + (orbits ? kOrbitAHeight : -fov_y) * by.drag, pose);
+  const glm::dvec3 from = pose.eye;
+  approach(by.zoom, pose);
+  go(by, fov_y, pose);
+  if (needs_ground()) pose.eye = footing_.walk(ground, from, pose.eye - from);
 }
 
 std::optional<glm::dvec3> seen_at(const SceneView& scene, const Camera& camera,

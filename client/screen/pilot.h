@@ -1,6 +1,6 @@
 #pragma once
-// Pilot: moves the eye as a person steers it. Who walks turns in place and goes where they look;
-// who orbits turns about a point of the scene, the pivot.
+// Pilot: moves the eye as a person steers it. Who walks turns in place and goes where they look,
+// with the feet on the ground or flying; who orbits turns about a point of the scene, the pivot.
 // Input:  the scene; what hand, keys and sticks have done since the last frame.
 // Output: the pose.
 // Thread: the frame loop's.
@@ -9,10 +9,12 @@
 #include <glm/glm.hpp>
 #include <optional>
 
+#include "client/screen/footing.h"
 #include "protocol/impostor/camera.h"
 
 namespace mirage {
 
+class GroundMap;
 class SceneView;
 
 enum class SteerMode : std::uint8_t { kWalk, kOrbit };
@@ -34,6 +36,11 @@ class Pilot {
 
   SteerMode mode() const { return mode_; }
   void set_mode(SteerMode mode) { mode_ = mode; }
+  /// True if who walks flies, through everything. In scenes without ground everybody does.
+  bool flies() const { return flies_ || !ground_here_; }
+  void set_flies(bool flies) { flies_ = flies; }
+  /// True if the ground around the eye is needed (ClientSession::want_ground).
+  bool needs_ground() const { return mode_ == SteerMode::kWalk && !flies(); }
   const glm::dvec3& pivot() const { return pivot_; }
   /// Returns the full speed, m/s. It crosses a scene that is orbited, or one of an unusual size for
   /// walking, within ten seconds, whatever the unit of its file.
@@ -43,14 +50,20 @@ class Pilot {
   void aim(const glm::dvec3& point) { pivot_ = point; }
   /// Moves the pose. The eye never looks steeper than 1.5 radians. `fov_y`: of the picture,
   /// radians.
-  void steer(const Steering& by, double fov_y, Pose& pose) const;
+  void steer(const Steering& by, double fov_y, const GroundMap& ground, Pose& pose);
 
  private:
   void turn(const glm::dvec2& angles, Pose& pose) const;
   void approach(double steps, Pose& pose) const;
+  /// Moves the eye in its own directions: pan, and going.
+  void go(const Steering& by, double fov_y, Pose& pose) const;
+  bool on_foot() const { return needs_ground() && footing_.stands(); }
 
   SteerMode mode_ = SteerMode::kWalk;
   glm::dvec3 pivot_{0, 0, -1};
+  bool flies_ = false;
+  bool ground_here_ = false;  ///< the scene is walked on its ground
+  Footing footing_;
   double radius_ = 1;  ///< of the scene, m
   double speed_mps_ = 1;
 };

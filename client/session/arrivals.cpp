@@ -6,6 +6,7 @@
 
 #include "client/hold/tile_cache.h"
 #include "client/session/session_parts.h"
+#include "protocol/codec/ground_codec.h"
 #include "protocol/codec/model_codec.h"
 #include "protocol/codec/tile_codec.h"
 #include "protocol/impostor/tile_key.h"
@@ -85,6 +86,8 @@ Result<void> Arrivals::handle(Message message, std::int64_t now_us) {
       return take_image(message, came_us, now_us);
     case wire::Body::ViewReply:
       return take_view(message, came_us);
+    case wire::Body::GroundReply:
+      return take_ground(message, came_us);
     case wire::Body::ReferenceReply:
       return take_reference(*body.AsReferenceReply(), message.payload);
     case wire::Body::Refused:
@@ -145,6 +148,7 @@ void Arrivals::take_scene(bool was_complete) {
   s_.held.shadows.reset();
   s_.asking.opener.reset();
   s_.asking.answered.reset();
+  s_.asking.ground.reset();
   s_.held.meshes.reset(s_.scene, s_.options.mesh_budget_bytes, s_.options.max_mesh_bytes);
   s_.planning.predictor = Predictor(std::max(50.0, 0.5 * s_.scene.bounds_radius));
   s_.moves = std::any_of(s_.scene.objects.begin(), s_.scene.objects.end(),
@@ -249,6 +253,7 @@ void Arrivals::take_refusal(const wire::RefusedT& refused, std::int64_t now_us) 
     return;
   }
   if (s_.held.views.refused(refused, now_us)) return;
+  if (s_.asking.ground.refused(refused.request_id, now_us)) return;
   ++s_.tally.refused;
   const PendingAsk* ask = s_.asking.scheduler.pending(refused.request_id);
   if (ask && refused.reason != wire::RefusalReason::Busy &&
@@ -325,6 +330,20 @@ Result<void> Arrivals::take_image(const Message& message, std::int64_t came_us,
   s_.held.meshes.add_image(s_.scene, reply.image, reply.level, message.payload_bytes, now_us);
   s_.held.uploads.uploaded(image_gpu_bytes(size), false);
   if (s_.sink.image) s_.sink.image(reply.image, image, *levels);
+  return {};
+}
+
+Result<void> Arrivals::take_ground(const Message& message, std::int64_t came_us) {
+  const wire::GroundReplyT& reply = *message.body.AsGroundReply();
+  s_.asking.scheduler.note_other(message.payload_bytes + kReplyBytes, came_us);
+  const GroundBlockId id{reply.x, reply.z};
+  if (!s_.asking.ground.finish(reply.request_id, id)) {
+    return make_error(ErrorId::kWireValue, "ground that was not asked for");
+  }
+  Result<GroundBlock> block = decode_ground(message.payload, reply.raw_bytes);
+  if (!block) return block.error();
+  block->id = id;
+  s_.scene.ground.add(block.take());
   return {};
 }
 

@@ -48,6 +48,7 @@ class Arrivals {
   void take_shadow(const PendingAsk& ask, const Capture& capture, const UnpackedTile& taken);
   Result<void> take_mesh(const Message& message, std::int64_t came_us, std::int64_t now_us);
   Result<void> take_image(const Message& message, std::int64_t came_us, std::int64_t now_us);
+  Result<void> take_ground(const Message& message, std::int64_t came_us);
   Result<void> take_view(const Message& message, std::int64_t came_us);
   Result<void> take_reference(const wire::ReferenceReplyT& reply, const Bytes& bytes);
   void take_refusal(const wire::RefusedT& refused, std::int64_t now_us);

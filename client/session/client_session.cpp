@@ -31,6 +31,7 @@ void greet(SessionParts& s, std::int64_t now_us) {
   s.asking.scheduler.reset();
   s.asking.opener.reset();
   s.asking.answered.reset();
+  s.asking.ground.reset();
   s.held.uploads.clear();
   wire::HelloT hello;
   hello.version_min = hello.version_max = limits::kProtocolVersion;
@@ -108,6 +109,20 @@ void ClientSession::choose(SceneChoice choice) { parts_->choice = std::move(choi
 std::uint32_t ClientSession::welcomes() const { return parts_->connection.welcomes; }
 
 void ClientSession::start_at(const Pose& pose) { parts_->start = pose; }
+
+void ClientSession::want_ground(const glm::dvec3& eye, std::int64_t told_us) {
+  SessionParts& s = *parts_;
+  if (!s.link.connected() || !s.scene.complete()) return;
+  const std::int64_t now_us = s.clock.at(told_us);
+  for (const GroundBlockId& block : s.asking.ground.plan(s.scene.ground, eye.x, eye.z, now_us)) {
+    wire::GroundRequestT request;
+    request.request_id = s.asking.scheduler.next_number();
+    request.x = block.x;
+    request.z = block.z;
+    s.asking.ground.asked(request.request_id, block);
+    s.link.send(encode_message(std::move(request)));
+  }
+}
 
 void ClientSession::play(bool playing, std::int64_t told_us) {
   parts_->playback.play(playing, parts_->clock.at(told_us));

@@ -20,6 +20,7 @@
 #include "client/plan/scene_opener.h"
 #include "client/plan/selector.h"
 #include "client/scene/scene_view.h"
+#include "client/session/ground_stage.h"
 #include "client/session/playback.h"
 #include "client/session/session_options.h"
 #include "client/session/shadow_stage.h"
@@ -99,6 +100,7 @@ struct SessionParts {
     Scheduler scheduler;
     AnsweredKeys answered;
     SceneOpener opener;
+    GroundStage ground;
     CodecChoice codec_choice;
     TileCodec codec = TileCodec::kZstd;
   };

@@ -262,7 +262,8 @@ int parse_options(int argc, char** argv, ViewOptions& o) {
   CLI::App app("Shows the scene of a mirage-server, drawn with impostors.", "mirage-view");
   app.footer(
       "In the window: W A S D or arrows move, Q and E go down and up, dragging looks, Shift is "
-      "fast, M changes between orbit and walk, space stops what moves, N shows the next clip and B "
+      "fast, M changes between orbit and walk, G flies or walks on the ground, space stops what "
+      "moves, N shows the next clip and B "
       "the "
       "next variant, O shows figures, 1 to 5 show how the picture is made, Esc ends.\n\n"
       "Example: mirage-view ws://127.0.0.1:9870 --offscreen 640x360 --path builtin:walk "

@@ -280,12 +280,17 @@ void Viewer::steer(double seconds) {
     const bool orbits = pilot_.mode() == SteerMode::kOrbit;
     pilot_.set_mode(orbits ? SteerMode::kWalk : SteerMode::kOrbit);
   }
+  if (window_->take(WindowCommand::kFly)) {
+    pilot_.set_flies(!pilot_.flies());
+    spdlog::info("{}", pilot_.flies() ? "flying, through everything" : "feet on the ground");
+  }
   const Steering by = window_->take_steering(seconds);
   const Camera camera = camera_at(pose_);
   if (const std::optional<glm::dvec2> place = window_->take_aim()) {
     if (const auto point = seen_at(session().scene(), camera, *place)) pilot_.aim(*point);
   }
-  pilot_.steer(by, camera.fov_y, pose_);
+  pilot_.steer(by, camera.fov_y, session().scene().ground, pose_);
+  if (pilot_.needs_ground()) session().want_ground(pose_.eye, now_us());
 }
 
 Pose Viewer::next_pose(std::int64_t now, double real_seconds) {

@@ -109,6 +109,7 @@ bool Window::after_events() {
   }
   if (impl_->pressed(GLFW_KEY_SPACE)) impl_->stopped = !impl_->stopped;
   constexpr std::pair<int, WindowCommand> kCommands[] = {{GLFW_KEY_M, WindowCommand::kSteerMode},
+                                                         {GLFW_KEY_G, WindowCommand::kFly},
                                                          {GLFW_KEY_N, WindowCommand::kNextClip},
                                                          {GLFW_KEY_B, WindowCommand::kNextVariant}};
   for (const auto& [key, command] : kCommands) {

@@ -11,7 +11,7 @@
 namespace mirage {
 
 /// Commands of the keys M, N and B.
-enum class WindowCommand : std::uint8_t { kSteerMode, kNextClip, kNextVariant };
+enum class WindowCommand : std::uint8_t { kSteerMode, kFly, kNextClip, kNextVariant };
 
 class Window {
  public:

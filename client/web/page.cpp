@@ -140,6 +140,16 @@ EMSCRIPTEN_KEEPALIVE void page_set_orbits(int orbits) {
   page().viewer->set_steer_mode(orbits ? mirage::SteerMode::kOrbit : mirage::SteerMode::kWalk);
 }
 
+/// Returns 1 where feet stay on the ground, 0 where one flies, -1 where there is no ground to walk
+/// on.
+EMSCRIPTEN_KEEPALIVE int page_grounded() {
+  const mirage::WebViewer& viewer = *page().viewer;
+  return viewer.has_ground() ? (viewer.flies() ? 0 : 1) : -1;
+}
+EMSCRIPTEN_KEEPALIVE void page_set_grounded(int grounded) {
+  page().viewer->set_flies(grounded == 0);
+}
+
 /// Sets the eye and a point that it looks at, m. Ignored unless both are finite and differ.
 EMSCRIPTEN_KEEPALIVE void page_look(double ex, double ey, double ez, double tx, double ty,
                                     double tz) {

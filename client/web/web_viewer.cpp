@@ -114,6 +114,7 @@ Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int he
     met_ = true;
   }
   if (!posed_ && home_known()) go_home();
+  if (pilot_.needs_ground()) session_->want_ground(pose_.eye, now_us);
   if (Result<void> fitted = screen_.fit(width, height, *session_); !fitted) return fitted.error();
   Camera seen = camera();
   list_ = session_->frame(seen, now_us);

@@ -96,6 +96,7 @@ struct HomeView {
   glm::dvec3 target{0, 1.7, -1};
   double walk_radius_m = 20;
   double walk_speed_mps = 1.4;
+  double walk_eye_m = 0;  ///< of WalkBody (ground.h)
   /// Points of the scene, relative to `target`, that fill the picture (home_pose()); empty: the eye
   /// stays where it is, whatever the picture's shape.
   std::vector<glm::vec3> fit = {};

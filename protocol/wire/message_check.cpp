@@ -151,7 +151,7 @@ Result<void> check(const wire::Welcome& m) {
   if (count(m.codecs()) > limits::kMaxCodecs) return limit_error("codecs");
   const bool home = finite(m.home_eye()) && finite(m.home_target()) &&
                     std::isfinite(m.walk_radius_m()) && std::isfinite(m.walk_speed_mps()) &&
-                    m.walk_radius_m() > 0;
+                    m.walk_radius_m() > 0 && std::isfinite(m.walk_eye_m()) && m.walk_eye_m() >= 0;
   const bool sky = finite(m.sky_zenith()) && finite(m.sky_horizon()) && finite(m.sky_nadir());
   const bool fog = std::isfinite(m.fog_density()) && m.fog_density() >= 0;
   if (!home || !sky || !fog) return value_error("home view or environment");
@@ -366,6 +366,8 @@ Result<void> check_body(const wire::Control& control) {
     case wire::Body::ImageReply:
     case wire::Body::ReferenceReply:
     case wire::Body::Stats:
+    case wire::Body::GroundRequest:
+    case wire::Body::GroundReply:
       if (control.body() == nullptr) break;
       return {};
     default:

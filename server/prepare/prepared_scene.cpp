@@ -15,6 +15,7 @@
 #include "server/prepare/motion_measure.h"
 #include "server/prepare/scene_revision.h"
 #include "server/prepare/touching.h"
+#include "server/prepare/walk_eye.h"
 #include "server/scene/builtin/builtin_scene.h"
 #include "server/scene/environment/environment.h"
 #include "server/scene/gltf/gltf_import.h"
@@ -220,6 +221,8 @@ Result<PreparedPtr> prepare(Scene scene, const SceneLoadOptions& options, const 
   prepared->parts = cut_instances(prepared->scene, prepared->bounds_radius, prepared->objects,
                                   prepared->grouping, workers);
   prepared->touching = find_touching(prepared->scene, prepared->objects, prepared->grouping);
+  prepared->scene.home.walk_eye_m = walk_eye(prepared->scene, prepared->objects,
+                                             {prepared->bounds_center, prepared->bounds_radius});
   prepared->revision = scene_revision(prepared->scene);
   times.done("revision and groups");
   prepared->load_times = std::move(times);

@@ -15,6 +15,9 @@
 namespace mirage {
 namespace {
 
+// Memory for encoded parts of the scene.
+constexpr std::size_t kImageBytes = 256u << 20, kGroundBytes = 16u << 20;
+
 constexpr std::int64_t kHelloTimeoutUs = 10'000'000;
 constexpr std::size_t kMaxHelloBytes = 4096;
 // Most connections without a hello. One more closes the oldest of them.
@@ -65,7 +68,8 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
       pages_(queue_.waits_for_levels() ? std::vector<PacketPtr>{} : make_scene_pages(*scene_)),
       probe_page_(scene_->scene.probe ? encode_probe(*scene_->scene.probe) : Bytes{}),
       pixels_(queues.rendered),
-      images_(queues.images),
+      images_(queues.images, kImageBytes),
+      grounds_(queues.grounds, kGroundBytes),
       fetches_(queues.fetches, queues.clock, queues.store.patience_us()),
       forms_(queues.rendered),
       views_(queues.tiles) {}
@@ -83,6 +87,7 @@ void SessionHub::close(SessionId id) {
   views_.remove_session(id);
   forms_.remove_session(id);
   images_.remove_session(id);
+  grounds_.remove_session(id);
   if (sessions_.at(id).greeted) --clients_;
   sessions_.erase(id);
   writable_.erase(id);
@@ -90,7 +95,7 @@ void SessionHub::close(SessionId id) {
 
 std::size_t SessionHub::asks_of(SessionId id) const {
   return queue_.asks_of(id) + fetches_.asks_of(id) + views_.asks_of(id) + forms_.asks_of(id) +
-         images_.asks_of(id);
+         images_.asks_of(id) + grounds_.asks_of(id);
 }
 
 Result<void> SessionHub::receive(SessionId id, const std::uint8_t* bytes, std::size_t size) {
@@ -131,6 +136,9 @@ Result<void> SessionHub::handle(SessionId id, Session& s, Message message) {
       return {};
     case wire::Body::ViewRequest:
       view(id, s, *body.AsViewRequest());
+      return {};
+    case wire::Body::GroundRequest:
+      ground(id, s, *body.AsGroundRequest());
       return {};
     case wire::Body::StatsRequest:
       stats(id, *body.AsStatsRequest());
@@ -209,6 +217,7 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.floor = floor_to_wire(scene.environment.floor);
   welcome.walk_radius_m = scene.home.walk_radius_m;
   welcome.walk_speed_mps = scene.home.walk_speed_mps;
+  welcome.walk_eye_m = scene.home.walk_eye_m;
   welcome.geometry = options_.geometry && s.grant.geometry;
   welcome.reference = options_.reference && s.grant.reference;
   welcome.shadows = options_.shadows;

@@ -16,10 +16,10 @@
 #include <vector>
 
 #include "protocol/model/scene_types.h"
+#include "server/session/encoded_cache.h"
 #include "server/session/fetch_requests.h"
 #include "server/session/form_requests.h"
 #include "server/session/got_tile.h"
-#include "server/session/image_cache.h"
 #include "server/session/scene_pages.h"
 #include "server/session/session_options.h"
 #include "server/session/view_cache.h"
@@ -133,6 +133,9 @@ class SessionHub {
   void mesh_ask(SessionId id, Session& s, const wire::MeshAsk& ask);
   void image_ask(SessionId id, Session& s, const wire::ImageAsk& ask);
   void push_image(SessionId id, std::uint32_t request, const ImageLevel& level, const Bytes& bytes);
+  void ground(SessionId id, Session& s, const wire::GroundRequestT& m);
+  void push_ground(SessionId id, std::uint32_t request, GroundBlockId block,
+                   const EncodedGround& ground);
   void open_groups(SessionId id, Session& s, const wire::OpenRequestT& m);
   Result<void> set_lighting(Session& s, const wire::SetLightingT& m);
   void reference(SessionId id, Session& s, const wire::ReferenceRequestT& m);
@@ -162,6 +165,7 @@ class SessionHub {
   void finish(FinishedFetch done);
   void finish(PendingFetch done);
   void finish(FinishedImage done);
+  void finish(FinishedGround done);
   void finish(FinishedView done);
   void finish(FinishedReference done);
   void finish(LevelsMade done);
@@ -184,6 +188,7 @@ class SessionHub {
   const Bytes probe_page_;  ///< a whole message; empty: the scene has no probe
   const BoundedQueue<EncodeJob>& pixels_;
   ImageCache images_;
+  GroundCache grounds_;
   FetchRequests fetches_;
   FormRequests forms_;
   ViewCache views_;

@@ -1,4 +1,5 @@
-// Sessions: everything except tiles and views. Geometry, images, full renders and statistics.
+// Sessions: everything except tiles and views. Geometry, images, ground, full renders and
+// statistics.
 #include "protocol/impostor/tile_key.h"
 #include "server/prepare/object_geometry.h"
 #include "server/prepare/prepared_scene.h"
@@ -6,6 +7,10 @@
 #include "server/tile/tile_job.h"
 
 namespace mirage {
+namespace {
+// Blocks of ground that a client may wait for. Mirage's own client asks for four at a time.
+constexpr std::size_t kMostGroundAsks = 8;
+}  // namespace
 
 void SessionHub::mesh_ask(SessionId id, Session& s, const wire::MeshAsk& ask) {
   // No client knows an object before, except from a server that ended.
@@ -73,7 +78,45 @@ void SessionHub::finish(FinishedImage done) {
   for (const auto& [session, request] : images_.take_waiting(done.level)) {
     push_image(session, request, done.level, done.bytes);
   }
-  images_.keep(done.level, std::move(done.bytes));
+  const std::size_t bytes = done.bytes.size();
+  images_.keep(done.level, std::move(done.bytes), bytes);
+}
+
+void SessionHub::ground(SessionId id, Session& s, const wire::GroundRequestT& m) {
+  if (!(scene_->scene.home.walk_eye_m > 0)) {
+    return refuse(id, m.request_id, wire::RefusalReason::UnknownObject);
+  }
+  const GroundBlockId block{m.x, m.z};
+  if (const EncodedGround* made = grounds_.find(block)) {
+    return push_ground(id, m.request_id, block, *made);
+  }
+  const bool busy = s.outbox.full() || grounds_.asks_of(id) >= kMostGroundAsks;
+  if (busy || !grounds_.wait(block, {id, m.request_id})) {
+    refuse(id, m.request_id, wire::RefusalReason::Busy);
+  }
+}
+
+void SessionHub::push_ground(SessionId id, std::uint32_t request, GroundBlockId block,
+                             const EncodedGround& ground) {
+  const auto at = sessions_.find(id);
+  if (at == sessions_.end()) return;
+  if (at->second.outbox.full()) return refuse(id, request, wire::RefusalReason::Busy);
+  if (ground.raw_bytes == 0) return refuse(id, request, wire::RefusalReason::TooLarge);
+  wire::GroundReplyT reply;
+  reply.request_id = request;
+  reply.x = block.x;
+  reply.z = block.z;
+  reply.raw_bytes = ground.raw_bytes;
+  push(id, Outbox::Lane::kControl, encode_message(std::move(reply), ground.bytes));
+}
+
+void SessionHub::finish(FinishedGround done) {
+  for (const auto& [session, request] : grounds_.take_waiting(done.block)) {
+    push_ground(session, request, done.block, done.ground);
+  }
+  if (done.ground.raw_bytes == 0) return;  // it may succeed later
+  const std::size_t bytes = done.ground.bytes.size() + sizeof(EncodedGround);
+  grounds_.keep(done.block, std::move(done.ground), bytes);
 }
 
 void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceRequestT& m) {

@@ -4,6 +4,7 @@
 
 #include "server/stage/encode_stage.h"
 #include "server/stage/fetch_stage.h"
+#include "server/stage/ground_stage.h"
 #include "server/stage/image_stage.h"
 #include "server/stage/machine_share.h"
 #include "server/stage/render_options.h"
@@ -18,12 +19,14 @@ struct Pipeline::Stages {
         render(queues, wake),
         stand_in(queues, wake),
         encode(queues, wake),
-        images(queues, wake) {}
+        images(queues, wake),
+        grounds(queues, wake) {}
   FetchStage fetch;
   RenderStage render;
   StandInStage stand_in;  ///< only one of the two is started
   EncodeStage encode;
   ImageStage images;
+  GroundStage grounds;
 };
 
 Pipeline::Pipeline(const Clock& clock, std::size_t cache_bytes, TileSources sources,
@@ -37,6 +40,7 @@ Result<std::string> Pipeline::start(std::shared_ptr<const PreparedScene> scene,
                                     const RenderOptions& options, int encoders) {
   stages_->fetch.start();
   stages_->images.start(scene);
+  stages_->grounds.start(scene);
   Renderer renderer;
   if (options.stand_in_ms > 0) {
     renderer.name = stages_->stand_in.start(options);
@@ -62,6 +66,8 @@ void Pipeline::stop() {
   stages_->fetch.join();
   queues.images.close();
   stages_->images.join();
+  queues.grounds.close();
+  stages_->grounds.join();
 }
 
 }  // namespace mirage

@@ -38,6 +38,7 @@ struct StageQueues {
   BoundedQueue<EncodeJob> slow{1};             ///< render stage -> encode stage, slow work
   BoundedQueue<SaveJob> saves{256};            ///< encode stage -> fetch stage
   BoundedQueue<ImageLevel> images{4096};       ///< sessions -> image stage
+  BoundedQueue<GroundBlockId> grounds{256};    ///< sessions -> ground stage
   BoundedQueue<Completion> completions{8192};  ///< all stages -> sessions
 };
 

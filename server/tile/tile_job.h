@@ -10,6 +10,7 @@
 #include "protocol/impostor/lighting_state.h"
 #include "protocol/impostor/tile_key.h"
 #include "protocol/impostor/view_tile.h"
+#include "protocol/model/ground.h"
 #include "protocol/wire/message.h"
 #include "protocol/wire/view_codec.h"
 
@@ -104,6 +105,12 @@ struct ImageLevel {
   }
 };
 
+/// A block of ground as bytes (ground_codec.h).
+struct EncodedGround {
+  Bytes bytes;
+  std::uint32_t raw_bytes = 0;  ///< 0: it could not be made
+};
+
 /// A picture of the whole scene from one camera.
 struct SceneShot {
   Camera camera;
@@ -187,6 +194,11 @@ struct FinishedImage {
   ImageLevel level;
   Bytes bytes;  ///< empty: it failed
 };
+/// A block of ground, for all requests that wait for it.
+struct FinishedGround {
+  GroundBlockId block;
+  EncodedGround ground;
+};
 /// An encoded view, for all requests that wait for it.
 struct FinishedView {
   TileId id;
@@ -205,6 +217,6 @@ struct RendererFailure {
 };
 using Completion =
     std::variant<FinishedTile, TooLargeTile, FinishedFetch, PendingFetch, FinishedImage,
-                 FinishedView, FinishedReference, LevelsMade, RendererFailure>;
+                 FinishedGround, FinishedView, FinishedReference, LevelsMade, RendererFailure>;
 
 }  // namespace mirage

@@ -74,7 +74,7 @@ bool accepts_message(const Bytes& bytes, int& not_finite) {
   if (const auto* m = body.AsWelcome()) {
     check.add(m->sky_zenith), check.add(m->sky_horizon), check.add(m->sky_nadir);
     check.add(m->home_eye), check.add(m->home_target), check.add(m->walk_radius_m);
-    check.add(m->walk_speed_mps), check.add(double{m->fog_density});
+    check.add(m->walk_speed_mps), check.add(m->walk_eye_m), check.add(double{m->fog_density});
     check.add(m->bounds_center), check.add(m->bounds_radius);
     taken = use_lighting(*m->lighting, check);
   }

@@ -7,6 +7,7 @@
 #include "fuzz_targets.h"
 #include "protocol/impostor/light_probe.h"
 #include "protocol/impostor/view_tile.h"
+#include "protocol/codec/ground_codec.h"
 #include "protocol/wire/light_probe_codec.h"
 #include "protocol/wire/message.h"
 #include "protocol/wire/unpack.h"
@@ -44,6 +45,7 @@ void use_message(const std::uint8_t* bytes, std::size_t size) {
   if (const auto* m = body.AsSetLighting()) (void)from_wire(*m->lighting);
   if (const auto* m = body.AsLightProbePage()) (void)decode_probe(*m, message->payload);
   if (const auto* m = body.AsViewReply()) (void)decode_view(*m, message->payload);
+  if (const auto* m = body.AsGroundReply()) (void)decode_ground(message->payload, m->raw_bytes);
   if (const auto* m = body.AsTileReply()) {
     Result<Tile> tile = tile_from_fields(*m);
     if (tile) {

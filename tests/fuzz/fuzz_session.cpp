@@ -218,6 +218,9 @@ class Play {
     wire::OpenRequestT open;
     for (int n = script_.byte() % 4; n > 0; --n) open.groups.push_back(script_.byte());
     receive(encode_message(std::move(open)));
+    wire::GroundRequestT ground;
+    ground.x = script_.byte() % 4;
+    receive(encode_message(std::move(ground)));
   }
 
   void render() {
@@ -265,6 +268,9 @@ class Play {
     }
     while (const std::optional<ImageLevel> level = queues_.images.try_pop()) {
       hub_->complete(FinishedImage{*level, Bytes(script_.byte())});
+    }
+    while (const std::optional<GroundBlockId> block = queues_.grounds.try_pop()) {
+      hub_->complete(FinishedGround{*block, {Bytes(script_.byte()), 20u * (script_.byte() % 2u)}});
     }
   }
 

@@ -187,6 +187,23 @@ inline wire::StatsRequestT sample_stats_request() {
   return m;
 }
 
+inline wire::GroundRequestT sample_ground_request() {
+  wire::GroundRequestT m;
+  m.request_id = 14;
+  m.x = -7;
+  m.z = 2'000'000'000;
+  return m;
+}
+
+inline wire::GroundReplyT sample_ground_reply() {
+  wire::GroundReplyT m;
+  m.request_id = 14;
+  m.x = -7;
+  m.z = 2'000'000'000;
+  m.raw_bytes = 12'304;
+  return m;
+}
+
 inline wire::TileReplyT sample_tile_reply() {
   wire::TileReplyT m;
   m.request_id = 1;
@@ -315,7 +332,9 @@ inline std::vector<Bytes> sample_messages() {
           encode_message(sample_open_request()),
           encode_message(sample_probe_page(), {5, 4, 3}),
           encode_message(sample_view_request()),
-          encode_message(sample_view_reply(), {4, 3, 2})};
+          encode_message(sample_view_reply(), {4, 3, 2}),
+          encode_message(sample_ground_request()),
+          encode_message(sample_ground_reply(), {3, 2, 1})};
 }
 
 }  // namespace mirage::test

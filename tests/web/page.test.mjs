@@ -206,6 +206,41 @@ test('keys move, the mouse turns about what is under it, pans and flies, the whe
   await page.context().close();
 });
 
+test('feet stay on the ground, walls stop them; G flies and lands', async () => {
+  const hall = await serve('builtin:museum?objects=4&triangles=500');
+  const page = await open(browser, `${hall.url}#budget=0`);
+  await rested(page);
+  const start = await pose(page);
+  const hold = async (keys, ms) => {
+    for (const key of keys) await page.keyboard.down(key);
+    await sleep(ms);
+    for (const key of keys) await page.keyboard.up(key);
+  };
+  await page.locator('#mirage').focus();
+  await hold(['KeyV'], 700);  // looks down
+  await hold(['ShiftLeft', 'KeyW'], 6000);
+  const walked = await pose(page);
+  const way = Math.hypot(walked.eye[0] - start.eye[0], walked.eye[2] - start.eye[2]);
+  assert.ok(way > 2, `${way} m on the ground`);
+  assert.ok(Math.abs(walked.eye[1] - start.eye[1]) < 0.2, `at eye height, ${walked.eye[1]} m and ${start.eye[1]} m before`);
+  assert.ok(Math.hypot(walked.eye[0], walked.eye[2]) < 18, 'the wall stops who walks');
+  await hold(['KeyQ'], 400);
+  assert.ok(Math.abs((await pose(page)).eye[1] - walked.eye[1]) < 0.05, 'Q does not go under the ground');
+
+  await page.keyboard.press('KeyG');
+  await until('a word', async () => /Flying/.test(await message(page)));
+  await hold(['KeyE'], 800);
+  const above = await pose(page);
+  assert.ok(above.eye[1] > walked.eye[1] + 0.5, 'who flies goes up');
+  await page.keyboard.press('KeyG');
+  await hold(['KeyS'], 2500);
+  const landed = await pose(page);
+  assert.ok(Math.abs(landed.eye[1] - start.eye[1]) < 0.3, `landed at ${landed.eye[1]} m`);
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+  await hall.stop();
+});
+
 test('fingers: one turns, two shift and pinch, the stick moves', async () => {
   const page = await open(browser, at(view), { width: 360, height: 640, touch: true });
   await rested(page);

@@ -3,7 +3,7 @@ import { pixels, textAt } from './core.js';
 import { notice } from './status.js';
 
 const $ = (id) => document.getElementById(id);
-const keys = { KeyH: 'home', KeyL: 'share', KeyP: 'screenshot', KeyC: 'compare', KeyO: 'figures-button', KeyM: 'mode', KeyF: 'fullscreen', Space: 'pause' };
+const keys = { KeyH: 'home', KeyL: 'share', KeyP: 'screenshot', KeyC: 'compare', KeyO: 'figures-button', KeyM: 'mode', KeyG: 'fly', KeyF: 'fullscreen', Space: 'pause' };
 const withoutKey = ['keys', 'more'];
 
 export class Toolbar {
@@ -15,6 +15,7 @@ export class Toolbar {
       screenshot: () => this.screenshot(),
       compare: () => viewer.compare.toggle(),
       mode: () => this.changeMode(),
+      fly: () => this.fly(),
       pause: () => this.pause(),
       'figures-button': () => viewer.figures.toggle(),
       keys: () => this.showKeys($('keys-list').hidden),
@@ -65,10 +66,30 @@ export class Toolbar {
   /// Names the button by what it would change to.
   showMode() {
     const orbits = this.viewer.core._page_orbits() !== 0;
+    this.showFly();
     if (this.orbits === orbits) return;
     this.orbits = orbits;
     $('mode').textContent = orbits ? 'Walk' : 'Orbit';
     $('mode').title = orbits ? 'Walk: turn in place, go where one looks (M)' : 'Orbit: turn about what is under the cursor (M)';
+  }
+
+  /// Takes the feet off the ground, or puts them back. The button says whether one flies.
+  fly() {
+    const { core } = this.viewer;
+    const lands = core._page_grounded() === 0;
+    core._page_set_grounded(lands ? 1 : 0);
+    this.showFly();
+    notice(lands ? 'Feet on the ground.' : 'Flying, through everything. G lands.');
+  }
+
+  /// Only who walks, in a scene with ground, chooses.
+  showFly() {
+    const { core } = this.viewer;
+    const grounded = core._page_orbits() ? -1 : core._page_grounded();
+    if (this.grounded === grounded) return;
+    this.grounded = grounded;
+    $('fly').hidden = grounded < 0;
+    $('fly').setAttribute('aria-pressed', String(grounded === 0));
   }
 
   press(e) {

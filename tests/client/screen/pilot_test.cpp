@@ -12,6 +12,7 @@ namespace mirage::test {
 namespace {
 
 constexpr double kFov = 1.0;
+const GroundMap kNoGround;
 
 glm::dvec3 ahead(const Pose& pose) { return glm::dquat(pose.rotation) * glm::dvec3(0, 0, -1); }
 
@@ -58,11 +59,11 @@ TEST(ClientPilot, TheHomeViewChoosesTheMode) {
 }
 
 TEST(ClientPilot, WalkersTurnWithoutTilting) {
-  const Pilot pilot = pilot_in(scene_of(100, {1, 2, 3}));
+  Pilot pilot = pilot_in(scene_of(100, {1, 2, 3}));
   Pose pose = look_at({1, 2, 3}, {1, 2, -7});
-  pilot.steer(turn_by(0.3, 0), kFov, pose);
+  pilot.steer(turn_by(0.3, 0), kFov, kNoGround, pose);
   EXPECT_NEAR(std::atan2(ahead(pose).x, -ahead(pose).z), 0.3, 1e-5) << "to the right";
-  pilot.steer(turn_by(0, 0.2), kFov, pose);
+  pilot.steer(turn_by(0, 0.2), kFov, kNoGround, pose);
   EXPECT_NEAR(std::asin(ahead(pose).y), -0.2, 1e-5) << "downwards";
   const glm::dvec3 right = glm::dquat(pose.rotation) * glm::dvec3(1, 0, 0);
   EXPECT_NEAR(right.y, 0, 1e-6);
@@ -70,19 +71,19 @@ TEST(ClientPilot, WalkersTurnWithoutTilting) {
 }
 
 TEST(ClientPilot, ADragTakesTheWorldAlong) {
-  const Pilot walker = pilot_in(scene_of(100, {0, 0, 3}));
+  Pilot walker = pilot_in(scene_of(100, {0, 0, 3}));
   Pose pose = look_at({0, 0, 3}, {0, 0, 0});
-  walker.steer(drag_by(0.25, 0), kFov, pose);
+  walker.steer(drag_by(0.25, 0), kFov, kNoGround, pose);
   EXPECT_NEAR(std::atan2(ahead(pose).x, -ahead(pose).z), -0.25 * kFov, 1e-5)
       << "a quarter of the picture";
   EXPECT_EQ(pose.eye, glm::dvec3(0, 0, 3));
 
-  const Pilot orbiter = pilot_in(scene_of(1, {0, 0, 3}));
+  Pilot orbiter = pilot_in(scene_of(1, {0, 0, 3}));
   pose = look_at({0, 0, 3}, {0, 0, 0});
-  orbiter.steer(drag_by(0.1, 0), kFov, pose);
+  orbiter.steer(drag_by(0.1, 0), kFov, kNoGround, pose);
   EXPECT_LT(pose.eye.x, -0.5) << "what is in front of the pivot goes to the right";
   EXPECT_NEAR(glm::length(pose.eye), 3, 1e-5);
-  orbiter.steer(drag_by(0, 0.1), kFov, pose);
+  orbiter.steer(drag_by(0, 0.1), kFov, kNoGround, pose);
   EXPECT_GT(pose.eye.y, 0.5) << "and down";
 }
 
@@ -92,18 +93,18 @@ TEST(ClientPilot, AnOrbitKeepsThePivotWhereItIsSeen) {
   Pose pose = look_at({0, 0, 3}, {0, 0, 0});
   const glm::dvec3 before = seen(pilot, pose);
   for (const auto& [x, y] : {std::pair{0.3, 0.0}, {0.1, 0.2}, {-0.7, 0.9}, {0.2, -1.5}}) {
-    pilot.steer(drag_by(x, y), kFov, pose);
+    pilot.steer(drag_by(x, y), kFov, kNoGround, pose);
     EXPECT_LT(glm::length(seen(pilot, pose) - before), 1e-4);
   }
 }
 
 TEST(ClientPilot, NeverOverTheTop) {
   for (const double radius : {1.0, 100.0}) {
-    const Pilot pilot = pilot_in(scene_of(radius, {0, 0, 3}));
+    Pilot pilot = pilot_in(scene_of(radius, {0, 0, 3}));
     Pose pose = look_at({0, 0, 3}, {0, 0, 0});
-    for (int i = 0; i < 100; ++i) pilot.steer(turn_by(0, -0.5), kFov, pose);
+    for (int i = 0; i < 100; ++i) pilot.steer(turn_by(0, -0.5), kFov, kNoGround, pose);
     EXPECT_NEAR(std::asin(ahead(pose).y), 1.5, 1e-3);
-    pilot.steer(turn_by(0, 100), kFov, pose);
+    pilot.steer(turn_by(0, 100), kFov, kNoGround, pose);
     EXPECT_NEAR(std::asin(ahead(pose).y), -1.5, 1e-3);
   }
 }
@@ -113,7 +114,7 @@ TEST(ClientPilot, APanKeepsThePivotUnderTheHand) {
   Pose pose = look_at({0, 0, 3}, {0, 0, 0});
   Steering by;
   by.pan = {0.25, -0.125};
-  pilot.steer(by, kFov, pose);
+  pilot.steer(by, kFov, kNoGround, pose);
   const glm::dvec3 at = seen(pilot, pose);
   const double height = 2 * std::tan(kFov / 2) * -at.z;
   EXPECT_NEAR(at.x / height, 0.25, 1e-6);
@@ -121,18 +122,18 @@ TEST(ClientPilot, APanKeepsThePivotUnderTheHand) {
 }
 
 TEST(ClientPilot, StepsApproachThePivotAndNeverPassIt) {
-  const Pilot pilot = pilot_in(scene_of(1, {0, 0, 3}));
+  Pilot pilot = pilot_in(scene_of(1, {0, 0, 3}));
   Pose pose = look_at({0, 0, 3}, {0, 0, 0});
   Steering by;
   by.zoom = 1;
   double before = 3;
   for (int i = 0; i < 200; ++i, before = pose.eye.z) {
-    pilot.steer(by, kFov, pose);
+    pilot.steer(by, kFov, kNoGround, pose);
     EXPECT_LE(pose.eye.z, before);
     EXPECT_GT(pose.eye.z, 0);
   }
   by.zoom = -1;
-  for (int i = 0; i < 400; ++i) pilot.steer(by, kFov, pose);
+  for (int i = 0; i < 400; ++i) pilot.steer(by, kFov, kNoGround, pose);
   EXPECT_NEAR(pose.eye.z, 20, 1e-3) << "nor go out of sight";
 }
 
@@ -150,23 +151,23 @@ TEST(ClientPilot, AnySceneIsCrossedInSeconds) {
 }
 
 TEST(ClientPilot, MovesWhereItLooks) {
-  const Pilot pilot = pilot_in(scene_of(100, {0, 0, 3}, 0.5));
+  Pilot pilot = pilot_in(scene_of(100, {0, 0, 3}, 0.5));
   Pose pose = look_at({0, 0, 0}, {10, 0, 0});
-  pilot.steer(move_by({1, 2, 3}), kFov, pose);
+  pilot.steer(move_by({1, 2, 3}), kFov, kNoGround, pose);
   EXPECT_NEAR(glm::length(pose.eye - pilot.speed_mps() * glm::dvec3(3, 2, 1)), 0, 1e-5);
 }
 
 TEST(ClientPilot, WhatIsNoNumberMovesNothing) {
-  const Pilot pilot = pilot_in(scene_of(1, {0, 0, 3}));
+  Pilot pilot = pilot_in(scene_of(1, {0, 0, 3}));
   Pose pose = look_at({1, 2, 3}, {4, 5, 6});
   const Pose before = pose;
   for (const double wrong :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    pilot.steer(turn_by(wrong, 0), kFov, pose);
-    pilot.steer(move_by({0, wrong, 0}), kFov, pose);
+    pilot.steer(turn_by(wrong, 0), kFov, kNoGround, pose);
+    pilot.steer(move_by({0, wrong, 0}), kFov, kNoGround, pose);
     Steering by;
     by.zoom = wrong;
-    pilot.steer(by, kFov, pose);
+    pilot.steer(by, kFov, kNoGround, pose);
   }
   EXPECT_EQ(pose.eye, before.eye);
   EXPECT_EQ(pose.rotation, before.rotation);

@@ -259,6 +259,59 @@ TEST_F(ServerAsks, ImagesAreEncodedOnceForAll) {
   EXPECT_EQ(drain(first).size(), 3u);
 }
 
+wire::GroundRequestT ground_request(std::uint32_t request, std::int32_t x) {
+  wire::GroundRequestT out;
+  out.request_id = request;
+  out.x = x;
+  out.z = -3;
+  return out;
+}
+
+TEST_F(ServerAsks, GroundIsMadeOnceForAll) {
+  auto walked = std::make_shared<PreparedScene>(*scene_);
+  walked->scene.home.walk_eye_m = 1.7;
+  restart({}, walked);
+  const SessionId first = greeted(), second = greeted();
+  ASSERT_TRUE(send(first, ground_request(5, 7)).ok());
+  ASSERT_TRUE(send(second, ground_request(6, 7)).ok());
+  const std::optional<GroundBlockId> job = queues.grounds.try_pop();
+  ASSERT_TRUE(job);
+  EXPECT_TRUE(job->x == 7 && job->z == -3);
+  EXPECT_FALSE(queues.grounds.try_pop()) << "one job for both";
+  hub->complete(FinishedGround{*job, {{1, 2, 3}, 99}});
+  ASSERT_TRUE(send(second, ground_request(7, 7)).ok());
+  EXPECT_FALSE(queues.grounds.try_pop()) << "it is kept";
+  const auto answers = [&](SessionId id, const std::vector<std::uint32_t>& requests) {
+    const std::vector<Message> messages = drain(id);
+    ASSERT_EQ(messages.size(), requests.size());
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+      const wire::GroundReplyT* reply = messages[i].body.AsGroundReply();
+      ASSERT_TRUE(reply);
+      EXPECT_EQ(reply->request_id, requests[i]);
+      EXPECT_EQ(reply->raw_bytes, 99u);
+      EXPECT_EQ(messages[i].payload, (Bytes{1, 2, 3}));
+    }
+  };
+  answers(first, {5});
+  answers(second, {6, 7});
+}
+
+TEST_F(ServerAsks, GroundIsRefusedWhereNobodyWalksAndWhereItFails) {
+  const SessionId still = greeted();
+  ASSERT_TRUE(send(still, ground_request(1, 0)).ok());
+  EXPECT_EQ(refusal(still), wire::RefusalReason::UnknownObject) << "the knot is orbited";
+  auto walked = std::make_shared<PreparedScene>(*scene_);
+  walked->scene.home.walk_eye_m = 1.7;
+  restart({}, walked);
+  const SessionId id = greeted();
+  for (int i = 0; i < 8; ++i) ASSERT_TRUE(send(id, ground_request(i, i)).ok());
+  EXPECT_TRUE(drain(id).empty());
+  ASSERT_TRUE(send(id, ground_request(9, 9)).ok());
+  EXPECT_EQ(refusal(id), wire::RefusalReason::Busy) << "one client takes no more than its share";
+  hub->complete(FinishedGround{*queues.grounds.try_pop(), {}});
+  EXPECT_EQ(refusal(id), wire::RefusalReason::TooLarge);
+}
+
 TEST_F(ServerAsks, TheAskTooManyIsBusy) {
   const SessionId id = greeted();
   std::uint32_t request = 0;
