@@ -63,7 +63,6 @@ Result<void> SceneView::accept(const wire::WelcomeT& w) {
   home = {from_wire(*w.home_eye), from_wire(*w.home_target),
           w.walk_radius_m,        w.walk_speed_mps,
           w.walk_eye_m,           {}};
-  ground.reset({w.walk_eye_m});
   for (const wire::Vec3f& point : w.home_fit) home.fit.push_back(from_wire(point));
   note_choices(w);
   geometry = w.geometry;

@@ -9,7 +9,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "client/scene/ground_map.h"
 #include "protocol/base/bytes.h"
 #include "protocol/base/result.h"
 #include "protocol/codec/image_codec.h"
@@ -87,7 +86,6 @@ class SceneView {
   std::shared_ptr<const LightProbe> probe;  ///< the probe that lighting.probe names; nullptr: none
   Environment environment;
   HomeView home;
-  GroundMap ground;  ///< as far as it was asked for
   SceneChoices choices;
   bool geometry = false;
   bool reference = false;

@@ -65,7 +65,7 @@ void Pilot::meet(const SceneView& scene) {
   const double away = glm::length(home.eye - scene.bounds_center);
   const bool outside = !home.fit.empty() || away > radius_;
   mode_ = outside ? SteerMode::kOrbit : SteerMode::kWalk;
-  ground_here_ = scene.ground.body().walks();
+  ground_here_ = scene.home.walk_eye_m > 0;
   speed_mps_ = kSprint * home.walk_speed_mps;
   const double seconds = 2 * radius_ / speed_mps_;
   const bool walked = seconds >= kShortestWalkS && seconds <= kLongestWalkS;

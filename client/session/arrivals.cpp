@@ -149,6 +149,7 @@ void Arrivals::take_scene(bool was_complete) {
   s_.asking.opener.reset();
   s_.asking.answered.reset();
   s_.asking.ground.reset();
+  s_.held.ground.reset({s_.scene.home.walk_eye_m});
   s_.held.meshes.reset(s_.scene, s_.options.mesh_budget_bytes, s_.options.max_mesh_bytes);
   s_.planning.predictor = Predictor(std::max(50.0, 0.5 * s_.scene.bounds_radius));
   s_.moves = std::any_of(s_.scene.objects.begin(), s_.scene.objects.end(),
@@ -343,7 +344,7 @@ Result<void> Arrivals::take_ground(const Message& message, std::int64_t came_us)
   Result<GroundBlock> block = decode_ground(message.payload, reply.raw_bytes);
   if (!block) return block.error();
   block->id = id;
-  s_.scene.ground.add(block.take());
+  s_.held.ground.add(block.take());
   return {};
 }
 

@@ -114,7 +114,7 @@ void ClientSession::want_ground(const glm::dvec3& eye, std::int64_t told_us) {
   SessionParts& s = *parts_;
   if (!s.link.connected() || !s.scene.complete()) return;
   const std::int64_t now_us = s.clock.at(told_us);
-  for (const GroundBlockId& block : s.asking.ground.plan(s.scene.ground, eye.x, eye.z, now_us)) {
+  for (const GroundBlockId& block : s.asking.ground.plan(s.held.ground, eye.x, eye.z, now_us)) {
     wire::GroundRequestT request;
     request.request_id = s.asking.scheduler.next_number();
     request.x = block.x;
@@ -123,6 +123,8 @@ void ClientSession::want_ground(const glm::dvec3& eye, std::int64_t told_us) {
     s.link.send(encode_message(std::move(request)));
   }
 }
+
+const GroundMap& ClientSession::ground() const { return parts_->held.ground; }
 
 void ClientSession::play(bool playing, std::int64_t told_us) {
   parts_->playback.play(playing, parts_->clock.at(told_us));

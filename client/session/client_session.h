@@ -27,6 +27,7 @@ namespace mirage {
 
 class Arrivals;
 class FramePlan;
+class GroundMap;
 class Link;
 class Predictor;
 class SceneView;
@@ -66,9 +67,11 @@ class ClientSession {
   /// Sets the clip and the variant to ask for on the next connection. What is shown stays until
   /// there is a picture of them.
   void choose(SceneChoice choice);
-  /// Asks for the ground around somebody who walks there (SceneView::ground), as far as it is not
-  /// known. Call it before each frame.
+  /// Asks for the ground around somebody who walks there, as far as it is not known. Call it before
+  /// each frame.
   void want_ground(const glm::dvec3& eye, std::int64_t now_us);
+  /// Returns the ground as far as it was asked for.
+  const GroundMap& ground() const;
   /// Returns how often a server has welcomed this client.
   std::uint32_t welcomes() const;
   /// Stops the animation, or lets it go on.

@@ -19,8 +19,9 @@
 #include "client/plan/predictor.h"
 #include "client/plan/scene_opener.h"
 #include "client/plan/selector.h"
+#include "client/scene/ground_map.h"
 #include "client/scene/scene_view.h"
-#include "client/session/ground_stage.h"
+#include "client/session/ground_asks.h"
 #include "client/session/playback.h"
 #include "client/session/session_options.h"
 #include "client/session/shadow_stage.h"
@@ -80,6 +81,7 @@ struct SessionParts {
     TileCache tiles;
     MeshCache meshes;
     ShadowStage shadows;
+    GroundMap ground;
     ViewStage views;
     RelightPolicy relight;
     UploadQueue uploads;
@@ -100,7 +102,7 @@ struct SessionParts {
     Scheduler scheduler;
     AnsweredKeys answered;
     SceneOpener opener;
-    GroundStage ground;
+    GroundAsks ground;
     CodecChoice codec_choice;
     TileCodec codec = TileCodec::kZstd;
   };

@@ -289,7 +289,7 @@ void Viewer::steer(double seconds) {
   if (const std::optional<glm::dvec2> place = window_->take_aim()) {
     if (const auto point = seen_at(session().scene(), camera, *place)) pilot_.aim(*point);
   }
-  pilot_.steer(by, camera.fov_y, session().scene().ground, pose_);
+  pilot_.steer(by, camera.fov_y, session().ground(), pose_);
   if (pilot_.needs_ground()) session().want_ground(pose_.eye, now_us());
 }
 

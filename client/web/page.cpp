@@ -13,7 +13,6 @@
 #include "client/scene/scene_view.h"
 #include "client/screen/pilot.h"
 #include "client/web/web_viewer.h"
-#include "shaders/gl/dialect.h"
 
 // clang-format off
 EM_JS(void, page_write, (const void* bytes, int size), {
@@ -244,7 +243,7 @@ EMSCRIPTEN_KEEPALIVE const char* page_figures(double now_ms) {
   return page().text.c_str();
 }
 EMSCRIPTEN_KEEPALIVE const char* page_renderer() {
-  page().text = mirage::gl::renderer_name();
+  page().text = page().viewer->renderer();
   return page().text.c_str();
 }
 EMSCRIPTEN_KEEPALIVE const char* page_goodbye() {

@@ -14,6 +14,7 @@
 #include "client/screen/viewer_defaults.h"
 #include "protocol/base/quantile.h"
 #include "protocol/base/stable_math.h"
+#include "shaders/gl/dialect.h"
 #include "shaders/gl/program.h"
 #include "shaders/gl/renderer.h"
 
@@ -272,6 +273,8 @@ void WebViewer::show_layer(InsightLayer layer) {
   layer_ = layer;
   screen_.content_changed();
 }
+
+std::string WebViewer::renderer() const { return gl::renderer_name(); }
 
 void WebViewer::ask_reference(std::uint32_t supersample) {
   session_->ask_reference(camera(), supersample);

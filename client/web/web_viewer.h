@@ -56,15 +56,13 @@ class WebViewer {
   Result<Frame> frame(std::int64_t now_us, int width, int height);
 
   /// Moves the eye by what a person did.
-  void steer(const Steering& by) {
-    pilot_.steer(by, camera().fov_y, session_->scene().ground, pose_);
-  }
+  void steer(const Steering& by) { pilot_.steer(by, camera().fov_y, session_->ground(), pose_); }
   SteerMode steer_mode() const { return pilot_.mode(); }
   /// True if who walks flies; False: the feet stay on the ground.
   bool flies() const { return pilot_.flies(); }
   void set_flies(bool flies) { pilot_.set_flies(flies); }
   /// True if the scene is walked on its ground.
-  bool has_ground() const { return session_->scene().ground.body().walks(); }
+  bool has_ground() const { return session_->scene().home.walk_eye_m > 0; }
   void set_steer_mode(SteerMode mode) { pilot_.set_mode(mode); }
   /// Makes what is seen at a place of the picture (0 to 1, right and down) the pivot. False:
   /// nothing is there, and the pivot stays.
@@ -105,6 +103,7 @@ class WebViewer {
   std::optional<ReferenceFrame> take_reference() { return session_->take_reference(); }
   /// Returns the shown picture: RGBA, rows from the top.
   std::vector<std::uint8_t> pixels() const { return screen_.shown().read(); }
+  std::string renderer() const;  ///< name of what draws
   int width() const { return screen_.width(); }
   int height() const { return screen_.height(); }
 

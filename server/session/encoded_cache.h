@@ -66,7 +66,9 @@ class EncodedCache {
   ByteBudget<Key> budget_;  ///< of encoded_
 };
 
-using ImageCache = EncodedCache<ImageLevel, Bytes>;
-using GroundCache = EncodedCache<GroundBlockId, EncodedGround>;
+struct EncodedParts {
+  EncodedCache<ImageLevel, Bytes> images;
+  EncodedCache<GroundBlockId, EncodedGround> grounds;
+};
 
 }  // namespace mirage

@@ -9,6 +9,7 @@
 #include "protocol/wire/light_probe_codec.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/scene/scene.h"
+#include "server/session/encoded_cache.h"
 #include "server/session/hub_state.h"
 #include "server/stage/render_profile.h"
 
@@ -43,6 +44,15 @@ std::vector<TileCodec> common_codecs(const std::vector<TileCodec>& ours,
   return out;
 }
 
+void tell_home(const HomeView& home, wire::WelcomeT& welcome) {
+  welcome.home_eye = std::make_unique<wire::Vec3d>(to_wire(home.eye));
+  welcome.home_target = std::make_unique<wire::Vec3d>(to_wire(home.target));
+  for (const glm::vec3& point : home.fit) welcome.home_fit.push_back(to_wire(point));
+  welcome.walk_radius_m = home.walk_radius_m;
+  welcome.walk_speed_mps = home.walk_speed_mps;
+  welcome.walk_eye_m = home.walk_eye_m;
+}
+
 std::unique_ptr<wire::StudioFloorT> floor_to_wire(const StudioFloor& floor) {
   if (!(floor.half > 0)) return nullptr;
   auto out = std::make_unique<wire::StudioFloorT>();
@@ -68,11 +78,12 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
       pages_(queue_.waits_for_levels() ? std::vector<PacketPtr>{} : make_scene_pages(*scene_)),
       probe_page_(scene_->scene.probe ? encode_probe(*scene_->scene.probe) : Bytes{}),
       pixels_(queues.rendered),
-      images_(queues.images, kImageBytes),
-      grounds_(queues.grounds, kGroundBytes),
+      parts_(new EncodedParts{{queues.images, kImageBytes}, {queues.grounds, kGroundBytes}}),
       fetches_(queues.fetches, queues.clock, queues.store.patience_us()),
       forms_(queues.rendered),
       views_(queues.tiles) {}
+
+SessionHub::~SessionHub() = default;
 
 SessionId SessionHub::open() {
   const SessionId id = next_id_++;
@@ -86,8 +97,8 @@ void SessionHub::close(SessionId id) {
   fetches_.remove_session(id);
   views_.remove_session(id);
   forms_.remove_session(id);
-  images_.remove_session(id);
-  grounds_.remove_session(id);
+  parts_->images.remove_session(id);
+  parts_->grounds.remove_session(id);
   if (sessions_.at(id).greeted) --clients_;
   sessions_.erase(id);
   writable_.erase(id);
@@ -95,7 +106,7 @@ void SessionHub::close(SessionId id) {
 
 std::size_t SessionHub::asks_of(SessionId id) const {
   return queue_.asks_of(id) + fetches_.asks_of(id) + views_.asks_of(id) + forms_.asks_of(id) +
-         images_.asks_of(id) + grounds_.asks_of(id);
+         parts_->images.asks_of(id) + parts_->grounds.asks_of(id);
 }
 
 Result<void> SessionHub::receive(SessionId id, const std::uint8_t* bytes, std::size_t size) {
@@ -210,14 +221,9 @@ Result<void> SessionHub::hello(SessionId id, Session& s, const wire::HelloT& hel
   welcome.sky_horizon = std::make_unique<wire::Vec3f>(to_wire(scene.environment.horizon));
   welcome.sky_nadir = std::make_unique<wire::Vec3f>(to_wire(scene.environment.nadir));
   welcome.fog_density = scene.environment.fog_density;
-  welcome.home_eye = std::make_unique<wire::Vec3d>(to_wire(scene.home.eye));
-  welcome.home_target = std::make_unique<wire::Vec3d>(to_wire(scene.home.target));
-  for (const glm::vec3& point : scene.home.fit) welcome.home_fit.push_back(to_wire(point));
+  tell_home(scene.home, welcome);
   welcome.tone = static_cast<std::uint8_t>(scene.environment.tone);
   welcome.floor = floor_to_wire(scene.environment.floor);
-  welcome.walk_radius_m = scene.home.walk_radius_m;
-  welcome.walk_speed_mps = scene.home.walk_speed_mps;
-  welcome.walk_eye_m = scene.home.walk_eye_m;
   welcome.geometry = options_.geometry && s.grant.geometry;
   welcome.reference = options_.reference && s.grant.reference;
   welcome.shadows = options_.shadows;

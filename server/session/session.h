@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "protocol/model/scene_types.h"
-#include "server/session/encoded_cache.h"
 #include "server/session/fetch_requests.h"
 #include "server/session/form_requests.h"
 #include "server/session/got_tile.h"
@@ -27,6 +26,7 @@
 
 namespace mirage {
 
+struct EncodedParts;
 struct HubState;
 struct TileAddress;
 
@@ -34,6 +34,7 @@ class SessionHub {
  public:
   SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOptions options,
              StageQueues& queues);
+  ~SessionHub();
 
   /// Returns the hash of the scene and of what draws it. Servers with equal revisions have equal
   /// tiles for equal keys.
@@ -187,8 +188,7 @@ class SessionHub {
   std::vector<PacketPtr> pages_;
   const Bytes probe_page_;  ///< a whole message; empty: the scene has no probe
   const BoundedQueue<EncodeJob>& pixels_;
-  ImageCache images_;
-  GroundCache grounds_;
+  std::unique_ptr<EncodedParts> parts_;
   FetchRequests fetches_;
   FormRequests forms_;
   ViewCache views_;

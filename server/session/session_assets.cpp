@@ -3,6 +3,7 @@
 #include "protocol/impostor/tile_key.h"
 #include "server/prepare/object_geometry.h"
 #include "server/prepare/prepared_scene.h"
+#include "server/session/encoded_cache.h"
 #include "server/session/session.h"
 #include "server/tile/tile_job.h"
 
@@ -52,10 +53,10 @@ void SessionHub::image_ask(SessionId id, Session& s, const wire::ImageAsk& ask) 
     return refuse(id, ask.request_id(), wire::RefusalReason::NoGeometry);
   if (s.outbox.full()) return refuse(id, ask.request_id(), wire::RefusalReason::Busy);
   const ImageLevel level{ask.image(), ask.level()};
-  if (const Bytes* encoded = images_.find(level)) {
+  if (const Bytes* encoded = parts_->images.find(level)) {
     return push_image(id, ask.request_id(), level, *encoded);
   }
-  if (!images_.wait(level, {id, ask.request_id()})) {
+  if (!parts_->images.wait(level, {id, ask.request_id()})) {
     refuse(id, ask.request_id(), wire::RefusalReason::Busy);
   }
 }
@@ -75,11 +76,11 @@ void SessionHub::push_image(SessionId id, std::uint32_t request, const ImageLeve
 }
 
 void SessionHub::finish(FinishedImage done) {
-  for (const auto& [session, request] : images_.take_waiting(done.level)) {
+  for (const auto& [session, request] : parts_->images.take_waiting(done.level)) {
     push_image(session, request, done.level, done.bytes);
   }
   const std::size_t bytes = done.bytes.size();
-  images_.keep(done.level, std::move(done.bytes), bytes);
+  parts_->images.keep(done.level, std::move(done.bytes), bytes);
 }
 
 void SessionHub::ground(SessionId id, Session& s, const wire::GroundRequestT& m) {
@@ -87,11 +88,11 @@ void SessionHub::ground(SessionId id, Session& s, const wire::GroundRequestT& m)
     return refuse(id, m.request_id, wire::RefusalReason::UnknownObject);
   }
   const GroundBlockId block{m.x, m.z};
-  if (const EncodedGround* made = grounds_.find(block)) {
+  if (const EncodedGround* made = parts_->grounds.find(block)) {
     return push_ground(id, m.request_id, block, *made);
   }
-  const bool busy = s.outbox.full() || grounds_.asks_of(id) >= kMostGroundAsks;
-  if (busy || !grounds_.wait(block, {id, m.request_id})) {
+  const bool busy = s.outbox.full() || parts_->grounds.asks_of(id) >= kMostGroundAsks;
+  if (busy || !parts_->grounds.wait(block, {id, m.request_id})) {
     refuse(id, m.request_id, wire::RefusalReason::Busy);
   }
 }
@@ -111,12 +112,12 @@ void SessionHub::push_ground(SessionId id, std::uint32_t request, GroundBlockId 
 }
 
 void SessionHub::finish(FinishedGround done) {
-  for (const auto& [session, request] : grounds_.take_waiting(done.block)) {
+  for (const auto& [session, request] : parts_->grounds.take_waiting(done.block)) {
     push_ground(session, request, done.block, done.ground);
   }
   if (done.ground.raw_bytes == 0) return;  // it may succeed later
   const std::size_t bytes = done.ground.bytes.size() + sizeof(EncodedGround);
-  grounds_.keep(done.block, std::move(done.ground), bytes);
+  parts_->grounds.keep(done.block, std::move(done.ground), bytes);
 }
 
 void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceRequestT& m) {

@@ -5,9 +5,9 @@
 #include <cstdint>
 
 #include "fuzz_targets.h"
+#include "protocol/codec/ground_codec.h"
 #include "protocol/impostor/light_probe.h"
 #include "protocol/impostor/view_tile.h"
-#include "protocol/codec/ground_codec.h"
 #include "protocol/wire/light_probe_codec.h"
 #include "protocol/wire/message.h"
 #include "protocol/wire/unpack.h"

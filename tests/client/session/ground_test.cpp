@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "client/scene/ground_map.h"
-#include "client/session/ground_stage.h"
+#include "client/session/ground_asks.h"
 
 namespace mirage::test {
 namespace {
@@ -17,7 +17,7 @@ struct Asking {
     return out;
   }
   GroundMap map;
-  GroundStage stage;
+  GroundAsks stage;
   std::uint32_t number = 0;
 };
 
@@ -28,7 +28,7 @@ GroundBlock empty_block(GroundBlockId id) {
   return out;
 }
 
-TEST(ClientGroundStage, TheNearestBlocksComeFirstAndEachOnce) {
+TEST(ClientGroundAsks, TheNearestBlocksComeFirstAndEachOnce) {
   Asking a;
   const std::vector<GroundBlockId> first = a.ask(0);
   ASSERT_EQ(first.size(), 4u);
@@ -44,7 +44,7 @@ TEST(ClientGroundStage, TheNearestBlocksComeFirstAndEachOnce) {
   for (const GroundBlockId& id : first) EXPECT_FALSE(more[0] == id);
 }
 
-TEST(ClientGroundStage, ARefusalPausesAndANewConnectionAsksAgain) {
+TEST(ClientGroundAsks, ARefusalPausesAndANewConnectionAsksAgain) {
   Asking a;
   const std::vector<GroundBlockId> first = a.ask(0);
   ASSERT_TRUE(a.stage.refused(2, 1000));
@@ -57,7 +57,7 @@ TEST(ClientGroundStage, ARefusalPausesAndANewConnectionAsksAgain) {
   EXPECT_EQ(a.ask(1'600'000).size(), 4u);
 }
 
-TEST(ClientGroundStage, WhereNobodyWalksNothingIsAskedFor) {
+TEST(ClientGroundAsks, WhereNobodyWalksNothingIsAskedFor) {
   Asking a;
   a.map.reset({});
   EXPECT_TRUE(a.ask(0).empty());

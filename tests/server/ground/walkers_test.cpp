@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <random>
 
+#include "client/scene/ground_map.h"
 #include "client/scene/scene_view.h"
 #include "client/screen/pilot.h"
 #include "protocol/codec/ground_codec.h"
@@ -88,7 +89,7 @@ class Solid {
   std::map<std::pair<int, int>, std::vector<Triangle>> squares_;
 };
 
-/// What the ground of a scene has cost.
+/// The cost of the ground of a scene.
 struct Made {
   double blocks = 0, ms = 0, bytes = 0;
 };
@@ -96,22 +97,23 @@ struct Made {
 /// One person: keys are pressed at random.
 class Walker {
  public:
-  Walker(const PreparedScene& scene, SceneView& view, unsigned seed, Made& made)
-      : scene_(scene), view_(view), made_(made), random_(seed) {
+  Walker(const PreparedScene& scene, const SceneView& view, GroundMap& ground, unsigned seed,
+         Made& made)
+      : scene_(scene), ground_(ground), made_(made), random_(seed) {
     pilot_.meet(view);
     pose_ = look_at(view.home.eye, view.home.target);
   }
   const glm::dvec3& eye() const { return pose_.eye; }
   void frame(int number) {
-    for (const GroundBlockId& id : view_.ground.missing_around(eye().x, eye().z)) {
+    for (const GroundBlockId& id : ground_.missing_around(eye().x, eye().z)) {
       const auto began = std::chrono::steady_clock::now();
-      GroundBlock block = make_ground(scene_, view_.ground.body(), id).take();
+      GroundBlock block = make_ground(scene_, ground_.body(), id).take();
       const std::chrono::duration<double, std::milli> took =
           std::chrono::steady_clock::now() - began;
       made_.ms += took.count();
       made_.bytes += static_cast<double>(encode_ground(block).size());
       ++made_.blocks;
-      view_.ground.add(std::move(block));
+      ground_.add(std::move(block));
     }
     if (number % 15 == 0) {  // twice a second
       std::uniform_real_distribution<double> any(-1, 1);
@@ -120,12 +122,12 @@ class Walker {
       by_.move = glm::dvec3(any(random_), any(random_), 1.5 + any(random_)) * (boost * kFrameS);
       by_.zoom = any(random_) > 0.9 ? 1 : 0;
     }
-    pilot_.steer(by_, 1, view_.ground, pose_);
+    pilot_.steer(by_, 1, ground_, pose_);
   }
 
  private:
   const PreparedScene& scene_;
-  SceneView& view_;
+  GroundMap& ground_;
   Made& made_;
   Pilot pilot_;
   Pose pose_;
@@ -150,11 +152,12 @@ Walked walk(const std::string& spec) {
   const double height = view.home.walk_eye_m;
   EXPECT_GT(height, 0) << spec << " has no ground";
   if (!(height > 0)) return out;
-  view.ground.reset({height});
+  GroundMap ground;
+  ground.reset({height});
   const Solid solid(**scene, height);
   Made made;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-    Walker walker(**scene, view, seed, made);
+    Walker walker(**scene, view, ground, seed, made);
     for (int i = 0; i < static_cast<int>(kSeconds / kFrameS); ++i) {
       const glm::dvec3 before = walker.eye();
       walker.frame(i);
@@ -172,8 +175,9 @@ Walked walk(const std::string& spec) {
   }
   std::printf(
       "%s: eye %.2f m, %.0f m walked in %d x %.0f s; frames through something %d, low over "
-      "the ground %d, without ground %d\n",
-      spec.c_str(), height, out.way_m, kSeeds, kSeconds, out.through, out.low, out.without_ground);
+      "the ground %d, without ground %d; a block has %.0f bytes and takes %.1f ms\n",
+      spec.c_str(), height, out.way_m, kSeeds, kSeconds, out.through, out.low, out.without_ground,
+      made.bytes / made.blocks, made.ms / made.blocks);
   return out;
 }
 

@@ -64,7 +64,8 @@ TEST_F(ServerSession, MessagesOfAServerAreNotForAServer) {
     const auto type = decode_message(bytes.data(), bytes.size())->body.type;
     if (type == wire::Body::RequestBatch || type == wire::Body::SetLighting ||
         type == wire::Body::ReferenceRequest || type == wire::Body::StatsRequest ||
-        type == wire::Body::OpenRequest || type == wire::Body::ViewRequest) {
+        type == wire::Body::OpenRequest || type == wire::Body::ViewRequest ||
+        type == wire::Body::GroundRequest) {
       continue;
     }
     const SessionId id = greeted();

@@ -1,4 +1,4 @@
-#include "client/session/ground_stage.h"
+#include "client/session/ground_asks.h"
 
 #include <algorithm>
 
@@ -12,8 +12,8 @@ constexpr std::int64_t kPauseUs = 1'000'000;  // after a refusal
 
 }  // namespace
 
-std::vector<GroundBlockId> GroundStage::plan(const GroundMap& map, double x, double z,
-                                             std::int64_t now_us) const {
+std::vector<GroundBlockId> GroundAsks::plan(const GroundMap& map, double x, double z,
+                                            std::int64_t now_us) const {
   if (now_us < not_before_us_ || pending_.size() >= kMostAtOnce) return {};
   std::vector<GroundBlockId> out = map.missing_around(x, z);
   const auto is_asked = [this](const GroundBlockId& block) {
@@ -25,14 +25,14 @@ std::vector<GroundBlockId> GroundStage::plan(const GroundMap& map, double x, dou
   return out;
 }
 
-bool GroundStage::finish(std::uint32_t request_id, GroundBlockId block) {
+bool GroundAsks::finish(std::uint32_t request_id, GroundBlockId block) {
   const auto at = pending_.find(request_id);
   if (at == pending_.end() || !(at->second == block)) return false;
   pending_.erase(at);
   return true;
 }
 
-bool GroundStage::refused(std::uint32_t request_id, std::int64_t now_us) {
+bool GroundAsks::refused(std::uint32_t request_id, std::int64_t now_us) {
   if (pending_.erase(request_id) == 0) return false;
   not_before_us_ = now_us + kPauseUs;
   return true;

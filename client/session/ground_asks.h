@@ -1,5 +1,5 @@
 #pragma once
-// Ground stage: asks for the ground around somebody who walks.
+// Asks for the ground around somebody who walks, a few blocks at a time.
 // Input:  where the walker is; refusals.
 // Output: requests.
 // Thread: the frame loop's.
@@ -15,7 +15,7 @@ namespace mirage {
 
 class GroundMap;
 
-class GroundStage {
+class GroundAsks {
  public:
   /// Restarts for a new connection, where the requested blocks will not come.
   void reset() { pending_.clear(); }
