@@ -207,7 +207,7 @@ test('keys move, the mouse turns about what is under it, pans and flies, the whe
 });
 
 test('feet stay on the ground, walls stop them; G flies and lands', async () => {
-  const hall = await serve('builtin:museum?objects=4&triangles=500');
+  const hall = await serve('builtin:museum?objects=4&triangles=2000');
   const page = await open(browser, `${hall.url}#budget=0`);
   await rested(page);
   const start = await pose(page);
