@@ -8,7 +8,7 @@ namespace mirage {
 namespace {
 
 constexpr std::size_t kMostAtOnce = 4;
-constexpr std::int64_t kPauseUs = 1'000'000;  // after a refusal
+constexpr std::int64_t kPauseAfterRefusalUs = 1'000'000;  // after a refusal
 
 }  // namespace
 
@@ -34,7 +34,7 @@ bool GroundAsks::finish(std::uint32_t request_id, GroundBlockId block) {
 
 bool GroundAsks::refused(std::uint32_t request_id, std::int64_t now_us) {
   if (pending_.erase(request_id) == 0) return false;
-  not_before_us_ = now_us + kPauseUs;
+  not_before_us_ = now_us + kPauseAfterRefusalUs;
   return true;
 }
 

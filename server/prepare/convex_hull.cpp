@@ -24,7 +24,7 @@ std::vector<glm::dvec3> support_directions() {
 /// A convex polygon, counter-clockwise from outside.
 using Polygon = std::vector<glm::dvec3>;
 
-constexpr double kSame = 1e-6;  // corners nearer than this are one
+constexpr double kSameCorner = 1e-6;  // corners nearer than this are one
 
 // Returns a square around the middle of the plane, larger than any body that planes of such offsets
 // enclose.
@@ -53,7 +53,7 @@ void clip(const Polygon& in, const glm::dvec3& normal, double offset, Polygon& o
 
 std::size_t index_of(const glm::dvec3& corner, std::vector<glm::dvec3>& vertices) {
   const auto at = std::find_if(vertices.begin(), vertices.end(), [&](const glm::dvec3& v) {
-    return glm::dot(v - corner, v - corner) < kSame * kSame;
+    return glm::dot(v - corner, v - corner) < kSameCorner * kSameCorner;
   });
   const auto index = static_cast<std::size_t>(at - vertices.begin());
   if (index == vertices.size()) vertices.push_back(corner);

@@ -13,11 +13,11 @@ constexpr double kPerson = 1.7;                             // m
 constexpr double kLowestEye = 0.5, kHighestEye = 3;         // m, of a home view at eye height
 constexpr double kSmallestPlace = 3, kLargestPlace = 5000;  // radius, m, of scenes in metres
 constexpr double kUsualPlace = 300;                         // radius, m
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoHit = std::numeric_limits<double>::infinity();
 
 // The nearest surfaces that a plumb line through a point meets.
 struct Plumb {
-  double below = -kInfinity, above = kInfinity;  // height of the surface
+  double below = -kNoHit, above = kNoHit;  // height of the surface
 };
 
 // Adds a triangle, in world space, relative to the point.

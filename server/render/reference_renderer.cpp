@@ -15,7 +15,7 @@ namespace {
 
 const std::vector<GLenum> kKeptFormats = {GL_SRGB8_ALPHA8, GL_R32F, GL_R32UI};
 
-constexpr GLenum kColorOnly[] = {GL_COLOR_ATTACHMENT0, GL_NONE};
+constexpr GLenum kColorNoId[] = {GL_COLOR_ATTACHMENT0, GL_NONE};
 constexpr GLenum kIdOnly[] = {GL_NONE, GL_COLOR_ATTACHMENT1};
 constexpr GLenum kColorAndId[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
 
@@ -194,7 +194,7 @@ void ReferenceRenderer::begin_band(float far_depth) {
   glClearBufferuiv(GL_COLOR, 1, no_id);
   glDepthMask(GL_TRUE);
   glClearBufferfv(GL_DEPTH, 0, &far_depth);
-  glDrawBuffers(2, kColorOnly);
+  glDrawBuffers(2, kColorNoId);
   sky_.draw(p.shot.camera, scene_->prepared->scene.environment);
   for (FramePiece& piece : p.pieces.opaque(p.band)) {
     p.steps.push_back({Kind::kOpaque, std::move(piece)});
@@ -217,7 +217,7 @@ double ReferenceRenderer::draw_pieces(double most, DepthMapping mapping) {
     if (kind != last) {
       if (pass) pass->end();
       glDrawBuffers(2, kind == Kind::kOpaque    ? kColorAndId
-                       : kind == Kind::kBlended ? kColorOnly
+                       : kind == Kind::kBlended ? kColorNoId
                                                 : kIdOnly);
       pass = kind == Kind::kFront ? fronts_.get() : meshes_.get();
       pass->begin(clip, p.lights, mapping);

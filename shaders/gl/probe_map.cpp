@@ -5,7 +5,7 @@
 namespace mirage::gl {
 namespace {
 
-constexpr int kTextureUnit = 8;  // after those of materials, atlases and the shadow map
+constexpr int kProbeMapUnit = 8;  // after those of materials, atlases and the shadow map
 
 Texture texture_of(int width, int height, const std::uint32_t* texels) {
   Texture out = Texture::create();
@@ -49,8 +49,8 @@ void ProbeMap::use(Program& program, const ProbeLight& light) const {
   values[0].w = shines ? light.strength : 0.0f;
   values.insert(values.end(), irradiance_.begin(), irradiance_.end());
   program.set("u_probe_light", values);
-  program.set("u_probe", kTextureUnit);
-  glActiveTexture(GL_TEXTURE0 + kTextureUnit);
+  program.set("u_probe", kProbeMapUnit);
+  glActiveTexture(GL_TEXTURE0 + kProbeMapUnit);
   glBindTexture(GL_TEXTURE_2D, texels_.id());
   glActiveTexture(GL_TEXTURE0);
 }

@@ -2,7 +2,7 @@
 
 namespace mirage::gl {
 namespace {
-constexpr int kTextureUnit = 7;  // after those of materials and atlases
+constexpr int kShadowMapUnit = 7;  // after those of materials and atlases
 }  // namespace
 
 Result<ShadowMap> ShadowMap::create(int edge) {
@@ -40,11 +40,11 @@ void ShadowMap::begin(const SunFrame& frame) {
 }
 
 void ShadowMap::use(Program& program, const glm::dvec3& eye) const {
-  program.set("u_shadow_map", kTextureUnit);
+  program.set("u_shadow_map", kShadowMapUnit);
   program.set("u_map_from_relative", frame_.map_from_relative(eye));
   program.set("u_to_sun", glm::vec3(-frame_.forward));
   program.set("u_shadow_texel", glm::vec2(frame_.texel_m(), 1.0 / edge_));
-  glActiveTexture(GL_TEXTURE0 + kTextureUnit);
+  glActiveTexture(GL_TEXTURE0 + kShadowMapUnit);
   glBindTexture(GL_TEXTURE_2D, depth_.id());
   glActiveTexture(GL_TEXTURE0);
 }
