@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <set>
 
 namespace mirage::gltf {
 namespace {
@@ -64,39 +62,34 @@ float half_turn(double radians) {
 
 }  // namespace
 
-std::uint32_t MaterialImporter::index_of(int gltf_material, Without without) {
+const tinygltf::Material& MaterialImporter::source_of(int gltf_material) const {
   static const tinygltf::Material kDefault;
-  const tinygltf::Material& source =
-      gltf_material < 0 ? kDefault : document_.model.materials[gltf_material];
-  without.anisotropy = without.anisotropy && strength_of_grain(source) > 0;
+  return gltf_material < 0 ? kDefault : document_.model.materials[gltf_material];
+}
+
+const Material& MaterialImporter::as_in_file(int gltf_material) {
+  const auto found = converted_.find(gltf_material);
+  if (found != converted_.end()) return found->second;
+  return converted_.emplace(gltf_material, convert(source_of(gltf_material))).first->second;
+}
+
+std::uint32_t MaterialImporter::index_of(int gltf_material, Without without, const UvPlan& plan) {
+  without.anisotropy = without.anisotropy && strength_of_grain(source_of(gltf_material)) > 0;
   // The specification requires tangents, or a normal map, whose frame follows texture coordinates.
   // Any invented frame would have visible seams.
   if (without.anisotropy) tally_.add("primitives without tangents drawn without anisotropy");
-  const auto [entry, is_new] = material_index_.try_emplace({gltf_material, without}, 0u);
+  const auto [entry, is_new] = material_index_.try_emplace({gltf_material, without, plan}, 0u);
   if (!is_new) return entry->second;
-  Material material = convert(source);
+  Material material = as_in_file(gltf_material);
   material.unlit = material.unlit || without.lighting;
   if (without.anisotropy) {
     material.lobes.anisotropy = material.lobes.anisotropy_rotation = 0;
     material.lobes.map(LobeMap::kAnisotropy) = {};
   }
+  tally_.add("textures of a third set of texture coordinates left out", apply(plan, material));
   entry->second = static_cast<std::uint32_t>(materials_.size());
-  uv_sets_.push_back(settle_uv_sets(material));
   materials_.push_back(material);
   return entry->second;
-}
-
-MaterialImporter::UvSets MaterialImporter::settle_uv_sets(Material& material) {
-  std::set<std::uint8_t> used;
-  material.each_map([&](const TextureRef& ref) {
-    if (ref.present()) used.insert(ref.uv_set);
-  });
-  if (used.empty() || *used.rbegin() <= 1) return kFirstTwo;
-  const int first = *used.begin(), second = used.size() > 1 ? *std::next(used.begin()) : first;
-  if (used.size() > 2) tally_.add("textures of a third set of texture coordinates use the first");
-  material.each_map(
-      [&](TextureRef& ref) { ref.uv_set = ref.uv_set == second && second != first ? 1 : 0; });
-  return {first, second};
 }
 
 Result<std::vector<Image>> MaterialImporter::take_images(const Workers& workers) {

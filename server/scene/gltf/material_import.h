@@ -1,18 +1,18 @@
 #pragma once
 // Turns glTF materials, textures and samplers into Material and Image lists.
 
-#include <array>
 #include <compare>
 #include <cstdint>
 #include <map>
 #include <string_view>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "protocol/model/model.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/image_import.h"
 #include "server/scene/gltf/tally.h"
+#include "server/scene/gltf/uv_plan.h"
 
 namespace mirage::gltf {
 
@@ -30,14 +30,12 @@ class MaterialImporter {
   MaterialImporter(const Document& document, Tally& tally)
       : document_(document), tally_(tally), images_(document, tally) {}
 
-  /// Returns the index into materials() of a glTF material, -1 for the default one.
-  std::uint32_t index_of(int gltf_material, Without without);
-
-  /// The sets of texture coordinates in the file (TEXCOORD_n) that a material reads as its first
-  /// and second: vertices have two.
-  using UvSets = std::array<int, 2>;
-  static constexpr UvSets kFirstTwo{0, 1};
-  const UvSets& uv_sets(std::uint32_t material) const { return uv_sets_[material]; }
+  /// A glTF material as the file has it, -1 for the default one. Its maps name sets of texture
+  /// coordinates by their number in the file. Valid until the next call.
+  const Material& as_in_file(int gltf_material);
+  /// Returns the index into materials() of a glTF material for a primitive with these features and
+  /// sets of texture coordinates.
+  std::uint32_t index_of(int gltf_material, Without without, const UvPlan& plan);
 
   const std::vector<Material>& materials() const { return materials_; }
   std::vector<Material> take_materials() { return std::move(materials_); }
@@ -46,10 +44,8 @@ class MaterialImporter {
   Result<std::vector<Image>> take_images(const Workers& workers);
 
  private:
+  const tinygltf::Material& source_of(int gltf_material) const;
   Material convert(const tinygltf::Material& source);
-  /// Returns the two sets that the material's textures use, and makes the textures name them 0 and
-  /// 1. Textures of a third set use the first.
-  UvSets settle_uv_sets(Material& material);
   /// A texture's placement and its image in the file; -1: there is none to draw.
   struct PlacedTexture {
     TextureRef ref;
@@ -68,9 +64,9 @@ class MaterialImporter {
   const Document& document_;
   Tally& tally_;
   std::vector<Material> materials_;
-  std::vector<UvSets> uv_sets_;  ///< of each material
   ImageImporter images_;
-  std::map<std::pair<int, Without>, std::uint32_t> material_index_;
+  std::map<int, Material> converted_;  ///< by glTF index
+  std::map<std::tuple<int, Without, UvPlan>, std::uint32_t> material_index_;
 };
 
 }  // namespace mirage::gltf

@@ -1,5 +1,6 @@
 #include "server/scene/gltf/mesh_import.h"
 
+#include <map>
 #include <numeric>
 
 #include "server/scene/gltf/mesh_assemble.h"
@@ -13,6 +14,25 @@ bool uses_missing_uv(const Material& material, const RawPrimitive& raw) {
     missing = missing || (ref.present() && (ref.uv_set == 0 ? raw.uv0.empty() : raw.uv1.empty()));
   });
   return missing;
+}
+
+// Gives the primitive the two sets of texture coordinates that its material reads.
+Result<UvPlan> settle_uv_sets(const Document& document, const tinygltf::Primitive& source,
+                              const Material& material, Tally& tally, RawPrimitive& raw) {
+  std::map<int, std::vector<glm::vec2>> sets;
+  for (const int set : uv_sets_read(material)) {
+    if (set <= 1) continue;
+    auto read = read_uv_set(document, source, set, raw, tally);
+    if (!read) return read.error();
+    sets.emplace(set, read.take());
+  }
+  if (sets.empty()) return UvPlan{};
+  sets.emplace(0, raw.uv0);
+  sets.emplace(1, raw.uv1);
+  UvPlan plan = plan_uv_sets(material, [&](int set) { return sets.at(set); });
+  raw.uv0 = sets.at(plan.kept[0]);
+  raw.uv1 = sets.at(plan.kept[1]);
+  return plan;
 }
 
 }  // namespace
@@ -67,11 +87,11 @@ Result<Mesh> import_mesh(const Document& document, int mesh, const Pose& pose,
     Without without;
     without.lighting = raw->kind != PrimitiveKind::kTriangles && raw->normal.empty();
     without.anisotropy = !has_tangents(*raw);
-    const std::uint32_t material = materials.index_of(source.material, without);
+    const auto plan =
+        settle_uv_sets(document, source, materials.as_in_file(source.material), tally, *raw);
+    if (!plan) return plan.error();
+    const std::uint32_t material = materials.index_of(source.material, without, *plan);
     const Material& used = materials.materials()[material];
-    if (const auto& sets = materials.uv_sets(material); sets != MaterialImporter::kFirstTwo) {
-      if (auto ok = take_uv_sets(document, source, sets, tally, *raw); !ok) return ok.error();
-    }
     if (uses_missing_uv(used, *raw)) {
       tally.add("primitives lack the texture coordinates of their material");
     }

@@ -290,18 +290,15 @@ Result<RawPrimitive> read_primitive(const Document& document, const tinygltf::Pr
   return raw;
 }
 
-Result<void> take_uv_sets(const Document& document, const tinygltf::Primitive& source,
-                          const std::array<int, 2>& sets, Tally& tally, RawPrimitive& raw) {
-  std::vector<glm::vec2>* const slots[] = {&raw.uv0, &raw.uv1};
-  for (std::size_t i = 0; i < sets.size(); ++i) {
-    slots[i]->clear();
-    const std::string semantic = "TEXCOORD_" + std::to_string(sets[i]);
-    const auto read =
-        read_uv(document, find(source.attributes, semantic.c_str()), tally, *slots[i]);
-    auto ok = keep_usable(read, semantic.c_str(), raw, tally, *slots[i]);
-    if (!ok) return ok;
-  }
-  return {};
+Result<std::vector<glm::vec2>> read_uv_set(const Document& document,
+                                           const tinygltf::Primitive& source, int set,
+                                           const RawPrimitive& raw, Tally& tally) {
+  std::vector<glm::vec2> out;
+  const std::string semantic = "TEXCOORD_" + std::to_string(set);
+  const auto read = read_uv(document, find(source.attributes, semantic.c_str()), tally, out);
+  auto ok = keep_usable(read, semantic.c_str(), raw, tally, out);
+  if (!ok) return ok.error();
+  return out;
 }
 
 }  // namespace mirage::gltf

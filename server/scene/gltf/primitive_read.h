@@ -2,7 +2,6 @@
 // Reads one glTF primitive into plain arrays: attributes widened to float, indices expanded to
 // lists, morph targets and skin applied at the rest pose.
 
-#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
@@ -43,9 +42,10 @@ std::vector<std::uint32_t> expand_indices(std::vector<std::uint32_t> indices, in
 Result<RawPrimitive> read_primitive(const Document& document, const tinygltf::Primitive& source,
                                     const Pose& pose, Tally& tally);
 
-/// Replaces the texture coordinates by those of two other sets, TEXCOORD_n. Errors: those of a
-/// strict tally.
-Result<void> take_uv_sets(const Document& document, const tinygltf::Primitive& source,
-                          const std::array<int, 2>& sets, Tally& tally, RawPrimitive& raw);
+/// Returns the coordinates of a set, TEXCOORD_n, one for each position of `raw`; none: the
+/// primitive lacks usable ones. Errors: those of a strict tally.
+Result<std::vector<glm::vec2>> read_uv_set(const Document& document,
+                                           const tinygltf::Primitive& source, int set,
+                                           const RawPrimitive& raw, Tally& tally);
 
 }  // namespace mirage::gltf

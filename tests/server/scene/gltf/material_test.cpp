@@ -90,7 +90,8 @@ TEST(GltfMaterial, SamplerAndTransform) {
   EXPECT_EQ(vertex.uv1, vertex.uv0);
 }
 
-// Vertices have two sets of texture coordinates; a material may use any two of the file's.
+// Vertices have two sets of texture coordinates; a material may use any two of the file's. A map of
+// a third set would lie in a wrong place.
 TEST(GltfMaterial, AnyTwoSetsOfTextureCoordinatesAreRead) {
   json material = base_color();
   material["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 3;
@@ -117,6 +118,42 @@ TEST(GltfMaterial, AnyTwoSetsOfTextureCoordinatesAreRead) {
   auto three = builder.load_strict();
   ASSERT_TRUE(three) << failure(three);
   EXPECT_TRUE(has_warning(*three, "a third set of texture coordinates"));
+  EXPECT_FALSE(three->materials[0].occlusion_map.present());
+  EXPECT_EQ(three->materials[0].base_color_map.uv_set, 0);
+}
+
+// Most files that name a third set have one that repeats, turns or scales another.
+TEST(GltfMaterial, SetsThatOthersGiveAreReadThroughThose) {
+  json material = base_color();
+  material["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 1;
+  material["emissiveTexture"] = {{"index", 0}, {"texCoord", 2}};
+  material["emissiveFactor"] = {1, 1, 1};
+  material["normalTexture"] = {
+      {"index", 0},
+      {"texCoord", 3},
+      {"extensions", {{"KHR_texture_transform", {{"offset", {0.5, 0}}, {"scale", {2, 2}}}}}}};
+  Builder builder = textured(make_png(1, 1, 8, 2, "abc"), material);
+  json& attributes = builder.primitive()["attributes"];
+  attributes["TEXCOORD_1"] = builder.vec2({0, 0, 1, 0, 0, 1});
+  attributes["TEXCOORD_2"] = builder.vec2({0.25, 0.25, 0.25, 0.25, 0.25, 0.25});
+  attributes["TEXCOORD_3"] = builder.vec2({1, 3, 1, 4, 0, 3});  // (1 - v, 3 + u)
+  auto scene = builder.load_strict();
+  ASSERT_TRUE(scene) << failure(scene);
+  EXPECT_TRUE(scene->warnings.empty());
+  const Material& m = scene->materials[0];
+  const Vertex& vertex = scene->objects[0].mesh.vertices[2];
+  EXPECT_EQ(vertex.uv0, glm::vec2(0, 1));
+  EXPECT_EQ(m.base_color_map.scale, glm::vec2(1));
+  for (const TextureRef* map : {&m.base_color_map, &m.emissive_map, &m.normal_map}) {
+    EXPECT_EQ(map->uv_set, 0);
+  }
+  EXPECT_EQ(m.emissive_map.scale, glm::vec2(0));
+  EXPECT_NEAR(m.emissive_map.offset.x, 0.25f, 1e-6f);
+  // 2 (1 - v, 3 + u) + (0.5, 0), as mesh_pass.cpp computes it.
+  const TextureRef& n = m.normal_map;
+  const float c = std::cos(n.rotation), s = std::sin(n.rotation);
+  EXPECT_NEAR(n.scale.x * c * 0.25f + n.scale.y * s * 0.5f + n.offset.x, 1.5f, 1e-5f);
+  EXPECT_NEAR(-n.scale.x * s * 0.25f + n.scale.y * c * 0.5f + n.offset.y, 6.5f, 1e-5f);
 }
 
 TEST(GltfMaterial, LobesAreRead) {
