@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "protocol/base/limits.h"
 #include "protocol/codec/animation_codec.h"
@@ -146,6 +147,15 @@ Bytes unique_vertices(const ModelView& model, const VertexLayout& layout, Ordere
   return out;
 }
 
+/// Returns what `encode(to, most)` writes of `count` elements; it returns the bytes used. `most`
+/// is up to twice of that: memory that is not written to is not taken.
+template <typename Encode>
+Bytes coded(std::size_t count, std::size_t most, const Encode& encode) {
+  if (count == 0) return {};
+  const std::unique_ptr<std::uint8_t[]> to(new std::uint8_t[most]);  // not filled with zeros
+  return {to.get(), to.get() + encode(to.get(), most)};
+}
+
 template <typename V>
 void put_range(ByteWriter& w, const Range<V>& range) {
   for (int c = 0; c < V::length(); ++c) w.put(range.low[c]);
@@ -278,22 +288,23 @@ Bytes encode_model(const ModelView& model) {
   const std::size_t triangles = order.triangle_indices;
   const std::size_t others = order.indices.size() - triangles;
 
-  Bytes vertex_code(meshopt_encodeVertexBufferBound(vertices, layout.stride()));
-  vertex_code.resize(vertices == 0
-                         ? 0
-                         : meshopt_encodeVertexBuffer(vertex_code.data(), vertex_code.size(),
-                                                      packed.data(), vertices, layout.stride()));
+  const Bytes vertex_code =
+      coded(vertices, meshopt_encodeVertexBufferBound(vertices, layout.stride()),
+            [&](std::uint8_t* to, std::size_t most) {
+              return meshopt_encodeVertexBuffer(to, most, packed.data(), vertices, layout.stride());
+            });
   packed = {};  // may be 100 MB, like those below
-  Bytes triangle_code(meshopt_encodeIndexBufferBound(triangles, vertices));
-  triangle_code.resize(triangles == 0
-                           ? 0
-                           : meshopt_encodeIndexBuffer(triangle_code.data(), triangle_code.size(),
-                                                       order.indices.data(), triangles));
-  Bytes other_code(meshopt_encodeIndexSequenceBound(others, vertices));
-  other_code.resize(others == 0
-                        ? 0
-                        : meshopt_encodeIndexSequence(other_code.data(), other_code.size(),
-                                                      order.indices.data() + triangles, others));
+  const Bytes triangle_code =
+      coded(triangles, meshopt_encodeIndexBufferBound(triangles, vertices),
+            [&](std::uint8_t* to, std::size_t most) {
+              return meshopt_encodeIndexBuffer(to, most, order.indices.data(), triangles);
+            });
+  const Bytes other_code = coded(others, meshopt_encodeIndexSequenceBound(others, vertices),
+                                 [&](std::uint8_t* to, std::size_t most) {
+                                   return meshopt_encodeIndexSequence(
+                                       to, most, order.indices.data() + triangles, others);
+                                 });
+  order.indices = {};
 
   ByteWriter w;
   w.bytes.reserve(vertex_code.size() + triangle_code.size() + other_code.size() +

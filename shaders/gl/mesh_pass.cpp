@@ -7,6 +7,7 @@
 #include "protocol/base/limits.h"
 #include "shaders/gl/dialect.h"
 #include "shaders/gl/mesh_variants.h"
+#include "shaders/gl/paced_draw.h"
 #include "shaders/gl/renderer.h"
 
 namespace mirage::gl {
@@ -299,10 +300,7 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
       const Result<Program*> made = program(needs, fading, stage);
       if (!made) continue;  // warm_up has reported it
       use(**made, material, needs, images, stage);
-      glDrawElementsInstanced(gl_mode(primitive.kind), static_cast<GLsizei>(primitive.index_count),
-                              GL_UNSIGNED_INT,
-                              reinterpret_cast<const void*>(std::size_t{primitive.first_index} * 4),
-                              static_cast<GLsizei>(count));
+      draw_elements(gl_mode(primitive.kind), primitive.first_index, primitive.index_count, count);
       ++draw_calls_;
     }
   }
