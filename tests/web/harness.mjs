@@ -86,6 +86,19 @@ export const figures = (page) => page.evaluate(() => (globalThis.mirage?.figures
 export const message = (page) => page.evaluate(() =>
   (document.getElementById('status').hidden ? '' : document.getElementById('message').textContent));
 export const pose = (page) => page.evaluate(() => mirage.place.view());
+/// Returns the pose once it has not changed for four frames. What a hand has done is then in it: on a busy machine, its
+/// last motion may be taken several frames after the first.
+export const poseAtRest = async (page) => JSON.parse(await page.evaluate(() => new Promise((done) => {
+  let before = '', same = 0;
+  const look = () => {
+    const now = JSON.stringify(mirage.place.view());
+    same = now === before && !mirage.controls.dragged.concat(mirage.controls.panned, mirage.controls.zoom).some(Boolean) ? same + 1 : 0;
+    before = now;
+    if (same < 4) requestAnimationFrame(look);
+    else done(now);
+  };
+  look();
+})));
 
 export const seen = (page, seconds) => until('a picture', async () => (await figures(page))?.seen, seconds);
 /// Waits until everything is there and refined, and the page sleeps.
