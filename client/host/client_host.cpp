@@ -10,6 +10,7 @@
 #include "client/link/link.h"
 #include "client/link/modelled_link.h"
 #include "client/native/native_link.h"
+#include "client/native/no_answer.h"
 #include "client/native/server_url.h"
 #include "client/scene/scene_view.h"
 #include "client/screen/renderer_sink.h"
@@ -59,6 +60,7 @@ TileSink ClientHost::sink() {
 Result<void> ClientHost::open() {
   Result<ServerUrl> url = parse_url(options_.url);
   if (!url) return url.error();
+  url->ca_file = options_.ca_file;
   native_ = std::make_unique<NativeLink>(*url, options_.wake);
   if (options_.net || options_.virtual_time) {
     const auto wait = [this] {
@@ -69,11 +71,7 @@ Result<void> ClientHost::open() {
                                                options_.virtual_time, wait);
   }
   if (!native_->wait_connected(static_cast<int>(options_.connect_timeout_s * 1000))) {
-    const std::string problem = native_->last_problem();
-    return make_error(
-        ErrorId::kNetworkConnect,
-        "no server answers at " + options_.url + (problem.empty() ? "" : ": " + problem),
-        "start one with: mirage-server builtin:forest");
+    return no_answer(*url, options_.url, native_->last_problem());
   }
   ClientOptions session = options_.session;
   if (session.trace && !virtual_clock_) session.trace_clock = [this] { return now_us(); };

@@ -29,6 +29,7 @@ struct TileSink;
 
 struct HostOptions {
   std::string url;
+  std::string ca_file;        ///< ServerUrl::ca_file
   bool virtual_time = false;  ///< time advances only when told to; the link is modelled
   std::optional<NetModel> net;
   double connect_timeout_s = 10;

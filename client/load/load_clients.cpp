@@ -240,6 +240,7 @@ Result<std::unique_ptr<LoadClients>> LoadClients::create(const ServerUrl& url, s
   info.gid = static_cast<gid_t>(-1);
   info.uid = static_cast<uid_t>(-1);
   info.options = url.tls ? LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT : 0;
+  if (!url.ca_file.empty()) info.client_ssl_ca_filepath = url.ca_file.c_str();
   info.timeout_secs = 10;
   info.pt_serv_buf_size = kReadBytes;
   auto impl = std::make_unique<Impl>(url, count, sink);

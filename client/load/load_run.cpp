@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "client/native/no_answer.h"
 #include "protocol/base/limits.h"
 #include "protocol/wire/tile_address.h"
 
@@ -72,10 +73,8 @@ Result<void> LoadRun::meet_server() {
   } while (!over() && scout.pages > pages);
   if (scout.stage == Stage::kDescribed) return {};
   if (scout.stage == Stage::kDown) return why_down();
-  const bool silent = scout.stage == Stage::kAway;
-  return make_error(silent ? ErrorId::kNetworkConnect : ErrorId::kNetworkTimeout,
-                    silent ? "no server answers at " + options_.url_text
-                           : "the server did not describe its scene");
+  if (scout.stage == Stage::kAway) return no_answer(options_.url, options_.url_text, "");
+  return make_error(ErrorId::kNetworkTimeout, "the server did not describe its scene");
 }
 
 Error LoadRun::why_down() const {
@@ -86,9 +85,7 @@ Error LoadRun::why_down() const {
     return make_error(id, down_text_, id == ErrorId::kAuth ? "--token-file FILE" : "");
   }
   if (down_id_ == error_name(ErrorId::kNetworkConnect)) {
-    return make_error(ErrorId::kNetworkConnect,
-                      "no server answers at " + options_.url_text + ": " + down_text_,
-                      "start one with: mirage-server builtin:forest");
+    return no_answer(options_.url, options_.url_text, down_text_);
   }
   return make_error(ErrorId::kNetworkClosed, down_text_);
 }

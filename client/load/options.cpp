@@ -36,6 +36,7 @@ Result<void> check(LoadOptions& o, const std::string& size, const std::string& t
   if (Result<void> finite = check_finite(o); !finite) return finite;
   Result<ServerUrl> url = parse_url(o.url_text);
   if (!url) return url.error();
+  url->ca_file = std::move(o.url.ca_file);
   o.url = url.take();
   char extra = 0;
   if (std::sscanf(size.c_str(), "%5ux%5u%c", &o.width, &o.height, &extra) != 2 || o.width < 1 ||
@@ -139,6 +140,10 @@ void add_result_options(CLI::App& app, LoadOptions& o, std::string& token_file,
       ->type_name("FILE");
   app.add_option("--token-file", token_file, "file whose first line is the server's token")
       ->type_name("FILE");
+  app.add_option("--tls-ca", o.url.ca_file,
+                 "PEM file of certificates to trust beside those of the system")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
 }
 
 }  // namespace

@@ -286,6 +286,7 @@ NativeLink::NativeLink(const ServerUrl& url, std::function<void()> arrived)
   info.gid = static_cast<gid_t>(-1);
   info.uid = static_cast<uid_t>(-1);
   info.options = url.tls ? LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT : 0;
+  if (!url.ca_file.empty()) info.client_ssl_ca_filepath = impl_->url.ca_file.c_str();
   info.timeout_secs = 10;
   info.ka_time = 10;
   info.ka_probes = 3;

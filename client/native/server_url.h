@@ -14,7 +14,8 @@ struct ServerUrl {
   bool tls = false;
   bool unix_socket = false;
   std::string path = "/";
-  SceneChoice choice = {};  ///< from ?clip=NAME&variant=NAME
+  std::string ca_file = {};  ///< certificates to trust beside those of the system, PEM; empty: none
+  SceneChoice choice = {};   ///< from ?clip=NAME&variant=NAME
 
   /// Returns the address in the form that libwebsockets takes.
   std::string address() const { return unix_socket ? "+" + host : host; }

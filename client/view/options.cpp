@@ -163,6 +163,10 @@ void add_connection_options(CLI::App& app, ViewOptions& o) {
   app.option_defaults()->group("Connection and memory");
   app.add_option("--token-file", o.token_file, "file whose first line is the server's token")
       ->type_name("FILE");
+  app.add_option("--tls-ca", o.ca_file,
+                 "PEM file of certificates to trust beside those of the system")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
   app.add_option("--connect-timeout", o.connect_timeout_s, "seconds to wait for the server")
       ->check(number_within(0.1, 3600.0))
       ->capture_default_str();

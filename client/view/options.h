@@ -66,6 +66,7 @@ struct ViewOptions {
   std::string trace_file;
   SceneOptions scene;
   std::string codec_name = "auto";
+  std::string ca_file;
   std::string token_file;
   std::string token;
   Offscreen graphics;

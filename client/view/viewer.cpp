@@ -159,6 +159,7 @@ Result<void> Viewer::open_graphics() {
 void Viewer::make_host() {
   HostOptions host;
   host.url = o_.url;
+  host.ca_file = o_.ca_file;
   host.virtual_time = o_.virtual_time;
   host.net = o_.net;
   host.connect_timeout_s = o_.connect_timeout_s;

@@ -190,6 +190,7 @@ const std::vector<std::string>& options_of_all_programs() {
                                                  "strict",
                                                  "supersample",
                                                  "tau",
+                                                 "tls-ca",
                                                  "tls-cert",
                                                  "tls-key",
                                                  "token-file",

@@ -92,9 +92,11 @@ enum class ExitCode : int {
   X(kNetworkListen, "network-listen", kNetwork, 1011,                                              \
     "The server cannot listen on the address of --listen or --admin.",                             \
     "Stop the program that holds the port, choose another port, or use port 0.")                   \
-  X(kNetworkConnect, "network-connect", kNetwork, 1011, "No Mirage server answers at the URL.",    \
-    "Check that the server printed its ready line, the host and port of the URL, and firewalls; "  \
-    "use wss:// for a server with TLS.")                                                           \
+  X(kNetworkConnect, "network-connect", kNetwork, 1011,                                            \
+    "No Mirage server answers at the URL. Or only one of the two speaks TLS, or the server's "     \
+    "certificate is not trusted here.",                                                            \
+    "The message says which. Check that the server printed its ready line, the host and port of "  \
+    "the URL, and firewalls. --tls-ca FILE trusts a certificate of your own.")                     \
   X(kNetworkClosed, "network-closed", kNetwork, 1011,                                              \
     "The other side ended the connection, for example because the server was stopped.",            \
     "Look into the server's log. A viewer connects again by itself.")                              \

@@ -154,5 +154,44 @@ TEST(Reload, AnotherCertificateIsShownToWhoComesAndDropsNobody) {
   EXPECT_TRUE(early.healthy());
 }
 
+// Nobody knows from "read failed" that the server speaks TLS, or that its certificate is the cause.
+TEST(Tls, AViewerSaysWhatIsWrongAndTrustsAFile) {
+  const fs::path folder = scratch_folder();
+  if (!make_certificate(folder, "localhost")) GTEST_SKIP() << "openssl is not installed";
+  const std::string cert = (folder / "cert.pem").string();
+  const Server secret("builtin:knot?tubular=16&radial=8",
+                      {"--tls-cert", cert, "--tls-key", (folder / "key.pem").string()});
+  const Server plain("builtin:knot?tubular=16&radial=8");
+  ASSERT_TRUE(secret.ready() && plain.ready()) << secret.log();
+  const auto answer = [&](const std::string& program, const std::string& scheme, const Server& to,
+                          std::vector<std::string> more = {}) {
+    std::vector<std::string> line = {binary(program),
+                                     scheme + "://localhost:" + std::to_string(to.port())};
+    line.insert(line.end(), more.begin(), more.end());
+    return run(line);
+  };
+  const std::vector<std::string> few = {"--offscreen",       "32x32", "--frames", "1",
+                                        "--connect-timeout", "2"};
+  const std::vector<std::string> brief = {"--clients", "1", "--duration", "5"};
+  for (const auto& [program, options] : {std::pair{"mirage-view", few}, {"mirage-load", brief}}) {
+    const auto untrusted = answer(program, "wss", secret, options);
+    EXPECT_NE(untrusted.exit_code, 0);
+    EXPECT_NE(untrusted.output.find("is not trusted here"), std::string::npos) << untrusted.output;
+    EXPECT_NE(untrusted.output.find("--tls-ca FILE"), std::string::npos) << untrusted.output;
+    const auto tls = answer(program, "ws", secret, options);
+    EXPECT_NE(
+        tls.output.find("speaks TLS (hint: use wss://localhost:" + std::to_string(secret.port())),
+        std::string::npos)
+        << tls.output;
+    const auto none = answer(program, "wss", plain, options);
+    EXPECT_NE(none.output.find("speaks no TLS (hint: use ws://localhost:"), std::string::npos)
+        << none.output;
+    std::vector<std::string> trusting = options;
+    trusting.insert(trusting.end(), {"--tls-ca", cert});
+    const auto trusted = answer(program, "wss", secret, trusting);
+    EXPECT_EQ(trusted.exit_code, 0) << trusted.output;
+  }
+}
+
 }  // namespace
 }  // namespace mirage::test
