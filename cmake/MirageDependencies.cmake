@@ -27,6 +27,8 @@ pkg_check_modules(DRACO IMPORTED_TARGET draco)
 find_library(RECAST_LIBRARY Recast REQUIRED)
 # hiredis is for the store that servers share; without it --store is refused by name.
 pkg_check_modules(HIREDIS IMPORTED_TARGET hiredis)
+# libqrencode writes the page's address for phones; without it there is no code.
+pkg_check_modules(QRENCODE IMPORTED_TARGET libqrencode)
 # libav is for the video baseline of mirage-report; without it the report leaves that row out.
 pkg_check_modules(LIBAV IMPORTED_TARGET libavcodec libavutil libswscale)
 if(MIRAGE_TESTS)

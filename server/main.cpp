@@ -7,6 +7,7 @@
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <csignal>
@@ -22,6 +23,7 @@
 #include "server/chosen_scenes.h"
 #include "server/doctor.h"
 #include "server/net/endpoint.h"
+#include "server/net/qr_code.h"
 #include "server/options.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/prove/explain.h"
@@ -142,8 +144,11 @@ void announce(const ServerOptions& options, ServedScene& served, int port) {
                   .c_str());
   if (!options.endpoint.web.empty() && options.log_format == LogFormat::kText) {
     const bool tls = !options.endpoint.tls_cert.empty();
-    for (const std::string& page : page_urls(options.endpoint.address, tls, port)) {
-      std::printf("open %s\n", page.c_str());
+    const std::vector<std::string> pages = page_urls(options.endpoint.address, tls, port);
+    for (const std::string& page : pages) std::printf("open %s\n", page.c_str());
+    // A phone can reach it, and a person sees the code.
+    if (!pages.empty() && !is_loopback(options.endpoint.address) && isatty(STDOUT_FILENO)) {
+      std::printf("%s", qr_code(pages.front()).c_str());
     }
   }
   std::fflush(stdout);
