@@ -9,6 +9,7 @@
 #include "client/draw/frame_target.h"
 #include "client/draw/impostor_pass.h"
 #include "client/draw/shadow_atlas.h"
+#include "client/draw/tints.h"
 #include "client/draw/view_pass.h"
 #include "client/frame/asset_id.h"
 #include "client/frame/draw_list.h"
@@ -53,8 +54,11 @@ struct FrameRenderer::Parts {
   void show_mean(const SceneView& scene, std::uint32_t image);
   void pose(ClientMesh& mesh, const InstanceView& instance, double time_s);
   void draw_shadow_map(const SceneView& scene, const CasterListPtr& casters);
-  void draw_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
-                   const Lighting& lighting, bool blended, DepthMapping mapping);
+  /// Draws the geometry of the list with a pass that has begun.
+  void draw_meshes(gl::MeshPass& pass, const Camera& camera, const SceneView& scene,
+                   const DrawList& list, bool blended);
+  void draw_shaded_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
+                          const Lighting& lighting, bool blended, DepthMapping mapping);
 
   ImpostorPass impostors;
   ViewPass view;
@@ -68,6 +72,7 @@ struct FrameRenderer::Parts {
   CasterPass caster_pass;
   std::unique_ptr<gl::MeshPass> caster_meshes =
       std::make_unique<gl::MeshPass>(gl::MeshOutput::kDepth);
+  std::unique_ptr<gl::MeshPass> tint_meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kTint);
   gl::ShadowMap shadow_map;  ///< made when first needed
   CasterListPtr in_map;      ///< casters that the map shows
   int draw_calls = 0;
@@ -90,13 +95,19 @@ void FrameRenderer::Parts::pose(ClientMesh& mesh, const InstanceView& instance, 
   mesh.mesh.replace_vertices(posed);
 }
 
-void FrameRenderer::Parts::draw_meshes(const Camera& camera, const SceneView& scene,
-                                       const DrawList& list, const Lighting& lighting, bool blended,
-                                       DepthMapping mapping) {
+void FrameRenderer::Parts::draw_shaded_meshes(const Camera& camera, const SceneView& scene,
+                                              const DrawList& list, const Lighting& lighting,
+                                              bool blended, DepthMapping mapping) {
   if (list.meshes.empty()) return;
   mesh_pass->begin(camera.clip_from_relative(mapping), gl::light_block(lighting, camera.pose.eye),
                    mapping);
   mesh_pass->set_shadow(list.casters && in_map ? &shadow_map : nullptr, camera.pose.eye);
+  draw_meshes(*mesh_pass, camera, scene, list, blended);
+  mesh_pass->end();
+}
+
+void FrameRenderer::Parts::draw_meshes(gl::MeshPass& pass, const Camera& camera,
+                                       const SceneView& scene, const DrawList& list, bool blended) {
   std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<gl::MeshInstance>> by_mesh;
   std::vector<std::pair<std::uint32_t, std::uint8_t>> order;
   for (const DrawnMesh& drawn : in_drawing_order(list.meshes, camera, scene, blended)) {
@@ -115,14 +126,13 @@ void FrameRenderer::Parts::draw_meshes(const Camera& camera, const SceneView& sc
     if (found->second.animation) {
       for (const gl::MeshInstance& one : instances) {
         pose(found->second, scene.instances[one.id], list.time_s);
-        mesh_pass->draw(found->second.mesh, found->second.materials, images, &one, 1, blended);
+        pass.draw(found->second.mesh, found->second.materials, images, &one, 1, blended);
       }
       continue;
     }
-    mesh_pass->draw(found->second.mesh, found->second.materials, images, instances.data(),
-                    instances.size(), blended);
+    pass.draw(found->second.mesh, found->second.materials, images, instances.data(),
+              instances.size(), blended);
   }
-  mesh_pass->end();
 }
 
 void FrameRenderer::Parts::draw_shadow_map(const SceneView& scene, const CasterListPtr& casters) {
@@ -229,16 +239,36 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& shown, const S
   const gl::ViewDepth view_depth;
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  p.draw_meshes(camera, scene, list, lighting, false, view_depth.mapping());
+  p.draw_shaded_meshes(camera, scene, list, lighting, false, view_depth.mapping());
   p.sky.draw_behind(camera, scene.environment, view_depth);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(gl::nearer_or_equal(view_depth.mapping()));
   if (list.view) p.view.draw(camera, view_depth.mapping(), *list.view);
   p.impostors.draw(camera, view_depth.mapping(), scene, list, lighting, p.shadow_atlas.texture(),
                    p.probe ? &*p.probe : nullptr);
-  p.draw_meshes(camera, scene, list, lighting, true, view_depth.mapping());
+  p.draw_shaded_meshes(camera, scene, list, lighting, true, view_depth.mapping());
   const int view_calls = list.view ? p.view.draw_calls() : 0;
   p.draw_calls = 1 + view_calls + p.impostors.draw_calls() + p.mesh_pass->draw_calls();
+}
+
+Result<void> FrameRenderer::draw_tints(const Camera& camera, const SceneView& scene,
+                                       const DrawList& list, const Tints& tints) {
+  Parts& p = *parts_;
+  gl::MeshPass& pass = *p.tint_meshes;
+  pass.set_tint(tints.meshes);
+  glDepthMask(GL_TRUE);
+  const gl::ViewDepth view_depth;
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  const auto draw_meshes = [&](bool blended) {
+    pass.begin(camera.clip_from_relative(view_depth.mapping()), {}, view_depth.mapping());
+    p.draw_meshes(pass, camera, scene, list, blended);
+    pass.end();
+  };
+  draw_meshes(false);
+  Result<void> drawn = p.impostors.draw_tints(camera, view_depth.mapping(), scene, list, tints);
+  draw_meshes(true);
+  return drawn;
 }
 
 GpuBytes FrameRenderer::gpu_bytes() const {

@@ -25,6 +25,7 @@ struct Image;
 struct Lighting;
 struct ObjectModel;
 class SceneView;
+struct Tints;
 struct ViewTile;
 
 class FrameRenderer {
@@ -51,6 +52,12 @@ class FrameRenderer {
 
   void draw(const FrameTarget& target, const Camera& shown, const SceneView& scene,
             const DrawList& list, const Lighting& lighting);
+
+  /// Draws the list into the bound framebuffer, which has the camera's size, a colour without a
+  /// curve and a float depth: each thing in its tint where the picture shows it. Error
+  /// kGraphicsShader.
+  Result<void> draw_tints(const Camera& camera, const SceneView& scene, const DrawList& list,
+                          const Tints& tints);
 
   /// Reads textures `levels` mip levels sharper from now on, those of alpha tests `tested_levels`.
   void sharpen(float levels, float tested_levels);

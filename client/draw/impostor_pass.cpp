@@ -6,6 +6,7 @@
 
 #include "client/draw/entangled.h"
 #include "client/draw/relief_instance.h"
+#include "client/draw/tints.h"
 #include "protocol/model/need_mask.h"
 #include "shaders/gl/view_depth.h"
 
@@ -86,7 +87,7 @@ Result<gl::Program> ImpostorPass::make_program(const char* name, std::vector<std
   return gl::Program::create(file + ".vert", file + ".frag", defines);
 }
 
-Result<void> ImpostorPass::make_programs(const Variant& v) {
+Result<ImpostorPass::Programs> ImpostorPass::make_programs(const Variant& v) const {
   std::vector<std::string> worn;  // defines for shadows on tiles
   if (v.shadows) worn.emplace_back("SHADOW");
   const auto relit_from = [&](std::vector<std::string> defines) {
@@ -97,7 +98,7 @@ Result<void> ImpostorPass::make_programs(const Variant& v) {
   const auto make = [&](const char* name, std::vector<std::string> defines) {
     return make_program(name, std::move(defines), v);
   };
-  std::map<std::pair<DrawMethod, bool>, gl::Program> programs;
+  Programs out;
   for (const MethodShader& shader : kShaders) {
     if (flat_.count(shader.method) == 0) continue;
     for (const bool relit : {false, true}) {
@@ -106,7 +107,7 @@ Result<void> ImpostorPass::make_programs(const Variant& v) {
       if (relit) defines = relit_from(std::move(defines));
       Result<gl::Program> program = make("impostor", defines);
       if (!program) return program.error();
-      programs.emplace(std::pair(shader.method, relit), program.take());
+      out.flat.emplace(std::pair(shader.method, relit), program.take());
     }
   }
   Result<gl::Program> relief = make("relief", worn), relit = make("relief", relit_from(worn));
@@ -114,20 +115,41 @@ Result<void> ImpostorPass::make_programs(const Variant& v) {
   for (const Result<gl::Program>* program : {&relief, &relit, &placeholder}) {
     if (!*program) return program->error();
   }
-  layered_relief_ = gl::Program();
-  programs_ = std::move(programs);
-  relief_ = relief.take();
-  relit_relief_ = relit.take();
-  placeholder_ = placeholder.take();
-  variant_ = v;
-  return {};
+  out.relief = relief.take();
+  out.relit_relief = relit.take();
+  out.placeholder = placeholder.take();
+  return out;
+}
+
+Result<ImpostorPass::Programs> ImpostorPass::make_tint_programs() const {
+  Programs out;
+  for (const MethodShader& shader : kShaders) {
+    if (flat_.count(shader.method) == 0) continue;
+    std::vector<std::string> defines = shader.defines;
+    defines.emplace_back("TINT");
+    Result<gl::Program> program = make_program("impostor", std::move(defines), {});
+    if (!program) return program.error();
+    out.flat.emplace(std::pair(shader.method, false), program.take());
+  }
+  Result<gl::Program> relief = make_program("relief", {"TINT"}, {});
+  Result<gl::Program> layered = make_program("relief", {"LAYERED", "TINT"}, {});
+  Result<gl::Program> placeholder = make_program("placeholder", {"TINT"}, {});
+  for (const Result<gl::Program>* program : {&relief, &layered, &placeholder}) {
+    if (!*program) return program->error();
+  }
+  out.relief = relief.take();
+  out.layered_relief = layered.take();
+  out.placeholder = placeholder.take();
+  return out;
 }
 
 Result<ImpostorPass> ImpostorPass::create(int atlas_edge, int atlas_layers,
                                           std::set<DrawMethod> flat) {
   ImpostorPass pass;
   pass.flat_ = std::move(flat);
-  if (Result<void> made = pass.make_programs({}); !made) return made.error();
+  Result<Programs> made = pass.make_programs({});
+  if (!made) return made.error();
+  pass.programs_ = made.take();
   Result<ImpostorAtlas> atlas = ImpostorAtlas::create(atlas_edge, atlas_layers);
   if (!atlas) return atlas.error();
   pass.atlas_ = atlas.take();
@@ -164,12 +186,12 @@ ImpostorPass::Proxy ImpostorPass::make_proxy(const std::vector<ProxyVertex>& dat
 }
 
 Result<void> ImpostorPass::upload(const TileRecord& record, const AtlasPlanes& planes) {
-  if (record.layered() && !layered_relief_) {
+  if (record.layered() && !programs_.layered_relief) {
     std::vector<std::string> defines = {"LAYERED"};
     if (variant_.shadows) defines.emplace_back("SHADOW");
     Result<gl::Program> made = make_program("relief", std::move(defines), variant_);
     if (!made) return made.error();
-    layered_relief_ = made.take();
+    programs_.layered_relief = made.take();
   }
   return atlas_.upload(record, planes);
 }
@@ -182,7 +204,12 @@ Result<void> ImpostorPass::reset(const SceneView& scene) {
   neutral_ = scene.environment.tone == ToneCurve::kNeutral;
   const Variant wanted{fog_density_ > 0, scene.shadows, scene.probe != nullptr};
   const auto bits = [](const Variant& v) { return std::tie(v.fog, v.shadows, v.probe); };
-  return bits(wanted) == bits(variant_) ? Result<void>{} : make_programs(wanted);
+  if (bits(wanted) == bits(variant_)) return {};
+  Result<Programs> made = make_programs(wanted);
+  if (!made) return made.error();
+  programs_ = made.take();
+  variant_ = wanted;
+  return {};
 }
 
 const ImpostorPass::Proxy& ImpostorPass::hull(const SceneView& scene, std::uint32_t object) {
@@ -229,7 +256,7 @@ void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool re
   program.set("u_color", 0);
   program.set("u_depth", 1);
   atlas_.bind(relit);
-  if (variant_.shadows) {
+  if (variant_.shadows && !tints_) {
     program.set("u_shadow", 4);
     program.set("u_shadow_tint", shadow_tint_);
     glActiveTexture(GL_TEXTURE4);
@@ -255,14 +282,19 @@ ImpostorPass::Fragments ImpostorPass::fragments_of(const DrawnImpostor& drawn,
 }
 
 void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene,
-                               const DrawnImpostors& run, Fragments fragments) {
+                               const DrawnImpostors& run, Fragments fragments,
+                               const glm::vec4& tint) {
   const TileRecord& tile = *run[0]->tile;
   std::vector<ReliefInstance> instances;
   for (const DrawnImpostor* drawn : run) {
     instances.push_back(relief_instance(*drawn, camera, scene));
   }
-  gl::Program& program = tile.relit ? relit_relief_ : tile.layered() ? layered_relief_ : relief_;
-  use_atlas(program, camera, tile.relit);
+  const bool relit = tile.relit && !tints_;
+  gl::Program& program = relit            ? programs().relit_relief
+                         : tile.layered() ? programs().layered_relief
+                                          : programs().relief;
+  use_atlas(program, camera, relit);
+  program.set("u_tint", tint);
   program.set("u_fragments", static_cast<int>(fragments));
   glCullFace(GL_FRONT);  // far faces of the proxies: each pixel once, even with the eye inside
   draw_instances(cube_, instances, true);
@@ -270,15 +302,18 @@ void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene,
 }
 
 void ImpostorPass::draw_flat(const Camera& camera, const SceneView& scene,
-                             const DrawnImpostors& run, Fragments fragments) {
+                             const DrawnImpostors& run, Fragments fragments,
+                             const glm::vec4& tint) {
   const DrawMethod method = run[0]->method;
   const TileRecord& tile = *run[0]->tile;
   std::vector<ImpostorInstance> instances;
   for (const DrawnImpostor* drawn : run) {
     instances.push_back(instance_data(*drawn, camera, scene));
   }
-  gl::Program& program = programs_.at({method, tile.relit});
-  use_atlas(program, camera, tile.relit);
+  const bool relit = tile.relit && !tints_;
+  gl::Program& program = programs().flat.at({method, relit});
+  use_atlas(program, camera, relit);
+  program.set("u_tint", tint);
   program.set("u_fragments", static_cast<int>(fragments));
   program.set("u_forward", glm::vec3(camera.forward()));
   const Proxy& proxy = method == DrawMethod::kQuad   ? quad_
@@ -296,9 +331,9 @@ void ImpostorPass::draw_runs(const Camera& camera, const SceneView& scene, const
     const Fragments fragments = fragments_of(*run[0], scene, solid);
     glDepthMask(fragments != Fragments::kSoft);
     if (run[0]->method == DrawMethod::kDepth) {
-      draw_relief(camera, scene, run, fragments);
+      draw_relief(camera, scene, run, fragments, tint_of(*run[0], list));
     } else {
-      draw_flat(camera, scene, run, fragments);
+      draw_flat(camera, scene, run, fragments, tint_of(*run[0], list));
     }
     run.clear();
   };
@@ -306,7 +341,8 @@ void ImpostorPass::draw_runs(const Camera& camera, const SceneView& scene, const
     const Fragments fragments = fragments_of(drawn, scene, solid);
     if (solid && fragments == Fragments::kAll) continue;
     const bool alike = !run.empty() && drawn_alike(*run[0], drawn) &&
-                       fragments_of(*run[0], scene, solid) == fragments;
+                       fragments_of(*run[0], scene, solid) == fragments &&
+                       tint_of(*run[0], list) == tint_of(drawn, list);
     if (!alike) draw_run();
     run.push_back(&drawn);
   }
@@ -335,10 +371,12 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
     data.center = glm::vec4(object.center, 0);
     by_object[view.object].push_back(data);
   }
-  placeholder_.use();
-  placeholder_.set("u_clip_from_relative", camera.clip_from_relative(mapping_));
-  placeholder_.set("u_fog_color", fog_color_);
-  placeholder_.set("u_fog_density", fog_density_);
+  gl::Program& program = programs().placeholder;
+  program.use();
+  if (tints_) program.set("u_tint", tints_->placeholders);
+  program.set("u_clip_from_relative", camera.clip_from_relative(mapping_));
+  program.set("u_fog_color", fog_color_);
+  program.set("u_fog_density", fog_density_);
   for (const auto& [object, instances] : by_object) {
     // A part of something that surrounds the eye, such as ground, is drawn by its far sides. The
     // near sides of its box would hide the things that stand on it.
@@ -358,14 +396,39 @@ void ImpostorPass::draw(const Camera& camera, DepthMapping mapping, const SceneV
   mapping_ = mapping;
   shadow_atlas_ = shadow_atlas;
   shadow_tint_ = shadow_tint(mean);
+  lights_ = gl::light_block(lighting, camera.pose.eye);
+  if (edges_last_) entangled_ = entangled(list.impostors, scene);
+  draw_list(camera, scene, list, mean);
+}
+
+Result<void> ImpostorPass::draw_tints(const Camera& camera, DepthMapping mapping,
+                                      const SceneView& scene, const DrawList& list,
+                                      const Tints& tints) {
+  if (!tint_programs_.placeholder) {
+    Result<Programs> made = make_tint_programs();
+    if (!made) return made.error();
+    tint_programs_ = made.take();
+  }
+  mapping_ = mapping;
+  tints_ = &tints;
+  draw_list(camera, scene, list, {});
+  tints_ = nullptr;
+  return {};
+}
+
+glm::vec4 ImpostorPass::tint_of(const DrawnImpostor& drawn, const DrawList& list) const {
+  return tints_ ? tints_->impostors[static_cast<std::size_t>(&drawn - list.impostors.data())]
+                : glm::vec4(0);
+}
+
+void ImpostorPass::draw_list(const Camera& camera, const SceneView& scene, const DrawList& list,
+                             const Lighting& mean) {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(gl::nearer_or_equal(mapping_));
   glDisable(GL_BLEND);
-  lights_ = gl::light_block(lighting, camera.pose.eye);
-  if (edges_last_) entangled_ = entangled(list.impostors, scene);
   draw_placeholders(camera, scene, list, mean);
   draw_runs(camera, scene, list, true);
-  glEnable(GL_BLEND);
+  if (!tints_) glEnable(GL_BLEND);  // a tint of 0 would leave what it hides
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   draw_runs(camera, scene, list, false);
   glBindVertexArray(0);

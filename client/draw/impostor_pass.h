@@ -18,6 +18,8 @@
 
 namespace mirage {
 
+struct Tints;
+
 class ImpostorPass {
  public:
   /// Creates the pass. `flat` are the flat methods that will be drawn; only their programs are
@@ -35,6 +37,11 @@ class ImpostorPass {
   void draw(const Camera& camera, DepthMapping mapping, const SceneView& scene,
             const DrawList& list, const Lighting& lighting, GLuint shadow_atlas,
             const gl::ProbeMap* probe);
+
+  /// Draws the same into the bound framebuffer, each thing in its tint. Error kGraphicsShader: the
+  /// programs for it cannot be made.
+  Result<void> draw_tints(const Camera& camera, DepthMapping mapping, const SceneView& scene,
+                          const DrawList& list, const Tints& tints);
 
   /// Chooses whether the soft edges of entangled things are drawn after everything solid. That is
   /// right, and draws these things twice.
@@ -57,9 +64,16 @@ class ImpostorPass {
   struct Variant {
     bool fog = false, shadows = false, probe = false;
   };
+  /// Programs by method, and for relit tiles or not.
+  struct Programs {
+    std::map<std::pair<DrawMethod, bool>, gl::Program> flat;
+    gl::Program relief, relit_relief, placeholder;
+    gl::Program layered_relief;  ///< for layered tiles; made with the first of them
+  };
   static Result<gl::Program> make_program(const char* name, std::vector<std::string> defines,
                                           const Variant& v);
-  Result<void> make_programs(const Variant& v);
+  Result<Programs> make_programs(const Variant& v) const;
+  Result<Programs> make_tint_programs() const;
   static Proxy make_proxy(const std::vector<ProxyVertex>& triangles);
   template <typename InstanceT>
   void draw_instances(const Proxy& proxy, const std::vector<InstanceT>& instances, bool cull);
@@ -74,11 +88,17 @@ class ImpostorPass {
   /// Draws the list in its order: with `solid` the solid fragments that come first, otherwise all
   /// others.
   void draw_runs(const Camera& camera, const SceneView& scene, const DrawList& list, bool solid);
+  /// Draws placeholders and runs, as draw() and draw_tints() do.
+  void draw_list(const Camera& camera, const SceneView& scene, const DrawList& list,
+                 const Lighting& mean);
+  Programs& programs() { return tints_ ? tint_programs_ : programs_; }
+  /// Returns the tint of an impostor of the list.
+  glm::vec4 tint_of(const DrawnImpostor& drawn, const DrawList& list) const;
   /// Draws a run of impostors that are drawn alike; it is not empty.
   void draw_flat(const Camera& camera, const SceneView& scene, const DrawnImpostors& run,
-                 Fragments fragments);
+                 Fragments fragments, const glm::vec4& tint);
   void draw_relief(const Camera& camera, const SceneView& scene, const DrawnImpostors& run,
-                   Fragments fragments);
+                   Fragments fragments, const glm::vec4& tint);
   void use_atlas(gl::Program& program, const Camera& camera, bool relit);
   void draw_placeholders(const Camera& camera, const SceneView& scene, const DrawList& list,
                          const Lighting& lighting);
@@ -88,12 +108,9 @@ class ImpostorPass {
 
   ImpostorAtlas atlas_;
   std::set<DrawMethod> flat_;  ///< methods with programs
-  /// Programs by method, and for relit tiles or not.
-  std::map<std::pair<DrawMethod, bool>, gl::Program> programs_;
-  gl::Program relief_;
-  gl::Program relit_relief_;
-  gl::Program layered_relief_;  ///< for layered tiles; made with the first of them
-  gl::Program placeholder_;
+  Programs programs_;
+  Programs tint_programs_;  ///< made by the first draw_tints(); relit tiles need none of their own
+  const Tints* tints_ = nullptr;  ///< what is drawn now; null: the picture
   gl::Buffer instances_;
   Proxy quad_;
   Proxy cube_;

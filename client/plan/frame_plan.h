@@ -31,6 +31,8 @@ class FramePlan {
   /// `budget_ms` is the budget of a frame; 0: any time. `samples` of a pixel; < 0: as many as pay.
   FramePlan(double budget_ms, int samples);
 
+  /// Sets the budget of a frame; 0: any time.
+  void set_budget(double ms) { budget_ms_ = ms; }
   /// Sets the prices of this device. Until then, and without a budget, everything fits.
   void set_prices(const CostModel& prices) { prices_ = prices; }
   /// True if there is a budget and prices are known.

@@ -182,6 +182,8 @@ TileCounts ClientSession::tiles() const {
 void ClientSession::set_prices(const CostModel& prices) {
   parts_->planning.plan.set_prices(prices);
 }
+void ClientSession::set_frame_ms(double ms) { parts_->planning.plan.set_budget(ms); }
+
 void ClientSession::note_frame_ms(double ms, double beside_ms) {
   parts_->planning.plan.note_drawn(ms, beside_ms);
 }

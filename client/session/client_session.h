@@ -52,6 +52,8 @@ class ClientSession {
 
   /// Sets the prices of this device, for planning later frames.
   void set_prices(const CostModel& prices);
+  /// Sets the budget of later frames, ms; 0: any time.
+  void set_frame_ms(double ms);
   /// Notes how long the last planned frame took to draw, by the clock or by those prices, and how
   /// long all else of it took.
   void note_frame_ms(double ms, double beside_ms = 0);

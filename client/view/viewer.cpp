@@ -69,7 +69,7 @@ class Viewer {
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void pace(std::int64_t frame);
   bool next_events();
-  std::int64_t show(const Camera& camera, const DrawList& list, std::int64_t now);
+  Result<std::int64_t> show(const Camera& camera, const DrawList& list, std::int64_t now);
   void price(std::int64_t began_us, std::int64_t draw_began_us, std::int64_t shown_us);
   std::string overlay_text(const DrawList& list, std::int64_t now) const;
   std::int64_t now_us() const { return host_->now_us(); }
@@ -342,12 +342,13 @@ void Viewer::price(std::int64_t began_us, std::int64_t draw_began_us, std::int64
 }
 
 // Returns when the picture was ready to be presented.
-std::int64_t Viewer::show(const Camera& camera, const DrawList& list, std::int64_t now) {
+Result<std::int64_t> Viewer::show(const Camera& camera, const DrawList& list, std::int64_t now) {
   presenter_->show(screen_.shown());
   gl::encode_srgb(false);
-  insight_->draw(static_cast<InsightLayer>(window_->layer()), camera, session().scene(), list,
-                 session().tau_px(), now);
+  Result<void> tinted = insight_->draw(static_cast<InsightLayer>(window_->layer()), *renderer_,
+                                       camera, session().scene(), list, session().tau_px(), now);
   gl::encode_srgb(true);
+  if (!tinted) return tinted.error();
   if (window_->overlay()) {
     overlay_->draw(overlay_text(list, now), screen_.width(), screen_.height());
   }
@@ -436,7 +437,11 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   }
   stats_.note_gpu(renderer_->gpu_bytes(), screen_.gpu_bytes());
   std::int64_t shown_us = real_clock_.now_us();
-  if (window_ && (window_->take_refresh() || drawn)) shown_us = show(camera, list, now);
+  if (window_ && (window_->take_refresh() || drawn)) {
+    const Result<std::int64_t> shown = show(camera, list, now);
+    if (!shown) return shown.error();
+    shown_us = *shown;
+  }
   glFinish();
   price(began, draw_began_us, shown_us);
   recorder_.lap(FrameStage::kShow);

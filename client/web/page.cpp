@@ -201,6 +201,15 @@ EMSCRIPTEN_KEEPALIVE int page_animated() { return page().viewer->session().anima
 
 EMSCRIPTEN_KEEPALIVE void page_home() { page().viewer->go_home(); }
 
+/// Sets the vertical field of view, degrees. Ignored unless it is 1 to 170.
+EMSCRIPTEN_KEEPALIVE void page_fov(double degrees) {
+  if (degrees >= 1 && degrees <= 170) page().viewer->set_fov(degrees * std::acos(-1.0) / 180);
+}
+/// Sets how much of the usual time a moving picture may take. Ignored unless it is 0.1 to 10.
+EMSCRIPTEN_KEEPALIVE void page_pace(double share) {
+  if (share >= 0.1 && share <= 10) page().viewer->set_pace(share);
+}
+
 /// Sets the sun's direction, degrees; not finite: the scene's own light.
 EMSCRIPTEN_KEEPALIVE void page_sun(double azimuth, double elevation, double now_ms) {
   std::optional<std::array<double, 2>> at;

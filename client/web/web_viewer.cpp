@@ -28,7 +28,6 @@ constexpr int kMostOfOnePose = 20;
 constexpr int kPacedFrames = 4;
 constexpr int kProbeFrames = 2;
 constexpr double kMostScaled = 8;  // limit of the probe, which draws only part of what frames have
-constexpr double kFovY = 1.0471975511965976;
 // Intervals up to this many display periods are the display's.
 constexpr double kSameDisplay = 1.25;
 
@@ -46,7 +45,7 @@ ClientOptions session_options(const WebOptions& o) {
   s.atlas_edge = kAtlasEdge;
   s.atlas_layers = atlas_layers(o.atlas_mb);
   s.mesh_budget_bytes = std::size_t{static_cast<unsigned>(o.mesh_mb)} << 20;
-  s.screen.fov_y = kFovY;
+  s.screen.fov_y = WebViewer::kFovY;
   s.screen.width = static_cast<std::uint32_t>(o.width);
   s.screen.height = static_cast<std::uint32_t>(o.height);
   return s;
@@ -96,7 +95,7 @@ Result<std::unique_ptr<WebViewer>> WebViewer::create(const WebOptions& options,
 Camera WebViewer::camera() const {
   Camera camera;
   camera.pose = pose_;
-  camera.fov_y = kFovY;
+  camera.fov_y = fov_y_;
   camera.width = static_cast<std::uint32_t>(screen_.width());
   camera.height = static_cast<std::uint32_t>(screen_.height());
   const SceneView& scene = session_->scene();
@@ -135,8 +134,9 @@ Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int he
     const FrameTarget& shown = screen_.shown();
     fit_canvas(shown.drawn_width(), shown.drawn_height());
     presenter_.show_as_drawn(shown);
-    insight_.draw(layer_, shown.drawn_camera(seen), session_->scene(), list_, session_->tau_px(),
-                  now_us);
+    Result<void> tinted = insight_.draw(layer_, *renderer_, shown.drawn_camera(seen),
+                                        session_->scene(), list_, session_->tau_px(), now_us);
+    if (!tinted) return tinted.error();
   }
   if (out.drawn) {
     session_->note_drawn(now_us);
@@ -246,6 +246,8 @@ void WebViewer::go_home() {
   posed_ = true;
 }
 
+void WebViewer::set_pace(double share) { session_->set_frame_ms(share * budget_ms(options_)); }
+
 std::optional<std::array<double, 2>> WebViewer::own_sun() const {
   for (const Light& one : session_->scene().lighting.lights) {
     if (one.kind != LightKind::kDirectional) continue;
@@ -310,7 +312,7 @@ std::string WebViewer::figures(std::int64_t now_us) const {
       session_->scene().complete() ? "true" : "false", session_->at_rest() ? "true" : "false",
       screen_.refined() ? "true" : "false", session_->awaits_new_scene() ? "true" : "false",
       session_->scene().reference ? "true" : "false", session_->scene().geometry ? "true" : "false",
-      plan.limited() ? budget_ms(options_) : 0.0, plan.expected_ms(),
+      plan.limited() ? plan.budget_ms() : 0.0, plan.expected_ms(),
       plan.limited() ? plan.planned_ms() : 0.0, plan.lambda(), plan.setting().scale,
       plan.setting().samples, renderer_->draw_calls(), list_.impostors.size(), relit,
       list_.meshes.size(), list_.placeholders.size(), list_.view ? "true" : "false", bound,

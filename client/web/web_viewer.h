@@ -38,6 +38,8 @@ struct WebOptions {
 
 class WebViewer {
  public:
+  static constexpr double kFovY = 1.0471975511965976;  ///< radians, until another is set
+
   /// Creates the viewer. Needs a current WebGL 2 context. Errors kGraphicsShader, kGraphicsGl.
   static Result<std::unique_ptr<WebViewer>> create(const WebOptions& options,
                                                    std::function<void(const Bytes&)> write);
@@ -71,6 +73,10 @@ class WebViewer {
   const Pose& pose() const { return pose_; }
   /// Moves the eye to the scene's home view.
   void go_home();
+  /// Sets the vertical field of view, radians: 0 < fov_y < pi.
+  void set_fov(double fov_y) { fov_y_ = fov_y; }
+  /// Sets how much of the usual time a moving picture may take: less is smoother, more is sharper.
+  void set_pace(double share);
   /// Sets the clip and the variant to ask for on the next connection.
   void choose(SceneChoice choice) { session_->choose(std::move(choice)); }
   void play(bool playing, std::int64_t now_us) { session_->play(playing, now_us); }
@@ -141,6 +147,7 @@ class WebViewer {
   Pilot pilot_;
   bool met_ = false;  ///< the pilot knows the scene
   Pose pose_;
+  double fov_y_ = kFovY;
   bool posed_ = false;
   int canvas_width_ = 0, canvas_height_ = 0;
   DrawList list_;  // of the last frame

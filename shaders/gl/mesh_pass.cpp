@@ -141,6 +141,9 @@ Result<Program*> MeshPass::program(NeedMask needs, bool fade, Stage stage) {
   if (stage == Stage::kTested) needs &= ~NeedMask{kNeedAlphaMask};
   if (of_blended())
     needs = (needs & (kNeedBaseColorMap | kNeedVertexColor | kSwitches)) | kDepthOnly;
+  if (output_ == MeshOutput::kTint && stage != Stage::kDepth) {
+    needs &= kNeedBaseColorMap | kNeedVertexColor | kNeedBlend | kNeedAlphaMask;
+  }
   if (fade) needs |= kFade;
   const auto found = programs_.find(needs);
   if (found != programs_.end()) return &found->second;
@@ -153,6 +156,7 @@ Result<Program*> MeshPass::program(NeedMask needs, bool fade, Stage stage) {
   if (output_ == MeshOutput::kSurface) defines.emplace_back("WRITE_SURFACE");
   if (output_ == MeshOutput::kBehind) defines.emplace_back("BEHIND");
   if (output_ == MeshOutput::kClear) defines.emplace_back("CLEAR");
+  if (output_ == MeshOutput::kTint) defines.emplace_back("TINT");
   Result<Program> made = Program::create("mesh/mesh.vert", "mesh/mesh.frag", defines);
   if (!made) return made.error();
   return &programs_.emplace(needs, made.take()).first->second;
@@ -295,7 +299,8 @@ void MeshPass::draw(const GpuMesh& mesh, const std::vector<Material>& materials,
     const NeedMask needs = material_needs(material, mesh.vertex_color());
     (material.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
     const bool blends = blended || (forced_ & kNeedBlend);
-    (blends && output_ != MeshOutput::kFront ? glEnable : glDisable)(GL_BLEND);
+    const bool replaces = output_ == MeshOutput::kFront || output_ == MeshOutput::kTint;
+    (blends && !replaces ? glEnable : glDisable)(GL_BLEND);
     for (const Stage stage : stages(needs)) {
       const Result<Program*> made = program(needs, fading, stage);
       if (!made) continue;  // warm_up has reported it
@@ -333,6 +338,7 @@ void MeshPass::use(Program& p, const Material& material, NeedMask needs, const G
     glActiveTexture(GL_TEXTURE0 + kFloorUnit);
     glBindTexture(GL_TEXTURE_2D, floor_);
   }
+  p.set("u_tint", tint_);
   p.set("u_mip_bias", stage == Stage::kDepth ? tested_mip_bias_ : mip_bias_);
   p.set("u_point_size", stroke_);
   p.set("u_fog_color", fog_color_);

@@ -50,6 +50,7 @@ enum class MeshOutput : std::uint8_t {
   kShadow,   ///< colour without shadows, and colour with them (shadow tiles)
   kDepth,    ///< not even colour (shadow maps)
   kClear,    ///< no colour; pushes the depths of set_clear_of() behind the surfaces drawn (tiles)
+  kTint,     ///< none; a colour of set_tint() in the place of each surface's (client insight)
   // The next two draw blended surfaces that are visible enough (common/seen.glsl).
   kFront,  ///< depth and id of the nearest surface, no colour (reference frames)
   kRange,  ///< window depths by GL_MAX: 1 - nearest, farthest; no colour (tiles)
@@ -108,6 +109,8 @@ class MeshPass {
     floor_ = depths;
     clear_of_ = {near, far, reach};
   }
+  /// Sets the colour that kTint shows, without blending.
+  void set_tint(const glm::vec4& tint) { tint_ = tint; }
   /// Sets the light from all around for later draws; nullptr selects variants without it.
   void set_probe(const ProbeMap* probe) { probe_ = probe; }
   /// Sets how colours are shown in later draws, and the background colour, which is seen tinted
@@ -164,6 +167,7 @@ class MeshPass {
   GLuint floor_ = 0;
   int floor_samples_ = 1;
   glm::vec3 clear_of_{0};
+  glm::vec4 tint_{0};
   ProbeMap black_probe_;  ///< for forced features
   glm::dvec3 eye_{0};     ///< origin of positions, world; used for shadows only
   int draw_calls_ = 0;

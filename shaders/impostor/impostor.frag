@@ -37,6 +37,9 @@ uniform vec2 u_depth_window;  // window depth = x + y / view depth
 // 2: the soft ones over them, which do not. Glass must neither hide the things behind it nor blend
 // with less than all of them.
 uniform int u_fragments;
+#ifdef TINT
+uniform vec4 u_tint;  // shown instead, without blending
+#endif
 
 #if defined(RELIT) || defined(FOG) || defined(SHADOW)
 #include "common/rotation.glsl"
@@ -88,6 +91,9 @@ void emit(vec4 color, vec3 p) {
   o_color = color * v_depth.w;
   int part = o_color.a < kSolid ? 2 : 1;
   if (o_color.a < 1.0 / 255.0 || (u_fragments != 0 && part != u_fragments)) discard;
+#ifdef TINT
+  o_color = u_tint;
+#endif
   // The depth moves towards the viewer by the largest push-back of quantising, so a shelf at a wall
   // stays in front of it.
   float view_depth = (v_capture.w + dot(v_view_depth, p) - v_depth_slack) * (1.0 - v_capture.z);

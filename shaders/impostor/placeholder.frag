@@ -2,6 +2,9 @@ precision highp float;
 flat in vec3 v_color;
 in vec3 v_relative;
 precise layout(location = 0) out vec4 o_color;
+#ifdef TINT
+uniform vec4 u_tint;  // shown instead
+#endif
 #ifdef FOG
 #include "common/fog.glsl"
 #endif
@@ -9,5 +12,8 @@ void main() {
   o_color = vec4(v_color, 1.0);
 #ifdef FOG
   o_color = fogged(o_color, v_relative);
+#endif
+#ifdef TINT
+  o_color = u_tint;
 #endif
 }

@@ -16,6 +16,9 @@ flat in vec4 v_rotation;
 precise layout(location = 0) out vec4 o_color;
 
 uniform int u_fragments;      // 0: all; 1: only solid ones; 2: only soft ones
+#ifdef TINT
+uniform vec4 u_tint;  // shown instead, without blending
+#endif
 uniform float u_near;         // view depth of the near plane
 uniform float u_depth_of_w;   // view depth where clip-space w is 1
 uniform vec2 u_depth_window;  // window depth = x + y / view depth
@@ -48,6 +51,9 @@ void emit(vec4 color, float along) {
   o_color = color * v_slack.z;
   int part = o_color.a < kSolid ? 2 : 1;
   if (o_color.a < 1.0 / 255.0 || (u_fragments != 0 && part != u_fragments)) discard;
+#ifdef TINT
+  o_color = u_tint;
+#endif
   float view_depth = (u_depth_of_w * (along / gl_FragCoord.w) - v_slack.y) * (1.0 - v_slack.x);
   gl_FragDepth = clamp(u_depth_window.x + u_depth_window.y / max(view_depth, u_near), 0.0, 1.0);
 }

@@ -33,6 +33,9 @@ precise layout(location = 1) out vec4 o_darkened;  // o_color is without shadows
 #endif
 
 uniform vec4 u_base_color;
+#ifdef TINT
+uniform vec4 u_tint;  // shown instead, without blending
+#endif
 uniform vec3 u_emissive;
 uniform vec4 u_factors;  // metallic, roughness, normal scale, occlusion strength
 uniform float u_alpha_cutoff;
@@ -327,6 +330,9 @@ void main() {
 #endif
 #ifdef FOG
   o_color = fogged(o_color, v_position);
+#endif
+#ifdef TINT
+  o_color = u_tint;
 #endif
 #ifdef WRITE_ID
   o_id = v_id;

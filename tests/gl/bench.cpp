@@ -29,6 +29,7 @@
 #include "server/session/session.h"
 #include "server/tile/tile_encode.h"
 #include "shaders/gl/gl_object.h"
+#include "shaders/gl/render_target.h"
 
 namespace mirage::test {
 namespace {
@@ -303,6 +304,22 @@ std::vector<std::uint8_t> Bench::rested_mesh_picture(const Camera& c, int drawin
     refinement.draw_more(*renderer_, target, c, scene_, list, light_);
   }
   return refinement.picture(target).read();
+}
+
+std::vector<std::uint8_t> Bench::tints(const Camera& c, const DrawList& list, const Tints& tints) {
+  const gl::RenderTarget target(kSize, kSize, {GL_RGBA8}, GL_DEPTH_COMPONENT32F);
+  target.bind();
+  glViewport(0, 0, kSize, kSize);
+  if (!renderer_->draw_tints(c, scene_, list, tints)) return {};
+  constexpr std::size_t kRow = std::size_t{kSize} * 4;
+  std::vector<std::uint8_t> rows(kRow * kSize), out;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, target.framebuffer());
+  glReadPixels(0, 0, kSize, kSize, GL_RGBA, GL_UNSIGNED_BYTE, rows.data());
+  for (std::size_t y = kSize; y-- > 0;) {
+    out.insert(out.end(), rows.begin() + static_cast<std::ptrdiff_t>(y * kRow),
+               rows.begin() + static_cast<std::ptrdiff_t>((y + 1) * kRow));
+  }
+  return out;
 }
 
 std::vector<std::uint8_t> Bench::picture(const Camera& c, const TileRecordPtr& tile,

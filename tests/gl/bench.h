@@ -10,6 +10,7 @@
 #include "client/draw/frame_renderer.h"
 #include "client/draw/frame_target.h"
 #include "client/draw/refinement.h"
+#include "client/draw/tints.h"
 #include "client/frame/draw_list.h"
 #include "client/hold/tile_cache.h"
 #include "client/quality/metrics.h"
@@ -75,6 +76,9 @@ class Bench {
   /// drawn at this scale.
   std::vector<std::uint8_t> rested_mesh_picture(const Camera& camera, int drawings,
                                                 double scale = 1);
+  /// Returns the tints of a list (FrameRenderer::draw_tints), RGBA8, rows from the top. Geometry is
+  /// drawn if mesh_picture() has uploaded it.
+  std::vector<std::uint8_t> tints(const Camera& camera, const DrawList& list, const Tints& tints);
   /// Sets the light of lit tiles, of drawing and of the truth from now on.
   void set_light(const Lighting& light) { light_ = light; }
   const Lighting& light() const { return light_; }

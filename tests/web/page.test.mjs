@@ -5,7 +5,7 @@ import { brotliDecompressSync, gunzipSync } from 'node:zlib';
 import http from 'node:http';
 import { copyFileSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { barriers, figures, flip, launch, message, open, picture, pose, relay, rested, scratch, screen, seen, serve, sleep, stopAll, until, write, decode } from './harness.mjs';
+import { barriers, figures, flip, launch, message, open, picture, pose, relay, rested, scratch, screen, seen, serve, poseAtRest, sleep, stopAll, truth, until, write, decode } from './harness.mjs';
 
 let browser, knot;
 const apart = (a, b) => Math.hypot(...a.map((v, i) => v - b[i]));
@@ -170,7 +170,7 @@ test('keys move, the mouse turns about what is under it, pans and flies, the whe
   };
   await drag('left', [420, 180]);
   await until('turned', async () => apart((await pose(page)).ahead, before.ahead) > 0.8);
-  const turned = await pose(page);
+  const turned = await poseAtRest(page);
   const yaw = yawOf(turned) - yawOf(before);
   assert.ok(Math.abs(yaw - 3.14 * 100 / 360) < 0.01, `a drag over the height turns by half a circle, here ${yaw}`);
   assert.ok(Math.abs(turned.ahead[1] - before.ahead[1]) < 0.01, 'level');
@@ -178,7 +178,7 @@ test('keys move, the mouse turns about what is under it, pans and flies, the whe
 
   await drag('right', [320, 120]);
   await until('shifted', async () => apart((await pose(page)).eye, turned.eye) > 0.05);
-  const shifted = await pose(page);
+  const shifted = await poseAtRest(page);
   assert.ok(shifted.eye[1] < turned.eye[1], 'what is dragged up is looked at from below');
   assert.ok(apart(shifted.ahead, turned.ahead) < 1e-6, 'a pan does not turn');
 
@@ -188,7 +188,7 @@ test('keys move, the mouse turns about what is under it, pans and flies, the whe
   await page.mouse.wheel(0, -100);
   await until('a step', async () => apart((await pose(page)).eye, home.eye) > 0.05);
   await sleep(600);
-  const nearer = await pose(page);
+  const nearer = await poseAtRest(page);
   await page.mouse.dblclick(320, 180);
   await until('flown', async () => apart((await pose(page)).eye, nearer.eye) > 0.3);
 
@@ -196,10 +196,10 @@ test('keys move, the mouse turns about what is under it, pans and flies, the whe
   await page.keyboard.press('KeyM');
   assert.equal(await page.textContent('#mode'), 'Orbit');
   await sleep(800);
-  const still = await pose(page);
+  const still = await poseAtRest(page);
   await drag('left', [420, 180]);
   await until('looked', async () => apart((await pose(page)).ahead, still.ahead) > 0.25);
-  const looked = await pose(page);
+  const looked = await poseAtRest(page);
   assert.ok(Math.abs(yawOf(looked) - yawOf(still) + Math.PI / 3 * 100 / 360) < 0.01, 'the picture goes with the hand');
   assert.ok(apart(looked.eye, still.eye) < 1e-9, 'who walks turns in place');
   assert.deepEqual(page.problems, []);
@@ -253,7 +253,7 @@ test('fingers: one turns, two shift and pinch, the stick moves', async () => {
   await touch('touchMove', [[120, 300]]);
   await touch('touchEnd', []);
   await until('turned', async () => apart((await pose(page)).ahead, start.ahead) > 0.1);
-  const turned = await pose(page);
+  const turned = await poseAtRest(page);
   assert.ok(apart(turned.eye, start.eye) > 0.1, 'one finger goes around');
 
   await touch('touchStart', [[150, 300], [210, 300]]);
@@ -261,7 +261,7 @@ test('fingers: one turns, two shift and pinch, the stick moves', async () => {
   await touch('touchMove', [[80, 300], [280, 300]]);
   await touch('touchEnd', []);
   await until('moved', async () => apart((await pose(page)).eye, turned.eye) > 0.05);
-  const pinched = await pose(page);
+  const pinched = await poseAtRest(page);
   const along = turned.ahead.reduce((sum, v, i) => sum + v * (pinched.eye[i] - turned.eye[i]), 0);
   assert.ok(along > 0.05, 'spreading goes ahead');
   assert.ok(apart(pinched.ahead, turned.ahead) < 1e-3, 'two fingers do not turn');
@@ -644,6 +644,39 @@ test('the sliders of the light begin where the sun is', async () => {
   sun.forEach((degrees, i) => assert.ok(Math.abs(shown[i] - degrees) <= 0.5, `${shown} for ${sun}`));
   await page.context().close();
   await city.stop();
+});
+
+test('quality and field of view: chosen in the panel, kept in the address', async () => {
+  const page = await open(browser, at(view));
+  await rested(page);
+  const budget = async () => (await figures(page)).budgetMs;
+  const usual = await budget(), wide = await picture(page);
+  assert.ok(usual > 0);
+  await page.locator('#figures-button').click();
+  for (const [quality, share] of [['picture', 3], ['speed', 0.5]]) {
+    await page.locator('#quality').selectOption(quality);
+    await until(`${share} of the time`, async () => Math.abs(await budget() / usual - share) < 0.01);
+    assert.equal(await page.evaluate(() => document.activeElement.id), 'mirage', 'keys move');
+  }
+  await page.locator('#fov').fill('30');
+  assert.equal(await page.locator('#fov-degrees').textContent(), '30°');
+  await rested(page);
+  const near = await picture(page), full = await truth(page);
+  assert.ok(await flip(page, full, near) < 0.05, 'it is what the server renders at 30°');
+  assert.ok(await flip(page, full, wide) > 0.1, 'and not what it renders at 60°');
+  await until('in the address', async () => page.url().endsWith('&fov=30&quality=speed'));
+  const link = page.url();
+  await page.goto('about:blank');
+  await page.goto(link);
+  await rested(page);
+  assert.ok(await flip(page, full, await picture(page)) < 0.05);
+  assert.ok(Math.abs(await budget() / usual - 0.5) < 0.01);
+  assert.equal(await page.locator('#quality').inputValue(), 'speed');
+  await page.goto('about:blank');
+  await page.goto(at(`${view}&fov=175&quality=best`));
+  await until('a word', async () => /quality=best, fov=175/.test(await message(page)));
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
 });
 
 test('a line tells how much of what is in view has an image, and goes', async () => {

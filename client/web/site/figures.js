@@ -7,7 +7,7 @@ const everyMs = 250;
 // Ways to show how the picture is made, each with what its colours mean (client/draw/insight.h).
 const layers = [
   ['The picture', []],
-  ['Tile borders', [['#59a6ff', 'flat image'], ['#4df266', 'image with depth'], ['#ffd933', 'geometry'], ['#ff4033', 'no image yet']]],
+  ['Drawn from', [['#59a6ff', 'flat image'], ['#4df266', 'image with depth'], ['#ffd933', 'geometry'], ['#ff4033', 'no image yet']]],
   ['Error', [['#00ff1a', '0'], ['#ffff1a', 'as much as allowed'], ['#ff001a', 'twice as much and more: the greatest error that the image may have here, in pixels']]],
   ['Age', [['#00ff1a', 'new'], ['#ffff1a', '30 s'], ['#ff001a', 'a minute and older: since the image arrived']]],
   ['What is geometry', [['#ffd933', 'drawn from triangles, not from images']]],
@@ -35,6 +35,7 @@ export class Figures {
   constructor(viewer) {
     this.viewer = viewer;
     this.shownAt = 0;
+    this.showPicture();
     this.traffic = [];  // [ms, bytes]
     this.layer = 0;
     layers.forEach(([name], i) => {
@@ -47,6 +48,11 @@ export class Figures {
     const turned = () => viewer.place.changeLight([Number($('azimuth').value), Number($('elevation').value)]);
     $('azimuth').addEventListener('input', turned);
     $('elevation').addEventListener('input', turned);
+    $('quality').addEventListener('change', () => {
+      $('mirage').focus({ preventScroll: true });  // keys move again
+      viewer.place.changePicture({ quality: $('quality').value });
+    });
+    $('fov').addEventListener('input', () => viewer.place.changePicture({ fov: Number($('fov').value) }));
     $('own-light').addEventListener('click', () => { viewer.place.changeLight(null); this.showLight(); });
   }
 
@@ -57,6 +63,15 @@ export class Figures {
     const own = [core._page_own_sun(0), core._page_own_sun(1)];
     $('light').hidden = Number.isNaN(own[0]);
     [$('azimuth').value, $('elevation').value] = place.light ?? own;
+  }
+
+  /// Shows the quality and the field of view that the address has. A budget of the address replaces the quality.
+  showPicture() {
+    const { place } = this.viewer;
+    $('quality').value = place.quality();
+    $('quality').disabled = place.address.budget !== undefined;
+    $('fov').value = place.fov();
+    $('fov-degrees').value = `${Math.round(place.fov())}°`;
   }
 
   showLayer(layer) {

@@ -1,6 +1,6 @@
 // Place: the view, light and time in the address, so that a link leads to them and one can come
 // back.
-import { readAddress, writeAddress } from './address.js';
+import { qualities, readAddress, usualFov, writeAddress } from './address.js';
 import { pose } from './core.js';
 import { now } from './server_link.js';
 import { notice } from './status.js';
@@ -33,6 +33,24 @@ export class Place {
     if (eye) this.viewer.core._page_look(...eye, ...look);
     this.light = light ?? null;
     this.lightIsSet = false;
+    this.applyPicture();
+  }
+
+  /// Tells the core how the picture is to be: its field of view, and what it may take.
+  applyPicture() {
+    const { core } = this.viewer;
+    core._page_fov(this.fov());
+    if (this.address.budget === undefined) core._page_pace(qualities[this.quality()]);
+    this.viewer.figures?.showPicture();
+    this.viewer.wake();
+  }
+  fov() { return this.address.fov ?? usualFov; }
+  quality() { return this.address.quality ?? 'auto'; }
+  changePicture(change) {
+    Object.assign(this.address, change);
+    this.changedAt = performance.now();
+    this.viewer.compare.end();
+    this.applyPicture();
   }
 
   // Keeps the view, because a lost graphics context takes the core with it.
@@ -77,7 +95,10 @@ export class Place {
 
   view() { return { ...pose(this.viewer.core), light: this.light ?? undefined }; }
 
-  link() { return location.href.replace(/#.*$/, '') + writeAddress({ ...this.view(), budget: this.address.budget }); }
+  link() {
+    const { fov, quality, budget } = this.address;
+    return location.href.replace(/#.*$/, '') + writeAddress({ ...this.view(), fov, quality, budget });
+  }
 
   /// Adds the view to the history a while after the last motion.
   remember(motion, at) {
