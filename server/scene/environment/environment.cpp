@@ -5,6 +5,7 @@
 #include "server/scene/environment/builtin_environment.h"
 #include "server/scene/environment/environment_file.h"
 #include "server/scene/environment/probe_filter.h"
+#include "server/scene/environment/studio_probe.h"
 
 namespace mirage {
 namespace {
@@ -14,6 +15,8 @@ const glm::vec3 kStudioZenith{0.13f, 0.135f, 0.145f};
 const glm::vec3 kStudioHorizon{0.42f, 0.425f, 0.435f};
 const glm::vec3 kStudioNadir{0.20f, 0.205f, 0.215f};
 const glm::vec3 kStudioFloor{0.36f, 0.365f, 0.375f};
+
+bool is_studio(const std::string& spec) { return spec.empty() || spec == "builtin:studio"; }
 
 }  // namespace
 
@@ -29,12 +32,17 @@ Result<Equirect> surroundings(const std::string& spec, std::vector<std::string>&
 
 Result<void> set_environment(const std::string& spec, Scene& scene, const Workers& workers) {
   if (spec == "none" || (spec.empty() && scene.own_lights)) return {};
-  Result<Equirect> image = surroundings(spec, scene.warnings);
-  if (!image) return image.error();
   const bool lit = std::any_of(scene.materials.begin(), scene.materials.end(),
                                [](const Material& m) { return !m.unlit; });
-  if (!lit) return {};
-  scene.probe = std::make_shared<const LightProbe>(make_probe(*image, workers));
+  if (is_studio(spec)) {
+    if (!lit) return {};
+    scene.probe = std::make_shared<const LightProbe>(studio_probe());
+  } else {
+    Result<Equirect> image = surroundings(spec, scene.warnings);
+    if (!image) return image.error();
+    if (!lit) return {};
+    scene.probe = std::make_shared<const LightProbe>(make_probe(*image, workers));
+  }
   if (!scene.own_lights) scene.lighting.lights.clear();
   scene.lighting.ambient = glm::vec3(0);
   scene.lighting.probe = {};
@@ -44,8 +52,7 @@ Result<void> set_environment(const std::string& spec, Scene& scene, const Worker
 
 void set_look(bool studio, const std::string& spec, Scene& scene) {
   Environment& environment = scene.environment;
-  const bool in_studio = spec.empty() || spec == "builtin:studio";
-  if (!studio || !in_studio || scene.own_lights) {
+  if (!studio || !is_studio(spec) || scene.own_lights) {
     environment.floor = {};
     return;
   }

@@ -11,6 +11,7 @@
 #include <functional>
 
 #include "server/scene/environment/builtin_environment.h"
+#include "server/scene/environment/studio_probe.h"
 #include "server/scene/environment/environment_file.h"
 #include "server/scene/environment/probe_filter.h"
 #include "tests/support/temp_folder.h"
@@ -99,6 +100,13 @@ TEST(Environment, RoughLevelsSpreadALampAndKeepItsPlace) {
 TEST(Environment, ThreadsChangeNothing) {
   const Equirect image = *builtin_environment("sky");
   EXPECT_EQ(make_probe(image, {}).texels, make_probe(image, Workers(3)).texels);
+}
+
+TEST(Environment, TheBuildKeepsTheStudiosProbe) {
+  const LightProbe made = make_probe(*builtin_environment("studio"), {}), kept = studio_probe();
+  EXPECT_EQ(kept.texels, made.texels);
+  EXPECT_EQ(kept.irradiance, made.irradiance);
+  EXPECT_EQ(kept.id, made.id);
 }
 
 // The neutral studio promises a white diffuse of about 0.8 without clipping. The harmonics match
