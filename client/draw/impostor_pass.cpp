@@ -23,6 +23,8 @@ static_assert(sizeof(ImpostorInstance) == 208);
 // Attribute of the proxy's vertices, among those of instances.
 constexpr GLuint kParallaxLocation = 12;
 
+// Opacity from which an object counts as solid. Below 1 - kSolid, nothing of it is seen.
+constexpr float kSolid = 254.0f / 255.0f;
 /// A tile that fades in lies on top of the one it replaces.
 constexpr float kFadeBias = 0.002f;
 
@@ -351,7 +353,7 @@ void ImpostorPass::draw_runs(const Camera& camera, const SceneView& scene, const
 }
 
 void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scene,
-                                     const DrawList& list, const Lighting& lighting) {
+                                     const DrawList& list, const Lighting& lighting, bool solid) {
   if (list.placeholders.empty()) return;
   glm::vec3 light = lighting.ambient;
   for (const Light& l : lighting.lights) {
@@ -362,12 +364,14 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
     if (drawn.covered) continue;
     const InstanceView& view = scene.instances[drawn.instance];
     const ObjectDescription& object = scene.objects[view.object];
+    if ((object.opacity >= kSolid) != solid || object.opacity < 1 - kSolid) continue;
     ImpostorInstance data{};
     data.rotation = rotation_of(view);
     data.center_scale = center_scale_of(view, camera);
     const bool lit = object.needs & kNeedLighting;
-    data.right_distance =
-        glm::vec4(object.mean_color * (lit ? light : glm::vec3(1)), object.part ? -1 : 1);
+    const float opacity = solid ? 1 : object.opacity;
+    data.right_distance = glm::vec4(object.mean_color * (lit ? light : glm::vec3(1)),
+                                    object.part ? -opacity : opacity);
     data.center = glm::vec4(object.center, 0);
     by_object[view.object].push_back(data);
   }
@@ -426,10 +430,13 @@ void ImpostorPass::draw_list(const Camera& camera, const SceneView& scene, const
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(gl::nearer_or_equal(mapping_));
   glDisable(GL_BLEND);
-  draw_placeholders(camera, scene, list, mean);
+  draw_placeholders(camera, scene, list, mean, true);
   draw_runs(camera, scene, list, true);
   if (!tints_) glEnable(GL_BLEND);  // a tint of 0 would leave what it hides
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);
+  draw_placeholders(camera, scene, list, mean, false);
+  glDepthMask(GL_TRUE);
   draw_runs(camera, scene, list, false);
   glBindVertexArray(0);
   glDisable(GL_BLEND);

@@ -100,8 +100,9 @@ class ImpostorPass {
   void draw_relief(const Camera& camera, const SceneView& scene, const DrawnImpostors& run,
                    Fragments fragments, const glm::vec4& tint);
   void use_atlas(gl::Program& program, const Camera& camera, bool relit);
+  /// Draws the placeholders of solid objects, or of those through which one sees.
   void draw_placeholders(const Camera& camera, const SceneView& scene, const DrawList& list,
-                         const Lighting& lighting);
+                         const Lighting& lighting, bool solid);
 
   const Proxy& hull(const SceneView& scene, std::uint32_t object);
   const Proxy& warp_proxy(const SceneView& scene, std::uint32_t object);

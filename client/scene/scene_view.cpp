@@ -116,6 +116,7 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
     o.box_min = from_wire(*info->box_min);
     o.box_max = from_wire(*info->box_max);
     o.mean_color = from_wire(*info->mean_color);
+    o.opacity = info->opacity;
     o.needs = info->needs;
     o.triangles = info->triangles;
     for (const wire::LodInfo& lod : info->lods) {

@@ -32,6 +32,7 @@ struct ObjectDescription {
   glm::vec3 box_max{0};
   ConvexHull hull;             ///< encloses the mesh
   glm::vec3 mean_color{0.5f};  ///< linear; what a placeholder shows
+  float opacity = 1;           ///< 0 to 1: mean of its surfaces; what a placeholder covers
   NeedMask needs = 0;
   std::uint32_t triangles = 0;
   std::vector<LodInfo> lods;  ///< finest first; at least one when there is geometry

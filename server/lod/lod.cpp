@@ -221,7 +221,7 @@ class Chain {
         static_cast<std::size_t>(std::ceil(share * static_cast<double>(full_triangles_)));
     if (surface_) {
       surface_->reduce(target, allowed - base_error_, workers_);
-      const Level level = surface_->level(workers_);
+      const Level& level = surface_->level(workers_);
       append(out.mesh, part_, level.vertices, level.indices);
     } else {
       ChunkedStep step = simplify_in_chunks(part_, target, allowed - base_error_, soup_, workers_);

@@ -122,7 +122,7 @@ Simplified simplified(const Part& part, const std::vector<std::uint32_t>& rim,
   surface.reduce(target, allowed, alone);
   out.error = surface.error();
   for (const std::uint32_t i : surface.indices()) out.indices.push_back(chunk.whole[i]);
-  const Level level = surface.level(alone);
+  const Level& level = surface.level(alone);
   const std::size_t own = level.vertices.size() - level.copies;
   for (const std::uint32_t i : level.indices) {
     out.shown.push_back(i < own ? chunk.whole[level.origin[i]]

@@ -9,6 +9,9 @@ namespace {
 
 // in mean light, a turn of a normal or grain shows at half its size
 constexpr float kNormalWeight = 0.5f;
+// Halvings between the picture drawn of a level and the first that is compared: 4 x 4 pixels give
+// a mean.
+constexpr std::size_t kFiner = 2;
 constexpr float kWhole = 0.99f;  // less cover is an edge, which MeshLod::error covers
 
 /// Returns the view from a side, along an axis of a tilted frame, so that few faces are seen
@@ -63,46 +66,50 @@ MeshShading::MeshShading(const Mesh& full, const std::vector<Material>& material
   workers_.each(kSides, [&](std::size_t side) {
     MeshPicture& picture = sides_[side].full.emplace_back();
     picture.window = window_around(full, frame_, rotation_of(side));
-    draw(full, side, picture);
+    draw(full, side, 0, picture);
   });
 }
 
-void MeshShading::draw(const Mesh& mesh, std::size_t side, MeshPicture& out) const {
-  draw_picture(mesh, materials_, images_, frame_, rotation_of(side), grained_, out);
+void MeshShading::draw(const Mesh& mesh, std::size_t side, std::size_t halvings,
+                       MeshPicture& out) const {
+  PictureFrame frame = frame_;
+  frame.edge >>= halvings;
+  draw_picture(mesh, materials_, images_, frame, rotation_of(side), grained_, out);
 }
 
 float MeshShading::size_of(const Mesh& level) {
   if (!(frame_.extent > 0)) return 0;
-  float size = 0;
-  std::size_t halvings = 0;
-  for (std::uint32_t edge = frame_.edge; edge >= kCoarsestEdge; edge /= 2, ++halvings) {
+  const std::size_t drawn = same_at_ - std::min(same_at_, kFiner);
+  for (std::size_t at = drawn; (frame_.edge >> at) >= kCoarsestEdge; ++at) {
     std::array<Difference, kSides> differences;
     workers_.each(kSides, [&](std::size_t i) {
       Side& side = sides_[i];
-      if (halvings == 0) {
-        side.level[0].window = side.full[0].window;
-        draw(level, i, side.level[0]);
+      if (at == drawn) {
+        side.level[0].window = side.full[drawn].window;
+        draw(level, i, drawn, side.level[0]);
       } else {
         halve(side.level[0], side.level[1]);
         std::swap(side.level[0], side.level[1]);
-        if (side.full.size() == halvings) {
-          MeshPicture half;
-          halve(side.full.back(), half);
-          side.full.push_back(std::move(half));
-        }
       }
-      differences[i] = difference_of(side.full[halvings], side.level[0]);
+      if (side.full.size() == at) {
+        MeshPicture half;
+        halve(side.full.back(), half);
+        side.full.push_back(std::move(half));
+      }
+      if (at >= same_at_) differences[i] = difference_of(side.full[at], side.level[0]);
     });
+    if (at < same_at_) continue;
     Difference all;
     for (const Difference& one : differences) {
       all.sum += one.sum;
       all.pixels += one.pixels;
     }
-    if (all.sum <= kSameShading * kSameShading * static_cast<double>(all.pixels)) return size;
-    const std::uint32_t half = edge / 2;
-    size = frame_.extent / static_cast<float>(half);
+    same_at_ = at;
+    if (all.sum <= kSameShading * kSameShading * static_cast<double>(all.pixels)) {
+      return at == 0 ? 0 : frame_.extent / static_cast<float>(frame_.edge >> at);
+    }
   }
-  return size;
+  return frame_.extent / (0.5f * static_cast<float>(kCoarsestEdge));
 }
 
 }  // namespace mirage

@@ -24,7 +24,8 @@ class MeshShading {
 
   /// Returns the smallest pixel size, object units, at which `level` looks the same within
   /// kSameShading; 0 if it does at the resolution of the pictures. Larger pixels show means of
-  /// their content.
+  /// their content. Levels come in order, finest first: none gets a smaller size than the one
+  /// before, so finer pictures are not compared.
   float size_of(const Mesh& level);
 
  private:
@@ -33,7 +34,8 @@ class MeshShading {
     std::vector<MeshPicture> full;       ///< finest first; halved once a comparison needs it
     std::array<MeshPicture, 2> level{};  ///< the compared picture, and room for the next
   };
-  void draw(const Mesh& mesh, std::size_t side, MeshPicture& out) const;
+  /// Draws a mesh in the frame halved so often.
+  void draw(const Mesh& mesh, std::size_t side, std::size_t halvings, MeshPicture& out) const;
 
   const std::vector<Material>& materials_;
   const std::vector<Image>& images_;
@@ -41,6 +43,7 @@ class MeshShading {
   const PictureFrame frame_;
   const bool grained_;
   std::array<Side, kSides> sides_;
+  std::size_t same_at_ = 0;  ///< halvings after which the level before looked the same
 };
 
 }  // namespace mirage

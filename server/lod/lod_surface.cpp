@@ -7,6 +7,9 @@ namespace {
 
 // tries to keep the limit, because the simplifier only estimates
 constexpr int kTries = 4;
+// Shares of the allowed error that the simplifier's estimate may take, since estimates fall short.
+constexpr double kFirstShare = 0.85, kNextShare = 0.6;
+constexpr double kWorthTaking = 0.85;        // a step that keeps more than this share is no gain
 constexpr std::size_t kSoupIndices = 3'000;  // smaller parts may have hard edges on purpose
 constexpr double kSoupShare = 0.8;           // vertices per index; a box of quads has 0.67
 
@@ -56,11 +59,18 @@ LodSurface::LodSurface(const Part& part, const LodRules& rules, const Workers& w
 
 bool LodSurface::reduce(std::size_t triangles, double allowed, const Workers& workers) {
   const std::size_t target = 3 * triangles;
-  double aim = allowed;
-  for (int i = 0; i < kTries && coarse_.size() > target; ++i, aim *= 0.4) {
+  if (stuck_at_ == allowed) return false;
+  bool limited = coarse_.size() > target;  // by the error: fewer `triangles` would change nothing
+  double share = kFirstShare;
+  for (int i = 0; i < kTries && coarse_.size() > target; ++i, share *= kNextShare) {
+    const double aim = share * allowed - estimate_;
+    if (!(aim > 0)) break;
     SurfaceSimplifier::Step step = simplifier_->simplified(target, aim);
     // An empty result would be a hole, not a level of detail.
-    if (step.indices.empty() || step.indices.size() >= coarse_.size()) break;
+    if (step.indices.empty()) break;
+    const auto left = static_cast<double>(step.indices.size());
+    if (left > kWorthTaking * static_cast<double>(coarse_.size())) break;
+    limited = limited && step.indices.size() > target;
     std::vector<std::uint32_t> next = simplifier_->full_indices(step.indices);
     if (!origin_.empty()) {
       for (std::uint32_t& vertex : next) vertex = origin_[vertex];
@@ -73,15 +83,20 @@ bool LodSurface::reduce(std::size_t triangles, double allowed, const Workers& wo
     coarse_ = std::move(next);
     estimate_ = estimate;
     error_ = error;
+    level_.reset();
     return true;
   }
+  if (limited) stuck_at_ = allowed;
   return false;
 }
 
-Level LodSurface::level(const Workers& workers) const {
-  Level out = level_of(part_.vertices, coarse_);
-  restore_normals(*surface_, out, workers);
-  return out;
+const Level& LodSurface::level(const Workers& workers) {
+  if (!level_) {
+    level_ = level_of(part_.vertices, coarse_);
+    const bool whole = coarse_.size() == part_.indices.size();  // has its own normals
+    if (!whole) restore_normals(*surface_, *level_, workers);
+  }
+  return *level_;
 }
 
 }  // namespace mirage

@@ -47,8 +47,8 @@ class LodSurface {
   /// Returns the error of the present triangles (MeshLod::error), object units.
   double error() const { return error_; }
   /// Returns the present triangles, with normals of the full surface where their own would shade
-  /// wrongly.
-  Level level(const Workers& workers) const;
+  /// wrongly. The reference is valid until the next reduce().
+  const Level& level(const Workers& workers);
 
  private:
   const Part& part_;
@@ -59,6 +59,8 @@ class LodSurface {
   std::optional<FullSurface> surface_;
   double estimate_ = 0;  ///< sum of the simplifier's errors, object units
   double error_ = 0;
+  std::optional<Level> level_;  ///< of the present triangles, once asked for
+  double stuck_at_ = -1;        ///< an allowed error, object units, with which no step was found
 };
 
 }  // namespace mirage

@@ -178,7 +178,7 @@ double SurfaceTree::distance_above(double floor, const glm::vec3& p, double at_m
                                    std::uint32_t& near) const {
   Nearest best{static_cast<float>(at_most * at_most), near, p};
   if (!order_.empty()) {
-    try_triangle(near, p, best);
+    try_leaf(near / kLeafTriangles, p, best);
     search(p, static_cast<float>(floor * floor), best);
   }
   near = best.place;

@@ -64,7 +64,7 @@ std::vector<Mesh> cut_instances(const Scene& scene, double bounds_radius,
     for (Mesh& mesh : cut[k]) {
       InstanceGroup part;
       part.bounds = bounds_of(mesh, instance.world_from_object);
-      part.bounds.set_mean_color(mean_color(mesh, colors));
+      part.bounds.set_mean_color(glm::vec3(mean_color(mesh, colors, scene.materials)));
       part.bounds.needs = object.needs;
       part.first_leaf = chosen[k];
       part.leaves = 1;

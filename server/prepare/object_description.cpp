@@ -10,7 +10,8 @@
 namespace mirage {
 namespace {
 
-glm::vec3 mean_image_color(const Image& image) {
+// Returns the mean linear colour of what can be seen of an image, and its mean alpha.
+glm::vec4 mean_image_color(const Image& image) {
   glm::dvec3 sum(0);
   double weight = 0;
   const std::size_t pixels = image.rgba.size() / 4;
@@ -21,28 +22,34 @@ glm::vec3 mean_image_color(const Image& image) {
     for (int c = 0; c < 3; ++c) sum[c] += a * std::pow(p[c] / 255.0, image.srgb ? 2.2 : 1.0);
     weight += a;
   }
-  return weight > 0 ? glm::vec3(sum / weight) : glm::vec3(0.5f);
+  const auto seen = static_cast<double>((pixels + step - 1) / step);
+  return weight > 0 ? glm::vec4(sum / weight, weight / seen) : glm::vec4(0.5f, 0.5f, 0.5f, 0);
 }
 
 }  // namespace
 
-std::map<std::uint32_t, glm::vec3> material_colors(const Mesh& mesh, const Scene& scene) {
-  std::map<std::uint32_t, glm::vec3> out;
+std::map<std::uint32_t, glm::vec4> material_colors(const Mesh& mesh, const Scene& scene) {
+  std::map<std::uint32_t, glm::vec4> out;
   for (const Primitive& p : mesh.primitives) {
     const Material& m = scene.materials[p.material];
-    const auto [at, is_new] = out.emplace(p.material, glm::vec3(m.base_color) + m.emissive);
-    if (!is_new || !m.base_color_map.present()) continue;
-    at->second *= mean_image_color(scene.images[static_cast<std::size_t>(m.base_color_map.image)]);
+    const auto [at, is_new] = out.emplace(p.material, m.base_color + glm::vec4(m.emissive, 0));
+    if (!is_new) continue;
+    if (m.base_color_map.present()) {
+      at->second *=
+          mean_image_color(scene.images[static_cast<std::size_t>(m.base_color_map.image)]);
+    }
   }
   return out;
 }
 
-glm::vec3 mean_color(const Mesh& mesh, const std::map<std::uint32_t, glm::vec3>& of_material) {
-  glm::dvec3 sum(0);
+glm::vec4 mean_color(const Mesh& mesh, const std::map<std::uint32_t, glm::vec4>& of_material,
+                     const std::vector<Material>& materials) {
+  glm::dvec4 sum(0);  // colours times what is opaque of their area
   double area_sum = 0;
   for (const Primitive& p : mesh.primitives) {
     if (p.kind != PrimitiveKind::kTriangles) continue;
-    const glm::vec3 base = of_material.at(p.material);
+    const glm::vec4 base = of_material.at(p.material);
+    const bool blends = materials[p.material].alpha_mode == AlphaMode::kBlend;
     const std::uint32_t step = 3 * std::max(1u, p.index_count / 3 / 2000);
     for (std::uint32_t i = 0; i + 2 < p.index_count; i += step) {
       const std::uint32_t* at = &mesh.indices[p.first_index + i];
@@ -51,12 +58,15 @@ glm::vec3 mean_color(const Mesh& mesh, const std::map<std::uint32_t, glm::vec3>&
       const Vertex& c = mesh.vertices[at[2]];
       const double area =
           step * double{glm::length(glm::cross(b.position - a.position, c.position - a.position))};
-      sum += glm::dvec3(base * glm::vec3(a.color) / 65535.0f) * area;
+      const glm::dvec4 color = glm::dvec4(base * glm::vec4(a.color) / 65535.0f);
+      const double solid = blends ? color.a : 1;
+      sum += glm::dvec4(glm::dvec3(color), 1) * (solid * area);
       area_sum += area;
     }
   }
-  if (!(area_sum > 0) || !std::isfinite(area_sum)) return glm::vec3(0.5f);
-  return glm::clamp(glm::vec3(sum / area_sum), 0.0f, 1.0f);
+  if (!(area_sum > 0) || !std::isfinite(area_sum)) return {0.5f, 0.5f, 0.5f, 1};
+  if (!(sum.a > 0)) return {0.5f, 0.5f, 0.5f, 0};
+  return glm::clamp(glm::vec4(glm::dvec3(sum) / sum.a, sum.a / area_sum), 0.0f, 1.0f);
 }
 
 ObjectDescription describe_object(const SceneObject& object, const Scene& scene,
@@ -90,7 +100,10 @@ ObjectDescription describe_object(const SceneObject& object, const Scene& scene,
   out.radius = static_cast<float>(std::max(radius * 1.00001, std::min(floor_radius, 1e-3)));
   if (Result<ConvexHull> hull = enclosing_hull(points); hull.ok()) out.hull = hull.take();
   out.hull.parallax = parallax_factors(out.hull, points, out.center, workers);
-  out.mean_color = mean_color(object.mesh, material_colors(object.mesh, scene));
+  const glm::vec4 mean =
+      mean_color(object.mesh, material_colors(object.mesh, scene), scene.materials);
+  out.mean_color = glm::vec3(mean);
+  out.opacity = mean.a;
   return out;
 }
 

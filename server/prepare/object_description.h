@@ -12,11 +12,13 @@ namespace mirage {
 
 struct MeasuredMotion;
 
-/// Returns the colour of each material of `mesh`: base colour x texture mean, plus emission;
-/// linear.
-std::map<std::uint32_t, glm::vec3> material_colors(const Mesh& mesh, const Scene& scene);
-/// Returns the area-weighted mean of these x vertex colours, 0 to 1.
-glm::vec3 mean_color(const Mesh& mesh, const std::map<std::uint32_t, glm::vec3>& of_material);
+/// Returns the colour and alpha of each material of `mesh`: base colour x texture mean, plus
+/// emission; linear.
+std::map<std::uint32_t, glm::vec4> material_colors(const Mesh& mesh, const Scene& scene);
+/// Returns the mean of these x vertex colours, 0 to 1, weighted by area and opacity. Its alpha is
+/// the mean opacity: alpha where a material blends, else 1.
+glm::vec4 mean_color(const Mesh& mesh, const std::map<std::uint32_t, glm::vec4>& of_material,
+                     const std::vector<Material>& materials);
 
 /// Returns bounds, hull, mean colour and needs of one object.
 ObjectDescription describe_object(const SceneObject& object, const Scene& scene,

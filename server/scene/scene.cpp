@@ -1,20 +1,36 @@
 #include "server/scene/scene.h"
 
+#include <numeric>
+
 namespace mirage {
 
-std::uint64_t Scene::triangles() const {
-  std::vector<std::uint64_t> per_object;
-  per_object.reserve(objects.size());
-  for (const SceneObject& object : objects) {
+namespace {
+
+std::vector<std::uint64_t> triangles_by_object(const Scene& scene) {
+  std::vector<std::uint64_t> out;
+  out.reserve(scene.objects.size());
+  for (const SceneObject& object : scene.objects) {
     std::uint64_t count = 0;
     for (const Primitive& primitive : object.mesh.primitives) {
       if (primitive.kind == PrimitiveKind::kTriangles) count += primitive.index_count / 3;
     }
-    per_object.push_back(count);
+    out.push_back(count);
   }
+  return out;
+}
+
+}  // namespace
+
+std::uint64_t Scene::triangles() const {
+  const std::vector<std::uint64_t> by_object = triangles_by_object(*this);
   std::uint64_t total = 0;
-  for (const Instance& instance : instances) total += per_object[instance.object];
+  for (const Instance& instance : instances) total += by_object[instance.object];
   return total;
+}
+
+std::uint64_t Scene::own_triangles() const {
+  const std::vector<std::uint64_t> by_object = triangles_by_object(*this);
+  return std::accumulate(by_object.begin(), by_object.end(), std::uint64_t{0});
 }
 
 }  // namespace mirage

@@ -47,7 +47,8 @@ struct Scene {
   /// One line per kind of recoverable defect, with its count ("3 triangles with NaN dropped").
   std::vector<std::string> warnings;
 
-  std::uint64_t triangles() const;  ///< over all instances
+  std::uint64_t triangles() const;      ///< over all instances
+  std::uint64_t own_triangles() const;  ///< over all objects, each once
 };
 
 }  // namespace mirage

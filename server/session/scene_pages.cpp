@@ -46,6 +46,7 @@ std::unique_ptr<wire::ObjectInfoT> object_info(const ObjectDescription& o) {
   info->box_min = std::make_unique<wire::Vec3f>(to_wire(o.box_min));
   info->box_max = std::make_unique<wire::Vec3f>(to_wire(o.box_max));
   info->mean_color = std::make_unique<wire::Vec3f>(to_wire(o.mean_color));
+  info->opacity = o.opacity;
   info->needs = o.needs;
   info->triangles = o.triangles;
   info->surrounds = o.surrounds;

@@ -1,4 +1,6 @@
 // Sessions: views, from the request to the reply.
+#include <algorithm>
+
 #include "protocol/impostor/tile_key.h"
 #include "protocol/wire/view_codec.h"
 #include "server/prepare/prepared_scene.h"
@@ -9,9 +11,14 @@ namespace {
 // A view is shown at about its size, for a second, so moderate quality is enough.
 constexpr std::uint32_t kViewSupersample = 2;
 constexpr double kViewLevelPx = 1;
-// Most triangles of a scene whose home view is drawn from whole meshes. That takes a second or two,
-// and the first picture then needs no levels of detail.
-constexpr std::uint64_t kDrawnWhole = 4'000'000;
+
+// True if the home view is drawn from whole meshes, at once, rather than from levels of detail
+// once they are made. Making them takes at least as long as drawing the same triangles 16 times.
+bool drawn_whole(const Scene& scene) {
+  constexpr std::uint64_t kFew = 4'000'000, kTimes = 16;
+  return scene.triangles() <= std::max(kFew, kTimes * scene.own_triangles());
+}
+
 }  // namespace
 
 ViewJob SessionHub::view_job(const wire::ViewRequestT& m, const Lighting& lighting) const {
@@ -23,7 +30,7 @@ ViewJob SessionHub::view_job(const wire::ViewRequestT& m, const Lighting& lighti
   job.id = view_id(revision_, lighting_hash(lighting), pose);
   job.shot = {pose.camera, kViewSupersample, lighting, pose.time_s, kViewLevelPx};
   job.home = m.home;
-  job.shot.whole = m.home && scene_->scene.triangles() <= kDrawnWhole;
+  job.shot.whole = m.home && drawn_whole(scene_->scene);
   return job;
 }
 

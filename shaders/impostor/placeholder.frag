@@ -1,5 +1,5 @@
 precision highp float;
-flat in vec3 v_color;
+flat in vec4 v_color;  // premultiplied
 in vec3 v_relative;
 precise layout(location = 0) out vec4 o_color;
 #ifdef TINT
@@ -9,7 +9,7 @@ uniform vec4 u_tint;  // shown instead
 #include "common/fog.glsl"
 #endif
 void main() {
-  o_color = vec4(v_color, 1.0);
+  o_color = v_color;
 #ifdef FOG
   o_color = fogged(o_color, v_relative);
 #endif

@@ -279,6 +279,12 @@ std::vector<std::uint8_t> Bench::picture_of_two(const Camera& c, const TileRecor
   return target_->read();
 }
 
+std::vector<std::uint8_t> Bench::placeholder_picture(const Camera& c) {
+  DrawList list;
+  list.placeholders.push_back({0, glm::length(c.pose.eye), false});
+  renderer_->draw(*target_, c, scene_, list, light_);
+  return target_->read();
+}
 std::vector<std::uint8_t> Bench::mesh_picture(const Camera& c, float fade) {
   const Scene& scene = prepared_->scene;
   if (!renderer_->add_mesh(0, 0, object_model(scene, scene.objects[0].mesh))) return {};

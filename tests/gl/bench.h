@@ -70,6 +70,8 @@ class Bench {
   std::vector<std::uint8_t> picture_of_two(const Camera& camera, const TileRecordPtr& tile,
                                            double behind_radii, DrawMethod near_method,
                                            DrawMethod far_method);
+  /// Returns a picture of the object's placeholder.
+  std::vector<std::uint8_t> placeholder_picture(const Camera& camera);
   /// Returns a picture of the object's geometry.
   std::vector<std::uint8_t> mesh_picture(const Camera& camera, float fade = 1);
   /// Returns a picture of the geometry after this many further drawings (Refinement); the first is

@@ -67,6 +67,17 @@ class Blended : public testing::Test {
   std::unique_ptr<Bench> bench;
 };
 
+// A pane of 4 square metres and alpha 0.5 before a board of 1: (4 x 0.5 + 1) / 5 of it is opaque.
+TEST_F(Blended, PlaceholderIsAsTransparentAsItsObject) {
+  EXPECT_NEAR(bench->scene().objects[0].opacity, 0.6, 1e-5);
+  EXPECT_NEAR(bench->scene().objects[0].mean_color.b, (2 * 1.0 + 1 * 0.1) / 3, 0.01);
+  const std::vector<std::uint8_t> picture =
+      bench->placeholder_picture(bench->camera(4, glm::dvec3(0, 0, 1)));
+  constexpr std::size_t kMiddle = (Bench::kSize / 2 * Bench::kSize + Bench::kSize / 2) * 4;
+  EXPECT_NEAR(picture[kMiddle + 3], 0.6 * 255, 1);
+  EXPECT_EQ(picture[3], 0) << "a corner, where there is nothing";
+}
+
 TEST_F(Blended, TileTellsTheFrontAndWhatShowsBehindIt) {
   const Camera camera = bench->camera(4, glm::dvec3(0, 0, 1));
   TileCache cache = bench->make_cache();

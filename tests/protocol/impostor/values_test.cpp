@@ -146,6 +146,17 @@ TEST(ProtocolValues, NoFloatOfAnObjectMayBeNotFinite) {
       good, [](auto& m, double v) { m.objects[1]->radius = float(v); }, "radius");
 }
 
+TEST(ProtocolValues, OpacityOfAnObjectIsAShare) {
+  const auto decoded = [](float opacity) {
+    wire::ObjectPageT page = sample_object_page();
+    page.objects[1]->opacity = opacity;
+    const Bytes bytes = encode_message(std::move(page));
+    return decode_message(bytes.data(), bytes.size()).ok();
+  };
+  for (const float share : {0.0f, 0.25f, 1.0f}) EXPECT_TRUE(decoded(share)) << share;
+  for (const float wrong : {-0.01f, 1.01f, NAN}) EXPECT_FALSE(decoded(wrong)) << wrong;
+}
+
 TEST(ProtocolValues, MotionOfAnObjectIsWholeOrAbsent) {
   const auto decoded = [](auto change) {
     wire::ObjectPageT page = sample_object_page();
