@@ -10,6 +10,7 @@
 
 #include "protocol/base/limits.h"
 #include "protocol/impostor/lod.h"
+#include "server/lod/foliage.h"
 #include "server/lod/lod_chunks.h"
 #include "server/lod/lod_shading.h"
 #include "server/lod/seams.h"
@@ -25,22 +26,8 @@ constexpr double kFirstError = 0.002;
 constexpr double kErrorGrowth = 2.5;          // of the allowed error, from level to level
 constexpr double kMostError = 0.1;            // share of the extent beyond which the shape is lost
 constexpr int kSteps = 12;                    // tries at fewer triangles; some give no level
-constexpr std::size_t kFoliagePieces = 8;     // fewer pieces are visible one by one
-constexpr std::size_t kPieceTriangles = 64;   // pieces with a larger mean are surfaces
 constexpr double kLeastFoliage = 1.0 / 16.0;  // pieces are then four times as large
 constexpr int kFruitless = 3;                 // steps without a level after which the chain ends
-constexpr std::size_t kSampledPieces = 2'000;
-// An enlarged piece stays hidden among others unless it grows by this many times the way to the
-// next.
-constexpr float kSeenGrowth = 3;
-
-/// A connected component of foliage.
-struct Piece {
-  std::vector<std::uint32_t> triangles;
-  glm::vec3 middle{0};
-  float radius = 0;  ///< from the middle to the farthest corner
-  double rank = 0;   ///< in [0, 1); pieces of the lowest ranks stay longest
-};
 
 // Extracts a primitive on its own vertices. `places`: positions of the vertices with seams closed.
 Part extract(const Mesh& mesh, const std::vector<glm::vec3>& places, const Primitive& primitive) {
@@ -76,108 +63,6 @@ void append(Mesh& mesh, const Part& part, const std::vector<Vertex>& vertices,
       {part.kind, first, static_cast<std::uint32_t>(indices.size()), part.material});
 }
 
-std::uint64_t hash(std::uint64_t i) {  // splitmix64
-  i = (i + 1) * 0x9e3779b97f4a7c15ull;
-  i = (i ^ (i >> 30)) * 0xbf58476d1ce4e5b9ull;
-  i = (i ^ (i >> 27)) * 0x94d049bb133111ebull;
-  return i ^ (i >> 31);
-}
-
-void rank_by_hash(std::vector<Piece>& pieces) {
-  std::vector<std::size_t> order(pieces.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [](std::size_t a, std::size_t b) { return hash(a) < hash(b); });
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    pieces[order[i]].rank = static_cast<double>(i) / static_cast<double>(order.size());
-  }
-}
-
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
-// Returns the components connected through equal positions, in the order of their first triangle.
-std::vector<Piece> pieces_of(const Part& part) {
-  std::vector<std::uint32_t> welded(part.indices.size());
-  meshopt_generateShadowIndexBuffer(welded.data(), part.indices.data(), part.indices.size(),
-                                    part.vertices.data(), part.vertices.size(), sizeof(glm::vec3),
-                                    sizeof(Vertex));
-  std::vector<std::uint32_t> parent(part.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  for (std::size_t t = 0; t + 2 < welded.size(); t += 3) {
-    const std::uint32_t a = root_of(parent, welded[t]);
-    parent[root_of(parent, welded[t + 1])] = a;
-    parent[root_of(parent, welded[t + 2])] = a;
-  }
-  std::vector<std::uint32_t> piece_of_root(part.vertices.size(), UINT32_MAX);
-  std::vector<Piece> pieces;
-  for (std::uint32_t t = 0; t < welded.size() / 3; ++t) {
-    std::uint32_t& piece = piece_of_root[root_of(parent, welded[3 * std::size_t{t}])];
-    if (piece == UINT32_MAX) {
-      piece = static_cast<std::uint32_t>(pieces.size());
-      pieces.emplace_back();
-    }
-    pieces[piece].triangles.push_back(t);
-  }
-  for (Piece& piece : pieces) {
-    glm::dvec3 sum(0);
-    for (const std::uint32_t t : piece.triangles) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        sum += glm::dvec3(part.vertices[part.indices[3 * std::size_t{t} + k]].position);
-      }
-    }
-    piece.middle = glm::vec3(sum / (3.0 * static_cast<double>(piece.triangles.size())));
-    for (const std::uint32_t t : piece.triangles) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Vertex& v = part.vertices[part.indices[3 * std::size_t{t} + k]];
-        piece.radius = std::max(piece.radius, glm::length(v.position - piece.middle));
-      }
-    }
-  }
-  rank_by_hash(pieces);
-  return pieces;
-}
-
-bool is_foliage(const Part& part, const std::vector<Piece>& pieces) {
-  return pieces.size() >= kFoliagePieces && part.triangles() <= pieces.size() * kPieceTriangles;
-}
-
-/// Returns the distance within which 95 % of the dropped pieces have a kept one.
-float spread_of(const std::vector<Piece>& pieces, double share) {
-  std::vector<glm::vec3> kept;
-  for (const Piece& piece : pieces) {
-    if (piece.rank < share) kept.push_back(piece.middle);
-  }
-  std::vector<float> distances;
-  const std::size_t step = std::max<std::size_t>(1, pieces.size() / kSampledPieces);
-  for (std::size_t i = 0; i < pieces.size(); i += step) {
-    if (pieces[i].rank < share) continue;
-    float best2 = INFINITY;
-    for (const glm::vec3& k : kept) {
-      const glm::vec3 d = k - pieces[i].middle;
-      best2 = std::min(best2, glm::dot(d, d));
-    }
-    distances.push_back(std::sqrt(best2));
-  }
-  if (distances.empty()) return 0;
-  const std::size_t at = distances.size() * 95 / 100;
-  std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(at),
-                   distances.end());
-  return distances[at];
-}
-
-/// Returns the distance within which 95 % of the pieces end that are enlarged by `scale`, from
-/// where they ended before.
-float growth_of(const std::vector<Piece>& pieces, double scale) {
-  std::vector<float> radii;
-  for (const Piece& piece : pieces) radii.push_back(piece.radius);
-  const auto at = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() * 95 / 100);
-  std::nth_element(radii.begin(), at, radii.end());
-  return static_cast<float>((scale - 1) * double{*at});
-}
-
 /// The chain of levels of one primitive.
 class Chain {
  public:
@@ -201,7 +86,9 @@ class Chain {
     if (part_.kind != PrimitiveKind::kTriangles) {
       append(out.mesh, part_, part_.vertices, part_.indices);
     } else if (foliage()) {
-      thin(std::max(share, kLeastFoliage), out);
+      const Thinned thin = thinned(part_, pieces_, std::max(share, kLeastFoliage));
+      out.spread = std::max(out.spread, thin.spread);
+      append(out.mesh, part_, thin.vertices, thin.indices);
     } else {
       simplify(share, std::max(allowed, double{out.spread} / kSpreadPerTau), out);
     }
@@ -232,31 +119,6 @@ class Chain {
     }
     const double error = base_error_ + (surface_ ? surface_->error() : 0.0);
     out.error = std::max(out.error, static_cast<float>(error * 1.0001));
-  }
-
-  void thin(double share, MeshLod& out) const {
-    std::size_t kept = 0;
-    for (const Piece& piece : pieces_) kept += piece.rank < share;
-    const double scale = std::sqrt(static_cast<double>(pieces_.size()) / static_cast<double>(kept));
-    std::vector<Vertex> vertices = part_.vertices;
-    std::vector<std::uint32_t> indices;
-    std::vector<bool> moved(vertices.size(), false);
-    for (const Piece& piece : pieces_) {
-      if (!(piece.rank < share)) continue;
-      for (const std::uint32_t t : piece.triangles) {
-        for (std::size_t k = 0; k < 3; ++k) {
-          const std::uint32_t v = part_.indices[3 * std::size_t{t} + k];
-          indices.push_back(v);
-          if (moved[v]) continue;
-          moved[v] = true;
-          vertices[v].position =
-              piece.middle + static_cast<float>(scale) * (vertices[v].position - piece.middle);
-        }
-      }
-    }
-    const float spread = spread_of(pieces_, share), growth = growth_of(pieces_, scale);
-    out.spread = std::max(out.spread, growth > kSeenGrowth * spread ? growth : spread);
-    append(out.mesh, part_, vertices, indices);
   }
 
   const Workers& workers_;

@@ -121,22 +121,48 @@ TEST(ServerLod, FoliageKeepsItsArea) {
   }
 }
 
-TEST(ServerLod, BladesAreNotEnlargedUnseen) {
-  Mesh mesh;  // 400 upright blades, 2 high, 0.1 apart
+/// 400 copies of some triangles, 0.1 apart on a square.
+Mesh meadow(const std::vector<glm::vec3>& corners) {
+  Mesh mesh;
   for (std::uint32_t i = 0; i < 400; ++i) {
     const glm::vec3 foot(0.1f * static_cast<float>(i % 20), 0, 0.1f * static_cast<float>(i / 20));
-    for (const glm::vec3& corner :
-         {glm::vec3(0, 0, 0), glm::vec3(0.02f, 0, 0), glm::vec3(0, 2, 0)}) {
+    for (const glm::vec3& corner : corners) {
       mesh.indices.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
       mesh.vertices.emplace_back().position = foot + corner;
     }
   }
-  mesh.primitives = {{PrimitiveKind::kTriangles, 0, 1200, 0}};
+  mesh.primitives = {
+      {PrimitiveKind::kTriangles, 0, static_cast<std::uint32_t>(mesh.indices.size()), 0}};
+  return mesh;
+}
+
+std::vector<Material> double_sided_material() {
   std::vector<Material> materials(1);
   materials[0].double_sided = true;
-  const std::vector<MeshLod> lods = build_lods(mesh, materials, {});
+  return materials;
+}
+
+TEST(ServerLod, BladesGrowBroaderNotLonger) {
+  const Mesh mesh = meadow({{0, 0, 0}, {0.02f, 0, 0}, {0, 2, 0}});
+  const std::vector<MeshLod> lods = build_lods(mesh, double_sided_material(), {});
+  ASSERT_GE(lods.size(), 2u);
+  for (const MeshLod& lod : lods) {
+    EXPECT_NEAR(area(lod.mesh, 0), area(mesh, 0), 0.01 * area(mesh, 0));
+    for (const Vertex& v : lod.mesh.vertices) {
+      EXPECT_GT(v.position.y, -0.02f);
+      EXPECT_LT(v.position.y, 2.02f);
+    }
+  }
+  EXPECT_LT(lods[0].spread, 0.3) << "a third of the blades, each three times as broad";
+  EXPECT_GE(lods[1].spread, 0.02 * 9) << "no more than the width of its blades may be seen to move";
+}
+
+TEST(ServerLod, LumpsAreNotEnlargedUnseen) {
+  const glm::vec3 a(1, 1, 1), b(1, -1, -1), c(-1, 1, -1), d(-1, -1, 1);
+  const Mesh mesh = meadow({a, b, c, a, d, b, a, c, d, b, d, c});
+  const std::vector<MeshLod> lods = build_lods(mesh, double_sided_material(), {});
   ASSERT_FALSE(lods.empty());
-  EXPECT_GT(lods[0].spread, 0.7) << "a third of the blades, each 1.7 times as long";
+  EXPECT_GT(lods[0].spread, 0.7) << "a third of the lumps, each 1.7 times as large";
 }
 
 /// A cube of edge 2 whose edges are rounded with a radius of 0.02.
