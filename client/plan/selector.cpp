@@ -17,6 +17,7 @@ namespace mirage {
 namespace {
 
 constexpr std::int64_t kFadeUs = 120'000;
+constexpr double kFadesWithin = 2;  // of tau: error up to which a replaced tile fades out
 // A newer tile replaces the one shown only if it is clearly better, or if the old one is too bad.
 constexpr double kSwitchRatio = 0.6;
 // Time for which a choice is kept while it is good enough.
@@ -234,15 +235,15 @@ bool Selector::keep_chosen(const SelectorInput& in, Candidate& c) const {
   return c.flat.meets(c.tau_px);
 }
 
-bool Selector::group_serves(const SelectorInput& in, std::uint32_t group,
-                            const ViewGeometry& view) const {
+bool Selector::group_serves(const Walk& w, std::uint32_t group, const ViewGeometry& view) const {
+  const SelectorInput& in = w.in;
   const InstanceView& view_of = in.scene->instances[group];
   const bool was_drawn = shown_[group].frame + 1 >= in.frame && in.frame > 0;
   const double slack = was_drawn ? kMeshHysteresis : 1.0;
   if (in.scene->objects[view_of.object].cut) {
     const bool near = glm::length(view.eye) * slack < kPartRadii * view.radius;
     const bool pictured = outside(view) && in.cache->group_to_draw(group)->known();
-    return drawn_as_mesh(in, group) || !near || (pictured && !members_have_images(in, group));
+    return drawn_as_mesh(in, group) || !near || (pictured && !members_have_images(w, group));
   }
   const double tau = allowed_px(in, in.camera, view_of);
   if (!group_wanted(in, view_of, view, tau, slack)) return false;
@@ -250,14 +251,18 @@ bool Selector::group_serves(const SelectorInput& in, std::uint32_t group,
   if (tiles.empty_from(view.eye)) return true;
   const ObjectDescription& object = in.scene->objects[view_of.object];
   const TileFit fit = best_fit(tiles, object, view, in.method, tau);
-  return fit.meets(tau * slack) || (fit.tile && !members_have_images(in, group));
+  return fit.meets(tau * slack) || (fit.tile && !members_have_images(w, group));
 }
 
-bool Selector::members_have_images(const SelectorInput& in, std::uint32_t group) const {
+// Members out of view do not count: nobody asks for their images.
+bool Selector::members_have_images(const Walk& w, std::uint32_t group) const {
+  const SelectorInput& in = w.in;
   for (const std::uint32_t member : in.scene->members(group)) {
+    const InstanceView& of = in.scene->instances[member];
+    if (!w.frustum.may_see(of.center - in.camera.pose.eye, of.radius)) continue;
     const bool nested = in.scene->objects[in.scene->instances[member].object].group;
     const bool shows = nested
-                           ? members_have_images(in, member)
+                           ? members_have_images(w, member)
                            : drawn_as_mesh(in, member) || in.cache->group_to_draw(member)->known();
     if (!shows) return false;
   }
@@ -271,8 +276,8 @@ void Selector::walk_group(Walk& w, std::uint32_t group, float fade) {
   const ViewGeometry view = view_geometry(in.camera, view_of, in.scene->objects[view_of.object]);
   Shown& shown = shown_[group];
   const bool was_drawn = shown.frame > 0 && shown.frame + 1 >= in.frame;
-  if (group_serves(in, group, view)) {
-    if (!was_drawn) shown.appeared_us = members_have_images(in, group) ? in.now_us : INT64_MIN / 2;
+  if (group_serves(w, group, view)) {
+    if (!was_drawn) shown.appeared_us = members_have_images(w, group) ? in.now_us : INT64_MIN / 2;
     shown.frame = in.frame;
     shown.left_us = INT64_MIN / 2;
     const auto progress = static_cast<float>(fade_progress(shown.appeared_us, in.now_us));
@@ -293,9 +298,22 @@ void Selector::walk_group(Walk& w, std::uint32_t group, float fade) {
 void Selector::walk(Walk& w, std::uint32_t instance, float fade) {
   const InstanceView& view_of = w.in.scene->instances[instance];
   if (!w.frustum.may_see(view_of.center - w.in.camera.pose.eye, view_of.radius)) return;
+  const ObjectDescription& object = w.in.scene->objects[view_of.object];
+  if (object.faces.sine < 1 &&
+      faces_away(object, view_geometry(w.in.camera, view_of, object, w.in.time_s).eye)) {
+    return;
+  }
   const bool parts = !w.in.scene->members(instance).empty();
-  if (parts || w.in.scene->objects[view_of.object].group) return walk_group(w, instance, fade);
+  if (parts || object.group) return walk_group(w, instance, fade);
   consider(w, instance, fade);
+}
+
+// Returns the former tile as it was drawn, or as its successor is: whichever errs less.
+TileFit Selector::fading_out(const Shown& shown, DrawMethod method, const Candidate& c) {
+  const TileFit alike = fit_of(shown.former, method, *c.object, c.view);
+  if (method == shown.former_method || alike.meets(c.tau_px)) return alike;
+  const TileFit before = fit_of(shown.former, shown.former_method, *c.object, c.view);
+  return before.error_px(c.tau_px) < alike.error_px(c.tau_px) ? before : alike;
 }
 
 void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawList& out) {
@@ -314,6 +332,7 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
     // Two poses over one another would look like a ghost, and a phase is shorter than a fade.
     const bool same_pose = still_held && shown.tile->phase == best.tile->phase;
     shown.former = same_pose ? shown.tile : nullptr;
+    shown.former_method = shown.method;
     shown.tile = best.tile;
     shown.since_us = in.now_us;
   }
@@ -322,10 +341,11 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   double fade = c.fade;
   if (shown.former) {
     const double progress = fade_progress(shown.since_us, in.now_us);
-    if (progress >= 1) {
+    const TileFit under = fading_out(shown, best.method, c);
+    // Two pictures in different places would look like a ghost.
+    if (progress >= 1 || !under.meets(kFadesWithin * c.tau_px)) {
       shown.former.reset();
     } else {
-      const TileFit under = fit_of(shown.former, best.method, *c.object, c.view);
       out.impostors.push_back(
           {c.instance, under.tile, under.method, under.bound_px, c.distance, c.fade});
       out.impostors.back().light_lag_us = c.light_lag_us;

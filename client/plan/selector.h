@@ -99,6 +99,7 @@ class Selector {
     Wrongs wrongs{};                          ///< error of what it showed last
     std::int64_t swapped_us = INT64_MIN / 2;  ///< when geometry replaced tiles, or tiles geometry
     DrawMethod method = DrawMethod::kQuad;    ///< method of `tile`
+    DrawMethod former_method = DrawMethod::kQuad;
     std::uint64_t newest = 0;  ///< serial of the group's newest tile when it was chosen
     std::int64_t chosen_until_us = INT64_MIN / 2;   ///< no better flat tile is looked for before
     std::int64_t settled_until_us = INT64_MIN / 2;  ///< nothing is asked for before
@@ -121,8 +122,11 @@ class Selector {
   void walk_group(Walk& walk, std::uint32_t group, float fade);
   void consider(Walk& walk, std::uint32_t instance, float fade);
   void fit_tiles(const SelectorInput& in, Candidate& candidate) const;
-  bool members_have_images(const SelectorInput& in, std::uint32_t group) const;
-  bool group_serves(const SelectorInput& in, std::uint32_t group, const ViewGeometry& view) const;
+  static TileFit fading_out(const Shown& shown, DrawMethod method, const Candidate& candidate);
+  bool add_renewal(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
+                   ViewPlan plan, const TileFit& fit, std::vector<TileNeed>& out) const;
+  bool members_have_images(const Walk& walk, std::uint32_t group) const;
+  bool group_serves(const Walk& walk, std::uint32_t group, const ViewGeometry& view) const;
   bool drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const;
   Alternatives alternatives(const SelectorInput& in, const Candidate& candidate) const;
   void add_levels(const SelectorInput& in, std::uint32_t instance, Alternatives& out) const;

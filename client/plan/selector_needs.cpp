@@ -31,6 +31,13 @@ constexpr double kGoodTileTau = 0.5;
 constexpr double kHardlyDelays = 0.02;
 // A tile replaces missing geometry if it lasts this long.
 constexpr double kStandInLifeS = 3;
+// The bound does not cover surfaces that a tile could not see, and reflections that have changed
+// since. Both grow with the turn of the line of sight since its capture: in radii, a radian.
+constexpr double kUnseen = 0.25;
+constexpr double kHardlyTurned = 0.04;      // radians
+constexpr std::size_t kFewThings = 16;      // with more in view, each is small
+constexpr double kLargeShare = 1.0 / 64;    // of the picture
+constexpr double kRenewalShare = 0.5;       // of the bytes that the link has to spare
 constexpr std::ptrdiff_t kFewMembers = 64;  // a group with as many members may be drawn one by one
 constexpr double kStandsM = 1e-4;
 constexpr double kJumpM = 0.05;            // distance beyond what the speed explains
@@ -197,6 +204,36 @@ bool Selector::shows_nothing(const SelectorInput& in, std::uint32_t instance) co
          in.cache->group_to_draw(instance)->tiles.empty();
 }
 
+// Adds the need for a newer tile of a thing whose tile will do, if few things are in view, this one
+// is large, and the link has bytes to spare. Returns false if the thing is too small for that.
+bool Selector::add_renewal(const SelectorInput& in, std::uint32_t instance,
+                           const ViewGeometry& view, ViewPlan plan, const TileFit& fit,
+                           std::vector<TileNeed>& out) const {
+  const double size = radius_px(view), area = disc_px(in.predicted, size);
+  const double picture = double{1} * in.predicted.width * in.predicted.height;
+  if (considered_.size() > kFewThings || area < kLargeShare * picture) return false;
+  const glm::dvec3 now = glm::normalize(view.eye), then = fit.tile->whole().axis;
+  const double turn = std::acos(std::clamp(glm::dot(now, then), -1.0, 1.0));
+  if (turn < kHardlyTurned) return true;
+  // Keys are as far apart as tau allows; here they shall be no farther than what hardly shows.
+  const double apart = 2 * kHardlyTurned * glm::length(view.eye) / allowed_baseline(view, plan);
+  plan.tau_px *= std::clamp(apart, 0.05, 1.0);
+  const ObjectDescription& object = in.scene->objects[in.scene->instances[instance].object];
+  TileNeed need = need_for_view(view, plan);
+  need.instance = instance;
+  need.channels = wanted_channels(in, instance, object, plan, size, fit);
+  need.light = in.cache->light();
+  need.error_px = std::max(fit.error_px(plan.tau_px), kUnseen * turn * size);
+  need.life_s = expected_life_s(view, plan);
+  if (bytes_of(in, need) > kRenewalShare * in.spare_bytes) return true;
+  const bool tested = object.needs & kNeedAlphaMask;
+  need.gain =
+      ask_gain(area, tile_wrongs(area, tested, need.error_px, fit.texel_px, 1),
+               good_tile_wrongs(area, tested, plan.tau_px, size, need.size_class), need.life_s);
+  out.push_back(need);
+  return true;
+}
+
 void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in_view,
                         std::vector<TileNeed>& out) {
   const InstanceView& view_of = in.scene->instances[instance];
@@ -213,6 +250,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   if (stand_in && mesh_pays(in, in.predicted, instance, kGoodTileTau * tau)) return;
   const TileCache::LitGroup lit = in.cache->lit_group(instance);
   const TileGroup& group = *lit.tiles;
+  if (faces_away(object, view.eye)) return;
   if (group.empty_from(view.eye)) return;  // empty under any light
   // The eye depth falls towards the edge of the view; ask as if the eye looked at the object.
   view.center_depth = glm::length(view.eye);
@@ -227,7 +265,10 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
   if (fit.settled(tau, in.pixel_px) && !is_stale(light_px, tau) && !shaded_here) {
     if (!ready) note_strokes(in, instance, view, plan);
-    if (lit.wanted) shown_[instance].settled_until_us = settled_until(in, object, fit, view, plan);
+    const bool watched = !ready && in_view && add_renewal(in, instance, view, plan, fit, out);
+    if (!watched && lit.wanted) {
+      shown_[instance].settled_until_us = settled_until(in, object, fit, view, plan);
+    }
     return;
   }
   // Inside the swap distance one tile serves as a stopgap until geometry arrives.

@@ -28,6 +28,19 @@ std::vector<Plane> box_planes(const glm::vec3& box_min, const glm::vec3& box_max
   return out;
 }
 
+// A face with normal n at p looks away if dot(n, p - eye) >= 0. That holds for all normals of the
+// cone if p - eye is within 90 degrees less the cone's half angle of its axis. Such p - eye are a
+// convex cone: it holds all points of the hull if it holds its corners.
+bool faces_away(const ObjectDescription& object, const glm::dvec3& eye) {
+  if (!(object.faces.sine < 1) || object.hull.vertices.empty()) return false;
+  const glm::dvec3 axis(object.faces.axis), from = eye + glm::dvec3(object.center);
+  return std::all_of(object.hull.vertices.begin(), object.hull.vertices.end(),
+                     [&](const glm::vec3& corner) {
+                       const glm::dvec3 way = glm::dvec3(corner) - from;
+                       return glm::dot(way, axis) >= double{object.faces.sine} * glm::length(way);
+                     });
+}
+
 double ray_entry(const std::vector<Plane>& planes, const glm::dvec3& origin,
                  const glm::dvec3& direction) {
   double enter = 0, leave = std::numeric_limits<double>::infinity();

@@ -25,6 +25,12 @@ struct ConvexHull {
   std::vector<Plane> planes() const;
 };
 
+/// The directions that an object's one-sided faces look in: a cone.
+struct FacingCone {
+  glm::vec3 axis{0};  ///< unit; object space
+  float sine = 1;     ///< of half its angle, 0 to 1; 1: some face is seen from everywhere
+};
+
 struct ObjectDescription {
   glm::vec3 center{0};  ///< of the bounding sphere, object space
   float radius = 0;
@@ -33,6 +39,7 @@ struct ObjectDescription {
   ConvexHull hull;             ///< encloses the mesh
   glm::vec3 mean_color{0.5f};  ///< linear; what a placeholder shows
   float opacity = 1;           ///< 0 to 1: mean of its surfaces; what a placeholder covers
+  FacingCone faces;
   NeedMask needs = 0;
   std::uint32_t triangles = 0;
   std::vector<LodInfo> lods;  ///< finest first; at least one when there is geometry
@@ -48,6 +55,10 @@ struct ObjectDescription {
   /// True if its picture changes by itself.
   bool moves() const { return motion.moving() || track.moves(); }
 };
+
+/// True if all faces of the object look away from `eye`, so that nothing of it is seen. `eye`:
+/// object space, relative to the centre.
+bool faces_away(const ObjectDescription& object, const glm::dvec3& eye);
 
 /// Returns the distance from a corner of the box inwards to the ellipsoid inscribed in the box.
 /// It is the parallax factor of an object without a hull.

@@ -227,6 +227,10 @@ Result<void> check(const wire::ObjectPage& m) {
     const bool sizes = finite(o->center()) && finite(o->box_min()) && finite(o->box_max()) &&
                        finite(o->mean_color()) && std::isfinite(o->radius()) && o->radius() >= 0;
     if (!sizes) return value_error("object bounds");
+    const bool everywhere = o->faces_sine() == 1;
+    const bool one_sided =
+        o->faces_axis() && finite(o->faces_axis()) && o->faces_sine() >= 0 && o->faces_sine() < 1;
+    if (!everywhere && !one_sided) return value_error("faces of an object");
     if (!(o->opacity() >= 0 && o->opacity() <= 1)) return value_error("opacity of an object");
     if (Result<void> motion = check_motion(*o); !motion) return motion;
     if (count(o->hull_vertices()) > limits::kMaxHullVertices ||

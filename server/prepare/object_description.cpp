@@ -26,6 +26,35 @@ glm::vec4 mean_image_color(const Image& image) {
   return weight > 0 ? glm::vec4(sum / weight, weight / seen) : glm::vec4(0.5f, 0.5f, 0.5f, 0);
 }
 
+// Returns the cone of a mesh at rest, a little wider than its normals.
+FacingCone facing_cone(const Mesh& mesh, const std::vector<Material>& materials) {
+  constexpr double kMargin = 1e-3;
+  const bool one_sided =
+      std::all_of(mesh.primitives.begin(), mesh.primitives.end(), [&](const Primitive& p) {
+        return p.kind == PrimitiveKind::kTriangles && !materials[p.material].double_sided;
+      });
+  if (!one_sided) return {};
+  std::vector<glm::dvec3> normals;
+  glm::dvec3 sum(0);
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const glm::dvec3 a(mesh.vertices[mesh.indices[i]].position);
+    const glm::dvec3 b(mesh.vertices[mesh.indices[i + 1]].position);
+    const glm::dvec3 c(mesh.vertices[mesh.indices[i + 2]].position);
+    const glm::dvec3 across = glm::cross(b - a, c - a);
+    const double length = glm::length(across);
+    if (!(length > 0)) continue;
+    normals.push_back(across / length);
+    sum += normals.back();
+  }
+  if (!(glm::length(sum) > 0.1 * static_cast<double>(normals.size()))) return {};
+  const glm::dvec3 axis = glm::normalize(sum);
+  double least = 1;
+  for (const glm::dvec3& n : normals) least = std::min(least, glm::dot(n, axis));
+  if (!(least > 0)) return {};
+  const double sine = std::sqrt(1 - std::min(1.0, least * least)) + kMargin;
+  return sine < 1 ? FacingCone{glm::vec3(axis), static_cast<float>(sine)} : FacingCone{};
+}
+
 }  // namespace
 
 std::map<std::uint32_t, glm::vec4> material_colors(const Mesh& mesh, const Scene& scene) {
@@ -104,6 +133,8 @@ ObjectDescription describe_object(const SceneObject& object, const Scene& scene,
       mean_color(object.mesh, material_colors(object.mesh, scene), scene.materials);
   out.mean_color = glm::vec3(mean);
   out.opacity = mean.a;
+  if (!object.animation && !object.track.moves())
+    out.faces = facing_cone(object.mesh, scene.materials);
   return out;
 }
 

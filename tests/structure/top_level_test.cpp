@@ -1,4 +1,4 @@
-// What lies at the top of the project: a stray file or folder there was once committed unseen.
+// The top level of the project: a stray folder was once committed there unseen.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "protocol/wire/message.h"
 #include "tests/support/protocol_samples.h"
@@ -155,6 +156,23 @@ TEST(ProtocolValues, OpacityOfAnObjectIsAShare) {
   };
   for (const float share : {0.0f, 0.25f, 1.0f}) EXPECT_TRUE(decoded(share)) << share;
   for (const float wrong : {-0.01f, 1.01f, NAN}) EXPECT_FALSE(decoded(wrong)) << wrong;
+}
+
+TEST(ProtocolValues, FacesOfAnObjectAreWholeOrAbsent) {
+  const auto decoded = [](float sine, std::optional<wire::Vec3f> axis) {
+    wire::ObjectPageT page = sample_object_page();
+    page.objects[1]->faces_sine = sine;
+    if (axis) page.objects[1]->faces_axis = std::make_unique<wire::Vec3f>(*axis);
+    const Bytes bytes = encode_message(std::move(page));
+    return decode_message(bytes.data(), bytes.size()).ok();
+  };
+  const wire::Vec3f up(0, 1, 0);
+  EXPECT_TRUE(decoded(1, std::nullopt));
+  EXPECT_TRUE(decoded(0, up));
+  EXPECT_TRUE(decoded(0.5f, up));
+  EXPECT_FALSE(decoded(0.5f, std::nullopt));
+  EXPECT_FALSE(decoded(0.5f, wire::Vec3f(NAN, 1, 0)));
+  for (const float wrong : {-0.1f, 1.1f, NAN}) EXPECT_FALSE(decoded(wrong, up)) << wrong;
 }
 
 TEST(ProtocolValues, MotionOfAnObjectIsWholeOrAbsent) {

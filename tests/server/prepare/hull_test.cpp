@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <random>
 
 #include "protocol/base/limits.h"
@@ -220,6 +222,50 @@ TEST(ServerHull, VerticesNothingUsesAreLeftOut) {
   mesh.indices = {0, 1, 2};
   mesh.primitives.push_back({PrimitiveKind::kTriangles, 0, 3, 0});
   EXPECT_LT(describe_object(scene.objects[0], scene).radius, 1);
+}
+
+/// Returns the description of squares of edge 2: each is the square at z = 1 that faces +z, turned
+/// about the origin.
+ObjectDescription squares(const std::vector<glm::quat>& turns, bool double_sided = false) {
+  Scene scene;
+  scene.materials.emplace_back().double_sided = double_sided;
+  Mesh& mesh = scene.objects.emplace_back().mesh;
+  for (const glm::quat& turn : turns) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const glm::vec3& corner :
+         {glm::vec3(-1, -1, 1), glm::vec3(1, -1, 1), glm::vec3(1, 1, 1), glm::vec3(-1, 1, 1)}) {
+      mesh.vertices.emplace_back().position = turn * corner;
+    }
+    for (const std::uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(first + i);
+  }
+  mesh.primitives.push_back(
+      {PrimitiveKind::kTriangles, 0, static_cast<std::uint32_t>(mesh.indices.size()), 0});
+  return describe_object(scene.objects[0], scene);
+}
+
+bool seen_from(const ObjectDescription& object, const glm::dvec3& eye) {
+  return !faces_away(object, eye - glm::dvec3(object.center));
+}
+
+TEST(ServerHull, AnObjectIsNotSeenFromBehindAllItsFaces) {
+  const auto turned = [](int quarters) {
+    const float angle = glm::half_pi<float>() * static_cast<float>(quarters);
+    return glm::angleAxis(angle, glm::vec3(0, 1, 0));
+  };
+  const ObjectDescription square = squares({turned(0)});
+  EXPECT_TRUE(seen_from(square, {0, 0, 3}));
+  EXPECT_TRUE(seen_from(square, {50, 0, 1.1}));
+  EXPECT_FALSE(seen_from(square, {0, 0, 0.9}));
+  EXPECT_FALSE(seen_from(square, {50, 50, 0}));
+  EXPECT_TRUE(seen_from(squares({turned(0)}, true), {0, 0, -3})) << "both sides are drawn";
+  const ObjectDescription corner = squares({turned(0), turned(1)});  // faces +z and +x
+  EXPECT_TRUE(seen_from(corner, {0, 0, 5}));
+  EXPECT_TRUE(seen_from(corner, {-5, 0, 3})) << "behind one, before the other";
+  EXPECT_FALSE(seen_from(corner, {-5, 0, -5}));
+  const ObjectDescription ring = squares({turned(0), turned(1), turned(2), turned(3)});
+  for (const glm::dvec3& eye : {glm::dvec3(0), glm::dvec3(0, 0, -4), glm::dvec3(0, 9, 0)}) {
+    EXPECT_TRUE(seen_from(ring, eye)) << "some face looks anywhere";
+  }
 }
 
 }  // namespace
