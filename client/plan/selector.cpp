@@ -17,7 +17,6 @@ namespace mirage {
 namespace {
 
 constexpr std::int64_t kFadeUs = 120'000;
-constexpr double kFadesWithin = 2;  // of tau: error up to which a replaced tile fades out
 // A newer tile replaces the one shown only if it is clearly better, or if the old one is too bad.
 constexpr double kSwitchRatio = 0.6;
 // Time for which a choice is kept while it is good enough.
@@ -341,11 +340,10 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   double fade = c.fade;
   if (shown.former) {
     const double progress = fade_progress(shown.since_us, in.now_us);
-    const TileFit under = fading_out(shown, best.method, c);
-    // Two pictures in different places would look like a ghost.
-    if (progress >= 1 || !under.meets(kFadesWithin * c.tau_px)) {
+    if (progress >= 1) {
       shown.former.reset();
     } else {
+      const TileFit under = fading_out(shown, best.method, c);
       out.impostors.push_back(
           {c.instance, under.tile, under.method, under.bound_px, c.distance, c.fade});
       out.impostors.back().light_lag_us = c.light_lag_us;

@@ -123,8 +123,8 @@ class Selector {
   void consider(Walk& walk, std::uint32_t instance, float fade);
   void fit_tiles(const SelectorInput& in, Candidate& candidate) const;
   static TileFit fading_out(const Shown& shown, DrawMethod method, const Candidate& candidate);
-  bool add_renewal(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
-                   ViewPlan plan, const TileFit& fit, std::vector<TileNeed>& out) const;
+  bool renew(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
+             ViewPlan plan, const TileFit& fit, bool in_view, std::vector<TileNeed>& out);
   bool members_have_images(const Walk& walk, std::uint32_t group) const;
   bool group_serves(const Walk& walk, std::uint32_t group, const ViewGeometry& view) const;
   bool drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const;

@@ -165,6 +165,13 @@ Wrongs good_tile_wrongs(double area, bool tested, double tau, double size,
   return tile_wrongs(area, tested, kGoodTileTau * tau, texel_px, 1);
 }
 
+// Returns the gain of a tile for a thing that is shown with `now`.
+double gain_of(double area, const Wrongs& now, bool tested, double tau, double size,
+               const TileNeed& need) {
+  return ask_gain(area, now, good_tile_wrongs(area, tested, tau, size, need.size_class),
+                  need.life_s);
+}
+
 }  // namespace
 
 // Forgets what was settled if anything has changed beside time and an even walk.
@@ -204,14 +211,15 @@ bool Selector::shows_nothing(const SelectorInput& in, std::uint32_t instance) co
          in.cache->group_to_draw(instance)->tiles.empty();
 }
 
-// Adds the need for a newer tile of a thing whose tile will do, if few things are in view, this one
-// is large, and the link has bytes to spare. Returns false if the thing is too small for that.
-bool Selector::add_renewal(const SelectorInput& in, std::uint32_t instance,
-                           const ViewGeometry& view, ViewPlan plan, const TileFit& fit,
-                           std::vector<TileNeed>& out) const {
+// Looks after a thing whose tile will do, and that has no geometry. If it is in view and large, and
+// few things are in view, it adds the need for a newer tile as soon as the line of sight has turned
+// and the link has bytes to spare. Returns false if the thing may be left alone for a while.
+bool Selector::renew(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
+                     ViewPlan plan, const TileFit& fit, bool in_view, std::vector<TileNeed>& out) {
+  note_strokes(in, instance, view, plan);
   const double size = radius_px(view), area = disc_px(in.predicted, size);
   const double picture = double{1} * in.predicted.width * in.predicted.height;
-  if (considered_.size() > kFewThings || area < kLargeShare * picture) return false;
+  if (!in_view || considered_.size() > kFewThings || area < kLargeShare * picture) return false;
   const glm::dvec3 now = glm::normalize(view.eye), then = fit.tile->whole().axis;
   const double turn = std::acos(std::clamp(glm::dot(now, then), -1.0, 1.0));
   if (turn < kHardlyTurned) return true;
@@ -227,9 +235,8 @@ bool Selector::add_renewal(const SelectorInput& in, std::uint32_t instance,
   need.life_s = expected_life_s(view, plan);
   if (bytes_of(in, need) > kRenewalShare * in.spare_bytes) return true;
   const bool tested = object.needs & kNeedAlphaMask;
-  need.gain =
-      ask_gain(area, tile_wrongs(area, tested, need.error_px, fit.texel_px, 1),
-               good_tile_wrongs(area, tested, plan.tau_px, size, need.size_class), need.life_s);
+  const Wrongs shown = tile_wrongs(area, tested, need.error_px, fit.texel_px, 1);
+  need.gain = gain_of(area, shown, tested, plan.tau_px, size, need);
   out.push_back(need);
   return true;
 }
@@ -250,8 +257,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   if (stand_in && mesh_pays(in, in.predicted, instance, kGoodTileTau * tau)) return;
   const TileCache::LitGroup lit = in.cache->lit_group(instance);
   const TileGroup& group = *lit.tiles;
-  if (faces_away(object, view.eye)) return;
-  if (group.empty_from(view.eye)) return;  // empty under any light
+  if (faces_away(object, view.eye) || group.empty_from(view.eye)) return;  // under any light
   // The eye depth falls towards the edge of the view; ask as if the eye looked at the object.
   view.center_depth = glm::length(view.eye);
   if (in.method.eight_views) return add_eight_view_need(in, instance, view, lit, out);
@@ -264,8 +270,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   // A tile shaded by the client is right; the server's is better, and asked for in spare time.
   const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
   if (fit.settled(tau, in.pixel_px) && !is_stale(light_px, tau) && !shaded_here) {
-    if (!ready) note_strokes(in, instance, view, plan);
-    const bool watched = !ready && in_view && add_renewal(in, instance, view, plan, fit, out);
+    const bool watched = !ready && renew(in, instance, view, plan, fit, in_view, out);
     if (!watched && lit.wanted) {
       shown_[instance].settled_until_us = settled_until(in, object, fit, view, plan);
     }
@@ -274,8 +279,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   // Inside the swap distance one tile serves as a stopgap until geometry arrives.
   if (distance < limits::kMinCaptureRadii && !group.tiles.empty()) return;
   TileNeed need = need_for_view(view, plan);
-  // Such a tile would be coarser than geometry.
-  if (stand_in && need.size_class >= kMaxAskedSizeClass) return;
+  if (stand_in && need.size_class >= kMaxAskedSizeClass) return;  // geometry is finer
   need.instance = instance;
   // The view tile may show an object without an image of its own.
   const auto view_px = group.tiles.empty() ? view_error_px(in, view_of, object) : std::nullopt;
@@ -294,8 +298,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   Wrongs now = group.tiles.empty() ? wrongs_without(area, view_px.has_value())
                                    : tile_wrongs(area, tested, need.error_px, fit.texel_px, 1);
   if (stand_in && shown_[instance].frame == in.frame) now = shown_[instance].wrongs;
-  const Wrongs then = good_tile_wrongs(area, tested, tau, size, need.size_class);
-  need.gain = ask_gain(area, now, then, need.life_s);
+  need.gain = gain_of(area, now, tested, tau, size, need);
   out.push_back(need);
 }
 

@@ -11,9 +11,9 @@
 #include <functional>
 
 #include "server/scene/environment/builtin_environment.h"
-#include "server/scene/environment/studio_probe.h"
 #include "server/scene/environment/environment_file.h"
 #include "server/scene/environment/probe_filter.h"
+#include "server/scene/environment/studio_probe.h"
 #include "tests/support/temp_folder.h"
 
 namespace mirage::test {
