@@ -22,8 +22,9 @@ glm::vec4 mean_image_color(const Image& image) {
     for (int c = 0; c < 3; ++c) sum[c] += a * std::pow(p[c] / 255.0, image.srgb ? 2.2 : 1.0);
     weight += a;
   }
-  const auto seen = static_cast<double>((pixels + step - 1) / step);
-  return weight > 0 ? glm::vec4(sum / weight, weight / seen) : glm::vec4(0.5f, 0.5f, 0.5f, 0);
+  const std::size_t looked_at = (pixels + step - 1) / step;
+  return weight > 0 ? glm::vec4(sum / weight, weight / static_cast<double>(looked_at))
+                    : glm::vec4(0.5f, 0.5f, 0.5f, 0);
 }
 
 // Returns the cone of a mesh at rest, a little wider than its normals.
