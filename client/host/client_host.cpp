@@ -24,6 +24,8 @@
 namespace mirage {
 namespace {
 
+// Afterwards, a viewer asks why nobody answers: what TLS refuses now, it refuses later as well.
+constexpr int kFirstTriesMs = 500;
 constexpr int kReferenceTimeoutMs = 120'000;
 constexpr int kReplyTimeoutMs = 30'000;
 constexpr std::int64_t kScenePatienceUs = 20'000'000;
@@ -70,14 +72,27 @@ Result<void> ClientHost::open() {
     modelled_ = std::make_unique<ModelledLink>(*native_, *clock_, options_.net.value_or(NetModel{}),
                                                options_.virtual_time, wait);
   }
-  if (!native_->wait_connected(static_cast<int>(options_.connect_timeout_s * 1000))) {
-    return no_answer(*url, options_.url, native_->last_problem());
-  }
+  if (Result<void> connected = wait_connected(*url); !connected) return connected;
   ClientOptions session = options_.session;
   if (session.trace && !virtual_clock_) session.trace_clock = [this] { return now_us(); };
   Link& link = modelled_ ? static_cast<Link&>(*modelled_) : *native_;
   session_ = std::make_unique<ClientSession>(link, std::move(session), sink());
   return {};
+}
+
+Result<void> ClientHost::wait_connected(const ServerUrl& url) {
+  const SteadyClock patience;
+  const auto left_ms = [&] {
+    const double ms =
+        options_.connect_timeout_s * 1e3 - static_cast<double>(patience.now_us()) * 1e-3;
+    return static_cast<int>(std::max(ms, 0.0));
+  };
+  if (native_->wait_connected(std::min(left_ms(), kFirstTriesMs))) return {};
+  if (!native_->last_problem().empty()) {
+    if (std::optional<Error> wrong = wrong_tls(url, options_.url)) return *wrong;
+  }
+  if (native_->wait_connected(left_ms())) return {};
+  return no_answer(url, options_.url, native_->last_problem());
 }
 
 Result<void> ClientHost::wait_for_scene() {

@@ -25,6 +25,7 @@ class ModelledLink;
 class NativeLink;
 struct LinkTraffic;
 struct LinkUse;
+struct ServerUrl;
 struct TileSink;
 
 struct HostOptions {
@@ -79,6 +80,8 @@ class ClientHost {
 
  private:
   TileSink sink();
+  /// Waits for the connection. Errors: those of no_answer().
+  Result<void> wait_connected(const ServerUrl& url);
   Result<void> wait_until(const std::function<bool()>& there);
 
   HostOptions options_;

@@ -71,13 +71,11 @@ std::string with_scheme(const ServerUrl& url, const char* scheme) {
 
 }  // namespace
 
-Error no_answer(const ServerUrl& url, const std::string& shown, const std::string& problem) {
-  const std::string silence =
-      "no server answers at " + shown + (problem.empty() ? "" : ": " + problem);
+std::optional<Error> wrong_tls(const ServerUrl& url, const std::string& shown) {
   const auto error = [](const std::string& text, const std::string& hint) {
     return make_error(ErrorId::kNetworkConnect, text, hint);
   };
-  if (url.unix_socket) return error(silence, "start one with: mirage-server builtin:forest");
+  if (url.unix_socket) return std::nullopt;
   const Handshake tls = shake_hands(url);
   if (!url.tls && tls.done) {
     return error("the server at " + shown + " speaks TLS", "use " + with_scheme(url, "wss://"));
@@ -90,7 +88,14 @@ Error no_answer(const ServerUrl& url, const std::string& shown, const std::strin
   if (url.tls && tls.other_language) {
     return error("the server at " + shown + " speaks no TLS", "use " + with_scheme(url, "ws://"));
   }
-  return error(silence, "start one with: mirage-server builtin:forest");
+  return std::nullopt;
+}
+
+Error no_answer(const ServerUrl& url, const std::string& shown, const std::string& problem) {
+  if (std::optional<Error> wrong = wrong_tls(url, shown)) return *wrong;
+  return make_error(ErrorId::kNetworkConnect,
+                    "no server answers at " + shown + (problem.empty() ? "" : ": " + problem),
+                    "start one with: mirage-server builtin:forest");
 }
 
 }  // namespace mirage

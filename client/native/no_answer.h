@@ -1,6 +1,7 @@
 #pragma once
 // The reason why a server did not take a connection, in words for a person.
 
+#include <optional>
 #include <string>
 
 #include "client/native/server_url.h"
@@ -13,5 +14,8 @@ namespace mirage {
 /// trusted here. `shown`: the address as the user wrote it; `problem`: what the last try said, or
 /// nothing.
 Error no_answer(const ServerUrl& url, const std::string& shown, const std::string& problem);
+/// Returns the part of that which waiting does not mend: a server that speaks TLS or none, or a
+/// certificate that is not trusted here. nullopt: none of these.
+std::optional<Error> wrong_tls(const ServerUrl& url, const std::string& shown);
 
 }  // namespace mirage
