@@ -17,10 +17,16 @@ namespace mirage {
 namespace {
 
 constexpr std::int64_t kFadeUs = 120'000;
+constexpr double kAlike = 2;  // of tau: error up to which a see-through tile is replaced at once
 // A newer tile replaces the one shown only if it is clearly better, or if the old one is too bad.
 constexpr double kSwitchRatio = 0.6;
 // Time for which a choice is kept while it is good enough.
 constexpr std::int64_t kReconsiderUs = 100'000;
+
+// True if one sees between the parts of the object.
+bool see_through(const ObjectDescription& object) {
+  return (object.needs & (kNeedAlphaMask | kNeedBlend)) != 0 || object.triangles == 0;
+}
 
 double fade_progress(std::int64_t since_us, std::int64_t now_us) {
   return std::clamp(static_cast<double>(now_us - since_us) / kFadeUs, 0.0, 1.0);
@@ -340,10 +346,11 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   double fade = c.fade;
   if (shown.former) {
     const double progress = fade_progress(shown.since_us, in.now_us);
-    if (progress >= 1) {
+    const TileFit under = fading_out(shown, best.method, c);
+    // Where one sees through both, two tiles cover more than each of them.
+    if (progress >= 1 || (see_through(*c.object) && under.meets(kAlike * c.tau_px))) {
       shown.former.reset();
     } else {
-      const TileFit under = fading_out(shown, best.method, c);
       out.impostors.push_back(
           {c.instance, under.tile, under.method, under.bound_px, c.distance, c.fade});
       out.impostors.back().light_lag_us = c.light_lag_us;

@@ -274,6 +274,27 @@ TEST(CoreSelector, NewTileFadesInOverTheFormer) {
   EXPECT_EQ(list.impostors[0].fade, 1);
 }
 
+// Two half-transparent tiles over one another cover more than each of them.
+TEST(CoreSelector, SeeThroughTileIsReplacedAtOnce) {
+  for (const auto& [needs, drawn] :
+       {std::pair<NeedMask, std::size_t>{0, 2}, {kNeedAlphaMask, 1}, {kNeedBlend, 1}}) {
+    SelectorWorld world = one_ball();
+    world.scene.objects[0].triangles = 100;
+    world.scene.objects[0].needs |= needs;
+    world.add_tile(0);
+    world.select(world.input());
+    world.look({0.1, 0, 5}, {0, 0, 0});
+    world.frame++;
+    world.now_us = 1'000'000;
+    const TileRecordPtr fresh = world.add_tile(0);
+    SelectorInput in = world.input();
+    in.frame = ++world.frame;
+    const DrawList list = world.select(in);
+    ASSERT_EQ(list.impostors.size(), drawn);
+    EXPECT_EQ(list.impostors.back().tile, fresh);
+  }
+}
+
 TEST(CoreSelector, EvictedFormerIsNotDrawnWhileFading) {
   SelectorWorld world = one_ball();
   const TileRecordPtr old_tile = world.add_tile(0);
