@@ -168,22 +168,33 @@ struct Frame {
 };
 
 /// Returns the frame in which most triangles are seen.
-Frame best_frame(std::vector<Sample> samples, double weight) {
+Frame best_frame(const std::vector<Sample>& samples, double weight) {
   const glm::dvec3 middle = middle_of(samples, weight);
-  const auto reach = [&](const Sample& s) { return glm::distance(s.center(), middle) + s.size(); };
-  std::sort(samples.begin(), samples.end(),
-            [&](const Sample& a, const Sample& b) { return reach(a) < reach(b); });
+  struct Reached {
+    double reach, size;
+    std::size_t sample;
+  };
+  std::vector<Reached> order(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double size = samples[i].size();
+    order[i] = {glm::distance(samples[i].center(), middle) + size, size, i};
+  }
+  std::sort(order.begin(), order.end(), [](const Reached& a, const Reached& b) {
+    return a.reach != b.reach ? a.reach < b.reach : a.sample < b.sample;
+  });
   Frame best, frame;
   double compared = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    for (const glm::dvec3& corner : samples[i].corner) frame.bounds.add(corner);
-    frame.inside += samples[i].weight;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Sample& nearest = samples[order[i].sample];
+    for (const glm::dvec3& corner : nearest.corner) frame.bounds.add(corner);
+    frame.inside += nearest.weight;
     const double radius = frame.bounds.radius();
-    if (radius < kLadder * compared && i + 1 < samples.size()) continue;
+    if (radius < kLadder * compared && i + 1 < order.size()) continue;
     compared = radius;
     frame.seen = 0;
     for (std::size_t k = 0; k <= i; ++k) {
-      frame.seen += samples[k].weight * std::min(1.0, samples[k].size() / (kSeenShare * radius));
+      const double share = std::min(1.0, order[k].size / (kSeenShare * radius));
+      frame.seen += samples[order[k].sample].weight * share;
     }
     if (frame.seen > best.seen) best = frame;
   }
@@ -225,7 +236,7 @@ DetailFrame frame_detail(const Scene& scene, const Bounds& all) {
   if (shells > 0) out.bounds = whole;
   double weight = 0;
   for (const Sample& sample : rest) weight += sample.weight;
-  const Frame best = best_frame(std::move(rest), weight);
+  const Frame best = best_frame(rest, weight);
   const double ratio = best.bounds.radius() / whole.radius();
   const double outside = 1 - best.inside / weight;
   const bool much = ratio < kMuchSmaller || (ratio < kSmaller && outside < kNextToNothing);
