@@ -116,7 +116,9 @@ Result<void> ClientHost::wait_until(const std::function<bool()>& there) {
       return make_error(refused->id, "the server's scene was refused: " + refused->text,
                         "are server and viewer of one version?");
     }
-    const bool late = patience.now_us() > (session_->welcomes() > 0 ? kLevelsPatienceUs : limit);
+    // On virtual time, what has come may still be under way in the modelled link.
+    const bool greeted = session_->welcomes() > 0 || native_->traffic().bytes_down > 0;
+    const bool late = patience.now_us() > (greeted ? kLevelsPatienceUs : limit);
     if (late || (!native_->connected() && native_->last_close_code() != 0)) {
       return make_error(ErrorId::kNetworkClosed,
                         "the server did not describe its scene: " + native_->last_problem());
