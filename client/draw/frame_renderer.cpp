@@ -17,6 +17,7 @@
 #include "protocol/codec/model_codec.h"
 #include "protocol/model/animation.h"
 #include "protocol/model/model.h"
+#include "protocol/model/scene_types.h"
 #include "shaders/gl/dialect.h"
 #include "shaders/gl/mesh_pass.h"
 #include "shaders/gl/sky_pass.h"
@@ -53,6 +54,8 @@ struct FrameRenderer::Parts {
   };
   void show_mean(const SceneView& scene, std::uint32_t image);
   void pose(ClientMesh& mesh, const InstanceView& instance, double time_s);
+  /// Draws what is behind all objects.
+  void draw_background(const Camera& camera, const Environment& own, const gl::ViewDepth& depth);
   void draw_shadow_map(const SceneView& scene, const CasterListPtr& casters);
   /// Draws the geometry of the list with a pass that has begun.
   void draw_meshes(gl::MeshPass& pass, const Camera& camera, const SceneView& scene,
@@ -73,8 +76,9 @@ struct FrameRenderer::Parts {
   std::unique_ptr<gl::MeshPass> caster_meshes =
       std::make_unique<gl::MeshPass>(gl::MeshOutput::kDepth);
   std::unique_ptr<gl::MeshPass> tint_meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kTint);
-  gl::ShadowMap shadow_map;  ///< made when first needed
-  CasterListPtr in_map;      ///< casters that the map shows
+  gl::ShadowMap shadow_map;             ///< made when first needed
+  CasterListPtr in_map;                 ///< casters that the map shows
+  std::optional<glm::vec3> background;  ///< in place of the scene's own
   int draw_calls = 0;
 };
 
@@ -133,6 +137,17 @@ void FrameRenderer::Parts::draw_meshes(gl::MeshPass& pass, const Camera& camera,
     pass.draw(found->second.mesh, found->second.materials, images, instances.data(),
               instances.size(), blended);
   }
+}
+
+void FrameRenderer::Parts::draw_background(const Camera& camera, const Environment& own,
+                                           const gl::ViewDepth& depth) {
+  if (!background) {
+    sky.draw_behind(camera, own, depth);
+    return;
+  }
+  Environment flat = own;
+  flat.zenith = flat.horizon = flat.nadir = flat.floor.color = *background;
+  sky.draw_behind(camera, flat, depth);
 }
 
 void FrameRenderer::Parts::draw_shadow_map(const SceneView& scene, const CasterListPtr& casters) {
@@ -240,7 +255,7 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& shown, const S
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   p.draw_shaded_meshes(camera, scene, list, lighting, false, view_depth.mapping());
-  p.sky.draw_behind(camera, scene.environment, view_depth);
+  p.draw_background(camera, scene.environment, view_depth);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(gl::nearer_or_equal(view_depth.mapping()));
   if (list.view) p.view.draw(camera, view_depth.mapping(), *list.view);
@@ -298,6 +313,11 @@ void FrameRenderer::sharpen(float levels, float tested_levels) {
 }
 
 void FrameRenderer::draw_edges_last(bool on) { parts_->impostors.draw_edges_last(on); }
+
+void FrameRenderer::set_background(const std::optional<glm::vec3>& color) {
+  parts_->background = color;
+  parts_->view.cut_outlines(color.has_value());
+}
 
 int FrameRenderer::draw_calls() const { return parts_->draw_calls; }
 

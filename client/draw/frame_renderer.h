@@ -6,7 +6,9 @@
 // Full:   an upload without room in graphics memory fails with kGraphicsGl.
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <memory>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -64,6 +66,10 @@ class FrameRenderer {
   void sharpen_as_usual();
   /// ImpostorPass::draw_edges_last()
   void draw_edges_last(bool on);
+
+  /// Draws this colour, linear, in place of the scene's sky and studio from now on; the shadow on
+  /// the studio's floor stays. nullopt: the scene's own.
+  void set_background(const std::optional<glm::vec3>& color);
 
   /// Returns the draw calls of the last frame.
   int draw_calls() const;

@@ -102,7 +102,8 @@ void ViewPass::show(const std::vector<bool>& owners) {
   for (std::uint32_t y = 0; y + 1 < rows_; ++y) {
     for (std::uint32_t x = 0; x + 1 < columns_; ++x) {
       const std::uint32_t a = y * columns_ + x, b = a + 1, c = a + columns_, d = c + 1;
-      if (!shown(a) && !shown(b) && !shown(c) && !shown(d)) continue;
+      const int corners = shown(a) + shown(b) + shown(c) + shown(d);
+      if (corners < (cut_outlines_ ? 4 : 1)) continue;
       indices.insert(indices.end(), {a, c, b, b, c, d});
     }
   }
@@ -111,6 +112,12 @@ void ViewPass::show(const std::vector<bool>& owners) {
                GL_DYNAMIC_DRAW);
   index_count_ = indices.size();
   shown_ = owners;
+}
+
+void ViewPass::cut_outlines(bool on) {
+  if (on == cut_outlines_) return;
+  cut_outlines_ = on;
+  index_count_ = 0;  // made anew by the next draw
 }
 
 void ViewPass::draw(const Camera& camera, DepthMapping mapping, const DrawnView& drawn) {

@@ -20,6 +20,8 @@ class ViewPass {
 
   /// Replaces the view.
   void upload(const ViewTile& view);
+  /// Leaves out cells at outlines from now on: the server's background is mixed into them.
+  void cut_outlines(bool on);
   /// Draws the cells of the owners that `drawn` shows. The caller sets the depth test.
   void draw(const Camera& camera, DepthMapping mapping, const DrawnView& drawn);
 
@@ -37,6 +39,7 @@ class ViewPass {
   std::vector<std::uint8_t> depth_;    ///< depth codes of the view tile
   std::vector<std::uint16_t> owners_;  ///< owners of the view tile
   glm::dvec3 eye_{0};
+  bool cut_outlines_ = false;
   std::vector<bool> shown_;  ///< owners that the indices are made for
   std::size_t index_count_ = 0;
   std::size_t gpu_bytes_ = 0;

@@ -226,6 +226,34 @@ std::optional<double> flip_quantile(const FlipMap& map, const Mask& mask, double
   return inside[static_cast<std::size_t>(rank)];
 }
 
+std::optional<PicturePlace> flip_worst_place(const FlipMap& map, std::uint32_t edge) {
+  if (map.width == 0 || map.height == 0 || edge == 0) return std::nullopt;
+  const std::size_t w = map.width, h = map.height;
+  const std::size_t across = std::min<std::size_t>(edge, w), down = std::min<std::size_t>(edge, h);
+  std::vector<double> column(w, 0);  // sums of the rows that the square covers
+  std::optional<PicturePlace> worst;
+  for (std::size_t y = 0; y < h; ++y) {
+    for (std::size_t x = 0; x < w; ++x) {
+      column[x] += map.error[y * w + x];
+      if (y >= down) column[x] -= map.error[(y - down) * w + x];
+    }
+    if (y + 1 < down) continue;
+    double sum = 0;
+    for (std::size_t x = 0; x < w; ++x) {
+      sum += column[x];
+      if (x >= across) sum -= column[x - across];
+      if (x + 1 < across) continue;
+      const double mean = std::max(0.0, sum / static_cast<double>(across * down));
+      if (worst && mean <= worst->flip) continue;
+      worst = PicturePlace{
+          (static_cast<double>(x + 1) - 0.5 * static_cast<double>(across)) / static_cast<double>(w),
+          (static_cast<double>(y + 1) - 0.5 * static_cast<double>(down)) / static_cast<double>(h),
+          mean};
+    }
+  }
+  return worst;
+}
+
 std::vector<std::uint8_t> heat_map(const FlipMap& map) {
   static constexpr std::array<std::array<float, 3>, 5> kColors = {
       {{0, 0, 4}, {81, 18, 124}, {183, 55, 121}, {252, 137, 97}, {252, 253, 191}}};

@@ -36,6 +36,15 @@ std::optional<double> flip_max(const FlipMap& map, const Mask& mask);
 /// A mean hides a small thing that looks wrong, the 99th percentile shows it.
 std::optional<double> flip_quantile(const FlipMap& map, const Mask& mask, double q);
 
+/// A square of a picture. Its middle is given in shares of width and height, right and down.
+struct PicturePlace {
+  double x = 0, y = 0;
+  double flip = 0;  ///< mean over the square
+};
+/// Returns the square with an edge of `edge` px, or of the picture where that is smaller, that has
+/// the largest mean; nullopt: the map is empty, or `edge` is 0.
+std::optional<PicturePlace> flip_worst_place(const FlipMap& map, std::uint32_t edge);
+
 /// Returns the map as RGBA8 in five colours of "magma" (matplotlib), black for 0 to light yellow
 /// for kMostFlip and more.
 std::vector<std::uint8_t> heat_map(const FlipMap& map);

@@ -117,6 +117,7 @@ Result<void> SceneView::accept(const wire::ObjectPageT& page) {
     o.box_max = from_wire(*info->box_max);
     o.mean_color = from_wire(*info->mean_color);
     o.opacity = info->opacity;
+    o.name = info->name;
     if (info->faces_axis) o.faces = {from_wire(*info->faces_axis), info->faces_sine};
     o.needs = info->needs;
     o.triangles = info->triangles;

@@ -20,6 +20,11 @@ constexpr double kNearest = 1e-3, kFarthest = 20;  // from the pivot, radii of t
 // crosses it in a time between the other two.
 constexpr double kCrossS = 10, kShortestWalkS = 5, kLongestWalkS = 180;
 constexpr double kSprint = 2;  // full speed, in walking speeds of the scene
+// Who flies has the usual speed where they look at something this far away, s at that speed. The
+// pace follows that distance within these limits: close to a thing one goes slowly, and a scene is
+// still crossed in at most twice its time. It follows within about `kPaceS`, so that no gap between
+// two trees jerks.
+constexpr double kUsualAheadS = 5, kSlowest = 0.5, kFastest = 10, kPaceS = 0.5;
 
 /// Turns the direction about the world's vertical, then raises or lowers it.
 glm::dvec3 turned(const glm::dvec3& forward, const glm::dvec2& angles) {
@@ -66,10 +71,11 @@ void Pilot::meet(const SceneView& scene) {
   const bool outside = !home.fit.empty() || away > radius_;
   mode_ = outside ? SteerMode::kOrbit : SteerMode::kWalk;
   ground_here_ = scene.home.walk_eye_m > 0;
-  speed_mps_ = kSprint * home.walk_speed_mps;
-  const double seconds = 2 * radius_ / speed_mps_;
+  pace_ = wanted_pace_ = 1;
+  usual_mps_ = kSprint * home.walk_speed_mps;
+  const double seconds = 2 * radius_ / usual_mps_;
   const bool walked = seconds >= kShortestWalkS && seconds <= kLongestWalkS;
-  if (mode_ == SteerMode::kOrbit || !walked) speed_mps_ = 2 * radius_ / kCrossS;
+  if (mode_ == SteerMode::kOrbit || !walked) usual_mps_ = 2 * radius_ / kCrossS;
 }
 
 void Pilot::turn(const glm::dvec2& angles, Pose& pose) const {
@@ -85,7 +91,7 @@ void Pilot::turn(const glm::dvec2& angles, Pose& pose) const {
 void Pilot::approach(double steps, Pose& pose) const {
   if (steps == 0) return;
   if (mode_ == SteerMode::kWalk) {
-    pose.eye += steps * kWalkedStepS * speed_mps_ * ahead_of(pose, on_foot());
+    pose.eye += steps * kWalkedStepS * speed_mps() * ahead_of(pose, on_foot());
     return;
   }
   const double distance = glm::length(pose.eye - pivot_);
@@ -101,10 +107,22 @@ void Pilot::go(const Steering& by, double fov_y, Pose& pose) const {
   const glm::dvec3 right = q * glm::dvec3(1, 0, 0), up = q * glm::dvec3(0, 1, 0),
                    ahead = ahead_of(pose, on_foot());
   const double depth = orbits ? std::max(glm::dot(pivot_ - pose.eye, ahead), kNearest * radius_)
-                              : kPannedS * speed_mps_;
+                              : kPannedS * speed_mps();
   const double height = 2 * depth * std::tan(fov_y / 2);
   pose.eye += height * (by.pan.y * up - by.pan.x * right);
-  pose.eye += speed_mps_ * (by.move.z * ahead + by.move.x * right + glm::dvec3(0, by.move.y, 0));
+  pose.eye += speed_mps() * (by.move.z * ahead + by.move.x * right + glm::dvec3(0, by.move.y, 0));
+}
+
+void Pilot::look_ahead(const SceneView& scene, const Camera& camera) {
+  const std::optional<Seen> seen = seen_at(scene, camera, {0.5, 0.5});
+  wanted_pace_ = 1;
+  if (!seen) return;
+  const double seconds = glm::length(seen->point - camera.pose.eye) / usual_mps_;
+  wanted_pace_ = std::clamp(seconds / kUsualAheadS, kSlowest, kFastest);
+}
+
+void Pilot::change_pace(double seconds) {
+  pace_ += (wanted_pace_ - pace_) * (1 - std::exp(-seconds / kPaceS));
 }
 
 void Pilot::steer(const Steering& by, double fov_y, const GroundMap& ground, Pose& pose) {
@@ -112,13 +130,13 @@ void Pilot::steer(const Steering& by, double fov_y, const GroundMap& ground, Pos
   const bool orbits = mode_ == SteerMode::kOrbit;
   turn(by.turn + (orbits ? kOrbitAHeight : -fov_y) * by.drag, pose);
   const glm::dvec3 from = pose.eye;
+  change_pace(glm::length(by.move) + kWalkedStepS * std::abs(by.zoom));
   approach(by.zoom, pose);
   go(by, fov_y, pose);
   if (needs_ground()) pose.eye = footing_.walk(ground, from, pose.eye - from);
 }
 
-std::optional<glm::dvec3> seen_at(const SceneView& scene, const Camera& camera,
-                                  const glm::dvec2& place) {
+std::optional<Seen> seen_at(const SceneView& scene, const Camera& camera, const glm::dvec2& place) {
   const double half = std::tan(camera.fov_y / 2);
   const double aspect = 1.0 * camera.width / std::max(camera.height, 1u);
   const glm::dvec3 direction =
@@ -126,7 +144,9 @@ std::optional<glm::dvec3> seen_at(const SceneView& scene, const Camera& camera,
       glm::normalize(glm::dvec3((2 * place.x - 1) * half * aspect, (1 - 2 * place.y) * half, -1));
   const glm::dvec3& eye = camera.pose.eye;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const InstanceView& instance : scene.instances) {
+  std::uint32_t found = 0;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const InstanceView& instance = scene.instances[i];
     const ObjectDescription& object = scene.objects[instance.object];
     const glm::dvec3 to = instance.center - eye;
     const double along = glm::dot(to, direction);
@@ -134,10 +154,12 @@ std::optional<glm::dvec3> seen_at(const SceneView& scene, const Camera& camera,
     if (object.group || object.part || beside2 > instance.radius * instance.radius) continue;
     if (along + instance.radius < 0 || along - instance.radius > nearest) continue;
     const double t = entry(object, instance.world_from_object, eye, direction);
-    if (t > 0) nearest = std::min(nearest, t);
+    if (!(t > 0 && t < nearest)) continue;
+    nearest = t;
+    found = i;
   }
   if (!std::isfinite(nearest)) return std::nullopt;
-  return eye + nearest * direction;
+  return Seen{eye + nearest * direction, found};
 }
 
 }  // namespace mirage

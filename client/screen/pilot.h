@@ -26,6 +26,8 @@ struct Steering {
   glm::dvec3 move{0};  ///< seconds at full speed: right, up (of the world), ahead
   glm::dvec2 pan{0};   ///< shares of the picture's height, right and down: the scene goes along
   double zoom = 0;     ///< steps, > 0: nearer
+  /// True if the eye goes somewhere, and does not only turn.
+  bool moves() const { return move != glm::dvec3(0) || zoom != 0; }
 };
 
 class Pilot {
@@ -42,9 +44,12 @@ class Pilot {
   /// True if the ground around the eye is needed (ClientSession::want_ground).
   bool needs_ground() const { return mode_ == SteerMode::kWalk && !flies(); }
   const glm::dvec3& pivot() const { return pivot_; }
-  /// Returns the full speed, m/s. It crosses a scene that is orbited, or one of an unusual size for
-  /// walking, within ten seconds, whatever the unit of its file.
-  double speed_mps() const { return speed_mps_; }
+  /// Returns the full speed, m/s. On foot it is that of walking. It crosses a scene that is
+  /// orbited, or one of an unusual size for walking, within ten seconds, whatever the unit of its
+  /// file. Who flies is faster the farther away is what they look at, and slower close to it.
+  double speed_mps() const { return on_foot() ? usual_mps_ : pace_ * usual_mps_; }
+  /// Learns how far away is what is seen in the middle of the picture.
+  void look_ahead(const SceneView& scene, const Camera& camera);
 
   /// Turns about `point` from now on.
   void aim(const glm::dvec3& point) { pivot_ = point; }
@@ -55,6 +60,8 @@ class Pilot {
  private:
   void turn(const glm::dvec2& angles, Pose& pose) const;
   void approach(double steps, Pose& pose) const;
+  /// Brings the pace nearer to the wanted one, for a motion of so many seconds.
+  void change_pace(double seconds);
   /// Moves the eye in its own directions: pan, and going.
   void go(const Steering& by, double fov_y, Pose& pose) const;
   bool on_foot() const { return needs_ground() && footing_.stands(); }
@@ -65,12 +72,17 @@ class Pilot {
   bool ground_here_ = false;  ///< the scene is walked on its ground
   Footing footing_;
   double radius_ = 1;  ///< of the scene, m
-  double speed_mps_ = 1;
+  double usual_mps_ = 1;
+  double pace_ = 1, wanted_pace_ = 1;  ///< of who flies, in usual speeds
 };
 
-/// Returns the point that is seen at a place of the picture (0 to 1, right and down), on the hull
-/// of the nearest instance that the eye is outside of; nullopt: there is none.
-std::optional<glm::dvec3> seen_at(const SceneView& scene, const Camera& camera,
-                                  const glm::dvec2& place);
+/// What is seen at a place of the picture.
+struct Seen {
+  glm::dvec3 point;            ///< on the instance's hull
+  std::uint32_t instance = 0;  ///< index into SceneView::instances
+};
+/// Returns what is seen at a place of the picture (0 to 1, right and down): the nearest instance
+/// that the eye is outside of; nullopt: there is none.
+std::optional<Seen> seen_at(const SceneView& scene, const Camera& camera, const glm::dvec2& place);
 
 }  // namespace mirage

@@ -288,8 +288,9 @@ void Viewer::steer(double seconds) {
   const Steering by = window_->take_steering(seconds);
   const Camera camera = camera_at(pose_);
   if (const std::optional<glm::dvec2> place = window_->take_aim()) {
-    if (const auto point = seen_at(session().scene(), camera, *place)) pilot_.aim(*point);
+    if (const auto seen = seen_at(session().scene(), camera, *place)) pilot_.aim(seen->point);
   }
+  if (by.moves()) pilot_.look_ahead(session().scene(), camera);
   pilot_.steer(by, camera.fov_y, session().ground(), pose_);
   if (pilot_.needs_ground()) session().want_ground(pose_.eye, now_us());
 }

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <glm/gtc/color_space.hpp>
 #include <memory>
 
 #include "client/frame/reference_frame.h"
@@ -131,6 +132,11 @@ EMSCRIPTEN_KEEPALIVE void page_steer(double drag_x, double drag_y, double turn_x
 EMSCRIPTEN_KEEPALIVE int page_aim(double x, double y) {
   return std::isfinite(x + y) && page().viewer->aim({x, y}) ? 1 : 0;
 }
+/// Returns the name of the object that is seen at a place; empty: it has none.
+EMSCRIPTEN_KEEPALIVE const char* page_name_at(double x, double y) {
+  page().text = std::isfinite(x + y) ? page().viewer->name_at({x, y}) : "";
+  return page().text.c_str();
+}
 /// Returns 1 where one orbits, 0 where one walks.
 EMSCRIPTEN_KEEPALIVE int page_orbits() {
   return page().viewer->steer_mode() == mirage::SteerMode::kOrbit ? 1 : 0;
@@ -208,6 +214,16 @@ EMSCRIPTEN_KEEPALIVE void page_fov(double degrees) {
 /// Sets how much of the usual time a moving picture may take. Ignored unless it is 0.1 to 10.
 EMSCRIPTEN_KEEPALIVE void page_pace(double share) {
   if (share >= 0.1 && share <= 10) page().viewer->set_pace(share);
+}
+
+/// Sets the colour behind everything: sRGB bytes as 0xRRGGBB; < 0: the scene's own.
+EMSCRIPTEN_KEEPALIVE void page_background(int rgb) {
+  std::optional<glm::vec3> color;
+  if (rgb >= 0) {
+    const glm::ivec3 bytes(rgb >> 16 & 255, rgb >> 8 & 255, rgb & 255);
+    color = glm::convertSRGBToLinear(glm::vec3(bytes) / 255.0f);
+  }
+  page().viewer->set_background(color);
 }
 
 /// Sets the sun's direction, degrees; not finite: the scene's own light.

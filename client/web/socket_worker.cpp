@@ -23,9 +23,11 @@ struct Socket {
   std::string problem;
 };
 
+constexpr std::uint32_t kWorstOfHeight = 16;  // edges of the worst square in a picture's height
+
 /// The last measurement of picture_flip().
 struct Compared {
-  std::array<double, 3> flip{-1, -1, -1};
+  std::array<double, 6> flip{-1, -1, -1, -1, -1, -1};
   std::vector<std::uint8_t> heat;  // RGBA
 };
 
@@ -117,7 +119,8 @@ EMSCRIPTEN_KEEPALIVE std::size_t socket_packet_bytes(std::size_t index) {
 
 /// Measures two RGBA pictures; the reference's alpha is its coverage by objects. Returns three FLIP
 /// values: the mean of the picture, the mean where objects are, and what 99 % of the pixels there
-/// stay within; < 0: there is none.
+/// stay within; then the place of the worst square (shares of width and height, right and down),
+/// and its mean. < 0: there is none.
 EMSCRIPTEN_KEEPALIVE const double* picture_flip(const std::uint8_t* reference,
                                                 const std::uint8_t* test, std::uint32_t width,
                                                 std::uint32_t height) {
@@ -126,8 +129,15 @@ EMSCRIPTEN_KEEPALIVE const double* picture_flip(const std::uint8_t* reference,
   const std::optional<mirage::FlipMap> map = mirage::flip_map(truth, {width, height, test});
   if (!map) return out.flip.data();
   const mirage::Mask mask = mirage::covered(truth);
-  out.flip = {mirage::flip_mean(*map).value_or(-1), mirage::flip_mean(*map, mask).value_or(-1),
-              mirage::flip_quantile(*map, mask, 0.99).value_or(-1)};
+  const mirage::PicturePlace worst =
+      mirage::flip_worst_place(*map, std::max(1U, height / mirage::kWorstOfHeight))
+          .value_or(mirage::PicturePlace{-1, -1, -1});
+  out.flip = {mirage::flip_mean(*map).value_or(-1),
+              mirage::flip_mean(*map, mask).value_or(-1),
+              mirage::flip_quantile(*map, mask, 0.99).value_or(-1),
+              worst.x,
+              worst.y,
+              worst.flip};
   out.heat = mirage::heat_map(*map);
   return out.flip.data();
 }

@@ -227,10 +227,21 @@ void WebViewer::probe() {
   screen_.content_changed();
 }
 
+void WebViewer::steer(const Steering& by) {
+  if (by.moves()) pilot_.look_ahead(session_->scene(), camera());
+  pilot_.steer(by, camera().fov_y, session_->ground(), pose_);
+}
+
 bool WebViewer::aim(const glm::dvec2& place) {
-  const std::optional<glm::dvec3> point = seen_at(session_->scene(), camera(), place);
-  if (point) pilot_.aim(*point);
-  return point.has_value();
+  const std::optional<Seen> seen = seen_at(session_->scene(), camera(), place);
+  if (seen) pilot_.aim(seen->point);
+  return seen.has_value();
+}
+
+std::string WebViewer::name_at(const glm::dvec2& place) const {
+  const SceneView& scene = session_->scene();
+  const std::optional<Seen> seen = seen_at(scene, camera(), place);
+  return seen ? scene.objects[scene.instances[seen->instance].object].name : "";
 }
 
 void WebViewer::set_pose(const Pose& pose) {
@@ -269,6 +280,11 @@ void WebViewer::set_sun(std::optional<std::array<double, 2>> at, std::int64_t no
     }
   }
   session_->set_lighting(light, now_us);
+}
+
+void WebViewer::set_background(const std::optional<glm::vec3>& color) {
+  renderer_->set_background(color);
+  screen_.content_changed();
 }
 
 void WebViewer::show_layer(InsightLayer layer) {

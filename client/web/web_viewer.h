@@ -58,7 +58,7 @@ class WebViewer {
   Result<Frame> frame(std::int64_t now_us, int width, int height);
 
   /// Moves the eye by what a person did.
-  void steer(const Steering& by) { pilot_.steer(by, camera().fov_y, session_->ground(), pose_); }
+  void steer(const Steering& by);
   SteerMode steer_mode() const { return pilot_.mode(); }
   /// True if who walks flies; False: the feet stay on the ground.
   bool flies() const { return pilot_.flies(); }
@@ -69,6 +69,9 @@ class WebViewer {
   /// Makes what is seen at a place of the picture (0 to 1, right and down) the pivot. False:
   /// nothing is there, and the pivot stays.
   bool aim(const glm::dvec2& place);
+  /// Returns the name of the object seen at a place, as its file has it; empty: it has none, or
+  /// nothing is there.
+  std::string name_at(const glm::dvec2& place) const;
   void set_pose(const Pose& pose);
   const Pose& pose() const { return pose_; }
   /// Moves the eye to the scene's home view.
@@ -102,6 +105,8 @@ class WebViewer {
   /// Scales all prices: draws only a background a few times, waits for it, and compares the time.
   void probe();
 
+  /// Shows this colour, linear, behind everything; nullopt: the scene's own sky or studio.
+  void set_background(const std::optional<glm::vec3>& color);
   /// Shows over the picture how it was made.
   void show_layer(InsightLayer layer);
 

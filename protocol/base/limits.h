@@ -21,7 +21,8 @@ inline constexpr std::size_t kMaxTextBytes = 4096;
 inline constexpr std::size_t kMaxFitPoints = 64;     ///< of a home view
 inline constexpr std::size_t kMaxChoices = 256;      ///< clips, and variants, that a scene offers
 inline constexpr std::size_t kMaxChoiceBytes = 256;  ///< of the name of one
-inline constexpr std::size_t kMaxCodecs = 32;        ///< in one list of codecs
+inline constexpr std::size_t kMaxObjectNameBytes = 64;
+inline constexpr std::size_t kMaxCodecs = 32;  ///< in one list of codecs
 
 // Requests.
 inline constexpr std::size_t kMaxAsksPerBatch = 1024;

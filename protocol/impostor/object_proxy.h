@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <string>
 #include <vector>
 
 #include "protocol/impostor/lod.h"
@@ -32,6 +33,8 @@ struct FacingCone {
 };
 
 struct ObjectDescription {
+  std::string
+      name;  ///< as the file has it, at most limits::kMaxObjectNameBytes; empty: it has none
   glm::vec3 center{0};  ///< of the bounding sphere, object space
   float radius = 0;
   glm::vec3 box_min{0};

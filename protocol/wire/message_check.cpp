@@ -231,6 +231,9 @@ Result<void> check(const wire::ObjectPage& m) {
     const bool one_sided =
         o->faces_axis() && finite(o->faces_axis()) && o->faces_sine() >= 0 && o->faces_sine() < 1;
     if (!everywhere && !one_sided) return value_error("faces of an object");
+    if (o->name() && o->name()->size() > limits::kMaxObjectNameBytes) {
+      return limit_error("characters in an object's name");
+    }
     if (!(o->opacity() >= 0 && o->opacity() <= 1)) return value_error("opacity of an object");
     if (Result<void> motion = check_motion(*o); !motion) return motion;
     if (count(o->hull_vertices()) > limits::kMaxHullVertices ||

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "protocol/base/limits.h"
 #include "server/prepare/convex_hull.h"
 #include "server/prepare/motion_measure.h"
 
@@ -56,6 +57,14 @@ FacingCone facing_cone(const Mesh& mesh, const std::vector<Material>& materials)
   return sine < 1 ? FacingCone{glm::vec3(axis), static_cast<float>(sine)} : FacingCone{};
 }
 
+/// Cuts a text in UTF-8 so that it fits, between two characters.
+std::string shortened(const std::string& text) {
+  if (text.size() <= limits::kMaxObjectNameBytes) return text;
+  std::size_t end = limits::kMaxObjectNameBytes;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return text.substr(0, end);
+}
+
 }  // namespace
 
 std::map<std::uint32_t, glm::vec4> material_colors(const Mesh& mesh, const Scene& scene) {
@@ -102,6 +111,7 @@ glm::vec4 mean_color(const Mesh& mesh, const std::map<std::uint32_t, glm::vec4>&
 ObjectDescription describe_object(const SceneObject& object, const Scene& scene,
                                   const Workers& workers) {
   ObjectDescription out;
+  out.name = shortened(object.name);
   std::vector<glm::vec3> points;
   points.reserve(object.mesh.indices.size() / 2);
   std::vector<bool> used(object.mesh.vertices.size(), false);

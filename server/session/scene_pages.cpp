@@ -47,6 +47,7 @@ std::unique_ptr<wire::ObjectInfoT> object_info(const ObjectDescription& o) {
   info->box_max = std::make_unique<wire::Vec3f>(to_wire(o.box_max));
   info->mean_color = std::make_unique<wire::Vec3f>(to_wire(o.mean_color));
   info->opacity = o.opacity;
+  info->name = o.name;
   info->faces_sine = o.faces.sine;
   if (o.faces.sine < 1) info->faces_axis = std::make_unique<wire::Vec3f>(to_wire(o.faces.axis));
   info->needs = o.needs;

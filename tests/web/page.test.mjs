@@ -241,6 +241,37 @@ test('feet stay on the ground, walls stop them; G flies and lands', async () => 
   await hall.stop();
 });
 
+test('background: a colour behind everything, kept in the address, on top of no object', async () => {
+  const page = await open(browser, at(view));
+  await rested(page);
+  const own = await picture(page);
+  await page.locator('#figures-button').click();
+  await page.locator('#background').fill('#3366cc');
+  await until('in the address', async () => page.url().endsWith('&bg=3366cc'));
+  await rested(page);
+  const blue = await picture(page);
+  const at4 = (image, i) => [...image.rgba.subarray(4 * i, 4 * i + 3)];
+  let behind = 0, same = 0;
+  for (let i = 0; i < blue.width * blue.height; ++i) {
+    const near = at4(blue, i).every((v, c) => Math.abs(v - [0x33, 0x66, 0xcc][c]) <= 1);
+    behind += near ? 1 : 0;
+    same += at4(blue, i).every((v, c) => Math.abs(v - at4(own, i)[c]) <= 2) ? 1 : 0;
+  }
+  const share = (n) => n / (blue.width * blue.height);
+  assert.ok(share(behind) > 0.5 && share(same) > 0.05, `behind ${share(behind)}, as before ${share(same)}`);
+  assert.ok(share(behind) + share(same) > 0.98, `and little else: ${share(behind)} + ${share(same)}`);
+  await page.locator('#compare').click();
+  await until('a word', async () => /own background/.test(await message(page)));
+  await page.locator('#own-background').click();
+  await rested(page);
+  assert.ok(await flip(page, own, await picture(page)) < 0.005);
+  await page.goto('about:blank');
+  await page.goto(at(`${view}&bg=nothing`));
+  await until('a word', async () => /bg=nothing/.test(await message(page)));
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+});
+
 test('fingers: one turns, two shift and pinch, the stick moves', async () => {
   const page = await open(browser, at(view), { width: 360, height: 640, touch: true });
   await rested(page);
@@ -266,6 +297,8 @@ test('fingers: one turns, two shift and pinch, the stick moves', async () => {
   assert.ok(along > 0.05, 'spreading goes ahead');
   assert.ok(apart(pinched.ahead, turned.ahead) < 1e-3, 'two fingers do not turn');
 
+  assert.ok(await page.locator('#stick').isHidden(), 'who orbits needs no stick');
+  await page.locator('#mode').tap();
   const box = await page.locator('#stick').boundingBox();
   assert.ok(box && box.width > 80, 'the stick is there for fingers');
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
@@ -389,6 +422,9 @@ test('compare: the full render beside it, FLIP under it', async () => {
   await until('FLIP', async () => /^FLIP 0\.\d{4}/.test(await page.locator('#flip').textContent()), 60);
   const mean = await page.evaluate(() => mirage.compare.mean);
   assert.ok(mean > 0 && mean < 0.05, `FLIP ${mean}`);
+  assert.match(await page.locator('#flip').textContent(), /most in the ring, 0\.\d{3}: “.+”/);
+  assert.ok(await page.locator('#worst').isVisible());
+  await page.evaluate(() => { document.getElementById('worst').hidden = true; });  // it is no part of the pictures below
   await page.locator('#split').fill('0');
   const truth = await screen(page);
   await page.locator('#split').fill('1000');

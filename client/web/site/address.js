@@ -1,6 +1,6 @@
 // Address: the view in the URL's fragment.
-//   #eye=x,y,z&look=x,y,z&light=azimuth,elevation&t=seconds&fov=degrees&quality=speed|picture&budget=ms&token=…
-// `look` is a point that the eye looks at. Parts that cannot be read are left out, and named in
+//   #eye=x,y,z&look=x,y,z&light=azimuth,elevation&t=seconds&fov=degrees&quality=speed|picture&bg=rrggbb&budget=ms&token=…
+// `look` is a point that the eye looks at; `bg` is the colour behind everything. Parts that cannot be read are left out, and named in
 // `wrong`.
 
 const numbers = (text, count) => {
@@ -24,6 +24,7 @@ export function readAddress(fragment) {
     let text = '';
     try { text = decodeURIComponent(part.slice(equals + 1)); } catch { /* a broken escape: wrong, below */ }
     if (name === 'token' && text !== '') { out.token = text; continue; }
+    if (name === 'bg' && /^[0-9a-f]{6}$/i.test(text)) { out.bg = text.toLowerCase(); continue; }
     if (name === 'quality' && Object.hasOwn(qualities, text)) { out.quality = text; continue; }
     const value = kinds[name] && equals > 0 ? numbers(text, kinds[name]) : null;
     if (value) out[name] = value.length === 1 ? value[0] : value;
@@ -45,7 +46,7 @@ const short = (n, digits) => String(Number(n.toFixed(digits)));
 
 /// Writes as few characters as show the same picture: a tenth of a millimetre, and about an arc
 /// second.
-export function writeAddress({ eye, ahead, light, t, fov, quality, budget }) {
+export function writeAddress({ eye, ahead, light, t, fov, quality, bg, budget }) {
   const parts = [
     `eye=${eye.map((n) => short(n, 4)).join(',')}`,
     `look=${eye.map((n, i) => short(Number(short(n, 4)) + ahead[i], 5)).join(',')}`,
@@ -54,6 +55,7 @@ export function writeAddress({ eye, ahead, light, t, fov, quality, budget }) {
   if (t !== undefined) parts.push(`t=${short(t, 2)}`);
   if (fov !== undefined && fov !== usualFov) parts.push(`fov=${short(fov, 1)}`);
   if (quality !== undefined && quality !== 'auto') parts.push(`quality=${quality}`);
+  if (bg !== undefined) parts.push(`bg=${bg}`);
   if (budget !== undefined) parts.push(`budget=${short(budget, 2)}`);
   return `#${parts.join('&')}`;
 }

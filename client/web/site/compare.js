@@ -1,7 +1,7 @@
 // Compare: shows a picture at rest beside the server's full render of the same view, or beside their difference, with the
 // FLIP of both. A line divides the picture; it is dragged, or moved by the arrow keys.
 
-import { pixels } from './core.js';
+import { pixels, textAt } from './core.js';
 import { notice, say } from './status.js';
 
 const $ = (id) => document.getElementById(id);
@@ -33,6 +33,7 @@ export class Compare {
     const { viewer } = this;
     const f = viewer.figures.now();
     if (!f.references) { notice('This server makes no full renders for viewers on other machines: it was started without --references.'); return; }
+    if (viewer.place.address.bg !== undefined) { notice("The full render has the scene's own background: choose that under Status first."); return; }
     if (!viewer.link.connected) { notice('The server is gone: there is nothing to compare with.'); return; }
     this.state = 'asked';
     this.asked = false;
@@ -75,6 +76,7 @@ export class Compare {
     this.heat = null;
     [$('truth').width, $('truth').height] = [width, height];
     for (const id of ['truth', 'slider', 'split']) $(id).hidden = false;
+    $('worst').hidden = true;
     $('difference').disabled = true;
     this.state = 'shown';
     this.showDifference(false);
@@ -87,15 +89,26 @@ export class Compare {
   }
 
   // Called with the measurement of a comparison.
-  measured({ id, mean, objects, most, heat }) {
+  measured({ id, mean, objects, most, worst, heat }) {
     if (id !== this.id || this.state !== 'shown') return;
     this.mean = mean;
     const { size: [width, height] } = this, n = this.samples();
-    const told = [`FLIP ${mean.toFixed(4)} (0 is equal, 1 most different; ${n} x ${n} samples)`];
+    $('flip').title = `0 is equal, 1 most different; the full render has ${n} x ${n} samples a pixel`;
+    const told = [`FLIP ${mean.toFixed(4)} (0 is equal)`];
     if (objects >= 0) told.push(`on objects ${objects.toFixed(4)}, and within ${most.toFixed(3)} in 99 of 100 of their pixels`);
+    if (worst) told.push(this.showWorst(worst));
     $('flip').textContent = mean < 0 ? 'cannot be compared' : told.join('; ');
     this.heat = heat && opaque(heat, width, height);
     $('difference').disabled = !heat;
+  }
+
+  // Puts a ring around the square that differs most. Returns a text that names what is there.
+  showWorst({ x, y, flip }) {
+    const { core } = this.viewer;
+    const name = textAt(core, core._page_name_at(x, y));
+    Object.assign($('worst').style, { left: `${100 * x}%`, top: `${100 * y}%` });
+    $('worst').hidden = false;
+    return `most in the ring, ${flip.toFixed(3)}${name ? `: “${name}”` : ''}`;
   }
 
   // Shows the difference, or the full render, on the right of the line.
@@ -120,7 +133,7 @@ export class Compare {
     if (this.state === 'off') return;
     this.state = 'off';
     $('compare').setAttribute('aria-pressed', 'false');
-    for (const id of ['truth', 'slider', 'split']) $(id).hidden = true;
+    for (const id of ['truth', 'slider', 'split', 'worst']) $(id).hidden = true;
     say('');
     if (this.viewer.viewerThere()) this.viewer.core._page_reference();  // drops a late render
   }

@@ -3,7 +3,7 @@ import createMirage from './mirage.js';
 
 const wasmBytes = Number(document.querySelector('script[data-wasm-bytes]')?.dataset.wasmBytes) || 1e6;
 
-/// Compiles the module while it arrives; `progress` gets the share that is here, 0 to 1.
+/// Compiles the module while it arrives; `progress` gets the bytes that are here, and all.
 export async function loadModule(progress) {
   const response = await fetch(new URL('./mirage.wasm', import.meta.url));
   if (!response.ok) throw new Error(`the server answered ${response.status}`);
@@ -11,7 +11,7 @@ export async function loadModule(progress) {
   const counted = response.body.pipeThrough(new TransformStream({
     transform: (chunk, out) => {
       got += chunk.length;
-      progress(Math.min(1, got / wasmBytes));
+      progress(Math.min(got, wasmBytes), wasmBytes);
       out.enqueue(chunk);
     } }));
   return WebAssembly.compileStreaming(new Response(counted, { headers: { 'Content-Type': 'application/wasm' } }));

@@ -12,7 +12,7 @@ const layers = [
   ['Age', [['#00ff1a', 'new'], ['#ffff1a', '30 s'], ['#ff001a', 'a minute and older: since the image arrived']]],
   ['What is geometry', [['#ffd933', 'drawn from triangles, not from images']]],
 ];
-const megabytes = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
+export const megabytes = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
 
 // Fills a list with names, values, and a sentence that explains each.
 function fill(list, rows) {
@@ -53,6 +53,8 @@ export class Figures {
       viewer.place.changePicture({ quality: $('quality').value });
     });
     $('fov').addEventListener('input', () => viewer.place.changePicture({ fov: Number($('fov').value) }));
+    $('background').addEventListener('input', () => viewer.place.changePicture({ bg: $('background').value.slice(1) }));
+    $('own-background').addEventListener('click', () => viewer.place.changePicture({ bg: undefined }));
     $('own-light').addEventListener('click', () => { viewer.place.changeLight(null); this.showLight(); });
   }
 
@@ -65,12 +67,14 @@ export class Figures {
     [$('azimuth').value, $('elevation').value] = place.light ?? own;
   }
 
-  /// Shows the quality and the field of view that the address has. A budget of the address replaces the quality.
+  /// Shows the quality, the field of view and the background that the address has. A budget of the address replaces the quality.
   showPicture() {
     const { place } = this.viewer;
     $('quality').value = place.quality();
     $('quality').disabled = place.address.budget !== undefined;
     $('fov').value = place.fov();
+    $('background').value = `#${place.address.bg ?? '808080'}`;
+    $('own-background').disabled = place.address.bg === undefined;
     $('fov-degrees').value = `${Math.round(place.fov())}°`;
   }
 

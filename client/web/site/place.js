@@ -36,10 +36,11 @@ export class Place {
     this.applyPicture();
   }
 
-  /// Tells the core how the picture is to be: its field of view, and what it may take.
+  /// Tells the core how the picture is to be: its field of view, its background, and what it may take.
   applyPicture() {
     const { core } = this.viewer;
     core._page_fov(this.fov());
+    core._page_background(this.address.bg === undefined ? -1 : parseInt(this.address.bg, 16));
     if (this.address.budget === undefined) core._page_pace(qualities[this.quality()]);
     this.viewer.figures?.showPicture();
     this.viewer.wake();
@@ -96,8 +97,8 @@ export class Place {
   view() { return { ...pose(this.viewer.core), light: this.light ?? undefined }; }
 
   link() {
-    const { fov, quality, budget } = this.address;
-    return location.href.replace(/#.*$/, '') + writeAddress({ ...this.view(), fov, quality, budget });
+    const { fov, quality, bg, budget } = this.address;
+    return location.href.replace(/#.*$/, '') + writeAddress({ ...this.view(), fov, quality, bg, budget });
   }
 
   /// Adds the view to the history a while after the last motion.

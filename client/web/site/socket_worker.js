@@ -62,10 +62,10 @@ function send(bytes) {
 
 function flip({ id, reference, test, width, height }) {
   const at = copied(reference, (a) => copied(test, (b) => core._picture_flip(a, b, width, height))) >> 3;
-  const [mean, objects, most] = core.HEAPF64.subarray(at, at + 3);
+  const [mean, objects, most, x, y, there] = core.HEAPF64.subarray(at, at + 6);
   const map = core._picture_heat();
   const heat = map ? core.HEAPU8.slice(map, map + 4 * width * height) : null;
-  postMessage({ flip: { id, mean, objects, most, heat } }, heat ? [heat.buffer] : []);
+  postMessage({ flip: { id, mean, objects, most, worst: there > 0 ? { x, y, flip: there } : null, heat } }, heat ? [heat.buffer] : []);
 }
 
 function handle(message) {

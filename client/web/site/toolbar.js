@@ -36,7 +36,6 @@ export class Toolbar {
   enable() {
     for (const id of [...Object.values(keys), ...withoutKey]) $(id).disabled = false;
     this.play(!this.stopped);
-    if (matchMedia('(pointer: coarse)').matches) $('stick').hidden = false;
   }
 
   // The first picture may be drawn before the last objects are described: only then is it known what moves.
@@ -69,6 +68,7 @@ export class Toolbar {
     this.showFly();
     if (this.orbits === orbits) return;
     this.orbits = orbits;
+    $('stick').hidden = orbits || !matchMedia('(pointer: coarse)').matches;  // fingers alone orbit
     $('mode').textContent = orbits ? 'Walk' : 'Orbit';
     $('mode').title = orbits ? 'Walk: turn in place, go where one looks (M)' : 'Orbit: turn about what is under the cursor (M)';
   }

@@ -3,7 +3,7 @@ import { loadModule, pose, startCore, textAt, withText } from './core.js';
 import { Choices } from './choices.js';
 import { Compare } from './compare.js';
 import { Controls } from './controls.js';
-import { Figures } from './figures.js';
+import { Figures, megabytes } from './figures.js';
 import { Pace } from './pace.js';
 import { Place } from './place.js';
 import { Prices } from './prices.js';
@@ -49,8 +49,8 @@ export class Viewer {
   }
 
   async start() {
-    const loading = (progress) => say('Loading', { progress, aside: false });
-    loading(0);
+    const loading = (got, all) => say(`Loading the viewer: ${megabytes(got)} of ${megabytes(all)}`, { progress: got / all, aside: false });
+    say('Loading the viewer', { progress: 0, aside: false });
     this.watchDisplay();
     this.link = new ServerLink(this, this.place.address.token);
     const module = await loadModule(loading);
@@ -260,10 +260,17 @@ export class Viewer {
     this.lastDrawn = isDrawn;
   }
 
+  // Says what the first picture waits for.
+  tellWait() {
+    const name = textAt(this.core, this.core._page_scene_name());
+    const got = this.figures.now().bytesDown;
+    say(name ? `${name}: the first picture is on its way, ${megabytes(got)}` : 'Waiting for the scene', { aside: false });
+  }
+
   // Shows messages and tools once there is a picture.
   show(bits) {
     if (!(bits & drawable)) {
-      if (this.link.connected && !this.seen) say('Waiting for the scene', { aside: false });
+      if (this.link.connected && !this.seen) this.tellWait();
       return;
     }
     if (!this.seen && (bits & drawn)) {

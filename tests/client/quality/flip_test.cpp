@@ -33,6 +33,28 @@ TestImage read_png(const fs::path& path) {
   return image;
 }
 
+TEST(QualityFlip, TheWorstPlaceIsTheSquareThatDiffersMost) {
+  FlipMap map{40, 20, std::vector<float>(800, 0.01f)};
+  map.error[3 * 40 + 5] = 1;  // one pixel
+  for (std::uint32_t y = 8; y < 12; ++y) {
+    for (std::uint32_t x = 30; x < 34; ++x) map.error[y * 40 + x] = 0.5f;
+  }
+  const auto worst = flip_worst_place(map, 4);
+  ASSERT_TRUE(worst);
+  EXPECT_DOUBLE_EQ(worst->x, 32.0 / 40);
+  EXPECT_DOUBLE_EQ(worst->y, 10.0 / 20);
+  EXPECT_NEAR(worst->flip, 0.5, 1e-6);
+  const auto small = flip_worst_place(map, 1);
+  ASSERT_TRUE(small);
+  EXPECT_NEAR(small->x, 5.5 / 40, 1e-9) << "a pixel is the smallest square";
+  const auto whole = flip_worst_place(map, 1000);
+  ASSERT_TRUE(whole);
+  EXPECT_DOUBLE_EQ(whole->x, 0.5);
+  EXPECT_DOUBLE_EQ(whole->y, 0.5);
+  EXPECT_FALSE(flip_worst_place({}, 4));
+  EXPECT_FALSE(flip_worst_place(map, 0));
+}
+
 // Soft limit 1e-4 on the mean: independent implementations agree to that. 1e-3 on the maximum: one
 // pixel, float against float.
 TEST(QualityFlip, AgreesWithTheReferenceImplementation) {

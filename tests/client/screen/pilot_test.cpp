@@ -157,6 +157,40 @@ TEST(ClientPilot, MovesWhereItLooks) {
   EXPECT_NEAR(glm::length(pose.eye - pilot.speed_mps() * glm::dvec3(3, 2, 1)), 0, 1e-5);
 }
 
+// High above a city one flies far in a second; before a wall not through it. Who stands on the
+// ground walks.
+TEST(ClientPilot, WhoFliesIsFasterTheFartherTheyLook) {
+  SceneView scene = scene_of(100, {0, 0, 3});
+  ObjectDescription box;
+  box.box_min = glm::vec3(-1);
+  box.box_max = glm::vec3(1);
+  box.radius = 1.8f;
+  scene.objects = {box};
+  InstanceView one;
+  one.radius = 1.8;
+  scene.instances = {one};
+  const auto way_in_a_second = [&](double distance) {
+    Pilot pilot = pilot_in(scene);
+    Camera camera;
+    camera.width = camera.height = 100;
+    camera.fov_y = kFov;
+    camera.pose = look_at({0, 0, distance + 1}, {0, 0, 0});
+    Pose pose = camera.pose;
+    for (int i = 0; i < 300; ++i) {  // until the pace is reached
+      pilot.look_ahead(scene, camera);
+      pilot.steer(move_by({0, 0.01, 0}), kFov, kNoGround, pose);
+    }
+    const double from = pose.eye.y;
+    pilot.steer(move_by({0, 1, 0}), kFov, kNoGround, pose);
+    return pose.eye.y - from;
+  };
+  const double usual = pilot_in(scene).speed_mps();
+  EXPECT_NEAR(way_in_a_second(5 * usual), usual, 0.01 * usual);
+  EXPECT_NEAR(way_in_a_second(15 * usual), 3 * usual, 0.02 * usual);
+  EXPECT_NEAR(way_in_a_second(1e6), 10 * usual, 0.1 * usual);
+  EXPECT_NEAR(way_in_a_second(1e-3), 0.5 * usual, 0.01 * usual);
+}
+
 TEST(ClientPilot, WhatIsNoNumberMovesNothing) {
   Pilot pilot = pilot_in(scene_of(1, {0, 0, 3}));
   Pose pose = look_at({1, 2, 3}, {4, 5, 6});
@@ -193,15 +227,16 @@ TEST(ClientPilot, SeesTheNearestHullUnderAPlace) {
   camera.height = 100;
   const auto middle = seen_at(scene, camera, {0.5, 0.5});
   ASSERT_TRUE(middle);
-  EXPECT_NEAR(glm::length(*middle - glm::dvec3(0, 0, 1)), 0, 1e-5);
+  EXPECT_NEAR(glm::length(middle->point - glm::dvec3(0, 0, 1)), 0, 1e-5);
+  EXPECT_EQ(middle->instance, 1u) << "the nearer one";
   EXPECT_FALSE(seen_at(scene, camera, {0.1, 0.1})) << "nothing is there";
   const auto above = seen_at(scene, camera, {0.5, 0.46});
   ASSERT_TRUE(above);
-  EXPECT_GT(above->y, 0.5) << "places count downwards";
+  EXPECT_GT(above->point.y, 0.5) << "places count downwards";
   camera.pose = look_at({0, 0, 0}, {0, 0, -10});
   const auto from_inside = seen_at(scene, camera, {0.5, 0.5});
   ASSERT_TRUE(from_inside);
-  EXPECT_NEAR(from_inside->z, -2, 1e-5) << "the box around the eye does not count";
+  EXPECT_NEAR(from_inside->point.z, -2, 1e-5) << "the box around the eye does not count";
 }
 
 }  // namespace

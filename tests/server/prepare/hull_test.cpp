@@ -268,5 +268,19 @@ TEST(ServerHull, AnObjectIsNotSeenFromBehindAllItsFaces) {
   }
 }
 
+TEST(PrepareObject, ALongNameIsCutBetweenTwoCharacters) {
+  Scene scene;
+  SceneObject object;
+  object.name = "oak";
+  EXPECT_EQ(describe_object(object, scene).name, "oak");
+  const std::string fitting(limits::kMaxObjectNameBytes - 1, 'a');
+  for (const char* letter : {"\u00e4", "b"}) {
+    object.name = fitting;
+    for (int i = 0; i < 2; ++i) object.name += letter;
+    const bool one_byte = letter[1] == 0;
+    EXPECT_EQ(describe_object(object, scene).name, one_byte ? fitting + letter : fitting);
+  }
+}
+
 }  // namespace
 }  // namespace mirage::test
