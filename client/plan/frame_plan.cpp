@@ -51,6 +51,17 @@ bool goes_on(const Alternatives& thing, Look look) {
   return thing.leaving && thing.shown && !crosses(*thing.shown, look);
 }
 
+// Returns the mean FLIP of the things, weighted by area.
+double flip_of(const std::vector<Alternatives>& things, const std::vector<Choice>& choices) {
+  double error = 0, area = 0;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    if (!std::isfinite(choices[i].error) || !std::isfinite(things[i].area_px)) continue;
+    error += choices[i].error;
+    area += things[i].area_px;
+  }
+  return area > 0 ? error / area : 0;
+}
+
 }  // namespace
 
 const char* look_name(Look look) {
@@ -353,6 +364,7 @@ const std::vector<Choice>& FramePlan::decide(const Camera& camera,
   since_standing_ = enlarges ? 0 : std::min(since_standing_ + 1, kUnderWay);
   expected_ms_ = enlarges ? ms_in(drawn_, camera, things, present) : present.ms;
   choices_ = std::move(present.choices);
+  expected_flip_ = flip_of(things, choices_);
   return choices_;
 }
 

@@ -70,6 +70,9 @@ class FramePlan {
   double planned_ms() const;
   /// Returns the expected time of the frame, ms; 0 without prices.
   double expected_ms() const { return expected_ms_; }
+  /// Returns the error that the things of the frame are expected to show, beside the proven bound:
+  /// FLIP a pixel, 0 to 1, the mean over their areas (error_model.h). 0: nothing is in view.
+  double expected_flip() const { return expected_flip_; }
 
  private:
   static constexpr int kUnderWay = 2;  ///< frames drawn whose time is not known yet
@@ -127,7 +130,7 @@ class FramePlan {
   FrameSetting drawn_;    ///< that frames are drawn in
   std::vector<Choice> choices_;
   double lambda_ = 0;
-  double expected_ms_ = 0;
+  double expected_ms_ = 0, expected_flip_ = 0;
   int in_time_ = 0;       ///< frames since the last late one
   double excess_ = 1;     ///< room for surprises: the budget over what is planned, >= 1
   double beside_ms_ = 0;  ///< of a frame, for all but drawing: mean of late, at most half a budget

@@ -113,7 +113,8 @@ Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c)
   const auto tile_of = [&](const TileFit& fit) {
     const double edge = fit.tile->capture.edge;
     const double share = fit.tile->crop.w * fit.tile->crop.h / (edge * edge);
-    return Alternatives::Tile{fit.error_px(c.tau_px), fit.texel_px, share};
+    const double error_px = std::max(fit.error_px(c.tau_px), unseen_px(*fit.tile, c.view));
+    return Alternatives::Tile{error_px, fit.texel_px, share};
   };
   if (c.pictured) out.flat = tile_of(c.flat);
   if (c.pictured && c.deep.tile) out.deep = tile_of(c.deep);

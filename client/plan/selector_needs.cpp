@@ -31,9 +31,6 @@ constexpr double kGoodTileTau = 0.5;
 constexpr double kHardlyDelays = 0.02;
 // A tile replaces missing geometry if it lasts this long.
 constexpr double kStandInLifeS = 3;
-// The bound does not cover surfaces that a tile could not see, and reflections that have changed
-// since. Both grow with the turn of the line of sight since its capture: in radii, a radian.
-constexpr double kUnseen = 0.25;
 constexpr double kHardlyTurned = 0.04;      // radians
 constexpr std::size_t kFewThings = 16;      // with more in view, each is small
 constexpr double kLargeShare = 1.0 / 64;    // of the picture
@@ -220,9 +217,7 @@ bool Selector::renew(const SelectorInput& in, std::uint32_t instance, const View
   const double size = radius_px(view), area = disc_px(in.predicted, size);
   const double picture = double{1} * in.predicted.width * in.predicted.height;
   if (!in_view || considered_.size() > kFewThings || area < kLargeShare * picture) return false;
-  const glm::dvec3 now = glm::normalize(view.eye), then = fit.tile->whole().axis;
-  const double turn = std::acos(std::clamp(glm::dot(now, then), -1.0, 1.0));
-  if (turn < kHardlyTurned) return true;
+  if (turned_since(*fit.tile, view) < kHardlyTurned) return true;
   // Keys are as far apart as tau allows; here they shall be no farther than what hardly shows.
   const double apart = 2 * kHardlyTurned * glm::length(view.eye) / allowed_baseline(view, plan);
   plan.tau_px *= std::clamp(apart, 0.05, 1.0);
@@ -231,7 +226,7 @@ bool Selector::renew(const SelectorInput& in, std::uint32_t instance, const View
   need.instance = instance;
   need.channels = wanted_channels(in, instance, object, plan, size, fit);
   need.light = in.cache->light();
-  need.error_px = std::max(fit.error_px(plan.tau_px), kUnseen * turn * size);
+  need.error_px = std::max(fit.error_px(plan.tau_px), unseen_px(*fit.tile, view));
   need.life_s = expected_life_s(view, plan);
   if (bytes_of(in, need) > kRenewalShare * in.spare_bytes) return true;
   const bool tested = object.needs & kNeedAlphaMask;

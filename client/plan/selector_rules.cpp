@@ -25,7 +25,9 @@ constexpr double kNearRadii = 2;
 constexpr std::uint32_t kTileBytes = 1500;  // of a middling tile on the wire
 // Error of an asked tile towards the end of its life, over tau: at least and at most.
 constexpr double kAgedTilePx = 2, kOldestTilePx = 8;
-constexpr double kReplyS = 0.25;    // from the wish for a tile to the tile, on a usual link
+constexpr double kReplyS = 0.25;  // from the wish for a tile to the tile, on a usual link
+// Radii, a radian.
+constexpr double kUnseen = 0.25;
 constexpr double kTileShare = 0.6;  // of the captured square that its content fills
 
 // True for geometry that takes fewer bytes than any one tile. It is sent once, and right from
@@ -121,6 +123,16 @@ bool too_dear(const SelectorInput& in, const Camera& camera, std::uint32_t insta
   if (!in.plan || !in.plan->limited()) return false;
   const double life_s = tile_life_s(in, camera, instance, tau_px);
   return !mesh_pays(in, camera, instance, aged_tile_px(tau_px, life_s));
+}
+
+double turned_since(const TileRecord& tile, const ViewGeometry& view) {
+  const double cosine = glm::dot(glm::normalize(view.eye), tile.whole().axis);
+  return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+double unseen_px(const TileRecord& tile, const ViewGeometry& view) {
+  const double size = radius_px(view);
+  return std::isfinite(size) ? kUnseen * turned_since(tile, view) * size : 0;
 }
 
 }  // namespace mirage

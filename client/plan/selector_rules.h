@@ -36,6 +36,12 @@ bool mesh_pays(const SelectorInput& in, const Camera& camera, std::uint32_t inst
 /// of a fresh one. While the next one is on its way, the eye moves on, so a near tile is many lives
 /// old.
 double aged_tile_px(double tau_px, double life_s);
+/// Returns how the radians by which the line of sight has turned since the tile's capture look, px
+/// of a tile's error: surfaces that it could not see, and reflections that have changed. The bound
+/// does not cover them.
+double unseen_px(const TileRecord& tile, const ViewGeometry& view);
+/// Returns that turn, radians.
+double turned_since(const TileRecord& tile, const ViewGeometry& view);
 /// True if geometry is too expensive even beside a tile that has aged, so that tiles are asked for.
 bool too_dear(const SelectorInput& in, const Camera& camera, std::uint32_t instance, double tau_px);
 

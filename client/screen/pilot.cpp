@@ -20,8 +20,8 @@ constexpr double kNearest = 1e-3, kFarthest = 20;  // from the pivot, radii of t
 // crosses it in a time between the other two.
 constexpr double kCrossS = 10, kShortestWalkS = 5, kLongestWalkS = 180;
 constexpr double kSprint = 2;  // full speed, in walking speeds of the scene
-// Who flies has the usual speed where they look at something this far away, s at that speed. The
-// pace follows that distance within these limits: close to a thing one goes slowly, and a scene is
+// A flyer has the usual speed where they look at something this far away, s at that speed. The pace
+// follows that distance within these limits: close to a thing one goes slowly, and a scene is
 // still crossed in at most twice its time. It follows within about `kPaceS`, so that no gap between
 // two trees jerks.
 constexpr double kUsualAheadS = 5, kSlowest = 0.5, kFastest = 10, kPaceS = 0.5;

@@ -76,7 +76,7 @@ class Pilot {
   double pace_ = 1, wanted_pace_ = 1;  ///< of who flies, in usual speeds
 };
 
-/// What is seen at a place of the picture.
+/// An instance that is seen at a place of the picture.
 struct Seen {
   glm::dvec3 point;            ///< on the instance's hull
   std::uint32_t instance = 0;  ///< index into SceneView::instances

@@ -55,6 +55,7 @@ std::string explain_frame(const ClientSession& session) {
   j["frame"] = session.frame_number();
   j["budget_ms"] = plan.budget_ms();
   j["expected_ms"] = plan.expected_ms();
+  j["expected_flip"] = plan.expected_flip();
   j["lambda"] = plan.lambda();
   j["samples"] = plan.setting().samples;
   j["scale"] = plan.setting().scale;

@@ -107,6 +107,7 @@ void SessionStats::note_plan(const FramePlan& plan) {
   scale_ += plan.setting().scale;
   samples_ += plan.setting().samples;
   lambda_ += plan.lambda();
+  expected_flip_ += plan.expected_flip();
 }
 
 void SessionStats::add_light_lag(const DrawList& list, const SceneView& scene) {
@@ -136,6 +137,7 @@ std::string SessionStats::json(const Final& end) const {
     j["scale"] = scale_ / frames;
     j["samples"] = samples_ / frames;
     j["lambda"] = lambda_ / frames;  // FLIP px a ms
+    j["expected_flip"] = expected_flip_ / frames;
   }
   const auto since_start_ms = [](std::int64_t us) {
     return us < 0 ? ordered_json(nullptr) : ordered_json(static_cast<double>(us) / 1000.0);

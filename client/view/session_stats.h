@@ -114,7 +114,8 @@ class SessionStats {
   std::size_t known_use_ = 0, starved_ = 0;  ///< numbers of frames
   std::int64_t first_image_us_ = -1, first_picture_us_ = -1;
   std::uint64_t planned_ = 0;
-  double budget_ms_ = 0, scale_ = 0, samples_ = 0, lambda_ = 0;  ///< sums, except for the budget
+  /// Sums, except for the budget.
+  double budget_ms_ = 0, scale_ = 0, samples_ = 0, lambda_ = 0, expected_flip_ = 0;
   std::vector<float> frame_ms_, real_ms_, price_errors_, bounds_, ages_ms_, light_lag_ms_;
   std::uint64_t relit_ = 0;
   std::uint64_t visible_ = 0, over_tau_ = 0, stale_ = 0, placeholders_ = 0, impostors_ = 0,

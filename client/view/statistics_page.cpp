@@ -16,6 +16,9 @@ const std::vector<Figure> kStatistics = {
     {"scale", "", "Mean scale at which pictures were drawn; 1: every pixel."},
     {"samples", "", "Mean samples per pixel."},
     {"lambda", "FLIP px/ms", "Error that the last millisecond of the budget took away, mean."},
+    {"expected_flip", "FLIP",
+     "Error that objects in view are expected to show, mean; it counts surfaces that no image has "
+     "seen yet and old reflections, which no bound covers."},
     {"first_picture_ms", "ms", "From the start to the first picture that shows the scene."},
     {"time_to_first_image_ms", "ms", "From the start to the first tile of an object."},
     {"starved_fraction", "",

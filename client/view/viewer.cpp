@@ -67,6 +67,7 @@ class Viewer {
   void choose();
   void note_choice();
   Pose next_pose(std::int64_t now_us, double real_seconds);
+  void tell_progress(std::int64_t done);
   void pace(std::int64_t frame);
   bool next_events();
   Result<std::int64_t> show(const Camera& camera, const DrawList& list, std::int64_t now);
@@ -106,6 +107,7 @@ class Viewer {
   bool frame_kept_ = false;  // the last frame kept the picture
   std::optional<Overlay> overlay_;
   double smooth_ms_ = 0;
+  double told_s_ = 0;                    // real time of the last line about the progress
   std::optional<FrameWork> drawn_work_;  // of the frame under way, if its time tells prices
   double model_ms_ = 0;                  // time of the last drawn frame, by the device model
   std::uint64_t programs_at_scene_ = 0, programs_in_draws_ = 0;
@@ -125,6 +127,7 @@ std::string next_of(const std::vector<std::string>& names, const std::string& na
   return found == names.end() || found + 1 == names.end() ? names.front() : *(found + 1);
 }
 
+constexpr double kToldEveryS = 5;
 constexpr double kKeptFrameS = 1.0 / 60;  // replaces the display's pace, which needs a swap
 constexpr double kRestS = 60;             // an event comes sooner or not at all
 
@@ -495,11 +498,11 @@ std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {
   return fmt::format(
       "{:.0f} fps, {} draw calls\n{}scale {:g}, {} samples\n{} impostors, {} meshes, {} without "
       "image\nbound {:.1f} px "
-      "worst, "
+      "worst, expected FLIP {:.3f}, "
       "{} of {} over tau\ntile age {:.1f} s median\n{:.2f} MB down, round trip {} ms{}{}",
       1000.0 / std::max(smooth_ms_, 0.1), renderer_->draw_calls(), budget, plan.setting().scale,
       plan.setting().samples, list.impostors.size(), list.meshes.size(), list.placeholders.size(),
-      bound, list.over_tau, list.visible, quantile(ages_ms, 0.5) / 1000.0f,
+      bound, plan.expected_flip(), list.over_tau, list.visible, quantile(ages_ms, 0.5) / 1000.0f,
       static_cast<double>(traffic.bytes_down) * 1e-6, session().round_trip_us() / 1000,
       session().scene().geometry ? "" : "\nthe server keeps its geometry: images only",
       native().connected() ? "" : "\nOFFLINE: showing what is here, reconnecting");
@@ -522,6 +525,19 @@ void Viewer::pace(std::int64_t frame) {
   if (o_.offscreen && left > 0) std::this_thread::sleep_for(std::chrono::microseconds(left));
 }
 
+// Tells how far a long run has come, now and then.
+void Viewer::tell_progress(std::int64_t done) {
+  const double now_s = static_cast<double>(real_clock_.now_us()) * 1e-6;
+  if (told_s_ == 0) told_s_ = now_s;
+  if (now_s - told_s_ < kToldEveryS) return;
+  told_s_ = now_s;
+  if (o_.length.frames > 0) {
+    spdlog::info("frame {} of {}", done, o_.length.frames);
+  } else {
+    spdlog::info("{} frames", done);
+  }
+}
+
 bool Viewer::over(std::int64_t frame) const {
   const double seconds = static_cast<double>(now_us() - start_us_) * 1e-6;
   return stop_.stopped() || (o_.length.frames > 0 && frame >= o_.length.frames) ||
@@ -534,9 +550,7 @@ Result<void> Viewer::frame_loop() {
   for (std::int64_t frame = 0; !over(frame); ++frame) {
     if (window_ && !next_events()) break;
     if (Result<void> done = one_frame(frame); !done) return done;
-    if (o_.offscreen && o_.length.frames >= 100 && frame % 60 == 59) {
-      spdlog::info("frame {} of {}", frame + 1, o_.length.frames);
-    }
+    if (o_.offscreen) tell_progress(frame + 1);
     pace(frame);
   }
   return {};

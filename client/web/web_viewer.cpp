@@ -319,7 +319,7 @@ std::string WebViewer::figures(std::int64_t now_us) const {
       "\"budgetMs\":%g,\"plannedMs\":%g,\"mostMs\":%g,\"lambda\":%g,\"scale\":%g,\"samples\":%d,"
       "\"drawCalls\":%d,"
       "\"impostors\":%zu,\"relit\":%zu,\"meshes\":%zu,\"placeholders\":%zu,\"view\":%s,\"boundPx\":"
-      "%g,"
+      "%g,\"expectedFlip\":%g,"
       "\"tauPx\":%g,\"overTau\":%zu,\"visible\":%zu,\"tileAgeS\":%g,\"bytesDown\":%llu,"
       "\"bytesUp\":%llu,\"roundTripMs\":%lld,\"inFlight\":%zu,\"tilesAsked\":%llu,"
       "\"tilesReceived\":%llu,"
@@ -332,7 +332,7 @@ std::string WebViewer::figures(std::int64_t now_us) const {
       plan.limited() ? plan.planned_ms() : 0.0, plan.lambda(), plan.setting().scale,
       plan.setting().samples, renderer_->draw_calls(), list_.impostors.size(), relit,
       list_.meshes.size(), list_.placeholders.size(), list_.view ? "true" : "false", bound,
-      session_->tau_px(), list_.over_tau, list_.visible,
+      plan.expected_flip(), session_->tau_px(), list_.over_tau, list_.visible,
       static_cast<double>(quantile(ages_ms, 0.5)) / 1000,
       static_cast<unsigned long long>(traffic.bytes_down),
       static_cast<unsigned long long>(traffic.bytes_up),

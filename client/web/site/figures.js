@@ -154,6 +154,7 @@ export class Figures {
       ['Images, geometry', `${f.impostors}, ${f.meshes}`, 'Things that are drawn from images of the server (impostors), and from triangles.'],
       ['Without an image', f.placeholders, 'Things of which nothing has arrived yet: they show their mean colour.'],
       ['Greatest error', `${f.boundPx.toFixed(1)} px`, 'Proven bound: no pixel of an image is farther than this from where it belongs.'],
+      ['Expected difference', `${f.expectedFlip.toFixed(3)} FLIP`, 'How different from the full render the things in view should look, 0 to 1. It counts what no image has seen yet and old reflections, which no bound covers.'],
       ['Above the allowed', `${f.overTau} of ${f.visible}`, 'Things whose bound is above the allowed error (tau). Sharper images of them are asked for.'],
       ['Age of images', `${f.tileAgeS.toFixed(1)} s`, 'Median time since the images arrived. Only what moves gets old.'],
       ['Round trip', `${f.roundTripMs} ms`, 'From a question to the server until its answer.'],

@@ -175,6 +175,21 @@ TEST(CorePlan, WhatErrsLeastIsDrawnWithoutABudgetOrPrices) {
   }
 }
 
+TEST(CorePlan, TheExpectedErrorIsTheMeanOverTheThingsAreas) {
+  FramePlan plan = plan_of(0);
+  EXPECT_EQ(plan.expected_flip(), 0);
+  Alternatives small = tree(2000, 1000), large = tree(2000, 9000);
+  large.levels.clear();
+  const std::vector<Choice> choices = plan.decide(screen(), {small, large}, 0);
+  EXPECT_DOUBLE_EQ(plan.expected_flip(), (choices[0].error + choices[1].error) / 10'000);
+  const double before = plan.expected_flip();
+  large.flat->error_px = 8;  // as when the eye has gone around it
+  plan.decide(screen(), {small, large}, 1);
+  EXPECT_GT(plan.expected_flip(), before);
+  plan.decide(screen(), {}, 2);
+  EXPECT_EQ(plan.expected_flip(), 0) << "nothing is in view";
+}
+
 TEST(CorePlan, SamplesThatAreSaidStay) {
   for (const int samples : {0, 1, 2, 4, 16}) {
     Session session{plan_of(10, samples), forest(40)};

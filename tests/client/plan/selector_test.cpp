@@ -236,6 +236,25 @@ TEST(CoreSelector, LargeFoliageDrawnAsReliefIsAskedForInLayersWhileTheEyeMoves) 
   EXPECT_EQ(asked(kNeedAlphaMask | kNeedBlend, 4, 1, false), kLitTile);
 }
 
+// The bound of a good relief stays small; what it could not see does not.
+TEST(CoreSelector, AnEyeThatGoesAroundExpectsMoreErrorThanTheBoundTells) {
+  SelectorWorld world = one_ball();
+  world.add_tile(0, [](TileMeasure& m) { m.depth_gap = 0; });
+  double before = 0;
+  for (const double angle : {0.0, 0.2, 0.6}) {
+    world.look({5 * std::sin(angle), 0, 5 * std::cos(angle)}, {0, 0, 0});
+    ++world.frame;
+    world.select(world.input());
+    const auto& considered = world.selector.considered();
+    ASSERT_EQ(considered.size(), 1u);
+    const auto& tile = considered[0].deep ? considered[0].deep : considered[0].flat;
+    ASSERT_TRUE(tile);
+    EXPECT_GE(tile->error_px, 0.24 * angle * 50) << "a quarter of its radius a radian";
+    EXPECT_GE(tile->error_px, before);
+    before = tile->error_px;
+  }
+}
+
 TEST(CoreSelector, NeedsAreRankedByGain) {
   SelectorWorld world(make_scene({{{-2, 0, -20}}, {{0, 0, -6}}, {{3, 0, -60}}}));
   world.look({0, 0, 0}, {0, 0, -1});
