@@ -6,13 +6,14 @@
 #include <utility>
 
 #include "client/draw/caster_pass.h"
+#include "client/draw/drawing.h"
 #include "client/draw/frame_target.h"
 #include "client/draw/impostor_pass.h"
 #include "client/draw/shadow_atlas.h"
 #include "client/draw/tints.h"
 #include "client/draw/view_pass.h"
 #include "client/frame/asset_id.h"
-#include "client/frame/draw_list.h"
+#include "client/frame/planned_frame.h"
 #include "client/scene/scene_view.h"
 #include "protocol/codec/model_codec.h"
 #include "protocol/model/animation.h"
@@ -58,10 +59,8 @@ struct FrameRenderer::Parts {
   void draw_background(const Camera& camera, const Environment& own, const gl::ViewDepth& depth);
   void draw_shadow_map(const SceneView& scene, const CasterListPtr& casters);
   /// Draws the geometry of the list with a pass that has begun.
-  void draw_meshes(gl::MeshPass& pass, const Camera& camera, const SceneView& scene,
-                   const DrawList& list, bool blended);
-  void draw_shaded_meshes(const Camera& camera, const SceneView& scene, const DrawList& list,
-                          const Lighting& lighting, bool blended, DepthMapping mapping);
+  void draw_meshes(gl::MeshPass& pass, const Drawing& d, bool blended);
+  void draw_shaded_meshes(const Drawing& d, bool blended);
 
   ImpostorPass impostors;
   ViewPass view;
@@ -99,25 +98,23 @@ void FrameRenderer::Parts::pose(ClientMesh& mesh, const InstanceView& instance, 
   mesh.mesh.replace_vertices(posed);
 }
 
-void FrameRenderer::Parts::draw_shaded_meshes(const Camera& camera, const SceneView& scene,
-                                              const DrawList& list, const Lighting& lighting,
-                                              bool blended, DepthMapping mapping) {
-  if (list.meshes.empty()) return;
-  mesh_pass->begin(camera.clip_from_relative(mapping), gl::light_block(lighting, camera.pose.eye),
-                   mapping);
-  mesh_pass->set_shadow(list.casters && in_map ? &shadow_map : nullptr, camera.pose.eye);
-  draw_meshes(*mesh_pass, camera, scene, list, blended);
+void FrameRenderer::Parts::draw_shaded_meshes(const Drawing& d, bool blended) {
+  if (d.list.meshes.empty()) return;
+  const glm::dvec3& eye = d.camera.pose.eye;
+  mesh_pass->begin(d.camera.clip_from_relative(d.mapping), gl::light_block(d.lighting, eye),
+                   d.mapping);
+  mesh_pass->set_shadow(d.list.casters && in_map ? &shadow_map : nullptr, eye);
+  draw_meshes(*mesh_pass, d, blended);
   mesh_pass->end();
 }
 
-void FrameRenderer::Parts::draw_meshes(gl::MeshPass& pass, const Camera& camera,
-                                       const SceneView& scene, const DrawList& list, bool blended) {
+void FrameRenderer::Parts::draw_meshes(gl::MeshPass& pass, const Drawing& d, bool blended) {
   std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<gl::MeshInstance>> by_mesh;
   std::vector<std::pair<std::uint32_t, std::uint8_t>> order;
-  for (const DrawnMesh& drawn : in_drawing_order(list.meshes, camera, scene, blended)) {
-    const InstanceView& instance = scene.instances[drawn.instance];
+  for (const DrawnMesh& drawn : in_drawing_order(d.list.meshes, d.camera, d.scene, blended)) {
+    const InstanceView& instance = d.scene.instances[drawn.instance];
     gl::MeshInstance data =
-        gl::mesh_instance(instance.world_from_object, camera.pose.eye, drawn.instance);
+        gl::mesh_instance(instance.world_from_object, d.camera.pose.eye, drawn.instance);
     data.fade = drawn.fade;
     std::vector<gl::MeshInstance>& instances = by_mesh[{instance.object, drawn.lod}];
     if (instances.empty()) order.emplace_back(instance.object, drawn.lod);
@@ -129,7 +126,7 @@ void FrameRenderer::Parts::draw_meshes(gl::MeshPass& pass, const Camera& camera,
     if (found == meshes.end()) continue;
     if (found->second.animation) {
       for (const gl::MeshInstance& one : instances) {
-        pose(found->second, scene.instances[one.id], list.time_s);
+        pose(found->second, d.scene.instances[one.id], d.list.time_s);
         pass.draw(found->second.mesh, found->second.materials, images, &one, 1, blended);
       }
       continue;
@@ -241,10 +238,10 @@ void FrameRenderer::drop(const SceneView& scene, const AssetId& id) {
   }
 }
 
-void FrameRenderer::draw(const FrameTarget& target, const Camera& shown, const SceneView& scene,
-                         const DrawList& list, const Lighting& lighting) {
+void FrameRenderer::draw(const FrameTarget& target, const PlannedFrame& frame) {
   Parts& p = *parts_;
-  const Camera camera = target.drawn_camera(shown);
+  const SceneView& scene = *frame.scene;
+  const DrawList& list = frame.list;
   p.impostors.reset_draw_calls();
   p.mesh_pass->reset_draw_calls();
   p.draw_shadow_map(scene, list.casters);
@@ -252,36 +249,38 @@ void FrameRenderer::draw(const FrameTarget& target, const Camera& shown, const S
   gl::encode_srgb(true);
   glDepthMask(GL_TRUE);
   const gl::ViewDepth view_depth;
+  const Drawing d{target.drawn_camera(frame.camera), view_depth.mapping(), scene, list,
+                  frame.lighting};
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  p.draw_shaded_meshes(camera, scene, list, lighting, false, view_depth.mapping());
-  p.draw_background(camera, scene.environment, view_depth);
+  p.draw_shaded_meshes(d, false);
+  p.draw_background(d.camera, scene.environment, view_depth);
   glEnable(GL_DEPTH_TEST);
-  glDepthFunc(gl::nearer_or_equal(view_depth.mapping()));
-  if (list.view) p.view.draw(camera, view_depth.mapping(), *list.view);
-  p.impostors.draw(camera, view_depth.mapping(), scene, list, lighting, p.shadow_atlas.texture(),
-                   p.probe ? &*p.probe : nullptr);
-  p.draw_shaded_meshes(camera, scene, list, lighting, true, view_depth.mapping());
+  glDepthFunc(gl::nearer_or_equal(d.mapping));
+  if (list.view) p.view.draw(d.camera, d.mapping, *list.view);
+  p.impostors.draw(d, p.shadow_atlas.texture(), p.probe ? &*p.probe : nullptr);
+  p.draw_shaded_meshes(d, true);
   const int view_calls = list.view ? p.view.draw_calls() : 0;
   p.draw_calls = 1 + view_calls + p.impostors.draw_calls() + p.mesh_pass->draw_calls();
 }
 
-Result<void> FrameRenderer::draw_tints(const Camera& camera, const SceneView& scene,
-                                       const DrawList& list, const Tints& tints) {
+Result<void> FrameRenderer::draw_tints(const Camera& camera, const PlannedFrame& frame,
+                                       const Tints& tints) {
   Parts& p = *parts_;
   gl::MeshPass& pass = *p.tint_meshes;
   pass.set_tint(tints.meshes);
   glDepthMask(GL_TRUE);
   const gl::ViewDepth view_depth;
+  const Drawing d{camera, view_depth.mapping(), *frame.scene, frame.list, frame.lighting};
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   const auto draw_meshes = [&](bool blended) {
-    pass.begin(camera.clip_from_relative(view_depth.mapping()), {}, view_depth.mapping());
-    p.draw_meshes(pass, camera, scene, list, blended);
+    pass.begin(camera.clip_from_relative(d.mapping), {}, d.mapping);
+    p.draw_meshes(pass, d, blended);
     pass.end();
   };
   draw_meshes(false);
-  Result<void> drawn = p.impostors.draw_tints(camera, view_depth.mapping(), scene, list, tints);
+  Result<void> drawn = p.impostors.draw_tints(d, tints);
   draw_meshes(true);
   return drawn;
 }

@@ -21,11 +21,10 @@ namespace mirage {
 struct AssetId;
 struct AtlasPlanes;
 struct Camera;
-struct DrawList;
 class FrameTarget;
 struct Image;
-struct Lighting;
 struct ObjectModel;
+struct PlannedFrame;
 class SceneView;
 struct Tints;
 struct ViewTile;
@@ -52,14 +51,12 @@ class FrameRenderer {
   void add_image(std::uint32_t index, const Image& image, const std::vector<Image>& mips);
   void drop(const SceneView& scene, const AssetId& id);
 
-  void draw(const FrameTarget& target, const Camera& shown, const SceneView& scene,
-            const DrawList& list, const Lighting& lighting);
+  void draw(const FrameTarget& target, const PlannedFrame& frame);
 
-  /// Draws the list into the bound framebuffer, which has the camera's size, a colour without a
-  /// curve and a float depth: each thing in its tint where the picture shows it. Error
-  /// kGraphicsShader.
-  Result<void> draw_tints(const Camera& camera, const SceneView& scene, const DrawList& list,
-                          const Tints& tints);
+  /// Draws the frame into the bound framebuffer, which has the camera's size, a colour without a
+  /// curve and a float depth: each thing in its tint where the picture shows it. `camera` is the
+  /// frame's, at the size of that framebuffer. Error kGraphicsShader.
+  Result<void> draw_tints(const Camera& camera, const PlannedFrame& frame, const Tints& tints);
 
   /// Reads textures `levels` mip levels sharper from now on, those of alpha tests `tested_levels`.
   void sharpen(float levels, float tested_levels);

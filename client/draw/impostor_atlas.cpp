@@ -1,5 +1,8 @@
 #include "client/draw/impostor_atlas.h"
 
+#include "client/hold/tile_cache.h"
+#include "protocol/codec/atlas_planes.h"
+
 namespace mirage {
 
 Result<ImpostorAtlas> ImpostorAtlas::create(int edge, int layers) {

@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "client/draw/layered_texture.h"
-#include "client/hold/tile_cache.h"
 #include "protocol/base/result.h"
-#include "protocol/codec/atlas_planes.h"
 
 namespace mirage {
+
+struct AtlasPlanes;
+struct TileRecord;
 
 /// Bytes of graphics memory for a texel of the atlas: colour, depth code, surface.
 inline constexpr int kAtlasTexelBytes = 9;

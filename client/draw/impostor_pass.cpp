@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <tuple>
 
+#include "client/draw/drawing.h"
 #include "client/draw/entangled.h"
 #include "client/draw/relief_instance.h"
 #include "client/draw/tints.h"
+#include "client/hold/tile_cache.h"
 #include "protocol/model/need_mask.h"
 #include "shaders/gl/view_depth.h"
 
@@ -247,12 +249,13 @@ void ImpostorPass::draw_instances(const Proxy& proxy, const std::vector<Instance
   ++draw_calls_;
 }
 
-void ImpostorPass::use_atlas(gl::Program& program, const Camera& camera, bool relit) {
+void ImpostorPass::use_atlas(gl::Program& program, const Drawing& d, bool relit) {
+  const Camera& camera = d.camera;
   program.use();
-  program.set("u_clip_from_relative", camera.clip_from_relative(mapping_));
-  program.set("u_depth_window", glm::vec2(camera.window_depth(mapping_)));
+  program.set("u_clip_from_relative", camera.clip_from_relative(d.mapping));
+  program.set("u_depth_window", glm::vec2(camera.window_depth(d.mapping)));
   program.set("u_depth_of_w", static_cast<float>(camera.depth_of_w()));
-  program.set("u_near", static_cast<float>(camera.near_for(mapping_)));
+  program.set("u_near", static_cast<float>(camera.near_for(d.mapping)));
   program.set("u_fog_color", fog_color_);
   program.set("u_fog_density", fog_density_);
   program.set("u_color", 0);
@@ -283,68 +286,63 @@ ImpostorPass::Fragments ImpostorPass::fragments_of(const DrawnImpostor& drawn,
   return solid ? Fragments::kSolid : Fragments::kSoft;
 }
 
-void ImpostorPass::draw_relief(const Camera& camera, const SceneView& scene,
-                               const DrawnImpostors& run, Fragments fragments,
-                               const glm::vec4& tint) {
+void ImpostorPass::draw_relief(const Drawing& d, const DrawnImpostors& run, Fragments fragments) {
   const TileRecord& tile = *run[0]->tile;
   std::vector<ReliefInstance> instances;
   for (const DrawnImpostor* drawn : run) {
-    instances.push_back(relief_instance(*drawn, camera, scene));
+    instances.push_back(relief_instance(*drawn, d.camera, d.scene));
   }
   const bool relit = tile.relit && !tints_;
   gl::Program& program = relit            ? programs().relit_relief
                          : tile.layered() ? programs().layered_relief
                                           : programs().relief;
-  use_atlas(program, camera, relit);
-  program.set("u_tint", tint);
+  use_atlas(program, d, relit);
+  program.set("u_tint", tint_of(*run[0], d.list));
   program.set("u_fragments", static_cast<int>(fragments));
   glCullFace(GL_FRONT);  // far faces of the proxies: each pixel once, even with the eye inside
   draw_instances(cube_, instances, true);
   glCullFace(GL_BACK);
 }
 
-void ImpostorPass::draw_flat(const Camera& camera, const SceneView& scene,
-                             const DrawnImpostors& run, Fragments fragments,
-                             const glm::vec4& tint) {
+void ImpostorPass::draw_flat(const Drawing& d, const DrawnImpostors& run, Fragments fragments) {
   const DrawMethod method = run[0]->method;
   const TileRecord& tile = *run[0]->tile;
   std::vector<ImpostorInstance> instances;
   for (const DrawnImpostor* drawn : run) {
-    instances.push_back(instance_data(*drawn, camera, scene));
+    instances.push_back(instance_data(*drawn, d.camera, d.scene));
   }
   const bool relit = tile.relit && !tints_;
   gl::Program& program = programs().flat.at({method, relit});
-  use_atlas(program, camera, relit);
-  program.set("u_tint", tint);
+  use_atlas(program, d, relit);
+  program.set("u_tint", tint_of(*run[0], d.list));
   program.set("u_fragments", static_cast<int>(fragments));
-  program.set("u_forward", glm::vec3(camera.forward()));
+  program.set("u_forward", glm::vec3(d.camera.forward()));
   const Proxy& proxy = method == DrawMethod::kQuad   ? quad_
-                       : method == DrawMethod::kHull ? hull(scene, tile.object)
-                       : method == DrawMethod::kWarp ? warp_proxy(scene, tile.object)
+                       : method == DrawMethod::kHull ? hull(d.scene, tile.object)
+                       : method == DrawMethod::kWarp ? warp_proxy(d.scene, tile.object)
                                                      : cube_;
   draw_instances(proxy, instances, method != DrawMethod::kQuad);
 }
 
-void ImpostorPass::draw_runs(const Camera& camera, const SceneView& scene, const DrawList& list,
-                             bool solid) {
+void ImpostorPass::draw_runs(const Drawing& d, bool solid) {
   DrawnImpostors run;
   const auto draw_run = [&] {
     if (run.empty()) return;
-    const Fragments fragments = fragments_of(*run[0], scene, solid);
+    const Fragments fragments = fragments_of(*run[0], d.scene, solid);
     glDepthMask(fragments != Fragments::kSoft);
     if (run[0]->method == DrawMethod::kDepth) {
-      draw_relief(camera, scene, run, fragments, tint_of(*run[0], list));
+      draw_relief(d, run, fragments);
     } else {
-      draw_flat(camera, scene, run, fragments, tint_of(*run[0], list));
+      draw_flat(d, run, fragments);
     }
     run.clear();
   };
-  for (const DrawnImpostor& drawn : list.impostors) {
-    const Fragments fragments = fragments_of(drawn, scene, solid);
+  for (const DrawnImpostor& drawn : d.list.impostors) {
+    const Fragments fragments = fragments_of(drawn, d.scene, solid);
     if (solid && fragments == Fragments::kAll) continue;
     const bool alike = !run.empty() && drawn_alike(*run[0], drawn) &&
-                       fragments_of(*run[0], scene, solid) == fragments &&
-                       tint_of(*run[0], list) == tint_of(drawn, list);
+                       fragments_of(*run[0], d.scene, solid) == fragments &&
+                       tint_of(*run[0], d.list) == tint_of(drawn, d.list);
     if (!alike) draw_run();
     run.push_back(&drawn);
   }
@@ -352,25 +350,20 @@ void ImpostorPass::draw_runs(const Camera& camera, const SceneView& scene, const
   glDepthMask(GL_TRUE);
 }
 
-void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scene,
-                                     const DrawList& list, const Lighting& lighting, bool solid) {
-  if (list.placeholders.empty()) return;
-  glm::vec3 light = lighting.ambient;
-  for (const Light& l : lighting.lights) {
-    if (l.kind == LightKind::kDirectional) light += 0.3f * l.color;
-  }
+void ImpostorPass::draw_placeholders(const Drawing& d, bool solid) {
+  if (d.list.placeholders.empty()) return;
   std::map<std::uint32_t, std::vector<ImpostorInstance>> by_object;
-  for (const DrawnPlaceholder& drawn : list.placeholders) {
+  for (const DrawnPlaceholder& drawn : d.list.placeholders) {
     if (drawn.covered) continue;
-    const InstanceView& view = scene.instances[drawn.instance];
-    const ObjectDescription& object = scene.objects[view.object];
+    const InstanceView& view = d.scene.instances[drawn.instance];
+    const ObjectDescription& object = d.scene.objects[view.object];
     if ((object.opacity >= kSolid) != solid || object.opacity < 1 - kSolid) continue;
     ImpostorInstance data{};
     data.rotation = rotation_of(view);
-    data.center_scale = center_scale_of(view, camera);
+    data.center_scale = center_scale_of(view, d.camera);
     const bool lit = object.needs & kNeedLighting;
     const float opacity = solid ? 1 : object.opacity;
-    data.right_distance = glm::vec4(object.mean_color * (lit ? light : glm::vec3(1)),
+    data.right_distance = glm::vec4(object.mean_color * (lit ? placeholder_light_ : glm::vec3(1)),
                                     object.part ? -opacity : opacity);
     data.center = glm::vec4(object.center, 0);
     by_object[view.object].push_back(data);
@@ -378,44 +371,42 @@ void ImpostorPass::draw_placeholders(const Camera& camera, const SceneView& scen
   gl::Program& program = programs().placeholder;
   program.use();
   if (tints_) program.set("u_tint", tints_->placeholders);
-  program.set("u_clip_from_relative", camera.clip_from_relative(mapping_));
+  program.set("u_clip_from_relative", d.camera.clip_from_relative(d.mapping));
   program.set("u_fog_color", fog_color_);
   program.set("u_fog_density", fog_density_);
   for (const auto& [object, instances] : by_object) {
     // A part of something that surrounds the eye, such as ground, is drawn by its far sides. The
     // near sides of its box would hide the things that stand on it.
-    if (scene.objects[object].part) glCullFace(GL_FRONT);
-    draw_instances(hull(scene, object), instances, true);
+    if (d.scene.objects[object].part) glCullFace(GL_FRONT);
+    draw_instances(hull(d.scene, object), instances, true);
     glCullFace(GL_BACK);
   }
 }
 
-void ImpostorPass::draw(const Camera& camera, DepthMapping mapping, const SceneView& scene,
-                        const DrawList& list, const Lighting& lighting, GLuint shadow_atlas,
-                        const gl::ProbeMap* probe) {
+void ImpostorPass::draw(const Drawing& d, GLuint shadow_atlas, const gl::ProbeMap* probe) {
   probe_ = probe;
   // Placeholders and shadows use one colour for the light, so the probe counts as its mean.
-  Lighting mean = lighting;
-  if (scene.probe) mean.ambient += scene.probe->irradiance[0] * lighting.probe.strength;
-  mapping_ = mapping;
+  Lighting mean = d.lighting;
+  if (d.scene.probe) mean.ambient += d.scene.probe->irradiance[0] * mean.probe.strength;
+  placeholder_light_ = mean.ambient;
+  for (const Light& l : mean.lights) {
+    if (l.kind == LightKind::kDirectional) placeholder_light_ += 0.3f * l.color;
+  }
   shadow_atlas_ = shadow_atlas;
   shadow_tint_ = shadow_tint(mean);
-  lights_ = gl::light_block(lighting, camera.pose.eye);
-  if (edges_last_) entangled_ = entangled(list.impostors, scene);
-  draw_list(camera, scene, list, mean);
+  lights_ = gl::light_block(d.lighting, d.camera.pose.eye);
+  if (edges_last_) entangled_ = entangled(d.list.impostors, d.scene);
+  draw_list(d);
 }
 
-Result<void> ImpostorPass::draw_tints(const Camera& camera, DepthMapping mapping,
-                                      const SceneView& scene, const DrawList& list,
-                                      const Tints& tints) {
+Result<void> ImpostorPass::draw_tints(const Drawing& d, const Tints& tints) {
   if (!tint_programs_.placeholder) {
     Result<Programs> made = make_tint_programs();
     if (!made) return made.error();
     tint_programs_ = made.take();
   }
-  mapping_ = mapping;
   tints_ = &tints;
-  draw_list(camera, scene, list, {});
+  draw_list(d);
   tints_ = nullptr;
   return {};
 }
@@ -425,19 +416,18 @@ glm::vec4 ImpostorPass::tint_of(const DrawnImpostor& drawn, const DrawList& list
                 : glm::vec4(0);
 }
 
-void ImpostorPass::draw_list(const Camera& camera, const SceneView& scene, const DrawList& list,
-                             const Lighting& mean) {
+void ImpostorPass::draw_list(const Drawing& d) {
   glEnable(GL_DEPTH_TEST);
-  glDepthFunc(gl::nearer_or_equal(mapping_));
+  glDepthFunc(gl::nearer_or_equal(d.mapping));
   glDisable(GL_BLEND);
-  draw_placeholders(camera, scene, list, mean, true);
-  draw_runs(camera, scene, list, true);
+  draw_placeholders(d, true);
+  draw_runs(d, true);
   if (!tints_) glEnable(GL_BLEND);  // a tint of 0 would leave what it hides
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
-  draw_placeholders(camera, scene, list, mean, false);
+  draw_placeholders(d, false);
   glDepthMask(GL_TRUE);
-  draw_runs(camera, scene, list, false);
+  draw_runs(d, false);
   glBindVertexArray(0);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);

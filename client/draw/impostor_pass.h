@@ -18,6 +18,7 @@
 
 namespace mirage {
 
+struct Drawing;
 struct Tints;
 
 class ImpostorPass {
@@ -31,17 +32,13 @@ class ImpostorPass {
   Result<void> reset(const SceneView& scene);
   /// Uploads a tile. The first layered tile makes its program. Errors kGraphicsGl, kGraphicsShader.
   Result<void> upload(const TileRecord& record, const AtlasPlanes& planes);
-  /// Draws the impostors and placeholders of the list. `mapping` is that of the target's depth.
-  /// `shadow_atlas` is the texture of ShadowAtlas; 0: impostors show no shadow. `probe` is the
-  /// scene's; nullptr: none.
-  void draw(const Camera& camera, DepthMapping mapping, const SceneView& scene,
-            const DrawList& list, const Lighting& lighting, GLuint shadow_atlas,
-            const gl::ProbeMap* probe);
+  /// Draws the impostors and placeholders of the list. `shadow_atlas` is the texture of
+  /// ShadowAtlas; 0: impostors show no shadow. `probe` is the scene's; nullptr: none.
+  void draw(const Drawing& d, GLuint shadow_atlas, const gl::ProbeMap* probe);
 
   /// Draws the same into the bound framebuffer, each thing in its tint. Error kGraphicsShader: the
   /// programs for it cannot be made.
-  Result<void> draw_tints(const Camera& camera, DepthMapping mapping, const SceneView& scene,
-                          const DrawList& list, const Tints& tints);
+  Result<void> draw_tints(const Drawing& d, const Tints& tints);
 
   /// Chooses whether the soft edges of entangled things are drawn after everything solid. That is
   /// right, and draws these things twice.
@@ -87,22 +84,18 @@ class ImpostorPass {
   Fragments fragments_of(const DrawnImpostor& drawn, const SceneView& scene, bool solid) const;
   /// Draws the list in its order: with `solid` the solid fragments that come first, otherwise all
   /// others.
-  void draw_runs(const Camera& camera, const SceneView& scene, const DrawList& list, bool solid);
+  void draw_runs(const Drawing& d, bool solid);
   /// Draws placeholders and runs, as draw() and draw_tints() do.
-  void draw_list(const Camera& camera, const SceneView& scene, const DrawList& list,
-                 const Lighting& mean);
+  void draw_list(const Drawing& d);
   Programs& programs() { return tints_ ? tint_programs_ : programs_; }
   /// Returns the tint of an impostor of the list.
   glm::vec4 tint_of(const DrawnImpostor& drawn, const DrawList& list) const;
   /// Draws a run of impostors that are drawn alike; it is not empty.
-  void draw_flat(const Camera& camera, const SceneView& scene, const DrawnImpostors& run,
-                 Fragments fragments, const glm::vec4& tint);
-  void draw_relief(const Camera& camera, const SceneView& scene, const DrawnImpostors& run,
-                   Fragments fragments, const glm::vec4& tint);
-  void use_atlas(gl::Program& program, const Camera& camera, bool relit);
+  void draw_flat(const Drawing& d, const DrawnImpostors& run, Fragments fragments);
+  void draw_relief(const Drawing& d, const DrawnImpostors& run, Fragments fragments);
+  void use_atlas(gl::Program& program, const Drawing& d, bool relit);
   /// Draws the placeholders of solid objects, or of those through which one sees.
-  void draw_placeholders(const Camera& camera, const SceneView& scene, const DrawList& list,
-                         const Lighting& lighting, bool solid);
+  void draw_placeholders(const Drawing& d, bool solid);
 
   const Proxy& hull(const SceneView& scene, std::uint32_t object);
   const Proxy& warp_proxy(const SceneView& scene, std::uint32_t object);
@@ -117,10 +110,10 @@ class ImpostorPass {
   Proxy cube_;
   std::map<std::uint32_t, Proxy> hulls_, warp_proxies_;  ///< by object, made when first drawn
   gl::LightBlock lights_;                                ///< lights of the frame
+  glm::vec3 placeholder_light_{1};                       ///< that lit placeholders are seen in
   Variant variant_;                                      ///< variant of the programs
   GLuint shadow_atlas_ = 0;
   const gl::ProbeMap* probe_ = nullptr;
-  DepthMapping mapping_ = DepthMapping::kForward;
   glm::vec3 shadow_tint_{1};
   glm::vec3 fog_color_{0};
   float fog_density_ = 0;

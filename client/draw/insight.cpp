@@ -6,6 +6,7 @@
 #include "client/draw/frame_renderer.h"
 #include "client/draw/tints.h"
 #include "client/frame/draw_list.h"
+#include "client/frame/planned_frame.h"
 #include "client/hold/tile_cache.h"
 #include "protocol/impostor/camera.h"
 #include "shaders/gl/program.h"
@@ -85,16 +86,15 @@ Result<Insight> Insight::create() {
 }
 
 Result<void> Insight::draw(InsightLayer layer, FrameRenderer& renderer, const Camera& camera,
-                           const SceneView& scene, const DrawList& list, double tau_px,
-                           std::int64_t now_us) {
+                           const PlannedFrame& frame, std::int64_t now_us) {
   if (layer == InsightLayer::kNone) return {};
   Parts& p = *parts_;
   const int width = static_cast<int>(camera.width), height = static_cast<int>(camera.height);
   if (Result<void> fitted = p.fit(width, height); !fitted) return fitted;
   p.target.bind();
   glViewport(0, 0, width, height);
-  const Tints tints = tints_of(layer, list, tau_px, now_us);
-  if (Result<void> drawn = renderer.draw_tints(camera, scene, list, tints); !drawn) return drawn;
+  const Tints tints = tints_of(layer, frame.list, frame.tau_px, now_us);
+  if (Result<void> drawn = renderer.draw_tints(camera, frame, tints); !drawn) return drawn;
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   glViewport(0, 0, width, height);
   glDisable(GL_DEPTH_TEST);

@@ -17,7 +17,7 @@ namespace mirage {
 struct Camera;
 struct DrawList;
 class FrameRenderer;
-class SceneView;
+struct PlannedFrame;
 struct Tints;
 
 enum class InsightLayer : std::uint8_t {
@@ -37,11 +37,10 @@ class Insight {
   ~Insight();
   /// Creates the program. Error kGraphicsShader.
   static Result<Insight> create();
-  /// Draws over the picture, which has the camera's size. `tau_px` is the present tau. Errors
-  /// kGraphicsShader, kGraphicsGl (no memory for a picture of tints).
+  /// Draws over the picture of the frame. `camera` is the frame's, at the size of the framebuffer.
+  /// Errors kGraphicsShader, kGraphicsGl (no memory for a picture of tints).
   Result<void> draw(InsightLayer layer, FrameRenderer& renderer, const Camera& camera,
-                    const SceneView& scene, const DrawList& list, double tau_px,
-                    std::int64_t now_us);
+                    const PlannedFrame& frame, std::int64_t now_us);
 
  private:
   struct Parts;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "client/draw/frame_target.h"
+#include "client/frame/planned_frame.h"
 #include "client/hold/tile_cache.h"
 #include "protocol/impostor/camera.h"
 #include "shaders/gl/dialect.h"
@@ -101,8 +102,8 @@ void Refinement::add(const FrameTarget& drawn, float weight) {
   glDisable(GL_BLEND);
 }
 
-void Refinement::draw_more(FrameRenderer& renderer, const FrameTarget& target, const Camera& camera,
-                           const SceneView& scene, const DrawList& list, const Lighting& lighting) {
+void Refinement::draw_more(FrameRenderer& renderer, const FrameTarget& target,
+                           const PlannedFrame& frame) {
   if (done()) return;
   if (!make(target)) {
     drawings_ = kDrawings;
@@ -112,11 +113,11 @@ void Refinement::draw_more(FrameRenderer& renderer, const FrameTarget& target, c
   const int before = target.enlarges() ? 0 : std::max(target.samples(), 1);
   if (drawings_ == 0 && before > 0) add(target, 1);
   ++drawings_;
-  Camera moved = camera;
-  moved.shift_px += offset_px(drawings_);
+  PlannedFrame moved = frame;
+  moved.camera.shift_px += offset_px(drawings_);
   renderer.sharpen(kRefinedSharpenLevels, kRefinedSharpenLevels);
   renderer.draw_edges_last(true);
-  renderer.draw(*one_sample_, moved, scene, list, lighting);
+  renderer.draw(*one_sample_, moved);
   renderer.draw_edges_last(false);
   renderer.sharpen_as_usual();
   add(*one_sample_, 1.0f / static_cast<float>(before + drawings_));

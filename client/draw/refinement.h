@@ -26,8 +26,7 @@ class Refinement {
   /// Draws the picture once more, and leaves the mean of all its drawings in picture(). The inputs
   /// must be those of the drawing before. The first call makes targets and program; if the device
   /// cannot, the picture stays as it was.
-  void draw_more(FrameRenderer& renderer, const FrameTarget& target, const Camera& camera,
-                 const SceneView& scene, const DrawList& list, const Lighting& lighting);
+  void draw_more(FrameRenderer& renderer, const FrameTarget& target, const PlannedFrame& frame);
   /// Returns the target that has the picture: `drawn`, until there are further drawings of it.
   const FrameTarget& picture(const FrameTarget& drawn) const {
     return drawings_ > 0 && one_sample_ ? *one_sample_ : drawn;

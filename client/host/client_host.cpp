@@ -4,22 +4,14 @@
 
 #include <algorithm>
 
-#include "client/draw/frame_renderer.h"
-#include "client/frame/asset_id.h"
-#include "client/hold/tile_cache.h"
+#include "client/door/client.h"
 #include "client/link/link.h"
 #include "client/link/modelled_link.h"
 #include "client/native/native_link.h"
 #include "client/native/no_answer.h"
 #include "client/native/server_url.h"
 #include "client/scene/scene_view.h"
-#include "client/screen/renderer_sink.h"
 #include "client/session/client_session.h"
-#include "client/session/session_parts.h"
-#include "client/session/tile_sink.h"
-#include "protocol/codec/model_codec.h"
-#include "protocol/impostor/view_tile.h"
-#include "protocol/model/model.h"
 
 namespace mirage {
 namespace {
@@ -34,9 +26,8 @@ constexpr std::int64_t kLevelsPatienceUs = 900'000'000;
 
 }  // namespace
 
-ClientHost::ClientHost(HostOptions options, FrameRenderer& renderer)
-    : options_(std::move(options)), renderer_(renderer) {
-  if (!options_.content_changed) options_.content_changed = [] {};
+ClientHost::ClientHost(HostOptions options, Client& client)
+    : options_(std::move(options)), client_(client) {
   if (options_.virtual_time) {
     auto clock = std::make_unique<VirtualClock>();
     virtual_clock_ = clock.get();
@@ -46,18 +37,10 @@ ClientHost::ClientHost(HostOptions options, FrameRenderer& renderer)
   }
 }
 
-ClientHost::~ClientHost() = default;
+ClientHost::~ClientHost() { client_.close(); }
 
-TileSink ClientHost::sink() {
-  SinkHooks hooks;
-  hooks.scene = [this]() -> const SceneView& { return session_->scene(); };
-  hooks.changed = options_.content_changed;
-  hooks.failed = [](const Error& error) { spdlog::error("{}", error.line()); };
-  const auto now_ms = [clock = SteadyClock()] {
-    return static_cast<double>(clock.now_us()) * 1e-3;
-  };
-  return timed(renderer_sink(renderer_, std::move(hooks)), now_ms, upload_ms_);
-}
+ClientSession& ClientHost::session() { return client_.session(); }
+const ClientSession& ClientHost::session() const { return client_.session(); }
 
 Result<void> ClientHost::open() {
   Result<ServerUrl> url = parse_url(options_.url);
@@ -76,7 +59,8 @@ Result<void> ClientHost::open() {
   ClientOptions session = options_.session;
   if (session.trace && !virtual_clock_) session.trace_clock = [this] { return now_us(); };
   Link& link = modelled_ ? static_cast<Link&>(*modelled_) : *native_;
-  session_ = std::make_unique<ClientSession>(link, std::move(session), sink());
+  client_.open(link, std::move(session),
+               [](const Error& error) { spdlog::error("{}", error.line()); });
   return {};
 }
 
@@ -96,18 +80,18 @@ Result<void> ClientHost::wait_connected(const ServerUrl& url) {
 }
 
 Result<void> ClientHost::wait_for_scene() {
-  return wait_until([this] { return session_->scene().complete(); });
+  return wait_until([this] { return session().scene().complete(); });
 }
 
 Result<void> ClientHost::wait_for_picture() {
-  return wait_until([this] { return session_->drawable(); });
+  return wait_until([this] { return session().drawable(); });
 }
 
 Result<void> ClientHost::wait_until(const std::function<bool()>& there) {
   const SteadyClock patience;
   const auto limit = static_cast<std::int64_t>(options_.connect_timeout_s * 1e6) + kScenePatienceUs;
   while (!there()) {
-    if (Result<void> received = session_->receive(now_us()); !received) return received;
+    if (Result<void> received = session().receive(now_us()); !received) return received;
     if (there()) break;
     if (native_->last_close_code() == close_code(ErrorId::kAuth)) {
       return make_error(ErrorId::kAuth, "the server refused the token", "--token-file FILE");
@@ -117,7 +101,7 @@ Result<void> ClientHost::wait_until(const std::function<bool()>& there) {
                         "are server and viewer of one version?");
     }
     // On virtual time, what has come may still be under way in the modelled link.
-    const bool greeted = session_->welcomes() > 0 || native_->traffic().bytes_down > 0;
+    const bool greeted = session().welcomes() > 0 || native_->traffic().bytes_down > 0;
     const bool late = patience.now_us() > (greeted ? kLevelsPatienceUs : limit);
     if (late || (!native_->connected() && native_->last_close_code() != 0)) {
       return make_error(ErrorId::kNetworkClosed,
@@ -137,11 +121,11 @@ Result<ReferenceFrame> ClientHost::reference(const Camera& camera, std::uint32_t
                                   camera.width, camera.height, supersample),
                       "at most 8192 pixels an edge and 33 million samples");
   }
-  session_->ask_reference(camera, supersample);
+  session().ask_reference(camera, supersample);
   const SteadyClock patience;
   std::optional<ReferenceFrame> reference;
-  while (!(reference = session_->take_reference())) {
-    if (session_->reference_refused()) {
+  while (!(reference = session().take_reference())) {
+    if (session().reference_refused()) {
       return make_error(ErrorId::kComparison, "the server renders no references",
                         "it was started with --no-reference, or the frame is too large");
     }
@@ -149,7 +133,7 @@ Result<ReferenceFrame> ClientHost::reference(const Camera& camera, std::uint32_t
       return make_error(ErrorId::kNetworkTimeout, "no reference frame came");
     }
     if (!modelled_) native_->wait_message(100);
-    if (Result<void> received = session_->receive(now_us()); !received) return received.error();
+    if (Result<void> received = session().receive(now_us()); !received) return received.error();
   }
   return std::move(*reference);
 }

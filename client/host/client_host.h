@@ -1,8 +1,8 @@
 #pragma once
-// Client host: a whole client of one server except for its frame loop. It owns the link, modelled
-// if asked for, and the session on it. The renderer takes what arrives.
+// Client host: connects a client to a server. It owns the link, modelled if asked for, and the
+// clock.
 // Input:  a server's address and options.
-// Output: the session, and pixels and meshes in the renderer.
+// Output: a session of the client.
 // Thread: the GL thread.
 // Full:   as link and session (native_link.h, client_session.h).
 
@@ -19,14 +19,13 @@
 
 namespace mirage {
 
+class Client;
 class ClientSession;
-class FrameRenderer;
 class ModelledLink;
 class NativeLink;
 struct LinkTraffic;
 struct LinkUse;
 struct ServerUrl;
-struct TileSink;
 
 struct HostOptions {
   std::string url;
@@ -37,13 +36,12 @@ struct HostOptions {
   ClientOptions session;
   /// The network thread calls it when something arrived; may be empty.
   std::function<void()> wake;
-  std::function<void()> content_changed;  ///< texels, geometry or a scene arrived; may be empty
 };
 
 class ClientHost {
  public:
-  /// Needs a current GL context. `renderer` must outlive the host.
-  ClientHost(HostOptions options, FrameRenderer& renderer);
+  /// `client` must outlive the host, which ends its session.
+  ClientHost(HostOptions options, Client& client);
   ~ClientHost();
 
   /// Connects. Errors kUsage, kNetworkConnect.
@@ -58,8 +56,8 @@ class ClientHost {
   /// out of band: it takes neither bytes nor virtual time. Errors kComparison, kNetworkTimeout.
   Result<ReferenceFrame> reference(const Camera& camera, std::uint32_t supersample);
 
-  ClientSession& session() { return *session_; }
-  const ClientSession& session() const { return *session_; }
+  ClientSession& session();
+  const ClientSession& session() const;
   const NativeLink& native() const { return *native_; }
   LinkTraffic traffic() const;
   /// Closes the connection and opens another one; the session goes on.
@@ -73,26 +71,21 @@ class ClientHost {
   std::optional<LinkUse> link_use();
   /// Returns the virtual clock; nullptr on real time.
   VirtualClock* virtual_clock() { return virtual_clock_; }
-  /// Returns the real time that uploads have taken so far, ms.
-  double upload_ms() const { return upload_ms_; }
   /// Leaves the time since `clock_us` (of clock()) out of the session's time.
   void leave_out_since(std::int64_t clock_us) { left_out_us_ += clock_->now_us() - clock_us; }
 
  private:
-  TileSink sink();
   /// Waits for the connection. Errors: those of no_answer().
   Result<void> wait_connected(const ServerUrl& url);
   Result<void> wait_until(const std::function<bool()>& there);
 
   HostOptions options_;
-  FrameRenderer& renderer_;
+  Client& client_;
   std::unique_ptr<Clock> clock_;
   VirtualClock* virtual_clock_ = nullptr;
   std::int64_t left_out_us_ = 0;
-  double upload_ms_ = 0;
   std::unique_ptr<NativeLink> native_;
   std::unique_ptr<ModelledLink> modelled_;
-  std::unique_ptr<ClientSession> session_;
 };
 
 }  // namespace mirage

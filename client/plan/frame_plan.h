@@ -13,18 +13,12 @@
 // first step that does not fit sets lambda: the error that a millisecond has to take away. Without
 // a budget lambda is 0.
 
+#include "client/frame/frame_setting.h"
 #include "client/plan/alternatives.h"
 #include "client/plan/paid_levels.h"
 #include "client/price/cost_model.h"
 
 namespace mirage {
-
-/// The setting of a whole frame.
-struct FrameSetting {
-  int samples = 1;   ///< samples of a pixel
-  double scale = 1;  ///< edge of the drawn picture over that of the shown one
-  bool operator==(const FrameSetting& o) const { return samples == o.samples && scale == o.scale; }
-};
 
 class FramePlan {
  public:

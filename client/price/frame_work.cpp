@@ -6,6 +6,7 @@
 
 #include "client/frame/draw_list.h"
 #include "client/frame/drawn_mesh.h"
+#include "client/frame/planned_frame.h"
 #include "client/hold/tile_cache.h"
 #include "client/scene/scene_view.h"
 #include "protocol/impostor/camera.h"
@@ -126,14 +127,16 @@ FrameWork impostor_work(const SceneView& scene, const Camera& camera, std::uint3
   return work;
 }
 
-FrameWork work_of(const SceneView& scene, const Camera& camera, const DrawList& list, int samples) {
-  FrameWork work = target_work(camera, samples);
+FrameWork work_of(const PlannedFrame& frame, const Camera& drawn_camera, int samples) {
+  const SceneView& scene = *frame.scene;
+  const DrawList& list = frame.list;
+  FrameWork work = target_work(drawn_camera, samples);
   for (const DrawnMesh& mesh : list.meshes) {
-    work += mesh_work(scene, camera, mesh.instance, mesh.lod, samples);
+    work += mesh_work(scene, drawn_camera, mesh.instance, mesh.lod, samples);
   }
   work[Work::kMesh] = static_cast<double>(levels_drawn(scene, list.meshes));
   for (const DrawnImpostor& drawn : list.impostors) {
-    work += impostor_work(scene, camera, drawn.instance, *drawn.tile, drawn.method, samples);
+    work += impostor_work(scene, drawn_camera, drawn.instance, *drawn.tile, drawn.method, samples);
   }
   if (list.view) work[Work::kViewPixel] = work[Work::kPixel];
   return work;

@@ -16,7 +16,7 @@ namespace mirage {
 struct Camera;
 struct DrawnMesh;
 
-struct DrawList;
+struct PlannedFrame;
 class SceneView;
 
 enum class Work : std::uint8_t {
@@ -66,6 +66,6 @@ FrameWork mesh_work(const SceneView& scene, const Camera& camera, std::uint32_t 
 FrameWork impostor_work(const SceneView& scene, const Camera& camera, std::uint32_t instance,
                         const TileRecord& tile, DrawMethod method, int samples);
 /// Returns the work of everything in the list.
-FrameWork work_of(const SceneView& scene, const Camera& camera, const DrawList& list, int samples);
+FrameWork work_of(const PlannedFrame& frame, const Camera& drawn_camera, int samples);
 
 }  // namespace mirage

@@ -24,8 +24,6 @@ Result<SessionRunner*> Context::graphics() {
 Result<OpenScene*> Context::open(const std::string& name) {
   std::unique_ptr<OpenScene>& scene = scenes[key_of(name)];
   if (scene) return scene.get();
-  const Result<SessionRunner*> gl = graphics();
-  if (!gl) return gl.error();
   auto made = std::make_unique<OpenScene>();
   made->url = options.url;
   if (made->url.empty()) {
@@ -34,7 +32,7 @@ Result<OpenScene*> Context::open(const std::string& name) {
     made->server = server.take();
     made->url = made->server->url();
   }
-  Result<std::unique_ptr<TruthSource>> truth = TruthSource::open(made->url, (*gl)->renderer());
+  Result<std::unique_ptr<TruthSource>> truth = TruthSource::open(made->url);
   if (!truth) return truth.error();
   made->truth = truth.take();
   made->name = made->truth->scene().name;

@@ -12,6 +12,7 @@
 
 #include "client/draw/refinement.h"
 #include "client/frame/draw_list.h"
+#include "client/frame/planned_frame.h"
 #include "client/quality/metrics.h"
 #include "client/report/alpha_tested.h"
 #include "client/report/codecs.h"
@@ -195,12 +196,12 @@ Result<Row> measure(Bench& bench, const Model& model, const Setting& setting, in
                                    : bench.probe->capture(from, camera, method_of(setting.method));
     if (!list) return list.error();
     FrameRenderer& renderer = bench.runner.renderer();
-    const Lighting& lighting = bench.probe->lighting();
-    renderer.draw(bench.target, camera, scene, *list, lighting);
+    const PlannedFrame frame{camera, &scene, *list, bench.probe->lighting()};
+    renderer.draw(bench.target, frame);
     bench.refinement.restart();
     if (setting.method == "at rest") {
       while (!bench.refinement.done()) {
-        bench.refinement.draw_more(renderer, bench.target, camera, scene, *list, lighting);
+        bench.refinement.draw_more(renderer, bench.target, frame);
       }
     }
     const std::vector<std::uint8_t> drawn = bench.refinement.picture(bench.target).read();

@@ -128,8 +128,7 @@ Result<void> measure_model(Context& context, const std::string& file, ModelRow& 
   row.triangles = (*server)->ready_value("triangles");
   row.warnings = (*server)->scene_warnings();
   row.rss_mb = (*server)->peak_mb();
-  const Result<std::unique_ptr<TruthSource>> truth =
-      TruthSource::open((*server)->url(), context.runner->renderer());
+  const Result<std::unique_ptr<TruthSource>> truth = TruthSource::open((*server)->url());
   if (!truth) return truth.error();
   const Result<ModelLook> all = look_at_model(context, (*server)->url(), **truth, row);
   if (!all) return all.error();

@@ -4,15 +4,16 @@
 #include <cmath>
 #include <ctime>
 
+#include "client/door/client.h"
 #include "client/draw/frame_renderer.h"
-#include "client/draw/frame_target.h"
-#include "client/draw/refinement.h"
+#include "client/frame/planned_frame.h"
 #include "client/host/client_host.h"
 #include "client/host/methods.h"
 #include "client/link/modelled_link.h"
+#include "client/scene/scene_view.h"
+#include "client/screen/screen.h"
 #include "client/screen/viewer_defaults.h"
 #include "client/session/client_session.h"
-#include "client/session/stillness.h"
 #include "protocol/impostor/tile_key.h"
 #include "shaders/gl/egl_context.h"
 
@@ -47,8 +48,6 @@ HostOptions host_options(const RunSpec& spec) {
   options.session.frame_ms = spec.frame_ms;
   options.session.samples = spec.samples;
   options.session.screen = screen_of(spec);
-  options.session.atlas_edge = kAtlasEdge;
-  options.session.atlas_layers = atlas_layers(kAtlasMb);
   options.session.trace = true;
   options.session.animation = false;
   return options;
@@ -62,9 +61,7 @@ struct SessionRunner::Loop {
   ClientHost& host;
   RunResult& out;
   const CameraPath& path;
-  Stillness& still;
   std::int64_t start_us = 0;
-  DrawList list{};
   int rested = 0;         // frames in which a viewer would have refined the picture
   double planned_ms = 0;  // of this frame
   int before = -2;        // last compared frame
@@ -72,32 +69,30 @@ struct SessionRunner::Loop {
   ReferencePtr truth_before{};
 };
 
-struct SessionRunner::Screen {
+struct SessionRunner::Graphics {
   gl::EglContext egl;
   std::string renderer_name;
-  std::optional<FrameRenderer> renderer;
-  std::optional<FrameTarget> target;
-  FrameSetting setting;  ///< as planned; the device may not have as many samples
-  Refinement refinement;
+  Client client;
 };
 
-SessionRunner::SessionRunner() : screen_(std::make_unique<Screen>()) {}
+SessionRunner::SessionRunner() : graphics_(std::make_unique<Graphics>()) {}
 SessionRunner::~SessionRunner() = default;
 
-FrameRenderer& SessionRunner::renderer() { return *screen_->renderer; }
-const std::string& SessionRunner::renderer_name() const { return screen_->renderer_name; }
-bool SessionRunner::software() const { return screen_->egl.software(); }
+FrameRenderer& SessionRunner::renderer() { return graphics_->client.renderer(); }
+const std::string& SessionRunner::renderer_name() const { return graphics_->renderer_name; }
+bool SessionRunner::software() const { return graphics_->egl.software(); }
 
 Result<std::unique_ptr<SessionRunner>> SessionRunner::create(const std::string& device) {
   auto runner = std::make_unique<SessionRunner>();
   Result<gl::EglContext> egl = gl::EglContext::create(device);
   if (!egl) return egl.error();
-  runner->screen_->egl = std::move(*egl);
-  runner->screen_->renderer_name = runner->screen_->egl.description();
-  Result<FrameRenderer> renderer =
-      FrameRenderer::create(kAtlasEdge, atlas_layers(kAtlasMb), kFlatMethods);
-  if (!renderer) return renderer.error();
-  runner->screen_->renderer.emplace(renderer.take());
+  runner->graphics_->egl = std::move(*egl);
+  runner->graphics_->renderer_name = runner->graphics_->egl.description();
+  ClientGraphics graphics;
+  graphics.atlas_edge = kAtlasEdge;
+  graphics.atlas_layers = atlas_layers(kAtlasMb);
+  graphics.flat = kFlatMethods;
+  if (Result<void> made = runner->graphics_->client.attach(graphics); !made) return made.error();
   return runner;
 }
 
@@ -116,15 +111,16 @@ Camera SessionRunner::camera_at(const CameraPath& path, double seconds, const Sc
   return camera;
 }
 
-double SessionRunner::add_geometric(Loop& loop, const Camera& camera, const ReferenceFrame& truth) {
-  const SceneView& scene = loop.host.session().scene();
+double SessionRunner::add_geometric(Loop& loop, const PlannedFrame& planned,
+                                    const ReferenceFrame& truth) {
+  const SceneView& scene = *planned.scene;
   const double s = loop.spec.truth_samples;
   const std::uint64_t pixels_before = loop.out.geometric.object_pixels;
   const std::uint64_t holes_before = loop.out.geometric.holes;
   if (scene.complete()) {
-    add_geometric_error(truth, (std::floor(s / 2) + 0.5) / s, camera, scene, loop.list,
+    add_geometric_error(truth, (std::floor(s / 2) + 0.5) / s, planned.camera, scene, planned.list,
                         loop.out.geometric);
-  } else if (!loop.list.view) {  // nothing is known yet: everything is missing
+  } else if (!planned.list.view) {  // nothing is known yet: everything is missing
     const auto& ids = truth.ids;
     const auto missing =
         ids.size() - static_cast<std::size_t>(std::count(ids.begin(), ids.end(), 0u));
@@ -136,15 +132,18 @@ double SessionRunner::add_geometric(Loop& loop, const Camera& camera, const Refe
   return pixels > 0 ? static_cast<double>(holes) / static_cast<double>(pixels) : 0;
 }
 
-Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame) {
+Result<void> SessionRunner::compare(Loop& loop, int frame) {
   const RunSpec& spec = loop.spec;
   const ClientSession& session = loop.host.session();
+  Client& client = graphics_->client;
+  Screen& screen = client.screen();
+  const PlannedFrame& planned = client.planned();
+  const Camera& camera = planned.camera;
   ComparedFrame compared;
   compared.frame = frame;
   const auto draw = [&] {
     const double began = now_ms();
-    screen_->renderer->draw(*screen_->target, camera, session.scene(), loop.list,
-                            session.lighting());
+    screen.draw(client.renderer(), planned);
     glFinish();
     return loop.planned_ms + now_ms() - began;
   };
@@ -156,12 +155,10 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
     compared.client_ms = std::min(compared.client_ms, ms);
     loop.out.client_ms.push_back(ms);
   }
-  screen_->refinement.restart();
-  for (int i = 0; i < loop.rested && !screen_->refinement.done(); ++i) {
-    screen_->refinement.draw_more(*screen_->renderer, *screen_->target, camera, session.scene(),
-                                  loop.list, session.lighting());
+  for (int i = 0; i < loop.rested && !screen.refined(); ++i) {
+    screen.refine(client.renderer(), planned);
   }
-  std::vector<std::uint8_t> drawn = screen_->refinement.picture(*screen_->target).read();
+  std::vector<std::uint8_t> drawn = screen.shown().read();
   Result<ReferencePtr> truth = loop.truth.at(camera, spec.truth_samples);
   if (!truth) return truth.error();
   const std::uint32_t w = camera.width, h = camera.height;
@@ -172,9 +169,9 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
                                {w, h, loop.drawn_before.data()}, due, seen);
   }
   if (spec.observe && session.scene().complete()) {
-    spec.observe({session.scene(), loop.list, session.selector(), **truth, seen, due});
+    spec.observe({session.scene(), planned.list, session.selector(), **truth, seen, due});
   }
-  compared.hole_fraction = add_geometric(loop, camera, **truth);
+  compared.hole_fraction = add_geometric(loop, planned, **truth);
   if (std::binary_search(spec.pictured.begin(), spec.pictured.end(), frame)) {
     loop.out.pictures.push_back({spec.width, spec.height, drawn, (*truth)->rgba});
   }
@@ -185,56 +182,40 @@ Result<void> SessionRunner::compare(Loop& loop, const Camera& camera, int frame)
   return {};
 }
 
-Result<void> SessionRunner::fit_target(const RunSpec& spec, const FrameSetting& setting,
-                                       bool blends) {
-  if (screen_->target && screen_->target->width() == spec.width &&
-      screen_->target->height() == spec.height && screen_->target->blends() == blends &&
-      screen_->setting == setting) {
-    return {};
-  }
-  Result<FrameTarget> target =
-      FrameTarget::create(spec.width, spec.height, setting.samples, blends, setting.scale);
-  if (!target) return target.error();
-  screen_->target.emplace(target.take());
-  screen_->setting = setting;
-  return {};
-}
-
-// Runs a viewer's frame (client/view/viewer.cpp), but draws it only if it is compared.
+// Runs a viewer's frame, but draws it only if it is compared.
 Result<void> SessionRunner::one_frame(Loop& loop, int frame) {
   const RunSpec& spec = loop.spec;
-  ClientSession& session = loop.host.session();
+  Client& client = graphics_->client;
+  ClientSession& session = client.session();
   const double seconds = frame / spec.fps;
   const std::int64_t now = loop.start_us + std::llround(seconds * 1e6);
   loop.host.virtual_clock()->advance_to_us(now);
-  if (Result<void> received = session.receive(now); !received) return received.error();
-  const SceneView& scene = session.scene();
-  const Camera camera = camera_at(loop.path, seconds, scene, spec.width, spec.height);
+  if (Result<void> received = client.update(now); !received) return received;
+  if (Result<void> sized = client.resize(spec.width, spec.height); !sized) return sized;
   const double began = now_ms();
-  loop.list = session.frame(camera, now);
+  const Result<FrameStep> step =
+      client.plan(camera_at(loop.path, seconds, session.scene(), spec.width, spec.height), now);
+  if (!step) return step.error();
   loop.planned_ms = now_ms() - began;
-  const FrameSetting setting = session.plan().setting();
-  if (!(setting == screen_->setting)) loop.still.content_changed();
-  if (Result<void> fit = fit_target(spec, setting, scene.blends()); !fit) return fit.error();
-  const bool same = loop.still.unchanged(camera, scene, loop.list, session.lighting());
+  const bool same = *step != FrameStep::kDraw;
   loop.rested = same && session.at_rest() ? loop.rested + 1 : 0;
-  PlannedFrame planned{setting, 0, loop.host.traffic().bytes_down};
+  const PlannedFrame& planned = client.planned();
+  PricedFrame priced{planned.setting, 0, loop.host.traffic().bytes_down};
   if (spec.device && !same) {
-    planned.model_ms =
-        spec.device->ms_of(work_of(scene, screen_->target->drawn_camera(camera), loop.list,
-                                   std::max(screen_->target->samples(), 1)));
-    session.note_frame_ms(planned.model_ms);
+    priced.model_ms = spec.device->ms_of(client.screen().work(planned));
+    session.note_frame_ms(priced.model_ms);
   }
   RunResult& out = loop.out;
-  out.planned.push_back(planned);
-  out.visible += loop.list.visible;
-  out.placeholders += loop.list.placeholders.size();
+  out.planned.push_back(priced);
+  const DrawList& list = planned.list;
+  out.visible += list.visible;
+  out.placeholders += list.placeholders.size();
   const std::optional<LinkUse> use = loop.host.link_use();
   out.starved += use && starves(session.first_waits(), *use);
-  const bool shows = loop.list.view || !loop.list.impostors.empty() || !loop.list.meshes.empty();
+  const bool shows = list.view || !list.impostors.empty() || !list.meshes.empty();
   if (shows && out.first_image_ms < 0) out.first_image_ms = seconds * 1e3;
   const bool compared = std::binary_search(spec.compared.begin(), spec.compared.end(), frame);
-  return compared ? compare(loop, camera, frame) : Result<void>{};
+  return compared ? compare(loop, frame) : Result<void>{};
 }
 
 Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
@@ -243,16 +224,14 @@ Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
       CameraPath::create(spec.path, scene.home, scene.bounds_center, scene.bounds_radius);
   if (!path) return path.error();
   HostOptions options = host_options(spec);
-  Stillness still;
-  options.content_changed = [&still] { still.content_changed(); };
-  ClientHost host(std::move(options), *screen_->renderer);
+  ClientHost host(std::move(options), graphics_->client);
   if (Result<void> open = host.open(); !open) return open.error();
   if (spec.device) host.session().set_prices(*spec.device);
   if (spec.from_scene) {
     if (Result<void> told = host.wait_for_picture(); !told) return told.error();
   }
   RunResult out;
-  Loop loop{spec, truth, host, out, *path, still, host.now_us()};
+  Loop loop{spec, truth, host, out, *path, host.now_us()};
   for (int frame = 0; frame < spec.frames; ++frame) {
     if (Result<void> done = one_frame(loop, frame); !done) return done.error();
   }

@@ -22,6 +22,7 @@
 namespace mirage {
 
 struct DrawList;
+struct PlannedFrame;
 class FrameRenderer;
 class SceneView;
 class Selector;
@@ -67,7 +68,7 @@ struct ComparedFrame {
 };
 
 /// The plan of a frame, for all frames, not only for the compared ones.
-struct PlannedFrame {
+struct PricedFrame {
   FrameSetting setting;
   double model_ms = 0;           ///< by RunSpec::device; 0: without one, or if the picture stays
   std::uint64_t bytes_down = 0;  ///< bytes until then
@@ -79,7 +80,7 @@ struct RunResult {
   /// Planning and drawing, a value per draw without the extra one: CPU time of all threads on a
   /// software renderer, otherwise wall time.
   std::vector<double> client_ms;
-  std::vector<PlannedFrame> planned;
+  std::vector<PricedFrame> planned;
   LinkTraffic traffic;
   double seconds = 0;
   std::vector<TileLife> lives;
@@ -110,16 +111,15 @@ class SessionRunner {
 
  private:
   struct Loop;
-  Result<void> fit_target(const RunSpec& spec, const FrameSetting& setting, bool blends);
   Result<void> one_frame(Loop& loop, int frame);
-  Result<void> compare(Loop& loop, const Camera& camera, int frame);
+  Result<void> compare(Loop& loop, int frame);
   /// Adds the last drawn frame to the geometric error. Returns the share of its object pixels that
   /// are holes.
-  static double add_geometric(Loop& loop, const Camera& camera, const ReferenceFrame& truth);
+  static double add_geometric(Loop& loop, const PlannedFrame& planned, const ReferenceFrame& truth);
   double now_ms() const;
 
-  struct Screen;
-  std::unique_ptr<Screen> screen_;
+  struct Graphics;
+  std::unique_ptr<Graphics> graphics_;
 };
 
 }  // namespace mirage

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "client/draw/frame_renderer.h"
+#include "client/frame/draw_list.h"
 #include "client/hold/tile_cache.h"
 #include "client/native/native_link.h"
 #include "client/plan/tile_need.h"

@@ -1,12 +1,13 @@
 #include "client/report/truth_source.h"
 
+#include "client/door/client.h"
 #include "client/host/client_host.h"
 #include "client/session/client_session.h"
 #include "protocol/impostor/lighting_state.h"
 
 namespace mirage {
 
-TruthSource::TruthSource() = default;
+TruthSource::TruthSource() : client_(std::make_unique<Client>()) {}
 TruthSource::~TruthSource() = default;
 
 const SceneView& TruthSource::scene() const { return host_->session().scene(); }
@@ -28,15 +29,14 @@ std::string key_of(const Camera& c, std::uint32_t samples, std::uint64_t light) 
 
 }  // namespace
 
-Result<std::unique_ptr<TruthSource>> TruthSource::open(const std::string& url,
-                                                       FrameRenderer& renderer) {
+Result<std::unique_ptr<TruthSource>> TruthSource::open(const std::string& url) {
   HostOptions options;
   options.url = url;
   options.session.name = "mirage-report truth";
   options.session.animation = false;
   options.session.views = false;
   auto truth = std::make_unique<TruthSource>();
-  truth->host_ = std::make_unique<ClientHost>(options, renderer);
+  truth->host_ = std::make_unique<ClientHost>(options, *truth->client_);
   if (Result<void> open = truth->host_->open(); !open) return open.error();
   if (Result<void> told = truth->host_->wait_for_scene(); !told) return told.error();
   return truth;

@@ -3,7 +3,7 @@
 // are compared with it.
 // Input:  cameras, samples and light.
 // Output: full renders.
-// Thread: the GL thread.
+// Thread: one at a time.
 // Full:   never; it keeps all renders until forget().
 
 #include <map>
@@ -17,16 +17,16 @@
 
 namespace mirage {
 
+class Client;
 class ClientHost;
-class FrameRenderer;
 class SceneView;
 using ReferencePtr = std::shared_ptr<const ReferenceFrame>;
 
 class TruthSource {
  public:
-  /// Connects and learns the scene; moving objects stay at the beginning of their clips. `renderer`
-  /// takes what a client is sent, and must outlive this. Errors as ClientHost's.
-  static Result<std::unique_ptr<TruthSource>> open(const std::string& url, FrameRenderer& renderer);
+  /// Connects and learns the scene; moving objects stay at the beginning of their clips. Errors as
+  /// ClientHost's.
+  static Result<std::unique_ptr<TruthSource>> open(const std::string& url);
 
   TruthSource();
   ~TruthSource();
@@ -40,6 +40,7 @@ class TruthSource {
   void forget() { kept_.clear(); }
 
  private:
+  std::unique_ptr<Client> client_;  ///< without graphics
   std::unique_ptr<ClientHost> host_;
   std::map<std::string, ReferencePtr> kept_;  ///< by camera, samples and light, byte for byte
 };

@@ -75,7 +75,7 @@ void add_times(const Sweep& sweep, const RunResult& run, Figures& f) {
   std::vector<double> model_ms;
   std::vector<std::pair<FrameSetting, int>> uses;
   for (std::size_t i = static_cast<std::size_t>(kFromS * sweep.fps); i < run.planned.size(); ++i) {
-    const PlannedFrame& frame = run.planned[i];
+    const PricedFrame& frame = run.planned[i];
     model_ms.push_back(frame.model_ms);
     auto use = std::find_if(uses.begin(), uses.end(),
                             [&](const auto& u) { return u.first == frame.setting; });

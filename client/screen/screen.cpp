@@ -5,6 +5,7 @@
 #include "client/draw/frame_renderer.h"
 #include "client/plan/frame_plan.h"
 #include "client/price/frame_work.h"
+#include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
 
 namespace mirage {
@@ -32,31 +33,26 @@ Result<void> Screen::fit(int width, int height, const ClientSession& session) {
   return made;
 }
 
-Screen::Step Screen::next(const Camera& camera, const DrawList& list,
-                          const ClientSession& session) {
+FrameStep Screen::next(const PlannedFrame& frame, const ClientSession& session) {
   if (session.awaits_new_scene()) {
     still_.content_changed();  // redraws once the new scene is there
-    return Step::kKeep;
+    return FrameStep::kKeep;
   }
-  if (!still_.unchanged(camera, session.scene(), list, session.lighting())) return Step::kDraw;
-  return session.at_rest() && !refinement_.done() ? Step::kRefine : Step::kKeep;
+  if (!still_.unchanged(frame)) return FrameStep::kDraw;
+  return session.at_rest() && !refinement_.done() ? FrameStep::kRefine : FrameStep::kKeep;
 }
 
-void Screen::draw(FrameRenderer& renderer, const Camera& camera, const DrawList& list,
-                  const ClientSession& session) {
-  renderer.draw(*target_, camera, session.scene(), list, session.lighting());
+void Screen::draw(FrameRenderer& renderer, const PlannedFrame& frame) {
+  renderer.draw(*target_, frame);
   refinement_.restart();
 }
 
-void Screen::refine(FrameRenderer& renderer, const Camera& camera, const DrawList& list,
-                    const ClientSession& session) {
-  refinement_.draw_more(renderer, *target_, camera, session.scene(), list, session.lighting());
+void Screen::refine(FrameRenderer& renderer, const PlannedFrame& frame) {
+  refinement_.draw_more(renderer, *target_, frame);
 }
 
-FrameWork Screen::work(const Camera& camera, const DrawList& list,
-                       const ClientSession& session) const {
-  return work_of(session.scene(), target_->drawn_camera(camera), list,
-                 std::max(target_->samples(), 1));
+FrameWork Screen::work(const PlannedFrame& frame) const {
+  return work_of(frame, target_->drawn_camera(frame.camera), std::max(target_->samples(), 1));
 }
 
 }  // namespace mirage

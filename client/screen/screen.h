@@ -11,6 +11,7 @@
 
 #include "client/draw/frame_target.h"
 #include "client/draw/refinement.h"
+#include "client/frame/frame_step.h"
 #include "client/session/stillness.h"
 #include "protocol/base/result.h"
 
@@ -29,19 +30,12 @@ class Screen {
   /// Notes that texels, geometry or a scene came or went.
   void content_changed() { still_.content_changed(); }
 
-  enum class Step {
-    kKeep,    ///< the picture would not change
-    kDraw,    ///< draw a new picture
-    kRefine,  ///< refine the same picture
-  };
   /// Returns the step for a frame; draw() or refine() takes it.
-  Step next(const Camera& camera, const DrawList& list, const ClientSession& session);
-  void draw(FrameRenderer& renderer, const Camera& camera, const DrawList& list,
-            const ClientSession& session);
-  void refine(FrameRenderer& renderer, const Camera& camera, const DrawList& list,
-              const ClientSession& session);
-  /// Returns the work of draw() with this list.
-  FrameWork work(const Camera& camera, const DrawList& list, const ClientSession& session) const;
+  FrameStep next(const PlannedFrame& frame, const ClientSession& session);
+  void draw(FrameRenderer& renderer, const PlannedFrame& frame);
+  void refine(FrameRenderer& renderer, const PlannedFrame& frame);
+  /// Returns the work of draw() with this frame.
+  FrameWork work(const PlannedFrame& frame) const;
 
   /// Returns the picture to show.
   const FrameTarget& shown() const { return refinement_.picture(*target_); }

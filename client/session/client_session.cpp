@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/frame/planned_frame.h"
 #include "client/session/arrivals.h"
 #include "client/session/frame_stages.h"
 #include "client/session/session_parts.h"
@@ -76,9 +77,19 @@ Result<void> ClientSession::receive(std::int64_t told_us) {
   return arrivals_->take(now_us);
 }
 
-DrawList ClientSession::frame(const Camera& camera, std::int64_t told_us) {
+PlannedFrame ClientSession::frame(const Camera& camera, std::int64_t told_us) {
+  PlannedFrame out;
+  out.camera = camera;
+  out.list = plan_list(camera, parts_->clock.at(told_us));
+  out.scene = &parts_->scene;
+  out.lighting = lighting();
+  out.setting = plan().setting();
+  out.tau_px = tau_px();
+  return out;
+}
+
+DrawList ClientSession::plan_list(const Camera& camera, std::int64_t now_us) {
   SessionParts& s = *parts_;
-  const std::int64_t now_us = s.clock.at(told_us);
   ++s.frame;
   s.camera = camera;
   s.asking.scheduler.note_frame(now_us);

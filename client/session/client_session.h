@@ -16,7 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "client/frame/draw_list.h"
 #include "client/frame/reference_frame.h"
 #include "client/session/counts.h"
 #include "client/session/session_options.h"
@@ -32,7 +31,13 @@ class Link;
 class Predictor;
 class SceneView;
 class Selector;
+struct Camera;
 struct CostModel;
+struct DrawList;
+struct Lighting;
+struct PlannedFrame;
+struct Pose;
+struct SceneChoice;
 struct SessionParts;
 struct TileLife;
 struct UploadCounts;
@@ -47,8 +52,8 @@ class ClientSession {
   /// the session goes on with what it has.
   Result<void> receive(std::int64_t now_us);
   /// Plans a frame: returns what to draw with the true camera, and sends asks. The session's clock
-  /// is the animation's, too.
-  DrawList frame(const Camera& camera, std::int64_t now_us);
+  /// is the animation's, too. The result refers to scene().
+  PlannedFrame frame(const Camera& camera, std::int64_t now_us);
 
   /// Sets the prices of this device, for planning later frames.
   void set_prices(const CostModel& prices);
@@ -119,6 +124,9 @@ class ClientSession {
   const std::string& goodbye() const;
 
  private:
+  /// Returns what is drawn, after sending asks.
+  DrawList plan_list(const Camera& camera, std::int64_t now_us);
+
   std::unique_ptr<SessionParts> parts_;
   std::unique_ptr<Arrivals> arrivals_;
 };

@@ -2,12 +2,16 @@
 
 #include "client/hold/shadow_cache.h"
 #include "client/hold/tile_cache.h"
+#include "client/scene/scene_view.h"
 #include "protocol/impostor/lighting_state.h"
 
 namespace mirage {
 namespace {
 
-std::vector<double> numbers(const Camera& camera, const SceneView& scene, const DrawList& list) {
+std::vector<double> numbers(const PlannedFrame& frame) {
+  const Camera& camera = frame.camera;
+  const SceneView& scene = *frame.scene;
+  const DrawList& list = frame.list;
   const glm::dvec3& eye = camera.pose.eye;
   const glm::quat& q = camera.pose.rotation;
   std::vector<double> out = {eye.x,
@@ -51,15 +55,15 @@ std::vector<double> numbers(const Camera& camera, const SceneView& scene, const 
 
 }  // namespace
 
-bool Stillness::unchanged(const Camera& camera, const SceneView& scene, const DrawList& list,
-                          const Lighting& lighting) {
-  std::vector<double> now = numbers(camera, scene, list);
+bool Stillness::unchanged(const PlannedFrame& frame) {
+  std::vector<double> now = numbers(frame);
+  const CasterListPtr& casters = frame.list.casters;
   const bool same =
-      known_ && now == drawn_ && list.casters == casters_ && same_lighting(lighting, lighting_);
+      known_ && now == drawn_ && casters == casters_ && same_lighting(frame.lighting, lighting_);
   known_ = true;
   drawn_ = std::move(now);
-  casters_ = list.casters;
-  lighting_ = lighting;
+  casters_ = casters;
+  lighting_ = frame.lighting;
   return same;
 }
 

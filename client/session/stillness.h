@@ -4,10 +4,7 @@
 
 #include <vector>
 
-#include "client/frame/draw_list.h"
-#include "client/scene/scene_view.h"
-#include "protocol/impostor/camera.h"
-#include "protocol/model/scene_types.h"
+#include "client/frame/planned_frame.h"
 
 namespace mirage {
 
@@ -17,8 +14,7 @@ class Stillness {
   void content_changed() { known_ = false; }
   /// True if these inputs draw the same picture as the last ones; remembers them. The target must
   /// still hold that picture.
-  bool unchanged(const Camera& camera, const SceneView& scene, const DrawList& list,
-                 const Lighting& lighting);
+  bool unchanged(const PlannedFrame& frame);
 
  private:
   bool known_ = false;

@@ -7,10 +7,12 @@
 #include <fstream>
 #include <thread>
 
+#include "client/door/client.h"
 #include "client/draw/frame_renderer.h"
 #include "client/draw/insight.h"
 #include "client/draw/presenter.h"
 #include "client/frame/camera_path.h"
+#include "client/frame/planned_frame.h"
 #include "client/hold/tile_cache.h"
 #include "client/host/client_host.h"
 #include "client/host/frame_recorder.h"
@@ -49,11 +51,11 @@ class Viewer {
   Result<void> meet_scene();
   Result<void> frame_loop();
   Result<void> one_frame(std::int64_t frame);
-  Result<void> compare(const Camera& camera, const DrawList& list);
+  Result<void> compare();
   Result<void> finish();
   Result<void> fit_target();
   double frame_budget_ms() const;
-  void draw(const Camera& camera, const DrawList& list);
+  void draw(FrameStep step);
   void note_scene();
   void note_link();
   void set_light(std::int64_t now);
@@ -70,12 +72,14 @@ class Viewer {
   void tell_progress(std::int64_t done);
   void pace(std::int64_t frame);
   bool next_events();
-  Result<std::int64_t> show(const Camera& camera, const DrawList& list, std::int64_t now);
+  Result<std::int64_t> show(std::int64_t now);
   void price(std::int64_t began_us, std::int64_t draw_began_us, std::int64_t shown_us);
   std::string overlay_text(const DrawList& list, std::int64_t now) const;
   std::int64_t now_us() const { return host_->now_us(); }
   ClientSession& session() { return host_->session(); }
   const ClientSession& session() const { return host_->session(); }
+  Screen& screen() { return client_.screen(); }
+  const Screen& screen() const { return client_.screen(); }
   const NativeLink& native() const { return host_->native(); }
   std::int64_t frame_us(std::int64_t frame) const {
     return std::llround(static_cast<double>(frame) * 1e6 / o_.fps);
@@ -88,11 +92,9 @@ class Viewer {
   std::int64_t start_us_ = 0;
   std::optional<Window> window_;
   gl::EglContext egl_;
-  Screen screen_;
   std::optional<Presenter> presenter_;  // for the window
   std::optional<Insight> insight_;      // for the window
-  std::optional<CostFit> prices_;       // on real time
-  std::optional<FrameRenderer> renderer_;
+  Client client_;
   std::unique_ptr<ClientHost> host_;
   std::optional<CameraPath> path_;
   std::optional<LightScript> light_;
@@ -107,9 +109,9 @@ class Viewer {
   bool frame_kept_ = false;  // the last frame kept the picture
   std::optional<Overlay> overlay_;
   double smooth_ms_ = 0;
-  double told_s_ = 0;                    // real time of the last line about the progress
-  std::optional<FrameWork> drawn_work_;  // of the frame under way, if its time tells prices
-  double model_ms_ = 0;                  // time of the last drawn frame, by the device model
+  double told_s_ = 0;    // real time of the last line about the progress
+  bool priced_ = false;  // the time of the frame under way tells prices
+  double model_ms_ = 0;  // time of the last drawn frame, by the device model
   std::uint64_t programs_at_scene_ = 0, programs_in_draws_ = 0;
   Comparison comparison_;
 };
@@ -127,6 +129,7 @@ std::string next_of(const std::vector<std::string>& names, const std::string& na
   return found == names.end() || found + 1 == names.end() ? names.front() : *(found + 1);
 }
 
+constexpr double kRadians = 0.017453292519943295;  // of a degree
 constexpr double kToldEveryS = 5;
 constexpr double kKeptFrameS = 1.0 / 60;  // replaces the display's pace, which needs a swap
 constexpr double kRestS = 60;             // an event comes sooner or not at all
@@ -152,11 +155,7 @@ Result<void> Viewer::open_graphics() {
   }
   std::set<DrawMethod> flat = kAutoFlatMethods;
   if (kFlatMethods.count(o_.method.method) > 0) flat.insert(o_.method.method);
-  Result<FrameRenderer> renderer =
-      FrameRenderer::create(kAtlasEdge, atlas_layers(o_.atlas_mb), flat);
-  if (!renderer) return renderer.error();
-  renderer_.emplace(renderer.take());
-  return screen_.create(o_.width, o_.height);
+  return client_.attach({o_.width, o_.height, kAtlasEdge, atlas_layers(o_.atlas_mb), flat});
 }
 
 void Viewer::make_host() {
@@ -167,7 +166,6 @@ void Viewer::make_host() {
   host.net = o_.net;
   host.connect_timeout_s = o_.connect_timeout_s;
   if (window_) host.wake = &Window::wake;
-  host.content_changed = [this] { screen_.content_changed(); };
   ClientOptions& options = host.session;
   options.tau_px = o_.tau_px;
   options.targets = o_.targets;
@@ -176,8 +174,6 @@ void Viewer::make_host() {
   options.mesh_radii = o_.mesh_radii;
   if (o_.march_kpx >= 0) options.march_budget_px = 1000 * o_.march_kpx;
   options.method = o_.method;
-  options.atlas_edge = kAtlasEdge;
-  options.atlas_layers = atlas_layers(o_.atlas_mb);
   options.mesh_budget_bytes = static_cast<std::size_t>(o_.mesh_mb) * 1024 * 1024;
   options.upload_budget_bytes = static_cast<std::size_t>(o_.upload_kb) * 1024;
   options.relight = o_.relight;
@@ -187,19 +183,18 @@ void Viewer::make_host() {
   options.animation = o_.scene.animation == "on";
   options.choice = choice_;
   options.views = o_.views;
-  options.screen.fov_y = o_.fov_degrees * 0.017453292519943295;
-  options.screen.width = static_cast<std::uint32_t>(screen_.width());
-  options.screen.height = static_cast<std::uint32_t>(screen_.height());
+  options.screen.fov_y = o_.fov_degrees * kRadians;
+  options.screen.width = static_cast<std::uint32_t>(screen().width());
+  options.screen.height = static_cast<std::uint32_t>(screen().height());
   options.trace = !o_.trace_file.empty();
-  host_ = std::make_unique<ClientHost>(host, *renderer_);
+  host_ = std::make_unique<ClientHost>(host, client_);
 }
 
 // Gives frames prices from now on: those of the device model, or measured ones.
 void Viewer::price_frames() {
   if (o_.device_model) session().set_prices(*o_.device_model);
   if (o_.virtual_time) return;
-  prices_.emplace(*device_model(gl::is_software() ? "software" : "laptop"));
-  session().set_prices(prices_->model());
+  client_.set_prices(*device_model(gl::is_software() ? "software" : "laptop"));
 }
 
 // Returns the budget of a frame. By default it is the display's pace, or 20 frames a second on a
@@ -238,14 +233,7 @@ void Viewer::note_scene() {
 }
 
 Camera Viewer::camera_at(const Pose& pose) const {
-  Camera camera;
-  camera.pose = pose;
-  camera.fov_y = o_.fov_degrees * 0.017453292519943295;
-  camera.width = static_cast<std::uint32_t>(screen_.width());
-  camera.height = static_cast<std::uint32_t>(screen_.height());
-  const SceneView& scene = session().scene();
-  camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
-  return camera;
+  return client_.camera(pose, o_.fov_degrees * kRadians);
 }
 
 // Asks for the next clip or variant, if a key said so.
@@ -310,51 +298,53 @@ Pose Viewer::next_pose(std::int64_t now, double real_seconds) {
 }
 
 Result<void> Viewer::fit_target() {
-  int w = screen_.width(), h = screen_.height();
+  int w = screen().width(), h = screen().height();
   if (window_) window_->framebuffer_size(w, h);
-  return screen_.fit(w, h, session());
+  return client_.resize(w, h);
 }
 
-void Viewer::draw(const Camera& camera, const DrawList& list) {
-  const std::uint64_t programs = gl::programs_compiled();
-  screen_.draw(*renderer_, camera, list, session());
-  const std::uint64_t compiled = gl::programs_compiled() - programs;
+void Viewer::draw(FrameStep step) {
+  client_.draw();
+  if (step == FrameStep::kRefine) {
+    const PlannedFrame& planned = client_.planned();
+    if (o_.device_model) model_ms_ = o_.device_model->ms_of(work_of(planned, planned.camera, 1));
+    recorder_.lap(FrameStage::kDraw);
+  }
+  priced_ = false;
+  if (step != FrameStep::kDraw) return;
+  const std::uint64_t compiled = client_.compiled();
   if (compiled == 0) recorder_.lap(FrameStage::kDraw);
   glFinish();
   recorder_.lap(compiled > 0 ? FrameStage::kCompile : FrameStage::kFinish);
   programs_in_draws_ += compiled;
-  const FrameWork work = screen_.work(camera, list, session());
   if (o_.device_model) {
-    model_ms_ = o_.device_model->ms_of(work);
+    model_ms_ = o_.device_model->ms_of(client_.drawn_work());
     session().note_frame_ms(model_ms_);
   }
-  // A compilation happens only once, so it is no price.
-  drawn_work_ = prices_ && compiled == 0 ? std::optional(work) : std::nullopt;
+  priced_ = client_.prices() && compiled == 0;
 }
 
 // Learns what the last frame took. A software renderer copies the picture to the window itself;
 // elsewhere presenting only waits for the display.
 void Viewer::price(std::int64_t began_us, std::int64_t draw_began_us, std::int64_t shown_us) {
-  if (!drawn_work_) return;
-  const FrameWork work = *std::exchange(drawn_work_, std::nullopt);
+  if (!priced_) return;
   const std::int64_t end_us = gl::is_software() ? real_clock_.now_us() : shown_us;
   const double ms = static_cast<double>(end_us - draw_began_us) * 1e-3;
-  stats_.note_price(prices_->model().ms_of(work), ms);
-  prices_->add(work, ms);
-  session().note_frame_ms(ms, static_cast<double>(draw_began_us - began_us) * 1e-3);
-  session().set_prices(prices_->model());
+  stats_.note_price(client_.prices()->model().ms_of(client_.drawn_work()), ms);
+  client_.done(ms, static_cast<double>(draw_began_us - began_us) * 1e-3);
 }
 
 // Returns when the picture was ready to be presented.
-Result<std::int64_t> Viewer::show(const Camera& camera, const DrawList& list, std::int64_t now) {
-  presenter_->show(screen_.shown());
+Result<std::int64_t> Viewer::show(std::int64_t now) {
+  const PlannedFrame& planned = client_.planned();
+  presenter_->show(screen().shown());
   gl::encode_srgb(false);
-  Result<void> tinted = insight_->draw(static_cast<InsightLayer>(window_->layer()), *renderer_,
-                                       camera, session().scene(), list, session().tau_px(), now);
+  Result<void> tinted = insight_->draw(static_cast<InsightLayer>(window_->layer()),
+                                       client_.renderer(), planned.camera, planned, now);
   gl::encode_srgb(true);
   if (!tinted) return tinted.error();
   if (window_->overlay()) {
-    overlay_->draw(overlay_text(list, now), screen_.width(), screen_.height());
+    overlay_->draw(overlay_text(planned.list, now), screen().width(), screen().height());
   }
   glFinish();
   const std::int64_t shown_us = real_clock_.now_us();
@@ -388,7 +378,7 @@ void Viewer::note_drawn(const DrawList& list) {
 void Viewer::note_frame(const DrawList& list, double frame_ms, std::int64_t now) {
   if (session().light_changed()) stats_.add_light_lag(list, session().scene());
   stats_.note_plan(session().plan());
-  stats_.add_frame(list, renderer_->draw_calls(), frame_ms, now);
+  stats_.add_frame(list, client_.renderer().draw_calls(), frame_ms, now);
   if (const auto use = host_->link_use()) stats_.note_use(session().first_waits(), *use);
   stats_.note_traffic(host_->traffic(), now - start_us_);
   stats_.note_asked(session().tiles().asked, now - start_us_);
@@ -396,11 +386,11 @@ void Viewer::note_frame(const DrawList& list, double frame_ms, std::int64_t now)
 
 void Viewer::receive(std::int64_t now) {
   recorder_.begin();
-  const double uploaded_ms = host_->upload_ms();
-  if (Result<void> received = session().receive(now); !received) {
+  const double uploaded_ms = client_.upload_ms();
+  if (Result<void> received = client_.update(now); !received) {
     spdlog::warn("{}", received.error().line());
   }
-  recorder_.lap(FrameStage::kReceive, host_->upload_ms() - uploaded_ms);
+  recorder_.lap(FrameStage::kReceive, client_.upload_ms() - uploaded_ms);
 }
 
 void Viewer::record_frame(const DrawList& list) {
@@ -422,27 +412,19 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   note_link();
   if (Result<void> resized = fit_target(); !resized) return resized;
   set_light(now);
-  const SceneView& scene = session().scene();
-  const Camera camera = camera_at(next_pose(now, smooth_ms_ * 1e-3));
-  const DrawList list = session().frame(camera, now);
-  // The target gets the samples and the scale that were planned with this frame.
-  if (Result<void> fitted = fit_target(); !fitted) return fitted;
+  const Result<FrameStep> step = client_.plan(camera_at(next_pose(now, smooth_ms_ * 1e-3)), now);
+  if (!step) return step.error();
   recorder_.lap(FrameStage::kPlan);
-  const Screen::Step step = screen_.next(camera, list, session());
-  const bool drawn = step != Screen::Step::kKeep;
+  const DrawList& list = client_.planned().list;
+  const bool drawn = *step != FrameStep::kKeep;
   frame_kept_ = !drawn;
   resting_ = !drawn && session().at_rest();
   const std::int64_t draw_began_us = real_clock_.now_us();
-  if (step == Screen::Step::kDraw) draw(camera, list);
-  if (step == Screen::Step::kRefine) {
-    screen_.refine(*renderer_, camera, list, session());
-    if (o_.device_model) model_ms_ = o_.device_model->ms_of(work_of(scene, camera, list, 1));
-    recorder_.lap(FrameStage::kDraw);
-  }
-  stats_.note_gpu(renderer_->gpu_bytes(), screen_.gpu_bytes());
+  draw(*step);
+  stats_.note_gpu(client_.renderer().gpu_bytes(), screen().gpu_bytes());
   std::int64_t shown_us = real_clock_.now_us();
   if (window_ && (window_->take_refresh() || drawn)) {
-    const Result<std::int64_t> shown = show(camera, list, now);
+    const Result<std::int64_t> shown = show(now);
     if (!shown) return shown.error();
     shown_us = *shown;
   }
@@ -461,23 +443,24 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   if (!o_.out_dir.empty()) {
     const std::string path = fmt::format("{}/frame_{:05}.png", o_.out_dir, frame);
     const Result<void> written =
-        write_png(path, screen_.width(), screen_.height(), screen_.shown().read());
+        write_png(path, screen().width(), screen().height(), screen().shown().read());
     if (!written) return written;
   }
   if (o_.reference_every > 0 && frame > 0 && frame % o_.reference_every == 0) {
     const std::int64_t paused_at = host_->clock().now_us();
-    if (Result<void> compared = compare(camera, list); !compared) return compared;
+    if (Result<void> compared = compare(); !compared) return compared;
     host_->leave_out_since(paused_at);  // comparing is no part of the session
   }
   return {};
 }
 
-Result<void> Viewer::compare(const Camera& camera, const DrawList& list) {
-  const std::vector<std::uint8_t> drawn = screen_.shown().read();
+Result<void> Viewer::compare() {
+  const PlannedFrame& planned = client_.planned();
+  const std::vector<std::uint8_t> drawn = screen().shown().read();
   const Result<ReferenceFrame> reference =
-      host_->reference(camera, static_cast<std::uint32_t>(o_.reference_supersample));
+      host_->reference(planned.camera, static_cast<std::uint32_t>(o_.reference_supersample));
   if (!reference) return reference.error();
-  return comparison_.add({camera, list, session().scene(), drawn, *reference,
+  return comparison_.add({planned.camera, planned.list, *planned.scene, drawn, *reference,
                           session().frame_number(), o_.reference_supersample},
                          stats_, o_.out_dir);
 }
@@ -500,10 +483,11 @@ std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {
       "image\nbound {:.1f} px "
       "worst, expected FLIP {:.3f}, "
       "{} of {} over tau\ntile age {:.1f} s median\n{:.2f} MB down, round trip {} ms{}{}",
-      1000.0 / std::max(smooth_ms_, 0.1), renderer_->draw_calls(), budget, plan.setting().scale,
-      plan.setting().samples, list.impostors.size(), list.meshes.size(), list.placeholders.size(),
-      bound, plan.expected_flip(), list.over_tau, list.visible, quantile(ages_ms, 0.5) / 1000.0f,
-      static_cast<double>(traffic.bytes_down) * 1e-6, session().round_trip_us() / 1000,
+      1000.0 / std::max(smooth_ms_, 0.1), client_.renderer().draw_calls(), budget,
+      plan.setting().scale, plan.setting().samples, list.impostors.size(), list.meshes.size(),
+      list.placeholders.size(), bound, plan.expected_flip(), list.over_tau, list.visible,
+      quantile(ages_ms, 0.5) / 1000.0f, static_cast<double>(traffic.bytes_down) * 1e-6,
+      session().round_trip_us() / 1000,
       session().scene().geometry ? "" : "\nthe server keeps its geometry: images only",
       native().connected() ? "" : "\nOFFLINE: showing what is here, reconnecting");
 }
@@ -585,7 +569,7 @@ Result<void> Viewer::finish() {
   end.renderer = gl::renderer_name();
   end.method = o_.method_name;
   end.tau_px = o_.tau_px;
-  end.samples = screen_.samples();
+  end.samples = screen().samples();
   end.wall_s = static_cast<double>(real_clock_.now_us()) * 1e-6;
   std::fputs(stats_.table(end).c_str(), stdout);
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {

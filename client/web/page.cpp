@@ -11,8 +11,10 @@
 #include <memory>
 
 #include "client/frame/reference_frame.h"
+#include "client/price/cost_model.h"
 #include "client/scene/scene_view.h"
 #include "client/screen/pilot.h"
+#include "client/session/client_session.h"
 #include "client/web/web_viewer.h"
 
 // clang-format off
@@ -302,7 +304,7 @@ EMSCRIPTEN_KEEPALIVE void page_ask_reference(int supersample) {
 /// renders none.
 EMSCRIPTEN_KEEPALIVE int page_reference() {
   mirage::Page& p = page();
-  if (std::optional<mirage::ReferenceFrame> frame = p.viewer->take_reference()) {
+  if (std::optional<mirage::ReferenceFrame> frame = p.viewer->session().take_reference()) {
     p.rgba = std::move(frame->rgba);
     return 1;
   }

@@ -7,11 +7,15 @@
 #include <cmath>
 #include <cstdio>
 
+#include "client/draw/frame_renderer.h"
+#include "client/frame/planned_frame.h"
 #include "client/hold/tile_cache.h"
 #include "client/plan/frame_plan.h"
+#include "client/price/cost_fit.h"
 #include "client/scene/scene_view.h"
-#include "client/screen/renderer_sink.h"
+#include "client/screen/screen.h"
 #include "client/screen/viewer_defaults.h"
+#include "client/session/client_session.h"
 #include "protocol/base/quantile.h"
 #include "protocol/base/stable_math.h"
 #include "shaders/gl/dialect.h"
@@ -42,8 +46,6 @@ ClientOptions session_options(const WebOptions& o) {
   s.frame_ms = budget_ms(o);
   s.token = o.token;
   s.choice = o.choice;
-  s.atlas_edge = kAtlasEdge;
-  s.atlas_layers = atlas_layers(o.atlas_mb);
   s.mesh_budget_bytes = std::size_t{static_cast<unsigned>(o.mesh_mb)} << 20;
   s.screen.fov_y = WebViewer::kFovY;
   s.screen.width = static_cast<std::uint32_t>(o.width);
@@ -56,91 +58,65 @@ constexpr double kRadians = 0.017453292519943295;  // of a degree
 }  // namespace
 
 WebViewer::WebViewer(const WebOptions& options, std::function<void(const Bytes&)> write)
-    : options_(options),
-      link_(std::move(write)),
-      prices_(*device_model(gl::is_software() ? "software" : "laptop")) {}
+    : options_(options), link_(std::move(write)) {}
 
 WebViewer::~WebViewer() = default;
 
 Result<std::unique_ptr<WebViewer>> WebViewer::create(const WebOptions& options,
                                                      std::function<void(const Bytes&)> write) {
   std::unique_ptr<WebViewer> out(new WebViewer(options, std::move(write)));
-  Result<FrameRenderer> renderer =
-      FrameRenderer::create(kAtlasEdge, atlas_layers(options.atlas_mb));
-  if (!renderer) return renderer.error();
-  out->renderer_.emplace(renderer.take());
+  ClientGraphics graphics;
+  graphics.width = options.width;
+  graphics.height = options.height;
+  graphics.atlas_edge = kAtlasEdge;
+  graphics.atlas_layers = atlas_layers(options.atlas_mb);
+  if (Result<void> made = out->client_.attach(graphics); !made) return made.error();
   Result<Presenter> presenter = Presenter::create();
   if (!presenter) return presenter.error();
   out->presenter_ = presenter.take();
   Result<Insight> insight = Insight::create();
   if (!insight) return insight.error();
   out->insight_ = insight.take();
-  if (Result<void> made = out->screen_.create(options.width, options.height); !made) {
-    return made.error();
-  }
-  SinkHooks hooks;
   WebViewer* const self = out.get();
-  hooks.scene = [self]() -> const SceneView& { return self->session_->scene(); };
-  hooks.changed = [self] { self->screen_.content_changed(); };
-  hooks.failed = [self](const Error& error) { self->problem_ = error.text; };
-  TileSink sink = timed(
-      renderer_sink(*out->renderer_, hooks), [] { return emscripten_get_now(); }, self->upload_ms_);
-  out->session_ =
-      std::make_unique<ClientSession>(out->link_, session_options(options), std::move(sink));
-  out->session_->set_prices(out->prices_.model());
-  out->programs_ = gl::programs_compiled();
+  out->client_.set_prices(*device_model(gl::is_software() ? "software" : "laptop"));
+  out->client_.open(out->link_, session_options(options),
+                    [self](const Error& error) { self->problem_ = error.text; });
   return out;
 }
 
-Camera WebViewer::camera() const {
-  Camera camera;
-  camera.pose = pose_;
-  camera.fov_y = fov_y_;
-  camera.width = static_cast<std::uint32_t>(screen_.width());
-  camera.height = static_cast<std::uint32_t>(screen_.height());
-  const SceneView& scene = session_->scene();
-  camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
-  return camera;
-}
+Camera WebViewer::camera() const { return client_.camera(pose_, fov_y_); }
 
 Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int height) {
-  upload_ms_ = 0;
-  const double began = emscripten_get_now();
-  Result<void> received = session_->receive(now_us);
+  const double began = emscripten_get_now(), uploaded = client_.upload_ms();
+  Result<void> received = client_.update(now_us);
+  upload_ms_ = client_.upload_ms() - uploaded;
   decode_ms_ = emscripten_get_now() - began - upload_ms_;
   if (!received) problem_ = received.error().text;
   if (!met_ && home_known()) {
-    pilot_.meet(session_->scene());
+    pilot_.meet(session().scene());
     met_ = true;
   }
   if (!posed_ && home_known()) go_home();
-  if (pilot_.needs_ground()) session_->want_ground(pose_.eye, now_us);
-  if (Result<void> fitted = screen_.fit(width, height, *session_); !fitted) return fitted.error();
-  Camera seen = camera();
-  list_ = session_->frame(seen, now_us);
-  // The target gets the samples and the scale that were planned with this frame.
-  if (Result<void> fitted = screen_.fit(width, height, *session_); !fitted) return fitted.error();
-  const Screen::Step step = screen_.next(seen, list_, *session_);
+  if (pilot_.needs_ground()) session().want_ground(pose_.eye, now_us);
+  if (Result<void> sized = client_.resize(width, height); !sized) return sized.error();
+  const Result<FrameStep> step = client_.plan(camera(), now_us);
+  if (!step) return step.error();
   Frame out;
-  out.drawn = step != Screen::Step::kKeep;
-  out.resting = !out.drawn && session_->at_rest();
-  out.drawable = session_->drawable();
-  if (step == Screen::Step::kDraw) {
-    screen_.draw(*renderer_, seen, list_, *session_);
-    note_work(screen_.work(seen, list_, *session_));
-  }
-  if (step == Screen::Step::kRefine) screen_.refine(*renderer_, seen, list_, *session_);
+  out.drawn = *step != FrameStep::kKeep;
+  out.resting = !out.drawn && session().at_rest();
+  out.drawable = session().drawable();
+  client_.draw();
+  if (*step == FrameStep::kDraw) note_work();
   if (out.drawn || layer_ != InsightLayer::kNone) {
-    const FrameTarget& shown = screen_.shown();
+    const FrameTarget& shown = client_.screen().shown();
     fit_canvas(shown.drawn_width(), shown.drawn_height());
     presenter_.show_as_drawn(shown);
-    Result<void> tinted = insight_.draw(layer_, *renderer_, shown.drawn_camera(seen),
-                                        session_->scene(), list_, session_->tau_px(), now_us);
+    Result<void> tinted =
+        insight_.draw(layer_, client_.renderer(), shown.drawn_camera(client_.planned().camera),
+                      client_.planned(), now_us);
     if (!tinted) return tinted.error();
   }
-  if (out.drawn) {
-    session_->note_drawn(now_us);
-  }
+  if (out.drawn) session().note_drawn(now_us);
   return out;
 }
 
@@ -152,14 +128,12 @@ void WebViewer::fit_canvas(int width, int height) {
   canvas_height_ = height;
 }
 
-void WebViewer::note_work(const FrameWork& work) {
-  const bool compiled = gl::programs_compiled() != programs_;  // a compilation happens only once
-  programs_ = gl::programs_compiled();
+void WebViewer::note_work() {
   ++drawn_frames_;
   const bool same = pose_.eye == priced_pose_.eye && pose_.rotation == priced_pose_.rotation;
   seen_from_it_ = same ? seen_from_it_ + 1 : 0;
   priced_pose_ = pose_;
-  drawn_.push_back({drawn_frames_, work, compiled});
+  drawn_.push_back({drawn_frames_, client_.drawn_work(), client_.compiled() > 0});
   if (drawn_.size() > kMostUnpriced) drawn_.pop_front();
 }
 
@@ -170,8 +144,7 @@ void WebViewer::note_gpu_ms(std::uint64_t frame, double ms) {
   if (prices_rest()) return;
   for (const Drawn& drawn : drawn_) {
     if (drawn.frame != frame || drawn.compiled) continue;
-    prices_.add(drawn.work, ms);
-    session_->set_prices(prices_.model());
+    client_.learn(drawn.work, ms);
   }
 }
 
@@ -188,7 +161,7 @@ void WebViewer::note_interval_ms(double ms) {
   }
   // The display shows a picture at its next refresh after it is ready, half a period later on
   // average.
-  session_->note_frame_ms(ms - 0.5 * options_.display_ms);
+  session().note_frame_ms(ms - 0.5 * options_.display_ms);
   paced_.work += drawn_.back().work;
   paced_.ms += ms;
   if (++paced_.frames < kPacedFrames) return;
@@ -198,48 +171,46 @@ void WebViewer::note_interval_ms(double ms) {
   paced_ = {};
   const bool in_pace = mean <= kSameDisplay * options_.display_ms;
   // The graphics card's own clock is more exact.
-  if (timed_ || (in_pace && prices_.model().ms_of(work) <= mean)) return;
-  prices_.add(work, mean);
-  session_->set_prices(prices_.model());
+  if (timed_ || (in_pace && prices().ms_of(work) <= mean)) return;
+  client_.learn(work, mean);
 }
 
-void WebViewer::set_prices(const CostModel& prices) {
-  prices_ = CostFit(prices);
-  session_->set_prices(prices);
-}
+const CostModel& WebViewer::prices() const { return client_.prices()->model(); }
 
 void WebViewer::probe() {
-  const Camera seen = camera();
-  const DrawList nothing;
+  PlannedFrame nothing;
+  nothing.camera = camera();
+  nothing.scene = &session().scene();
+  nothing.lighting = session().lighting();
   const auto draw = [&] {
-    screen_.draw(*renderer_, seen, nothing, *session_);
-    screen_.shown().read();  // only reading waits for the graphics card here
+    client_.screen().draw(client_.renderer(), nothing);
+    client_.screen().shown().read();  // only reading waits for the graphics card here
   };
   draw();  // programs are finished at their first use
   const double began = emscripten_get_now();
   for (int i = 0; i < kProbeFrames; ++i) draw();
   const double ms = (emscripten_get_now() - began) / kProbeFrames;
-  const double expected = prices_.model().ms_of(screen_.work(seen, nothing, *session_));
+  const double expected = prices().ms_of(client_.screen().work(nothing));
   if (!(ms > 0) || !(expected > 0)) return;
-  CostModel prices = prices_.model();
+  CostModel prices = this->prices();
   for (double& price : prices.ms) price *= std::clamp(ms / expected, 1 / kMostScaled, kMostScaled);
-  set_prices(prices);
-  screen_.content_changed();
+  client_.set_prices(prices);
+  client_.screen().content_changed();
 }
 
 void WebViewer::steer(const Steering& by) {
-  if (by.moves()) pilot_.look_ahead(session_->scene(), camera());
-  pilot_.steer(by, camera().fov_y, session_->ground(), pose_);
+  if (by.moves()) pilot_.look_ahead(session().scene(), camera());
+  pilot_.steer(by, camera().fov_y, session().ground(), pose_);
 }
 
 bool WebViewer::aim(const glm::dvec2& place) {
-  const std::optional<Seen> seen = seen_at(session_->scene(), camera(), place);
+  const std::optional<Seen> seen = seen_at(session().scene(), camera(), place);
   if (seen) pilot_.aim(seen->point);
   return seen.has_value();
 }
 
 std::string WebViewer::name_at(const glm::dvec2& place) const {
-  const SceneView& scene = session_->scene();
+  const SceneView& scene = session().scene();
   const std::optional<Seen> seen = seen_at(scene, camera(), place);
   return seen ? scene.objects[scene.instances[seen->instance].object].name : "";
 }
@@ -247,20 +218,25 @@ std::string WebViewer::name_at(const glm::dvec2& place) const {
 void WebViewer::set_pose(const Pose& pose) {
   pose_ = pose;
   posed_ = true;
-  if (!home_known()) session_->start_at(pose);  // the first picture is of the place of the link
+  if (!home_known()) session().start_at(pose);  // the first picture is of the place of the link
 }
 
 void WebViewer::go_home() {
-  const HomeView& home = session_->scene().home;
+  const HomeView& home = session().scene().home;
   pose_ = home_pose(home, camera());
   pilot_.aim(home.target);
   posed_ = true;
 }
 
-void WebViewer::set_pace(double share) { session_->set_frame_ms(share * budget_ms(options_)); }
+void WebViewer::choose(SceneChoice choice) { session().choose(std::move(choice)); }
+void WebViewer::play(bool playing, std::int64_t now_us) { session().play(playing, now_us); }
+bool WebViewer::home_known() const { return session().scene().welcomed(); }
+bool WebViewer::has_ground() const { return session().scene().home.walk_eye_m > 0; }
+
+void WebViewer::set_pace(double share) { session().set_frame_ms(share * budget_ms(options_)); }
 
 std::optional<std::array<double, 2>> WebViewer::own_sun() const {
-  for (const Light& one : session_->scene().lighting.lights) {
+  for (const Light& one : session().scene().lighting.lights) {
     if (one.kind != LightKind::kDirectional) continue;
     const glm::dvec3 to_sun = -glm::dvec3(one.direction);
     return std::array<double, 2>{std::atan2(to_sun.x, -to_sun.z) / kRadians,
@@ -270,7 +246,7 @@ std::optional<std::array<double, 2>> WebViewer::own_sun() const {
 }
 
 void WebViewer::set_sun(std::optional<std::array<double, 2>> at, std::int64_t now_us) {
-  Lighting light = session_->scene().lighting;
+  Lighting light = session().scene().lighting;
   if (at) {
     const double azimuth = (*at)[0] * kRadians, elevation = (*at)[1] * kRadians;
     const glm::dvec3 to_sun(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
@@ -279,38 +255,42 @@ void WebViewer::set_sun(std::optional<std::array<double, 2>> at, std::int64_t no
       if (one.kind == LightKind::kDirectional) one.direction = glm::vec3(-to_sun);
     }
   }
-  session_->set_lighting(light, now_us);
+  session().set_lighting(light, now_us);
 }
 
 void WebViewer::set_background(const std::optional<glm::vec3>& color) {
-  renderer_->set_background(color);
-  screen_.content_changed();
+  client_.renderer().set_background(color);
+  client_.screen().content_changed();
 }
 
 void WebViewer::show_layer(InsightLayer layer) {
   layer_ = layer;
-  screen_.content_changed();
+  client_.screen().content_changed();
 }
+
+std::vector<std::uint8_t> WebViewer::pixels() const { return client_.screen().shown().read(); }
+int WebViewer::width() const { return client_.screen().width(); }
+int WebViewer::height() const { return client_.screen().height(); }
 
 std::string WebViewer::renderer() const { return gl::renderer_name(); }
 
 void WebViewer::ask_reference(std::uint32_t supersample) {
-  session_->ask_reference(camera(), supersample);
+  session().ask_reference(camera(), supersample);
 }
 
 std::string WebViewer::figures(std::int64_t now_us) const {
   double bound = 0;
   std::size_t relit = 0;
   std::vector<float> ages_ms;
-  for (const DrawnImpostor& drawn : list_.impostors) {
+  for (const DrawnImpostor& drawn : client_.planned().list.impostors) {
     relit += drawn.tile->relit ? 1 : 0;
     if (std::isfinite(drawn.bound_px)) bound = std::max(bound, drawn.bound_px);
     ages_ms.push_back(static_cast<float>(now_us - drawn.tile->received_us) / 1000.0f);
   }
-  const FramePlan& plan = session_->plan();
+  const FramePlan& plan = session().plan();
   const LinkTraffic traffic = link_.traffic();
-  const GpuBytes gpu = renderer_->gpu_bytes();
-  const TileCounts tiles = session_->tiles();
+  const GpuBytes gpu = client_.renderer().gpu_bytes();
+  const TileCounts tiles = session().tiles();
   char text[1536];
   std::snprintf(
       text, sizeof(text),
@@ -325,20 +305,22 @@ std::string WebViewer::figures(std::int64_t now_us) const {
       "\"tilesReceived\":%llu,"
       "\"codec\":\"%s\",\"gpuBytes\":%zu,\"targetBytes\":%zu,\"drawnFrames\":%llu,"
       "\"software\":%s}",
-      session_->scene().complete() ? "true" : "false", session_->at_rest() ? "true" : "false",
-      screen_.refined() ? "true" : "false", session_->awaits_new_scene() ? "true" : "false",
-      session_->scene().reference ? "true" : "false", session_->scene().geometry ? "true" : "false",
+      session().scene().complete() ? "true" : "false", session().at_rest() ? "true" : "false",
+      client_.screen().refined() ? "true" : "false",
+      session().awaits_new_scene() ? "true" : "false",
+      session().scene().reference ? "true" : "false", session().scene().geometry ? "true" : "false",
       plan.limited() ? plan.budget_ms() : 0.0, plan.expected_ms(),
       plan.limited() ? plan.planned_ms() : 0.0, plan.lambda(), plan.setting().scale,
-      plan.setting().samples, renderer_->draw_calls(), list_.impostors.size(), relit,
-      list_.meshes.size(), list_.placeholders.size(), list_.view ? "true" : "false", bound,
-      plan.expected_flip(), session_->tau_px(), list_.over_tau, list_.visible,
-      static_cast<double>(quantile(ages_ms, 0.5)) / 1000,
+      plan.setting().samples, client_.renderer().draw_calls(),
+      client_.planned().list.impostors.size(), relit, client_.planned().list.meshes.size(),
+      client_.planned().list.placeholders.size(), client_.planned().list.view ? "true" : "false",
+      bound, plan.expected_flip(), session().tau_px(), client_.planned().list.over_tau,
+      client_.planned().list.visible, static_cast<double>(quantile(ages_ms, 0.5)) / 1000,
       static_cast<unsigned long long>(traffic.bytes_down),
       static_cast<unsigned long long>(traffic.bytes_up),
-      static_cast<long long>(session_->round_trip_us() / 1000), session_->in_flight(),
+      static_cast<long long>(session().round_trip_us() / 1000), session().in_flight(),
       static_cast<unsigned long long>(tiles.asked), static_cast<unsigned long long>(tiles.received),
-      codec_name(session_->codec()), gpu.all(), screen_.gpu_bytes(),
+      codec_name(session().codec()), gpu.all(), client_.screen().gpu_bytes(),
       static_cast<unsigned long long>(drawn_frames_), gl::is_software() ? "true" : "false");
   return text;
 }

@@ -13,14 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "client/draw/frame_renderer.h"
+#include "client/door/client.h"
 #include "client/draw/insight.h"
 #include "client/draw/presenter.h"
-#include "client/frame/draw_list.h"
-#include "client/price/cost_fit.h"
+#include "client/price/frame_work.h"
 #include "client/screen/pilot.h"
-#include "client/screen/screen.h"
-#include "client/session/client_session.h"
 #include "client/web/browser_link.h"
 #include "protocol/impostor/camera.h"
 #include "protocol/model/scene_types.h"
@@ -46,7 +43,8 @@ class WebViewer {
   ~WebViewer();
 
   BrowserLink& link() { return link_; }
-  const ClientSession& session() const { return *session_; }
+  ClientSession& session() { return client_.session(); }
+  const ClientSession& session() const { return client_.session(); }
 
   struct Frame {
     bool drawn = false;     ///< a new picture was drawn
@@ -64,7 +62,7 @@ class WebViewer {
   bool flies() const { return pilot_.flies(); }
   void set_flies(bool flies) { pilot_.set_flies(flies); }
   /// True if the scene is walked on its ground.
-  bool has_ground() const { return session_->scene().home.walk_eye_m > 0; }
+  bool has_ground() const;
   void set_steer_mode(SteerMode mode) { pilot_.set_mode(mode); }
   /// Makes what is seen at a place of the picture (0 to 1, right and down) the pivot. False:
   /// nothing is there, and the pivot stays.
@@ -81,9 +79,9 @@ class WebViewer {
   /// Sets how much of the usual time a moving picture may take: less is smoother, more is sharper.
   void set_pace(double share);
   /// Sets the clip and the variant to ask for on the next connection.
-  void choose(SceneChoice choice) { session_->choose(std::move(choice)); }
-  void play(bool playing, std::int64_t now_us) { session_->play(playing, now_us); }
-  bool home_known() const { return session_->scene().welcomed(); }
+  void choose(SceneChoice choice);
+  void play(bool playing, std::int64_t now_us);
+  bool home_known() const;
   /// Sets the direction of the sun by its place in the sky, degrees: azimuth from -z (the eye's
   /// usual direction) to the right, and elevation. The strengths stay the scene's. nullopt: the
   /// scene's own light.
@@ -100,8 +98,8 @@ class WebViewer {
   double decode_ms() const { return decode_ms_; }
   double upload_ms() const { return upload_ms_; }
   std::uint64_t drawn_frames() const { return drawn_frames_; }
-  const CostModel& prices() const { return prices_.model(); }
-  void set_prices(const CostModel& prices);
+  const CostModel& prices() const;
+  void set_prices(const CostModel& prices) { client_.set_prices(prices); }
   /// Scales all prices: draws only a background a few times, waits for it, and compares the time.
   void probe();
 
@@ -111,12 +109,11 @@ class WebViewer {
   void show_layer(InsightLayer layer);
 
   void ask_reference(std::uint32_t supersample);
-  std::optional<ReferenceFrame> take_reference() { return session_->take_reference(); }
   /// Returns the shown picture: RGBA, rows from the top.
-  std::vector<std::uint8_t> pixels() const { return screen_.shown().read(); }
+  std::vector<std::uint8_t> pixels() const;
   std::string renderer() const;  ///< name of what draws
-  int width() const { return screen_.width(); }
-  int height() const { return screen_.height(); }
+  int width() const;
+  int height() const;
 
   /// Returns the figures for the page's strip, as JSON.
   std::string figures(std::int64_t now_us) const;
@@ -137,32 +134,27 @@ class WebViewer {
     double ms = 0;
   };
   void fit_canvas(int width, int height);
-  void note_work(const FrameWork& work);
+  void note_work();
   bool prices_rest() const;
 
   const WebOptions options_;
   BrowserLink link_;
-  std::optional<FrameRenderer> renderer_;
+  Client client_;
   Presenter presenter_;
-  Screen screen_;
   Insight insight_;
   InsightLayer layer_ = InsightLayer::kNone;
-  std::unique_ptr<ClientSession> session_;
-  CostFit prices_;
   Pilot pilot_;
   bool met_ = false;  ///< the pilot knows the scene
   Pose pose_;
   double fov_y_ = kFovY;
   bool posed_ = false;
   int canvas_width_ = 0, canvas_height_ = 0;
-  DrawList list_;  // of the last frame
   std::deque<Drawn> drawn_;
   Paced paced_;
   bool timed_ = false;  ///< the graphics card's clock can be read
   std::uint64_t drawn_frames_ = 0;
   Pose priced_pose_;      // pose of the last drawn frames
   int seen_from_it_ = 0;  // number of frames from that pose
-  std::uint64_t programs_ = 0;
   double decode_ms_ = 0, upload_ms_ = 0;
   std::string problem_;  // last problem of drawing
 };

@@ -13,21 +13,21 @@ Result<std::unique_ptr<BenchClient>> BenchClient::create(const HostOptions& host
   Result<gl::EglContext> egl = gl::EglContext::create("auto");
   if (!egl) return egl.error();
   out->egl_ = std::move(*egl);
-  Result<FrameRenderer> renderer =
-      FrameRenderer::create(host.session.atlas_edge, host.session.atlas_layers);
-  if (!renderer) return renderer.error();
-  out->renderer_.emplace(renderer.take());
+  ClientGraphics graphics;
+  graphics.atlas_edge = host.session.atlas_edge;
+  graphics.atlas_layers = host.session.atlas_layers;
+  if (Result<void> made = out->client_.attach(graphics); !made) return made.error();
   Result<FrameTarget> target = FrameTarget::create(view.width, view.height, view.samples);
   if (!target) return target.error();
   out->target_.emplace(target.take());
-  out->host_ = std::make_unique<ClientHost>(host, *out->renderer_);
+  out->host_ = std::make_unique<ClientHost>(host, out->client_);
   if (Result<void> opened = out->host_->open(); !opened) return opened.error();
   if (Result<void> met = out->host_->wait_for_scene(); !met) return met.error();
   return out;
 }
 
-void BenchClient::draw(const FrameTarget& target, const Camera& camera, const DrawList& list) {
-  renderer_->draw(target, camera, scene(), list, session().lighting());
+void BenchClient::draw(const FrameTarget& target, const PlannedFrame& frame) {
+  client_.renderer().draw(target, frame);
   glFinish();
 }
 

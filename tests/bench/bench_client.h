@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "client/draw/frame_renderer.h"
+#include "client/door/client.h"
 #include "client/draw/frame_target.h"
 #include "client/frame/draw_list.h"
 #include "client/host/client_host.h"
@@ -28,12 +28,12 @@ class BenchClient {
   const SceneView& scene() const { return host_->session().scene(); }
   const FrameTarget& target() const { return *target_; }
   /// Draws what the session planned, with its lighting, and waits until it is drawn.
-  void draw(const FrameTarget& target, const Camera& camera, const DrawList& list);
+  void draw(const FrameTarget& target, const PlannedFrame& frame);
 
  private:
   BenchClient() = default;
   gl::EglContext egl_;
-  std::optional<FrameRenderer> renderer_;
+  Client client_;
   std::optional<FrameTarget> target_;
   std::unique_ptr<ClientHost> host_;
 };

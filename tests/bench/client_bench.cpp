@@ -6,6 +6,7 @@
 
 #include "client/draw/frame_renderer.h"
 #include "client/frame/camera_path.h"
+#include "client/frame/planned_frame.h"
 #include "client/host/methods.h"
 #include "client/link/link.h"
 #include "client/link/modelled_link.h"
@@ -145,16 +146,14 @@ class Client {
   void plan(const Camera& camera) {
     host().virtual_clock()->advance_to_us(host().now_us() + kFrameUs);
     (void)host().session().receive(host().now_us());
-    list_ = host().session().frame(camera, host().now_us());
+    planned_ = host().session().frame(camera, host().now_us());
   }
   void plan_and_draw(const Camera& camera) {
     plan(camera);
-    draw(target(), camera);
+    draw(target());
   }
   /// Draws what was planned last.
-  void draw(const FrameTarget& target, const Camera& camera) {
-    client_->draw(target, camera, list_);
-  }
+  void draw(const FrameTarget& target) { client_->draw(target, planned_); }
   /// Plans frames until nothing more is expected to arrive.
   void settle(const Camera& camera) {
     for (int frame = 0; frame < kSettleFrames; ++frame) {
@@ -171,11 +170,11 @@ class Client {
   }
   const FrameTarget& target() const { return client_->target(); }
   ClientHost& host() { return client_->host(); }
-  const DrawList& list() const { return list_; }
+  const DrawList& list() const { return planned_.list; }
 
  private:
   std::unique_ptr<BenchClient> client_;
-  DrawList list_;
+  PlannedFrame planned_;
 };
 
 NetModel fast_link() {
@@ -303,11 +302,11 @@ Result<std::vector<Row>> field(const Conditions& conditions) {
       if (drawn) {
         double wall_s = 0;
         const double four_s = seconds(Time::kCpu, [&] {
-          wall_s = seconds(Time::kWall, [&] { client.draw(client.target(), camera); });
+          wall_s = seconds(Time::kWall, [&] { client.draw(client.target()); });
         });
         four_wall_ms.push_back(1e3 * wall_s);
         four_ms.push_back(1e3 * (plan_s + four_s));
-        const double one_s = seconds(Time::kCpu, [&] { client.draw(*plain, camera); });
+        const double one_s = seconds(Time::kCpu, [&] { client.draw(*plain); });
         one_ms.push_back(1e3 * (plan_s + one_s));
       }
       const bool shows = !client.list().impostors.empty();

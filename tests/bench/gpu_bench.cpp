@@ -6,6 +6,8 @@
 #include <chrono>
 
 #include "client/draw/impostor_atlas.h"
+#include "client/hold/tile_cache.h"
+#include "protocol/codec/atlas_planes.h"
 #include "server/render/gpu_scene.h"
 #include "server/render/readback_ring.h"
 #include "server/render/tile_page.h"

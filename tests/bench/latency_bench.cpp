@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "client/draw/frame_renderer.h"
+#include "client/frame/planned_frame.h"
 #include "client/host/methods.h"
 #include "client/native/native_link.h"
 #include "client/screen/viewer_defaults.h"
@@ -54,7 +55,7 @@ class EagerClient {
     ClientHost& host = client_->host();
     for (int frame = 0; frame < 200; ++frame) {
       if (Result<void> came = session().receive(host.now_us()); !came) return came;
-      client_->draw(client_->target(), camera, session().frame(camera, host.now_us()));
+      client_->draw(client_->target(), session().frame(camera, host.now_us()));
       session().note_drawn(host.now_us());
       if (session().in_flight() == 0 && frame > 1) return {};
       if (session().in_flight() > 0) host.native().wait_message(kReplyTimeoutMs);

@@ -6,6 +6,7 @@
 
 #include "client/draw/frame_renderer.h"
 #include "client/frame/camera_path.h"
+#include "client/frame/planned_frame.h"
 #include "client/price/cost_fit.h"
 #include "client/screen/viewer_defaults.h"
 #include "protocol/base/quantile.h"
@@ -83,16 +84,16 @@ Result<std::vector<Frame>> measure(const Walk& walk, int frames) {
     client.host().virtual_clock()->advance_to_us(client.host().now_us() + kFrameUs);
     (void)client.session().receive(client.host().now_us());
     const Camera camera = camera_at(client, path->at(frame / 60.0));
-    const DrawList list = client.session().frame(camera, client.host().now_us());
+    const PlannedFrame planned = client.session().frame(camera, client.host().now_us());
     if (frame % kDrawnEvery != kDrawnEvery - 1) continue;
     for (const int samples : {1, 4}) {
       const FrameTarget& target = samples == 1 ? client.target() : *four;
       double s = HUGE_VAL;
-      client.draw(target, camera, list);  // the first drawing takes longer
+      client.draw(target, planned);  // the first drawing takes longer
       for (int k = 0; k < 2; ++k) {
-        s = std::min(s, seconds(Time::kCpu, [&] { client.draw(target, camera, list); }));
+        s = std::min(s, seconds(Time::kCpu, [&] { client.draw(target, planned); }));
       }
-      out.push_back({work_of(client.scene(), camera, list, samples), 1e3 * s});
+      out.push_back({work_of(planned, camera, samples), 1e3 * s});
     }
   }
   return out;

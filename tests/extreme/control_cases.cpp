@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "client/frame/planned_frame.h"
 #include "client/plan/tau_controller.h"
 #include "client/price/cost_fit.h"
 #include "client/scene/scene_view.h"
@@ -249,7 +250,7 @@ Outcome broken_meter(const Conditions&) {
     FrameWork work;
     while (rig.now_s() < end) {
       const DrawList list = rig.frame(still(0));
-      work = work_of(rig.session.scene(), rig.camera, list, 1);
+      work = work_of({rig.camera, &rig.session.scene(), list, {}}, rig.camera, 1);
       fit.add(work, times * usual_prices.ms_of(work));
       rig.session.set_prices(fit.model());
     }

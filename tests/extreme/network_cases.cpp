@@ -6,6 +6,7 @@
 #include <map>
 
 #include "client/draw/frame_target.h"
+#include "client/frame/planned_frame.h"
 #include "protocol/base/quantile.h"
 #include "protocol/codec/atlas_planes.h"
 #include "tests/extreme/network_links.h"
@@ -234,7 +235,7 @@ std::vector<Pixels> pictures(const std::function<std::unique_ptr<Link>(Link&)>& 
       if (!renderer->upload(*copy, texels[copy->serial])) checks.failed("no room for a tile");
       d.tile = copy;
     }
-    renderer->draw(*target, rig.camera, rig.session.scene(), list, rig.session.lighting());
+    renderer->draw(*target, {rig.camera, &rig.session.scene(), list, rig.session.lighting()});
     out.push_back(target->read());
   }
   received = rig.session.tiles().received;

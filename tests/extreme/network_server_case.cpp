@@ -14,6 +14,7 @@
 #include <memory>
 #include <thread>
 
+#include "client/frame/planned_frame.h"
 #include "client/native/native_link.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
@@ -89,7 +90,7 @@ class Client {
         look_at(home.target + glm::dvec3(std::sin(angle) * off.z, off.y, std::cos(angle) * off.z),
                 home.target);
     camera.fit_depth_range(session.scene().bounds_center, session.scene().bounds_radius);
-    list = session.frame(camera, began);
+    list = session.frame(camera, began).list;
     getrusage(RUSAGE_THREAD, &after);
     const bool waited = after.ru_nvcsw != before.ru_nvcsw;
     const double wall_ms = static_cast<double>(clock.now_us() - began) * 1e-3;

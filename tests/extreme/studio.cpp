@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "client/draw/frame_target.h"
+#include "client/frame/planned_frame.h"
 #include "client/plan/tile_need.h"
 #include "protocol/base/stable_math.h"
 #include "protocol/codec/atlas_planes.h"
@@ -143,7 +144,7 @@ Pixels Studio::draw(const Camera& camera, const DrawList& list) {
     if (!made) return {};
     target_ = made.take();
   }
-  renderer_->draw(*target_, camera, scene_, list, light_);
+  renderer_->draw(*target_, {camera, &scene_, list, light_});
   return target_->read();
 }
 

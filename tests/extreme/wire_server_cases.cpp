@@ -4,6 +4,7 @@
 #include <memory>
 #include <thread>
 
+#include "client/frame/planned_frame.h"
 #include "client/native/native_link.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"

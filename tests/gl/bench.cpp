@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "client/frame/planned_frame.h"
 #include "client/hold/tile_cache.h"
 #include "client/plan/tile_need.h"
 #include "client/scene/scene_view.h"
@@ -259,7 +260,7 @@ void Bench::draw(const Camera& c, const TileRecordPtr& tile, DrawMethod method) 
   DrawnImpostor drawn{0, tile, method, 0, glm::length(c.pose.eye), 1};
   DrawList list;
   list.impostors.push_back(drawn);
-  renderer_->draw(*target_, c, scene_, list, light_);
+  renderer_->draw(*target_, {c, &scene_, list, light_});
 }
 
 std::vector<std::uint8_t> Bench::picture_of_two(const Camera& c, const TileRecordPtr& tile,
@@ -275,14 +276,14 @@ std::vector<std::uint8_t> Bench::picture_of_two(const Camera& c, const TileRecor
   DrawList list;
   list.impostors.push_back({1, tile, far_method, 0, distance + behind_radii * copy.radius, 1});
   list.impostors.push_back({0, tile, near_method, 0, distance, 1});
-  renderer_->draw(*target_, c, two, list, light_);
+  renderer_->draw(*target_, {c, &two, list, light_});
   return target_->read();
 }
 
 std::vector<std::uint8_t> Bench::placeholder_picture(const Camera& c) {
   DrawList list;
   list.placeholders.push_back({0, glm::length(c.pose.eye), false});
-  renderer_->draw(*target_, c, scene_, list, light_);
+  renderer_->draw(*target_, {c, &scene_, list, light_});
   return target_->read();
 }
 std::vector<std::uint8_t> Bench::mesh_picture(const Camera& c, float fade) {
@@ -293,7 +294,7 @@ std::vector<std::uint8_t> Bench::mesh_picture(const Camera& c, float fade) {
   }
   DrawList list;
   list.meshes.push_back({0, 0, fade});
-  renderer_->draw(*target_, c, scene_, list, light_);
+  renderer_->draw(*target_, {c, &scene_, list, light_});
   return target_->read();
 }
 
@@ -304,10 +305,10 @@ std::vector<std::uint8_t> Bench::rested_mesh_picture(const Camera& c, int drawin
   mesh_picture(c);
   DrawList list;
   list.meshes.push_back({0, 0, 1});
-  renderer_->draw(target, c, scene_, list, light_);
+  renderer_->draw(target, {c, &scene_, list, light_});
   refinement.restart();
   for (int i = 0; i < drawings; ++i) {
-    refinement.draw_more(*renderer_, target, c, scene_, list, light_);
+    refinement.draw_more(*renderer_, target, {c, &scene_, list, light_});
   }
   return refinement.picture(target).read();
 }
@@ -316,7 +317,7 @@ std::vector<std::uint8_t> Bench::tints(const Camera& c, const DrawList& list, co
   const gl::RenderTarget target(kSize, kSize, {GL_RGBA8}, GL_DEPTH_COMPONENT32F);
   target.bind();
   glViewport(0, 0, kSize, kSize);
-  if (!renderer_->draw_tints(c, scene_, list, tints)) return {};
+  if (!renderer_->draw_tints(c, {c, &scene_, list, light_}, tints)) return {};
   constexpr std::size_t kRow = std::size_t{kSize} * 4;
   std::vector<std::uint8_t> rows(kRow * kSize), out;
   glBindFramebuffer(GL_READ_FRAMEBUFFER, target.framebuffer());

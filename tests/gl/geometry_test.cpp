@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "client/draw/frame_renderer.h"
+#include "client/frame/planned_frame.h"
 #include "protocol/codec/mip_chain.h"
 #include "server/stage/image_stage.h"
 #include "tests/gl/bench.h"
@@ -86,7 +87,7 @@ class GeometryBench {
     c.fit_depth_range(scene_.bounds_center, scene_.bounds_radius);
     DrawList list;
     list.meshes = {{instance, 0, 1.0f}};
-    renderer_->draw(*target_, c, scene_, list, scene_.lighting);
+    renderer_->draw(*target_, {c, &scene_, list, scene_.lighting});
     return target_->read();
   }
 

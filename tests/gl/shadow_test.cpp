@@ -9,6 +9,7 @@
 
 #include "client/draw/frame_renderer.h"
 #include "client/draw/frame_target.h"
+#include "client/frame/planned_frame.h"
 #include "client/hold/shadow_cache.h"
 #include "client/hold/tile_cache.h"
 #include "client/plan/tile_need.h"
@@ -226,7 +227,7 @@ class Shadows : public ::testing::Test {
   }
 
   std::vector<std::uint8_t> picture(const DrawList& list) {
-    renderer_->draw(*target_, camera_, scene_, list, light_);
+    renderer_->draw(*target_, {camera_, &scene_, list, light_});
     return target_->read();
   }
   double psnr(const std::vector<std::uint8_t>& drawn, const ReferenceFrame& reference) const {

@@ -5,6 +5,7 @@
 #include "client/draw/frame_renderer.h"
 #include "client/draw/frame_target.h"
 #include "client/frame/draw_list.h"
+#include "client/frame/planned_frame.h"
 #include "client/scene/scene_view.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/render/gpu_scene.h"
@@ -40,7 +41,7 @@ class GlView : public ::testing::Test {
             .take();
     DrawList list;
     list.view = DrawnView{std::make_shared<const ViewTile>(view), owners};
-    renderer.draw(target, camera, scene_, list, prepared_->scene.lighting);
+    renderer.draw(target, {camera, &scene_, list, prepared_->scene.lighting});
     return target.read();
   }
   static double mean_difference(const std::vector<std::uint8_t>& a,

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "client/frame/planned_frame.h"
 #include "protocol/codec/atlas_planes.h"
 #include "protocol/impostor/capture.h"
 #include "server/stage/image_stage.h"
@@ -184,7 +185,7 @@ DrawList Rig::frame(const Pose& pose) {
   camera.pose = pose;
   camera.fit_depth_range(session.scene().bounds_center, session.scene().bounds_radius);
   const double received_at = mine();
-  DrawList list = session.frame(camera, now);
+  DrawList list = session.frame(camera, now).list;
   const double ended = mine();
   frame_ms.push_back(1000 * (ended - began));
   deciding_ms.push_back(1000 * (ended - received_at));

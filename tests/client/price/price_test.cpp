@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "client/frame/planned_frame.h"
 #include "client/price/cost_fit.h"
 #include "protocol/model/need_mask.h"
 #include "tests/support/core_scene.h"
@@ -46,7 +47,7 @@ TEST(CorePrice, WorkIsWhatIsDrawn) {
   world.look({0, 0, 20}, {0, 0, 0});
   DrawList list;
   list.meshes.push_back({0, 1, 1.0f});
-  const FrameWork opaque = work_of(world.scene, world.camera, list, 4);
+  const FrameWork opaque = work_of({world.camera, &world.scene, list, {}}, world.camera, 4);
   const double pixels = static_cast<double>(world.camera.width) * world.camera.height;
   EXPECT_EQ(opaque[Work::kFrame], 1);
   EXPECT_EQ(opaque[Work::kPixel], pixels);
@@ -56,18 +57,19 @@ TEST(CorePrice, WorkIsWhatIsDrawn) {
   EXPECT_GT(opaque[Work::kMeshPixel], 0);
   EXPECT_EQ(opaque[Work::kTestedTriangle], 0);
   object.needs |= kNeedAlphaMask;
-  const FrameWork tested = work_of(world.scene, world.camera, list, 4);
+  const FrameWork tested = work_of({world.camera, &world.scene, list, {}}, world.camera, 4);
   EXPECT_EQ(tested[Work::kTestedTriangle], 50);
   EXPECT_EQ(tested[Work::kTestedTriangleSample], 150);
   EXPECT_EQ(tested[Work::kTestedSample], 3 * tested[Work::kTestedPixel]);
   EXPECT_EQ(tested[Work::kTestedPixel], opaque[Work::kMeshPixel]);
   EXPECT_EQ(tested[Work::kTriangle], 0);
   list.meshes.push_back({0, 1, 1.0f});
-  EXPECT_EQ(work_of(world.scene, world.camera, list, 1)[Work::kMesh], 1) << "once a level";
+  EXPECT_EQ(work_of({world.camera, &world.scene, list, {}}, world.camera, 1)[Work::kMesh], 1)
+      << "once a level";
   ASSERT_TRUE(world.add_tile(0));
   const DrawList tiles = world.select(world.input());
   ASSERT_EQ(tiles.impostors.size(), 1u);
-  const FrameWork tile = work_of(world.scene, world.camera, tiles, 1);
+  const FrameWork tile = work_of({world.camera, &world.scene, tiles, {}}, world.camera, 1);
   EXPECT_GT(tile[Work::kFlatPixel], 0);
   EXPECT_LE(tile[Work::kFlatPixel], opaque[Work::kMeshPixel] * 1.001);
   EXPECT_EQ(tile[Work::kImpostorSample], 0);

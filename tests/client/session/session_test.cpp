@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "client/frame/planned_frame.h"
 #include "client/link/link.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
@@ -116,7 +117,7 @@ TEST_F(CoreSession, ThePictureOfTheLastSceneStaysUntilThereIsOneOfTheNext) {
   camera.fit_depth_range({0, 0, 0}, 2);
   const auto frame_at = [&](std::int64_t now_us) {
     EXPECT_TRUE(session.receive(now_us).ok());
-    return session.frame(camera, now_us);
+    return session.frame(camera, now_us).list;
   };
   frame_at(0);
   EXPECT_FALSE(session.awaits_new_scene());

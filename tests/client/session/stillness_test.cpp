@@ -20,7 +20,7 @@ struct CoreStillness : ::testing::Test {
     const SelectorInput in = world.input();
     DrawList list = world.select(in);
     list.time_s = static_cast<double>(world.now_us) * 1e-6;
-    return stillness.unchanged(world.camera, world.scene, list, light);
+    return stillness.unchanged({world.camera, &world.scene, list, light});
   }
   void settle() {
     for (int i = 0; i < 100; ++i) unchanged();
@@ -74,7 +74,7 @@ TEST_F(CoreStillness, GeometryThatMovesIsDrawnWithTheClock) {
     DrawList list;
     list.meshes = {{1, 0, 1}};
     list.time_s = time_s;
-    return stillness.unchanged(world.camera, world.scene, list, light);
+    return stillness.unchanged({world.camera, &world.scene, list, light});
   };
   EXPECT_FALSE(frame(1));
   EXPECT_TRUE(frame(2));

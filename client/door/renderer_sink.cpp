@@ -1,4 +1,4 @@
-#include "client/screen/renderer_sink.h"
+#include "client/door/renderer_sink.h"
 
 #include <utility>
 

@@ -1,0 +1,159 @@
+#include "client/door/client.h"
+
+#include <optional>
+
+#include "client/door/renderer_sink.h"
+#include "client/draw/frame_renderer.h"
+#include "client/frame/planned_frame.h"
+#include "client/price/cost_fit.h"
+#include "client/scene/scene_view.h"
+#include "client/screen/screen.h"
+#include "client/session/client_session.h"
+#include "protocol/base/clock.h"
+#include "shaders/gl/program.h"
+
+namespace mirage {
+namespace {
+
+/// Takes what a client without graphics is sent.
+TileSink no_sink() {
+  TileSink sink;
+  sink.tile = [](const TileRecord&, const AtlasPlanes&) {};
+  sink.shadow = [](const ShadowRecord&, const std::vector<std::uint8_t>&) {};
+  sink.mesh = [](std::uint32_t, std::uint8_t, const ObjectModel&) {};
+  sink.image = [](std::uint32_t, const Image&, const std::vector<Image>&) {};
+  sink.drop = [](const AssetId&) {};
+  sink.scene = [](const SceneView&) {};
+  sink.view = [](const ViewTile&) {};
+  return sink;
+}
+
+}  // namespace
+
+struct Client::Parts {
+  ClientGraphics graphics;
+  std::optional<FrameRenderer> renderer;
+  Screen screen;
+  std::unique_ptr<ClientSession> session;
+  PlannedFrame planned;
+  FrameStep step = FrameStep::kKeep;
+  FrameWork work;
+  std::uint64_t compiled = 0;
+  std::optional<CostFit> prices;
+  double upload_ms = 0;
+};
+
+Client::Client() : parts_(std::make_unique<Parts>()) {}
+Client::~Client() = default;
+
+Result<void> Client::attach(const ClientGraphics& graphics) {
+  Parts& p = *parts_;
+  Result<FrameRenderer> renderer =
+      FrameRenderer::create(graphics.atlas_edge, graphics.atlas_layers, graphics.flat);
+  if (!renderer) return renderer.error();
+  p.renderer.emplace(renderer.take());
+  p.graphics = graphics;
+  return p.screen.create(graphics.width, graphics.height);
+}
+
+void Client::open(Link& link, ClientOptions options, std::function<void(const Error&)> problem) {
+  Parts& p = *parts_;
+  close();
+  p.step = FrameStep::kKeep;
+  TileSink sink = no_sink();
+  if (p.renderer) {
+    options.atlas_edge = p.graphics.atlas_edge;
+    options.atlas_layers = p.graphics.atlas_layers;
+    SinkHooks hooks;
+    hooks.scene = [&p]() -> const SceneView& { return p.session->scene(); };
+    hooks.changed = [&p] { p.screen.content_changed(); };
+    hooks.failed = problem ? std::move(problem) : [](const Error&) {};
+    const auto now_ms = [clock = SteadyClock()] {
+      return static_cast<double>(clock.now_us()) * 1e-3;
+    };
+    sink = timed(renderer_sink(*p.renderer, std::move(hooks)), now_ms, p.upload_ms);
+    p.screen.content_changed();
+  }
+  p.session = std::make_unique<ClientSession>(link, std::move(options), std::move(sink));
+  if (p.prices) p.session->set_prices(p.prices->model());
+}
+
+void Client::close() {
+  parts_->session.reset();
+  parts_->planned = {};
+}
+
+ClientSession& Client::session() { return *parts_->session; }
+const ClientSession& Client::session() const { return *parts_->session; }
+FrameRenderer& Client::renderer() { return *parts_->renderer; }
+const FrameRenderer& Client::renderer() const { return *parts_->renderer; }
+Screen& Client::screen() { return parts_->screen; }
+const Screen& Client::screen() const { return parts_->screen; }
+
+Result<void> Client::update(std::int64_t now_us) { return parts_->session->receive(now_us); }
+
+double Client::upload_ms() const { return parts_->upload_ms; }
+
+Result<void> Client::resize(int width, int height) {
+  return parts_->screen.fit(width, height, *parts_->session);
+}
+
+Camera Client::camera(const Pose& pose, double fov_y) const {
+  const Parts& p = *parts_;
+  Camera camera;
+  camera.pose = pose;
+  camera.fov_y = fov_y;
+  camera.width = static_cast<std::uint32_t>(p.screen.width());
+  camera.height = static_cast<std::uint32_t>(p.screen.height());
+  const SceneView& scene = p.session->scene();
+  camera.fit_depth_range(scene.bounds_center, scene.bounds_radius);
+  return camera;
+}
+
+Result<FrameStep> Client::plan(const Camera& camera, std::int64_t now_us) {
+  Parts& p = *parts_;
+  p.planned = p.session->frame(camera, now_us);
+  // The target gets the samples and the scale that were planned with this frame.
+  if (Result<void> fitted = resize(p.screen.width(), p.screen.height()); !fitted) {
+    return fitted.error();
+  }
+  p.step = p.screen.next(p.planned, *p.session);
+  return p.step;
+}
+
+const PlannedFrame& Client::planned() const { return parts_->planned; }
+
+void Client::draw() {
+  Parts& p = *parts_;
+  if (p.step == FrameStep::kRefine) p.screen.refine(*p.renderer, p.planned);
+  if (p.step != FrameStep::kDraw) return;
+  const std::uint64_t programs = gl::programs_compiled();
+  p.screen.draw(*p.renderer, p.planned);
+  p.compiled = gl::programs_compiled() - programs;
+  p.work = p.screen.work(p.planned);
+}
+
+const FrameWork& Client::drawn_work() const { return parts_->work; }
+std::uint64_t Client::compiled() const { return parts_->compiled; }
+
+void Client::set_prices(const CostModel& prices) {
+  parts_->prices.emplace(prices);
+  if (parts_->session) parts_->session->set_prices(prices);
+}
+
+const CostFit* Client::prices() const { return parts_->prices ? &*parts_->prices : nullptr; }
+
+void Client::learn(const FrameWork& work, double ms) {
+  Parts& p = *parts_;
+  if (!p.prices) return;
+  p.prices->add(work, ms);
+  p.session->set_prices(p.prices->model());
+}
+
+void Client::done(double ms, double beside_ms) {
+  Parts& p = *parts_;
+  p.session->note_frame_ms(ms, beside_ms);
+  if (p.compiled == 0) learn(p.work, ms);  // a compilation happens only once, so it is no price
+}
+
+}  // namespace mirage
