@@ -58,7 +58,7 @@ class Client {
   /// The session; only between open() and close().
   ClientSession& session();
   const ClientSession& session() const;
-  /// What draws, and the picture; only after attach().
+  /// The renderer and the picture; only after attach().
   FrameRenderer& renderer();
   const FrameRenderer& renderer() const;
   Screen& screen();

@@ -8,7 +8,7 @@ namespace mirage {
 
 class SceneView;
 
-/// What all passes of a frame draw from.
+/// Input of all passes of a frame.
 struct Drawing {
   Camera camera;                                  ///< at the size of the drawn picture
   DepthMapping mapping = DepthMapping::kForward;  ///< of the target's depth

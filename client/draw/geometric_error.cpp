@@ -4,7 +4,10 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "client/frame/planned_frame.h"
+#include "client/frame/reference_frame.h"
 #include "client/hold/tile_cache.h"
+#include "client/scene/scene_view.h"
 
 namespace mirage {
 namespace {
@@ -252,8 +255,11 @@ void compare(const std::vector<std::uint32_t>& standing, const glm::dvec3& relat
 
 }  // namespace
 
-void add_geometric_error(const ReferenceFrame& reference, double offset_px, const Camera& camera,
-                         const SceneView& scene, const DrawList& drawn, GeometricError& out) {
+void add_geometric_error(const ReferenceFrame& reference, double offset_px,
+                         const PlannedFrame& frame, GeometricError& out) {
+  const Camera& camera = frame.camera;
+  const SceneView& scene = *frame.scene;
+  const DrawList& drawn = frame.list;
   ShownMap shown;
   for (const DrawnImpostor& impostor : drawn.impostors)
     shown[impostor.instance].impostor = &impostor;

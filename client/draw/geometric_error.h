@@ -2,13 +2,14 @@
 // Geometric error (E1): the true error in pixels of what was drawn, from the reference frame's
 // depth. It is compared with the bound that every impostor was drawn with.
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
-#include "client/frame/draw_list.h"
-#include "client/frame/reference_frame.h"
-#include "client/scene/scene_view.h"
-
 namespace mirage {
+
+struct PlannedFrame;
+struct ReferenceFrame;
 
 struct GeometricError {
   std::vector<float> errors_px;  ///< one per compared pixel
@@ -31,7 +32,7 @@ inline constexpr std::uint64_t kRatioPixels = 16;
 /// point P is on a capture ray of the tile, and Q is where the tile's method draws that ray. The
 /// error is the distance between the images of P and Q. `offset_px` is where in the pixel the
 /// reference sampled depth.
-void add_geometric_error(const ReferenceFrame& reference, double offset_px, const Camera& camera,
-                         const SceneView& scene, const DrawList& drawn, GeometricError& out);
+void add_geometric_error(const ReferenceFrame& reference, double offset_px,
+                         const PlannedFrame& frame, GeometricError& out);
 
 }  // namespace mirage

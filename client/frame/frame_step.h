@@ -4,7 +4,7 @@
 
 namespace mirage {
 
-/// What a frame does with the picture that is there.
+/// A frame's way with the picture that is there.
 enum class FrameStep : std::uint8_t {
   kKeep,    ///< the picture would not change
   kDraw,    ///< draw a new picture

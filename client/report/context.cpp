@@ -5,6 +5,7 @@
 #include "client/report/child.h"
 #include "client/report/session_run.h"
 #include "client/report/truth_source.h"
+#include "client/scene/scene_view.h"
 #include "report_commit.h"
 
 namespace mirage {

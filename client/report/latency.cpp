@@ -7,6 +7,7 @@
 
 #include "client/report/latency_rows.h"
 #include "client/report/method_runs.h"
+#include "client/scene/scene_view.h"
 
 namespace mirage {
 namespace {

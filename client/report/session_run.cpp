@@ -118,8 +118,7 @@ double SessionRunner::add_geometric(Loop& loop, const PlannedFrame& planned,
   const std::uint64_t pixels_before = loop.out.geometric.object_pixels;
   const std::uint64_t holes_before = loop.out.geometric.holes;
   if (scene.complete()) {
-    add_geometric_error(truth, (std::floor(s / 2) + 0.5) / s, planned.camera, scene, planned.list,
-                        loop.out.geometric);
+    add_geometric_error(truth, (std::floor(s / 2) + 0.5) / s, planned, loop.out.geometric);
   } else if (!planned.list.view) {  // nothing is known yet: everything is missing
     const auto& ids = truth.ids;
     const auto missing =

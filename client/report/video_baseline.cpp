@@ -4,6 +4,7 @@
 
 #include "client/report/video_codec.h"
 #include "client/report/video_link.h"
+#include "client/scene/scene_view.h"
 
 namespace mirage {
 namespace {

@@ -6,6 +6,8 @@
 #include <cstdlib>
 
 #include "client/draw/geometric_error.h"
+#include "client/frame/planned_frame.h"
+#include "client/frame/reference_frame.h"
 #include "client/host/png.h"
 #include "client/quality/flip.h"
 #include "client/quality/metrics.h"
@@ -25,10 +27,11 @@ Result<void> write_pictures(const Comparison::Frame& frame, const std::string& o
   const auto name = [&](const char* kind) {
     return fmt::format("{}/{}_{:05}.png", out_dir, kind, frame.number - 1);
   };
-  const int w = static_cast<int>(frame.camera.width), h = static_cast<int>(frame.camera.height);
+  const int w = static_cast<int>(frame.planned.camera.width),
+            h = static_cast<int>(frame.planned.camera.height);
   if (Result<void> r = write_png(name("reference"), w, h, truth); !r) return r;
   if (Result<void> r = write_png(name("difference"), w, h, difference); !r) return r;
-  const ImageView test{frame.camera.width, frame.camera.height, frame.drawn.data()};
+  const ImageView test{frame.planned.camera.width, frame.planned.camera.height, frame.drawn.data()};
   const std::optional<FlipMap> map = flip_map({test.width, test.height, truth.data()}, test);
   return map ? write_png(name("flip"), w, h, heat_map(*map)) : Result<void>{};
 }
@@ -47,8 +50,8 @@ Result<void> Comparison::add(const Frame& frame, SessionStats& stats, const std:
   }
   before_ = {frame.number, frame.drawn, frame.reference.rgba};
   const double s = frame.supersample;
-  add_geometric_error(frame.reference, (std::floor(s / 2) + 0.5) / s, frame.camera, frame.scene,
-                      frame.list, stats.geometric());
+  add_geometric_error(frame.reference, (std::floor(s / 2) + 0.5) / s, frame.planned,
+                      stats.geometric());
   return out_dir.empty() ? Result<void>{} : write_pictures(frame, out_dir);
 }
 

@@ -9,18 +9,14 @@
 
 namespace mirage {
 
-struct Camera;
-struct DrawList;
+struct PlannedFrame;
 struct ReferenceFrame;
-class SceneView;
 class SessionStats;
 
 class Comparison {
  public:
   struct Frame {
-    const Camera& camera;
-    const DrawList& list;
-    const SceneView& scene;
+    const PlannedFrame& planned;
     const std::vector<std::uint8_t>& drawn;  ///< RGBA, sRGB, rows from the top
     const ReferenceFrame& reference;
     std::uint64_t number;

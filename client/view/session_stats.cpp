@@ -6,10 +6,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "client/frame/draw_list.h"
 #include "client/hold/tile_cache.h"
 #include "client/host/frame_recorder.h"
 #include "client/link/modelled_link.h"
 #include "client/plan/frame_plan.h"
+#include "client/scene/scene_view.h"
 #include "client/session/tile_trace.h"
 #include "protocol/base/quantile.h"
 #include "protocol/impostor/tile_key.h"

@@ -460,9 +460,9 @@ Result<void> Viewer::compare() {
   const Result<ReferenceFrame> reference =
       host_->reference(planned.camera, static_cast<std::uint32_t>(o_.reference_supersample));
   if (!reference) return reference.error();
-  return comparison_.add({planned.camera, planned.list, *planned.scene, drawn, *reference,
-                          session().frame_number(), o_.reference_supersample},
-                         stats_, o_.out_dir);
+  return comparison_.add(
+      {planned, drawn, *reference, session().frame_number(), o_.reference_supersample}, stats_,
+      o_.out_dir);
 }
 
 std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {

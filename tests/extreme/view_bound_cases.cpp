@@ -6,6 +6,7 @@
 
 #include "client/draw/frame_target.h"
 #include "client/draw/geometric_error.h"
+#include "client/frame/planned_frame.h"
 #include "protocol/base/stable_math.h"
 #include "server/render/gpu_scene.h"
 #include "tests/extreme/shapes.h"
@@ -41,8 +42,10 @@ Outcome fields_of_view(const Conditions& conditions) {
     const ReferenceFrame truth = (*studio)->truth(camera, 2);
     GeometricError error;
     // The offset is half a sample from the middle: there a 2x2 reference takes its depth.
-    add_geometric_error(truth, 0.75, camera, (*studio)->scene(),
-                        (*studio)->impostor_list(camera, DrawMethod::kDepth), error);
+    add_geometric_error(
+        truth, 0.75,
+        {camera, &(*studio)->scene(), (*studio)->impostor_list(camera, DrawMethod::kDepth), {}},
+        error);
     const auto worst = std::max_element(error.errors_px.begin(), error.errors_px.end());
     const std::string at = number_text(degrees) + " degrees: ";
     checks.at_least(at + "pixels compared", static_cast<double>(error.compared), 300);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "client/draw/geometric_error.h"
+#include "client/frame/planned_frame.h"
 #include "client/plan/tile_need.h"
 #include "protocol/impostor/error_bound.h"
 #include "server/render/gpu_scene.h"
@@ -154,7 +155,7 @@ TEST_F(Blended, EveryCoveredPixelIsComparedAndNoneIsOverItsBound) {
       DrawnImpostor drawn{0, tile, method, bound(*tile, method, c), glm::length(c.pose.eye), 1};
       DrawList list;
       list.impostors.push_back(drawn);
-      add_geometric_error(bench->truth_frame(c, 1), 0.5, c, bench->scene(), list, errors);
+      add_geometric_error(bench->truth_frame(c, 1), 0.5, {c, &bench->scene(), list, {}}, errors);
     }
     EXPECT_EQ(errors.violations, 0u) << "method " << static_cast<int>(method);
     EXPECT_GT(errors.compared, 19 * errors.object_pixels / 20)

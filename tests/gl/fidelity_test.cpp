@@ -12,6 +12,7 @@
 #include <map>
 
 #include "client/draw/geometric_error.h"
+#include "client/frame/planned_frame.h"
 #include "client/plan/tile_need.h"
 #include "protocol/impostor/error_bound.h"
 #include "server/render/gpu_scene.h"
@@ -239,7 +240,7 @@ TEST(Bound, HoldsAndIsTightOnDrawnTiles) {
       drawn.bound_px = tile->bound_px(method, object, view_geometry(c, bench->instance(), object));
       DrawList list;
       list.impostors.push_back(drawn);
-      add_geometric_error(bench->truth_frame(c, 1), 0.5, c, bench->scene(), list, errors);
+      add_geometric_error(bench->truth_frame(c, 1), 0.5, {c, &bench->scene(), list, {}}, errors);
     }
     std::vector<float> ratios = errors.ratios;
     ASSERT_FALSE(ratios.empty());

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "client/frame/planned_frame.h"
+#include "client/frame/reference_frame.h"
 #include "protocol/base/limits.h"
 #include "tests/support/core_scene.h"
 
@@ -54,7 +56,7 @@ struct MovingBall {
     DrawList list;
     list.impostors.push_back(impostor);
     GeometricError out;
-    add_geometric_error(truth, 0.5, camera, scene, list, out);
+    add_geometric_error(truth, 0.5, {camera, &scene, list, {}}, out);
     return out;
   }
 
