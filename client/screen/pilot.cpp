@@ -118,7 +118,8 @@ void Pilot::look_ahead(const SceneView& scene, const Camera& camera) {
   wanted_pace_ = 1;
   if (!seen) return;
   const double seconds = glm::length(seen->point - camera.pose.eye) / usual_mps_;
-  wanted_pace_ = std::clamp(seconds / kUsualAheadS, kSlowest, kFastest);
+  // A place that is walked has a speed of its own, also close to a wall.
+  wanted_pace_ = std::clamp(seconds / kUsualAheadS, ground_here_ ? 1 : kSlowest, kFastest);
 }
 
 void Pilot::change_pace(double seconds) {

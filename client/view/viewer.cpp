@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
-#include <fstream>
 #include <thread>
 
 #include "client/door/client.h"
@@ -13,7 +12,6 @@
 #include "client/draw/presenter.h"
 #include "client/frame/camera_path.h"
 #include "client/frame/planned_frame.h"
-#include "client/hold/tile_cache.h"
 #include "client/host/client_host.h"
 #include "client/host/frame_recorder.h"
 #include "client/host/light_script.h"
@@ -21,15 +19,18 @@
 #include "client/host/stop_signal.h"
 #include "client/native/native_link.h"
 #include "client/price/cost_fit.h"
+#include "client/scene/scene_view.h"
 #include "client/screen/pilot.h"
 #include "client/screen/screen.h"
 #include "client/screen/viewer_defaults.h"
+#include "client/session/client_session.h"
+#include "client/view/choice_log.h"
 #include "client/view/comparison.h"
-#include "client/view/explain_frame.h"
 #include "client/view/overlay.h"
+#include "client/view/overlay_text.h"
+#include "client/view/results.h"
 #include "client/view/session_stats.h"
 #include "client/view/window.h"
-#include "protocol/base/quantile.h"
 #include "protocol/impostor/lighting_state.h"
 #include "protocol/impostor/tile_key.h"
 #include "shaders/gl/dialect.h"
@@ -67,14 +68,12 @@ class Viewer {
   Camera camera_at(const Pose& pose) const;
   void steer(double seconds);
   void choose();
-  void note_choice();
   Pose next_pose(std::int64_t now_us, double real_seconds);
   void tell_progress(std::int64_t done);
   void pace(std::int64_t frame);
   bool next_events();
   Result<std::int64_t> show(std::int64_t now);
   void price(std::int64_t began_us, std::int64_t draw_began_us, std::int64_t shown_us);
-  std::string overlay_text(const DrawList& list, std::int64_t now) const;
   std::int64_t now_us() const { return host_->now_us(); }
   ClientSession& session() { return host_->session(); }
   const ClientSession& session() const { return host_->session(); }
@@ -99,8 +98,7 @@ class Viewer {
   std::optional<CameraPath> path_;
   std::optional<LightScript> light_;
   Pilot pilot_;
-  SceneChoice choice_ = o_.scene.choice;  // asked for last
-  std::optional<SceneChoice> shown_;      // told in the log last
+  ChoiceLog choice_{o_.scene.choice};
   Pose pose_;
   SessionStats stats_;
   std::optional<Lighting> last_light_;
@@ -115,19 +113,6 @@ class Viewer {
   std::uint64_t programs_at_scene_ = 0, programs_in_draws_ = 0;
   Comparison comparison_;
 };
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string out;
-  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
-  return out;
-}
-
-// Returns the name after `name`; the first after the last, and after one that is not listed.
-std::string next_of(const std::vector<std::string>& names, const std::string& name) {
-  if (names.empty()) return name;
-  const auto found = std::find(names.begin(), names.end(), name);
-  return found == names.end() || found + 1 == names.end() ? names.front() : *(found + 1);
-}
 
 constexpr double kRadians = 0.017453292519943295;  // of a degree
 constexpr double kToldEveryS = 5;
@@ -181,7 +166,7 @@ void Viewer::make_host() {
   options.codec = codec_from_name(o_.codec_name);
   options.shadows = o_.scene.shadows == "on";
   options.animation = o_.scene.animation == "on";
-  options.choice = choice_;
+  options.choice = choice_.asked();
   options.views = o_.views;
   options.screen.fov_y = o_.fov_degrees * kRadians;
   options.screen.width = static_cast<std::uint32_t>(screen().width());
@@ -238,32 +223,11 @@ Camera Viewer::camera_at(const Pose& pose) const {
 
 // Asks for the next clip or variant, if a key said so.
 void Viewer::choose() {
-  const SceneChoices& offered = session().scene().choices;
-  SceneChoice next = offered.shown;
-  if (window_->take(WindowCommand::kNextClip)) next.clip = next_of(offered.clips, next.clip);
-  if (window_->take(WindowCommand::kNextVariant)) {
-    next.variant = next_of(offered.variants, next.variant);
-  }
-  if (next == offered.shown) return;
-  choice_ = next;
-  session().choose(next);
+  const bool clip = window_->take(WindowCommand::kNextClip);
+  const bool variant = window_->take(WindowCommand::kNextVariant);
+  if (!choice_.ask_next(session().scene().choices, clip, variant)) return;
+  session().choose(choice_.asked());
   host_->reconnect();
-}
-
-// Tells which clip and variant are shown, if the scene has some, and what was asked for in vain.
-void Viewer::note_choice() {
-  const SceneChoices& offered = session().scene().choices;
-  if (shown_ == offered.shown) return;
-  shown_ = offered.shown;
-  const auto tell = [](const char* kind, const std::vector<std::string>& names,
-                       const std::string& shown, const std::string& asked) {
-    if (!asked.empty() && asked != shown) spdlog::warn("the scene has no {} '{}'", kind, asked);
-    if (names.empty()) return;
-    spdlog::info("{}s: {}; shown: {}", kind, listed(names),
-                 shown.empty() ? "as the file is" : shown);
-  };
-  tell("clip", offered.clips, shown_->clip, choice_.clip);
-  tell("variant", offered.variants, shown_->variant, choice_.variant);
 }
 
 // Moves the eye by what a person did at the window.
@@ -344,7 +308,9 @@ Result<std::int64_t> Viewer::show(std::int64_t now) {
   gl::encode_srgb(true);
   if (!tinted) return tinted.error();
   if (window_->overlay()) {
-    overlay_->draw(overlay_text(planned.list, now), screen().width(), screen().height());
+    const OverlayFigures figures{smooth_ms_, client_.renderer().draw_calls()};
+    overlay_->draw(overlay_text(*host_, planned.list, figures, now), screen().width(),
+                   screen().height());
   }
   glFinish();
   const std::int64_t shown_us = real_clock_.now_us();
@@ -408,7 +374,7 @@ Result<void> Viewer::one_frame(std::int64_t frame) {
   const std::int64_t now = now_us();
   receive(now);
   note_scene();
-  note_choice();
+  choice_.note(session().scene().choices);
   note_link();
   if (Result<void> resized = fit_target(); !resized) return resized;
   set_light(now);
@@ -465,33 +431,6 @@ Result<void> Viewer::compare() {
       o_.out_dir);
 }
 
-std::string Viewer::overlay_text(const DrawList& list, std::int64_t now) const {
-  double bound = 0;
-  std::vector<float> ages_ms;
-  for (const DrawnImpostor& drawn : list.impostors) {
-    if (std::isfinite(drawn.bound_px)) bound = std::max(bound, drawn.bound_px);
-    ages_ms.push_back(static_cast<float>(now - drawn.tile->received_us) / 1000.0f);
-  }
-  const LinkTraffic traffic = host_->traffic();
-  const FramePlan& plan = session().plan();
-  const std::string budget = plan.limited()
-                                 ? fmt::format("{:.0f} of {:.0f} ms planned, lambda {:.0f}, ",
-                                               plan.expected_ms(), plan.budget_ms(), plan.lambda())
-                                 : "no budget, ";
-  return fmt::format(
-      "{:.0f} fps, {} draw calls\n{}scale {:g}, {} samples\n{} impostors, {} meshes, {} without "
-      "image\nbound {:.1f} px "
-      "worst, expected FLIP {:.3f}, "
-      "{} of {} over tau\ntile age {:.1f} s median\n{:.2f} MB down, round trip {} ms{}{}",
-      1000.0 / std::max(smooth_ms_, 0.1), client_.renderer().draw_calls(), budget,
-      plan.setting().scale, plan.setting().samples, list.impostors.size(), list.meshes.size(),
-      list.placeholders.size(), bound, plan.expected_flip(), list.over_tau, list.visible,
-      quantile(ages_ms, 0.5) / 1000.0f, static_cast<double>(traffic.bytes_down) * 1e-6,
-      session().round_trip_us() / 1000,
-      session().scene().geometry ? "" : "\nthe server keeps its geometry: images only",
-      native().connected() ? "" : "\nOFFLINE: showing what is here, reconnecting");
-}
-
 // A window at rest sleeps until somebody touches it or something arrives. A path, a light that
 // moves by itself and a modelled link need the clock.
 bool Viewer::next_events() {
@@ -540,53 +479,26 @@ Result<void> Viewer::frame_loop() {
   return {};
 }
 
-Result<void> write_text(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) return make_error(ErrorId::kIo, "cannot write '" + path + "'");
-  return {};
-}
-
 Result<void> Viewer::finish() {
-  SessionStats::Final end;
-  end.home = session().scene().home;
-  end.traffic = host_->traffic();
-  end.tiles = session().tiles();
-  end.codecs = session().codecs();
-  end.prediction = session().predictor().error();
-  end.uploads = session().uploads();
-  end.views = session().views();
+  SessionStats::Final end = end_of(*host_);
   end.atlas_budget = static_cast<std::size_t>(o_.atlas_mb) << 20;
   end.geometry_budget = static_cast<std::size_t>(o_.mesh_mb) << 20;
   end.upload_budget = static_cast<std::size_t>(o_.upload_kb) << 10;
+  end.method = o_.method_name;
+  end.tau_px = o_.tau_px;
+  end.samples = screen().samples();
   end.programs = gl::programs_compiled();
   end.programs_after_scene = end.programs - programs_at_scene_;
   end.programs_in_draws = programs_in_draws_;
   end.duration_us = now_us() - start_us_;
-  end.scene = session().scene().name;
-  end.server = session().scene().renderer;
   end.renderer = gl::renderer_name();
-  end.method = o_.method_name;
-  end.tau_px = o_.tau_px;
-  end.samples = screen().samples();
   end.wall_s = static_cast<double>(real_clock_.now_us()) * 1e-6;
   std::fputs(stats_.table(end).c_str(), stdout);
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
     return make_error(ErrorId::kGraphicsGl, "GL error " + std::to_string(error));
   }
-  if (!o_.trace_file.empty()) {
-    if (Result<void> r = write_text(o_.trace_file, trace_json(session().lives(), recorder_)); !r)
-      return r;
-  }
-  if (!o_.explain_file.empty()) {
-    if (Result<void> r = write_text(o_.explain_file, explain_frame(session())); !r) return r;
-  }
-  if (o_.stats_file.empty()) return {};
-  if (Result<void> r = write_text(o_.stats_file, stats_.json(end)); !r) return r;
-  std::filesystem::path apart(o_.stats_file);
-  apart.replace_extension(".real_time.json");
-  return write_text(apart.string(), stats_.real_time_json(end, recorder_));
+  return write_results({o_.trace_file, o_.explain_file, o_.stats_file}, stats_, end, session(),
+                       recorder_);
 }
 
 Result<void> Viewer::run() {

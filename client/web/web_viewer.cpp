@@ -81,6 +81,7 @@ Result<std::unique_ptr<WebViewer>> WebViewer::create(const WebOptions& options,
   out->client_.set_prices(*device_model(gl::is_software() ? "software" : "laptop"));
   out->client_.open(out->link_, session_options(options),
                     [self](const Error& error) { self->problem_ = error.text; });
+  out->programs_ = gl::programs_compiled();
   return out;
 }
 
@@ -129,11 +130,14 @@ void WebViewer::fit_canvas(int width, int height) {
 }
 
 void WebViewer::note_work() {
+  // A compilation, also one while taking in what has arrived, happens only once.
+  const bool compiled = gl::programs_compiled() != programs_;
+  programs_ = gl::programs_compiled();
   ++drawn_frames_;
   const bool same = pose_.eye == priced_pose_.eye && pose_.rotation == priced_pose_.rotation;
   seen_from_it_ = same ? seen_from_it_ + 1 : 0;
   priced_pose_ = pose_;
-  drawn_.push_back({drawn_frames_, client_.drawn_work(), client_.compiled() > 0});
+  drawn_.push_back({drawn_frames_, client_.drawn_work(), compiled});
   if (drawn_.size() > kMostUnpriced) drawn_.pop_front();
 }
 

@@ -153,6 +153,7 @@ class WebViewer {
   Paced paced_;
   bool timed_ = false;  ///< the graphics card's clock can be read
   std::uint64_t drawn_frames_ = 0;
+  std::uint64_t programs_ = 0;
   Pose priced_pose_;      // pose of the last drawn frames
   int seen_from_it_ = 0;  // number of frames from that pose
   double decode_ms_ = 0, upload_ms_ = 0;

@@ -171,6 +171,7 @@ TEST(ClientPilot, WhoFliesIsFasterTheFartherTheyLook) {
   scene.instances = {one};
   const auto way_in_a_second = [&](double distance) {
     Pilot pilot = pilot_in(scene);
+    pilot.set_flies(true);
     Camera camera;
     camera.width = camera.height = 100;
     camera.fov_y = kFov;
@@ -189,6 +190,8 @@ TEST(ClientPilot, WhoFliesIsFasterTheFartherTheyLook) {
   EXPECT_NEAR(way_in_a_second(15 * usual), 3 * usual, 0.02 * usual);
   EXPECT_NEAR(way_in_a_second(1e6), 10 * usual, 0.1 * usual);
   EXPECT_NEAR(way_in_a_second(1e-3), 0.5 * usual, 0.01 * usual);
+  scene.home.walk_eye_m = 1.6;  // a place with ground is walked, and flown through no slower
+  EXPECT_NEAR(way_in_a_second(1e-3), usual, 0.01 * usual);
 }
 
 TEST(ClientPilot, WhatIsNoNumberMovesNothing) {
