@@ -14,6 +14,11 @@ const view = '#eye=0,1,6&look=0,0.5,0';
 // No budget: a picture at rest does not depend on how long frames take here.
 const settled = `${view}&budget=0`;
 
+async function fromMenu(page, id) {
+  await page.locator('#more').click();
+  await page.locator(`#${id}`).click();
+}
+
 before(async () => {
   [browser, knot] = await Promise.all([launch(), serve('builtin:knot')]);
 });
@@ -43,7 +48,7 @@ test('the page is served compressed, its parts for ever, itself never from a cac
   assert.doesNotMatch(plain.body.toString(), /<script>|<script type="module">|style="| on[a-z]+="/, 'nothing inline');
   const gzip = await get(knot.url, { 'Accept-Encoding': 'gzip' });
   assert.deepEqual(gunzipSync(gzip.body), plain.body);
-  const names = [...plain.body.toString().matchAll(/(?:src|href)="([^"]+)"/g)].map((found) => found[1]);
+  const names = [...plain.body.toString().matchAll(/(?:src|href)="([^"#][^"]*)"/g)].map((found) => found[1]);
   assert.ok(names.length >= 4);
   for (const name of names) {
     assert.doesNotMatch(name, /^(https?:)?\/\//, 'from this host alone');
@@ -261,7 +266,7 @@ test('background: a colour behind everything, kept in the address, on top of no 
   const share = (n) => n / (blue.width * blue.height);
   assert.ok(share(behind) > 0.5 && share(same) > 0.05, `behind ${share(behind)}, as before ${share(same)}`);
   assert.ok(share(behind) + share(same) > 0.98, `and little else: ${share(behind)} + ${share(same)}`);
-  await page.locator('#compare').click();
+  await fromMenu(page, 'compare');
   await until('a word', async () => /own background/.test(await message(page)));
   await page.locator('#own-background').click();
   await rested(page);
@@ -406,7 +411,7 @@ test('sharing gives the link, a screenshot the picture', async () => {
   assert.equal(await page.locator('#link').inputValue(), link, 'without a clipboard it can be copied by hand');
   await page.locator('#link-close').click();
 
-  const [download] = await Promise.all([page.waitForEvent('download'), page.locator('#screenshot').click()]);
+  const [download] = await Promise.all([page.waitForEvent('download'), fromMenu(page, 'screenshot')]);
   assert.match(download.suggestedFilename(), /^mirage-.*\.png$/);
   const file = join(scratch(), 'shot.png');
   await download.saveAs(file);
@@ -419,7 +424,7 @@ test('sharing gives the link, a screenshot the picture', async () => {
 test('compare: the full render beside it, FLIP under it', async () => {
   const page = await open(browser, at(view));
   await rested(page);
-  await page.locator('#compare').click();
+  await fromMenu(page, 'compare');
   await until('FLIP', async () => /^FLIP 0\.\d{4}/.test(await page.locator('#flip').textContent()), 60);
   const mean = await page.evaluate(() => mirage.compare.mean);
   assert.ok(mean > 0 && mean < 0.05, `FLIP ${mean}`);
@@ -464,7 +469,7 @@ test('where there are no full renders, comparing says why', async () => {
   const server = await serve('builtin:knot', ['--no-reference']);
   const page = await open(browser, server.url);
   await rested(page);
-  await page.locator('#compare').click();
+  await fromMenu(page, 'compare');
   assert.match(await message(page), /makes no full renders/);
   await page.context().close();
   await server.stop();
@@ -589,8 +594,8 @@ test('small, sharp and turned screens; everything by keyboard, with a name', asy
   const rows = await page.evaluate(() => new Set([...document.querySelectorAll('#bar button')].filter((e) => e.offsetParent !== null)
     .map((e) => e.getBoundingClientRect().top)).size);
   assert.equal(rows, 1, 'the buttons take one row');
-  await page.locator('#more').click();
   await page.locator('#figures-button').click();
+  await page.locator('#more').click();
   const wide = await page.evaluate(() => [...document.querySelectorAll('button, input, section, dl')].filter((e) => e.offsetParent !== null)
     .filter((e) => { const box = e.getBoundingClientRect(); return box.right > innerWidth + 1 || box.left < -1; }).map((e) => e.id || e.outerHTML.slice(0, 60)));
   assert.deepEqual(wide, [], 'nothing beyond 320 px');
@@ -603,6 +608,8 @@ test('small, sharp and turned screens; everything by keyboard, with a name', asy
     reached.add(await page.evaluate(() => document.activeElement.id));
   }
   for (const id of ['mirage', 'home', 'share', 'more', 'screenshot', 'compare', 'keys', 'figures-button', 'azimuth', 'own-light']) assert.ok(reached.has(id), id);
+  await page.keyboard.press('Escape');
+  assert.equal(await page.locator('#menu').isVisible(), false, 'Escape closes the menu');
   await page.locator('#figures-close').click();
   assert.equal(await page.locator('#figures').isVisible(), false, 'the panel covers no button that closes it');
   await page.setViewportSize({ width: 568, height: 320 });
@@ -627,7 +634,10 @@ for (const [width, height, colorScheme] of [[1280, 720, 'dark'], [1280, 720, 'li
     await look('status, details, a view with its legend');
     await page.keyboard.press('1');
     await press('figures-button');
+    await press('more');
+    await look('menu');
     await press('keys');
+    assert.equal(await page.locator('#menu').isVisible(), false, 'a choice closes the menu');
     await look('keys');
     await press('keys');
     await press('compare');
@@ -842,19 +852,20 @@ function squareOfChoices() {
 
 test('clips and variants: chosen in a list, kept in the address, refused with a word', async () => {
   const server = await serve(squareOfChoices(), ['--choices', '1']);
-  const front = '#eye=0,0,4&look=0,0,0', wide = { width: 900 };  // the lists need no further button
+  const front = '#eye=0,0,4&look=0,0,0';
   const color = async (page) => {
     const { width, height, rgba } = await picture(page);
     const [r, g, b] = rgba.subarray(4 * (width * (height >> 1) + (width >> 1)));
     return r > 2 * g && r > 2 * b ? 'red' : g > 2 * r && g > 2 * b ? 'green' : 'else';
   };
+  const choose = async (page, list, name) => { await page.locator('#more').click(); await list.selectOption(name); };
   const becomes = (page, wanted) => until(wanted, async () => (await figures(page))?.seen && (await color(page)) === wanted);
-  const page = await open(browser, `${server.url}${front}`, wide);
+  const page = await open(browser, `${server.url}${front}`);
   await becomes(page, 'red');
   const variant = page.getByLabel('Variant'), clip = page.getByLabel('Clip');
   assert.deepEqual(await variant.locator('option').allTextContents(), ['As it is', 'leaf & <b>green</b>']);
   assert.deepEqual(await clip.locator('option').allTextContents(), ['All clips', 'stays', 'gone']);
-  await variant.selectOption('leaf & <b>green</b>');
+  await choose(page, variant, 'leaf & <b>green</b>');
   await becomes(page, 'green');
   await until('no more message', async () => (await message(page)) === '');
   assert.equal(new URL(page.url()).searchParams.get('variant'), 'leaf & <b>green</b>');
@@ -862,9 +873,9 @@ test('clips and variants: chosen in a list, kept in the address, refused with a 
   assert.equal(await variant.inputValue(), 'leaf & <b>green</b>');
 
   // An equal address shows the same. Beyond --choices, the server says so, and the page stays with what it shows.
-  const other = await open(browser, page.url(), wide);
+  const other = await open(browser, page.url());
   await becomes(other, 'green');
-  await other.getByLabel('Clip').selectOption('gone');
+  await choose(other, other.getByLabel('Clip'), 'gone');
   await until('a word', async () => /does not show “gone”.*as many clips and variants/.test(await message(other)));
   await becomes(other, 'green');
   assert.equal(await other.getByLabel('Clip').inputValue(), '');

@@ -6,6 +6,12 @@ const $ = (id) => document.getElementById(id);
 const keys = { KeyH: 'home', KeyL: 'share', KeyP: 'screenshot', KeyC: 'compare', KeyO: 'figures-button', KeyM: 'mode', KeyG: 'fly', KeyF: 'fullscreen', Space: 'pause' };
 const withoutKey = ['keys', 'more'];
 
+/// Gives a button of the bar another name and icon; the icon's is the name's.
+function show(id, name) {
+  $(id).querySelector('span').textContent = name;
+  $(id).querySelector('use').setAttribute('href', `#icon-${name.toLowerCase()}`);
+}
+
 export class Toolbar {
   constructor(viewer) {
     this.viewer = viewer;
@@ -19,7 +25,7 @@ export class Toolbar {
       pause: () => this.pause(),
       'figures-button': () => viewer.figures.toggle(),
       keys: () => this.showKeys($('keys-list').hidden),
-      more: () => this.showMore($('more').getAttribute('aria-expanded') !== 'true'),
+      more: () => this.showMenu($('menu').hidden),
       fullscreen: () => (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.())?.catch?.(() => {}),
     };
     for (const [id, action] of Object.entries(actions)) {
@@ -27,6 +33,9 @@ export class Toolbar {
       $(id).disabled = true;  // until there is a picture
     }
     if (!document.documentElement.requestFullscreen) $('fullscreen').hidden = true;
+    $('menu').addEventListener('click', (e) => { if (e.target.closest('button')) this.showMenu(false); });
+    $('menu').addEventListener('change', () => this.showMenu(false));
+    addEventListener('pointerdown', (e) => { if (!$('bar').contains(e.target)) this.showMenu(false); });
     $('keys-close').addEventListener('click', () => this.showKeys(false));
     $('figures-close').addEventListener('click', () => viewer.figures.toggle());
     $('link-close').addEventListener('click', () => { $('link-box').hidden = true; });
@@ -50,10 +59,10 @@ export class Toolbar {
     if (shown) $('keys-close').focus();
   }
 
-  /// Shows the buttons that a narrow page hides (style.css).
-  showMore(shown) {
+  showMenu(shown) {
+    if (!shown && $('menu').contains(document.activeElement)) $('more').focus();
+    $('menu').hidden = !shown;
     $('more').setAttribute('aria-expanded', String(shown));
-    $('bar').classList.toggle('open', shown);
   }
 
   changeMode() {
@@ -69,7 +78,7 @@ export class Toolbar {
     if (this.orbits === orbits) return;
     this.orbits = orbits;
     $('stick').hidden = orbits || !matchMedia('(pointer: coarse)').matches;  // fingers alone orbit
-    $('mode').textContent = orbits ? 'Walk' : 'Orbit';
+    show('mode', orbits ? 'Walk' : 'Orbit');
     $('mode').title = orbits ? 'Walk: turn in place, go where one looks (M)' : 'Orbit: turn about what is under the cursor (M)';
   }
 
@@ -95,7 +104,7 @@ export class Toolbar {
   press(e) {
     const typing = e.target instanceof HTMLSelectElement || e.target instanceof HTMLInputElement && e.target.type !== 'range' && e.target.type !== 'radio';
     if (typing || e.ctrlKey || e.metaKey || e.altKey || e.repeat) return;
-    if (e.code === 'Escape') { this.viewer.compare.end(); $('link-box').hidden = true; this.showKeys(false); }
+    if (e.code === 'Escape') { this.showMenu(false); this.viewer.compare.end(); $('link-box').hidden = true; this.showKeys(false); }
     if (e.key === '?' && !$('keys').disabled) this.showKeys($('keys-list').hidden);
     const layer = /^Digit([1-5])$/.exec(e.code);
     if (layer) this.viewer.figures.showLayer(Number(layer[1]) - 1);
@@ -107,7 +116,7 @@ export class Toolbar {
 
   play(playing) {
     this.stopped = !playing;
-    $('pause').textContent = playing ? 'Pause' : 'Play';
+    show('pause', playing ? 'Pause' : 'Play');
     $('pause').setAttribute('aria-pressed', String(!playing));
     this.viewer.core._page_play(playing ? 1 : 0, this.viewer.place.sessionMs());
     this.viewer.wake();
