@@ -27,6 +27,8 @@ function(mirage_target name)
     target_compile_options(${name} PRIVATE -fno-exceptions -fno-rtti)
     return()
   endif()
+  # The client is a shared library as well (client/library). Nobody replaces its functions from outside.
+  target_compile_options(${name} PRIVATE -fPIC -fno-semantic-interposition)
   # Finds a bundle's libraries beside its programs (scripts/bundle). The old tag also serves libraries of libraries.
   set_target_properties(${name} PROPERTIES BUILD_RPATH "$ORIGIN/../lib")
   get_target_property(kind ${name} TYPE)

@@ -1,6 +1,7 @@
 #include "client/door/client.h"
 
 #include <optional>
+#include <utility>
 
 #include "client/door/renderer_sink.h"
 #include "client/draw/frame_renderer.h"
@@ -9,7 +10,9 @@
 #include "client/scene/scene_view.h"
 #include "client/screen/screen.h"
 #include "client/session/client_session.h"
+#include "client/session/session_options.h"
 #include "protocol/base/clock.h"
+#include "shaders/gl/gl_object.h"
 #include "shaders/gl/program.h"
 
 namespace mirage {
@@ -54,6 +57,16 @@ Result<void> Client::attach(const ClientGraphics& graphics) {
   p.renderer.emplace(renderer.take());
   p.graphics = graphics;
   return p.screen.create(graphics.width, graphics.height);
+}
+
+void Client::detach(bool context_lost) {
+  Parts& p = *parts_;
+  close();
+  std::optional<gl::ForgetNames> forget;
+  if (context_lost) forget.emplace();
+  p.renderer.reset();
+  p.screen = Screen();
+  p.step = FrameStep::kKeep;
 }
 
 void Client::open(Link& link, ClientOptions options, std::function<void(const Error&)> problem) {
@@ -125,8 +138,9 @@ const PlannedFrame& Client::planned() const { return parts_->planned; }
 
 void Client::draw() {
   Parts& p = *parts_;
-  if (p.step == FrameStep::kRefine) p.screen.refine(*p.renderer, p.planned);
-  if (p.step != FrameStep::kDraw) return;
+  const FrameStep step = std::exchange(p.step, FrameStep::kKeep);
+  if (step == FrameStep::kRefine) p.screen.refine(*p.renderer, p.planned);
+  if (step != FrameStep::kDraw) return;
   const std::uint64_t programs = gl::programs_compiled();
   p.screen.draw(*p.renderer, p.planned);
   p.compiled = gl::programs_compiled() - programs;

@@ -48,6 +48,9 @@ class Client {
   /// Makes programs and targets. Errors kGraphicsShader, kGraphicsGl. Without it the client holds
   /// and draws nothing: it only learns the scene and takes full renders.
   Result<void> attach(const ClientGraphics& graphics);
+  /// Gives up programs and targets, after close(). If the context is lost, their names are
+  /// forgotten and nothing is deleted. attach() can follow.
+  void detach(bool context_lost);
   /// Begins a session on a link, which must outlive it; the one before ends. `problem` is told what
   /// is not drawn as it should be; it may be empty. The size of the atlas is that of attach().
   void open(Link& link, ClientOptions options, std::function<void(const Error&)> problem);
@@ -76,7 +79,7 @@ class Client {
   Result<FrameStep> plan(const Camera& camera, std::int64_t now_us);
   /// Returns the frame that was planned last.
   const PlannedFrame& planned() const;
-  /// Draws or refines the planned frame, or keeps the picture.
+  /// Draws or refines the planned frame, or keeps the picture; again, it keeps it.
   void draw();
   /// Returns the work of the last new picture, and the programs that were compiled for it.
   const FrameWork& drawn_work() const;

@@ -75,8 +75,9 @@ struct FrameRenderer::Parts {
   std::unique_ptr<gl::MeshPass> caster_meshes =
       std::make_unique<gl::MeshPass>(gl::MeshOutput::kDepth);
   std::unique_ptr<gl::MeshPass> tint_meshes = std::make_unique<gl::MeshPass>(gl::MeshOutput::kTint);
-  gl::ShadowMap shadow_map;             ///< made when first needed
-  CasterListPtr in_map;                 ///< casters that the map shows
+  gl::ShadowMap shadow_map;  ///< made when first needed
+  CasterListPtr in_map;      ///< casters that the map shows
+  bool background_shown = true;
   std::optional<glm::vec3> background;  ///< in place of the scene's own
   int draw_calls = 0;
 };
@@ -138,6 +139,7 @@ void FrameRenderer::Parts::draw_meshes(gl::MeshPass& pass, const Drawing& d, boo
 
 void FrameRenderer::Parts::draw_background(const Camera& camera, const Environment& own,
                                            const gl::ViewDepth& depth) {
+  if (!background_shown) return;
   if (!background) {
     sky.draw_behind(camera, own, depth);
     return;
@@ -313,9 +315,14 @@ void FrameRenderer::sharpen(float levels, float tested_levels) {
 
 void FrameRenderer::draw_edges_last(bool on) { parts_->impostors.draw_edges_last(on); }
 
+void FrameRenderer::show_background(bool shown) {
+  parts_->background_shown = shown;
+  parts_->view.cut_outlines(!shown || parts_->background);
+}
+
 void FrameRenderer::set_background(const std::optional<glm::vec3>& color) {
   parts_->background = color;
-  parts_->view.cut_outlines(color.has_value());
+  parts_->view.cut_outlines(!parts_->background_shown || color);
 }
 
 int FrameRenderer::draw_calls() const { return parts_->draw_calls; }

@@ -64,6 +64,8 @@ class FrameRenderer {
   /// ImpostorPass::draw_edges_last()
   void draw_edges_last(bool on);
 
+  /// Draws nothing behind the objects from now on, or again: the picture is premultiplied there.
+  void show_background(bool shown);
   /// Draws this colour, linear, in place of the scene's sky and studio from now on; the shadow on
   /// the studio's floor stays. nullopt: the scene's own.
   void set_background(const std::optional<glm::vec3>& color);

@@ -95,10 +95,8 @@ void FrameTarget::copy(const gl::Framebuffer& from, const gl::Framebuffer& to) c
 }
 
 Camera FrameTarget::drawn_camera(const Camera& camera) const {
-  Camera drawn = camera;
-  drawn.width = static_cast<std::uint32_t>(drawn_width_);
-  drawn.height = static_cast<std::uint32_t>(drawn_height_);
-  return drawn;
+  return camera.at_size(static_cast<std::uint32_t>(drawn_width_),
+                        static_cast<std::uint32_t>(drawn_height_));
 }
 
 void FrameTarget::copy_to(const gl::Framebuffer& to) const { copy(draw_, to); }
@@ -132,6 +130,27 @@ GLuint FrameTarget::resolved_texture() const {
   return enlarges() ? small_color_.id() : resolved_color_.id();
 }
 
+GLuint FrameTarget::depth_texture() const {
+  if (!read_depth_) {
+    gl::Texture texels = gl::Texture::create();
+    glBindTexture(GL_TEXTURE_2D, texels.id());
+    glTexStorage2D(GL_TEXTURE_2D, 1, GL_DEPTH_COMPONENT32F, drawn_width_, drawn_height_);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl::Framebuffer framebuffer = gl::Framebuffer::create();
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer.id());
+    glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texels.id(), 0);
+    if (glCheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) return 0;
+    depth_texels_ = std::move(texels);
+    read_depth_ = std::move(framebuffer);
+  }
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, draw_.id());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, read_depth_.id());
+  glBlitFramebuffer(0, 0, drawn_width_, drawn_height_, 0, 0, drawn_width_, drawn_height_,
+                    GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  return depth_texels_.id();
+}
+
 void FrameTarget::resolve_drawn() const {
   if (!enlarges()) return resolve();
   glBindFramebuffer(GL_READ_FRAMEBUFFER, draw_.id());
@@ -148,7 +167,7 @@ std::size_t FrameTarget::gpu_bytes() const {
   const std::size_t averaged = averaged_ ? 8 : 0;
   const std::size_t sample = format_ == GL_SRGB8_ALPHA8 ? 8 : 12;  // bytes of colour and depth
   return drawn * sample * static_cast<std::size_t>(std::max(samples_, 1)) +
-         pixels * (averaged + 4) + (enlarges() ? 4 * drawn : 0);
+         pixels * (averaged + 4) + (enlarges() ? 4 * drawn : 0) + (read_depth_ ? 4 * drawn : 0);
 }
 
 }  // namespace mirage

@@ -30,6 +30,9 @@ class FrameTarget {
   /// Resolves, and returns the texture (sRGB, 8 bits) with the picture, a texel for each drawn
   /// pixel.
   GLuint resolved_texture() const;
+  /// Returns a texture with the window depth of each drawn pixel (32-bit float), of one of its
+  /// samples; 0: the device has no memory for it.
+  GLuint depth_texture() const;
   /// Resolves, and binds the result to GL_READ_FRAMEBUFFER.
   void resolve() const;
   /// As resolve(), but the result has a pixel for each drawn pixel.
@@ -59,6 +62,8 @@ class FrameTarget {
   gl::Framebuffer small_;  ///< the drawn picture, if that is enlarged
   gl::Renderbuffer color_, depth_;
   gl::Texture resolved_color_, small_color_;
+  mutable gl::Framebuffer read_depth_;  ///< made when depth_texture() is first called
+  mutable gl::Texture depth_texels_;
   int width_ = 0, height_ = 0, samples_ = 0;
   int drawn_width_ = 0, drawn_height_ = 0;
   GLenum format_ = 0;

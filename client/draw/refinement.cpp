@@ -83,6 +83,7 @@ void Refinement::fill(const gl::Texture& from) {
   program_.set("u_color", 0);
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, from.id());
+  glViewport(0, 0, one_sample_->width(), one_sample_->height());
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CULL_FACE);
   glBindVertexArray(vao_.id());

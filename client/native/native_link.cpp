@@ -5,12 +5,14 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <csignal>
 #include <cstring>
 #include <deque>
 #include <mutex>
 #include <random>
 #include <thread>
 
+#include "client/native/quiet_thread.h"
 #include "client/native/unpacker.h"
 
 namespace mirage {
@@ -291,8 +293,12 @@ NativeLink::NativeLink(const ServerUrl& url, std::function<void()> arrived)
   info.ka_time = 10;
   info.ka_probes = 3;
   info.ka_interval = 5;
+  // libwebsockets ignores SIGPIPE for the whole program. The network thread blocks it anyway.
+  struct sigaction of_program {};
+  sigaction(SIGPIPE, nullptr, &of_program);
   impl_->context = lws_create_context(&info);
-  if (impl_->context) impl_->thread = std::thread([this] { impl_->run(); });
+  sigaction(SIGPIPE, &of_program, nullptr);
+  if (impl_->context) impl_->thread = quiet_thread("mirage-net", [this] { impl_->run(); });
 }
 
 NativeLink::~NativeLink() {

@@ -2,12 +2,15 @@
 
 #include <utility>
 
+#include "client/native/quiet_thread.h"
 #include "protocol/wire/unpack.h"
 
 namespace mirage {
 
 Unpacker::Unpacker(Hooks hooks)
-    : hooks_(std::move(hooks)), queue_(SIZE_MAX), thread_([this] { run(); }) {}
+    : hooks_(std::move(hooks)),
+      queue_(SIZE_MAX),
+      thread_(quiet_thread("mirage-unpack", [this] { run(); })) {}
 
 Unpacker::~Unpacker() {
   queue_.close();

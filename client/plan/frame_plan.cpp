@@ -201,9 +201,10 @@ double FramePlan::planned_ms() const {
 double FramePlan::frame_ms(const Camera& camera, const std::vector<Alternatives>& things,
                            const FrameSetting& setting) const {
   if (!prices_) return 0;
-  Camera drawn = camera;
-  drawn.width = static_cast<std::uint32_t>(std::lround(camera.width * setting.scale));
-  drawn.height = static_cast<std::uint32_t>(std::lround(camera.height * setting.scale));
+  const auto scaled = [&](std::uint32_t edge) {
+    return static_cast<std::uint32_t>(std::lround(edge * setting.scale));
+  };
+  const Camera drawn = camera.at_size(scaled(camera.width), scaled(camera.height));
   FrameWork frame = target_work(drawn, setting.samples);
   const bool views = std::any_of(things.begin(), things.end(), [](const Alternatives& thing) {
     return thing.viewed && !thing.flat && thing.levels.empty();

@@ -36,7 +36,7 @@ void greet(SessionParts& s, std::int64_t now_us) {
   s.held.uploads.clear();
   wire::HelloT hello;
   hello.version_min = hello.version_max = limits::kProtocolVersion;
-  hello.token = s.options.token;
+  hello.token = s.token;
   hello.name = s.options.name;
   hello.clip = s.choice.clip;
   hello.variant = s.choice.variant;
@@ -115,6 +115,8 @@ DrawList ClientSession::plan_list(const Camera& camera, std::int64_t now_us) {
   return list;
 }
 
+void ClientSession::set_token(std::string token) { parts_->token = std::move(token); }
+
 void ClientSession::choose(SceneChoice choice) { parts_->choice = std::move(choice); }
 
 std::uint32_t ClientSession::welcomes() const { return parts_->connection.welcomes; }
@@ -171,6 +173,9 @@ void ClientSession::ask_reference(const Camera& camera, std::uint32_t supersampl
   request.fov_y = camera.fov_y;
   request.width = camera.width;
   request.height = camera.height;
+  request.shift_x = camera.shift_px.x;
+  request.shift_y = camera.shift_px.y;
+  request.pixel_aspect = camera.pixel_aspect;
   request.supersample = supersample;
   request.time_s = s.time_s;
   s.reference.refused = false;

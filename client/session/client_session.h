@@ -11,15 +11,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "client/frame/reference_frame.h"
 #include "client/session/counts.h"
-#include "client/session/session_options.h"
-#include "client/session/tile_sink.h"
 #include "protocol/base/result.h"
 
 namespace mirage {
@@ -32,14 +30,17 @@ class Predictor;
 class SceneView;
 class Selector;
 struct Camera;
+struct ClientOptions;
 struct CostModel;
 struct DrawList;
 struct Lighting;
 struct PlannedFrame;
 struct Pose;
+struct ReferenceFrame;
 struct SceneChoice;
 struct SessionParts;
 struct TileLife;
+struct TileSink;
 struct UploadCounts;
 struct ViewCounts;
 
@@ -71,6 +72,8 @@ class ClientSession {
   /// Tells where the eye starts, before the session connects, for whoever comes by a link to a
   /// place: the first picture is seen from there, and not from the scene's home.
   void start_at(const Pose& pose);
+  /// Sets the token for later connections.
+  void set_token(std::string token);
   /// Sets the clip and the variant to ask for on the next connection. What is shown stays until
   /// there is a picture of them.
   void choose(SceneChoice choice);

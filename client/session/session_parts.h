@@ -115,6 +115,7 @@ struct SessionParts {
   Link& link;
   const ClientOptions options;
   SceneChoice choice = options.choice;  ///< of the next hello
+  std::string token = options.token;    ///< the same
   TileSink sink;
   RisingTime clock;
   Connection connection;

@@ -25,7 +25,10 @@ std::vector<double> numbers(const PlannedFrame& frame) {
                              camera.near_m,
                              camera.far_m,
                              static_cast<double>(camera.width),
-                             static_cast<double>(camera.height)};
+                             static_cast<double>(camera.height),
+                             camera.shift_px.x,
+                             camera.shift_px.y,
+                             camera.pixel_aspect};
   const auto put = [&](auto value) { out.push_back(static_cast<double>(value)); };
   put(list.impostors.size());
   for (const DrawnImpostor& drawn : list.impostors) {

@@ -30,6 +30,7 @@ double screen_share(const Camera& camera, const InstanceView& instance) {
 
 bool same_view(const Camera& a, const Camera& b, double scene_radius) {
   return a.width == b.width && a.height == b.height && a.fov_y == b.fov_y &&
+         a.shift_px == b.shift_px && a.pixel_aspect == b.pixel_aspect &&
          glm::length(a.pose.eye - b.pose.eye) <= kSamePlace * scene_radius &&
          std::abs(glm::dot(a.pose.rotation, b.pose.rotation)) >= kSameDirection;
 }

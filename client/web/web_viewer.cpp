@@ -16,6 +16,7 @@
 #include "client/screen/screen.h"
 #include "client/screen/viewer_defaults.h"
 #include "client/session/client_session.h"
+#include "client/session/session_options.h"
 #include "protocol/base/quantile.h"
 #include "protocol/base/stable_math.h"
 #include "shaders/gl/dialect.h"

@@ -19,7 +19,55 @@ void Camera::fit_depth_range(const glm::dvec3& scene_center, double scene_radius
   near_m = std::max(far_m * 2e-13, std::min(far_m * 2e-4, 1e-36));
 }
 
-double Camera::focal_px() const { return 0.5 * height / std::tan(0.5 * fov_y); }
+double Camera::focal_px() const {
+  return 0.5 * height / std::tan(0.5 * fov_y) * std::max(1.0, 1 / pixel_aspect);
+}
+
+glm::dvec2 Camera::half_tangents() const {
+  const double up = std::tan(0.5 * fov_y);
+  return {up * width / height * pixel_aspect, up};
+}
+
+Camera Camera::at_size(std::uint32_t other_width, std::uint32_t other_height) const {
+  Camera other = *this;
+  other.width = other_width;
+  other.height = other_height;
+  other.shift_px *= glm::dvec2(other_width, other_height) / glm::dvec2(width, height);
+  return other;
+}
+
+Camera Camera::enclosing() const {
+  if (shift_px == glm::dvec2(0) && pixel_aspect == 1) return *this;
+  const glm::dvec2 size(width, height);
+  const glm::dvec2 tangents = half_tangents() * (1.0 + 2.0 * glm::abs(shift_px) / size);
+  const glm::dvec2 edges = glm::min(glm::ceil(2.0 * focal_px() * tangents), glm::dvec2(1e9));
+  Camera whole = *this;
+  whole.shift_px = glm::dvec2(0);
+  whole.pixel_aspect = 1;
+  whole.width = static_cast<std::uint32_t>(edges.x);
+  whole.height = static_cast<std::uint32_t>(edges.y);
+  whole.fov_y = 2 * std::atan(0.5 * edges.y / focal_px());
+  return whole;
+}
+
+bool set_tangents(Camera& camera, const ViewTangents& tangents) {
+  constexpr double kNothingPx = 1e-3;  // a matrix of floats is no nearer to its angles
+  const glm::dvec2 size(camera.width, camera.height);
+  const glm::dvec2 most(tangents.right, tangents.up), least(tangents.left, tangents.down);
+  const glm::dvec2 seen = most - least;
+  if (!(seen.x > 0 && seen.y > 0 && size.x > 0 && size.y > 0)) return false;
+  Camera out = camera;
+  out.fov_y = 2 * std::atan(0.5 * seen.y);
+  out.pixel_aspect = (seen.x / size.x) / (seen.y / size.y);
+  out.shift_px = -0.5 * (most + least) / seen * size;
+  if (std::abs(out.pixel_aspect - 1) * std::max(size.x, size.y) < kNothingPx) out.pixel_aspect = 1;
+  if (glm::length(out.shift_px) < kNothingPx) out.shift_px = glm::dvec2(0);
+  const glm::dvec2 shift = out.shift_px;
+  const bool finite = std::isfinite(shift.x) && std::isfinite(shift.y) && out.pixel_aspect > 0 &&
+                      std::isfinite(out.pixel_aspect);
+  if (finite) camera = out;
+  return finite;
+}
 glm::dvec3 Camera::forward() const { return glm::dquat(pose.rotation) * glm::dvec3(0, 0, -1); }
 glm::dvec3 Camera::right() const { return glm::dquat(pose.rotation) * glm::dvec3(1, 0, 0); }
 glm::dvec3 Camera::up() const { return glm::dquat(pose.rotation) * glm::dvec3(0, 1, 0); }
@@ -36,7 +84,7 @@ glm::dvec2 Camera::window_depth(DepthMapping mapping) const {
 }
 
 glm::mat4 Camera::clip_from_relative(DepthMapping mapping) const {
-  const double aspect = static_cast<double>(width) / height;
+  const double aspect = static_cast<double>(width) / height * pixel_aspect;
   glm::dmat4 clip_from_view = glm::perspective(fov_y, aspect, near_for(mapping), far_m);
   if (mapping == DepthMapping::kReversed) {
     clip_from_view[2][2] = 0;
@@ -52,30 +100,35 @@ glm::mat4 Camera::clip_from_relative(DepthMapping mapping) const {
 
 glm::dvec3 Camera::pixel_from_relative(const glm::dvec3& relative) const {
   const double z = glm::dot(relative, forward());
-  const double f = focal_px();
-  return {0.5 * width + f * glm::dot(relative, right()) / z,
-          0.5 * height - f * glm::dot(relative, up()) / z, z};
+  const glm::dvec2 f = 0.5 * glm::dvec2(width, height) / half_tangents();
+  return {0.5 * width + shift_px.x + f.x * glm::dot(relative, right()) / z,
+          0.5 * height - shift_px.y - f.y * glm::dot(relative, up()) / z, z};
 }
 
-Frustum::Side Frustum::side(double half_angle) {
-  return {half_angle >= 1.5707963, std::cos(half_angle), std::sin(half_angle)};
+Frustum::Side Frustum::side(double angle) {
+  return {angle >= 1.5707963, std::cos(angle), std::sin(angle)};
 }
 
 Frustum::Frustum(const Camera& camera, double guard)
-    : forward_(camera.forward()),
-      right_(camera.right()),
-      up_(camera.up()),
-      across_(side(std::atan(std::tan(0.5 * camera.fov_y) * camera.width / camera.height) + guard)),
-      along_(side(0.5 * camera.fov_y + guard)) {}
+    : forward_(camera.forward()), right_(camera.right()), up_(camera.up()) {
+  const glm::dvec2 half = camera.half_tangents();
+  const glm::dvec2 shift = 2.0 * camera.shift_px / glm::dvec2(camera.width, camera.height);
+  const auto edge = [&](double tangent) { return side(std::atan(tangent) + guard); };
+  to_right_ = edge(half.x * (1 - shift.x));
+  to_left_ = edge(half.x * (1 + shift.x));
+  upward_ = edge(half.y * (1 - shift.y));
+  downward_ = edge(half.y * (1 + shift.y));
+}
 
 bool Frustum::may_see(const glm::dvec3& center, double radius) const {
   if (!(glm::length(center) > radius)) return true;
   const double z = glm::dot(center, forward_);
   const auto outside = [&](double off_axis, const Side& side) {
-    if (side.open) return false;
-    return std::abs(off_axis) * side.cosine - z * side.sine > radius;
+    return !side.open && off_axis * side.cosine - z * side.sine > radius;
   };
-  return !outside(glm::dot(center, right_), across_) && !outside(glm::dot(center, up_), along_);
+  const double x = glm::dot(center, right_), y = glm::dot(center, up_);
+  return !outside(x, to_right_) && !outside(-x, to_left_) && !outside(y, upward_) &&
+         !outside(-y, downward_);
 }
 
 Pose look_at(const glm::dvec3& eye, const glm::dvec3& target) {
@@ -90,7 +143,7 @@ Pose look_at(const glm::dvec3& eye, const glm::dvec3& target) {
 
 Pose home_pose(const HomeView& home, const Camera& camera) {
   constexpr double kFill = 0.8;     // share of the picture's width or height
-  constexpr double kNearest = 1.8;  // half diagonals: nearer, perspective distorts what is long
+  constexpr double kNearest = 1.2;  // half diagonals: nearer, perspective distorts what is long
   Pose pose = look_at(home.eye, home.target);
   if (home.fit.empty()) return pose;
   const double high = kFill * std::tan(0.5 * camera.fov_y);

@@ -27,16 +27,26 @@ double clip_scale(double z);
 
 struct Camera {
   Pose pose;
-  double fov_y = 1.0471975511965976;  ///< radians
-  std::uint32_t width = 640;          ///< px
-  std::uint32_t height = 360;         ///< px
+  /// Angle, radians: twice the arc tangent of half the picture's height at distance 1.
+  double fov_y = 1.0471975511965976;
+  std::uint32_t width = 640;   ///< px
+  std::uint32_t height = 360;  ///< px
   double near_m = 0.05;
   double far_m = 4000;
-  glm::dvec2 shift_px{0};  ///< shifts the whole picture right and up; planning ignores it
+  glm::dvec2 shift_px{0};   ///< from the picture's middle right and up to where the camera looks
+  double pixel_aspect = 1;  ///< width over height of what a pixel shows
 
   /// Sets near and far around a scene's bounding sphere, a ratio of 5e12; both ends do the same.
   void fit_depth_range(const glm::dvec3& scene_center, double scene_radius);
+  /// Returns the distance in pixels at which a pixel is a pixel wide or high, the greater of both.
   double focal_px() const;
+  /// Returns the tangents of half the angles across and along, if the camera looked at the middle.
+  glm::dvec2 half_tangents() const;
+  /// Returns this camera for a picture of another size.
+  Camera at_size(std::uint32_t other_width, std::uint32_t other_height) const;
+  /// Returns a camera that looks at the middle of its picture, has square pixels and sees all that
+  /// this one does; this one itself, if it is such a camera.
+  Camera enclosing() const;
   glm::dvec3 forward() const;
   glm::dvec3 right() const;
   glm::dvec3 up() const;
@@ -62,25 +72,33 @@ class Frustum {
   bool may_see(const glm::dvec3& center, double radius) const;
 
  private:
-  /// A pair of planes whose normals lean away from the axis. There is no plane at half angles of 90
-  /// degrees and more.
+  /// A plane whose normal leans away from the axis. There is none at angles of 90 degrees and more.
   struct Side {
     bool open = false;
     double cosine = 1, sine = 0;
   };
-  static Side side(double half_angle);
+  static Side side(double angle);
 
   glm::dvec3 forward_, right_, up_;
-  Side across_, along_;
+  Side to_right_, to_left_, upward_, downward_;
 };
+
+/// Tangents of the angles between the direction of view and the edges of a picture, with signs:
+/// left and down are below right and up (as XrFovf of OpenXR, which has the angles).
+struct ViewTangents {
+  double left = -1, right = 1, down = -1, up = 1;
+};
+
+/// Sets field of view, shift and shape of pixels of a camera whose size is set. Tangents that
+/// enclose nothing, or are not finite, leave it as it is; returns false then.
+bool set_tangents(Camera& camera, const ViewTangents& tangents);
 
 /// Returns the pose at `eye` that looks at `target`, with world +Y up where possible.
 Pose look_at(const glm::dvec3& eye, const glm::dvec3& target);
 
 /// Returns the pose of a home view for a picture with the camera's shape and field of view. The eye
 /// keeps its direction and goes where the points to fit lie in the middle and fill four fifths of
-/// the picture's width or height, but no nearer than 1.8 times half the diagonal of
-/// their box.
+/// the picture's width or height, but no nearer than 1.2 times half the diagonal of their box.
 Pose home_pose(const HomeView& home, const Camera& camera);
 
 }  // namespace mirage

@@ -325,6 +325,11 @@ Result<void> check(const wire::ReferenceRequest& m) {
                     m.supersample() <= limits::kMaxReferenceSupersample;
   if (!size || !finite(m.eye()) || !unit(m.rotation())) return value_error("reference camera");
   if (!field_of_view(m.fov_y())) return value_error("field of view");
+  const auto near = [](double shift, std::uint32_t edge) { return std::abs(shift) <= 8.0 * edge; };
+  const bool shifted = near(m.shift_x(), m.width()) && near(m.shift_y(), m.height());
+  if (!shifted) return value_error("shift of a picture");
+  if (!(m.pixel_aspect() >= 1e-2 && m.pixel_aspect() <= 1e2))
+    return value_error("shape of a pixel");
   if (!std::isfinite(m.time_s())) return value_error("animation time");
   return {};
 }

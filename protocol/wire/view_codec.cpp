@@ -53,7 +53,8 @@ ViewPose view_pose(const wire::ViewRequestT& m) {
   return out;
 }
 
-wire::ViewRequestT view_request(const Camera& screen, double time_s) {
+wire::ViewRequestT view_request(const Camera& camera, double time_s) {
+  const Camera screen = camera.enclosing();
   wire::ViewRequestT m;
   const double tangent = std::tan(0.5 * screen.fov_y) * kGuard;
   const double widest = std::tan(0.5 * limits::kMaxFovDegrees / 57.29577951308232);
@@ -68,6 +69,12 @@ wire::ViewRequestT view_request(const Camera& screen, double time_s) {
   m.rotation = std::make_unique<wire::Quat>(to_wire(screen.pose.rotation));
   m.time_s = time_s;
   return m;
+}
+
+Camera screen_of(const Camera& view) {
+  Camera screen = view;
+  screen.fov_y = 2 * std::atan(std::tan(0.5 * view.fov_y) / kGuard);
+  return screen;
 }
 
 wire::ViewRequestT home_view_request() {

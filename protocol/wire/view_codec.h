@@ -11,6 +11,8 @@ ViewPose view_pose(const wire::ViewRequestT& request);
 /// Returns a request for the content of `screen` and some margin around it, with no more texels
 /// than a view needs. Id and lighting are left unset.
 wire::ViewRequestT view_request(const Camera& screen, double time_s);
+/// Returns the camera of a view without the margin: that of the screen it is for, but for its size.
+Camera screen_of(const Camera& view);
 /// Returns the request for the scene's home view, which a server makes before any client asks.
 wire::ViewRequestT home_view_request();
 /// True if a request asks for the home view, under the scene's own light.

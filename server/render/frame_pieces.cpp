@@ -34,7 +34,8 @@ std::pair<double, double> rows_of(const Camera& camera, const glm::dvec3& center
   const double off_axis = std::atan2(above, ahead), half = std::asin(radius / apart);
   const auto row = [&](double angle, double beyond) {
     if (std::abs(angle) >= kRightAngle) return beyond;
-    return 0.5 * camera.height + camera.shift_px.y + camera.focal_px() * std::tan(angle);
+    const double focal = 0.5 * camera.height / camera.half_tangents().y;
+    return 0.5 * camera.height + camera.shift_px.y + focal * std::tan(angle);
   };
   return {row(off_axis - half, -kAll) - kStrokeRows, row(off_axis + half, kAll) + kStrokeRows};
 }

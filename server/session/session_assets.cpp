@@ -134,6 +134,8 @@ void SessionHub::reference(SessionId id, Session& s, const wire::ReferenceReques
   shot.camera.fov_y = m.fov_y;
   shot.camera.width = m.width;
   shot.camera.height = m.height;
+  shot.camera.shift_px = {m.shift_x, m.shift_y};
+  shot.camera.pixel_aspect = m.pixel_aspect;
   shot.camera.fit_depth_range(scene_->bounds_center, scene_->bounds_radius);
   shot.supersample = m.supersample;
   shot.time_s = m.time_s;

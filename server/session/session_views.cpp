@@ -23,7 +23,9 @@ bool drawn_whole(const Scene& scene) {
 
 ViewJob SessionHub::view_job(const wire::ViewRequestT& m, const Lighting& lighting) const {
   ViewPose pose = view_pose(m);
-  if (m.home) pose.camera.pose = home_pose(scene_->scene.home, pose.camera);
+  if (m.home) {
+    pose.camera.pose = home_pose(scene_->scene.home, screen_of(pose.camera));
+  }
   if (!scene_->animated()) pose.time_s = 0;
   pose.camera.fit_depth_range(scene_->bounds_center, scene_->bounds_radius);
   ViewJob job;

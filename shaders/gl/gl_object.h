@@ -15,6 +15,23 @@ inline std::atomic<int>& live_objects() {
   return count;
 }
 
+/// While one exists on a thread, objects that end there forget their names and delete nothing: the
+/// context that had them is lost, and the names may be another's.
+class ForgetNames {
+ public:
+  ForgetNames() { ++depth(); }
+  ~ForgetNames() { --depth(); }
+  ForgetNames(const ForgetNames&) = delete;
+  ForgetNames& operator=(const ForgetNames&) = delete;
+  static bool on() { return depth() > 0; }
+
+ private:
+  static int& depth() {
+    thread_local int count = 0;
+    return count;
+  }
+};
+
 template <typename Traits>
 class Object {
  public:
@@ -39,7 +56,7 @@ class Object {
   explicit operator bool() const { return id_ != 0; }
   void reset() {
     if (id_ == 0) return;
-    Traits::destroy(id_);
+    if (!ForgetNames::on()) Traits::destroy(id_);
     id_ = 0;
     --live_objects();
   }

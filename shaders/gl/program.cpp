@@ -83,7 +83,7 @@ Program& Program::operator=(Program&& other) noexcept {
 
 Program::~Program() {
   if (id_ == 0) return;
-  glDeleteProgram(id_);
+  if (!ForgetNames::on()) glDeleteProgram(id_);
   --live_objects();
 }
 

@@ -54,16 +54,17 @@ void SkyPass::draw_behind(const Camera& camera, const Environment& environment,
 }
 
 void SkyPass::fill(const Camera& camera, const Environment& environment) {
-  const double tan_y = std::tan(0.5 * camera.fov_y);
-  const double tan_x = tan_y * camera.width / camera.height;
+  const glm::dvec2 half = camera.half_tangents();
+  const glm::dvec3 right = camera.right() * half.x, up = camera.up() * half.y;
+  const glm::dvec2 aside = 2.0 * camera.shift_px / glm::dvec2(camera.width, camera.height);
   const StudioFloor& floor = environment.floor;
   // A view of the scene is drawn before all of the scene is there, and prepared for.
   const bool has_floor = floor.half > 0 && prepare(environment).ok();
   Program& program = has_floor ? over_floor_ : program_;
   program.use();
-  program.set("u_right", glm::vec3(camera.right() * tan_x));
-  program.set("u_up", glm::vec3(camera.up() * tan_y));
-  program.set("u_forward", glm::vec3(camera.forward()));
+  program.set("u_right", glm::vec3(right));
+  program.set("u_up", glm::vec3(up));
+  program.set("u_forward", glm::vec3(camera.forward() - aside.x * right - aside.y * up));
   program.set("u_zenith", environment.zenith);
   program.set("u_horizon", environment.horizon);
   program.set("u_nadir", environment.nadir);

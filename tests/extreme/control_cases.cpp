@@ -14,6 +14,7 @@
 #include "client/plan/tau_controller.h"
 #include "client/price/cost_fit.h"
 #include "client/scene/scene_view.h"
+#include "client/session/tile_sink.h"
 #include "protocol/impostor/tile_key.h"
 #include "server/prepare/prepared_scene.h"
 #include "tests/extreme/control_turn_case.h"

@@ -18,6 +18,7 @@
 #include "client/native/native_link.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
+#include "client/session/tile_sink.h"
 #include "protocol/base/clock.h"
 #include "protocol/base/quantile.h"
 #include "tests/support/process.h"

@@ -11,6 +11,7 @@
 #include "client/draw/frame_renderer.h"
 #include "client/draw/frame_target.h"
 #include "client/frame/draw_list.h"
+#include "client/frame/reference_frame.h"
 #include "client/hold/tile_cache.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"

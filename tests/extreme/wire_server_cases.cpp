@@ -8,6 +8,8 @@
 #include "client/native/native_link.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
+#include "client/session/session_options.h"
+#include "client/session/tile_sink.h"
 #include "protocol/base/clock.h"
 #include "protocol/base/error.h"
 #include "tests/extreme/peak_memory.h"

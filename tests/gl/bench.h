@@ -12,6 +12,7 @@
 #include "client/draw/refinement.h"
 #include "client/draw/tints.h"
 #include "client/frame/draw_list.h"
+#include "client/frame/reference_frame.h"
 #include "client/hold/tile_cache.h"
 #include "client/quality/metrics.h"
 #include "client/scene/scene_view.h"

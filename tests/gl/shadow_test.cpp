@@ -10,6 +10,7 @@
 #include "client/draw/frame_renderer.h"
 #include "client/draw/frame_target.h"
 #include "client/frame/planned_frame.h"
+#include "client/frame/reference_frame.h"
 #include "client/hold/shadow_cache.h"
 #include "client/hold/tile_cache.h"
 #include "client/plan/tile_need.h"

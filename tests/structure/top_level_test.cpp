@@ -9,25 +9,12 @@ namespace mirage::test {
 namespace {
 
 TEST(Structure, TopLevelHoldsOnlyWhatIsNamedHere) {
-  const std::set<std::string> named = {"ARCHITECTURE.md",
-                                       "CHANGELOG.md",
-                                       "CMakeLists.txt",
-                                       "CMakePresets.json",
-                                       "CONTRIBUTING.md",
-                                       "LICENSE",
-                                       "README.md",
-                                       "build",
-                                       "client",
-                                       "cmake",
-                                       "docs",
-                                       "modules",
-                                       "out",
-                                       "packaging",
-                                       "protocol",
-                                       "scripts",
-                                       "server",
-                                       "shaders",
-                                       "tests"};
+  const std::set<std::string> named = {
+      "ARCHITECTURE.md", "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json",
+      "CONTRIBUTING.md", "LICENSE",      "README.md",      "build",
+      "client",          "cmake",        "docs",           "examples",
+      "modules",         "out",          "packaging",      "protocol",
+      "scripts",         "server",       "shaders",        "tests"};
   for (const auto& entry : std::filesystem::directory_iterator(MIRAGE_SOURCE_DIR)) {
     const std::string name = entry.path().filename().string();
     if (name[0] == '.') continue;  // settings of editors and tools

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "client/frame/planned_frame.h"
+#include "client/session/tile_sink.h"
 #include "protocol/codec/atlas_planes.h"
 #include "protocol/impostor/capture.h"
 #include "server/stage/image_stage.h"

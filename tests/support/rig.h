@@ -12,6 +12,8 @@
 #include "client/plan/selector.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
+#include "client/session/session_options.h"
+#include "client/session/tile_sink.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/session/session.h"
 #include "server/tile/stage_queues.h"

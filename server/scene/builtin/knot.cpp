@@ -65,6 +65,10 @@ Scene build_knot(const OptionValues& options) {
   HomeView& home = parts.scene.home;
   home.eye = {0, 0, 4 * size};
   home.target = {0, 0, 0};
+  // Home views begin nearer: a circle around the knot fills the picture.
+  for (int i = 0; i < 8; ++i) {
+    home.fit.emplace_back(size * std::cos(i * kTwoPi / 8), size * std::sin(i * kTwoPi / 8), 0);
+  }
   home.walk_radius_m = 1.4 * size;
   home.walk_speed_mps = 0.5;
   return std::move(parts.scene);

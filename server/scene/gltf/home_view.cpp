@@ -11,6 +11,8 @@ constexpr double kOutside = 2.5;  // eye distance in radii that shows the whole 
 constexpr double kInside = 0.8;   // the same for a scene to walk in
 constexpr std::size_t kManyInstances = 20;
 constexpr double kFlat = 0.5;        // height over width
+constexpr double kSide = 0.35;       // rise of the eye's direction, where (0.6, 1) is level
+constexpr double kAbove = 0.8;       // the same over what has no height
 constexpr double kCameraReach = 10;  // radii within which a camera of the file is used
 constexpr double kWalkRadius = 1.5;  // in radii
 constexpr double kWalkSpeed = 1.4;   // m/s, walking
@@ -47,6 +49,13 @@ bool is_place(const Bounds& bounds, std::size_t instances) {
          size.y < kFlat * std::max(size.x, size.z);
 }
 
+/// From the centre to the eye. What is flat is seen from higher, else it would be a stripe.
+glm::dvec3 direction_to_eye(const Bounds& bounds) {
+  const glm::dvec3 size = bounds.high - bounds.low;
+  const double flat = std::max(0.0, 1 - size.y / (kFlat * std::max(size.x, size.z)));
+  return glm::normalize(glm::dvec3(0.6, glm::mix(kSide, kAbove, flat), 1));
+}
+
 bool has_extent(const Bounds& bounds) {
   return !bounds.empty && bounds.radius() > 0 && std::isfinite(bounds.radius());
 }
@@ -63,9 +72,10 @@ HomeView import_home_view(const Document& document, const NodeTree& tree, const 
   HomeView home;
   const double radius = bounds.radius();
   if (!has_extent(bounds)) return home;
-  const glm::dvec3 direction = glm::normalize(glm::dvec3(0.6, 0.35, 1));
+  const bool place = is_place(bounds, instances);
   home.target = bounds.center();
-  home.eye = home.target + (is_place(bounds, instances) ? kInside : kOutside) * radius * direction;
+  home.eye = home.target + (place ? kInside * radius * glm::normalize(glm::dvec3(0.6, kSide, 1))
+                                  : kOutside * radius * direction_to_eye(bounds));
   if (const auto camera = camera_view(document, tree, bounds)) {
     home.eye = camera->eye;
     home.target = camera->target;

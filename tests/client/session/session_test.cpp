@@ -10,6 +10,8 @@
 #include "client/link/link.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
+#include "client/session/session_options.h"
+#include "client/session/tile_sink.h"
 #include "server/prepare/prepared_scene.h"
 
 namespace mirage::test {

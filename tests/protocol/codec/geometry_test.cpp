@@ -108,10 +108,18 @@ Camera some_camera(RandomPoints& random) {
   return camera;
 }
 
+Camera some_lopsided_camera(RandomPoints& random) {
+  Camera camera = some_camera(random);
+  camera.shift_px = {camera.width * random.uniform(-0.8, 0.8),
+                     camera.height * random.uniform(-0.8, 0.8)};
+  camera.pixel_aspect = random.uniform(0.5, 2);
+  return camera;
+}
+
 TEST(ProtocolCamera, PixelsAgreeWithTheMatrix) {
   RandomPoints random;
   for (int i = 0; i < 5000; ++i) {
-    const Camera camera = some_camera(random);
+    const Camera camera = some_lopsided_camera(random);
     const glm::dvec3 p = camera.forward() * random.uniform(1, 100) + random.in_box(0.9);
     const glm::dvec3 pixel = camera.pixel_from_relative(p);
     if (!(pixel.z > 0.2)) continue;
@@ -140,6 +148,45 @@ TEST(ProtocolCamera, AShiftMovesThePictureByPixels) {
     const double tolerance = 1e-5 * (glm::length(before) + camera.width + camera.height);
     ASSERT_NEAR(glm::distance(drawn() - before, camera.shift_px), 0, tolerance);
   }
+}
+
+// The edges of the picture lie where the tangents say, and an enclosing camera sees all of it.
+TEST(ProtocolCamera, FourTangentsAreTheEdgesOfThePicture) {
+  RandomPoints random;
+  for (int i = 0; i < 1000; ++i) {
+    Camera camera = some_camera(random);
+    ViewTangents t{random.uniform(-2, 1), 0, random.uniform(-2, 1), 0};
+    t.right = t.left + random.uniform(0.1, 3);
+    t.up = t.down + random.uniform(0.1, 3);
+    ASSERT_TRUE(set_tangents(camera, t));
+    const Camera whole = camera.enclosing();
+    EXPECT_EQ(whole.shift_px, glm::dvec2(0));
+    const auto see = [&](double x, double y) {
+      return camera.forward() + x * camera.right() + y * camera.up();
+    };
+    for (const double x : {t.left, t.right}) {
+      for (const double y : {t.down, t.up}) {
+        const glm::dvec3 pixel = camera.pixel_from_relative(see(x, y));
+        ASSERT_NEAR(pixel.x, x == t.left ? 0 : camera.width, 1e-2);
+        ASSERT_NEAR(pixel.y, y == t.down ? camera.height : 0, 1e-2);
+        const glm::dvec3 in_whole = whole.pixel_from_relative(see(x, y));
+        ASSERT_TRUE(in_whole.x > -1 && in_whole.x < whole.width + 1);
+        ASSERT_TRUE(in_whole.y > -1 && in_whole.y < whole.height + 1);
+      }
+    }
+    ASSERT_GE(whole.focal_px(), camera.focal_px() * 0.999);
+    const Camera twice = camera.at_size(2 * camera.width, 2 * camera.height);
+    ASSERT_NEAR(twice.pixel_from_relative(see(t.right, t.up)).x, 2.0 * camera.width, 2e-2);
+  }
+  Camera camera;
+  for (const ViewTangents& bad :
+       {ViewTangents{1, -1, -1, 1}, ViewTangents{-1, 1, 0, 0}, ViewTangents{std::nan(""), 1, -1, 1},
+        ViewTangents{-HUGE_VAL, 1, -1, 1}}) {
+    EXPECT_FALSE(set_tangents(camera, bad));
+    EXPECT_EQ(camera.fov_y, Camera().fov_y);
+  }
+  EXPECT_TRUE(set_tangents(camera, {-1, 1, -0.5625, 0.5625}));
+  EXPECT_EQ(camera.enclosing().width, camera.width) << "this one itself";
 }
 
 TEST(ProtocolCamera, LooksAtItsTarget) {
@@ -178,7 +225,7 @@ TEST(ProtocolCamera, MaySeeIsConservative) {
   RandomPoints random;
   int hidden = 0, missed_by_points = 0;
   for (int i = 0; i < 20'000; ++i) {
-    const Camera camera = some_camera(random);
+    const Camera camera = i % 2 == 0 ? some_camera(random) : some_lopsided_camera(random);
     const double radius = random.uniform(0.01, 3);
     const glm::dvec3 center = random.direction() * random.uniform(0.1, 12);
     bool visible = false;

@@ -355,6 +355,10 @@ TEST(ProtocolValues, ReferenceRequestsHaveARange) {
   refused([](auto& m) { m.width = limits::kMaxReferenceEdge + 1; });
   refused([](auto& m) { m.height = 0xffffffffu; });
   refused([](auto& m) { m.supersample = 0; });
+  refused([](auto& m) { m.shift_x = 9.0 * m.width; });
+  refused([](auto& m) { m.shift_y = std::nan(""); });
+  refused([](auto& m) { m.pixel_aspect = 0; });
+  refused([](auto& m) { m.pixel_aspect = std::nan(""); });
   refused([](auto& m) { m.supersample = limits::kMaxReferenceSupersample + 1; });
   for (const double degrees : {0.0, 0.009, -60.0, 170.1, 179.0, 180.0}) {
     refused([degrees](auto& m) { m.fov_y = degrees / 57.29577951308232; });
