@@ -62,6 +62,8 @@ mirage_e2e(reload)
 target_link_libraries(mirage_e2e_reload PRIVATE mirage_gltf OpenImageIO::OpenImageIO OpenSSL::SSL)
 mirage_e2e(choices)
 target_link_libraries(mirage_e2e_choices PRIVATE mirage_gltf OpenImageIO::OpenImageIO)
+mirage_e2e(library)
+target_link_libraries(mirage_e2e_library PRIVATE mirage-client mirage_egl OpenImageIO::OpenImageIO)
 mirage_e2e(softpipe)
 target_link_libraries(mirage_e2e_softpipe PRIVATE mirage_quality OpenImageIO::OpenImageIO)
 # Runs alone, because it watches frame times.
@@ -100,6 +102,9 @@ set_tests_properties(e2e_bundle_removed PROPERTIES FIXTURES_CLEANUP bundle)
 if(NOT MIRAGE_SANITIZE)
   add_test(NAME e2e_package COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/package.sh ${PROJECT_BINARY_DIR})
   set_tests_properties(e2e_package PROPERTIES TIMEOUT 300)
+  # The client library as others build against it.
+  add_test(NAME e2e_embed COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/embed.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+  set_tests_properties(e2e_embed PROPERTIES TIMEOUT 300)
 endif()
 
 # Tests an array of jobs under a real Slurm if there is one.

@@ -1,0 +1,53 @@
+#include "client/library/switch_link.h"
+
+#include <utility>
+
+#include "client/native/native_link.h"
+
+namespace mirage::library {
+
+SwitchLink::SwitchLink() = default;
+SwitchLink::~SwitchLink() = default;
+
+void SwitchLink::connect(const ServerUrl& url, std::function<void()> arrived) {
+  drop();
+  native_ = std::make_unique<NativeLink>(url, std::move(arrived));
+}
+
+void SwitchLink::drop() {
+  if (native_) former_ += native_->generation();
+  native_.reset();
+}
+
+void SwitchLink::reconnect() {
+  if (native_) native_->reconnect();
+}
+
+void SwitchLink::send(Bytes message) {
+  if (native_) native_->send(std::move(message));
+}
+
+std::vector<Message> SwitchLink::receive() {
+  return native_ ? native_->receive() : std::vector<Message>();
+}
+
+bool SwitchLink::connected() const { return native_ && native_->connected(); }
+
+std::uint32_t SwitchLink::generation() const {
+  return former_ + (native_ ? native_->generation() : 0);
+}
+
+LinkTraffic SwitchLink::traffic() const { return native_ ? native_->traffic() : LinkTraffic(); }
+
+std::optional<Error> SwitchLink::problem() const {
+  if (!native_) return std::nullopt;
+  if (native_->last_close_code() == close_code(ErrorId::kAuth)) {
+    return make_error(ErrorId::kAuth, "the server refused the token");
+  }
+  if (std::optional<Error> refused = native_->refusal()) return refused;
+  const std::string why = native_->last_problem();
+  if (why.empty() || native_->connected()) return std::nullopt;
+  return make_error(ErrorId::kNetworkConnect, why);
+}
+
+}  // namespace mirage::library

@@ -1,0 +1,49 @@
+#pragma once
+// Switch link: a link whose connection a program replaces or drops while its session goes on.
+// Input:  messages to send; a server's address.
+// Output: messages of the present connection.
+// Thread: one at a time.
+// Full:   as NativeLink.
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "client/link/link.h"
+#include "protocol/base/result.h"
+
+namespace mirage {
+class NativeLink;
+struct ServerUrl;
+}  // namespace mirage
+
+namespace mirage::library {
+
+class SwitchLink final : public Link {
+ public:
+  SwitchLink();
+  ~SwitchLink() override;
+  /// Connects to another server.
+  void connect(const ServerUrl& url, std::function<void()> arrived);
+  /// Drops the connection.
+  void drop();
+  /// True from connect() to drop().
+  bool wanted() const { return native_ != nullptr; }
+  /// Drops the connection and makes it anew.
+  void reconnect();
+
+  void send(Bytes message) override;
+  std::vector<Message> receive() override;
+  bool connected() const override;
+  std::uint32_t generation() const override;
+  LinkTraffic traffic() const override;
+
+  /// Returns why the connection failed; nullopt: it did not.
+  std::optional<Error> problem() const;
+
+ private:
+  std::unique_ptr<NativeLink> native_;
+  std::uint32_t former_ = 0;  ///< generations of former connections
+};
+
+}  // namespace mirage::library
