@@ -1,5 +1,5 @@
 # Installs the programs, their manual pages, the service with its user and an example configuration, dashboard and alerts, and
-# configurations of HAProxy and nginx. `cpack -G DEB` in the build folder makes a package of them.
+# configurations of HAProxy and nginx.
 include(GNUInstallDirs)
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # installs programs without building the tests
 set(programs mirage-server mirage-view mirage-load mirage-token mirage-report mirage-sheet)
@@ -31,22 +31,33 @@ string(REGEX REPLACE "[^/]+" ".." pc_up ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 configure_file(packaging/client/mirage-client.pc.in ${PROJECT_BINARY_DIR}/mirage-client.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/mirage-client.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT client)
 
-set(manuals)
+# Writes manual pages, and completions for three shells.
+set(texts)
 foreach(program ${programs})
-  set(manual ${PROJECT_BINARY_DIR}/man/${program}.1)
+  set(folder ${PROJECT_BINARY_DIR}/texts)
+  set(made ${folder}/man/${program}.1 ${folder}/bash/${program} ${folder}/zsh/_${program} ${folder}/fish/${program}.fish)
   add_custom_command(
-    OUTPUT ${manual}
-    COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/man
-    COMMAND ${PROJECT_SOURCE_DIR}/scripts/man $<TARGET_FILE:${program}> > ${manual}
-    DEPENDS ${program} ${PROJECT_SOURCE_DIR}/scripts/man
-    COMMENT "Writing ${program}.1"
+    OUTPUT ${made}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${folder}/man ${folder}/bash ${folder}/zsh ${folder}/fish
+    COMMAND ${PROJECT_SOURCE_DIR}/scripts/man $<TARGET_FILE:${program}> > ${folder}/man/${program}.1
+    COMMAND ${PROJECT_SOURCE_DIR}/scripts/completion bash $<TARGET_FILE:${program}> > ${folder}/bash/${program}
+    COMMAND ${PROJECT_SOURCE_DIR}/scripts/completion zsh $<TARGET_FILE:${program}> > ${folder}/zsh/_${program}
+    COMMAND ${PROJECT_SOURCE_DIR}/scripts/completion fish $<TARGET_FILE:${program}> > ${folder}/fish/${program}.fish
+    DEPENDS ${program} ${PROJECT_SOURCE_DIR}/scripts/man ${PROJECT_SOURCE_DIR}/scripts/completion
+    COMMENT "Writing manual page and completions of ${program}"
     VERBATIM)
-  list(APPEND manuals ${manual})
+  list(APPEND texts ${made})
 endforeach()
-add_custom_target(manuals DEPENDS ${manuals})
-# Makes manual pages in `install` and `package` only, because it runs the programs, and a build may have sanitizers.
-install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${PROJECT_BINARY_DIR}\" --target manuals COMMAND_ERROR_IS_FATAL ANY)")
-install(FILES ${manuals} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+add_custom_target(texts DEPENDS ${texts})
+# Makes them in `install` only, because it runs the programs, and a build may have sanitizers.
+install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${PROJECT_BINARY_DIR}\" --target texts COMMAND_ERROR_IS_FATAL ANY)")
+set(share ${CMAKE_INSTALL_DATADIR})
+install(DIRECTORY ${PROJECT_BINARY_DIR}/texts/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/texts/bash/ DESTINATION ${share}/bash-completion/completions)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/texts/zsh/ DESTINATION ${share}/zsh/vendor-completions)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/texts/fish/ DESTINATION ${share}/fish/vendor_completions.d)
+install(FILES client/web/site/icon.svg DESTINATION ${share}/icons/hicolor/scalable/apps RENAME mirage.svg)
+install(FILES packaging/viewer/mirage-view.desktop DESTINATION ${share}/applications)
 
 # Installs the page for browsers if scripts/web has staged it.
 install(DIRECTORY build/web/site/ DESTINATION share/mirage/web OPTIONAL)
@@ -57,17 +68,8 @@ install(FILES packaging/server.toml DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples
 install(DIRECTORY packaging/caddy packaging/haproxy packaging/nginx packaging/prometheus packaging/grafana
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 
+# `scripts/deb` makes Debian packages; `cpack` packs everything into one archive.
 set(CPACK_PACKAGE_NAME mirage)
-set(CPACK_PACKAGE_CONTACT "The developers of Mirage <mirage@localhost>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Remote impostor generator: render server, thin viewer, load client")
-set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_GENERATOR TZST)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# Names the drivers here, because programs find them at run time and no library names them.
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "libgl1-mesa-dri, libegl1")
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "gnuplot-nox, redis-server, haproxy, nginx, prometheus")
-set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
-set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/debian/postinst)
-set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 include(CPack)

@@ -115,6 +115,27 @@ void add_triangle(const Triangle& t, const StudioFloor& floor, std::int64_t& lef
   }
 }
 
+/// Calls `visit` with world points of what moves by a clip, in several of its poses.
+template <typename Visit>
+void for_moved_points(const Scene& scene, std::size_t most, const Visit& visit) {
+  constexpr int kPoses = 8;
+  std::vector<glm::vec3> posed;
+  std::size_t left = most;
+  for (const Instance& instance : scene.instances) {
+    const SceneObject& object = scene.objects[instance.object];
+    const std::size_t count = object.mesh.vertices.size() * kPoses;
+    if (!object.animation || count > left) continue;
+    left -= count;
+    const Similarity& world = instance.world_from_object;
+    const glm::dmat3 turn = glm::mat3_cast(glm::dquat(world.rotation)) * double{world.scale};
+    for (int i = 0; i < kPoses; ++i) {
+      const double time = object.animation->clip_s * static_cast<double>(i) / kPoses;
+      pose_positions(object.mesh.vertices, *object.animation, time, posed);
+      for (const glm::vec3& point : posed) visit(world.position + turn * glm::dvec3(point));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<glm::vec3> outermost_points(const Scene& scene, const Bounds& frame) {
@@ -124,17 +145,26 @@ std::vector<glm::vec3> outermost_points(const Scene& scene, const Bounds& frame)
   for (std::size_t i = 0; i < directions.size(); ++i) directions[i] = spread_direction(i);
   farthest.fill(-1);
   const glm::dvec3 middle = frame.center();
+  const auto add = [&](const glm::dvec3& point) {
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      const double out = glm::dot(point - middle, directions[i]);
+      if (out <= farthest[i]) continue;
+      farthest[i] = out;
+      points[i] = glm::vec3(point - middle);
+    }
+  };
+  const auto within = [](const glm::dvec3& point, const glm::dvec3& low, const glm::dvec3& high) {
+    return glm::all(glm::lessThanEqual(low, point)) && glm::all(glm::lessThanEqual(point, high));
+  };
   for_triangles(scene, kMostPoints / 3, [&](const Triangle& triangle) {
     for (const glm::dvec3& corner : triangle) {
-      if (glm::any(glm::lessThan(corner, frame.low)) || glm::any(glm::lessThan(frame.high, corner)))
-        continue;
-      for (std::size_t i = 0; i < directions.size(); ++i) {
-        const double out = glm::dot(corner - middle, directions[i]);
-        if (out <= farthest[i]) continue;
-        farthest[i] = out;
-        points[i] = glm::vec3(corner - middle);
-      }
+      if (within(corner, frame.low, frame.high)) add(corner);
     }
+  });
+  // A fox that lifts its head leaves the box of its first pose. Who walks away is not followed.
+  const glm::dvec3 reach = 0.25 * (frame.high - frame.low);
+  for_moved_points(scene, kMostPoints, [&](const glm::dvec3& point) {
+    if (within(point, frame.low - reach, frame.high + reach)) add(point);
   });
   std::vector<glm::vec3> out;
   for (std::size_t i = 0; i < points.size(); ++i) {
