@@ -54,6 +54,12 @@ void tell(const mirage_client& client, std::int32_t level, const Error& error) {
 
 /// Makes the session once there are a link and a context.
 void open_session(mirage_client& client) {
+  if (client.broken) {
+    client.client.close();
+    client.told_drawable = false;
+    client.link.reconnect();
+    client.broken = false;
+  }
   if (client.open || !client.link.wanted()) return;
   const auto problem = [&client](const Error& error) {
     fail(client, error);
@@ -62,6 +68,19 @@ void open_session(mirage_client& client) {
   client.client.open(client.link, session_options(client), problem);
   client.open = true;
   if (client.lighting) client.client.session().set_lighting(*client.lighting, client.now_us);
+}
+
+/// Says what was asked for in the address and is not offered; nullopt: nothing, or it is not known
+/// yet.
+std::optional<Error> missing_choice(const SceneView& scene, const SceneChoice& asked) {
+  if (!scene.complete()) return std::nullopt;
+  const auto missing = [](const std::string& name, const std::vector<std::string>& offered) {
+    return !name.empty() && std::find(offered.begin(), offered.end(), name) == offered.end();
+  };
+  const bool clip = missing(asked.clip, scene.choices.clips);
+  if (!clip && !missing(asked.variant, scene.choices.variants)) return std::nullopt;
+  return make_error(ErrorId::kUsage, clip ? "the scene has no clip '" + asked.clip + "'"
+                                          : "the scene has no variant '" + asked.variant + "'");
 }
 
 std::uint32_t events_of(mirage_client& client) {
@@ -82,7 +101,8 @@ std::uint32_t events_of(mirage_client& client) {
   const std::uint64_t bytes = client.link.traffic().bytes_down;
   if (bytes != client.told_bytes) events |= MIRAGE_EVENT_REDRAW;
   client.told_bytes = bytes;
-  const std::optional<Error> problem = client.link.problem();
+  std::optional<Error> problem = client.link.problem();
+  if (!problem) problem = missing_choice(scene, client.choice);
   const std::string line = problem ? problem->line() : "";
   if (problem && line != client.told_problem) {
     fail(client, *problem);
@@ -140,8 +160,14 @@ mirage_result mirage_client_create(const mirage_client_desc* desc, mirage_client
   if (!desc || desc->size < 2 * sizeof(uint32_t)) return MIRAGE_BAD_ARGUMENT;
   try {
     const mirage_client_desc given = read_struct(*desc);
-    if (given.version / 1000000 != MIRAGE_CLIENT_VERSION_MAJOR) return MIRAGE_UNSUPPORTED;
-    if (!problem_of(given).empty()) return MIRAGE_BAD_ARGUMENT;
+    const bool other = given.version / 1000000 != MIRAGE_CLIENT_VERSION_MAJOR;
+    const std::string problem =
+        other ? "version is not MIRAGE_CLIENT_VERSION of this library" : problem_of(given);
+    if (!problem.empty()) {  // there is no client yet to ask for the text
+      const Error error = make_error(ErrorId::kUsage, problem);
+      if (given.log) given.log(given.user, MIRAGE_LOG_ERROR, error.line().c_str());
+      return other ? MIRAGE_UNSUPPORTED : MIRAGE_BAD_ARGUMENT;
+    }
     auto made = std::make_unique<mirage_client>();
     made->desc = given;
     made->name = given.name ? given.name : "libmirage-client";
@@ -196,11 +222,7 @@ mirage_result mirage_disconnect(mirage_client* client) {
 mirage_result mirage_gl_attach(mirage_client* client) {
   return at_border(client, [&]() -> mirage_result {
     if (client->composite) return wrong_state(*client, "attached already");
-    if (!glGetString(GL_VERSION)) {
-      return fail(*client, MIRAGE_GRAPHICS,
-                  make_error(ErrorId::kGraphicsDevice, "no GL context is current",
-                             "make one of OpenGL 3.3 or OpenGL ES 3.0 current first"));
-    }
+    if (!any_context()) return no_context(*client);
     GLint major = 0, minor = 0;
     glGetIntegerv(GL_MAJOR_VERSION, &major);
     glGetIntegerv(GL_MINOR_VERSION, &minor);
@@ -227,6 +249,7 @@ mirage_result mirage_gl_attach(mirage_client* client) {
       return fail(*client, composite.error());
     }
     client->composite = composite.take();
+    client->context.emplace();
     client->gl_thread = std::this_thread::get_id();
     const bool software = gl::is_software();
     client->client.set_prices(*device_model(software ? "software" : "laptop"));
@@ -240,10 +263,15 @@ mirage_result mirage_gl_detach(mirage_client* client, int32_t context_lost) {
   return at_border(client, [&]() -> mirage_result {
     if (!client->composite) return MIRAGE_OK;
     std::optional<gl::ForgetNames> forget;
-    if (context_lost != 0) forget.emplace();
+    if (context_lost != 0) {
+      forget.emplace();
+    } else if (!client->context->here()) {
+      return no_context(*client);
+    }
     client->composite.reset();
+    client->context.reset();
     client->client.detach(context_lost != 0);
-    client->open = false;
+    client->open = client->broken = false;
     client->planned.reset();
     client->told_drawable = false;
     client->link.reconnect();  // the next session begins anew
@@ -256,9 +284,9 @@ mirage_result mirage_update(mirage_client* client, int64_t now_us, uint32_t* eve
     if (events) *events = 0;
     if (now_us < client->now_us) return bad_argument(*client, "now_us went back");
     client->now_us = now_us;
+    const GlGuard guard;
     open_session(*client);
     if (!client->open) return wrong_state(*client, "mirage_connect() comes first");
-    const GlGuard guard;
     const Result<void> updated = client->client.update(now_us);
     client->client.session().play(client->options.paused == 0, now_us);
     const std::uint32_t found = events_of(*client);

@@ -60,6 +60,13 @@ std::optional<HostTarget> read_target(const mirage_client& client, const mirage_
 }
 
 mirage_result composite(mirage_client& client, const HostTarget& target) {
+  if (target.framebuffer != 0 && glIsFramebuffer(target.framebuffer) != GL_TRUE) {
+    return bad_argument(client, "target.framebuffer is no framebuffer of this context");
+  }
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
+  if (glCheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    return bad_argument(client, "target.framebuffer is not complete");
+  }
   const Result<void> laid =
       client.composite->draw(client.client.screen().shown(), client.client.planned().camera,
                              client.placement.scale, client.options.no_sky == 0, target);

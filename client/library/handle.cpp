@@ -1,6 +1,7 @@
 #include "client/library/handle.h"
 
 #include <cmath>
+#include <utility>
 
 namespace mirage::library {
 namespace {
@@ -85,6 +86,21 @@ mirage_result fail(const mirage_client& client, const Error& error) {
   return fail(client, result_of(error.id), error);
 }
 
+mirage_result ended_halfway(const mirage_client& client, mirage_result result) noexcept {
+  client.failure.result = result;
+  client.failure.id.clear();
+  client.failure.text.clear();
+  client.failure.hint.clear();
+  return result;
+}
+
+mirage_result ended_halfway(mirage_client& client, mirage_result result) noexcept {
+  client.planned.reset();
+  client.broken = client.broken || client.open;
+  client.open = false;
+  return ended_halfway(std::as_const(client), result);
+}
+
 mirage_result bad_argument(const mirage_client& client, const std::string& what) {
   return fail(client, MIRAGE_BAD_ARGUMENT, make_error(ErrorId::kUsage, what));
 }
@@ -97,6 +113,16 @@ std::optional<mirage_result> not_planned(const mirage_client& client, std::int32
   if (!client.planned) return wrong_state(client, "mirage_plan() comes first");
   if (view != 0) return bad_argument(client, "view is 0, the first of mirage_plan()");
   return std::nullopt;
+}
+
+mirage_result no_context(const mirage_client& client) {
+  const bool other = any_context();
+  return fail(
+      client, MIRAGE_GRAPHICS,
+      make_error(ErrorId::kGraphicsDevice,
+                 other ? "another GL context is current than at mirage_gl_attach()"
+                       : "no GL context is current",
+                 "make it current on this thread; after a loss, mirage_gl_detach(client, 1)"));
 }
 
 bool all_finite(const double* values, std::size_t count) {
@@ -118,6 +144,7 @@ std::optional<glm::dquat> read_rotation(const double (&xyzw)[4]) {
 std::optional<PlannedView> read_view(const mirage_client& client, const mirage_view& view,
                                      std::string& problem) {
   problem = problem_of(view);
+  if (view.size < sizeof(mirage_view)) problem = "size of the view is below sizeof(mirage_view)";
   const std::optional<glm::dquat> rotation = read_rotation(view.rotation);
   if (!rotation) problem = "rotation is no unit quaternion";
   if (!problem.empty()) return std::nullopt;

@@ -17,6 +17,7 @@
 #include "client/door/client.h"
 #include "client/draw/composite.h"
 #include "client/frame/reference_frame.h"
+#include "client/library/context_mark.h"
 #include "client/library/switch_link.h"
 #include "protocol/base/result.h"
 #include "protocol/impostor/camera.h"
@@ -74,8 +75,10 @@ struct mirage_client {
   mirage::SceneChoice choice;
   double usual_frame_ms = 0;                   ///< budget of a frame unless options say otherwise
   std::optional<mirage::Composite> composite;  ///< while attached
-  std::thread::id gl_thread;                   ///< of attach
-  bool open = false;                           ///< client has a session
+  std::optional<mirage::library::ContextMark> context;  ///< the same: that of attach
+  std::thread::id gl_thread;                            ///< of attach
+  bool open = false;                                    ///< client has a session
+  bool broken = false;  ///< a call ended halfway: the session begins anew with the next update
   mirage_options options{};
   std::optional<mirage::Lighting> lighting;
   mirage::library::Placement placement;
@@ -100,24 +103,29 @@ mirage_result fail(const mirage_client& client, const Error& error);
 mirage_result bad_argument(const mirage_client& client, const std::string& what);
 mirage_result wrong_state(const mirage_client& client, const std::string& what);
 
+/// Fails because the context of mirage_gl_attach() is not current.
+mirage_result no_context(const mirage_client& client);
+
+/// Notes that a call ended halfway, without memory for a text. Its session is not trusted any more.
+mirage_result ended_halfway(mirage_client& client, mirage_result result) noexcept;
+mirage_result ended_halfway(const mirage_client& client, mirage_result result) noexcept;
+
 /// Runs a call; nothing is thrown out of it.
-template <typename Call>
-mirage_result at_border(const mirage_client* client, const Call& call) noexcept {
+template <typename Client, typename Call>
+mirage_result at_border(Client* client, const Call& call) noexcept {
   if (!client) return MIRAGE_BAD_ARGUMENT;
   try {
     return call();
   } catch (const std::bad_alloc&) {
-    client->failure.result = MIRAGE_OUT_OF_MEMORY;  // texts would need memory
-    return MIRAGE_OUT_OF_MEMORY;
+    return ended_halfway(*client, MIRAGE_OUT_OF_MEMORY);
   } catch (...) {
-    client->failure.result = MIRAGE_INTERNAL;
-    return MIRAGE_INTERNAL;
+    return ended_halfway(*client, MIRAGE_INTERNAL);
   }
 }
 
 /// As at_border(), for a call with GL: only on the thread of attach.
 template <typename Call>
-mirage_result on_gl_thread(const mirage_client* client, const Call& call) noexcept {
+mirage_result on_gl_thread(mirage_client* client, const Call& call) noexcept {
   return at_border(client, [&]() -> mirage_result {
     if (!client->composite) return wrong_state(*client, "mirage_gl_attach() comes first");
     if (client->gl_thread != std::this_thread::get_id()) {
@@ -125,6 +133,7 @@ mirage_result on_gl_thread(const mirage_client* client, const Call& call) noexce
                   make_error(ErrorId::kInternal, "called on another thread than mirage_gl_attach()",
                              "one client, one thread; detach and attach to change it"));
     }
+    if (!client->context->here()) return no_context(*client);
     return call();
   });
 }

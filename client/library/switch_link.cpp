@@ -1,10 +1,21 @@
 #include "client/library/switch_link.h"
 
+#include <chrono>
 #include <utility>
 
 #include "client/native/native_link.h"
 
 namespace mirage::library {
+namespace {
+
+constexpr std::int64_t kSilentUs = 3'000'000;  // after which nobody answers
+
+std::int64_t steady_us() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+}
+
+}  // namespace
 
 SwitchLink::SwitchLink() = default;
 SwitchLink::~SwitchLink() = default;
@@ -12,6 +23,9 @@ SwitchLink::~SwitchLink() = default;
 void SwitchLink::connect(const ServerUrl& url, std::function<void()> arrived) {
   drop();
   native_ = std::make_unique<NativeLink>(url, std::move(arrived));
+  address_ = url.unix_socket ? url.host : url.host + ":" + std::to_string(url.port);
+  tls_ = url.tls;
+  tried_us_ = steady_us();
 }
 
 void SwitchLink::drop() {
@@ -45,9 +59,13 @@ std::optional<Error> SwitchLink::problem() const {
     return make_error(ErrorId::kAuth, "the server refused the token");
   }
   if (std::optional<Error> refused = native_->refusal()) return refused;
+  if (native_->connected()) return std::nullopt;
   const std::string why = native_->last_problem();
-  if (why.empty() || native_->connected()) return std::nullopt;
-  return make_error(ErrorId::kNetworkConnect, why);
+  if (why.empty() && steady_us() - tried_us_ < kSilentUs) return std::nullopt;
+  return make_error(ErrorId::kNetworkConnect,
+                    "no server answers at " + address_ + (why.empty() ? "" : ": " + why),
+                    tls_ ? "is it a server with TLS? it is tried again and again"
+                         : "does it listen there, and without TLS? it is tried again and again");
 }
 
 }  // namespace mirage::library

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "client/link/link.h"
 #include "protocol/base/result.h"
@@ -43,7 +44,10 @@ class SwitchLink final : public Link {
 
  private:
   std::unique_ptr<NativeLink> native_;
-  std::uint32_t former_ = 0;  ///< generations of former connections
+  std::string address_;  ///< of the server
+  bool tls_ = false;
+  std::int64_t tried_us_ = 0;  ///< when connecting to it began, by the steady clock
+  std::uint32_t former_ = 0;   ///< generations of former connections
 };
 
 }  // namespace mirage::library

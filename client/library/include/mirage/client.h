@@ -5,6 +5,7 @@
  *
  * Structs: set `size` to sizeof, and everything else to zero, then what you need. Zero means the
  * default. The library reads no more than `size` bytes, so older programs run with newer libraries.
+ * Axes: +y is up, as in glTF, until you turn the scene.
  * Units: metres of the server's scene, microseconds of a clock of yours that never goes back.
  * Threads: one client belongs to one thread at a time, from attach to detach to the thread of its
  * GL context. Different clients are independent. Library threads never touch GL and block all
@@ -81,7 +82,8 @@ typedef struct mirage_scene_info {
   const char* name;  /**< valid until the next call with this client */
   double center[3];  /**< of a sphere around the scene, in your world */
   double radius;
-  double home_eye[3];  /**< where a viewer of 60 degrees begins, in your world */
+  double home_eye[3];  /**< where a viewer of 60 degrees from bottom to top
+                           begins, in your world */
   double home_look[3]; /**< a point that it looks at */
   uint64_t objects, instances, triangles;
 } mirage_scene_info;

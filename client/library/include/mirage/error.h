@@ -29,12 +29,12 @@ typedef struct mirage_client mirage_client;
 typedef int32_t mirage_result;
 enum {
   MIRAGE_OK = 0,
-  MIRAGE_NOT_YET = 1,       /**< nothing has arrived that could be drawn or returned */
-  MIRAGE_BAD_ARGUMENT = -1, /**< a value is out of range, not finite, or a pointer is NULL */
-  MIRAGE_WRONG_STATE = -2,  /**< a call before it: attach, connect or plan is missing */
-  MIRAGE_WRONG_THREAD = -3, /**< not the thread of mirage_gl_attach() */
-  MIRAGE_UNSUPPORTED = -4,  /**< this version of the library, or the context, cannot do it */
-  MIRAGE_OUT_OF_MEMORY = -5,
+  MIRAGE_NOT_YET = 1,        /**< nothing has arrived that could be drawn or returned */
+  MIRAGE_BAD_ARGUMENT = -1,  /**< a value is out of range, not finite, or a pointer is NULL */
+  MIRAGE_WRONG_STATE = -2,   /**< a call before it: attach, connect or plan is missing */
+  MIRAGE_WRONG_THREAD = -3,  /**< not the thread of mirage_gl_attach() */
+  MIRAGE_UNSUPPORTED = -4,   /**< this version of the library, or the context, cannot do it */
+  MIRAGE_OUT_OF_MEMORY = -5, /**< the call ended halfway; the next update begins the session anew */
   MIRAGE_GRAPHICS = -6, /**< the GL context failed: no memory, no context, or a refused shader */
   MIRAGE_NETWORK = -7,  /**< the connection failed; the library connects again by itself */
   MIRAGE_REFUSED = -8,  /**< the server refused: the token, or full renders */

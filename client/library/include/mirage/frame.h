@@ -14,7 +14,7 @@ extern "C" {
 /** How your projection maps distance to window depth, with glDepthRange(0, 1). */
 enum {
   MIRAGE_DEPTH_FORWARD = 0,    /**< near is 0; far_m 0: without a far plane */
-  MIRAGE_DEPTH_REVERSED = 1,   /**< near is 1, with glClipControl(…, GL_ZERO_TO_ONE) */
+  MIRAGE_DEPTH_REVERSED = 1,   /**< near is 1, as with GL_ZERO_TO_ONE; far_m 0: the same */
   MIRAGE_DEPTH_LOGARITHMIC = 2 /**< log2(1 + distance) / log2(1 + far_m) */
 };
 
@@ -35,7 +35,8 @@ typedef struct mirage_view {
   /** Tangents of the angles to the picture's edges, with signs: left and down are below right and
    * up. A symmetric camera has left = -right. */
   double tan_left, tan_right, tan_down, tan_up;
-  double near_m, far_m;  /**< of your depth buffer, in units of your world */
+  /** Of your depth buffer, in units of your world. Nothing is cut off there. */
+  double near_m, far_m;
   int32_t width, height; /**< px, 1 to 16384 */
 } mirage_view;
 
@@ -66,7 +67,7 @@ typedef struct mirage_frame_info {
   int32_t step;    /**< MIRAGE_STEP_ */
   int32_t at_rest; /**< 1: nothing is under way; further frames of this view would not differ */
   int32_t samples; /**< of a pixel */
-  double scale;    /**< edge of the drawn picture over that of the view */
+  double scale;    /**< edge of a new picture over that of the view; at rest it is refined at 1 */
   uint32_t impostors, meshes, placeholders; /**< drawn by each; placeholders have no image yet */
   uint32_t over_tau;    /**< things in view with a greater error bound than tau allows */
   double bound_px;      /**< greatest proven error of a drawn impostor, px */
@@ -100,8 +101,10 @@ MIRAGE_API mirage_result mirage_composite(mirage_client* client, int32_t view,
 /** Tells what the last frame took on the GPU, so that later ones keep within their budget;
  * 0: unknown. */
 MIRAGE_API mirage_result mirage_frame_done(mirage_client* client, int64_t gpu_us);
-/** Finds what lies under a pixel of the planned view (from the top left): its distance along the
- * view, in units of your world. MIRAGE_NOT_YET: nothing is known there. No GL. */
+/** Finds roughly what lies under a pixel of the planned view (from the top left): the distance
+ * along the view of the convex hull around the nearest object that the eye is outside of, in units
+ * of your world. MIRAGE_NOT_YET: there is none. For the distance of the pixel itself, read the
+ * depth of mirage_draw_textures(). No GL. */
 MIRAGE_API mirage_result mirage_depth_at(const mirage_client* client, int32_t view, double x,
                                          double y, double* distance);
 /** Asks for the server's full render of a view, out of band. The server may refuse them. */
