@@ -89,7 +89,7 @@ class Canvas {
   void clear(float depth) const {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
     glClearColor(0, 0, 0, 0);
-    glClearDepth(depth);
+    glClearDepthf(depth);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   }
   mirage_target target() const {
@@ -609,6 +609,41 @@ TEST_F(Library, GlValuesStayAndOddOnesChangeNoPicture) {
   }
   EXPECT_EQ(different(canvas.read(), expected), 0u);
   second = gl::EglContext::create("auto");
+}
+
+// OpenGL ES 3.0 draws forward depth and always encodes sRGB targets; the picture is nearly the
+// same.
+TEST_F(Library, OpenGlEsDrawsThePictureAsWell) {
+  const mirage_view view = view_from(9);
+  Pixels expected;
+  {
+    const Canvas canvas;
+    LibraryClient client(server_.url());
+    expected = client.picture(canvas, view);
+  }
+  Result<gl::EglContext> embedded = gl::EglContext::create("auto", true);
+  ASSERT_TRUE(embedded.ok());
+  {
+    const Canvas canvas;
+    const std::vector<GLenum> names = {GL_DEPTH_FUNC,     GL_BLEND_SRC_RGB,   GL_CULL_FACE_MODE,
+                                       GL_ACTIVE_TEXTURE, GL_CURRENT_PROGRAM, GL_UNPACK_ALIGNMENT};
+    const auto values_of = [&] {
+      std::vector<GLint> out(names.size());
+      for (std::size_t i = 0; i < names.size(); ++i) glGetIntegerv(names[i], &out[i]);
+      return out;
+    };
+    glDepthFunc(GL_ALWAYS);
+    glCullFace(GL_FRONT);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 8);
+    const std::vector<GLint> before = values_of();
+    LibraryClient client(server_.url());
+    const Pixels picture = client.picture(canvas, view);
+    EXPECT_LT(different(picture, expected, 8), expected.size() / 200);
+    EXPECT_EQ(values_of(), before);
+    EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
+  }
+  *embedded = gl::EglContext();
+  egl_.make_current();
 }
 
 TEST_F(Library, TwoClientsInOneProgramDrawAsEachAlone) {
