@@ -63,7 +63,7 @@ target_link_libraries(mirage_e2e_reload PRIVATE mirage_gltf OpenImageIO::OpenIma
 mirage_e2e(choices)
 target_link_libraries(mirage_e2e_choices PRIVATE mirage_gltf OpenImageIO::OpenImageIO)
 mirage_e2e(library)
-target_sources(mirage_e2e_library PRIVATE support/failing_memory.cpp)
+target_sources(mirage_e2e_library PRIVATE e2e/library_views_test.cpp support/failing_memory.cpp)
 target_link_libraries(mirage_e2e_library PRIVATE mirage-client mirage_egl OpenImageIO::OpenImageIO)
 mirage_e2e(softpipe)
 target_link_libraries(mirage_e2e_softpipe PRIVATE mirage_quality OpenImageIO::OpenImageIO)

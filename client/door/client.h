@@ -10,10 +10,12 @@
 // Thread: one at a time, with the context of attach() current.
 // Full:   as ClientSession.
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <set>
+#include <vector>
 
 #include "client/frame/frame_step.h"
 #include "client/frame/method_choice.h"
@@ -64,24 +66,29 @@ class Client {
   /// The renderer and the picture; only after attach().
   FrameRenderer& renderer();
   const FrameRenderer& renderer() const;
-  Screen& screen();
-  const Screen& screen() const;
+  Screen& screen(std::size_t view = 0);
+  const Screen& screen(std::size_t view = 0) const;
 
   /// Takes in what has arrived, and uploads it. An error is for the log.
   Result<void> update(std::int64_t now_us);
   /// Returns the time of all uploads so far, ms.
   double upload_ms() const;
-  /// Gives the picture a size, px. Error kGraphicsGl.
+  /// Gives the picture of the first view a size, px. Error kGraphicsGl.
   Result<void> resize(int width, int height);
   /// Returns the camera of a pose: it has the size of the picture, and sees the whole scene.
   Camera camera(const Pose& pose, double fov_y) const;
-  /// Plans a frame and sends asks. Returns what draw() will do. Error kGraphicsGl.
+  /// Plans a frame of one or several views, each with a picture of its camera's size, and sends
+  /// asks. Returns what draw() will do: drawing in some view counts before refining, and that
+  /// before keeping. Error kGraphicsGl.
+  Result<FrameStep> plan(const std::vector<Camera>& views, std::int64_t now_us);
   Result<FrameStep> plan(const Camera& camera, std::int64_t now_us);
-  /// Returns the frame that was planned last.
-  const PlannedFrame& planned() const;
-  /// Draws or refines the planned frame, or keeps the picture; again, it keeps it.
-  void draw();
-  /// Returns the work of the last new picture, and the programs that were compiled for it.
+  /// Returns the frame that was planned last, as it is in one of its views.
+  const PlannedFrame& planned(std::size_t view = 0) const;
+  /// Draws or refines a planned view, or keeps its picture; again, it keeps it.
+  void draw(std::size_t view = 0);
+  /// Returns the graphics memory of renderer and pictures, bytes.
+  std::size_t gpu_bytes() const;
+  /// Returns the work of the last new pictures, and the programs that were compiled for them.
   const FrameWork& drawn_work() const;
   std::uint64_t compiled() const;
 

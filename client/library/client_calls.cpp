@@ -272,7 +272,7 @@ mirage_result mirage_gl_detach(mirage_client* client, int32_t context_lost) {
     client->context.reset();
     client->client.detach(context_lost != 0);
     client->open = client->broken = false;
-    client->planned.reset();
+    client->planned.clear();
     client->told_drawable = false;
     client->link.reconnect();  // the next session begins anew
     return MIRAGE_OK;

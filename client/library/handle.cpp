@@ -95,7 +95,7 @@ mirage_result ended_halfway(const mirage_client& client, mirage_result result) n
 }
 
 mirage_result ended_halfway(mirage_client& client, mirage_result result) noexcept {
-  client.planned.reset();
+  client.planned.clear();
   client.broken = client.broken || client.open;
   client.open = false;
   return ended_halfway(std::as_const(client), result);
@@ -110,8 +110,13 @@ mirage_result wrong_state(const mirage_client& client, const std::string& what) 
 }
 
 std::optional<mirage_result> not_planned(const mirage_client& client, std::int32_t view) {
-  if (!client.planned) return wrong_state(client, "mirage_plan() comes first");
-  if (view != 0) return bad_argument(client, "view is 0, the first of mirage_plan()");
+  if (client.planned.empty()) return wrong_state(client, "mirage_plan() comes first");
+  const auto views = static_cast<std::int32_t>(client.planned.size());
+  if (view < 0 || view >= views) {
+    return bad_argument(client, "view is " + std::to_string(view) +
+                                    ", and mirage_plan() was told " + std::to_string(views) +
+                                    ", the first of them 0");
+  }
   return std::nullopt;
 }
 

@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "client/door/client.h"
 #include "client/draw/composite.h"
@@ -37,7 +38,7 @@ struct Placement {
   }
 };
 
-/// The view that was planned last.
+/// A view of the frame that was planned last.
 struct PlannedView {
   Camera camera;
   HostDepth depth;
@@ -82,7 +83,7 @@ struct mirage_client {
   mirage_options options{};
   std::optional<mirage::Lighting> lighting;
   mirage::library::Placement placement;
-  std::optional<mirage::library::PlannedView> planned;
+  std::vector<mirage::library::PlannedView> planned;  ///< empty: nothing is
   std::int64_t now_us = 0;
   // Told by mirage_update() so far.
   std::uint64_t told_revision = 0;

@@ -12,7 +12,7 @@ mirage_result mirage_depth_at(const mirage_client* client, int32_t view, double 
                               double* distance) {
   return at_border(client, [&]() -> mirage_result {
     if (const auto no = not_planned(*client, view)) return *no;
-    const Camera& camera = client->client.planned().camera;
+    const Camera& camera = client->client.planned(static_cast<std::size_t>(view)).camera;
     const bool inside = x >= 0 && y >= 0 && x <= camera.width && y <= camera.height;
     if (!distance || !inside) return bad_argument(*client, "the place is outside of the picture");
     const std::optional<Seen> seen =

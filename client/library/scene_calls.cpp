@@ -116,7 +116,7 @@ mirage_result mirage_set_transform(mirage_client* client, const mirage_transform
     }
     client->placement = {
         *rotation, {given.translation[0], given.translation[1], given.translation[2]}, scale};
-    client->planned.reset();
+    client->planned.clear();
     return MIRAGE_OK;
   });
 }
@@ -165,7 +165,7 @@ mirage_result mirage_get_stats(const mirage_client* client, mirage_stats* stats)
     out.in_flight = session.in_flight();
     out.round_trip_us = session.round_trip_us();
     out.gpu_bytes =
-        client->client.renderer().gpu_bytes().all() + client->client.screen().gpu_bytes();
+        client->client.gpu_bytes();
     out.frames = session.frame_number();
     out.draw_calls = static_cast<std::uint32_t>(client->client.renderer().draw_calls());
     out.tau_px = session.tau_px();

@@ -198,18 +198,21 @@ double FramePlan::planned_ms() const {
                    : std::numeric_limits<double>::infinity();
 }
 
-double FramePlan::frame_ms(const Camera& camera, const std::vector<Alternatives>& things,
+double FramePlan::frame_ms(const std::vector<Camera>& views,
+                           const std::vector<Alternatives>& things,
                            const FrameSetting& setting) const {
   if (!prices_) return 0;
   const auto scaled = [&](std::uint32_t edge) {
     return static_cast<std::uint32_t>(std::lround(edge * setting.scale));
   };
-  const Camera drawn = camera.at_size(scaled(camera.width), scaled(camera.height));
-  FrameWork frame = target_work(drawn, setting.samples);
-  const bool views = std::any_of(things.begin(), things.end(), [](const Alternatives& thing) {
+  FrameWork frame;
+  for (const Camera& view : views) {
+    frame += target_work(view.at_size(scaled(view.width), scaled(view.height)), setting.samples);
+  }
+  const bool view_tile = std::any_of(things.begin(), things.end(), [](const Alternatives& thing) {
     return thing.viewed && !thing.flat && thing.levels.empty();
   });
-  if (views) frame[Work::kViewPixel] = frame[Work::kPixel];
+  if (view_tile) frame[Work::kViewPixel] = frame[Work::kPixel];
   return prices_->ms_of(frame);
 }
 
@@ -261,12 +264,13 @@ void FramePlan::add_steps(std::uint32_t index, const Alternatives& thing,
   }
 }
 
-FramePlan::Outcome FramePlan::solve(const Camera& camera, const std::vector<Alternatives>& things,
+FramePlan::Outcome FramePlan::solve(const std::vector<Camera>& views,
+                                    const std::vector<Alternatives>& things,
                                     const FrameSetting& setting) const {
   Outcome out;
   Scratch scratch;
   if (prices_) out.levels = PaidLevels((*prices_)[Work::kMesh]);
-  out.ms = frame_ms(camera, things, setting);
+  out.ms = frame_ms(views, things, setting);
   out.choices.reserve(things.size());
   for (std::uint32_t i = 0; i < things.size(); ++i) add_steps(i, things[i], setting, out, scratch);
   // The new way is shown at once where there is no time to draw the way beneath.
@@ -316,9 +320,9 @@ void FramePlan::fade(const std::vector<Alternatives>& things, Outcome& out) cons
   }
 }
 
-double FramePlan::ms_in(const FrameSetting& setting, const Camera& camera,
+double FramePlan::ms_in(const FrameSetting& setting, const std::vector<Camera>& views,
                         const std::vector<Alternatives>& things, const Outcome& planned) const {
-  double ms = planned.ms + frame_ms(camera, things, setting) - frame_ms(camera, things, setting_);
+  double ms = planned.ms + frame_ms(views, things, setting) - frame_ms(views, things, setting_);
   for (std::size_t i = 0; i < things.size(); ++i) {
     const Choice& choice = planned.choices[i];
     std::size_t level = 0;
@@ -328,25 +332,26 @@ double FramePlan::ms_in(const FrameSetting& setting, const Camera& camera,
   return ms;
 }
 
-FrameSetting FramePlan::enlarged(const Camera& camera, const std::vector<Alternatives>& things,
+FrameSetting FramePlan::enlarged(const std::vector<Camera>& views,
+                                 const std::vector<Alternatives>& things,
                                  const Outcome& planned) const {
   const double most_ms = std::min(kStandingBudgets * budget_ms_, std::max(kStandingMs, budget_ms_));
   for (const FrameSetting& setting : settings_) {
     if (setting == setting_) break;
-    if (ms_in(setting, camera, things, planned) <= most_ms) return setting;
+    if (ms_in(setting, views, things, planned) <= most_ms) return setting;
   }
   return setting_;
 }
 
-const std::vector<Choice>& FramePlan::decide(const Camera& camera,
+const std::vector<Choice>& FramePlan::decide(const std::vector<Camera>& views,
                                              const std::vector<Alternatives>& things,
                                              std::int64_t now_us) {
-  Outcome present = solve(camera, things, setting_);
+  Outcome present = solve(views, things, setting_);
   const auto fits = [&](const Outcome& o) { return o.ms <= planned_ms(); };
   if (limited() && (now_us - changed_us_ >= kSettingLastsUs || !fits(present))) {
     for (const FrameSetting& setting : settings_) {
       if (setting == setting_) continue;
-      Outcome other = solve(camera, things, setting);
+      Outcome other = solve(views, things, setting);
       // A setting that fits is better than one that does not. If neither fits, the quicker one is
       // better.
       const bool better = fits(other) != fits(present) ? fits(other)
@@ -361,9 +366,9 @@ const std::vector<Choice>& FramePlan::decide(const Camera& camera,
   fade(things, present);
   lambda_ = std::max(present.lambda, lambda_ > kLeastLambda ? kLambdaFalls * lambda_ : 0);
   const bool enlarges = limited() && stands_long_;
-  drawn_ = enlarges ? enlarged(camera, things, present) : setting_;
+  drawn_ = enlarges ? enlarged(views, things, present) : setting_;
   since_standing_ = enlarges ? 0 : std::min(since_standing_ + 1, kUnderWay);
-  expected_ms_ = enlarges ? ms_in(drawn_, camera, things, present) : present.ms;
+  expected_ms_ = enlarges ? ms_in(drawn_, views, things, present) : present.ms;
   choices_ = std::move(present.choices);
   expected_flip_ = flip_of(things, choices_);
   return choices_;

@@ -32,9 +32,12 @@ class FramePlan {
   /// True if there is a budget and prices are known.
   bool limited() const { return budget_ms_ > 0 && prices_.has_value(); }
 
-  /// Decides how the things of a frame are drawn. Returns one choice a thing, in their order.
-  const std::vector<Choice>& decide(const Camera& camera, const std::vector<Alternatives>& things,
-                                    std::int64_t now_us);
+  /// Decides how the things of a frame are drawn: those of all its views, one after the other.
+  /// Returns one choice a thing, in their order.
+  const std::vector<Choice>& decide(const std::vector<Camera>& views,
+                                    const std::vector<Alternatives>& things, std::int64_t now_us);
+  /// Returns the choices of the last decide().
+  const std::vector<Choice>& choices() const { return choices_; }
   /// True if, at the present lambda, a thing is better drawn as geometry of its first level than
   /// from its flat tile. The geometry need not be here yet.
   bool mesh_pays(const Alternatives& thing) const;
@@ -100,21 +103,21 @@ class FramePlan {
                  std::vector<Choice>& out) const;
   /// Returns the time of what is drawn beneath a fade, ms; 0 if nothing is.
   double beneath_ms(const Alternatives& thing, Look look, const FrameSetting& setting) const;
-  double frame_ms(const Camera& camera, const std::vector<Alternatives>& things,
+  double frame_ms(const std::vector<Camera>& views, const std::vector<Alternatives>& things,
                   const FrameSetting& setting) const;
   void add_steps(std::uint32_t index, const Alternatives& thing, const FrameSetting& setting,
                  Outcome& out, Scratch& scratch) const;
-  Outcome solve(const Camera& camera, const std::vector<Alternatives>& things,
+  Outcome solve(const std::vector<Camera>& views, const std::vector<Alternatives>& things,
                 const FrameSetting& setting) const;
   /// Takes the steps that fit, in the order of their gain a millisecond.
   void take_steps(const std::vector<Alternatives>& things, const FrameSetting& setting,
                   std::vector<Step>& steps, Outcome& out) const;
   void fade(const std::vector<Alternatives>& things, Outcome& out) const;
   /// Returns the time of a planned frame in another setting, ms.
-  double ms_in(const FrameSetting& setting, const Camera& camera,
+  double ms_in(const FrameSetting& setting, const std::vector<Camera>& views,
                const std::vector<Alternatives>& things, const Outcome& planned) const;
   /// Returns the best setting in which the planned frame fits the budgets of a standing eye.
-  FrameSetting enlarged(const Camera& camera, const std::vector<Alternatives>& things,
+  FrameSetting enlarged(const std::vector<Camera>& views, const std::vector<Alternatives>& things,
                         const Outcome& planned) const;
 
   double budget_ms_;

@@ -26,10 +26,19 @@ void SceneOpener::reset() {
   walked_us_ = INT64_MIN / 2;
 }
 
-std::optional<wire::OpenRequestT> SceneOpener::plan(const SelectorInput& in) {
+std::vector<wire::OpenRequestT> SceneOpener::plan(const std::vector<SelectorInput>& views) {
+  std::vector<wire::OpenRequestT> out;
+  const SelectorInput& first = views.front();
+  if (!first.scene->described() || first.now_us - walked_us_ < kWalkEveryUs) return out;
+  walked_us_ = first.now_us;
+  for (const SelectorInput& view : views) {
+    if (std::optional<wire::OpenRequestT> request = ask(view)) out.push_back(std::move(*request));
+  }
+  return out;
+}
+
+std::optional<wire::OpenRequestT> SceneOpener::ask(const SelectorInput& in) {
   const SceneView& scene = *in.scene;
-  if (!scene.described() || in.now_us - walked_us_ < kWalkEveryUs) return std::nullopt;
-  walked_us_ = in.now_us;
   const glm::dvec3 eye = in.predicted.pose.eye;
   OpenRule rule;
   rule.focal_px = in.predicted.focal_px();

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <unordered_set>
+#include <vector>
 
 namespace mirage {
 
@@ -22,11 +23,13 @@ class SceneOpener {
  public:
   /// Forgets what was asked for. Call it for a new connection or scene, where no reply will come.
   void reset();
-  /// Returns the request to send now, without its number; nullopt: none. It returns at most ten a
+  /// Returns the requests to send now, without their numbers: at most one a view, ten times a
   /// second.
-  std::optional<wire::OpenRequestT> plan(const SelectorInput& in);
+  std::vector<wire::OpenRequestT> plan(const std::vector<SelectorInput>& views);
 
  private:
+  std::optional<wire::OpenRequestT> ask(const SelectorInput& in);
+
   std::unordered_set<std::uint32_t> asked_;  ///< the server's ids
   std::int64_t walked_us_ = INT64_MIN / 2;
 };

@@ -8,6 +8,7 @@
 #include "client/hold/mesh_cache.h"
 #include "client/hold/tile_cache.h"
 #include "client/plan/blend_order.h"
+#include "client/plan/frame_plan.h"
 #include "client/plan/selector_rules.h"
 #include "client/price/view_fit.h"
 #include "protocol/impostor/tile_key.h"
@@ -56,13 +57,25 @@ struct Selector::Candidate {
   Choice choice;
 };
 
+struct Selector::Considered {
+  std::vector<Candidate> candidates;
+  std::size_t visible = 0;
+};
+
 struct Selector::Walk {
   const SelectorInput& in;
-  DrawList& out;
+  Considered& out;
+  std::vector<Alternatives>& things;
   Frustum frustum;
   double march_left_px;
-  std::vector<Candidate> candidates;
 };
+
+Selector::Selector() : considered_(std::make_unique<Considered>()) {}
+Selector::~Selector() = default;
+Selector::Selector(Selector&&) noexcept = default;
+Selector& Selector::operator=(Selector&&) noexcept = default;
+
+std::size_t Selector::things_in_view() const { return considered_->candidates.size(); }
 
 bool Selector::drawn_as_mesh(const SelectorInput& in, std::uint32_t instance) const {
   const InstanceView& view = in.scene->instances[instance];
@@ -120,7 +133,7 @@ Alternatives Selector::alternatives(const SelectorInput& in, const Candidate& c)
   if (c.pictured && c.deep.tile) out.deep = tile_of(c.deep);
   // Tau is the promise, and a tile within tau is not improved. Without a time limit, a flat tile
   // beyond tau is therefore no alternative to a deep one within tau.
-  const bool any_time = !in.plan || !in.plan->limited();
+  const bool any_time = !in.plan->limited();
   if (any_time && out.deep && c.deep.meets(c.tau_px)) out.flat.reset();
   if (in.view) {
     const std::optional<double> view_px =
@@ -180,17 +193,16 @@ void Selector::consider(Walk& w, std::uint32_t instance, float fade) {
     c.light_lag_us = in.now_us - lit.then->ended_us;
   }
   fit_tiles(in, c);
-  considered_.push_back(alternatives(in, c));
-  std::optional<Alternatives::Tile>& deep = considered_.back().deep;
-  if (deep && considered_.back().area_px > w.march_left_px) deep.reset();
-  if (deep) w.march_left_px -= considered_.back().area_px;
-  w.candidates.push_back(std::move(c));
+  w.things.push_back(alternatives(in, c));
+  std::optional<Alternatives::Tile>& deep = w.things.back().deep;
+  if (deep && w.things.back().area_px > w.march_left_px) deep.reset();
+  if (deep) w.march_left_px -= w.things.back().area_px;
+  w.out.candidates.push_back(std::move(c));
 }
 
 // Draws the candidate's geometry if it was chosen or is fading out. Returns true if no tile of it
 // is drawn.
-bool Selector::draw_geometry(Walk& w, Candidate& c) {
-  const SelectorInput& in = w.in;
+bool Selector::draw_geometry(const SelectorInput& in, Candidate& c, DrawList& out) {
   Shown& shown = shown_[c.instance];
   const bool as_mesh = c.choice.look == Look::kMesh;
   if (as_mesh != shown.as_mesh) {
@@ -206,7 +218,7 @@ bool Selector::draw_geometry(Walk& w, Candidate& c) {
   const std::uint32_t object = in.scene->instances[c.instance].object;
   const bool swapping = progress < 1 && (*in.mesh_ready)[object];
   if (as_mesh) {
-    w.out.meshes.push_back({c.instance, c.choice.lod, std::min(c.fade, progress)});
+    out.meshes.push_back({c.instance, c.choice.lod, std::min(c.fade, progress)});
     if (!swapping) {
       shown.tile.reset();
       shown.former.reset();
@@ -215,7 +227,7 @@ bool Selector::draw_geometry(Walk& w, Candidate& c) {
   } else if (swapping) {
     Alternatives here;
     add_levels(in, c.instance, here);
-    if (!here.levels.empty()) w.out.meshes.push_back({c.instance, here.levels[0].lod, c.fade});
+    if (!here.levels.empty()) out.meshes.push_back({c.instance, here.levels[0].lod, c.fade});
     c.fade = std::min(c.fade, progress);
   }
   c.under_mesh = as_mesh && progress >= 0.5f;
@@ -224,8 +236,8 @@ bool Selector::draw_geometry(Walk& w, Candidate& c) {
   if (as_mesh || swapping) return true;
   // The hull of a moving object covers all places it ever takes, so it would show a ghost.
   const bool stands = !c.object->group && !c.object->motion.moving();
-  if (stands) w.out.placeholders.push_back({c.instance, c.distance});
-  ++w.out.over_tau;
+  if (stands) out.placeholders.push_back({c.instance, c.distance});
+  ++out.over_tau;
   return true;
 }
 
@@ -371,23 +383,24 @@ void Selector::draw_candidate(const SelectorInput& in, const Candidate& c, DrawL
   if (!c.under_mesh && is_stale(best.bound_px, c.tau_px)) ++out.over_tau;
 }
 
-DrawList Selector::select(const SelectorInput& in) {
-  considered_.clear();
+void Selector::consider(const SelectorInput& in, std::vector<Alternatives>& things) {
+  *considered_ = {};
+  Walk w{in, *considered_, things, Frustum(in.camera), in.march_budget_px};
+  in.scene->for_visible_roots(in.camera, 0, [&](std::uint32_t root) { walk(w, root, 1); });
+}
+
+DrawList Selector::draw(const SelectorInput& in, const Choice* choices) {
   DrawList out;
   out.time_s = in.time_s;
-  Walk w{in, out, Frustum(in.camera), in.march_budget_px, {}};
-  in.scene->for_visible_roots(in.camera, 0, [&](std::uint32_t root) { walk(w, root, 1); });
-  FramePlan& plan = in.plan ? *in.plan : whatever_;
-  chosen_ = plan.decide(in.camera, considered_, in.now_us);
+  out.visible = considered_->visible;
   // Sorts back to front by the far side, so that blending is right and a thing standing on or in
   // another one comes after it. Equals keep the order of instances.
   using Ranked = std::pair<double, Candidate*>;
   std::vector<Ranked> by_far_side;
-  for (std::size_t i = 0; i < w.candidates.size(); ++i) {
-    Candidate& c = w.candidates[i];
-    c.choice = chosen_[i];
+  for (Candidate& c : considered_->candidates) {
+    c.choice = *choices++;
     shown_[c.instance].wrongs = c.choice.wrongs;
-    if (draw_geometry(w, c)) continue;
+    if (draw_geometry(in, c, out)) continue;
     by_far_side.emplace_back(c.distance + in.scene->instances[c.instance].radius, &c);
   }
   std::stable_sort(by_far_side.begin(), by_far_side.end(),

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "client/frame/draw_list.h"
@@ -39,7 +40,7 @@ struct SelectorInput {
   const MeshCache* meshes = nullptr;              ///< nullptr: resident geometry counts as exact
   const TileBytes* tile_bytes = nullptr;          ///< nullptr: a usual number of bytes
   const ViewFit* view = nullptr;                  ///< fit of the view tile; nullptr: there is none
-  FramePlan* plan = nullptr;                      ///< nullptr: least error, at any cost
+  const FramePlan* plan = nullptr;                ///< never null: what error is worth
   Camera camera;
   Camera predicted;
   glm::dvec3 velocity{0};  ///< velocity of the eye, world space, m/s
@@ -62,6 +63,11 @@ struct SelectorInput {
 
 class Selector {
  public:
+  Selector();
+  ~Selector();
+  Selector(Selector&&) noexcept;
+  Selector& operator=(Selector&&) noexcept;
+
   /// Forgets which tile each instance showed.
   void reset(const SceneView& scene);
   /// Learns the instances that have arrived since.
@@ -70,13 +76,11 @@ class Selector {
     geometry_.grow(scene.objects.size());
   }
 
-  /// Decides what is drawn this frame. Its tiles must be marked in the cache before needs() is
-  /// called.
-  DrawList select(const SelectorInput& input);
-  /// Returns the alternatives of each visible thing in the last select().
-  const std::vector<Alternatives>& considered() const { return considered_; }
-  /// Returns the choices of the last select(), in the order of considered().
-  const std::vector<Choice>& chosen() const { return chosen_; }
+  /// Appends the alternatives of each visible thing to `things`.
+  void consider(const SelectorInput& input, std::vector<Alternatives>& things);
+  /// Returns what is drawn this frame. `choices` has one for each thing of the last consider(), in
+  /// their order. The list's tiles must be marked in the cache before needs() is called.
+  DrawList draw(const SelectorInput& input, const Choice* choices);
   /// Returns what to ask for, largest gain first: tiles of instances that have none that will do at
   /// the predicted view.
   std::vector<TileNeed> needs(const SelectorInput& input);
@@ -116,6 +120,7 @@ class Selector {
   };
   /// A visible instance before it is decided how it is drawn.
   struct Candidate;
+  struct Considered;
   struct Walk;
 
   void walk(Walk& walk, std::uint32_t instance, float fade);
@@ -131,8 +136,9 @@ class Selector {
   Alternatives alternatives(const SelectorInput& in, const Candidate& candidate) const;
   void add_levels(const SelectorInput& in, std::uint32_t instance, Alternatives& out) const;
   static bool view_shows(const SelectorInput& in, const Candidate& c);
-  bool draw_geometry(Walk& walk, Candidate& candidate);
+  bool draw_geometry(const SelectorInput& in, Candidate& candidate, DrawList& out);
   void draw_candidate(const SelectorInput& in, const Candidate& candidate, DrawList& out);
+  std::size_t things_in_view() const;
   bool keep_chosen(const SelectorInput& in, Candidate& candidate) const;
   void forget_settled(const SelectorInput& in);
   bool wants_members(const SelectorInput& in, std::uint32_t instance) const;
@@ -148,10 +154,8 @@ class Selector {
                 std::vector<TileNeed>& out);
 
   std::vector<Shown> shown_;
-  std::vector<Alternatives> considered_;
-  std::vector<Choice> chosen_;
+  std::unique_ptr<Considered> considered_;  ///< by the last consider()
   RentOrBuy geometry_;
-  FramePlan whatever_{0, 1};  ///< used if the input has no plan
   Basis basis_;
 };
 

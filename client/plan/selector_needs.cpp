@@ -216,7 +216,7 @@ bool Selector::renew(const SelectorInput& in, std::uint32_t instance, const View
   note_strokes(in, instance, view, plan);
   const double size = radius_px(view), area = disc_px(in.predicted, size);
   const double picture = double{1} * in.predicted.width * in.predicted.height;
-  if (!in_view || considered_.size() > kFewThings || area < kLargeShare * picture) return false;
+  if (!in_view || things_in_view() > kFewThings || area < kLargeShare * picture) return false;
   if (turned_since(*fit.tile, view) < kHardlyTurned) return true;
   // Keys are as far apart as tau allows; here they shall be no farther than what hardly shows.
   const double apart = 2 * kHardlyTurned * glm::length(view.eye) / allowed_baseline(view, plan);

@@ -101,7 +101,7 @@ bool mesh_pays(const SelectorInput& in, const Camera& camera, std::uint32_t inst
                double tile_px) {
   const InstanceView& view = in.scene->instances[instance];
   const ObjectDescription& object = in.scene->objects[view.object];
-  if (!in.plan || !in.method.automatic || object.surrounds || object.lods.empty()) return true;
+  if (!in.method.automatic || object.surrounds || object.lods.empty()) return true;
   const glm::dvec3 center = view.center - camera.pose.eye;
   if (glm::length(center) < limits::kMinCaptureRadii * view.radius) return true;
   Alternatives thing;
@@ -120,7 +120,7 @@ double aged_tile_px(double tau_px, double life_s) {
 
 bool too_dear(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
               double tau_px) {
-  if (!in.plan || !in.plan->limited()) return false;
+  if (!in.plan->limited()) return false;
   const double life_s = tile_life_s(in, camera, instance, tau_px);
   return !mesh_pays(in, camera, instance, aged_tile_px(tau_px, life_s));
 }

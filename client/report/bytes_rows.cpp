@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "client/plan/selector.h"
+#include "client/plan/selector_rules.h"
 
 namespace mirage {
 namespace {

@@ -7,8 +7,10 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "client/plan/selector.h"
+#include "client/frame/draw_list.h"
+#include "client/plan/frame_plan.h"
 #include "client/price/running_fit.h"
+#include "client/scene/scene_view.h"
 
 namespace mirage {
 namespace {
@@ -61,8 +63,8 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
 
 std::vector<ErrorSample> samples_of(const ObservedFrame& frame, const std::string& scene) {
   const std::optional<FlipMap> flip = flip_map(frame.due, frame.seen);
-  const std::vector<Choice>& chosen = frame.selector.chosen();
-  const std::vector<Alternatives>& considered = frame.selector.considered();
+  const std::vector<Choice>& chosen = frame.plan.choices();
+  const std::vector<Alternatives>& considered = frame.considered;
   std::vector<ErrorSample> out(chosen.size());
   std::unordered_map<std::uint32_t, std::size_t> things;
   std::vector<bool> mixed(chosen.size(), false);

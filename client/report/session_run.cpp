@@ -168,7 +168,7 @@ Result<void> SessionRunner::compare(Loop& loop, int frame) {
                                {w, h, loop.drawn_before.data()}, due, seen);
   }
   if (spec.observe && session.scene().complete()) {
-    spec.observe({session.scene(), planned.list, session.selector(), **truth, seen, due});
+    spec.observe({session.scene(), planned.list, session.considered(), session.plan(), **truth, seen, due});
   }
   compared.hole_fraction = add_geometric(loop, planned, **truth);
   if (std::binary_search(spec.pictured.begin(), spec.pictured.end(), frame)) {

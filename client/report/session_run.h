@@ -25,14 +25,16 @@ struct DrawList;
 struct PlannedFrame;
 class FrameRenderer;
 class SceneView;
-class Selector;
+class FramePlan;
+struct Alternatives;
 struct ReferenceFrame;
 
 /// A compared frame; valid only while it is observed.
 struct ObservedFrame {
   const SceneView& scene;
   const DrawList& list;
-  const Selector& selector;  ///< the selector, with what it considered and chose
+  const std::vector<Alternatives>& considered;
+  const FramePlan& plan;  ///< with its choices
   const ReferenceFrame& truth;
   ImageView seen, due;
 };

@@ -25,6 +25,8 @@ class Screen {
   /// Creates the target. Error kGraphicsGl.
   Result<void> create(int width, int height);
 
+  bool created() const { return target_.has_value(); }
+
   /// Fits the target to a window of this size and to the session's plan. Error kGraphicsGl.
   Result<void> fit(int width, int height, const ClientSession& session);
   /// Notes that texels, geometry or a scene came or went.

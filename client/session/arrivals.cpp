@@ -138,20 +138,19 @@ void Arrivals::take_scene(bool was_complete) {
   if (!s_.scene.complete()) return;
   if (was_complete) {
     s_.held.tiles.grow(s_.scene);
-    s_.planning.selector.grow(s_.scene);
+    s_.planning.eyes.grow(s_.scene);
     s_.held.meshes.grow(s_.scene);
     return;
   }
   if (!s_.light.own) s_.light.now = s_.scene.lighting;
   s_.held.tiles.reset(s_.scene, s_.light.now);
-  s_.planning.selector.reset(s_.scene);
+  s_.planning.eyes.reset(s_.scene);
   s_.held.shadows.reset();
   s_.asking.opener.reset();
   s_.asking.answered.reset();
   s_.asking.ground.reset();
   s_.held.ground.reset({s_.scene.home.walk_eye_m});
   s_.held.meshes.reset(s_.scene, s_.options.mesh_budget_bytes, s_.options.max_mesh_bytes);
-  s_.planning.predictor = Predictor(std::max(50.0, 0.5 * s_.scene.bounds_radius));
   s_.moves = std::any_of(s_.scene.objects.begin(), s_.scene.objects.end(),
                          [](const ObjectDescription& o) { return o.moves(); });
   if (s_.sink.scene) s_.sink.scene(s_.scene);
@@ -194,7 +193,7 @@ Result<void> Arrivals::take_tile(const Message& message, std::int64_t came_us,
   if (!ask || !s_.scene.complete()) return {};
   s_.asking.codec_choice.tile_arrived(came_us - ask->sent_us, reply.server_us);
   if (is_picture(ask->need.channels)) {
-    s_.planning.selector.note_tile(ask->object, static_cast<double>(bytes));
+    s_.planning.eyes.note_tile(ask->object, static_cast<double>(bytes));
   }
   if (reply.edge != tile_edge(ask->need.size_class)) {
     return make_error(ErrorId::kWireValue, "tile has another size than asked for");

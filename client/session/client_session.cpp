@@ -77,42 +77,55 @@ Result<void> ClientSession::receive(std::int64_t told_us) {
   return arrivals_->take(now_us);
 }
 
-PlannedFrame ClientSession::frame(const Camera& camera, std::int64_t told_us) {
-  PlannedFrame out;
-  out.camera = camera;
-  out.list = plan_list(camera, parts_->clock.at(told_us));
-  out.scene = &parts_->scene;
-  out.lighting = lighting();
-  out.setting = plan().setting();
-  out.tau_px = tau_px();
+std::vector<PlannedFrame> ClientSession::frame(const std::vector<Camera>& views,
+                                               std::int64_t told_us) {
+  std::vector<DrawList> lists = plan_lists(views, parts_->clock.at(told_us));
+  std::vector<PlannedFrame> out(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    out[i].camera = views[i];
+    out[i].list = std::move(lists[i]);
+    out[i].scene = &parts_->scene;
+    out[i].lighting = lighting();
+    out[i].setting = plan().setting();
+    out[i].tau_px = tau_px();
+  }
   return out;
 }
 
-DrawList ClientSession::plan_list(const Camera& camera, std::int64_t now_us) {
+PlannedFrame ClientSession::frame(const Camera& camera, std::int64_t told_us) {
+  return std::move(frame(std::vector<Camera>{camera}, told_us).front());
+}
+
+std::vector<DrawList> ClientSession::plan_lists(const std::vector<Camera>& views,
+                                                std::int64_t now_us) {
   SessionParts& s = *parts_;
   ++s.frame;
-  s.camera = camera;
+  s.camera = views.front();
   s.asking.scheduler.note_frame(now_us);
   if (!s.scene.complete()) {
     s.planning.at_rest = false;
     DrawList first;
     s.held.views.show_all(first);
     note_new_scene(s, first, now_us);
-    return first;
+    return std::vector<DrawList>(views.size(), first);
   }
-  const Predicted at = predict(s, camera, now_us);
+  const Predicted at = predict(s, views, now_us);
   s.scene.move_to(s.time_s);
-  DrawList list = mirage::plan(s, at.input);
-  if (s.shadowed()) s.held.shadows.shade(at.input, s.light.now, s.held.meshes, list);
+  std::vector<DrawList> lists = mirage::plan(s, at);
+  for (std::size_t i = 0; s.shadowed() && i < lists.size(); ++i) {
+    s.held.shadows.shade(at.views[i], s.light.now, s.held.meshes, lists[i]);
+  }
   s.tally.note_first_drawn(now_us);
   // Answers to this frame's asks arrive a round trip later.
-  s.scene.move_to(s.time_s + at.input.lead_s);
-  Needs needs = ask(s, at.input);
+  s.scene.move_to(s.time_s + at.views.front().lead_s);
+  Needs needs = ask(s, at);
   s.scene.move_to(s.time_s);
-  s.held.views.show_missing(s.scene, camera, s.time_s, list);
-  if (s.link.connected()) send(s, at, list, std::move(needs));
-  note_new_scene(s, list, now_us);
-  return list;
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    s.held.views.show_missing(s.scene, views[i], s.time_s, lists[i]);
+  }
+  if (s.link.connected()) send(s, at, lists, std::move(needs));
+  note_new_scene(s, lists.front(), now_us);
+  return lists;
 }
 
 void ClientSession::set_token(std::string token) { parts_->token = std::move(token); }
@@ -204,10 +217,12 @@ void ClientSession::note_frame_ms(double ms, double beside_ms) {
   parts_->planning.plan.note_drawn(ms, beside_ms);
 }
 const FramePlan& ClientSession::plan() const { return parts_->planning.plan; }
-const Selector& ClientSession::selector() const { return parts_->planning.selector; }
+const std::vector<Alternatives>& ClientSession::considered() const {
+  return parts_->planning.things;
+}
 double ClientSession::tau_px() const { return parts_->planning.tau.tau_px(); }
 bool ClientSession::at_rest() const { return parts_->planning.at_rest; }
-const Predictor& ClientSession::predictor() const { return parts_->planning.predictor; }
+const Predictor& ClientSession::predictor() const { return parts_->planning.eyes[0].predictor; }
 const Lighting& ClientSession::lighting() const { return parts_->light.now; }
 bool ClientSession::light_changed() const { return parts_->light.changed; }
 std::optional<ReferenceFrame> ClientSession::take_reference() {

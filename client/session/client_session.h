@@ -28,7 +28,7 @@ class GroundMap;
 class Link;
 class Predictor;
 class SceneView;
-class Selector;
+struct Alternatives;
 struct Camera;
 struct ClientOptions;
 struct CostModel;
@@ -52,8 +52,10 @@ class ClientSession {
   /// Takes in what has arrived, and sends a hello on every new connection. An error is for the log:
   /// the session goes on with what it has.
   Result<void> receive(std::int64_t now_us);
-  /// Plans a frame: returns what to draw with the true camera, and sends asks. The session's clock
-  /// is the animation's, too. The result refers to scene().
+  /// Plans a frame of one or several views: returns what to draw with each of these true cameras,
+  /// and sends asks. All views share the frame's budget; a view tile is asked for where the first
+  /// one needs it. The session's clock is the animation's, too. The result refers to scene().
+  std::vector<PlannedFrame> frame(const std::vector<Camera>& views, std::int64_t now_us);
   PlannedFrame frame(const Camera& camera, std::int64_t now_us);
 
   /// Sets the prices of this device, for planning later frames.
@@ -65,8 +67,9 @@ class ClientSession {
   void note_frame_ms(double ms, double beside_ms = 0);
   /// Returns how the last planned frame is to be drawn, and its expected time.
   const FramePlan& plan() const;
-  /// Returns the selector, with what it considered and chose for that frame.
-  const Selector& selector() const;
+  /// Returns what was considered for that frame: each visible thing of each view, in the order of
+  /// FramePlan::choices().
+  const std::vector<Alternatives>& considered() const;
   double tau_px() const;
 
   /// Tells where the eye starts, before the session connects, for whoever comes by a link to a
@@ -99,7 +102,7 @@ class ClientSession {
 
   const SceneView& scene() const;
   const Lighting& lighting() const;
-  const Predictor& predictor() const;
+  const Predictor& predictor() const;  ///< of the first view
   TileCounts tiles() const;
   /// Returns counts by codec, of all tiles that were decoded.
   const CodecUses& codecs() const;
@@ -127,8 +130,8 @@ class ClientSession {
   const std::string& goodbye() const;
 
  private:
-  /// Returns what is drawn, after sending asks.
-  DrawList plan_list(const Camera& camera, std::int64_t now_us);
+  /// Returns what is drawn in each view, after sending asks.
+  std::vector<DrawList> plan_lists(const std::vector<Camera>& views, std::int64_t now_us);
 
   std::unique_ptr<SessionParts> parts_;
   std::unique_ptr<Arrivals> arrivals_;

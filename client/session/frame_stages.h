@@ -7,15 +7,17 @@
 
 #include "client/hold/asset_need.h"
 #include "client/plan/selector.h"
+#include "protocol/impostor/camera.h"
 
 namespace mirage {
 
 struct SessionParts;
 
-/// The eye now, and where it will be when what is asked for arrives; and the tau to use.
+/// The eye of each view now, and where it will be when what is asked for arrives; and the tau to
+/// use.
 struct Predicted {
-  SelectorInput input;
-  bool stands = false;   ///< the eye stays where it is
+  std::vector<SelectorInput> views;
+  bool stands = false;   ///< all eyes stay where they are
   bool passing = false;  ///< relit tiles are shown for now
 };
 struct Needs {
@@ -23,12 +25,12 @@ struct Needs {
   std::vector<AssetNeed> meshes;
 };
 
-Predicted predict(SessionParts& s, const Camera& camera, std::int64_t now_us);
-/// Decides what is drawn, and marks it as in use.
-DrawList plan(SessionParts& s, const SelectorInput& input);
-/// Returns what is missing.
-Needs ask(SessionParts& s, const SelectorInput& input);
+Predicted predict(SessionParts& s, const std::vector<Camera>& views, std::int64_t now_us);
+/// Decides what is drawn in each view, and marks it as in use.
+std::vector<DrawList> plan(SessionParts& s, const Predicted& at);
+/// Returns what any view misses; what two of them miss may be there twice.
+Needs ask(SessionParts& s, const Predicted& at);
 /// Sends as many of the needs as link and server take now.
-void send(SessionParts& s, const Predicted& at, const DrawList& list, Needs needs);
+void send(SessionParts& s, const Predicted& at, const std::vector<DrawList>& lists, Needs needs);
 
 }  // namespace mirage

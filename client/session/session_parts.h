@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "client/ask/answered_keys.h"
 #include "client/ask/codec_choice.h"
@@ -15,12 +16,10 @@
 #include "client/hold/tile_cache.h"
 #include "client/hold/upload_queue.h"
 #include "client/link/link.h"
-#include "client/plan/drawn_pixel.h"
-#include "client/plan/predictor.h"
 #include "client/plan/scene_opener.h"
-#include "client/plan/selector.h"
 #include "client/scene/ground_map.h"
 #include "client/scene/scene_view.h"
+#include "client/session/eye.h"
 #include "client/session/ground_asks.h"
 #include "client/session/playback.h"
 #include "client/session/session_options.h"
@@ -89,13 +88,11 @@ struct SessionParts {
   struct Planning {
     explicit Planning(const ClientOptions& o)
         : tau(o.tau_px, o.targets), plan(o.frame_ms, o.samples) {}
-    Predictor predictor{50};
-    Selector selector;
+    Eyes eyes;
     TauController tau;
     FramePlan plan;
-    DrawnPixel drawn_pixel;
+    std::vector<Alternatives> things;  ///< of the last frame, view by view
     bool at_rest = false;
-    bool rested = false;  ///< all that tau requires has arrived, and the eye is still
   };
   struct Asking {
     explicit Asking(const ClientOptions& o) : codec_choice(o.codec) {}
@@ -129,7 +126,7 @@ struct SessionParts {
   TileTally tally;
   std::uint64_t frame = 0;
   std::optional<Pose> start;  ///< pose of the first frames; none: the scene's home view
-  Camera camera;              ///< camera of the last frame
+  Camera camera;              ///< camera of the first view of the last frame
   Playback playback;
   double time_s = 0;   ///< time of the animation in the last frame
   bool moves = false;  ///< some object of the scene is animated

@@ -4,7 +4,6 @@
 
 #include "client/plan/alternatives.h"
 #include "client/plan/frame_plan.h"
-#include "client/plan/selector.h"
 #include "client/price/error_model.h"
 #include "client/scene/scene_view.h"
 
@@ -49,8 +48,8 @@ ordered_json thing_json(const ClientSession& session, const Alternatives& thing,
 
 std::string explain_frame(const ClientSession& session) {
   const FramePlan& plan = session.plan();
-  const std::vector<Alternatives>& considered = session.selector().considered();
-  const std::vector<Choice>& chosen = session.selector().chosen();
+  const std::vector<Alternatives>& considered = session.considered();
+  const std::vector<Choice>& chosen = plan.choices();
   ordered_json j;
   j["frame"] = session.frame_number();
   j["budget_ms"] = plan.budget_ms();

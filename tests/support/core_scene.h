@@ -156,6 +156,7 @@ struct SelectorWorld {
     in.scene = &scene;
     in.cache = &cache;
     in.mesh_ready = &mesh_ready;
+    in.plan = &any_time;
     in.camera = in.predicted = camera;
     in.frame = frame;
     in.now_us = now_us;
@@ -175,15 +176,26 @@ struct SelectorWorld {
     return cache.insert(instance, scene, capture, std::move(tile), frame, now_us);
   }
   /// Selects as a session does, and marks what is drawn in the cache.
-  DrawList select(const SelectorInput& in) {
-    DrawList list = selector.select(in);
+  DrawList select(const SelectorInput& in) { return select(in, any_time); }
+  DrawList select(const SelectorInput& in, FramePlan& plan) {
+    DrawList list = only_select(in, plan);
     cache.mark_drawn(list.tiles(), in.frame);
     return list;
+  }
+
+  /// Selects without a mark in the cache.
+  DrawList only_select(const SelectorInput& in) { return only_select(in, any_time); }
+  DrawList only_select(const SelectorInput& in, FramePlan& plan) {
+    considered.clear();
+    selector.consider(in, considered);
+    return selector.draw(in, plan.decide({in.camera}, considered, in.now_us).data());
   }
 
   SceneView scene;
   TileCache cache{2048, 4};
   Selector selector;
+  FramePlan any_time{0, 1};
+  std::vector<Alternatives> considered;  ///< by the last select()
   std::vector<bool> mesh_ready;
   Camera camera;
   std::uint64_t frame = 10;

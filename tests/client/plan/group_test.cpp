@@ -22,7 +22,7 @@ struct GroupWorld : SelectorWorld {
   void look_from(double distance) { look({0, 0, distance}, {0, 0, 0}); }
   std::vector<std::uint32_t> drawn() {
     std::vector<std::uint32_t> out;
-    for (const DrawnImpostor& d : selector.select(input()).impostors) out.push_back(d.instance);
+    for (const DrawnImpostor& d : only_select(input()).impostors) out.push_back(d.instance);
     std::sort(out.begin(), out.end());
     out.erase(std::unique(out.begin(), out.end()), out.end());  // two entries while a tile fades in
     return out;

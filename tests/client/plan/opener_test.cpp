@@ -27,12 +27,19 @@ std::shared_ptr<const PreparedScene> field() {
 
 Message decoded(const PacketPtr& page) { return decode_message(page->data(), page->size()).take(); }
 
+// Returns the request of one view, if there is one.
+std::optional<wire::OpenRequestT> plan(SceneOpener& opener, const SelectorInput& in) {
+  std::vector<wire::OpenRequestT> requests = opener.plan({in});
+  if (requests.empty()) return std::nullopt;
+  return std::move(requests.front());
+}
+
 // Asks until nothing more is wanted. Returns the number of requests.
 int ask_on(SceneOpener& opener, SelectorWorld& world) {
   int requests = 0;
   for (;; ++requests) {
     world.now_us += 200'000;
-    const std::optional<wire::OpenRequestT> request = opener.plan(world.input());
+    const std::optional<wire::OpenRequestT> request = plan(opener, world.input());
     if (!request || requests > 20) return requests;
     EXPECT_TRUE(take(world.scene, pages_of({*field(), *request})).ok());
     world.selector.grow(world.scene);
@@ -115,7 +122,7 @@ double asked_from(const std::function<void(SelectorInput&)>& change,
     in.camera.pose = look_at({0, 0, 2e5}, {0, 0, 0});  // only the predicted eye counts
     in.predicted.pose = look_at({0, 0, middle}, {0, 0, 0});
     change(in);
-    (SceneOpener().plan(in) ? near : far) = middle;
+    (!SceneOpener().plan({in}).empty() ? near : far) = middle;
   }
   return near;
 }
@@ -145,7 +152,7 @@ TEST(CoreOpener, NearOnesComeFirstAndARequestHasALimit) {
   }
   SelectorWorld world = closed_groups(groups);
   SceneOpener opener;
-  const auto first = opener.plan(world.input());
+  const auto first = plan(opener, world.input());
   ASSERT_TRUE(first);
   ASSERT_EQ(first->groups.size(), limits::kMaxOpensPerRequest);
   double before = 0;
@@ -155,9 +162,9 @@ TEST(CoreOpener, NearOnesComeFirstAndARequestHasALimit) {
     before = x;
   }
   world.now_us += 50'000;
-  EXPECT_FALSE(opener.plan(world.input())) << "ten times a second at most";
+  EXPECT_FALSE(plan(opener, world.input())) << "ten times a second at most";
   world.now_us += 50'000;
-  const auto second = opener.plan(world.input());
+  const auto second = plan(opener, world.input());
   ASSERT_TRUE(second);
   EXPECT_EQ(second->groups.size(), 100u);
 }
@@ -167,12 +174,12 @@ TEST(CoreOpener, ALostConnectionAsksAgain) {
   SceneOpener opener;
   world.look({0, 1.7, -120}, {1, 1.7, -121});
   world.now_us = 200'000;
-  const auto first = opener.plan(world.input());
+  const auto first = plan(opener, world.input());
   ASSERT_TRUE(first);
   world.now_us += 200'000;
-  EXPECT_FALSE(opener.plan(world.input()));
+  EXPECT_FALSE(plan(opener, world.input()));
   opener.reset();
-  const auto again = opener.plan(world.input());
+  const auto again = plan(opener, world.input());
   ASSERT_TRUE(again);
   EXPECT_EQ(again->groups, first->groups);
 }

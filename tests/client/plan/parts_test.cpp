@@ -25,9 +25,9 @@ SelectorWorld inside(bool geometry = false) {
 bool open_up(SelectorWorld& world) {
   SceneOpener opener;
   world.now_us += 200'000;
-  const std::optional<wire::OpenRequestT> request = opener.plan(world.input());
-  if (!request) return false;
-  EXPECT_TRUE(take(world.scene, pages_of({*room(), *request})).ok());
+  const std::vector<wire::OpenRequestT> requests = opener.plan({world.input()});
+  if (requests.empty()) return false;
+  EXPECT_TRUE(take(world.scene, pages_of({*room(), requests.front()})).ok());
   world.selector.grow(world.scene);
   world.cache.grow(world.scene);
   world.mesh_ready.resize(world.scene.objects.size(), false);

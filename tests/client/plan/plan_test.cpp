@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::int64_t kFrameUs = 50'000;
 
-Camera screen() {
+std::vector<Camera> screen() {
   Camera camera;
   camera.width = 640;
   camera.height = 360;
-  return camera;
+  return {camera};
 }
 
 /// A tree with this many triangles that a good tile can stand for.
@@ -72,7 +72,7 @@ struct Session {
   }
   double work_ms(const std::vector<Choice>& choices) const {
     const FrameSetting& setting = plan.setting();
-    Camera drawn = screen();
+    Camera drawn = screen().front();
     drawn.width = static_cast<std::uint32_t>(drawn.width * setting.scale);
     drawn.height = static_cast<std::uint32_t>(drawn.height * setting.scale);
     FrameWork work = target_work(drawn, setting.samples);
@@ -432,6 +432,32 @@ TEST(CorePlan, AMillionThingsArePlanned) {
   const std::vector<Alternatives> things(1'000'000, tree(100, 10));
   EXPECT_EQ(plan.decide(screen(), things, 0).size(), things.size());
   EXPECT_TRUE(std::isfinite(plan.lambda()));
+}
+
+// A frame of two eyes draws two pictures, so each of them gets half of the time.
+TEST(CorePlan, AllViewsOfAFrameShareItsBudget) {
+  const Camera one = screen().front();
+  FramePlan single = plan_of(1000), both = plan_of(1000);
+  single.decide({one}, {}, 0);
+  both.decide({one, one}, {}, 0);
+  EXPECT_NEAR(both.expected_ms(), 2 * single.expected_ms(), 1e-9);
+  const std::vector<Alternatives> trees = forest(200);
+  std::vector<Alternatives> twice = trees;
+  twice.insert(twice.end(), trees.begin(), trees.end());
+  FramePlan tight = plan_of(150);
+  const std::vector<Choice> choices = tight.decide({one, one}, twice, 0);
+  ASSERT_EQ(choices.size(), twice.size());
+  EXPECT_LE(tight.expected_ms(), 150);
+  std::size_t differ = 0;
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    differ += choices[i].look != choices[i + trees.size()].look ? 1 : 0;
+  }
+  const auto meshes = std::count_if(choices.begin(), choices.end(), [](const Choice& choice) {
+    return choice.look == Look::kMesh;
+  });
+  EXPECT_GT(meshes, 4);
+  EXPECT_LT(meshes, 396) << "not all of them fit";
+  EXPECT_LE(differ, 3u) << "equal things are drawn alike in both, up to the last ones that fit";
 }
 
 }  // namespace

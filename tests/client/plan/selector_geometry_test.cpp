@@ -115,19 +115,19 @@ TEST(CoreSelectorGeometry, TilesStandInForGeometryThatTheBudgetDoesNotHold) {
   };
   std::uint32_t& triangles = world.scene.objects[0].triangles;
   world.scene.objects[0].lods = {LodInfo{100, 40'000, 0, 0}};
-  EXPECT_EQ(world.select(input()).meshes.size(), 1u);
+  EXPECT_EQ(world.select(input(), plan).meshes.size(), 1u);
   EXPECT_TRUE(world.selector.needs(input()).empty()) << "so few triangles cost less";
   world.scene.objects[0].lods[0].triangles = triangles = 3'000'000;
-  EXPECT_TRUE(world.select(input()).meshes.empty()) << "a placeholder is in time";
+  EXPECT_TRUE(world.select(input(), plan).meshes.empty()) << "a placeholder is in time";
   EXPECT_EQ(world.selector.needs(input()).size(), 1u);
   EXPECT_TRUE(world.selector.mesh_needs(input()).instances.empty());
   ASSERT_TRUE(world.add_tile(0));
-  const DrawList still = world.select(input());
+  const DrawList still = world.select(input(), plan);
   EXPECT_TRUE(still.meshes.empty());
   EXPECT_EQ(still.impostors.size(), 1u);
   EXPECT_TRUE(world.selector.needs(input()).empty());
   SelectorInput any_time = input();
-  any_time.plan = nullptr;
+  any_time.plan = &world.any_time;
   EXPECT_EQ(world.select(any_time).meshes.size(), 1u) << "it errs less";
 }
 
@@ -153,7 +153,7 @@ TEST(CoreSelectorGeometry, WhatThereIsNoTimeForIsAskedForAsATile) {
     SelectorInput in = world.input();
     in.plan = &plan;
     in.now_us = world.now_us += 1'000'000;
-    const bool drawn = !world.select(in).meshes.empty();
+    const bool drawn = !world.select(in, plan).meshes.empty();
     EXPECT_EQ(drawn, budget_ms > 1);
     const std::vector<TileNeed> needs = world.selector.needs(in);
     ASSERT_EQ(needs.size(), drawn ? 0u : 1u);

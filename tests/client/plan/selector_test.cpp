@@ -128,7 +128,7 @@ TEST(CoreSelector, SelectingWritesNothingIntoTheCache) {
   const TileRecordPtr tile = world.add_tile(0);
   const std::uint64_t before = tile->last_drawn;
   world.frame += 3;
-  ASSERT_EQ(world.selector.select(world.input()).impostors.size(), 1u);
+  ASSERT_EQ(world.only_select(world.input()).impostors.size(), 1u);
   EXPECT_EQ(tile->last_drawn, before);
   EXPECT_FALSE(tile->shown);
 }
@@ -245,7 +245,7 @@ TEST(CoreSelector, AnEyeThatGoesAroundExpectsMoreErrorThanTheBoundTells) {
     world.look({5 * std::sin(angle), 0, 5 * std::cos(angle)}, {0, 0, 0});
     ++world.frame;
     world.select(world.input());
-    const auto& considered = world.selector.considered();
+    const auto& considered = world.considered;
     ASSERT_EQ(considered.size(), 1u);
     const auto& tile = considered[0].deep ? considered[0].deep : considered[0].flat;
     ASSERT_TRUE(tile);

@@ -44,7 +44,7 @@ struct ShadowWorld : SelectorWorld {
   }
   DrawList draw() {
     ++frame;
-    DrawList list = selector.select(input());
+    DrawList list = only_select(input());
     stage.shade(input(), lighting, meshes, list);
     return list;
   }

@@ -25,6 +25,9 @@ enum {
   MIRAGE_COLOR_LINEAR = 2     /**< linear light, such as GL_RGBA16F */
 };
 
+/** Most views of a frame. */
+#define MIRAGE_MOST_VIEWS 4
+
 /** A perspective camera in your world. */
 typedef struct mirage_view {
   uint32_t size;
@@ -61,10 +64,10 @@ typedef struct mirage_textures {
 /** What mirage_draw() will do with a planned frame. */
 enum { MIRAGE_STEP_KEEP = 0, MIRAGE_STEP_DRAW = 1, MIRAGE_STEP_REFINE = 2 };
 
-/** A planned frame. */
+/** A planned frame, all its views together. */
 typedef struct mirage_frame_info {
   uint32_t size;
-  int32_t step;    /**< MIRAGE_STEP_ */
+  int32_t step;    /**< MIRAGE_STEP_, the greatest of any view */
   int32_t at_rest; /**< 1: nothing is under way; further frames of this view would not differ */
   int32_t samples; /**< of a pixel */
   double scale;    /**< edge of a new picture over that of the view; at rest it is refined at 1 */
@@ -83,16 +86,18 @@ typedef struct mirage_image {
   uint64_t bytes;
 } mirage_image;
 
-/** GL. Plans a frame of one view, and sends asks. `count` is 1: further views are not supported
- * yet. `info` may be NULL. MIRAGE_NOT_YET: there is nothing to draw yet. Errors:
- * MIRAGE_BAD_ARGUMENT, MIRAGE_WRONG_STATE, MIRAGE_UNSUPPORTED, MIRAGE_GRAPHICS. */
+/** GL. Plans a frame of 1 to MIRAGE_MOST_VIEWS views, such as two eyes or the parts of a window,
+ * and sends asks. All views share the frame's budget, and what the library holds. Put the one that
+ * matters most first: there the server's quick first picture is asked for. `info` may be NULL.
+ * MIRAGE_NOT_YET: there is nothing to draw yet. Errors: MIRAGE_BAD_ARGUMENT, MIRAGE_WRONG_STATE,
+ * MIRAGE_GRAPHICS. */
 MIRAGE_API mirage_result mirage_plan(mirage_client* client, const mirage_view* views, int32_t count,
                                      int64_t now_us, mirage_frame_info* info);
-/** GL. Draws the planned view, and lays it into your framebuffer by depth: mirage_draw_textures()
- * and mirage_composite(). Draw opaque things of your own before or after. */
+/** GL. Draws a planned view, the first one is 0, and lays it into your framebuffer by depth:
+ * mirage_draw_textures() and mirage_composite(). Draw opaque things of your own before or after. */
 MIRAGE_API mirage_result mirage_draw(mirage_client* client, int32_t view,
                                      const mirage_target* target);
-/** GL. Draws the planned view into textures of the library. */
+/** GL. Draws a planned view into textures of the library. */
 MIRAGE_API mirage_result mirage_draw_textures(mirage_client* client, int32_t view,
                                               mirage_textures* textures);
 /** GL. Lays the picture that was drawn last into your framebuffer. */
@@ -101,7 +106,7 @@ MIRAGE_API mirage_result mirage_composite(mirage_client* client, int32_t view,
 /** Tells what the last frame took on the GPU, so that later ones keep within their budget;
  * 0: unknown. */
 MIRAGE_API mirage_result mirage_frame_done(mirage_client* client, int64_t gpu_us);
-/** Finds roughly what lies under a pixel of the planned view (from the top left): the distance
+/** Finds roughly what lies under a pixel of a planned view (from the top left): the distance
  * along the view of the convex hull around the nearest object that the eye is outside of, in units
  * of your world. MIRAGE_NOT_YET: there is none. For the distance of the pixel itself, read the
  * depth of mirage_draw_textures(). No GL. */
