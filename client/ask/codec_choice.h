@@ -17,7 +17,7 @@
 #include <optional>
 #include <vector>
 
-#include "protocol/codec/tile_codec.h"
+#include "protocol/codec/codec_id.h"
 
 namespace mirage {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "protocol/impostor/tile.h"
 #include "protocol/impostor/tile_key.h"
 
 namespace mirage {

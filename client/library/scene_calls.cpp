@@ -164,8 +164,7 @@ mirage_result mirage_get_stats(const mirage_client* client, mirage_stats* stats)
     out.tiles_refused = tiles.refused;
     out.in_flight = session.in_flight();
     out.round_trip_us = session.round_trip_us();
-    out.gpu_bytes =
-        client->client.gpu_bytes();
+    out.gpu_bytes = client->client.gpu_bytes();
     out.frames = session.frame_number();
     out.draw_calls = static_cast<std::uint32_t>(client->client.renderer().draw_calls());
     out.tau_px = session.tau_px();

@@ -3,7 +3,9 @@
 #include <algorithm>
 
 #include "client/load/load_run.h"
+#include "client/scene/scene_view.h"
 #include "protocol/base/limits.h"
+#include "protocol/codec/codec_id.h"
 
 namespace mirage {
 namespace {

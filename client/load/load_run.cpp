@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "client/native/no_answer.h"
+#include "client/scene/scene_view.h"
 #include "protocol/base/limits.h"
 #include "protocol/wire/tile_address.h"
 

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "client/scene/scene_view.h"
 #include "protocol/base/limits.h"
 
 namespace mirage {

@@ -9,9 +9,12 @@
 #include <vector>
 
 #include "client/frame/camera_path.h"
-#include "client/plan/selector.h"
+#include "client/plan/tile_need.h"
+#include "protocol/base/result.h"
 
 namespace mirage {
+
+class SceneView;
 
 struct PlanOptions {
   std::uint32_t clients = 1;

@@ -2,6 +2,9 @@
 
 #include <unistd.h>
 
+#include "protocol/codec/tile_codec.h"
+#include "protocol/wire/conversions.h"
+
 namespace mirage {
 namespace {
 constexpr std::size_t kMaxWaiting = 8192;  // tiles of some 15 KB

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "client/hold/tile_cache.h"
+#include "client/plan/tile_fit.h"
 #include "client/price/ask_gain.h"
 #include "client/scene/scene_view.h"
 #include "protocol/base/limits.h"

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "client/hold/tile_cache.h"
-#include "client/plan/selector.h"
+#include "client/plan/selector_input.h"
+#include "client/plan/tile_need.h"
 
 namespace mirage {
 

@@ -4,9 +4,11 @@
 #include <utility>
 #include <vector>
 
+#include "client/plan/selector_input.h"
 #include "client/plan/selector_rules.h"
 #include "client/scene/scene_view.h"
 #include "protocol/base/limits.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/message.h"
 #include "wire_generated.h"
 

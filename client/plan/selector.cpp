@@ -5,12 +5,18 @@
 #include <limits>
 
 #include "client/frame/asset_id.h"
+#include "client/frame/draw_list.h"
 #include "client/hold/mesh_cache.h"
 #include "client/hold/tile_cache.h"
+#include "client/plan/alternatives.h"
 #include "client/plan/blend_order.h"
 #include "client/plan/frame_plan.h"
+#include "client/plan/selector_input.h"
 #include "client/plan/selector_rules.h"
+#include "client/plan/tile_fit.h"
+#include "client/plan/tile_need.h"
 #include "client/price/view_fit.h"
+#include "client/scene/scene_view.h"
 #include "protocol/impostor/tile_key.h"
 #include "protocol/model/need_mask.h"
 
@@ -38,6 +44,11 @@ double fade_progress(std::int64_t since_us, std::int64_t now_us) {
 void Selector::reset(const SceneView& scene) {
   shown_.assign(scene.instances.size(), Shown{});
   geometry_.reset(scene.objects.size());
+}
+
+void Selector::grow(const SceneView& scene) {
+  shown_.resize(scene.instances.size());
+  geometry_.grow(scene.objects.size());
 }
 
 struct Selector::Candidate {

@@ -6,7 +6,10 @@
 
 #include "client/hold/mesh_cache.h"
 #include "client/hold/tile_cache.h"
+#include "client/plan/frame_plan.h"
 #include "client/plan/importance.h"
+#include "client/plan/tile_fit.h"
+#include "client/plan/tile_need.h"
 #include "client/scene/scene_view.h"
 #include "protocol/base/limits.h"
 #include "protocol/base/stable_math.h"

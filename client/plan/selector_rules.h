@@ -2,7 +2,7 @@
 // Rules that are the same for deciding what to draw and what to ask for.
 
 #include "client/hold/tile_cache.h"
-#include "client/plan/selector.h"
+#include "client/plan/selector_input.h"
 #include "protocol/impostor/instance_group.h"
 
 namespace mirage {

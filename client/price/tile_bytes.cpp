@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "protocol/impostor/tile.h"
 #include "protocol/impostor/tile_key.h"
 
 namespace mirage {

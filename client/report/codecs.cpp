@@ -11,6 +11,7 @@
 #include "client/report/tile_probe.h"
 #include "client/report/truth_source.h"
 #include "client/scene/scene_view.h"
+#include "protocol/codec/tile_codec.h"
 #include "protocol/codec/tile_color.h"
 #include "protocol/impostor/camera.h"
 

@@ -10,6 +10,7 @@
 #include "client/host/client_host.h"
 #include "client/host/methods.h"
 #include "client/link/modelled_link.h"
+#include "client/report/frame_comparison.h"
 #include "client/scene/scene_view.h"
 #include "client/screen/screen.h"
 #include "client/screen/viewer_defaults.h"
@@ -57,16 +58,12 @@ HostOptions host_options(const RunSpec& spec) {
 
 struct SessionRunner::Loop {
   const RunSpec& spec;
-  TruthSource& truth;
   ClientHost& host;
   RunResult& out;
   const CameraPath& path;
+  FrameComparison comparison;
   std::int64_t start_us = 0;
-  int rested = 0;         // frames in which a viewer would have refined the picture
-  double planned_ms = 0;  // of this frame
-  int before = -2;        // last compared frame
-  std::vector<std::uint8_t> drawn_before{};
-  ReferencePtr truth_before{};
+  int rested = 0;  // frames in which a viewer would have refined the picture
 };
 
 struct SessionRunner::Graphics {
@@ -111,76 +108,6 @@ Camera SessionRunner::camera_at(const CameraPath& path, double seconds, const Sc
   return camera;
 }
 
-double SessionRunner::add_geometric(Loop& loop, const PlannedFrame& planned,
-                                    const ReferenceFrame& truth) {
-  const SceneView& scene = *planned.scene;
-  const double s = loop.spec.truth_samples;
-  const std::uint64_t pixels_before = loop.out.geometric.object_pixels;
-  const std::uint64_t holes_before = loop.out.geometric.holes;
-  if (scene.complete()) {
-    add_geometric_error(truth, (std::floor(s / 2) + 0.5) / s, planned, loop.out.geometric);
-  } else if (!planned.list.view) {  // nothing is known yet: everything is missing
-    const auto& ids = truth.ids;
-    const auto missing =
-        ids.size() - static_cast<std::size_t>(std::count(ids.begin(), ids.end(), 0u));
-    loop.out.geometric.object_pixels += missing;
-    loop.out.geometric.holes += missing;
-  }
-  const std::uint64_t pixels = loop.out.geometric.object_pixels - pixels_before;
-  const std::uint64_t holes = loop.out.geometric.holes - holes_before;
-  return pixels > 0 ? static_cast<double>(holes) / static_cast<double>(pixels) : 0;
-}
-
-Result<void> SessionRunner::compare(Loop& loop, int frame) {
-  const RunSpec& spec = loop.spec;
-  const ClientSession& session = loop.host.session();
-  Client& client = graphics_->client;
-  Screen& screen = client.screen();
-  const PlannedFrame& planned = client.planned();
-  const Camera& camera = planned.camera;
-  ComparedFrame compared;
-  compared.frame = frame;
-  const auto draw = [&] {
-    const double began = now_ms();
-    screen.draw(client.renderer(), planned);
-    glFinish();
-    return loop.planned_ms + now_ms() - began;
-  };
-  // The first use compiles, so it is left out of the times (numerics.md section 1).
-  if (loop.out.frames.empty() && spec.draws_each > 1) draw();
-  compared.client_ms = INFINITY;
-  for (int i = 0; i < spec.draws_each; ++i) {
-    const double ms = draw();
-    compared.client_ms = std::min(compared.client_ms, ms);
-    loop.out.client_ms.push_back(ms);
-  }
-  for (int i = 0; i < loop.rested && !screen.refined(); ++i) {
-    screen.refine(client.renderer(), planned);
-  }
-  std::vector<std::uint8_t> drawn = screen.shown().read();
-  Result<ReferencePtr> truth = loop.truth.at(camera, spec.truth_samples);
-  if (!truth) return truth.error();
-  const std::uint32_t w = camera.width, h = camera.height;
-  const ImageView seen{w, h, drawn.data()}, due{w, h, (*truth)->rgba.data()};
-  compared.image = measure_images(due, seen);
-  if (loop.before + 1 == frame) {
-    compared.flicker = flicker({w, h, loop.truth_before->rgba.data()},
-                               {w, h, loop.drawn_before.data()}, due, seen);
-  }
-  if (spec.observe && session.scene().complete()) {
-    spec.observe({session.scene(), planned.list, session.considered(), session.plan(), **truth, seen, due});
-  }
-  compared.hole_fraction = add_geometric(loop, planned, **truth);
-  if (std::binary_search(spec.pictured.begin(), spec.pictured.end(), frame)) {
-    loop.out.pictures.push_back({spec.width, spec.height, drawn, (*truth)->rgba});
-  }
-  loop.before = frame;
-  loop.drawn_before = std::move(drawn);
-  loop.truth_before = *truth;
-  loop.out.frames.push_back(compared);
-  return {};
-}
-
 // Runs a viewer's frame, but draws it only if it is compared.
 Result<void> SessionRunner::one_frame(Loop& loop, int frame) {
   const RunSpec& spec = loop.spec;
@@ -195,7 +122,7 @@ Result<void> SessionRunner::one_frame(Loop& loop, int frame) {
   const Result<FrameStep> step =
       client.plan(camera_at(loop.path, seconds, session.scene(), spec.width, spec.height), now);
   if (!step) return step.error();
-  loop.planned_ms = now_ms() - began;
+  const double planned_ms = now_ms() - began;
   const bool same = *step != FrameStep::kDraw;
   loop.rested = same && session.at_rest() ? loop.rested + 1 : 0;
   const PlannedFrame& planned = client.planned();
@@ -214,7 +141,8 @@ Result<void> SessionRunner::one_frame(Loop& loop, int frame) {
   const bool shows = list.view || !list.impostors.empty() || !list.meshes.empty();
   if (shows && out.first_image_ms < 0) out.first_image_ms = seconds * 1e3;
   const bool compared = std::binary_search(spec.compared.begin(), spec.compared.end(), frame);
-  return compared ? compare(loop, frame) : Result<void>{};
+  if (!compared) return {};
+  return loop.comparison.compare(client, {frame, planned_ms, loop.rested});
 }
 
 Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
@@ -230,7 +158,8 @@ Result<RunResult> SessionRunner::run(const RunSpec& spec, TruthSource& truth) {
     if (Result<void> told = host.wait_for_picture(); !told) return told.error();
   }
   RunResult out;
-  Loop loop{spec, truth, host, out, *path, host.now_us()};
+  const auto clock = [this] { return now_ms(); };
+  Loop loop{spec, host, out, *path, {spec, truth, clock, out}, host.now_us()};
   for (int frame = 0; frame < spec.frames; ++frame) {
     if (Result<void> done = one_frame(loop, frame); !done) return done.error();
   }

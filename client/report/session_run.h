@@ -25,7 +25,6 @@ struct DrawList;
 struct PlannedFrame;
 class FrameRenderer;
 class SceneView;
-class FramePlan;
 struct Alternatives;
 struct ReferenceFrame;
 
@@ -114,10 +113,6 @@ class SessionRunner {
  private:
   struct Loop;
   Result<void> one_frame(Loop& loop, int frame);
-  Result<void> compare(Loop& loop, int frame);
-  /// Adds the last drawn frame to the geometric error. Returns the share of its object pixels that
-  /// are holes.
-  static double add_geometric(Loop& loop, const PlannedFrame& planned, const ReferenceFrame& truth);
   double now_ms() const;
 
   struct Graphics;

@@ -7,6 +7,7 @@
 #include "client/plan/eight_views.h"
 #include "client/screen/viewer_defaults.h"
 #include "protocol/base/limits.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/unpack.h"
 
 namespace mirage {

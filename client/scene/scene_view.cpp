@@ -8,6 +8,7 @@
 
 #include "protocol/impostor/instance_group.h"
 #include "protocol/impostor/motion.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/light_probe_codec.h"
 
 namespace mirage {

@@ -7,30 +7,35 @@
 // Full:   never; it holds one picture.
 
 #include <cstddef>
-#include <optional>
+#include <memory>
 
-#include "client/draw/frame_target.h"
-#include "client/draw/refinement.h"
 #include "client/frame/frame_step.h"
-#include "client/session/stillness.h"
 #include "protocol/base/result.h"
 
 namespace mirage {
 
 class ClientSession;
+class FrameRenderer;
+class FrameTarget;
 struct FrameWork;
+struct PlannedFrame;
 
 class Screen {
  public:
+  Screen();
+  ~Screen();
+  Screen(Screen&&) noexcept;
+  Screen& operator=(Screen&&) noexcept;
+
   /// Creates the target. Error kGraphicsGl.
   Result<void> create(int width, int height);
 
-  bool created() const { return target_.has_value(); }
+  bool created() const;
 
   /// Fits the target to a window of this size and to the session's plan. Error kGraphicsGl.
   Result<void> fit(int width, int height, const ClientSession& session);
   /// Notes that texels, geometry or a scene came or went.
-  void content_changed() { still_.content_changed(); }
+  void content_changed();
 
   /// Returns the step for a frame; draw() or refine() takes it.
   FrameStep next(const PlannedFrame& frame, const ClientSession& session);
@@ -40,23 +45,17 @@ class Screen {
   FrameWork work(const PlannedFrame& frame) const;
 
   /// Returns the picture to show.
-  const FrameTarget& shown() const { return refinement_.picture(*target_); }
+  const FrameTarget& shown() const;
   /// True if the picture would not get any better.
-  bool refined() const { return refinement_.done(); }
-  int width() const { return target_->width(); }
-  int height() const { return target_->height(); }
-  int samples() const { return target_->samples(); }
-  std::size_t gpu_bytes() const { return target_->gpu_bytes() + refinement_.gpu_bytes(); }
+  bool refined() const;
+  int width() const;
+  int height() const;
+  int samples() const;
+  std::size_t gpu_bytes() const;
 
  private:
-  Result<void> make(int width, int height, bool blends, int samples, double scale);
-
-  std::optional<FrameTarget> target_;
-  // Planned for the target; the device may not have as many samples.
-  int samples_ = 1;
-  double scale_ = 1;
-  Stillness still_;
-  Refinement refinement_;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace mirage

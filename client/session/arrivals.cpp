@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "client/hold/tile_cache.h"
+#include "client/plan/selector.h"
 #include "client/session/session_parts.h"
 #include "protocol/codec/ground_codec.h"
 #include "protocol/codec/model_codec.h"

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/frame/draw_list.h"
 #include "client/frame/planned_frame.h"
+#include "client/plan/selector_input.h"
 #include "client/session/arrivals.h"
 #include "client/session/frame_stages.h"
 #include "client/session/session_parts.h"
 #include "protocol/base/limits.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/view_codec.h"
 
 namespace mirage {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "protocol/codec/tile_codec.h"
+#include "protocol/codec/codec_id.h"
 
 namespace mirage {
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "client/scene/scene_view.h"
+
 namespace mirage {
 namespace {
 

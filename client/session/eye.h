@@ -10,6 +10,7 @@
 #include "client/plan/drawn_pixel.h"
 #include "client/plan/predictor.h"
 #include "client/plan/selector.h"
+#include "client/scene/scene_view.h"
 
 namespace mirage {
 

@@ -4,6 +4,9 @@
 #include <optional>
 #include <utility>
 
+#include "client/frame/draw_list.h"
+#include "client/plan/mesh_wants.h"
+#include "client/plan/selector.h"
 #include "client/session/session_parts.h"
 
 namespace mirage {

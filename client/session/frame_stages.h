@@ -6,11 +6,13 @@
 #include <vector>
 
 #include "client/hold/asset_need.h"
-#include "client/plan/selector.h"
+#include "client/plan/selector_input.h"
+#include "client/plan/tile_need.h"
 #include "protocol/impostor/camera.h"
 
 namespace mirage {
 
+struct DrawList;
 struct SessionParts;
 
 /// The eye of each view now, and where it will be when what is asked for arrives; and the tau to

@@ -8,7 +8,7 @@
 #include "client/frame/method_choice.h"
 #include "client/plan/relight_policy.h"
 #include "client/plan/tau_controller.h"
-#include "protocol/codec/tile_codec.h"
+#include "protocol/codec/codec_id.h"
 #include "protocol/impostor/camera.h"
 #include "protocol/model/scene_types.h"
 

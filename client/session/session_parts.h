@@ -16,6 +16,8 @@
 #include "client/hold/tile_cache.h"
 #include "client/hold/upload_queue.h"
 #include "client/link/link.h"
+#include "client/plan/alternatives.h"
+#include "client/plan/frame_plan.h"
 #include "client/plan/scene_opener.h"
 #include "client/scene/ground_map.h"
 #include "client/scene/scene_view.h"

@@ -7,7 +7,7 @@
 #include "client/hold/light_history.h"
 #include "client/hold/mesh_cache.h"
 #include "client/hold/tile_cache.h"
-#include "client/plan/selector.h"
+#include "client/plan/selector_input.h"
 #include "client/price/ask_gain.h"
 #include "client/scene/scene_view.h"
 #include "protocol/base/stable_math.h"

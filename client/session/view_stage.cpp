@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/frame/draw_list.h"
 #include "client/plan/selector_rules.h"
+#include "client/plan/tile_need.h"
+#include "client/scene/scene_view.h"
 #include "protocol/wire/view_codec.h"
 
 namespace mirage {

@@ -2,9 +2,9 @@
 #include <optional>
 #include <string>
 
+#include "client/frame/method_choice.h"
 #include "client/link/modelled_link.h"
 #include "client/plan/relight_policy.h"
-#include "client/plan/selector.h"
 #include "client/plan/tau_controller.h"
 #include "client/price/cost_model.h"
 #include "protocol/model/scene_types.h"

@@ -230,26 +230,28 @@ EMSCRIPTEN_KEEPALIVE void page_background(int rgb) {
 
 /// Sets the sun's direction, degrees; not finite: the scene's own light.
 EMSCRIPTEN_KEEPALIVE void page_sun(double azimuth, double elevation, double now_ms) {
-  std::optional<std::array<double, 2>> at;
-  if (std::isfinite(azimuth + elevation)) at = {azimuth, elevation};
+  std::optional<mirage::SunPlace> at;
+  if (std::isfinite(azimuth + elevation)) at = mirage::SunPlace{azimuth, elevation};
   page().viewer->set_sun(at, mirage::us(now_ms));
 }
 
 /// Returns azimuth (`part` 0) or elevation (1) of the scene's own sun, degrees; NaN: it has none.
 EMSCRIPTEN_KEEPALIVE double page_own_sun(int part) {
   const auto at = page().viewer->own_sun();
-  return at ? (*at)[part == 0 ? 0 : 1] : std::nan("");
+  return at ? (part == 0 ? at->azimuth : at->elevation) : std::nan("");
 }
 
 EMSCRIPTEN_KEEPALIVE double page_drawn_frames() {
-  return static_cast<double>(page().viewer->drawn_frames());
+  return static_cast<double>(page().viewer->frame_prices().drawn_frames());
 }
 EMSCRIPTEN_KEEPALIVE void page_gpu_ms(double frame, double ms) {
-  page().viewer->note_gpu_ms(static_cast<std::uint64_t>(frame), ms);
+  page().viewer->frame_prices().note_gpu_ms(static_cast<std::uint64_t>(frame), ms);
 }
 EMSCRIPTEN_KEEPALIVE double page_decode_ms() { return page().viewer->decode_ms(); }
 EMSCRIPTEN_KEEPALIVE double page_upload_ms() { return page().viewer->upload_ms(); }
-EMSCRIPTEN_KEEPALIVE void page_interval_ms(double ms) { page().viewer->note_interval_ms(ms); }
+EMSCRIPTEN_KEEPALIVE void page_interval_ms(double ms) {
+  page().viewer->frame_prices().note_interval_ms(ms);
+}
 
 /// Returns the number of prices: one for each kind of work.
 EMSCRIPTEN_KEEPALIVE int page_price_count() { return static_cast<int>(mirage::kWorks); }

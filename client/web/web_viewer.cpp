@@ -3,13 +3,9 @@
 #include <emscripten.h>
 #include <emscripten/html5.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-
 #include "client/draw/frame_renderer.h"
+#include "client/draw/frame_target.h"
 #include "client/frame/planned_frame.h"
-#include "client/hold/tile_cache.h"
 #include "client/plan/frame_plan.h"
 #include "client/price/cost_fit.h"
 #include "client/scene/scene_view.h"
@@ -17,24 +13,12 @@
 #include "client/screen/viewer_defaults.h"
 #include "client/session/client_session.h"
 #include "client/session/session_options.h"
-#include "protocol/base/quantile.h"
-#include "protocol/base/stable_math.h"
+#include "client/web/web_figures.h"
 #include "shaders/gl/dialect.h"
-#include "shaders/gl/program.h"
 #include "shaders/gl/renderer.h"
 
 namespace mirage {
 namespace {
-
-constexpr std::size_t kMostUnpriced = 16;  // frames whose time is not known yet
-// Prices rest after this many frames from one pose; if they went on changing, a page at rest would
-// draw for ever.
-constexpr int kMostOfOnePose = 20;
-constexpr int kPacedFrames = 4;
-constexpr int kProbeFrames = 2;
-constexpr double kMostScaled = 8;  // limit of the probe, which draws only part of what frames have
-// Intervals up to this many display periods are the display's.
-constexpr double kSameDisplay = 1.25;
 
 double budget_ms(const WebOptions& o) {
   if (o.frame_ms >= 0) return o.frame_ms;
@@ -54,12 +38,10 @@ ClientOptions session_options(const WebOptions& o) {
   return s;
 }
 
-constexpr double kRadians = 0.017453292519943295;  // of a degree
-
 }  // namespace
 
 WebViewer::WebViewer(const WebOptions& options, std::function<void(const Bytes&)> write)
-    : options_(options), link_(std::move(write)) {}
+    : options_(options), link_(std::move(write)), prices_(client_, options.display_ms) {}
 
 WebViewer::~WebViewer() = default;
 
@@ -82,7 +64,7 @@ Result<std::unique_ptr<WebViewer>> WebViewer::create(const WebOptions& options,
   out->client_.set_prices(*device_model(gl::is_software() ? "software" : "laptop"));
   out->client_.open(out->link_, session_options(options),
                     [self](const Error& error) { self->problem_ = error.text; });
-  out->programs_ = gl::programs_compiled();
+  out->prices_.begin();
   return out;
 }
 
@@ -108,7 +90,7 @@ Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int he
   out.resting = !out.drawn && session().at_rest();
   out.drawable = session().drawable();
   client_.draw();
-  if (*step == FrameStep::kDraw) note_work();
+  if (*step == FrameStep::kDraw) prices_.note_drawn(pose_);
   if (out.drawn || layer_ != InsightLayer::kNone) {
     const FrameTarget& shown = client_.screen().shown();
     fit_canvas(shown.drawn_width(), shown.drawn_height());
@@ -130,78 +112,7 @@ void WebViewer::fit_canvas(int width, int height) {
   canvas_height_ = height;
 }
 
-void WebViewer::note_work() {
-  // A compilation, also one while taking in what has arrived, happens only once.
-  const bool compiled = gl::programs_compiled() != programs_;
-  programs_ = gl::programs_compiled();
-  ++drawn_frames_;
-  const bool same = pose_.eye == priced_pose_.eye && pose_.rotation == priced_pose_.rotation;
-  seen_from_it_ = same ? seen_from_it_ + 1 : 0;
-  priced_pose_ = pose_;
-  drawn_.push_back({drawn_frames_, client_.drawn_work(), compiled});
-  if (drawn_.size() > kMostUnpriced) drawn_.pop_front();
-}
-
-bool WebViewer::prices_rest() const { return seen_from_it_ > kMostOfOnePose; }
-
-void WebViewer::note_gpu_ms(std::uint64_t frame, double ms) {
-  timed_ = true;
-  if (prices_rest()) return;
-  for (const Drawn& drawn : drawn_) {
-    if (drawn.frame != frame || drawn.compiled) continue;
-    client_.learn(drawn.work, ms);
-  }
-}
-
-// Frames are given to the graphics card ahead of time, so one interval belongs to another frame, or
-// to several. Only a few intervals together belong to their frames. Within the display's pace they
-// say that frames took no longer. Beyond it they say that frames took all of it, because the next
-// one was already waiting.
-void WebViewer::note_interval_ms(double ms) {
-  const bool compiles =
-      std::any_of(drawn_.begin(), drawn_.end(), [](const Drawn& drawn) { return drawn.compiled; });
-  if (drawn_.empty() || compiles || prices_rest()) {
-    paced_ = {};
-    return;
-  }
-  // The display shows a picture at its next refresh after it is ready, half a period later on
-  // average.
-  session().note_frame_ms(ms - 0.5 * options_.display_ms);
-  paced_.work += drawn_.back().work;
-  paced_.ms += ms;
-  if (++paced_.frames < kPacedFrames) return;
-  FrameWork work = paced_.work;
-  for (double& amount : work.amount) amount /= kPacedFrames;
-  const double mean = paced_.ms / kPacedFrames;
-  paced_ = {};
-  const bool in_pace = mean <= kSameDisplay * options_.display_ms;
-  // The graphics card's own clock is more exact.
-  if (timed_ || (in_pace && prices().ms_of(work) <= mean)) return;
-  client_.learn(work, mean);
-}
-
 const CostModel& WebViewer::prices() const { return client_.prices()->model(); }
-
-void WebViewer::probe() {
-  PlannedFrame nothing;
-  nothing.camera = camera();
-  nothing.scene = &session().scene();
-  nothing.lighting = session().lighting();
-  const auto draw = [&] {
-    client_.screen().draw(client_.renderer(), nothing);
-    client_.screen().shown().read();  // only reading waits for the graphics card here
-  };
-  draw();  // programs are finished at their first use
-  const double began = emscripten_get_now();
-  for (int i = 0; i < kProbeFrames; ++i) draw();
-  const double ms = (emscripten_get_now() - began) / kProbeFrames;
-  const double expected = prices().ms_of(client_.screen().work(nothing));
-  if (!(ms > 0) || !(expected > 0)) return;
-  CostModel prices = this->prices();
-  for (double& price : prices.ms) price *= std::clamp(ms / expected, 1 / kMostScaled, kMostScaled);
-  client_.set_prices(prices);
-  client_.screen().content_changed();
-}
 
 void WebViewer::steer(const Steering& by) {
   if (by.moves()) pilot_.look_ahead(session().scene(), camera());
@@ -240,26 +151,11 @@ bool WebViewer::has_ground() const { return session().scene().home.walk_eye_m > 
 
 void WebViewer::set_pace(double share) { session().set_frame_ms(share * budget_ms(options_)); }
 
-std::optional<std::array<double, 2>> WebViewer::own_sun() const {
-  for (const Light& one : session().scene().lighting.lights) {
-    if (one.kind != LightKind::kDirectional) continue;
-    const glm::dvec3 to_sun = -glm::dvec3(one.direction);
-    return std::array<double, 2>{std::atan2(to_sun.x, -to_sun.z) / kRadians,
-                                 std::asin(glm::clamp(to_sun.y, -1.0, 1.0)) / kRadians};
-  }
-  return std::nullopt;
-}
+std::optional<SunPlace> WebViewer::own_sun() const { return sun_place(session().scene().lighting); }
 
-void WebViewer::set_sun(std::optional<std::array<double, 2>> at, std::int64_t now_us) {
+void WebViewer::set_sun(const std::optional<SunPlace>& at, std::int64_t now_us) {
   Lighting light = session().scene().lighting;
-  if (at) {
-    const double azimuth = (*at)[0] * kRadians, elevation = (*at)[1] * kRadians;
-    const glm::dvec3 to_sun(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
-                            -std::cos(azimuth) * std::cos(elevation));
-    for (Light& one : light.lights) {
-      if (one.kind == LightKind::kDirectional) one.direction = glm::vec3(-to_sun);
-    }
-  }
+  if (at) put_sun(*at, light);
   session().set_lighting(light, now_us);
 }
 
@@ -284,50 +180,7 @@ void WebViewer::ask_reference(std::uint32_t supersample) {
 }
 
 std::string WebViewer::figures(std::int64_t now_us) const {
-  double bound = 0;
-  std::size_t relit = 0;
-  std::vector<float> ages_ms;
-  for (const DrawnImpostor& drawn : client_.planned().list.impostors) {
-    relit += drawn.tile->relit ? 1 : 0;
-    if (std::isfinite(drawn.bound_px)) bound = std::max(bound, drawn.bound_px);
-    ages_ms.push_back(static_cast<float>(now_us - drawn.tile->received_us) / 1000.0f);
-  }
-  const FramePlan& plan = session().plan();
-  const LinkTraffic traffic = link_.traffic();
-  const GpuBytes gpu = client_.renderer().gpu_bytes();
-  const TileCounts tiles = session().tiles();
-  char text[1536];
-  std::snprintf(
-      text, sizeof(text),
-      "{\"complete\":%s,\"atRest\":%s,\"refined\":%s,\"awaitsNewScene\":%s,\"references\":%s,"
-      "\"geometry\":%s,"
-      "\"budgetMs\":%g,\"plannedMs\":%g,\"mostMs\":%g,\"lambda\":%g,\"scale\":%g,\"samples\":%d,"
-      "\"drawCalls\":%d,"
-      "\"impostors\":%zu,\"relit\":%zu,\"meshes\":%zu,\"placeholders\":%zu,\"view\":%s,\"boundPx\":"
-      "%g,\"expectedFlip\":%g,"
-      "\"tauPx\":%g,\"overTau\":%zu,\"visible\":%zu,\"tileAgeS\":%g,\"bytesDown\":%llu,"
-      "\"bytesUp\":%llu,\"roundTripMs\":%lld,\"inFlight\":%zu,\"tilesAsked\":%llu,"
-      "\"tilesReceived\":%llu,"
-      "\"codec\":\"%s\",\"gpuBytes\":%zu,\"targetBytes\":%zu,\"drawnFrames\":%llu,"
-      "\"software\":%s}",
-      session().scene().complete() ? "true" : "false", session().at_rest() ? "true" : "false",
-      client_.screen().refined() ? "true" : "false",
-      session().awaits_new_scene() ? "true" : "false",
-      session().scene().reference ? "true" : "false", session().scene().geometry ? "true" : "false",
-      plan.limited() ? plan.budget_ms() : 0.0, plan.expected_ms(),
-      plan.limited() ? plan.planned_ms() : 0.0, plan.lambda(), plan.setting().scale,
-      plan.setting().samples, client_.renderer().draw_calls(),
-      client_.planned().list.impostors.size(), relit, client_.planned().list.meshes.size(),
-      client_.planned().list.placeholders.size(), client_.planned().list.view ? "true" : "false",
-      bound, plan.expected_flip(), session().tau_px(), client_.planned().list.over_tau,
-      client_.planned().list.visible, static_cast<double>(quantile(ages_ms, 0.5)) / 1000,
-      static_cast<unsigned long long>(traffic.bytes_down),
-      static_cast<unsigned long long>(traffic.bytes_up),
-      static_cast<long long>(session().round_trip_us() / 1000), session().in_flight(),
-      static_cast<unsigned long long>(tiles.asked), static_cast<unsigned long long>(tiles.received),
-      codec_name(session().codec()), gpu.all(), client_.screen().gpu_bytes(),
-      static_cast<unsigned long long>(drawn_frames_), gl::is_software() ? "true" : "false");
-  return text;
+  return web_figures(client_, link_.traffic(), prices_.drawn_frames(), now_us);
 }
 
 }  // namespace mirage

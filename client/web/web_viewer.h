@@ -5,9 +5,7 @@
 // Thread: the page's.
 // Full:   never; nothing waits, and something else is drawn in the place of what is missing.
 
-#include <array>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,9 +14,10 @@
 #include "client/door/client.h"
 #include "client/draw/insight.h"
 #include "client/draw/presenter.h"
-#include "client/price/frame_work.h"
 #include "client/screen/pilot.h"
+#include "client/screen/sun_place.h"
 #include "client/web/browser_link.h"
+#include "client/web/frame_prices.h"
 #include "protocol/impostor/camera.h"
 #include "protocol/model/scene_types.h"
 
@@ -82,26 +81,21 @@ class WebViewer {
   void choose(SceneChoice choice);
   void play(bool playing, std::int64_t now_us);
   bool home_known() const;
-  /// Sets the direction of the sun by its place in the sky, degrees: azimuth from -z (the eye's
-  /// usual direction) to the right, and elevation. The strengths stay the scene's. nullopt: the
-  /// scene's own light.
-  void set_sun(std::optional<std::array<double, 2>> azimuth_elevation, std::int64_t now_us);
-  /// Returns where the scene's own sun stands, as above; nullopt: it has no directional light.
-  std::optional<std::array<double, 2>> own_sun() const;
+  /// Sets the sun's place in the sky; its strength stays the scene's. nullopt: the scene's own
+  /// light.
+  void set_sun(const std::optional<SunPlace>& at, std::int64_t now_us);
+  /// Returns where the scene's own sun stands; nullopt: it has no directional light.
+  std::optional<SunPlace> own_sun() const;
 
-  /// Notes that the graphics card took `ms` for this one of the last drawn frames.
-  void note_gpu_ms(std::uint64_t drawn_frame, double ms);
-  /// Notes that the display showed a picture `ms` after the one before; both were drawn.
-  void note_interval_ms(double ms);
+  FramePrices& frame_prices() { return prices_; }
   /// Return the time, ms, of the last frame for taking in messages, and for uploading to the
   /// graphics card.
   double decode_ms() const { return decode_ms_; }
   double upload_ms() const { return upload_ms_; }
-  std::uint64_t drawn_frames() const { return drawn_frames_; }
   const CostModel& prices() const;
   void set_prices(const CostModel& prices) { client_.set_prices(prices); }
-  /// Scales all prices: draws only a background a few times, waits for it, and compares the time.
-  void probe();
+  /// Scales all prices by how long a background takes.
+  void probe() { prices_.probe(camera()); }
 
   /// Shows this colour, linear, behind everything; nullopt: the scene's own sky or studio.
   void set_background(const std::optional<glm::vec3>& color);
@@ -122,20 +116,7 @@ class WebViewer {
   WebViewer(const WebOptions& options, std::function<void(const Bytes&)> write);
   Camera camera() const;
 
-  struct Drawn {
-    std::uint64_t frame = 0;
-    FrameWork work;
-    bool compiled = false;  ///< it compiled a program
-  };
-  /// Frames drawn one after the other.
-  struct Paced {
-    int frames = 0;
-    FrameWork work;
-    double ms = 0;
-  };
   void fit_canvas(int width, int height);
-  void note_work();
-  bool prices_rest() const;
 
   const WebOptions options_;
   BrowserLink link_;
@@ -149,13 +130,7 @@ class WebViewer {
   double fov_y_ = kFovY;
   bool posed_ = false;
   int canvas_width_ = 0, canvas_height_ = 0;
-  std::deque<Drawn> drawn_;
-  Paced paced_;
-  bool timed_ = false;  ///< the graphics card's clock can be read
-  std::uint64_t drawn_frames_ = 0;
-  std::uint64_t programs_ = 0;
-  Pose priced_pose_;      // pose of the last drawn frames
-  int seen_from_it_ = 0;  // number of frames from that pose
+  FramePrices prices_;
   double decode_ms_ = 0, upload_ms_ = 0;
   std::string problem_;  // last problem of drawing
 };

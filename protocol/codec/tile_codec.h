@@ -1,23 +1,15 @@
 #pragma once
 // Tiles as bytes. The codec is not part of the key: each codec gives another form of the same tile.
 
-#include <array>
 #include <cstdint>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "protocol/base/result.h"
+#include "protocol/codec/codec_id.h"
 #include "protocol/impostor/tile.h"
 #include "protocol/impostor/tile_key.h"
 
 namespace mirage {
-
-/// The values are those on the wire (README.md of this folder).
-enum class TileCodec : std::uint8_t { kRaw = 0, kZstd = 1, kWebp = 3 };
-inline constexpr std::array<TileCodec, 3> kTileCodecs = {TileCodec::kRaw, TileCodec::kZstd,
-                                                         TileCodec::kWebp};
-inline constexpr std::size_t kCodecNumbers = 4;  ///< size of arrays indexed by codec
 
 /// Names the form of a tile in one codec.
 struct FormId {
@@ -25,14 +17,6 @@ struct FormId {
   TileCodec codec = TileCodec::kZstd;
   bool operator<(const FormId& o) const { return id == o.id ? codec < o.codec : id < o.id; }
 };
-
-/// Returns the name in lower case, as on command lines; "unknown" for an invalid codec.
-const char* codec_name(TileCodec codec);
-std::optional<TileCodec> codec_from_name(const std::string& name);
-/// Returns all codecs, as a Hello lists them.
-std::vector<std::uint8_t> every_codec();
-/// True if colours come back with an error. Coverage, depth, normals and shadows are always exact.
-inline bool is_lossy(TileCodec codec) { return codec == TileCodec::kWebp; }
 
 /// Encodes the planes of colour, surface, depth and shadow that the tile's channels name.
 ///

@@ -1,9 +1,9 @@
 #pragma once
 // Messages: a verified control part (FlatBuffers object API) plus payload bytes.
 
-#include "protocol/codec/tile_codec.h"
-#include "protocol/impostor/tile.h"
-#include "protocol/model/scene_types.h"
+#include <cstdint>
+#include <utility>
+
 #include "protocol/wire/wire.h"
 #include "wire_generated.h"
 
@@ -34,22 +34,6 @@ Bytes encode_message(BodyT&& body, const Bytes& payload = {}) {
 /// against limits.h and every float must be finite before anything is copied out.
 /// Errors: kWireMalformed, kWireVersion, kWireLimit, kWireValue.
 Result<Message> decode_message(const std::uint8_t* bytes, std::size_t size);
-
-// Convert between wire structs and the types of the programs.
-wire::Vec3f to_wire(const glm::vec3& v);
-wire::Vec3d to_wire(const glm::dvec3& v);
-wire::Quat to_wire(const glm::quat& q);
-glm::vec3 from_wire(const wire::Vec3f& v);
-glm::dvec3 from_wire(const wire::Vec3d& v);
-glm::quat from_wire(const wire::Quat& q);
-std::unique_ptr<wire::LightingT> to_wire(const Lighting& lighting);
-/// Converts and checks by checked_lighting(). Error kWireValue.
-Result<Lighting> from_wire(const wire::LightingT& lighting);
-
-/// Writes the fields of a tile, without its planes, into a reply.
-void set_tile_fields(const Tile& tile, wire::TileReplyT& reply);
-/// Reads them back. Error kWireValue: the crop leaves the window, or a measure is not finite.
-Result<Tile> tile_from_fields(const wire::TileReplyT& reply);
 
 /// Returns the most bytes of credit that a tile with so many bytes of planes takes. It adds the
 /// control part, the headers, and the headers of chunks.

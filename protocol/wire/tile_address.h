@@ -12,7 +12,7 @@
 #include <optional>
 #include <string>
 
-#include "protocol/codec/tile_codec.h"
+#include "protocol/codec/codec_id.h"
 #include "protocol/impostor/view_cell.h"
 
 namespace mirage {

@@ -5,6 +5,8 @@
 #include "protocol/base/limits.h"
 #include "protocol/codec/image_codec.h"
 #include "protocol/codec/mip_chain.h"
+#include "protocol/codec/tile_codec.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/view_codec.h"
 
 namespace mirage {

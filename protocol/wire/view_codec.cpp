@@ -5,6 +5,7 @@
 
 #include "protocol/codec/color_codec.h"
 #include "protocol/codec/tile_codec.h"
+#include "protocol/wire/conversions.h"
 
 namespace mirage {
 namespace {

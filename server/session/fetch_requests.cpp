@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <iterator>
 
+#include "protocol/base/limits.h"
+#include "protocol/codec/tile_codec.h"
+
 namespace mirage {
 namespace {
 

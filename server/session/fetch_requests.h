@@ -12,6 +12,7 @@
 
 #include "protocol/base/bounded_queue.h"
 #include "protocol/base/clock.h"
+#include "protocol/codec/tile_codec.h"
 #include "server/tile/tile_job.h"
 
 namespace mirage {

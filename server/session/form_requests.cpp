@@ -1,6 +1,7 @@
 #include "server/session/form_requests.h"
 
 #include "protocol/base/limits.h"
+#include "protocol/codec/tile_codec.h"
 
 namespace mirage {
 namespace {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "protocol/base/bounded_queue.h"
+#include "protocol/codec/tile_codec.h"
 #include "server/base/wait_list.h"
 #include "server/tile/tile_job.h"
 

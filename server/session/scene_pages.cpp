@@ -6,6 +6,7 @@
 
 #include "protocol/base/limits.h"
 #include "protocol/codec/image_codec.h"
+#include "protocol/wire/conversions.h"
 #include "server/prepare/grouping.h"
 #include "server/prepare/prepared_scene.h"
 

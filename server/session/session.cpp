@@ -6,6 +6,7 @@
 #include <ctime>
 
 #include "protocol/impostor/tile_key.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/light_probe_codec.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/scene/scene.h"

@@ -1,6 +1,7 @@
 // Sessions: everything except tiles and views. Geometry, images, ground, full renders and
 // statistics.
 #include "protocol/impostor/tile_key.h"
+#include "protocol/wire/conversions.h"
 #include "server/prepare/object_geometry.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/session/encoded_cache.h"

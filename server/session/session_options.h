@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "protocol/codec/tile_codec.h"
+#include "protocol/codec/codec_id.h"
 #include "server/session/access.h"
 
 namespace mirage {

@@ -1,6 +1,7 @@
 #pragma once
 // Tile source: the cache's directory. It survives the process, and servers may share it.
 
+#include "protocol/codec/tile_codec.h"
 #include "server/base/cache_directory.h"
 #include "server/source/tile_source.h"
 

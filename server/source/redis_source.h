@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "protocol/base/clock.h"
+#include "protocol/codec/tile_codec.h"
 #include "server/source/redis_link.h"
 #include "server/source/tile_source.h"
 

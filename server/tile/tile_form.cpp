@@ -1,7 +1,9 @@
 #include "server/tile/tile_form.h"
 
 #include "protocol/base/clock.h"
+#include "protocol/codec/tile_codec.h"
 #include "protocol/codec/tile_color.h"
+#include "protocol/wire/conversions.h"
 
 namespace mirage {
 

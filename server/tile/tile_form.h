@@ -1,6 +1,7 @@
 #pragma once
 // Forms of a tile: the same tile in different codecs.
 
+#include "protocol/impostor/tile.h"
 #include "server/tile/tile_job.h"
 
 namespace mirage {

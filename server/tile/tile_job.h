@@ -6,15 +6,18 @@
 #include <variant>
 #include <vector>
 
+#include "protocol/base/bytes.h"
+#include "protocol/codec/codec_id.h"
 #include "protocol/impostor/camera.h"
 #include "protocol/impostor/lighting_state.h"
 #include "protocol/impostor/tile_key.h"
 #include "protocol/impostor/view_tile.h"
 #include "protocol/model/ground.h"
-#include "protocol/wire/message.h"
-#include "protocol/wire/view_codec.h"
+#include "wire_generated.h"
 
 namespace mirage {
+
+struct EncodedView;
 
 using SessionId = std::uint64_t;
 

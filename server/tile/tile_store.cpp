@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "protocol/wire/conversions.h"
+#include "protocol/wire/message.h"
 #include "server/source/tile_source.h"
 
 namespace mirage {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "protocol/base/limits.h"
+
 namespace mirage {
 namespace {
 

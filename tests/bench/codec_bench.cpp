@@ -2,7 +2,9 @@
 // error of its colours.
 #include <spdlog/fmt/fmt.h>
 
+#include "protocol/codec/tile_codec.h"
 #include "protocol/codec/tile_color.h"
+#include "protocol/wire/conversions.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/stages.h"
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocol/base/clock.h"
+#include "protocol/base/limits.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/stage/pipeline.h"
 #include "server/stage/render_options.h"

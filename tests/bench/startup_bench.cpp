@@ -10,6 +10,7 @@
 
 #include "client/native/native_link.h"
 #include "protocol/base/limits.h"
+#include "protocol/codec/codec_id.h"
 #include "server/prepare/prepared_scene.h"
 #include "tests/bench/bench.h"
 #include "tests/support/large_scene.h"

@@ -9,6 +9,7 @@
 #include "client/draw/frame_target.h"
 #include "protocol/base/limits.h"
 #include "protocol/impostor/lighting_state.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/message.h"
 #include "server/render/gpu_scene.h"
 #include "tests/extreme/light_pictures.h"

@@ -8,6 +8,7 @@
 #include "client/hold/atlas_allocator.h"
 #include "client/plan/tile_need.h"
 #include "protocol/impostor/error_bound.h"
+#include "protocol/wire/conversions.h"
 #include "server/render/gpu_scene.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/shapes.h"

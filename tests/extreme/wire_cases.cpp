@@ -8,6 +8,7 @@
 #include <random>
 
 #include "protocol/codec/image_codec.h"
+#include "protocol/codec/tile_codec.h"
 #include "tests/extreme/peak_memory.h"
 #include "tests/extreme/registry.h"
 #include "tests/extreme/wire_samples.h"

@@ -7,6 +7,9 @@
 #include <stdexcept>
 
 #include "protocol/codec/image_codec.h"
+#include "protocol/codec/tile_codec.h"
+#include "protocol/model/scene_types.h"
+#include "protocol/wire/conversions.h"
 #include "tests/support/protocol_samples.h"
 
 namespace mirage::extreme {

@@ -6,8 +6,11 @@
 
 #include "fuzz_targets.h"
 #include "protocol/codec/ground_codec.h"
+#include "protocol/codec/tile_codec.h"
 #include "protocol/impostor/light_probe.h"
 #include "protocol/impostor/view_tile.h"
+#include "protocol/model/scene_types.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/light_probe_codec.h"
 #include "protocol/wire/message.h"
 #include "protocol/wire/unpack.h"

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fuzz_targets.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/message.h"
 #include "protocol/wire/tile_address.h"
 #include "server/prepare/prepared_scene.h"

@@ -3,6 +3,8 @@
 #include <cstdint>
 
 #include "fuzz_targets.h"
+#include "protocol/codec/tile_codec.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/message.h"
 
 namespace mirage::fuzz {

@@ -3,6 +3,7 @@
 
 #include "client/door/client.h"
 #include "client/draw/frame_renderer.h"
+#include "client/draw/frame_target.h"
 #include "client/frame/planned_frame.h"
 #include "client/price/cost_fit.h"
 #include "client/price/frame_work.h"

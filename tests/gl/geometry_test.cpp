@@ -8,6 +8,7 @@
 #include "client/draw/frame_renderer.h"
 #include "client/frame/planned_frame.h"
 #include "protocol/codec/mip_chain.h"
+#include "protocol/codec/tile_codec.h"
 #include "server/stage/image_stage.h"
 #include "tests/gl/bench.h"
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "protocol/base/limits.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/tile/tile_encode.h"
 #include "tests/bench/drawn_tiles.h"

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <chrono>
 
+#include "protocol/codec/codec_id.h"
+#include "protocol/impostor/tile.h"
 #include "protocol/impostor/tile_key.h"
 
 namespace mirage::test {

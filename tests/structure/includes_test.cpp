@@ -71,8 +71,8 @@ const Graph kMayInclude = {
       "client/scene", "client/price", "client/plan", "client/session", "client/door",
       "client/native"}},
     {"client/load",
-     {"protocol/base", "protocol/wire", "client/frame", "client/scene", "client/plan",
-      "client/native"}},
+     {"protocol/base", "protocol/codec", "protocol/wire", "client/frame", "client/scene",
+      "client/plan", "client/native"}},
     {"client/view",
      {"modules", "protocol/base", "protocol/model", "protocol/impostor", "shaders/gl",
       "client/frame", "client/link", "client/scene", "client/hold", "client/price", "client/plan",
@@ -230,7 +230,7 @@ TEST(Includes, AreNeitherDeeperNorWiderThanTheyWere) {
   std::printf("%zu files; own headers a .cpp sees: median %zu, p95 %zu, most %zu; %d deep\n",
               includes().size(), seen[seen.size() / 2], p95, seen.back(), deepest);
   // The aims are 30 and 10.
-  EXPECT_LE(p95, 56u);
+  EXPECT_LE(p95, 55u);
   EXPECT_LE(deepest, 11);
 }
 

@@ -6,8 +6,15 @@
 #include <set>
 #include <vector>
 
+#include "client/frame/draw_list.h"
 #include "client/hold/tile_cache.h"
+#include "client/plan/frame_plan.h"
+#include "client/plan/mesh_wants.h"
 #include "client/plan/selector.h"
+#include "client/plan/selector_input.h"
+#include "client/plan/tile_need.h"
+#include "client/scene/scene_view.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/message.h"
 #include "wire_generated.h"
 

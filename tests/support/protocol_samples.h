@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "protocol/base/limits.h"
+#include "protocol/codec/codec_id.h"
+#include "protocol/impostor/tile.h"
 #include "protocol/wire/message.h"
 
 namespace mirage::test {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "client/frame/draw_list.h"
 #include "client/hold/tile_cache.h"
 #include "client/link/modelled_link.h"
 #include "client/plan/selector.h"

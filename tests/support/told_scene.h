@@ -1,6 +1,7 @@
 #pragma once
 // Told scene: a prepared scene as a client learns it, without a socket.
 
+#include "protocol/wire/conversions.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/session/scene_pages.h"
 #include "tests/support/core_scene.h"

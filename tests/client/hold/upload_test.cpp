@@ -5,6 +5,7 @@
 #include <set>
 
 #include "client/hold/upload_queue.h"
+#include "protocol/impostor/tile.h"
 #include "protocol/impostor/tile_key.h"
 
 namespace mirage::test {

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "protocol/codec/tile_codec.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/message.h"
 
 namespace mirage::test {

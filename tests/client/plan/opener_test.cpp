@@ -9,6 +9,7 @@
 #include "client/plan/selector_rules.h"
 #include "protocol/base/limits.h"
 #include "protocol/impostor/tile_key.h"
+#include "protocol/wire/conversions.h"
 #include "server/prepare/grouping.h"
 #include "server/prepare/prepared_scene.h"
 #include "server/session/session.h"

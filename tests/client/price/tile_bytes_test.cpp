@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "protocol/impostor/tile.h"
 #include "protocol/impostor/tile_key.h"
 
 namespace mirage {

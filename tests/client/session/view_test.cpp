@@ -5,6 +5,7 @@
 #include "client/link/modelled_link.h"
 #include "client/session/view_stage.h"
 #include "protocol/codec/model_codec.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/unpack.h"
 #include "protocol/wire/view_codec.h"
 #include "tests/support/core_scene.h"

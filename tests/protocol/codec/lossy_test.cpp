@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "protocol/codec/tile_codec.h"
 #include "protocol/codec/tile_color.h"
 #include "protocol/wire/message.h"
 

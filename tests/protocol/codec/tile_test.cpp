@@ -10,6 +10,7 @@
 #include "protocol/base/limits.h"
 #include "protocol/codec/tile_codec.h"
 #include "protocol/codec/tile_color.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/message.h"
 
 namespace mirage::test {

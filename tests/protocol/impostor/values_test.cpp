@@ -6,6 +6,9 @@
 #include <cstring>
 #include <optional>
 
+#include "protocol/impostor/tile.h"
+#include "protocol/model/scene_types.h"
+#include "protocol/wire/conversions.h"
 #include "protocol/wire/message.h"
 #include "tests/support/protocol_samples.h"
 

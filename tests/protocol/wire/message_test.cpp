@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "protocol/codec/codec_id.h"
+#include "protocol/model/scene_types.h"
+#include "protocol/wire/conversions.h"
 #include "tests/support/protocol_samples.h"
 
 namespace mirage::test {

@@ -1,6 +1,8 @@
 // Asks to a session without sockets: tiles, geometry, images; credit, refusals.
 #include <gtest/gtest.h>
 
+#include "protocol/codec/tile_codec.h"
+#include "protocol/wire/conversions.h"
 #include "server/stage/image_stage.h"
 #include "tests/support/session_hub_test.h"
 

@@ -6,6 +6,8 @@
 #include <set>
 #include <thread>
 
+#include "protocol/codec/tile_codec.h"
+#include "protocol/wire/conversions.h"
 #include "server/stage/encode_stage.h"
 #include "server/tile/tile_encode.h"
 #include "tests/support/session_hub_test.h"

@@ -7,6 +7,8 @@
 #include <iterator>
 
 #include "protocol/codec/tile_color.h"
+#include "protocol/wire/conversions.h"
+#include "protocol/wire/message.h"
 #include "server/source/directory_source.h"
 #include "server/tile/tile_form.h"
 #include "server/tile/tile_store.h"
