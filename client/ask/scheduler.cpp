@@ -56,7 +56,7 @@ std::optional<wire::RequestBatchT> Scheduler::plan(const SceneView& scene,
       held_since_us_ < 0 ? 0 : std::max<std::int64_t>(now_us - held_since_us_, 1);
   const bool idle = pending_.empty() && assets_pending_.empty();
   const double window = window_.update(now_us, held_back_us, idle);
-  const bool held_back = ask(scene, needs, asset_needs, window, now_us, batch);
+  const bool held_back = ask(scene, offers(needs, asset_needs, now_us), window, now_us, batch);
   const auto waits = [&](const auto& need) { return need.first && may_ask(need, now_us); };
   first_waits_ = std::any_of(needs.begin(), needs.end(), waits) ||
                  std::any_of(asset_needs.begin(), asset_needs.end(), waits);
@@ -153,12 +153,11 @@ std::vector<Scheduler::Offer> Scheduler::offers(const std::vector<TileNeed>& nee
   return out;
 }
 
-bool Scheduler::ask(const SceneView& scene, const std::vector<TileNeed>& needs,
-                    const std::vector<AssetNeed>& asset_needs, double window, std::int64_t now_us,
-                    wire::RequestBatchT& batch) {
+bool Scheduler::ask(const SceneView& scene, const std::vector<Offer>& offers, double window,
+                    std::int64_t now_us, wire::RequestBatchT& batch) {
   const std::size_t most = pace_.limit(window_.way_us(), 2 * window_.slack_us());
   bool held_back = false;
-  for (const Offer& offer : offers(needs, asset_needs, now_us)) {
+  for (const Offer& offer : offers) {
     // Another phase or instance of the same object may have been asked for by now.
     if (offer.tile ? !may_ask(*offer.tile, now_us) : !may_ask(*offer.asset, now_us)) continue;
     const bool room =

@@ -131,19 +131,18 @@ class Scheduler {
   bool may_ask(const AssetNeed& need, std::int64_t now_us) const;
   /// Cancels asks that were not needed for a while, and gives up asks that will not be answered.
   void give_up(const std::vector<TileNeed>& needs, std::int64_t now_us, wire::RequestBatchT& batch);
-  /// Asks for what window and server have room for. Returns true if more is wanted than the window
-  /// holds.
-  bool ask(const SceneView& scene, const std::vector<TileNeed>& needs,
-           const std::vector<AssetNeed>& asset_needs, double window, std::int64_t now_us,
-           wire::RequestBatchT& batch);
-  void ask_tile(const SceneView& scene, const TileNeed& need, double rank, std::int64_t now_us,
-                wire::RequestBatchT& batch);
   /// Something to ask for: a tile or an asset.
   struct Offer {
     const TileNeed* tile = nullptr;
     const AssetNeed* asset = nullptr;
     double rank = 0;  ///< gain per byte
   };
+  /// Asks for what window and server have room for, in the order of the offers. Returns true if
+  /// more is wanted than the window holds.
+  bool ask(const SceneView& scene, const std::vector<Offer>& offers, double window,
+           std::int64_t now_us, wire::RequestBatchT& batch);
+  void ask_tile(const SceneView& scene, const TileNeed& need, double rank, std::int64_t now_us,
+                wire::RequestBatchT& batch);
   /// Returns everything that may be asked for, largest gain per byte first.
   std::vector<Offer> offers(const std::vector<TileNeed>& needs,
                             const std::vector<AssetNeed>& asset_needs, std::int64_t now_us) const;

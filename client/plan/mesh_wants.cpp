@@ -6,6 +6,7 @@
 
 #include "client/hold/asset_need.h"
 #include "client/hold/mesh_cache.h"
+#include "client/plan/selector_input.h"
 #include "client/price/ask_gain.h"
 #include "client/price/view_fit.h"
 #include "client/scene/scene_view.h"
@@ -13,8 +14,9 @@
 
 namespace mirage {
 
-std::vector<MeshWant> mesh_wants(const SceneView& scene, const Camera& camera, double tau_px,
-                                 const MeshWants& wants, const ViewFit* view, double time_s) {
+std::vector<MeshWant> mesh_wants(const SelectorInput& in, const MeshWants& wants) {
+  const SceneView& scene = *in.scene;
+  const Camera& camera = in.predicted;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   struct Seen {
     MeshWant want;
@@ -31,8 +33,8 @@ std::vector<MeshWant> mesh_wants(const SceneView& scene, const Camera& camera, d
     const double most = std::hypot(camera.width, camera.height);
     seen.size_px = std::max(seen.size_px, std::min(density * scene.objects[object].radius, most));
     const std::optional<double> in_view =
-        view ? view->error_px(scene.instances[i], scene.objects[object], camera, time_s)
-             : std::nullopt;
+        in.view ? in.view->error_px(scene.instances[i], scene.objects[object], camera, in.time_s)
+                : std::nullopt;
     seen.view_px = std::max(seen.view_px, in_view.value_or(kInfinity));
     seen.want.surrounds = seen.want.surrounds || scene.objects[object].surrounds;
   }
@@ -42,7 +44,7 @@ std::vector<MeshWant> mesh_wants(const SceneView& scene, const Camera& camera, d
     if (gain != wants.gain.end()) seen.want.gain = gain->second;
     seen.want.area_px = disc_px(camera, seen.size_px);
     seen.want.life_s = kLongestLife;
-    seen.want.unseen = seen.view_px > kFirstImagePx * tau_px;
+    seen.want.unseen = seen.view_px > kFirstImagePx * in.mesh_tau_px;
     out.push_back(seen.want);
   }
   return out;

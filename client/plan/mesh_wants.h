@@ -8,10 +8,8 @@
 
 namespace mirage {
 
-struct Camera;
 struct MeshWant;
-class SceneView;
-class ViewFit;
+struct SelectorInput;
 
 /// The instances that should be drawn as geometry.
 struct MeshWants {
@@ -19,9 +17,7 @@ struct MeshWants {
   std::map<std::uint32_t, double> gain;  ///< gain of each object (ask_gain.h)
 };
 
-/// Returns the wants by object, each for its nearest instance at `camera`. `view` tells how well
-/// the view tile shows them meanwhile; nullptr: there is none.
-std::vector<MeshWant> mesh_wants(const SceneView& scene, const Camera& camera, double tau_px,
-                                 const MeshWants& wants, const ViewFit* view, double time_s);
+/// Returns the wants by object, each for its nearest instance to the predicted camera.
+std::vector<MeshWant> mesh_wants(const SelectorInput& in, const MeshWants& wants);
 
 }  // namespace mirage

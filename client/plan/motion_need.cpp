@@ -20,15 +20,14 @@ constexpr double kMotionShare = 0.5;  // of tau, for the motion within a phase
 constexpr int kFirstPhaseLevel = 2;   // quarters of the clip, until there is a tile
 constexpr int kMaxPhasesAhead = 32;   // asked for at a time, per instance
 
-// Looks at tiles of this phase only. Coarse phases are among the fine ones, so a tile asked for at
+// Returns the tiles of this phase. Coarse phases are among the fine ones, so a tile asked for at
 // another distance is found as well.
-TileFit best_of_phase(const TileGroup& group, Phase phase, const ObjectDescription& object,
-                      const ViewGeometry& view, const MethodChoice& method, double tau_px) {
+TileGroup of_phase(const TileGroup& group, Phase phase) {
   TileGroup same;
   for (const TileRecordPtr& tile : group.tiles) {
     if (tile->phase == phase) same.tiles.push_back(tile);
   }
-  return best_fit(same, object, view, method, tau_px);
+  return same;
 }
 
 Phase needed_phase(const MotionProfile& motion, double t, double distance) {
@@ -45,7 +44,8 @@ Phase first_phase(const MotionProfile& motion, double t, double radius, double d
 }  // namespace
 
 void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
-                      const TileCache::LitGroup& lit, double tau_px, std::vector<TileNeed>& out) {
+                      double tau_px, std::vector<TileNeed>& out) {
+  const TileCache::LitGroup lit = in.cache->lit_group(instance);
   const TileGroup& group = *lit.tiles;
   const ObjectDescription& object = in.scene->objects[in.scene->instances[instance].object];
   const double size = radius_px(view);
@@ -72,7 +72,7 @@ void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const Vie
     if (phase != last && !object.motion.hides(phase)) {
       last = phase;
       then.clip_time_s = phase_time(phase, clip_s);
-      const TileFit fit = best_of_phase(group, phase, object, then, in.method, tau_px);
+      const TileFit fit = best_fit(of_phase(group, phase), object, then, in.method, tau_px);
       if (!fit.settled(plan.tau_px, in.pixel_px) || !lit.wanted) {
         TileNeed need = need_for_view(then, plan);
         need.instance = instance;

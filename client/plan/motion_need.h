@@ -13,6 +13,6 @@ namespace mirage {
 /// now and the horizon, unless a resident tile of that phase will do. `view` is the predicted view
 /// at the present animation time; `tau_px` is the error that the instance may show.
 void add_moving_needs(const SelectorInput& in, std::uint32_t instance, const ViewGeometry& view,
-                      const TileCache::LitGroup& lit, double tau_px, std::vector<TileNeed>& out);
+                      double tau_px, std::vector<TileNeed>& out);
 
 }  // namespace mirage

@@ -26,9 +26,9 @@ double RentOrBuy::horizon_s(const Account& account, std::int64_t now_us) const {
   return std::clamp(seen_s, kLeastHorizonS, kFarthestHorizonS);
 }
 
-void RentOrBuy::want(std::uint32_t object, double bytes, double life_s, double price_bytes,
-                     double gain, std::int64_t now_us) {
-  if (object >= accounts_.size() || !std::isfinite(bytes) || !std::isfinite(life_s)) return;
+void RentOrBuy::want(std::uint32_t object, const Wanted& tile, std::int64_t now_us) {
+  if (object >= accounts_.size() || !std::isfinite(tile.bytes) || !std::isfinite(tile.life_s))
+    return;
   Account& account = accounts_[object];
   if (now_us - account.seen_us > kForgottenUs) {
     const bool recent = account.recent;
@@ -41,10 +41,11 @@ void RentOrBuy::want(std::uint32_t object, double bytes, double life_s, double p
     told_.push_back(object);
     account.worth = account.price = 0;
   }
-  const double times = std::max(horizon_s(account, now_us) / std::max(life_s, kShortestLifeS), 1.0);
-  account.wanted += bytes * times;
-  account.worth += gain * times;
-  account.price = std::max(account.price, price_bytes);
+  const double times =
+      std::max(horizon_s(account, now_us) / std::max(tile.life_s, kShortestLifeS), 1.0);
+  account.wanted += tile.bytes * times;
+  account.worth += tile.gain * times;
+  account.price = std::max(account.price, tile.price_bytes);
 }
 
 bool RentOrBuy::bought(std::uint32_t object, std::int64_t now_us) const {

@@ -33,10 +33,15 @@ class RentOrBuy {
 
   /// Notes that a tile of the object has arrived.
   void paid(std::uint32_t object, double bytes);
-  /// Notes that an instance of the object wants a tile of `bytes` that will serve for `life_s`.
-  /// Geometry fit for it would take `price_bytes`. `gain` is that of the tile (ask_gain.h).
-  void want(std::uint32_t object, double bytes, double life_s, double price_bytes, double gain,
-            std::int64_t now_us);
+  /// A tile that is wanted, beside geometry fit for the same.
+  struct Wanted {
+    double bytes = 0;
+    double life_s = 0;       ///< for which the tile will serve
+    double price_bytes = 0;  ///< of the geometry
+    double gain = 0;         ///< of the tile (ask_gain.h)
+  };
+  /// Notes that an instance of the object wants a tile.
+  void want(std::uint32_t object, const Wanted& tile, std::int64_t now_us);
   /// Decides what to buy, once all wants of the frame have been noted. `spare_bytes` the link would
   /// bring in a moment, beside all that is asked for.
   void decide(std::int64_t now_us, double spare_bytes = 0);

@@ -47,7 +47,7 @@ constexpr double kJumpM = 0.05;            // distance beyond what the speed exp
 constexpr long long kSettledUs = 100'000;  // a settled instance is looked at again after this time
 
 ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileGroup& tiles,
-                  double radius, double tau_px, double size_px) {
+                  const ViewGeometry& geometry, double tau_px) {
   ViewPlan plan;
   plan.tau_px = tau_px;
   plan.pixel_px = in.pixel_px;
@@ -57,8 +57,8 @@ ViewPlan plan_for(const SelectorInput& in, const InstanceView& view, const TileG
   const bool still = glm::length(in.velocity - view.velocity) < 0.02;
   if (flat || still) return plan;  // a quad serves a still eye best, and is cheapest
   double gap = kTypicalGap;
-  if (!tiles.tiles.empty()) gap = tiles.tiles.back()->measure.depth_gap / radius;
-  plan.depth_share = std::max(gap / hole_tolerance(tau_px, size_px), kQuantumShare);
+  if (!tiles.tiles.empty()) gap = tiles.tiles.back()->measure.depth_gap / geometry.radius;
+  plan.depth_share = std::max(gap / hole_tolerance(tau_px, radius_px(geometry)), kQuantumShare);
   return plan;
 }
 
@@ -141,17 +141,17 @@ bool fit_to_atlas(const SelectorInput& in, TileCache::Room& room, TileNeed& need
 
 // Returns the best resident tile, drawn with the methods that the plan is made for.
 TileFit planned_fit(const SelectorInput& in, const TileGroup& group,
-                    const ObjectDescription& object, const ViewGeometry& view, const ViewPlan& plan,
-                    double tau) {
+                    const ObjectDescription& object, const ViewGeometry& view,
+                    const ViewPlan& plan) {
   if (group.tiles.empty()) return {};
   const bool still = plan.depth_share == kFlatDepthShare;
-  return still && in.method.automatic ? best_flat(group, object, view, tau)
-                                      : best_fit(group, object, view, in.method, tau);
+  return still && in.method.automatic ? best_flat(group, object, view, plan.tau_px)
+                                      : best_fit(group, object, view, in.method, plan.tau_px);
 }
 
-std::uint8_t wanted_channels(const SelectorInput& in, std::uint32_t instance,
-                             const ObjectDescription& object, const ViewPlan& plan, double size,
-                             const TileFit& fit) {
+std::uint8_t wanted_channels(const SelectorInput& in, std::uint32_t instance, const ViewPlan& plan,
+                             double size, const TileFit& fit) {
+  const ObjectDescription& object = in.scene->objects[in.scene->instances[instance].object];
   if (in.cache->wants_relit(instance)) return kRelitTile;
   return wants_layers(in, object, plan, size, fit) ? kLayeredTile : kLitTile;
 }
@@ -166,13 +166,6 @@ Wrongs good_tile_wrongs(double area, bool tested, double tau, double size,
                         std::uint8_t size_class) {
   const double texel_px = std::max(1.0, 2 * size / tile_edge(size_class));
   return tile_wrongs(area, tested, kGoodTileTau * tau, texel_px, 1);
-}
-
-// Returns the gain of a tile for a thing that is shown with `now`.
-double gain_of(double area, const Wrongs& now, bool tested, double tau, double size,
-               const TileNeed& need) {
-  return ask_gain(area, now, good_tile_wrongs(area, tested, tau, size, need.size_class),
-                  need.life_s);
 }
 
 }  // namespace
@@ -230,14 +223,15 @@ bool Selector::renew(const SelectorInput& in, std::uint32_t instance, const View
   const ObjectDescription& object = in.scene->objects[in.scene->instances[instance].object];
   TileNeed need = need_for_view(view, plan);
   need.instance = instance;
-  need.channels = wanted_channels(in, instance, object, plan, size, fit);
+  need.channels = wanted_channels(in, instance, plan, size, fit);
   need.light = in.cache->light();
   need.error_px = std::max(fit.error_px(plan.tau_px), unseen_px(*fit.tile, view));
   need.life_s = expected_life_s(view, plan);
   if (bytes_of(in, need) > kRenewalShare * in.spare_bytes) return true;
   const bool tested = object.needs & kNeedAlphaMask;
   const Wrongs shown = tile_wrongs(area, tested, need.error_px, fit.texel_px, 1);
-  need.gain = gain_of(area, shown, tested, plan.tau_px, size, need);
+  const Wrongs then = good_tile_wrongs(area, tested, plan.tau_px, size, need.size_class);
+  need.gain = ask_gain(area, shown, then, need.life_s);
   out.push_back(need);
   return true;
 }
@@ -262,11 +256,11 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   // The eye depth falls towards the edge of the view; ask as if the eye looked at the object.
   view.center_depth = glm::length(view.eye);
   if (in.method.eight_views) return add_eight_view_need(in, instance, view, lit, out);
-  if (object.motion.moving()) return add_moving_needs(in, instance, view, lit, tau, out);
-  ViewPlan plan = plan_for(in, view_of, group, view.radius, tau, size);
+  if (object.motion.moving()) return add_moving_needs(in, instance, view, tau, out);
+  ViewPlan plan = plan_for(in, view_of, group, view, tau);
   if (stand_in) plan.depth_share = kFlatDepthShare;
   if (stand_in && expected_life_s(view, plan) < kStandInLifeS) return;
-  const TileFit fit = planned_fit(in, group, object, view, plan, tau);
+  const TileFit fit = planned_fit(in, group, object, view, plan);
   const double light_px = light_change_px(in, lit, instance, size);
   // A tile shaded by the client is right; the server's is better, and asked for in spare time.
   const bool shaded_here = !in.cache->wants_relit(instance) && fit.tile && fit.tile->relit;
@@ -287,7 +281,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   const bool unseen = group.tiles.empty() && !(view_px && *view_px <= kFirstImagePx * tau);
   // The first image is coarse and quick: a quarter of the edge takes a sixteenth of the bytes.
   if (unseen && in_view && !stand_in && !no_time) need.size_class = coarse_class(need.size_class);
-  need.channels = wanted_channels(in, instance, object, plan, size, fit);
+  need.channels = wanted_channels(in, instance, plan, size, fit);
   need.first = in_view && group.tiles.empty() && !stand_in;
   need.light = in.cache->light();
   need.error_px = std::max(displayed_error_px(fit, size, tau), std::min(light_px, 2 * size));
@@ -299,7 +293,8 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   Wrongs now = group.tiles.empty() ? wrongs_without(area, view_px.has_value())
                                    : tile_wrongs(area, tested, need.error_px, fit.texel_px, 1);
   if (stand_in && shown_[instance].frame == in.frame) now = shown_[instance].wrongs;
-  need.gain = gain_of(area, now, tested, tau, size, need);
+  const Wrongs then = good_tile_wrongs(area, tested, tau, size, need.size_class);
+  need.gain = ask_gain(area, now, then, need.life_s);
   out.push_back(need);
 }
 
@@ -319,7 +314,7 @@ void Selector::note_rent(const SelectorInput& in, const TileNeed& need) {
   if (too_dear(in, in.predicted, need.instance, in.tau_px)) return;
   const double price =
       in.meshes->price_bytes(*in.scene, in.predicted, in.mesh_tau_px, need.instance);
-  geometry_.want(view_of.object, bytes_of(in, need), need.life_s, price, need.gain, in.now_us);
+  geometry_.want(view_of.object, {bytes_of(in, need), need.life_s, price, need.gain}, in.now_us);
 }
 
 // If the object consists of points and lines, notes its rent although its tile will do. Tiles show

@@ -114,10 +114,8 @@ Needs ask(SessionParts& s, const Predicted& at) {
     Selector& selector = s.planning.eyes[i].selector;
     add(out.tiles, selector.needs(input));
     if (!s.scene.geometry) continue;
-    add(out.meshes,
-        s.held.meshes.needs(s.scene, input.mesh_tau_px, input.now_us,
-                            mesh_wants(s.scene, input.predicted, input.mesh_tau_px,
-                                       selector.mesh_needs(input), input.view, input.time_s)));
+    const std::vector<MeshWant> wants = mesh_wants(input, selector.mesh_needs(input));
+    add(out.meshes, s.held.meshes.needs(s.scene, input.mesh_tau_px, input.now_us, wants));
   }
   for (const AssetId& gone : s.held.meshes.drop(s.frame, at.views.front().now_us)) {
     if (s.sink.drop) s.sink.drop(gone);

@@ -29,17 +29,23 @@ std::uint32_t rows_of_target(const SceneShot& shot) {
   return std::clamp(kTargetSamples / row, 1u, shot.camera.height);
 }
 
-/// Appends a band to a plane whose rows go down; `low` is the band's row in the bound framebuffer,
-/// `components` the elements of a pixel. Memory grows with the rows, because touching that of a
-/// large picture at once would take longer than a slice.
+/// How the bound framebuffer has a plane.
+struct PlaneSource {
+  GLenum attachment = GL_COLOR_ATTACHMENT0, format = GL_RGBA, type = GL_UNSIGNED_BYTE;
+  std::size_t components = 4;  ///< elements of a pixel
+};
+
+/// Appends a band to a plane whose rows go down; `low` is the band's row in the framebuffer. Memory
+/// grows with the rows, because touching that of a large picture at once would take longer than a
+/// slice.
 template <typename T>
-void append_rows(std::vector<T>& plane, GLenum attachment, GLenum format, GLenum type,
-                 const RowBand& band, int low, int width, int components) {
-  const std::size_t row = static_cast<std::size_t>(width) * static_cast<std::size_t>(components);
+void append_rows(std::vector<T>& plane, const PlaneSource& source, const RowBand& band, int low,
+                 int width) {
+  const std::size_t row = static_cast<std::size_t>(width) * source.components;
   std::vector<T> rows(row * band.rows());
-  glReadBuffer(attachment);
-  glReadPixels(0, low, width, static_cast<GLsizei>(band.high - band.low), format, type,
-               rows.data());
+  glReadBuffer(source.attachment);
+  glReadPixels(0, low, width, static_cast<GLsizei>(band.high - band.low), source.format,
+               source.type, rows.data());
   for (std::size_t y = band.rows(); y-- > 0;) {
     const auto from = rows.begin() + static_cast<std::ptrdiff_t>(y * row);
     plane.insert(plane.end(), from, from + static_cast<std::ptrdiff_t>(row));
@@ -275,10 +281,10 @@ void ReferenceRenderer::finish_band(const gl::ViewDepth& view_depth) {
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   const int w = p.width(), low = p.low();
-  append_rows(p.frame.rgba, GL_COLOR_ATTACHMENT0, GL_RGBA, GL_UNSIGNED_BYTE, p.band, low, w, 4);
-  append_rows(p.frame.depth, GL_COLOR_ATTACHMENT1, GL_RED, GL_FLOAT, p.band, low, w, 1);
-  append_rows(p.frame.ids, GL_COLOR_ATTACHMENT2, GL_RED_INTEGER, GL_UNSIGNED_INT, p.band, low, w,
-              1);
+  append_rows(p.frame.rgba, {}, p.band, low, w);
+  append_rows(p.frame.depth, {GL_COLOR_ATTACHMENT1, GL_RED, GL_FLOAT, 1}, p.band, low, w);
+  append_rows(p.frame.ids, {GL_COLOR_ATTACHMENT2, GL_RED_INTEGER, GL_UNSIGNED_INT, 1}, p.band, low,
+              w);
 }
 
 std::optional<SceneFrame> ReferenceRenderer::draw_slice() {

@@ -11,7 +11,8 @@ namespace {
 /// Appends rows to a plane. Memory grows with the rows, because touching that of a large tile at
 /// once would take longer than a slice.
 void append_rows(std::vector<std::uint8_t>& plane, GLenum attachment, GLenum format,
-                 const RowBand& rows, int edge, std::size_t components) {
+                 const RowBand& rows, int edge) {
+  const std::size_t components = format == GL_RGBA ? 4 : 1;
   const std::size_t from = plane.size();
   plane.resize(from + components * static_cast<std::size_t>(edge) * rows.rows());
   glReadBuffer(attachment);
@@ -64,10 +65,10 @@ std::shared_ptr<const PagePixels> TilePageRenderer::draw_slow_slice() {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, slow.page.framebuffer());
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  append_rows(slow.pixels->rgba, GL_COLOR_ATTACHMENT0, GL_RGBA, rows, edge, 4);
-  append_rows(slow.pixels->depth, GL_COLOR_ATTACHMENT1, GL_RED, rows, edge, 1);
+  append_rows(slow.pixels->rgba, GL_COLOR_ATTACHMENT0, GL_RGBA, rows, edge);
+  append_rows(slow.pixels->depth, GL_COLOR_ATTACHMENT1, GL_RED, rows, edge);
   if (writes_surface({slow.job})) {
-    append_rows(slow.pixels->surface, GL_COLOR_ATTACHMENT2, GL_RGBA, rows, edge, 4);
+    append_rows(slow.pixels->surface, GL_COLOR_ATTACHMENT2, GL_RGBA, rows, edge);
   }
   slow.done_rows = last;
   if (last < edge) return nullptr;

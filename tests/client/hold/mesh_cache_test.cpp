@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "client/plan/mesh_wants.h"
+#include "client/plan/selector_input.h"
 #include "protocol/codec/model_codec.h"
 #include "tests/support/core_scene.h"
 
@@ -56,7 +57,10 @@ struct World {
       all.instances.push_back(i);
       all.gain[scene.instances[i].object] += 1;
     }
-    return cache.needs(scene, 1, now_us, mesh_wants(scene, camera, 1, all, nullptr, 0));
+    SelectorInput in;
+    in.scene = &scene;
+    in.predicted = camera;
+    return cache.needs(scene, 1, now_us, mesh_wants(in, all));
   }
   std::uint8_t drawn_lod(std::uint64_t frame = 1, std::int64_t now_us = 0) {
     std::vector<DrawnMesh> meshes{{0}};

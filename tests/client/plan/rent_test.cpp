@@ -27,7 +27,7 @@ double bytes_of(int instances, double life_s, double price, double seconds) {
     int wanted = 0;
     for (double& at : due) {
       if (at > seconds_of(now)) continue;
-      account.want(0, kTile, life_s, price, kWorth, now);
+      account.want(0, {kTile, life_s, price, kWorth}, now);
       ++wanted;
       at = seconds_of(now) + life_s;
     }
@@ -64,7 +64,7 @@ TEST(CoreRent, WhatManyInstancesShareIsBoughtAtOnce) {
 TEST(CoreRent, WhatIsNotSeenAnyMoreIsForgotten) {
   RentOrBuy account;
   account.reset(2);
-  account.want(0, kTile, 1, 1, kWorth, 0);
+  account.want(0, {kTile, 1, 1, kWorth}, 0);
   account.decide(0);
   EXPECT_TRUE(account.bought(0, 0));
   EXPECT_FALSE(account.bought(1, 0));
@@ -79,12 +79,12 @@ TEST(CoreRent, NonsenseIsHarmless) {
   RentOrBuy account;
   account.reset(1);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  account.want(7, kTile, 1, 1, kWorth, 0);
+  account.want(7, {kTile, 1, 1, kWorth}, 0);
   account.paid(7, 1);
-  account.want(0, nan, 1, 1e9, kWorth, 0);
-  account.want(0, kTile, nan, 1e9, kWorth, 0);
-  account.want(0, kTile, -1, 1e9, kWorth, 0);
-  account.want(0, kTile, 0, 1e9, kWorth, INT64_MAX / 2);
+  account.want(0, {nan, 1, 1e9, kWorth}, 0);
+  account.want(0, {kTile, nan, 1e9, kWorth}, 0);
+  account.want(0, {kTile, -1, 1e9, kWorth}, 0);
+  account.want(0, {kTile, 0, 1e9, kWorth}, INT64_MAX / 2);
   account.decide(0);
   EXPECT_FALSE(account.bought(0, 0));
 }
