@@ -38,6 +38,9 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/texts/fish/ DESTINATION ${share}/fish/ve
 install(FILES client/web/site/icon.svg DESTINATION ${share}/icons/hicolor/scalable/apps RENAME mirage.svg)
 install(FILES packaging/viewer/mirage-view.desktop DESTINATION ${share}/applications)
 
+# Installs the Python file for notebooks.
+install(FILES packaging/python/mirage.py DESTINATION share/mirage/python)
+
 # Installs the page for browsers if scripts/web has staged it.
 install(DIRECTORY build/web/site/ DESTINATION share/mirage/web OPTIONAL)
 

@@ -125,9 +125,11 @@ void add_trust_options(CLI::App& app, ServerOptions& o, Texts& t) {
   app.add_flag("--references", t.references,
                "draw full renders for clients on other machines, too; they have depth, which "
                "tells the geometry")
-      ->excludes(app.add_flag("--no-reference", t.no_reference,
-                              "draw full renders for nobody; default: for clients on this "
-                              "machine only"));
+      ->excludes(
+          app.add_flag("--no-reference", t.no_reference,
+                       "draw full renders for nobody, nor pictures for /v1/picture; default: "
+                       "pictures for everybody, full renders for clients on this machine "
+                       "only"));
   app.add_flag("--no-view", t.no_view,
                "do not send the first picture of the whole scene as one tile");
 }
@@ -291,6 +293,7 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   // A full render has depth from anywhere, which is geometry. It also keeps the renderer busy.
   const bool unasked = !t.no_geometry && is_loopback(o.endpoint.address);
   o.session.reference = t.references || (unasked && !t.no_reference);
+  o.session.pictures = !t.no_reference;
   o.session.view = !t.no_view;
   o.shadows = t.shadows == "on";
   if (const std::optional<TileCodec> only = codec_from_name(t.codec)) {

@@ -65,6 +65,8 @@ target_link_libraries(mirage_e2e_choices PRIVATE mirage_gltf OpenImageIO::OpenIm
 mirage_e2e(library)
 target_sources(mirage_e2e_library PRIVATE e2e/library_views_test.cpp support/failing_memory.cpp)
 target_link_libraries(mirage_e2e_library PRIVATE mirage-client mirage_egl OpenImageIO::OpenImageIO)
+mirage_e2e(pictures)
+target_link_libraries(mirage_e2e_pictures PRIVATE mirage-client mirage_egl OpenImageIO::OpenImageIO)
 mirage_e2e(softpipe)
 target_link_libraries(mirage_e2e_softpipe PRIVATE mirage_quality OpenImageIO::OpenImageIO)
 # Runs alone, because it watches frame times.
@@ -106,6 +108,14 @@ if(NOT MIRAGE_SANITIZE)
   # The client library as others build against it.
   add_test(NAME e2e_embed COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/e2e/embed.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_embed PROPERTIES TIMEOUT 300)
+endif()
+
+# Tests the Python file for notebooks.
+find_program(MIRAGE_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
+if(MIRAGE_PYTHON AND NOT MIRAGE_SANITIZE)
+  add_test(NAME e2e_notebook COMMAND ${MIRAGE_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/e2e/notebook.py
+           $<TARGET_FILE:mirage-server> ${PROJECT_SOURCE_DIR})
+  set_tests_properties(e2e_notebook PROPERTIES TIMEOUT 300)
 endif()
 
 # Tests an array of jobs under a real Slurm if there is one.

@@ -162,9 +162,8 @@ Wrongs wrongs_without(double area, bool viewed) {
 }
 
 // Returns the error of a tile that has just arrived.
-Wrongs good_tile_wrongs(double area, bool tested, double tau, double size,
-                        std::uint8_t size_class) {
-  const double texel_px = std::max(1.0, 2 * size / tile_edge(size_class));
+Wrongs good_tile_wrongs(double area, bool tested, double tau, double size, const TileNeed& need) {
+  const double texel_px = std::max(1.0, 2 * size / tile_edge(need.size_class));
   return tile_wrongs(area, tested, kGoodTileTau * tau, texel_px, 1);
 }
 
@@ -230,7 +229,7 @@ bool Selector::renew(const SelectorInput& in, std::uint32_t instance, const View
   if (bytes_of(in, need) > kRenewalShare * in.spare_bytes) return true;
   const bool tested = object.needs & kNeedAlphaMask;
   const Wrongs shown = tile_wrongs(area, tested, need.error_px, fit.texel_px, 1);
-  const Wrongs then = good_tile_wrongs(area, tested, plan.tau_px, size, need.size_class);
+  const Wrongs then = good_tile_wrongs(area, tested, plan.tau_px, size, need);
   need.gain = ask_gain(area, shown, then, need.life_s);
   out.push_back(need);
   return true;
@@ -293,8 +292,7 @@ void Selector::add_need(const SelectorInput& in, std::uint32_t instance, bool in
   Wrongs now = group.tiles.empty() ? wrongs_without(area, view_px.has_value())
                                    : tile_wrongs(area, tested, need.error_px, fit.texel_px, 1);
   if (stand_in && shown_[instance].frame == in.frame) now = shown_[instance].wrongs;
-  const Wrongs then = good_tile_wrongs(area, tested, tau, size, need.size_class);
-  need.gain = ask_gain(area, now, then, need.life_s);
+  need.gain = ask_gain(area, now, good_tile_wrongs(area, tested, tau, size, need), need.life_s);
   out.push_back(need);
 }
 

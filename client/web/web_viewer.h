@@ -15,11 +15,11 @@
 #include "client/draw/insight.h"
 #include "client/draw/presenter.h"
 #include "client/screen/pilot.h"
-#include "client/screen/sun_place.h"
 #include "client/web/browser_link.h"
 #include "client/web/frame_prices.h"
 #include "protocol/impostor/camera.h"
 #include "protocol/model/scene_types.h"
+#include "protocol/model/sun_place.h"
 
 namespace mirage {
 

@@ -52,6 +52,7 @@ struct Counters {
   std::atomic<std::uint64_t> references_rendered{0};
   std::atomic<std::uint64_t> views_rendered{0};
   std::atomic<std::uint64_t> views_sent{0};
+  std::atomic<std::uint64_t> pictures_sent{0};
   std::atomic<std::uint64_t> gpu_scene_bytes{0};   ///< meshes, images, the shadow map
   std::atomic<std::uint64_t> gpu_target_bytes{0};  ///< render targets, pages, pages in read-back
   std::atomic<std::uint64_t> gpu_most_bytes{0};    ///< highest sum so far, full renders included

@@ -1,6 +1,8 @@
 #include "server/net/http_pages.h"
 
+#include <fmt/format.h>
 #include <libwebsockets.h>
+#include <poll.h>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +15,7 @@
 #include "server/net/endpoint_options.h"
 #include "server/net/lws_text.h"
 #include "server/net/metrics.h"
+#include "server/net/picture_http.h"
 #include "server/session/session.h"
 
 namespace mirage {
@@ -26,6 +29,9 @@ const char* const kNoPage =
     "this is a Mirage server, without its page for browsers (scripts/web makes it, --web DIR names "
     "it): connect with mirage-view\n";
 constexpr int kTilePatienceS = 15;  // seconds; longer than the hub's deadline
+constexpr int kPicturePatienceS = 120;
+constexpr std::int64_t kLookForGoneUs = 100'000;
+constexpr int kMostPicturesOfOne = 32;  // that an address may wait for
 
 // Adds header lines of the form `Name: value`.
 bool add_headers(lws* wsi, const std::string& lines, unsigned char** at, unsigned char* end) {
@@ -64,17 +70,16 @@ int send(lws* wsi, const HttpAnswer& answer) {
 }  // namespace
 
 void HttpPages::serve(SessionHub& hub, Counters& counters) {
-  for (auto& [request, one] : std::exchange(waiting_, {})) {
-    one.peer->request = 0;
-    one.peer->answer = new HttpAnswer{503, "text/plain", "Retry-After: 1\r\n", "another scene\n"};
-    lws_callback_on_writable(one.wsi);
-  }
+  const HttpAnswer moved = refusal(503, "another scene", "Retry-After: 1\r\n");
+  for (auto& [request, one] : std::exchange(waiting_, {})) give(one.wsi, *one.peer, moved);
+  for (auto& [request, one] : std::exchange(pictures_, {})) give(one.wsi, *one.peer, moved);
   hub_ = &hub;
   counters_ = &counters;
 }
 
 int HttpPages::answer(lws* wsi, HttpPeer& peer, const std::string& path, bool stopping) {
   if (path.rfind(kTilePath, 0) == 0) return get_tile(wsi, peer, path);
+  if (path == kPicturePath) return get_picture(wsi, peer, path);
   const HeaderText accepted = header(wsi, WSI_TOKEN_HTTP_ACCEPT_ENCODING);
   if (const WebFile* file = web_.find(path, accepted.text)) return get_file(wsi, peer, *file);
   return send(wsi, page(path, stopping));
@@ -145,43 +150,113 @@ int HttpPages::answer_operator(lws* wsi, const std::string& path, bool stopping)
   return send(wsi, page(path, stopping));
 }
 
-int HttpPages::get_tile(lws* wsi, HttpPeer& peer, const std::string& path) {
-  const std::int64_t now_us = clock_.now_us();
-  const std::string address = called_of(wsi, !options_.tls_cert.empty(), options_.proxies).address;
+std::variant<HttpRequest, HttpAnswer> HttpPages::read(lws* wsi, const std::string& path,
+                                                      const std::string& address) const {
   if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) {
-    return send(wsi, {405, "text/plain", "Allow: GET\r\n", "tiles are got\n"});
+    return refusal(405, "tiles and pictures are got", "Allow: GET\r\n");
   }
-  if (!admission_.may_connect(address, now_us)) {
+  if (!admission_.may_connect(address, clock_.now_us())) {
     ++counters_->addresses_refused;
-    return send(wsi, {429, "text/plain", "Retry-After: 1\r\n", "too many wrong tokens\n"});
+    return refusal(429, "too many wrong tokens", "Retry-After: 1\r\n");
   }
-  const TileRequest request{path, header(wsi, WSI_TOKEN_HTTP_URI_ARGS).text,
-                            header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION).text};
-  auto read = read_tile_request(request, hub_->revision(), hub_->access(), std::time(nullptr));
-  if (const auto* refused = std::get_if<HttpAnswer>(&read)) {
-    if (refused->status == 401) {
-      admission_.note_failure(address, now_us);
-      ++counters_->authentication_failures;
-    }
-    return send(wsi, *refused);
+  return HttpRequest{path, query_of(wsi), header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION).text};
+}
+
+int HttpPages::refuse(lws* wsi, const HttpAnswer& answer, const std::string& address) {
+  if (answer.status == 401) {
+    admission_.note_failure(address, clock_.now_us());
+    ++counters_->authentication_failures;
   }
-  const TileAddress& tile = std::get<TileAddress>(read);
-  peer.request = hub_->get(tile);
-  waiting_[peer.request] = {wsi, &peer, tile.codec, header(wsi, WSI_TOKEN_HTTP_IF_NONE_MATCH).text};
-  lws_set_timeout(wsi, PENDING_TIMEOUT_HTTP_CONTENT, kTilePatienceS);
+  return send(wsi, answer);
+}
+
+void HttpPages::wait(lws* wsi, HttpPeer& peer, std::uint32_t request, int patience_s) {
+  peer.request = request;
+  lws_set_timeout(wsi, PENDING_TIMEOUT_HTTP_CONTENT, patience_s);
   hand_out();
+}
+
+int HttpPages::get_tile(lws* wsi, HttpPeer& peer, const std::string& path) {
+  const std::string address = called_of(wsi, !options_.tls_cert.empty(), options_.proxies).address;
+  const auto request = read(wsi, path, address);
+  if (const auto* refused = std::get_if<HttpAnswer>(&request)) return send(wsi, *refused);
+  const auto wanted = read_tile_request(std::get<HttpRequest>(request), hub_->revision(),
+                                        hub_->access(), std::time(nullptr));
+  if (const auto* no = std::get_if<HttpAnswer>(&wanted)) return refuse(wsi, *no, address);
+  const TileAddress& tile = std::get<TileAddress>(wanted);
+  const std::uint32_t number = hub_->get(tile);
+  waiting_[number] = {wsi, &peer, tile.codec, header(wsi, WSI_TOKEN_HTTP_IF_NONE_MATCH).text};
+  wait(wsi, peer, number, kTilePatienceS);
   return 0;
 }
 
+int HttpPages::get_picture(lws* wsi, HttpPeer& peer, const std::string& path) {
+  const std::string address = called_of(wsi, !options_.tls_cert.empty(), options_.proxies).address;
+  const auto request = read(wsi, path, address);
+  if (const auto* refused = std::get_if<HttpAnswer>(&request)) return send(wsi, *refused);
+  const auto wanted =
+      read_picture_request(std::get<HttpRequest>(request), hub_->access(), std::time(nullptr));
+  if (const auto* no = std::get_if<HttpAnswer>(&wanted)) return refuse(wsi, *no, address);
+  const auto& picture = std::get<PictureRequest>(wanted);
+  const std::string tag = picture_tag(picture, hub_->revision());
+  if (header(wsi, WSI_TOKEN_HTTP_IF_NONE_MATCH).text == tag) {
+    return send(wsi, picture_unchanged(tag, hub_->access().open()));
+  }
+  const auto same = std::count_if(pictures_.begin(), pictures_.end(), [&](const auto& other) {
+    return other.second.address == address;
+  });
+  if (same >= kMostPicturesOfOne) {
+    return send(wsi, refusal(429,
+                             fmt::format("this address waits for {} pictures already: come back "
+                                         "when they are there",
+                                         kMostPicturesOfOne),
+                             "Retry-After: 1\r\n"));
+  }
+  const std::uint32_t number = hub_->get(picture);
+  pictures_[number] = {wsi, &peer, picture.format, tag, address};
+  wait(wsi, peer, number, kPicturePatienceS);
+  return 0;
+}
+
+void HttpPages::give(lws* wsi, HttpPeer& peer, HttpAnswer answer) {
+  peer.request = 0;
+  peer.answer = new HttpAnswer(std::move(answer));
+  lws_callback_on_writable(wsi);
+}
+
+// libwebsockets does not read from a connection whose request it has yet to answer, so it does not
+// see it end.
+void HttpPages::drop_gone() {
+  const std::int64_t now_us = clock_.now_us();
+  if (now_us - looked_us_ < kLookForGoneUs) return;
+  looked_us_ = now_us;
+  for (auto at = pictures_.begin(); at != pictures_.end();) {
+    pollfd socket{lws_get_socket_fd(at->second.wsi), POLLRDHUP, 0};
+    if (poll(&socket, 1, 0) <= 0) {
+      ++at;
+      continue;
+    }
+    hub_->cancel_get(at->first);
+    at->second.peer->request = 0;
+    lws_set_timeout(at->second.wsi, PENDING_TIMEOUT_HTTP_CONTENT, LWS_TO_KILL_ASYNC);
+    at = pictures_.erase(at);
+  }
+}
+
 void HttpPages::hand_out() {
+  drop_gone();
+  const bool open = hub_->access().open();
   for (GotTile& tile : hub_->take_got()) {
     const auto waits = waiting_.extract(tile.request);
     if (waits.empty()) continue;
     const Waiting& one = waits.mapped();
-    one.peer->request = 0;
-    one.peer->answer = new HttpAnswer(
-        tile_answer(std::move(tile), one.codec, hub_->access().open(), one.if_none_match));
-    lws_callback_on_writable(one.wsi);
+    give(one.wsi, *one.peer, tile_answer(std::move(tile), one.codec, open, one.if_none_match));
+  }
+  for (const GotPicture& picture : hub_->take_pictures()) {
+    const auto waits = pictures_.extract(picture.request);
+    if (waits.empty()) continue;
+    const WaitingForPicture& one = waits.mapped();
+    give(one.wsi, *one.peer, picture_answer(picture, one.format, one.tag, open));
   }
 }
 
@@ -196,6 +271,7 @@ void HttpPages::gone(HttpPeer& peer) {
   if (peer.request != 0) {
     hub_->cancel_get(peer.request);
     waiting_.erase(peer.request);
+    pictures_.erase(peer.request);
   }
   delete std::exchange(peer.answer, nullptr);
   peer.request = 0;

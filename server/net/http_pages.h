@@ -8,10 +8,12 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <variant>
 
 #include "protocol/base/clock.h"
 #include "server/net/tile_http.h"
 #include "server/net/web_pages.h"
+#include "server/tile/tile_job.h"
 
 struct lws;
 
@@ -24,7 +26,7 @@ class SessionHub;
 
 /// State of one HTTP connection; libwebsockets fills it with zeros and frees it.
 struct HttpPeer {
-  std::uint32_t request;    ///< of the tile it waits for; 0: none
+  std::uint32_t request;    ///< of the tile or picture it waits for; 0: none
   HttpAnswer* answer;       ///< answer to be written; null: none
   const std::string* file;  ///< file of the browser page being sent; null: none
   std::size_t sent;         ///< bytes of the file sent so far
@@ -49,9 +51,9 @@ class HttpPages {
   int write(lws* wsi, HttpPeer& peer);
   void gone(HttpPeer& peer);
 
-  /// Passes the tiles that the hub has finished to the connections that wait for them.
+  /// Passes the tiles and pictures that the hub has finished to the connections that wait for them.
   void hand_out();
-  bool waiting() const { return !waiting_.empty(); }
+  bool waiting() const { return !waiting_.empty() || !pictures_.empty(); }
 
  private:
   struct Waiting {
@@ -60,9 +62,27 @@ class HttpPages {
     TileCodec codec;
     std::string if_none_match;
   };
+  struct WaitingForPicture {
+    lws* wsi;
+    HttpPeer* peer;
+    PictureFormat format;
+    std::string tag, address;
+  };
   HttpAnswer page(const std::string& path, bool stopping) const;
   std::string metrics() const;
   int get_tile(lws* wsi, HttpPeer& peer, const std::string& path);
+  int get_picture(lws* wsi, HttpPeer& peer, const std::string& path);
+  /// Reads who asks for what; refuses whoever has given too many wrong tokens, and other methods
+  /// than GET.
+  std::variant<HttpRequest, HttpAnswer> read(lws* wsi, const std::string& path,
+                                             const std::string& address) const;
+  /// Sends a refusal, and remembers a wrong token.
+  int refuse(lws* wsi, const HttpAnswer& answer, const std::string& address);
+  /// Lets a connection wait for the hub's answer to a request.
+  void wait(lws* wsi, HttpPeer& peer, std::uint32_t request, int patience_s);
+  static void give(lws* wsi, HttpPeer& peer, HttpAnswer answer);
+  /// Forgets pictures whose connections the other side has closed, at most ten times a second.
+  void drop_gone();
   int get_file(lws* wsi, HttpPeer& peer, const WebFile& file) const;
   static int write_file(lws* wsi, HttpPeer& peer);
 
@@ -72,7 +92,10 @@ class HttpPages {
   Admission& admission_;
   const SteadyClock clock_;
   WebPages web_;
-  std::map<std::uint32_t, Waiting> waiting_;  ///< by the hub's request number
+  // Keys are request numbers of the hub.
+  std::map<std::uint32_t, Waiting> waiting_;
+  std::map<std::uint32_t, WaitingForPicture> pictures_;
+  std::int64_t looked_us_ = 0;  ///< when drop_gone() last looked
 };
 
 }  // namespace mirage

@@ -14,6 +14,19 @@ HeaderText header(lws* wsi, lws_token_indexes token) {
   return out;
 }
 
+// lws_hdr_copy() would put commas between the parts.
+std::string query_of(lws* wsi) {
+  std::string out;
+  char text[512] = {};
+  for (int part = 0;; ++part) {
+    const int n = lws_hdr_copy_fragment(wsi, text, sizeof(text), WSI_TOKEN_HTTP_URI_ARGS, part);
+    if (n == -1) return out;  // there are no more
+    if (n < 0) continue;      // it is too long
+    if (!out.empty()) out += '&';
+    out.append(text, static_cast<std::size_t>(n));
+  }
+}
+
 namespace {
 
 /// Returns the value of a header that libwebsockets has no token for; `name` in small letters, with

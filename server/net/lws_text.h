@@ -17,6 +17,10 @@ struct HeaderText {
 };
 HeaderText header(lws* wsi, lws_token_indexes token);
 
+/// Returns the part of the address after the question mark, as it was sent but for what was
+/// percent-encoded. Parts too long for any known name and value are left out.
+std::string query_of(lws* wsi);
+
 /// Returns the peer's address, or `unix`.
 std::string peer_of(lws* wsi);
 

@@ -94,6 +94,7 @@ void add_rendering(Families& out, const Counters& c) {
   out.counter("views_rendered", c.views_rendered,
               "View tiles (the whole scene as one tile) that were rendered.");
   out.counter("views_sent", c.views_sent, "View tiles that were sent to clients.");
+  out.counter("pictures_sent", c.pictures_sent, "Full renders that were sent as files by HTTP.");
   out.gauge("gpu_scene_bytes", c.gpu_scene_bytes, "Graphics memory of the scene, bytes.");
   out.gauge("gpu_target_bytes", c.gpu_target_bytes,
             "Graphics memory of the render targets, bytes.");

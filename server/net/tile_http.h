@@ -12,29 +12,16 @@
 #include <variant>
 
 #include "protocol/wire/tile_address.h"
-#include "server/session/access.h"
+#include "server/net/http_answer.h"
 #include "server/session/got_tile.h"
 
 namespace mirage {
 
 inline constexpr const char* kTilePath = "/v1/tile/";
 
-struct TileRequest {
-  std::string path;           ///< from its first slash, without the query
-  std::string query;          ///< part after the question mark
-  std::string authorization;  ///< the header's value
-};
-
-struct HttpAnswer {
-  unsigned int status = 200;
-  std::string type = "text/plain";
-  std::string headers;  ///< whole header lines
-  std::string body;
-};
-
 /// Returns the address of the requested tile, or the answer that refuses: 404 for an unknown one,
 /// 401 without a valid token or signature.
-std::variant<TileAddress, HttpAnswer> read_tile_request(const TileRequest& request,
+std::variant<TileAddress, HttpAnswer> read_tile_request(const HttpRequest& request,
                                                         std::uint64_t revision,
                                                         const Access& access, std::int64_t now_s);
 /// Returns the answer for a tile. `open`: no token is needed. `if_none_match`: the header's value.

@@ -82,7 +82,8 @@ SessionHub::SessionHub(std::shared_ptr<const PreparedScene> scene, SessionOption
       parts_(new EncodedParts{{queues.images, kImageBytes}, {queues.grounds, kGroundBytes}}),
       fetches_(queues.fetches, queues.clock, queues.store.patience_us()),
       forms_(queues.rendered),
-      views_(queues.tiles) {}
+      views_(queues.tiles),
+      pictures_(queues.tiles) {}
 
 SessionHub::~SessionHub() = default;
 
@@ -412,7 +413,8 @@ bool SessionHub::drained() const {
   const bool sent = std::none_of(sessions_.begin(), sessions_.end(), [](const auto& entry) {
     return entry.second.outbox.ready() || !entry.second.meshes.empty();
   });
-  return sent && queue_.length() == 0 && !forms_.waiting() && !fetches_.waiting();
+  return sent && queue_.length() == 0 && !forms_.waiting() && !fetches_.waiting() &&
+         pictures_.under_way() == 0;
 }
 
 HubState SessionHub::state() const {

@@ -19,6 +19,8 @@
 #include "server/session/fetch_requests.h"
 #include "server/session/form_requests.h"
 #include "server/session/got_tile.h"
+#include "server/session/picture_cache.h"
+#include "server/session/picture_request.h"
 #include "server/session/scene_pages.h"
 #include "server/session/session_options.h"
 #include "server/session/view_cache.h"
@@ -67,9 +69,12 @@ class SessionHub {
   /// Asks for a tile on behalf of HTTP. Returns the number that take_got() uses for the answer,
   /// which may be there at once.
   std::uint32_t get(const TileAddress& address);
+  /// Asks for a picture on behalf of HTTP; take_pictures() has the answer, as above.
+  std::uint32_t get(PictureRequest picture);
   /// Cancels a request that nobody waits for any more.
   void cancel_get(std::uint32_t request);
   std::vector<GotTile> take_got();
+  std::vector<GotPicture> take_pictures();
 
   /// Returns the next packet to write; nullptr: the client may be sent nothing now.
   PacketPtr next_packet(SessionId id);
@@ -169,6 +174,7 @@ class SessionHub {
   void finish(FinishedGround done);
   void finish(FinishedView done);
   void finish(FinishedReference done);
+  void finish(FinishedPicture done);
   void finish(LevelsMade done);
   void finish(RendererFailure done) { failure_ = std::move(done.error); }
   /// Has the waiter's form made. If too much is under way, the waiter gets `lossless` instead.
@@ -192,10 +198,12 @@ class SessionHub {
   FetchRequests fetches_;
   FormRequests forms_;
   ViewCache views_;
+  PictureCache pictures_;
   std::map<SessionId, Session> sessions_;
   std::set<SessionId> writable_;
   SessionId next_id_ = 1;
   std::vector<GotTile> got_;
+  std::vector<GotPicture> got_pictures_;
   std::uint32_t next_get_ = 1;
   std::size_t clients_ = 0;  ///< sessions with a valid hello
   std::size_t clients_elsewhere_ = 0;

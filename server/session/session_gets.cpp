@@ -30,6 +30,7 @@ std::uint32_t SessionHub::get(const TileAddress& address) {
 }
 
 void SessionHub::cancel_get(std::uint32_t request) {
+  pictures_.cancel(request);
   if (!fetches_.cancel(kGetters, request)) queue_.cancel(kGetters, request);
 }
 

@@ -16,7 +16,8 @@ struct SessionOptions {
   std::uint64_t profile = 0;  ///< hash of the renderer and encoders (RenderProfile)
   bool geometry = true;
   bool reference = true;
-  bool view = true;  ///< clients may ask for views: the whole scene as one tile
+  bool pictures = true;  ///< full renders as image files, without depth
+  bool view = true;      ///< clients may ask for views: the whole scene as one tile
   bool shadows = false;
   bool choices = false;            ///< clients may ask for other clips and variants of the scene
   std::size_t max_clients = 4096;  ///< sessions with a valid hello

@@ -10,6 +10,7 @@
 #include "protocol/impostor/tile_key.h"
 #include "protocol/wire/view_codec.h"
 #include "server/prepare/prepared_scene.h"
+#include "server/tile/picture_encode.h"
 #include "server/tile/reference_encode.h"
 #include "server/tile/stage_queues.h"
 #include "server/tile/tile_encode.h"
@@ -70,6 +71,13 @@ void EncodeStage::finish(const RenderedView& drawn) {
 }
 
 void EncodeStage::finish(RenderedReference& drawn) {
+  if (drawn.picture) {
+    Result<Bytes> file = encode_picture(drawn, drawn.picture->format);
+    if (!file) spdlog::warn("refused: {}", file.error().line());
+    announce(FinishedPicture{drawn.picture->key,
+                             file ? std::make_shared<const Bytes>(file.take()) : nullptr});
+    return;
+  }
   const SessionId session = drawn.session;
   announce(FinishedReference{session, encode_reference(std::move(drawn))});
 }
@@ -92,6 +100,7 @@ void EncodeStage::refuse(const EncodeJob& job) {
     announce(FinishedView{view->id, nullptr});
   } else {
     const auto& full = std::get<RenderedReference>(job);
+    if (full.picture) return announce(FinishedPicture{full.picture->key, nullptr});
     announce(refused_reference(full.session, full.request_id));
   }
 }

@@ -96,7 +96,11 @@ void SlowWork::refuse(const Error& why) {
     announce(FinishedView{view->id, nullptr});
   } else {
     const ReferenceJob& full = std::get<ReferenceJob>(job_);
-    announce(refused_reference(full.session, full.request_id));
+    if (full.picture) {
+      announce(FinishedPicture{full.picture->key, nullptr});
+    } else {
+      announce(refused_reference(full.session, full.request_id));
+    }
   }
   drop();
 }
@@ -141,10 +145,11 @@ void SlowWork::hand_over(SceneFrame frame) {
     queues_.slow.push(std::move(done));
     return;
   }
-  const ReferenceJob& full = std::get<ReferenceJob>(job_);
+  ReferenceJob& full = std::get<ReferenceJob>(job_);
   RenderedReference done{full.session, full.request_id, full.shot.camera.width,
                          full.shot.camera.height, std::move(frame)};
   done.render_us = static_cast<std::uint32_t>(queues_.clock.now_us() - started_us_);
+  done.picture = std::move(full.picture);
   drop();
   queues_.slow.push(std::move(done));
 }

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -133,11 +135,19 @@ struct SceneFrame {
   std::vector<std::uint32_t> ids;  ///< instance + 1; 0: none
 };
 
-/// A full render of the scene for comparison.
+enum class PictureFormat : std::uint8_t { kWebp, kPng, kJpeg };
+/// A full render that goes out as a file, to everybody who asked for it under this key.
+struct PictureName {
+  std::string key;
+  PictureFormat format = PictureFormat::kWebp;
+};
+
+/// A full render of the scene: for comparison, or as a picture.
 struct ReferenceJob {
   SessionId session = 0;
   std::uint32_t request_id = 0;
   SceneShot shot;
+  std::optional<PictureName> picture{};
 };
 
 /// A view tile to draw, for all requests.
@@ -162,6 +172,7 @@ struct RenderedReference {
   std::uint32_t width = 0, height = 0;  ///< px
   SceneFrame frame;
   std::uint32_t render_us = 0;
+  std::optional<PictureName> picture{};
 };
 
 using EncodeJob = std::variant<RenderedTile, FormJob, RenderedView, RenderedReference>;
@@ -212,14 +223,19 @@ struct FinishedReference {
   SessionId session = 0;
   Bytes message;
 };
+/// A full render as a file, for all requests that wait for it.
+struct FinishedPicture {
+  std::string key;
+  std::shared_ptr<const Bytes> file;  ///< null: it failed
+};
 /// The scene's levels of detail are made, and its tiles can be drawn.
 struct LevelsMade {};
 /// The renderer has failed, and the server must end with this error.
 struct RendererFailure {
   Error error;
 };
-using Completion =
-    std::variant<FinishedTile, TooLargeTile, FinishedFetch, PendingFetch, FinishedImage,
-                 FinishedGround, FinishedView, FinishedReference, LevelsMade, RendererFailure>;
+using Completion = std::variant<FinishedTile, TooLargeTile, FinishedFetch, PendingFetch,
+                                FinishedImage, FinishedGround, FinishedView, FinishedReference,
+                                FinishedPicture, LevelsMade, RendererFailure>;
 
 }  // namespace mirage

@@ -11,7 +11,7 @@ constexpr std::int64_t kNow = 1'800'000'000;
 const std::string kFolder = "/v1/tile/123456789abcdef0/";
 const std::string kKey = "0123456789abcdef0123456789abcdef";
 
-unsigned int status_of(const TileRequest& request, const Access& access = {}) {
+unsigned int status_of(const HttpRequest& request, const Access& access = {}) {
   const auto read = read_tile_request(request, kRevision, access, kNow);
   const auto* refused = std::get_if<HttpAnswer>(&read);
   return refused ? refused->status : 200;

@@ -1,9 +1,9 @@
-#include "client/screen/sun_place.h"
+#include "protocol/model/sun_place.h"
 
 #include <cmath>
 #include <glm/glm.hpp>
 
-#include "client/scene/scene_view.h"
+#include "protocol/model/scene_types.h"
 
 namespace mirage {
 namespace {
