@@ -641,7 +641,7 @@ for (const [width, height, colorScheme] of [[1280, 720, 'dark'], [1280, 720, 'li
     await look('keys');
     await press('keys');
     await press('compare');
-    await until('compared', async () => /FLIP/.test(await page.locator('#flip').textContent()));
+    await until('compared', async () => /FLIP/.test(await page.locator('#flip').textContent()), 60);
     await look('comparison');
     await press('compare-end');
     await page.evaluate(() => { document.getElementById('link-box').hidden = false; document.getElementById('token-form').hidden = false; });
