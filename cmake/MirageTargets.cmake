@@ -1,12 +1,13 @@
 # Gives every target the same warnings, standard and sanitizers, without global flags.
 
-# mirage_target(NAME [PORTABLE] [TEST] [ALONE] [PCH base|wire|none])
+# mirage_target(NAME [PORTABLE] [SMALL] [TEST] [ALONE] [PCH base|wire|none])
 #   PORTABLE   keeps to C++17, for code that also builds for a browser
+#   SMALL      in a browser, its bytes count more than its speed
 #   TEST       optimises little, because compiling tests takes longer than running them
 #   ALONE      compiles no files in batches, because names in them clash
 #   PCH        names the precompiled header of cmake/pch (default: tests for TEST, else base)
 function(mirage_target name)
-  cmake_parse_arguments(ARG "PORTABLE;TEST;ALONE" "PCH" "" ${ARGN})
+  cmake_parse_arguments(ARG "PORTABLE;SMALL;TEST;ALONE" "PCH" "" ${ARGN})
   if(ARG_PORTABLE)
     target_compile_features(${name} PUBLIC cxx_std_17)
     set_target_properties(${name} PROPERTIES CXX_STANDARD 17)
@@ -25,6 +26,9 @@ function(mirage_target name)
                          -fno-math-errno)
   if(EMSCRIPTEN)
     target_compile_options(${name} PRIVATE -fno-exceptions -fno-rtti)
+    if(ARG_SMALL)
+      # -Os
+    endif()
     return()
   endif()
   # The client is a shared library as well (client/library). Nobody replaces its functions from outside.

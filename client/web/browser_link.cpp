@@ -1,5 +1,13 @@
 #include "client/web/browser_link.h"
 
+#include <emscripten.h>
+
+// clang-format off
+EM_JS(void, page_write, (const void* bytes, int size), {
+  Module['write'](HEAPU8.slice(bytes, bytes + size));
+});
+// clang-format on
+
 namespace mirage {
 namespace {
 // Header of a WebSocket packet, roughly: 2 to 14 bytes.
@@ -33,6 +41,10 @@ Result<void> BrowserLink::arrived(const Arrival& arrival) {
   }
   inbound_.push_back(message.take());
   return {};
+}
+
+void write_to_socket(const Bytes& message) {
+  page_write(message.data(), static_cast<int>(message.size()));
 }
 
 }  // namespace mirage

@@ -50,4 +50,7 @@ class BrowserLink final : public Link {
   LinkTraffic traffic_;
 };
 
+/// Passes a whole message to the socket by the module's function `write`, which the page sets.
+void write_to_socket(const Bytes& message);
+
 }  // namespace mirage

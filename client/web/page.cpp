@@ -17,12 +17,6 @@
 #include "client/session/client_session.h"
 #include "client/web/web_viewer.h"
 
-// clang-format off
-EM_JS(void, page_write, (const void* bytes, int size), {
-  Module['write'](HEAPU8.slice(bytes, bytes + size));
-});
-// clang-format on
-
 namespace mirage {
 namespace {
 
@@ -78,11 +72,8 @@ EMSCRIPTEN_KEEPALIVE int page_start(int width, int height, double frame_ms, doub
   if (!mirage::make_context(p)) return mirage::fail("there is no WebGL 2");
   mirage::WebOptions options{width,    height,  frame_ms, display_ms,
                              atlas_mb, mesh_mb, token,    {clip, variant}};
-  const auto write = [](const mirage::Bytes& bytes) {
-    page_write(bytes.data(), static_cast<int>(bytes.size()));
-  };
   mirage::Result<std::unique_ptr<mirage::WebViewer>> made =
-      mirage::WebViewer::create(options, write);
+      mirage::WebViewer::create(options, mirage::write_to_socket);
   if (!made) return mirage::fail(made.error().text);
   p.viewer = made.take();
   return 0;

@@ -68,7 +68,7 @@ Result<std::unique_ptr<WebViewer>> WebViewer::create(const WebOptions& options,
   return out;
 }
 
-Camera WebViewer::camera() const { return client_.camera(pose_, fov_y_); }
+Camera WebViewer::camera() const { return client_.camera(eye_.pose(), fov_y_); }
 
 Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int height) {
   const double began = emscripten_get_now(), uploaded = client_.upload_ms();
@@ -76,12 +76,7 @@ Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int he
   upload_ms_ = client_.upload_ms() - uploaded;
   decode_ms_ = emscripten_get_now() - began - upload_ms_;
   if (!received) problem_ = received.error().text;
-  if (!met_ && home_known()) {
-    pilot_.meet(session().scene());
-    met_ = true;
-  }
-  if (!posed_ && home_known()) go_home();
-  if (pilot_.needs_ground()) session().want_ground(pose_.eye, now_us);
+  eye_.prepare(session(), camera(), now_us);
   if (Result<void> sized = client_.resize(width, height); !sized) return sized.error();
   const Result<FrameStep> step = client_.plan(camera(), now_us);
   if (!step) return step.error();
@@ -90,7 +85,7 @@ Result<WebViewer::Frame> WebViewer::frame(std::int64_t now_us, int width, int he
   out.resting = !out.drawn && session().at_rest();
   out.drawable = session().drawable();
   client_.draw();
-  if (*step == FrameStep::kDraw) prices_.note_drawn(pose_);
+  if (*step == FrameStep::kDraw) prices_.note_drawn(eye_.pose());
   if (out.drawn || layer_ != InsightLayer::kNone) {
     const FrameTarget& shown = client_.screen().shown();
     fit_canvas(shown.drawn_width(), shown.drawn_height());
@@ -114,34 +109,13 @@ void WebViewer::fit_canvas(int width, int height) {
 
 const CostModel& WebViewer::prices() const { return client_.prices()->model(); }
 
-void WebViewer::steer(const Steering& by) {
-  if (by.moves()) pilot_.look_ahead(session().scene(), camera());
-  pilot_.steer(by, camera().fov_y, session().ground(), pose_);
-}
-
-bool WebViewer::aim(const glm::dvec2& place) {
-  const std::optional<Seen> seen = seen_at(session().scene(), camera(), place);
-  if (seen) pilot_.aim(seen->point);
-  return seen.has_value();
-}
+void WebViewer::steer(const Steering& by) { eye_.steer(by, session(), camera()); }
+bool WebViewer::aim(const glm::dvec2& place) { return eye_.aim(session(), camera(), place); }
+void WebViewer::set_pose(const Pose& pose) { eye_.set_pose(session(), pose); }
+void WebViewer::go_home() { eye_.go_home(session(), camera()); }
 
 std::string WebViewer::name_at(const glm::dvec2& place) const {
-  const SceneView& scene = session().scene();
-  const std::optional<Seen> seen = seen_at(scene, camera(), place);
-  return seen ? scene.objects[scene.instances[seen->instance].object].name : "";
-}
-
-void WebViewer::set_pose(const Pose& pose) {
-  pose_ = pose;
-  posed_ = true;
-  if (!home_known()) session().start_at(pose);  // the first picture is of the place of the link
-}
-
-void WebViewer::go_home() {
-  const HomeView& home = session().scene().home;
-  pose_ = home_pose(home, camera());
-  pilot_.aim(home.target);
-  posed_ = true;
+  return object_name_at(session(), camera(), place);
 }
 
 void WebViewer::choose(SceneChoice choice) { session().choose(std::move(choice)); }

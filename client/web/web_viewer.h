@@ -14,9 +14,9 @@
 #include "client/door/client.h"
 #include "client/draw/insight.h"
 #include "client/draw/presenter.h"
-#include "client/screen/pilot.h"
 #include "client/web/browser_link.h"
 #include "client/web/frame_prices.h"
+#include "client/web/steered_eye.h"
 #include "protocol/impostor/camera.h"
 #include "protocol/model/scene_types.h"
 #include "protocol/model/sun_place.h"
@@ -56,13 +56,13 @@ class WebViewer {
 
   /// Moves the eye by what a person did.
   void steer(const Steering& by);
-  SteerMode steer_mode() const { return pilot_.mode(); }
+  SteerMode steer_mode() const { return eye_.pilot().mode(); }
   /// True if who walks flies; False: the feet stay on the ground.
-  bool flies() const { return pilot_.flies(); }
-  void set_flies(bool flies) { pilot_.set_flies(flies); }
+  bool flies() const { return eye_.pilot().flies(); }
+  void set_flies(bool flies) { eye_.pilot().set_flies(flies); }
   /// True if the scene is walked on its ground.
   bool has_ground() const;
-  void set_steer_mode(SteerMode mode) { pilot_.set_mode(mode); }
+  void set_steer_mode(SteerMode mode) { eye_.pilot().set_mode(mode); }
   /// Makes what is seen at a place of the picture (0 to 1, right and down) the pivot. False:
   /// nothing is there, and the pivot stays.
   bool aim(const glm::dvec2& place);
@@ -70,7 +70,7 @@ class WebViewer {
   /// nothing is there.
   std::string name_at(const glm::dvec2& place) const;
   void set_pose(const Pose& pose);
-  const Pose& pose() const { return pose_; }
+  const Pose& pose() const { return eye_.pose(); }
   /// Moves the eye to the scene's home view.
   void go_home();
   /// Sets the vertical field of view, radians: 0 < fov_y < pi.
@@ -124,11 +124,8 @@ class WebViewer {
   Presenter presenter_;
   Insight insight_;
   InsightLayer layer_ = InsightLayer::kNone;
-  Pilot pilot_;
-  bool met_ = false;  ///< the pilot knows the scene
-  Pose pose_;
+  SteeredEye eye_;
   double fov_y_ = kFovY;
-  bool posed_ = false;
   int canvas_width_ = 0, canvas_height_ = 0;
   FramePrices prices_;
   double decode_ms_ = 0, upload_ms_ = 0;

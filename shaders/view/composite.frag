@@ -17,6 +17,19 @@ vec3 encoded(vec3 c) {  // IEC 61966-2-1
   return mix(power, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
 }
 
+// Where a soft outline covers a pixel in part, its one sample of depth may be of nothing: the nearest one around counts then.
+float eye_depth(ivec2 at) {
+  float nothing = u_own.y > 0.0 ? 0.0 : 1.0;  // reversed or forward
+  ivec2 last = textureSize(u_depth, 0) - 1;
+  float there = texelFetch(u_depth, at, 0).r;
+  bool none = there == nothing;
+  for (int i = 0; i < 9 && none; ++i) {
+    float around = texelFetch(u_depth, clamp(at + ivec2(i % 3, i / 3) - 1, ivec2(0), last), 0).r;
+    there = nothing > 0.5 ? min(there, around) : max(there, around);
+  }
+  return u_own.y / (there - u_own.x);
+}
+
 void main() {
   vec2 at = (gl_FragCoord.xy - u_corner) * u_texels;
   vec4 c = u_texels == vec2(1.0) ? texelFetch(u_color, ivec2(at), 0)
@@ -31,6 +44,6 @@ void main() {
     gl_FragDepth = u_host.w;
     return;
   }
-  float eye_depth = u_own.y / (texelFetch(u_depth, ivec2(at), 0).r - u_own.x);
-  gl_FragDepth = clamp(u_host.z > 0.0 ? u_host.z * log2(1.0 + eye_depth) : u_host.x + u_host.y / eye_depth, 0.0, 1.0);
+  float d = eye_depth(ivec2(at));
+  gl_FragDepth = clamp(u_host.z > 0.0 ? u_host.z * log2(1.0 + d) : u_host.x + u_host.y / d, 0.0, 1.0);
 }

@@ -21,7 +21,10 @@ struct Answer {
   std::string head, body;
 };
 
+// A picture takes its time where others are made before it, and the machine is busy.
 Answer read_answer(RawPeer& peer) {
+  constexpr int kSeconds = 60;
+  peer.wait_at_most(kSeconds);
   std::string text;
   for (std::string part = peer.hear(); !part.empty(); part = peer.hear()) text += part;
   const std::size_t end = text.find("\r\n\r\n");

@@ -3,6 +3,7 @@
 // WEB_ANGLE (what draws: swiftshader; gl-egl: the system's own OpenGL, as the native programs do).
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
+import http from 'node:http';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
@@ -54,6 +55,29 @@ async function start(program, args) {
 export const serve = (scene, args = [], port = 0) => start('mirage-server', [scene, '--listen', `127.0.0.1:${port}`, ...args]);
 export const relay = (to, { rtt, rate }) =>
   start('mirage-relay', ['--to', String(to), '--rtt', String(rtt), '--rate', String(rate)]);
+
+const mediaTypes = { html: 'text/html', js: 'text/javascript', mjs: 'text/javascript', wasm: 'application/wasm', css: 'text/css' };
+
+/// Serves a page of somebody else, on a port of its own: the packed mirage-client as /package/, npm's modules as /modules/, and
+/// `files` (address -> file, or folder where the address ends with /). put() adds a page's text.
+export async function hostSite(files = {}, headers = {}) {
+  const folders = {
+    '/package/': join(bin, '../../npm/package'), '/modules/': join(process.env.WEB_MODULES, 'node_modules'), ...files };
+  const texts = new Map();
+  const find = (path) => {
+    const folder = Object.keys(folders).filter((address) => address.endsWith('/') && path.startsWith(address)).sort((a, b) => b.length - a.length)[0];
+    return folders[path] ?? (folder && join(folders[folder], path.slice(folder.length)));
+  };
+  const server = http.createServer((request, response) => {
+    const path = new URL(request.url, 'http://x').pathname;
+    const file = find(path);
+    const body = texts.get(path) ?? (file && existsSync(file) ? readFileSync(file) : null);
+    if (body === null) { response.writeHead(404).end(); return; }
+    response.writeHead(200, { 'Content-Type': mediaTypes[path.split('.').pop()] ?? 'application/octet-stream', ...headers }).end(body);
+  });
+  await new Promise((done) => { server.listen(0, '127.0.0.1', done); });
+  return { origin: `http://127.0.0.1:${server.address().port}`, put: (path, text) => texts.set(path, text), close: () => server.close() };
+}
 
 export const launch = (args = software) =>
   chromium.launch({ executablePath: process.env.WEB_CHROMIUM ?? '/usr/bin/chromium', args });

@@ -14,10 +14,12 @@ const keyMoves = {
 const dead = 0.15;  // of a gamepad's axes
 
 export class Controls {
-  /// `aim` gets the place of the picture, 0 to 1, where a hand takes hold.
-  constructor(canvas, stick, wake, aim) {
+  /// `aim` gets the place of the picture, 0 to 1, where a hand takes hold. `stick` is an element or null; `keys` is what hears the
+  /// keyboard; hands and wheel are left to the page while active() is false.
+  constructor(canvas, stick, wake, aim, { keys = globalThis, active = () => true } = {}) {
     this.wake = wake;
     this.aim = aim;
+    this.active = active;
     this.keys = new Set();
     this.pointers = new Map();
     this.stickAt = [0, 0];
@@ -26,12 +28,14 @@ export class Controls {
     this.zoom = 0;          // steps that are not taken yet
     this.fast = false;
     this.listen(canvas);
-    this.listenStick(stick);
+    this.listenKeys(keys);
+    if (stick) this.listenStick(stick);
     addEventListener('gamepadconnected', () => this.wake());
   }
 
   listen(canvas) {
     canvas.addEventListener('pointerdown', (e) => {
+      if (!this.active()) return;
       canvas.focus({ preventScroll: true });
       try { canvas.setPointerCapture(e.pointerId); } catch { /* a pointer that is gone already */ }
       this.pointers.set(e.pointerId, [e.clientX, e.clientY]);
@@ -39,8 +43,9 @@ export class Controls {
       this.aimAt(e);
       this.wake();
     });
-    canvas.addEventListener('contextmenu', (e) => e.preventDefault());  // the right button pans
+    canvas.addEventListener('contextmenu', (e) => { if (this.active()) e.preventDefault(); });  // the right button pans
     canvas.addEventListener('dblclick', (e) => {
+      if (!this.active()) return;
       this.aimAt(e);
       this.zoom += flySteps;
       this.wake();
@@ -50,21 +55,25 @@ export class Controls {
       canvas.addEventListener(end, (e) => { this.pointers.delete(e.pointerId); });
     }
     canvas.addEventListener('wheel', (e) => {
+      if (!this.active()) return;
       e.preventDefault();
       this.aimAt(e);
       const steps = e.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? e.deltaY / wheelStep : Math.sign(e.deltaY);
       this.zoom -= Math.max(-mostWheelSteps, Math.min(mostWheelSteps, steps));
       this.wake();
     }, { passive: false });
-    addEventListener('keydown', (e) => {
+  }
+
+  listenKeys(keys) {
+    keys.addEventListener('keydown', (e) => {
       const typing = e.target instanceof HTMLSelectElement || (e.target instanceof HTMLInputElement && e.target.type !== 'radio') || e.ctrlKey || e.metaKey || e.altKey;
-      if (!(keyMoves[e.code] || looks[e.code]) || typing) return;
+      if (!(keyMoves[e.code] || looks[e.code]) || typing || !this.active()) return;
       e.preventDefault();
       this.keys.add(e.code);
       this.fast = e.shiftKey;
       this.wake();
     });
-    addEventListener('keyup', (e) => { this.keys.delete(e.code); this.fast = e.shiftKey; });
+    keys.addEventListener('keyup', (e) => { this.keys.delete(e.code); this.fast = e.shiftKey; });
     addEventListener('blur', () => { this.keys.clear(); this.pointers.clear(); this.stickAt = [0, 0]; });
   }
 
