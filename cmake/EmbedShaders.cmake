@@ -1,9 +1,12 @@
-# Writes OUTPUT, a C++ file with the text of every file in FILES (relative to ROOT). Run it with cmake -P.
+# Writes OUTPUT, a C++ file with the text of every file in FILES (relative to ROOT), without comments and indents; lines keep their
+# numbers. Run it with cmake -P.
 string(REPLACE "," ";" FILES "${FILES}")
 set(text "// Generated: the shader files, by name.\n#include \"shaders/gl/program.h\"\n\n")
 string(APPEND text "namespace mirage::gl {\nstd::string_view shader_source(std::string_view name) {\n")
 foreach(file ${FILES})
   file(READ ${ROOT}/${file} body)
+  string(REGEX REPLACE "[ \t]*//[^\n]*" "" body "${body}")
+  string(REGEX REPLACE "\n[ \t]+" "\n" body "${body}")
   string(APPEND text "  if (name == \"${file}\") {\n    return R\"glsl(${body})glsl\";\n  }\n")
 endforeach()
 string(APPEND text "  return {};\n}\n")

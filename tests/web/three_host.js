@@ -145,9 +145,7 @@ globalThis.make = async (o) => {
         const background = Math.abs(out[4 * i] - 0x20) + Math.abs(out[4 * i + 1] - 0x30) + Math.abs(out[4 * i + 2] - 0x20) < 12;
         if (!background && !isBlue(out, 4 * i)) ++sides[i % width < width / 2 ? 'left' : 'right'];
       }
-      renderer.resetState();
-    if (target) renderer.setRenderTarget(target);
-    return sides;
+      return sides;
     },
     throughGlass() {
       one.render();
