@@ -6,6 +6,7 @@ import { Controls } from './controls.js';
 import { Figures, megabytes } from './figures.js';
 import { Pace } from './pace.js';
 import { Place } from './place.js';
+import { leavePoster, posterShown } from './poster.js';
 import { Prices } from './prices.js';
 import { ServerLink } from './server_link.js';
 import { say } from './status.js';
@@ -52,6 +53,7 @@ export class Viewer {
     const loading = (got, all) => say(`Loading the viewer: ${megabytes(got)} of ${megabytes(all)}`, { progress: got / all, aside: false });
     say('Loading the viewer', { progress: 0, aside: false });
     this.watchDisplay();
+    this.controls = new Controls(canvas, $('stick'), () => this.wake(), (x, y) => this.viewerThere() && this.core._page_aim(x, y));
     this.link = new ServerLink(this, this.place.address.token);
     const module = await loadModule(loading);
     this.link.worker.postMessage({ module });
@@ -62,7 +64,6 @@ export class Viewer {
     await new Promise((done) => { setTimeout(done); });  // lets the text be shown
     this.prices = new Prices(this);
     if (!this.startGraphics()) return;
-    this.controls = new Controls(canvas, $('stick'), () => this.wake(), (x, y) => this.viewerThere() && this.core._page_aim(x, y));
     this.figures = new Figures(this);
     this.compare = new Compare(this);
     this.toolbar = new Toolbar(this);
@@ -207,7 +208,7 @@ export class Viewer {
     const seconds = this.lastAt ? Math.min(0.1, (at - this.lastAt) / 1000) : 1 / 60;
     if (this.lastAt && this.lastDrawn) core._page_interval_ms(this.ownInterval(at - this.lastAt));
     const deliveredMs = this.link.deliver();
-    const motion = this.controls.take(seconds);
+    const motion = posterShown() ? this.controls.still() : this.controls.take(seconds);
     if (motion.moved) {
       this.compare.end();
       core._page_steer(...motion.steering);
@@ -276,6 +277,7 @@ export class Viewer {
     if (!this.seen && (bits & drawn)) {
       this.seen = true;
       this.marks.picture = performance.now();
+      leavePoster();
       document.title = `Mirage: ${textAt(this.core, this.core._page_scene_name())}`;
       this.toolbar.enable();
     }
