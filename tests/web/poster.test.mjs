@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import http from 'node:http';
 import { after, before, test } from 'node:test';
-import { decode, flip, launch, message, open, picture, pose, screen, seen, serve, sleep, stopAll, until, figures } from './harness.mjs';
+import { decode, figures, flip, launch, open, pose, scratch, screen, seen, serve, sleep, stopAll, until, write } from './harness.mjs';
 
 const scene = 'builtin:knot?tubular=60&radial=12';
 let browser, server, portal;
@@ -62,8 +62,8 @@ for (const [device, options] of [['a desktop', {}], ['a wide window', { width: 7
   });
 }
 
-test('it moves under the pointer and lies still without it', async () => {
-  const { page } = await hold();
+test('it moves under the pointer, without holes, and lies still without it', async () => {
+  const { page } = await hold('', { width: 720, height: 360 });  // which shows its edges
   await until('the poster', () => shown(page));
   const still = await screen(page);
   assert.equal(await canvas(page), false);
@@ -106,14 +106,22 @@ test('a link to another view does not show the home view first', async () => {
 });
 
 test('a drag that began on the poster goes on in the program, from the home view', async () => {
+  const other = await open(browser, server.url);
+  await seen(other);
+  const home = await pose(other);
+  await other.context().close();
   const { page, release } = await hold();
   await until('the poster', () => shown(page));
+  // The scene is known, its first picture has yet to be shown.
+  await page.evaluate(() => { mirage.show = () => mirage.wake(); });
+  release();
+  await until('the scene', () => page.evaluate(() => mirage.viewerThere() && mirage.core._page_home_known()));
   await page.mouse.move(320, 180);
   await page.mouse.down();
   await page.mouse.move(420, 180, { steps: 4 });
-  release();
+  await sleep(300);
+  await page.evaluate(() => { delete mirage.show; mirage.wake(); });
   await seen(page);
-  const home = await pose(page);
   await sleep(300);
   assert.deepEqual((await pose(page)).eye, home.eye, 'what was dragged on the poster turns nothing');
   await page.mouse.move(520, 180, { steps: 4 });
@@ -123,7 +131,6 @@ test('a drag that began on the poster goes on in the program, from the home view
 });
 
 test('a server with tokens puts nothing of its scene into the page', async () => {
-  const { write, scratch } = await import('./harness.mjs');
   const closed = await serve(scene, ['--token-file', write(`${scratch()}/tokens`, 'a-token-that-is-long-enough\n')]);
   await page_of(closed.url);
   await sleep(2000);

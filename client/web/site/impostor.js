@@ -24,8 +24,11 @@ void main() {
   int square = gl_VertexID / 6, corner = gl_VertexID % 6;
   ivec2 at = ivec2(square % (count.x + 1), square / (count.x + 1)) +
     ivec2(corner == 1 || corner == 2 || corner == 4, corner >= 2 && corner != 3);
-  ivec2 texel = clamp(at - 1, ivec2(0), count - 1);
-  float near = texelFetch(nearness, texel, 0).r;
+  float near = 0.0;  // the nearest around: what the grid stretches beside things in front then has the colours behind them
+  for (int i = 0; i < 9; ++i) {
+    ivec2 texel = clamp(at + ivec2(i % 3, i / 3) - 2, ivec2(0), count - 1);
+    near = max(near, texelFetch(nearness, texel, 0).r);
+  }
   place = (vec2(at) - 0.5) * cell;
   place = mix(place, vec2(-margin), equal(at, ivec2(0)));
   place = mix(place, vec2(1.0 + margin), greaterThan(at, count));
@@ -38,8 +41,8 @@ in highp vec2 place;
 out vec4 color;
 void main() { color = vec4(texture(colors, place).rgb, 1); }`;
 
-/// Returns the parts of an impostor file (server/tile/impostor_file.h); null: it is none.
-export function readImpostor(buffer) {
+// Returns the files of colours and nearness in an impostor (server/tile/impostor_file.h); null: it is none.
+function readImpostor(buffer) {
   const view = new DataView(buffer);
   const name = (at) => (at + 4 <= view.byteLength ? view.getUint32(at) : 0);
   if (name(0) !== 0x52494646 || name(8) !== 0x57454250) return null;  // RIFF, WEBP
@@ -47,11 +50,7 @@ export function readImpostor(buffer) {
     const bytes = view.getUint32(at + 4, true), from = at + 8;
     if (name(at) === 0x4D495249) {  // MIRI
       if (bytes <= headBytes || from + bytes > view.byteLength || view.getUint32(from, true) !== 1) return null;
-      const floats = (offset, count) => Array.from({ length: count }, (_, i) => view.getFloat32(from + offset + 4 * i, true));
-      const [fov, near, far, ...rotation] = floats(4, 7);
-      const eye = [0, 1, 2].map((i) => view.getFloat64(from + 32 + 8 * i, true));
-      return { fov, near, far, rotation, eye, colors: new Blob([buffer], { type: 'image/webp' }),
-        depth: new Blob([new Uint8Array(buffer, from + headBytes, bytes - headBytes)], { type: 'image/webp' }) };
+      return [new Uint8Array(buffer), new Uint8Array(buffer, from + headBytes, bytes - headBytes)];
     }
     at = from + bytes + bytes % 2;
   }
@@ -71,9 +70,7 @@ async function load(image) {
     buffer = await answer.arrayBuffer();
   }
   const parts = readImpostor(buffer);
-  if (!parts) return null;
-  const [colors, depth] = await Promise.all([createImageBitmap(parts.colors, exactly), createImageBitmap(parts.depth, exactly)]);
-  return { colors, depth };
+  return parts && Promise.all(parts.map((bytes) => createImageBitmap(new Blob([bytes], { type: 'image/webp' }), exactly)));
 }
 
 /// The canvas that draws one impostor after another; null without WebGL 2.
@@ -110,7 +107,7 @@ function makeRelief() {
   };
   let vertices = 0;
   return { canvas, lost: () => gl.isContextLost(), lose: () => gl.getExtension('WEBGL_lose_context')?.loseContext(),
-    take({ colors, depth }) {
+    take([colors, depth]) {
       for (const unit of [0, 1]) {
         gl.activeTexture(gl.TEXTURE0 + unit);
         gl.deleteTexture(gl.getParameter(gl.TEXTURE_BINDING_2D));

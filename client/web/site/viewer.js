@@ -17,6 +17,8 @@ const canvas = $('mirage');
 const mostPixelRatio = 2;
 const resting = 2, drawn = 1, drawable = 4;  // bits of page_frame()
 const mostKept = 4000;
+const fewLeft = 0.1;           // share of the things in view that have no image
+const longestPosterMs = 1000;  // over a picture that is there
 
 // Returns MB for tiles and for meshes, by the device's memory; browsers tell that up to 8 GB, if at
 // all.
@@ -208,6 +210,7 @@ export class Viewer {
     const seconds = this.lastAt ? Math.min(0.1, (at - this.lastAt) / 1000) : 1 / 60;
     if (this.lastAt && this.lastDrawn) core._page_interval_ms(this.ownInterval(at - this.lastAt));
     const deliveredMs = this.link.deliver();
+    if (this.seen && this.controls.steers()) leavePoster();
     const motion = posterShown() ? this.controls.still() : this.controls.take(seconds);
     if (motion.moved) {
       this.compare.end();
@@ -261,6 +264,13 @@ export class Viewer {
     this.lastDrawn = isDrawn;
   }
 
+  // True if the picture has images of most things, if somebody has changed it, or if it has had its time.
+  betterThanPoster() {
+    const { complete, placeholders, visible } = this.figures.now();
+    return (complete && placeholders <= fewLeft * visible) || this.place.changedAt !== undefined ||
+      performance.now() - this.marks.picture > longestPosterMs;
+  }
+
   // Says what the first picture waits for.
   tellWait() {
     const name = textAt(this.core, this.core._page_scene_name());
@@ -277,7 +287,6 @@ export class Viewer {
     if (!this.seen && (bits & drawn)) {
       this.seen = true;
       this.marks.picture = performance.now();
-      leavePoster();
       document.title = `Mirage: ${textAt(this.core, this.core._page_scene_name())}`;
       this.toolbar.enable();
     }
@@ -288,6 +297,7 @@ export class Viewer {
       this.place.tellWrong();
     }
     if (this.seen) this.choices.look();
+    if (this.seen && posterShown() && (bits & resting || this.betterThanPoster())) leavePoster();
   }
 }
 
