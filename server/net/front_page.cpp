@@ -12,9 +12,10 @@
 namespace mirage {
 namespace {
 
-// The width shows windows that are twice as wide as high to their edges. With the rest of the page,
-// these bytes arrive within two round trips of a new connection.
-constexpr std::uint32_t kPosterWidth = 800, kPosterHeight = 400;
+// Windows up to twice as wide as high show the whole height of the wide one, as the program does;
+// phones are about half as wide as high.
+constexpr std::uint32_t kLongEdge = 800, kShortEdge = 400;
+// With the rest of the page, these bytes arrive within two round trips of a new connection.
 constexpr std::size_t kPosterBytes = 32'000;
 
 void put_at(std::string& page, const std::string& place, const std::string& text) {
@@ -47,25 +48,33 @@ std::string head_of(const std::string& address) {
 
 }  // namespace
 
-PictureRequest poster_request() {
+PosterShape poster_shape(const std::string& user_agent) {
+  // Browsers of phones say Mobi, Mobile or Mobile Safari.
+  return user_agent.find("Mobi") != std::string::npos ? PosterShape::kTall : PosterShape::kWide;
+}
+
+PictureRequest poster_request(PosterShape shape) {
+  const bool tall = shape == PosterShape::kTall;
   PictureRequest out;
-  out.camera.width = kPosterWidth;
-  out.camera.height = kPosterHeight;
+  out.camera.width = tall ? kShortEdge : kLongEdge;
+  out.camera.height = tall ? kLongEdge : kShortEdge;
   out.format = PictureFormat::kImpostor;
   out.most_bytes = kPosterBytes;
   out.idle = true;
   return out;
 }
 
-std::string front_page(const std::string& page, const std::string& address,
+std::string front_page(const std::string& page, const std::string& address, PosterShape shape,
                        const std::shared_ptr<const Bytes>& poster) {
-  std::string out = page;
+  std::string out = page, image;
+  if (poster) {
+    const Camera camera = poster_request(shape).camera;
+    image = fmt::format(
+        R"(<div id="poster" hidden><img width="{}" height="{}" alt="" src="data:{};base64,{}"></div>)",
+        camera.width, camera.height, media_type(PictureFormat::kImpostor), base64(*poster));
+  }
   put_at(out, "<!--head-->", address.empty() ? "" : head_of(address));
-  put_at(out, "<!--poster-->",
-         poster
-             ? fmt::format(R"(<div id="poster" hidden><img alt="" src="data:{};base64,{}"></div>)",
-                           media_type(PictureFormat::kImpostor), base64(*poster))
-             : "");
+  put_at(out, "<!--poster-->", image);
   return out;
 }
 

@@ -77,10 +77,11 @@ void HttpPages::serve(SessionHub& hub, Counters& counters) {
   for (auto& [request, one] : std::exchange(pictures_, {})) give(one.wsi, *one.peer, moved);
   hub_ = &hub;
   counters_ = &counters;
-  poster_request_ = 0;
-  poster_ = nullptr;
   fronts_.clear();
-  if (poster_wanted_) ask_poster();
+  for (auto& [shape, poster] : posters_) {
+    poster = {};
+    ask_poster(shape);
+  }
 }
 
 int HttpPages::answer(lws* wsi, HttpPeer& peer, const std::string& path, bool stopping) {
@@ -98,21 +99,22 @@ std::string HttpPages::open_address(lws* wsi) const {
   return address_of(called_of(wsi, !options_.tls_cert.empty(), options_.proxies));
 }
 
-void HttpPages::ask_poster() {
-  poster_wanted_ = true;
+void HttpPages::ask_poster(PosterShape shape) {
+  Poster& poster = posters_[shape];
   const bool may = hub_->access().open() && hub_->options().pictures;
-  if (poster_request_ == 0 && may) poster_request_ = hub_->get(poster_request());
+  if (poster.request == 0 && may) poster.request = hub_->get(poster_request(shape));
 }
 
 int HttpPages::get_front(lws* wsi, const std::string& address, bool head) {
-  ask_poster();
+  const PosterShape shape = poster_shape(header(wsi, WSI_TOKEN_HTTP_USER_AGENT).text);
+  ask_poster(shape);
   WebFile file = *web_.find("/", "");
   const bool small = accepts_encoding(header(wsi, WSI_TOKEN_HTTP_ACCEPT_ENCODING).text, "gzip");
   if (small) file.encoding = "gzip";
   if (fronts_.size() >= kMostFronts) fronts_.clear();
-  std::string& front = fronts_[{address, small}];
+  std::string& front = fronts_[{address, shape, small}];
   if (front.empty()) {
-    front = front_page(*file.body, address, poster_);
+    front = front_page(*file.body, address, shape, posters_[shape].file);
     if (small) front = gzipped(front);
   }
   const Called called = called_of(wsi, !options_.tls_cert.empty(), options_.proxies);
@@ -300,9 +302,12 @@ void HttpPages::hand_out() {
     give(one.wsi, *one.peer, tile_answer(std::move(tile), one.codec, open, one.if_none_match));
   }
   for (const GotPicture& picture : hub_->take_pictures()) {
-    if (picture.request == poster_request_) {
-      poster_ = picture.file;
-      if (picture.reason == wire::RefusalReason::Busy) poster_request_ = 0;
+    const auto poster = std::find_if(posters_.begin(), posters_.end(), [&](const auto& one) {
+      return one.second.request == picture.request;
+    });
+    if (poster != posters_.end()) {
+      const bool again = picture.reason == wire::RefusalReason::Busy;
+      poster->second = {again ? 0 : picture.request, picture.file};
       fronts_.clear();
       continue;
     }

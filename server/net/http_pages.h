@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <tuple>
 #include <variant>
 
 #include "protocol/base/clock.h"
@@ -83,7 +84,7 @@ class HttpPages {
   /// Returns this server's address, as the request called it; empty: the scene is not for
   /// everybody.
   std::string open_address(lws* wsi) const;
-  void ask_poster();
+  void ask_poster(PosterShape shape);
   /// Sends a refusal, and remembers a wrong token.
   int refuse(lws* wsi, const HttpAnswer& answer, const std::string& address);
   /// Lets a connection wait for the hub's answer to a request.
@@ -100,11 +101,14 @@ class HttpPages {
   Admission& admission_;
   const SteadyClock clock_;
   WebPages web_;
-  // The poster of the hub's scene, and pages with it, by what was called.
-  bool poster_wanted_ = false;
-  std::uint32_t poster_request_ = 0;  ///< number at the hub; 0: it is not asked for
-  std::shared_ptr<const Bytes> poster_;
-  std::map<std::pair<std::string, bool>, std::string> fronts_;  ///< true: gzip
+  /// Home view of the hub's scene.
+  struct Poster {
+    std::uint32_t request = 0;          ///< number at the hub; 0: it is not asked for
+    std::shared_ptr<const Bytes> file;  ///< null: it is not there
+  };
+  std::map<PosterShape, Poster> posters_;  ///< of the shapes that somebody has come for
+  /// pages with a poster, by what was called; true: gzip
+  std::map<std::tuple<std::string, PosterShape, bool>, std::string> fronts_;
   // Keys are request numbers of the hub.
   std::map<std::uint32_t, Waiting> waiting_;
   std::map<std::uint32_t, WaitingForPicture> pictures_;

@@ -127,7 +127,9 @@ const WebFile* WebPages::find(const std::string& path, const std::string& accept
 
 std::string WebPages::headers(const WebFile& file, const std::string& host,
                               const std::vector<std::string>& embed_origins) {
-  std::string out = "Vary: Accept-Encoding\r\nX-Content-Type-Options: nosniff\r\n";
+  std::string out =
+      file.page ? "Vary: Accept-Encoding, User-Agent\r\n" : "Vary: Accept-Encoding\r\n";
+  out += "X-Content-Type-Options: nosniff\r\n";
   out += file.page     ? "Cache-Control: no-cache\r\n"
          : file.shared ? "Cache-Control: public, max-age=3600\r\nAccess-Control-Allow-Origin: *\r\n"
                          "Cross-Origin-Resource-Policy: cross-origin\r\n"

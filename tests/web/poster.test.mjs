@@ -8,13 +8,15 @@ import { decode, figures, flip, launch, open, pose, scratch, screen, seen, serve
 const scene = 'builtin:knot?tubular=60&radial=12';
 let browser, server, portal;
 
-const page_of = async (url) => (await fetch(url)).text();
+const phone = { width: 390, height: 844, isMobile: true, hasTouch: true,
+  userAgent: 'Mozilla/5.0 (Linux; Android 10; K) AppleWebKit/537.36 (KHTML, like Gecko) Chrome/120.0.0.0 Mobile Safari/537.36' };
+const page_of = async (url, agent = '') => (await fetch(url, { headers: { 'User-Agent': agent } })).text();
 /// Waits until the server's page has its poster.
-const poster_made = (one) => until('a poster', async () => (await page_of(one.url)).includes('id="poster"'));
+const poster_made = (one, agent) => until('a poster', async () => (await page_of(one.url, agent)).includes('id="poster"'));
 
 before(async () => {
   [browser, server] = await Promise.all([launch(), serve(scene)]);
-  await poster_made(server);
+  await Promise.all([poster_made(server), poster_made(server, phone.userAgent)]);
 });
 after(async () => {
   await browser?.close();
@@ -45,7 +47,7 @@ const knot = ({ rgba }) => {  // px of it: it is red
   return out;
 };
 
-for (const [device, options] of [['a desktop', {}], ['a wide window', { width: 720, height: 360 }]]) {
+for (const [device, options] of [['a desktop', {}], ['a wide window', { width: 720, height: 360 }], ['a phone', phone]]) {
   test(`on ${device} a picture is there before the program, which goes on from the same place`, async () => {
     const { page, release } = await hold('', options);
     await until('the poster', () => shown(page));
@@ -84,6 +86,13 @@ test('it moves under the pointer, without holes, and lies still without it', asy
   assert.equal(black, 0, 'holes');
   await page.evaluate(() => document.getElementById('mirage').dispatchEvent(new PointerEvent('pointerleave')));
   await until('the canvas to be gone', async () => !await canvas(page));
+  await page.context().close();
+});
+
+test('a phone that is held across shows no poster that was made for it upright', async () => {
+  const { page } = await hold('', { ...phone, width: 844, height: 390 });
+  await sleep(300);
+  assert.equal(await shown(page), false);
   await page.context().close();
 });
 

@@ -1,6 +1,6 @@
-// Poster: the picture of the home view that the page came with. It shows until the program draws,
-// and follows the pointer a little. Without one in the page, or where the address names another
-// view, nothing is shown.
+// Poster: the picture of the home view that the page came with. It shows until the program's is
+// better, and follows the pointer a little. Without one in the page, where the address names another
+// view, or where a phone is held across, nothing is shown.
 import { readAddress, usualFov } from './address.js';
 import { dispose, follow } from './impostor.js';
 
@@ -14,10 +14,13 @@ function elsewhere() {
   return Boolean(eye || light || t || bg) || fov !== usualFov || query.has('clip') || query.has('variant');
 }
 
-let there = Boolean(box) && !elsewhere();
+const image = box?.firstElementChild;
+const size = (name) => Number(image?.getAttribute(name));
+const across = size('height') > size('width') && innerWidth > innerHeight;
+let there = Boolean(box) && !across && !elsewhere();
 if (there) {
   box.hidden = false;
-  follow(box.firstElementChild, document.getElementById('mirage'));
+  follow(image, document.getElementById('mirage'));
 } else {
   box?.remove();
 }

@@ -25,14 +25,14 @@ std::string unzipped(const std::string& bytes, std::size_t most) {
 
 TEST(FrontPage, ThePosterIsInThePage) {
   const auto poster = std::make_shared<const Bytes>(Bytes{'R', 'I', 'F', 'F', 0xff});
-  const std::string page = front_page(kPage, "", poster);
+  const std::string page = front_page(kPage, "", PosterShape::kWide, poster);
   EXPECT_NE(page.find("src=\"data:image/webp;base64,UklGRv8=\""), std::string::npos) << page;
   EXPECT_NE(page.find("<head></head>"), std::string::npos) << "nothing is told without an address";
-  EXPECT_EQ(front_page(kPage, "", nullptr), "<head></head><main></main>");
+  EXPECT_EQ(front_page(kPage, "", PosterShape::kWide, nullptr), "<head></head><main></main>");
 }
 
 TEST(FrontPage, OtherSitesAreToldWholeAddresses) {
-  const std::string page = front_page(kPage, "https://example.org", nullptr);
+  const std::string page = front_page(kPage, "https://example.org", PosterShape::kWide, nullptr);
   for (const char* told :
        {"property=\"og:title\"", "name=\"twitter:card\"",
         "content=\"https://example.org/v1/picture?size=1200x630&amp;format=jpeg\"",
@@ -43,8 +43,8 @@ TEST(FrontPage, OtherSitesAreToldWholeAddresses) {
 }
 
 TEST(FrontPage, APageWithoutPlacesStaysAsItIs) {
-  EXPECT_EQ(front_page("<p>", "https://example.org", std::make_shared<const Bytes>(Bytes{1})),
-            "<p>");
+  const auto poster = std::make_shared<const Bytes>(Bytes{1});
+  EXPECT_EQ(front_page("<p>", "https://example.org", PosterShape::kWide, poster), "<p>");
 }
 
 TEST(FrontPage, ZippedIsTheSameText) {
@@ -55,11 +55,24 @@ TEST(FrontPage, ZippedIsTheSameText) {
 }
 
 TEST(FrontPage, APosterIsSmallAndWaitsForEverybodyElse) {
-  const PictureRequest poster = poster_request();
-  EXPECT_TRUE(poster.idle);
-  EXPECT_FALSE(poster.posed);
-  EXPECT_GT(poster.most_bytes, 10'000u);
-  EXPECT_LT(poster.most_bytes, 40'000u);
+  for (const PosterShape shape : {PosterShape::kWide, PosterShape::kTall}) {
+    const PictureRequest poster = poster_request(shape);
+    EXPECT_TRUE(poster.idle);
+    EXPECT_FALSE(poster.posed);
+    EXPECT_GT(poster.most_bytes, 10'000u);
+    EXPECT_LT(poster.most_bytes, 40'000u);
+  }
+}
+
+TEST(FrontPage, PhonesGetATallOne) {
+  EXPECT_EQ(poster_shape("Mozilla/5.0 (Linux; Android 10; K) Chrome/120.0 Mobile Safari/537.36"),
+            PosterShape::kTall);
+  EXPECT_EQ(poster_shape("Mozilla/5.0 (X11; Linux x86_64; rv:120.0) Firefox/120.0"),
+            PosterShape::kWide);
+  EXPECT_EQ(poster_shape(""), PosterShape::kWide);
+  const auto poster = std::make_shared<const Bytes>(Bytes{1});
+  EXPECT_NE(front_page(kPage, "", PosterShape::kTall, poster).find("width=\"400\" height=\"800\""),
+            std::string::npos);
 }
 
 }  // namespace
