@@ -24,7 +24,7 @@ std::string name_at(const Bytes& bytes, std::size_t at) {
           bytes.begin() + static_cast<std::ptrdiff_t>(at + 4)};
 }
 
-/// A picture 10 x 6 px: a wall 2 to 4 m away, rising to the right, and sky in the upper cells.
+/// A picture 10 x 6 px: a wall 2 to 4 m away, farther to the right, and sky in the upper cells.
 struct Wall {
   Camera camera;
   SceneFrame frame;
@@ -34,7 +34,7 @@ struct Wall {
     camera.pose = look_at({1, 2, 3}, {1, 2, -9});
     for (std::uint32_t y = 0; y < camera.height; ++y) {
       for (std::uint32_t x = 0; x < camera.width; ++x) {
-        frame.depth.push_back(y < 4 ? 0.0f : 4.0f - 2.0f * static_cast<float>(x) / 9.0f);
+        frame.depth.push_back(y < 4 ? 0.0f : 2.0f + 2.0f * static_cast<float>(x) / 9.0f);
       }
     }
   }
@@ -58,9 +58,9 @@ TEST(ImpostorFile, TheChunkSaysWhereTheSurfacesAre) {
     const double t = depth.rgba[static_cast<std::size_t>(4 * (3 * y + x))] / 255.0;
     return 1 / (1 / far + t * (1 / near - 1 / far));
   };
-  EXPECT_NEAR(metres(0, 1), 4 - 2 * 3 / 9.0, 0.02) << "the nearest of the cell";
-  EXPECT_NEAR(metres(1, 1), 4 - 2 * 7 / 9.0, 0.02);
-  EXPECT_NEAR(metres(2, 1), 2, 0.02);
+  EXPECT_NEAR(metres(0, 1), 2, 0.02) << "the nearest of the cell";
+  EXPECT_NEAR(metres(1, 1), 2 + 2 * 4 / 9.0, 0.02);
+  EXPECT_NEAR(metres(2, 1), 2 + 2 * 8 / 9.0, 0.02);
   for (int x = 0; x < 3; ++x) EXPECT_EQ(depth.rgba[static_cast<std::size_t>(4 * x)], 0) << "sky";
 }
 
