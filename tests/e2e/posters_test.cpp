@@ -86,10 +86,19 @@ TEST(Posters, AreMadeOnceAtFirstDemand) {
   const double made = metrics(server)["references_rendered_total"];
   for (int i = 0; i < 5; ++i) EXPECT_TRUE(has_poster(get(server, "/")));
   EXPECT_EQ(metrics(server)["references_rendered_total"], made);
+  EXPECT_EQ(metrics(server)["pictures_sent_total"], 1) << "asked for once";
+}
+
+// With a picture as good as /v1/impostor, the page would have more.
+TEST(Posters, TakeFewBytesOfADetailedScene) {
+  const Server server("builtin:forest?trees=60", {"--web", page_with_places()});
+  ASSERT_TRUE(server.ready()) << server.log();
+  ASSERT_TRUE(has_poster(page_with_poster(server)));
   const Answer zipped = get(server, "/", "Accept-Encoding: gzip, br\r\n");
   EXPECT_NE(zipped.head.find("gzip"), std::string::npos);
-  EXPECT_LT(zipped.body.size(), 40'000u);
   EXPECT_NE(zipped.head.find("no-cache"), std::string::npos);
+  EXPECT_LT(zipped.body.size(), 40'000u);
+  EXPECT_GT(get(server, "/v1/impostor?size=800x400").body.size(), 40'000u);
 }
 
 TEST(Posters, ShowTheSceneThatIsServed) {
