@@ -101,6 +101,19 @@ TEST(Posters, TakeFewBytesOfADetailedScene) {
   EXPECT_GT(get(server, "/v1/impostor?size=800x400").body.size(), 40'000u);
 }
 
+// A poster of this forest takes a second. The wide one has waited for the scene's levels.
+TEST(Posters, GiveWayToWhatSomebodyWaitsFor) {
+  const Server server("builtin:forest", {"--web", page_with_places()});
+  ASSERT_TRUE(server.ready()) << server.log();
+  ASSERT_TRUE(has_poster(page_with_poster(server)));
+  const auto on_phone = [&] { return has_poster(get(server, "/", "User-Agent: Mobile\r\n")); };
+  EXPECT_FALSE(on_phone());
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // it is under way
+  EXPECT_EQ(get(server, "/v1/picture?size=16x16&samples=1").status, 200);
+  EXPECT_FALSE(on_phone());
+  EXPECT_TRUE(soon(on_phone)) << "it begins again";
+}
+
 TEST(Posters, ShowTheSceneThatIsServed) {
   const fs::path file = fs::path(scratch_folder()) / "scene.glb";
   const auto write = [&](const Color& color) {
