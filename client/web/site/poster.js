@@ -1,29 +1,22 @@
 // Poster: the picture of the home view that the page came with. It shows until the program's is
 // better, and follows the pointer a little. Without one in the page, where the address names another
-// view, or where a phone is held across, nothing is shown.
-import { readAddress, usualFov } from './address.js';
-import { dispose, follow } from './impostor.js';
+// view, or where a phone is held across, nothing is shown. It needs no other part of the page to
+// show: each would come a round trip later.
 
 const box = document.getElementById('poster');
+const image = box?.firstElementChild;
 const fadeMs = 250;  // as in style.css
 
-// The program would draw something else than the server's home view.
-function elsewhere() {
-  const { eye, light, t, fov = usualFov, bg } = readAddress(location.hash);
-  const query = new URLSearchParams(location.search);
-  return Boolean(eye || light || t || bg) || fov !== usualFov || query.has('clip') || query.has('variant');
-}
-
-const image = box?.firstElementChild;
+// The program would draw something else than the server's home view (address.js, choices.js).
+const elsewhere = /[#&](eye|look|light|t|fov|bg)=/.test(location.hash) || /[?&](clip|variant)=/.test(location.search);
 const size = (name) => Number(image?.getAttribute(name));
 const across = size('height') > size('width') && innerWidth > innerHeight;
-let there = Boolean(box) && !across && !elsewhere();
-if (there) {
-  box.hidden = false;
-  follow(image, document.getElementById('mirage'));
-} else {
-  box?.remove();
-}
+
+let there = Boolean(box) && !across && !elsewhere;
+if (there) box.hidden = false;
+else box?.remove();
+const motion = there ? import('./impostor.js') : null;
+motion?.then(({ follow }) => follow(image, document.getElementById('mirage')));
 
 /// True while the poster stands for the picture.
 export const posterShown = () => there;
@@ -33,5 +26,5 @@ export function leavePoster() {
   if (!there) return;
   there = false;
   box.classList.add('leaving');
-  setTimeout(() => { dispose(); box.remove(); }, fadeMs);
+  setTimeout(() => { motion.then(({ dispose }) => dispose()); box.remove(); }, fadeMs);
 }
