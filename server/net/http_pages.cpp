@@ -127,8 +127,7 @@ int HttpPages::get_oembed(lws* wsi) const {
     return send(wsi, refusal(405, "only GET here", "Allow: GET\r\n"));
   }
   const std::string address = open_address(wsi);
-  if (address.empty())
-    return send(wsi, refusal(403, "this server shows its scene not to everybody"));
+  if (address.empty()) return send(wsi, refusal(403, "this server is not open to everybody"));
   return send(wsi, oembed_answer(query_of(wsi), address));
 }
 

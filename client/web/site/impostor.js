@@ -12,6 +12,7 @@ const margin = 0.1;      // of the picture, which goes on behind its edge as in 
 const restAt = 0.002;    // of the reach, less than a pixel
 const copied = ['objectFit', 'objectPosition', 'borderRadius', 'border', 'padding', 'filter', 'clipPath'];
 const headBytes = 56;    // of the chunk's content, before the depth
+const cellTexels = 4;    // of the picture, to a texel of the depth
 const still = matchMedia('(prefers-reduced-motion: reduce)');
 
 const vertexShader = `#version 300 es
@@ -116,8 +117,7 @@ function makeRelief() {
       gl.viewport(0, 0, colors.width, colors.height);
       fill(0, colors, gl.LINEAR);
       fill(1, depth, gl.NEAREST);
-      const texels = Math.round(colors.width / depth.width);  // of a cell
-      gl.uniform2f(cell, texels / colors.width, texels / colors.height);
+      gl.uniform2f(cell, cellTexels / colors.width, cellTexels / colors.height);
       vertices = 6 * (depth.width + 1) * (depth.height + 1);
     },
     draw([x, y]) {
