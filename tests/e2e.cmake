@@ -65,6 +65,9 @@ target_link_libraries(mirage_e2e_choices PRIVATE mirage_gltf OpenImageIO::OpenIm
 mirage_e2e(library)
 target_sources(mirage_e2e_library PRIVATE e2e/library_views_test.cpp support/failing_memory.cpp)
 target_link_libraries(mirage_e2e_library PRIVATE mirage-client mirage_egl OpenImageIO::OpenImageIO)
+# The test of posters writes scenes, and compares pixels.
+mirage_e2e(posters)
+target_link_libraries(mirage_e2e_posters PRIVATE mirage_gltf OpenImageIO::OpenImageIO)
 mirage_e2e(pictures)
 target_link_libraries(mirage_e2e_pictures PRIVATE mirage-client mirage_egl OpenImageIO::OpenImageIO)
 mirage_e2e(softpipe)

@@ -1,5 +1,6 @@
 // Stages the page as a server serves it: index.html, and everything else under a name that changes
-// with any of it. Everything is also compressed in advance.
+// with any of it; impostor.js, which pages of other sites use, also beside index.html. Everything is
+// also compressed in advance.
 //   node stage.mjs SITE_FOLDER BUILT_FOLDER TARGET_FOLDER
 import { createHash } from 'node:crypto';
 import { mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
@@ -30,6 +31,7 @@ function put(name, bytes) {
   brotli += smaller.length;
 }
 for (const [name, bytes] of parts) put(join(folder, name), bytes);
+put('impostor.js', parts.get('impostor.js'));
 // The page asks for all modules at once, not as one finds the next.
 const modules = [...parts.keys()].filter((name) => name.endsWith('.js') && name !== 'viewer.js' && name !== 'socket_worker.js')
   .map((name) => `<link rel="modulepreload" href="@/${name}">`).join('\n');

@@ -15,6 +15,7 @@
 #include "server/net/endpoint_options.h"
 #include "server/net/lws_text.h"
 #include "server/net/metrics.h"
+#include "server/net/oembed.h"
 #include "server/net/picture_http.h"
 #include "server/session/session.h"
 
@@ -32,6 +33,7 @@ constexpr int kTilePatienceS = 15;  // seconds; longer than the hub's deadline
 constexpr int kPicturePatienceS = 120;
 constexpr std::int64_t kLookForGoneUs = 100'000;
 constexpr int kMostPicturesOfOne = 32;  // that an address may wait for
+constexpr std::size_t kMostFronts = 16;
 
 // Adds header lines of the form `Name: value`.
 bool add_headers(lws* wsi, const std::string& lines, unsigned char** at, unsigned char* end) {
@@ -49,7 +51,7 @@ bool add_headers(lws* wsi, const std::string& lines, unsigned char** at, unsigne
   return true;
 }
 
-int send(lws* wsi, const HttpAnswer& answer) {
+int send(lws* wsi, const HttpAnswer& answer, bool head = false) {
   std::vector<std::uint8_t> buffer(LWS_PRE + std::max(kMostHeaderBytes, answer.body.size()));
   unsigned char* const start = buffer.data() + LWS_PRE;
   unsigned char* at = start;
@@ -60,7 +62,7 @@ int send(lws* wsi, const HttpAnswer& answer) {
       lws_finalize_write_http_header(wsi, start, &at, end)) {
     return -1;
   }
-  if (!answer.body.empty()) {
+  if (!answer.body.empty() && !head) {
     std::memcpy(start, answer.body.data(), answer.body.size());
     if (lws_write(wsi, start, answer.body.size(), LWS_WRITE_HTTP_FINAL) < 0) return -1;
   }
@@ -75,21 +77,67 @@ void HttpPages::serve(SessionHub& hub, Counters& counters) {
   for (auto& [request, one] : std::exchange(pictures_, {})) give(one.wsi, *one.peer, moved);
   hub_ = &hub;
   counters_ = &counters;
+  fronts_.clear();
+  for (auto& [shape, poster] : posters_) {
+    poster = {};
+    ask_poster(shape);
+  }
 }
 
 int HttpPages::answer(lws* wsi, HttpPeer& peer, const std::string& path, bool stopping) {
   if (path.rfind(kTilePath, 0) == 0) return get_tile(wsi, peer, path);
-  if (path == kPicturePath) return get_picture(wsi, peer, path);
+  if (path == kPicturePath || path == kImpostorPath) return get_picture(wsi, peer, path);
+  if (path == kOembedPath) return get_oembed(wsi);
   const HeaderText accepted = header(wsi, WSI_TOKEN_HTTP_ACCEPT_ENCODING);
-  if (const WebFile* file = web_.find(path, accepted.text)) return get_file(wsi, peer, *file);
-  return send(wsi, page(path, stopping));
+  const WebFile* const file = web_.find(path, accepted.text);
+  if (!file) return send(wsi, page(path, stopping));
+  return get_file(wsi, peer, *file);
 }
 
-int HttpPages::get_file(lws* wsi, HttpPeer& peer, const WebFile& file) const {
+std::string HttpPages::open_address(lws* wsi) const {
+  if (!hub_->access().open() || !hub_->options().pictures) return {};
+  return address_of(called_of(wsi, !options_.tls_cert.empty(), options_.proxies));
+}
+
+void HttpPages::ask_poster(PosterShape shape) {
+  Poster& poster = posters_[shape];
+  const bool may = hub_->access().open() && hub_->options().pictures;
+  if (poster.request == 0 && may) poster.request = hub_->get(poster_request(shape));
+}
+
+int HttpPages::get_front(lws* wsi, const std::string& address, bool head) {
+  const PosterShape shape = poster_shape(header(wsi, WSI_TOKEN_HTTP_USER_AGENT).text);
+  ask_poster(shape);
+  WebFile file = *web_.find("/", "");
+  const bool small = accepts_encoding(header(wsi, WSI_TOKEN_HTTP_ACCEPT_ENCODING).text, "gzip");
+  if (small) file.encoding = "gzip";
+  if (fronts_.size() >= kMostFronts) fronts_.clear();
+  std::string& front = fronts_[{address, shape, small}];
+  if (front.empty()) {
+    front = front_page(*file.body, address, shape, posters_[shape].file);
+    if (small) front = gzipped(front);
+  }
+  const Called called = called_of(wsi, !options_.tls_cert.empty(), options_.proxies);
+  const std::string headers = WebPages::headers(file, called.host, options_.embed_origins);
+  return send(wsi, {200, file.type, headers, front}, head);
+}
+
+int HttpPages::get_oembed(lws* wsi) const {
+  if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) {
+    return send(wsi, refusal(405, "only GET here", "Allow: GET\r\n"));
+  }
+  const std::string address = open_address(wsi);
+  if (address.empty()) return send(wsi, refusal(403, "this server is not open to everybody"));
+  return send(wsi, oembed_answer(query_of(wsi), address));
+}
+
+int HttpPages::get_file(lws* wsi, HttpPeer& peer, const WebFile& file) {
   const bool head = lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) > 0;
   if (!head && lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) {
     return send(wsi, {405, "text/plain", "Allow: GET, HEAD\r\n", "pages are got\n"});
   }
+  const std::string address = file.page ? open_address(wsi) : "";
+  if (!address.empty()) return get_front(wsi, address, head);
   std::vector<std::uint8_t> buffer(LWS_PRE + kMostHeaderBytes);
   unsigned char* const start = buffer.data() + LWS_PRE;
   unsigned char* at = start;
@@ -253,6 +301,15 @@ void HttpPages::hand_out() {
     give(one.wsi, *one.peer, tile_answer(std::move(tile), one.codec, open, one.if_none_match));
   }
   for (const GotPicture& picture : hub_->take_pictures()) {
+    const auto poster = std::find_if(posters_.begin(), posters_.end(), [&](const auto& one) {
+      return one.second.request == picture.request;
+    });
+    if (poster != posters_.end()) {
+      const bool again = picture.reason == wire::RefusalReason::Busy;
+      poster->second = {again ? 0 : picture.request, picture.file};
+      fronts_.clear();
+      continue;
+    }
     const auto waits = pictures_.extract(picture.request);
     if (waits.empty()) continue;
     const WaitingForPicture& one = waits.mapped();

@@ -8,9 +8,11 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <tuple>
 #include <variant>
 
 #include "protocol/base/clock.h"
+#include "server/net/front_page.h"
 #include "server/net/tile_http.h"
 #include "server/net/web_pages.h"
 #include "server/tile/tile_job.h"
@@ -76,6 +78,13 @@ class HttpPages {
   /// than GET.
   std::variant<HttpRequest, HttpAnswer> read(lws* wsi, const std::string& path,
                                              const std::string& address) const;
+  /// Sends index.html with the poster, or asks for one, for the next who come.
+  int get_front(lws* wsi, const std::string& address, bool head);
+  int get_oembed(lws* wsi) const;
+  /// Returns this server's address, as the request called it; empty: the scene is not for
+  /// everybody.
+  std::string open_address(lws* wsi) const;
+  void ask_poster(PosterShape shape);
   /// Sends a refusal, and remembers a wrong token.
   int refuse(lws* wsi, const HttpAnswer& answer, const std::string& address);
   /// Lets a connection wait for the hub's answer to a request.
@@ -83,7 +92,7 @@ class HttpPages {
   static void give(lws* wsi, HttpPeer& peer, HttpAnswer answer);
   /// Forgets pictures whose connections the other side has closed, at most ten times a second.
   void drop_gone();
-  int get_file(lws* wsi, HttpPeer& peer, const WebFile& file) const;
+  int get_file(lws* wsi, HttpPeer& peer, const WebFile& file);
   static int write_file(lws* wsi, HttpPeer& peer);
 
   SessionHub* hub_ = nullptr;
@@ -92,6 +101,14 @@ class HttpPages {
   Admission& admission_;
   const SteadyClock clock_;
   WebPages web_;
+  /// Home view of the hub's scene.
+  struct Poster {
+    std::uint32_t request = 0;          ///< number at the hub; 0: it is not asked for
+    std::shared_ptr<const Bytes> file;  ///< null: it is not there
+  };
+  std::map<PosterShape, Poster> posters_;  ///< of the shapes that somebody has come for
+  /// pages with a poster, by what was called; true: gzip
+  std::map<std::tuple<std::string, PosterShape, bool>, std::string> fronts_;
   // Keys are request numbers of the hub.
   std::map<std::uint32_t, Waiting> waiting_;
   std::map<std::uint32_t, WaitingForPicture> pictures_;

@@ -76,7 +76,8 @@ std::string Reading::take(const std::string& name, const std::string& value) {
 std::string Reading::take_look(const std::string& name, const std::string& value) {
   if (name == "format") {
     const auto format = picture_format(value);
-    if (!format) return "format is not webp, png or jpeg";
+    if (picture.format == PictureFormat::kImpostor) return "an impostor has no format: it is WebP";
+    if (!format || *format == PictureFormat::kImpostor) return "format is not webp, png or jpeg";
     picture.format = *format;
     return "";
   }
@@ -135,12 +136,13 @@ std::string caching(const std::string& tag, bool open) {
 std::variant<PictureRequest, HttpAnswer> read_picture_request(const HttpRequest& request,
                                                               const Access& access,
                                                               std::int64_t now_s) {
-  const Result<Grant> grant = grant_of(request, kPicturePath, access, now_s);
+  const Result<Grant> grant = grant_of(request, request.path, access, now_s);
   if (!grant) return refusal(401, grant.error().text, "WWW-Authenticate: Bearer\r\n");
   Reading reading;
   reading.picture.camera.fov_y = 60 * kRadians;
   reading.picture.camera.width = kWidth;
   reading.picture.camera.height = kHeight;
+  if (request.path == kImpostorPath) reading.picture.format = PictureFormat::kImpostor;
   std::string wrong;
   for (const auto& [name, value] : query_values(request.query)) {
     if (wrong.empty()) wrong = reading.take(name, value);

@@ -41,6 +41,37 @@ std::string trimmed(const std::string& text) {
 
 }  // namespace
 
+std::string address_of(const Called& called) {
+  if (!plain_host(called.host)) return {};
+  return (called.tls ? "https://" : "http://") + called.host;
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
 bool accepts_encoding(const std::string& accepted, const std::string& encoding) {
   std::istringstream parts(accepted);
   for (std::string part; std::getline(parts, part, ',');) {
@@ -72,6 +103,7 @@ Result<WebPages> WebPages::read(const std::string& folder) {
     if (!stream) return make_error(ErrorId::kIo, "cannot read '" + entry.path().string() + "'");
     file.type = type;
     file.page = path == "/index.html";
+    file.shared = !file.page && path.rfind('/') == 0;
     file.body = std::make_shared<const std::string>(std::move(bytes));
     out.files_[path][file.encoding] = std::move(file);
   }
@@ -95,16 +127,20 @@ const WebFile* WebPages::find(const std::string& path, const std::string& accept
 
 std::string WebPages::headers(const WebFile& file, const std::string& host,
                               const std::vector<std::string>& embed_origins) {
-  std::string out = "Vary: Accept-Encoding\r\nX-Content-Type-Options: nosniff\r\n";
-  out += file.page ? "Cache-Control: no-cache\r\n"
-                   : "Cache-Control: public, max-age=31536000, immutable\r\n";
+  std::string out =
+      file.page ? "Vary: Accept-Encoding, User-Agent\r\n" : "Vary: Accept-Encoding\r\n";
+  out += "X-Content-Type-Options: nosniff\r\n";
+  out += file.page     ? "Cache-Control: no-cache\r\n"
+         : file.shared ? "Cache-Control: public, max-age=3600\r\nAccess-Control-Allow-Origin: *\r\n"
+                         "Cross-Origin-Resource-Policy: cross-origin\r\n"
+                       : "Cache-Control: public, max-age=31536000, immutable\r\n";
   if (!file.encoding.empty()) out += "Content-Encoding: " + file.encoding + "\r\n";
   if (!file.page) return out;
   // Some browsers do not count a WebSocket of the same host as 'self'.
   const std::string sockets = plain_host(host) ? " ws://" + host + " wss://" + host : "";
   out +=
       "Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; "
-      "worker-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'" +
+      "worker-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'" +
       sockets + "; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
   for (const std::string& origin : embed_origins) out += " " + origin;
   out += "\r\n";

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "protocol/base/result.h"
+#include "server/net/forwarded.h"
 
 namespace mirage {
 
@@ -16,6 +17,7 @@ struct WebFile {
   std::string type;      ///< MIME type of the content
   std::string encoding;  ///< br, gzip or none
   bool page = false;     ///< index.html: never cached, as it names the other files
+  bool shared = false;   ///< a part beside it, whose name stays: pages of other sites use it
   std::shared_ptr<const std::string> body;
 };
 
@@ -38,6 +40,12 @@ class WebPages {
  private:
   std::map<std::string, std::map<std::string, WebFile>> files_;  ///< by path, then by encoding
 };
+
+/// Returns the address of what was called, such as https://example.org:9870; empty: no browser
+/// sends such a Host.
+std::string address_of(const Called& called);
+/// Returns a text that is the same text in HTML, between quotes as well.
+std::string escaped(const std::string& text);
 
 /// True if an Accept-Encoding header accepts this encoding: it names it, without q=0.
 bool accepts_encoding(const std::string& accepted, const std::string& encoding);

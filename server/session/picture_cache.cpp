@@ -19,7 +19,8 @@ bool PictureCache::wait(PictureAsk ask, std::uint32_t request) {
   making_.add(ask.key, request);
   jobs_[ask.key] = job;
   ReferenceJob render{job, 0, std::move(ask.shot)};
-  render.picture = PictureName{std::move(ask.key), ask.format};
+  render.picture = PictureName{std::move(ask.key), ask.format, render.shot.camera, ask.most_bytes};
+  render.idle = ask.idle;
   queue_.submit(std::move(render));
   return true;
 }

@@ -26,6 +26,8 @@ struct PictureAsk {
   std::string key;
   PictureFormat format = PictureFormat::kWebp;
   SceneShot shot;
+  std::size_t most_bytes = 0;  ///< see PictureName
+  bool idle = false;           ///< see ReferenceJob
 };
 
 class PictureCache {

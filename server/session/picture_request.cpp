@@ -10,6 +10,7 @@ std::string PictureRequest::key() const {
                                 static_cast<int>(format), camera.fov_y);
   const glm::quat& q = camera.pose.rotation;
   const glm::dvec3& eye = camera.pose.eye;
+  if (most_bytes > 0) out += fmt::format(" in {}", most_bytes);
   if (posed)
     out += fmt::format(" at {} {} {} {} {} {} {}", eye.x, eye.y, eye.z, q.w, q.x, q.y, q.z);
   if (sun) out += fmt::format(" sun {} {}", sun->azimuth, sun->elevation);

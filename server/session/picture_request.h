@@ -19,6 +19,8 @@ struct PictureRequest {
   std::uint32_t samples = 2;    ///< a side of a pixel
   std::optional<SunPlace> sun;  ///< nullopt: the scene's own light
   PictureFormat format = PictureFormat::kWebp;
+  std::size_t most_bytes = 0;  ///< of an impostor, which is coarser then; 0: as many as it takes
+  bool idle = false;           ///< drawn while the server has nothing else to do
 
   /// Returns a text that is equal for equal requests only.
   std::string key() const;

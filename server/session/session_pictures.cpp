@@ -15,6 +15,8 @@ std::uint32_t SessionHub::get(PictureRequest wanted) {
   PictureAsk ask;
   ask.key = wanted.key();
   ask.format = wanted.format;
+  ask.most_bytes = wanted.most_bytes;
+  ask.idle = wanted.idle;
   if (auto made = pictures_.find(ask.key)) {
     ++counters_.pictures_sent;
     return answer(std::move(made), wire::RefusalReason::None);

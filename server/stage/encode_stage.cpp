@@ -72,7 +72,7 @@ void EncodeStage::finish(const RenderedView& drawn) {
 
 void EncodeStage::finish(RenderedReference& drawn) {
   if (drawn.picture) {
-    Result<Bytes> file = encode_picture(drawn, drawn.picture->format);
+    Result<Bytes> file = encode_picture(drawn, *drawn.picture);
     if (!file) spdlog::warn("refused: {}", file.error().line());
     announce(FinishedPicture{drawn.picture->key,
                              file ? std::make_shared<const Bytes>(file.take()) : nullptr});

@@ -71,6 +71,7 @@ Result<void> RenderLoop::run() {
     room.fits = [&](std::uint32_t edge) { return packer.add(edge); };
     room.slow_edge = slow_.slow_edge();
     room.slow = [&] { return slow_.has_room(); };
+    room.idle = !slow_.under_way();
     std::optional<TileQueue::Work> work =
         queues_.tiles.take(room, ring_.empty() && !slow_.under_way());
     if (!work && queues_.tiles.closed()) slow_.drop();
@@ -87,7 +88,7 @@ Result<void> RenderLoop::run() {
     // The loop waits for a page only if the ring is full, if there is no other work, or before a
     // slice, which would delay the page further.
     if (Result<void> got = collect(!any || slow_.under_way()); !got) return got;
-    if (slow_.under_way()) {
+    if (slow_.under_way() && !(any && slow_.idle())) {
       if (Result<void> drawn = slow_.draw_slice(); !drawn) return drawn;
     }
     note_memory();

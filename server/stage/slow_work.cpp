@@ -40,7 +40,12 @@ SlowWork::SlowWork(StageQueues& queues, const std::function<void()>& wake, GlWor
       slice_samples_(software ? kSoftwareSlice : kGpuSlice),
       slow_edge_(smallest_slow_edge(slice_samples_, options.supersample)) {}
 
-bool SlowWork::has_room() const { return !under_way() && queues_.slow.size() == 0; }
+bool SlowWork::has_room() const { return (!under_way() || idle()) && queues_.slow.size() == 0; }
+
+bool SlowWork::idle() const {
+  const auto* full = std::get_if<ReferenceJob>(&job_);
+  return full && full->idle;
+}
 
 void SlowWork::announce(Completion done) {
   queues_.completions.push(std::move(done));
@@ -67,6 +72,10 @@ Result<void> SlowWork::begin_tile(const TileJob& job) {
 }
 
 Result<void> SlowWork::begin(Job job) {
+  if (idle()) {
+    queues_.tiles.submit(std::move(std::get<ReferenceJob>(job_)));
+    drop();
+  }
   if (auto* view = std::get_if<ViewJob>(&job); view && software_ && !view->home) {
     view->shot.supersample = 1;
   }

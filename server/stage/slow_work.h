@@ -27,13 +27,15 @@ class SlowWork {
 
   /// Returns the smallest edge, texels, at which a tile is slow work.
   std::uint32_t slow_edge() const { return slow_edge_; }
-  /// True if a new job may begin.
+  /// True if a new job may begin; it takes the place of an idle one.
   bool has_room() const;
   bool under_way() const { return !std::holds_alternative<std::monostate>(job_); }
+  /// True if an idle full render is under way.
+  bool idle() const;
 
   using Job = std::variant<std::monostate, ViewJob, ReferenceJob, TileJob>;
-  /// Begins a job. Refuses a job that exceeds --gpu-mb or the device's memory. Error kGraphicsGl:
-  /// the device has failed.
+  /// Begins a job. An idle one under way goes back into the tile queue. Refuses a job that exceeds
+  /// --gpu-mb or the device's memory. Error kGraphicsGl: the device has failed.
   Result<void> begin(Job job);
   /// Draws a slice of the job under way, and hands over the result after the last. Errors as
   /// begin().

@@ -1,6 +1,7 @@
 #include "server/tile/picture_encode.h"
 
 #include "modules/image_library.h"
+#include "server/tile/impostor_file.h"
 
 namespace mirage {
 namespace {
@@ -16,7 +17,11 @@ constexpr Kind kKinds[] = {
     {PictureFormat::kWebp, "webp", "image/webp", "a.webp", "webp:85"},
     {PictureFormat::kPng, "png", "image/png", "a.png", "none:6"},
     {PictureFormat::kJpeg, "jpeg", "image/jpeg", "a.jpg", "jpeg:88"},
+    {PictureFormat::kImpostor, "impostor", "image/webp", "a.webp", "webp:85"},
 };
+// Coarser forms of an impostor, until it is small enough.
+constexpr const char* kCoarser[] = {"webp:75", "webp:65", "webp:55", "webp:45",
+                                    "webp:35", "webp:25", "webp:15", "webp:5"};
 
 const Kind& kind_of(PictureFormat format) { return kKinds[static_cast<std::size_t>(format)]; }
 
@@ -31,7 +36,27 @@ std::optional<PictureFormat> picture_format(const std::string& name) {
 
 const char* media_type(PictureFormat format) { return kind_of(format).media_type; }
 
-Result<Bytes> encode_picture(const RenderedReference& drawn, PictureFormat format) {
+namespace {
+
+Result<Bytes> encode_impostor(const PictureName& name, const SceneFrame& frame,
+                              const ImageLibrary& library, const ImagePixels<std::uint8_t>& rgb) {
+  const Result<Bytes> chunk = impostor_chunk(name.camera, frame);
+  if (!chunk) return chunk.error();
+  const auto encode = [&](const char* compression) -> Result<Bytes> {
+    Result<Bytes> colors = library.encode("a.webp", rgb, compression);
+    return colors ? with_chunk(*colors, name.camera, *chunk) : colors;
+  };
+  Result<Bytes> out = encode(kind_of(PictureFormat::kImpostor).compression);
+  for (const char* const coarser : kCoarser) {
+    if (!out || name.most_bytes == 0 || out->size() <= name.most_bytes) return out;
+    out = encode(coarser);
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<Bytes> encode_picture(const RenderedReference& drawn, const PictureName& name) {
   const Result<const ImageLibrary*> library = image_library();
   if (!library) return library.error();
   const std::vector<std::uint8_t>& rgba = drawn.frame.rgba;
@@ -40,10 +65,13 @@ Result<Bytes> encode_picture(const RenderedReference& drawn, PictureFormat forma
   for (std::size_t i = 0; i + 3 < rgba.size(); i += 4) {
     rgb.insert(rgb.end(), {rgba[i], rgba[i + 1], rgba[i + 2]});
   }
-  const Kind& kind = kind_of(format);
-  return (*library)->encode(
-      kind.file, {static_cast<int>(drawn.width), static_cast<int>(drawn.height), 3, rgb.data()},
-      kind.compression);
+  const ImagePixels<std::uint8_t> pixels{static_cast<int>(drawn.width),
+                                         static_cast<int>(drawn.height), 3, rgb.data()};
+  if (name.format == PictureFormat::kImpostor) {
+    return encode_impostor(name, drawn.frame, **library, pixels);
+  }
+  const Kind& kind = kind_of(name.format);
+  return (*library)->encode(kind.file, pixels, kind.compression);
 }
 
 }  // namespace mirage

@@ -11,13 +11,13 @@
 
 namespace mirage {
 
-/// Returns the format of this name: webp, png, jpeg.
+/// Returns the format of this name: webp, png, jpeg, impostor.
 std::optional<PictureFormat> picture_format(const std::string& name);
 /// Returns the media type, such as image/webp.
 const char* media_type(PictureFormat format);
 
-/// Returns the file of a drawn full render, its sky included. WebP and JPEG are lossy. Errors
-/// kModule, kIo.
-Result<Bytes> encode_picture(const RenderedReference& drawn, PictureFormat format);
+/// Returns the file of a drawn full render, its sky included. WebP and JPEG are lossy; an impostor
+/// has depth as well (impostor_file.h). Errors kModule, kIo, kCodec.
+Result<Bytes> encode_picture(const RenderedReference& drawn, const PictureName& name);
 
 }  // namespace mirage

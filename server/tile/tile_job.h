@@ -135,11 +135,13 @@ struct SceneFrame {
   std::vector<std::uint32_t> ids;  ///< instance + 1; 0: none
 };
 
-enum class PictureFormat : std::uint8_t { kWebp, kPng, kJpeg };
+enum class PictureFormat : std::uint8_t { kWebp, kPng, kJpeg, kImpostor };
 /// A full render that goes out as a file, to everybody who asked for it under this key.
 struct PictureName {
   std::string key;
   PictureFormat format = PictureFormat::kWebp;
+  Camera camera{};
+  std::size_t most_bytes = 0;  ///< an impostor gets coarser until it has so many; 0: never
 };
 
 /// A full render of the scene: for comparison, or as a picture.
@@ -148,6 +150,7 @@ struct ReferenceJob {
   std::uint32_t request_id = 0;
   SceneShot shot;
   std::optional<PictureName> picture{};
+  bool idle = false;  ///< drawn while nothing else waits, and put back for any slow work
 };
 
 /// A view tile to draw, for all requests.

@@ -224,11 +224,13 @@ std::vector<TileJob> TileQueue::take_batch(const Room& room, bool slow) {
   return batch;
 }
 
-std::optional<TileQueue::Work> TileQueue::take_reference() {
-  reference_was_last_ = !references_.empty();
-  if (references_.empty()) return std::nullopt;
-  ReferenceJob job = std::move(references_.front());
-  references_.pop_front();
+std::optional<TileQueue::Work> TileQueue::take_reference(bool idle) {
+  const auto next = std::find_if(references_.begin(), references_.end(),
+                                 [&](const ReferenceJob& job) { return job.idle == idle; });
+  reference_was_last_ = next != references_.end();
+  if (next == references_.end()) return std::nullopt;
+  ReferenceJob job = std::move(*next);
+  references_.erase(next);
   reference_for_ = job.session;
   return Work(std::move(job));
 }
@@ -249,7 +251,7 @@ std::optional<TileQueue::Work> TileQueue::take(const Room& room, bool wait) {
     if (std::exchange(upload_levels_, false)) return Work(UploadLevels{});
     const bool slow = room.slow();
     if (slow && !reference_was_last_) {
-      if (std::optional<Work> reference = take_reference()) return reference;
+      if (std::optional<Work> reference = take_reference(false)) return reference;
     }
     const auto view = next_view();
     const bool view_first = slow && view != views_.end() && view->wanted && !view_was_last_;
@@ -261,8 +263,11 @@ std::optional<TileQueue::Work> TileQueue::take(const Room& room, bool wait) {
       return Work(std::move(batch));
     }
     if (slow) {
-      if (std::optional<Work> reference = take_reference()) return reference;
+      if (std::optional<Work> reference = take_reference(false)) return reference;
       if (std::optional<Work> drawn = take_view()) return drawn;
+      if (room.idle && !waits_for_levels_) {
+        if (std::optional<Work> idle = take_reference(true)) return idle;
+      }
     }
     if (!wait) return std::nullopt;
     not_empty_.wait(lock);

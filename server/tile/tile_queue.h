@@ -31,7 +31,8 @@ class TileQueue {
   enum class Admission { kQueued, kMerged, kBusy };
   Admission submit(const TileKey& key, const TileId& id, const ObjectLighting& lighting,
                    const Waiter& waiter, const Lighting& world = {});
-  /// Adds a full render, drawn between batches of tiles. False: the session waits for one already.
+  /// Adds a full render, drawn between batches of tiles; an idle one, when nothing else waits.
+  /// False: the session waits for one already.
   bool submit(ReferenceJob job);
   /// Returns the expected wait of a new ask of the session, µs, from the recent time `tile_us` of a
   /// tile. Sessions take turns.
@@ -63,6 +64,7 @@ class TileQueue {
     std::uint32_t slow_edge = UINT32_MAX;
     /// True if slow work is accepted now: full renders, views and large tiles.
     std::function<bool()> slow = [] { return true; };
+    bool idle = true;  ///< false: an idle full render is under way
   };
   /// Returns the next work; if `wait`, waits for some. nullopt: closed, or nothing to do.
   std::optional<Work> take(const Room& room, bool wait);
@@ -121,7 +123,8 @@ class TileQueue {
   /// above are skipped.
   Entry* next_entry(std::uint32_t slow_edge, bool slow, SessionQueue** turn);
   Entry& first_of(const SessionQueue& session);
-  std::optional<Work> take_reference();
+  /// Takes the first full render that is idle, or that is not.
+  std::optional<Work> take_reference(bool idle);
   std::optional<Work> take_view();
   /// Takes the waiting tiles that fit, and marks them as being rendered.
   std::vector<TileJob> take_batch(const Room& room, bool slow);

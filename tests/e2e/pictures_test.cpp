@@ -9,38 +9,12 @@
 #include <memory>
 #include <thread>
 
+#include "tests/support/http_get.h"
 #include "tests/support/library_fixture.h"
 #include "tests/support/metrics.h"
-#include "tests/support/raw_peer.h"
 
 namespace mirage::test {
 namespace {
-
-struct Answer {
-  int status = 0;
-  std::string head, body;
-};
-
-// A picture takes its time where others are made before it, and the machine is busy.
-Answer read_answer(RawPeer& peer) {
-  constexpr int kSeconds = 60;
-  peer.wait_at_most(kSeconds);
-  std::string text;
-  for (std::string part = peer.hear(); !part.empty(); part = peer.hear()) text += part;
-  const std::size_t end = text.find("\r\n\r\n");
-  if (end == std::string::npos) return {};
-  return {std::atoi(text.c_str() + 9), text.substr(0, end), text.substr(end + 4)};
-}
-
-void ask(RawPeer& peer, const std::string& path, const std::string& headers = "") {
-  peer.say("GET " + path + " HTTP/1.1\r\nHost: x\r\n" + headers + "Connection: close\r\n\r\n");
-}
-
-Answer get(const Server& server, const std::string& path, const std::string& headers = "") {
-  RawPeer peer(server.port());
-  ask(peer, path, headers);
-  return read_answer(peer);
-}
 
 /// Returns the pixels of an image file, RGB, rows from the top; empty: it is none.
 Pixels decoded(const std::string& file, const std::string& name, int& width, int& height) {
@@ -102,9 +76,8 @@ TEST(Pictures, AreMadeOnceAndKept) {
   EXPECT_EQ(get(server, "/v1/picture?samples=1&size=64x48").body, first.body);
   EXPECT_EQ(metrics(server)["references_rendered_total"], made);
   EXPECT_EQ(metrics(server)["pictures_sent_total"], 2);
-  const std::size_t tag = first.head.find("\"");
-  ASSERT_NE(tag, std::string::npos) << first.head;
-  const std::string same = first.head.substr(tag, first.head.find('"', tag + 1) + 1 - tag);
+  const std::string same = tag_of(first);
+  ASSERT_FALSE(same.empty()) << first.head;
   const Answer kept =
       get(server, "/v1/picture?size=64x48&samples=1", "If-None-Match: " + same + "\r\n");
   EXPECT_EQ(kept.status, 304);

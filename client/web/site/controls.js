@@ -130,6 +130,18 @@ export class Controls {
 
   gamepads() { return navigator.getGamepads ? [...navigator.getGamepads()].filter((pad) => pad && pad.connected) : []; }
 
+  /// True if somebody steers, or has since the last take().
+  steers() {
+    return this.keys.size > 0 || this.pointers.size > 0 || [...this.dragged, ...this.panned, ...this.stickAt, this.zoom].some((v) => v !== 0);
+  }
+
+  /// Forgets the motion since the last take(). Returns that there is none; what is held stays held.
+  still() {
+    this.take(0);
+    this.zoom = 0;
+    return { steering: [], held: false, moved: false };
+  }
+
   /// Returns the motion since the last call, `seconds` ago: the numbers of page_steer(), and whether
   /// anything is held.
   take(seconds) {

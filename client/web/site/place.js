@@ -2,6 +2,7 @@
 // back.
 import { qualities, readAddress, usualFov, writeAddress } from './address.js';
 import { pose } from './core.js';
+import { leavePoster } from './poster.js';
 import { now } from './server_link.js';
 import { notice } from './status.js';
 
@@ -121,6 +122,7 @@ export class Place {
       return;
     }
     if (this.address.t !== undefined) this.startedAt = now() - 1000 * this.address.t;
+    leavePoster();
     if (!viewer.viewerThere()) return;  // applied once it is there
     this.tellWrong();
     this.apply();

@@ -1,13 +1,14 @@
 // Status: the page's messages over the picture, or in its place.
+import { posterShown } from './poster.js';
 
 const $ = (id) => document.getElementById(id);
 const noticeMs = 6000;
 let timer = 0;
 
-/// Shows a text; '' hides it. `progress`: 0 to 1. `aside`: there is a picture underneath.
+/// Shows a text; '' hides it. `progress`: 0 to 1. `aside`: there is a picture underneath; the poster is one.
 export function say(text, { progress = null, aside = true } = {}) {
   $('status').hidden = text === '';
-  $('status').classList.toggle('aside', aside);
+  $('status').classList.toggle('aside', aside || posterShown());
   $('message').textContent = text;
   $('progress').hidden = progress === null;
   if (progress !== null) $('progress').value = progress;

@@ -6,6 +6,7 @@ import { Controls } from './controls.js';
 import { Figures, megabytes } from './figures.js';
 import { Pace } from './pace.js';
 import { Place } from './place.js';
+import { leavePoster, posterShown } from './poster.js';
 import { Prices } from './prices.js';
 import { ServerLink } from './server_link.js';
 import { say } from './status.js';
@@ -16,6 +17,8 @@ const canvas = $('mirage');
 const mostPixelRatio = 2;
 const resting = 2, drawn = 1, drawable = 4;  // bits of page_frame()
 const mostKept = 4000;
+const fewLeft = 0.1;           // share of the things in view that have no image
+const longestPosterMs = 1000;  // over a picture that is there
 
 // Returns MB for tiles and for meshes, by the device's memory; browsers tell that up to 8 GB, if at
 // all.
@@ -52,6 +55,7 @@ export class Viewer {
     const loading = (got, all) => say(`Loading the viewer: ${megabytes(got)} of ${megabytes(all)}`, { progress: got / all, aside: false });
     say('Loading the viewer', { progress: 0, aside: false });
     this.watchDisplay();
+    this.controls = new Controls(canvas, $('stick'), () => this.wake(), (x, y) => this.viewerThere() && this.core._page_aim(x, y));
     this.link = new ServerLink(this, this.place.address.token);
     const module = await loadModule(loading);
     this.link.worker.postMessage({ module });
@@ -62,7 +66,6 @@ export class Viewer {
     await new Promise((done) => { setTimeout(done); });  // lets the text be shown
     this.prices = new Prices(this);
     if (!this.startGraphics()) return;
-    this.controls = new Controls(canvas, $('stick'), () => this.wake(), (x, y) => this.viewerThere() && this.core._page_aim(x, y));
     this.figures = new Figures(this);
     this.compare = new Compare(this);
     this.toolbar = new Toolbar(this);
@@ -207,7 +210,8 @@ export class Viewer {
     const seconds = this.lastAt ? Math.min(0.1, (at - this.lastAt) / 1000) : 1 / 60;
     if (this.lastAt && this.lastDrawn) core._page_interval_ms(this.ownInterval(at - this.lastAt));
     const deliveredMs = this.link.deliver();
-    const motion = this.controls.take(seconds);
+    if (this.seen && this.controls.steers()) leavePoster();
+    const motion = posterShown() ? this.controls.still() : this.controls.take(seconds);
     if (motion.moved) {
       this.compare.end();
       core._page_steer(...motion.steering);
@@ -260,6 +264,13 @@ export class Viewer {
     this.lastDrawn = isDrawn;
   }
 
+  // True if the picture has images of most things, if somebody has changed it, or if it has had its time.
+  betterThanPoster() {
+    const { complete, placeholders, visible } = this.figures.now();
+    return (complete && placeholders <= fewLeft * visible) || this.place.changedAt !== undefined ||
+      performance.now() - this.marks.picture > longestPosterMs;
+  }
+
   // Says what the first picture waits for.
   tellWait() {
     const name = textAt(this.core, this.core._page_scene_name());
@@ -286,6 +297,7 @@ export class Viewer {
       this.place.tellWrong();
     }
     if (this.seen) this.choices.look();
+    if (this.seen && posterShown() && (bits & resting || this.betterThanPoster())) leavePoster();
   }
 }
 

@@ -80,6 +80,34 @@ TEST(PictureHttp, WhatIsNotUsableIsNamed) {
   EXPECT_LT(refused(of(std::string(100'000, 'a') + "=1")).body.size(), 200u);
 }
 
+TEST(PictureHttp, AnImpostorIsAPictureWithoutAFormat) {
+  const auto read = [](const std::string& query) {
+    return read_picture_request({kImpostorPath, query, ""}, {}, kPictureNow);
+  };
+  const auto impostor = read("size=64x48&eye=0,0,9&look=0,0,0");
+  ASSERT_TRUE(std::holds_alternative<PictureRequest>(impostor));
+  const PictureRequest& wanted = std::get<PictureRequest>(impostor);
+  EXPECT_EQ(wanted.format, PictureFormat::kImpostor);
+  EXPECT_NE(wanted.key(), picture("size=64x48&eye=0,0,9&look=0,0,0").key());
+  for (const char* wrong : {"format=png", "format=impostor", "size=16384x1", "eye=nan,0,0"}) {
+    ASSERT_TRUE(std::holds_alternative<HttpAnswer>(read(wrong))) << wrong;
+    EXPECT_EQ(std::get<HttpAnswer>(read(wrong)).status, 400u) << wrong;
+  }
+  EXPECT_EQ(refused(of("format=impostor")).status, 400u) << "it has an address of its own";
+}
+
+TEST(PictureHttp, ASignatureIsForOneKind) {
+  const Access access = Access::parse("key=" + kSigningKey + "\n").take();
+  const std::string query = "until=" + std::to_string(kPictureNow + 60) + "&signature=" +
+                            path_signature(kSigningKey, kImpostorPath, kPictureNow + 60);
+  const auto read = [&](const char* path) {
+    return read_picture_request({path, query, ""}, access, kPictureNow);
+  };
+  EXPECT_TRUE(std::holds_alternative<PictureRequest>(read(kImpostorPath)));
+  ASSERT_TRUE(std::holds_alternative<HttpAnswer>(read(kPicturePath)));
+  EXPECT_EQ(std::get<HttpAnswer>(read(kPicturePath)).status, 401u);
+}
+
 TEST(PictureHttp, EqualPicturesHaveEqualTags) {
   const auto tag = [](const std::string& query) {
     return picture_tag(picture(query), kPictureRevision);

@@ -54,6 +54,28 @@ TEST(WebPages, ThePageIsNeverCachedItsPartsForEver) {
   }
 }
 
+TEST(WebPages, AScriptBesideThePageIsForOtherSites) {
+  const TempFolder folder;
+  for (const char* name : {"index.html", "impostor.js"}) folder.write(name, "plain");
+  const Result<WebPages> pages = WebPages::read(folder.path().string());
+  ASSERT_TRUE(pages);
+  const WebFile* const script = pages->find("/impostor.js", "");
+  ASSERT_TRUE(script && script->shared);
+  EXPECT_FALSE(pages->find("/", "")->shared);
+  const std::string headers = WebPages::headers(*script, "host", {});
+  EXPECT_NE(headers.find("Access-Control-Allow-Origin: *\r\n"), std::string::npos);
+  EXPECT_EQ(headers.find("immutable"), std::string::npos) << "its name stays";
+}
+
+TEST(WebPages, AnAddressIsOfAHostThatBrowsersSend) {
+  EXPECT_EQ(address_of({"example.org:9870", false, ""}), "http://example.org:9870");
+  EXPECT_EQ(address_of({"[::1]", true, ""}), "https://[::1]");
+  for (const char* host : {"", "x\" onload=\"", "<b>", "a b", "x/y", "x?y", "x@y", "a'"}) {
+    EXPECT_EQ(address_of({host, true, ""}), "") << host;
+  }
+  EXPECT_EQ(escaped("<a b=\"c\" d='e'>&"), "&lt;a b=&quot;c&quot; d=&#39;e&#39;&gt;&amp;");
+}
+
 TEST(WebPages, AHostCannotAddToThePolicy) {
   WebFile page;
   page.page = true;

@@ -334,6 +334,27 @@ TEST_F(ServerQueue, AFullRenderIsWantedWhileWhoAskedIsThere) {
   EXPECT_FALSE(queue.reference_wanted());
 }
 
+TEST_F(ServerQueue, AnIdleFullRenderComesAfterAllElse) {
+  ReferenceJob idle{9, 0, {}};
+  idle.idle = true;
+  ASSERT_TRUE(queue.submit(idle));
+  submit(1, 1, key_of(1));
+  queue.submit(ViewJob{});
+  TileQueue::Room room{[](std::uint32_t) { return true; }};
+  EXPECT_TRUE(std::holds_alternative<ViewJob>(*queue.take(room, false)));
+  EXPECT_EQ(take(), Objects{1});
+  ASSERT_TRUE(queue.submit(ReferenceJob{5, 1, {}}));
+  EXPECT_EQ(std::get<ReferenceJob>(*queue.take(room, false)).session, 5u) << "though it came later";
+  room.idle = false;  // one is under way
+  EXPECT_FALSE(queue.take(room, false));
+  room.idle = true;
+  queue.wait_for_levels();
+  EXPECT_FALSE(queue.take(room, false)) << "levels come first";
+  queue.levels_made();
+  EXPECT_TRUE(std::holds_alternative<TileQueue::UploadLevels>(*queue.take(room, false)));
+  EXPECT_EQ(std::get<ReferenceJob>(*queue.take(room, false)).session, 9u);
+}
+
 TEST_F(ServerQueue, CloseEndsTheWait) {
   submit(1, 1, key_of(1));
   queue.close();
