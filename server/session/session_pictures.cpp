@@ -3,6 +3,13 @@
 #include "server/session/session.h"
 
 namespace mirage {
+namespace {
+
+// Geometry of pictures is simplified by no more than this, px, unless they have as many samples as
+// a comparison.
+constexpr double kLevelPx = 0.25;
+
+}  // namespace
 
 std::uint32_t SessionHub::get(PictureRequest wanted) {
   const std::uint32_t request = next_get_++;
@@ -26,6 +33,7 @@ std::uint32_t SessionHub::get(PictureRequest wanted) {
   camera.fit_depth_range(scene_->bounds_center, scene_->bounds_radius);
   ask.shot.camera = camera;
   ask.shot.supersample = wanted.samples;
+  if (wanted.samples < limits::kMaxReferenceSupersample) ask.shot.level_px = kLevelPx;
   ask.shot.lighting = scene_->scene.lighting;
   if (wanted.sun) put_sun(*wanted.sun, ask.shot.lighting);
   if (!pictures_.wait(std::move(ask), request)) answer(nullptr, wire::RefusalReason::Busy);

@@ -67,6 +67,24 @@ TEST_F(Library, APictureIsTheFullRender) {
   }
 }
 
+// With fewer samples than a comparison has, far geometry is simplified; nobody shall see it.
+TEST(Pictures, WithFewSamplesAreNearlyTheFullRender) {
+  const Server server("builtin:forest?trees=60");
+  ASSERT_TRUE(server.ready()) << server.log();
+  const auto pixels = [&](const std::string& samples) {
+    int width = 0, height = 0;
+    const Answer answer = get(server, "/v1/picture?size=160x90&format=png&samples=" + samples);
+    return decoded(answer.body, "x.png", width, height);
+  };
+  const Pixels exact = pixels("4"), usual = pixels("3");
+  ASSERT_EQ(exact.size(), std::size_t{3} * 160 * 90);
+  ASSERT_EQ(usual.size(), exact.size());
+  double error = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) error += std::abs(usual[i] - exact[i]);
+  EXPECT_GT(error, 0);
+  EXPECT_LT(error / static_cast<double>(exact.size()), 4);
+}
+
 TEST(Pictures, AreMadeOnceAndKept) {
   const Server server("builtin:knot", {"--metrics"});
   ASSERT_TRUE(server.ready()) << server.log();
