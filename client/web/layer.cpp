@@ -1,5 +1,6 @@
 #include "client/web/layer.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "client/draw/frame_renderer.h"
@@ -85,6 +86,9 @@ Result<void> Layer::attach() {
   Result<Presenter> presenter = Presenter::create();
   if (!presenter) return presenter.error();
   presenter_ = presenter.take();
+  Result<DepthProbe> probe = DepthProbe::create();
+  if (!probe) return probe.error();
+  probe_ = probe.take();
   client_.renderer().show_background(options_.sky);
   client_.set_prices(*device_model(gl::is_software() ? "software" : "laptop"));
   client_.open(link_, session_options(options_),
@@ -100,6 +104,7 @@ void Layer::detach(bool context_lost) {
   std::optional<gl::ForgetNames> forget;
   if (context_lost) forget.emplace();
   presenter_ = Presenter();
+  probe_ = DepthProbe();
   client_.detach(context_lost);
 }
 
@@ -154,8 +159,26 @@ void Layer::present() {
   set_initial_values();
 }
 
-const Camera* Layer::camera(std::size_t view) const {
-  return view < pictures_.size() ? &client_.planned(view).camera : nullptr;
+std::optional<glm::dvec3> Layer::point_at(std::size_t view, const glm::dvec2& place) {
+  const bool inside = place.x >= 0 && place.y >= 0 && place.x < 1 && place.y < 1;
+  if (view >= pictures_.size() || !inside) return std::nullopt;
+  const LayerPicture& picture = pictures_[view];
+  const glm::dvec2 texels(picture.width, picture.height);
+  const glm::dvec2 at(place.x * texels.x, (1 - place.y) * texels.y);
+  set_initial_values();
+  const double window = probe_.read(picture.depth, static_cast<int>(at.x),
+                                    std::min(static_cast<int>(at.y), picture.height - 1));
+  set_initial_values();
+  const glm::dvec2 mapping = picture.window_depth;
+  const double nothing = mapping.y > 0 ? 0 : 1;  // reversed or forward
+  if (window == nothing) return std::nullopt;
+  const Camera camera = client_.planned(view).camera.at_size(
+      static_cast<std::uint32_t>(picture.width), static_cast<std::uint32_t>(picture.height));
+  const glm::dvec2 middle = 0.5 * texels + camera.shift_px;
+  const glm::dvec2 tangents = (at - middle) / (0.5 * texels) * camera.half_tangents();
+  const double depth = mapping.y / (window - mapping.x);
+  return camera.pose.eye +
+         depth * (camera.forward() + tangents.x * camera.right() + tangents.y * camera.up());
 }
 
 std::string Layer::figures(std::int64_t now_us) const {

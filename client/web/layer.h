@@ -8,12 +8,14 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "client/door/client.h"
 #include "client/draw/presenter.h"
 #include "client/web/browser_link.h"
+#include "client/web/depth_probe.h"
 #include "protocol/model/scene_types.h"
 
 namespace mirage {
@@ -65,8 +67,9 @@ class Layer {
   /// Shows the first view on the canvas of the context, which has the size of that picture.
   void present();
 
-  /// Returns the camera of a picture; nullptr: there is none.
-  const Camera* camera(std::size_t view) const;
+  /// Returns the point that a picture shows at a place (0 to 1, right and down), m; nullopt:
+  /// nothing. It waits for the graphics card, and sets GL values as frame() does.
+  std::optional<glm::dvec3> point_at(std::size_t view, const glm::dvec2& place);
   /// Notes how long the graphics card took for the last new pictures, ms.
   void note_gpu_ms(double ms) { client_.done(ms, 0); }
   /// Returns the figures of the picture, as JSON.
@@ -81,6 +84,7 @@ class Layer {
   BrowserLink link_;
   Client client_;
   Presenter presenter_;
+  DepthProbe probe_;
   bool attached_ = false;
   std::vector<LayerPicture> pictures_;
   std::uint64_t drawn_frames_ = 0;

@@ -213,14 +213,12 @@ EMSCRIPTEN_KEEPALIVE void layer_fov(double degrees) {
 /// Returns four numbers of what is seen at a place of a view (0 to 1, right and down): 1 and the
 /// point, m; 0: nothing is there.
 EMSCRIPTEN_KEEPALIVE const double* layer_point_at(int view, double x, double y) {
-  const mirage::Camera* camera =
-      view < 0 ? nullptr : layer().camera(static_cast<std::size_t>(view));
-  std::optional<mirage::Seen> seen;
-  if (camera && std::isfinite(x + y)) {
-    seen = mirage::seen_at(layer().session().scene(), *camera, {x, y});
+  std::optional<glm::dvec3> point;
+  if (view >= 0 && std::isfinite(x + y)) {
+    point = layer().point_at(static_cast<std::size_t>(view), {x, y});
   }
   page().numbers = {};
-  if (seen) page().numbers = {1, seen->point.x, seen->point.y, seen->point.z};
+  if (point) page().numbers = {1, point->x, point->y, point->z};
   return page().numbers.data();
 }
 /// Returns ten numbers of the scene: centre and radius of its bounds, its home view's eye and

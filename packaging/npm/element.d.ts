@@ -6,6 +6,9 @@ export class MirageView extends HTMLElement {
   setCamera(eye: number[], target: number[]): void;
   resetCamera(): void;
   stats(): Record<string, unknown>;
+  addEventListener(type: 'load' | 'rest' | 'camera-change' | 'up' | 'down' | 'error',
+    listener: (event: CustomEvent<{ text?: string }>) => void, options?: boolean | AddEventListenerOptions): void;
+  addEventListener(type: string, listener: EventListenerOrEventListenerObject, options?: boolean | AddEventListenerOptions): void;
 }
 
 declare global {

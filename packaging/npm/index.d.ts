@@ -65,12 +65,13 @@ export class MirageClient extends EventTarget {
   readonly scene: SceneInfo | null;
   /** Draws one to four views. True if there are pictures. */
   update(views: View[]): boolean;
-  /** The point seen at a place of a view (0 to 1, right and down), m; null: nothing is there. */
+  /** The point that a picture shows at a place (0 to 1, right and down), m; null: nothing. Waits for the graphics card. */
   pointAt(view: number, x: number, y: number): [number, number, number] | null;
   setSun(azimuthDegrees?: number, elevationDegrees?: number): void;
   play(playing: boolean): void;
   noteGpuMs(ms: number): void;
   stats(): Record<string, unknown>;
+  addEventListener(type: MirageEvent, listener: (event: CustomEvent<{ text: string }>) => void, options?: boolean | AddEventListenerOptions): void;
   contextLost(): void;
   contextRestored(): void;
   dispose(): void;

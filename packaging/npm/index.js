@@ -231,9 +231,11 @@ export class MirageClient extends EventTarget {
   }
   /// Returns the figures of the last frame (docs/reference/view-statistics.md names them); {}: there is none.
   stats() { return this.core && this.loaded ? JSON.parse(this.core.UTF8ToString(this.core._layer_figures(performance.now() - this.began))) : {}; }
-  /// Returns the point that is seen at a place of a view (0 to 1, right and down), m; null: nothing is there.
+  /// Returns the point that a picture shows at a place (0 to 1, right and down), m; null: nothing. It waits for the graphics card,
+  /// and leaves GL values as update() does.
   pointAt(view, x, y) {
     if (!this.usable) return null;
+    this.core.GL.makeContextCurrent(this.handle);
     const at = this.core._layer_point_at(view, x, y) >> 3;
     const [hit, ...point] = this.core.HEAPF64.subarray(at, at + 4);
     return hit ? point : null;
@@ -275,6 +277,7 @@ export class MirageClient extends EventTarget {
     }
     this.worker?.terminate();
     this.pictures = [];
+    this.loaded = this.atRest = this.connected = false;
     this.core = null;
   }
 }

@@ -21,9 +21,9 @@ export class MirageScene extends Object3D<MirageEvents> {
   readonly loaded: boolean;
   readonly atRest: boolean;
   readonly info: SceneInfo | null;
-  /** Draws what a perspective camera sees, before renderer.render(). True if there is a picture. */
-  update(camera: Camera): boolean;
-  /** The point of the world seen at a place of the picture (0 to 1, right and down); null: nothing is there. */
+  /** Draws what one to four perspective cameras see, once before the frame's renders. True if there is a picture. */
+  update(camera: Camera | Camera[]): boolean;
+  /** The point of the world that the picture shows at a place (0 to 1, right and down); null: nothing. Waits for the graphics card. */
   pointAt(x: number, y: number): Vector3 | null;
   dispose(): void;
 }

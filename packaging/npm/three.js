@@ -86,12 +86,15 @@ export class MirageScene extends Object3D {
   constructor({ renderer, toneMapped = false, ...options }) {
     super();
     this.renderer = renderer;
-    this.toldWrong = '';
+    this.toldWrong = this.toldDown = '';
     this.views = new Map();  // camera -> index of its picture
     this.client = new MirageClient({ ...options, gl: renderer.getContext() });
     for (const type of ['load', 'rest', 'needs-render', 'down', 'up', 'error']) {
       this.client.addEventListener(type, ({ detail }) => {
         if (type === 'error') console.error(`Mirage: ${detail.text}`);
+        if (type === 'up') this.toldDown = '';
+        if (type === 'down' && detail.text !== this.toldDown) console.warn(`Mirage: ${detail.text}`);
+        if (type === 'down') this.toldDown = detail.text;
         this.dispatchEvent({ type, text: detail.text });
       });
     }
@@ -123,15 +126,20 @@ export class MirageScene extends Object3D {
   /// As MirageClient.scene, in the scene's own metres; null before the server has told it.
   get info() { return this.client.scene; }
 
-  /// Draws what `camera` sees into Mirage's textures. Call it before renderer.render(), and in XR within the frame's callback.
-  /// Returns true if there is a picture.
+  /// Draws what `camera` sees into Mirage's textures, or what each of up to four cameras of one frame sees. Call it once before
+  /// all of the frame's renders, and in XR within its callback. Returns true if there is a picture.
   update(camera) {
     const { renderer, client } = this;
     if (!client.usable) return false;
     this.updateWorldMatrix(true, false);
     const cameras = this.camerasOf(camera);
     const views = this.visible ? cameras.map((one) => this.viewOf(one)) : [];
-    if (views.includes(null)) return false;
+    if (views.includes(null)) {
+      this.views.clear();
+      client.atRest = false;
+      return false;
+    }
+    this.toldWrong = '';
     const target = renderer.getRenderTarget(), face = renderer.getActiveCubeFace(), mip = renderer.getActiveMipmapLevel();
     const there = client.update(views);
     this.giveBack(target, face, mip);
@@ -143,8 +151,9 @@ export class MirageScene extends Object3D {
   camerasOf(camera) {
     const { xr } = this.renderer;
     if (!xr.isPresenting) {
-      camera.updateWorldMatrix(true, false);
-      return [camera];
+      const cameras = [camera].flat();
+      cameras.forEach((one) => one.updateWorldMatrix(true, false));
+      return cameras;
     }
     xr.updateCamera(camera);
     return xr.getCamera().cameras;
@@ -212,13 +221,15 @@ export class MirageScene extends Object3D {
       this.dispatchEvent({ type: 'error', text });
     }
     this.toldWrong = text;
-    this.views.clear();
   }
 
-  /// Returns the point of the world that is seen at a place of the picture (0 to 1, right and down), as a Vector3; null: nothing of
-  /// Mirage is there.
+  /// Returns the point of the world that Mirage's picture shows at a place (0 to 1, right and down), as a Vector3; null: nothing. It
+  /// waits for the graphics card: call it for a click, not for every frame.
   pointAt(x, y) {
+    const { renderer } = this;
+    const target = renderer.getRenderTarget(), face = renderer.getActiveCubeFace(), mip = renderer.getActiveMipmapLevel();
     const point = this.client.pointAt(0, x, y);
+    this.giveBack(target, face, mip);
     return point ? new Vector3(...point).applyMatrix4(this.matrixWorld) : null;
   }
 

@@ -145,13 +145,34 @@ test('three.js: in XR each eye sees its own picture', async () => {
   await page.context().close();
 });
 
+test('three.js: the point under a click is where three.js says it is', async () => {
+  for (const options of [{ placed: true }, { reversed: true }]) {
+    const page = await host(options);
+    await rest(page);
+    const { hits, worst, outside } = await page.evaluate(() => one.points());
+    assert.ok(hits > 20, `${hits} places of the model`);
+    assert.ok(worst < 2, `the farthest point is ${worst} px beside`);
+    assert.equal(outside, null);
+    await agrees(page);  // and three.js draws on
+    await page.context().close();
+  }
+});
+
+test('three.js: two views of one frame, each with its own picture', async () => {
+  const page = await host();
+  const shares = await until('both', () => page.evaluate(() => one.twoViews()), 60);
+  for (const [seen, truth] of shares) assert.ok(truth > 200 && Math.abs(seen / truth - 1) < 0.05, JSON.stringify(shares));
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+});
+
 test('three.js: a camera or a place that cannot be drawn is told once', async () => {
   const page = await host();
   await rest(page);
   const told = await page.evaluate(() => one.wrongCameras());
   assert.equal(told.orthographic, 'Mirage draws for perspective cameras alone');
   assert.match(told.squeezed, /scale it evenly/);
-  assert.equal(told.times, 2);
+  assert.equal(told.times, 3, 'a mistake that is mended and made again is told again');
   assert.ok(told.back, 'and the next good one is drawn');
   assert.match(told.option, /frameMs is -1/);
   await page.context().close();
@@ -162,6 +183,7 @@ test('three.js: a server that does not let the page in, and none at all', async 
   const page = await host({ url: closed.url });
   const why = await until('a word', () => page.evaluate(() => one.down), 20);
   assert.match(why, /--allow-origin http:/);
+  assert.match(await page.evaluate(() => one.warned), /--allow-origin http:/, 'on the console, too');
   await page.context().close();
   await closed.stop();
 });

@@ -7,6 +7,9 @@ import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
 import { MirageScene } from 'mirage-client/three';
 
 globalThis.version = THREE.REVISION;
+const warn = console.warn;
+let warned = '';
+console.warn = (...words) => { warned += words.join(' '); warn(...words); };
 const isBlue = (p, i) => p[i + 2] > 150 && p[i] < 60 && p[i + 1] < 60;
 
 async function ownModel() {
@@ -65,6 +68,7 @@ globalThis.make = async (o) => {
   const draw = () => (composer ? composer.render() : renderer.render(scene, camera));
   const one = {
     renderer, camera, scene, mirage, cube, down: '',
+    get warned() { return warned; },
     render() { mirage.update(camera); one.second?.update(camera); draw(); },
     pixels() {
       const gl = renderer.getContext(), { width, height } = renderer.domElement;
@@ -117,6 +121,57 @@ globalThis.make = async (o) => {
       mirage.visible = true;
       own.visible = false;
       return { apart, count, wrong };
+    },
+    // Returns how far, px, points under places of the picture are from those where three.js's own ray meets the model.
+    points() {
+      one.render();
+      own.visible = true;
+      own.updateWorldMatrix(true, true);
+      const rays = new THREE.Raycaster();
+      const { height } = renderer.domElement;
+      const focal = height / 2 * camera.projectionMatrix.elements[5];
+      let hits = 0, worst = 0;
+      for (let y = 0.3; y < 0.7; y += 0.02) {
+        for (let x = 0.35; x < 0.65; x += 0.02) {
+          rays.setFromCamera(new THREE.Vector2(2 * x - 1, 1 - 2 * y), camera);
+          const around = [[0, 0], [2, 0], [-2, 0], [0, 2], [0, -2]].map(([u, v]) => {
+            rays.setFromCamera(new THREE.Vector2(2 * x - 1 + 2 * u / renderer.domElement.width, 1 - 2 * y + 2 * v / height), camera);
+            return rays.intersectObject(own)[0];
+          });
+          if (around.some((hit) => !hit)) continue;  // at the model's edge
+          const depths = around.map((hit) => hit.distance);
+          if (Math.max(...depths) - Math.min(...depths) > 0.01 * depths[0]) continue;  // at an edge within it, or steep
+          ++hits;
+          const point = mirage.pointAt(x, y);
+          worst = Math.max(worst, point ? focal * point.distanceTo(around[0].point) / depths[0] : Infinity);
+        }
+      }
+      own.visible = false;
+      return { hits, worst, outside: mirage.pointAt(0.01, 0.01) };
+    },
+    // Returns, for two cameras of one frame, how many pixels are not the background, by Mirage and by three.js itself.
+    twoViews() {
+      const other = camera.clone();
+      other.position.x += 1.2;
+      cube.visible = false;
+      const counts = (each) => { renderer.render(scene, each); return one.notBackground(); };
+      mirage.update([camera, other]);
+      const seen = [camera, other].map(counts);
+      if (!mirage.atRest) return null;
+      mirage.visible = false;
+      own.visible = true;
+      const truth = [camera, other].map(counts);
+      mirage.visible = true;
+      own.visible = false;
+      return seen.map((n, i) => [n, truth[i]]);
+    },
+    notBackground() {
+      const { out } = one.pixels();
+      let count = 0;
+      for (let i = 0; i < out.length; i += 4) {
+        count += Math.abs(out[i] - 0x20) + Math.abs(out[i + 1] - 0x30) + Math.abs(out[i + 2] - 0x20) < 12 ? 0 : 1;
+      }
+      return count;
     },
     hostPictures() {
       const differ = (a, b) => a.reduce((n, v, i) => n + (v !== b[i] ? 1 : 0), 0);
@@ -199,6 +254,9 @@ globalThis.make = async (o) => {
       told.squeezed = told.last;
       mirage.scale.set(1, 1, 1);
       told.back = mirage.update(camera);
+      mirage.scale.set(1, 2, 1);
+      mirage.update(camera);
+      mirage.scale.set(1, 1, 1);
       try { new MirageScene({ renderer, url: o.url, frameMs: -1 }); } catch (error) { told.option = error.message; }
       return told;
     },
