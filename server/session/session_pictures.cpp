@@ -7,7 +7,7 @@ namespace {
 
 // Geometry of pictures is simplified by no more than this, px, unless they have as many samples as
 // a comparison.
-constexpr double kLevelPx = 0.25;
+constexpr double kLevelPx = 0.5;
 
 }  // namespace
 
