@@ -232,6 +232,7 @@ std::optional<TileQueue::Work> TileQueue::take_reference(bool idle) {
   ReferenceJob job = std::move(*next);
   references_.erase(next);
   reference_for_ = job.session;
+  job.shot.whole = waits_for_levels_;
   return Work(std::move(job));
 }
 

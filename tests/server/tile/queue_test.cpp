@@ -355,6 +355,20 @@ TEST_F(ServerQueue, AnIdleFullRenderComesAfterAllElse) {
   EXPECT_EQ(std::get<ReferenceJob>(*queue.take(room, false)).session, 9u);
 }
 
+// Before levels are made, nobody may look at them.
+TEST_F(ServerQueue, PicturesBeforeTheLevelsAreOfWholeMeshes) {
+  TileQueue::Room room{[](std::uint32_t) { return true; }};
+  ReferenceJob picture{5, 1, {}};
+  picture.shot.level_px = 0.5;
+  queue.wait_for_levels();
+  ASSERT_TRUE(queue.submit(picture));
+  EXPECT_TRUE(std::get<ReferenceJob>(*queue.take(room, false)).shot.whole);
+  queue.levels_made();
+  ASSERT_TRUE(queue.submit(picture));
+  EXPECT_TRUE(std::holds_alternative<TileQueue::UploadLevels>(*queue.take(room, false)));
+  EXPECT_FALSE(std::get<ReferenceJob>(*queue.take(room, false)).shot.whole);
+}
+
 TEST_F(ServerQueue, CloseEndsTheWait) {
   submit(1, 1, key_of(1));
   queue.close();
