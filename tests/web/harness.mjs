@@ -106,7 +106,8 @@ export async function barriers(page) {
 
 /// Returns the core's figures, with what the page knows; null before there are any.
 export const figures = (page) => page.evaluate(() => (globalThis.mirage?.figures && mirage.viewerThere()
-  ? { ...mirage.figures.now(), seen: Boolean(mirage.seen), asleep: mirage.next === 0, connected: mirage.link.connected } : null));
+  ? { ...mirage.figures.now(), seen: Boolean(mirage.seen), asleep: mirage.next === 0, connected: mirage.link.connected,
+    bare: !document.getElementById('poster') } : null));
 export const message = (page) => page.evaluate(() =>
   (document.getElementById('status').hidden ? '' : document.getElementById('message').textContent));
 export const pose = (page) => page.evaluate(() => mirage.place.view());
@@ -125,10 +126,10 @@ export const poseAtRest = async (page) => JSON.parse(await page.evaluate(() => n
 })));
 
 export const seen = (page, seconds) => until('a picture', async () => (await figures(page))?.seen, seconds);
-/// Waits until everything is there and refined, and the page sleeps.
+/// Waits until everything is there and refined, the page sleeps, and its poster has faded away.
 export const rested = (page, seconds = 60) => until('rest', async () => {
   const f = await figures(page);
-  return f && f.complete && f.connected && f.atRest && f.refined && f.asleep && f;
+  return f && f.complete && f.connected && f.atRest && f.refined && f.asleep && f.bare && f;
 }, seconds);
 
 /// Returns the RGBA of the picture as the core has it. `walked` is how far a walk had come when it was
