@@ -5,9 +5,11 @@
 namespace mirage {
 namespace {
 
-// Geometry of pictures is simplified by no more than this, px, unless they have as many samples as
-// a comparison.
-constexpr double kLevelPx = 0.5;
+// Returns by how many px the geometry of a picture may be simplified: by the width of a sample,
+// which the picture cannot tell. A picture with as many samples as a comparison is exact.
+double level_px(std::uint32_t samples) {
+  return samples < limits::kMaxReferenceSupersample ? 1.0 / samples : 0.0;
+}
 
 }  // namespace
 
@@ -33,7 +35,7 @@ std::uint32_t SessionHub::get(PictureRequest wanted) {
   camera.fit_depth_range(scene_->bounds_center, scene_->bounds_radius);
   ask.shot.camera = camera;
   ask.shot.supersample = wanted.samples;
-  if (wanted.samples < limits::kMaxReferenceSupersample) ask.shot.level_px = kLevelPx;
+  ask.shot.level_px = level_px(wanted.samples);
   ask.shot.lighting = scene_->scene.lighting;
   if (wanted.sun) put_sun(*wanted.sun, ask.shot.lighting);
   if (!pictures_.wait(std::move(ask), request)) answer(nullptr, wire::RefusalReason::Busy);
