@@ -4,12 +4,12 @@
 #include <cmath>
 #include <set>
 
+#include "server/bake/export.h"
 #include "server/prepare/prepared_scene.h"
 
 namespace mirage {
 namespace {
 
-constexpr std::size_t kLongestName = 80;
 constexpr std::size_t kNamesInHint = 12;
 
 glm::dvec3 placed(const Similarity& at, const glm::vec3& p) {
@@ -113,18 +113,6 @@ bool fits_glob(const std::string& pattern, const std::string& text) {
   }
   while (p < pattern.size() && pattern[p] == '*') ++p;
   return p == pattern.size();
-}
-
-std::string file_name_of(const std::string& name) {
-  std::string out;
-  for (const char c : name.substr(0, kLongestName)) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                       c == '.' || c == '-' || c == '_';
-    out += plain ? c : '_';
-  }
-  // A name that begins with a dot is hidden, and '.' and '..' are folders.
-  if (out.empty() || out[0] == '.') out = "object" + out;
-  return out;
 }
 
 Result<std::vector<BakeSubject>> bake_subjects(const PreparedScene& scene,

@@ -42,9 +42,6 @@ struct SubjectChoice {
 Result<std::vector<BakeSubject>> bake_subjects(const PreparedScene& scene,
                                                const SubjectChoice& choice);
 
-/// Returns a name that any file system takes: letters, digits, '.', '-' and '_', at most 80 bytes.
-std::string file_name_of(const std::string& name);
-
 /// True if `text` fits a pattern with * (anything) and ? (one character).
 bool fits_glob(const std::string& pattern, const std::string& text);
 
