@@ -103,6 +103,7 @@ Result<void> write(const std::string& name, OIIO::Filesystem::IOProxy* proxy, OI
     const auto output = OIIO::ImageOutput::create(name, proxy);
     if (!output) return failed(OIIO::geterror());
     if (!compression.empty()) spec.attribute("Compression", compression);
+    spec["oiio:UnassociatedAlpha"] = 1;  // otherwise colours are divided by the fourth channel
     if (output->open(name, spec) && output->write_image(spec.format, pixels) && output->close()) {
       return {};
     }
