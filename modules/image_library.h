@@ -17,13 +17,12 @@ struct ImageShape {
   int tile_width = 0, tile_height = 0;  ///< 0: the file holds rows, not tiles
 };
 
-/// Pixels to be written, row by row from the top, channels interleaved. T: std::uint8_t,
-/// std::uint16_t or float.
+/// Pixels to be written as they are, row by row from the top, channels interleaved. T:
+/// std::uint8_t, std::uint16_t or float.
 template <typename T>
 struct ImagePixels {
   int width = 0, height = 0, channels = 0;
   const T* data = nullptr;
-  bool bare = false;  ///< values are written as they are; otherwise PNG divides colours by alpha
 };
 
 /// An opened image. One thread at a time.

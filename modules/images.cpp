@@ -110,6 +110,7 @@ Result<void> write(const std::string& name, OIIO::Filesystem::IOProxy* proxy, OI
     } else if (!compression.empty()) {
       spec.attribute("Compression", compression);
     }
+    spec["oiio:UnassociatedAlpha"] = 1;  // otherwise colours are divided by the fourth channel
     if (output->open(name, spec) && output->write_image(spec.format, pixels) && output->close()) {
       return {};
     }
@@ -158,7 +159,6 @@ class OiioLibrary final : public ImageLibrary {
   static Result<Bytes> encoded(const std::string& name, const ImagePixels<T>& image,
                                OIIO::TypeDesc type, const std::string& compression) {
     OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
-    if (image.bare) spec.attribute("oiio:UnassociatedAlpha", 1);
     Bytes bytes;
     OIIO::Filesystem::IOVecOutput proxy(bytes);
     const Result<void> written = write(name, &proxy, std::move(spec), compression, image.data);

@@ -33,7 +33,7 @@ Result<std::vector<std::uint8_t>> image_bytes(const BakeImage& image, BakeFormat
   if (!library) return library.error();
   const auto encode = [&](const auto* texels) {
     using T = std::remove_const_t<std::remove_pointer_t<decltype(texels)>>;
-    const ImagePixels<T> pixels{image.width, image.height, image.channels, texels, true};
+    const ImagePixels<T> pixels{image.width, image.height, image.channels, texels};
     return (*library)->encode(with_ending("a.png", format), pixels,
                               format == BakeFormat::kExr ? "zip" : kPngLevel);
   };
