@@ -36,6 +36,17 @@ int write_all(int file, std::span<const std::uint8_t> bytes) {
   return ::fsync(file) == 0 ? 0 : errno;
 }
 
+// Removes what a run left that was killed. Only for a run that has the folder to itself.
+void remove_parts(const std::string& path) {
+  std::error_code failed;
+  for (fs::recursive_directory_iterator at(path, failed), end; !failed && at != end;) {
+    const fs::path file = at->path();
+    at.increment(failed);
+    std::error_code ignored;
+    if (file.extension() == kPart) fs::remove(file, ignored);
+  }
+}
+
 }  // namespace
 
 FileLock::FileLock(FileLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
@@ -75,7 +86,9 @@ Result<BakeFolder> BakeFolder::open(const std::string& path, int shard, int shar
     return {};
   };
   if (Result<void> held = hold(".bake.lock", shards > 1, out.all_); !held) return held.error();
-  if (shards > 1) {
+  if (shards == 1) {
+    remove_parts(path);
+  } else {
     const std::string own =
         ".bake." + std::to_string(shard) + "-" + std::to_string(shards) + ".lock";
     if (Result<void> held = hold(own, false, out.own_); !held) return held.error();

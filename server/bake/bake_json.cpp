@@ -16,9 +16,10 @@ constexpr const char* kIndexFormat = "mirage-bake index 1";
 
 std::string hex(std::uint64_t v) { return fmt::format("{:016x}", v); }
 
-ordered_json number(const std::optional<double>& v, double step) {
+// Rounds to 1 / `steps`.
+ordered_json number(const std::optional<double>& v, double steps) {
   if (!v || !std::isfinite(*v)) return nullptr;
-  return std::round(*v / step) * step;
+  return std::round(*v * steps) / steps;
 }
 
 ordered_json vector(const glm::dvec3& v) { return ordered_json::array({v.x, v.y, v.z}); }
@@ -52,12 +53,17 @@ ordered_json error_json(const std::vector<BakeErrorRow>& rows) {
   for (const BakeErrorRow& row : rows) {
     out.push_back({{"method", name_of(row.method)},
                    {"distance_r", row.radii},
-                   {"nearest_frame_deg", number(row.angle_deg, 0.01)},
-                   {"psnr_db", number(row.psnr_db, 0.01)},
-                   {"ssim", number(row.ssim, 0.0001)},
-                   {"iou", number(row.iou, 0.0001)}});
+                   {"nearest_frame_deg", number(row.angle_deg, 100)},
+                   {"psnr_db", number(row.psnr_db, 100)},
+                   {"ssim", number(row.ssim, 1e4)},
+                   {"iou", number(row.iou, 1e4)}});
   }
   return out;
+}
+
+ordered_json checked_against(const TargetFacts& target) {
+  if (target.source.empty()) return nullptr;
+  return {{"source", target.source}, {"commit", target.commit}};
 }
 
 std::string dumped(const ordered_json& json) {
@@ -102,7 +108,7 @@ std::string object_json(const BakedObject& object, const BakeOptions& o, const s
                  {"triangles", object.triangles},
                  {"target", target.name},
                  {"consumer", target.consumer},
-                 {"checked_against", std::string(target.source) + " " + std::string(target.commit)},
+                 {"checked_against", checked_against(target)},
                  {"layout", name_of(shot.layout)},
                  {"direction_of_frame", formula(shot.layout)},
                  {"grid", shot.grid},

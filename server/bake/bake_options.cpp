@@ -12,7 +12,7 @@ constexpr int kLargestSize = 8192;  // texels; what graphics cards of ten years 
 /// Values as the command line has them.
 struct Given {
   std::string target = "generic", layout, maps, format = "png", measure = "quick", shard = "1/1";
-  double error_db = 0;
+  std::optional<int> grid, size;
 };
 
 std::string target_names() {
@@ -75,9 +75,9 @@ Result<void> check_shard(const Given& given, BakeOptions& o) {
   return {};
 }
 
-Result<void> check_numbers(BakeOptions& o) {
-  if (o.grid == 0) o.grid = o.target->grid;
-  if (o.size == 0) o.size = o.target->grid * o.target->tile;
+Result<void> check_numbers(const Given& given, BakeOptions& o) {
+  o.grid = given.grid.value_or(o.target->grid);
+  o.size = given.size.value_or(o.target->grid * o.target->tile);
   if (o.grid < kFewestFrames || o.grid > kMostFrames) {
     return usage("--grid " + std::to_string(o.grid) + " is outside 2 to 64",
                  "12 and 16 are usual; each step costs 2 * grid frames");
@@ -100,7 +100,7 @@ Result<void> check_numbers(BakeOptions& o) {
 Result<void> check(const Given& given, BakeOptions& o) {
   if (Result<void> names = check_names(given, o); !names) return names;
   if (Result<void> shard = check_shard(given, o); !shard) return shard;
-  if (Result<void> numbers = check_numbers(o); !numbers) return numbers;
+  if (Result<void> numbers = check_numbers(given, o); !numbers) return numbers;
   if (given.measure == "none") o.measure = MeasureChoice::kNone;
   if (given.measure == "full") o.measure = MeasureChoice::kFull;
   if (o.whole && !o.objects.empty()) {
@@ -120,9 +120,11 @@ void add_picture_options(CLI::App& app, BakeOptions& o, Given& given) {
                    "directions: hemi (from above), octahedral (all around) or ring; default: the "
                    "target's")
       ->type_name("NAME");
-  group->add_option("--grid", o.grid, "frames a side, 2 to 64; default: the target's")
+  group->add_option("--grid", given.grid, "frames a side, 2 to 64; default: the target's")
       ->type_name("N");
-  group->add_option("--size", o.size, "texels a side of the whole picture; default: the target's")
+  group
+      ->add_option("--size", given.size,
+                   "texels a side of the whole picture; default: the target's")
       ->type_name("PX");
   group
       ->add_option("--error", o.error_db,

@@ -17,8 +17,8 @@ struct BakeOptions {
   std::string scene, out;
   const TargetFacts* target = nullptr;
   BakeLayout layout = BakeLayout::kHemi;
-  int grid = 0;                    ///< frames a side; 0: the target's
-  int size = 0;                    ///< texels a side of the whole picture; 0: the target's
+  int grid = 0;                    ///< frames a side
+  int size = 0;                    ///< texels a side of the whole picture
   int samples = 0;                 ///< of a texel each way; 0: 2, or 3 for what is alpha-tested
   std::optional<double> error_db;  ///< grid and size are chosen for this PSNR
   std::vector<std::string> objects;

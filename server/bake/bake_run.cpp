@@ -311,6 +311,8 @@ Result<void> BakeRun::dry_run() {
     // A bake of few frames tells what one costs.
     BakeShot shot = first_shot(subject), few = shot;
     few.grid = kFewestFrames;
+    // The first one compiles shaders.
+    if (const Result<BakeMaster> first = renderer_.bake(subject, few); !first) return first.error();
     const double begin = now_s();
     if (const Result<BakeMaster> tried = renderer_.bake(subject, few); !tried) return tried.error();
     const double seconds = (now_s() - begin) * shot.grid * shot.grid / (few.grid * few.grid);
