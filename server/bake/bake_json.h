@@ -22,6 +22,7 @@ struct BakedFile {
 struct BakedObject {
   std::string name;
   std::uint64_t triangles = 0;
+  glm::dvec3 extent{0};  ///< edges of the box around its vertices, metres
   BakeShot shot;
   std::vector<BakeMapFacts> maps;
   std::vector<BakedFile> files;

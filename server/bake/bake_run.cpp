@@ -138,6 +138,7 @@ Result<BakeRun::Capture> BakeRun::capture(const BakeSubject& subject, const std:
   Capture out;
   out.object.name = subject.name;
   out.object.triangles = subject.triangles;
+  out.object.extent = subject.extent;
   BakeShot shot = first_shot(subject);
   if (o_.error_db) {
     const Result<FittedBake> fitted =
