@@ -123,6 +123,7 @@ std::string object_json(const BakedObject& object, const BakeOptions& o, const s
                  {"units_per_meter", unit},
                  {"center", vector(target.axes * shot.center * unit)},
                  {"radius", shot.radius * unit},
+                 {"extent", vector(glm::abs(target.axes * object.extent) * unit)},
                  {"depth_range", {-shot.radius * unit, shot.radius * unit}},
                  {"maps", maps},
                  {"files", files},
