@@ -84,8 +84,9 @@ TEST(EngineTexts, LoadIntoThree) {
   const Baked bake = baked_arrows("three", BakeLayout::kHemi, 4, 8);
   const BakeText& loader = text_of(bake);
   EXPECT_EQ(loader.file, "arrows.three.js");
-  for (const char* part : {"const FRAMES = 4;", "const RADIUS = 2.5;",
-                           "const CENTER = [3.0, 1.0, -2.0];", "load('arrows.albedo.png')"}) {
+  for (const char* part :
+       {"const FRAMES = 4;", "const RADIUS = 2.5;", "const CENTER = [3.0, 1.0, -2.0];",
+        "load('arrows.albedo.png')", "load('arrows.normalDepth.png')", "impostorTransform.value"}) {
     EXPECT_TRUE(has(loader, part)) << part << "\n" << loader.text;
   }
 }
