@@ -17,8 +17,8 @@ struct ImageShape {
   int tile_width = 0, tile_height = 0;  ///< 0: the file holds rows, not tiles
 };
 
-/// Pixels to be written as they are, row by row from the top, channels interleaved. T: std::uint8_t
-/// or float.
+/// Pixels to be written as they are, row by row from the top, channels interleaved. T:
+/// std::uint8_t, std::uint16_t or float.
 template <typename T>
 struct ImagePixels {
   int width = 0, height = 0, channels = 0;
@@ -49,9 +49,16 @@ class ImageLibrary {
                                   const ImagePixels<std::uint8_t>& image) const = 0;
   virtual Result<void> write_file(const std::string& path,
                                   const ImagePixels<float>& image) const = 0;
-  /// Returns the bytes of a file. `compression` as OpenImageIO names it, such as "jpeg:93".
+  /// Returns the bytes of a file. `compression` as OpenImageIO names it, such as "jpeg:93", or
+  /// "png:1" to "png:9", from fast to small.
   virtual Result<std::vector<std::uint8_t>> encode(const std::string& name,
                                                    const ImagePixels<std::uint8_t>& image,
+                                                   const std::string& compression) const = 0;
+  virtual Result<std::vector<std::uint8_t>> encode(const std::string& name,
+                                                   const ImagePixels<std::uint16_t>& image,
+                                                   const std::string& compression) const = 0;
+  virtual Result<std::vector<std::uint8_t>> encode(const std::string& name,
+                                                   const ImagePixels<float>& image,
                                                    const std::string& compression) const = 0;
 
  protected:
@@ -60,7 +67,7 @@ class ImageLibrary {
 
 /// Name and type of the module's only function. Its number grows with each change of the classes
 /// above, so that a module of another build is refused.
-inline constexpr const char* kImageLibraryEntry = "mirage_image_library_1";
+inline constexpr const char* kImageLibraryEntry = "mirage_image_library_2";
 using ImageLibraryEntry = const ImageLibrary* (*)();
 
 /// Returns the library; the first call loads it. Error kModule. Any thread.

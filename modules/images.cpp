@@ -3,6 +3,7 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <cstring>
 #include <mutex>
 #include <utility>
 
@@ -96,13 +97,19 @@ ImageLibrary::Opened opened(std::unique_ptr<OiioReader> reader, const std::strin
   });
 }
 
+constexpr const char* kPngLevel = "png:";
+
 /// Writes to `proxy`, or to the file `name` if it is null.
 Result<void> write(const std::string& name, OIIO::Filesystem::IOProxy* proxy, OIIO::ImageSpec spec,
                    const std::string& compression, const void* pixels) {
   return guarded([&]() -> Result<void> {
     const auto output = OIIO::ImageOutput::create(name, proxy);
     if (!output) return failed(OIIO::geterror());
-    if (!compression.empty()) spec.attribute("Compression", compression);
+    if (compression.rfind(kPngLevel, 0) == 0) {
+      spec.attribute("png:compressionLevel", compression[std::strlen(kPngLevel)] - '0');
+    } else if (!compression.empty()) {
+      spec.attribute("Compression", compression);
+    }
     spec["oiio:UnassociatedAlpha"] = 1;  // otherwise colours are divided by the fourth channel
     if (output->open(name, spec) && output->write_image(spec.format, pixels) && output->close()) {
       return {};
@@ -110,6 +117,8 @@ Result<void> write(const std::string& name, OIIO::Filesystem::IOProxy* proxy, OI
     return failed(output->geterror());
   });
 }
+
+using Bytes = std::vector<std::uint8_t>;
 
 class OiioLibrary final : public ImageLibrary {
  public:
@@ -132,14 +141,27 @@ class OiioLibrary final : public ImageLibrary {
     return write(path, nullptr, {image.width, image.height, image.channels, OIIO::TypeDesc::FLOAT},
                  {}, image.data);
   }
-  Result<std::vector<std::uint8_t>> encode(const std::string& name,
-                                           const ImagePixels<std::uint8_t>& image,
-                                           const std::string& compression) const override {
-    std::vector<std::uint8_t> bytes;
+  Result<Bytes> encode(const std::string& name, const ImagePixels<std::uint8_t>& image,
+                       const std::string& compression) const override {
+    return encoded(name, image, OIIO::TypeDesc::UINT8, compression);
+  }
+  Result<Bytes> encode(const std::string& name, const ImagePixels<std::uint16_t>& image,
+                       const std::string& compression) const override {
+    return encoded(name, image, OIIO::TypeDesc::UINT16, compression);
+  }
+  Result<Bytes> encode(const std::string& name, const ImagePixels<float>& image,
+                       const std::string& compression) const override {
+    return encoded(name, image, OIIO::TypeDesc::FLOAT, compression);
+  }
+
+ private:
+  template <typename T>
+  static Result<Bytes> encoded(const std::string& name, const ImagePixels<T>& image,
+                               OIIO::TypeDesc type, const std::string& compression) {
+    OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
+    Bytes bytes;
     OIIO::Filesystem::IOVecOutput proxy(bytes);
-    const Result<void> written =
-        write(name, &proxy, {image.width, image.height, image.channels, OIIO::TypeDesc::UINT8},
-              compression, image.data);
+    const Result<void> written = write(name, &proxy, std::move(spec), compression, image.data);
     if (!written) return written.error();
     return bytes;
   }
@@ -149,7 +171,7 @@ class OiioLibrary final : public ImageLibrary {
 }  // namespace mirage
 
 extern "C" __attribute__((visibility("default"))) const mirage::ImageLibrary*
-mirage_image_library_1() {
+mirage_image_library_2() {
   static const mirage::OiioLibrary library;
   return &library;
 }

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "client/price/cost_model.h"
-#include "client/quality/metrics.h"
+#include "protocol/quality/metrics.h"
 #include "client/report/bytes_rows.h"
 #include "client/report/session_run.h"
 #include "client/report/truth_source.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "client/plan/alternatives.h"
-#include "client/quality/flip.h"
+#include "protocol/quality/flip.h"
 #include "client/report/session_run.h"
 #include "client/report/table.h"
 

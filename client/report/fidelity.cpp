@@ -13,7 +13,7 @@
 #include "client/draw/refinement.h"
 #include "client/frame/draw_list.h"
 #include "client/frame/planned_frame.h"
-#include "client/quality/metrics.h"
+#include "protocol/quality/metrics.h"
 #include "client/report/alpha_tested.h"
 #include "client/report/codecs.h"
 #include "client/report/session_run.h"

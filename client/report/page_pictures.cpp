@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "client/quality/flip.h"
+#include "protocol/quality/flip.h"
 #include "client/report/page.h"
 #include "modules/image_library.h"
 

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "client/price/cost_model.h"
-#include "client/quality/metrics.h"
+#include "protocol/quality/metrics.h"
 #include "client/report/session_run.h"
 #include "client/report/weather_rows.h"
 #include "protocol/base/quantile.h"

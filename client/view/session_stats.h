@@ -11,7 +11,7 @@
 #include "client/hold/upload_counts.h"
 #include "client/link/link.h"
 #include "client/plan/predictor.h"
-#include "client/quality/metrics.h"
+#include "protocol/quality/metrics.h"
 #include "client/session/counts.h"
 #include "protocol/model/scene_types.h"
 

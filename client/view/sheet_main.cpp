@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "client/quality/flip.h"
+#include "protocol/quality/flip.h"
 #include "client/view/animation.h"
 #include "client/view/sheet_image.h"
 #include "protocol/base/cli.h"

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/quality/flip.h"
+#include "protocol/quality/flip.h"
 
 namespace mirage {
 namespace {

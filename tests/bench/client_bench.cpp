@@ -11,7 +11,7 @@
 #include "client/link/link.h"
 #include "client/link/modelled_link.h"
 #include "client/price/cost_model.h"
-#include "client/quality/metrics.h"
+#include "protocol/quality/metrics.h"
 #include "client/screen/viewer_defaults.h"
 #include "protocol/base/quantile.h"
 #include "server/prepare/prepared_scene.h"

@@ -1,7 +1,6 @@
 // A server whose graphics driver or whose disk fails.
 
 #include <gtest/gtest.h>
-#include <sys/mount.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/process.h"
+#include "tests/support/small_disk.h"
 
 namespace mirage::test {
 namespace {
@@ -149,31 +149,6 @@ TEST(ClockFault, AClockThatIsSetBackChangesNobodysWaitingTime) {
   ASSERT_NE(end, std::string::npos) << log;
   EXPECT_NE(log.substr(0, 2), log.substr(log.rfind('\n', end) + 1, 2)) << log;
 }
-
-// A disk of 256 KiB of its own, where the user may mount one.
-class SmallDisk {
- public:
-  explicit SmallDisk(const std::string& at) : at_(at) {
-    fs::create_directories(at_);
-    mounted_ = mount("none", at_.c_str(), "tmpfs", 0, "size=256k") == 0;
-  }
-  ~SmallDisk() {
-    if (mounted_) umount2(at_.c_str(), MNT_DETACH);
-  }
-  bool mounted() const { return mounted_; }
-  std::uintmax_t free_bytes() const { return fs::space(at_).available; }
-  void empty() const {
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::recursive_directory_iterator(at_)) {
-      if (entry.is_regular_file()) files.push_back(entry.path());
-    }
-    for (const fs::path& file : files) fs::remove(file);
-  }
-
- private:
-  const std::string at_;
-  bool mounted_ = false;
-};
 
 TEST(DiskFault, AFullDiskIsSaidOnceAndTilesGoOnWithoutIt) {
   const std::string folder = scratch_folder() + "/disk";

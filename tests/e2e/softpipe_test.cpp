@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "client/quality/flip.h"
+#include "protocol/quality/flip.h"
 #include "tests/support/process.h"
 
 namespace mirage::test {

@@ -14,7 +14,7 @@
 #include "client/frame/draw_list.h"
 #include "client/frame/reference_frame.h"
 #include "client/hold/tile_cache.h"
-#include "client/quality/metrics.h"
+#include "protocol/quality/metrics.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
 #include "protocol/model/scene_types.h"

@@ -14,7 +14,7 @@
 #include "client/hold/shadow_cache.h"
 #include "client/hold/tile_cache.h"
 #include "client/plan/tile_need.h"
-#include "client/quality/metrics.h"
+#include "protocol/quality/metrics.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
 #include "protocol/base/limits.h"

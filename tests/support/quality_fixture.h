@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/quality/image_view.h"
+#include "protocol/quality/image_view.h"
 
 namespace mirage::test {
 

@@ -1,5 +1,5 @@
 // PSNR, SSIM, coverage and masks: closed forms, and the examples of numerics.md section 1.
-#include "client/quality/metrics.h"
+#include "protocol/quality/metrics.h"
 
 #include <gtest/gtest.h>
 

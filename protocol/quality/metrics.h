@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "client/quality/image_view.h"
+#include "protocol/quality/image_view.h"
 
 namespace mirage {
 

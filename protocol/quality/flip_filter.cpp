@@ -1,4 +1,4 @@
-#include "client/quality/flip_filter.h"
+#include "protocol/quality/flip_filter.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "client/quality/metrics.h"
+#include "protocol/quality/metrics.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 
-#include "client/quality/flip.h"
+#include "protocol/quality/flip.h"
 
 namespace mirage {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/quality/image_view.h"
+#include "protocol/quality/image_view.h"
 
 #include <algorithm>
 

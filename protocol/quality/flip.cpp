@@ -1,10 +1,10 @@
-#include "client/quality/flip.h"
+#include "protocol/quality/flip.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "client/quality/flip_filter.h"
+#include "protocol/quality/flip_filter.h"
 
 namespace mirage {
 namespace {

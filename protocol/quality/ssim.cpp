@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "client/quality/metrics.h"
+#include "protocol/quality/metrics.h"
 
 namespace mirage {
 namespace {

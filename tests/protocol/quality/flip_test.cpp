@@ -1,5 +1,5 @@
 // FLIP compared with reference values, and properties that must hold without any.
-#include "client/quality/flip.h"
+#include "protocol/quality/flip.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
