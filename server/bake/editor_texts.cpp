@@ -70,18 +70,21 @@ constexpr const char* kThreeBody = R"(
 // Returns the impostor. `THREE`: the module three; `OctahedralImpostor`: the class of the package;
 // `renderer`: a WebGLRenderer, which bakes a placeholder of a few texels that is then replaced.
 export async function loadImpostor(THREE, OctahedralImpostor, renderer) {
+  const white = new THREE.DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1);
+  white.needsUpdate = true;
   const placeholder = new THREE.Mesh(new THREE.SphereGeometry(RADIUS, 16, 8),
-    new THREE.MeshStandardMaterial());
+    new THREE.MeshStandardMaterial({ map: white, normalMap: white }));
   placeholder.geometry.translate(...CENTER);
   const target = new THREE.Group().add(placeholder);
   const impostor = new OctahedralImpostor({
     renderer, target, useHemiOctahedron: true, transparent: false, alphaClamp: 0.5,
     spritesPerSide: FRAMES, textureSize: 4 * FRAMES, baseType: THREE.MeshStandardMaterial });
-  impostor.position.set(...CENTER);
-  impostor.scale.setScalar(2 * RADIUS);
   const loader = new THREE.TextureLoader();
   const load = file => loader.loadAsync(new URL(file, import.meta.url).href);
   const { material } = impostor;
+  material.ezImpostorUniforms.impostorTransform.value
+    .makeScale(2 * RADIUS, 2 * RADIUS, 2 * RADIUS).setPosition(...CENTER);
+  impostor.frustumCulled = false;  // its geometry does not tell where it is drawn
 )";
 
 }  // namespace
