@@ -29,7 +29,7 @@ float to_linear(float v) {
 }
 float byte_of(float v) { return std::round(std::clamp(v, 0.0f, 1.0f) * 255) / 255; }
 
-/// What a frame shows at one place.
+/// Colour, normal and height that a frame shows at one place.
 struct Texel {
   glm::vec4 color{0};
   glm::vec3 normal{0};
@@ -105,7 +105,7 @@ struct Ray {
   glm::dvec3 from, along;
 };
 
-/// What a frame says of a ray.
+/// A frame's answer to a ray.
 struct Answer {
   Texel texel;
   float trust = 1;

@@ -3,15 +3,17 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
 
 namespace mirage {
 namespace {
 
 constexpr int kSizes[] = {256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096};
-constexpr int kGrids[] = {8, 12, 6, 16};
+// Once there is depth, texels are worth more than directions; without, directions are.
+constexpr std::array<int, 2> kDepthGrids = {8, 12}, kBlendGrids = {16, 12};
 constexpr int kSmallestTile = 16;
 // A size whose first grid is this far below is left for the next one.
-constexpr double kFarDb = 2.5;
+constexpr double kFarDb = 1;
 // Above what was asked for, because other directions may be worse.
 constexpr double kReserveDb = 0.3;
 constexpr int kDirections = 6, kPicture = 512;
@@ -35,10 +37,11 @@ Result<FittedBake> fit_bake(BakeRenderer& renderer, const BakeSubject& subject,
   effort.directions = kDirections;
   effort.edge = kPicture;
   effort.methods = {method_of(target)};
+  const auto& grids = method_of(target) == BakeMethod::kDepth ? kDepthGrids : kBlendGrids;
   FittedBake best;
   best.psnr_db = -1;
   for (const int size : kSizes) {
-    for (const int grid : kGrids) {
+    for (const int grid : grids) {
       const int tile = size / grid;
       if (tile < kSmallestTile || !takes(target, shot.layout, grid, tile)) continue;
       BakeShot tried = shot;

@@ -18,7 +18,7 @@ struct BakedFile {
   std::uint64_t hash = 0;  ///< XXH3
 };
 
-/// What is known of one object when its files are written.
+/// One object, as far as it is known when its files are written.
 struct BakedObject {
   std::string name;
   std::uint64_t triangles = 0;
@@ -36,7 +36,7 @@ std::string run_hash(const BakeOptions& options, std::uint64_t revision);
 std::string object_json(const BakedObject& object, const BakeOptions& options,
                         const std::string& run);
 
-/// What the index needs of an object's JSON.
+/// The part of an object's JSON that the index needs.
 struct ObjectEntry {
   std::string run;  ///< run_hash() of the run that wrote it
   std::vector<BakedFile> files;

@@ -15,7 +15,7 @@ namespace mirage {
 
 struct GpuScene;
 
-/// What to capture, and how.
+/// A capture to be made.
 struct BakeShot {
   BakeLayout layout = BakeLayout::kHemi;
   RollRule roll;

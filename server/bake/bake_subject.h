@@ -1,5 +1,5 @@
 #pragma once
-// What one bake shows: an object as it stands in the scene, or all of the scene.
+// Subjects: a bake shows one, an object as it stands in the scene, or all of the scene.
 
 #include <cstdint>
 #include <string>
@@ -30,7 +30,7 @@ struct BakeSubject {
   bool blended = false;   ///< has blended layers: a texel keeps only their sum
 };
 
-/// Which subjects are wanted.
+/// The subjects that are wanted.
 struct SubjectChoice {
   std::vector<std::string> names;  ///< names, numbers or globs (* and ?); empty: all objects
   bool whole = false;              ///< all instances together as one subject

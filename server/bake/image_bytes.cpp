@@ -8,8 +8,8 @@
 namespace mirage {
 namespace {
 
-// Of 1 to 9. Colour and normal of the knot at 2048 x 2048: 3 takes .35 s and 2.9 MB, 6 takes
-// .8 s and 2.7 MB.
+// Levels go from 1 to 9. Colour and normal of the knot at 2048 x 2048: 3 takes .35 s and 2.9 MB, 6
+// takes .8 s and 2.7 MB.
 constexpr const char* kPngLevel = "png:3";
 
 template <typename T>

@@ -1,4 +1,4 @@
-// What impostors.test.mjs and impostor_error.mjs share: bakes, and the page that draws them.
+// Bakes, and the page that draws them, for impostors.test.mjs and impostor_error.mjs.
 import { execFileSync } from 'node:child_process';
 import { readFileSync, rmSync } from 'node:fs';
 import { basename, join } from 'node:path';
