@@ -121,6 +121,15 @@ TEST(Bake, GoesOnAfterItWasKilled) {
       ASSERT_TRUE(due.at(name) == bytes) << name << " is not whole";
     }
   }
+  // The system ends it in the middle of a file that is larger than 4 KiB.
+  std::string line = "ulimit -f 8; exec";
+  for (const std::string& word : command) line += " '" + word + "'";
+  fs::remove(broken + "/floor_lamp.color.png");
+  EXPECT_EQ(run({"/bin/sh", "-c", line}).exit_code, 128 + SIGXFSZ);
+  for (const auto& [name, bytes] : files_of(broken)) {
+    if (name.ends_with(".part") || name == "index.json") continue;
+    ASSERT_TRUE(due.at(name) == bytes) << name << " is not whole";
+  }
   // A file that is cut, or lost, is made again.
   const Finished resumed = bake("builtin:clutter", broken, objects);
   ASSERT_EQ(resumed.exit_code, 0) << resumed.output;
