@@ -7,12 +7,12 @@
 #include <set>
 
 #include "client/price/cost_model.h"
-#include "protocol/quality/metrics.h"
 #include "client/report/bytes_rows.h"
 #include "client/report/session_run.h"
 #include "client/report/truth_source.h"
 #include "protocol/base/quantile.h"
 #include "protocol/base/result.h"
+#include "protocol/quality/metrics.h"
 
 namespace mirage {
 namespace {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "client/plan/alternatives.h"
-#include "protocol/quality/flip.h"
 #include "client/report/session_run.h"
 #include "client/report/table.h"
+#include "protocol/quality/flip.h"
 
 namespace mirage {
 

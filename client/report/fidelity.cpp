@@ -13,13 +13,13 @@
 #include "client/draw/refinement.h"
 #include "client/frame/draw_list.h"
 #include "client/frame/planned_frame.h"
-#include "protocol/quality/metrics.h"
 #include "client/report/alpha_tested.h"
 #include "client/report/codecs.h"
 #include "client/report/session_run.h"
 #include "client/report/tile_probe.h"
 #include "client/report/truth_source.h"
 #include "protocol/base/stable_math.h"
+#include "protocol/quality/metrics.h"
 
 namespace mirage {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "protocol/quality/flip.h"
 #include "client/report/page.h"
 #include "modules/image_library.h"
+#include "protocol/quality/flip.h"
 
 namespace mirage {
 namespace {

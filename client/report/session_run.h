@@ -14,10 +14,10 @@
 #include "client/link/link.h"
 #include "client/link/net_model.h"
 #include "client/plan/frame_plan.h"
-#include "protocol/quality/metrics.h"
 #include "client/report/page.h"
 #include "client/report/truth_source.h"
 #include "client/session/tile_trace.h"
+#include "protocol/quality/metrics.h"
 
 namespace mirage {
 

@@ -6,11 +6,11 @@
 #include <set>
 
 #include "client/price/cost_model.h"
-#include "protocol/quality/metrics.h"
 #include "client/report/session_run.h"
 #include "client/report/weather_rows.h"
 #include "protocol/base/quantile.h"
 #include "protocol/base/result.h"
+#include "protocol/quality/metrics.h"
 
 namespace mirage {
 namespace {

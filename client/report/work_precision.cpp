@@ -10,8 +10,6 @@
 #include "client/frame/camera_path.h"
 #include "client/host/methods.h"
 #include "client/link/net_model.h"
-#include "protocol/quality/image_view.h"
-#include "protocol/quality/metrics.h"
 #include "client/report/session_run.h"
 #include "client/report/truth_source.h"
 #include "client/report/work_precision_rows.h"
@@ -20,6 +18,8 @@
 #include "protocol/base/quantile.h"
 #include "protocol/base/result.h"
 #include "protocol/impostor/camera.h"
+#include "protocol/quality/image_view.h"
+#include "protocol/quality/metrics.h"
 
 namespace mirage {
 namespace {

@@ -9,9 +9,9 @@
 #include "client/frame/planned_frame.h"
 #include "client/frame/reference_frame.h"
 #include "client/host/png.h"
+#include "client/view/session_stats.h"
 #include "protocol/quality/flip.h"
 #include "protocol/quality/metrics.h"
-#include "client/view/session_stats.h"
 
 namespace mirage {
 namespace {

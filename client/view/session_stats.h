@@ -11,9 +11,9 @@
 #include "client/hold/upload_counts.h"
 #include "client/link/link.h"
 #include "client/plan/predictor.h"
-#include "protocol/quality/metrics.h"
 #include "client/session/counts.h"
 #include "protocol/model/scene_types.h"
+#include "protocol/quality/metrics.h"
 
 namespace mirage {
 

@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "protocol/quality/flip.h"
 #include "client/view/animation.h"
 #include "client/view/sheet_image.h"
 #include "protocol/base/cli.h"
 #include "protocol/base/resources.h"
 #include "protocol/base/result.h"
+#include "protocol/quality/flip.h"
 
 namespace mirage {
 namespace {

@@ -245,8 +245,9 @@ BakePicture draw_bake(const BakeMaster& master, const BakeCamera& camera, BakeMe
       glm::vec4 color(0);
       glm::vec3 normal(0);
       for (int s = 0; s < samples * samples; ++s) {
-        const double px = x + (s % samples + 0.5) / samples;
-        const double py = double(row) + (double(s / samples) + 0.5) / samples;
+        const int across = s % samples, down = s / samples;
+        const double px = x + (across + 0.5) / samples;
+        const double py = double(row) + (down + 0.5) / samples;
         const double right = half * (2 * px / edge - 1), up = half * (1 - 2 * py / edge);
         const Ray ray{eye, glm::normalize(axes.right * right + axes.up * up - axes.toward)};
         const Texel texel = seen(frames, blend, ray, method);
