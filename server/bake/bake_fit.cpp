@@ -10,10 +10,12 @@ namespace {
 
 constexpr int kSizes[] = {256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096};
 // Once there is depth, texels are worth more than directions; without, directions are.
-constexpr std::array<int, 2> kDepthGrids = {8, 12}, kBlendGrids = {16, 12};
+constexpr std::array<int, 3> kDepthGrids = {8, 12, 16}, kBlendGrids = {16, 12, 8};
 constexpr int kSmallestTile = 16;
-// A size whose first grid is this far below is left for the next one.
+// A size whose first grid is this far below is left for the next one. Of the last sizes all grids
+// are tried: some objects need directions.
 constexpr double kFarDb = 1;
+constexpr int kLastSizes = 3072;
 // Above what was asked for, because other directions may be worse.
 constexpr double kReserveDb = 0.3;
 constexpr int kDirections = 6, kPicture = 512;
@@ -56,7 +58,7 @@ Result<FittedBake> fit_bake(BakeRenderer& renderer, const BakeSubject& subject,
       told(fmt::format("{} x {} frames of {} px: {:.1f} dB", grid, grid, tile, psnr));
       if (psnr > best.psnr_db) best = {tried, psnr, false};
       if (psnr >= error_db + kReserveDb) return FittedBake{tried, psnr, true};
-      if (psnr < error_db - kFarDb) break;
+      if (size < kLastSizes && psnr < error_db - kFarDb) break;
     }
   }
   return best;
