@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # A store that an array of jobs has warmed (docs/guide/scaling.md), by a real Slurm of one node: each job has a server of its own and
-# asks for its part; then a new server finds every tile there.
+# asks for its part; then a new server finds every tile there. An array of jobs also bakes objects, each its share.
 #   slurm.sh BIN_FOLDER
 set -euo pipefail
 bin="$1"
@@ -84,6 +84,16 @@ warmed="$(awk '/^warmed/ { n += $2 } END { print n + 0 }' "$work"/out-*)"
 rendered="$(awk '/^server/ { print $2 }' "$work/load.txt")"
 added="$(($(kept_tiles) - kept))"
 echo "$tiles tiles; warmed by 4 jobs: $warmed; kept: $kept; a new server added $added and rendered $rendered"
+# Shares of a bake (docs/guide/baking.md) make the bytes of one run.
+bake=("$bin/mirage-bake" builtin:clutter --object '*lamp*' --object 'book*' --grid 4 --size 128 --measure none --out)
+{
+  printf '#!/bin/bash\n#SBATCH --array=1-4\n#SBATCH --output=%s/bake-%%a\n' "$work"
+  printf '%q ' "${bake[@]}" "$work/shares"
+  printf -- '--shard $SLURM_ARRAY_TASK_ID/4\n'
+} > "$work/bake-job"
+sbatch --wait "$work/bake-job" > /dev/null || { cat "$work"/bake-*; exit 1; }
+"${bake[@]}" "$work/one" 2> /dev/null
+diff -r --exclude='.*' "$work/one" "$work/shares"
 # A store that takes longer than 10 ms, as on a machine with too much to do, is done without for a while: what is rendered
 # meanwhile is kept under the names that are there already, so nothing that was warmed by name is missing where none is added.
 [ "$tiles" -gt 20 ] && [ "$warmed" -eq "$tiles" ] && [ "$kept" -ge "$tiles" ] && [ "$added" -eq 0 ] && [ "$rendered" -lt $((tiles / 2)) ]
