@@ -126,9 +126,11 @@ float trace(out float trust) {
   float b = dot(o, d), room = b * b - dot(o, o) + 1.0;
   trust = 0.0;
   if (room <= 0.0) return 0.0;
-  float begin = -b - sqrt(room), stride = 2.0 * sqrt(room) / float(u_steps), edge = 0.0;
+  float across = length(d.xy) * sqrt(room) * u_tile / exp2(level);   // texels
+  int steps = clamp(int(ceil(across)), 6, u_steps);
+  float begin = -b - sqrt(room), stride = 2.0 * sqrt(room) / float(steps), edge = 0.0;
   bool was = false;
-  for (int i = 1; i <= u_steps; ++i) {
+  for (int i = 1; i <= steps; ++i) {
     float t = begin + stride * float(i);
     bool now = inside(t);
     if (now && !was) {
@@ -182,9 +184,12 @@ void main() {
   #include <colorspace_fragment>
 }`;
 
-/** Many instances of one bake. Matrices may turn, move and scale evenly. `cut`: hard edges, which need no order (default). */
+/**
+ * Many instances of one bake. Matrices may turn, move and scale evenly. `cut`: hard edges, which need no order (default).
+ * `steps`: the most that a ray takes through a frame; it takes one for each texel it passes over.
+ */
 export class Impostors extends THREE.InstancedMesh {
-  constructor(bake, count, { steps = 24, cut = true } = {}) {
+  constructor(bake, count, { steps = 64, cut = true } = {}) {
     const material = new THREE.ShaderMaterial({
       vertexShader, fragmentShader,
       defines: cut ? { CUT: '' } : {},

@@ -9,8 +9,9 @@
 namespace mirage {
 namespace {
 
-// A ray is followed through a frame's heights in this many steps, then halved so often.
-constexpr int kSteps = 40, kHalvings = 6;
+// A ray is followed through a frame's heights in steps of a texel, so that it meets what is thin,
+// and the step that meets a surface is halved so often.
+constexpr int kFewestSteps = 8, kMostSteps = 192, kHalvings = 6;
 // Where a texel covers less, a ray passes through.
 constexpr float kCovers = 0.5f;
 // A ray that meets a surface farther below its height than kCliff, in radii, has passed an edge.
@@ -46,6 +47,9 @@ class Frame {
     return {float(glm::dot(v, basis_.right)), float(glm::dot(v, basis_.up)),
             float(glm::dot(v, basis_.toward))};
   }
+
+  /// Texels along an edge.
+  float texels() const { return float(master_.tile); }
 
   /// Height and coverage at a place, interpolated; heights of covered texels alone.
   void look(float x, float y, float& height, float& cover) const {
@@ -130,10 +134,12 @@ class Trace {
     const double room = od * od - (l - 1);
     if (room <= 0) return {};
     const float half = float(std::sqrt(room)), begin = float(-od) - half;
-    const float step = 2 * half / kSteps;
+    const float across = glm::length(glm::vec2(d_)) * half * frame_.texels();
+    const int steps = std::clamp(int(std::ceil(across)), kFewestSteps, kMostSteps);
+    const float step = 2 * half / float(steps);
     bool inside = false;
     std::optional<float> cliff;
-    for (int i = 1; i <= kSteps; ++i) {
+    for (int i = 1; i <= steps; ++i) {
       const float t = begin + step * float(i);
       const bool now = below(t);
       if (now && !inside) {

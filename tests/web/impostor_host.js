@@ -74,7 +74,7 @@ globalThis.measure = async ({ bake: address, model, directions, radii = 4, light
   const sun = new THREE.DirectionalLight(0xffffff, lit ? 2.5 : 0);
   sun.position.copy(sunDirection).multiplyScalar(1e4);
   meshScene.add(await meshOf(model), new THREE.AmbientLight(0xffffff, lit ? 0.6 : Math.PI), sun);
-  const impostor = new Impostors(bake, 1, { steps: 40, cut });
+  const impostor = new Impostors(bake, 1, { steps: 192, cut });
   impostor.setMatrixAt(0, new THREE.Matrix4());
   impostor.setLight(new THREE.Color().setScalar(lit ? 0.6 / Math.PI : 1), sunDirection, new THREE.Color().setScalar(lit ? 2.5 / Math.PI : 0));
   bakeScene.add(impostor);
