@@ -10,7 +10,7 @@ Kept within_budget(const FrozenPart& part, std::uint64_t most_bytes) {
   std::vector<File> wanted(part.files.begin(), part.files.end());
   std::stable_sort(wanted.begin(), wanted.end(), [](const File& a, const File& b) {
     const auto rank = [](const FrozenEntry& e) {
-      return std::tuple(e.is_tile, e.is_tile ? 0 : e.bytes(), -e.gain);
+      return std::tuple(e.is_tile, e.spare, e.is_tile ? 0 : e.bytes(), -e.gain);
     };
     return rank(a.second) < rank(b.second);
   });

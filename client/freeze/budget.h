@@ -16,7 +16,8 @@ struct Kept {
 };
 
 /// Chooses files of at most `most_bytes` together. Geometry and its images go first, the smallest
-/// before others: a coarse level serves every view. Tiles follow by what they were worth per byte.
+/// before others: a coarse level serves every view. Tiles that nothing
+/// replaces follow, and then those beside geometry; each by what they were worth per byte.
 Kept within_budget(const FrozenPart& part, std::uint64_t most_bytes);
 
 }  // namespace mirage

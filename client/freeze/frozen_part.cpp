@@ -43,7 +43,9 @@ std::string FrozenEntry::name(std::uint64_t revision) const {
 void FrozenPart::add(const FrozenPart& other) {
   for (const auto& [name, entry] : other.files) {
     const auto [at, fresh] = files.emplace(name, entry);
-    if (!fresh) at->second.gain = std::max(at->second.gain, entry.gain);
+    if (fresh) continue;
+    at->second.gain = std::max(at->second.gain, entry.gain);
+    at->second.spare = at->second.spare && entry.spare;
   }
   pages.insert(pages.end(), other.pages.begin(), other.pages.end());
   if (opening.empty()) opening = other.opening;
@@ -61,6 +63,7 @@ Bytes encode_part(const FrozenPart& part) {
     body.put(entry.tile);
     body.put(entry.asset);
     body.put(entry.gain);
+    body.put(static_cast<std::uint8_t>(entry.spare));
   }
   put_list(body, part.pages);
   put_list(body, part.opening);
@@ -89,6 +92,7 @@ Result<FrozenPart> decode_part(const Bytes& file) {
     entry.tile = in.get<wire::FrozenTile>();
     entry.asset = in.get<wire::FrozenAsset>();
     entry.gain = in.get<double>();
+    entry.spare = in.get<std::uint8_t>() != 0;
   }
   out.pages = get_list(in);
   out.opening = get_list(in);

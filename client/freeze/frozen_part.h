@@ -15,7 +15,8 @@ struct FrozenEntry {
   bool is_tile = true;
   wire::FrozenTile tile;
   wire::FrozenAsset asset;
-  double gain = 0;  ///< the most that it was worth to a view when it was asked for, per byte
+  double gain = 0;     ///< the most that it was worth to a view when it was asked for, per byte
+  bool spare = false;  ///< only clients without geometry asked for it, and the scene has some
 
   std::uint32_t bytes() const { return is_tile ? tile.bytes() : asset.bytes(); }
   std::uint64_t hash() const { return is_tile ? tile.hash() : asset.hash(); }

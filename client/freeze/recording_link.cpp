@@ -79,6 +79,7 @@ void RecordingLink::note_tile(const wire::TileReplyT& reply, const Message& mess
                                 ask.view_y(), ask.phase(), ask.view_level(), ask.distance_level(),
                                 ask.size_class(), ask.channels(), static_cast<std::uint8_t>(codec));
   entry.gain = static_cast<double>(ask.error_px());
+  entry.spare = record_ == Record::kWholeTiles;
   add(std::move(entry), file);
 }
 

@@ -7,6 +7,7 @@
 #include "client/freeze/eyes.h"
 #include "client/hold/mesh_cache.h"
 #include "client/link/modelled_link.h"
+#include "client/price/frame_work.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
 #include "client/session/session_options.h"
@@ -20,8 +21,8 @@ namespace {
 constexpr std::int64_t kFrameUs = 33'000;
 constexpr int kMostFrames = 120;  // at an eye
 // Between two eyes: none of them is on the way to the other.
-constexpr std::int64_t kJumpUs = 60'000'000;
-constexpr std::int64_t kFadedUs = 1'000'000;
+constexpr std::int64_t kJumpUs = 3'000'000;
+constexpr int kFadingFrames = 15;
 constexpr int kOpeningFrames = 2000;
 constexpr double kTileMs = 0.1;  // of the modelled server: it is not waited for
 
@@ -74,21 +75,28 @@ struct Sampler::Parts {
 
 SeenError Sampler::Parts::error_of(const PlannedFrame& frame) const {
   const SceneView& scene = session.scene();
+  // Things beside the picture are drawn where their spheres touch it, from whatever is there.
+  const auto seen = [&](std::uint32_t instance) {
+    const InstanceView& view = scene.instances[instance];
+    return shown_area_px(frame.camera, view.center - frame.camera.pose.eye, view.radius) > 0;
+  };
   SeenError out;
   out.views = 1;
   for (const DrawnImpostor& drawn : frame.list.impostors) {
-    out.worst_px = std::max(out.worst_px, drawn.bound_px);
+    if (seen(drawn.instance)) out.worst_px = std::max(out.worst_px, drawn.bound_px);
   }
   for (const DrawnMesh& drawn : frame.list.meshes) {
     const ObjectDescription& object = scene.objects[scene.instances[drawn.instance].object];
     const double error = static_cast<double>(object.lods[drawn.lod].error);
-    if (error > 0) {
+    if (error > 0 && seen(drawn.instance)) {
       const double px = error * px_per_unit(scene, frame.camera, drawn.instance);
       out.worst_px = std::max(out.worst_px, px);
     }
   }
   out.beyond = out.worst_px > error_px ? 1 : 0;
-  out.bare = frame.list.placeholders.empty() ? 0 : 1;
+  const std::vector<DrawnPlaceholder>& bare = frame.list.placeholders;
+  out.bare = std::any_of(bare.begin(), bare.end(),
+                         [&](const DrawnPlaceholder& one) { return seen(one.instance); });
   return out;
 }
 
@@ -116,10 +124,13 @@ Result<SeenError> Sampler::look(const Pose& pose) {
     p.session.frame(p.camera, p.clock.now_us());
     if (p.session.at_rest()) break;
   }
-  // A tile that has just come fades in.
-  p.clock.advance_to_us(p.clock.now_us() + kFadedUs);
-  if (Result<void> received = p.step(); !received) return received.error();
-  return p.error_of(p.session.frame(p.camera, p.clock.now_us()));
+  // A tile or geometry that has just come fades in.
+  SeenError seen;
+  for (int i = 0; i < kFadingFrames; ++i) {
+    if (Result<void> received = p.step(); !received) return received.error();
+    seen = p.error_of(p.session.frame(p.camera, p.clock.now_us()));
+  }
+  return seen;
 }
 
 }  // namespace mirage

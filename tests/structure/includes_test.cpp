@@ -82,7 +82,7 @@ const Graph kMayInclude = {
       "client/native", "client/host"}},
     {"client/freeze",
      {"protocol/base", "protocol/impostor", "protocol/model", "protocol/codec", "protocol/wire",
-      "client/frame", "client/link", "client/folder", "client/scene", "client/hold",
+      "client/frame", "client/link", "client/folder", "client/scene", "client/hold", "client/price",
       "client/session", "client/native", "client/host"}},
     {"client/report",
      {"modules", "protocol/base", "protocol/impostor", "protocol/codec", "protocol/wire",
