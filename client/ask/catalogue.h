@@ -44,7 +44,8 @@ class Catalogue {
   /// Turns each need into the nearest tile that the folder has of its instance. Removes needs of
   /// which it has none, and those whose nearest tile is held.
   void fit(const SceneView& scene, const TileCache& held, std::vector<TileNeed>& needs) const;
-  /// Fits needs of geometry and images: to the nearest finer level, or else the nearest coarser one.
+  /// Fits needs of geometry and images: to the nearest finer level, or else the nearest coarser
+  /// one.
   void fit(const MeshCache& held, std::vector<AssetNeed>& needs) const;
 
  private:

@@ -9,9 +9,9 @@
 #include "client/frame/draw_list.h"
 #include "client/hold/tile_cache.h"
 #include "client/host/client_host.h"
+#include "client/link/link.h"
 #include "client/plan/frame_plan.h"
 #include "client/scene/scene_view.h"
-#include "client/link/link.h"
 #include "client/session/client_session.h"
 #include "protocol/base/quantile.h"
 
