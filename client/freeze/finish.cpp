@@ -1,6 +1,7 @@
 #include "client/freeze/finish.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <cmath>
 #include <map>
@@ -95,6 +96,9 @@ Result<void> finish(const FolderStore& store, const FreezeOptions& o, const Fini
                     const FrozenPart& part, const std::vector<EyePart>& eyes) {
   Result<std::map<std::string, Bytes>> others = fetch_site(context.server.port());
   if (!others) return others.error();
+  if (others->empty()) {
+    spdlog::warn("the server has no page, so the folder has none: build it with scripts/web");
+  }
   std::uint64_t taken = 0;
   for (const auto& [name, file] : *others) taken += file.size();
   // The index has a line a file; the opening is small beside it.

@@ -79,7 +79,7 @@ Result<std::map<std::string, Bytes>> fetch_site(int port) {
   std::map<std::string, Bytes> out;
   const Result<Answer> page = get_page(port);
   if (!page) return page.error();
-  if (page->status != 200) return out;
+  if (page->status != 200) return out;  // a server without a page
   std::string text(page->body.begin(), page->body.end());
   static const std::regex part("(?:src|href)=\"((w-[0-9a-f]+)/[A-Za-z0-9_.-]+)\"");
   std::set<std::string> names = {"impostor.js"};
