@@ -128,7 +128,7 @@ double aged_tile_px(double tau_px, double life_s) {
 
 bool too_dear(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
               double tau_px) {
-  if (!in.plan->limited() || in.geometry_first) return false;
+  if (!in.plan->limited()) return false;
   const double life_s = tile_life_s(in, camera, instance, tau_px);
   return !mesh_pays(in, camera, instance, aged_tile_px(tau_px, life_s));
 }

@@ -1,4 +1,4 @@
-// What a freeze computes before and after the server has spoken: eyes, budget, parts, the opening.
+// The arithmetic of a freeze, before and after the server has spoken: eyes, budget, parts, opening.
 #include <gtest/gtest.h>
 
 #include "client/folder/frozen_file.h"
