@@ -1,6 +1,6 @@
 # Installs the programs, their manual pages, the service with its user and an example configuration, dashboard and alerts, and
 # configurations of HAProxy and nginx.
-set(programs mirage-server mirage-view mirage-load mirage-token mirage-report mirage-sheet mirage-bake)
+set(programs mirage-server mirage-view mirage-freeze mirage-load mirage-token mirage-report mirage-sheet mirage-bake)
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS mirage_images LIBRARY DESTINATION lib/mirage)
 if(TARGET mirage_ktx2)

@@ -1,6 +1,6 @@
 add_executable(mirage_core_tests
   client/ask/codec_choice_test.cpp client/ask/scheduler_test.cpp client/ask/server_pace_test.cpp
-  client/ask/answered_keys_test.cpp client/ask/window_test.cpp client/draw/entangled_test.cpp client/draw/geometric_error_test.cpp client/frame/camera_path_test.cpp client/hold/atlas_test.cpp client/hold/cache_test.cpp
+  client/ask/answered_keys_test.cpp client/ask/catalogue_test.cpp client/ask/window_test.cpp client/draw/entangled_test.cpp client/draw/geometric_error_test.cpp client/frame/camera_path_test.cpp client/hold/atlas_test.cpp client/hold/cache_test.cpp
   client/hold/light_test.cpp client/hold/mesh_cache_test.cpp client/hold/upload_test.cpp
   client/link/modelled_link_test.cpp client/native/server_url_test.cpp client/native/unpacker_test.cpp client/plan/blend_order_test.cpp client/plan/drawn_pixel_test.cpp client/plan/eight_views_test.cpp
   client/plan/group_test.cpp client/plan/importance_test.cpp client/plan/motion_test.cpp client/plan/opener_test.cpp

@@ -21,6 +21,7 @@ namespace mirage {
 
 class Client;
 class ClientSession;
+class FolderLink;
 class ModelledLink;
 class NativeLink;
 struct LinkTraffic;
@@ -28,7 +29,7 @@ struct LinkUse;
 struct ServerUrl;
 
 struct HostOptions {
-  std::string url;
+  std::string url;            ///< of a server, or the name of a frozen folder
   std::string ca_file;        ///< ServerUrl::ca_file
   bool virtual_time = false;  ///< time advances only when told to; the link is modelled
   std::optional<NetModel> net;
@@ -44,7 +45,7 @@ class ClientHost {
   ClientHost(HostOptions options, Client& client);
   ~ClientHost();
 
-  /// Connects. Errors kUsage, kNetworkConnect.
+  /// Connects. Errors kUsage, kNetworkConnect; of a folder those of FolderLink::open().
   Result<void> open();
   /// Takes in what arrives until the scene is known, and lets virtual time pass. Errors kAuth,
   /// kNetworkClosed, and the error for which the scene was refused.
@@ -58,9 +59,12 @@ class ClientHost {
 
   ClientSession& session();
   const ClientSession& session() const;
-  const NativeLink& native() const { return *native_; }
+  /// Waits until a server has said something, or the time is over.
+  void wait_message(int timeout_ms) const;
+  /// True while the connection is up; a folder is always there.
+  bool link_up() const;
   LinkTraffic traffic() const;
-  /// Closes the connection and opens another one; the session goes on.
+  /// Closes the connection to a server and opens another one; the session goes on.
   void reconnect();
   /// Returns the session's time, µs: that of the clock minus what leave_out_since() has left out.
   std::int64_t now_us() const { return clock_->now_us() - left_out_us_; }
@@ -75,8 +79,12 @@ class ClientHost {
   void leave_out_since(std::int64_t clock_us) { left_out_us_ += clock_->now_us() - clock_us; }
 
  private:
+  Result<void> open_folder();
+  Result<void> open_server();
   /// Waits for the connection. Errors: those of no_answer().
   Result<void> wait_connected(const ServerUrl& url);
+  /// Returns why a scene will not come any more; nullopt: it may.
+  std::optional<Error> hopeless(std::int64_t waited_us) const;
   Result<void> wait_until(const std::function<bool()>& there);
 
   HostOptions options_;
@@ -84,7 +92,8 @@ class ClientHost {
   std::unique_ptr<Clock> clock_;
   VirtualClock* virtual_clock_ = nullptr;
   std::int64_t left_out_us_ = 0;
-  std::unique_ptr<NativeLink> native_;
+  std::unique_ptr<NativeLink> native_;  ///< to a server
+  std::unique_ptr<FolderLink> folder_;  ///< in place of one
   std::unique_ptr<ModelledLink> modelled_;
 };
 

@@ -273,13 +273,15 @@ void silent_log(int, const char*) {}
 
 }  // namespace
 
-NativeLink::NativeLink(const ServerUrl& url, std::function<void()> arrived)
+NativeLink::NativeLink(const ServerUrl& url, std::function<void()> arrived, bool packed)
     : impl_(std::make_unique<Impl>()) {
   impl_->url = url;
   impl_->arrived = std::move(arrived);
-  impl_->unpacker = std::make_unique<Unpacker>(Unpacker::Hooks{
-      [impl = impl_.get()](Unpacker::Received r) { impl->take_unpacked(std::move(r)); },
-      [impl = impl_.get()](std::uint32_t of, const Error& e) { impl->take_damaged(of, e); }});
+  impl_->unpacker = std::make_unique<Unpacker>(
+      Unpacker::Hooks{
+          [impl = impl_.get()](Unpacker::Received r) { impl->take_unpacked(std::move(r)); },
+          [impl = impl_.get()](std::uint32_t of, const Error& e) { impl->take_damaged(of, e); }},
+      packed);
   lws_set_log_level(0, silent_log);
   lws_context_creation_info info{};
   info.port = CONTEXT_PORT_NO_LISTEN;

@@ -20,7 +20,9 @@ class NativeLink final : public Link {
  public:
   /// Starts connecting, and reconnects with growing pauses until it is destroyed. The network
   /// thread calls `arrived` when a message can be received, or when the link goes up or down.
-  explicit NativeLink(const ServerUrl& url, std::function<void()> arrived = nullptr);
+  /// `packed`: messages are passed on as they came, for programs that keep them.
+  explicit NativeLink(const ServerUrl& url, std::function<void()> arrived = nullptr,
+                      bool packed = false);
   ~NativeLink() override;
 
   void send(Bytes message) override;

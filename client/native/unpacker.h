@@ -28,7 +28,8 @@ class Unpacker {
     std::function<void(std::uint32_t generation, const Error&)> damaged;
   };
 
-  explicit Unpacker(Hooks hooks);
+  /// `packed`: messages pass as they came.
+  explicit Unpacker(Hooks hooks, bool packed = false);
   ~Unpacker();
 
   void add(Received received);
@@ -39,6 +40,7 @@ class Unpacker {
   void run();
 
   Hooks hooks_;
+  const bool packed_;
   BoundedQueue<Received> queue_;
   std::thread thread_;
 };

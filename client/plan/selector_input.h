@@ -36,6 +36,7 @@ struct SelectorInput {
   MethodChoice method;
   double march_budget_px = 1e9;   ///< screen area that may be drawn by marching depth
   double mesh_radii = kAnyRadii;  ///< farther than this, only cheap objects are geometry
+  bool geometry_first = false;    ///< geometry wherever there is some, whatever tiles cost
   std::uint64_t frame = 0;
   std::int64_t now_us = 0;
   double spare_bytes =

@@ -435,7 +435,8 @@ MeshWants Selector::mesh_needs(const SelectorInput& in) {
     const bool bought = geometry_.bought(view_of.object, in.now_us) &&
                         radii < swap_radii(in, object) && !object.group;
     if (!bought && !comes_as_mesh(in, object, radii)) return;
-    if (too_dear(in, in.predicted, instance, in.tau_px)) return;
+    // Geometry may come first and still be too expensive to draw; tiles then stand beside it.
+    if (!in.geometry_first && too_dear(in, in.predicted, instance, in.tau_px)) return;
     out.instances.push_back(instance);
     out.gain[view_of.object] += geometry_gain(in, instance);
   });

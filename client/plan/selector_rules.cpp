@@ -41,6 +41,11 @@ bool cheaper_than_tiles(const ObjectDescription& object) {
   return !object.lods.empty() && object.lods[0].bytes <= kTileBytes && !(object.needs & kImages);
 }
 
+// True if geometry of the object is right from everywhere and asked for whatever tiles cost.
+bool comes_first(const SelectorInput& in, const ObjectDescription& object) {
+  return cheaper_than_tiles(object) || (in.geometry_first && !object.lods.empty());
+}
+
 // Returns the seconds for which a tile asked for now would serve.
 double tile_life_s(const SelectorInput& in, const Camera& camera, std::uint32_t instance,
                    double tau_px) {
@@ -88,7 +93,7 @@ double swap_radii(const SelectorInput& in, const ObjectDescription& object) {
   constexpr double kEverywhere = std::numeric_limits<double>::infinity();
   if (!in.method.automatic && in.method.method == DrawMethod::kMesh) return kEverywhere;
   if (object.surrounds) return kEverywhere;
-  if (in.method.automatic && in.mesh_radii > 0 && cheaper_than_tiles(object)) return kEverywhere;
+  if (in.method.automatic && in.mesh_radii > 0 && comes_first(in, object)) return kEverywhere;
   return in.method.automatic ? in.mesh_radii : std::min(in.mesh_radii, kSwapRadii);
 }
 
@@ -96,7 +101,7 @@ bool comes_as_mesh(const SelectorInput& in, const ObjectDescription& object, dou
   if (!in.scene->geometry) return false;
   const double swap = swap_radii(in, object);
   if (!in.method.automatic) return radii < kMeshPrefetch * swap;
-  return object.surrounds || (in.mesh_radii > 0 && cheaper_than_tiles(object)) ||
+  return object.surrounds || (in.mesh_radii > 0 && comes_first(in, object)) ||
          radii < std::min(swap, kNearRadii);
 }
 

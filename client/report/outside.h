@@ -4,7 +4,7 @@
 
 #include <future>
 
-#include "client/report/child.h"
+#include "client/host/child.h"
 #include "client/report/context.h"
 
 namespace mirage {

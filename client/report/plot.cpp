@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "client/report/child.h"
+#include "client/host/child.h"
 #include "client/report/table.h"
 
 namespace mirage {

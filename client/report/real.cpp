@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "client/report/child.h"
+#include "client/host/child.h"
 #include "client/report/real_words.h"
 
 namespace mirage {

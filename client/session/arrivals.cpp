@@ -68,6 +68,9 @@ Result<void> Arrivals::handle(Message message, std::int64_t now_us) {
   const std::int64_t came_us = now_us - message.waited_us;
   const bool was_complete = s_.scene.complete();
   switch (body.type) {
+    case wire::Body::Catalogue:
+      s_.light.own = false;  // everything in the folder has the scene's light
+      return s_.asking.catalogue.accept(*body.AsCatalogue());
     case wire::Body::Welcome:
       return take_welcome(*body.AsWelcome(), came_us);
     case wire::Body::LightProbePage:

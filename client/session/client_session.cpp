@@ -35,6 +35,7 @@ void greet(SessionParts& s, std::int64_t now_us) {
   s.asking.scheduler.reset();
   s.asking.opener.reset();
   s.asking.answered.reset();
+  s.asking.catalogue.reset();
   s.asking.ground.reset();
   s.held.uploads.clear();
   wire::HelloT hello;
@@ -161,10 +162,11 @@ void ClientSession::play(bool playing, std::int64_t told_us) {
 
 bool ClientSession::playing() const { return parts_->playback.playing(); }
 
-bool ClientSession::animated() const { return parts_->moves && parts_->options.animation; }
+bool ClientSession::animated() const { return parts_->may_animate(); }
 
 void ClientSession::set_lighting(const Lighting& lighting, std::int64_t told_us) {
   SessionParts& s = *parts_;
+  if (s.asking.catalogue.there()) return;
   const std::int64_t now_us = s.clock.at(told_us);
   s.light.own = true;
   s.light.now = lighting;
@@ -227,6 +229,7 @@ double ClientSession::tau_px() const { return parts_->planning.tau.tau_px(); }
 bool ClientSession::at_rest() const { return parts_->planning.at_rest; }
 const Predictor& ClientSession::predictor() const { return parts_->planning.eyes[0].predictor; }
 const Lighting& ClientSession::lighting() const { return parts_->light.now; }
+bool ClientSession::frozen() const { return parts_->asking.catalogue.there(); }
 bool ClientSession::light_changed() const { return parts_->light.changed; }
 std::optional<ReferenceFrame> ClientSession::take_reference() {
   return std::exchange(parts_->reference.frame, std::nullopt);

@@ -92,7 +92,10 @@ class ClientSession {
   bool playing() const;
   /// True if something in the scene moves by itself, unless it is stopped.
   bool animated() const;
+  /// Sets a light of this client's own. A frozen folder keeps the one it was made under.
   void set_lighting(const Lighting& lighting, std::int64_t now_us);
+  /// True if the scene comes from a frozen folder: light and animation stand still.
+  bool frozen() const;
   /// True if the light has ever differed from the first.
   bool light_changed() const;
   /// Asks for a full render from this camera; take_reference() returns it once it has arrived.

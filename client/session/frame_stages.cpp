@@ -36,9 +36,12 @@ SelectorInput shared_input(SessionParts& s, std::int64_t horizon_us, std::int64_
   input.method = s.options.method;
   input.march_budget_px = s.options.march_budget_px;
   input.mesh_radii = s.options.mesh_radii;
-  if (s.options.animation) s.time_s = s.playback.at(now_us);
+  // A folder has few tiles of a thing: geometry is right where they are not.
+  input.geometry_first = s.options.geometry_first || s.asking.catalogue.there();
+  const bool still = !s.options.animation || s.asking.catalogue.there();
+  if (!still) s.time_s = s.playback.at(now_us);
   input.time_s = s.time_s;
-  const bool plays = s.options.animation && s.playback.playing();
+  const bool plays = !still && s.playback.playing();
   input.lead_s = plays ? static_cast<double>(s.asking.scheduler.round_trip_us()) * 1e-6 : 0;
   input.horizon_s = plays ? static_cast<double>(horizon_us) * 1e-6 : 0;
   input.frame = s.frame;
@@ -137,6 +140,8 @@ void send(SessionParts& s, const Predicted& at, const std::vector<DrawList>& lis
   for (std::size_t i = 0; s.shadowed() && i < lists.size(); ++i) {
     s.held.shadows.add_needs(at.views[i], s.light.now, lists[i], needs.tiles);
   }
+  s.asking.catalogue.fit(s.scene, s.held.tiles, needs.tiles);
+  s.asking.catalogue.fit(s.held.meshes, needs.meshes);
   s.asking.answered.remove_from(needs.tiles, at.stands, now_us);
   s.asking.codec = s.asking.codec_choice.update(
       {s.asking.scheduler.rate_mbps(), s.asking.scheduler.saturated_s(now_us)}, now_us);

@@ -22,6 +22,8 @@ struct ClientOptions {
   int samples = -1;               ///< samples per pixel; < 0: chosen by the frame plan
   double march_budget_px = 1e9;   ///< screen area per frame drawn by marching depth
   double mesh_radii = kAnyRadii;  ///< farther than this, only cheap objects are geometry
+  /// Ask for geometry wherever the scene has some, whatever tiles would cost.
+  bool geometry_first = false;
   RelightChoice relight = RelightChoice::kAuto;
   int atlas_edge = 1024;
   int atlas_layers = 24;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/ask/answered_keys.h"
+#include "client/ask/catalogue.h"
 #include "client/ask/codec_choice.h"
 #include "client/ask/scheduler.h"
 #include "client/frame/reference_frame.h"
@@ -100,6 +101,7 @@ struct SessionParts {
     explicit Asking(const ClientOptions& o) : codec_choice(o.codec) {}
     Scheduler scheduler;
     AnsweredKeys answered;
+    Catalogue catalogue;
     SceneOpener opener;
     GroundAsks ground;
     CodecChoice codec_choice;
@@ -134,7 +136,9 @@ struct SessionParts {
   bool moves = false;  ///< some object of the scene is animated
 
   /// True if the picture changes by itself.
-  bool animates() const { return moves && options.animation && playback.playing(); }
+  bool animates() const { return may_animate() && playback.playing(); }
+  /// True if something moves by itself, unless it is stopped.
+  bool may_animate() const { return moves && options.animation && !asking.catalogue.there(); }
   bool shadowed() const { return scene.shadows && options.shadows; }
   /// Tells the server about this client's own light.
   void send_lighting();

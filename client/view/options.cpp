@@ -4,6 +4,7 @@
 #include <map>
 
 #include "client/host/device_model.h"
+#include "client/host/folder_link.h"
 #include "client/host/methods.h"
 #include "client/native/server_url.h"
 #include "client/view/statistics_page.h"
@@ -74,9 +75,9 @@ Result<void> check(ViewOptions& o, const std::string& offscreen, const std::stri
     o.device_model = *model;
   }
   const Result<ServerUrl> url = parse_url(o.url);
-  if (!url) return url.error();
-  if (o.scene.choice.clip.empty()) o.scene.choice.clip = url->choice.clip;
-  if (o.scene.choice.variant.empty()) o.scene.choice.variant = url->choice.variant;
+  if (!url && !is_frozen_folder(o.url)) return url.error();
+  if (url.ok() && o.scene.choice.clip.empty()) o.scene.choice.clip = url->choice.clip;
+  if (url.ok() && o.scene.choice.variant.empty()) o.scene.choice.variant = url->choice.variant;
   o.method = *method_from_name(o.method_name);
   o.relight = kRelight.at(o.relight_name);
   if (o.msaa_name != "auto") o.msaa = std::stoi(o.msaa_name);
@@ -98,7 +99,9 @@ struct Texts {
 
 void add_picture_options(CLI::App& app, ViewOptions& o, Texts& t) {
   app.option_defaults()->group("Picture");
-  app.add_option("URL", o.url, "address of the server, such as ws://127.0.0.1:9870")->required();
+  app.add_option("URL", o.url,
+                 "address of the server, such as ws://127.0.0.1:9870, or a frozen folder")
+      ->required();
   app.add_option("--offscreen", t.offscreen, "draw WxH pixels without a display")->type_name("WxH");
   app.add_option("--size", t.size, "size of the window, WxH pixels")->type_name("WxH");
   app.add_option("--fov", o.fov_degrees, "vertical field of view, degrees")

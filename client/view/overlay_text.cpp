@@ -9,7 +9,7 @@
 #include "client/frame/draw_list.h"
 #include "client/hold/tile_cache.h"
 #include "client/host/client_host.h"
-#include "client/native/native_link.h"
+#include "client/link/link.h"
 #include "client/plan/frame_plan.h"
 #include "client/scene/scene_view.h"
 #include "client/session/client_session.h"
@@ -42,7 +42,7 @@ std::string overlay_text(const ClientHost& host, const DrawList& list,
       bound, plan.expected_flip(), list.over_tau, list.visible, quantile(ages_ms, 0.5) / 1000.0f,
       static_cast<double>(traffic.bytes_down) * 1e-6, session.round_trip_us() / 1000,
       session.scene().geometry ? "" : "\nthe server keeps its geometry: images only",
-      host.native().connected() ? "" : "\nOFFLINE: showing what is here, reconnecting");
+      host.link_up() ? "" : "\nOFFLINE: showing what is here, reconnecting");
 }
 
 }  // namespace mirage

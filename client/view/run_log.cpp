@@ -9,7 +9,6 @@
 #include "client/frame/planned_frame.h"
 #include "client/host/client_host.h"
 #include "client/host/png.h"
-#include "client/native/native_link.h"
 #include "client/plan/frame_plan.h"
 #include "client/scene/scene_view.h"
 #include "client/screen/screen.h"
@@ -32,8 +31,8 @@ void RunLog::note_arrivals(const ClientHost& host) {
     spdlog::info("{}: {} objects, {} instances, {} triangles on the server", scene.name,
                  scene.objects.size(), scene.instances.size(), scene.triangles);
   }
-  if (host.native().connected() == link_was_up_) return;
-  link_was_up_ = host.native().connected();
+  if (host.link_up() == link_was_up_) return;
+  link_was_up_ = host.link_up();
   spdlog::warn(
       "{}", link_was_up_ ? "server is back" : "server is gone: showing what is here, reconnecting");
 }

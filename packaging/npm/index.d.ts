@@ -49,9 +49,9 @@ export interface SceneInfo {
   home: { eye: [number, number, number]; target: [number, number, number] };
 }
 
-export type MirageEvent = 'load' | 'rest' | 'needs-render' | 'up' | 'down' | 'error';
+export type MirageEvent = 'load' | 'rest' | 'needs-render' | 'up' | 'down' | 'hole' | 'error';
 
-/** A client of one server on a WebGL 2 context of yours. Events carry `detail.text`. */
+/** A client of one server, or of a frozen folder, on a WebGL 2 context of yours. Events carry `detail.text`. */
 export class MirageClient extends EventTarget {
   /** Throws TypeError or RangeError if an option makes no sense. */
   constructor(options: MirageOptions & { gl: WebGL2RenderingContext });
@@ -61,6 +61,8 @@ export class MirageClient extends EventTarget {
   readonly loaded: boolean;
   readonly atRest: boolean;
   readonly connected: boolean;
+  /** A frozen folder answers: it has one light, and nothing in it moves. */
+  readonly frozen: boolean;
   readonly usable: boolean;
   readonly scene: SceneInfo | null;
   /** Draws one to four views. True if there are pictures. */

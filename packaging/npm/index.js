@@ -41,16 +41,22 @@ function startWorker(source) {
   return new Worker(URL.createObjectURL(blob), { type: 'module' });
 }
 
-/// Returns the address of the server's socket, and what its address chose.
+/// Returns the addresses of a server's socket and of a frozen folder, and what the address chose. One that names frozen.bin is
+/// a folder's; where no server answers at another, a folder is looked for there.
 function addressOf(url) {
   const at = URL.canParse(url, location.href) ? new URL(url, location.href) : null;
   if (!/^(https?|wss?):$/.test(at?.protocol)) throw new TypeError(`url is ${url}, and no address with http, https, ws or wss`);
   const chosen = { clip: at.searchParams.get('clip') ?? '', variant: at.searchParams.get('variant') ?? '' };
+  const frozen = /\/frozen\.(bin|json)$/.test(at.pathname);
+  const folder = new URL(at);
+  folder.protocol = /s:$/.test(at.protocol) ? 'https:' : 'http:';
   at.protocol = /s:$/.test(at.protocol) ? 'wss:' : 'ws:';
-  at.hash = '';
-  at.search = '';
-  at.pathname = at.pathname.replace(/[^/]*$/, '');
-  return { socket: at.href, ...chosen };
+  for (const address of [at, folder]) {
+    address.hash = '';
+    address.search = '';
+    address.pathname = address.pathname.replace(/[^/]*$/, '');
+  }
+  return { socket: frozen ? null : at.href, folder: folder.href, ...chosen };
 }
 
 function numberWithin(name, value, low, high) {
@@ -58,8 +64,9 @@ function numberWithin(name, value, low, high) {
   return value;
 }
 
-/// A client of one server. Events: `load` (there is something to draw), `rest` (the picture would not get better), `needs-render`
-/// (something has arrived), `down` (the server is gone; it is tried again), `up`, and `error`; the last four have `detail.text`.
+/// A client of one server, or of a frozen folder (mirage-freeze). Events: `load` (there is something to draw), `rest` (the picture would not get better), `needs-render`
+/// (something has arrived), `down` (the server is gone; it is tried again), `up`, `hole` (a file of the folder is missing or
+/// damaged), and `error`; the last five have `detail.text`.
 export class MirageClient extends EventTarget {
   /// options: gl (a WebGL 2 context), url, token, frameMs (0: by renderer), tauPx, samples (0: chosen frame by frame), sky,
   /// atlasMb, geometryMb, wasm (address, Response or Module), worker (address or Worker).
@@ -79,6 +86,7 @@ export class MirageClient extends EventTarget {
     this.loaded = false;
     this.atRest = false;
     this.connected = false;
+    this.frozen = false;    // a folder answers: it has one light, and nothing in it moves
     this.lost = false;
     this.disposed = false;
     this.arrivals = [];
@@ -132,17 +140,19 @@ export class MirageClient extends EventTarget {
   }
 
   // --- the server ---------------------------------------------------------------------------------------------------------
-  connect() { if (!this.disposed) this.worker.postMessage({ connect: this.address.socket }); }
+  connect() { if (!this.disposed) this.worker.postMessage({ connect: this.address.socket, folder: this.address.folder }); }
 
   heard(data) {
     if (this.disposed) return;
     if (data.arrival) { this.arrivals.push(data.arrival); this.tell('needs-render'); }
     if (data.open) {
       this.connected = true;
+      this.frozen = data.frozen;
       this.core?._layer_connected(1);
       this.tell('up');
       this.tell('needs-render');
     }
+    if (data.hole) this.tell('hole', `${data.hole} of ${this.address.folder} is missing or damaged`);
     if (data.closed) this.closed(data.closed);
   }
 
@@ -154,6 +164,7 @@ export class MirageClient extends EventTarget {
       1002: `the server refused what was said (${reason})`, 1008: `the server refused what was said (${reason})`,
       1009: `the server refused what was said (${reason})`, 4001: 'the server speaks another version of Mirage',
       4003: this.options.token ? 'the server does not know this token' : 'the server asks for a token',
+      4901: `the frozen folder cannot be read (${reason})`, 4902: `there is no frozen.bin at ${reason}`,
       4900: `what the server sent cannot be read (${reason})` }[code];
     if (refused) { this.fail(refused); return; }
     const goodbye = this.core ? this.core.UTF8ToString(this.core._layer_goodbye()) : '';
@@ -240,8 +251,11 @@ export class MirageClient extends EventTarget {
     const [hit, ...point] = this.core.HEAPF64.subarray(at, at + 4);
     return hit ? point : null;
   }
-  /// Sets the sun, degrees; no arguments: the scene's own light.
-  setSun(azimuth = NaN, elevation = NaN) { this.core?._layer_sun(azimuth, elevation, performance.now() - this.began); }
+  /// Sets the sun, degrees; no arguments: the scene's own light. A frozen folder keeps its light, and says so.
+  setSun(azimuth = NaN, elevation = NaN) {
+    if (this.frozen) console.warn(`Mirage: ${this.address.folder} was frozen under its light, which cannot be turned`);
+    this.core?._layer_sun(azimuth, elevation, performance.now() - this.began);
+  }
   /// Stops the animation, or lets it go on.
   play(playing) { this.core?._layer_play(playing ? 1 : 0, performance.now() - this.began); }
   /// Tells how long the graphics card took for the last update that drew, ms: later frames are planned by it.

@@ -22,7 +22,9 @@ inline constexpr std::size_t kMaxFitPoints = 64;     ///< of a home view
 inline constexpr std::size_t kMaxChoices = 256;      ///< clips, and variants, that a scene offers
 inline constexpr std::size_t kMaxChoiceBytes = 256;  ///< of the name of one
 inline constexpr std::size_t kMaxObjectNameBytes = 64;
-inline constexpr std::size_t kMaxCodecs = 32;  ///< in one list of codecs
+inline constexpr std::size_t kFrozenPerPage = 4096;  ///< tiles, and assets, in a catalogue's page
+inline constexpr std::size_t kMaxFrozen = 1u << 20;  ///< files that a frozen folder tells of
+inline constexpr std::size_t kMaxCodecs = 32;        ///< in one list of codecs
 
 // Requests.
 inline constexpr std::size_t kMaxAsksPerBatch = 1024;

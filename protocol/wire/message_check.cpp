@@ -334,6 +334,14 @@ Result<void> check(const wire::ReferenceRequest& m) {
   return {};
 }
 
+Result<void> check(const wire::Catalogue& m) {
+  if (count(m.tiles()) > limits::kFrozenPerPage || count(m.assets()) > limits::kFrozenPerPage) {
+    return limit_error("files in a page");
+  }
+  if (misaligned(m.tiles()) || misaligned(m.assets())) return alignment_error();
+  return {};
+}
+
 Result<void> check(const wire::Bye& m) {
   if (long_text(m.error()) || long_text(m.text())) return limit_error("characters in a text");
   return {};
@@ -371,6 +379,8 @@ Result<void> check_body(const wire::Control& control) {
       return check(*control.body_as_ViewReply());
     case wire::Body::TileReply:
       return check(*control.body_as_TileReply());
+    case wire::Body::Catalogue:
+      return check(*control.body_as_Catalogue());
     case wire::Body::Bye:
       return check(*control.body_as_Bye());
     case wire::Body::StatsRequest:

@@ -58,7 +58,7 @@ class EagerClient {
       client_->draw(client_->target(), session().frame(camera, host.now_us()));
       session().note_drawn(host.now_us());
       if (session().in_flight() == 0 && frame > 1) return {};
-      if (session().in_flight() > 0) host.native().wait_message(kReplyTimeoutMs);
+      if (session().in_flight() > 0) host.wait_message(kReplyTimeoutMs);
     }
     return make_error(ErrorId::kInternal, "the client keeps asking");
   }

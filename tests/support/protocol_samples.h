@@ -206,6 +206,13 @@ inline wire::GroundReplyT sample_ground_reply() {
   return m;
 }
 
+inline wire::CatalogueT sample_catalogue() {
+  wire::CatalogueT m;
+  m.tiles = {wire::FrozenTile(0x1122334455667788, 4321, 2, 3, -7, 300, 17, 0, 9, 4, 6, 3, 1)};
+  m.assets = {wire::FrozenAsset(0x99, 12345, 3, 1, false), wire::FrozenAsset(0x98, 77, 5, 2, true)};
+  return m;
+}
+
 inline wire::TileReplyT sample_tile_reply() {
   wire::TileReplyT m;
   m.request_id = 1;
@@ -336,7 +343,8 @@ inline std::vector<Bytes> sample_messages() {
           encode_message(sample_view_request()),
           encode_message(sample_view_reply(), {4, 3, 2}),
           encode_message(sample_ground_request()),
-          encode_message(sample_ground_reply(), {3, 2, 1})};
+          encode_message(sample_ground_reply(), {3, 2, 1}),
+          encode_message(sample_catalogue())};
 }
 
 }  // namespace mirage::test

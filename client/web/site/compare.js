@@ -2,6 +2,7 @@
 // FLIP of both. A line divides the picture; it is dragged, or moved by the arrow keys.
 
 import { pixels, textAt } from './core.js';
+import { folder } from './server_link.js';
 import { notice, say } from './status.js';
 
 const $ = (id) => document.getElementById(id);
@@ -31,6 +32,7 @@ export class Compare {
   toggle() {
     if (this.state !== 'off') { this.end(); return; }
     const { viewer } = this;
+    if (folder) { notice('This page stands alone: no server is there to make a full render.'); return; }
     const f = viewer.figures.now();
     if (!f.references) { notice('This server makes no full renders for viewers on other machines: it was started without --references.'); return; }
     if (viewer.place.address.bg !== undefined) { notice("The full render has the scene's own background: choose that under Status first."); return; }

@@ -1,6 +1,7 @@
 // Figures: status and details in words, the choice of layers with their legends, and the sun.
 
 import { textAt } from './core.js';
+import { folder } from './server_link.js';
 
 const $ = (id) => document.getElementById(id);
 const everyMs = 250;
@@ -64,6 +65,8 @@ export class Figures {
     if (!this.viewer.viewerThere() || !core._page_home_known()) return;
     const own = [core._page_own_sun(0), core._page_own_sun(1)];
     $('light').hidden = Number.isNaN(own[0]);
+    for (const id of ['azimuth', 'elevation', 'own-light']) $(id).disabled = Boolean(folder);
+    $('frozen-light').hidden = !folder;
     [$('azimuth').value, $('elevation').value] = place.light ?? own;
   }
 

@@ -3,15 +3,26 @@
 import { qualities, readAddress, usualFov, writeAddress } from './address.js';
 import { pose } from './core.js';
 import { leavePoster } from './poster.js';
-import { now } from './server_link.js';
+import { folder, now } from './server_link.js';
 import { notice } from './status.js';
 
 const stillMs = 400;  // a view enters the history this long after the last motion
 
+// A frozen folder has one light, and nothing in it moves.
+function read() {
+  const address = readAddress(location.hash);
+  for (const name of folder ? ['light', 't'] : []) {
+    if (address[name] === undefined) continue;
+    address.wrong.push(`${name}, which this page was frozen without`);
+    delete address[name];
+  }
+  return address;
+}
+
 export class Place {
   constructor(viewer) {
     this.viewer = viewer;
-    this.address = readAddress(location.hash);
+    this.address = read();
     this.light = this.address.light ?? null;
     this.startedAt = now() - 1000 * (this.address.t ?? 0);
     this.hideToken();
@@ -115,7 +126,7 @@ export class Place {
 
   follow() {
     const { viewer } = this;
-    this.address = { ...readAddress(location.hash), budget: this.address.budget };
+    this.address = { ...read(), budget: this.address.budget };
     if (this.address.token !== undefined) {
       this.hideToken();
       viewer.link.useToken(this.address.token);

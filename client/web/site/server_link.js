@@ -1,5 +1,5 @@
-// Server link: the page's side of the worker that owns the socket. It connects, tries again, says
-// what is wrong, and asks for the token.
+// Server link: the page's side of the worker that owns the socket, or reads a frozen folder. It
+// connects, tries again, says what is wrong, and asks for the token.
 import { textAt } from './core.js';
 import { say } from './status.js';
 
@@ -10,7 +10,13 @@ const kept = 'mirage-token';
 /// Returns the time, ms, by a clock that page and worker share.
 export const now = () => performance.timeOrigin + performance.now();
 
+// The folder that this page was frozen into; null: the page came from a server.
+const told = document.querySelector('meta[name="mirage-folder"]');
+export const folder = told ? new URL(told.content, document.baseURI).href : null;
+
 function refusal(code, reason) {
+  if (code === 4901) return `This page's folder cannot be read (${reason}). It was copied in part, or of another version: copy the whole folder again.`;
+  if (code === 4902) return `This page's folder is not whole: there is no frozen.bin at ${reason}. Copy the whole folder.`;
   if (code === 4001) return 'The server speaks another version than this page. Reload it.';
   if (code === 4900) return `What the server sent cannot be read (${reason}). Reload the page; if that does not help, server and page do not belong together.`;
   if (code === 1008 || code === 1002 || code === 1009) return `The server refused what this page said (${reason || code}). Reload the page.`;
@@ -23,6 +29,7 @@ export class ServerLink {
     this.token = token ?? sessionStorage.getItem(kept) ?? '';
     this.arrivals = [];
     this.connected = false;
+    this.holes = [];       // files of the folder that are missing or damaged
     this.told = false;     // the person knows that there is no server
     this.pauseMs = firstPauseMs;
     this.worker = new Worker(new URL('./socket_worker.js', import.meta.url), { type: 'module' });
@@ -30,6 +37,7 @@ export class ServerLink {
       if (data.arrival) { this.arrivals.push(data.arrival); viewer.wake(); }
       if (data.open) this.opened();
       if (data.closed) this.closed(data.closed);
+      if (data.hole) this.lacks(data.hole);
       if (data.flip) viewer.compare.measured(data.flip);
     };
     this.worker.onerror = () => viewer.fail('The part of this page that talks to the server did not start: module workers may be missing in this browser.');
@@ -37,9 +45,10 @@ export class ServerLink {
   }
 
   connect() {
+    if (folder) { this.worker.postMessage({ folder }); return; }
     const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
-    const folder = location.pathname.replace(/[^/]*$/, '');
-    this.worker.postMessage({ connect: `${scheme}://${location.host}${folder}` });
+    const path = location.pathname.replace(/[^/]*$/, '');
+    this.worker.postMessage({ connect: `${scheme}://${location.host}${path}` });
   }
 
   /// Connects a new core; messages for the former one are dropped.
@@ -57,6 +66,14 @@ export class ServerLink {
     this.connected = true;
     this.welcomes = this.viewer.viewerThere() ? this.viewer.core._page_welcomes() : 0;
     if (this.viewer.viewerThere()) this.viewer.core._page_connected(1);
+    this.viewer.wake();
+  }
+
+  // Another file is drawn in its place, as wrong as that is.
+  lacks(name) {
+    this.holes.push(name);
+    console.warn(`Mirage: ${name} is missing or damaged`);
+    say(`${this.holes.length === 1 ? 'A file' : `${this.holes.length} files`} of this page ${this.holes.length === 1 ? 'is' : 'are'} missing or damaged, the last: ${name}`, { aside: true });
     this.viewer.wake();
   }
 

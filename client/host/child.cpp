@@ -1,4 +1,4 @@
-#include "client/report/child.h"
+#include "client/host/child.h"
 
 #include <fcntl.h>
 #include <sys/prctl.h>
@@ -67,7 +67,7 @@ std::string read_file(const std::string& path) {
 
 Result<std::string> scratch_folder() {
   std::error_code failed;
-  std::string name = (fs::temp_directory_path(failed) / "mirage-report-XXXXXX").string();
+  std::string name = (fs::temp_directory_path(failed) / "mirage-child-XXXXXX").string();
   if (failed || !mkdtemp(name.data())) {
     return make_error(ErrorId::kIo, "cannot make a folder for temporary files");
   }
@@ -153,7 +153,7 @@ Result<std::unique_ptr<ServerProcess>> ServerProcess::start(const std::string& s
                                                             const std::vector<std::string>& more) {
   const std::optional<std::string> program = sibling_program("mirage-server");
   if (!program) {
-    return make_error(ErrorId::kIo, "there is no mirage-server beside mirage-report",
+    return make_error(ErrorId::kIo, "there is no mirage-server beside this program",
                       "build it, or give the address of one: --url ws://HOST:PORT");
   }
   Result<std::string> folder = scratch_folder();

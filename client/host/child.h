@@ -43,6 +43,7 @@ class ServerProcess {
   static Result<std::unique_ptr<ServerProcess>> start(const std::string& scene,
                                                       const std::string& device,
                                                       const std::vector<std::string>& more = {});
+  int port() const { return port_; }
   std::string url() const { return "ws://127.0.0.1:" + std::to_string(port_); }
   /// Returns the seconds of the wall clock from its start to its `ready` line.
   double ready_s() const { return ready_s_; }
