@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "protocol/quality/metrics.h"
+#include "server/bake/encode.h"
 
 namespace mirage {
 namespace {
@@ -32,10 +33,6 @@ double nearest_frame_deg(const BakeMaster& master, const glm::dvec3& direction) 
   return std::acos(std::clamp(most, -1.0, 1.0)) / kDegree;
 }
 
-float to_srgb(float v) {
-  return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
-}
-
 std::vector<std::uint8_t> shaded(const std::vector<glm::vec4>& color,
                                  const std::vector<glm::vec3>& normal) {
   const glm::vec3 sun = glm::normalize(glm::vec3(2, 3, 1));
@@ -45,7 +42,7 @@ std::vector<std::uint8_t> shaded(const std::vector<glm::vec4>& color,
     const float light = (0.6f + 2.5f * std::max(0.0f, glm::dot(normal[i], sun))) / kPi;
     const glm::vec3 shown = glm::vec3(color[i]) * light + (1 - color[i].a) * kBackground;
     for (int c = 0; c < 3; ++c) {
-      out.push_back(std::uint8_t(std::lround(255 * to_srgb(std::clamp(shown[c], 0.0f, 1.0f)))));
+      out.push_back(std::uint8_t(std::lround(255 * srgb_of(std::clamp(shown[c], 0.0f, 1.0f)))));
     }
     out.push_back(std::uint8_t(std::lround(255 * std::clamp(color[i].a, 0.0f, 1.0f))));
   }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "protocol/base/stable_math.h"
+#include "server/bake/encode.h"
 
 namespace mirage {
 namespace {
@@ -22,9 +23,6 @@ constexpr float kCliff = 0.03f, kThick = 0.15f;
 // Trust in what a frame says of a ray, if the edge stands in. Otherwise it is 1.
 constexpr float kHidden = 0.02f;
 
-float to_srgb(float v) {
-  return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
-}
 float to_linear(float v) {
   return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
 }
@@ -217,7 +215,7 @@ double BakeCamera::half_tangent() const { return 1.05 / tangent_length(radii, 1)
 
 BakeMaster as_bytes(BakeMaster master) {
   for (glm::vec4& c : master.color) {
-    for (int i = 0; i < 3; ++i) c[i] = to_linear(byte_of(to_srgb(std::clamp(c[i], 0.0f, 1.0f))));
+    for (int i = 0; i < 3; ++i) c[i] = to_linear(byte_of(srgb_of(std::clamp(c[i], 0.0f, 1.0f))));
     c.a = byte_of(c.a);
   }
   for (glm::vec3& n : master.normal) {

@@ -17,7 +17,7 @@ constexpr const char* kIndexFormat = "mirage-bake index 1";
 std::string hex(std::uint64_t v) { return fmt::format("{:016x}", v); }
 
 // Rounds to 1 / `steps`.
-ordered_json number(const std::optional<double>& v, double steps) {
+ordered_json rounded_to(const std::optional<double>& v, double steps) {
   if (!v || !std::isfinite(*v)) return nullptr;
   return std::round(*v * steps) / steps;
 }
@@ -53,10 +53,10 @@ ordered_json error_json(const std::vector<BakeErrorRow>& rows) {
   for (const BakeErrorRow& row : rows) {
     out.push_back({{"method", name_of(row.method)},
                    {"distance_r", row.radii},
-                   {"nearest_frame_deg", number(row.angle_deg, 100)},
-                   {"psnr_db", number(row.psnr_db, 100)},
-                   {"ssim", number(row.ssim, 1e4)},
-                   {"iou", number(row.iou, 1e4)}});
+                   {"nearest_frame_deg", rounded_to(row.angle_deg, 100)},
+                   {"psnr_db", rounded_to(row.psnr_db, 100)},
+                   {"ssim", rounded_to(row.ssim, 1e4)},
+                   {"iou", rounded_to(row.iou, 1e4)}});
   }
   return out;
 }
