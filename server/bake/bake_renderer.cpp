@@ -16,6 +16,9 @@ constexpr int kWidestStrip = 8192;  // texels
 const std::vector<GLenum> kDrawnFormats = {GL_RGBA16F, GL_RGBA16F, GL_RGBA8};
 const std::vector<GLenum> kStripFormats = {GL_RGBA16F, GL_RGBA16F, GL_RGBA16F, GL_R32F};
 
+constexpr GLenum kAllDrawn[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
+constexpr GLenum kNothing[] = {GL_NONE};
+
 // Positions are relative to the centre. Depth is 0 at the sphere's near end and 1 at its far end.
 glm::mat4 frame_projection(const FrameBasis& basis, double radius) {
   const glm::dmat4 view_from_relative =
@@ -95,6 +98,19 @@ Result<void> BakeRenderer::prepare(int edge, int samples) {
   return {};
 }
 
+void BakeRenderer::draw_parts(gl::MeshPass& pass, const BakeSubject& subject, const glm::dvec3& eye,
+                              double allowed, bool blended) {
+  for (std::uint32_t i = 0; i < subject.parts.size(); ++i) {
+    const SubjectPart& part = subject.parts[i];
+    const ObjectDescription& object = scene_->prepared->objects[part.object];
+    const std::size_t level = lod_within(object.lods, allowed / double{part.placed.scale});
+    const gl::GpuMesh& mesh = object.motion.moving() ? scene_->posed_mesh(part.object, 0)
+                                                     : scene_->level(part.object, level);
+    const gl::MeshInstance instance = gl::mesh_instance(part.placed, eye, i);
+    pass.draw(mesh, scene_->materials(), scene_->images, &instance, 1, blended);
+  }
+}
+
 void BakeRenderer::draw_frame(const BakeSubject& subject, const glm::mat4& clip_from_relative,
                               const glm::dvec3& eye, int edge, int samples, double allowed) {
   drawn_.bind();
@@ -105,18 +121,16 @@ void BakeRenderer::draw_frame(const BakeSubject& subject, const glm::mat4& clip_
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   meshes_.set_stroke(static_cast<float>(samples));
   meshes_.begin(clip_from_relative, {});
-  for (const bool blended : {false, true}) {
-    for (std::uint32_t i = 0; i < subject.parts.size(); ++i) {
-      const SubjectPart& part = subject.parts[i];
-      const ObjectDescription& object = scene_->prepared->objects[part.object];
-      const std::size_t level = lod_within(object.lods, allowed / double{part.placed.scale});
-      const gl::GpuMesh& mesh = object.motion.moving() ? scene_->posed_mesh(part.object, 0)
-                                                       : scene_->level(part.object, level);
-      const gl::MeshInstance instance = gl::mesh_instance(part.placed, eye, i);
-      meshes_.draw(mesh, scene_->materials(), scene_->images, &instance, 1, blended);
-    }
-  }
+  for (const bool blended : {false, true}) draw_parts(meshes_, subject, eye, allowed, blended);
   meshes_.end();
+  if (!subject.blended) return;
+  // Blended surfaces have written no depth; the nearest that is seen gives it.
+  glDrawBuffers(1, kNothing);
+  fronts_.set_stroke(static_cast<float>(samples));
+  fronts_.begin(clip_from_relative, {});
+  draw_parts(fronts_, subject, eye, allowed, true);
+  fronts_.end();
+  glDrawBuffers(3, kAllDrawn);
 }
 
 void BakeRenderer::resolve(int x, int edge) {

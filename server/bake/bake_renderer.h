@@ -51,12 +51,15 @@ class BakeRenderer {
  private:
   struct Strip;
   Result<void> prepare(int edge, int samples);
+  void draw_parts(gl::MeshPass& pass, const BakeSubject& subject, const glm::dvec3& eye,
+                  double allowed, bool blended);
   void draw_frame(const BakeSubject& subject, const glm::mat4& clip_from_relative,
                   const glm::dvec3& eye, int edge, int samples, double allowed);
   void resolve(int x, int edge);
 
   const GpuScene* scene_;
   gl::MeshPass meshes_{gl::MeshOutput::kSurface};
+  gl::MeshPass fronts_{gl::MeshOutput::kFront};  ///< depth of blended surfaces
   gl::Program resolve_;
   gl::VertexArray empty_vao_;
   gl::RenderTarget drawn_, strip_;

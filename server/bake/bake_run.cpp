@@ -118,7 +118,8 @@ std::vector<std::string> BakeRun::warnings(const BakeSubject& subject, const Bak
   std::vector<std::string> out;
   if (subject.animated) out.emplace_back("it is animated: its first pose is baked");
   if (subject.blended) {
-    out.emplace_back("it has blended layers: a texel keeps their sum, and no depth of theirs");
+    out.emplace_back(
+        "it has blended layers: a texel keeps their sum, and the depth of the nearest");
   }
   if (cut_outs_ > 0) {
     out.push_back(

@@ -27,7 +27,7 @@ struct BakeSubject {
   glm::dvec3 extent{0};   ///< edges of that box
   double radius = 0;      ///< of the sphere around that centre
   bool animated = false;  ///< shown in its first pose
-  bool blended = false;   ///< has blended layers: a texel keeps only their sum
+  bool blended = false;   ///< has blended layers: a texel keeps their sum
 };
 
 /// The subjects that are wanted.
