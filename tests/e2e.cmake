@@ -43,6 +43,7 @@ mirage_e2e(freeze)
 mirage_e2e(options)
 mirage_e2e(listen)
 target_link_libraries(mirage_e2e_options PRIVATE mirage_cli)
+add_dependencies(mirage_e2e_options mirage-bake mirage-token mirage-sheet mirage-bench)
 add_dependencies(mirage_e2e_demo mirage-sheet)
 target_compile_definitions(mirage_e2e_demo PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 # These tests write their own scenes.

@@ -111,71 +111,60 @@ Result<void> check(const Given& given, BakeOptions& o) {
 }
 
 void add_picture_options(CLI::App& app, BakeOptions& o, Given& given) {
-  auto* group = app.add_option_group("Picture");
-  group->add_option("--target", given.target, "who reads the bake: " + target_names())
+  app.option_defaults()->group("Picture");
+  app.add_option("--target", given.target, "who reads the bake: " + target_names())
       ->type_name("NAME")
       ->capture_default_str();
-  group
-      ->add_option("--layout", given.layout,
-                   "directions: hemi (from above), octahedral (all around) or ring; default: the "
-                   "target's")
+  app.add_option("--layout", given.layout,
+                 "directions: hemi (from above), octahedral (all around) or ring; default: the "
+                 "target's")
       ->type_name("NAME");
-  group->add_option("--grid", given.grid, "frames a side, 2 to 64; default: the target's")
+  app.add_option("--grid", given.grid, "frames a side, 2 to 64; default: the target's")
       ->type_name("N");
-  group
-      ->add_option("--size", given.size,
-                   "texels a side of the whole picture; default: the target's")
+  app.add_option("--size", given.size, "texels a side of the whole picture; default: the target's")
       ->type_name("PX");
-  group
-      ->add_option("--error", o.error_db,
-                   "choose the smallest grid and size whose error is at most this PSNR, dB")
+  app.add_option("--error", o.error_db,
+                 "choose the smallest grid and size that come so close to the mesh: PSNR, dB")
       ->type_name("DB");
-  group->add_option("--maps", given.maps, "color,normal,depth,orm; default: what the target reads")
+  app.add_option("--maps", given.maps, "color,normal,depth,orm; default: what the target reads")
       ->type_name("LIST");
-  group->add_option("--format", given.format, "png (8 bits), png16 or exr (float)")
+  app.add_option("--format", given.format, "png (8 bits), png16 or exr (float)")
       ->type_name("NAME")
       ->capture_default_str();
-  group
-      ->add_option("--samples", o.samples,
-                   "samples of a texel each way, 1 to 4; default: 2, or 3 for cut-out leaves")
+  app.add_option("--samples", o.samples,
+                 "samples of a texel each way, 1 to 4; default: 2, or 3 for cut-out leaves")
       ->check(CLI::Range(1, 4))
       ->type_name("N");
 }
 
 void add_run_options(CLI::App& app, BakeOptions& o, Given& given) {
-  auto* group = app.add_option_group("Run");
-  group->add_option("--out", o.out, "folder for the files; made if it is missing")
-      ->type_name("DIR");
-  group
-      ->add_option("--object", o.objects,
-                   "name or number of an object, or a pattern with * and ?; may come several "
-                   "times; default: each object")
+  app.option_defaults()->group("Run");
+  app.add_option("--out", o.out, "folder for the files; made if it is missing")->type_name("DIR");
+  app.add_option("--object", o.objects,
+                 "name or number of an object, or a pattern with * and ?; may come several "
+                 "times; default: each object")
       ->type_name("NAME");
-  group->add_flag("--whole", o.whole, "bake all that stands in the scene as one object");
-  group
-      ->add_option("--measure", given.measure,
-                   "error to measure against the mesh: none, quick (4 radii, 4 directions, 256 "
-                   "px) or full (4 distances, 24 directions, 512 px)")
+  app.add_flag("--whole", o.whole, "bake all that stands in the scene as one object");
+  app.add_option("--measure", given.measure,
+                 "error to measure against the mesh: none, quick (4 radii, 4 directions, 256 "
+                 "px) or full (4 distances, 24 directions, 512 px)")
       ->check(CLI::IsMember({"none", "quick", "full"}))
       ->capture_default_str();
-  group
-      ->add_option("--shard", given.shard,
-                   "bake the i-th of n shares of the objects; all shares write into one folder")
+  app.add_option("--shard", given.shard,
+                 "bake the i-th of n shares of the objects; all shares write into one folder")
       ->type_name("i/n")
       ->capture_default_str();
-  group->add_flag("--replace", o.replace, "write over another bake that is in the folder");
-  group->add_flag("--dry-run", o.dry_run, "say what would be made, with sizes and times");
-  group->add_flag("--json", o.json, "print the result as JSON");
-  group->add_flag("--strict", o.strict, "refuse files with defects that viewers forgive");
-  group->add_option("--clip", o.clip, "animation whose first pose is shown: name or number")
+  app.add_flag("--replace", o.replace, "write over another bake that is in the folder");
+  app.add_flag("--dry-run", o.dry_run, "say what would be made, with sizes and times");
+  app.add_flag("--json", o.json, "print the result as JSON");
+  app.add_flag("--strict", o.strict, "refuse files with defects that viewers forgive");
+  app.add_option("--clip", o.clip, "animation whose first pose is shown: name or number")
       ->type_name("NAME");
-  group->add_option("--variant", o.variant, "material variant: name or number")->type_name("NAME");
-  group
-      ->add_option("--device", o.device,
-                   "graphics device, as mirage-server --list-devices names it")
+  app.add_option("--variant", o.variant, "material variant: name or number")->type_name("NAME");
+  app.add_option("--device", o.device, "graphics device, as mirage-server --list-devices names it")
       ->type_name("NAME")
       ->capture_default_str();
-  group->add_option("--threads", o.threads, "threads; default: one per core")->type_name("N");
+  app.add_option("--threads", o.threads, "threads; default: one per core")->type_name("N");
 }
 
 }  // namespace

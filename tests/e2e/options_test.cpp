@@ -14,9 +14,9 @@
 namespace mirage::test {
 namespace {
 
-const std::vector<std::string> kPrograms = {"mirage-server", "mirage-view",   "mirage-freeze",
-                                            "mirage-load",   "mirage-report", "mirage-extreme",
-                                            "mirage-sheet",  "mirage-token",  "mirage-bench"};
+const std::vector<std::string> kPrograms = {
+    "mirage-server", "mirage-view",    "mirage-freeze", "mirage-bake",  "mirage-load",
+    "mirage-report", "mirage-extreme", "mirage-sheet",  "mirage-token", "mirage-bench"};
 
 std::string config(const std::string& text) {
   static int number = 0;
