@@ -23,10 +23,10 @@ std::string footer() {
 /// Options as they are written; checked and put into ServerOptions once all are read.
 struct Texts {
   std::string listen = "127.0.0.1:9870", codec = "auto", shadows = "off", log_format = "text";
-  std::string store, admin;
+  std::string store, admin, home;
   std::vector<std::string> trust_proxies;
   bool no_geometry = false, no_reference = false, references = false;
-  bool no_view = false, no_web = false;
+  bool no_view = false, no_web = false, downloads = false, no_downloads = false;
 };
 
 /// Checks an origin: scheme, host and port, without a path.
@@ -57,6 +57,10 @@ void add_scene_options(CLI::App& app, ServerOptions& o, Texts& t) {
       ->type_name("LOOK")
       ->check(CLI::IsMember({"studio", "plain"}))
       ->capture_default_str();
+  app.add_option("--home", t.home,
+                 "the view that viewers begin with, in place of the scene's own: the eye, and a "
+                 "point that it looks at, in metres")
+      ->type_name("EX,EY,EZ,TX,TY,TZ");
   app.add_option("--write-environment", o.write_environment,
                  "write the surroundings to FILE.hdr or FILE.exr and exit")
       ->type_name("FILE");
@@ -130,6 +134,12 @@ void add_trust_options(CLI::App& app, ServerOptions& o, Texts& t) {
                        "draw full renders for nobody, nor pictures for /v1/picture; default: "
                        "pictures for everybody, full renders for clients on this machine "
                        "only"));
+  app.add_flag("--downloads", t.downloads,
+               "make bakes and frozen folders for everybody who asks the page for them, at the "
+               "lowest priority")
+      ->excludes(app.add_flag("--no-downloads", t.no_downloads,
+                              "make downloads for nobody; default: for visitors on this machine "
+                              "only"));
   app.add_flag("--no-view", t.no_view,
                "do not send the first picture of the whole scene as one tile");
 }
@@ -255,6 +265,12 @@ Result<void> read_addresses(ServerOptions& o, const Texts& t) {
     if (!parsed) return parsed.error();
     o.store = parsed.take();
   }
+  if (!t.home.empty()) {
+    const Result<ViewPlace> home = parse_view_place(t.home);
+    if (!home)
+      return make_error(ErrorId::kUsage, "--home: " + home.error().text, home.error().hint);
+    o.home = *home;
+  }
   if (!o.token_file.empty()) {
     Result<Access> access = Access::read(o.token_file);
     if (!access) return access.error();
@@ -295,6 +311,10 @@ int parse_options(int argc, char** argv, ServerOptions& o) {
   o.session.reference = t.references || (unasked && !t.no_reference);
   o.session.pictures = !t.no_reference;
   o.session.view = !t.no_view;
+  if (t.downloads || (unasked && !t.no_downloads)) {
+    o.endpoint.downloads =
+        DownloadScene{o.scene, o.environment, o.look, o.render.device, o.session.geometry};
+  }
   o.shadows = t.shadows == "on";
   if (const std::optional<TileCodec> only = codec_from_name(t.codec)) {
     o.session.codecs = {*only};

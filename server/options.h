@@ -3,6 +3,7 @@
 #include <string>
 
 #include "protocol/model/scene_types.h"
+#include "protocol/model/view_place.h"
 #include "server/base/log.h"
 #include "server/net/endpoint_options.h"
 #include "server/session/session_options.h"
@@ -17,6 +18,7 @@ struct ServerOptions {
   std::size_t choices = 4;        ///< scenes with another choice, beside that one
   std::string environment;        ///< empty: what suits the scene
   std::string look = "studio";    ///< or "plain"
+  std::optional<ViewPlace> home;  ///< nullopt: the scene's own home view
   std::string write_environment;  ///< set: only write it to this file
   EndpointOptions endpoint;
   RenderOptions render;

@@ -33,6 +33,7 @@ SceneLoadOptions load_options(const ServerOptions& options, CacheDirectory* cach
           .megabytes = options.scene_mb,
           .environment = options.environment,
           .studio = options.look == "studio",
+          .home = options.home,
           .cache = cache,
           .progress = [](const std::string& line) { spdlog::info("loading: {}", line); }};
 }

@@ -75,6 +75,8 @@ target_link_libraries(mirage_e2e_pictures PRIVATE mirage-client mirage_egl OpenI
 mirage_e2e(bake)
 target_link_libraries(mirage_e2e_bake PRIVATE mirage_gltf OpenImageIO::OpenImageIO)
 add_dependencies(mirage_e2e_bake mirage-bake)
+mirage_e2e(download)
+add_dependencies(mirage_e2e_download mirage-bake mirage-freeze)
 mirage_e2e(softpipe)
 target_link_libraries(mirage_e2e_softpipe PRIVATE mirage_quality OpenImageIO::OpenImageIO)
 # Runs alone, because it watches frame times.

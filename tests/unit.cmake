@@ -9,7 +9,7 @@ add_executable(mirage_core_tests
   client/plan/tau_test.cpp client/plan/tile_fit_test.cpp client/price/price_test.cpp client/price/server_work_test.cpp client/price/tile_bytes_test.cpp
   client/host/frame_recorder_test.cpp client/screen/footing_test.cpp client/screen/pilot_test.cpp client/session/ground_test.cpp client/session/session_test.cpp client/session/shadow_test.cpp client/session/stillness_test.cpp
   client/session/playback_test.cpp client/session/view_test.cpp server/base/cache_test.cpp server/base/keeping_test.cpp server/lod/lod_chunks_test.cpp
-  server/lod/lod_family_test.cpp server/lod/lod_test.cpp server/lod/seams_test.cpp protocol/base/resources_test.cpp server/ground/ground_test.cpp server/net/admission_test.cpp server/net/page_urls_test.cpp server/net/qr_code_test.cpp server/net/forwarded_test.cpp server/net/front_page_test.cpp server/net/oembed_test.cpp server/net/picture_http_test.cpp server/net/tile_http_test.cpp server/net/web_pages_test.cpp server/net/websocket_rules_test.cpp server/prepare/grouping_test.cpp
+  server/lod/lod_family_test.cpp server/lod/lod_test.cpp server/lod/seams_test.cpp protocol/base/resources_test.cpp protocol/base/shard_test.cpp protocol/model/view_place_test.cpp protocol/output/zip_test.cpp server/download/download_request_test.cpp server/ground/ground_test.cpp server/net/admission_test.cpp server/net/page_urls_test.cpp server/net/qr_code_test.cpp server/net/forwarded_test.cpp server/net/front_page_test.cpp server/net/oembed_test.cpp server/net/picture_http_test.cpp server/net/tile_http_test.cpp server/net/web_pages_test.cpp server/net/websocket_rules_test.cpp server/prepare/grouping_test.cpp
   server/prepare/hull_test.cpp server/prepare/leave_out_test.cpp server/prepare/leave_out_covered_test.cpp server/prepare/load_test.cpp
   server/prepare/motion_test.cpp server/prepare/parts_test.cpp server/prepare/posed_extent_test.cpp server/prepare/touching_test.cpp
   server/render/shading_test.cpp server/scene/environment/environment_test.cpp server/session/access_test.cpp server/session/asks_test.cpp
@@ -19,6 +19,6 @@ add_executable(mirage_core_tests
   shaders/gl/missing_gpu_test.cpp)
 mirage_target(mirage_core_tests TEST)
 target_compile_definitions(mirage_core_tests PRIVATE MIRAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-target_link_libraries(mirage_core_tests PRIVATE mirage_test_rigs mirage_cli mirage_net mirage_client_native mirage_client_screen mirage_frame_recorder mirage_server_core mirage_ground mirage_gltf mirage_hull mirage_lod OpenImageIO::OpenImageIO nlohmann_json::nlohmann_json
+target_link_libraries(mirage_core_tests PRIVATE mirage_test_rigs mirage_cli mirage_net mirage_client_native mirage_client_screen mirage_frame_recorder mirage_server_core mirage_ground mirage_gltf mirage_hull mirage_lod mirage_output OpenImageIO::OpenImageIO nlohmann_json::nlohmann_json
                       GTest::gtest_main)
 mirage_long_unit_test(core mirage_core_tests)

@@ -12,8 +12,8 @@
 #include "client/freeze/opening.h"
 #include "client/freeze/sampler.h"
 #include "client/freeze/site.h"
-#include "client/host/child.h"
 #include "client/host/folder_link.h"
+#include "client/host/server_process.h"
 
 namespace mirage {
 namespace {
@@ -27,7 +27,7 @@ std::string settings_text(std::uint64_t revision, const FreezeOptions& o) {
   return fmt::format("{:016x} {}\n", revision, o.settings());
 }
 
-std::optional<ordered_json> read_index(const FolderStore& store) {
+std::optional<ordered_json> read_index(const OutputFolder& store) {
   const std::optional<Bytes> file = store.read(kIndexName);
   if (!file || !store.has(kFrozenName)) return std::nullopt;
   ordered_json index = ordered_json::parse(file->begin(), file->end(), nullptr, false);
@@ -39,9 +39,9 @@ std::optional<ordered_json> read_index(const FolderStore& store) {
 }
 
 // Looks at the folder as its viewers will, without the server.
-Result<SeenError> look_at_folder(const FolderStore& store, const FreezeOptions& o,
+Result<SeenError> look_at_folder(const OutputFolder& store, const FreezeOptions& o,
                                  const std::vector<EyePart>& eyes) {
-  Result<std::unique_ptr<FolderLink>> link = FolderLink::open(store.folder());
+  Result<std::unique_ptr<FolderLink>> link = FolderLink::open(store.path());
   if (!link) return link.error();
   Sampler sampler(**link, o, [] { return true; });
   if (Result<void> opened = sampler.open(); !opened) return opened.error();
@@ -92,7 +92,7 @@ ordered_json error_of(const FreezeOptions& o, const SeenError& seen) {
 
 }  // namespace
 
-Result<void> finish(const FolderStore& store, const FreezeOptions& o, const FinishContext& context,
+Result<void> finish(OutputFolder& store, const FreezeOptions& o, const FinishContext& context,
                     const FrozenPart& part, const std::vector<EyePart>& eyes) {
   Result<std::map<std::string, Bytes>> others = fetch_site(context.server.port());
   if (!others) return others.error();
@@ -142,13 +142,13 @@ Result<void> finish(const FolderStore& store, const FreezeOptions& o, const Fini
   return {};
 }
 
-std::optional<std::string> settings_of(const FolderStore& store) {
+std::optional<std::string> settings_of(const OutputFolder& store) {
   const std::optional<ordered_json> index = read_index(store);
   if (!index) return std::nullopt;
   return (*index)["settings"].get<std::string>();
 }
 
-bool is_finished(const FolderStore& store, const FreezeOptions& o, std::uint64_t revision) {
+bool is_finished(const OutputFolder& store, const FreezeOptions& o, std::uint64_t revision) {
   const std::optional<ordered_json> index = read_index(store);
   if (!index || (*index)["settings"] != settings_text(revision, o)) return false;
   for (const ordered_json& row : (*index)["files"]) {

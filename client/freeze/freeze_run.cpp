@@ -11,7 +11,7 @@
 #include "client/freeze/finish.h"
 #include "client/freeze/recording_link.h"
 #include "client/freeze/sampler.h"
-#include "client/host/child.h"
+#include "client/host/server_process.h"
 #include "client/native/native_link.h"
 #include "client/scene/scene_view.h"
 #include "protocol/base/clock.h"
@@ -29,10 +29,11 @@ std::vector<std::string> server_options(const FreezeOptions& o) {
   if (!o.geometry) out.push_back("--no-geometry");
   if (!o.environment.empty()) out.insert(out.end(), {"--environment", o.environment});
   if (!o.look.empty()) out.insert(out.end(), {"--look", o.look});
+  if (o.home) out.insert(out.end(), {"--home", to_text(*o.home)});
   return out;
 }
 
-bool right(const FolderStore& store, const std::string& name, const FrozenEntry& entry) {
+bool right(const OutputFolder& store, const std::string& name, const FrozenEntry& entry) {
   const std::optional<Bytes> file = store.read(name);
   return file && file->size() == entry.bytes() && frozen_hash(*file) == entry.hash();
 }
@@ -46,10 +47,9 @@ FreezeRun::~FreezeRun() = default;
 
 Result<void> FreezeRun::run() {
   if (!o_.dry_run) {
-    Result<FolderStore> store = FolderStore::open(o_.out);
+    Result<OutputFolder> store = OutputFolder::open(o_.out, ".freeze", o_.shard);
     if (!store) return store.error();
     store_.emplace(store.take());
-    if (Result<void> locked = store_->lock(o_.shard, o_.shards); !locked) return locked;
   }
   Result<std::unique_ptr<ServerProcess>> server =
       ServerProcess::start(o_.scene, o_.device, server_options(o_));
@@ -59,6 +59,7 @@ Result<void> FreezeRun::run() {
   if (o_.dry_run) return estimate();
   if (Result<void> checked = check_settings(); !checked) return checked;
   if (is_finished(*store_, o_, revision_)) {
+    store_->clear_work();
     fmt::print("frozen {}: nothing to do, every file is there and right\n", o_.out);
     return {};
   }
@@ -66,11 +67,11 @@ Result<void> FreezeRun::run() {
   std::size_t missing = 0;
   for (std::size_t i = 0; i < tasks_.size(); ++i) missing += !store_->has(part_name(i));
   if (missing > 0) {
-    fmt::print("frozen {}: shard {}/{} is done; {} parts of others are not\n", o_.out, o_.shard,
-               o_.shards, missing);
+    fmt::print("frozen {}: shard {}/{} is done; {} parts of others are not\n", o_.out,
+               o_.shard.index, o_.shard.count, missing);
     return {};
   }
-  if (Result<void> alone = store_->lock_alone(); !alone) return alone;
+  if (Result<void> alone = store_->wait_for_others(); !alone) return alone;
   if (is_finished(*store_, o_, revision_)) return {};  // another shard was last
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     const std::optional<FrozenPart> part = made(i);
@@ -80,6 +81,7 @@ Result<void> FreezeRun::run() {
     }
     all_.add(*part);
   }
+  fmt::print(stderr, "measuring the error of the folder\n");
   return finish(*store_, o_, {*server_, revision_, tasks_.size()}, all_, [this] {
     std::vector<EyePart> eyes;
     for (const Task& task : tasks_) eyes.push_back(task.eyes);
@@ -100,6 +102,13 @@ Result<void> FreezeRun::learn_scene() {
   });
   if (Result<void> opened = sampler.open(); !opened) return opened;
   revision_ = sampler.scene().revision;
+  const glm::dvec3 home = sampler.scene().home.eye;
+  if (o_.box && !o_.box->holds(home)) {
+    fmt::print(stderr,
+               "warning: the page begins at {:g},{:g},{:g}, outside of --box, where its error is "
+               "not bounded: --home moves it\n",
+               home.x, home.y, home.z);
+  }
   const std::vector<EyePart> parts = eye_parts(o_, sampler.scene().home);
   const bool meshes = o_.geometry && sampler.scene().geometry;
   for (const EyePart& part : parts) {
@@ -138,7 +147,7 @@ std::optional<FrozenPart> FreezeRun::made(std::size_t index) const {
 Result<void> FreezeRun::make_parts() {
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     tell(i, tasks_.size());
-    if (i % o_.shards != o_.shard || made(i)) continue;
+    if (!o_.shard.has(i) || made(i)) continue;
     Result<FrozenPart> part = make(tasks_[i], true);
     if (!part) return part.error();
     if (Result<void> kept = store_->write(part_name(i), encode_part(*part)); !kept) return kept;
@@ -206,8 +215,9 @@ Result<void> FreezeRun::estimate() {
 }
 
 void FreezeRun::tell(std::size_t done, std::size_t all) const {
-  if (isatty(STDERR_FILENO) == 0) return;
-  fmt::print(stderr, "\r{} of {} parts{}", done, all, done == all ? "\n" : "");
+  const bool person = isatty(STDERR_FILENO) != 0;
+  if (person) fmt::print(stderr, "\r{} of {} parts{}", done, all, done == all ? "\n" : "");
+  if (!person) fmt::print(stderr, "{} of {} parts\n", done, all);
   std::fflush(stderr);
 }
 

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "client/freeze/eyes.h"
-#include "client/freeze/folder_store.h"
 #include "client/freeze/frozen_part.h"
 #include "client/freeze/options.h"
+#include "protocol/output/output_folder.h"
 
 namespace mirage {
 
@@ -44,7 +44,7 @@ class FreezeRun {
   void tell(std::size_t done, std::size_t all) const;
 
   const FreezeOptions& o_;
-  std::optional<FolderStore> store_;
+  std::optional<OutputFolder> store_;
   std::unique_ptr<ServerProcess> server_;
   std::uint64_t revision_ = 0;
   std::vector<Task> tasks_;

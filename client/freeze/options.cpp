@@ -29,25 +29,31 @@ Result<EyeBox> parse_box(const std::string& text) {
                     "--box -1,1.5,-1,1,1.8,1");
 }
 
-Result<void> check(FreezeOptions& o, const std::string& size, const std::string& box,
-                   const std::string& shard) {
+/// Options as they are written.
+struct Texts {
+  std::string size = "1280x720", box, home, shard = "1/1";
+};
+
+Result<void> check(FreezeOptions& o, const Texts& t) {
   char extra = 0;
-  if (std::sscanf(size.c_str(), "%5ux%5u%c", &o.width, &o.height, &extra) != 2 || o.width < 16 ||
+  if (std::sscanf(t.size.c_str(), "%5ux%5u%c", &o.width, &o.height, &extra) != 2 || o.width < 16 ||
       o.height < 16 || o.width > 8192 || o.height > 8192) {
-    return make_error(ErrorId::kUsage, "'" + size + "' is no size", "for example 1280x720");
+    return make_error(ErrorId::kUsage, "'" + t.size + "' is no size", "for example 1280x720");
   }
-  if (!box.empty()) {
-    const Result<EyeBox> parsed = parse_box(box);
+  if (!t.box.empty()) {
+    const Result<EyeBox> parsed = parse_box(t.box);
     if (!parsed) return parsed.error();
     o.box = *parsed;
   }
-  if (!shard.empty()) {
-    const int read = std::sscanf(shard.c_str(), "%6u/%6u%c", &o.shard, &o.shards, &extra);
-    if (read != 2 || o.shards < 1 || o.shard >= o.shards) {
-      return make_error(ErrorId::kUsage, "--shard: '" + shard + "' is no I/N with I below N",
-                        "0/4 to 3/4 are the shards of four machines");
-    }
+  if (!t.home.empty()) {
+    const Result<ViewPlace> home = parse_view_place(t.home);
+    if (!home)
+      return make_error(ErrorId::kUsage, "--home: " + home.error().text, home.error().hint);
+    o.home = *home;
   }
+  const Result<Shard> parsed = parse_shard(t.shard);
+  if (!parsed) return parsed.error();
+  o.shard = *parsed;
   if (o.out.empty()) return make_error(ErrorId::kUsage, "--out names no folder");
   return {};
 }
@@ -62,7 +68,7 @@ void add_scene_options(CLI::App& app, FreezeOptions& o) {
   app.add_option("--device", o.device, "graphics device of the server")->capture_default_str();
 }
 
-void add_folder_options(CLI::App& app, FreezeOptions& o, std::string& shard) {
+void add_folder_options(CLI::App& app, FreezeOptions& o, Texts& t) {
   app.option_defaults()->group("Folder");
   app.add_option("--out", o.out, "folder to write; it is made if it does not exist")
       ->type_name("DIR")
@@ -74,30 +80,35 @@ void add_folder_options(CLI::App& app, FreezeOptions& o, std::string& shard) {
   app.add_option("--codec", o.codec, "codec of the tiles")
       ->check(CLI::IsMember({"webp", "zstd"}))
       ->capture_default_str();
-  app.add_option("--shard", shard,
-                 "I/N: make the Ith of N parts; the last one that ends writes "
-                 "the index of all")
+  app.add_option("--shard", t.shard,
+                 "make the Ith of N shares; all write into one folder, and the last one that ends "
+                 "writes the index")
+      ->capture_default_str()
       ->type_name("I/N");
   app.add_flag("--dry-run", o.dry_run,
                "look from an eighth of the eyes, write nothing, and print "
                "about how many files, MB and seconds it takes");
 }
 
-void add_eye_options(CLI::App& app, FreezeOptions& o, std::string& size, std::string& box) {
+void add_eye_options(CLI::App& app, FreezeOptions& o, Texts& t) {
   app.option_defaults()->group("Eyes");
   app.add_option("--error", o.error_px, "error that a view may show, px of --size")
       ->check(number_within(0.05, 100))
       ->capture_default_str();
-  app.add_option("--box", box,
+  app.add_option("--box", t.box,
                  "X0,Y0,Z0,X1,Y1,Z1: box of the eyes, m, looking everywhere; without it they stand "
                  "around the scene and look at it")
       ->type_name("BOX");
+  app.add_option("--home", t.home,
+                 "the view that the page begins with, in place of the scene's own: the eye, and a "
+                 "point that it looks at, m")
+      ->type_name("EX,EY,EZ,TX,TY,TZ");
   app.add_option("--eyes", o.eyes,
                  "eyes of a turn around the scene; in a box, three times the "
                  "eyes along its longest side")
       ->check(CLI::Range(4, 360))
       ->capture_default_str();
-  app.add_option("--size", size, "size of the picture that they see, WxH pixels")
+  app.add_option("--size", t.size, "size of the picture that they see, WxH pixels")
       ->type_name("WxH")
       ->capture_default_str();
   app.add_option("--fov", o.fov_degrees, "its vertical field of view, degrees")
@@ -113,8 +124,9 @@ std::string FreezeOptions::settings() const {
     eyes_in = fmt::format("{},{},{},{},{},{}", box->low.x, box->low.y, box->low.z, box->high.x,
                           box->high.y, box->high.z);
   }
-  return fmt::format("mb={} error={} eyes={} in={} size={}x{} fov={} geometry={} codec={}", mb,
-                     error_px, eyes, eyes_in, width, height, fov_degrees, geometry, codec);
+  return fmt::format("mb={} error={} eyes={} in={} size={}x{} fov={} geometry={} codec={}{}", mb,
+                     error_px, eyes, eyes_in, width, height, fov_degrees, geometry, codec,
+                     home ? " home=" + to_text(*home) : "");
 }
 
 int parse_options(int argc, char** argv, FreezeOptions& o) {
@@ -124,15 +136,13 @@ int parse_options(int argc, char** argv, FreezeOptions& o) {
       "The folder has a page, index.html, and all that a viewer asks a server for when it looks "
       "from the eyes. A run that was interrupted goes on where it was.\n\n"
       "Example: mirage-freeze statue.glb --out statue --mb 20 && python3 -m http.server -d statue");
-  std::string size = "1280x720", box, shard;
+  Texts t;
   add_scene_options(app, o);
-  add_folder_options(app, o, shard);
-  add_eye_options(app, o, size, box);
+  add_folder_options(app, o, t);
+  add_eye_options(app, o, t);
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
-  if (const Result<void> checked = check(o, size, box, shard); !checked) {
-    return fail(checked.error());
-  }
+  if (const Result<void> checked = check(o, t); !checked) return fail(checked.error());
   return -1;
 }
 

@@ -19,7 +19,7 @@ namespace {
 constexpr std::int64_t kPosterPatienceUs = 120'000'000;
 constexpr std::chrono::milliseconds kPosterPause{200};
 // Files that index.html does not name, but its scripts do.
-constexpr const char* kNamedByScripts[] = {"socket_worker.js"};
+constexpr const char* kNamedByScripts[] = {"socket_worker.js", "download.js", "archive.js"};
 constexpr const char* kTold = "<meta name=\"mirage-folder\" content=\"./\">\n</head>";
 
 struct Answer {

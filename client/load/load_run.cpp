@@ -142,9 +142,9 @@ Result<void> LoadRun::write_urls() const {
 
 Result<void> LoadRun::warm_up() {
   phase_ = "warming";
-  const LoadOptions::Shard shard = options_.warm_shard.value_or(LoadOptions::Shard{});
+  const Shard shard = options_.warm_shard.value_or(Shard{});
   std::vector<TileNeed> needs;
-  for (std::size_t i = shard.index; i < plan_.needs.size(); i += shard.of) {
+  for (std::size_t i = shard.index; i < plan_.needs.size(); i += shard.count) {
     needs.push_back(plan_.needs[i]);
   }
   std::int64_t deadline = clock_.now_us() + us(options_.connect_timeout_s);

@@ -60,15 +60,6 @@ Result<void> check(LoadOptions& o, const std::string& size, const std::string& t
   return {};
 }
 
-Result<LoadOptions::Shard> parse_shard(const std::string& text) {
-  LoadOptions::Shard out;
-  char extra = 0;
-  const int read = std::sscanf(text.c_str(), "%9u/%9u%c", &out.index, &out.of, &extra);
-  if (read == 2 && out.index < out.of) return out;
-  return make_error(ErrorId::kUsage, "--warm-shard: '" + text + "' is no I/N with I below N",
-                    "0/8 to 7/8 are the shards of eight machines");
-}
-
 void add_load_options(CLI::App& app, LoadOptions& o) {
   app.option_defaults()->group("Load");
   app.add_option("URL", o.url_text, "address of the server, such as ws://127.0.0.1:9870")
@@ -127,8 +118,8 @@ void add_result_options(CLI::App& app, LoadOptions& o, std::string& token_file,
       app.add_flag("--warm", o.warm, "first ask for every tile of the run once, without measuring");
   app.add_option(
          "--warm-shard", shard,
-         "I/N: ask once for every Nth tile of the run from the Ith on, then end; N machines "
-         "fill a shared store in this way")
+         "ask once for the Ith of N shares of the run's tiles, then end; N machines fill a shared "
+         "store in this way")
       ->type_name("I/N")
       ->excludes(warm);
   app.add_option("--verify", o.verify_share, "share of the tiles that are decoded and checked")
@@ -164,7 +155,7 @@ int parse_options(int argc, char** argv, LoadOptions& o) {
   add_conventions(app);
   if (const int code = parse_command_line(app, argc, argv); code >= 0) return code;
   if (!shard.empty()) {
-    const Result<LoadOptions::Shard> parsed = parse_shard(shard);
+    const Result<Shard> parsed = parse_shard(shard);
     if (!parsed) return fail(parsed.error());
     o.warm_shard = *parsed;
   }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "client/native/native_link.h"
+#include "protocol/base/shard.h"
 
 namespace mirage {
 
@@ -23,11 +24,7 @@ struct LoadOptions {
   std::uint64_t seed = 1;
   bool warm = false;
   bool reconnect = false;
-  /// A share of the run's tiles, each asked for once: every `of`th tile from `index` on.
-  struct Shard {
-    std::uint32_t index = 0, of = 1;
-  };
-  std::optional<Shard> warm_shard;
+  std::optional<Shard> warm_shard;  ///< the run asks once for each of its tiles, and ends
   std::string urls_file;
   double connects_per_s = 200;
   double connect_timeout_s = 10;

@@ -2,7 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "client/host/child.h"
+#include "client/host/server_process.h"
 #include "client/report/session_run.h"
 #include "client/report/truth_source.h"
 #include "client/scene/scene_view.h"

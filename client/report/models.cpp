@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "client/host/child.h"
+#include "client/host/server_process.h"
 #include "client/report/session_run.h"
 #include "client/report/truth_source.h"
 #include "protocol/base/result.h"

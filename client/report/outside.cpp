@@ -86,12 +86,14 @@ ExtremeRun start_extreme(const Context& context) {
     const Result<ChildResult> listed = run_child({command[0], "--list"});
     if (!listed) return listed;
     progress.begin("extreme", lines_of(listed->out));
-    return run_child(command, [&](const std::string& line) {
+    ChildWatch watch;
+    watch.on_out = [&](const std::string& line) {
       // A verdict is "ID pass" or "ID FAIL", before what was measured.
       constexpr std::size_t kVerdict = 9;
       if (line.find(" pass ") < kVerdict || line.find(" FAIL ") < kVerdict)
         progress.step(line.substr(0, kVerdict));
-    });
+    };
+    return run_child(command, watch);
   });
 }
 

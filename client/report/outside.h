@@ -4,8 +4,8 @@
 
 #include <future>
 
-#include "client/host/child.h"
 #include "client/report/context.h"
+#include "protocol/process/child.h"
 
 namespace mirage {
 

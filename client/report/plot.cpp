@@ -9,8 +9,8 @@
 #include <set>
 #include <sstream>
 
-#include "client/host/child.h"
 #include "client/report/table.h"
+#include "protocol/process/child.h"
 
 namespace mirage {
 namespace {

@@ -12,8 +12,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "client/host/child.h"
+#include "client/host/server_process.h"
 #include "client/report/real_words.h"
+#include "protocol/process/child.h"
 
 namespace mirage {
 namespace {

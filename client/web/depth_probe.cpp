@@ -1,8 +1,5 @@
 #include "client/web/depth_probe.h"
 
-#include <array>
-#include <cstring>
-
 namespace mirage {
 
 Result<DepthProbe> DepthProbe::create() {
@@ -13,17 +10,23 @@ Result<DepthProbe> DepthProbe::create() {
   out.program_ = program.take();
   out.vao_ = gl::VertexArray::create();
   out.framebuffer_ = gl::Framebuffer::create();
-  out.texel_ = gl::Renderbuffer::create();
-  glBindRenderbuffer(GL_RENDERBUFFER, out.texel_.id());
-  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, 1, 1);
-  glBindFramebuffer(GL_FRAMEBUFFER, out.framebuffer_.id());
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, out.texel_.id());
+  out.bytes_ = gl::Renderbuffer::create();
   return out;
 }
 
-float DepthProbe::read(GLuint texture, int x, int y) {
+std::vector<float> DepthProbe::read(GLuint texture, int x, int y, int width, int height) {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
-  glViewport(0, 0, 1, 1);
+  if (width != width_ || height != height_) {
+    glBindRenderbuffer(GL_RENDERBUFFER, bytes_.id());
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, bytes_.id());
+    width_ = width;
+    height_ = height;
+  }
+  glViewport(0, 0, width, height);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_BLEND);
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, texture);
   program_.use();
@@ -31,11 +34,11 @@ float DepthProbe::read(GLuint texture, int x, int y) {
   program_.set("u_texel", glm::ivec2(x, y));
   glBindVertexArray(vao_.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  std::array<std::uint8_t, 4> bytes{};
-  glReadPixels(0, 0, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
-  float depth = 0;
-  std::memcpy(&depth, bytes.data(), sizeof(depth));  // WebAssembly has the lowest byte first
-  return depth;
+  glEnable(GL_DEPTH_TEST);
+  // WebAssembly has the lowest byte first, as the shader writes them.
+  std::vector<float> out(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, out.data());
+  return out;
 }
 
 }  // namespace mirage

@@ -25,6 +25,7 @@ struct Page {
   EMSCRIPTEN_WEBGL_CONTEXT_HANDLE context = 0;
   std::string text;                // text returned last
   std::vector<std::uint8_t> rgba;  // pixels returned last
+  std::vector<float> depths;       // depths returned last
 };
 
 Page& page() {
@@ -129,6 +130,13 @@ EMSCRIPTEN_KEEPALIVE int page_aim(double x, double y) {
 EMSCRIPTEN_KEEPALIVE const char* page_name_at(double x, double y) {
   page().text = std::isfinite(x + y) ? page().viewer->name_at({x, y}) : "";
   return page().text.c_str();
+}
+/// Returns the server's number of the object seen at a place; -1: nothing is there, or several as
+/// one.
+EMSCRIPTEN_KEEPALIVE int page_object_at(double x, double y) {
+  if (!std::isfinite(x + y)) return -1;
+  const std::optional<std::uint32_t> object = page().viewer->object_at({x, y});
+  return object ? static_cast<int>(*object) : -1;
 }
 /// Returns 1 where one orbits, 0 where one walks.
 EMSCRIPTEN_KEEPALIVE int page_orbits() {
@@ -290,6 +298,16 @@ EMSCRIPTEN_KEEPALIVE const std::uint8_t* page_pixels() {
   return page().rgba.data();
 }
 
+/// Returns the eye depths of those pixels, m; 0: nothing is there. Null: page_text() says why.
+EMSCRIPTEN_KEEPALIVE const float* page_depths() {
+  mirage::Result<std::vector<float>> depths = page().viewer->depths();
+  if (!depths) {
+    page().text = depths.error().text;
+    return nullptr;
+  }
+  page().depths = depths.take();
+  return page().depths.data();
+}
 EMSCRIPTEN_KEEPALIVE void page_ask_reference(int supersample) {
   page().viewer->ask_reference(static_cast<std::uint32_t>(supersample));
 }

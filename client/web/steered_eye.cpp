@@ -40,11 +40,12 @@ void SteeredEye::go_home(const ClientSession& session, const Camera& camera) {
   posed_ = true;
 }
 
-std::string object_name_at(const ClientSession& session, const Camera& camera,
-                           const glm::dvec2& place) {
+std::optional<std::uint32_t> object_at(const ClientSession& session, const Camera& camera,
+                                       const glm::dvec2& place) {
   const SceneView& scene = session.scene();
   const std::optional<Seen> seen = seen_at(scene, camera, place);
-  return seen ? scene.objects[scene.instances[seen->instance].object].name : "";
+  if (!seen) return std::nullopt;
+  return scene.instances[seen->instance].object;
 }
 
 }  // namespace mirage

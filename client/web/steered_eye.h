@@ -41,9 +41,8 @@ class SteeredEye {
   bool posed_ = false;
 };
 
-/// Returns the name of the object seen at a place of the picture, as its file has it; empty: it has
-/// none, or nothing is there.
-std::string object_name_at(const ClientSession& session, const Camera& camera,
-                           const glm::dvec2& place);
+/// Returns the number of the object seen at a place of the picture; nullopt: nothing is there.
+std::optional<std::uint32_t> object_at(const ClientSession& session, const Camera& camera,
+                                       const glm::dvec2& place);
 
 }  // namespace mirage

@@ -115,7 +115,14 @@ void WebViewer::set_pose(const Pose& pose) { eye_.set_pose(session(), pose); }
 void WebViewer::go_home() { eye_.go_home(session(), camera()); }
 
 std::string WebViewer::name_at(const glm::dvec2& place) const {
-  return object_name_at(session(), camera(), place);
+  const std::optional<std::uint32_t> object = mirage::object_at(session(), camera(), place);
+  return object ? session().scene().objects[*object].name : "";
+}
+
+std::optional<std::uint32_t> WebViewer::object_at(const glm::dvec2& place) const {
+  const std::optional<std::uint32_t> object = mirage::object_at(session(), camera(), place);
+  if (!object || session().scene().objects[*object].group) return std::nullopt;
+  return object;
 }
 
 void WebViewer::choose(SceneChoice choice) { session().choose(std::move(choice)); }
@@ -144,6 +151,34 @@ void WebViewer::show_layer(InsightLayer layer) {
 }
 
 std::vector<std::uint8_t> WebViewer::pixels() const { return client_.screen().shown().read(); }
+Result<std::vector<float>> WebViewer::depths() {
+  if (!probe_) {
+    Result<DepthProbe> made = DepthProbe::create();
+    if (!made) return made.error();
+    probe_.emplace(made.take());
+  }
+  const FrameTarget& shown = client_.screen().shown();
+  const GLuint texture = shown.depth_texture();
+  if (texture == 0) return make_error(ErrorId::kGraphicsGl, "no memory for a depth texture");
+  const int drawn_width = shown.drawn_width(), drawn_height = shown.drawn_height();
+  const std::vector<float> windows = probe_->read(texture, 0, 0, drawn_width, drawn_height);
+  const glm::dvec2 mapping = client_.planned().camera.window_depth(
+      gl::has_clip_control() ? DepthMapping::kReversed : DepthMapping::kForward);
+  const double nothing = mapping.y > 0 ? 0 : 1;  // reversed or forward
+  const int w = width(), h = height();
+  std::vector<float> out;
+  out.reserve(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+  for (int y = 0; y < h; ++y) {
+    const int row = drawn_height - 1 - y * drawn_height / h;  // read from the bottom
+    for (int x = 0; x < w; ++x) {
+      const auto at = static_cast<std::size_t>(row * drawn_width + x * drawn_width / w);
+      const double window = windows[at];
+      out.push_back(window == nothing ? 0 : static_cast<float>(mapping.y / (window - mapping.x)));
+    }
+  }
+  return out;
+}
+
 int WebViewer::width() const { return client_.screen().width(); }
 int WebViewer::height() const { return client_.screen().height(); }
 

@@ -15,6 +15,7 @@
 #include "client/draw/insight.h"
 #include "client/draw/presenter.h"
 #include "client/web/browser_link.h"
+#include "client/web/depth_probe.h"
 #include "client/web/frame_prices.h"
 #include "client/web/steered_eye.h"
 #include "protocol/impostor/camera.h"
@@ -69,6 +70,8 @@ class WebViewer {
   /// Returns the name of the object seen at a place, as its file has it; empty: it has none, or
   /// nothing is there.
   std::string name_at(const glm::dvec2& place) const;
+  /// Returns the server's number of that object; nullopt: nothing is there, or several as one.
+  std::optional<std::uint32_t> object_at(const glm::dvec2& place) const;
   void set_pose(const Pose& pose);
   const Pose& pose() const { return eye_.pose(); }
   /// Moves the eye to the scene's home view.
@@ -105,6 +108,9 @@ class WebViewer {
   void ask_reference(std::uint32_t supersample);
   /// Returns the shown picture: RGBA, rows from the top.
   std::vector<std::uint8_t> pixels() const;
+  /// Returns the eye depth of each pixel of that picture, metres; 0: nothing is there. Errors
+  /// kGraphicsShader; kGraphicsGl: no memory.
+  Result<std::vector<float>> depths();
   std::string renderer() const;  ///< name of what draws
   int width() const;
   int height() const;
@@ -123,6 +129,7 @@ class WebViewer {
   Client client_;
   Presenter presenter_;
   Insight insight_;
+  std::optional<DepthProbe> probe_;  // made when it is first needed
   InsightLayer layer_ = InsightLayer::kNone;
   SteeredEye eye_;
   double fov_y_ = kFovY;

@@ -66,15 +66,6 @@ Result<void> check_names(const Given& given, BakeOptions& o) {
   return {};
 }
 
-Result<void> check_shard(const Given& given, BakeOptions& o) {
-  char extra = 0;
-  if (std::sscanf(given.shard.c_str(), "%d/%d%c", &o.shard, &o.shards, &extra) != 2 ||
-      o.shards < 1 || o.shard < 1 || o.shard > o.shards) {
-    return usage("'" + given.shard + "' is no shard", "1/4 is the first of four");
-  }
-  return {};
-}
-
 Result<void> check_numbers(const Given& given, BakeOptions& o) {
   o.grid = given.grid.value_or(o.target->grid);
   o.size = given.size.value_or(o.target->grid * o.target->tile);
@@ -99,7 +90,9 @@ Result<void> check_numbers(const Given& given, BakeOptions& o) {
 
 Result<void> check(const Given& given, BakeOptions& o) {
   if (Result<void> names = check_names(given, o); !names) return names;
-  if (Result<void> shard = check_shard(given, o); !shard) return shard;
+  const Result<Shard> shard = parse_shard(given.shard);
+  if (!shard) return shard.error();
+  o.shard = *shard;
   if (Result<void> numbers = check_numbers(given, o); !numbers) return numbers;
   if (given.measure == "none") o.measure = MeasureChoice::kNone;
   if (given.measure == "full") o.measure = MeasureChoice::kFull;
@@ -151,8 +144,8 @@ void add_run_options(CLI::App& app, BakeOptions& o, Given& given) {
       ->check(CLI::IsMember({"none", "quick", "full"}))
       ->capture_default_str();
   app.add_option("--shard", given.shard,
-                 "bake the i-th of n shares of the objects; all shares write into one folder")
-      ->type_name("i/n")
+                 "bake the Ith of N shares of the objects; all shares write into one folder")
+      ->type_name("I/N")
       ->capture_default_str();
   app.add_flag("--replace", o.replace, "write over another bake that is in the folder");
   app.add_flag("--dry-run", o.dry_run, "say what would be made, with sizes and times");

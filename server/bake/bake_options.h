@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "protocol/base/result.h"
+#include "protocol/base/shard.h"
 #include "server/bake/lattice.h"
 #include "server/bake/target.h"
 
@@ -26,7 +27,7 @@ struct BakeOptions {
   std::vector<std::string> maps;
   BakeFormat format = BakeFormat::kPng;
   MeasureChoice measure = MeasureChoice::kQuick;
-  int shard = 1, shards = 1;  ///< this run bakes every shards-th subject, from the shard-th
+  Shard shard;  ///< of the objects
   bool dry_run = false, json = false, replace = false, strict = false;
   std::string device = "auto";
   std::string clip, variant;

@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <future>
 
+#include "protocol/output/output_folder.h"
 #include "server/bake/bake_fit.h"
-#include "server/bake/bake_folder.h"
 #include "server/bake/bake_json.h"
 #include "server/bake/cut_outs.h"
 #include "server/bake/image_bytes.h"
@@ -72,7 +72,7 @@ class BakeRun {
         workers_(options.threads),
         run_(run_hash(options, scene_->revision)) {}
 
-  Result<void> bake_all(const BakeFolder& folder);
+  Result<void> bake_all(OutputFolder& folder);
   Result<void> dry_run();
 
  private:
@@ -80,14 +80,13 @@ class BakeRun {
     BakedObject object;
     BakeMaster master;
   };
-  bool mine(std::size_t i) const { return int(i % std::size_t(o_.shards)) == o_.shard - 1; }
-  Result<void> refuse_other_run(const BakeFolder& folder) const;
-  bool kept(const BakeFolder& folder, const BakeSubject& subject) const;
+  Result<void> refuse_other_run(const OutputFolder& folder) const;
+  bool kept(const OutputFolder& folder, const BakeSubject& subject) const;
   BakeShot first_shot(const BakeSubject& subject) const;
   Result<Capture> capture(const BakeSubject& subject, const std::string& place);
   Result<void> measure(Capture& capture, const BakeSubject& subject);
-  Result<void> write(const BakeFolder& folder, Capture capture) const;
-  Result<std::string> write_index(const BakeFolder& folder) const;
+  Result<void> write(const OutputFolder& folder, Capture capture) const;
+  Result<std::string> write_index(const OutputFolder& folder) const;
   std::vector<std::string> warnings(const BakeSubject& subject, const BakeShot& shot) const;
 
   const BakeOptions& o_;
@@ -185,7 +184,7 @@ Result<void> BakeRun::measure(Capture& capture, const BakeSubject& subject) {
   return {};
 }
 
-Result<void> BakeRun::write(const BakeFolder& folder, Capture capture) const {
+Result<void> BakeRun::write(const OutputFolder& folder, Capture capture) const {
   ExportChoice choice;
   choice.object = capture.object.name;
   choice.maps = o_.maps;
@@ -216,21 +215,21 @@ Result<void> BakeRun::write(const BakeFolder& folder, Capture capture) const {
   return folder.write(object.name + ".json", object_json(object, o_, run_));
 }
 
-bool BakeRun::kept(const BakeFolder& folder, const BakeSubject& subject) const {
-  const std::optional<std::string> text = folder.read(subject.name + ".json");
+bool BakeRun::kept(const OutputFolder& folder, const BakeSubject& subject) const {
+  const std::optional<std::string> text = folder.read_text(subject.name + ".json");
   const std::optional<ObjectEntry> entry = text ? read_object_json(*text) : std::nullopt;
   if (!entry || entry->run != run_) return false;
   for (const BakedFile& file : entry->files) {
-    const std::optional<std::string> bytes = folder.read(file.name);
+    const std::optional<Bytes> bytes = folder.read(file.name);
     if (!bytes || XXH3_64bits(bytes->data(), bytes->size()) != file.hash) return false;
   }
   return true;
 }
 
-Result<void> BakeRun::refuse_other_run(const BakeFolder& folder) const {
+Result<void> BakeRun::refuse_other_run(const OutputFolder& folder) const {
   if (o_.replace) return {};
   for (const std::string& name : folder.names(".json")) {
-    const std::optional<std::string> text = folder.read(name);
+    const std::optional<std::string> text = folder.read_text(name);
     const std::optional<ObjectEntry> entry = text ? read_object_json(*text) : std::nullopt;
     if (!entry || entry->run == run_) continue;
     return make_error(ErrorId::kUsage,
@@ -241,13 +240,13 @@ Result<void> BakeRun::refuse_other_run(const BakeFolder& folder) const {
   return {};
 }
 
-Result<std::string> BakeRun::write_index(const BakeFolder& folder) const {
-  const Result<FileLock> alone = folder.alone();
+Result<std::string> BakeRun::write_index(const OutputFolder& folder) const {
+  const Result<FileLock> alone = folder.one_at_a_time();
   if (!alone) return alone.error();
   std::vector<ObjectEntry> entries;
   std::vector<std::string> missing;
   for (const BakeSubject& subject : subjects_) {
-    const std::optional<std::string> text = folder.read(subject.name + ".json");
+    const std::optional<std::string> text = folder.read_text(subject.name + ".json");
     std::optional<ObjectEntry> entry = text ? read_object_json(*text) : std::nullopt;
     if (entry && entry->run == run_) {
       entries.push_back(std::move(*entry));
@@ -260,7 +259,7 @@ Result<std::string> BakeRun::write_index(const BakeFolder& folder) const {
   return index;
 }
 
-Result<void> BakeRun::bake_all(const BakeFolder& folder) {
+Result<void> BakeRun::bake_all(OutputFolder& folder) {
   if (Result<void> alone = refuse_other_run(folder); !alone) return alone;
   std::future<Result<void>> writing;
   const auto written = [&]() -> Result<void> {
@@ -268,7 +267,7 @@ Result<void> BakeRun::bake_all(const BakeFolder& folder) {
   };
   for (std::size_t i = 0; i < subjects_.size(); ++i) {
     const BakeSubject& subject = subjects_[i];
-    if (!mine(i)) continue;
+    if (!o_.shard.has(i)) continue;
     const std::string place = fmt::format("{} of {} '{}'", i + 1, subjects_.size(), subject.name);
     if (!(subject.radius > 0)) {
       say("warning: " + place + " has no extent: it is left out");
@@ -298,6 +297,7 @@ Result<void> BakeRun::bake_all(const BakeFolder& folder) {
   if (Result<void> last = written(); !last) return last;
   const Result<std::string> index = write_index(folder);
   if (!index) return index.error();
+  folder.clear_work();
   if (o_.json) std::fputs(index->c_str(), stdout);
   return {};
 }
@@ -309,7 +309,7 @@ Result<void> BakeRun::dry_run() {
   std::puts("object                            triangles  grid  frame px  texture MiB  seconds");
   for (std::size_t i = 0; i < subjects_.size(); ++i) {
     const BakeSubject& subject = subjects_[i];
-    if (!mine(i) || !(subject.radius > 0)) continue;
+    if (!o_.shard.has(i) || !(subject.radius > 0)) continue;
     // A bake of few frames tells what one costs.
     BakeShot shot = first_shot(subject), few = shot;
     few.grid = kFewestFrames;
@@ -340,9 +340,9 @@ Result<void> run_bake(const BakeOptions& options) {
   const Result<std::vector<std::string>> target =
       check_target(*options.target, options.layout, options.grid, options.size / options.grid);
   if (!target && !options.error_db) return target.error();
-  std::optional<BakeFolder> folder;
+  std::optional<OutputFolder> folder;
   if (!options.dry_run) {
-    Result<BakeFolder> opened = BakeFolder::open(options.out, options.shard, options.shards);
+    Result<OutputFolder> opened = OutputFolder::open(options.out, ".bake", options.shard);
     if (!opened) return opened.error();
     folder.emplace(opened.take());
   }

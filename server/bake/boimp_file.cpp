@@ -1,13 +1,12 @@
 #include "server/bake/boimp_file.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
 
 #include "modules/image_library.h"
+#include "protocol/output/zip.h"
 
 namespace mirage {
 namespace {
@@ -176,23 +175,6 @@ std::string settings_of(const BakeMaster& master, const Sheet& sheet) {
   return out;
 }
 
-constexpr std::uint32_t kLocalHeader = 0x04034b50, kCentralHeader = 0x02014b50,
-                        kEndOfDirectory = 0x06054b50;
-constexpr std::uint16_t kFirstDay = 1 << 5 | 1;  // 1980-01-01
-
-// The fields that a local and a central header share.
-void put_entry(Bytes8& out, const ZipEntry& entry) {
-  put(out, 10, 2);  // version needed: 1.0
-  put(out, 0, 4);   // no flags, no compression
-  put(out, 0, 2);
-  put(out, kFirstDay, 2);
-  put(out, crc32(crc32(0, nullptr, 0), entry.bytes.data(), uInt(entry.bytes.size())), 4);
-  put(out, entry.bytes.size(), 4);
-  put(out, entry.bytes.size(), 4);
-  put(out, entry.name.size(), 2);
-  put(out, 0, 2);  // no extra field
-}
-
 }  // namespace
 
 BoimpTexel boimp_texel(const FrameTexel& texel) {
@@ -216,46 +198,10 @@ std::vector<std::string> boimp_channels() {
           "word 1, bits 24-31: .5 + s / (2 * radius)"};
 }
 
-std::vector<std::uint8_t> stored_zip(const std::vector<ZipEntry>& entries) {
-  Bytes8 out, directory;
-  for (const auto& entry : entries) {
-    const std::size_t at = out.size();
-    put(out, kLocalHeader, 4);
-    put_entry(out, entry);
-    out.insert(out.end(), entry.name.begin(), entry.name.end());
-    out.insert(out.end(), entry.bytes.begin(), entry.bytes.end());
-    put(directory, kCentralHeader, 4);
-    put(directory, 10, 2);  // version that made it
-    put_entry(directory, entry);
-    put(directory, 0, 4);  // no comment, disk 0
-    put(directory, 0, 6);  // no attributes
-    put(directory, at, 4);
-    directory.insert(directory.end(), entry.name.begin(), entry.name.end());
-  }
-  const std::size_t begin = out.size();
-  out.insert(out.end(), directory.begin(), directory.end());
-  put(out, kEndOfDirectory, 4);
-  put(out, 0, 4);  // disk 0
-  put(out, entries.size(), 2);
-  put(out, entries.size(), 2);
-  put(out, directory.size(), 4);
-  put(out, begin, 4);
-  put(out, 0, 2);  // no comment
-  return out;
-}
-
 Result<std::vector<std::uint8_t>> boimp_file(const BakeMaster& master, const TargetFacts& target) {
   const Sheet sheet = trimmed(whole_sheet(master, target));
   auto entries = pictures(sheet);
   if (!entries) return entries.error();
-  std::size_t bytes = 0;
-  for (const auto& entry : *entries) bytes += entry.bytes.size();
-  constexpr std::size_t kMostBytes = 4'000'000'000;  // the format counts in 32 bits
-  if (bytes > kMostBytes) {
-    return make_error(ErrorId::kUsage,
-                      "the bake takes more than 4 GB, the most that a .boimp holds",
-                      "use fewer or smaller frames");
-  }
   const std::string settings = settings_of(master, sheet);
   entries->push_back({"settings.txt", {settings.begin(), settings.end()}});
   return stored_zip(*entries);

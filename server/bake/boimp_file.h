@@ -36,14 +36,7 @@ BoimpTexel boimp_texel(const FrameTexel& texel);
 std::vector<std::string> boimp_channels();
 
 /// Returns the bytes of the file; equal bakes give equal bytes. Errors kModule, kIo: the pictures
-/// could not be made.
+/// could not be made; kUsage: they are too large.
 Result<std::vector<std::uint8_t>> boimp_file(const BakeMaster& master, const TargetFacts& target);
-
-struct ZipEntry {
-  std::string name;
-  std::vector<std::uint8_t> bytes;
-};
-/// Returns a zip archive without compression, every entry dated 1980-01-01.
-std::vector<std::uint8_t> stored_zip(const std::vector<ZipEntry>& entries);
 
 }  // namespace mirage

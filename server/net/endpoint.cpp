@@ -582,6 +582,7 @@ Result<void> Endpoint::listen(const EndpointOptions& options) {
     if (!web) return web.error();
     impl_->http.serve(web.take());
   }
+  if (options.downloads) impl_->http.serve(*options.downloads);
   const bool tls = !options.tls_cert.empty();
   lws_set_log_level(LLL_ERR, forward_log);
   lws_context_creation_info info{};

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/download/download_request.h"
 #include "server/net/forwarded.h"
 #include "server/net/listen_address.h"
 
@@ -21,6 +22,7 @@ struct EndpointOptions {
   double drain_s = 10;   ///< seconds in which earlier asks are still served after stop()
   std::string web;       ///< folder of the browser page; empty: none
   bool metrics = false;  ///< serves GET /metrics
+  std::optional<DownloadScene> downloads;  ///< what they are made of; nullopt: there are none
   /// A second address for operators, with health and metrics only; nullopt: none.
   std::optional<ListenAddress> admin;
 };

@@ -12,6 +12,7 @@
 
 #include "server/base/counters.h"
 #include "server/net/admission.h"
+#include "server/net/download_http.h"
 #include "server/net/endpoint_options.h"
 #include "server/net/lws_text.h"
 #include "server/net/metrics.h"
@@ -22,7 +23,7 @@
 namespace mirage {
 namespace {
 
-constexpr std::size_t kMostHeaderBytes = 1024;
+constexpr std::size_t kMostHeaderBytes = 4096;
 const char* const kMetricsType = "text/plain; version=0.0.4";
 constexpr std::size_t kFileChunkBytes = 16 * 1024;
 constexpr int kFilePatienceS = 20;  // seconds for a client to take a chunk
@@ -77,6 +78,7 @@ void HttpPages::serve(SessionHub& hub, Counters& counters) {
   for (auto& [request, one] : std::exchange(pictures_, {})) give(one.wsi, *one.peer, moved);
   hub_ = &hub;
   counters_ = &counters;
+  if (desk_) desk_->forget();
   fronts_.clear();
   for (auto& [shape, poster] : posters_) {
     poster = {};
@@ -88,6 +90,7 @@ int HttpPages::answer(lws* wsi, HttpPeer& peer, const std::string& path, bool st
   if (path.rfind(kTilePath, 0) == 0) return get_tile(wsi, peer, path);
   if (path == kPicturePath || path == kImpostorPath) return get_picture(wsi, peer, path);
   if (path == kOembedPath) return get_oembed(wsi);
+  if (path == kDownloadsPath || path == kDownloadPath) return get_download(wsi, peer, path);
   const HeaderText accepted = header(wsi, WSI_TOKEN_HTTP_ACCEPT_ENCODING);
   const WebFile* const file = web_.find(path, accepted.text);
   if (!file) return send(wsi, page(path, stopping));
@@ -138,22 +141,45 @@ int HttpPages::get_file(lws* wsi, HttpPeer& peer, const WebFile& file) {
   }
   const std::string address = file.page ? open_address(wsi) : "";
   if (!address.empty()) return get_front(wsi, address, head);
+  const Called called = called_of(wsi, !options_.tls_cert.empty(), options_.proxies);
+  const std::string headers = WebPages::headers(file, called.host, options_.embed_origins);
+  return send_file(wsi, peer, file.type, headers, *file.body, head);
+}
+
+int HttpPages::send_file(lws* wsi, HttpPeer& peer, const std::string& type,
+                         const std::string& headers, const std::string& body, bool head) {
   std::vector<std::uint8_t> buffer(LWS_PRE + kMostHeaderBytes);
   unsigned char* const start = buffer.data() + LWS_PRE;
   unsigned char* at = start;
   unsigned char* const end = start + kMostHeaderBytes;
-  const Called called = called_of(wsi, !options_.tls_cert.empty(), options_.proxies);
-  const std::string headers = WebPages::headers(file, called.host, options_.embed_origins);
-  if (lws_add_http_common_headers(wsi, 200, file.type.c_str(), file.body->size(), &at, end) ||
+  if (lws_add_http_common_headers(wsi, 200, type.c_str(), body.size(), &at, end) ||
       !add_headers(wsi, headers, &at, end) ||
       lws_finalize_write_http_header(wsi, start, &at, end)) {
     return -1;
   }
   if (head) return lws_http_transaction_completed(wsi) ? -1 : 0;
-  peer.file = file.body.get();
+  peer.file = &body;
   peer.sent = 0;
   lws_callback_on_writable(wsi);
   return 0;
+}
+
+int HttpPages::get_download(lws* wsi, HttpPeer& peer, const std::string& path) {
+  const std::string address = called_of(wsi, !options_.tls_cert.empty(), options_.proxies).address;
+  const auto request = read(wsi, path, address);
+  if (const auto* refused = std::get_if<HttpAnswer>(&request)) return send(wsi, *refused);
+  if (path == kDownloadsPath) return send(wsi, downloads_answer(desk_ ? &*desk_ : nullptr));
+  if (!desk_) return send(wsi, refusal(403, "this server makes no downloads (--downloads)"));
+  const auto wanted =
+      read_download(std::get<HttpRequest>(request), hub_->access(), std::time(nullptr));
+  if (const auto* no = std::get_if<HttpAnswer>(&wanted)) return refuse(wsi, *no, address);
+  const auto& download = std::get<DownloadRequest>(wanted);
+  const DownloadState state = desk_->ask(download);
+  if (state.stage != DownloadState::Stage::kDone) return send(wsi, download_answer(state));
+  delete peer.held;  // of an earlier request of this connection
+  peer.held = new std::shared_ptr<const std::string>(state.file);
+  return send_file(wsi, peer, "application/zip",
+                   download_headers(download_name(download, desk_->scene())), **peer.held, false);
 }
 
 // Writes as much as the socket takes. A slow reader holds a pointer to the file, not a copy.
@@ -201,7 +227,7 @@ int HttpPages::answer_operator(lws* wsi, const std::string& path, bool stopping)
 std::variant<HttpRequest, HttpAnswer> HttpPages::read(lws* wsi, const std::string& path,
                                                       const std::string& address) const {
   if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0) {
-    return refusal(405, "tiles and pictures are got", "Allow: GET\r\n");
+    return refusal(405, "only GET here", "Allow: GET\r\n");
   }
   if (!admission_.may_connect(address, clock_.now_us())) {
     ++counters_->addresses_refused;
@@ -331,6 +357,7 @@ void HttpPages::gone(HttpPeer& peer) {
     pictures_.erase(peer.request);
   }
   delete std::exchange(peer.answer, nullptr);
+  delete std::exchange(peer.held, nullptr);
   peer.request = 0;
 }
 

@@ -7,11 +7,14 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <variant>
 
 #include "protocol/base/clock.h"
+#include "server/download/download_desk.h"
 #include "server/net/front_page.h"
 #include "server/net/tile_http.h"
 #include "server/net/web_pages.h"
@@ -32,6 +35,8 @@ struct HttpPeer {
   HttpAnswer* answer;       ///< answer to be written; null: none
   const std::string* file;  ///< file of the browser page being sent; null: none
   std::size_t sent;         ///< bytes of the file sent so far
+  /// keeps a file that was made for somebody; null: none
+  std::shared_ptr<const std::string>* held;
 };
 
 class HttpPages {
@@ -45,6 +50,9 @@ class HttpPages {
 
   /// Serves this page to browsers.
   void serve(WebPages web) { web_ = std::move(web); }
+
+  /// Has downloads made of this scene.
+  void serve(DownloadScene scene) { desk_.emplace(std::move(scene)); }
 
   // These return the value that the libwebsockets callback must return.
   int answer(lws* wsi, HttpPeer& peer, const std::string& path, bool stopping);
@@ -81,6 +89,7 @@ class HttpPages {
   /// Sends index.html with the poster, or asks for one, for the next who come.
   int get_front(lws* wsi, const std::string& address, bool head);
   int get_oembed(lws* wsi) const;
+  int get_download(lws* wsi, HttpPeer& peer, const std::string& path);
   /// Returns this server's address, as the request called it; empty: the scene is not for
   /// everybody.
   std::string open_address(lws* wsi) const;
@@ -93,6 +102,9 @@ class HttpPages {
   /// Forgets pictures whose connections the other side has closed, at most ten times a second.
   void drop_gone();
   int get_file(lws* wsi, HttpPeer& peer, const WebFile& file);
+  /// Sends the header of a file, and the file as fast as it is read.
+  static int send_file(lws* wsi, HttpPeer& peer, const std::string& type,
+                       const std::string& headers, const std::string& body, bool head);
   static int write_file(lws* wsi, HttpPeer& peer);
 
   SessionHub* hub_ = nullptr;
@@ -101,6 +113,7 @@ class HttpPages {
   Admission& admission_;
   const SteadyClock clock_;
   WebPages web_;
+  std::optional<DownloadDesk> desk_;  ///< nullopt: nobody may download
   /// Home view of the hub's scene.
   struct Poster {
     std::uint32_t request = 0;          ///< number at the hub; 0: it is not asked for

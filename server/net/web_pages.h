@@ -19,6 +19,8 @@ struct WebFile {
   bool page = false;     ///< index.html: never cached, as it names the other files
   bool shared = false;   ///< a part beside it, whose name stays: pages of other sites use it
   std::shared_ptr<const std::string> body;
+  /// of a page: names in a policy (CSP) for the style and the script that stand in it
+  std::string style_hash, script_hash;
 };
 
 class WebPages {

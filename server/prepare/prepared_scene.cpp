@@ -253,6 +253,12 @@ Result<Scene> import_timed(const std::string& spec, const SceneLoadOptions& opti
   Result<void> lit = set_environment(options.environment, *loaded, workers);
   if (!lit) return lit.error();
   set_look(options.studio, options.environment, *loaded);
+  if (options.home) {
+    HomeView& home = loaded->home;
+    home.eye = options.home->eye;
+    home.target = options.home->target;
+    home.fit.clear();
+  }
   times.done("environment");
   return loaded;
 }

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "protocol/base/result.h"
+#include "protocol/model/view_place.h"
 #include "server/base/stage_progress.h"
 #include "server/base/stage_times.h"
 #include "server/prepare/grouping.h"
@@ -77,12 +78,13 @@ struct SceneLoadOptions {
   std::size_t threads = 0;     ///< threads that work at it; 0: as many as there are cores
   /// refuses files with defects that viewers forgive (ImportOptions)
   bool strict = false;
-  SceneChoice choice = {};            ///< of clip and variant (ImportOptions)
-  std::uint64_t megabytes = 3072;     ///< memory that the scene may take (ImportOptions)
-  std::string environment = "none";   ///< `--environment`; empty: chosen by the scene
-  bool studio = true;                 ///< `--look studio` (set_look)
-  CacheDirectory* cache = nullptr;    ///< for levels of detail and mips; nullptr: all are made
-  StageProgress::Tell progress = {};  ///< receives the progress of long stages
+  SceneChoice choice = {};             ///< of clip and variant (ImportOptions)
+  std::uint64_t megabytes = 3072;      ///< memory that the scene may take (ImportOptions)
+  std::string environment = "none";    ///< `--environment`; empty: chosen by the scene
+  bool studio = true;                  ///< `--look studio` (set_look)
+  std::optional<ViewPlace> home = {};  ///< in place of the scene's own home view
+  CacheDirectory* cache = nullptr;     ///< for levels of detail and mips; nullptr: all are made
+  StageProgress::Tell progress = {};   ///< receives the progress of long stages
 };
 
 /// Imports `spec` as load_scene() does, with its light, and prepares nothing. Errors: those of the

@@ -117,7 +117,7 @@ TEST(Bake, GoesOnAfterItWasKilled) {
     int status = 0;
     waitpid(child, &status, 0);
     for (const auto& [name, bytes] : files_of(broken)) {
-      if (name.ends_with(".part") || name == "index.json") continue;
+      if (name == "index.json") continue;
       ASSERT_TRUE(due.at(name) == bytes) << name << " is not whole";
     }
   }
@@ -127,9 +127,10 @@ TEST(Bake, GoesOnAfterItWasKilled) {
   fs::remove(broken + "/floor_lamp.color.png");
   EXPECT_EQ(run({"/bin/sh", "-c", line}).exit_code, 128 + SIGXFSZ);
   for (const auto& [name, bytes] : files_of(broken)) {
-    if (name.ends_with(".part") || name == "index.json") continue;
+    if (name == "index.json") continue;
     ASSERT_TRUE(due.at(name) == bytes) << name << " is not whole";
   }
+  EXPECT_TRUE(fs::exists(broken + "/.bake")) << "with what the killed run had begun";
   // A file that is cut, or lost, is made again.
   const Finished resumed = bake("builtin:clutter", broken, objects);
   ASSERT_EQ(resumed.exit_code, 0) << resumed.output;
@@ -138,6 +139,7 @@ TEST(Bake, GoesOnAfterItWasKilled) {
   fs::remove(broken + "/book.normal.png");
   ASSERT_EQ(bake("builtin:clutter", broken, objects).exit_code, 0);
   EXPECT_TRUE(files_of(broken) == due);
+  EXPECT_FALSE(fs::exists(broken + "/.bake")) << "what only a run needs";
 }
 
 TEST(Bake, KeepsRunsApart) {
@@ -147,7 +149,8 @@ TEST(Bake, KeepsRunsApart) {
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_NE(other.output.find("holds another bake"), std::string::npos) << other.output;
   EXPECT_EQ(bake("builtin:knot", out, {"--samples", "1", "--replace"}).exit_code, 0);
-  const int lock = open((out + "/.bake.lock").c_str(), O_RDWR);
+  fs::create_directory(out + "/.bake");
+  const int lock = open((out + "/.bake/lock").c_str(), O_RDWR | O_CREAT, 0644);
   ASSERT_EQ(flock(lock, LOCK_EX), 0);
   const Finished second = bake("builtin:knot", out, {"--samples", "1"});
   EXPECT_EQ(second.exit_code, 2);
@@ -164,7 +167,6 @@ TEST(Bake, AFullDiskIsSaid) {
   EXPECT_NE(done.output.find("error io: cannot write"), std::string::npos) << done.output;
   for (const auto& [name, bytes] : files_of(folder)) {
     EXPECT_FALSE(name.ends_with(".json")) << name << " names files that are not there";
-    EXPECT_FALSE(name.ends_with(".part")) << name;
   }
 }
 

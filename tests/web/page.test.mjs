@@ -1,6 +1,7 @@
 // The page in a real browser, with the shipped server: what a person does, and what goes wrong.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
+import { createHash } from 'node:crypto';
 import { brotliDecompressSync, gunzipSync } from 'node:zlib';
 import http from 'node:http';
 import { copyFileSync, readFileSync, writeFileSync } from 'node:fs';
@@ -46,7 +47,12 @@ test('the page is served compressed, its parts for ever, itself never from a cac
   const policy = plain.headers['content-security-policy'];
   assert.match(policy, /default-src 'none'/);
   assert.doesNotMatch(policy, /unsafe-inline|'unsafe-eval'|\*/);
-  assert.doesNotMatch(plain.body.toString(), /<script>|<script type="module">|style="| on[a-z]+="/, 'nothing inline');
+  // Style and script in the page are allowed by their hashes, and nothing else.
+  const text = plain.body.toString();
+  assert.doesNotMatch(text, /<script type="module">|style="| on[a-z]+="/);
+  const inside = [...text.matchAll(/<(style|script)>(.*?)<\/\1>/gs)];
+  assert.deepEqual(inside.map((found) => found[1]), ['style', 'script']);
+  for (const [, , body] of inside) assert.ok(policy.includes(`'sha256-${createHash('sha256').update(body).digest('base64')}'`));
   const gzip = await get(knot.url, { 'Accept-Encoding': 'gzip' });
   assert.deepEqual(gunzipSync(gzip.body), plain.body);
   const named = [...plain.body.toString().matchAll(/(?:src|href)="([^"#][^"]*)"/g)].map((found) => found[1]);

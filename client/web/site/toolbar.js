@@ -1,10 +1,9 @@
 // Toolbar: the buttons and their keys.
-import { pixels, textAt } from './core.js';
 import { notice } from './status.js';
 
 const $ = (id) => document.getElementById(id);
 const keys = { KeyH: 'home', KeyL: 'share', KeyP: 'screenshot', KeyC: 'compare', KeyO: 'figures-button', KeyM: 'mode', KeyG: 'fly', KeyF: 'fullscreen', Space: 'pause' };
-const withoutKey = ['keys', 'more'];
+const withoutKey = ['download-button', 'keys', 'more'];
 
 /// Gives a button of the bar another name and icon; the icon's is the name's.
 function show(id, name) {
@@ -19,6 +18,7 @@ export class Toolbar {
       home: () => viewer.place.goHome(),
       share: () => this.share(),
       screenshot: () => this.screenshot(),
+      'download-button': () => this.showDownload($('download').hidden),
       compare: () => viewer.compare.toggle(),
       mode: () => this.changeMode(),
       fly: () => this.fly(),
@@ -104,7 +104,7 @@ export class Toolbar {
   press(e) {
     const typing = e.target instanceof HTMLSelectElement || e.target instanceof HTMLInputElement && e.target.type !== 'range' && e.target.type !== 'radio';
     if (typing || e.ctrlKey || e.metaKey || e.altKey || e.repeat) return;
-    if (e.code === 'Escape') { this.showMenu(false); this.viewer.compare.end(); $('link-box').hidden = true; this.showKeys(false); }
+    if (e.code === 'Escape') { this.showMenu(false); this.viewer.compare.end(); $('link-box').hidden = true; this.showKeys(false); this.showDownload(false); }
     if (e.key === '?' && !$('keys').disabled) this.showKeys($('keys-list').hidden);
     const layer = /^Digit([1-5])$/.exec(e.code);
     if (layer) this.viewer.figures.showLayer(Number(layer[1]) - 1);
@@ -134,19 +134,16 @@ export class Toolbar {
     }
   }
 
-  screenshot() {
-    const { core } = this.viewer;
-    const { width, height, rgba } = pixels(core);
-    for (let i = 3; i < rgba.length; i += 4) rgba[i] = 255;
-    const sheet = document.createElement('canvas');
-    [sheet.width, sheet.height] = [width, height];
-    sheet.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(rgba.buffer), width, height), 0, 0);
-    sheet.toBlob((blob) => {
-      const link = document.createElement('a');
-      link.href = URL.createObjectURL(blob);
-      link.download = `mirage-${textAt(core, core._page_scene_name()).replace(/[^a-z0-9]+/gi, '-')}.png`;
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-    }, 'image/png');
+  // These parts of the page come when they are needed.
+  async screenshot() {
+    const { fileName, picture, save } = await import('./download.js');
+    save(await picture(this.viewer.core), `${fileName(this.viewer.core)}.png`);
+  }
+
+  async showDownload(shown) {
+    if (!shown && !this.download) return;
+    const { Download } = await import('./download.js');
+    this.download ??= new Download(this.viewer);
+    await this.download.show(shown);
   }
 }

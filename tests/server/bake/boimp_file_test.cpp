@@ -34,20 +34,6 @@ TEST(BoimpTexel, HasEachFieldInItsBits) {
   EXPECT_EQ(boimp_texel(texel), (BoimpTexel{0, 0}));
 }
 
-// The bytes of the format's documentation; 0xcbf43926 is the checksum that it is tested with.
-TEST(StoredZip, HasTheBytesOfTheFormat) {
-  const std::string nine = "123456789";
-  const auto zip = stored_zip({{"a", {nine.begin(), nine.end()}}});
-  const std::vector<std::uint8_t> expected{
-      'P',  'K',  3,    4,   10, 0, 0,  0, 0,  0, 0,   0,   0x21, 0,   0x26, 0x39, 0xf4, 0xcb, 9,
-      0,    0,    0,    9,   0,  0, 0,  1, 0,  0, 0,   'a', '1',  '2', '3',  '4',  '5',  '6',  '7',
-      '8',  '9',  'P',  'K', 1,  2, 10, 0, 10, 0, 0,   0,   0,    0,   0,    0,    0x21, 0,    0x26,
-      0x39, 0xf4, 0xcb, 9,   0,  0, 0,  9, 0,  0, 0,   1,   0,    0,   0,    0,    0,    0,    0,
-      0,    0,    0,    0,   0,  0, 0,  0, 0,  0, 'a', 'P', 'K',  5,   6,    0,    0,    0,    0,
-      1,    0,    1,    0,   47, 0, 0,  0, 40, 0, 0,   0,   0,    0};
-  EXPECT_EQ(zip, expected);
-}
-
 TEST(BoimpFile, IsTheSameForTheSameBake) {
   const TargetFacts& target = *target_of("boimp");
   const BakeMaster master = arrows_master(BakeLayout::kHemi, 4, 32, target.roll);

@@ -54,6 +54,26 @@ TEST(WebPages, ThePageIsNeverCachedItsPartsForEver) {
   }
 }
 
+// The hashes are those of `printf %s body | openssl dgst -sha256 -binary | base64`.
+TEST(WebPages, AllowsTheStyleAndTheScriptInThePageAndNoOthers) {
+  const TempFolder folder;
+  folder.write("index.html", "<style>p{}</style><p><script>a()</script>");
+  folder.write("index.html.br", "small");
+  const Result<WebPages> pages = WebPages::read(folder.path().string());
+  ASSERT_TRUE(pages);
+  for (const char* form : {"", "br"}) {
+    const std::string headers = WebPages::headers(*pages->find("/", form), "host", {});
+    EXPECT_NE(
+        headers.find("style-src 'self' 'sha256-gG2yISYereRMiG2lMXrbiUgi0Ubw9p7QCeWcroOvy9Y=';"),
+        std::string::npos)
+        << headers;
+    EXPECT_NE(
+        headers.find("'wasm-unsafe-eval' 'sha256-qVpDBgj7bpq5hMAcGp3AOc79J3Y1Z4HvySTwKrWDoy4=';"),
+        std::string::npos);
+    EXPECT_EQ(headers.find("unsafe-inline"), std::string::npos);
+  }
+}
+
 TEST(WebPages, AScriptBesideThePageIsForOtherSites) {
   const TempFolder folder;
   for (const char* name : {"index.html", "impostor.js"}) folder.write(name, "plain");

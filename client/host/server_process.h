@@ -1,35 +1,15 @@
 #pragma once
-// Child processes: runs other programs to their end, and starts servers.
+// Server process: a mirage-server that a program starts for itself.
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "protocol/base/result.h"
+#include "protocol/process/child.h"
 
 namespace mirage {
-
-struct ChildResult {
-  int exit_code = -1;  ///< 128 + signal if a signal ended it
-  std::string out, err;
-};
-
-/// Runs the program with this path to its end, with an empty standard input. The exit code is 127
-/// if there is no such program. `on_line` gets each line of its standard output soon after it is
-/// written. Error kIo if no process can be made.
-Result<ChildResult> run_child(const std::vector<std::string>& command,
-                              const std::function<void(const std::string&)>& on_line = {});
-
-/// Returns the error in the `error <id>: <text>` line of what one of our programs wrote; nullopt:
-/// there is none.
-std::optional<Error> error_said(const std::string& text);
-
-/// Returns the first executable of that name in PATH; nullopt: there is none.
-std::optional<std::string> find_program(const std::string& name);
-/// Returns the path of a program in this program's folder; nullopt: it is not there.
-std::optional<std::string> sibling_program(const std::string& name);
 
 /// A mirage-server on a free port of the loopback. Destruction ends it (SIGTERM).
 class ServerProcess {
@@ -58,12 +38,12 @@ class ServerProcess {
  private:
   ServerProcess() = default;
   Result<void> wait_ready(const std::string& scene);
-  void end();
+  std::string file(const std::string& name) const;
 
   int pid_ = -1;
   int port_ = 0;
   double ready_s_ = 0;
-  std::string folder_;
+  std::optional<ScratchFolder> folder_;
 };
 
 }  // namespace mirage
