@@ -88,7 +88,7 @@ flat varying vec3 v_weight;
 flat varying mat4 v_world;
 
 const float kCovers = 0.5;       // where a texel covers less, a ray passes
-const float kCliff = 0.03, kThick = 0.15, kHidden = 0.02;   // as mirage-bake measures it: numerics.md section 7
+const float kCliff = 0.03, kThick = 0.15, kHidden = 0.02, kEmpty = 0.3;   // as mirage-bake measures it: numerics.md section 7
 
 vec2 folded(vec2 p) { return vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0) * (1.0 - abs(p.yx)); }
 
@@ -161,7 +161,7 @@ void main() {
     o = v_from * axes;
     d = along * axes;
     float trust, t = trace(trust);
-    float w = v_weight[i] * (trust > 0.0 ? trust : 1.0);
+    float w = v_weight[i] * (trust > 0.0 ? trust : kEmpty);
     all += w;
     if (trust == 0.0) continue;
     vec2 uv = uv_of(o + t * d);
