@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kPatienceUs = 15'000'000;  // until nobody wants it any longer
 constexpr std::int64_t kLongestUs = 900'000'000;  // a download may take
 constexpr std::size_t kMostWaiting = 8, kMostKept = 4;
+constexpr std::size_t kMostKeptBytes = 256'000'000;  // but for the newest
 constexpr std::size_t kLongestLine = 200;
 
 using Stage = DownloadState::Stage;
@@ -100,11 +101,15 @@ void DownloadDesk::forget() {
 
 void DownloadDesk::tidy() {
   const std::int64_t now_us = clock_.now_us();
-  std::size_t kept = 0;
+  std::size_t kept = 0, bytes = 0;
   for (auto at = jobs_.rbegin(); at != jobs_.rend(); ++at) {
     Job& job = **at;
-    const bool done = job.state.stage == Stage::kDone || job.state.stage == Stage::kFailed;
-    if (done ? ++kept > kMostKept : now_us - job.asked_us > kPatienceUs) job.dropped = true;
+    if (job.state.stage == Stage::kDone || job.state.stage == Stage::kFailed) {
+      bytes += job.state.file ? job.state.file->size() : 0;
+      if (++kept > kMostKept || (kept > 1 && bytes > kMostKeptBytes)) job.dropped = true;
+    } else if (now_us - job.asked_us > kPatienceUs) {
+      job.dropped = true;
+    }
   }
   std::erase_if(jobs_, [](const auto& job) { return job->dropped; });
 }

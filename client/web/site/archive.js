@@ -37,6 +37,16 @@ export function zip(files) {
   return new Blob([...parts, ...directory, little([0x06054b50, 4], [0, 4], [files.length, 2], [files.length, 2], [size, 4], [at, 4], [0, 2])], { type: 'application/zip' });
 }
 
+function joined(...parts) {
+  const out = new Uint8Array(parts.reduce((sum, part) => sum + part.length, 0));
+  let at = 0;
+  for (const part of parts) {
+    out.set(part, at);
+    at += part.length;
+  }
+  return out;
+}
+
 async function deflated(bytes) {
   const packed = new Blob([bytes]).stream().pipeThrough(new CompressionStream('deflate'));
   return new Uint8Array(await new Response(packed).arrayBuffer());
@@ -56,11 +66,10 @@ export async function greyPng(width, height, values) {
   }
   const big = (value) => little([value, 4]).reverse();
   const chunk = (name, bytes) => {
-    const body = new Uint8Array([...new TextEncoder().encode(name), ...bytes]);
+    const body = joined(new TextEncoder().encode(name), bytes);
     return [big(bytes.length), body, big(checksum(body))];
   };
-  const head = new Uint8Array([...big(width), ...big(height), 16, 0, 0, 0, 0]);
+  const head = joined(big(width), big(height), Uint8Array.of(16, 0, 0, 0, 0));
   const signature = Uint8Array.of(0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10);
-  const file = new Blob([signature, ...chunk('IHDR', head), ...chunk('IDAT', await deflated(rows)), ...chunk('IEND', [])]);
-  return new Uint8Array(await file.arrayBuffer());
+  return joined(signature, ...chunk('IHDR', head), ...chunk('IDAT', await deflated(rows)), ...chunk('IEND', new Uint8Array()));
 }
